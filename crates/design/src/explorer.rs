@@ -25,15 +25,19 @@ use slipgrid_springblock::Load;
 /// of large blocks, and of the layer's own.
 const PLANE_NODES: Nodes = Nodes { each: [8.0, 6.0, 3.4], most: [20, 20, 12] };
 const COARSE_NODES: Nodes = Nodes { each: [5.0, 4.0, 2.0], most: [12, 12, 7] };
-const FINE_NODES: Nodes = Nodes { each: [3.0, 3.0, 1.5], most: [6, 6, 5] };
+const FINE_NODES: Nodes = Nodes { each: [3.0, 3.0, 1.5], most: [5, 5, 3] };
 /// The same in the vertical plane of what rims of other heights change, and these heights over the modelled ones.
 const RIM_NODES: Nodes = Nodes { each: [6.0, 5.0, 2.5], most: [14, 14, 8] };
 const RIM_FACTORS: [f64; 4] = [0.5, 0.75, 1.25, 1.5];
 /// Designs at which the error is measured: as many as there are nodes, within these limits; in space.
 const PLANE_CHECKS: [usize; 2] = [200, 1000];
-const SPACE_CHECKS: usize = 100;
+const SPACE_CHECKS: usize = 50;
 /// Most nodes that may have no answer: they get their neighbour's.
 const MOST_LEFT_OUT: f64 = 0.05;
+/// Nodes that are asked before those without an answer are counted again: where there are too many, the rest is not asked.
+const AT_ONCE: usize = 128;
+/// Why there is no explorer where they are more.
+pub(crate) const TOO_FEW: &str = "no explorer: more than 5 % of the designs within the bounds have no answer, as where cavities close under the load";
 /// Draws behind the covariance of the errors.
 const DRAWS: usize = 2000;
 
@@ -159,8 +163,7 @@ pub fn explore_bounds(task: &DesignTask, monitor: &dyn Monitor) -> Result<Explor
     let explorer = explore(task, &found.model, &anchor, &stage);
     stage.finish();
     monitor.heed()?;
-    let explorer = explorer
-        .ok_or_else(|| DesignError::Failed("too many designs within the bounds cannot be computed".to_owned()))?;
+    let explorer = explorer.ok_or_else(|| DesignError::Failed(TOO_FEW.to_owned()))?;
     Ok(Explored { task: task.clone(), material: known, pattern, loads, explorer })
 }
 
@@ -179,7 +182,9 @@ pub fn explore(design: &DesignTask, model: &SteadyModel, anchor: &Anchor<'_>, ba
         Some(_) => [0.5, 0.4, 0.1],
         None => [0.8, 0.0, 0.2],
     };
-    let ask = |nodes: &[[f64; 3]], coarse: bool, share: f64| ask(model, &|_| texture, nodes, coarse, (bar, share));
+    let ask = |nodes: &[[f64; 3]], coarse: bool, share: f64| {
+        ask(model, &|_| texture, nodes, (coarse, MOST_LEFT_OUT), (bar, share))
+    };
 
     let nodes = ResponseSurface::nodes(&axes);
     let mut all = whole(ask(&nodes, is_spatial, shares[0])?, &axes)?;
@@ -208,7 +213,7 @@ pub fn explore(design: &DesignTask, model: &SteadyModel, anchor: &Anchor<'_>, ba
     let checks = checks(&axes, count, design.seed);
     let factors = factors(rims.as_ref(), count, design.seed);
     let of = |place: usize| rim.map_or(texture, |rim| texture.with_rim(rim.times(factors[place])));
-    let mut off: Vec<f64> = self::ask(model, &of, &checks, false, (bar, shares[2]))?
+    let mut off: Vec<f64> = self::ask(model, &of, &checks, (false, 1.0), (bar, shares[2]))?
         .into_iter()
         .zip(checks.iter().zip(&factors))
         .filter_map(|(answer, (at, factor))| {
@@ -254,15 +259,17 @@ fn lengths_um(pattern: &Pattern) -> [f64; 3] {
 }
 
 /// What the model says of each of `nodes`, of the texture that `texture` has for its place, in its guide's blocks where `coarse`,
-/// as `share` of a stage; `None` once it is cancelled.
+/// as `share` of a stage; `None` once it is cancelled, or more than the share `most_missing` has no answer. Nodes are asked far
+/// from one another first, as those without an answer lie together.
 fn ask(
     model: &SteadyModel,
     texture: &(impl Fn(usize) -> Texture + Sync),
     nodes: &[[f64; 3]],
-    coarse: bool,
+    (coarse, most_missing): (bool, f64),
     (bar, share): (&Stage<'_>, f64),
 ) -> Option<Vec<Option<Answer>>> {
-    let one = |(place, lengths_um): (usize, &[f64; 3])| {
+    let one = |place: &usize| {
+        let (place, lengths_um) = (*place, &nodes[*place]);
         if bar.cancelled() {
             return Err(ModelFailure::Cancelled);
         }
@@ -274,7 +281,32 @@ fn ask(
             _ => Ok(None),
         }
     };
-    nodes.par_iter().enumerate().map(one).collect::<Result<_, _>>().ok()
+    let mut answers = vec![None; nodes.len()];
+    let mut missing = 0;
+    for places in spread(nodes.len()).chunks(AT_ONCE) {
+        let found: Vec<Option<Answer>> = places.par_iter().map(one).collect::<Result<_, _>>().ok()?;
+        missing += found.iter().filter(|answer| answer.is_none()).count();
+        if missing as f64 > most_missing * nodes.len() as f64 {
+            return None;
+        }
+        places.iter().zip(found).for_each(|(place, answer)| answers[*place] = answer);
+    }
+    Some(answers)
+}
+
+/// The numbers from 0 to `count`, each once, those that follow each other far apart: steps of the golden section.
+fn spread(count: usize) -> Vec<usize> {
+    let divides = |step: usize| {
+        let (mut a, mut b) = (count, step);
+        while b > 0 {
+            (a, b) = (b, a % b);
+        }
+        a
+    };
+    // Some thousands at most: the cast is exact.
+    let golden = (0.618 * count as f64) as usize;
+    let step = (golden.max(1)..).find(|step| divides(*step) == 1).unwrap_or(1);
+    (0..count).map(|n| n * step % count.max(1)).collect()
 }
 
 /// The answers, where a node has none that of the nearest node with the same width and spacing, else of the nearest before it.
@@ -313,8 +345,12 @@ fn rim_changes(
     let nodes = ResponseSurface::nodes(&axes);
     let texture = *design.space.texture();
     let share = share / (1 + RIM_FACTORS.len()) as f64;
-    let solved =
-        |factor: f64| whole(ask(model, &|_| texture.with_rim(rim.times(factor)), &nodes, false, (bar, share))?, &axes);
+    let solved = |factor: f64| {
+        whole(
+            ask(model, &|_| texture.with_rim(rim.times(factor)), &nodes, (false, MOST_LEFT_OUT), (bar, share))?,
+            &axes,
+        )
+    };
     let own = solved(1.0)?;
     let (mut values, mut log_peak) = (Vec::new(), Vec::new());
     for factor in RIM_FACTORS {
@@ -356,6 +392,19 @@ fn covariance(anchor: &Anchor<'_>, seed: u64) -> Option<Vec<Vec<f64>>> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn nodes_are_asked_each_once_and_far_apart() {
+        for count in [0, 1, 2, 12, 175, 1008, 4800] {
+            let order = spread(count);
+            let mut sorted = order.clone();
+            sorted.sort_unstable();
+            assert!(sorted.into_iter().eq(0..count), "{count}");
+            // A corner of a tenth of all has a tenth of the first eighth, within a third.
+            let corner = order.iter().take(count / 8).filter(|place| **place < count / 10).count();
+            assert!(count < 1000 || (corner as f64 / (count as f64 / 80.0) - 1.0).abs() < 0.34, "{count}: {corner}");
+        }
+    }
 
     #[test]
     fn changes_are_met_at_every_height_that_was_solved() {

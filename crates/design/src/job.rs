@@ -204,7 +204,9 @@ fn every_step(
     let chances = found.chances.as_ref();
     let anchor = explorer::Anchor { design: &pattern, values: value, chances, numerical: &numerical };
     let explorer = if design.explorer { explorer::explore(design, model, &anchor, &exploring) } else { None };
-    cut_short.extend((exploring.is_out_of_time() && explorer.is_none()).then_some("explorer"));
+    let is_late = exploring.is_out_of_time() && explorer.is_none();
+    cut_short.extend(is_late.then_some("explorer"));
+    let unexplored = (design.explorer && explorer.is_none() && !is_late).then_some(explorer::TOO_FEW);
     timings.explorer = exploring.finish();
     monitor.heed()?;
 
@@ -219,6 +221,7 @@ fn every_step(
     model.extend(found.condition_statements(design));
     model.extend(found.statements());
     model.extend(time_statement(&cut_short));
+    model.extend(unexplored.map(Into::into));
     model.extend(measured_range(&material, &outside));
     model.extend(model_notes(sectioned, &material.provenance));
     let report = DesignReport {

@@ -163,11 +163,14 @@ impl RobustnessReport {
             named.map(InputReport::words).collect::<Vec<_>>().join(", ")
         };
         let mut text = format!("  ratio of samples made with {}\n", names(true));
-        text += &format!(
-            "{table}  within the tolerance at all pressures, from tolerances alone: {}\n",
-            self.samples.words("of samples", self.how())
-        );
-        if let Some(material) = &self.with_material {
+        text += &table.to_string();
+        if self.samples.probability.is_some() {
+            text += &format!(
+                "  within the tolerance at all pressures, from tolerances alone: {}\n",
+                self.samples.words("of samples", self.how())
+            );
+        }
+        if let Some(material) = self.with_material.as_ref().filter(|material| material.probability.is_some()) {
             text += &format!(
                 "  from tolerances and what is not known of the material ({}), numerical error aside: {}\n",
                 names(false),

@@ -66,7 +66,7 @@ impl Removal {
     /// What the passes make, for people.
     #[must_use]
     pub fn words(&self) -> String {
-        let um = |depth_um: f64| decimal(depth_um, 2);
+        let um = |depth_um: f64| decimal((100.0 * depth_um).round() / 100.0, 2);
         let passes = f64::from(self.passes.max(1));
         let [middle, mean] = [um(self.depth_per_pass_um), um(self.mean_depth_um / passes)];
         let each =

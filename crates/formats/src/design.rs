@@ -13,7 +13,9 @@ use slipgrid_pattern::{Pattern, Texture};
 use slipgrid_units::{LENGTH_UM, TIME_S};
 use toml::Spanned;
 
-use read::{read_date, read_dimensions, read_limits, read_material_input, read_range, read_ranges, read_robust};
+use read::{
+    read_date, read_dimensions, read_limits, read_material_input, read_range, read_ranges, read_robust, whole_steps,
+};
 
 use super::condition_ranges::ConditionRangeFile;
 use super::document::Document;
@@ -206,10 +208,11 @@ impl Design {
         // One model serves all directions: where one of them needs space, all are solved there.
         let needed = each.iter().map(Texture::dimensions).max().filter(|_| each.len() > 1);
         let dimensions = dimensions.or(needed);
-        let space = DesignSpace::new(texture, width_m, spacing_m, depth_m)
-            .map_err(|error| document.refuse(file.bounds.span(), error.to_string()))?;
         let limits = &file.limits;
         let laser = read_laser(&document, file.laser.as_ref(), (&limits.depth_per_burst_um, &limits.min_land_um))?;
+        let depth_m = whole_steps(depth_m, &laser);
+        let space = DesignSpace::new(texture, width_m, spacing_m, depth_m)
+            .map_err(|error| document.refuse(file.bounds.span(), error.to_string()))?;
         let limits = read_limits(&document, &file, &laser, (width_m, spacing_m, depth_m))?;
         check_fits(&document, &file.specimen, &specimen, &texture, (width_m, spacing_m, depth_m))?;
         let (measures, quantities) = read_limited(&document, &file.limits, &laser)?;

@@ -13,10 +13,11 @@ use super::pattern::PatternFile;
 use crate::diagnostic::Diagnostic;
 
 /// Reads the relief that `file` names for `pattern`, if it does: one period with the centre of a cavity at its centre, as
-/// `surface --cavities --period-out` writes it.
+/// `surface --cavities --period-out` writes it; of grooves it may be turned by a right angle.
 ///
 /// # Errors
-/// [`Diagnostic`] for a file that cannot be read or is no map, for one of another period, and beside rims.
+/// [`Diagnostic`] for a file that cannot be read or is no map, for one of another period or with its cavity
+/// elsewhere, and beside rims.
 pub fn read_relief(
     document: &Document,
     file: &Spanned<PatternFile>,
@@ -31,7 +32,8 @@ pub fn read_relief(
     let path = existing(document, key, key.get_ref())?;
     let mut map = open(document.source(), &path, &ReadOptions::default())?.map;
     map.fill_missing();
-    let relief = relief_of(&map).and_then(|relief| relief.lands(pattern).map(|_| relief));
+    let relief = relief_of(&map).and_then(|relief| relief.along(pattern));
+    let relief = relief.and_then(|relief| relief.lands(pattern).map(|_| relief));
     let relief = relief.map_err(|error| document.refuse(key.span(), error.to_string()))?;
     Ok(Some(Arc::new(relief)))
 }

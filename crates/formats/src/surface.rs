@@ -29,9 +29,9 @@ pub struct SurfaceFile {
     persson_rms_slope: Option<Number>,
     /// The map was made, not measured; false when absent.
     synthetic: Option<bool>,
-    /// Distance of points along x, where the file does not say.
+    /// Distance of points along x, on one line of the file, where the file does not say.
     pixel_um: Option<Number>,
-    /// Distance of points along y; as along x when absent.
+    /// Distance of points along y, from line to line; as along x when absent.
     pixel_y_um: Option<Number>,
     /// Unit of heights, where the file does not say: `m`, `cm`, `mm`, `um`, `nm` or `pm`.
     height_unit: Option<Spanned<String>>,

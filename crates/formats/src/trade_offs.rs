@@ -65,7 +65,8 @@ pub fn read_trade_offs(
     let texture = given.texture;
     if texture.sliding_direction()[1] != 0.0 || texture.arrangement() != Arrangement::Square {
         return Err(document
-            .refuse(table.span(), "compares designs by their vertical section, which says little of this texture")
+            .refuse(table.span(), "compares designs by one vertical section along the sliding direction: rows that are staggered, hexagonal or turned have no \
+                 section that stands for the whole texture")
             .expected("rows along the sliding direction in a square arrangement, or no [trade_offs]"));
     }
     let usual = if goals.contains(&TradeOffGoal::Spread) { DEFAULT_DESIGNS_WITH_SPREAD } else { DEFAULT_DESIGNS };

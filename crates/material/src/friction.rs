@@ -182,8 +182,12 @@ fn condition_missing(table: &[ConditionFriction]) -> MaterialError {
 }
 
 pub(crate) fn unknown_condition(table: &[ConditionFriction], wanted: Option<&Condition>) -> MaterialError {
-    let mut available: Vec<String> = table.iter().filter_map(|row| row.condition).map(|c| c.in_words()).collect();
-    available.dedup();
+    let mut available: Vec<String> = Vec::new();
+    for words in table.iter().filter_map(|row| row.condition).map(|condition| condition.in_words()) {
+        if !available.contains(&words) {
+            available.push(words);
+        }
+    }
     MaterialError::UnknownCondition {
         speed_mm_s: wanted.map_or(f64::NAN, |c| round(c.speed_m_s * 1e3)),
         humidity_pct: wanted.map_or(f64::NAN, |c| round(c.humidity * 1e2)),
@@ -243,5 +247,10 @@ mod tests {
         let wanted = Condition { speed_m_s: 3e-3, humidity: 0.15 };
         let unknown = friction.at(1e6, Some(&wanted)).unwrap_err().to_string();
         assert!(unknown.contains("3 mm/s") && unknown.contains("2 mm/s at 15 %"), "{unknown}");
+        // Each once, however many loads it was measured at.
+        let loads = vec![row(1e6, 2.0, 0.2), row(1e6, 5.0, 0.2), row(2e6, 2.0, 0.2), row(2e6, 5.0, 0.2)];
+        let unknown = Friction::PerCondition(loads).at(1e6, Some(&Condition { humidity: 0.9, ..wanted }));
+        let unknown = unknown.unwrap_err().to_string();
+        assert!(unknown.ends_with("the material has 2 mm/s at 15 %, 5 mm/s at 15 %"), "{unknown}");
     }
 }

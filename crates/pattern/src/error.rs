@@ -91,6 +91,15 @@ pub enum PatternError {
         /// Sides of the pattern's cell, in metres.
         cell_m: [f64; 2],
     },
+    /// A map with its cavity elsewhere than the pattern has its own.
+    #[error(
+        "the cavity of the relief is not where the pattern has its own: expected one period with a cavity in its middle{}",
+        if *across { ", as this map would have it if it were turned by a right angle" } else { "" }
+    )]
+    ReliefElsewhere {
+        /// Turned by a right angle the map would be accepted.
+        across: bool,
+    },
     /// A rim profile that this version does not know.
     #[error("unknown rim profile \"{name}\": expected \"round\", \"flat\" or \"ramp\"")]
     UnknownRimProfile {

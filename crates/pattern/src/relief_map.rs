@@ -7,6 +7,8 @@ use crate::{Pattern, PatternError};
 const WALL_DEPTH: f64 = 0.1;
 /// Largest departure of the sides of a map from those of the pattern's cell, over them.
 const MOST_MISFIT: f64 = 0.02;
+/// Least share of the cavity of a map that lies in the pattern's, and of the pattern's that lies in the map's.
+const LEAST_OVERLAP: f64 = 0.5;
 
 /// Heights of a textured face over one period, the centre of a cavity at the centre of the map. What lies in cavities is there
 /// as well, and is left out where lands are asked for.
@@ -39,6 +41,70 @@ impl ReliefMap {
     #[must_use]
     pub const fn sides_m(&self) -> [f64; 2] {
         self.sides_m
+    }
+
+    /// The same heights with x and y exchanged.
+    #[must_use]
+    pub fn turned(&self) -> Self {
+        let ([nx, ny], [x_m, y_m]) = (self.pixels, self.sides_m);
+        let heights_m = (0..nx * ny).map(|n| self.heights_m[n / ny + n % ny * nx]).collect();
+        Self { sides_m: [y_m, x_m], pixels: [ny, nx], heights_m }
+    }
+
+    /// The map as the cavities of `pattern` lie: that of grooves is turned where its grooves run along x.
+    ///
+    /// # Errors
+    /// [`PatternError::ReliefElsewhere`] where the map has a cavity that is not where the pattern has its own. A map without
+    /// one, as of rims alone, passes.
+    pub fn along(self, pattern: &Pattern) -> Result<Self, PatternError> {
+        if pattern.is_uniform_along_y() {
+            let own = if self.variation(1) > self.variation(0) { self.turned() } else { self };
+            return if own.has_cavity_of(pattern) {
+                Ok(own)
+            } else {
+                Err(PatternError::ReliefElsewhere { across: false })
+            };
+        }
+        if self.has_cavity_of(pattern) {
+            return Ok(self);
+        }
+        Err(PatternError::ReliefElsewhere { across: self.turned().has_cavity_of(pattern) })
+    }
+
+    /// Mean square of what the mean heights of lines across `axis` differ by from the mean height, in square metres.
+    fn variation(&self, axis: usize) -> f64 {
+        let [nx, ny] = self.pixels;
+        let count = self.pixels[axis];
+        let mut means = vec![0.0; count];
+        for (n, height_m) in self.heights_m.iter().enumerate() {
+            means[if axis == 0 { n % nx } else { n / nx }] += height_m * count as f64 / (nx * ny) as f64;
+        }
+        let mean = means.iter().sum::<f64>() / count as f64;
+        means.iter().map(|own| (own - mean).powi(2)).sum::<f64>() / count as f64
+    }
+
+    /// Whether the map's cavity, if it has one, and that of `pattern` hold each other's greater part.
+    fn has_cavity_of(&self, pattern: &Pattern) -> bool {
+        let lowest_m = self.heights_m.iter().copied().fold(f64::INFINITY, f64::min);
+        if lowest_m > -WALL_DEPTH * pattern.depth_m() {
+            return true;
+        }
+        let nx = self.pixels[0];
+        let mut cell_m = pattern.cell_m();
+        if pattern.is_uniform_along_y() {
+            cell_m[1] = self.sides_m[1];
+        }
+        let edge = |axis: usize, at: usize| (at as f64 / self.pixels[axis] as f64 - 0.5) * cell_m[axis];
+        let (mut own, mut asked, mut both) = (0.0, 0.0, 0.0);
+        for (n, height_m) in self.heights_m.iter().enumerate() {
+            let (i, j) = (n % nx, n / nx);
+            let covered = pattern.coverage(edge(0, i), edge(0, i + 1), edge(1, j), edge(1, j + 1));
+            let taken = if *height_m < 0.5 * lowest_m { 1.0 } else { 0.0 };
+            own += taken;
+            asked += covered;
+            both += taken * covered;
+        }
+        both >= LEAST_OVERLAP * own && both >= LEAST_OVERLAP * asked
     }
 
     /// The relief of the lands between the cavities of `pattern`, over whose cell the map is stretched.
@@ -206,6 +272,45 @@ mod tests {
                 assert!((lands.mean_m(x, y) - expected).abs() < 2e-11, "{planform} {x:?}");
             }
         }
+    }
+
+    #[test]
+    fn a_map_is_laid_as_the_pattern_or_refused() {
+        let of = |sides_um: [f64; 2], is_cavity: &dyn Fn(f64, f64) -> bool| {
+            let pixels = sides_um.map(|side_um| (side_um / 2.0) as usize);
+            let place = |at: usize, axis: usize| 2.0 * at as f64 + 1.0 - 0.5 * sides_um[axis];
+            let height = |n: usize| {
+                if is_cavity(place(n % pixels[0], 0), place(n / pixels[0], 1)) {
+                    -10e-6
+                } else {
+                    (n as f64).sin() * 1e-7
+                }
+            };
+            ReliefMap::new(sides_um.map(|side| side * 1e-6), pixels, (0..pixels[0] * pixels[1]).map(height).collect())
+                .unwrap()
+        };
+        let groove = Pattern::new(Planform::Groove, 60e-6, 140e-6, 10e-6).unwrap();
+        let along_y = of([200.0, 80.0], &|x, _| x.abs() < 30.0);
+        assert_eq!(along_y.turned().turned(), along_y);
+        assert_eq!(along_y.turned().along(&groove).unwrap(), along_y);
+        assert_eq!(along_y.clone().along(&groove).unwrap(), along_y);
+        let refused = |map: ReliefMap, pattern: &Pattern| map.along(pattern).unwrap_err().to_string();
+        assert!(refused(of([200.0; 2], &|x, _| x.abs() > 70.0), &groove).contains("in its middle"));
+        let rectangle = |length_m: f64, across_m: f64| {
+            let long = Texture::new(Planform::Rectangle).with_length_m(length_m).unwrap();
+            long.with_spacing_across_m(across_m).unwrap()
+        };
+        let texture = rectangle(120e-6, 80e-6);
+        let long = Pattern::new(texture, 60e-6, 140e-6, 10e-6).unwrap();
+        let map = of([200.0; 2], &|x, y| x.abs() < 30.0 && y.abs() < 60.0);
+        assert_eq!(map.clone().along(&long).unwrap(), map);
+        assert!(
+            refused(map.turned(), &Pattern::new(Planform::Groove, 20e-6, 180e-6, 10e-6).unwrap()).contains("middle")
+        );
+        let wide = Pattern::new(rectangle(40e-6, 160e-6), 160e-6, 40e-6, 10e-6);
+        assert!(refused(of([200.0; 2], &|x, y| x.abs() < 20.0 && y.abs() < 80.0), &wide.unwrap()).contains("turned"));
+        // Rims alone have no cavity.
+        assert!(of([200.0; 2], &|_, _| false).along(&long).is_ok());
     }
 
     #[test]

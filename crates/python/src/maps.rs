@@ -59,7 +59,7 @@ impl Map {
         Ok(Self { read: ReadMap { map, whole: true, format, comments, notes }, path: PathBuf::from("array") })
     }
 
-    /// The map of the file at `path`, in any of the formats that `slipgrid surface` reads.
+    /// The map of the file at `path`, x along its lines, in any of the formats that `slipgrid surface` reads.
     #[staticmethod]
     #[pyo3(signature = (path, *, pixel_um=None, height_unit=None, lateral_unit=None, decimal_comma=false))]
     fn read(

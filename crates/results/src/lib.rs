@@ -36,7 +36,7 @@ mod timings;
 pub use believed::{believed, believed_interval, believed_std};
 pub use corrected::{CorrectedAt, CorrectedReport};
 pub use errors::{ErrorReport, ErrorsReport, PartsReport, PressureErrors};
-pub use pattern::{PatternReport, length_in_words};
+pub use pattern::{PatternReport, duration_in_words, length_in_words};
 pub use rim::RimReport;
 pub use simulation::{LoadReport, MaterialReport, SimulationReport, load_reports, model_notes, warnings};
 pub use specimen::SpecimenReport;

@@ -193,10 +193,10 @@ pub enum ReadError {
     #[error(
         "{rows} rows and {cols} columns on the header's height of {} um and width of {} um make pixels of {} x {} um, as of a file that \
          was cut short: expected all rows, or, where pixels are oblong, `# Rows: {rows}` in the header or the sides of a pixel by option",
-        um(sides_m[0]), um(sides_m[1]), um(sides_m[0] / *rows as f64), um(sides_m[1] / *cols as f64)
+        um(sides_m[1]), um(sides_m[0]), um(sides_m[1] / *cols as f64), um(sides_m[0] / *rows as f64)
     )]
     Oblong {
-        /// The header's sides across rows and columns, in metres.
+        /// The header's sides along y, across lines, and along x, in metres.
         sides_m: [f64; 2],
         /// Rows of the file.
         rows: usize,

@@ -28,7 +28,7 @@
 //! use slipgrid_topography::{ReadOptions, read_map};
 //! let text = "# Width: 4 um\n# Height: 2 um\n# Value units: um\n1 -1 1 -1\n1 -1 1 NaN\n";
 //! let mut map = read_map(text.as_bytes(), &ReadOptions::default())?.map;
-//! assert_eq!((map.rows(), map.cols(), map.dx_m(), map.missing()), (2, 4, 1e-6, 1));
+//! assert_eq!((map.rows(), map.cols(), map.dx_m(), map.missing()), (4, 2, 1e-6, 1));
 //! map.fill_missing();
 //! assert!(map.heights_m()[7].abs() < 1e-18); // halfway between its neighbours, 1 and -1 um
 //! // Mean 1/8 um: four heights 7/8, three 9/8 and one 1/8 um from it.

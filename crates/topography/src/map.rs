@@ -10,6 +10,9 @@ const MOST_HEIGHT_M: f64 = 1e3;
 
 /// Altitudes on a regular grid: `rows` along x, `cols` along y, row by row, NaN where missing.
 ///
+/// In files that hold heights line after line, as matrix text does, x runs along a line, from point to point, and y from
+/// line to line, as in the programs of instruments: readers and writers turn such grids. In lists of points x is the file's.
+///
 /// `height_m[i * cols + j]` is the altitude at x = i dx, y = j dy. A pixel is dx by dy; the map's sides
 /// are rows dx and cols dy, so that a periodic map repeats after exactly its sides.
 #[derive(Clone, Debug, PartialEq)]
@@ -124,6 +127,22 @@ impl HeightMap {
         Self::new(self.rows, self.cols, self.dx_m, self.dy_m, height_m)
     }
 
+    /// The same heights with rows and columns exchanged.
+    pub(crate) fn transposed(&self) -> Self {
+        /// Side of the squares that are turned one by one: both sides of the copy stay in the cache.
+        const SQUARE: usize = 32;
+        let (rows, cols) = (self.rows, self.cols);
+        let mut height_m = vec![0.0; self.height_m.len()];
+        for (from, to) in (0..rows).step_by(SQUARE).flat_map(|i| (0..cols).step_by(SQUARE).map(move |j| (i, j))) {
+            for i in from..(from + SQUARE).min(rows) {
+                for j in to..(to + SQUARE).min(cols) {
+                    height_m[j * rows + i] = self.height_m[i * cols + j];
+                }
+            }
+        }
+        Self { rows: cols, cols: rows, dx_m: self.dy_m, dy_m: self.dx_m, height_m }
+    }
+
     /// Heights, for the operations of this crate that keep them valid.
     pub(crate) fn heights_mut(&mut self) -> &mut [f64] {
         &mut self.height_m
@@ -149,6 +168,15 @@ mod tests {
         assert!(heights(f64::NAN).unwrap().require_complete().unwrap_err().to_string().contains("1 of 4"));
         let nothing = HeightMap::new(2, 2, 1e-6, 1e-6, vec![f64::NAN; 4]);
         assert!(matches!(nothing, Err(MapError::NoHeights { points: 4 })));
+    }
+
+    #[test]
+    fn a_map_turned_twice_is_the_map() {
+        let map = HeightMap::new(37, 70, 1e-6, 2e-6, (0..37 * 70).map(|n| f64::from(n) * 1e-9).collect()).unwrap();
+        let turned = map.transposed();
+        assert_eq!((turned.rows(), turned.cols(), turned.dx_m(), turned.dy_m()), (70, 37, 2e-6, 1e-6));
+        assert!((0..37).all(|i| (0..70).all(|j| turned.heights_m()[j * 37 + i] == map.heights_m()[i * 70 + j])));
+        assert_eq!(turned.transposed(), map);
     }
 
     #[test]

@@ -19,8 +19,8 @@ pub struct MatrixStyle {
 }
 
 impl HeightMap {
-    /// The map as matrix text with its size and unit in the header, as [`read_map`](crate::read_map) reads it;
-    /// missing points are written as NaN.
+    /// The map as matrix text with its size and unit in the header, as [`read_map`](crate::read_map) reads it:
+    /// x runs along a line; missing points are written as NaN.
     #[must_use]
     pub fn to_matrix_text(&self, style: &MatrixStyle) -> String {
         let mut text = String::with_capacity(self.heights_m().len() * (usize::from(style.decimals) + 6));
@@ -28,22 +28,23 @@ impl HeightMap {
         let line = |text: &str| text.replace(['\n', '\r'], " ");
         text.push_str(&format!("# Channel: {}\n", line(&style.channel)));
         for (key, extent_m) in
-            [("Width", self.dy_m() * self.cols() as f64), ("Height", self.dx_m() * self.rows() as f64)]
+            [("Width", self.dx_m() * self.rows() as f64), ("Height", self.dy_m() * self.cols() as f64)]
         {
             text.push_str(&format!("# {key}: {}\n", length(extent_m)));
         }
         // On oblong pixels the sides do not say whether rows are missing.
         if !square(self.dx_m(), self.dy_m()) {
-            text.push_str(&format!("# Rows: {}\n", self.rows()));
+            text.push_str(&format!("# Rows: {}\n", self.cols()));
         }
         text.push_str(&format!("# Value units: {}\n", style.unit));
         for comment in &style.comments {
             text.push_str(&format!("# {}\n", line(comment)));
         }
         let decimals = usize::from(style.decimals.min(17));
-        for row in self.heights_m().chunks_exact(self.cols()) {
-            for (j, height) in row.iter().enumerate() {
-                if j > 0 {
+        let lines = self.transposed();
+        for line in lines.heights_m().chunks_exact(self.rows()) {
+            for (i, height) in line.iter().enumerate() {
+                if i > 0 {
                     text.push('\t');
                 }
                 let start = text.len();
@@ -107,7 +108,7 @@ mod tests {
 
     #[test]
     fn awkward_sizes_names_and_zeros() {
-        let map = HeightMap::new(2, 3, 1e-6 / 3.0, 1e-6, vec![0.0, -1e-12, f64::NAN, 1e-9, -2e-9, 0.0]).unwrap();
+        let map = HeightMap::new(3, 2, 1e-6, 1e-6 / 3.0, vec![0.0, 1e-9, -1e-12, -2e-9, f64::NAN, 0.0]).unwrap();
         let style = MatrixStyle {
             channel: "two\nlines".to_owned(),
             comments: vec!["a\r\n1 2 3".to_owned()],

@@ -24,16 +24,22 @@ fn nanometres(map: &HeightMap) -> impl Iterator<Item = Option<i16>> {
     map.heights_m().iter().map(|height| (!height.is_nan()).then(|| (height * 1e9).round() as i16))
 }
 
-/// The map in every format, as its writers lay it out.
+/// The map in every format, as its writers lay it out: x runs along the lines of a file.
 fn files(map: &HeightMap) -> Vec<(&'static str, Vec<u8>)> {
-    let (rows, cols) = (map.rows(), map.cols());
+    let (lines, points) = (map.cols(), map.rows());
+    let (rows, cols) = (lines, points);
+    // Line after line.
+    let nanometres = |map: &HeightMap| {
+        let all: Vec<Option<i16>> = nanometres(map).collect();
+        (0..lines * points).map(move |n| all[n % points * lines + n / points])
+    };
     let style = MatrixStyle { channel: "z".to_owned(), comments: Vec::new(), unit: LengthUnit::Nanometre, decimals: 0 };
     let matrix = map.to_matrix_text(&style).into_bytes();
 
     let mut gsf = format!(
         "Gwyddion Simple Field 1.0\nXRes = {cols}\nYRes = {rows}\nXReal = {}\nYReal = {}\nXYUnits = um\nZUnits = nm\n",
-        cols,
-        2 * rows
+        2 * cols,
+        rows
     )
     .into_bytes();
     gsf.resize(gsf.len() + 4 - gsf.len() % 4, 0);
@@ -45,7 +51,7 @@ fn files(map: &HeightMap) -> Vec<(&'static str, Vec<u8>)> {
     npy.extend_from_slice(header.as_bytes());
     npy.extend(nanometres(map).flat_map(|h| h.map_or(f32::NAN, f32::from).to_be_bytes()));
 
-    let scales = [1e-6_f64, 2e-6, 1e-9, -1.0];
+    let scales = [2e-6_f64, 1e-6, 1e-9, -1.0];
     let mut sdf = b"bISO-1.0maker     010120261200010120261200".to_vec();
     sdf.extend([cols as u16, rows as u16].into_iter().flat_map(u16::to_le_bytes));
     sdf.extend(scales.into_iter().flat_map(f64::to_le_bytes));
@@ -53,7 +59,7 @@ fn files(map: &HeightMap) -> Vec<(&'static str, Vec<u8>)> {
     sdf.extend(nanometres(map).flat_map(|h| h.unwrap_or(i16::MIN).to_le_bytes()));
 
     let mut text = format!(
-        "aISO-1.0\nNumPoints = {cols}\nNumProfiles = {rows}\nXscale = 1e-6\nYscale = 2e-6\nZscale = 1e-9\nDataType = 5\n*\n"
+        "aISO-1.0\nNumPoints = {cols}\nNumProfiles = {rows}\nXscale = 2e-6\nYscale = 1e-6\nZscale = 1e-9\nDataType = 5\n*\n"
     );
     for height in nanometres(map) {
         text += &height.map_or_else(|| "BAD ".to_owned(), |height| format!("{height}\n"));
@@ -70,7 +76,7 @@ fn files(map: &HeightMap) -> Vec<(&'static str, Vec<u8>)> {
     for (at, count) in [(108, cols), (112, rows), (116, rows * cols)] {
         put(at, &(count as u32).to_le_bytes());
     }
-    for (at, step) in [(120, 1_f32), (124, 2.0), (128, 1.0)] {
+    for (at, step) in [(120, 2_f32), (124, 1.0), (128, 1.0)] {
         put(at, &step.to_le_bytes());
     }
     for (at, unit) in [(180, "um"), (196, "um"), (212, "nm")] {
@@ -81,7 +87,7 @@ fn files(map: &HeightMap) -> Vec<(&'static str, Vec<u8>)> {
     let mut xyz = String::from("x_um,y_um,z_nm\n");
     for (n, height) in nanometres(map).enumerate() {
         let height = height.map_or_else(|| "NaN".to_owned(), |height| height.to_string());
-        xyz += &format!("{},{},{height}\n", 2 * (n / cols), n % cols);
+        xyz += &format!("{},{},{height}\n", 2 * (n % cols), n / cols);
     }
     vec![
         ("matrix", matrix),
@@ -128,7 +134,9 @@ proptest! {
         let crop = Some(Crop { first_row: corner.0, first_col: corner.1, rows: size.0, cols: size.1 });
         let method = if pick { DecimationMethod::Pick } else { DecimationMethod::Mean };
         let decimation = Some(Decimation { factor, method });
-        let afterwards = map.windowed(crop, decimation);
+        // A crop counts the lines of the file.
+        let kept = Some(Crop { first_row: corner.1, first_col: corner.0, rows: size.1, cols: size.0 });
+        let afterwards = map.windowed(kept, decimation);
         for (name, bytes) in files(&map) {
             let reading = read_map(&bytes[..], &ReadOptions { crop, decimation, ..options(name) });
             match (&afterwards, reading) {

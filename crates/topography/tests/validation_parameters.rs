@@ -10,7 +10,7 @@ use slipgrid_topography::{
 fn reference() -> (HeightMap, Value) {
     let folder = std::path::Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/reference"));
     let options = ReadOptions {
-        pixel_m: Some([0.75e-6, 0.5e-6]),
+        pixel_m: Some([0.5e-6, 0.75e-6]),
         height_unit: Some(LengthUnit::Micrometre),
         ..ReadOptions::default()
     };

@@ -19,7 +19,7 @@ fn read(name: &str) -> HeightMap {
     // An array knows neither pixel nor unit, points know no unit.
     let options = if name.ends_with(".npy") {
         ReadOptions {
-            pixel_m: Some([2.5e-6, 1.5e-6]),
+            pixel_m: Some([1.5e-6, 2.5e-6]),
             height_unit: Some(LengthUnit::Micrometre),
             ..ReadOptions::default()
         }
@@ -33,8 +33,8 @@ fn read(name: &str) -> HeightMap {
     if name == "gwyddion.asc" {
         // Its pixels are oblong, as those of a file that was cut short would be: the sides are understood, and asked for.
         let refused = read_map(&bytes[..], &options).unwrap_err().to_string();
-        assert!(refused.contains("make pixels of 2.5 x 1.5 um"), "{refused}");
-        let given = ReadOptions { pixel_m: Some([2.5e-6, 1.5e-6]), ..options };
+        assert!(refused.contains("make pixels of 1.5 x 2.5 um"), "{refused}");
+        let given = ReadOptions { pixel_m: Some([1.5e-6, 2.5e-6]), ..options };
         return read_map(&bytes[..], &given).unwrap().map;
     }
     read_map(&bytes[..], &options).unwrap_or_else(|error| panic!("{name}: {error}")).map
@@ -48,13 +48,20 @@ fn validation_files_of_other_programs_read_as_others_read_them() {
     for (name, expected) in readings {
         let map = read(name);
         let number = |key: &str| expected[key].as_f64().unwrap();
-        assert_eq!(map.rows() as f64, number("lines"), "{name}");
-        assert_eq!(map.cols() as f64, number("points"), "{name}");
+        // The points were written with x from line to line, in all other files x runs along a line.
+        let (along, across) = if name == "points.xyz" { ("lines", "points") } else { ("points", "lines") };
+        assert_eq!(map.rows() as f64, number(along), "{name}");
+        assert_eq!(map.cols() as f64, number(across), "{name}");
         assert_eq!(map.missing() as f64, number("missing"), "{name}");
-        assert!((map.dx_m() * 1e6 - number("step_y_um")).abs() < 1e-6, "{name}: {}", map.dx_m());
-        assert!((map.dy_m() * 1e6 - number("step_x_um")).abs() < 1e-6, "{name}: {}", map.dy_m());
+        let steps = if along == "points" { ["step_x_um", "step_y_um"] } else { ["step_y_um", "step_x_um"] };
+        for (found_m, key) in [map.dx_m(), map.dy_m()].into_iter().zip(steps) {
+            assert!((found_m * 1e6 - number(key)).abs() < 1e-6, "{name}: {found_m}");
+        }
         let heights_um: Vec<f64> = map.heights_m().iter().map(|height| height * 1e6).collect();
-        let line = &heights_um[3 * map.cols()..];
+        let line: Vec<f64> = match along {
+            "points" => heights_um.iter().skip(3).step_by(map.cols()).copied().collect(),
+            _ => heights_um[3 * map.cols()..4 * map.cols()].to_vec(),
+        };
         let listed: Vec<Option<f64>> =
             expected["third_line_um"].as_array().unwrap().iter().map(Value::as_f64).collect();
         // Some readers leave an offset out: then only differences can agree.

@@ -286,7 +286,7 @@ fn what_no_run_would_bring_nearer_is_refused_before_the_first() {
     assert!(matches!(law, FitError::BeyondLaw { number: 3, .. }), "{law}");
     let many = refused(&|p| {
         let at = |i: i32| Measurement { speed_m_s: 1e-7 * (1.0 + 1e-6 * f64::from(i)), ..p.measurements[0] };
-        p.measurements = (0..30).map(at).collect();
+        p.measurements = (0..45).map(at).collect();
     });
     assert!(matches!(many, FitError::TooMuchWork { .. }), "{many}");
     let light = refused(&|p| p.measurements[1].force_n = 10.0);

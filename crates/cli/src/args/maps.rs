@@ -8,10 +8,10 @@ use clap::{Args, ValueEnum};
 /// How an altitude map is read.
 #[derive(Args, Debug)]
 pub struct MapArgs {
-    /// Pixel size, for a file that does not say it
+    /// Pixel size along x, from point to point of a line of the file, for a file that does not say it
     #[arg(long, value_name = "UM")]
     pub pixel_um: Option<f64>,
-    /// Pixel size along the file's lines, where it differs from that across them
+    /// Pixel size along y, from line to line of the file, where it differs from that along x
     #[arg(long, requires = "pixel_um", value_name = "UM")]
     pub pixel_y_um: Option<f64>,
     /// Unit of the heights, for a file that does not say it: m, mm, um or nm
@@ -92,8 +92,8 @@ pub enum FormName {
     Reads matrix text and CSV, points x y z, .gsf, .npy, .sdf, .sur and .x3p, told by their content. \
     Writes the page report.html, map.svg, histogram.svg (with the bearing curve), section.svg, spectrum.svg, section.csv, \
     spectrum.csv and result.json, with --cavities also cavities.csv, edge-profile.csv and \
-    edge-profile.svg. x runs along the file's rows.\n\n\
-    Cavities are connected regions below half depth. Widths and gaps are taken at half depth, the depth from the land \
+    edge-profile.svg. x runs along the file's lines, y from line to line; of points they are the file's own.\n\n\
+    Cavities are connected regions below half depth. Widths (of round ones the diameter) and gaps are taken there, the depth from the land \
     beside a cavity to the middle third of its width, as in ISO 5436-1.\n\n\
     For rims, a round, flat, ramp or half-sine profile is fitted to the mean height of all points at equal distances \
     from an edge, above the land farther out; its greatest height and its width are given in um. A rim narrower than \

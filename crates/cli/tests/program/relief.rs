@@ -27,6 +27,8 @@ fn the_mean_period_of_a_map_gives_the_friction_of_its_rims() {
         ("flat.toml", &scene("")),
         ("rims.toml", &scene(rims)),
         ("relief.toml", &scene("relief = \"period.asc\"\n")),
+        ("turned.toml", &scene("relief = \"turned.asc\"\n")),
+        ("aside.toml", &scene("relief = \"aside.asc\"\n")),
         ("both.toml", &scene(&format!("relief = \"period.asc\"\n{rims}"))),
         ("other.toml", &scene("relief = \"period.asc\"\n").replace("140.0", "160.0")),
         ("none.toml", &scene("relief = \"none.asc\"\n")),
@@ -39,8 +41,24 @@ fn the_mean_period_of_a_map_gives_the_friction_of_its_rims() {
         let (by_rims, by_relief) = (flat - rims, flat - relief);
         assert!(by_rims > 0.03 && (by_relief / by_rims - 1.0).abs() < 0.25, "{flat} {rims} {relief}");
     }
+    // A map whose grooves run along its lines is turned: never ignored.
+    let period = std::fs::read_to_string(place.path("period.asc")).unwrap();
+    let (header, rows): (Vec<&str>, Vec<&str>) = period.lines().partition(|line| line.starts_with('#'));
+    let rows: Vec<Vec<&str>> = rows.iter().map(|row| row.split('\t').collect()).collect();
+    let count = rows.len();
+    let write = |name: &str, at: &dyn Fn(usize, usize) -> usize| {
+        let lines =
+            (0..count).map(|i| (0..count).map(|j| rows[at(i, j) / count][at(i, j) % count]).collect::<Vec<_>>());
+        let lines: Vec<String> = lines.map(|line| line.join("\t")).collect();
+        std::fs::write(place.path(name), format!("{}\n{}\n", header.join("\n"), lines.join("\n"))).unwrap();
+    };
+    write("turned.asc", &|i, j| j * count + i);
+    assert_eq!(ratios(&place, "turned.toml"), relief);
+    // Half a period aside its cavity is where the pattern has land.
+    write("aside.asc", &|i, j| i * count + (j + count / 2) % count);
     for (name, says) in [
         ("both.toml", "stands beside rims"),
+        ("aside.toml", "a cavity in its middle"),
         ("other.toml", "expected one period of the pattern"),
         ("none.toml", "cannot be read"),
     ] {

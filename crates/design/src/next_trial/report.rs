@@ -2,7 +2,9 @@
 
 use serde::{Deserialize, Serialize};
 use slipgrid_discrepancy::{Load, Prediction};
-use slipgrid_results::{MaterialReport, PatternReport, SpecimenReport, Table, believed_interval, fixed};
+use slipgrid_results::{
+    MaterialReport, PatternReport, SpecimenReport, Table, believed_interval, duration_in_words, fixed,
+};
 use slipgrid_units::{HUMIDITY_PCT, PRESSURE_MPA, SPEED_MM_S, tidy};
 
 use slipgrid_export::{Laser, MEASURE_EACH_ALONE, Sector};
@@ -219,7 +221,7 @@ impl TrialCandidateReport {
         "planform",
         "chance",
         "form, bits",
-        "laser min",
+        "laser",
         "ratio at the first load (95 %)",
         "at the last",
     ];
@@ -236,7 +238,7 @@ impl TrialCandidateReport {
             design.planform.clone(),
             percent(self.chance),
             fixed(Some(self.information_bits), 2),
-            fixed(self.laser_s.map(|seconds| seconds / 60.0), 1),
+            self.laser_s.map_or_else(|| "-".to_owned(), duration_in_words),
             ratio(at(0)),
             ratio(at(self.predicted.len().saturating_sub(1))),
         ]

@@ -75,6 +75,15 @@ pub(super) fn depth_steps(laser: &Laser) -> &'static str {
     if laser.bursts_per_pass().is_some() { "passes" } else { "bursts" }
 }
 
+/// A single depth is the whole number of steps of the laser that it is printed as, to a hundredth of a micrometre.
+pub(super) fn whole_steps(depth_m: [f64; 2], laser: &Laser) -> [f64; 2] {
+    const PRINTED_M: f64 = 0.01e-6;
+    let Some(step_m) = laser.depth_step_um().map(|step_um| LENGTH_UM.to_si(step_um)) else { return depth_m };
+    let whole_m = (depth_m[0] / step_m).round().max(1.0) * step_m;
+    let is_printed = depth_m[0] == depth_m[1] && (whole_m - depth_m[0]).abs() <= PRINTED_M;
+    if is_printed { [whole_m; 2] } else { depth_m }
+}
+
 pub(super) fn read_limits(
     document: &Document,
     file: &DesignFile,
@@ -188,6 +197,19 @@ fn is_day(text: &str) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_depth_as_it_is_printed_is_a_whole_number_of_passes() {
+        let laser = Laser { depth_per_burst_um: Some(5.890_486_225_48), ..Laser::default() };
+        let of = |from_um: f64, to_um: f64| whole_steps([from_um * 1e-6, to_um * 1e-6], &laser);
+        assert_eq!(laser.depth_step_um(), Some(5.890_486_225_48));
+        assert_eq!(of(11.78, 11.78), [2.0 * LENGTH_UM.to_si(5.890_486_225_48); 2]);
+        // Neither what no printed digits explain nor a range.
+        for [from_um, to_um] in [[11.6, 11.6], [11.78, 12.0]] {
+            assert_eq!(of(from_um, to_um), [from_um * 1e-6, to_um * 1e-6]);
+        }
+        assert_eq!(whole_steps([11.6e-6; 2], &Laser::default()), [11.6e-6; 2]);
+    }
 
     #[test]
     fn a_day_is_one_of_the_calendar() {

@@ -4,7 +4,7 @@ use slipgrid_design::records::{ChanceReport, ExplanationReport, GoalReport, Tabl
 use slipgrid_design::{AdviceReport, DesignOutcome, DesignReport, PredictedRatio};
 use slipgrid_export::{Exposure, Laser};
 use slipgrid_material::AreaLaw;
-use slipgrid_results::{PatternReport, believed_interval, length_in_words};
+use slipgrid_results::{PatternReport, believed_interval, duration_in_words, length_in_words};
 use slipgrid_springblock::Load;
 
 use super::first_screen::first_screen;
@@ -94,7 +94,7 @@ fn rather(page: &mut Page, advice: &AdviceReport) {
             ("spacing in µm", |of| length_in_words(of.design.spacing_um)),
             ("depth in µm", |of| length_in_words(of.design.depth_um)),
             ("chance in %", |of| percent(of.chance, 1)),
-            ("laser in min", |of| number(of.laser_s.map(|seconds| seconds / 60.0), 1)),
+            ("laser", |of| of.laser_s.map_or_else(|| "-".to_owned(), duration_in_words)),
             ("ratio at the first load", |of| predicted(of.predicted.first())),
             ("at the last", |of| predicted(of.predicted.last())),
         ],
@@ -137,6 +137,7 @@ fn target(page: &mut Page, report: &DesignReport) {
                 estimate(at.and_then(|at| at.predicted.as_ref()), 4),
                 number(predicted.and_then(|load| load.ratio_discretization_error), 4),
                 estimate(report.confirmed_at(row), 4),
+                number(report.confirmed.get(row).and_then(|load| load.ratio_discretization_error), 4),
                 estimate(at.map(|at| &at.mu), 4),
                 estimate(at.and_then(|at| at.mu_flat.as_ref()), 4),
                 estimate(at.and_then(|at| at.mu_static.as_ref()), 4),
@@ -145,7 +146,8 @@ fn target(page: &mut Page, report: &DesignReport) {
             ]
         })
         .collect();
-    let header = "P in MPa,target,predicted,to vanishing blocks,confirmed,mu,mu flat,mu static,peak in MPa,status";
+    let header = "P in MPa,target,predicted,predicted to vanishing blocks,confirmed,confirmed to vanishing blocks,mu,mu flat,mu static,\
+                  peak in MPa,status";
     let (header, rows, status) = told(&header.split(',').collect::<Vec<_>>(), &rows);
     let quantity = if report.is_ratio() { "ratio patterned over flat" } else { "dynamic friction coefficient" };
     page.table(
@@ -169,11 +171,14 @@ fn target(page: &mut Page, report: &DesignReport) {
     if let Some(found) = &report.goal {
         goal(page, found);
     }
-    page.paragraph(&format!(
-        "Largest distance from the target in tolerances: {} predicted, {} confirmed; up to 1 is met.",
-        number(report.misfit.predicted, 2),
-        number(report.misfit.confirmed, 2)
-    ));
+    // A goal alone has no distance.
+    if wanted.has_demands() {
+        page.paragraph(&format!(
+            "Largest distance from the target in tolerances: {} predicted, {} confirmed; up to 1 is met.",
+            number(report.misfit.predicted, 2),
+            number(report.misfit.confirmed, 2)
+        ));
+    }
 }
 
 /// What became of the goal.

@@ -116,12 +116,12 @@
     const share = density.at(at)[0], laser = data.laser;
     const steps = depth => data.burst_um ? bursts(depth) : depth;
     return {
-      at, values, share, peak: peakAt(at), chance: chance(values), bursts: bursts(at[2]),
+      at, values, face: share * data.face_over_period, peak: peakAt(at), chance: chance(values), bursts: bursts(at[2]),
       minutes: laser ? laser.time_s / 60 * share / laser.areal_density * steps(at[2]) / steps(laser.depth_um) : null,
     };
   };
   const broken = state => data.limits.filter(limit => {
-    const value = { peak: state.peak, land: state.at[1], spot: state.at[0], density: state.share, bearing: 1 - state.share, laser: state.minutes }[limit.kind];
+    const value = { peak: state.peak, land: state.at[1], spot: state.at[0], density: state.face, bearing: 1 - state.face, laser: state.minutes }[limit.kind];
     return value !== null && (limit.is_most ? value > limit.bound * (1 + 1e-9) : value < limit.bound * (1 - 1e-9));
   });
   const hasTarget = [...data.lowest, ...data.highest].some(bound => bound !== null);
@@ -272,7 +272,7 @@
         const cell = row * COLUMNS + column;
         [at[h], at[v]] = [hs[column], vs[row]];
         for (let load = 0; load < loads; load++) own[load] = values[cell * loads + load] + data.offset[load];
-        const isBroken = broken({ at, peak: Math.exp(peaks[cell]), share: side ? side[cell] : density.at(at)[0], minutes: null }).length > 0;
+        const isBroken = broken({ at, peak: Math.exp(peaks[cell]), face: (side ? side[cell] : density.at(at)[0]) * data.face_over_period, minutes: null }).length > 0;
         const [plain, hatch] = colour(hasTarget ? misfit(own) : 2 ** (0.1 + 4.9 * (rank[cell] - least) / Math.max(most - least, 1e-9)), isBroken);
         for (let y = row * wide; y < (row + 1) * wide; y++) for (let x = column * wide; x < (column + 1) * wide; x++) {
           pixels[y * map.width + x] = (x + y) % 8 === 0 ? hatch : plain;
@@ -323,7 +323,7 @@
     say("second", second ? fixed(between(second, pressure), 4) : "-");
     say("chance", shown.chance === null ? "not known" : `${fixed(100 * shown.chance, 0)} %`);
     say("peak", fixed(shown.peak, 1));
-    say("density", fixed(100 * shown.share, 1));
+    say("density", fixed(100 * shown.face, 1));
     const cut = shown.bursts === null ? "-" : `${fixed(shown.bursts * data.burst_um, 1)} µm`;
     say("bursts", data.has_passes || shown.bursts === null ? cut : `${shown.bursts} (${cut})`);
     say("minutes", fixed(shown.minutes, 1));

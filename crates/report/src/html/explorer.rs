@@ -115,6 +115,9 @@ struct Data {
     log_peak: Packed,
     rim: Option<RimData>,
     areal_density: Packed,
+    /// Share of the specimen's face that is cavity over that of a period, by the design of the page: limits are about the
+    /// face.
+    face_over_period: f64,
     offset: Vec<f64>,
     covariance: Vec<Vec<f64>>,
     limits: Vec<LimitData>,
@@ -180,6 +183,16 @@ impl Subject<'_> {
         all
     }
 
+    /// Share of the specimen's face that is cavity over that of a period, of the pattern that the page is about.
+    fn face_over_period(&self) -> f64 {
+        let period = self.pattern.areal_density();
+        let face = match self.report {
+            Some(report) => Some(report.specimen_areal_density),
+            None => self.task.specimen.layout(*self.pattern).ok().map(|laid| laid.areal_density()),
+        };
+        face.map(|face| face / period).filter(|factor| factor.is_finite() && *factor > 0.0).unwrap_or(1.0)
+    }
+
     fn data(&self) -> Data {
         let (task, explorer, pattern) = (self.task, self.explorer, self.pattern);
         let target: TargetReport = (&task.target).into();
@@ -194,6 +207,7 @@ impl Subject<'_> {
                 depth_um: LENGTH_UM.from_si(pattern.depth_m()),
             })
         });
+        let face_over_period = self.face_over_period();
         let flat_mu = flat_mu.filter(|all| all.len() == count);
         let among = Among {
             task,
@@ -215,6 +229,7 @@ impl Subject<'_> {
             log_peak: Packed::new(&explorer.log_peak),
             rim: RimData::new(explorer, pattern),
             areal_density: Packed::new(&explorer.areal_density),
+            face_over_period,
             offset: explorer.offset.clone(),
             covariance: explorer
                 .covariance
@@ -258,6 +273,16 @@ impl Subject<'_> {
                 rim.ends()[1]
             )),
         );
+        let words = if data.limits.iter().any(|limit| ["density", "bearing"].contains(&limit.kind)) {
+            let of = if self.report.is_some() { "the design found" } else { "the design in the middle of the bounds" };
+            let factor = number(data.face_over_period, 4);
+            words
+                + &format!(
+                    " Limits on shares are about the face of the specimen: they are judged by the share of a period times {factor}, which {of} has."
+                )
+        } else {
+            words
+        };
         let is_all = self.task.also_at.is_empty() && self.task.directions.different_deg.is_empty();
         let words =
             if is_all { words } else { words + " Values and chance are those of the condition designed for alone." };
@@ -358,7 +383,7 @@ fn controls(data: &Data) -> Markup {
                 }
                 dl class="readings" {
                     (reading(first, "first", "")) (reading(second, "second", "")) (reading("chance on target by the steady model", "chance", ""))
-                    (reading("peak pressure", "peak", "MPa")) (reading("areal density", "density", "%"))
+                    (reading("peak pressure", "peak", "MPa")) (reading("cavities' share of the face", "density", "%"))
                     @if data.burst_um.is_some() { (reading(if data.has_passes { "depth, in whole passes" } else { "bursts (depth)" }, "bursts", "")) }
                     @if data.laser.is_some() { (reading("laser time", "minutes", "min")) }
                 }

@@ -90,8 +90,8 @@ fn verdict(page: &mut Page, report: &SurfaceReport) {
     let side = |count: usize, pixel_um: f64| number(count as f64 * pixel_um * 1e-3, 3);
     let [dx, dy] = report.pixel_um;
     let mut rows: Vec<(&str, String)> = vec![
-        ("sides", format!("{} mm by {} mm", side(report.rows, dx), side(report.columns, dy))),
-        ("pixels", format!("{} by {}, of {} µm by {} µm", report.rows, report.columns, number(dx, 3), number(dy, 3))),
+        ("sides", format!("{} mm by {} mm", side(report.columns, dx), side(report.rows, dy))),
+        ("pixels", format!("{} by {}, of {} µm by {} µm", report.columns, report.rows, number(dx, 3), number(dy, 3))),
         ("missing points", report.missing_points.to_string()),
         ("Sa", format!("{} µm", number(p.sa_um, 3))),
         ("highest peak, deepest valley", format!("{} µm, {} µm", number(p.sp_um, 2), number(p.sv_um, 2))),

@@ -128,6 +128,40 @@ fn the_page_says_what_the_text_says_of_the_verdict_and_of_shares() {
 }
 
 #[test]
+fn what_is_estimated_beyond_the_blocks_stands_beside_the_value_that_it_is_of() {
+    let mut report = report();
+    for (loads, change) in [(&mut report.predicted, 0.0281), (&mut report.confirmed, 0.0068)] {
+        loads.iter_mut().for_each(|load| load.ratio_discretization_error = Some(change));
+    }
+    let page = page_of(&report, &Outputs::default());
+    let row = page.split(">confirmed to vanishing blocks<").nth(1).unwrap().split("<tbody>").nth(1).unwrap();
+    let row = row.split("</tr>").next().unwrap();
+    let cells: Vec<&str> = row.split("</td>").map(|cell| cell.rsplit('>').next().unwrap()).collect();
+    assert_eq!((cells[3], cells[5]), ("0.0281", "0.0068"), "{row}");
+}
+
+#[test]
+fn a_goal_alone_has_no_tolerance_and_no_distance() {
+    let mut report = report();
+    report.goal = Some(goal());
+    report.target = slipgrid_design::records::TargetReport {
+        value: None,
+        tolerance: None,
+        lowest: vec![None; report.target.pressure_mpa.len()],
+        highest: vec![None; report.target.pressure_mpa.len()],
+        ..report.target
+    };
+    let robustness = report.robustness.as_mut().unwrap();
+    for found in [Some(&mut robustness.samples), robustness.with_material.as_mut()].into_iter().flatten() {
+        (found.probability, found.probability_stderr) = (None, None);
+    }
+    assert!(!robustness.text().contains("tolerances alone"), "{}", robustness.text());
+    let page = page_of(&report, &Outputs::default());
+    assert!(!page.contains("Largest distance from the target") && !page.contains("tolerances alone"));
+    assert!(page.contains("Goal: ") && !page.contains("- ±"));
+}
+
+#[test]
 fn a_report_is_read_back_as_it_was_written() {
     let stored = slipgrid_results::json(&report()).unwrap();
     assert_eq!(serde_json::from_str::<DesignReport>(&stored).unwrap(), report());

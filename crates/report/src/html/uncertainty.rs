@@ -121,15 +121,21 @@ pub(super) fn robustness(page: &mut Page, found: &RobustnessReport) {
         _ => "draws of the steady model to first order about the confirming run",
     };
     let samples = &found.samples;
-    page.paragraph(&format!(
-        "Within the tolerance at all pressures, from tolerances alone: {} of samples of the material as calibrated, by {} {how} ({} could not be \
-         computed and count as outside, {} without a positive dimension were drawn again). After ± the binomial standard error.",
-        samples.share("±"),
-        samples.draws,
-        samples.failed,
-        samples.redrawn,
-    ));
-    if let Some(material) = &found.with_material {
+    let drawn = format!(
+        "{} {how} ({} could not be computed and count as outside, {} without a positive dimension were drawn again).",
+        samples.draws, samples.failed, samples.redrawn,
+    );
+    if samples.probability.is_none() {
+        // A goal alone has no tolerance to be within.
+        page.paragraph(&format!("What samples made so do, by {drawn}"));
+    } else {
+        page.paragraph(&format!(
+            "Within the tolerance at all pressures, from tolerances alone: {} of samples of the material as calibrated, by {drawn} \
+             After ± the binomial standard error.",
+            samples.share("±"),
+        ));
+    }
+    if let Some(material) = found.with_material.as_ref().filter(|material| material.probability.is_some()) {
         page.paragraph(&format!(
             "The same from tolerances and what is not known of the material, which all samples share: {}.",
             material.share("±")

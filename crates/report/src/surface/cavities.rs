@@ -15,12 +15,18 @@ use crate::html::page::sentence;
 /// Points of the drawn rim.
 const RIM_POINTS: u32 = 240;
 
+/// What the widths of round cavities are.
+const ROUND: &str = "the cavities are round: a width is the diameter of the disc with a cavity's area at half depth, a spacing what \
+                     diameters leave of the distance of neighbours";
+
 #[derive(Clone, Debug, Serialize)]
 pub(crate) struct CavityReport {
     width_x: Option<SpreadReport>,
     width_y: Option<SpreadReport>,
     spacing_x: Option<SpreadReport>,
     spacing_y: Option<SpreadReport>,
+    /// Widths are diameters of the discs with the cavities' area.
+    round: bool,
     depth: Option<SpreadReport>,
     area_fraction: f64,
     land_sq_um: f64,
@@ -85,6 +91,7 @@ impl From<&CavityMetrology> for CavityReport {
             width_y: found.width[1].map(SpreadReport::from),
             spacing_x: found.spacing[0].map(SpreadReport::from),
             spacing_y: found.spacing[1].map(SpreadReport::from),
+            round: found.round,
             depth: found.depth.map(SpreadReport::from),
             area_fraction: tidy(found.area_fraction),
             land_sq_um: um(found.land_sq_m),
@@ -123,9 +130,10 @@ impl CavityReport {
         let [rim, wall] = self.edge_words();
         let wall = if wall.is_empty() { wall } else { format!("; {wall}") };
         let crossing = self.crossing.as_ref().map_or_else(String::new, |crossing| format!("\n! {crossing}\n"));
+        let round = if self.round { format!("  {ROUND}\n") } else { String::new() };
         let (noun, verb) = if self.count == 1 { ("cavity", "takes") } else { ("cavities", "take") };
         format!(
-            "\n{table}\n{} {noun} {verb} {:.1} % of the map; land Sq {} um\n{crossing}\n{edges}\n{rim}{wall}\n",
+            "\n{table}{round}\n{} {noun} {verb} {:.1} % of the map; land Sq {} um\n{crossing}\n{edges}\n{rim}{wall}\n",
             self.count,
             100.0 * self.area_fraction,
             fixed(Some(self.land_sq_um), 3),
@@ -160,7 +168,8 @@ impl CavityReport {
         let land = format!("The land between them has Sq {} um.", fixed(Some(self.land_sq_um), 3));
         let edges = self.edge_words().into_iter().filter(|words| !words.is_empty());
         let crossing = self.crossing.iter().map(|crossing| sentence(crossing));
-        std::iter::once(land).chain(crossing).chain(edges.map(|words| sentence(&words))).collect()
+        let round = self.round.then(|| sentence(ROUND));
+        std::iter::once(land).chain(round).chain(crossing).chain(edges.map(|words| sentence(&words))).collect()
     }
 
     /// How many there are and what they take.

@@ -32,9 +32,11 @@ pub struct SurfaceReport {
     pub(crate) format: &'static str,
     /// The file says of itself that it is synthetic.
     pub(crate) synthetic_surface: bool,
+    /// Points along y: lines of a file that holds heights line after line.
     pub(crate) rows: usize,
+    /// Points along x, of one line.
     pub(crate) columns: usize,
-    /// Along x (between rows) and y (between columns).
+    /// Along x and y.
     pub(crate) pixel_um: [f64; 2],
     pub(crate) missing_points: usize,
     pub(crate) model: Vec<String>,
@@ -124,8 +126,8 @@ impl SurfaceReport {
             map: path.display().to_string(),
             format: surface.format.name(),
             synthetic_surface: surface.synthetic,
-            rows: map.rows(),
-            columns: map.cols(),
+            rows: map.cols(),
+            columns: map.rows(),
             pixel_um: [um(map.dx_m()), um(map.dy_m())],
             missing_points: surface.filled.iter().filter(|missing| **missing).count(),
             model,
@@ -198,8 +200,8 @@ impl SurfaceReport {
             self.map,
             self.format,
             if self.synthetic_surface { "synthetic, " } else { "" },
-            self.rows,
             self.columns,
+            self.rows,
             self.pixel_um[0],
             self.pixel_um[1],
         );

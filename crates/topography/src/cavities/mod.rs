@@ -3,7 +3,8 @@
 //! The form is fitted to the land alone, found as the upper of two groups of heights. A cavity is a connected
 //! region below half depth; its width along an axis is the median of the chords that lines cut out of it, its
 //! spacing the median gap to the next on the same lines, with edges between pixels where the height crosses its own
-//! half depth. Its depth is the height of the land beside it, from one third of its width to a whole one away from each
+//! half depth. Of round cavities the width is the diameter of the disc (or ellipse) with their area at half depth, and the
+//! spacing what it leaves of the distance of neighbours. The depth is the height of the land beside it, from one third of its width to a whole one away from each
 //! edge, above the middle third of its width (after ISO 5436-1, type A1: rims and walls count for neither, and
 //! waves of the surface longer than a cavity do not count as depth). Where neighbours leave no such land, the
 //! form fitted to all land takes its place.
@@ -24,6 +25,7 @@ mod kriging;
 mod land;
 mod period;
 mod rims;
+mod round;
 mod share;
 mod walls;
 
@@ -93,7 +95,7 @@ impl Estimate {
 pub struct Cavity {
     /// Centre of its area along x and y, in metres.
     pub center_m: [f64; 2],
-    /// Width along x and y, in metres; `None` where the map's sides cut it off.
+    /// Width along x and y, of round cavities the diameter, in metres; `None` where the map's sides cut it off.
     pub width_m: [Option<f64>; 2],
     /// Depth, in metres; `None` where no floor was measured.
     pub depth_m: Option<f64>,
@@ -114,6 +116,8 @@ pub struct CavityMetrology {
     pub width: [Option<Spread>; 2],
     /// Land between neighbours along x and y.
     pub spacing: [Option<Spread>; 2],
+    /// The cavities are round: widths are diameters of the discs with their area at half depth, not median chords.
+    pub round: bool,
     /// Depths.
     pub depth: Option<Spread>,
     /// Share of the map below half depth.
@@ -216,6 +220,14 @@ impl Sought {
 }
 
 fn measure(found: &Found, sought: Sought) -> CavityMetrology {
+    let diameters_m = round::diameters(found);
+    let spacing = diameters_m.as_ref().map_or(sought.spacing, |diameters_m| {
+        [0, 1].map(|axis| round::spacing(found, axis, &sought.width_m, diameters_m))
+    });
+    let width_m = |region: usize| {
+        let diameter_m = diameters_m.as_ref().and_then(|diameters_m| diameters_m[region]);
+        diameter_m.map_or(sought.width_m[region], |diameter_m| diameter_m.map(Some))
+    };
     let (regions, cols, pixel_m) = (&found.regions, found.cols(), found.pixel_m);
     let mut center = vec![[0.0; 2]; regions.count() + 1];
     for (n, &region) in regions.label.iter().enumerate() {
@@ -228,7 +240,7 @@ fn measure(found: &Found, sought: Sought) -> CavityMetrology {
             let measured = |value: Option<f64>| value.filter(|_| sought.counts[region]);
             Cavity {
                 center_m: [0, 1].map(|axis| center[region][axis] / points * pixel_m[axis]),
-                width_m: sought.width_m[region],
+                width_m: width_m(region),
                 depth_m: measured(found.floors[region].map(|floor| floor.depth_m)),
                 area_m2: points * pixel_m[0] * pixel_m[1],
                 // At most 2^26 regions: the cast is exact.
@@ -243,7 +255,8 @@ fn measure(found: &Found, sought: Sought) -> CavityMetrology {
     let depth = spread(&|cavity| cavity.depth_m);
     CavityMetrology {
         width: [spread(&|cavity| cavity.width_m[0]), spread(&|cavity| cavity.width_m[1])],
-        spacing: sought.spacing,
+        spacing,
+        round: diameters_m.is_some(),
         depth,
         area_fraction: regions.points.iter().sum::<usize>() as f64 / regions.label.len() as f64,
         threshold_m: -found.land.threshold_m,

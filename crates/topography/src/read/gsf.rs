@@ -63,7 +63,7 @@ pub(super) fn read(mut source: impl Read, options: &ReadOptions) -> Result<ReadM
     let pixel = |unit: LengthUnit| {
         [(0, rows), (1, cols)].map(|(axis, pixels)| unit.to_metres(header.side[axis].unwrap_or(1.0) / pixels as f64))
     };
-    let pixel_m = options.pixel_m.or(lateral_unit.map(pixel));
+    let pixel_m = options.grid_m().or(lateral_unit.map(pixel));
     let (Some(height_unit), Some(pixel_m)) = (height_unit, pixel_m) else {
         let no_height = NotGiven {
             what: "unit of the heights",
@@ -88,7 +88,7 @@ pub(super) fn read(mut source: impl Read, options: &ReadOptions) -> Result<ReadM
         at_end(&mut source, FORMAT)?;
     }
     let whole = window.is_whole();
-    let map = window.finish(pixel_m, |height| height_unit.to_metres(height))?;
+    let map = window.finish_lines(pixel_m, |height| height_unit.to_metres(height))?;
     Ok(ReadMap { map, whole, format: MapFormat::Gsf, comments, notes: Vec::new() })
 }
 
@@ -139,9 +139,9 @@ mod tests {
             let read = read_map(&file(&extra)[..], &ReadOptions::default()).unwrap();
             assert_eq!(read.format, MapFormat::Gsf);
             let map = &read.map;
-            assert_eq!((map.rows(), map.cols(), map.missing()), (2, 3, 1));
-            assert!((map.dx_m() - 2e-6).abs() < 1e-20 && (map.dy_m() - 1e-6).abs() < 1e-20);
-            assert_eq!((map.heights_m()[1], map.heights_m()[4]), (2e-9, -5e-9));
+            assert_eq!((map.rows(), map.cols(), map.missing()), (3, 2, 1));
+            assert!((map.dx_m() - 1e-6).abs() < 1e-20 && (map.dy_m() - 2e-6).abs() < 1e-20);
+            assert_eq!((map.heights_m()[2], map.heights_m()[3]), (2e-9, -5e-9));
             assert!(read.comments.contains(&format!("Title: {title}")));
         }
     }

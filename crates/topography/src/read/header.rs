@@ -291,7 +291,7 @@ mod tests {
         // Lines that name a value are comments, and may say what comments do.
         let named = "Instrument: Profiler 9\nOperator: AN\nWidth: 2 um\nHeight: 2 um\nValue units: nm\n1;2\n3;4\n";
         let named = read_map(named.as_bytes(), &ReadOptions::NONE).unwrap();
-        assert_eq!((named.map.dx_m(), named.map.heights_m()), (1e-6, &[1e-9, 2e-9, 3e-9, 4e-9][..]));
+        assert_eq!((named.map.dx_m(), named.map.heights_m()), (1e-6, &[1e-9, 3e-9, 2e-9, 4e-9][..]));
         assert_eq!(named.comments[0], "Instrument: Profiler 9");
         // Words of the instrument's own size neither refuse the points below titles nor make a matrix of them.
         for words in ["Height: 480\nWidth: 640", "Width: 10 mm\nHeight: 10 mm", "Value units: counts"] {

@@ -112,14 +112,14 @@ impl MatrixReader {
             (Some(unit), _) => Some((unit, 1.0)),
             (None, value_nm) => value_nm.map(|value_nm| (LengthUnit::Nanometre, value_nm)),
         };
-        let pixel_m = match (options.pixel_m, header.height_m.zip(header.width_m)) {
+        let pixel_m = match (options.grid_m(), header.height_m.zip(header.width_m)) {
             (None, Some((height_m, width_m))) => Some(self.pixel_m([height_m, width_m], rows, header)?),
             (pixel_m, _) => pixel_m,
         };
         let (Some((unit, factor)), Some(pixel_m)) = (unit, pixel_m) else {
             return Err(ReadError::NotGiven { missing: Self::missing(header, options) });
         };
-        self.window.finish(pixel_m, |value| unit.to_metres(factor * value))
+        self.window.finish_lines(pixel_m, |value| unit.to_metres(factor * value))
     }
 }
 
@@ -165,7 +165,7 @@ mod tests {
             let said = refused(&text("128.0 um", "128.0 um", rows), &plain).unwrap();
             assert!(said.contains(&format!("{rows} rows and 64 columns")) && said.contains("cut short"), "{said}");
         }
-        assert!(refused(&text("128.0 um", "128.0 um", 24), &plain).unwrap().contains("pixels of 5.33333 x 2 um"));
+        assert!(refused(&text("128.0 um", "128.0 um", 24), &plain).unwrap().contains("pixels of 2 x 5.33333 um"));
         // A crop changes nothing in that.
         let crop = crate::Crop { first_row: 0, first_col: 0, rows: 8, cols: 8 };
         assert!(refused(&text("128.0 um", "128.0 um", 24), &ReadOptions { crop: Some(crop), ..plain }).is_some());
@@ -175,7 +175,7 @@ mod tests {
         {
             assert_eq!(refused(&text(width, height, 64), &plain), None, "{width} {height}");
         }
-        let given = ReadOptions { pixel_m: Some([5.3e-6, 2e-6]), ..plain };
+        let given = ReadOptions { pixel_m: Some([2e-6, 5.3e-6]), ..plain };
         assert_eq!(refused(&text("128.0 um", "128.0 um", 24), &given), None);
         // Of oblong pixels a header may tell the rows.
         let told = text("128.0 um", "128.0 um", 24).replacen("# Width", "# Rows: 24\n# Width", 1);

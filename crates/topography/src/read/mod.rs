@@ -102,7 +102,7 @@ pub struct ReadOptions {
     /// The form; `None` decides by content: titles x, y, z stand above points, a header with width or height above a
     /// matrix, otherwise three values on the first line of data are points.
     pub format: Option<MapFormat>,
-    /// Pixel sides in the file, between rows and between columns, in metres.
+    /// Sides of the file's pixels along x, between the points of a line, and along y, between lines, in metres.
     pub pixel_m: Option<[f64; 2]>,
     /// Unit of the heights.
     pub height_unit: Option<LengthUnit>,
@@ -117,6 +117,11 @@ pub struct ReadOptions {
 }
 
 impl ReadOptions {
+    /// Distances between lines and between the points of a line, in metres, where the caller gives them.
+    pub(crate) fn grid_m(&self) -> Option<[f64; 2]> {
+        self.pixel_m.map(|[x_m, y_m]| [y_m, x_m])
+    }
+
     /// Nothing known, everything wanted.
     pub const NONE: Self = Self {
         format: None,
@@ -351,9 +356,9 @@ mod tests {
         let read = read(text).unwrap();
         assert_eq!(read.format, MapFormat::Matrix);
         let map = &read.map;
-        assert_eq!((map.rows(), map.cols(), map.dx_m(), map.dy_m()), (2, 3, 2e-6, 1e-6));
-        assert_eq!(map.heights_m()[..2], [1e-9, 2e-9]);
-        assert_eq!((map.heights_m()[3], map.missing()), (4e-9, 3));
+        assert_eq!((map.rows(), map.cols(), map.dx_m(), map.dy_m()), (3, 2, 1e-6, 2e-6));
+        assert_eq!(map.heights_m()[..2], [1e-9, 4e-9]);
+        assert_eq!((map.heights_m()[2], map.missing()), (2e-9, 3));
         assert!(!read.is_synthetic());
     }
 
@@ -364,12 +369,12 @@ mod tests {
                     # Start of Data:\r\n1\t2\t3\r\n4\t5\tNaN\r\n";
         let found = read(text).unwrap();
         let map = &found.map;
-        assert_eq!((found.format, map.rows(), map.cols(), map.missing()), (MapFormat::Matrix, 2, 3, 1));
-        assert!((map.dx_m() - 1e-6).abs() < 1e-20 && (map.dy_m() - 2e-6).abs() < 1e-20);
-        assert!((map.heights_m()[4] - 2.5e-9).abs() < 1e-24);
+        assert_eq!((found.format, map.rows(), map.cols(), map.missing()), (MapFormat::Matrix, 3, 2, 1));
+        assert!((map.dx_m() - 2e-6).abs() < 1e-20 && (map.dy_m() - 1e-6).abs() < 1e-20);
+        assert!((map.heights_m()[3] - 2.5e-9).abs() < 1e-24);
         // A unit goes before the factor.
         let with_unit = text.replace("# Start", "# z-unit = um\r\n# Start");
-        assert!((read(&with_unit).unwrap().map.heights_m()[4] - 5e-6).abs() < 1e-21);
+        assert!((read(&with_unit).unwrap().map.heights_m()[3] - 5e-6).abs() < 1e-21);
         let refused = |from: &str, to: &str| read(&text.replace(from, to)).unwrap_err().to_string();
         assert_eq!(refused("x-pixels = 3", "x-pixels = 4"), "line 9: 3 values: expected 4");
         assert!(refused("y-pixels = 2", "y-pixels = 3").contains("rows end after 2 of 3"));
@@ -384,7 +389,7 @@ mod tests {
         assert!(read_map(text.as_bytes(), &unit_only).unwrap_err().to_string().contains("pixel size"));
         let given = ReadOptions { pixel_m: Some([2e-6, 3e-6]), ..unit_only };
         let map = read_map(text.as_bytes(), &given).unwrap().map;
-        assert_eq!((map.rows(), map.cols(), map.dx_m(), map.dy_m()), (2, 4, 2e-6, 3e-6));
+        assert_eq!((map.rows(), map.cols(), map.dx_m(), map.dy_m()), (4, 2, 2e-6, 3e-6));
         assert_eq!(map.heights_m()[7], 8e-6);
     }
 
@@ -429,7 +434,7 @@ mod tests {
             ..ReadOptions::NONE
         };
         let map = read_map("1 2 3\n4 5 6\n".as_bytes(), &options).unwrap().map;
-        assert_eq!((map.rows(), map.cols()), (2, 3));
+        assert_eq!((map.rows(), map.cols()), (3, 2));
     }
 
     #[test]

@@ -10,7 +10,7 @@ use super::lines::excerpt;
 use super::matrix::MatrixReader;
 use super::window::{Crop, Window};
 use super::{MapFormat, ReadMap, ReadOptions};
-use crate::{HeightMap, ReadError};
+use crate::ReadError;
 
 pub(super) const MAGIC: &[u8] = b"\x93NUMPY";
 const FORMAT: &str = MapFormat::Npy.name();
@@ -45,7 +45,7 @@ pub(super) fn read(mut source: impl Read, options: &ReadOptions) -> Result<ReadM
     };
     let [rows, cols] = shape(&header)?;
 
-    let (Some(height_unit), Some(pixel_m)) = (options.height_unit, options.pixel_m) else {
+    let (Some(height_unit), Some(pixel_m)) = (options.height_unit, options.grid_m()) else {
         let missing = MatrixReader::missing(&Header::default(), options);
         return Err(ReadError::NotGiven { missing });
     };
@@ -70,8 +70,9 @@ pub(super) fn read(mut source: impl Read, options: &ReadOptions) -> Result<ReadM
         at_end(&mut source, FORMAT)?;
     }
     let whole = window.is_whole();
-    let map = window.finish(pixel, |height| height_unit.to_metres(height))?;
-    let map = if fortran_order { transposed(&map)? } else { map };
+    let to_metres = |height| height_unit.to_metres(height);
+    // Lines are the rows of the array: column after column comes as the map wants it.
+    let map = if fortran_order { window.finish(pixel, to_metres)? } else { window.finish_lines(pixel, to_metres)? };
     Ok(ReadMap { map, whole, format: MapFormat::Npy, comments: Vec::new(), notes: Vec::new() })
 }
 
@@ -128,12 +129,6 @@ fn shape(header: &str) -> Result<[u64; 2], ReadError> {
     <[u64; 2]>::try_from(counts).map_err(|_| refuse())
 }
 
-fn transposed(map: &HeightMap) -> Result<HeightMap, ReadError> {
-    let (rows, cols) = (map.cols(), map.rows());
-    let height_m = (0..rows * cols).map(|n| map.heights_m()[(n % cols) * rows + n / cols]).collect();
-    Ok(HeightMap::new(rows, cols, map.dy_m(), map.dx_m(), height_m)?)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -159,12 +154,12 @@ mod tests {
         let plain = file(1, "{'descr': '<f8', 'fortran_order': False, 'shape': (2, 3), }\n", &rows);
         let fortran = file(2, "{\"shape\": (2,3), 'fortran_order':True, 'descr': '>i2'}", &columns);
         let plain = read_map(&plain[..], &GIVEN).unwrap().map;
-        assert_eq!((plain.rows(), plain.cols(), plain.dx_m(), plain.dy_m()), (2, 3, 1e-6, 2e-6));
-        assert_eq!(plain.heights_m()[3], 4e-6);
+        assert_eq!((plain.rows(), plain.cols(), plain.dx_m(), plain.dy_m()), (3, 2, 1e-6, 2e-6));
+        assert_eq!(plain.heights_m()[1], 4e-6);
         assert_eq!(read_map(&fortran[..], &GIVEN).unwrap().map, plain);
         let crop = Some(Crop { first_row: 0, first_col: 1, rows: 2, cols: 2 });
         let cropped = read_map(&fortran[..], &ReadOptions { crop, ..GIVEN }).unwrap().map;
-        assert_eq!(cropped.heights_m(), [2e-6, 3e-6, 5e-6, 6e-6]);
+        assert_eq!(cropped.heights_m(), [2e-6, 5e-6, 3e-6, 6e-6]);
     }
 
     #[test]

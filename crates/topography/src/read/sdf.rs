@@ -90,10 +90,10 @@ impl Header {
     fn finish(&self, window: Window, options: &ReadOptions, comments: Vec<String>) -> Result<ReadMap, ReadError> {
         let [x, y, z] = self.scale_m;
         let lateral = |scale: f64| options.lateral_unit.unwrap_or(LengthUnit::Metre).to_metres(scale);
-        let pixel_m = options.pixel_m.unwrap_or([lateral(y), lateral(x)]);
+        let pixel_m = options.grid_m().unwrap_or([lateral(y), lateral(x)]);
         let unit = options.height_unit.unwrap_or(LengthUnit::Metre);
         let whole = window.is_whole();
-        let map = window.finish(pixel_m, |height| unit.to_metres(height * z))?;
+        let map = window.finish_lines(pixel_m, |height| unit.to_metres(height * z))?;
         Ok(ReadMap { map, whole, format: MapFormat::Sdf, comments, notes: Vec::new() })
     }
 }
@@ -262,10 +262,10 @@ mod tests {
     fn check(bytes: &[u8], third: f64) {
         let read = read_map(bytes, &ReadOptions::default()).unwrap();
         let map = &read.map;
-        assert_eq!((read.format, map.rows(), map.cols(), map.missing()), (MapFormat::Sdf, 2, 3, 1));
-        assert_eq!((map.dx_m(), map.dy_m()), (2e-6, 1e-6));
-        assert!(map.heights_m()[3].is_nan());
-        for (found, expected) in map.heights_m().iter().zip([1e-9, 2e-9, third, f64::NAN, -5e-9, 6e-9]) {
+        assert_eq!((read.format, map.rows(), map.cols(), map.missing()), (MapFormat::Sdf, 3, 2, 1));
+        assert_eq!((map.dx_m(), map.dy_m()), (1e-6, 2e-6));
+        assert!(map.heights_m()[1].is_nan());
+        for (found, expected) in map.heights_m().iter().zip([1e-9, f64::NAN, 2e-9, -5e-9, third, 6e-9]) {
             assert!(expected.is_nan() || (found - expected).abs() < 1e-24, "{found} {expected}");
         }
         assert!(read.comments.iter().any(|comment| comment.contains("test")));

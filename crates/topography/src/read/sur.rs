@@ -107,7 +107,7 @@ pub(super) fn read(mut source: impl BufRead, options: &ReadOptions) -> Result<Re
     if !(step_z.is_finite() && step_z != 0.0 && offset_z.is_finite()) {
         return Err(refused("z spacing and offset", format!("{step_z} and {offset_z}"), "numbers, spacing not 0"));
     }
-    let pixel_m = match options.pixel_m {
+    let pixel_m = match options.grid_m() {
         Some(pixel_m) => pixel_m,
         None => {
             let unit = |field, at| options.lateral_unit.map_or_else(|| header.unit(field, at), Ok);
@@ -149,7 +149,7 @@ pub(super) fn read(mut source: impl BufRead, options: &ReadOptions) -> Result<Re
         numbers(&mut source, FORMAT, number, false, total, take)?;
     }
     let whole = window.is_whole();
-    let map = window.finish(pixel_m, |height| unit.to_metres(height * step_z + offset_z))?;
+    let map = window.finish_lines(pixel_m, |height| unit.to_metres(height * step_z + offset_z))?;
     Ok(ReadMap { map, whole, format: MapFormat::Sur, comments, notes })
 }
 
@@ -263,9 +263,9 @@ mod tests {
     fn check(bytes: &[u8]) {
         let read = read_map(bytes, &ReadOptions::default()).unwrap();
         let map = &read.map;
-        assert_eq!((read.format, map.rows(), map.cols(), map.missing()), (MapFormat::Sur, 2, 3, 1));
-        assert_eq!((map.dx_m(), map.dy_m()), (2.5e-6, 1.5e-6));
-        for (found, expected) in map.heights_m().iter().zip([100.5, 101.0, 101.5, f64::NAN, 97.5, 103.0]) {
+        assert_eq!((read.format, map.rows(), map.cols(), map.missing()), (MapFormat::Sur, 3, 2, 1));
+        assert_eq!((map.dx_m(), map.dy_m()), (1.5e-6, 2.5e-6));
+        for (found, expected) in map.heights_m().iter().zip([100.5, f64::NAN, 101.0, 97.5, 101.5, 103.0]) {
             assert!(expected.is_nan() || (found * 1e9 - expected).abs() < 1e-9, "{found} {expected}");
         }
         assert_eq!(read.comments, ["operator: an operator", "comment"]);

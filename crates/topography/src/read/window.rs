@@ -212,7 +212,18 @@ impl Window {
         Ok(())
     }
 
-    /// The map: heights through `to_metres`, which must be linear, on the file's pixels of `pixel_m`, between
+    /// The map of a file that holds heights line after line: points of a line follow each other along x, lines along y.
+    /// Heights go through `to_metres`, which must be linear; `pixel_m` are the file's pixels, between lines and between
+    /// points of a line.
+    pub(crate) fn finish_lines(
+        self,
+        pixel_m: [f64; 2],
+        to_metres: impl Fn(f64) -> f64,
+    ) -> Result<HeightMap, ReadError> {
+        Ok(self.finish(pixel_m, to_metres)?.transposed())
+    }
+
+    /// The map as it was pushed: heights through `to_metres`, which must be linear, on pixels of `pixel_m`, between
     /// rows and between columns.
     pub(crate) fn finish(mut self, pixel_m: [f64; 2], to_metres: impl Fn(f64) -> f64) -> Result<HeightMap, ReadError> {
         if self.rows[1] != usize::MAX && self.row < self.rows[1] {
@@ -236,7 +247,8 @@ fn check_points(points: f64) -> Result<(), MapError> {
 }
 
 impl HeightMap {
-    /// A part of the map, or a coarser one, as [`read_map`](crate::read_map) would have kept it.
+    /// A part of the map, or a coarser one, as [`read_map`](crate::read_map) would have kept it; rows of the crop are those of
+    /// the map.
     ///
     /// # Errors
     /// [`ReadError`] if the crop lies outside, or nothing is left.
@@ -260,9 +272,11 @@ pub(super) fn window_of(
     if crop.is_none() && decimation.is_none_or(|decimation| decimation.factor == 1) {
         return Ok((map, true));
     }
-    let window = map.window(crop, decimation)?;
+    // Rows of a crop are lines, as in files that hold heights line after line.
+    let lines = map.transposed();
+    let window = lines.window(crop, decimation)?;
     let whole = window.is_whole();
-    Ok((window.finish([map.dx_m(), map.dy_m()], |height| height)?, whole))
+    Ok((window.finish_lines([lines.dx_m(), lines.dy_m()], |height| height)?, whole))
 }
 
 #[cfg(test)]

@@ -92,11 +92,11 @@ pub(super) fn read(mut source: impl Read, options: &ReadOptions) -> Result<ReadM
         }
     }
     let lateral = |value: f64| options.lateral_unit.unwrap_or(LengthUnit::Metre).to_metres(value);
-    let pixel_m = options.pixel_m.unwrap_or([lateral(index.increment_m[1]), lateral(index.increment_m[0])]);
+    let pixel_m = options.grid_m().unwrap_or([lateral(index.increment_m[1]), lateral(index.increment_m[0])]);
     let unit = options.height_unit.unwrap_or(LengthUnit::Metre);
     let [.., scale] = index.increment_m;
     let whole = window.is_whole();
-    let map = window.finish(pixel_m, |height| unit.to_metres(height * scale + index.offset_z_m))?;
+    let map = window.finish_lines(pixel_m, |height| unit.to_metres(height * scale + index.offset_z_m))?;
     Ok(ReadMap { map, whole, format: MapFormat::X3p, comments: index.comments, notes: Vec::new() })
 }
 
@@ -218,9 +218,9 @@ mod tests {
     fn check(bytes: &[u8]) {
         let read = read_map(bytes, &ReadOptions::default()).unwrap();
         let map = &read.map;
-        assert_eq!((read.format, map.rows(), map.cols(), map.missing()), (MapFormat::X3p, 2, 3, 1));
-        assert_eq!((map.dx_m(), map.dy_m()), (2e-6, 1e-6));
-        for (found, expected) in map.heights_m().iter().zip([6.0, 7.0, 8.0, f64::NAN, 0.0, 11.0]) {
+        assert_eq!((read.format, map.rows(), map.cols(), map.missing()), (MapFormat::X3p, 3, 2, 1));
+        assert_eq!((map.dx_m(), map.dy_m()), (1e-6, 2e-6));
+        for (found, expected) in map.heights_m().iter().zip([6.0, f64::NAN, 7.0, 0.0, 8.0, 11.0]) {
             assert!(expected.is_nan() || (found * 1e9 - expected).abs() < 1e-9, "{found} {expected}");
         }
         assert!(read.comments.contains(&"Comment: a <comment>".to_owned()), "{:?}", read.comments);
