@@ -19,7 +19,7 @@ use crate::task::{DesignTask, KnownMaterial};
 use crate::time_budget::TimeBudget;
 use crate::timings::Timings;
 use slipgrid_monitor::{Monitor, Stage};
-use slipgrid_springblock::Load;
+use slipgrid_springblock::{Load, expense};
 
 /// Nodes along width, spacing and depth for each factor e between the bounds, and the most of them, in the vertical plane; in space
 /// of large blocks, and of the layer's own.
@@ -38,6 +38,10 @@ const MOST_LEFT_OUT: f64 = 0.05;
 const AT_ONCE: usize = 128;
 /// Why there is no explorer where they are more.
 pub(crate) const TOO_FEW: &str = "no explorer: more than 5 % of the designs within the bounds have no answer, as where cavities close under the load";
+/// Seconds of one core, roughly, beyond which designs in space are not asked for an explorer alone.
+const MOST_CORE_S: f64 = 60.0;
+/// Why there is none then.
+pub(crate) const TOO_DEAR: &str = "no explorer: the designs within the bounds, in space, would take longer than a minute; slipgrid explore asks them all the same";
 /// Draws behind the covariance of the errors.
 const DRAWS: usize = 2000;
 
@@ -236,6 +240,18 @@ pub fn explore(design: &DesignTask, model: &SteadyModel, anchor: &Anchor<'_>, ba
     let covariance = covariance(anchor, design.seed).unwrap_or_default();
     let areal_density = ResponseSurface::through(level, 1, densities);
     Some(Explorer { values, log_peak, areal_density, rims, error, offset, covariance })
+}
+
+/// Whether the designs that an explorer asks take longer than it is worth beside a search: of those in space, by their cells' columns.
+pub(crate) fn is_too_dear(design: &DesignTask, model: &SteadyModel) -> bool {
+    if model.guide().is_none() {
+        return false;
+    }
+    let nodes = ResponseSurface::nodes(&axes(&design.space, &FINE_NODES));
+    let texture = design.space.texture();
+    let scenes = nodes.iter().filter_map(|node| Some(model.scene(&pattern(texture, node)?)));
+    let core_s: f64 = scenes.map(|scene| expense(&scene).core_s).sum();
+    core_s * (nodes.len() + SPACE_CHECKS) as f64 > MOST_CORE_S * nodes.len() as f64
 }
 
 fn axes(space: &DesignSpace, nodes: &Nodes) -> [Axis; 3] {

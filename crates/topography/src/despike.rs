@@ -71,12 +71,13 @@ impl fmt::Display for Spikes {
             counted(self.points(), "point"),
             counted(self.list.len(), "place"),
             if self.points() == 1 { "s" } else { "" },
-            extent(|spike| spike.row),
-            extent(|spike| spike.col)
+            // In the words of a file, whose rows run along x.
+            extent(|spike| spike.col),
+            extent(|spike| spike.row)
         )?;
         for (n, spike) in self.list.iter().take(DESCRIBED).enumerate() {
             let comma = if n > 0 { "; " } else { "" };
-            write!(f, "{comma}{}, {} by {:+.3} um", spike.row, spike.col, spike.height_m * 1e6)?;
+            write!(f, "{comma}{}, {} by {:+.3} um", spike.col, spike.row, spike.height_m * 1e6)?;
         }
         f.write_str(")")
     }

@@ -134,7 +134,8 @@ impl fmt::Display for MapWarning {
                 highest_m * 1e6,
                 highest_m / deviation_m
             ),
-            Self::Lowered { share, depth_m, extent: [[row, last_row], [col, last_col]] } => write!(
+            // In the words of a file, whose rows run along x.
+            Self::Lowered { share, depth_m, extent: [[col, last_col], [row, last_row]] } => write!(
                 f,
                 "{:.1} % of the map lies {:.3} um below the rest on average (within rows {row} to {last_row}, columns {col} to \
                  {last_col}), as a hole, a cavity or the edge of a specimen does: crop the map to the surface itself",

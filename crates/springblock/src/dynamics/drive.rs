@@ -230,13 +230,15 @@ impl Drive<'_> {
             wall_s: monitor.seconds() - self.started_s,
         };
         let (mean, excess) = (recorder.window_mean(), recorder.excess());
-        if status == Status::Converged {
-            status = match &mean {
+        if let (Status::Converged | Status::StderrNotReached, Some(mean)) = (status, &mean) {
+            // What is not known well enough must be missing by more than its error.
+            let unknown = if status == Status::Converged { 0.0 } else { 2.0 * mean.stderr / mean.mu.abs() };
+            if mean.mu == 0.0 && mean.stderr == 0.0 {
                 // Sums of nothing but zeros.
-                Some(mean) if mean.mu == 0.0 && mean.stderr == 0.0 => Status::NoFriction,
-                Some(_) if excess.is_some_and(|excess| excess < -WAVE_DEFICIT) => Status::SlidingWaves,
-                _ => Status::Converged,
-            };
+                status = Status::NoFriction;
+            } else if excess.is_some_and(|excess| excess < -(WAVE_DEFICIT + unknown)) {
+                status = Status::SlidingWaves;
+            }
         }
         let last = engine.contact_forces();
         Driven { status, recorder, mean, excess, cost, last }

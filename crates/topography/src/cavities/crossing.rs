@@ -33,7 +33,8 @@ impl fmt::Display for Crossing {
              whole: crop the map to a strip between two neighbours of one family",
             self.patches
         )?;
-        let named: Vec<String> = ["rows", "columns"]
+        // In the words of a file, whose rows run along x.
+        let named: Vec<String> = ["columns", "rows"]
             .into_iter()
             .zip(self.strips)
             .filter_map(|(name, strip)| strip.map(|[first, last]| format!("{name} {first} to {last}")))

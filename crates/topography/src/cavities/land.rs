@@ -99,6 +99,9 @@ fn above(map: &HeightMap, fitted: &FittedForm) -> Vec<f64> {
     map.heights_m().iter().enumerate().map(|(n, height)| height - fitted.height_m(n, map)).collect()
 }
 
+/// Heights that differ by less, a tenth of a picometre, are equal: what is left of a plane is rounding.
+const LEAST_RANGE_M: f64 = 1e-13;
+
 /// The threshold that parts heights into two groups with the least variance within (Otsu).
 fn groups(height_m: &[f64]) -> Option<Groups> {
     let mut present: Vec<f64> = height_m.iter().copied().filter(|height| !height.is_nan()).collect();
@@ -106,7 +109,7 @@ fn groups(height_m: &[f64]) -> Option<Groups> {
     let last = present.len().checked_sub(1 + spikes)?;
     let low = *present.select_nth_unstable_by(spikes, f64::total_cmp).1;
     let high = *present.select_nth_unstable_by(last, f64::total_cmp).1;
-    if high <= low {
+    if high - low <= LEAST_RANGE_M {
         return None;
     }
     let mut counts = vec![0.0; CLASSES];

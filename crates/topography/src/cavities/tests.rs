@@ -195,7 +195,7 @@ fn grooves_that_cross_are_named_and_a_strip_between_two_shows_one_family() {
     assert!(first >= 30 && last - first > 20 && columns == [first, last], "{crossing}");
     let refused = crossed.mean_cavity_period(Form::Plane).unwrap_err().to_string();
     assert!(
-        refused.contains("grooves that cross") && refused.contains(&format!("rows {first} to {last}")),
+        refused.contains("grooves that cross") && refused.contains(&format!("columns {first} to {last}")),
         "{refused}"
     );
     let heights = crossed.heights_m()[first * cols..(last + 1) * cols].to_vec();
