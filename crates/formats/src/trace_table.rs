@@ -51,6 +51,8 @@ pub struct TraceConditionFile {
     surface: Option<Spanned<String>>,
     /// Exports, each once; `*` stands for any letters.
     files: Spanned<Vec<Spanned<String>>>,
+    /// Exports of `files` that are left out, such as a spoilt repeat; `*` stands for any letters.
+    exclude: Option<Vec<Spanned<String>>>,
     /// Seconds between which friction of this condition is averaged; as `[traces]` says when absent.
     window_s: Option<NumberList>,
     /// The sample slides back and forth in this condition; as `[traces]` says when absent.
@@ -153,7 +155,10 @@ impl<'d> TraceReader<'d> {
         for file in list.get_ref() {
             let found = self.condition(file, trial)?;
             match all.iter_mut().find(|(_, other)| other.is_repeated_by(&found)) {
-                Some((_, other)) => other.files.extend(found.files),
+                Some((_, other)) => {
+                    other.files.extend(found.files);
+                    other.excluded.extend(found.excluded);
+                }
                 None => all.push((file.force_n.span(), found)),
             }
         }
@@ -194,7 +199,7 @@ impl<'d> TraceReader<'d> {
             (Some(share), true) => Some(document.number(share, STROKE_SHARE)?),
             (None, true) => Some(self.stroke_share.unwrap_or(DEFAULT_STROKE_SHARE)),
         };
-        let files = self.files(&file.files)?;
+        let (files, excluded) = self.files(&file.files, file.exclude.as_deref().unwrap_or_default())?;
         Ok(TraceCondition {
             surface,
             trial: trial.cloned(),
@@ -204,10 +209,16 @@ impl<'d> TraceReader<'d> {
             window_s,
             stroke_share,
             files,
+            excluded,
         })
     }
 
-    fn files(&mut self, list: &Spanned<Vec<Spanned<String>>>) -> Result<Vec<PathBuf>, Diagnostic> {
+    /// The exports of a list, and those of them that `exclude` leaves out.
+    fn files(
+        &mut self,
+        list: &Spanned<Vec<Spanned<String>>>,
+        exclude: &[Spanned<String>],
+    ) -> Result<(Vec<PathBuf>, Vec<PathBuf>), Diagnostic> {
         let document = self.document;
         let mut files = Vec::new();
         for name in list.get_ref() {
@@ -233,7 +244,27 @@ impl<'d> TraceReader<'d> {
         if files.is_empty() {
             return Err(document.refuse(list.span(), "is empty").expected("at least one export"));
         }
-        Ok(files)
+        let mut excluded = Vec::new();
+        for name in exclude {
+            // A name alone is of the folder of any of them, as a message says it.
+            let pattern = document.resolve(name.get_ref());
+            let parts: Vec<&str> = name.get_ref().split('*').collect();
+            let is_named = |path: &PathBuf| {
+                path.file_name().is_some_and(|file| fits(&file.to_string_lossy(), &parts))
+                    || matching(document.source(), &pattern).contains(path)
+            };
+            let named: Vec<PathBuf> = files.extract_if(.., |path| is_named(path)).collect();
+            if named.is_empty() {
+                let expected = "the name of an export that `files` names, each once";
+                return Err(document.refuse(name.span(), "leaves out none of the files").expected(expected));
+            }
+            excluded.extend(named);
+        }
+        if files.is_empty() {
+            let expected = "an `exclude` that leaves at least one export";
+            return Err(document.refuse(list.span(), "is left out as a whole").expected(expected));
+        }
+        Ok((files, excluded))
     }
 }
 

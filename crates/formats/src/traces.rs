@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use slipgrid_calibrate::{Measurement, StaticPeak};
 use slipgrid_traces::export::{Recorded, TraceFile, parse};
-use slipgrid_traces::{Repeats, TraceFindings, TraceFlag, TraceOptions, analyse, average};
+use slipgrid_traces::{OddRepeat, Repeats, TraceFindings, TraceFlag, TraceOptions, analyse, average, odd_repeats};
 
 use super::document::Document;
 use super::measured::Placed;
@@ -48,6 +48,14 @@ pub struct TraceSetup {
     pub static_peak: bool,
 }
 
+impl TraceSetup {
+    /// Traces with the titles of columns that are known; `effective_radius_m` in metres.
+    #[must_use]
+    pub const fn new(effective_radius_m: Option<f64>, specimens: u32, static_peak: bool) -> Self {
+        Self { effective_radius_m, specimens, static_peak }
+    }
+}
+
 /// The trial of a calibration that traces belong to.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct OfTrial {
@@ -76,13 +84,15 @@ pub struct TraceCondition {
     pub stroke_share: Option<f64>,
     /// Exports, in the order of their names.
     pub files: Vec<PathBuf>,
+    /// Exports that `exclude` left out.
+    pub excluded: Vec<PathBuf>,
 }
 
 impl TraceCondition {
     /// Whether `other` is the same condition of the same sample, read in the same way: its exports are further repeats.
     #[must_use]
     pub fn is_repeated_by(&self, other: &Self) -> bool {
-        Self { files: other.files.clone(), ..self.clone() } == *other
+        Self { files: other.files.clone(), excluded: other.excluded.clone(), ..self.clone() } == *other
     }
 
     /// The sample in words: `flat sample`, or the name of a trial.
@@ -234,10 +244,35 @@ pub(crate) fn analyse_among(
         return Err(first);
     }
     let findings: Vec<TraceFindings> = traces.iter().map(|trace| trace.findings.clone()).collect();
+    let friction: Vec<(f64, f64)> = findings.iter().map(|found| (found.window.mu, found.window.stderr)).collect();
+    for odd in odd_repeats(&friction) {
+        let labels = [traces[0].label.clone(), traces[odd.index].label.clone()];
+        traces[odd.index].flags.push(words_of_odd(&odd, friction[odd.index].0, &labels));
+    }
     match average(&findings) {
         Some(mean) => Ok(ConditionTraces { condition: condition.clone(), traces, mean }),
         None => Err(Diagnostic { reason: "no traces were given".into(), ..Diagnostic::default() }),
     }
+}
+
+/// Says how a repeat differs from the others, and how it is left out; `first` is the first of two.
+fn words_of_odd(odd: &OddRepeat, mu: f64, [first, own]: &[String; 2]) -> String {
+    let (amount, others) = (100.0 * odd.relative.abs(), odd.others);
+    let side = if odd.relative < 0.0 { "below" } else { "above" };
+    let differs = match odd.others_differ {
+        Some(differ) => format!(
+            "mu {mu:.4} is {amount:.0} % {side} the mean {others:.4} of the other repeats, which differ by {:.1} %: it may be spoilt, and \
+             counts all the same",
+            100.0 * differ
+        ),
+        None => format!(
+            "mu {mu:.4} is {amount:.0} % {side} the {others:.4} of {first}: one of the two may be spoilt, and a third repeat would tell which; \
+             both count"
+        ),
+    };
+    let (file, inside) =
+        own.split_once(", repeat ").map_or((own.as_str(), ""), |(file, _)| (file, "its rows removed or "));
+    format!("{differs}; {inside}`exclude = [\"{file}\"]` in its condition leaves it out")
 }
 
 /// Reads the export at `path` of `source`; `effective_radius_m` turns revolutions into speed.
@@ -306,6 +341,11 @@ pub fn notes(conditions: &[ConditionTraces]) -> Vec<String> {
         );
         for trace in &traces.traces {
             notes.extend(trace.flags.iter().map(|flag| format!("{place}, {}: {flag}", trace.label)));
+        }
+        if !condition.excluded.is_empty() {
+            let names = condition.excluded.iter().filter_map(|path| path.file_name());
+            let names: Vec<String> = names.map(|name| name.to_string_lossy().into_owned()).collect();
+            notes.push(format!("{place}: {} left out by `exclude`", names.join(", ")));
         }
         if traces.mean.count == 1 {
             notes

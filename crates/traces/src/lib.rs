@@ -10,6 +10,7 @@
 //! | [`TraceError`], [`TraceFlag`] | why a trace was refused, what is odd about one that was not |
 //! | [`TraceOptions::stroke_share`] | sliding back and forth: friction of the middle of every stroke |
 //! | [`average`], [`Repeats`] | repeats of one condition |
+//! | [`odd_repeats`], [`OddRepeat`] | repeats that are not like the others |
 //!
 //! ```text
 //! mu(t) = M(t) / (N(t) r_eff)   of a torque M,     mu(t) = F(t) / N(t)   of a friction force F
@@ -60,7 +61,7 @@ mod time_series;
 mod trace_errors;
 
 pub use averaging_window::WindowMean;
-pub use repeats::{MeanStd, Repeats, average};
+pub use repeats::{MeanStd, OddRepeat, Repeats, average, odd_repeats};
 pub use run_in::RunIn;
 pub use static_peak::TracePeak;
 pub use stick_slip::StickSlip;
