@@ -4,6 +4,7 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
+use slipgrid_traces::columns::{Channel, Titles};
 use slipgrid_traces::{DEFAULT_STROKE_SHARE, DEFAULT_WINDOW_S};
 use toml::Spanned;
 
@@ -33,8 +34,63 @@ pub struct TracesFile {
     reciprocating: Option<bool>,
     /// Share of every stroke, about its middle, that is averaged with `reciprocating`; 0.5 when absent.
     stroke_share: Option<Number>,
+    /// Titles of columns that are not among the known ones, as `{ friction_force = "F_tan", normal_force = "F_norm [mN]" }`.
+    columns: Option<ColumnsFile>,
     /// One table a condition; needed unless a trial has `[[trial.traces]]`.
     condition: Option<Spanned<Vec<TraceConditionFile>>>,
+}
+
+/// Titles of one's own for columns of exports; the known titles of the same quantity then mean nothing.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ColumnsFile {
+    /// Title of the column of time; the unit in its brackets is that of a column that names none, s without it.
+    time: Option<Spanned<String>>,
+    /// Of the torque; N m without a unit.
+    torque: Option<Spanned<String>>,
+    /// Of the friction force; N without a unit.
+    friction_force: Option<Spanned<String>>,
+    /// Of the friction coefficient.
+    friction_coefficient: Option<Spanned<String>>,
+    /// Of the normal force; N without a unit.
+    normal_force: Option<Spanned<String>>,
+    /// Of the sliding speed; mm/s without a unit.
+    speed: Option<Spanned<String>>,
+    /// Of the revolutions; rpm without a unit.
+    revolutions: Option<Spanned<String>>,
+    /// Of the relative humidity; % without a unit.
+    humidity: Option<Spanned<String>>,
+    /// Of the number of the repeat.
+    repeat: Option<Spanned<String>>,
+}
+
+impl ColumnsFile {
+    fn titles(&self, document: &Document) -> Result<Titles, Diagnostic> {
+        let mut titles = Titles::default();
+        for (channel, title) in [
+            (Channel::Time, &self.time),
+            (Channel::Torque, &self.torque),
+            (Channel::FrictionForce, &self.friction_force),
+            (Channel::Coefficient, &self.friction_coefficient),
+            (Channel::NormalForce, &self.normal_force),
+            (Channel::Speed, &self.speed),
+            (Channel::Revolutions, &self.revolutions),
+            (Channel::Humidity, &self.humidity),
+            (Channel::Repeat, &self.repeat),
+        ] {
+            let Some(title) = title else { continue };
+            if !title.get_ref().contains(char::is_alphanumeric) {
+                return Err(document
+                    .refuse(title.span(), "is no title")
+                    .expected("letters or digits of the title of a column"));
+            }
+            titles.name(channel, title.get_ref()).map_err(|unknown| {
+                let [reason, expected] = unknown.words();
+                document.refuse(title.span(), reason).expected(expected)
+            })?;
+        }
+        Ok(titles)
+    }
 }
 
 /// Exports of one condition; tables of one condition are repeats of it.
@@ -113,6 +169,9 @@ impl<'d> TraceReader<'d> {
                 effective_radius_m,
                 specimens,
                 static_peak: file.and_then(|file| file.static_peak).unwrap_or(true),
+                titles: file
+                    .and_then(|file| file.columns.as_ref())
+                    .map_or(Ok(Titles::default()), |columns| columns.titles(document))?,
             },
             window_s: window_s.unwrap_or(DEFAULT_WINDOW_S),
             reciprocating,

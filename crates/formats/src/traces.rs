@@ -4,6 +4,7 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use slipgrid_calibrate::{Measurement, StaticPeak};
+use slipgrid_traces::columns::Titles;
 use slipgrid_traces::export::{Recorded, TraceFile, parse};
 use slipgrid_traces::{OddRepeat, Repeats, TraceFindings, TraceFlag, TraceOptions, analyse, average, odd_repeats};
 
@@ -38,7 +39,7 @@ impl SurfaceKind {
 }
 
 /// How all traces of a calibration are read.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct TraceSetup {
     /// Distance from the axis to a specimen's centre, in metres; a torque needs it.
     pub effective_radius_m: Option<f64>,
@@ -46,13 +47,15 @@ pub struct TraceSetup {
     pub specimens: u32,
     /// Look for a static peak.
     pub static_peak: bool,
+    /// Titles of columns beside those that are known.
+    pub titles: Titles,
 }
 
 impl TraceSetup {
     /// Traces with the titles of columns that are known; `effective_radius_m` in metres.
     #[must_use]
-    pub const fn new(effective_radius_m: Option<f64>, specimens: u32, static_peak: bool) -> Self {
-        Self { effective_radius_m, specimens, static_peak }
+    pub fn new(effective_radius_m: Option<f64>, specimens: u32, static_peak: bool) -> Self {
+        Self { effective_radius_m, specimens, static_peak, titles: Titles::default() }
     }
 }
 
@@ -196,7 +199,7 @@ pub(crate) fn analyse_among(
     };
     let (mut traces, mut refused) = (Vec::new(), Vec::new());
     for path in &condition.files {
-        let file = read_export(source, path, setup.effective_radius_m)?;
+        let file = read_export(source, path, setup)?;
         let several = file.repeats.len() > 1;
         for repeat in &file.repeats {
             let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
@@ -275,17 +278,17 @@ fn words_of_odd(odd: &OddRepeat, mu: f64, [first, own]: &[String; 2]) -> String 
     format!("{differs}; {inside}`exclude = [\"{file}\"]` in its condition leaves it out")
 }
 
-/// Reads the export at `path` of `source`; `effective_radius_m` turns revolutions into speed.
-fn read_export(source: &Source, path: &Path, effective_radius_m: Option<f64>) -> Result<TraceFile, Diagnostic> {
-    parse_export(path, &read_letters(source, path, "a table of traces")?, effective_radius_m)
+/// Reads the export at `path` of `source`.
+fn read_export(source: &Source, path: &Path, setup: &TraceSetup) -> Result<TraceFile, Diagnostic> {
+    parse_export(path, &read_letters(source, path, "a table of traces")?, setup)
 }
 
 /// Reads an export from its text; `path` names it in messages.
 ///
 /// # Errors
 /// [`Diagnostic`] that names line and column of what was refused.
-pub fn parse_export(path: &Path, text: &str, effective_radius_m: Option<f64>) -> Result<TraceFile, Diagnostic> {
-    parse(text, effective_radius_m).map_err(|refused| Diagnostic {
+pub fn parse_export(path: &Path, text: &str, setup: &TraceSetup) -> Result<TraceFile, Diagnostic> {
+    parse(text, setup.effective_radius_m, &setup.titles).map_err(|refused| Diagnostic {
         line: refused.line,
         key: refused.column.map(Into::into),
         value: refused.value.map(Into::into),

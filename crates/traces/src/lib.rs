@@ -3,7 +3,7 @@
 //! | item | role |
 //! |---|---|
 //! | [`export::parse`], [`export::TraceFile`] | the text of an instrument's export, and the repeats in it |
-//! | [`columns`] | names and units of columns |
+//! | [`columns`], [`columns::Titles`] | names and units of columns, and titles of one's own |
 //! | [`cells`] | cells of a table, with any separator and decimal sign |
 //! | [`TraceChannels`], [`TraceOptions`] | what was recorded, and how it is read |
 //! | [`analyse`], [`TraceFindings`] | friction against time, its mean, static peak, stick-slip, flags |
@@ -23,7 +23,7 @@
 //! whole periods:
 //!
 //! ```
-//! use slipgrid_traces::{TraceOptions, analyse, export};
+//! use slipgrid_traces::{TraceOptions, analyse, columns::Titles, export};
 //! let mut text = String::from("Time [ms];Fx [N];Fz [N]\n");
 //! for sample in 0..=300 {
 //!     let t = f64::from(sample) * 0.01;
@@ -31,7 +31,7 @@
 //!     let mu = if t < 1.0 { 0.3 * t } else { 0.25 + ripple };
 //!     text += &format!("{:.0};{};50\n", t * 1000.0, 50.0 * mu);
 //! }
-//! let file = export::parse(&text, None)?;
+//! let file = export::parse(&text, None, &Titles::default())?;
 //! let options = TraceOptions {
 //!     window_s: [1.5, 2.5],
 //!     effective_radius_m: 1.0,

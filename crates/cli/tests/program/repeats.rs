@@ -64,3 +64,30 @@ fn a_spoilt_repeat_is_named_everywhere_and_can_be_left_out() {
     let pair = place.succeed(&[&["traces", "sp-1.txt", "sp-3.txt"], &FLAGS[..]].concat());
     assert!(pair.contains("36 % above the 0.3050 of sp-1.txt: one of the two may be spoilt"), "{pair}");
 }
+
+#[test]
+fn titles_of_ones_own_are_given_in_the_calibration() {
+    let header = HEADER.replace("Reibkraft", "F_tan").replace("Normalkraft", "F_norm");
+    let place = Place::with(&[("sp-1.txt", &run(&header, 1, 0.304)), ("sp-2.txt", &run(&header, 2, 0.306))]);
+    let refused = place.refuse(&[&["traces", "sp-1.txt"], &FLAGS[..]].concat());
+    let proposed = "columns = { friction_force = \"...\", normal_force = \"...\" }";
+    assert!(
+        refused.contains("sp-1.txt:1: `t [s];x [mm];F_tan [N];F_norm [N]`") && refused.contains(proposed),
+        "{refused}"
+    );
+    let columns = "columns = { friction_force = \"F_tan\", normal_force = \"F_norm\" }\n";
+    fs::write(place.path("c.toml"), calibration(columns, "")).unwrap();
+    let told = place.succeed(&["traces", "c.toml"]);
+    assert!(told.contains("mean of 2  0.3050"), "{told}");
+    for (columns, says) in [
+        (
+            "columns = { normal_force = \"F_norm [psi]\" }\n",
+            "normal_force: \"F_norm [psi]\" has the unit \"psi\", which is not known",
+        ),
+        ("columns = { normal_force = \"-\" }\n", "normal_force: \"-\" is no title"),
+    ] {
+        fs::write(place.path("c.toml"), calibration(columns, "")).unwrap();
+        let refused = place.refuse(&["traces", "c.toml"]);
+        assert!(refused.contains(says), "{refused}");
+    }
+}
