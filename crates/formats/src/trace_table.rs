@@ -62,6 +62,8 @@ pub struct ColumnsFile {
     humidity: Option<Spanned<String>>,
     /// Of the number of the repeat.
     repeat: Option<Spanned<String>>,
+    /// Of the position along the way of sliding; not read without a unit.
+    position: Option<Spanned<String>>,
 }
 
 impl ColumnsFile {
@@ -77,6 +79,7 @@ impl ColumnsFile {
             (Channel::Revolutions, &self.revolutions),
             (Channel::Humidity, &self.humidity),
             (Channel::Repeat, &self.repeat),
+            (Channel::Position, &self.position),
         ] {
             let Some(title) = title else { continue };
             if !title.get_ref().contains(char::is_alphanumeric) {

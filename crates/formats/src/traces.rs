@@ -6,10 +6,13 @@ use std::path::{Path, PathBuf};
 use slipgrid_calibrate::{Measurement, StaticPeak};
 use slipgrid_traces::columns::Titles;
 use slipgrid_traces::export::{Recorded, TraceFile, parse};
-use slipgrid_traces::{OddRepeat, Repeats, TraceFindings, TraceFlag, TraceOptions, analyse, average, odd_repeats};
+use slipgrid_traces::{
+    OddRepeat, Repeats, TraceFindings, TraceFlag, TraceOptions, analyse, average, odd_repeats, speed_of_position,
+};
 
 use super::document::Document;
 use super::measured::Placed;
+pub use super::trace_notes::notes;
 use crate::diagnostic::Diagnostic;
 use crate::plausible::FRICTION;
 use crate::source::{Source, read_letters};
@@ -153,6 +156,8 @@ impl ConditionTraces {
 
 /// Departure of a recorded speed from the nominal one that is told.
 const SPEED_OFF: f64 = 0.1;
+/// The same of a speed that the recorded position says: strokes are not all of one speed.
+const POSITION_OFF: f64 = 0.2;
 /// Departure of a recorded humidity that is told.
 const HUMIDITY_OFF: f64 = 0.05;
 
@@ -315,6 +320,22 @@ fn departures(condition: &TraceCondition, repeat: &Recorded) -> Vec<String> {
         let (found, nominal) = (SPEED_MM_S.from_si(speed), SPEED_MM_S.from_si(condition.speed_m_s));
         flags.push(format!("the recorded speed is {found:.3} mm/s, not the nominal {nominal}"));
     }
+    let moved = speed_of_position(
+        &repeat.channels.time_s,
+        &repeat.position_m,
+        condition.window_s,
+        condition.stroke_share.is_some(),
+    );
+    // A position that hardly changes is not that of sliding: where a pin stands on its disc, or how far it is worn.
+    let moved = moved.map(|speed| speed / condition.speed_m_s).filter(|ratio| *ratio > STILL);
+    if let Some(ratio) = moved.filter(|ratio| (ratio - 1.0).abs() > POSITION_OFF) {
+        let nominal = SPEED_MM_S.from_si(condition.speed_m_s);
+        let found = ratio * nominal;
+        flags.push(format!(
+            "the recorded position moves at {found:.3} mm/s in the window, not at the nominal {nominal}: speed, its unit or that of the \
+             position is wrong"
+        ));
+    }
     if let Some(humidity) = repeat.humidity.filter(|h| (h - condition.humidity).abs() > HUMIDITY_OFF) {
         let (found, nominal) = (HUMIDITY_PCT.from_si(humidity), HUMIDITY_PCT.from_si(condition.humidity));
         flags.push(format!("the recorded humidity is {found:.1} %, not the nominal {nominal}"));
@@ -327,44 +348,4 @@ fn departures(condition: &TraceCondition, repeat: &Recorded) -> Vec<String> {
         flags.push(format!("{} rows without a number were left out", repeat.incomplete_rows));
     }
     flags
-}
-
-/// Notes of a condition for a material's provenance.
-#[must_use]
-pub fn notes(conditions: &[ConditionTraces]) -> Vec<String> {
-    let mut notes = Vec::new();
-    for traces in conditions {
-        let condition = &traces.condition;
-        let place = format!(
-            "{}, {} N, {} mm/s, {} %",
-            condition.sample(),
-            condition.force_n,
-            SPEED_MM_S.from_si(condition.speed_m_s),
-            HUMIDITY_PCT.from_si(condition.humidity)
-        );
-        for trace in &traces.traces {
-            notes.extend(trace.flags.iter().map(|flag| format!("{place}, {}: {flag}", trace.label)));
-        }
-        if !condition.excluded.is_empty() {
-            let names = condition.excluded.iter().filter_map(|path| path.file_name());
-            let names: Vec<String> = names.map(|name| name.to_string_lossy().into_owned()).collect();
-            notes.push(format!("{place}: {} left out by `exclude`", names.join(", ")));
-        }
-        if traces.mean.count == 1 {
-            notes
-                .push(format!("{place}: one repeat; its deviation is the error within the trace, not between repeats"));
-        }
-        if traces.mean.stick_slips > 0 {
-            let (found, of) = (traces.mean.stick_slips, traces.mean.count);
-            notes.push(format!(
-                "{place}: stick-slip in {found} of {of} repeat{}; the model has no stick-slip of the whole sample",
-                if of == 1 { "" } else { "s" }
-            ));
-        }
-        if (1..traces.mean.count).contains(&traces.mean.peaks) {
-            let (found, of) = (traces.mean.peaks, traces.mean.count);
-            notes.push(format!("{place}: a static peak in {found} of {of} repeats only; it is not fitted"));
-        }
-    }
-    notes
 }

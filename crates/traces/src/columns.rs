@@ -23,11 +23,13 @@ pub enum Channel {
     Humidity,
     /// Number of the repeat.
     Repeat,
+    /// Position along the way of sliding, or the way itself; not used without a known unit.
+    Position,
 }
 
 impl Channel {
     /// How many there are.
-    pub const COUNT: usize = 9;
+    pub const COUNT: usize = 10;
 
     /// A trace cannot be read without some of these columns.
     #[must_use]
@@ -76,6 +78,19 @@ impl Channel {
             }
             Self::Humidity => &["humidity", "rh", "relativehumidity", "luftfeuchte", "feuchte"],
             Self::Repeat => &["repeat", "repetition", "run", "test", "wiederholung"],
+            Self::Position => &[
+                "position",
+                "pos",
+                "x",
+                "displacement",
+                "stroke",
+                "distance",
+                "slidingdistance",
+                "weg",
+                "gleitweg",
+                "hub",
+                "deplacement",
+            ],
         }
     }
 
@@ -101,6 +116,7 @@ impl Channel {
             Self::Revolutions => "revolutions",
             Self::Humidity => "humidity",
             Self::Repeat => "number of the repeat",
+            Self::Position => "position",
         }
     }
 
@@ -114,6 +130,7 @@ impl Channel {
             Self::Speed => "mm/s, m/s, cm/s, um/s, mm/min, cm/min, m/min, um/min, km/h or those of revolutions",
             Self::Revolutions => "rpm, 1/min, r/min, rev/min, U/min, 1/s, rps, rev/s, Hz or rad/s",
             Self::Humidity => "%, %RH, %rF, pct or percent",
+            Self::Position => "mm, m, cm, um or nm",
             Self::Coefficient | Self::Repeat => "a column without a unit",
         }
     }
@@ -208,7 +225,13 @@ impl Channel {
             ],
             Self::Coefficient => &[("", 1.0), ("1", 1.0)],
             Self::Repeat => &[("", 1.0)],
+            Self::Position => &[("mm", 1e-3), ("m", 1.0), ("cm", 1e-2), ("um", 1e-6), ("nm", 1e-9)],
         }
+    }
+
+    /// What turns numbers without a unit into SI; of a position no number, as a title like `x` may be of anything.
+    const fn usual_factor(self) -> f64 {
+        if matches!(self, Self::Position) { f64::NAN } else { self.units()[0].1 }
     }
 
     /// All of them.
@@ -222,6 +245,7 @@ impl Channel {
         Self::Revolutions,
         Self::Humidity,
         Self::Repeat,
+        Self::Position,
     ];
 }
 
@@ -324,7 +348,7 @@ impl Titles {
     pub fn name(&mut self, channel: Channel, title: &str) -> Result<(), UnknownUnit> {
         let written = unquoted(title);
         let (name, unit) = written.find(['[', '(', '{']).map_or((written, ""), |at| written.split_at(at));
-        let mut column = Column { channel, name: written.to_owned(), factor: channel.units()[0].1 };
+        let mut column = Column { channel, name: written.to_owned(), factor: channel.usual_factor() };
         column.set_unit(unit)?;
         self.0.push(Title { channel: column.channel, letters: letters(name), factor: column.factor });
         Ok(())
@@ -346,7 +370,7 @@ impl Titles {
         }
         let known = Channel::ALL.into_iter().find(|channel| channel.names().contains(&&letters[..]))?;
         let is_taken = self.0.iter().any(|title| title.channel == known);
-        (!is_taken).then(|| (known, known.units()[0].1))
+        (!is_taken).then(|| (known, known.usual_factor()))
     }
 }
 
@@ -380,6 +404,8 @@ fn column(cell: &str, titles: &Titles) -> Result<Option<Column>, UnknownUnit> {
         let mut column = Column { channel, name: written.to_owned(), factor };
         match column.set_unit(&written[at + 1..]) {
             Ok(()) => return Ok(Some(column)),
+            // A position that cannot be read is not needed.
+            Err(_) if channel == Channel::Position => {}
             Err(unit) => unknown = Some(unit),
         }
     }

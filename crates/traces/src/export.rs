@@ -15,6 +15,8 @@ pub struct Recorded {
     pub speed_m_s: Option<f64>,
     /// Mean recorded humidity, 0 to 1, where there is such a column.
     pub humidity: Option<f64>,
+    /// Recorded position of every sample, in metres, no number where it was not recorded; empty where there is no such column with a unit.
+    pub position_m: Vec<f64>,
     /// Rows without a number in a needed column: left out.
     pub incomplete_rows: usize,
     /// Rows that repeat the row before them: left out.
@@ -101,7 +103,12 @@ pub fn parse(text: &str, effective_radius_m: Option<f64>, titles: &Titles) -> Re
         if !cells.iter().any(|cell| number_in(cell, separator).is_some()) {
             for (column, cell) in layout.iter_mut().zip(&cells) {
                 if let Some(column) = column {
-                    column.set_unit(cell).map_err(|unknown| ExportError::unit(number, &unknown))?;
+                    match column.set_unit(cell) {
+                        Err(unknown) if column.channel != Channel::Position => {
+                            return Err(ExportError::unit(number, &unknown));
+                        }
+                        _ => {}
+                    }
                 }
             }
             rows.next();
@@ -113,6 +120,10 @@ pub fn parse(text: &str, effective_radius_m: Option<f64>, titles: &Titles) -> Re
     if layout.iter().any(|column| is(column, Channel::Torque) || is(column, Channel::FrictionForce)) {
         // What the instrument computed from it is not needed.
         layout.iter_mut().filter(|column| is(column, Channel::Coefficient)).for_each(|column| *column = None);
+    }
+    // Of several positions, and of one without a unit, none is known to be that of sliding.
+    if layout.iter().filter(|column| is(column, Channel::Position)).count() > 1 {
+        layout.iter_mut().filter(|column| is(column, Channel::Position)).for_each(|column| *column = None);
     }
     let needs_load = layout.iter().any(|column| is(column, Channel::NormalForce));
 
@@ -279,8 +290,8 @@ fn read_row(layout: &[Option<Column>], cells: &[&str], separator: char) -> Resul
     for (column, cell) in layout.iter().zip(cells) {
         let Some(column) = column else { continue };
         match number_in(cell, separator) {
-            Some(value) => row.0[column.channel as usize] = Some(column.to_si(value)),
-            None if is_missing(cell) => {}
+            Some(value) => row.0[column.channel as usize] = Some(column.to_si(value)).filter(|value| !value.is_nan()),
+            None if is_missing(cell) || column.channel == Channel::Position => {}
             None => return Err((column.name().to_owned(), unquoted(cell).to_owned())),
         }
     }
@@ -298,6 +309,7 @@ struct Table {
     speed_m_s: Vec<f64>,
     turns_per_s: Vec<f64>,
     humidity: Vec<f64>,
+    position_m: Vec<f64>,
     incomplete: usize,
     repeated: usize,
     last: Option<Row>,
@@ -329,6 +341,7 @@ impl Table {
         self.coefficient.extend(coefficient);
         self.speed_m_s.extend(row.get(Channel::Speed).map(f64::abs));
         self.turns_per_s.extend(row.get(Channel::Revolutions).map(f64::abs));
+        self.position_m.push(row.get(Channel::Position).unwrap_or(f64::NAN));
         self.humidity.extend(row.get(Channel::Humidity));
     }
 
@@ -343,6 +356,7 @@ impl Table {
             number,
             speed_m_s: mean(&self.speed_m_s).or(turning).filter(|speed| speed.is_finite()),
             humidity: mean(&self.humidity),
+            position_m: if self.position_m.iter().any(|x| x.is_finite()) { self.position_m } else { Vec::new() },
             incomplete_rows: self.incomplete,
             repeated_rows: self.repeated,
             channels: TraceChannels {

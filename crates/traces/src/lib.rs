@@ -9,6 +9,7 @@
 //! | [`analyse`], [`TraceFindings`] | friction against time, its mean, static peak, stick-slip, flags |
 //! | [`TraceError`], [`TraceFlag`] | why a trace was refused, what is odd about one that was not |
 //! | [`TraceOptions::stroke_share`] | sliding back and forth: friction of the middle of every stroke |
+//! | [`speed_of_position`] | speed from a recorded position |
 //! | [`average`], [`Repeats`] | repeats of one condition |
 //! | [`odd_repeats`], [`OddRepeat`] | repeats that are not like the others |
 //!
@@ -52,6 +53,7 @@ mod averaging_window;
 pub mod cells;
 pub mod columns;
 pub mod export;
+mod position;
 mod repeats;
 mod run_in;
 mod static_peak;
@@ -61,6 +63,7 @@ mod time_series;
 mod trace_errors;
 
 pub use averaging_window::WindowMean;
+pub use position::speed_of_position;
 pub use repeats::{MeanStd, OddRepeat, Repeats, average, odd_repeats};
 pub use run_in::RunIn;
 pub use static_peak::TracePeak;

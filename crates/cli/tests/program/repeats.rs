@@ -91,3 +91,50 @@ fn titles_of_ones_own_are_given_in_the_calibration() {
         assert!(refused.contains(says), "{refused}");
     }
 }
+
+#[test]
+fn a_stated_speed_that_the_position_does_not_have_is_told() {
+    let bare = run(HEADER, 1, 0.305).replace("x [mm]", "x");
+    let place = Place::with(&[("sp-1.txt", &run(HEADER, 1, 0.305)), ("bare.txt", &bare)]);
+    let told = |file: &str, speed: &str| {
+        place.succeed(&["traces", file, "--force-n", "60", "--speed-mm-s", speed, "--humidity-pct", "45"])
+    };
+    let fast = told("sp-1.txt", "50");
+    assert!(fast.contains("position moves at 2.000 mm/s in the window, not at the nominal 50"), "{fast}");
+    for (file, speed) in [("sp-1.txt", "2"), ("sp-1.txt", "2.3"), ("bare.txt", "50")] {
+        let told = told(file, speed);
+        assert!(!told.contains("position"), "{told}");
+    }
+}
+
+#[test]
+fn an_offset_of_all_traces_is_told_once() {
+    // Strokes of half a second, with an offset of the sensor of 12 to 14 % of friction.
+    let strokes = |seed: u32, offset: f64| {
+        let mut text = "time_s,friction_force_n,normal_force_n\n".to_owned();
+        for i in 0..=4500 {
+            let t = 0.01 * f64::from(i);
+            let side = if (2.0 * t + 1e-6).floor() % 2.0 == 0.0 { 1.0 } else { -1.0 };
+            let ripple = 1e-3 * (1.7 * f64::from(i * (seed + 3))).sin();
+            writeln!(text, "{t:.3},{:.5},60.0", (0.3 * (1.0 + 1e-3 * f64::from(seed)) * side + ripple + offset) * 60.0)
+                .unwrap();
+        }
+        text
+    };
+    let place = Place::with(&[
+        ("sp-1.txt", &strokes(1, 0.036)),
+        ("sp-2.txt", &strokes(2, 0.039)),
+        ("sp-3.txt", &strokes(3, 0.042)),
+        ("c.toml", &calibration("reciprocating = true\n", "")),
+    ]);
+    for command in [&["traces", "c.toml", "-o", "out"][..], &["calibrate", "c.toml", "-o", "m.toml"]] {
+        let told = place.succeed(command);
+        assert!(
+            told.contains("in 3 of 3 traces strokes there and back differ by an offset, from +0.0360 to +0.0420, 12 to 14 % of friction"),
+            "{told}"
+        );
+        assert_eq!(told.matches("there and back").count(), 1, "{told}");
+    }
+    // Each trace keeps its own in the table.
+    assert_eq!(fs::read_to_string(place.path("out/traces.csv")).unwrap().matches("there and back").count(), 3);
+}
