@@ -359,7 +359,11 @@ impl Titles {
     pub fn of(&self, channel: Channel) -> String {
         let own: Vec<&str> =
             self.0.iter().filter(|title| title.channel == channel).map(|title| &title.letters[..]).collect();
-        if own.is_empty() { channel.names().join(", ") } else { format!("{}, as `columns` says", own.join(", ")) }
+        if own.is_empty() {
+            channel.names()[..channel.names().len().min(3)].join(", ") + ", ..."
+        } else {
+            format!("{}, as `columns` says", own.join(", "))
+        }
     }
 
     /// What a name means, and the factor of the unit that it has where none stands beside it.

@@ -171,8 +171,7 @@ pub fn parse(text: &str, effective_radius_m: Option<f64>, titles: &Titles) -> Re
 }
 
 /// Where titles of one's own are given, and where those that are known are listed.
-const OWN_TITLES: &str =
-    "in [traces] of a calibration; crates/book/src/reference/trace-columns.md lists all titles and units";
+const OWN_TITLES: &str = "in [traces]; crates/book/src/reference/trace-columns.md lists all";
 
 /// What is needed and not there, in words, and the titles that would be it.
 fn lacks(lacking: &[&[Channel]], titles: &Titles) -> [String; 2] {
@@ -218,7 +217,13 @@ fn no_header<'a>(lines: impl Iterator<Item = (u32, &'a str)>, titles: &Titles) -
     let needed: [&[Channel]; 3] = [&[Channel::Time], &FRICTION, &[Channel::NormalForce]];
     let lacking: Vec<&[Channel]> = needed.into_iter().filter(|channels| !is_there(channels)).collect();
     let [missing, expected] = lacks(&lacking, titles);
-    let shown: String = line.trim().chars().take(200).collect();
+    let shown: String = line
+        .trim()
+        .chars()
+        .filter(|c| !c.is_control() || *c == '\t')
+        .map(|c| if c == '\t' { ' ' } else { c })
+        .take(80)
+        .collect();
     ExportError::at(
         Some(number),
         format!("`{shown}` looks most like the titles of columns, but none is {missing}"),
@@ -238,10 +243,13 @@ fn check_layout(
         .iter()
         .zip(layout)
         .filter(|(cell, column)| column.is_none() && !cell.is_empty())
-        .map(|(cell, _)| format!("`{}`", unquoted(cell)))
+        .map(|(cell, _)| {
+            format!("`{}`", unquoted(cell).chars().filter(|c| !c.is_control()).take(40).collect::<String>())
+        })
         .collect();
     let absent = |channels: &[Channel]| {
         let [missing, expected] = lacks(&[channels], titles);
+        let unknown = &unknown[..unknown.len().min(4)];
         let among = if unknown.is_empty() { String::new() } else { format!("; not known are {}", unknown.join(", ")) };
         refuse(&format!("no column is {missing}{among}"), &expected)
     };
