@@ -46,8 +46,9 @@ fn the_chapter_of_columns_is_generated_from_what_reads_them() {
     let mut chapter = "# Columns of traces\n\nThis chapter is generated from the code that reads the exports. Of a title only letters and digits \
                        are compared, whether capital or small: `Normal force`, `normal_force` and `NormalForce` are the same. The unit stands behind the \
                        title in brackets, behind a slash or an underscore, or in a line of its own below the titles. Without a unit, the \
-                       first unit of this table is assumed. Separators are tabs, semicolons or commas; the decimal \
-                       sign is a point or a comma. Columns with other titles are not read, and may be empty.\n\n\
+                       first unit of this table is assumed; a position without a unit is not read. Separators are tabs, semicolons or commas; the decimal \
+                       sign is a point or a comma. Columns with other titles are not read, and may be empty, unless \
+                       `columns` in `[traces]` gives them a meaning.\n\n\
                        | column | titles | units |\n|---|---|---|\n"
         .to_owned();
     for channel in Channel::ALL {

@@ -67,6 +67,8 @@ pub struct Console<'a> {
     pub threads: usize,
     /// Results of earlier runs.
     pub kept: Option<KeptResults>,
+    /// They were declined with `--no-cache`.
+    pub no_cache: bool,
 }
 
 impl Console<'_> {
@@ -169,11 +171,11 @@ where
             return exit_code::FAILURE;
         }
     };
-    let quiet = arguments.quiet;
-    let kept = kept.filter(|_| !arguments.no_cache);
+    let (quiet, no_cache) = (arguments.quiet, arguments.no_cache);
+    let kept = kept.filter(|_| !no_cache);
     let threads = pool.current_num_threads();
     let (ended, told) = pool.install(|| {
-        let mut console = Console { out: &mut *out, err: &mut *err, quiet, threads, kept };
+        let mut console = Console { out: &mut *out, err: &mut *err, quiet, threads, kept, no_cache };
         let ended = commands::run(&arguments.command, &mut console);
         let told = console.out.flush();
         (ended, told)

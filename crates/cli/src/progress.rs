@@ -92,7 +92,8 @@ mod tests {
     #[test]
     fn shares_from_many_threads_add_up() {
         let (mut out, mut err) = (Vec::new(), Vec::new());
-        let mut console = Console { out: &mut out, err: &mut err, quiet: true, threads: 1, kept: None };
+        let mut console =
+            Console { out: &mut out, err: &mut err, quiet: true, threads: 1, kept: None, no_cache: false };
         let job = Job::new(&mut console);
         std::thread::scope(|scope| {
             for _ in 0..4 {

@@ -61,6 +61,7 @@ pub mod stored_pattern;
 pub mod surface;
 pub mod target;
 pub mod tolerances;
+mod trace_notes;
 mod trace_table;
 pub mod traces;
 pub mod trade_offs;

@@ -4,6 +4,7 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
+use slipgrid_traces::columns::{Channel, Titles};
 use slipgrid_traces::{DEFAULT_STROKE_SHARE, DEFAULT_WINDOW_S};
 use toml::Spanned;
 
@@ -33,8 +34,66 @@ pub struct TracesFile {
     reciprocating: Option<bool>,
     /// Share of every stroke, about its middle, that is averaged with `reciprocating`; 0.5 when absent.
     stroke_share: Option<Number>,
+    /// Titles of columns that are not among the known ones, as `{ friction_force = "F_tan", normal_force = "F_norm [mN]" }`.
+    columns: Option<ColumnsFile>,
     /// One table a condition; needed unless a trial has `[[trial.traces]]`.
     condition: Option<Spanned<Vec<TraceConditionFile>>>,
+}
+
+/// Titles of one's own for columns of exports; the known titles of the same quantity then mean nothing.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ColumnsFile {
+    /// Title of the column of time; the unit in its brackets is that of a column that names none, s without it.
+    time: Option<Spanned<String>>,
+    /// Of the torque; N m without a unit.
+    torque: Option<Spanned<String>>,
+    /// Of the friction force; N without a unit.
+    friction_force: Option<Spanned<String>>,
+    /// Of the friction coefficient.
+    friction_coefficient: Option<Spanned<String>>,
+    /// Of the normal force; N without a unit.
+    normal_force: Option<Spanned<String>>,
+    /// Of the sliding speed; mm/s without a unit.
+    speed: Option<Spanned<String>>,
+    /// Of the revolutions; rpm without a unit.
+    revolutions: Option<Spanned<String>>,
+    /// Of the relative humidity; % without a unit.
+    humidity: Option<Spanned<String>>,
+    /// Of the number of the repeat.
+    repeat: Option<Spanned<String>>,
+    /// Of the position along the way of sliding; not read without a unit.
+    position: Option<Spanned<String>>,
+}
+
+impl ColumnsFile {
+    fn titles(&self, document: &Document) -> Result<Titles, Diagnostic> {
+        let mut titles = Titles::default();
+        for (channel, title) in [
+            (Channel::Time, &self.time),
+            (Channel::Torque, &self.torque),
+            (Channel::FrictionForce, &self.friction_force),
+            (Channel::Coefficient, &self.friction_coefficient),
+            (Channel::NormalForce, &self.normal_force),
+            (Channel::Speed, &self.speed),
+            (Channel::Revolutions, &self.revolutions),
+            (Channel::Humidity, &self.humidity),
+            (Channel::Repeat, &self.repeat),
+            (Channel::Position, &self.position),
+        ] {
+            let Some(title) = title else { continue };
+            if !title.get_ref().contains(char::is_alphanumeric) {
+                return Err(document
+                    .refuse(title.span(), "is no title")
+                    .expected("letters or digits of the title of a column"));
+            }
+            titles.name(channel, title.get_ref()).map_err(|unknown| {
+                let [reason, expected] = unknown.words();
+                document.refuse(title.span(), reason).expected(expected)
+            })?;
+        }
+        Ok(titles)
+    }
 }
 
 /// Exports of one condition; tables of one condition are repeats of it.
@@ -51,6 +110,8 @@ pub struct TraceConditionFile {
     surface: Option<Spanned<String>>,
     /// Exports, each once; `*` stands for any letters.
     files: Spanned<Vec<Spanned<String>>>,
+    /// Exports of `files` that are left out, such as a spoilt repeat; `*` stands for any letters.
+    exclude: Option<Vec<Spanned<String>>>,
     /// Seconds between which friction of this condition is averaged; as `[traces]` says when absent.
     window_s: Option<NumberList>,
     /// The sample slides back and forth in this condition; as `[traces]` says when absent.
@@ -111,6 +172,9 @@ impl<'d> TraceReader<'d> {
                 effective_radius_m,
                 specimens,
                 static_peak: file.and_then(|file| file.static_peak).unwrap_or(true),
+                titles: file
+                    .and_then(|file| file.columns.as_ref())
+                    .map_or(Ok(Titles::default()), |columns| columns.titles(document))?,
             },
             window_s: window_s.unwrap_or(DEFAULT_WINDOW_S),
             reciprocating,
@@ -153,7 +217,10 @@ impl<'d> TraceReader<'d> {
         for file in list.get_ref() {
             let found = self.condition(file, trial)?;
             match all.iter_mut().find(|(_, other)| other.is_repeated_by(&found)) {
-                Some((_, other)) => other.files.extend(found.files),
+                Some((_, other)) => {
+                    other.files.extend(found.files);
+                    other.excluded.extend(found.excluded);
+                }
                 None => all.push((file.force_n.span(), found)),
             }
         }
@@ -194,7 +261,7 @@ impl<'d> TraceReader<'d> {
             (Some(share), true) => Some(document.number(share, STROKE_SHARE)?),
             (None, true) => Some(self.stroke_share.unwrap_or(DEFAULT_STROKE_SHARE)),
         };
-        let files = self.files(&file.files)?;
+        let (files, excluded) = self.files(&file.files, file.exclude.as_deref().unwrap_or_default())?;
         Ok(TraceCondition {
             surface,
             trial: trial.cloned(),
@@ -204,10 +271,16 @@ impl<'d> TraceReader<'d> {
             window_s,
             stroke_share,
             files,
+            excluded,
         })
     }
 
-    fn files(&mut self, list: &Spanned<Vec<Spanned<String>>>) -> Result<Vec<PathBuf>, Diagnostic> {
+    /// The exports of a list, and those of them that `exclude` leaves out.
+    fn files(
+        &mut self,
+        list: &Spanned<Vec<Spanned<String>>>,
+        exclude: &[Spanned<String>],
+    ) -> Result<(Vec<PathBuf>, Vec<PathBuf>), Diagnostic> {
         let document = self.document;
         let mut files = Vec::new();
         for name in list.get_ref() {
@@ -233,7 +306,27 @@ impl<'d> TraceReader<'d> {
         if files.is_empty() {
             return Err(document.refuse(list.span(), "is empty").expected("at least one export"));
         }
-        Ok(files)
+        let mut excluded = Vec::new();
+        for name in exclude {
+            // A name alone is of the folder of any of them, as a message says it.
+            let pattern = document.resolve(name.get_ref());
+            let parts: Vec<&str> = name.get_ref().split('*').collect();
+            let is_named = |path: &PathBuf| {
+                path.file_name().is_some_and(|file| fits(&file.to_string_lossy(), &parts))
+                    || matching(document.source(), &pattern).contains(path)
+            };
+            let named: Vec<PathBuf> = files.extract_if(.., |path| is_named(path)).collect();
+            if named.is_empty() {
+                let expected = "the name of an export that `files` names, each once";
+                return Err(document.refuse(name.span(), "leaves out none of the files").expected(expected));
+            }
+            excluded.extend(named);
+        }
+        if files.is_empty() {
+            let expected = "an `exclude` that leaves at least one export";
+            return Err(document.refuse(list.span(), "is left out as a whole").expected(expected));
+        }
+        Ok((files, excluded))
     }
 }
 

@@ -4,11 +4,15 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use slipgrid_calibrate::{Measurement, StaticPeak};
+use slipgrid_traces::columns::Titles;
 use slipgrid_traces::export::{Recorded, TraceFile, parse};
-use slipgrid_traces::{Repeats, TraceFindings, TraceFlag, TraceOptions, analyse, average};
+use slipgrid_traces::{
+    OddRepeat, Repeats, TraceFindings, TraceFlag, TraceOptions, analyse, average, odd_repeats, speed_of_position,
+};
 
 use super::document::Document;
 use super::measured::Placed;
+pub use super::trace_notes::notes;
 use crate::diagnostic::Diagnostic;
 use crate::plausible::FRICTION;
 use crate::source::{Source, read_letters};
@@ -38,7 +42,7 @@ impl SurfaceKind {
 }
 
 /// How all traces of a calibration are read.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct TraceSetup {
     /// Distance from the axis to a specimen's centre, in metres; a torque needs it.
     pub effective_radius_m: Option<f64>,
@@ -46,6 +50,16 @@ pub struct TraceSetup {
     pub specimens: u32,
     /// Look for a static peak.
     pub static_peak: bool,
+    /// Titles of columns beside those that are known.
+    pub titles: Titles,
+}
+
+impl TraceSetup {
+    /// Traces with the titles of columns that are known; `effective_radius_m` in metres.
+    #[must_use]
+    pub fn new(effective_radius_m: Option<f64>, specimens: u32, static_peak: bool) -> Self {
+        Self { effective_radius_m, specimens, static_peak, titles: Titles::default() }
+    }
 }
 
 /// The trial of a calibration that traces belong to.
@@ -76,13 +90,15 @@ pub struct TraceCondition {
     pub stroke_share: Option<f64>,
     /// Exports, in the order of their names.
     pub files: Vec<PathBuf>,
+    /// Exports that `exclude` left out.
+    pub excluded: Vec<PathBuf>,
 }
 
 impl TraceCondition {
     /// Whether `other` is the same condition of the same sample, read in the same way: its exports are further repeats.
     #[must_use]
     pub fn is_repeated_by(&self, other: &Self) -> bool {
-        Self { files: other.files.clone(), ..self.clone() } == *other
+        Self { files: other.files.clone(), excluded: other.excluded.clone(), ..self.clone() } == *other
     }
 
     /// The sample in words: `flat sample`, or the name of a trial.
@@ -140,6 +156,8 @@ impl ConditionTraces {
 
 /// Departure of a recorded speed from the nominal one that is told.
 const SPEED_OFF: f64 = 0.1;
+/// The same of a speed that the recorded position says: strokes are not all of one speed.
+const POSITION_OFF: f64 = 0.2;
 /// Departure of a recorded humidity that is told.
 const HUMIDITY_OFF: f64 = 0.05;
 
@@ -186,7 +204,7 @@ pub(crate) fn analyse_among(
     };
     let (mut traces, mut refused) = (Vec::new(), Vec::new());
     for path in &condition.files {
-        let file = read_export(source, path, setup.effective_radius_m)?;
+        let file = read_export(source, path, setup)?;
         let several = file.repeats.len() > 1;
         for repeat in &file.repeats {
             let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
@@ -234,23 +252,48 @@ pub(crate) fn analyse_among(
         return Err(first);
     }
     let findings: Vec<TraceFindings> = traces.iter().map(|trace| trace.findings.clone()).collect();
+    let friction: Vec<(f64, f64)> = findings.iter().map(|found| (found.window.mu, found.window.stderr)).collect();
+    for odd in odd_repeats(&friction) {
+        let labels = [traces[0].label.clone(), traces[odd.index].label.clone()];
+        traces[odd.index].flags.push(words_of_odd(&odd, friction[odd.index].0, &labels));
+    }
     match average(&findings) {
         Some(mean) => Ok(ConditionTraces { condition: condition.clone(), traces, mean }),
         None => Err(Diagnostic { reason: "no traces were given".into(), ..Diagnostic::default() }),
     }
 }
 
-/// Reads the export at `path` of `source`; `effective_radius_m` turns revolutions into speed.
-fn read_export(source: &Source, path: &Path, effective_radius_m: Option<f64>) -> Result<TraceFile, Diagnostic> {
-    parse_export(path, &read_letters(source, path, "a table of traces")?, effective_radius_m)
+/// Says how a repeat differs from the others, and how it is left out; `first` is the first of two.
+fn words_of_odd(odd: &OddRepeat, mu: f64, [first, own]: &[String; 2]) -> String {
+    let (amount, others) = (100.0 * odd.relative.abs(), odd.others);
+    let side = if odd.relative < 0.0 { "below" } else { "above" };
+    let differs = match odd.others_differ {
+        Some(differ) => format!(
+            "mu {mu:.4} is {amount:.0} % {side} the mean {others:.4} of the other repeats, which differ by {:.1} %: it may be spoilt, and \
+             counts all the same",
+            100.0 * differ
+        ),
+        None => format!(
+            "mu {mu:.4} is {amount:.0} % {side} the {others:.4} of {first}: one of the two may be spoilt, and a third repeat would tell which; \
+             both count"
+        ),
+    };
+    let (file, inside) =
+        own.split_once(", repeat ").map_or((own.as_str(), ""), |(file, _)| (file, "its rows removed or "));
+    format!("{differs}; {inside}`exclude = [\"{file}\"]` in its condition leaves it out")
+}
+
+/// Reads the export at `path` of `source`.
+fn read_export(source: &Source, path: &Path, setup: &TraceSetup) -> Result<TraceFile, Diagnostic> {
+    parse_export(path, &read_letters(source, path, "a table of traces")?, setup)
 }
 
 /// Reads an export from its text; `path` names it in messages.
 ///
 /// # Errors
 /// [`Diagnostic`] that names line and column of what was refused.
-pub fn parse_export(path: &Path, text: &str, effective_radius_m: Option<f64>) -> Result<TraceFile, Diagnostic> {
-    parse(text, effective_radius_m).map_err(|refused| Diagnostic {
+pub fn parse_export(path: &Path, text: &str, setup: &TraceSetup) -> Result<TraceFile, Diagnostic> {
+    parse(text, setup.effective_radius_m, &setup.titles).map_err(|refused| Diagnostic {
         line: refused.line,
         key: refused.column.map(Into::into),
         value: refused.value.map(Into::into),
@@ -277,6 +320,22 @@ fn departures(condition: &TraceCondition, repeat: &Recorded) -> Vec<String> {
         let (found, nominal) = (SPEED_MM_S.from_si(speed), SPEED_MM_S.from_si(condition.speed_m_s));
         flags.push(format!("the recorded speed is {found:.3} mm/s, not the nominal {nominal}"));
     }
+    let moved = speed_of_position(
+        &repeat.channels.time_s,
+        &repeat.position_m,
+        condition.window_s,
+        condition.stroke_share.is_some(),
+    );
+    // A position that hardly changes is not that of sliding: where a pin stands on its disc, or how far it is worn.
+    let moved = moved.map(|speed| speed / condition.speed_m_s).filter(|ratio| *ratio > STILL);
+    if let Some(ratio) = moved.filter(|ratio| (ratio - 1.0).abs() > POSITION_OFF) {
+        let nominal = SPEED_MM_S.from_si(condition.speed_m_s);
+        let found = ratio * nominal;
+        flags.push(format!(
+            "the recorded position moves at {found:.3} mm/s in the window, not at the nominal {nominal}: speed, its unit or that of the \
+             position is wrong"
+        ));
+    }
     if let Some(humidity) = repeat.humidity.filter(|h| (h - condition.humidity).abs() > HUMIDITY_OFF) {
         let (found, nominal) = (HUMIDITY_PCT.from_si(humidity), HUMIDITY_PCT.from_si(condition.humidity));
         flags.push(format!("the recorded humidity is {found:.1} %, not the nominal {nominal}"));
@@ -289,39 +348,4 @@ fn departures(condition: &TraceCondition, repeat: &Recorded) -> Vec<String> {
         flags.push(format!("{} rows without a number were left out", repeat.incomplete_rows));
     }
     flags
-}
-
-/// Notes of a condition for a material's provenance.
-#[must_use]
-pub fn notes(conditions: &[ConditionTraces]) -> Vec<String> {
-    let mut notes = Vec::new();
-    for traces in conditions {
-        let condition = &traces.condition;
-        let place = format!(
-            "{}, {} N, {} mm/s, {} %",
-            condition.sample(),
-            condition.force_n,
-            SPEED_MM_S.from_si(condition.speed_m_s),
-            HUMIDITY_PCT.from_si(condition.humidity)
-        );
-        for trace in &traces.traces {
-            notes.extend(trace.flags.iter().map(|flag| format!("{place}, {}: {flag}", trace.label)));
-        }
-        if traces.mean.count == 1 {
-            notes
-                .push(format!("{place}: one repeat; its deviation is the error within the trace, not between repeats"));
-        }
-        if traces.mean.stick_slips > 0 {
-            let (found, of) = (traces.mean.stick_slips, traces.mean.count);
-            notes.push(format!(
-                "{place}: stick-slip in {found} of {of} repeat{}; the model has no stick-slip of the whole sample",
-                if of == 1 { "" } else { "s" }
-            ));
-        }
-        if (1..traces.mean.count).contains(&traces.mean.peaks) {
-            let (found, of) = (traces.mean.peaks, traces.mean.count);
-            notes.push(format!("{place}: a static peak in {found} of {of} repeats only; it is not fitted"));
-        }
-    }
-    notes
 }

@@ -1,5 +1,7 @@
 //! Columns of a tribometer export: what a name means, and its unit.
 
+use crate::cells::unquoted;
+
 /// What a column holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Channel {
@@ -21,11 +23,13 @@ pub enum Channel {
     Humidity,
     /// Number of the repeat.
     Repeat,
+    /// Position along the way of sliding, or the way itself; not used without a known unit.
+    Position,
 }
 
 impl Channel {
     /// How many there are.
-    pub const COUNT: usize = 9;
+    pub const COUNT: usize = 10;
 
     /// A trace cannot be read without some of these columns.
     #[must_use]
@@ -74,6 +78,28 @@ impl Channel {
             }
             Self::Humidity => &["humidity", "rh", "relativehumidity", "luftfeuchte", "feuchte"],
             Self::Repeat => &["repeat", "repetition", "run", "test", "wiederholung"],
+            Self::Position => &[
+                "position",
+                "pos",
+                "x",
+                "displacement",
+                "stroke",
+                "distance",
+                "slidingdistance",
+                "weg",
+                "gleitweg",
+                "hub",
+                "deplacement",
+            ],
+        }
+    }
+
+    /// The key that gives a title of one's own for it.
+    #[must_use]
+    pub fn key(self) -> String {
+        match self {
+            Self::Repeat => "repeat".to_owned(),
+            channel => channel.title().replace(' ', "_"),
         }
     }
 
@@ -90,6 +116,7 @@ impl Channel {
             Self::Revolutions => "revolutions",
             Self::Humidity => "humidity",
             Self::Repeat => "number of the repeat",
+            Self::Position => "position",
         }
     }
 
@@ -103,6 +130,7 @@ impl Channel {
             Self::Speed => "mm/s, m/s, cm/s, um/s, mm/min, cm/min, m/min, um/min, km/h or those of revolutions",
             Self::Revolutions => "rpm, 1/min, r/min, rev/min, U/min, 1/s, rps, rev/s, Hz or rad/s",
             Self::Humidity => "%, %RH, %rF, pct or percent",
+            Self::Position => "mm, m, cm, um or nm",
             Self::Coefficient | Self::Repeat => "a column without a unit",
         }
     }
@@ -197,7 +225,13 @@ impl Channel {
             ],
             Self::Coefficient => &[("", 1.0), ("1", 1.0)],
             Self::Repeat => &[("", 1.0)],
+            Self::Position => &[("mm", 1e-3), ("m", 1.0), ("cm", 1e-2), ("um", 1e-6), ("nm", 1e-9)],
         }
+    }
+
+    /// What turns numbers without a unit into SI; of a position no number, as a title like `x` may be of anything.
+    const fn usual_factor(self) -> f64 {
+        if matches!(self, Self::Position) { f64::NAN } else { self.units()[0].1 }
     }
 
     /// All of them.
@@ -211,6 +245,7 @@ impl Channel {
         Self::Revolutions,
         Self::Humidity,
         Self::Repeat,
+        Self::Position,
     ];
 }
 
@@ -292,51 +327,102 @@ impl Column {
     }
 }
 
+/// Titles of one's own for what columns hold, beside those that are known.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Titles(Vec<Title>);
+
+/// A title, its letters alone, with the factor of its unit.
+#[derive(Clone, Debug, PartialEq)]
+struct Title {
+    channel: Channel,
+    letters: String,
+    factor: f64,
+}
+
+impl Titles {
+    /// Takes `title` for columns of `channel`, which no other title means from now on. The unit in its brackets is that of columns which
+    /// name none; without it the first of [`Channel::unit_words`].
+    ///
+    /// # Errors
+    /// [`UnknownUnit`] in its brackets.
+    pub fn name(&mut self, channel: Channel, title: &str) -> Result<(), UnknownUnit> {
+        let written = unquoted(title);
+        let (name, unit) = written.find(['[', '(', '{']).map_or((written, ""), |at| written.split_at(at));
+        let mut column = Column { channel, name: written.to_owned(), factor: channel.usual_factor() };
+        column.set_unit(unit)?;
+        self.0.push(Title { channel: column.channel, letters: letters(name), factor: column.factor });
+        Ok(())
+    }
+
+    /// The titles of a channel as messages list them.
+    #[must_use]
+    pub fn of(&self, channel: Channel) -> String {
+        let own: Vec<&str> =
+            self.0.iter().filter(|title| title.channel == channel).map(|title| &title.letters[..]).collect();
+        if own.is_empty() {
+            channel.names()[..channel.names().len().min(3)].join(", ") + ", ..."
+        } else {
+            format!("{}, as `columns` says", own.join(", "))
+        }
+    }
+
+    /// What a name means, and the factor of the unit that it has where none stands beside it.
+    fn meaning(&self, name: &str) -> Option<(Channel, f64)> {
+        let letters = letters(name);
+        if let Some(own) = self.0.iter().find(|title| title.letters == letters) {
+            return Some((own.channel, own.factor));
+        }
+        let known = Channel::ALL.into_iter().find(|channel| channel.names().contains(&&letters[..]))?;
+        let is_taken = self.0.iter().any(|title| title.channel == known);
+        (!is_taken).then(|| (known, known.usual_factor()))
+    }
+}
+
 /// What each name of a header means; `None` where it is not used.
 ///
 /// # Errors
 /// [`UnknownUnit`] of a column that is used and whose unit is not known.
-pub fn columns(cells: &[&str]) -> Result<Vec<Option<Column>>, UnknownUnit> {
-    cells.iter().map(|cell| column(cell)).collect()
+pub(crate) fn columns(cells: &[&str], titles: &Titles) -> Result<Vec<Option<Column>>, UnknownUnit> {
+    cells.iter().map(|cell| column(cell, titles)).collect()
 }
 
 /// How many columns of kinds that a trace needs a header names, known or unknown in their units.
-pub fn needed_columns(cells: &[&str]) -> usize {
-    let is_needed = |cell: &str| match column(cell) {
+pub(crate) fn needed_columns(cells: &[&str], titles: &Titles) -> usize {
+    let is_needed = |cell: &str| match column(cell, titles) {
         Ok(found) => found.is_some_and(|column| column.channel.is_needed()),
         Err(_) => true,
     };
     cells.iter().filter(|cell| is_needed(cell)).count()
 }
 
-fn column(cell: &str) -> Result<Option<Column>, UnknownUnit> {
-    let written = cell.trim_matches('"').trim();
+fn column(cell: &str, titles: &Titles) -> Result<Option<Column>, UnknownUnit> {
+    let written = unquoted(cell);
     // The whole as a name comes first: `normal_force` has no unit.
-    if let Some(channel) = channel(written) {
-        return Ok(Some(Column { channel, name: written.to_owned(), factor: channel.units()[0].1 }));
+    if let Some((channel, factor)) = titles.meaning(written) {
+        return Ok(Some(Column { channel, name: written.to_owned(), factor }));
     }
     // The unit stands in brackets, behind a slash, or behind an underscore.
     let mut unknown = None;
     for (at, _) in written.char_indices().filter(|(_, letter)| matches!(letter, '[' | '(' | '{' | '/' | '_')) {
-        let Some(channel) = channel(&written[..at]) else { continue };
-        let mut column = Column { channel, name: written.to_owned(), factor: channel.units()[0].1 };
+        let Some((channel, factor)) = titles.meaning(&written[..at]) else { continue };
+        let mut column = Column { channel, name: written.to_owned(), factor };
         match column.set_unit(&written[at + 1..]) {
             Ok(()) => return Ok(Some(column)),
+            // A position that cannot be read is not needed.
+            Err(_) if channel == Channel::Position => {}
             Err(unit) => unknown = Some(unit),
         }
     }
     unknown.map_or(Ok(None), Err)
 }
 
-fn channel(name: &str) -> Option<Channel> {
-    // The letter mu, as such or as the micro sign, is a name of its own.
+/// The letters and digits of a title, small; the letter mu, as such or as the micro sign, is a name of its own.
+fn letters(name: &str) -> String {
     let plain = |letter: char| match letter {
-        '\u{b5}' => Some('\u{3bc}'),
-        '\u{3bc}' => Some(letter),
-        letter => letter.is_ascii_alphanumeric().then(|| letter.to_ascii_lowercase()),
+        '\u{b5}' => '\u{3bc}',
+        letter => letter,
     };
-    let bare: String = name.chars().filter_map(plain).collect();
-    Channel::ALL.into_iter().find(|channel| channel.names().contains(&bare.as_str()))
+    name.chars().filter(|letter| letter.is_alphanumeric()).map(plain).flat_map(char::to_lowercase).collect()
 }
 
 /// A unit without brackets, dots, spaces and signs: `[N·m]` is `nm`, `mm/s` is `mms`.
@@ -351,86 +437,5 @@ fn unit_letters(cell: &str) -> String {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_units_that_are_listed_are_known_and_none_is_left_out() {
-        for channel in Channel::ALL.into_iter().filter(|channel| channel.unit_words().contains(" or ")) {
-            let words = channel.unit_words().replace(" or those of revolutions", "").replace(" or ", ", ");
-            let listed: Vec<f64> = words
-                .split(", ")
-                .map(|word| {
-                    let mut column = Column { channel, name: String::new(), factor: f64::NAN };
-                    column.set_unit(word).unwrap_or_else(|unknown| panic!("{unknown:?}"));
-                    column.factor
-                })
-                .collect();
-            // The first is what is meant without a unit, and none of another size is left out.
-            assert_eq!(listed[0], channel.units()[0].1, "{words}");
-            for (name, factor) in channel.units() {
-                assert!(listed.contains(factor), "{name} is not in {words}");
-            }
-        }
-    }
-
-    #[test]
-    fn names_and_units_of_several_houses() {
-        for (written, channel, factor) in [
-            ("time_s", Channel::Time, 1.0),
-            ("Time [ms]", Channel::Time, 1e-3),
-            ("Elapsed time (min)", Channel::Time, 60.0),
-            ("Tz", Channel::Torque, 1.0),
-            ("Tz (N·m)", Channel::Torque, 1.0),
-            ("Torque/mNm", Channel::Torque, 1e-3),
-            ("torque_nmm", Channel::Torque, 1e-3),
-            ("\"Drehmoment [N cm]\"", Channel::Torque, 1e-2),
-            ("friction_force_n", Channel::FrictionForce, 1.0),
-            ("Fx(mN)", Channel::FrictionForce, 1e-3),
-            ("normal_force", Channel::NormalForce, 1.0),
-            ("Fz [kN]", Channel::NormalForce, 1e3),
-            ("speed_mm_s", Channel::Speed, 1e-3),
-            ("Sliding speed (m/s)", Channel::Speed, 1.0),
-            ("speed [rpm]", Channel::Revolutions, 1.0 / 60.0),
-            ("speed [rad/s]", Channel::Revolutions, 1.0 / std::f64::consts::TAU),
-            ("speed (mm/min)", Channel::Speed, 1e-3 / 60.0),
-            ("velocity_um_s", Channel::Speed, 1e-6),
-            ("Drehzahl [min\u{207b}¹]", Channel::Revolutions, 1.0 / 60.0),
-            ("Drehzahl (U/min)", Channel::Revolutions, 1.0 / 60.0),
-            ("time (hours)", Channel::Time, 3600.0),
-            ("Fz [lbf]", Channel::NormalForce, 4.448_221_615_260_5),
-            ("Fz [daN]", Channel::NormalForce, 10.0),
-            ("torque [lbf.in]", Channel::Torque, 4.448_221_615_260_5 * 25.4e-3),
-            ("RH [% r.h.]", Channel::Humidity, 1e-2),
-            ("RH [%]", Channel::Humidity, 1e-2),
-            ("humidity_pct", Channel::Humidity, 1e-2),
-            ("run", Channel::Repeat, 1.0),
-            ("COF", Channel::Coefficient, 1.0),
-            ("Friction coefficient [-]", Channel::Coefficient, 1.0),
-            ("\u{b5}", Channel::Coefficient, 1.0),
-            ("\u{3bc} []", Channel::Coefficient, 1.0),
-        ] {
-            let found = column(written).unwrap().unwrap_or_else(|| panic!("{written}"));
-            assert_eq!((found.channel, found.factor), (channel, factor), "{written}");
-        }
-        for other in ["Cycles", "Temperature [C]", "Z-position (mm)", ""] {
-            assert_eq!(column(other), Ok(None), "{other}");
-        }
-        for (written, reason, expected) in [
-            ("Fz [psi]", "has the unit \"psi\", which is not known", "N, mN, uN, kN, daN, gf, kgf, kp or lbf"),
-            (
-                "Tz (N)",
-                "has the unit \"N\", which is none of torque",
-                "N m, mN m, uN m, kN m, N cm, N mm, kgf m, kgf cm, gf cm, lbf in or lbf ft",
-            ),
-            (
-                "Fz [N m]",
-                "has the unit \"N m\", which is none of normal force",
-                "N, mN, uN, kN, daN, gf, kgf, kp or lbf",
-            ),
-        ] {
-            let unknown = column(written).unwrap_err();
-            assert_eq!((unknown.name.as_str(), unknown.words()), (written, [reason, expected].map(String::from)));
-        }
-    }
-}
+#[path = "columns_tests.rs"]
+mod tests;

@@ -1,7 +1,7 @@
 //! Tribometer exports: tables with the instrument's own names, units, separators and decimal sign.
 
 use crate::cells::{cut, number_in, separator, unquoted};
-use crate::columns::{Channel, Column, UnknownUnit, columns, needed_columns};
+use crate::columns::{Channel, Column, Titles, UnknownUnit, columns, needed_columns};
 use crate::{Tangential, TraceChannels};
 
 /// One repeat as recorded.
@@ -15,6 +15,8 @@ pub struct Recorded {
     pub speed_m_s: Option<f64>,
     /// Mean recorded humidity, 0 to 1, where there is such a column.
     pub humidity: Option<f64>,
+    /// Recorded position of every sample, in metres, no number where it was not recorded; empty where there is no such column with a unit.
+    pub position_m: Vec<f64>,
     /// Rows without a number in a needed column: left out.
     pub incomplete_rows: usize,
     /// Rows that repeat the row before them: left out.
@@ -67,14 +69,14 @@ struct Line<'a> {
     cells: Vec<&'a str>,
 }
 
-/// Reads an export from its text; `effective_radius_m` turns revolutions into speed.
+/// Reads an export from its text; `effective_radius_m` turns revolutions into speed, `titles` are its owner's.
 ///
 /// A line that names time, friction and normal force is a header; what stands before the first is the
 /// instrument's. A header met again begins the next repeat, as does a new number in a column `repeat`.
 ///
 /// # Errors
 /// [`ExportError`] with line and column of what was refused.
-pub fn parse(text: &str, effective_radius_m: Option<f64>) -> Result<TraceFile, ExportError> {
+pub fn parse(text: &str, effective_radius_m: Option<f64>, titles: &Titles) -> Result<TraceFile, ExportError> {
     let text = text.trim_start_matches('\u{feff}');
     let lines = || {
         // A tab at the end of a line stands before an empty cell.
@@ -89,12 +91,11 @@ pub fn parse(text: &str, effective_radius_m: Option<f64>) -> Result<TraceFile, E
         // A separator behind the last title closes it, and opens no column.
         cells.truncate(cells.iter().rposition(|cell| !cell.is_empty()).map_or(0, |last| last + 1));
         // A table has at least two of its columns named; one may be what is missing, one may have an unknown unit.
-        (needed_columns(&cells) >= 2).then_some((separator, Line { number, cells }))
+        (needed_columns(&cells, titles) >= 2).then_some((separator, Line { number, cells }))
     }) else {
-        let expected = "a header with time, torque or friction force, and normal force, for instance `time_s,torque_nm,normal_force_n`";
-        return Err(ExportError::at(None, "has no line that names its columns", expected));
+        return Err(no_header(lines(), titles));
     };
-    let mut layout = columns(&header.cells).map_err(|unknown| ExportError::unit(header.number, &unknown))?;
+    let mut layout = columns(&header.cells, titles).map_err(|unknown| ExportError::unit(header.number, &unknown))?;
     let mut rows = lines().skip_while(|(number, _)| *number <= header.number).peekable();
     // A line of units below the names.
     if let Some((number, line)) = rows.peek().copied() {
@@ -102,18 +103,27 @@ pub fn parse(text: &str, effective_radius_m: Option<f64>) -> Result<TraceFile, E
         if !cells.iter().any(|cell| number_in(cell, separator).is_some()) {
             for (column, cell) in layout.iter_mut().zip(&cells) {
                 if let Some(column) = column {
-                    column.set_unit(cell).map_err(|unknown| ExportError::unit(number, &unknown))?;
+                    match column.set_unit(cell) {
+                        Err(unknown) if column.channel != Channel::Position => {
+                            return Err(ExportError::unit(number, &unknown));
+                        }
+                        _ => {}
+                    }
                 }
             }
             rows.next();
         }
     }
-    check_layout(&layout, header.number, effective_radius_m)?;
+    check_layout(&layout, &header, effective_radius_m, titles)?;
     let is =
         |column: &Option<Column>, channel: Channel| column.as_ref().is_some_and(|column| column.channel == channel);
     if layout.iter().any(|column| is(column, Channel::Torque) || is(column, Channel::FrictionForce)) {
         // What the instrument computed from it is not needed.
         layout.iter_mut().filter(|column| is(column, Channel::Coefficient)).for_each(|column| *column = None);
+    }
+    // Of several positions, and of one without a unit, none is known to be that of sliding.
+    if layout.iter().filter(|column| is(column, Channel::Position)).count() > 1 {
+        layout.iter_mut().filter(|column| is(column, Channel::Position)).for_each(|column| *column = None);
     }
     let needs_load = layout.iter().any(|column| is(column, Channel::NormalForce));
 
@@ -160,8 +170,89 @@ pub fn parse(text: &str, effective_radius_m: Option<f64>) -> Result<TraceFile, E
     Ok(TraceFile { repeats, unused: unused.map(|(cell, _)| unquoted(cell).to_owned()).collect() })
 }
 
-fn check_layout(layout: &[Option<Column>], line: u32, effective_radius_m: Option<f64>) -> Result<(), ExportError> {
-    let refuse = |reason: &str, expected: &str| Err(ExportError::at(Some(line), reason, expected));
+/// Where titles of one's own are given, and where those that are known are listed.
+const OWN_TITLES: &str = "in [traces]; crates/book/src/reference/trace-columns.md lists all";
+
+/// What is needed and not there, in words, and the titles that would be it.
+fn lacks(lacking: &[&[Channel]], titles: &Titles) -> [String; 2] {
+    let title =
+        |channels: &[Channel]| channels.iter().map(|channel| channel.title()).collect::<Vec<_>>().join(" or the ");
+    let missing: Vec<String> = lacking.iter().map(|channels| format!("the {}", title(channels))).collect();
+    let known: Vec<String> = lacking
+        .iter()
+        .flat_map(|channels| channels.iter())
+        .map(|channel| format!("for {}: {}", channel.title(), titles.of(*channel)))
+        .collect();
+    let keys: Vec<String> = lacking.iter().map(|channels| format!("{} = \"...\"", channels[0].key())).collect();
+    [
+        missing.join(", and none is "),
+        format!("a title {}; or one's own as `columns = {{ {} }}` {OWN_TITLES}", known.join("; "), keys.join(", ")),
+    ]
+}
+
+/// What stands for friction; the first is named in a proposal.
+const FRICTION: [Channel; 3] = [Channel::FrictionForce, Channel::Torque, Channel::Coefficient];
+
+/// The refusal of a file in which no line names the columns: the line above the numbers that looks most like one is shown.
+fn no_header<'a>(lines: impl Iterator<Item = (u32, &'a str)>, titles: &Titles) -> ExportError {
+    let cells = |line: &'a str| separator(line).map(|mark| (mark, cut(line, mark)));
+    let is_numbers = |line: &'a str| {
+        cells(line).is_some_and(|(mark, cells)| {
+            let mut filled = cells.iter().filter(|cell| !cell.is_empty()).peekable();
+            filled.peek().is_some() && filled.all(|cell| number_in(cell, mark).is_some())
+        })
+    };
+    // The most cells, then the most letters, and of equal ones the last.
+    let looks = |line: &'a str| {
+        let titled = cells(line).map_or(0, |(_, cells)| cells.iter().filter(|cell| !cell.is_empty()).count());
+        (titled, line.chars().filter(|letter| letter.is_alphabetic()).count())
+    };
+    let best = lines.take_while(|(_, line)| !is_numbers(line)).max_by_key(|(_, line)| looks(line));
+    let Some((number, line)) = best.filter(|(_, line)| looks(line).0 > 1) else {
+        let expected = "a header with time, torque or friction force, and normal force, for instance `time_s,torque_nm,normal_force_n`";
+        return ExportError::at(None, "has no line that names its columns", expected);
+    };
+    let found = cells(line).map_or_else(Vec::new, |(_, cells)| columns(&cells, titles).unwrap_or_default());
+    let is_there = |channels: &[Channel]| found.iter().flatten().any(|column| channels.contains(&column.channel));
+    let needed: [&[Channel]; 3] = [&[Channel::Time], &FRICTION, &[Channel::NormalForce]];
+    let lacking: Vec<&[Channel]> = needed.into_iter().filter(|channels| !is_there(channels)).collect();
+    let [missing, expected] = lacks(&lacking, titles);
+    let shown: String = line
+        .trim()
+        .chars()
+        .filter(|c| !c.is_control() || *c == '\t')
+        .map(|c| if c == '\t' { ' ' } else { c })
+        .take(80)
+        .collect();
+    ExportError::at(
+        Some(number),
+        format!("`{shown}` looks most like the titles of columns, but none is {missing}"),
+        expected,
+    )
+}
+
+fn check_layout(
+    layout: &[Option<Column>],
+    header: &Line<'_>,
+    effective_radius_m: Option<f64>,
+    titles: &Titles,
+) -> Result<(), ExportError> {
+    let refuse = |reason: &str, expected: &str| Err(ExportError::at(Some(header.number), reason, expected));
+    let unknown: Vec<String> = header
+        .cells
+        .iter()
+        .zip(layout)
+        .filter(|(cell, column)| column.is_none() && !cell.is_empty())
+        .map(|(cell, _)| {
+            format!("`{}`", unquoted(cell).chars().filter(|c| !c.is_control()).take(40).collect::<String>())
+        })
+        .collect();
+    let absent = |channels: &[Channel]| {
+        let [missing, expected] = lacks(&[channels], titles);
+        let unknown = &unknown[..unknown.len().min(4)];
+        let among = if unknown.is_empty() { String::new() } else { format!("; not known are {}", unknown.join(", ")) };
+        refuse(&format!("no column is {missing}{among}"), &expected)
+    };
     let count = |channel: Channel| layout.iter().flatten().filter(|column| column.channel == channel).count();
     let [torques, forces] = [count(Channel::Torque), count(Channel::FrictionForce)];
     for channel in [Channel::Time, Channel::NormalForce] {
@@ -170,16 +261,13 @@ fn check_layout(layout: &[Option<Column>], line: u32, effective_radius_m: Option
             1 => {}
             // A coefficient has been divided by it.
             0 if channel == Channel::NormalForce && torques + forces == 0 && count(Channel::Coefficient) > 0 => {}
-            0 => return refuse(&format!("no column is the {what}"), &format!("a column named {what}")),
+            0 => return absent(&[channel]),
             found => return refuse(&format!("{found} columns are the {what}"), "one"),
         }
     }
     match (torques + forces, count(Channel::Coefficient)) {
         (0, 1) => Ok(()),
-        (0, 0) => refuse(
-            "no column is the torque, the friction force or the friction coefficient",
-            "a column named torque, friction force or COF",
-        ),
+        (0, 0) => absent(&FRICTION),
         (0, found) => refuse(&format!("{found} columns are the friction coefficient"), "one"),
         (1, _) if effective_radius_m.is_none() && torques == 1 => refuse(
             "holds a torque, and no effective radius is given",
@@ -210,8 +298,8 @@ fn read_row(layout: &[Option<Column>], cells: &[&str], separator: char) -> Resul
     for (column, cell) in layout.iter().zip(cells) {
         let Some(column) = column else { continue };
         match number_in(cell, separator) {
-            Some(value) => row.0[column.channel as usize] = Some(column.to_si(value)),
-            None if is_missing(cell) => {}
+            Some(value) => row.0[column.channel as usize] = Some(column.to_si(value)).filter(|value| !value.is_nan()),
+            None if is_missing(cell) || column.channel == Channel::Position => {}
             None => return Err((column.name().to_owned(), unquoted(cell).to_owned())),
         }
     }
@@ -229,6 +317,7 @@ struct Table {
     speed_m_s: Vec<f64>,
     turns_per_s: Vec<f64>,
     humidity: Vec<f64>,
+    position_m: Vec<f64>,
     incomplete: usize,
     repeated: usize,
     last: Option<Row>,
@@ -260,6 +349,7 @@ impl Table {
         self.coefficient.extend(coefficient);
         self.speed_m_s.extend(row.get(Channel::Speed).map(f64::abs));
         self.turns_per_s.extend(row.get(Channel::Revolutions).map(f64::abs));
+        self.position_m.push(row.get(Channel::Position).unwrap_or(f64::NAN));
         self.humidity.extend(row.get(Channel::Humidity));
     }
 
@@ -274,6 +364,7 @@ impl Table {
             number,
             speed_m_s: mean(&self.speed_m_s).or(turning).filter(|speed| speed.is_finite()),
             humidity: mean(&self.humidity),
+            position_m: if self.position_m.iter().any(|x| x.is_finite()) { self.position_m } else { Vec::new() },
             incomplete_rows: self.incomplete,
             repeated_rows: self.repeated,
             channels: TraceChannels {

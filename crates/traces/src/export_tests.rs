@@ -1,7 +1,7 @@
 use super::*;
 
 fn parsed(text: &str) -> Result<TraceFile, ExportError> {
-    parse(text, Some(0.04))
+    parse(text, Some(0.04), &Titles::default())
 }
 
 #[test]
@@ -76,16 +76,23 @@ fn empty_cells_at_the_end_of_a_line_are_cells_whatever_separates_them() {
 fn refusals_name_line_and_column() {
     for (text, line, column, reason) in [
         ("", None, None, "has no line that names its columns"),
-        ("a,b,c\n1,2,3\n", None, None, "has no line that names its columns"),
+        (
+            "a,b,c\n1,2,3\n",
+            Some(1),
+            None,
+            "`a,b,c` looks most like the titles of columns, but none is the time, and none is the friction force or the torque \
+             or the friction coefficient, and none is the normal force",
+        ),
+        ("1,2,3\n1,2,3\n", None, None, "has no line that names its columns"),
         ("time,Tz,Fz\n", None, None, "has no rows"),
         ("time,Tz,Fz\n0,x,2\n", Some(2), Some("Tz"), "is no number"),
         ("time,Tz,Fz\n0,1\n", Some(2), None, "has 2 values"),
-        ("time,Tz,Temp\n0,1,2\n", Some(1), None, "no column is the normal force"),
+        ("time,Tz,Temp\n0,1,2\n", Some(1), None, "no column is the normal force; not known are `Temp`"),
         (
             "time,Fz,Temp\n0,1,2\n",
             Some(1),
             None,
-            "no column is the torque, the friction force or the friction coefficient",
+            "no column is the friction force or the torque or the friction coefficient; not known are `Temp`",
         ),
         ("time,cof,mu\n0,1,2\n", Some(1), None, "2 columns are the friction coefficient"),
         ("time,Tz,Fz,Fx\n0,1,2,3\n", Some(1), None, "has both a torque and a friction force, or two of one"),
@@ -97,7 +104,7 @@ fn refusals_name_line_and_column() {
         assert!(!refused.expected.is_empty(), "{refused}");
     }
     assert_eq!(parsed("time,Tz,Fz\n0,x,2\n").unwrap_err().value.as_deref(), Some("\"x\""));
-    let armless = parse("time,Tz,Fz\n0,1,2\n", None).unwrap_err().to_string();
+    let armless = parse("time,Tz,Fz\n0,1,2\n", None, &Titles::default()).unwrap_err().to_string();
     assert!(armless.contains("no effective radius is given"), "{armless}");
 }
 
@@ -123,4 +130,33 @@ fn a_coefficient_is_used_where_nothing_else_says_what_friction_was() {
     let beside = parsed("time,Fx,COF,Fz\n0,12.5,x,50\n1,13,,50\n").unwrap();
     assert_eq!(beside.repeats[0].channels.tangential, Tangential::ForceN(vec![12.5, 13.0]));
     assert_eq!(beside.unused, ["COF"]);
+}
+
+#[test]
+fn titles_that_are_not_known_are_shown_with_those_that_are_and_can_be_given() {
+    let text = "Protokoll LT-7\nBediener;K. M.\n\nt [ms];x [mm];F_tan [N];F_norm [N]\n0;0,0000;1,0622;29,980\n10;0,02;3,1797;29,984\n";
+    let refused = parsed(text).unwrap_err();
+    assert_eq!((refused.line, refused.column.as_ref()), (Some(4), None));
+    let told = refused.to_string();
+    for part in [
+        "`t [ms];x [mm];F_tan [N];F_norm [N]`",
+        "none is the friction force or the torque or the friction coefficient, and none is the normal force",
+        "for friction force: frictionforce, ",
+        "for normal force: normalforce, fz",
+        "`columns = { friction_force = \"...\", normal_force = \"...\" }`",
+        "trace-columns.md",
+    ] {
+        assert!(told.contains(part), "{told}");
+    }
+    let mut titles = Titles::default();
+    titles.name(Channel::FrictionForce, "F_tan").unwrap();
+    titles.name(Channel::NormalForce, "F_norm").unwrap();
+    let read = parse(text, None, &titles).unwrap();
+    let channels = &read.repeats[0].channels;
+    assert_eq!(channels.tangential, Tangential::ForceN(vec![1.0622, 3.1797]));
+    assert_eq!((&channels.time_s[..], &channels.normal_force_n[..]), (&[0.0, 0.01][..], &[29.98, 29.984][..]));
+    // A title that the file does not have is asked for by its name.
+    titles.name(Channel::Time, "Uhr").unwrap();
+    let told = parse(text, None, &titles).unwrap_err().to_string();
+    assert!(told.contains("no column is the time") && told.contains("for time: uhr, as `columns` says"), "{told}");
 }

@@ -3,13 +3,15 @@
 //! | item | role |
 //! |---|---|
 //! | [`export::parse`], [`export::TraceFile`] | the text of an instrument's export, and the repeats in it |
-//! | [`columns`] | names and units of columns |
+//! | [`columns`], [`columns::Titles`] | names and units of columns, and titles of one's own |
 //! | [`cells`] | cells of a table, with any separator and decimal sign |
 //! | [`TraceChannels`], [`TraceOptions`] | what was recorded, and how it is read |
 //! | [`analyse`], [`TraceFindings`] | friction against time, its mean, static peak, stick-slip, flags |
 //! | [`TraceError`], [`TraceFlag`] | why a trace was refused, what is odd about one that was not |
 //! | [`TraceOptions::stroke_share`] | sliding back and forth: friction of the middle of every stroke |
+//! | [`speed_of_position`] | speed from a recorded position |
 //! | [`average`], [`Repeats`] | repeats of one condition |
+//! | [`odd_repeats`], [`OddRepeat`] | repeats that are not like the others |
 //!
 //! ```text
 //! mu(t) = M(t) / (N(t) r_eff)   of a torque M,     mu(t) = F(t) / N(t)   of a friction force F
@@ -22,7 +24,7 @@
 //! whole periods:
 //!
 //! ```
-//! use slipgrid_traces::{TraceOptions, analyse, export};
+//! use slipgrid_traces::{TraceOptions, analyse, columns::Titles, export};
 //! let mut text = String::from("Time [ms];Fx [N];Fz [N]\n");
 //! for sample in 0..=300 {
 //!     let t = f64::from(sample) * 0.01;
@@ -30,7 +32,7 @@
 //!     let mu = if t < 1.0 { 0.3 * t } else { 0.25 + ripple };
 //!     text += &format!("{:.0};{};50\n", t * 1000.0, 50.0 * mu);
 //! }
-//! let file = export::parse(&text, None)?;
+//! let file = export::parse(&text, None, &Titles::default())?;
 //! let options = TraceOptions {
 //!     window_s: [1.5, 2.5],
 //!     effective_radius_m: 1.0,
@@ -51,6 +53,7 @@ mod averaging_window;
 pub mod cells;
 pub mod columns;
 pub mod export;
+mod position;
 mod repeats;
 mod run_in;
 mod static_peak;
@@ -60,7 +63,8 @@ mod time_series;
 mod trace_errors;
 
 pub use averaging_window::WindowMean;
-pub use repeats::{MeanStd, Repeats, average};
+pub use position::speed_of_position;
+pub use repeats::{MeanStd, OddRepeat, Repeats, average, odd_repeats};
 pub use run_in::RunIn;
 pub use static_peak::TracePeak;
 pub use stick_slip::StickSlip;

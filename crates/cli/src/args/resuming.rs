@@ -10,11 +10,11 @@ const QUOTED: &str = " '\"\\$`&;()<>|*?";
 impl OptimizeArgs {
     /// The command line that takes over what this one left in its study.
     #[must_use]
-    pub fn resuming(&self) -> String {
+    pub fn resuming(&self, no_cache: bool) -> String {
         let output = self.output.as_ref().map(|folder| format!(" -o {}", word(folder))).unwrap_or_default();
-        let table = if self.table { " --table" } else { "" };
-        let explorer = if self.no_explorer { " --no-explorer" } else { "" };
-        format!("slipgrid optimize {}{output}{table}{explorer} --resume", word(&self.design))
+        let given = [(self.table, " --table"), (self.no_explorer, " --no-explorer"), (no_cache, " --no-cache")];
+        let flags: String = given.into_iter().filter_map(|(is_given, flag)| is_given.then_some(flag)).collect();
+        format!("slipgrid optimize {}{output}{flags} --resume", word(&self.design))
     }
 }
 
@@ -39,8 +39,8 @@ mod tests {
             json: true,
         };
         assert_eq!(
-            args.resuming(),
-            r"slipgrid optimize 'my designs/it'\''s.toml' -o out/a --table --no-explorer --resume"
+            args.resuming(true),
+            r"slipgrid optimize 'my designs/it'\''s.toml' -o out/a --table --no-explorer --no-cache --resume"
         );
     }
 }

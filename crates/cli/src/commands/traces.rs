@@ -51,12 +51,8 @@ pub fn run(args: &TracesArgs, console: &mut Console<'_>) -> Result<u8, CliError>
 }
 
 fn setup(args: &TracesArgs) -> Result<TraceSetup, Diagnostic> {
-    let radius = args.effective_radius_mm;
-    Ok(TraceSetup {
-        effective_radius_m: radius.map(|mm| checked("--effective-radius-mm", mm, LENGTH_MM)).transpose()?,
-        specimens: args.specimens.unwrap_or(1).max(1),
-        static_peak: !args.no_static_peak,
-    })
+    let radius_m = args.effective_radius_mm.map(|mm| checked("--effective-radius-mm", mm, LENGTH_MM)).transpose()?;
+    Ok(TraceSetup::new(radius_m, args.specimens.unwrap_or(1).max(1), !args.no_static_peak))
 }
 
 fn window_s(args: &TracesArgs) -> Result<[f64; 2], Diagnostic> {
@@ -98,5 +94,6 @@ fn condition(args: &TracesArgs) -> Result<TraceCondition, Diagnostic> {
         speed_m_s: needed("--speed-mm-s", args.speed_mm_s, SPEED_MM_S)?,
         humidity: needed("--humidity-pct", args.humidity_pct, HUMIDITY_PCT)?,
         files: args.files.clone(),
+        excluded: Vec::new(),
     })
 }

@@ -23,6 +23,7 @@ mod outside;
 mod planforms;
 mod refusals;
 mod relief;
+mod repeats;
 mod rims;
 mod studies;
 mod study_file;

@@ -42,7 +42,7 @@ pub fn run(args: &OptimizeArgs, console: &mut Console<'_>) -> Result<u8, CliErro
     let folder = args.output.clone().unwrap_or_else(|| places::default_folder(&args.design));
     check_folder(Place::output(&folder), &FILES, &design.inputs)?;
     let _held = Lock::new(&places::lock_path(&folder))?;
-    goes_on_with(args.resuming());
+    goes_on_with(args.resuming(console.no_cache));
 
     design.task.table |= args.table;
     design.task.explorer = !args.no_explorer;

@@ -1,0 +1,140 @@
+//! Repeats of one condition that are not alike, and columns with titles of one's own.
+
+use std::fmt::Write as _;
+use std::fs;
+
+use crate::common::{CALIBRATION, Place};
+
+const FLAGS: [&str; 6] = ["--force-n", "60", "--speed-mm-s", "2", "--humidity-pct", "45"];
+
+/// Columns of an export: time in seconds, position in millimetres, friction force and normal force in newtons.
+const HEADER: &str = "t [s];x [mm];Reibkraft [N];Normalkraft [N]\n";
+
+/// A run of 45 s in one direction at 2 mm/s under 60 N, with friction `mu` and a ripple that no two seeds share.
+fn run(header: &str, seed: u32, mu: f64) -> String {
+    let mut text = header.to_owned();
+    for i in 0..=900 {
+        let t = 0.05 * f64::from(i);
+        let ripple = 1e-4 * (1.7 * f64::from(i * (seed + 3))).sin();
+        writeln!(text, "{t:.3};{:.4};{:.5};60.0", 2.0 * t, (mu + ripple) * 60.0).unwrap();
+    }
+    text
+}
+
+/// A calibration with `keys` in its `[traces]` and `condition` in its only condition.
+fn calibration(keys: &str, condition: &str) -> String {
+    let (head, _) = CALIBRATION.split_once("[measurements]").unwrap();
+    format!(
+        "{head}[traces]\n{keys}[[traces.condition]]\nforce_n = 60.0\nspeed_mm_s = 2.0\nhumidity_pct = 45.0\nfiles = [\"sp-*.txt\"]\n{condition}"
+    )
+}
+
+#[test]
+fn a_spoilt_repeat_is_named_everywhere_and_can_be_left_out() {
+    let place = Place::with(&[
+        ("sp-1.txt", &run(HEADER, 1, 0.305)),
+        ("sp-2.txt", &run(HEADER, 2, 0.308)),
+        ("sp-3.txt", &run(HEADER, 3, 0.416)),
+        ("c.toml", &calibration("", "")),
+    ]);
+    let says = "sp-3.txt: mu 0.4160 is 36 % above the mean 0.3065 of the other repeats, which differ by 1.0 %: it may be spoilt";
+    let named = place.succeed(&[&["traces", "sp-1.txt", "sp-2.txt", "sp-3.txt"], &FLAGS[..]].concat());
+    assert!(named.contains(says) && named.contains("`exclude = [\"sp-3.txt\"]`"), "{named}");
+    let told = place.succeed(&["traces", "c.toml", "-o", "out"]);
+    assert!(told.contains(says) && told.contains("mean of 3"), "{told}");
+    assert!(fs::read_to_string(place.path("out/traces.csv")).unwrap().contains("it may be spoilt"));
+    let fitted = place.succeed(&["calibrate", "c.toml", "-o", "m.toml", "--report", "fit"]);
+    assert!(fitted.contains(says), "{fitted}");
+    for file in ["m.toml", "fit/report.html"] {
+        assert!(fs::read_to_string(place.path(file)).unwrap().contains("36 % above the mean 0.3065"), "{file}");
+    }
+    // What the message proposes leaves it out, and is told.
+    fs::write(place.path("c.toml"), calibration("", "exclude = [\"sp-3.txt\"]\n")).unwrap();
+    let told = place.succeed(&["traces", "c.toml"]);
+    assert!(told.contains("mean of 2  0.3065") && told.contains("sp-3.txt left out by `exclude`"), "{told}");
+    assert!(!told.contains("spoilt"), "{told}");
+    for (exclude, says) in [
+        ("exclude = [\"sp-4.txt\"]\n", "\"sp-4.txt\" leaves out none of the files"),
+        ("exclude = [\"sp-*.txt\"]\n", "is left out as a whole"),
+    ] {
+        fs::write(place.path("c.toml"), calibration("", exclude)).unwrap();
+        let refused = place.refuse(&["traces", "c.toml"]);
+        assert!(refused.contains(says), "{refused}");
+    }
+    let pair = place.succeed(&[&["traces", "sp-1.txt", "sp-3.txt"], &FLAGS[..]].concat());
+    assert!(pair.contains("36 % above the 0.3050 of sp-1.txt: one of the two may be spoilt"), "{pair}");
+}
+
+#[test]
+fn titles_of_ones_own_are_given_in_the_calibration() {
+    let header = HEADER.replace("Reibkraft", "F_tan").replace("Normalkraft", "F_norm");
+    let place = Place::with(&[("sp-1.txt", &run(&header, 1, 0.304)), ("sp-2.txt", &run(&header, 2, 0.306))]);
+    let refused = place.refuse(&[&["traces", "sp-1.txt"], &FLAGS[..]].concat());
+    let proposed = "columns = { friction_force = \"...\", normal_force = \"...\" }";
+    assert!(
+        refused.contains("sp-1.txt:1: `t [s];x [mm];F_tan [N];F_norm [N]`") && refused.contains(proposed),
+        "{refused}"
+    );
+    let columns = "columns = { friction_force = \"F_tan\", normal_force = \"F_norm\" }\n";
+    fs::write(place.path("c.toml"), calibration(columns, "")).unwrap();
+    let told = place.succeed(&["traces", "c.toml"]);
+    assert!(told.contains("mean of 2  0.3050"), "{told}");
+    for (columns, says) in [
+        (
+            "columns = { normal_force = \"F_norm [psi]\" }\n",
+            "normal_force: \"F_norm [psi]\" has the unit \"psi\", which is not known",
+        ),
+        ("columns = { normal_force = \"-\" }\n", "normal_force: \"-\" is no title"),
+    ] {
+        fs::write(place.path("c.toml"), calibration(columns, "")).unwrap();
+        let refused = place.refuse(&["traces", "c.toml"]);
+        assert!(refused.contains(says), "{refused}");
+    }
+}
+
+#[test]
+fn a_stated_speed_that_the_position_does_not_have_is_told() {
+    let bare = run(HEADER, 1, 0.305).replace("x [mm]", "x");
+    let place = Place::with(&[("sp-1.txt", &run(HEADER, 1, 0.305)), ("bare.txt", &bare)]);
+    let told = |file: &str, speed: &str| {
+        place.succeed(&["traces", file, "--force-n", "60", "--speed-mm-s", speed, "--humidity-pct", "45"])
+    };
+    let fast = told("sp-1.txt", "50");
+    assert!(fast.contains("position moves at 2.000 mm/s in the window, not at the nominal 50"), "{fast}");
+    for (file, speed) in [("sp-1.txt", "2"), ("sp-1.txt", "2.3"), ("bare.txt", "50")] {
+        let told = told(file, speed);
+        assert!(!told.contains("position"), "{told}");
+    }
+}
+
+#[test]
+fn an_offset_of_all_traces_is_told_once() {
+    // Strokes of half a second, with an offset of the sensor of 12 to 14 % of friction.
+    let strokes = |seed: u32, offset: f64| {
+        let mut text = "time_s,friction_force_n,normal_force_n\n".to_owned();
+        for i in 0..=4500 {
+            let t = 0.01 * f64::from(i);
+            let side = if (2.0 * t + 1e-6).floor() % 2.0 == 0.0 { 1.0 } else { -1.0 };
+            let ripple = 1e-3 * (1.7 * f64::from(i * (seed + 3))).sin();
+            writeln!(text, "{t:.3},{:.5},60.0", (0.3 * (1.0 + 1e-3 * f64::from(seed)) * side + ripple + offset) * 60.0)
+                .unwrap();
+        }
+        text
+    };
+    let place = Place::with(&[
+        ("sp-1.txt", &strokes(1, 0.036)),
+        ("sp-2.txt", &strokes(2, 0.039)),
+        ("sp-3.txt", &strokes(3, 0.042)),
+        ("c.toml", &calibration("reciprocating = true\n", "")),
+    ]);
+    for command in [&["traces", "c.toml", "-o", "out"][..], &["calibrate", "c.toml", "-o", "m.toml"]] {
+        let told = place.succeed(command);
+        assert!(
+            told.contains("in 3 of 3 traces strokes there and back differ by an offset, from +0.0360 to +0.0420, 12 to 14 % of friction"),
+            "{told}"
+        );
+        assert_eq!(told.matches("there and back").count(), 1, "{told}");
+    }
+    // Each trace keeps its own in the table.
+    assert_eq!(fs::read_to_string(place.path("out/traces.csv")).unwrap().matches("there and back").count(), 3);
+}
