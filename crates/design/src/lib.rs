@@ -41,7 +41,7 @@
 //!     let friction = Friction::Single(LocalFriction::new(0.30, 0.27, 0.05)?);
 //!     let elastic = Elastic::new(0.38e9, 900.0)?;
 //!     let material = Material { elastic, friction, area_law, provenance: Provenance::default() };
-//!     let target = Target::new(Quantity::Ratio, vec![TargetPoint { pressure_pa: 2.6e6, value: 0.9 }], 0.01)?;
+//!     let target = Target::new(Quantity::Ratio, vec![TargetPoint { pressure_pa: 2.6e6, value: 0.9 }], 0.02)?;
 //!     let space = DesignSpace::new(Planform::Groove, [50e-6, 100e-6], [50e-6, 300e-6], [5e-6, 30e-6])?;
 //!     let specimen = Specimen { outline: Outline::Rectangle { length_m: 1e-3, width_m: 1e-3 }, is_clipped: false };
 //!     let layer = Layer { length_m: 1e-3, height_m: 60e-6, block_m: 10e-6, thickness_m: None };
@@ -52,7 +52,7 @@
 //! let (status, ratio) = ratio_of(None)?;
 //! assert!(status == "unreachable" && (ratio - 1.0).abs() < 0.02);
 //! let (status, ratio) = ratio_of(Some(AreaLaw::new(vec![0.7e6, 2.6e6, 26e6], vec![1.0, 0.8, 0.3])?))?;
-//! assert!(status == "met" && (ratio - 0.9).abs() < 0.01);
+//! assert!(status == "met" && (ratio - 0.9).abs() < 0.02);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
