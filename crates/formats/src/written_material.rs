@@ -24,8 +24,7 @@ pub enum UnwritableMaterial {
     Pairs(String),
 }
 
-/// The material as TOML. `[made_from]` is for a file beside its calibration, as `calibrate -o` writes it; pages, kept results and Python
-/// have none.
+/// The material as TOML. `[made_from]` is for a file beside its calibration, as `calibrate -o` writes it; pages and kept results have none.
 ///
 /// # Errors
 /// [`UnwritableMaterial`] if the fit has not one pair, or one pair per measurement.

@@ -7,6 +7,7 @@ use slipgrid::calibrate::{CalibrationOutcome, CalibrationTask, Selection};
 use slipgrid::formats::Document;
 use slipgrid::formats::calibrated::{Uncalibrated, calibrate, learn};
 use slipgrid::formats::calibration::Calibration as Read;
+use slipgrid::formats::made_from::MadeFrom;
 use slipgrid::formats::scene::DEFAULT_SPECIMEN;
 use slipgrid::formats::written_material::material_toml;
 use slipgrid::report::calibration::{files, fit_json, ledger, summary};
@@ -31,6 +32,7 @@ pub struct Calibration {
 #[pyclass(frozen, module = "slipgrid")]
 pub struct Fitted {
     read: Read,
+    path: PathBuf,
     task: CalibrationTask,
     outcome: CalibrationOutcome,
     ledger: Option<TrialsReport>,
@@ -61,7 +63,7 @@ impl Calibration {
         })?;
         let (task, outcome) = found.map_err(|error| refused::uncalibrated(py, &error))?;
         let ledger = ledger(&self.read, &outcome);
-        Ok(Fitted { read: self.read.clone(), task, outcome, ledger })
+        Ok(Fitted { read: self.read.clone(), path: self.path.clone(), task, outcome, ledger })
     }
 
     /// The ledger of its trials, as `slipgrid trials --json` writes it, and in words.
@@ -82,9 +84,11 @@ impl Calibration {
 
 #[pymethods]
 impl Fitted {
-    /// The material file, but for `[made_from]`, which the program writes.
-    fn material_toml(&self, py: Python<'_>) -> PyResult<String> {
-        material_toml(&self.task, &self.outcome, None).map_err(|error| refused::failed(py, &error.to_string()))
+    /// The material file; with `[made_from]` where it is to stand at `output` and the calibration stands in a file.
+    #[pyo3(signature = (output=None))]
+    fn material_toml(&self, py: Python<'_>, output: Option<PathBuf>) -> PyResult<String> {
+        let made_from = output.and_then(|output| MadeFrom::new(&self.read, &self.path, &output, &disk()));
+        material_toml(&self.task, &self.outcome, made_from).map_err(|error| refused::failed(py, &error.to_string()))
     }
 
     /// The fit as fit.json holds it.

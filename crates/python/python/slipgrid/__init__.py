@@ -291,7 +291,7 @@ class Material:
 
     @property
     def toml(self) -> str:
-        """The material file."""
+        """The material file, but for ``[made_from]``, which is of a file at its place."""
         return self._fitted.material_toml()
 
     @property
@@ -300,9 +300,9 @@ class Material:
         return Record(_json.loads(self._fitted.fit_json()))
 
     def save(self, path: PathLike) -> Path:
-        """Writes the material file."""
+        """Writes the material file, which remembers the calibration file that it was made from."""
         path = Path(path)
-        path.write_bytes(self.toml.encode())
+        path.write_bytes(self._fitted.material_toml(path).encode())
         return path
 
     def export(self, folder: PathLike) -> list[Path]:
