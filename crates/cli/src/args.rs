@@ -304,7 +304,7 @@ pub struct ValidateArgs {
     /// Calibration file with measurements on patterned samples, or with measured trials
     #[arg(default_value = "calibration/ldpe-cast-iron/calibration.toml")]
     pub calibration: PathBuf,
-    /// Compare this [[trial]], by the lengths of its own pattern; without patterned samples the first measured one
+    /// Compare this trial, by the lengths of its own pattern; without patterned samples the first measured one
     #[arg(long, value_name = "NAME")]
     pub trial: Option<String>,
     /// Width of a cavity along the sliding direction; 130 when absent. A trial has its own lengths
