@@ -1,6 +1,5 @@
 //! What a design takes, said before it is begun.
 
-use slipgrid_pattern::Pattern;
 use slipgrid_springblock::{Expense, RunOptions, Scene, expense};
 
 use crate::DesignError;
@@ -31,11 +30,8 @@ impl MultiFidelityLoop<'_> {
     /// # Errors
     /// [`DesignError::Input`] where the confirming run takes more memory or time than anybody means to give it.
     pub(super) fn announce(&self, design: &DesignTask) -> Result<(), DesignError> {
-        let middle = |[lower_m, upper_m]: [f64; 2]| (lower_m * upper_m).sqrt();
         let space = &design.space;
-        let lengths_m = space.lengths_m().map(middle);
-        let [width_m, spacing_m, depth_m] = lengths_m;
-        let Ok(pattern) = Pattern::new(*space.texture(), width_m, spacing_m, depth_m) else { return Ok(()) };
+        let Ok(pattern) = space.middle() else { return Ok(()) };
         let searched = self.model.scene(&pattern);
         let draws = self.model.draws(&pattern, crate::confirmation::LEAST_CONTACTS);
         let run = RunOptions { draws, ..self.round.confirming };
@@ -47,7 +43,7 @@ impl MultiFidelityLoop<'_> {
         slipgrid_springblock::bounded(&confirmed).map_err(|error| design.refuse_blocks(&error))?;
         let (cell, run) = (expense(&searched), expense(&confirmed));
         // Searches look at the whole space, where the largest cells cost most.
-        let widest = Pattern::new(*space.texture(), space.width_m()[1], space.spacing_m()[1], depth_m);
+        let widest = space.pattern([space.width_m()[1], space.spacing_m()[1], pattern.depth_m()]);
         let largest = widest.ok().map(|widest| self.model.scene(&widest)).filter(|scene| scene.validate().is_ok());
         let spread_s = f64::midpoint(cell.core_s, largest.map_or(cell.core_s, |scene| expense(&scene).core_s));
         let threads = rayon::current_num_threads() as f64;

@@ -37,11 +37,11 @@ const MOST_LEFT_OUT: f64 = 0.05;
 /// Nodes that are asked before those without an answer are counted again: where there are too many, the rest is not asked.
 const AT_ONCE: usize = 128;
 /// Why there is no explorer where they are more.
-pub(crate) const TOO_FEW: &str = "no explorer: more than 5 % of the designs within the bounds have no answer, as where cavities close under the load";
+const TOO_FEW: &str = "no explorer: more than 5 % of the designs within the bounds have no answer, as where cavities close under the load";
 /// Seconds of one core, roughly, beyond which designs in space are not asked for an explorer alone.
 const MOST_CORE_S: f64 = 60.0;
 /// Why there is none then.
-pub(crate) const TOO_DEAR: &str = "no explorer: the designs within the bounds, in space, would take longer than a minute; slipgrid explore asks them all the same";
+const TOO_DEAR: &str = "no explorer: the designs within the bounds, in space, would take longer than a minute; slipgrid explore asks them all the same";
 /// Draws behind the covariance of the errors.
 const DRAWS: usize = 2000;
 
@@ -156,10 +156,9 @@ pub fn explore_bounds(task: &DesignTask, monitor: &dyn Monitor) -> Result<Explor
     let scene = (task, &known.material, loads.clone());
     let found =
         MultiFidelityLoop::new(scene.0, scene.1, scene.2, Vec::new(), budget, monitor, &mut Timings::default())?;
-    let middle = |[from, to]: [f64; 2]| (from * to).sqrt();
-    let space = &task.space;
-    let [width_m, spacing_m, depth_m] = space.lengths_m().map(middle);
-    let pattern = Pattern::new(*space.texture(), width_m, spacing_m, depth_m)
+    let pattern = task
+        .space
+        .middle()
         .map_err(|error| DesignError::refused(format!("the middle of the bounds is no pattern: {error}")))?;
     let values = found.model.endless(&pattern, false).map_err(|failure| DesignError::Failed(failure.to_string()))?.0;
     let stage = budget.stage("explorer");
@@ -242,8 +241,24 @@ pub fn explore(design: &DesignTask, model: &SteadyModel, anchor: &Anchor<'_>, ba
     Some(Explorer { values, log_peak, areal_density, rims, error, offset, covariance })
 }
 
+/// The explorer beside a search, and why there is none where that is not a matter of time.
+pub(crate) fn explore_beside(
+    design: &DesignTask,
+    model: &SteadyModel,
+    anchor: &Anchor<'_>,
+    bar: &Stage<'_>,
+) -> (Option<Explorer>, Option<&'static str>) {
+    if !design.explorer {
+        return (None, None);
+    }
+    let (explorer, reason) =
+        if is_too_dear(design, model) { (None, TOO_DEAR) } else { (explore(design, model, anchor, bar), TOO_FEW) };
+    let is_missing = explorer.is_none() && !bar.is_out_of_time();
+    (explorer, is_missing.then_some(reason))
+}
+
 /// Whether the designs that an explorer asks take longer than it is worth beside a search: of those in space, by their cells' columns.
-pub(crate) fn is_too_dear(design: &DesignTask, model: &SteadyModel) -> bool {
+fn is_too_dear(design: &DesignTask, model: &SteadyModel) -> bool {
     if model.guide().is_none() {
         return false;
     }

@@ -203,13 +203,8 @@ fn every_step(
     let (numerical, _) = chance_report::numerical(design, &model.scales(&pattern), confirmed, &errors.report);
     let chances = found.chances.as_ref();
     let anchor = explorer::Anchor { design: &pattern, values: value, chances, numerical: &numerical };
-    let is_too_dear = design.explorer && explorer::is_too_dear(design, model);
-    let is_explored = design.explorer && !is_too_dear;
-    let explorer = if is_explored { explorer::explore(design, model, &anchor, &exploring) } else { None };
-    let is_late = exploring.is_out_of_time() && explorer.is_none();
-    cut_short.extend(is_late.then_some("explorer"));
-    let reason = if is_too_dear { explorer::TOO_DEAR } else { explorer::TOO_FEW };
-    let unexplored = (design.explorer && explorer.is_none() && !is_late).then_some(reason);
+    let (explorer, unexplored) = explorer::explore_beside(design, model, &anchor, &exploring);
+    cut_short.extend((exploring.is_out_of_time() && explorer.is_none()).then_some("explorer"));
     timings.explorer = exploring.finish();
     monitor.heed()?;
 

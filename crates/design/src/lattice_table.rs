@@ -99,7 +99,7 @@ pub fn lattice(design: &DesignTask) -> (Vec<Pattern>, [f64; 3]) {
         .iter()
         .flat_map(|width_m| spacings.iter().map(move |spacing_m| (*width_m, *spacing_m)))
         .flat_map(|(width_m, spacing_m)| depths.iter().map(move |depth_m| (width_m, spacing_m, *depth_m)))
-        .filter_map(|(width_m, spacing_m, depth_m)| Pattern::new(*space.texture(), width_m, spacing_m, depth_m).ok())
+        .filter_map(|(width_m, spacing_m, depth_m)| space.pattern([width_m, spacing_m, depth_m]).ok())
         .filter(makeable)
         .take(MOST_NODES + 1)
         .collect();

@@ -8,7 +8,7 @@
 use crate::error::positive;
 use crate::low_discrepancy::MOST_DIMENSIONS;
 use crate::{Constraints, SearchError};
-use slipgrid_pattern::{Arrangement, Pattern, Planform, Texture};
+use slipgrid_pattern::{Arrangement, Pattern, PatternError, Planform, Texture};
 
 /// Step of width and spacing, in metres: what a laser scanner positions. Coarser loses accuracy
 /// (0.1 um moves the friction ratio by about 1e-4), finer gives digits without meaning.
@@ -90,6 +90,23 @@ impl DesignSpace {
     #[must_use]
     pub const fn lengths_m(&self) -> [[f64; 2]; 3] {
         [self.width_m, self.spacing_m, self.depth_m]
+    }
+
+    /// The pattern of these width, spacing and depth, in metres.
+    ///
+    /// # Errors
+    /// [`PatternError`] for lengths that make no pattern.
+    pub fn pattern(&self, lengths_m: [f64; 3]) -> Result<Pattern, PatternError> {
+        let [width_m, spacing_m, depth_m] = lengths_m;
+        Pattern::new(self.texture, width_m, spacing_m, depth_m)
+    }
+
+    /// The pattern in the middle of the bounds, by the logarithms of its lengths.
+    ///
+    /// # Errors
+    /// As [`DesignSpace::pattern`].
+    pub fn middle(&self) -> Result<Pattern, PatternError> {
+        self.pattern(self.lengths_m().map(|[lower_m, upper_m]| (lower_m * upper_m).sqrt()))
     }
 }
 

@@ -5,29 +5,13 @@
 /// and `None` stands for one that is below that.
 #[must_use]
 pub fn cholesky(matrix: &[f64], n: usize) -> Option<Vec<f64>> {
-    factor(matrix, n, |left, own| {
+    let mut is_definite = true;
+    let factor = factor(matrix, n, |left, own| {
         let rounding = 1e-14 * own.abs() * n as f64;
-        let is_known = !left.is_nan() && left >= -rounding;
-        is_known.then_some(if left > rounding { left } else { 0.0 })
-    })
-}
-
-/// The factor whose squared pivots `pivot` makes of what is left of a diagonal entry, and of the entry; zeros make columns of zeros.
-fn factor(matrix: &[f64], n: usize, pivot: impl Fn(f64, f64) -> Option<f64>) -> Option<Vec<f64>> {
-    let mut factor = vec![0.0; n * n];
-    for row in 0..n {
-        for column in 0..=row {
-            let known: f64 = (0..column).map(|k| factor[row * n + k] * factor[column * n + k]).sum();
-            let left = matrix[row * n + column] - known;
-            if row == column {
-                factor[row * n + row] = pivot(left, matrix[row * n + row])?.sqrt();
-            } else {
-                let pivot = factor[column * n + column];
-                factor[row * n + column] = if pivot > 0.0 { left / pivot } else { 0.0 };
-            }
-        }
-    }
-    Some(factor)
+        is_definite &= !left.is_nan() && left >= -rounding;
+        left > rounding
+    });
+    is_definite.then_some(factor)
 }
 
 /// Share of a variance below which what is left of it beside earlier components is the rounding of a covariance that was summed up.
@@ -37,12 +21,27 @@ const ROUNDING_OF_COVARIANCES: f64 = 1e-10;
 /// pivot of zero. Of a matrix that is no covariance it is the factor of one near it.
 #[must_use]
 pub fn covariance_factor(covariance: &[f64], n: usize) -> Vec<f64> {
-    factor(
-        covariance,
-        n,
-        |left, variance| if left > ROUNDING_OF_COVARIANCES * variance { Some(left) } else { Some(0.0) },
-    )
-    .unwrap_or_default()
+    factor(covariance, n, |left, variance| left > ROUNDING_OF_COVARIANCES * variance)
+}
+
+/// The factor of `matrix`, with a column of zeros where `is_pivot` does not hold of what is left of a diagonal entry, and of the entry.
+fn factor(matrix: &[f64], n: usize, mut is_pivot: impl FnMut(f64, f64) -> bool) -> Vec<f64> {
+    let mut factor = vec![0.0; n * n];
+    for row in 0..n {
+        for column in 0..=row {
+            let known: f64 = (0..column).map(|k| factor[row * n + k] * factor[column * n + k]).sum();
+            let left = matrix[row * n + column] - known;
+            let pivot = factor[column * n + column];
+            factor[row * n + column] = if row == column {
+                if is_pivot(left, matrix[row * n + row]) { left.sqrt() } else { 0.0 }
+            } else if pivot > 0.0 {
+                left / pivot
+            } else {
+                0.0
+            };
+        }
+    }
+    factor
 }
 
 /// L^-1 b in the place of b.

@@ -51,8 +51,7 @@ impl<'a> Steps<'a> {
 
     /// The design at `place`, where the laser can cut it.
     fn design(&self, place: Place) -> Option<Pattern> {
-        let [width_m, spacing_m, depth_m] = std::array::from_fn(|axis| self.axes[axis][place[axis]]);
-        let design = Pattern::new(*self.task.space.texture(), width_m, spacing_m, depth_m).ok()?;
+        let design = self.task.space.pattern(std::array::from_fn(|axis| self.axes[axis][place[axis]])).ok()?;
         self.task.constraints.limits.violations(&design).is_empty().then_some(design)
     }
 

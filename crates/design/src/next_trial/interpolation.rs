@@ -165,8 +165,7 @@ impl Nodes {
             .into_par_iter()
             .map(|node| {
                 let lengths = [node / (spacings * depths), node / depths % spacings, node % depths];
-                let [width_m, spacing_m, depth_m] = std::array::from_fn(|axis| axes[axis][lengths[axis]].exp());
-                let design = Pattern::new(*space.texture(), width_m, spacing_m, depth_m).ok()?;
+                let design = space.pattern(std::array::from_fn(|axis| axes[axis][lengths[axis]].exp())).ok()?;
                 let found = if stage.cancelled() { None } else { of(&design) };
                 stage.advance(share);
                 found
