@@ -171,7 +171,7 @@ pub fn parse(text: &str, effective_radius_m: Option<f64>, titles: &Titles) -> Re
 }
 
 /// Where titles of one's own are given, and where those that are known are listed.
-const OWN_TITLES: &str = "in [traces] (chapter trace-columns)";
+const OWN_TITLES: &str = "in [traces]; see reference/trace-columns.md";
 
 /// What is needed and not there, in words, and the titles that would be it.
 fn lacks(lacking: &[&[Channel]], titles: &Titles) -> [String; 2] {
