@@ -11,11 +11,10 @@
 //! the same section in the plane, and is the error of the formula.
 
 use slipgrid_export::{ExportError, LaidStrip, Layout};
-use slipgrid_monitor::Part;
 use slipgrid_pattern::Pattern;
 use slipgrid_springblock::{
-    Extent, Face, Fidelity, Monitor, RunOptions, Scene, SceneError, Simulation, Springs, SteadyCell, Strip, simulate,
-    simulate_specimen,
+    Extent, Face, Fidelity, Monitor, RunOptions, Scene, SceneError, Simulation, Springs, Status, SteadyCell, Strip,
+    simulate, simulate_specimen, steady_face_ratios,
 };
 
 use slipgrid_export::Specimen;
@@ -62,6 +61,10 @@ pub fn simulate_on(
     let mut simulation = simulate(scene, monitor)?;
     let share = layout.areal_density() / pattern.areal_density();
     let ends = ends_error(scene, specimen, &pattern, monitor)?;
+    if monitor.cancelled() {
+        // Its error is not known.
+        simulation.loads.iter_mut().for_each(|load| load.surface.status = Status::Cancelled);
+    }
     onto(&mut simulation, share, &ends);
     let largest = ends.iter().flatten().copied().fold(0.0, f64::max);
     simulation.model.push(format!(
@@ -137,17 +140,17 @@ fn ends_error(
 ) -> Result<Vec<Option<f64>>, SpecimenError> {
     let groove = pattern.as_groove();
     let run = RunOptions { extent: Extent::Sample, dimensions: Some(2), ..RunOptions::default() };
-    let mut plane = Scene { pattern: Some(groove), run, ..scene.clone() };
+    let mut plane = Scene { pattern: Some(groove), run, layer: scene.layer.alone(), ..scene.clone() };
     plane.layer.length_m = specimen.whole_length_m(plane.layer.block_m);
     let Ok(layout) = specimen.layout(groove) else { return Ok(vec![None; scene.loads.len()]) };
     let share = layout.areal_density() / groove.areal_density();
-    let strips = simulate_specimen(&plane, &face(&layout, plane.layer.block_m)?, &Part::new(monitor, 0.0))?;
+    let strips = steady_face_ratios(&plane, &groove, &face(&layout, plane.layer.block_m)?, monitor)?;
     let cells = SteadyCell::new(&plane).ratios(&groove);
     let across = pattern.areal_density() / pattern.section_density();
     let error = |(ratio, cell): (Option<f64>, Option<f64>)| {
         ratio.zip(cell).map(|(ratio, cell)| (ratio - on_face(cell, share)).abs() * across)
     };
-    Ok(strips.loads.iter().map(|load| load.ratio).zip(cells).map(error).collect())
+    Ok(strips.into_iter().zip(cells).map(error).collect())
 }
 
 #[cfg(test)]

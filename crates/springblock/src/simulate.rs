@@ -9,7 +9,9 @@ mod space;
 mod specimen;
 mod statements;
 
-pub use specimen::simulate_specimen;
+pub use specimen::{simulate_specimen, steady_face_ratios};
+
+use std::sync::OnceLock;
 
 use rayon::prelude::*;
 use slipgrid_pattern::Pattern;
@@ -62,9 +64,16 @@ pub fn simulate(scene: &Scene, monitor: &dyn Monitor) -> Result<Simulation, Scen
     if let Some(pattern) = &scene.pattern {
         rim_difference::add_yielding(scene, pattern, &mut simulation.loads, &mut simulation.model);
         Behind::new(scene, pattern, monitor).tell(1.0, &mut simulation.loads, &mut simulation.model);
-        blocks::refine(scene, pattern, 1.0, &mut simulation.loads, &mut simulation.model);
+        blocks::refine(scene, pattern, 1.0, &mut simulation, monitor);
     }
     Ok(simulation)
+}
+
+/// What is said of `scene` once the monitor has cancelled: nothing at any load.
+fn cancelled(scene: &Scene) -> Simulation {
+    let unsolved = || SurfaceOutcome::unsolved(Status::Cancelled, std::iter::empty());
+    let loads = scene.loads.iter().map(|load| compare(load, unsolved(), Some(unsolved()))).collect();
+    Simulation { model: Vec::new(), loads }
 }
 
 /// Ratios of the steady cell of `scene` at every load, as [`simulate`] finds them, without what tells how far off they are: that
@@ -297,7 +306,7 @@ fn dynamic(scene: &Scene, monitor: &dyn Monitor) -> Result<Simulation, SceneErro
     let (own, flat) = surfaces(scene, nearest.as_ref());
     let lattices: Vec<Lattice> = [Some(own), flat].into_iter().flatten().map(|c| lattice(scene, c)).collect();
     let corrections = off_lattice_corrections(scene, nearest.as_ref())?;
-    let (loads, scheme) = integrate(scene, &lattices, &corrections, monitor)?;
+    let Integrated { loads, scheme, .. } = integrate(scene, &lattices, &corrections, monitor)?;
     let mut model = vec![describe_scheme(scene, &scheme)];
     describe_protocol(scene, scheme.step_s, &mut model);
     describe_extent(scene, &mut model);
@@ -317,6 +326,14 @@ fn dynamic(scene: &Scene, monitor: &dyn Monitor) -> Result<Simulation, SceneErro
     Ok(Simulation { model, loads })
 }
 
+/// What runs in time found.
+struct Integrated {
+    loads: Vec<LoadOutcome>,
+    scheme: Scheme,
+    /// Equations of steady sliding by lattice, where a run began from them.
+    steady: Vec<OnceLock<SteadyModel>>,
+}
+
 /// Runs `lattices`, a surface and its flat companion where it has one, in time at every load; `corrections` of the ratio by
 /// load.
 fn integrate(
@@ -324,7 +341,7 @@ fn integrate(
     lattices: &[Lattice],
     corrections: &[f64],
     monitor: &dyn Monitor,
-) -> Result<(Vec<LoadOutcome>, Scheme), SceneError> {
+) -> Result<Integrated, SceneError> {
     if scene.run.warm_start {
         for lattice in lattices {
             affordable(scene, lattice.nx(), lattice.is_periodic())?;
@@ -332,6 +349,7 @@ fn integrate(
     }
     let schemes = lattices.iter().map(|lattice| Scheme::choose(scene, lattice)).collect::<Result<Vec<_>, _>>()?;
     let surfaces = lattices.len();
+    let steady = vec![OnceLock::new(); surfaces];
     let draws = scene.run.draws as usize;
     let runs = surfaces * draws * scene.loads.len();
     let share = 1.0 / runs as f64;
@@ -342,14 +360,14 @@ fn integrate(
         .map(|task| {
             let (draw, surface) = (task / surfaces % draws, task % surfaces);
             let load = &scene.loads[task / (surfaces * draws)];
-            let (lattice, scheme) = (&lattices[surface], schemes[surface]);
+            let (lattice, steady, scheme) = (&lattices[surface], &steady[surface], schemes[surface]);
             let (seed, stderr_share) = (seed_of(scene, draw), stderr_share(scene));
-            let run = DynamicRun { scene, load, lattice, scheme, threads, share, seed, stderr_share };
+            let run = DynamicRun { scene, load, lattice, steady, scheme, threads, share, seed, stderr_share };
             let content = (settings(scene), load, lattice, scheme, seed, stderr_share);
             remembered(monitor, &content, share, || run.run(monitor))
         })
         .collect();
-    Ok((collect(scene, surfaces, corrections, outcomes), schemes[0]))
+    Ok(Integrated { loads: collect(scene, surfaces, corrections, outcomes), scheme: schemes[0], steady })
 }
 
 /// Seed of the local coefficients of draw number `draw`.

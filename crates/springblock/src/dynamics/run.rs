@@ -1,5 +1,7 @@
 //! One dynamic run: builds the integrator, drives it through the protocol, records, reports.
 
+use std::sync::OnceLock;
+
 use super::contact::{ContactRow, LocalLaw};
 use super::drive::{Drive, MOST_STEPS, Plan, not_begun};
 use super::engine::{PlaneEngine, Setup};
@@ -97,6 +99,8 @@ pub struct DynamicRun<'a> {
     pub load: &'a Load,
     /// A plain lattice.
     pub lattice: &'a Lattice,
+    /// Its equations of steady sliding, made by the first run that begins from them.
+    pub steady: &'a OnceLock<SteadyModel>,
     /// How to integrate.
     pub scheme: Scheme,
     /// Threads that may work on it; what it finds does not depend on them.
@@ -168,13 +172,7 @@ impl DynamicRun<'_> {
     /// Displacements over l, by row and column, of the layer in equilibrium with friction as in sliding, every block at a
     /// random moment of its stick-slip.
     fn sheared_displacements(&self) -> Vec<[f64; 2]> {
-        let run = &self.scene.run;
-        let model = SteadyModel::new(
-            self.lattice.clone(),
-            self.scene.layer.block_m,
-            self.scene.elastic.youngs_modulus_pa(),
-            run.liftoff,
-        );
+        let model = self.steady.get_or_init(|| SteadyModel::of(self.scene, self.lattice.clone()));
         let drawn = draws::draw(&self.load.friction, self.seed, self.lattice.nx());
         model.displacements(&SteadyLoad {
             pressure_pa: self.load.pressure_pa,

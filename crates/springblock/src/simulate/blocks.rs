@@ -16,8 +16,9 @@ use slipgrid_pattern::Pattern;
 
 use super::widest;
 use crate::cell::SteadyCell;
-use crate::outcome::LoadOutcome;
+use crate::outcome::Simulation;
 use crate::scene::Scene;
+use crate::{Monitor, Unwatched};
 
 /// Orders of convergence that are believed.
 const ORDERS: [f64; 2] = [0.5, 2.0];
@@ -49,7 +50,7 @@ pub struct BlockRefinement {
 #[must_use]
 pub fn block_refinement(scene: &Scene, most: f64) -> Option<BlockRefinement> {
     let pattern = scene.pattern.as_ref().filter(|_| scene.dimensions() == 2)?;
-    refined(scene, pattern, most)
+    refined(scene, pattern, most, &Unwatched)
 }
 
 /// Ratios by load in blocks of each size; `None` in blocks that cannot be had.
@@ -102,12 +103,19 @@ pub fn plane_ratios(scene: &Scene, pattern: &Pattern, most: f64) -> Ratios {
 }
 
 /// Takes the ratios of `loads`, whose cavities take `share` of what a period's take, to smaller blocks by what these change
-/// of the steady cell, where `scene` asks for it and the error is less for it; `model` tells of it.
-pub fn refine(scene: &Scene, pattern: &Pattern, share: f64, loads: &mut [LoadOutcome], model: &mut Vec<String>) {
+/// of the steady cell, where `scene` asks for it and the error is less for it; the model tells of it. Nothing is said once
+/// `monitor` has cancelled.
+pub fn refine(scene: &Scene, pattern: &Pattern, share: f64, simulation: &mut Simulation, monitor: &dyn Monitor) {
     if !scene.run.refine || scene.dimensions() == 3 {
         return;
     }
-    let Some(BlockRefinement { factor, shifts, error }) = refined(scene, pattern, MOST_REFINED) else { return };
+    let found = refined(scene, pattern, MOST_REFINED, monitor);
+    if monitor.cancelled() {
+        *simulation = super::cancelled(scene);
+        return;
+    }
+    let Some(BlockRefinement { factor, shifts, error }) = found else { return };
+    let Simulation { loads, model } = simulation;
     let stated = loads.iter().filter_map(|load| load.ratio_discretization_error).fold(0.0, f64::max);
     if error * share >= stated {
         return;
@@ -130,9 +138,12 @@ fn micrometres(length_m: f64) -> f64 {
     (length_m * 1e9).round() / 1e3
 }
 
-/// What the finest blocks that can be had change.
-fn refined(scene: &Scene, pattern: &Pattern, most: f64) -> Option<BlockRefinement> {
-    let at = |factor: f64| plane_ratios(&sized(scene, factor)?, pattern, most)?.into_iter().collect();
+/// What the finest blocks that can be had change, before `monitor` cancels.
+fn refined(scene: &Scene, pattern: &Pattern, most: f64, monitor: &dyn Monitor) -> Option<BlockRefinement> {
+    let at = |factor: f64| {
+        monitor.heed().ok()?;
+        plane_ratios(&sized(scene, factor)?, pattern, most)?.into_iter().collect()
+    };
     let levels: Vec<Vec<f64>> = [1.0, 0.5, 0.25, 0.125].into_iter().map_while(at).collect();
     let [.., coarse, middle, fine] = &levels[..] else { return None };
     let left = |load: usize| {

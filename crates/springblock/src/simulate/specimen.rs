@@ -21,8 +21,8 @@ use rayon::prelude::*;
 
 use super::rim_difference::{RimDifference, without_rim};
 use super::{
-    Behind, MOST_FACTOR_BYTES, UNIFORM_COLUMNS, compare, describe_draws, describe_law, describe_protocol,
-    describe_scheme, discretization_error, integrate, seed_of,
+    Behind, Integrated, MOST_FACTOR_BYTES, UNIFORM_COLUMNS, cancelled, compare, describe_draws, describe_law,
+    describe_protocol, describe_scheme, discretization_error, integrate, seed_of,
 };
 use crate::Monitor;
 use crate::cell::SteadyCell;
@@ -62,7 +62,7 @@ pub fn simulate_specimen(scene: &Scene, face: &Face, monitor: &dyn Monitor) -> R
     };
     // Blocks stand for the layer alone.
     let layer = &Scene { layer: scene.layer.alone(), ..scene.clone() };
-    let steady = SteadyFace::new(layer, pattern, face)?;
+    let Some(steady) = SteadyFace::new(layer, pattern, face, monitor)? else { return Ok(cancelled(scene)) };
     let mut model = Vec::new();
     let mut loads = match scene.run.fidelity {
         Fidelity::Steady => {
@@ -81,10 +81,27 @@ pub fn simulate_specimen(scene: &Scene, face: &Face, monitor: &dyn Monitor) -> R
     model.extend(describe(scene, face, pattern, &steady));
     Behind::new(&Scene { run: RunOptions { extent: Extent::Sample, ..scene.run }, ..scene.clone() }, pattern, monitor)
         .tell(share, &mut loads, &mut model);
-    super::blocks::refine(scene, pattern, share, &mut loads, &mut model);
-    describe_draws(scene, &mut model);
-    describe_law(scene, &mut model);
-    Ok(Simulation { model, loads })
+    let mut simulation = Simulation { model, loads };
+    super::blocks::refine(scene, pattern, share, &mut simulation, monitor);
+    describe_draws(scene, &mut simulation.model);
+    describe_law(scene, &mut simulation.model);
+    Ok(simulation)
+}
+
+/// Steady ratios of the face by load, as strips of the layer alone give them, without what tells how far off they are; all `None` once
+/// `monitor` has cancelled.
+///
+/// # Errors
+/// [`SceneError`] where the strips do not fit in memory.
+pub fn steady_face_ratios(
+    scene: &Scene,
+    pattern: &Pattern,
+    face: &Face,
+    monitor: &dyn Monitor,
+) -> Result<Vec<Option<f64>>, SceneError> {
+    let steady = SteadyFace::new(scene, pattern, face, monitor)?;
+    let none = || vec![None; scene.loads.len()];
+    Ok(steady.map_or_else(none, |steady| steady.loads.iter().map(|load| load.ratio).collect()))
 }
 
 /// A part of the face that is solved on one lattice.
@@ -149,7 +166,8 @@ fn without_slivers(mut strip: Strip, depth_m: f64, block_m: f64) -> Strip {
 }
 
 impl SteadyFace {
-    fn new(scene: &Scene, pattern: &Pattern, face: &Face) -> Result<Self, SceneError> {
+    /// `None` once `monitor` has cancelled.
+    fn new(scene: &Scene, pattern: &Pattern, face: &Face, monitor: &dyn Monitor) -> Result<Option<Self>, SceneError> {
         let (block_m, rows) = (scene.layer.block_m, scene.layer.rows());
         let rims = RimDifference::new(scene, pattern);
         // Strips lie flat: what rims add is that of the cell.
@@ -182,22 +200,25 @@ impl SteadyFace {
         if bytes > MOST_FACTOR_BYTES {
             return Err(SceneError::TooLarge { bytes, most_bytes: MOST_FACTOR_BYTES });
         }
-        let youngs_modulus_pa = scene.elastic.youngs_modulus_pa();
-        let mut pieces: Vec<Piece> = planned
+        let pieces: Option<Vec<Piece>> = planned
             .into_par_iter()
             .map(|(band, area_m2, cavity_area_m2, lattice)| {
-                let model = SteadyModel::new(lattice, block_m, youngs_modulus_pa, scene.run.liftoff);
-                Piece { band, area_m2, cavity_area_m2, pressure_share: model.stiffness_per_length(), model }
+                monitor.heed().ok()?;
+                let model = SteadyModel::of(scene, lattice);
+                Some(Piece { band, area_m2, cavity_area_m2, pressure_share: model.stiffness_per_length(), model })
             })
             .collect();
+        let Some(mut pieces) = pieces else { return Ok(None) };
         // P_s = k_s d with sum A_s P_s = P sum A_s
         let area_m2: f64 = pieces.iter().map(|piece| piece.area_m2).sum();
         let carried: f64 = pieces.iter().map(|piece| piece.area_m2 * piece.pressure_share).sum();
         for piece in &mut pieces {
             piece.pressure_share *= area_m2 / carried;
         }
-        let by_piece: Vec<Vec<SurfaceOutcome>> =
-            pieces.par_iter().map(|piece| solve(scene, &piece.model, piece.pressure_share)).collect();
+        let solved =
+            |piece: &Piece| Some(solve(scene, &piece.model, piece.pressure_share)).filter(|_| !monitor.cancelled());
+        let by_piece: Option<Vec<Vec<SurfaceOutcome>>> = pieces.par_iter().map(solved).collect();
+        let Some(by_piece) = by_piece else { return Ok(None) };
         let mut by_piece: Vec<_> = by_piece.into_iter().map(Vec::into_iter).collect();
         let flat = FlatFace::new(scene, face).solve(scene);
         let each = scene.loads.iter().zip(flat).map(|(load, flat)| {
@@ -206,7 +227,7 @@ impl SteadyFace {
         });
         let mut loads: Vec<LoadOutcome> = each.collect();
         rims.add(face.cavity_share() / pattern.section_density(), &mut loads);
-        Ok(Self { loads, shortened: count })
+        Ok(Some(Self { loads, shortened: count }))
     }
 }
 
@@ -248,7 +269,7 @@ impl FlatFace {
         let length_m = face.longest().length_m.min(MOST_TIMED_COLUMNS * block_m);
         let columns = columns::strip(length_m / block_m, &[], 0.0);
         let lattice = Lattice::new(columns, scene.layer.rows(), false);
-        let model = SteadyModel::new(lattice, block_m, scene.elastic.youngs_modulus_pa(), scene.run.liftoff);
+        let model = SteadyModel::of(scene, lattice);
         let sum = |of: fn(&Strip) -> f64| face.strips().iter().map(of).sum::<f64>();
         Self { model, length_m, ends_per_m: sum(|strip| strip.width_m) / sum(Strip::area_m2) }
     }
@@ -331,7 +352,7 @@ fn in_time(
     let strip = without_slivers(strip, pattern.depth_m(), scene.layer.block_m);
     let lattices = timed_lattices(scene, pattern, &strip);
     let none = vec![0.0; scene.loads.len()];
-    let (mut loads, scheme) = integrate(scene, &lattices, &none, monitor)?;
+    let Integrated { mut loads, scheme, steady: models } = integrate(scene, &lattices, &none, monitor)?;
     model.push(describe_scheme(scene, &scheme));
     describe_protocol(scene, scheme.step_s, model);
     model.push(format!(
@@ -343,10 +364,10 @@ fn in_time(
     if scene.run.warm_start {
         model.push("warm start: the layer sheared as in sliding, every block at rest at a random moment of its stick-slip; no ramp, no static friction".to_owned());
     }
-    let youngs_modulus_pa = scene.elastic.youngs_modulus_pa();
     let models: Vec<SteadyModel> = lattices
         .into_par_iter()
-        .map(|lattice| SteadyModel::new(lattice, scene.layer.block_m, youngs_modulus_pa, scene.run.liftoff))
+        .zip(models)
+        .map(|(lattice, made)| made.into_inner().unwrap_or_else(|| SteadyModel::of(scene, lattice)))
         .collect();
     let columns = models[0].lattice().columns();
     let own_share = columns.iter().filter(|column| !column.is_land()).count() as f64 / columns.len() as f64;

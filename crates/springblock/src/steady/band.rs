@@ -17,7 +17,11 @@ impl BandMatrix {
     /// The zero matrix of `order` rows.
     #[must_use]
     pub fn zero(order: usize, half_bandwidth: usize) -> Self {
-        Self { order, half_bandwidth, rows: vec![0.0; order * (half_bandwidth + 1)] }
+        // Zeros that are written: a page of memory that the system calls zero would be mapped when `add` first reads it and copied when it
+        // writes, which takes every thread's address cache along.
+        let mut rows = std::hint::black_box(Vec::with_capacity(order * (half_bandwidth + 1)));
+        rows.resize(order * (half_bandwidth + 1), 0.0);
+        Self { order, half_bandwidth, rows }
     }
 
     /// Adds `value` to A[r][c] and, by symmetry, to A[c][r]; both within the band.

@@ -35,6 +35,7 @@ use slipgrid_material::AreaLaw;
 
 use crate::lattice::Lattice;
 use crate::outcome::{InterfacePoint, Status, SurfaceOutcome};
+use crate::scene::Scene;
 use anderson::Anderson;
 pub use condensed::{CondensedModel, condensing};
 pub use raised::{FaceHistory, RaisedModel};
@@ -117,6 +118,12 @@ impl SteadyModel {
     pub fn new(lattice: Lattice, block_m: f64, youngs_modulus_pa: f64, liftoff: bool) -> Self {
         let system = System::new(&lattice, &[]);
         Self { lattice, block_m, youngs_modulus_pa, liftoff, system }
+    }
+
+    /// The same for blocks and material of `scene`.
+    #[must_use]
+    pub fn of(scene: &Scene, lattice: Lattice) -> Self {
+        Self::new(lattice, scene.layer.block_m, scene.elastic.youngs_modulus_pa(), scene.run.liftoff)
     }
 
     /// The lattice.

@@ -148,7 +148,7 @@ fn strips_follow_the_longest_in_time() {
     let found = &simulate_specimen(&scene, &whole, &Unwatched).unwrap().loads[0];
     let alone = |strip: &Strip| {
         let lattices = timed_lattices(&scene, &scene.pattern.unwrap(), strip);
-        let (loads, _) = integrate(&scene, &lattices, &[0.0], &Unwatched).unwrap();
+        let loads = integrate(&scene, &lattices, &[0.0], &Unwatched).unwrap().loads;
         let models: Vec<SteadyModel> =
             lattices.into_iter().map(|lattice| SteadyModel::new(lattice, 10e-6, 0.38e9, false)).collect();
         loads[0].ratio.unwrap() - drawn_ratios(&scene, &models)[0].unwrap()
