@@ -16,8 +16,10 @@ const LEAST_WEIGHT: f64 = 1e-4;
 const LEAST_CHANCE: f64 = 1e-5;
 /// By how much the draws behind a closeness may lie above its expectation.
 const SCATTER_OF_CLOSENESS: f64 = 1.25;
-/// Textures whose scores are computed at a time, so that the choice does not depend on the number of threads.
-const BATCH: usize = 64;
+/// Textures whose scores are computed at a time, so that the choice does not depend on the number of threads: at first at least so many, and
+/// of every further batch twice as many, up to the most. What is found early spares what comes later.
+const LEAST_BATCH: usize = 4;
+const MOST_BATCH: usize = 64;
 
 /// What a cut sample should do: its ratio at each load.
 #[derive(Clone, Debug, PartialEq)]
@@ -218,20 +220,27 @@ impl<'r, 'a> Ranking<'r, 'a> {
     #[must_use]
     pub fn best(&self, most: usize, least_chance: f64, is_open: &dyn Fn(usize) -> bool) -> Vec<Chosen> {
         let Self { predictor, wanted, of, bounds } = self;
-        let bounds: Vec<(usize, Score)> = bounds.iter().copied().filter(|(place, _)| is_open(*place)).collect();
+        let may_do = |(place, bound): &&(usize, Score)| bound.chance >= least_chance && is_open(*place);
+        let bounds: Vec<(usize, Score)> = bounds.iter().filter(may_do).copied().collect();
         let mut best: Vec<Chosen> = Vec::new();
-        for batch in bounds.chunks(BATCH) {
-            if best.len() >= most && best.last().is_some_and(|last| batch[0].1.value() < last.score.value()) {
-                break;
-            }
+        let (mut left, mut size) = (&bounds[..], most.clamp(LEAST_BATCH, MOST_BATCH));
+        while let Some((_, first)) = left.first() {
             // What enters must not be below the least of those that are kept.
             let least_value = if best.len() < most { 0.0 } else { best.last().map_or(0.0, |last| last.score.value()) };
+            if first.value() < least_value {
+                break;
+            }
+            let batch;
+            (batch, left) = left.split_at(size.min(left.len()));
+            size = (2 * size).min(MOST_BATCH);
             let least = [least_chance, least_value];
-            let scored = batch.par_iter().filter_map(|(place, most)| {
-                let candidate = of(*place)?;
-                let score = wanted.score_above(&predictor.of(&candidate), candidate.modelled, least, most.closeness)?;
-                Some(Chosen { place: *place, score })
-            });
+            let scored =
+                batch.par_iter().filter(|(_, bound)| bound.value() >= least_value).filter_map(|(place, bound)| {
+                    let candidate = of(*place)?;
+                    let score =
+                        wanted.score_above(&predictor.of(&candidate), candidate.modelled, least, bound.closeness)?;
+                    Some(Chosen { place: *place, score })
+                });
             best.extend(scored.collect::<Vec<Chosen>>());
             best.sort_by(|a, b| b.score.value().total_cmp(&a.score.value()).then(a.place.cmp(&b.place)));
             best.truncate(most);
