@@ -32,13 +32,14 @@ use crate::error::SceneError;
 use crate::face::{Face, Strip};
 use crate::lattice::Lattice;
 use crate::outcome::{LoadOutcome, Simulation, Status, SurfaceOutcome};
-use crate::scene::{Extent, Fidelity, Load, RunOptions, Scene};
+use crate::scene::{Extent, Fidelity, Layer, Load, RunOptions, Scene};
 use crate::steady::{SteadyLoad, SteadyModel, factor_bytes};
 use slipgrid_pattern::Pattern;
 
-/// Columns of the longest strip that is solved as it is. Of a longer one both ends are kept, half of these each, and
-/// what is left out between them is periodic: what an end does decays within the height of the layer.
-const MOST_STRIP_COLUMNS: f64 = 2400.0;
+/// Length of the longest strip that is solved as it is, in heights of the layer. Of a longer one both ends are kept, half of that
+/// length each, and what is left out between them is periodic: what an end does decays within a height, so that the ratio of the face
+/// is off by less than 1e-5 (`strips_are_their_ends_and_cells_between_them`).
+const STRIP_HEIGHTS: f64 = 15.0;
 /// Columns of the strip that is run in time: the published specimen has 996.
 const MOST_TIMED_COLUMNS: f64 = 1200.0;
 /// Narrowest land at the end of a strip that a lattice resolves, in blocks.
@@ -123,9 +124,9 @@ struct SteadyFace {
     shortened: usize,
 }
 
-/// `strip` without the periods that make it longer than [`MOST_STRIP_COLUMNS`], and the length left out, in metres.
-fn shortened(strip: &Strip, block_m: f64) -> (Strip, f64) {
-    let most_m = MOST_STRIP_COLUMNS * block_m;
+/// `strip` without the periods that make it longer than [`STRIP_HEIGHTS`], and the length left out, in metres.
+fn shortened(strip: &Strip, layer: &Layer) -> (Strip, f64) {
+    let most_m = STRIP_HEIGHTS * layer.height_m;
     let cavities = &strip.cavities_m;
     if strip.length_m <= most_m {
         return (strip.clone(), 0.0);
@@ -180,7 +181,7 @@ impl SteadyFace {
         let mut planned: Vec<(usize, f64, f64, Lattice)> = Vec::new();
         let mut count = 0;
         for strip in face.strips() {
-            let (kept, out_m) = shortened(strip, block_m);
+            let (kept, out_m) = shortened(strip, &scene.layer);
             let cavity_m2 = |strip: &Strip| strip.cavity_length_m() * strip.width_m;
             let bearing = without_slivers(kept.clone(), pattern.depth_m(), block_m);
             let ends = Lattice::new(columns::strip(kept.length_m / block_m, &blocks(&bearing), depth), rows, false);
@@ -266,7 +267,7 @@ struct FlatFace {
 impl FlatFace {
     fn new(scene: &Scene, face: &Face) -> Self {
         let block_m = scene.layer.block_m;
-        let length_m = face.longest().length_m.min(MOST_TIMED_COLUMNS * block_m);
+        let length_m = face.longest().length_m.min(STRIP_HEIGHTS * scene.layer.height_m);
         let columns = columns::strip(length_m / block_m, &[], 0.0);
         let lattice = Lattice::new(columns, scene.layer.rows(), false);
         let model = SteadyModel::of(scene, lattice);
@@ -458,8 +459,8 @@ fn describe(scene: &Scene, face: &Face, pattern: &Pattern, steady: &SteadyFace) 
     }
     if steady.shortened > 0 {
         model.push(format!(
-            "strips longer than {:.0} mm: both ends and periodic cells between them, which changes the ratio by less than 1e-4",
-            MOST_STRIP_COLUMNS * scene.layer.block_m * 1e3
+            "strips longer than {} mm: both ends and periodic cells between them, which changes the ratio by less than 1e-5",
+            (STRIP_HEIGHTS * scene.layer.height_m * 1e6).round() / 1e3
         ));
     }
     model.push("two dimensions: vertical planes along the sliding direction, plane stress, nu = 1/3".to_owned());

@@ -79,20 +79,64 @@ fn strips_carry_the_load_as_one_rigid_bulk_presses_them() {
 }
 
 #[test]
-fn a_long_strip_is_its_ends_and_cells_between_them() {
-    let scene = scene(RunOptions::default());
+fn of_a_long_strip_whole_periods_are_left_out() {
     let long = strip(0, 31.8e-3, 90e-6);
-    let (short, out_m) = shortened(&long, 10e-6);
-    assert!((out_m / 500e-6 - 16.0).abs() < 1e-9 && short.cavities_m.len() + 16 == long.cavities_m.len());
+    let (short, out_m) = shortened(&long, &scene(RunOptions::default()).layer);
+    assert!((out_m / 500e-6 - 58.0).abs() < 1e-9 && short.cavities_m.len() + 58 == long.cavities_m.len());
     let end = |strip: &Strip| strip.length_m - strip.cavities_m.last().unwrap()[1];
     assert!((end(&long) - end(&short)).abs() < 1e-12);
-    // The judge: the whole strip on one lattice.
-    let blocks: Vec<[f64; 2]> = long.cavities_m.iter().map(|ends_m| ends_m.map(|at_m| at_m / 10e-6)).collect();
-    let whole = SteadyModel::new(Lattice::new(columns::strip(3180.0, &blocks, 2.0), 20, false), 10e-6, 0.38e9, false);
-    let found = simulate_specimen(&scene, &face(vec![long]), &Unwatched).unwrap();
-    for (surface, found) in solve(&scene, &whole, 1.0).iter().zip(&found.loads) {
-        let mu = surface.mu_dynamic.unwrap();
-        assert!((found.surface.mu_dynamic.unwrap() / mu - 1.0).abs() < 2e-5, "{:?} {mu}", found.surface.mu_dynamic);
+}
+
+/// The judge solves every strip whole on one lattice.
+#[test]
+fn strips_are_their_ends_and_cells_between_them() {
+    for [width_um, spacing_um, depth_um, height_um] in [
+        [130.0, 370.0, 20.0, 200.0],
+        [60.0, 90.0, 10.0, 200.0],
+        [200.0, 800.0, 50.0, 200.0],
+        [130.0, 370.0, 20.0, 100.0],
+    ] {
+        let mut scene = scene(RunOptions::default());
+        let pattern = samples::groove(width_um, spacing_um, depth_um);
+        scene.pattern = Some(pattern);
+        scene.layer.height_m = height_um * 1e-6;
+        // Half a disc of 10 mm, whose middle is the middle of a cavity.
+        let (width_m, pitch_m) = (width_um * 1e-6, (width_um + spacing_um) * 1e-6);
+        let of_disc = |band: usize| {
+            let length_m = (1e4 * (1.0 - ((band as f64 + 0.5) / 6.0).powi(2)).sqrt()).round() * 1e-6;
+            let first_m = (0.5 * (length_m - width_m)).rem_euclid(pitch_m);
+            let starts = (0..1000).map(|number| first_m + pitch_m * f64::from(number));
+            let ends = starts.map(|start_m| [start_m, start_m + width_m]).take_while(|ends_m| ends_m[1] <= length_m);
+            Strip { band, width_m: 0.8e-3, length_m, cavities_m: ends.collect() }
+        };
+        let strips = face((0..6).map(of_disc).collect());
+        let found = steady_face_ratios(&scene, &pattern, &strips, &Unwatched).unwrap();
+        let (block_m, rows) = (scene.layer.block_m, scene.layer.rows());
+        let model = |strip: &Strip| {
+            let strip = without_slivers(strip.clone(), pattern.depth_m(), block_m);
+            let cavities: Vec<[f64; 2]> =
+                strip.cavities_m.iter().map(|ends_m| ends_m.map(|at_m| at_m / block_m)).collect();
+            let columns = columns::strip(strip.length_m / block_m, &cavities, pattern.depth_m() / block_m);
+            SteadyModel::of(&scene, Lattice::new(columns, rows, false))
+        };
+        let whole: Vec<SteadyModel> = strips.strips().iter().map(model).collect();
+        let flat: Vec<SteadyModel> =
+            strips.strips().iter().map(|strip| model(&Strip { cavities_m: Vec::new(), ..strip.clone() })).collect();
+        // mu = sum k_s A_s mu_s / sum k_s A_s
+        let friction = |models: &[SteadyModel], load: usize| {
+            let of = |model: &SteadyModel, strip: &Strip| model.stiffness_per_length() * strip.area_m2();
+            let carried: f64 = models.iter().zip(strips.strips()).map(|(model, strip)| of(model, strip)).sum();
+            let area_m2: f64 = strips.strips().iter().map(Strip::area_m2).sum();
+            let each = models.iter().zip(strips.strips()).map(|(model, strip)| {
+                let share = model.stiffness_per_length() * area_m2 / carried;
+                of(model, strip) / carried * solve(&scene, model, share)[load].mu_dynamic.unwrap()
+            });
+            each.sum::<f64>()
+        };
+        for (load, found) in found.iter().enumerate() {
+            let ratio = friction(&whole, load) / friction(&flat, load);
+            assert!((found.unwrap() - ratio).abs() < 1e-5, "{width_um} {load}: {found:?} {ratio}");
+        }
     }
 }
 
