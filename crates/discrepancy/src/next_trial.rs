@@ -1,5 +1,7 @@
 //! The texture to cut next.
 
+use std::collections::BTreeSet;
+
 use rayon::prelude::*;
 use slipgrid_statistics::{Normals, box_probability};
 
@@ -217,13 +219,15 @@ impl<'r, 'a> Ranking<'r, 'a> {
     }
 
     /// The `most` greatest scores of those candidates whose place `is_open` and whose chance is `least_chance` or more, the greatest first.
+    /// Candidates of less are not asked again: later calls may ask for no lower chance.
     #[must_use]
-    pub fn best(&self, most: usize, least_chance: f64, is_open: &dyn Fn(usize) -> bool) -> Vec<Chosen> {
+    pub fn best(&mut self, most: usize, least_chance: f64, is_open: &dyn Fn(usize) -> bool) -> Vec<Chosen> {
         let Self { predictor, wanted, of, bounds } = self;
         let may_do = |(place, bound): &&(usize, Score)| bound.chance >= least_chance && is_open(*place);
-        let bounds: Vec<(usize, Score)> = bounds.iter().filter(may_do).copied().collect();
+        let open: Vec<(usize, Score)> = bounds.iter().filter(may_do).copied().collect();
         let mut best: Vec<Chosen> = Vec::new();
-        let (mut left, mut size) = (&bounds[..], most.clamp(LEAST_BATCH, MOST_BATCH));
+        let mut too_low = BTreeSet::new();
+        let (mut left, mut size) = (&open[..], most.clamp(LEAST_BATCH, MOST_BATCH));
         while let Some((_, first)) = left.first() {
             // What enters must not be below the least of those that are kept.
             let least_value = if best.len() < most { 0.0 } else { best.last().map_or(0.0, |last| last.score.value()) };
@@ -234,17 +238,23 @@ impl<'r, 'a> Ranking<'r, 'a> {
             (batch, left) = left.split_at(size.min(left.len()));
             size = (2 * size).min(MOST_BATCH);
             let least = [least_chance, least_value];
-            let scored =
-                batch.par_iter().filter(|(_, bound)| bound.value() >= least_value).filter_map(|(place, bound)| {
-                    let candidate = of(*place)?;
-                    let score =
-                        wanted.score_above(&predictor.of(&candidate), candidate.modelled, least, bound.closeness)?;
-                    Some(Chosen { place: *place, score })
-                });
-            best.extend(scored.collect::<Vec<Chosen>>());
+            let score = |(place, bound): &(usize, Score)| {
+                let candidate = of(*place)?;
+                wanted.score_above(&predictor.of(&candidate), candidate.modelled, least, bound.closeness)
+            };
+            let asked = batch.par_iter().filter(|(_, bound)| bound.value() >= least_value);
+            let scored: Vec<(usize, Option<Score>)> = asked.map(|bound| (bound.0, score(bound))).collect();
+            for (place, score) in scored {
+                match score {
+                    Some(score) => best.push(Chosen { place, score }),
+                    None if least_value == 0.0 => _ = too_low.insert(place),
+                    None => {}
+                }
+            }
             best.sort_by(|a, b| b.score.value().total_cmp(&a.score.value()).then(a.place.cmp(&b.place)));
             best.truncate(most);
         }
+        bounds.retain(|(place, _)| !too_low.contains(place));
         best
     }
 }

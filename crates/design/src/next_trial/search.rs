@@ -155,7 +155,7 @@ impl<'a> Search<'a> {
         let drafts: Vec<Option<Design>> = patterns.par_iter().map(between).collect();
         let left: Vec<Design> = drafts.into_iter().flatten().collect();
         let candidate = |place: usize| (!self.stage.cancelled()).then(|| left[place].candidate());
-        let ranking = Ranking::new(&self.predictor, &self.asked.wanted, least_chance, left.len(), &candidate);
+        let mut ranking = Ranking::new(&self.predictor, &self.asked.wanted, least_chance, left.len(), &candidate);
         let found = ranking.best(self.scope.judged, least_chance, &|_| true);
         let enough = found.iter().fold(least_chance, |most, of| most.max(OF_CHANCE * of.score.chance));
         let mut best: Vec<usize> = found.into_iter().map(|of| of.place).collect();
