@@ -145,6 +145,26 @@ fn equal_coefficients_give_ratio_one_in_two_thousand_scenes() {
     assert!(wrong.is_empty(), "{wrong:#?}");
 }
 
+/// Where every block grips alike, what friction lacks of that of sliding blocks is what it lacks of mu: also in a motion of one period
+/// throughout the body, of which any regular choice of instants would see some phases alone.
+#[test]
+fn the_excess_is_that_of_the_friction_reported() {
+    let run = RunOptions { extent: Extent::Cell, warm_start: true, seed: 290, ..RunOptions::default() };
+    let mut in_step = scene([1.2334564e9, 1587.27, 0.2470841], [0.2766763e6, 5.851029e-3], [183.1, 52.5, 20.3], run);
+    in_step.loads[0].friction = LocalFriction::new(0.2470841, 0.2470841, 0.0).unwrap();
+    let mut waves = 0;
+    for scene in scenes(30).iter().chain([&in_step]) {
+        let found = outcome(scene);
+        for surface in std::iter::once(&found.surface).chain(&found.flat) {
+            let mu_d = scene.loads[0].friction.dynamic_mean();
+            let Some((mu, excess)) = surface.mu_dynamic.zip(surface.stick_slip_excess) else { continue };
+            assert!((excess - (mu / mu_d - 1.0)).abs() < 1e-3 * excess.abs() + 1e-6, "{excess} {mu} {mu_d}");
+            waves += usize::from(excess < -1e-3);
+        }
+    }
+    assert!(waves > 3);
+}
+
 /// A soft body shears by more than its first micrometres of travel: while friction grows, its mean is not that of sliding.
 #[test]
 fn a_soft_body_is_not_converged_before_it_slides() {

@@ -42,12 +42,6 @@ impl<'a> LocalLaw<'a> {
         }
     }
 
-    /// The forces on a block of dynamic coefficient `dynamic_mu`.
-    pub fn force(&self, normal: f64, friction: f64, dynamic_mu: f64) -> ContactForce {
-        let pressing = normal.max(0.0);
-        ContactForce { normal, friction, sliding: dynamic_mu * self.piece(pressing).grip(pressing) }
-    }
-
     /// f(p) F_n: friction per unit coefficient. `near` remembers the interval of the law's table.
     fn grip(&self, normal: f64, near: &mut usize) -> f64 {
         match self.area_law {
@@ -103,6 +97,8 @@ pub struct ContactBlock<const H: usize> {
     pub normal: f64,
     /// Friction, as a resistance to motion along each axis, at the last force evaluation.
     pub friction: [f64; H],
+    /// mu_d f(p) F_n at the last force evaluation: its friction if it slides.
+    pub sliding: f64,
 }
 
 /// What a leapfrog step does to a contact block.
@@ -157,6 +153,7 @@ impl<const H: usize> ContactBlock<H> {
             face: 0.0,
             normal: 0.0,
             friction: [0.0; H],
+            sliding: 0.0,
         }
     }
 
@@ -169,7 +166,7 @@ impl<const H: usize> ContactBlock<H> {
     }
 
     fn let_go(&mut self) -> Meeting {
-        self.friction = [0.0; H];
+        (self.friction, self.sliding) = ([0.0; H], 0.0);
         self.has_slipped = true;
         if self.motion == Motion::Rest {
             self.motion = Motion::Slip;
@@ -218,15 +215,16 @@ where
             // A law that reaches zero holds nothing, and a reversal is no end of motion.
             return self.let_go();
         }
+        self.sliding = self.coefficients.dynamic_mu * grip;
         if self.motion == Motion::Rest {
             if Self::is_held(force, threshold) {
                 self.friction = force;
                 return Meeting::Held;
             }
             self.motion = Motion::Slip;
-            return Meeting::Starting { resistance: self.coefficients.dynamic_mu * grip };
+            return Meeting::Starting { resistance: self.sliding };
         }
-        Meeting::Sliding { resistance: self.coefficients.dynamic_mu * grip }
+        Meeting::Sliding { resistance: self.sliding }
     }
 
     /// Velocity times the step after one leapfrog kick from `v`; `grip_at` gives f(p) F_n for a normal force above zero.
@@ -293,6 +291,8 @@ pub struct ContactSums {
     pub across: f64,
     /// Normal forces of compressive blocks.
     pub normal: f64,
+    /// mu_d f(p) F_n of all: the friction if every block slides.
+    pub sliding: f64,
 }
 
 impl ContactSums {
@@ -301,11 +301,13 @@ impl ContactSums {
         self.friction += other.friction;
         self.across += other.across;
         self.normal += other.normal;
+        self.sliding += other.sliding;
     }
 
     fn add_block(&mut self, block: &ContactBlock<1>) {
         self.friction += block.friction[0];
         self.normal += block.normal.max(0.0);
+        self.sliding += block.sliding;
     }
 }
 
@@ -316,8 +318,6 @@ pub struct ContactForce {
     pub normal: f64,
     /// Friction, positive against the drive.
     pub friction: f64,
-    /// mu_d f(p) F_n: its friction if it slides.
-    pub sliding: f64,
 }
 
 /// The contact row of the plane, block by block.
@@ -377,8 +377,7 @@ impl<'a> ContactRow<'a> {
     /// Forces on the blocks at the last force evaluation.
     #[must_use]
     pub fn forces(&self) -> Vec<ContactForce> {
-        let force =
-            |block: &ContactBlock<1>| self.law.force(block.normal, block.friction[0], block.coefficients.dynamic_mu);
+        let force = |block: &ContactBlock<1>| ContactForce { normal: block.normal, friction: block.friction[0] };
         self.blocks.iter().map(force).collect()
     }
 

@@ -27,6 +27,8 @@ pub struct ContactVectors<'a, const H: usize> {
     velocity: [Vec<f64>; H],
     normal: Vec<f64>,
     friction: [Vec<f64>; H],
+    /// mu_d f(p) F_n.
+    sliding: Vec<f64>,
     /// 1 for a block that the pass has left to the scalar law, 0 for others.
     left: Vec<f64>,
     /// Blocks that have not slipped since the drive began.
@@ -54,7 +56,19 @@ impl<'a, const H: usize> ContactVectors<'a, H> {
         let zero = || vec![0.0; count];
         let zeros = || std::array::from_fn(|_| zero());
         let (velocity, friction) = (zeros(), zeros());
-        Self { blocks, law, drive, number, columns, velocity, normal: zero(), friction, left: zero(), holding }
+        Self {
+            blocks,
+            law,
+            drive,
+            number,
+            columns,
+            velocity,
+            normal: zero(),
+            friction,
+            sliding: zero(),
+            left: zero(),
+            holding,
+        }
     }
 
     /// Number of contact blocks.
@@ -101,9 +115,7 @@ impl<'a, const H: usize> ContactVectors<'a, H> {
 
     /// Normal force and friction against the drive of every block.
     pub fn forces(&self) -> impl Iterator<Item = ContactForce> + '_ {
-        self.vectors().zip(&self.blocks).map(|((normal, friction), block)| {
-            self.law.force(normal, along(self.drive, friction), block.coefficients.dynamic_mu)
-        })
+        self.vectors().map(|(normal, friction)| ContactForce { normal, friction: along(self.drive, friction) })
     }
 
     /// Horizontal displacements of the last step along each axis, by column.
@@ -138,6 +150,7 @@ where
             velocity: &mut self.velocity,
             normal: &mut self.normal,
             friction: &mut self.friction,
+            sliding: &mut self.sliding,
             left: &mut self.left,
             force,
             lift,
@@ -155,7 +168,12 @@ where
             ([x, y], [sum_x, sum_y]) => x * sum_y - y * sum_x,
             _ => 0.0,
         };
-        ContactSums { friction: along(self.drive, sums), across, normal: fixed_sum(&self.normal) }
+        ContactSums {
+            friction: along(self.drive, sums),
+            across,
+            normal: fixed_sum(&self.normal),
+            sliding: fixed_sum(&self.sliding),
+        }
     }
 
     /// What the pass has left: seldom, and out of its way.
@@ -180,6 +198,7 @@ where
         }
         // The sum of normal forces counts compressive blocks only.
         self.normal[i] = block.normal.max(0.0);
+        self.sliding[i] = block.sliding;
         let goes_on = match block.motion {
             // What it has left to go is no velocity.
             Motion::Rest => v == [0.0; H],
@@ -201,6 +220,7 @@ pub struct Pass<'a, const H: usize> {
     pub velocity: &'a mut [Vec<f64>; H],
     pub normal: &'a mut [f64],
     pub friction: &'a mut [Vec<f64>; H],
+    pub sliding: &'a mut [f64],
     pub left: &'a mut [f64],
     pub force: [&'a [f64]; H],
     pub lift: &'a [f64],
@@ -212,13 +232,13 @@ impl WithSimd for Pass<'_, 1> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> bool {
-        let Self { columns: c, velocity: [velocity], normal, friction: [friction], left, force: [force_x], lift, kept } =
-            self;
+        let Self { columns: c, velocity: [velocity], normal, friction: [friction], .. } = self;
+        let Self { sliding, left, force: [force_x], lift, kept, .. } = self;
         let vectors = normal.len() / S::F64_LANES;
         let column = |values| &S::as_simd_f64s(values).0[..vectors];
         let column_mut = |values| &mut S::as_mut_simd_f64s(values).0[..vectors];
         let (velocity, normal) = (column_mut(velocity), column_mut(normal));
-        let (friction, left) = (column_mut(friction), column_mut(left));
+        let (friction, sliding, left) = (column_mut(friction), column_mut(sliding), column_mut(left));
         let (force_x, lift, kick) = (column(force_x), column(lift), column(&c.kick));
         let (constant, linear, quadratic) = (column(&c.constant), column(&c.linear), column(&c.quadratic));
         let (from, to) = (column(&c.from), column(&c.to));
@@ -234,7 +254,8 @@ impl WithSimd for Pass<'_, 1> {
                 simd.and_m64s(simd.less_than_or_equal_f64s(from[i], pressing), simd.less_than_f64s(pressing, to[i]));
             let at_rest = simd.equal_f64s(v, zero);
             // mu_d f(p) F_n with the sign of the velocity
-            let resistance = simd.or_f64s(mul(dynamic_mu[i], grip), simd.and_f64s(v, sign));
+            sliding[i] = mul(dynamic_mu[i], grip);
+            let resistance = simd.or_f64s(sliding[i], simd.and_f64s(v, sign));
             let free = add(mul(kept, v), mul(kick[i], force));
             let slowed = simd.sub_f64s(free, mul(kick[i], resistance));
             let held = simd.less_than_or_equal_f64s(simd.abs_f64s(force), mul(starting_mu[i], grip));

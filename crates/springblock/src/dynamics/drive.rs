@@ -155,8 +155,6 @@ pub struct Driven {
     pub recorder: Recorder,
     /// Mean of mu over the window, if there is one.
     pub mean: Option<WindowMean>,
-    /// Share of the friction of blocks that all slide which the run has beside it, or, below 0, lacks.
-    pub excess: Option<f64>,
     /// What it cost.
     pub cost: DynamicCost,
     /// Forces on the contact blocks at the last instant.
@@ -229,19 +227,19 @@ impl Drive<'_> {
             site_updates: steps * engine.evaluations_per_step() * self.blocks,
             wall_s: monitor.seconds() - self.started_s,
         };
-        let (mean, excess) = (recorder.window_mean(), recorder.excess());
+        let mean = recorder.window_mean();
         if let (Status::Converged | Status::StderrNotReached, Some(mean)) = (status, &mean) {
             // What is not known well enough must be missing by more than its error.
             let unknown = if status == Status::Converged { 0.0 } else { 2.0 * mean.stderr / mean.mu.abs() };
             if mean.mu == 0.0 && mean.stderr == 0.0 {
                 // Sums of nothing but zeros.
                 status = Status::NoFriction;
-            } else if excess.is_some_and(|excess| excess < -(WAVE_DEFICIT + unknown)) {
+            } else if mean.excess.is_some_and(|excess| excess < -(WAVE_DEFICIT + unknown)) {
                 status = Status::SlidingWaves;
             }
         }
         let last = engine.contact_forces();
-        Driven { status, recorder, mean, excess, cost, last }
+        Driven { status, recorder, mean, cost, last }
     }
 
     /// What a run with `mean` is: converged, or why it goes on.
@@ -272,7 +270,7 @@ impl Driven {
         centres_m: impl Iterator<Item = [f64; 2]>,
         cavity_closed: bool,
     ) -> SurfaceOutcome {
-        let Self { status, recorder, mean, excess, cost, last } = self;
+        let Self { status, recorder, mean, cost, last } = self;
         // Forces of a state that is no longer finite mean nothing.
         let unit_pa = if *status == Status::Diverged { 0.0 } else { scales.pressure_pa };
         let in_pa = |force: f64| if unit_pa == 0.0 { 0.0 } else { force * unit_pa };
@@ -287,13 +285,13 @@ impl Driven {
             .collect();
         let reached = mean.filter(|_| *status != Status::Diverged && *status != Status::Cancelled);
         // What waves take away depends on more than a scene says: all of it is an error.
-        let waves = |mean: WindowMean| mean.mu * excess.map_or(0.0, |excess| (-excess).max(0.0));
+        let waves = |mean: WindowMean| mean.mu * mean.excess.map_or(0.0, |excess| (-excess).max(0.0));
         let peak_pressure_pa = interface.iter().map(|point| point.pressure_pa).fold(0.0, f64::max);
         SurfaceOutcome {
             status: *status,
             mu_dynamic: reached.map(|mean| mean.mu),
             mu_dynamic_stderr: reached.map(|mean| mean.stderr.hypot(waves(mean))),
-            stick_slip_excess: excess.filter(|_| reached.is_some()),
+            stick_slip_excess: reached.and_then(|mean| mean.excess),
             mu_across: reached.map(|mean| mean.mu_across).filter(|_| scene.dimensions() == 3),
             averaged_from_s: reached.map(|mean| mean.from * scales.time_s),
             mu_static: if scene.run.warm_start { None } else { recorder.peak_mu() },

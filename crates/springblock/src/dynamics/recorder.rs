@@ -18,6 +18,7 @@ struct Bin {
     friction: f64,
     across: f64,
     normal: f64,
+    sliding: f64,
 }
 
 impl Bin {
@@ -35,6 +36,8 @@ pub struct WindowMean {
     pub stderr: f64,
     /// Mean of the friction across the drive over the normal force.
     pub mu_across: f64,
+    /// Friction over that of the same normal forces with every block sliding, less one; `None` where nothing would resist.
+    pub excess: Option<f64>,
     /// Time since the drive started at which the first batch begins, in units of sqrt(m/k).
     pub from: f64,
     /// Whether what was left out, since the drive started, is at most half of the record.
@@ -90,6 +93,7 @@ impl Recorder {
         self.open.friction += sums.friction;
         self.open.across += sums.across;
         self.open.normal += sums.normal;
+        self.open.sliding += sums.sliding;
         self.steps += 1;
         if self.onset_bin.is_none() {
             if sums.normal > 0.0 {
@@ -114,7 +118,6 @@ impl Recorder {
             for (mean, force) in self.interface.iter_mut().zip(engine.contact_forces()) {
                 mean.normal += force.normal;
                 mean.friction += force.friction;
-                mean.sliding += force.sliding;
             }
         }
     }
@@ -124,14 +127,6 @@ impl Recorder {
         self.interface.fill(ContactForce::default());
         self.interface_samples = 0;
         self.interface_from_bin = self.bins.len();
-    }
-
-    /// Friction over that of the same normal forces with every block sliding, less one, by the samples of the interface.
-    #[must_use]
-    pub fn excess(&self) -> Option<f64> {
-        let [friction, sliding] =
-            self.interface.iter().fold([0.0; 2], |[f, s], force| [f + force.friction, s + force.sliding]);
-        (sliding > 0.0).then(|| friction / sliding - 1.0)
     }
 
     /// Whether every contact block has slipped.
@@ -175,10 +170,11 @@ impl Recorder {
         let mu = batch_mu.iter().sum::<f64>() / n;
         let variance = batch_mu.iter().map(|b| (b - mu).powi(2)).sum::<f64>() / (n - 1.0);
         let from = first as f64 * self.bin_time();
-        let (across, normal) =
-            self.bins[first..].iter().fold((0.0, 0.0), |(a, n), bin| (a + bin.across, n + bin.normal));
+        let sum = |of: fn(&Bin) -> f64| self.bins[first..].iter().map(of).sum::<f64>();
+        let (mu_across, sliding) = (sum(|bin| bin.across) / sum(|bin| bin.normal), sum(|bin| bin.sliding));
+        let excess = (sliding > 0.0).then(|| sum(|bin| bin.friction) / sliding - 1.0);
         let stderr = (variance / n).sqrt();
-        mu.is_finite().then_some(WindowMean { mu, stderr, mu_across: across / normal, from, is_stationary })
+        mu.is_finite().then_some(WindowMean { mu, stderr, mu_across, excess, from, is_stationary })
     }
 
     /// Mean forces on every contact block over the window; the last instant's where it was not sampled.
@@ -190,11 +186,7 @@ impl Recorder {
         }
         self.interface
             .iter()
-            .map(|sum| ContactForce {
-                normal: sum.normal / samples,
-                friction: sum.friction / samples,
-                sliding: sum.sliding / samples,
-            })
+            .map(|sum| ContactForce { normal: sum.normal / samples, friction: sum.friction / samples })
             .collect()
     }
 

@@ -60,9 +60,10 @@ struct StripBoard {
     held: Number,
     friction: Number,
     normal: Number,
+    sliding: Number,
     all_have_slipped: AtomicU64,
-    /// Normal force, friction and sliding friction of every contact block.
-    forces: Vec<[Number; 3]>,
+    /// Normal force and friction of every contact block.
+    forces: Vec<[Number; 2]>,
 }
 
 #[derive(Debug)]
@@ -89,8 +90,9 @@ impl Board {
                 held: Number::default(),
                 friction: Number::default(),
                 normal: Number::default(),
+                sliding: Number::default(),
                 all_have_slipped: AtomicU64::new(0),
-                forces: strip.contact().forces().map(|_| [(); 3].map(|()| Number::default())).collect(),
+                forces: strip.contact().forces().map(|_| [(); 2].map(|()| Number::default())).collect(),
             })
             .collect();
         Self {
@@ -139,15 +141,15 @@ impl Board {
         let board = &self.strips[number];
         board.friction.post(sums.friction);
         board.normal.post(sums.normal);
+        board.sliding.post(sums.sliding);
         board.all_have_slipped.store(u64::from(strip.contact().all_have_slipped()), Ordering::Relaxed);
         self.post(number, strip, step);
     }
 
     fn post_forces(&self, number: usize, strip: &Strip) {
-        for ([normal, friction, sliding], force) in self.strips[number].forces.iter().zip(strip.contact().forces()) {
+        for ([normal, friction], force) in self.strips[number].forces.iter().zip(strip.contact().forces()) {
             normal.post(force.normal);
             friction.post(force.friction);
-            sliding.post(force.sliding);
         }
     }
 
@@ -225,8 +227,8 @@ impl<'scope, 'a: 'scope> StripWorkers<'scope, 'a> {
         self.call(Turn::Step);
         let mut sums = ContactSums::default();
         for strip in &self.board.strips {
-            let (friction, normal) = (strip.friction.read(), strip.normal.read());
-            sums.add(ContactSums { friction, normal, ..ContactSums::default() });
+            let [friction, normal, sliding] = [&strip.friction, &strip.normal, &strip.sliding].map(Number::read);
+            sums.add(ContactSums { friction, normal, sliding, across: 0.0 });
         }
         sums
     }
@@ -246,11 +248,7 @@ impl<'scope, 'a: 'scope> StripWorkers<'scope, 'a> {
     pub fn contact_forces(&mut self) -> Vec<ContactForce> {
         self.call(Turn::PostForces);
         let forces = self.board.strips.iter().flat_map(|strip| &strip.forces);
-        let read = |[normal, friction, sliding]: &[Number; 3]| ContactForce {
-            normal: normal.read(),
-            friction: friction.read(),
-            sliding: sliding.read(),
-        };
+        let read = |[normal, friction]: &[Number; 2]| ContactForce { normal: normal.read(), friction: friction.read() };
         forces.map(read).collect()
     }
 

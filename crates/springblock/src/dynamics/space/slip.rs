@@ -69,13 +69,13 @@ impl WithSimd for Pass<'_, 2> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> bool {
-        let Self { columns: c, velocity: [vx, vy], normal, friction: [rx, ry], left, force: [fx, fy], lift, kept } =
-            self;
+        let Self { columns: c, velocity: [vx, vy], normal, friction: [rx, ry], .. } = self;
+        let Self { sliding, left, force: [fx, fy], lift, kept, .. } = self;
         let vectors = normal.len() / S::F64_LANES;
         let column = |values| &S::as_simd_f64s(values).0[..vectors];
         let column_mut = |values| &mut S::as_mut_simd_f64s(values).0[..vectors];
         let (vx, vy, normal) = (column_mut(vx), column_mut(vy), column_mut(normal));
-        let (rx, ry, left) = (column_mut(rx), column_mut(ry), column_mut(left));
+        let (rx, ry, sliding, left) = (column_mut(rx), column_mut(ry), column_mut(sliding), column_mut(left));
         let (fx, fy, lift, kick) = (column(fx), column(fy), column(lift), column(&c.kick));
         let (constant, linear, quadratic) = (column(&c.constant), column(&c.linear), column(&c.quadratic));
         let (from, to) = (column(&c.from), column(&c.to));
@@ -97,7 +97,8 @@ impl WithSimd for Pass<'_, 2> {
             // mu_d f(p) F_n against the mean of the velocities before and after the step
             let along = [simd.add_f64s(free_x, v[0]), simd.add_f64s(free_y, v[1])];
             let length = simd.sqrt_f64s(dots(simd, along, along));
-            let per_length = simd.div_f64s(simd.mul_f64s(dynamic_mu[i], grip), length);
+            sliding[i] = simd.mul_f64s(dynamic_mu[i], grip);
+            let per_length = simd.div_f64s(sliding[i], length);
             let resistance_x = simd.mul_f64s(per_length, along[0]);
             let resistance_y = simd.mul_f64s(per_length, along[1]);
             let slowed_x = simd.sub_f64s(free_x, simd.mul_f64s(kick[i], resistance_x));
