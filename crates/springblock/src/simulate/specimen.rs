@@ -38,7 +38,9 @@ use slipgrid_pattern::Pattern;
 
 /// Length of the longest strip that is solved as it is, in heights of the layer. Of a longer one both ends are kept, half of that
 /// length each, and what is left out between them is periodic: what an end does decays within a height, so that the ratio of the face
-/// is off by less than 1e-5 (`strips_are_their_ends_and_cells_between_them`).
+/// is off by less than 1e-5 (`strips_are_their_ends_and_cells_between_them`). Where cavities are no whole blocks, those of a whole strip
+/// lie on blocks in different ways; the cell lies in one way, and what smaller blocks change of it is known
+/// (`cells_between_ends_take_strips_to_smaller_blocks`).
 const STRIP_HEIGHTS: f64 = 15.0;
 /// Columns of the strip that is run in time: the published specimen has 996.
 const MOST_TIMED_COLUMNS: f64 = 1200.0;
@@ -459,7 +461,7 @@ fn describe(scene: &Scene, face: &Face, pattern: &Pattern, steady: &SteadyFace) 
     }
     if steady.shortened > 0 {
         model.push(format!(
-            "strips longer than {} mm: both ends and periodic cells between them, which changes the ratio by less than 1e-5",
+            "strips longer than {} mm: both ends and periodic cells between them, which changes the ratio of cavities of whole blocks by less than 1e-5",
             (STRIP_HEIGHTS * scene.layer.height_m * 1e6).round() / 1e3
         ));
     }
