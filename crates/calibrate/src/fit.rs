@@ -186,9 +186,9 @@ pub fn fit_coefficients(problem: &Problem, monitor: &dyn Monitor) -> Result<Fit,
                 fit.notes.extend(left_out);
                 return Ok(*fit);
             }
-            Attempt::Flat(numbers) => {
+            Attempt::LeftOut(numbers, why) => {
                 for number in numbers {
-                    left_out.push(feasibility::left_out(&problem, number, "hardly depends on mu_s in the model"));
+                    left_out.push(feasibility::left_out(&problem, number, why));
                     problem.measurements[number].static_peak = None;
                 }
             }
@@ -196,19 +196,24 @@ pub fn fit_coefficients(problem: &Problem, monitor: &dyn Monitor) -> Result<Fit,
     }
 }
 
+/// Why static peaks are left out.
+const FLAT: &str = "hardly depends on mu_s in the model";
+const UNMET: &str = "is not met by the model together with dynamic friction";
+
 /// How a fit ended.
 enum Attempt {
     /// With coefficients.
     Fitted(Box<Fit>),
-    /// The static peaks of these measurements do not follow mu_s.
-    Flat(Vec<usize>),
+    /// The static peaks of these measurements say nothing of mu_s, and why.
+    LeftOut(Vec<usize>, &'static str),
 }
 
 fn attempt(problem: &Problem, monitor: &dyn Monitor) -> Result<Attempt, FitError> {
     let layout = Layout::new(problem);
     let mut parameters = first_guess(problem, &layout);
     let mut emulator = None;
-    let mut corrections = None;
+    let mut corrections: Option<Corrections> = None;
+    let mut before = Vec::new();
     let mut settled = false;
     let mut solution: Option<Solution> = None;
     // Progress counts on one round of dynamic runs, on two where peaks are fitted.
@@ -221,7 +226,7 @@ fn attempt(problem: &Problem, monitor: &dyn Monitor) -> Result<Attempt, FitError
         average_slopes(&mut found.peaks, &mut slopes);
         let flat = flat_peaks(&found.peaks);
         if !flat.is_empty() && (flat.len() == found.peaks.iter().flatten().count() || round + 1 == MOST_ROUNDS) {
-            return Ok(Attempt::Flat(flat));
+            return Ok(Attempt::LeftOut(flat, FLAT));
         }
         borrow_slopes(&mut found.peaks);
         let means: Vec<f64> = layout.dynamic.iter().map(|&number| parameters[number]).collect();
@@ -243,9 +248,10 @@ fn attempt(problem: &Problem, monitor: &dyn Monitor) -> Result<Attempt, FitError
                 && found.moved(problem, &layout, [&parameters, &fitted.parameters])? < SETTLED;
         parameters.clone_from(&fitted.parameters);
         solution = Some(fitted);
+        before = corrections.map_or_else(Vec::new, |corrections| corrections.delta);
         corrections = Some(found);
         if settled && !flat.is_empty() {
-            return Ok(Attempt::Flat(flat));
+            return Ok(Attempt::LeftOut(flat, FLAT));
         }
         if settled {
             break;
@@ -254,8 +260,27 @@ fn attempt(problem: &Problem, monitor: &dyn Monitor) -> Result<Attempt, FitError
     let (Some(solution), Some(corrections), Some(emulator)) = (solution, corrections, emulator) else {
         return Err(FitError::NoMeasurement);
     };
+    let unmet = if settled { Vec::new() } else { unmet_peaks(problem, &layout, &before, &corrections, &solution) };
+    if !unmet.is_empty() {
+        return Ok(Attempt::LeftOut(unmet, UNMET));
+    }
     let model = Model { problem, layout: &layout, corrections: &corrections, emulator: &emulator };
     Ok(Attempt::Fitted(Box::new(report(&model, &solution, settled)?)))
+}
+
+/// Measurements whose static peaks keep flat friction from settling: those whose mu_s ended at a bound, or those whose dynamic friction
+/// still changed from one round to the last by more than its standard error. It must not pay for a peak that the model does not have.
+fn unmet_peaks(problem: &Problem, layout: &Layout, before: &[f64], last: &Corrections, found: &Solution) -> Vec<usize> {
+    let with_peak = || (0..layout.fixed_static.len()).filter(|&i| last.peaks[i].is_some());
+    let at_bound = |i: &usize| layout.fixed_static[*i].is_some_and(|number| found.at_bound[number]);
+    let held: Vec<usize> = with_peak().filter(at_bound).collect();
+    let moves = |i: &usize| {
+        let measured = &problem.measurements[*i];
+        before
+            .get(*i)
+            .is_none_or(|before| (last.delta[*i] / before - 1.0).abs() * measured.mu_dynamic > measured.mu_dynamic_std)
+    };
+    if held.is_empty() { with_peak().filter(moves).collect() } else { held }
 }
 
 /// The model as the fit sees it: steady sliding by the emulator, dynamic runs by their corrections.

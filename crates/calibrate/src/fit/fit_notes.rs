@@ -45,7 +45,7 @@ pub fn notes(model: &Model<'_>, fit: &Fit) -> Vec<String> {
         ));
     }
     if !fit.settled {
-        notes.push(format!("the coefficients still changed by more than {SETTLED} after {MOST_ROUNDS} rounds"));
+        notes.push(format!("the coefficients still changed by more than {SETTLED} after {MOST_ROUNDS} rounds: friction of the flat sample in time may miss what was measured"));
     }
     notes
 }

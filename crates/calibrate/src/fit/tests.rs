@@ -111,6 +111,26 @@ fn a_measured_static_peak_determines_the_static_coefficient() {
     assert!((pair.dynamic_mean / 0.25 - 1.0).abs() < 0.01, "{pair:?}");
 }
 
+/// Peaks far below or above those of the model: friction of the flat sample in time is that measured all the same.
+#[test]
+fn flat_friction_does_not_pay_for_a_static_peak_that_the_model_does_not_have() {
+    for factor in [0.93, 0.96, 1.2, 1.4] {
+        let mut problem = problem(Coefficients::PerCondition);
+        measured_by_the_model(&mut problem, 0.25, true);
+        for measured in &mut problem.measurements {
+            measured.static_peak = measured.static_peak.map(|peak| StaticPeak { mu: factor * peak.mu, std: 0.0005 });
+        }
+        let fit = fit_coefficients(&problem, &Unwatched).unwrap();
+        let pair = |of: &FittedPair| LocalFriction::new(of.static_mean, of.dynamic_mean, problem.relative_std).unwrap();
+        let pairs: Vec<LocalFriction> = fit.pairs.iter().map(pair).collect();
+        let found = flat_sample::dynamic(&problem, &pairs, &[0, 1, 2], &Unwatched).unwrap();
+        for (found, measured) in found.iter().zip(&problem.measurements) {
+            let off = (found.mu_dynamic - measured.mu_dynamic) / measured.mu_dynamic_std;
+            assert!(off.abs() < 3.0, "{factor}: {off} {:?}", fit.notes);
+        }
+    }
+}
+
 #[test]
 fn loads_that_one_pair_cannot_describe_show_in_chi_square() {
     let mut problem = problem(Coefficients::Single);
