@@ -187,7 +187,7 @@ impl Steady {
         } else if lattice.ny() > scene.layer.rows() {
             Self::Thick(ThickModel::new(lattice, block_m, stiffness, liftoff))
         } else {
-            Self::Blocks(SteadyModel::new(lattice, block_m, stiffness, liftoff))
+            Self::Blocks(SteadyModel::of(scene, lattice))
         }
     }
 
