@@ -3,15 +3,14 @@
 use std::fmt::Write as _;
 
 use serde::Serialize;
-use slipgrid_calibrate::area_law::{AreaLawRequest, area_law, persson_curve};
-use slipgrid_calibrate::map_windows::{Resolution, STATISTICS_TOLERANCE, WINDOW_STATEMENT, WindowSpread};
-use slipgrid_contact::AreaPoint;
-use slipgrid_material::AreaLaw;
-use slipgrid_topography::PreparedMap;
 
 use crate::charts::{self, AreaLawChart};
-use slipgrid_results::{SCHEMA, Table, VERSION, fixed};
-use slipgrid_units::{LENGTH_UM, MODULUS_GPA, PRESSURE_MPA, tidy};
+use slipgrid_results::{Table, fixed};
+use slipgrid_units::tidy;
+
+mod curve;
+
+pub use curve::AreaLawCurve;
 
 /// What `area-law --json` prints.
 #[derive(Clone, Debug, Serialize)]
@@ -258,151 +257,4 @@ pub fn picture(report: &AreaLawReport) -> Result<String, charts::ChartError> {
         threshold: threshold_area,
         others: &[],
     })
-}
-
-/// What a curve of real contact area was solved for, SI units.
-#[derive(Clone, Debug)]
-pub struct AreaLawCurve {
-    /// E* = E / (1 - nu^2).
-    pub contact_modulus_pa: f64,
-    /// Young's modulus as it was given, in GPa.
-    pub youngs_modulus_gpa: f64,
-    /// Poisson's ratio.
-    pub poisson_ratio: f64,
-    /// Relative error up to which contact is solved.
-    pub tolerance: f64,
-    /// P0, in pascals.
-    pub threshold_pa: f64,
-    /// Pressures asked for.
-    pub listed_pa: Vec<f64>,
-    /// Pressures solved for: the threshold's beside them where all lie above it.
-    pub solved_pa: Vec<f64>,
-}
-
-impl AreaLawCurve {
-    /// Where the pressures asked for begin among those solved for.
-    #[must_use]
-    pub fn first(&self) -> usize {
-        self.solved_pa.len() - self.listed_pa.len()
-    }
-
-    /// The same as a request to solve.
-    #[must_use]
-    pub fn law(&self) -> AreaLawRequest<'_> {
-        AreaLawRequest {
-            contact_modulus_pa: self.contact_modulus_pa,
-            pressures_pa: &self.solved_pa,
-            threshold_pa: self.threshold_pa,
-            tolerance: self.tolerance,
-            windows: None,
-        }
-    }
-
-    /// f at a pressure by `law`; 1 without one as long as no pressure lies above the threshold.
-    fn factor(&self, law: Option<&AreaLaw>, pressure_pa: f64) -> Option<f64> {
-        let below = self.listed_pa.iter().all(|&pressure_pa| pressure_pa <= self.threshold_pa);
-        law.map(|law| law.factor(pressure_pa)).or(below.then_some(1.0))
-    }
-
-    /// The report of a curve, without what only a map has.
-    #[must_use]
-    pub fn report(&self, curve: &[AreaPoint], rms_slope: f64) -> AreaLawReport {
-        let law = area_law(curve, self.threshold_pa).ok();
-        let persson = persson_curve(rms_slope, self.contact_modulus_pa, &self.solved_pa).ok();
-        let persson = persson.and_then(|curve| area_law(&curve, self.threshold_pa).ok());
-        let report = |point: &AreaPoint| AreaReport {
-            pressure_mpa: PRESSURE_MPA.from_si(point.pressure_pa),
-            area_fraction: point.area_fraction,
-            area_fraction_corrected: point.area_fraction_corrected,
-            factor: self.factor(law.as_ref(), point.pressure_pa),
-            factor_std: None,
-            factor_persson: self.factor(persson.as_ref(), point.pressure_pa),
-            area_error: point.area_error,
-            iterations: point.convergence.iterations,
-            residual: point.convergence.residual,
-            status: point.convergence.status.name(),
-        };
-        AreaLawReport {
-            program: "slipgrid",
-            version: VERSION,
-            schema: SCHEMA,
-            map: None,
-            synthetic_surface: false,
-            rms_slope,
-            sa_um: None,
-            pixel_um: None,
-            rows: None,
-            columns: None,
-            youngs_modulus_gpa: self.youngs_modulus_gpa,
-            poisson_ratio: self.poisson_ratio,
-            contact_modulus_gpa: MODULUS_GPA.from_si(self.contact_modulus_pa),
-            full_contact_pressure_mpa: None,
-            threshold_mpa: PRESSURE_MPA.from_si(self.threshold_pa),
-            threshold_proportionality: proportionality(curve, self.threshold_pa),
-            tolerance: self.tolerance,
-            model: Vec::new(),
-            warnings: Vec::new(),
-            wall_s: 0.0,
-            threads: rayon::current_num_threads(),
-            windows: None,
-            resolutions: Vec::new(),
-            results: curve[self.first()..].iter().map(report).collect(),
-        }
-    }
-}
-
-/// A(P0)/P0 over A/P at the lightest load, where the curve lists both.
-fn proportionality(curve: &[AreaPoint], threshold_pa: f64) -> Option<f64> {
-    let share = |point: &AreaPoint| point.area_fraction_corrected / point.pressure_pa;
-    let lightest = curve.first().filter(|point| point.pressure_pa < threshold_pa && point.area_fraction > 0.0)?;
-    let at_threshold = curve.iter().find(|point| point.pressure_pa == threshold_pa)?;
-    Some(share(at_threshold) / share(lightest))
-}
-
-/// What windows of a map say of the pressures from number `first` on.
-#[must_use]
-pub fn window_report(spread: &WindowSpread, first: usize, wall_s: f64) -> WindowReport {
-    WindowReport {
-        per_side: spread.per_side,
-        count: spread.count(),
-        rows: spread.pixels[0],
-        columns: spread.pixels[1],
-        made_periodic: WINDOW_STATEMENT,
-        tolerance: STATISTICS_TOLERANCE,
-        rms_slope_mean: spread.rms_slope_mean,
-        rms_slope_spread: spread.rms_slope_spread,
-        factor_mean: spread.factor_mean[first..].to_vec(),
-        factor_spread: spread.factor_spread[first..].to_vec(),
-        wall_s,
-    }
-}
-
-/// What a map in coarser points says of the pressures from number `first` on.
-#[must_use]
-pub fn resolution_report(resolution: &Resolution, first: usize) -> ResolutionReport {
-    ResolutionReport {
-        coarser: resolution.coarser,
-        pixel_um: LENGTH_UM.from_si(resolution.pixel_m),
-        rms_slope: resolution.rms_slope,
-        tolerance: STATISTICS_TOLERANCE,
-        factor: resolution.factor.as_ref().map(|factor| factor[first..].to_vec()),
-    }
-}
-
-/// How f is meant.
-pub const FACTOR_STATEMENT: &str =
-    "f is the area over that at the threshold P0, divided by P/P0: the line through the origin, not the tangent";
-
-/// What was modelled of `surface`, and how.
-#[must_use]
-pub fn model(surface: &PreparedMap) -> Vec<String> {
-    let mut model = vec![
-        "rough contact of the map with a rigid plane: elastic half-space, periodic, no adhesion".to_owned(),
-        FACTOR_STATEMENT.to_owned(),
-    ];
-    if surface.synthetic {
-        model.push("the map is synthetic, not measured".to_owned());
-    }
-    model.extend(surface.notes.iter().cloned());
-    model
 }

@@ -46,8 +46,8 @@ pub use timings::json_and_timings;
 /// The program's version, for everything that is written.
 pub const VERSION: &str = env!("CARGO_PKG_VERSION");
 
-/// The schema of files that are written and may be read back. It grows where a key goes or changes its meaning, not where one is
-/// added; files without one have the first.
+/// The schema of files that are written and may be read back. From the first release on it grows where a key goes or changes its
+/// meaning, not where one is added; files without one have the first.
 pub const SCHEMA: u32 = 1;
 
 /// The schema of files that name none.

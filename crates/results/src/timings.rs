@@ -7,7 +7,7 @@ use serde::de::{Deserialize, Deserializer, MapAccess, SeqAccess, Visitor};
 use serde::ser::{Serialize, SerializeMap, Serializer};
 use serde_json::Value;
 
-use super::{NoJsonForm, json};
+use super::{NoJsonForm, SCHEMA, VERSION, json};
 
 /// Keys of what differs from run to run.
 const TIMES: [&str; 4] = ["timings_s", "wall_s", "threads", "site_updates_per_s"];
@@ -28,12 +28,12 @@ enum Json {
 pub fn json_and_timings(value: &impl Serialize) -> Result<[String; 2], NoJsonForm> {
     let whole: Json = serde_json::from_str(&json(value)?).map_err(NoJsonForm)?;
     let (result, times) = split(whole);
-    let program = ("program".to_owned(), Json::Leaf(Value::from("slipgrid")));
-    let times = match times {
-        Some(Json::Object(entries)) => Json::Object(std::iter::once(program).chain(entries).collect()),
-        _ => Json::Object(vec![program]),
-    };
-    Ok([json(&result)?, json(&times)?])
+    let head = [("program", Value::from("slipgrid")), ("version", VERSION.into()), ("schema", SCHEMA.into())];
+    let mut entries: Vec<_> = head.into_iter().map(|(key, value)| (key.to_owned(), Json::Leaf(value))).collect();
+    if let Some(Json::Object(times)) = times {
+        entries.extend(times);
+    }
+    Ok([json(&result)?, json(&Json::Object(entries))?])
 }
 
 /// What does not depend on time, and what does.
@@ -156,7 +156,10 @@ mod tests {
         );
         assert_eq!(
             plain(&times),
-            "{\"program\":\"slipgrid\",\"wall_s\":2,\"a\":[{\"site_updates_per_s\":1000000000.0},{}],\"threads\":2}"
+            format!(
+                "{{\"program\":\"slipgrid\",\"version\":\"{VERSION}\",\"schema\":{SCHEMA},\"wall_s\":2,\
+                 \"a\":[{{\"site_updates_per_s\":1000000000.0}},{{}}],\"threads\":2}}"
+            )
         );
     }
 }

@@ -2,10 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-use slipgrid_calibrate::area_law::{
-    AreaLawError, AreaLawRequest, DEFAULT_PRESSURES_MPA, persson_curve, surface_area_law,
-};
-use slipgrid_calibrate::map_windows::{DEFAULT_WINDOWS, WINDOW_STATEMENT, resolution};
+use slipgrid_calibrate::area_law::{AreaLawError, AreaLawRequest, DEFAULT_PRESSURES_MPA, surface_area_law};
+use slipgrid_calibrate::map_windows::{DEFAULT_WINDOWS, resolution};
 use slipgrid_topography::{Crop, Decimation, Form, LengthUnit, Missing, ReadOptions};
 
 use crate::args::{AreaLawArgs, FormName, MapArgs, MissingName};
@@ -13,14 +11,12 @@ use crate::interruption::heed;
 use crate::output::{Place, check_folder};
 use crate::progress::Job;
 use crate::{CliError, Console, exit_code};
-use slipgrid_formats::altitude_map::{law_warnings, read_period, refuse_law};
+use slipgrid_formats::altitude_map::{read_period, refuse_law};
 use slipgrid_formats::surface::MapOptions;
 use slipgrid_formats::{Diagnostic, checked};
 use slipgrid_monitor::Monitor;
 use slipgrid_report::Outputs;
-use slipgrid_report::area_law::{
-    AreaLawCurve, AreaLawReport, FACTOR_STATEMENT, model, picture, resolution_report, table, table_csv, window_report,
-};
+use slipgrid_report::area_law::{AreaLawCurve, AreaLawReport, picture, table, table_csv};
 use slipgrid_units::{LENGTH_UM, MODULUS_GPA, POISSON, PRESSURE_MPA, SLOPE, TOLERANCE};
 
 /// Young's modulus of the published polyethylene, in GPa.
@@ -35,7 +31,9 @@ pub fn run(args: &AreaLawArgs, console: &mut Console<'_>) -> Result<u8, CliError
     let request = request(args)?;
     let mut report = match (&args.map, args.persson_rms_slope) {
         (Some(path), _) => of_map(path, args, &request, console)?,
-        (None, Some(rms_slope)) => of_theory(checked("--persson-rms-slope", rms_slope, SLOPE)?, &request)?,
+        (None, Some(rms_slope)) => request
+            .of_theory(checked("--persson-rms-slope", rms_slope, SLOPE)?)
+            .map_err(|error| CliError::Other(error.to_string()))?,
         (None, None) => return Err(Diagnostic::flag("MAP", String::new(), "is missing").into()),
     };
     if args.youngs_modulus_gpa.is_none() {
@@ -56,25 +54,12 @@ pub fn run(args: &AreaLawArgs, console: &mut Console<'_>) -> Result<u8, CliError
 /// The flags in SI units.
 fn request(args: &AreaLawArgs) -> Result<AreaLawCurve, Diagnostic> {
     let youngs_modulus_gpa = args.youngs_modulus_gpa.unwrap_or(POLYETHYLENE_GPA);
-    let youngs_modulus_pa = checked("--youngs-modulus-gpa", youngs_modulus_gpa, MODULUS_GPA)?;
+    checked("--youngs-modulus-gpa", youngs_modulus_gpa, MODULUS_GPA)?;
     let poisson_ratio = checked("--poisson-ratio", args.poisson_ratio, POISSON)?;
     let threshold_pa = checked("--threshold-mpa", args.threshold_mpa, PRESSURE_MPA)?;
     let listed_pa = pressures(args)?;
-    // A(P0) is interpolated where the list goes past P0; otherwise it is computed beside the list.
-    let mut solved_pa = listed_pa.clone();
-    if listed_pa.iter().all(|&pressure_pa| pressure_pa > threshold_pa) {
-        solved_pa.insert(0, threshold_pa);
-    }
-    Ok(AreaLawCurve {
-        // E* = E / (1 - nu^2)
-        contact_modulus_pa: youngs_modulus_pa / (1.0 - poisson_ratio * poisson_ratio),
-        youngs_modulus_gpa,
-        poisson_ratio,
-        tolerance: checked("--tolerance", args.tolerance, TOLERANCE)?,
-        threshold_pa,
-        listed_pa,
-        solved_pa,
-    })
+    let tolerance = checked("--tolerance", args.tolerance, TOLERANCE)?;
+    Ok(AreaLawCurve::new(youngs_modulus_gpa, poisson_ratio, threshold_pa, listed_pa, tolerance))
 }
 
 /// Rough contact of the map at `path`.
@@ -97,17 +82,6 @@ fn of_map(
         }
         error => refuse_law(path, error).map_or(CliError::Interrupted, CliError::Input),
     })?;
-    let mut model = model(&surface);
-    let windows = found.windows.as_ref().map(|spread| window_report(spread, request.first(), found.windows_s));
-    if let Some(windows) = &windows {
-        model.push(format!(
-            "factor_std is the standard deviation of f among {} windows over the root of their number, itself known to \
-             {:.0} %; {WINDOW_STATEMENT}",
-            windows.count,
-            // A standard deviation of n normal values is known to 1/sqrt(2(n - 1)).
-            100.0 / (2.0 * (windows.count as f64 - 1.0)).sqrt(),
-        ));
-    }
     let job = Job::new(console);
     job.stage("resolutions");
     let mut resolutions = Vec::new();
@@ -115,46 +89,11 @@ fn of_map(
         let blunt = resolution(&surface.map, factor, &request.law(), &job)
             .map_err(|error| Diagnostic::flag("--resolutions", factor.to_string(), error.to_string()))?;
         heed()?;
-        resolutions.push(resolution_report(&blunt, request.first()));
+        resolutions.push(blunt);
     }
     job.stage_ended();
 
-    let curve = &found.curve;
-    let mut report = AreaLawReport {
-        map: Some(path.display().to_string()),
-        synthetic_surface: surface.synthetic,
-        sa_um: Some(LENGTH_UM.from_si(surface.sa_m)),
-        pixel_um: Some(LENGTH_UM.from_si(surface.pixel_m())),
-        rows: Some(surface.map.cols()),
-        columns: Some(surface.map.rows()),
-        full_contact_pressure_mpa: Some(PRESSURE_MPA.from_si(curve.full_contact_pressure_pa)),
-        model,
-        warnings: law_warnings(&found.warnings),
-        wall_s: found.curve_s,
-        resolutions,
-        ..request.report(&curve.points, surface.rms_slope)
-    };
-    if let Some(windows) = windows {
-        let root = (windows.count as f64).sqrt();
-        for (point, spread) in report.results.iter_mut().zip(&windows.factor_spread) {
-            point.factor_std = Some(spread / root);
-        }
-        report.windows = Some(windows);
-    }
-    Ok(report)
-}
-
-/// Persson's theory for a surface of which only the rms slope is known.
-fn of_theory(rms_slope: f64, request: &AreaLawCurve) -> Result<AreaLawReport, CliError> {
-    let curve = persson_curve(rms_slope, request.contact_modulus_pa, &request.solved_pa)
-        .map_err(|error| CliError::Other(error.to_string()))?;
-    let model = vec![
-        "area by Persson's theory, erf(sqrt 2 P / (E* h'rms)): it knows the surface only by its rms slope and is no \
-         substitute for a map"
-            .to_owned(),
-        FACTOR_STATEMENT.to_owned(),
-    ];
-    Ok(AreaLawReport { model, ..request.report(&curve, rms_slope) })
+    Ok(request.of_map(&path.display().to_string(), &surface, &found, &resolutions))
 }
 
 fn pressures(args: &AreaLawArgs) -> Result<Vec<f64>, Diagnostic> {

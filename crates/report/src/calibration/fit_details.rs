@@ -5,13 +5,18 @@ use slipgrid_calibrate::{CalibrationOutcome, Fit, Parameter};
 
 use crate::ReportError;
 use crate::charts::{Estimate, ResidualsChart, residuals as draw};
-use slipgrid_results::Table;
-use slipgrid_results::fixed;
+use slipgrid_results::{SCHEMA, Table, VERSION, fixed};
 use slipgrid_units::{HUMIDITY_PCT, SPEED_MM_S, tidy};
 
 /// Numbers with their uncertainty.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 struct FitDetails {
+    /// `slipgrid`.
+    pub program: &'static str,
+    /// Its version.
+    pub version: &'static str,
+    /// Schema of the file.
+    pub schema: u32,
     /// Fitted numbers.
     pub parameters: Vec<ParameterReport>,
     /// Their covariance; null where the data do not determine it.
@@ -54,6 +59,9 @@ impl FitDetails {
             profile: parameter.profile.iter().map(|point| point.map(tidy)).collect(),
         };
         Self {
+            program: "slipgrid",
+            version: VERSION,
+            schema: SCHEMA,
             parameters: fit.parameters.iter().map(report).collect(),
             covariance: fit.covariance.iter().map(|row| row.iter().map(|&value| finite(value)).collect()).collect(),
             chi_square: tidy(fit.chi_square),
