@@ -4,6 +4,7 @@ use slipgrid_optimize::{Candidate, ForwardModel, ReachableRange, Status};
 use slipgrid_pattern::Pattern;
 use slipgrid_springblock::{RunOptions, Simulation};
 
+use crate::DesignError;
 use crate::multi_fidelity::MultiFidelityLoop;
 use crate::robust_search::RobustChoice;
 use crate::selection::Chosen;
@@ -28,6 +29,42 @@ pub struct Round {
     pub choice: Option<RobustChoice>,
     /// What the best design was chosen from by its chance.
     pub selection: Option<Chosen>,
+}
+
+/// The best design of a round that had one, solved and confirmed.
+#[derive(Clone, Copy, Debug)]
+pub struct BestDesign<'a> {
+    /// What the search found.
+    pub found: &'a Candidate,
+    /// What the model says of it at the condition designed for.
+    pub predicted: &'a Simulation,
+    /// The confirming run there.
+    pub confirmed: &'a Simulation,
+}
+
+impl<'a> BestDesign<'a> {
+    /// The design.
+    pub(crate) const fn pattern(&self) -> Pattern {
+        self.found.design
+    }
+
+    /// The target's quantity at each load, as the search took it.
+    pub(crate) fn value(&self) -> &'a [f64] {
+        &self.found.response.value
+    }
+}
+
+impl Round {
+    /// The best design.
+    ///
+    /// # Errors
+    /// [`DesignError::Failed`] before there is one.
+    pub(crate) fn best_design(&self) -> Result<BestDesign<'_>, DesignError> {
+        let (Some(found), Some(predicted), Some(confirmed)) = (&self.best, &self.predicted, &self.confirmed) else {
+            return Err(DesignError::Failed("the search ended without a design".to_owned()));
+        };
+        Ok(BestDesign { found, predicted, confirmed })
+    }
 }
 
 /// The best round so far.

@@ -58,6 +58,7 @@
 //!
 //! This crate opens no files, reads no clock, prints nothing, and does not touch the environment.
 
+mod assessment;
 mod cache_key;
 mod cells;
 mod chance;
@@ -84,6 +85,7 @@ mod next_trial;
 mod operating_conditions;
 mod outcome;
 mod pattern_effect;
+mod prepared_task;
 mod reachable_range;
 mod rim_sensitivity;
 mod robust_search;

@@ -194,6 +194,11 @@ impl<'a> SteadyModel<'a> {
         self.solver.is_spatial()
     }
 
+    /// `pattern`, where only a section of it is solved: what the vertical plane leaves out needs saying, and only of patterns that have it.
+    pub(crate) fn section_of<'p>(&self, pattern: &'p Pattern) -> Option<&'p Pattern> {
+        Some(pattern).filter(|_| !self.is_spatial())
+    }
+
     /// Dimensions in which designs are solved.
     fn dimensions(&self) -> u8 {
         if self.is_spatial() { 3 } else { 2 }
