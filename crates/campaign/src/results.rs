@@ -175,3 +175,39 @@ fn at(value: Option<&Json>) -> String {
 fn quoted(text: &str) -> String {
     if text.contains([',', '"', '\n', '\r']) { format!("\"{}\"", text.replace('"', "\"\"")) } else { text.to_owned() }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use slipgrid_design::records::ChanceReport;
+    use slipgrid_design::{AdviceReport, DesignReport};
+    use slipgrid_results::LoadReport;
+
+    /// A field of another name would leave its column empty.
+    #[test]
+    fn columns_have_the_names_of_the_records_they_are_taken_from() {
+        let chance = ChanceReport {
+            value: Some(0.5),
+            stderr: None,
+            words: String::new(),
+            included: Vec::new(),
+            not_known: Vec::new(),
+            limited_by: None,
+            parts: Vec::new(),
+            draws: 1,
+        };
+        let advice = AdviceReport {
+            advice: String::new(),
+            chance: 0.5,
+            trials: 0,
+            words: String::new(),
+            predicted: Vec::new(),
+            rather: Vec::new(),
+        };
+        let design = DesignReport { chance: Some(chance), advice: Some(advice), ..DesignReport::default() };
+        let design = serde_json::to_value(design).unwrap();
+        assert_eq!(OF_DESIGN.into_iter().find(|(_, place)| design.pointer(place).is_none()), None);
+        let load = serde_json::to_value(LoadReport::default()).unwrap();
+        assert_eq!(OF_SCENE.into_iter().find(|name| load.get(name).is_none()), None);
+    }
+}
