@@ -92,6 +92,77 @@ fn the_chapter_of_results_is_generated_from_the_types_that_are_written() {
     keep(&book().join("reference/result-json.md"), &chapter);
 }
 
+/// The process sheets: name, structure, what wrote it.
+const SHEETS: [(&str, [&str; 2], &str); 2] = [
+    ("process sheet", ["export/src/process.rs", "ProcessSheet"], "`process.toml` of `optimize`, `next` and `export`"),
+    (
+        "process sheet of sectors",
+        ["export/src/sector_sheet.rs", "SectorsSheet"],
+        "`process.toml` of `next --one-disc`, whose specimen holds several samples",
+    ),
+];
+
+#[test]
+fn the_chapter_of_process_sheets_is_generated_from_the_types_that_are_written() {
+    let types = records();
+    let mut chapter = "# Keys of process.toml\n\nThis chapter is generated from the types that are written. A key that is **bold** is always \
+                       there; others are left out where they do not apply. Units stand in the keys. [From result to \
+                       laser](../tutorials/to-the-laser.md) says how the numbers follow from the lines.\n"
+        .to_owned();
+    for (name, [file, structure], title) in SHEETS {
+        let root = (file.to_owned(), structure.to_owned());
+        let _ = write!(chapter, "\n## {}\n\n{}.\n", capital(name), title);
+        let mut described = BTreeMap::new();
+        record(&types, (&root, ""), &mut described, &mut chapter);
+        for (path, keys) in described_keys(&types, &root) {
+            assert!(keys.iter().all(|(_, meaning)| meaning.ends_with('.')), "{name}: {path}: {keys:?}");
+        }
+    }
+    keep(&book().join("reference/process-toml.md"), &chapter);
+}
+
+/// The keys of every table of the record at `root` with their meanings, by the path of the table.
+fn described_keys(types: &Types, root: &Place) -> BTreeMap<String, Vec<(String, String)>> {
+    let mut found = BTreeMap::new();
+    let mut open = vec![(root.clone(), String::new())];
+    while let Some((place, path)) = open.pop() {
+        let table = types.table(&place).unwrap();
+        let keys = table.keys.iter().map(|key| (key.name.clone(), key.meaning.clone())).collect();
+        for key in &table.keys {
+            if let Some(inner) = key.shape.table() {
+                open.push((inner.clone(), format!("{path}.{}", key.name)));
+            }
+        }
+        found.insert(path, keys);
+    }
+    found
+}
+
+/// Keys of `written` that no table of `known` has, and how many were looked at.
+fn undescribed(
+    written: &toml::Table,
+    path: &str,
+    known: &BTreeMap<String, Vec<(String, String)>>,
+    seen: &mut usize,
+) -> Vec<String> {
+    let mut missing = Vec::new();
+    for (key, value) in written {
+        *seen += 1;
+        if !known.get(path).is_some_and(|keys| keys.iter().any(|(name, _)| name == key)) {
+            missing.push(format!("{path}.{key}"));
+        }
+        let tables = match value {
+            Value::Table(_) => std::slice::from_ref(value),
+            Value::Array(list) => list.as_slice(),
+            _ => &[],
+        };
+        for inner in tables.iter().filter_map(Value::as_table) {
+            missing.extend(undescribed(inner, &format!("{path}.{key}"), known, seen));
+        }
+    }
+    missing
+}
+
 /// Writes the keys of the record at `path` and of those in it, each structure once.
 fn record(types: &Types, (place, path): (&Place, &str), described: &mut BTreeMap<Place, ()>, chapter: &mut String) {
     if described.insert(place.clone(), ()).is_some() {
@@ -130,7 +201,8 @@ fn results_obey_their_schemas() {
                   friction = { static_mean = 0.30, dynamic_mean = 0.27, dynamic_std_error = 0.003 }\n\
                   area_law = { pressure_mpa = [0.7, 2.6, 26.0], factor = [1.0, 0.8, 0.3] }\n[target]\nquantity = \"ratio\"\n\
                   pressure_mpa = 2.6\nvalue = 0.95\ntolerance = 0.02\n[bounds]\nwidth_um = [100, 200]\nspacing_um = [200, 400]\n\
-                  depth_um = [5, 20]\n[specimen]\nshape = \"disc\"\ndiameter_mm = 2\n[sample]\nlayer_um = 60\nblock_um = 10\n\
+                  depth_um = [5, 20]\n[limits]\ndepth_per_burst_um = 1.1\n[laser]\nspot_um = 25\nrepetition_hz = 20000\n\
+                  speed_mm_s = 200\nhatch_um = 12.5\n[specimen]\nshape = \"disc\"\ndiameter_mm = 2\n[sample]\nlayer_um = 60\nblock_um = 10\n\
                   [tolerances]\nwidth_std_um = 4.0\n[trade_offs]\ngoals = [\"misfit\", \"volume\"]\n";
     std::fs::write(folder.path().join("d.toml"), design).unwrap();
     for (name, arguments) in [
@@ -150,6 +222,22 @@ fn results_obey_their_schemas() {
             serde_json::from_str(&text(&book().join(format!("schemas/{name}-{VERSION}.json")))).unwrap();
         let found = violations(&known, &serde_json::from_str(&written).unwrap());
         assert!(found.is_empty(), "{name}: {found:?}");
+    }
+    // Every key of the process sheet is described in its chapter.
+    let sheet: toml::Table = text(&folder.path().join("out/process.toml")).parse().unwrap();
+    let known = described_keys(&records(), &(SHEETS[0].1[0].to_owned(), SHEETS[0].1[1].to_owned()));
+    let mut seen = 0;
+    assert_eq!(undescribed(&sheet, "", &known, &mut seen), [""; 0]);
+    assert!(seen > 40, "{seen} keys were compared");
+    // Cut in seconds: neither the page nor the sheet says 0 minutes.
+    let seconds = sheet["work"]["estimated_time_s"].as_float().unwrap();
+    let page = text(&folder.path().join("out/report.html"));
+    let told = page.split_once("time under the laser").unwrap().1.chars().take(60).collect::<String>();
+    assert!(seconds < 60.0 && told.contains(" s<") && !told.contains("min"), "{seconds} s: {told}");
+    let chapter = text(&book().join("reference/process-toml.md"));
+    let work = sheet["work"].as_table().unwrap();
+    for key in ["depths_across_um", "line_distance_um", "least_line_distance_um", "depth_step_um"] {
+        assert!(work.contains_key(key) && chapter.contains(&format!("`{key}`")), "{key}");
     }
 }
 

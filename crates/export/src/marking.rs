@@ -61,45 +61,53 @@ impl Marking {
     /// The lines of a cavity in marking order; none where less than a spot is left of it.
     #[must_use]
     pub fn lines(&self, cavity: &Cavity) -> Vec<Line> {
+        self.fill(cavity).0
+    }
+
+    /// The same lines, and the distances of neighbouring ones, in metres: one for each part of the cavity that more than one
+    /// line fills, at most the distance that was asked for. A mask has none.
+    pub(crate) fn fill(&self, cavity: &Cavity) -> (Vec<Line>, Vec<f64>) {
         if self.exposure == Exposure::Mask {
-            return cavity.boundaries().iter().flat_map(contour).collect();
+            return (cavity.boundaries().iter().flat_map(contour).collect(), Vec::new());
         }
-        let Some(inner) = cavity.inset(self.inset_m, self.inset_m) else { return Vec::new() };
+        let Some(inner) = cavity.inset(self.inset_m, self.inset_m) else { return (Vec::new(), Vec::new()) };
         let direction = self.direction(cavity);
-        let mut lines = Vec::new();
+        let (mut lines, mut apart_m) = (Vec::new(), Vec::new());
         // The spot keeps off the walls of what crosses, which are those of another groove.
         let keep_off = |crossing: Crossing| Crossing { grown_m: crossing.grown_m + 2.0 * self.inset_m, ..crossing };
         let inner = Cavity { crossed_by: inner.crossed_by.map(keep_off), ..inner };
         if inner.face.is_some() {
-            self.hatch_face(&inner, direction, &mut lines);
+            apart_m.extend(self.hatch_face(&inner, direction, &mut lines));
         } else if let (Some(crossing), None) = (&inner.crossed_by, &inner.cut_by) {
-            self.hatch_rectangle(&inner, direction, &mut lines);
+            apart_m.extend(self.hatch_rectangle(&inner, direction, &mut lines));
             lines = lines.into_iter().flat_map(|line| crossing.parts_of(line)).collect();
         } else {
-            self.hatch_parts(&inner, direction, &mut lines);
+            apart_m.extend(self.hatch_parts(&inner, direction, &mut lines));
         }
         for line in lines.iter_mut().skip(1).step_by(2) {
             line.reverse();
         }
-        lines
+        (lines, apart_m)
     }
 
-    /// Fills the parts of a cavity that is no polygon.
-    fn hatch_parts(&self, inner: &Cavity, direction: [f64; 2], lines: &mut Vec<Line>) {
+    /// Fills the parts of a cavity that is no polygon; the distances of lines in them.
+    fn hatch_parts(&self, inner: &Cavity, direction: [f64; 2], lines: &mut Vec<Line>) -> Vec<f64> {
+        let mut apart_m = Vec::new();
         for boundary in inner.boundaries() {
-            match boundary {
+            apart_m.extend(match boundary {
                 Boundary::Rectangle { .. } => self.hatch_rectangle(inner, direction, lines),
                 Boundary::Circle { .. } | Boundary::Polygon { .. } => {
-                    self.hatch_polygon(&boundary.polygon_m(), direction, lines);
+                    self.hatch_polygon(&boundary.polygon_m(), direction, lines)
                 }
-            }
+            });
         }
+        apart_m
     }
 
     /// Lines from one edge of a polygon to the other, both included, evenly and at most the distance apart: where the spot has
-    /// room within its walls and on the specimen.
-    fn hatch_face(&self, inner: &Cavity, [dx, dy]: [f64; 2], lines: &mut Vec<Line>) {
-        let Some(face) = &inner.face else { return };
+    /// room within its walls and on the specimen. The distance is given where there is more than one.
+    fn hatch_face(&self, inner: &Cavity, [dx, dy]: [f64; 2], lines: &mut Vec<Line>) -> Option<f64> {
+        let face = inner.face.as_ref()?;
         let across = face.corners_m().into_iter().map(|[x, y]| y * dx - x * dy);
         let (low_m, high_m) =
             across.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), at| (low.min(at), high.max(at)));
@@ -122,10 +130,12 @@ impl Marking {
             let point = |along_m: f64| [along_m * dx - at_m * dy, along_m * dy + at_m * dx];
             lines.extend(spans_m.into_iter().map(|ends_m| ends_m.map(point)));
         }
+        (gaps > 0.0).then(|| across_m / gaps)
     }
 
-    /// Lines from one edge to the other, both included, evenly and at most the distance apart.
-    fn hatch_rectangle(&self, inner: &Cavity, [dx, dy]: [f64; 2], lines: &mut Vec<Line>) {
+    /// Lines from one edge to the other, both included, evenly and at most the distance apart, which is given where there is
+    /// more than one.
+    fn hatch_rectangle(&self, inner: &Cavity, [dx, dy]: [f64; 2], lines: &mut Vec<Line>) -> Option<f64> {
         let (along_m, across_m) = (inner.length_m.max(inner.width_m), inner.length_m.min(inner.width_m));
         let gaps = (across_m / self.distance_m - ROUNDING).ceil().max(0.0);
         // Bounded by the cavity over the distance of lines: the cast is exact.
@@ -136,15 +146,16 @@ impl Marking {
             };
             lines.push([end(-along_m / 2.0), end(along_m / 2.0)]);
         }
+        (gaps > 0.0).then(|| across_m / gaps)
     }
 
-    /// Lines in the middles of equal strips at most the distance wide.
-    fn hatch_polygon(&self, polygon: &[[f64; 2]], [dx, dy]: [f64; 2], lines: &mut Vec<Line>) {
+    /// Lines in the middles of equal strips at most the distance wide; their width is given where there is more than one.
+    fn hatch_polygon(&self, polygon: &[[f64; 2]], [dx, dy]: [f64; 2], lines: &mut Vec<Line>) -> Option<f64> {
         let turned: Vec<[f64; 2]> = polygon.iter().map(|[x, y]| [x * dx + y * dy, y * dx - x * dy]).collect();
         let across = turned.iter().map(|[_, across_m]| *across_m);
         let (low_m, high_m) = (across.clone().fold(f64::INFINITY, f64::min), across.fold(f64::NEG_INFINITY, f64::max));
         if high_m <= low_m {
-            return;
+            return None;
         }
         let strips = ((high_m - low_m) / self.distance_m - ROUNDING).ceil().max(1.0);
         for strip in 0..strips as u64 {
@@ -159,6 +170,7 @@ impl Marking {
             let back = |along_m: f64| [along_m * dx - at_m * dy, along_m * dy + at_m * dx];
             lines.extend(ends_m.chunks_exact(2).map(|ends| [back(ends[0]), back(ends[1])]));
         }
+        (strips > 1.0).then(|| (high_m - low_m) / strips)
     }
 }
 

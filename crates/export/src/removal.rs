@@ -82,6 +82,8 @@ impl Removal {
 pub(crate) struct Hatched {
     pub(crate) lines: u64,
     pub(crate) length_m: f64,
+    /// Least and greatest distance of neighbouring lines in a cavity, in metres; `None` where no cavity has two.
+    pub(crate) apart_m: Option<[f64; 2]>,
     /// Those of the cavity with most of them: one that no rim cuts, where there is one.
     of_one: Vec<Line>,
     /// Half the spot, in metres.
@@ -101,8 +103,13 @@ struct Section {
 impl Hatched {
     pub(crate) fn new(layout: &Layout, marking: &Marking) -> Self {
         let (mut lines, mut length, mut most_m, mut of_one) = (0, 0.0, 0.0, None);
+        let mut apart_m: Option<[f64; 2]> = None;
         for cavity in layout.iter() {
-            let own = marking.lines(&cavity);
+            let (own, distances_m) = marking.fill(&cavity);
+            for at_m in distances_m {
+                let [least_m, most_m] = apart_m.unwrap_or([at_m; 2]);
+                apart_m = Some([least_m.min(at_m), most_m.max(at_m)]);
+            }
             let own_m: f64 = own.iter().map(length_m).sum();
             lines += own.len() as u64;
             length += own_m;
@@ -112,7 +119,7 @@ impl Hatched {
         }
         let section = of_one.as_ref().and_then(|(cavity, own)| Section::of(cavity, own, marking.direction(cavity)));
         let of_one = of_one.map_or_else(Vec::new, |(_, own)| own);
-        Self { lines, length_m: length, of_one, half_spot_m: marking.spot_compensation_m(), section }
+        Self { lines, length_m: length, apart_m, of_one, half_spot_m: marking.spot_compensation_m(), section }
     }
 
     /// Length of lines within half a spot of the point `at_m` of the section from its edge, in metres.

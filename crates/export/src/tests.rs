@@ -1,5 +1,6 @@
 //! What is written read back, by readers written from the formats' descriptions.
 
+use std::collections::BTreeMap;
 use std::io::{self, Write};
 
 use slipgrid_pattern::{Pattern, Planform, Texture};
@@ -130,6 +131,62 @@ fn tables_of_corners_and_lines_read_back() {
             assert!(row[2..].iter().zip(line.concat()).all(|(read, laid)| (read - laid * 1e3).abs() < 0.6e-6));
         }
     }
+}
+
+/// The distances of lines that the process sheet states are those between the lines of `hatch.csv`.
+#[test]
+fn the_sheet_states_the_distances_that_lines_have() {
+    let laser = laser();
+    let marking = Marking::new(&laser).unwrap();
+    let (mut nearer, mut unlike) = (0, 0);
+    for layout in layouts() {
+        let input = ProcessInput {
+            name: String::new(),
+            version: String::new(),
+            seed: 1,
+            laser,
+            tolerances: None,
+            material: MaterialNote { name: String::new(), source: String::new(), synthetic_surface: false },
+        };
+        let work = ProcessSheet::new(&layout, input).unwrap().work;
+        assert_eq!(work.line_distance_um, Some(20.0));
+        let (least_um, greatest_um) = (work.least_line_distance_um.unwrap(), work.greatest_line_distance_um.unwrap());
+        assert!(least_um <= greatest_um && greatest_um <= 20.0 + 1e-3);
+        let csv = text(|to| hatch_csv(&layout, &marking, to));
+        let mut cavities: BTreeMap<usize, Vec<[f64; 4]>> = BTreeMap::new();
+        for row in csv.lines().skip(1) {
+            let row: Vec<f64> = row.split(',').map(|field| field.parse().unwrap()).collect();
+            cavities.entry(row[0] as usize).or_default().push([row[2], row[3], row[4], row[5]]);
+        }
+        let is_cut_in_parts = layout.iter().any(|cavity| cavity.boundaries().len() > 1);
+        let mut apart_um = Vec::new();
+        for lines in cavities.values() {
+            // Across the longest line, whose direction the decimals of the file tell best.
+            let length_mm = |line: &[f64; 4]| (line[2] - line[0]).hypot(line[3] - line[1]);
+            let longest = lines.iter().max_by(|a, b| length_mm(a).total_cmp(&length_mm(b))).unwrap();
+            let [x0, y0, x1, y1] = *longest;
+            let [dx, dy] = [(x1 - x0) / length_mm(longest), (y1 - y0) / length_mm(longest)];
+            let middle_um = |line: &[f64; 4]| {
+                let [x_mm, y_mm] = [f64::midpoint(line[0], line[2]) - x0, f64::midpoint(line[1], line[3]) - y0];
+                1e3 * (y_mm * dx - x_mm * dy)
+            };
+            let mut offsets_um: Vec<f64> = lines.iter().map(middle_um).collect();
+            offsets_um.sort_by(f64::total_cmp);
+            apart_um.extend(offsets_um.windows(2).map(|pair| pair[1] - pair[0]).filter(|apart_um| *apart_um > 0.1));
+        }
+        if is_cut_in_parts {
+            continue;
+        }
+        let found = apart_um.iter().copied();
+        let least_found_um = found.clone().fold(f64::INFINITY, f64::min);
+        let greatest_found_um = found.fold(0.0, f64::max);
+        let what = format!("{:?}, {:?}", layout.pattern().texture(), layout.outline());
+        assert!((least_found_um - least_um).abs() < 0.1, "{what}: {least_found_um} and {least_um} um");
+        assert!((greatest_found_um - greatest_um).abs() < 0.1, "{what}: {greatest_found_um} and {greatest_um} um");
+        nearer += usize::from(greatest_um < 19.9);
+        unlike += usize::from(greatest_um - least_um > 0.5);
+    }
+    assert!(nearer > 5 && unlike > 0, "{nearer} layouts with nearer lines, {unlike} with unlike ones");
 }
 
 /// Heights, 0 to 1, of a 16-bit grey PNG, and its pixels per metre.

@@ -15,7 +15,15 @@ const SPOT_TIME_ASSUMPTIONS: &str =
 const LINE_TIME_FORMULA: &str = "passes * marked_length_mm / speed_mm_s";
 const LINE_TIME_ASSUMPTIONS: &str =
     "the spot moves at its speed along lines; jumps between lines and cavities, and acceleration, not counted";
-const BURSTS_FORMULA: &str = "(pi / 4) spot^2 / (pulse distance * line distance): bursts that reach a point in one pass over an endless hatch, on average";
+const LINES_FORMULA: &str = "line_distance_um is nominal; within a cavity lines lie evenly from edge to edge, half a spot inside, so that they \
+     are as near as that or nearer: from least_line_distance_um to greatest_line_distance_um, as in hatch.csv";
+const BURSTS_FORMULA: &str = "(pi / 4) spot^2 / (pulse distance * line distance): bursts that reach a point in one pass over an endless hatch, on \
+     average; the line distance is the nominal one";
+const STEP_FORMULA: &str = "depths of designs are whole multiples of this: depth per burst * bursts per pass over lines, depth per burst where each spot is \
+     burnt by itself";
+const ACROSS_FORMULA: &str = "each pair is [x, z]: z is the mean depth, after all passes, over the bin that ends at the distance x from the edge of a \
+     cavity and begins where the bin before ends, the first at the edge; the eight bins are equally wide, and the last ends in \
+     the middle of the cavity";
 const REMOVAL_FORMULA: &str = "z(x) = passes * (depth per burst / pulse distance) * length of lines within half a spot of x; removed volume = passes * \
      (depth per burst / pulse distance) * (pi / 4) spot^2 * marked length; depth in the middle is the mean of z over the middle \
      third of a cavity's width, mean depth the removed volume over the area of all cavities";
@@ -26,6 +34,13 @@ const REMOVAL_FORMULA: &str = "z(x) = passes * (depth per burst / pulse distance
 pub struct WorkSheet {
     /// `hatch` or `mask`.
     pub exposure: Exposure,
+    /// Depth that the least exposure gives, in um: one pass over an endless hatch, otherwise one burst. Depths of designs are
+    /// whole multiples of it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub depth_step_um: Option<f64>,
+    /// How it follows.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub depth_step_formula: Option<String>,
     /// Bursts per cavity (on each of its spots): depth over depth per burst, to the nearest whole; absent where passes over
     /// lines give the depth.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -53,10 +68,22 @@ pub struct WorkSheet {
     /// Where lines run.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub marking_direction: Option<String>,
-    /// Distance of lines, in um, at most.
+    /// Distance of lines that the laser is set to, `laser.hatch_um`, in um: nominal, and that of an endless hatch. Within a cavity
+    /// lines lie evenly from edge to edge, at this distance or nearer.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub line_distance_um: Option<f64>,
-    /// Share of the spot by which lines overlap.
+    /// The least distance of neighbouring lines within a cavity, in um, as in `hatch.csv`; absent where one line fills each
+    /// cavity.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub least_line_distance_um: Option<f64>,
+    /// The greatest distance of neighbouring lines within a cavity, in um, as in `hatch.csv`; the same as the least where all
+    /// cavities are as wide.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub greatest_line_distance_um: Option<f64>,
+    /// How these three belong together.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub line_distance_formula: Option<String>,
+    /// Share of the spot by which lines overlap at the nominal distance.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub line_overlap: Option<f64>,
     /// Lines on the specimen.
@@ -80,10 +107,13 @@ pub struct WorkSheet {
     /// Volume that the passes over all lines remove, in mm^3.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub removed_volume_mm3: Option<f64>,
-    /// Depths that they make between the edge of a cavity and its middle: distances from the edge, and the mean depth from the one
-    /// before up to each, in um.
+    /// Depths that all passes make between the edge of a cavity and its middle, in eight equally wide bins: pairs of the distance
+    /// from the edge at which a bin ends, and the mean depth over the bin, both in um.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub depths_across_um: Option<Vec<[f64; 2]>>,
+    /// What those pairs are.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub depths_across_formula: Option<String>,
     /// How depths follow from the lines.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub removal_formula: Option<String>,
@@ -121,6 +151,8 @@ impl WorkSheet {
         };
         let mut sheet = Self {
             exposure: laser.exposure.unwrap_or_default(),
+            depth_step_um: laser.depth_step_um().map(|step_um| round_decimals(step_um, MICROMETRE_DECIMALS)),
+            depth_step_formula: laser.depth_step_um().map(|_| STEP_FORMULA.to_owned()),
             bursts_per_cavity: bursts,
             depth_of_bursts_um: of_bursts_um(laser.depth_per_burst_um),
             depth_of_bursts_stderr_um: of_bursts_um(laser.ablation.map(|law| law.depth_per_burst_stderr_um)),
@@ -173,6 +205,9 @@ impl WorkSheet {
         let overlap =
             |distance_um: Option<f64>| distance_um.zip(laser.spot_um).map(|(d, spot)| rounded(1.0 - d / spot));
         self.line_distance_um = laser.line_distance_um();
+        let [least_um, greatest_um] = [0, 1].map(|end| hatched.apart_m.map(|apart_m| micrometres(apart_m[end])));
+        (self.least_line_distance_um, self.greatest_line_distance_um) = (least_um, greatest_um);
+        self.line_distance_formula = Some(LINES_FORMULA.to_owned());
         self.line_overlap = overlap(laser.line_distance_um());
         self.pulse_distance_um = laser.pulse_distance_um().map(rounded);
         self.pulse_overlap = overlap(laser.pulse_distance_um());
@@ -182,6 +217,7 @@ impl WorkSheet {
         if let Some(passes) = self.removal.as_ref().map(|removal| removal.passes) {
             self.removed_volume_mm3 = hatched.volume_m3(laser, passes).map(|volume_m3| rounded(volume_m3 * 1e9));
             self.depths_across_um = hatched.across_um(laser, passes);
+            self.depths_across_formula = self.depths_across_um.as_ref().map(|_| ACROSS_FORMULA.to_owned());
             self.removal_formula = Some(REMOVAL_FORMULA.to_owned());
         }
     }

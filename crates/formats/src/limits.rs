@@ -17,7 +17,9 @@ use slipgrid_units::{FRACTION, LENGTH_UM, PRESSURE_MPA, Quantity, TIME_S};
 pub struct LimitsFile {
     /// Smallest gap between two cavities.
     pub min_land_um: Option<Number>,
-    /// Depth that one burst removes; depths are whole multiples of it.
+    /// Depth that one burst removes. Depths are whole multiples of it where each spot is burnt by itself; where `[laser]` has a spot, a speed and
+    /// a repetition rate, they are whole multiples of what one pass over an endless hatch removes, which is `depth_per_burst_um` times the
+    /// bursts that reach a point in a pass.
     pub depth_per_burst_um: Option<Number>,
     /// Greatest pressure on a contact block at the block size of `[sample]`, at every target pressure.
     max_peak_pressure_mpa: Option<Number>,

@@ -8,7 +8,7 @@ pub struct ManufacturingLimits {
     pub min_land_m: Option<f64>,
     /// Diameter of the laser spot, in metres: no cavity can be narrower.
     pub spot_m: Option<f64>,
-    /// Depth that one burst removes, in metres: depths are whole multiples of it.
+    /// Depth that the least exposure removes, in metres, a burst or a pass over lines: depths are whole multiples of it.
     pub depth_per_burst_m: Option<f64>,
 }
 

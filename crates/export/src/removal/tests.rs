@@ -128,6 +128,17 @@ fn wide_cavities_are_as_deep_as_an_endless_hatch_says() {
     assert!((share - (1.0 - 5.0 / 510.0) * (1.0 - 10.0 / 1000.0)).abs() < 1e-3, "{share}");
     let across = sheet.work.depths_across_um.unwrap();
     assert!(across.len() == 8 && across[0][1] < across[1][1]);
+    // Bins of an eighth of half the width: an even floor in each but the first, which holds the edge.
+    let ends: Vec<f64> = across.iter().map(|[end_um, _]| *end_um).collect();
+    assert!(ends.iter().zip(1..).all(|(end_um, bin)| (end_um - 31.875 * f64::from(bin)).abs() < 1e-9), "{ends:?}");
+    assert!(
+        sheet
+            .work
+            .depths_across_formula
+            .as_ref()
+            .is_some_and(|said| said.contains("the bin that ends at the distance x"))
+    );
+    assert_eq!(sheet.work.depth_step_um, Some(round_decimals(step_um, MICROMETRE_DECIMALS)));
     assert!(across[7][0] == 255.0 && (across[7][1] / removal.depth_um - 1.0).abs() < 0.01, "{across:?}");
     assert_eq!(toml::from_str::<Removal>(&toml::to_string(&removal).unwrap()).unwrap(), removal);
 }
