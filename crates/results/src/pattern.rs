@@ -88,10 +88,12 @@ pub fn length_in_words(length_um: f64) -> String {
     ((100.0 * length_um).round() / 100.0).to_string()
 }
 
-/// A time under the laser for people: seconds, from ten minutes on minutes, with a tenth below a hundred seconds and of minutes.
+/// A time under the laser for people: seconds, from ten minutes on minutes, with a hundredth below a second, a tenth below a hundred
+/// seconds and of minutes. The explorer writes times in the same way.
 #[must_use]
 pub fn duration_in_words(seconds: f64) -> String {
     match seconds {
+        _ if seconds < 0.995 => format!("{seconds:.2} s"),
         _ if seconds < 99.95 => format!("{seconds:.1} s"),
         _ if seconds < 599.5 => format!("{seconds:.0} s"),
         _ => format!("{:.1} min", seconds / 60.0),
@@ -130,7 +132,7 @@ mod tests {
 
     #[test]
     fn times_have_the_digits_that_rank_them() {
-        let times = [2.34, 13.0, 99.96, 480.0, 600.0, 5400.0].map(duration_in_words);
-        assert_eq!(times, ["2.3 s", "13.0 s", "100 s", "480 s", "10.0 min", "90.0 min"]);
+        let times = [0.042, 0.996, 2.34, 2.65, 13.0, 99.96, 480.0, 600.0, 5400.0].map(duration_in_words);
+        assert_eq!(times, ["0.04 s", "1.0 s", "2.3 s", "2.6 s", "13.0 s", "100 s", "480 s", "10.0 min", "90.0 min"]);
     }
 }

@@ -307,6 +307,13 @@
 
   // Readings.
   const fixed = (value, digits) => value === null || value === undefined || !Number.isFinite(value) ? "-" : value.toFixed(digits);
+  // Seconds, from ten minutes on minutes, as on the rest of the page.
+  const duration = minutes => {
+    if (minutes === null || !Number.isFinite(minutes)) return "-";
+    const seconds = 60 * minutes;
+    if (seconds >= 599.5) return `${fixed(minutes, 1)} min`;
+    return `${fixed(seconds, seconds < 0.995 ? 2 : seconds < 99.95 ? 1 : 0)} s`;
+  };
   const draw = () => {
     const shown = describe(state), second = other(shown.values), limits = broken(shown);
     for (const slider of all("slider")) slider.value = toStep(axes[+slider.dataset.slider], state[+slider.dataset.slider]);
@@ -326,7 +333,7 @@
     say("density", fixed(100 * shown.face, 1));
     const cut = shown.bursts === null ? "-" : `${fixed(shown.bursts * data.burst_um, 1)} µm`;
     say("bursts", data.has_passes || shown.bursts === null ? cut : `${shown.bursts} (${cut})`);
-    say("minutes", fixed(shown.minutes, 1));
+    say("laser-time", duration(shown.minutes));
     const on = misfit(shown.values) <= 1;
     const words = limits.map(limit => limit.words);
     const aimed = hasTarget ? [on ? "On target by the model" : "Off target"] : [], breaks = words.length ? [`breaks ${words.join(", ")}`] : [];

@@ -385,7 +385,7 @@ fn controls(data: &Data) -> Markup {
                     (reading(first, "first", "")) (reading(second, "second", "")) (reading("chance on target by the steady model", "chance", ""))
                     (reading("peak pressure", "peak", "MPa")) (reading("cavities' share of the face", "density", "%"))
                     @if data.burst_um.is_some() { (reading(if data.has_passes { "depth, in whole passes" } else { "bursts (depth)" }, "bursts", "")) }
-                    @if data.laser.is_some() { (reading("laser time", "minutes", "min")) }
+                    @if data.laser.is_some() { (reading("laser time", "laser-time", "")) }
                 }
                 p data-verdict aria-live="polite" {}
                 p { button type="button" data-reset { "Back to the start" } " " button type="button" data-copy { "Copy as a scene file" } }

@@ -3,10 +3,10 @@
 use slipgrid_design::records::ChanceReport;
 use slipgrid_design::{AdviceReport, DesignOutcome, DesignReport};
 use slipgrid_export::laser_time_s;
-use slipgrid_results::length_in_words;
+use slipgrid_results::{duration_in_words, length_in_words};
 use slipgrid_units::LENGTH_MM;
 
-use super::page::{Page, known, length_um, number, percent, plain, sentence};
+use super::page::{Page, known, length_um, percent, plain, sentence};
 use crate::Outputs;
 use crate::target::target_narrow;
 
@@ -107,8 +107,8 @@ fn dimensions(page: &mut Page, report: &DesignReport, found: Option<&DesignOutco
     rows.extend(report.bursts.map(|bursts| ("bursts per spot", bursts.to_string())));
     if let Some(laid) = found.and_then(|found| found.task.specimen.layout(found.pattern).ok()) {
         rows.push(("cavities on the specimen", laid.iter().count().to_string()));
-        let minutes = laser_time_s(&laid, &report.laser).map(|seconds| seconds / 60.0);
-        rows.extend(minutes.map(|minutes| ("time under the laser", format!("{} min", number(minutes, 1)))));
+        let time_s = laser_time_s(&laid, &report.laser);
+        rows.extend(time_s.map(|seconds| ("time under the laser", duration_in_words(seconds))));
     }
     page.facts("What to cut", &rows);
 }
