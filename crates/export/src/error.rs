@@ -73,6 +73,21 @@ pub enum ExportError {
         /// The limit, in um.
         limit_um: f64,
     },
+    /// Pulses along a line that do not meet.
+    #[error(
+        "pulses lie {} um apart, speed_mm_s = {speed_mm_s} over repetition_hz = {repetition_hz}, and do not meet: expected at most spot_um, {} um",
+        tidy(*pulse_um), tidy(*spot_um)
+    )]
+    PulsesApart {
+        /// Distance of pulses, in um.
+        pulse_um: f64,
+        /// Speed of the spot, in mm/s.
+        speed_mm_s: f64,
+        /// Pulses a second.
+        repetition_hz: f64,
+        /// Diameter of the spot, in um.
+        spot_um: f64,
+    },
     /// Walls that lean backwards, or hardly rise.
     #[error("wall_taper_deg is {taper_deg}: expected 0 to {most_deg} degrees from upright")]
     TaperOutOfRange {
@@ -151,9 +166,9 @@ pub(crate) fn positive(quantity: &'static str, value: f64) -> Result<f64, Export
     if value.is_finite() && value > 0.0 { Ok(value) } else { Err(ExportError::NotPositive { quantity, value }) }
 }
 
-/// `value` to 12 digits: what conversion of units left behind is gone.
+/// `value` to 6 digits, which is as much as a reader can use: lengths that follow from others have no end of digits.
 fn tidy(value: f64) -> f64 {
-    format!("{value:.11e}").parse().unwrap_or(value)
+    format!("{value:.5e}").parse().unwrap_or(value)
 }
 
 fn mm(length_m: f64) -> f64 {
@@ -171,6 +186,9 @@ mod tests {
             refused.to_string(),
             "no cavity 400 um wide fits whole on the specimen: expected an extent of at least 300 mm, but it is 0.3 mm"
         );
+        let refused =
+            ExportError::NoCavityFits { width_m: 7e-3, extent_m: 6e-3, needed_m: 7e-3 * std::f64::consts::SQRT_2 };
+        assert!(refused.to_string().contains("expected an extent of at least 9.89949 mm, but it is 6 mm"), "{refused}");
         let refused = ExportError::NoHeightMap { pixel_um: 0.09999999999999999, pixels: 1e5, most: 65535 };
         assert_eq!(refused.to_string(), "pixels of 0.1 um make a height map 100000 wide: expected 1 to 65535");
     }

@@ -69,8 +69,8 @@ impl Laser {
     /// Checks each number by itself, and lines and pulses against the spot.
     ///
     /// # Errors
-    /// [`ExportError::NotPositive`], [`ExportError::BeyondLaser`] where lines or pulses lie farther apart than
-    /// the spot is wide, [`ExportError::TaperOutOfRange`].
+    /// [`ExportError::NotPositive`], [`ExportError::BeyondLaser`] where lines lie farther apart than the spot is wide,
+    /// [`ExportError::PulsesApart`] where pulses do, [`ExportError::TaperOutOfRange`].
     pub fn validate(&self) -> Result<(), ExportError> {
         for (quantity, value) in [
             ("wavelength_nm", self.wavelength_nm),
@@ -98,9 +98,12 @@ impl Laser {
         // One part in a million forgiven as rounding.
         match (self.hatch_um, self.pulse_distance_um()) {
             (Some(hatch_um), _) if hatch_um > spot_um * (1.0 + 1e-6) => beyond("hatch_um", hatch_um),
-            (_, Some(pulse_um)) if pulse_um > spot_um * (1.0 + 1e-6) => {
-                beyond("pulse distance, speed_mm_s over repetition_hz,", pulse_um)
-            }
+            (_, Some(pulse_um)) if pulse_um > spot_um * (1.0 + 1e-6) => Err(ExportError::PulsesApart {
+                pulse_um,
+                speed_mm_s: self.speed_mm_s.unwrap_or_default(),
+                repetition_hz: self.repetition_hz.unwrap_or_default(),
+                spot_um,
+            }),
             _ => Ok(()),
         }
     }

@@ -333,7 +333,7 @@ mod tests {
         let refused = |laser: Laser| Marking::new(&laser).unwrap_err().to_string();
         assert!(refused(Laser { hatch_um: Some(30.0), ..LASER }).contains("hatch_um of 30 um is above spot_um, 23 um"));
         let fast = Laser { speed_mm_s: Some(100.0), repetition_hz: Some(1000.0), ..LASER };
-        assert!(refused(fast).contains("of 100 um is above spot_um"));
+        assert!(refused(fast).contains("pulses lie 100 um apart, speed_mm_s = 100 over repetition_hz = 1000"));
         assert!(refused(Laser { spot_um: None, ..LASER }).contains("laser.spot_um"));
         assert!(refused(Laser { wall_taper_deg: Some(90.0), ..LASER }).contains("80"));
     }

@@ -214,7 +214,8 @@ impl Design {
         let space = DesignSpace::new(texture, width_m, spacing_m, depth_m)
             .map_err(|error| document.refuse(file.bounds.span(), error.to_string()))?;
         let limits = read_limits(&document, &file, &laser, (width_m, spacing_m, depth_m))?;
-        check_fits(&document, &file.specimen, &specimen, &texture, (width_m, spacing_m, depth_m))?;
+        let wide = file.bounds.get_ref().width_um.span();
+        check_fits(&document, (&file.specimen, wide), &specimen, &texture, (width_m, spacing_m, depth_m))?;
         let (measures, quantities) = read_limited(&document, &file.limits, &laser)?;
         let mut told = Vec::new();
         let (known, calibration) = read_material_input(&document, &file.material, &mut told)?;

@@ -1,5 +1,7 @@
 //! Laser and specimen in design files.
 
+use std::ops::Range;
+
 use serde::{Deserialize, Serialize};
 use slipgrid_export::{Ablation, AblationPoint, ExportError, Exposure, Laser, Outline};
 use slipgrid_pattern::{Pattern, Texture};
@@ -132,9 +134,57 @@ pub fn read_laser(
         ..of_limits
     };
     let laser = with_ablation(document, laser, file, limits.0.as_ref())?;
-    let place = || file.hatch_um.as_ref().or(file.speed_mm_s.as_ref()).map_or(table.span(), Spanned::span);
-    laser.validate().map_err(|error| document.refuse(place(), error.to_string()))?;
+    laser.validate().map_err(|error| unlike_spot(document, table, &error))?;
     Ok(laser)
+}
+
+/// Names the number that most likely is wrong where lines or pulses lie farther apart than the spot is wide.
+fn unlike_spot(document: &Document, table: &Spanned<LaserFile>, error: &ExportError) -> Diagnostic {
+    let file = table.get_ref();
+    match (error, &file.hatch_um, &file.speed_mm_s, &file.repetition_hz) {
+        (ExportError::BeyondLaser { limit_um, .. }, Some(hatch), _, _) => document
+            .refuse(hatch.span(), format!("is more than the spot is wide, spot_um = {limit_um}: lines would not meet"))
+            .expected(format!("at most {limit_um} um")),
+        (
+            &ExportError::PulsesApart { pulse_um, speed_mm_s, repetition_hz, spot_um },
+            _,
+            Some(speed),
+            Some(repetition),
+        ) => {
+            // Rounded to where the limits still hold.
+            let least_hz = in_steps(repetition_hz * pulse_um / spot_um * (1.0 - EXACT), f64::ceil);
+            let most_mm_s = in_steps(speed_mm_s * spot_um / pulse_um * (1.0 + EXACT), f64::floor);
+            let apart = format!("pulses {} um apart on a spot of {spot_um} um", rounded(pulse_um));
+            let either = format!("repetition_hz of at least {least_hz}, or speed_mm_s of at most {most_mm_s}");
+            // Lasers pulse thousands of times a second.
+            if repetition_hz < KILO && repetition_hz * KILO >= least_hz {
+                let meant = rounded(repetition_hz * KILO);
+                document
+                    .refuse(repetition.span(), format!("Hz at speed_mm_s = {speed_mm_s} sets {apart}"))
+                    .expected(format!("{either}; if {repetition_hz} kHz are meant, repetition_hz = {meant}"))
+            } else {
+                document
+                    .refuse(speed.span(), format!("mm/s at repetition_hz = {repetition_hz} sets {apart}"))
+                    .expected(either)
+            }
+        }
+        _ => document.refuse(table.span(), error.to_string()),
+    }
+}
+
+const KILO: f64 = 1e3;
+/// Share of a number that is forgiven as rounding.
+const EXACT: f64 = 1e-9;
+
+/// To four digits.
+fn rounded(value: f64) -> f64 {
+    format!("{value:.3e}").parse().unwrap_or(value)
+}
+
+/// To three digits, up with `to` = `f64::ceil`, down with `f64::floor`.
+fn in_steps(value: f64, to: fn(f64) -> f64) -> f64 {
+    let unit = 10_f64.powf(value.log10().floor() - 2.0);
+    rounded(to(value / unit) * unit)
 }
 
 const EXPOSURES: [Exposure; 2] = [Exposure::Hatch, Exposure::Mask];
@@ -236,10 +286,10 @@ pub fn read_specimen(document: &Document, file: &Spanned<SpecimenFile>) -> Resul
 /// most distant are too many.
 ///
 /// # Errors
-/// [`Diagnostic`] at the specimen.
+/// [`Diagnostic`] at the width, whose place is `width_um`, or at the specimen.
 pub fn check_fits(
     document: &Document,
-    table: &Spanned<SpecimenFile>,
+    (table, width_um): (&Spanned<SpecimenFile>, Range<usize>),
     outline: &Specimen,
     texture: &Texture,
     (width_m, spacing_m, depth_m): ([f64; 2], [f64; 2], [f64; 2]),
@@ -248,10 +298,34 @@ pub fn check_fits(
         // Lengths that no texture takes are refused with the bounds.
         let Ok(pattern) = Pattern::new(*texture, width_m[end], spacing_m[end], depth_m[0]) else { continue };
         match outline.check(pattern) {
-            Err(error @ ExportError::NoCavityFits { .. }) if end == 0 => {
+            Err(ExportError::NoCavityFits { needed_m, extent_m, .. }) if end == 0 => {
+                // The greatest width that fits, by halves.
+                let fits = |width_m: f64| {
+                    let pattern = Pattern::new(*texture, width_m, spacing_m[0], depth_m[0]);
+                    !matches!(
+                        pattern.map(|pattern| outline.check(pattern)),
+                        Ok(Err(ExportError::NoCavityFits { .. })) | Err(_)
+                    )
+                };
+                let (least_m, _) = (0..40).fold((0.0, width_m[0]), |(low_m, high_m), _| {
+                    let middle_m = f64::midpoint(low_m, high_m);
+                    if fits(middle_m) { (middle_m, high_m) } else { (low_m, middle_m) }
+                });
+                let least_um = LENGTH_UM.from_si(least_m).floor();
+                let narrower =
+                    if least_um > 0.0 { format!("a width of at most {least_um} um, or ") } else { String::new() };
+                let has = if width_m[0] < width_m[1] {
+                    "cavities of the smallest of these widths"
+                } else {
+                    "cavities of this width"
+                };
+                let [extent_mm, needed_mm] = [
+                    rounded(LENGTH_MM.from_si(extent_m)),
+                    in_steps(LENGTH_MM.from_si(needed_m) * (1.0 - EXACT), f64::ceil),
+                ];
                 return Err(document
-                    .refuse(table.span(), error.to_string())
-                    .expected("a larger specimen, or smaller bounds"));
+                    .refuse(width_um, format!("{has} do not fit whole on the specimen, whose extent is {extent_mm} mm"))
+                    .expected(format!("{narrower}a specimen with an extent of at least {needed_mm} mm")));
             }
             Err(error @ ExportError::TooManyCavities { .. }) if end == 1 => {
                 return Err(document
@@ -298,7 +372,17 @@ mod tests {
             (ABLATION.replace(", 2.22]", "]"), "4, one for each fluence"),
             (
                 "spot_um = 20.0\nhatch_um = 21.0".to_owned(),
-                "a.toml:3: laser.hatch_um: 21.0 hatch_um of 21 um is above spot_um",
+                "a.toml:3: laser.hatch_um: 21.0 is more than the spot is wide, spot_um = 20: lines would not meet; expected at most 20 um",
+            ),
+            (
+                "spot_um = 30.0\nrepetition_hz = 20.0\nspeed_mm_s = 200.0\nhatch_um = 15.0".to_owned(),
+                "a.toml:3: laser.repetition_hz: 20.0 Hz at speed_mm_s = 200 sets pulses 10000 um apart on a spot of 30 um; expected repetition_hz of \
+                 at least 6670, or speed_mm_s of at most 0.6; if 20 kHz are meant, repetition_hz = 20000",
+            ),
+            (
+                "spot_um = 30.0\nrepetition_hz = 20000.0\nspeed_mm_s = 2000.0".to_owned(),
+                "a.toml:4: laser.speed_mm_s: 2000.0 mm/s at repetition_hz = 20000 sets pulses 100 um apart on a spot of 30 um; expected \
+                 repetition_hz of at least 66700, or speed_mm_s of at most 600",
             ),
             ("wall_taper_deg = -1.0".to_owned(), "a.toml:2: laser.wall_taper_deg: -1.0 is out of range"),
             ("exposure = \"mas\"".to_owned(), "did you mean `mask`?"),

@@ -104,7 +104,11 @@ fn what_stands_in_the_way_is_said_before_anything_is_computed() {
 fn a_design_that_no_specimen_takes_is_refused_before_the_search() {
     let place = Place::with(&[]);
     for (from, to, says) in [
-        ("diameter_mm = 10.0", "diameter_mm = 0.03", "no cavity 40 um wide fits whole on the specimen"),
+        (
+            "diameter_mm = 10.0",
+            "diameter_mm = 0.03",
+            "widths do not fit whole on the specimen, whose extent is 0.03 mm",
+        ),
         (
             "shape = \"disc\"\ndiameter_mm = 10.0",
             "shape = \"rectangle\"\nlength_mm = 10000.0\nwidth_mm = 10000.0",
