@@ -13,7 +13,9 @@ use crate::diagnostic::{Diagnostic, nearest};
 use crate::plausible;
 use crate::source::{Entry, NoFiles, Source, read_text};
 use slipgrid_results::SCHEMA;
-use slipgrid_units::Quantity;
+use slipgrid_units::{
+    DENSITY_G_CM3, HUMIDITY_PCT, LENGTH_MM, LENGTH_UM, MODULUS_GPA, PRESSURE_MPA, Quantity, SPEED_MM_S,
+};
 
 /// Letters of a refused value that a message repeats.
 const LONGEST_VALUE: usize = 60;
@@ -132,6 +134,7 @@ impl Document {
             line: Some(self.line(table.start)),
             key: Some(inside),
             reason: "is missing".to_owned(),
+            expected: needed_value(key),
             ..Diagnostic::default()
         }
     }
@@ -226,6 +229,41 @@ impl Document {
         find_in_table(table.get_ref(), span, &mut path).then(|| path.join(".").into())
     }
 
+    /// Refuses a key or the heading of a table that occurs a second time at `span`, and names the first.
+    fn duplicate(&self, span: Range<usize>) -> Diagnostic {
+        let name = self.text.get(span.clone()).unwrap_or_default().trim_matches(['"', '\'']).to_owned();
+        let is_heading = self.line_text(span.start).trim_start().starts_with('[');
+        // A second heading takes the place of the first in what is read.
+        let line_start = self.text[..span.start].rfind('\n').map_or(0, |end| end + 1);
+        let text = if is_heading { &self.text[..line_start] } else { &*self.text };
+        let (table, _) = DeTable::parse_recoverable(text);
+        let mut found = Vec::new();
+        namesakes(text, table.get_ref(), (&name, &span), &mut Vec::new(), &mut found);
+        let first = found.into_iter().max_by_key(|(_, place)| place.start);
+        let key = first.as_ref().map_or_else(|| name.clone(), |(path, _)| path.clone());
+        let outer = key.rsplit_once('.').map(|(outer, _)| outer);
+        let what = match (is_heading, outer) {
+            (true, _) => format!("the table [{key}]"),
+            (false, Some(outer)) => format!("the key {name} of the table [{outer}]"),
+            (false, None) => format!("the key {name}, outside of all tables,"),
+        };
+        let before = first
+            .map_or_else(String::new, |(_, place)| format!("; the first stands in line {}", self.line(place.start)));
+        Diagnostic {
+            file: Some(self.path.as_path().into()),
+            line: Some(self.line(span.start)),
+            key: Some(key.into()),
+            reason: format!("{what} occurs a second time{before}"),
+            ..Diagnostic::default()
+        }
+        .expected(if is_heading { "one table with all of its keys" } else { "one line with this key" })
+    }
+
+    /// The line that holds a byte.
+    fn line_text(&self, byte: usize) -> &str {
+        self.text.lines().nth(self.line(byte) as usize - 1).unwrap_or_default()
+    }
+
     fn explain(&self, error: &toml::de::Error) -> Diagnostic {
         let span = error.span().unwrap_or(0..0);
         let message = error.message();
@@ -240,7 +278,10 @@ impl Document {
         if message.starts_with("missing field") && !quoted.is_empty() {
             return self.missing(span, quoted[0]);
         }
-        if let Some(value) = self.text.lines().nth(self.line(span.start) as usize - 1).and_then(decimal_comma) {
+        if message.starts_with("duplicate key") {
+            return self.duplicate(span);
+        }
+        if let Some(value) = decimal_comma(self.line_text(span.start)) {
             return Diagnostic {
                 file: Some(self.path.as_path().into()),
                 line: Some(self.line(span.start)),
@@ -289,6 +330,24 @@ impl Document {
     }
 }
 
+/// What a required key of that name takes, with an example, where every file means the same by it.
+fn needed_value(key: &str) -> Option<String> {
+    let number = |quantity: Quantity, example: &str| Some(format!("{quantity}, such as {key} = {example}"));
+    match key {
+        "speed_mm_s" => number(SPEED_MM_S, "5.0"),
+        "humidity_pct" => number(HUMIDITY_PCT, "50.0"),
+        "pressure_mpa" => Some(format!("{PRESSURE_MPA}, or a list of such numbers, such as {key} = [0.5, 2.0]")),
+        "youngs_modulus_gpa" => number(MODULUS_GPA, "2.7"),
+        "density_g_cm3" => number(DENSITY_G_CM3, "1.4"),
+        "diameter_mm" | "outer_diameter_mm" | "length_mm" | "width_mm" => number(LENGTH_MM, "10.0"),
+        "inner_diameter_mm" => number(LENGTH_MM, "4.0"),
+        "width_um" | "spacing_um" => number(LENGTH_UM, "130.0"),
+        "depth_um" => number(LENGTH_UM, "5.0"),
+        "material" => Some(format!("the path of a file, such as {key} = \"material.toml\", or a table [{key}]")),
+        _ => None,
+    }
+}
+
 /// Replaces `code` where it stands as a word of its own.
 fn replace_word(text: &str, code: &str, word: &str) -> String {
     let alphanumeric = |letter: Option<char>| letter.is_some_and(|letter| letter.is_alphanumeric() || letter == '_');
@@ -315,6 +374,35 @@ fn find_in_table(table: &DeTable<'_>, span: &Range<usize>, path: &mut Vec<String
         path.pop();
     }
     false
+}
+
+/// Keys called `name` before `second` in the tables that can hold `second`, with their dotted paths. Tables in braces are none
+/// of these, unless it stands in them.
+fn namesakes(
+    text: &str,
+    table: &DeTable<'_>,
+    (name, second): (&str, &Range<usize>),
+    path: &mut Vec<String>,
+    found: &mut Vec<(String, Range<usize>)>,
+) {
+    for (key, value) in table {
+        path.push(key.get_ref().to_string());
+        if key.get_ref() == name && key.span().start < second.start {
+            found.push((path.join("."), key.span()));
+        }
+        let elements = match value.get_ref() {
+            DeValue::Array(array) => array.iter().collect(),
+            _ => vec![value],
+        };
+        for element in elements {
+            if let DeValue::Table(inner) = element.get_ref()
+                && (!text[element.span()].starts_with('{') || covers(&element.span(), second))
+            {
+                namesakes(text, inner, (name, second), path, found);
+            }
+        }
+        path.pop();
+    }
 }
 
 fn find_in_value(value: &Spanned<DeValue<'_>>, span: &Range<usize>, path: &mut Vec<String>) -> bool {
@@ -345,66 +433,4 @@ fn decimal_comma(line: &str) -> Option<String> {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[derive(serde::Deserialize, Debug)]
-    #[serde(deny_unknown_fields)]
-    #[expect(dead_code, reason = "only refused documents are looked at")]
-    struct Outer {
-        inner: Inner,
-    }
-
-    #[derive(serde::Deserialize, Debug)]
-    #[serde(deny_unknown_fields)]
-    #[expect(dead_code, reason = "only refused documents are looked at")]
-    struct Inner {
-        width_um: Spanned<f64>,
-        count: Option<u64>,
-    }
-
-    fn refused(text: &str) -> String {
-        Document::new("a.toml", text).parse::<Outer>().unwrap_err().to_string()
-    }
-
-    #[test]
-    fn a_decimal_comma_is_named() {
-        let document = Document::new("a.toml", "[material]\nyoungs_modulus_gpa = 2,7   # measured\n");
-        let refused = document.parse::<toml::Table>().unwrap_err().to_string();
-        assert_eq!(refused, "a.toml:2: 2,7 has a decimal comma; expected a decimal point: 2.7");
-    }
-
-    #[test]
-    fn refusals_name_line_and_key() {
-        for (text, message) in [
-            (
-                "[inner]\nwidth_um = 1.0\nwidht_um = 2",
-                "a.toml:3: inner.widht_um: is not a known key; expected one of width_um, count (did you mean `width_um`?)",
-            ),
-            ("\n[inner]\n", "a.toml:2: inner.width_um: is missing"),
-            ("", "a.toml:1: inner: is missing"),
-            (
-                "inner = { width_um = \"wide\" }",
-                "a.toml:1: inner.width_um: \"wide\" has the wrong type; expected a number",
-            ),
-            (
-                "[[inner]]\nwidth_um = 1.0",
-                "a.toml:1: inner: stands in double brackets, as one of a list; expected one table, [inner]",
-            ),
-            ("inner = 3", "a.toml:1: inner: 3 has the wrong type; expected a table"),
-            (
-                "[inner]\nwidth_um = 1\ncount = -3",
-                "a.toml:3: inner.count: -3 is out of range; expected a whole number not below zero",
-            ),
-        ] {
-            assert_eq!(refused(text), message);
-        }
-        assert!(refused("[inner]\nwidth_um = = 2").starts_with("a.toml:2: "));
-        assert!(refused("[inner]\nwidth_um = 2\nwidth_um = 3").starts_with("a.toml:3: "));
-    }
-
-    #[test]
-    fn words_are_replaced_whole() {
-        assert_eq!(replace_word("a map of bitmaps, map", "map", "table"), "a table of bitmaps, table");
-    }
-}
+mod tests;

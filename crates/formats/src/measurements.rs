@@ -79,14 +79,14 @@ fn rows(path: &Path, text: &str) -> Result<Vec<(u32, Measurement)>, Diagnostic> 
         }
         order.push(column);
     }
-    for (column, (name, _, required)) in COLUMNS.iter().enumerate() {
+    for (column, (name, quantity, required)) in COLUMNS.iter().enumerate() {
         if *required && !order.contains(&column) {
             let not_measured = match *name {
                 "humidity_pct" => "; of a humidity that was not measured one number in all rows, as 50",
                 _ => "",
             };
             return Err(refuse(header_line, Some(name), None, "is missing".into())
-                .expected(format!("the columns {}{not_measured}", names()[..5].join(","))));
+                .expected(format!("the columns {}; {name} is {quantity}{not_measured}", names()[..5].join(","))));
         }
     }
 

@@ -128,7 +128,7 @@ fn scenes() {
             case("seed = 1", "draws = 65", ":26: run.draws: 65 ", "from 1 to 64"),
             case("seed = 1", "draws = 1.5", ":26: run.draws: 1.5 ", "whole number"),
             case("seed = 1", "liftoff = 1", ":26: run.liftoff: 1 ", "true or false"),
-            case("seed = 1", "seed = 1\nseed = 2", ":27: ", "duplicate"),
+            case("seed = 1", "seed = 1\nseed = 2", ":27: run.seed: ", "the first stands in line 26"),
             case("seed = 1", "seed = = 1", ":26: ", ""),
             case("[run]", "[runn]", ":23: runn: ", "did you mean `run`?"),
             case("[material]", "[other]\n[material]", ":1: other: ", "is not a known key"),

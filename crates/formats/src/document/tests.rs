@@ -1,0 +1,101 @@
+//! Refusals of TOML: what they name.
+
+use super::*;
+
+#[derive(serde::Deserialize, Debug)]
+#[serde(deny_unknown_fields)]
+#[expect(dead_code, reason = "only refused documents are looked at")]
+struct Outer {
+    inner: Inner,
+}
+
+#[derive(serde::Deserialize, Debug)]
+#[serde(deny_unknown_fields)]
+#[expect(dead_code, reason = "only refused documents are looked at")]
+struct Inner {
+    width_um: Spanned<f64>,
+    count: Option<u64>,
+}
+
+fn refused(text: &str) -> String {
+    Document::new("a.toml", text).parse::<Outer>().unwrap_err().to_string()
+}
+
+#[test]
+fn a_decimal_comma_is_named() {
+    let document = Document::new("a.toml", "[material]\nyoungs_modulus_gpa = 2,7   # measured\n");
+    let refused = document.parse::<toml::Table>().unwrap_err().to_string();
+    assert_eq!(refused, "a.toml:2: 2,7 has a decimal comma; expected a decimal point: 2.7");
+}
+
+#[test]
+fn refusals_name_line_and_key() {
+    for (text, message) in [
+        (
+            "[inner]\nwidth_um = 1.0\nwidht_um = 2",
+            "a.toml:3: inner.widht_um: is not a known key; expected one of width_um, count (did you mean `width_um`?)",
+        ),
+        (
+            "\n[inner]\n",
+            "a.toml:2: inner.width_um: is missing; expected a number above 0 up to 10000000 um, such as width_um = 130.0",
+        ),
+        ("", "a.toml:1: inner: is missing"),
+        ("inner = { width_um = \"wide\" }", "a.toml:1: inner.width_um: \"wide\" has the wrong type; expected a number"),
+        (
+            "[[inner]]\nwidth_um = 1.0",
+            "a.toml:1: inner: stands in double brackets, as one of a list; expected one table, [inner]",
+        ),
+        ("inner = 3", "a.toml:1: inner: 3 has the wrong type; expected a table"),
+        (
+            "[inner]\nwidth_um = 1\ncount = -3",
+            "a.toml:3: inner.count: -3 is out of range; expected a whole number not below zero",
+        ),
+    ] {
+        assert_eq!(refused(text), message);
+    }
+    assert!(refused("[inner]\nwidth_um = = 2").starts_with("a.toml:2: "));
+}
+
+#[test]
+fn what_occurs_twice_is_named_with_both_lines() {
+    for (text, says) in [
+        (
+            "[inner]\nwidth_um = 2\n\nwidth_um = 3",
+            "a.toml:4: inner.width_um: the key width_um of the table [inner] occurs a second time; the first stands in line 2; expected one line with this key",
+        ),
+        (
+            "[inner]\nwidth_um = 2\n[other]\nwidth_um = 1\n[inner]\ncount = 3",
+            "a.toml:5: inner: the table [inner] occurs a second time; the first stands in line 1; expected one table with all of its keys",
+        ),
+        (
+            "[inner]\nother = { width_um = 2 }\nwidth_um = 3\nthird = { width_um = 2 }\nwidth_um = 4",
+            "a.toml:5: inner.width_um: the key width_um of the table [inner] occurs a second time; the first stands in line 3",
+        ),
+        (
+            "inner = 3\ninner = 2",
+            "a.toml:2: inner: the key inner, outside of all tables, occurs a second time; the first stands in line 1",
+        ),
+        (
+            "inner = { width_um = 2, width_um = 3 }",
+            "a.toml:1: inner.width_um: the key width_um of the table [inner] occurs a second time; the first stands in line 1",
+        ),
+    ] {
+        assert!(refused(text).starts_with(says), "{}", refused(text));
+    }
+}
+
+#[test]
+fn a_missing_condition_comes_with_what_is_accepted_and_an_example() {
+    let document = Document::new("a.toml", "[load]\n");
+    for (key, says) in [
+        ("speed_mm_s", "a number above 0 up to 100000 mm/s, such as speed_mm_s = 5.0"),
+        ("humidity_pct", "a number from 0 up to 100 %, such as humidity_pct = 50.0"),
+    ] {
+        assert_eq!(document.missing(0..6, key).expected.as_deref(), Some(says));
+    }
+}
+
+#[test]
+fn words_are_replaced_whole() {
+    assert_eq!(replace_word("a map of bitmaps, map", "map", "table"), "a table of bitmaps, table");
+}
