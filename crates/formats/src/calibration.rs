@@ -148,13 +148,14 @@ impl Calibration {
             })?;
         let outline = read_outline(document, &file.specimen)?;
         let specimens = Specimens { area_m2: area_m2(&outline), modulus_pa: elastic.youngs_modulus_pa() };
-        let mut remarks = Remarks { told: bulk_told(document, bulk)?, doubts: Vec::new() };
+        let mut remarks = Remarks { told: bulk_told(document, bulk)?, ..Remarks::default() };
         remarks.told.extend(outline_told(document, &file.specimen, &outline)?);
         let of_trials = file.trial.iter().filter_map(|trial| trial.get_ref().traces()).flatten();
         let mut reader = TraceReader::new(document, file.traces.as_ref().map(Spanned::get_ref), of_trials)?;
         let Measured { flat: placed, patterned, mut traces } = read_measured(document, &file, &mut reader)?;
         for rows in [&placed, &patterned] {
             remarks.told.extend(measured::check(rows, &specimens)?);
+            remarks.repeated.extend(measured::identical(&[], rows));
         }
         remarks.told.extend(measured::check_partners(&patterned, &placed)?);
         remarks.doubts.extend(measured::doubtful_ratios(&patterned, &placed));
@@ -205,7 +206,7 @@ impl Calibration {
                 .unwrap_or(super::material::DEFAULT_RELATIVE_STD),
             placed,
             told: remarks.told.iter().map(Diagnostic::to_string).collect(),
-            doubts: remarks.doubts.iter().map(|doubt| format!("measured ratio: {doubt}")).collect(),
+            doubts: remarks.warnings(),
         })
     }
 

@@ -29,6 +29,16 @@ pub(crate) struct Remarks {
     pub(crate) told: Vec<Diagnostic>,
     /// Ratios that are hardly meant.
     pub(crate) doubts: Vec<Diagnostic>,
+    /// Rows that hold what another row holds.
+    pub(crate) repeated: Vec<Diagnostic>,
+}
+
+impl Remarks {
+    /// What makes results doubtful, each with its name.
+    pub(crate) fn warnings(&self) -> Vec<String> {
+        let doubts = self.doubts.iter().map(|doubt| format!("measured ratio: {doubt}"));
+        doubts.chain(self.repeated.iter().map(|repeated| format!("repeated row: {repeated}"))).collect()
+    }
 }
 
 /// Part by which the pressure on a face of another size may differ from the one that a flat sample was measured at, and count as it: forces
@@ -189,4 +199,65 @@ pub fn refuse_repeated(rows: &[Placed]) -> Result<(), Diagnostic> {
         }
     }
     Ok(())
+}
+
+/// Names each of the `rows` that holds the same numbers as a row before it or one of `others`: measured twice, friction would differ by its
+/// scatter.
+#[must_use]
+pub(crate) fn identical(others: &[Placed], rows: &[Placed]) -> Vec<Diagnostic> {
+    let told = rows.iter().enumerate().filter_map(|(place, row)| {
+        let first = others.iter().chain(&rows[..place]).find(|first| first.measurement == row.measurement)?;
+        let what = if (&first.path, first.line) == (&row.path, row.line) {
+            "is read a second time".to_owned()
+        } else {
+            let elsewhere =
+                if first.path == row.path { String::new() } else { format!(" of {}", first.path.display()) };
+            format!("has the same numbers as line {}{elsewhere}", first.line)
+        };
+        let (condition, mu) = (row.condition(), row.measurement.mu_dynamic);
+        let reason = format!("{what}, {condition} with mu_dynamic = {mu}, and counts as a measurement of its own");
+        let refused = Diagnostic { line: Some(row.line), ..Diagnostic::file(&row.path, reason) };
+        Some(refused.expected("each measurement once: two measurements differ by their scatter"))
+    });
+    told.collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_row_that_was_copied_is_named_with_both_lines() {
+        let row = |line, mu_dynamic| Placed {
+            measurement: Measurement {
+                force_n: 40.0,
+                speed_m_s: 5e-3,
+                humidity: 0.5,
+                mu_dynamic,
+                mu_dynamic_std: 0.003,
+                static_peak: None,
+            },
+            path: PathBuf::from("flat.csv"),
+            line,
+        };
+        // Repeats of a condition differ by their scatter.
+        assert_eq!(identical(&[], &[row(2, 0.27), row(3, 0.271)]), []);
+        let of_cut = |line, mu_dynamic| Placed { path: PathBuf::from("cut.csv"), ..row(line, mu_dynamic) };
+        let rows = [row(2, 0.27), row(3, 0.271), row(5, 0.27), of_cut(4, 0.271)];
+        let said: Vec<String> = identical(&[], &rows).iter().map(Diagnostic::to_string).collect();
+        assert!(
+            said[0]
+                .starts_with("flat.csv:5: has the same numbers as line 2, 40 N, 5 mm/s, 50 % with mu_dynamic = 0.27, "),
+            "{said:?}"
+        );
+        assert!(said[1].starts_with("cut.csv:4: has the same numbers as line 3 of flat.csv, "), "{said:?}");
+        let twice = identical(&rows, &[of_cut(4, 0.271), of_cut(5, 0.3)]);
+        assert!(
+            twice[0].to_string().starts_with("cut.csv:4: has the same numbers as line 3 of flat.csv, "),
+            "{twice:?}"
+        );
+        let twice = identical(&rows[3..], &[of_cut(4, 0.271)]);
+        assert!(twice[0].to_string().starts_with("cut.csv:4: is read a second time, 40 N"), "{twice:?}");
+        assert_eq!(said.len(), 2);
+    }
 }

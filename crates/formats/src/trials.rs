@@ -159,6 +159,7 @@ pub(crate) fn read_trials(
     let FlatSamples { outline, specimens, measured: flat } = *flat;
     let mut read = Vec::new();
     let mut samples: Vec<CutSample> = first.into_iter().collect();
+    let mut before = flat.to_vec();
     for (table, number) in trials.iter().zip(1..) {
         let file = table.get_ref();
         if samples.iter().any(|other| other.name == *file.name.get_ref()) {
@@ -189,6 +190,8 @@ pub(crate) fn read_trials(
             (None, None) => Vec::new(),
         };
         measured::refuse_repeated(&rows)?;
+        remarks.repeated.extend(measured::identical(&before, &rows));
+        before.extend(rows.iter().cloned());
         remarks.told.extend(measured::check(&rows, &own_specimens)?);
         let rows: Vec<Placed> = rows.iter().map(|row| row.on(&own_specimens, specimens, flat)).collect();
         remarks.told.extend(measured::check_partners(&rows, flat)?);
