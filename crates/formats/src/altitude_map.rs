@@ -38,7 +38,9 @@ pub fn refuse(path: &Path, error: &PreparationError) -> Diagnostic {
         PreparationError::ImpossibleSlope { warnings, .. } => {
             let [least, most] = limits::POSSIBLE_SLOPE;
             refused.reason += &listed(warnings);
-            refused.expected(format!("a slope from {least:e} to {most}; see the units"))
+            refused.expected(format!(
+                "a slope from {least:e} to {most}: see the units of heights (--height-unit, height_unit) and of pixels"
+            ))
         }
     }
 }

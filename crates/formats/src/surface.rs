@@ -37,7 +37,7 @@ pub struct SurfaceFile {
     height_unit: Option<Spanned<String>>,
     /// Unit of x and y in lists of points x y z, in the same words.
     lateral_unit: Option<Spanned<String>>,
-    /// Numbers are written with a decimal comma; false when absent.
+    /// Numbers are written with a decimal comma; false when absent, and needed only where commas may be marks of thousands, as in 1,234.
     decimal_comma: Option<bool>,
     /// Part of the map that is wanted: first row, first column, rows, columns.
     crop: Option<Spanned<Vec<usize>>>,

@@ -42,7 +42,7 @@ pub enum PreparationError {
         points: usize,
     },
     /// No surface has this slope; see [`limits::POSSIBLE_SLOPE`].
-    #[error("the rms slope is {rms_slope:.2e}: its contact area means nothing")]
+    #[error("the rms slope is {rms_slope:.2e}, which no measured surface has")]
     ImpossibleSlope {
         /// Rms slope.
         rms_slope: f64,
@@ -81,12 +81,21 @@ impl PreparedMap {
     /// # Errors
     /// As [`PreparedMap::new`], and if no surface has its slope.
     pub fn one_period(read: ReadMap, how: Preparation) -> Result<Self, PreparationError> {
-        let surface = Self::build(read, how, true)?;
-        let [least, most] = limits::POSSIBLE_SLOPE;
-        if (least..=most).contains(&surface.rms_slope) {
-            return Ok(surface);
-        }
-        Err(PreparationError::ImpossibleSlope { rms_slope: surface.rms_slope, warnings: surface.warnings })
+        let surface = Self::build(read, how, true)?.possible()?;
+        let is_flat = surface.rms_slope < limits::POSSIBLE_SLOPE[0];
+        if is_flat { Err(surface.impossible()) } else { Ok(surface) }
+    }
+
+    /// The map itself, unless it is steeper than any surface: heights or pixels are then in another unit than was taken.
+    ///
+    /// # Errors
+    /// [`PreparationError::ImpossibleSlope`].
+    pub fn possible(self) -> Result<Self, PreparationError> {
+        if self.rms_slope <= limits::POSSIBLE_SLOPE[1] { Ok(self) } else { Err(self.impossible()) }
+    }
+
+    fn impossible(self) -> PreparationError {
+        PreparationError::ImpossibleSlope { rms_slope: self.rms_slope, warnings: self.warnings }
     }
 
     /// Fills what is missing in the map that was `read` and removes its form.
@@ -146,8 +155,7 @@ impl PreparedMap {
                 ));
             }
         }
-        let step_ratio = side_step_ratio(&map)?;
-        period |= one_period && step_ratio <= PERIOD_STEP_RATIO;
+        period |= one_period && side_step_ratio(&map)? <= PERIOD_STEP_RATIO;
         // A plane through one period would leave a step where the period closes.
         match how.form {
             Form::Plane if !period => {
@@ -163,6 +171,9 @@ impl PreparedMap {
                 notes.push("no plane has been subtracted".to_owned());
             }
         }
+        // Steps across the sides that a tilt or a bow made are gone with it.
+        let step_ratio = side_step_ratio(&map)?;
+        period |= one_period && step_ratio <= PERIOD_STEP_RATIO;
         if one_period && !period && how.form != Form::Mean {
             map = periodic_component(&map)?;
             notes.push(format!(
@@ -203,4 +214,44 @@ fn despiked(map: &mut HeightMap) -> String {
 /// Whether a file says of its map that it is one whole period, as synthetic ones do.
 fn is_period(comments: &[String]) -> bool {
     comments.iter().any(|comment| comment.contains("one period"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::SelfAffine;
+
+    /// What is told of a map, tilted by `tilt_m` from its first to its last line, when it is taken as one period.
+    fn told(map: &HeightMap, tilt_m: f64) -> PreparedMap {
+        let (rows, cols) = (map.rows(), map.cols());
+        let tilted = (0..rows * cols).map(|n| map.heights_m()[n] + tilt_m * (n / cols) as f64 / rows as f64).collect();
+        let map = HeightMap::new(rows, cols, map.dx_m(), map.dy_m(), tilted).unwrap();
+        let read = ReadMap { map, whole: true, format: MapFormat::Matrix, comments: Vec::new(), notes: Vec::new() };
+        PreparedMap::one_period(read, Preparation::default()).unwrap()
+    }
+
+    #[test]
+    fn a_tilt_alone_is_no_step_between_opposite_sides() {
+        let level = SelfAffine { pixels: 64, max_wave: 8, ..SelfAffine::STAND_IN }.map().unwrap();
+        let steps =
+            |told: &PreparedMap| told.notes.iter().find(|note| note.contains("do not continue each other")).cloned();
+        for tilt_m in [0.0, 2e-5, -1e-3] {
+            let told = told(&level, tilt_m);
+            assert_eq!(steps(&told), None, "{tilt_m} m: {:?}", told.notes);
+            assert!(told.period);
+            assert_eq!(told.notes[0] == "the least-squares plane has been subtracted", tilt_m != 0.0);
+            // The plane of the period itself went with the tilt.
+            assert!((told.rms_slope / told_slope(&level) - 1.0).abs() < 0.02, "{tilt_m} m: {}", told.rms_slope);
+        }
+        // A piece of the map is none: its steps are told, tilted or not, and are the same.
+        let (rows, cols) = (40, 48);
+        let piece = (0..rows * cols).map(|n| level.heights_m()[n / cols * 64 + n % cols]).collect();
+        let piece = HeightMap::new(rows, cols, level.dx_m(), level.dy_m(), piece).unwrap();
+        let said = steps(&told(&piece, 0.0)).unwrap();
+        assert_eq!(steps(&told(&piece, 3e-5)).unwrap(), said);
+    }
+
+    fn told_slope(map: &HeightMap) -> f64 {
+        told(map, 0.0).rms_slope
+    }
 }

@@ -20,7 +20,7 @@ pub struct MapArgs {
     /// Unit of the points' x and y, for a file that does not say it
     #[arg(long, value_name = "UNIT")]
     pub lateral_unit: Option<String>,
-    /// Read numbers with decimal commas: 0,5 is a half
+    /// Read numbers with decimal commas: 1,234 is a little more than one. Commas that can be nothing else, as in 0,5, are recognized without this
     #[arg(long)]
     pub decimal_comma: bool,
     /// Keep a part of the map: first row, first column (from 0), rows, columns

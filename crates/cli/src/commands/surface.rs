@@ -39,7 +39,9 @@ pub fn run(args: &SurfaceArgs, console: &mut Console<'_>) -> Result<u8, CliError
         .map(|(file, map)| map.mean_cavity_period(options.form).map(|period| (file, period)))
         .transpose()
         .map_err(refuse)?;
-    let mut surface = PreparedMap::new(read, options.preparation()).map_err(|error| refuse_map(&args.map, &error))?;
+    let mut surface = PreparedMap::new(read, options.preparation())
+        .and_then(|map| if args.cavities { Ok(map) } else { map.possible() })
+        .map_err(|error| refuse_map(&args.map, &error))?;
     if args.cavities {
         // They are what was asked for.
         surface.warnings.retain(|warning| !matches!(warning, MapWarning::Lowered { .. }));

@@ -123,8 +123,9 @@ fn a_law_that_rises_above_one_and_slopes_of_no_surface_are_refused() {
     let place = place(&[("high.asc", &high), ("metres.asc", &in_metres), ("flat.asc", &flat)]);
     for (args, message) in [
         (vec!["area-law", "high.asc", "--windows", "1"], "error: high.asc: f reaches 1."),
-        (vec!["area-law", "metres.asc"], "error: metres.asc: the rms slope is 3.00e2: its contact area means nothing"),
-        (vec!["area-law", "flat.asc"], "error: flat.asc: the rms slope is 0.00e0: its contact area means nothing"),
+        (vec!["area-law", "metres.asc"], "error: metres.asc: the rms slope is 3.00e2, which no measured surface has"),
+        (vec!["surface", "metres.asc"], "error: metres.asc: the rms slope is 3.00e2, which no measured surface has"),
+        (vec!["area-law", "flat.asc"], "error: flat.asc: the rms slope is 0.00e0, which no measured surface has"),
     ] {
         let said = place.refuse(&args);
         assert!(said.starts_with(message), "{args:?}: {said}");
@@ -139,12 +140,15 @@ fn a_law_that_rises_above_one_and_slopes_of_no_surface_are_refused() {
     )
     .unwrap();
     assert!(place.refuse(&["calibrate", "calibration.toml"]).contains("the area law means nothing"));
-    // Parameters of a surface are what they are, with a warning.
-    let text = place.succeed(&["surface", "metres.asc"]);
-    assert!(
-        text.contains("\n! unit of heights: Sq is") && text.contains("\n! slope: the rms slope is 3.00e2"),
-        "{text}"
-    );
+    let said = place.refuse(&["surface", "metres.asc", "-o", "out"]);
+    assert!(said.contains("expected a slope from 1e-7 to 10: see the units of heights (--height-unit"), "{said}");
+    assert!(!place.path("out").exists());
+    // A surface without heights is one, and one that is steeper than those that slide is warned of.
+    place.succeed(&["surface", "flat.asc"]);
+    let steep = |_: usize, _: usize, height: f64| 100.0 * height;
+    let place = self::place(&[("steep.asc", &steep)]);
+    let text = place.succeed(&["surface", "steep.asc"]);
+    assert!(text.contains("\n! slope: the rms slope is 3.00e0"), "{text}");
 }
 
 #[test]

@@ -1,5 +1,6 @@
 //! What comment lines before the data say: sizes, units, titles.
 
+use super::comma::header_length;
 use super::keep_comment;
 use super::lines::{Delimiter, excerpt, height, number};
 use crate::unit::UNIT_NAMES;
@@ -147,6 +148,7 @@ fn length(line: usize, key: &'static str, value: &str) -> Result<f64, ReadError>
         value: excerpt(value),
         expected: "a positive length with its unit (m, cm, mm, um, nm, pm), for instance 1.5 mm",
     };
+    let value = &header_length(value);
     let split = value.find(|c: char| c.is_alphabetic() && !matches!(c, 'e' | 'E')).ok_or_else(refused)?;
     let (amount, name) = value.split_at(split);
     let amount = number(amount.trim()).filter(|amount| *amount > 0.0).ok_or_else(refused)?;
@@ -156,6 +158,7 @@ fn length(line: usize, key: &'static str, value: &str) -> Result<f64, ReadError>
 
 /// Half a unit of the last digit of a length that was accepted, over the length.
 fn rounding(value: &str) -> f64 {
+    let value = &header_length(value);
     let digits = value.split(|c: char| c.is_alphabetic() || c.is_whitespace()).next().unwrap_or_default();
     let decimals = digits.split_once('.').map_or(0, |(_, decimals)| decimals.len());
     // The cast saturates: nothing is rounded to so many digits.

@@ -191,16 +191,16 @@ mod tests {
             said.starts_with("the unit of the heights and the pixel size are not known: expected a header"),
             "{said}"
         );
-        let said = refused("0,0;0,0;1,5\n0,0;1,0;1,5\n", &ReadOptions::NONE).unwrap();
+        let said = refused("1;1;1,500\n1;2;1,500\n", &ReadOptions::NONE).unwrap();
         for part in [
-            "line 1, column 3: \"1,5\"",
+            "line 1, column 3: \"1,500\"",
             "--decimal-comma",
             "the unit of the heights and the unit of x and y are not known",
         ] {
             assert!(said.contains(part), "{part}: {said}");
         }
-        let said = refused("0,5\t0,25\t1\t2\n0,5\t0,25\t1\t2\n", &ReadOptions::NONE).unwrap();
-        assert!(said.contains("line 1, column 1: \"0,5\"") && said.contains("--decimal-comma"), "{said}");
+        let said = refused("1,500\t1,250\t1\t2\n1,500\t1,250\t1\t2\n", &ReadOptions::NONE).unwrap();
+        assert!(said.contains("line 1, column 1: \"1,500\"") && said.contains("--decimal-comma"), "{said}");
         let given = ReadOptions { decimal_comma: true, ..ReadOptions::NONE };
         assert!(refused("0,0;0,0;1,5\n", &given).unwrap().starts_with("the unit of the heights and the unit of x"));
     }

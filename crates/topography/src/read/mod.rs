@@ -20,6 +20,7 @@
 //! checked and never reserved: memory grows with the heights that arrive.
 
 mod bytes;
+mod comma;
 mod foreign;
 mod gsf;
 mod header;
@@ -36,6 +37,7 @@ mod xyz;
 
 use std::io::{BufRead, Cursor, Read};
 
+use comma::DecimalSign;
 use header::{ABOVE_DATA, Header, begins_with_a_word, names_a_value};
 use lines::{Delimiter, Lines};
 use matrix::MatrixReader;
@@ -108,7 +110,7 @@ pub struct ReadOptions {
     pub height_unit: Option<LengthUnit>,
     /// Unit of the points' x and y, or of the header's sides.
     pub lateral_unit: Option<LengthUnit>,
-    /// Text has decimal commas: `1,5`.
+    /// Text has decimal commas, `1,5`: they need not be told where nothing else can be meant.
     pub decimal_comma: bool,
     /// The part of the grid to keep.
     pub crop: Option<Crop>,
@@ -299,11 +301,12 @@ impl Text<'_> {
 
 fn read_text(source: impl BufRead, options: &ReadOptions) -> Result<ReadMap, ReadError> {
     let mut lines = Lines::new(source);
+    let mut sign = DecimalSign::new(options.decimal_comma);
     let mut text = Text { options, header: Header::default(), data: None, preamble: None };
     loop {
         let line = lines.line() + 1;
         let Some(own) = lines.next()? else { break };
-        let more = if options.decimal_comma { text.take(&own.replace(',', "."), line) } else { text.take(own, line) };
+        let more = sign.with_points(own, line).and_then(|own| text.take(&own, line));
         if !more.map_err(|error| text.with_all_that_is_missing(error))? {
             break;
         }
@@ -323,7 +326,8 @@ fn read_text(source: impl BufRead, options: &ReadOptions) -> Result<ReadMap, Rea
             (map, whole, MapFormat::Xyz)
         }
     };
-    Ok(ReadMap { map, whole, format, comments: header.comments, notes: Vec::new() })
+    let notes = if sign == DecimalSign::Found { vec![comma::FOUND.to_owned()] } else { Vec::new() };
+    Ok(ReadMap { map, whole, format, comments: header.comments, notes })
 }
 
 /// The form of a text, from its header and its first line of data.
@@ -441,7 +445,7 @@ mod tests {
     fn errors_name_line_value_and_what_would_do() {
         let bad = refused("1 2 3 4\n1 2 x7 4\n");
         assert!(bad.starts_with("line 2, column 3: \"x7\"") && bad.contains("decimal point"), "{bad}");
-        assert!(refused("1,5;2,5;3;4\n").starts_with("line 1, column 1: \"1,5\""));
+        assert!(refused("1,500;2,500;3;4\n").starts_with("line 1, column 1: \"1,500\""));
         assert_eq!(refused("1 2 3 4\n\n1 2 3\n"), "line 3: 3 values: expected 4");
         assert!(refused("0 0 1\n0 1 1\n1 0 1\n1 1\n").starts_with("line 4: 2 values: expected 3"));
         assert!(refused("0 0 1\n0 1 1\n1 0 1\n0 1 5\n").contains("line 4: x = 0, y = 1 was given on line 2"));

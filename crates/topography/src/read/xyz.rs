@@ -276,8 +276,8 @@ mod tests {
     }
 
     #[test]
-    fn decimal_commas_are_told_how_they_are_read() {
-        let lines: Vec<String> = ["0;0;1,5\n", "0;1;1,5\n"].map(str::to_owned).to_vec();
+    fn commas_that_may_be_marks_of_thousands_are_told_how_they_are_read() {
+        let lines: Vec<String> = ["0;0;1,500\n", "0;1;1,500\n"].map(str::to_owned).to_vec();
         assert!(read(&lines).unwrap_err().to_string().contains("--decimal-comma"));
     }
 
