@@ -307,16 +307,16 @@ pub struct ValidateArgs {
     /// Compare this trial, by the lengths of its own pattern; without patterned samples the first measured one
     #[arg(long, value_name = "NAME")]
     pub trial: Option<String>,
-    /// Width of a cavity along the sliding direction; 130 when absent. A trial has its own lengths
+    /// Width of a cavity along the sliding direction. Absent: as [pattern] has it, 130 for the published samples. A trial has its own lengths
     #[arg(long, value_name = "UM")]
     pub width_um: Option<f64>,
-    /// Gap between two cavities; 370 when absent
+    /// Gap between two cavities; absent: as [pattern] has it, 370 for the published samples
     #[arg(long, value_name = "UM")]
     pub spacing_um: Option<f64>,
-    /// Depth of the modelled cavities; 20 when absent
+    /// Depth of the modelled cavities; absent: as [pattern] has it, 20 for the published samples
     #[arg(long, value_name = "UM")]
     pub depth_um: Option<f64>,
-    /// Depth of the measured cavities, 5.2 when absent: the report says what the other depth changes
+    /// Depth of the measured cavities; absent: as [pattern] has it. The report says what the other depth changes
     #[arg(long, value_name = "UM")]
     pub measured_depth_um: Option<f64>,
     /// Factors on the slopes of the surface, separated by commas; 1 is always among them

@@ -41,11 +41,12 @@ pub fn run(args: &ValidateArgs, console: &mut Console<'_>) -> Result<u8, CliErro
     if let Some(folder) = &args.output {
         check_folder(Place::output(folder), &FILES, std::slice::from_ref(&args.calibration))?;
     }
-    let (given, slope_factors) = (patterns(args)?, slope_factors(&args.slope_factors)?);
+    let slope_factors = slope_factors(&args.slope_factors)?;
     let mut calibration = Calibration::read(&disk(), &args.calibration)?;
+    let own = calibration.pattern.filter(|_| !validation::is_published(&calibration.source));
     let mut compared = None;
     let patterns = match calibration.compared_trial(&args.calibration, args.trial.as_deref())?.cloned() {
-        None => given,
+        None => patterns(args, own)?,
         Some(cut) => {
             refuse_lengths(args, &cut)?;
             console.note(&format!("trial \"{}\": its measurements, and grooves of its lengths", cut.name));
@@ -90,18 +91,22 @@ pub fn run(args: &ValidateArgs, console: &mut Console<'_>) -> Result<u8, CliErro
 
 /// Refuses lengths beside the trial `cut`, which has its own.
 fn refuse_lengths(args: &ValidateArgs, cut: &CutSample) -> Result<(), Diagnostic> {
-    let Some((flag, Some(length_um), _)) = lengths(args).into_iter().find(|of| of.1.is_some()) else { return Ok(()) };
+    let Some((flag, Some(length_um), _)) = lengths(args, None).into_iter().find(|of| of.1.is_some()) else {
+        return Ok(());
+    };
     let reason = format!("stands beside the trial \"{}\", which has lengths of its own", cut.name);
     Err(Diagnostic::flag(flag, length_um.to_string(), reason).expected("no lengths beside a trial"))
 }
 
-/// The lengths of the pattern in micrometres by their flags, as given and as published: as that paper modelled it and as it was measured.
-const fn lengths(args: &ValidateArgs) -> [(&'static str, Option<f64>, f64); 4] {
+/// The lengths of the pattern in micrometres by their flags, as given and else as the calibration's `own` pattern has them, or as
+/// published: as that paper modelled it and as it was measured.
+fn lengths(args: &ValidateArgs, own: Option<Pattern>) -> [(&'static str, Option<f64>, f64); 4] {
+    let or = |of: fn(&Pattern) -> f64, published| own.as_ref().map_or(published, |own| LENGTH_UM.from_si(of(own)));
     [
-        ("--width-um", args.width_um, 130.0),
-        ("--spacing-um", args.spacing_um, 370.0),
-        ("--depth-um", args.depth_um, 20.0),
-        ("--measured-depth-um", args.measured_depth_um, 5.2),
+        ("--width-um", args.width_um, or(Pattern::width_m, 130.0)),
+        ("--spacing-um", args.spacing_um, or(Pattern::spacing_m, 370.0)),
+        ("--depth-um", args.depth_um, or(Pattern::depth_m, 20.0)),
+        ("--measured-depth-um", args.measured_depth_um, or(Pattern::depth_m, 5.2)),
     ]
 }
 
@@ -123,8 +128,8 @@ fn grooves([width_m, spacing_m]: [f64; 2], depth_m: f64) -> Result<Pattern, Diag
 }
 
 /// The pattern at both depths.
-fn patterns(args: &ValidateArgs) -> Result<Patterns, Diagnostic> {
-    let given = lengths(args).map(|(flag, given, usual)| (flag, given.unwrap_or(usual)));
+fn patterns(args: &ValidateArgs, own: Option<Pattern>) -> Result<Patterns, Diagnostic> {
+    let given = lengths(args, own).map(|(flag, given, usual)| (flag, given.unwrap_or(usual)));
     let [width, spacing, depth, measured] = given;
     let lengths_m = [checked(width.0, width.1, PATTERN_UM)?, checked(spacing.0, spacing.1, PATTERN_UM)?];
     Ok(Patterns {

@@ -244,9 +244,27 @@ fn a_trial_that_is_compared_is_named_and_has_its_own_lengths() {
     let said = String::from_utf8_lossy(&refused.stderr).into_owned();
     assert!(said.contains("--depth-um: 20 stands beside the trial \"A\""), "{said}");
     place.succeed(&[&validate[..], &["--sliding-um", "0", "-o", "out"]].concat());
-    assert_eq!(crate::common::result(&place, "out")["trial"], "A");
+    let result = crate::common::result(&place, "out");
+    assert_eq!((&result["trial"], &result["cut_as"]), (&"A".into(), &"groove".into()));
+    // The published layer and squares are no part of it: the whole specimen is modelled, as `trials` does.
+    assert_eq!(result["thickness_mm"], 7.0);
     let page = fs::read_to_string(place.path("out/report.html")).unwrap();
-    assert!(page.contains("Compared is the trial"));
+    assert!(page.contains("Compared is the trial") && page.contains("the whole specimen, 7 mm high"));
+    let said = place.succeed(&validate);
+    assert!(said.contains("of the measured reduction: the rest comes from elsewhere"), "{said}");
+    for text in [&page, &said] {
+        assert!(!text.contains("square"), "{text}");
+    }
+    let ledger: serde_json::Value =
+        serde_json::from_str(&place.succeed(&["trials", "calibration.toml", "--json"])).unwrap();
+    let by_trials = ledger["trials"][0]["measured"].as_array().unwrap();
+    for (own, row) in by_trials.iter().zip(result["results"].as_array().unwrap()) {
+        let modelled = row["modelled"].as_array().unwrap();
+        let given = modelled.iter().find(|modelled| modelled["slope_factor"] == 1.0).unwrap();
+        let [own, here] = [&own["modelled"], &given["ratio_groove"]].map(|ratio| ratio.as_f64().unwrap());
+        // Smaller blocks of `trials` are the difference.
+        assert!((own - here).abs() < 0.01, "{own} {here}");
+    }
     // Without any there is nothing to compare.
     fs::write(place.path("flat-alone.toml"), CALIBRATION).unwrap();
     let refused = place.run(&["validate", "flat-alone.toml"]);

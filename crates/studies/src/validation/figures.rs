@@ -6,7 +6,7 @@ use slipgrid_calibrate::uncertainty::Slopes;
 use slipgrid_material::{AreaLaw, LocalFriction};
 use slipgrid_pattern::Pattern;
 use slipgrid_springblock::{
-    Extent, Fidelity, InterfacePoint, Load, RunOptions, Scene, Simulation, SurfaceOutcome, simulate,
+    Extent, Fidelity, InterfacePoint, Layer, Load, RunOptions, Scene, Simulation, SurfaceOutcome, simulate,
 };
 
 use super::laws::ScaledLaw;
@@ -16,7 +16,6 @@ use crate::StudyError;
 use slipgrid_design::Solved;
 use slipgrid_formats::Diagnostic;
 use slipgrid_formats::calibration::Calibration;
-use slipgrid_formats::scene::DEFAULT_LAYER;
 use slipgrid_monitor::{Monitor, Stage, Unwatched};
 use slipgrid_report::Outputs;
 use slipgrid_report::charts::{
@@ -36,6 +35,10 @@ const STATIC_OVER_DYNAMIC: f64 = 0.30 / 0.27;
 pub struct Figures<'a> {
     pub path: &'a Path,
     pub calibration: &'a Calibration,
+    /// The modelled layer, and the specimen behind it.
+    pub layer: Layer,
+    /// Square cavities are shown.
+    pub squares: bool,
     pub laws: &'a [ScaledLaw],
     pub pattern: Pattern,
     /// The heaviest load that is compared.
@@ -61,11 +64,13 @@ impl Figures<'_> {
         let steady = self.solve(&sample, &Unwatched)?;
         monitor.heed()?;
         self.interface(&sample, &steady, outputs)?;
-        let cell = self.scene(squares(&self.pattern), Fidelity::Steady, Extent::Cell)?;
-        let solid = self.solve(&cell, &Unwatched)?;
-        for load in &solid.loads {
-            if let Some(map) = interface_map(&cell, load, self.load_mpa())? {
-                outputs.add("interface-squares.svg", map);
+        if self.squares {
+            let cell = self.scene(squares(&self.pattern), Fidelity::Steady, Extent::Cell)?;
+            let solid = self.solve(&cell, &Unwatched)?;
+            for load in &solid.loads {
+                if let Some(map) = interface_map(&cell, load, self.load_mpa())? {
+                    outputs.add("interface-squares.svg", map);
+                }
             }
         }
         let Some(sliding_m) = self.sliding_m else { return Ok(None) };
@@ -111,7 +116,7 @@ impl Figures<'_> {
             area_law: law.cloned(),
             pattern: Some(pattern),
             relief: None,
-            layer: DEFAULT_LAYER,
+            layer: self.layer,
             loads: vec![Load { pressure_pa: self.heaviest.pressure_pa, friction }],
             speed_m_s: self.heaviest.speed_m_s,
             run: RunOptions { fidelity, extent, ..RunOptions::default() },

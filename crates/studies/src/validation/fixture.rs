@@ -61,6 +61,8 @@ pub fn report() -> ValidationReport {
         name: "a <b> & \"c\"".into(),
         source: "a paper".into(),
         trial: None,
+        cut_as: Some("square".into()),
+        thickness_mm: None,
         synthetic_surface: true,
         model: vec!["grooves".into()],
         errors: "+- of modelled values: nothing".into(),

@@ -18,13 +18,14 @@ use std::path::Path;
 
 use slipgrid_formats::Diagnostic;
 use slipgrid_formats::calibration::Calibration;
-use slipgrid_formats::scene::DEFAULT_LAYER;
+use slipgrid_formats::scene::{DEFAULT_LAYER, DEFAULT_SPECIMEN};
 use slipgrid_formats::source::Source;
 use slipgrid_monitor::{Monitor, Stage};
-use slipgrid_pattern::Pattern;
+use slipgrid_pattern::{Pattern, Planform};
 use slipgrid_report::Outputs;
 use slipgrid_results::{SCHEMA, VERSION};
-use slipgrid_units::{HUMIDITY_PCT, LENGTH_UM, PRESSURE_MPA, SPEED_MM_S};
+use slipgrid_springblock::Layer;
+use slipgrid_units::{HUMIDITY_PCT, LENGTH_MM, LENGTH_UM, PRESSURE_MPA, SPEED_MM_S};
 
 use crate::StudyError;
 use figures::{Figures, area_tables};
@@ -34,6 +35,7 @@ use ratios::{MeasuredReport, ModelledRatio, Pair, RatioReport, depth_um, pairs, 
 use summary::Summary;
 
 pub use page::validation as page;
+pub use published::is_published;
 pub use report::ValidationReport;
 pub use rims::{RimsReport, csv as rims_csv, picture as rims_picture};
 pub use text::{csv, picture, table};
@@ -59,6 +61,22 @@ pub struct ValidationTask<'a> {
     pub rims: bool,
     /// Pictures are wanted, with what stands in them.
     pub figures: bool,
+}
+
+impl ValidationTask<'_> {
+    /// The cavities as they were cut, where the calibration says it.
+    fn cut_as(&self) -> Option<Planform> {
+        let Some(name) = &self.trial else { return self.calibration.pattern.map(|pattern| pattern.planform()) };
+        let cut = self.calibration.trials.samples.iter().find(|cut| cut.name == *name)?;
+        Some(cut.pattern.planform())
+    }
+
+    /// The layer of the published simulations where these are compared; of any other samples the whole specimen, as
+    /// `calibrate`, `trials` and designs take it.
+    fn layer(&self) -> Layer {
+        let is_published = self.trial.is_none() && is_published(&self.calibration.source);
+        if is_published { DEFAULT_LAYER } else { DEFAULT_SPECIMEN }
+    }
 }
 
 /// The pattern at both depths, as grooves.
@@ -91,7 +109,8 @@ pub fn validate(
     let pairs = measured(task)?;
     let surface = scaled_laws(task, source, monitor)?;
     let mut report = compare(task, &pairs, &surface, monitor)?;
-    if task.rims {
+    // The table of rims is about square cavities.
+    if task.rims && report.has_squares() {
         report.rims = rims_of(task, &pairs, &surface, &report, monitor)?;
     }
     let mut outputs = Outputs::default();
@@ -123,7 +142,7 @@ fn rims_of(
         .collect();
     let Some(law) = surface.given() else { return Ok(None) };
     let groove = &task.patterns.measured;
-    rims::rims(task.path, body(task.calibration), law, groove, &points, &results, monitor).map(Some)
+    rims::rims(task.path, body(task), law, groove, &points, &results, monitor).map(Some)
 }
 
 /// What the pictures show; `None` where nothing was compared.
@@ -142,6 +161,8 @@ fn figures<'a>(
     Some(Figures {
         path: task.path,
         calibration: task.calibration,
+        layer: task.layer(),
+        squares: report.has_squares(),
         laws: &surface.laws,
         pattern: task.patterns.modelled,
         heaviest: flat_point(heaviest, task.calibration),
@@ -197,7 +218,7 @@ fn compare(
     cases.extend(deep.map(|law| Case { pattern: patterns.measured, law: law.law.as_ref() }));
 
     let progress = Stage::new(monitor, "patterns", None);
-    let body = body(calibration);
+    let body = body(task);
     let predicted = predict(task.path, body, &cases, &points, &progress);
     progress.finish();
     monitor.heed()?;
@@ -231,6 +252,8 @@ fn compare(
         name: calibration.name.clone(),
         source: calibration.source.clone(),
         trial: task.trial.clone(),
+        cut_as: task.cut_as().map(|planform| planform.to_string()),
+        thickness_mm: task.layer().thickness_m.map(|thickness_m| LENGTH_MM.from_si(thickness_m)),
         synthetic_surface: surface.synthetic,
         model: model_notes(task, pairs, &surface.notes),
         errors: errors_note(calibration),
@@ -255,11 +278,11 @@ fn compare(
 }
 
 /// The layer of the model.
-fn body(calibration: &Calibration) -> Body {
+fn body(task: &ValidationTask<'_>) -> Body {
     Body {
-        elastic: calibration.elastic,
-        modulus_relative_std: calibration.modulus_relative_std(),
-        layer: DEFAULT_LAYER,
+        elastic: task.calibration.elastic,
+        modulus_relative_std: task.calibration.modulus_relative_std(),
+        layer: task.layer(),
     }
 }
 
@@ -295,22 +318,39 @@ fn model_notes(task: &ValidationTask<'_>, pairs: &[Pair], surface: &[String]) ->
         depth_um(pattern),
         depth_um(&patterns.measured),
     ));
-    notes.push(format!(
-        "steady sliding of one period in the vertical plane, a layer of {} um in blocks of {} um",
-        um(DEFAULT_LAYER.height_m),
-        um(DEFAULT_LAYER.block_m),
-    ));
+    let layer = task.layer();
+    notes.push(match layer.thickness_m {
+        None => format!(
+            "steady sliding of one period in the vertical plane, a layer of {} um in blocks of {} um, as the source simulated it",
+            um(layer.height_m),
+            um(layer.block_m),
+        ),
+        Some(thickness_m) => format!(
+            "steady sliding of one period in the vertical plane: the whole specimen, {} mm high, in blocks of {} um at the \
+             interface. A calibration states no height; calibrate, trials and designs without thickness_mm take the same",
+            LENGTH_MM.from_si(thickness_m),
+            um(layer.block_m),
+        ),
+    });
     notes.push(
         "at each measurement mu_d = mu_flat / f(P): a flat cell slides at mu_d f(P), so that the model's flat surface has \
          the measured friction; the patterned measurements enter nowhere"
             .to_owned(),
     );
-    notes.push(
-        "squares of the same lengths by the same in space, nu = 1/4; their strip estimate, 1 - (width/pitch)(1 - ratio of \
+    let squares = match task.cut_as() {
+        Some(Planform::Groove) => None,
+        Some(Planform::Square) | None => Some(String::new()),
+        Some(other) => Some(format!("the cavities were cut as {other}; here squares stand for them. ")),
+    };
+    notes.extend(squares.map(|stand_in| format!(
+        "{stand_in}squares of the same lengths by the same in space, nu = 1/4; their strip estimate, 1 - (width/pitch)(1 - ratio of \
          the groove), counts strips between rows of cavities as flat"
-            .to_owned(),
-    );
+    )));
     notes.extend(surface.iter().cloned());
-    notes.push("not modelled in these ratios: recast rims (what they would do stands in a table of its own), plasticity, viscoelasticity, heating, wear, menisci".to_owned());
+    let rims =
+        if task.cut_as() == Some(Planform::Groove) { "" } else { " (what they would do stands in a table of its own)" };
+    notes.push(format!(
+        "not modelled in these ratios: recast rims{rims}, plasticity, viscoelasticity, heating, wear, menisci"
+    ));
     notes
 }

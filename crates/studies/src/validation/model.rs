@@ -142,7 +142,9 @@ fn solve(body: Body, case: &Case<'_>, points: &[FlatPoint]) -> Result<Vec<Predic
         rayon::join(|| of(case.pattern), || of(squares(&case.pattern)))
     };
     let (grooves, squares) = solved(scene.layer);
-    let thick = solved(Layer { thickness_m: Some(DEFAULT_THICKNESS_M), ..scene.layer });
+    // A layer alone leaves out what is behind it.
+    let is_layer = scene.layer.thickness_m.is_none();
+    let thick = is_layer.then(|| solved(Layer { thickness_m: Some(DEFAULT_THICKNESS_M), ..scene.layer }));
     let known = knowledge(body.modulus_relative_std, case.law, points);
     let slopes = [&scene, &in_space].map(|scene| Slopes::new(scene, &known));
     let predictions = grooves.into_iter().zip(squares).zip(coefficients).enumerate();
@@ -152,7 +154,10 @@ fn solve(body: Body, case: &Case<'_>, points: &[FlatPoint]) -> Result<Vec<Predic
                 |slopes: &Slopes, ratio: Option<f64>| slopes.deviations(place, ratio?, points[place].mu_flat, &known);
             let errors = [error(&slopes[0], outcome.ratio), error(&slopes[1], squares.ratio)];
             let beyond = |thick: &[CellOutcome], own: &CellOutcome| Some(thick[place].ratio? - own.ratio?);
-            let thick = [beyond(&thick.0, &outcome), beyond(&thick.1, &squares)];
+            let thick = match &thick {
+                Some((in_plane, in_space)) => [beyond(in_plane, &outcome), beyond(in_space, &squares)],
+                None => [None, None],
+            };
             Prediction { area_law_factor, dynamic_mean, outcome, squares, thick, errors }
         })
         .collect())

@@ -1,7 +1,7 @@
 //! The source's tables and figures beside the model's.
 
 use slipgrid_report::Outputs;
-use slipgrid_report::html::page::{Page, number, percent, plain, with_error, yes_or_no};
+use slipgrid_report::html::page::{Column, Page, number, percent, plain, with_error, yes_or_no};
 
 use super::ratios::{MeasuredReport, ModelledRatio, RatioReport};
 use super::report::{AreaTable, PublishedReport, TimeReport, ValidationReport};
@@ -27,14 +27,17 @@ pub fn validation(report: &ValidationReport, outputs: &Outputs) -> String {
     page.picture_of(
         outputs,
         "ratios.svg",
-        "Measured with standard deviations; the modified law as grooves at the surface's slope and scaled, and as squares; \
-         Amontons-Coulomb friction (dashed) has no effect",
+        &format!(
+            "Measured with standard deviations; the modified law as grooves at the surface's slope and scaled{}; \
+             Amontons-Coulomb friction (dashed) has no effect",
+            if report.has_squares() { ", and as squares" } else { "" }
+        ),
     );
-    for planform in &PLANFORMS {
+    for planform in &PLANFORMS[..1 + usize::from(report.has_squares())] {
         ratios(&mut page, report, planform);
     }
     solves(&mut page, report);
-    friction(&mut page, &report.results);
+    friction(&mut page, report);
     super::rims::section(&mut page, report, outputs);
     published(&mut page, &report.published);
     areas(&mut page, &report.area_laws, outputs);
@@ -68,9 +71,8 @@ fn summary(page: &mut Page, report: &ValidationReport) {
     ];
     for model in &summary.modelled {
         let factor = plain(model.slope_factor);
-        for (what, reduction, std) in
-            [("grooves", model.groove, model.groove_std), ("squares in space", model.square, model.square_std)]
-        {
+        let both = [("grooves", model.groove, model.groove_std), ("squares in space", model.square, model.square_std)];
+        for (what, reduction, std) in both.into_iter().take(1 + usize::from(report.has_squares())) {
             let what = format!("{what}, slope x {factor}");
             rows.push(vec![what, with_std(reduction, std), explained(reduction)]);
         }
@@ -170,50 +172,54 @@ fn solves<'a>(page: &mut Page, report: &'a ValidationReport) {
         models.chain(deep).map(|(depth_um, model)| (&row.measured, depth_um, model))
     };
     let solved: Vec<_> = report.results.iter().flat_map(solved).collect();
-    page.records(
-        "Behind these ratios. Strip estimate: squares taken from grooves, for comparison. Peak pressures are those of blocks of \
-         10 µm and grow as blocks shrink.",
-        &solved,
-        &[
-            ("P in MPa", |(own, ..)| number(own.pressure_mpa, 3)),
-            ("depth in µm", |(_, depth_um, _)| plain(*depth_um)),
-            ("slope factor", |(.., model)| plain(model.slope_factor)),
-            ("strip estimate", |(.., model)| number(model.ratio_square_estimate, 3)),
-            ("peak, grooves, in MPa", |(.., model)| number(model.peak_pressure_mpa, 2)),
-            ("peak, squares, in MPa", |(.., model)| number(model.peak_pressure_square_mpa, 2)),
-            ("cavity closes", |(.., model)| yes_or_no(model.cavity_closed)),
-            ("status", |(.., model)| match (&model.status, &model.status_square) {
-                (grooves, squares) if grooves == squares => grooves.to_string(),
-                (grooves, squares) => format!("{grooves}, {squares}"),
-            }),
-        ],
-    );
+    let mut columns: Vec<Column<(&'a MeasuredReport, f64, &'a ModelledRatio)>> = vec![
+        ("P in MPa", |(own, ..)| number(own.pressure_mpa, 3)),
+        ("depth in µm", |(_, depth_um, _)| plain(*depth_um)),
+        ("slope factor", |(.., model)| plain(model.slope_factor)),
+        ("strip estimate", |(.., model)| number(model.ratio_square_estimate, 3)),
+        ("peak, grooves, in MPa", |(.., model)| number(model.peak_pressure_mpa, 2)),
+        ("peak, squares, in MPa", |(.., model)| number(model.peak_pressure_square_mpa, 2)),
+        ("cavity closes", |(.., model)| yes_or_no(model.cavity_closed)),
+        ("status", |(.., model)| match (&model.status, &model.status_square) {
+            (grooves, squares) if grooves == squares => grooves.to_string(),
+            (grooves, squares) => format!("{grooves}, {squares}"),
+        }),
+    ];
+    let mut caption = "Behind these ratios. ".to_owned();
+    if report.has_squares() {
+        caption += "Strip estimate: squares taken from grooves, for comparison. ";
+    } else {
+        columns.retain(|(name, _)| !["strip estimate", "peak, squares, in MPa"].contains(name));
+    }
+    caption += "Peak pressures are those of blocks of 10 µm and grow as blocks shrink.";
+    page.records(&caption, &solved, &columns);
 }
 
 /// Friction coefficients themselves, as modelled on the surface as given.
-fn friction(page: &mut Page, results: &[RatioReport]) {
+fn friction(page: &mut Page, report: &ValidationReport) {
     let given: Vec<(&MeasuredReport, &ModelledRatio)> =
-        results.iter().filter_map(|row| Some((&row.measured, row.at_slope(1.0)?))).collect();
+        report.results.iter().filter_map(|row| Some((&row.measured, row.at_slope(1.0)?))).collect();
+    let columns: [Column<(&MeasuredReport, &ModelledRatio)>; 10] = [
+        ("force in N", |(own, _)| plain(own.force_n)),
+        ("P in MPa", |(own, _)| number(own.pressure_mpa, 3)),
+        ("speed in mm/s", |(own, _)| plain(own.speed_mm_s)),
+        ("humidity in %", |(own, _)| plain(own.humidity_pct)),
+        ("flat, measured", |(own, _)| with_error(own.mu_flat, own.mu_flat_std, 3)),
+        ("f(P)", |(_, model)| number(model.area_law_factor, 3)),
+        ("local coefficient", |(_, model)| number(model.dynamic_mean, 3)),
+        ("patterned, measured", |(own, _)| with_error(own.mu_patterned, own.mu_patterned_std, 3)),
+        ("grooves, modelled", |(own, model)| {
+            with_error(model.ratio_groove.map(|ratio| ratio * own.mu_flat), model.mu_groove_std, 3)
+        }),
+        ("squares, modelled", |(own, model)| {
+            with_error(model.ratio_square.map(|ratio| ratio * own.mu_flat), model.mu_square_std, 3)
+        }),
+    ];
     page.records(
         "Dynamic friction coefficients, dimensionless, ± as above. The local coefficient is the measured flat one over f: the model's flat \
          surface slides as the measured one does.",
         &given,
-        &[
-            ("force in N", |(own, _)| plain(own.force_n)),
-            ("P in MPa", |(own, _)| number(own.pressure_mpa, 3)),
-            ("speed in mm/s", |(own, _)| plain(own.speed_mm_s)),
-            ("humidity in %", |(own, _)| plain(own.humidity_pct)),
-            ("flat, measured", |(own, _)| with_error(own.mu_flat, own.mu_flat_std, 3)),
-            ("f(P)", |(_, model)| number(model.area_law_factor, 3)),
-            ("local coefficient", |(_, model)| number(model.dynamic_mean, 3)),
-            ("patterned, measured", |(own, _)| with_error(own.mu_patterned, own.mu_patterned_std, 3)),
-            ("grooves, modelled", |(own, model)| {
-                with_error(model.ratio_groove.map(|ratio| ratio * own.mu_flat), model.mu_groove_std, 3)
-            }),
-            ("squares, modelled", |(own, model)| {
-                with_error(model.ratio_square.map(|ratio| ratio * own.mu_flat), model.mu_square_std, 3)
-            }),
-        ],
+        &columns[..9 + usize::from(report.has_squares())],
     );
 }
 

@@ -7,9 +7,17 @@ use slipgrid_results::fixed;
 /// How calibrations name the source of the statements.
 const SOURCE: &str = "J. Tribol. 144, 031704";
 
-/// The statements of the source of `report`; none for any other source.
+/// Whether `source`, as a calibration names it, is the paper of the statements.
+#[must_use]
+pub fn is_published(source: &str) -> bool {
+    source.contains(SOURCE)
+}
+
+/// The statements of the source of `report`; none for any other source, and none beside a trial.
 pub fn published(report: &ValidationReport) -> Vec<PublishedReport> {
-    let Some(first) = report.results.first().filter(|_| report.source.contains(SOURCE)) else { return Vec::new() };
+    let Some(first) = report.results.first().filter(|_| report.trial.is_none() && is_published(&report.source)) else {
+        return Vec::new();
+    };
     let rows: Vec<&RatioReport> =
         report.results.iter().filter(|row| row.measured.is_at_condition_of(&first.measured)).collect();
     let light = rows

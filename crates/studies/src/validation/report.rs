@@ -26,6 +26,12 @@ pub struct ValidationReport {
     /// Name of the trial that is compared; null where that is the patterned samples of the calibration.
     #[serde(default)]
     pub trial: Option<String>,
+    /// Planform of the measured cavities; null where the calibration does not say it.
+    #[serde(default)]
+    pub cut_as: Option<String>,
+    /// Height of the modelled specimen; null where only a layer of it is modelled, as the source did.
+    #[serde(default)]
+    pub thickness_mm: Option<f64>,
     /// The area law rests on a synthetic surface.
     pub synthetic_surface: bool,
     /// What was modelled and how.
@@ -63,6 +69,14 @@ pub struct ValidationReport {
     pub threads: usize,
     /// One per measured condition.
     pub results: Vec<RatioReport>,
+}
+
+impl ValidationReport {
+    /// Square cavities say something of the samples that are compared: these were not cut as grooves.
+    #[must_use]
+    pub fn has_squares(&self) -> bool {
+        self.cut_as.as_deref() != Some("groove")
+    }
 }
 
 /// A statement of the source and its counterpart.

@@ -19,8 +19,9 @@ pub fn table(report: &ValidationReport) -> String {
     }
     text += &format!("\nMeasured, +- one standard deviation\n\n{}", measured(report));
     text += &format!(
-        "\nModelled ratios, patterned over flat, at slopes of the surface times {}; grooves in the plane, squares in space\n{}\n\n{}\n",
+        "\nModelled ratios, patterned over flat, at slopes of the surface times {}; {}\n{}\n\n{}\n",
         listed(&report.slope_factors),
+        if report.has_squares() { "grooves in the plane, squares in space" } else { "in the plane" },
         report.errors,
         modelled(report),
     );
@@ -74,7 +75,10 @@ fn measured(report: &ValidationReport) -> Table {
 fn modelled(report: &ValidationReport) -> Table {
     let mut header: Vec<String> = ["F N", "v mm/s", "RH %", "Amontons"].map(Into::into).into();
     for factor in &report.slope_factors {
-        header.extend([format!("groove {factor}x"), "+-".into(), format!("square {factor}x"), "+-".into()]);
+        header.extend([format!("groove {factor}x"), "+-".into()]);
+        if report.has_squares() {
+            header.extend([format!("square {factor}x"), "+-".into()]);
+        }
     }
     let mut table = Table::new(header.iter().map(String::as_str));
     for row in &report.results {
@@ -87,12 +91,11 @@ fn modelled(report: &ValidationReport) -> Table {
         let values = report.slope_factors.iter().flat_map(|&factor| {
             let at = row.at_slope(factor);
             let value = |of: fn(&ModelledRatio) -> Option<f64>| fixed(at.and_then(of), 3);
-            [
-                value(|at| at.ratio_groove),
-                value(|at| at.ratio_groove_std),
-                value(|at| at.ratio_square),
-                value(|at| at.ratio_square_std),
-            ]
+            let mut values = vec![value(|at| at.ratio_groove), value(|at| at.ratio_groove_std)];
+            if report.has_squares() {
+                values.extend([value(|at| at.ratio_square), value(|at| at.ratio_square_std)]);
+            }
+            values
         });
         table.row(first.into_iter().chain(values));
     }
@@ -104,7 +107,10 @@ fn by_measured_law(report: &ValidationReport) -> Option<Table> {
     let first = report.results.iter().find(|row| !row.measured_law.is_empty())?;
     let mut header: Vec<String> = ["F N", "v mm/s", "RH %", "measured"].map(Into::into).into();
     for law in &first.measured_law {
-        header.extend([format!("groove, {}", law.extrapolation), format!("square, {}", law.extrapolation)]);
+        header.push(format!("groove, {}", law.extrapolation));
+        if report.has_squares() {
+            header.push(format!("square, {}", law.extrapolation));
+        }
     }
     let mut table = Table::new(header.iter().map(String::as_str));
     for row in report.results.iter().filter(|row| !row.measured_law.is_empty()) {
@@ -114,7 +120,10 @@ fn by_measured_law(report: &ValidationReport) -> Option<Table> {
             row.measured.humidity_pct.to_string(),
             fixed(Some(row.measured.ratio), 3),
         ];
-        let values = row.measured_law.iter().flat_map(|law| [fixed(law.ratio_groove, 3), fixed(law.ratio_square, 3)]);
+        let values = row.measured_law.iter().flat_map(|law| {
+            let square = report.has_squares().then(|| fixed(law.ratio_square, 3));
+            std::iter::once(fixed(law.ratio_groove, 3)).chain(square)
+        });
         table.row(first.into_iter().chain(values));
     }
     Some(table)
@@ -166,37 +175,49 @@ pub fn statements(report: &ValidationReport) -> Vec<String> {
         percent(Some(summary.reduction_measured))
     )];
     if let Some(given) = summary.modelled.iter().find(|modelled| modelled.slope_factor == 1.0) {
-        said.push(format!(
-            "Modelled: by {} as grooves ({} of the surface), by {} as square cavities ({}, in space; {} by the strip estimate).",
+        let mut modelled = format!(
+            "Modelled: by {} as grooves ({} of the surface)",
             percent(given.groove),
-            percent(Some(pattern.areal_density)),
-            percent(given.square),
-            percent(Some(report.areal_density_square)),
-            percent(given.square_estimate),
-        ));
+            percent(Some(pattern.areal_density))
+        );
+        if report.has_squares() {
+            modelled += &format!(
+                ", by {} as square cavities ({}, in space; {} by the strip estimate)",
+                percent(given.square),
+                percent(Some(report.areal_density_square)),
+                percent(given.square_estimate),
+            );
+        }
+        said.push(modelled + ".");
     }
     said.push(match (summary.explained_by_grooves, summary.explained_by_squares) {
+        (Some(grooves), _) if !report.has_squares() => {
+            format!("The area law alone explains {:.0} % of the measured reduction: {ELSEWHERE}", 100.0 * grooves)
+        }
         (Some(grooves), Some(squares)) => format!(
-            "The area law alone explains {:.0} % of the measured reduction if the cavities were grooves, {:.0} % as the squares they are: the rest comes from elsewhere, or from another surface.",
+            "The area law alone explains {:.0} % of the measured reduction if the cavities were grooves, {:.0} % as {}: {ELSEWHERE}",
             100.0 * grooves,
-            100.0 * squares
+            100.0 * squares,
+            match report.cut_as.as_deref() {
+                Some("square") => "the squares they are",
+                _ => "squares of the same lengths",
+            }
         ),
         _ => "No share of the measured reduction can be given.".to_owned(),
     });
     said.extend(trend(report));
     said.extend(two_laws(report));
-    said.push(LEFT_OPEN.to_owned());
+    let rims =
+        if report.has_squares() { ": what some of unknown height would do stands in a table of its own" } else { "" };
+    said.push(format!("{LEFT_OPEN}{rims}."));
     let others: Vec<String> = summary
         .modelled
         .iter()
         .filter(|modelled| modelled.slope_factor != 1.0)
         .map(|m| {
-            format!(
-                "{} as grooves and {} as squares at {} times the slope",
-                percent(m.groove),
-                percent(m.square),
-                m.slope_factor
-            )
+            let squares =
+                if report.has_squares() { format!(" and {} as squares", percent(m.square)) } else { String::new() };
+            format!("{} as grooves{squares} at {} times the slope", percent(m.groove), m.slope_factor)
         })
         .collect();
     if !others.is_empty() {
@@ -229,7 +250,10 @@ pub fn statements(report: &ValidationReport) -> Vec<String> {
 const LEFT_OPEN: &str = "What the mechanism can explain: a reduction that grows with load, by pressure under the edges of cavities where real \
      contact area saturates. What it cannot: a reduction at vanishing load, and how friction depends on speed and humidity, \
      which enters through the flat measurements alone. Adhesion and menisci, plasticity, heating and wear are not modelled, \
-     and rims are not in these numbers: what some of unknown height would do stands in a table of its own.";
+     and rims are not in these numbers";
+
+/// Where what the area law does not explain comes from.
+const ELSEWHERE: &str = "the rest comes from elsewhere, or from another surface.";
 
 /// How both reductions go from the lowest to the highest pressure.
 fn trend(report: &ValidationReport) -> Option<String> {
@@ -365,7 +389,9 @@ pub fn picture(report: &ValidationReport) -> Result<String, slipgrid_report::Cha
         let label = if factor == 1.0 { "grooves".to_owned() } else { format!("grooves, {factor} times the slope") };
         columns.push((label, column(factor, |at| (at.ratio_groove, at.ratio_groove_std))));
     }
-    columns.push(("squares, in space".to_owned(), column(1.0, |at| (at.ratio_square, at.ratio_square_std))));
+    if report.has_squares() {
+        columns.push(("squares, in space".to_owned(), column(1.0, |at| (at.ratio_square, at.ratio_square_std))));
+    }
     let series: Vec<RatioSeries<'_>> = columns.iter().map(|(label, ratios)| RatioSeries { label, ratios }).collect();
     let title = format!(
         "Patterned over flat, {} mm/s, {} % humidity{}",
