@@ -52,6 +52,8 @@ pub struct Prediction {
     pub over_local_law: f64,
     /// Standard error of the dynamic run behind delta, relative.
     pub relative_stderr: f64,
+    /// Static friction of the flat sample in the last run in time; `None` where no static peak was fitted.
+    pub mu_static: Option<f64>,
 }
 
 /// One fitted number.
@@ -95,6 +97,8 @@ pub struct Fit {
     pub settled: bool,
     /// How values were obtained, what was assumed, what stays undetermined; one sentence each.
     pub notes: Vec<String>,
+    /// What makes fitted values doubtful, one sentence each.
+    pub warnings: Vec<String>,
 }
 
 /// How parameters map to measurements: parameter numbers of mu_d and, where fitted, mu_s.
@@ -171,7 +175,7 @@ impl Layout {
     }
 }
 
-/// Fits local coefficients to `problem`. A static peak that says nothing of mu_s is left out, and named in the notes.
+/// Fits local coefficients to `problem`. A static peak that says nothing of mu_s is left out, and named in the warnings.
 ///
 /// # Errors
 /// [`FitError`] if a number has no meaning, the flat sample does not slide in the model, or the
@@ -183,7 +187,7 @@ pub fn fit_coefficients(problem: &Problem, monitor: &dyn Monitor) -> Result<Fit,
     loop {
         match attempt(&problem, monitor)? {
             Attempt::Fitted(mut fit) => {
-                fit.notes.extend(left_out);
+                fit.warnings.extend(left_out);
                 return Ok(*fit);
             }
             Attempt::LeftOut(numbers, why) => {
@@ -403,6 +407,7 @@ fn report(model: &Model<'_>, solution: &Solution, settled: bool) -> Result<Fit, 
                 residual,
                 dynamic_over_steady: corrections.delta[i],
                 relative_stderr: corrections.relative_stderr[i],
+                mu_static: corrections.peaks[i].map(|line| line.at_current),
             }
         })
         .collect();
@@ -417,8 +422,9 @@ fn report(model: &Model<'_>, solution: &Solution, settled: bool) -> Result<Fit, 
         degrees_of_freedom: solution.residuals.len().saturating_sub(layout.count),
         settled,
         notes: Vec::new(),
+        warnings: Vec::new(),
     };
-    fit.notes = fit_notes::notes(model, &fit);
+    (fit.notes, fit.warnings) = (fit_notes::notes(model, &fit), fit_notes::warnings(&fit));
     Ok(fit)
 }
 

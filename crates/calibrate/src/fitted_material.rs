@@ -66,12 +66,13 @@ pub(crate) fn outcome(
     if surface.synthetic {
         notes.push("the area law rests on a synthetic surface, not on a measured one".to_owned());
     }
+    let of_the_fit = fit.warnings.iter().map(|warning| with_condition(warning, &measurements)).collect();
     let provenance = Provenance {
         name: task.name.clone(),
         source: task.source.clone(),
         synthetic_surface: surface.synthetic,
         notes,
-        warnings: warnings(task, &surface, area_law.as_ref(), &by_condition),
+        warnings: warnings(task, &surface, area_law.as_ref(), &by_condition, of_the_fit),
     };
     let material = Material { elastic, friction, area_law, provenance };
     Ok(CalibrationOutcome { material, uncertainty, measurements, fit, by_condition, surface })
@@ -83,8 +84,11 @@ fn warnings(
     surface: &SurfaceFindings,
     law: Option<&AreaLaw>,
     by_condition: &[(Condition, Vec<FittedRow>)],
+    of_the_fit: Vec<String>,
 ) -> Vec<String> {
+    // Those of the surface stand first: where a map was read from a file they are told in its words.
     let mut warnings: Vec<String> = surface.warnings.iter().map(ToString::to_string).collect();
+    warnings.extend(of_the_fit);
     warnings.extend(task.doubts.iter().cloned());
     warnings.extend(law.and_then(|_| follows_load(surface.origin, by_condition)));
     // A measured law may rise: it is none of contact area.
@@ -94,6 +98,18 @@ fn warnings(
     let beside = of_area.into_iter().flat_map(table_warnings);
     warnings.extend(beside.filter(|warning| !known.contains(&name(warning))));
     warnings
+}
+
+/// `static_mean 2: ...` with the condition of the measurement in place of its number.
+fn with_condition(warning: &str, measurements: &[Measurement]) -> String {
+    let placed = || {
+        let (name, rest) = warning.split_once(':')?;
+        let (what, number) = name.rsplit_once(' ')?;
+        let at = measurements.get(number.parse::<usize>().ok()?.checked_sub(1)?)?;
+        let [speed, humidity] = [SPEED_MM_S.from_si(at.speed_m_s), HUMIDITY_PCT.from_si(at.humidity)];
+        Some(format!("{what} at {} N, {speed} mm/s, {humidity} %:{rest}", at.force_n))
+    };
+    placed().unwrap_or_else(|| warning.to_owned())
 }
 
 fn law(found: &AreaLaw) -> Result<AreaLaw, CalibrationError> {

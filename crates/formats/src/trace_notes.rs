@@ -5,45 +5,110 @@ use slipgrid_units::{HUMIDITY_PCT, SPEED_MM_S};
 
 use super::traces::ConditionTraces;
 
-/// Notes of conditions for a material's provenance: what concerns many traces alike is said once, first.
+/// Notes of conditions for a material's provenance: what concerns many alike is said once, with the first of them.
 #[must_use]
 pub fn notes(conditions: &[ConditionTraces]) -> Vec<String> {
     let (mut notes, said) = common(conditions);
-    for traces in conditions {
-        let condition = &traces.condition;
-        let place = format!(
-            "{}, {} N, {} mm/s, {} %",
-            condition.sample(),
-            condition.force_n,
-            SPEED_MM_S.from_si(condition.speed_m_s),
-            HUMIDITY_PCT.from_si(condition.humidity)
+    let traces = conditions.iter().map(|traces| traces.traces.len()).sum();
+    let flags = grouped(&of_traces(conditions, &said), ("traces", traces));
+    let lists = flags.iter().any(|group| group.is_of_many);
+    notes.extend(flags.into_iter().map(|group| group.words));
+    if lists {
+        notes.push(
+            "traces.csv, which calibrate --report and traces -o write, says of every trace what is odd about it"
+                .to_owned(),
         );
-        for trace in &traces.traces {
-            let own = trace.flags.iter().filter(|flag| !said.contains(*flag));
-            notes.extend(own.map(|flag| format!("{place}, {}: {flag}", trace.label)));
+    }
+    notes.extend(
+        grouped(&of_conditions(conditions), ("conditions", conditions.len())).into_iter().map(|group| group.words),
+    );
+    notes
+}
+
+/// What is odd, and where.
+struct Remark {
+    place: String,
+    words: String,
+}
+
+/// Remarks that differ in their numbers at most, in one sentence.
+struct Group {
+    words: String,
+    is_of_many: bool,
+}
+
+/// One sentence for remarks in the same words, whatever their numbers are; `(what, all)` is what they are about, and how many there are.
+fn grouped(remarks: &[Remark], (what, all): (&str, usize)) -> Vec<Group> {
+    let kind = |words: &str| words.replace(|letter: char| letter.is_ascii_digit(), "");
+    let mut groups: Vec<(String, &Remark, usize)> = Vec::new();
+    for remark in remarks {
+        let own = kind(&remark.words);
+        match groups.iter_mut().find(|(known, ..)| *known == own) {
+            Some((.., count)) => *count += 1,
+            None => groups.push((own, remark, 1)),
         }
-        if !condition.excluded.is_empty() {
-            let names = condition.excluded.iter().filter_map(|path| path.file_name());
+    }
+    let in_words = |(_, first, count): (String, &Remark, usize)| Group {
+        words: match count {
+            1 => format!("{}: {}", first.place, first.words),
+            _ => format!("{count} of {all} {what}, the first of them {}: {}", first.place, first.words),
+        },
+        is_of_many: count > 1,
+    };
+    groups.into_iter().map(in_words).collect()
+}
+
+/// Where the traces of a condition stand.
+fn place(traces: &ConditionTraces) -> String {
+    let condition = &traces.condition;
+    format!(
+        "{}, {} N, {} mm/s, {} %",
+        condition.sample(),
+        condition.force_n,
+        SPEED_MM_S.from_si(condition.speed_m_s),
+        HUMIDITY_PCT.from_si(condition.humidity)
+    )
+}
+
+/// What is odd about single traces, without what was `said`.
+fn of_traces(conditions: &[ConditionTraces], said: &[String]) -> Vec<Remark> {
+    let of_condition = |traces: &ConditionTraces| -> Vec<Remark> {
+        let place = place(traces);
+        let of_trace = traces.traces.iter().flat_map(|trace| {
+            let own = trace.flags.iter().filter(|flag| !said.contains(*flag));
+            own.map(|flag| Remark { place: format!("{place}, {}", trace.label), words: flag.clone() })
+        });
+        of_trace.collect()
+    };
+    conditions.iter().flat_map(of_condition).collect()
+}
+
+/// What is odd about the repeats of a condition.
+fn of_conditions(conditions: &[ConditionTraces]) -> Vec<Remark> {
+    let mut remarks = Vec::new();
+    for traces in conditions {
+        let mut add = |words: String| remarks.push(Remark { place: place(traces), words });
+        if !traces.condition.excluded.is_empty() {
+            let names = traces.condition.excluded.iter().filter_map(|path| path.file_name());
             let names: Vec<String> = names.map(|name| name.to_string_lossy().into_owned()).collect();
-            notes.push(format!("{place}: {} left out by `exclude`", names.join(", ")));
+            add(format!("{} left out by `exclude`", names.join(", ")));
         }
         if traces.mean.count == 1 {
-            notes
-                .push(format!("{place}: one repeat; its deviation is the error within the trace, not between repeats"));
+            add("one repeat; its deviation is the error within the trace, not between repeats".to_owned());
         }
         if traces.mean.stick_slips > 0 {
             let (found, of) = (traces.mean.stick_slips, traces.mean.count);
-            notes.push(format!(
-                "{place}: stick-slip in {found} of {of} repeat{}; the model has no stick-slip of the whole sample",
+            add(format!(
+                "stick-slip in {found} of {of} repeat{}; the model has no stick-slip of the whole sample",
                 if of == 1 { "" } else { "s" }
             ));
         }
         if (1..traces.mean.count).contains(&traces.mean.peaks) {
             let (found, of) = (traces.mean.peaks, traces.mean.count);
-            notes.push(format!("{place}: a static peak in {found} of {of} repeats only; it is not fitted"));
+            add(format!("a static peak in {found} of {of} repeats only; it is not fitted"));
         }
     }
-    notes
+    remarks
 }
 
 /// Notes for several traces at once, and the flags that they stand for.
@@ -82,4 +147,29 @@ fn common(conditions: &[ConditionTraces]) -> (Vec<String>, Vec<String>) {
         }
     }
     (notes, said)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn remarks_that_differ_in_numbers_alone_are_one_sentence() {
+        let remark = |place: &str, words: &str| Remark { place: place.into(), words: words.into() };
+        let remarks = [
+            remark("a.csv", "friction rises by 0.0199, 7 %, after 1.68 s"),
+            remark("a.csv", "only 3 different values occur"),
+            remark("b.csv", "friction rises by 0.0202, 12 %, after 1.70 s"),
+            remark("c.csv", "friction falls by 0.0202, 12 %, after 1.70 s"),
+        ];
+        let words: Vec<String> = grouped(&remarks, ("traces", 23)).into_iter().map(|group| group.words).collect();
+        assert_eq!(
+            words,
+            [
+                "2 of 23 traces, the first of them a.csv: friction rises by 0.0199, 7 %, after 1.68 s",
+                "a.csv: only 3 different values occur",
+                "c.csv: friction falls by 0.0202, 12 %, after 1.70 s",
+            ]
+        );
+    }
 }

@@ -53,7 +53,7 @@ pub fn left_out(problem: &Problem, number: usize, why: &str) -> String {
     let measured = &problem.measurements[number];
     let peak = measured.static_peak.map_or_else(String::new, |peak| format!(" {:.4} +- {:.4}", peak.mu, peak.std));
     format!(
-        "static_mean of measurement {}: not determined by the data; its static peak{peak} {why} ({:.4} +- {:.4}) and is not fitted",
+        "static_mean {}: not determined by the data; its static peak{peak} {why} ({:.4} +- {:.4}) and is not fitted",
         number + 1,
         measured.mu_dynamic,
         measured.mu_dynamic_std

@@ -27,12 +27,6 @@ pub fn notes(model: &Model<'_>, fit: &Fit) -> Vec<String> {
     for parameter in fit.parameters.iter().filter(|parameter| !parameter.std_error.is_finite()) {
         notes.push(format!("{}: not determined by the data; it has no standard error", parameter.name));
     }
-    for parameter in fit.parameters.iter().filter(|parameter| parameter.at_bound) {
-        notes.push(format!(
-            "{}: ended at the bound {}; the data ask for a value beyond it",
-            parameter.name, parameter.value
-        ));
-    }
     let (chi_square, degrees_of_freedom) = (fit.chi_square, fit.degrees_of_freedom);
     if degrees_of_freedom > 0 {
         notes.push(format!(
@@ -44,10 +38,25 @@ pub fn notes(model: &Model<'_>, fit: &Fit) -> Vec<String> {
             }
         ));
     }
-    if !fit.settled {
-        notes.push(format!("the coefficients still changed by more than {SETTLED} after {MOST_ROUNDS} rounds: friction of the flat sample in time may miss what was measured"));
-    }
     notes
+}
+
+/// What makes fitted values doubtful.
+pub fn warnings(fit: &Fit) -> Vec<String> {
+    let mut warnings = Vec::new();
+    if !fit.settled {
+        warnings.push(format!(
+            "the fit did not settle: coefficients still changed by more than {SETTLED} of themselves after {MOST_ROUNDS} rounds, and \
+             friction of the flat sample in time may miss what was measured"
+        ));
+    }
+    for parameter in fit.parameters.iter().filter(|parameter| parameter.at_bound) {
+        warnings.push(format!(
+            "{}: ended at the bound {:.4}; the data ask for a value beyond it",
+            parameter.name, parameter.value
+        ));
+    }
+    warnings
 }
 
 /// Measurements whose runs are slower than they are.
@@ -73,7 +82,7 @@ fn relative_std(model: &Model<'_>) -> String {
     let spread = problem.measurements.iter().map(|measured| measured.mu_dynamic_std / measured.mu_dynamic);
     let bound = spread.fold(f64::INFINITY, f64::min) * blocks.sqrt();
     format!(
-        "relative_std: not determined by means of friction; {} is assumed. Repeats only bound it: their least spread would take a scatter of {bound:.2} over {blocks} blocks. The spread of onset events in a trace would settle it",
+        "relative_std: not determined by means of friction; {} is assumed. Repeats only say that it is at most some {bound:.2}: blocks that scatter by more would make repeats differ by more than the least that was measured ({blocks} blocks are averaged). The spread of onset events in a trace would settle it",
         problem.relative_std
     )
 }

@@ -1,8 +1,9 @@
 //! Everything a fit found, for its report.
 
 use serde::Serialize;
-use slipgrid_calibrate::{CalibrationOutcome, Fit, Parameter};
+use slipgrid_calibrate::{CalibrationOutcome, CalibrationTask, Fit, Parameter};
 
+use super::static_friction::{StaticRow, rows};
 use crate::ReportError;
 use crate::charts::{Estimate, ResidualsChart, residuals as draw};
 use slipgrid_results::{SCHEMA, Table, VERSION, fixed};
@@ -25,6 +26,12 @@ struct FitDetails {
     pub chi_square: f64,
     /// Measured numbers less fitted ones.
     pub degrees_of_freedom: usize,
+    /// Whether the fit settled within its rounds.
+    pub settled: bool,
+    /// What makes fitted values doubtful.
+    pub warnings: Vec<String>,
+    /// Measured static peaks beside those of the model.
+    pub static_friction: Vec<StaticRow>,
 }
 
 /// One fitted number.
@@ -47,7 +54,7 @@ struct ParameterReport {
 }
 
 impl FitDetails {
-    fn new(fit: &Fit) -> Self {
+    fn new(fit: &Fit, static_friction: Vec<StaticRow>, warnings: &[String]) -> Self {
         let finite = |value: f64| Some(tidy(value)).filter(|value| value.is_finite());
         let report = |parameter: &Parameter| ParameterReport {
             name: parameter.name.clone(),
@@ -66,13 +73,17 @@ impl FitDetails {
             covariance: fit.covariance.iter().map(|row| row.iter().map(|&value| finite(value)).collect()).collect(),
             chi_square: tidy(fit.chi_square),
             degrees_of_freedom: fit.degrees_of_freedom,
+            settled: fit.settled,
+            warnings: warnings.to_vec(),
+            static_friction,
         }
     }
 }
 
 /// Everything that was found, as JSON.
-pub fn json(fit: &Fit) -> Result<String, ReportError> {
-    Ok(slipgrid_results::json(&FitDetails::new(fit))?)
+pub fn json(task: &CalibrationTask, outcome: &CalibrationOutcome) -> Result<String, ReportError> {
+    let warnings = &outcome.material.provenance.warnings;
+    Ok(slipgrid_results::json(&FitDetails::new(&outcome.fit, rows(task, outcome), warnings))?)
 }
 
 /// A fitted number's name with the measurement that it belongs to: `dynamic_mean 200 N, 2 mm/s, 50 %` for the name `dynamic_mean 4`.
@@ -98,7 +109,7 @@ pub fn which_errors(outcome: &CalibrationOutcome) -> &'static str {
 
 /// Every number with its intervals.
 pub fn table(outcome: &CalibrationOutcome) -> String {
-    let found = FitDetails::new(&outcome.fit);
+    let found = FitDetails::new(&outcome.fit, Vec::new(), &[]);
     if found.parameters.is_empty() {
         return String::new();
     }
@@ -123,7 +134,7 @@ pub fn table(outcome: &CalibrationOutcome) -> String {
 /// Profiles as CSV.
 pub fn profiles(fit: &Fit) -> String {
     let mut text = String::from("parameter,value,chi_square_increase\n");
-    for parameter in &FitDetails::new(fit).parameters {
+    for parameter in &FitDetails::new(fit, Vec::new(), &[]).parameters {
         for [value, increase] in &parameter.profile {
             text += &format!("{},{value},{increase}\n", parameter.name);
         }

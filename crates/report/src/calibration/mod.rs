@@ -2,9 +2,11 @@
 
 mod fit_details;
 mod pictures;
+mod static_friction;
 
 pub(crate) use fit_details::{in_words, which_errors};
 pub(crate) use pictures::flat_friction_narrow;
+pub(crate) use static_friction::{StaticRow, rows as static_rows, words as static_words};
 
 use slipgrid_calibrate::{CalibrationOutcome, CalibrationTask};
 use slipgrid_formats::calibration::Calibration;
@@ -24,11 +26,11 @@ pub fn summary(
 ) -> String {
     let fit = &outcome.fit;
     let mut text = format!("{} ({})\n", calibration.name, calibration.source);
-    for note in &outcome.material.provenance.notes {
-        text += &format!("- {note}\n");
-    }
     for warning in &outcome.material.provenance.warnings {
         text += &format!("! {warning}\n");
+    }
+    for note in &outcome.material.provenance.notes {
+        text += &format!("- {note}\n");
     }
     let mut table = Table::new([
         "F N",
@@ -59,7 +61,7 @@ pub fn summary(
             fixed(fit.predictions.get(row).map(|predicted| predicted.residual), 4),
         ]);
     }
-    text += &format!("\n{table}{}", fit_details::table(outcome));
+    text += &format!("\n{table}{}{}", static_friction::text(task, outcome), fit_details::table(outcome));
     if let Some(ledger) = ledger {
         text += &format!("\n{}", ledger.text());
     } else if !calibration.patterned.is_empty() && calibration.pattern.is_none() {
@@ -85,7 +87,7 @@ pub fn files(
 ) -> Result<Outputs, ReportError> {
     let mut outputs =
         if calibration.traces.is_empty() { Outputs::default() } else { crate::traces::files(&calibration.traces)? };
-    outputs.add("fit.json", fit_json(outcome)?);
+    outputs.add("fit.json", fit_json(task, outcome)?);
     outputs.add("profiles.csv", fit_details::profiles(&outcome.fit));
     outputs.add("residuals.svg", fit_details::residuals(&calibration.name, outcome)?);
     outputs.add("flat-friction.svg", pictures::flat_friction(&calibration.name, task, outcome)?);
@@ -105,8 +107,8 @@ pub fn files(
 ///
 /// # Errors
 /// [`ReportError`] where it has no JSON form.
-pub fn fit_json(outcome: &CalibrationOutcome) -> Result<String, ReportError> {
-    fit_details::json(&outcome.fit)
+pub fn fit_json(task: &CalibrationTask, outcome: &CalibrationOutcome) -> Result<String, ReportError> {
+    fit_details::json(task, outcome)
 }
 
 /// What trials say, where any was measured.

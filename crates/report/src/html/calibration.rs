@@ -12,7 +12,7 @@ use slipgrid_units::{HUMIDITY_PCT, MODULUS_GPA, PRESSURE_MPA, SPEED_MM_S};
 use super::page::{Page, number, percent, plain, sentence, with_error};
 use super::{background, trials};
 use crate::Outputs;
-use crate::calibration::{flat_friction_narrow, in_words, which_errors};
+use crate::calibration::{StaticRow, flat_friction_narrow, in_words, static_rows, static_words, which_errors};
 use crate::trials::TrialsReport;
 
 /// Error of Young's modulus over itself above which it is worth a measurement.
@@ -330,6 +330,25 @@ fn condition(task: &CalibrationTask, of: &Measurement) -> String {
     )
 }
 
+/// Measured static peaks beside those of the model.
+fn static_friction(page: &mut Page, rows: &[StaticRow]) {
+    let Some(words) = static_words(rows) else { return };
+    page.paragraph(&sentence(&words));
+    page.records(
+        "Static friction of flat samples, dimensionless: measured ± one standard deviation, and that of the model in the last run in time of \
+         the fit; a dash is a peak that is not fitted.",
+        rows,
+        &[
+            ("P in MPa", |row| number(row.pressure_mpa, 3)),
+            ("speed in mm/s", |row| plain(row.speed_mm_s)),
+            ("humidity in %", |row| plain(row.humidity_pct)),
+            ("static measured", |row| with_error(row.measured, row.measured_std, 4)),
+            ("static modelled", |row| number(row.modelled, 4)),
+            ("difference", |row| number(row.residual, 4)),
+        ],
+    );
+}
+
 fn fit(page: &mut Page, task: &CalibrationTask, outcome: &CalibrationOutcome, outputs: &Outputs) {
     let fit = &outcome.fit;
     let row = |(place, of): (usize, &Measurement)| {
@@ -359,6 +378,7 @@ fn fit(page: &mut Page, task: &CalibrationTask, outcome: &CalibrationOutcome, ou
     } else {
         table(page)
     }
+    static_friction(page, &static_rows(task, outcome));
     let cell =
         |parameter: &Parameter, end: Option<f64>| end.map_or_else(|| "open".to_owned(), |end| value(parameter, end));
     let rows: Vec<Vec<String>> = fit

@@ -1,0 +1,114 @@
+//! Static friction as measured, beside that of the fitted model.
+
+use serde::Serialize;
+use slipgrid_calibrate::{CalibrationOutcome, CalibrationTask};
+use slipgrid_results::{Table, fixed};
+use slipgrid_units::{HUMIDITY_PCT, PRESSURE_MPA, SPEED_MM_S, tidy};
+
+/// A measured static peak.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct StaticRow {
+    /// Normal force on one specimen.
+    pub force_n: f64,
+    /// Nominal pressure.
+    pub pressure_mpa: f64,
+    /// Sliding speed.
+    pub speed_mm_s: f64,
+    /// Relative humidity.
+    pub humidity_pct: f64,
+    /// Measured static friction.
+    pub measured: f64,
+    /// Its standard deviation, with what sampling may have missed.
+    pub measured_std: f64,
+    /// That of the flat sample in the last run in time of the fit; null where the peak is not fitted.
+    pub modelled: Option<f64>,
+    /// Model minus measurement.
+    pub residual: Option<f64>,
+}
+
+/// One row per measured static peak.
+pub fn rows(task: &CalibrationTask, outcome: &CalibrationOutcome) -> Vec<StaticRow> {
+    let both = outcome.measurements.iter().enumerate();
+    both.filter_map(|(row, measured)| {
+        let peak = measured.static_peak?;
+        let modelled = outcome.fit.predictions.get(row).and_then(|predicted| predicted.mu_static);
+        Some(StaticRow {
+            force_n: measured.force_n,
+            pressure_mpa: PRESSURE_MPA.from_si(task.pressure_pa(measured)),
+            speed_mm_s: SPEED_MM_S.from_si(measured.speed_m_s),
+            humidity_pct: HUMIDITY_PCT.from_si(measured.humidity),
+            measured: tidy(peak.mu),
+            measured_std: tidy(peak.std),
+            modelled: modelled.map(tidy),
+            residual: modelled.map(|modelled| tidy(modelled - peak.mu)),
+        })
+    })
+    .collect()
+}
+
+/// How far the model's static friction is from what was measured: mean and largest difference; `None` without a measured peak.
+pub fn words(rows: &[StaticRow]) -> Option<String> {
+    let fitted: Vec<(&StaticRow, f64)> = rows.iter().filter_map(|row| Some((row, row.residual?))).collect();
+    let left = match rows.len() - fitted.len() {
+        0 => String::new(),
+        1 => "; 1 measured peak is not fitted".to_owned(),
+        left => format!("; {left} measured peaks are not fitted"),
+    };
+    let Some((row, largest)) = fitted.iter().copied().max_by(|a, b| a.1.abs().total_cmp(&b.1.abs())) else {
+        return (!rows.is_empty()).then(|| format!("static friction: none of {} measured peaks is fitted", rows.len()));
+    };
+    let mean = fitted.iter().map(|(_, residual)| residual).sum::<f64>() / fitted.len() as f64;
+    Some(format!(
+        "static friction of the model in time minus the measured: {mean:+.4} in the mean of {}, {largest:+.4} ({:+.1} %) where the difference \
+         is largest, at {} N, {} mm/s, {} %{left}",
+        fitted.len(),
+        100.0 * largest / row.measured,
+        row.force_n,
+        row.speed_mm_s,
+        row.humidity_pct,
+    ))
+}
+
+/// Both for people; empty without a measured peak.
+pub fn text(task: &CalibrationTask, outcome: &CalibrationOutcome) -> String {
+    let rows = rows(task, outcome);
+    let Some(words) = words(&rows) else { return String::new() };
+    let mut table =
+        Table::new(["F N", "v mm/s", "RH %", "static measured", "+-", "static modelled", "model - measured"]);
+    for row in &rows {
+        table.row([
+            row.force_n.to_string(),
+            row.speed_mm_s.to_string(),
+            row.humidity_pct.to_string(),
+            fixed(Some(row.measured), 4),
+            fixed(Some(row.measured_std), 4),
+            fixed(row.modelled, 4),
+            fixed(row.residual, 4),
+        ]);
+    }
+    format!("\n{words}\n{table}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_largest_difference_is_named_with_its_sign_and_place() {
+        let row = |force_n: f64, modelled: Option<f64>| StaticRow {
+            force_n,
+            pressure_mpa: 1.0,
+            speed_mm_s: 5.0,
+            humidity_pct: 50.0,
+            measured: 0.4,
+            measured_std: 0.01,
+            modelled,
+            residual: modelled.map(|modelled| modelled - 0.4),
+        };
+        let said = words(&[row(40.0, Some(0.41)), row(80.0, Some(0.38)), row(160.0, None)]).unwrap();
+        assert!(said.contains("-0.0050 in the mean of 2, -0.0200 (-5.0 %)"), "{said}");
+        assert!(said.contains("at 80 N, 5 mm/s, 50 %; 1 measured peak is not fitted"), "{said}");
+        assert_eq!(words(&[row(40.0, None)]).unwrap(), "static friction: none of 1 measured peaks is fitted");
+        assert_eq!(words(&[]), None);
+    }
+}
