@@ -254,11 +254,12 @@ fn report_of(
     })
 }
 
+/// How the note on the pressures of measured friction begins.
+pub const MEASURED_RANGE: &str = "friction was measured from ";
+
 /// From where to where friction was measured, where one of the pressures is `outside`.
 fn measured_range(material: &Material, outside: &[bool]) -> Option<String> {
     let [low, high] = material.friction.measured_pressures_pa().filter(|_| outside.contains(&true))?;
-    let [low, high] = [low, high].map(|pressure_pa| tidy(PRESSURE_MPA.from_si(pressure_pa)));
-    Some(format!(
-        "friction was measured from {low} to {high} MPa; beyond that the nearest measurement's coefficients were taken"
-    ))
+    let [low, high] = [low, high].map(|pressure_pa| (1e3 * PRESSURE_MPA.from_si(pressure_pa)).round() / 1e3);
+    Some(format!("{MEASURED_RANGE}{low} to {high} MPa; beyond that the nearest measurement's coefficients were taken"))
 }

@@ -13,6 +13,7 @@ use crate::conditions_report::ConditionsReport;
 use crate::discrepancy_correction::DiscrepancyReport;
 use crate::flat_is_best::FlatReport;
 use crate::infeasibility::ExplanationReport;
+use crate::job::MEASURED_RANGE;
 use crate::lattice_table::TableReport;
 use crate::multi_fidelity::MOST_ROUNDS;
 use crate::next_trial::AdviceReport;
@@ -208,6 +209,13 @@ impl DesignReport {
         for line in self.chance.iter().flat_map(|chance| chance.lines(self.advice.as_ref())) {
             text.insert_str(text.len() - 1, &format!("  {line}\n"));
         }
+        // Loads beyond what was measured make the chance itself doubtful.
+        let beyond = self.beyond_measured();
+        if let Some(line) = &beyond {
+            let range = self.model.iter().find_map(|note| note.strip_prefix(MEASURED_RANGE)?.split_once(';'));
+            let range = range.map_or_else(String::new, |(range, _)| format!(" ({MEASURED_RANGE}{range})"));
+            text.insert_str(text.len() - 1, &format!("! {line}{range}\n"));
+        }
         if let Some(advice) = &self.advice {
             text.insert_str(text.len() - 1, &advice.text());
         }
@@ -238,11 +246,11 @@ impl DesignReport {
             table.row(first.into_iter().chain(cells.map(|cell| fixed(cell, 4))).chain([peak]));
         }
         text += &format!(
-            "  {}{} (predicted: steady cell{}{}; confirmed: {})\n{table}",
+            "  {}{} (predicted: steady cell{}{}; confirmed: {}; peak: largest local pressure of the steady cell)\n{table}",
             self.target.quantity,
             if self.discrepancy.is_some() { ", aimed with what trials say that the model lacks" } else { "" },
             self.in_space(),
-            if self.rounds > 1 { ", each search after the first corrected by the run before it" } else { "" },
+            if self.rounds > 1 { ", corrected by the run in time before the last search" } else { "" },
             self.confirmation()
         );
         text += &format!("  {}\n", self.errors.meaning);
@@ -302,7 +310,8 @@ impl DesignReport {
         for warning in self.removal.iter().flat_map(|removal| &removal.warnings) {
             text += &format!("! laser: {warning}\n");
         }
-        for warning in slipgrid_results::warnings(&self.confirmed) {
+        let warnings = slipgrid_results::warnings(&self.confirmed);
+        for warning in warnings.into_iter().filter(|warning| Some(warning) != beyond.as_ref()) {
             text += &format!("! {warning}\n");
         }
         for note in &self.model {
@@ -324,6 +333,12 @@ impl DesignReport {
             self.timings_s.words(),
         );
         text
+    }
+
+    /// Loads beyond those at which friction was measured, as the warning of them says it.
+    fn beyond_measured(&self) -> Option<String> {
+        let only: Vec<LoadReport> = self.confirmed.iter().filter(|load| load.friction_extrapolated).cloned().collect();
+        (!only.is_empty()).then(|| slipgrid_results::beyond_measured(&only))
     }
 
     /// The chance, before the verdict.

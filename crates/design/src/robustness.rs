@@ -365,13 +365,13 @@ fn inputs(request: &Request<'_>, about: &AboutDesign<'_>, uncertainty: &Uncertai
                 name: name.to_owned(),
                 std: vec![std_um],
                 unit: "um".into(),
-                basis: "of a sample's mean, by the design file".to_owned(),
+                basis: "standard deviation of a sample's mean, as the design file gives it".to_owned(),
             });
         }
     }
     if let Some(place) = uncertainty.rim() {
         let is_half = about.designed.rim_height_m() == 0.0;
-        let basis = "of a sample's mean, by the design file";
+        let basis = "standard deviation of a sample's mean, as the design file gives it";
         inputs.push(InputReport {
             name: RIM_HEIGHT.to_owned(),
             std: vec![LENGTH_UM.from_si(uncertainty.std(place))],
@@ -401,7 +401,7 @@ fn inputs(request: &Request<'_>, about: &AboutDesign<'_>, uncertainty: &Uncertai
             basis: if is_fitted {
                 "fitted together with flat friction"
             } else {
-                "moves the area law along the pressure, flat friction being measured"
+                "shifts the area law along pressure, while flat friction stays as measured"
             }
             .to_owned(),
         });
@@ -411,7 +411,8 @@ fn inputs(request: &Request<'_>, about: &AboutDesign<'_>, uncertainty: &Uncertai
             name: "factors of the area law".to_owned(),
             std: vec![1.0],
             unit: "standard errors".into(),
-            basis: "windows of the altitude map, all factors off to the same side".to_owned(),
+            basis: "scatter among windows of the altitude map; all factors are taken to be off in the same direction"
+                .to_owned(),
         });
     }
     if let Some(first) = about.parameters.discrepancy {

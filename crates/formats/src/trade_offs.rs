@@ -65,9 +65,9 @@ pub fn read_trade_offs(
     let texture = given.texture;
     if texture.sliding_direction()[1] != 0.0 || texture.arrangement() != Arrangement::Square {
         return Err(document
-            .refuse(table.span(), "compares designs by one vertical section along the sliding direction: rows that are staggered, hexagonal or turned have no \
-                 section that stands for the whole texture")
-            .expected("rows along the sliding direction in a square arrangement, or no [trade_offs]"));
+            .refuse(table.span(), "compares some thousand designs by the friction of one vertical section along the sliding direction: rows that are staggered, \
+                 hexagonal or turned have no section that stands for the whole texture, and to solve so many cells in space would take hours")
+            .expected("rows along the sliding direction in a square arrangement, or no [trade_offs]: the search itself solves such patterns in space"));
     }
     let usual = if goals.contains(&TradeOffGoal::Spread) { DEFAULT_DESIGNS_WITH_SPREAD } else { DEFAULT_DESIGNS };
     let designs = match &file.designs {

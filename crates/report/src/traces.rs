@@ -19,11 +19,12 @@ pub fn files(conditions: &[ConditionTraces]) -> Result<Outputs, ChartError> {
     for kind in SurfaceKind::ALL {
         let of_kind =
             conditions.iter().filter(|traces| traces.condition.surface == kind && traces.condition.trial.is_none());
-        let rows: Vec<Measurement> = of_kind.map(ConditionTraces::measurement).collect();
+        let rows: Vec<Measurement> = of_kind.clone().map(ConditionTraces::measurement).collect();
         if !rows.is_empty() {
             let comment = format!(
-                "By slipgrid traces {VERSION}: {} samples, mean and standard deviation of repeats",
-                kind.name()
+                "By slipgrid traces {VERSION}: {} samples, mean and standard deviation of repeats{}",
+                kind.name(),
+                static_parts(of_kind)
             );
             outputs.add(format!("{}.csv", kind.name()), measurements::table(&comment, &rows));
         }
@@ -32,8 +33,10 @@ pub fn files(conditions: &[ConditionTraces]) -> Result<Outputs, ChartError> {
         if let Some(OfTrial { number, name }) = of_trial.first().and_then(|traces| traces.condition.trial.as_ref()) {
             let rows: Vec<Measurement> = of_trial.iter().map(ConditionTraces::measurement).collect();
             let words: String = name.chars().filter(|c| !c.is_control()).collect();
-            let comment =
-                format!("By slipgrid traces {VERSION}: trial \"{words}\", mean and standard deviation of repeats");
+            let comment = format!(
+                "By slipgrid traces {VERSION}: trial \"{words}\", mean and standard deviation of repeats{}",
+                static_parts(of_trial)
+            );
             outputs.add(format!("trial-{number}-measured.csv"), measurements::table(&comment, &rows));
         }
     }
@@ -50,6 +53,26 @@ pub fn files(conditions: &[ConditionTraces]) -> Result<Outputs, ChartError> {
         names.push(own);
     }
     Ok(outputs)
+}
+
+/// Comments of a table on what its deviations of static friction are made of; empty where none has a static peak.
+fn static_parts<'a>(conditions: impl IntoIterator<Item = &'a ConditionTraces>) -> String {
+    let of_condition = |traces: &ConditionTraces| {
+        let (peak, missed) = traces.mean.mu_static.zip(traces.mean.mu_static_missed)?;
+        let repeats = (peak.std.powi(2) - missed.powi(2)).max(0.0).sqrt();
+        let [_, force, speed, humidity] = words(&traces.condition);
+        Some(format!(
+            "\n# {force} N, {speed} mm/s, {humidity} %: mu_static_std is {:.4}, the root of the sum of the squares of {repeats:.4}, {}, and \
+             {missed:.4}, what sampling may have missed of the peak",
+            peak.std,
+            if traces.mean.count > 1 { "the standard deviation of repeats" } else { "the noise of the one trace" },
+        ))
+    };
+    let all: Vec<String> = conditions.into_iter().filter_map(of_condition).collect();
+    if all.is_empty() {
+        return String::new();
+    }
+    format!("; mu_static_std holds what sampling may have missed as well{}", all.concat())
 }
 
 /// Surface or number of the trial, force in N, speed in mm/s and humidity in per cent, in words.

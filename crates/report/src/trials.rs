@@ -256,6 +256,7 @@ impl TrialsReport {
         } else {
             text += "\nratios patterned / flat: measured, modelled, and predicted by the trials before\n";
             text += &self.table().to_string();
+            text += "surprise, std: distance of the measured ratio from the one predicted before, in standard deviations of that prediction\n";
             for of in &self.coverage {
                 text += &of.text();
             }
@@ -277,7 +278,7 @@ impl TrialsReport {
                 .to_owned(),
         };
         text += "\nln(measured / modelled)\n";
-        let mut table = Table::new(["of", "value", "+-", "+- before"]);
+        let mut table = Table::new(["quantity", "value", "+-", "+- before"]);
         for of in &self.effects {
             table.row([of.of.clone(), fixed(Some(of.value), 3), believed_std(of.std), believed_std(of.prior_std)]);
         }
@@ -285,7 +286,7 @@ impl TrialsReport {
     }
 
     fn table(&self) -> Table {
-        let found = ["measured", "model", "before", "95 %", "surprise"];
+        let found = ["measured", "model", "before", "95 %", "surprise, std"];
         let mut table = Table::new(["trial"].into_iter().chain(SAMPLE_AND_LOAD).chain(found));
         for trial in &self.trials {
             for at in &trial.measured {
@@ -425,7 +426,8 @@ impl CoverageReport {
             parts.push(format!("{within_68} of {ratios} within 68 %, {within_95} within 95 %"));
         }
         if *without_any > 0 {
-            parts.push(format!("{without_any} ratio{} had nothing to go by", if *without_any == 1 { "" } else { "s" }));
+            let (ratios, are) = if *without_any == 1 { ("ratio", "is") } else { ("ratios", "are") };
+            parts.push(format!("{without_any} {ratios} {are} not counted, because no other measurement says anything of what the model lacks there"));
         }
         format!("predicted by {by}: {}\n", parts.join("; "))
     }

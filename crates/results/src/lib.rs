@@ -38,7 +38,9 @@ pub use corrected::{CorrectedAt, CorrectedReport};
 pub use errors::{ErrorReport, ErrorsReport, PartsReport, PressureErrors};
 pub use pattern::{PatternReport, duration_in_words, length_in_words};
 pub use rim::RimReport;
-pub use simulation::{LoadReport, MaterialReport, SimulationReport, load_reports, model_notes, warnings};
+pub use simulation::{
+    LoadReport, MaterialReport, SimulationReport, beyond_measured, load_reports, model_notes, warnings,
+};
 pub use specimen::SpecimenReport;
 pub use table::{Table, fixed, with_error};
 pub use timings::json_and_timings;

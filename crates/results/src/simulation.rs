@@ -391,11 +391,11 @@ const DOUBTS: [Doubt; 3] = [
         |load| load.area_law_extrapolated,
         "local pressures exceed the area law's last: the area is taken as constant there",
     ),
-    (
-        |load| load.friction_extrapolated,
-        "outside the measured range: the nearest measurement's coefficients were taken",
-    ),
+    (|load| load.friction_extrapolated, BEYOND_MEASURED),
 ];
+
+/// What is said of loads at which friction was not measured.
+const BEYOND_MEASURED: &str = "outside the measured range: the nearest measurement's coefficients were taken";
 
 impl LoadReport {
     /// Where the numbers are out of the model's reach, in words.
@@ -407,6 +407,13 @@ impl LoadReport {
     fn has_status(&self, status: Status) -> bool {
         self.status == status.name() || self.status_flat.as_deref() == Some(status.name())
     }
+}
+
+/// Names the pressures of `results`, all of which lie beyond those at which friction was measured.
+#[must_use]
+pub fn beyond_measured(results: &[LoadReport]) -> String {
+    let named: Vec<String> = results.iter().map(|load| load.pressure_mpa.to_string()).collect();
+    format!("at {} MPa {BEYOND_MEASURED}", named.join(", "))
 }
 
 /// What a reader should know before using the numbers.

@@ -79,6 +79,8 @@ pub struct Repeats {
     pub mu_dynamic: MeanStd,
     /// Static friction; `None` unless every repeat shows a peak.
     pub mu_static: Option<MeanStd>,
+    /// The part of the deviation of `mu_static` that is no scatter of repeats: what sampling may have missed of their peaks.
+    pub mu_static_missed: Option<f64>,
     /// Repeats that show a static peak.
     pub peaks: usize,
     /// Repeats that show stick-slip.
@@ -99,6 +101,7 @@ pub fn average(repeats: &[TraceFindings]) -> Option<Repeats> {
         count,
         mu_dynamic: mean_std(&dynamic),
         mu_static: (peaks.len() == count).then(|| static_peak(&peaks)),
+        mu_static_missed: (peaks.len() == count).then(|| missed(&peaks)),
         peaks: peaks.len(),
         stick_slips: repeats.iter().filter(|found| found.stick_slip.is_some()).count(),
         normal_force_n: repeats.iter().map(|found| found.normal_force_n).sum::<f64>() / count as f64,
@@ -122,9 +125,17 @@ fn static_peak(peaks: &[TracePeak]) -> MeanStd {
         return MeanStd { mean: peak.mu, std: peak.std };
     }
     let found = mean_std(&peaks.iter().map(|peak| (peak.mu, peak.noise)).collect::<Vec<_>>());
+    MeanStd { std: found.std.hypot(missed(peaks)), ..found }
+}
+
+/// What sampling may have missed of `peaks`, as a standard deviation.
+fn missed(peaks: &[TracePeak]) -> f64 {
+    if let [peak] = peaks {
+        return peak.missed;
+    }
     let missed = peaks.iter().map(|peak| peak.missed).sum::<f64>() / peaks.len() as f64;
     // Evenly spread from 0 to `missed`.
-    MeanStd { std: found.std.hypot(missed / 12.0_f64.sqrt()), ..found }
+    missed / 12.0_f64.sqrt()
 }
 
 #[cfg(test)]

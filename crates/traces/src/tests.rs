@@ -230,6 +230,9 @@ fn repeats_have_their_mean_and_deviation() {
         found
     });
     assert!((average(&peaks).unwrap().mu_static.unwrap().std - 0.00203_f64.hypot(0.05 / 12.0_f64.sqrt())).abs() < 1e-5);
+    // Both parts are known alone.
+    assert!((average(&peaks).unwrap().mu_static_missed.unwrap() - 0.05 / 12.0_f64.sqrt()).abs() < 1e-12);
+    assert_eq!(average(&peaks[..1]).unwrap().mu_static_missed, Some(0.05));
     assert!((average(&peaks[..1]).unwrap().mu_static.unwrap().std - 0.0500025).abs() < 1e-9);
     let mut without = one.clone();
     without.static_peak = None;

@@ -50,6 +50,10 @@ fn run_in_is_no_static_peak_and_the_search_can_be_turned_off() {
     assert!(row.lines().last().unwrap().ends_with(",,"), "{row}");
     place.succeed(&traces(&["peak.csv"], &["-o", "sharp"]));
     let row = fs::read_to_string(place.path("sharp/flat.csv")).unwrap();
+    assert!(
+        row.contains(": mu_static_std is ") && row.contains(", what sampling may have missed of the peak\n"),
+        "{row}"
+    );
     assert!(!row.lines().last().unwrap().ends_with(",,"), "{row}");
     let told = place.succeed(&traces(&["peak.csv"], &["--no-static-peak", "-o", "off"]));
     assert!(!told.contains("run-in"), "{told}");

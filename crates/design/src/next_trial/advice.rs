@@ -165,7 +165,7 @@ impl MultiFidelityLoop<'_> {
         if self.model.is_spatial() {
             return None;
         }
-        let stage = self.stage("samples to cut rather");
+        let stage = self.stage("samples likelier on target");
         let scope = Scope::BESIDE;
         let half = Part::new(&stage, 0.5);
         let interpolation = Interpolation::new(task, models, (scope.nodes, scope.blocks), &half);

@@ -259,7 +259,7 @@ fn choose(
     let (chosen, together) = several(&pool, &pending, options, asked);
     let report = |judged: &Judged| TrialCandidateReport::new(task, asked, judged);
     let greatest = pool.iter().map(|judged| judged.score.chance).fold(0.0, f64::max);
-    let next = NextReport {
+    let mut next = NextReport {
         program: "slipgrid".to_owned(),
         version: VERSION.to_owned(),
         schema: SCHEMA,
@@ -271,6 +271,7 @@ fn choose(
         next: chosen.iter().map(|judged| report(judged)).collect(),
         one_on_target: tidy(together),
         one_disc: None,
+        why: String::new(),
         best: pool.iter().take(LISTED).map(report).collect(),
         own: own.iter().map(report).collect(),
         warnings: Vec::new(),
@@ -279,6 +280,7 @@ fn choose(
         laser: task.laser,
         seed: task.seed,
     };
+    next.why = next.reason().unwrap_or_default();
     Ok((next, chosen.iter().map(|judged| judged.design.pattern).collect()))
 }
 

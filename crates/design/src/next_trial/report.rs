@@ -40,6 +40,9 @@ pub struct NextReport {
     /// The one specimen on which they are sectors, where that was asked for.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub one_disc: Option<OneDiscReport>,
+    /// Why the first sample stands first, in words.
+    #[serde(default)]
+    pub why: String,
     /// The best designs, by what there is for cutting them.
     pub best: Vec<TrialCandidateReport>,
     /// Those that were asked for.
@@ -220,7 +223,7 @@ impl TrialCandidateReport {
         "width / spacing / depth um",
         "planform",
         "chance",
-        "form, bits",
+        "tells bits",
         "laser",
         "ratio at the first load (95 %)",
         "at the last",
@@ -266,6 +269,40 @@ impl NextReport {
         (own.chance > found + CLEARLY).then_some(own)
     }
 
+    /// Why the first sample stands first, from what was computed of it.
+    pub(super) fn reason(&self) -> Option<String> {
+        let best = self.next.first()?;
+        let at = best.predicted.first()?;
+        let accepted = match (at.lowest, at.highest) {
+            (Some(low), Some(high)) => format!("{low:.3} to {high:.3} is accepted"),
+            (Some(low), None) => format!("{low:.3} or more is accepted"),
+            (None, Some(high)) => format!("{high:.3} or less is accepted"),
+            (None, None) => "nothing is demanded".to_owned(),
+        };
+        let mut words = format!(
+            "of the {} designs compared none has a clearly greater chance than {}. At {} MPa its ratio is predicted to be {:.3} (95 %: {}), \
+             where {accepted}",
+            self.designs,
+            percent(best.chance),
+            at.of.pressure_mpa,
+            at.of.ratio,
+            believed_interval(at.of.interval_95),
+        );
+        let missed = best.predicted.iter().filter(|at| !at.is_near(0.0)).count();
+        if missed > 0 {
+            words += &format!("; the median misses what is accepted at {missed} of {} loads", best.predicted.len());
+        }
+        if self.trials == 0 {
+            words += &format!(
+                ". Before any trial the model is believed to be off by more, the more of the face is cavity and the longer its edges are: \
+                 samples with few cavities, {:.1} % of the face here, are predicted best, and may come first although others are nearer \
+                 to the target by the model alone; a first trial is cut to learn how far the model is off",
+                100.0 * best.design.areal_density
+            );
+        }
+        Some(words)
+    }
+
     /// The samples in words.
     #[must_use]
     pub fn text(&self) -> String {
@@ -296,6 +333,10 @@ impl NextReport {
             table.row(of.row(&name));
         }
         text += &table.to_string();
+        text += "tells bits: what its measurement would tell of how the model's lack depends on the texture\n";
+        if !self.why.is_empty() {
+            text += &format!("why the first: {}\n", self.why);
+        }
         self.warnings.iter().for_each(|warning| text += &format!("! laser: {warning}\n"));
         text + &self.one_disc.as_ref().map_or_else(String::new, OneDiscReport::text)
     }

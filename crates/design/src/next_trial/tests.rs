@@ -88,7 +88,14 @@ fn without_trials_every_chance_is_small_and_no_texture_comes_twice() {
     );
     let again = next_trials(&task, &options, &Unwatched).unwrap();
     assert_eq!(again.report, found.report);
-    assert!(found.report.text().contains("next 4"));
+    let text = found.report.text();
+    assert!(text.contains("next 4") && text.contains("\ntells bits: what its measurement would tell"), "{text}");
+    // Why the first is recommended, from its own numbers.
+    let said = format!(
+        "why the first: of the {} designs compared none has a clearly greater chance than",
+        found.report.designs
+    );
+    assert!(text.contains(&said) && text.contains("a first trial is cut to learn how far the model is off"), "{text}");
 }
 
 #[test]

@@ -153,8 +153,8 @@ fn target(page: &mut Page, report: &DesignReport) {
     page.table(
         &format!(
             "Target (or the band accepted), predicted and confirmed: {quantity}, dimensionless{}. After ±: of the target its \
-             tolerance; else {}. To vanishing blocks: estimated change of the ratio. Peak \
-             pressure grows as blocks shrink.{status}",
+             tolerance; else {}. To vanishing blocks: estimated change of the ratio. The peak is the \
+             largest local pressure of the steady cell, which grows as blocks shrink.{status}",
             if report.discrepancy.is_some() { ", times what trials say that the model lacks" } else { "" },
             report.errors.meaning.trim_start_matches("+-: "),
         ),

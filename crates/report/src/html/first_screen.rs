@@ -119,14 +119,14 @@ fn caveat(page: &mut Page, report: &DesignReport) {
     if report.material.synthetic_surface {
         all.push("The area law behind these numbers rests on a synthetic surface, not on a measured one.".to_owned());
     }
-    all.extend(report.material.warnings.iter().map(|doubtful| format!("The material is doubtful: {doubtful}.")));
-    all.extend(report.violations.iter().cloned());
-    all.extend(report.removal.iter().flat_map(|removal| &removal.warnings).map(|warning| format!("Laser: {warning}.")));
     let doubts = |load: &slipgrid_results::LoadReport| {
         let at = plain(load.pressure_mpa);
         load.doubts().map(|doubt| format!("At {at} MPa {doubt}.")).collect::<Vec<_>>()
     };
     all.extend(report.confirmed.iter().flat_map(doubts));
+    all.extend(report.material.warnings.iter().map(|doubtful| format!("The material is doubtful: {doubtful}.")));
+    all.extend(report.violations.iter().cloned());
+    all.extend(report.removal.iter().flat_map(|removal| &removal.warnings).map(|warning| format!("Laser: {warning}.")));
     page.doubts(all);
 }
 

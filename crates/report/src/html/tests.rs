@@ -73,7 +73,7 @@ fn a_page_holds_every_number_with_its_error_and_asks_the_network_for_nothing() {
         "0.829 ± 0.041",
         "<td>0.750 to 0.910</td>",
         "-3.50 ± 0.02",
-        "62.0 ± 1.5 % of samples",
+        "with the material as calibrated: 62.0 ± 1.5 %, by",
         "<td>0.0100</td>",
         "<td>0.1000 ± 0.0200</td>",
         "<td>0.3100</td>",
@@ -120,11 +120,29 @@ fn the_page_says_what_the_text_says_of_the_verdict_and_of_shares() {
     // The search for a goal was cut short, and its design confirmed.
     (found.status, found.goal, found.misfit.confirmed) = ("budget".into(), Some(goal()), Some(0.9));
     let (page, text) = (page_of(&found, &outputs), found.summary());
-    assert!(page.contains("none of samples") && text.contains("none of "), "{text}");
+    assert!(page.contains("with the material as calibrated: none, by") && text.contains("none of "), "{text}");
     let verdict = found.verdict();
     assert!(verdict.is_met && verdict.words.starts_with("best so far"), "{verdict:?}");
     assert!(text.contains(&verdict.words) && page.contains(&verdict.words[1..]), "{text}");
     assert!(!page.contains("not confirmed") && !page.contains("verdict missed"));
+}
+
+#[test]
+fn a_load_beyond_those_measured_stands_where_the_chance_is() {
+    let mut found = report();
+    assert!(!found.summary().contains("outside the measured range"));
+    found.confirmed[1].friction_extrapolated = true;
+    found.model.push(
+        "friction was measured from 0.7 to 1.4 MPa; beyond that the nearest measurement's coefficients were taken"
+            .into(),
+    );
+    let text = found.summary();
+    let said = "\n! at 2.6 MPa outside the measured range: the nearest measurement's coefficients were taken (friction was measured from \
+                0.7 to 1.4 MPa)\n";
+    let (place, table) = (text.find(said).unwrap_or_else(|| panic!("{text}")), text.find("peak MPa").unwrap());
+    assert!(place < table && text.matches("outside the measured range").count() == 1, "{text}");
+    // The peaks beside what was confirmed are those of the steady cell, and said to be.
+    assert!(text.contains("peak: largest local pressure of the steady cell)\n"), "{text}");
 }
 
 #[test]

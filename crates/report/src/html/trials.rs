@@ -122,8 +122,10 @@ fn verdict(page: &mut Page, report: &TrialsReport) {
 fn headline(before: &CoverageReport) -> String {
     let first = match before.without_any {
         0 => String::new(),
-        1 => " The first sample's one ratio had nothing to go by, and is not counted.".to_owned(),
-        many => format!(" The first sample's {many} ratios had nothing to go by, and are not counted."),
+        1 => " The first sample's one ratio is not counted, because no trial before it says anything of it.".to_owned(),
+        many => format!(
+            " The first sample's {many} ratios are not counted, because no trial before it says anything of them."
+        ),
     };
     match before.ratios {
         0 => format!("One sample was measured: nothing was predicted by a trial yet.{first}"),
@@ -217,7 +219,7 @@ fn details(page: &mut Page, report: &TrialsReport) {
     page.part("How good the predictions were", |page| {
         page.records(
             "How many measured ratios lie within the intervals that were predicted. If the intervals are right, about 68 and 95 % of them do. Ratios \
-             that had nothing to go by are not counted: before any trial an interval is so wide that any number lies in it.",
+             of which no other measurement says anything are not counted: before any trial an interval is so wide that any number lies in it.",
             &report.coverage,
             &[
                 ("predicted by", |of| of.by.clone()),
@@ -250,7 +252,7 @@ fn details(page: &mut Page, report: &TrialsReport) {
                  what is believed, not what was measured.",
                 &report.effects,
                 &[
-                    ("of", |effect| sentence(&effect.of)),
+                    ("quantity", |effect| sentence(&effect.of)),
                     ("value", |effect| number(effect.value, 3)),
                     ("±", |effect| believed_std(effect.std)),
                     ("± before any trial", |effect| believed_std(effect.prior_std)),

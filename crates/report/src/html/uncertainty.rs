@@ -79,7 +79,7 @@ pub(super) fn errors(page: &mut Page, found: &ErrorsReport) {
         })
         .collect();
     let header: Vec<&str> =
-        ["P in MPa", "of", "±", "95 %"].into_iter().chain(found.includes.iter().map(String::as_str)).collect();
+        ["P in MPa", "quantity", "±", "95 %"].into_iter().chain(found.includes.iter().map(String::as_str)).collect();
     page.table(
         "What the error of a confirmed value is made of: one standard deviation, and that of each part alone.",
         &header,
@@ -130,7 +130,7 @@ pub(super) fn robustness(page: &mut Page, found: &RobustnessReport) {
         page.paragraph(&format!("What samples made so do, by {drawn}"));
     } else {
         page.paragraph(&format!(
-            "Within the tolerance at all pressures, from tolerances alone: {} of samples of the material as calibrated, by {drawn} \
+            "Share of samples within the tolerance at all pressures, from tolerances alone, with the material as calibrated: {}, by {drawn} \
              After ± the binomial standard error.",
             samples.share("±"),
         ));

@@ -35,7 +35,9 @@ fn the_ledger_says_what_was_predicted_and_what_is_known() {
     let text = found.text();
     assert!(
         text.contains("3 trials with 6 measured ratios")
-            && text.contains("of 4 within 68 %, 4 within 95 %; 2 ratios had nothing to go by"),
+            && text.contains(
+                "of 4 within 68 %, 4 within 95 %; 2 ratios are not counted, because no other measurement says"
+            ),
         "{text}"
     );
     // What is known of the third before it is far narrower than of the first.
@@ -54,7 +56,7 @@ fn the_ledger_says_what_was_predicted_and_what_is_known() {
     let page = outputs.text("report.html").unwrap();
     for text in [
         "4 of 4 measured ratios",
-        "The first sample's 2 ratios had nothing to go by",
+        "The first sample's 2 ratios are not counted",
         "a &lt;polymer&gt;: trials",
         "What to measure next",
         "<svg role=\"img\"",
@@ -78,7 +80,8 @@ fn one_texture_predicts_nothing_and_tells_no_form() {
         text.contains("\n! measured ratio: odd\n") && text.contains("one texture cannot tell the forms apart"),
         "{text}"
     );
-    assert!(text.contains("predicted by the trials before it: 2 ratios had nothing to go by\n"), "{text}");
+    assert!(text.contains("surprise, std: distance of the measured ratio"), "{text}");
+    assert!(text.contains("predicted by the trials before it: 2 ratios are not counted, because no other measurement says anything of what the model lacks there\n"), "{text}");
     // A measured condition, that nearest to 1.5 MPa by its logarithm.
     assert!(text.contains("the last trial, 2.00 MPa, 2 mm/s, 40 %"), "{text}");
     let page = found.files().unwrap().text("report.html").unwrap();
