@@ -304,6 +304,9 @@ impl DesignReport {
         for line in self.table.iter().flat_map(|table| table.lines(self.timings_s.table)) {
             text += &format!("  {line}\n");
         }
+        for doubtful in &self.material.warnings {
+            text += &format!("! the material is doubtful: {doubtful}\n");
+        }
         for broken in &self.violations {
             text += &format!("! {broken}\n");
         }
@@ -314,7 +317,8 @@ impl DesignReport {
         for warning in warnings.into_iter().filter(|warning| Some(warning) != beyond.as_ref()) {
             text += &format!("! {warning}\n");
         }
-        for note in &self.model {
+        // Doubts of the material, which stand above.
+        for note in self.model.iter().filter(|note| !note.starts_with("warning: ")) {
             text += &format!("- {note}\n");
         }
         if let Some(found) = &self.discrepancy {

@@ -28,7 +28,7 @@ pub struct RobustnessReport {
     pub method: Cow<'static, str>,
     /// What scatters; the parts are independent unless stated otherwise.
     pub inputs: Vec<InputReport>,
-    /// Tolerances alone: how samples of the material as calibrated differ from one another.
+    /// From tolerances alone: how samples differ from one another where the material is exactly as it was calibrated.
     pub samples: ScatterReport,
     /// What is not known of the material as well, which all samples share: how far the prediction holds. Null where
     /// nothing is known of the material's errors.
@@ -87,7 +87,7 @@ pub struct PressureParts {
     pub pressure_mpa: f64,
     /// Standard deviation of the target's quantity to first order.
     pub std: f64,
-    /// The same of each input alone.
+    /// The same where one input alone varies: one table for each input.
     pub of: Vec<PartsReport>,
 }
 

@@ -105,7 +105,7 @@ impl TargetReport {
 pub struct GoalReport {
     /// `lowest`, `highest` or `even`.
     pub goal: Cow<'static, str>,
-    /// The quantity that is as low, as high or as even as found, in words.
+    /// What was made as low, as high or as even as possible, in words.
     pub of: String,
     /// By the search's model.
     pub predicted: Option<f64>,

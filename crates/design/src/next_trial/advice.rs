@@ -18,7 +18,7 @@ use slipgrid_units::tidy;
 
 /// By how much the chance of another texture must be greater to be worth a word.
 pub(super) const CLEARLY: f64 = 0.005;
-/// Samples to cut rather that are listed.
+/// Samples that are likelier on target, as many as are listed.
 const RATHER: usize = 4;
 
 /// The chance of the design that was found, with what trials say that the model lacks; before any trial with what is believed of
@@ -35,15 +35,15 @@ pub struct AdviceReport {
     pub words: String,
     /// What is predicted of a cut sample.
     pub predicted: Vec<PredictedRatio>,
-    /// Samples that are clearly likelier on target, the most likely first, where this is a trial, their ratios off the steady model by as
-    /// much as the confirmed ones of this design are; before any trial those alone whose median is near the target; empty in space, where
-    /// `slipgrid next` looks for them.
+    /// Other samples that are clearly likelier to be on target than this one, the most likely first; empty where the advice is a series.
+    /// Their ratios are taken to differ from the steady model as the confirmed ratios of this design do. Before any trial only samples
+    /// whose median is near the target are listed. In space the list is empty, and `slipgrid next` looks for such samples.
     #[serde(default)]
     pub rather: Vec<TrialCandidateReport>,
 }
 
 impl AdviceReport {
-    /// In words, with the samples to cut rather.
+    /// In words, with the samples that are likelier on target.
     #[must_use]
     pub fn text(&self) -> String {
         let table = if self.rather.is_empty() { String::new() } else { format!("\n{}", self.table()) };

@@ -141,6 +141,8 @@ fn a_load_beyond_those_measured_stands_where_the_chance_is() {
                 0.7 to 1.4 MPa)\n";
     let (place, table) = (text.find(said).unwrap_or_else(|| panic!("{text}")), text.find("peak MPa").unwrap());
     assert!(place < table && text.matches("outside the measured range").count() == 1, "{text}");
+    // What is doubtful of the material stands on the screen as on the page.
+    assert!(text.contains("\n! the material is doubtful: spikes: 5 points stand alone\n"), "{text}");
     // The peaks beside what was confirmed are those of the steady cell, and said to be.
     assert!(text.contains("peak: largest local pressure of the steady cell)\n"), "{text}");
 }

@@ -224,7 +224,7 @@ fn details(page: &mut Page, report: &TrialsReport) {
             &[
                 ("predicted by", |of| of.by.clone()),
                 ("ratios", |of| of.ratios.to_string()),
-                ("nothing to go by", |of| of.without_any.to_string()),
+                ("not counted", |of| of.without_any.to_string()),
                 ("within 68 %", |of| share(of, of.within_68)),
                 ("within 95 %", |of| share(of, of.within_95)),
             ],
@@ -308,5 +308,5 @@ fn predicted(ratio: f64, interval_95: [f64; 2]) -> String {
 
 fn is_within(at: &MeasuredReport) -> String {
     let [low, high] = at.before.interval_95;
-    if at.before.known == 0 { "nothing to go by".to_owned() } else { yes_or_no((low..=high).contains(&at.measured)) }
+    if at.before.known == 0 { "no trial before".to_owned() } else { yes_or_no((low..=high).contains(&at.measured)) }
 }
