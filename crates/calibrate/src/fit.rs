@@ -14,7 +14,7 @@ use crate::flat_sample::Pairs;
 use crate::flat_sample_emulator::Emulator;
 use crate::least_squares::{LeastSquares, Solution};
 use crate::{Coefficients, FitError, Problem};
-use corrections::{Corrections, average_slopes, borrow_slopes, correct, flat_peaks};
+use corrections::{Corrections, average_slopes, borrow_slopes, confirm, correct, flat_peaks};
 
 /// Rounds of fit and dynamic runs at most. delta hardly depends on the coefficients: where no static peaks are fitted one
 /// round is enough.
@@ -217,7 +217,6 @@ fn attempt(problem: &Problem, monitor: &dyn Monitor) -> Result<Attempt, FitError
     let mut parameters = first_guess(problem, &layout);
     let mut emulator = None;
     let mut corrections: Option<Corrections> = None;
-    let mut before = Vec::new();
     let mut settled = false;
     let mut solution: Option<Solution> = None;
     // Progress counts on one round of dynamic runs, on two where peaks are fitted.
@@ -252,7 +251,6 @@ fn attempt(problem: &Problem, monitor: &dyn Monitor) -> Result<Attempt, FitError
                 && found.moved(problem, &layout, [&parameters, &fitted.parameters])? < SETTLED;
         parameters.clone_from(&fitted.parameters);
         solution = Some(fitted);
-        before = corrections.map_or_else(Vec::new, |corrections| corrections.delta);
         corrections = Some(found);
         if settled && !flat.is_empty() {
             return Ok(Attempt::LeftOut(flat, FLAT));
@@ -264,27 +262,35 @@ fn attempt(problem: &Problem, monitor: &dyn Monitor) -> Result<Attempt, FitError
     let (Some(solution), Some(corrections), Some(emulator)) = (solution, corrections, emulator) else {
         return Err(FitError::NoMeasurement);
     };
-    let unmet = if settled { Vec::new() } else { unmet_peaks(problem, &layout, &before, &corrections, &solution) };
+    let confirmed = confirm(problem, &layout, &solution.parameters, &corrections, &portion)?;
+    let unmet = unmet_peaks(problem, &layout, [&corrections, &confirmed], &solution, settled);
     if !unmet.is_empty() {
         return Ok(Attempt::LeftOut(unmet, UNMET));
     }
     let model = Model { problem, layout: &layout, corrections: &corrections, emulator: &emulator };
-    Ok(Attempt::Fitted(Box::new(report(&model, &solution, settled)?)))
+    Ok(Attempt::Fitted(Box::new(report(&model, &confirmed, &solution, settled)?)))
 }
 
-/// Measurements whose static peaks keep flat friction from settling: those whose mu_s ended at a bound, or those whose dynamic friction
-/// still changed from one round to the last by more than its standard error. It must not pay for a peak that the model does not have.
-fn unmet_peaks(problem: &Problem, layout: &Layout, before: &[f64], last: &Corrections, found: &Solution) -> Vec<usize> {
-    let with_peak = || (0..layout.fixed_static.len()).filter(|&i| last.peaks[i].is_some());
-    let at_bound = |i: &usize| layout.fixed_static[*i].is_some_and(|number| found.at_bound[number]);
+/// Measurements whose static peaks the model does not meet together with dynamic friction, for which that must not pay: where the fit did
+/// not settle those whose mu_s ended at a bound; otherwise those whose dynamic friction in time, at the coefficients found, is further from
+/// that of the fit than its standard error.
+fn unmet_peaks(
+    problem: &Problem,
+    layout: &Layout,
+    [of_the_fit, confirmed]: [&Corrections; 2],
+    found: &Solution,
+    settled: bool,
+) -> Vec<usize> {
+    let with_peak = || (0..layout.fixed_static.len()).filter(|&i| of_the_fit.peaks[i].is_some());
+    let at_bound = |i: &usize| !settled && layout.fixed_static[*i].is_some_and(|number| found.at_bound[number]);
     let held: Vec<usize> = with_peak().filter(at_bound).collect();
-    let moves = |i: &usize| {
+    let off = |i: &usize| {
         let measured = &problem.measurements[*i];
-        before
-            .get(*i)
-            .is_none_or(|before| (last.delta[*i] / before - 1.0).abs() * measured.mu_dynamic > measured.mu_dynamic_std)
+        let change = (confirmed.delta[*i] / of_the_fit.delta[*i] - 1.0).abs();
+        let noise = confirmed.relative_stderr[*i].hypot(of_the_fit.relative_stderr[*i]);
+        change * measured.mu_dynamic > measured.mu_dynamic_std.max(3.0 * noise * measured.mu_dynamic)
     };
-    if held.is_empty() { with_peak().filter(moves).collect() } else { held }
+    if held.is_empty() { with_peak().filter(off).collect() } else { held }
 }
 
 /// The model as the fit sees it: steady sliding by the emulator, dynamic runs by their corrections.
@@ -369,7 +375,8 @@ fn first_guess(problem: &Problem, layout: &Layout) -> Vec<f64> {
     sums.into_iter().map(|(sum, count): (f64, f64)| sum / count.max(1.0)).collect()
 }
 
-fn report(model: &Model<'_>, solution: &Solution, settled: bool) -> Result<Fit, FitError> {
+/// What was found, with what `confirmed` says of dynamic friction and of peaks at it.
+fn report(model: &Model<'_>, confirmed: &Corrections, solution: &Solution, settled: bool) -> Result<Fit, FitError> {
     let Model { problem, layout, corrections, .. } = *model;
     let count = problem.measurements.len();
     let pairs_per_fit = match problem.coefficients {
@@ -397,17 +404,18 @@ fn report(model: &Model<'_>, solution: &Solution, settled: bool) -> Result<Fit, 
     let predictions = (0..count)
         .map(|i| {
             let measured = &problem.measurements[i];
-            let residual = solution.residuals[i] * measured.mu_dynamic_std;
-            let mu_dynamic = measured.mu_dynamic + residual;
+            let of_the_fit = solution.residuals[i] * measured.mu_dynamic_std;
+            let moved = (measured.mu_dynamic + of_the_fit) * (confirmed.delta[i] / corrections.delta[i] - 1.0);
+            let mu_dynamic = measured.mu_dynamic + of_the_fit + moved;
             let pair = pairs.get(i).unwrap_or(&pairs[0]);
             let factor = area_law.as_ref().map_or(1.0, |law| law.factor(problem.pressure_pa(measured)));
             Prediction {
                 mu_dynamic,
                 over_local_law: mu_dynamic / (pair.dynamic_mean * factor),
-                residual,
-                dynamic_over_steady: corrections.delta[i],
-                relative_stderr: corrections.relative_stderr[i],
-                mu_static: corrections.peaks[i].map(|line| line.at_current),
+                residual: of_the_fit + moved,
+                dynamic_over_steady: confirmed.delta[i],
+                relative_stderr: confirmed.relative_stderr[i],
+                mu_static: confirmed.peaks[i].map(|line| line.at_current),
             }
         })
         .collect();

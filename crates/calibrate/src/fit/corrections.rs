@@ -20,6 +20,7 @@ const LEAST_SLOPE: f64 = 0.05;
 const STATIC_STEP: f64 = 0.05;
 
 /// Dynamic runs relative to what the fit can compute at once.
+#[derive(Clone, Debug)]
 pub struct Corrections {
     /// Dynamic over steady friction.
     pub delta: Vec<f64>,
@@ -79,34 +80,74 @@ impl Corrections {
     }
 }
 
+/// Runs in time at `parameters`, and at slightly larger mu_s where peaks were measured.
 pub fn correct(
     problem: &Problem,
     layout: &Layout,
     parameters: &[f64],
     monitor: &dyn Monitor,
 ) -> Result<Corrections, FitError> {
-    let pairs = layout.pairs(problem, parameters)?;
-    let (area_law, _) = layout.law(problem, parameters)?;
-    let problem = &Problem { area_law, ..problem.clone() };
-    let steady = flat_sample::steady(problem, &pairs)?;
-    let representatives = flat_sample::representatives(problem, &pairs);
-    let dynamic = flat_sample::dynamic(problem, &pairs, &representatives, monitor)?;
-    let peaks = peak_lines(problem, &pairs, &representatives, &dynamic)?;
-    let delta: Vec<f64> = dynamic.iter().zip(&representatives).map(|(d, &of)| d.mu_dynamic / steady[of]).collect();
-    let relative_stderr = |i: usize| {
-        let away = (pairs[i].dynamic_mean() / pairs[representatives[i]].dynamic_mean()).ln();
-        (dynamic[i].stderr / dynamic[i].mu_dynamic).hypot(STANDING_FOR * (delta[i] - 1.0) * away)
+    let runs = Runs::new(problem, layout, parameters, monitor)?;
+    let peaks = peak_lines(&runs)?;
+    Ok(runs.corrections(peaks))
+}
+
+/// Runs in time at the `parameters` of a fit that was made with the corrections `of_the_fit`, where any peaks were fitted: delta depends on
+/// mu_s, and that of the fit is the one before its last step. The slopes of peaks stay those of the fit.
+pub fn confirm(
+    problem: &Problem,
+    layout: &Layout,
+    parameters: &[f64],
+    of_the_fit: &Corrections,
+    monitor: &dyn Monitor,
+) -> Result<Corrections, FitError> {
+    if of_the_fit.peaks.iter().all(Option::is_none) {
+        return Ok(of_the_fit.clone());
+    }
+    let runs = Runs::new(problem, layout, parameters, monitor)?;
+    let found = runs.dynamic.iter().zip(&runs.pairs).zip(&of_the_fit.peaks);
+    let peak = |((found, pair), line): ((&DynamicFlat, &LocalFriction), &Option<PeakLine>)| {
+        let (line, at_current) = ((*line)?, found.mu_static?);
+        Some(PeakLine { at_current, current: pair.static_mean(), ..line })
     };
-    Ok(Corrections { relative_stderr: (0..delta.len()).map(relative_stderr).collect(), delta, peaks })
+    let peaks = found.map(peak).collect();
+    Ok(runs.corrections(peaks))
+}
+
+/// Flat samples in time at some parameters.
+struct Runs {
+    problem: Problem,
+    pairs: Pairs,
+    representatives: Vec<usize>,
+    dynamic: Vec<DynamicFlat>,
+    delta: Vec<f64>,
+}
+
+impl Runs {
+    fn new(problem: &Problem, layout: &Layout, parameters: &[f64], monitor: &dyn Monitor) -> Result<Self, FitError> {
+        let pairs = layout.pairs(problem, parameters)?;
+        let (area_law, _) = layout.law(problem, parameters)?;
+        let problem = Problem { area_law, ..problem.clone() };
+        let steady = flat_sample::steady(&problem, &pairs)?;
+        let representatives = flat_sample::representatives(&problem, &pairs);
+        let dynamic = flat_sample::dynamic(&problem, &pairs, &representatives, monitor)?;
+        let delta = dynamic.iter().zip(&representatives).map(|(d, &of)| d.mu_dynamic / steady[of]).collect();
+        Ok(Self { problem, pairs, representatives, dynamic, delta })
+    }
+
+    fn corrections(self, peaks: Vec<Option<PeakLine>>) -> Corrections {
+        let Self { pairs, representatives, dynamic, delta, .. } = self;
+        let relative_stderr = |i: usize| {
+            let away = (pairs[i].dynamic_mean() / pairs[representatives[i]].dynamic_mean()).ln();
+            (dynamic[i].stderr / dynamic[i].mu_dynamic).hypot(STANDING_FOR * (delta[i] - 1.0) * away)
+        };
+        Corrections { relative_stderr: (0..delta.len()).map(relative_stderr).collect(), delta, peaks }
+    }
 }
 
 /// The slope of every measured static peak, by runs at slightly larger mu_s.
-fn peak_lines(
-    problem: &Problem,
-    pairs: &Pairs,
-    representatives: &[usize],
-    dynamic: &[DynamicFlat],
-) -> Result<Vec<Option<PeakLine>>, FitError> {
+fn peak_lines(runs: &Runs) -> Result<Vec<Option<PeakLine>>, FitError> {
+    let Runs { problem, pairs, representatives, dynamic, .. } = runs;
     if dynamic.iter().all(|d| d.mu_static.is_none()) {
         return Ok(vec![None; dynamic.len()]);
     }
