@@ -1,6 +1,7 @@
 //! The chance that a cut sample is on target: what scatters when it is cut, what is not known of the material, how exactly the
 //! model is solved and, where a design aims with it, the discrepancy.
 
+mod accepted;
 mod inputs;
 mod sampled;
 
@@ -18,6 +19,7 @@ use slipgrid_optimize::{
 use slipgrid_pattern::Pattern;
 use slipgrid_springblock::Scene;
 
+pub use self::accepted::{Accepted, Gain};
 use self::inputs::{Parts, diagonal, of_dimensions, percent, rms};
 use crate::DesignError;
 use crate::learned::LearnedDiscrepancy;
@@ -295,6 +297,18 @@ impl<'a> Chances<'a> {
             about.complete(values, deviations, of);
             self.target.accepts(values)
         })
+    }
+
+    /// The draws in which the inputs that `of` names leave every value accepted.
+    pub fn expanded(&self, draws: &CommonDraws, about: &Expansion, of: &dyn Fn(usize) -> bool) -> Accepted {
+        let accepted = RefCell::new(Vec::new());
+        let _ = draws.probability_by(&about.slopes, of, |values, deviations| {
+            about.complete(values, deviations, of);
+            let accepts = self.target.accepts(values);
+            accepted.borrow_mut().push(accepts);
+            accepts
+        });
+        Accepted(accepted.into_inner())
     }
 
     /// Covariance of the values of a design over `draws`, one row a value.

@@ -5,7 +5,7 @@ use slipgrid_optimize::ModelFailure;
 use slipgrid_springblock::Simulation;
 
 use crate::DesignError;
-use crate::chance::{About, Chances, Expansion};
+use crate::chance::{About, Chances, Expansion, Gain};
 use crate::multi_fidelity::MultiFidelityLoop;
 use crate::next_trial::AdviceReport;
 use crate::task::DesignTask;
@@ -18,7 +18,7 @@ const DRAWS: usize = 20_000;
 /// Draws of the steady model itself, in the vertical plane: a half is known to 1.6 %. And those of each part.
 const SAMPLED: usize = 1000;
 const SAMPLED_PARTS: usize = 300;
-/// Standard errors of the draws by which a chance must be greater to be told.
+/// Standard errors of a gain by which it must be above 0 to be told.
 const BEYOND_DRAWS: f64 = 2.0;
 /// How the numerical errors are called.
 const NUMERICAL: &str = "numerical error";
@@ -54,7 +54,7 @@ pub struct PartReport {
     pub input: String,
     /// How well it is known, in words.
     pub known_to: String,
-    /// The chance if it were known exactly.
+    /// The chance if it were known exactly: greater by what the same draws gain.
     pub chance_without: f64,
 }
 
@@ -138,14 +138,15 @@ impl MultiFidelityLoop<'_> {
         let is_sampled = !self.model.is_spatial();
         let draws = chances.draws(DRAWS, design.seed);
         let failed = |failure: ModelFailure| DesignError::Failed(format!("chance: {failure}"));
-        let share_of = |count: usize, of: &(dyn Fn(usize) -> bool + Sync)| {
+        let accepted = |count: usize, of: &(dyn Fn(usize) -> bool + Sync)| {
             if !is_sampled {
-                return Ok(chances.share(&draws, &expansion, of));
+                return Ok(chances.expanded(&draws, &expansion, of));
             }
             chances.sampled(&about, count, design.seed, of).map_err(failed)
         };
-        let all = share_of(SAMPLED, &|_| true)?;
-        let parts = parts(chances, &numerical, &|of| Ok(tidy(share_of(SAMPLED_PARTS, of)?.share)))?;
+        let drawn = accepted(SAMPLED, &|_| true)?;
+        let all = drawn.probability();
+        let gains = gains(chances, &numerical, &|of| Ok(accepted(SAMPLED_PARTS, of)?.gain_over(&drawn)))?;
         let mut included: Vec<String> =
             chances.inputs().iter().map(|input| format!("{} ({})", input.name, input.known_to)).collect();
         included.push(if discretization {
@@ -153,13 +154,15 @@ impl MultiFidelityLoop<'_> {
         } else {
             format!("{NUMERICAL} (time average)")
         });
-        // sqrt(p (1 - p) / n): how far chances of so few draws are known.
-        let by_draws = |part: &PartReport| {
-            let (share, without) = (all.stderr, part.chance_without);
-            share.hypot((without * (1.0 - without) / SAMPLED_PARTS as f64).sqrt())
+        let is_clear = |gain: &Gain| all.share < 0.995 && gain.share > BEYOND_DRAWS * gain.stderr;
+        let is_limit = gains.first().is_some_and(|(_, gain)| is_clear(gain));
+        let without = |(part, gain): (Part<'_>, Gain)| PartReport {
+            input: part.input.to_owned(),
+            known_to: part.known_to,
+            chance_without: tidy((all.share + gain.share).clamp(0.0, 1.0)),
         };
-        let is_more = |part: &&PartReport| part.chance_without > all.share + BEYOND_DRAWS * by_draws(part);
-        let limited_by = parts.first().filter(|_| all.share < 0.995).filter(is_more).cloned();
+        let parts: Vec<PartReport> = gains.into_iter().map(without).collect();
+        let limited_by = parts.first().filter(|_| is_limit).cloned();
         let report = ChanceReport {
             words: format!("{} {ON_TARGET}{}", percent(all.share), limits(limited_by.as_ref(), &not_known)),
             value: Some(tidy(all.share)),
@@ -202,29 +205,29 @@ pub(super) fn numerical(
 /// Which inputs are off.
 type Off<'a> = dyn Fn(usize) -> bool + Sync + 'a;
 
-/// What the chance would be without each part, the greatest first.
-fn parts(
-    chances: &Chances,
+/// Something that is not known exactly: how it is called, and how well it is known in words.
+struct Part<'a> {
+    input: &'a str,
+    known_to: String,
+}
+
+/// How much greater the chance would be if each part were known exactly, the greatest gain first.
+fn gains<'a>(
+    chances: &'a Chances,
     numerical: &[f64],
-    share: &dyn Fn(&Off<'_>) -> Result<f64, DesignError>,
-) -> Result<Vec<PartReport>, DesignError> {
-    let mut parts: Vec<PartReport> = Vec::new();
+    gain: &dyn Fn(&Off<'_>) -> Result<Gain, DesignError>,
+) -> Result<Vec<(Part<'a>, Gain)>, DesignError> {
+    let mut gains: Vec<(Part, Gain)> = Vec::new();
     for input in chances.inputs() {
-        parts.push(PartReport {
-            input: input.name.to_owned(),
-            known_to: input.known_to.clone(),
-            chance_without: share(&|place| !input.places.contains(&place))?,
-        });
+        let part = Part { input: input.name, known_to: input.known_to.clone() };
+        gains.push((part, gain(&|place| !input.places.contains(&place))?));
     }
     let places = chances.numerical();
-    parts.push(PartReport {
-        input: NUMERICAL.to_owned(),
-        known_to: format!("up to {:.4}", numerical.iter().copied().fold(0.0, f64::max)),
-        chance_without: share(&|place| !places.contains(&place))?,
-    });
+    let known_to = format!("up to {:.4}", numerical.iter().copied().fold(0.0, f64::max));
+    gains.push((Part { input: NUMERICAL, known_to }, gain(&|place| !places.contains(&place))?));
     // Stable: of equal gains the earlier first.
-    parts.sort_by(|a, b| b.chance_without.total_cmp(&a.chance_without));
-    Ok(parts)
+    gains.sort_by(|(_, a), (_, b)| b.share.total_cmp(&a.share));
+    Ok(gains)
 }
 
 /// A share in per cent, as one says it.

@@ -52,8 +52,8 @@ pub struct Probability {
 /// Draws of the inputs and what the model made of them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Propagation {
-    /// Values of the draws that have any, in the order drawn.
-    samples: Vec<Vec<f64>>,
+    /// Values of each draw, in the order drawn; `None` where the model has none.
+    samples: Vec<Option<Vec<f64>>>,
     /// Draws for which the model has no answer.
     pub failed: usize,
     /// Draws of a dimension that was not positive: drawn again.
@@ -91,25 +91,29 @@ pub fn propagate(
         })?);
     }
     let answers: Vec<_> = inputs.par_iter().map(|(at, parameters)| model.respond_at(at, parameters)).collect();
-    let mut samples: Vec<Vec<f64>> = Vec::with_capacity(draws);
-    let mut first_failure = None;
+    let mut samples: Vec<Option<Vec<f64>>> = Vec::with_capacity(draws);
+    let (mut expected, mut first_failure) = (None, None);
     for answer in answers {
         match answer {
             Ok(values) if values.iter().all(|value| value.is_finite()) => {
-                let expected = samples.first().map_or(values.len(), Vec::len);
-                samples.push(as_many(values, expected)?);
+                let expected = *expected.get_or_insert(values.len());
+                samples.push(Some(as_many(values, expected)?));
             }
-            Ok(_) => {}
-            Err(failure @ ModelFailure::Trial { .. }) => first_failure = first_failure.or(Some(failure)),
+            Ok(_) => samples.push(None),
+            Err(failure @ ModelFailure::Trial { .. }) => {
+                first_failure = first_failure.or(Some(failure));
+                samples.push(None);
+            }
             Err(failure) => return Err(failure),
         }
     }
-    if samples.is_empty() {
+    let failed = samples.iter().filter(|sample| sample.is_none()).count();
+    if failed == draws {
         return Err(
             first_failure.unwrap_or_else(|| ModelFailure::Trial { reason: "no draw has finite values".to_owned() })
         );
     }
-    Ok(Propagation { failed: draws - samples.len(), samples, redrawn })
+    Ok(Propagation { failed, samples, redrawn })
 }
 
 /// The design moved by the first deviations, and its rims by the last where their height is not exact.
@@ -129,20 +133,26 @@ impl Propagation {
     /// Draws, failed ones included.
     #[must_use]
     pub fn draws(&self) -> usize {
-        self.samples.len() + self.failed
+        self.samples.len()
     }
 
     /// How each value scatters over the draws that have values.
     #[must_use]
     pub fn spreads(&self) -> Vec<Spread> {
-        let values = self.samples.first().map_or(0, Vec::len);
-        (0..values).map(|value| spread(self.samples.iter().map(|sample| sample[value]).collect())).collect()
+        let values = self.samples.iter().flatten().next().map_or(0, Vec::len);
+        (0..values).map(|value| spread(self.samples.iter().flatten().map(|sample| sample[value]).collect())).collect()
+    }
+
+    /// Whether `judge` holds for each draw, in the order drawn; for a failed one it does not.
+    #[must_use]
+    pub fn judged(&self, judge: impl Fn(&[f64]) -> bool) -> Vec<bool> {
+        self.samples.iter().map(|sample| sample.as_ref().is_some_and(|values| judge(values))).collect()
     }
 
     /// How often `judge` holds; a failed draw counts as one for which it does not.
     #[must_use]
     pub fn probability(&self, judge: impl Fn(&[f64]) -> bool) -> Probability {
-        Probability::of(self.samples.iter().filter(|sample| judge(sample)).count(), self.draws())
+        Probability::of(self.judged(judge).into_iter().filter(|&holds| holds).count(), self.draws())
     }
 }
 

@@ -13,7 +13,8 @@ pub struct Sampled<'a> {
 }
 
 impl<'a> Chances<'a> {
-    /// Share of `draws` of the steady model in which every value is accepted; a draw that cannot be computed is one that is not.
+    /// Those of `draws` of the steady model in which every value is accepted; a draw that cannot be computed is one that is not. More
+    /// draws begin with the same ones.
     ///
     /// # Errors
     /// [`ModelFailure`] where the design or every draw cannot be computed.
@@ -23,14 +24,14 @@ impl<'a> Chances<'a> {
         draws: usize,
         seed: u64,
         of: &(dyn Fn(usize) -> bool + Sync),
-    ) -> Result<Probability, ModelFailure> {
+    ) -> Result<Accepted, ModelFailure> {
         let discrepancy = self.drawn(about.design)?;
         let factor = |load: usize| discrepancy.as_ref().map_or(1.0, |drawn| drawn.medians[load].exp());
         let scale = self.scale.iter().enumerate().map(|(load, scale)| scale * factor(load)).collect();
         let discrepancy = discrepancy.filter(|drawn| of(drawn.first));
         let model = Sampled { chances: self, about: *about, scale, discrepancy, of };
         let drawn = propagate(&model, about.design, &self.uncertainty, draws, seed)?;
-        Ok(drawn.probability(|values| self.target.accepts(values)))
+        Ok(Accepted(drawn.judged(|values| self.target.accepts(values))))
     }
 }
 
