@@ -7,7 +7,7 @@ use slipgrid_monitor::{Monitor, Stage};
 use slipgrid_topography::{HeightMap, MapWarning, PreparedMap};
 use slipgrid_units::PRESSURE_MPA;
 
-use crate::map_windows::{DEFAULT_WINDOWS, WindowSpread, takes_default_windows, window_spread};
+use crate::area_law_sampling::{DEFAULT_WINDOWS, WindowSpread, takes_default_windows, window_spread};
 
 /// Error at which the contact computation of a calibration ends: on the reference maps no pixel changes after it.
 pub const CONTACT_TOLERANCE: f64 = 1e-6;

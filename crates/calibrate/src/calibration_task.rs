@@ -8,8 +8,8 @@ use slipgrid_topography::PreparedMap;
 
 use crate::area_law::AreaLawError;
 use crate::select_measurements::Selection;
-use crate::surface_findings::{SurfaceFindings, surface_findings};
-use crate::trials::{TrialsTask, learn};
+use crate::surface_area_law_source::{SurfaceFindings, surface_findings};
+use crate::trial_discrepancy::{TrialsTask, learn};
 use crate::uncertainty::MaterialUncertainty;
 use crate::{Coefficients, Fit, FitError, Measurement, Problem, fit_coefficients, fitted_material, planned_steps};
 

@@ -1,6 +1,6 @@
 //! The fit itself.
 
-mod corrections;
+mod dynamic_corrections;
 mod feasibility;
 mod fit_notes;
 mod profile_likelihood;
@@ -14,7 +14,7 @@ use crate::flat_sample::Pairs;
 use crate::flat_sample_emulator::Emulator;
 use crate::least_squares::{LeastSquares, Solution};
 use crate::{Coefficients, FitError, Problem};
-use corrections::{Corrections, average_slopes, borrow_slopes, confirm, correct, flat_peaks};
+use dynamic_corrections::{Corrections, average_slopes, borrow_slopes, confirm, correct, flat_peaks};
 
 /// Rounds of fit and dynamic runs at most. delta hardly depends on the coefficients: where no static peaks are fitted one
 /// round is enough.

@@ -1,3 +1,5 @@
+//! What is fitted: measurements of flat samples, and what is known of the solid.
+
 use crate::AreaLawScale;
 use slipgrid_material::{AreaLaw, Condition, Elastic, MaterialError};
 use slipgrid_springblock::{Layer, SceneError};

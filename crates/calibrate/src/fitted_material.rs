@@ -12,8 +12,8 @@ use slipgrid_units::{
 use crate::area_law::table_warnings;
 use crate::calibration_task::{CalibrationError, CalibrationOutcome, CalibrationTask, FittedRow};
 use crate::load_dependence::follows_load;
-use crate::surface_findings::{AreaLawOrigin, SurfaceFindings};
-use crate::trials::note;
+use crate::surface_area_law_source::{AreaLawOrigin, SurfaceFindings};
+use crate::trial_discrepancy::note;
 use crate::uncertainty::{CoefficientEstimate, MaterialUncertainty};
 use crate::{Coefficients, Fit, FittedPair, Measurement};
 use slipgrid_discrepancy::Discrepancy;

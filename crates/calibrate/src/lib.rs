@@ -17,7 +17,7 @@
 //! | [`run`], [`CalibrationTask`] | the whole job: from measurements and a surface to a material and what is known of its errors |
 //! | [`CalibrationOutcome`] | the material, its [`uncertainty::MaterialUncertainty`], the fit and the contact area behind it |
 //! | [`Selection`] | the measurements that coefficients for some conditions and pressures rest on |
-//! | [`area_law`], [`map_windows`] | contact area and area law of a map, and how windows of it scatter about them |
+//! | [`area_law`], [`area_law_sampling`] | contact area and area law of a map, and how windows of it scatter about them |
 //! | [`fit_coefficients`], [`Problem`] | the fit alone |
 //! | [`Fit`], [`FittedPair`], [`Parameter`] | coefficients, covariance, profile likelihood, residuals, what stays undetermined |
 //! | [`learn`], [`CutSample`] | what samples that were cut and measured say of any texture |
@@ -71,6 +71,7 @@
 //! ```
 
 pub mod area_law;
+pub mod area_law_sampling;
 mod calibration_task;
 mod fit;
 mod fit_problem;
@@ -80,13 +81,12 @@ mod flat_sample;
 mod flat_sample_emulator;
 mod least_squares;
 mod load_dependence;
-pub mod map_windows;
 mod marginal_uncertainty;
 mod patterned_samples;
 mod scaled_area_law;
 mod select_measurements;
-mod surface_findings;
-mod trials;
+mod surface_area_law_source;
+mod trial_discrepancy;
 pub mod uncertainty;
 
 pub use calibration_task::{
@@ -98,5 +98,5 @@ pub use flat_friction_law::flat_friction_law;
 pub use marginal_uncertainty::{FlatLoad, marginal_relative_std};
 pub use scaled_area_law::AreaLawScale;
 pub use select_measurements::{Selection, measured_friction};
-pub use surface_findings::{AreaLawOrigin, SurfaceFindings};
-pub use trials::{CutSample, LearnedSamples, ModelledRatio, PendingSample, TrialsTask, learn, learn_alone};
+pub use surface_area_law_source::{AreaLawOrigin, SurfaceFindings};
+pub use trial_discrepancy::{CutSample, LearnedSamples, ModelledRatio, PendingSample, TrialsTask, learn, learn_alone};

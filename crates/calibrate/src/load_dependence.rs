@@ -4,7 +4,7 @@ use slipgrid_material::Condition;
 use slipgrid_units::{HUMIDITY_PCT, PRESSURE_MPA, SPEED_MM_S, tidy};
 
 use crate::FittedRow;
-use crate::surface_findings::AreaLawOrigin;
+use crate::surface_area_law_source::AreaLawOrigin;
 
 /// Standard errors from which on a change is no scatter.
 const SURE: f64 = 3.0;

@@ -7,10 +7,10 @@ use slipgrid_optimize::{ForwardModel, ModelFailure};
 use slipgrid_pattern::Pattern;
 use slipgrid_springblock::Scene;
 
+use crate::best_round::BestDesign;
 use crate::chance_report::ChanceReport;
 use crate::conditions_report::ConditionsReport;
 use crate::explorer::{self, Explorer};
-use crate::kept_round::BestDesign;
 use crate::multi_fidelity::MultiFidelityLoop;
 use crate::next_trial::AdviceReport;
 use crate::prepared_task::PreparedTask;

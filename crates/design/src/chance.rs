@@ -22,7 +22,7 @@ use slipgrid_springblock::Scene;
 pub use self::accepted::{Accepted, Gain};
 use self::inputs::{Parts, diagonal, of_dimensions, percent, rms};
 use crate::DesignError;
-use crate::learned::LearnedDiscrepancy;
+use crate::learned_discrepancy::LearnedDiscrepancy;
 use crate::operating_conditions::Further;
 use crate::steady_model::SteadyModel;
 use crate::task::DesignTask;

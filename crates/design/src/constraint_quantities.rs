@@ -5,7 +5,7 @@ use slipgrid_optimize::ModelFailure;
 use slipgrid_pattern::Pattern;
 
 use crate::evaluation_cache::Answer;
-use crate::pattern_effect::Effect;
+use crate::minimum_effect::Effect;
 use crate::steady_model::SteadyModel;
 use crate::task::DesignTask;
 use slipgrid_export::Specimen;

@@ -10,14 +10,14 @@ use slipgrid_springblock::{Load, Scene, Simulation};
 use slipgrid_units::{PRESSURE_MPA, tidy};
 
 use crate::assessment::Assessment;
+use crate::best_round::BestDesign;
 use crate::chance::Chances;
+use crate::design_report::{DesignReport, MisfitReport, patterns};
 use crate::discrepancy_correction::DiscrepancyReport;
 use crate::evaluation_cache::EvaluationCache;
 use crate::explorer::Explorer;
-use crate::kept_round::BestDesign;
-use crate::learned::LearnedDiscrepancy;
+use crate::learned_discrepancy::LearnedDiscrepancy;
 use crate::multi_fidelity::{MultiFidelityLoop, time_statement};
-use crate::outcome::{DesignReport, MisfitReport, patterns};
 use crate::prepared_task::PreparedTask;
 use crate::target_report::GoalReport;
 use crate::task::{DesignTask, KnownMaterial, TradeOffsWanted};

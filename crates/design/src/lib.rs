@@ -11,14 +11,15 @@
 //!
 //! | module | role |
 //! |---|---|
-//! | `task`, `job`, `outcome` | what is asked, how it is answered, what is found |
-//! | `steady_model`, `cells` | the model that the search asks: the steady cell, corrected by confirming runs |
-//! | `multi_fidelity` | searches and confirming runs in turn |
+//! | `task`, `prepared_task`, `job`, `design_report` | what is asked, what follows from it, how it is answered, what is found |
+//! | `assessment` | how far the design found can be trusted, and what moves it |
+//! | `steady_model`, `directional_cells` | the model that the search asks: the steady cell, corrected by confirming runs |
+//! | `multi_fidelity`, `best_round` | searches and confirming runs in turn, and which of them is reported |
 //! | `confirmation`, `flat_sample`, `dynamic_excess` | runs in time: of the design, of the flat sample, and how both agree with calibration |
 //! | `specimen` | a pattern solved on the specimen that it is cut into |
 //! | `operating_conditions`, `decisive_conditions`, `conditions_report` | further speeds, humidities and sliding directions |
-//! | `constraint_quantities`, `pattern_effect` | what limits hold |
-//! | `learned` | what trials say that the model lacks, which designs may aim with |
+//! | `constraint_quantities`, `minimum_effect` | what limits hold |
+//! | `learned_discrepancy` | what trials say that the model lacks, which designs may aim with |
 //! | `selection`, `chance`, `chance_report` | the choice among designs on target by their chance |
 //! | `uncertainty_budget`, `scene_errors`, `discrepancy_correction` | the error beside every number |
 //! | `robustness`, `robust_search`, `sensitivity`, `rim_sensitivity` | what tolerances make of the design, and its slopes |
@@ -59,8 +60,8 @@
 //! This crate opens no files, reads no clock, prints nothing, and does not touch the environment.
 
 mod assessment;
+mod best_round;
 mod cache_key;
-mod cells;
 mod chance;
 mod chance_report;
 mod conditions_report;
@@ -68,6 +69,8 @@ mod confirmation;
 mod constraint_quantities;
 mod cost_estimate;
 mod decisive_conditions;
+mod design_report;
+mod directional_cells;
 mod discrepancy_correction;
 mod dynamic_excess;
 mod error;
@@ -77,14 +80,12 @@ mod flat_is_best;
 mod flat_sample;
 mod infeasibility;
 mod job;
-mod kept_round;
 mod lattice_table;
-mod learned;
+mod learned_discrepancy;
+mod minimum_effect;
 mod multi_fidelity;
 mod next_trial;
 mod operating_conditions;
-mod outcome;
-mod pattern_effect;
 mod prepared_task;
 mod reachable_range;
 mod rim_sensitivity;
@@ -96,7 +97,7 @@ mod selection;
 mod sensitivity;
 mod specimen;
 mod steady_model;
-mod stored;
+mod stored_result;
 mod target_report;
 mod task;
 mod time_budget;
@@ -114,6 +115,7 @@ pub use slipgrid_springblock as springblock;
 
 pub use constraint_quantities::ConstraintQuantity;
 pub use cost_estimate::cost_line;
+pub use design_report::{DesignReport, MisfitReport, Verdict};
 pub use dynamic_excess::correct;
 pub use error::{DesignError, Refusal, TaskPart};
 pub use evaluation_cache::{Answer, Answered, Evaluation, EvaluationCache, Evaluations, Fault, LARGEST, NoCache};
@@ -124,10 +126,9 @@ pub use next_trial::{
     AdviceReport, NextOptions, NextReport, NextTrials, OneDiscReport, PredictedRatio, RatioPrediction, SectorReport,
     TrialCandidateReport, next_trials,
 };
-pub use outcome::{DesignReport, MisfitReport, Verdict};
 pub use scene_errors::{Solved, of_scene};
 pub use specimen::{SpecimenError, simulate_on, solved_as};
-pub use stored::{StoredDesign, StoredError};
+pub use stored_result::{StoredDesign, StoredError};
 pub use task::{
     DEFAULT_MAX_EVALUATIONS, DEFAULT_SPEED_M_S, DesignTask, FurtherDirections, KnownMaterial, SampleScatter,
     TradeOffGoal, TradeOffsWanted, check_pressures, loads,

@@ -8,13 +8,13 @@ use slipgrid_optimize::{
 use slipgrid_springblock::{Extent, Fidelity, Load, RunOptions, Scene};
 
 use crate::DesignError;
+use crate::best_round::{Advantage, KeptRound, Round};
 use crate::cache_key::cache_key;
 use crate::chance::Chances;
 use crate::confirmation::warm_travel_m;
 use crate::constraint_quantities::Limited;
 use crate::evaluation_cache::{EvaluationCache, Evaluations};
 use crate::flat_sample::flat_friction;
-use crate::kept_round::{Advantage, KeptRound, Round};
 use crate::operating_conditions::Further;
 use crate::robust_search;
 use crate::steady_model::SteadyModel;
@@ -76,7 +76,7 @@ pub(super) fn time_statement(stages: &[&str]) -> Option<String> {
 }
 
 impl<'a> MultiFidelityLoop<'a> {
-    /// Nothing tried yet. Where the target is dynamic friction itself, the flat sample is run first.
+    /// The loop before its first search. Where the target is dynamic friction itself, the flat sample is run here.
     pub(super) fn new(
         design: &DesignTask,
         material: &Material,

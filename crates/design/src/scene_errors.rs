@@ -13,7 +13,7 @@ use slipgrid_results::{CorrectedAt, CorrectedReport, ErrorsReport};
 use slipgrid_springblock::{Extent, Fidelity, Load, LoadOutcome, Scene, Simulation, SurfaceOutcome};
 use slipgrid_units::{PRESSURE_MPA, tidy};
 
-use crate::learned::usual_humidity;
+use crate::learned_discrepancy::usual_humidity;
 use slipgrid_calibrate::uncertainty::MaterialUncertainty;
 
 /// Name of the one error of a flat surface.

@@ -14,11 +14,11 @@ use slipgrid_springblock::{
 };
 
 pub use self::coarse::LowFidelity;
-use crate::cells::Solver;
 use crate::confirmation::trusted;
 use crate::constraint_quantities::Limited;
+use crate::directional_cells::Solver;
 use crate::evaluation_cache::{Answer, Evaluations};
-use crate::learned::LearnedDiscrepancy;
+use crate::learned_discrepancy::LearnedDiscrepancy;
 use crate::specimen::{SpecimenError, density_share, on_face, onto};
 use crate::task::DesignTask;
 use slipgrid_export::Specimen;

@@ -15,7 +15,7 @@ use crate::chance_report::percent;
 use crate::constraint_quantities::Limited;
 use crate::evaluation_cache::Answer;
 use crate::job::Compared;
-use crate::learned::LearnedDiscrepancy;
+use crate::learned_discrepancy::LearnedDiscrepancy;
 use crate::selection::{Chosen, Effort};
 use crate::steady_model::SteadyModel;
 use crate::task::DesignTask;

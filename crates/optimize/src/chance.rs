@@ -1,8 +1,8 @@
 //! The chance that what is made of a design is on target, by draws that all designs share.
 
-use crate::propagation::{Linearization, Probability};
 use crate::sensitivity::folded;
 use crate::uncertainty::Uncertainty;
+use crate::uncertainty_propagation::{Linearization, Probability};
 use slipgrid_statistics::Normals;
 
 /// Seeded draws of everything that is not known exactly. Designs judged by the same draws are compared without the

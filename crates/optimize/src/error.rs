@@ -1,3 +1,5 @@
+//! Why a search was refused.
+
 /// Why a search was refused or could not go on. A target that no design reaches is no error but a
 /// [`Status`](crate::Status).
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]

@@ -16,7 +16,7 @@
 //! UCLA 1961): w_i |r_i + J_i s| takes the place of w_i until the largest of these no longer falls.
 
 use crate::Limit;
-use crate::archive::LocalArchive;
+use crate::evaluation_archive::LocalArchive;
 use crate::local_search::{Cost, Objective};
 use crate::low_discrepancy::MOST_DIMENSIONS;
 use crate::space::Grid;

@@ -29,7 +29,7 @@
 //! The search goes from the whole to the detail. It evaluates the corners of the bounds and a
 //! low-discrepancy sample, descends from the best distinct designs by damped Gauss-Newton steps (to a lowest or
 //! highest mean by projected linear ones) and, where these do not suffice, by Nelder and Mead's method,
-//! polishes width and spacing at neighbouring numbers of bursts, and, before it calls a target
+//! seeks width and spacing anew at neighbouring numbers of bursts, and, before it calls a target
 //! unreachable, looks for the lowest and highest value there is. It moves only on the grid of
 //! designs that can be made (whole bursts deep; width and spacing to [`POSITION_STEP_M`]), so no
 //! result is rounded afterwards. It stops early only where a design misses by at most
@@ -65,13 +65,12 @@
 //! # Ok::<(), slipgrid_optimize::SearchError>(())
 //! ```
 
-mod archive;
 mod chance;
 mod constraints;
 mod error;
+mod evaluation_archive;
 mod gauss_newton;
 mod infeasibility;
-mod linear_steps;
 mod local_search;
 mod low_discrepancy;
 mod low_fidelity_correction;
@@ -79,16 +78,18 @@ mod model;
 mod multi_fidelity;
 mod nelder_mead;
 mod outcome;
-mod propagation;
-mod robust;
+mod robust_search;
 mod search;
+mod search_effort;
 mod selection;
 mod sensitivity;
+mod sequential_linear_programming;
 mod space;
 mod summary;
 mod target;
 mod trade_offs;
 mod uncertainty;
+mod uncertainty_propagation;
 
 pub use chance::CommonDraws;
 pub use constraints::{Bound, Constraints, Limit, Violation};
@@ -98,8 +99,7 @@ pub use low_fidelity_correction::LowFidelityCorrection;
 pub use model::{ForwardModel, ModelFailure, Response};
 pub use multi_fidelity::search_multi_fidelity;
 pub use outcome::{Candidate, FailedTrial, HistoryPoint, ReachableRange, SearchOutcome, Status};
-pub use propagation::{Linearization, Probability, Propagation, Spread, UncertainModel, propagate};
-pub use robust::{RobustOutcome, search_robust};
+pub use robust_search::{RobustOutcome, search_robust};
 pub use search::{SearchOptions, least_evaluations, search, search_near};
 pub use selection::{Choice, Merits, Selection, SelectionOptions, select, select_multi_fidelity};
 pub use sensitivity::{AxisSensitivity, Sensitivities, Slope, sensitivities, with_rim_off};
@@ -107,6 +107,7 @@ pub use space::{DEPTH_STEP_M, DesignSpace, POSITION_STEP_M};
 pub use target::{Demand, Goal, Misfit, Quantity, Target, TargetPoint, Wanted};
 pub use trade_offs::{Goals, TradeOff, TradeOffOptions, TradeOffs, compare, trade_offs};
 pub use uncertainty::{Tolerances, Uncertainty};
+pub use uncertainty_propagation::{Linearization, Probability, Propagation, Spread, UncertainModel, propagate};
 
 /// Root-mean-square misfit, in tolerances, at which a design counts as comfortably on target and
 /// descending further would only spend evaluations: 0.0002 of a ratio at a tolerance of 0.01.

@@ -7,10 +7,10 @@
 //! smooth, within [0, 1] for every u, and stationary at the bounds, so that a minimum on a bound is
 //! an ordinary minimum in u.
 
-use crate::archive::{LocalArchive, Record};
+use crate::evaluation_archive::{LocalArchive, Record};
 use crate::low_discrepancy::MOST_DIMENSIONS;
 use crate::space::Grid;
-use crate::{COMFORTABLE_RMS, Candidate, gauss_newton, linear_steps, nelder_mead};
+use crate::{COMFORTABLE_RMS, Candidate, gauss_newton, nelder_mead, sequential_linear_programming};
 use slipgrid_pattern::Pattern;
 use std::f64::consts::PI;
 
@@ -131,8 +131,11 @@ impl Descent {
     pub(crate) fn run(mut self, local: &mut LocalArchive<'_>) -> Option<Self> {
         match self.method {
             Method::GaussNewton | Method::LinearSteps => {
-                let descend =
-                    if self.method == Method::GaussNewton { gauss_newton::descend } else { linear_steps::descend };
+                let descend = if self.method == Method::GaussNewton {
+                    gauss_newton::descend
+                } else {
+                    sequential_linear_programming::descend
+                };
                 let end = descend(&self.grid, &self.start, &self.cost, local);
                 self.start = end.unwrap_or(self.start);
                 local.interruption.is_some().then_some(self)
@@ -244,7 +247,7 @@ impl Place<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::archive::{Archive, Evaluator, Interruption};
+    use crate::evaluation_archive::{Archive, Evaluator, Interruption};
     use crate::{Constraints, DesignSpace, ModelFailure, Quantity, Response, Target, TargetPoint};
     use slipgrid_monitor::Unwatched;
     use slipgrid_pattern::Planform;

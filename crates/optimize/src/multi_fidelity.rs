@@ -1,6 +1,6 @@
 //! Search with a dear model along a cheap one.
 
-use crate::archive::{Archive, Evaluator, Interruption, Key, Record, key};
+use crate::evaluation_archive::{Archive, Evaluator, Interruption, Key, Record, key};
 use crate::low_fidelity_correction::{Correction, LowFidelityCorrection};
 use crate::search::search_along;
 use crate::space::Grid;

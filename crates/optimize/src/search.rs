@@ -1,5 +1,9 @@
-use crate::archive::{Archive, Evaluator, Interruption, LocalArchive};
+//! The search itself: a sample of the space, descents from its best designs, neighbouring numbers of bursts, and how far friction can be
+//! brought.
+
+use crate::evaluation_archive::{Archive, Evaluator, Interruption, LocalArchive};
 use crate::local_search::{Cost, Descent, Method, Objective};
+use crate::search_effort::{AGAIN, ALONG, Effort, NEAREST, NEXT_BURSTS, WHOLE};
 use crate::space::Grid;
 use crate::{
     Candidate, Constraints, DesignSpace, ForwardModel, Goal, SearchError, SearchOutcome, Status, Target,
@@ -32,43 +36,11 @@ pub fn least_evaluations(space: &DesignSpace, constraints: &Constraints) -> Resu
     Ok(2 * low_discrepancy::planned(Grid::new(space, constraints)?.free_axes().len()) - 1)
 }
 
-/// How thoroughly a search is made.
-#[derive(Clone, Copy, Debug)]
-struct Effort {
-    /// Descents started together, about ten evaluations each. More give more alternatives and survive more false
-    /// valleys.
-    starts: usize,
-    /// Simplexes started from the best of these where Gauss-Newton steps did not suffice.
-    simplex_starts: usize,
-    /// Whole numbers of bursts, nearest to the best one, at which width and spacing are polished where the target
-    /// is not met.
-    bursts: usize,
-    /// Edge of the first simplex over the usual one.
-    edge: f64,
-    /// Scatter of costs, in tolerances, at which a simplex has collapsed, over the usual one.
-    collapsed: f64,
-    /// Nothing is asked but which design is nearest: neither how far friction can be brought, nor whether starts unlike
-    /// those before lead elsewhere.
-    nearest_alone: bool,
-}
-
-/// Nothing is known but the sample.
-const WHOLE: Effort =
-    Effort { starts: 5, simplex_starts: 2, bursts: 12, edge: 1.0, collapsed: 1.0, nearest_alone: false };
-/// The same of a guide, which is not worth following to its last digit.
-const ALONG: Effort = Effort { collapsed: 10.0, ..WHOLE };
-/// The guide has changed a little since the last search, whose finds are known.
-const AGAIN: Effort = Effort { starts: 2, simplex_starts: 1, bursts: NEXT_BURSTS, edge: 0.4, collapsed: 10.0, ..WHOLE };
-/// The best design of much the same problem is known.
-const NEAREST: Effort = Effort { starts: 3, nearest_alone: true, ..AGAIN };
-
 /// Smallest distance of two starts, as a share of the (logarithmic) bounds.
 const START_DISTANCE: f64 = 0.15;
 /// Penalty of a relative excess of 1, in median misfits of the sample: a constraint that changes by
 /// its own size over the box is then twenty times as steep as the misfit.
 const PENALTY_STEEPNESS: f64 = 20.0;
-/// The same as [`Effort::bursts`] where the target is met, but not comfortably.
-const NEXT_BURSTS: usize = 3;
 /// Target points up to which every one has its extremes sought; beyond, the lowest and highest
 /// pressure and the one missed most.
 const EVERY_EXTREME: usize = 4;
@@ -231,7 +203,7 @@ impl Search<'_> {
         }
         // 1. From the best distinct designs of the sample.
         let mut tried = self.distinct_starts(&[], self.effort.starts);
-        self.polish(&tried.clone())?;
+        self.refine_at_bursts(&tried.clone())?;
         // 2. Width and spacing at the numbers of bursts near the best one.
         if !self.is_comfortable() {
             let most = if self.is_met() && !self.has_goal() { NEXT_BURSTS } else { self.effort.bursts };
@@ -254,7 +226,7 @@ impl Search<'_> {
         if looks_on || (self.has_goal() && !self.is_comfortable()) {
             tried.extend(self.archive.best().map(|best| best.design));
             let starts = self.distinct_starts(&tried, self.effort.starts);
-            self.polish(&starts)?;
+            self.refine_at_bursts(&starts)?;
             self.bring_the_largest_down()?;
         }
         // 5. With all evaluations left, what was cut short.
@@ -289,7 +261,7 @@ impl Search<'_> {
 
     /// Gauss-Newton steps, or towards a goal linear ones, from `starts`, then, unless that was enough, simplexes from
     /// the best distinct designs so far.
-    fn polish(&mut self, starts: &[Pattern]) -> Result<(), Interruption> {
+    fn refine_at_bursts(&mut self, starts: &[Pattern]) -> Result<(), Interruption> {
         let from = |search: &Self, starts: &[Pattern], method| -> Vec<Descent> {
             let descent = |&start: &Pattern| search.descent(search.grid, start, Objective::Target, method);
             starts.iter().map(descent).collect()

@@ -4,7 +4,7 @@
 //! at every node of a lattice of the others, by the secant method on the mean residual; then about the best found, in
 //! ever smaller steps.
 
-use crate::archive::{Key, key};
+use crate::evaluation_archive::{Key, key};
 use crate::low_discrepancy::MOST_DIMENSIONS;
 use crate::multi_fidelity::Corrected;
 use crate::space::Grid;

@@ -1,6 +1,6 @@
 //! The outcome of a search, from all designs that it evaluated.
 
-use crate::archive::{Archive, Record};
+use crate::evaluation_archive::{Archive, Record};
 use crate::space::Grid;
 use crate::{Candidate, Demand, FailedTrial, HistoryPoint, ReachableRange, SearchError, SearchOutcome, Status, Target};
 

@@ -4,7 +4,7 @@
 //! that no other dominates are found on a lattice over the whole space, then about themselves at half its spacing,
 //! at a quarter, and so on.
 
-use crate::archive::{Key, key};
+use crate::evaluation_archive::{Key, key};
 use crate::low_discrepancy::MOST_DIMENSIONS;
 use crate::space::Grid;
 use crate::{Constraints, DesignSpace, ModelFailure, SearchError};

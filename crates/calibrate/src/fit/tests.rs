@@ -1,4 +1,4 @@
-use super::corrections::PeakLine;
+use super::dynamic_corrections::PeakLine;
 use super::*;
 use crate::flat_sample;
 use crate::{AreaLawScale, Measurement, StaticPeak};
@@ -445,7 +445,8 @@ fn one_run_stands_for_all_at_its_load_and_speed() {
     let own = deltas(&of(1.0));
     for factor in [0.88_f64, 1.13] {
         for ([at, stderr], [own, own_stderr]) in deltas(&of(factor)).iter().zip(&own) {
-            let allowed = corrections::STANDING_FOR * (own - 1.0) * factor.ln().abs() + stderr.hypot(*own_stderr);
+            let allowed =
+                dynamic_corrections::STANDING_FOR * (own - 1.0) * factor.ln().abs() + stderr.hypot(*own_stderr);
             assert!((own - 1.0) > 5e-3 && (at - own).abs() < 3.0 * allowed, "{at} {own} {allowed:e}");
             assert!(allowed < 1e-3, "{allowed:e}");
         }

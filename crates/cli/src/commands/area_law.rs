@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use slipgrid_calibrate::area_law::{AreaLawError, AreaLawRequest, DEFAULT_PRESSURES_MPA, surface_area_law};
-use slipgrid_calibrate::map_windows::{DEFAULT_WINDOWS, resolution};
+use slipgrid_calibrate::area_law_sampling::{DEFAULT_WINDOWS, resolution};
 use slipgrid_topography::{Crop, Decimation, Form, LengthUnit, Missing, ReadOptions};
 
 use crate::args::{AreaLawArgs, FormName, MapArgs, MissingName};

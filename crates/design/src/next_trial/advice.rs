@@ -5,8 +5,8 @@ use slipgrid_calibrate::uncertainty::MaterialUncertainty;
 use slipgrid_monitor::{Monitor, Part};
 use slipgrid_optimize::{ModelFailure, Status};
 
+use super::candidate_search::{OF_CHANCE, Scope, Search, is_same};
 use super::interpolation::{Interpolation, Modelled, Models};
-use super::search::{OF_CHANCE, Scope, Search, is_same};
 use super::{Asked, Design, Judged, PredictedRatio, SERIES, TrialCandidateReport, asked};
 use crate::DesignError;
 use crate::chance::{About, Chances, Expansion};

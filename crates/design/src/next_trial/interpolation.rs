@@ -8,7 +8,7 @@ use slipgrid_pattern::Pattern;
 use slipgrid_springblock::{Scene, block_refinement};
 
 use crate::DesignError;
-use crate::learned::ModulusSlopes;
+use crate::learned_discrepancy::ModulusSlopes;
 use crate::steady_model::SteadyModel;
 use crate::task::DesignTask;
 

@@ -1,10 +1,10 @@
 //! The samples to cut next: those likeliest to be on target by the model and by what trials say that it lacks.
 
 pub mod advice;
-mod climb;
+mod candidate_search;
 mod interpolation;
+mod local_search;
 mod report;
-mod search;
 
 use rayon::prelude::*;
 use slipgrid_calibrate::uncertainty::MaterialUncertainty;
@@ -21,14 +21,14 @@ use slipgrid_springblock::{Fidelity, RunOptions};
 use slipgrid_units::tidy;
 
 use crate::chance::Chances;
-use crate::learned::loads_of;
+use crate::learned_discrepancy::loads_of;
 use crate::operating_conditions::{Further, further};
 use crate::selection::Effort;
 use crate::steady_model::SteadyModel;
 use crate::task::DesignTask;
 use crate::{DesignError, TaskPart};
+use candidate_search::{Scope, Search, is_same};
 use interpolation::{Interpolation, Modelled, Models};
-use search::{Scope, Search, is_same};
 
 pub use advice::AdviceReport;
 pub use report::{NextReport, OneDiscReport, PredictedRatio, RatioPrediction, SectorReport, TrialCandidateReport};

@@ -1,7 +1,7 @@
 //! What a curve of real contact area was solved for, and its record.
 
 use slipgrid_calibrate::area_law::{AreaLawRequest, SurfaceAreaLaw, area_law, persson_curve};
-use slipgrid_calibrate::map_windows::{Resolution, STATISTICS_TOLERANCE, WINDOW_STATEMENT, WindowSpread};
+use slipgrid_calibrate::area_law_sampling::{Resolution, STATISTICS_TOLERANCE, WINDOW_STATEMENT, WindowSpread};
 use slipgrid_contact::{AreaPoint, ContactError};
 use slipgrid_formats::altitude_map::law_warnings;
 use slipgrid_material::AreaLaw;

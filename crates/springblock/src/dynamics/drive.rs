@@ -161,7 +161,7 @@ pub struct Driven {
     pub last: Vec<ContactForce>,
 }
 
-/// The outcome of a run on contact blocks at `centres_m` that was not begun, because nothing could come of it.
+/// The outcome of a run on contact blocks at `centres_m` that was refused with `status` before its first step.
 pub fn not_begun(status: Status, step_s: f64, centres_m: impl Iterator<Item = [f64; 2]>) -> SurfaceOutcome {
     let cost = DynamicCost { steps: 0, dt_s: step_s, site_updates: 0, wall_s: 0.0 };
     let at = |[x_m, y_m]: [f64; 2]| InterfacePoint { x_m, y_m, pressure_pa: 0.0, friction_pa: 0.0 };

@@ -6,8 +6,8 @@ use slipgrid_monitor::{Monitor, Part};
 use slipgrid_optimize::ModelFailure;
 use slipgrid_pattern::Pattern;
 
-use super::climb::{Climb, Known, Place, Steps, climb};
 use super::interpolation::{Interpolation, Modelled, Models};
+use super::local_search::{Climb, Known, Place, Steps, climb};
 use super::{Asked, Design, Judged};
 use crate::chance::{About, Chances};
 use crate::task::DesignTask;

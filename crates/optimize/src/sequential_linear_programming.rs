@@ -8,7 +8,7 @@
 //! and what constraints cost decides whether it was one. Slopes come from difference quotients once and from Broyden's
 //! update afterwards. The simplex method polishes what this finds.
 
-use crate::archive::LocalArchive;
+use crate::evaluation_archive::LocalArchive;
 use crate::gauss_newton::{Point, Vector, broyden, constrained_step, difference_quotients, visit};
 use crate::local_search::Cost;
 use crate::low_discrepancy::MOST_DIMENSIONS;

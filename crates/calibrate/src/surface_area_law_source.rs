@@ -10,8 +10,8 @@ use crate::area_law::{
     AreaLawRequest, CONTACT_TOLERANCE, DEFAULT_PRESSURES_MPA, SurfaceWarning, area_curve, area_law, persson_curve,
     surface_area_law,
 };
+use crate::area_law_sampling::WINDOW_STATEMENT;
 use crate::calibration_task::{CalibrationError, CalibrationTask, MapSurface, Surface};
-use crate::map_windows::WINDOW_STATEMENT;
 use crate::{AreaLawScale, Fit};
 
 /// Local pressures at which maps before and after a test are compared.

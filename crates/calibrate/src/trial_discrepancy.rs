@@ -10,7 +10,7 @@ use slipgrid_pattern::{Pattern, ReliefMap};
 use slipgrid_units::{HUMIDITY_PCT, PRESSURE_MPA, SPEED_MM_S, tidy};
 
 use crate::patterned_samples::{Model, Pair, pairs};
-use crate::surface_findings::surface_findings;
+use crate::surface_area_law_source::surface_findings;
 use crate::{CalibrationError, CalibrationTask, Measurement, Surface};
 use slipgrid_monitor::Part;
 
