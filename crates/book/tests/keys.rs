@@ -60,7 +60,7 @@ fn the_chapter_of_columns_is_generated_from_what_reads_them() {
 
 /// The records of `optimize` and of `simulate`: name, structure, what wrote it.
 const RECORDS: [(&str, [&str; 2], &str); 2] = [
-    ("result", ["design/src/outcome.rs", "DesignReport"], "result.json of `optimize`"),
+    ("result", ["design/src/design_report.rs", "DesignReport"], "result.json of `optimize`"),
     (
         "simulation",
         ["results/src/simulation.rs", "SimulationReport"],
