@@ -1,5 +1,7 @@
 //! What `optimize` found, as JSON and as text.
 
+mod summary;
+
 use std::borrow::Cow;
 
 use serde::{Deserialize, Serialize};
@@ -13,22 +15,17 @@ use crate::conditions_report::ConditionsReport;
 use crate::discrepancy_correction::DiscrepancyReport;
 use crate::flat_is_best::FlatReport;
 use crate::infeasibility::ExplanationReport;
-use crate::job::MEASURED_RANGE;
 use crate::lattice_table::TableReport;
 use crate::multi_fidelity::MOST_ROUNDS;
 use crate::next_trial::AdviceReport;
 use crate::reachable_range::ReachableReport;
-use crate::robustness_report::{MEANING, RobustnessReport};
+use crate::robustness_report::RobustnessReport;
 use crate::selection::SelectionReport;
 use crate::sensitivity::SensitivityReport;
 use crate::target_report::{GoalReport, TargetReport};
 use crate::timings::{ImprovementReport, Timings};
 use crate::trade_offs::TradeOffsReport;
-use slipgrid_results::SpecimenReport;
-use slipgrid_results::Table;
-use slipgrid_results::{ErrorReport, ErrorsReport, PressureErrors};
-use slipgrid_results::{LoadReport, MaterialReport, PatternReport, length_in_words};
-use slipgrid_results::{fixed, with_error};
+use slipgrid_results::{ErrorReport, ErrorsReport, LoadReport, MaterialReport, PatternReport, SpecimenReport};
 
 /// result.json of `optimize`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -180,169 +177,6 @@ impl DesignReport {
     #[must_use]
     pub fn is_ratio(&self) -> bool {
         self.target.quantity == Quantity::Ratio.name()
-    }
-
-    /// The report for people.
-    #[must_use]
-    pub fn summary(&self) -> String {
-        let design = &self.design;
-        let verdict = self.verdict();
-        let nearest = if verdict.shows_nearest { "; nearest design:" } else { "" };
-        let mut text = format!("{}: {}{}{nearest}\n\n", self.name, self.chance_words(), verdict.words);
-        text += &format!(
-            "  {} {} um wide, {} um apart, {} um deep{}{}\n  {:.1} % of the specimen's face, {:.1} % of a period\n\n",
-            design.planform,
-            length_in_words(design.width_um),
-            length_in_words(design.spacing_um),
-            length_in_words(design.depth_um),
-            design.texture_words(),
-            self.exposure_words(),
-            100.0 * self.specimen_areal_density,
-            100.0 * design.areal_density,
-        );
-        if let Some(removal) = &self.removal {
-            text.insert_str(text.len() - 1, &format!("  {}\n", removal.words()));
-        }
-        if let Some(selection) = &self.selection {
-            text.insert_str(text.len() - 1, &format!("  {}\n", selection.words));
-        }
-        for line in self.chance.iter().flat_map(|chance| chance.lines(self.advice.as_ref())) {
-            text.insert_str(text.len() - 1, &format!("  {line}\n"));
-        }
-        // Loads beyond what was measured make the chance itself doubtful.
-        let beyond = self.beyond_measured();
-        if let Some(line) = &beyond {
-            let range = self.model.iter().find_map(|note| note.strip_prefix(MEASURED_RANGE)?.split_once(';'));
-            let range = range.map_or_else(String::new, |(range, _)| format!(" ({MEASURED_RANGE}{range})"));
-            text.insert_str(text.len() - 1, &format!("! {line}{range}\n"));
-        }
-        if let Some(advice) = &self.advice {
-            text.insert_str(text.len() - 1, &advice.text());
-        }
-        let mut table = Table::new([
-            "P MPa",
-            "target",
-            "predicted",
-            "+-",
-            "confirmed",
-            "+-",
-            "mu",
-            "+-",
-            "mu flat",
-            "+-",
-            "peak MPa",
-        ]);
-        for (row, pressure_mpa) in self.target.pressure_mpa.iter().enumerate() {
-            let at = self.errors.at(row);
-            let value = [
-                at.and_then(|at| at.predicted.as_ref()),
-                self.confirmed_at(row),
-                at.map(|at| &at.mu),
-                at.and_then(|at| at.mu_flat.as_ref()),
-            ];
-            let cells = value.into_iter().flat_map(|of| [of.and_then(|of| of.value), of.and_then(|of| of.std)]);
-            let first = [pressure_mpa.to_string(), self.target.wanted(row)];
-            let peak = fixed(self.predicted.get(row).map(|load| load.peak_pressure_mpa), 2);
-            table.row(first.into_iter().chain(cells.map(|cell| fixed(cell, 4))).chain([peak]));
-        }
-        text += &format!(
-            "  {}{} (predicted: steady cell{}{}; confirmed: {}; peak: largest local pressure of the steady cell)\n{table}",
-            self.target.quantity,
-            if self.discrepancy.is_some() { ", aimed with what trials say that the model lacks" } else { "" },
-            self.in_space(),
-            if self.rounds > 1 { ", corrected by the run in time before the last search" } else { "" },
-            self.confirmation()
-        );
-        text += &format!("  {}\n", self.errors.meaning);
-        let confirmed = |row: &PressureErrors| if self.is_ratio() { row.ratio.clone() } else { Some(row.mu.clone()) };
-        if let Some(line) = self.errors.intervals("confirmed", confirmed) {
-            text += &format!("  {line}\n");
-        }
-        if let Some(found) = &self.discrepancy {
-            text += &found.text();
-        }
-        for line in self.conditions.iter().flat_map(ConditionsReport::lines) {
-            text += &format!("  {line}\n");
-        }
-        if let Some(goal) = &self.goal {
-            text += &format!("\n  {}\n", goal.words());
-        }
-        if self.target.has_demands() {
-            text += &format!(
-                "\n  misfit {} of {} predicted, {} confirmed\n",
-                fixed(Some(self.misfit.predicted), 2),
-                self.target.tolerance_words(),
-                fixed(self.misfit.confirmed, 2),
-            );
-        }
-        if let Some(sensitivities) = &self.sensitivities {
-            text += &format!("\n{}\n", sensitivities.text());
-        }
-        if let Some(robustness) = &self.robustness {
-            text += &format!("{}\n", robustness.text());
-        }
-        if let Some(trade_offs) = &self.trade_offs {
-            text += &format!("{}\n", trade_offs.text());
-        }
-        if self.status != "met" {
-            for range in &self.reachable {
-                text += &format!(
-                    "  at {} MPa designs within bounds and limits reach {} to {}{}\n",
-                    range.pressure_mpa,
-                    with_error(range.lowest, range.lowest_std, 4),
-                    with_error(range.highest, range.highest_std, 4),
-                    if self.conditions.is_some() { ", at the condition designed for" } else { "" },
-                );
-            }
-        }
-        for conflict in self.conditions.iter().filter_map(|conditions| conditions.conflict.as_ref()) {
-            text += &format!("  why: {}\n", conflict.words);
-        }
-        for reason in self.explanation.iter().flat_map(ExplanationReport::lines) {
-            text += &format!("  why: {reason}\n");
-        }
-        for line in self.table.iter().flat_map(|table| table.lines(self.timings_s.table)) {
-            text += &format!("  {line}\n");
-        }
-        for doubtful in &self.material.warnings {
-            text += &format!("! the material is doubtful: {doubtful}\n");
-        }
-        for broken in &self.violations {
-            text += &format!("! {broken}\n");
-        }
-        for warning in self.removal.iter().flat_map(|removal| &removal.warnings) {
-            text += &format!("! laser: {warning}\n");
-        }
-        let warnings = slipgrid_results::warnings(&self.confirmed);
-        for warning in warnings.into_iter().filter(|warning| Some(warning) != beyond.as_ref()) {
-            text += &format!("! {warning}\n");
-        }
-        // Doubts of the material, which stand above.
-        for note in self.model.iter().filter(|note| !note.starts_with("warning: ")) {
-            text += &format!("- {note}\n");
-        }
-        if let Some(found) = &self.discrepancy {
-            text += &format!("- {}\n", found.meaning());
-        }
-        if self.robustness.is_some() {
-            text += &format!("- {MEANING}\n");
-        }
-        let of_lasering = if self.design.rim.is_some() { "roughening by the laser" } else { "recast rims" };
-        text += &format!("- not modelled: {of_lasering}, plasticity, viscoelasticity, heating, wear\n");
-        text += &format!(
-            "\ndesigns tried: {}{}, searches: {}; {}\n",
-            self.evaluations,
-            if self.dimensions == 3 { format!(" ({} in space)", self.solid_evaluations) } else { String::new() },
-            self.rounds,
-            self.timings_s.words(),
-        );
-        text
-    }
-
-    /// Loads beyond those at which friction was measured, as the warning of them says it.
-    fn beyond_measured(&self) -> Option<String> {
-        let only: Vec<LoadReport> = self.confirmed.iter().filter(|load| load.friction_extrapolated).cloned().collect();
-        (!only.is_empty()).then(|| slipgrid_results::beyond_measured(&only))
     }
 
     /// The chance, before the verdict.

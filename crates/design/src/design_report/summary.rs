@@ -1,0 +1,199 @@
+//! What was found, as text for people: the verdict, friction at each pressure, what limits it, and what is doubtful.
+
+use std::fmt::Write as _;
+
+use super::DesignReport;
+use crate::conditions_report::ConditionsReport;
+use crate::infeasibility::ExplanationReport;
+use crate::job::MEASURED_RANGE;
+use crate::robustness_report::MEANING;
+use slipgrid_results::{LoadReport, PressureErrors, Table, fixed, length_in_words, with_error};
+
+impl DesignReport {
+    /// The report for people.
+    #[must_use]
+    pub fn summary(&self) -> String {
+        [
+            self.verdict_text(),
+            self.friction_text(),
+            self.found_beside(),
+            self.out_of_reach(),
+            self.doubts(),
+            self.cost(),
+        ]
+        .concat()
+    }
+
+    /// The verdict, the design, and the chance that a cut sample is on target.
+    fn verdict_text(&self) -> String {
+        let design = &self.design;
+        let verdict = self.verdict();
+        let nearest = if verdict.shows_nearest { "; nearest design:" } else { "" };
+        let mut text = format!("{}: {}{}{nearest}\n\n", self.name, self.chance_words(), verdict.words);
+        text += &format!(
+            "  {} {} um wide, {} um apart, {} um deep{}{}\n  {:.1} % of the specimen's face, {:.1} % of a period\n",
+            design.planform,
+            length_in_words(design.width_um),
+            length_in_words(design.spacing_um),
+            length_in_words(design.depth_um),
+            design.texture_words(),
+            self.exposure_words(),
+            100.0 * self.specimen_areal_density,
+            100.0 * design.areal_density,
+        );
+        let removal = self.removal.as_ref().map(|removal| removal.words());
+        let selection = self.selection.as_ref().map(|selection| selection.words.clone());
+        let chance = self.chance.iter().flat_map(|chance| chance.lines(self.advice.as_ref()));
+        for line in removal.into_iter().chain(selection).chain(chance) {
+            let _ = writeln!(text, "  {line}");
+        }
+        // Loads beyond what was measured make the chance itself doubtful.
+        if let Some(line) = self.beyond_measured() {
+            let range = self.model.iter().find_map(|note| note.strip_prefix(MEASURED_RANGE)?.split_once(';'));
+            let range = range.map_or_else(String::new, |(range, _)| format!(" ({MEASURED_RANGE}{range})"));
+            let _ = writeln!(text, "! {line}{range}");
+        }
+        text += &self.advice.as_ref().map_or_else(String::new, |advice| advice.text());
+        text + "\n"
+    }
+
+    /// Friction at every pressure, predicted and confirmed, with its errors.
+    fn friction_text(&self) -> String {
+        let mut table = Table::new([
+            "P MPa",
+            "target",
+            "predicted",
+            "+-",
+            "confirmed",
+            "+-",
+            "mu",
+            "+-",
+            "mu flat",
+            "+-",
+            "peak MPa",
+        ]);
+        for (row, pressure_mpa) in self.target.pressure_mpa.iter().enumerate() {
+            let at = self.errors.at(row);
+            let value = [
+                at.and_then(|at| at.predicted.as_ref()),
+                self.confirmed_at(row),
+                at.map(|at| &at.mu),
+                at.and_then(|at| at.mu_flat.as_ref()),
+            ];
+            let cells = value.into_iter().flat_map(|of| [of.and_then(|of| of.value), of.and_then(|of| of.std)]);
+            let first = [pressure_mpa.to_string(), self.target.wanted(row)];
+            let peak = fixed(self.predicted.get(row).map(|load| load.peak_pressure_mpa), 2);
+            table.row(first.into_iter().chain(cells.map(|cell| fixed(cell, 4))).chain([peak]));
+        }
+        let mut text = format!(
+            "  {}{} (predicted: steady cell{}{}; confirmed: {}; peak: largest local pressure of the steady cell)\n{table}",
+            self.target.quantity,
+            if self.discrepancy.is_some() { ", aimed with what trials say that the model lacks" } else { "" },
+            self.in_space(),
+            if self.rounds > 1 { ", corrected by the run in time before the last search" } else { "" },
+            self.confirmation()
+        );
+        let _ = writeln!(text, "  {}", self.errors.meaning);
+        let confirmed = |row: &PressureErrors| if self.is_ratio() { row.ratio.clone() } else { Some(row.mu.clone()) };
+        if let Some(line) = self.errors.intervals("confirmed", confirmed) {
+            let _ = writeln!(text, "  {line}");
+        }
+        text += &self.discrepancy.as_ref().map_or_else(String::new, |found| found.text());
+        for line in self.conditions.iter().flat_map(ConditionsReport::lines) {
+            let _ = writeln!(text, "  {line}");
+        }
+        text
+    }
+
+    /// The goal, the misfit, slopes, tolerances and trade-offs.
+    fn found_beside(&self) -> String {
+        let mut text = String::new();
+        if let Some(goal) = &self.goal {
+            let _ = writeln!(text, "\n  {}", goal.words());
+        }
+        if self.target.has_demands() {
+            let _ = writeln!(
+                text,
+                "\n  misfit {} of {} predicted, {} confirmed",
+                fixed(Some(self.misfit.predicted), 2),
+                self.target.tolerance_words(),
+                fixed(self.misfit.confirmed, 2),
+            );
+        }
+        if let Some(sensitivities) = &self.sensitivities {
+            let _ = writeln!(text, "\n{}", sensitivities.text());
+        }
+        if let Some(robustness) = &self.robustness {
+            let _ = writeln!(text, "{}", robustness.text());
+        }
+        if let Some(trade_offs) = &self.trade_offs {
+            let _ = writeln!(text, "{}", trade_offs.text());
+        }
+        text
+    }
+
+    /// Why a target is not met, what designs reach, and the table of all of them.
+    fn out_of_reach(&self) -> String {
+        let mut text = String::new();
+        for range in self.reachable.iter().filter(|_| self.status != "met") {
+            let _ = writeln!(
+                text,
+                "  at {} MPa designs within bounds and limits reach {} to {}{}",
+                range.pressure_mpa,
+                with_error(range.lowest, range.lowest_std, 4),
+                with_error(range.highest, range.highest_std, 4),
+                if self.conditions.is_some() { ", at the condition designed for" } else { "" },
+            );
+        }
+        let conflicts = self.conditions.iter().filter_map(|conditions| conditions.conflict.as_ref());
+        let reasons = self.explanation.iter().flat_map(ExplanationReport::lines);
+        for reason in conflicts.map(|conflict| conflict.words.clone()).chain(reasons) {
+            let _ = writeln!(text, "  why: {reason}");
+        }
+        for line in self.table.iter().flat_map(|table| table.lines(self.timings_s.table)) {
+            let _ = writeln!(text, "  {line}");
+        }
+        text
+    }
+
+    /// What is doubtful, marked `!`; what was modelled and what was not.
+    fn doubts(&self) -> String {
+        let material = self.material.warnings.iter().map(|doubtful| format!("the material is doubtful: {doubtful}"));
+        let laser =
+            self.removal.iter().flat_map(|removal| &removal.warnings).map(|warning| format!("laser: {warning}"));
+        let beyond = self.beyond_measured();
+        let loads = slipgrid_results::warnings(&self.confirmed);
+        let loads = loads.into_iter().filter(|warning| Some(warning) != beyond.as_ref());
+        let mut text = String::new();
+        for doubt in material.chain(self.violations.iter().cloned()).chain(laser).chain(loads) {
+            let _ = writeln!(text, "! {doubt}");
+        }
+        // Doubts of the material, which stand above.
+        let notes = self.model.iter().filter(|note| !note.starts_with("warning: ")).cloned();
+        let discrepancy = self.discrepancy.as_ref().map(|found| found.meaning().to_owned());
+        let spread = self.robustness.as_ref().map(|_| MEANING.to_owned());
+        for note in notes.chain(discrepancy).chain(spread) {
+            let _ = writeln!(text, "- {note}");
+        }
+        let of_lasering = if self.design.rim.is_some() { "roughening by the laser" } else { "recast rims" };
+        let _ = writeln!(text, "- not modelled: {of_lasering}, plasticity, viscoelasticity, heating, wear");
+        text
+    }
+
+    /// How much was computed.
+    fn cost(&self) -> String {
+        format!(
+            "\ndesigns tried: {}{}, searches: {}; {}\n",
+            self.evaluations,
+            if self.dimensions == 3 { format!(" ({} in space)", self.solid_evaluations) } else { String::new() },
+            self.rounds,
+            self.timings_s.words(),
+        )
+    }
+
+    /// Loads beyond those at which friction was measured, as the warning of them says it.
+    fn beyond_measured(&self) -> Option<String> {
+        let only: Vec<LoadReport> = self.confirmed.iter().filter(|load| load.friction_extrapolated).cloned().collect();
+        (!only.is_empty()).then(|| slipgrid_results::beyond_measured(&only))
+    }
+}
