@@ -22,6 +22,8 @@ pub struct Marking {
 
 /// Share of a line's distance that is forgiven as rounding.
 const ROUNDING: f64 = 1e-6;
+/// Length over that of the polygon from which an edge is a straight side, and not a piece of an arc.
+const LEAST_EDGE: f64 = 0.25;
 
 impl Marking {
     /// The marking by `laser`.
@@ -149,17 +151,36 @@ impl Marking {
         (gaps > 0.0).then(|| across_m / gaps)
     }
 
-    /// Lines in the middles of equal strips at most the distance wide; their width is given where there is more than one.
+    /// Lines evenly and at most the distance apart, which is given where there is more than one: on an outermost edge along them, as
+    /// clipped grooves have, and otherwise half a distance from the outermost point, where a line would have no length.
     fn hatch_polygon(&self, polygon: &[[f64; 2]], [dx, dy]: [f64; 2], lines: &mut Vec<Line>) -> Option<f64> {
         let turned: Vec<[f64; 2]> = polygon.iter().map(|[x, y]| [x * dx + y * dy, y * dx - x * dy]).collect();
-        let across = turned.iter().map(|[_, across_m]| *across_m);
-        let (low_m, high_m) = (across.clone().fold(f64::INFINITY, f64::min), across.fold(f64::NEG_INFINITY, f64::max));
-        if high_m <= low_m {
+        let extent = |axis: usize| {
+            let along = turned.iter().map(|point| point[axis]);
+            (along.clone().fold(f64::INFINITY, f64::min), along.fold(f64::NEG_INFINITY, f64::max))
+        };
+        let ((left_m, right_m), (low_m, high_m)) = (extent(0), extent(1));
+        let range_m = high_m - low_m;
+        if range_m <= 0.0 {
             return None;
         }
-        let strips = ((high_m - low_m) / self.distance_m - ROUNDING).ceil().max(1.0);
-        for strip in 0..strips as u64 {
-            let at_m = low_m + (high_m - low_m) * (strip as f64 + 0.5) / strips;
+        let rounding_m = range_m * 1e-9;
+        // Half a distance where the polygon ends in a point or an arc.
+        let short_of = |end_m: f64| {
+            let next = turned.iter().skip(1).chain(turned.first());
+            let is_edge = |([u0, v0], [u1, v1]): (&[f64; 2], &[f64; 2])| {
+                let is_at_end = (v0 - end_m).abs() <= rounding_m && (v1 - end_m).abs() <= rounding_m;
+                is_at_end && (u1 - u0).abs() >= LEAST_EDGE * (right_m - left_m)
+            };
+            if turned.iter().zip(next).any(is_edge) { 0.0 } else { 0.5 }
+        };
+        let (below, above) = (short_of(low_m), short_of(high_m));
+        // n - 1 distances between n lines, and what the first and the last are short of the ends.
+        let between = (range_m / self.distance_m - below - above - ROUNDING).ceil().max(0.0);
+        let distances = between + below + above;
+        for line in 0..=between as u64 {
+            let share = if distances > 0.0 { (line as f64 + below) / distances } else { 0.5 };
+            let at_m = (low_m + range_m * share).clamp(low_m + rounding_m, high_m - rounding_m);
             let mut ends_m: Vec<f64> = turned
                 .iter()
                 .zip(turned.iter().skip(1).chain(turned.first()))
@@ -170,7 +191,7 @@ impl Marking {
             let back = |along_m: f64| [along_m * dx - at_m * dy, along_m * dy + at_m * dx];
             lines.extend(ends_m.chunks_exact(2).map(|ends| [back(ends[0]), back(ends[1])]));
         }
-        (strips > 1.0).then(|| (high_m - low_m) / strips)
+        (between > 0.0).then(|| range_m / distances)
     }
 }
 
@@ -228,6 +249,23 @@ mod tests {
         assert_eq!(wide.lines(&first(Planform::Square)).len(), 1);
         let wider = Marking::new(&Laser { spot_um: Some(131.0), hatch_um: None, ..LASER }).unwrap();
         assert!(wider.lines(&first(Planform::Square)).is_empty());
+    }
+
+    /// A groove that ends at the rim of a disc is as wide as one that is whole.
+    #[test]
+    fn a_clipped_groove_is_filled_from_edge_to_edge() {
+        let marking = Marking::new(&LASER).unwrap();
+        let pattern = Pattern::new(Planform::Groove, 130e-6, 370e-6, 5e-6).unwrap();
+        let layout = Layout::clipped(pattern, Outline::Disc { diameter_m: 5e-3 }).unwrap();
+        let middle = layout.iter().min_by(|a, b| a.centre_x_m.abs().total_cmp(&b.centre_x_m.abs())).unwrap();
+        let (lines, apart_m) = marking.fill(&middle);
+        let mut across: Vec<f64> = lines.iter().map(|line| line[0][0] - middle.centre_x_m).collect();
+        across.sort_by(f64::total_cmp);
+        // 130 - 23 = 107 um across: eight gaps of 13.375 um, as in a square.
+        assert_eq!((across.len(), apart_m.len()), (9, 1));
+        assert!((apart_m[0] - 13.375e-6).abs() < 1e-12);
+        assert!((across[0] + 53.5e-6).abs() < 1e-12 && (across[8] - 53.5e-6).abs() < 1e-12, "{across:?}");
+        assert!(lines.iter().all(|line| length_m(line) > 4.5e-3));
     }
 
     #[test]

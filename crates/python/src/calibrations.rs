@@ -93,7 +93,7 @@ impl Fitted {
 
     /// The fit as fit.json holds it.
     fn fit_json(&self, py: Python<'_>) -> PyResult<String> {
-        fit_json(&self.outcome).map_err(|error| refused::failed(py, &error.to_string()))
+        fit_json(&self.task, &self.outcome).map_err(|error| refused::failed(py, &error.to_string()))
     }
 
     /// In words, as the command line prints it.

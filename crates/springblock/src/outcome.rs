@@ -110,7 +110,8 @@ pub struct SurfaceOutcome {
     pub averaged_from_s: Option<f64>,
     /// Peak of mu(t) at the onset of sliding; dynamic runs only.
     pub mu_static: Option<f64>,
-    /// Largest pressure on a contact block, in pascals. It grows as blocks shrink.
+    /// Largest pressure on a contact block, in pascals: where one touches in part, the mean over a whole block at the same edge. It grows
+    /// as blocks shrink.
     pub peak_pressure_pa: f64,
     /// Contact blocks under tension (steady: in the solution; dynamic: at the run's end).
     pub tension_blocks: usize,
@@ -161,11 +162,11 @@ impl SurfaceOutcome {
 
 impl SurfaceOutcome {
     /// Steady sliding: the forces `normal` and `friction` on the contact blocks, in any unit, in a solve that ended with
-    /// `status`, the pressures of `interface` and the least height of a ceiling, in metres.
+    /// `status`, the pressures of `interface`, the largest of them over a whole block, and the least height of a ceiling, in metres.
     pub(crate) fn sliding(
         status: Status,
         [normal, friction]: [&[f64]; 2],
-        interface: Vec<InterfacePoint>,
+        (interface, peak_pressure_pa): (Vec<InterfacePoint>, f64),
         clearance_m: Option<f64>,
         area_law: Option<&AreaLaw>,
     ) -> Self {
@@ -180,7 +181,7 @@ impl SurfaceOutcome {
         let extrapolated = |law: &AreaLaw| interface.iter().any(|point| law.is_extrapolated(point.pressure_pa));
         Self {
             mu_dynamic: mu,
-            peak_pressure_pa: interface.iter().map(|point| point.pressure_pa).fold(0.0, f64::max),
+            peak_pressure_pa,
             tension_blocks: normal.iter().filter(|normal| **normal < 0.0).count(),
             cavity_closed: clearance_m.is_some_and(|clearance_m| clearance_m <= 0.0),
             clearance_m,
@@ -190,6 +191,32 @@ impl SurfaceOutcome {
         }
     }
 }
+
+/// The largest of the pressures of contact blocks that touch on `share` of a block each, over a whole block: at an edge pressure grows
+/// without bound, so that a narrow part of a block bears more than a whole one would, however little of it there is. `beside` are the
+/// contact blocks next to one.
+pub(crate) fn peak_over_whole_blocks<'a, I: IntoIterator<Item = usize>>(
+    interface: &'a [InterfacePoint],
+    share: &'a [f64],
+    beside: impl Fn(usize) -> I + 'a,
+) -> f64 {
+    let over_a_block = |number: usize| {
+        let (own_pa, own) = (interface[number].pressure_pa, share[number]);
+        let largest = beside(number).into_iter().max_by(|&a, &b| share[a].total_cmp(&share[b]));
+        match largest.filter(|_| own < WHOLE) {
+            None => own_pa,
+            Some(next) => {
+                // The rest of a block, as far as there is land.
+                let rest = (1.0 - own).min(share[next]);
+                (own * own_pa + rest * interface[next].pressure_pa) / (own + rest)
+            }
+        }
+    };
+    (0..interface.len()).map(over_a_block).fold(0.0, f64::max)
+}
+
+/// Share from which a block is a whole one, but for rounding.
+const WHOLE: f64 = 1.0 - 1e-9;
 
 /// What the scene did under one load.
 #[derive(Clone, Debug, PartialEq)]

@@ -42,6 +42,23 @@ fn a_square_given_as_a_polygon_has_the_squares_ratio() {
     }
 }
 
+/// As in the plane: the peak over whole blocks follows the width, however blocks lie on edges and corners.
+#[test]
+fn the_peak_over_a_whole_block_does_not_depend_on_how_blocks_lie_on_edges() {
+    let peak = |width_um: f64| {
+        let pattern = pattern(Planform::Square, width_um, 250.0 - width_um, 20.0);
+        let model = SpaceSteadyModel::new(SpaceLattice::cell(&pattern, 10e-6, 10), 10e-6, E_PA, false);
+        let load = SpaceLoad { direction: pattern.sliding_direction(), ..load(2.6, None) };
+        model.solve(&load).peak_pressure_pa / 1e6
+    };
+    let (narrow, wide) = (peak(130.0), peak(150.0));
+    for step in 1..10 {
+        let width_um = 130.0 + 2.0 * f64::from(step);
+        let between = narrow + (wide - narrow) * f64::from(step) / 10.0;
+        assert!((peak(width_um) / between - 1.0).abs() < 0.03, "{width_um}: {} {between}", peak(width_um));
+    }
+}
+
 #[test]
 fn polygons_of_many_corners_tend_to_the_disc() {
     let disc = ratio(&pattern(Planform::Disc, 130.0, 70.0, 20.0));

@@ -15,7 +15,7 @@ use slipgrid_material::AreaLaw;
 use super::directions::{Direction, Directions, norm};
 use super::interface::{Face, Interface, Response};
 use super::lattice::SpaceLattice;
-use crate::outcome::{InterfacePoint, Status, SurfaceOutcome};
+use crate::outcome::{InterfacePoint, Status, SurfaceOutcome, peak_over_whole_blocks};
 use crate::scene::Load;
 use crate::{Monitor, Unwatched};
 
@@ -450,14 +450,32 @@ impl<'a> Solver<'a> {
             .collect()
     }
 
+    /// The largest pressure of `interface` over a whole block.
+    fn peak_pressure_pa(&self, interface: &[InterfacePoint]) -> f64 {
+        let [nx, ny] = self.model.lattice.columns();
+        let touching: Vec<_> = self.interface.surface().iter().filter(|surface| surface.contact.is_some()).collect();
+        let share: Vec<f64> = touching.iter().map(|surface| surface.contact_share).collect();
+        let mut numbers = vec![None; nx * ny];
+        for (number, surface) in touching.iter().enumerate() {
+            numbers[surface.column[1] * nx + surface.column[0]] = Some(number);
+        }
+        peak_over_whole_blocks(interface, &share, |number| {
+            let [i, j] = touching[number].column;
+            let around = [[(i + 1) % nx, j], [(i + nx - 1) % nx, j], [i, (j + 1) % ny], [i, (j + ny - 1) % ny]];
+            around.into_iter().filter_map(|[i, j]| numbers[j * nx + i]).collect::<Vec<usize>>()
+        })
+    }
+
     /// What the present state says of `load`.
     fn outcome_of(&self, load: &SpaceLoad, end: &End) -> SurfaceOutcome {
         let friction = &self.state.unknowns[self.state.elastic.len()..];
         let interface = self.points(load, |number| (self.state.normal[number], friction[number]));
+        let peak_pressure_pa = self.peak_pressure_pa(&interface);
         let clearance = self.model.clearance(load.pressure_pa, &self.response.fields);
         let clearance_m = clearance.map(|clearance| clearance * self.model.block_m);
-        let found =
-            SurfaceOutcome::sliding(end.status, [&self.state.normal, friction], interface, clearance_m, load.area_law);
+        let forces = [&self.state.normal[..], friction];
+        let interface = (interface, peak_pressure_pa);
+        let found = SurfaceOutcome::sliding(end.status, forces, interface, clearance_m, load.area_law);
         let residual = Some(end.residual).filter(|_| found.status != Status::NoLoad);
         SurfaceOutcome { residual, iterations: end.directions, ..found }
     }

@@ -34,7 +34,7 @@ mod thick;
 use slipgrid_material::AreaLaw;
 
 use crate::lattice::Lattice;
-use crate::outcome::{InterfacePoint, Status, SurfaceOutcome};
+use crate::outcome::{InterfacePoint, Status, SurfaceOutcome, peak_over_whole_blocks};
 use crate::scene::Scene;
 use anderson::Anderson;
 pub use condensed::{CondensedModel, condensing};
@@ -273,12 +273,20 @@ fn observe(
             InterfacePoint { x_m: contact.centre * block_m, y_m: 0.0, pressure_pa, friction_pa }
         })
         .collect();
+    let share: Vec<f64> = contacts.iter().map(|contact| contact.width).collect();
+    let beside = |number: usize| {
+        let is_beside = move |other: &usize| {
+            contacts.get(*other).is_some_and(|other| other.column.abs_diff(contacts[number].column) == 1)
+        };
+        [number.wrapping_sub(1), number + 1].into_iter().filter(is_beside)
+    };
+    let peak_pressure_pa = peak_over_whole_blocks(&interface, &share, beside);
     let clearance_m = clearance.map(|clearance| clearance * block_m);
     let forces = [&state.normal[..], &state.friction];
     SurfaceOutcome {
         residual: Some(state.residual),
         iterations: state.iterations,
-        ..SurfaceOutcome::sliding(state.status, forces, interface, clearance_m, load.area_law)
+        ..SurfaceOutcome::sliding(state.status, forces, (interface, peak_pressure_pa), clearance_m, load.area_law)
     }
 }
 

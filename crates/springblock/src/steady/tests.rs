@@ -175,6 +175,23 @@ fn refinement_moves_the_ratio_by_less_than_stated() {
     assert!((middle - fine).abs() < 0.0007, "{middle} {fine}");
 }
 
+/// The pressure at an edge grows without bound, so that the part of a block that touches there bears more the narrower it is. Over a whole
+/// block the peak follows the width.
+#[test]
+fn the_peak_over_a_whole_block_does_not_depend_on_how_blocks_lie_on_edges() {
+    let peak = |width_um: f64| {
+        let outcome = solve(&cell(&groove(width_um, 500.0 - width_um, 12.0), 10.0, 200.0), 2.6, 0.27, None);
+        outcome.peak_pressure_pa / 1e6
+    };
+    let (narrow, wide) = (peak(130.0), peak(150.0));
+    assert!(wide > narrow * 1.01, "{narrow} {wide}");
+    for step in 1..20 {
+        let width_um = 130.0 + f64::from(step);
+        let between = narrow + (wide - narrow) * f64::from(step) / 20.0;
+        assert!((peak(width_um) / between - 1.0).abs() < 0.012, "{width_um}: {} {between}", peak(width_um));
+    }
+}
+
 #[test]
 fn slope_in_width_is_that_of_a_fine_lattice() {
     let slope = |block_um: f64| (ratio(134.0, 370.0, 20.0, block_um) - ratio(126.0, 370.0, 20.0, block_um)) / 8.0;
