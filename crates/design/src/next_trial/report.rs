@@ -295,7 +295,7 @@ impl NextReport {
         if self.trials == 0 {
             words += &format!(
                 ". Before any trial the model is believed to be off by more, the more of the face is cavity and the longer its edges are: \
-                 samples with few cavities, {:.1} % of the face here, are predicted best, and may come first although others are nearer \
+                 samples with few cavities, {:.1} % of a period here, are predicted best, and may come first although others are nearer \
                  to the target by the model alone; a first trial is cut to learn how far the model is off",
                 100.0 * best.design.areal_density
             );

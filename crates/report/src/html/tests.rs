@@ -144,7 +144,7 @@ fn a_load_beyond_those_measured_stands_where_the_chance_is() {
     // What is doubtful of the material stands on the screen as on the page.
     assert!(text.contains("\n! the material is doubtful: spikes: 5 points stand alone\n"), "{text}");
     // The peaks beside what was confirmed are those of the steady cell, and said to be.
-    assert!(text.contains("peak: largest local pressure of the steady cell)\n"), "{text}");
+    assert!(text.contains("peak is the steady cell's largest pressure, over a block\n"), "{text}");
 }
 
 #[test]
