@@ -162,21 +162,33 @@ pub fn explanation(
         },
     )?;
     let Explanation { reliefs, tried, together } = found;
-    let quantities = &design.constraints.quantities;
+    // The search moves a lower bound of the spacing that says the same along with the land.
+    let is_both = design.constraints.limits.min_land_m.is_some_and(|land_m| (spacings[0] / land_m - 1.0).abs() < 1e-9);
+    let land = if is_both { "land between cavities and lower bound of the spacing" } else { "land between cavities" };
+    let named = Named { quantities: &design.constraints.quantities, land };
     Ok(Some(ExplanationReport {
-        binding: reliefs.iter().map(|relief| relief_report(relief, quantities)).collect(),
+        binding: reliefs.iter().map(|relief| relief_report(relief, named)).collect(),
         misfit: best.misfit.max,
         relaxed: tried.len(),
-        tried: tried.iter().map(|(restriction, loosest)| tried_words(*restriction, *loosest, quantities)).collect(),
+        tried: tried.iter().map(|(restriction, loosest)| tried_words(*restriction, *loosest, named)).collect(),
         kept: design.constraints.limits.spot_m.filter(|spot_m| is_as_narrow(best, *spot_m)).map(spot_words),
         together: together.as_ref().map(NearestReport::from),
         evaluations: evaluations.get(),
     }))
 }
 
+/// How restrictions are called.
+#[derive(Clone, Copy)]
+struct Named<'a> {
+    quantities: &'a [Limit],
+    /// The smallest land.
+    land: &'static str,
+}
+
 /// `relief` in the units of a design file.
-fn relief_report(relief: &Relief, quantities: &[Limit]) -> ReliefReport {
-    let (what, is_least) = (words(relief.restriction, quantities), is_least(relief.restriction, quantities));
+fn relief_report(relief: &Relief, named: Named<'_>) -> ReliefReport {
+    let quantities = named.quantities;
+    let (what, is_least) = (words(relief.restriction, named), is_least(relief.restriction, quantities));
     let (unit, unit_si) = match relief.restriction {
         Restriction::Quantity(place) => (quantities[place].unit, quantities[place].unit_si),
         _ => ("um", LENGTH_UM.from_si(1.0).recip()),
@@ -193,10 +205,10 @@ fn relief_report(relief: &Relief, quantities: &[Limit]) -> ReliefReport {
 }
 
 /// The name of a restriction.
-fn words(restriction: Restriction, quantities: &[Limit]) -> String {
+fn words(restriction: Restriction, named: Named<'_>) -> String {
     match restriction {
-        Restriction::Quantity(place) => quantities[place].name.to_owned(),
-        Restriction::SmallestLand => "land between cavities".to_owned(),
+        Restriction::Quantity(place) => named.quantities[place].name.to_owned(),
+        Restriction::SmallestLand => named.land.to_owned(),
         Restriction::LowerBound(dimension) => format!("lower bound of the {}", name(dimension)),
         Restriction::UpperBound(dimension) => format!("upper bound of the {}", name(dimension)),
     }
@@ -212,8 +224,9 @@ fn is_least(restriction: Restriction, quantities: &[Limit]) -> bool {
 }
 
 /// The name with how far it was relaxed, where that is a length.
-fn tried_words(restriction: Restriction, loosest: f64, quantities: &[Limit]) -> String {
-    let what = words(restriction, quantities);
+fn tried_words(restriction: Restriction, loosest: f64, named: Named<'_>) -> String {
+    let quantities = named.quantities;
+    let what = words(restriction, named);
     let way = if is_least(restriction, quantities) { "down" } else { "up" };
     match restriction {
         Restriction::Quantity(_) if !loosest.is_finite() => format!("{what} (without any limit)"),
@@ -280,7 +293,7 @@ impl ExplanationReport {
         if let Some(together) = self.together.as_ref().filter(|_| !is_said) {
             lines.push(if together.misfit <= 1.0 {
                 format!(
-                    "with {} relaxed together the target is met: {}",
+                    "with {} relaxed together the search's model meets the target: {}",
                     self.tried.join(", "),
                     lengths(&together.design)
                 )
@@ -307,7 +320,7 @@ impl ReliefReport {
         let change = format!("with {} {}{unit} instead of {}{unit}", self.what, short(self.relaxed), self.limit);
         let design = lengths(&self.nearest.design);
         if self.suffices {
-            format!("{change} the target is met: {design}")
+            format!("{change} the search's model meets the target, which no run in time has confirmed: {design}")
         } else {
             format!(
                 "{change} the nearest design, {design}, misses by {:.2} tolerances, not {missed:.2}",
@@ -337,7 +350,8 @@ mod tests {
             (Restriction::UpperBound(Dimension::Depth), 70.6858e-6, "upper bound of the depth (up to 70.69 um)"),
             (Restriction::SmallestLand, 10e-6, "land between cavities (down to 10 um)"),
         ];
-        let tried: Vec<String> = bounds.iter().map(|(of, loosest, _)| tried_words(*of, *loosest, &[])).collect();
+        let named = Named { quantities: &[], land: "land between cavities" };
+        let tried: Vec<String> = bounds.iter().map(|(of, loosest, _)| tried_words(*of, *loosest, named)).collect();
         assert_eq!(tried, bounds.map(|(_, _, words)| words));
         let report = ExplanationReport {
             binding: Vec::new(),

@@ -154,7 +154,12 @@ fn why_a_target_is_out_of_reach_is_said_and_the_least_change_that_suffices() {
     let land = binding.iter().find(|relief| relief["what"] == "bearing area").unwrap();
     assert_eq!((&land["suffices"], &land["limit"]), (&Value::from(true), &Value::from(0.8)));
     let relaxed = land["relaxed"].as_f64().unwrap();
-    assert!(told.contains(&format!("why: with bearing area {relaxed} instead of 0.8 the target is met: ")), "{told}");
+    assert!(
+        told.contains(&format!(
+            "why: with bearing area {relaxed} instead of 0.8 the search's model meets the target, "
+        )),
+        "{told}"
+    );
     assert!(land["nearest"]["misfit"].as_f64().unwrap() <= 1.0);
     let page = fs::read_to_string(place.path("out/far/report.html")).unwrap();
     assert!(page.contains("Why the target is out of reach") && page.contains("bearing area"));
