@@ -3,6 +3,7 @@
 use crate::AreaLawScale;
 use slipgrid_material::{AreaLaw, Condition, Elastic, MaterialError};
 use slipgrid_springblock::{Layer, SceneError};
+use slipgrid_units::{HUMIDITY_PCT, SPEED_MM_S};
 
 /// A measured peak of friction at the onset of sliding.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -45,6 +46,21 @@ impl Measurement {
             && same(self.speed_m_s, other.speed_m_s)
             && same(self.humidity, other.humidity)
     }
+
+    /// Force, speed and humidity in words.
+    #[must_use]
+    pub fn condition_in_words(&self) -> String {
+        let [speed_mm_s, humidity_pct] = [SPEED_MM_S.from_si(self.speed_m_s), HUMIDITY_PCT.from_si(self.humidity)];
+        format!("{} N, {speed_mm_s} mm/s, {humidity_pct} %", self.force_n)
+    }
+}
+
+/// What a fitted number is of, and the one of `measurements` that its name ends with the number of: `dynamic_mean` and the fourth for
+/// `dynamic_mean 4`.
+#[must_use]
+pub fn numbered<'a>(name: &'a str, measurements: &'a [Measurement]) -> Option<(&'a str, &'a Measurement)> {
+    let (what, number) = name.rsplit_once(' ')?;
+    Some((what, measurements.get(number.parse::<usize>().ok()?.checked_sub(1)?)?))
 }
 
 /// What is fitted.

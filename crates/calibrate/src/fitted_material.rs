@@ -15,7 +15,7 @@ use crate::load_dependence::follows_load;
 use crate::surface_area_law_source::{AreaLawOrigin, SurfaceFindings};
 use crate::trial_discrepancy::note;
 use crate::uncertainty::{CoefficientEstimate, MaterialUncertainty};
-use crate::{Coefficients, Fit, FittedPair, Measurement};
+use crate::{Coefficients, Fit, FittedPair, Measurement, numbered};
 use slipgrid_discrepancy::Discrepancy;
 
 /// A number of the material as a file holds it.
@@ -102,14 +102,11 @@ fn warnings(
 
 /// `static_mean 2: ...` with the condition of the measurement in place of its number.
 fn with_condition(warning: &str, measurements: &[Measurement]) -> String {
-    let placed = || {
-        let (name, rest) = warning.split_once(':')?;
-        let (what, number) = name.rsplit_once(' ')?;
-        let at = measurements.get(number.parse::<usize>().ok()?.checked_sub(1)?)?;
-        let [speed, humidity] = [SPEED_MM_S.from_si(at.speed_m_s), HUMIDITY_PCT.from_si(at.humidity)];
-        Some(format!("{what} at {} N, {speed} mm/s, {humidity} %:{rest}", at.force_n))
-    };
-    placed().unwrap_or_else(|| warning.to_owned())
+    let placed = warning.split_once(':').and_then(|(name, rest)| Some((numbered(name, measurements)?, rest)));
+    placed.map_or_else(
+        || warning.to_owned(),
+        |((what, at), rest)| format!("{what} at {}:{rest}", at.condition_in_words()),
+    )
 }
 
 fn law(found: &AreaLaw) -> Result<AreaLaw, CalibrationError> {

@@ -293,22 +293,30 @@ impl<'a> Chances<'a> {
 
     /// Share of `draws` in which the inputs that `of` names leave every value accepted.
     pub fn share(&self, draws: &CommonDraws, about: &Expansion, of: &dyn Fn(usize) -> bool) -> Probability {
-        draws.probability_by(&about.slopes, of, |values, deviations| {
-            about.complete(values, deviations, of);
-            self.target.accepts(values)
-        })
+        self.judge(draws, about, of, |_| ())
     }
 
     /// The draws in which the inputs that `of` names leave every value accepted.
     pub fn expanded(&self, draws: &CommonDraws, about: &Expansion, of: &dyn Fn(usize) -> bool) -> Accepted {
         let accepted = RefCell::new(Vec::new());
-        let _ = draws.probability_by(&about.slopes, of, |values, deviations| {
+        let _ = self.judge(draws, about, of, |accepts| accepted.borrow_mut().push(accepts));
+        Accepted(accepted.into_inner())
+    }
+
+    /// The share, where `told` hears of every draw whether it is accepted.
+    fn judge(
+        &self,
+        draws: &CommonDraws,
+        about: &Expansion,
+        of: &dyn Fn(usize) -> bool,
+        told: impl Fn(bool),
+    ) -> Probability {
+        draws.probability_by(&about.slopes, of, |values, deviations| {
             about.complete(values, deviations, of);
             let accepts = self.target.accepts(values);
-            accepted.borrow_mut().push(accepts);
+            told(accepts);
             accepts
-        });
-        Accepted(accepted.into_inner())
+        })
     }
 
     /// Covariance of the values of a design over `draws`, one row a value.

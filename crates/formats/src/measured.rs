@@ -6,7 +6,7 @@ use slipgrid_calibrate::{Measurement, StaticPeak};
 
 use crate::diagnostic::Diagnostic;
 use crate::plausible::{FORCE, FRICTION, PRESSURE, RATIO, RELATIVE_DEVIATION, SPEED, STRAIN};
-use slipgrid_units::{HUMIDITY_PCT, PRESSURE_MPA, SPEED_MM_S, tidy};
+use slipgrid_units::{PRESSURE_MPA, SPEED_MM_S, tidy};
 
 /// Values that differ by less than this part are the same.
 const SAME: f64 = 1e-9;
@@ -94,8 +94,7 @@ impl Placed {
     /// Its condition in words.
     #[must_use]
     pub fn condition(&self) -> String {
-        let Measurement { force_n, speed_m_s, humidity, .. } = self.measurement;
-        format!("{force_n} N, {} mm/s, {} %", SPEED_MM_S.from_si(speed_m_s), HUMIDITY_PCT.from_si(humidity))
+        self.measurement.condition_in_words()
     }
 
     fn is_at_condition_of(&self, other: &Self) -> bool {

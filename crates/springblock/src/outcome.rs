@@ -195,22 +195,22 @@ impl SurfaceOutcome {
 /// The largest of the pressures of contact blocks that touch on `share` of a block each, over a whole block: at an edge pressure grows
 /// without bound, so that a narrow part of a block bears more than a whole one would, however little of it there is. `beside` are the
 /// contact blocks next to one.
-pub(crate) fn peak_over_whole_blocks<'a, I: IntoIterator<Item = usize>>(
-    interface: &'a [InterfacePoint],
-    share: &'a [f64],
-    beside: impl Fn(usize) -> I + 'a,
+pub(crate) fn peak_over_whole_blocks<I: IntoIterator<Item = usize>>(
+    interface: &[InterfacePoint],
+    share: &[f64],
+    beside: impl Fn(usize) -> I,
 ) -> f64 {
     let over_a_block = |number: usize| {
         let (own_pa, own) = (interface[number].pressure_pa, share[number]);
-        let largest = beside(number).into_iter().max_by(|&a, &b| share[a].total_cmp(&share[b]));
-        match largest.filter(|_| own < WHOLE) {
-            None => own_pa,
-            Some(next) => {
-                // The rest of a block, as far as there is land.
-                let rest = (1.0 - own).min(share[next]);
-                (own * own_pa + rest * interface[next].pressure_pa) / (own + rest)
-            }
+        if own >= WHOLE {
+            return own_pa;
         }
+        let Some(next) = beside(number).into_iter().max_by(|&a, &b| share[a].total_cmp(&share[b])) else {
+            return own_pa;
+        };
+        // The rest of a block, as far as there is land.
+        let rest = (1.0 - own).min(share[next]);
+        (own * own_pa + rest * interface[next].pressure_pa) / (own + rest)
     };
     (0..interface.len()).map(over_a_block).fold(0.0, f64::max)
 }

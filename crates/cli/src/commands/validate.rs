@@ -41,7 +41,9 @@ pub fn run(args: &ValidateArgs, console: &mut Console<'_>) -> Result<u8, CliErro
     if let Some(folder) = &args.output {
         check_folder(Place::output(folder), &FILES, std::slice::from_ref(&args.calibration))?;
     }
-    let (_, slope_factors) = (patterns(args, None)?, slope_factors(&args.slope_factors)?);
+    // What is wrong with the flags is said before anything is read.
+    patterns(args, None)?;
+    let slope_factors = slope_factors(&args.slope_factors)?;
     let mut calibration = Calibration::read(&disk(), &args.calibration)?;
     let own = calibration.pattern.filter(|_| !validation::is_published(&calibration.source));
     let mut compared = None;

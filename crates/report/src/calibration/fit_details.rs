@@ -1,7 +1,7 @@
 //! Everything a fit found, for its report.
 
 use serde::Serialize;
-use slipgrid_calibrate::{CalibrationOutcome, CalibrationTask, Fit, Parameter};
+use slipgrid_calibrate::{CalibrationOutcome, CalibrationTask, Fit, Parameter, numbered};
 
 use super::static_friction::{StaticRow, rows};
 use crate::ReportError;
@@ -53,48 +53,46 @@ struct ParameterReport {
     pub profile: Vec<[f64; 2]>,
 }
 
-impl FitDetails {
-    fn new(fit: &Fit, static_friction: Vec<StaticRow>, warnings: &[String]) -> Self {
-        let finite = |value: f64| Some(tidy(value)).filter(|value| value.is_finite());
-        let report = |parameter: &Parameter| ParameterReport {
-            name: parameter.name.clone(),
-            value: tidy(parameter.value),
-            std_error: finite(parameter.std_error),
-            bounds: parameter.bounds.map(tidy),
-            at_bound: parameter.at_bound,
-            interval_95: parameter.interval.map(|end| end.map(tidy)),
-            profile: parameter.profile.iter().map(|point| point.map(tidy)).collect(),
-        };
-        Self {
-            program: "slipgrid",
-            version: VERSION,
-            schema: SCHEMA,
-            parameters: fit.parameters.iter().map(report).collect(),
-            covariance: fit.covariance.iter().map(|row| row.iter().map(|&value| finite(value)).collect()).collect(),
-            chi_square: tidy(fit.chi_square),
-            degrees_of_freedom: fit.degrees_of_freedom,
-            settled: fit.settled,
-            warnings: warnings.to_vec(),
-            static_friction,
-        }
-    }
+/// The fitted numbers of `fit`.
+fn parameters(fit: &Fit) -> Vec<ParameterReport> {
+    let report = |parameter: &Parameter| ParameterReport {
+        name: parameter.name.clone(),
+        value: tidy(parameter.value),
+        std_error: finite(parameter.std_error),
+        bounds: parameter.bounds.map(tidy),
+        at_bound: parameter.at_bound,
+        interval_95: parameter.interval.map(|end| end.map(tidy)),
+        profile: parameter.profile.iter().map(|point| point.map(tidy)).collect(),
+    };
+    fit.parameters.iter().map(report).collect()
+}
+
+fn finite(value: f64) -> Option<f64> {
+    Some(tidy(value)).filter(|value| value.is_finite())
 }
 
 /// Everything that was found, as JSON.
 pub fn json(task: &CalibrationTask, outcome: &CalibrationOutcome) -> Result<String, ReportError> {
-    let warnings = &outcome.material.provenance.warnings;
-    Ok(slipgrid_results::json(&FitDetails::new(&outcome.fit, rows(task, outcome), warnings))?)
+    let fit = &outcome.fit;
+    let details = FitDetails {
+        program: "slipgrid",
+        version: VERSION,
+        schema: SCHEMA,
+        parameters: parameters(fit),
+        covariance: fit.covariance.iter().map(|row| row.iter().map(|&value| finite(value)).collect()).collect(),
+        chi_square: tidy(fit.chi_square),
+        degrees_of_freedom: fit.degrees_of_freedom,
+        settled: fit.settled,
+        warnings: outcome.material.provenance.warnings.clone(),
+        static_friction: rows(task, outcome),
+    };
+    Ok(slipgrid_results::json(&details)?)
 }
 
 /// A fitted number's name with the measurement that it belongs to: `dynamic_mean 200 N, 2 mm/s, 50 %` for the name `dynamic_mean 4`.
 pub fn in_words(outcome: &CalibrationOutcome, name: &str) -> String {
-    let of_row = || {
-        let (what, number) = name.rsplit_once(' ')?;
-        let at = outcome.measurements.get(number.parse::<usize>().ok()?.checked_sub(1)?)?;
-        let [speed, humidity] = [SPEED_MM_S.from_si(at.speed_m_s), HUMIDITY_PCT.from_si(at.humidity)];
-        Some(format!("{what} {} N, {speed} mm/s, {humidity} %", at.force_n))
-    };
-    of_row().unwrap_or_else(|| name.to_owned())
+    let placed = numbered(name, &outcome.measurements);
+    placed.map_or_else(|| name.to_owned(), |(what, at)| format!("{what} {}", at.condition_in_words()))
 }
 
 /// What the errors of fitted numbers have in them, beside those of the table of coefficients.
@@ -109,12 +107,12 @@ pub fn which_errors(outcome: &CalibrationOutcome) -> &'static str {
 
 /// Every number with its intervals.
 pub fn table(outcome: &CalibrationOutcome) -> String {
-    let found = FitDetails::new(&outcome.fit, Vec::new(), &[]);
-    if found.parameters.is_empty() {
+    let parameters = parameters(&outcome.fit);
+    if parameters.is_empty() {
         return String::new();
     }
     let mut table = Table::new(["parameter", "value", "+-", "95 % from", "to"]);
-    for parameter in &found.parameters {
+    for parameter in &parameters {
         let cell = |value: Option<f64>| {
             let digits = if parameter.value.abs() > 100.0 { 0 } else { 4 };
             fixed(value, digits)
@@ -134,7 +132,7 @@ pub fn table(outcome: &CalibrationOutcome) -> String {
 /// Profiles as CSV.
 pub fn profiles(fit: &Fit) -> String {
     let mut text = String::from("parameter,value,chi_square_increase\n");
-    for parameter in &FitDetails::new(fit, Vec::new(), &[]).parameters {
+    for parameter in &parameters(fit) {
         for [value, increase] in &parameter.profile {
             text += &format!("{},{value},{increase}\n", parameter.name);
         }
