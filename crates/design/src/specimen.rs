@@ -140,7 +140,7 @@ fn ends_error(
 ) -> Result<Vec<Option<f64>>, SpecimenError> {
     let groove = pattern.as_groove();
     let run = RunOptions { extent: Extent::Sample, dimensions: Some(2), ..RunOptions::default() };
-    let mut plane = Scene { pattern: Some(groove), run, layer: scene.layer.alone(), ..scene.clone() };
+    let mut plane = Scene { pattern: Some(groove), run, ..scene.clone() };
     plane.layer.length_m = specimen.whole_length_m(plane.layer.block_m);
     let Ok(layout) = specimen.layout(groove) else { return Ok(vec![None; scene.loads.len()]) };
     let share = layout.areal_density() / groove.areal_density();

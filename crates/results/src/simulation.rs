@@ -118,8 +118,8 @@ pub struct LoadReport {
     pub ratio_stderr: Option<f64>,
     /// Estimated change of the ratio from this block size to vanishing blocks.
     pub ratio_discretization_error: Option<f64>,
-    /// What the specimen behind the layer adds to the ratio by the steady cell: in it where the scene says how thick the
-    /// specimen is, otherwise what a thick one would add.
+    /// What the specimen behind the layer adds to the ratio by steady cells, which share the load of a face as it lets them: in
+    /// it where the scene says how thick the specimen is, otherwise what a thick one would add.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub ratio_layer_difference: Option<f64>,
     /// Standard error of the ratio where that was added to a strip or to a run in time.

@@ -4,6 +4,7 @@ mod averaging;
 mod behind;
 mod blocks;
 mod expense;
+mod load_sharing;
 mod rim_difference;
 mod space;
 mod specimen;
@@ -63,7 +64,7 @@ pub fn simulate(scene: &Scene, monitor: &dyn Monitor) -> Result<Simulation, Scen
     let mut simulation = over_layer(scene, monitor)?;
     if let Some(pattern) = &scene.pattern {
         rim_difference::add_yielding(scene, pattern, &mut simulation.loads, &mut simulation.model);
-        Behind::new(scene, pattern, monitor).tell(1.0, &mut simulation.loads, &mut simulation.model);
+        Behind::new(scene, pattern, monitor).tell(&mut simulation.loads, &mut simulation.model);
         blocks::refine(scene, pattern, 1.0, &mut simulation, monitor);
     }
     Ok(simulation)

@@ -55,7 +55,7 @@ fn what_is_added_to_strips_is_among_the_errors() {
     let [thick, thin] =
         ["thick", "thin"].map(|name| json(&place.succeed(&["simulate", &format!("{name}.toml"), "--json"])));
     let added = column(&thick, "ratio_layer_difference");
-    for ((own, thin), added) in ratios(&thick).iter().zip(ratios(&thin)).zip(added) {
+    for ((own, thin), added) in ratios(&thick).iter().zip(ratios(&thin)).zip(&added) {
         assert!((own - thin - added.unwrap()).abs() < 1e-9 && added.unwrap() < -0.002, "{own} {thin}");
     }
     let part = |result: &Value| {
@@ -63,7 +63,9 @@ fn what_is_added_to_strips_is_among_the_errors() {
         let own = parts.iter().find(|part| part["input"] == "specimen behind the layer");
         own.map(|part| part["std"].as_f64().unwrap())
     };
-    assert!((part(&thick).unwrap() - 0.001).abs() < 1e-5 && part(&thin).is_none());
+    // What ends leave open, and 15 % of what the specimen changes.
+    let open = 0.001_f64.hypot(0.15 * added[1].unwrap());
+    assert!((part(&thick).unwrap() - open).abs() < 1e-5 && part(&thin).is_none());
 }
 
 #[test]

@@ -12,9 +12,11 @@
 
 use slipgrid_pattern::Pattern;
 
-use super::{MOST_FACTOR_BYTES, widest};
+use super::rim_difference::without_rim;
+use super::{MOST_FACTOR_BYTES, load_sharing, widest};
 use crate::Monitor;
 use crate::cell::{CellOutcome, SteadyCell};
+use crate::face::Face;
 use crate::outcome::{LoadOutcome, Status};
 use crate::scene::{Extent, Fidelity, Layer, Scene};
 
@@ -40,8 +42,9 @@ pub struct Behind {
     layer: Layer,
     /// Whether the ratios solved for have the specimen behind the layer in them.
     is_solved: bool,
-    /// What adding to a ratio leaves open.
+    /// What adding to a ratio leaves open, and that as a share of what is added.
     open: f64,
+    open_of_difference: f64,
     each: Vec<Option<Difference>>,
 }
 
@@ -93,19 +96,37 @@ impl Behind {
             Extent::Sample => OPEN_BY_ENDS * (KNOWN_LENGTH_M / scene.layer.length_m).max(1.0),
         };
         let is_solved = is_cell(scene) && scene.layer.is_backed();
-        Self { layer: scene.layer, is_solved, open: in_time.hypot(by_ends), each }
+        Self { layer: scene.layer, is_solved, open: in_time.hypot(by_ends), open_of_difference: 0.0, each }
     }
 
-    /// Adds it to `loads`, whose cavities take `share` of what a period's take, where the scene says how thick the specimen
-    /// is and they do not have it yet; `model` tells of it.
-    pub fn tell(&self, share: f64, loads: &mut [LoadOutcome], model: &mut Vec<String>) {
+    /// What is behind the layer of `scene` under `face` with cavities of `pattern`: where the scene says how thick the specimen
+    /// is, its strips share the load as it lets them, with lands that lie flat ([`load_sharing`]).
+    pub fn under_face(scene: &Scene, pattern: &Pattern, face: &Face, monitor: &dyn Monitor) -> Self {
+        if !scene.layer.is_backed() {
+            let mut behind = Self::new(scene, pattern, monitor);
+            let share = face.cavity_share() / pattern.section_density();
+            behind.each.iter_mut().flatten().for_each(|each| each.ratio *= share);
+            return behind;
+        }
+        let (scene, pattern) = (&Scene { relief: None, ..scene.clone() }, &without_rim(pattern));
+        let mut behind = Self::new(scene, pattern, monitor);
+        let differences = load_sharing::difference(scene, pattern, face, monitor);
+        let differences = differences.unwrap_or_else(|| vec![None; scene.loads.len()]);
+        for (each, of_face) in behind.each.iter_mut().zip(differences) {
+            *each = each.zip(of_face).map(|(cell, ratio)| Difference { ratio, ..cell });
+        }
+        behind.open_of_difference = load_sharing::OPEN_BY_SHARING;
+        behind
+    }
+
+    /// Adds it to `loads`, where the scene says how thick the specimen is and they do not have it yet; `model` tells of it.
+    pub fn tell(&self, loads: &mut [LoadOutcome], model: &mut Vec<String>) {
         let is_added = self.layer.is_backed() && !self.is_solved;
         for (load, difference) in loads.iter_mut().zip(&self.each) {
             let Some(difference) = difference else { continue };
-            let of_ratio = difference.ratio * share;
-            load.ratio_layer_difference = Some(of_ratio);
+            load.ratio_layer_difference = Some(difference.ratio);
             if is_added {
-                add(difference, of_ratio, self.open, load);
+                add(difference, self.open.hypot(self.open_of_difference * difference.ratio), load);
             }
         }
         if !self.each.is_empty() && loads.iter().any(|load| load.ratio.is_some()) {
@@ -132,10 +153,15 @@ impl Behind {
             );
         }
         if is_added {
+            let open = loads.iter().filter_map(|load| load.ratio_layer_error).fold(0.0, f64::max);
+            let what = if self.open_of_difference == 0.0 {
+                "what it adds to the steady cell"
+            } else {
+                "what it adds to steady cells that share the load as it lets them"
+            };
             return format!(
-                "blocks of the lowest {layer_um:.0} um of the specimen; the rest of its {thick_mm} mm adds to the ratio what it adds \
-                 to the steady cell, {widest}, known to {:.4}; mu_static and the interface are those of the layer alone",
-                self.open
+                "blocks of the lowest {layer_um:.0} um of the specimen; the rest of its {thick_mm} mm adds to the ratio {what}, \
+                 {widest}, known to {open:.4}; mu_static and the interface are those of the layer alone"
             );
         }
         format!(
@@ -162,9 +188,9 @@ fn difference(thick: &CellOutcome, alone: &CellOutcome) -> Option<Difference> {
     })
 }
 
-/// Adds `difference`, of the ratio `of_ratio` and known to `open`, to `load`.
-fn add(difference: &Difference, of_ratio: f64, open: f64, load: &mut LoadOutcome) {
-    load.shift_ratio(of_ratio);
+/// Adds `difference`, known to `open`, to `load`.
+fn add(difference: &Difference, open: f64, load: &mut LoadOutcome) {
+    load.shift_ratio(difference.ratio);
     load.ratio_layer_error = load.ratio.map(|ratio| open.min(OPEN_SHARE * (1.0 - ratio).abs()));
     let surface = &mut load.surface;
     surface.peak_pressure_pa *= difference.peak;

@@ -7,6 +7,9 @@
 //! P_s = k_s d,     sum w_s L_s P_s = P sum w_s L_s,     mu = sum w_s L_s P_s mu_s / (P sum w_s L_s)
 //! ```
 //!
+//! That bulk stands on the modelled layer. How the parts of the face share the load where the specimen behind the layer is elastic
+//! is added ([`load_sharing`](super::load_sharing)).
+//!
 //! The strips sample the face. Its share of cavities D is known exactly, and what cavities take off friction goes very
 //! nearly as their share, so that the ratio to the flat face is taken as 1 - (1 - r) D / D_strips. What strips depart from
 //! that proportion is the error of the sampling.
@@ -65,7 +68,8 @@ pub fn simulate_specimen(scene: &Scene, face: &Face, monitor: &dyn Monitor) -> R
     };
     // Blocks stand for the layer alone.
     let layer = &Scene { layer: scene.layer.alone(), ..scene.clone() };
-    let Some(steady) = SteadyFace::new(layer, pattern, face, monitor)? else { return Ok(cancelled(scene)) };
+    let rims = RimDifference::new(scene, pattern);
+    let Some(steady) = SteadyFace::new(layer, &rims, pattern, face, monitor)? else { return Ok(cancelled(scene)) };
     let mut model = Vec::new();
     let mut loads = match scene.run.fidelity {
         Fidelity::Steady => {
@@ -82,8 +86,8 @@ pub fn simulate_specimen(scene: &Scene, face: &Face, monitor: &dyn Monitor) -> R
         load.ratio_discretization_error = error.filter(|_| load.ratio.is_some()).map(|error| error * share);
     }
     model.extend(describe(scene, face, pattern, &steady));
-    Behind::new(&Scene { run: RunOptions { extent: Extent::Sample, ..scene.run }, ..scene.clone() }, pattern, monitor)
-        .tell(share, &mut loads, &mut model);
+    let run = RunOptions { extent: Extent::Sample, ..scene.run };
+    Behind::under_face(&Scene { run, ..scene.clone() }, pattern, face, monitor).tell(&mut loads, &mut model);
     let mut simulation = Simulation { model, loads };
     super::blocks::refine(scene, pattern, share, &mut simulation, monitor);
     describe_draws(scene, &mut simulation.model);
@@ -91,7 +95,7 @@ pub fn simulate_specimen(scene: &Scene, face: &Face, monitor: &dyn Monitor) -> R
     Ok(simulation)
 }
 
-/// Steady ratios of the face by load, as strips of the layer alone give them, without what tells how far off they are; all `None` once
+/// Steady ratios of the face by load, over the thickness that `scene` says, without what tells how far off they are; all `None` once
 /// `monitor` has cancelled.
 ///
 /// # Errors
@@ -102,9 +106,13 @@ pub fn steady_face_ratios(
     face: &Face,
     monitor: &dyn Monitor,
 ) -> Result<Vec<Option<f64>>, SceneError> {
-    let steady = SteadyFace::new(scene, pattern, face, monitor)?;
-    let none = || vec![None; scene.loads.len()];
-    Ok(steady.map_or_else(none, |steady| steady.loads.iter().map(|load| load.ratio).collect()))
+    let layer = Scene { layer: scene.layer.alone(), ..scene.clone() };
+    let steady = SteadyFace::new(&layer, &RimDifference::new(scene, pattern), pattern, face, monitor)?;
+    let Some(SteadyFace { mut loads, .. }) = steady else { return Ok(vec![None; scene.loads.len()]) };
+    if scene.layer.is_backed() {
+        Behind::under_face(scene, pattern, face, monitor).tell(&mut loads, &mut Vec::new());
+    }
+    Ok(loads.iter().map(|load| load.ratio).collect())
 }
 
 /// A part of the face that is solved on one lattice.
@@ -156,7 +164,7 @@ fn shortened(strip: &Strip, layer: &Layer) -> (Strip, f64) {
 
 /// `strip` without land between a cavity and its ends that is narrower than the cavity is deep, or than
 /// [`LEAST_END_BLOCKS`]: on so slender a wall friction raises the pressure that raises friction, and nothing holds it.
-fn without_slivers(mut strip: Strip, depth_m: f64, block_m: f64) -> Strip {
+pub(super) fn without_slivers(mut strip: Strip, depth_m: f64, block_m: f64) -> Strip {
     let least_m = depth_m.max(LEAST_END_BLOCKS * block_m);
     let length_m = strip.length_m;
     if let Some(first) = strip.cavities_m.first_mut().filter(|first| first[0] < least_m) {
@@ -170,9 +178,14 @@ fn without_slivers(mut strip: Strip, depth_m: f64, block_m: f64) -> Strip {
 
 impl SteadyFace {
     /// `None` once `monitor` has cancelled.
-    fn new(scene: &Scene, pattern: &Pattern, face: &Face, monitor: &dyn Monitor) -> Result<Option<Self>, SceneError> {
+    fn new(
+        scene: &Scene,
+        rims: &RimDifference,
+        pattern: &Pattern,
+        face: &Face,
+        monitor: &dyn Monitor,
+    ) -> Result<Option<Self>, SceneError> {
         let (block_m, rows) = (scene.layer.block_m, scene.layer.rows());
-        let rims = RimDifference::new(scene, pattern);
         // Strips lie flat: what rims add is that of the cell.
         let pattern = &without_rim(pattern);
         let blocks = |strip: &Strip| -> Vec<[f64; 2]> {
@@ -440,11 +453,12 @@ fn drawn_ratios(scene: &Scene, models: &[SteadyModel]) -> Vec<Option<f64>> {
 fn describe(scene: &Scene, face: &Face, pattern: &Pattern, steady: &SteadyFace) -> Vec<String> {
     let strips = face.strips().len();
     let mut model = vec![format!(
-        "specimen as it is laid out: cavities take {:.2} % of its face, {:.2} % of a period; {} along the sliding direction with cavities and ends of {} own, under one rigid bulk",
+        "specimen as it is laid out: cavities take {:.2} % of its face, {:.2} % of a period; {} along the sliding direction with cavities and ends of {} own{}",
         100.0 * face.cavity_share(),
         100.0 * pattern.areal_density(),
         if strips == 1 { "one strip".to_owned() } else { format!("{strips} different strips") },
         if strips == 1 { "its" } else { "their" },
+        if scene.layer.is_backed() { "" } else { ", under one rigid bulk" },
     )];
     if face
         .strips()

@@ -1,0 +1,287 @@
+//! How the parts of a face share the load where all of the specimen behind it is elastic.
+//!
+//! Under a bulk that is rigid right behind the layer, the solid margin of a specimen bears far more than its cavities, which
+//! are softer. A specimen of several millimetres gives way behind the margin too, and evens that out. A strip of the face is
+//! cut in the middle of its first and its last cavity into pieces that are periodic if mirrored at their sides: the middle,
+//! of cavities of width w and lands of width g, and an end with a margin of width m, which is half a cell of (w, 2 m); where a
+//! cavity of width v is cut by the strip's end, half a cell of (2 v, g). Each piece is softer than solid by
+//!
+//! ```text
+//! C = E (1/k_cell - 1/k_solid),     k: mean pressure over descent of the bulk
+//! ```
+//!
+//! The pressure p(x) is that under an elastic body as high as the specimen is thick on the foundation C(x) ([`body`]), and
+//! the ratio of the face is the mean over it of the friction of steady cells at the pressure they bear,
+//!
+//! ```text
+//! r = sum_s w_s int p mu_cell(p) dx / (P mu_flat(P) A)
+//! ```
+//!
+//! The same of the layer alone, whose bulk is rigid, says less of what is uneven. The difference of the two is added to what
+//! strips of the layer say.
+
+mod body;
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use rayon::prelude::*;
+use slipgrid_pattern::{Pattern, Planform};
+
+use super::specimen::without_slivers;
+use crate::Monitor;
+use crate::cell::{CellOutcome, SteadyCell};
+use crate::columns;
+use crate::face::{Face, Strip};
+use crate::lattice::Lattice;
+use crate::scene::{Load, Scene};
+use crate::steady::SteadyModel;
+use body::{FacePressure, Foundation, face_pressure};
+
+/// Standard error of what sharing changes, as a share of it
+/// (`strips_share_the_load_as_all_blocks_of_the_specimen_say`).
+pub const OPEN_BY_SHARING: f64 = 0.15;
+/// Largest step, over the nominal pressure, between pressures at which the friction of pieces of one kind is solved for; between
+/// them friction is linear.
+const PRESSURE_STEP: f64 = 0.25;
+/// Compliance of solid pieces over the height of the body: next to none.
+const SOLID_COMPLIANCE: f64 = 1e-4;
+/// Columns and rows of the cells that tell how soft pieces are, at least; the rows are as high as a period is long.
+const SOFTNESS_COLUMNS: f64 = 24.0;
+/// Cavities and lands that differ by less are of one kind, in metres.
+const ALIKE_M: f64 = 1e-8;
+
+/// Widths of cavity and land of a cell, in units of [`ALIKE_M`].
+type Kind = (u64, u64);
+/// Of a strip without cavities.
+const SOLID: Kind = (0, 0);
+
+/// A part of a strip that is periodic if mirrored at its sides.
+struct Piece {
+    kind: Kind,
+    length_m: f64,
+}
+
+fn kind(cavity_m: f64, land_m: f64) -> Kind {
+    let units = |length_m: f64| (length_m / ALIKE_M).round() as u64;
+    (units(cavity_m), units(land_m))
+}
+
+/// A strip of the face in pieces, from left to right; none where it has no cavity.
+struct CutStrip {
+    pieces: Vec<Piece>,
+    width_m: f64,
+    length_m: f64,
+}
+
+/// The pieces of `strip`, from left to right; none where it has no cavity.
+fn pieces(strip: &Strip) -> Vec<Piece> {
+    let cavities = &strip.cavities_m;
+    let (Some(first), Some(last)) = (cavities.first(), cavities.last()) else { return Vec::new() };
+    let mut pieces = Vec::new();
+    let mut push = |length_m: f64, cavity_m: f64, land_m: f64| {
+        if length_m > ALIKE_M {
+            pieces.push(Piece { kind: kind(cavity_m, land_m), length_m });
+        }
+    };
+    let margins = [first[0], strip.length_m - last[1]];
+    if let [[start_m, end_m]] = cavities[..] {
+        let width_m = end_m - start_m;
+        match margins.map(|margin_m| margin_m > ALIKE_M) {
+            [true, true] => margins.iter().for_each(|margin_m| push(margin_m + 0.5 * width_m, width_m, 2.0 * margin_m)),
+            // Half a cell of twice the cavity and twice the land.
+            _ => push(strip.length_m, 2.0 * width_m, 2.0 * (margins[0] + margins[1])),
+        }
+        return pieces;
+    }
+    let land_m = cavities[1][0] - first[1];
+    let width_m = cavities.iter().map(|[start_m, end_m]| end_m - start_m).fold(0.0, f64::max);
+    let end = |[start_m, end_m]: [f64; 2], margin_m: f64| {
+        let own_m = end_m - start_m;
+        if margin_m > ALIKE_M {
+            (margin_m + 0.5 * own_m, own_m, 2.0 * margin_m)
+        } else {
+            (own_m + 0.5 * land_m, 2.0 * own_m, land_m)
+        }
+    };
+    let (left, right) = (end(*first, margins[0]), end(*last, margins[1]));
+    push(left.0, left.1, left.2);
+    push(strip.length_m - left.0 - right.0, width_m, land_m);
+    push(right.0, right.1, right.2);
+    pieces
+}
+
+/// Cavities of one kind.
+struct Cell {
+    pattern: Pattern,
+    /// C of the layer alone and of the specimen, in metres.
+    compliance_m: [f64; 2],
+}
+
+impl Cell {
+    /// `None` where no lattice takes such cavities.
+    fn new(scene: &Scene, kind: Kind, depth_m: f64) -> Option<Self> {
+        let [width_m, land_m] = [kind.0, kind.1].map(|units| units as f64 * ALIKE_M);
+        let pattern = Pattern::new(Planform::Groove, width_m, land_m, depth_m).ok()?;
+        let layer = scene.layer;
+        // Far above the cavities: a period high, and in blocks that a period is some dozens of.
+        let block_m = layer.block_m.max(pattern.pitch_m() / SOFTNESS_COLUMNS);
+        let rows = (pattern.pitch_m().max(2.0 * depth_m) / block_m).ceil().max(SOFTNESS_COLUMNS);
+        let compliance_m =
+            [compliance_m(&pattern, layer.block_m, layer.rows())?, compliance_m(&pattern, block_m, rows as usize)?];
+        Some(Self { pattern, compliance_m })
+    }
+}
+
+/// C of the cell of `pattern`, `rows` high in blocks of `block_m`.
+fn compliance_m(pattern: &Pattern, block_m: f64, rows: usize) -> Option<f64> {
+    let height_m = rows as f64 * block_m;
+    if pattern.depth_m() >= height_m - block_m {
+        return None;
+    }
+    let stiffness =
+        |columns| SteadyModel::new(Lattice::new(columns, rows, true), block_m, 1.0, false).stiffness_per_length();
+    let solid_over_own = stiffness(columns::flat(super::UNIFORM_COLUMNS)) / stiffness(columns::cell(pattern, block_m));
+    // Solid, without strain along the face: E / k = (1 - nu^2) H
+    let compliance_m = 8.0 / 9.0 * height_m * (solid_over_own - 1.0);
+    (compliance_m.is_finite() && compliance_m > 0.0).then_some(compliance_m)
+}
+
+/// What part of the face bears, over the nominal pressure.
+struct Borne {
+    kind: Kind,
+    area_m2: f64,
+    pressure: f64,
+}
+
+/// Ratio of `face` with cavities of `pattern`, lands of which lie flat, over the thickness that `scene` says, less that of its layer
+/// alone under one rigid bulk, at each load: `None` where a cell has none. `None` where it could not be computed, or `monitor` has
+/// cancelled.
+pub fn difference(scene: &Scene, pattern: &Pattern, face: &Face, monitor: &dyn Monitor) -> Option<Vec<Option<f64>>> {
+    let (depth_m, block_m) = (pattern.depth_m(), scene.layer.block_m);
+    let cut = |strip: &Strip| {
+        let pieces = pieces(&without_slivers(strip.clone(), depth_m, block_m));
+        CutStrip { pieces, width_m: strip.width_m, length_m: strip.length_m }
+    };
+    let strips: Vec<CutStrip> = face.strips().iter().map(cut).collect();
+    let kinds: BTreeSet<Kind> = strips.iter().flat_map(|strip| &strip.pieces).map(|piece| piece.kind).collect();
+    let solved: Option<Vec<(Kind, Cell)>> = kinds
+        .into_par_iter()
+        .map(|kind| {
+            monitor.heed().ok()?;
+            Some((kind, Cell::new(scene, kind, depth_m)?))
+        })
+        .collect();
+    let cells: BTreeMap<Kind, Cell> = solved?.into_iter().collect();
+    let layer = Scene { layer: scene.layer.alone(), ..scene.clone() };
+    let alone = lowering(&layer, &cells, &borne(&layer, &strips, &cells)?, monitor)?;
+    let thick = lowering(scene, &cells, &borne(scene, &strips, &cells)?, monitor)?;
+    // Strips sample the face, whose share of cavities is known.
+    let area_m2: f64 = face.strips().iter().map(Strip::area_m2).sum();
+    let cavities_m2: f64 = face.strips().iter().map(|strip| strip.cavity_length_m() * strip.width_m).sum();
+    let sampled = face.cavity_share() * area_m2 / cavities_m2;
+    Some(thick.iter().zip(&alone).map(|(thick, alone)| Some(-sampled * ((*thick)? - (*alone)?))).collect())
+}
+
+/// What parts of pieces bear under an elastic body as high as `scene` has the specimen, or its layer alone; strips have one
+/// rigid back.
+fn borne(scene: &Scene, strips: &[CutStrip], cells: &BTreeMap<Kind, Cell>) -> Option<Vec<Borne>> {
+    let (height_m, place) = scene.layer.thickness_m.map_or((scene.layer.height_m, 0), |thickness_m| (thickness_m, 1));
+    let solid_m = SOLID_COMPLIANCE * height_m;
+    let borne = |strip: &CutStrip| -> Option<Vec<Borne>> {
+        let foundation = |piece: &Piece| Foundation {
+            length_m: piece.length_m,
+            compliance_m: cells.get(&piece.kind).map_or(solid_m, |cell| cell.compliance_m[place]),
+        };
+        let mut foundations: Vec<Foundation> = strip.pieces.iter().map(foundation).collect();
+        if foundations.is_empty() {
+            foundations.push(Foundation { length_m: strip.length_m, compliance_m: solid_m });
+        }
+        let FacePressure { patches, stiffness_per_m } = face_pressure(&foundations, height_m)?;
+        let part = |patch: &body::Patch| Borne {
+            kind: strip.pieces.get(patch.piece).map_or(SOLID, |piece| piece.kind),
+            area_m2: patch.length_m * strip.width_m,
+            pressure: patch.pressure * stiffness_per_m,
+        };
+        Some(patches.iter().map(part).collect())
+    };
+    let each: Option<Vec<Vec<Borne>>> = strips.par_iter().map(borne).collect();
+    Some(balanced(each?.into_iter().flatten().collect()))
+}
+
+/// `parts`, whose pressures are in proportion to what they bear, with a mean of 1.
+fn balanced(mut parts: Vec<Borne>) -> Vec<Borne> {
+    let area_m2: f64 = parts.iter().map(|part| part.area_m2).sum();
+    let mean = parts.iter().map(|part| part.area_m2 * part.pressure).sum::<f64>() / area_m2;
+    parts.iter_mut().for_each(|part| part.pressure /= mean);
+    parts
+}
+
+/// What the cells of `parts` take off the ratio of the face at each load; `None` once `monitor` has cancelled.
+fn lowering(
+    scene: &Scene,
+    cells: &BTreeMap<Kind, Cell>,
+    parts: &[Borne],
+    monitor: &dyn Monitor,
+) -> Option<Vec<Option<f64>>> {
+    let mut by_kind: BTreeMap<Kind, Vec<&Borne>> = BTreeMap::new();
+    for part in parts {
+        by_kind.entry(part.kind).or_default().push(part);
+    }
+    let area_m2: f64 = parts.iter().map(|part| part.area_m2).sum();
+    let of_kind = |(kind, parts): (Kind, Vec<&Borne>)| -> Option<Vec<Option<f64>>> {
+        monitor.heed().ok()?;
+        Some(borne_friction(scene, cells.get(&kind).map(|cell| &cell.pattern), &parts))
+    };
+    let each: Option<Vec<Vec<Option<f64>>>> = by_kind.into_par_iter().map(of_kind).collect();
+    let each = each?;
+    let at = |(place, load): (usize, &Load)| {
+        let borne: f64 = each.iter().map(|of_kind| of_kind[place]).sum::<Option<f64>>()?;
+        let flat = load.pressure_pa * flat_mu(scene, load, load.pressure_pa) * area_m2;
+        (flat > 0.0).then(|| 1.0 - borne / flat)
+    };
+    Some(scene.loads.iter().enumerate().map(at).collect())
+}
+
+/// mu_d f(p)
+fn flat_mu(scene: &Scene, load: &Load, pressure_pa: f64) -> f64 {
+    load.friction.dynamic_mean() * scene.area_law.as_ref().map_or(1.0, |law| law.factor(pressure_pa))
+}
+
+/// Friction force, in newtons, of `parts` that are cells of `pattern`, or solid without one, at each load: sum of A p mu(p).
+fn borne_friction(scene: &Scene, pattern: Option<&Pattern>, parts: &[&Borne]) -> Vec<Option<f64>> {
+    let range = parts.iter().map(|part| part.pressure.max(0.0));
+    let (least, most) = range.fold((f64::INFINITY, 0.0_f64), |(least, most), at| (least.min(at), most.max(at)));
+    let steps = ((most - least) / PRESSURE_STEP).ceil() as usize;
+    let step = (most - least) / steps.max(1) as f64;
+    let at_pressures = |load: &Load| -> Vec<Load> {
+        let at = |number: usize| Load { pressure_pa: load.pressure_pa * (least + step * number as f64), ..*load };
+        (0..=steps).map(at).collect()
+    };
+    let loads: Vec<Load> = scene.loads.iter().flat_map(at_pressures).collect();
+    let mu: Vec<Option<f64>> = if let Some(pattern) = pattern {
+        let cell = SteadyCell::in_dimensions(&Scene { loads: loads.clone(), ..scene.clone() }, 2);
+        let outcomes = cell.solve(pattern);
+        // What bears nothing rubs nothing.
+        let mu = |(outcome, load): (CellOutcome, &Load)| {
+            if load.pressure_pa > 0.0 { outcome.ratio.and(outcome.surface.mu_dynamic) } else { Some(0.0) }
+        };
+        outcomes.into_iter().zip(&loads).map(mu).collect()
+    } else {
+        loads.iter().map(|load| Some(flat_mu(scene, load, load.pressure_pa))).collect()
+    };
+    let of_load = |(load, mu): (&Load, &[Option<f64>])| {
+        let of_part = |part: &&Borne| {
+            let place = if step > 0.0 { (part.pressure.max(0.0) - least) / step } else { 0.0 };
+            let low = (place as usize).min(steps.saturating_sub(1));
+            // The friction stress mu p, which is nearly straight.
+            let stress = |number: usize| Some(mu[number]? * (least + step * number as f64));
+            let between = stress(low)? + (place - low as f64) * (stress((low + 1).min(steps))? - stress(low)?);
+            Some(part.area_m2 * load.pressure_pa * between)
+        };
+        parts.iter().map(of_part).sum()
+    };
+    scene.loads.iter().zip(mu.chunks(steps + 1)).map(of_load).collect()
+}
+
+#[cfg(test)]
+mod tests;
