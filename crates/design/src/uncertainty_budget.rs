@@ -10,6 +10,7 @@ use crate::chance::RIM_HEIGHT;
 use crate::scene_errors::Solved;
 use crate::task::DesignTask;
 use slipgrid_calibrate::uncertainty::MaterialUncertainty;
+use slipgrid_results::errors::OFF_THE_RUN;
 use slipgrid_results::{ErrorReport, ErrorsReport, PressureErrors};
 
 /// Errors of a design's values.
@@ -41,12 +42,21 @@ pub fn of_design(
         let solved = Solved { scene, simulation: confirmed, knowledge, slopes: &slopes };
         let mut rows = solved.errors();
         for (place, (row, value)) in rows.iter_mut().zip(predicted).enumerate() {
-            let of = solved.deviations(place).map(|of| match design.target.quantity() {
-                Quantity::Ratio => of.ratio,
-                Quantity::DynamicFriction => of.mu,
-            });
             let factor = if knowledge.discrepancy.is_some() { 1.0 } else { factor(place) };
-            row.predicted = Some(ErrorReport::new(Some(value / factor), Vec::new(), of.as_ref()));
+            let value = value / factor;
+            let run = match design.target.quantity() {
+                Quantity::Ratio => row.ratio.clone(),
+                Quantity::DynamicFriction => Some(row.mu.clone()),
+            };
+            row.predicted = Some(if let Some((run, confirmed)) = run.and_then(|run| Some((run.clone(), run.value?))) {
+                run.about(value).and(OFF_THE_RUN, (confirmed - value).abs())
+            } else {
+                let of = solved.deviations(place).map(|of| match design.target.quantity() {
+                    Quantity::Ratio => of.ratio,
+                    Quantity::DynamicFriction => of.mu,
+                });
+                ErrorReport::new(Some(value), Vec::new(), of.as_ref())
+            });
             if let Some(std) = rim_std.and_then(|all| all.get(place)) {
                 let times = knowledge.discrepancy.as_ref().map_or(1.0, |all| all[place].factor);
                 let flat_mu = confirmed.loads[place].flat.as_ref().and_then(|flat| flat.mu_dynamic);

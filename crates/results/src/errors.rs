@@ -17,6 +17,8 @@ pub const LAYOUT: &str = "layout on the specimen";
 pub const BLOCKS: &str = "size of blocks";
 /// Part of a run: what is behind the layer that it holds, added by the steady cell.
 pub const BEHIND: &str = "specimen behind the layer";
+/// Part of what a search took for its target's quantity: how far the run that confirmed the design is from it.
+pub const OFF_THE_RUN: &str = "distance from the confirming run";
 /// Part of a static peak, which follows them at most one to one.
 pub const STATIC: &str = "static coefficient";
 /// The 97.5 % point of the normal distribution.
@@ -42,7 +44,7 @@ pub struct ErrorsReport {
 pub struct PressureErrors {
     /// Nominal pressure.
     pub pressure_mpa: f64,
-    /// What a search took for its target's quantity.
+    /// What a search took for its target's quantity, with the errors of the confirming run and how far that is from it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub predicted: Option<ErrorReport>,
     /// Patterned over flat; of a patterned surface.
@@ -113,6 +115,15 @@ impl ErrorReport {
         self.interval_95 = Some([tidy(value - below.hypot(reach)), tidy(value + above.hypot(reach))]);
         self.std = Some(tidy(self.std.unwrap_or(0.0).hypot(std)));
         self.parts.push(PartsReport { input: input.to_owned(), std: tidy(std) });
+        self
+    }
+
+    /// The same errors about another `value`.
+    #[must_use]
+    pub fn about(mut self, value: f64) -> Self {
+        let moved = self.value.map_or(0.0, |own| value - own);
+        self.interval_95 = self.interval_95.map(|ends| ends.map(|end| tidy(end + moved)));
+        self.value = Some(tidy(value));
         self
     }
 

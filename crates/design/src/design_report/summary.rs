@@ -86,8 +86,8 @@ impl DesignReport {
             table.row(first.into_iter().chain(cells.map(|cell| fixed(cell, 4))).chain([peak]));
         }
         let mut text = format!(
-            "  {}{} (predicted: steady cell{}{}; confirmed: {})\n{table}  predicted counts the specimen's share of cavities; \
-             peak is the steady cell's largest pressure, over a block\n",
+            "  {}{} (predicted: steady cell{}{}; confirmed: {})\n{table}  predicted counts the specimen's share of cavities, \
+             and its +- how far confirmed is from it; peak is the steady cell's largest pressure, over a block\n",
             self.target.quantity,
             if self.discrepancy.is_some() { ", aimed with what trials say that the model lacks" } else { "" },
             self.in_space(),
