@@ -13,12 +13,13 @@ use slipgrid_units::LENGTH_UM;
 
 use crate::DesignError;
 use crate::chance::{About, Chances};
+use crate::kept_nodes::kept;
 use crate::multi_fidelity::MultiFidelityLoop;
 use crate::steady_model::SteadyModel;
 use crate::task::{DesignTask, KnownMaterial};
 use crate::time_budget::TimeBudget;
 use crate::timings::Timings;
-use slipgrid_monitor::{Monitor, Stage};
+use slipgrid_monitor::{Monitor, Part, Stage};
 use slipgrid_springblock::{Load, expense};
 
 /// Nodes along width, spacing and depth for each factor e between the bounds, and the most of them, in the vertical plane; in space
@@ -312,17 +313,32 @@ fn ask(
             _ => Ok(None),
         }
     };
-    let mut answers = vec![None; nodes.len()];
-    let mut missing = 0;
-    for places in spread(nodes.len()).chunks(AT_ONCE) {
-        let found: Vec<Option<Answer>> = places.par_iter().map(one).collect::<Result<_, _>>().ok()?;
-        missing += found.iter().filter(|answer| answer.is_none()).count();
-        if missing as f64 > most_missing * nodes.len() as f64 {
-            return None;
+    let all = || {
+        let mut answers = vec![None; nodes.len()];
+        let mut missing = 0;
+        for places in spread(nodes.len()).chunks(AT_ONCE) {
+            let found: Vec<Option<Answer>> = places.par_iter().map(one).collect::<Result<_, _>>().ok()?;
+            missing += found.iter().filter(|answer| answer.is_none()).count();
+            if missing as f64 > most_missing * nodes.len() as f64 {
+                return None;
+            }
+            places.iter().zip(found).for_each(|(place, answer)| answers[*place] = answer);
         }
-        places.iter().zip(found).for_each(|(place, answer)| answers[*place] = answer);
+        Some(answers)
+    };
+    if model.learned().is_some() {
+        return all();
     }
-    Some(answers)
+    let mut textures: Vec<Texture> = (0..nodes.len()).map(texture).collect();
+    textures.dedup();
+    let content = (model.content(), textures, nodes, coarse);
+    let numbers = |(mut values, peak): Answer| {
+        values.push(peak);
+        values
+    };
+    let asked = || Some(all()?.into_iter().map(|answer| answer.map(numbers)).collect());
+    let answer = |mut numbers: Vec<f64>| numbers.pop().map(|peak| (numbers, peak));
+    Some(kept(&Part::new(bar, share), &content, asked)?.into_iter().map(|node| node.and_then(answer)).collect())
 }
 
 /// The numbers from 0 to `count`, each once, those that follow each other far apart: steps of the golden section.

@@ -1,5 +1,7 @@
 //! What trials say that the model lacks, asked of the designs of a task: values count times its median where designs aim with it.
 
+use std::fmt::Debug;
+
 use slipgrid_calibrate::uncertainty::{DiscrepancyAt, MaterialUncertainty, ScaleShift, moved};
 use slipgrid_discrepancy::{Discrepancy, Features, Load, Prediction, Predictor};
 use slipgrid_optimize::ModelFailure;
@@ -38,6 +40,11 @@ impl<'a> ModulusSlopes<'a> {
         let moves = material.modulus_std(own.area_law()).is_some();
         let both = if moves { Some([at(LOG_MODULUS_STEP)?, at(-LOG_MODULUS_STEP)?]) } else { None };
         Ok(Self { both, loads })
+    }
+
+    /// Everything that slopes follow from but for the lengths of a design.
+    pub(crate) fn content(&self) -> impl Debug + '_ {
+        self.both.as_ref().map(|both| both.each_ref().map(SteadyModel::content))
     }
 
     /// g = d ln R / d ln E of `design` at every load.

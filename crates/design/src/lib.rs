@@ -80,6 +80,7 @@ mod flat_is_best;
 mod flat_sample;
 mod infeasibility;
 mod job;
+mod kept_nodes;
 mod lattice_table;
 mod learned_discrepancy;
 mod minimum_effect;

@@ -2,6 +2,7 @@
 
 mod coarse;
 
+use std::fmt::Debug;
 use std::sync::Arc;
 
 use slipgrid_export::ExportError;
@@ -180,6 +181,12 @@ impl<'a> SteadyModel<'a> {
     pub fn does_too_little(&self, design: &Pattern, values: &[f64]) -> bool {
         let physics: Vec<f64> = values.iter().zip(self.factors(design)).map(|(value, factor)| value / factor).collect();
         self.limited.does_too_little(&physics)
+    }
+
+    /// Everything that answers about a texture follow from where designs do not aim with a discrepancy, but for its lengths.
+    pub(crate) fn content(&self) -> impl Debug + '_ {
+        let guide = self.guide.as_ref().map(|(scene, _)| scene);
+        (&self.asked, self.scene.loads.len(), &self.directions_deg, &self.texture, guide, &self.flat_mu, &self.specimen)
     }
 
     /// Whether designs slide in more than one direction.

@@ -24,7 +24,7 @@
 
 mod memory;
 
-pub use memory::{InMemory, Key, Memory};
+pub use memory::{InMemory, Key, Memory, recalled};
 
 /// Progress, cancelling and time. Every method has a default: a monitor answers what it cares for.
 pub trait Monitor: Sync {

@@ -6,6 +6,8 @@ use std::sync::{Mutex, PoisonError};
 
 use sha2::{Digest, Sha256};
 
+use crate::Monitor;
+
 /// Results by the content that they follow from: what is recalled is what would be computed, to the last bit.
 pub trait Memory: Sync {
     /// What was kept under `key`.
@@ -64,6 +66,26 @@ impl Memory for InMemory {
     fn keep(&self, key: &Key, value: &[u8]) {
         self.0.lock().unwrap_or_else(PoisonError::into_inner).insert(key.clone(), value.to_vec());
     }
+}
+
+/// What `compute` gives, a result of `kind` that follows from `content` alone: recalled by `from_bytes` where the monitor's caller
+/// remembers it, and otherwise remembered as `to_bytes` has it, which is nothing of what is not to be kept.
+pub fn recalled<T>(
+    monitor: &dyn Monitor,
+    (kind, content): (&str, &dyn Debug),
+    (from_bytes, to_bytes): (impl FnOnce(&[u8]) -> Option<T>, impl FnOnce(&T) -> Option<Vec<u8>>),
+    compute: impl FnOnce() -> T,
+) -> T {
+    let Some(memory) = monitor.memory() else { return compute() };
+    let key = Key::of(kind, content);
+    if let Some(known) = memory.recall(&key).and_then(|bytes| from_bytes(&bytes)) {
+        return known;
+    }
+    let result = compute();
+    if let Some(bytes) = to_bytes(&result) {
+        memory.keep(&key, &bytes);
+    }
+    result
 }
 
 #[cfg(test)]

@@ -8,6 +8,7 @@ use slipgrid_pattern::Pattern;
 use slipgrid_springblock::{Scene, block_refinement};
 
 use crate::DesignError;
+use crate::kept_nodes::kept;
 use crate::learned_discrepancy::ModulusSlopes;
 use crate::steady_model::SteadyModel;
 use crate::task::DesignTask;
@@ -97,7 +98,7 @@ impl Interpolation {
         stage: &dyn Monitor,
     ) -> Option<Self> {
         let half = Part::new(stage, 0.5);
-        let model = Nodes::new(task, &|design| models.at(design).ok(), most, &half)?;
+        let model = Nodes::new(task, ("model", models), &|design| models.at(design).ok(), most, &half)?;
         // ln (r + s) / r, s what smaller blocks change; nothing where they are dear, as for what is judged in the end.
         let shift = |design: &Pattern| {
             let nothing = || Modelled { log_ratio: vec![0.0; models.loads()], sensitivity: Vec::new() };
@@ -106,7 +107,7 @@ impl Interpolation {
             let logs = ratios.iter().zip(shifts).map(|(ratio, shift)| (shift / ratio).max(-0.5).ln_1p());
             Some(Modelled { log_ratio: logs.collect(), sensitivity: Vec::new() })
         };
-        let blocks = Nodes::new(task, &shift, finer, &half)?;
+        let blocks = Nodes::new(task, ("blocks", models), &shift, finer, &half)?;
         Some(Self { model, blocks })
     }
 
@@ -145,9 +146,10 @@ impl Interpolation {
 }
 
 impl Nodes {
-    /// Asks `of` at the nodes.
+    /// Asks `of`, the answer called `name` of `models`, at the nodes.
     fn new(
         task: &DesignTask,
+        (name, models): (&str, &Models<'_>),
         of: &(dyn Fn(&Pattern) -> Option<Modelled> + Sync),
         most: [usize; 3],
         stage: &dyn Monitor,
@@ -161,17 +163,28 @@ impl Nodes {
         let [_, spacings, depths] = [0, 1, 2].map(|axis: usize| axes[axis].len());
         let count = axes[0].len() * spacings * depths;
         let share = 1.0 / count as f64;
-        let nodes: Vec<Option<Modelled>> = (0..count)
-            .into_par_iter()
-            .map(|node| {
-                let lengths = [node / (spacings * depths), node / depths % spacings, node % depths];
-                let design = space.pattern(std::array::from_fn(|axis| axes[axis][lengths[axis]].exp())).ok()?;
-                let found = if stage.cancelled() { None } else { of(&design) };
-                stage.advance(share);
-                found
-            })
-            .collect();
-        (!stage.cancelled()).then_some(Self { axes, nodes })
+        let ask = || {
+            let nodes: Vec<Option<Modelled>> = (0..count)
+                .into_par_iter()
+                .map(|node| {
+                    let lengths = [node / (spacings * depths), node / depths % spacings, node % depths];
+                    let design = space.pattern(std::array::from_fn(|axis| axes[axis][lengths[axis]].exp())).ok()?;
+                    let found = if stage.cancelled() { None } else { of(&design) };
+                    stage.advance(share);
+                    found
+                })
+                .collect();
+            let numbers = |found: Modelled| [found.log_ratio, found.sensitivity].concat();
+            (!stage.cancelled()).then(|| nodes.into_iter().map(|found| found.map(numbers)).collect())
+        };
+        let content = (name, models.own.content(), models.slopes.content(), space, &axes);
+        let loads = models.loads();
+        let modelled = |numbers: Vec<f64>| {
+            let (log_ratio, sensitivity) = numbers.split_at(loads);
+            Modelled { log_ratio: log_ratio.to_vec(), sensitivity: sensitivity.to_vec() }
+        };
+        let nodes = kept(stage, &content, ask)?.into_iter().map(|node| node.map(modelled)).collect();
+        Some(Self { axes, nodes })
     }
 
     /// What the models say of a design of these lengths, linear between the eight nodes about it in the logarithms; `None` where

@@ -9,7 +9,7 @@ use super::{
 };
 use crate::Monitor;
 use crate::cell::SteadyCell;
-use crate::dynamics::{SpaceRun, SpaceScheme, recalled, remembered, settings};
+use crate::dynamics::{SpaceRun, SpaceScheme, remembered, settings};
 use crate::error::SceneError;
 use crate::outcome::{LoadOutcome, Simulation, Status, SurfaceOutcome};
 use crate::scene::Scene;
@@ -102,7 +102,7 @@ fn discretization_error(scene: &Scene, pattern: &Pattern, own: &[Option<f64>], m
     let content = (SteadyCell::in_dimensions(scene, 3), pattern, own);
     let known = |bytes: &[u8]| Some(Some(f64::from_le_bytes(bytes.try_into().ok()?)));
     let kept = |error: &Option<f64>| error.filter(|_| !monitor.cancelled()).map(|error| error.to_le_bytes().to_vec());
-    recalled(monitor, ("blocks", &content), (known, kept), estimate)
+    slipgrid_monitor::recalled(monitor, ("blocks", &content), (known, kept), estimate)
 }
 
 /// Dynamic runs of the cell of `pattern` and of a flat one.

@@ -1,0 +1,75 @@
+//! What a model says at the nodes of a lattice, kept by what it follows from: another target asks nothing anew.
+
+use std::fmt::Debug;
+
+use slipgrid_monitor::{Monitor, recalled};
+
+/// Numbers of a node, as many at each; `None` where there is no answer.
+pub type Node = Option<Vec<f64>>;
+
+/// What `ask` says at the nodes, which follows from `content` alone: recalled where the caller of `monitor` remembers it, as the whole of
+/// `monitor`'s work; `None` where `ask` gives none, as once it is cancelled.
+pub fn kept(monitor: &dyn Monitor, content: &dyn Debug, ask: impl FnOnce() -> Option<Vec<Node>>) -> Option<Vec<Node>> {
+    let known = |bytes: &[u8]| {
+        let nodes = from_bytes(bytes)?;
+        monitor.advance(1.0);
+        Some(Some(nodes))
+    };
+    recalled(monitor, ("nodes", content), (known, |nodes: &Option<Vec<Node>>| to_bytes(nodes.as_ref()?)), ask)
+}
+
+/// How many numbers a node has, then these, all of them NaN where it has no answer; `None` where that is not all there is to say.
+fn to_bytes(nodes: &[Node]) -> Option<Vec<u8>> {
+    let length = nodes.iter().flatten().map(Vec::len).next()?;
+    let is_plain = |node: &Vec<f64>| node.len() == length && node.first().is_some_and(|first| !first.is_nan());
+    if !nodes.iter().flatten().all(is_plain) {
+        return None;
+    }
+    let missing = vec![f64::NAN; length];
+    let numbers = nodes.iter().flat_map(|node| node.as_ref().unwrap_or(&missing));
+    Some((length as u64).to_le_bytes().into_iter().chain(numbers.flat_map(|number| number.to_le_bytes())).collect())
+}
+
+fn from_bytes(bytes: &[u8]) -> Option<Vec<Node>> {
+    let (length, bytes) = bytes.split_first_chunk::<8>()?;
+    let length = usize::try_from(u64::from_le_bytes(*length)).ok().filter(|length| *length > 0)?;
+    let numbers: Vec<f64> = bytes.as_chunks::<8>().0.iter().map(|bytes| f64::from_le_bytes(*bytes)).collect();
+    let node = |numbers: &[f64]| (!numbers[0].is_nan()).then(|| numbers.to_vec());
+    Some(numbers.chunks_exact(length).map(node).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use slipgrid_monitor::{Remembering, Unwatched};
+
+    #[test]
+    fn nodes_are_asked_once_and_come_back_to_the_last_bit() {
+        let monitor = Remembering::new(&Unwatched);
+        let nodes = vec![Some(vec![1.0 / 3.0, -0.0]), None, Some(vec![f64::MAX, f64::NAN])];
+        let first = kept(&monitor, &"a", || Some(nodes.clone())).unwrap();
+        let again = kept(&monitor, &"a", || panic!("asked twice")).unwrap();
+        let bits = |nodes: &[Node]| -> Vec<Option<Vec<u64>>> {
+            nodes
+                .iter()
+                .map(|node| node.as_ref().map(|own| own.iter().map(|number| number.to_bits()).collect()))
+                .collect()
+        };
+        assert_eq!(bits(&first), bits(&again));
+        assert_eq!(bits(&again), bits(&nodes));
+        let other = vec![Some(vec![2.0])];
+        assert_eq!(kept(&monitor, &"b", || Some(other.clone())), Some(other));
+    }
+
+    #[test]
+    fn what_is_cancelled_or_uneven_is_asked_again() {
+        let monitor = Remembering::new(&Unwatched);
+        assert_eq!(kept(&monitor, &"a", || None), None);
+        for nodes in [vec![None, None], vec![Some(vec![1.0]), Some(vec![1.0, 2.0])], vec![Some(vec![])]] {
+            assert_eq!(kept(&monitor, &"a", || Some(nodes.clone())), Some(nodes));
+        }
+        assert_eq!(kept(&monitor, &"a", || Some(vec![Some(vec![3.0])])), Some(vec![Some(vec![3.0])]));
+        assert_eq!(from_bytes(&[1, 2]), None);
+        assert_eq!(from_bytes(&[0; 16]), None);
+    }
+}
