@@ -3,6 +3,7 @@
 
 mod accepted;
 mod inputs;
+mod numerical;
 mod sampled;
 
 use std::cell::RefCell;
@@ -21,6 +22,7 @@ use slipgrid_springblock::Scene;
 
 pub use self::accepted::{Accepted, Gain};
 use self::inputs::{Parts, diagonal, of_dimensions, percent, rms};
+pub use self::numerical::Numerical;
 use crate::DesignError;
 use crate::learned_discrepancy::LearnedDiscrepancy;
 use crate::operating_conditions::Further;
@@ -71,7 +73,8 @@ pub struct Chances<'a> {
     /// What designs aim with beside the physics. It has what is not known of Young's modulus in it.
     learned: Option<Arc<LearnedDiscrepancy<'a>>>,
     inputs: Vec<Input>,
-    /// First place of the discrepancy's deviates, one that picks its form and one a load, and of the numerical errors.
+    /// First place of the discrepancy's deviates, one that picks its form and one a load, and of the numerical errors: one a load, and
+    /// one that all loads have in common.
     first_discrepancy: usize,
     first_numerical: usize,
 }
@@ -133,8 +136,8 @@ pub struct About<'a> {
     pub still: &'a [f64],
     /// Values as they are compared with the target, one per load of each condition.
     pub values: &'a [f64],
-    /// Standard deviations of the values by how exactly they were computed.
-    pub numerical: &'a [f64],
+    /// How exactly the values were computed.
+    pub numerical: &'a Numerical,
 }
 
 impl<'a> Chances<'a> {
@@ -200,7 +203,7 @@ impl<'a> Chances<'a> {
             };
             parts.name("discrepancy", known_to, first..first + 1 + values);
         }
-        let first_numerical = parts.add(diagonal(&vec![vec![vec![1.0]]; values]));
+        let first_numerical = parts.add(diagonal(&vec![vec![vec![1.0]]; values + 1]));
         let covariance = diagonal(&parts.blocks);
         let refused = |error: SearchError| DesignError::Failed(format!("errors of the material: {error}"));
         let uncertainty = Uncertainty::new(&tolerances, &covariance).map_err(refused)?;
@@ -260,7 +263,7 @@ impl<'a> Chances<'a> {
 
     /// Places of the numerical errors.
     pub fn numerical(&self) -> Range<usize> {
-        self.first_numerical..self.first_numerical + self.scale.len()
+        self.first_numerical..self.first_numerical + self.scale.len() + 1
     }
 
     /// Ratios of `design` by the steady model that is neither corrected nor kept.
@@ -271,19 +274,19 @@ impl<'a> Chances<'a> {
         Ok(self.still.steady(design)?.ratio)
     }
 
-    /// Standard deviations of the values of `design`, whose ratios are `still`, by how exactly they are computed: `others`, and in the
-    /// vertical plane how far they are from those of vanishing blocks, if the order of convergence is one half, at the load where that
-    /// is most.
+    /// How exactly the values of `design`, whose ratios are `still`, are computed: `others`, and in the vertical plane how far they are
+    /// from those of vanishing blocks, if the order of convergence is one half, at the load where that is most.
     ///
     /// # Errors
     /// [`ModelFailure::Trial`] where the design cannot be computed in smaller blocks.
-    pub fn numerical_of(&self, design: &Pattern, still: &[f64], others: &[f64]) -> Result<Vec<f64>, ModelFailure> {
-        let Some(fine) = &self.fine else { return Ok(others.to_vec()) };
+    pub fn numerical_of(&self, design: &Pattern, still: &[f64], others: &Numerical) -> Result<Numerical, ModelFailure> {
+        let Some(fine) = &self.fine else { return Ok(others.clone()) };
         let fine = fine.steady(design)?.ratio;
         let most = still.iter().zip(&fine).map(|(own, fine)| (own - fine).abs()).fold(0.0, f64::max);
         // |r_l - r_(l/2)| (1 + 1 / (2^(1/2) - 1)), as two standard deviations
         let std = 0.5 * most * (1.0 + 1.0 / (std::f64::consts::SQRT_2 - 1.0));
-        Ok(self.scale.iter().zip(others).map(|(scale, other)| (scale * std).hypot(*other)).collect())
+        let common = self.scale.iter().zip(&others.common).map(|(scale, other)| (scale * std).hypot(*other)).collect();
+        Ok(Numerical { common, scatter: others.scatter.clone() })
     }
 
     /// Seeded draws of everything.
@@ -340,13 +343,17 @@ impl<'a> Chances<'a> {
         (0..sum.len()).map(|row| (0..sum.len()).map(|place| entry(row, place)).collect()).collect()
     }
 
-    /// Share of `draws` in which `values`, off by the numerical errors `std` alone, are accepted.
-    pub fn share_of_run(&self, draws: &CommonDraws, design: &Pattern, values: &[f64], std: &[f64]) -> Probability {
+    /// Share of `draws` in which `values`, off by the errors `numerical` alone, are accepted.
+    pub fn share_of_run(
+        &self,
+        draws: &CommonDraws,
+        design: &Pattern,
+        values: &[f64],
+        numerical: &Numerical,
+    ) -> Probability {
         let places = self.numerical();
         let mut slopes = vec![vec![0.0; values.len()]; places.end];
-        for (load, std) in std.iter().enumerate() {
-            slopes[places.start + load][load] = *std;
-        }
+        numerical.enter(&mut slopes[places.clone()]);
         let run = Linearization::of_slopes(*design, values.to_vec(), slopes);
         let run = Expansion { slopes: run, curvatures: Vec::new(), discrepancy: None };
         self.share(draws, &run, &|place| places.contains(&place))
@@ -402,9 +409,7 @@ impl<'a> Chances<'a> {
             slopes[along.first] = slope;
             curvatures.push((along.first, curvature));
         }
-        for load in 0..count {
-            slopes[self.first_numerical + load][load] = about.numerical[load];
-        }
+        about.numerical.enter(&mut slopes[self.numerical()]);
         Ok(Expansion { slopes: Linearization::of_slopes(*about.design, values, slopes), curvatures, discrepancy })
     }
 

@@ -5,12 +5,13 @@ use slipgrid_optimize::ModelFailure;
 use slipgrid_springblock::Simulation;
 
 use crate::DesignError;
-use crate::chance::{About, Chances, Expansion, Gain};
+use crate::chance::{About, Chances, Expansion, Gain, Numerical};
 use crate::multi_fidelity::MultiFidelityLoop;
 use crate::next_trial::AdviceReport;
 use crate::task::DesignTask;
 use slipgrid_calibrate::uncertainty::MaterialUncertainty;
 use slipgrid_results::ErrorsReport;
+use slipgrid_results::errors::{self, BEHIND, LAYOUT, TIME_AND_DRAWS, TIME_AVERAGE};
 use slipgrid_units::{PRESSURE_MPA, tidy};
 
 /// Draws of the chance that is reported: a half is known to 0.4 %.
@@ -177,29 +178,32 @@ impl MultiFidelityLoop<'_> {
     }
 }
 
-/// Standard deviations of the values by time average and discretization, at each load of each condition as at the same
-/// pressure of the condition designed for, and whether the latter is known.
+/// How exactly the values were computed, at each load of each condition as at the same pressure of the condition designed for, and
+/// whether that includes the discretization.
 pub(super) fn numerical(
     design: &DesignTask,
     scales: &[f64],
     confirmed: &Simulation,
     errors: &ErrorsReport,
-) -> (Vec<f64>, bool) {
+) -> (Numerical, bool) {
     let count = design.target.points().len();
     let is_ratio = design.target.quantity() == slipgrid_optimize::Quantity::Ratio;
     let discretization = |row: usize| confirmed.loads.get(row).and_then(|load| load.ratio_discretization_error);
-    let run = |row: usize| {
+    let run = |row: usize, parts: &[&str]| {
         let at = errors.at(row)?;
         let of = if is_ratio { at.ratio.as_ref()? } else { &at.mu };
-        Some(of.std_of_run())
+        Some(of.std_of_all(parts))
     };
-    let std = |place: usize| {
+    let scatter = |place: usize| run(place % count, &[TIME_AVERAGE, TIME_AND_DRAWS]).unwrap_or(0.0);
+    let common = |place: usize| {
         let row = place % count;
         // What errors hardly exceed, as two standard deviations.
         let of_blocks = 0.5 * scales[place] * discretization(row).unwrap_or(0.0);
-        run(row).unwrap_or(0.0).hypot(of_blocks)
+        run(row, &[errors::DRAWS, LAYOUT, BEHIND]).unwrap_or(0.0).hypot(of_blocks)
     };
-    ((0..scales.len()).map(std).collect(), (0..count).all(|row| discretization(row).is_some()))
+    let each = 0..scales.len();
+    let numerical = Numerical { scatter: each.clone().map(scatter).collect(), common: each.map(common).collect() };
+    (numerical, (0..count).all(|row| discretization(row).is_some()))
 }
 
 /// Which inputs are off.
@@ -214,7 +218,7 @@ struct Part<'a> {
 /// How much greater the chance would be if each part were known exactly, the greatest gain first.
 fn gains<'a>(
     chances: &'a Chances,
-    numerical: &[f64],
+    numerical: &Numerical,
     gain: &dyn Fn(&Off<'_>) -> Result<Gain, DesignError>,
 ) -> Result<Vec<(Part<'a>, Gain)>, DesignError> {
     let mut gains: Vec<(Part, Gain)> = Vec::new();
@@ -223,7 +227,7 @@ fn gains<'a>(
         gains.push((part, gain(&|place| !input.places.contains(&place))?));
     }
     let places = chances.numerical();
-    let known_to = format!("up to {:.4}", numerical.iter().copied().fold(0.0, f64::max));
+    let known_to = format!("up to {:.4}", numerical.most());
     gains.push((Part { input: NUMERICAL, known_to }, gain(&|place| !places.contains(&place))?));
     // Stable: of equal gains the earlier first.
     gains.sort_by(|(_, a), (_, b)| b.share.total_cmp(&a.share));

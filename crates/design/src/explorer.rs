@@ -12,7 +12,7 @@ use slipgrid_statistics::{Axis, Normals, ResponseSurface, median, normal_probabi
 use slipgrid_units::LENGTH_UM;
 
 use crate::DesignError;
-use crate::chance::{About, Chances};
+use crate::chance::{About, Chances, Numerical};
 use crate::kept_nodes::kept;
 use crate::multi_fidelity::MultiFidelityLoop;
 use crate::steady_model::SteadyModel;
@@ -124,8 +124,8 @@ pub struct Anchor<'a> {
     pub values: &'a [f64],
     /// What its errors are, where anything is known of them.
     pub chances: Option<&'a Chances<'a>>,
-    /// Standard deviations of the values by how exactly they were computed.
-    pub numerical: &'a [f64],
+    /// How exactly the values were computed.
+    pub numerical: &'a Numerical,
 }
 
 /// What a task's designs do, before any is searched.
@@ -163,7 +163,7 @@ pub fn explore_bounds(task: &DesignTask, monitor: &dyn Monitor) -> Result<Explor
         .map_err(|error| DesignError::refused(format!("the middle of the bounds is no pattern: {error}")))?;
     let values = found.model.endless(&pattern, false).map_err(|failure| DesignError::Failed(failure.to_string()))?.0;
     let stage = budget.stage("explorer");
-    let anchor = Anchor { design: &pattern, values: &values, chances: None, numerical: &[] };
+    let anchor = Anchor { design: &pattern, values: &values, chances: None, numerical: &Numerical::default() };
     let explorer = explore(task, &found.model, &anchor, &stage);
     stage.finish();
     monitor.heed()?;

@@ -11,7 +11,7 @@ use slipgrid_optimize::{
 };
 use slipgrid_pattern::Pattern;
 
-use crate::chance::{About, Chances};
+use crate::chance::{About, Chances, Numerical};
 use crate::multi_fidelity::MultiFidelityLoop;
 use crate::task::DesignTask;
 use crate::time_budget::SEARCH_SHARE;
@@ -97,7 +97,7 @@ struct ByChance<'a> {
     design: &'a DesignTask,
     chances: &'a Chances<'a>,
     draws: CommonDraws,
-    numerical: Vec<f64>,
+    numerical: Numerical,
     /// Misfit up to which a confirming run is not expected to fail.
     safe_misfit: f64,
     effort: Effort,
@@ -147,7 +147,9 @@ impl MultiFidelityLoop<'_> {
             chances,
             draws: chances.draws(DRAWS, design.seed),
             // Another design may differ by half of what the last one did.
-            numerical: chances.scale().iter().map(|scale| (scale * NUMERICAL_STD).max(0.5 * self.missed)).collect(),
+            numerical: Numerical::scattered(
+                chances.scale().iter().map(|scale| (scale * NUMERICAL_STD).max(0.5 * self.missed)).collect(),
+            ),
             safe_misfit: if self.missed > 0.0 { 0.0 } else { NEAR_THE_EDGE },
             effort: if has_time { Effort::LaserTime } else { Effort::Volume },
         };

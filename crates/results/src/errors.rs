@@ -136,11 +136,14 @@ impl ErrorReport {
     /// The part of the run itself: how long it lasted and what it drew.
     #[must_use]
     pub fn std_of_run(&self) -> f64 {
-        let own = self
-            .parts
-            .iter()
-            .filter(|part| [TIME_AVERAGE, TIME_AND_DRAWS, DRAWS, LAYOUT, BEHIND].contains(&part.input.as_str()));
-        own.map(|part| part.std.powi(2)).sum::<f64>().sqrt()
+        self.std_of_all(&[TIME_AVERAGE, TIME_AND_DRAWS, DRAWS, LAYOUT, BEHIND])
+    }
+
+    /// Standard deviation by the parts `inputs` together.
+    #[must_use]
+    pub fn std_of_all(&self, inputs: &[&str]) -> f64 {
+        let of = self.parts.iter().filter(|part| inputs.contains(&part.input.as_str()));
+        of.map(|part| part.std.powi(2)).sum::<f64>().sqrt()
     }
 }
 

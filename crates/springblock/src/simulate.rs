@@ -125,10 +125,7 @@ fn over_layer(scene: &Scene, monitor: &dyn Monitor) -> Result<Simulation, SceneE
             (Fidelity::Steady, Extent::Cell) => simulation.loads.iter().map(|load| load.ratio).collect(),
             _ => SteadyCell::in_dimensions(scene, 2).ratios(pattern),
         };
-        let error = discretization_error(scene, pattern, &own);
-        for load in &mut simulation.loads {
-            load.ratio_discretization_error = error.filter(|_| load.ratio.is_some());
-        }
+        blocks::state(&mut simulation.loads, discretization_error(scene, pattern, &own).as_deref(), 1.0);
     }
     Ok(simulation)
 }
@@ -422,7 +419,7 @@ fn differences(exact: &[Option<f64>], whole: &[Option<f64>]) -> Vec<f64> {
 }
 
 /// How far ratios `own` of steady cells in the plane are from those of vanishing blocks ([`blocks::block_error`]).
-fn discretization_error(scene: &Scene, pattern: &Pattern, own: &[Option<f64>]) -> Option<f64> {
+fn discretization_error(scene: &Scene, pattern: &Pattern, own: &[Option<f64>]) -> Option<Vec<f64>> {
     blocks::block_error(scene, own, |scene| blocks::plane_ratios(scene, pattern, blocks::MOST_PRODUCTS))
 }
 

@@ -69,7 +69,10 @@ fn values_count_times_what_trials_say_and_the_chance_has_all_of_it() {
         assert!((part(mu, "flat friction") / number(&mu["value"]) - 0.01).abs() < 1e-3, "{mu}");
         assert!(part(ratio, "flat friction") < 0.003 * number(&ratio["value"]), "{ratio}");
         assert!(part(ratio, "time average") > 0.0, "{ratio}");
-        assert_eq!(part(&at["predicted"], "time average"), 0.0);
+        // What was predicted is known by the run, and by how far that is from it.
+        assert_eq!(part(&at["predicted"], "time average"), part(ratio, "time average"));
+        let distance = (number(&ratio["value"]) - number(&at["predicted"]["value"])).abs();
+        assert!((part(&at["predicted"], "distance from the confirming run") - distance).abs() < 1e-9, "{at}");
         assert_eq!(found["errors"]["unknown"], serde_json::json!(["area law"]));
     }
     let of = |found: &Value| found["errors"]["by_pressure"][0]["ratio"].clone();
@@ -114,7 +117,9 @@ fn a_material_without_errors_shows_those_of_the_run_alone_and_says_so() {
     assert!(told.contains("not known of this material: flat friction, Young's modulus, area law"), "{told}");
     let found = result(&place, "out/a");
     let at = &found["errors"]["by_pressure"][0];
-    assert_eq!((&at["predicted"]["std"], &found["discrepancy"]), (&Value::Null, &Value::Null));
+    assert_eq!(found["discrepancy"], Value::Null);
+    let distance = (number(&at["ratio"]["value"]) - number(&at["predicted"]["value"])).abs();
+    assert!((number(&at["predicted"]["std"]) / number(&at["ratio"]["std"]).hypot(distance) - 1.0).abs() < 1e-6, "{at}");
     let own = number(&found["confirmed"][0]["ratio_stderr"]).hypot(part(&at["ratio"], "local coefficients drawn"));
     let own = own.hypot(part(&at["ratio"], "layout on the specimen")).hypot(part(&at["ratio"], "size of blocks"));
     assert!(

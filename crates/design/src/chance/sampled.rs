@@ -61,7 +61,7 @@ impl UncertainModel for Sampled<'_> {
         let value = |load: usize| {
             let by = self.scale[load] * (ratio[load] - about.still[load]);
             let value = (about.values[load] + by) * if chances.is_ratio { 1.0 } else { 1.0 + friction[load] };
-            value + about.numerical[load] * off(chances.first_numerical + load)
+            value + about.numerical.off(load, |place| off(chances.first_numerical + place))
         };
         let values = (0..about.still.len()).map(value);
         let Some(drawn) = &self.discrepancy else { return Ok(values.collect()) };

@@ -9,7 +9,7 @@ use slipgrid_pattern::Pattern;
 use super::interpolation::{Interpolation, Modelled, Models};
 use super::local_search::{Climb, Known, Place, Steps, climb};
 use super::{Asked, Design, Judged};
-use crate::chance::{About, Chances};
+use crate::chance::{About, Chances, Numerical};
 use crate::task::DesignTask;
 
 /// How much is looked at.
@@ -119,9 +119,9 @@ impl<'a> Search<'a> {
         let open = match self.models.refined(&pattern) {
             Some((shifts, open)) => {
                 ratio.iter_mut().zip(shifts).for_each(|(ratio, shift)| *ratio += shift);
-                vec![open; ratio.len()]
+                Numerical::in_common(open)
             }
-            None => self.chances.numerical_of(&pattern, &still, &vec![0.0; ratio.len()])?,
+            None => self.chances.numerical_of(&pattern, &still, &Numerical::in_common(vec![0.0; ratio.len()]))?,
         };
         let about = About { design: &pattern, still: &still, values: &ratio, numerical: &open };
         let covariance = self.chances.log_covariance(&about)?;

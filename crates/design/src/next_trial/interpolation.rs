@@ -61,16 +61,17 @@ impl<'a> Models<'a> {
         self.own.ratios_made(design, design)
     }
 
-    /// What smaller blocks change of each ratio of `design`, and how far these are from vanishing blocks, as a standard deviation; `None`
+    /// What smaller blocks change of each ratio of `design`, and how far each is from vanishing blocks, as a standard deviation; `None`
     /// in space, in several directions, and where smaller blocks are dear.
-    pub fn refined(&self, design: &Pattern) -> Option<(Vec<f64>, f64)> {
+    pub fn refined(&self, design: &Pattern) -> Option<(Vec<f64>, Vec<f64>)> {
         if self.own.has_directions() {
             return None;
         }
         let scene = Scene { pattern: Some(*design), ..self.own.asked().clone() };
         let (refined, share) = (block_refinement(&scene, MOST_REFINED)?, self.own.share(design).ok()?);
         // What errors hardly exceed, as two standard deviations.
-        Some((refined.shifts.iter().map(|shift| share * shift).collect(), 0.5 * share * refined.error))
+        let open = refined.errors.iter().map(|error| 0.5 * share * error).collect();
+        Some((refined.shifts.iter().map(|shift| share * shift).collect(), open))
     }
 }
 

@@ -30,9 +30,7 @@ pub fn steady(scene: &Scene, pattern: &Pattern, monitor: &dyn Monitor) -> Result
     let mut loads = steady_loads(scene, pattern, monitor)?;
     let ratios: Vec<Option<f64>> = loads.iter().map(|load| load.ratio).collect();
     let error = discretization_error(scene, pattern, &ratios, monitor);
-    for load in &mut loads {
-        load.ratio_discretization_error = error.filter(|_| load.ratio.is_some());
-    }
+    blocks::state(&mut loads, error.as_deref(), 1.0);
     monitor.advance(1.0);
     let model = SteadyCell::in_dimensions(scene, 3);
     let [nx, ny] = model.columns(pattern);
@@ -91,7 +89,12 @@ pub fn steady_loads(scene: &Scene, pattern: &Pattern, monitor: &dyn Monitor) -> 
 
 /// How far ratios `own` of steady cells in space are from those of vanishing blocks ([`blocks::block_error`]); nothing once
 /// `monitor` has cancelled. What a prediction has computed the run that confirms it recalls.
-fn discretization_error(scene: &Scene, pattern: &Pattern, own: &[Option<f64>], monitor: &dyn Monitor) -> Option<f64> {
+fn discretization_error(
+    scene: &Scene,
+    pattern: &Pattern,
+    own: &[Option<f64>],
+    monitor: &dyn Monitor,
+) -> Option<Vec<f64>> {
     let estimate = || {
         blocks::block_error(scene, own, |scene| {
             let model = SteadyCell::in_dimensions(scene, 3);
@@ -100,8 +103,14 @@ fn discretization_error(scene: &Scene, pattern: &Pattern, own: &[Option<f64>], m
         })
     };
     let content = (SteadyCell::in_dimensions(scene, 3), pattern, own);
-    let known = |bytes: &[u8]| Some(Some(f64::from_le_bytes(bytes.try_into().ok()?)));
-    let kept = |error: &Option<f64>| error.filter(|_| !monitor.cancelled()).map(|error| error.to_le_bytes().to_vec());
+    let known = |bytes: &[u8]| {
+        let errors: Vec<f64> = bytes.as_chunks::<8>().0.iter().map(|bytes| f64::from_le_bytes(*bytes)).collect();
+        (errors.len() == own.len()).then_some(Some(errors))
+    };
+    let kept = |errors: &Option<Vec<f64>>| {
+        let errors = errors.as_ref().filter(|_| !monitor.cancelled())?;
+        Some(errors.iter().flat_map(|error| error.to_le_bytes()).collect())
+    };
     slipgrid_monitor::recalled(monitor, ("blocks", &content), (known, kept), estimate)
 }
 
@@ -156,9 +165,7 @@ pub fn dynamic(scene: &Scene, pattern: &Pattern, monitor: &dyn Monitor) -> Resul
         })
         .collect();
     let mut loads = collect(scene, surfaces, &corrections, outcomes);
-    for load in &mut loads {
-        load.ratio_discretization_error = error.filter(|_| load.ratio.is_some());
-    }
+    blocks::state(&mut loads, error.as_deref(), 1.0);
     let model = statements(scene, pattern, &own, scheme, (!is_whole).then_some(&whole));
     Ok(Simulation { model, loads })
 }

@@ -81,10 +81,7 @@ pub fn simulate_specimen(scene: &Scene, face: &Face, monitor: &dyn Monitor) -> R
     // What cavities take off the face is that of the cell, in proportion to their share.
     let share = face.cavity_share() / pattern.section_density();
     let cells = SteadyCell::in_dimensions(scene, 2).ratios(pattern);
-    let error = discretization_error(scene, pattern, &cells);
-    for load in &mut loads {
-        load.ratio_discretization_error = error.filter(|_| load.ratio.is_some()).map(|error| error * share);
-    }
+    super::blocks::state(&mut loads, discretization_error(scene, pattern, &cells).as_deref(), share);
     model.extend(describe(scene, face, pattern, &steady));
     let run = RunOptions { extent: Extent::Sample, ..scene.run };
     Behind::under_face(&Scene { run, ..scene.clone() }, pattern, face, monitor).tell(&mut loads, &mut model);

@@ -1,0 +1,60 @@
+//! How exactly values were computed.
+
+/// Standard deviations of values, one per load of each condition.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Numerical {
+    /// Of what scatters from load to load, as time averages do.
+    pub scatter: Vec<f64>,
+    /// Of what all loads have in common: how the lattice stands for the specimen. Smaller blocks, for one, move the ratios at all loads
+    /// to the same side.
+    pub common: Vec<f64>,
+}
+
+impl Numerical {
+    /// What scatters as `scatter` has it, with nothing in common.
+    pub fn scattered(scatter: Vec<f64>) -> Self {
+        Self { common: vec![0.0; scatter.len()], scatter }
+    }
+
+    /// Loads have nothing but `common`.
+    pub fn in_common(common: Vec<f64>) -> Self {
+        Self { scatter: vec![0.0; common.len()], common }
+    }
+
+    /// The largest of them all.
+    pub fn most(&self) -> f64 {
+        self.scatter.iter().zip(&self.common).map(|(scatter, common)| scatter.hypot(*common)).fold(0.0, f64::max)
+    }
+
+    /// What is added to the value at `load` where the deviates, one per load and the common one, are as `off` says.
+    pub fn off(&self, load: usize, off: impl Fn(usize) -> f64) -> f64 {
+        self.scatter[load] * off(load) + self.common[load] * off(self.common.len())
+    }
+
+    /// Enters slopes along these deviates, one row each.
+    pub fn enter(&self, slopes: &mut [Vec<f64>]) {
+        if let Some((common, scatter)) = slopes.split_last_mut() {
+            scatter.iter_mut().zip(&self.scatter).enumerate().for_each(|(load, (slopes, std))| slopes[load] = *std);
+            common.clone_from(&self.common);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn slopes_say_what_deviates_do() {
+        let numerical = Numerical { scatter: vec![0.1, 0.2], common: vec![0.3, -0.4] };
+        let mut slopes = vec![vec![0.0; 2]; 3];
+        numerical.enter(&mut slopes);
+        assert_eq!(slopes, [[0.1, 0.0], [0.0, 0.2], [0.3, -0.4]]);
+        let deviates = [1.0, -2.0, 0.5];
+        for load in 0..2 {
+            let by_slopes: f64 = deviates.iter().zip(&slopes).map(|(off, slopes)| off * slopes[load]).sum();
+            assert!((numerical.off(load, |place| deviates[place]) - by_slopes).abs() < 1e-15);
+        }
+        assert!((numerical.most() - 0.2_f64.hypot(0.4)).abs() < 1e-15);
+    }
+}
