@@ -66,6 +66,7 @@ mod trace_table;
 pub mod traces;
 pub mod trade_offs;
 pub mod trials;
+mod unused_columns;
 pub mod unusual;
 pub mod values;
 pub mod written_material;

@@ -17,6 +17,7 @@ pub use super::trace_notes::notes;
 use crate::diagnostic::Diagnostic;
 use crate::plausible::FRICTION;
 use crate::source::{Source, read_letters};
+use crate::unused_columns::near_titles;
 use slipgrid_units::{HUMIDITY_PCT, SPEED_MM_S};
 
 /// The surface of a specimen.
@@ -207,6 +208,7 @@ pub(crate) fn analyse_among(
     for path in &condition.files {
         let file = read_export(source, path, setup)?;
         let several = file.repeats.len() > 1;
+        let near_titles = near_titles(&file, &setup.titles);
         for repeat in &file.repeats {
             let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
             let label = if several { format!("{name}, repeat {}", repeat.number) } else { name };
@@ -227,6 +229,7 @@ pub(crate) fn analyse_among(
                 Ok(findings) => {
                     let mut flags: Vec<String> = findings.flags.iter().map(TraceFlag::to_string).collect();
                     flags.extend(departures(condition, repeat));
+                    flags.extend_from_slice(&near_titles);
                     let mu = findings.window.mu;
                     match FRICTION.judge(mu) {
                         Ok(told) => flags.extend(told.map(|reason| format!("mu {mu:.4} {reason}"))),

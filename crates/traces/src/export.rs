@@ -31,6 +31,8 @@ pub struct TraceFile {
     pub repeats: Vec<Recorded>,
     /// Names of columns that were not used.
     pub unused: Vec<String>,
+    /// What the columns hold that were used.
+    pub used: Vec<Channel>,
 }
 
 /// Marks at the beginning of a comment.
@@ -166,7 +168,7 @@ pub fn parse(text: &str, effective_radius_m: Option<f64>, titles: &Titles) -> Re
     }
     let unused = header.cells.iter().zip(&layout).filter(|(cell, column)| column.is_none() && !cell.is_empty());
     let unused = unused.map(|(cell, _)| unquoted(cell).to_owned()).collect();
-    Ok(TraceFile { repeats, unused })
+    Ok(TraceFile { repeats, unused, used: layout.iter().flatten().map(|column| column.channel).collect() })
 }
 
 /// The refusal of a table without a sample; `rows` are those in which a number is missing.

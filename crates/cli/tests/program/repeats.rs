@@ -140,6 +140,18 @@ fn an_offset_of_all_traces_is_told_once() {
 }
 
 #[test]
+fn a_column_with_a_slip_of_the_pen_in_its_title_is_named_with_the_title_that_is_meant() {
+    let of = |title: &str| run(&HEADER.replace("x [mm]", title), 1, 0.305);
+    let place = Place::with(&[("slip.txt", &of("Positon (mm)")), ("wear.txt", &of("Wear (mm)"))]);
+    let told = |file: &str| place.succeed(&[&["traces", file], &FLAGS[..]].concat());
+    let slip = told("slip.txt");
+    assert!(slip.contains("slip.txt: the column `Positon (mm)` is not used: "), "{slip}");
+    assert!(slip.contains("near to `position`"), "{slip}");
+    let wear = told("wear.txt");
+    assert!(!wear.contains("not used"), "{wear}");
+}
+
+#[test]
 fn a_stretch_without_numbers_is_named_with_its_column_and_times() {
     // The row of 0.05 n s is in line n + 2.
     let without = |rows: std::ops::Range<usize>, word: &str| {
