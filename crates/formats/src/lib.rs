@@ -39,6 +39,7 @@ pub mod confirmed_scene;
 pub mod design;
 pub mod diagnostic;
 pub mod document;
+mod exchanged;
 pub mod explored;
 pub mod file_kind;
 pub mod laser;
