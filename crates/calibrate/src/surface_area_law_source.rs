@@ -60,6 +60,8 @@ pub struct SurfaceFindings {
     pub sa_m: Option<f64>,
     /// Its pixel along the sliding direction, in metres.
     pub pixel_m: Option<f64>,
+    /// Its pixel across the sliding direction, in metres, where that is another.
+    pub pixel_y_m: Option<f64>,
     /// Contact area behind the law; empty where no contact area is.
     pub curve: Vec<AreaPoint>,
     /// The law, with standard errors where windows of the map give them.
@@ -186,6 +188,7 @@ fn of_map(
         rms_slope: Some(map.rms_slope),
         sa_m: Some(map.sa_m),
         pixel_m: Some(map.pixel_m()),
+        pixel_y_m: Some(map.map.dy_m()).filter(|pixel_y_m| *pixel_y_m != map.pixel_m()),
         curve: found.curve.points,
         law: Some(law),
         notes,

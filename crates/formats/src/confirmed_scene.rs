@@ -162,6 +162,7 @@ impl DesignScene<'_> {
                     rms_slope: None,
                     sa_um: None,
                     pixel_um: None,
+                    pixel_y_um: None,
                     poisson_ratio: None,
                     pressure_mpa: number_list(law.pressures_pa().iter().map(|&p| PRESSURE_MPA.from_si(p))),
                     factor: number_list(law.factors().iter().copied()),

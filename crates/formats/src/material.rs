@@ -160,9 +160,12 @@ pub struct AreaLawFile {
     /// Arithmetic mean height of that map.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub sa_um: Option<Number>,
-    /// Its pixel size.
+    /// Its pixel size along the sliding direction.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub pixel_um: Option<Number>,
+    /// Its pixel size across the sliding direction; as along it when absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub pixel_y_um: Option<Number>,
     /// Poisson's ratio of the contact computation.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub poisson_ratio: Option<Number>,
@@ -367,9 +370,13 @@ fn read_area_law(document: &Document, file: &Spanned<AreaLawFile>) -> Result<Are
             .expected(format!("{}, one for each pressure", pressure_pa.len())))
     };
     same_length(&law.factor)?;
-    for (about, quantity) in
-        [(&law.rms_slope, SLOPE), (&law.sa_um, LENGTH_UM), (&law.pixel_um, LENGTH_UM), (&law.poisson_ratio, POISSON)]
-    {
+    for (about, quantity) in [
+        (&law.rms_slope, SLOPE),
+        (&law.sa_um, LENGTH_UM),
+        (&law.pixel_um, LENGTH_UM),
+        (&law.pixel_y_um, LENGTH_UM),
+        (&law.poisson_ratio, POISSON),
+    ] {
         document.optional(about.as_ref(), quantity)?;
     }
     if let Some(area_fraction) = &law.area_fraction {

@@ -45,6 +45,11 @@ impl Remarks {
 /// are set in round numbers. Friction changes by a tenth of that at most.
 const SAME_PRESSURE: f64 = 0.01;
 
+/// Highest pressure of a table, in MPa, below which forces are likely in another unit: flat faces are mostly pressed harder.
+const LOW_PRESSURE_MPA: f64 = 0.01;
+/// Highest speed of a table, in mm/s, below which speeds are likely in another unit.
+const LOW_SPEED_MM_S: f64 = 0.02;
+
 /// Conditions that a message names.
 const MOST_NAMED: usize = 4;
 
@@ -139,7 +144,40 @@ pub fn check(rows: &[Placed], specimens: &Specimens) -> Result<Vec<Diagnostic>, 
             }
         }
     }
+    told.extend(low_force(rows, specimens).into_iter().chain(low_speed(rows)));
     Ok(told)
+}
+
+/// The row of the greatest force, where all `rows` press so little that forces are likely in kN.
+fn low_force(rows: &[Placed], specimens: &Specimens) -> Option<Diagnostic> {
+    let row = rows.iter().max_by(|a, b| a.measurement.force_n.total_cmp(&b.measurement.force_n))?;
+    let force_n = row.measurement.force_n;
+    let pressure_mpa = PRESSURE_MPA.from_si(force_n / specimens.area_m2);
+    let is_usual = FORCE.judge(force_n) == Ok(None) && PRESSURE.judge(pressure_mpa) == Ok(None);
+    let slip = FORCE.greater(force_n).filter(|_| is_usual && pressure_mpa < LOW_PRESSURE_MPA)?;
+    let reason = format!(
+        "is the greatest of its table and presses the specimen with {} MPa, less than the {LOW_PRESSURE_MPA} MPa from which on most samples \
+         are measured; {slip}",
+        rounded(pressure_mpa)
+    );
+    Some(Diagnostic { reason, ..row.at("force_n", force_n) })
+}
+
+/// The row of the greatest speed, where all `rows` slide so slowly that speeds are likely in m/s.
+fn low_speed(rows: &[Placed]) -> Option<Diagnostic> {
+    let row = rows.iter().max_by(|a, b| a.measurement.speed_m_s.total_cmp(&b.measurement.speed_m_s))?;
+    let speed_mm_s = SPEED_MM_S.from_si(row.measurement.speed_m_s);
+    let is_usual = SPEED.judge(speed_mm_s) == Ok(None);
+    let slip = SPEED.greater(speed_mm_s).filter(|_| is_usual && speed_mm_s < LOW_SPEED_MM_S)?;
+    let reason = format!(
+        "is the greatest of its table, less than the {LOW_SPEED_MM_S} mm/s from which on most samples are measured; {slip}"
+    );
+    Some(Diagnostic { reason, ..row.at("speed_mm_s", speed_mm_s) })
+}
+
+/// A number with three digits.
+fn rounded(value: f64) -> f64 {
+    format!("{value:.2e}").parse().unwrap_or(value)
 }
 
 /// Names the `rows` of a patterned sample at whose force, speed and humidity none of the `flat` samples was measured: they have no ratio
@@ -234,6 +272,39 @@ pub(crate) fn identical(others: &[Placed], rows: &[Placed]) -> Vec<Diagnostic> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// A row of a table.
+    fn row_of(force_n: f64, speed_m_s: f64, line: u32) -> Placed {
+        let measurement = Measurement {
+            force_n,
+            speed_m_s,
+            humidity: 0.5,
+            mu_dynamic: 0.27,
+            mu_dynamic_std: 0.003,
+            static_peak: None,
+        };
+        Placed { measurement, path: PathBuf::from("flat.csv"), line }
+    }
+
+    #[test]
+    fn forces_in_kilonewtons_and_speeds_in_metres_a_second_are_asked_about() {
+        let specimens = Specimens { area_m2: 78.5e-6, modulus_pa: 380e6 };
+        let said = |rows: &[Placed]| -> Vec<String> {
+            check(rows, &specimens).unwrap().iter().map(Diagnostic::to_string).collect()
+        };
+        let kilonewtons = said(&[row_of(0.05, 2e-3, 2), row_of(0.2, 0.4e-3, 3)]);
+        assert_eq!(kilonewtons.len(), 1, "{kilonewtons:?}");
+        assert!(kilonewtons[0].starts_with("flat.csv:3: force_n: 0.2 is the greatest of its table"), "{kilonewtons:?}");
+        assert!(kilonewtons[0].contains("0.00255 MPa") && kilonewtons[0].ends_with("in kN, that would be 200 N"));
+        let metres = said(&[row_of(50.0, 4e-6, 2), row_of(200.0, 2e-6, 3)]);
+        assert_eq!(metres.len(), 1, "{metres:?}");
+        assert!(metres[0].starts_with("flat.csv:2: speed_mm_s: 0.004 is the greatest of its table"), "{metres:?}");
+        assert!(metres[0].ends_with("in m/s, that would be 4 mm/s"), "{metres:?}");
+        // One usual row is enough, and a small pin is pressed with little.
+        assert_eq!(said(&[row_of(0.2, 4e-6, 2), row_of(50.0, 2e-3, 3)]), Vec::<String>::new());
+        let pin = Specimens { area_m2: 1e-6, ..specimens };
+        assert_eq!(check(&[row_of(0.2, 2e-3, 2)], &pin).unwrap(), []);
+    }
 
     #[test]
     fn a_row_that_was_copied_is_named_with_both_lines() {

@@ -170,6 +170,13 @@ impl Plausible {
         Some(format!("{what} would be {}{unit}", tidy(value * factor)))
     }
 
+    /// The unit that is likely to have been meant where `value` is small for what it stands for: one in which it is greater, and usual.
+    #[must_use]
+    pub fn greater(&self, value: f64) -> Option<String> {
+        let slips = self.slips.iter().filter(|(_, factor)| *factor > 1.0);
+        slips.map(|slip| Self { slips: std::slice::from_ref(slip), ..*self }).find_map(|one| one.slip(value))
+    }
+
     /// Judges `value` for a calibration; `place` names file, line, key and value. Returns what is to be told.
     ///
     /// # Errors

@@ -7,7 +7,8 @@ use slipgrid_calibrate::{Measurement, StaticPeak};
 use slipgrid_traces::columns::Titles;
 use slipgrid_traces::export::{Recorded, TraceFile, parse};
 use slipgrid_traces::{
-    OddRepeat, Repeats, TraceFindings, TraceFlag, TraceOptions, analyse, average, odd_repeats, speed_of_position,
+    OddRepeat, Repeats, TraceError, TraceFindings, TraceFlag, TraceOptions, analyse, average, odd_repeats,
+    speed_of_position,
 };
 
 use super::document::Document;
@@ -16,6 +17,7 @@ pub use super::trace_notes::notes;
 use crate::diagnostic::Diagnostic;
 use crate::plausible::FRICTION;
 use crate::source::{Source, read_letters};
+use crate::unused_columns::near_titles;
 use slipgrid_units::{HUMIDITY_PCT, SPEED_MM_S};
 
 /// The surface of a specimen.
@@ -206,6 +208,7 @@ pub(crate) fn analyse_among(
     for path in &condition.files {
         let file = read_export(source, path, setup)?;
         let several = file.repeats.len() > 1;
+        let near_titles = near_titles(&file, &setup.titles);
         for repeat in &file.repeats {
             let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
             let label = if several { format!("{name}, repeat {}", repeat.number) } else { name };
@@ -226,6 +229,7 @@ pub(crate) fn analyse_among(
                 Ok(findings) => {
                     let mut flags: Vec<String> = findings.flags.iter().map(TraceFlag::to_string).collect();
                     flags.extend(departures(condition, repeat));
+                    flags.extend_from_slice(&near_titles);
                     let mu = findings.window.mu;
                     match FRICTION.judge(mu) {
                         Ok(told) => flags.extend(told.map(|reason| format!("mu {mu:.4} {reason}"))),
@@ -239,7 +243,7 @@ pub(crate) fn analyse_among(
                     }
                     traces.push(ReadTrace { label, findings, flags });
                 }
-                Err(error) => refused.push(Diagnostic::file(path, format!("{which}{error}"))),
+                Err(error) => refused.push(refuse_trace(path, &which, repeat, &error, options.window_s)),
             }
         }
     }
@@ -260,6 +264,19 @@ pub(crate) fn analyse_among(
     match average(&findings) {
         Some(mean) => Ok(ConditionTraces { condition: condition.clone(), traces, mean }),
         None => Err(Diagnostic { reason: "no traces were given".into(), ..Diagnostic::default() }),
+    }
+}
+
+/// The refusal of a trace with `error`; where rows without a number are to blame, of these.
+fn refuse_trace(path: &Path, which: &str, repeat: &Recorded, error: &TraceError, window_s: [f64; 2]) -> Diagnostic {
+    let missing = repeat.missing.as_ref();
+    match missing.and_then(|missing| Some((&missing.longest, missing.explains(error, window_s)?))) {
+        Some((longest, [reason, expected])) => Diagnostic {
+            line: Some(longest.lines[0]),
+            key: Some(longest.columns.join(", ").into()),
+            ..Diagnostic::file(path, format!("{which}{reason}")).expected(expected)
+        },
+        None => Diagnostic::file(path, format!("{which}{error}")),
     }
 }
 
@@ -344,8 +361,8 @@ fn departures(condition: &TraceCondition, repeat: &Recorded) -> Vec<String> {
         let (count, all) = (repeat.repeated_rows, repeat.repeated_rows + repeat.channels.time_s.len());
         flags.push(format!("{count} of {all} rows repeat the row before them and were left out"));
     }
-    if repeat.incomplete_rows > 0 {
-        flags.push(format!("{} rows without a number were left out", repeat.incomplete_rows));
+    if let Some(missing) = &repeat.missing {
+        flags.push(format!("{}: left out", missing.words(true)));
     }
     flags
 }

@@ -11,6 +11,7 @@ use toml::Spanned;
 use super::calibration::{area_m2, read_fitting_pattern, read_outline};
 use super::calibration_file::FaceFile;
 use super::document::Document;
+use super::exchanged;
 use super::material::existing;
 use super::measured::{self, Placed, Remarks, Specimens};
 use super::measurements;
@@ -170,6 +171,7 @@ pub(crate) fn read_trials(
         let own = file.specimen.as_ref().map(|table| read_outline(document, table)).transpose()?;
         let own_specimens = Specimens { area_m2: own.as_ref().map_or(specimens.area_m2, area_m2), ..*specimens };
         let pattern = read_fitting_pattern(document, &file.pattern, own.as_ref().unwrap_or(outline))?;
+        remarks.told.extend(exchanged::check(document, &file.pattern, &pattern, &samples));
         let rows = match (&file.measurements, &file.traces) {
             (Some(_), Some(traces)) => {
                 return Err(document.refuse(traces.span(), "stands beside measurements").expected("one of the two"));

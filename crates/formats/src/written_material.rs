@@ -58,6 +58,7 @@ pub fn material_toml(
                 rms_slope: facts.rms_slope.map(|slope| number(tidy(slope))),
                 sa_um: facts.sa_m.map(|sa_m| number(LENGTH_UM.from_si(sa_m))),
                 pixel_um: facts.pixel_m.map(|pixel_m| number(LENGTH_UM.from_si(pixel_m))),
+                pixel_y_um: facts.pixel_y_m.map(|pixel_m| number(LENGTH_UM.from_si(pixel_m))),
                 poisson_ratio: Some(number(tidy(task.poisson_ratio))),
                 pressure_mpa: number_list(law.pressures_pa().iter().map(|&p| PRESSURE_MPA.from_si(p))),
                 factor: number_list(law.factors().iter().map(|&factor| tidy(factor))),
@@ -223,8 +224,11 @@ mod tests {
         assert!(fitted.uncertainty.law_is_fitted && fitted.material.area_law.is_some());
         let synthetic =
             slipgrid_topography::SelfAffine { pixels: 32, max_wave: 8, ..slipgrid_topography::SelfAffine::STAND_IN };
+        // Pixels twice as wide across the sliding direction.
+        let square = synthetic.map().unwrap();
+        let (dx_m, heights_m) = (square.dx_m(), square.heights_m().to_vec());
         let read = slipgrid_topography::ReadMap {
-            map: synthetic.map().unwrap(),
+            map: slipgrid_topography::HeightMap::new(32, 32, dx_m, 2.0 * dx_m, heights_m).unwrap(),
             format: slipgrid_topography::MapFormat::Matrix,
             whole: true,
             comments: vec!["synthetic, one period".into()],
@@ -233,7 +237,10 @@ mod tests {
         let map =
             slipgrid_topography::PreparedMap::one_period(read, slipgrid_topography::Preparation::default()).unwrap();
         let surface = slipgrid_calibrate::MapSurface { map, synthetic: true, windows: Some(2), after: None };
-        let of_map = read_back(Coefficients::PerCondition, Surface::Map(Box::new(surface)));
+        let surface = Surface::Map(Box::new(surface));
+        let of_map = read_back(Coefficients::PerCondition, surface.clone());
+        let written = material_toml(&task(Coefficients::PerCondition, surface), &of_map, None).unwrap();
+        assert!(written.contains("\npixel_um = 31.25\npixel_y_um = 62.5\n"), "{written}");
         assert!(of_map.material.provenance.synthetic_surface);
         assert!(of_map.material.area_law.unwrap().factor_std().is_some());
     }

@@ -100,6 +100,18 @@ pub enum PatternError {
         /// Turned by a right angle the map would be accepted.
         across: bool,
     },
+    /// A map whose cavity is that of the pattern with width and spacing exchanged.
+    #[error(
+        "the cavity of the relief is not {} um wide beside gaps of {} um, but rather the other way round: expected the width of a cavity as \
+         width and the gap between two as spacing; they seem to be exchanged",
+        um(*width_m), um(*spacing_m)
+    )]
+    ReliefExchanged {
+        /// Width of the pattern, in metres.
+        width_m: f64,
+        /// Its spacing, in metres.
+        spacing_m: f64,
+    },
     /// A rim profile that this version does not know.
     #[error("unknown rim profile \"{name}\": expected \"round\", \"flat\" or \"ramp\"")]
     UnknownRimProfile {

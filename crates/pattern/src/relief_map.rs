@@ -10,6 +10,32 @@ const MOST_MISFIT: f64 = 0.02;
 /// Least share of the cavity of a map that lies in the pattern's, and of the pattern's that lies in the map's.
 const LEAST_OVERLAP: f64 = 0.5;
 
+/// Share of a map in which it may differ from the pattern's cavity before width and spacing are taken for exchanged.
+const EXCHANGED_MISFIT: f64 = 0.1;
+
+/// How the cavity of a map lies on that of a pattern, as shares of the map.
+#[derive(Clone, Copy, Debug)]
+struct Overlap {
+    /// The map's cavity.
+    own: f64,
+    /// The pattern's.
+    asked: f64,
+    /// Both.
+    both: f64,
+}
+
+impl Overlap {
+    /// They hold each other's greater part.
+    fn is_one_cavity(self) -> bool {
+        self.both >= LEAST_OVERLAP * self.own && self.both >= LEAST_OVERLAP * self.asked
+    }
+
+    /// What one of the two is, and the other not.
+    fn misfit(self) -> f64 {
+        self.own + self.asked - 2.0 * self.both
+    }
+}
+
 /// Heights of a textured face over one period, the centre of a cavity at the centre of the map. What lies in cavities is there
 /// as well, and is left out where lands are asked for.
 #[derive(Clone, Debug, PartialEq)]
@@ -55,20 +81,31 @@ impl ReliefMap {
     ///
     /// # Errors
     /// [`PatternError::ReliefElsewhere`] where the map has a cavity that is not where the pattern has its own. A map without
-    /// one, as of rims alone, passes.
+    /// one, as of rims alone, passes. [`PatternError::ReliefExchanged`] where its cavity is that of the pattern with width and spacing
+    /// exchanged.
     pub fn along(self, pattern: &Pattern) -> Result<Self, PatternError> {
         if pattern.is_uniform_along_y() {
             let own = if self.variation(1) > self.variation(0) { self.turned() } else { self };
+            own.refuse_exchanged(pattern)?;
             return if own.has_cavity_of(pattern) {
                 Ok(own)
             } else {
                 Err(PatternError::ReliefElsewhere { across: false })
             };
         }
+        self.refuse_exchanged(pattern)?;
         if self.has_cavity_of(pattern) {
             return Ok(self);
         }
         Err(PatternError::ReliefElsewhere { across: self.turned().has_cavity_of(pattern) })
+    }
+
+    /// Refuses a pattern whose width and spacing are exchanged.
+    fn refuse_exchanged(&self, pattern: &Pattern) -> Result<(), PatternError> {
+        if self.is_exchanged(pattern) {
+            return Err(PatternError::ReliefExchanged { width_m: pattern.width_m(), spacing_m: pattern.spacing_m() });
+        }
+        Ok(())
     }
 
     /// Mean square of what the mean heights of lines across `axis` differ by from the mean height, in square metres.
@@ -85,9 +122,24 @@ impl ReliefMap {
 
     /// Whether the map's cavity, if it has one, and that of `pattern` hold each other's greater part.
     fn has_cavity_of(&self, pattern: &Pattern) -> bool {
+        self.overlap(pattern).is_none_or(Overlap::is_one_cavity)
+    }
+
+    /// Whether the map's cavity is that of `pattern` with its width and its spacing exchanged, rather than its own.
+    fn is_exchanged(&self, pattern: &Pattern) -> bool {
+        let Ok(exchanged) = Pattern::new(*pattern.texture(), pattern.spacing_m(), pattern.width_m(), pattern.depth_m())
+        else {
+            return false;
+        };
+        let (Some(own), Some(other)) = (self.overlap(pattern), self.overlap(&exchanged)) else { return false };
+        other.is_one_cavity() && own.misfit() > EXCHANGED_MISFIT && other.misfit() < 0.5 * own.misfit()
+    }
+
+    /// How the map's cavity lies on that of `pattern`; `None` where it has none.
+    fn overlap(&self, pattern: &Pattern) -> Option<Overlap> {
         let lowest_m = self.heights_m.iter().copied().fold(f64::INFINITY, f64::min);
         if lowest_m > -WALL_DEPTH * pattern.depth_m() {
-            return true;
+            return None;
         }
         let nx = self.pixels[0];
         let mut cell_m = pattern.cell_m();
@@ -95,16 +147,17 @@ impl ReliefMap {
             cell_m[1] = self.sides_m[1];
         }
         let edge = |axis: usize, at: usize| (at as f64 / self.pixels[axis] as f64 - 0.5) * cell_m[axis];
-        let (mut own, mut asked, mut both) = (0.0, 0.0, 0.0);
+        let mut sums = Overlap { own: 0.0, asked: 0.0, both: 0.0 };
+        let share = 1.0 / self.heights_m.len() as f64;
         for (n, height_m) in self.heights_m.iter().enumerate() {
             let (i, j) = (n % nx, n / nx);
             let covered = pattern.coverage(edge(0, i), edge(0, i + 1), edge(1, j), edge(1, j + 1));
             let taken = if *height_m < 0.5 * lowest_m { 1.0 } else { 0.0 };
-            own += taken;
-            asked += covered;
-            both += taken * covered;
+            sums.own += share * taken;
+            sums.asked += share * covered;
+            sums.both += share * taken * covered;
         }
-        both >= LEAST_OVERLAP * own && both >= LEAST_OVERLAP * asked
+        Some(sums)
     }
 
     /// The relief of the lands between the cavities of `pattern`, over whose cell the map is stretched.
@@ -309,6 +362,16 @@ mod tests {
         );
         let wide = Pattern::new(rectangle(40e-6, 160e-6), 160e-6, 40e-6, 10e-6);
         assert!(refused(of([200.0; 2], &|x, y| x.abs() < 20.0 && y.abs() < 80.0), &wide.unwrap()).contains("turned"));
+        // Width and spacing in each other's place, of cavities that hold each other's greater part and of others.
+        for (width, spacing) in [(140.0, 60.0), (120.0, 80.0)] {
+            let turned = Pattern::new(Planform::Groove, width * 1e-6, spacing * 1e-6, 10e-6).unwrap();
+            let map = of([200.0, 80.0], &|x, _| x.abs() < 0.5 * spacing);
+            assert!(refused(map.clone(), &turned).contains("exchanged"), "{width}");
+            assert!(map.along(&Pattern::new(Planform::Groove, spacing * 1e-6, width * 1e-6, 10e-6).unwrap()).is_ok());
+        }
+        // A width that differs a little is not.
+        let near = Pattern::new(Planform::Groove, 104e-6, 96e-6, 10e-6).unwrap();
+        assert!(of([200.0, 80.0], &|x, _| x.abs() < 48.0).along(&near).is_ok());
         // Rims alone have no cavity.
         assert!(of([200.0; 2], &|_, _| false).along(&long).is_ok());
     }

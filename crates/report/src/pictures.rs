@@ -18,6 +18,21 @@ const CONTIGUOUS_BLOCKS: f64 = 1.5;
 /// What the flat surface is called.
 const FLAT: &str = "flat";
 
+/// What the curve of a patterned surface in time is called, and the means beside the curves. The ratio of a specimen has what its other strips,
+/// smaller blocks and the body behind the layer change: its curve is the run of one strip as it is.
+fn run_words(scene: &Scene, load: &LoadOutcome) -> [&'static str; 2] {
+    // Rims have such an error as well.
+    let is_whole = load.ratio_layout_error.is_some() && !scene.is_raised();
+    match load.ratio {
+        Some(_) if is_whole && scene.dimensions() == 2 => [
+            "patterned: one strip of the specimen",
+            "mean: flat over the window, patterned of the whole specimen, as in the tables",
+        ],
+        Some(_) => ["patterned", "mean: flat over the window, patterned as in the tables"],
+        None => ["patterned", "mean over the window"],
+    }
+}
+
 /// The surfaces of a load with their names, flat first.
 fn surfaces(load: &LoadOutcome) -> Vec<(&'static str, &SurfaceOutcome)> {
     match &load.flat {
@@ -52,18 +67,19 @@ pub fn simulation(
                 (Some(flat), FLAT) => flat.std,
                 _ => at.mu.std,
             };
+            let [patterned, means] = run_words(scene, load);
             let traces: Vec<Trace<'_>> = surfaces
                 .iter()
                 .zip(&traces)
                 .map(|(&(label, surface), points)| Trace {
-                    series: Series { label, points },
+                    series: Series { label: if label == FLAT { FLAT } else { patterned }, points },
                     // The mean reaches to the end of the trace.
                     window_ms: surface.averaged_from_s.zip(points.last()).map(|(from_s, end)| [from_s * 1e3, end[0]]),
                     mu_dynamic: surface.mu_dynamic.map(|value| Estimate { value, error: std(label) }),
                 })
                 .collect();
             let title = format!("Friction coefficient at {load_mpa} MPa");
-            let chart = FrictionTraceChart { title: &title, traces: &traces };
+            let chart = FrictionTraceChart { title: &title, traces: &traces, means };
             outputs.add(format!("friction-{load_mpa}mpa.svg"), friction_trace(&chart)?);
         }
         if scene.dimensions() == 3 {

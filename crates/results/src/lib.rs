@@ -26,6 +26,7 @@
 mod believed;
 mod corrected;
 pub mod errors;
+mod notes;
 mod pattern;
 pub mod rim;
 mod simulation;
@@ -36,6 +37,7 @@ mod timings;
 pub use believed::{believed, believed_interval, believed_std};
 pub use corrected::{CorrectedAt, CorrectedReport};
 pub use errors::{ErrorReport, ErrorsReport, PartsReport, PressureErrors};
+pub use notes::notes;
 pub use pattern::{PatternReport, duration_in_words, length_in_words};
 pub use rim::RimReport;
 pub use simulation::{

@@ -9,6 +9,7 @@ use slipgrid_springblock::{LoadOutcome, Scene, Simulation, Status};
 
 use super::corrected::CorrectedReport;
 use super::errors::{ErrorReport, ErrorsReport};
+use super::notes::notes;
 use super::pattern::PatternReport;
 use super::table::{Table, fixed};
 use slipgrid_units::{LENGTH_UM, PRESSURE_MPA, tidy};
@@ -289,9 +290,7 @@ impl SimulationReport {
             },
         );
         text += &format!("{surface}; {}, {}\n", self.fidelity, self.extent);
-        for statement in &self.model {
-            text += &format!("- {statement}\n");
-        }
+        text += &notes(self.model.iter().map(String::as_str));
         text.push('\n');
         text += &self.load_table().to_string();
         text += &format!("  {}\n", self.errors.meaning);

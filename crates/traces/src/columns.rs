@@ -327,6 +327,9 @@ impl Column {
     }
 }
 
+/// The unit stands in brackets, behind a slash, or behind an underscore.
+const UNIT_MARKS: [char; 5] = ['[', '(', '{', '/', '_'];
+
 /// Titles of one's own for what columns hold, beside those that are known.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Titles(Vec<Title>);
@@ -354,6 +357,20 @@ impl Titles {
         Ok(())
     }
 
+    /// Whether columns of a channel have a title of one's own.
+    #[must_use]
+    pub fn has_own(&self, channel: Channel) -> bool {
+        self.0.iter().any(|title| title.channel == channel)
+    }
+
+    /// What may be the name in a title: the whole, and what stands before a bracket, a slash or an underscore; letters and digits alone.
+    #[must_use]
+    pub fn letters_of(title: &str) -> Vec<String> {
+        let written = unquoted(title);
+        let cuts = written.char_indices().filter(|(_, letter)| UNIT_MARKS.contains(letter)).map(|(at, _)| at);
+        cuts.chain([written.len()]).map(|at| letters(&written[..at])).collect()
+    }
+
     /// The titles of a channel as messages list them.
     #[must_use]
     pub fn of(&self, channel: Channel) -> String {
@@ -373,8 +390,7 @@ impl Titles {
             return Some((own.channel, own.factor));
         }
         let known = Channel::ALL.into_iter().find(|channel| channel.names().contains(&&letters[..]))?;
-        let is_taken = self.0.iter().any(|title| title.channel == known);
-        (!is_taken).then(|| (known, known.usual_factor()))
+        (!self.has_own(known)).then(|| (known, known.usual_factor()))
     }
 }
 
@@ -401,9 +417,8 @@ fn column(cell: &str, titles: &Titles) -> Result<Option<Column>, UnknownUnit> {
     if let Some((channel, factor)) = titles.meaning(written) {
         return Ok(Some(Column { channel, name: written.to_owned(), factor }));
     }
-    // The unit stands in brackets, behind a slash, or behind an underscore.
     let mut unknown = None;
-    for (at, _) in written.char_indices().filter(|(_, letter)| matches!(letter, '[' | '(' | '{' | '/' | '_')) {
+    for (at, _) in written.char_indices().filter(|(_, letter)| UNIT_MARKS.contains(letter)) {
         let Some((channel, factor)) = titles.meaning(&written[..at]) else { continue };
         let mut column = Column { channel, name: written.to_owned(), factor };
         match column.set_unit(&written[at + 1..]) {

@@ -2,6 +2,7 @@
 
 use crate::cells::{cut, number_in, separator, unquoted};
 use crate::columns::{Channel, Column, Titles, UnknownUnit, columns, needed_columns};
+use crate::missing_numbers::{Longest, Missing, Stretch};
 use crate::{Tangential, TraceChannels};
 
 /// One repeat as recorded.
@@ -17,8 +18,8 @@ pub struct Recorded {
     pub humidity: Option<f64>,
     /// Recorded position of every sample, in metres, no number where it was not recorded; empty where there is no such column with a unit.
     pub position_m: Vec<f64>,
-    /// Rows without a number in a needed column: left out.
-    pub incomplete_rows: usize,
+    /// Rows without a number in a needed column, where there are any: left out.
+    pub missing: Option<Missing>,
     /// Rows that repeat the row before them: left out.
     pub repeated_rows: usize,
 }
@@ -30,6 +31,8 @@ pub struct TraceFile {
     pub repeats: Vec<Recorded>,
     /// Names of columns that were not used.
     pub unused: Vec<String>,
+    /// What the columns hold that were used.
+    pub used: Vec<Channel>,
 }
 
 /// Marks at the beginning of a comment.
@@ -125,8 +128,7 @@ pub fn parse(text: &str, effective_radius_m: Option<f64>, titles: &Titles) -> Re
     if layout.iter().filter(|column| is(column, Channel::Position)).count() > 1 {
         layout.iter_mut().filter(|column| is(column, Channel::Position)).for_each(|column| *column = None);
     }
-    let needs_load = layout.iter().any(|column| is(column, Channel::NormalForce));
-
+    let needed: Vec<&Column> = layout.iter().flatten().filter(|column| column.channel.is_needed()).collect();
     let mut repeats: Vec<Table> = vec![Table::default()];
     let mut label: Option<f64> = None;
     for (number, line) in rows {
@@ -154,20 +156,29 @@ pub fn parse(text: &str, effective_radius_m: Option<f64>, titles: &Titles) -> Re
             label = Some(next);
         }
         if let Some(table) = repeats.last_mut() {
-            table.push(&row, needs_load);
+            let without = needed.iter().filter(|column| row.get(column.channel).is_none());
+            table.push(number, &row, without.map(|column| column.name()));
         }
     }
     let radius_m = effective_radius_m.unwrap_or(f64::NAN);
-    let repeats: Vec<Recorded> = (1..)
-        .zip(repeats)
-        .filter(|(_, table)| !table.is_empty())
-        .map(|(number, table)| table.recorded(number, radius_m))
-        .collect();
+    let (full, empty): (Vec<_>, Vec<_>) = (1..).zip(repeats).partition(|(_, table)| !table.is_empty());
+    let repeats: Vec<Recorded> = full.into_iter().map(|(number, table)| table.recorded(number, radius_m)).collect();
     if repeats.is_empty() {
-        return Err(ExportError::at(None, "has no rows", "samples below the header"));
+        return Err(no_sample(empty.into_iter().find_map(|(_, table)| table.missing.longest())));
     }
     let unused = header.cells.iter().zip(&layout).filter(|(cell, column)| column.is_none() && !cell.is_empty());
-    Ok(TraceFile { repeats, unused: unused.map(|(cell, _)| unquoted(cell).to_owned()).collect() })
+    let unused = unused.map(|(cell, _)| unquoted(cell).to_owned()).collect();
+    Ok(TraceFile { repeats, unused, used: layout.iter().flatten().map(|column| column.channel).collect() })
+}
+
+/// The refusal of a table without a sample; `rows` are those in which a number is missing.
+fn no_sample(rows: Option<Longest>) -> ExportError {
+    let Some(Longest { rows, columns, lines: [first, _], .. }) = rows else {
+        return ExportError::at(None, "has no rows", "samples below the header");
+    };
+    let reason = format!("none of the {rows} rows below the header has a number");
+    let expected = "numbers of time, friction and normal force, in the same row";
+    ExportError { column: Some(columns.join(", ")), ..ExportError::at(Some(first), reason, expected) }
 }
 
 /// Where titles of one's own are given, and where those that are known are listed.
@@ -318,7 +329,7 @@ struct Table {
     turns_per_s: Vec<f64>,
     humidity: Vec<f64>,
     position_m: Vec<f64>,
-    incomplete: usize,
+    missing: Stretch,
     repeated: usize,
     last: Option<Row>,
 }
@@ -328,25 +339,24 @@ impl Table {
         self.time_s.is_empty()
     }
 
-    fn push(&mut self, row: &Row, needs_load: bool) {
-        let [torque, friction, coefficient] =
-            [Channel::Torque, Channel::FrictionForce, Channel::Coefficient].map(|channel| row.get(channel));
-        let load = row.get(Channel::NormalForce);
-        let is_whole = torque.or(friction).or(coefficient).is_some() && (load.is_some() || !needs_load);
-        let Some(time_s) = row.get(Channel::Time).filter(|_| is_whole) else {
-            self.incomplete += 1;
-            return;
+    /// Takes the row in line `number`, unless it is `without` a number in columns that are needed.
+    fn push<'a>(&mut self, number: u32, row: &Row, without: impl Iterator<Item = &'a str>) {
+        let mut without = without.peekable();
+        let time_s = match row.get(Channel::Time) {
+            Some(time_s) if without.peek().is_none() => time_s,
+            time_s => return self.missing.add(number, time_s, without),
         };
+        self.missing.end();
         if self.last.as_ref() == Some(row) {
             self.repeated += 1;
             return;
         }
         self.last = Some(row.clone());
         self.time_s.push(time_s);
-        self.normal_force_n.extend(load);
-        self.torque_nm.extend(torque);
-        self.friction_n.extend(friction);
-        self.coefficient.extend(coefficient);
+        self.normal_force_n.extend(row.get(Channel::NormalForce));
+        self.torque_nm.extend(row.get(Channel::Torque));
+        self.friction_n.extend(row.get(Channel::FrictionForce));
+        self.coefficient.extend(row.get(Channel::Coefficient));
         self.speed_m_s.extend(row.get(Channel::Speed).map(f64::abs));
         self.turns_per_s.extend(row.get(Channel::Revolutions).map(f64::abs));
         self.position_m.push(row.get(Channel::Position).unwrap_or(f64::NAN));
@@ -365,7 +375,7 @@ impl Table {
             speed_m_s: mean(&self.speed_m_s).or(turning).filter(|speed| speed.is_finite()),
             humidity: mean(&self.humidity),
             position_m: if self.position_m.iter().any(|x| x.is_finite()) { self.position_m } else { Vec::new() },
-            incomplete_rows: self.incomplete,
+            missing: self.missing.found(self.time_s.first().copied(), self.time_s.len() + self.repeated),
             repeated_rows: self.repeated,
             channels: TraceChannels {
                 tangential: if !self.torque_nm.is_empty() {

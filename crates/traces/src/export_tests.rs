@@ -47,7 +47,9 @@ fn repeats_speed_and_humidity() {
 fn what_was_not_measured_is_left_out_and_counted() {
     let found = parsed("time,Tz,Fz,Temp\n0,1,2,20\n1,,2,20\n2,NaN,2,x\n3,1,2,\n").unwrap();
     let repeat = &found.repeats[0];
-    assert_eq!((repeat.channels.time_s.as_slice(), repeat.incomplete_rows), (&[0.0, 3.0][..], 2));
+    let missing = repeat.missing.as_ref().unwrap();
+    assert_eq!((repeat.channels.time_s.as_slice(), missing.rows, missing.of), (&[0.0, 3.0][..], 2, 4));
+    assert_eq!(missing.words(true), "2 of 4 rows have no number in Tz from 1.00 to 2.00 s (lines 3 to 4)");
     assert_eq!(found.unused, ["Temp"]);
 }
 
@@ -85,6 +87,7 @@ fn refusals_name_line_and_column() {
         ),
         ("1,2,3\n1,2,3\n", None, None, "has no line that names its columns"),
         ("time,Tz,Fz\n", None, None, "has no rows"),
+        ("time,Tz,Fz\n0,,2\n1,NaN,2\n", Some(2), Some("Tz"), "none of the 2 rows below the header has a number"),
         ("time,Tz,Fz\n0,x,2\n", Some(2), Some("Tz"), "is no number"),
         ("time,Tz,Fz\n0,1\n", Some(2), None, "has 2 values"),
         ("time,Tz,Temp\n0,1,2\n", Some(1), None, "no column is the normal force; not known are `Temp`"),
@@ -125,7 +128,9 @@ fn a_coefficient_is_used_where_nothing_else_says_what_friction_was() {
     assert_eq!(channels.tangential, Tangential::Coefficient(vec![0.25, 0.26]));
     assert!(channels.normal_force_n.is_empty() && alone.unused == ["Cycles"]);
     let loaded = parsed("time,COF,Fz\n0,0.25,50\n1,0.26,\n").unwrap();
-    assert_eq!((&loaded.repeats[0].channels.normal_force_n[..], loaded.repeats[0].incomplete_rows), (&[50.0][..], 1));
+    let missing = loaded.repeats[0].missing.as_ref().unwrap();
+    assert_eq!((&loaded.repeats[0].channels.normal_force_n[..], missing.rows), (&[50.0][..], 1));
+    assert_eq!(missing.longest.columns, ["Fz"]);
     // Beside a force it is not needed, nor what stands in it.
     let beside = parsed("time,Fx,COF,Fz\n0,12.5,x,50\n1,13,,50\n").unwrap();
     assert_eq!(beside.repeats[0].channels.tangential, Tangential::ForceN(vec![12.5, 13.0]));

@@ -53,6 +53,7 @@ mod averaging_window;
 pub mod cells;
 pub mod columns;
 pub mod export;
+pub mod missing_numbers;
 mod position;
 mod repeats;
 mod run_in;

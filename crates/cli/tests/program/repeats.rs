@@ -138,3 +138,61 @@ fn an_offset_of_all_traces_is_told_once() {
     // Each trace keeps its own in the table.
     assert_eq!(fs::read_to_string(place.path("out/traces.csv")).unwrap().matches("there and back").count(), 3);
 }
+
+#[test]
+fn a_column_with_a_slip_of_the_pen_in_its_title_is_named_with_the_title_that_is_meant() {
+    let of = |title: &str| run(&HEADER.replace("x [mm]", title), 1, 0.305);
+    let place = Place::with(&[("slip.txt", &of("Positon (mm)")), ("wear.txt", &of("Wear (mm)"))]);
+    let told = |file: &str| place.succeed(&[&["traces", file], &FLAGS[..]].concat());
+    let slip = told("slip.txt");
+    assert!(slip.contains("slip.txt: the column `Positon (mm)` is not used: "), "{slip}");
+    assert!(slip.contains("near to `position`"), "{slip}");
+    let wear = told("wear.txt");
+    assert!(!wear.contains("not used"), "{wear}");
+}
+
+#[test]
+fn a_stretch_without_numbers_is_named_with_its_column_and_times() {
+    // The row of 0.05 n s is in line n + 2.
+    let without = |rows: std::ops::Range<usize>, word: &str| {
+        let whole = run(HEADER, 1, 0.305);
+        let row = |(n, line): (usize, &str)| {
+            let mut cells: Vec<&str> = line.split(';').collect();
+            if rows.contains(&n) {
+                cells[2] = word;
+            }
+            cells.join(";") + "\n"
+        };
+        let (header, lines) = whole.split_once('\n').unwrap();
+        format!("{header}\n{}", lines.lines().enumerate().map(row).collect::<String>())
+    };
+    let place = Place::with(&[
+        ("middle.txt", &without(400..600, "NaN")),
+        ("end.txt", &without(500..901, "")),
+        ("most.txt", &without(5..900, "NaN")),
+        ("all.txt", &without(0..901, "---")),
+        ("few.txt", &without(400..405, "NaN")),
+    ]);
+    let flags = |file: &'static str| [&["traces", file], &FLAGS[..]].concat();
+    for (file, says) in [
+        (
+            "middle.txt",
+            "middle.txt:402: Reibkraft [N]: 200 of 901 rows have no number from 20.00 to 29.95 s (lines 402 to 601), and friction is \
+             averaged from 10 to 40 s: ",
+        ),
+        ("end.txt", "end.txt:502: Reibkraft [N]: 401 of 901 rows have no number from 25.00 to 45.00 s"),
+        ("most.txt", "most.txt:7: Reibkraft [N]: 895 of 901 rows have no number from 0.25 to 44.95 s"),
+        ("all.txt", "all.txt:2: Reibkraft [N]: none of the 901 rows below the header has a number; expected"),
+    ] {
+        let refused = place.refuse(&flags(file));
+        assert!(refused.contains(says), "{refused}");
+        assert!(!refused.contains("Time [s]") && refused.contains("; expected "), "{refused}");
+    }
+    let told = place.succeed(&flags("few.txt"));
+    assert!(
+        told.contains(
+            "5 of 901 rows have no number in Reibkraft [N] from 20.00 to 20.20 s (lines 402 to 406): left out"
+        ),
+        "{told}"
+    );
+}

@@ -170,15 +170,12 @@ impl DesignReport {
             let _ = writeln!(text, "! {doubt}");
         }
         // Doubts of the material, which stand above.
-        let notes = self.model.iter().filter(|note| !note.starts_with("warning: ")).cloned();
+        let stated = self.model.iter().map(String::as_str).filter(|note| !note.starts_with("warning: "));
         let discrepancy = self.discrepancy.as_ref().map(|found| found.meaning().to_owned());
-        let spread = self.robustness.as_ref().map(|_| MEANING.to_owned());
-        for note in notes.chain(discrepancy).chain(spread) {
-            let _ = writeln!(text, "- {note}");
-        }
+        let spread = self.robustness.as_ref().map(|_| MEANING);
         let of_lasering = if self.design.rim.is_some() { "roughening by the laser" } else { "recast rims" };
-        let _ = writeln!(text, "- not modelled: {of_lasering}, plasticity, viscoelasticity, heating, wear");
-        text
+        let lacking = format!("not modelled: {of_lasering}, plasticity, viscoelasticity, heating, wear");
+        text + &slipgrid_results::notes(stated.chain(discrepancy.as_deref()).chain(spread).chain([lacking.as_str()]))
     }
 
     /// How much was computed.

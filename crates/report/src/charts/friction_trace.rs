@@ -11,6 +11,8 @@ pub struct FrictionTraceChart<'a> {
     pub title: &'a str,
     /// One per surface: flat, patterned.
     pub traces: &'a [Trace<'a>],
+    /// What the means are that are marked.
+    pub means: &'a str,
 }
 
 /// The trace of one surface.
@@ -20,7 +22,7 @@ pub struct Trace<'a> {
     pub series: Series<'a>,
     /// From when to when the dynamic coefficient was averaged, in milliseconds.
     pub window_ms: Option<[f64; 2]>,
-    /// The mean over that window with its error.
+    /// The mean that is marked over that window, with its error.
     pub mu_dynamic: Option<Estimate>,
 }
 
@@ -53,7 +55,7 @@ pub fn friction_trace(chart: &FrictionTraceChart<'_>) -> Result<String, ChartErr
         legend.push((Swatch::Band(GREY, SHADE), "averaging window"));
     }
     if chart.traces.iter().any(|trace| trace.mu_dynamic.is_some()) {
-        legend.push((Swatch::Dashed(INK), "mean over the window"));
+        legend.push((Swatch::Dashed(INK), chart.means));
     }
 
     let x_axis = || {
@@ -126,10 +128,17 @@ mod tests {
             mu_dynamic: Some(Estimate { value, error }),
         };
         let traces = [trace("flat", 0.2702, None), trace("patterned <130>", 0.2148, Some(0.0031))];
-        let chart = FrictionTraceChart { title: "Friction at 2.6 MPa", traces: &traces };
+        let chart = FrictionTraceChart { title: "Friction at 2.6 MPa", traces: &traces, means: "means as told" };
         let svg = friction_trace(&chart).unwrap();
-        for text in ["Friction at 2.6 MPa", "time (ms)", "flat", "patterned &lt;130&gt;", "0.2702", "0.2148 ± 0.0031"]
-        {
+        for text in [
+            "Friction at 2.6 MPa",
+            "time (ms)",
+            "flat",
+            "patterned &lt;130&gt;",
+            "0.2702",
+            "0.2148 ± 0.0031",
+            "means as told",
+        ] {
             assert!(svg.contains(&format!("\n{text}\n")), "{text}");
         }
         assert!(svg.starts_with("<svg width=\"900\" height=\"500\" viewBox=\"0 0 7200 4000\""));
@@ -143,7 +152,7 @@ mod tests {
 
     #[test]
     fn nothing_and_infinity_are_refused() {
-        let empty = FrictionTraceChart { title: "t", traces: &[] };
+        let empty = FrictionTraceChart { title: "t", traces: &[], means: "m" };
         assert!(matches!(friction_trace(&empty), Err(ChartError::Empty { .. })));
         let points = [[0.0, f64::NAN]];
         let traces = [Trace { series: Series { label: "a", points: &points }, window_ms: None, mu_dynamic: None }];
@@ -151,9 +160,10 @@ mod tests {
         let there = [[0.0, 0.1], [1.0, 0.2]];
         let mean = Estimate { value: 0.1234, error: None };
         let trace = |points| Trace { series: Series { label: "a", points }, window_ms: None, mu_dynamic: Some(mean) };
-        let half = friction_trace(&FrictionTraceChart { title: "t", traces: &[trace(&[]), trace(&there)] }).unwrap();
+        let half = friction_trace(&FrictionTraceChart { title: "t", traces: &[trace(&[]), trace(&there)], means: "m" })
+            .unwrap();
         assert_eq!(half.matches("0.1234").count(), 1);
-        let bad = FrictionTraceChart { title: "t", traces: &traces };
+        let bad = FrictionTraceChart { title: "t", traces: &traces, means: "m" };
         assert!(matches!(friction_trace(&bad), Err(ChartError::NotFinite { .. })));
     }
 }

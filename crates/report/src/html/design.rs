@@ -54,7 +54,9 @@ pub fn design(
             "flat and patterned"
         };
         pictures(page, outputs, "Pressure along the interface", "interface-", interface);
-        pictures(page, outputs, "Friction in time", "friction-", "flat and patterned, with the averaging window");
+        let in_time = "flat and patterned, with the averaging window; the curve of the patterned surface is the run of the longest strip, and its mean \
+                       that of the whole specimen, as in the tables";
+        pictures(page, outputs, "Friction in time", "friction-", in_time);
     });
     page.model(&report.model, report.design.rim.is_some());
     page.fold("Material and calibration", |page| material(page, report, outputs, (area_law, loads)));

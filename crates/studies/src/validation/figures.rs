@@ -225,7 +225,8 @@ impl Figures<'_> {
             self.load_mpa(),
             SPEED_MM_S.from_si(self.heaviest.speed_m_s)
         );
-        outputs.add("friction.svg", friction_trace(&FrictionTraceChart { title: &title, traces: &drawn })?);
+        let chart = FrictionTraceChart { title: &title, traces: &drawn, means: "mean over the window" };
+        outputs.add("friction.svg", friction_trace(&chart)?);
         Ok(())
     }
 

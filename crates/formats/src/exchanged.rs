@@ -1,0 +1,89 @@
+//! Width and spacing of a cut sample that were likely written in each other's place.
+
+use slipgrid_calibrate::CutSample;
+use slipgrid_pattern::Pattern;
+use toml::Spanned;
+
+use super::document::Document;
+use super::pattern::PatternFile;
+use crate::diagnostic::Diagnostic;
+use slipgrid_units::LENGTH_UM;
+
+/// Lengths that differ by less than this part are those of one sample, as designed and as measured.
+const SAME: f64 = 0.02;
+/// Width and spacing that differ by less than this part are not told apart.
+const APART: f64 = 0.1;
+
+/// Says that the `pattern` in the table `file` has width and spacing of one of the `others` the other way round.
+pub(crate) fn check(
+    document: &Document,
+    file: &Spanned<PatternFile>,
+    pattern: &Pattern,
+    others: &[CutSample],
+) -> Option<Diagnostic> {
+    let [width_m, spacing_m] = [pattern.width_m(), pattern.spacing_m()];
+    let near = |a: f64, b: f64, part: f64| (a - b).abs() <= part * a.max(b);
+    if near(width_m, spacing_m, APART) {
+        return None;
+    }
+    let is_turned = |other: &&CutSample| {
+        other.pattern.texture().planform() == pattern.texture().planform()
+            && near(other.pattern.width_m(), spacing_m, SAME)
+            && near(other.pattern.spacing_m(), width_m, SAME)
+    };
+    let other = others.iter().find(is_turned)?;
+    let [width_um, spacing_um] = [width_m, spacing_m].map(|length_m| LENGTH_UM.from_si(length_m));
+    let reason = format!(
+        "um beside spacing_um = {spacing_um} is \"{}\" with width and spacing exchanged: it has {:.0} % cavities, this one {:.0} %",
+        other.name,
+        100.0 * other.pattern.areal_density(),
+        100.0 * pattern.areal_density(),
+    );
+    let expected = format!(
+        "the width of a cavity, and in spacing_um the gap between two; width_um = {spacing_um} and spacing_um = {width_um} if they are \
+         exchanged here"
+    );
+    Some(document.refuse(file.get_ref().width_um.span(), reason).expected(expected))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::pattern::read_pattern;
+    use crate::scene::DEFAULT_LAYER;
+    use crate::trials::of_tables;
+
+    fn said(own: [f64; 2], other: [f64; 2], planform: &str) -> Option<String> {
+        let read = |[width, spacing]: [f64; 2], planform: &str| {
+            let text =
+                format!("width_um = {width:?}\nspacing_um = {spacing:?}\ndepth_um = 5.2\nplanform = \"{planform}\"\n");
+            let document = Document::new("c.toml", text);
+            let file: PatternFile = document.parse().unwrap();
+            let file = Spanned::new(0..0, file);
+            let pattern = read_pattern(&document, &file, &DEFAULT_LAYER).unwrap();
+            (document, file, pattern)
+        };
+        let (document, file, pattern) = read(own, planform);
+        let others = [of_tables(read(other, "square").2, None, &[])];
+        check(&document, &file, &pattern, &others).map(|told| told.to_string())
+    }
+
+    #[test]
+    fn a_sample_that_is_another_one_with_its_lengths_exchanged_is_named() {
+        let told = said([372.0, 130.0], [130.0, 370.0], "square").unwrap();
+        assert!(
+            told.starts_with("c.toml:1: width_um: 372.0 um beside spacing_um = 130 is \"patterned samples\""),
+            "{told}"
+        );
+        assert!(told.contains("it has 7 % cavities, this one 55 %"), "{told}");
+        assert!(told.ends_with("width_um = 130 and spacing_um = 372 if they are exchanged here"), "{told}");
+        for (own, other, planform) in [
+            ([130.0, 370.0], [130.0, 370.0], "square"),
+            ([370.0, 130.0], [130.0, 300.0], "square"),
+            ([370.0, 130.0], [130.0, 370.0], "groove"),
+            ([260.0, 240.0], [240.0, 260.0], "square"),
+        ] {
+            assert_eq!(said(own, other, planform), None, "{own:?} {other:?} {planform}");
+        }
+    }
+}

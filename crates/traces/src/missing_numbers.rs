@@ -1,0 +1,115 @@
+//! Rows of an export without a number in a column that is needed: which, and whether they are what a trace lacks.
+
+use crate::TraceError;
+
+/// Rows without a number in a needed column, one behind another.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Longest {
+    /// How many.
+    pub rows: usize,
+    /// Columns in which one of them has no number, as the file writes their names.
+    pub columns: Vec<String>,
+    /// First and last of their lines, from 1.
+    pub lines: [u32; 2],
+    /// First and last of their times, in seconds, where they have any.
+    pub time_s: Option<[f64; 2]>,
+}
+
+/// What a repeat lacks.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Missing {
+    /// Rows without a number in a needed column: left out.
+    pub rows: usize,
+    /// Of how many.
+    pub of: usize,
+    /// Most of them one behind another; times are seconds since the first sample.
+    pub longest: Longest,
+}
+
+impl Missing {
+    /// The longest of its stretches in words; `of_column` says as well in which columns numbers are missing.
+    #[must_use]
+    pub fn words(&self, of_column: bool) -> String {
+        let Longest { rows, columns, lines: [first, last], time_s } = &self.longest;
+        let columns = if of_column { format!(" in {}", columns.join(", ")) } else { String::new() };
+        let all = if *rows == self.rows { String::new() } else { format!(", {rows} of them one behind another") };
+        let times = time_s.map_or_else(String::new, |[from_s, to_s]| format!(" from {from_s:.2} to {to_s:.2} s"));
+        let lines = if first == last { format!("line {first}") } else { format!("lines {first} to {last}") };
+        let (count, are) = (self.rows, if self.rows == 1 { "has" } else { "have" });
+        format!("{count} of {} rows {are} no number{columns}{all}{times} ({lines})", self.of)
+    }
+
+    /// Says that a trace was refused with `error` because these rows were left out, and what would be accepted; nothing where it would
+    /// have been refused with them too.
+    #[must_use]
+    pub fn explains(&self, error: &TraceError, [from_s, to_s]: [f64; 2]) -> Option<[String; 2]> {
+        let reaches =
+            |from: f64, to: f64| self.longest.time_s.is_none_or(|time_s| time_s[0] <= to && time_s[1] >= from);
+        let left = match error {
+            TraceError::TooShort { end_s, window_end_s, pause_s } => (self.longest.time_s?[1] + pause_s
+                >= *window_end_s)
+                .then(|| format!("the last number is at {end_s:.2} s")),
+            TraceError::TooFewSamples { found, expected, .. } => {
+                (found + self.rows >= *expected).then(|| format!("{found} samples are left of the {expected} needed"))
+            }
+            TraceError::Gap { from_s, to_s } => reaches(*from_s, *to_s).then(|| "the mean would miss them".to_owned()),
+            _ => None,
+        }?;
+        let reason = format!("{}, and friction is averaged from {from_s} to {to_s} s: {left}", self.words(false));
+        Some([reason, "numbers nearly everywhere in the window, or a window_s where there are".to_owned()])
+    }
+}
+
+/// The rows that a repeat lacks, one after another.
+#[derive(Default)]
+pub(crate) struct Stretch {
+    rows: usize,
+    longest: Option<Longest>,
+    current: Option<Longest>,
+}
+
+impl Stretch {
+    /// The row in line `number`, `without` a number in these columns.
+    pub(crate) fn add<'a>(&mut self, number: u32, time_s: Option<f64>, without: impl Iterator<Item = &'a str>) {
+        self.rows += 1;
+        let current = self.current.get_or_insert_with(|| Longest {
+            rows: 0,
+            columns: Vec::new(),
+            lines: [number; 2],
+            time_s: None,
+        });
+        current.rows += 1;
+        current.lines[1] = number;
+        if let Some(time_s) = time_s {
+            current.time_s = Some([current.time_s.map_or(time_s, |times| times[0]), time_s]);
+        }
+        for column in without {
+            if !current.columns.iter().any(|known| known == column) {
+                current.columns.push(column.to_owned());
+            }
+        }
+    }
+
+    /// A row with every number follows.
+    pub(crate) fn end(&mut self) {
+        let last = self.current.take();
+        if last.as_ref().map_or(0, |last| last.rows) > self.longest.as_ref().map_or(0, |longest| longest.rows) {
+            self.longest = last;
+        }
+    }
+
+    /// Most rows one behind another, with the times of the file's own clock.
+    pub(crate) fn longest(mut self) -> Option<Longest> {
+        self.end();
+        self.longest
+    }
+
+    /// What was missing of a repeat whose clock begins at `start_s` and that has so many `whole` rows.
+    pub(crate) fn found(self, start_s: Option<f64>, whole: usize) -> Option<Missing> {
+        let rows = self.rows;
+        let mut longest = self.longest()?;
+        let start_s = start_s.unwrap_or(0.0);
+        longest.time_s = longest.time_s.map(|times| times.map(|time_s| time_s - start_s));
+        Some(Missing { rows, of: rows + whole, longest })
+    }
+}
