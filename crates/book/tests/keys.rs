@@ -229,6 +229,7 @@ fn results_obey_their_schemas() {
     let mut seen = 0;
     assert_eq!(undescribed(&sheet, "", &known, &mut seen), [""; 0]);
     assert!(seen > 40, "{seen} keys were compared");
+    assert_eq!(sheet["schema"].as_integer(), Some(VERSION.into()));
     // Cut in seconds: neither the page nor the sheet says 0 minutes.
     let seconds = sheet["work"]["estimated_time_s"].as_float().unwrap();
     let page = text(&folder.path().join("out/report.html"));

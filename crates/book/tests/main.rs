@@ -9,6 +9,7 @@ mod chapters;
 mod keys;
 mod numbers;
 mod probes;
+mod tables;
 mod walks;
 
 use std::fs;

@@ -7,6 +7,7 @@
 //!
 //! Chapters with a line `<!-- slow -->` run behind `--ignored`.
 
+use std::collections::BTreeSet;
 use std::fs;
 use std::path::Path;
 use std::process::Command;
@@ -14,7 +15,7 @@ use std::process::Command;
 use slipgrid_book::console::{LEFT_OUT, blocks, compare};
 use tempfile::TempDir;
 
-use crate::{book, files, root, text, updates};
+use crate::{book, files, root, tables, text, updates};
 
 /// A line of a chapter that begins what a command ends with, where that is not 0.
 const EXIT_CODE: &str = "[exit code ";
@@ -150,9 +151,11 @@ fn walk(path: &Path) -> (TempDir, usize, Vec<String>) {
     (place, commands, differ)
 }
 
-/// Goes through all chapters that are slow, or all others.
-fn walk_all(is_slow: bool) -> usize {
+/// Goes through all chapters that are slow, or all others; returns the number of their commands and the tables of the book that
+/// they wrote.
+fn walk_all(is_slow: bool) -> (usize, BTreeSet<(String, String)>) {
     let (mut differ, mut commands) = (Vec::new(), 0);
+    let (listed, mut seen) = (tables::listed(), BTreeSet::new());
     let mut pages = files(&book(), ".md");
     pages.push(root().join("README.md"));
     for page in pages.iter().filter(|page| text(page).lines().any(|line| line == "<!-- slow -->") == is_slow) {
@@ -162,22 +165,32 @@ fn walk_all(is_slow: bool) -> usize {
             assert!(place.path().join(name).is_file(), "{name}");
         }
         commands += number;
+        if place.path().join("out").is_dir() {
+            let (written, missing) = tables::compare(&place.path().join("out"), &listed);
+            seen.extend(written);
+            differ.extend(missing);
+        }
         differ.extend(found.into_iter().map(|found| format!("{}: {found}", page.display())));
     }
     assert!(differ.is_empty(), "{}", differ.join("\n"));
-    commands
+    (commands, seen)
 }
 
 #[test]
-fn every_command_of_the_book_prints_what_the_book_shows() {
-    let commands = walk_all(false);
+fn every_command_of_the_book_prints_what_the_book_shows_and_writes_tables_as_it_lists() {
+    let (commands, seen) = walk_all(false);
     assert!(commands > 30, "{commands} commands");
+    for (name, titles) in tables::listed() {
+        let is_seen = seen.iter().any(|(_, known)| *known == titles);
+        assert!(is_seen || tables::is_written_by_code(&titles), "nothing writes {name}: {titles}");
+    }
+    assert!(seen.len() > 12, "{seen:?}");
 }
 
 #[test]
 #[ignore = "a minute: the commands of chapters that search long"]
 fn every_slow_command_of_the_book_prints_what_the_book_shows() {
-    let commands = walk_all(true);
+    let (commands, _) = walk_all(true);
     assert_eq!(commands, 1);
 }
 

@@ -117,7 +117,7 @@ pub fn plan(files: &Source, path: &Path, monitor: &dyn Monitor) -> Result<Planne
                 let at = Diagnostic::file(&base_path, reason);
                 Diagnostic { key: Some(key.into()), ..at }
             })?;
-            check(kind, &source, &base_path, &text).map_err(|refused| placed(refused, &values))?;
+            check(kind, &source, &base_path, &text, monitor).map_err(|refused| placed(refused, &values))?;
             let inputs = noted.seen();
             stage.advance(share);
             Ok((Task { id: campaign.id(&text, &inputs), values }, inputs))
@@ -266,7 +266,7 @@ fn crossed(rows: Vec<Row>, more: &[Row]) -> Vec<Row> {
 }
 
 /// Reads what the command of a task would read before it computes anything.
-fn check(kind: Kind, source: &Source, path: &Path, text: &str) -> Result<(), Diagnostic> {
+fn check(kind: Kind, source: &Source, path: &Path, text: &str, monitor: &dyn Monitor) -> Result<(), Diagnostic> {
     let document = Document::within(source, path, text);
     match kind {
         Kind::Scene => {
@@ -276,7 +276,8 @@ fn check(kind: Kind, source: &Source, path: &Path, text: &str) -> Result<(), Dia
             let design = Design::from_document(document)?;
             if let Some(path) = &design.calibration {
                 let task = &design.task;
-                Calibration::read(source, path)?.task(source, (task.layer, task.seed), Selection::default())?;
+                let calibration = Calibration::read(source, path)?;
+                calibration.task(source, (task.layer, task.seed), Selection::default(), monitor)?;
             }
         }
         Kind::Laboratory => {

@@ -1,4 +1,5 @@
 use slipgrid_material::MaterialError;
+use slipgrid_monitor::Cancelled;
 
 use crate::output::WriteError;
 use slipgrid_formats::Diagnostic;
@@ -47,6 +48,12 @@ told!(
     slipgrid_report::ReportError,
     slipgrid_formats::written_material::UnwritableMaterial,
 );
+
+impl From<Cancelled> for CliError {
+    fn from(_: Cancelled) -> Self {
+        Self::Interrupted
+    }
+}
 
 impl From<Uncalibrated> for CliError {
     fn from(error: Uncalibrated) -> Self {

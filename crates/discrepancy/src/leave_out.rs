@@ -1,5 +1,6 @@
 //! Measurements predicted by others: what the mixture would have said before they were made.
 
+use slipgrid_monitor::{Cancelled, Monitor};
 use slipgrid_statistics::normal_quantile;
 
 use crate::mixture::is_same;
@@ -39,8 +40,10 @@ pub struct Surprise {
 }
 
 /// Every measurement of `discrepancy` predicted without those that are left out with it.
-#[must_use]
-pub fn leave_out(discrepancy: &Discrepancy, by: LeftOut) -> Vec<Surprise> {
+///
+/// # Errors
+/// [`Cancelled`] once `monitor` has cancelled.
+pub fn leave_out(discrepancy: &Discrepancy, by: LeftOut, monitor: &dyn Monitor) -> Result<Vec<Surprise>, Cancelled> {
     let rows: Vec<_> = discrepancy.rows().collect();
     let n = rows.len();
     let noise = discrepancy.noise();
@@ -53,6 +56,7 @@ pub fn leave_out(discrepancy: &Discrepancy, by: LeftOut) -> Vec<Surprise> {
         if done[first] {
             continue;
         }
+        monitor.heed()?;
         let (trial, at) = rows[first];
         let is_wanted = |row: &usize| match by {
             LeftOut::Trial | LeftOut::TrialAndLater => rows[*row].0 == trial,
@@ -84,7 +88,7 @@ pub fn leave_out(discrepancy: &Discrepancy, by: LeftOut) -> Vec<Surprise> {
         }
     }
     found.sort_by_key(|surprise| (surprise.trial, surprise.row));
-    found
+    Ok(found)
 }
 
 /// Covariance of all measurements where one form holds: noise + Phi Phi^T.

@@ -1,3 +1,4 @@
+use slipgrid_monitor::{Cancelled, Monitor, Unwatched};
 use slipgrid_pattern::{Pattern, Planform};
 use slipgrid_statistics::Normals;
 
@@ -103,7 +104,7 @@ fn coefficients_and_measurements_say_the_same() {
             of
         })
         .collect();
-    let left = leave_out(&discrepancy(all.clone()), LeftOut::TrialAndLater);
+    let left = leave_out(&discrepancy(all.clone()), LeftOut::TrialAndLater, &Unwatched).unwrap();
     for last in 0..3 {
         let known = discrepancy(all[..last].to_vec());
         let wanted = &all[last];
@@ -256,7 +257,7 @@ fn two_trials_of_one_disc_tell_less_of_the_mean_and_more_of_their_difference() {
     let expected = |mean: f64| 1.0 / (1.0 / a2 + 1.0 / mean) + s2;
     // The second by the first: K - C^2 / K with K = A^2 + s^2 + e^2 and C what the two share.
     let second = |known: &Discrepancy| {
-        let all = leave_out(known, LeftOut::TrialAndLater);
+        let all = leave_out(known, LeftOut::TrialAndLater, &Unwatched).unwrap();
         let [low, high] = all.iter().find(|of| of.trial == 1).unwrap().interval_95;
         ((high - low) / (2.0 * slipgrid_statistics::normal_quantile(0.975))).powi(2)
     };
@@ -415,5 +416,19 @@ fn more_loads_are_never_likelier_within_their_bounds_than_fewer() {
         };
         let (all, slow, fast) = (found(&both), found(&both[..3]), found(&both[3..]));
         assert!(all <= slow.min(fast) + 0.01, "{width_um}: {all} {slow} {fast}");
+    }
+}
+
+#[test]
+fn leaving_out_ends_when_the_monitor_cancels() {
+    struct Pressed;
+    impl Monitor for Pressed {
+        fn cancelled(&self) -> bool {
+            true
+        }
+    }
+    let known = discrepancy(vec![trial("A", groove(100.0, 300.0, 10.0), &loads(), 0.01, &mut |_| -0.2)]);
+    for by in [LeftOut::Trial, LeftOut::Condition, LeftOut::TrialAndLater] {
+        assert_eq!(leave_out(&known, by, &Pressed), Err(Cancelled));
     }
 }

@@ -59,6 +59,8 @@ pub struct ProcessInput {
     pub name: String,
     /// Version of the program that made the design.
     pub version: String,
+    /// Schema of the sheet.
+    pub schema: u32,
     /// Seed of the design.
     pub seed: u64,
     /// The laser.
@@ -79,6 +81,8 @@ pub struct ProcessSheet {
     pub program: String,
     /// Its version.
     pub version: String,
+    /// Schema of the file.
+    pub schema: u32,
     /// Seed of the design.
     pub seed: u64,
     /// What the prediction leaves out.
@@ -232,7 +236,7 @@ impl ProcessSheet {
     /// [`ExportError::NotPositive`] if a laser parameter or tolerance that is given is not a
     /// positive number.
     pub fn new(layout: &Layout, input: ProcessInput) -> Result<Self, ExportError> {
-        let ProcessInput { name, version, seed, laser, tolerances, material } = input;
+        let ProcessInput { name, version, schema, seed, laser, tolerances, material } = input;
         laser.validate()?;
         if let Some(tolerances) = &tolerances {
             tolerances.validate()?;
@@ -251,6 +255,7 @@ impl ProcessSheet {
             name,
             program: "slipgrid".to_owned(),
             version,
+            schema,
             seed,
             not_modelled: not_modelled(rim.is_some()).map(str::to_owned).to_vec(),
             pattern: PatternSheet::from(pattern),

@@ -24,6 +24,8 @@ pub struct SectorsSheet {
     pub program: String,
     /// Its version.
     pub version: String,
+    /// Schema of the file.
+    pub schema: u32,
     /// Seed of the design.
     pub seed: u64,
     /// What sectors are good for, and what not.
@@ -100,7 +102,7 @@ impl SectorsSheet {
     /// # Errors
     /// [`ExportError`] for a laser that is refused, and where there is no sector.
     pub fn new(sectors: &[Sector], input: ProcessInput) -> Result<Self, ExportError> {
-        let ProcessInput { name, version, seed, laser, material, .. } = input;
+        let ProcessInput { name, version, schema, seed, laser, material, .. } = input;
         laser.validate()?;
         let Some(first) = sectors.first() else {
             return Err(ExportError::Sectors { count: 0, most: crate::MOST_SECTORS });
@@ -111,6 +113,7 @@ impl SectorsSheet {
             name,
             program: "slipgrid".to_owned(),
             version,
+            schema,
             seed,
             measuring: MEASURE_EACH_ALONE.to_owned(),
             not_modelled: not_modelled(has_rim).map(str::to_owned).to_vec(),
@@ -197,6 +200,7 @@ mod tests {
         let input = ProcessInput {
             name: "two".to_owned(),
             version: "0".to_owned(),
+            schema: 1,
             seed: 1,
             laser,
             tolerances: None,

@@ -143,6 +143,7 @@ fn the_sheet_states_the_distances_that_lines_have() {
         let input = ProcessInput {
             name: String::new(),
             version: String::new(),
+            schema: 1,
             seed: 1,
             laser,
             tolerances: None,

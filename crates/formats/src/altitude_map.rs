@@ -5,6 +5,7 @@ use std::path::Path;
 
 use slipgrid_calibrate::area_law::{AreaLawError, SurfaceWarning};
 use slipgrid_material::MOST_FACTOR;
+use slipgrid_monitor::{Heeding, Monitor};
 use slipgrid_topography::{
     MapOption, MapWarning, PreparationError, PreparedMap, ReadError, ReadMap, ReadOptions, limits, read_map,
 };
@@ -20,9 +21,14 @@ const EXPECTED: &str = "the file of an altitude map";
 /// Reads the map at `path` as one period, for a contact computation.
 ///
 /// # Errors
-/// [`Diagnostic`] if the file cannot be read or is no map, or no surface has its slope.
-pub fn read_period(source: &Source, path: &Path, options: &MapOptions) -> Result<PreparedMap, Diagnostic> {
-    PreparedMap::one_period(open(source, path, &options.read)?, options.preparation())
+/// [`Diagnostic`] if the file cannot be read or is no map, no surface has its slope, or `monitor` has cancelled.
+pub fn read_period(
+    source: &Source,
+    path: &Path,
+    options: &MapOptions,
+    monitor: &dyn Monitor,
+) -> Result<PreparedMap, Diagnostic> {
+    PreparedMap::one_period(open(source, path, &options.read, monitor)?, options.preparation(), monitor)
         .map_err(|error| refuse(path, &error))
 }
 
@@ -72,10 +78,10 @@ pub fn told(warning: &MapWarning) -> String {
 /// Reads the map at `path` as it is.
 ///
 /// # Errors
-/// [`Diagnostic`] if the file cannot be read or is no map.
-pub fn open(source: &Source, path: &Path, options: &ReadOptions) -> Result<ReadMap, Diagnostic> {
+/// [`Diagnostic`] if the file cannot be read or is no map, or `monitor` has cancelled.
+pub fn open(source: &Source, path: &Path, options: &ReadOptions, monitor: &dyn Monitor) -> Result<ReadMap, Diagnostic> {
     let file = stream(source, path, EXPECTED)?;
-    read_map(BufReader::new(file), options).map_err(|error| {
+    read_map(BufReader::new(Heeding::new(file, monitor)), options).map_err(|error| {
         // A file of settings in place of a map is told by its name: maps may be large.
         let text = path.extension().filter(|&extension| extension == "toml").map(|_| read_text(source, path, EXPECTED));
         let found = text.and_then(Result::ok).and_then(|text| FileKind::of(&text));

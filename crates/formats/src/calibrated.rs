@@ -68,7 +68,7 @@ fn known_material(
     selection: Selection,
     monitor: &dyn Monitor,
 ) -> Result<KnownMaterial, Uncalibrated> {
-    let task = calibration.task(files, sample, selection)?;
+    let task = calibration.task(files, sample, selection, monitor)?;
     let memory = monitor.memory().map(|memory| (memory, Key::of("material", &task)));
     let recalled = memory.as_ref().and_then(|(memory, key)| memory.recall(key));
     if let Some(known) = recalled.and_then(|bytes| read_kept(String::from_utf8(bytes).ok()?)) {
@@ -113,7 +113,7 @@ pub fn calibrate(
     selection: Selection,
     monitor: &dyn Monitor,
 ) -> Result<(CalibrationTask, CalibrationOutcome), Uncalibrated> {
-    let task = calibration.task(files, sample, selection)?;
+    let task = calibration.task(files, sample, selection, monitor)?;
     let outcome = outcome(&task, calibration, path, monitor)?;
     Ok((task, outcome))
 }
@@ -143,7 +143,7 @@ pub fn learn(
     sample: (Layer, u64),
     monitor: &dyn Monitor,
 ) -> Result<(CalibrationTask, LearnedSamples), Uncalibrated> {
-    let task = calibration.task(files, sample, Selection::default())?;
+    let task = calibration.task(files, sample, Selection::default(), monitor)?;
     let learned = slipgrid_calibrate::learn_alone(&task, monitor).map_err(|error| failed(&error, path, calibration))?;
     Ok((task, learned))
 }

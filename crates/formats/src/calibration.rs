@@ -8,6 +8,7 @@ use slipgrid_calibrate::{
 };
 use slipgrid_export::Outline;
 use slipgrid_material::{AreaLaw, Elastic, Extrapolation, THRESHOLD_PRESSURE_PA};
+use slipgrid_monitor::Monitor;
 use slipgrid_pattern::Pattern;
 use slipgrid_springblock::Layer;
 use toml::Spanned;
@@ -213,14 +214,15 @@ impl Calibration {
     /// The calibration of a `layer` with this `seed`, as far as `selection` needs it; maps are read from `files`.
     ///
     /// # Errors
-    /// [`Diagnostic`] for a map that cannot be read.
+    /// [`Diagnostic`] for a map that cannot be read, and once `monitor` has cancelled.
     pub fn task(
         &self,
         files: &Source,
         (layer, seed): (Layer, u64),
         selection: Selection,
+        monitor: &dyn Monitor,
     ) -> Result<CalibrationTask, Diagnostic> {
-        let surface = self.read_surface(files)?;
+        let surface = self.read_surface(files, monitor)?;
         let mut notes = self.told.clone();
         notes.extend(traces::notes(&self.traces));
         Ok(CalibrationTask {
@@ -246,17 +248,17 @@ impl Calibration {
     }
 
     /// Where the area law comes from, with the maps read.
-    fn read_surface(&self, files: &Source) -> Result<LawSource, Diagnostic> {
+    fn read_surface(&self, files: &Source, monitor: &dyn Monitor) -> Result<LawSource, Diagnostic> {
         Ok(match (&self.surface, &self.measured_law, self.area_law_scale_pa) {
             (Surface::Measured { extrapolation }, Some(law), _) => {
                 LawSource::FlatFriction { law: law.clone(), extrapolation: *extrapolation }
             }
             (Surface::Persson { rms_slope }, ..) => LawSource::RmsSlope(*rms_slope),
             (Surface::Map { path, synthetic, options, windows, after }, ..) => LawSource::Map(Box::new(MapSurface {
-                map: read_period(files, path, options)?,
+                map: read_period(files, path, options, monitor)?,
                 synthetic: *synthetic,
                 windows: *windows,
-                after: after.as_ref().map(|after| read_period(files, after, options)).transpose()?,
+                after: after.as_ref().map(|after| read_period(files, after, options, monitor)).transpose()?,
             })),
             (_, _, Some(bounds_pa)) => LawSource::FittedScale { bounds_pa },
             _ => LawSource::None,

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use slipgrid_monitor::Unwatched;
 use slipgrid_pattern::{Pattern, ReliefMap};
 use slipgrid_topography::{HeightMap, ReadOptions};
 use toml::Spanned;
@@ -30,7 +31,7 @@ pub fn read_relief(
             .expected("one of the two"));
     }
     let path = existing(document, key, key.get_ref())?;
-    let mut map = open(document.source(), &path, &ReadOptions::default())?.map;
+    let mut map = open(document.source(), &path, &ReadOptions::default(), &Unwatched)?.map;
     map.fill_missing();
     let relief = relief_of(&map).and_then(|relief| relief.along(pattern));
     let relief = relief.and_then(|relief| relief.lands(pattern).map(|_| relief));

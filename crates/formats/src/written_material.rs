@@ -234,8 +234,12 @@ mod tests {
             comments: vec!["synthetic, one period".into()],
             notes: Vec::new(),
         };
-        let map =
-            slipgrid_topography::PreparedMap::one_period(read, slipgrid_topography::Preparation::default()).unwrap();
+        let map = slipgrid_topography::PreparedMap::one_period(
+            read,
+            slipgrid_topography::Preparation::default(),
+            &slipgrid_monitor::Unwatched,
+        )
+        .unwrap();
         let surface = slipgrid_calibrate::MapSurface { map, synthetic: true, windows: Some(2), after: None };
         let surface = Surface::Map(Box::new(surface));
         let of_map = read_back(Coefficients::PerCondition, surface.clone());

@@ -22,8 +22,10 @@
 //! assert!(stage.cancelled() && !stage.is_out_of_time());
 //! ```
 
+mod heeding;
 mod memory;
 
+pub use heeding::Heeding;
 pub use memory::{InMemory, Key, Memory, recalled};
 
 /// Progress, cancelling and time. Every method has a default: a monitor answers what it cares for.

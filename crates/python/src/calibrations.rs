@@ -59,10 +59,11 @@ impl Calibration {
     fn fit(&self, py: Python<'_>, progress: Option<&Bound<'_, PyAny>>) -> PyResult<Fitted> {
         let sample = (DEFAULT_SPECIMEN, SEED);
         let found = watched(py, progress, |watch| {
-            calibrate(&self.read, &self.path, &disk(), sample, Selection::default(), watch)
+            let (task, outcome) = calibrate(&self.read, &self.path, &disk(), sample, Selection::default(), watch)?;
+            let ledger = ledger(&self.read, &outcome, watch).map_err(|_| Uncalibrated::Cancelled)?;
+            Ok((task, outcome, ledger))
         })?;
-        let (task, outcome) = found.map_err(|error| refused::uncalibrated(py, &error))?;
-        let ledger = ledger(&self.read, &outcome);
+        let (task, outcome, ledger) = found.map_err(|error: Uncalibrated| refused::uncalibrated(py, &error))?;
         Ok(Fitted { read: self.read.clone(), path: self.path.clone(), task, outcome, ledger })
     }
 
@@ -72,7 +73,8 @@ impl Calibration {
         let sample = (DEFAULT_SPECIMEN, SEED);
         let found = watched(py, progress, |watch| {
             let (task, learned) = learn(&self.read, &self.path, &disk(), sample, watch)?;
-            let report = TrialsReport::new(&self.read.name, &task.trials.samples, &learned.discrepancy)
+            let report = TrialsReport::new(&self.read.name, &task.trials.samples, &learned.discrepancy, watch)
+                .map_err(|_| Uncalibrated::Cancelled)?
                 .with_pending(&learned)
                 .with_warnings(self.read.doubts.clone());
             let record = json(&report).map_err(|error| Uncalibrated::Failed(error.to_string()))?;

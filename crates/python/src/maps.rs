@@ -9,6 +9,7 @@ use pyo3::prelude::*;
 use slipgrid::calibrate::area_law::{AreaLawRequest, CONTACT_TOLERANCE, DEFAULT_PRESSURES_MPA, surface_area_law};
 use slipgrid::formats::altitude_map::{open, refuse, refuse_law};
 use slipgrid::material::THRESHOLD_PRESSURE_PA;
+use slipgrid::monitor::Unwatched;
 use slipgrid::report::surface::SurfaceReport;
 use slipgrid::topography::{
     CORRELATION_THRESHOLD, Form, HeightMap, MapFormat, MaterialRatioCurve, Missing, Preparation, PreparedMap, ReadMap,
@@ -82,7 +83,7 @@ impl Map {
             decimal_comma,
             ..ReadOptions::NONE
         };
-        let read = py.detach(|| open(&disk(), &path, &options)).map_err(|error| refused::input(py, &error))?;
+        let read = py.detach(|| open(&disk(), &path, &options, &Unwatched)).map_err(|error| refused::input(py, &error))?;
         Ok(Self { read, path })
     }
 
@@ -160,7 +161,7 @@ impl Map {
         let pressures_pa: Vec<f64> = pressures_mpa.iter().map(|pressure| pressure * 1e6).collect();
         let found = watched(py, progress, |watch| {
             let surface =
-                PreparedMap::one_period(self.read.clone(), how).map_err(|error| refuse(&self.path, &error))?;
+                PreparedMap::one_period(self.read.clone(), how, watch).map_err(|error| refuse(&self.path, &error))?;
             let request = AreaLawRequest {
                 contact_modulus_pa: youngs_modulus_gpa * 1e9 / (1.0 - poisson_ratio * poisson_ratio),
                 pressures_pa: &pressures_pa,
@@ -202,7 +203,7 @@ impl Map {
 impl Map {
     fn measure(&self, how: Preparation) -> Result<String, slipgrid::formats::Diagnostic> {
         let plain = |reason: String| slipgrid::formats::Diagnostic::file(&self.path, reason);
-        let surface = PreparedMap::new(self.read.clone(), how).map_err(|error| refuse(&self.path, &error))?;
+        let surface = PreparedMap::new(self.read.clone(), how, &Unwatched).map_err(|error| refuse(&self.path, &error))?;
         let map = &surface.map;
         let (sides, window) =
             if surface.period { (Sides::Periodic, SpectrumWindow::None) } else { (Sides::Open, SpectrumWindow::Hann) };

@@ -14,7 +14,7 @@ use slipgrid_pattern::Pattern;
 
 use crate::Outputs;
 use slipgrid_export::Specimen;
-use slipgrid_results::{MaterialReport, VERSION};
+use slipgrid_results::{MaterialReport, SCHEMA, VERSION};
 
 /// Formats of a design; [`LaserFile::described`] says what is written in each.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -230,6 +230,7 @@ fn process_input(input: &DrawingInput<'_>) -> ProcessInput {
     ProcessInput {
         name: input.name.to_owned(),
         version: input.version.to_owned(),
+        schema: SCHEMA,
         seed: input.seed,
         laser: input.laser,
         tolerances: None,

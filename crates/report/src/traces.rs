@@ -3,7 +3,7 @@
 use slipgrid_calibrate::Measurement;
 use slipgrid_formats::measurements;
 use slipgrid_formats::traces::{ConditionTraces, OfTrial, SurfaceKind, TraceCondition, notes};
-use slipgrid_results::{Table, VERSION, fixed};
+use slipgrid_results::{SCHEMA, Table, VERSION, fixed};
 use slipgrid_traces::DEFAULT_WINDOW_S;
 use slipgrid_units::{HUMIDITY_PCT, SPEED_MM_S, tidy};
 
@@ -22,7 +22,7 @@ pub fn files(conditions: &[ConditionTraces]) -> Result<Outputs, ChartError> {
         let rows: Vec<Measurement> = of_kind.clone().map(ConditionTraces::measurement).collect();
         if !rows.is_empty() {
             let comment = format!(
-                "By slipgrid traces {VERSION}: {} samples, mean and standard deviation of repeats{}",
+                "By slipgrid traces {VERSION}, schema {SCHEMA}: {} samples, mean and standard deviation of repeats{}",
                 kind.name(),
                 static_parts(of_kind)
             );
@@ -34,7 +34,7 @@ pub fn files(conditions: &[ConditionTraces]) -> Result<Outputs, ChartError> {
             let rows: Vec<Measurement> = of_trial.iter().map(ConditionTraces::measurement).collect();
             let words: String = name.chars().filter(|c| !c.is_control()).collect();
             let comment = format!(
-                "By slipgrid traces {VERSION}: trial \"{words}\", mean and standard deviation of repeats{}",
+                "By slipgrid traces {VERSION}, schema {SCHEMA}: trial \"{words}\", mean and standard deviation of repeats{}",
                 static_parts(of_trial)
             );
             outputs.add(format!("trial-{number}-measured.csv"), measurements::table(&comment, &rows));

@@ -4,6 +4,7 @@
 use serde::{Deserialize, Serialize};
 use slipgrid_calibrate::CutSample;
 use slipgrid_discrepancy::{Discrepancy, LeftOut, Surprise, leave_out};
+use slipgrid_monitor::{Cancelled, Monitor};
 use slipgrid_results::{SCHEMA, Table, VERSION, believed, believed_interval, believed_std, fixed};
 use slipgrid_units::{HUMIDITY_PCT, LENGTH_UM, PRESSURE_MPA, SPEED_MM_S, tidy};
 
@@ -158,9 +159,17 @@ pub struct CoverageReport {
 
 impl TrialsReport {
     /// The ledger of `learned`, the discrepancy that `samples` of the calibration `name` say.
-    #[must_use]
-    pub fn new(name: &str, samples: &[CutSample], learned: &Discrepancy) -> Self {
-        let by = [LeftOut::TrialAndLater, LeftOut::Trial, LeftOut::Condition].map(|by| leave_out(learned, by));
+    ///
+    /// # Errors
+    /// [`Cancelled`] once `monitor` has cancelled.
+    pub fn new(
+        name: &str,
+        samples: &[CutSample],
+        learned: &Discrepancy,
+        monitor: &dyn Monitor,
+    ) -> Result<Self, Cancelled> {
+        let without = |by| leave_out(learned, by, monitor);
+        let by = [without(LeftOut::TrialAndLater)?, without(LeftOut::Trial)?, without(LeftOut::Condition)?];
         let trial = |(place, of): (usize, &slipgrid_discrepancy::Trial)| {
             let cut = samples.iter().find(|cut| cut.name == of.name);
             let row = |(row, at): (usize, &slipgrid_discrepancy::Measured)| {
@@ -215,7 +224,7 @@ impl TrialsReport {
                 within_95: inside(|of| of.interval_95),
             }
         });
-        Self {
+        Ok(Self {
             program: "slipgrid".to_owned(),
             version: VERSION.to_owned(),
             schema: SCHEMA,
@@ -229,7 +238,7 @@ impl TrialsReport {
             forms,
             effects: effects(learned),
             coverage: coverage.collect(),
-        }
+        })
     }
 
     /// The same with `warnings` of the measurements.

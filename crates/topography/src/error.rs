@@ -1,3 +1,5 @@
+use slipgrid_monitor::Cancelled;
+
 use crate::cavities::Crossing;
 
 /// Why an altitude map, or an operation on one, was refused.
@@ -78,12 +80,21 @@ pub enum MapError {
         /// Why.
         reason: &'static str,
     },
+    /// The monitor has cancelled the operation.
+    #[error("the work on the map was cancelled")]
+    Cancelled,
     /// The points present lie on one line.
     #[error("the {points} heights present lie on one line: expected points that span a plane")]
     PlaneUndetermined {
         /// Points present.
         points: usize,
     },
+}
+
+impl From<Cancelled> for MapError {
+    fn from(_: Cancelled) -> Self {
+        Self::Cancelled
+    }
 }
 
 /// What [`ReadOptions`](crate::ReadOptions) can say of a file that does not say it itself.

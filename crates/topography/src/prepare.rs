@@ -1,5 +1,7 @@
 //! From a map as it was read to one ready for computation: missing points filled, spikes and form removed.
 
+use slipgrid_monitor::Monitor;
+
 use crate::{Form, HeightMap, MapError, MapFormat, MapWarning, ReadMap, limits, periodic_component, side_step_ratio};
 
 /// Rms step across opposite sides, over that between neighbours, up to which a map is taken as one period: a
@@ -80,8 +82,8 @@ impl PreparedMap {
     ///
     /// # Errors
     /// As [`PreparedMap::new`], and if no surface has its slope.
-    pub fn one_period(read: ReadMap, how: Preparation) -> Result<Self, PreparationError> {
-        let surface = Self::build(read, how, true)?.possible()?;
+    pub fn one_period(read: ReadMap, how: Preparation, monitor: &dyn Monitor) -> Result<Self, PreparationError> {
+        let surface = Self::build(read, how, true, monitor)?.possible()?;
         let is_flat = surface.rms_slope < limits::POSSIBLE_SLOPE[0];
         if is_flat { Err(surface.impossible()) } else { Ok(surface) }
     }
@@ -101,12 +103,20 @@ impl PreparedMap {
     /// Fills what is missing in the map that was `read` and removes its form.
     ///
     /// # Errors
-    /// [`PreparationError`] if points are missing that must not, nearly all are, or they do not determine the form.
-    pub fn new(read: ReadMap, how: Preparation) -> Result<Self, PreparationError> {
-        Self::build(read, how, false)
+    /// [`PreparationError`] if points are missing that must not, nearly all are, or they do not determine the form, and once `monitor`
+    /// has cancelled.
+    pub fn new(read: ReadMap, how: Preparation, monitor: &dyn Monitor) -> Result<Self, PreparationError> {
+        Self::build(read, how, false, monitor)
     }
 
-    fn build(read: ReadMap, how: Preparation, one_period: bool) -> Result<Self, PreparationError> {
+    fn build(
+        read: ReadMap,
+        how: Preparation,
+        one_period: bool,
+        monitor: &dyn Monitor,
+    ) -> Result<Self, PreparationError> {
+        let heed = || monitor.heed().map_err(MapError::from);
+        heed()?;
         let synthetic = read.is_synthetic();
         // A part of a period is none.
         let mut period = read.whole && is_period(&read.comments);
@@ -121,8 +131,10 @@ impl PreparedMap {
         }
         if how.despike {
             notes.push(despiked(&mut map));
+            heed()?;
         }
         let spiked = map.spike_warning();
+        heed()?;
         let spike_points = match &spiked {
             Some(MapWarning::Spikes { spikes, .. }) => spikes.points(),
             _ => 0,
@@ -140,7 +152,8 @@ impl PreparedMap {
             0 => Vec::new(),
             _ => map.heights_m().iter().map(|height| height.is_nan()).collect(),
         };
-        let filling = map.fill_missing();
+        let filling = map.fill_watched(monitor);
+        heed()?;
         if filling.points > 0 {
             let residual = if filling.converged { ", to a residual of 1e-10 of the start" } else { "" };
             notes.push(format!(
@@ -171,6 +184,7 @@ impl PreparedMap {
                 notes.push("no plane has been subtracted".to_owned());
             }
         }
+        heed()?;
         // Steps across the sides that a tilt or a bow made are gone with it.
         let step_ratio = side_step_ratio(&map)?;
         period |= one_period && step_ratio <= PERIOD_STEP_RATIO;
@@ -183,10 +197,12 @@ impl PreparedMap {
         } else if one_period {
             notes.push("the map is taken as one period as it is".to_owned());
         }
+        heed()?;
         // The spectrum of a map that is no period takes the step between opposite sides for slope.
         let closes = period || one_period || step_ratio <= PERIOD_STEP_RATIO;
         let rms_slope =
             if closes { map.rms_slope_spectral()? } else { periodic_component(&map)?.rms_slope_spectral()? };
+        heed()?;
         // High points that are spikes are no debris beside.
         let is_new =
             |warning: &MapWarning| !matches!(warning, MapWarning::Raised { points, .. } if *points <= spike_points);
@@ -218,6 +234,8 @@ fn is_period(comments: &[String]) -> bool {
 
 #[cfg(test)]
 mod tests {
+    use slipgrid_monitor::Unwatched;
+
     use super::*;
     use crate::SelfAffine;
 
@@ -227,7 +245,7 @@ mod tests {
         let tilted = (0..rows * cols).map(|n| map.heights_m()[n] + tilt_m * (n / cols) as f64 / rows as f64).collect();
         let map = HeightMap::new(rows, cols, map.dx_m(), map.dy_m(), tilted).unwrap();
         let read = ReadMap { map, whole: true, format: MapFormat::Matrix, comments: Vec::new(), notes: Vec::new() };
-        PreparedMap::one_period(read, Preparation::default()).unwrap()
+        PreparedMap::one_period(read, Preparation::default(), &Unwatched).unwrap()
     }
 
     #[test]

@@ -73,7 +73,7 @@ fn of_map(
     if args.no_level {
         options.form = Form::Mean;
     }
-    let surface = read_period(&slipgrid_disk::disk(), path, &options)?;
+    let surface = read_period(&slipgrid_disk::disk(), path, &options, &Job::new(console))?;
     let wanted = AreaLawRequest { windows: args.windows, ..request.law() };
     let found = surface_area_law(&surface, &wanted, &Job::new(console)).map_err(|error| match &error {
         AreaLawError::Windows(_) => {

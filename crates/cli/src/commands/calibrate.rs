@@ -36,7 +36,7 @@ pub fn run(args: &CalibrateArgs, console: &mut Console<'_>) -> Result<u8, CliErr
     if let Some(path) = &args.output {
         write_file(path, file.as_bytes())?;
     }
-    let ledger = calibration::ledger(&read, &outcome);
+    let ledger = calibration::ledger(&read, &outcome, &Job::new(console))?;
     if let Some(folder) = &args.report {
         let outputs = calibration::files(&read, &task, &outcome, ledger.as_ref())?;
         console.keep(&outputs, folder)?;

@@ -7,6 +7,7 @@ use slipgrid_topography::{
 use super::area_law::map_options;
 use crate::args::SurfaceArgs;
 use crate::output::{Place, check_file, check_folder, write_file};
+use crate::progress::Job;
 use crate::{CliError, Console, exit_code};
 use slipgrid_formats::altitude_map::{open, refuse as refuse_map};
 use slipgrid_formats::{Diagnostic, checked};
@@ -23,7 +24,8 @@ pub fn run(args: &SurfaceArgs, console: &mut Console<'_>) -> Result<u8, CliError
     }
     let options = map_options(&args.reading)?;
     let section_m = args.section_um.map(|um| checked("--section-um", um, LENGTH_UM.or_least())).transpose()?;
-    let read = open(&slipgrid_disk::disk(), &args.map, &options.read)?;
+    let job = Job::new(console);
+    let read = open(&slipgrid_disk::disk(), &args.map, &options.read, &job)?;
     let refuse = |error: MapError| Diagnostic::file(&args.map, error.to_string());
     // Cavities are sought on the map as it was measured: their own form, their own missing points.
     let measured = args.cavities.then(|| {
@@ -33,13 +35,13 @@ pub fn run(args: &SurfaceArgs, console: &mut Console<'_>) -> Result<u8, CliError
         }
         measured
     });
-    let cavities = measured.as_ref().map(|map| map.measure_cavities(options.form)).transpose().map_err(refuse)?;
+    let cavities = measured.as_ref().map(|map| map.measure_cavities(options.form, &job)).transpose().map_err(refuse)?;
     let period = args.period_out.as_deref().zip(measured.as_ref());
     let period = period
-        .map(|(file, map)| map.mean_cavity_period(options.form).map(|period| (file, period)))
+        .map(|(file, map)| map.mean_cavity_period(options.form, &job).map(|period| (file, period)))
         .transpose()
         .map_err(refuse)?;
-    let mut surface = PreparedMap::new(read, options.preparation())
+    let mut surface = PreparedMap::new(read, options.preparation(), &job)
         .and_then(|map| if args.cavities { Ok(map) } else { map.possible() })
         .map_err(|error| refuse_map(&args.map, &error))?;
     if args.cavities {

@@ -9,6 +9,7 @@ fn input(repetition_hz: Option<f64>) -> ProcessInput {
     ProcessInput {
         name: "LDPE, lower friction".to_owned(),
         version: "0.1.0".to_owned(),
+        schema: 1,
         seed: 1,
         laser: Laser {
             wavelength_nm: Some(1064.0),

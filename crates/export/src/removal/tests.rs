@@ -118,6 +118,7 @@ fn wide_cavities_are_as_deep_as_an_endless_hatch_says() {
     let input = ProcessInput {
         name: String::new(),
         version: String::new(),
+        schema: 1,
         seed: 1,
         laser,
         tolerances: None,

@@ -10,6 +10,7 @@ pub(crate) use static_friction::{StaticRow, rows as static_rows, words as static
 
 use slipgrid_calibrate::{CalibrationOutcome, CalibrationTask};
 use slipgrid_formats::calibration::Calibration;
+use slipgrid_monitor::{Cancelled, Monitor};
 use slipgrid_results::{Table, fixed};
 use slipgrid_units::{HUMIDITY_PCT, PRESSURE_MPA, SPEED_MM_S};
 
@@ -112,8 +113,16 @@ pub fn fit_json(task: &CalibrationTask, outcome: &CalibrationOutcome) -> Result<
 }
 
 /// What trials say, where any was measured.
-#[must_use]
-pub fn ledger(calibration: &Calibration, outcome: &CalibrationOutcome) -> Option<TrialsReport> {
-    let learned = outcome.uncertainty.learned.as_ref().filter(|learned| !learned.trials().is_empty())?;
-    Some(TrialsReport::new(&calibration.name, &calibration.trials.samples, learned))
+///
+/// # Errors
+/// [`Cancelled`] once `monitor` has cancelled.
+pub fn ledger(
+    calibration: &Calibration,
+    outcome: &CalibrationOutcome,
+    monitor: &dyn Monitor,
+) -> Result<Option<TrialsReport>, Cancelled> {
+    let learned = outcome.uncertainty.learned.as_ref().filter(|learned| !learned.trials().is_empty());
+    learned
+        .map(|learned| TrialsReport::new(&calibration.name, &calibration.trials.samples, learned, monitor))
+        .transpose()
 }

@@ -96,7 +96,7 @@ pub fn scaled_laws(
             Ok(ScaledLaws { laws, synthetic: false, notes })
         }
         Surface::Map { path: map_path, synthetic, options, .. } => {
-            let surface = read_period(source, map_path, options)?;
+            let surface = read_period(source, map_path, options, monitor)?;
             // A(P; s h) = A(P/s; h): every scaled surface is read off the one that was given.
             let solved_pa = unscaled_pressures_pa(factors);
             let progress = Stage::new(monitor, "area law", None);

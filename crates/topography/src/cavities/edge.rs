@@ -1,5 +1,7 @@
 //! Edges of cavities at half depth, and which of them every point of a map is nearest to.
 
+use slipgrid_monitor::{Cancelled, Monitor};
+
 use super::components::{Axis, Chord};
 
 /// Lines on either side over which a straight edge is fitted.
@@ -44,7 +46,8 @@ impl Edges {
         counts: impl Fn(usize, u32) -> bool,
         [rows, cols]: [usize; 2],
         pixel_m: [f64; 2],
-    ) -> Self {
+        monitor: &dyn Monitor,
+    ) -> Result<Self, Cancelled> {
         let mut points = Vec::new();
         for axis in [0, 1] {
             let regions = chords[axis].iter().map(|chord| chord.region).max().map_or(0, |most| most as usize);
@@ -67,8 +70,8 @@ impl Edges {
                 }
             }
         }
-        let nearest = nearest(&points, [rows, cols], pixel_m);
-        Self { points, nearest, cols, pixel_m }
+        let nearest = nearest(&points, [rows, cols], pixel_m, monitor)?;
+        Ok(Self { points, nearest, cols, pixel_m })
     }
 
     /// The edge point that point `n` of the map lies before, and the distance from the edge, positive outside of the
@@ -130,7 +133,12 @@ fn offset_m(edge: &EdgePoint, [i, j]: [usize; 2], pixel_m: [f64; 2]) -> [f64; 2]
 
 /// The number of the nearest edge point of every point of the map: that of a neighbour, passed on in two sweeps from
 /// corner to corner and back (P.-E. Danielsson, Comput. Graph. Image Process. 14, 227).
-fn nearest(points: &[EdgePoint], [rows, cols]: [usize; 2], pixel_m: [f64; 2]) -> Vec<u32> {
+fn nearest(
+    points: &[EdgePoint],
+    [rows, cols]: [usize; 2],
+    pixel_m: [f64; 2],
+    monitor: &dyn Monitor,
+) -> Result<Vec<u32>, Cancelled> {
     const NONE: u32 = u32::MAX;
     let mut nearest = vec![NONE; rows * cols];
     let square_m2 = |number: u32, i: usize, j: usize| match points.get(number as usize) {
@@ -155,6 +163,7 @@ fn nearest(points: &[EdgePoint], [rows, cols]: [usize; 2], pixel_m: [f64; 2]) ->
     }
     let sweep = |nearest: &mut Vec<u32>, forward: bool| {
         for turn in 0..rows {
+            monitor.heed()?;
             let i = if forward { turn } else { rows - 1 - turn };
             let before = if forward { i.checked_sub(1) } else { Some(i + 1).filter(|&i| i < rows) };
             for j in 0..cols {
@@ -174,11 +183,12 @@ fn nearest(points: &[EdgePoint], [rows, cols]: [usize; 2], pixel_m: [f64; 2]) ->
                 offer(nearest, number, i, j);
             }
         }
+        Ok(())
     };
     for forward in [true, false] {
-        sweep(&mut nearest, forward);
+        sweep(&mut nearest, forward)?;
     }
-    nearest
+    Ok(nearest)
 }
 
 /// Names an axis by its number.
@@ -186,6 +196,8 @@ pub(super) const AXES: [Axis; 2] = [Axis::X, Axis::Y];
 
 #[cfg(test)]
 mod tests {
+    use slipgrid_monitor::Unwatched;
+
     use super::*;
     use crate::cavities::components::Regions;
 
@@ -194,7 +206,7 @@ mod tests {
             (0..rows * cols).map(|n| height((n / cols) as f64 * pixel_m[0], (n % cols) as f64 * pixel_m[1])).collect();
         let regions = Regions::find(&heights, cols, 0.0, 0.0);
         let chords = AXES.map(|axis| regions.chords(&heights, |_| 0.0, axis));
-        Edges::find(&chords, |_, _| true, [rows, cols], pixel_m)
+        Edges::find(&chords, |_, _| true, [rows, cols], pixel_m, &Unwatched).unwrap()
     }
 
     #[test]

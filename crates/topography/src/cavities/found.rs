@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use slipgrid_monitor::{Cancelled, Monitor};
 use slipgrid_statistics::median;
 
 use super::components::{Chord, Regions};
@@ -29,12 +30,14 @@ pub(super) struct Found {
 
 impl Found {
     /// Finds the cavities of `map`, whose land follows `form`.
-    pub(super) fn find(map: &HeightMap, form: Form) -> Result<Self, MapError> {
-        let land = Land::find(map, form)?;
+    pub(super) fn find(map: &HeightMap, form: Form, monitor: &dyn Monitor) -> Result<Self, MapError> {
+        let land = Land::find(map, form, monitor)?;
+        monitor.heed()?;
         let regions = Regions::find(&land.height_m, map.cols(), land.threshold_m, SPECK);
         if regions.count() == 0 {
             return Err(MapError::NoCavities { reason: "nothing lies below the land" });
         }
+        monitor.heed()?;
         // A third of a typical width keeps rims out of the land.
         let pixel_m = [map.dx_m(), map.dy_m()];
         let typical_m = AXES
@@ -51,36 +54,56 @@ impl Found {
         } else {
             land
         };
+        monitor.heed()?;
         // Edges are sought on a complete map: instruments lose the steep walls first.
         let mut filled = HeightMap::new(map.rows(), map.cols(), pixel_m[0], pixel_m[1], land.height_m.clone())?;
-        filled.fill_missing();
+        filled.fill_watched(monitor);
+        monitor.heed()?;
         let filled_m = filled.heights_m().to_vec();
+        monitor.heed()?;
         let regions = Regions::find(&filled_m, map.cols(), land.threshold_m, SPECK);
-        Ok(Self::complete(land, filled_m, regions, None, pixel_m))
+        monitor.heed()?;
+        Self::complete(land, filled_m, regions, None, pixel_m, monitor)
     }
 
     /// The same with floors below a land from which the rim is subtracted: what reaches into the land beside a cavity
     /// would make it look deeper.
-    pub(super) fn without_rim(self, edges: &Edges, rim: &RimMetrology) -> Self {
+    pub(super) fn without_rim(
+        self,
+        edges: &Edges,
+        rim: &RimMetrology,
+        monitor: &dyn Monitor,
+    ) -> Result<Self, MapError> {
         let bare = |(n, &height_m): (usize, &f64)| match edges.distance_m(n) {
             Some((_, distance_m)) if self.regions.label[n] == 0 => height_m - rim.fitted_m(distance_m),
             _ => height_m,
         };
         let bare_m: Vec<f64> = self.land.height_m.iter().enumerate().map(bare).collect();
-        Self::complete(self.land, self.filled_m, self.regions, Some(&bare_m), self.pixel_m)
+        Self::complete(self.land, self.filled_m, self.regions, Some(&bare_m), self.pixel_m, monitor)
     }
 
     /// Floors and chords of `regions`; the land beside cavities is that of `bare_m` where it is given.
-    fn complete(land: Land, filled_m: Vec<f64>, regions: Regions, bare_m: Option<&[f64]>, pixel_m: [f64; 2]) -> Self {
+    fn complete(
+        land: Land,
+        filled_m: Vec<f64>,
+        regions: Regions,
+        bare_m: Option<&[f64]>,
+        pixel_m: [f64; 2],
+        monitor: &dyn Monitor,
+    ) -> Result<Self, MapError> {
+        monitor.heed()?;
         let chords = AXES.map(|axis| regions.chords(&filled_m, |_| land.threshold_m, axis));
+        monitor.heed()?;
         // Each cavity has its own half depth.
         let along = Along::gather(&chords, regions.count());
         let (floors, middle) = floors(&regions, &chords, &along, bare_m.unwrap_or(&land.height_m));
+        monitor.heed()?;
         let half_m =
             |region: u32| floors[region as usize].map_or(land.threshold_m, |floor| floor.land_m - 0.5 * floor.depth_m);
         let chords = AXES.map(|axis| regions.chords(&filled_m, half_m, axis));
+        monitor.heed()?;
         let along = Along::gather(&chords, regions.count());
-        Self { land, filled_m, regions, chords, along, floors, middle, pixel_m }
+        Ok(Self { land, filled_m, regions, chords, along, floors, middle, pixel_m })
     }
 
     /// Points along y.
@@ -115,13 +138,13 @@ impl Found {
     }
 
     /// The edges of all regions; those that count along no axis have them along both.
-    pub(super) fn edges(&self) -> Edges {
+    pub(super) fn edges(&self, monitor: &dyn Monitor) -> Result<Edges, Cancelled> {
         let counts = |axis: usize, region: u32| {
             let region = region as usize;
             self.counts(axis, region) || !self.counts(1 - axis, region)
         };
         let rows = self.regions.label.len() / self.cols();
-        Edges::find(&self.chords, counts, [rows, self.cols()], self.pixel_m)
+        Edges::find(&self.chords, counts, [rows, self.cols()], self.pixel_m, monitor)
     }
 }
 

@@ -1,5 +1,6 @@
 //! The land of a patterned surface: what is left of the original surface, and its level.
 
+use slipgrid_monitor::Monitor;
 use slipgrid_statistics::median;
 
 use crate::form::{FittedForm, Form};
@@ -33,9 +34,10 @@ struct Groups {
 
 impl Land {
     /// Finds the land of `map` and the form that it follows.
-    pub(super) fn find(map: &HeightMap, form: Form) -> Result<Self, MapError> {
+    pub(super) fn find(map: &HeightMap, form: Form, monitor: &dyn Monitor) -> Result<Self, MapError> {
         let all = |_| true;
         let mut height_m = above(map, &map.fit_form(form, all)?);
+        monitor.heed()?;
         let mut groups = groups(&height_m).ok_or(MapError::NoCavities { reason: "all heights are equal" })?;
         let mut land: Vec<bool> = Vec::new();
         for _ in 0..MOST_ROUNDS {
@@ -43,13 +45,16 @@ impl Land {
             if found == land {
                 break;
             }
+            monitor.heed()?;
             land = found;
             height_m = above(map, &map.fit_form(form, |n| land[n])?);
+            monitor.heed()?;
             groups = self::groups(&height_m).ok_or(MapError::NoCavities { reason: "all heights are equal" })?;
         }
         if groups.separation < LEAST_SEPARATION {
             return Err(MapError::NoCavities { reason: "heights do not part into land and floors" });
         }
+        monitor.heed()?;
         Ok(Self::new(height_m, groups.threshold_m))
     }
 

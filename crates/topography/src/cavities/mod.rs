@@ -34,6 +34,7 @@ use std::collections::BTreeMap;
 use edge::Edges;
 use found::Found;
 use rims::Scene;
+use slipgrid_monitor::Monitor;
 use slipgrid_statistics::median;
 use walls::Walls;
 
@@ -149,9 +150,9 @@ impl HeightMap {
     ///
     /// # Errors
     /// [`MapError::NoCavities`] if heights do not part into land and floors; [`MapError::FormUndetermined`] if
-    /// the land does not determine the form.
-    pub fn measure_cavities(&self, form: Form) -> Result<CavityMetrology, MapError> {
-        let (found, sought) = Sought::with_rims(Found::find(self, form)?);
+    /// the land does not determine the form; [`MapError::Cancelled`] once `monitor` has cancelled.
+    pub fn measure_cavities(&self, form: Form, monitor: &dyn Monitor) -> Result<CavityMetrology, MapError> {
+        let (found, sought) = Sought::with_rims(Found::find(self, form, monitor)?, monitor)?;
         Ok(measure(&found, sought))
     }
 }
@@ -172,17 +173,17 @@ struct Sought {
 
 impl Sought {
     /// Edges, walls and rims of `found`; where there are rims, depths are counted from the land without them.
-    fn with_rims(found: Found) -> (Found, Self) {
-        let sought = Self::along_edges(&found);
+    fn with_rims(found: Found, monitor: &dyn Monitor) -> Result<(Found, Self), MapError> {
+        let sought = Self::along_edges(&found, monitor)?;
         if sought.rim.width_m.is_none() {
-            return (found, sought);
+            return Ok((found, sought));
         }
-        let found = found.without_rim(&sought.edges, &sought.rim);
-        let sought = Self::along_edges(&found);
-        (found, sought)
+        let found = found.without_rim(&sought.edges, &sought.rim, monitor)?;
+        let sought = Self::along_edges(&found, monitor)?;
+        Ok((found, sought))
     }
 
-    fn along_edges(found: &Found) -> Self {
+    fn along_edges(found: &Found, monitor: &dyn Monitor) -> Result<Self, MapError> {
         let regions = 0..=found.regions.count();
         let counts: Vec<bool> =
             regions.clone().map(|region| region > 0 && (found.counts(0, region) || found.counts(1, region))).collect();
@@ -201,8 +202,9 @@ impl Sought {
             [0, 1].map(|axis| Spread::of(&width_m.iter().filter_map(|width| width[axis]).collect::<Vec<f64>>()));
         let least_m =
             |spreads: [Option<Spread>; 2]| spreads.into_iter().flatten().map(|spread| spread.mean_m).reduce(f64::min);
-        let edges = found.edges();
+        let edges = found.edges(monitor)?;
         let walls = walls::measure(found, &edges, &counts);
+        monitor.heed()?;
         let scene = Scene {
             edges: &edges,
             height_m: &found.land.height_m,
@@ -215,7 +217,8 @@ impl Sought {
             spacing_m: least_m(spacing),
         };
         let (rim, rim_heights) = rims::measure(&scene);
-        Self { counts, width_m, spacing, edges, walls, rim, rim_heights }
+        monitor.heed()?;
+        Ok(Self { counts, width_m, spacing, edges, walls, rim, rim_heights })
     }
 }
 

@@ -2,6 +2,7 @@
 
 use std::fmt;
 
+use slipgrid_monitor::Monitor;
 use slipgrid_statistics::median;
 
 use super::edge::Edges;
@@ -86,11 +87,12 @@ impl HeightMap {
     /// # Errors
     /// [`MapError`] as [`Self::measure_cavities`], and [`MapError::NoPeriod`] for fewer than two whole cavities and for
     /// arrangements other than those of [`Arrangement`].
-    pub fn mean_cavity_period(&self, form: Form) -> Result<MeanPeriod, MapError> {
-        let (found, Sought { edges, rim, .. }) = Sought::with_rims(Found::find(self, form)?);
+    pub fn mean_cavity_period(&self, form: Form, monitor: &dyn Monitor) -> Result<MeanPeriod, MapError> {
+        let (found, Sought { edges, rim, .. }) = Sought::with_rims(Found::find(self, form, monitor)?, monitor)?;
         let rim_end_m = rim.width_m.map_or(0.0, |width| rim.start_m + width.value);
         let is_land = far_land(&found, &edges, rim_end_m);
 
+        monitor.heed()?;
         let regions = || 1..=found.regions.count();
         let along: [Vec<usize>; 2] =
             [0, 1].map(|axis| regions().filter(|&region| found.counts(axis, region)).collect());
@@ -317,6 +319,8 @@ fn of_cells(found: &Found, is_land: &[bool], whole: &[usize]) -> Result<MeanPeri
 
 #[cfg(test)]
 mod tests {
+    use slipgrid_monitor::Unwatched;
+
     use super::*;
     use crate::{CutPattern, CutRim, CutShape, RimProfile, SelfAffine};
 
@@ -365,7 +369,7 @@ mod tests {
 
     #[test]
     fn squares_have_a_cell_with_floor_rim_and_land_where_they_belong() {
-        let period = rough(&PATTERN).mean_cavity_period(Form::Plane).unwrap();
+        let period = rough(&PATTERN).mean_cavity_period(Form::Plane, &Unwatched).unwrap();
         assert_eq!((period.arrangement, period.cavities), (Arrangement::Rectangular, 25));
         let map = &period.map;
         for (count, pixel_m) in [(map.rows(), map.dx_m()), (map.cols(), map.dy_m())] {
@@ -391,7 +395,7 @@ mod tests {
         let along_y = rough(&CutPattern { shape: CutShape::Groove, ..PATTERN });
         let turned = (0..512 * 512).map(|n| along_y.heights_m()[n % 512 * 512 + n / 512]).collect();
         let along_x = HeightMap::new(512, 512, along_y.dy_m(), along_y.dx_m(), turned).unwrap();
-        let period = along_y.mean_cavity_period(Form::Plane).unwrap();
+        let period = along_y.mean_cavity_period(Form::Plane, &Unwatched).unwrap();
         assert_eq!((period.arrangement, period.cavities), (Arrangement::GroovesAlongY, 5));
         assert_eq!(period.map.rows(), period.map.cols());
         let row = period.map.heights_m()[40 * period.map.cols()..41 * period.map.cols()].to_vec();
@@ -400,7 +404,7 @@ mod tests {
             let [low, high] = range_um(&period.map, ring, &[0]);
             assert!(low > height - 0.2 && high < height + 0.2, "{ring:?}: {low} to {high}");
         }
-        let other = along_x.mean_cavity_period(Form::Plane).unwrap();
+        let other = along_x.mean_cavity_period(Form::Plane, &Unwatched).unwrap();
         assert_eq!(other.arrangement, Arrangement::GroovesAlongX);
         let size = period.map.rows();
         for n in 0..size * size {
@@ -429,7 +433,7 @@ mod tests {
                 places.push([25.3 + 45.0 * f64::from(row), 30.0 + 59.6 * f64::from(col) + half]);
             }
         }
-        let period = discs(&places).mean_cavity_period(Form::Plane).unwrap();
+        let period = discs(&places).mean_cavity_period(Form::Plane, &Unwatched).unwrap();
         assert_eq!(period.arrangement, Arrangement::Staggered);
         let map = &period.map;
         assert_eq!((map.rows(), map.cols()), (90, 60));
@@ -443,7 +447,8 @@ mod tests {
 
     #[test]
     fn what_has_no_period_is_refused_with_the_arrangement() {
-        let refused = |places: &[[f64; 2]]| discs(places).mean_cavity_period(Form::Plane).unwrap_err().to_string();
+        let refused =
+            |places: &[[f64; 2]]| discs(places).mean_cavity_period(Form::Plane, &Unwatched).unwrap_err().to_string();
         assert!(refused(&[[100.0, 150.0]]).contains("expected at least two"));
         assert!(refused(&[[100.0, 100.0], [100.0, 200.0]]).contains("two along y"));
         let slanted: Vec<[f64; 2]> = (0..12)
@@ -452,6 +457,8 @@ mod tests {
         let said = refused(&slanted);
         assert!(said.starts_with("the 12 whole cavities have no mean period"), "{said}");
         let flat = HeightMap::new(20, 20, 1e-6, 1e-6, vec![0.0; 400]).unwrap();
-        assert!(flat.mean_cavity_period(Form::Plane).unwrap_err().to_string().contains("no cavities found"));
+        assert!(
+            flat.mean_cavity_period(Form::Plane, &Unwatched).unwrap_err().to_string().contains("no cavities found")
+        );
     }
 }

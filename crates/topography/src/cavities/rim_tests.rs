@@ -1,3 +1,5 @@
+use slipgrid_monitor::Unwatched;
+
 use super::*;
 use crate::form::Form;
 use crate::synthetic::splitmix64;
@@ -93,7 +95,7 @@ fn rims_of_a_tenth_to_three_micrometres_are_measured_on_rough_tilted_noisy_maps_
             let cut = whole(&cut, shape);
             let mean =
                 |value: &dyn Fn(&CutCavity) -> f64| cut.iter().map(|cut| value(cut)).sum::<f64>() / cut.len() as f64;
-            let found = map.measure_cavities(Form::Plane).unwrap();
+            let found = map.measure_cavities(Form::Plane, &Unwatched).unwrap();
             let what = format!("{shape:?}, {profile} rim of {height_um} um, {width_um} um wide");
             assert_eq!(found.cavities.iter().filter(|cavity| cavity.depth_m.is_some()).count(), cut.len(), "{what}");
 
@@ -142,7 +144,7 @@ fn surfaces_without_rims_have_none() {
         (40..).zip([CutShape::Groove, CutShape::Square, CutShape::Disc, CutShape::Groove, CutShape::Square])
     {
         let (map, _) = measured(&CutPattern { shape, seed: seed.into(), ..PATTERN }, seed);
-        let rim = map.measure_cavities(Form::Plane).unwrap().rim;
+        let rim = map.measure_cavities(Form::Plane, &Unwatched).unwrap().rim;
         let height = rim.height_m.unwrap();
         assert!(
             height.value.abs() < 2.5 * height.error.unwrap() && height.value.abs() < 0.02e-6,
@@ -165,7 +167,7 @@ fn the_share_of_an_edge_with_a_rim_is_found_and_the_height_is_its_mean() {
         let both = bare.heights_m().iter().zip(rimmed.heights_m()).enumerate();
         let heights = both.map(|(n, (bare, rimmed))| if has_rim(n % 512) { *rimmed } else { *bare }).collect();
         let map = HeightMap::new(512, 512, bare.dx_m(), bare.dy_m(), heights).unwrap();
-        let found = map.measure_cavities(Form::Plane).unwrap().rim;
+        let found = map.measure_cavities(Form::Plane, &Unwatched).unwrap().rim;
         let share = found.share_of_edge.unwrap();
         assert!(
             (share.value - 0.6).abs() < 0.05 + 2.0 * share.error.unwrap() && share.error.unwrap() < 0.12,
@@ -178,7 +180,7 @@ fn the_share_of_an_edge_with_a_rim_is_found_and_the_height_is_its_mean() {
 #[test]
 fn a_rim_that_the_pixels_do_not_resolve_has_no_height() {
     let (map, _) = measured(&CutPattern { rim: rim(1.0, 4.0, RimProfile::Round, 0.0), ..PATTERN }, 70);
-    let rim = map.measure_cavities(Form::Plane).unwrap().rim;
+    let rim = map.measure_cavities(Form::Plane, &Unwatched).unwrap().rim;
     assert_eq!((rim.height_m, rim.width_m, rim.share_of_edge), (None, None, None));
     assert!(rim.edge_profile.len() > 20 && rim.edge_profile[0].height_m > 0.05e-6);
 }
@@ -186,7 +188,7 @@ fn a_rim_that_the_pixels_do_not_resolve_has_no_height() {
 #[test]
 fn walls_steeper_than_pixels_resolve_say_so_and_floors_have_their_roughness() {
     let (map, _) = measured(&CutPattern { wall_m: 0.0, ..PATTERN }, 80);
-    let found = map.measure_cavities(Form::Plane).unwrap();
+    let found = map.measure_cavities(Form::Plane, &Unwatched).unwrap();
     // Pixels of 2 um: walls two pixels wide slope by atan(5.2/4), and these are steeper.
     let resolved = found.wall_resolved_deg.unwrap();
     assert!((resolved - (5.2_f64 / 4.0).atan().to_degrees()).abs() < 1.0, "{resolved}");
@@ -209,7 +211,7 @@ fn walls_steeper_than_pixels_resolve_say_so_and_floors_have_their_roughness() {
             ..PATTERN
         })
         .unwrap();
-    let found = smooth.measure_cavities(Form::Plane).unwrap();
+    let found = smooth.measure_cavities(Form::Plane, &Unwatched).unwrap();
     let rim = found.rim.height_m.unwrap();
     assert!((rim.value - 0.5e-6).abs() < 5e-9 && (found.rim.width_m.unwrap().value - 8e-6).abs() < 0.2e-6, "{rim:?}");
     // The land beside is that without the rim, to a hundredth of its height.

@@ -79,6 +79,8 @@ pub(super) fn spacing(
 
 #[cfg(test)]
 mod tests {
+    use slipgrid_monitor::Unwatched;
+
     use crate::form::Form;
     use crate::{CutPattern, CutRim, CutShape, HeightMap, RimProfile, SelfAffine};
 
@@ -111,7 +113,7 @@ mod tests {
     fn discs_have_their_diameter_and_squares_their_side() {
         for (shape, round) in [(CutShape::Disc, true), (CutShape::Square, false)] {
             for (wall_m, rim_m) in [(0.0, None), (10e-6, None), (10e-6, Some(0.5e-6))] {
-                let found = cut(shape, wall_m, rim_m).measure_cavities(Form::Plane).unwrap();
+                let found = cut(shape, wall_m, rim_m).measure_cavities(Form::Plane, &Unwatched).unwrap();
                 assert_eq!((found.round, found.cavities.len() >= 25), (round, true), "{shape:?} {wall_m} {rim_m:?}");
                 for axis in [0, 1] {
                     let [width, spacing] = [found.width[axis].unwrap(), found.spacing[axis].unwrap()];

@@ -1,3 +1,5 @@
+use slipgrid_monitor::Unwatched;
+
 use super::*;
 use crate::SelfAffine;
 
@@ -68,7 +70,7 @@ fn a_smooth_pattern_is_measured_exactly() {
         ..PUBLISHED
     };
     map.cut_cavities(&pattern).unwrap();
-    let found = map.measure_cavities(Form::Plane).unwrap();
+    let found = map.measure_cavities(Form::Plane, &Unwatched).unwrap();
     assert_eq!(found.cavities.len(), 5);
     close(found.width[0], Spread { mean_m: 30e-6, std_m: 0.0, count: 5 }, 1e-9, 1e-9);
     close(found.spacing[0], Spread { mean_m: 70e-6, std_m: 0.0, count: 4 }, 1e-9, 1e-9);
@@ -92,7 +94,7 @@ fn rough_grooves_with_scatter_tilt_and_holes() {
             .map(|pair| pair[1].center_m[0] - pair[0].center_m[0] - 0.5 * (pair[0].width_m + pair[1].width_m)),
     );
     for map in [map.clone(), tilted(&map), holed(&map, 20), holed(&tilted(&map), 20)] {
-        let found = map.measure_cavities(Form::Plane).unwrap();
+        let found = map.measure_cavities(Form::Plane, &Unwatched).unwrap();
         // A tenth of a pixel, also where two points of three are lost on the walls.
         close(found.width[0], width, 0.5e-6, 0.5e-6);
         close(found.spacing[0], spacing, 0.5e-6, 0.5e-6);
@@ -109,7 +111,7 @@ fn every_groove_has_its_own_depth_wherever_its_walls_fall_on_the_pixels() {
     for seed in 1..=4 {
         let mut map = rough();
         let cut = map.cut_cavities(&CutPattern { seed, ..PUBLISHED }).unwrap();
-        let found = map.measure_cavities(Form::Plane).unwrap().cavities;
+        let found = map.measure_cavities(Form::Plane, &Unwatched).unwrap().cavities;
         // What is shallower than half the depth of the others is not seen.
         let whole = |cut: &&CutCavity| cut.center_m[0] + cut.width_m < 2.56e-3 && cut.depth_m > 3.2e-6;
         for cut in cut.iter().filter(whole) {
@@ -132,7 +134,7 @@ fn rough_squares_along_both_axes() {
     assert_eq!(whole.len(), 25);
     let width = expected(whole.iter().map(|cavity| cavity.width_m));
     let depth = expected(whole.iter().map(|cavity| cavity.depth_m));
-    let found = holed(&tilted(&map), 20).measure_cavities(Form::Plane).unwrap();
+    let found = holed(&tilted(&map), 20).measure_cavities(Form::Plane, &Unwatched).unwrap();
     close(found.width[0], width, 1e-6, 1e-6);
     close(found.width[1], width, 1e-6, 1e-6);
     // The mean of 25 floors strays by 0.2/sqrt 25 um; scatter of 0.4 um and of 0.2 um add as squares.
@@ -150,8 +152,8 @@ fn a_curved_specimen_needs_the_second_order() {
     map.cut_cavities(&PUBLISHED).unwrap();
     let cols = map.cols();
     let bowed = changed(&map, |n, height| height - 60e-6 * ((n / cols) as f64 / 512.0 - 0.4).powi(2));
-    let straight = map.measure_cavities(Form::Plane).unwrap();
-    let found = bowed.measure_cavities(Form::SecondOrder).unwrap();
+    let straight = map.measure_cavities(Form::Plane, &Unwatched).unwrap();
+    let found = bowed.measure_cavities(Form::SecondOrder, &Unwatched).unwrap();
     close(found.depth, straight.depth.unwrap(), 0.05e-6, 0.05e-6);
     close(found.width[0], straight.width[0].unwrap(), 0.5e-6, 0.5e-6);
 }
@@ -166,7 +168,7 @@ fn noise_of_single_pixels_and_specks_do_no_harm() {
         let pit = if n % 7001 == 0 { -12e-6 } else { 0.0 };
         height + (noise as f64 - 1000.0) * 0.8e-9 + spike + pit
     });
-    let found = noisy.measure_cavities(Form::Plane).unwrap();
+    let found = noisy.measure_cavities(Form::Plane, &Unwatched).unwrap();
     assert_eq!(found.cavities.len(), 5);
     close(found.width[0], expected(cut[..5].iter().map(|cavity| cavity.width_m)), 1.5e-6, 1.5e-6);
     close(found.depth, expected(cut[..5].iter().map(|cavity| cavity.depth_m)), 0.1e-6, 0.1e-6);
@@ -174,11 +176,11 @@ fn noise_of_single_pixels_and_specks_do_no_harm() {
 
 #[test]
 fn surfaces_without_cavities_are_refused() {
-    let refused = |map: &HeightMap| map.measure_cavities(Form::Plane).unwrap_err().to_string();
+    let refused = |map: &HeightMap| map.measure_cavities(Form::Plane, &Unwatched).unwrap_err().to_string();
     assert!(refused(&rough()).contains("do not part"));
     assert!(refused(&HeightMap::new(4, 4, 1e-6, 1e-6, vec![1e-6; 16]).unwrap()).contains("equal"));
     let ramp = HeightMap::new(50, 50, 1e-6, 1e-6, (0..2500).map(|n| f64::from(n / 50) * 1e-7).collect()).unwrap();
-    assert!(ramp.measure_cavities(Form::Mean).is_err());
+    assert!(ramp.measure_cavities(Form::Mean, &Unwatched).is_err());
 }
 
 #[test]
@@ -189,25 +191,25 @@ fn grooves_that_cross_are_named_and_a_strip_between_two_shows_one_family() {
     let cols = map.cols();
     let crossed =
         changed(&map, |n, height| height - if in_groove(n / cols) || in_groove(n % cols) { 8e-6 } else { 0.0 });
-    let found = crossed.measure_cavities(Form::Plane).unwrap();
+    let found = crossed.measure_cavities(Form::Plane, &Unwatched).unwrap();
     let crossing = found.crossing.unwrap();
     let [Some([first, last]), Some(columns)] = crossing.strips else { panic!("{crossing}") };
     assert!(first >= 30 && last - first > 20 && columns == [first, last], "{crossing}");
-    let refused = crossed.mean_cavity_period(Form::Plane).unwrap_err().to_string();
+    let refused = crossed.mean_cavity_period(Form::Plane, &Unwatched).unwrap_err().to_string();
     assert!(
         refused.contains("grooves that cross") && refused.contains(&format!("columns {first} to {last}")),
         "{refused}"
     );
     let heights = crossed.heights_m()[first * cols..(last + 1) * cols].to_vec();
     let strip = HeightMap::new(last + 1 - first, cols, map.dx_m(), map.dy_m(), heights).unwrap();
-    let found = strip.measure_cavities(Form::Plane).unwrap();
+    let found = strip.measure_cavities(Form::Plane, &Unwatched).unwrap();
     let width = found.width[1].unwrap();
     assert!((width.mean_m - 10.0 * map.dy_m()).abs() < 0.5 * map.dy_m() && found.crossing.is_none(), "{width:?}");
-    assert!(strip.mean_cavity_period(Form::Plane).is_ok());
+    assert!(strip.mean_cavity_period(Form::Plane, &Unwatched).is_ok());
     // Grooves of one family, and squares, do not cross.
     for shape in [CutShape::Groove, CutShape::Square] {
         let mut map = rough();
         map.cut_cavities(&CutPattern { shape, ..PUBLISHED }).unwrap();
-        assert_eq!(map.measure_cavities(Form::Plane).unwrap().crossing, None);
+        assert_eq!(map.measure_cavities(Form::Plane, &Unwatched).unwrap().crossing, None);
     }
 }

@@ -6,6 +6,7 @@
 mod multigrid;
 
 use multigrid::{Level, Multigrid, NONE};
+use slipgrid_monitor::{Monitor, Unwatched};
 
 use crate::HeightMap;
 
@@ -91,6 +92,11 @@ impl HeightMap {
     /// Fills missing points with the harmonic surface through the points around them; the others stay as
     /// they are. At the map's sides the surface meets the side squarely.
     pub fn fill_missing(&mut self) -> Filling {
+        self.fill_watched(&Unwatched)
+    }
+
+    /// The same until `monitor` cancels: what is filled then is not to be used.
+    pub(crate) fn fill_watched(&mut self, monitor: &dyn Monitor) -> Filling {
         // A map has at most 2^26 points.
         let missing: Vec<u32> =
             self.heights_m().iter().enumerate().filter(|(_, h)| h.is_nan()).map(|(n, _)| n as u32).collect();
@@ -106,7 +112,7 @@ impl HeightMap {
             self.heights_mut()[node as usize] = mean_m;
         }
         let mut holes = Holes { multigrid: Multigrid::new(missing, rows, cols, weight), rows, cols, weight };
-        let (deviation, filling) = solve(&mut holes, self.heights_m(), mean_m);
+        let (deviation, filling) = solve(&mut holes, self.heights_m(), mean_m, monitor);
         for (&node, value) in holes.nodes().iter().zip(&deviation) {
             self.heights_mut()[node as usize] = mean_m + value;
         }
@@ -116,7 +122,7 @@ impl HeightMap {
 
 /// Preconditioned conjugate gradients for sum over neighbours of w (h - h_neighbour) = 0 at each hole.
 /// Holes stand at the mean in `height`, so that what their neighbours contribute is what is known.
-fn solve(holes: &mut Holes, height: &[f64], mean_m: f64) -> (Vec<f64>, Filling) {
+fn solve(holes: &mut Holes, height: &[f64], mean_m: f64, monitor: &dyn Monitor) -> (Vec<f64>, Filling) {
     let count = holes.nodes().len();
     let mut residual: Vec<f64> = (0..count).map(|n| holes.load(n, height, mean_m)).collect();
     let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(x, y)| x * y).sum::<f64>();
@@ -127,7 +133,7 @@ fn solve(holes: &mut Holes, height: &[f64], mean_m: f64) -> (Vec<f64>, Filling) 
     let mut previous = f64::INFINITY;
     let mut iterations = 0;
     let mut relative = if start > 0.0 { 1.0 } else { 0.0 };
-    while relative > TOLERANCE && iterations < MOST_ITERATIONS {
+    while relative > TOLERANCE && iterations < MOST_ITERATIONS && !monitor.cancelled() {
         // z = B r, B one cycle of multigrid on numbers about 1;  d = z + (r.z / previous r.z) d
         let scale = start * relative;
         let finest = &mut holes.multigrid.levels[0];

@@ -1,0 +1,63 @@
+//! The titles of every table that the program writes stand in the book.
+
+use std::collections::BTreeSet;
+use std::path::Path;
+
+use crate::{book, files, root, text};
+
+/// Code that writes the tables of commands that no chapter runs.
+const WRITERS: [&str; 6] = [
+    "crates/studies/src/accuracy/text.rs",
+    "crates/studies/src/validation/text.rs",
+    "crates/studies/src/validation/rims.rs",
+    "crates/studies/src/validation/figures.rs",
+    "crates/export/src/csv.rs",
+    "crates/report/src/area_law.rs",
+];
+
+/// What titles end with that others follow.
+const MORE: &str = ",...";
+
+/// Name and titles of every table of the chapter.
+pub fn listed() -> BTreeSet<(String, String)> {
+    let chapter = text(&book().join("reference/files.md"));
+    let rows = chapter.lines().filter_map(|line| {
+        let cells: Vec<&str> = line.split('|').map(str::trim).collect();
+        let [_, names, _, titles, _] = cells[..] else { return None };
+        let code = |cell: &str| cell.strip_prefix('`').and_then(|cell| cell.strip_suffix('`')).map(str::to_owned);
+        let titles = code(titles).filter(|titles| titles.contains(','))?;
+        Some(names.split(", ").map(|name| (code(name).unwrap(), titles.clone())).collect::<Vec<_>>())
+    });
+    rows.flatten().collect()
+}
+
+/// The rows of the chapter that the tables below `folder` have, and the tables that have none.
+pub fn compare(folder: &Path, listed: &BTreeSet<(String, String)>) -> (BTreeSet<(String, String)>, Vec<String>) {
+    let (mut seen, mut missing) = (BTreeSet::new(), Vec::new());
+    for path in files(folder, ".csv") {
+        let table = text(&path);
+        let titles = table.lines().find(|line| !line.starts_with('#')).unwrap_or_default();
+        let name = path.file_name().unwrap().to_string_lossy().into_owned();
+        let row = listed.iter().find(|(known, row)| {
+            let is_named = known
+                .split_once('*')
+                .map_or(*known == name, |(before, after)| name.starts_with(before) && name.ends_with(after));
+            is_named && row.strip_suffix(MORE).map_or(row == titles, |row| titles.starts_with(row))
+        });
+        match row {
+            Some(row) => {
+                seen.insert(row.clone());
+            }
+            None => missing.push(format!("reference/files.md does not list {name}: {titles}")),
+        }
+    }
+    (seen, missing)
+}
+
+/// Whether the code that writes tables which no chapter makes has these titles.
+pub fn is_written_by_code(titles: &str) -> bool {
+    WRITERS.iter().any(|file| {
+        let code: String = text(&root().join(file)).split("\\\n").map(str::trim_start).collect();
+        code.contains(&format!("\"{}", titles.trim_end_matches(MORE)))
+    })
+}
