@@ -4,7 +4,9 @@
 //! region below half depth; its width along an axis is the median of the chords that lines cut out of it, its
 //! spacing the median gap to the next on the same lines, with edges between pixels where the height crosses its own
 //! half depth. Of round cavities the width is the diameter of the disc (or ellipse) with their area at half depth, and the
-//! spacing what it leaves of the distance of neighbours. The depth is the height of the land beside it, from one third of its width to a whole one away from each
+//! spacing what it leaves of the distance of neighbours' centres. What the map's sides cut off has no width, and its spacing
+//! counts only where no whole cavities face each other. The depth is the height of the land beside it, from one third of
+//! its width to a whole one away from each
 //! edge, above the middle third of its width (after ISO 5436-1, type A1: rims and walls count for neither, and
 //! waves of the surface longer than a cavity do not count as depth). Where neighbours leave no such land, the
 //! form fitted to all land takes its place.
@@ -221,9 +223,9 @@ impl Sought {
 
 fn measure(found: &Found, sought: Sought) -> CavityMetrology {
     let diameters_m = round::diameters(found);
-    let spacing = diameters_m.as_ref().map_or(sought.spacing, |diameters_m| {
-        [0, 1].map(|axis| round::spacing(found, axis, &sought.width_m, diameters_m))
-    });
+    let spacing = diameters_m
+        .as_ref()
+        .map_or(sought.spacing, |diameters_m| [0, 1].map(|axis| round::spacing(found, axis, diameters_m)));
     let width_m = |region: usize| {
         let diameter_m = diameters_m.as_ref().and_then(|diameters_m| diameters_m[region]);
         diameter_m.map_or(sought.width_m[region], |diameter_m| diameter_m.map(Some))
