@@ -15,6 +15,9 @@ use crate::html::page::sentence;
 /// Points of the drawn rim.
 const RIM_POINTS: u32 = 240;
 
+/// Standard deviation of spacings over their mean above which they are no pattern's.
+const MOST_SCATTER: f64 = 0.5;
+
 /// What the widths of round cavities are.
 const ROUND: &str = "the cavities are round: a width is the diameter of the disc with a cavity's area at half depth, a spacing what \
                      diameters leave of the distance of neighbours";
@@ -25,6 +28,10 @@ pub(crate) struct CavityReport {
     width_y: Option<SpreadReport>,
     spacing_x: Option<SpreadReport>,
     spacing_y: Option<SpreadReport>,
+    /// What staggered rows are called in files, and what their spacings are.
+    staggered: Option<String>,
+    /// By how much the grid of cavities is turned on the map.
+    turned_deg: Option<EstimateReport>,
     /// Widths are diameters of the discs with the cavities' area.
     round: bool,
     depth: Option<SpreadReport>,
@@ -91,6 +98,8 @@ impl From<&CavityMetrology> for CavityReport {
             width_y: found.width[1].map(SpreadReport::from),
             spacing_x: found.spacing[0].map(SpreadReport::from),
             spacing_y: found.spacing[1].map(SpreadReport::from),
+            staggered: found.staggered.map(|rows| rows.to_string()),
+            turned_deg: found.turned_deg.map(EstimateReport::plain),
             round: found.round,
             depth: found.depth.map(SpreadReport::from),
             area_fraction: tidy(found.area_fraction),
@@ -131,9 +140,11 @@ impl CavityReport {
         let wall = if wall.is_empty() { wall } else { format!("; {wall}") };
         let crossing = self.crossing.as_ref().map_or_else(String::new, |crossing| format!("\n! {crossing}\n"));
         let round = if self.round { format!("  {ROUND}\n") } else { String::new() };
+        let staggered = self.staggered.as_ref().map_or_else(String::new, |rows| format!("  {rows}\n"));
+        let warnings: String = self.spacing_warnings().map(|warning| format!("! {warning}\n")).collect();
         let (noun, verb) = if self.count == 1 { ("cavity", "takes") } else { ("cavities", "take") };
         format!(
-            "\n{table}{round}\n{} {noun} {verb} {:.1} % of the map; land Sq {} um\n{crossing}\n{edges}\n{rim}{wall}\n",
+            "\n{table}{round}{staggered}{warnings}\n{} {noun} {verb} {:.1} % of the map; land Sq {} um\n{crossing}\n{edges}\n{rim}{wall}\n",
             self.count,
             100.0 * self.area_fraction,
             fixed(Some(self.land_sq_um), 3),
@@ -169,12 +180,36 @@ impl CavityReport {
         let edges = self.edge_words().into_iter().filter(|words| !words.is_empty());
         let crossing = self.crossing.iter().map(|crossing| sentence(crossing));
         let round = self.round.then(|| sentence(ROUND));
-        std::iter::once(land).chain(round).chain(crossing).chain(edges.map(|words| sentence(&words))).collect()
+        let staggered = self.staggered.iter().map(|rows| sentence(rows));
+        let warnings = self.spacing_warnings().map(|warning| sentence(&warning));
+        let spacings = round.into_iter().chain(staggered).chain(warnings);
+        std::iter::once(land).chain(spacings).chain(crossing).chain(edges.map(|words| sentence(&words))).collect()
     }
 
     /// How many there are and what they take.
     pub(crate) fn summary(&self) -> String {
         format!("{}, on {:.1} % of the map", self.count, 100.0 * self.area_fraction)
+    }
+
+    /// Why spacings are not those of the pattern.
+    fn spacing_warnings(&self) -> impl Iterator<Item = String> {
+        let turned = self.turned_deg.map(|turn| {
+            let angle = fixed(Some(turn.value.abs()), 1);
+            format!(
+                "the grid of cavities is turned by {angle} degrees on the map: widths and spacings are those along the map's sides, \
+                 not along the rows"
+            )
+        });
+        let scattered = [("x", &self.spacing_x), ("y", &self.spacing_y)].into_iter().filter_map(|(axis, spacing)| {
+            let spacing = spacing.as_ref()?;
+            (spacing.std_um > MOST_SCATTER * spacing.mean_um).then(|| {
+                format!(
+                    "the spacings along {axis} scatter by more than half of their mean: not every cavity faces the next of a row, \
+                     and their mean is not the spacing of a pattern"
+                )
+            })
+        });
+        turned.into_iter().chain(scattered)
     }
 
     fn spreads(&self) -> impl Iterator<Item = (&'static str, &SpreadReport)> {
@@ -280,4 +315,62 @@ pub fn edge_profile_svg(rim: &RimMetrology, synthetic: bool) -> Result<Option<St
     let chart =
         EdgeProfileChart { title, points_um: &points, rim_um: &fitted, rim_label: &label, start_um: um(rim.start_m) };
     charts::edge_profile(&chart).map(Some)
+}
+
+#[cfg(test)]
+mod tests {
+    use slipgrid_topography::{Form, HeightMap};
+
+    use super::*;
+
+    /// The report on squares of 40 um about places in micrometres, on 300 x 300 pixels of 2 um.
+    fn squares(places_um: &[[f64; 2]], turn_deg: f64) -> CavityReport {
+        let (sin, cos) = turn_deg.to_radians().sin_cos();
+        let height = |n: usize| {
+            let (x, y) = (2.0 * f64::from(n as u32 / 300), 2.0 * f64::from(n as u32 % 300));
+            let off = |[px, py]: &[f64; 2]| {
+                let (x, y) = (x - px, y - py);
+                (cos * x + sin * y).abs().max((cos * y - sin * x).abs())
+            };
+            let nearest_um = places_um.iter().map(off).fold(f64::INFINITY, f64::min);
+            -5e-6 * (0.5 + (20.0 - nearest_um) / 4.0).clamp(0.0, 1.0)
+        };
+        let map = HeightMap::new(300, 300, 2e-6, 2e-6, (0..90_000).map(height).collect()).unwrap();
+        CavityReport::from(&map.measure_cavities(Form::Plane).unwrap())
+    }
+
+    #[test]
+    fn spacings_that_are_not_those_of_a_pattern_are_warned_of() {
+        let grid = |turn_deg: f64| {
+            let (sin, cos) = turn_deg.to_radians().sin_cos();
+            let place = |n: i32| [100.0 * f64::from(n % 12 - 6), 100.0 * f64::from(n / 12 - 6)];
+            (0..144).map(place).map(|[x, y]| [cos * x - sin * y + 310.0, sin * x + cos * y + 310.0]).collect::<Vec<_>>()
+        };
+        let straight = squares(&grid(0.0), 0.0);
+        assert_eq!((straight.spacing_warnings().count(), straight.staggered.is_none()), (0, true));
+        let turned = squares(&grid(8.0), 8.0);
+        assert!(
+            turned.table().contains("\n! the grid of cavities is turned by 8.0 degrees on the map"),
+            "{}",
+            turned.table()
+        );
+        assert!(turned.words().iter().any(|words| words.starts_with("The grid of cavities is turned by 8.0")));
+        // Columns of squares at distances of 60, 60 and 300 um.
+        let uneven: Vec<[f64; 2]> =
+            (0..12).map(|n| [[60.0, 120.0, 180.0, 480.0][n % 4], 100.0 + 150.0 * (n / 4) as f64]).collect();
+        let said = squares(&uneven, 0.0).table();
+        assert!(
+            said.contains("! the spacings along x scatter by more than half") && !said.contains("along y scatter"),
+            "{said}"
+        );
+    }
+
+    #[test]
+    fn staggered_rows_are_named_with_the_word_of_the_key() {
+        let places: Vec<[f64; 2]> = (0..36)
+            .map(|n| [50.0 + 100.0 * f64::from(n % 6) + 50.0 * f64::from(n / 6 % 2), 50.0 + 90.0 * f64::from(n / 6)])
+            .collect();
+        let said = squares(&places, 0.0).table();
+        assert!(said.contains("the rows are staggered") && said.contains("arrangement = \"staggered\""), "{said}");
+    }
 }

@@ -117,7 +117,14 @@ impl Found {
         self.along[axis][region].is_within() && (across.is_within() || across.runs_through())
     }
 
-    /// Pairs of neighbours that face each other along an axis on most of their lines, and the land between, in metres.
+    /// Whether a region shows both its ends along an axis, or all of one end: it counts there, or is a groove that the map's
+    /// side cuts off lengthwise.
+    fn shows_ends(&self, axis: usize, region: usize) -> bool {
+        self.counts(axis, region) || self.along[1 - axis][region].runs_through()
+    }
+
+    /// Pairs of neighbours that face each other along an axis on most of the lines of both, and the land between, in metres.
+    /// What the map's sides cut off is left out where any other pair remains.
     pub(super) fn neighbours(&self, axis: usize) -> Vec<([u32; 2], f64)> {
         // Gaps of each pair, line by line.
         let mut gaps: BTreeMap<[u32; 2], Vec<f64>> = BTreeMap::new();
@@ -128,12 +135,29 @@ impl Found {
                 gaps.entry([pair[0].region, pair[1].region]).or_default().push(to - from);
             }
         }
+        gaps.retain(|pair, gaps| {
+            let [one, other] = pair.map(|region| self.along[axis][region as usize].lines);
+            2 * gaps.len() >= one.max(other)
+        });
+        let show_ends = |pair: &[u32; 2]| pair.iter().all(|&region| self.shows_ends(axis, region as usize));
+        if gaps.keys().any(show_ends) {
+            gaps.retain(|pair, _| show_ends(pair));
+        }
         gaps.into_iter()
-            .filter(|(pair, gaps)| {
-                let [one, other] = pair.map(|region| self.along[axis][region as usize].lines);
-                2 * gaps.len() >= one.min(other)
-            })
             .filter_map(|(pair, mut gaps)| median(&mut gaps).map(|gap| (pair, gap * self.pixel_m[axis])))
+            .collect()
+    }
+
+    /// The centre along an axis of every region, from 1 on: the median of the middles of its chords, in metres; NaN where the
+    /// map's sides cut off all of them.
+    pub(super) fn centers_m(&self, axis: usize) -> Vec<f64> {
+        let mut middles = vec![Vec::new(); self.regions.count() + 1];
+        for chord in &self.chords[axis] {
+            middles[chord.region as usize].extend(chord.from.zip(chord.to).map(|(from, to)| 0.5 * (from + to)));
+        }
+        middles
+            .iter_mut()
+            .map(|middles| median(middles).map_or(f64::NAN, |middle| middle * self.pixel_m[axis]))
             .collect()
     }
 

@@ -4,7 +4,11 @@
 //! region below half depth; its width along an axis is the median of the chords that lines cut out of it, its
 //! spacing the median gap to the next on the same lines, with edges between pixels where the height crosses its own
 //! half depth. Of round cavities the width is the diameter of the disc (or ellipse) with their area at half depth, and the
-//! spacing what it leaves of the distance of neighbours. The depth is the height of the land beside it, from one third of its width to a whole one away from each
+//! spacing what it leaves of the distance of neighbours' centres. What the map's sides cut off has no width, and its spacing
+//! counts only where no whole cavities face each other. Where every second row is shifted by half a pitch, the spacing
+//! across the rows is the land to the next row ([`StaggeredRows`]).
+//!
+//! The depth is the height of the land beside a cavity, from one third of its width to a whole one away from each
 //! edge, above the middle third of its width (after ISO 5436-1, type A1: rims and walls count for neither, and
 //! waves of the surface longer than a cavity do not count as depth). Where neighbours leave no such land, the
 //! form fitted to all land takes its place.
@@ -20,6 +24,7 @@ mod crossing;
 mod cut;
 mod edge;
 mod found;
+mod grid;
 mod heights;
 mod kriging;
 mod land;
@@ -33,6 +38,7 @@ use std::collections::BTreeMap;
 
 use edge::Edges;
 use found::Found;
+use grid::Grid;
 use rims::Scene;
 use slipgrid_monitor::Monitor;
 use slipgrid_statistics::median;
@@ -40,6 +46,7 @@ use walls::Walls;
 
 pub use crossing::Crossing;
 pub use cut::{CutCavity, CutPattern, CutRim, CutShape};
+pub use grid::StaggeredRows;
 pub use period::{Arrangement, MeanPeriod};
 pub use rims::{EdgeHeight, RimMetrology};
 pub use slipgrid_pattern::RimProfile;
@@ -115,8 +122,13 @@ pub struct Cavity {
 pub struct CavityMetrology {
     /// Widths along x and y; `None` where no cavity ends within the map along that axis, as grooves do not.
     pub width: [Option<Spread>; 2],
-    /// Land between neighbours along x and y.
+    /// Land between neighbours along x and y; across staggered rows to the next row.
     pub spacing: [Option<Spread>; 2],
+    /// Every second row of cavities is shifted by half a pitch.
+    pub staggered: Option<StaggeredRows>,
+    /// By how much a rectangular grid of cavities is turned on the map, in degrees from x towards y; `None` where by less than
+    /// 1 degree, or nothing shows it.
+    pub turned_deg: Option<Estimate>,
     /// The cavities are round: widths are diameters of the discs with their area at half depth, not median chords.
     pub round: bool,
     /// Depths.
@@ -224,13 +236,18 @@ impl Sought {
 
 fn measure(found: &Found, sought: Sought) -> CavityMetrology {
     let diameters_m = round::diameters(found);
-    let spacing = diameters_m.as_ref().map_or(sought.spacing, |diameters_m| {
-        [0, 1].map(|axis| round::spacing(found, axis, &sought.width_m, diameters_m))
-    });
+    let mut spacing = diameters_m
+        .as_ref()
+        .map_or(sought.spacing, |diameters_m| [0, 1].map(|axis| round::spacing(found, axis, diameters_m)));
     let width_m = |region: usize| {
         let diameter_m = diameters_m.as_ref().and_then(|diameters_m| diameters_m[region]);
         diameter_m.map_or(sought.width_m[region], |diameter_m| diameter_m.map(Some))
     };
+    let grid = Grid::of(found, width_m);
+    let staggered = grid.staggered().map(|(rows, to_next)| {
+        spacing[usize::from(!rows.along_y)] = Some(to_next);
+        rows
+    });
     let (regions, cols, pixel_m) = (&found.regions, found.cols(), found.pixel_m);
     let mut center = vec![[0.0; 2]; regions.count() + 1];
     for (n, &region) in regions.label.iter().enumerate() {
@@ -259,6 +276,8 @@ fn measure(found: &Found, sought: Sought) -> CavityMetrology {
     CavityMetrology {
         width: [spread(&|cavity| cavity.width_m[0]), spread(&|cavity| cavity.width_m[1])],
         spacing,
+        staggered,
+        turned_deg: grid.turned_deg(),
         round: diameters_m.is_some(),
         depth,
         area_fraction: regions.points.iter().sum::<usize>() as f64 / regions.label.len() as f64,

@@ -251,14 +251,7 @@ fn of_grooves(found: &Found, is_land: &[bool], axis: usize, grooves: &[usize]) -
 /// The mean period of cavities that end within the map along both axes.
 fn of_cells(found: &Found, is_land: &[bool], whole: &[usize]) -> Result<MeanPeriod, MapError> {
     let refuse = |reason| Err(MapError::NoPeriod { whole: whole.len(), reason });
-    let mut centers_m: [Vec<f64>; 2] = [vec![0.0; found.regions.count() + 1], vec![0.0; found.regions.count() + 1]];
-    for (axis, centers_m) in centers_m.iter_mut().enumerate() {
-        for &region in whole {
-            let mut middles: Vec<f64> =
-                middles(found, axis, region).into_iter().map(|(_, middle_m)| middle_m).collect();
-            centers_m[region] = median(&mut middles).unwrap_or(f64::NAN);
-        }
-    }
+    let centers_m = [0, 1].map(|axis| found.centers_m(axis));
     // The pitch along an axis is that of neighbours that face each other along it.
     let mut pitch_m = [0.0; 2];
     for axis in [0, 1] {

@@ -59,21 +59,16 @@ pub(super) fn diameters(found: &Found) -> Option<Vec<Option<[f64; 2]>>> {
     (2 * round > whole.count()).then_some(diameters)
 }
 
-/// Land between neighbours along `axis`: their distance on most lines, less what their diameters have more than their widths
-/// on those.
-pub(super) fn spacing(
-    found: &Found,
-    axis: usize,
-    width_m: &[[Option<f64>; 2]],
-    diameters_m: &[Option<[f64; 2]>],
-) -> Option<Spread> {
-    let beyond_m = |region: u32| {
-        let region = region as usize;
-        let chord_m = width_m[region][axis];
-        diameters_m[region].zip(chord_m).map_or(0.0, |(diameter_m, chord_m)| 0.5 * (diameter_m[axis] - chord_m))
+/// Land between neighbours along `axis`: the distance of their centres less their mean diameter, however many lines they face
+/// each other on. What the map's sides cut off has no diameter, and is left out.
+pub(super) fn spacing(found: &Found, axis: usize, diameters_m: &[Option<[f64; 2]>]) -> Option<Spread> {
+    let centers_m = found.centers_m(axis);
+    let gap_m = |([one, other], _): ([u32; 2], f64)| {
+        let [one, other] = [one as usize, other as usize];
+        let mean_m = 0.5 * (diameters_m[one]?[axis] + diameters_m[other]?[axis]);
+        Some((centers_m[other] - centers_m[one]).abs() - mean_m)
     };
-    let gaps = found.neighbours(axis).into_iter();
-    let gaps: Vec<f64> = gaps.map(|([one, other], gap_m)| gap_m - beyond_m(one) - beyond_m(other)).collect();
+    let gaps: Vec<f64> = found.neighbours(axis).into_iter().filter_map(gap_m).collect();
     Spread::of(&gaps)
 }
 
@@ -122,5 +117,47 @@ mod tests {
                 }
             }
         }
+    }
+
+    /// Discs of 60 um about places in micrometres, on 300 x 400 pixels of 2 um with walls 4 um wide.
+    fn discs(places_um: impl Iterator<Item = [f64; 2]> + Clone) -> HeightMap {
+        let height = |n: usize| {
+            let (x, y) = (2.0 * (n / 400) as f64 + 1.0, 2.0 * (n % 400) as f64 + 1.0);
+            let near = places_um.clone().map(|[px, py]| (x - px).hypot(y - py)).fold(f64::INFINITY, f64::min);
+            -5e-6 * (0.5 + (30.0 - near) / 4.0).clamp(0.0, 1.0)
+        };
+        HeightMap::new(300, 400, 2e-6, 2e-6, (0..120_000).map(height).collect()).unwrap()
+    }
+
+    #[test]
+    fn discs_that_the_map_cuts_off_do_not_change_the_spacing() {
+        // Pitches of 100 by 110 um; the map's sides leave slivers, halves and nearly whole discs.
+        for offset_um in [0.0, 17.0, 33.0, 48.0] {
+            let places = (0..64).map(|n| [100.0 * f64::from(n / 8) - offset_um, 110.0 * f64::from(n % 8) - offset_um]);
+            let found = discs(places).measure_cavities(Form::Plane).unwrap();
+            assert!(found.round);
+            for (spacing, expected_m) in found.spacing.into_iter().zip([40e-6, 50e-6]) {
+                let spacing = spacing.unwrap();
+                assert!(spacing.count >= 20, "{offset_um}: {spacing:?}");
+                // A quarter of a pixel, which the diameter of a disc of 30 pixels can be off.
+                assert!(
+                    (spacing.mean_m - expected_m).abs() < 0.5e-6 && spacing.std_m < 0.2e-6,
+                    "{offset_um}: {spacing:?}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn discs_that_face_each_other_on_a_part_of_their_lines_have_the_spacing_of_their_diameters() {
+        // Rows 60 um apart, every other one moved by half of 86 um: the lines along x at the sides of a disc, 60 um wide, meet
+        // a disc of the next row.
+        let places = (0..60)
+            .map(|n| [45.0 + 60.0 * f64::from(n / 6), 40.0 + 86.0 * f64::from(n % 6) + f64::from(n / 6 % 2) * 43.0]);
+        let found = discs(places);
+        let found = super::Found::find(&found, Form::Plane).unwrap();
+        let diameters_m = super::diameters(&found).unwrap();
+        let spacing = super::spacing(&found, 0, &diameters_m).unwrap();
+        assert!((spacing.mean_m - 60e-6).abs() < 0.6e-6 && spacing.std_m < 0.5e-6, "{spacing:?}");
     }
 }

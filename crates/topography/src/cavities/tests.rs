@@ -213,3 +213,22 @@ fn grooves_that_cross_are_named_and_a_strip_between_two_shows_one_family() {
         assert_eq!(map.measure_cavities(Form::Plane, &Unwatched).unwrap().crossing, None);
     }
 }
+
+#[test]
+fn slivers_of_a_turned_grid_are_no_neighbours_of_what_lies_far_behind() {
+    // Squares of 90 um, 200 um apart, turned by 12 deg on 600 x 700 pixels of 2 um.
+    let (sin, cos) = 12_f64.to_radians().sin_cos();
+    let off = |along_um: f64| 45.0 - (along_um.rem_euclid(200.0) - 100.0).abs();
+    let height = |n: usize| {
+        let (x, y) = (2.0 * (n / 700) as f64, 2.0 * (n % 700) as f64);
+        let inside_um = off(cos * x - sin * y + 23.0).min(off(sin * x + cos * y + 37.0));
+        -6e-6 * (inside_um / 8.0 + 0.5).clamp(0.0, 1.0)
+    };
+    let map = HeightMap::new(600, 700, 2e-6, 2e-6, (0..420_000).map(height).collect()).unwrap();
+    let found = map.measure_cavities(Form::Plane).unwrap();
+    for spacing in found.spacing.map(Option::unwrap) {
+        // 110 um, seen at 12 deg.
+        assert!((spacing.mean_m - 110e-6 / cos).abs() < 1e-6 && spacing.std_m < 1e-6, "{spacing:?}");
+        assert!(spacing.count >= 15);
+    }
+}
