@@ -336,7 +336,7 @@ mod tests {
             -5e-6 * (0.5 + (20.0 - nearest_um) / 4.0).clamp(0.0, 1.0)
         };
         let map = HeightMap::new(300, 300, 2e-6, 2e-6, (0..90_000).map(height).collect()).unwrap();
-        CavityReport::from(&map.measure_cavities(Form::Plane).unwrap())
+        CavityReport::from(&map.measure_cavities(Form::Plane, &slipgrid_monitor::Unwatched).unwrap())
     }
 
     #[test]

@@ -210,7 +210,7 @@ mod tests {
         }
 
         fn measured(&self) -> CavityMetrology {
-            self.map().measure_cavities(Form::Plane).unwrap()
+            self.map().measure_cavities(Form::Plane, &slipgrid_monitor::Unwatched).unwrap()
         }
     }
 
@@ -252,7 +252,10 @@ mod tests {
         let turned = |cut: &Cut| {
             let map = cut.map();
             let heights = (0..300_000).map(|n| map.heights_m()[n % 500 * 600 + n / 500]).collect();
-            HeightMap::new(600, 500, 2e-6, 2e-6, heights).unwrap().measure_cavities(Form::Plane).unwrap()
+            HeightMap::new(600, 500, 2e-6, 2e-6, heights)
+                .unwrap()
+                .measure_cavities(Form::Plane, &slipgrid_monitor::Unwatched)
+                .unwrap()
         };
         let found = turned(&Cut { width_um: [60.0, 60.0], pitch_um: [100.0, 76.0], ..STAGGERED });
         assert_eq!(found.staggered, Some(StaggeredRows { along_y: true, arrangement: Arrangement::Staggered }));

@@ -134,7 +134,7 @@ mod tests {
         // Pitches of 100 by 110 um; the map's sides leave slivers, halves and nearly whole discs.
         for offset_um in [0.0, 17.0, 33.0, 48.0] {
             let places = (0..64).map(|n| [100.0 * f64::from(n / 8) - offset_um, 110.0 * f64::from(n % 8) - offset_um]);
-            let found = discs(places).measure_cavities(Form::Plane).unwrap();
+            let found = discs(places).measure_cavities(Form::Plane, &slipgrid_monitor::Unwatched).unwrap();
             assert!(found.round);
             for (spacing, expected_m) in found.spacing.into_iter().zip([40e-6, 50e-6]) {
                 let spacing = spacing.unwrap();
@@ -155,7 +155,7 @@ mod tests {
         let places = (0..60)
             .map(|n| [45.0 + 60.0 * f64::from(n / 6), 40.0 + 86.0 * f64::from(n % 6) + f64::from(n / 6 % 2) * 43.0]);
         let found = discs(places);
-        let found = super::Found::find(&found, Form::Plane).unwrap();
+        let found = super::Found::find(&found, Form::Plane, &slipgrid_monitor::Unwatched).unwrap();
         let diameters_m = super::diameters(&found).unwrap();
         let spacing = super::spacing(&found, 0, &diameters_m).unwrap();
         assert!((spacing.mean_m - 60e-6).abs() < 0.6e-6 && spacing.std_m < 0.5e-6, "{spacing:?}");

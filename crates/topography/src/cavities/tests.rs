@@ -225,7 +225,7 @@ fn slivers_of_a_turned_grid_are_no_neighbours_of_what_lies_far_behind() {
         -6e-6 * (inside_um / 8.0 + 0.5).clamp(0.0, 1.0)
     };
     let map = HeightMap::new(600, 700, 2e-6, 2e-6, (0..420_000).map(height).collect()).unwrap();
-    let found = map.measure_cavities(Form::Plane).unwrap();
+    let found = map.measure_cavities(Form::Plane, &Unwatched).unwrap();
     for spacing in found.spacing.map(Option::unwrap) {
         // 110 um, seen at 12 deg.
         assert!((spacing.mean_m - 110e-6 / cos).abs() < 1e-6 && spacing.std_m < 1e-6, "{spacing:?}");
