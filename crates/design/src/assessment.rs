@@ -61,7 +61,8 @@ impl Assessment {
         let pattern = best.pattern();
         let slopes = slopes(design, found, &pattern, probing)?;
         let (model, choice) = (&found.model, found.round.choice.as_ref());
-        let about = robustness::About { model, pattern: &pattern, confirmed: best.confirmed, choice, bar: probing };
+        let (confirmed, further) = (best.confirmed, &found.further[..]);
+        let about = robustness::About { model, pattern: &pattern, confirmed, further, choice, bar: probing };
         let spread = robustness::of_design(design, uncertainty, &about)?;
         let confirming = found.confirming_scene(&pattern);
         let rim_std = found.chances.as_ref().and_then(|chances| chances.rim_std(&pattern));

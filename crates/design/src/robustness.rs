@@ -7,10 +7,11 @@ use slipgrid_optimize::{
     propagate,
 };
 use slipgrid_pattern::Pattern;
-use slipgrid_springblock::{Scene, Simulation};
+use slipgrid_springblock::{Load, LoadOutcome, Scene, Simulation};
 
 use crate::DesignError;
 use crate::chance::RIM_HEIGHT;
+use crate::operating_conditions::{Further, Setting};
 use crate::robust_search::RobustChoice;
 use crate::robustness_report::{
     InputReport, MEANING, OptimumReport, PressureParts, PressureReport, RobustnessReport, ScatterReport, SpreadReport,
@@ -38,6 +39,8 @@ pub struct About<'a> {
     pub pattern: &'a Pattern,
     /// Its confirming run: friction is taken to lie about it.
     pub confirmed: &'a Simulation,
+    /// The other conditions, with confirming runs of their own where they had one.
+    pub further: &'a [Further],
     /// How it was chosen, where samples decided.
     pub choice: Option<&'a RobustChoice>,
     /// Says when to stop.
@@ -54,8 +57,13 @@ struct Request<'a> {
     tolerances: &'a SampleScatter,
     /// How well the material is known.
     material: &'a MaterialUncertainty,
-    /// Relative covariance of the loads' coefficients; `None` where it is not known.
+    /// Relative covariance of the loads' coefficients at every condition of one sliding direction, one condition after the other;
+    /// `None` where it is not known.
     friction_covariance: Option<Vec<Vec<f64>>>,
+    /// Sliding directions.
+    directions: usize,
+    /// The condition that spreads are told of, in words, where there are several.
+    condition: Option<String>,
     /// Seed of the draws.
     seed: u64,
 }
@@ -85,13 +93,21 @@ impl<'a> Request<'a> {
         about: &'a About<'a>,
         tolerances: &'a SampleScatter,
     ) -> Self {
+        // The same material in every direction: conditions of the first stand for those of the others.
+        let directions = 1 + design.directions.different_deg.len();
+        let conditions = (1 + about.further.len()) / directions;
+        let further = about.further.iter().map(|further| further.at.condition);
+        let each = std::iter::once(design.condition).chain(further).take(conditions);
+        let each = each.map(|at| material.friction_covariance(&design.pressures_pa(), at.as_ref()));
         Self {
             about,
             target: &design.target,
             is_ratio: design.target.quantity() == Quantity::Ratio,
             tolerances,
             material,
-            friction_covariance: material.friction_covariance(&design.pressures_pa(), design.condition.as_ref()),
+            friction_covariance: each.collect::<Option<Vec<Covariance>>>().map(|blocks| diagonal(&blocks)),
+            directions,
+            condition: (!about.further.is_empty()).then(|| Setting::first(design).in_words()),
             seed: design.seed,
         }
     }
@@ -103,8 +119,12 @@ struct AboutDesign<'a> {
     /// The design, as many of whose cavities lie on every sample.
     designed: Pattern,
     bar: &'a Stage<'a>,
-    /// The design's, with the material as calibrated.
+    /// The design's at every condition, the one designed for first, with the material as calibrated.
     scene: Scene,
+    /// Loads of the condition designed for, which spreads are told of.
+    shown: usize,
+    /// Loads with inputs of their own: those of one sliding direction, which all have in common.
+    inputs_of_loads: usize,
     is_ratio: bool,
     /// Confirmed less steady ratio.
     offset: Vec<f64>,
@@ -119,7 +139,7 @@ struct AboutDesign<'a> {
 /// Places of the parameters among the deviations; absent where one is not uncertain.
 #[derive(Clone, Debug, Default)]
 struct Parameters {
-    /// First of the relative errors of flat friction, one per load.
+    /// First of the relative errors of flat friction, one per load of one sliding direction.
     friction: Option<usize>,
     /// The logarithm of Young's modulus, or of the area law's fitted scale, which moves the law alike.
     modulus: Option<usize>,
@@ -148,6 +168,7 @@ fn report(request: &Request<'_>) -> Result<Option<RobustnessReport>, DesignError
     let all = if is_known { Some(drawn(&uncertainty)?) } else { None };
     Ok(Some(RobustnessReport {
         meaning: MEANING.into(),
+        condition: request.condition.clone(),
         method: if is_linear { "linearized" } else { "sampled" }.into(),
         inputs: inputs(request, &about, &uncertainty),
         samples: scatter(request, &about, &samples),
@@ -173,19 +194,16 @@ fn report(request: &Request<'_>) -> Result<Option<RobustnessReport>, DesignError
 impl<'a> AboutDesign<'a> {
     /// The model about the design, and the covariance of its parameters.
     fn new(request: &Request<'a>) -> Result<Option<(Self, Covariance)>, ModelFailure> {
-        let confirmed: Option<Vec<(f64, f64)>> = request
-            .about
-            .confirmed
-            .loads
-            .iter()
-            .map(|load| Some((load.ratio?, load.flat.as_ref()?.mu_dynamic?)))
-            .collect();
-        let Some(confirmed) = confirmed else { return Ok(None) };
+        let run: Option<Vec<(f64, f64)>> = request.about.confirmed.loads.iter().map(values_of).collect();
+        let Some(run) = run else { return Ok(None) };
         let model = request.about.model;
-        let scene = model.scene(request.about.pattern);
-        let loads = &scene.loads;
-        let count = loads.len();
+        let scene = Scene { pattern: Some(*request.about.pattern), ..model.asked().clone() };
         let steady = model.ratios_of(&scene, request.about.pattern, request.about.pattern)?;
+        let confirmed = confirmed_everywhere(request, &scene.loads, &run, &steady);
+        let (count, shown) = (scene.loads.len(), run.len());
+        // All of one direction's, where friction is known of them.
+        let inputs_of_loads = count / request.directions;
+        let loads = &scene.loads[..inputs_of_loads];
         let mut parameters = Parameters::default();
         let mut blocks: Vec<Vec<Vec<f64>>> = Vec::new();
         let mut add = |block: Vec<Vec<f64>>| {
@@ -199,7 +217,7 @@ impl<'a> AboutDesign<'a> {
         if let (Some(known), Some(law)) = (&material.scale_covariance, model.area_law()) {
             // Fitted together: flat friction and the law's scale are off together.
             friction = add(with_scale(known, law, loads).map_err(trial)?);
-            modulus = friction.map(|first| first + count);
+            modulus = friction.map(|first| first + inputs_of_loads);
         } else {
             friction = request.friction_covariance.clone().and_then(&mut add);
             let own = material.modulus_std(model.area_law()).filter(|_| model.learned().is_none());
@@ -222,14 +240,7 @@ impl<'a> AboutDesign<'a> {
         });
         let factor =
             prediction.map_or_else(|| vec![1.0; count], |found| found.medians().iter().map(|d| d.exp()).collect());
-        let mut covariance = vec![vec![0.0; parameters.count]; parameters.count];
-        let mut first = 0;
-        for block in &blocks {
-            for (row, entries) in block.iter().enumerate() {
-                covariance[first + row][first..first + block.len()].copy_from_slice(entries);
-            }
-            first += block.len();
-        }
+        let covariance = diagonal(&blocks);
         parameters = Parameters { friction, modulus, law, discrepancy: errors, ..parameters };
         let about = Self {
             model,
@@ -239,6 +250,8 @@ impl<'a> AboutDesign<'a> {
             offset: confirmed.iter().zip(&steady).map(|((ratio, _), steady)| ratio - steady).collect(),
             flat_mu: confirmed.iter().map(|(_, flat_mu)| *flat_mu).collect(),
             scene,
+            shown,
+            inputs_of_loads,
             parameters,
             scale_is_fitted: material.scale_covariance.is_some(),
             factor,
@@ -269,7 +282,7 @@ impl UncertainModel for AboutDesign<'_> {
         }
         let count = self.scene.loads.len();
         let at = |first: Option<usize>, load: usize| first.map_or(0.0, |first| deviations[first + load]);
-        let flat: Vec<f64> = (0..count).map(|load| at(self.parameters.friction, load)).collect();
+        let flat: Vec<f64> = (0..count).map(|load| at(self.parameters.friction, load % self.inputs_of_loads)).collect();
         let log_modulus = at(self.parameters.modulus, 0);
         let scale = ScaleShift { log: log_modulus, is_fitted: self.scale_is_fitted };
         let moved = moved(&self.scene, &flat, scale, at(self.parameters.law, 0)).map_err(trial)?;
@@ -286,8 +299,42 @@ fn trial(error: MaterialError) -> ModelFailure {
     ModelFailure::Trial { reason: error.to_string() }
 }
 
+/// At every condition.
 fn is_met(request: &Request<'_>, values: &[f64]) -> bool {
-    request.target.misfit(&values[..request.target.points().len()]).is_met()
+    request.target.misfit(&values[..request.target.values()]).is_met()
+}
+
+/// Ratio and friction of the flat sample in a confirming run.
+fn values_of(load: &LoadOutcome) -> Option<(f64, f64)> {
+    Some((load.ratio?, load.flat.as_ref()?.mu_dynamic?))
+}
+
+/// Ratio and flat friction at each of `loads`, those of `run` first: of further conditions by runs of their own, and where there is
+/// none by the `steady` ratios, which are off by as much as at the condition designed for, and the coefficients.
+fn confirmed_everywhere(request: &Request<'_>, loads: &[Load], run: &[(f64, f64)], steady: &[f64]) -> Vec<(f64, f64)> {
+    let count = run.len();
+    let at = |own: usize| {
+        let (first, (ratio, flat_mu)) = (own % count, run[own % count]);
+        let further = (own / count).checked_sub(1).and_then(|place| request.about.further.get(place));
+        let own_run = further.and_then(|at| values_of(at.confirmed.as_ref()?.loads.get(first)?));
+        let dynamic = |load: usize| loads[load].friction.dynamic_mean();
+        own_run.unwrap_or((steady[own] + ratio - steady[first], flat_mu * dynamic(own) / dynamic(first)))
+    };
+    run.iter().copied().chain((count..loads.len()).map(at)).collect()
+}
+
+/// Blocks along the diagonal.
+fn diagonal(blocks: &[Covariance]) -> Covariance {
+    let count = blocks.iter().map(Vec::len).sum();
+    let mut all = vec![vec![0.0; count]; count];
+    let mut first = 0;
+    for block in blocks {
+        for (row, entries) in block.iter().enumerate() {
+            all[first + row][first..first + block.len()].copy_from_slice(entries);
+        }
+        first += block.len();
+    }
+    all
 }
 
 /// Whether anything is demanded that a sample could miss.
@@ -305,7 +352,7 @@ fn scatter(request: &Request<'_>, about: &AboutDesign<'_>, found: &Propagation) 
         redrawn: found.redrawn,
         probability: is_asked(request).then(|| tidy(within.share)),
         probability_stderr: is_asked(request).then(|| tidy(within.stderr)),
-        by_pressure: (0..count)
+        by_pressure: (0..about.shown)
             .map(|load| PressureReport {
                 pressure_mpa: PRESSURE_MPA.from_si(about.scene.loads[load].pressure_pa),
                 spread: pair(&spreads, request.is_ratio, load, count),
@@ -325,12 +372,13 @@ fn pair(spreads: &[Spread], is_ratio: bool, load: usize, count: usize) -> Spread
 fn parts(about: &AboutDesign<'_>, uncertainty: &Uncertainty, first_order: &Linearization) -> Vec<PressureParts> {
     let count = about.scene.loads.len();
     let parameter = |place: Option<usize>, of: usize| place.map(|place| DIMENSIONS + place..DIMENSIONS + place + of);
+    let of_friction = about.inputs_of_loads;
     let groups = [
         ("width", Some(0..1)),
         ("spacing", Some(1..2)),
         ("depth", Some(2..3)),
         (RIM_HEIGHT, uncertainty.rim().map(|place| place..place + 1)),
-        ("flat friction", parameter(about.parameters.friction, count)),
+        ("flat friction", parameter(about.parameters.friction, of_friction)),
         (about.scale_name(), parameter(about.parameters.modulus, 1)),
         ("area law", parameter(about.parameters.law, 1)),
         ("discrepancy", parameter(about.parameters.discrepancy, count)),
@@ -343,7 +391,7 @@ fn parts(about: &AboutDesign<'_>, uncertainty: &Uncertainty, first_order: &Linea
         })
         .collect();
     let all = first_order.std(uncertainty);
-    (0..count)
+    (0..about.shown)
         .map(|load| PressureParts {
             pressure_mpa: PRESSURE_MPA.from_si(about.scene.loads[load].pressure_pa),
             std: tidy(all[load]),
@@ -387,7 +435,7 @@ fn inputs(request: &Request<'_>, about: &AboutDesign<'_>, uncertainty: &Uncertai
     if let Some(first) = about.parameters.friction {
         inputs.push(InputReport {
             name: "flat friction at each load".to_owned(),
-            std: (0..about.scene.loads.len()).map(|load| percent(uncertainty.std(DIMENSIONS + first + load))).collect(),
+            std: (0..about.shown).map(|load| percent(uncertainty.std(DIMENSIONS + first + load))).collect(),
             unit: "%".into(),
             basis: "standard errors of the fitted coefficients".to_owned(),
         });
@@ -418,7 +466,7 @@ fn inputs(request: &Request<'_>, about: &AboutDesign<'_>, uncertainty: &Uncertai
     if let Some(first) = about.parameters.discrepancy {
         inputs.push(InputReport {
             name: "discrepancy, at each load".to_owned(),
-            std: (0..about.scene.loads.len()).map(|load| percent(uncertainty.std(DIMENSIONS + first + load))).collect(),
+            std: (0..about.shown).map(|load| percent(uncertainty.std(DIMENSIONS + first + load))).collect(),
             unit: "%".into(),
             basis: "what the model lacks, as far as trials leave it open, with Young's modulus".to_owned(),
         });

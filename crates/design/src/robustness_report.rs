@@ -24,6 +24,10 @@ pub const BESIDE: &str = "these shares are about the confirmed values, with what
 pub struct RobustnessReport {
     /// What the standard deviations are of.
     pub meaning: Cow<'static, str>,
+    /// The condition designed for, which values by pressure and parts are those of, where the target is asked at several: shares count
+    /// all of these together.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub condition: Option<String>,
     /// `sampled`: the steady model at every draw; `linearized`: its first-order form.
     pub method: Cow<'static, str>,
     /// What scatters; the parts are independent unless stated otherwise.
@@ -49,7 +53,7 @@ pub struct ScatterReport {
     pub failed: usize,
     /// Draws with a dimension that was not positive: drawn again.
     pub redrawn: usize,
-    /// Share of what is accepted at all pressures; null where the target has a goal alone.
+    /// Share of what is accepted at all pressures of all conditions; null where the target has a goal alone.
     pub probability: Option<f64>,
     /// Its binomial standard error.
     pub probability_stderr: Option<f64>,
@@ -123,8 +127,8 @@ pub struct OptimumReport {
     pub nominal_expected_rms: Option<f64>,
     /// Of the design chosen.
     pub expected_rms: f64,
-    /// Share of samples of the nominal design within the tolerance at all pressures, drawn alike; null where it could
-    /// not be computed.
+    /// Share of samples of the nominal design within the tolerance at all pressures of all conditions, drawn alike; null
+    /// where it could not be computed.
     pub nominal_probability: Option<f64>,
     /// Designs that the search for it evaluated.
     pub evaluations: usize,
@@ -162,11 +166,16 @@ impl RobustnessReport {
             let named = self.inputs.iter().filter(|input| (input.unit == "um") == is_length);
             named.map(InputReport::words).collect::<Vec<_>>().join(", ")
         };
-        let mut text = format!("  ratio of samples made with {}\n", names(true));
+        let at = self
+            .condition
+            .as_ref()
+            .map_or_else(String::new, |words| format!(", at the condition designed for, {words}"));
+        let mut text = format!("  ratio of samples made with {}{at}\n", names(true));
         text += &table.to_string();
         if self.samples.probability.is_some() {
             text += &format!(
-                "  within the tolerance at all pressures, from tolerances alone: {}\n",
+                "  within the tolerance at {}, from tolerances alone: {}\n",
+                self.everywhere(),
                 self.samples.words("of samples", self.how())
             );
         }
@@ -184,6 +193,12 @@ impl RobustnessReport {
             text += &optimum.words();
         }
         text
+    }
+
+    /// Where a sample must be within the tolerance to count.
+    #[must_use]
+    pub const fn everywhere(&self) -> &'static str {
+        if self.condition.is_some() { "all pressures of all conditions" } else { "all pressures" }
     }
 
     fn how(&self) -> &'static str {

@@ -136,11 +136,26 @@ impl Laser {
         Ok(())
     }
 
+    /// Whether a mask exposes each cavity as a whole.
+    #[must_use]
+    pub fn is_mask(&self) -> bool {
+        self.exposure == Some(Exposure::Mask)
+    }
+
+    /// Names of the numbers without which the time under the laser cannot be estimated. A mask needs no spot.
+    #[must_use]
+    pub fn missing_for_time(&self) -> Vec<&'static str> {
+        let spot_um = ("spot_um", self.spot_um.is_some() || self.is_mask());
+        let depth_per_burst_um = ("depth_per_burst_um", self.depth_per_burst_um.is_some());
+        let given = [spot_um, depth_per_burst_um, ("repetition_hz", self.repetition_hz.is_some())];
+        given.into_iter().filter_map(|(name, is_given)| (!is_given).then_some(name)).collect()
+    }
+
     /// Bursts that reach a point in one pass over the lines of an endless hatch, on average; `None` for a mask, and where spot, speed
     /// or repetition rate are not given: cavities are then made spot by spot.
     #[must_use]
     pub fn bursts_per_pass(&self) -> Option<f64> {
-        let spot_um = self.spot_um.filter(|_| self.exposure != Some(Exposure::Mask))?;
+        let spot_um = self.spot_um.filter(|_| !self.is_mask())?;
         // n = (pi / 4) s^2 / (p h)
         Some(std::f64::consts::FRAC_PI_4 * spot_um * spot_um / (self.pulse_distance_um()? * self.line_distance_um()?))
     }

@@ -12,6 +12,10 @@ const SPOTS_FORMULA: &str = "ceil(cavity width / spot) * ceil(cavity length / sp
 const SPOT_TIME_FORMULA: &str = "spots_on_specimen * bursts_per_cavity / repetition_hz";
 const SPOT_TIME_ASSUMPTIONS: &str =
     "one burst per spot and repetition; movement between spots and cavities not counted";
+const NO_SPOTS: &str = "none are counted: a mask exposes each cavity as a whole";
+const MASK_TIME_FORMULA: &str = "cavities * bursts_per_cavity / repetition_hz";
+const MASK_TIME_ASSUMPTIONS: &str =
+    "one burst on a whole cavity per repetition, one cavity after the other; movement between cavities not counted";
 const LINE_TIME_FORMULA: &str = "passes * marked_length_mm / speed_mm_s";
 const LINE_TIME_ASSUMPTIONS: &str =
     "the spot moves at its speed along lines; jumps between lines and cavities, and acceleration, not counted";
@@ -20,7 +24,7 @@ const LINES_FORMULA: &str = "line_distance_um is nominal; within a cavity lines 
 const BURSTS_FORMULA: &str = "(pi / 4) spot^2 / (pulse distance * line distance): bursts that reach a point in one pass over an endless hatch, on \
      average; the line distance is the nominal one";
 const STEP_FORMULA: &str = "depths of designs are whole multiples of this: depth per burst * bursts per pass over lines, depth per burst where each spot is \
-     burnt by itself";
+     burnt by itself or a mask exposes whole cavities";
 const ACROSS_FORMULA: &str = "each pair is [x, z]: z is the mean depth, after all passes, over the bin that ends at the distance x from the edge of a \
      cavity and begins where the bin before ends, the first at the edge; the eight bins are equally wide, and the last ends in \
      the middle of the cavity";
@@ -41,7 +45,7 @@ pub struct WorkSheet {
     /// How it follows.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub depth_step_formula: Option<String>,
-    /// Bursts per cavity (on each of its spots): depth over depth per burst, to the nearest whole; absent where passes over
+    /// Bursts per cavity (on each of its spots, or on the whole cavity with a mask): depth over depth per burst, to the nearest whole; absent where passes over
     /// lines give the depth.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub bursts_per_cavity: Option<u32>,
@@ -54,10 +58,10 @@ pub struct WorkSheet {
     /// Width of a cavity on its floor, where walls lean, in um.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub floor_width_um: Option<f64>,
-    /// Spots that tile a cavity; of grooves on a disc the longest.
+    /// Spots that tile a cavity; of grooves on a disc the longest. Absent for a mask, which exposes cavities as wholes.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub spots_per_cavity: Option<u64>,
-    /// Spots that tile all cavities.
+    /// Spots that tile all cavities; absent for a mask.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub spots_on_specimen: Option<u64>,
     /// How spots are counted.
@@ -158,6 +162,7 @@ impl WorkSheet {
             depth_of_bursts_stderr_um: of_bursts_um(laser.ablation.map(|law| law.depth_per_burst_stderr_um)),
             floor_width_um: (inset_m > 0.0).then(|| micrometres((layout.pattern().width_m() - 2.0 * inset_m).max(0.0))),
             spots_formula: match layout.pattern().planform() {
+                _ if laser.is_mask() => NO_SPOTS.to_owned(),
                 Planform::Disc => format!("{SPOTS_FORMULA}; a disc counts as the square around it"),
                 Planform::Polygon => format!("{SPOTS_FORMULA}; a polygon counts as the rectangle around it"),
                 Planform::Crosshatch => {
@@ -167,7 +172,7 @@ impl WorkSheet {
             },
             ..Self::default()
         };
-        if let Some(spot_um) = laser.spot_um {
+        if let Some(spot_um) = laser.spot_um.filter(|_| !laser.is_mask()) {
             let (longest, sum) = layout.iter().fold((0, 0), |(longest, sum), cavity| {
                 let spots = spots_along(cavity.width_m, spot_um) * spots_along(cavity.length_m, spot_um);
                 (spots.max(longest), sum + spots)
@@ -175,7 +180,7 @@ impl WorkSheet {
             (sheet.spots_per_cavity, sheet.spots_on_specimen) = (Some(longest), Some(sum));
         }
         sheet.mark(layout, laser);
-        sheet.estimate(laser);
+        sheet.estimate(layout, laser);
         sheet
     }
 
@@ -222,29 +227,28 @@ impl WorkSheet {
         }
     }
 
-    fn estimate(&mut self, laser: &Laser) {
+    fn estimate(&mut self, layout: &Layout, laser: &Laser) {
         let passes = self.removal.as_ref().map(|removal| removal.passes);
         let lines = passes.zip(self.marked_length_mm).zip(laser.speed_mm_s);
-        let spots = self.spots_on_specimen.zip(self.bursts_per_cavity).zip(laser.repetition_hz);
-        let time_s = match (lines, spots) {
+        // Places that are burnt one by one: whole cavities through a mask, otherwise spots.
+        let exposed = if laser.is_mask() { Some(layout.cavities() as u64) } else { self.spots_on_specimen };
+        let burnt = exposed.zip(self.bursts_per_cavity).zip(laser.repetition_hz);
+        let time_s = match (lines, burnt) {
             // t = n_passes L / v
             (Some(((passes, length_mm), speed_mm_s)), _) => Some(f64::from(passes) * length_mm / speed_mm_s),
-            // t = N_spots n_bursts / f
-            (None, Some(((spots, bursts), repetition_hz))) => Some(spots as f64 * f64::from(bursts) / repetition_hz),
+            // t = N n_bursts / f
+            (None, Some(((exposed, bursts), repetition_hz))) => {
+                Some(exposed as f64 * f64::from(bursts) / repetition_hz)
+            }
             (None, None) => None,
         };
         self.estimated_time_s = time_s.map(|time_s| round_digits(time_s, DERIVED_DIGITS));
-        let missing: Vec<&str> = [
-            ("spot_um", laser.spot_um),
-            ("depth_per_burst_um", laser.depth_per_burst_um),
-            ("repetition_hz", laser.repetition_hz),
-        ]
-        .into_iter()
-        .filter_map(|(name, value)| value.is_none().then_some(name))
-        .collect();
+        let missing = laser.missing_for_time();
         self.no_estimate_because = (!missing.is_empty()).then(|| format!("not given: {}", missing.join(", ")));
         let (formula, assumptions) = if lines.is_some() {
             (LINE_TIME_FORMULA, LINE_TIME_ASSUMPTIONS)
+        } else if laser.is_mask() {
+            (MASK_TIME_FORMULA, MASK_TIME_ASSUMPTIONS)
         } else {
             (SPOT_TIME_FORMULA, SPOT_TIME_ASSUMPTIONS)
         };

@@ -27,7 +27,7 @@ pub struct LimitsFile {
     min_bearing_area: Option<Number>,
     /// Greatest share of the face that is cavity.
     max_areal_density: Option<Number>,
-    /// Most time under the laser, as the process sheet estimates it; needs spot, repetition rate and depth per burst.
+    /// Most time under the laser, as the process sheet estimates it; needs repetition rate, depth per burst and, but for a mask, the spot.
     max_laser_time_s: Option<Number>,
     /// Least gap left under a cavity's ceiling at every target pressure.
     min_clearance_um: Option<Number>,
@@ -147,10 +147,10 @@ fn needs_time(document: &Document, limit: &Number, laser: &Laser) -> Result<(), 
 
 /// Keys without which the time under the laser cannot be estimated.
 pub(super) fn missing_for_time(laser: &Laser) -> Vec<&'static str> {
-    let given = [
-        ("laser.spot_um", laser.spot_um),
-        ("laser.repetition_hz", laser.repetition_hz),
-        ("limits.depth_per_burst_um or laser.ablation", laser.depth_per_burst_um),
-    ];
-    given.into_iter().filter_map(|(key, value)| value.is_none().then_some(key)).collect()
+    let key = |name| match name {
+        "spot_um" => "laser.spot_um",
+        "repetition_hz" => "laser.repetition_hz",
+        _ => "limits.depth_per_burst_um or laser.ablation",
+    };
+    laser.missing_for_time().into_iter().map(key).collect()
 }

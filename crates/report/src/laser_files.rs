@@ -5,9 +5,9 @@ use std::sync::Arc;
 
 use slipgrid_design::{DesignTask, NextTrials};
 use slipgrid_export::{
-    ExportError, Exposure, GcodePlan, Heading, HeightMap, Laser, Layout, Marking, MaterialNote, ProcessInput,
-    ProcessSheet, Removal, Sector, SectorsSheet, check_stl, corners_csv, csv, dxf, dxf_of_sectors, gcode, hatch_csv,
-    height_map, hpgl, stl, svg, svg_of_sectors,
+    ExportError, GcodePlan, Heading, HeightMap, Laser, Layout, Marking, MaterialNote, ProcessInput, ProcessSheet,
+    Removal, Sector, SectorsSheet, check_stl, corners_csv, csv, dxf, dxf_of_sectors, gcode, hatch_csv, height_map,
+    hpgl, stl, svg, svg_of_sectors,
 };
 use slipgrid_formats::trials::sector_trials;
 use slipgrid_pattern::Pattern;
@@ -134,7 +134,7 @@ pub fn draw_with(
             }
             LaserFile::Plt => {
                 // Contours alone are a plot too.
-                let hatched = laser.spot_um.is_some() && laser.exposure != Some(Exposure::Mask);
+                let hatched = laser.spot_um.is_some() && !laser.is_mask();
                 let marking = hatched.then(|| Marking::new(&laser)).transpose()?;
                 outputs.add_stream("pattern.plt", move |to| {
                     drawing.write(to, |layout, heading, to| hpgl(layout, marking.as_ref(), heading, to))

@@ -160,6 +160,46 @@ fn a_friction_target_holds_at_every_condition_and_each_that_decides_is_run_at_it
 }
 
 #[test]
+fn shares_of_samples_count_all_conditions_together() {
+    // Friction of the flat surface is known to 1 % at either, and 1 % separates the second from its limit.
+    let measured = [(2.0, 15.0, 0.20), (2.0, 80.0, 0.27)];
+    let both = format!("{FIRST}\nalso_at = [{{ speed_mm_s = 2.0, humidity_pct = 80.0 }}]");
+    let text = |target: &str| {
+        let known = |mean: f64| format!("dynamic_mean = {mean}\n");
+        let text = design(target, &measured, &both)
+            .replace("width_um = [40.0, 100.0]", "width_um = 60.0")
+            .replace("spacing_um = [40.0, 200.0]", "spacing_um = 100.0")
+            .replace("depth_um = [2.0, 50.0]", "depth_um = 20.8");
+        let text = [0.20, 0.27].into_iter().fold(text, |text, mean| {
+            text.replace(&known(mean), &format!("{}dynamic_std_error = {}\n", known(mean), 0.01 * mean))
+        });
+        format!("{text}[tolerances]\nwidth_std_um = 0.1\ndraws = 300\n")
+    };
+    let place = Place::with(&[("wide.toml", &text("quantity = \"mu_dynamic\"\nhighest = 0.5"))]);
+    place.succeed(&["optimize", "wide.toml"]);
+    let found = result(&place, "out/wide");
+    let mu = |condition: usize| number(&at(&found)[condition]["by_pressure"][0]["mu"]);
+    assert!(mu(1) > 1.2 * mu(0), "{found}");
+    let highest = 1.005 * mu(1);
+    fs::write(place.path("near.toml"), text(&format!("quantity = \"mu_dynamic\"\nhighest = {highest}"))).unwrap();
+    let told = place.succeed(&["optimize", "near.toml"]);
+    let found = result(&place, "out/near");
+    let robustness = &found["robustness"];
+    // A normal distribution is below half its standard deviation with 69 %.
+    let share = number(&robustness["with_material"]["probability"]);
+    assert!((share - 0.69).abs() < 0.12, "{share}");
+    assert_eq!(robustness["condition"], "2 mm/s, 15 %");
+    let spread = &robustness["samples"]["by_pressure"];
+    assert_eq!(spread.as_array().unwrap().len(), 1);
+    assert!((number(&spread[0]["mu"]["mean"]) / mu(0) - 1.0).abs() < 0.01, "{spread}");
+    assert!(
+        told.contains("within the tolerance at all pressures of all conditions, from tolerances alone: "),
+        "{told}"
+    );
+    assert!(told.contains(", at the condition designed for, 2 mm/s, 15 %\n"), "{told}");
+}
+
+#[test]
 fn a_ratio_target_and_a_peak_pressure_hold_at_the_worst_condition() {
     let measured = [(2.0, 15.0, 0.15), (2.0, 80.0, 0.5)];
     let both = format!("{FIRST}\nalso_at = [{{ speed_mm_s = 2.0, humidity_pct = 80.0 }}]");

@@ -46,6 +46,23 @@ fn the_target_holds_in_each_direction_and_the_worst_decides() {
 }
 
 #[test]
+fn samples_slide_in_each_direction_at_the_same_pressure() {
+    let place = Place::with(&[]);
+    let one = rectangles("[0, 90]").replace("[0.65, 2.6]", "[2.6]");
+    let text = format!("{one}\n[tolerances]\nwidth_std_um = 2.0\n");
+    fs::write(place.path("both.toml"), text).unwrap();
+    place.succeed(&["optimize", "both.toml", "-o", "both"]);
+    let found = result(&place, "both");
+    let spread = found["robustness"]["samples"]["by_pressure"].as_array().unwrap();
+    let confirmed = found["confirmed"].as_array().unwrap();
+    assert_eq!(spread.len(), confirmed.len());
+    for (samples, confirmed) in spread.iter().zip(confirmed) {
+        let [mean, std] = ["mean", "std"].map(|key| samples["ratio"][key].as_f64().unwrap());
+        assert!((mean - confirmed["ratio"].as_f64().unwrap()).abs() < std, "{samples} {confirmed}");
+    }
+}
+
+#[test]
 fn directions_alike_by_symmetry_are_solved_once() {
     let place = Place::with(&[]);
     fs::write(place.path("groove.toml"), small().replace("\"groove\"", "\"groove\"\nsliding_angle_deg = [0.0, 180.0]"))

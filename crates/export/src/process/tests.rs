@@ -178,3 +178,17 @@ fn rims_stand_on_the_sheet_as_what_the_design_assumes_and_no_longer_among_what_i
     assert!(text.contains("have to be measured"));
     assert_eq!(toml::from_str::<ProcessSheet>(&text).unwrap(), sheet);
 }
+
+#[test]
+fn a_mask_takes_one_burst_of_a_whole_cavity_at_a_time() {
+    let outline = Outline::Disc { diameter_m: 2e-3 };
+    let layout = Layout::new(Pattern::new(Planform::Square, 120e-6, 100e-6, 2e-6).unwrap(), outline).unwrap();
+    let mut input = input(Some(20e3));
+    input.laser =
+        Laser { depth_per_burst_um: Some(0.5), exposure: Some(crate::Exposure::Mask), spot_um: None, ..input.laser };
+    let work = ProcessSheet::new(&layout, input).unwrap().work;
+    assert_eq!((layout.cavities(), work.bursts_per_cavity), (57, Some(4)));
+    assert_eq!((work.spots_per_cavity, work.spots_on_specimen, &work.no_estimate_because), (None, None, &None));
+    assert_eq!(work.estimated_time_s, Some(57.0 * 4.0 / 20e3));
+    assert_eq!(work.estimated_time_formula, "cavities * bursts_per_cavity / repetition_hz");
+}

@@ -117,7 +117,7 @@
     const steps = depth => data.burst_um ? bursts(depth) : depth;
     return {
       at, values, face: share * data.face_over_period, peak: peakAt(at), chance: chance(values), bursts: bursts(at[2]),
-      minutes: laser ? laser.time_s / 60 * share / laser.areal_density * steps(at[2]) / steps(laser.depth_um) : null,
+      minutes: laser ? laser.time_s / 60 * share / laser.areal_density * (data.design[0] / at[0]) ** laser.width_power * steps(at[2]) / steps(laser.depth_um) : null,
     };
   };
   const broken = state => data.limits.filter(limit => {

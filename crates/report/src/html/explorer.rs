@@ -8,7 +8,7 @@ use slipgrid_design::optimize::{Bound, Quantity};
 use slipgrid_design::records::TargetReport;
 use slipgrid_design::{ConstraintQuantity, DesignOutcome, DesignReport, DesignTask, Explored, Explorer, KnownMaterial};
 use slipgrid_export::laser_time_s;
-use slipgrid_pattern::Pattern;
+use slipgrid_pattern::{Pattern, Planform};
 use slipgrid_results::{PatternReport, VERSION};
 use slipgrid_statistics::ResponseSurface;
 use slipgrid_units::{LENGTH_UM, tidy};
@@ -66,6 +66,19 @@ struct LaserData {
     time_s: f64,
     areal_density: f64,
     depth_um: f64,
+    /// Time goes as the share of cavities over their width to this power: 0 where spots tile them or lines fill them. A mask
+    /// takes as long for a large cavity as for a small one.
+    width_power: u8,
+}
+
+/// The power of the width by which cavities have more area, where a mask of `laser` exposes each as a whole; of crossing grooves as if
+/// they did not cross.
+const fn width_power(planform: Planform, is_mask: bool) -> u8 {
+    match planform {
+        _ if !is_mask => 0,
+        Planform::Square | Planform::Disc | Planform::Polygon => 2,
+        Planform::Groove | Planform::Crosshatch | Planform::Rectangle => 1,
+    }
 }
 
 /// Rims of other heights than the modelled.
@@ -205,6 +218,7 @@ impl Subject<'_> {
                 time_s: laser_time_s(&laid, &task.laser)?,
                 areal_density: pattern.areal_density(),
                 depth_um: LENGTH_UM.from_si(pattern.depth_m()),
+                width_power: width_power(pattern.planform(), task.laser.is_mask()),
             })
         });
         let face_over_period = self.face_over_period();

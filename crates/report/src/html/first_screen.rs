@@ -104,7 +104,8 @@ fn dimensions(page: &mut Page, report: &DesignReport, found: Option<&DesignOutco
         rows.push(("depth of all passes in the middle", um(removal.depth_um)));
         rows.push(("on average, with the edges", um(removal.mean_depth_um)));
     }
-    rows.extend(report.bursts.map(|bursts| ("bursts per spot", bursts.to_string())));
+    let where_burst = if report.laser.is_mask() { "bursts per cavity" } else { "bursts per spot" };
+    rows.extend(report.bursts.map(|bursts| (where_burst, bursts.to_string())));
     if let Some(laid) = found.and_then(|found| found.task.specimen.layout(found.pattern).ok()) {
         rows.push(("cavities on the specimen", laid.iter().count().to_string()));
         let time_s = laser_time_s(&laid, &report.laser);

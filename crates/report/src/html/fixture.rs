@@ -306,6 +306,7 @@ fn robustness(design: &PatternReport) -> RobustnessReport {
     };
     RobustnessReport {
         meaning: "of a mean".into(),
+        condition: None,
         method: "sampled".into(),
         inputs: vec![InputReport { name: "width".into(), std: vec![8.0], unit: "um".into(), basis: "b".into() }],
         with_material: Some(ScatterReport { probability: Some(0.5), ..samples.clone() }),

@@ -130,8 +130,9 @@ pub(super) fn robustness(page: &mut Page, found: &RobustnessReport) {
         page.paragraph(&format!("What samples made so do, by {drawn}"));
     } else {
         page.paragraph(&format!(
-            "Share of samples within the tolerance at all pressures, from tolerances alone, with the material as calibrated: {}, by {drawn} \
+            "Share of samples within the tolerance at {}, from tolerances alone, with the material as calibrated: {}, by {drawn} \
              After ± the binomial standard error.",
+            found.everywhere(),
             samples.share("±"),
         ));
     }
@@ -161,8 +162,10 @@ pub(super) fn robustness(page: &mut Page, found: &RobustnessReport) {
             ]
         })
         .collect();
+    let at = found.condition.as_ref();
+    let at = at.map_or_else(String::new, |words| format!(" Values are those at the condition designed for, {words}."));
     page.table(
-        "Bands hold 95 % of samples.",
+        &format!("Bands hold 95 % of samples.{at}"),
         &["P in MPa", "ratio: samples", "with material", "mu", "mu: with material"],
         &rows,
     );
