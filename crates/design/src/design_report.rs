@@ -6,7 +6,7 @@ use std::borrow::Cow;
 
 use serde::{Deserialize, Serialize};
 use slipgrid_export::{Laser, Removal};
-use slipgrid_optimize::Quantity;
+use slipgrid_optimize::{Goal, Quantity};
 use slipgrid_pattern::Pattern;
 use slipgrid_springblock::{Extent, Fidelity};
 
@@ -218,7 +218,9 @@ impl DesignReport {
         let verdict = |is_met, shows_nearest, words| Verdict { is_met, shows_nearest, words };
         if let Some(flat) = &self.flat {
             let name = if flat.suffices { "not a matter of patterns" } else { "not reachable" };
-            let then = "What follows is the pattern that lowers it least; cut none";
+            let is_raised = self.goal.as_ref().is_none_or(|goal| goal.goal == Goal::Highest.name());
+            let best = if is_raised { "pattern that lowers it least" } else { "best pattern found" };
+            let then = format!("What follows is the {best}; cut none");
             return verdict(false, false, format!("{target}{name}{scope}: {}. {then}", flat.words));
         }
         let is_confirmed = self.misfit.confirmed.is_some_and(|misfit| misfit <= 1.0);
