@@ -103,6 +103,9 @@ pub struct DesignReport {
     pub trade_offs: Option<TradeOffsReport>,
     /// Lowest and highest value among the designs tried that respect every constraint, at the condition designed for.
     pub reachable: Vec<ReachableReport>,
+    /// How many designs that is known of, where it is of those alone that were solved in space in the search that found the design.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub reachable_among: Option<usize>,
     /// Which limits and bounds keep designs from a target out of reach; null otherwise.
     pub explanation: Option<ExplanationReport>,
     /// Every design of a lattice beside the one found; null unless asked for.
