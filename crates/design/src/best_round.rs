@@ -25,6 +25,8 @@ pub struct Round {
     pub alternatives: Vec<Pattern>,
     /// What designs within bounds and limits reach.
     pub reachable: Vec<ReachableRange>,
+    /// How many designs that is known of: those that the search's model itself was asked of.
+    pub searched: usize,
     /// How the best design was chosen, where samples decided.
     pub choice: Option<RobustChoice>,
     /// What the best design was chosen from by its chance.

@@ -6,7 +6,7 @@ use std::borrow::Cow;
 
 use serde::{Deserialize, Serialize};
 use slipgrid_export::{Laser, Removal};
-use slipgrid_optimize::Quantity;
+use slipgrid_optimize::{Goal, Quantity};
 use slipgrid_pattern::Pattern;
 use slipgrid_springblock::{Extent, Fidelity};
 
@@ -103,6 +103,9 @@ pub struct DesignReport {
     pub trade_offs: Option<TradeOffsReport>,
     /// Lowest and highest value among the designs tried that respect every constraint, at the condition designed for.
     pub reachable: Vec<ReachableReport>,
+    /// How many designs that is known of, where it is of those alone that were solved in space in the search that found the design.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub reachable_among: Option<usize>,
     /// Which limits and bounds keep designs from a target out of reach; null otherwise.
     pub explanation: Option<ExplanationReport>,
     /// Every design of a lattice beside the one found; null unless asked for.
@@ -218,7 +221,9 @@ impl DesignReport {
         let verdict = |is_met, shows_nearest, words| Verdict { is_met, shows_nearest, words };
         if let Some(flat) = &self.flat {
             let name = if flat.suffices { "not a matter of patterns" } else { "not reachable" };
-            let then = "What follows is the pattern that lowers it least; cut none";
+            let is_raised = self.goal.as_ref().is_none_or(|goal| goal.goal == Goal::Highest.name());
+            let best = if is_raised { "pattern that lowers it least" } else { "best pattern found" };
+            let then = format!("What follows is the {best}; cut none");
             return verdict(false, false, format!("{target}{name}{scope}: {}. {then}", flat.words));
         }
         let is_confirmed = self.misfit.confirmed.is_some_and(|misfit| misfit <= 1.0);

@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 use slipgrid_optimize::{Demand, Goal, Quantity, Status, Wanted};
 
+use crate::constraint_quantities::ConstraintQuantity;
 use crate::multi_fidelity::MultiFidelityLoop;
 use crate::task::DesignTask;
 use slipgrid_results::fixed;
@@ -58,14 +59,10 @@ impl MultiFidelityLoop<'_> {
         let found = &self.round.best.as_ref()?.response.value;
         let list = |values: &[f64]| values.iter().map(|value| fixed(Some(*value), 4)).collect::<Vec<_>>().join(", ");
         let goes_up = |wanted: &Wanted, flat: f64| matches!(wanted, Wanted::Near { value, .. } if *value > flat);
-        let is_best = match target.goal() {
-            Some(Goal::Highest) => {
-                let (flat, found) = (target.goal_value(&flat)?, target.goal_value(found)?);
-                flat - found <= target.tolerance()
-            }
-            Some(Goal::Lowest | Goal::Even) => false,
-            None => asked(&flat).iter().all(|(point, flat)| goes_up(&point.wanted, *flat)),
-        };
+        if let Some(goal) = target.goal() {
+            return self.flat_is_better(design, goal, quantity, [&flat, found], &list);
+        }
+        let is_best = asked(&flat).iter().all(|(point, flat)| goes_up(&point.wanted, *flat));
         is_best.then(|| FlatReport {
             words: format!(
                 "the flat surface is the best: this model only lowers friction, the flat surface has a {quantity} of {}, and the search \
@@ -75,5 +72,47 @@ impl MultiFidelityLoop<'_> {
             ),
             suffices: true,
         })
+    }
+
+    /// What is to be said where the goal of `design` has a better value by the `flat` surface's values, which are accepted, than by
+    /// those `found`.
+    fn flat_is_better(
+        &self,
+        design: &DesignTask,
+        goal: Goal,
+        quantity: &str,
+        [flat, found]: [&[f64]; 2],
+        list: &dyn Fn(&[f64]) -> String,
+    ) -> Option<FlatReport> {
+        // A limit may ask for a pattern that does something.
+        if design.quantities.contains(&ConstraintQuantity::Effect) {
+            return None;
+        }
+        let [of_flat, of_found] = [design.target.goal_value(flat)?, design.target.goal_value(found)?];
+        let gain = if goal == Goal::Highest { of_flat - of_found } else { of_found - of_flat };
+        if gain <= 0.0 {
+            return None;
+        }
+        let words = if goal == Goal::Highest && gain <= design.target.tolerance() {
+            format!(
+                "the flat surface is the best: this model only lowers friction, the flat surface has a {quantity} of {}, and the search \
+                 ended at almost no pattern ({})",
+                list(flat),
+                list(found),
+            )
+        } else {
+            let of = match goal {
+                Goal::Highest | Goal::Lowest => format!("mean {quantity}"),
+                Goal::Even => format!("standard deviation of {quantity} over its mean"),
+            };
+            format!(
+                "the flat surface is better than the best pattern found: its {of} is {}, that of the pattern {} ({quantity} of {}, and of {})",
+                fixed(Some(of_flat), 4),
+                fixed(Some(of_found), 4),
+                list(flat),
+                list(found),
+            )
+        };
+        Some(FlatReport { words, suffices: true })
     }
 }

@@ -238,6 +238,7 @@ fn report_of(
         violations: best.found.violations.iter().map(ToString::to_string).collect(),
         sensitivities: slopes,
         robustness: spread,
+        reachable_among: Some(found.round.searched).filter(|_| found.model.is_spatial() && !reachable.is_empty()),
         reachable,
         alternatives: patterns(&found.round.alternatives),
         evaluations: found.evaluations,

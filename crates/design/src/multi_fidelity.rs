@@ -328,6 +328,7 @@ impl<'a> MultiFidelityLoop<'a> {
         self.failed_trials += outcome.failed_trials.len();
         self.round.alternatives = outcome.alternatives.iter().map(|candidate| candidate.design).collect();
         self.round.reachable.clone_from(&outcome.reachable);
+        self.round.searched = outcome.evaluations;
         Ok(outcome)
     }
 

@@ -31,7 +31,8 @@ pub struct ReachableReport {
 }
 
 /// What designs within bounds and limits reach at each pressure of the condition designed for; where the target is not met, of the
-/// design that was confirmed what its run gave, and with errors, as far as there is time: then they decide.
+/// design that was confirmed what its run gave, and with errors, as far as there is time: then they decide. Nothing where a target is met
+/// in space: there only designs near it are solved.
 ///
 /// # Errors
 /// [`DesignError::Material`] for an area law that cannot be moved.
@@ -42,6 +43,9 @@ pub(super) fn of_search(
     bar: &Stage<'_>,
 ) -> Result<Vec<ReachableReport>, DesignError> {
     let is_open = found.status != Status::Met;
+    if found.model.is_spatial() && !is_open {
+        return Ok(Vec::new());
+    }
     let known = material.at_loads(found.scene.area_law.as_ref(), &found.scene.loads, design.condition.as_ref())?;
     let std = |place: usize, pattern: &Pattern, value: f64| {
         if bar.cancelled() {

@@ -22,6 +22,12 @@ const MORE_ONCE_MET: usize = 2;
 /// and at those of lowest and highest value, where an extreme by the model itself is only as much beyond.
 const SETTLED: f64 = 0.1;
 const SETTLED_EXTREMES: f64 = 0.5;
+/// Of the designs at the ends of the widths and spacings whose value by the guide is as near to its extreme, relative to it, the
+/// shallowest are judged too: there the guide may have them in the wrong order.
+const NEAR_THE_EXTREME: f64 = 0.02;
+const SHALLOWEST: usize = 3;
+/// Depths at which these ends are looked at, at most.
+const MOST_DEPTHS: u64 = 32;
 /// The model's failure at a design holds within this distance, as a share of the bounds.
 const FAILURE_REACH: f64 = 0.02;
 
@@ -29,7 +35,8 @@ const FAILURE_REACH: f64 = 0.02;
 ///
 /// The whole space is searched along the guide, corrected by what is known of its differences from the model
 /// (`low_fidelity_correction`, which grows). The model then judges what this found: the best design, its alternatives and,
-/// where the target was out of reach, the designs of lowest and highest value; and the search begins again with
+/// where the target was out of reach, the designs of lowest and highest value, at the end also shallow ones with the widths and spacings
+/// of the bounds; and the search begins again with
 /// what that taught, until the model itself meets the target, or the corrected guide agrees with it at all
 /// these designs and still says that none does. The response of every design in the outcome is the model's own;
 /// `evaluations` counts its answers, `guide_evaluations` the designs that the guide was asked of, both limited
@@ -116,6 +123,16 @@ pub fn search_multi_fidelity(
             break;
         }
     }
+    if ending == Status::Unreachable && !judge.best().is_some_and(Candidate::meets_target) {
+        let correction = low_fidelity_correction.correction(&grid, target.values(), constraints.quantities.len());
+        let corrected = Corrected { guide: &guide, correction, grid: &grid, failures: &judge.failures };
+        let left = options.max_evaluations.saturating_sub(guide.len());
+        let mut designs = extremes(&corrected, target, constraints, left);
+        designs.retain(|design| !judge.archive.knows(design));
+        if let Err(Interruption::Error(error)) = judge.ask(designs) {
+            return Err(error);
+        }
+    }
     if judge.archive.records().is_empty() && ending == Status::Cancelled {
         return Err(SearchError::CancelledAtStart);
     }
@@ -127,6 +144,44 @@ pub fn search_multi_fidelity(
     };
     let outcome = summary::outcome(&judge.archive, &grid, target, status)?;
     Ok(SearchOutcome { guide_evaluations: guide.len(), ..outcome })
+}
+
+/// Of the designs at the ends of the widths and spacings, at every depth, those that `corrected` says to have the lowest and highest
+/// values at each point of `target`, and the shallowest of those whose values are hardly different, as far as they respect
+/// `constraints`; none where there are more than `most`.
+fn extremes(corrected: &Corrected<'_>, target: &Target, constraints: &Constraints, most: usize) -> Vec<Pattern> {
+    let count = corrected.grid.values(2).min(MOST_DEPTHS);
+    let mut designs: Vec<Pattern> = Vec::new();
+    for ends in [[0.0, 0.0], [0.0, 1.0], [1.0, 0.0], [1.0, 1.0]] {
+        let at = |step| corrected.grid.design(&[ends[0], ends[1], corrected.grid.spread(2, step, count)]);
+        for design in (0..count).filter_map(at) {
+            if !designs.contains(&design) {
+                designs.push(design);
+            }
+        }
+    }
+    if designs.len() > most {
+        return Vec::new();
+    }
+    let answer = |design: &Pattern| {
+        let response = corrected.respond(design).ok()?;
+        constraints.violations(design, &response).is_empty().then_some((*design, response))
+    };
+    let mut answered: Vec<(Pattern, Response)> = designs.par_iter().filter_map(answer).collect();
+    answered.sort_by(|(left, _), (right, _)| left.depth_m().total_cmp(&right.depth_m()));
+    let mut found: Vec<Pattern> = Vec::new();
+    for (point, side) in (0..target.points().len()).flat_map(|point| [(point, 1.0), (point, -1.0)]) {
+        let height = |(_, response): &(Pattern, Response)| side * response.value[point];
+        let Some(extreme) = answered.iter().min_by(|a, b| height(a).total_cmp(&height(b))) else { continue };
+        let limit = height(extreme) + NEAR_THE_EXTREME * height(extreme).abs();
+        let shallow = answered.iter().filter(|of| height(of) <= limit).take(SHALLOWEST);
+        for (design, _) in std::iter::once(extreme).chain(shallow) {
+            if !found.contains(design) {
+                found.push(*design);
+            }
+        }
+    }
+    found
 }
 
 /// Largest difference of two responses' values.

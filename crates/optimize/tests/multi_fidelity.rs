@@ -81,6 +81,44 @@ fn what_is_out_of_reach_is_said_with_the_models_own_range() {
 }
 
 #[test]
+fn where_nothing_is_in_reach_shallow_cavities_at_the_bounds_are_judged_by_the_model_itself() {
+    // To the guide depths beyond a few micrometres do little more; to the model those of two bursts do most.
+    let flattened = |design: &Pattern| {
+        let mut response = respond(design)?;
+        let share = 1.0 - (-design.depth_m() / 0.8e-6).exp();
+        for (value, does) in response.value.iter_mut().zip([0.1, 0.2, 0.3, 0.4]) {
+            *value = 1.0 - does * share * design.section_density() - 1e-4 * design.depth_m() * 1e6;
+        }
+        Ok::<_, ModelFailure>(response)
+    };
+    let model = |design: &Pattern| {
+        let mut response = flattened(design)?;
+        let more = 0.01 * (-((design.depth_m() * 1e6 - 5.2) / 2.0).powi(2)).exp();
+        response.value.iter_mut().for_each(|value| *value -= more);
+        Ok::<_, ModelFailure>(response)
+    };
+    let (wanted, constraints) = (target([0.05; 4]), bursts(2.6));
+    let mut correction = LowFidelityCorrection::new();
+    let options = seeded(1);
+    let outcome = search_multi_fidelity(
+        &wanted,
+        &space(),
+        &constraints,
+        &options,
+        &model,
+        &flattened,
+        &mut correction,
+        &Unwatched,
+    )
+    .unwrap();
+    assert_eq!(outcome.status, Status::Unreachable);
+    let shallow = design(400.0, 40.0, 5.2);
+    let last = &outcome.reachable[3];
+    let least = model(&shallow).unwrap().value[3];
+    assert!(last.lowest <= least + 1e-9, "{} {least} {:?}", last.lowest, last.lowest_design);
+}
+
+#[test]
 fn a_limit_that_the_guide_takes_too_lightly_binds_where_the_model_says() {
     let wanted = target_of(&design(130.0, 370.0, 20.0));
     let alone = run(&wanted, &peak(4.5), &seeded(1));

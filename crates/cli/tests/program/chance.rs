@@ -132,6 +132,9 @@ fn the_choice_is_the_same_on_two_threads() {
 fn a_target_above_the_flat_surface_is_not_answered_by_a_pattern() {
     let place = Place::with(&[
         ("above.toml", &design("value = 1.2\ntolerance = 0.03", "")),
+        ("high.toml", &design("goal = \"highest\"", "")),
+        ("even.toml", &design("goal = \"even\"", "").replace("pressure_mpa = [2.6]", "pressure_mpa = [1.3, 2.6]")),
+        ("beside.toml", &design("goal = \"highest\"\nhighest = 0.93", "")),
         (
             "highest.toml",
             &design("goal = \"highest\"", "")
@@ -146,6 +149,19 @@ fn a_target_above_the_flat_surface_is_not_answered_by_a_pattern() {
     assert_eq!(found["flat"]["suffices"], false);
     let page = fs::read_to_string(place.path("out/above/report.html")).unwrap();
     assert!(page.contains("this model only lowers friction"));
+    // However far the best pattern is from it; a ratio of the flat surface is 1 at every pressure.
+    let (told, found) = optimize(&place, "high.toml", 3);
+    let said =
+        "the flat surface is better than the best pattern found: its mean ratio is 1.0000, that of the pattern 0.";
+    assert!(told.contains(said) && told.contains("the pattern that lowers it least; cut none"), "{told}");
+    assert_eq!(found["status"], "flat_is_best");
+    let (told, found) = optimize(&place, "even.toml", 3);
+    let said = "better than the best pattern found: its standard deviation of ratio over its mean is 0.0000, that of the pattern 0.";
+    assert!(told.contains(said) && told.contains("the best pattern found; cut none"), "{told}");
+    assert_eq!(found["status"], "flat_is_best");
+    // The flat surface does not do what is demanded beside the goal.
+    let (_, found) = optimize(&place, "beside.toml", 0);
+    assert_eq!((&found["status"], &found["flat"]), (&Value::from("met"), &Value::Null));
     let (told, found) = optimize(&place, "highest.toml", 3);
     assert!(told.contains("the flat surface is the best") && !told.contains("best found"), "{told}");
     assert_eq!((&found["status"], &found["flat"]["suffices"]), (&Value::from("flat_is_best"), &Value::from(true)));

@@ -136,10 +136,14 @@ impl DesignReport {
     /// Why a target is not met, what designs reach, and the table of all of them.
     fn out_of_reach(&self) -> String {
         let mut text = String::new();
+        let who = match self.reachable_among {
+            Some(count) => format!("among the {count} designs solved in space those within bounds and limits"),
+            None => "designs within bounds and limits".to_owned(),
+        };
         for range in self.reachable.iter().filter(|_| self.status != "met") {
             let _ = writeln!(
                 text,
-                "  at {} MPa designs within bounds and limits reach {} to {}{}",
+                "  at {} MPa {who} reach {} to {}{}",
                 range.pressure_mpa,
                 with_error(range.lowest, range.lowest_std, 4),
                 with_error(range.highest, range.highest_std, 4),

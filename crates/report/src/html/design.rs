@@ -255,8 +255,11 @@ fn search(page: &mut Page, report: &DesignReport) {
         report.failed_trials,
         report.seed
     ));
+    let tried = report
+        .reachable_among
+        .map_or_else(|| "designs tried".to_owned(), |count| format!("{count} designs solved in space"));
     page.records(
-        "Lowest and highest value among the designs tried that respect every constraint.",
+        &format!("Lowest and highest value among the {tried} that respect every constraint."),
         &report.reachable,
         &[
             ("P in MPa", |range| plain(range.pressure_mpa)),
