@@ -83,7 +83,8 @@ impl Map {
             decimal_comma,
             ..ReadOptions::NONE
         };
-        let read = py.detach(|| open(&disk(), &path, &options, &Unwatched)).map_err(|error| refused::input(py, &error))?;
+        let read =
+            py.detach(|| open(&disk(), &path, &options, &Unwatched)).map_err(|error| refused::input(py, &error))?;
         Ok(Self { read, path })
     }
 
@@ -203,7 +204,8 @@ impl Map {
 impl Map {
     fn measure(&self, how: Preparation) -> Result<String, slipgrid::formats::Diagnostic> {
         let plain = |reason: String| slipgrid::formats::Diagnostic::file(&self.path, reason);
-        let surface = PreparedMap::new(self.read.clone(), how, &Unwatched).map_err(|error| refuse(&self.path, &error))?;
+        let surface =
+            PreparedMap::new(self.read.clone(), how, &Unwatched).map_err(|error| refuse(&self.path, &error))?;
         let map = &surface.map;
         let (sides, window) =
             if surface.period { (Sides::Periodic, SpectrumWindow::None) } else { (Sides::Open, SpectrumWindow::Hann) };
