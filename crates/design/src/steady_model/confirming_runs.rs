@@ -1,0 +1,70 @@
+//! What confirming runs say of the model.
+
+use slipgrid_optimize::{Candidate, ForwardModel};
+use slipgrid_pattern::Pattern;
+use slipgrid_springblock::{LoadOutcome, Simulation};
+
+use super::SteadyModel;
+use crate::confirmation::trusted;
+use crate::task::DesignTask;
+
+impl SteadyModel<'_> {
+    /// Takes the difference between `confirmed` and what the search took for `predicted` as the model's error at every
+    /// design, and returns the largest change of it at the confirmed `design`. Values, one per load of each condition, that either
+    /// has not keep their correction.
+    pub fn correct(&mut self, design: &Pattern, predicted: &[f64], confirmed: &[Option<f64>]) -> f64 {
+        let mut largest = 0.0_f64;
+        let (factors, each) = (self.factors(design), predicted.iter().zip(confirmed));
+        for ((correction, factor), (predicted, confirmed)) in self.correction.iter_mut().zip(factors).zip(each) {
+            if let Some(confirmed) = confirmed {
+                largest = largest.max((confirmed - predicted).abs());
+                *correction += (confirmed - predicted) / factor;
+            }
+        }
+        largest
+    }
+
+    /// The target's quantity by a confirming run of `design` at the condition of place `condition` as it is compared with the
+    /// target, absent where it gave none that can be trusted.
+    #[must_use]
+    pub fn confirmed(&self, design: &Pattern, condition: usize, simulation: &Simulation) -> Vec<Option<f64>> {
+        let value = |load: &LoadOutcome| {
+            let value = if self.flat_mu.is_some() { load.surface.mu_dynamic } else { load.ratio };
+            value.filter(|_| trusted(load))
+        };
+        let factors = self.factors(design);
+        let own = &factors[condition * self.scene.loads.len()..];
+        simulation.loads.iter().zip(own).map(|(load, factor)| Some(value(load)? * factor)).collect()
+    }
+
+    /// What the steady model makes of the values `first` of `design` confirmed at the condition designed for at that of place
+    /// `condition`, which the search took for `predicted`: its ratio is off by as much as there.
+    #[must_use]
+    pub fn about(
+        &self,
+        design: &Pattern,
+        condition: usize,
+        predicted: &[f64],
+        first: &[Option<f64>],
+    ) -> Vec<Option<f64>> {
+        let (count, scales) = (self.scene.loads.len(), self.scales(design));
+        let at = |(place, confirmed): (usize, &Option<f64>)| {
+            let own = condition * count + place;
+            // v + s dr, dr = (v_1 - predicted v_1) / s_1
+            Some(predicted[own] + ((*confirmed)? - predicted[place]) * scales[own] / scales[place])
+        };
+        first.iter().enumerate().map(at).collect()
+    }
+
+    /// `candidate` by the model as it stands: confirming runs may have corrected it since.
+    #[must_use]
+    pub fn judged(&self, design: &DesignTask, candidate: &Candidate) -> Candidate {
+        let Ok(response) = self.respond(&candidate.design) else { return candidate.clone() };
+        Candidate {
+            design: candidate.design,
+            misfit: design.target.misfit(&response.value),
+            violations: design.constraints.violations(&candidate.design, &response),
+            response,
+        }
+    }
+}
