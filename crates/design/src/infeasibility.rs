@@ -17,7 +17,7 @@ use crate::task::DesignTask;
 use crate::timings::Timings;
 use slipgrid_monitor::{Monitor, Stage};
 use slipgrid_results::{PatternReport, length_in_words};
-use slipgrid_units::{LENGTH_UM, tidy};
+use slipgrid_units::{LENGTH_UM, significant, tidy};
 
 /// Bisections of a limit whose relaxing suffices: it is then known to a thirtieth of its change.
 const HALVINGS: usize = 5;
@@ -317,7 +317,8 @@ impl ExplanationReport {
 impl ReliefReport {
     fn words(&self, missed: f64) -> String {
         let unit = if self.unit.is_empty() { String::new() } else { format!(" {}", self.unit) };
-        let change = format!("with {} {}{unit} instead of {}{unit}", self.what, short(self.relaxed), self.limit);
+        let change =
+            format!("with {} {}{unit} instead of {}{unit}", self.what, significant(self.relaxed, 4), self.limit);
         let design = lengths(&self.nearest.design);
         if self.suffices {
             format!("{change} the search's model meets the target, which no run in time has confirmed: {design}")
@@ -328,11 +329,6 @@ impl ReliefReport {
             )
         }
     }
-}
-
-/// Four significant digits.
-fn short(value: f64) -> f64 {
-    format!("{value:.3e}").parse().unwrap_or(value)
 }
 
 fn lengths(design: &PatternReport) -> String {

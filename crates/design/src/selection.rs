@@ -16,7 +16,7 @@ use crate::multi_fidelity::MultiFidelityLoop;
 use crate::task::DesignTask;
 use crate::time_budget::SEARCH_SHARE;
 use crate::timings::Timings;
-use slipgrid_units::tidy;
+use slipgrid_units::{significant, tidy};
 
 /// Draws that designs are compared by.
 const DRAWS: usize = 4000;
@@ -211,10 +211,10 @@ impl Chosen {
             "chosen of {} designs on target by the model: it has the least {effort}, {} {unit}, of those whose chance{} is within \
              {:.1} % of the greatest by the steady model; the likeliest of all takes {} {unit}",
             pool.len(),
-            three(chosen.effort),
+            significant(chosen.effort, 3),
             if is_weighed { " to be confirmed in time and then on target" } else { "" },
             100.0 * self.selection.alike,
-            three(greatest.effort),
+            significant(greatest.effort, 3),
         );
         Some(SelectionReport {
             words,
@@ -228,9 +228,4 @@ impl Chosen {
             effort_of_greatest_chance: tidy(greatest.effort),
         })
     }
-}
-
-/// Three significant digits.
-fn three(value: f64) -> f64 {
-    format!("{value:.2e}").parse().unwrap_or(value)
 }

@@ -12,7 +12,7 @@ use super::values::{Number, NumberList, number};
 use crate::diagnostic::Diagnostic;
 use slipgrid_export::{AT_THE_RIM, Specimen};
 use slipgrid_results::SpecimenReport;
-use slipgrid_units::{LENGTH_MM, LENGTH_UM, POSITIVE, WALL_TAPER_DEG};
+use slipgrid_units::{LENGTH_MM, LENGTH_UM, POSITIVE, WALL_TAPER_DEG, significant};
 
 /// The laser as a design writes it.
 #[derive(Clone, Debug, Deserialize)]
@@ -154,11 +154,11 @@ fn unlike_spot(document: &Document, table: &Spanned<LaserFile>, error: &ExportEr
             // Rounded to where the limits still hold.
             let least_hz = in_steps(repetition_hz * pulse_um / spot_um * (1.0 - EXACT), f64::ceil);
             let most_mm_s = in_steps(speed_mm_s * spot_um / pulse_um * (1.0 + EXACT), f64::floor);
-            let apart = format!("pulses {} um apart on a spot of {spot_um} um", rounded(pulse_um));
+            let apart = format!("pulses {} um apart on a spot of {spot_um} um", significant(pulse_um, 4));
             let either = format!("repetition_hz of at least {least_hz}, or speed_mm_s of at most {most_mm_s}");
             // Lasers pulse thousands of times a second.
             if repetition_hz < KILO && repetition_hz * KILO >= least_hz {
-                let meant = rounded(repetition_hz * KILO);
+                let meant = significant(repetition_hz * KILO, 4);
                 document
                     .refuse(repetition.span(), format!("Hz at speed_mm_s = {speed_mm_s} sets {apart}"))
                     .expected(format!("{either}; if {repetition_hz} kHz are meant, repetition_hz = {meant}"))
@@ -176,15 +176,10 @@ const KILO: f64 = 1e3;
 /// Share of a number that is forgiven as rounding.
 const EXACT: f64 = 1e-9;
 
-/// To four digits.
-fn rounded(value: f64) -> f64 {
-    format!("{value:.3e}").parse().unwrap_or(value)
-}
-
 /// To three digits, up with `to` = `f64::ceil`, down with `f64::floor`.
 fn in_steps(value: f64, to: fn(f64) -> f64) -> f64 {
     let unit = 10_f64.powf(value.log10().floor() - 2.0);
-    rounded(to(value / unit) * unit)
+    significant(to(value / unit) * unit, 4)
 }
 
 const EXPOSURES: [Exposure; 2] = [Exposure::Hatch, Exposure::Mask];
@@ -320,7 +315,7 @@ pub fn check_fits(
                     "cavities of this width"
                 };
                 let [extent_mm, needed_mm] = [
-                    rounded(LENGTH_MM.from_si(extent_m)),
+                    significant(LENGTH_MM.from_si(extent_m), 4),
                     in_steps(LENGTH_MM.from_si(needed_m) * (1.0 - EXACT), f64::ceil),
                 ];
                 return Err(document

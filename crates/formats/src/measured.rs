@@ -6,7 +6,7 @@ use slipgrid_calibrate::{Measurement, StaticPeak};
 
 use crate::diagnostic::Diagnostic;
 use crate::plausible::{FORCE, FRICTION, PRESSURE, RATIO, RELATIVE_DEVIATION, SPEED, STRAIN};
-use slipgrid_units::{PRESSURE_MPA, SPEED_MM_S, tidy};
+use slipgrid_units::{PRESSURE_MPA, SPEED_MM_S, significant, tidy};
 
 /// Values that differ by less than this part are the same.
 const SAME: f64 = 1e-9;
@@ -158,7 +158,7 @@ fn low_force(rows: &[Placed], specimens: &Specimens) -> Option<Diagnostic> {
     let reason = format!(
         "is the greatest of its table and presses the specimen with {} MPa, less than the {LOW_PRESSURE_MPA} MPa from which on most samples \
          are measured; {slip}",
-        rounded(pressure_mpa)
+        significant(pressure_mpa, 3)
     );
     Some(Diagnostic { reason, ..row.at("force_n", force_n) })
 }
@@ -173,11 +173,6 @@ fn low_speed(rows: &[Placed]) -> Option<Diagnostic> {
         "is the greatest of its table, less than the {LOW_SPEED_MM_S} mm/s from which on most samples are measured; {slip}"
     );
     Some(Diagnostic { reason, ..row.at("speed_mm_s", speed_mm_s) })
-}
-
-/// A number with three digits.
-fn rounded(value: f64) -> f64 {
-    format!("{value:.2e}").parse().unwrap_or(value)
 }
 
 /// Names the `rows` of a patterned sample at whose force, speed and humidity none of the `flat` samples was measured: they have no ratio

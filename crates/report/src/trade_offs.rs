@@ -4,6 +4,7 @@ use slipgrid_design::{Compared, TradeOffGoal};
 use slipgrid_optimize::TradeOff;
 use slipgrid_pattern::Pattern;
 use slipgrid_results::PatternReport;
+use slipgrid_units::significant;
 
 use crate::charts::{ChartError, TradeOffsChart, trade_offs as draw};
 
@@ -33,7 +34,7 @@ pub fn csv(compared: &Compared, chosen: &Pattern) -> String {
 
 /// Six significant digits.
 fn rounded(value: f64) -> String {
-    format!("{value:.5e}").parse::<f64>().map_or_else(|_| value.to_string(), |rounded| rounded.to_string())
+    significant(value, 6).to_string()
 }
 
 /// The designs in the plane of their goals, or in several where there are three; the design called `name` and chosen among

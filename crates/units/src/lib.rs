@@ -171,7 +171,13 @@ pub const POSITIVE: Quantity = Quantity::new(Scale::Times(1.0), "", 0.0, true, 1
 /// `value` to 12 significant digits: what unit conversion left behind is gone.
 #[must_use]
 pub fn tidy(value: f64) -> f64 {
-    if value.is_finite() { format!("{value:.11e}").parse().unwrap_or(value) } else { value }
+    significant(value, 12)
+}
+
+/// `value` to so many significant digits.
+#[must_use]
+pub fn significant(value: f64, digits: usize) -> f64 {
+    if value.is_finite() { format!("{value:.*e}", digits.saturating_sub(1)).parse().unwrap_or(value) } else { value }
 }
 
 #[cfg(test)]
