@@ -2,7 +2,7 @@
 
 use std::fmt::Debug;
 
-use slipgrid_monitor::{Monitor, recalled};
+use slipgrid_monitor::{Monitor, memory, recalled};
 
 /// Numbers of a node, as many at each; `None` where there is no answer.
 pub type Node = Option<Vec<f64>>;
@@ -26,14 +26,15 @@ fn to_bytes(nodes: &[Node]) -> Option<Vec<u8>> {
         return None;
     }
     let missing = vec![f64::NAN; length];
-    let numbers = nodes.iter().flat_map(|node| node.as_ref().unwrap_or(&missing));
-    Some((length as u64).to_le_bytes().into_iter().chain(numbers.flat_map(|number| number.to_le_bytes())).collect())
+    let numbers = nodes.iter().flat_map(|node| node.as_ref().unwrap_or(&missing).iter());
+    // At most some millions: the cast is exact.
+    Some(memory::to_bytes([length as f64].iter().chain(numbers)))
 }
 
 fn from_bytes(bytes: &[u8]) -> Option<Vec<Node>> {
-    let (length, bytes) = bytes.split_first_chunk::<8>()?;
-    let length = usize::try_from(u64::from_le_bytes(*length)).ok().filter(|length| *length > 0)?;
-    let numbers: Vec<f64> = bytes.as_chunks::<8>().0.iter().map(|bytes| f64::from_le_bytes(*bytes)).collect();
+    let all = memory::from_bytes(bytes);
+    let (length, numbers) = all.split_first()?;
+    let length = Some(*length as usize).filter(|length| *length > 0)?;
     let node = |numbers: &[f64]| (!numbers[0].is_nan()).then(|| numbers.to_vec());
     Some(numbers.chunks_exact(length).map(node).collect())
 }

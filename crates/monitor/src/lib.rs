@@ -23,7 +23,7 @@
 //! ```
 
 mod heeding;
-mod memory;
+pub mod memory;
 
 pub use heeding::Heeding;
 pub use memory::{InMemory, Key, Memory, recalled};

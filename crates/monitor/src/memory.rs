@@ -88,6 +88,17 @@ pub fn recalled<T>(
     result
 }
 
+/// `numbers` as they are kept, to the last bit.
+pub fn to_bytes<'a>(numbers: impl IntoIterator<Item = &'a f64>) -> Vec<u8> {
+    numbers.into_iter().flat_map(|number| number.to_le_bytes()).collect()
+}
+
+/// The numbers that [`to_bytes`] made `bytes` of.
+#[must_use]
+pub fn from_bytes(bytes: &[u8]) -> Vec<f64> {
+    bytes.as_chunks::<8>().0.iter().map(|bytes| f64::from_le_bytes(*bytes)).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

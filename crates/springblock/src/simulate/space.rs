@@ -1,6 +1,7 @@
 //! The cell in space, in steady sliding and in time: which lattices, what runs on them, what is said.
 
 use rayon::prelude::*;
+use slipgrid_monitor::{memory, recalled};
 use slipgrid_pattern::Pattern;
 
 use super::{
@@ -104,14 +105,11 @@ fn discretization_error(
     };
     let content = (SteadyCell::in_dimensions(scene, 3), pattern, own);
     let known = |bytes: &[u8]| {
-        let errors: Vec<f64> = bytes.as_chunks::<8>().0.iter().map(|bytes| f64::from_le_bytes(*bytes)).collect();
+        let errors = memory::from_bytes(bytes);
         (errors.len() == own.len()).then_some(Some(errors))
     };
-    let kept = |errors: &Option<Vec<f64>>| {
-        let errors = errors.as_ref().filter(|_| !monitor.cancelled())?;
-        Some(errors.iter().flat_map(|error| error.to_le_bytes()).collect())
-    };
-    slipgrid_monitor::recalled(monitor, ("blocks", &content), (known, kept), estimate)
+    let kept = |errors: &Option<Vec<f64>>| Some(memory::to_bytes(errors.as_ref().filter(|_| !monitor.cancelled())?));
+    recalled(monitor, ("blocks", &content), (known, kept), estimate)
 }
 
 /// Dynamic runs of the cell of `pattern` and of a flat one.
