@@ -86,26 +86,32 @@ impl ReliefMap {
     pub fn along(self, pattern: &Pattern) -> Result<Self, PatternError> {
         if pattern.is_uniform_along_y() {
             let own = if self.variation(1) > self.variation(0) { self.turned() } else { self };
-            own.refuse_exchanged(pattern)?;
-            return if own.has_cavity_of(pattern) {
+            return if own.is_accepted(pattern)? {
                 Ok(own)
             } else {
                 Err(PatternError::ReliefElsewhere { across: false })
             };
         }
-        self.refuse_exchanged(pattern)?;
-        if self.has_cavity_of(pattern) {
+        if self.is_accepted(pattern)? {
             return Ok(self);
         }
         Err(PatternError::ReliefElsewhere { across: self.turned().has_cavity_of(pattern) })
     }
 
-    /// Refuses a pattern whose width and spacing are exchanged.
-    fn refuse_exchanged(&self, pattern: &Pattern) -> Result<(), PatternError> {
-        if self.is_exchanged(pattern) {
-            return Err(PatternError::ReliefExchanged { width_m: pattern.width_m(), spacing_m: pattern.spacing_m() });
+    /// Whether the map's cavity, if it has one, is that of `pattern`; refused where it is rather that of the pattern with its width and its
+    /// spacing exchanged.
+    fn is_accepted(&self, pattern: &Pattern) -> Result<bool, PatternError> {
+        let Some(own) = self.overlap(pattern) else { return Ok(true) };
+        let [width_m, spacing_m] = [pattern.width_m(), pattern.spacing_m()];
+        if own.misfit() > EXCHANGED_MISFIT
+            && let Ok(exchanged) = Pattern::new(*pattern.texture(), spacing_m, width_m, pattern.depth_m())
+            && let Some(other) = self.overlap(&exchanged)
+            && other.is_one_cavity()
+            && other.misfit() < 0.5 * own.misfit()
+        {
+            return Err(PatternError::ReliefExchanged { width_m, spacing_m });
         }
-        Ok(())
+        Ok(own.is_one_cavity())
     }
 
     /// Mean square of what the mean heights of lines across `axis` differ by from the mean height, in square metres.
@@ -123,16 +129,6 @@ impl ReliefMap {
     /// Whether the map's cavity, if it has one, and that of `pattern` hold each other's greater part.
     fn has_cavity_of(&self, pattern: &Pattern) -> bool {
         self.overlap(pattern).is_none_or(Overlap::is_one_cavity)
-    }
-
-    /// Whether the map's cavity is that of `pattern` with its width and its spacing exchanged, rather than its own.
-    fn is_exchanged(&self, pattern: &Pattern) -> bool {
-        let Ok(exchanged) = Pattern::new(*pattern.texture(), pattern.spacing_m(), pattern.width_m(), pattern.depth_m())
-        else {
-            return false;
-        };
-        let (Some(own), Some(other)) = (self.overlap(pattern), self.overlap(&exchanged)) else { return false };
-        other.is_one_cavity() && own.misfit() > EXCHANGED_MISFIT && other.misfit() < 0.5 * own.misfit()
     }
 
     /// How the map's cavity lies on that of `pattern`; `None` where it has none.
