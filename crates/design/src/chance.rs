@@ -21,7 +21,8 @@ use slipgrid_pattern::Pattern;
 use slipgrid_springblock::Scene;
 
 pub use self::accepted::{Accepted, Gain};
-use self::inputs::{Parts, diagonal, of_dimensions, percent, rms};
+pub(crate) use self::inputs::diagonal;
+use self::inputs::{Parts, of_dimensions, percent, rms};
 pub use self::numerical::Numerical;
 use crate::DesignError;
 use crate::learned_discrepancy::LearnedDiscrepancy;

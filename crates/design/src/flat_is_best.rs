@@ -63,15 +63,7 @@ impl MultiFidelityLoop<'_> {
             return self.flat_is_better(design, goal, quantity, [&flat, found], &list);
         }
         let is_best = asked(&flat).iter().all(|(point, flat)| goes_up(&point.wanted, *flat));
-        is_best.then(|| FlatReport {
-            words: format!(
-                "the flat surface is the best: this model only lowers friction, the flat surface has a {quantity} of {}, and the search \
-                 ended at almost no pattern ({})",
-                list(&flat),
-                list(found),
-            ),
-            suffices: true,
-        })
+        is_best.then(|| FlatReport { words: almost_flat(quantity, &list(&flat), &list(found)), suffices: true })
     }
 
     /// What is to be said where the goal of `design` has a better value by the `flat` surface's values, which are accepted, than by
@@ -94,12 +86,7 @@ impl MultiFidelityLoop<'_> {
             return None;
         }
         let words = if goal == Goal::Highest && gain <= design.target.tolerance() {
-            format!(
-                "the flat surface is the best: this model only lowers friction, the flat surface has a {quantity} of {}, and the search \
-                 ended at almost no pattern ({})",
-                list(flat),
-                list(found),
-            )
+            almost_flat(quantity, &list(flat), &list(found))
         } else {
             let of = match goal {
                 Goal::Highest | Goal::Lowest => format!("mean {quantity}"),
@@ -115,4 +102,12 @@ impl MultiFidelityLoop<'_> {
         };
         Some(FlatReport { words, suffices: true })
     }
+}
+
+/// What is said where the values `found` are hardly those of the `flat` surface.
+fn almost_flat(quantity: &str, flat: &str, found: &str) -> String {
+    format!(
+        "the flat surface is the best: this model only lowers friction, the flat surface has a {quantity} of {flat}, and the search ended \
+         at almost no pattern ({found})"
+    )
 }

@@ -10,7 +10,7 @@ use slipgrid_pattern::Pattern;
 use slipgrid_springblock::{Load, LoadOutcome, Scene, Simulation};
 
 use crate::DesignError;
-use crate::chance::RIM_HEIGHT;
+use crate::chance::{RIM_HEIGHT, diagonal};
 use crate::operating_conditions::{Further, Setting};
 use crate::robust_search::RobustChoice;
 use crate::robustness_report::{
@@ -321,20 +321,6 @@ fn confirmed_everywhere(request: &Request<'_>, loads: &[Load], run: &[(f64, f64)
         own_run.unwrap_or((steady[own] + ratio - steady[first], flat_mu * dynamic(own) / dynamic(first)))
     };
     run.iter().copied().chain((count..loads.len()).map(at)).collect()
-}
-
-/// Blocks along the diagonal.
-fn diagonal(blocks: &[Covariance]) -> Covariance {
-    let count = blocks.iter().map(Vec::len).sum();
-    let mut all = vec![vec![0.0; count]; count];
-    let mut first = 0;
-    for block in blocks {
-        for (row, entries) in block.iter().enumerate() {
-            all[first + row][first..first + block.len()].copy_from_slice(entries);
-        }
-        first += block.len();
-    }
-    all
 }
 
 /// Whether anything is demanded that a sample could miss.

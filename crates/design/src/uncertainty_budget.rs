@@ -37,6 +37,7 @@ pub fn of_design(
 ) -> Result<DesignErrors, DesignError> {
     let known = material.at_loads(scene.area_law.as_ref(), &scene.loads, design.condition.as_ref())?;
     let slopes = Slopes::new(scene, &known);
+    let is_ratio = design.target.quantity() == Quantity::Ratio;
     let factor = |place: usize| lacking.map_or(1.0, |all| all[place].factor);
     let rows = |knowledge: &InputUncertainty| {
         let solved = Solved { scene, simulation: confirmed, knowledge, slopes: &slopes };
@@ -44,23 +45,18 @@ pub fn of_design(
         for (place, (row, value)) in rows.iter_mut().zip(predicted).enumerate() {
             let factor = if knowledge.discrepancy.is_some() { 1.0 } else { factor(place) };
             let value = value / factor;
-            let run = match design.target.quantity() {
-                Quantity::Ratio => row.ratio.clone(),
-                Quantity::DynamicFriction => Some(row.mu.clone()),
-            };
-            row.predicted = Some(if let Some((run, confirmed)) = run.and_then(|run| Some((run.clone(), run.value?))) {
-                run.about(value).and(OFF_THE_RUN, (confirmed - value).abs())
-            } else {
-                let of = solved.deviations(place).map(|of| match design.target.quantity() {
-                    Quantity::Ratio => of.ratio,
-                    Quantity::DynamicFriction => of.mu,
-                });
-                ErrorReport::new(Some(value), Vec::new(), of.as_ref())
+            let run = if is_ratio { row.ratio.clone() } else { Some(row.mu.clone()) };
+            row.predicted = Some(match run.as_ref().and_then(|run| run.value).zip(run) {
+                Some((confirmed, run)) => run.about(value).and(OFF_THE_RUN, (confirmed - value).abs()),
+                None => {
+                    let of = solved.deviations(place).map(|of| if is_ratio { of.ratio } else { of.mu });
+                    ErrorReport::new(Some(value), Vec::new(), of.as_ref())
+                }
             });
             if let Some(std) = rim_std.and_then(|all| all.get(place)) {
                 let times = knowledge.discrepancy.as_ref().map_or(1.0, |all| all[place].factor);
                 let flat_mu = confirmed.loads[place].flat.as_ref().and_then(|flat| flat.mu_dynamic);
-                with_rim(row, times * std, flat_mu, design.target.quantity() == Quantity::Ratio);
+                with_rim(row, times * std, flat_mu, is_ratio);
             }
         }
         rows

@@ -45,8 +45,8 @@ pub struct WorkSheet {
     /// How it follows.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub depth_step_formula: Option<String>,
-    /// Bursts per cavity (on each of its spots, or on the whole cavity with a mask): depth over depth per burst, to the nearest whole; absent where passes over
-    /// lines give the depth.
+    /// Bursts per cavity (on each of its spots, or on the whole cavity with a mask): depth over depth per burst, to the nearest
+    /// whole; absent where passes over lines give the depth.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub bursts_per_cavity: Option<u32>,
     /// Depth that those bursts give, in um.

@@ -8,7 +8,7 @@ use slipgrid_calibrate::{
 };
 use slipgrid_design::KnownMaterial;
 use slipgrid_material::{Material, Provenance};
-use slipgrid_monitor::{Key, Monitor};
+use slipgrid_monitor::{Cancelled, Key, Monitor};
 use slipgrid_springblock::Layer;
 
 use crate::altitude_map::law_warnings;
@@ -33,6 +33,12 @@ pub enum Uncalibrated {
     /// Anything else.
     #[error("{0}")]
     Failed(String),
+}
+
+impl From<Cancelled> for Uncalibrated {
+    fn from(_: Cancelled) -> Self {
+        Self::Cancelled
+    }
 }
 
 /// Gives the task of `design` its material where that has to be calibrated first, and returns the calibration.

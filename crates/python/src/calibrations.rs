@@ -60,7 +60,7 @@ impl Calibration {
         let sample = (DEFAULT_SPECIMEN, SEED);
         let found = watched(py, progress, |watch| {
             let (task, outcome) = calibrate(&self.read, &self.path, &disk(), sample, Selection::default(), watch)?;
-            let ledger = ledger(&self.read, &outcome, watch).map_err(|_| Uncalibrated::Cancelled)?;
+            let ledger = ledger(&self.read, &outcome, watch)?;
             Ok((task, outcome, ledger))
         })?;
         let (task, outcome, ledger) = found.map_err(|error: Uncalibrated| refused::uncalibrated(py, &error))?;
@@ -73,8 +73,7 @@ impl Calibration {
         let sample = (DEFAULT_SPECIMEN, SEED);
         let found = watched(py, progress, |watch| {
             let (task, learned) = learn(&self.read, &self.path, &disk(), sample, watch)?;
-            let report = TrialsReport::new(&self.read.name, &task.trials.samples, &learned.discrepancy, watch)
-                .map_err(|_| Uncalibrated::Cancelled)?
+            let report = TrialsReport::new(&self.read.name, &task.trials.samples, &learned.discrepancy, watch)?
                 .with_pending(&learned)
                 .with_warnings(self.read.doubts.clone());
             let record = json(&report).map_err(|error| Uncalibrated::Failed(error.to_string()))?;

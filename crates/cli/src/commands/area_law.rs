@@ -73,16 +73,16 @@ fn of_map(
     if args.no_level {
         options.form = Form::Mean;
     }
-    let surface = read_period(&slipgrid_disk::disk(), path, &options, &Job::new(console))?;
+    let job = Job::new(console);
+    let surface = read_period(&slipgrid_disk::disk(), path, &options, &job)?;
     let wanted = AreaLawRequest { windows: args.windows, ..request.law() };
-    let found = surface_area_law(&surface, &wanted, &Job::new(console)).map_err(|error| match &error {
+    let found = surface_area_law(&surface, &wanted, &job).map_err(|error| match &error {
         AreaLawError::Windows(_) => {
             let per_side = args.windows.unwrap_or(DEFAULT_WINDOWS);
             Diagnostic::flag("--windows", per_side.to_string(), error.to_string()).into()
         }
         error => refuse_law(path, error).map_or(CliError::Interrupted, CliError::Input),
     })?;
-    let job = Job::new(console);
     job.stage("resolutions");
     let mut resolutions = Vec::new();
     for &factor in args.resolutions.as_deref().unwrap_or_default() {

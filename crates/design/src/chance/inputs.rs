@@ -36,7 +36,7 @@ pub(super) fn of_dimensions(tolerances: &Tolerances) -> Vec<Input> {
 }
 
 /// Blocks along the diagonal.
-pub(super) fn diagonal(blocks: &[Covariance]) -> Covariance {
+pub(crate) fn diagonal(blocks: &[Covariance]) -> Covariance {
     let count = blocks.iter().map(Vec::len).sum();
     let mut all = vec![vec![0.0; count]; count];
     let mut first = 0;
