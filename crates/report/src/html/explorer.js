@@ -143,7 +143,11 @@
   };
   for (const slider of all("slider")) {
     const k = +slider.dataset.slider;
-    slider.addEventListener("input", () => set(k, toLength(axes[k], +slider.value)));
+    slider.addEventListener("input", () => {
+      const length = toLength(axes[k], +slider.value), side = Math.sign(+slider.value - toStep(axes[k], state[k]));
+      // A step of a short length is less than a tenth, to which lengths are rounded: then it is a tenth.
+      set(k, Math.abs(length - state[k]) < 0.05 ? round(state[k] + 0.1 * side, 0.1) : length);
+    });
   }
   for (const field of all("number")) field.addEventListener("change", () => set(+field.dataset.number, parseFloat(field.value)));
   const raise = factor => {
