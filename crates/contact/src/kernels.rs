@@ -191,6 +191,8 @@ fn turn_lanes(direction: &mut [f32], z: &[f32], r: &[f32], mean: f32, beta: f32,
 pub(crate) struct Moved {
     /// Their sum.
     pub(crate) sum: f64,
+    /// How many are positive.
+    pub(crate) count: f64,
     /// Some were negative and set to zero.
     pub(crate) clipped: bool,
 }
@@ -205,16 +207,16 @@ pub(crate) fn advance(
     scale: f64,
     step: f64,
 ) -> Moved {
-    let (mut lowest, mut sum) = ([0.0; LANES], [0.0; LANES]);
+    let (mut lowest, mut sum, mut number) = ([0.0; LANES], [0.0; LANES], [0.0; LANES]);
     let (pressures, p) = pressure.as_chunks_mut::<LANES>();
     let (befores, b) = before.as_chunks::<LANES>();
     let (directions, d) = direction.as_chunks::<LANES>();
     let (changes, m) = moved.as_chunks_mut::<LANES>();
     for (((p, b), d), m) in pressures.iter_mut().zip(befores).zip(directions).zip(changes) {
-        advance_lanes(p, b, d, m, (scale, step), (&mut lowest, &mut sum));
+        advance_lanes(p, b, d, m, (scale, step), (&mut lowest, &mut sum, &mut number));
     }
-    advance_lanes(p, b, d, m, (scale, step), (&mut lowest, &mut sum));
-    Moved { sum: total(sum), clipped: lowest.iter().any(|&low| low < 0.0) }
+    advance_lanes(p, b, d, m, (scale, step), (&mut lowest, &mut sum, &mut number));
+    Moved { sum: total(sum), count: total(number), clipped: lowest.iter().any(|&low| low < 0.0) }
 }
 
 #[inline(always)]
@@ -224,7 +226,7 @@ fn advance_lanes(
     direction: &[f32],
     moved: &mut [f32],
     (scale, step): (f64, f64),
-    (lowest, sum): (&mut Lanes, &mut Lanes),
+    (lowest, sum, number): (&mut Lanes, &mut Lanes, &mut Lanes),
 ) {
     let count = pressure.len();
     let (mut kept, mut changes) = ([0.0; LANES], [0.0; LANES]);
@@ -234,6 +236,34 @@ fn advance_lanes(
         lowest[lane] = if free < lowest[lane] { free } else { lowest[lane] };
         kept[lane] = if free > 0.0 { free } else { 0.0 };
         changes[lane] = (kept[lane] - before) as f32;
+        sum[lane] += kept[lane];
+        number[lane] += when(free > 0.0);
+    }
+    pressure.copy_from_slice(&kept[..count]);
+    moved.copy_from_slice(&changes[..count]);
+}
+
+/// p = p - `excess` where p is positive, to zero where that is negative; `moved` follows. Returns the sum of p.
+#[multiversion(targets("x86_64+avx512f", "x86_64+avx2"))]
+pub(crate) fn lower(pressure: &mut [f64], moved: &mut [f32], excess: f64) -> f64 {
+    let mut sum = [0.0; LANES];
+    let (pressures, p) = pressure.as_chunks_mut::<LANES>();
+    let (changes, m) = moved.as_chunks_mut::<LANES>();
+    for (p, m) in pressures.iter_mut().zip(changes) {
+        lower_lanes(p, m, excess, &mut sum);
+    }
+    lower_lanes(p, m, excess, &mut sum);
+    total(sum)
+}
+
+#[inline(always)]
+fn lower_lanes(pressure: &mut [f64], moved: &mut [f32], excess: f64, sum: &mut Lanes) {
+    let count = pressure.len();
+    let (mut kept, mut changes) = ([0.0; LANES], [0.0; LANES]);
+    for lane in 0..count {
+        let lowered = pressure[lane] - excess;
+        kept[lane] = if lowered > 0.0 { lowered } else { 0.0 };
+        changes[lane] = moved[lane] + (kept[lane] - pressure[lane]) as f32;
         sum[lane] += kept[lane];
     }
     pressure.copy_from_slice(&kept[..count]);

@@ -44,6 +44,7 @@ mod area;
 mod curve;
 mod error;
 mod kernels;
+mod preconditioner;
 mod rough_contact;
 mod sampling;
 mod solver;

@@ -3,6 +3,7 @@ use slipgrid_topography::fourier::{Fourier, Multiplier};
 
 use crate::area::{ContactArea, contact_area};
 use crate::error::within;
+use crate::preconditioner::Preconditioner;
 use crate::solver::{Outcome, minimize};
 use crate::{ContactError, Monitor};
 
@@ -56,7 +57,7 @@ pub struct Convergence {
     pub status: Status,
     /// Iterations.
     pub iterations: usize,
-    /// Applications of an operator in Fourier space: pairs of a transform and its inverse.
+    /// Applications of an operator in Fourier space: pairs of a transform and its inverse, all of the map's size.
     pub fourier_pairs: usize,
     /// The residual of [`SolveOptions::tolerance`].
     pub residual: f64,
@@ -94,8 +95,8 @@ pub struct RoughContact {
     /// u = K p: q1/q for each wave, 0 for the mean.
     pub(crate) compliance: Multiplier,
     pub(crate) compliance_single: Multiplier<f32>,
-    /// The preconditioner: q/q1 for each wave, 1/2 for the mean.
-    pub(crate) stiffness_single: Multiplier<f32>,
+    /// About q/q1 for each wave, 1/2 for the mean.
+    pub(crate) preconditioner: Preconditioner,
     /// Normalized heights, mean 0, rms 1; all 0 for a flat map.
     pub(crate) height: Vec<f64>,
     /// The same, rounded.
@@ -129,20 +130,21 @@ impl RoughContact {
         let first = std::f64::consts::TAU / longest_m;
         // u_q = 2/(E* q) p_q; in the units above q1/q.
         let compliance = |q| first / q;
-        // p_q = E* q/2 u_q; the mean, on which a half-space has no hold, takes half of the first wave's.
-        let stiffness = |q| q / first;
-        let fourier_single = Fourier::new(map.rows(), map.cols());
         let (dx_m, dy_m) = (map.dx_m(), map.dy_m());
+        // p_q = E* q/2 u_q; the mean, on which a half-space has no hold, takes half of the first wave's.
+        let stiffness = |k, l| if k == 0 && l == 0 { 0.5 } else { fourier.wave_number(k, l, dx_m, dy_m) / first };
+        let fourier_single: Fourier<f32> = Fourier::new(map.rows(), map.cols());
         // The deviation from the mean of the pressure that flattens the surface.
         let mut fluctuation = vec![0.0; height.len()];
-        fourier.filter(&height, &fourier.multiplier(dx_m, dy_m, 0.5, stiffness), &mut fluctuation, &mut fourier.work());
+        fourier.filter(&height, &fourier.wave_multiplier(stiffness), &mut fluctuation, &mut fourier.work());
         let lowest = fluctuation.iter().copied().fold(0.0, f64::min);
+        let preconditioner = Preconditioner::new(map.rows(), map.cols(), stiffness);
         Ok(Self {
             cols: map.cols(),
             compliance: fourier.multiplier(dx_m, dy_m, 0.0, compliance),
             fourier,
             compliance_single: fourier_single.multiplier(dx_m, dy_m, 0.0, compliance),
-            stiffness_single: fourier_single.multiplier(dx_m, dy_m, 0.5, stiffness),
+            preconditioner,
             fourier_single,
             height_single: height.iter().map(|&h| h as f32).collect(),
             height,

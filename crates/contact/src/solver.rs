@@ -8,15 +8,19 @@
 //!
 //! I. A. Polonsky and L. M. Keer, Wear 231, 206 (1999), solve it by conjugate gradients on the points in
 //! contact; V. Rey, G. Anciaux and J.-F. Molinari, Comput. Mech. 60, 69 (2017), apply K in Fourier space.
-//! Here directions are preconditioned by K's inverse, masked to the points that are free to move, which
+//! Here directions are preconditioned by nearly K's inverse (`preconditioner`), masked to the points that are free to move, which
 //! makes the number of iterations nearly independent of the grid:
 //!
 //! 1. gap g = Kp - h, shifted so that its mean over p > 0 is zero; free points: p > 0 or g < 0;
-//! 2. r = g on free points; z = K^-1 r on free points, less its mean there;
+//! 2. r = g on free points; z = K^-1 r, about, on free points, less its mean there;
 //! 3. d = -z + beta d on free points, Polak-Ribiere; d = -z again where d would not descend or the residual
 //!    doubled;
-//! 4. p + alpha d with the exact step alpha; negative pressures to zero, the load restored by scaling; g follows by
-//!    K d, or by K of what the pressures changed by where some were set to zero.
+//! 4. p + alpha d with the exact step alpha; where that made pressures negative, these to zero, the others lower by the same
+//!    pressure that the load asks for; what is left of the load by scaling; g follows by K d, or by K of what the pressures
+//!    changed by where some were set to zero.
+//!
+//! Scaling alone would take the load that was set free from where pressures are highest. Where single pixels stand out of
+//! the map and carry most of the load, the iteration then never ends.
 //!
 //! Transforms and gaps are in single precision: a direction need not be better, and gaps under pressure round by ever
 //! less as they vanish. What rounding leaves in them is removed by one transform in double precision where the residual
@@ -27,6 +31,7 @@ use slipgrid_topography::fourier::FourierWork;
 
 use crate::area::{ContactArea, contact_area};
 use crate::kernels::{Gap, Settling};
+use crate::preconditioner::PreconditionerWork;
 use crate::rough_contact::{Convergence, RoughContact, SolveOptions, Status};
 use crate::{Monitor, kernels};
 
@@ -41,6 +46,8 @@ pub(crate) struct Outcome {
 
 /// How far before the end the area is noted, for the estimate of its error.
 const AREA_DECADE: f64 = 10.0;
+/// Share of the sum of pressures down to which the load is restored by lowering them.
+const LEAST_SHARE: f64 = 1e-9;
 /// Growth of the residual in one iteration after which directions start anew.
 const RESTART_GROWTH: f64 = 2.0;
 /// Residual at which the gap is first computed anew in double precision: single precision rounds it by a few 1e-7.
@@ -53,6 +60,7 @@ struct State<'a> {
     contact: &'a RoughContact,
     work: FourierWork,
     work_single: FourierWork<f32>,
+    preconditioner_work: PreconditionerWork,
     fourier_pairs: usize,
     /// p over `scale`.
     pressure: Vec<f64>,
@@ -85,6 +93,7 @@ impl<'a> State<'a> {
             contact,
             work: contact.fourier.work(),
             work_single: contact.fourier_single.work(),
+            preconditioner_work: contact.preconditioner.work(),
             fourier_pairs: 0,
             pressure: vec![nominal; points],
             scale: 1.0,
@@ -121,11 +130,10 @@ impl<'a> State<'a> {
         self.measure();
     }
 
-    /// z = K^-1 r
+    /// z = K^-1 r, about
     fn precondition(&mut self) {
-        let Self { contact, residual, preconditioned, work_single, .. } = self;
-        contact.fourier_single.filter(residual, &contact.stiffness_single, preconditioned, work_single);
-        self.fourier_pairs += 1;
+        let Self { contact, residual, preconditioned, preconditioner_work, .. } = self;
+        contact.preconditioner.apply(residual, preconditioned, preconditioner_work);
     }
 
     /// d = -z + beta d; returns r . d.
@@ -155,11 +163,15 @@ impl<'a> State<'a> {
         let before = if is_best { best } else { displacement };
         let moved = kernels::advance(pressure, before, direction, preconditioned, self.scale, step);
         self.exact = false;
-        self.scale = load / moved.sum;
+        let (mut sum, mut share) = (moved.sum, step);
+        // Differences of pressures know a load that is too small a share of them no longer.
+        if moved.clipped && load > LEAST_SHARE * moved.sum {
+            sum = kernels::lower(pressure, preconditioned, (sum - load) / moved.count);
+        }
+        self.scale = load / sum;
         if !self.scale.is_finite() {
             return false;
         }
-        let mut share = step;
         if moved.clipped {
             contact.fourier_single.filter(preconditioned, &contact.compliance_single, image, work_single);
             self.fourier_pairs += 1;

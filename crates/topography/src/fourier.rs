@@ -123,7 +123,8 @@ impl<T: Precision> Fourier<T> {
     }
 
     /// The angular wave number |q| in rad/m of k waves along x and l along y, on pixels `dx_m` x `dy_m`.
-    fn wave_number(&self, k: usize, l: usize, dx_m: f64, dy_m: f64) -> f64 {
+    #[must_use]
+    pub fn wave_number(&self, k: usize, l: usize, dx_m: f64, dy_m: f64) -> f64 {
         // q = 2 pi (k / (rows dx), l / (cols dy))
         let qx = TAU * k as f64 / (self.rows as f64 * dx_m);
         let qy = TAU * l as f64 / (self.cols as f64 * dy_m);
