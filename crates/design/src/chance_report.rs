@@ -122,6 +122,10 @@ impl MultiFidelityLoop<'_> {
             let words = "chance not known: neither tolerances nor errors of the material are given";
             return Ok(Some((nothing(words, not_known), None)));
         }
+        // A search compares designs in the guide's blocks; what is announced is of the blocks asked for.
+        let fine = self.model.without_guide();
+        let fine = fine.map(|model| Chances::new(design, material, &model, &self.further)).transpose()?;
+        let chances = fine.as_ref().unwrap_or(chances);
         let still = chances.still(&best.design);
         let expanded = still.and_then(|still| {
             let about = About { design: &best.design, still: &still, values: &values, numerical: &numerical };

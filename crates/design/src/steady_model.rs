@@ -285,6 +285,17 @@ impl<'a> SteadyModel<'a> {
     pub fn in_plane(&self) -> Self {
         let (mut scene, mut asked) = (self.scene.clone(), self.asked.clone());
         (scene.run.dimensions, asked.run.dimensions) = (Some(2), Some(2));
+        self.of_scenes(scene, asked)
+    }
+
+    /// The same without a guide: [`Self::beside`] it, designs are solved in the blocks asked for. `None` where it has none.
+    #[must_use]
+    pub fn without_guide(&self) -> Option<Self> {
+        self.guide.as_ref().map(|_| self.of_scenes(self.scene.clone(), self.asked.clone()))
+    }
+
+    /// The model of `scene` and of `asked`, the same with the loads of every condition, without guide, correction and limits.
+    fn of_scenes(&self, scene: Scene, asked: Scene) -> Self {
         Self {
             solver: Solver::new(&asked, &self.texture, &self.directions_deg),
             texture: self.texture,
@@ -303,7 +314,7 @@ impl<'a> SteadyModel<'a> {
     }
 
     /// The model that slopes are taken of, of the scene that `change` makes of this one's with the loads of every condition:
-    /// in space in the guide's blocks, which slopes hardly see unless rims are narrower. Its values are ratios.
+    /// in space in the guide's blocks, by which slopes are a fifth off, unless rims are narrower. Its values are ratios.
     ///
     /// # Errors
     /// Those of `change`.
@@ -312,22 +323,7 @@ impl<'a> SteadyModel<'a> {
         let serves = |scene: &Scene| self.texture.rim().is_none_or(|rim| 2.0 * scene.layer.block_m <= rim.width_m());
         let guide = self.guide.as_ref().map(|(scene, _)| scene).filter(|scene| serves(scene));
         let asked = change(guide.unwrap_or(&self.asked))?;
-        let count = asked.loads.len();
-        Ok(Self {
-            solver: Solver::new(&asked, &self.texture, &self.directions_deg),
-            texture: self.texture,
-            directions_deg: self.directions_deg.clone(),
-            guide: None,
-            flat_mu: None,
-            learned: None,
-            correction: vec![0.0; count],
-            limited: Limited::default(),
-            evaluations: Evaluations::default(),
-            monitor: self.monitor,
-            specimen: self.specimen,
-            scene: asked.clone(),
-            asked,
-        })
+        Ok(Self { flat_mu: None, learned: None, ..self.of_scenes(asked.clone(), asked) })
     }
 
     /// What a ratio is multiplied by at `load`, of all conditions one after the other, before it is compared with the target: the

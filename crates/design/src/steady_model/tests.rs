@@ -201,6 +201,10 @@ fn further_directions_are_those_of_the_turned_design_solved_alone() {
     assert!((found.peak_pressure_mpa / worst - 1.0).abs() < 1e-9);
     let beside = model.beside(|scene| Ok::<_, ()>(scene.clone())).unwrap();
     assert_eq!(beside.steady(&design).unwrap().ratio.len(), 8);
+    // Slopes for a comparison are those of the guide's blocks, those that are announced of the blocks asked for.
+    let fine = model.without_guide().unwrap().beside(|scene| Ok::<_, ()>(scene.clone())).unwrap();
+    assert_eq!(fine.steady(&design).unwrap().ratio, found.ratio);
+    assert!((beside.steady(&design).unwrap().ratio[0] - found.ratio[0]).abs() > 1e-4);
 }
 
 #[test]
