@@ -12,8 +12,8 @@ use slipgrid::material::THRESHOLD_PRESSURE_PA;
 use slipgrid::monitor::Cancelled;
 use slipgrid::report::surface::SurfaceReport;
 use slipgrid::topography::{
-    CORRELATION_THRESHOLD, Form, HeightMap, MapError, MapFormat, MaterialRatioCurve, Missing, Preparation, PreparedMap, ReadMap,
-    ReadOptions, Sides, SpectrumWindow,
+    CORRELATION_THRESHOLD, Form, HeightMap, MapError, MapFormat, MaterialRatioCurve, Missing, Preparation, PreparedMap,
+    ReadMap, ReadOptions, Sides, SpectrumWindow,
 };
 
 use crate::refused;
@@ -205,8 +205,7 @@ impl Map {
     fn measure(&self, how: Preparation, watch: &Watch) -> Result<String, slipgrid::formats::Diagnostic> {
         let plain = |reason: String| slipgrid::formats::Diagnostic::file(&self.path, reason);
         let cancelled = |ended: Cancelled| plain(MapError::from(ended).to_string());
-        let surface =
-            PreparedMap::new(self.read.clone(), how, watch).map_err(|error| refuse(&self.path, &error))?;
+        let surface = PreparedMap::new(self.read.clone(), how, watch).map_err(|error| refuse(&self.path, &error))?;
         let map = &surface.map;
         let (sides, window) =
             if surface.period { (Sides::Periodic, SpectrumWindow::None) } else { (Sides::Open, SpectrumWindow::Hann) };
