@@ -9,3 +9,4 @@
 mod cancelling;
 mod outside;
 mod rooms;
+mod whole_maps;

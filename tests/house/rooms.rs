@@ -148,6 +148,34 @@ fn every_room_uses_only_those_before_it() {
     }
 }
 
+/// What decides, or compares, in how many dimensions something is solved. Others ask `springblock` for what follows from it.
+const DIMENSIONS: [&str; 8] = [
+    "Dimension::Plane",
+    "Dimension::Space",
+    "is_spatial",
+    "dimensions ==",
+    "dimensions >",
+    "dimensions() ==",
+    "dimensions() >",
+    ".dimensions.unwrap_or",
+];
+
+#[test]
+fn only_the_physics_decides_in_how_many_dimensions() {
+    for room in ROOMS.into_iter().chain([OUTSIDE_THE_WORKSPACE]).filter(|room| *room != "springblock") {
+        let mut files = Vec::new();
+        sources(&root().join("crates").join(room).join("src"), &mut files);
+        files.retain(|file| !file.ends_with("tests.rs"));
+        for file in &files {
+            let text = fs::read_to_string(file).unwrap();
+            for (line, code) in code(&text) {
+                let decided = DIMENSIONS.into_iter().find(|words| code.contains(words));
+                assert!(decided.is_none(), "{}:{line}: {}", file.display(), decided.unwrap_or_default());
+            }
+        }
+    }
+}
+
 #[test]
 fn the_command_line_stays_small() {
     let mut files = Vec::new();

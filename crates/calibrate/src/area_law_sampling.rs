@@ -69,7 +69,7 @@ pub fn window_spread(
     request: &AreaLawRequest<'_>,
     monitor: &dyn Monitor,
 ) -> Result<Option<WindowSpread>, ContactError> {
-    let windows = windows(map, per_side)?;
+    let windows = windows(map, per_side, monitor)?;
     let pixels = [windows[0].rows(), windows[0].cols()];
     let mut factors = Vec::new();
     let mut slopes = Vec::new();
@@ -77,7 +77,7 @@ pub fn window_spread(
     for window in &windows {
         let Some(factor) = factors_of(window, request, &monitor)? else { return Ok(None) };
         factors.push(factor);
-        slopes.push(window.rms_slope_spectral()?);
+        slopes.push(window.rms_slope_watched(&monitor)?);
     }
     let at = |n: usize| factors.iter().map(move |factor| factor[n]);
     let mean_and_spread = |values: &mut dyn Iterator<Item = f64>| {
@@ -124,7 +124,7 @@ pub fn resolution(
     Ok(Resolution {
         coarser: factor,
         pixel_m: blunt.dx_m(),
-        rms_slope: blunt.rms_slope_spectral()?,
+        rms_slope: blunt.rms_slope_watched(monitor)?,
         factor: factors_of(&blunt, request, monitor)?,
     })
 }

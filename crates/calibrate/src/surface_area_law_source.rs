@@ -169,7 +169,10 @@ fn of_map(
     let found = surface_area_law(map, request, monitor)?;
     let law = found.law.map_err(CalibrationError::NoAreaLaw)?;
     let mut notes = map.notes.clone();
-    notes.extend(limited_by_pixels(map));
+    notes.extend(limited_by_pixels(map, monitor));
+    if monitor.cancelled() {
+        return Err(CalibrationError::Cancelled);
+    }
     if found.unconverged > 0 {
         notes.push(format!("the contact area did not converge at {} pressures: best states taken", found.unconverged));
     }
@@ -198,8 +201,8 @@ fn of_map(
 }
 
 /// Says that finer pixels would find a higher slope, and so another law.
-fn limited_by_pixels(map: &PreparedMap) -> Option<String> {
-    let short = map.map.short_waves().ok().filter(|short| short.slope_share > LIMITED_BY_PIXELS)?;
+fn limited_by_pixels(map: &PreparedMap, monitor: &dyn Monitor) -> Option<String> {
+    let short = map.map.short_waves(monitor).ok().filter(|short| short.slope_share > LIMITED_BY_PIXELS)?;
     Some(format!(
         "area law: {:.0} % of the map's squared slope lies in waves shorter than {:.2} um, four of its pixels: finer pixels would find a \
          higher slope, and the law holds for these pixels",

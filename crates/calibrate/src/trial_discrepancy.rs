@@ -7,6 +7,7 @@ use slipgrid_discrepancy::{Conditions, Discrepancy, Features, Hyperparameters, L
 use slipgrid_material::AreaLaw;
 use slipgrid_monitor::{Monitor, Stage};
 use slipgrid_pattern::{Pattern, ReliefMap};
+use slipgrid_springblock::Dimension;
 use slipgrid_units::{HUMIDITY_PCT, PRESSURE_MPA, SPEED_MM_S, tidy};
 
 use crate::patterned_samples::{Model, Pair, pairs};
@@ -169,7 +170,8 @@ fn trial(
     let monitor = Part::new(monitor, 1.0 / (1 + axes.len()) as f64);
     let model = |pattern: Pattern| Model { task, law, pattern, relief: cut.relief.clone() };
     let pairs = pairs(task, &cut.measured);
-    let ends = if cut.pattern.dimensions() == 3 { Ends::new(&pairs) } else { Ends { solved: pairs.clone() } };
+    let is_cheap = Dimension::of(None, cut.pattern.texture()).is_cheap_per_design();
+    let ends = if is_cheap { Ends { solved: pairs.clone() } } else { Ends::new(&pairs) };
     let modelled = model(cut.pattern).sensitive_ratios(&ends.solved, &monitor)?;
     let known: Vec<(&Pair, [f64; 2])> =
         pairs.iter().filter_map(|pair| Some((pair, ends.between(pair, |place| modelled[place])?))).collect();

@@ -31,7 +31,7 @@ pub struct AreaCurve {
 /// Contact area of `map` on a half-space of contact modulus E* = E/(1 - nu^2) at each of `pressures_pa`,
 /// in parallel; the numbers do not depend on the number of threads. Each pressure is solved on its own, so
 /// that one that does not converge leaves the others as they are. The monitor hears of each solved
-/// pressure; when it cancels, the rest is reported as it stands.
+/// pressure; when it cancels, the rest is reported as cancelled.
 ///
 /// # Errors
 /// [`ContactError`] if the map is incomplete, or the modulus, a pressure or the tolerance means nothing.
@@ -45,7 +45,7 @@ pub fn area_curve(
     for &pressure_pa in pressures_pa {
         check(pressure_pa, options)?;
     }
-    let contact = RoughContact::new(map, contact_modulus_pa)?;
+    let contact = RoughContact::watched(map, contact_modulus_pa, monitor)?;
     let share = 1.0 / pressures_pa.len() as f64;
     let points = pressures_pa
         .par_iter()

@@ -138,7 +138,7 @@ pub(crate) struct Preconditioner {
 
 /// Buffers of one running preconditioner.
 pub(crate) struct PreconditionerWork {
-    fourier: FourierWork<f32>,
+    fourier: FourierWork<'static, f32>,
     /// Sums over blocks.
     blocks: Vec<f32>,
     /// What the coarse grid adds at them.

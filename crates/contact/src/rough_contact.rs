@@ -1,11 +1,11 @@
-use slipgrid_topography::HeightMap;
 use slipgrid_topography::fourier::{Fourier, Multiplier};
+use slipgrid_topography::{HeightMap, MapError};
 
 use crate::area::{ContactArea, contact_area};
 use crate::error::within;
 use crate::preconditioner::Preconditioner;
 use crate::solver::{Outcome, minimize};
-use crate::{ContactError, Monitor};
+use crate::{ContactError, Monitor, Unwatched};
 
 /// How far the solver goes.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -33,7 +33,7 @@ pub enum Status {
     IterationLimit,
     /// Rounding leaves no direction of descent: the best state is reported.
     Stalled,
-    /// The monitor asked to stop: the best state is reported.
+    /// The monitor asked to stop: no state of contact is reported.
     Cancelled,
 }
 
@@ -115,6 +115,16 @@ impl RoughContact {
     /// # Errors
     /// [`ContactError`] if points of the map are missing or the modulus lies outside 1e-3 to 1e15 Pa.
     pub fn new(map: &HeightMap, contact_modulus_pa: f64) -> Result<Self, ContactError> {
+        Self::watched(map, contact_modulus_pa, &Unwatched)
+    }
+
+    /// The same until `monitor` cancels.
+    pub(crate) fn watched(
+        map: &HeightMap,
+        contact_modulus_pa: f64,
+        monitor: &dyn Monitor,
+    ) -> Result<Self, ContactError> {
+        let heed = || monitor.heed().map_err(MapError::from);
         map.require_complete()?;
         within("contact modulus", contact_modulus_pa, MODULUS_RANGE_PA, "a modulus from 1e-3 to 1e15 Pa")?;
         let mean_m = map.mean_m();
@@ -122,9 +132,11 @@ impl RoughContact {
         // Squares of the highest deviation's share do not vanish, however small the heights.
         let highest_m = deviation.clone().fold(0.0, |highest, h| f64::max(highest, h.abs()));
         let rms: f64 = deviation.clone().map(|h| (h / highest_m).powi(2)).sum::<f64>() / map.heights_m().len() as f64;
+        heed()?;
         let height_unit_m = if highest_m > 0.0 { highest_m * rms.sqrt() } else { 0.0 };
         let height: Vec<f64> = deviation.map(|h| if highest_m > 0.0 { h / height_unit_m } else { 0.0 }).collect();
 
+        heed()?;
         let fourier = Fourier::new(map.rows(), map.cols());
         let longest_m = (map.rows() as f64 * map.dx_m()).max(map.cols() as f64 * map.dy_m());
         let first = std::f64::consts::TAU / longest_m;
@@ -136,14 +148,22 @@ impl RoughContact {
         let fourier_single: Fourier<f32> = Fourier::new(map.rows(), map.cols());
         // The deviation from the mean of the pressure that flattens the surface.
         let mut fluctuation = vec![0.0; height.len()];
-        fourier.filter(&height, &fourier.wave_multiplier(stiffness), &mut fluctuation, &mut fourier.work());
+        let flattening = fourier.wave_multiplier(stiffness);
+        heed()?;
+        fourier.filter(&height, &flattening, &mut fluctuation, &mut fourier.work_watched(monitor));
+        heed()?;
         let lowest = fluctuation.iter().copied().fold(0.0, f64::min);
+        let compliance_double = fourier.multiplier(dx_m, dy_m, 0.0, compliance);
+        heed()?;
+        let compliance_single = fourier_single.multiplier(dx_m, dy_m, 0.0, compliance);
+        heed()?;
         let preconditioner = Preconditioner::new(map.rows(), map.cols(), stiffness);
+        heed()?;
         Ok(Self {
             cols: map.cols(),
-            compliance: fourier.multiplier(dx_m, dy_m, 0.0, compliance),
+            compliance: compliance_double,
             fourier,
-            compliance_single: fourier_single.multiplier(dx_m, dy_m, 0.0, compliance),
+            compliance_single,
             preconditioner,
             fourier_single,
             height_single: height.iter().map(|&h| h as f32).collect(),
@@ -198,6 +218,10 @@ impl RoughContact {
         }
         let Outcome { mut pressure, mut gap, convergence, area_before } =
             minimize(self, pressure_pa / self.pressure_unit_pa, options, monitor);
+        if convergence.status == Status::Cancelled {
+            let area = ContactArea { fraction: 0.0, fraction_corrected: 0.0 };
+            return Ok(ContactState { pressure_pa: pressure, gap_m: gap, area, area_error: 1.0, convergence });
+        }
         let area = contact_area(&pressure, self.cols);
         // Without a state a decade before, all of the area is open.
         let one_pixel = 1.0 / points as f64;

@@ -2,15 +2,15 @@
 
 use slipgrid_topography::{HeightMap, periodic_component};
 
-use crate::ContactError;
 use crate::error::within;
+use crate::{ContactError, Monitor};
 
 /// `map` cut into `per_side` x `per_side` windows of equal size, row by row, each levelled by its least-squares
 /// plane and made periodic ([`periodic_component`]). What the sides leave over is dropped.
 ///
 /// # Errors
-/// [`ContactError`] if points are missing, or a window would have fewer than 16 points a side.
-pub fn windows(map: &HeightMap, per_side: usize) -> Result<Vec<HeightMap>, ContactError> {
+/// [`ContactError`] if points are missing, a window would have fewer than 16 points a side, or `monitor` cancels.
+pub fn windows(map: &HeightMap, per_side: usize, monitor: &dyn Monitor) -> Result<Vec<HeightMap>, ContactError> {
     map.require_complete()?;
     let shortest = map.rows().min(map.cols());
     let most = (shortest / LEAST_PIXELS) as f64;
@@ -22,8 +22,8 @@ pub fn windows(map: &HeightMap, per_side: usize) -> Result<Vec<HeightMap>, Conta
             let lines = map.heights_m().chunks_exact(map.cols()).skip(first_row).take(rows);
             let height = lines.flat_map(|line| &line[first_col..first_col + cols]).copied().collect();
             let mut window = HeightMap::new(rows, cols, map.dx_m(), map.dy_m(), height)?;
-            window.subtract_plane()?;
-            Ok(periodic_component(&window)?)
+            window.subtract_plane_watched(monitor)?;
+            Ok(periodic_component(&window, monitor)?)
         })
         .collect()
 }
@@ -55,6 +55,7 @@ pub fn coarser(map: &HeightMap, factor: usize) -> Result<HeightMap, ContactError
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::Unwatched;
     use slipgrid_topography::SelfAffine;
 
     fn period() -> HeightMap {
@@ -64,13 +65,13 @@ mod tests {
     #[test]
     fn windows_are_level_pieces_of_the_map() {
         let map = period();
-        let pieces = windows(&map, 3).unwrap();
+        let pieces = windows(&map, 3, &Unwatched).unwrap();
         assert_eq!(pieces.len(), 9);
         assert!(pieces.iter().all(|piece| (piece.rows(), piece.cols(), piece.dx_m()) == (21, 21, map.dx_m())));
         assert!(pieces.iter().all(|piece| piece.mean_m().abs() < 1e-9 * map.sq_m()));
         assert_ne!(pieces[0], pieces[1]);
-        assert!(windows(&map, 5).unwrap_err().to_string().contains("sixteenth"));
-        assert!(windows(&map, 0).is_err());
+        assert!(windows(&map, 5, &Unwatched).unwrap_err().to_string().contains("sixteenth"));
+        assert!(windows(&map, 0, &Unwatched).is_err());
     }
 
     #[test]

@@ -58,8 +58,8 @@ const NEXT_REFRESH: f64 = 1e-5;
 /// The evolving state, all fields as long as the map.
 struct State<'a> {
     contact: &'a RoughContact,
-    work: FourierWork,
-    work_single: FourierWork<f32>,
+    work: FourierWork<'a>,
+    work_single: FourierWork<'a, f32>,
     preconditioner_work: PreconditionerWork,
     fourier_pairs: usize,
     /// p over `scale`.
@@ -86,13 +86,13 @@ struct State<'a> {
 }
 
 impl<'a> State<'a> {
-    fn new(contact: &'a RoughContact, nominal: f64) -> Self {
+    fn new(contact: &'a RoughContact, nominal: f64, monitor: &'a dyn Monitor) -> Self {
         let points = contact.height.len();
         let zeros = || vec![0.0; points];
         let mut state = Self {
             contact,
-            work: contact.fourier.work(),
-            work_single: contact.fourier_single.work(),
+            work: contact.fourier.work_watched(monitor),
+            work_single: contact.fourier_single.work_watched(monitor),
             preconditioner_work: contact.preconditioner.work(),
             fourier_pairs: 0,
             pressure: vec![nominal; points],
@@ -185,7 +185,7 @@ impl<'a> State<'a> {
 
 /// Solves for the normalized mean pressure `nominal` > 0.
 pub(crate) fn minimize(contact: &RoughContact, nominal: f64, options: &SolveOptions, monitor: &dyn Monitor) -> Outcome {
-    let mut state = State::new(contact, nominal);
+    let mut state = State::new(contact, nominal, monitor);
     let load = nominal * contact.height.len() as f64;
     let mut best_error = f64::INFINITY;
     let mut error_before = f64::INFINITY;
@@ -249,6 +249,8 @@ pub(crate) fn minimize(contact: &RoughContact, nominal: f64, options: &SolveOpti
         }
         iterations += 1;
     };
+    // What a filter left undone may look like anything.
+    let status = if monitor.cancelled() { Status::Cancelled } else { status };
     finish(state, (status, error, iterations), best_error, area_before)
 }
 
@@ -264,6 +266,10 @@ fn finish(
         std::mem::swap(&mut state.pressure, &mut state.best);
         state.scale = state.best_scale;
         state.exact = false;
+    }
+    if status == Status::Cancelled {
+        let convergence = Convergence { status, iterations, fourier_pairs: state.fourier_pairs, residual: error };
+        return Outcome { pressure: Vec::new(), gap: Vec::new(), convergence, area_before: None };
     }
     if !state.exact {
         state.refresh();

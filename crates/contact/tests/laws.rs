@@ -7,8 +7,10 @@ mod common;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use common::{MODULUS_PA, crossed_waves, self_affine};
-use slipgrid_contact::{ContactState, Monitor, RoughContact, SolveOptions, Status, Unwatched, area_curve};
-use slipgrid_topography::{HeightMap, SelfAffine};
+use slipgrid_contact::{
+    ContactError, ContactState, Monitor, RoughContact, SolveOptions, Status, Unwatched, area_curve,
+};
+use slipgrid_topography::{HeightMap, MapError, SelfAffine};
 
 fn solve(map: &HeightMap, pressure_pa: f64) -> ContactState {
     let contact = RoughContact::new(map, MODULUS_PA).unwrap();
@@ -240,9 +242,15 @@ fn the_monitor_hears_of_each_pressure_and_can_stop() {
     let patient = watch(usize::MAX);
     area_curve(&map, MODULUS_PA, &[1e6, 2e6, 3e6], &SolveOptions::default(), &patient).unwrap();
     assert_eq!(patient.solved.into_inner(), 3);
-    let curve = area_curve(&map, MODULUS_PA, &[1e6], &SolveOptions::default(), &watch(4)).unwrap();
-    assert_eq!(curve.points[0].convergence.status, Status::Cancelled);
-    assert_eq!(curve.points[0].convergence.iterations, 4);
+    let one = watch(usize::MAX);
+    area_curve(&map, MODULUS_PA, &[1e6], &SolveOptions::default(), &one).unwrap();
+    let asked = usize::MAX - one.polls_left.into_inner();
+    for polls in [1, asked / 4, asked / 2, asked - 1] {
+        match area_curve(&map, MODULUS_PA, &[1e6], &SolveOptions::default(), &watch(polls)) {
+            Ok(curve) => assert_eq!(curve.points[0].convergence.status, Status::Cancelled, "{polls} of {asked}"),
+            Err(error) => assert_eq!(error, ContactError::Map(MapError::Cancelled), "{polls} of {asked}"),
+        }
+    }
 }
 
 #[test]

@@ -26,7 +26,7 @@ fn windows_without_a_period_of_their_own_give_the_factor_of_the_period() {
     // The quarters of one period, cut out and made periodic: f of their mean differs by 0.001 from the whole's, and
     // the mean rms slope by 1 %; wrapped as they are, with steps across their sides, the slope is a third too high.
     let map = self_affine(512);
-    let quarters = windows(&map, 2).unwrap();
+    let quarters = windows(&map, 2, &Unwatched).unwrap();
     let factors: Vec<f64> = quarters.iter().map(factor).collect();
     let (mean, spread) = mean_and_spread(&factors);
     assert!((mean - factor(&map)).abs() < 2e-3, "{mean}");
@@ -42,11 +42,11 @@ fn the_spread_of_windows_tells_the_standard_error_of_the_map() {
     // Sixteen maps of 128 x 128 cut out of one large surface. What they differ by is the standard error that any of
     // them has; each alone has only its own four windows to tell it.
     let surface = SelfAffine { pixels: 512, min_wave: 16, max_wave: 64, ..SelfAffine::STAND_IN }.map().unwrap();
-    let maps = windows(&surface, 4).unwrap();
+    let maps = windows(&surface, 4, &Unwatched).unwrap();
     let factors: Vec<f64> = maps.iter().map(factor).collect();
     let (_, true_error) = mean_and_spread(&factors);
     let told = maps.iter().map(|map| {
-        let factors: Vec<f64> = windows(map, 2).unwrap().iter().map(factor).collect();
+        let factors: Vec<f64> = windows(map, 2, &Unwatched).unwrap().iter().map(factor).collect();
         (mean_and_spread(&factors).1 / 2.0).powi(2)
     });
     let told = (told.sum::<f64>() / 16.0).sqrt();

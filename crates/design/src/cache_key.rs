@@ -3,7 +3,7 @@
 use serde_json::{Map, Value, json};
 use slipgrid_pattern::Texture;
 use slipgrid_results::RimReport;
-use slipgrid_springblock::Scene;
+use slipgrid_springblock::{Dimension, Scene};
 
 use slipgrid_units::{LENGTH_MM, LENGTH_UM, MODULUS_GPA, PRESSURE_MPA};
 
@@ -44,7 +44,7 @@ pub fn cache_key(scene: &Scene, texture: &Texture, further_deg: &[f64], slopes: 
     }
     let mut entries = [
         ("area_law", json!(area_law)),
-        ("dimensions", json!(scene.run.dimensions.unwrap_or_else(|| texture.dimensions()))),
+        ("dimensions", json!(Dimension::of(scene.run.dimensions, texture).number())),
         ("layer", layer),
         ("loads", loads.collect()),
         ("pattern", pattern),

@@ -485,5 +485,5 @@ fn fine<'a>(model: &SteadyModel<'a>) -> Result<Option<SteadyModel<'a>>, DesignEr
         fine.layer.block_m *= 0.5;
         Ok::<_, DesignError>(fine)
     };
-    if model.is_spatial() { Ok(None) } else { model.beside(change).map(Some) }
+    if model.is_cheap_per_design() { model.beside(change).map(Some) } else { Ok(None) }
 }

@@ -140,7 +140,7 @@ impl MultiFidelityLoop<'_> {
             Err(failure) => return Err(DesignError::Failed(format!("chance: {failure}"))),
         };
         let about = About { design: &best.design, still: &still, values: &values, numerical: &numerical };
-        let is_sampled = !self.model.is_spatial();
+        let is_sampled = self.model.is_cheap_per_design();
         let draws = chances.draws(DRAWS, design.seed);
         let failed = |failure: ModelFailure| DesignError::Failed(format!("chance: {failure}"));
         let accepted = |count: usize, of: &(dyn Fn(usize) -> bool + Sync)| {

@@ -47,13 +47,13 @@ impl MultiFidelityLoop<'_> {
         let largest = widest.ok().map(|widest| self.model.scene(&widest)).filter(|scene| scene.validate().is_ok());
         let spread_s = f64::midpoint(cell.core_s, largest.map_or(cell.core_s, |scene| expense(&scene).core_s));
         let threads = rayon::current_num_threads() as f64;
-        let search_s = if self.model.is_spatial() {
-            spread_s * GUIDE_DESIGNS * GUIDE_SHARE + cell.core_s * SOLID_DESIGNS
-        } else {
+        let search_s = if self.model.is_cheap_per_design() {
             let table = if design.table { lattice(design).0.len() } else { 0 };
             let draws = design.tolerances.map_or(0, |tolerances| tolerances.draws);
             let compared = design.trade_offs.as_ref().map_or(0, |input| input.designs);
             spread_s * CONDENSED_SHARE * (PLANE_DESIGNS + (table + draws + compared) as f64)
+        } else {
+            spread_s * GUIDE_DESIGNS * GUIDE_SHARE + cell.core_s * SOLID_DESIGNS
         };
         let run_s = CONFIRMED_TIMES * run.wall_s;
         let all = Expense {

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use slipgrid_export::{Laser, Removal};
 use slipgrid_optimize::{Goal, Quantity};
 use slipgrid_pattern::Pattern;
-use slipgrid_springblock::{Extent, Fidelity};
+use slipgrid_springblock::{Dimension, Extent, Fidelity};
 
 use crate::chance_report::ChanceReport;
 use crate::conditions_report::ConditionsReport;
@@ -201,8 +201,14 @@ impl DesignReport {
         }
     }
 
+    /// Whether the whole interface was solved, not one line along the sliding direction.
+    #[must_use]
+    pub const fn sees_face(&self) -> bool {
+        Dimension::numbered(self.dimensions).sees_face()
+    }
+
     fn in_space(&self) -> &'static str {
-        if self.dimensions == 3 { " in space" } else { "" }
+        if self.sees_face() { " in space" } else { "" }
     }
 
     /// What confirmed the design, in words.

@@ -3,13 +3,15 @@
 use slipgrid_monitor::Monitor;
 use slipgrid_optimize::ModelFailure;
 use slipgrid_pattern::{Pattern, Texture};
-use slipgrid_springblock::{CellOutcome, Load, Scene, Status, SteadyCell};
+use slipgrid_springblock::{CellOutcome, Dimension, Load, Scene, Status, SteadyCell};
 
 use crate::operating_conditions::turned;
 
 /// What solves steady cells at the loads of one sliding direction after the other.
 pub struct Solver {
     pub each: Vec<(Option<f64>, SteadyCell)>,
+    /// Where they are solved, in every direction alike.
+    pub dimension: Dimension,
 }
 
 impl Solver {
@@ -20,11 +22,8 @@ impl Solver {
         let cell = |(angle_deg, loads): (Option<f64>, &[Load])| {
             (angle_deg, SteadyCell::of_texture(&Scene { loads: loads.to_vec(), ..scene.clone() }, texture))
         };
-        Self { each: each.zip(scene.loads.chunks(own)).map(cell).collect() }
-    }
-
-    pub fn is_spatial(&self) -> bool {
-        self.each.first().is_some_and(|(_, cell)| cell.is_spatial())
+        let dimension = Dimension::of(scene.run.dimensions, texture);
+        Self { each: each.zip(scene.loads.chunks(own)).map(cell).collect(), dimension }
     }
 
     /// The cells of `design` in every direction, until `monitor` has cancelled.

@@ -11,7 +11,7 @@ use slipgrid_springblock::{Fidelity, LoadOutcome, Scene, Simulation, SurfaceOutc
 pub fn correct(simulation: &mut Simulation, scene: &Scene, excess: Option<&[f64]>) {
     let Some(excess) = excess.filter(|excess| excess.len() == simulation.loads.len()) else { return };
     let is_steady = scene.run.fidelity == Fidelity::Steady;
-    if !is_steady && scene.dimensions() == 2 {
+    if !is_steady && scene.dimension().takes_strips() {
         return;
     }
     let mut factors = Vec::new();

@@ -176,13 +176,13 @@ type Answer = (Vec<f64>, f64);
 
 /// Solves the surface by `model` and measures its error; `None` where `bar` has cancelled, or too many designs cannot be computed.
 pub fn explore(design: &DesignTask, model: &SteadyModel, anchor: &Anchor<'_>, bar: &Stage<'_>) -> Option<Explorer> {
-    let is_spatial = model.guide().is_some();
-    let axes = axes(&design.space, if is_spatial { &COARSE_NODES } else { &PLANE_NODES });
+    let is_guided = model.guide().is_some();
+    let axes = axes(&design.space, if is_guided { &COARSE_NODES } else { &PLANE_NODES });
     let texture = *design.space.texture();
     let rim =
-        texture.rim().copied().filter(|rim| !is_spatial && rim.heights_m().iter().any(|[_, height_m]| *height_m > 0.0));
+        texture.rim().copied().filter(|rim| !is_guided && rim.heights_m().iter().any(|[_, height_m]| *height_m > 0.0));
     let shares = match rim {
-        _ if is_spatial => [0.2, 0.6, 0.2],
+        _ if is_guided => [0.2, 0.6, 0.2],
         Some(_) => [0.5, 0.4, 0.1],
         None => [0.8, 0.0, 0.2],
     };
@@ -191,8 +191,8 @@ pub fn explore(design: &DesignTask, model: &SteadyModel, anchor: &Anchor<'_>, ba
     };
 
     let nodes = ResponseSurface::nodes(&axes);
-    let mut all = whole(ask(&nodes, is_spatial, shares[0])?, &axes)?;
-    if is_spatial {
+    let mut all = whole(ask(&nodes, is_guided, shares[0])?, &axes)?;
+    if is_guided {
         let axes = self::axes(&design.space, &FINE_NODES);
         let few = ResponseSurface::nodes(&axes);
         let (fine, coarse) = (ask(&few, false, shares[1])?, ask(&few, true, 0.0)?);
@@ -213,7 +213,7 @@ pub fn explore(design: &DesignTask, model: &SteadyModel, anchor: &Anchor<'_>, ba
     };
 
     let [fewest, most] = PLANE_CHECKS;
-    let count = if is_spatial { SPACE_CHECKS } else { nodes.len().clamp(fewest, most) };
+    let count = if is_guided { SPACE_CHECKS } else { nodes.len().clamp(fewest, most) };
     let checks = checks(&axes, count, design.seed);
     let factors = factors(rims.as_ref(), count, design.seed);
     let of = |place: usize| rim.map_or(texture, |rim| texture.with_rim(rim.times(factors[place])));

@@ -142,7 +142,7 @@ pub fn explanation(
         &design.constraints,
         best,
         &widest,
-        if model.is_spatial() { 0 } else { HALVINGS },
+        if model.is_cheap_per_design() { HALVINGS } else { 0 },
         &mut |space, constraints| {
             if bar.cancelled() {
                 return Err(SearchError::CancelledAtStart);
@@ -151,11 +151,10 @@ pub fn explanation(
             // How many searches there will be is not known.
             let unshown = Part::new(bar, 0.0);
             let target = &design.target;
-            // In space a design costs a hundred times as much.
-            let outcome = if model.is_spatial() {
-                search_near(&[best.design], target, space, constraints, &options, asked, &unshown)?
-            } else {
+            let outcome = if model.is_cheap_per_design() {
                 search(target, space, constraints, &options, asked, &unshown)?
+            } else {
+                search_near(&[best.design], target, space, constraints, &options, asked, &unshown)?
             };
             evaluations.set(evaluations.get() + outcome.evaluations);
             Ok(outcome)

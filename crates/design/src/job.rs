@@ -186,7 +186,7 @@ fn model_statements(
     model.extend(time_statement(cut_short));
     model.extend(unexplored.map(Into::into));
     model.extend(measured_range(&prepared.material, &prepared.outside));
-    model.extend(model_notes(found.model.section_of(&best.pattern()), &prepared.material.provenance));
+    model.extend(model_notes(found.model.dimension().section_of(&best.pattern()), &prepared.material.provenance));
     model
 }
 
@@ -202,7 +202,7 @@ fn report_of(
     let suffices = flat.as_ref().is_some_and(|flat| flat.suffices);
     let laid = design.specimen.layout(pattern).map_err(|error| DesignError::refused(error.to_string()))?;
     let removal = Removal::new(&laid, &design.laser);
-    let section = found.model.section_of(&pattern);
+    let section = found.model.dimension().section_of(&pattern);
     let Assessment { slopes, spread, errors, lacking, chance, advice, conditions, reachable, .. } = assessed;
     let learned = found.model.learned().zip(lacking.as_ref()).zip(errors.physics.as_ref());
     Ok(DesignReport {
@@ -221,8 +221,8 @@ fn report_of(
         bursts: design.laser.bursts(pattern.depth_m()),
         passes: removal.as_ref().map(|removal| removal.passes),
         removal,
-        dimensions: if found.model.is_spatial() { 3 } else { 2 },
-        section_model: section.is_some_and(|pattern| pattern.dimensions() > 2),
+        dimensions: found.model.dimension().number(),
+        section_model: section.is_some(),
         fidelity: found.round.confirming.fidelity.name().into(),
         extent: found.round.confirming.extent.name().into(),
         target: (&design.target).into(),
@@ -238,7 +238,8 @@ fn report_of(
         violations: best.found.violations.iter().map(ToString::to_string).collect(),
         sensitivities: slopes,
         robustness: spread,
-        reachable_among: Some(found.round.searched).filter(|_| found.model.is_spatial() && !reachable.is_empty()),
+        reachable_among: Some(found.round.searched)
+            .filter(|_| !found.model.is_cheap_per_design() && !reachable.is_empty()),
         reachable,
         alternatives: patterns(&found.round.alternatives),
         evaluations: found.evaluations,

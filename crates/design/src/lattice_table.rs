@@ -4,6 +4,7 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use slipgrid_optimize::{Candidate, ForwardModel, ModelFailure};
 use slipgrid_pattern::Pattern;
+use slipgrid_springblock::Dimension;
 
 use crate::DesignError;
 use crate::job::Lattice;
@@ -111,7 +112,7 @@ pub fn lattice(design: &DesignTask) -> (Vec<Pattern>, [f64; 3]) {
 /// # Errors
 /// [`DesignError`] for models in space, and tables of too many designs or none.
 pub fn check(design: &DesignTask) -> Result<(), DesignError> {
-    if design.dimensions.unwrap_or_else(|| design.space.texture().dimensions()) == 3 {
+    if !Dimension::of(design.dimensions, design.space.texture()).is_cheap_per_design() {
         return Err(DesignError::refused(
             "a table takes the vertical plane: in space it would take hours, which a campaign with work = \"table\" spreads over machines",
         ));

@@ -86,15 +86,14 @@ impl<'a> MultiFidelityLoop<'a> {
         monitor: &'a dyn Monitor,
         timings: &mut Timings,
     ) -> Result<Self, DesignError> {
-        let is_spatial = design.dimensions.unwrap_or_else(|| design.space.texture().dimensions()) == 3;
         let from_rest = RunOptions {
             fidelity: Fidelity::Dynamic,
-            // A whole specimen in space is hundreds of cells and a billion blocks.
-            extent: if is_spatial { Extent::Cell } else { Extent::Sample },
+            extent: Extent::Sample,
             seed: design.seed,
-            dimensions: if is_spatial { design.dimensions } else { Some(2) },
+            dimensions: design.dimensions,
             ..RunOptions::default()
-        };
+        }
+        .on_specimen(design.space.texture());
         let mut scene = design.flat_scene(material, loads, from_rest);
         if !design.from_rest {
             // Nobody asked for static friction: start where sliding is about to begin.
@@ -253,7 +252,7 @@ impl<'a> MultiFidelityLoop<'a> {
         });
         let mut statements: Vec<String> = slowed.into_iter().collect();
         statements.extend(self.taken_back.clone());
-        if !self.model.is_spatial() {
+        if self.model.dimension().takes_strips() {
             return statements;
         }
         let um = |length_m: f64| tidy(LENGTH_UM.from_si(length_m));
@@ -322,7 +321,7 @@ impl<'a> MultiFidelityLoop<'a> {
         let outcome = self.choose(design, outcome, timings).map_err(failed)?;
         self.monitor.heed()?;
         self.evaluations += outcome.evaluations.max(outcome.guide_evaluations);
-        if self.model.is_spatial() {
+        if !self.model.is_cheap_per_design() {
             self.solid_evaluations += outcome.evaluations;
         }
         self.failed_trials += outcome.failed_trials.len();

@@ -43,7 +43,7 @@ pub(super) fn of_search(
     bar: &Stage<'_>,
 ) -> Result<Vec<ReachableReport>, DesignError> {
     let is_open = found.status != Status::Met;
-    if found.model.is_spatial() && !is_open {
+    if !found.model.is_cheap_per_design() && !is_open {
         return Ok(Vec::new());
     }
     let known = material.at_loads(found.scene.area_law.as_ref(), &found.scene.loads, design.condition.as_ref())?;

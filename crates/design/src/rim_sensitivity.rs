@@ -141,7 +141,7 @@ fn loads(asked: &Asked<'_>, scene: &Scene) -> Vec<slipgrid_springblock::Load> {
     let own = &scene.loads[..asked.pressures];
     let lowest = own.iter().min_by(|a, b| a.pressure_pa.total_cmp(&b.pressure_pa)).copied();
     let is_tried = asked.design.texture().rim().is_none();
-    match lowest.filter(|_| asked.model.is_spatial() && is_tried) {
+    match lowest.filter(|_| !asked.model.is_cheap_per_design() && is_tried) {
         Some(lowest) => vec![lowest],
         None => own.to_vec(),
     }

@@ -159,7 +159,7 @@ fn report(request: &Request<'_>) -> Result<Option<RobustnessReport>, DesignError
     let uncertainty = Uncertainty::new(tolerances, &covariance).map_err(refused)?;
     let made = Uncertainty::new(tolerances, &vec![vec![0.0; covariance.len()]; covariance.len()]).map_err(refused)?;
     let first_order = Linearization::new(&about, request.about.pattern, &uncertainty).map_err(failed)?;
-    let is_linear = request.about.model.is_spatial();
+    let is_linear = !request.about.model.is_cheap_per_design();
     let (sampled, draws): (&dyn UncertainModel, usize) =
         if is_linear { (&first_order, LINEAR_DRAWS) } else { (&about, request.tolerances.draws) };
     let drawn = |of: &Uncertainty| propagate(sampled, request.about.pattern, of, draws, request.seed).map_err(failed);

@@ -13,8 +13,8 @@
 use slipgrid_export::{ExportError, LaidStrip, Layout};
 use slipgrid_pattern::Pattern;
 use slipgrid_springblock::{
-    Extent, Face, Fidelity, Monitor, RunOptions, Scene, SceneError, Simulation, Springs, Status, SteadyCell, Strip,
-    simulate, simulate_specimen, steady_face_ratios,
+    Dimension, Extent, Face, Monitor, RunOptions, Scene, SceneError, Simulation, Status, SteadyCell, Strip, simulate,
+    simulate_specimen, steady_face_ratios,
 };
 
 use slipgrid_export::Specimen;
@@ -36,14 +36,6 @@ pub enum SpecimenError {
     Layout(#[from] ExportError),
 }
 
-/// How a whole specimen with `pattern` is run as `run` asks: where the pattern needs space one cell stands for it.
-#[must_use]
-pub fn solved_as(run: RunOptions, pattern: Option<&Pattern>) -> RunOptions {
-    let in_space = run.fidelity != Fidelity::Reference && run.springs != Some(Springs::Exact);
-    let dimensions = run.dimensions.unwrap_or_else(|| pattern.map_or(2, Pattern::dimensions));
-    if dimensions == 3 && in_space { RunOptions { extent: Extent::Cell, ..run } } else { run }
-}
-
 /// Solves `scene` on `specimen`; one strip as long as the scene says, or the cell that it asks for, without.
 ///
 /// # Errors
@@ -55,7 +47,7 @@ pub fn simulate_on(
 ) -> Result<Simulation, SpecimenError> {
     let Some((specimen, pattern)) = specimen.zip(scene.pattern) else { return Ok(simulate(scene, monitor)?) };
     let layout = specimen.layout(pattern)?;
-    if scene.dimensions() == 2 {
+    if scene.dimension().takes_strips() {
         return Ok(simulate_specimen(scene, &face(&layout, scene.layer.block_m)?, monitor)?);
     }
     let mut simulation = simulate(scene, monitor)?;
@@ -75,14 +67,14 @@ pub fn simulate_on(
     Ok(simulation)
 }
 
-/// Share of the face that is cavity over that of an endless pattern; of a section in the vertical plane, `dimensions` 2,
-/// along the row of cavities through the specimen's centre.
+/// Share of the face that is cavity over that of an endless pattern; where only a section is solved, along
+/// the row of cavities through the specimen's centre.
 ///
 /// # Errors
 /// [`ExportError`] where the specimen does not take the pattern.
-pub fn density_share(specimen: &Specimen, pattern: &Pattern, dimensions: u8) -> Result<f64, ExportError> {
+pub fn density_share(specimen: &Specimen, pattern: &Pattern, dimension: Dimension) -> Result<f64, ExportError> {
     let layout = specimen.layout(*pattern)?;
-    if dimensions == 3 || pattern.dimensions() == 2 {
+    if dimension.section_of(pattern).is_none() {
         return Ok(layout.areal_density() / pattern.areal_density());
     }
     Ok(share_of(&layout.central_strip()) / pattern.section_density())
@@ -104,13 +96,13 @@ pub fn on_face(ratio: f64, share: f64) -> f64 {
 /// The strips of `layout` as a solver takes them: all of grooves across the sliding direction; of another planform, which
 /// the plane takes a section of, that through the middle of the cavities.
 fn face(layout: &Layout, block_m: f64) -> Result<Face, SceneError> {
-    let is_groove = layout.pattern().dimensions() == 2;
+    let is_groove = layout.pattern().texture().is_one_section();
     let strips = if is_groove { layout.strips(BANDS) } else { layout.central_strip() };
     face_of(layout, strips, block_m)
 }
 
 fn face_of(layout: &Layout, strips: Vec<LaidStrip>, block_m: f64) -> Result<Face, SceneError> {
-    let is_groove = layout.pattern().dimensions() == 2;
+    let is_groove = layout.pattern().texture().is_one_section();
     let share = if is_groove { layout.areal_density() } else { share_of(&strips) };
     let kept = strips.into_iter().filter(|strip| strip.length_m >= LEAST_STRIP_BLOCKS * block_m);
     let strip = |LaidStrip { band, width_m, length_m, cavities_m }| Strip { band, width_m, length_m, cavities_m };
@@ -199,7 +191,7 @@ mod tests {
         // Seven grooves lie on the disc: 29.9 % of it, 32.7 % of a period.
         let pattern = Pattern::new(Planform::Groove, 400e-6, 824.5e-6, 49.4e-6).unwrap();
         let scene = scene(pattern);
-        let share = density_share(&DISC, &pattern, 2).unwrap();
+        let share = density_share(&DISC, &pattern, Dimension::Plane).unwrap();
         assert!((share - 0.2993 / 0.3267).abs() < 2e-3, "{share}");
         let strips = simulate_on(&scene, Some(&DISC), &Unwatched).unwrap();
         let cells = SteadyCell::new(&scene).ratios(&pattern);
@@ -214,19 +206,19 @@ mod tests {
     fn squares_are_a_cell_in_proportion_to_their_share_of_the_face() {
         let pattern = Pattern::new(Planform::Square, 200e-6, 300e-6, 20e-6).unwrap();
         let asked = scene(pattern);
-        let mut scene = Scene { run: solved_as(asked.run, Some(&pattern)), ..asked };
+        let mut scene = Scene { run: asked.run.on_specimen(pattern.texture()), ..asked };
         scene.layer.block_m = 20e-6;
         assert_eq!(scene.run.extent, Extent::Cell);
         let cell = simulate(&scene, &Unwatched).unwrap();
         let on = simulate_on(&scene, Some(&DISC), &Unwatched).unwrap();
-        let share = density_share(&DISC, &pattern, 3).unwrap();
+        let share = density_share(&DISC, &pattern, Dimension::Space).unwrap();
         for (cell, on) in cell.loads.iter().zip(&on.loads) {
             let (cell, found) = (cell.ratio.unwrap(), on.ratio.unwrap());
             assert!(((1.0 - found) / (1.0 - cell) - share).abs() < 1e-9 && share < 1.0);
             assert!(on.ratio_layout_error.is_some_and(|error| error < 0.003), "{:?}", on.ratio_layout_error);
         }
         // The plane takes the row of cavities through the centre.
-        let section = density_share(&DISC, &pattern, 2).unwrap();
+        let section = density_share(&DISC, &pattern, Dimension::Plane).unwrap();
         assert!((section - 20.0 * 0.2 / 10.0 / 0.4).abs() < 0.06, "{section}");
     }
 }

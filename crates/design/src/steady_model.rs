@@ -1,4 +1,4 @@
-//! The model that the search asks: the steady cell, in as many dimensions as the design needs.
+//! The model that the search asks: the steady cell, in the plane or in space as the design needs.
 
 mod coarse;
 mod confirming_runs;
@@ -11,7 +11,7 @@ use slipgrid_material::AreaLaw;
 use slipgrid_monitor::{Monitor, Part, Unwatched};
 use slipgrid_optimize::{DesignSpace, ForwardModel, ModelFailure, Response};
 use slipgrid_pattern::{Pattern, Texture};
-use slipgrid_springblock::{Extent, Fidelity, Load, MOST_DRAWS, RunOptions, Scene, Simulation, Status, simulate};
+use slipgrid_springblock::{Dimension, Extent, Fidelity, Load, RunOptions, Scene, Simulation, Status, simulate};
 
 pub use self::coarse::LowFidelity;
 use crate::constraint_quantities::Limited;
@@ -37,7 +37,7 @@ pub struct SteadyModel<'a> {
     asked: Scene,
     /// Sliding directions beside that of the designs, whose loads come last.
     directions_deg: Vec<f64>,
-    /// Everything of the designs but their lengths: it decides in how many dimensions they are solved.
+    /// Everything of the designs but their lengths: it decides where they are solved.
     texture: Texture,
     solver: Solver,
     /// The same in larger blocks, where space makes it worth while.
@@ -99,7 +99,8 @@ impl<'a> SteadyModel<'a> {
         };
         let texture = *space.texture();
         let solver = Solver::new(&asked, &texture, directions_deg);
-        let guide = GUIDE_FACTORS.into_iter().find(serves).filter(|_| solver.is_spatial()).map(|factor| {
+        let is_dear = !solver.dimension.is_cheap_per_design();
+        let guide = GUIDE_FACTORS.into_iter().find(serves).filter(|_| is_dear).map(|factor| {
             let mut coarse = asked.clone();
             coarse.layer.block_m *= factor as f64;
             // The cell knows no specimen: any whole number of blocks does.
@@ -141,7 +142,7 @@ impl<'a> SteadyModel<'a> {
     /// Share of the specimen's face that is cavity over that of the endless pattern.
     pub(crate) fn share(&self, design: &Pattern) -> Result<f64, ExportError> {
         let Some(specimen) = &self.specimen else { return Ok(1.0) };
-        density_share(specimen, design, self.dimensions())
+        density_share(specimen, design, self.dimension())
     }
 
     /// What a cell says, with its cavities as `designed` lies on the specimen.
@@ -192,20 +193,16 @@ impl<'a> SteadyModel<'a> {
         !self.directions_deg.is_empty()
     }
 
-    /// Whether designs are solved in space.
+    /// Where designs are solved.
     #[must_use]
-    pub fn is_spatial(&self) -> bool {
-        self.solver.is_spatial()
+    pub const fn dimension(&self) -> Dimension {
+        self.solver.dimension
     }
 
-    /// `pattern`, where only a section of it is solved: what the vertical plane leaves out needs saying, and only of patterns that have it.
-    pub(crate) fn section_of<'p>(&self, pattern: &'p Pattern) -> Option<&'p Pattern> {
-        Some(pattern).filter(|_| !self.is_spatial())
-    }
-
-    /// Dimensions in which designs are solved.
-    fn dimensions(&self) -> u8 {
-        if self.is_spatial() { 3 } else { 2 }
+    /// Whether designs can be asked for by the thousand.
+    #[must_use]
+    pub const fn is_cheap_per_design(&self) -> bool {
+        self.dimension().is_cheap_per_design()
     }
 
     /// The cheap guide of a search in space, corrected alike, with the size of its blocks in metres; `None` in the
@@ -216,16 +213,11 @@ impl<'a> SteadyModel<'a> {
         Some((LowFidelity { model: self, scene, solver }, scene.layer.block_m))
     }
 
-    /// Draws of the local coefficients with which a cell of `design` has at least `contacts` contact blocks in all; 1 in
-    /// the vertical plane, whose sample is one draw of many.
+    /// Draws of the local coefficients with which a cell of `design` has at least `contacts` contact blocks in all, as
+    /// [`SteadyCell::draws`](slipgrid_springblock::SteadyCell::draws) counts them.
     #[must_use]
     pub fn draws(&self, design: &Pattern, contacts: f64) -> u64 {
-        let Some((_, cell)) = self.solver.each.first().filter(|(_, cell)| cell.is_spatial()) else { return 1 };
-        let [nx, ny] = cell.columns(design);
-        // A groove is as long as its period.
-        let columns = nx * if design.is_uniform_along_y() { nx } else { ny };
-        // Between 1 and MOST_DRAWS: the cast is exact.
-        (contacts / (columns * (1.0 - design.areal_density()))).ceil().clamp(1.0, MOST_DRAWS as f64) as u64
+        self.solver.each.first().map_or(1, |(_, cell)| cell.draws(design, contacts))
     }
 
     /// The scene of a design.

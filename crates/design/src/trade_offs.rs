@@ -80,8 +80,8 @@ impl ListedDesign {
 /// Designs by their vertical section, calibrated at the chosen one.
 struct Plane<'a> {
     cell: SteadyModel<'a>,
-    /// The search's model is one in space.
-    is_spatial: bool,
+    /// The search's model sees what lies between rows of cavities; one of a section takes its target for grooves.
+    sees_face: bool,
     /// What ratios are multiplied by at each load.
     scale: Vec<f64>,
     /// Lowering of friction by the search's model over that by the section's strip estimate, at the chosen design.
@@ -96,20 +96,20 @@ impl<'a> Plane<'a> {
     fn new(model: &SteadyModel<'a>, chosen: &Pattern, value: &[f64]) -> Result<Self, ModelFailure> {
         let cell = model.in_plane();
         let scale = (0..value.len()).map(|load| model.scale(load)).collect();
-        let is_spatial = model.is_spatial();
+        let sees_face = model.dimension().sees_face();
         let learned = match model.learned() {
             Some(learned) => Some((Arc::clone(learned), learned.modulus_sensitivity(chosen)?)),
             None => None,
         };
         let (lowering, offset) = (vec![1.0; value.len()], vec![0.0; value.len()]);
-        let mut plane = Self { cell, is_spatial, lowering, offset, scale, learned };
+        let mut plane = Self { cell, sees_face, lowering, offset, scale, learned };
         let (own, _) = plane.answer(chosen)?;
         let physics = value.iter().zip(plane.factors(chosen)).map(|(value, factor)| value / factor);
         for (load, (value, own)) in physics.zip(&own).enumerate() {
             let scale = plane.scale[load];
             // In space 1 - ratio is corrected by a factor: no cavities, no lowering.
             let factor = (1.0 - value / scale) / (1.0 - own / scale);
-            if is_spatial && factor.is_finite() && factor > 0.0 {
+            if sees_face && factor.is_finite() && factor > 0.0 {
                 plane.lowering[load] = factor;
             } else {
                 plane.offset[load] = value - own;
@@ -138,8 +138,7 @@ impl<'a> Plane<'a> {
             .iter()
             .enumerate()
             .map(|(load, ratio)| {
-                // A section model takes its target for grooves.
-                let own = if self.is_spatial { design.strip_estimate(*ratio) } else { *ratio };
+                let own = if self.sees_face { design.strip_estimate(*ratio) } else { *ratio };
                 let ratio = 1.0 - self.lowering[load] * (1.0 - own);
                 ratio * self.scale[load] + self.offset[load]
             })
@@ -242,7 +241,7 @@ pub fn report(
 
 /// By what model designs are compared.
 fn model_words(model: &SteadyModel) -> String {
-    if model.is_spatial() {
+    if model.dimension().sees_face() {
         "steady cells of the vertical section in the plane, strips between rows of cavities counted as flat, corrected to \
          the model in space at the chosen design; peak pressures are those of the section"
             .to_owned()

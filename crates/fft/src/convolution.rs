@@ -32,6 +32,8 @@ type Parts<'a, V> = (&'a mut [V], &'a mut [V]);
 const BLOCK: usize = 1 << 20;
 const NARROWEST: usize = 32;
 const WIDEST: usize = 128;
+/// Numbers of the rows between two questions whether to go on.
+const ROWS_TOGETHER: usize = 1 << 15;
 /// Fewest rows.
 const LEAST_ROWS: usize = 8;
 
@@ -137,6 +139,8 @@ pub(crate) struct Filter<'a, T> {
     pub(crate) factors: &'a [T],
     pub(crate) output: &'a mut [T],
     pub(crate) scratch: &'a mut [T],
+    /// Asked between parts of some ten thousand numbers whether to do the next one.
+    pub(crate) goes_on: &'a dyn Fn() -> bool,
 }
 
 impl<T: Number> Filter<'_, T> {
@@ -152,10 +156,13 @@ impl<T: Number> WithSimd for Filter<'_, T> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let Self { plan, input, factors, output, scratch } = self;
+        let Self { plan, input, factors, output, scratch, goes_on } = self;
         let (cols, half, width) = (plan.cols, plan.rows / 2, plan.width());
         let columns = &mut scratch[..plan.rows * width];
         for first in (0..cols).step_by(width) {
+            if !goes_on() {
+                return;
+            }
             let (sums, differences) = columns.split_at_mut(half * width);
             let both = sums.chunks_exact_mut(width).zip(differences.chunks_exact_mut(width));
             for (row, (sum, difference)) in both.enumerate() {
@@ -179,16 +186,24 @@ impl<T: Number> WithSimd for Filter<'_, T> {
             plan.row(simd, real, imaginary, factor);
         }
         let mut rest = complex;
+        let rows_together = (ROWS_TOGETHER / cols).max(1);
         for half in plan.halves() {
             let (block, below) = rest.split_at_mut(half * cols);
             let (re, im) = block.split_at_mut(half / 2 * cols);
-            for ((re, im), factor) in re.chunks_exact_mut(cols).zip(im.chunks_exact_mut(cols)).zip(&mut factors) {
+            let rows = re.chunks_exact_mut(cols).zip(im.chunks_exact_mut(cols)).zip(&mut factors);
+            for (row, ((re, im), factor)) in rows.enumerate() {
+                if row % rows_together == 0 && !goes_on() {
+                    return;
+                }
                 plan.row(simd, re, im, factor);
             }
             rest = below;
         }
         let columns = &mut scratch[..plan.rows * width];
         for first in (0..cols).step_by(width) {
+            if !goes_on() {
+                return;
+            }
             for (row, column) in columns.chunks_exact_mut(width).enumerate() {
                 column.copy_from_slice(&output[row * cols + first..][..width]);
             }
@@ -301,7 +316,8 @@ mod tests {
         let plan = Convolution::<T>::new(rows, cols).unwrap();
         let factors = plan.factors(|k, l| factor(k, l) / (rows * cols) as f64);
         let (mut output, mut scratch) = (vec![T::zero(); input.len()], vec![T::zero(); plan.scratch_len()]);
-        Filter { plan: &plan, input, factors: &factors, output: &mut output, scratch: &mut scratch }.run();
+        Filter { plan: &plan, input, factors: &factors, output: &mut output, scratch: &mut scratch, goes_on: &|| true }
+            .run();
         output
     }
 
@@ -345,7 +361,14 @@ mod tests {
             let factors = plan.factors(factor);
             let with = |run: &dyn Fn(Filter<T>)| {
                 let (mut output, mut scratch) = (vec![T::zero(); input.len()], vec![T::zero(); plan.scratch_len()]);
-                run(Filter { plan: &plan, input, factors: &factors, output: &mut output, scratch: &mut scratch });
+                run(Filter {
+                    plan: &plan,
+                    input,
+                    factors: &factors,
+                    output: &mut output,
+                    scratch: &mut scratch,
+                    goes_on: &|| true,
+                });
                 output.into_iter().map(&bits).collect::<Vec<u64>>()
             };
             let scalar = with(&|filter| Simd::vectorize(pulp::Scalar::new(), filter));

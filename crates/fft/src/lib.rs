@@ -57,8 +57,14 @@ pub trait Precision: Number {
     fn complex_plans(length: usize) -> ComplexPlans<Self>;
 
     /// `output` = `input` with every wave multiplied by its factor, in the order of [`Convolution::factors`]; `scratch` of
-    /// [`Convolution::scratch_len`].
-    fn filter(plan: &Convolution<Self>, input: &[Self], factors: &[Self], output: &mut [Self], scratch: &mut [Self]);
+    /// [`Convolution::scratch_len`]. Where `goes_on` says no on the way the rest is left undone.
+    fn filter(
+        plan: &Convolution<Self>,
+        input_and_factors: [&[Self]; 2],
+        output: &mut [Self],
+        scratch: &mut [Self],
+        goes_on: &dyn Fn() -> bool,
+    );
 }
 
 /// Compiles the transforms of one precision here, whoever plans them.
@@ -77,12 +83,12 @@ macro_rules! compiled {
 
             fn filter(
                 plan: &Convolution<Self>,
-                input: &[Self],
-                factors: &[Self],
+                [input, factors]: [&[Self]; 2],
                 output: &mut [Self],
                 scratch: &mut [Self],
+                goes_on: &dyn Fn() -> bool,
             ) {
-                Filter { plan, input, factors, output, scratch }.run();
+                Filter { plan, input, factors, output, scratch, goes_on }.run();
             }
         }
     };

@@ -10,6 +10,7 @@ use slipgrid_design::{DEFAULT_MAX_EVALUATIONS, DesignTask, Refusal, TaskPart};
 use slipgrid_material::ConditionRange;
 use slipgrid_optimize::{Constraints, DesignSpace};
 use slipgrid_pattern::{Pattern, Texture};
+use slipgrid_springblock::Dimension;
 use slipgrid_units::{LENGTH_UM, TIME_S};
 use toml::Spanned;
 
@@ -202,12 +203,11 @@ impl Design {
         let dimensions = read_dimensions(&document, file.search.dimensions.as_ref())?;
         let turned = directions.different_deg.iter().filter_map(|deg| texture.with_sliding_angle_deg(*deg).ok());
         let each: Vec<Texture> = std::iter::once(texture).chain(turned).collect();
-        if dimensions == Some(2) {
+        if dimensions.is_some_and(|asked| !Dimension::numbered(asked).sees_face()) {
             each.iter().try_for_each(|texture| require_section(&document, file.pattern.get_ref(), texture))?;
         }
         // One model serves all directions: where one of them needs space, all are solved there.
-        let needed = each.iter().map(Texture::dimensions).max().filter(|_| each.len() > 1);
-        let dimensions = dimensions.or(needed);
+        let dimensions = dimensions.or_else(|| (each.len() > 1).then(|| Dimension::serving(&each).number()));
         let limits = &file.limits;
         let laser = read_laser(&document, file.laser.as_ref(), (&limits.depth_per_burst_um, &limits.min_land_um))?;
         let depth_m = whole_steps(depth_m, &laser);

@@ -297,7 +297,7 @@ pub fn read_directions(
 pub fn require_section(document: &Document, file: &TextureFile, texture: &Texture) -> Result<(), Diagnostic> {
     const WHY: &str = "needs a three-dimensional cell, which scenes with fidelity = \"steady\" and extent = \"cell\" \
                        have: the vertical section along the sliding direction says little of it";
-    if texture.dimensions() == 2 {
+    if texture.is_one_section() {
         return Ok(());
     }
     let refuse = |span: Range<usize>, expected: &str| Err(document.refuse(span, WHY).expected(expected));

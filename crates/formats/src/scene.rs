@@ -20,7 +20,7 @@ use super::values::{Number, Numbers, PathOr, list, number_span};
 use crate::diagnostic::Diagnostic;
 use crate::source::Source;
 use slipgrid_calibrate::uncertainty::MaterialUncertainty;
-use slipgrid_design::{SpecimenError, TaskPart, check_pressures, correct, loads, of_scene, solved_as};
+use slipgrid_design::{SpecimenError, TaskPart, check_pressures, correct, loads, of_scene};
 use slipgrid_export::Specimen;
 use slipgrid_results::SimulationReport;
 use slipgrid_units::{LENGTH_MM, LENGTH_UM, PRESSURE_MPA, Quantity, SPEED_MM_S, STEP_NS, tidy};
@@ -192,11 +192,12 @@ impl SceneInput {
             layer,
             loads,
             speed_m_s,
-            run: if specimen.is_some() { solved_as(run, pattern.as_ref()) } else { run },
+            run: match &pattern {
+                Some(pattern) if specimen.is_some() => run.on_specimen(pattern.texture()),
+                _ => run,
+            },
         };
-        if scene.dimensions() == 2
-            && let Some((pattern, file)) = pattern.as_ref().zip(file.pattern.as_ref())
-        {
+        if let Some((pattern, file)) = scene.section().zip(file.pattern.as_ref()) {
             require_section(&document, &file.get_ref().texture(), pattern.texture())?;
         }
         let told = unusual::of_scene(&document, file);
@@ -328,7 +329,7 @@ impl SceneInput {
     /// The vertical plane models a section of this planform, not the planform itself.
     #[must_use]
     pub fn is_section_model(&self) -> bool {
-        self.scene.dimensions() == 2 && self.scene.pattern.is_some_and(|pattern| pattern.dimensions() > 2)
+        self.scene.section().is_some()
     }
 }
 

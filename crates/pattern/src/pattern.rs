@@ -185,12 +185,6 @@ impl Pattern {
         self.texture.sliding_direction()
     }
 
-    /// Dimensions that a model of this pattern needs, as [`Texture::dimensions`].
-    #[must_use]
-    pub fn dimensions(&self) -> u8 {
-        self.texture.dimensions()
-    }
-
     /// Share, from 0 to 1, of the rectangle `[x0_m, x1_m] x [y0_m, y1_m]` that is cavity.
     ///
     /// The rectangle lies anywhere in the pattern's axes, whose origin is the centre of a cavity, and

@@ -288,12 +288,10 @@ impl Texture {
         (folded_deg(self.sliding_angle_deg) - folded_deg(other_deg)).abs() < SAME_DEG
     }
 
-    /// Dimensions that a model needs: 2 where every vertical section along the sliding direction is
-    /// the same, which is so for grooves across it alone, otherwise 3.
+    /// Whether every vertical section along the sliding direction is the same, which is so for grooves across it alone.
     #[must_use]
-    pub fn dimensions(&self) -> u8 {
-        let transversal = self.sliding_direction()[1] == 0.0;
-        if self.planform == Planform::Groove && transversal { 2 } else { 3 }
+    pub fn is_one_section(&self) -> bool {
+        self.planform == Planform::Groove && self.sliding_direction()[1] == 0.0
     }
 }
 
@@ -348,17 +346,17 @@ mod tests {
     }
 
     #[test]
-    fn two_dimensions_do_for_transversal_grooves_alone() {
+    fn transversal_grooves_alone_are_one_section() {
         let groove = Texture::new(Planform::Groove);
-        assert_eq!(groove.dimensions(), 2);
-        assert_eq!(groove.with_sliding_angle_deg(180.0).unwrap().dimensions(), 2);
+        assert!(groove.is_one_section());
+        assert!(groove.with_sliding_angle_deg(180.0).unwrap().is_one_section());
         // Grooves turned with the sliding direction stay across it.
         let turned = groove.with_groove_angle_deg(33.3).unwrap().with_sliding_angle_deg(33.3).unwrap();
-        assert_eq!((turned.dimensions(), turned.sliding_direction()), (2, [1.0, 0.0]));
-        assert_eq!(groove.with_groove_angle_deg(1e-3).unwrap().dimensions(), 3);
-        assert_eq!(groove.with_sliding_angle_deg(90.0).unwrap().dimensions(), 3);
+        assert_eq!((turned.is_one_section(), turned.sliding_direction()), (true, [1.0, 0.0]));
+        assert!(!groove.with_groove_angle_deg(1e-3).unwrap().is_one_section());
+        assert!(!groove.with_sliding_angle_deg(90.0).unwrap().is_one_section());
         for planform in [Planform::Square, Planform::Rectangle, Planform::Disc] {
-            assert_eq!(Texture::new(planform).dimensions(), 3);
+            assert!(!Texture::new(planform).is_one_section());
         }
     }
 

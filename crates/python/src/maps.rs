@@ -9,15 +9,15 @@ use pyo3::prelude::*;
 use slipgrid::calibrate::area_law::{AreaLawRequest, CONTACT_TOLERANCE, DEFAULT_PRESSURES_MPA, surface_area_law};
 use slipgrid::formats::altitude_map::{open, refuse, refuse_law};
 use slipgrid::material::THRESHOLD_PRESSURE_PA;
-use slipgrid::monitor::Unwatched;
+use slipgrid::monitor::Cancelled;
 use slipgrid::report::surface::SurfaceReport;
 use slipgrid::topography::{
-    CORRELATION_THRESHOLD, Form, HeightMap, MapFormat, MaterialRatioCurve, Missing, Preparation, PreparedMap, ReadMap,
-    ReadOptions, Sides, SpectrumWindow,
+    CORRELATION_THRESHOLD, Form, HeightMap, MapError, MapFormat, MaterialRatioCurve, Missing, Preparation, PreparedMap,
+    ReadMap, ReadOptions, Sides, SpectrumWindow,
 };
 
 use crate::refused;
-use crate::watched::watched;
+use crate::watched::{Watch, watched};
 use slipgrid_disk::disk;
 
 /// An altitude map as it was read or given: heights in metres, missing points NaN.
@@ -83,8 +83,8 @@ impl Map {
             decimal_comma,
             ..ReadOptions::NONE
         };
-        let read =
-            py.detach(|| open(&disk(), &path, &options, &Unwatched)).map_err(|error| refused::input(py, &error))?;
+        let read = watched(py, None, |watch| open(&disk(), &path, &options, watch))?;
+        let read = read.map_err(|error| refused::input(py, &error))?;
         Ok(Self { read, path })
     }
 
@@ -128,7 +128,7 @@ impl Map {
     #[pyo3(signature = (*, form="plane", missing="fill", despike=false))]
     fn measure_json(&self, py: Python<'_>, form: &str, missing: &str, despike: bool) -> PyResult<String> {
         let how = preparation(form, missing, despike)?;
-        watched(py, None, |_| self.measure(how))?.map_err(|error| refused::input(py, &error))
+        watched(py, None, |watch| self.measure(how, watch))?.map_err(|error| refused::input(py, &error))
     }
 
     /// Real contact area and area law at `pressures_mpa`: lists by pressure.
@@ -202,19 +202,19 @@ impl Map {
 }
 
 impl Map {
-    fn measure(&self, how: Preparation) -> Result<String, slipgrid::formats::Diagnostic> {
+    fn measure(&self, how: Preparation, watch: &Watch) -> Result<String, slipgrid::formats::Diagnostic> {
         let plain = |reason: String| slipgrid::formats::Diagnostic::file(&self.path, reason);
-        let surface =
-            PreparedMap::new(self.read.clone(), how, &Unwatched).map_err(|error| refuse(&self.path, &error))?;
+        let cancelled = |ended: Cancelled| plain(MapError::from(ended).to_string());
+        let surface = PreparedMap::new(self.read.clone(), how, watch).map_err(|error| refuse(&self.path, &error))?;
         let map = &surface.map;
         let (sides, window) =
             if surface.period { (Sides::Periodic, SpectrumWindow::None) } else { (Sides::Open, SpectrumWindow::Hann) };
-        let curve = MaterialRatioCurve::new(map);
+        let curve = MaterialRatioCurve::new(map, watch).map_err(cancelled)?;
         let lengths =
-            map.correlation_lengths(CORRELATION_THRESHOLD, sides).map_err(|error| plain(error.to_string()))?;
-        let spectrum = map.radial_spectrum(window).map_err(|error| plain(error.to_string()))?;
-        let report = SurfaceReport::new(Path::new(&self.path), &surface, &curve, &lengths, &spectrum, None);
-        slipgrid::results::json(&report).map_err(|error| plain(error.to_string()))
+            map.correlation_lengths(CORRELATION_THRESHOLD, sides, watch).map_err(|error| plain(error.to_string()))?;
+        let spectrum = map.radial_spectrum(window, watch).map_err(|error| plain(error.to_string()))?;
+        let report = SurfaceReport::new(Path::new(&self.path), &surface, &curve, &lengths, &spectrum, None, watch);
+        slipgrid::results::json(&report.map_err(cancelled)?).map_err(|error| plain(error.to_string()))
     }
 }
 

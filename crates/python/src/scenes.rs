@@ -143,14 +143,14 @@ impl SteadyCell {
         depth_um: f64,
     ) -> PyResult<Bound<'py, PyArray1<f64>>> {
         let pattern = self.pattern([width_um, spacing_um, depth_um])?;
-        let found = if self.cell.is_spatial() {
+        let found = if self.cell.dimension().is_cheap_per_design() {
+            py.detach(|| self.cell.ratios(&pattern))
+        } else {
             watched(py, None, |watch| {
                 let found = self.cell.solve_heeding(&pattern, watch);
                 let is_whole = !watch.cancelled() && found.iter().all(|of| of.surface.status != Status::Cancelled);
                 if is_whole { found.into_iter().map(|of| of.ratio).collect() } else { Vec::new() }
             })?
-        } else {
-            py.detach(|| self.cell.ratios(&pattern))
         };
         Ok(PyArray1::from_iter(py, found.into_iter().map(|ratio| ratio.unwrap_or(f64::NAN))))
     }

@@ -4,6 +4,8 @@ use slipgrid_export::ExportError;
 use slipgrid_formats::confirmed_scene::UnwritableScene;
 use slipgrid_results::NoJsonForm;
 
+use slipgrid_monitor::Cancelled;
+
 use crate::ChartError;
 
 /// Why a report could not be made.
@@ -18,7 +20,16 @@ pub enum ReportError {
     /// The scene of a design cannot be written.
     #[error(transparent)]
     Scene(#[from] UnwritableScene),
+    /// The monitor has cancelled.
+    #[error("cancelled")]
+    Cancelled,
     /// A record has no JSON form.
     #[error(transparent)]
     Json(#[from] NoJsonForm),
+}
+
+impl From<Cancelled> for ReportError {
+    fn from(_: Cancelled) -> Self {
+        Self::Cancelled
+    }
 }

@@ -24,7 +24,7 @@ fn run_words(scene: &Scene, load: &LoadOutcome) -> [&'static str; 2] {
     // Rims have such an error as well.
     let is_whole = load.ratio_layout_error.is_some() && !scene.is_raised();
     match load.ratio {
-        Some(_) if is_whole && scene.dimensions() == 2 => [
+        Some(_) if is_whole && scene.dimension().takes_strips() => [
             "patterned: one strip of the specimen",
             "mean: flat over the window, patterned of the whole specimen, as in the tables",
         ],
@@ -82,7 +82,7 @@ pub fn simulation(
             let chart = FrictionTraceChart { title: &title, traces: &traces, means };
             outputs.add(format!("friction-{load_mpa}mpa.svg"), friction_trace(&chart)?);
         }
-        if scene.dimensions() == 3 {
+        if scene.dimension().sees_face() {
             if let Some(map) = interface_map(scene, load, load_mpa)? {
                 outputs.add(format!("interface-{load_mpa}mpa.svg"), map);
             }

@@ -166,7 +166,7 @@ impl LoadReport {
     #[must_use]
     pub fn new(load: &LoadOutcome, pattern: Option<&Pattern>, friction_extrapolated: bool) -> Self {
         let surface = &load.surface;
-        let strip = pattern.filter(|pattern| pattern.dimensions() > 2).zip(load.ratio);
+        let strip = pattern.zip(load.ratio);
         let cost = surface.cost;
         Self {
             pressure_mpa: PRESSURE_MPA.from_si(load.pressure_pa),
@@ -217,7 +217,7 @@ pub fn load_reports(simulation: &Simulation, pattern: Option<&Pattern>, outside:
 #[must_use]
 pub fn model_notes(pattern: Option<&Pattern>, provenance: &Provenance) -> Vec<String> {
     let mut notes = Vec::new();
-    if let Some(pattern) = pattern.filter(|pattern| pattern.dimensions() > 2) {
+    if let Some(pattern) = pattern {
         notes.push(format!(
             "section model: {} cavities are modelled by the vertical section through their centres, as grooves: {:.2} % \
              of the section, {:.2} % of the surface; `ratio` is the section's, `ratio_strip_estimate` counts the strips \
@@ -248,19 +248,18 @@ impl SimulationReport {
         threads: usize,
     ) -> Self {
         let pattern = scene.pattern.as_ref();
-        // What the vertical plane leaves out needs saying, and only of patterns that have it.
-        let sectioned = pattern.filter(|_| scene.dimensions() == 2);
+        let section = scene.section();
         Self {
             program: "slipgrid".into(),
             version: crate::VERSION.into(),
             schema: crate::SCHEMA,
             fidelity: scene.run.fidelity.name().into(),
             extent: scene.run.extent.name().into(),
-            dimensions: scene.dimensions(),
-            model: simulation.model.iter().cloned().chain(model_notes(sectioned, provenance)).collect(),
+            dimensions: scene.dimension().number(),
+            model: simulation.model.iter().cloned().chain(model_notes(section, provenance)).collect(),
             material: provenance.into(),
             pattern: pattern.map(PatternReport::from),
-            section_model: sectioned.is_some_and(|pattern| pattern.dimensions() > 2),
+            section_model: section.is_some(),
             areal_density: pattern.map(|pattern| tidy(pattern.areal_density())),
             section_density: pattern.map(|pattern| tidy(pattern.section_density())),
             block_um: LENGTH_UM.from_si(scene.layer.block_m),
@@ -269,7 +268,7 @@ impl SimulationReport {
             draws: scene.run.draws,
             wall_s,
             threads,
-            results: load_reports(simulation, sectioned, outside),
+            results: load_reports(simulation, section, outside),
             errors,
             discrepancy,
         }

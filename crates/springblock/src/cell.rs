@@ -8,10 +8,11 @@ use slipgrid_material::{AreaLaw, Elastic};
 use slipgrid_pattern::{Pattern, Planform, ReliefMap, Texture};
 
 use crate::columns;
+use crate::dimension::Dimension;
 use crate::lattice::Lattice;
 use crate::outcome::{Status, SurfaceOutcome};
 use crate::rims::Rims;
-use crate::scene::{Layer, Load, Scene};
+use crate::scene::{Layer, Load, MOST_DRAWS, Scene};
 use crate::space::{SpaceLattice, SpaceLoad, SpaceSteadyModel};
 use crate::steady::{
     CondensedModel, FaceHistory, RaisedModel, SteadyLoad, SteadyModel, ThickModel, band_products, condensing,
@@ -36,7 +37,7 @@ const MOST_PLANE_BYTES: f64 = 4.0 * MOST_SPACE_BYTES;
 /// that is, at the cost of the layer alone.
 #[derive(Clone, Debug)]
 pub struct SteadyCell {
-    dimensions: u8,
+    dimension: Dimension,
     elastic: Elastic,
     area_law: Option<AreaLaw>,
     layer: Layer,
@@ -71,24 +72,26 @@ impl CellOutcome {
 }
 
 impl SteadyCell {
-    /// The cell of `scene`, whose options of time integration are ignored: in the dimensions that it asks for, otherwise in
-    /// those that its pattern needs; without a pattern in the plane.
+    /// The cell of `scene`, whose options of time integration are ignored: in the plane or in space as it asks, otherwise as its
+    /// pattern needs; without a pattern in the plane.
     #[must_use]
     pub fn new(scene: &Scene) -> Self {
-        let needed = scene.pattern.map_or(2, |pattern| pattern.dimensions());
-        Self::in_dimensions(scene, scene.run.dimensions.unwrap_or(needed))
+        let asked = scene.run.dimensions;
+        let of_flat = || asked.map_or(Dimension::Plane, Dimension::numbered);
+        let of_pattern = |pattern: &Pattern| Dimension::of(asked, pattern.texture());
+        Self::solved(scene, scene.pattern.as_ref().map_or_else(of_flat, of_pattern))
     }
 
     /// As [`Self::new`], where it is patterns of `texture` that will be asked for.
     #[must_use]
     pub fn of_texture(scene: &Scene, texture: &Texture) -> Self {
-        Self::in_dimensions(scene, scene.run.dimensions.unwrap_or_else(|| texture.dimensions()))
+        Self::solved(scene, Dimension::of(scene.run.dimensions, texture))
     }
 
-    /// The cell of `scene` in 2 or 3 `dimensions`.
-    pub(crate) fn in_dimensions(scene: &Scene, dimensions: u8) -> Self {
+    /// The cell of `scene` in the plane or in space.
+    pub(crate) fn solved(scene: &Scene, dimension: Dimension) -> Self {
         Self {
-            dimensions,
+            dimension,
             elastic: scene.elastic,
             area_law: scene.area_law.clone(),
             layer: scene.layer,
@@ -98,16 +101,29 @@ impl SteadyCell {
         }
     }
 
-    /// In how many dimensions it is solved: 2 in the plane, 3 in space.
+    /// Where it is solved.
     #[must_use]
-    pub const fn dimensions(&self) -> u8 {
-        self.dimensions
+    pub const fn dimension(&self) -> Dimension {
+        self.dimension
     }
 
     /// Whether it is solved in space.
+    const fn is_spatial(&self) -> bool {
+        matches!(self.dimension, Dimension::Space)
+    }
+
+    /// Draws of the local coefficients with which a cell of `pattern` has at least `contacts` contact blocks in all; 1 in
+    /// the vertical plane, whose sample is one draw of many.
     #[must_use]
-    pub const fn is_spatial(&self) -> bool {
-        self.dimensions == 3
+    pub fn draws(&self, pattern: &Pattern, contacts: f64) -> u64 {
+        if !self.is_spatial() {
+            return 1;
+        }
+        let [nx, ny] = self.columns(pattern);
+        // A groove is as long as its period.
+        let columns = nx * if pattern.is_uniform_along_y() { nx } else { ny };
+        // Between 1 and MOST_DRAWS: the cast is exact.
+        (contacts / (columns * (1.0 - pattern.areal_density()))).ceil().clamp(1.0, MOST_DRAWS as f64) as u64
     }
 
     /// Columns of the cell of `pattern` along x and y: whole numbers, one along grooves and in the plane.

@@ -18,6 +18,7 @@
 //! | [`steady_ratios`] | the ratios of a steady cell alone |
 //! | [`Face`], [`Strip`], [`simulate_specimen`] | the same of a specimen as it is cut, strip by strip |
 //! | [`Simulation`], [`LoadOutcome`], [`SurfaceOutcome`] | what was found, with a [`Status`] |
+//! | [`Dimension`] | in the plane or in space, and what follows from it |
 //! | [`SteadyCell`], [`CellOutcome`] | the steady ratio of many patterns, in the plane or in space: what a search calls |
 //! | [`SpaceLattice`], [`SpaceSteadyModel`] | one cell in space: its geometry, its pressures and displacements |
 //! | [`expense`], [`bounded`] | what solving a scene takes, roughly, and whether that is too much |
@@ -56,6 +57,7 @@
 
 mod cell;
 mod columns;
+mod dimension;
 mod draws;
 mod dynamics;
 mod error;
@@ -71,6 +73,7 @@ mod space;
 mod steady;
 
 pub use cell::{CellOutcome, SteadyCell};
+pub use dimension::Dimension;
 pub use dynamics::{MOST_STEPS, WAVE_DEFICIT, run_speed_m_s, shear_modulus_pa, shear_period_s, warm_travel_m};
 pub use error::SceneError;
 pub use face::{Face, Strip};

@@ -3,9 +3,9 @@
 use std::sync::Arc;
 
 use slipgrid_material::{AreaLaw, Elastic, LocalFriction};
-use slipgrid_pattern::{Pattern, ReliefMap};
+use slipgrid_pattern::{Pattern, ReliefMap, Texture};
 
-use crate::{SceneError, run_speed_m_s};
+use crate::{Dimension, SceneError, run_speed_m_s};
 
 /// What a solver solves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -139,6 +139,28 @@ pub struct RunOptions {
     pub refine: bool,
 }
 
+impl RunOptions {
+    /// How a specimen with patterns of `texture` is run: strip by strip in the plane, in other sliding directions of the texture, too,
+    /// and by one cell in space.
+    #[must_use]
+    pub fn on_specimen(self, texture: &Texture) -> Self {
+        match Dimension::of(self.dimensions, texture) {
+            Dimension::Plane => Self { dimensions: Some(Dimension::Plane.number()), ..self },
+            Dimension::Space if self.has_space() => Self { extent: Extent::Cell, ..self },
+            Dimension::Space => self,
+        }
+    }
+
+    /// Whether a cell in space can be run so.
+    fn has_space(&self) -> bool {
+        match self.fidelity {
+            Fidelity::Steady => true,
+            Fidelity::Dynamic => self.springs != Some(Springs::Exact),
+            Fidelity::Reference => false,
+        }
+    }
+}
+
 impl Default for RunOptions {
     fn default() -> Self {
         Self {
@@ -241,23 +263,24 @@ const LEAST_PITCH: f64 = 1.2;
 const WHOLE_BLOCKS_TOLERANCE: f64 = 1e-6;
 
 impl Scene {
-    /// Dimensions in which the scene is solved: those asked for, otherwise those that its pattern needs if it is
-    /// a steady or a dynamic cell; anything else is solved in the vertical plane. A flat layer is uniform in either.
+    /// Where the scene is solved: as asked for, otherwise as its pattern needs if it is a steady or a dynamic cell; anything else is
+    /// solved in the vertical plane. A flat layer is uniform in either.
     #[must_use]
-    pub fn dimensions(&self) -> u8 {
-        let Some(pattern) = &self.pattern else { return 2 };
-        let needed = if self.has_spatial_cell() { pattern.dimensions() } else { 2 };
-        self.run.dimensions.unwrap_or(needed)
+    pub fn dimension(&self) -> Dimension {
+        let is_open = self.run.dimensions.is_none() && !self.has_spatial_cell();
+        let pattern = self.pattern.as_ref().filter(|_| !is_open);
+        pattern.map_or(Dimension::Plane, |pattern| Dimension::of(self.run.dimensions, pattern.texture()))
+    }
+
+    /// Its pattern where only a section of it is solved.
+    #[must_use]
+    pub fn section(&self) -> Option<&Pattern> {
+        self.dimension().section_of(self.pattern.as_ref()?)
     }
 
     /// Whether a cell in space can solve it.
     fn has_spatial_cell(&self) -> bool {
-        self.run.extent == Extent::Cell
-            && match self.run.fidelity {
-                Fidelity::Steady => true,
-                Fidelity::Dynamic => self.run.springs != Some(Springs::Exact),
-                Fidelity::Reference => false,
-            }
+        self.run.extent == Extent::Cell && self.run.has_space()
     }
 
     /// Checks every number for a meaning.

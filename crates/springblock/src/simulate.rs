@@ -20,6 +20,7 @@ use slipgrid_pattern::Pattern;
 use crate::Monitor;
 use crate::cell::{SteadyCell, condensing_cell, raised_model};
 use crate::columns::{self, Column};
+use crate::dimension::Dimension;
 use crate::draws;
 use crate::dynamics::{DynamicRun, Plan, Scheme, remembered, settings};
 use crate::error::SceneError;
@@ -88,7 +89,7 @@ pub fn steady_ratios(scene: &Scene, monitor: &dyn Monitor) -> Result<Vec<Option<
     bounded(scene)?;
     let solved = &behind::solved(scene);
     let Some(pattern) = &scene.pattern else { return Ok(vec![None; scene.loads.len()]) };
-    let mut loads = if scene.dimensions() == 3 {
+    let mut loads = if scene.dimension() == Dimension::Space {
         let loads = space::steady_loads(solved, pattern, monitor)?;
         monitor.advance(1.0);
         loads
@@ -105,7 +106,7 @@ pub fn steady_ratios(scene: &Scene, monitor: &dyn Monitor) -> Result<Vec<Option<
 /// The same as [`simulate`] without what is behind the layer where blocks stand for the layer alone.
 fn over_layer(scene: &Scene, monitor: &dyn Monitor) -> Result<Simulation, SceneError> {
     let solved = &behind::solved(scene);
-    if let Some(pattern) = scene.pattern.as_ref().filter(|_| scene.dimensions() == 3) {
+    if let Some(pattern) = scene.pattern.as_ref().filter(|_| scene.dimension() == Dimension::Space) {
         return match scene.run.fidelity {
             Fidelity::Steady => space::steady(solved, pattern, monitor),
             Fidelity::Dynamic | Fidelity::Reference => space::dynamic(solved, pattern, monitor),
@@ -123,7 +124,7 @@ fn over_layer(scene: &Scene, monitor: &dyn Monitor) -> Result<Simulation, SceneE
     if let Some(pattern) = estimated {
         let own: Vec<Option<f64>> = match (scene.run.fidelity, scene.run.extent) {
             (Fidelity::Steady, Extent::Cell) => simulation.loads.iter().map(|load| load.ratio).collect(),
-            _ => SteadyCell::in_dimensions(scene, 2).ratios(pattern),
+            _ => SteadyCell::solved(scene, Dimension::Plane).ratios(pattern),
         };
         blocks::state(&mut simulation.loads, discretization_error(scene, pattern, &own).as_deref(), 1.0);
     }
@@ -408,7 +409,7 @@ fn off_lattice_corrections(scene: &Scene, nearest: Option<&Pattern>) -> Result<V
         return Ok(none);
     }
     affordable(scene, columns::cell(pattern, scene.layer.block_m).len(), true)?;
-    let model = SteadyCell::in_dimensions(scene, 2);
+    let model = SteadyCell::solved(scene, Dimension::Plane);
     let (exact, whole) = (model.ratios(pattern), model.ratios(nearest));
     Ok(differences(&exact, &whole))
 }

@@ -8,6 +8,8 @@
 
 use std::fmt;
 
+use slipgrid_monitor::{Cancelled, Monitor};
+
 use crate::HeightMap;
 use crate::plausibility::limits::{LEAST_SPIKE_NEIGHBOURS, MOST_SPIKE_POINTS, SPIKE_DEVIATIONS, SPIKE_REACH};
 use slipgrid_statistics::upper_median;
@@ -20,6 +22,8 @@ const LEAST_SAMPLED: usize = 64;
 const ROUNDING: f64 = 1e-9;
 /// Share of differences that must not vanish for a median of their own, where most do.
 const LEAST_UNEQUAL_SHARE: f64 = 0.01;
+/// Points between two questions whether to go on.
+const ASKED_EVERY: usize = 1 << 12;
 /// Times that a map is gone through: a spike may hide behind a larger one.
 const MOST_PASSES: usize = 4;
 /// Spikes that are described one by one.
@@ -86,11 +90,14 @@ impl fmt::Display for Spikes {
 impl HeightMap {
     /// Replaces spikes by the median of the points about them that are present and in none, and says where
     /// they were; the other heights stay as they are. Missing points stay missing.
-    pub fn despike(&mut self) -> Spikes {
+    ///
+    /// # Errors
+    /// [`Cancelled`] once `monitor` cancels.
+    pub fn despike(&mut self, monitor: &dyn Monitor) -> Result<Spikes, Cancelled> {
         let mut found = Spikes::default();
         for _ in 0..MOST_PASSES {
-            let Some(threshold_m) = self.spike_threshold_m() else { break };
-            let clusters = self.spike_clusters(threshold_m);
+            let Some(threshold_m) = self.spike_threshold_m(monitor)? else { break };
+            let clusters = self.spike_clusters(threshold_m, monitor)?;
             if clusters.is_empty() {
                 break;
             }
@@ -108,12 +115,13 @@ impl HeightMap {
             }
         }
         found.list.sort_by(|a, b| b.height_m.abs().total_cmp(&a.height_m.abs()));
-        found
+        Ok(found)
     }
 
     /// Whether there are spikes.
-    pub(crate) fn has_spikes(&self) -> bool {
-        self.spike_threshold_m().is_some_and(|threshold_m| !self.spike_clusters(threshold_m).is_empty())
+    pub(crate) fn has_spikes(&self, monitor: &dyn Monitor) -> Result<bool, Cancelled> {
+        let Some(threshold_m) = self.spike_threshold_m(monitor)? else { return Ok(false) };
+        Ok(!self.spike_clusters(threshold_m, monitor)?.is_empty())
     }
 
     /// Calls `visit` for the nodes of the square about `node` with `reach` to its sides, without `node` itself.
@@ -143,32 +151,21 @@ impl HeightMap {
     }
 
     /// T: how far from the median about it a point must lie; `None` of a map too small to tell.
-    fn spike_threshold_m(&self) -> Option<f64> {
+    fn spike_threshold_m(&self, monitor: &dyn Monitor) -> Result<Option<f64>, Cancelled> {
         let heights = self.heights_m();
-        let mut differences: Vec<f64> = self
-            .sampled()
-            .map(|node| (heights[node] - self.median_about(node)).abs())
-            .filter(|difference| !difference.is_nan())
-            .collect();
+        let mut differences = Vec::new();
+        for (n, node) in self.sampled().enumerate() {
+            if n % ASKED_EVERY == 0 {
+                monitor.heed()?;
+            }
+            let difference = (heights[node] - self.median_about(node)).abs();
+            differences.extend(Some(difference).filter(|difference| !difference.is_nan()));
+        }
         let (least, most) = heights
             .iter()
             .filter(|height| !height.is_nan())
             .fold((f64::INFINITY, f64::NEG_INFINITY), |(least, most), &height| (least.min(height), most.max(height)));
-        let rounding_m = ROUNDING * (most - least);
-        if differences.len() < LEAST_SAMPLED {
-            return None;
-        }
-        let middle_m = upper_median(&mut differences)?;
-        // Heights in coarse steps agree with the median more often than not: then those that do not say how they differ.
-        let mut unequal: Vec<f64> = differences.iter().copied().filter(|difference| *difference > rounding_m).collect();
-        let deviation_m = if middle_m > rounding_m {
-            middle_m
-        } else if unequal.len() as f64 > LEAST_UNEQUAL_SHARE * differences.len() as f64 {
-            upper_median(&mut unequal)?
-        } else {
-            rounding_m
-        };
-        Some(SPIKE_DEVIATIONS * ROBUST_DEVIATION * deviation_m).filter(|threshold_m| *threshold_m > 0.0)
+        Ok(threshold_m(&mut differences, ROUNDING * (most - least)))
     }
 
     /// Whether the median about `node` lies more than `threshold_m` below its height (or above): whether more than half of the
@@ -191,13 +188,20 @@ impl HeightMap {
     }
 
     /// The spikes of the map as it is.
-    fn spike_clusters(&self, threshold_m: f64) -> Vec<Cluster> {
+    fn spike_clusters(&self, threshold_m: f64, monitor: &dyn Monitor) -> Result<Vec<Cluster>, Cancelled> {
         let heights = self.heights_m();
-        let suspects: Vec<usize> =
-            (0..heights.len()).filter(|&node| !heights[node].is_nan() && self.is_suspect(node, threshold_m)).collect();
+        let mut suspects: Vec<usize> = Vec::new();
+        for row in 0..self.rows() {
+            monitor.heed()?;
+            let nodes = row * self.cols()..(row + 1) * self.cols();
+            suspects.extend(nodes.filter(|&node| !heights[node].is_nan() && self.is_suspect(node, threshold_m)));
+        }
         let mut taken = vec![false; suspects.len()];
         let mut clusters = Vec::new();
         for first in 0..suspects.len() {
+            if first % ASKED_EVERY == 0 {
+                monitor.heed()?;
+            }
             if taken[first] {
                 continue;
             }
@@ -217,7 +221,7 @@ impl HeightMap {
             }
             clusters.extend(self.spike(nodes, threshold_m));
         }
-        clusters
+        Ok(clusters)
     }
 
     /// The cluster `nodes` if it is a spike.
@@ -246,6 +250,24 @@ impl HeightMap {
     }
 }
 
+/// T of the `differences` of heights from the medians about them, of which those up to `rounding_m` are rounding.
+fn threshold_m(differences: &mut [f64], rounding_m: f64) -> Option<f64> {
+    if differences.len() < LEAST_SAMPLED {
+        return None;
+    }
+    let middle_m = upper_median(differences)?;
+    // Heights in coarse steps agree with the median more often than not: then those that do not say how they differ.
+    let mut unequal: Vec<f64> = differences.iter().copied().filter(|difference| *difference > rounding_m).collect();
+    let deviation_m = if middle_m > rounding_m {
+        middle_m
+    } else if unequal.len() as f64 > LEAST_UNEQUAL_SHARE * differences.len() as f64 {
+        upper_median(&mut unequal)?
+    } else {
+        rounding_m
+    };
+    Some(SPIKE_DEVIATIONS * ROBUST_DEVIATION * deviation_m).filter(|threshold_m| *threshold_m > 0.0)
+}
+
 /// A spike with its points.
 struct Cluster {
     spike: Spike,
@@ -256,6 +278,7 @@ struct Cluster {
 mod tests {
     use super::*;
     use crate::SelfAffine;
+    use slipgrid_monitor::Unwatched;
 
     const SIDE: usize = 200;
 
@@ -284,7 +307,7 @@ mod tests {
             .chain([(150 * SIDE + 150, -2.0 * high)])
             .collect::<Vec<_>>();
         let mut spiked = with(&map, &bad);
-        let spikes = spiked.despike();
+        let spikes = spiked.despike(&Unwatched).unwrap();
         assert_eq!((spikes.list.len(), spikes.points()), (6, 10), "{spikes}");
         let worst = spikes.list[0];
         assert!((worst.row, worst.col, worst.points) == (150, 150, 1) && worst.height_m < -1.9 * high, "{worst:?}");
@@ -302,7 +325,7 @@ mod tests {
         let slope = |map: &HeightMap| map.rms_slope_spectral().unwrap();
         assert!(slope(&with(&map, &bad)) > 2.0 * slope(&map));
         assert!((slope(&spiked) / slope(&map) - 1.0).abs() < 2e-3);
-        assert_eq!(spiked.clone().despike(), Spikes::default());
+        assert_eq!(spiked.clone().despike(&Unwatched).unwrap(), Spikes::default());
     }
 
     #[test]
@@ -312,14 +335,14 @@ mod tests {
                 let size = SelfAffine { pixels: 128, min_wave: 1, max_wave: 63, ..SelfAffine::STAND_IN };
                 let map = SelfAffine { seed, hurst, ..size }.map().unwrap();
                 let mut same = map.clone();
-                assert_eq!(same.despike(), Spikes::default(), "{hurst} {seed}");
+                assert_eq!(same.despike(&Unwatched).unwrap(), Spikes::default(), "{hurst} {seed}");
                 assert_eq!(same, map);
             }
         }
         let place = |n: usize| ((n / SIDE) as f64, (n % SIDE) as f64);
         let shaped = |shape: &dyn Fn(f64, f64) -> f64| {
             let heights = (0..SIDE * SIDE).map(|n| 1e-6 * shape(place(n).0, place(n).1)).collect();
-            HeightMap::new(SIDE, SIDE, 1e-6, 1e-6, heights).unwrap().despike()
+            HeightMap::new(SIDE, SIDE, 1e-6, 1e-6, heights).unwrap().despike(&Unwatched).unwrap()
         };
         // A plane, a sphere on a plane, a sinusoid, the same in steps of a tenth, sharp squares, discs and a scratch one
         // point wide.
@@ -345,18 +368,18 @@ mod tests {
         let quantum = 0.3 * steps.sq_m();
         let rounded = steps.heights_m().iter().map(|height| (height / quantum).round() * quantum).collect();
         let rounded = HeightMap::new(SIDE, SIDE, 2e-6, 2e-6, rounded).unwrap();
-        assert_eq!(rounded.clone().despike().points(), 0);
-        assert_eq!(with(&rounded, &[(777, 60.0 * quantum)]).despike().points(), 1);
+        assert_eq!(rounded.clone().despike(&Unwatched).unwrap().points(), 0);
+        assert_eq!(with(&rounded, &[(777, 60.0 * quantum)]).despike(&Unwatched).unwrap().points(), 1);
         let flat = HeightMap::new(SIDE, SIDE, 1e-6, 1e-6, vec![3e-6; SIDE * SIDE]).unwrap();
-        assert_eq!(flat.clone().despike().points(), 0);
+        assert_eq!(flat.clone().despike(&Unwatched).unwrap().points(), 0);
         let mut spiked = with(&flat, &[(777, 1e-6), (9000, -1e-3)]);
-        assert_eq!(spiked.despike().points(), 2);
+        assert_eq!(spiked.despike(&Unwatched).unwrap().points(), 2);
         assert_eq!(spiked, flat);
         let holed = |n: usize, h: f64| if n.is_multiple_of(3) { f64::NAN } else { h };
         let holed = rough(1).heights_m().iter().enumerate().map(|(n, h)| holed(n, *h)).collect();
         let holed = HeightMap::new(SIDE, SIDE, 2e-6, 2e-6, holed).unwrap();
-        assert_eq!(holed.clone().despike().points(), 0);
+        assert_eq!(holed.clone().despike(&Unwatched).unwrap().points(), 0);
         let mut spiked = with(&holed, &[(5 * SIDE + 100, 1e-3)]);
-        assert_eq!((spiked.despike().points(), spiked.missing()), (1, holed.missing()));
+        assert_eq!((spiked.despike(&Unwatched).unwrap().points(), spiked.missing()), (1, holed.missing()));
     }
 }

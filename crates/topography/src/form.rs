@@ -1,5 +1,7 @@
 //! Form removal: what a specimen's shape and the way it lay under the instrument added to the surface.
 
+use slipgrid_monitor::Monitor;
+
 use crate::{HeightMap, MapError};
 
 /// The shape that is subtracted, by least squares over the points present.
@@ -56,17 +58,26 @@ fn terms(u: f64, v: f64) -> [f64; TERMS] {
     [1.0, u, v, 0.5 * (3.0 * u * u - 1.0), u * v, 0.5 * (3.0 * v * v - 1.0)]
 }
 
-/// The place of point `n` of a map, -1 to 1.
-fn place(n: usize, rows: usize, cols: usize) -> (f64, f64) {
-    let scaled = |index: usize, count: usize| 2.0 * index as f64 / (count - 1) as f64 - 1.0;
-    (scaled(n / cols, rows), scaled(n % cols, cols))
+/// The place of the line `index` of `count`, -1 to 1.
+fn place(index: usize, count: usize) -> f64 {
+    2.0 * index as f64 / (count - 1) as f64 - 1.0
 }
 
 impl FittedForm {
-    /// The height of the form at point `n` of `map`.
-    pub(crate) fn height_m(&self, n: usize, map: &HeightMap) -> f64 {
-        let (u, v) = place(n, map.rows(), map.cols());
+    /// The height of the form at row `i` and column `j` of `map`.
+    fn height_m(&self, [i, j]: [usize; 2], map: &HeightMap) -> f64 {
+        let (u, v) = (place(i, map.rows()), place(j, map.cols()));
         terms(u, v)[..self.count].iter().zip(&self.coefficient).map(|(term, factor)| term * factor).sum()
+    }
+
+    /// Heights of `map` above the form, until `monitor` cancels.
+    pub(crate) fn above_m(&self, map: &HeightMap, monitor: &dyn Monitor) -> Result<Vec<f64>, MapError> {
+        let mut above_m = Vec::with_capacity(map.heights_m().len());
+        for (i, row) in map.heights_m().chunks_exact(map.cols()).enumerate() {
+            monitor.heed()?;
+            above_m.extend(row.iter().enumerate().map(|(j, height)| height - self.height_m([i, j], map)));
+        }
+        Ok(above_m)
     }
 }
 
@@ -74,23 +85,31 @@ impl HeightMap {
     /// Fits `form` by least squares to the points that are present and `wanted`.
     ///
     /// # Errors
-    /// [`MapError::FormUndetermined`] if these points do not determine it.
-    pub(crate) fn fit_form(&self, form: Form, wanted: impl Fn(usize) -> bool) -> Result<FittedForm, MapError> {
+    /// [`MapError::FormUndetermined`] if these points do not determine it, and once `monitor` cancels.
+    pub(crate) fn fit_form(
+        &self,
+        form: Form,
+        wanted: impl Fn(usize) -> bool,
+        monitor: &dyn Monitor,
+    ) -> Result<FittedForm, MapError> {
         let count = form.count();
         // Normal equations A c = b, A = sum of terms terms^T, b = sum of terms h, heights about one of them.
         let (mut a, mut b, mut points) = ([[0.0; TERMS]; TERMS], [0.0; TERMS], 0_usize);
-        let heights = || self.heights_m().iter().enumerate().filter(|(n, height)| !height.is_nan() && wanted(*n));
-        let origin = heights().next().map_or(0.0, |(_, height)| *height);
-        for (n, height) in heights() {
-            let (u, v) = place(n, self.rows(), self.cols());
-            let terms = terms(u, v);
-            for i in 0..count {
-                for j in 0..=i {
-                    a[i][j] += terms[i] * terms[j];
+        let mut heights = self.heights_m().iter().enumerate().filter(|(n, height)| !height.is_nan() && wanted(*n));
+        let origin = heights.next().map_or(0.0, |(_, height)| *height);
+        for (row, heights) in self.heights_m().chunks_exact(self.cols()).enumerate() {
+            monitor.heed()?;
+            let is_wanted = |(col, height): &(usize, &f64)| !height.is_nan() && wanted(row * self.cols() + col);
+            for (col, height) in heights.iter().enumerate().filter(is_wanted) {
+                let terms = terms(place(row, self.rows()), place(col, self.cols()));
+                for i in 0..count {
+                    for j in 0..=i {
+                        a[i][j] += terms[i] * terms[j];
+                    }
+                    b[i] += terms[i] * (height - origin);
                 }
-                b[i] += terms[i] * (height - origin);
+                points += 1;
             }
-            points += 1;
         }
         let undetermined = MapError::FormUndetermined { form: form.name(), points };
         if points < count {
@@ -123,20 +142,25 @@ impl HeightMap {
     /// Subtracts `form` and returns the rms height of what was subtracted beyond its mean, in metres.
     ///
     /// # Errors
-    /// [`MapError::FormUndetermined`] if the points present do not determine the form; the map is as it was.
-    pub fn remove_form(&mut self, form: Form) -> Result<f64, MapError> {
-        let fitted = self.fit_form(form, |_| true)?;
+    /// [`MapError::FormUndetermined`] if the points present do not determine the form, and once `monitor` cancels: the map is as it was.
+    pub fn remove_form(&mut self, form: Form, monitor: &dyn Monitor) -> Result<f64, MapError> {
+        let fitted = self.fit_form(form, |_| true, monitor)?;
         let (mut sum, mut square, mut count) = (0.0, 0.0, 0.0);
-        let first = fitted.height_m(0, self);
-        let subtracted: Vec<f64> = (0..self.heights_m().len()).map(|n| fitted.height_m(n, self)).collect();
-        for (height, form) in self.heights_mut().iter_mut().zip(subtracted) {
-            *height -= form;
-            if !height.is_nan() {
-                sum += form - first;
-                square += (form - first).powi(2);
-                count += 1.0;
+        let first = fitted.height_m([0, 0], self);
+        let mut above_m = Vec::with_capacity(self.heights_m().len());
+        for (i, row) in self.heights_m().chunks_exact(self.cols()).enumerate() {
+            monitor.heed()?;
+            for (j, height) in row.iter().enumerate() {
+                let form = fitted.height_m([i, j], self);
+                above_m.push(height - form);
+                if !height.is_nan() {
+                    sum += form - first;
+                    square += (form - first).powi(2);
+                    count += 1.0;
+                }
             }
         }
+        self.heights_mut().copy_from_slice(&above_m);
         // mean of f^2 less (mean of f)^2, f about one of its values
         Ok((square / count - (sum / count).powi(2)).max(0.0).sqrt())
     }
@@ -147,6 +171,7 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
+    use slipgrid_monitor::Unwatched;
 
     /// c0 + c1 x + c2 y + c3 x^2 + c4 x y + c5 y^2 in micrometres, x and y in pixels.
     fn map(c: [f64; 6], holes: &[usize]) -> HeightMap {
@@ -172,7 +197,7 @@ mod tests {
                 let mut only = [0.0; 6];
                 only[..kept].copy_from_slice(&c[..kept]);
                 let mut map = map(only, &holes);
-                map.remove_form(form).unwrap();
+                map.remove_form(form, &Unwatched).unwrap();
                 prop_assert!(largest(&map) < 1e-17, "{form:?}: {}", largest(&map));
             }
         }
@@ -181,9 +206,9 @@ mod tests {
         fn removing_twice_changes_nothing(c in proptest::array::uniform6(-5.0..5.0)) {
             for form in Form::ALL {
                 let mut map = map(c, &[7]);
-                map.remove_form(form).unwrap();
+                map.remove_form(form, &Unwatched).unwrap();
                 let once = map.clone();
-                let rms = map.remove_form(form).unwrap();
+                let rms = map.remove_form(form, &Unwatched).unwrap();
                 prop_assert!(rms < 1e-17);
                 for (a, b) in map.heights_m().iter().zip(once.heights_m()) {
                     prop_assert!(a.is_nan() && b.is_nan() || (a - b).abs() < 1e-17);
@@ -196,7 +221,7 @@ mod tests {
     fn the_plane_is_that_of_subtract_plane() {
         let c = [1.0, 0.2, -0.3, 0.05, 0.01, -0.02];
         let (mut one, mut other) = (map(c, &[3, 50]), map(c, &[3, 50]));
-        one.remove_form(Form::Plane).unwrap();
+        one.remove_form(Form::Plane, &Unwatched).unwrap();
         other.subtract_plane().unwrap();
         for (a, b) in one.heights_m().iter().zip(other.heights_m()) {
             assert!(a.is_nan() && b.is_nan() || (a - b).abs() < 1e-18);
@@ -206,7 +231,7 @@ mod tests {
     #[test]
     fn what_was_subtracted_is_reported() {
         // A ramp of 10 steps of 1 um along x: variance 10 um^2.
-        let rms = map([0.0, 1.0, 0.0, 0.0, 0.0, 0.0], &[]).remove_form(Form::Plane).unwrap();
+        let rms = map([0.0, 1.0, 0.0, 0.0, 0.0, 0.0], &[]).remove_form(Form::Plane, &Unwatched).unwrap();
         assert!((rms - 10f64.sqrt() * 1e-6).abs() < 1e-15, "{rms}");
     }
 
@@ -217,8 +242,11 @@ mod tests {
             heights[n] = 1e-6;
         }
         let mut line = HeightMap::new(11, 13, 1e-6, 1e-6, heights).unwrap();
-        assert!(matches!(line.remove_form(Form::Plane), Err(MapError::FormUndetermined { form: "plane", points: 3 })));
-        assert!(line.remove_form(Form::SecondOrder).is_err());
-        assert!(line.remove_form(Form::Mean).is_ok());
+        assert!(matches!(
+            line.remove_form(Form::Plane, &Unwatched),
+            Err(MapError::FormUndetermined { form: "plane", points: 3 })
+        ));
+        assert!(line.remove_form(Form::SecondOrder, &Unwatched).is_err());
+        assert!(line.remove_form(Form::Mean, &Unwatched).is_ok());
     }
 }

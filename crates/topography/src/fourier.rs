@@ -20,6 +20,7 @@ use std::fmt;
 use std::sync::Arc;
 
 use slipgrid_fft::{Complex, ComplexToReal, Convolution, Fft, FftNum, Precision, RealToComplex};
+use slipgrid_monitor::{Cancelled, Monitor, Unwatched};
 
 /// Rows transformed between two transpositions: their complex numbers in a column fill two cache lines.
 const BLOCK_ROWS: usize = 8;
@@ -46,9 +47,9 @@ impl<T: FftNum> fmt::Debug for Fourier<T> {
     }
 }
 
-/// Buffers of one running transform; one per thread.
-#[derive(Clone, Debug)]
-pub struct FourierWork<T = f64> {
+/// Buffers of one running transform, and who may end it; one per thread.
+#[derive(Clone)]
+pub struct FourierWork<'m, T = f64> {
     /// Half spectrum, column by column.
     spectrum: Vec<Complex<T>>,
     /// A few rows of half spectrum, before or after transposition.
@@ -58,6 +59,7 @@ pub struct FourierWork<T = f64> {
     scratch: Vec<Complex<T>>,
     /// A few columns of a convolution.
     columns: Vec<T>,
+    monitor: &'m dyn Monitor,
 }
 
 /// A real factor for every wave of a map, the same for waves k and -k, with the 1/(rows cols) that turns a
@@ -98,14 +100,20 @@ impl<T: Precision> Fourier<T> {
 
     /// Buffers for one running filter.
     #[must_use]
-    pub fn work(&self) -> FourierWork<T> {
-        let Some(convolution) = &self.convolution else { return self.transform_work() };
+    pub fn work(&self) -> FourierWork<'static, T> {
+        self.work_watched(&Unwatched)
+    }
+
+    /// The same for a filter that ends once `monitor` cancels: what is in its output then means nothing.
+    #[must_use]
+    pub fn work_watched<'m>(&self, monitor: &'m dyn Monitor) -> FourierWork<'m, T> {
+        let Some(convolution) = &self.convolution else { return self.transform_work(monitor) };
         let columns = vec![T::zero(); convolution.scratch_len()];
-        FourierWork { spectrum: Vec::new(), block: Vec::new(), row: Vec::new(), scratch: Vec::new(), columns }
+        FourierWork { spectrum: Vec::new(), block: Vec::new(), row: Vec::new(), scratch: Vec::new(), columns, monitor }
     }
 
     /// Buffers for one running transform.
-    fn transform_work(&self) -> FourierWork<T> {
+    fn transform_work<'m>(&self, monitor: &'m dyn Monitor) -> FourierWork<'m, T> {
         let zero = Complex::new(T::zero(), T::zero());
         let scratch = self
             .row_forward
@@ -119,6 +127,7 @@ impl<T: Precision> Fourier<T> {
             row: vec![T::zero(); self.cols],
             scratch: vec![zero; scratch],
             columns: Vec::new(),
+            monitor,
         }
     }
 
@@ -153,14 +162,28 @@ impl<T: Precision> Fourier<T> {
     }
 
     /// `output` = `input` with every wave multiplied; both row by row, rows x cols long.
-    pub fn filter(&self, input: &[T], multiplier: &Multiplier<T>, output: &mut [T], work: &mut FourierWork<T>) {
+    pub fn filter(&self, input: &[T], multiplier: &Multiplier<T>, output: &mut [T], work: &mut FourierWork<'_, T>) {
         if let Some(convolution) = &self.convolution {
-            return T::filter(convolution, input, &multiplier.factor, output, &mut work.columns);
+            let goes_on = || !work.monitor.cancelled();
+            return T::filter(convolution, [input, &multiplier.factor], output, &mut work.columns, &goes_on);
         }
-        self.rows_forward(input, work);
+        // What is left undone means nothing, as callers know.
+        let _ = self.filter_columns(input, multiplier, output, work);
+    }
+
+    /// The filter of any size.
+    fn filter_columns(
+        &self,
+        input: &[T],
+        multiplier: &Multiplier<T>,
+        output: &mut [T],
+        work: &mut FourierWork<'_, T>,
+    ) -> Result<(), Cancelled> {
+        self.rows_forward(input, work)?;
         let half = self.rows / 2 + 1;
-        let FourierWork { spectrum, scratch, .. } = work;
+        let FourierWork { spectrum, scratch, monitor, .. } = work;
         for (column, factor) in spectrum.chunks_exact_mut(self.stride()).zip(multiplier.factor.chunks_exact(half)) {
+            monitor.heed()?;
             let column = &mut column[..self.rows];
             self.column_forward.process_with_scratch(column, scratch);
             let (low, high) = column.split_at_mut(half);
@@ -173,15 +196,16 @@ impl<T: Precision> Fourier<T> {
             }
             self.column_inverse.process_with_scratch(column, scratch);
         }
-        self.rows_inverse(output, work);
+        self.rows_inverse(output, work)
     }
 
     /// Transforms all rows of `input` into the columns of the spectrum.
-    fn rows_forward(&self, input: &[T], work: &mut FourierWork<T>) {
+    fn rows_forward(&self, input: &[T], work: &mut FourierWork<'_, T>) -> Result<(), Cancelled> {
         assert_eq!(input.len(), self.rows * self.cols, "a map of another size");
         let (columns, stride) = (self.columns(), self.stride());
-        let FourierWork { spectrum, block, row, scratch, .. } = work;
+        let FourierWork { spectrum, block, row, scratch, monitor, .. } = work;
         for (chunk, rows) in input.chunks(BLOCK_ROWS * self.cols).enumerate() {
+            monitor.heed()?;
             let first = chunk * BLOCK_ROWS;
             let present = rows.len() / self.cols;
             for (source, target) in rows.chunks_exact(self.cols).zip(block.chunks_exact_mut(columns)) {
@@ -195,14 +219,16 @@ impl<T: Precision> Fourier<T> {
                 }
             }
         }
+        Ok(())
     }
 
     /// Transforms the columns of the spectrum, already inverted along x, into rows.
-    fn rows_inverse(&self, output: &mut [T], work: &mut FourierWork<T>) {
+    fn rows_inverse(&self, output: &mut [T], work: &mut FourierWork<'_, T>) -> Result<(), Cancelled> {
         assert_eq!(output.len(), self.rows * self.cols, "a map of another size");
         let (columns, stride) = (self.columns(), self.stride());
-        let FourierWork { spectrum, block, scratch, .. } = work;
+        let FourierWork { spectrum, block, scratch, monitor, .. } = work;
         for (chunk, rows) in output.chunks_mut(BLOCK_ROWS * self.cols).enumerate() {
+            monitor.heed()?;
             let first = chunk * BLOCK_ROWS;
             let present = rows.len() / self.cols;
             for (l, column) in spectrum.chunks_exact(stride).enumerate() {
@@ -220,26 +246,42 @@ impl<T: Precision> Fourier<T> {
                 debug_assert!(done.is_ok(), "buffers have the plan's lengths");
             }
         }
+        Ok(())
     }
 }
 
 impl Fourier {
     /// sum over all waves of weight(|q|) |h_q|^2, h_q the Fourier coefficient (1/N) sum h exp(-i q x), q in
     /// rad/m on pixels of `dx_m` x `dy_m`, the mean left out.
-    #[must_use]
-    pub fn spectral_sum(&self, input: &[f64], dx_m: f64, dy_m: f64, weight: impl Fn(f64) -> f64) -> f64 {
+    ///
+    /// # Errors
+    /// [`Cancelled`] once `monitor` cancels.
+    pub fn spectral_sum(
+        &self,
+        input: &[f64],
+        pixel_m: [f64; 2],
+        weight: impl Fn(f64) -> f64,
+        monitor: &dyn Monitor,
+    ) -> Result<f64, Cancelled> {
         let mut sum = 0.0;
-        self.visit_waves(input, dx_m, dy_m, |q, twins, square| sum += twins * weight(q) * square);
+        self.visit_waves(input, pixel_m, |q, twins, square| sum += twins * weight(q) * square, monitor)?;
         let points = self.rows as f64 * self.cols as f64;
-        sum / (points * points)
+        Ok(sum / (points * points))
     }
 
     /// Calls `visit(|q|, twins, |sum h exp(-i q x)|^2)` for every wave but the mean; of a wave and its mirror
     /// image only one is visited, and `twins` is 2.
-    pub(crate) fn visit_waves(&self, input: &[f64], dx_m: f64, dy_m: f64, mut visit: impl FnMut(f64, f64, f64)) {
-        let work = &mut self.transform_work();
-        self.rows_forward(input, work);
+    pub(crate) fn visit_waves(
+        &self,
+        input: &[f64],
+        [dx_m, dy_m]: [f64; 2],
+        mut visit: impl FnMut(f64, f64, f64),
+        monitor: &dyn Monitor,
+    ) -> Result<(), Cancelled> {
+        let work = &mut self.transform_work(monitor);
+        self.rows_forward(input, work)?;
         for (l, column) in work.spectrum.chunks_exact_mut(self.stride()).enumerate() {
+            monitor.heed()?;
             let column = &mut column[..self.rows];
             self.column_forward.process_with_scratch(column, &mut work.scratch);
             // The half spectrum holds waves l and -l once, but for l = 0 and the Nyquist wave.
@@ -250,15 +292,17 @@ impl Fourier {
                 }
             }
         }
+        Ok(())
     }
 
     /// The map's product with itself displaced, summed over one period:
     /// map(t) = sum over x of map(x) map(x + t).
-    pub(crate) fn autocorrelate(&self, map: &mut [f64]) {
-        let work = &mut self.transform_work();
-        self.rows_forward(map, work);
+    pub(crate) fn autocorrelate(&self, map: &mut [f64], monitor: &dyn Monitor) -> Result<(), Cancelled> {
+        let work = &mut self.transform_work(monitor);
+        self.rows_forward(map, work)?;
         let inverse_points = 1.0 / (self.rows as f64 * self.cols as f64);
         for column in work.spectrum.chunks_exact_mut(self.stride()) {
+            monitor.heed()?;
             let column = &mut column[..self.rows];
             self.column_forward.process_with_scratch(column, &mut work.scratch);
             for wave in column.iter_mut() {
@@ -267,7 +311,7 @@ impl Fourier {
             }
             self.column_inverse.process_with_scratch(column, &mut work.scratch);
         }
-        self.rows_inverse(map, work);
+        self.rows_inverse(map, work)
     }
 }
 
@@ -363,7 +407,7 @@ mod tests {
         for (rows, cols) in [(8, 8), (9, 7), (6, 15), (1, 5)] {
             let input = uneven(rows, cols);
             let mut output = input.clone();
-            Fourier::new(rows, cols).autocorrelate(&mut output);
+            Fourier::new(rows, cols).autocorrelate(&mut output, &Unwatched).unwrap();
             for (n, found) in output.iter().enumerate() {
                 let moved = |m: usize| (m / cols + n / cols) % rows * cols + (m % cols + n % cols) % cols;
                 let sum: f64 = (0..rows * cols).map(|m| input[m] * input[moved(m)]).sum();
@@ -379,7 +423,7 @@ mod tests {
             let points = input.len() as f64;
             let mean = input.iter().sum::<f64>() / points;
             let variance = input.iter().map(|h| (h - mean).powi(2)).sum::<f64>() / points;
-            let sum = Fourier::new(rows, cols).spectral_sum(&input, 1.0, 1.0, |_| 1.0);
+            let sum = Fourier::new(rows, cols).spectral_sum(&input, [1.0; 2], |_| 1.0, &Unwatched).unwrap();
             assert!((sum - variance).abs() < 1e-14, "{rows} x {cols}: {sum} and {variance}");
         }
     }

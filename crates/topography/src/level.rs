@@ -1,3 +1,5 @@
+use slipgrid_monitor::{Monitor, Unwatched};
+
 use crate::{HeightMap, MapError};
 
 /// A least squares plane: height = mean + slope_x (x - x0) + slope_y (y - y0), (x0, y0) the centroid of the
@@ -44,26 +46,40 @@ impl HeightMap {
     /// # Errors
     /// [`MapError::PlaneUndetermined`] if the points present lie on one line; the map is as it was.
     pub fn subtract_plane(&mut self) -> Result<Plane, MapError> {
+        self.subtract_plane_watched(&Unwatched)
+    }
+
+    /// The same until `monitor` cancels.
+    ///
+    /// # Errors
+    /// As [`Self::subtract_plane`], and [`MapError::Cancelled`].
+    pub fn subtract_plane_watched(&mut self, monitor: &dyn Monitor) -> Result<Plane, MapError> {
         let (cols, dx_m, dy_m) = (self.cols(), self.dx_m(), self.dy_m());
         let mut count = 0.0;
         let mut sums = [0.0; 3];
-        for (n, &height) in self.heights_m().iter().enumerate().filter(|(_, height)| !height.is_nan()) {
-            count += 1.0;
-            for (sum, value) in sums.iter_mut().zip([(n / cols) as f64, (n % cols) as f64, height]) {
-                *sum += value;
+        for (i, row) in self.heights_m().chunks_exact(cols).enumerate() {
+            monitor.heed()?;
+            for (j, &height) in row.iter().enumerate().filter(|(_, height)| !height.is_nan()) {
+                count += 1.0;
+                for (sum, value) in sums.iter_mut().zip([i as f64, j as f64, height]) {
+                    *sum += value;
+                }
             }
         }
         let [i0, j0, mean_m] = sums.map(|sum| sum / count);
 
         // Normal equations about the centroid, in pixels: [ii ij; ij jj] [a; b] = [ih; jh]
         let (mut ii, mut ij, mut jj, mut ih, mut jh) = (0.0, 0.0, 0.0, 0.0, 0.0);
-        for (n, &height) in self.heights_m().iter().enumerate().filter(|(_, height)| !height.is_nan()) {
-            let (i, j, h) = ((n / cols) as f64 - i0, (n % cols) as f64 - j0, height - mean_m);
-            ii += i * i;
-            ij += i * j;
-            jj += j * j;
-            ih += i * h;
-            jh += j * h;
+        for (i, row) in self.heights_m().chunks_exact(cols).enumerate() {
+            monitor.heed()?;
+            for (j, &height) in row.iter().enumerate().filter(|(_, height)| !height.is_nan()) {
+                let (i, j, h) = (i as f64 - i0, j as f64 - j0, height - mean_m);
+                ii += i * i;
+                ij += i * j;
+                jj += j * j;
+                ih += i * h;
+                jh += j * h;
+            }
         }
         let determinant = ii * jj - ij * ij;
         if determinant <= SMALLEST_DETERMINANT * ii * jj {
@@ -71,8 +87,11 @@ impl HeightMap {
         }
         let a = (ih * jj - jh * ij) / determinant;
         let b = (jh * ii - ih * ij) / determinant;
-        for (n, height) in self.heights_mut().iter_mut().enumerate() {
-            *height -= mean_m + a * ((n / cols) as f64 - i0) + b * ((n % cols) as f64 - j0);
+        monitor.heed()?;
+        for (i, row) in self.heights_mut().chunks_exact_mut(cols).enumerate() {
+            for (j, height) in row.iter_mut().enumerate() {
+                *height -= mean_m + a * (i as f64 - i0) + b * (j as f64 - j0);
+            }
         }
         Ok(Plane { mean_m, slope_x: a / dx_m, slope_y: b / dy_m })
     }

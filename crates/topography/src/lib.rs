@@ -45,6 +45,7 @@ mod fill;
 mod form;
 mod level;
 mod map;
+mod order;
 mod parameters;
 mod periodic;
 mod plausibility;

@@ -2,6 +2,8 @@
 
 use std::f64::consts::TAU;
 
+use slipgrid_monitor::Monitor;
+
 use crate::fourier::Fourier;
 use crate::{HeightMap, MapError};
 
@@ -10,20 +12,21 @@ use crate::{HeightMap, MapError};
 /// for a window cut out of a smooth one, whose sides know nothing of each other. 1 for a flat map.
 ///
 /// # Errors
-/// [`MapError`] if points are missing.
-pub fn side_step_ratio(map: &HeightMap) -> Result<f64, MapError> {
+/// [`MapError`] if points are missing, and once `monitor` cancels.
+pub fn side_step_ratio(map: &HeightMap, monitor: &dyn Monitor) -> Result<f64, MapError> {
     map.require_complete()?;
     let (rows, cols, height) = (map.rows(), map.cols(), map.heights_m());
-    let ratio = |count: usize, points: usize, at: &dyn Fn(usize, usize) -> usize| {
-        let steps = |from: usize, to: usize| -> f64 {
-            (0..points).map(|n| (height[at(to, n)] - height[at(from, n)]).powi(2)).sum()
+    let ratio = |count: usize, points: usize, at: &dyn Fn(usize, usize) -> usize| -> Result<f64, MapError> {
+        let steps = |from: usize, to: usize| -> Result<f64, MapError> {
+            monitor.heed()?;
+            Ok((0..points).map(|n| (height[at(to, n)] - height[at(from, n)]).powi(2)).sum())
         };
-        let across = steps(count - 1, 0);
-        let between = (1..count).map(|line| steps(line - 1, line)).sum::<f64>() / (count.max(2) - 1) as f64;
-        if across > 0.0 { (across / between).sqrt() } else { 0.0 }
+        let across = steps(count - 1, 0)?;
+        let between = (1..count).map(|line| steps(line - 1, line)).sum::<Result<f64, _>>()? / (count.max(2) - 1) as f64;
+        Ok(if across > 0.0 { (across / between).sqrt() } else { 0.0 })
     };
-    let along_x = ratio(rows, cols, &|i, j| i * cols + j);
-    let along_y = ratio(cols, rows, &|j, i| i * cols + j);
+    let along_x = ratio(rows, cols, &|i, j| i * cols + j)?;
+    let along_y = ratio(cols, rows, &|j, i| i * cols + j)?;
     let larger = along_x.max(along_y);
     Ok(if larger > 0.0 { larger } else { 1.0 })
 }
@@ -36,8 +39,8 @@ pub fn side_step_ratio(map: &HeightMap) -> Result<f64, MapError> {
 /// that is one period of a smooth surface is changed only by what it varies from one point to the next.
 ///
 /// # Errors
-/// [`MapError`] if points are missing.
-pub fn periodic_component(map: &HeightMap) -> Result<HeightMap, MapError> {
+/// [`MapError`] if points are missing, and once `monitor` cancels.
+pub fn periodic_component(map: &HeightMap, monitor: &dyn Monitor) -> Result<HeightMap, MapError> {
     map.require_complete()?;
     let (rows, cols, height) = (map.rows(), map.cols(), map.heights_m());
     let mut steps = vec![0.0; height.len()];
@@ -55,12 +58,14 @@ pub fn periodic_component(map: &HeightMap) -> Result<HeightMap, MapError> {
     }
     let fourier = Fourier::new(rows, cols);
     // s_kl = v_kl / (2 cos(2 pi k/rows) + 2 cos(2 pi l/cols) - 4)
-    let inverse_laplacian = fourier.wave_multiplier(|k, l| {
-        let cosine = |k: usize, n: usize| (TAU * k as f64 / n as f64).cos();
-        if k == 0 && l == 0 { 0.0 } else { 0.5 / (cosine(k, rows) + cosine(l, cols) - 2.0) }
-    });
+    let cosines = |n: usize| (0..=n / 2).map(|k| (TAU * k as f64 / n as f64).cos()).collect::<Vec<f64>>();
+    let (along_x, along_y) = (cosines(rows), cosines(cols));
+    let inverse_laplacian =
+        fourier.wave_multiplier(|k, l| if k == 0 && l == 0 { 0.0 } else { 0.5 / (along_x[k] + along_y[l] - 2.0) });
     let mut smooth = vec![0.0; height.len()];
-    fourier.filter(&steps, &inverse_laplacian, &mut smooth, &mut fourier.work());
+    monitor.heed()?;
+    fourier.filter(&steps, &inverse_laplacian, &mut smooth, &mut fourier.work_watched(monitor));
+    monitor.heed()?;
     let periodic = height.iter().zip(&smooth).map(|(h, s)| h - s).collect();
     HeightMap::new(rows, cols, map.dx_m(), map.dy_m(), periodic)
 }
@@ -69,6 +74,7 @@ pub fn periodic_component(map: &HeightMap) -> Result<HeightMap, MapError> {
 mod tests {
     use super::*;
     use crate::SelfAffine;
+    use slipgrid_monitor::Unwatched;
 
     fn period() -> HeightMap {
         SelfAffine { pixels: 64, max_wave: 8, ..SelfAffine::STAND_IN }.map().unwrap()
@@ -84,7 +90,7 @@ mod tests {
     #[test]
     fn the_periodic_component_differs_by_a_smooth_field() {
         let map = window();
-        let periodic = periodic_component(&map).unwrap();
+        let periodic = periodic_component(&map, &Unwatched).unwrap();
         let (rows, cols) = (map.rows(), map.cols());
         let smooth: Vec<f64> = map.heights_m().iter().zip(periodic.heights_m()).map(|(h, p)| h - p).collect();
         // Away from the sides it is harmonic on the grid; nothing is taken from the mean.
@@ -97,19 +103,19 @@ mod tests {
         }
         assert!((map.mean_m() - periodic.mean_m()).abs() < 1e-12 * map.sq_m());
         // The steps across the sides go from several times those between neighbours to what neighbours have.
-        assert!(side_step_ratio(&map).unwrap() > 3.0);
-        assert!(side_step_ratio(&periodic).unwrap() < 1.5);
-        assert!(side_step_ratio(&period()).unwrap() < 1.5);
+        assert!(side_step_ratio(&map, &Unwatched).unwrap() > 3.0);
+        assert!(side_step_ratio(&periodic, &Unwatched).unwrap() < 1.5);
+        assert!(side_step_ratio(&period(), &Unwatched).unwrap() < 1.5);
     }
 
     #[test]
     fn a_tilt_is_no_part_of_a_period() {
         let height = (0..32 * 24).map(|n| 1e-6 * (n / 24) as f64 - 3e-7 * (n % 24) as f64).collect();
         let tilted = HeightMap::new(32, 24, 1e-6, 1e-6, height).unwrap();
-        assert!((side_step_ratio(&tilted).unwrap() - 31.0).abs() < 1e-9);
-        assert!(periodic_component(&tilted).unwrap().sq_m() < 0.1 * tilted.sq_m());
+        assert!((side_step_ratio(&tilted, &Unwatched).unwrap() - 31.0).abs() < 1e-9);
+        assert!(periodic_component(&tilted, &Unwatched).unwrap().sq_m() < 0.1 * tilted.sq_m());
         let flat = HeightMap::new(4, 4, 1e-6, 1e-6, vec![2e-6; 16]).unwrap();
-        assert_eq!(side_step_ratio(&flat).unwrap(), 1.0);
-        assert_eq!(periodic_component(&flat).unwrap(), flat);
+        assert_eq!(side_step_ratio(&flat, &Unwatched).unwrap(), 1.0);
+        assert_eq!(periodic_component(&flat, &Unwatched).unwrap(), flat);
     }
 }

@@ -2,6 +2,7 @@
 
 use std::fmt;
 
+use slipgrid_monitor::{Cancelled, Monitor};
 use slipgrid_statistics::upper_median;
 
 use crate::{HeightMap, Spikes};
@@ -193,28 +194,34 @@ impl MapWarning {
 impl HeightMap {
     /// The warning on single points far from all about them, if there are any: on the map as measured, before
     /// missing points are filled.
-    #[must_use]
-    pub fn spike_warning(&self) -> Option<MapWarning> {
-        if !self.has_spikes() {
-            return None;
+    ///
+    /// # Errors
+    /// [`Cancelled`] once `monitor` cancels.
+    pub fn spike_warning(&self, monitor: &dyn Monitor) -> Result<Option<MapWarning>, Cancelled> {
+        if !self.has_spikes(monitor)? {
+            return Ok(None);
         }
         let mut without = self.clone();
-        let spikes = without.despike();
-        let [[rms_slope, highest_m], [rms_slope_without, highest_without_m]] =
-            [self.clone(), without].map(|mut map| {
-                // What does not determine a plane stays as it is.
-                let _ = map.subtract_plane();
-                let highest_m = map.heights_m().iter().copied().fold(f64::NEG_INFINITY, f64::max);
-                [map.rms_slope_finite_difference(), highest_m - map.median_m()]
-            });
-        Some(MapWarning::Spikes {
+        let spikes = without.despike(monitor)?;
+        let slope_and_highest_m = |mut map: Self| {
+            // What does not determine a plane stays as it is.
+            let _ = map.subtract_plane_watched(monitor);
+            monitor.heed()?;
+            let highest_m = map.heights_m().iter().copied().fold(f64::NEG_INFINITY, f64::max);
+            let above_m = highest_m - map.median_m();
+            monitor.heed()?;
+            Ok([map.rms_slope_finite_difference(), above_m])
+        };
+        let [rms_slope, highest_m] = slope_and_highest_m(self.clone())?;
+        let [rms_slope_without, highest_without_m] = slope_and_highest_m(without)?;
+        Ok(Some(MapWarning::Spikes {
             spikes,
             points: self.heights_m().len() - self.missing(),
             rms_slope,
             rms_slope_without,
             highest_m,
             highest_without_m,
-        })
+        }))
     }
 
     /// Median of the heights present, in metres.
@@ -305,6 +312,7 @@ pub(crate) const ROBUST_DEVIATION: f64 = 1.4826;
 mod tests {
     use super::*;
     use crate::SelfAffine;
+    use slipgrid_monitor::Unwatched;
 
     /// A synthetic surface on 128 x 128 pixels of 2 um.
     fn rough(hurst: f64) -> HeightMap {
@@ -321,7 +329,7 @@ mod tests {
     fn a_plausible_surface_gives_no_warning() {
         for hurst in [0.2, 0.5, 0.8, 1.0] {
             let map = rough(hurst);
-            assert_eq!(map.spike_warning(), None, "{hurst}");
+            assert_eq!(map.spike_warning(&Unwatched).unwrap(), None, "{hurst}");
             assert_eq!(map.missing_warning(), None);
             assert_eq!(map.height_warnings(map.rms_slope_spectral().unwrap()), [], "{hurst}");
         }
@@ -338,7 +346,7 @@ mod tests {
         for side in [20, 60] {
             let cut = changed(&map, |n, h| if square(n, side) { h - 40.0 * map.sq_m() } else { h });
             assert_eq!(cut.height_warnings(0.01), [], "{side}");
-            assert_eq!(cut.spike_warning(), None, "{side}");
+            assert_eq!(cut.spike_warning(&Unwatched).unwrap(), None, "{side}");
         }
     }
 
@@ -361,8 +369,12 @@ mod tests {
     fn spikes_matter_where_they_change_the_slope_or_the_highest_point() {
         let map = rough(0.8);
         let tilted = changed(&map, |n, h| h + 20.0 * map.sq_m() * (n / 128) as f64);
-        let spiked =
-            |by: f64| changed(&tilted, |n, h| if n == 3000 { h + by * map.sq_m() } else { h }).spike_warning().unwrap();
+        let spiked = |by: f64| {
+            changed(&tilted, |n, h| if n == 3000 { h + by * map.sq_m() } else { h })
+                .spike_warning(&Unwatched)
+                .unwrap()
+                .unwrap()
+        };
         for by in [30.0, -300.0] {
             assert!(spiked(by).matters(), "{}", spiked(by));
         }

@@ -130,11 +130,9 @@ impl PreparedMap {
             return Err(PreparationError::MostlyMissing { missing, points });
         }
         if how.despike {
-            notes.push(despiked(&mut map));
-            heed()?;
+            notes.push(despiked(&mut map, monitor)?);
         }
-        let spiked = map.spike_warning();
-        heed()?;
+        let spiked = map.spike_warning(monitor).map_err(MapError::from)?;
         let spike_points = match &spiked {
             Some(MapWarning::Spikes { spikes, .. }) => spikes.points(),
             _ => 0,
@@ -152,6 +150,7 @@ impl PreparedMap {
             0 => Vec::new(),
             _ => map.heights_m().iter().map(|height| height.is_nan()).collect(),
         };
+        heed()?;
         let filling = map.fill_watched(monitor);
         heed()?;
         if filling.points > 0 {
@@ -168,15 +167,15 @@ impl PreparedMap {
                 ));
             }
         }
-        period |= one_period && side_step_ratio(&map)? <= PERIOD_STEP_RATIO;
+        period |= one_period && side_step_ratio(&map, monitor)? <= PERIOD_STEP_RATIO;
         // A plane through one period would leave a step where the period closes.
         match how.form {
             Form::Plane if !period => {
-                map.subtract_plane()?;
+                map.subtract_plane_watched(monitor)?;
                 notes.push("the least-squares plane has been subtracted".to_owned());
             }
             Form::SecondOrder if !period => {
-                map.remove_form(Form::SecondOrder)?;
+                map.remove_form(Form::SecondOrder, monitor)?;
                 notes.push("the least-squares surface of second order has been subtracted".to_owned());
             }
             _ => {
@@ -186,10 +185,10 @@ impl PreparedMap {
         }
         heed()?;
         // Steps across the sides that a tilt or a bow made are gone with it.
-        let step_ratio = side_step_ratio(&map)?;
+        let step_ratio = side_step_ratio(&map, monitor)?;
         period |= one_period && step_ratio <= PERIOD_STEP_RATIO;
         if one_period && !period && how.form != Form::Mean {
-            map = periodic_component(&map)?;
+            map = periodic_component(&map, monitor)?;
             notes.push(format!(
                 "opposite sides do not continue each other (steps {step_ratio:.1} times those between neighbours): the \
                  map is taken as its periodic component (Moisan)"
@@ -200,14 +199,18 @@ impl PreparedMap {
         heed()?;
         // The spectrum of a map that is no period takes the step between opposite sides for slope.
         let closes = period || one_period || step_ratio <= PERIOD_STEP_RATIO;
-        let rms_slope =
-            if closes { map.rms_slope_spectral()? } else { periodic_component(&map)?.rms_slope_spectral()? };
-        heed()?;
+        let rms_slope = if closes {
+            map.rms_slope_watched(monitor)?
+        } else {
+            periodic_component(&map, monitor)?.rms_slope_watched(monitor)?
+        };
         // High points that are spikes are no debris beside.
         let is_new =
             |warning: &MapWarning| !matches!(warning, MapWarning::Raised { points, .. } if *points <= spike_points);
         warnings.extend(map.hole_warning());
+        heed()?;
         warnings.extend(map.height_warnings(rms_slope).into_iter().filter(is_new));
+        heed()?;
         Ok(Self { sa_m: map.sa_m(), rms_slope, format: read.format, map, synthetic, period, filled, notes, warnings })
     }
 
@@ -219,12 +222,12 @@ impl PreparedMap {
 }
 
 /// Removes spikes and says which.
-fn despiked(map: &mut HeightMap) -> String {
-    let spikes = map.despike();
-    if spikes.points() == 0 {
-        return "despiked: no spikes were found".to_owned();
-    }
-    format!("despiked: {spikes}; the median of the points about them takes their place")
+fn despiked(map: &mut HeightMap, monitor: &dyn Monitor) -> Result<String, MapError> {
+    let spikes = map.despike(monitor)?;
+    Ok(match spikes.points() {
+        0 => "despiked: no spikes were found".to_owned(),
+        _ => format!("despiked: {spikes}; the median of the points about them takes their place"),
+    })
 }
 
 /// Whether a file says of its map that it is one whole period, as synthetic ones do.

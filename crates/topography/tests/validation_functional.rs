@@ -5,6 +5,7 @@
 use std::f64::consts::TAU;
 
 use serde_json::Value;
+use slipgrid_monitor::Unwatched;
 use slipgrid_topography::{CORRELATION_THRESHOLD, HeightMap, MaterialRatioCurve, Sides};
 
 const LINES: usize = 96;
@@ -67,8 +68,8 @@ fn validation_functional_and_spatial_parameters_beside_surfalize() {
         [("Sq", 1e-12), ("Sk", 5e-5), ("Spk", 6e-3), ("Svk", 2e-3), ("Smr1", 1e-3), ("Smr2", 2e-4), ("Sal", 8e-3)];
     let expected = reference();
     for (name, map) in surfaces {
-        let core = MaterialRatioCurve::new(&map).core();
-        let lengths = map.correlation_lengths(CORRELATION_THRESHOLD, Sides::Open).unwrap();
+        let core = MaterialRatioCurve::new(&map, &Unwatched).unwrap().core();
+        let lengths = map.correlation_lengths(CORRELATION_THRESHOLD, Sides::Open, &Unwatched).unwrap();
         let found = [map.sq_m() * 1e6, core.sk_m * 1e6, core.spk_m * 1e6, core.svk_m * 1e6].into_iter().chain([
             core.smr1 * 100.0,
             core.smr2 * 100.0,

@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used, reason = "a test that unwraps in vain fails, as it should")]
 
 use serde_json::Value;
+use slipgrid_monitor::Unwatched;
 use slipgrid_topography::{
     CORRELATION_THRESHOLD, HeightMap, LengthUnit, MaterialRatioCurve, ReadOptions, Sides, SpectrumWindow, read_map,
 };
@@ -21,9 +22,9 @@ fn reference() -> (HeightMap, Value) {
 #[test]
 fn validation_iso_parameters_beside_surfalize() {
     let (map, expected) = reference();
-    let heights = map.height_parameters();
-    let core = MaterialRatioCurve::new(&map).core();
-    let lengths = map.correlation_lengths(CORRELATION_THRESHOLD, Sides::Open).unwrap();
+    let heights = map.height_parameters(&Unwatched).unwrap();
+    let core = MaterialRatioCurve::new(&map, &Unwatched).unwrap().core();
+    let lengths = map.correlation_lengths(CORRELATION_THRESHOLD, Sides::Open, &Unwatched).unwrap();
     // Relative differences allowed: rounding where both compute the same sum. The core's line is fitted to the
     // same classes; shares above and below are counted here and interpolated there, and of the areas beyond the core
     // surfalize leaves the last class out: beside its line with the whole area the difference vanishes. Decay lengths are found there
@@ -37,7 +38,7 @@ fn validation_iso_parameters_beside_surfalize() {
         ("Sv", heights.sv_m * 1e6, 1e-9),
         ("Sz", heights.sz_m * 1e6, 1e-9),
         ("Sdq", map.sdq(), 1e-9),
-        ("Sdr", map.sdr() * 100.0, 1e-9),
+        ("Sdr", map.sdr(&Unwatched).unwrap() * 100.0, 1e-9),
         ("Sk", core.sk_m * 1e6, 1e-4),
         ("Spk", core.spk_m * 1e6, 5e-3),
         ("Svk", core.svk_m * 1e6, 5e-3),
@@ -60,7 +61,7 @@ fn validation_power_spectrum_beside_surface_topography() {
     let edges: Vec<f64> = list(&expected["edges_per_um"]).iter().map(|edge| edge * 1e6).collect();
     for (name, window) in [("none", SpectrumWindow::None), ("hann", SpectrumWindow::Hann)] {
         let reference = list(&expected["spectrum_um4"][name]);
-        let bins = map.radial_spectrum_between(&edges, window).unwrap();
+        let bins = map.radial_spectrum_between(&edges, window, &Unwatched).unwrap();
         assert_eq!(bins.len(), reference.len());
         for (bin, reference) in bins.iter().zip(reference) {
             // A map in single precision about a mean of 1e-9 of its Sq.

@@ -226,14 +226,14 @@ fn steady_cell(scene: &Scene, pattern: &Pattern) -> Scene {
     let run = RunOptions {
         fidelity: Fidelity::Steady,
         extent: Extent::Cell,
-        dimensions: Some(scene.dimensions()),
+        dimensions: Some(scene.dimension().number()),
         liftoff: scene.run.liftoff,
         ..RunOptions::default()
     };
     let mut cell = Scene { run, ..scene.clone() };
     let block_m = COARSER as f64 * scene.layer.block_m;
     let is_wide = pattern.cell_m().iter().chain([&pattern.width_m()]).all(|side_m| *side_m >= LEAST_BLOCKS * block_m);
-    if cell.dimensions() == 3 && scene.layer.rows().is_multiple_of(COARSER) && is_wide {
+    if !cell.dimension().is_cheap_per_design() && scene.layer.rows().is_multiple_of(COARSER) && is_wide {
         cell.layer.block_m = block_m;
         // A cell knows no specimen: any whole number of blocks does.
         cell.layer.length_m = cell.layer.height_m;

@@ -1,5 +1,6 @@
 //! `surface`: parameters, pictures and cavities of an altitude map.
 
+use slipgrid_monitor::Cancelled;
 use slipgrid_topography::{
     CORRELATION_THRESHOLD, MapError, MapWarning, MaterialRatioCurve, PreparedMap, Sides, SpectrumWindow,
 };
@@ -27,14 +28,12 @@ pub fn run(args: &SurfaceArgs, console: &mut Console<'_>) -> Result<u8, CliError
     let job = Job::new(console);
     let read = open(&slipgrid_disk::disk(), &args.map, &options.read, &job)?;
     let refuse = |error: MapError| Diagnostic::file(&args.map, error.to_string());
+    let cancelled = |ended: Cancelled| refuse(ended.into());
     // Cavities are sought on the map as it was measured: their own form, their own missing points.
-    let measured = args.cavities.then(|| {
-        let mut measured = read.map.clone();
-        if options.despike {
-            measured.despike();
-        }
-        measured
-    });
+    let mut measured = args.cavities.then(|| read.map.clone());
+    if let Some(measured) = measured.as_mut().filter(|_| options.despike) {
+        measured.despike(&job).map_err(cancelled)?;
+    }
     let cavities = measured.as_ref().map(|map| map.measure_cavities(options.form, &job)).transpose().map_err(refuse)?;
     let period = args.period_out.as_deref().zip(measured.as_ref());
     let period = period
@@ -64,14 +63,16 @@ pub fn run(args: &SurfaceArgs, console: &mut Console<'_>) -> Result<u8, CliError
     };
     let (sides, window) =
         if surface.period { (Sides::Periodic, SpectrumWindow::None) } else { (Sides::Open, SpectrumWindow::Hann) };
-    let curve = MaterialRatioCurve::new(map);
-    let lengths = map.correlation_lengths(CORRELATION_THRESHOLD, sides).map_err(refuse)?;
-    let spectrum = map.radial_spectrum(window).map_err(refuse)?;
-    let report = SurfaceReport::new(&args.map, &surface, &curve, &lengths, &spectrum, cavities.as_ref());
+    let curve = MaterialRatioCurve::new(map, &job).map_err(cancelled)?;
+    let lengths = map.correlation_lengths(CORRELATION_THRESHOLD, sides, &job).map_err(refuse)?;
+    let spectrum = map.radial_spectrum(window, &job).map_err(refuse)?;
+    let report = SurfaceReport::new(&args.map, &surface, &curve, &lengths, &spectrum, cavities.as_ref(), &job);
+    let report = report.map_err(cancelled)?;
     if let Some(folder) = &args.output {
         let of =
             Measured { surface: &surface, curve: &curve, spectrum: &spectrum, cavities: cavities.as_ref(), column };
-        console.keep(&files(&report, of)?, folder)?;
+        let outputs = files(&report, of, &job)?;
+        console.keep(&outputs, folder)?;
     }
     if let Some((file, period)) = &period {
         write_file(file, period_text(period, surface.synthetic).as_bytes())?;

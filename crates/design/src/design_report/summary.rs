@@ -187,7 +187,10 @@ impl DesignReport {
         format!(
             "\ndesigns tried: {}{}, searches: {}; {}\n",
             self.evaluations,
-            if self.dimensions == 3 { format!(" ({} in space)", self.solid_evaluations) } else { String::new() },
+            match self.solid_evaluations {
+                0 => String::new(),
+                solid => format!(" ({solid} in space)"),
+            },
             self.rounds,
             self.timings_s.words(),
         )

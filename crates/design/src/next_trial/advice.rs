@@ -162,7 +162,7 @@ impl MultiFidelityLoop<'_> {
         (models, chances): (&Models<'_>, &Chances<'_>),
         (found, chance): (&Design, f64),
     ) -> Option<Vec<TrialCandidateReport>> {
-        if self.model.is_spatial() {
+        if !self.model.is_cheap_per_design() {
             return None;
         }
         let stage = self.stage("samples likelier on target");

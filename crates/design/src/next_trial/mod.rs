@@ -162,7 +162,7 @@ pub fn next_trials(task: &DesignTask, options: &NextOptions, monitor: &dyn Monit
     let chances = Chances::new(&task, &known.uncertainty, &model, &further)?;
 
     let stage = Stage::new(monitor, "model", None);
-    let scope = if model.is_spatial() { Scope::SPACE } else { Scope::PLANE };
+    let scope = if model.is_cheap_per_design() { Scope::PLANE } else { Scope::SPACE };
     let interpolation = Interpolation::new(&task, &models, (scope.nodes, scope.blocks), &stage);
     stage.finish();
     monitor.heed()?;

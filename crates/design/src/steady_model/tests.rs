@@ -2,7 +2,7 @@ use super::*;
 use crate::operating_conditions::turned;
 use slipgrid_material::{Elastic, LocalFriction};
 use slipgrid_pattern::{Planform, Rim, RimProfile, Texture};
-use slipgrid_springblock::Layer;
+use slipgrid_springblock::{Dimension, Layer};
 
 fn scene() -> Scene {
     let friction = LocalFriction::new(0.30, 0.27, 0.05).unwrap();
@@ -38,7 +38,7 @@ fn the_search_sees_what_simulate_reports() {
         for flat in [None, Some(flat_mu.to_vec())] {
             let run = RunOptions { dimensions, ..RunOptions::default() };
             let model = SteadyModel::new(&Scene { run, ..scene() }, &[], &[], &space(planform), flat.clone());
-            assert_eq!((model.is_spatial(), model.scene(&design).dimensions()), (expected == 3, expected));
+            assert_eq!([model.dimension(), model.scene(&design).dimension()].map(Dimension::number), [expected; 2]);
             let response = model.respond(&design).unwrap();
             let simulation = model.simulate(&design).unwrap();
             for (load, outcome) in simulation.loads.iter().enumerate() {

@@ -48,7 +48,7 @@ pub fn design(
     page.part("Evidence", |page| {
         target(page, report);
         page.fold("The section", |page| page.section(&report.design));
-        let interface = if report.dimensions == 3 {
+        let interface = if report.sees_face() {
             "one period of the patterned surface seen from above; a flat one carries the nominal pressure everywhere"
         } else {
             "flat and patterned"

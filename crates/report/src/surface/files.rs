@@ -1,5 +1,6 @@
 //! Everything that is kept of an altitude map.
 
+use slipgrid_monitor::Monitor;
 use slipgrid_results::json;
 use slipgrid_topography::{CavityMetrology, MaterialRatioCurve, PreparedMap, SpectrumBin};
 
@@ -36,9 +37,9 @@ pub struct Measured<'a> {
 /// The files of a map, of which `report` tells: record, tables, pictures and the page.
 ///
 /// # Errors
-/// [`ReportError`] where a picture cannot be drawn or the record has no JSON form.
-pub fn files(report: &SurfaceReport, of: Measured<'_>) -> Result<Outputs, ReportError> {
-    let Measured { surface, curve, spectrum, cavities, column } = of;
+/// [`ReportError`] where a picture cannot be drawn or the record has no JSON form, and once `monitor` cancels.
+pub fn files(report: &SurfaceReport, of: Measured<'_>, monitor: &dyn Monitor) -> Result<Outputs, ReportError> {
+    let Measured { surface, spectrum, cavities, column, .. } = of;
     let mut outputs = Outputs::default();
     outputs.add("result.json", json(report)?);
     outputs.add("section.csv", section_csv(&surface.map, column));
@@ -50,7 +51,8 @@ pub fn files(report: &SurfaceReport, of: Measured<'_>) -> Result<Outputs, Report
             outputs.add("edge-profile.svg", svg);
         }
     }
-    pictures::add(&mut outputs, surface, curve, spectrum, column)?;
+    pictures::add(&mut outputs, of, monitor)?;
+    monitor.heed()?;
     let page = html::surface(report, &outputs);
     outputs.add("report.html", page);
     Ok(outputs)

@@ -13,8 +13,9 @@ use std::fmt::Write as _;
 
 use cavities::CavityReport;
 use serde::Serialize;
+use slipgrid_monitor::{Cancelled, Monitor};
 use slipgrid_topography::{
-    CavityMetrology, CorrelationLengths, HeightMap, MaterialRatioCurve, PreparedMap, SpectrumBin,
+    CavityMetrology, CorrelationLengths, HeightMap, MapError, MaterialRatioCurve, PreparedMap, SpectrumBin,
 };
 
 use slipgrid_formats::altitude_map::told;
@@ -99,6 +100,9 @@ fn um(length_m: f64) -> f64 {
 
 impl SurfaceReport {
     /// Gathers what was found.
+    ///
+    /// # Errors
+    /// [`Cancelled`] once `monitor` cancels.
     pub fn new(
         path: &std::path::Path,
         surface: &PreparedMap,
@@ -106,10 +110,15 @@ impl SurfaceReport {
         lengths: &CorrelationLengths,
         spectrum: &[SpectrumBin],
         cavities: Option<&CavityMetrology>,
-    ) -> Self {
+        monitor: &dyn Monitor,
+    ) -> Result<Self, Cancelled> {
         let map = &surface.map;
-        let heights = map.height_parameters();
+        let heights = map.height_parameters(monitor)?;
+        monitor.heed()?;
         let core = curve.core();
+        monitor.heed()?;
+        let sdq = map.sdq();
+        monitor.heed()?;
         let mut model = surface.notes.clone();
         if surface.period {
             model.push("the map is one whole period: its sides continue each other".to_owned());
@@ -119,7 +128,11 @@ impl SurfaceReport {
         if lengths.block > 1 {
             model.push(format!("Sal and Str are those of blocks of {} x {} pixels", lengths.block, lengths.block));
         }
-        Self {
+        let short_waves = match map.short_waves(monitor) {
+            Err(MapError::Cancelled) => return Err(Cancelled),
+            found => found.ok(),
+        };
+        Ok(Self {
             program: "slipgrid",
             version: VERSION,
             schema: SCHEMA,
@@ -140,8 +153,8 @@ impl SurfaceReport {
                 sp_um: um(heights.sp_m),
                 sv_um: um(heights.sv_m),
                 sz_um: um(heights.sz_m),
-                sdq: tidy(map.sdq()),
-                sdr_pct: tidy(100.0 * map.sdr()),
+                sdq: tidy(sdq),
+                sdr_pct: tidy(100.0 * map.sdr(monitor)?),
                 rms_slope: tidy(surface.rms_slope),
                 sal_um: lengths.sal_m.map(um),
                 r#str: lengths.str_ratio.map(tidy),
@@ -152,9 +165,7 @@ impl SurfaceReport {
                 smr2_pct: tidy(100.0 * core.smr2),
             },
             cavities: cavities.map(CavityReport::from),
-            short_waves: map
-                .short_waves()
-                .ok()
+            short_waves: short_waves
                 .map(|short| ShortWavesReport { below_um: um(short.below_m), slope_share: tidy(short.slope_share) }),
             spectrum: spectrum
                 .iter()
@@ -165,7 +176,7 @@ impl SurfaceReport {
                     waves: bin.waves,
                 })
                 .collect(),
-        }
+        })
     }
 
     /// Every parameter: name, value to four digits or a dash, unit.

@@ -1,9 +1,11 @@
 //! Pictures of a surface.
 
-use slipgrid_topography::{Decimation, DecimationMethod, HeightMap, MaterialRatioCurve, PreparedMap, SpectrumBin};
+use slipgrid_monitor::{Cancelled, Monitor};
+use slipgrid_topography::{Decimation, DecimationMethod, HeightMap, PreparedMap};
 
+use super::Measured;
 use crate::charts::{self, HeightHistogramChart, SectionChart, SpectrumChart, SurfaceMapChart};
-use crate::{ChartError, Outputs};
+use crate::{Outputs, ReportError};
 
 /// Most pixels of the drawn map along a side.
 const MOST_PIXELS: usize = 700;
@@ -15,20 +17,15 @@ const CURVE_POINTS: u32 = 400;
 const SPIKES: f64 = 5e-4;
 
 /// Adds the pictures to `outputs`.
-pub(super) fn add(
-    outputs: &mut Outputs,
-    surface: &PreparedMap,
-    curve: &MaterialRatioCurve,
-    spectrum: &[SpectrumBin],
-    column: usize,
-) -> Result<(), ChartError> {
+pub(super) fn add(outputs: &mut Outputs, of: Measured<'_>, monitor: &dyn Monitor) -> Result<(), ReportError> {
+    let Measured { surface, curve, spectrum, column, .. } = of;
     let map = &surface.map;
     let titled = |title: &str| {
         if surface.synthetic { format!("{title} (synthetic surface)") } else { title.to_owned() }
     };
     let um = |length_m: f64| length_m * 1e6;
 
-    let drawn = drawn(surface);
+    let drawn = drawn(surface, monitor)?;
     outputs.add(
         "map.svg",
         charts::surface_map(&SurfaceMapChart {
@@ -42,7 +39,9 @@ pub(super) fn add(
         })?,
     );
 
+    monitor.heed()?;
     let core = curve.core();
+    monitor.heed()?;
     let (lowest, highest) = (curve.height_m(1.0), curve.height_m(0.0));
     let edge = |class: usize| lowest + (highest - lowest) * class as f64 / CLASSES as f64;
     // The share between two heights is the difference of the shares above them.
@@ -92,17 +91,20 @@ pub(super) fn add(
 }
 
 /// The map as it is drawn: coarse enough, with missing points missing.
-fn drawn(surface: &PreparedMap) -> HeightMap {
+fn drawn(surface: &PreparedMap, monitor: &dyn Monitor) -> Result<HeightMap, Cancelled> {
     let map = &surface.map;
     let factor = map.rows().max(map.cols()).div_ceil(MOST_PIXELS);
     // A long, narrow map keeps two pixels across.
     let factor = factor.min(map.rows().min(map.cols()) / 2).max(1);
     let mut heights = map.heights_m().to_vec();
+    monitor.heed()?;
     for (height, _) in heights.iter_mut().zip(&surface.filled).filter(|(_, missing)| **missing) {
         *height = f64::NAN;
     }
-    HeightMap::new(map.rows(), map.cols(), map.dx_m(), map.dy_m(), heights)
-        .ok()
-        .and_then(|holed| holed.windowed(None, Some(Decimation { factor, method: DecimationMethod::Mean })).ok())
-        .unwrap_or_else(|| map.clone())
+    monitor.heed()?;
+    let holed = HeightMap::new(map.rows(), map.cols(), map.dx_m(), map.dy_m(), heights);
+    monitor.heed()?;
+    let coarse =
+        |holed: HeightMap| holed.windowed(None, Some(Decimation { factor, method: DecimationMethod::Mean })).ok();
+    Ok(holed.ok().and_then(coarse).unwrap_or_else(|| map.clone()))
 }

@@ -6,6 +6,7 @@ use super::protocol::{RAMP_S, REST_S};
 use super::recorder::{Recorder, WindowMean};
 use super::scales::Scales;
 use crate::Monitor;
+use crate::dimension::Dimension;
 use crate::outcome::{DynamicCost, InterfacePoint, Status, SurfaceOutcome};
 use crate::scene::{Layer, Load, Scene};
 use slipgrid_material::{AreaLaw, Elastic};
@@ -292,7 +293,7 @@ impl Driven {
             mu_dynamic: reached.map(|mean| mean.mu),
             mu_dynamic_stderr: reached.map(|mean| mean.stderr.hypot(waves(mean))),
             stick_slip_excess: reached.and_then(|mean| mean.excess),
-            mu_across: reached.map(|mean| mean.mu_across).filter(|_| scene.dimensions() == 3),
+            mu_across: reached.map(|mean| mean.mu_across).filter(|_| scene.dimension() == Dimension::Space),
             averaged_from_s: reached.map(|mean| mean.from * scales.time_s),
             mu_static: if scene.run.warm_start { None } else { recorder.peak_mu() },
             peak_pressure_pa,

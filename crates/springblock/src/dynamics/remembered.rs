@@ -25,5 +25,5 @@ pub fn remembered(
 
 /// What a run of `scene` follows from beside its load and its lattice.
 pub fn settings(scene: &Scene) -> impl Debug + '_ {
-    (&scene.elastic, &scene.area_law, &scene.layer, scene.speed_m_s, &scene.run, scene.dimensions())
+    (&scene.elastic, &scene.area_law, &scene.layer, scene.speed_m_s, &scene.run, scene.dimension().number())
 }

@@ -16,6 +16,7 @@ use super::rim_difference::without_rim;
 use super::{MOST_FACTOR_BYTES, load_sharing, widest};
 use crate::Monitor;
 use crate::cell::{CellOutcome, SteadyCell};
+use crate::dimension::Dimension;
 use crate::face::Face;
 use crate::outcome::{LoadOutcome, Status};
 use crate::scene::{Extent, Fidelity, Layer, Scene};
@@ -73,13 +74,14 @@ impl Behind {
     /// What is behind the layer of `scene` under `pattern`.
     pub fn new(scene: &Scene, pattern: &Pattern, monitor: &dyn Monitor) -> Self {
         let mut thick = scene.clone();
-        let extent_m = pattern.pitch_m().max(if scene.dimensions() == 3 { pattern.cell_m()[1] } else { 0.0 });
+        let extent_m =
+            pattern.pitch_m().max(if scene.dimension() == Dimension::Space { pattern.cell_m()[1] } else { 0.0 });
         if !scene.layer.is_backed() {
             thick.layer.thickness_m = Some(scene.layer.height_m + THICK_PERIODS * extent_m);
         }
         // Steady cells in space take their time, and blocks hardly change what is far above them.
         let rows = scene.layer.rows();
-        let is_coarse = scene.dimensions() == 3
+        let is_coarse = scene.dimension() == Dimension::Space
             && is_cell(scene)
             && rows.is_multiple_of(2)
             && rows > 2
@@ -173,7 +175,7 @@ impl Behind {
 
 /// Steady cells of `pattern` by load; none where they do not fit in memory.
 fn cells(scene: &Scene, pattern: &Pattern, monitor: &dyn Monitor) -> Vec<CellOutcome> {
-    let model = SteadyCell::in_dimensions(scene, scene.dimensions());
+    let model = SteadyCell::solved(scene, scene.dimension());
     if model.bytes(pattern) > MOST_FACTOR_BYTES { Vec::new() } else { model.solve_heeding(pattern, monitor) }
 }
 

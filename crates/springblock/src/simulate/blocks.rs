@@ -16,6 +16,7 @@ use slipgrid_pattern::Pattern;
 
 use super::widest;
 use crate::cell::SteadyCell;
+use crate::dimension::Dimension;
 use crate::outcome::{LoadOutcome, Simulation};
 use crate::scene::Scene;
 use crate::{Monitor, Unwatched};
@@ -49,7 +50,7 @@ pub struct BlockRefinement {
 /// and where fewer than two finer sizes can be had.
 #[must_use]
 pub fn block_refinement(scene: &Scene, most: f64) -> Option<BlockRefinement> {
-    let pattern = scene.pattern.as_ref().filter(|_| scene.dimensions() == 2)?;
+    let pattern = scene.pattern.as_ref().filter(|_| scene.dimension() == Dimension::Plane)?;
     refined(scene, pattern, most, &Unwatched)
 }
 
@@ -113,7 +114,7 @@ fn tail([before, last]: [f64; 2]) -> f64 {
 
 /// Ratios of steady cells of `pattern` in the vertical plane; `None` where one takes more than `most` multiplications.
 pub fn plane_ratios(scene: &Scene, pattern: &Pattern, most: f64) -> Ratios {
-    let model = SteadyCell::in_dimensions(scene, 2);
+    let model = SteadyCell::solved(scene, Dimension::Plane);
     (model.products(pattern) < most).then(|| model.ratios(pattern))
 }
 
@@ -121,7 +122,7 @@ pub fn plane_ratios(scene: &Scene, pattern: &Pattern, most: f64) -> Ratios {
 /// of the steady cell, where `scene` asks for it and the error is less for it; the model tells of it. Nothing is said once
 /// `monitor` has cancelled.
 pub fn refine(scene: &Scene, pattern: &Pattern, share: f64, simulation: &mut Simulation, monitor: &dyn Monitor) {
-    if !scene.run.refine || scene.dimensions() == 3 {
+    if !scene.run.refine || scene.dimension() == Dimension::Space {
         return;
     }
     let found = refined(scene, pattern, MOST_REFINED, monitor);

@@ -6,6 +6,7 @@
 
 use super::{FLAT_CELL_COLUMNS, MOST_FACTOR_BYTES, UNIFORM_COLUMNS};
 use crate::cell::{SteadyCell, condensing_cell};
+use crate::dimension::Dimension;
 use crate::dynamics::{MOST_STEPS, Plan, usual_step_s};
 use crate::error::SceneError;
 use crate::scene::{Extent, Fidelity, Scene, Springs};
@@ -63,10 +64,10 @@ pub fn bounded(scene: &Scene) -> Result<(), SceneError> {
 }
 
 fn of_threads(scene: &Scene, threads: f64) -> Expense {
-    match (scene.run.fidelity, scene.dimensions()) {
-        (Fidelity::Steady, 3) => space(scene),
-        (Fidelity::Steady, _) => plane(scene, threads),
-        (_, dimensions) => in_time(scene, dimensions == 3, threads),
+    match (scene.run.fidelity, scene.dimension()) {
+        (Fidelity::Steady, Dimension::Space) => space(scene),
+        (Fidelity::Steady, Dimension::Plane) => plane(scene, threads),
+        (_, dimension) => in_time(scene, dimension == Dimension::Space, threads),
     }
 }
 
@@ -106,7 +107,7 @@ fn plane(scene: &Scene, threads: f64) -> Expense {
 /// Steady sliding in space: one cell, its loads one after the other.
 fn space(scene: &Scene) -> Expense {
     let Some(pattern) = &scene.pattern else { return Expense::default() };
-    let model = SteadyCell::in_dimensions(scene, 3);
+    let model = SteadyCell::solved(scene, Dimension::Space);
     let [nx, ny] = model.columns(pattern);
     let explicit = (pattern.depth_m() / scene.layer.block_m).ceil() + 1.0;
     let core_s = nx * ny * explicit * scene.loads.len() as f64 * SPACE_COLUMN_S;

@@ -31,6 +31,7 @@ use super::specimen::without_slivers;
 use crate::Monitor;
 use crate::cell::{CellOutcome, SteadyCell};
 use crate::columns;
+use crate::dimension::Dimension;
 use crate::face::{Face, Strip};
 use crate::lattice::Lattice;
 use crate::scene::{Load, Scene};
@@ -259,7 +260,7 @@ fn borne_friction(scene: &Scene, pattern: Option<&Pattern>, parts: &[&Borne]) ->
     };
     let loads: Vec<Load> = scene.loads.iter().flat_map(at_pressures).collect();
     let mu: Vec<Option<f64>> = if let Some(pattern) = pattern {
-        let cell = SteadyCell::in_dimensions(&Scene { loads: loads.clone(), ..scene.clone() }, 2);
+        let cell = SteadyCell::solved(&Scene { loads: loads.clone(), ..scene.clone() }, Dimension::Plane);
         let outcomes = cell.solve(pattern);
         // What bears nothing rubs nothing.
         let mu = |(outcome, load): (CellOutcome, &Load)| {

@@ -10,6 +10,7 @@
 use slipgrid_pattern::Pattern;
 
 use crate::cell::{CellOutcome, SteadyCell};
+use crate::dimension::Dimension;
 use crate::outcome::LoadOutcome;
 use crate::scene::{Extent, Fidelity, Scene};
 
@@ -41,7 +42,7 @@ impl RimDifference {
         if !scene.is_raised() {
             return Self { each: Vec::new() };
         }
-        let solve = |scene: &Scene, pattern: &Pattern| SteadyCell::in_dimensions(scene, 2).solve(pattern);
+        let solve = |scene: &Scene, pattern: &Pattern| SteadyCell::solved(scene, Dimension::Plane).solve(pattern);
         let flat = Scene { relief: None, ..scene.clone() };
         let (with, without) = rayon::join(|| solve(scene, pattern), || solve(&flat, &without_rim(pattern)));
         Self { each: with.iter().zip(&without).map(|(with, without)| difference(with, without)).collect() }
@@ -87,7 +88,7 @@ pub fn add_yielding(scene: &Scene, pattern: &Pattern, loads: &mut [LoadOutcome],
         return;
     }
     let Ok(elastic) = scene.elastic.with_yield_pressure_pa(None) else { return };
-    let solve = |scene: &Scene| SteadyCell::in_dimensions(scene, scene.dimensions()).solve(pattern);
+    let solve = |scene: &Scene| SteadyCell::solved(scene, scene.dimension()).solve(pattern);
     let rigid = Scene { elastic, ..scene.clone() };
     let (with, without) = rayon::join(|| solve(scene), || solve(&rigid));
     let each = with.iter().zip(&without).map(|(with, without)| difference(with, without)).collect();

@@ -10,6 +10,7 @@ use super::{
 };
 use crate::Monitor;
 use crate::cell::SteadyCell;
+use crate::dimension::Dimension;
 use crate::dynamics::{SpaceRun, SpaceScheme, remembered, settings};
 use crate::error::SceneError;
 use crate::outcome::{LoadOutcome, Simulation, Status, SurfaceOutcome};
@@ -33,7 +34,7 @@ pub fn steady(scene: &Scene, pattern: &Pattern, monitor: &dyn Monitor) -> Result
     let error = discretization_error(scene, pattern, &ratios, monitor);
     blocks::state(&mut loads, error.as_deref(), 1.0);
     monitor.advance(1.0);
-    let model = SteadyCell::in_dimensions(scene, 3);
+    let model = SteadyCell::solved(scene, Dimension::Space);
     let [nx, ny] = model.columns(pattern);
     let why = why_space(scene, pattern);
     let mut statements = vec![
@@ -61,7 +62,7 @@ pub fn steady(scene: &Scene, pattern: &Pattern, monitor: &dyn Monitor) -> Result
 
 /// What every load finds, but for how far blocks are off.
 pub fn steady_loads(scene: &Scene, pattern: &Pattern, monitor: &dyn Monitor) -> Result<Vec<LoadOutcome>, SceneError> {
-    let model = SteadyCell::in_dimensions(scene, 3);
+    let model = SteadyCell::solved(scene, Dimension::Space);
     let (bytes, most_bytes) = (model.bytes(pattern), MOST_FACTOR_BYTES);
     if bytes > most_bytes {
         return Err(SceneError::TooLarge { bytes, most_bytes });
@@ -98,12 +99,12 @@ fn discretization_error(
 ) -> Option<Vec<f64>> {
     let estimate = || {
         blocks::block_error(scene, own, |scene| {
-            let model = SteadyCell::in_dimensions(scene, 3);
+            let model = SteadyCell::solved(scene, Dimension::Space);
             (model.bytes(pattern) < MOST_ESTIMATED_BYTES && !monitor.cancelled())
                 .then(|| model.ratios_heeding(pattern, monitor))
         })
     };
-    let content = (SteadyCell::in_dimensions(scene, 3), pattern, own);
+    let content = (SteadyCell::solved(scene, Dimension::Space), pattern, own);
     let known = |bytes: &[u8]| {
         let errors = memory::from_bytes(bytes);
         (errors.len() == own.len()).then_some(Some(errors))
@@ -126,7 +127,7 @@ pub fn dynamic(scene: &Scene, pattern: &Pattern, monitor: &dyn Monitor) -> Resul
     if scene.run.warm_start && bytes > most_bytes {
         return Err(SceneError::TooLarge { bytes, most_bytes });
     }
-    let cell = SteadyCell::in_dimensions(scene, 3);
+    let cell = SteadyCell::solved(scene, Dimension::Space);
     let exact = cell.space_lattice(pattern, rows);
     let whole = exact.nearest_whole();
     let own = if pattern.is_uniform_along_y() { whole.repeated_along_y(nx as usize) } else { whole.clone() };
@@ -258,7 +259,7 @@ mod tests {
     #[test]
     fn squares_slide_in_space_and_near_steady_sliding() {
         let mut scene = scene(60.0, samples::friction());
-        assert_eq!(scene.dimensions(), 3);
+        assert_eq!(scene.dimension(), Dimension::Space);
         let found = simulate(&scene, &Unwatched).unwrap();
         assert!(
             found.model.iter().any(|line| line.starts_with("three dimensions, as square cavities need: 12 x 12 x 6"))

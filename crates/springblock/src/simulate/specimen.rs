@@ -30,6 +30,7 @@ use super::{
 use crate::Monitor;
 use crate::cell::SteadyCell;
 use crate::columns;
+use crate::dimension::Dimension;
 use crate::draws;
 use crate::error::SceneError;
 use crate::face::{Face, Strip};
@@ -80,7 +81,7 @@ pub fn simulate_specimen(scene: &Scene, face: &Face, monitor: &dyn Monitor) -> R
     };
     // What cavities take off the face is that of the cell, in proportion to their share.
     let share = face.cavity_share() / pattern.section_density();
-    let cells = SteadyCell::in_dimensions(scene, 2).ratios(pattern);
+    let cells = SteadyCell::solved(scene, Dimension::Plane).ratios(pattern);
     super::blocks::state(&mut loads, discretization_error(scene, pattern, &cells).as_deref(), share);
     model.extend(describe(scene, face, pattern, &steady));
     let run = RunOptions { extent: Extent::Sample, ..scene.run };

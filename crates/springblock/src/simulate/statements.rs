@@ -73,7 +73,7 @@ pub fn describe_extent(scene: &Scene, model: &mut Vec<String>) {
     model.push(what.to_owned());
     model.extend(describe_periods(scene));
     let asked = match &scene.pattern {
-        Some(pattern) if pattern.dimensions() == 3 && scene.run.dimensions == Some(2) => ", as asked for",
+        Some(pattern) if !pattern.texture().is_one_section() && scene.run.dimensions == Some(2) => ", as asked for",
         _ => "",
     };
     model

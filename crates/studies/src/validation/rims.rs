@@ -117,7 +117,7 @@ pub fn rims(
         .collect::<Result<Vec<RimsRow>, StudyError>>()?;
     // Grooves are cheap: the finer blocks tell of both.
     let mut block_error: Option<f64> = None;
-    for ((pattern, _), row) in cases.iter().zip(&rows).filter(|((pattern, _), _)| pattern.dimensions() == 2) {
+    for ((pattern, _), row) in cases.iter().zip(&rows).filter(|((pattern, _), _)| pattern.texture().is_one_section()) {
         monitor.heed()?;
         let finer = solved(pattern, 0.5 * BLOCK_M);
         for (own, finer) in row.ratio.iter().zip(finer) {

@@ -1,5 +1,7 @@
 //! Connected regions below a threshold, and the chords that lines along x and y cut out of them.
 
+use slipgrid_monitor::{Cancelled, Monitor};
+
 /// Lines cross a region along this axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Axis {
@@ -31,12 +33,21 @@ pub(super) struct Regions {
 impl Regions {
     /// Regions of points at or below `threshold` that touch along sides, but for those smaller than
     /// `smallest_share` of the mean size that a point in a region lies in.
-    pub(super) fn find(height: &[f64], cols: usize, threshold: f64, smallest_share: f64) -> Self {
+    pub(super) fn find(
+        height: &[f64],
+        cols: usize,
+        threshold: f64,
+        smallest_share: f64,
+        monitor: &dyn Monitor,
+    ) -> Result<Self, Cancelled> {
         let rows = height.len() / cols;
         let mut label = vec![0_u32; height.len()];
         // Each label's parent; a root is its own.
         let mut parent = vec![0_u32];
         for n in 0..height.len() {
+            if n % cols == 0 {
+                monitor.heed()?;
+            }
             // A missing height compares false.
             if height[n].is_nan() || height[n] > threshold {
                 continue;
@@ -54,9 +65,12 @@ impl Regions {
             };
         }
         let mut points = vec![0_usize; parent.len()];
-        for label in &mut label {
-            *label = root(&mut parent, *label);
-            points[*label as usize] += 1;
+        for row in label.chunks_mut(cols) {
+            monitor.heed()?;
+            for label in row {
+                *label = root(&mut parent, *label);
+                points[*label as usize] += 1;
+            }
         }
         points[0] = 0;
         // Mean size over points: sum of n^2 over sum of n. Many specks hardly move it.
@@ -71,10 +85,11 @@ impl Regions {
                 kept.push(count);
             }
         }
+        monitor.heed()?;
         for label in &mut label {
             *label = new[*label as usize];
         }
-        Self { label, points: kept, rows, cols }
+        Ok(Self { label, points: kept, rows, cols })
     }
 
     /// Number of regions.
@@ -89,13 +104,20 @@ impl Regions {
 
     /// The chords along `axis`, line by line in order: from the first to the last point of a region on a line,
     /// ending where the height crosses the region's own threshold.
-    pub(super) fn chords(&self, height: &[f64], threshold: impl Fn(u32) -> f64, axis: Axis) -> Vec<Chord> {
+    pub(super) fn chords(
+        &self,
+        height: &[f64],
+        threshold: impl Fn(u32) -> f64,
+        axis: Axis,
+        monitor: &dyn Monitor,
+    ) -> Result<Vec<Chord>, Cancelled> {
         let (lines, length, along, across) = match axis {
             Axis::X => (self.cols, self.rows, self.cols, 1),
             Axis::Y => (self.rows, self.cols, 1, self.cols),
         };
         let mut chords: Vec<Chord> = Vec::new();
         for line in 0..lines {
+            monitor.heed()?;
             let at = |k: usize| line * across + k * along;
             let first_of_line = chords.len();
             let mut k = 0;
@@ -119,7 +141,7 @@ impl Regions {
                 }
             }
         }
-        chords
+        Ok(chords)
     }
 }
 
@@ -167,6 +189,7 @@ fn join(parent: &mut [u32], one: u32, other: u32) -> u32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use slipgrid_monitor::Unwatched;
 
     /// `#` lies at -1, everything else at 1.
     fn grid(text: &[&str]) -> (Vec<f64>, usize) {
@@ -177,21 +200,21 @@ mod tests {
     #[test]
     fn regions_join_across_arms_and_specks_are_dropped() {
         let (heights, cols) = grid(&["#.#...#", "#.#....", "###..##", ".....##"]);
-        let regions = Regions::find(&heights, cols, 0.0, 0.3);
+        let regions = Regions::find(&heights, cols, 0.0, 0.3, &Unwatched).unwrap();
         assert_eq!(regions.points, [0, 7, 4]);
         assert_eq!((regions.label[2], regions.label[6], regions.label[27]), (1, 0, 2));
-        assert_eq!(Regions::find(&heights, cols, 0.0, 0.0).count(), 3);
-        assert_eq!(Regions::find(&heights, cols, -2.0, 0.5).count(), 0);
+        assert_eq!(Regions::find(&heights, cols, 0.0, 0.0, &Unwatched).unwrap().count(), 3);
+        assert_eq!(Regions::find(&heights, cols, -2.0, 0.5, &Unwatched).unwrap().count(), 0);
     }
 
     #[test]
     fn chords_end_where_the_threshold_is_crossed_or_the_map_ends() {
         let (heights, cols) = grid(&["....", ".##.", ".##.", "....", "#...", "#..."]);
-        let regions = Regions::find(&heights, cols, 0.0, 0.0);
-        let along_x = regions.chords(&heights, |_| 0.0, Axis::X);
+        let regions = Regions::find(&heights, cols, 0.0, 0.0, &Unwatched).unwrap();
+        let along_x = regions.chords(&heights, |_| 0.0, Axis::X, &Unwatched).unwrap();
         assert_eq!(along_x[0], Chord { region: 2, line: 0, from: Some(3.5), to: None });
         assert_eq!(along_x[1], Chord { region: 1, line: 1, from: Some(0.5), to: Some(2.5) });
-        let along_y = regions.chords(&heights, |_| 0.5, Axis::Y);
+        let along_y = regions.chords(&heights, |_| 0.5, Axis::Y, &Unwatched).unwrap();
         assert_eq!(along_y[0], Chord { region: 1, line: 1, from: Some(0.25), to: Some(2.75) });
         assert_eq!(along_y[2], Chord { region: 2, line: 4, from: None, to: Some(0.75) });
     }
@@ -210,7 +233,10 @@ mod tests {
     #[test]
     fn a_spike_does_not_cut_a_chord() {
         let (heights, cols) = grid(&["........", ".##.###.", ".######.", "........"]);
-        let chords = Regions::find(&heights, cols, 0.0, 0.0).chords(&heights, |_| 0.0, Axis::Y);
+        let chords = Regions::find(&heights, cols, 0.0, 0.0, &Unwatched)
+            .unwrap()
+            .chords(&heights, |_| 0.0, Axis::Y, &Unwatched)
+            .unwrap();
         assert_eq!(chords.len(), 2);
         assert_eq!((chords[0].from, chords[0].to), (Some(0.5), Some(6.5)));
     }

@@ -2,6 +2,8 @@
 
 use std::fmt;
 
+use slipgrid_monitor::{Cancelled, Monitor};
+
 use super::SPECK;
 use super::components::Regions;
 use super::found::Found;
@@ -48,20 +50,25 @@ impl fmt::Display for Crossing {
 
 impl Crossing {
     /// The crossing grooves among the regions that were `found`.
-    pub(super) fn of(found: &Found) -> Option<Self> {
+    pub(super) fn of(found: &Found, monitor: &dyn Monitor) -> Result<Option<Self>, Cancelled> {
         let crosses = |region: &usize| [0, 1].iter().all(|&axis| found.along[axis][*region].reaches_across());
-        let region = (1..=found.regions.count()).filter(crosses).max_by_key(|&region| found.regions.points[region])?;
+        let crossing = (1..=found.regions.count()).filter(crosses).max_by_key(|&region| found.regions.points[region]);
+        let Some(region) = crossing else { return Ok(None) };
+        monitor.heed()?;
         let (label, cols) = (&found.regions.label, found.cols());
         let rows = label.len() / cols;
         let inside = |n: usize| label[n] as usize == region;
         let land: Vec<f64> = (0..label.len()).map(|n| f64::from(u8::from(inside(n)))).collect();
-        let patches = Regions::find(&land, cols, 0.5, SPECK).count();
+        let patches = Regions::find(&land, cols, 0.5, SPECK, monitor)?.count();
         let share = |points: &mut dyn Iterator<Item = usize>, count: usize| {
-            points.filter(|&n| inside(n)).count() as f64 / count as f64
+            monitor.heed()?;
+            Ok::<_, Cancelled>(points.filter(|&n| inside(n)).count() as f64 / count as f64)
         };
-        let of_rows: Vec<f64> = (0..rows).map(|i| share(&mut (i * cols..(i + 1) * cols), cols)).collect();
-        let of_cols: Vec<f64> = (0..cols).map(|j| share(&mut (j..label.len()).step_by(cols), rows)).collect();
-        (patches >= LEAST_PATCHES).then(|| Self { patches, strips: [strip(&of_rows), strip(&of_cols)] })
+        let of_rows: Result<Vec<f64>, _> = (0..rows).map(|i| share(&mut (i * cols..(i + 1) * cols), cols)).collect();
+        let of_cols: Result<Vec<f64>, _> =
+            (0..cols).map(|j| share(&mut (j..label.len()).step_by(cols), rows)).collect();
+        let strips = [strip(&of_rows?), strip(&of_cols?)];
+        Ok((patches >= LEAST_PATCHES).then_some(Self { patches, strips }))
     }
 }
 

@@ -204,8 +204,8 @@ mod tests {
     fn edges(height: impl Fn(f64, f64) -> f64, rows: usize, cols: usize, pixel_m: [f64; 2]) -> Edges {
         let heights: Vec<f64> =
             (0..rows * cols).map(|n| height((n / cols) as f64 * pixel_m[0], (n % cols) as f64 * pixel_m[1])).collect();
-        let regions = Regions::find(&heights, cols, 0.0, 0.0);
-        let chords = AXES.map(|axis| regions.chords(&heights, |_| 0.0, axis));
+        let regions = Regions::find(&heights, cols, 0.0, 0.0, &Unwatched).unwrap();
+        let chords = AXES.map(|axis| regions.chords(&heights, |_| 0.0, axis, &Unwatched).unwrap());
         Edges::find(&chords, |_, _| true, [rows, cols], pixel_m, &Unwatched).unwrap()
     }
 

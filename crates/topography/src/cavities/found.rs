@@ -12,6 +12,9 @@ use super::{MARGIN, RimMetrology, SPECK};
 use crate::form::Form;
 use crate::{HeightMap, MapError};
 
+/// Chords between two questions whether to go on.
+const CHORDS_TOGETHER: usize = 64;
+
 /// The cavities of a map.
 pub(super) struct Found {
     pub(super) land: Land,
@@ -33,24 +36,22 @@ impl Found {
     pub(super) fn find(map: &HeightMap, form: Form, monitor: &dyn Monitor) -> Result<Self, MapError> {
         let land = Land::find(map, form, monitor)?;
         monitor.heed()?;
-        let regions = Regions::find(&land.height_m, map.cols(), land.threshold_m, SPECK);
+        let regions = Regions::find(&land.height_m, map.cols(), land.threshold_m, SPECK, monitor)?;
         if regions.count() == 0 {
             return Err(MapError::NoCavities { reason: "nothing lies below the land" });
         }
         monitor.heed()?;
         // A third of a typical width keeps rims out of the land.
         let pixel_m = [map.dx_m(), map.dy_m()];
-        let typical_m = AXES
-            .into_iter()
-            .zip(pixel_m)
-            .filter_map(|(axis, pixel_m)| {
-                let chords = regions.chords(&land.height_m, |_| land.threshold_m, axis);
-                let mut lengths: Vec<f64> = chords.iter().filter_map(length).collect();
-                median(&mut lengths).map(|length| length * pixel_m)
-            })
-            .fold(f64::INFINITY, f64::min);
+        let mut typical_m = f64::INFINITY;
+        for (axis, pixel_m) in AXES.into_iter().zip(pixel_m) {
+            let chords = regions.chords(&land.height_m, |_| land.threshold_m, axis, monitor)?;
+            let mut lengths: Vec<f64> = chords.iter().filter_map(length).collect();
+            typical_m = typical_m.min(median(&mut lengths).map_or(f64::INFINITY, |length| length * pixel_m));
+        }
         let land = if typical_m.is_finite() {
-            land.refined(map, form, pixel_m.map(|pixel_m| (MARGIN * typical_m / pixel_m).ceil() as usize))
+            let margin = pixel_m.map(|pixel_m| (MARGIN * typical_m / pixel_m).ceil() as usize);
+            land.refined(map, form, margin, monitor)?
         } else {
             land
         };
@@ -61,8 +62,7 @@ impl Found {
         monitor.heed()?;
         let filled_m = filled.heights_m().to_vec();
         monitor.heed()?;
-        let regions = Regions::find(&filled_m, map.cols(), land.threshold_m, SPECK);
-        monitor.heed()?;
+        let regions = Regions::find(&filled_m, map.cols(), land.threshold_m, SPECK, monitor)?;
         Self::complete(land, filled_m, regions, None, pixel_m, monitor)
     }
 
@@ -78,7 +78,11 @@ impl Found {
             Some((_, distance_m)) if self.regions.label[n] == 0 => height_m - rim.fitted_m(distance_m),
             _ => height_m,
         };
-        let bare_m: Vec<f64> = self.land.height_m.iter().enumerate().map(bare).collect();
+        let mut bare_m = Vec::with_capacity(self.land.height_m.len());
+        for (i, row) in self.land.height_m.chunks_exact(self.cols()).enumerate() {
+            monitor.heed()?;
+            bare_m.extend((i * self.cols()..).zip(row).map(bare));
+        }
         Self::complete(self.land, self.filled_m, self.regions, Some(&bare_m), self.pixel_m, monitor)
     }
 
@@ -92,16 +96,15 @@ impl Found {
         monitor: &dyn Monitor,
     ) -> Result<Self, MapError> {
         monitor.heed()?;
-        let chords = AXES.map(|axis| regions.chords(&filled_m, |_| land.threshold_m, axis));
-        monitor.heed()?;
+        let [x, y] = AXES.map(|axis| regions.chords(&filled_m, |_| land.threshold_m, axis, monitor));
+        let chords = [x?, y?];
         // Each cavity has its own half depth.
         let along = Along::gather(&chords, regions.count());
-        let (floors, middle) = floors(&regions, &chords, &along, bare_m.unwrap_or(&land.height_m));
-        monitor.heed()?;
+        let (floors, middle) = floors(&regions, &chords, &along, bare_m.unwrap_or(&land.height_m), monitor)?;
         let half_m =
             |region: u32| floors[region as usize].map_or(land.threshold_m, |floor| floor.land_m - 0.5 * floor.depth_m);
-        let chords = AXES.map(|axis| regions.chords(&filled_m, half_m, axis));
-        monitor.heed()?;
+        let [x, y] = AXES.map(|axis| regions.chords(&filled_m, half_m, axis, monitor));
+        let chords = [x?, y?];
         let along = Along::gather(&chords, regions.count());
         Ok(Self { land, filled_m, regions, chords, along, floors, middle, pixel_m })
     }
@@ -256,7 +259,8 @@ fn floors(
     chords: &[Vec<Chord>; 2],
     along: &[Vec<Along>; 2],
     height_m: &[f64],
-) -> (Vec<Option<Floor>>, Vec<bool>) {
+    monitor: &dyn Monitor,
+) -> Result<(Vec<Option<Floor>>, Vec<bool>), Cancelled> {
     let cols = regions.cols();
     // A point is in the middle if it is so along every axis on which the region ends within the map. Along a groove
     // the lines in its walls meet it in short chords: what lies between those is wall, not land.
@@ -266,6 +270,9 @@ fn floors(
     for (axis, chords) in chords.iter().enumerate() {
         let length = if axis == 0 { regions.label.len() / cols } else { cols };
         for (number, chord) in chords.iter().enumerate() {
+            if number % CHORDS_TOGETHER == 0 {
+                monitor.heed()?;
+            }
             let ends = chord.from.zip(chord.to).filter(|_| along[axis][chord.region as usize].is_within());
             let Some((from, to)) = ends else { continue };
             let at = |k: usize| if axis == 0 { k * cols + chord.line } else { chord.line * cols + k };
@@ -292,6 +299,7 @@ fn floors(
             }
         }
     }
+    monitor.heed()?;
     let mut floor = vec![Mean::default(); regions.count() + 1];
     for ((&region, &middle), &height) in regions.label.iter().zip(&middle).zip(height_m) {
         if middle {
@@ -314,5 +322,5 @@ fn floors(
             floor.value().map(|floor| Floor { land_m, depth_m: land_m - floor })
         })
         .collect();
-    (floors, middle)
+    Ok((floors, middle))
 }

@@ -1,15 +1,17 @@
 //! The land of a patterned surface: what is left of the original surface, and its level.
 
 use slipgrid_monitor::Monitor;
-use slipgrid_statistics::median;
 
-use crate::form::{FittedForm, Form};
+use crate::form::Form;
+use crate::order::{median, nth};
 use crate::{HeightMap, MapError};
 
 /// Classes of the histogram in which land and cavities are told apart.
 const CLASSES: usize = 1024;
 /// Share of the heights at either end that is left out of it: spikes.
 const SPIKES: f64 = 1e-3;
+/// Heights between two questions whether to go on.
+const ASKED_EVERY: usize = 1 << 16;
 /// Least distance of the two means, in standard deviations within: a uniform ramp has 3.5, a Gaussian 2.7.
 const LEAST_SEPARATION: f64 = 4.0;
 /// Rounds of fitting the form to the land and finding the land anew.
@@ -36,9 +38,8 @@ impl Land {
     /// Finds the land of `map` and the form that it follows.
     pub(super) fn find(map: &HeightMap, form: Form, monitor: &dyn Monitor) -> Result<Self, MapError> {
         let all = |_| true;
-        let mut height_m = above(map, &map.fit_form(form, all)?);
-        monitor.heed()?;
-        let mut groups = groups(&height_m).ok_or(MapError::NoCavities { reason: "all heights are equal" })?;
+        let mut height_m = map.fit_form(form, all, monitor)?.above_m(map, monitor)?;
+        let mut groups = groups(&height_m, monitor)?;
         let mut land: Vec<bool> = Vec::new();
         for _ in 0..MOST_ROUNDS {
             let found: Vec<bool> = height_m.iter().map(|&height| height > groups.threshold_m).collect();
@@ -47,32 +48,38 @@ impl Land {
             }
             monitor.heed()?;
             land = found;
-            height_m = above(map, &map.fit_form(form, |n| land[n])?);
-            monitor.heed()?;
-            groups = self::groups(&height_m).ok_or(MapError::NoCavities { reason: "all heights are equal" })?;
+            height_m = map.fit_form(form, |n| land[n], monitor)?.above_m(map, monitor)?;
+            groups = self::groups(&height_m, monitor)?;
         }
         if groups.separation < LEAST_SEPARATION {
             return Err(MapError::NoCavities { reason: "heights do not part into land and floors" });
         }
         monitor.heed()?;
-        Ok(Self::new(height_m, groups.threshold_m))
+        Self::new(height_m, groups.threshold_m, monitor)
     }
 
     /// The same with the form fitted only to points farther than `margin` pixels, along x and y, from cavities:
     /// rims and walls belong to neither.
-    pub(super) fn refined(self, map: &HeightMap, form: Form, margin: [usize; 2]) -> Self {
-        let near = near(&self.height_m, map.cols(), self.threshold_m, margin);
+    pub(super) fn refined(
+        self,
+        map: &HeightMap,
+        form: Form,
+        margin: [usize; 2],
+        monitor: &dyn Monitor,
+    ) -> Result<Self, MapError> {
+        let near = near(&self.height_m, map.cols(), self.threshold_m, margin, monitor)?;
         let far = near.iter().zip(&self.height_m).filter(|(near, height)| !**near && !height.is_nan()).count();
         // Lands too narrow to leave a margin keep what was found.
         if far * 20 < near.len() {
-            return self;
+            return Ok(self);
         }
-        match map.fit_form(form, |n| !near[n]) {
+        match map.fit_form(form, |n| !near[n], monitor) {
             Ok(fitted) => {
-                let refined = Self::new(above(map, &fitted), self.threshold_m);
-                Self { is_land: near.into_iter().map(|near| !near).collect(), ..refined }
+                let refined = Self::new(fitted.above_m(map, monitor)?, self.threshold_m, monitor)?;
+                Ok(Self { is_land: near.into_iter().map(|near| !near).collect(), ..refined })
             }
-            Err(_) => self,
+            Err(MapError::Cancelled) => Err(MapError::Cancelled),
+            Err(_) => Ok(self),
         }
     }
 
@@ -84,44 +91,41 @@ impl Land {
     }
 
     /// The threshold half way between the medians of both groups.
-    fn new(height_m: Vec<f64>, threshold_m: f64) -> Self {
+    fn new(height_m: Vec<f64>, threshold_m: f64, monitor: &dyn Monitor) -> Result<Self, MapError> {
         let median = |cavity: bool| {
-            let mut group: Vec<f64> =
-                height_m.iter().copied().filter(|h| !h.is_nan() && (*h <= threshold_m) == cavity).collect();
-            median(&mut group)
+            let is_of = |height: &f64| !height.is_nan() && (*height <= threshold_m) == cavity;
+            let group: Vec<f64> = height_m.iter().copied().filter(is_of).collect();
+            median(&group, monitor)
         };
-        let threshold_m = match (median(true), median(false)) {
+        let threshold_m = match (median(true)?, median(false)?) {
             (Some(floor), Some(land)) => 0.5 * (floor + land),
             _ => threshold_m,
         };
         let is_land = height_m.iter().map(|&height| height > threshold_m).collect();
-        Self { height_m, threshold_m, is_land }
+        Ok(Self { height_m, threshold_m, is_land })
     }
-}
-
-/// Heights above a form.
-fn above(map: &HeightMap, fitted: &FittedForm) -> Vec<f64> {
-    map.heights_m().iter().enumerate().map(|(n, height)| height - fitted.height_m(n, map)).collect()
 }
 
 /// Heights that differ by less, a tenth of a picometre, are equal: what is left of a plane is rounding.
 const LEAST_RANGE_M: f64 = 1e-13;
 
 /// The threshold that parts heights into two groups with the least variance within (Otsu).
-fn groups(height_m: &[f64]) -> Option<Groups> {
-    let mut present: Vec<f64> = height_m.iter().copied().filter(|height| !height.is_nan()).collect();
+fn groups(height_m: &[f64], monitor: &dyn Monitor) -> Result<Groups, MapError> {
+    let present: Vec<f64> = height_m.iter().copied().filter(|height| !height.is_nan()).collect();
     let spikes = (present.len() as f64 * SPIKES) as usize;
-    let last = present.len().checked_sub(1 + spikes)?;
-    let low = *present.select_nth_unstable_by(spikes, f64::total_cmp).1;
-    let high = *present.select_nth_unstable_by(last, f64::total_cmp).1;
-    if high - low <= LEAST_RANGE_M {
-        return None;
-    }
+    let low = nth(&present, spikes, monitor)?;
+    let high = nth(&present, present.len().saturating_sub(1 + spikes), monitor)?;
+    let Some((low, high)) = low.zip(high).filter(|(low, high)| high - low > LEAST_RANGE_M) else {
+        return Err(MapError::NoCavities { reason: "all heights are equal" });
+    };
     let mut counts = vec![0.0; CLASSES];
-    for height in &present {
-        let class = (height - low) / (high - low) * CLASSES as f64;
-        // The cast saturates: spikes join the classes at the ends.
-        counts[(class as usize).min(CLASSES - 1)] += 1.0;
+    for some in present.chunks(ASKED_EVERY) {
+        monitor.heed()?;
+        for height in some {
+            let class = (height - low) / (high - low) * CLASSES as f64;
+            // The cast saturates: spikes join the classes at the ends.
+            counts[(class as usize).min(CLASSES - 1)] += 1.0;
+        }
     }
     let moments = |classes: std::ops::Range<usize>| {
         let sums = classes.fold([0.0; 3], |[n, s, q], class| {
@@ -149,14 +153,20 @@ fn groups(height_m: &[f64]) -> Option<Groups> {
     let within = ((below * variance_below + over * variance_over) / total + 1.0).sqrt();
     // Half way between the means: where Otsu's ends among empty classes is chance.
     let threshold = 0.5 * (mean_below + mean_over);
-    Some(Groups {
+    Ok(Groups {
         threshold_m: low + threshold / CLASSES as f64 * (high - low),
         separation: (mean_over - mean_below) / within,
     })
 }
 
 /// Points within `margin` pixels of a cavity along both axes, or in one.
-fn near(height_m: &[f64], cols: usize, threshold_m: f64, margin: [usize; 2]) -> Vec<bool> {
+fn near(
+    height_m: &[f64],
+    cols: usize,
+    threshold_m: f64,
+    margin: [usize; 2],
+    monitor: &dyn Monitor,
+) -> Result<Vec<bool>, MapError> {
     let rows = height_m.len() / cols;
     let mut near: Vec<bool> = height_m.iter().map(|&height| height <= threshold_m).collect();
     let mut widen = |first: usize, step: usize, count: usize, margin: usize| {
@@ -174,33 +184,36 @@ fn near(height_m: &[f64], cols: usize, threshold_m: f64, margin: [usize; 2]) -> 
         }
     };
     for j in 0..cols {
+        monitor.heed()?;
         widen(j, cols, rows, margin[0]);
     }
     for i in 0..rows {
+        monitor.heed()?;
         widen(i * cols, 1, cols, margin[1]);
     }
-    near
+    Ok(near)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use slipgrid_monitor::Unwatched;
 
     #[test]
     fn two_groups_are_parted_half_way_and_one_is_not() {
         let two: Vec<f64> = (0..1000).map(|n| if n % 10 == 0 { -5.0 } else { 0.0 } + 0.01 * f64::from(n % 7)).collect();
-        let found = groups(&two).unwrap();
+        let found = groups(&two, &Unwatched).unwrap();
         assert!((found.threshold_m + 2.5).abs() < 0.1 && found.separation > 20.0, "{}", found.separation);
         let ramp: Vec<f64> = (0..1000).map(f64::from).collect();
-        assert!((groups(&ramp).unwrap().separation - 3.46).abs() < 0.1);
-        assert!(groups(&[1.0; 50]).is_none());
+        assert!((groups(&ramp, &Unwatched).unwrap().separation - 3.46).abs() < 0.1);
+        assert!(groups(&[1.0; 50], &Unwatched).is_err());
     }
 
     #[test]
     fn margins_widen_cavities_along_both_axes() {
         let mut heights = vec![0.0; 7 * 9];
         heights[3 * 9 + 4] = -1.0;
-        let near = near(&heights, 9, -0.5, [1, 2]);
+        let near = near(&heights, 9, -0.5, [1, 2], &Unwatched).unwrap();
         assert_eq!(near.iter().filter(|near| **near).count(), 3 * 5);
         assert!(near[2 * 9 + 2] && near[4 * 9 + 6] && !near[9 + 4]);
     }

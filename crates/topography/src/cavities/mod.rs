@@ -40,7 +40,7 @@ use edge::Edges;
 use found::Found;
 use grid::Grid;
 use rims::Scene;
-use slipgrid_monitor::Monitor;
+use slipgrid_monitor::{Cancelled, Monitor};
 use slipgrid_statistics::median;
 use walls::Walls;
 
@@ -165,7 +165,7 @@ impl HeightMap {
     /// the land does not determine the form; [`MapError::Cancelled`] once `monitor` has cancelled.
     pub fn measure_cavities(&self, form: Form, monitor: &dyn Monitor) -> Result<CavityMetrology, MapError> {
         let (found, sought) = Sought::with_rims(Found::find(self, form, monitor)?, monitor)?;
-        Ok(measure(&found, sought))
+        Ok(measure(&found, sought, monitor)?)
     }
 }
 
@@ -215,8 +215,7 @@ impl Sought {
         let least_m =
             |spreads: [Option<Spread>; 2]| spreads.into_iter().flatten().map(|spread| spread.mean_m).reduce(f64::min);
         let edges = found.edges(monitor)?;
-        let walls = walls::measure(found, &edges, &counts);
-        monitor.heed()?;
+        let walls = walls::measure(found, &edges, &counts, monitor)?;
         let scene = Scene {
             edges: &edges,
             height_m: &found.land.height_m,
@@ -228,13 +227,12 @@ impl Sought {
             width_m: least_m(widths).unwrap_or(0.0),
             spacing_m: least_m(spacing),
         };
-        let (rim, rim_heights) = rims::measure(&scene);
-        monitor.heed()?;
+        let (rim, rim_heights) = rims::measure(&scene, monitor)?;
         Ok(Self { counts, width_m, spacing, edges, walls, rim, rim_heights })
     }
 }
 
-fn measure(found: &Found, sought: Sought) -> CavityMetrology {
+fn measure(found: &Found, sought: Sought, monitor: &dyn Monitor) -> Result<CavityMetrology, Cancelled> {
     let diameters_m = round::diameters(found);
     let mut spacing = diameters_m
         .as_ref()
@@ -250,9 +248,12 @@ fn measure(found: &Found, sought: Sought) -> CavityMetrology {
     });
     let (regions, cols, pixel_m) = (&found.regions, found.cols(), found.pixel_m);
     let mut center = vec![[0.0; 2]; regions.count() + 1];
-    for (n, &region) in regions.label.iter().enumerate() {
-        center[region as usize][0] += (n / cols) as f64 + 0.5;
-        center[region as usize][1] += (n % cols) as f64 + 0.5;
+    for (i, row) in regions.label.chunks_exact(cols).enumerate() {
+        monitor.heed()?;
+        for (j, &region) in row.iter().enumerate() {
+            center[region as usize][0] += i as f64 + 0.5;
+            center[region as usize][1] += j as f64 + 0.5;
+        }
     }
     let cavities: Vec<Cavity> = (1..=regions.count())
         .map(|region| {
@@ -273,7 +274,7 @@ fn measure(found: &Found, sought: Sought) -> CavityMetrology {
     let spread =
         |value: &dyn Fn(&Cavity) -> Option<f64>| Spread::of(&cavities.iter().filter_map(value).collect::<Vec<f64>>());
     let depth = spread(&|cavity| cavity.depth_m);
-    CavityMetrology {
+    Ok(CavityMetrology {
         width: [spread(&|cavity| cavity.width_m[0]), spread(&|cavity| cavity.width_m[1])],
         spacing,
         staggered,
@@ -288,8 +289,8 @@ fn measure(found: &Found, sought: Sought) -> CavityMetrology {
         wall_resolved_deg: depth.map(|depth| walls::resolved_deg(depth.mean_m, pixel_m)),
         floor_sq_m: Estimate::mean(cavities.iter().filter_map(|cavity| cavity.floor_sq_m)),
         cavities,
-        crossing: Crossing::of(found),
-    }
+        crossing: Crossing::of(found, monitor)?,
+    })
 }
 
 #[cfg(test)]

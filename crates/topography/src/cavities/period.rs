@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use slipgrid_monitor::Monitor;
+use slipgrid_monitor::{Cancelled, Monitor};
 use slipgrid_statistics::median;
 
 use super::edge::Edges;
@@ -90,16 +90,14 @@ impl HeightMap {
     pub fn mean_cavity_period(&self, form: Form, monitor: &dyn Monitor) -> Result<MeanPeriod, MapError> {
         let (found, Sought { edges, rim, .. }) = Sought::with_rims(Found::find(self, form, monitor)?, monitor)?;
         let rim_end_m = rim.width_m.map_or(0.0, |width| rim.start_m + width.value);
-        let is_land = far_land(&found, &edges, rim_end_m);
-
-        monitor.heed()?;
+        let is_land = far_land(&found, &edges, rim_end_m, monitor)?;
         let regions = || 1..=found.regions.count();
         let along: [Vec<usize>; 2] =
             [0, 1].map(|axis| regions().filter(|&region| found.counts(axis, region)).collect());
         let whole: Vec<usize> = along[0].iter().copied().filter(|region| along[1].contains(region)).collect();
         let grooves = [0, 1].map(|axis| along[axis].len() - whole.len());
         if whole.len().max(grooves[0]).max(grooves[1]) < LEAST {
-            if let Some(crossing) = Crossing::of(&found) {
+            if let Some(crossing) = Crossing::of(&found, monitor)? {
                 return Err(MapError::Crossing(crossing));
             }
             let whole = whole.len().max(grooves[0]).max(grooves[1]);
@@ -109,17 +107,22 @@ impl HeightMap {
             });
         }
         if whole.len() >= grooves[0].max(grooves[1]) {
-            return of_cells(&found, &is_land, &whole);
+            return of_cells(&found, &is_land, &whole, monitor);
         }
         let axis = usize::from(grooves[1] > grooves[0]);
-        of_grooves(&found, &is_land, axis, &along[axis])
+        of_grooves(&found, &is_land, axis, &along[axis], monitor)
     }
 }
 
 /// Land that is neither near a cavity nor within its rim.
-fn far_land(found: &Found, edges: &Edges, rim_end_m: f64) -> Vec<bool> {
+fn far_land(found: &Found, edges: &Edges, rim_end_m: f64, monitor: &dyn Monitor) -> Result<Vec<bool>, Cancelled> {
     let beyond = |n: usize| edges.distance_m(n).is_none_or(|(_, distance_m)| distance_m > rim_end_m);
-    found.land.is_land.iter().enumerate().map(|(n, &is_land)| is_land && beyond(n)).collect()
+    let mut far = Vec::with_capacity(found.land.is_land.len());
+    for (i, row) in found.land.is_land.chunks_exact(found.cols()).enumerate() {
+        monitor.heed()?;
+        far.extend((i * found.cols()..).zip(row).map(|(n, &is_land)| is_land && beyond(n)));
+    }
+    Ok(far)
 }
 
 /// Lines of a region's chords along an axis and the middles of the chords, in metres from the first pixel's centre.
@@ -204,7 +207,13 @@ fn pixels(pitch_m: f64, pixel_m: f64) -> (usize, f64) {
 }
 
 /// The mean period of grooves across `axis`.
-fn of_grooves(found: &Found, is_land: &[bool], axis: usize, grooves: &[usize]) -> Result<MeanPeriod, MapError> {
+fn of_grooves(
+    found: &Found,
+    is_land: &[bool],
+    axis: usize,
+    grooves: &[usize],
+    monitor: &dyn Monitor,
+) -> Result<MeanPeriod, MapError> {
     let rows = found.land.height_m.len() / found.cols();
     let lines = if axis == 0 { found.cols() } else { rows };
     // The middle line of each groove: a + b line.
@@ -231,6 +240,7 @@ fn of_grooves(found: &Found, is_land: &[bool], axis: usize, grooves: &[usize]) -
     let mut cells = Cells::new(count);
     for [a, b] in middle {
         for line in 0..lines {
+            monitor.heed()?;
             let center_m = a + b * line as f64;
             for cell in 0..count {
                 let at = (center_m + (cell as f64 + 0.5) * pixel_m - 0.5 * pitch_m) / found.pixel_m[axis];
@@ -249,7 +259,7 @@ fn of_grooves(found: &Found, is_land: &[bool], axis: usize, grooves: &[usize]) -
 }
 
 /// The mean period of cavities that end within the map along both axes.
-fn of_cells(found: &Found, is_land: &[bool], whole: &[usize]) -> Result<MeanPeriod, MapError> {
+fn of_cells(found: &Found, is_land: &[bool], whole: &[usize], monitor: &dyn Monitor) -> Result<MeanPeriod, MapError> {
     let refuse = |reason| Err(MapError::NoPeriod { whole: whole.len(), reason });
     let centers_m = [0, 1].map(|axis| found.centers_m(axis));
     // The pitch along an axis is that of neighbours that face each other along it.
@@ -293,6 +303,9 @@ fn of_cells(found: &Found, is_land: &[bool], whole: &[usize]) -> Result<MeanPeri
     let mut cells = Cells::new(rows * cols);
     for &region in whole {
         for cell in 0..rows * cols {
+            if cell % cols == 0 {
+                monitor.heed()?;
+            }
             let from_center_m = [
                 ((cell / cols) as f64 + 0.5) * dx_m - 0.5 * pitch_m[0],
                 ((cell % cols) as f64 + 0.5) * dy_m - 0.5 * pitch_m[1],

@@ -8,6 +8,8 @@
 
 use std::collections::BTreeMap;
 
+use slipgrid_monitor::{Cancelled, Monitor};
+
 use super::edge::Edges;
 use super::heights::Heights;
 use super::kriging::{Kriging, Shape, Variogram};
@@ -15,6 +17,8 @@ use super::share::share_of_edge;
 use super::{Estimate, RimProfile};
 use crate::synthetic::splitmix64;
 
+/// Points between two questions whether to go on.
+const ASKED_EVERY: usize = 1 << 14;
 /// Most bins of a profile.
 const MOST_BINS: usize = 160;
 /// Least bins and stretches from which a rim can be sought.
@@ -128,8 +132,15 @@ impl Scene<'_> {
     }
 
     /// Calls `take` with edge point, distance and height of every point measured on land before an edge that counts.
-    pub(super) fn for_land(&self, mut take: impl FnMut(usize, f64, f64)) {
+    pub(super) fn for_land(
+        &self,
+        monitor: &dyn Monitor,
+        mut take: impl FnMut(usize, f64, f64),
+    ) -> Result<(), Cancelled> {
         for (n, (&height_m, &label)) in self.height_m.iter().zip(self.label).enumerate() {
+            if n % ASKED_EVERY == 0 {
+                monitor.heed()?;
+            }
             if label != 0 || height_m.is_nan() || height_m <= self.threshold_m {
                 continue;
             }
@@ -139,6 +150,7 @@ impl Scene<'_> {
                 take(number, distance_m, height_m);
             }
         }
+        Ok(())
     }
 }
 
@@ -164,7 +176,7 @@ struct Profile {
 }
 
 impl Profile {
-    fn gather(scene: &Scene<'_>) -> Self {
+    fn gather(scene: &Scene<'_>, monitor: &dyn Monitor) -> Result<Self, Cancelled> {
         let (bin_m, reach_m) = (scene.bin_m(), scene.reach_m());
         let first_m = scene.start_m + bin_m;
         // The cast saturates at none.
@@ -187,7 +199,7 @@ impl Profile {
         // Points, their distances and heights in each bin of each stretch.
         let mut sums = vec![vec![[0.0; 3]; count]; numbers.len()];
         let mut points = vec![[[0.0; 2]; PARTS]; count];
-        scene.for_land(|number, distance_m, height_m| {
+        scene.for_land(monitor, |number, distance_m, height_m| {
             let bin = ((distance_m - first_m) / bin_m).floor();
             if bin >= 0.0 && bin < count as f64 {
                 let part = ((distance_m - first_m) / bin_m - bin) * PARTS as f64;
@@ -198,7 +210,7 @@ impl Profile {
                     *sum += term;
                 }
             }
-        });
+        })?;
         let counted = numbers.iter().filter(|((region, ..), _)| scene.counts[*region as usize]);
         let total_m: f64 = counted.map(|(_, &number)| length_m[number]).sum();
         let (mut bins, mut distance_m, mut mean_m, mut parts) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
@@ -236,7 +248,7 @@ impl Profile {
                 Stretch { region, side: (axis, behind), length_m: length_m[number], residual: residual.collect() }
             })
             .collect();
-        Self { stretches, bins, distance_m, mean_m, parts }
+        Ok(Self { stretches, bins, distance_m, mean_m, parts })
     }
 
     /// Semivariances of the stretches about their mean at lags from one bin on.
@@ -273,8 +285,11 @@ struct Candidate {
 }
 
 /// The rims of the scene, and each region's rim height with its error.
-pub(super) fn measure(scene: &Scene<'_>) -> (RimMetrology, BTreeMap<u32, Estimate>) {
-    let profile = Profile::gather(scene);
+pub(super) fn measure(
+    scene: &Scene<'_>,
+    monitor: &dyn Monitor,
+) -> Result<(RimMetrology, BTreeMap<u32, Estimate>), Cancelled> {
+    let profile = Profile::gather(scene, monitor)?;
     let edge_profile = |level_m: f64| {
         let places = profile.distance_m.iter().zip(&profile.mean_m).enumerate();
         places
@@ -296,11 +311,11 @@ pub(super) fn measure(scene: &Scene<'_>) -> (RimMetrology, BTreeMap<u32, Estimat
         edge_profile: edge_profile(profile.mean_m.last().copied().unwrap_or(0.0)),
     };
     if profile.bins.len() < LEAST_BINS || profile.stretches.len() < LEAST_STRETCHES {
-        return (nothing, BTreeMap::new());
+        return Ok((nothing, BTreeMap::new()));
     }
-    let Some(fit) = Fit::new(scene, &profile) else { return (nothing, BTreeMap::new()) };
+    let Some(fit) = Fit::new(scene, &profile) else { return Ok((nothing, BTreeMap::new())) };
     let ready = fit.kriging.ready(&profile.mean_m);
-    let Some((best, height_m)) = fit.best(&ready) else { return (nothing, BTreeMap::new()) };
+    let Some((best, height_m)) = fit.best(&ready) else { return Ok((nothing, BTreeMap::new())) };
     let heights = Heights::new(&profile.stretches, &fit.kriging.weights(&best.shape), height_m);
     let level_m = |shape: &[f64], height_m: f64| {
         let land: Vec<f64> = profile.mean_m.iter().zip(shape).map(|(mean, shape)| mean - height_m * shape).collect();
@@ -312,7 +327,7 @@ pub(super) fn measure(scene: &Scene<'_>) -> (RimMetrology, BTreeMap<u32, Estimat
         let values = fit.values(scene, &profile, RimProfile::Round, width_m);
         let shape = fit.kriging.shape(&values);
         if !shape.is_determined() {
-            return (nothing, BTreeMap::new());
+            return Ok((nothing, BTreeMap::new()));
         }
         let (height_m, _) = fit.kriging.height(&shape, &ready);
         let error_m = Heights::new(&profile.stretches, &fit.kriging.weights(&shape), height_m).error_m();
@@ -322,14 +337,14 @@ pub(super) fn measure(scene: &Scene<'_>) -> (RimMetrology, BTreeMap<u32, Estimat
             edge_profile: edge_profile(level_m(&values, height_m)),
             ..nothing
         };
-        return (none, BTreeMap::new());
+        return Ok((none, BTreeMap::new()));
     }
     let values = fit.values(scene, &profile, best.profile, best.width_m);
     let edge_profile = edge_profile(level_m(&values, height_m));
     if best.width_m < (LEAST_TOLD_WIDTH - 0.5 * WIDTH_STEP) * scene.bin_m() {
-        return (RimMetrology { edge_profile, ..nothing }, BTreeMap::new());
+        return Ok((RimMetrology { edge_profile, ..nothing }, BTreeMap::new()));
     }
-    let [height_error_m, width_error_m] = bootstrap(&profile, &fit);
+    let [height_error_m, width_error_m] = bootstrap(&profile, &fit, monitor)?;
     let error_m = height_error_m.max(heights.error_m()).hypot(MODEL_ERROR * height_m);
     let found = RimMetrology {
         height_m: Some(Estimate { value: height_m, error: Some(error_m) }),
@@ -337,11 +352,11 @@ pub(super) fn measure(scene: &Scene<'_>) -> (RimMetrology, BTreeMap<u32, Estimat
         side_std_m: heights.side_std_m(),
         width_m: Some(Estimate { value: best.width_m, error: Some(width_error_m.max(WIDTH_STEP * scene.bin_m())) }),
         profile: Some(best.profile),
-        share_of_edge: share_of_edge(scene, best.profile, best.width_m),
+        share_of_edge: share_of_edge(scene, best.profile, best.width_m, monitor)?,
         edge_profile,
         ..nothing
     };
-    (found, heights.of_cavities())
+    Ok((found, heights.of_cavities()))
 }
 
 /// All candidates, ready to be fitted.
@@ -402,7 +417,7 @@ impl Fit {
 
 /// Standard deviations of height and width over draws of cavities, or of stretches where cavities are few, with
 /// replacement: what the choice of profile and width adds to the error is in them (B. Efron, Ann. Stat. 7, 1).
-fn bootstrap(profile: &Profile, fit: &Fit) -> [f64; 2] {
+fn bootstrap(profile: &Profile, fit: &Fit, monitor: &dyn Monitor) -> Result<[f64; 2], Cancelled> {
     let mut regions: Vec<u32> = profile.stretches.iter().map(|stretch| stretch.region).collect();
     regions.dedup();
     let many = regions.len() >= MANY_CAVITIES;
@@ -419,6 +434,7 @@ fn bootstrap(profile: &Profile, fit: &Fit) -> [f64; 2] {
     let units: Vec<(f64, Vec<f64>)> = units.into_values().collect();
     let mut drawn: [Vec<f64>; 2] = [Vec::new(), Vec::new()];
     for draw in 0..DRAWS {
+        monitor.heed()?;
         let (mut length_m, mut sums) = (0.0, vec![0.0; profile.bins.len()]);
         for turn in 0..units.len() as u64 {
             let bits = splitmix64(splitmix64(draw << 32 | turn));
@@ -435,6 +451,6 @@ fn bootstrap(profile: &Profile, fit: &Fit) -> [f64; 2] {
             drawn[1].push(best.width_m);
         }
     }
-    drawn
-        .map(|values| slipgrid_statistics::mean_and_std(values.iter().copied()).and_then(|(_, std)| std).unwrap_or(0.0))
+    let std = |values: Vec<f64>| slipgrid_statistics::mean_and_std(values).and_then(|(_, std)| std).unwrap_or(0.0);
+    Ok(drawn.map(std))
 }

@@ -1,5 +1,7 @@
 //! Share of the edges along which there is a rim.
 
+use slipgrid_monitor::{Cancelled, Monitor};
+
 use super::rims::Scene;
 use super::{Estimate, RimProfile};
 
@@ -33,7 +35,27 @@ impl Band {
 /// The share of pieces of edge whose relief, core less the land beyond, exceeds half of a rim's; the same bands moved
 /// outward onto the land say how often roughness decides wrongly. `None` where there is no land for them, or it decides
 /// too often.
-pub(super) fn share_of_edge(scene: &Scene<'_>, profile: RimProfile, width_m: f64) -> Option<Estimate> {
+pub(super) fn share_of_edge(
+    scene: &Scene<'_>,
+    profile: RimProfile,
+    width_m: f64,
+    monitor: &dyn Monitor,
+) -> Result<Option<Estimate>, Cancelled> {
+    let Some((bands_m, mean)) = bands_m(scene, profile, width_m) else { return Ok(None) };
+    let mut sums = vec![[Band::default(); 4]; scene.edges.points.len()];
+    scene.for_land(monitor, |number, distance_m, height_m| {
+        for (band, [from_m, to_m]) in sums[number].iter_mut().zip(bands_m) {
+            if (from_m..to_m).contains(&distance_m) {
+                band.add(Band { sum_m: height_m, count: 1.0 });
+            }
+        }
+    })?;
+    Ok(share_of(scene, &sums, mean, width_m))
+}
+
+/// Distances from the edge between which the core of a rim lies and the land beyond it, and the same moved outward onto the land; with
+/// the mean of the rim's profile over its core.
+fn bands_m(scene: &Scene<'_>, profile: RimProfile, width_m: f64) -> Option<([[f64; 2]; 4], f64)> {
     let bin_m = scene.bin_m();
     // The core of the profile in steps of a hundredth.
     let core: Vec<f64> = (0..=100).map(|n| f64::from(n) / 100.0).filter(|&s| profile.height(s) >= CORE).collect();
@@ -49,17 +71,13 @@ pub(super) fn share_of_edge(scene: &Scene<'_>, profile: RimProfile, width_m: f64
     }
     // A core of mean height k h: the rim's relief is that of the bands over k.
     let mean = profile.mean(width_m, core_m[0] - scene.start_m, core_m[1] - scene.start_m);
-    let bands_m = [core_m, base_m, core_m.map(|m| m + moved_m), base_m.map(|m| m + moved_m)];
-    let mut sums = vec![[Band::default(); 4]; scene.edges.points.len()];
-    scene.for_land(|number, distance_m, height_m| {
-        for (band, [from_m, to_m]) in sums[number].iter_mut().zip(bands_m) {
-            if (from_m..to_m).contains(&distance_m) {
-                band.add(Band { sum_m: height_m, count: 1.0 });
-            }
-        }
-    });
+    Some(([core_m, base_m, core_m.map(|m| m + moved_m), base_m.map(|m| m + moved_m)], mean))
+}
+
+/// The share by the sums of heights in each band before every edge point.
+fn share_of(scene: &Scene<'_>, sums: &[[Band; 4]], mean: f64, width_m: f64) -> Option<Estimate> {
     // Pieces of edge as long as the rim is wide.
-    let piece_m = width_m.max(LEAST_PIECE * bin_m);
+    let piece_m = width_m.max(LEAST_PIECE * scene.bin_m());
     let mut pieces: Vec<(f64, f64)> = Vec::new();
     let mut land: Vec<f64> = Vec::new();
     let key = |number: usize| {

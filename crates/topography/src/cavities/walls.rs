@@ -1,5 +1,7 @@
 //! Walls and floors of cavities.
 
+use slipgrid_monitor::{Cancelled, Monitor};
+
 use super::edge::Edges;
 use super::found::Found;
 
@@ -26,12 +28,20 @@ pub(super) fn resolved_deg(depth_m: f64, pixel_m: [f64; 2]) -> f64 {
 }
 
 /// Walls of the regions that count, from the mean share of the depth at equal distances from their edges.
-pub(super) fn measure(found: &Found, edges: &Edges, counts: &[bool]) -> Walls {
+pub(super) fn measure(
+    found: &Found,
+    edges: &Edges,
+    counts: &[bool],
+    monitor: &dyn Monitor,
+) -> Result<Walls, Cancelled> {
     let bin_m = found.pixel_m[0].max(found.pixel_m[1]) / BINS_PER_PIXEL;
     let outward = (OUTWARD_PIXELS * BINS_PER_PIXEL) as usize;
     let mut profiles: Vec<Profile> = counts.iter().map(|_| Profile::default()).collect();
     let mut all = Profile::default();
     for (n, (&height_m, &label)) in found.land.height_m.iter().zip(&found.regions.label).enumerate() {
+        if n % found.cols() == 0 {
+            monitor.heed()?;
+        }
         if height_m.is_nan() {
             continue;
         }
@@ -64,7 +74,7 @@ pub(super) fn measure(found: &Found, edges: &Edges, counts: &[bool]) -> Walls {
     let top_m = all
         .crossings_m()
         .map_or(bin_m, |[upper_m, lower_m]| upper_m + (upper_m - lower_m) * SHARES[0] / (SHARES[1] - SHARES[0]));
-    Walls { top_m: top_m.max(bin_m), angle_deg, floor_sq_m: floors_sq_m(found) }
+    Ok(Walls { top_m: top_m.max(bin_m), angle_deg, floor_sq_m: floors_sq_m(found, monitor)? })
 }
 
 /// Mean distances and shares of the depth, from outside in.
@@ -103,7 +113,7 @@ impl Profile {
 }
 
 /// Root mean square height of each region's middle third about its least squares plane.
-fn floors_sq_m(found: &Found) -> Vec<Option<f64>> {
+fn floors_sq_m(found: &Found, monitor: &dyn Monitor) -> Result<Vec<Option<f64>>, Cancelled> {
     let points = || {
         let labels = found.regions.label.iter().zip(&found.middle).enumerate();
         labels.filter(|(n, (label, middle))| **label != 0 && **middle && !found.land.height_m[*n].is_nan()).map(
@@ -112,6 +122,7 @@ fn floors_sq_m(found: &Found) -> Vec<Option<f64>> {
             },
         )
     };
+    monitor.heed()?;
     let mut means = vec![[0.0; 4]; found.regions.count() + 1];
     for (region, point) in points() {
         means[region][3] += 1.0;
@@ -124,6 +135,7 @@ fn floors_sq_m(found: &Found) -> Vec<Option<f64>> {
             *sum /= *count;
         }
     }
+    monitor.heed()?;
     // Sums of ii, ij, jj, ih, jh, hh about the means.
     let mut squares = vec![[0.0; 6]; means.len()];
     for (region, point) in points() {
@@ -141,5 +153,5 @@ fn floors_sq_m(found: &Found) -> Vec<Option<f64>> {
         let (a, b) = ((ih * jj - jh * ij) / determinant, (jh * ii - ih * ij) / determinant);
         Some(((hh - a * ih - b * jh).max(0.0) / (count - 3.0)).sqrt())
     };
-    means.into_iter().zip(squares).map(sq_m).collect()
+    Ok(means.into_iter().zip(squares).map(sq_m).collect())
 }

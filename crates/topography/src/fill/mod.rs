@@ -111,7 +111,7 @@ impl HeightMap {
         for &node in &missing {
             self.heights_mut()[node as usize] = mean_m;
         }
-        let mut holes = Holes { multigrid: Multigrid::new(missing, rows, cols, weight), rows, cols, weight };
+        let mut holes = Holes { multigrid: Multigrid::new(missing, [rows, cols], weight, monitor), rows, cols, weight };
         let (deviation, filling) = solve(&mut holes, self.heights_m(), mean_m, monitor);
         for (&node, value) in holes.nodes().iter().zip(&deviation) {
             self.heights_mut()[node as usize] = mean_m + value;
@@ -140,7 +140,7 @@ fn solve(holes: &mut Holes, height: &[f64], mean_m: f64, monitor: &dyn Monitor) 
         for (right_side, r) in finest.right_side.iter_mut().zip(&residual) {
             *right_side = (r / scale) as f32;
         }
-        holes.multigrid.precondition();
+        holes.multigrid.precondition(monitor);
         let preconditioned = &holes.finest().solution;
         let fit: f64 = residual.iter().zip(preconditioned).map(|(r, z)| r * f64::from(*z)).sum::<f64>() * scale;
         let beta = fit / previous;

@@ -6,6 +6,8 @@
 //! sweep forward before and one backward after the correction is symmetric, as conjugate gradients need it; it works in single
 //! precision, for it only steers them.
 
+use slipgrid_monitor::Monitor;
+
 /// No neighbour there.
 pub(super) const NONE: u32 = u32::MAX;
 /// Unknowns of the coarsest level, which sweeps alone solve.
@@ -204,10 +206,10 @@ pub(super) struct Multigrid {
 }
 
 impl Multigrid {
-    /// The levels for unknowns in the cells `cell` of a map of `rows` x `cols`, sorted.
-    pub(super) fn new(cell: Vec<u32>, rows: usize, cols: usize, weight: [f64; 2]) -> Self {
+    /// The levels for unknowns in the cells `cell` of a map of `rows` x `cols`, sorted; too few once `monitor` cancels.
+    pub(super) fn new(cell: Vec<u32>, [rows, cols]: [usize; 2], weight: [f64; 2], monitor: &dyn Monitor) -> Self {
         let mut levels = vec![Level::finest(cell, rows, cols, weight.map(|weight| weight as f32))];
-        while let Some(finest) = levels.last_mut().filter(|level| level.cell.len() > FEWEST) {
+        while let Some(finest) = levels.last_mut().filter(|level| level.cell.len() > FEWEST && !monitor.cancelled()) {
             let coarse = finest.coarser();
             // Points that are alone in their cells merge at last, when the cells have grown; a single cell ends it.
             levels.push(coarse);
@@ -215,16 +217,16 @@ impl Multigrid {
         Self { levels }
     }
 
-    /// One cycle from zero for the finest level's right side.
-    pub(super) fn precondition(&mut self) {
+    /// One cycle from zero for the finest level's right side, or a part of one once `monitor` cancels.
+    pub(super) fn precondition(&mut self, monitor: &dyn Monitor) {
         self.levels[0].solution.fill(0.0);
-        cycle(&mut self.levels);
+        cycle(&mut self.levels, monitor);
     }
 }
 
 /// One cycle that improves the first level's solution.
-fn cycle(levels: &mut [Level]) {
-    let Some((fine, coarser)) = levels.split_first_mut() else { return };
+fn cycle(levels: &mut [Level], monitor: &dyn Monitor) {
+    let Some((fine, coarser)) = levels.split_first_mut().filter(|_| !monitor.cancelled()) else { return };
     let count = fine.cell.len();
     let Some(coarse) = coarser.first_mut() else {
         for _ in 0..COARSEST_SWEEPS {
@@ -241,7 +243,7 @@ fn cycle(levels: &mut [Level]) {
         coarse.right_side[fine.parent[n] as usize] += fine.right_side[n] + sum - weights * fine.solution[n];
     }
     for _ in 0..CORRECTIONS {
-        cycle(coarser);
+        cycle(coarser, monitor);
     }
     for (solution, &parent) in fine.solution.iter_mut().zip(&fine.parent) {
         *solution += coarser[0].solution[parent as usize];

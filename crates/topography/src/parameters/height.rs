@@ -1,5 +1,7 @@
 //! Height parameters of ISO 25178-2, clause 4.1.
 
+use slipgrid_monitor::{Cancelled, Monitor};
+
 use crate::HeightMap;
 
 /// Height parameters, about the mean height.
@@ -23,33 +25,38 @@ pub struct HeightParameters {
 
 impl HeightMap {
     /// Height parameters over the points present, of the map as it is: remove its form first.
-    #[must_use]
-    pub fn height_parameters(&self) -> HeightParameters {
+    ///
+    /// # Errors
+    /// [`Cancelled`] once `monitor` cancels.
+    pub fn height_parameters(&self, monitor: &dyn Monitor) -> Result<HeightParameters, Cancelled> {
         let mean_m = self.mean_m();
+        monitor.heed()?;
         let (mut highest, mut lowest) = (0.0_f64, 0.0_f64);
         for deviation in self.heights_m().iter().filter(|height| !height.is_nan()).map(|height| height - mean_m) {
             highest = highest.max(deviation);
             lowest = lowest.min(deviation);
         }
+        monitor.heed()?;
         let sq_m = self.sq_m();
         // Powers of heights over Sq stay within range.
         let moment = |power: i32| {
-            if sq_m > 0.0 { self.mean_deviation(|deviation| (deviation / sq_m).powi(power)) } else { 0.0 }
+            monitor.heed()?;
+            Ok(if sq_m > 0.0 { self.mean_deviation(|deviation| (deviation / sq_m).powi(power)) } else { 0.0 })
         };
-        HeightParameters {
+        Ok(HeightParameters {
+            // Ssk = mean h^3 / Sq^3
+            ssk: moment(3)?,
+            // Sku = mean h^4 / Sq^4
+            sku: moment(4)?,
             // Sa = mean |h|
             sa_m: self.sa_m(),
             // Sq^2 = mean h^2
             sq_m,
-            // Ssk = mean h^3 / Sq^3
-            ssk: moment(3),
-            // Sku = mean h^4 / Sq^4
-            sku: moment(4),
             // Sp = max h, Sv = -min h, Sz = Sp + Sv
             sp_m: highest,
             sv_m: -lowest,
             sz_m: highest - lowest,
-        }
+        })
     }
 }
 
@@ -58,6 +65,7 @@ mod tests {
     use std::f64::consts::{PI, TAU};
 
     use super::*;
+    use slipgrid_monitor::Unwatched;
 
     /// shape(x) over one period of 720 rows, times a micrometre.
     fn profile(shape: impl Fn(f64) -> f64) -> HeightMap {
@@ -71,7 +79,7 @@ mod tests {
 
     #[test]
     fn a_sinusoid() {
-        let p = profile(|t| (TAU * t).sin()).height_parameters();
+        let p = profile(|t| (TAU * t).sin()).height_parameters(&Unwatched).unwrap();
         // Moments of the sine are sums over whole periods: exact up to rounding. Sa in the limit.
         near(p.sa_m, 2e-6 / PI, 1e-5);
         near(p.sq_m, 1e-6 / 2f64.sqrt(), 1e-13);
@@ -85,13 +93,13 @@ mod tests {
     #[test]
     fn a_triangular_wave_and_a_step() {
         // Uniform heights on -1..1, at the middles of 720 equal steps: mean square 1/3 - 1/(3 720^2).
-        let p = profile(|t| 2.0 * (t + 0.5 / 720.0) - 1.0).height_parameters();
+        let p = profile(|t| 2.0 * (t + 0.5 / 720.0) - 1.0).height_parameters(&Unwatched).unwrap();
         near(p.sa_m, 0.5e-6, 1e-12);
         near(p.sq_m, 1e-6 * ((1.0 - 1.0 / 720f64.powi(2)) / 3.0).sqrt(), 1e-12);
         assert!(p.ssk.abs() < 1e-12);
         near(p.sku, 1.8, 1e-5);
         // A quarter of the surface is a pit of depth 1: mean -1/4, Sq^2 = 3/16, Ssk = -2/sqrt 3, Sku = 7/3.
-        let p = profile(|t| if t < 0.25 { -1.0 } else { 0.0 }).height_parameters();
+        let p = profile(|t| if t < 0.25 { -1.0 } else { 0.0 }).height_parameters(&Unwatched).unwrap();
         near(p.sa_m, 0.375e-6, 1e-12);
         near(p.sq_m, 1e-6 * (3.0_f64 / 16.0).sqrt(), 1e-12);
         near(p.ssk, -2.0 / 3f64.sqrt(), 1e-12);
@@ -102,7 +110,7 @@ mod tests {
 
     #[test]
     fn a_flat_map_has_none() {
-        let p = profile(|_| 3.0).height_parameters();
+        let p = profile(|_| 3.0).height_parameters(&Unwatched).unwrap();
         assert_eq!((p.sq_m, p.ssk, p.sku, p.sz_m), (0.0, 0.0, 0.0, 0.0));
     }
 }

@@ -1,5 +1,7 @@
 //! Hybrid parameters of ISO 25178-2, clause 4.3: slopes and developed area, from heights between neighbours.
 
+use slipgrid_monitor::{Cancelled, Monitor};
+
 use crate::HeightMap;
 
 impl HeightMap {
@@ -13,11 +15,14 @@ impl HeightMap {
 
     /// Sdr, the developed interfacial area ratio: how much larger the surface is than its projection, over the
     /// cells between four points that are present. Zero where there is no such cell.
-    #[must_use]
-    pub fn sdr(&self) -> f64 {
+    ///
+    /// # Errors
+    /// [`Cancelled`] once `monitor` cancels.
+    pub fn sdr(&self, monitor: &dyn Monitor) -> Result<f64, Cancelled> {
         let (cols, dx, dy) = (self.cols(), self.dx_m(), self.dy_m());
         let (mut developed, mut cells) = (0.0, 0.0);
         for pair in self.heights_m().windows(2 * cols).step_by(cols) {
+            monitor.heed()?;
             let (here, next) = pair.split_at(cols);
             for (a, b) in here.windows(2).zip(next.windows(2)) {
                 // Corners: a[0] at (0, 0), a[1] at (0, dy), b[0] at (dx, 0), b[1] at (dx, dy). A triangle with
@@ -36,23 +41,24 @@ impl HeightMap {
             }
         }
         // Sdr = (sum of areas - projected area) / projected area
-        if cells > 0.0 { developed / cells } else { 0.0 }
+        Ok(if cells > 0.0 { developed / cells } else { 0.0 })
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use slipgrid_monitor::Unwatched;
 
     #[test]
     fn a_plane_and_a_triangular_wave_are_exact() {
         let plane = |n: usize| 0.3 * (n / 7) as f64 * 1e-6 - 0.4 * (n % 7) as f64 * 2e-6;
         let plane = HeightMap::new(9, 7, 1e-6, 2e-6, (0..63).map(plane).collect()).unwrap();
         assert!((plane.sdq() - 0.5).abs() < 1e-12);
-        assert!((plane.sdr() - (1.25_f64.sqrt() - 1.0)).abs() < 1e-12);
+        assert!((plane.sdr(&Unwatched).unwrap() - (1.25_f64.sqrt() - 1.0)).abs() < 1e-12);
         let wave = |n: usize| 0.75e-6 * (((n / 7) % 8) as f64 - 4.0).abs();
         let wave = HeightMap::new(17, 7, 1e-6, 2e-6, (0..119).map(wave).collect()).unwrap();
-        assert!((wave.sdq() - 0.75).abs() < 1e-12 && (wave.sdr() - 0.25).abs() < 1e-12);
+        assert!((wave.sdq() - 0.75).abs() < 1e-12 && (wave.sdr(&Unwatched).unwrap() - 0.25).abs() < 1e-12);
     }
 
     #[test]
@@ -64,7 +70,7 @@ mod tests {
             let q = std::f64::consts::TAU / pixels as f64;
             let height = |n: usize| slope / q * (q * (n / 2) as f64).cos() * 1e-6;
             let map = HeightMap::new(pixels + 1, 2, 1e-6, 1e-6, (0..2 * (pixels + 1)).map(height).collect()).unwrap();
-            map.sdr() - exact
+            map.sdr(&Unwatched).unwrap() - exact
         };
         let (coarse, fine) = (error(32), error(64));
         assert!(fine.abs() < 1e-4 * exact * 10.0, "{fine}");
@@ -77,8 +83,8 @@ mod tests {
         let mut heights: Vec<f64> = (0..63).map(|n| 0.75e-6 * (n / 7) as f64).collect();
         heights[10] = f64::NAN;
         let map = HeightMap::new(9, 7, 1e-6, 2e-6, heights).unwrap();
-        assert!((map.sdr() - 0.25).abs() < 1e-12);
+        assert!((map.sdr(&Unwatched).unwrap() - 0.25).abs() < 1e-12);
         let holes = HeightMap::new(2, 2, 1.0, 1.0, vec![f64::NAN, 0.0, 0.0, 0.0]).unwrap();
-        assert_eq!(holes.sdr(), 0.0);
+        assert_eq!(holes.sdr(&Unwatched).unwrap(), 0.0);
     }
 }

@@ -1,6 +1,9 @@
 //! Material ratio (bearing, Abbott-Firestone) curve and the functional parameters of ISO 25178-2 taken from it.
 
+use slipgrid_monitor::{Cancelled, Monitor};
+
 use crate::HeightMap;
+use crate::order::descending;
 
 /// Places along the curve at which it is sampled to find its flattest part.
 const CLASSES: usize = 10_000;
@@ -35,13 +38,14 @@ pub struct CoreParameters {
 
 impl MaterialRatioCurve {
     /// The curve of the points present.
-    #[must_use]
-    pub fn new(map: &HeightMap) -> Self {
+    ///
+    /// # Errors
+    /// [`Cancelled`] once `monitor` cancels.
+    pub fn new(map: &HeightMap, monitor: &dyn Monitor) -> Result<Self, Cancelled> {
         let mean_m = map.mean_m();
-        let mut descending_m: Vec<f64> =
-            map.heights_m().iter().filter(|height| !height.is_nan()).map(|height| height - mean_m).collect();
-        descending_m.sort_unstable_by(|a, b| b.total_cmp(a));
-        Self { descending_m }
+        let present = map.heights_m().iter().filter(|height| !height.is_nan());
+        let heights_m: Vec<f64> = present.map(|height| height - mean_m).collect();
+        Ok(Self { descending_m: descending(&heights_m, monitor)? })
     }
 
     /// The height above the mean that the share `ratio` of the surface reaches, in metres.
@@ -112,10 +116,11 @@ mod tests {
     use std::f64::consts::{PI, TAU};
 
     use super::*;
+    use slipgrid_monitor::Unwatched;
 
     fn curve(points: usize, shape: impl Fn(f64) -> f64) -> MaterialRatioCurve {
         let heights = (0..points * 2).map(|n| 1e-6 * shape(((n / 2) as f64 + 0.5) / points as f64)).collect();
-        MaterialRatioCurve::new(&HeightMap::new(points, 2, 1e-6, 1e-6, heights).unwrap())
+        MaterialRatioCurve::new(&HeightMap::new(points, 2, 1e-6, 1e-6, heights).unwrap(), &Unwatched).unwrap()
     }
 
     fn near(found: f64, expected: f64, tolerance: f64) {

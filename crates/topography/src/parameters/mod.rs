@@ -11,6 +11,8 @@ pub use material_ratio::{CoreParameters, MaterialRatioCurve};
 pub use spatial::{CORRELATION_THRESHOLD, CorrelationLengths, Sides};
 pub use spectrum::{LIMITED_BY_PIXELS, ShortWaves, SpectrumBin, SpectrumWindow};
 
+use slipgrid_monitor::{Monitor, Unwatched};
+
 use crate::fourier::Fourier;
 use crate::{HeightMap, MapError};
 
@@ -44,12 +46,22 @@ impl HeightMap {
     /// # Errors
     /// [`MapError::MissingPoints`] unless the map is complete.
     pub fn rms_slope_spectral(&self) -> Result<f64, MapError> {
+        self.rms_slope_watched(&Unwatched)
+    }
+
+    /// The same until `monitor` cancels.
+    ///
+    /// # Errors
+    /// As [`Self::rms_slope_spectral`], and [`MapError::Cancelled`].
+    pub fn rms_slope_watched(&self, monitor: &dyn Monitor) -> Result<f64, MapError> {
         self.require_complete()?;
         let mean_m = self.mean_m();
+        monitor.heed()?;
         let deviation: Vec<f64> = self.heights_m().iter().map(|height| height - mean_m).collect();
+        monitor.heed()?;
         let fourier = Fourier::new(self.rows(), self.cols());
         // h'rms^2 = mean of |grad h|^2 = sum |q|^2 |h_q|^2 (Parseval)
-        Ok(fourier.spectral_sum(&deviation, self.dx_m(), self.dy_m(), |q| q * q).sqrt())
+        Ok(fourier.spectral_sum(&deviation, [self.dx_m(), self.dy_m()], |q| q * q, monitor)?.sqrt())
     }
 
     /// The finite-difference rms slope, sqrt(mean (dh/dx)^2 + mean (dh/dy)^2) with forward differences

@@ -2,6 +2,8 @@
 
 use std::f64::consts::PI;
 
+use slipgrid_monitor::Monitor;
+
 use crate::fourier::Fourier;
 use crate::{Decimation, DecimationMethod, HeightMap, MapError};
 
@@ -47,8 +49,13 @@ impl HeightMap {
     ///
     /// # Errors
     /// [`MapError::MissingPoints`] unless the map is complete; [`MapError::OutOfRange`] unless the threshold
-    /// lies between 0 and 1.
-    pub fn correlation_lengths(&self, threshold: f64, sides: Sides) -> Result<CorrelationLengths, MapError> {
+    /// lies between 0 and 1; [`MapError::Cancelled`] once `monitor` has cancelled.
+    pub fn correlation_lengths(
+        &self,
+        threshold: f64,
+        sides: Sides,
+        monitor: &dyn Monitor,
+    ) -> Result<CorrelationLengths, MapError> {
         self.require_complete()?;
         if !(threshold > 0.0 && threshold < 1.0) {
             return Err(MapError::OutOfRange {
@@ -59,26 +66,33 @@ impl HeightMap {
         }
         let block = (1..).find(|block| self.heights_m().len() / (block * block) <= MOST_CORRELATED).unwrap_or(1);
         if block == 1 {
-            return Ok(lengths(self, threshold, sides, 1));
+            return lengths(self, (threshold, sides), 1, monitor);
         }
         let decimation = Some(Decimation { factor: block, method: DecimationMethod::Mean });
         match self.windowed(None, decimation) {
-            Ok(coarse) => Ok(lengths(&coarse, threshold, sides, block)),
+            Ok(coarse) => lengths(&coarse, (threshold, sides), block, monitor),
             // A map of more points than that but only a few rows or columns.
-            Err(_) => Ok(lengths(self, threshold, sides, 1)),
+            Err(_) => lengths(self, (threshold, sides), 1, monitor),
         }
     }
 }
 
-fn lengths(map: &HeightMap, threshold: f64, sides: Sides, block: usize) -> CorrelationLengths {
+fn lengths(
+    map: &HeightMap,
+    (threshold, sides): (f64, Sides),
+    block: usize,
+    monitor: &dyn Monitor,
+) -> Result<CorrelationLengths, MapError> {
+    monitor.heed()?;
     let none = CorrelationLengths { sal_m: None, slowest_m: None, str_ratio: None, fastest_deg: None, block };
-    let correlation = Correlation::new(map, sides);
+    let correlation = Correlation::new(map, sides, monitor)?;
     if correlation.at(0, 0) <= 0.0 {
-        return none;
+        return Ok(none);
     }
     let level = threshold * correlation.at(0, 0);
     let (mut fastest, mut slowest) = (None::<(f64, f64)>, Some(0.0_f64));
     for direction in 0..DIRECTIONS {
+        monitor.heed()?;
         let angle = PI * direction as f64 / DIRECTIONS as f64;
         let decay = correlation.decay(angle, level);
         if let Some(length) = decay.filter(|length| fastest.is_none_or(|(least, _)| *length < least)) {
@@ -87,14 +101,14 @@ fn lengths(map: &HeightMap, threshold: f64, sides: Sides, block: usize) -> Corre
         slowest = slowest.zip(decay).map(|(a, b)| a.max(b));
     }
     let degrees = |angle: f64| if angle > 0.5 * PI { angle.to_degrees() - 180.0 } else { angle.to_degrees() };
-    CorrelationLengths {
+    Ok(CorrelationLengths {
         sal_m: fastest.map(|(length, _)| length),
         slowest_m: slowest.filter(|_| fastest.is_some()),
         // Str = r_min / r_max
         str_ratio: fastest.zip(slowest).map(|((least, _), most)| least / most),
         fastest_deg: fastest.map(|(_, angle)| degrees(angle)),
         ..none
-    }
+    })
 }
 
 /// The autocorrelation at displacements of up to half the map.
@@ -109,7 +123,7 @@ struct Correlation {
 }
 
 impl Correlation {
-    fn new(map: &HeightMap, sides: Sides) -> Self {
+    fn new(map: &HeightMap, sides: Sides, monitor: &dyn Monitor) -> Result<Self, MapError> {
         let (rows, cols) = (map.rows(), map.cols());
         let mean_m = map.mean_m();
         let scale = map.sq_m().max(f64::MIN_POSITIVE);
@@ -125,18 +139,19 @@ impl Correlation {
                 *target = (height - mean_m) / scale;
             }
         }
-        Fourier::new(size[0], size[1]).autocorrelate(&mut value);
+        Fourier::new(size[0], size[1]).autocorrelate(&mut value, monitor)?;
         if sides == Sides::Open {
             // R(t) = (1/overlap) sum over x of h(x) h(x + t)
             let overlap =
                 |place: usize, points: usize, size: usize| points.saturating_sub(place.min(size - place)).max(1);
             for (i, row) in value.chunks_exact_mut(size[1]).enumerate() {
+                monitor.heed()?;
                 for (j, sum) in row.iter_mut().enumerate() {
                     *sum /= (overlap(i, rows, size[0]) * overlap(j, cols, size[1])) as f64;
                 }
             }
         }
-        Self { value, size, most, pixel_m: [map.dx_m(), map.dy_m()] }
+        Ok(Self { value, size, most, pixel_m: [map.dx_m(), map.dy_m()] })
     }
 
     fn at(&self, i: i64, j: i64) -> f64 {
@@ -205,6 +220,7 @@ mod tests {
     use std::f64::consts::TAU;
 
     use super::*;
+    use slipgrid_monitor::Unwatched;
 
     /// h(x, y) on 240 x 180 pixels of 1 um x 2 um.
     fn map(height: impl Fn(f64, f64) -> f64) -> HeightMap {
@@ -216,11 +232,11 @@ mod tests {
     fn a_wave_decays_as_its_cosine_and_never_along_its_crests() {
         let map = map(|x, _| (TAU * x / 40e-6).cos());
         let exact = 0.2_f64.acos() / TAU * 40e-6;
-        let found = map.correlation_lengths(CORRELATION_THRESHOLD, Sides::Periodic).unwrap();
+        let found = map.correlation_lengths(CORRELATION_THRESHOLD, Sides::Periodic, &Unwatched).unwrap();
         assert!((found.sal_m.unwrap() / exact - 1.0).abs() < 1e-4, "{found:?}");
         assert_eq!((found.slowest_m, found.str_ratio, found.fastest_deg), (None, None, Some(0.0)));
         // Six periods on an open map: the mean over the overlap is not a whole number of periods.
-        let open = map.correlation_lengths(CORRELATION_THRESHOLD, Sides::Open).unwrap();
+        let open = map.correlation_lengths(CORRELATION_THRESHOLD, Sides::Open, &Unwatched).unwrap();
         assert!((open.sal_m.unwrap() / exact - 1.0).abs() < 0.02, "{open:?}");
     }
 
@@ -230,7 +246,7 @@ mod tests {
         // axis by an angle t the distance changes by (t^2/2)(a - (q'/q)^2 a^2/sin a)/q, a = acos(-0.6): the x
         // axis is a minimum, the y axis a maximum.
         let map = map(|x, y| (TAU * x / 30e-6).cos() + (TAU * y / 60e-6).cos());
-        let found = map.correlation_lengths(CORRELATION_THRESHOLD, Sides::Periodic).unwrap();
+        let found = map.correlation_lengths(CORRELATION_THRESHOLD, Sides::Periodic, &Unwatched).unwrap();
         let least = (-0.6_f64).acos() / TAU * 30e-6;
         assert!((found.sal_m.unwrap() / least - 1.0).abs() < 1e-3, "{found:?} {least}");
         assert!((found.slowest_m.unwrap() / (2.0 * least) - 1.0).abs() < 1e-3, "{found:?}");
@@ -244,7 +260,7 @@ mod tests {
         let lengths = |scale: f64, height: f64| {
             let heights = heights.iter().map(|h| h * height).collect();
             let map = HeightMap::new(240, 180, scale * 1e-6, scale * 2e-6, heights).unwrap();
-            map.correlation_lengths(CORRELATION_THRESHOLD, Sides::Open).unwrap()
+            map.correlation_lengths(CORRELATION_THRESHOLD, Sides::Open, &Unwatched).unwrap()
         };
         let (one, other) = (lengths(1.0, 1.0), lengths(3.0, 1e-3));
         assert!((other.sal_m.unwrap() / one.sal_m.unwrap() - 3.0).abs() < 1e-9);
@@ -254,10 +270,10 @@ mod tests {
     #[test]
     fn flat_maps_have_no_length_and_thresholds_have_a_range() {
         let flat = map(|_, _| 1.0);
-        let found = flat.correlation_lengths(0.2, Sides::Open).unwrap();
+        let found = flat.correlation_lengths(0.2, Sides::Open, &Unwatched).unwrap();
         assert_eq!((found.sal_m, found.str_ratio), (None, None));
         for bad in [0.0, 1.0, f64::NAN] {
-            assert!(flat.correlation_lengths(bad, Sides::Open).is_err());
+            assert!(flat.correlation_lengths(bad, Sides::Open, &Unwatched).is_err());
         }
     }
 

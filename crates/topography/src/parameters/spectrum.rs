@@ -9,6 +9,8 @@
 
 use std::f64::consts::{PI, TAU};
 
+use slipgrid_monitor::{Cancelled, Monitor};
+
 use crate::fourier::Fourier;
 use crate::{HeightMap, MapError};
 
@@ -59,15 +61,15 @@ impl HeightMap {
     /// rings without waves are left out.
     ///
     /// # Errors
-    /// [`MapError::MissingPoints`] unless the map is complete.
-    pub fn radial_spectrum(&self, window: SpectrumWindow) -> Result<Vec<SpectrumBin>, MapError> {
+    /// [`MapError::MissingPoints`] unless the map is complete; [`MapError::Cancelled`] once `monitor` has cancelled.
+    pub fn radial_spectrum(&self, window: SpectrumWindow, monitor: &dyn Monitor) -> Result<Vec<SpectrumBin>, MapError> {
         let longest = TAU / (self.rows() as f64 * self.dx_m()).max(self.cols() as f64 * self.dy_m());
         let shortest = PI / self.dx_m().max(self.dy_m());
         // The first ring has the longest wave in its middle, the last holds the shortest.
         let first = longest.log10() - 0.5 / BINS_PER_DECADE;
         let count = ((shortest.log10() - first) * BINS_PER_DECADE).max(0.0).ceil();
         let edges: Vec<f64> = (0..=count as usize).map(|n| 10_f64.powf(first + n as f64 / BINS_PER_DECADE)).collect();
-        self.radial_spectrum_between(&edges, window)
+        self.radial_spectrum_between(&edges, window, monitor)
     }
 
     /// The share of the squared slope in waves that are short for the map's pixels, whose whole spectrum counts as one period:
@@ -77,30 +79,33 @@ impl HeightMap {
     /// ```
     ///
     /// # Errors
-    /// [`MapError::MissingPoints`] unless the map is complete.
-    pub fn short_waves(&self) -> Result<ShortWaves, MapError> {
+    /// [`MapError::MissingPoints`] unless the map is complete; [`MapError::Cancelled`] once `monitor` has cancelled.
+    pub fn short_waves(&self, monitor: &dyn Monitor) -> Result<ShortWaves, MapError> {
         self.require_complete()?;
         let below_m = PIXELS_OF_A_SHORT_WAVE * self.dx_m().max(self.dy_m());
         let (mut short, mut all) = (0.0, 0.0);
         let fourier = Fourier::new(self.rows(), self.cols());
-        fourier.visit_waves(self.heights_m(), self.dx_m(), self.dy_m(), |q, twins, square| {
+        let add = |q: f64, twins: f64, square: f64| {
             let squared_slope = twins * q * q * square;
             all += squared_slope;
             if q * below_m > TAU {
                 short += squared_slope;
             }
-        });
+        };
+        fourier.visit_waves(self.heights_m(), [self.dx_m(), self.dy_m()], add, monitor)?;
         Ok(ShortWaves { below_m, slope_share: if all > 0.0 { short / all } else { 0.0 } })
     }
 
     /// The spectrum in rings with the given increasing `edges`, in rad/m.
     ///
     /// # Errors
-    /// [`MapError::MissingPoints`] unless the map is complete; [`MapError::OutOfRange`] unless edges increase.
+    /// [`MapError::MissingPoints`] unless the map is complete; [`MapError::OutOfRange`] unless edges increase;
+    /// [`MapError::Cancelled`] once `monitor` has cancelled.
     pub fn radial_spectrum_between(
         &self,
         edges_per_m: &[f64],
         window: SpectrumWindow,
+        monitor: &dyn Monitor,
     ) -> Result<Vec<SpectrumBin>, MapError> {
         self.require_complete()?;
         if let Some(pair) =
@@ -114,9 +119,10 @@ impl HeightMap {
         }
         let (rows, cols, dx_m, dy_m) = (self.rows(), self.cols(), self.dx_m(), self.dy_m());
         let mean_m = self.mean_m();
+        monitor.heed()?;
         let mut height: Vec<f64> = self.heights_m().iter().map(|height| height - mean_m).collect();
         if window == SpectrumWindow::Hann {
-            fade(&mut height, rows, cols, [dx_m, dy_m]);
+            fade(&mut height, [rows, cols], [dx_m, dy_m], monitor)?;
         }
         let mut bins: Vec<SpectrumBin> = edges_per_m
             .windows(2)
@@ -124,14 +130,15 @@ impl HeightMap {
             .collect();
         // C = (dx dy)^2 |sum|^2 / A
         let scale = dx_m * dy_m / (rows as f64 * cols as f64);
-        Fourier::new(rows, cols).visit_waves(&height, dx_m, dy_m, |q, twins, square| {
+        let add = |q: f64, twins: f64, square: f64| {
             let after = edges_per_m.partition_point(|&edge| edge <= q);
             if let Some(bin) = after.checked_sub(1).and_then(|bin| bins.get_mut(bin)) {
                 bin.q_per_m += twins * q;
                 bin.psd_m4 += twins * scale * square;
                 bin.waves += twins;
             }
-        });
+        };
+        Fourier::new(rows, cols).visit_waves(&height, [dx_m, dy_m], add, monitor)?;
         bins.retain(|bin| bin.waves > 0.0);
         for bin in &mut bins {
             bin.q_per_m /= bin.waves;
@@ -142,25 +149,37 @@ impl HeightMap {
 }
 
 /// Multiplies by the Hann window about the middle.
-fn fade(height: &mut [f64], rows: usize, cols: usize, [dx_m, dy_m]: [f64; 2]) {
+fn fade(
+    height: &mut [f64],
+    [rows, cols]: [usize; 2],
+    [dx_m, dy_m]: [f64; 2],
+    monitor: &dyn Monitor,
+) -> Result<(), Cancelled> {
     let radius = 0.5 * (rows as f64 * dx_m).min(cols as f64 * dy_m);
-    let factor = |n: usize| {
-        let x = ((n / cols) as f64 - (rows / 2) as f64) * dx_m;
-        let y = ((n % cols) as f64 - (cols / 2) as f64) * dy_m;
+    let factor = |i: usize, j: usize| {
+        let x = (i as f64 - (rows / 2) as f64) * dx_m;
+        let y = (j as f64 - (cols / 2) as f64) * dy_m;
         let r = x.hypot(y);
         if r < radius { 0.5 * (1.0 + (PI * r / radius).cos()) } else { 0.0 }
     };
-    let mean_square = (0..height.len()).map(|n| factor(n).powi(2)).sum::<f64>() / height.len() as f64;
-    let norm = mean_square.sqrt().recip();
-    for (n, height) in height.iter_mut().enumerate() {
-        *height *= norm * factor(n);
+    let mut square = 0.0;
+    for i in 0..rows {
+        monitor.heed()?;
+        (0..cols).for_each(|j| square += factor(i, j).powi(2));
     }
+    let norm = (square / height.len() as f64).sqrt().recip();
+    for (i, row) in height.chunks_exact_mut(cols).enumerate() {
+        monitor.heed()?;
+        row.iter_mut().enumerate().for_each(|(j, height)| *height *= norm * factor(i, j));
+    }
+    Ok(())
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::SelfAffine;
+    use slipgrid_monitor::Unwatched;
 
     #[test]
     fn short_waves_are_all_those_shorter_than_four_of_the_longer_pixels() {
@@ -171,7 +190,7 @@ mod tests {
             1e-6 * x.sin() + 1e-8 * y.cos() + 1e-8 * (PI * i as f64).cos() * y.cos()
         };
         let heights = (0..n * n).map(|at| height(at / n, at % n)).collect();
-        let short = HeightMap::new(n, n, dx_m, dy_m, heights).unwrap().short_waves().unwrap();
+        let short = HeightMap::new(n, n, dx_m, dy_m, heights).unwrap().short_waves(&Unwatched).unwrap();
         let (long, row, column) = (TAU / 32e-6, PI / 2e-6, PI / 1e-6);
         let of_short = 1e-16 * (column * column + row * row + column * column);
         // The mean square of sin is 1/2, that of an alternating row is 1.
@@ -186,7 +205,9 @@ mod tests {
         let height = |n: usize| 1e-6 * (TAU * 5.0 * (n / 48) as f64 / 64.0).cos();
         let map = HeightMap::new(64, 48, 1e-6, 2e-6, (0..64 * 48).map(height).collect()).unwrap();
         let q = TAU * 5.0 / 64e-6;
-        let bins = map.radial_spectrum_between(&[0.5 * q, q - 1.0, q + 1.0, 2.0 * q], SpectrumWindow::None).unwrap();
+        let bins = map
+            .radial_spectrum_between(&[0.5 * q, q - 1.0, q + 1.0, 2.0 * q], SpectrumWindow::None, &Unwatched)
+            .unwrap();
         let area = 64e-6 * 96e-6;
         let power: Vec<f64> = bins.iter().map(|bin| bin.psd_m4 * bin.waves / area).collect();
         assert!(power[0] < 1e-30 && power[2] < 1e-30, "{power:?}");
@@ -198,7 +219,7 @@ mod tests {
     fn the_rings_of_all_waves_add_up_to_the_mean_square() {
         let map = SelfAffine { pixels: 128, max_wave: 20, ..SelfAffine::STAND_IN }.map().unwrap();
         let area = (128.0 * map.dx_m()).powi(2);
-        let bins = map.radial_spectrum_between(&[1.0, 1e4, 1e5, 1e7], SpectrumWindow::None).unwrap();
+        let bins = map.radial_spectrum_between(&[1.0, 1e4, 1e5, 1e7], SpectrumWindow::None, &Unwatched).unwrap();
         let sum: f64 = bins.iter().map(|bin| bin.psd_m4 * bin.waves / area).sum();
         assert!((sum.sqrt() / map.sq_m() - 1.0).abs() < 1e-12);
         assert_eq!(bins.iter().map(|bin| bin.waves).sum::<f64>(), 128.0 * 128.0 - 1.0);
@@ -208,7 +229,7 @@ mod tests {
     fn a_self_affine_map_shows_its_hurst_exponent() {
         // C ~ q^-2(1+H)
         let map = SelfAffine { hurst: 0.7, ..SelfAffine::STAND_IN }.map().unwrap();
-        let bins = map.radial_spectrum(SpectrumWindow::None).unwrap();
+        let bins = map.radial_spectrum(SpectrumWindow::None, &Unwatched).unwrap();
         let within: Vec<_> =
             bins.iter().filter(|bin| bin.from_per_m > TAU * 6e3 && bin.to_per_m < TAU * 60e3).collect();
         let (first, last) = (within[0], within[within.len() - 1]);
@@ -219,7 +240,7 @@ mod tests {
     #[test]
     fn edges_must_increase() {
         let map = HeightMap::new(2, 2, 1.0, 1.0, vec![0.0, 1.0, 0.0, 0.0]).unwrap();
-        assert!(map.radial_spectrum_between(&[1.0, 1.0], SpectrumWindow::None).is_err());
-        assert!(!map.radial_spectrum(SpectrumWindow::Hann).unwrap().is_empty());
+        assert!(map.radial_spectrum_between(&[1.0, 1.0], SpectrumWindow::None, &Unwatched).is_err());
+        assert!(!map.radial_spectrum(SpectrumWindow::Hann, &Unwatched).unwrap().is_empty());
     }
 }

@@ -115,9 +115,9 @@ fn cavities_everywhere_are_the_cell_and_sides_change_little() {
     let face = face(vec![strip([200.0, 200.0, 100.0, 8000.0])]);
     let mut scene = scene([200.0, 200.0, 20.0], 10.0);
     let pattern = scene.pattern.unwrap();
-    let layer = SteadyCell::in_dimensions(&scene, 2).ratios(&pattern);
+    let layer = SteadyCell::solved(&scene, Dimension::Plane).ratios(&pattern);
     scene.layer.thickness_m = Some(7e-3);
-    let thick = SteadyCell::in_dimensions(&scene, 2).ratios(&pattern);
+    let thick = SteadyCell::solved(&scene, Dimension::Plane).ratios(&pattern);
     let found = difference(&scene, &pattern, &face, &Unwatched).unwrap();
     for ((found, layer), thick) in found.iter().zip(layer).zip(thick) {
         assert!((found.unwrap() - (thick.unwrap() - layer.unwrap())).abs() < 3e-4, "{found:?}");

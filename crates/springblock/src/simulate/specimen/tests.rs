@@ -167,7 +167,7 @@ fn cells_between_ends_take_strips_to_smaller_blocks() {
         let mut fine = scene.clone();
         fine.layer.block_m *= 0.25;
         let strips = half_disc(&pattern, 5e3, 3);
-        let cells = [&scene, &fine].map(|scene| SteadyCell::in_dimensions(scene, 2).ratios(&pattern));
+        let cells = [&scene, &fine].map(|scene| SteadyCell::solved(scene, Dimension::Plane).ratios(&pattern));
         let found = steady_face_ratios(&scene, &pattern, &strips, &Unwatched).unwrap();
         let (large, small) = (whole_strips(&scene, &strips), whole_strips(&fine, &strips));
         for load in 0..scene.loads.len() {

@@ -1,0 +1,184 @@
+//! What goes over a whole altitude map asks the monitor on its way, at least once every few rows.
+
+use std::io::BufReader;
+use std::path::Path;
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::time::Instant;
+
+use slipgrid_calibrate::area_law::{AreaLawRequest, CONTACT_TOLERANCE, surface_area_law};
+use slipgrid_monitor::{Heeding, Monitor, Unwatched};
+use slipgrid_pattern::RimProfile;
+use slipgrid_report::surface::{Measured, SurfaceReport, files};
+use slipgrid_topography::{
+    CORRELATION_THRESHOLD, CorrelationLengths, CutPattern, CutRim, CutShape, Form, HeightMap, LengthUnit,
+    MaterialRatioCurve, MatrixStyle, Preparation, PreparedMap, ReadMap, ReadOptions, SelfAffine, Sides, SpectrumWindow,
+    read_map,
+};
+
+/// Counts how often it is asked, cancels from some question on, and measures the longest time from one to the next.
+struct Polls {
+    asked: AtomicUsize,
+    cancels_at: usize,
+    longest: Mutex<(Instant, f64)>,
+}
+
+impl Polls {
+    fn new(cancels_at: usize) -> Self {
+        Self { asked: AtomicUsize::new(0), cancels_at, longest: Mutex::new((Instant::now(), 0.0)) }
+    }
+
+    fn asked(&self) -> usize {
+        self.asked.load(Ordering::Relaxed)
+    }
+
+    /// The longest time so far, in seconds.
+    fn longest_s(&self) -> f64 {
+        self.tick();
+        self.longest.lock().unwrap().1
+    }
+
+    fn tick(&self) {
+        let mut longest = self.longest.lock().unwrap();
+        *longest = (Instant::now(), longest.1.max(longest.0.elapsed().as_secs_f64()));
+    }
+}
+
+impl Monitor for Polls {
+    fn cancelled(&self) -> bool {
+        self.tick();
+        self.asked.fetch_add(1, Ordering::Relaxed) + 1 >= self.cancels_at
+    }
+}
+
+/// A rough, tilted face with square cavities and rims, a hole in the measurement, and spikes.
+fn face(pixels: usize) -> HeightMap {
+    let rough = SelfAffine { pixels, side_m: 2e-3, max_wave: 16, ..SelfAffine::STAND_IN };
+    let mut map = rough.map().unwrap();
+    let rim = CutRim { height_m: 1e-6, width_m: 40e-6, profile: RimProfile::Round, height_std_m: 0.0 };
+    let pattern = CutPattern {
+        shape: CutShape::Square,
+        width_m: 130e-6,
+        spacing_m: 260e-6,
+        depth_m: 10e-6,
+        wall_m: 10e-6,
+        width_std_m: 0.0,
+        pitch_std_m: 0.0,
+        depth_std_m: 0.0,
+        rim: Some(rim),
+        seed: 1,
+    };
+    map.cut_cavities(&pattern).unwrap();
+    let mut heights = map.heights_m().to_vec();
+    for (n, height) in heights.iter_mut().enumerate() {
+        let (i, j) = (n / pixels, n % pixels);
+        let is_spike = i % 101 == 50 && j % 103 == 50;
+        let is_hole = (i + j).is_multiple_of(11) || (i < pixels / 8 && j < pixels / 8);
+        *height += 1e-9 * i as f64 + if is_spike { 20e-6 } else { 0.0 };
+        *height = if is_hole { f64::NAN } else { *height };
+    }
+    HeightMap::new(pixels, pixels, map.dx_m(), map.dy_m(), heights).unwrap()
+}
+
+/// A map, as a file and in every state that the steps of a measurement begin with.
+struct Made {
+    text: String,
+    read: ReadMap,
+    surface: PreparedMap,
+    period: PreparedMap,
+}
+
+impl Made {
+    fn new(pixels: usize) -> Self {
+        let map = face(pixels);
+        let style =
+            MatrixStyle { channel: "z".into(), comments: Vec::new(), unit: LengthUnit::Micrometre, decimals: 4 };
+        let text = map.to_matrix_text(&style);
+        let read = read_map(text.as_bytes(), &ReadOptions::default()).unwrap();
+        let surface = PreparedMap::new(read.clone(), Preparation::default(), &Unwatched).unwrap();
+        let rough = SelfAffine { pixels, max_wave: 16, ..SelfAffine::STAND_IN }.map().unwrap();
+        let period =
+            PreparedMap::one_period(ReadMap { map: rough, ..read.clone() }, Preparation::default(), &Unwatched);
+        Self { text, read, surface, period: period.unwrap() }
+    }
+}
+
+/// Steps of measuring a map, each with whether it went to its end.
+type Step = (&'static str, fn(&Made, &dyn Monitor) -> bool);
+
+const STEPS: [Step; 10] = [
+    ("reading", |made, monitor| {
+        let source = BufReader::new(Heeding::new(made.text.as_bytes(), monitor));
+        read_map(source, &ReadOptions::default()).is_ok()
+    }),
+    ("preparation", |made, monitor| {
+        let how = Preparation { form: Form::SecondOrder, despike: true, ..Preparation::default() };
+        PreparedMap::new(made.read.clone(), how, monitor).is_ok()
+    }),
+    ("one period", |made, monitor| PreparedMap::one_period(made.read.clone(), Preparation::default(), monitor).is_ok()),
+    ("cavities", |made, monitor| made.read.map.measure_cavities(Form::SecondOrder, monitor).is_ok()),
+    ("mean period", |made, monitor| made.read.map.mean_cavity_period(Form::Plane, monitor).is_ok()),
+    ("bearing curve", |made, monitor| MaterialRatioCurve::new(&made.surface.map, monitor).is_ok()),
+    ("lengths", |made, monitor| {
+        made.surface.map.correlation_lengths(CORRELATION_THRESHOLD, Sides::Open, monitor).is_ok()
+    }),
+    ("report", |made, monitor| {
+        let Made { surface, .. } = made;
+        let Ok(curve) = MaterialRatioCurve::new(&surface.map, monitor) else { return false };
+        let lengths = CorrelationLengths { sal_m: None, slowest_m: None, str_ratio: None, fastest_deg: None, block: 1 };
+        let report = SurfaceReport::new(Path::new("map"), surface, &curve, &lengths, &[], None, monitor);
+        let of = Measured { surface, curve: &curve, spectrum: &[], cavities: None, column: 0 };
+        report.is_ok_and(|report| files(&report, of, monitor).is_ok())
+    }),
+    ("spectrum", |made, monitor| made.surface.map.radial_spectrum(SpectrumWindow::Hann, monitor).is_ok()),
+    ("area law", |made, monitor| {
+        let request = AreaLawRequest {
+            contact_modulus_pa: 0.43e9,
+            pressures_pa: &[1e6],
+            threshold_pa: 0.7e6,
+            tolerance: CONTACT_TOLERANCE,
+            windows: Some(2),
+        };
+        surface_area_law(&made.period, &request, monitor).is_ok()
+    }),
+];
+
+/// Points along a side of the map that is measured again and again, and of a large one.
+const PIXELS: usize = 512;
+const LARGE: usize = 4096;
+/// Questions after the one that was answered with yes: callers ask again on their way out.
+const MOST_AFTER: usize = 64;
+/// Questions of one step on a large map from which on it has shown what it does: the iterations of a contact repeat themselves.
+const ENOUGH: usize = 250_000;
+
+#[test]
+fn a_step_over_a_map_asks_all_along_and_ends_wherever_it_is_cancelled() {
+    let made = Made::new(PIXELS);
+    for (name, step) in STEPS {
+        let whole = Polls::new(usize::MAX);
+        assert!(step(&made, &whole), "{name}");
+        let asked = whole.asked();
+        assert!(asked >= PIXELS / 8, "{name}: {asked} questions");
+        for cancels_at in [1, 2, asked / 7, asked / 3, asked / 2, asked - asked / 5, asked - 1, asked] {
+            let polls = Polls::new(cancels_at);
+            assert!(!step(&made, &polls), "{name}: went on after question {cancels_at} of {asked}");
+            let after = polls.asked() - cancels_at;
+            assert!(after <= MOST_AFTER, "{name}: asked {after} times after question {cancels_at} of {asked}");
+        }
+    }
+}
+
+/// Prints the longest time between two questions on a large map: cancelling takes as long at most.
+#[test]
+#[ignore = "measures times: prints a table"]
+fn seconds_between_questions_on_a_large_map() {
+    let made = Made::new(LARGE);
+    for (name, step) in STEPS {
+        let polls = Polls::new(ENOUGH);
+        let started = Instant::now();
+        let is_whole = step(&made, &polls);
+        let (longest_s, asked) = (polls.longest_s(), polls.asked());
+        let whole = if is_whole { "" } else { ", cut short" };
+        println!("  {name}: {longest_s:.3} s of {:.1} s, {asked} questions{whole}", started.elapsed().as_secs_f64());
+    }
+}
