@@ -114,10 +114,14 @@ impl Layout {
         let length_m =
             self.pattern.length_m().filter(|_| !self.is_clipped && self.pattern.texture().outline().is_none())?;
         let [columns, rows] = self.reach;
+        let is_inside = |column: i64, row: i64| self.lies(&self.cavity(column, row, length_m)) == Lies::Inside;
         let in_row = |row: i64| {
-            (-columns..=columns)
-                .filter(|&column| self.lies(&self.cavity(column, row, length_m)) == Lies::Inside)
-                .count()
+            if matches!(self.outline, Outline::Ring { .. }) {
+                return (-columns..=columns).filter(|&column| is_inside(column, row)).count();
+            }
+            // Without a hole what is inside has all between it and the middle of its row inside.
+            let right = count_before(columns + 1, |column| is_inside(column, row));
+            right + count_before(columns, |column| is_inside(-1 - column, row))
         };
         Some((-rows..=rows).map(in_row).sum())
     }
@@ -399,6 +403,16 @@ impl Layout {
         let half_m = ((hole_m - near_m) * (hole_m + near_m)).sqrt();
         [fits([low_m, -half_m]), fits([half_m, high_m])]
     }
+}
+
+/// How many of the places 0..`places` are `inside`, none of which lies behind one that is not.
+fn count_before(places: i64, inside: impl Fn(i64) -> bool) -> usize {
+    let (mut least, mut most) = (0, places);
+    while least < most {
+        let middle = i64::midpoint(least, most);
+        if inside(middle) { least = middle + 1 } else { most = middle }
+    }
+    usize::try_from(least).unwrap_or(0)
 }
 
 /// Why the specimen takes none: the extent that falls short, or of a disc the diameter.

@@ -10,22 +10,40 @@
 //! of the missing springs, w the vertical displacement of blocks of row 0 that the counterface does not hold, or
 //! holds in part as a spring kappa, and t the friction on those that it touches. So the unknowns are few:
 //! forces on the blocks about the cavities, and one on each contact.
+//!
+//! A block that is gone has no unknown. All of its springs are missing, so that its row of R is that of the flat layer K:
+//!
+//! ```text
+//! (g - R u)_b = g_b - (K u)_b = g_b - g_b = 0
+//! ```
+//!
+//! whatever g is elsewhere, and g_b stays at 0.
+
+mod responses;
+
+use std::ops::Range;
 
 use super::lattice::SpaceLattice;
 use super::layer::{FlatLayer, Workspace};
-use super::springs::{LEVEL, springs};
+use super::springs::{LEVEL, Spring, UPWARD, springs};
 use crate::lattice::tie;
 
-/// A spring between two places of the explicit fields.
+/// A spring that is missing, or weaker by `stiffness`, between blocks of which one at least is there.
 #[derive(Clone, Copy, Debug)]
 struct Link {
-    /// Number of block a and of block b in the support, of a spring upward from a contact that of the contact.
+    /// Number of block a and of block b in the support; [`ABSENT`] of a block that is gone.
     ends: [usize; 2],
     /// Places of their x components.
     places: [usize; 2],
     direction: [f64; 3],
     stiffness: f64,
 }
+
+/// Least share of a block's stiffness that counts: what hangs on less is no part of the solid.
+const LEAST_LEFT: f64 = 1e-4;
+
+/// Number in the support of a block that has none.
+const ABSENT: usize = usize::MAX;
 
 /// A block of row 0 that is there.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -51,6 +69,11 @@ pub struct Surface {
 }
 
 impl Surface {
+    /// Stiffness of what holds it to the face while its height is unknown.
+    fn own_tie(&self) -> f64 {
+        self.free.map_or(0.0, |(_, tie)| tie)
+    }
+
     /// Height of the face of a block at the height `height` that yields under `face`: above it by what its tie yields.
     fn flattened(&self, height: f64, face: Face) -> f64 {
         if self.tie > 0.0 { height + face.limit * self.contact_share / self.tie } else { height }
@@ -67,14 +90,29 @@ pub struct Interface {
     weakened: Vec<Link>,
     /// Places of the x components of the blocks with a missing spring.
     support: Vec<usize>,
+    /// For each force of the support, stiffness of the flat layer over what is left of it.
+    softness: Vec<f64>,
     surface: Vec<Surface>,
-    /// Springs upward from the surface blocks.
-    upward: Vec<Link>,
-    free: usize,
-    contacts: usize,
+    /// Columns of the contacts, by their number.
+    touching: Vec<usize>,
+    /// Those of `surface` whose height is unknown, by its number.
+    free: Vec<usize>,
+    /// Lines whose displacements matter: component field times ny + j.
     wanted: Vec<bool>,
+    stencil: Stencil,
     /// Force per block column over 3/2 of a spring: compression of one row under unit pressure.
     compression: f64,
+}
+
+/// Forces of the springs upward from row 0 of the flat layer: N = sum k e_z e.(u_a - u_b).
+#[derive(Clone, Copy, Debug, Default)]
+struct Stencil {
+    /// sum k e_z^2
+    rise: f64,
+    /// k e_z^2 of the vertical spring, and of one along x and along y.
+    vertical: [f64; 3],
+    /// k e_z e_x of one along x, k e_z e_y of one along y.
+    aslant: [f64; 2],
 }
 
 /// What of a face does not depend on the unknowns.
@@ -94,6 +132,8 @@ pub struct Response {
     pub linear: Vec<f64>,
     /// Normal force by contact.
     pub normal: Vec<f64>,
+    /// Force that each column presses down.
+    pressed: Vec<f64>,
     workspace: Workspace,
 }
 
@@ -105,10 +145,12 @@ impl Interface {
         Self::with_rows(lattice, (lattice.cavity_rows() + 1).max(2))
     }
 
-    /// The same with the displacements of all rows and of the bulk.
+    /// The same with the displacements of all rows and of the bulk, everywhere.
     #[must_use]
     pub fn uncondensed(lattice: &SpaceLattice) -> Self {
-        Self::with_rows(lattice, lattice.rows() + 1)
+        let mut interface = Self::with_rows(lattice, lattice.rows() + 1);
+        interface.wanted.fill(true);
+        interface
     }
 
     fn with_rows(lattice: &SpaceLattice, explicit: usize) -> Self {
@@ -116,15 +158,33 @@ impl Interface {
         let plane = nx * ny;
         let rows = lattice.rows();
         let place = |[i, j, k]: [usize; 3]| 3 * k * plane + j * nx + i;
-        let mut number = vec![usize::MAX; (explicit * plane).max(1)];
+        let block = |[i, j, k]: [usize; 3]| k * plane + j * nx + i;
+        // Springs of a block that are missing wholly; without any it is gone.
+        let mut missing = vec![0_u8; (explicit * plane).max(1)];
+        lattice.for_each_weakened_bond(|bond| {
+            if bond.share == 0.0 {
+                missing[block(bond.a)] += 1;
+                missing[block(bond.b)] += 1;
+            }
+        });
+        let all = |place: usize| if place < plane { 2 * LEVEL + UPWARD } else { 2 * (LEVEL + UPWARD) };
+        let mut number = vec![ABSENT; missing.len()];
         let mut support = Vec::new();
         let mut weakened = Vec::new();
+        let mut wanted = vec![false; 3 * explicit * ny];
+        let mut want = |place: usize| (0..3).for_each(|c| wanted[place / nx + c * ny] = true);
         lattice.for_each_weakened_bond(|bond| {
-            let ends = [bond.a, bond.b].map(|[i, j, k]| {
-                let slot = &mut number[k * plane + j * nx + i];
-                if *slot == usize::MAX {
+            let is_there = [bond.a, bond.b].map(|end| usize::from(missing[block(end)]) < all(block(end)));
+            if is_there == [false; 2] {
+                return;
+            }
+            let ends = [0, 1].map(|side| {
+                let end = [bond.a, bond.b][side];
+                want(place(end));
+                let slot = &mut number[block(end)];
+                if *slot == ABSENT && is_there[side] {
                     *slot = support.len();
-                    support.push(place([i, j, k]));
+                    support.push(place(end));
                 }
                 *slot
             });
@@ -132,39 +192,93 @@ impl Interface {
             let places = [place(bond.a), place(bond.b)];
             weakened.push(Link { ends, places, direction: bond.spring.direction(), stiffness });
         });
-        let (mut surface, mut upward) = (Vec::new(), Vec::new());
-        let (mut free, mut contacts) = (0, 0);
+        // Ceilings say whether cavities close.
+        let ceiling = lattice.ceiling_row();
+        for (j, i) in (0..ny).flat_map(|j| (0..nx).map(move |i| (j, i))) {
+            if lattice.contact_share(i, j) == 0.0 {
+                want(place([i, j, ceiling]));
+            }
+        }
+        // The counterface bears what the springs from row 0 to row 1 press down.
+        (0..ny).for_each(|j| want(place([0, j, 1])));
+        let mut interface = Self {
+            columns: [nx, ny],
+            area: 1.0,
+            explicit,
+            layer: FlatLayer::new([nx, ny], lattice.spacing(), rows, explicit),
+            weakened,
+            softness: Vec::new(),
+            support,
+            surface: Vec::new(),
+            touching: Vec::new(),
+            free: Vec::new(),
+            wanted,
+            stencil: Stencil::default(),
+            compression: 1.0,
+        };
+        interface.find_surface(lattice);
+        interface.find_softness(lattice);
+        interface
+    }
+
+    /// What a force on a block of the support does to its own residual is nearly what is left of the block's stiffness, because every
+    /// spring of a loaded block of the layer takes about the same share of the load:
+    ///
+    /// ```text
+    /// (I - R G)_ii = ((K - R) G)_ii ~ (K - R)_ii / K_ii
+    /// ```
+    fn find_softness(&mut self, lattice: &SpaceLattice) {
+        let plane = self.columns[0] * self.columns[1];
+        let kinds = springs(lattice.spacing());
+        let of = |kinds: &[Spring], c: usize| -> f64 {
+            kinds.iter().map(|spring| spring.stiffness * spring.direction()[c].powi(2)).sum()
+        };
+        let whole =
+            [0, 1, 2].map(|c| [2.0, 1.0].map(|sides| 2.0 * of(&kinds[..LEVEL], c) + sides * of(&kinds[LEVEL..], c)));
+        let mut missing = vec![0.0; 3 * self.support.len()];
+        for link in &self.weakened {
+            for end in link.ends.into_iter().filter(|end| *end != ABSENT) {
+                (0..3).for_each(|c| missing[3 * end + c] += link.stiffness * link.direction[c].powi(2));
+            }
+        }
+        let all = self.support.iter().flat_map(|place| whole.map(|whole| whole[usize::from(*place < plane)]));
+        self.softness = all.zip(missing).map(|(all, missing)| 1.0 / (1.0 - missing / all).max(LEAST_LEFT)).collect();
+    }
+
+    /// Multiplies `residual` by what nearly inverts the response to each unknown alone.
+    pub fn precondition(&self, residual: &mut [f64]) {
+        residual.iter_mut().zip(&self.softness).for_each(|(residual, softness)| *residual *= softness);
+    }
+
+    /// Finds the blocks of row 0 that are there, and what presses them down.
+    fn find_surface(&mut self, lattice: &SpaceLattice) {
+        let [nx, ny] = self.columns;
         for (j, i) in (0..ny).flat_map(|j| (0..nx).map(move |i| (j, i))) {
             if lattice.presence(i, j, 0) <= 0.0 {
                 continue;
             }
             let share = lattice.contact_share(i, j);
-            let own = surface.len();
-            let mut pivot = 0.0;
-            for bond in lattice.upward(i, j) {
-                let direction = bond.spring.direction();
-                let stiffness = bond.spring.stiffness * bond.share;
-                pivot += stiffness * direction[2] * direction[2];
-                let places = [place(bond.a), place(bond.b)];
-                upward.push(Link { ends: [own, own], places, direction, stiffness });
-            }
+            let upward = lattice.upward(i, j);
+            let pivot: f64 =
+                upward.map(|bond| bond.spring.stiffness * bond.share * bond.spring.direction()[2].powi(2)).sum();
             if pivot == 0.0 {
                 continue;
             }
+            let own = self.surface.len();
             let free = (share < 1.0).then(|| {
-                free += 1;
+                self.free.push(own);
                 // Springs of the plane are two of these.
                 let held = if share > 0.0 { 2.0 * tie(share, lattice.presence(i, j, 0)) } else { 0.0 };
-                (free - 1, held)
+                (self.free.len() - 1, held)
             });
             let contact = (share > 0.0).then(|| {
-                contacts += 1;
-                contacts - 1
+                self.touching.push(j * nx + i);
+                self.touching.len() - 1
             });
             let tie = free.map_or(0.0, |(_, tie)| tie);
             let pivot = pivot + tie;
             let relief = lattice.relief(i, j);
-            surface.push(Surface {
+            self.surface.push(Surface {
                 column: [i, j],
                 contact_share: share,
                 free,
@@ -177,29 +291,15 @@ impl Interface {
             });
         }
         let [a, b] = lattice.spacing();
-        // sum k e_z^2 of the springs upward
-        let rise: f64 = springs([a, b])[LEVEL..].iter().map(|s| s.stiffness * s.direction()[2].powi(2)).sum();
-        let mut wanted = vec![false; 3 * explicit * ny];
-        wanted[..6 * ny].fill(true);
-        for place in &support {
-            for component in 0..3 {
-                wanted[(place + component * plane) / nx] = true;
-            }
-        }
-        Self {
-            columns: [nx, ny],
-            area: a * b,
-            explicit,
-            layer: FlatLayer::new([nx, ny], [a, b], rows, explicit),
-            weakened,
-            support,
-            surface,
-            upward,
-            free,
-            contacts,
-            wanted,
-            compression: a * b / rise,
-        }
+        let upward = &springs([a, b])[LEVEL..];
+        let along = |spring: &Spring, axis: usize| spring.stiffness * spring.direction()[2] * spring.direction()[axis];
+        self.stencil = Stencil {
+            rise: upward.iter().map(|spring| along(spring, 2)).sum(),
+            vertical: [0, 1, 3].map(|kind| along(&upward[kind], 2)),
+            aslant: [along(&upward[1], 0), along(&upward[3], 1)],
+        };
+        self.area = a * b;
+        self.compression = a * b / self.stencil.rise;
     }
 
     /// The same with the contacts that `lifted` names by their number off the counterface: free, without friction.
@@ -212,8 +312,8 @@ impl Interface {
     #[must_use]
     pub fn with_contacts(&self, lifted: &[bool], yields: &[bool]) -> Self {
         let mut interface = self.clone();
-        interface.free = 0;
-        for surface in &mut interface.surface {
+        interface.free.clear();
+        for (own, surface) in interface.surface.iter_mut().enumerate() {
             let tie = surface.free.map_or(0.0, |(_, tie)| tie);
             let lifts = surface.contact.is_some_and(|number| lifted[number]);
             surface.lifted = lifts;
@@ -221,8 +321,10 @@ impl Interface {
             let is_free = lifts || surface.yields;
             let kept = if is_free { 0.0 } else { tie };
             surface.pivot += kept - tie;
-            surface.free = (is_free || surface.free.is_some()).then_some((interface.free, kept));
-            interface.free += usize::from(surface.free.is_some());
+            surface.free = (is_free || surface.free.is_some()).then_some((interface.free.len(), kept));
+            if surface.free.is_some() {
+                interface.free.push(own);
+            }
         }
         interface
     }
@@ -231,7 +333,7 @@ impl Interface {
     /// the counterface, on a face of `raise` times its heights.
     pub fn continued(&self, other: &Self, unknowns: &[f64], raise: f64) -> Vec<f64> {
         let (forces, rest) = unknowns.split_at(3 * self.support.len());
-        let (heights, friction) = rest.split_at(other.free);
+        let (heights, friction) = rest.split_at(other.free.len());
         let mut continued = forces.to_vec();
         for (own, before) in self.surface.iter().zip(&other.surface).filter(|(own, _)| own.free.is_some()) {
             continued.push(before.free.map_or(raise * own.relief, |(number, _)| heights[number]));
@@ -283,19 +385,19 @@ impl Interface {
     /// Number of contacts.
     #[must_use]
     pub const fn contacts(&self) -> usize {
-        self.contacts
+        self.touching.len()
     }
 
     /// Number of unknowns before the friction forces: forces about the cavities, heights of free blocks.
     #[must_use]
     pub fn elastic_unknowns(&self) -> usize {
-        3 * self.support.len() + self.free
+        3 * self.support.len() + self.free.len()
     }
 
     /// Number of blocks with an unknown height: the last of those unknowns.
     #[must_use]
     pub const fn free(&self) -> usize {
-        self.free
+        self.free.len()
     }
 
     /// The load of the cell in units of P l^2, which is its area over l^2.
@@ -308,114 +410,5 @@ impl Interface {
     #[must_use]
     pub const fn column_area(&self) -> f64 {
         self.area
-    }
-
-    /// Work space and results of [`Self::respond`].
-    #[must_use]
-    pub fn response(&self) -> Response {
-        Response {
-            fields: vec![0.0; 3 * self.explicit * self.columns[0] * self.columns[1]],
-            linear: vec![0.0; self.elastic_unknowns()],
-            normal: vec![0.0; self.contacts],
-            workspace: self.layer.workspace(),
-        }
-    }
-
-    /// The response to no unknowns at all: uniform compression, u_z = -k P l^2 / (3 k) on row k.
-    pub fn compress(&self, response: &mut Response) {
-        let plane = self.columns[0] * self.columns[1];
-        for (row, fields) in response.fields.chunks_exact_mut(3 * plane).enumerate() {
-            fields[..2 * plane].fill(0.0);
-            fields[2 * plane..].fill(-(row as f64) * self.compression);
-        }
-        self.observe(Face::default(), response);
-    }
-
-    /// The linear response to `unknowns`, friction acting along `direction`, and to `face`; with
-    /// `everywhere` displacements are complete, otherwise only those that matter are computed.
-    pub fn respond(
-        &self,
-        unknowns: &[f64],
-        direction: [f64; 2],
-        face: Face,
-        everywhere: bool,
-        response: &mut Response,
-    ) {
-        let [nx, ny] = self.columns;
-        let plane = nx * ny;
-        let fields = &mut response.fields;
-        fields.fill(0.0);
-        let (forces, rest) = unknowns.split_at(3 * self.support.len());
-        let (heights, friction) = rest.split_at(self.free);
-        for (place, force) in self.support.iter().zip(forces.chunks_exact(3)) {
-            for (component, force) in force.iter().enumerate() {
-                // Row 0 is held vertically: its displacement is the unknown there, not a force.
-                if component < 2 || *place >= plane {
-                    fields[place + component * plane] = *force;
-                }
-            }
-        }
-        for surface in &self.surface {
-            let place = surface.column[1] * nx + surface.column[0];
-            match surface.free {
-                Some((number, _)) => fields[2 * plane + place] = heights[number],
-                None => fields[2 * plane + place] = face.raise * surface.relief,
-            }
-            if let Some(number) = surface.contact {
-                fields[place] += direction[0] * friction[number];
-                fields[plane + place] += direction[1] * friction[number];
-            }
-        }
-        if everywhere {
-            self.layer.respond(fields, &vec![true; 3 * self.explicit * ny], &mut response.workspace);
-        } else {
-            self.layer.respond(fields, &self.wanted, &mut response.workspace);
-        }
-        self.observe(face, response);
-    }
-
-    /// R u, normal forces and imbalances from the displacements in `response`.
-    fn observe(&self, face: Face, response: &mut Response) {
-        let plane = self.columns[0] * self.columns[1];
-        let Response { fields, linear, normal, .. } = response;
-        let (forces, imbalances) = linear.split_at_mut(3 * self.support.len());
-        forces.fill(0.0);
-        let along = |link: &Link| -> f64 {
-            let [a, b] = link.places;
-            (0..3).map(|c| link.direction[c] * (fields[a + c * plane] - fields[b + c * plane])).sum()
-        };
-        for link in &self.weakened {
-            // R = sum (1 - share) k e e^T
-            let force = link.stiffness * along(link);
-            let [a, b] = link.ends;
-            for (c, e) in link.direction.iter().enumerate() {
-                forces[3 * a + c] += force * e;
-                forces[3 * b + c] -= force * e;
-            }
-        }
-        for (place, force) in self.support.iter().zip(forces.chunks_exact_mut(3)) {
-            if *place < plane {
-                force[2] = 0.0;
-            }
-        }
-        // The counterface bears what the springs press down: N = sum k e_z e.(u_a - u_b).
-        let mut links = self.upward.iter().peekable();
-        for (own, surface) in self.surface.iter().enumerate() {
-            let mut pressed = 0.0;
-            while let Some(link) = links.next_if(|link| link.ends[0] <= own) {
-                if link.ends[0] == own {
-                    pressed += link.stiffness * link.direction[2] * along(link);
-                }
-            }
-            if let Some((number, tie)) = surface.free {
-                let place = surface.column[1] * self.columns[0] + surface.column[0];
-                let borne = if surface.yields { face.limit * surface.contact_share } else { 0.0 };
-                let above = fields[2 * plane + place] - face.raise * surface.relief;
-                imbalances[number] = (pressed - borne + tie * above) / surface.pivot;
-            }
-            if let Some(number) = surface.contact {
-                normal[number] = if surface.lifted { 0.0 } else { pressed };
-            }
-        }
     }
 }

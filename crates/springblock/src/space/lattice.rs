@@ -207,6 +207,13 @@ impl SpaceLattice {
         (self.depth.ceil() as usize).min(self.rows)
     }
 
+    /// The row of blocks over the cavities, wholly there or in part.
+    #[must_use]
+    pub fn ceiling_row(&self) -> usize {
+        // Depth is validated to be below the height of the layer.
+        (self.depth.floor() as usize).min(self.rows - 1)
+    }
+
     /// Share of block (i, j, k) that is there.
     #[must_use]
     pub fn presence(&self, i: usize, j: usize, k: usize) -> f64 {

@@ -16,7 +16,14 @@
 //! needs to be done once for a cell size; the rows above the cavities leave nothing but their S. At
 //! row 0 the vertical displacement is prescribed (zero on the counterface), not the force. The bulk is
 //! a row like the others that moves only vertically and only as a whole (q = 0): its balance is the load's.
+//!
+//! The mirror image in y of a wave is a wave whose u_y has the other sign: the same S serves both.
+//!
+//! Rows of the cavities bear forces, and are asked for displacements, only on the lines that cross a cavity. Only these are transformed
+//! along x and kept. Along y all waves of one q_x are worked on together, in a column that fits into the cache: transform, elimination,
+//! and back.
 
+use std::ops::Range;
 use std::sync::Arc;
 
 use multiversion::multiversion;
@@ -46,9 +53,9 @@ pub struct FlatLayer {
     columns: [usize; 2],
     /// Rows whose forces and displacements are explicit: 0..explicit.
     explicit: usize,
-    /// S_k^-1 for k = 1..explicit, wave numbers fastest.
+    /// For each q_x S_k^-1 for k = 1..explicit, q_y >= 0 fastest.
     inverses: Vec<Symmetric>,
-    /// Row 0: inverse of the xy part of S_0, then its xz and yz entries.
+    /// Row 0, for each q_x and q_y >= 0: inverse of the xy part of S_0, then its xz and yz entries.
     lowest: Vec<[f64; 5]>,
     couplings: Vec<Coupling>,
     forward_x: Arc<dyn RealToComplex<f64>>,
@@ -63,10 +70,20 @@ impl std::fmt::Debug for FlatLayer {
     }
 }
 
-/// Work space of one application.
+/// Lines transformed along x before what they give is laid down: a wave's numbers then fill lines of the cache.
+const TOGETHER: usize = 16;
+
+/// Work space of [`FlatLayer::respond`].
 pub struct Workspace {
+    /// Lines of each component field that matter.
+    lines: Vec<Range<usize>>,
+    /// Place of the first of them in what is kept of a wave along x.
+    starts: Vec<usize>,
+    /// Of each wave along x, the lines of all fields.
     spectra: Vec<Complex<f64>>,
-    line: Vec<Complex<f64>>,
+    /// All fields of one wave along x.
+    column: Vec<Complex<f64>>,
+    transformed: Vec<Complex<f64>>,
     scratch: Vec<Complex<f64>>,
     real: Vec<f64>,
 }
@@ -76,30 +93,29 @@ impl FlatLayer {
     /// between 1 and rows + 1: the row above the top one is the bulk.
     pub fn new(columns: [usize; 2], spacing: [f64; 2], rows: usize, explicit: usize) -> Self {
         let [nx, ny] = columns;
-        let half = nx / 2 + 1;
+        let (half, pairs) = (nx / 2 + 1, ny / 2 + 1);
         let (real, complex) = (f64::real_plans(nx), f64::complex_plans(ny));
-        let count = half * ny;
         let mut layer = Self {
             columns,
             explicit,
-            inverses: vec![[0.0; 6]; (explicit - 1) * count],
-            lowest: Vec::with_capacity(count),
-            couplings: Vec::with_capacity(count),
+            inverses: vec![[0.0; 6]; (explicit - 1) * half * pairs],
+            lowest: Vec::with_capacity(half * pairs),
+            couplings: Vec::with_capacity(half * pairs),
             forward_x: real.forward,
             inverse_x: real.inverse,
             forward_y: complex.forward,
             inverse_y: complex.inverse,
         };
-        for number in 0..count {
+        for number in 0..half * pairs {
             let turn = std::f64::consts::TAU;
-            let q = [turn * (number / ny) as f64 / nx as f64, turn * (number % ny) as f64 / ny as f64];
-            layer.condense(number, count, q, spacing, rows);
+            let q = [turn * (number / pairs) as f64 / nx as f64, turn * (number % pairs) as f64 / ny as f64];
+            layer.condense(number, q, spacing, rows);
         }
         layer
     }
 
     /// Block elimination at the wave number `q`.
-    fn condense(&mut self, number: usize, count: usize, q: [f64; 2], spacing: [f64; 2], rows: usize) {
+    fn condense(&mut self, number: usize, q: [f64; 2], spacing: [f64; 2], rows: usize) {
         let kinds = springs(spacing);
         // Within a row: sum k e e^T 2 (1 - cos q.d); up and down: sum k e e^T each.
         let (mut level, mut upward) = ([0.0; 3], [0.0; 3]); // xx, xy, yy and xx, yy, zz
@@ -127,6 +143,8 @@ impl FlatLayer {
             }
         }
         self.couplings.push(coupling);
+        let pairs = self.columns[1] / 2 + 1;
+        let place = |k: usize| (number / pairs * (self.explicit - 1) + k - 1) * pairs + number % pairs;
         // The bulk: S = sum k e_z^2 for q = 0, rigid otherwise.
         let mut inverse = [0.0; 6];
         if q == [0.0; 2] {
@@ -160,13 +178,13 @@ impl FlatLayer {
                 let determinant = xx * yy - xy * xy;
                 self.lowest.push([yy / determinant, -xy / determinant, xx / determinant, xz, yz]);
             } else if k < self.explicit {
-                self.inverses[(k - 1) * count + number] = inverse;
+                self.inverses[place(k)] = inverse;
             }
         }
     }
 
-    /// Work space for [`Self::respond`].
-    pub fn workspace(&self) -> Workspace {
+    /// Work space for [`Self::respond`] where nothing but `lines` of each component field ever bears a force or is wanted.
+    pub fn workspace(&self, lines: Vec<Range<usize>>) -> Workspace {
         let [nx, ny] = self.columns;
         let half = nx / 2 + 1;
         let scratch = [
@@ -175,9 +193,18 @@ impl FlatLayer {
             self.forward_y.get_inplace_scratch_len(),
             self.inverse_y.get_inplace_scratch_len(),
         ];
+        let mut kept = 0;
+        let mut starts = Vec::with_capacity(lines.len());
+        for lines in &lines {
+            starts.push(kept);
+            kept += lines.len();
+        }
         Workspace {
-            spectra: vec![Complex::default(); 3 * self.explicit * half * ny],
-            line: vec![Complex::default(); half],
+            lines,
+            starts,
+            spectra: vec![Complex::default(); half * kept],
+            column: vec![Complex::default(); 3 * self.explicit * ny],
+            transformed: vec![Complex::default(); TOGETHER * half],
             scratch: vec![Complex::default(); scratch.into_iter().max().unwrap_or(0)],
             real: vec![0.0; nx],
         }
@@ -188,127 +215,225 @@ impl FlatLayer {
     /// line (component field times ny + j), the displacements there are not computed but left zero.
     pub fn respond(&self, fields: &mut [f64], wanted: &[bool], workspace: &mut Workspace) {
         let [nx, ny] = self.columns;
-        let half = nx / 2 + 1;
-        let Workspace { spectra, line, scratch, real } = workspace;
-        let lines = |field: usize| (0..ny).map(move |j| (field * ny + j) * nx);
-        for (field, spectrum) in spectra.chunks_exact_mut(half * ny).enumerate() {
-            let mut empty = true;
-            for (j, start) in lines(field).enumerate() {
-                let values = &mut fields[start..start + nx];
-                if values.iter().all(|value| *value == 0.0) {
-                    (0..half).for_each(|q| spectrum[q * ny + j] = Complex::default());
+        let (half, pairs) = (nx / 2 + 1, ny / 2 + 1);
+        let loaded = self.transform_lines(fields, workspace);
+        let Workspace { lines, starts, spectra, column, scratch, .. } = workspace;
+        // Row 0 is pinned where it is not prescribed: what came in stays.
+        let is_wanted = |field: usize| field != 2 && wanted[field * ny..(field + 1) * ny].contains(&true);
+        let wanted_fields: Vec<bool> = (0..3 * self.explicit).map(is_wanted).collect();
+        let kept = spectra.len() / half;
+        for (q, spectra) in spectra.chunks_exact_mut(kept.max(1)).enumerate() {
+            for (field, column) in column.chunks_exact_mut(ny).enumerate() {
+                let lines = lines[field].clone();
+                if !loaded[field] {
+                    column.fill(Complex::default());
                     continue;
                 }
-                empty = false;
-                real.copy_from_slice(values);
-                // Lengths are those planned for: cannot fail.
-                let _ = self.forward_x.process_with_scratch(real, line, scratch);
-                (0..half).for_each(|q| spectrum[q * ny + j] = line[q]);
+                column[..lines.start].fill(Complex::default());
+                column[lines.end..].fill(Complex::default());
+                column[lines.clone()].copy_from_slice(&spectra[starts[field]..][..lines.len()]);
+                self.forward_y.process_with_scratch(column, scratch);
             }
-            if !empty {
-                self.forward_y.process_with_scratch(spectrum, scratch);
+            let waves = Waves {
+                inverses: &self.inverses[q * (self.explicit - 1) * pairs..][..(self.explicit - 1) * pairs],
+                lowest: &self.lowest[q * pairs..][..pairs],
+                couplings: &self.couplings[q * pairs..][..pairs],
+                lines: ny,
+            };
+            sweep(&waves, column);
+            for (field, column) in column.chunks_exact_mut(ny).enumerate().filter(|(field, _)| wanted_fields[*field]) {
+                self.inverse_y.process_with_scratch(column, scratch);
+                let lines = lines[field].clone();
+                spectra[starts[field]..][..lines.len()].copy_from_slice(&column[lines]);
             }
         }
-        sweep(&self.inverses, &self.lowest, &self.couplings, self.explicit, spectra);
+        self.transform_back(fields, wanted, workspace);
+    }
+
+    /// Transforms the lines of `fields` along x, and tells which fields have forces.
+    fn transform_lines(&self, fields: &[f64], workspace: &mut Workspace) -> Vec<bool> {
+        let [nx, ny] = self.columns;
+        let half = nx / 2 + 1;
+        let Workspace { lines, starts, spectra, transformed, scratch, real, .. } = workspace;
+        let kept = spectra.len() / half;
+        let mut loaded = vec![false; lines.len()];
+        for (field, lines) in lines.iter().enumerate() {
+            let of_field = &fields[field * ny * nx..][..ny * nx];
+            loaded[field] = of_field[lines.start * nx..lines.end * nx].iter().any(|value| *value != 0.0);
+            if !loaded[field] {
+                continue;
+            }
+            for first in lines.clone().step_by(TOGETHER) {
+                let count = TOGETHER.min(lines.end - first);
+                let together = of_field[first * nx..][..count * nx].chunks_exact(nx);
+                for (values, line) in together.zip(transformed.chunks_exact_mut(half)) {
+                    if values.iter().all(|value| *value == 0.0) {
+                        line.fill(Complex::default());
+                        continue;
+                    }
+                    real.copy_from_slice(values);
+                    // Lengths are those planned for: cannot fail.
+                    let _ = self.forward_x.process_with_scratch(real, line, scratch);
+                }
+                let start = starts[field] + first - lines.start;
+                for q in 0..half {
+                    let kept = &mut spectra[q * kept + start..][..count];
+                    kept.iter_mut().enumerate().for_each(|(line, kept)| *kept = transformed[line * half + q]);
+                }
+            }
+        }
+        loaded
+    }
+
+    /// Transforms the lines of `fields` that are wanted back along x.
+    fn transform_back(&self, fields: &mut [f64], wanted: &[bool], workspace: &mut Workspace) {
+        let [nx, ny] = self.columns;
+        let half = nx / 2 + 1;
+        let Workspace { lines, starts, spectra, transformed, scratch, .. } = workspace;
+        let kept = spectra.len() / half;
         let scale = 1.0 / (nx * ny) as f64;
-        for (field, spectrum) in spectra.chunks_exact_mut(half * ny).enumerate() {
-            // Row 0 is pinned where it is not prescribed: what came in stays.
-            if field == 2 {
-                continue;
-            }
-            if !wanted[field * ny..(field + 1) * ny].contains(&true) {
-                fields[field * ny * nx..(field + 1) * ny * nx].fill(0.0);
-                continue;
-            }
-            self.inverse_y.process_with_scratch(spectrum, scratch);
-            for (j, start) in lines(field).enumerate() {
-                let values = &mut fields[start..start + nx];
-                if !wanted[field * ny + j] {
-                    values.fill(0.0);
-                    continue;
+        for (field, lines) in lines.iter().enumerate().filter(|(field, _)| *field != 2) {
+            let of_field = &mut fields[field * ny * nx..][..ny * nx];
+            let wanted = &wanted[field * ny..][..ny];
+            for first in lines.clone().step_by(TOGETHER) {
+                let count = TOGETHER.min(lines.end - first);
+                let start = starts[field] + first - lines.start;
+                if wanted[first..first + count].contains(&true) {
+                    for q in 0..half {
+                        let kept = &spectra[q * kept + start..][..count];
+                        kept.iter().enumerate().for_each(|(line, kept)| transformed[line * half + q] = kept * scale);
+                    }
                 }
-                (0..half).for_each(|q| line[q] = spectrum[q * ny + j] * scale);
-                line[0].im = 0.0;
-                if nx.is_multiple_of(2) {
-                    line[half - 1].im = 0.0;
+                let together = of_field[first * nx..][..count * nx].chunks_exact_mut(nx);
+                for ((values, line), wanted) in together.zip(transformed.chunks_exact_mut(half)).zip(&wanted[first..]) {
+                    if !wanted {
+                        values.fill(0.0);
+                        continue;
+                    }
+                    line[0].im = 0.0;
+                    if nx.is_multiple_of(2) {
+                        line[half - 1].im = 0.0;
+                    }
+                    let _ = self.inverse_x.process_with_scratch(line, values, scratch);
                 }
-                let _ = self.inverse_x.process_with_scratch(line, values, scratch);
             }
         }
     }
 }
 
-/// Solves the block tridiagonal equations at every wave number.
+/// What the layer is to the waves of one q_x, for q_y >= 0.
+struct Waves<'a> {
+    inverses: &'a [Symmetric],
+    lowest: &'a [[f64; 5]],
+    couplings: &'a [Coupling],
+    /// Waves of either sign.
+    lines: usize,
+}
+
+/// A component of a wave and of its mirror image in y: real and imaginary part of each.
+type Pair = [f64; 4];
+
+/// Solves the block tridiagonal equations at every wave number of one q_x.
 #[multiversion(targets("x86_64+avx512f", "x86_64+avx2"))]
-fn sweep(
-    inverses: &[Symmetric],
-    lowest: &[[f64; 5]],
-    couplings: &[Coupling],
-    explicit: usize,
-    spectra: &mut [Complex<f64>],
-) {
-    let count = couplings.len();
-    let turned = |value: Complex<f64>| Complex::new(value.im, -value.re); // -i u
-    for number in 0..count {
-        let c = &couplings[number];
-        let at = |row: usize, component: usize| (3 * row + component) * count + number;
+fn sweep(waves: &Waves, column: &mut [Complex<f64>]) {
+    let (count, pairs) = (waves.lines, waves.couplings.len());
+    let explicit = column.len() / (3 * count);
+    for number in 0..pairs {
+        let mirror = if number == 0 { 0 } else { count - number };
+        let c = &waves.couplings[number];
+        let inverse = |k: usize| &waves.inverses[(k - 1) * pairs + number];
         // Down: y_k = S_k^-1 f_k, f_{k-1} -= C y_k.
-        let mut above = [Complex::default(); 3];
+        let mut above = [[0.0; 4]; 3];
         for k in (0..explicit).rev() {
-            let mut f = [spectra[at(k, 0)], spectra[at(k, 1)], turned(spectra[at(k, 2)])];
+            let mut f = load(column, 3 * k * count, [count, number, mirror]);
             if k + 1 < explicit {
-                let down = c.times(above);
-                f[0] -= down[0];
-                f[1] -= down[1];
+                let down = c.times(&above);
+                f[0] = less(f[0], down[0]);
+                f[1] = less(f[1], down[1]);
                 if k > 0 {
-                    f[2] -= down[2];
+                    f[2] = less(f[2], down[2]);
                 }
             }
             if k > 0 {
-                above = symmetric_times(&inverses[(k - 1) * count + number], f);
-                for (component, value) in above.into_iter().enumerate() {
-                    spectra[at(k, component)] = value;
-                }
+                above = symmetric_times(inverse(k), &f);
+                store(column, 3 * k * count, [count, number, mirror], &above);
             } else {
                 above = f;
             }
         }
         // Row 0: w is given, S_xy u = f - S_xz w.
-        let [xx, xy, yy, xz, yz] = lowest[number];
+        let [xx, xy, yy, xz, yz] = waves.lowest[number];
         let w = above[2];
-        let (fx, fy) = (above[0] - w * xz, above[1] - w * yz);
-        let mut below = [fx * xx + fy * xy, fx * xy + fy * yy, w];
-        spectra[at(0, 0)] = below[0];
-        spectra[at(0, 1)] = below[1];
+        let f = [less(above[0], times(w, xz)), less(above[1], times(w, yz))];
+        let mut below = [plus(times(f[0], xx), times(f[1], xy)), plus(times(f[0], xy), times(f[1], yy)), w];
+        store(column, 0, [count, number, mirror], &below);
         // Up: u_k = y_k - S_k^-1 C^T u_{k-1}.
         for k in 1..explicit {
-            let change = symmetric_times(&inverses[(k - 1) * count + number], c.transposed_times(below));
-            for (component, change) in change.into_iter().enumerate() {
-                below[component] = spectra[at(k, component)] - change;
-            }
-            spectra[at(k, 0)] = below[0];
-            spectra[at(k, 1)] = below[1];
-            spectra[at(k, 2)] = Complex::new(-below[2].im, below[2].re); // i w
+            let change = symmetric_times(inverse(k), &c.transposed_times(&below));
+            let own = load(column, 3 * k * count, [count, number, mirror]);
+            below = [less(own[0], change[0]), less(own[1], change[1]), less(own[2], change[2])];
+            store(column, 3 * k * count, [count, number, mirror], &below);
         }
     }
 }
 
+/// u_x, u_y, -i u_z of a wave and of its mirror image, whose u_y changes sign, from the row that begins at `start`.
+#[inline(always)]
+fn load(column: &[Complex<f64>], start: usize, [count, number, mirror]: [usize; 3]) -> [Pair; 3] {
+    let at = |c: usize| [column[start + c * count + number], column[start + c * count + mirror]];
+    let ([x, other_x], [y, other_y], [z, other_z]) = (at(0), at(1), at(2));
+    [
+        [x.re, x.im, other_x.re, other_x.im],
+        [y.re, y.im, -other_y.re, -other_y.im],
+        [z.im, -z.re, other_z.im, -other_z.re],
+    ]
+}
+
+/// Back from [`load`].
+#[inline(always)]
+fn store(column: &mut [Complex<f64>], start: usize, [count, number, mirror]: [usize; 3], [x, y, z]: &[Pair; 3]) {
+    let place = |c: usize, number: usize| start + c * count + number;
+    column[place(0, mirror)] = Complex::new(x[2], x[3]);
+    column[place(1, mirror)] = Complex::new(-y[2], -y[3]);
+    column[place(2, mirror)] = Complex::new(-z[3], z[2]);
+    column[place(0, number)] = Complex::new(x[0], x[1]);
+    column[place(1, number)] = Complex::new(y[0], y[1]);
+    column[place(2, number)] = Complex::new(-z[1], z[0]);
+}
+
+#[inline(always)]
+fn plus(a: Pair, b: Pair) -> Pair {
+    std::array::from_fn(|lane| a[lane] + b[lane])
+}
+
+#[inline(always)]
+fn less(a: Pair, b: Pair) -> Pair {
+    std::array::from_fn(|lane| a[lane] - b[lane])
+}
+
+#[inline(always)]
+fn times(a: Pair, factor: f64) -> Pair {
+    a.map(|value| value * factor)
+}
+
 impl Coupling {
+    /// C u.
     #[inline(always)]
-    fn times(&self, u: [Complex<f64>; 3]) -> [Complex<f64>; 3] {
+    fn times(&self, u: &[Pair; 3]) -> [Pair; 3] {
         [
-            u[0] * self.xx + u[2] * self.xz,
-            u[1] * self.yy + u[2] * self.yz,
-            u[2] * self.zz - u[0] * self.xz - u[1] * self.yz,
+            plus(times(u[0], self.xx), times(u[2], self.xz)),
+            plus(times(u[1], self.yy), times(u[2], self.yz)),
+            less(less(times(u[2], self.zz), times(u[0], self.xz)), times(u[1], self.yz)),
         ]
     }
 
+    /// C^T u.
     #[inline(always)]
-    fn transposed_times(&self, u: [Complex<f64>; 3]) -> [Complex<f64>; 3] {
+    fn transposed_times(&self, u: &[Pair; 3]) -> [Pair; 3] {
         [
-            u[0] * self.xx - u[2] * self.xz,
-            u[1] * self.yy - u[2] * self.yz,
-            u[2] * self.zz + u[0] * self.xz + u[1] * self.yz,
+            less(times(u[0], self.xx), times(u[2], self.xz)),
+            less(times(u[1], self.yy), times(u[2], self.yz)),
+            plus(plus(times(u[2], self.zz), times(u[0], self.xz)), times(u[1], self.yz)),
         ]
     }
 
@@ -331,12 +456,9 @@ impl Coupling {
 }
 
 #[inline(always)]
-fn symmetric_times(m: &Symmetric, u: [Complex<f64>; 3]) -> [Complex<f64>; 3] {
-    [
-        u[0] * m[0] + u[1] * m[1] + u[2] * m[2],
-        u[0] * m[1] + u[1] * m[3] + u[2] * m[4],
-        u[0] * m[2] + u[1] * m[4] + u[2] * m[5],
-    ]
+fn symmetric_times(m: &Symmetric, u: &[Pair; 3]) -> [Pair; 3] {
+    let row = |x: f64, y: f64, z: f64| plus(plus(times(u[0], x), times(u[1], y)), times(u[2], z));
+    [row(m[0], m[1], m[2]), row(m[1], m[3], m[4]), row(m[2], m[4], m[5])]
 }
 
 /// Whether the inverses of two rows are the same but for rounding.

@@ -10,8 +10,8 @@
 //! | [`interface::Interface`] | what cavities change of it: springs missing, blocks that do not touch |
 //! | [`directions::Directions`] | search directions that serve one load after the other |
 //!
-//! Cost, four pressures on one core, cavities a quarter wide and a tenth deep (blocks: condensing and solving):
-//! 16 x 16 x 10: 2 ms, 50 x 50 x 20: 35 ms, 100 x 100 x 40: 0.5 s, 200 x 200 x 80: 2.9 s and 0.2 GB.
+//! Cost, four pressures on one core, cavities a quarter wide and a tenth deep (blocks: condensing and solving, processor
+//! time): 50 x 50 x 20: 15 ms, 100 x 100 x 40: 0.13 s, 200 x 200 x 80: 0.85 s and 0.19 GB.
 
 mod directions;
 mod interface;

@@ -164,14 +164,13 @@ impl SpaceSteadyModel {
         let solver = lifted.as_ref().unwrap_or(&solver);
         let mut whole = Interface::uncondensed(&self.lattice).with_contacts(&solver.lifted(), &solver.yielding());
         whole.take_heights(&solver.interface);
-        let (mut rest, mut moved) = (whole.response(), whole.response());
-        whole.compress(&mut rest);
-        whole.respond(&solver.state.unknowns, solver.along, solver.face, true, &mut moved);
+        let mut moved = whole.response();
+        whole.respond_loaded(&solver.state.unknowns, solver.along, solver.face, &mut moved);
         let unit = self.displacement_unit(load.pressure_pa);
         (0..plane * (self.lattice.rows() + 1))
             .map(|number| {
                 let place = 3 * plane * (number / plane) + number % plane;
-                [0, 1, 2].map(|c| (rest.fields[place + c * plane] + moved.fields[place + c * plane]) * unit)
+                [0, 1, 2].map(|c| moved.fields[place + c * plane] * unit)
             })
             .collect()
     }
@@ -201,8 +200,7 @@ impl SpaceSteadyModel {
     fn clearance(&self, pressure_pa: f64, displacement: &[f64]) -> Option<f64> {
         let unit = self.displacement_unit(pressure_pa);
         let [nx, ny] = self.lattice.columns();
-        // Depth is below the height: the ceiling is a row of blocks, wholly or in part.
-        let row = (self.lattice.depth().floor() as usize).min(self.lattice.rows() - 1);
+        let row = self.lattice.ceiling_row();
         let ceiling = &displacement[(3 * row + 2) * nx * ny..][..nx * ny];
         let is_cavity = |column: &usize| self.lattice.contact_share(column % nx, column / nx) == 0.0;
         (0..nx * ny).filter(is_cavity).map(|column| self.lattice.depth() + ceiling[column] * unit).reduce(f64::min)
@@ -241,21 +239,13 @@ impl<'a> Solver<'a> {
     fn observe(&mut self) {
         let interface = &self.interface;
         let heights = interface.elastic_unknowns() - interface.free();
-        interface.compress(&mut self.response);
-        let (linear, normal) = (self.response.linear.clone(), self.response.normal.clone());
-        let compressed = self.response.fields.clone();
-        interface.respond(&self.state.unknowns, self.along, self.face, true, &mut self.response);
-        for (field, at_rest) in self.response.fields.iter_mut().zip(&compressed) {
-            *field += at_rest;
-        }
+        interface.respond_loaded(&self.state.unknowns, self.along, self.face, &mut self.response);
         for (number, residual) in self.state.elastic.iter_mut().enumerate() {
-            let image = linear[number] + self.response.linear[number];
+            let image = self.response.linear[number];
             // g - R u, and the imbalance
             *residual = if number < heights { self.state.unknowns[number] - image } else { image };
         }
-        for (number, total) in self.state.normal.iter_mut().enumerate() {
-            *total = normal[number] + self.response.normal[number];
-        }
+        self.state.normal.copy_from_slice(&self.response.normal);
     }
 
     /// Negative residual of all equations under `load`, and the sum of its magnitudes over the load.
@@ -278,7 +268,7 @@ impl<'a> Solver<'a> {
         let interface = &self.interface;
         let elastic = interface.elastic_unknowns();
         let heights = elastic - interface.free();
-        interface.respond(&step, self.along, Face::default(), false, &mut self.response);
+        interface.respond(&step, self.along, &mut self.response);
         let mut image = step.clone();
         for (number, image) in image[..elastic].iter_mut().enumerate() {
             let linear = self.response.linear[number];
@@ -402,7 +392,9 @@ impl<'a> Solver<'a> {
                     shares.clear();
                     self.directions.clear();
                 }
-                let direction = self.apply(residual.clone());
+                let mut step = residual.clone();
+                self.interface.precondition(&mut step);
+                let direction = self.apply(step);
                 applied += 1;
                 if !self.directions.add(direction) {
                     break;
