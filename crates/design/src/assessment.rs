@@ -3,7 +3,7 @@
 
 use slipgrid_calibrate::uncertainty::DiscrepancyAt;
 use slipgrid_monitor::{Monitor, Stage};
-use slipgrid_optimize::{ForwardModel, ModelFailure};
+use slipgrid_optimize::{ModelFailure, Response};
 use slipgrid_pattern::Pattern;
 use slipgrid_springblock::Scene;
 
@@ -21,7 +21,7 @@ use crate::target_report::TargetReport;
 use crate::task::DesignTask;
 use crate::uncertainty_budget::DesignErrors;
 use crate::{
-    DesignError, chance_report, reachable_range, rim_sensitivity, robustness, sensitivity, uncertainty_budget,
+    DesignError, chance, chance_report, reachable_range, rim_sensitivity, robustness, sensitivity, uncertainty_budget,
 };
 
 /// What is known of a design beside its friction.
@@ -114,11 +114,26 @@ fn slopes(
     probing: &Stage<'_>,
 ) -> Result<Option<SensitivityReport>, DesignError> {
     let target: TargetReport = (&design.target).into();
-    let watched =
-        |at: &Pattern| if probing.cancelled() { Err(ModelFailure::Cancelled) } else { found.model.respond(at) };
+    let watched = |at: &Pattern| {
+        if probing.cancelled() { Err(ModelFailure::Cancelled) } else { found.model.respond_made(at, pattern) }
+    };
     let (block_m, quantity) = (design.layer.block_m, design.target.quantity().name());
     let mut slopes = sensitivity::report(&watched, pattern, block_m, quantity, &target.pressure_mpa)?;
     if let Some(slopes) = &mut slopes {
+        if let Some(fine) = chance::fine(&found.model)? {
+            let own = found.model.beside(|scene: &Scene| Ok::<_, DesignError>(scene.clone()))?;
+            let [own, fine] = [own, fine].map(|model| {
+                move |at: &Pattern| {
+                    let value = model.ratios_made(at, pattern)?;
+                    Ok(Response { value, limited: Vec::new() })
+                }
+            });
+            // Where smaller blocks have no answer, nothing more is known of the errors.
+            match slopes.add_blocks([&own, &fine], pattern, block_m, &found.model.scales(pattern)) {
+                Ok(()) | Err(ModelFailure::Trial { .. } | ModelFailure::Cancelled) => {}
+                Err(failure) => return Err(DesignError::Failed(format!("slopes: {failure}"))),
+            }
+        }
         let asked = rim_sensitivity::Asked {
             model: &found.model,
             design: pattern,

@@ -479,7 +479,7 @@ impl<'a> Chances<'a> {
 }
 
 /// `model` in blocks half as large; `None` in space, where they are dear.
-fn fine<'a>(model: &SteadyModel<'a>) -> Result<Option<SteadyModel<'a>>, DesignError> {
+pub(crate) fn fine<'a>(model: &SteadyModel<'a>) -> Result<Option<SteadyModel<'a>>, DesignError> {
     let change = |scene: &Scene| {
         let mut fine = scene.clone();
         fine.layer.block_m *= 0.5;

@@ -221,6 +221,7 @@ mod tests {
             quantity: "ratio".into(),
             step_um: Dimensions::default(),
             by_pressure: vec![row],
+            errors_have_blocks: false,
             rim: None,
         };
         let rim = Rim::new(TRIED_HEIGHT_M, TRIED_WIDTH_M, RimProfile::Round).unwrap();

@@ -1,9 +1,9 @@
-//! How the target's quantity moves with the dimensions of the design.
+//! How the target's quantity moves with the dimensions of the design: of a sample that has as many cavities as it.
 
 use std::borrow::Cow;
 
 use serde::{Deserialize, Serialize};
-use slipgrid_optimize::{ForwardModel, ModelFailure, sensitivities};
+use slipgrid_optimize::{ForwardModel, ModelFailure, Sensitivities, sensitivities};
 use slipgrid_pattern::Pattern;
 
 use crate::DesignError;
@@ -23,6 +23,9 @@ pub struct SensitivityReport {
     pub step_um: Dimensions<Option<f64>>,
     /// One per target pressure.
     pub by_pressure: Vec<SlopesReport>,
+    /// The errors of slopes have the size of blocks in them: in the vertical plane.
+    #[serde(default)]
+    pub errors_have_blocks: bool,
     /// Along the height of the rims; absent where nothing is known of it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub rim: Option<RimSensitivityReport>,
@@ -35,7 +38,7 @@ pub struct SlopesReport {
     pub pressure_mpa: f64,
     /// d(value)/d(length) per um.
     pub per_um: Dimensions<Option<f64>>,
-    /// How far the slope at twice the step is from it.
+    /// How far the slope at twice the step is from it and, in the vertical plane, that of vanishing blocks: both squared and added.
     pub error_per_um: Dimensions<Option<f64>>,
 }
 
@@ -93,10 +96,55 @@ pub fn report(
         })
         .collect();
     let step_um = found.axes.each_ref().map(|axis| axis.as_ref().map(|axis| LENGTH_UM.from_si(axis.step_m)));
-    Ok(Some(SensitivityReport { quantity: quantity.into(), step_um: Dimensions::new(step_um), by_pressure, rim: None }))
+    Ok(Some(SensitivityReport {
+        quantity: quantity.into(),
+        step_um: Dimensions::new(step_um),
+        by_pressure,
+        errors_have_blocks: false,
+        rim: None,
+    }))
 }
 
 impl SensitivityReport {
+    /// Adds to the errors of slopes how far they are from those of vanishing blocks, if the order of convergence is one half:
+    /// `own` has ratios in the blocks of these slopes, `fine` in blocks half as large; values are ratios times `scales`.
+    ///
+    /// # Errors
+    /// [`ModelFailure`] where `own` or `fine` has no response at `design`.
+    pub(crate) fn add_blocks(
+        &mut self,
+        [own, fine]: [&dyn ForwardModel; 2],
+        design: &Pattern,
+        block_m: f64,
+        scales: &[f64],
+    ) -> Result<(), ModelFailure> {
+        let slopes = |model: &dyn ForwardModel| sensitivities(model, design, STEP_BLOCKS * block_m);
+        let (own, fine) = (slopes(own)?, slopes(fine)?);
+        let off = |axis: usize, row: usize| {
+            let slope = |of: &Sensitivities| of.axes[axis].as_ref()?.slopes.get(row).map(|slope| slope.per_m);
+            // |D_l - D_(l/2)| (1 + 1 / (2^(1/2) - 1))
+            let off_per_m = (slope(&own)? - slope(&fine)?).abs() * (1.0 + 1.0 / (std::f64::consts::SQRT_2 - 1.0));
+            Some(off_per_m * scales[row] * 1e-6)
+        };
+        for (row, slopes) in self.by_pressure.iter_mut().enumerate() {
+            let errors = slopes.error_per_um.all();
+            let with = |axis: usize| Some(tidy(errors[axis]?.hypot(off(axis, row)?)));
+            slopes.error_per_um = Dimensions::new(std::array::from_fn(with));
+        }
+        self.errors_have_blocks = true;
+        Ok(())
+    }
+
+    /// What the errors of slopes have in them, in words.
+    #[must_use]
+    pub const fn errors_in_words(&self) -> &'static str {
+        if self.errors_have_blocks {
+            "by the step and the size of blocks"
+        } else {
+            "by the step alone, not the size of blocks"
+        }
+    }
+
     /// The slopes as a small table.
     #[must_use]
     pub fn text(&self) -> String {
@@ -119,8 +167,9 @@ impl SensitivityReport {
         }
         let of_rims = self.rim.as_ref().map_or_else(String::new, |rim| format!("  {}\n", rim.words));
         format!(
-            "  change of {} in 1e-4 where one dimension grows by 1 um (steady model)\n{table}{of_rims}",
-            self.quantity
+            "  change of {} in 1e-4 where one dimension grows by 1 um (steady model; +- {})\n{table}{of_rims}",
+            self.quantity,
+            self.errors_in_words()
         )
     }
 
@@ -155,5 +204,22 @@ mod tests {
         assert!(text.contains("-2.00 +- 0.00") && text.contains("0.40 +- 0.00"), "{text}");
         let none = |_: &Pattern| Err(ModelFailure::Trial { reason: "closes".to_owned() });
         assert_eq!(report(&none, &design(), 10e-6, "ratio", &[0.65]).unwrap(), None);
+    }
+    #[test]
+    fn errors_of_slopes_cover_those_of_vanishing_blocks() {
+        // A slope of blocks of l that is off by 30 sqrt(l): at half the blocks by 21.2.
+        let of = |off: f64| {
+            move |at: &Pattern| {
+                let value = 0.9 - (1e2 + off) * at.width_m() + 2e1 * at.spacing_m();
+                Ok(Response { value: vec![value], limited: Vec::new() })
+            }
+        };
+        let (own, half) = (of(30.0), of(30.0 / 2.0_f64.sqrt()));
+        let mut found = report(&own, &design(), 10e-6, "ratio", &[0.65]).unwrap().unwrap();
+        assert!(found.text().contains("not the size of blocks"), "{}", found.text());
+        found.add_blocks([&own, &half], &design(), 10e-6, &[2.0]).unwrap();
+        let [width, spacing, depth] = found.by_pressure[0].error_per_um.all().map(Option::unwrap);
+        assert!((width - 2.0 * 30e-6).abs() < 1e-9 && spacing < 1e-12 && depth < 1e-12, "{width} {spacing} {depth}");
+        assert!(found.text().contains("by the step and the size of blocks"), "{}", found.text());
     }
 }

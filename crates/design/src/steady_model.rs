@@ -354,13 +354,26 @@ impl<'a> SteadyModel<'a> {
         self.scene.area_law.as_ref()
     }
 
-    /// What `solver`, made of `scene`, says of `design`, corrected.
-    fn ask(&self, scene: &Scene, solver: &Solver, design: &Pattern) -> Result<Response, ModelFailure> {
+    /// The response of `made`, a sample of what was `designed`: as many cavities lie on it.
+    ///
+    /// # Errors
+    /// As [`ForwardModel::respond`].
+    pub fn respond_made(&self, made: &Pattern, designed: &Pattern) -> Result<Response, ModelFailure> {
+        self.ask(&self.asked, &self.solver, (made, designed))
+    }
+
+    /// What `solver`, made of `scene`, says of `design`, corrected, with the cavities that lie on a sample of what was `designed`.
+    fn ask(
+        &self,
+        scene: &Scene,
+        solver: &Solver,
+        (design, designed): (&Pattern, &Pattern),
+    ) -> Result<Response, ModelFailure> {
         if self.monitor.cancelled() {
             return Err(ModelFailure::Cancelled);
         }
         self.limited.check(design)?;
-        let answer = self.laid(design, self.kept(scene, solver, design)?)?;
+        let answer = self.laid(designed, self.kept(scene, solver, design)?)?;
         if answer.clearance_m().is_some_and(|clearance_m| clearance_m <= 0.0) && !self.limited.judges_clearance() {
             return Err(ModelFailure::Trial { reason: "the cavity closes under load".to_owned() });
         }
@@ -422,7 +435,7 @@ fn open(answer: Answer) -> Result<Answer, ModelFailure> {
 
 impl ForwardModel for SteadyModel<'_> {
     fn respond(&self, design: &Pattern) -> Result<Response, ModelFailure> {
-        self.ask(&self.asked, &self.solver, design)
+        self.ask(&self.asked, &self.solver, (design, design))
     }
 }
 

@@ -11,7 +11,7 @@ pub struct LowFidelity<'a> {
 
 impl ForwardModel for LowFidelity<'_> {
     fn respond(&self, design: &Pattern) -> Result<Response, ModelFailure> {
-        self.model.ask(self.scene, self.solver, design)
+        self.model.ask(self.scene, self.solver, (design, design))
     }
 }
 

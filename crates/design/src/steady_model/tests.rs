@@ -1,5 +1,6 @@
 use super::*;
 use crate::operating_conditions::turned;
+use slipgrid_export::{Outline, Specimen};
 use slipgrid_material::{Elastic, LocalFriction};
 use slipgrid_pattern::{Planform, Rim, RimProfile, Texture};
 use slipgrid_springblock::{Dimension, Layer};
@@ -227,4 +228,28 @@ fn samples_whose_rims_are_of_another_height_have_answers_of_their_own() {
     let bare = plain.respond(&Pattern::new(Planform::Groove, 130e-6, 370e-6, 13e-6).unwrap()).unwrap().value[0];
     assert_eq!(ratio(0.0), bare);
     assert!(own < bare);
+}
+
+#[test]
+fn a_sample_made_of_a_design_has_as_many_cavities_as_it() {
+    let texture = Texture::new(Planform::Disc);
+    let design = Pattern::new(texture, 188e-6, 76e-6, 12e-6).unwrap();
+    let coarse = Scene { layer: Layer { block_m: 20e-6, ..scene().layer }, ..scene() };
+    let specimen = Specimen { outline: Outline::Disc { diameter_m: 2e-3 }, is_clipped: false };
+    let cell = SteadyModel::new(&coarse, &[], &[], &space(Planform::Disc), None);
+    let laid = SteadyModel::new(&coarse, &[], &[], &space(Planform::Disc), None).on(specimen);
+    let wider = |by_m: f64| Pattern::new(texture, 188e-6 + by_m, 76e-6, 12e-6).unwrap();
+    let (thin, wide) = (wider(-8e-6), wider(8e-6));
+    let change = |of: &dyn Fn(&Pattern) -> f64| of(&wide) - of(&thin);
+    let of_cell = change(&|at| cell.respond(at).unwrap().value[1]);
+    let made = change(&|at| laid.respond_made(at, &design).unwrap().value[1]);
+    let designed = change(&|at| laid.respond(at).unwrap().value[1]);
+    // What the cavities' share of the face changes of the ratio, in proportion.
+    let share = laid.share(&design).unwrap();
+    assert!((made / of_cell / share - 1.0).abs() < 0.05, "{made} of {of_cell}, share {share}");
+    // Other numbers of cavities fit the face.
+    assert!(
+        laid.share(&thin).unwrap() != laid.share(&wide).unwrap() && (designed / made - 1.0).abs() > 0.3,
+        "{designed}"
+    );
 }

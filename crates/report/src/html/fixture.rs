@@ -94,6 +94,7 @@ pub fn report() -> DesignReport {
                 per_um: Dimensions { width: Some(-3.5e-4), spacing: Some(1.2e-4), depth: None },
                 error_per_um: Dimensions { width: Some(2e-6), spacing: Some(0.0), depth: None },
             }],
+            errors_have_blocks: true,
             rim: None,
         }),
         robustness: Some(robustness(&design)),

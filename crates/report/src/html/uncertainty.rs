@@ -27,11 +27,12 @@ pub(super) fn sensitivities(page: &mut Page, found: &SensitivityReport) {
     page.records(
         &format!(
             "Change of {} in units of 0.0001 where one dimension grows by 1 µm and the others stay, by the steady model: central \
-             differences over {}, {} and {} µm each way. After ± the distance to differences over twice that.",
+             differences over {}, {} and {} µm each way. After ± their error {}.",
             found.quantity,
             plain(width),
             plain(spacing),
             plain(depth),
+            found.errors_in_words(),
         ),
         &found.by_pressure,
         &[
