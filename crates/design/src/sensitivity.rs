@@ -38,7 +38,7 @@ pub struct SlopesReport {
     pub pressure_mpa: f64,
     /// d(value)/d(length) per um.
     pub per_um: Dimensions<Option<f64>>,
-    /// How far the slope at twice the step is from it and, in the vertical plane, that of vanishing blocks: both squared and added.
+    /// How far the slope at twice the step is from it and, in the vertical plane, half as far as that of vanishing blocks: both squared and added.
     pub error_per_um: Dimensions<Option<f64>>,
 }
 
@@ -106,8 +106,8 @@ pub fn report(
 }
 
 impl SensitivityReport {
-    /// Adds to the errors of slopes how far they are from those of vanishing blocks, if the order of convergence is one half:
-    /// `own` has ratios in the blocks of these slopes, `fine` in blocks half as large; values are ratios times `scales`.
+    /// Adds to the errors of slopes how far they are from those of vanishing blocks, if the order of convergence is one half
+    /// (as two standard deviations): `own` has ratios in the blocks of these slopes, `fine` in blocks half as large; values are ratios times `scales`.
     ///
     /// # Errors
     /// [`ModelFailure`] where `own` or `fine` has no response at `design`.
@@ -122,9 +122,9 @@ impl SensitivityReport {
         let (own, fine) = (slopes(own)?, slopes(fine)?);
         let off = |axis: usize, row: usize| {
             let slope = |of: &Sensitivities| of.axes[axis].as_ref()?.slopes.get(row).map(|slope| slope.per_m);
-            // |D_l - D_(l/2)| (1 + 1 / (2^(1/2) - 1))
-            let off_per_m = (slope(&own)? - slope(&fine)?).abs() * (1.0 + 1.0 / (std::f64::consts::SQRT_2 - 1.0));
-            Some(off_per_m * scales[row] * 1e-6)
+            // |D_l - D_(l/2)| (1 + 1 / (2^(1/2) - 1)), as two standard deviations
+            let share = 0.5 * (1.0 + 1.0 / (std::f64::consts::SQRT_2 - 1.0));
+            Some(share * (slope(&own)? - slope(&fine)?).abs() * scales[row] * 1e-6)
         };
         for (row, slopes) in self.by_pressure.iter_mut().enumerate() {
             let errors = slopes.error_per_um.all();
@@ -219,7 +219,7 @@ mod tests {
         assert!(found.text().contains("not the size of blocks"), "{}", found.text());
         found.add_blocks([&own, &half], &design(), 10e-6, &[2.0]).unwrap();
         let [width, spacing, depth] = found.by_pressure[0].error_per_um.all().map(Option::unwrap);
-        assert!((width - 2.0 * 30e-6).abs() < 1e-9 && spacing < 1e-12 && depth < 1e-12, "{width} {spacing} {depth}");
+        assert!((width - 30e-6).abs() < 1e-9 && spacing < 1e-12 && depth < 1e-12, "{width} {spacing} {depth}");
         assert!(found.text().contains("by the step and the size of blocks"), "{}", found.text());
     }
 }
