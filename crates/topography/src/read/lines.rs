@@ -25,7 +25,7 @@ impl<R: BufRead> Lines<R> {
         self.line
     }
 
-    /// The next line, trimmed; `None` at the end.
+    /// The next line, trimmed, but for tabs around fields between tabs, which part empty ones; `None` at the end.
     pub(crate) fn next(&mut self) -> Result<Option<&str>, ReadError> {
         self.bytes.clear();
         self.line += 1;
@@ -47,7 +47,11 @@ impl<R: BufRead> Lines<R> {
             Err(_) => self.text.extend(self.bytes.iter().map(|&byte| char::from(byte))),
         }
         let text = if self.line == 1 { self.text.trim_start_matches('\u{feff}') } else { &self.text };
-        Ok(Some(text.trim()))
+        let trimmed = text.trim();
+        if trimmed.contains('\t') && !trimmed.starts_with(['#', '%']) {
+            return Ok(Some(text.trim_matches(|mark: char| mark.is_whitespace() && mark != '\t')));
+        }
+        Ok(Some(trimmed))
     }
 }
 
@@ -77,15 +81,23 @@ impl Delimiter {
         }
     }
 
-    /// The fields of `line`, trimmed; one delimiter at its end closes the last field.
-    pub(crate) fn fields(self, line: &str) -> impl Iterator<Item = &str> {
-        let mark = match self {
+    const fn mark(self) -> Option<char> {
+        match self {
             Self::Semicolon => Some(';'),
             Self::Comma => Some(','),
             Self::Tab => Some('\t'),
             Self::Space => None,
-        };
-        let line = mark.and_then(|mark| line.strip_suffix(mark)).unwrap_or(line);
+        }
+    }
+
+    /// The fields of `line`, trimmed; one delimiter at its end closes the last field.
+    pub(crate) fn fields(self, line: &str) -> impl Iterator<Item = &str> {
+        self.all_fields(self.mark().and_then(|mark| line.strip_suffix(mark)).unwrap_or(line))
+    }
+
+    /// The fields of `line`, trimmed; behind a delimiter at its end stands an empty one.
+    pub(crate) fn all_fields(self, line: &str) -> impl Iterator<Item = &str> {
+        let mark = self.mark();
         // Tables quote fields at will.
         let marked = mark.map(|mark| line.split(mark).map(|field| field.trim().trim_matches('"')));
         let spaced = mark.is_none().then(|| line.split_whitespace());
@@ -96,12 +108,7 @@ impl Delimiter {
 impl Delimiter {
     /// Whether `line` ends with the mark between fields: after its last field, or before one that is empty.
     pub(crate) fn ends(self, line: &str) -> bool {
-        match self {
-            Self::Semicolon => line.ends_with(';'),
-            Self::Comma => line.ends_with(','),
-            Self::Tab => line.ends_with('\t'),
-            Self::Space => false,
-        }
+        self.mark().is_some_and(|mark| line.ends_with(mark))
     }
 }
 

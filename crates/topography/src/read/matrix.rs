@@ -14,11 +14,24 @@ const NOT_SQUARE: f64 = 0.01;
 /// ... and at most, however coarsely the sides are rounded.
 const MOST_NOT_SQUARE: f64 = 0.06;
 
+/// What the marks at the ends of lines say of a last column.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum LastField {
+    /// None ends with a mark, or the mark closes the last field.
+    Counted,
+    /// All so far end with a mark: the last of the columns counted is empty, or none.
+    Open,
+}
+
 /// Rows read so far, in the text's unit, NaN where missing.
 #[derive(Debug)]
 pub(super) struct MatrixReader {
     delimiter: Delimiter,
+    /// What stands before the first field of a line.
+    indent: String,
+    /// Columns, with one that may be none.
     cols: usize,
+    last: LastField,
     row: Vec<f64>,
     window: Window,
 }
@@ -27,18 +40,28 @@ impl MatrixReader {
     /// A reader of rows like `first`, on line `line`.
     pub(super) fn new(first: &str, line: usize, header: &Header, options: &ReadOptions) -> Result<Self, ReadError> {
         let delimiter = Delimiter::of(first);
-        let cols = delimiter.fields(first).count();
-        if let Some(expected) = header.pixels[1].filter(|&expected| expected != cols as u64) {
-            let expected = usize::try_from(expected).unwrap_or(usize::MAX);
-            return Err(ReadError::RowLength { line, found: cols, expected });
-        }
+        let row = first.trim_start_matches('\t');
+        let indent = first[..first.len() - row.len()].to_owned();
+        let (closed, all) = (delimiter.fields(row).count(), delimiter.all_fields(row).count());
+        let (cols, last) = match header.pixels[1].map(|expected| usize::try_from(expected).unwrap_or(usize::MAX)) {
+            Some(expected) if expected == closed || expected == all => (expected, LastField::Counted),
+            Some(expected) => return Err(ReadError::RowLength { line, found: closed, expected }),
+            None if all > closed => (all, LastField::Open),
+            None => (closed, LastField::Counted),
+        };
         let window = Window::new(None, cols as u64, options.crop, options.decimation)?;
-        Ok(Self { delimiter, cols, row: Vec::new(), window })
+        Ok(Self { delimiter, indent, cols, last, row: Vec::new(), window })
+    }
+
+    /// Columns for sure.
+    fn sure_cols(&self) -> usize {
+        self.cols - usize::from(self.last == LastField::Open)
     }
 
     pub(super) fn push(&mut self, text: &str, line: usize) -> Result<(), ReadError> {
         self.row.clear();
-        for (n, field) in self.delimiter.fields(text).enumerate() {
+        let text = text.strip_prefix(&self.indent[..]).unwrap_or(text);
+        for (n, field) in self.delimiter.all_fields(text).enumerate() {
             let value = height(field).ok_or_else(|| ReadError::NotANumber {
                 line,
                 column: n + 1,
@@ -47,10 +70,28 @@ impl MatrixReader {
             })?;
             self.row.push(value.unwrap_or(f64::NAN));
         }
+        let ends = self.delimiter.ends(text);
+        if self.last == LastField::Counted && self.row.len() == self.cols + 1 && ends {
+            self.row.pop();
+        } else if self.last == LastField::Open && !ends {
+            if self.row.len() == self.sure_cols() {
+                self.without_last_col()?;
+            } else if self.row.len() == self.cols {
+                self.last = LastField::Counted;
+            }
+        }
         if self.row.len() != self.cols {
-            return Err(ReadError::RowLength { line, found: self.row.len(), expected: self.cols });
+            let found = self.row.len() - usize::from(ends && self.row.len() > self.cols);
+            return Err(ReadError::RowLength { line, found, expected: self.sure_cols() });
         }
         self.window.push(&self.row)
+    }
+
+    /// Takes the mark at the ends of lines as what closes their last field.
+    fn without_last_col(&mut self) -> Result<(), ReadError> {
+        self.cols -= 1;
+        self.last = LastField::Counted;
+        self.window.without_last_col()
     }
 
     /// Whether all rows asked for have been read.
@@ -64,18 +105,28 @@ impl MatrixReader {
     }
 
     /// Rows of the whole text: those read and, if the header's sides must be shared among all or their number is
-    /// known, those to come.
+    /// known, those to come. No row follows: a last column of which no row had a height is none.
     pub(super) fn count_rest(
-        &self,
+        &mut self,
         lines: &mut Lines<impl BufRead>,
         options: &ReadOptions,
         header: &Header,
     ) -> Result<usize, ReadError> {
         let mut rows = self.window.rows_seen();
-        if (options.pixel_m.is_none() && header.height_m.is_some()) || header.pixels[0].is_some() {
+        let shared = options.pixel_m.is_none() && header.height_m.is_some();
+        if shared || header.pixels[0].is_some() || self.last == LastField::Open {
             while let Some(text) = lines.next()? {
-                rows += usize::from(!text.is_empty() && !text.starts_with(['#', '%']));
+                if text.trim().is_empty() || text.starts_with(['#', '%']) {
+                    continue;
+                }
+                rows += 1;
+                if self.last == LastField::Open && !self.delimiter.ends(text) {
+                    self.last = LastField::Counted;
+                }
             }
+        }
+        if self.last == LastField::Open {
+            self.without_last_col()?;
         }
         match header.pixels[0] {
             Some(expected) if expected != rows as u64 => {
@@ -182,6 +233,58 @@ mod tests {
         assert_eq!(refused(&told, &plain), None);
         let cut = told.rsplit_once("\n").unwrap().0.rsplit_once("\n").unwrap().0;
         assert_eq!(refused(cut, &plain).unwrap(), "matrix: the rows end after 23 of 24");
+    }
+
+    #[test]
+    fn an_empty_last_field_is_a_missing_point_and_a_mark_that_ends_all_lines_is_none() {
+        let um = Some(crate::LengthUnit::Micrometre);
+        let given = ReadOptions { pixel_m: Some([1e-6; 2]), height_unit: um, ..ReadOptions::NONE };
+        let map = |text: &str, options| read_map(text.as_bytes(), &options);
+        // As text, in which NaN equals NaN.
+        let read = |text: &str, options| map(text, options).map(|read| format!("{:?} {}", read.map, read.whole));
+        let whole = "1,NaN,3,4,5\nNaN,6,7,8,NaN\n9,10,11,NaN,12\n";
+        for mark in [";", "\t", ","] {
+            let written = whole.replace(',', mark);
+            assert_eq!(map(&written, given).unwrap().map.missing(), 4);
+            let expected = read(&written, given);
+            let empty = written.replace("NaN", "");
+            // At the left edge, in the middle, at the right edge; closed by a mark on every line, too.
+            let closed = empty.replace('\n', &format!("{mark}\n"));
+            for text in [&empty, &closed] {
+                assert_eq!(read(text, given), expected, "{text}");
+            }
+            // The first row may be the one with the hole.
+            let first_hole = format!("1{mark}2{mark}3{mark}4{mark}\n{empty}");
+            let expected = map(&format!("1{mark}2{mark}3{mark}4{mark}NaN\n{written}"), given).unwrap().map;
+            assert_eq!(read(&first_hole, given), Ok(format!("{expected:?} true")), "{first_hole}");
+            // In blocks, too, and where a crop ends before the column is seen to be one.
+            let pick = crate::Decimation { factor: 2, method: crate::DecimationMethod::Pick };
+            let blocks = ReadOptions { decimation: Some(pick), ..given };
+            let joined = expected.transposed().windowed(None, Some(pick)).unwrap().transposed();
+            assert_eq!(read(&first_hole, blocks), Ok(format!("{joined:?} false")));
+            let crop =
+                ReadOptions { crop: Some(crate::Crop { first_row: 0, first_col: 3, rows: 1, cols: 2 }), ..given };
+            assert!(!map(&first_hole, crop).unwrap_err().to_string().contains("crop"), "{mark:?}");
+        }
+        // Four columns in blocks of four, closed on every line: the mark adds no block.
+        let four = "1;2;3;4;\n".repeat(8);
+        let of_four = |factor| crate::Decimation { factor, method: crate::DecimationMethod::Pick };
+        for factor in [1, 2] {
+            let options = ReadOptions { decimation: Some(of_four(factor)), ..given };
+            let expected = read(&four.replace(";\n", "\n"), options).unwrap();
+            assert_eq!(read(&four, options).unwrap(), expected);
+        }
+        // A row that is short stays so; the header's count of columns decides where there is one.
+        for (text, said) in [
+            ("1;2;3;4\n1;2;3\n", "line 2: 3 values: expected 4"),
+            ("1;2;3;4;\n1;2;\n", "expected 4"),
+            ("1;2;3;4;\n1;2;3;4;5;\n", "line 2: 5 values: expected 4"),
+        ] {
+            assert!(read(text, given).unwrap_err().to_string().contains(said), "{text}");
+        }
+        let told = |count: usize| format!("# File Format = ASCII\n# x-pixels = {count}\n1;2;3;\n4;5;6;\n");
+        let missing = [3, 4].map(|count| map(&told(count), given).unwrap().map.missing());
+        assert_eq!(missing, [0, 2]);
     }
 
     #[test]

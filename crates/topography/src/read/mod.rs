@@ -11,7 +11,7 @@
 //! | [`X3p`](MapFormat::X3p), XML 3-D surface | a zip archive | metres |
 //!
 //! Units of text are m, cm, mm, um, nm, pm. Values stand between spaces, tabs, commas or semicolons; `NaN`,
-//! `BAD`, `---` and an empty field mark a missing point. Other lines that begin with `#` or `%` are comments,
+//! `BAD`, `---` and an empty field mark a missing point; marks that end all lines close their last field. Other lines that begin with `#` or `%` are comments,
 //! in UTF-8 or Latin-1, and so are lines above the data that name a value, as `Operator: Anna`; both may say sizes and units.
 //!
 //! Lines of a matrix, and what the instruments call x, run along our y (the file's width); the first line is
@@ -39,9 +39,9 @@ use std::io::{BufRead, Cursor, Read};
 
 use comma::DecimalSign;
 use header::{ABOVE_DATA, Header, begins_with_a_word, names_a_value};
-use lines::{Delimiter, Lines};
+use lines::Lines;
 use matrix::MatrixReader;
-use xyz::XyzReader;
+use xyz::{XyzReader, is_point};
 
 pub(crate) use matrix::square;
 use window::window_of;
@@ -240,8 +240,8 @@ struct Text<'o> {
 
 impl Text<'_> {
     /// Takes a line; says whether more are wanted.
-    fn take(&mut self, text: &str, line: usize) -> Result<bool, ReadError> {
-        let before_data = self.data.is_none();
+    fn take(&mut self, row: &str, line: usize) -> Result<bool, ReadError> {
+        let (text, before_data) = (row.trim(), self.data.is_none());
         if text.is_empty() || ((before_data || text.starts_with(['#', '%'])) && self.header.take(text, line)?) {
             if self.header.titled {
                 self.preamble = None;
@@ -258,7 +258,7 @@ impl Text<'_> {
         }
         // Data without titles: what stands above them is no preamble, and is refused as what it is.
         self.push_preamble()?;
-        self.push(text, line)
+        self.push(row, line)
     }
 
     /// Refuses what stands above data without titles.
@@ -315,7 +315,7 @@ fn read_text(source: impl BufRead, options: &ReadOptions) -> Result<ReadMap, Rea
     let Text { header, data, .. } = text;
     let (map, whole, format) = match data {
         None => return Err(ReadError::NoData { lines: lines.line() }),
-        Some(Data::Matrix(matrix)) => {
+        Some(Data::Matrix(mut matrix)) => {
             // The rows behind a crop say how large a pixel is, where the header gives only the sides.
             let rows = matrix.count_rest(&mut lines, options, &header)?;
             let whole = matrix.is_whole();
@@ -333,8 +333,7 @@ fn read_text(source: impl BufRead, options: &ReadOptions) -> Result<ReadMap, Rea
 /// The form of a text, from its header and its first line of data.
 fn detect(header: &Header, text: &str) -> MapFormat {
     let sized = header.width_m.is_some() || header.height_m.is_some() || header.pixels[1].is_some();
-    let is_point = || Delimiter::of(text).fields(text).take(4).count() == 3;
-    if header.titled || !sized && is_point() { MapFormat::Xyz } else { MapFormat::Matrix }
+    if header.titled || !sized && is_point(text) { MapFormat::Xyz } else { MapFormat::Matrix }
 }
 
 #[cfg(test)]

@@ -137,6 +137,29 @@ impl Window {
         self.row
     }
 
+    /// Takes the last column of the file for none, if it is of no height.
+    pub(crate) fn without_last_col(&mut self) -> Result<(), ReadError> {
+        let kept = self.kept_cols();
+        self.file_cols -= 1;
+        if self.cols[1] > self.file_cols {
+            self.cols[1] = self.file_cols;
+            if self.cols[0] >= self.cols[1] {
+                let (first, available) = (self.cols[0], self.file_cols as u64);
+                return Err(ReadError::CropOutside { axis: "columns", first, count: 1, available });
+            }
+            let left = self.kept_cols();
+            if left < kept {
+                self.block.truncate(left);
+                let mut place = 0;
+                self.height.retain(|_| {
+                    place += 1;
+                    (place - 1) % kept < left
+                });
+            }
+        }
+        Ok(())
+    }
+
     /// Takes the next heights in the order of the file, NaN where missing, any number of them.
     pub(crate) fn push(&mut self, mut heights: &[f64]) -> Result<(), ReadError> {
         while !heights.is_empty() {

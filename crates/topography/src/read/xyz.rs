@@ -42,6 +42,15 @@ impl Points {
     }
 }
 
+/// Whether `text` has three values; that of a height that was not measured may be an empty field at the end of the line.
+pub(super) fn is_point(text: &str) -> bool {
+    let (delimiter, row) = (Delimiter::of(text), text.trim_start());
+    match delimiter.fields(row).take(4).count() {
+        2 => delimiter.ends(row),
+        fields => fields == 3,
+    }
+}
+
 /// Reads points line by line.
 #[derive(Debug)]
 pub(super) struct XyzReader {
@@ -57,6 +66,7 @@ impl Default for XyzReader {
 
 impl XyzReader {
     pub(super) fn push(&mut self, text: &str, line: usize) -> Result<(), ReadError> {
+        let text = text.trim_start();
         let delimiter = *self.delimiter.get_or_insert_with(|| Delimiter::of(text));
         let mut fields = delimiter.fields(text);
         let (x, y, z) = (fields.next(), fields.next(), fields.next());
@@ -263,13 +273,17 @@ mod tests {
 
     #[test]
     fn a_height_that_was_not_measured_may_be_an_empty_field_at_the_end_of_a_line() {
-        let whole: Vec<String> = scan().iter().map(|line| line.replace(' ', ";")).collect();
-        let mut holed = whole.clone();
+        let whole_lines = || scan().iter().map(|line| line.replace(' ', ";")).collect::<Vec<String>>();
+        let mut holed = whole_lines();
         holed[4] = "0.5;0.25;\n".to_owned();
-        let (whole, holed) = (read(&whole).unwrap(), read(&holed).unwrap());
-        assert_eq!((whole.missing(), holed.missing(), holed.rows(), holed.cols()), (0, 1, 4, 3));
-        let kept = whole.heights_m().iter().zip(holed.heights_m()).filter(|(all, left)| all == left).count();
+        let (whole, found) = (read(&whole_lines()).unwrap(), read(&holed).unwrap());
+        assert_eq!((whole.missing(), found.missing(), found.rows(), found.cols()), (0, 1, 4, 3));
+        let kept = whole.heights_m().iter().zip(found.heights_m()).filter(|(all, left)| all == left).count();
         assert_eq!(kept, 11);
+        // Also where the first point is the one, without titles.
+        holed = whole_lines();
+        holed[0] = "0;0;\n".to_owned();
+        assert_eq!(read(&holed).unwrap().missing(), 1);
         // Without the mark a field is not there.
         let short: Vec<String> = ["0;0;1\n", "0;1\n"].map(str::to_owned).to_vec();
         assert_eq!(read(&short).unwrap_err().to_string(), "line 2: 2 values: expected 3");
