@@ -86,9 +86,14 @@ fn dimensions(page: &mut Page, report: &DesignReport, found: Option<&DesignOutco
     let lengths = [
         ("length", "µm", design.length_um),
         ("spacing across", "µm", design.spacing_across_um),
-        ("grooves turned by", "degrees", design.angle_deg),
+        ("grooves turned by", "degrees", design.angle_deg.filter(|_| design.crossing_angle_deg.is_none())),
         ("sliding direction turned by", "degrees", design.sliding_angle_deg),
     ];
+    if let Some(crossing_deg) = known(design.crossing_angle_deg) {
+        let first_deg = design.angle_deg.unwrap_or(0.0);
+        let [first, second] = [first_deg, first_deg + crossing_deg].map(length_um);
+        rows.push(("grooves turned by", format!("{first} degrees, crossed by grooves turned by {second} degrees")));
+    }
     rows.extend(
         lengths
             .into_iter()

@@ -17,6 +17,27 @@ fn page_of(report: &DesignReport, outputs: &Outputs) -> String {
     design(report, Some(&law), &loads, outputs, None)
 }
 
+#[test]
+fn grooves_that_cross_are_given_by_both_directions() {
+    let said = |angle_deg, crossing_angle_deg| {
+        let mut report = report();
+        (report.design.angle_deg, report.design.crossing_angle_deg) = (angle_deg, crossing_angle_deg);
+        page_of(&report, &Outputs::default())
+    };
+    let turned = "<th scope=\"row\">grooves turned by</th><td>";
+    for (first, crossing, words) in [
+        (Some(15.0), Some(60.0), Some("15 degrees, crossed by grooves turned by 75 degrees")),
+        (None, Some(90.0), Some("0 degrees, crossed by grooves turned by 90 degrees")),
+        (Some(30.0), None, Some("30 degrees")),
+        (None, None, None),
+    ] {
+        let page = said(first, crossing);
+        let found = page.split_once(turned).map(|(_, rest)| rest.split_once('<').unwrap().0);
+        assert_eq!(found, words, "{first:?} {crossing:?}");
+        assert!(page.matches(turned).count() <= 1);
+    }
+}
+
 /// Tags that are opened and not closed, or the other way round.
 fn unbalanced(page: &str) -> Vec<String> {
     const VOID: [&str; 2] = ["meta", "!DOCTYPE"];
