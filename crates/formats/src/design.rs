@@ -185,7 +185,9 @@ impl Design {
                 .refuse(bounds.depth_um.span(), format!("reaches through the layer of {layer_um} um"))
                 .expected(format!("depths below {layer_um} um")));
         }
-        let tolerances = file.tolerances.as_ref().map(|table| read_tolerances(&document, table)).transpose()?;
+        let largest_m = [width_m[1], spacing_m[1], depth_m[1]];
+        let tolerances =
+            file.tolerances.as_ref().map(|table| read_tolerances(&document, table, largest_m)).transpose()?;
         let texture = read_texture(&document, file.pattern.get_ref(), file.pattern.span())?;
         let texture = match file.tolerances.as_ref().and_then(|table| table.rim_height_std_um.as_ref()) {
             Some(std) if *std.get_ref() > 0.0 => {

@@ -8,7 +8,7 @@ use toml::Spanned;
 use super::document::Document;
 use super::values::Number;
 use crate::diagnostic::Diagnostic;
-use slipgrid_units::{CORRELATION, LENGTH_STD_UM, RIM_HEIGHT_UM};
+use slipgrid_units::{CORRELATION, LENGTH_STD_UM, LENGTH_UM, RIM_HEIGHT_UM};
 
 /// Draws where a file names none: a probability of one half is known to 2.2 %.
 const DEFAULT_DRAWS: usize = 500;
@@ -33,11 +33,35 @@ pub struct TolerancesFile {
 
 /// Reads the table.
 ///
+/// `largest_m` are the largest width, spacing and depth within the bounds.
+///
 /// # Errors
-/// [`Diagnostic`] for numbers out of range.
-pub fn read_tolerances(document: &Document, file: &TolerancesFile) -> Result<SampleScatter, Diagnostic> {
-    let std_m = |std: &Option<Number>| Ok(document.optional(std.as_ref(), LENGTH_STD_UM)?.unwrap_or(0.0));
-    let std_m = [std_m(&file.width_std_um)?, std_m(&file.spacing_std_um)?, std_m(&file.depth_std_um)?];
+/// [`Diagnostic`] for numbers out of range, and for dimensions that scatter by more than the largest within the bounds.
+pub fn read_tolerances(
+    document: &Document,
+    file: &TolerancesFile,
+    largest_m: [f64; 3],
+) -> Result<SampleScatter, Diagnostic> {
+    // Draws are normal, and one that is not positive is drawn again: Phi(-1) = 16 % where a dimension scatters by as much as it measures.
+    // Beyond, that is more of any design, and the others are cells many times as large as any within the bounds.
+    let std_m = |std: &Option<Number>, name: &str, largest_m: f64| {
+        let Some(written) = std else { return Ok(0.0) };
+        let std_m = document.number(written, LENGTH_STD_UM)?;
+        if std_m <= largest_m {
+            return Ok(std_m);
+        }
+        let largest_um = LENGTH_UM.from_si(largest_m);
+        let reason = format!(
+            "is more than the largest {name} within the bounds: of any design, more than one sample in six would be drawn with no {name} \
+             at all"
+        );
+        Err(document.refuse(written.span(), reason).expected(format!("at most {largest_um} um")))
+    };
+    let std_m = [
+        std_m(&file.width_std_um, "width", largest_m[0])?,
+        std_m(&file.spacing_std_um, "spacing", largest_m[1])?,
+        std_m(&file.depth_std_um, "depth", largest_m[2])?,
+    ];
     let correlation = document.optional(file.width_spacing_correlation.as_ref(), CORRELATION)?.unwrap_or(0.0);
     let draws = match &file.draws {
         None => DEFAULT_DRAWS,

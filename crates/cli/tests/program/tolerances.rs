@@ -96,6 +96,11 @@ fn what_samples_need_and_do_not_have_is_refused_by_key() {
     for (more, says) in [
         ("robust = true\n", "search.robust"),
         ("[tolerances]\nwidth_std_um = -1.0\n", "tolerances.width_std_um"),
+        ("[tolerances]\nwidth_std_um = 3000.0\n", "tolerances.width_std_um: 3000.0 is more than the largest width"),
+        (
+            "[tolerances]\ndepth_std_um = 3000.0\n",
+            "sample in six would be drawn with no depth at all; expected at most",
+        ),
         ("[tolerances]\nwidth_spacing_correlation = 2.0\n", "tolerances.width_spacing_correlation"),
         ("[tolerances]\ndraws = 3\n", "tolerances.draws"),
         ("[trade_offs]\ngoals = [\"misfit\", \"spread\"]\n", "[tolerances]"),
