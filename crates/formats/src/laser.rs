@@ -10,6 +10,7 @@ use toml::Spanned;
 use super::document::Document;
 use super::values::{Number, NumberList, number};
 use crate::diagnostic::Diagnostic;
+use crate::plausible::SPOT;
 use slipgrid_export::{AT_THE_RIM, Specimen};
 use slipgrid_results::SpecimenReport;
 use slipgrid_units::{LENGTH_MM, LENGTH_UM, POSITIVE, WALL_TAPER_DEG, significant};
@@ -21,7 +22,7 @@ pub struct LaserFile {
     /// Wavelength, for the process sheet.
     wavelength_nm: Option<Number>,
     /// Diameter of the spot; no cavity is narrower.
-    spot_um: Option<Number>,
+    pub(crate) spot_um: Option<Number>,
     /// Length of a pulse, for the process sheet.
     pulse_ns: Option<Number>,
     /// Power density, for the process sheet.
@@ -120,6 +121,12 @@ pub fn read_laser(
     };
     let Some(table) = file else { return Ok(of_limits) };
     let file = table.get_ref();
+    if let Some(spot) = &file.spot_um
+        && let Err(expected) = SPOT.judge(*spot.get_ref())
+    {
+        length(Some(spot))?;
+        return Err(document.refuse(spot.span(), "is the spot of no laser").expected(expected));
+    }
     let exposure = file.exposure.as_ref().map(|name| document.choice(name, &EXPOSURES, exposure_name)).transpose()?;
     let laser = Laser {
         wavelength_nm: copied(file.wavelength_nm.as_ref())?,
@@ -379,6 +386,13 @@ mod tests {
                 "a.toml:4: laser.speed_mm_s: 2000.0 mm/s at repetition_hz = 20000 sets pulses 100 um apart on a spot of 30 um; expected \
                  repetition_hz of at least 66700, or speed_mm_s of at most 600",
             ),
+            (
+                "spot_um = 0.02".to_owned(),
+                "a.toml:2: laser.spot_um: 0.02 is the spot of no laser; expected 0.2 to 10000 um, as light is focused to half its wavelength \
+                 at best, and masks let through 10 mm at most; in mm, that would be 20 um",
+            ),
+            ("spot_um = 20000".to_owned(), "in nm, that would be 20 um"),
+            ("spot_um = 0.0".to_owned(), "a.toml:2: laser.spot_um: 0.0 is out of range"),
             ("wall_taper_deg = -1.0".to_owned(), "a.toml:2: laser.wall_taper_deg: -1.0 is out of range"),
             ("exposure = \"mas\"".to_owned(), "did you mean `mask`?"),
         ] {

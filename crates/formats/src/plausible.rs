@@ -108,6 +108,16 @@ pub const SPECIMEN: Plausible = Plausible {
     slips: &[("in um, that", 1e-3)],
 };
 
+/// Diameters of laser spots.
+pub const SPOT: Plausible = Plausible {
+    what: "laser spots",
+    unit: "um",
+    measurable: [0.2, 1e4],
+    usual: [0.2, 1e4],
+    why: "light is focused to half its wavelength at best, and masks let through 10 mm at most",
+    slips: &[("in mm, that", 1e3), ("in nm, that", 1e-3)],
+};
+
 /// Friction of a patterned sample over that of a flat one at the same load, speed and humidity. None is refused.
 pub const RATIO: Plausible = Plausible {
     what: "ratios of patterned to flat friction",
@@ -123,8 +133,8 @@ pub const RATIO: Plausible = Plausible {
 };
 
 /// Every quantity that is judged.
-pub const ALL: [Plausible; 10] =
-    [FRICTION, RATIO, MODULUS, DENSITY, SPEED, FORCE, PRESSURE, STRAIN, RELATIVE_DEVIATION, SPECIMEN];
+pub const ALL: [Plausible; 11] =
+    [FRICTION, RATIO, MODULUS, DENSITY, SPEED, FORCE, PRESSURE, STRAIN, RELATIVE_DEVIATION, SPECIMEN, SPOT];
 
 /// The unit that is likely to have been meant by a `value` that a key's `quantity` does not accept.
 #[must_use]
@@ -222,6 +232,8 @@ mod tests {
             (RATIO, 0.08, "one place to the right it would be 0.8"),
             (DENSITY, 900.0, "in kg/m3, that would be 0.9 g/cm3"),
             (RATIO, 85.0, "in per cent, that would be 0.85"),
+            (SPOT, 0.02, "in mm, that would be 20 um"),
+            (SPOT, 2e4, "in nm, that would be 20 um"),
             (GIVEN_PRESSURE, 4e5, "in Pa, that would be 0.4 MPa"),
             (GIVEN_PRESSURE, 400.0, "in kPa, that would be 0.4 MPa"),
         ] {

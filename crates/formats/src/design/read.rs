@@ -67,6 +67,9 @@ pub(super) fn read_range(document: &Document, bounds: &Spanned<Numbers>) -> Resu
     }
 }
 
+/// Nanometres in a micrometre.
+const NANOMETRES: f64 = 1e3;
+
 /// Width, spacing and depth bounds, in metres.
 type Bounds = ([f64; 2], [f64; 2], [f64; 2]);
 
@@ -107,6 +110,15 @@ pub(super) fn read_limits(
     if let Some(spot_m) = limits.spot_m
         && width_m[1] < spot_m
     {
+        let (spot_um, most_um) = (LENGTH_UM.from_si(spot_m), LENGTH_UM.from_si(width_m[1]));
+        if let Some(spot) = file.laser.as_ref().and_then(|laser| laser.get_ref().spot_um.as_ref())
+            && spot_um >= NANOMETRES
+            && spot_um / NANOMETRES <= most_um
+        {
+            let nanometres = format!("at most {most_um} um; in nm, that would be {} um", spot_um / NANOMETRES);
+            let reason = format!("is wider than the widest cavity within the bounds, {most_um} um");
+            return Err(document.refuse(spot.span(), reason).expected(nanometres));
+        }
         return Err(document
             .refuse(bounds.width_um.span(), "ends below the laser's spot: no pattern is left")
             .expected(format!("a largest width of at least {} um", LENGTH_UM.from_si(spot_m))));
