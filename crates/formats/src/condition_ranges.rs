@@ -19,6 +19,13 @@ pub struct ConditionRangeFile {
     humidity_pct: Spanned<Numbers>,
 }
 
+impl ConditionRangeFile {
+    /// The humidity as it is written.
+    pub(crate) const fn humidity(&self) -> &Spanned<Numbers> {
+        &self.humidity_pct
+    }
+}
+
 /// Reads a condition or a range of them.
 ///
 /// # Errors

@@ -219,7 +219,8 @@ impl Design {
         let wide = file.bounds.get_ref().width_um.span();
         check_fits(&document, (&file.specimen, wide), &specimen, &texture, (width_m, spacing_m, depth_m))?;
         let (measures, quantities) = read_limited(&document, &file.limits, &laser)?;
-        let mut told = Vec::new();
+        let mut told =
+            unusual::of_shares(&document, file.condition.iter().chain(file.also_at.iter().flat_map(Spanned::get_ref)));
         let (known, calibration) = read_material_input(&document, &file.material, &mut told)?;
         let max_evaluations = match &file.search.max_evaluations {
             None => DEFAULT_MAX_EVALUATIONS,

@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 use slipgrid_calibrate::{Measurement, StaticPeak};
 
 use crate::diagnostic::Diagnostic;
-use crate::plausible::{FORCE, FRICTION, PRESSURE, RATIO, RELATIVE_DEVIATION, SPEED, STRAIN};
-use slipgrid_units::{PRESSURE_MPA, SPEED_MM_S, significant, tidy};
+use crate::plausible::{FORCE, FRICTION, PRESSURE, RATIO, RELATIVE_DEVIATION, SPEED, STRAIN, share_of_one};
+use slipgrid_units::{HUMIDITY_PCT, PRESSURE_MPA, SPEED_MM_S, significant, tidy};
 
 /// Values that differ by less than this part are the same.
 const SAME: f64 = 1e-9;
@@ -144,7 +144,7 @@ pub fn check(rows: &[Placed], specimens: &Specimens) -> Result<Vec<Diagnostic>, 
             }
         }
     }
-    told.extend(low_force(rows, specimens).into_iter().chain(low_speed(rows)));
+    told.extend(low_force(rows, specimens).into_iter().chain(low_speed(rows)).chain(low_humidity(rows)));
     Ok(told)
 }
 
@@ -173,6 +173,14 @@ fn low_speed(rows: &[Placed]) -> Option<Diagnostic> {
         "is the greatest of its table, less than the {LOW_SPEED_MM_S} mm/s from which on most samples are measured; {slip}"
     );
     Some(Diagnostic { reason, ..row.at("speed_mm_s", speed_mm_s) })
+}
+
+/// The row of the greatest humidity, where all `rows` have so little that humidities are likely shares of 1.
+fn low_humidity(rows: &[Placed]) -> Option<Diagnostic> {
+    let row = rows.iter().max_by(|a, b| a.measurement.humidity.total_cmp(&b.measurement.humidity))?;
+    let humidity_pct = tidy(HUMIDITY_PCT.from_si(row.measurement.humidity));
+    let reason = format!("is the greatest of its table, {}", share_of_one(humidity_pct)?);
+    Some(Diagnostic { reason, ..row.at("humidity_pct", humidity_pct) })
 }
 
 /// Names the `rows` of a patterned sample at whose force, speed and humidity none of the `flat` samples was measured: they have no ratio
@@ -295,6 +303,20 @@ mod tests {
         assert_eq!(metres.len(), 1, "{metres:?}");
         assert!(metres[0].starts_with("flat.csv:2: speed_mm_s: 0.004 is the greatest of its table"), "{metres:?}");
         assert!(metres[0].ends_with("in m/s, that would be 4 mm/s"), "{metres:?}");
+        let of_humidity = |humidity: f64, line| {
+            let mut row = row_of(50.0, 2e-3, line);
+            row.measurement.humidity = humidity;
+            row
+        };
+        let shares = said(&[of_humidity(0.004, 2), of_humidity(0.0045, 3)]);
+        assert_eq!(
+            shares,
+            [
+                "flat.csv:3: humidity_pct: 0.45 is the greatest of its table, at most 1 %, and only dried gas has so little; as a share of 1, \
+              that would be 45 %"
+            ]
+        );
+        assert_eq!(said(&[of_humidity(0.0, 2)]), Vec::<String>::new());
         // One usual row is enough, and a small pin is pressed with little.
         assert_eq!(said(&[row_of(0.2, 4e-6, 2), row_of(50.0, 2e-3, 3)]), Vec::<String>::new());
         let pin = Specimens { area_m2: 1e-6, ..specimens };

@@ -118,6 +118,15 @@ pub const SPOT: Plausible = Plausible {
     slips: &[("in mm, that", 1e3), ("in nm, that", 1e-3)],
 };
 
+/// What a relative humidity that is likely a share of 1 is told: air in a room has 20 to 80 %. Nil is air without water.
+#[must_use]
+pub fn share_of_one(humidity_pct: f64) -> Option<String> {
+    (humidity_pct > 0.0 && humidity_pct <= 1.0).then(|| {
+        let meant = tidy(100.0 * humidity_pct);
+        format!("at most 1 %, and only dried gas has so little; as a share of 1, that would be {meant} %")
+    })
+}
+
 /// Friction of a patterned sample over that of a flat one at the same load, speed and humidity. None is refused.
 pub const RATIO: Plausible = Plausible {
     what: "ratios of patterned to flat friction",

@@ -3,6 +3,7 @@
 use slipgrid_pattern::Rim;
 use toml::Spanned;
 
+use super::condition_ranges::ConditionRangeFile;
 use super::document::Document;
 use super::file_kind::FileKind;
 use super::material::MaterialFile;
@@ -11,7 +12,7 @@ use super::rim::read_rim;
 use super::scene::{DEFAULT_LAYER, SampleFile, SceneFile};
 use super::values::{Number, Numbers, PathOr};
 use crate::diagnostic::Diagnostic;
-use crate::plausible::{DENSITY, FRICTION, GIVEN_PRESSURE, MODULUS, Plausible, SPEED};
+use crate::plausible::{DENSITY, FRICTION, GIVEN_PRESSURE, MODULUS, Plausible, SPEED, share_of_one};
 use slipgrid_units::LENGTH_UM;
 
 /// What is unusual in the scene `file` of `document`, its material included; numbers of nil have a meaning of their own.
@@ -26,6 +27,7 @@ pub fn of_scene(document: &Document, file: &SceneFile) -> Vec<Diagnostic> {
         }
     };
     let load = file.load.get_ref();
+    told.extend(file.condition.as_ref().and_then(|at| of_share(document, &at.get_ref().humidity_pct)));
     told.extend(load.speed_mm_s.as_ref().and_then(|speed| number(document, SPEED, speed)));
     told.extend(numbers(document, GIVEN_PRESSURE, &load.pressure_mpa));
     if let Some(pattern) = &file.pattern {
@@ -50,6 +52,26 @@ pub fn of_rims(document: &Document, rim: Option<&Rim>, file: &TextureFile, sampl
         );
         document.refuse(width.span(), reason).expected(format!("block_um = {smaller_um} or less in [sample]"))
     })
+}
+
+/// Humidities that are likely shares of 1, the first of each of the `conditions` of a design.
+pub fn of_shares<'c>(
+    document: &Document,
+    conditions: impl Iterator<Item = &'c Spanned<ConditionRangeFile>>,
+) -> Vec<Diagnostic> {
+    let told = |condition: &Spanned<ConditionRangeFile>| {
+        let humidity = condition.get_ref().humidity();
+        match humidity.get_ref() {
+            Numbers::One(value) => of_share(document, &Spanned::new(humidity.span(), *value)),
+            Numbers::Each(each) => each.iter().find_map(|value| of_share(document, value)),
+        }
+    };
+    conditions.filter_map(told).collect()
+}
+
+fn of_share(document: &Document, humidity: &Number) -> Option<Diagnostic> {
+    let reason = share_of_one(*humidity.get_ref())?;
+    Some(document.refuse(humidity.span(), format!("is {reason}")))
 }
 
 /// What is unusual in a material.
@@ -87,6 +109,24 @@ fn numbers(document: &Document, quantity: Plausible, values: &Spanned<Numbers>) 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_humidity_of_1_and_below_is_asked_about_but_not_that_of_dry_air() {
+        let told = |humidity: &str| -> Vec<String> {
+            let document = Document::new("a.toml", format!("speed_mm_s = 5.0\nhumidity_pct = {humidity}"));
+            let range: ConditionRangeFile = document.parse().unwrap();
+            of_shares(&document, std::iter::once(&Spanned::new(0..0, range)))
+                .iter()
+                .map(Diagnostic::to_string)
+                .collect()
+        };
+        let share = "is at most 1 %, and only dried gas has so little; as a share of 1, that would be";
+        assert_eq!(told("0.2"), [format!("a.toml:2: humidity_pct: 0.2 {share} 20 %")]);
+        assert_eq!(told("[0.45, 45.0]"), [format!("a.toml:2: humidity_pct: 0.45 {share} 45 %")]);
+        for usual in ["0", "1.5", "45.0", "[20, 80]"] {
+            assert_eq!(told(usual), [""; 0], "{usual}");
+        }
+    }
 
     #[test]
     fn rims_narrower_than_two_blocks_are_told_with_the_block_size_that_would_do() {
