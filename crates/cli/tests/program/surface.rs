@@ -152,6 +152,19 @@ fn a_map_with_one_whole_cavity_has_no_period() {
 }
 
 #[test]
+fn cavities_that_no_laser_cuts_raise_the_question_of_units() {
+    let place = Place::with(&[]);
+    let cut = ["--pixels", "128", "--waves", "2:8", "--sa-um", "0.05", "--cavities", "130,370,9", "-o", "t.asc"];
+    place.succeed(&[&["synthesize"], &cut[..]].concat());
+    let asks = "! unit of heights: cavities 129 um wide are 8.98 nm deep";
+    let said = place.succeed(&["surface", "t.asc", "--cavities"]);
+    assert!(!said.contains("unit of heights"), "{said}");
+    // What is in nanometres is read as picometres.
+    let said = place.succeed(&["surface", "t.asc", "--cavities", "--height-unit", "pm"]);
+    assert!(said.contains(asks) && said.contains("1000 times as large, the depth would be "), "{said}");
+}
+
+#[test]
 fn a_slope_can_be_asked_for_instead_of_sa() {
     let place = Place::with(&[]);
     let said = place.succeed(&["synthesize", "--pixels", "64", "--waves", "2:8", "--rms-slope", "0.02", "-o", "m.asc"]);

@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use serde::Serialize;
 use slipgrid_results::{Table, fixed};
 use slipgrid_topography::{CavityMetrology, Estimate, RimMetrology, Spread};
-use slipgrid_units::tidy;
+use slipgrid_units::{significant, tidy};
 
 use super::um;
 use crate::ChartError;
@@ -17,6 +17,11 @@ const RIM_POINTS: u32 = 240;
 
 /// Standard deviation of spacings over their mean above which they are no pattern's.
 const MOST_SCATTER: f64 = 0.5;
+
+/// Depth of cavities over their width below which none are cut: a pulse removes some 0.1 um from spots of 20 um and more, 1/200, and the
+/// shallowest textures have 1/1000. Heights that are taken for nanometres and are micrometres make of cavities half as deep as they are
+/// wide 1/2000.
+const LEAST_ASPECT: f64 = 1.0 / 2000.0;
 
 /// What the widths of round cavities are.
 const ROUND: &str = "the cavities are round: a width is the diameter of the disc with a cavity's area at half depth, a spacing what \
@@ -141,7 +146,7 @@ impl CavityReport {
         let crossing = self.crossing.as_ref().map_or_else(String::new, |crossing| format!("\n! {crossing}\n"));
         let round = if self.round { format!("  {ROUND}\n") } else { String::new() };
         let staggered = self.staggered.as_ref().map_or_else(String::new, |rows| format!("  {rows}\n"));
-        let warnings: String = self.spacing_warnings().map(|warning| format!("! {warning}\n")).collect();
+        let warnings: String = self.warnings().map(|warning| format!("! {warning}\n")).collect();
         let (noun, verb) = if self.count == 1 { ("cavity", "takes") } else { ("cavities", "take") };
         format!(
             "\n{table}{round}{staggered}{warnings}\n{} {noun} {verb} {:.1} % of the map; land Sq {} um\n{crossing}\n{edges}\n{rim}{wall}\n",
@@ -181,7 +186,7 @@ impl CavityReport {
         let crossing = self.crossing.iter().map(|crossing| sentence(crossing));
         let round = self.round.then(|| sentence(ROUND));
         let staggered = self.staggered.iter().map(|rows| sentence(rows));
-        let warnings = self.spacing_warnings().map(|warning| sentence(&warning));
+        let warnings = self.warnings().map(|warning| sentence(&warning));
         let spacings = round.into_iter().chain(staggered).chain(warnings);
         std::iter::once(land).chain(spacings).chain(crossing).chain(edges.map(|words| sentence(&words))).collect()
     }
@@ -189,6 +194,25 @@ impl CavityReport {
     /// How many there are and what they take.
     pub(crate) fn summary(&self) -> String {
         format!("{}, on {:.1} % of the map", self.count, 100.0 * self.area_fraction)
+    }
+
+    /// Why heights may be in another unit than was taken.
+    fn unit_warning(&self) -> Option<String> {
+        let width_um = [&self.width_x, &self.width_y].into_iter().flatten().map(|width| width.mean_um);
+        let (width_um, depth_um) = (width_um.fold(f64::INFINITY, f64::min), self.depth.as_ref()?.mean_um);
+        (width_um.is_finite() && depth_um < LEAST_ASPECT * width_um).then(|| {
+            let [width, nm] = [width_um, 1e3 * depth_um].map(|length| significant(length, 3));
+            format!(
+                "unit of heights: cavities {width} um wide are {nm} nm deep, less than 1/{:.0} of their width, which is shallower than any \
+                 laser cuts: the heights may be in another unit than was taken; 1000 times as large, the depth would be {nm} um",
+                1.0 / LEAST_ASPECT
+            )
+        })
+    }
+
+    /// Why lengths are not those of the pattern.
+    fn warnings(&self) -> impl Iterator<Item = String> {
+        self.unit_warning().into_iter().chain(self.spacing_warnings())
     }
 
     /// Why spacings are not those of the pattern.
