@@ -7,6 +7,7 @@ use slipgrid_springblock::{Layer, SceneError};
 use slipgrid_topography::PreparedMap;
 
 use crate::area_law::AreaLawError;
+use crate::fit::seconds;
 use crate::select_measurements::Selection;
 use crate::surface_area_law_source::{SurfaceFindings, surface_findings};
 use crate::trial_discrepancy::{TrialsTask, learn};
@@ -257,20 +258,17 @@ fn refused(error: FitError, measurements: &[Measurement]) -> CalibrationError {
     }
 }
 
-/// Time steps of a lattice of 20,000 blocks in a second on one core, about.
-const STEPS_PER_S: f64 = 1e4;
 /// A fit that is estimated to take longer says so before it begins, in minutes.
 const LONG_MIN: f64 = 0.5;
 
 /// Says how long the fit will take, where that is long.
 fn long_fit(problem: &Problem) -> Option<String> {
     let steps: u64 = planned_steps(problem).ok()?.iter().fold(0, |sum, steps| sum.saturating_add(*steps));
-    let blocks = problem.layer.columns() as f64 * problem.layer.rows() as f64;
     let runs = if problem.has_peaks() { 4.0 } else { 1.0 };
     // Each run has one thread.
     let threads = rayon::current_num_threads().min(problem.measurements.len()) as f64;
-    let minutes = runs * steps as f64 * (blocks / 2e4) / (STEPS_PER_S * threads) / 60.0;
+    let minutes = runs * seconds(problem, steps as f64) / threads / 60.0;
     (minutes > LONG_MIN).then(|| {
-        format!("the runs of the flat sample take {steps} time steps a round, roughly {minutes:.1} minutes in all; slow sliding and heavy loads take the most")
+        format!("the runs of the flat sample take {steps} time steps a round, roughly {minutes:.1} minutes in all, and up to twenty times as long where means have to be taken for longer; steps grow with 1/speed, and heavy loads take more")
     })
 }

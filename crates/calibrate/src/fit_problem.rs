@@ -210,7 +210,11 @@ pub enum FitError {
         delta: f64,
     },
     /// A run would take too long.
-    #[error("measurement {number}: its run takes {steps:.1e} time steps: expected at most {most:.0e}")]
+    #[error(
+        "measurement {number}: its run in time takes {steps:.1e} time steps, as steps grow with 1/speed: {hours:.1} hours of one core, and up \
+         to twenty times as long until its mean is known: expected at most {most:.0e} steps, a speed of {:.2e} m/s or more",
+        least_m_s
+    )]
     TooManySteps {
         /// The measurement's number, from 1.
         number: usize,
@@ -218,6 +222,10 @@ pub enum FitError {
         steps: f64,
         /// Most that are begun.
         most: f64,
+        /// What they take of one core, about.
+        hours: f64,
+        /// Speed from which on they are begun, in m/s.
+        least_m_s: f64,
     },
     /// More coefficients than the profiles of their errors can be computed for.
     #[error("{count} coefficients are to be fitted: expected at most {most}")]

@@ -9,7 +9,7 @@ use crate::Diagnostic;
 use crate::altitude_map::refuse_law;
 use crate::calibration::Calibration;
 use crate::surface::Surface;
-use slipgrid_units::tidy;
+use slipgrid_units::{significant, tidy};
 
 /// What is wrong with the calibration at `path`; nothing where its numbers are not what ended it.
 #[must_use]
@@ -37,6 +37,7 @@ fn refuse_fit(
     path: &Path,
     calibration: &Calibration,
 ) -> Option<Diagnostic> {
+    let speed;
     let change = match error {
         FitError::NoSliding { status, .. } => match *status {
             "no_onset" => {
@@ -53,7 +54,14 @@ fn refuse_fit(
             "a larger force_n, a smaller speed_mm_s, or mu_dynamic below 1, above which the modelled layer hardly slides steadily; is its \
              unit right, that of a friction force in traces among them?"
         }
-        FitError::TooManySteps { .. } => "a larger speed_mm_s, or a row less",
+        FitError::TooManySteps { least_m_s, .. } => {
+            // To two digits, up.
+            let least = 1e3 * least_m_s;
+            let unit = 10_f64.powf(least.log10().floor() - 1.0);
+            let least_mm_s = significant((least / unit).ceil() * unit, 2);
+            speed = format!("speed_mm_s of at least {least_mm_s}, or this row left out");
+            &speed
+        }
         FitError::TooManyCoefficients { .. } => "fewer conditions, or coefficients = \"single\" in [fit]",
         FitError::TooMuchWork { .. } => "fewer rows, or larger speeds",
         _ => return None,

@@ -74,7 +74,9 @@ mod steady;
 
 pub use cell::{CellOutcome, SteadyCell};
 pub use dimension::Dimension;
-pub use dynamics::{MOST_STEPS, WAVE_DEFICIT, run_speed_m_s, shear_modulus_pa, shear_period_s, warm_travel_m};
+pub use dynamics::{
+    MOST_EXTENSION_FOR_STDERR, MOST_STEPS, WAVE_DEFICIT, run_speed_m_s, shear_modulus_pa, shear_period_s, warm_travel_m,
+};
 pub use error::SceneError;
 pub use face::{Face, Strip};
 pub use outcome::{DynamicCost, InterfacePoint, LoadOutcome, Simulation, Status, SurfaceOutcome, TracePoint};

@@ -1,6 +1,6 @@
 //! What can be known before the first dynamic run: peaks that say nothing, coefficients out of reach, time it takes.
 
-use slipgrid_springblock::MOST_STEPS;
+use slipgrid_springblock::{MOST_EXTENSION_FOR_STDERR, MOST_STEPS};
 
 use super::{FRICTION_BOUNDS, Layout, first_guess};
 use crate::{FitError, Problem, flat_sample};
@@ -12,6 +12,9 @@ const MOST_PEAK: f64 = 2.0;
 /// the model shows 0.0016 where mu_s / mu_d is 1 and 0.004 where it is 1.1, so that mu_s follows with ten times the peak's
 /// own error or more.
 const LEAST_EXCESS: f64 = 5e-3;
+/// Time steps that the run of a measurement without a static peak is planned for at most: it goes on for up to so many times as long
+/// until its mean is known, and would be broken off before.
+const MOST_PLANNED: u64 = MOST_STEPS / MOST_EXTENSION_FOR_STDERR;
 /// Time steps of one round of dynamic runs at most: ten runs of the longest kind, some ten hours.
 const MOST_WORK: u64 = 10 * MOST_STEPS;
 
@@ -93,15 +96,30 @@ pub fn check(problem: &Problem) -> Result<Vec<u64>, FitError> {
     let layout = Layout::new(problem);
     let guess = first_guess(problem, &layout);
     let steps = flat_sample::planned_steps(problem, &layout.pairs(problem, &guess)?);
-    if let Some(i) = steps.iter().position(|steps| *steps > MOST_STEPS) {
-        let (steps, most) = (steps[i] as f64, MOST_STEPS as f64);
-        return Err(FitError::TooManySteps { number: i + 1, steps, most });
+    for ((measured, &steps), number) in problem.measurements.iter().zip(&steps).zip(1..) {
+        let most = if measured.static_peak.is_some() { MOST_STEPS } else { MOST_PLANNED };
+        if steps > most {
+            let (steps, most) = (steps as f64, most as f64);
+            // Travel is of slips, and slow sliding takes the same travel: steps go with 1/speed.
+            let least_m_s = flat_sample::speed_m_s(problem, measured) * steps / most;
+            let hours = seconds(problem, steps) / 3600.0;
+            return Err(FitError::TooManySteps { number, steps, most, hours, least_m_s });
+        }
     }
     let all = steps.iter().fold(0_u64, |sum, steps| sum.saturating_add(*steps));
     if all > MOST_WORK {
         return Err(FitError::TooMuchWork { steps: all as f64, most: MOST_WORK as f64 });
     }
     Ok(steps)
+}
+
+/// Time steps of a lattice of 20,000 blocks in a second on one core, about.
+const STEPS_PER_S: f64 = 1e4;
+
+/// Seconds that so many `steps` of the flat sample take on one core, about.
+pub fn seconds(problem: &Problem, steps: f64) -> f64 {
+    let blocks = problem.layer.columns() as f64 * problem.layer.rows() as f64;
+    steps * (blocks / 2e4) / STEPS_PER_S
 }
 
 /// Time steps of the first round's dynamic run of every measurement; a fit takes two rounds or more, and twice as many

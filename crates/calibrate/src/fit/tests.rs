@@ -335,12 +335,17 @@ fn what_no_run_would_bring_nearer_is_refused_before_the_first() {
     let peak = refused(&|p| p.measurements[2].static_peak = Some(StaticPeak { mu: 1.5, std: 0.01 }));
     assert!(matches!(peak, FitError::PeakTooHigh { number: 3, .. }), "{peak}");
     let slow = refused(&|p| p.measurements[1].speed_m_s = 1e-8);
-    assert!(matches!(slow, FitError::TooManySteps { number: 2, .. }), "{slow}");
+    let FitError::TooManySteps { number: 2, least_m_s, hours, .. } = slow else { panic!("{slow}") };
+    assert!(hours > 0.1 && (1e-7..1e-5).contains(&least_m_s), "{slow}");
+    // A little faster than that a run is begun.
+    let mut at_least = problem(Coefficients::PerCondition);
+    at_least.measurements[1].speed_m_s = 1.01 * least_m_s;
+    assert!(super::planned_steps(&at_least).is_ok());
     let law = refused(&|p| p.area_law = Some(AreaLaw::new(vec![0.7e6, 2.6e6], vec![1.0, 0.01]).unwrap()));
     assert!(matches!(law, FitError::BeyondLaw { number: 3, .. }), "{law}");
     let many = refused(&|p| {
-        let at = |i: i32| Measurement { speed_m_s: 1e-7 * (1.0 + 1e-6 * f64::from(i)), ..p.measurements[0] };
-        p.measurements = (0..45).map(at).collect();
+        let at = |i: i32| Measurement { speed_m_s: least_m_s * (1.001 + 1e-6 * f64::from(i)), ..p.measurements[1] };
+        p.measurements = (1..250).map(at).collect();
     });
     assert!(matches!(many, FitError::TooMuchWork { .. }), "{many}");
     let light = refused(&|p| p.measurements[1].force_n = 10.0);

@@ -278,7 +278,7 @@ const ROWS: [(&str, &str); 14] = [
     ("50,2,15,0.248,0,,", "flat.csv:2: mu_dynamic_std: 0 cannot be"),
     ("50,2,15,0.248,0.3,,", "flat.csv:2: mu_dynamic_std: 0.3 cannot be"),
     ("50,2,15,0.0005,0.0001,,", "flat.csv:2: mu_dynamic: 0.0005 cannot be"),
-    ("50,0.00003,15,0.248,0.002,,", "flat.csv:2: (50 N, 0.00003 mm/s, 15 %): its run takes"),
+    ("50,0.00003,15,0.248,0.002,,", "flat.csv:2: (50 N, 0.00003 mm/s, 15 %): its run in time takes"),
     ("0.001,2,15,0.248,0.002,,", "flat.csv:2: (0.001 N, 2 mm/s, 15 %): friction is 4.4e-3 of the stress rho c v"),
     (
         "500000,2,15,0.248,0.002,,",

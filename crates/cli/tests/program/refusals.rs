@@ -350,6 +350,18 @@ fn calibrations() {
     let message = folder.refuse(&["calibrate", "calibration.toml", "-o", "m.toml"]);
     assert!(message.starts_with("error: flat.csv:2: mu_dynamic: \"24.8\" is out of range"), "{message}");
     assert_eq!(folder.names(), ["calibration.toml", "flat.csv"]);
+    // The cost of slow sliding, and the speed from which on it is borne.
+    let slow = FLAT.replace("50,2,15", "50,0.0001,15");
+    let folder = Place::with(&[("calibration.toml", CALIBRATION), ("flat.csv", &slow)]);
+    let message = folder.refuse(&["calibrate", "calibration.toml", "-o", "m.toml"]);
+    for said in [
+        "error: flat.csv:2: (50 N, 0.0001 mm/s, 15 %): its run in time takes ",
+        " hours of one core, and up to twenty times as long",
+        "; expected speed_mm_s of at least 0.00",
+        ", or this row left out",
+    ] {
+        assert!(message.contains(said), "{said}: {message}");
+    }
 }
 
 #[test]

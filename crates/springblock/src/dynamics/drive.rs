@@ -20,7 +20,7 @@ const INTERFACE_FROM: f64 = 0.6;
 /// A run whose mu is not stationary goes on, up to so many times the planned travel.
 const MOST_EXTENSION: u64 = 4;
 /// The same of a run that goes on until its standard error is small enough.
-const MOST_EXTENSION_FOR_STDERR: u64 = 20;
+pub const MOST_EXTENSION_FOR_STDERR: u64 = 20;
 /// Share of sliding friction beyond which what waves take away is no error any more, but makes a run
 /// [`Status::SlidingWaves`].
 pub const WAVE_DEFICIT: f64 = 0.01;
