@@ -216,9 +216,7 @@ fn pixel(document: &Document, file: &SurfaceFile) -> Result<Option<[f64; 2]>, Di
 }
 
 fn unit(document: &Document, name: &Spanned<String>) -> Result<LengthUnit, Diagnostic> {
-    name.get_ref()
-        .parse()
-        .map_err(|_| document.refuse(name.span(), "is no unit of length").expected("m, cm, mm, um, nm or pm"))
+    name.get_ref().parse().map_err(|_| document.refuse(name.span(), "is no unit of length").expected(LengthUnit::NAMES))
 }
 
 fn crop(document: &Document, crop: &Spanned<Vec<usize>>) -> Result<Crop, Diagnostic> {

@@ -29,11 +29,15 @@ pub struct AreaLawReport {
     pub rms_slope: f64,
     /// Arithmetical mean height.
     pub sa_um: Option<f64>,
-    /// Side of a pixel.
+    /// `sa_um` and `rms_slope` are those of the map's periodic component, which stands for it.
+    pub periodic_component: bool,
+    /// Side of a pixel along x.
     pub pixel_um: Option<f64>,
-    /// Pixels along x.
+    /// Side of a pixel along y.
+    pub pixel_y_um: Option<f64>,
+    /// Pixels along y: lines of a file that holds heights line after line.
     pub rows: Option<usize>,
-    /// Pixels along y.
+    /// Pixels along x, of one line.
     pub columns: Option<usize>,
     /// Young's modulus.
     pub youngs_modulus_gpa: f64,
@@ -135,10 +139,12 @@ pub struct AreaReport {
 
 /// The report as text.
 pub fn table(report: &AreaLawReport) -> String {
-    let mut text = match (&report.map, report.rows, report.columns, report.pixel_um) {
-        (Some(map), Some(rows), Some(columns), Some(pixel_um)) => format!(
-            "{map}: {}{rows} x {columns} pixels of {pixel_um} um, Sa {} um",
+    let pixel_um = report.pixel_um.zip(report.pixel_y_um);
+    let mut text = match (&report.map, report.columns.zip(report.rows), pixel_um) {
+        (Some(map), Some((columns, rows)), Some((along_x_um, along_y_um))) => format!(
+            "{map}: {}{columns} x {rows} pixels of {along_x_um} x {along_y_um} um{}, Sa {} um",
             if report.synthetic_surface { "synthetic, " } else { "" },
+            if report.periodic_component { "; of its periodic component" } else { "" },
             fixed(report.sa_um, 4),
         ),
         _ => "no map: analytic law".to_owned(),

@@ -62,6 +62,8 @@ pub struct PreparedMap {
     pub synthetic: bool,
     /// The file says of itself that it is one whole period, or was found to be one.
     pub period: bool,
+    /// The map is the periodic component of the one that was read.
+    pub is_component: bool,
     /// The file's format.
     pub format: MapFormat,
     /// Missing points of the file, row by row; empty if none are.
@@ -187,7 +189,8 @@ impl PreparedMap {
         // Steps across the sides that a tilt or a bow made are gone with it.
         let step_ratio = side_step_ratio(&map, monitor)?;
         period |= one_period && step_ratio <= PERIOD_STEP_RATIO;
-        if one_period && !period && how.form != Form::Mean {
+        let is_component = one_period && !period && how.form != Form::Mean;
+        if is_component {
             map = periodic_component(&map, monitor)?;
             notes.push(format!(
                 "opposite sides do not continue each other (steps {step_ratio:.1} times those between neighbours): the \
@@ -211,7 +214,8 @@ impl PreparedMap {
         heed()?;
         warnings.extend(map.height_warnings(rms_slope).into_iter().filter(is_new));
         heed()?;
-        Ok(Self { sa_m: map.sa_m(), rms_slope, format: read.format, map, synthetic, period, filled, notes, warnings })
+        let (sa_m, format) = (map.sa_m(), read.format);
+        Ok(Self { sa_m, rms_slope, is_component, format, map, synthetic, period, filled, notes, warnings })
     }
 
     /// Pixel size along the sliding direction, in metres.

@@ -18,10 +18,18 @@ pub enum LengthUnit {
     Picometre,
 }
 
-/// The names that are accepted, for messages.
-pub(crate) const UNIT_NAMES: &str = "one of m, cm, mm, um, nm, pm";
+/// The names that are accepted.
+macro_rules! unit_names {
+    () => {
+        "m, cm, mm, um, nm, pm"
+    };
+}
+pub(crate) use unit_names;
 
 impl LengthUnit {
+    /// The names that are accepted, for messages.
+    pub const NAMES: &'static str = unit_names!();
+
     /// All units, largest first.
     pub const ALL: [Self; 6] =
         [Self::Metre, Self::Centimetre, Self::Millimetre, Self::Micrometre, Self::Nanometre, Self::Picometre];
@@ -67,7 +75,7 @@ impl fmt::Display for LengthUnit {
 
 /// A name that is no unit of length.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("\"{name}\" is no unit of length: expected {UNIT_NAMES}")]
+#[error("\"{name}\" is no unit of length: expected one of {names}", names = LengthUnit::NAMES)]
 pub struct UnknownUnit {
     /// The name given.
     pub name: String,

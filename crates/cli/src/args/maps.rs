@@ -14,11 +14,11 @@ pub struct MapArgs {
     /// Pixel size along y, from line to line of the file, where it differs from that along x
     #[arg(long, requires = "pixel_um", value_name = "UM")]
     pub pixel_y_um: Option<f64>,
-    /// Unit of the heights, for a file that does not say it: m, mm, um or nm
-    #[arg(long, value_name = "UNIT")]
+    /// Unit of the heights.
+    #[arg(long, value_name = "UNIT", help = of_unit("heights"))]
     pub height_unit: Option<String>,
-    /// Unit of the points' x and y, for a file that does not say it
-    #[arg(long, value_name = "UNIT")]
+    /// Unit of the points' x and y.
+    #[arg(long, value_name = "UNIT", help = of_unit("points' x and y"))]
     pub lateral_unit: Option<String>,
     /// Read numbers with decimal commas: 1,234 is a little more than one. Commas that can be nothing else, as in 0,5, are recognized without this
     #[arg(long)]
@@ -42,6 +42,11 @@ pub struct MapArgs {
     /// Least-squares form to subtract; from a map of exactly one period only the mean is subtracted
     #[arg(long, value_enum, default_value_t = FormName::Plane, value_name = "FORM")]
     pub form: FormName,
+}
+
+/// The help of a unit.
+fn of_unit(what: &str) -> String {
+    format!("Unit of the {what}, for a file that does not say it: {}", slipgrid_topography::LengthUnit::NAMES)
 }
 
 /// How a block of pixels becomes one height.

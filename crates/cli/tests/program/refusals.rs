@@ -327,7 +327,7 @@ fn calibrations() {
     );
     // How a map is read; the map itself is not opened before its keys are understood.
     for (line, place, says) in [
-        ("height_unit = \"inch\"", ":9: surface.height_unit: \"inch\" ", "m, cm, mm, um, nm or pm"),
+        ("height_unit = \"inch\"", ":9: surface.height_unit: \"inch\" ", "m, cm, mm, um, nm, pm"),
         ("pixel_y_um = 0.5", ":9: surface.pixel_y_um: 0.5 ", "`pixel_um`"),
         ("crop = [0, 0, 1, 5]", ":9: surface.crop: [0, 0, 1, 5] ", "from 2 up"),
         ("crop = [0, 0, 5]", ":9: surface.crop: [0, 0, 5] ", "[0, 0, 512, 512]"),

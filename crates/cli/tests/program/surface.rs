@@ -213,6 +213,15 @@ fn a_part_of_a_period_is_none() {
     };
     let part = says(&["--crop", "0,0,32,64", "--form", "second-order"], "surface of second order has been subtracted");
     assert_eq!((part["rows"].as_u64(), part["columns"].as_u64()), (Some(32), Some(64)));
+    // The text as that of `surface`, columns first, and of which surface Sa is.
+    for (command, pixels) in [
+        ("surface", "m.asc: matrix, synthetic, 64 x 32 pixels of 10 x 15.625 um\n"),
+        ("area-law", "m.asc: synthetic, 64 x 32 pixels of 10 x 15.625 um; of its periodic component, Sa "),
+    ] {
+        let flags = ["m.asc", "--crop", "0,0,32,64", "--pixel-um", "10", "--pixel-y-um", "15.625"];
+        let said = place.succeed(&[&[command], &flags[..]].concat());
+        assert!(said.starts_with(pixels), "{said}");
+    }
     says(&["--crop", "0,0,40,64"], "the least-squares plane has been subtracted");
     // All but a pixel of a period: its sides continue each other as neighbours do.
     says(&["--decimate", "3"], "no plane has been subtracted");

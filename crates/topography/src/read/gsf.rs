@@ -8,6 +8,7 @@ use super::bytes::{Number, at_end, exact, numbers};
 use super::lines::{excerpt, number};
 use super::window::Window;
 use super::{MapFormat, ReadMap, ReadOptions, keep_comment};
+use crate::unit::unit_names;
 use crate::{LengthUnit, MapOption, NotGiven, ReadError};
 
 /// The first line.
@@ -67,7 +68,7 @@ pub(super) fn read(mut source: impl Read, options: &ReadOptions) -> Result<ReadM
     let (Some(height_unit), Some(pixel_m)) = (height_unit, pixel_m) else {
         let no_height = NotGiven {
             what: "unit of the heights",
-            expected: "ZUnits in the header, or a unit by option: m, cm, mm, um, nm, pm",
+            expected: concat!("ZUnits in the header, or a unit by option: ", unit_names!()),
             option: MapOption::HeightUnit,
         };
         let no_side = NotGiven {

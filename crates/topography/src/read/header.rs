@@ -3,7 +3,7 @@
 use super::comma::header_length;
 use super::keep_comment;
 use super::lines::{Delimiter, excerpt, height, number};
-use crate::unit::UNIT_NAMES;
+use crate::unit::unit_names;
 use crate::{LengthUnit, ReadError};
 
 /// What the header said.
@@ -146,7 +146,7 @@ fn length(line: usize, key: &'static str, value: &str) -> Result<f64, ReadError>
         line,
         key,
         value: excerpt(value),
-        expected: "a positive length with its unit (m, cm, mm, um, nm, pm), for instance 1.5 mm",
+        expected: concat!("a positive length with its unit (", unit_names!(), "), for instance 1.5 mm"),
     };
     let value = &header_length(value);
     let split = value.find(|c: char| c.is_alphabetic() && !matches!(c, 'e' | 'E')).ok_or_else(refused)?;
@@ -182,7 +182,12 @@ fn whole(line: usize, key: &'static str, value: &str) -> Result<u64, ReadError> 
 }
 
 fn unit(line: usize, key: &'static str, value: &str) -> Result<LengthUnit, ReadError> {
-    value.parse().map_err(|_| ReadError::Header { line, key, value: excerpt(value), expected: UNIT_NAMES })
+    value.parse().map_err(|_| ReadError::Header {
+        line,
+        key,
+        value: excerpt(value),
+        expected: concat!("one of ", unit_names!()),
+    })
 }
 
 /// What lines above data without titles must be.

@@ -6,6 +6,7 @@ use super::header::Header;
 use super::lines::{Delimiter, Lines, excerpt, expected_height, height};
 use super::window::Window;
 use super::{MapFormat, ReadOptions};
+use crate::unit::unit_names;
 use crate::{HeightMap, LengthUnit, MapOption, NotGiven, ReadError};
 
 /// Part by which the sides of a pixel may differ, beside what the header's sides are rounded by: some programs count the
@@ -187,7 +188,7 @@ pub(crate) fn square(dx_m: f64, dy_m: f64) -> bool {
 /// A text without a unit of its heights.
 pub(super) const NO_HEIGHT_UNIT: NotGiven = NotGiven {
     what: "unit of the heights",
-    expected: "a header line such as \"# Value units: um\", or a unit by option: m, cm, mm, um, nm, pm",
+    expected: concat!("a header line such as \"# Value units: um\", or a unit by option: ", unit_names!()),
     option: MapOption::HeightUnit,
 };
 /// How a text without a pixel size can be read.

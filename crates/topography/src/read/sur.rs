@@ -26,6 +26,7 @@ use super::bytes::{Number, array, at_end, exact, numbers, skip, text, unreadable
 use super::lines::excerpt;
 use super::window::Window;
 use super::{MapFormat, ReadMap, ReadOptions, check_expansion, keep_comment};
+use crate::unit::unit_names;
 use crate::{LengthUnit, ReadError};
 
 pub(super) const MAGIC_PLAIN: &[u8] = b"DIGITAL SURF";
@@ -65,7 +66,7 @@ impl Header {
         let name = self.text(at, 16);
         name.replace('\u{e6}', "u")
             .parse()
-            .map_err(|_| refused(field, excerpt(&name), "a unit of length: m, cm, mm, um, nm, pm"))
+            .map_err(|_| refused(field, excerpt(&name), concat!("a unit of length: ", unit_names!())))
     }
 }
 
