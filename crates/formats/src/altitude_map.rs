@@ -14,6 +14,7 @@ use crate::Diagnostic;
 use crate::file_kind::FileKind;
 use crate::source::{Source, read_text, stream};
 use crate::surface::MapOptions;
+use slipgrid_units::{LENGTH_UM, significant};
 
 /// What a file should be.
 const EXPECTED: &str = "the file of an altitude map";
@@ -96,19 +97,23 @@ pub fn open(source: &Source, path: &Path, options: &ReadOptions, monitor: &dyn M
 
 /// What is wrong with the map at `path`, with the options that would help.
 fn ways(path: &Path, error: &ReadError) -> Diagnostic {
-    let ways: Vec<&str> = match error {
+    let ways: Vec<String> = match error {
         ReadError::NotGiven { missing } | ReadError::DecimalComma { missing, .. } => {
-            missing.iter().map(|missing| how_to_give(missing.option)).collect()
+            missing.iter().map(|missing| how_to_give(missing.option).to_owned()).collect()
         }
-        _ => vec![OBLONG],
+        &ReadError::Oblong { sides_m: [along_y_m, along_x_m], rows, cols } => {
+            let pixel_m = [along_x_m / cols as f64, along_y_m / rows as f64];
+            let [x, y] = pixel_m.map(|side_m| significant(LENGTH_UM.from_si(side_m), 6));
+            vec![format!(
+                "--pixel-um {x} --pixel-y-um {y}; in a calibration's [surface]: pixel_um = {x}, pixel_y_um = {y}"
+            )]
+        }
+        _ => Vec::new(),
     };
     let text = error.to_string();
     let (reason, expected) = text.split_once(": expected ").unwrap_or((&text, ""));
     Diagnostic::file(path, reason).expected(format!("{expected} ({})", ways.join("; ")))
 }
-
-/// What gives the pixels of a map on which they are oblong.
-const OBLONG: &str = "--pixel-um 5 --pixel-y-um 2; in a calibration's [surface]: pixel_um = 5, pixel_y_um = 2";
 
 /// What gives an option on the command line and in a calibration file.
 const fn how_to_give(option: MapOption) -> &'static str {
@@ -157,6 +162,15 @@ fn cure(warnings: &[MapWarning]) -> &'static str {
 mod tests {
     use super::*;
     use slipgrid_topography::Spikes;
+
+    #[test]
+    fn the_pixels_that_a_header_with_oblong_ones_makes_are_those_to_be_given() {
+        let error = ReadError::Oblong { sides_m: [480e-6, 480e-6], rows: 240, cols: 320 };
+        let said = ways(Path::new("m.asc"), &error).to_string();
+        assert!(said.contains("make pixels of 1.5 x 2 um"), "{said}");
+        let given = "(--pixel-um 1.5 --pixel-y-um 2; in a calibration's [surface]: pixel_um = 1.5, pixel_y_um = 2)";
+        assert!(said.ends_with(given), "{said}");
+    }
 
     #[test]
     fn one_cure_is_named_for_a_map_whose_law_means_nothing() {

@@ -117,9 +117,16 @@ pub(crate) fn excerpt(field: &str) -> String {
     field.chars().take(40).map(|c| if c.is_control() { char::REPLACEMENT_CHARACTER } else { c }).collect()
 }
 
+/// Whether `field` holds several numbers: commas part the fields, and are decimal ones.
+fn is_several(field: &str) -> bool {
+    field.split_whitespace().nth(1).is_some_and(|second| second.starts_with(|c: char| c.is_ascii_digit() || c == '-'))
+}
+
 /// What a message says of `field`, which is no height.
 pub(crate) fn expected_height(field: &str) -> &'static str {
-    if field.contains(',') {
+    if is_several(field) {
+        "one height between two commas; for decimal commas decimal_comma = true in a file, or --decimal-comma"
+    } else if field.contains(',') {
         "a height with a decimal point; for decimal commas decimal_comma = true in a file, or --decimal-comma"
     } else {
         "a height with a decimal point, or NaN, BAD, --- where it is missing"
@@ -128,10 +135,12 @@ pub(crate) fn expected_height(field: &str) -> &'static str {
 
 /// What a message says of `field`, which is no coordinate.
 pub(crate) fn expected_coordinate(field: &str) -> &'static str {
-    if field.contains(',') {
+    if is_several(field) {
+        "one coordinate between two commas; for decimal commas decimal_comma = true in a file, or --decimal-comma"
+    } else if field.contains(',') {
         "a coordinate with a decimal point; for decimal commas decimal_comma = true in a file, or --decimal-comma"
     } else {
-        "a coordinate with a decimal point"
+        "a coordinate: a number with a decimal point, such as 1.5"
     }
 }
 

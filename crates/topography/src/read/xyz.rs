@@ -293,6 +293,11 @@ mod tests {
     fn commas_that_may_be_marks_of_thousands_are_told_how_they_are_read() {
         let lines: Vec<String> = ["0;0;1,500\n", "0;1;1,500\n"].map(str::to_owned).to_vec();
         assert!(read(&lines).unwrap_err().to_string().contains("--decimal-comma"));
+        // Between spaces, too, where the commas seem to part the fields.
+        for line in ["0 1,000 2,000\n", "1,500 1,000 2,000\n", "-1,500 -1,000 2,500\n"] {
+            let said = read(&[line.to_owned()]).unwrap_err().to_string();
+            assert!(said.contains("between two commas") && said.contains("--decimal-comma"), "{said}");
+        }
     }
 
     #[test]
