@@ -313,7 +313,9 @@ pub(crate) fn read_outline(document: &Document, table: &Spanned<FaceFile>) -> Re
     if let Some(radius) = &file.radius_mm {
         let stray = others.iter().find_map(|(_, length)| length.as_ref().map(Spanned::span));
         if let Some(stray) = stray.or(file.shape.as_ref().map(Spanned::span)) {
-            return Err(document.refuse(stray, "stands beside radius_mm").expected("one of the two"));
+            return Err(document
+                .refuse(stray, "stands beside radius_mm")
+                .expected("either radius_mm alone, or a shape with its lengths"));
         }
         return Ok(Outline::Disc { diameter_m: 2.0 * document.number(radius, LENGTH_MM)? });
     }
@@ -446,7 +448,9 @@ fn read_measured(
         for kind in SurfaceKind::ALL {
             if !tables[kind as usize].is_empty() && conditions.iter().any(|(_, condition)| condition.surface == kind) {
                 let reason = format!("has {} samples, and so has [measurements]", kind.name());
-                return Err(document.refuse(table.span(), reason).expected("one of the two"));
+                return Err(document
+                    .refuse(table.span(), reason)
+                    .expected("samples of one kind either as a table or as traces"));
             }
         }
         for (traces, (span, condition)) in reader.analyse(&conditions)?.into_iter().zip(&conditions) {
@@ -470,7 +474,9 @@ fn read_measured(
 fn read_scale(document: &Document, file: &CalibrationFile) -> Result<Option<[f64; 2]>, Diagnostic> {
     let Some(bounds) = file.fit.as_ref().and_then(|fit| fit.area_law_scale_mpa.as_ref()) else { return Ok(None) };
     if file.surface.is_some() {
-        return Err(document.refuse(bounds.span(), "stands beside [surface]").expected("one of the two"));
+        return Err(document
+            .refuse(bounds.span(), "stands beside [surface]")
+            .expected("either area_law_scale_mpa or [surface]"));
     }
     match document.numbers(bounds, PRESSURE_MPA)?[..] {
         [from, to] if from < to => Ok(Some([from, to])),

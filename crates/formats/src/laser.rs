@@ -210,7 +210,7 @@ fn with_ablation(
     if let Some(depth) = depth_per_burst {
         return Err(document
             .refuse(depth.span(), "is given beside laser.ablation, which gives it too")
-            .expected("one of the two"));
+            .expected("either depth_per_burst_um or [laser.ablation]"));
     }
     let fluence_j_cm2 = fluence_j_cm2.ok_or_else(|| document.missing(table.span(), "fluence_j_cm2 of [laser]"))?;
     let given = table.get_ref();

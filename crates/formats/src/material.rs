@@ -290,7 +290,9 @@ fn read_friction(document: &Document, file: &Spanned<FrictionFile>) -> Result<Fr
         let stray =
             [friction.static_mean.as_ref().map(Spanned::span), friction.dynamic_mean.as_ref().map(Spanned::span)];
         if let Some(stray) = stray.into_iter().flatten().next() {
-            return Err(document.refuse(stray, "stands beside coefficients per condition").expected("one of the two"));
+            return Err(document
+                .refuse(stray, "stands beside coefficients per condition")
+                .expected("either static_mean and dynamic_mean, or [[friction.conditions]]"));
         }
         return read_conditions(document, &friction.conditions, local);
     }

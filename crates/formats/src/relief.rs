@@ -28,7 +28,7 @@ pub fn read_relief(
     if pattern.texture().rim().is_some() {
         return Err(document
             .refuse(key.span(), "stands beside rims, which a measured relief holds already")
-            .expected("one of the two"));
+            .expected("either relief or the keys of rims"));
     }
     let path = existing(document, key, key.get_ref())?;
     let mut map = open(document.source(), &path, &ReadOptions::default(), &Unwatched)?.map;

@@ -32,7 +32,9 @@ pub fn read_rim(document: &Document, file: &TextureFile) -> Result<Option<Rim>, 
             };
         }
         (Some(_), Some(pairs)) => {
-            return Err(document.refuse(pairs.span(), "stands beside rim_height_um").expected("one of the two"));
+            return Err(document
+                .refuse(pairs.span(), "stands beside rim_height_um")
+                .expected("either rim_height_um or rim_heights_um"));
         }
         (Some(height), None) => (vec![[0.0, document.number(height, RIM_HEIGHT_UM)?]], height.span()),
         (None, Some(pairs)) => (read_pairs(document, pairs)?, pairs.span()),
@@ -115,7 +117,7 @@ mod tests {
             ("rim_height_std_um = 0.1", "1: rim_height_std_um: 0.1 stands without a height"),
             (
                 "rim_height_um = 0.1\nrim_heights_um = [[1.0, 0.1]]",
-                "2: rim_heights_um: [[1.0, 0.1]] stands beside rim_height_um; expected one of the two",
+                "2: rim_heights_um: [[1.0, 0.1]] stands beside rim_height_um; expected either rim_height_um or rim_heights_um",
             ),
             (
                 "rim_height_um = 0.1\nrim_width_um = 10\nrim_profile = \"rund\"",

@@ -166,7 +166,7 @@ fn measured(document: &Document, file: &SurfaceFile, law: &Spanned<String>) -> R
     if let Some(stray) = stray.or(file.persson_rms_slope.as_ref().map(Spanned::span)) {
         return Err(document
             .refuse(stray, "stands beside local_law = \"measured\", which takes no surface")
-            .expected("one of the two"));
+            .expected("either local_law = \"measured\" alone, or a surface by map or persson_rms_slope"));
     }
     let extrapolation = file.extrapolation.as_ref().ok_or_else(|| {
         document

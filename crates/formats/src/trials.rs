@@ -174,7 +174,9 @@ pub(crate) fn read_trials(
         remarks.told.extend(exchanged::check(document, &file.pattern, &pattern, &samples));
         let rows = match (&file.measurements, &file.traces) {
             (Some(_), Some(traces)) => {
-                return Err(document.refuse(traces.span(), "stands beside measurements").expected("one of the two"));
+                return Err(document
+                    .refuse(traces.span(), "stands beside measurements")
+                    .expected("either measurements or [[trial.traces]]"));
             }
             (Some(name), None) => {
                 let path = existing(document, name, name.get_ref())?;

@@ -24,7 +24,8 @@ pub const STATIC: &str = "static coefficient";
 /// The 97.5 % point of the normal distribution.
 const NORMAL_95: f64 = 1.959_964;
 /// What is open where slopes could not be computed.
-pub const NO_SLOPES: &str = "what the material's errors make of friction: its neighbours cannot be computed";
+pub const NO_SLOPES: &str =
+    "errors of the material's values (with slightly changed values the scene could not be solved)";
 
 /// Errors of the numbers of one scene.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]

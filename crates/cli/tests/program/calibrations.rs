@@ -229,7 +229,10 @@ fn conditions_and_trials_have_traces_of_their_own() {
     place.succeed(&["traces", "c.toml", "-o", "twice"]);
     assert!(place.path("twice/flat-50N-2mm_s-15pct-2.svg").is_file());
     for (text, says) in [
-        (text("measurements = \"out/trial-1-measured.csv\"\n"), "stands beside measurements; expected one of the two"),
+        (
+            text("measurements = \"out/trial-1-measured.csv\"\n"),
+            "stands beside measurements; expected either measurements or [[trial.traces]]",
+        ),
         (
             text("").replace("files = [\"cut-1.csv\"", "surface = \"flat\"\nfiles = [\"cut-1.csv\""),
             "is not the surface of a trial",
