@@ -98,7 +98,7 @@ impl From<&Provenance> for MaterialReport {
 pub struct LoadReport {
     /// Nominal pressure.
     pub pressure_mpa: f64,
-    /// Dynamic friction coefficient.
+    /// Dynamic friction coefficient; null where none was found, as `status` says.
     pub mu_dynamic: Option<f64>,
     /// Its standard error; null for steady.
     pub mu_dynamic_stderr: Option<f64>,
@@ -351,7 +351,8 @@ impl SimulationReport {
                 cells.extend([load.ratio_strip_estimate, own]);
             }
             let cells = cells.into_iter().map(|cell| fixed(cell, 4));
-            let last = [fixed(Some(load.peak_pressure_mpa), 2), load.status.to_string()];
+            let peak_mpa = Some(load.peak_pressure_mpa).filter(|_| load.status != Status::NotConverged.name());
+            let last = [fixed(peak_mpa, 2), load.status.to_string()];
             table.row([load.pressure_mpa.to_string()].into_iter().chain(cells).chain(last));
         }
         table

@@ -180,7 +180,8 @@ impl SurfaceOutcome {
         };
         let extrapolated = |law: &AreaLaw| interface.iter().any(|point| law.is_extrapolated(point.pressure_pa));
         Self {
-            mu_dynamic: mu,
+            // What is no equilibrium has no friction, and no ratio.
+            mu_dynamic: mu.filter(|_| status != Status::NotConverged),
             peak_pressure_pa,
             tension_blocks: normal.iter().filter(|normal| **normal < 0.0).count(),
             cavity_closed: clearance_m.is_some_and(|clearance_m| clearance_m <= 0.0),
