@@ -155,6 +155,7 @@ fn trials() {
             sample_std: None,
             disc: None,
             measured: measured.collect(),
+            dimensions_std_m: [0.0; 3],
             of_dimensions: Vec::new(),
         }
     };

@@ -11,6 +11,7 @@ use slipgrid_units::{
 
 use crate::area_law::table_warnings;
 use crate::calibration_task::{CalibrationError, CalibrationOutcome, CalibrationTask, FittedRow};
+use crate::contradicting_samples::contradicting_samples;
 use crate::load_dependence::follows_load;
 use crate::surface_area_law_source::{AreaLawOrigin, SurfaceFindings};
 use crate::trial_discrepancy::note;
@@ -62,6 +63,7 @@ pub(crate) fn outcome(
     let mut notes = fit.notes.clone();
     notes.extend(surface.notes.iter().chain(&task.notes).cloned());
     notes.extend(note(&learned));
+    let contradicting = contradicting_samples(&learned);
     uncertainty.learned = Some(learned);
     if surface.synthetic {
         notes.push("the area law rests on a synthetic surface, not on a measured one".to_owned());
@@ -72,7 +74,7 @@ pub(crate) fn outcome(
         source: task.source.clone(),
         synthetic_surface: surface.synthetic,
         notes,
-        warnings: warnings(task, &surface, area_law.as_ref(), &by_condition, of_the_fit),
+        warnings: [warnings(task, &surface, area_law.as_ref(), &by_condition, of_the_fit), contradicting].concat(),
     };
     let material = Material { elastic, friction, area_law, provenance };
     Ok(CalibrationOutcome { material, uncertainty, measurements, fit, by_condition, surface })

@@ -73,6 +73,7 @@
 pub mod area_law;
 pub mod area_law_sampling;
 mod calibration_task;
+mod contradicting_samples;
 mod fit;
 mod fit_problem;
 mod fitted_material;
@@ -92,6 +93,7 @@ pub mod uncertainty;
 pub use calibration_task::{
     CalibrationError, CalibrationOutcome, CalibrationTask, FittedRow, MapSurface, Surface, run,
 };
+pub use contradicting_samples::{contradicting_samples, is_of_contradicting_samples};
 pub use fit::{Fit, FittedPair, Parameter, Prediction, fit_coefficients, planned_steps};
 pub use fit_problem::{Coefficients, FitError, Measurement, Problem, StaticPeak, numbered};
 pub use flat_friction_law::flat_friction_law;

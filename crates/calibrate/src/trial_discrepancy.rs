@@ -217,6 +217,7 @@ fn trial(
         sample_std: cut.sample_std,
         disc: cut.disc.clone(),
         measured: measured.collect(),
+        dimensions_std_m: cut.dimensions_std_m.map(tidy),
         of_dimensions,
     })
 }

@@ -32,8 +32,11 @@ pub struct Hyperparameters {
     pub residual_features: usize,
     /// Seed of these.
     pub seed: u64,
-    /// Of t: from one sample to the next of the same texture.
+    /// Of t: from one sample to the next of the same texture, as stated.
     pub sample_std: f64,
+    /// How many times as large that may be, with weights that sum to 1: samples scatter as stated, unless they show that they do not.
+    /// The tail is heavy, so that no scatter is too large to be believed. It counts from the second sample on a disc of its own.
+    pub scatters: Vec<(f64, f64)>,
     /// Least standard error of a patterned measurement over itself.
     pub least_measured_std: f64,
     /// The forms with their weights, which sum to 1.
@@ -63,6 +66,7 @@ impl Default for Hyperparameters {
             residual_features: 24,
             seed: 1,
             sample_std: 0.005,
+            scatters: vec![(1.0, 0.9), (3.0, 0.06), (10.0, 0.03), (30.0, 0.01)],
             least_measured_std: 0.005,
             forms: Form::usual(),
         }
@@ -122,13 +126,14 @@ impl Hyperparameters {
             ("sum of the forms' weights", forms.collect::<Vec<f64>>(), Vec::new()),
             weighted("sum of the scales' weights", &self.scales),
             weighted("sum of the residuals' weights", &self.residuals),
+            weighted("sum of the scatters' weights", &self.scatters),
         ] {
             let sum: f64 = weights.iter().sum();
             if weights.iter().any(|weight| weight.is_nan() || *weight < 0.0) || (sum - 1.0).abs() > 1e-6 {
                 return refuse(name, sum, "1, each of them 0 or more");
             }
             if let Some(size) = sizes.into_iter().find(|size| !(0.0..=100.0).contains(size)) {
-                return refuse("a scale or residual", size, "from 0 to 100");
+                return refuse("a scale, residual or scatter", size, "from 0 to 100");
             }
         }
         Ok(())

@@ -69,7 +69,16 @@ mod tests {
                 modulus_sensitivity: 0.0,
             };
             let (name, of_dimensions) = (format!("{lengths_um:?}"), Vec::new());
-            Trial { name, features, sample_std: None, disc: None, measured: vec![measured], of_dimensions }
+            let dimensions_std_m = [0.0; 3];
+            Trial {
+                name,
+                features,
+                sample_std: None,
+                disc: None,
+                measured: vec![measured],
+                dimensions_std_m,
+                of_dimensions,
+            }
         };
         let trials = textures.iter().map(trial).collect();
         Discrepancy::new(Hyperparameters::default(), Conditions::default(), 0.0, trials).unwrap()

@@ -3,7 +3,7 @@
 use slipgrid_monitor::{Cancelled, Monitor};
 use slipgrid_statistics::normal_quantile;
 
-use crate::mixture::is_same;
+use crate::mixture::{Member, is_same};
 use crate::{Component, Discrepancy, Prediction};
 use slipgrid_statistics::cholesky::{cholesky, dot, is_regular, log_determinant, solve_lower};
 
@@ -46,10 +46,9 @@ pub struct Surprise {
 pub fn leave_out(discrepancy: &Discrepancy, by: LeftOut, monitor: &dyn Monitor) -> Result<Vec<Surprise>, Cancelled> {
     let rows: Vec<_> = discrepancy.rows().collect();
     let n = rows.len();
-    let noise = discrepancy.noise();
     let excess: Vec<f64> = rows.iter().map(|(_, at)| at.log_excess()).collect();
     let covariances: Vec<Vec<f64>> =
-        (0..discrepancy.members().len()).map(|member| covariance(discrepancy, member, &noise)).collect();
+        discrepancy.members().iter().map(|member| covariance(discrepancy, member)).collect();
     let mut found = Vec::new();
     let mut done = vec![false; n];
     for first in 0..n {
@@ -92,8 +91,8 @@ pub fn leave_out(discrepancy: &Discrepancy, by: LeftOut, monitor: &dyn Monitor) 
 }
 
 /// Covariance of all measurements where one form holds: noise + Phi Phi^T.
-fn covariance(discrepancy: &Discrepancy, member: usize, noise: &[f64]) -> Vec<f64> {
-    let member = &discrepancy.members()[member];
+fn covariance(discrepancy: &Discrepancy, member: &Member) -> Vec<f64> {
+    let noise = discrepancy.noise(member.scatter);
     let rows: Vec<Vec<f64>> = discrepancy
         .rows()
         .map(|(trial, at)| {
@@ -117,7 +116,14 @@ fn conditional(
     let (n, k, m) = (excess.len(), known.len(), wanted.len());
     let mut evidences = Vec::new();
     let mut components = Vec::new();
+    // What is known may be of too few samples to say how far they scatter.
+    let rows: Vec<usize> = discrepancy.rows().map(|(trial, _)| trial).collect();
+    let is_inferred = discrepancy.infers_scatter(&|trial| known.iter().any(|row| rows[*row] == trial));
+    let stated = discrepancy.hyperparameters().sample_std;
     for (member, all) in discrepancy.members().iter().zip(covariances) {
+        if !is_inferred && member.scatter != stated {
+            continue;
+        }
         let inner: Vec<f64> = known.iter().flat_map(|i| known.iter().map(move |j| all[i * n + j])).collect();
         // The noise is regular: so is every part of it.
         let Some(factor) = cholesky(&inner, k).filter(|factor| is_regular(factor, k)) else { continue };

@@ -13,9 +13,9 @@
 //! the logarithm of Young's modulus is off, g = d ln R / d ln E; t is one sample's own, which all
 //! samples on one disc share, f the flat sample's error, which all ratios of one condition share, and e the patterned measurement's.
 //!
-//! Nobody knows the form, how large the coefficients are or how far a form is from what it stands for. Every one of
-//! [`Hyperparameters::forms`] with each of the scales and of the sizes of the residual makes an exact Gaussian regression, and its
-//! weight is its prior times its evidence: a finite mixture, exact and the same on every machine. Without any trial it is the
+//! Nobody knows the form, how large the coefficients are, how far a form is from what it stands for or how far samples scatter. Every
+//! one of [`Hyperparameters::forms`] with each of the scales, of the sizes of the residual and of the scatters makes an exact Gaussian
+//! regression, and its weight is its prior times its evidence: a finite mixture, exact and the same on every machine. Without any trial it is the
 //! prior.
 //!
 //! | item | role |
@@ -25,6 +25,7 @@
 //! | [`Hyperparameters`] | standard deviations before anything was measured, with their reasons |
 //! | [`Discrepancy`] | the mixture after the trials |
 //! | [`Predictor`], [`Prediction`] | what it says of a texture at given loads: quantiles, covariance, the chance to be on target |
+//! | [`Contradiction`] | two samples of one texture that differ by more than samples are said to scatter |
 //! | [`leave_out`] | every trial and every condition predicted by all others |
 //! | [`Wanted`], [`choose`] | the texture to cut next |
 //! | [`Scenarios`] | truths drawn from the mixture, in which several samples are judged together |
@@ -53,6 +54,7 @@ mod mixture;
 mod next_trial;
 mod prediction;
 mod rows;
+mod scatter;
 mod scenarios;
 mod trial;
 
@@ -64,8 +66,11 @@ pub use leave_out::{LeftOut, Surprise, leave_out};
 pub use mixture::{Discrepancy, FormWeight};
 pub use next_trial::{Candidate, Chosen, Ranking, Score, Wanted, choose, information};
 pub use prediction::{Component, Load, Prediction, Predictor, Sampler};
+pub use scatter::{Contradiction, ScatterWeight};
 pub use scenarios::Scenarios;
 pub use trial::{Measured, Trial};
 
+#[cfg(test)]
+mod scatter_tests;
 #[cfg(test)]
 mod tests;

@@ -35,6 +35,8 @@ pub(crate) struct Member {
     /// How many times as large the form's coefficients are, and the residual over that of alpha.
     pub scale: f64,
     pub residual: f64,
+    /// Standard deviation of t where a trial has none of its own.
+    pub scatter: f64,
     pub prior: f64,
     pub weight: f64,
     /// The form at the reference texture.
@@ -83,16 +85,21 @@ impl Discrepancy {
             trials.iter().flat_map(|trial| trial.measured.iter().map(|at| at.load.humidity)).collect();
         let basis = Basis::new(&hyper, conditions, modulus_relative_std, &humidities);
         let mut found = Self { conditions, trials, basis, members: Vec::new() };
-        let noise = found.noise();
-        let n = found.rows().count();
-        let factor = cholesky(&noise, n).filter(|factor| is_regular(factor, n)).ok_or(DiscrepancyError::Singular)?;
-        let mut excess: Vec<f64> = found.rows().map(|(_, at)| at.log_excess()).collect();
-        solve_lower(&factor, n, &mut excess);
-        let fitted: Vec<(Member, f64)> = members(&hyper)
-            .into_par_iter()
-            .map(|member| found.fit(member, &factor, &excess))
-            .collect::<Option<_>>()
-            .ok_or(DiscrepancyError::Singular)?;
+        let mut fitted: Vec<(Member, f64)> = Vec::new();
+        let mut first = None;
+        for (scatter, weight) in found.scatters() {
+            let whitened = found.whitened(scatter).ok_or(DiscrepancyError::Singular)?;
+            // What no form changes counts between scatters alone.
+            let beside = whitened.log_density - *first.get_or_insert(whitened.log_density);
+            let at_scatter = members(&hyper)
+                .into_par_iter()
+                .map(|member| {
+                    let member = Member { scatter, prior: member.prior * weight, ..member };
+                    found.fit(member, &whitened).map(|(member, evidence)| (member, evidence + beside))
+                })
+                .collect::<Option<Vec<_>>>();
+            fitted.extend(at_scatter.ok_or(DiscrepancyError::Singular)?);
+        }
         let most = fitted.iter().map(|(_, evidence)| *evidence).fold(f64::NEG_INFINITY, f64::max);
         let sum: f64 = fitted.iter().map(|(member, evidence)| member.prior * libm::exp(evidence - most)).sum();
         found.members = fitted
@@ -167,20 +174,21 @@ impl Discrepancy {
         self.trials.iter().enumerate().flat_map(|(place, trial)| trial.measured.iter().map(move |at| (place, at)))
     }
 
-    /// Standard deviation of t.
-    fn own_std(&self, trial: usize) -> f64 {
-        self.trials[trial].sample_std.unwrap_or(self.hyperparameters().sample_std)
+    /// Standard deviation of t, where trials without one of their own have that of `scatter`.
+    pub(crate) fn own_std(&self, trial: usize, scatter: f64) -> f64 {
+        self.trials[trial].sample_std.unwrap_or(scatter)
     }
 
     /// Whether two trials were cut on one disc, and so share t.
-    fn is_one_disc(&self, left: usize, right: usize) -> bool {
+    pub(crate) fn is_one_disc(&self, left: usize, right: usize) -> bool {
         left == right
             || self.trials[left].disc.as_ref().is_some_and(|disc| self.trials[right].disc.as_ref() == Some(disc))
     }
 
     /// Covariance of all measurements where the coefficients are known: what differs from disc to disc, which trials of one disc
-    /// share, errors of a sample's dimensions, the flat sample's, which a condition shares, and each measurement's.
-    pub(crate) fn noise(&self) -> Vec<f64> {
+    /// share, errors of a sample's dimensions, the flat sample's, which a condition shares, and each measurement's. Samples scatter by
+    /// `scatter`, unless they have a scatter of their own.
+    pub(crate) fn noise(&self, scatter: f64) -> Vec<f64> {
         let rows: Vec<(usize, &Measured)> = self.rows().collect();
         let n = rows.len();
         let first: Vec<usize> = self
@@ -198,7 +206,7 @@ impl Discrepancy {
                 let mut shared = 0.0;
                 if self.is_one_disc(*left, *right) {
                     // cov(t_a, t_b) = s_a s_b
-                    shared += self.own_std(*left) * self.own_std(*right);
+                    shared += self.own_std(*left, scatter) * self.own_std(*right, scatter);
                 }
                 if left == right {
                     let of_dimensions = &self.trials[*left].of_dimensions;
@@ -219,8 +227,20 @@ impl Discrepancy {
         noise
     }
 
-    /// The regression of one form with the logarithm of its evidence, from the factor of the noise and the excess that it whitens.
-    fn fit(&self, member: Member, factor: &[f64], excess: &[f64]) -> Option<(Member, f64)> {
+    /// The measurements where samples scatter by `scatter`; `None` where their covariance has no inverse.
+    fn whitened(&self, scatter: f64) -> Option<Whitened> {
+        let mut excess: Vec<f64> = self.rows().map(|(_, at)| at.log_excess()).collect();
+        let n = excess.len();
+        let factor = cholesky(&self.noise(scatter), n).filter(|factor| is_regular(factor, n))?;
+        solve_lower(&factor, n, &mut excess);
+        // ln N(y; 0, noise), but for a constant
+        let log_density = -0.5 * (dot(&excess, &excess) + log_determinant(&factor, n));
+        Some(Whitened { factor, excess, log_density })
+    }
+
+    /// The regression of one form with the logarithm of its evidence over that of no form.
+    fn fit(&self, member: Member, whitened: &Whitened) -> Option<(Member, f64)> {
+        let Whitened { factor, excess, .. } = whitened;
         let (p, n) = (self.basis.count(), excess.len());
         // Columns of the whitened rows: S^-1 Phi, noise = S S^T
         let rows: Vec<Vec<f64>> = self
@@ -251,7 +271,7 @@ impl Discrepancy {
         // mean = precision^-1 Phi^T noise^-1 y
         let mut mean: Vec<f64> = columns.iter().map(|column| dot(column, excess)).collect();
         solve_lower(&lower, p, &mut mean);
-        // ln N(y; 0, noise + Phi Phi^T), but for what no form changes
+        // ln N(y; 0, noise + Phi Phi^T) - ln N(y; 0, noise)
         let evidence = 0.5 * (dot(&mean, &mean) - log_determinant(&lower, p));
         solve_upper(&lower, p, &mut mean);
         let mut inverse = vec![0.0; p * p];
@@ -265,6 +285,16 @@ impl Discrepancy {
     }
 }
 
+/// The measurements with their noise S S^T.
+struct Whitened {
+    /// S
+    factor: Vec<f64>,
+    /// S^-1 y
+    excess: Vec<f64>,
+    /// ln N(y; 0, noise), but for a constant.
+    log_density: f64,
+}
+
 /// Every form at every scale with every residual, before it is fitted.
 fn members(hyper: &Hyperparameters) -> Vec<Member> {
     let mut all = Vec::new();
@@ -276,6 +306,7 @@ fn members(hyper: &Hyperparameters) -> Vec<Member> {
                     form: *form,
                     scale: *scale,
                     residual: *residual,
+                    scatter: hyper.sample_std,
                     prior,
                     weight: prior,
                     at_reference: form.value(&hyper.reference),

@@ -116,11 +116,11 @@ impl Predictor {
     #[must_use]
     pub fn predict(&self, of: &Features, modulus_sensitivity: &[f64]) -> Prediction {
         let features: Vec<Vec<f64>> = self.loads.iter().map(|load| self.basis.residual(of, load)).collect();
-        let own = self.basis.hyper().sample_std.powi(2);
         let n = self.loads.len();
         let g = modulus_sensitivity;
         let component = |member: &Prepared| {
             let h = member.member.value(of);
+            let own = member.member.scatter.powi(2);
             // What multiplies the residual's coefficients at load l, and R_l = L^-1 of that, below form and modulus.
             let size = h * member.member.residual;
             let first = member.e.len() - member.residual.len();

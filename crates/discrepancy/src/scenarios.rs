@@ -46,8 +46,8 @@ impl Scenarios {
     /// The same truths with one disc on which all samples are cut: they share its t, drawn by `seed`.
     #[must_use]
     pub fn on_one_disc(mut self, seed: u64) -> Self {
-        let (mut normals, std) = (Normals::new(seed), self.basis.hyper().sample_std);
-        self.of_disc = self.draws.iter().map(|_| std * normals.draw()).collect();
+        let mut normals = Normals::new(seed);
+        self.of_disc = self.draws.iter().map(|(member, _)| self.members[*member].scatter * normals.draw()).collect();
         self
     }
 

@@ -28,7 +28,15 @@ fn trial(name: &str, features: Features, loads: &[Load], noise: f64, truth: &mut
         modulus_sensitivity: 0.1 + 0.02 * place as f64,
     };
     let measured = loads.iter().enumerate().map(measured).collect();
-    Trial { name: name.to_owned(), features, sample_std: None, disc: None, measured, of_dimensions: Vec::new() }
+    Trial {
+        name: name.to_owned(),
+        features,
+        sample_std: None,
+        disc: None,
+        measured,
+        dimensions_std_m: [0.0; 3],
+        of_dimensions: Vec::new(),
+    }
 }
 
 fn discrepancy(trials: Vec<Trial>) -> Discrepancy {
@@ -74,6 +82,8 @@ fn before_any_trial_the_prior_is_what_is_believed() {
     // Scales of several sizes: more in the middle and farther out than one normal distribution.
     assert!(found.quantile(0, 0.995) > 2.6 * std && found.quantile(0, 0.75) < 0.67 * std);
     assert!((prior().forms().iter().map(|of| of.weight).sum::<f64>() - 1.0).abs() < 1e-12);
+    // Nothing says anything of how far samples scatter: it is as stated.
+    assert_eq!(prior().sample_std(), hyper.sample_std);
 }
 
 /// Variance of the residual at the reference, over that of alpha.
@@ -136,13 +146,13 @@ fn weights_are_prior_times_evidence() {
         trial("A", groove(100.0, 300.0, 10.0), &loads(), 0.01, &mut |place| first[place]),
         trial("B", groove(60.0, 420.0, 10.0), &loads(), 0.01, &mut |place| second[place]),
     ]);
-    let noise = found.noise();
     let rows: Vec<_> = found.rows().collect();
     let n = rows.len();
     let evidences: Vec<f64> = found
         .members()
         .iter()
         .map(|member| {
+            let noise = found.noise(member.scatter);
             let phi: Vec<Vec<f64>> = rows
                 .iter()
                 .map(|(trial, at)| {
@@ -239,6 +249,7 @@ fn two_trials_of_one_disc_tell_less_of_the_mean_and_more_of_their_difference() {
         scales: one.clone(),
         residuals: vec![(0.0, 1.0)],
         sample_std: s2.sqrt(),
+        scatters: one.clone(),
         forms: vec![(Form::Density, 1.0)],
         ..Hyperparameters::default()
     };

@@ -15,6 +15,8 @@ pub struct Trial {
     pub disc: Option<String>,
     /// What was measured of it.
     pub measured: Vec<Measured>,
+    /// Standard errors of its width, spacing and depth, in metres; 0 where they are taken as exact.
+    pub dimensions_std_m: [f64; 3],
     /// What errors of its dimensions do, one list a dimension: d ln R / dx times the standard error of x, at each of `measured`.
     pub of_dimensions: Vec<Vec<f64>>,
 }

@@ -1,6 +1,7 @@
 //! What a material file says of its own errors.
 
 use slipgrid_calibrate::uncertainty::{CoefficientEstimate, MaterialUncertainty};
+use slipgrid_calibrate::{contradicting_samples, is_of_contradicting_samples};
 use slipgrid_material::{Condition, Material};
 use toml::Spanned;
 
@@ -24,7 +25,13 @@ pub fn read_known(
     place: &std::ops::Range<usize>,
 ) -> Result<(Material, MaterialUncertainty), Diagnostic> {
     document.check_schema(file.schema.as_ref())?;
-    Ok((read_material(document, file, place)?, read_uncertainty(document, file)?))
+    let (mut material, uncertainty) = (read_material(document, file, place)?, read_uncertainty(document, file)?);
+    let warnings = &mut material.provenance.warnings;
+    // Of a file of an earlier version, which does not say so itself.
+    if !warnings.iter().any(|warning| is_of_contradicting_samples(warning)) {
+        warnings.extend(uncertainty.learned.iter().flat_map(contradicting_samples));
+    }
+    Ok((material, uncertainty))
 }
 
 /// The same of the material that a key of `document` names or holds.

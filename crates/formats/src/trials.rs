@@ -49,7 +49,7 @@ pub struct TrialFile {
     spacing_std_um: Option<Number>,
     /// Standard error of its measured mean depth; 0 when absent.
     depth_std_um: Option<Number>,
-    /// Scatter of ln(ratio) from one such sample to the next; 0.005 when absent.
+    /// Scatter of ln(ratio) from one such sample to the next, which no trial changes; 0.005 when absent.
     sample_std: Option<Number>,
     /// The disc of which the sample is a sector: trials with one disc name share what differs from disc to disc.
     disc: Option<Spanned<String>>,
@@ -88,7 +88,7 @@ pub struct PriorFile {
     /// Change from one humidity to another; 0.1 when absent.
     #[serde(skip_serializing_if = "Option::is_none")]
     humidity_std: Option<f64>,
-    /// Scatter from one sample of a texture to the next; 0.005 when absent.
+    /// Scatter from one sample of a texture to the next, until trials refute it; 0.005 when absent.
     #[serde(skip_serializing_if = "Option::is_none")]
     sample_std: Option<f64>,
     /// Least relative standard error of a measurement; 0.005 when absent.
@@ -332,6 +332,15 @@ struct LearnedTrial {
     /// Scatter of ln(ratio) from one such sample to the next.
     #[serde(skip_serializing_if = "Option::is_none")]
     sample_std: Option<f64>,
+    /// Standard error of its width, which tells whether it is of one texture with another; 0 when absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    width_std_um: Option<f64>,
+    /// Standard error of its spacing; 0 when absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    spacing_std_um: Option<f64>,
+    /// Standard error of its depth; 0 when absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    depth_std_um: Option<f64>,
     /// The disc of which the sample was a sector: trials with one disc name share what differs from disc to disc.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     disc: Option<String>,
@@ -366,6 +375,8 @@ impl LearnedFile {
         let conditions = learned.conditions();
         let trial = |trial: &Trial| {
             let column = |of: fn(&Measured) -> f64| trial.measured.iter().map(|at| tidy(of(at))).collect();
+            let of_length =
+                |axis: usize| Some(LENGTH_UM.from_si(trial.dimensions_std_m[axis])).filter(|std| *std > 0.0);
             LearnedTrial {
                 name: trial.name.clone(),
                 areal_density: trial.features.areal_density,
@@ -374,6 +385,9 @@ impl LearnedFile {
                 pitch_um: LENGTH_UM.from_si(trial.features.pitch_m),
                 depth_um: LENGTH_UM.from_si(trial.features.depth_m),
                 sample_std: trial.sample_std,
+                width_std_um: of_length(0),
+                spacing_std_um: of_length(1),
+                depth_std_um: of_length(2),
                 disc: trial.disc.clone(),
                 pressure_mpa: column(|at| PRESSURE_MPA.from_si(at.load.pressure_pa)),
                 speed_mm_s: column(|at| SPEED_MM_S.from_si(at.load.speed_m_s)),
@@ -442,6 +456,8 @@ impl LearnedFile {
                 sample_std: trial.sample_std,
                 disc: trial.disc.clone(),
                 measured: (0..n).map(measured).collect(),
+                dimensions_std_m: [trial.width_std_um, trial.spacing_std_um, trial.depth_std_um]
+                    .map(|std_um| std_um.map_or(0.0, |std_um| tidy(LENGTH_UM.to_si(std_um)))),
                 of_dimensions: trial.of_dimensions.clone(),
             })
         };

@@ -2,7 +2,7 @@
 //! the next.
 
 use serde::{Deserialize, Serialize};
-use slipgrid_calibrate::CutSample;
+use slipgrid_calibrate::{CutSample, contradicting_samples};
 use slipgrid_discrepancy::{Discrepancy, LeftOut, Surprise, leave_out};
 use slipgrid_monitor::{Cancelled, Monitor};
 use slipgrid_results::{SCHEMA, Table, VERSION, believed, believed_interval, believed_std, fixed};
@@ -10,12 +10,14 @@ use slipgrid_units::{HUMIDITY_PCT, LENGTH_UM, PRESSURE_MPA, SPEED_MM_S, tidy};
 
 use crate::charts::{Estimate, Prediction, TrialsChart, trials};
 use crate::{Outputs, ReportError, html};
-use effects::effects;
+use effects::{effects, less_known};
 
 mod effects;
 mod pending;
+mod scatter;
 
 pub use pending::PendingReport;
+pub use scatter::ScatterReport;
 
 /// Metres in a millimetre, for edges per area.
 const PER_MM: f64 = 1e-3;
@@ -31,7 +33,7 @@ pub struct TrialsReport {
     pub schema: u32,
     /// Name of the calibration.
     pub name: String,
-    /// Measured numbers that are hardly meant.
+    /// Measured numbers that are hardly meant, and samples of one texture that contradict each other.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub warnings: Vec<String>,
     /// Trials, the earliest first.
@@ -48,6 +50,9 @@ pub struct TrialsReport {
     /// Whether all trials are of one texture, which cannot tell the forms apart.
     #[serde(default)]
     pub one_texture: bool,
+    /// How far samples of one texture scatter; null where the trials say nothing of it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub scatter: Option<ScatterReport>,
     /// What the discrepancy is at the texture measured last, and how it depends on the condition.
     pub effects: Vec<EffectReport>,
     /// Measured ratios within what was predicted for them.
@@ -229,21 +234,23 @@ impl TrialsReport {
             version: VERSION.to_owned(),
             schema: SCHEMA,
             name: name.to_owned(),
-            warnings: Vec::new(),
+            warnings: contradicting_samples(learned),
             trials: learned.trials().iter().enumerate().map(trial).collect(),
             pending: samples.iter().filter(|cut| cut.measured.is_empty()).map(|cut| cut.name.clone()).collect(),
             predicted: Vec::new(),
             identified: learned.identified().map(str::to_owned),
             one_texture: learned.has_one_texture(),
             forms,
+            scatter: ScatterReport::of(learned),
             effects: effects(learned),
             coverage: coverage.collect(),
         })
     }
 
-    /// The same with `warnings` of the measurements.
+    /// The same with `warnings` of the measurements, before those of samples that contradict each other.
     #[must_use]
-    pub fn with_warnings(self, warnings: Vec<String>) -> Self {
+    pub fn with_warnings(self, mut warnings: Vec<String>) -> Self {
+        warnings.extend(self.warnings);
         Self { warnings, ..self }
     }
 
@@ -286,12 +293,13 @@ impl TrialsReport {
             None => "form not identified: trials of other densities, edge lengths and depths would tell forms apart\n"
                 .to_owned(),
         };
+        text += &self.scatter.map_or_else(String::new, |scatter| scatter.text());
         text += "\nln(measured / modelled)\n";
         let mut table = Table::new(["quantity", "value", "+-", "+- before"]);
         for of in &self.effects {
             table.row([of.of.clone(), fixed(Some(of.value), 3), believed_std(of.std), believed_std(of.prior_std)]);
         }
-        text + &table.to_string()
+        text + &table.to_string() + &less_known(&self.effects)
     }
 
     fn table(&self) -> Table {

@@ -1,4 +1,4 @@
-//! Statistics that several crates need: normal deviates and their distribution, medians, standard deviations and Student's t,
+//! Statistics that several crates need: normal deviates and their distribution, that of chi-square, medians, standard deviations and Student's t,
 //! response surfaces of three lengths, and the small dense systems that these lead to.
 //!
 //! ```
@@ -8,6 +8,7 @@
 //! assert_eq!(Confidence::PERCENT_95.student_t(2), 4.302_653);
 //! ```
 
+mod chi_square;
 pub mod cholesky;
 mod normal;
 mod normal_distribution;
@@ -16,6 +17,7 @@ mod sample;
 mod student;
 mod synthetic_noise;
 
+pub use chi_square::chi_square_beyond;
 pub use normal::Normals;
 pub use normal_distribution::{box_probability, normal_probability, normal_quantile};
 pub use response_surface::{Axis, ResponseSurface};

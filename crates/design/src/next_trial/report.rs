@@ -1,6 +1,7 @@
 //! The samples to cut next, as JSON and in words.
 
 use serde::{Deserialize, Serialize};
+use slipgrid_calibrate::is_of_contradicting_samples;
 use slipgrid_discrepancy::{Load, Prediction};
 use slipgrid_results::{
     MaterialReport, PatternReport, SpecimenReport, Table, believed_interval, duration_in_words, fixed,
@@ -321,6 +322,8 @@ impl NextReport {
         } else {
             format!("cut it as a trial: {} chance that a cut sample is on target\n", chance(greatest))
         };
+        let doubts = self.material.warnings.iter().filter(|doubt| is_of_contradicting_samples(doubt));
+        doubts.for_each(|doubt| text += &format!("! {doubt}\n"));
         text += "chances by the steady model: a run in time, which optimize makes, moves ratios by some thousandths\n";
         if let Some(own) = self.likelier_own() {
             text += &format!("yours, {} um, is likelier: {}\n", own.design.lengths_in_words(), chance(own.chance));

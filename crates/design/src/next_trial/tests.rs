@@ -90,6 +90,11 @@ fn without_trials_every_chance_is_small_and_no_texture_comes_twice() {
     assert_eq!(again.report, found.report);
     let text = found.report.text();
     assert!(text.contains("next 4") && text.contains("\ntells bits: what its measurement would tell"), "{text}");
+    // Samples that contradict each other are named below the advice, other doubts of the material are not.
+    let mut doubtful = found.report.clone();
+    doubtful.material.warnings = vec!["slope: odd".to_owned(), "contradicting samples: A and B".to_owned()];
+    let said = doubtful.text();
+    assert!(said.contains("on target\n! contradicting samples: A and B\n") && !said.contains("odd"), "{said}");
     // Why the first is recommended, from its own numbers.
     let said = format!(
         "why the first: of the {} designs compared none has a clearly greater chance than",

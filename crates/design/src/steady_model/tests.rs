@@ -125,6 +125,7 @@ fn aim(model: &mut SteadyModel<'_>, design: &Pattern) -> Vec<f64> {
         sample_std: None,
         disc: None,
         measured: vec![measured(loads[0], 0.85), measured(loads[3], 0.75)],
+        dimensions_std_m: [0.0; 3],
         of_dimensions: Vec::new(),
     };
     let learned = Discrepancy::new(Hyperparameters::default(), Conditions::default(), 0.2, vec![trial]).unwrap();

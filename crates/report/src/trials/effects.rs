@@ -6,6 +6,9 @@ use slipgrid_units::{HUMIDITY_PCT, PRESSURE_MPA, SPEED_MM_S, tidy};
 
 use super::EffectReport;
 
+/// Share of its error before any trial above which an effect is less known than it was.
+const LESS_KNOWN: f64 = 1.05;
+
 /// The discrepancy at the texture measured last, or at the reference, and how it depends on pressure, speed and humidity there.
 pub(super) fn effects(learned: &Discrepancy) -> Vec<EffectReport> {
     let features = learned.trials().last().map_or(learned.hyperparameters().reference, |trial| trial.features);
@@ -42,6 +45,18 @@ pub(super) fn effects(learned: &Discrepancy) -> Vec<EffectReport> {
         found.push(effect(of, Load { humidity: *humidity, ..at }, Some(at)));
     }
     found
+}
+
+/// Lines of what is less known after the trials than before any.
+pub(super) fn less_known(effects: &[EffectReport]) -> String {
+    let less = effects.iter().filter(|effect| effect.std > LESS_KNOWN * effect.prior_std);
+    less.map(|effect| {
+        format!(
+            "less is known of {} than before any trial: forms that are larger at this texture have gained weight\n",
+            effect.of
+        )
+    })
+    .collect()
 }
 
 /// The measured condition nearest to the middle of the flat sample's, in logarithms, at the least humidity; before any trial that middle,

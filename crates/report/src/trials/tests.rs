@@ -18,6 +18,7 @@ fn trial(name: &str, spacing_um: f64, excess: f64) -> Trial {
         sample_std: None,
         disc: None,
         measured: vec![at(1e6), at(2e6)],
+        dimensions_std_m: [0.0; 3],
         of_dimensions: Vec::new(),
     }
 }
@@ -92,6 +93,31 @@ fn one_texture_predicts_nothing_and_tells_no_form() {
     ] {
         assert!(page.contains(text), "{text}");
     }
+}
+
+#[test]
+fn samples_of_one_texture_that_contradict_each_other_are_named() {
+    let mut c = trial("C", 200.0, 0.0);
+    // They differ most at the higher pressure.
+    c.measured[1].measured *= 1.001;
+    let found = ledger(vec![trial("A", 200.0, -0.1), trial("B", 700.0, -0.04), c])
+        .with_warnings(vec!["measured ratio: odd".to_owned()]);
+    assert_eq!(found.warnings.len(), 2);
+    let text = found.text();
+    for words in [
+        "! measured ratio: odd\n! contradicting samples: \"A\" and \"C\" are of one texture",
+        "their ratios over the modelled ones differ by 10 % at 2.00 MPa, 2 mm/s and 40 %, where samples are said to scatter by 0.50 %",
+        "samples of one texture are taken to scatter by 0.0",
+    ] {
+        assert!(text.contains(words), "{words}: {text}");
+    }
+    assert!(!text.contains("less is known"), "{text}");
+    assert!(found.files().unwrap().text("report.html").unwrap().contains("Doubtful: contradicting samples: "));
+    // Samples that agree say nothing of it.
+    let text = ledger(vec![trial("A", 200.0, -0.1), trial("B", 700.0, -0.04), trial("C", 200.0, -0.1)]).text();
+    assert!(!text.contains("contradicting") && !text.contains("taken to scatter"), "{text}");
+    let effects = [EffectReport { of: "a speed".to_owned(), value: 0.0, std: 0.4, prior_std: 0.2 }];
+    assert!(less_known(&effects).starts_with("less is known of a speed than before any trial"));
 }
 
 #[test]

@@ -202,8 +202,15 @@ impl Laboratory {
         }
         // What the dimensions do of what was measured.
         let of_dimensions = vec![measured.iter().map(|at| DIMENSIONS_STD * at.measured.ln()).collect()];
-        let trial =
-            Trial { name: String::new(), features: of.features, sample_std: None, disc: None, measured, of_dimensions };
+        let trial = Trial {
+            name: String::new(),
+            features: of.features,
+            sample_std: None,
+            disc: None,
+            measured,
+            dimensions_std_m: [0.0; 3],
+            of_dimensions,
+        };
         Cut { truth, trial }
     }
 }

@@ -1,0 +1,193 @@
+//! How far samples of one texture scatter: what trials say of it, and which of them contradict what is said of it.
+
+use crate::mixture::is_same;
+use crate::{Discrepancy, Features, Form, Load, Measured, Trial};
+use slipgrid_statistics::chi_square_beyond;
+use slipgrid_statistics::cholesky::{cholesky, dot, is_regular, solve_lower};
+
+/// No sample scatters by more than this, unless more is stated.
+const MOST_SCATTER: f64 = 0.2;
+/// Lengths that differ by no more than this share are one: a microscope tells no less.
+const SAME_LENGTH: f64 = 0.02;
+/// Standard errors of a difference within which two lengths may be one.
+const WITHIN_ERRORS: f64 = 2.0;
+/// Probability below which samples contradict each other, of all compared pairs together.
+const LEAST_PROBABILITY: f64 = 0.01;
+
+/// A scatter with its weight.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ScatterWeight {
+    /// Standard deviation from one sample of a texture to the next.
+    pub std: f64,
+    /// Its weight before anything was measured.
+    pub prior: f64,
+    /// Its weight after the trials.
+    pub weight: f64,
+}
+
+/// Two samples of one texture, within the errors of their dimensions, whose ratios differ by more than the scatter that is stated.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Contradiction {
+    /// Numbers of the trials, from 0.
+    pub trials: [usize; 2],
+    /// The condition at which they differ most.
+    pub load: Load,
+    /// How much larger the first is there, over the model of each: a difference of logarithms.
+    pub difference: f64,
+    /// Standard deviation of samples of the texture that was stated of each, or taken where nothing was.
+    pub sample_std: [f64; 2],
+    /// Whether it was stated of each as its own, so that it was kept.
+    pub is_own: [bool; 2],
+    /// Conditions at which both were measured.
+    pub ratios: usize,
+    /// d^T C^-1 d of the differences d at all of them, C their covariance by all that is stated.
+    pub chi_square: f64,
+    /// Probability of as much or more.
+    pub probability: f64,
+}
+
+impl Discrepancy {
+    /// Whether the trials that `is_known` are of two discs at least whose scatter is not stated of the samples themselves: fewer say
+    /// nothing of it.
+    pub(crate) fn infers_scatter(&self, is_known: &dyn Fn(usize) -> bool) -> bool {
+        let trials = self.trials();
+        let says = |place: &usize| {
+            let trial = &trials[*place];
+            trial.sample_std.is_none() && !trial.measured.is_empty() && is_known(*place)
+        };
+        let says: Vec<usize> = (0..trials.len()).filter(says).collect();
+        says.iter().any(|place| !self.is_one_disc(says[0], *place))
+    }
+
+    /// The scatters that samples may have, each with its weight, the stated one first; that alone where the trials say nothing of it.
+    pub(crate) fn scatters(&self) -> Vec<(f64, f64)> {
+        let hyper = self.hyperparameters();
+        let stated = hyper.sample_std;
+        if stated == 0.0 || !self.infers_scatter(&|_| true) {
+            return vec![(stated, 1.0)];
+        }
+        let all = hyper.scatters.iter().map(|(times, weight)| (times * stated, *weight));
+        let all: Vec<(f64, f64)> =
+            all.filter(|(std, weight)| *weight > 0.0 && *std <= stated.max(MOST_SCATTER)).collect();
+        let sum: f64 = all.iter().map(|(_, weight)| weight).sum();
+        if sum > 0.0 { all.into_iter().map(|(std, weight)| (std, weight / sum)).collect() } else { vec![(stated, 1.0)] }
+    }
+
+    /// How far samples of one texture scatter, where nothing is stated of a sample itself.
+    #[must_use]
+    pub fn scatter_weights(&self) -> Vec<ScatterWeight> {
+        let of = |(std, prior): (f64, f64)| {
+            let own = self.members().iter().filter(|member| member.scatter.to_bits() == std.to_bits());
+            ScatterWeight { std, prior, weight: own.map(|member| member.weight).sum() }
+        };
+        self.scatters().into_iter().map(of).collect()
+    }
+
+    /// The standard deviation of the next sample about others of its texture: the root of the mean square of all scatters.
+    #[must_use]
+    pub fn sample_std(&self) -> f64 {
+        self.scatter_weights().iter().map(|of| of.weight * of.std * of.std).sum::<f64>().sqrt()
+    }
+
+    /// Samples of one texture that differ by more than they are said to scatter, the least probable pair first.
+    #[must_use]
+    pub fn contradictions(&self) -> Vec<Contradiction> {
+        let count = self.trials().len();
+        let pairs = (0..count).flat_map(|second| (0..second).map(move |first| [first, second]));
+        let compared: Vec<Contradiction> = pairs.filter_map(|pair| self.compared(pair)).collect();
+        let least = LEAST_PROBABILITY / compared.len().max(1) as f64;
+        let mut found: Vec<Contradiction> = compared.into_iter().filter(|pair| pair.probability < least).collect();
+        found.sort_by(|a, b| a.probability.total_cmp(&b.probability).then(b.chi_square.total_cmp(&a.chi_square)));
+        found
+    }
+
+    /// How far two samples differ; `None` where they are of two textures, of one disc, or have no condition in common.
+    fn compared(&self, trials: [usize; 2]) -> Option<Contradiction> {
+        let [first, second] = trials.map(|place| &self.trials()[place]);
+        if self.is_one_disc(trials[0], trials[1]) || !is_one_texture([first, second]) {
+            return None;
+        }
+        let partner = |at: &Measured| second.measured.iter().position(|other| is_same(&other.load, &at.load));
+        let rows = first.measured.iter().enumerate();
+        let rows: Vec<[usize; 2]> = rows.filter_map(|(row, at)| Some([row, partner(at)?])).collect();
+        let n = rows.len();
+        if n == 0 {
+            return None;
+        }
+        let both = [first, second];
+        let excess = |row: &[usize; 2], of: usize| both[of].measured[row[of]].log_excess();
+        let difference: Vec<f64> = rows.iter().map(|row| excess(row, 0) - excess(row, 1)).collect();
+        // ln h(x1) - ln h(x2) of the form that tells them apart most: what it makes of their difference in texture.
+        let change = |form: &Form| libm::log(form.value(&first.features) / form.value(&second.features)).abs();
+        let of_forms = self.hyperparameters().forms.iter().map(|(form, _)| change(form));
+        let of_forms = of_forms.filter(|change| change.is_finite()).fold(0.0, f64::max);
+        // The same of the errors of their dimensions: no form grows faster than with the square of a width or spacing, or as the depth.
+        let of_errors: f64 = both.iter().map(|of| of_errors(of)).sum();
+        let apart = (of_forms * of_forms + of_errors).sqrt();
+        let of_form: Vec<f64> = rows.iter().map(|row| 0.5 * (excess(row, 0) + excess(row, 1)) * apart).collect();
+        let sample_std = trials.map(|trial| self.own_std(trial, self.hyperparameters().sample_std));
+        // The flat sample's error is one and the same of both.
+        let least = self.hyperparameters().least_measured_std;
+        let mut covariance = vec![0.0; n * n];
+        for (l, left) in rows.iter().enumerate() {
+            for (m, right) in rows.iter().enumerate() {
+                let mut entry = sample_std[0].powi(2) + sample_std[1].powi(2) + of_form[l] * of_form[m];
+                for of in 0..2 {
+                    let slopes = both[of].of_dimensions.iter();
+                    entry +=
+                        slopes.filter_map(|slopes| Some(slopes.get(left[of])? * slopes.get(right[of])?)).sum::<f64>();
+                    if l == m {
+                        entry += both[of].measured[left[of]].patterned_std.max(least).powi(2);
+                    }
+                }
+                covariance[l * n + m] = entry;
+            }
+        }
+        let factor = cholesky(&covariance, n).filter(|factor| is_regular(factor, n))?;
+        let mut whitened = difference.clone();
+        solve_lower(&factor, n, &mut whitened);
+        let chi_square = dot(&whitened, &whitened);
+        let most = (0..n).max_by(|a, b| difference[*a].abs().total_cmp(&difference[*b].abs()))?;
+        Some(Contradiction {
+            trials,
+            load: first.measured[rows[most][0]].load,
+            difference: difference[most],
+            sample_std,
+            is_own: both.map(|trial| trial.sample_std.is_some()),
+            ratios: n,
+            chi_square,
+            probability: chi_square_beyond(chi_square, n),
+        })
+    }
+}
+
+/// Standard errors of width, pitch and depth, in metres.
+fn errors_m(of: &Trial) -> [f64; 3] {
+    let [width, spacing, depth] = of.dimensions_std_m;
+    [width, width.hypot(spacing), depth]
+}
+
+/// Square of the relative standard error of a form by the errors of a sample's dimensions, at most.
+fn of_errors(of: &Trial) -> f64 {
+    let lengths_m = [of.features.width_m, of.features.pitch_m, of.features.depth_m];
+    let squares = errors_m(of).into_iter().zip(lengths_m).zip([2.0, 2.0, 1.0]);
+    squares.map(|((error, length), power): ((f64, f64), f64)| (power * error / length).powi(2)).sum()
+}
+
+/// Whether the textures of two samples are one: each of their lengths the same within its errors, or but for a fiftieth, and so the
+/// areal density and the edges that follow from them.
+fn is_one_texture(trials: [&Trial; 2]) -> bool {
+    let lengths = |of: &Features| [of.width_m, of.pitch_m, of.depth_m];
+    let [a, b] = trials.map(|of| lengths(&of.features));
+    let [error_a, error_b] = trials.map(errors_m);
+    let allowed: [f64; 3] = std::array::from_fn(|axis| {
+        (WITHIN_ERRORS * error_a[axis].hypot(error_b[axis]) / a[axis].min(b[axis])).max(SAME_LENGTH)
+    });
+    // An areal density, and edges, go with two powers of a length at most.
+    let powers = 2.0 * (allowed[0] + allowed[1]);
+    let apart = |of: fn(&Features) -> f64| libm::log(of(&trials[0].features) / of(&trials[1].features)).abs();
+    let is_alike = |change: f64, most: f64| change <= most;
+    (0..3).all(|axis| is_alike((a[axis] - b[axis]).abs() / a[axis].min(b[axis]), allowed[axis]))
+        && is_alike(apart(|of| of.areal_density), powers)
+        && is_alike(apart(|of| of.edge_1_m), powers)
+}
