@@ -201,7 +201,8 @@ mod tests {
         assert!(ratio(heavy) < ratio(light) && ratio(light) < 1.0);
         for prediction in [light, heavy] {
             let squares = prediction.squares.ratio.unwrap();
-            assert!(squares > ratio(prediction) && squares < 1.0, "{squares}");
+            // At the light load no point reaches the pressure where the area law bends: friction is the flat surface's, to rounding.
+            assert!(squares > ratio(prediction) && squares < 1.0 + 1e-9, "{squares}");
             assert!((prediction.squares.mu_flat.unwrap() - prediction.outcome.mu_flat.unwrap()).abs() < 1e-12);
             // What a fifth of Young's modulus makes of the reduction is a part of it, less in squares than in grooves.
             let [grooves, in_space] = prediction.errors.clone().map(|errors| errors.unwrap());
