@@ -8,8 +8,8 @@
 //!
 //! I. A. Polonsky and L. M. Keer, Wear 231, 206 (1999), solve it by conjugate gradients on the points in
 //! contact; V. Rey, G. Anciaux and J.-F. Molinari, Comput. Mech. 60, 69 (2017), apply K in Fourier space.
-//! Here directions are preconditioned by nearly K's inverse (`preconditioner`), masked to the points that are free to move, which
-//! makes the number of iterations nearly independent of the grid:
+//! Here directions are preconditioned by nearly K's inverse (`preconditioner`), masked to the points that are free to
+//! move, which makes the number of iterations nearly independent of the grid:
 //!
 //! 1. gap g = Kp - h, shifted so that its mean over p > 0 is zero; free points: p > 0 or g < 0;
 //! 2. r = g on free points; z = K^-1 r, about, on free points, less its mean there;
@@ -221,6 +221,10 @@ pub(crate) fn minimize(contact: &RoughContact, nominal: f64, options: &SolveOpti
         std::mem::swap(&mut state.residual, &mut state.previous_residual);
         kernels::masked_gap(&mut state.residual, &state.pressure, &state.gap, state.found.shift);
         state.precondition();
+        // On large maps the passes from here to the next transform take as long as those before.
+        if monitor.cancelled() {
+            break (Status::Cancelled, error);
+        }
         let fit = kernels::fit(&state.preconditioned, &state.residual, &state.previous_residual);
         // beta = z.(r - r_before) / (z_before.r_before), Polak and Ribiere
         let mut beta = if restart { 0.0 } else { ((fit.now - fit.before) / fit_before).max(0.0) };

@@ -23,7 +23,7 @@ use slipgrid_springblock::Scene;
 pub use self::accepted::{Accepted, Gain};
 pub(crate) use self::inputs::diagonal;
 use self::inputs::{Parts, of_dimensions, percent, rms};
-pub use self::numerical::Numerical;
+pub use self::numerical::{Numerical, block_std};
 use crate::DesignError;
 use crate::learned_discrepancy::LearnedDiscrepancy;
 use crate::operating_conditions::Further;
@@ -284,8 +284,7 @@ impl<'a> Chances<'a> {
         let Some(fine) = &self.fine else { return Ok(others.clone()) };
         let fine = fine.steady(design)?.ratio;
         let most = still.iter().zip(&fine).map(|(own, fine)| (own - fine).abs()).fold(0.0, f64::max);
-        // |r_l - r_(l/2)| (1 + 1 / (2^(1/2) - 1)), as two standard deviations
-        let std = 0.5 * most * (1.0 + 1.0 / (std::f64::consts::SQRT_2 - 1.0));
+        let std = block_std(most);
         let common = self.scale.iter().zip(&others.common).map(|(scale, other)| (scale * std).hypot(*other)).collect();
         Ok(Numerical { common, scatter: others.scatter.clone() })
     }

@@ -7,6 +7,7 @@ use slipgrid_optimize::{ForwardModel, ModelFailure, Sensitivities, sensitivities
 use slipgrid_pattern::Pattern;
 
 use crate::DesignError;
+use crate::chance::block_std;
 use crate::rim_sensitivity::{RimSensitivityReport, RimSlopeReport};
 use slipgrid_results::Table;
 use slipgrid_units::{LENGTH_UM, tidy};
@@ -106,8 +107,8 @@ pub fn report(
 }
 
 impl SensitivityReport {
-    /// Adds to the errors of slopes how far they are from those of vanishing blocks, if the order of convergence is one half
-    /// (as two standard deviations): `own` has ratios in the blocks of these slopes, `fine` in blocks half as large; values are ratios times `scales`.
+    /// Adds what the size of blocks leaves open to the errors of slopes ([`block_std`]): `own` has ratios in the blocks of these
+    /// slopes, `fine` in blocks half as large; values are ratios times `scales`.
     ///
     /// # Errors
     /// [`ModelFailure`] where `own` or `fine` has no response at `design`.
@@ -122,9 +123,7 @@ impl SensitivityReport {
         let (own, fine) = (slopes(own)?, slopes(fine)?);
         let off = |axis: usize, row: usize| {
             let slope = |of: &Sensitivities| of.axes[axis].as_ref()?.slopes.get(row).map(|slope| slope.per_m);
-            // |D_l - D_(l/2)| (1 + 1 / (2^(1/2) - 1)), as two standard deviations
-            let share = 0.5 * (1.0 + 1.0 / (std::f64::consts::SQRT_2 - 1.0));
-            Some(share * (slope(&own)? - slope(&fine)?).abs() * scales[row] * 1e-6)
+            Some(block_std(slope(&own)? - slope(&fine)?) * scales[row] * 1e-6)
         };
         for (row, slopes) in self.by_pressure.iter_mut().enumerate() {
             let errors = slopes.error_per_um.all();

@@ -10,6 +10,13 @@ pub struct Numerical {
     pub common: Vec<f64>,
 }
 
+/// Standard deviation of a number in blocks of l that differs by `difference` from the same in blocks of l/2: half of its distance
+/// to that of vanishing blocks, if the order of convergence is one half.
+pub fn block_std(difference: f64) -> f64 {
+    // |r_l - r_(l/2)| (1 + 1 / (2^(1/2) - 1)), as two standard deviations
+    0.5 * difference.abs() * (1.0 + 1.0 / (std::f64::consts::SQRT_2 - 1.0))
+}
+
 impl Numerical {
     /// What scatters as `scatter` has it, with nothing in common.
     pub fn scattered(scatter: Vec<f64>) -> Self {
