@@ -70,12 +70,21 @@ impl FittedForm {
         terms(u, v)[..self.count].iter().zip(&self.coefficient).map(|(term, factor)| term * factor).sum()
     }
 
+    /// Heights of the form at the points of `map`, until `monitor` cancels.
+    fn heights_m(&self, map: &HeightMap, monitor: &dyn Monitor) -> Result<Vec<f64>, MapError> {
+        let mut heights_m = Vec::with_capacity(map.heights_m().len());
+        for i in 0..map.rows() {
+            monitor.heed()?;
+            heights_m.extend((0..map.cols()).map(|j| self.height_m([i, j], map)));
+        }
+        Ok(heights_m)
+    }
+
     /// Heights of `map` above the form, until `monitor` cancels.
     pub(crate) fn above_m(&self, map: &HeightMap, monitor: &dyn Monitor) -> Result<Vec<f64>, MapError> {
-        let mut above_m = Vec::with_capacity(map.heights_m().len());
-        for (i, row) in map.heights_m().chunks_exact(map.cols()).enumerate() {
-            monitor.heed()?;
-            above_m.extend(row.iter().enumerate().map(|(j, height)| height - self.height_m([i, j], map)));
+        let mut above_m = self.heights_m(map, monitor)?;
+        for (above, height) in above_m.iter_mut().zip(map.heights_m()) {
+            *above = height - *above;
         }
         Ok(above_m)
     }
@@ -95,12 +104,12 @@ impl HeightMap {
         let count = form.count();
         // Normal equations A c = b, A = sum of terms terms^T, b = sum of terms h, heights about one of them.
         let (mut a, mut b, mut points) = ([[0.0; TERMS]; TERMS], [0.0; TERMS], 0_usize);
-        let mut heights = self.heights_m().iter().enumerate().filter(|(n, height)| !height.is_nan() && wanted(*n));
-        let origin = heights.next().map_or(0.0, |(_, height)| *height);
+        let is_wanted = |n: usize| !self.heights_m()[n].is_nan() && wanted(n);
+        let origin = (0..self.heights_m().len()).find(|n| is_wanted(*n)).map_or(0.0, |n| self.heights_m()[n]);
         for (row, heights) in self.heights_m().chunks_exact(self.cols()).enumerate() {
             monitor.heed()?;
-            let is_wanted = |(col, height): &(usize, &f64)| !height.is_nan() && wanted(row * self.cols() + col);
-            for (col, height) in heights.iter().enumerate().filter(is_wanted) {
+            let first = row * self.cols();
+            for (col, height) in heights.iter().enumerate().filter(|(col, _)| is_wanted(first + col)) {
                 let terms = terms(place(row, self.rows()), place(col, self.cols()));
                 for i in 0..count {
                     for j in 0..=i {
@@ -145,22 +154,17 @@ impl HeightMap {
     /// [`MapError::FormUndetermined`] if the points present do not determine the form, and once `monitor` cancels: the map is as it was.
     pub fn remove_form(&mut self, form: Form, monitor: &dyn Monitor) -> Result<f64, MapError> {
         let fitted = self.fit_form(form, |_| true, monitor)?;
+        let subtracted = fitted.heights_m(self, monitor)?;
         let (mut sum, mut square, mut count) = (0.0, 0.0, 0.0);
-        let first = fitted.height_m([0, 0], self);
-        let mut above_m = Vec::with_capacity(self.heights_m().len());
-        for (i, row) in self.heights_m().chunks_exact(self.cols()).enumerate() {
-            monitor.heed()?;
-            for (j, height) in row.iter().enumerate() {
-                let form = fitted.height_m([i, j], self);
-                above_m.push(height - form);
-                if !height.is_nan() {
-                    sum += form - first;
-                    square += (form - first).powi(2);
-                    count += 1.0;
-                }
+        let first = subtracted[0];
+        for (height, form) in self.heights_mut().iter_mut().zip(subtracted) {
+            if !height.is_nan() {
+                sum += form - first;
+                square += (form - first).powi(2);
+                count += 1.0;
             }
+            *height -= form;
         }
-        self.heights_mut().copy_from_slice(&above_m);
         // mean of f^2 less (mean of f)^2, f about one of its values
         Ok((square / count - (sum / count).powi(2)).max(0.0).sqrt())
     }

@@ -90,6 +90,11 @@ impl Delimiter {
         }
     }
 
+    /// The part of `line` that holds its fields: tabs around them part empty ones where tabs are the marks.
+    pub(crate) fn row(self, line: &str) -> &str {
+        if self == Self::Tab { line } else { line.trim() }
+    }
+
     /// The fields of `line`, trimmed; one delimiter at its end closes the last field.
     pub(crate) fn fields(self, line: &str) -> impl Iterator<Item = &str> {
         self.all_fields(self.mark().and_then(|mark| line.strip_suffix(mark)).unwrap_or(line))
@@ -103,9 +108,7 @@ impl Delimiter {
         let spaced = mark.is_none().then(|| line.split_whitespace());
         marked.into_iter().flatten().chain(spaced.into_iter().flatten())
     }
-}
 
-impl Delimiter {
     /// Whether `line` ends with the mark between fields: after its last field, or before one that is empty.
     pub(crate) fn ends(self, line: &str) -> bool {
         self.mark().is_some_and(|mark| line.ends_with(mark))

@@ -41,6 +41,7 @@ impl MatrixReader {
     /// A reader of rows like `first`, on line `line`.
     pub(super) fn new(first: &str, line: usize, header: &Header, options: &ReadOptions) -> Result<Self, ReadError> {
         let delimiter = Delimiter::of(first);
+        let first = delimiter.row(first);
         let row = first.trim_start_matches('\t');
         let indent = first[..first.len() - row.len()].to_owned();
         let (closed, all) = (delimiter.fields(row).count(), delimiter.all_fields(row).count());
@@ -61,6 +62,7 @@ impl MatrixReader {
 
     pub(super) fn push(&mut self, text: &str, line: usize) -> Result<(), ReadError> {
         self.row.clear();
+        let text = self.delimiter.row(text);
         let text = text.strip_prefix(&self.indent[..]).unwrap_or(text);
         for (n, field) in self.delimiter.all_fields(text).enumerate() {
             let value = height(field).ok_or_else(|| ReadError::NotANumber {
@@ -82,7 +84,8 @@ impl MatrixReader {
             }
         }
         if self.row.len() != self.cols {
-            let found = self.row.len() - usize::from(ends && self.row.len() > self.cols);
+            // A mark at the end closes the last field.
+            let found = self.row.len() - usize::from(ends);
             return Err(ReadError::RowLength { line, found, expected: self.sure_cols() });
         }
         self.window.push(&self.row)
@@ -115,13 +118,14 @@ impl MatrixReader {
     ) -> Result<usize, ReadError> {
         let mut rows = self.window.rows_seen();
         let shared = options.pixel_m.is_none() && header.height_m.is_some();
-        if shared || header.pixels[0].is_some() || self.last == LastField::Open {
+        let is_undecided = self.last == LastField::Open && self.window.takes_last_col();
+        if shared || header.pixels[0].is_some() || is_undecided {
             while let Some(text) = lines.next()? {
                 if text.trim().is_empty() || text.starts_with(['#', '%']) {
                     continue;
                 }
                 rows += 1;
-                if self.last == LastField::Open && !self.delimiter.ends(text) {
+                if self.last == LastField::Open && !self.delimiter.ends(self.delimiter.row(text)) {
                     self.last = LastField::Counted;
                 }
             }
@@ -280,12 +284,19 @@ mod tests {
             ("1;2;3;4\n1;2;3\n", "line 2: 3 values: expected 4"),
             ("1;2;3;4;\n1;2;\n", "expected 4"),
             ("1;2;3;4;\n1;2;3;4;5;\n", "line 2: 5 values: expected 4"),
+            ("1;2;3;4;\n1;2;3;\n", "line 2: 3 values: expected 4"),
         ] {
             assert!(read(text, given).unwrap_err().to_string().contains(said), "{text}");
         }
         let told = |count: usize| format!("# File Format = ASCII\n# x-pixels = {count}\n1;2;3;\n4;5;6;\n");
         let missing = [3, 4].map(|count| map(&told(count), given).unwrap().map.missing());
         assert_eq!(missing, [0, 2]);
+        // Tabs beside other marks are blanks, also at the ends of lines.
+        assert_eq!(map("1;\t2;\t3;\t4;\t\n5;\t6;\t7;\t8;\t\n", given).unwrap().map.missing(), 0);
+        // A crop of a column that is none is refused, not narrowed.
+        let crop = |cols| Some(crate::Crop { first_row: 0, first_col: 1, rows: 2, cols });
+        let cropped = |cols| read("1;2;3;4;\n5;6;7;8;\n", ReadOptions { crop: crop(cols), ..given });
+        assert!(cropped(3).is_ok() && matches!(cropped(4), Err(crate::ReadError::CropOutside { .. })));
     }
 
     #[test]

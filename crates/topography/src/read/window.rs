@@ -132,6 +132,11 @@ impl Window {
         whole(self.rows, rows) && whole(self.cols, self.file_cols)
     }
 
+    /// Whether the last column of the file is kept.
+    pub(crate) const fn takes_last_col(&self) -> bool {
+        self.cols[1] == self.file_cols
+    }
+
     /// Rows seen so far.
     pub(crate) fn rows_seen(&self) -> usize {
         self.row
@@ -141,21 +146,24 @@ impl Window {
     pub(crate) fn without_last_col(&mut self) -> Result<(), ReadError> {
         let kept = self.kept_cols();
         self.file_cols -= 1;
-        if self.cols[1] > self.file_cols {
-            self.cols[1] = self.file_cols;
-            if self.cols[0] >= self.cols[1] {
-                let (first, available) = (self.cols[0], self.file_cols as u64);
-                return Err(ReadError::CropOutside { axis: "columns", first, count: 1, available });
-            }
-            let left = self.kept_cols();
-            if left < kept {
-                self.block.truncate(left);
-                let mut place = 0;
-                self.height.retain(|_| {
-                    place += 1;
-                    (place - 1) % kept < left
-                });
-            }
+        let [first, end] = self.cols;
+        if end <= self.file_cols {
+            return Ok(());
+        }
+        // Only a crop ends its rows: without one the map has all columns that there are.
+        if self.rows[1] != usize::MAX {
+            let available = self.file_cols as u64;
+            return Err(ReadError::CropOutside { axis: "columns", first, count: end - first, available });
+        }
+        self.cols[1] = self.file_cols;
+        let left = self.kept_cols();
+        if left < kept {
+            self.block.truncate(left);
+            let mut place = 0;
+            self.height.retain(|_| {
+                place += 1;
+                (place - 1) % kept < left
+            });
         }
         Ok(())
     }

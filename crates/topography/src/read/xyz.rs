@@ -44,9 +44,10 @@ impl Points {
 
 /// Whether `text` has three values; that of a height that was not measured may be an empty field at the end of the line.
 pub(super) fn is_point(text: &str) -> bool {
-    let (delimiter, row) = (Delimiter::of(text), text.trim_start());
+    let row = text.trim();
+    let delimiter = Delimiter::of(row);
     match delimiter.fields(row).take(4).count() {
-        2 => delimiter.ends(row),
+        2 => delimiter.ends(delimiter.row(text)),
         fields => fields == 3,
     }
 }
@@ -66,14 +67,14 @@ impl Default for XyzReader {
 
 impl XyzReader {
     pub(super) fn push(&mut self, text: &str, line: usize) -> Result<(), ReadError> {
-        let text = text.trim_start();
-        let delimiter = *self.delimiter.get_or_insert_with(|| Delimiter::of(text));
-        let mut fields = delimiter.fields(text);
+        let row = text.trim();
+        let delimiter = *self.delimiter.get_or_insert_with(|| Delimiter::of(row));
+        let mut fields = delimiter.fields(row);
         let (x, y, z) = (fields.next(), fields.next(), fields.next());
         // A height that was not measured may be an empty field at the end of a line.
-        let z = z.or_else(|| delimiter.ends(text).then_some(""));
+        let z = z.or_else(|| delimiter.ends(delimiter.row(text)).then_some(""));
         let (Some(x), Some(y), Some(z), None) = (x, y, z, fields.next()) else {
-            return Err(ReadError::RowLength { line, found: delimiter.fields(text).count(), expected: 3 });
+            return Err(ReadError::RowLength { line, found: delimiter.fields(row).count(), expected: 3 });
         };
         let refused = |column, field, expected| ReadError::NotANumber { line, column, value: excerpt(field), expected };
         let coordinate =
