@@ -121,6 +121,11 @@ impl Hyperparameters {
                 return refuse(name, value, "positive and finite");
             }
         }
+        // Where trials say nothing of the scatter, it is the first.
+        if !self.scatters.first().is_some_and(|(times, weight)| *times == 1.0 && *weight > 0.0) {
+            let first = self.scatters.first().map_or(f64::NAN, |(times, _)| *times);
+            return refuse("first of the scatters", first, "1, the stated one, with a weight");
+        }
         let forms = self.forms.iter().map(|(_, weight)| *weight);
         for (name, weights, sizes) in [
             ("sum of the forms' weights", forms.collect::<Vec<f64>>(), Vec::new()),

@@ -47,8 +47,14 @@ pub fn leave_out(discrepancy: &Discrepancy, by: LeftOut, monitor: &dyn Monitor) 
     let rows: Vec<_> = discrepancy.rows().collect();
     let n = rows.len();
     let excess: Vec<f64> = rows.iter().map(|(_, at)| at.log_excess()).collect();
-    let covariances: Vec<Vec<f64>> =
-        discrepancy.members().iter().map(|member| covariance(discrepancy, member)).collect();
+    // Members of one scatter, which follow one another, have one noise.
+    let of_one = discrepancy.members().chunk_by(|a, b| a.scatter.to_bits() == b.scatter.to_bits());
+    let covariances: Vec<Vec<f64>> = of_one
+        .flat_map(|members| {
+            let noise = discrepancy.noise(members[0].scatter);
+            members.iter().map(|member| covariance(discrepancy, member, &noise)).collect::<Vec<_>>()
+        })
+        .collect();
     let mut found = Vec::new();
     let mut done = vec![false; n];
     for first in 0..n {
@@ -67,7 +73,9 @@ pub fn leave_out(discrepancy: &Discrepancy, by: LeftOut, monitor: &dyn Monitor) 
         };
         let wanted: Vec<usize> = (0..n).filter(is_wanted).collect();
         let known: Vec<usize> = (0..n).filter(is_known).collect();
-        let prediction = conditional(discrepancy, &covariances, &excess, &known, &wanted);
+        // What is known may be of too few samples to say how far they scatter.
+        let is_inferred = discrepancy.infers_scatter(&|trial| known.iter().any(|row| rows[*row].0 == trial));
+        let prediction = conditional(discrepancy, &covariances, is_inferred, &excess, [&known, &wanted]);
         for (load, &row) in wanted.iter().enumerate() {
             done[row] = true;
             let (trial, own) = (rows[row].0, row - rows.iter().position(|(of, _)| *of == rows[row].0).unwrap_or(0));
@@ -91,8 +99,7 @@ pub fn leave_out(discrepancy: &Discrepancy, by: LeftOut, monitor: &dyn Monitor) 
 }
 
 /// Covariance of all measurements where one form holds: noise + Phi Phi^T.
-fn covariance(discrepancy: &Discrepancy, member: &Member) -> Vec<f64> {
-    let noise = discrepancy.noise(member.scatter);
+fn covariance(discrepancy: &Discrepancy, member: &Member, noise: &[f64]) -> Vec<f64> {
     let rows: Vec<Vec<f64>> = discrepancy
         .rows()
         .map(|(trial, at)| {
@@ -105,20 +112,18 @@ fn covariance(discrepancy: &Discrepancy, member: &Member) -> Vec<f64> {
     (0..n * n).map(|entry| noise[entry] + dot(&rows[entry / n], &rows[entry % n])).collect()
 }
 
-/// What the measurements `known` say of those `wanted`, errors included: mean K_wk K_kk^-1 y, covariance K_ww - K_wk K_kk^-1 K_kw.
+/// What the measurements `known` say of those `wanted`, errors included: mean K_wk K_kk^-1 y, covariance K_ww - K_wk K_kk^-1 K_kw;
+/// samples scatter as stated unless that `is_inferred` from what is known.
 fn conditional(
     discrepancy: &Discrepancy,
     covariances: &[Vec<f64>],
+    is_inferred: bool,
     excess: &[f64],
-    known: &[usize],
-    wanted: &[usize],
+    [known, wanted]: [&[usize]; 2],
 ) -> Prediction {
     let (n, k, m) = (excess.len(), known.len(), wanted.len());
     let mut evidences = Vec::new();
     let mut components = Vec::new();
-    // What is known may be of too few samples to say how far they scatter.
-    let rows: Vec<usize> = discrepancy.rows().map(|(trial, _)| trial).collect();
-    let is_inferred = discrepancy.infers_scatter(&|trial| known.iter().any(|row| rows[*row] == trial));
     let stated = discrepancy.hyperparameters().sample_std;
     for (member, all) in discrepancy.members().iter().zip(covariances) {
         if !is_inferred && member.scatter != stated {

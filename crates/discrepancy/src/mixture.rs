@@ -91,12 +91,9 @@ impl Discrepancy {
             let whitened = found.whitened(scatter).ok_or(DiscrepancyError::Singular)?;
             // What no form changes counts between scatters alone.
             let beside = whitened.log_density - *first.get_or_insert(whitened.log_density);
-            let at_scatter = members(&hyper)
+            let at_scatter = members(&hyper, (scatter, weight))
                 .into_par_iter()
-                .map(|member| {
-                    let member = Member { scatter, prior: member.prior * weight, ..member };
-                    found.fit(member, &whitened).map(|(member, evidence)| (member, evidence + beside))
-                })
+                .map(|member| found.fit(member, &whitened).map(|(member, evidence)| (member, evidence + beside)))
                 .collect::<Option<Vec<_>>>();
             fitted.extend(at_scatter.ok_or(DiscrepancyError::Singular)?);
         }
@@ -295,18 +292,18 @@ struct Whitened {
     log_density: f64,
 }
 
-/// Every form at every scale with every residual, before it is fitted.
-fn members(hyper: &Hyperparameters) -> Vec<Member> {
+/// Every form at every scale with every residual, before it is fitted, where samples scatter by `scatter`.
+fn members(hyper: &Hyperparameters, (scatter, of_scatter): (f64, f64)) -> Vec<Member> {
     let mut all = Vec::new();
     for (form, of_form) in &hyper.forms {
         for (scale, of_scale) in &hyper.scales {
             for (residual, of_residual) in &hyper.residuals {
-                let prior = of_form * of_scale * of_residual;
+                let prior = of_form * of_scale * of_residual * of_scatter;
                 all.push(Member {
                     form: *form,
                     scale: *scale,
                     residual: *residual,
-                    scatter: hyper.sample_std,
+                    scatter,
                     prior,
                     weight: prior,
                     at_reference: form.value(&hyper.reference),

@@ -70,7 +70,7 @@ impl Discrepancy {
         let all: Vec<(f64, f64)> =
             all.filter(|(std, weight)| *weight > 0.0 && *std <= stated.max(MOST_SCATTER)).collect();
         let sum: f64 = all.iter().map(|(_, weight)| weight).sum();
-        if sum > 0.0 { all.into_iter().map(|(std, weight)| (std, weight / sum)).collect() } else { vec![(stated, 1.0)] }
+        all.into_iter().map(|(std, weight)| (std, weight / sum)).collect()
     }
 
     /// How far samples of one texture scatter, where nothing is stated of a sample itself.
@@ -94,55 +94,46 @@ impl Discrepancy {
     pub fn contradictions(&self) -> Vec<Contradiction> {
         let count = self.trials().len();
         let pairs = (0..count).flat_map(|second| (0..second).map(move |first| [first, second]));
-        let compared: Vec<Contradiction> = pairs.filter_map(|pair| self.compared(pair)).collect();
+        let noise = self.noise(self.hyperparameters().sample_std);
+        let compared: Vec<Contradiction> = pairs.filter_map(|pair| self.compared(pair, &noise)).collect();
         let least = LEAST_PROBABILITY / compared.len().max(1) as f64;
         let mut found: Vec<Contradiction> = compared.into_iter().filter(|pair| pair.probability < least).collect();
         found.sort_by(|a, b| a.probability.total_cmp(&b.probability).then(b.chi_square.total_cmp(&a.chi_square)));
         found
     }
 
-    /// How far two samples differ; `None` where they are of two textures, of one disc, or have no condition in common.
-    fn compared(&self, trials: [usize; 2]) -> Option<Contradiction> {
+    /// How far two samples differ, where measurements have the covariance `noise`; `None` where they are of two textures, of one disc,
+    /// or have no condition in common.
+    fn compared(&self, trials: [usize; 2], noise: &[f64]) -> Option<Contradiction> {
         let [first, second] = trials.map(|place| &self.trials()[place]);
         if self.is_one_disc(trials[0], trials[1]) || !is_one_texture([first, second]) {
             return None;
         }
-        let partner = |at: &Measured| second.measured.iter().position(|other| is_same(&other.load, &at.load));
-        let rows = first.measured.iter().enumerate();
-        let rows: Vec<[usize; 2]> = rows.filter_map(|(row, at)| Some([row, partner(at)?])).collect();
+        let all = &self.rows().collect::<Vec<(usize, &Measured)>>()[..];
+        let of = |trial: usize| (0..all.len()).filter(move |row| all[*row].0 == trial);
+        let partner = |row: usize| of(trials[1]).find(|other| is_same(&all[*other].1.load, &all[row].1.load));
+        let rows: Vec<[usize; 2]> = of(trials[0]).filter_map(|row| Some([row, partner(row)?])).collect();
         let n = rows.len();
         if n == 0 {
             return None;
         }
-        let both = [first, second];
-        let excess = |row: &[usize; 2], of: usize| both[of].measured[row[of]].log_excess();
-        let difference: Vec<f64> = rows.iter().map(|row| excess(row, 0) - excess(row, 1)).collect();
+        let excess = |row: usize| all[row].1.log_excess();
+        let difference: Vec<f64> = rows.iter().map(|[a, b]| excess(*a) - excess(*b)).collect();
         // ln h(x1) - ln h(x2) of the form that tells them apart most: what it makes of their difference in texture.
         let change = |form: &Form| libm::log(form.value(&first.features) / form.value(&second.features)).abs();
         let of_forms = self.hyperparameters().forms.iter().map(|(form, _)| change(form));
         let of_forms = of_forms.filter(|change| change.is_finite()).fold(0.0, f64::max);
         // The same of the errors of their dimensions: no form grows faster than with the square of a width or spacing, or as the depth.
-        let of_errors: f64 = both.iter().map(|of| of_errors(of)).sum();
+        let of_errors: f64 = [first, second].into_iter().map(of_errors).sum();
         let apart = (of_forms * of_forms + of_errors).sqrt();
-        let of_form: Vec<f64> = rows.iter().map(|row| 0.5 * (excess(row, 0) + excess(row, 1)) * apart).collect();
-        let sample_std = trials.map(|trial| self.own_std(trial, self.hyperparameters().sample_std));
-        // The flat sample's error is one and the same of both.
-        let least = self.hyperparameters().least_measured_std;
-        let mut covariance = vec![0.0; n * n];
-        for (l, left) in rows.iter().enumerate() {
-            for (m, right) in rows.iter().enumerate() {
-                let mut entry = sample_std[0].powi(2) + sample_std[1].powi(2) + of_form[l] * of_form[m];
-                for of in 0..2 {
-                    let slopes = both[of].of_dimensions.iter();
-                    entry +=
-                        slopes.filter_map(|slopes| Some(slopes.get(left[of])? * slopes.get(right[of])?)).sum::<f64>();
-                    if l == m {
-                        entry += both[of].measured[left[of]].patterned_std.max(least).powi(2);
-                    }
-                }
-                covariance[l * n + m] = entry;
-            }
-        }
+        let of_form: Vec<f64> = rows.iter().map(|[a, b]| 0.5 * (excess(*a) + excess(*b)) * apart).collect();
+        // cov(y_a - y_b, y_c - y_d): the flat sample's error, one and the same of both, cancels.
+        let at = |row: usize, other: usize| noise[row * all.len() + other];
+        let entry = |entry: usize| {
+            let ([a, b], [c, d]) = (rows[entry / n], rows[entry % n]);
+            at(a, c) + at(b, d) - at(a, d) - at(b, c) + of_form[entry / n] * of_form[entry % n]
+        };
+        let covariance: Vec<f64> = (0..n * n).map(entry).collect();
         let factor = cholesky(&covariance, n).filter(|factor| is_regular(factor, n))?;
         let mut whitened = difference.clone();
         solve_lower(&factor, n, &mut whitened);
@@ -150,10 +141,10 @@ impl Discrepancy {
         let most = (0..n).max_by(|a, b| difference[*a].abs().total_cmp(&difference[*b].abs()))?;
         Some(Contradiction {
             trials,
-            load: first.measured[rows[most][0]].load,
+            load: all[rows[most][0]].1.load,
             difference: difference[most],
-            sample_std,
-            is_own: both.map(|trial| trial.sample_std.is_some()),
+            sample_std: trials.map(|trial| self.own_std(trial, self.hyperparameters().sample_std)),
+            is_own: [first, second].map(|trial| trial.sample_std.is_some()),
             ratios: n,
             chi_square,
             probability: chi_square_beyond(chi_square, n),
@@ -186,8 +177,7 @@ fn is_one_texture(trials: [&Trial; 2]) -> bool {
     // An areal density, and edges, go with two powers of a length at most.
     let powers = 2.0 * (allowed[0] + allowed[1]);
     let apart = |of: fn(&Features) -> f64| libm::log(of(&trials[0].features) / of(&trials[1].features)).abs();
-    let is_alike = |change: f64, most: f64| change <= most;
-    (0..3).all(|axis| is_alike((a[axis] - b[axis]).abs() / a[axis].min(b[axis]), allowed[axis]))
-        && is_alike(apart(|of| of.areal_density), powers)
-        && is_alike(apart(|of| of.edge_1_m), powers)
+    (0..3).all(|axis| (a[axis] - b[axis]).abs() / a[axis].min(b[axis]) <= allowed[axis])
+        && apart(|of| of.areal_density) <= powers
+        && apart(|of| of.edge_1_m) <= powers
 }
