@@ -150,6 +150,22 @@ fn several_samples_complement_each_other_and_those_that_are_pending() {
 
 /// A ratio needs a flat sample at the same force, speed and humidity.
 #[test]
+fn samples_of_one_texture_that_contradict_each_other_are_named_once() {
+    let place = place();
+    let mut calibration = CALIBRATION.to_owned();
+    for (name, ratio) in [("cut-1", 0.87), ("cut-2", 0.95)] {
+        let file = format!("{name}.csv");
+        fs::write(place.path(&file), table([ratio; 3])).unwrap();
+        calibration += &trial(name, [150.0, 300.0, 12.0], &format!("measurements = \"{file}\"\n"));
+    }
+    fs::write(place.path("pair.toml"), calibration).unwrap();
+    for command in ["calibrate", "trials"] {
+        let said = place.succeed(&[command, "pair.toml", "-o", command]);
+        assert_eq!(said.matches("contradicting samples: \"cut-1\" and \"cut-2\"").count(), 1, "{said}");
+    }
+}
+
+#[test]
 fn rows_of_a_trial_without_a_flat_partner_are_named() {
     let calibration = format!("{CALIBRATION}\n{}", trial("A", [100.0, 200.0, 10.4], "measurements = \"a.csv\"\n"));
     let rows = table([0.9; 3]);

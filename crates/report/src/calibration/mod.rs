@@ -122,7 +122,8 @@ pub fn ledger(
     monitor: &dyn Monitor,
 ) -> Result<Option<TrialsReport>, Cancelled> {
     let learned = outcome.uncertainty.learned.as_ref().filter(|learned| !learned.trials().is_empty());
-    learned
-        .map(|learned| TrialsReport::new(&calibration.name, &calibration.trials.samples, learned, monitor))
-        .transpose()
+    let Some(learned) = learned else { return Ok(None) };
+    let ledger = TrialsReport::new(&calibration.name, &calibration.trials.samples, learned, monitor)?;
+    // They are among the material's, which the calibration names.
+    Ok(Some(TrialsReport { warnings: Vec::new(), ..ledger }))
 }
