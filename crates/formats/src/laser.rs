@@ -13,7 +13,7 @@ use crate::diagnostic::Diagnostic;
 use crate::plausible::SPOT;
 use slipgrid_export::{AT_THE_RIM, Specimen};
 use slipgrid_results::SpecimenReport;
-use slipgrid_units::{LENGTH_MM, LENGTH_UM, POSITIVE, WALL_TAPER_DEG, significant};
+use slipgrid_units::{LENGTH_MM, LENGTH_UM, POSITIVE, WALL_TAPER_DEG, significant, significant_to};
 
 /// The laser as a design writes it.
 #[derive(Clone, Debug, Deserialize)]
@@ -121,16 +121,16 @@ pub fn read_laser(
     };
     let Some(table) = file else { return Ok(of_limits) };
     let file = table.get_ref();
+    let spot_um = length(file.spot_um.as_ref())?;
     if let Some(spot) = &file.spot_um
         && let Err(expected) = SPOT.judge(*spot.get_ref())
     {
-        length(Some(spot))?;
         return Err(document.refuse(spot.span(), "is the spot of no laser").expected(expected));
     }
     let exposure = file.exposure.as_ref().map(|name| document.choice(name, &EXPOSURES, exposure_name)).transpose()?;
     let laser = Laser {
         wavelength_nm: copied(file.wavelength_nm.as_ref())?,
-        spot_um: length(file.spot_um.as_ref())?,
+        spot_um,
         pulse_ns: copied(file.pulse_ns.as_ref())?,
         power_density_gw_cm2: copied(file.power_density_gw_cm2.as_ref())?,
         repetition_hz: copied(file.repetition_hz.as_ref())?,
@@ -159,8 +159,8 @@ fn unlike_spot(document: &Document, table: &Spanned<LaserFile>, error: &ExportEr
             Some(repetition),
         ) => {
             // Rounded to where the limits still hold.
-            let least_hz = in_steps(repetition_hz * pulse_um / spot_um * (1.0 - EXACT), f64::ceil);
-            let most_mm_s = in_steps(speed_mm_s * spot_um / pulse_um * (1.0 + EXACT), f64::floor);
+            let least_hz = significant_to(repetition_hz * pulse_um / spot_um * (1.0 - EXACT), 3, f64::ceil);
+            let most_mm_s = significant_to(speed_mm_s * spot_um / pulse_um * (1.0 + EXACT), 3, f64::floor);
             let apart = format!("pulses {} um apart on a spot of {spot_um} um", significant(pulse_um, 4));
             let either = format!("repetition_hz of at least {least_hz}, or speed_mm_s of at most {most_mm_s}");
             // Lasers pulse thousands of times a second.
@@ -182,12 +182,6 @@ fn unlike_spot(document: &Document, table: &Spanned<LaserFile>, error: &ExportEr
 const KILO: f64 = 1e3;
 /// Share of a number that is forgiven as rounding.
 const EXACT: f64 = 1e-9;
-
-/// To three digits, up with `to` = `f64::ceil`, down with `f64::floor`.
-fn in_steps(value: f64, to: fn(f64) -> f64) -> f64 {
-    let unit = 10_f64.powf(value.log10().floor() - 2.0);
-    significant(to(value / unit) * unit, 4)
-}
 
 const EXPOSURES: [Exposure; 2] = [Exposure::Hatch, Exposure::Mask];
 
@@ -323,7 +317,7 @@ pub fn check_fits(
                 };
                 let [extent_mm, needed_mm] = [
                     significant(LENGTH_MM.from_si(extent_m), 4),
-                    in_steps(LENGTH_MM.from_si(needed_m) * (1.0 - EXACT), f64::ceil),
+                    significant_to(LENGTH_MM.from_si(needed_m) * (1.0 - EXACT), 3, f64::ceil),
                 ];
                 return Err(document
                     .refuse(width_um, format!("{has} do not fit whole on the specimen, whose extent is {extent_mm} mm"))

@@ -161,6 +161,12 @@ pub fn slip(quantity: Quantity, value: f64) -> Option<String> {
 }
 
 impl Plausible {
+    /// The same where what is usual is known better.
+    #[must_use]
+    pub const fn within(self, usual: [f64; 2]) -> Self {
+        Self { usual, ..self }
+    }
+
     /// Judges `value`, in the key's unit: nothing where it is usual.
     ///
     /// # Errors

@@ -9,7 +9,7 @@ use crate::Diagnostic;
 use crate::altitude_map::refuse_law;
 use crate::calibration::Calibration;
 use crate::surface::Surface;
-use slipgrid_units::{significant, tidy};
+use slipgrid_units::{SPEED_MM_S, significant_to, tidy};
 
 /// What is wrong with the calibration at `path`; nothing where its numbers are not what ended it.
 #[must_use]
@@ -55,10 +55,7 @@ fn refuse_fit(
              unit right, that of a friction force in traces among them?"
         }
         FitError::TooManySteps { least_m_s, .. } => {
-            // To two digits, up.
-            let least = 1e3 * least_m_s;
-            let unit = 10_f64.powf(least.log10().floor() - 1.0);
-            let least_mm_s = significant((least / unit).ceil() * unit, 2);
+            let least_mm_s = significant_to(SPEED_MM_S.from_si(*least_m_s), 2, f64::ceil);
             speed = format!("speed_mm_s of at least {least_mm_s}, or this row left out");
             &speed
         }

@@ -23,7 +23,7 @@ use slipgrid_calibrate::uncertainty::MaterialUncertainty;
 use slipgrid_design::{SpecimenError, TaskPart, check_pressures, correct, loads, of_scene};
 use slipgrid_export::Specimen;
 use slipgrid_results::SimulationReport;
-use slipgrid_units::{LENGTH_MM, LENGTH_UM, PRESSURE_MPA, Quantity, SPEED_MM_S, STEP_NS, tidy};
+use slipgrid_units::{LENGTH_MM, LENGTH_UM, PRESSURE_MPA, Quantity, SPEED_MM_S, STEP_NS, significant_to};
 
 /// A scene as a file writes it.
 #[derive(Clone, Debug, Deserialize, Serialize)]
@@ -250,7 +250,7 @@ impl SceneInput {
                 )
                 .expected(format!("a depth below {}", um(*height_m))),
             SceneError::UnstableStep { step_s, limit_s, scheme } => {
-                let limit_ns = rounded_down(limit_s * 1e9);
+                let limit_ns = significant_to(limit_s * 1e9, 4, f64::floor);
                 if places.step.is_some() {
                     let reason = format!("is beyond the stability limit of the {scheme}, {limit_ns}");
                     self.at(&places.step, "run.step_ns", STEP_NS.from_si(*step_s), reason)
@@ -331,12 +331,6 @@ impl SceneInput {
     pub fn is_section_model(&self) -> bool {
         self.scene.section().is_some()
     }
-}
-
-/// `value` to four digits, rounded down: what a message names as the most is accepted.
-fn rounded_down(value: f64) -> f64 {
-    let digit = 10_f64.powf(value.log10().floor() - 3.0);
-    tidy((value / digit).floor() * digit)
 }
 
 /// Reads the modelled layer, as long as `specimen` where there is one, and checks that it is made of whole blocks.

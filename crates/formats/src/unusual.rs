@@ -59,14 +59,7 @@ pub fn of_shares<'c>(
     document: &Document,
     conditions: impl Iterator<Item = &'c Spanned<ConditionRangeFile>>,
 ) -> Vec<Diagnostic> {
-    let told = |condition: &Spanned<ConditionRangeFile>| {
-        let humidity = condition.get_ref().humidity();
-        match humidity.get_ref() {
-            Numbers::One(value) => of_share(document, &Spanned::new(humidity.span(), *value)),
-            Numbers::Each(each) => each.iter().find_map(|value| of_share(document, value)),
-        }
-    };
-    conditions.filter_map(told).collect()
+    conditions.filter_map(|of| first(of.get_ref().humidity(), |value| of_share(document, value))).collect()
 }
 
 fn of_share(document: &Document, humidity: &Number) -> Option<Diagnostic> {
@@ -98,11 +91,16 @@ fn number(document: &Document, quantity: Plausible, value: &Number) -> Option<Di
     (written != 0.0).then(|| quantity.tell(written, || document.refuse(value.span(), ""))).flatten()
 }
 
-/// The first of `values` that is unusual: a list is told once.
+/// What is unusual in the first of `values` that is: a list is told once.
 fn numbers(document: &Document, quantity: Plausible, values: &Spanned<Numbers>) -> Option<Diagnostic> {
+    first(values, |value| number(document, quantity, value))
+}
+
+/// What `tell` says of the first of `values` of which it says anything.
+fn first(values: &Spanned<Numbers>, tell: impl Fn(&Number) -> Option<Diagnostic>) -> Option<Diagnostic> {
     match values.get_ref() {
-        Numbers::One(value) => number(document, quantity, &Spanned::new(values.span(), *value)),
-        Numbers::Each(each) => each.iter().find_map(|value| number(document, quantity, value)),
+        Numbers::One(value) => tell(&Spanned::new(values.span(), *value)),
+        Numbers::Each(each) => each.iter().find_map(tell),
     }
 }
 

@@ -180,6 +180,13 @@ pub fn significant(value: f64, digits: usize) -> f64 {
     if value.is_finite() { format!("{value:.*e}", digits.saturating_sub(1)).parse().unwrap_or(value) } else { value }
 }
 
+/// A positive `value` to so many significant digits, up with `to` = `f64::ceil`, down with `f64::floor`.
+#[must_use]
+pub fn significant_to(value: f64, digits: usize, to: fn(f64) -> f64) -> f64 {
+    let unit = 10_f64.powf(value.log10().floor() + 1.0 - digits as f64);
+    significant(to(value / unit) * unit, digits)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -15,6 +15,7 @@ use crate::document::Document;
 use crate::file_kind::FileKind;
 use crate::material::{MaterialFile, existing};
 use crate::material_uncertainty::read_known;
+use crate::plausible::SPOT;
 use crate::values::{Numbers, PathOr, list};
 use slipgrid_units::LENGTH_UM;
 
@@ -67,9 +68,6 @@ pub(super) fn read_range(document: &Document, bounds: &Spanned<Numbers>) -> Resu
     }
 }
 
-/// Nanometres in a micrometre.
-const NANOMETRES: f64 = 1e3;
-
 /// Width, spacing and depth bounds, in metres.
 type Bounds = ([f64; 2], [f64; 2], [f64; 2]);
 
@@ -112,12 +110,10 @@ pub(super) fn read_limits(
     {
         let (spot_um, most_um) = (LENGTH_UM.from_si(spot_m), LENGTH_UM.from_si(width_m[1]));
         if let Some(spot) = file.laser.as_ref().and_then(|laser| laser.get_ref().spot_um.as_ref())
-            && spot_um >= NANOMETRES
-            && spot_um / NANOMETRES <= most_um
+            && let Some(slip) = SPOT.within([1.0, most_um]).slip(spot_um)
         {
-            let nanometres = format!("at most {most_um} um; in nm, that would be {} um", spot_um / NANOMETRES);
             let reason = format!("is wider than the widest cavity within the bounds, {most_um} um");
-            return Err(document.refuse(spot.span(), reason).expected(nanometres));
+            return Err(document.refuse(spot.span(), reason).expected(format!("at most {most_um} um; {slip}")));
         }
         return Err(document
             .refuse(bounds.width_um.span(), "ends below the laser's spot: no pattern is left")
