@@ -8,6 +8,7 @@ use slipgrid_pattern::Pattern;
 use slipgrid_springblock::Scene;
 
 use crate::best_round::BestDesign;
+use crate::chance::Chances;
 use crate::chance_report::ChanceReport;
 use crate::conditions_report::ConditionsReport;
 use crate::explorer::{self, Explorer};
@@ -21,7 +22,7 @@ use crate::target_report::TargetReport;
 use crate::task::DesignTask;
 use crate::uncertainty_budget::DesignErrors;
 use crate::{
-    DesignError, chance, chance_report, reachable_range, rim_sensitivity, robustness, sensitivity, uncertainty_budget,
+    DesignError, chance_report, reachable_range, rim_sensitivity, robustness, sensitivity, uncertainty_budget,
 };
 
 /// What is known of a design beside its friction.
@@ -120,16 +121,18 @@ fn slopes(
     let (block_m, quantity) = (design.layer.block_m, design.target.quantity().name());
     let mut slopes = sensitivity::report(&watched, pattern, block_m, quantity, &target.pressure_mpa)?;
     if let Some(slopes) = &mut slopes {
-        if let Some(fine) = chance::fine(&found.model)? {
-            let own = found.model.beside(|scene: &Scene| Ok::<_, DesignError>(scene.clone()))?;
-            let [own, fine] = [own, fine].map(|model| {
-                move |at: &Pattern| {
-                    let value = model.ratios_made(at, pattern)?;
-                    Ok(Response { value, limited: Vec::new() })
+        if let Some(fine) = found.chances.as_ref().and_then(Chances::fine) {
+            let heeded = |answer: &dyn Fn() -> Result<Vec<f64>, ModelFailure>| {
+                if probing.cancelled() {
+                    return Err(ModelFailure::Cancelled);
                 }
-            });
+                Ok(Response { value: answer()?, limited: Vec::new() })
+            };
+            // The slopes have asked for these cells before.
+            let own = |at: &Pattern| heeded(&|| found.model.ratios_kept(at, pattern));
+            let half = |at: &Pattern| heeded(&|| fine.ratios_made(at, pattern));
             // Where smaller blocks have no answer, nothing more is known of the errors.
-            match slopes.add_blocks([&own, &fine], pattern, block_m, &found.model.scales(pattern)) {
+            match slopes.add_blocks([&own, &half], pattern, block_m, &found.model.scales(pattern)) {
                 Ok(()) | Err(ModelFailure::Trial { .. } | ModelFailure::Cancelled) => {}
                 Err(failure) => return Err(DesignError::Failed(format!("slopes: {failure}"))),
             }

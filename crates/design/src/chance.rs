@@ -262,6 +262,11 @@ impl<'a> Chances<'a> {
         &self.scale
     }
 
+    /// The model in blocks half as large, in the vertical plane.
+    pub const fn fine(&self) -> Option<&SteadyModel<'a>> {
+        self.fine.as_ref()
+    }
+
     /// Places of the numerical errors.
     pub fn numerical(&self) -> Range<usize> {
         self.first_numerical..self.first_numerical + self.scale.len() + 1
@@ -389,7 +394,8 @@ impl<'a> Chances<'a> {
         }
         // (r(x + s) - r(x - s)) / 2s and (r(x + s) - 2 r(x) + r(x - s)) / 2s^2
         let differences = |along: &Along| -> Result<(Vec<f64>, Vec<f64>), ModelFailure> {
-            let (above, below) = (along.above.steady(about.design)?.ratio, along.below.steady(about.design)?.ratio);
+            let (above, below) = rayon::join(|| along.above.steady(about.design), || along.below.steady(about.design));
+            let (above, below) = (above?.ratio, below?.ratio);
             let at = |load: usize| {
                 let (above, below, own, step) = (above[load], below[load], about.still[load], along.step[load]);
                 let slope = scale[load] * (above - below) / (2.0 * step);
@@ -467,7 +473,7 @@ impl<'a> Chances<'a> {
         let slope = |above: Vec<f64>, below: Vec<f64>, width_m: f64| -> Vec<f64> {
             above.iter().zip(&below).map(|(above, below)| (above - below) / width_m).collect()
         };
-        match (at(step_m), at(-step_m)) {
+        match rayon::join(|| at(step_m), || at(-step_m)) {
             (Ok(above), Ok(below)) => Ok(slope(above, below, 2.0 * step_m)),
             // One-sided beside designs that cannot be computed.
             (Ok(above), Err(ModelFailure::Trial { .. })) => Ok(slope(above, at(0.0)?, step_m)),
@@ -478,7 +484,7 @@ impl<'a> Chances<'a> {
 }
 
 /// `model` in blocks half as large; `None` in space, where they are dear.
-pub(crate) fn fine<'a>(model: &SteadyModel<'a>) -> Result<Option<SteadyModel<'a>>, DesignError> {
+fn fine<'a>(model: &SteadyModel<'a>) -> Result<Option<SteadyModel<'a>>, DesignError> {
     let change = |scene: &Scene| {
         let mut fine = scene.clone();
         fine.layer.block_m *= 0.5;

@@ -123,9 +123,9 @@ impl MultiFidelityLoop<'_> {
             return Ok(Some((nothing(words, not_known), None)));
         }
         // A search compares designs in the guide's blocks; what is announced is of the blocks asked for.
-        let fine = self.model.without_guide();
-        let fine = fine.map(|model| Chances::new(design, material, &model, &self.further)).transpose()?;
-        let chances = fine.as_ref().unwrap_or(chances);
+        let asked = self.model.without_guide();
+        let asked = asked.map(|model| Chances::new(design, material, &model, &self.further)).transpose()?;
+        let chances = asked.as_ref().unwrap_or(chances);
         let still = chances.still(&best.design);
         let expanded = still.and_then(|still| {
             let about = About { design: &best.design, still: &still, values: &values, numerical: &numerical };
@@ -137,6 +137,7 @@ impl MultiFidelityLoop<'_> {
                 let words = format!("chance not known: neighbours of the design cannot be computed ({reason})");
                 return Ok(Some((nothing(&words, not_known), None)));
             }
+            Err(ModelFailure::Cancelled) => return Err(DesignError::Cancelled),
             Err(failure) => return Err(DesignError::Failed(format!("chance: {failure}"))),
         };
         let about = About { design: &best.design, still: &still, values: &values, numerical: &numerical };

@@ -125,12 +125,21 @@ impl SensitivityReport {
             let slope = |of: &Sensitivities| of.axes[axis].as_ref()?.slopes.get(row).map(|slope| slope.per_m);
             Some(block_std(slope(&own)? - slope(&fine)?) * scales[row] * 1e-6)
         };
-        for (row, slopes) in self.by_pressure.iter_mut().enumerate() {
-            let errors = slopes.error_per_um.all();
-            let with = |axis: usize| Some(tidy(errors[axis]?.hypot(off(axis, row)?)));
-            slopes.error_per_um = Dimensions::new(std::array::from_fn(with));
+        let with = |(row, slopes): (usize, &SlopesReport)| {
+            let mut errors = slopes.error_per_um.all();
+            for (axis, error) in errors.iter_mut().enumerate() {
+                if let Some(error) = error {
+                    *error = tidy(error.hypot(off(axis, row)?));
+                }
+            }
+            Some(Dimensions::new(errors))
+        };
+        // Where smaller blocks lack a slope, errors stay those of the step.
+        let all: Option<Vec<_>> = self.by_pressure.iter().enumerate().map(with).collect();
+        if let Some(all) = all {
+            self.by_pressure.iter_mut().zip(all).for_each(|(slopes, errors)| slopes.error_per_um = errors);
+            self.errors_have_blocks = true;
         }
-        self.errors_have_blocks = true;
         Ok(())
     }
 

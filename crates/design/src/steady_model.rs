@@ -256,6 +256,14 @@ impl<'a> SteadyModel<'a> {
         Ok(self.laid(designed, open(self.answer(&self.asked, &self.solver, made)?)?)?.ratio)
     }
 
+    /// As [`Self::ratios_made`], kept for the next who asks.
+    ///
+    /// # Errors
+    /// As there.
+    pub fn ratios_kept(&self, made: &Pattern, designed: &Pattern) -> Result<Vec<f64>, ModelFailure> {
+        Ok(self.laid(designed, open(self.kept(&self.asked, &self.solver, made)?)?)?.ratio)
+    }
+
     /// What the model alone says of `design` at every condition: not corrected, not kept.
     ///
     /// # Errors

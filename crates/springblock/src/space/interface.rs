@@ -314,7 +314,7 @@ impl Interface {
         let mut interface = self.clone();
         interface.free.clear();
         for (own, surface) in interface.surface.iter_mut().enumerate() {
-            let tie = surface.free.map_or(0.0, |(_, tie)| tie);
+            let tie = surface.own_tie();
             let lifts = surface.contact.is_some_and(|number| lifted[number]);
             surface.lifted = lifts;
             surface.yields = surface.contact.is_some_and(|number| yields[number]);

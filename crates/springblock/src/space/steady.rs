@@ -235,7 +235,7 @@ impl<'a> Solver<'a> {
         solver
     }
 
-    /// Residual and normal forces of the present unknowns, from scratch; displacements are complete after it.
+    /// Residual and normal forces of the present unknowns, from scratch; displacements are those that matter after it.
     fn observe(&mut self) {
         let interface = &self.interface;
         let heights = interface.elastic_unknowns() - interface.free();
