@@ -108,6 +108,18 @@ fn designs_table(cores: usize, wanted: impl Fn(&str) -> bool) {
         });
         println!("| squares in space, 50 x 50 x 20 blocks, rims {height_um} um high and 20 um wide | 1 | {found:.1} |");
     }
+    if wanted("fine squares in space") {
+        let mut fine = scene.clone();
+        fine.layer.block_m = 2.5e-6;
+        let squares = published(Planform::Square).expect("valid lengths");
+        let cell = SteadyCell::of_texture(&fine, squares.texture());
+        let found = pool(1).install(|| {
+            designs_per_second(&[squares], |patterns| {
+                std::hint::black_box(cell.ratios(&patterns[0]));
+            })
+        });
+        println!("| fine squares in space, 200 x 200 x 80 blocks | 1 | {found:.2} |");
+    }
     if wanted("table") {
         let start = Instant::now();
         let table = pool(cores).install(|| model.table([40e-6, 400e-6], [40e-6, 1000e-6], [10e-6, 50e-6]));

@@ -40,9 +40,9 @@ const AT_ONCE: usize = 128;
 /// Why there is no explorer where they are more.
 const TOO_FEW: &str = "no explorer: more than 5 % of the designs within the bounds have no answer, as where cavities close under the load";
 /// Seconds of one core, roughly, beyond which designs in space are not asked for an explorer alone.
-const MOST_CORE_S: f64 = 60.0;
+const MOST_CORE_S: f64 = 6.0;
 /// Why there is none then.
-const TOO_DEAR: &str = "no explorer: the designs within the bounds, in space, would take longer than a minute; slipgrid explore asks them all the same";
+const TOO_DEAR: &str = "no explorer: the designs within the bounds, in space, would take one core longer than six seconds; slipgrid explore asks them all the same";
 /// Draws behind the covariance of the errors.
 const DRAWS: usize = 2000;
 

@@ -21,7 +21,7 @@ const TRIED_WIDTH_M: f64 = 10e-6;
 const STEP_SHARE: f64 = 0.05;
 const LEAST_STEP_M: f64 = 2e-8;
 /// Seconds of one core that cells in smaller blocks than the search's may take.
-const MOST_CORE_S: f64 = 5.0;
+const MOST_CORE_S: f64 = 4.0;
 
 /// What the height of rims moves.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
