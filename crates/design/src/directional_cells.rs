@@ -7,6 +7,10 @@ use slipgrid_springblock::{CellOutcome, Dimension, Load, Scene, Status, SteadyCe
 
 use crate::operating_conditions::turned;
 
+/// Sum of the forces out of balance over the load to which a search solves cells in space: what is found is solved once more, to
+/// 1e-10.
+const SEARCH_BALANCE: f64 = 1e-7;
+
 /// What solves steady cells at the loads of one sliding direction after the other.
 pub struct Solver {
     pub each: Vec<(Option<f64>, SteadyCell)>,
@@ -20,7 +24,8 @@ impl Solver {
         let each = std::iter::once(None).chain(directions_deg.iter().map(|&angle_deg| Some(angle_deg)));
         let own = scene.loads.len() / (1 + directions_deg.len());
         let cell = |(angle_deg, loads): (Option<f64>, &[Load])| {
-            (angle_deg, SteadyCell::of_texture(&Scene { loads: loads.to_vec(), ..scene.clone() }, texture))
+            let cell = SteadyCell::of_texture(&Scene { loads: loads.to_vec(), ..scene.clone() }, texture);
+            (angle_deg, cell.balanced_to(SEARCH_BALANCE))
         };
         let dimension = Dimension::of(scene.run.dimensions, texture);
         Self { each: each.zip(scene.loads.chunks(own)).map(cell).collect(), dimension }

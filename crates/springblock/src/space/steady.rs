@@ -19,8 +19,8 @@ use crate::outcome::{InterfacePoint, Status, SurfaceOutcome, peak_over_whole_blo
 use crate::scene::Load;
 use crate::{Monitor, Unwatched};
 
-/// Sum of the forces out of balance over the load below which the solve has converged.
-const TOLERANCE: f64 = 1e-10;
+/// Sum of the forces out of balance over the load below which the solve has converged, if nobody says another.
+pub(crate) const TOLERANCE: f64 = 1e-10;
 /// Linear residual, over that at its start, at which friction is evaluated anew. Chords gain about as much.
 const LINEAR_TOLERANCE: f64 = 0.03;
 /// Reduction of the residual below which a chord is replaced by a tangent.
@@ -67,6 +67,7 @@ pub struct SpaceSteadyModel {
     youngs_modulus_pa: f64,
     liftoff: bool,
     yield_pressure_pa: Option<f64>,
+    tolerance: f64,
     interface: Interface,
 }
 
@@ -116,13 +117,19 @@ impl SpaceSteadyModel {
         let interface = Interface::new(&lattice);
         // A face with heights is off the counterface where it does not reach.
         let liftoff = liftoff || lattice.is_raised();
-        Self { lattice, block_m, youngs_modulus_pa, liftoff, yield_pressure_pa: None, interface }
+        Self { lattice, block_m, youngs_modulus_pa, liftoff, yield_pressure_pa: None, tolerance: TOLERANCE, interface }
     }
 
     /// The same solid whose heights flatten for good where they bear `yield_pressure_pa`, in pascals, in the order of loads.
     #[must_use]
     pub fn yielding_at(self, yield_pressure_pa: Option<f64>) -> Self {
         Self { yield_pressure_pa, ..self }
+    }
+
+    /// The same, solved until the forces out of balance sum to the share `tolerance` of the load.
+    #[must_use]
+    pub fn balanced_to(self, tolerance: f64) -> Self {
+        Self { tolerance, ..self }
     }
 
     /// The lattice.
@@ -228,7 +235,7 @@ impl<'a> Solver<'a> {
             slope: Vec::new(),
             along: [0.0; 2],
             face: Face::default(),
-            tolerance: TOLERANCE,
+            tolerance: model.tolerance,
             tangent: false,
         };
         solver.observe();

@@ -34,7 +34,7 @@ impl Solver<'_> {
             self.observe();
         }
         let mut directions = 0;
-        self.tolerance = ROUGH_TOLERANCE;
+        self.tolerance = self.model.tolerance.max(ROUGH_TOLERANCE);
         for _ in 0..MOST_RAISED_ROUNDS {
             let mut end = self.iterate(load);
             directions += end.directions;
@@ -44,7 +44,7 @@ impl Solver<'_> {
             }
             let (lifted, yields) = self.next_contacts();
             let is_settled = lifted == self.lifted() && yields == self.yielding();
-            if is_settled && self.tolerance == TOLERANCE {
+            if is_settled && self.tolerance == self.model.tolerance {
                 // What is no solution leaves the face as it was.
                 if end.status == Status::Converged {
                     self.interface.to_mut().flatten(&self.state.unknowns, self.face);
@@ -52,7 +52,7 @@ impl Solver<'_> {
                 return end;
             }
             if is_settled {
-                self.tolerance = TOLERANCE;
+                self.tolerance = self.model.tolerance;
                 continue;
             }
             if end.status != Status::Converged || lifted.iter().all(|lifted| *lifted) {
