@@ -28,6 +28,11 @@ impl Polls {
         Self { asked: AtomicUsize::new(0), cancels_at, longest: Mutex::new((Instant::now(), 0.0)) }
     }
 
+    /// What came before took its time from nobody who waits for an answer.
+    fn begin(&self) {
+        self.longest.lock().unwrap().0 = Instant::now();
+    }
+
     fn asked(&self) -> usize {
         self.asked.load(Ordering::Relaxed)
     }
@@ -104,7 +109,7 @@ impl Made {
 }
 
 /// Steps of measuring a map, each with whether it went to its end.
-type Step = (&'static str, fn(&Made, &dyn Monitor) -> bool);
+type Step = (&'static str, fn(&Made, &Polls) -> bool);
 
 const STEPS: [Step; 10] = [
     ("reading", |made, monitor| {
@@ -113,9 +118,15 @@ const STEPS: [Step; 10] = [
     }),
     ("preparation", |made, monitor| {
         let how = Preparation { form: Form::SecondOrder, despike: true, ..Preparation::default() };
-        PreparedMap::new(made.read.clone(), how, monitor).is_ok()
+        let read = made.read.clone();
+        monitor.begin();
+        PreparedMap::new(read, how, monitor).is_ok()
     }),
-    ("one period", |made, monitor| PreparedMap::one_period(made.read.clone(), Preparation::default(), monitor).is_ok()),
+    ("one period", |made, monitor| {
+        let read = made.read.clone();
+        monitor.begin();
+        PreparedMap::one_period(read, Preparation::default(), monitor).is_ok()
+    }),
     ("cavities", |made, monitor| made.read.map.measure_cavities(Form::SecondOrder, monitor).is_ok()),
     ("mean period", |made, monitor| made.read.map.mean_cavity_period(Form::Plane, monitor).is_ok()),
     ("bearing curve", |made, monitor| MaterialRatioCurve::new(&made.surface.map, monitor).is_ok()),

@@ -125,9 +125,7 @@ pub fn surface_area_law(
     let heed = || if monitor.cancelled() { Err(AreaLawError::Cancelled) } else { Ok(()) };
     // Whether the map can be cut so is known before its contact is computed.
     if let Some(per_side) = request.windows.filter(|per_side| *per_side > 1) {
-        let windows = slipgrid_contact::windows(&surface.map, per_side, monitor);
-        heed()?;
-        windows.map_err(AreaLawError::Windows)?;
+        slipgrid_contact::window_pixels(&surface.map, per_side).map_err(AreaLawError::Windows)?;
     }
     let stage = Stage::new(monitor, "area law", None);
     let curve = area_curve(&surface.map, request.contact_modulus_pa, request.pressures_pa, request.tolerance, &stage);

@@ -53,5 +53,5 @@ pub use area::ContactArea;
 pub use curve::{AreaCurve, AreaPoint, area_curve};
 pub use error::ContactError;
 pub use rough_contact::{ContactState, Convergence, RoughContact, SolveOptions, Status};
-pub use sampling::{coarser, windows};
+pub use sampling::{coarser, window_pixels, windows};
 pub use slipgrid_monitor::{Monitor, Unwatched};

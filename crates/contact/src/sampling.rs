@@ -11,11 +11,7 @@ use crate::{ContactError, Monitor};
 /// # Errors
 /// [`ContactError`] if points are missing, a window would have fewer than 16 points a side, or `monitor` cancels.
 pub fn windows(map: &HeightMap, per_side: usize, monitor: &dyn Monitor) -> Result<Vec<HeightMap>, ContactError> {
-    map.require_complete()?;
-    let shortest = map.rows().min(map.cols());
-    let most = (shortest / LEAST_PIXELS) as f64;
-    within("number of windows per side", per_side as f64, 1.0..=most, "from 1 to a sixteenth of the pixels per side")?;
-    let (rows, cols) = (map.rows() / per_side, map.cols() / per_side);
+    let [rows, cols] = window_pixels(map, per_side)?;
     let places = (0..per_side).flat_map(|i| (0..per_side).map(move |j| (i * rows, j * cols)));
     places
         .map(|(first_row, first_col)| {
@@ -26,6 +22,18 @@ pub fn windows(map: &HeightMap, per_side: usize, monitor: &dyn Monitor) -> Resul
             Ok(periodic_component(&window, monitor)?)
         })
         .collect()
+}
+
+/// Rows and columns of each of `per_side` x `per_side` windows of `map`.
+///
+/// # Errors
+/// [`ContactError`] if points are missing, or a window would have fewer than 16 points a side.
+pub fn window_pixels(map: &HeightMap, per_side: usize) -> Result<[usize; 2], ContactError> {
+    map.require_complete()?;
+    let shortest = map.rows().min(map.cols());
+    let most = (shortest / LEAST_PIXELS) as f64;
+    within("number of windows per side", per_side as f64, 1.0..=most, "from 1 to a sixteenth of the pixels per side")?;
+    Ok([map.rows() / per_side, map.cols() / per_side])
 }
 
 /// Fewest points along the side of a window or of a coarser map.
