@@ -14,7 +14,7 @@ use slipgrid_export::{ExportError, LaidStrip, Layout};
 use slipgrid_pattern::Pattern;
 use slipgrid_springblock::{
     Dimension, Extent, Face, Monitor, RunOptions, Scene, SceneError, Simulation, Status, SteadyCell, Strip, simulate,
-    simulate_specimen, steady_face_ratios,
+    simulate_specimen, steady_face_ratios, tilt_error,
 };
 
 use slipgrid_export::Specimen;
@@ -58,6 +58,12 @@ pub fn simulate_on(
         simulation.loads.iter_mut().for_each(|load| load.surface.status = Status::Cancelled);
     }
     onto(&mut simulation, share, &ends);
+    let whole = face_of(&layout, layout.strips(BANDS), scene.layer.block_m)?;
+    let (tilt, tilt_words) = tilt_error(scene, &pattern, &whole, share, monitor);
+    for load in simulation.loads.iter_mut().filter(|_| scene.layer.is_backed()) {
+        load.ratio_layer_error = load.ratio.map(|_| load.ratio_layer_error.unwrap_or(0.0).hypot(tilt));
+    }
+    simulation.model.extend(tilt_words);
     let largest = ends.iter().flatten().copied().fold(0.0, f64::max);
     simulation.model.push(format!(
         "specimen as it is laid out: cavities take {:.2} % of its face, {:.2} % of a period; friction is lowered in that proportion, which gives the ratio an error of {largest:.4} at most, as strips of grooves show",

@@ -83,7 +83,7 @@ pub use outcome::{DynamicCost, InterfacePoint, LoadOutcome, Simulation, Status, 
 pub use scene::{Extent, Fidelity, Layer, Load, MOST_DRAWS, MOST_ROWS, RunOptions, Scene, Springs};
 pub use simulate::{
     BlockRefinement, Expense, block_refinement, bounded, expense, planned_steps, simulate, simulate_specimen,
-    steady_face_ratios, steady_ratios,
+    steady_face_ratios, steady_ratios, tilt_error,
 };
 pub use slipgrid_monitor::{Monitor, Unwatched};
 pub use space::{SpaceBond, SpaceLattice, SpaceLoad, SpaceSpring, SpaceSteadyModel};

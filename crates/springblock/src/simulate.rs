@@ -5,6 +5,7 @@ mod behind;
 mod blocks;
 mod expense;
 mod load_sharing;
+mod pressure_tilt;
 mod rim_difference;
 mod space;
 mod specimen;
@@ -36,6 +37,7 @@ use statements::{
 
 pub use blocks::{BlockRefinement, block_refinement};
 pub use expense::{Expense, bounded, expense};
+pub use pressure_tilt::tilt_error;
 
 /// Most columns of a flat surface that a dynamic `cell` takes: without a pattern there is no period,
 /// and this many blocks average the scatter of the coefficients.

@@ -12,6 +12,7 @@
 
 use slipgrid_pattern::Pattern;
 
+use super::pressure_tilt::PressureTilt;
 use super::rim_difference::without_rim;
 use super::{MOST_FACTOR_BYTES, load_sharing, widest};
 use crate::Monitor;
@@ -46,6 +47,7 @@ pub struct Behind {
     /// What adding to a ratio leaves open, and that as a share of what is added.
     open: f64,
     open_of_difference: f64,
+    tilt: PressureTilt,
     each: Vec<Option<Difference>>,
 }
 
@@ -98,7 +100,11 @@ impl Behind {
             Extent::Sample => OPEN_BY_ENDS * (KNOWN_LENGTH_M / scene.layer.length_m).max(1.0),
         };
         let is_solved = is_cell(scene) && scene.layer.is_backed();
-        Self { layer: scene.layer, is_solved, open: in_time.hypot(by_ends), open_of_difference: 0.0, each }
+        let tilt = match scene.run.extent {
+            Extent::Cell => PressureTilt::default(),
+            Extent::Sample => PressureTilt::new(scene, pattern, &[[1.0, scene.layer.length_m]], monitor),
+        };
+        Self { layer: scene.layer, is_solved, open: in_time.hypot(by_ends), open_of_difference: 0.0, tilt, each }
     }
 
     /// What is behind the layer of `scene` under `face` with cavities of `pattern`: where the scene says how thick the specimen
@@ -118,6 +124,8 @@ impl Behind {
             *each = each.zip(of_face).map(|(cell, ratio)| Difference { ratio, ..cell });
         }
         behind.open_of_difference = load_sharing::OPEN_BY_SHARING;
+        let share = face.cavity_share() / pattern.section_density();
+        behind.tilt = PressureTilt::of_face(scene, pattern, face, share, monitor);
         behind
     }
 
@@ -129,6 +137,7 @@ impl Behind {
             load.ratio_layer_difference = Some(difference.ratio);
             if is_added {
                 add(difference, self.open.hypot(self.open_of_difference * difference.ratio), load);
+                load.ratio_layer_error = load.ratio_layer_error.map(|error| error.hypot(self.tilt.std()));
             }
         }
         if !self.each.is_empty() && loads.iter().any(|load| load.ratio.is_some()) {
@@ -161,9 +170,10 @@ impl Behind {
             } else {
                 "what it adds to steady cells that share the load as it lets them"
             };
+            let tilt = self.tilt.statement().map_or_else(String::new, |tilt| format!("; {tilt}"));
             return format!(
                 "blocks of the lowest {layer_um:.0} um of the specimen; the rest of its {thick_mm} mm adds to the ratio {what}, \
-                 {widest}, known to {open:.4}; mu_static and the interface are those of the layer alone"
+                 {widest}, known to {open:.4}; mu_static and the interface are those of the layer alone{tilt}"
             );
         }
         format!(

@@ -148,10 +148,28 @@ fn compliance_m(pattern: &Pattern, block_m: f64, rows: usize) -> Option<f64> {
 }
 
 /// What part of the face bears, over the nominal pressure.
-struct Borne {
+pub struct Borne {
     kind: Kind,
     area_m2: f64,
     pressure: f64,
+}
+
+impl Borne {
+    /// `area_m2` that bears `pressure`, without cavities.
+    pub const fn solid(area_m2: f64, pressure: f64) -> Self {
+        Self { kind: SOLID, area_m2, pressure }
+    }
+
+    #[cfg(test)]
+    pub const fn area_m2(&self) -> f64 {
+        self.area_m2
+    }
+
+    /// What it bears, in newtons under a nominal pressure of 1 Pa.
+    #[cfg(test)]
+    pub const fn force(&self) -> f64 {
+        self.area_m2 * self.pressure
+    }
 }
 
 /// Ratio of `face` with cavities of `pattern`, lands of which lie flat, over the thickness that `scene` says, less that of its layer
@@ -210,7 +228,7 @@ fn borne(scene: &Scene, strips: &[CutStrip], cells: &BTreeMap<Kind, Cell>) -> Op
 }
 
 /// `parts`, whose pressures are in proportion to what they bear, with a mean of 1.
-fn balanced(mut parts: Vec<Borne>) -> Vec<Borne> {
+pub fn balanced(mut parts: Vec<Borne>) -> Vec<Borne> {
     let area_m2: f64 = parts.iter().map(|part| part.area_m2).sum();
     let mean = parts.iter().map(|part| part.area_m2 * part.pressure).sum::<f64>() / area_m2;
     parts.iter_mut().for_each(|part| part.pressure /= mean);
@@ -231,7 +249,7 @@ fn lowering(
     let area_m2: f64 = parts.iter().map(|part| part.area_m2).sum();
     let of_kind = |(kind, parts): (Kind, Vec<&Borne>)| -> Option<Vec<Option<f64>>> {
         monitor.heed().ok()?;
-        Some(borne_friction(scene, cells.get(&kind).map(|cell| &cell.pattern), &parts))
+        Some(borne_friction(scene, cells.get(&kind).map(|cell| (&cell.pattern, Dimension::Plane)), &parts))
     };
     let each: Option<Vec<Vec<Option<f64>>>> = by_kind.into_par_iter().map(of_kind).collect();
     let each = each?;
@@ -244,12 +262,13 @@ fn lowering(
 }
 
 /// mu_d f(p)
-fn flat_mu(scene: &Scene, load: &Load, pressure_pa: f64) -> f64 {
+pub fn flat_mu(scene: &Scene, load: &Load, pressure_pa: f64) -> f64 {
     load.friction.dynamic_mean() * scene.area_law.as_ref().map_or(1.0, |law| law.factor(pressure_pa))
 }
 
-/// Friction force, in newtons, of `parts` that are cells of `pattern`, or solid without one, at each load: sum of A p mu(p).
-fn borne_friction(scene: &Scene, pattern: Option<&Pattern>, parts: &[&Borne]) -> Vec<Option<f64>> {
+/// Friction force, in newtons, of `parts` that are cells of the pattern `of`, solved in the plane or in space, or solid without one, at
+/// each load: sum of A p mu(p).
+pub fn borne_friction(scene: &Scene, of: Option<(&Pattern, Dimension)>, parts: &[&Borne]) -> Vec<Option<f64>> {
     let range = parts.iter().map(|part| part.pressure.max(0.0));
     let (least, most) = range.fold((f64::INFINITY, 0.0_f64), |(least, most), at| (least.min(at), most.max(at)));
     let steps = ((most - least) / PRESSURE_STEP).ceil() as usize;
@@ -259,8 +278,8 @@ fn borne_friction(scene: &Scene, pattern: Option<&Pattern>, parts: &[&Borne]) ->
         (0..=steps).map(at).collect()
     };
     let loads: Vec<Load> = scene.loads.iter().flat_map(at_pressures).collect();
-    let mu: Vec<Option<f64>> = if let Some(pattern) = pattern {
-        let cell = SteadyCell::solved(&Scene { loads: loads.clone(), ..scene.clone() }, Dimension::Plane);
+    let mu: Vec<Option<f64>> = if let Some((pattern, dimension)) = of {
+        let cell = SteadyCell::solved(&Scene { loads: loads.clone(), ..scene.clone() }, dimension);
         let outcomes = cell.solve(pattern);
         // What bears nothing rubs nothing.
         let mu = |(outcome, load): (CellOutcome, &Load)| {

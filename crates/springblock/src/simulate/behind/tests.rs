@@ -146,6 +146,15 @@ fn time_and_ends_get_the_steady_difference_added() {
         let change = all.ratio.unwrap() - alone.ratio.unwrap();
         assert!(change.abs() > 1e-4 && (thick.ratio.unwrap() - thin.ratio.unwrap() - change).abs() < 1e-9);
         assert!((thick.ratio_layer_difference.unwrap() - change).abs() < 1e-9);
+        // A strip with ends may tilt.
+        scene.layer.thickness_m = Some(7e-3);
+        let tilt = match run.extent {
+            Extent::Cell => 0.0,
+            Extent::Sample => {
+                PressureTilt::new(&scene, &pattern, &[[1.0, scene.layer.length_m]], &crate::Unwatched).std()
+            }
+        };
+        let open = f64::hypot(open, tilt);
         assert!((thick.ratio_layer_error.unwrap() - open).abs() < 1e-12, "{:?}", thick.ratio_layer_error);
         let mu = thick.flat.as_ref().unwrap().mu_dynamic.unwrap() * thick.ratio.unwrap();
         assert!((thick.surface.mu_dynamic.unwrap() - mu).abs() < 1e-12);
