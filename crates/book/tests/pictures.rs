@@ -1,8 +1,22 @@
-//! Every picture that the commands of the book draw says what it shows.
+//! Every picture that the commands of the book draw says what it shows, and those that chapters show are drawn by their commands.
 
 use std::path::Path;
 
-use crate::{files, text};
+use crate::{book, files, keep, text};
+
+/// Pictures of the book: the chapter that shows each, the file that its commands write, and the picture.
+const SHOWN: [(&str, &str, &str); 4] = [
+    ("tutorials/first-design.md", "out/first/target.svg", "target.svg"),
+    ("tutorials/first-design.md", "out/first/pattern.svg", "pattern.svg"),
+    ("how-to/measured-textures.md", "out/textured/map.svg", "surface-map.svg"),
+    ("how-to/measured-textures.md", "out/textured/histogram.svg", "surface-histogram.svg"),
+];
+
+/// Compares the pictures that the chapter at `page` shows with those that its commands wrote into `folder`.
+pub fn compare_shown(page: &Path, folder: &Path) {
+    let own = SHOWN.iter().filter(|(chapter, ..)| page.ends_with(chapter));
+    own.for_each(|(_, written, shown)| keep(&book().join("pictures").join(shown), &text(&folder.join(written))))
+}
 
 /// What stands between `start` and `end` for the first time.
 fn between<'a>(text: &'a str, start: &str, end: &str) -> Option<&'a str> {
@@ -46,6 +60,13 @@ pub fn compare(folder: &Path) -> Vec<String> {
         }
     }
     found
+}
+
+#[test]
+fn pictures_that_are_held_to_their_commands_stand_in_their_chapters() {
+    for (chapter, _, shown) in SHOWN {
+        assert!(text(&book().join(chapter)).contains(&format!("src=\"../pictures/{shown}\"")), "{chapter}: {shown}");
+    }
 }
 
 #[test]

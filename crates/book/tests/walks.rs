@@ -165,6 +165,7 @@ fn walk_all(is_slow: bool) -> (usize, BTreeSet<(String, String)>) {
             assert!(place.path().join(name).is_file(), "{name}");
         }
         commands += number;
+        pictures::compare_shown(page, place.path());
         if place.path().join("out").is_dir() {
             let (written, missing) = tables::compare(&place.path().join("out"), &listed);
             seen.extend(written);
