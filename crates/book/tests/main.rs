@@ -8,6 +8,7 @@
 mod chapters;
 mod keys;
 mod numbers;
+mod pictures;
 mod probes;
 mod tables;
 mod walks;

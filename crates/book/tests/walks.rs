@@ -15,7 +15,7 @@ use std::process::Command;
 use slipgrid_book::console::{LEFT_OUT, blocks, compare};
 use tempfile::TempDir;
 
-use crate::{book, files, root, tables, text, updates};
+use crate::{book, files, pictures, root, tables, text, updates};
 
 /// A line of a chapter that begins what a command ends with, where that is not 0.
 const EXIT_CODE: &str = "[exit code ";
@@ -165,10 +165,12 @@ fn walk_all(is_slow: bool) -> (usize, BTreeSet<(String, String)>) {
             assert!(place.path().join(name).is_file(), "{name}");
         }
         commands += number;
+        pictures::compare_shown(page, place.path());
         if place.path().join("out").is_dir() {
             let (written, missing) = tables::compare(&place.path().join("out"), &listed);
             seen.extend(written);
             differ.extend(missing);
+            differ.extend(pictures::compare(&place.path().join("out")));
         }
         differ.extend(found.into_iter().map(|found| format!("{}: {found}", page.display())));
     }

@@ -104,6 +104,15 @@ pub enum ExportError {
         /// The key of a design.
         key: &'static str,
     },
+    /// Lines of a laser that follows none.
+    #[error(
+        "{what} holds the lines of a spot, but a mask exposes whole cavities and follows none (laser.exposure = \"mask\"): \
+         expected --format dxf, plt or corners for the contours, or csv for the places of cavities"
+    )]
+    NoLines {
+        /// The format.
+        what: &'static str,
+    },
     /// A solid whose leaning walls the rim would cut.
     #[error("STL holds no leaning walls that the rim cuts: expected whole cavities, or wall_taper_deg = 0")]
     TaperAndCut,

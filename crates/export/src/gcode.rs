@@ -25,9 +25,9 @@ impl GcodePlan {
     /// A program for `laser`: every line of a cavity `passes` times before the next cavity.
     ///
     /// # Errors
-    /// [`ExportError::Needs`] without a speed; as [`Marking::new`].
+    /// [`ExportError::Needs`] without a speed; as [`Marking::of_lines`].
     pub fn new(laser: &Laser, passes: u32) -> Result<Self, ExportError> {
-        let marking = Marking::new(laser)?;
+        let marking = Marking::of_lines(laser, "G-code")?;
         let needs = ExportError::Needs { what: "G-code", key: "laser.speed_mm_s" };
         Ok(Self { marking, speed_mm_s: laser.speed_mm_s.ok_or(needs)?, passes: passes.max(1) })
     }

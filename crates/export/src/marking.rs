@@ -41,6 +41,15 @@ impl Marking {
         Ok(Self { exposure, inset_m, distance_m })
     }
 
+    /// The marking for `what`, a file of the lines that a spot follows.
+    ///
+    /// # Errors
+    /// [`ExportError::NoLines`] for a mask, whose contours would be burnt as lines; as [`Self::new`].
+    pub fn of_lines(laser: &Laser, what: &'static str) -> Result<Self, ExportError> {
+        let marking = Self::new(laser)?;
+        if laser.is_mask() { Err(ExportError::NoLines { what }) } else { Ok(marking) }
+    }
+
     /// Hatch or mask.
     #[must_use]
     pub const fn exposure(&self) -> Exposure {
@@ -364,6 +373,11 @@ mod tests {
         let lines = marking.lines(&first(Planform::Square));
         assert_eq!(lines.len(), 4);
         assert!(lines.iter().all(|line| (length_m(line) - 130e-6).abs() < 1e-12));
+        // Burnt as lines, contours would be walls: no file of lines holds them.
+        let mask = Laser { exposure: Some(Exposure::Mask), ..LASER };
+        let refused = Marking::of_lines(&mask, "hatch.csv").unwrap_err();
+        assert_eq!(refused, ExportError::NoLines { what: "hatch.csv" });
+        assert!(Marking::of_lines(&LASER, "hatch.csv").is_ok());
     }
 
     #[test]

@@ -49,7 +49,7 @@ pub fn svg(layout: &Layout, heading: &Heading, to: &mut dyn io::Write) -> io::Re
     let (extent_x_mm, extent_y_mm) = (extent_x_m * 1e3, extent_y_m * 1e3);
     let unit_mm = extent_x_mm.max(extent_y_mm) / CONTENT;
 
-    let title = wrap(heading.name, TITLE_CHARACTERS);
+    let title = title(heading);
     let (dimensions, remarks) = (dimensions(layout), remarks(heading));
     let arrangement = wrap(&arrangement(layout.pattern()), BOLD_CHARACTERS);
     let caption_lines = (arrangement.len() + dimensions.len() + remarks.len()) as f64;
@@ -90,6 +90,11 @@ pub fn svg(layout: &Layout, heading: &Heading, to: &mut dyn io::Write) -> io::Re
     }
     page.out.push_str("</svg>\n");
     finish(&mut page.out, to)
+}
+
+/// What is drawn, in the lines of a title.
+fn title(heading: &Heading) -> Vec<String> {
+    wrap(&format!("{}: textured specimen from above", heading.name), TITLE_CHARACTERS)
 }
 
 /// What lies where, in a sentence without a full stop.

@@ -250,9 +250,9 @@ pub fn picture(report: &AreaLawReport) -> Result<String, charts::ChartError> {
         .find(|point| tidy(point.pressure_mpa) == threshold_mpa)
         .map(|point| [threshold_mpa, point.area_fraction_corrected]);
     let title = match (report.synthetic_surface, &report.map) {
-        (true, _) => "Real contact area (synthetic surface)",
-        (false, Some(_)) => "Real contact area",
-        (false, None) => "Real contact area (Persson's theory)",
+        (true, _) => "Real contact area and the factor f (synthetic surface)",
+        (false, Some(_)) => "Real contact area and the factor f",
+        (false, None) => "Real contact area and the factor f (Persson's theory)",
     };
     charts::area_law(&AreaLawChart {
         title,

@@ -129,7 +129,7 @@ pub fn draw_with(
             }
             LaserFile::Corners => outputs.add_stream("corners.csv", move |to| corners_csv(&layout, to)),
             LaserFile::Hatch => {
-                let marking = Marking::new(&laser)?;
+                let marking = Marking::of_lines(&laser, "hatch.csv")?;
                 outputs.add_stream("hatch.csv", move |to| hatch_csv(&layout, &marking, to));
             }
             LaserFile::Plt => {

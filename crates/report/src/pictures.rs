@@ -1,15 +1,16 @@
 //! Pictures of results: from simulations and reports to what the charts draw.
 
+use slipgrid_pattern::Texture;
 use slipgrid_springblock::{InterfacePoint, LoadOutcome, Scene, Simulation, SteadyCell, SurfaceOutcome};
 
 use crate::ChartError;
 use crate::Outputs;
 use crate::charts::{
-    self, Estimate, FrictionTraceChart, InterfacePressureChart, Series, SurfaceMapChart, Trace, friction_trace,
-    interface_pressure,
+    self, Estimate, FrictionTraceChart, InterfacePressureChart, Series, SlidingMark, SurfaceMapChart, Trace,
+    friction_trace, interface_pressure,
 };
 use slipgrid_results::ErrorsReport;
-use slipgrid_units::{LENGTH_UM, PRESSURE_MPA};
+use slipgrid_units::{LENGTH_UM, PRESSURE_MPA, tidy};
 
 /// Shares of a cavity's pitch by which two contact blocks are one land: gaps wider than this many
 /// block widths are cavities.
@@ -131,20 +132,38 @@ pub fn interface_map(scene: &Scene, load: &LoadOutcome, load_mpa: f64) -> Result
     }
     let extreme = |of: fn(f64, f64) -> f64| values.iter().copied().filter(|value| value.is_finite()).fold(0.0, of);
     let scale = [extreme(f64::min), extreme(f64::max)];
-    let angle_deg = scene.pattern.map_or(0.0, |pattern| pattern.texture().sliding_angle_deg());
-    let sliding =
-        if angle_deg == 0.0 { "sliding along x".to_owned() } else { format!("sliding at {angle_deg} deg to x") };
-    let title = format!("Contact pressure at {load_mpa} MPa, {sliding}; cavities grey");
+    let texture = scene.pattern.as_ref().map(|pattern| *pattern.texture());
+    let label = sliding_words(texture.as_ref());
+    let grey = if texture.is_some() { "; cavities grey" } else { "" };
+    let title = format!("Contact pressure at {load_mpa} MPa{grey}");
     let map = charts::surface_map(&SurfaceMapChart {
-        title: title.strip_suffix("; cavities grey").filter(|_| scene.pattern.is_none()).unwrap_or(&title),
+        title: &title,
         values: &values,
         unit: "MPa",
         columns: y.count,
         side_um: [x, y].map(|columns| LENGTH_UM.from_si(columns.count as f64 * columns.spacing_m)),
         scale,
         section_y_um: None,
+        sliding: Some(SlidingMark {
+            direction: texture.map_or([1.0, 0.0], |texture| texture.sliding_direction()),
+            label: &label,
+        }),
     })?;
     Ok(Some(map))
+}
+
+/// Which way a face seen from above slides, in the axes in which it is drawn: those of its texture.
+fn sliding_words(texture: Option<&Texture>) -> String {
+    let (sliding_deg, own_deg) =
+        texture.map_or((0.0, 0.0), |texture| (texture.sliding_angle_deg(), texture.orientation_deg()));
+    let own = match own_deg {
+        0.0 => String::new(),
+        own_deg => format!(", the texture's own axis, {}° from the specimen's x", tidy(own_deg)),
+    };
+    match tidy(sliding_deg - own_deg) {
+        0.0 => format!("sliding direction x{own}"),
+        angle_deg => format!("sliding direction, {angle_deg}° from x{own}"),
+    }
 }
 
 /// Columns of blocks side by side from 0.
@@ -188,4 +207,27 @@ pub fn cavities_um(scene: &Scene, surface: &SurfaceOutcome) -> Vec<[f64; 2]> {
         .filter(|pair| pair[1].x_m - pair[0].x_m > CONTIGUOUS_BLOCKS * block_m)
         .map(|pair| [pair[0].x_m + block_m / 2.0, pair[1].x_m - block_m / 2.0].map(|x_m| LENGTH_UM.from_si(x_m)))
         .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use slipgrid_pattern::Planform;
+
+    #[test]
+    fn the_sliding_direction_is_told_in_the_axes_of_the_drawn_face() {
+        let grooves = Texture::new(Planform::Groove);
+        assert_eq!(sliding_words(None), "sliding direction x");
+        assert_eq!(sliding_words(Some(&grooves)), "sliding direction x");
+        let slid = grooves.with_sliding_angle_deg(30.0).unwrap();
+        assert_eq!(sliding_words(Some(&slid)), "sliding direction, 30° from x");
+        // Drawn across the grooves, whichever way they lie on the specimen.
+        let turned = grooves.with_groove_angle_deg(30.0).unwrap();
+        let own = ", the texture's own axis, 30° from the specimen's x";
+        assert_eq!(sliding_words(Some(&turned)), format!("sliding direction, -30° from x{own}"));
+        assert_eq!(
+            sliding_words(Some(&turned.with_sliding_angle_deg(30.0).unwrap())),
+            format!("sliding direction x{own}")
+        );
+    }
 }

@@ -10,7 +10,7 @@ use slipgrid_results::ErrorReport;
 /// # Errors
 /// [`crate::ReportError`] if the picture cannot be drawn.
 pub fn target(report: &DesignReport) -> Result<String, ChartError> {
-    drawn(report, &report.name, charts::target)
+    drawn(report, &format!("{}: friction against pressure", report.name), charts::target)
 }
 
 /// The same for a phone, whose page has the title already.

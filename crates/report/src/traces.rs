@@ -116,7 +116,8 @@ fn picture(traces: &ConditionTraces) -> Result<String, ChartError> {
         })
         .collect();
     let window_s = traces.traces.first().map_or(DEFAULT_WINDOW_S, |trace| trace.findings.window_s);
-    tribometer(&TribometerChart { title: &title(&traces.condition), window_s, repeats: &repeats })
+    let title = format!("Friction in time: {}", title(&traces.condition));
+    tribometer(&TribometerChart { title: &title, window_s, repeats: &repeats })
 }
 
 /// One row a repeat.

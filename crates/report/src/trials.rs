@@ -400,7 +400,8 @@ impl TrialsReport {
             ("edges per area (1/mm)", of(&|trial, _| self.trials[trial].edge_per_mm)),
             ("pressure (MPa)", of(&|_, at| at.pressure_mpa)),
         ];
-        Ok(trials(&TrialsChart { title: &self.name, names: &names, predictions: &predictions, panels: &panels })?)
+        let title = format!("{}: measured and predicted ratios", self.name);
+        Ok(trials(&TrialsChart { title: &title, names: &names, predictions: &predictions, panels: &panels })?)
     }
 }
 

@@ -179,7 +179,9 @@ fn conditions_and_trials_have_traces_of_their_own() {
     assert!(told.contains("trial \"pilot\", 50 N, 10 mm/s") && told.contains("flat sample, 50 N, 10 mm/s"), "{told}");
     let flat_rows = fs::read_to_string(place.path("out/flat.csv")).unwrap();
     let cut_rows = fs::read_to_string(place.path("out/trial-1-measured.csv")).unwrap();
-    assert!(place.path("out/trial-1-50N-10mm_s-15pct.svg").is_file() && !place.path("out/patterned.csv").exists());
+    let drawn = fs::read_to_string(place.path("out/trial-1-50N-10mm_s-15pct.svg")).unwrap();
+    assert!(drawn.contains("\nFriction in time: trial &quot;pilot&quot;, 50 N, 10 mm/s, 15 % humidity\n"));
+    assert!(!place.path("out/patterned.csv").exists());
     let friction = |rows: &str| -> Vec<f64> {
         rows.lines().skip(2).map(|row| row.split(',').nth(3).unwrap().parse().unwrap()).collect()
     };

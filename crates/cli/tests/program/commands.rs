@@ -85,7 +85,7 @@ fn square_cavities_are_solved_in_space() {
     // From above, with its colour scale.
     let map = fs::read_to_string(place.path("out").join("interface-2.6mpa.svg")).unwrap();
     assert_eq!(map.matches("<image ").count(), 2);
-    assert!(map.contains("MPa") && map.contains("sliding at 30 deg to x") && map.contains("y (µm)"));
+    assert!(map.contains("MPa") && map.contains("sliding direction, 30° from x") && map.contains("y (µm)"));
 }
 
 #[test]

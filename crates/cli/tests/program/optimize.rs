@@ -97,6 +97,33 @@ fn every_planform_can_be_exported() {
 }
 
 #[test]
+fn a_mask_has_contours_and_no_lines() {
+    let result = |exposure: &str| {
+        format!(
+            r#"{{"name": "by hand", "version": "0", "seed": 1, "design": {{"width_um": 130.0, "spacing_um": 370.0,
+            "depth_um": 5.2, "planform": "square", "areal_density": 0.1, "section_density": 0.1}},
+            "laser": {{"exposure": "{exposure}", "spot_um": 20.0, "speed_mm_s": 100.0, "repetition_hz": 20000.0,
+            "hatch_um": 10.0}}, "specimen": {{"shape": "disc", "diameter_mm": 3.0}},
+            "material": {{"name": "", "source": "", "synthetic_surface": false, "notes": []}}}}"#
+        )
+    };
+    let place = Place::with(&[("mask.json", &result("mask")), ("hatch.json", &result("hatch"))]);
+    for (format, what) in [("gcode", "G-code"), ("hatch", "hatch.csv")] {
+        let said = place.refuse(&["export", "mask.json", "--format", format, "-o", "refused"]);
+        assert!(
+            said.contains(&format!("{what} holds the lines of a spot, but a mask exposes whole cavities")),
+            "{said}"
+        );
+        assert!(said.contains("--format dxf, plt or corners") && !place.path("refused").exists(), "{said}");
+    }
+    place.succeed(&["export", "mask.json", "--format", "dxf,plt,corners,csv,process", "-o", "contours"]);
+    let plot = fs::read_to_string(place.path("contours/pattern.plt")).unwrap();
+    assert!(plot.contains("PD"), "{plot}");
+    place.succeed(&["export", "hatch.json", "--format", "gcode,hatch", "-o", "lines"]);
+    assert_eq!(names(&place.path("lines")), ["hatch.csv", "pattern.gcode"]);
+}
+
+#[test]
 fn targets_that_are_not_met_have_their_own_codes() {
     let place = Place::with(&[
         // More friction than the flat surface: the area law only lowers it.

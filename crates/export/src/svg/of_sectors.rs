@@ -3,9 +3,7 @@
 use std::fmt::Write as _;
 use std::io;
 
-use super::{
-    CAVITY_COLOUR, CONTENT, INK_COLOUR, LINE_HEIGHT, MARGIN, Page, TEXT_SIZE, TITLE_CHARACTERS, TITLE_SIZE, wrap,
-};
+use super::{CAVITY_COLOUR, CONTENT, INK_COLOUR, LINE_HEIGHT, MARGIN, Page, TEXT_SIZE, TITLE_SIZE, title, wrap};
 use crate::number::{MICROMETRE_DECIMALS, decimal};
 use crate::sector_sheet::MEASURE_EACH_ALONE;
 use crate::sectors::Sector;
@@ -32,7 +30,7 @@ pub fn svg_of_sectors(sectors: &[Sector], laser: &Laser, heading: &Heading, to: 
     let outline = &division.specimen().outline;
     let [extent_x_mm, extent_y_mm] = outline.extents_m().map(|extent_m| extent_m * 1e3);
     let unit_mm = extent_x_mm.max(extent_y_mm) / (CONTENT - 2.0 * ROOM);
-    let title = wrap(heading.name, TITLE_CHARACTERS);
+    let title = title(heading);
     let mut lines: Vec<String> = sectors.iter().flat_map(|sector| wrap(&words(sector, laser), CHARACTERS)).collect();
     if division.turn_deg(2) != 0.0 {
         lines.extend(wrap(TURNED, CHARACTERS));

@@ -122,7 +122,7 @@ fn the_picture_is_at_scale() {
 #[test]
 fn names_are_escaped_and_notes_appear() {
     let picture = drawn(&layout(Planform::Groove, Outline::Disc { diameter_m: 10e-3 }), &HEADING);
-    assert!(picture.contains(">a &lt; b &amp; c</text>"));
+    assert!(picture.contains(">a &lt; b &amp; c: textured specimen from above</text>"));
     assert!(picture.contains(">synthetic surface</text>"));
 }
 

@@ -70,7 +70,11 @@ pub fn area_law(task: &CalibrationTask, outcome: &CalibrationOutcome) -> Result<
     let area_fraction: Vec<f64> = curve.iter().map(|point| point.area_fraction_corrected).collect();
     let factor: Vec<f64> = curve.iter().map(|point| law.factor(point.pressure_pa)).collect();
     let threshold = curve.iter().find(|point| (point.pressure_pa / task.threshold_pa - 1.0).abs() < 1e-9);
-    let title = if surface.synthetic { "Real contact area (synthetic surface)" } else { "Real contact area" };
+    let title = if surface.synthetic {
+        "Real contact area and the factor f (synthetic surface)"
+    } else {
+        "Real contact area and the factor f"
+    };
     charts::area_law(&AreaLawChart {
         title,
         pressure_mpa: &pressure_mpa,

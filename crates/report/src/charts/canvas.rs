@@ -48,6 +48,8 @@ pub(super) enum Swatch {
     Mark(Mark, RGBColor),
     /// Pointing down.
     Arrow(RGBColor),
+    /// An arrow along a unit vector, whose y points up.
+    Toward([f64; 2], RGBColor),
 }
 
 /// Shapes of points.
@@ -126,11 +128,13 @@ impl Canvas<'_> {
         self.root.draw(&PathElement::new(pixels(points), stroke(color, width))).map_err(failed)
     }
 
-    /// A vertical arrow.
+    /// An arrow.
     pub(super) fn arrow(&self, from: [f64; 2], tip: [f64; 2], color: RGBColor) -> Result<(), ChartError> {
-        let back = 5.0 * (from[1] - tip[1]).signum();
+        let length = (tip[0] - from[0]).hypot(tip[1] - from[1]).max(f64::MIN_POSITIVE);
+        let along = [0, 1].map(|axis| (tip[axis] - from[axis]) / length);
+        let barb = |side: f64| [tip[0] - 5.0 * along[0] - side * along[1], tip[1] - 5.0 * along[1] + side * along[0]];
         self.line(&[from, tip], color, 1.6)?;
-        self.line(&[[tip[0] - 3.5, tip[1] + back], tip, [tip[0] + 3.5, tip[1] + back]], color, 1.6)
+        self.line(&[barb(3.5), tip, barb(-3.5)], color, 1.6)
     }
 
     /// A straight dashed line.
@@ -244,6 +248,11 @@ impl Canvas<'_> {
             Swatch::Dashed(color) => self.dashed(ends, color, 2.0),
             Swatch::Band(color, opacity) => self.rectangle([[x, y - 6.0], [x + SWATCH, y + 6.0]], color, opacity),
             Swatch::Mark(mark, color) => self.mark(mark, [x + SWATCH / 2.0, y], color),
+            Swatch::Toward([along, up], color) => {
+                let half = SWATCH / 2.0;
+                let at = |side: f64| [x + half + side * half * along, y - side * half * up];
+                self.arrow(at(-1.0), at(1.0), color)
+            }
             Swatch::Arrow(color) => self.arrow([x + SWATCH / 2.0, y - 8.0], [x + SWATCH / 2.0, y + 7.0], color),
         }
     }

@@ -51,7 +51,7 @@ pub use interface_pressure::{InterfacePressureChart, interface_pressure};
 pub use ratios::{RatioSeries, RatiosChart, ratios};
 pub use residuals::{ResidualsChart, residuals};
 pub use section::{SectionChart, SpectrumChart, section, spectrum};
-pub use surface_map::{SurfaceMapChart, surface_map};
+pub use surface_map::{SlidingMark, SurfaceMapChart, surface_map};
 pub use target::{TargetChart, TargetPoint, target, target_narrow};
 pub use trade_offs::{TradeOffsChart, trade_offs};
 pub use trials::{Prediction, TrialsChart, trials};

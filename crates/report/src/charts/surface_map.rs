@@ -3,7 +3,7 @@
 use plotters::style::RGBColor;
 use plotters::style::text_anchor::{HPos, VPos};
 
-use super::canvas::{INK, LEFT, WIDTH, picture};
+use super::canvas::{INK, LEFT, Swatch, WIDTH, picture};
 use super::plot::{Axis, Plot};
 use super::raster::Raster;
 use super::{ChartError, check};
@@ -25,6 +25,17 @@ pub struct SurfaceMapChart<'a> {
     pub scale: [f64; 2],
     /// Where a section runs along x; `None` without one.
     pub section_y_um: Option<f64>,
+    /// Which way the surface slides; `None` where that is not known.
+    pub sliding: Option<SlidingMark<'a>>,
+}
+
+/// An arrow above a map that marks the sliding direction.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SlidingMark<'a> {
+    /// Unit vector in the axes of the map.
+    pub direction: [f64; 2],
+    /// What stands beside the arrow.
+    pub label: &'a str,
 }
 
 /// Page height at most, and the least side of the drawn map.
@@ -34,6 +45,8 @@ const LEAST_SIDE: f64 = 90.0;
 const SCALE_SPACE: f64 = 130.0;
 const SCALE_WIDTH: f64 = 22.0;
 const TOP: f64 = 62.0;
+/// Height of the line that says which way the surface slides.
+const SLIDING_HEIGHT: f64 = 26.0;
 const BOTTOM: f64 = 62.0;
 /// A point without a value.
 const MISSING: [u8; 3] = [190, 190, 190];
@@ -71,8 +84,11 @@ fn color(share: f64) -> [u8; 3] {
 ///
 /// # Errors
 /// [`ChartError`] if there is nothing to draw, rows are incomplete or a number is not finite.
-pub fn surface_map(chart: &SurfaceMapChart<'_>) -> Result<String, ChartError> {
-    check(chart.title, chart.side_um.iter().chain(&chart.scale).chain(&chart.section_y_um))?;
+pub fn surface_map<'a>(chart: &SurfaceMapChart<'a>) -> Result<String, ChartError> {
+    check(chart.title, {
+        let direction = chart.sliding.iter().flat_map(|sliding| &sliding.direction);
+        chart.side_um.iter().chain(&chart.scale).chain(&chart.section_y_um).chain(direction)
+    })?;
     let columns = chart.columns.max(1);
     let rows = chart.values.len() / columns;
     if rows == 0 || rows * columns != chart.values.len() {
@@ -85,14 +101,16 @@ pub fn surface_map(chart: &SurfaceMapChart<'_>) -> Result<String, ChartError> {
     });
     let scale = Raster::new(1, 256, |_, down| color(1.0 - down as f64 / 255.0));
 
+    let top = TOP + if chart.sliding.is_some() { SLIDING_HEIGHT } else { 0.0 };
     let wide = WIDTH - LEFT - SCALE_SPACE;
-    let tall = MOST_HEIGHT - TOP - BOTTOM;
+    let tall = MOST_HEIGHT - top - BOTTOM;
     let per_um = (wide / chart.side_um[0]).min(tall / chart.side_um[1]);
     let [width, height] = chart.side_um.map(|side| (side * per_um).max(LEAST_SIDE));
-    let frame = [LEFT, TOP, LEFT + width, TOP + height];
-    let scale_frame = [frame[2] + 34.0, TOP, frame[2] + 34.0 + SCALE_WIDTH, TOP + height];
-    let svg = picture(height + TOP + BOTTOM, |canvas| {
-        canvas.heading(chart.title, &[])?;
+    let frame = [LEFT, top, LEFT + width, top + height];
+    let scale_frame = [frame[2] + 34.0, top, frame[2] + 34.0 + SCALE_WIDTH, top + height];
+    let svg = picture(height + top + BOTTOM, |canvas| {
+        let arrow = |sliding: SlidingMark<'a>| (Swatch::Toward(sliding.direction, INK), sliding.label);
+        canvas.heading(chart.title, &chart.sliding.map(arrow).into_iter().collect::<Vec<_>>())?;
         let (x, y) = (Axis::over("x (µm)", [0.0, chart.side_um[0]]), Axis::over("y (µm)", [0.0, chart.side_um[1]]));
         let plot = Plot::new(canvas, frame, x, y)?;
         if let Some(section_y_um) = chart.section_y_um {
@@ -107,7 +125,7 @@ pub fn surface_map(chart: &SurfaceMapChart<'_>) -> Result<String, ChartError> {
             canvas.line(&[[scale_frame[2], at[1]], [scale_frame[2] + 4.0, at[1]]], INK, 1.0)?;
             canvas.text(text, at, (HPos::Left, VPos::Center), RGBColor(INK.0, INK.1, INK.2))?;
         }
-        canvas.text(chart.unit, [scale_frame[0], TOP - 12.0], (HPos::Left, VPos::Center), INK)
+        canvas.text(chart.unit, [scale_frame[0], top - 12.0], (HPos::Left, VPos::Center), INK)
     })?;
     map.onto(scale.onto(svg, scale_frame)?, frame)
 }
@@ -118,7 +136,7 @@ mod tests {
 
     fn chart<'a>(values: &'a [f64], columns: usize, side_um: [f64; 2]) -> SurfaceMapChart<'a> {
         let (unit, scale) = ("um", [-1.0, 1.0]);
-        SurfaceMapChart { title: "t", values, unit, columns, side_um, scale, section_y_um: Some(1.0) }
+        SurfaceMapChart { title: "t", values, unit, columns, side_um, scale, section_y_um: Some(1.0), sliding: None }
     }
 
     #[test]
@@ -130,6 +148,25 @@ mod tests {
             assert!(svg.contains(&format!("\n{text}\n")), "{text}");
         }
         assert!(svg.trim_end().ends_with("</svg>"));
+    }
+
+    #[test]
+    fn an_arrow_says_which_way_a_surface_slides_where_that_is_known() {
+        let plain = chart(&[0.0; 400], 20, [1e3, 1e3]);
+        let drawn = |direction| {
+            let sliding = Some(SlidingMark { direction, label: "sliding direction" });
+            surface_map(&SurfaceMapChart { sliding, ..plain }).unwrap()
+        };
+        // Lines of an arrow: shaft and barbs.
+        let lines = |svg: &str| svg.matches("<polyline").count();
+        let (without, along) = (surface_map(&plain).unwrap(), drawn([1.0, 0.0]));
+        assert!(!without.contains("sliding") && along.contains("\nsliding direction\n"));
+        assert_eq!(lines(&along), lines(&without) + 2);
+        assert!(along != drawn([0.0, 1.0]) && drawn([0.0, 1.0]) != drawn([0.0, -1.0]));
+        let height: f64 = along.split("height=\"").nth(1).unwrap().split('"').next().unwrap().parse().unwrap();
+        assert!(height <= MOST_HEIGHT, "{height}");
+        let sliding = Some(SlidingMark { direction: [f64::NAN, 0.0], label: "l" });
+        assert!(surface_map(&SurfaceMapChart { sliding, ..plain }).is_err());
     }
 
     #[test]

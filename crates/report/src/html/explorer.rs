@@ -409,7 +409,8 @@ fn controls(data: &Data) -> Markup {
                 div {
                     figure { div class="card" { svg data-curve viewBox="0 0 460 300" role="img" aria-label="Values against pressure with the target's band" font-family="sans-serif" font-size="15" fill="#333" {} }
                         figcaption { "Values against pressure: this design with one standard deviation, and the target's band" } }
-                    figure { div class="card" { svg data-section viewBox="0 0 460 120" role="img" aria-label="Vertical section of two periods to scale" font-family="sans-serif" font-size="15" fill="#333" {} } }
+                    figure { div class="card" { svg data-section viewBox="0 0 460 120" role="img" aria-label="Vertical section of two periods to scale" font-family="sans-serif" font-size="15" fill="#333" {} }
+                        figcaption { "Vertical section of two periods of this design, both axes at one scale" } }
                 }
                 @if free.len() > 1 {
                     figure {

@@ -36,6 +36,8 @@ pub(super) fn add(outputs: &mut Outputs, of: Measured<'_>, monitor: &dyn Monitor
             side_um: [um(map.dx_m() * map.rows() as f64), um(map.dy_m() * map.cols() as f64)],
             scale: [um(curve.height_m(1.0 - SPIKES)), um(curve.height_m(SPIKES))],
             section_y_um: Some(um((column as f64 + 0.5) * map.dy_m())),
+            // A map does not say how its sample slides.
+            sliding: None,
         })?,
     );
 

@@ -151,7 +151,11 @@ impl Figures<'_> {
             })
             .collect();
         Ok(Some(area_law(&AreaLawChart {
-            title: if self.synthetic { "Real contact area (synthetic surface)" } else { "Real contact area" },
+            title: if self.synthetic {
+                "Real contact area and the factor f (synthetic surface)"
+            } else {
+                "Real contact area and the factor f"
+            },
             pressure_mpa: &given.pressure_mpa[..shown],
             area_fraction: &given.area_fraction[..shown],
             factor: &given.factor[..shown],

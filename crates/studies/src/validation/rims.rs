@@ -275,7 +275,7 @@ pub fn picture(report: &RimsReport) -> Result<String, ChartError> {
         columns.push((label, row.ratio.iter().map(|ratio| Some(Estimate { value: (*ratio)?, error: None })).collect()));
     }
     let series: Vec<RatioSeries<'_>> = columns.iter().map(|(label, ratios)| RatioSeries { label, ratios }).collect();
-    let title = format!("Squares with flat rims {widest} µm wide, fitted to nothing");
+    let title = format!("Patterned over flat: squares with flat rims {widest} µm wide, fitted to nothing");
     let pressure_mpa: Vec<f64> = report.pressure_mpa.iter().map(|pressure| (pressure * 1e3).round() / 1e3).collect();
     charts::ratios(&RatiosChart { title: &title, pressure_mpa: &pressure_mpa, series: &series })
 }

@@ -126,10 +126,8 @@ impl Found {
         self.counts(axis, region) || self.along[1 - axis][region].runs_through()
     }
 
-    /// Pairs of neighbours that face each other along an axis on most of the lines of both, and the land between, in metres.
-    /// What the map's sides cut off is left out where any other pair remains.
-    pub(super) fn neighbours(&self, axis: usize) -> Vec<([u32; 2], f64)> {
-        // Gaps of each pair, line by line.
+    /// Pairs that face each other along an axis on any line, and the land between on each, in pixels.
+    pub(super) fn gaps(&self, axis: usize) -> BTreeMap<[u32; 2], Vec<f64>> {
         let mut gaps: BTreeMap<[u32; 2], Vec<f64>> = BTreeMap::new();
         for pair in self.chords[axis].windows(2) {
             if let (Some(from), Some(to)) = (pair[0].to, pair[1].from)
@@ -138,6 +136,13 @@ impl Found {
                 gaps.entry([pair[0].region, pair[1].region]).or_default().push(to - from);
             }
         }
+        gaps
+    }
+
+    /// Pairs of neighbours that face each other along an axis on most of the lines of both, and the land between, in metres.
+    /// What the map's sides cut off is left out where any other pair remains.
+    pub(super) fn neighbours(&self, axis: usize) -> Vec<([u32; 2], f64)> {
+        let mut gaps = self.gaps(axis);
         gaps.retain(|pair, gaps| {
             let [one, other] = pair.map(|region| self.along[axis][region as usize].lines);
             2 * gaps.len() >= one.max(other)

@@ -29,6 +29,7 @@ mod heights;
 mod kriging;
 mod land;
 mod period;
+mod pitch;
 mod rims;
 mod round;
 mod share;

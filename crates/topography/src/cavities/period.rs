@@ -7,6 +7,7 @@ use slipgrid_statistics::median;
 
 use super::edge::Edges;
 use super::found::Found;
+use super::pitch::pitches_m;
 use super::{Crossing, Sought};
 use crate::form::Form;
 use crate::{HeightMap, MapError};
@@ -15,6 +16,8 @@ use crate::{HeightMap, MapError};
 const LEAST: usize = 2;
 /// Most that a centre may lie off its place, in pitches: half as far it would belong to another.
 const MOST_STRAY: f64 = 0.2;
+/// Most by which the rows in between may lie off half a pitch in the mean, in pitches.
+const MOST_SHIFT: f64 = 0.05;
 /// Share of a cell's weight that must be land for the cell to be land.
 const ALL_LAND: f64 = 0.999;
 
@@ -262,21 +265,12 @@ fn of_grooves(
 fn of_cells(found: &Found, is_land: &[bool], whole: &[usize], monitor: &dyn Monitor) -> Result<MeanPeriod, MapError> {
     let refuse = |reason| Err(MapError::NoPeriod { whole: whole.len(), reason });
     let centers_m = [0, 1].map(|axis| found.centers_m(axis));
-    // The pitch along an axis is that of neighbours that face each other along it.
-    let mut pitch_m = [0.0; 2];
-    for axis in [0, 1] {
-        let mut gaps: Vec<f64> = found
-            .neighbours(axis)
-            .into_iter()
-            .map(|([one, other], _)| [one as usize, other as usize])
-            .filter(|pair| pair.iter().all(|region| whole.contains(region)))
-            .map(|[one, other]| (centers_m[axis][other] - centers_m[axis][one]).abs())
-            .collect();
-        match median(&mut gaps) {
-            Some(gap_m) if gap_m > 0.0 => pitch_m[axis] = gap_m,
-            _ => return refuse("expected two that face each other along x, and two along y"),
-        }
-    }
+    let [Some(x_m), Some(y_m)] = pitches_m(found, &centers_m, whole) else {
+        return refuse(
+            "expected two that face each other along x, and two along y, or rows each shifted by half a pitch from the next",
+        );
+    };
+    let mut pitch_m = [x_m, y_m];
     // Places in half pitches, and the pitches that fit them all.
     let mut places: [Vec<(f64, f64)>; 2] = [Vec::new(), Vec::new()];
     for (axis, places) in places.iter_mut().enumerate() {
@@ -299,6 +293,22 @@ fn of_cells(found: &Found, is_land: &[bool], whole: &[usize], monitor: &dyn Moni
         return refuse("they are arranged neither in a rectangular nor in a staggered grid");
     }
     let arrangement = if both.contains(&[true, true]) { Arrangement::Staggered } else { Arrangement::Rectangular };
+    if arrangement == Arrangement::Staggered {
+        // Mean strays of the rows in between and of the others differ where the shift is not half a pitch.
+        let is_off = |axis: usize| {
+            let stray_m = |is_between: bool| {
+                let own = places[axis].iter().zip(&both).filter(|(_, [x, _])| *x == is_between);
+                let strays: Vec<f64> = own.map(|((place, at_m), _)| at_m - 0.5 * pitch_m[axis] * place).collect();
+                strays.iter().sum::<f64>() / strays.len() as f64
+            };
+            (stray_m(true) - stray_m(false)).abs() > MOST_SHIFT * pitch_m[axis]
+        };
+        if is_off(0) || is_off(1) {
+            return refuse(
+                "every second row is shifted by another share of the pitch than half: the mean would not tile",
+            );
+        }
+    }
     let [(rows, dx_m), (cols, dy_m)] = [0, 1].map(|axis| pixels(pitch_m[axis], found.pixel_m[axis]));
     let mut cells = Cells::new(rows * cols);
     for &region in whole {

@@ -25,8 +25,25 @@ impl<R: BufRead> Lines<R> {
         self.line
     }
 
-    /// The next line, trimmed, but for tabs around fields between tabs, which part empty ones; `None` at the end.
+    /// The next line, trimmed; `None` at the end.
     pub(crate) fn next(&mut self) -> Result<Option<&str>, ReadError> {
+        Ok(self.read()?.map(str::trim))
+    }
+
+    /// The next line, trimmed, but for tabs that may part fields, of which those at its ends are empty: tabs around fields
+    /// between tabs, around a field that is alone, and those of a line that holds nothing else. `None` at the end.
+    pub(crate) fn next_row(&mut self) -> Result<Option<&str>, ReadError> {
+        let Some(text) = self.read()? else { return Ok(None) };
+        let trimmed = text.trim();
+        let may_part = trimmed.contains('\t') || !trimmed.contains(char::is_whitespace);
+        if may_part && !trimmed.starts_with(['#', '%']) {
+            return Ok(Some(text.trim_matches(|mark: char| mark.is_whitespace() && mark != '\t')));
+        }
+        Ok(Some(trimmed))
+    }
+
+    /// The next line as it stands, with its end.
+    fn read(&mut self) -> Result<Option<&str>, ReadError> {
         self.bytes.clear();
         self.line += 1;
         let mut bounded = (&mut self.source).take(MOST_LINE_BYTES as u64 + 1);
@@ -46,12 +63,7 @@ impl<R: BufRead> Lines<R> {
             // Not UTF-8: Latin-1, in which instruments write the micro sign as the byte 0xB5.
             Err(_) => self.text.extend(self.bytes.iter().map(|&byte| char::from(byte))),
         }
-        let text = if self.line == 1 { self.text.trim_start_matches('\u{feff}') } else { &self.text };
-        let trimmed = text.trim();
-        if trimmed.contains('\t') && !trimmed.starts_with(['#', '%']) {
-            return Ok(Some(text.trim_matches(|mark: char| mark.is_whitespace() && mark != '\t')));
-        }
-        Ok(Some(trimmed))
+        Ok(Some(if self.line == 1 { self.text.trim_start_matches('\u{feff}') } else { &self.text }))
     }
 }
 
@@ -174,6 +186,14 @@ mod tests {
         assert_eq!(lines.next().unwrap(), Some("last"));
         assert_eq!(lines.next().unwrap(), None);
         assert_eq!(lines.line(), 4);
+    }
+
+    #[test]
+    fn tabs_that_may_part_empty_fields_stay() {
+        let text = "\t1\t2\t\r\n\t1 2\t\n 5\t\t\n\t\t \n\t# a\tb\t\n \n";
+        let mut lines = Lines::new(text.as_bytes());
+        let rows: Vec<String> = std::iter::from_fn(|| lines.next_row().unwrap().map(str::to_owned)).collect();
+        assert_eq!(rows, ["\t1\t2\t", "1 2", "5\t\t", "\t\t", "# a\tb", ""]);
     }
 
     #[test]

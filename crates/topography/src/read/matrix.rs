@@ -35,6 +35,10 @@ pub(super) struct MatrixReader {
     last: LastField,
     row: Vec<f64>,
     window: Window,
+    /// As long as all rows begin with the same tabs: what the rows are if these part empty fields, and are no indentation.
+    unindented: Option<Box<MatrixReader>>,
+    /// What is refused if all rows begin with the same tabs, which are then an indentation.
+    unless_indented: Option<(String, ReadError)>,
 }
 
 impl MatrixReader {
@@ -42,8 +46,33 @@ impl MatrixReader {
     pub(super) fn new(first: &str, line: usize, header: &Header, options: &ReadOptions) -> Result<Self, ReadError> {
         let delimiter = Delimiter::of(first);
         let first = delimiter.row(first);
-        let row = first.trim_start_matches('\t');
-        let indent = first[..first.len() - row.len()].to_owned();
+        let indent = &first[..first.len() - first.trim_start_matches('\t').len()];
+        let indented = Self::of(delimiter, first, indent, line, header, options);
+        if indent.is_empty() {
+            return indented;
+        }
+        match (indented, Self::of(delimiter, first, "", line, header, options)) {
+            // The header's count of columns decides where there is one.
+            (Ok(indented), _) if header.pixels[1].is_some() => Ok(indented),
+            (Ok(indented), unindented) => Ok(Self { unindented: unindented.ok().map(Box::new), ..indented }),
+            (Err(_), Ok(unindented)) if header.pixels[1].is_some() => Ok(unindented),
+            (Err(refused), Ok(unindented)) => {
+                Ok(Self { unless_indented: Some((indent.to_owned(), refused)), ..unindented })
+            }
+            (Err(refused), Err(_)) => Err(refused),
+        }
+    }
+
+    /// The same of rows that all begin with `indent`.
+    fn of(
+        delimiter: Delimiter,
+        first: &str,
+        indent: &str,
+        line: usize,
+        header: &Header,
+        options: &ReadOptions,
+    ) -> Result<Self, ReadError> {
+        let row = &first[indent.len()..];
         let (closed, all) = (delimiter.fields(row).count(), delimiter.all_fields(row).count());
         let (cols, last) = match header.pixels[1].map(|expected| usize::try_from(expected).unwrap_or(usize::MAX)) {
             Some(expected) if expected == closed || expected == all => (expected, LastField::Counted),
@@ -52,7 +81,27 @@ impl MatrixReader {
             None => (closed, LastField::Counted),
         };
         let window = Window::new(None, cols as u64, options.crop, options.decimation)?;
-        Ok(Self { delimiter, indent, cols, last, row: Vec::new(), window })
+        let (indent, row) = (indent.to_owned(), Vec::new());
+        Ok(Self { delimiter, indent, cols, last, row, window, unindented: None, unless_indented: None })
+    }
+
+    /// Whether `text`, which holds nothing but tabs, is a row in which every point is missing.
+    pub(super) fn is_row_of_missing(&self, text: &str) -> bool {
+        let Some(tabs) = text.len().checked_sub(self.indent.len()) else { return false };
+        let is_closed = self.last == LastField::Counted && tabs == self.cols;
+        self.delimiter == Delimiter::Tab && !text.is_empty() && (tabs + 1 == self.cols || is_closed)
+    }
+
+    /// Takes tabs before `text`, a row, for empty fields where it does not begin with those that would be an indentation.
+    fn compare_indent(&mut self, text: &str) {
+        if self.unless_indented.as_ref().is_some_and(|(indent, _)| !text.starts_with(&indent[..])) {
+            self.unless_indented = None;
+        }
+        if !text.starts_with(&self.indent[..])
+            && let Some(unindented) = self.unindented.take()
+        {
+            *self = *unindented;
+        }
     }
 
     /// Columns for sure.
@@ -61,8 +110,12 @@ impl MatrixReader {
     }
 
     pub(super) fn push(&mut self, text: &str, line: usize) -> Result<(), ReadError> {
-        self.row.clear();
         let text = self.delimiter.row(text);
+        self.compare_indent(text);
+        self.row.clear();
+        if self.unindented.as_mut().is_some_and(|unindented| unindented.push(text, line).is_err()) {
+            self.unindented = None;
+        }
         let text = text.strip_prefix(&self.indent[..]).unwrap_or(text);
         for (n, field) in self.delimiter.all_fields(text).enumerate() {
             let value = height(field).ok_or_else(|| ReadError::NotANumber {
@@ -119,16 +172,27 @@ impl MatrixReader {
         let mut rows = self.window.rows_seen();
         let shared = options.pixel_m.is_none() && header.height_m.is_some();
         let is_undecided = self.last == LastField::Open && self.window.takes_last_col();
-        if shared || header.pixels[0].is_some() || is_undecided {
-            while let Some(text) = lines.next()? {
-                if text.trim().is_empty() || text.starts_with(['#', '%']) {
+        let may_be_indented = self.unindented.is_some() || self.unless_indented.is_some();
+        if shared || header.pixels[0].is_some() || is_undecided || may_be_indented {
+            while let Some(text) = lines.next_row()? {
+                let is_blank = text.trim().is_empty() && !self.is_row_of_missing(text);
+                if is_blank || text.starts_with(['#', '%']) {
                     continue;
                 }
                 rows += 1;
-                if self.last == LastField::Open && !self.delimiter.ends(self.delimiter.row(text)) {
-                    self.last = LastField::Counted;
+                let text = self.delimiter.row(text);
+                let ends = self.delimiter.ends(text);
+                self.compare_indent(text);
+                let unindented = self.unindented.as_mut().map(|reader| &mut reader.last);
+                for last in [Some(&mut self.last), unindented].into_iter().flatten() {
+                    if *last == LastField::Open && !ends {
+                        *last = LastField::Counted;
+                    }
                 }
             }
+        }
+        if let Some((_, refused)) = self.unless_indented.take() {
+            return Err(refused);
         }
         if self.last == LastField::Open {
             self.without_last_col()?;

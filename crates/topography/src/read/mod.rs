@@ -11,7 +11,8 @@
 //! | [`X3p`](MapFormat::X3p), XML 3-D surface | a zip archive | metres |
 //!
 //! Units of text are m, cm, mm, um, nm, pm. Values stand between spaces, tabs, commas or semicolons; `NaN`,
-//! `BAD`, `---` and an empty field mark a missing point; marks that end all lines close their last field. Other lines that begin with `#` or `%` are comments,
+//! `BAD`, `---` and an empty field mark a missing point; marks that end all lines close their last field, tabs that begin all lines indent
+//! them, and a line of as many tabs as rows have is a row of missing points. Other lines that begin with `#` or `%` are comments,
 //! in UTF-8 or Latin-1, and so are lines above the data that name a value, as `Operator: Anna`; both may say sizes and units.
 //!
 //! Lines of a matrix, and what the instruments call x, run along our y (the file's width); the first line is
@@ -30,6 +31,7 @@ mod npy;
 mod scan;
 mod sdf;
 mod sur;
+mod text;
 mod window;
 mod x3p;
 mod x3p_index;
@@ -37,14 +39,8 @@ mod xyz;
 
 use std::io::{BufRead, Cursor, Read};
 
-use comma::DecimalSign;
-use header::{ABOVE_DATA, Header, begins_with_a_word, names_a_value};
-use lines::Lines;
-use matrix::MatrixReader;
-use xyz::{XyzReader, is_point};
-
 pub(crate) use matrix::square;
-use window::window_of;
+use text::read_text;
 pub use window::{Crop, Decimation, DecimationMethod};
 
 use crate::{HeightMap, LengthUnit, ReadError};
@@ -222,118 +218,6 @@ fn check_expansion(format: &'static str, heights: u64, bytes_each: u64, packed: 
         return Err(ReadError::Bomb { format, unpacked, packed, most_expansion });
     }
     Ok(())
-}
-
-enum Data {
-    Matrix(Box<MatrixReader>),
-    Xyz(XyzReader),
-}
-
-/// A text of heights, as far as it is read.
-struct Text<'o> {
-    options: &'o ReadOptions,
-    header: Header,
-    data: Option<Data>,
-    /// The first line that an instrument may have written above the titles of its columns.
-    preamble: Option<(usize, String)>,
-}
-
-impl Text<'_> {
-    /// Takes a line; says whether more are wanted.
-    fn take(&mut self, row: &str, line: usize) -> Result<bool, ReadError> {
-        let (text, before_data) = (row.trim(), self.data.is_none());
-        if text.is_empty() || ((before_data || text.starts_with(['#', '%'])) && self.header.take(text, line)?) {
-            if self.header.titled {
-                self.preamble = None;
-            }
-            return Ok(true);
-        }
-        if before_data && !self.header.titled && begins_with_a_word(text) {
-            if names_a_value(text) {
-                self.header.unmarked(text, line);
-                return Ok(true);
-            }
-            self.preamble.get_or_insert_with(|| (line, text.to_owned()));
-            return Ok(true);
-        }
-        // Data without titles: what stands above them is no preamble, and is refused as what it is.
-        self.push_preamble()?;
-        self.push(row, line)
-    }
-
-    /// Refuses what stands above data without titles.
-    fn push_preamble(&mut self) -> Result<(), ReadError> {
-        let Some((line, text)) = self.preamble.take() else { return Ok(()) };
-        self.push(&text, line).map(|_| ()).map_err(|error| match error {
-            ReadError::NotANumber { line, column, value, .. } => {
-                ReadError::NotANumber { line, column, value, expected: ABOVE_DATA }
-            }
-            other => other,
-        })
-    }
-
-    /// A refused decimal comma with what would be refused next.
-    fn with_all_that_is_missing(&self, error: ReadError) -> ReadError {
-        match &self.data {
-            Some(Data::Matrix(_)) => error.with_missing(MatrixReader::missing(&self.header, self.options)),
-            Some(Data::Xyz(_)) => error.with_missing(XyzReader::missing(&self.header, self.options)),
-            None => error,
-        }
-    }
-
-    fn push(&mut self, text: &str, line: usize) -> Result<bool, ReadError> {
-        let target = match &mut self.data {
-            Some(target) => target,
-            None => self.data.insert(match self.options.format.unwrap_or_else(|| detect(&self.header, text)) {
-                MapFormat::Xyz => Data::Xyz(XyzReader::default()),
-                _ => Data::Matrix(Box::new(MatrixReader::new(text, line, &self.header, self.options)?)),
-            }),
-        };
-        match target {
-            Data::Matrix(matrix) => {
-                matrix.push(text, line)?;
-                Ok(!matrix.is_full())
-            }
-            Data::Xyz(points) => points.push(text, line).map(|()| true),
-        }
-    }
-}
-
-fn read_text(source: impl BufRead, options: &ReadOptions) -> Result<ReadMap, ReadError> {
-    let mut lines = Lines::new(source);
-    let mut sign = DecimalSign::new(options.decimal_comma);
-    let mut text = Text { options, header: Header::default(), data: None, preamble: None };
-    loop {
-        let line = lines.line() + 1;
-        let Some(own) = lines.next()? else { break };
-        let more = sign.with_points(own, line).and_then(|own| text.take(&own, line));
-        if !more.map_err(|error| text.with_all_that_is_missing(error))? {
-            break;
-        }
-    }
-    text.push_preamble()?;
-    let Text { header, data, .. } = text;
-    let (map, whole, format) = match data {
-        None => return Err(ReadError::NoData { lines: lines.line() }),
-        Some(Data::Matrix(mut matrix)) => {
-            // The rows behind a crop say how large a pixel is, where the header gives only the sides.
-            let rows = matrix.count_rest(&mut lines, options, &header)?;
-            let whole = matrix.is_whole();
-            (matrix.finish(rows, &header, options)?, whole, MapFormat::Matrix)
-        }
-        Some(Data::Xyz(points)) => {
-            let (map, whole) = window_of(points.finish(&header, options)?, options.crop, options.decimation)?;
-            (map, whole, MapFormat::Xyz)
-        }
-    };
-    let notes = if sign == DecimalSign::Found { vec![comma::FOUND.to_owned()] } else { Vec::new() };
-    Ok(ReadMap { map, whole, format, comments: header.comments, notes })
-}
-
-/// The form of a text, from its header and its first line of data.
-fn detect(header: &Header, text: &str) -> MapFormat {
-    let sized = header.width_m.is_some() || header.height_m.is_some() || header.pixels[1].is_some();
-    if header.titled || !sized && is_point(text) { MapFormat::Xyz } else { MapFormat::Matrix }
 }
 
 #[cfg(test)]

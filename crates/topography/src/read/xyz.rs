@@ -46,6 +46,14 @@ impl Points {
 pub(super) fn is_point(text: &str) -> bool {
     let row = text.trim();
     let delimiter = Delimiter::of(row);
+    // Points do not end with several empty fields.
+    if delimiter == Delimiter::Tab && text.len() > text.trim_end_matches('\t').len() + 1 {
+        return false;
+    }
+    // Nor do they lack a coordinate.
+    if delimiter.fields(row).take(2).any(str::is_empty) {
+        return false;
+    }
     match delimiter.fields(row).take(4).count() {
         2 => delimiter.ends(delimiter.row(text)),
         fields => fields == 3,

@@ -1,0 +1,267 @@
+//! Texts: what stands above the heights, and matrices or points, told apart.
+
+use std::io::BufRead;
+
+use super::comma::{self, DecimalSign};
+use super::header::{ABOVE_DATA, Header, begins_with_a_word, names_a_value};
+use super::lines::Lines;
+use super::matrix::MatrixReader;
+use super::window::window_of;
+use super::xyz::{XyzReader, is_point};
+use super::{MapFormat, ReadMap, ReadOptions};
+use crate::ReadError;
+
+enum Data {
+    Matrix(Box<MatrixReader>),
+    Xyz(XyzReader),
+}
+
+/// A text of heights, as far as it is read.
+struct Text<'o> {
+    options: &'o ReadOptions,
+    header: Header,
+    data: Option<Data>,
+    /// The first line that an instrument may have written above the titles of its columns.
+    preamble: Option<(usize, String)>,
+    /// Lines of so many tabs alone that stand above all data, and their number.
+    tabs_above: Option<(usize, usize)>,
+    /// Whether lines without a mark stand above the data: programs that write tables part them with such lines.
+    has_unmarked: bool,
+}
+
+impl Text<'_> {
+    /// Takes a line; says whether more are wanted.
+    fn take(&mut self, row: &str, line: usize) -> Result<bool, ReadError> {
+        let (text, before_data) = (row.trim(), self.data.is_none());
+        if text.is_empty() && !row.is_empty() {
+            return self.take_tabs(row, line);
+        }
+        self.has_unmarked |= before_data && begins_with_a_word(text);
+        if text.is_empty() || ((before_data || text.starts_with(['#', '%'])) && self.header.take(text, line)?) {
+            if self.header.titled {
+                self.preamble = None;
+            }
+            return Ok(true);
+        }
+        if before_data && !self.header.titled && begins_with_a_word(text) {
+            if names_a_value(text) {
+                self.header.unmarked(text, line);
+                return Ok(true);
+            }
+            self.preamble.get_or_insert_with(|| (line, text.to_owned()));
+            return Ok(true);
+        }
+        // Data without titles: what stands above them is no preamble, and is refused as what it is.
+        self.push_preamble()?;
+        self.push(row, line)
+    }
+
+    /// Takes a line of tabs alone: a row of missing points where rows have as many fields, and otherwise nothing.
+    fn take_tabs(&mut self, row: &str, line: usize) -> Result<bool, ReadError> {
+        match &mut self.data {
+            Some(Data::Matrix(matrix)) if matrix.is_row_of_missing(row) => {
+                matrix.push(row, line)?;
+                Ok(!matrix.is_full())
+            }
+            Some(_) => Ok(true),
+            None => {
+                self.tabs_above = match self.tabs_above {
+                    Some((tabs, count)) if tabs == row.len() => Some((tabs, count + 1)),
+                    _ => Some((row.len(), 1)),
+                };
+                Ok(true)
+            }
+        }
+    }
+
+    /// Refuses what stands above data without titles.
+    fn push_preamble(&mut self) -> Result<(), ReadError> {
+        let Some((line, text)) = self.preamble.take() else { return Ok(()) };
+        self.push(&text, line).map(|_| ()).map_err(|error| match error {
+            ReadError::NotANumber { line, column, value, .. } => {
+                ReadError::NotANumber { line, column, value, expected: ABOVE_DATA }
+            }
+            other => other,
+        })
+    }
+
+    /// A refused decimal comma with what would be refused next.
+    fn with_all_that_is_missing(&self, error: ReadError) -> ReadError {
+        match &self.data {
+            Some(Data::Matrix(_)) => error.with_missing(MatrixReader::missing(&self.header, self.options)),
+            Some(Data::Xyz(_)) => error.with_missing(XyzReader::missing(&self.header, self.options)),
+            None => error,
+        }
+    }
+
+    fn push(&mut self, text: &str, line: usize) -> Result<bool, ReadError> {
+        let target = match &mut self.data {
+            Some(target) => target,
+            None => self.data.insert(match self.options.format.unwrap_or_else(|| detect(&self.header, text)) {
+                MapFormat::Xyz => Data::Xyz(XyzReader::default()),
+                _ => {
+                    let mut matrix = MatrixReader::new(text, line, &self.header, self.options)?;
+                    let tabs_above = self.tabs_above.filter(|_| !self.has_unmarked);
+                    if let Some((tabs, count)) = tabs_above {
+                        let missing = "\t".repeat(tabs);
+                        if matrix.is_row_of_missing(&missing) {
+                            (0..count).try_for_each(|_| matrix.push(&missing, line))?;
+                        }
+                    }
+                    Data::Matrix(Box::new(matrix))
+                }
+            }),
+        };
+        match target {
+            Data::Matrix(matrix) => {
+                matrix.push(text, line)?;
+                Ok(!matrix.is_full())
+            }
+            Data::Xyz(points) => points.push(text, line).map(|()| true),
+        }
+    }
+}
+
+/// Reads a text.
+pub(super) fn read_text(source: impl BufRead, options: &ReadOptions) -> Result<ReadMap, ReadError> {
+    let mut lines = Lines::new(source);
+    let mut sign = DecimalSign::new(options.decimal_comma);
+    let mut text =
+        Text { options, header: Header::default(), data: None, preamble: None, tabs_above: None, has_unmarked: false };
+    loop {
+        let line = lines.line() + 1;
+        let Some(own) = lines.next_row()? else { break };
+        let more = sign.with_points(own, line).and_then(|own| text.take(&own, line));
+        if !more.map_err(|error| text.with_all_that_is_missing(error))? {
+            break;
+        }
+    }
+    text.push_preamble()?;
+    let Text { header, data, .. } = text;
+    let (map, whole, format) = match data {
+        None => return Err(ReadError::NoData { lines: lines.line() }),
+        Some(Data::Matrix(mut matrix)) => {
+            // The rows behind a crop say how large a pixel is, where the header gives only the sides.
+            let rows = matrix.count_rest(&mut lines, options, &header)?;
+            let whole = matrix.is_whole();
+            (matrix.finish(rows, &header, options)?, whole, MapFormat::Matrix)
+        }
+        Some(Data::Xyz(points)) => {
+            let (map, whole) = window_of(points.finish(&header, options)?, options.crop, options.decimation)?;
+            (map, whole, MapFormat::Xyz)
+        }
+    };
+    let notes = if sign == DecimalSign::Found { vec![comma::FOUND.to_owned()] } else { Vec::new() };
+    Ok(ReadMap { map, whole, format, comments: header.comments, notes })
+}
+
+/// The form of a text, from its header and its first line of data.
+fn detect(header: &Header, text: &str) -> MapFormat {
+    let sized = header.width_m.is_some() || header.height_m.is_some() || header.pixels[1].is_some();
+    if header.titled || !sized && is_point(text) { MapFormat::Xyz } else { MapFormat::Matrix }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::{Crop, Decimation, DecimationMethod, LengthUnit, MapFormat, ReadError, ReadOptions, read_map};
+
+    const GIVEN: ReadOptions = ReadOptions {
+        pixel_m: Some([1e-6; 2]),
+        height_unit: Some(LengthUnit::Micrometre),
+        lateral_unit: Some(LengthUnit::Micrometre),
+        ..ReadOptions::NONE
+    };
+
+    /// The map as text, in which NaN equals NaN.
+    fn read(text: &str, options: &ReadOptions) -> Result<String, ReadError> {
+        read_map(text.as_bytes(), options).map(|read| format!("{:?} {}", read.map, read.whole))
+    }
+
+    /// A map of five columns with holes at its rims, with `NaN` in each, by its rows.
+    const HOLED: [&str; 6] = [
+        "NaN\t2\tNaN\t4\t5",
+        "NaN\tNaN\tNaN\tNaN\tNaN",
+        "1\t2\t3\t4\tNaN",
+        "5\tNaN\tNaN\tNaN\tNaN",
+        "NaN\t6\t7\t8\t9",
+        "1\t2\t3\t4\t5",
+    ];
+
+    #[test]
+    fn empty_fields_between_tabs_are_missing_points_wherever_they_stand() {
+        let crop = Crop { first_row: 1, first_col: 0, rows: 3, cols: 4 };
+        let blocks = Decimation { factor: 2, method: DecimationMethod::Pick };
+        let all = [
+            GIVEN,
+            ReadOptions { crop: Some(crop), ..GIVEN },
+            ReadOptions { crop: Some(Crop { first_col: 1, cols: 2, ..crop }), ..GIVEN },
+            ReadOptions { decimation: Some(blocks), ..GIVEN },
+        ];
+        // Any of the rows may be the first and the last.
+        for first in 0..HOLED.len() {
+            let rows: Vec<&str> = HOLED.iter().cycle().skip(first).take(HOLED.len()).copied().collect();
+            for options in &all {
+                let expected = read(&(rows.join("\n") + "\n"), options).unwrap();
+                let empty = rows.join("\n").replace("NaN", "") + "\n";
+                let closed = empty.replace('\n', "\t\n");
+                for (text, ending) in [(&empty, "\n"), (&closed, "\n"), (&empty, "\r\n")] {
+                    let text = text.replace('\n', ending);
+                    assert_eq!(read(&text, options).unwrap(), expected, "{text:?} {options:?}");
+                    // Below a header whose lines are marked, too.
+                    assert_eq!(read(&format!("# a map{ending}{ending}{text}"), options).unwrap(), expected, "{text:?}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn tabs_before_all_rows_indent_them_and_lines_of_other_tabs_are_blank() {
+        let plain = "1\t2\t3\t4\n5\t\t7\t8\n1\t1\t1\t1\n";
+        let crop = Some(Crop { first_row: 0, first_col: 1, rows: 2, cols: 3 });
+        for options in [GIVEN, ReadOptions { crop, ..GIVEN }] {
+            let expected = read(plain, &options).unwrap();
+            for indent in ["\t", "\t\t", "  \t"] {
+                let indented: String = plain.lines().map(|row| format!("{indent}{row}\n")).collect();
+                assert_eq!(read(&indented, &options).unwrap(), expected, "{indented:?}");
+                let closed = indented.replace('\n', "\t\n");
+                assert_eq!(read(&closed, &options).unwrap(), expected, "{closed:?}");
+            }
+            for blank in ["\t\n", "\t\t\n", "\t\t\t\t\t\n", " \t \n"] {
+                for text in [
+                    format!("{blank}{plain}"),
+                    format!("{plain}{blank}"),
+                    plain.replacen('\n', &format!("\n{blank}"), 1),
+                ] {
+                    assert_eq!(read(&text, &options).unwrap(), expected, "{text:?}");
+                }
+            }
+            // Programs that write tables part what stands above the data with lines of as many tabs.
+            let table = format!("Operator: Anna\t\t\t\n\t\t\t\n{plain}");
+            assert_eq!(read(&table, &options).unwrap(), expected);
+        }
+        // A column that only an indentation leaves out is none to crop.
+        let crop = Some(Crop { first_row: 0, first_col: 0, rows: 2, cols: 3 });
+        let cropped = |text: &str| read(text, &ReadOptions { crop, ..GIVEN });
+        assert!(matches!(cropped("\t2\t3\n\t5\t6\n"), Err(ReadError::CropOutside { .. })));
+        assert!(cropped("\t2\t3\n4\t5\t6\n").is_ok());
+        // The header's count of columns decides.
+        let told = |count: usize| format!("# File Format = ASCII\n# x-pixels = {count}\n\t2\t3\n\t5\t6\n");
+        let missing = [2, 3].map(|count| read_map(told(count).as_bytes(), &GIVEN).unwrap().map.missing());
+        assert_eq!(missing, [0, 2]);
+        // A row that is short stays so.
+        for (text, said) in
+            [("1\t2\t3\n1\t2\n", "line 2: 2 values: expected 3"), ("\t2\t3\n4\t5\n", "line 2: 2 values")]
+        {
+            assert!(read(text, &GIVEN).unwrap_err().to_string().contains(said), "{text:?}");
+        }
+    }
+
+    #[test]
+    fn points_may_be_indented_and_parted_by_blank_lines() {
+        let points = "\t0\t0\t1\n\t0\t1\t2\n\t\t\n\t1\t0\t3\n\t1\t1\t\n";
+        let found = read_map(points.as_bytes(), &GIVEN).unwrap();
+        assert_eq!((found.format, found.map.rows(), found.map.missing()), (MapFormat::Xyz, 2, 1));
+        let rows = "\t\t5\t6\t7\t\t\n1\t2\t3\t4\t5\t6\t7\n";
+        assert_eq!(read_map(rows.as_bytes(), &GIVEN).unwrap().format, MapFormat::Matrix);
+    }
+}
