@@ -39,8 +39,8 @@ pub struct SpaceSetup<'a> {
 /// of vectors leave the first-level cache before the next column needs them.
 const TILE: usize = 10;
 
-/// Layers that a step moves before the next step follows, at least two: with fewer, more layers are read twice from the second-level
-/// cache, with more they leave it.
+/// Layers that a step moves before the next step follows, at least two. With fewer, a larger share of layers is read twice from the
+/// second-level cache, as neighbours; with more they leave that cache before the next step needs them.
 const SLAB: usize = 4;
 
 /// Forces of a row, or of the whole contact layer.
@@ -208,8 +208,8 @@ impl<'a> SpaceLeapfrog<'a> {
         }
     }
 
-    /// Takes step number `step` in `layers`, from what is now to what then is: the sums over the contact layer, zero where it is not
-    /// among them. A step begins with the top layer.
+    /// Takes step number `step` in `layers`; the sums over the contact layer, zero where it is not among them. What a step needs of
+    /// the bulk is known once the top layer is where the step before has moved it.
     fn move_layers(&mut self, layers: Range<usize>, step: u64) -> ContactSums {
         if layers.end == self.field.nz {
             let bulk = self.bulk(step as f64 * self.time_step);
@@ -235,7 +235,7 @@ impl Engine for SpaceLeapfrog<'_> {
     }
 
     /// The second step follows the first from the top down, one layer behind it: the layers that it needs are still in the
-    /// second-level cache, which most cells do not fit into, and nobody needs any more those that it replaces.
+    /// second-level cache, which cells of 40 x 40 columns and more do not fit into, and those that it replaces nobody needs any more.
     fn one_or_two_steps(&mut self) -> (ContactSums, Option<ContactSums>) {
         let (top, step) = (self.field.nz, self.steps);
         let mut upper = top;
