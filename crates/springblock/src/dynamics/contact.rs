@@ -296,6 +296,12 @@ pub struct ContactSums {
 }
 
 impl ContactSums {
+    /// Whether friction and normal force are numbers: a run that blows up has others.
+    #[must_use]
+    pub const fn is_finite(&self) -> bool {
+        self.friction.is_finite() && self.normal.is_finite()
+    }
+
     /// Takes the sums of another part of the row.
     pub fn add(&mut self, other: Self) {
         self.friction += other.friction;

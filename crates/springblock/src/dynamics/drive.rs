@@ -121,6 +121,21 @@ impl Plan {
         Self { preparation: steps_in(preparation_s), travel: steps_in(travel_s).max(1) }
     }
 
+    /// Steps after which a run longer than planned is judged anew: a tenth of the planned travel.
+    fn tenth(&self) -> u64 {
+        (self.travel / 10).max(1)
+    }
+
+    /// Steps from step `steps` on up to where the monitor is looked at, the bulk begins to move, or the run is judged.
+    fn steps_to_next_turn(&self, steps: u64) -> u64 {
+        let to_turn = match steps.checked_sub(self.preparation) {
+            None => self.preparation - steps,
+            Some(driven) if driven < self.travel => self.travel - driven,
+            Some(driven) => self.tenth() - driven % self.tenth(),
+        };
+        to_turn.min(STEPS_PER_LOOK - steps % STEPS_PER_LOOK)
+    }
+
     /// All steps.
     #[must_use]
     pub const fn total(&self) -> u64 {
@@ -173,7 +188,8 @@ pub fn not_begun(status: Status, step_s: f64, centres_m: impl Iterator<Item = [f
 impl Drive<'_> {
     /// Runs `engine` from its start to the end.
     pub fn run(&self, engine: &mut impl Engine, monitor: &dyn Monitor) -> Driven {
-        let Plan { preparation, travel: planned } = Plan::new(self.scene, self.step_s);
+        let plan = Plan::new(self.scene, self.step_s);
+        let Plan { preparation, travel: planned } = plan;
         let steps_per_bin = planned.div_ceil(BINS).max(1);
         let interface_from = (INTERFACE_FROM * planned as f64 / steps_per_bin as f64).ceil() as usize;
         let least_time = LEAST_PERIODS * self.shear_period;
@@ -185,7 +201,7 @@ impl Drive<'_> {
         let mut status;
         let mut steps: u64 = 0;
         let share_per_step = self.share / (preparation + planned) as f64;
-        loop {
+        'run: loop {
             if steps.is_multiple_of(STEPS_PER_LOOK) {
                 if steps > 0 && steps <= preparation + planned {
                     monitor.advance(share_per_step * STEPS_PER_LOOK as f64);
@@ -197,8 +213,7 @@ impl Drive<'_> {
             }
             if steps >= preparation + planned {
                 let driven = steps - preparation;
-                // A longer run is judged anew after every tenth of the planned travel.
-                if driven == planned || driven.is_multiple_of((planned / 10).max(1)) {
+                if driven == planned || driven.is_multiple_of(plan.tenth()) {
                     let said = self.judge(recorder.window_mean().as_ref());
                     if said == Status::Converged || driven >= most || self.is_at_rest() {
                         status = said;
@@ -212,14 +227,18 @@ impl Drive<'_> {
             if steps == preparation && !self.scene.run.warm_start {
                 engine.begin_drive();
             }
-            let sums = engine.step();
-            steps += 1;
-            if !(sums.friction.is_finite() && sums.normal.is_finite()) {
-                status = Status::Diverged;
-                break;
-            }
-            if steps > preparation {
-                recorder.record(sums, engine);
+            let alone = plan.steps_to_next_turn(steps);
+            let alone = if steps < preparation { alone } else { alone.min(recorder.steps_to_next_question()) };
+            let (first, second) = if alone > 1 { engine.one_or_two_steps() } else { (engine.step(), None) };
+            for sums in std::iter::once(first).chain(second) {
+                steps += 1;
+                if !sums.is_finite() {
+                    status = Status::Diverged;
+                    break 'run;
+                }
+                if steps > preparation {
+                    recorder.record(sums, engine);
+                }
             }
         }
         let cost = DynamicCost {
@@ -309,3 +328,6 @@ impl Driven {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -26,6 +26,12 @@ pub trait Engine {
     /// Advances by one step; the sums over the contact row at its beginning.
     fn step(&mut self) -> ContactSums;
 
+    /// Advances by one step, or by two where that is faster; the sums of each. For who asks nothing in between: only sums that are
+    /// not finite are seen in time, and no step follows them.
+    fn one_or_two_steps(&mut self) -> (ContactSums, Option<ContactSums>) {
+        (self.step(), None)
+    }
+
     /// Whether every contact block has slipped since the drive began.
     fn all_have_slipped(&self) -> bool;
 

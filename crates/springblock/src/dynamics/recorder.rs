@@ -112,6 +112,12 @@ impl Recorder {
         }
     }
 
+    /// Steps up to and with the next one after which it asks the engine for something.
+    #[must_use]
+    pub fn steps_to_next_question(&self) -> u64 {
+        if self.has_onset() { INTERFACE_EVERY - self.steps % INTERFACE_EVERY } else { 1 }
+    }
+
     fn sample_interface(&mut self, engine: &mut impl Engine) {
         if self.onset_bin.is_some() && self.bins.len() >= self.interface_from_bin {
             self.interface_samples += 1;

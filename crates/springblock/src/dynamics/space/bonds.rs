@@ -13,6 +13,8 @@ struct Link {
 #[derive(Clone, Debug)]
 pub struct SpaceBonds {
     links: Vec<Link>,
+    /// Those that lead to the bulk.
+    to_bulk: Vec<Link>,
     /// Blocks of the lattice: the number of the bulk.
     bulk: usize,
     /// Mass by block; 0 for removed ones.
@@ -30,8 +32,9 @@ impl SpaceBonds {
         lattice.for_each_bond(|bond| {
             links.push(Link { ends: [number(bond.a), number(bond.b)], direction: bond.spring.direction() });
         });
+        let to_bulk = links.iter().filter(|link| link.ends[1] as usize == bulk).copied().collect();
         let mass = (0..bulk).map(|n| lattice.mass(n % nx, n / nx % ny, n / (nx * ny))).collect();
-        Self { links, bulk, mass }
+        Self { links, to_bulk, bulk, mass }
     }
 
     /// Masses by block.
@@ -60,12 +63,10 @@ impl SpaceBonds {
         // sum over springs to the bulk of e_z (e . (u_bulk - u_a)) = -load, linear in the height
         let (mut held, mut stiffness) = (0.0, 0.0);
         let bulk = displacement[self.bulk];
-        for Link { ends: [a, b], direction: e } in &self.links {
-            if *b as usize == self.bulk {
-                let u = displacement[*a as usize];
-                held += e[2] * (e[0] * (u[0] - bulk[0]) + e[1] * (u[1] - bulk[1]) + e[2] * u[2]);
-                stiffness += e[2] * e[2];
-            }
+        for Link { ends: [a, _], direction: e } in &self.to_bulk {
+            let u = displacement[*a as usize];
+            held += e[2] * (e[0] * (u[0] - bulk[0]) + e[1] * (u[1] - bulk[1]) + e[2] * u[2]);
+            stiffness += e[2] * e[2];
         }
         displacement[self.bulk][2] = (held - load) / stiffness;
     }

@@ -1,5 +1,7 @@
 //! Displacements of the blocks of a periodic cell in space, at two instants.
 
+use std::ops::Range;
+
 use super::super::rows::{LINE, Plane};
 
 /// Sets of a first-level cache.
@@ -71,20 +73,28 @@ impl Field {
         }
     }
 
-    /// Fills the images of all layers of blocks.
+    /// Fills the images of all layers at both instants.
     pub fn join_sides(&mut self) {
-        let Self { nx, ny, nz, stride, layer, now, .. } = self;
-        for values in now.iter_mut().map(Plane::rows_mut) {
-            for k in 0..*nz {
+        self.join_layers(0..self.nz);
+        self.turn();
+        self.join_layers(0..self.nz);
+        self.turn();
+    }
+
+    /// Fills the images of `layers` where a sweep has written.
+    pub fn join_layers(&mut self, layers: Range<usize>) {
+        let Self { nx, ny, stride, layer, other, .. } = self;
+        for values in other.iter_mut().map(Plane::rows_mut) {
+            for k in layers.clone() {
                 let first = LINE + k * *layer;
-                // The image of the last column, then the columns, then the image of the first.
-                for row in values[first + *stride - 1..].chunks_exact_mut(*stride).take(*ny) {
+                let row = |number: usize| first + number * *stride;
+                values.copy_within(row(*ny)..row(*ny) + *nx, row(0));
+                values.copy_within(row(1)..row(1) + *nx, row(*ny + 1));
+                // Single values last: a copy that finds them just written waits for them.
+                for row in values[first - 1..].chunks_mut(*stride).take(*ny + 2) {
                     row[0] = row[*nx];
                     row[*nx + 1] = row[1];
                 }
-                let whole = |row: usize| first + row * *stride - 1..first + row * *stride + *nx + 1;
-                values.copy_within(whole(*ny), whole(0).start);
-                values.copy_within(whole(1), whole(*ny + 1).start);
             }
         }
     }

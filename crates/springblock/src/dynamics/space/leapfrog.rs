@@ -1,5 +1,7 @@
 //! Leapfrog on a plain cell in space, linear springs, damping implicit.
 
+use std::ops::Range;
+
 use super::super::contact::{ContactBlock, ContactForce, ContactSums, LocalLaw};
 use super::super::contact_vectors::ContactVectors;
 use super::super::engine::Engine;
@@ -8,7 +10,7 @@ use super::super::rows::whole_lines;
 use super::super::stencil::fixed_sum;
 use super::super::sweep::{Kick, MoveRow};
 use super::field::Field;
-use super::stencil::Stencil;
+use super::stencil::{GeneralRow, Stencil};
 use super::sweep::{InsideRows, RowForces};
 use crate::draws::Coefficients;
 use crate::space::SpaceLattice;
@@ -36,6 +38,10 @@ pub struct SpaceSetup<'a> {
 /// Rows of a tile, which is swept from layer to layer: fewer sweep more rows twice, with more the lines of one column
 /// of vectors leave the first-level cache before the next column needs them.
 const TILE: usize = 10;
+
+/// Layers that a step moves before the next step follows, at least two. With fewer, a larger share of layers is read twice from the
+/// second-level cache, as neighbours; with more they leave that cache before the next step needs them.
+const SLAB: usize = 4;
 
 /// Forces of a row, or of the whole contact layer.
 type Forces = [Vec<f64>; 3];
@@ -71,7 +77,7 @@ impl<'a> SpaceLeapfrog<'a> {
             .filter(|column| lattice.contact_share(column % nx, column / nx) > 0.0)
             .map(|column| ContactBlock::new(column / nx * padded + column % nx, coefficients[column]))
             .collect();
-        let inverse_mass = stencil.contact.iter().flat_map(|row| row.inverse_mass.iter().copied());
+        let inverse_mass = stencil.general[0].iter().flat_map(|row| row.coefficients.inverse_mass.iter().copied());
         let contact = ContactVectors::new(blocks, law, direction, inverse_mass, kick);
         let zero = |size: usize| [vec![0.0; size], vec![0.0; size], vec![0.0; size]];
         Self {
@@ -139,9 +145,9 @@ impl<'a> SpaceLeapfrog<'a> {
     fn step_contact(&mut self) -> ContactSums {
         let Self { stencil, field, contact, kick, contact_force: force, .. } = self;
         let padded = whole_lines(field.nx);
-        for (j, coefficients) in stencil.contact.iter().enumerate() {
-            let row = force.each_mut().map(|force| &mut force[j * padded..][..padded]);
-            vectorized(RowForces { coefficients, field, layer: 0, row: j, force: row });
+        for GeneralRow { row, coefficients } in &stencil.general[0] {
+            let (row, force) = (*row, force.each_mut().map(|force| &mut force[row * padded..][..padded]));
+            vectorized(RowForces { coefficients, field, layer: 0, row, force });
         }
         let [x, y, lift] = force.each_ref().map(Vec::as_slice);
         let sums = contact.kick([x, y], lift, kick.kept);
@@ -167,7 +173,7 @@ impl<'a> SpaceLeapfrog<'a> {
         }
         for block in contact.unsettled() {
             let (place, i, j) = (block.column, block.column % padded, block.column / padded);
-            let (at, inverse_mass) = (field.at(i, j, 0), stencil.contact[j].inverse_mass[i]);
+            let (at, inverse_mass) = (field.at(i, j, 0), stencil.general[0][j].coefficients.inverse_mass[i]);
             let height = field.now[2].rows()[at];
             if let Some(height) = block.fly(height, &mut fall[place], *kick, inverse_mass, force[place]) {
                 field.other[2].rows_mut()[at] = height;
@@ -175,22 +181,24 @@ impl<'a> SpaceLeapfrog<'a> {
         }
     }
 
-    /// Moves all layers above the contact layer.
-    fn step_inside(&mut self) {
+    /// Moves `layers`, the contact layer apart.
+    fn step_inside(&mut self, layers: Range<usize>) {
         let Self { stencil, field, kick, row_force: force, .. } = self;
-        for general in &stencil.general {
-            let (layer, row, coefficients) = (general.layer, general.row, &general.coefficients);
-            let forces = force.each_mut().map(Vec::as_mut_slice);
-            vectorized(RowForces { coefficients, field, layer, row, force: forces });
-            let (inverse_mass, force) = (&coefficients.inverse_mass, force.each_ref().map(Vec::as_slice));
-            // What lanes beyond the last column write is restored below.
-            let (columns, start) = (field.nx, field.at(0, row, layer));
-            let (now, other) = (&field.now, &mut field.other);
-            vectorized(MoveRow { inverse_mass, now, other, columns, start, kick: *kick, force });
+        let layers = layers.start.max(1)..layers.end;
+        for layer in layers.clone() {
+            for GeneralRow { row, coefficients } in &stencil.general[layer] {
+                let forces = force.each_mut().map(Vec::as_mut_slice);
+                vectorized(RowForces { coefficients, field, layer, row: *row, force: forces });
+                let (inverse_mass, force) = (&coefficients.inverse_mass, force.each_ref().map(Vec::as_slice));
+                // What lanes beyond the last column write is restored when sides are joined.
+                let (columns, start) = (field.nx, field.at(0, *row, layer));
+                let (now, other) = (&field.now, &mut field.other);
+                vectorized(MoveRow { inverse_mass, now, other, columns, start, kick: *kick, force });
+            }
         }
         for tile in (0..field.ny).step_by(TILE) {
-            for (layer, ranges) in stencil.inside.iter().enumerate() {
-                for rows in ranges {
+            for layer in layers.clone() {
+                for rows in &stencil.inside[layer] {
                     let rows = rows.start.max(tile)..rows.end.min(tile + TILE);
                     if !rows.is_empty() {
                         vectorized(InsideRows { field, layer, rows, kick: *kick });
@@ -198,6 +206,20 @@ impl<'a> SpaceLeapfrog<'a> {
                 }
             }
         }
+    }
+
+    /// Takes step number `step` in `layers`; the sums over the contact layer, zero where it is not among them. What a step needs of
+    /// the bulk is known once the top layer is where the step before has moved it.
+    fn move_layers(&mut self, layers: Range<usize>, step: u64) -> ContactSums {
+        if layers.end == self.field.nz {
+            let bulk = self.bulk(step as f64 * self.time_step);
+            self.field.place_bulk(bulk);
+        }
+        self.step_inside(layers.clone());
+        let sums = if layers.start == 0 { self.step_contact() } else { ContactSums::default() };
+        self.field.join_layers(layers);
+        self.field.turn();
+        sums
     }
 }
 
@@ -207,15 +229,30 @@ impl Engine for SpaceLeapfrog<'_> {
     }
 
     fn step(&mut self) -> ContactSums {
-        let time = self.steps as f64 * self.time_step;
+        let sums = self.move_layers(0..self.field.nz, self.steps);
         self.steps += 1;
-        let bulk = self.bulk(time);
-        self.field.place_bulk(bulk);
-        let sums = self.step_contact();
-        self.step_inside();
-        self.field.turn();
-        self.field.join_sides();
         sums
+    }
+
+    /// The second step follows the first from the top down, one layer behind it: the layers that it needs are still in the
+    /// second-level cache, which cells of 40 x 40 columns and more do not fit into, and those that it replaces nobody needs any more.
+    fn one_or_two_steps(&mut self) -> (ContactSums, Option<ContactSums>) {
+        let (top, step) = (self.field.nz, self.steps);
+        let mut upper = top;
+        while upper > SLAB {
+            let lower = upper - SLAB;
+            self.move_layers(lower..upper, step);
+            self.move_layers(lower + 1..top.min(upper + 1), step + 1);
+            upper = lower;
+        }
+        let first = self.move_layers(0..upper, step);
+        self.steps += 1;
+        if !first.is_finite() {
+            return (first, None);
+        }
+        let second = self.move_layers(0..top.min(upper + 1), step + 1);
+        self.steps += 1;
+        (first, Some(second))
     }
 
     fn all_have_slipped(&self) -> bool {

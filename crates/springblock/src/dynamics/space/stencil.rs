@@ -3,6 +3,7 @@
 //! Units: k = 1, l = 1, m = 1.
 
 use std::ops::Range;
+use std::sync::Arc;
 
 use super::super::rows::whole_lines;
 use crate::space::SpaceLattice;
@@ -35,7 +36,7 @@ pub const STEPS: [[isize; 3]; SPRINGS] = [
 
 /// Coefficients of a row: one array per spring, one entry per column, then zeros up to a whole number of cache lines.
 /// Those of the diagonals are halved.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct RowCoefficients {
     springs: Vec<f64>,
     pub inverse_mass: Vec<f64>,
@@ -87,19 +88,17 @@ fn spring(lattice: &SpaceLattice, [i, j, k]: [usize; 3], step: [isize; 3]) -> f6
 /// A row that is not of inside blocks alone.
 #[derive(Clone, Debug)]
 pub struct GeneralRow {
-    /// Its layer, from the counterface up, and its place along y.
-    pub layer: usize,
+    /// Its place along y.
     pub row: usize,
-    pub coefficients: RowCoefficients,
+    /// What it shares with all rows like it: 18 numbers a column are more to read than displacements are.
+    pub coefficients: Arc<RowCoefficients>,
 }
 
 /// Rows of a cell.
 #[derive(Clone, Debug)]
 pub struct Stencil {
-    /// The lowest layer, by row.
-    pub contact: Vec<RowCoefficients>,
-    /// General rows above it.
-    pub general: Vec<GeneralRow>,
+    /// General rows by layer, from the counterface up: all of the lowest.
+    pub general: Vec<Vec<GeneralRow>>,
     /// Rows of inside blocks, by layer: the lowest has none.
     pub inside: Vec<Vec<Range<usize>>>,
 }
@@ -109,10 +108,17 @@ impl Stencil {
     #[must_use]
     pub fn new(lattice: &SpaceLattice) -> Self {
         let [_, ny] = lattice.columns();
-        let contact = (0..ny).map(|j| RowCoefficients::new(lattice, j, 0)).collect();
-        let (mut general, mut inside) = (Vec::new(), vec![Vec::new()]);
-        for k in 1..lattice.rows() {
-            let mut ranges: Vec<Range<usize>> = Vec::new();
+        let mut distinct: Vec<Arc<RowCoefficients>> = Vec::new();
+        let mut shared = |row: RowCoefficients| {
+            let known = distinct.iter().find(|known| ***known == row).cloned();
+            known.unwrap_or_else(|| {
+                distinct.push(Arc::new(row));
+                distinct[distinct.len() - 1].clone()
+            })
+        };
+        let (mut general, mut inside) = (Vec::new(), Vec::new());
+        for k in 0..lattice.rows() {
+            let (mut rows, mut ranges): (Vec<GeneralRow>, Vec<Range<usize>>) = (Vec::new(), Vec::new());
             for j in 0..ny {
                 // What a cavity changes ends with the row above it.
                 if k > lattice.cavity_rows() || RowCoefficients::is_inside(lattice, j, k) {
@@ -121,11 +127,12 @@ impl Stencil {
                         _ => ranges.push(j..j + 1),
                     }
                 } else {
-                    general.push(GeneralRow { layer: k, row: j, coefficients: RowCoefficients::new(lattice, j, k) });
+                    rows.push(GeneralRow { row: j, coefficients: shared(RowCoefficients::new(lattice, j, k)) });
                 }
             }
+            general.push(rows);
             inside.push(ranges);
         }
-        Self { contact, general, inside }
+        Self { general, inside }
     }
 }

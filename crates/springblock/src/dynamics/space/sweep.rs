@@ -258,7 +258,7 @@ impl WithSimd for RowForces<'_> {
 mod tests {
     use super::super::super::any_width::{assert_same_bits, fill};
     use super::super::super::sweep::MoveRow;
-    use super::super::stencil::Stencil;
+    use super::super::stencil::{GeneralRow, Stencil};
     use super::*;
     use crate::space::SpaceLattice;
     use slipgrid_pattern::{Pattern, Planform};
@@ -282,12 +282,14 @@ mod tests {
             let size = LINE + 5 * field.layer + LINE;
             fill(field.now.iter_mut().chain(&mut field.other), size);
             let kick = Kick::new(0.15, 0.02);
-            let padded = stencil.contact[0].inverse_mass.len();
+            let padded = stencil.general[0][0].coefficients.inverse_mass.len();
             let mut force = [vec![0.0; padded], vec![0.0; padded], vec![0.0; padded]];
             let mut written = Vec::new();
-            let contact = stencil.contact.iter().enumerate().map(|(row, coefficients)| (0, row, coefficients));
-            let general = stencil.general.iter().map(|general| (general.layer, general.row, &general.coefficients));
-            for (layer, row, coefficients) in contact.chain(general) {
+            let general = stencil.general.iter().enumerate();
+            for (layer, GeneralRow { row, coefficients }) in
+                general.flat_map(|(layer, rows)| rows.iter().map(move |row| (layer, row)))
+            {
+                let row = *row;
                 let forces = force.each_mut().map(Vec::as_mut_slice);
                 simd.vectorize(RowForces { coefficients, field: &field, layer, row, force: forces });
                 written.extend(force.iter().flat_map(|force| force[..nx].to_vec()));

@@ -1,7 +1,7 @@
 //! The cell's integrator against the sum over springs, closed forms, its symmetries, and the plane.
 
 use slipgrid_material::AreaLaw;
-use slipgrid_pattern::{Pattern, Planform, Texture};
+use slipgrid_pattern::{Pattern, Planform, Rim, RimProfile, Texture};
 
 use super::super::contact::{ContactRow, ContactSums, LocalLaw};
 use super::super::engine::{Engine, PlaneEngine, Setup};
@@ -231,6 +231,83 @@ fn a_steady_equilibrium_stays_where_it_is() {
                     assert!((found[c] - expected[c]).abs() < 1e-10, "{block:?} {found:?} {expected:?}");
                 }
             }
+        }
+    }
+}
+
+#[test]
+fn two_steps_at_once_are_two_steps_bit_for_bit() {
+    let um = |width: f64, spacing: f64| Pattern::new(Planform::Square, width * 1e-6, spacing * 1e-6, 20e-6).unwrap();
+    let rim = Rim::new(0.3e-6, 20e-6, RimProfile::Flat).unwrap();
+    let disc = Pattern::new(Planform::Disc, 70e-6, 60e-6, 20e-6).unwrap();
+    let lattices = [
+        cell(4, 3, [12, 10], 2, 6),
+        cell(9, 4, [17, 9], 4, 5),
+        SpaceLattice::flat([1, 1], 1),
+        SpaceLattice::flat([8, 5], 2),
+        SpaceLattice::flat([5, 23], 4),
+        SpaceLattice::cell(&disc, 10e-6, 9).nearest_whole(),
+        SpaceLattice::cell(&um(40.0, 80.0).with_rim(Some(rim)), 10e-6, 8),
+    ];
+    for (lattice, liftoff) in lattices.iter().flat_map(|lattice| [(lattice, false), (lattice, true)]) {
+        let ([nx, ny], rows) = (lattice.columns(), lattice.rows());
+        let drawn = coefficients(6, nx * ny);
+        let start = || {
+            let mut setup = setup(&drawn, protocol(lattice, 1e-3), [0.6, 0.8]);
+            setup.liftoff = liftoff || lattice.is_raised();
+            let mut engine = SpaceLeapfrog::new(lattice, setup);
+            if lattice.is_raised() {
+                engine.start_sheared(&|_| [0.0, 0.0, lattice.highest()]);
+                engine.raise(lattice);
+            }
+            engine
+        };
+        let (mut single, mut paired) = (start(), start());
+        for pair in 0..300 {
+            let (first, second) = (single.step(), single.step());
+            assert_eq!(paired.one_or_two_steps(), (first, Some(second)), "{nx} {ny} {rows} {liftoff}: {pair}");
+            // Single steps go on from pairs.
+            if pair % 50 == 49 {
+                assert_eq!(paired.step(), single.step());
+            }
+        }
+        let bits = |engine: &SpaceLeapfrog| -> Vec<u64> {
+            let blocks = (0..nx * ny * rows).map(|n| [n % nx, n / nx % ny, n / (nx * ny)]);
+            blocks.flat_map(|block| engine.displacement(block)).map(f64::to_bits).collect()
+        };
+        assert!(bits(&single) == bits(&paired) && bits(&single).iter().any(|bits| *bits != 0));
+        assert!(single.contact().vectors().eq(paired.contact().vectors()));
+        assert_eq!(single.all_have_slipped(), paired.all_have_slipped());
+    }
+}
+
+#[test]
+fn no_step_follows_sums_that_are_not_finite() {
+    let lattice = cell(3, 3, [8, 8], 2, 9);
+    let drawn = coefficients(1, 64);
+    let start = || {
+        let mut setup = setup(&drawn, protocol(&lattice, 0.0), [1.0, 0.0]);
+        setup.time_step = 1.0;
+        SpaceLeapfrog::new(&lattice, setup)
+    };
+    let mut singles = start();
+    let steps = (1_u64..).find(|_| !singles.step().is_finite()).unwrap();
+    for alone in [steps % 2, (steps + 1) % 2] {
+        let mut paired = start();
+        for _ in 0..alone {
+            paired.step();
+        }
+        let mut taken = alone;
+        while let (_, Some(second)) = paired.one_or_two_steps() {
+            taken += 2;
+            if !second.is_finite() {
+                break;
+            }
+        }
+        let left_out = (steps - alone) % 2;
+        assert_eq!(taken + left_out, steps);
+        for block in [[0, 0, 0], [3, 4, 2], [7, 7, 8]] {
+            assert_eq!(paired.displacement(block).map(f64::to_bits), singles.displacement(block).map(f64::to_bits));
         }
     }
 }

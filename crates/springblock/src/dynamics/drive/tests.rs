@@ -1,0 +1,85 @@
+//! A drive asks the same of an engine that takes two steps at once as of one that takes them one by one.
+
+use super::*;
+use crate::Unwatched;
+use crate::dynamics::contact::ContactSums;
+use crate::samples;
+use crate::scene::RunOptions;
+
+/// An engine whose sums and forces tell the step they are of.
+#[derive(Default)]
+struct Told {
+    steps: u64,
+    /// Steps after which every block has slipped.
+    slipped: u64,
+    /// Steps after which sums are not finite.
+    finite: u64,
+    two: bool,
+    /// Steps before which the drive began.
+    begun: Option<u64>,
+    pairs: u64,
+}
+
+impl Engine for Told {
+    fn begin_drive(&mut self) {
+        self.begun = Some(self.steps);
+    }
+    fn step(&mut self) -> ContactSums {
+        self.steps += 1;
+        let friction = if self.steps > self.finite { f64::NAN } else { (self.steps as f64).sin() };
+        ContactSums { friction: 0.3 + 0.01 * friction, normal: 1.0, ..ContactSums::default() }
+    }
+    fn one_or_two_steps(&mut self) -> (ContactSums, Option<ContactSums>) {
+        let first = self.step();
+        let second = (self.two && first.is_finite()).then(|| self.step());
+        self.pairs += u64::from(second.is_some());
+        (first, second)
+    }
+    fn all_have_slipped(&self) -> bool {
+        self.steps >= self.slipped
+    }
+    fn contacts(&self) -> usize {
+        1
+    }
+    fn contact_forces(&mut self) -> Vec<ContactForce> {
+        vec![ContactForce { normal: self.steps as f64, friction: (self.steps as f64).cos() }]
+    }
+    fn time_step(&self) -> f64 {
+        1.0
+    }
+    fn evaluations_per_step(&self) -> u64 {
+        1
+    }
+}
+
+#[test]
+fn steps_two_at_once_are_asked_the_same_as_steps_one_by_one() {
+    for (warm_start, sliding_m) in [(true, 0.1e-6), (true, 0.0999e-6), (false, 0.0313e-6)] {
+        let run = RunOptions { warm_start, sliding_m, ..RunOptions::default() };
+        let scene = samples::scene(samples::groove(40.0, 60.0, 20.0), &[2.6], run);
+        let drive = Drive {
+            scene: &scene,
+            step_s: 5e-9,
+            share: 1.0,
+            stderr_share: Some(1e-5),
+            blocks: 1,
+            shear_period: 7.0,
+            started_s: 0.0,
+        };
+        let preparation = Plan::new(&scene, drive.step_s).preparation;
+        for (slipped, finite) in [(0, u64::MAX), (preparation + 333, u64::MAX), (0, 4000), (0, 4001), (u64::MAX, 5000)]
+        {
+            let [mut one, mut two] = [false, true].map(|two| Told { slipped, finite, two, ..Told::default() });
+            let (single, paired) = (drive.run(&mut one, &Unwatched), drive.run(&mut two, &Unwatched));
+            assert_eq!((one.steps, one.begun, one.pairs), (two.steps, two.begun, 0));
+            assert!(two.pairs > 0 || (warm_start && slipped == u64::MAX), "{slipped} {finite}");
+            assert_eq!(
+                (single.status, single.mean, single.cost.steps),
+                (paired.status, paired.mean, paired.cost.steps)
+            );
+            assert_eq!(single.recorder.trace(1.0), paired.recorder.trace(1.0));
+            assert_eq!(single.last, paired.last);
+            assert_eq!(single.recorder.interface(&single.last), paired.recorder.interface(&paired.last));
+        }
+    }
+}
