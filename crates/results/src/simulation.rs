@@ -123,7 +123,8 @@ pub struct LoadReport {
     /// it where the scene says how thick the specimen is, otherwise what a thick one would add.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub ratio_layer_difference: Option<f64>,
-    /// Standard error of the ratio where that was added to a strip or to a run in time.
+    /// Standard error of the ratio where that was added to a strip or to a run in time, and in that friction may tilt the pressure
+    /// on a specimen that its holder keeps from turning.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub ratio_layer_error: Option<f64>,
     /// Section models: strips between rows of cavities counted as flat.

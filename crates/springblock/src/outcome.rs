@@ -242,7 +242,8 @@ pub struct LoadOutcome {
     /// says how thick the specimen is; otherwise it is what a thick one would add. `None` for a flat scene, and where a cell
     /// has no ratio.
     pub ratio_layer_difference: Option<f64>,
-    /// Standard error of the ratio where that difference was added to a strip or to a run in time; `None` where nothing was.
+    /// Standard error of the ratio where that difference was added to a strip or to a run in time, and in that friction may tilt the
+    /// pressure on a specimen that its holder keeps from turning; `None` where nothing was.
     pub ratio_layer_error: Option<f64>,
 }
 
