@@ -59,6 +59,8 @@ impl MultiFidelityLoop<'_> {
             self.model.dimension().takes_strips() && self.is_coarse(design, pattern, &predicted);
         let scene = self.confirming_scene(pattern);
         let mut confirmed = simulate_on(&scene, Some(&design.specimen), &bar).map_err(refuse)?;
+        // Of a cell that has no answer nothing is compared.
+        self.round.cell_peaks_pa = self.model.limited_peaks_pa(pattern).unwrap_or_default();
         timings.confirm += bar.finish();
         self.monitor.heed()?;
         self.note_cut(&confirmed, CONFIRMATION);
