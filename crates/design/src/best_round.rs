@@ -5,6 +5,7 @@ use slipgrid_pattern::Pattern;
 use slipgrid_springblock::{RunOptions, Simulation};
 
 use crate::DesignError;
+use crate::confirmed_peak::Broken;
 use crate::multi_fidelity::MultiFidelityLoop;
 use crate::robust_search::RobustChoice;
 use crate::selection::Chosen;
@@ -19,6 +20,8 @@ pub struct Round {
     pub predicted: Option<Simulation>,
     /// The confirming run there.
     pub confirmed: Option<Simulation>,
+    /// Its largest local pressure in the cell at each load of each condition, in pascals; none where that is not limited.
+    pub cell_peaks_pa: Vec<f64>,
     /// How it is confirmed.
     pub confirming: RunOptions,
     /// Other designs that the search found to meet the target.
@@ -151,9 +154,10 @@ impl MultiFidelityLoop<'_> {
     /// How the round that has just ended stands; `is_cut` says whether its search was cut short. `None` before there is a design.
     fn standing(&self, design: &DesignTask, is_cut: bool) -> Option<Standing> {
         let best = self.round.best.as_ref()?;
+        let broken = self.broken(design);
         Some(Standing {
-            excess: best.excess(),
-            is_on_target: best.violations.is_empty() && self.is_confirmed(design),
+            excess: broken.iter().map(Broken::excess).sum(),
+            is_on_target: broken.is_empty() && self.is_confirmed(design),
             confirmed: self.confirmed_values().map(|values| design.target.misfit(&values).merit),
             predicted: best.misfit.merit,
             is_cut,
@@ -192,7 +196,7 @@ impl MultiFidelityLoop<'_> {
     }
 
     /// Goes back to the round kept, where a later one was worse, and corrects the model by its confirming run.
-    pub(super) fn take_the_kept(&mut self) {
+    pub(super) fn take_the_kept(&mut self, design: &DesignTask) {
         let Some(kept) = self.kept.take().filter(|kept| kept.number != self.rounds) else { return };
         let last = std::mem::replace(&mut self.round, kept.round);
         self.further.iter_mut().zip(kept.further).for_each(|(at, run)| at.confirmed = run);
@@ -211,6 +215,7 @@ impl MultiFidelityLoop<'_> {
         if let Ok(now) = self.model.respond(&pattern) {
             let confirmed = self.confirmed_each();
             self.model.correct(&pattern, &now.value, &confirmed);
+            self.learn_peaks(design);
         }
     }
 }
@@ -290,7 +295,7 @@ mod tests {
                 over: Vec::new(),
             });
             found.note_worse(Advantage::Limits);
-            found.take_the_kept();
+            found.take_the_kept(&design);
             (found.status, found.round.reachable[0].lowest, found.taken_back.unwrap())
         };
         let said = "the design of search 1 of 2: what search 2 found breaks limits by more".to_owned();

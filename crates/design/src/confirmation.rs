@@ -54,9 +54,13 @@ impl MultiFidelityLoop<'_> {
         let mut predicted = self.model.simulate(pattern).map_err(refuse)?;
         self.round.confirming.draws = self.model.draws(pattern, LEAST_CONTACTS);
         // Once refined, always: what confirming runs correct must be the same from one to the next.
-        self.round.confirming.refine |= self.is_coarse(design, pattern, &predicted);
+        // In space there is nothing to refine by.
+        self.round.confirming.refine |=
+            self.model.dimension().takes_strips() && self.is_coarse(design, pattern, &predicted);
         let scene = self.confirming_scene(pattern);
         let mut confirmed = simulate_on(&scene, Some(&design.specimen), &bar).map_err(refuse)?;
+        // Of a cell that has no answer nothing is compared.
+        self.round.cell_peaks_pa = self.model.limited_peaks_pa(pattern).unwrap_or_default();
         timings.confirm += bar.finish();
         self.monitor.heed()?;
         self.note_cut(&confirmed, CONFIRMATION);

@@ -13,7 +13,7 @@ use slipgrid_export::Specimen;
 /// A quantity of a design that can be limited.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ConstraintQuantity {
-    /// Largest local pressure at any target pressure.
+    /// Largest local pressure at any target pressure, in the cell and in confirming runs of the specimen.
     PeakPressure,
     /// Share of the face that is land.
     BearingArea,
@@ -36,6 +36,8 @@ pub struct Limited {
     laser: Laser,
     outline: Option<Specimen>,
     effect: Effect,
+    /// Largest pressure of confirming runs over that of the cell; absent before one was beyond its limit.
+    peak_factor: Option<f64>,
 }
 
 impl Limited {
@@ -46,7 +48,25 @@ impl Limited {
             laser: design.laser,
             outline: Some(design.specimen),
             effect: Effect::new(design, model),
+            peak_factor: model.peak_factor(),
         }
+    }
+
+    /// Largest pressure of confirming runs over that of the cell, as it was learned.
+    #[must_use]
+    pub const fn peak_factor(&self) -> Option<f64> {
+        self.peak_factor
+    }
+
+    /// Largest pressures are compared with their limit times `factor` from here on.
+    pub const fn learn_peak_factor(&mut self, factor: f64) {
+        self.peak_factor = Some(factor);
+    }
+
+    /// Whether the largest pressure is limited.
+    #[must_use]
+    pub fn judges_peak(&self) -> bool {
+        self.measures.contains(&ConstraintQuantity::PeakPressure)
     }
 
     /// Whether by `physics`, values without the discrepancy, a pattern does less than limits demand.
@@ -78,7 +98,7 @@ impl Limited {
             .iter()
             .map(|measure| {
                 Ok(match measure {
-                    ConstraintQuantity::PeakPressure => answer.peak_pressure_pa(),
+                    ConstraintQuantity::PeakPressure => answer.peak_pressure_pa() * self.peak_factor.unwrap_or(1.0),
                     ConstraintQuantity::BearingArea => 1.0 - self.areal_density(pattern)?,
                     ConstraintQuantity::ArealDensity => self.areal_density(pattern)?,
                     ConstraintQuantity::LaserTime => self.laser_time_s(pattern)?,

@@ -232,7 +232,7 @@ impl DesignReport {
             let then = format!("What follows is the {best}; cut none");
             return verdict(false, false, format!("{target}{name}{scope}: {}. {then}", flat.words));
         }
-        let is_confirmed = self.misfit.confirmed.is_some_and(|misfit| misfit <= 1.0);
+        let is_confirmed = self.misfit.confirmed.is_some_and(|misfit| misfit <= 1.0) && self.violations.is_empty();
         match self.status.as_ref() {
             "met" if self.goal.is_some() => verdict(true, false, format!("best found within bounds and limits{scope}")),
             "met" => verdict(true, false, format!("{target}met by the model{scope}")),

@@ -1,7 +1,7 @@
 //! Friction of runs that lack the excess of dynamic over steady friction, or have another than the calibration took.
 //!
 //! A calibration fits mu_d to measured friction: mu_flat = delta mu_d f(P), where delta, one to two per cent above 1, is what
-//! the flat sample in time has over an endless one in steady sliding. A steady run gives mu_d f(P), a sample a little less for
+//! the flat sample in time has over an endless one in steady sliding. A steady run gives mu_d f(P), a sample less for
 //! its ends; a run in time in space has an excess of its own. In each the flat surface, solved beside the patterned one, says
 //! by how much, and friction is taken times what brings that flat surface to delta mu_d f(P). Ratios stay.
 
@@ -14,7 +14,7 @@ pub fn correct(simulation: &mut Simulation, scene: &Scene, excess: Option<&[f64]
     if !is_steady && scene.dimension().takes_strips() {
         return;
     }
-    let mut factors = Vec::new();
+    let (mut factors, mut of_time, mut of_ends) = (Vec::new(), Vec::new(), Vec::new());
     for ((outcome, load), excess) in simulation.loads.iter_mut().zip(&scene.loads).zip(excess) {
         let factor = scene.area_law.as_ref().map_or(1.0, |law| law.factor(load.pressure_pa));
         let steady = load.friction.dynamic_mean() * factor;
@@ -22,19 +22,32 @@ pub fn correct(simulation: &mut Simulation, scene: &Scene, excess: Option<&[f64]
         if let Some(times) = own.map(|own| excess * steady / own) {
             scale(outcome, times);
             factors.push(times);
+            of_time.push(*excess);
+            of_ends.push(times / excess);
         }
     }
-    let (least, most) =
-        factors.iter().fold((f64::INFINITY, 0.0_f64), |(least, most), factor| (least.min(*factor), most.max(*factor)));
     if factors.is_empty() {
         return;
     }
-    let range = if (most - least).abs() < 5e-5 { format!("{most:.4}") } else { format!("{least:.4} to {most:.4}") };
-    simulation.model.push(if is_steady {
-        format!("dynamic friction: steady friction times {range}, by which the calibration's flat sample has more friction in time than in steady sliding; stresses are the steady ones")
+    let (factor, time, ends) = (range(&factors), range(&of_time), range(&of_ends));
+    let in_time = "by which the calibration's flat sample has more friction in time than in steady sliding";
+    simulation.model.push(if !is_steady {
+        format!("dynamic friction: times {factor}, so that the flat surface has the calibrated friction in space, where its excess over steady sliding differs from that in the plane")
+    } else if of_ends.iter().all(|times| (times - 1.0).abs() < ROUNDING) {
+        format!("dynamic friction: steady friction times {factor}, {in_time}; stresses are the steady ones")
     } else {
-        format!("dynamic friction: times {range}, so that the flat surface has the calibrated friction in space, where its excess over steady sliding differs from that in the plane")
+        format!("dynamic friction: steady friction times {factor}, which is {time}, {in_time}, times {ends}, steady friction of an endless flat layer, mu_d f(P), over that of this flat sample with its ends and the tilt of its pressure; stresses are the steady ones")
     });
+}
+
+/// What changes no digit of a factor that is told.
+const ROUNDING: f64 = 5e-5;
+
+/// From the least to the greatest of `factors`, as it is told.
+fn range(factors: &[f64]) -> String {
+    let least = factors.iter().copied().fold(f64::INFINITY, f64::min);
+    let most = factors.iter().copied().fold(0.0, f64::max);
+    if (most - least).abs() < ROUNDING { format!("{most:.4}") } else { format!("{least:.4} to {most:.4}") }
 }
 
 fn scale(outcome: &mut LoadOutcome, times: f64) {
@@ -90,10 +103,30 @@ mod tests {
             let of_flat = flat / before.flat.as_ref().unwrap().mu_dynamic.unwrap();
             assert!((times / of_flat - 1.0).abs() < 1e-12 && after.ratio == before.ratio);
             assert_eq!(found.model.len(), plain.model.len() + 1);
+            let of_time = "times 1.0150, by which the calibration's flat sample has more friction in time than in steady sliding; ";
+            assert_eq!(
+                found.model.last().unwrap().contains(of_time),
+                fidelity == Fidelity::Steady,
+                "{:?}",
+                found.model
+            );
             let mut unknown = plain.clone();
             correct(&mut unknown, &scene, None);
             assert_eq!(unknown, plain);
         }
+        // Of a whole sample the ends take something, too: that is no matter of time.
+        let sample = scene(Planform::Groove, Fidelity::Steady);
+        let sample = Scene { run: RunOptions { extent: Extent::Sample, ..sample.run }, ..sample };
+        let mut found = simulate(&sample, &Unwatched).unwrap();
+        let steady_mu = 0.27 * sample.area_law.as_ref().unwrap().factor(2e6);
+        let ends = steady_mu / found.loads[0].flat.as_ref().unwrap().mu_dynamic.unwrap();
+        correct(&mut found, &sample, Some(&[1.015]));
+        let says = format!(
+            "steady friction times {:.4}, which is 1.0150, by which the calibration's flat sample has more friction in time than in steady \
+             sliding, times {ends:.4}, steady friction of an endless flat layer",
+            1.015 * ends
+        );
+        assert!((ends - 1.0).abs() > 1e-3 && found.model.last().unwrap().contains(&says), "{ends} {:?}", found.model);
         // In the plane runs in time have the excess that was calibrated.
         let scene = scene(Planform::Groove, Fidelity::Dynamic);
         let plain = simulate(&scene, &Unwatched).unwrap();

@@ -235,7 +235,7 @@ fn report_of(
         errors: errors.report,
         conditions,
         misfit: MisfitReport { predicted: best.found.misfit.max, confirmed: found.confirmed_misfit(design) },
-        violations: best.found.violations.iter().map(ToString::to_string).collect(),
+        violations: found.broken(design).iter().map(ToString::to_string).collect(),
         sensitivities: slopes,
         robustness: spread,
         reachable_among: Some(found.round.searched)

@@ -15,7 +15,7 @@
 //! | `assessment` | how far the design found can be trusted, and what moves it |
 //! | `steady_model`, `directional_cells` | the model that the search asks: the steady cell, corrected by confirming runs |
 //! | `multi_fidelity`, `best_round` | searches and confirming runs in turn, and which of them is reported |
-//! | `confirmation`, `flat_sample`, `dynamic_excess` | runs in time: of the design, of the flat sample, and how both agree with calibration |
+//! | `confirmation`, `confirmed_peak`, `flat_sample`, `dynamic_excess` | runs in time: of the design, its largest pressure, of the flat sample, and how both agree with calibration |
 //! | `specimen` | a pattern solved on the specimen that it is cut into |
 //! | `operating_conditions`, `decisive_conditions`, `conditions_report` | further speeds, humidities and sliding directions |
 //! | `constraint_quantities`, `minimum_effect` | what limits hold |
@@ -66,6 +66,7 @@ mod chance;
 mod chance_report;
 mod conditions_report;
 mod confirmation;
+mod confirmed_peak;
 mod constraint_quantities;
 mod cost_estimate;
 mod decisive_conditions;

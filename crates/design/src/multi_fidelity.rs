@@ -149,7 +149,7 @@ impl<'a> MultiFidelityLoop<'a> {
 
     pub(super) fn run(&mut self, design: &DesignTask, timings: &mut Timings) -> Result<(), DesignError> {
         self.run_rounds(design, timings)?;
-        self.take_the_kept();
+        self.take_the_kept(design);
         // What is reported stands on them, too.
         self.confirm_further(design, timings)
     }
@@ -173,13 +173,13 @@ impl<'a> MultiFidelityLoop<'a> {
             }
             let pattern = outcome.best.design;
             let misfit = outcome.best.misfit;
-            let feasible = outcome.best.violations.is_empty();
+            let keeps_by_model = outcome.best.violations.is_empty();
             let unchanged = self.round.best.as_ref().is_some_and(|best| best.design == pattern);
             self.round.best = Some(outcome.best);
             if !unchanged {
                 self.confirm(design, &pattern, timings)?;
             }
-            // Further runs are as dear: not of a design that misses by what is known already.
+            // Further runs are as dear: not of a design that misses, or breaks a limit, by what is known already.
             if self.is_confirmed(design) {
                 self.confirm_further(design, timings)?;
             }
@@ -189,16 +189,18 @@ impl<'a> MultiFidelityLoop<'a> {
             let is_settled = design.target.goal() != Some(Goal::Even) || unchanged || self.rounds > 1;
             let is_whole = !self.cut_short.iter().any(|stage| stage.starts_with(CONFIRMATION));
             self.keep_round(design, !has_searched, suffices && is_whole);
+            let feasible = self.broken(design).is_empty();
             if feasible && suffices && is_settled && is_whole && self.is_confirmed(design) {
                 self.status = Status::Met;
                 return Ok(());
             }
-            let missed = self.correct();
+            let is_pressed_harder = keeps_by_model && self.breaks_in_time(design);
+            let missed = self.correct(design);
             // A target missed by less than twice what the model misses may still be reached.
             let doubtful = missed > 0.5 * (misfit.max - 1.0) * design.target.tolerance();
             let again = match outcome.status {
                 Status::Met => true,
-                Status::Unreachable => doubtful,
+                Status::Unreachable => doubtful || is_pressed_harder,
                 Status::Budget | Status::Cancelled => false,
             };
             self.status = match outcome.status {
@@ -273,8 +275,9 @@ impl<'a> MultiFidelityLoop<'a> {
         statements
     }
 
-    /// Corrects the model at the confirmed design; returns the largest change.
-    pub(super) fn correct(&mut self) -> f64 {
+    /// Corrects the model at the confirmed design; returns the largest change of the target's quantity.
+    pub(super) fn correct(&mut self, design: &DesignTask) -> f64 {
+        self.learn_peaks(design);
         let confirmed = self.confirmed_each();
         let Some(best) = &self.round.best else { return 0.0 };
         self.missed = self.model.correct(&best.design, &best.response.value, &confirmed);
@@ -350,9 +353,11 @@ impl<'a> MultiFidelityLoop<'a> {
         self.confirmed_each().into_iter().collect::<Option<Vec<f64>>>().filter(|values| !values.is_empty())
     }
 
+    /// Whether the confirming runs of the best design are on target, and within the limit of the largest pressure.
     pub(super) fn is_confirmed(&self, design: &DesignTask) -> bool {
         let Some(best) = &self.round.best else { return false };
         let does_enough = |values: &Vec<f64>| !self.model.does_too_little(&best.design, values);
-        self.confirmed_values().filter(does_enough).is_some_and(|values| design.target.misfit(&values).max <= 1.0)
+        let is_near = |values: Vec<f64>| design.target.misfit(&values).max <= 1.0;
+        self.confirmed_values().filter(does_enough).is_some_and(is_near) && !self.breaks_in_time(design)
     }
 }

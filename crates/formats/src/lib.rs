@@ -38,6 +38,7 @@ pub mod condition_ranges;
 pub mod confirmed_scene;
 pub mod design;
 pub mod diagnostic;
+mod dimension_error;
 pub mod document;
 mod exchanged;
 pub mod explored;

@@ -21,7 +21,9 @@ pub struct LimitsFile {
     /// a repetition rate, they are whole multiples of what one pass over an endless hatch removes, which is `depth_per_burst_um` times the
     /// bursts that reach a point in a pass.
     pub depth_per_burst_um: Option<Number>,
-    /// Greatest pressure on a contact block at the block size of `[sample]`, at every target pressure.
+    /// Greatest pressure on a contact block at the block size of `[sample]`, at every target pressure: in the steady cell of every design,
+    /// and in the confirming run of the specimen, whose outer lands may be pressed harder. A design that breaks the limit there is
+    /// searched again with cells taken to be pressed as much harder.
     max_peak_pressure_mpa: Option<Number>,
     /// Least share of the face that is land.
     min_bearing_area: Option<Number>,

@@ -21,7 +21,8 @@ use super::trace_table::{TraceConditionFile, TraceReader};
 use super::traces::{ConditionTraces, OfTrial};
 use super::values::Number;
 use crate::diagnostic::Diagnostic;
-use slipgrid_units::{HUMIDITY_PCT, LENGTH_STD_UM, LENGTH_UM, PRESSURE_MPA, RELATIVE_STD, SPEED_MM_S, tidy};
+use crate::dimension_error;
+use slipgrid_units::{HUMIDITY_PCT, LENGTH_UM, PRESSURE_MPA, RELATIVE_STD, SPEED_MM_S, tidy};
 
 /// `[[trial]]`: a sample that was cut; pending until it has measurements or traces.
 #[derive(Clone, Debug, Deserialize)]
@@ -43,11 +44,11 @@ pub struct TrialFile {
     traces: Option<Spanned<Vec<TraceConditionFile>>>,
     /// Face of this sample, on which `force_n` of its table counts; the calibration's specimen when absent.
     specimen: Option<Spanned<FaceFile>>,
-    /// Standard error of its measured mean width; 0 when absent.
+    /// Standard error of its measured mean width, at most a third of it; 0 when absent.
     width_std_um: Option<Number>,
-    /// Standard error of its measured mean spacing; 0 when absent.
+    /// Standard error of its measured mean spacing, at most a third of it; 0 when absent.
     spacing_std_um: Option<Number>,
-    /// Standard error of its measured mean depth; 0 when absent.
+    /// Standard error of its measured mean depth, at most a third of it; 0 when absent.
     depth_std_um: Option<Number>,
     /// Scatter of ln(ratio) from one such sample to the next, which no trial changes; 0.005 when absent.
     sample_std: Option<Number>,
@@ -200,16 +201,20 @@ pub(crate) fn read_trials(
         let rows: Vec<Placed> = rows.iter().map(|row| row.on(&own_specimens, specimens, flat)).collect();
         remarks.told.extend(measured::check_partners(&rows, flat)?);
         remarks.doubts.extend(measured::doubtful_ratios(&rows, flat));
-        let std = |number: &Option<Number>| -> Result<f64, Diagnostic> {
-            Ok(document.optional(number.as_ref(), LENGTH_STD_UM)?.unwrap_or(0.0))
+        let std = |written: &Option<Number>, name: &str, length_m: f64| {
+            dimension_error::read(document, written.as_ref(), name, length_m)
         };
         samples.push(CutSample {
             name: file.name.get_ref().clone(),
             date: file.date.clone(),
             notes: file.notes.clone(),
             relief: read_relief(document, &file.pattern, &pattern)?,
+            dimensions_std_m: [
+                std(&file.width_std_um, "width", pattern.width_m())?,
+                std(&file.spacing_std_um, "spacing", pattern.spacing_m())?,
+                std(&file.depth_std_um, "depth", pattern.depth_m())?,
+            ],
             pattern,
-            dimensions_std_m: [std(&file.width_std_um)?, std(&file.spacing_std_um)?, std(&file.depth_std_um)?],
             sample_std: document.optional(file.sample_std.as_ref(), RELATIVE_STD)?,
             disc: read_disc(document, file.disc.as_ref())?,
             measured: rows.iter().map(|row| row.measurement).collect(),

@@ -135,7 +135,7 @@ pub struct RunOptions {
     /// gives its standard error.
     pub draws: u64,
     /// Ratios are those of vanishing blocks as nearly as steady cells in smaller blocks tell, in the vertical plane; else those
-    /// of the layer's blocks.
+    /// of the layer's blocks, and where this is true the model says why.
     pub refine: bool,
 }
 

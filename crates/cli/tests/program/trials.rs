@@ -397,9 +397,14 @@ fn what_means_nothing_is_refused_where_it_stands() {
     let twice = format!("{CALIBRATION}{}{}", trial("a", lengths, ""), trial("a", lengths, ""));
     let prior = format!("{CALIBRATION}[trial_prior]\namplitude_std = -1.0\n");
     let missing = format!("{CALIBRATION}{}", trial("a", lengths, "measurements = \"none.csv\"\n"));
-    for (text, says) in
-        [(twice, "names two trials"), (prior, "amplitude_std is -1, and must be from 0 to 10"), (missing, "none.csv")]
-    {
+    let unknown = twice.replacen("width_std_um = 2.0", "width_std_um = 90.0", 1);
+    let third = "trial.width_std_um: 90.0 is more than a third of the measured width, 100 um; expected a standard error of at most 33.333 um";
+    for (text, says) in [
+        (twice, "names two trials"),
+        (prior, "amplitude_std is -1, and must be from 0 to 10"),
+        (missing, "none.csv"),
+        (unknown, third),
+    ] {
         fs::write(place.path("c.toml"), text).unwrap();
         let said = place.refuse(&["trials", "c.toml"]);
         assert!(said.contains("c.toml:") && said.contains(says), "{said}");

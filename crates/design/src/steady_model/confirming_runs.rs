@@ -1,6 +1,6 @@
 //! What confirming runs say of the model.
 
-use slipgrid_optimize::{Candidate, ForwardModel};
+use slipgrid_optimize::{Candidate, ForwardModel, ModelFailure};
 use slipgrid_pattern::Pattern;
 use slipgrid_springblock::{LoadOutcome, Simulation};
 
@@ -22,6 +22,25 @@ impl SteadyModel<'_> {
             }
         }
         largest
+    }
+
+    /// Largest pressures are compared with their limit times `factor` from here on: confirming runs press that much harder than cells.
+    pub fn learn_peak_factor(&mut self, factor: f64) {
+        self.limited.learn_peak_factor(factor);
+    }
+
+    /// By how much confirming runs press harder than cells; absent before that is learned.
+    #[must_use]
+    pub const fn peak_factor(&self) -> Option<f64> {
+        self.limited.peak_factor()
+    }
+
+    /// Largest local pressure of the cell of `design` at each load of each condition, in pascals; none where it is not limited.
+    ///
+    /// # Errors
+    /// [`ModelFailure`] where the design cannot be computed.
+    pub fn limited_peaks_pa(&self, design: &Pattern) -> Result<Vec<f64>, ModelFailure> {
+        if self.limited.judges_peak() { self.peak_pressures_pa(design) } else { Ok(Vec::new()) }
     }
 
     /// The target's quantity by a confirming run of `design` at the condition of place `condition` as it is compared with the

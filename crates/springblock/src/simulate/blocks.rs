@@ -51,7 +51,57 @@ pub struct BlockRefinement {
 #[must_use]
 pub fn block_refinement(scene: &Scene, most: f64) -> Option<BlockRefinement> {
     let pattern = scene.pattern.as_ref().filter(|_| scene.dimension() == Dimension::Plane)?;
-    refined(scene, pattern, most, &Unwatched)
+    refined(scene, pattern, most, &Unwatched).ok()
+}
+
+/// Why ratios are not taken to smaller blocks.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Unrefined {
+    /// The scene is solved in space.
+    Space,
+    /// The monitor has cancelled.
+    Cancelled,
+    /// Nothing can be cut into blocks of this size, in metres.
+    Uncut(f64),
+    /// Cells in blocks of this size are too dear.
+    Dear(f64),
+    /// Cells in blocks of this size have no ratio at some load.
+    Unsolved(f64),
+    /// The depth of cavities, and the size of the finest blocks, of which two are deeper.
+    Shallow(f64, f64),
+    /// How far off ratios are now is not known.
+    Unknown,
+    /// How far off ratios are now, and in the finest blocks, of this size.
+    NotBetter(f64, f64, f64),
+}
+
+impl Unrefined {
+    /// What the model says of a scene in blocks of `block_m`.
+    fn statement(self, block_m: f64) -> String {
+        let um = micrometres;
+        let reason = match self {
+            Self::Space => "cells in space are not solved in smaller ones".to_owned(),
+            Self::Cancelled => "the run was cancelled".to_owned(),
+            Self::Uncut(block_m) => format!("the layer cannot be cut into blocks of {} um", um(block_m)),
+            Self::Dear(block_m) => format!("steady cells in blocks of {} um are too dear", um(block_m)),
+            Self::Unsolved(block_m) => {
+                format!("the steady cell in blocks of {} um has no ratio at some load", um(block_m))
+            }
+            Self::Shallow(depth_m, block_m) => format!(
+                "cavities {} um deep are shallower than two of the finest blocks, of {} um",
+                um(depth_m),
+                um(block_m)
+            ),
+            Self::Unknown => "how far they are from those of vanishing blocks is not known".to_owned(),
+            Self::NotBetter(stated, most, block_m) => {
+                format!("blocks of {} um would leave them open by {most:.4}, these by {stated:.4}", um(block_m))
+            }
+        };
+        format!(
+            "refine: ratios are those of blocks of {} um and not taken to smaller blocks, since {reason}",
+            um(block_m)
+        )
+    }
 }
 
 /// Ratios by load in blocks of each size; `None` in blocks that cannot be had.
@@ -119,57 +169,89 @@ pub fn plane_ratios(scene: &Scene, pattern: &Pattern, most: f64) -> Ratios {
 }
 
 /// Takes the ratios of `loads`, whose cavities take `share` of what a period's take, to smaller blocks by what these change
-/// of the steady cell, where `scene` asks for it and the error is less for it; the model tells of it. Nothing is said once
-/// `monitor` has cancelled.
+/// of the steady cell, where `scene` asks for it and the error is less for it; the model tells of it, or why they are not. Nothing is
+/// said once `monitor` has cancelled.
 pub fn refine(scene: &Scene, pattern: &Pattern, share: f64, simulation: &mut Simulation, monitor: &dyn Monitor) {
-    if !scene.run.refine || scene.dimension() == Dimension::Space {
+    if !scene.run.refine {
         return;
     }
-    let found = refined(scene, pattern, MOST_REFINED, monitor);
+    let found = if scene.dimension() == Dimension::Space {
+        Err(Unrefined::Space)
+    } else {
+        refined(scene, pattern, MOST_REFINED, monitor)
+    };
     if monitor.cancelled() {
         *simulation = super::cancelled(scene);
         return;
     }
-    let Some(BlockRefinement { factor, shifts, errors }) = found else { return };
     let Simulation { loads, model } = simulation;
-    let stated = loads.iter().filter_map(|load| load.ratio_discretization_error).fold(0.0, f64::max);
-    let most = share * errors.iter().copied().fold(0.0, f64::max);
-    if most >= stated {
-        return;
+    let block_m = scene.layer.block_m;
+    match found.and_then(|found| better(loads, found, share, block_m)) {
+        Ok(BlockRefinement { factor, shifts, errors }) => {
+            loads.iter_mut().zip(&shifts).for_each(|(load, shift)| load.shift_ratio(shift * share));
+            state(loads, Some(&errors), share);
+            model.push(format!(
+                "blocks of {} um: their ratio plus what blocks of {} um change of the steady cell, {:+.4} at most, which leaves it open by \
+                 {:.4}; pressures and the interface are those of the larger blocks",
+                micrometres(block_m),
+                micrometres(block_m * factor),
+                widest(shifts.iter().copied()) * share,
+                share * errors.iter().copied().fold(0.0, f64::max),
+            ));
+        }
+        Err(reason) => model.push(reason.statement(block_m)),
     }
-    loads.iter_mut().zip(&shifts).for_each(|(load, shift)| load.shift_ratio(shift * share));
-    state(loads, Some(&errors), share);
-    model.push(format!(
-        "blocks of {} um: their ratio plus what blocks of {} um change of the steady cell, {:+.4} at most, which leaves it open by \
-         {most:.4}; pressures and the interface are those of the larger blocks",
-        micrometres(scene.layer.block_m),
-        micrometres(scene.layer.block_m * factor),
-        widest(shifts.iter().copied()) * share,
-    ));
+}
+
+/// What was `found` of blocks smaller than those of `block_m`, where ratios of `loads` are less far off for it.
+fn better(
+    loads: &[LoadOutcome],
+    found: BlockRefinement,
+    share: f64,
+    block_m: f64,
+) -> Result<BlockRefinement, Unrefined> {
+    let stated = loads.iter().filter_map(|load| load.ratio_discretization_error).reduce(f64::max);
+    let stated = stated.ok_or(Unrefined::Unknown)?;
+    let most = share * found.errors.iter().copied().fold(0.0, f64::max);
+    if most < stated { Ok(found) } else { Err(Unrefined::NotBetter(stated, most, block_m * found.factor)) }
 }
 
 fn micrometres(length_m: f64) -> f64 {
     (length_m * 1e9).round() / 1e3
 }
 
-/// What the finest blocks that can be had change, before `monitor` cancels.
-fn refined(scene: &Scene, pattern: &Pattern, most: f64, monitor: &dyn Monitor) -> Option<BlockRefinement> {
-    let at = |factor: f64| {
-        monitor.heed().ok()?;
-        plane_ratios(&sized(scene, factor)?, pattern, most)?.into_iter().collect()
+/// What the finest blocks that can be had change, before `monitor` cancels, or why that is not known.
+fn refined(scene: &Scene, pattern: &Pattern, most: f64, monitor: &dyn Monitor) -> Result<BlockRefinement, Unrefined> {
+    let at = |factor: f64| -> Result<Vec<f64>, Unrefined> {
+        let block_m = factor * scene.layer.block_m;
+        monitor.heed().map_err(|_| Unrefined::Cancelled)?;
+        let finer = sized(scene, factor).ok_or(Unrefined::Uncut(block_m))?;
+        let ratios = plane_ratios(&finer, pattern, most).ok_or(Unrefined::Dear(block_m))?;
+        ratios.into_iter().collect::<Option<Vec<f64>>>().ok_or(Unrefined::Unsolved(block_m))
     };
-    let levels: Vec<Vec<f64>> = [1.0, 0.5, 0.25, 0.125].into_iter().map_while(at).collect();
-    let [.., coarse, middle, fine] = &levels[..] else { return None };
+    let mut levels: Vec<Vec<f64>> = Vec::new();
+    let mut ended = None;
+    for factor in [1.0, 0.5, 0.25, 0.125] {
+        match at(factor) {
+            Ok(level) => levels.push(level),
+            Err(reason) => {
+                ended = Some(reason);
+                break;
+            }
+        }
+    }
+    let [.., coarse, middle, fine] = &levels[..] else { return Err(ended.unwrap_or(Unrefined::Unknown)) };
     let left = |load: usize| {
         let differences = [middle[load] - coarse[load], fine[load] - middle[load]];
         OF_FINEST * (differences[1].abs() + tail(differences))
     };
     let shifts = fine.iter().zip(&levels[0]).map(|(fine, own)| fine - own).collect();
-    let factor = 0.5_f64.powi(i32::try_from(levels.len()).ok()? - 1);
-    if pattern.depth_m() < LEAST_DEPTH_BLOCKS * factor * scene.layer.block_m {
-        return None;
+    let factor = (1..levels.len()).fold(1.0, |factor, _| 0.5 * factor);
+    let finest_m = factor * scene.layer.block_m;
+    if pattern.depth_m() < LEAST_DEPTH_BLOCKS * finest_m {
+        return Err(Unrefined::Shallow(pattern.depth_m(), finest_m));
     }
-    Some(BlockRefinement { factor, shifts, errors: by_load(scene, &(0..fine.len()).map(left).collect::<Vec<f64>>()) })
+    Ok(BlockRefinement { factor, shifts, errors: by_load(scene, &(0..fine.len()).map(left).collect::<Vec<f64>>()) })
 }
 
 /// `scene` in blocks `factor` times as large; `None` where they do not divide the layer or the specimen behind it.
@@ -217,5 +299,36 @@ mod tests {
         let found = error([0.004, -0.003], 0);
         assert!((found - (0.007 + 1.5 * 0.003 / (2.0_f64.sqrt() - 1.0))).abs() < 1e-12);
         assert_eq!((error([0.0, 0.0], 0), error([0.001, 0.0], 0), error([0.001, 0.0], 1)), (0.0, 0.001, 0.0));
+    }
+
+    #[test]
+    fn ratios_that_are_not_taken_to_smaller_blocks_say_why() {
+        use crate::{RunOptions, samples, simulate};
+        let said = |pattern: Pattern, refine: bool| {
+            let mut scene = samples::scene(pattern, &[2.6], RunOptions { refine, ..RunOptions::default() });
+            scene.layer.height_m = 40e-6;
+            let model = simulate(&scene, &Unwatched).unwrap().model;
+            model.into_iter().filter(|statement| statement.contains("smaller")).collect::<Vec<String>>()
+        };
+        let squares = samples::pattern(slipgrid_pattern::Planform::Square, 60.0, 60.0, 20.0);
+        let unrefined = "refine: ratios are those of blocks of 10 um and not taken to smaller blocks, since ";
+        assert_eq!(said(squares, true), [format!("{unrefined}cells in space are not solved in smaller ones")]);
+        let shallow = "cavities 2 um deep are shallower than two of the finest blocks, of 1.25 um";
+        assert_eq!(said(samples::groove(60.0, 60.0, 2.0), true), [format!("{unrefined}{shallow}")]);
+        assert!([squares, samples::groove(60.0, 60.0, 2.0)].into_iter().all(|pattern| said(pattern, false).is_empty()));
+        // Grooves of some depth are taken to smaller blocks, and then nothing else is said.
+        assert!(said(samples::groove(60.0, 60.0, 20.0), true).iter().all(|said| !said.contains("not taken")));
+        let groove = samples::groove(60.0, 60.0, 20.0);
+        let scene = samples::scene(groove, &[2.6], RunOptions::default());
+        assert_eq!(refined(&scene, &groove, 1.0, &Unwatched), Err(Unrefined::Dear(10e-6)));
+        let found = BlockRefinement { factor: 0.125, shifts: vec![0.0], errors: vec![0.002] };
+        assert_eq!(better(&[], found.clone(), 1.0, 10e-6), Err(Unrefined::Unknown));
+        let simulation = simulate(&scene, &Unwatched).unwrap();
+        let own = simulation.loads[0].ratio_discretization_error.unwrap();
+        let not_better = BlockRefinement { errors: vec![2.0 * own], ..found.clone() };
+        let refused = better(&simulation.loads, not_better, 1.0, 10e-6).unwrap_err();
+        assert!(refused.statement(10e-6).contains("blocks of 1.25 um would leave them open by"), "{refused:?}");
+        let good = BlockRefinement { errors: vec![0.5 * own], ..found };
+        assert!(better(&simulation.loads, good, 1.0, 10e-6).is_ok());
     }
 }
