@@ -44,6 +44,7 @@ pub fn run(args: &ValidateArgs, console: &mut Console<'_>) -> Result<u8, CliErro
     // What is wrong with the flags is said before anything is read.
     patterns(args, None)?;
     let slope_factors = slope_factors(&args.slope_factors)?;
+    let sliding_m = Some(checked("--sliding-um", args.sliding_um, TRAVEL_UM)?).filter(|sliding_m| *sliding_m > 0.0);
     let mut calibration = Calibration::read(&disk(), &args.calibration)?;
     let own = calibration.pattern.filter(|_| !validation::is_published(&calibration.source));
     let mut compared = None;
@@ -59,7 +60,6 @@ pub fn run(args: &ValidateArgs, console: &mut Console<'_>) -> Result<u8, CliErro
             Patterns { modelled: groove, measured: groove }
         }
     };
-    let sliding_m = Some(checked("--sliding-um", args.sliding_um, TRAVEL_UM)?).filter(|sliding_m| *sliding_m > 0.0);
     let task = ValidationTask {
         path: &args.calibration,
         calibration: &calibration,

@@ -94,7 +94,7 @@ fn the_chance_comes_first_with_what_is_in_it_and_what_is_not() {
     // One number is said, that of the advice, and what it leaves out.
     let first = told.lines().next().unwrap();
     assert!(first.ends_with("% chance that a cut sample is on target; target met by the model"), "{told}");
-    let said = "for the model alone, chance not known: neither tolerances nor errors of the material are given";
+    let said = "for the model alone the chance is not known: neither tolerances nor errors of the material are given";
     assert!(told.contains(said) && told.contains("cut it as a trial: its chance, "), "{told}");
     assert_eq!((&found["chance"]["value"], &found["status"]), (&Value::Null, &Value::from("met")));
 }
