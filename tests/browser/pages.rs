@@ -107,6 +107,40 @@ fn pages_can_be_read_on_a_desk_and_on_a_phone() {
     }
 }
 
+/// Wide and shallow cavities of a soft material close, and the page says so in place of numbers.
+#[test]
+#[ignore = "needs Chromium"]
+fn cavities_that_close_have_no_answer() {
+    let folder = tempfile::tempdir().unwrap();
+    let material = "youngs_modulus_gpa = 0.38\ndensity_g_cm3 = 0.9\n[friction]\nstatic_mean = 0.30\ndynamic_mean = 0.27\n\
+                    [area_law]\npressure_mpa = [0.7, 1.3, 2.6, 10.0]\nfactor = [1.0, 0.96, 0.90, 0.60]\n";
+    let material = file(folder.path(), "material.toml", material);
+    let path = folder.path().join("explore.html");
+    run(&["explore", &material, "-o", path.to_str().unwrap()]);
+    let Some(mut page) = Chromium::open(&path) else {
+        println!("skipped: no Chromium");
+        return;
+    };
+    let mut at = |lengths: [f64; 3]| {
+        for (place, length) in lengths.into_iter().enumerate() {
+            page.ask(&format!(
+                "(() => {{ const own = document.querySelector('[data-number=\"{place}\"]'); own.value = {length}; \
+                 own.dispatchEvent(new Event('change')); }})()"
+            ));
+        }
+        let of = |name: &str| format!("document.querySelector('[data-{name}]').textContent");
+        ["verdict", "first", "second", "closed-words"].map(|name| page.ask(&of(name)).as_str().unwrap().to_owned())
+    };
+    let [verdict, first, second, map] = at([300.0, 100.0, 2.0]);
+    assert_eq!(verdict, "The cavity closes under the load: no answer");
+    assert_eq!((first.as_str(), second.as_str()), ("-", "-"));
+    assert!(map.contains("White: the cavity closes under the load"), "{map}");
+    let [verdict, first, second, _] = at([60.0, 300.0, 20.0]);
+    let [ratio, mu] = [first, second].map(|own| own.parse::<f64>().unwrap());
+    assert!(verdict.is_empty() && ratio > 0.8 && (mu / ratio / 0.243 - 1.0).abs() < 2e-3, "{verdict} {ratio} {mu}");
+    assert_eq!(page.complaints(), Vec::<String>::new());
+}
+
 /// The trial of grooves is on the map and can be chosen; the one of squares stands in the list alone.
 fn trials_are_points(page: &mut Chromium) {
     let points = page.ask("JSON.parse(document.getElementById('explorer-data').textContent).points");

@@ -94,8 +94,17 @@ fn number(kind: &str, range: Option<&str>) -> Value {
         let least = if above { "exclusiveMinimum" } else { "minimum" };
         schema.insert(least.to_owned(), json!(from));
         schema.insert("maximum".to_owned(), json!(most));
+    } else if kind == "integer" {
+        // Whole numbers are read without a sign.
+        schema.insert("minimum".to_owned(), json!(0));
     }
     Value::Object(schema)
+}
+
+/// Whether the words of a refusal say what a schema can: a range, or names.
+#[must_use]
+pub fn is_judged(range: &str) -> bool {
+    ends(range).is_some() || names(range).is_some()
 }
 
 /// The ends of "a number above 0 up to 10 um", and whether the lower one is refused itself.
@@ -209,7 +218,7 @@ mod tests {
     fn what_a_reader_accepts_becomes_a_range_and_what_is_outside_violates_it() {
         let types = Types::new([(
             "a.rs",
-            "#[derive(Deserialize)]\nstruct A {\n    /// Width; 3 when absent.\n    width_um: Option<Number>,\n    kind: String,\n}\n",
+            "#[derive(Deserialize)]\nstruct A {\n    /// Width; 3 when absent.\n    width_um: Option<Number>,\n    kind: String,\n    seed: Option<u64>,\n}\n",
         )]);
         let accepted = Accepted::from([
             ("width_um".to_owned(), "a number above 0 up to 10 um".to_owned()),
@@ -222,6 +231,7 @@ mod tests {
         assert!(of(r#"{"width_um": 10.0, "kind": "x"}"#).is_empty());
         assert_eq!(of(r#"{"width_um": 0.0, "kind": "x"}"#), ["width_um is out of range"]);
         assert_eq!(of(r#"{"widht_um": 1.0, "kind": "x"}"#), ["widht_um is not a known key"]);
+        assert_eq!(of(r#"{"kind": "x", "seed": -1}"#), ["seed is out of range"]);
         assert_eq!(of("{}"), ["kind is missing"]);
         assert_eq!(of(r#"{"kind": "z"}"#).len(), 1);
     }

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use slipgrid_book::keys::{Key, Place, Shape, Types};
-use slipgrid_book::schema::Accepted;
+use slipgrid_book::schema::{Accepted, is_judged};
 use slipgrid_campaign::plan;
 use slipgrid_disk::disk;
 use slipgrid_formats::calibration::Calibration;
@@ -314,8 +314,14 @@ impl Kind {
                 let is_about =
                     refused.key.as_deref().is_some_and(|about| about == path || about.ends_with(&format!(".{path}")));
                 if let Some(expected) = refused.expected.as_ref().filter(|_| is_about) {
-                    accepted.insert(path.clone(), expected.clone());
-                    break;
+                    // One example lacks what the key needs beside it, which says nothing of the key: another has it.
+                    let is_judged = is_judged(expected);
+                    if is_judged || !accepted.contains_key(&path) {
+                        accepted.insert(path.clone(), expected.clone());
+                    }
+                    if is_judged {
+                        break;
+                    }
                 }
             }
         }

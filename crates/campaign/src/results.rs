@@ -10,8 +10,16 @@ use crate::campaign::{Campaign, Kind, Task};
 use crate::worker::{Done, Outcome, laboratory};
 
 /// What a scene's row has, by load.
-const OF_SCENE: [&str; 7] =
-    ["pressure_mpa", "mu_dynamic", "mu_dynamic_stderr", "mu_static", "ratio", "ratio_stderr", "peak_pressure_mpa"];
+const OF_SCENE: [&str; 8] = [
+    "pressure_mpa",
+    "mu_dynamic",
+    "mu_dynamic_stderr",
+    "mu_static",
+    "ratio",
+    "ratio_stderr",
+    "peak_pressure_mpa",
+    "cavity_closed",
+];
 /// What a design's row has: columns with the places of their values.
 const OF_DESIGN: [(&str, &str); 8] = [
     ("found", "/status"),

@@ -133,6 +133,22 @@ fn an_id_stands_for_what_a_task_says_and_reads() {
 }
 
 #[test]
+fn cavities_that_close_are_seen_in_the_table() {
+    let scene = SCENE.replace("spacing_um = 370.0", "spacing_um = 100.0").replace("depth_um = 20.0", "depth_um = 2.0");
+    let campaign = "base = \"scene.toml\"\n[[grid]]\nkey = \"pattern.width_um\"\nvalues = [20.0, 300.0]\n";
+    let planned = planned(&given(&scene, campaign)).unwrap();
+    let store = Memory::of(&[]);
+    folder(&store).keep(&planned).unwrap();
+    folder(&store).work(Share::ALL, 1, None, 0, &Unwatched).unwrap();
+    let table = table(&store);
+    let rows: Vec<Vec<&str>> = table.lines().map(|line| line.split(',').collect()).collect();
+    let column = rows[0].iter().position(|name| *name == "cavity_closed").unwrap();
+    // By width, then by load.
+    let closed: Vec<&str> = rows[1..].iter().map(|row| row[column]).collect();
+    assert_eq!(closed, ["false", "false", "false", "true"], "{table}");
+}
+
+#[test]
 fn what_fails_is_a_result() {
     let files = given(SCENE, "base = \"scene.toml\"\n[[grid]]\nkey = \"run.seed\"\nvalues = [1, 2]\n");
     let planned = planned(&files).unwrap();

@@ -285,11 +285,8 @@ impl ChanceReport {
     pub fn with_and_without_trials(&self, advice: Option<&AdviceReport>) -> Option<String> {
         let advice = self.beside(advice)?;
         let Some(share) = self.value else {
-            return Some(format!(
-                "the chance counts nothing but {}; for the model alone, {}",
-                advice.known_of(),
-                self.words
-            ));
+            let words = self.words.replacen("chance not known", "the chance is not known", 1);
+            return Some(format!("the chance counts only {}; for the model alone {words}", advice.known_of()));
         };
         Some(format!(
             "the chance counts {}; if it lacked nothing, it would be {}{}",
@@ -315,10 +312,10 @@ impl ChanceReport {
     #[must_use]
     pub fn lines(&self, advice: Option<&AdviceReport>) -> Vec<String> {
         let both = self.with_and_without_trials(advice);
-        let [includes, leaves_out] = if both.is_some() {
-            ["both include", "neither includes"]
-        } else {
-            ["the chance includes", "it does not include"]
+        let [includes, leaves_out] = match (&both, self.value) {
+            (Some(_), Some(_)) => ["both include", "neither chance includes"],
+            (Some(_), None) => ["the chance also includes", "the chance does not include"],
+            (None, _) => ["the chance includes", "it does not include"],
         };
         let is_left = |of: &&str| both.is_none() || *of != MODEL;
         let left: Vec<&str> = self.not_known.iter().map(String::as_str).filter(is_left).collect();
@@ -330,5 +327,41 @@ impl ChanceReport {
             lines.push(format!("{leaves_out} the following, for which no error is given: {}", left.join(", ")));
         }
         lines
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_chance_that_is_not_known_is_said_so_in_sentences() {
+        let chance = ChanceReport {
+            value: None,
+            stderr: None,
+            words: "chance not known: neither tolerances nor errors of the material are given".to_owned(),
+            included: Vec::new(),
+            not_known: vec![MODEL.to_owned(), "area law".to_owned()],
+            limited_by: None,
+            parts: Vec::new(),
+            draws: 0,
+        };
+        let advice = AdviceReport {
+            advice: String::new(),
+            chance: 0.1,
+            trials: 0,
+            words: String::new(),
+            predicted: Vec::new(),
+            rather: Vec::new(),
+        };
+        let lines = chance.lines(Some(&advice));
+        assert_eq!(
+            lines,
+            [
+                "the chance counts only how far the model may be off, as it is believed before any trial; for the model alone the \
+                 chance is not known: neither tolerances nor errors of the material are given",
+                "the chance does not include the following, for which no error is given: area law"
+            ]
+        );
     }
 }

@@ -6,7 +6,7 @@
 use std::iter;
 
 use rayon::prelude::*;
-use slipgrid_optimize::{DesignSpace, ModelFailure};
+use slipgrid_optimize::{DesignSpace, ModelFailure, Quantity};
 use slipgrid_pattern::{Pattern, Rim, Texture};
 use slipgrid_statistics::{Axis, Normals, ResponseSurface, median, normal_probability};
 use slipgrid_units::LENGTH_UM;
@@ -15,7 +15,7 @@ use crate::DesignError;
 use crate::chance::{About, Chances, Numerical};
 use crate::kept_nodes::kept;
 use crate::multi_fidelity::MultiFidelityLoop;
-use crate::steady_model::SteadyModel;
+use crate::steady_model::{Endless, SteadyModel};
 use crate::task::{DesignTask, KnownMaterial};
 use crate::time_budget::TimeBudget;
 use crate::timings::Timings;
@@ -33,6 +33,9 @@ const RIM_FACTORS: [f64; 4] = [0.5, 0.75, 1.25, 1.5];
 /// Designs at which the error is measured: as many as there are nodes, within these limits; in space.
 const PLANE_CHECKS: [usize; 2] = [200, 1000];
 const SPACE_CHECKS: usize = 50;
+/// Of these, how many are asked between the target's pressures, and in how many parts each two of them are divided.
+const PLANE_BETWEEN: (usize, usize) = (50, 8);
+const SPACE_BETWEEN: (usize, usize) = (8, 4);
 /// Most nodes that may have no answer: they get their neighbour's.
 const MOST_LEFT_OUT: f64 = 0.05;
 /// Nodes that are asked before those without an answer are counted again: where there are too many, the rest is not asked.
@@ -61,6 +64,9 @@ pub struct SurfaceError {
     pub median: f64,
     /// The largest.
     pub worst: f64,
+    /// How far straight lines between the target's pressures are from the ratios that the solver finds there, at most; `None` with one
+    /// pressure, and where that is not known.
+    pub between: Option<f64>,
 }
 
 /// A design's values anywhere within the bounds.
@@ -68,8 +74,9 @@ pub struct SurfaceError {
 pub struct Explorer {
     /// By width, spacing and depth in micrometres: the target's quantity of an endless pattern at each pressure.
     pub values: ResponseSurface,
-    /// By the same: the logarithm of the largest local pressure over MPa, over the target's pressures.
-    pub log_peak: ResponseSurface,
+    /// By the same: the logarithm of the largest local pressure over MPa, over the target's pressures, and how far ceilings come down
+    /// in micrometres: where that is the depth, cavities close under the load, and there is no answer.
+    pub peak_and_sag: ResponseSurface,
     /// By width and spacing, at any depth: share of a period that is cavity.
     pub areal_density: ResponseSurface,
     /// What rims of other heights change; `None` without rims, and in space.
@@ -89,8 +96,8 @@ pub struct RimChanges {
     pub factors: Vec<f64>,
     /// For each of them by width, spacing and depth: what is added to the values.
     pub values: Vec<ResponseSurface>,
-    /// For each of them by the same: what is added to the logarithm of the largest local pressure.
-    pub log_peak: Vec<ResponseSurface>,
+    /// For each of them by the same: what is added to the logarithm of the largest local pressure, and to how far ceilings come down.
+    pub peak_and_sag: Vec<ResponseSurface>,
 }
 
 impl RimChanges {
@@ -139,6 +146,8 @@ pub struct Explored {
     pub pattern: Pattern,
     /// The loads.
     pub loads: Vec<Load>,
+    /// Friction of the flat surface in steady sliding at each load; of a target that is friction itself what ratios are multiplied by.
+    pub flat_mu: Vec<f64>,
     /// What any design does.
     pub explorer: Explorer,
 }
@@ -161,18 +170,25 @@ pub fn explore_bounds(task: &DesignTask, monitor: &dyn Monitor) -> Result<Explor
         .space
         .middle()
         .map_err(|error| DesignError::refused(format!("the middle of the bounds is no pattern: {error}")))?;
-    let values = found.model.endless(&pattern, false).map_err(|failure| DesignError::Failed(failure.to_string()))?.0;
+    let middle = found.model.endless(&pattern, false).map_err(|failure| DesignError::Failed(failure.to_string()))?;
+    let values = middle.values;
+    let of_flat = |(place, load): (usize, &Load)| match task.target.quantity() {
+        // mu_flat = mu_d f(P)
+        Quantity::Ratio => {
+            let factor = found.model.area_law().map_or(1.0, |law| law.factor(load.pressure_pa));
+            load.friction.dynamic_mean() * factor
+        }
+        _ => found.model.scale(place),
+    };
+    let flat_mu = loads.iter().enumerate().map(of_flat).collect();
     let stage = budget.stage("explorer");
     let anchor = Anchor { design: &pattern, values: &values, chances: None, numerical: &Numerical::default() };
     let explorer = explore(task, &found.model, &anchor, &stage);
     stage.finish();
     monitor.heed()?;
     let explorer = explorer.ok_or_else(|| DesignError::Failed(TOO_FEW.to_owned()))?;
-    Ok(Explored { task: task.clone(), material: known, pattern, loads, explorer })
+    Ok(Explored { task: task.clone(), material: known, pattern, loads, flat_mu, explorer })
 }
-
-/// What a node says: values, and the largest local pressure.
-type Answer = (Vec<f64>, f64);
 
 /// Solves the surface by `model` and measures its error; `None` where `bar` has cancelled, or too many designs cannot be computed.
 pub fn explore(design: &DesignTask, model: &SteadyModel, anchor: &Anchor<'_>, bar: &Stage<'_>) -> Option<Explorer> {
@@ -196,17 +212,17 @@ pub fn explore(design: &DesignTask, model: &SteadyModel, anchor: &Anchor<'_>, ba
         let axes = self::axes(&design.space, &FINE_NODES);
         let few = ResponseSurface::nodes(&axes);
         let (fine, coarse) = (ask(&few, false, shares[1])?, ask(&few, true, 0.0)?);
-        let difference = fine.into_iter().zip(coarse).map(|(fine, coarse)| {
-            let ((fine, fine_peak), (coarse, peak)) = (fine?, coarse?);
-            Some((fine.iter().zip(&coarse).map(|(fine, coarse)| fine - coarse).collect(), fine_peak / peak))
-        });
+        // A node without an answer has its neighbour's change, not that of another answer.
+        let difference = fine.into_iter().zip(coarse).map(|(fine, coarse)| Some(fine?.over(&coarse?)));
         let lift = surfaces(axes, &whole(difference.collect(), &axes)?);
-        for (at, (values, peak)) in nodes.iter().zip(&mut all) {
-            values.iter_mut().zip(lift.0.at(at)).for_each(|(value, lift)| *value += lift);
-            *peak *= lift.1.at(at)[0].exp();
+        for (at, answer) in nodes.iter().zip(&mut all) {
+            answer.values.iter_mut().zip(lift.0.at(at)).for_each(|(value, lift)| *value += lift);
+            let beside = lift.1.at(at);
+            answer.peak_mpa *= beside[0].exp();
+            answer.sag_um += beside[1];
         }
     }
-    let (values, log_peak) = surfaces(axes, &all);
+    let (values, peak_and_sag) = surfaces(axes, &all);
     let rims = match rim {
         Some(rim) => Some(rim_changes(design, model, rim, (bar, shares[1]))?),
         None => None,
@@ -221,7 +237,7 @@ pub fn explore(design: &DesignTask, model: &SteadyModel, anchor: &Anchor<'_>, ba
         .into_iter()
         .zip(checks.iter().zip(&factors))
         .filter_map(|(answer, (at, factor))| {
-            let (exact, _) = answer?;
+            let exact = answer.filter(|answer| !answer.is_closed(at[2]))?.values;
             let change =
                 rims.as_ref().map_or_else(Vec::new, |rims| rims.at(at, *factor)).into_iter().chain(iter::repeat(0.0));
             let found = values.at(at).into_iter().zip(change).map(|(found, change)| found + change);
@@ -229,7 +245,8 @@ pub fn explore(design: &DesignTask, model: &SteadyModel, anchor: &Anchor<'_>, ba
         })
         .collect();
     let worst = off.iter().copied().fold(0.0, f64::max);
-    let error = SurfaceError { points: off.len(), median: median(&mut off)?, worst };
+    let between = off_between(model, &texture, &checks, bar);
+    let error = SurfaceError { points: off.len(), median: median(&mut off)?, worst, between };
 
     let own = lengths_um(anchor.design);
     let offset = values.at(&own).iter().zip(anchor.values).map(|(found, predicted)| predicted - found).collect();
@@ -239,7 +256,7 @@ pub fn explore(design: &DesignTask, model: &SteadyModel, anchor: &Anchor<'_>, ba
     let densities = ResponseSurface::nodes(&level).iter().map(density).collect();
     let covariance = covariance(anchor, design.seed).unwrap_or_default();
     let areal_density = ResponseSurface::through(level, 1, densities);
-    Some(Explorer { values, log_peak, areal_density, rims, error, offset, covariance })
+    Some(Explorer { values, peak_and_sag, areal_density, rims, error, offset, covariance })
 }
 
 /// The explorer beside a search, and why there is none where that is not a matter of time.
@@ -291,7 +308,8 @@ fn lengths_um(pattern: &Pattern) -> [f64; 3] {
 }
 
 /// What the model says of each of `nodes`, of the texture that `texture` has for its place, in its guide's blocks where `coarse`,
-/// as `share` of a stage; `None` once it is cancelled, or more than the share `most_missing` has no answer. Nodes are asked far
+/// as `share` of a stage; `None` once it is cancelled, or more than the share `most_missing` has no answer, those whose cavities close
+/// among them: of these the values go on behind where they close, so that the surface is smooth up to there. Nodes are asked far
 /// from one another first, as those without an answer lie together.
 fn ask(
     model: &SteadyModel,
@@ -299,7 +317,7 @@ fn ask(
     nodes: &[[f64; 3]],
     (coarse, most_missing): (bool, f64),
     (bar, share): (&Stage<'_>, f64),
-) -> Option<Vec<Option<Answer>>> {
+) -> Option<Vec<Option<Endless>>> {
     let one = |place: &usize| {
         let (place, lengths_um) = (*place, &nodes[*place]);
         if bar.cancelled() {
@@ -313,12 +331,15 @@ fn ask(
             _ => Ok(None),
         }
     };
+    let has_none = |(place, answer): (&usize, &Option<Endless>)| {
+        answer.as_ref().is_none_or(|answer| answer.is_closed(nodes[*place][2]))
+    };
     let all = || {
         let mut answers = vec![None; nodes.len()];
         let mut missing = 0;
         for places in spread(nodes.len()).chunks(AT_ONCE) {
-            let found: Vec<Option<Answer>> = places.par_iter().map(one).collect::<Result<_, _>>().ok()?;
-            missing += found.iter().filter(|answer| answer.is_none()).count();
+            let found: Vec<Option<Endless>> = places.par_iter().map(one).collect::<Result<_, _>>().ok()?;
+            missing += places.iter().zip(&found).filter(|own| has_none(*own)).count();
             if missing as f64 > most_missing * nodes.len() as f64 {
                 return None;
             }
@@ -331,13 +352,13 @@ fn ask(
     }
     let mut textures: Vec<Texture> = (0..nodes.len()).map(texture).collect();
     textures.dedup();
-    let content = (model.content(), textures, nodes, coarse);
-    let numbers = |(mut values, peak): Answer| {
-        values.push(peak);
-        values
-    };
+    let content = (model.content(), textures, nodes, coarse, "values, peak, sag");
+    let numbers = |answer: Endless| [answer.values, vec![answer.peak_mpa, answer.sag_um]].concat();
     let asked = || Some(all()?.into_iter().map(|answer| answer.map(numbers)).collect());
-    let answer = |mut numbers: Vec<f64>| numbers.pop().map(|peak| (numbers, peak));
+    let answer = |mut numbers: Vec<f64>| {
+        let (sag_um, peak_mpa) = (numbers.pop()?, numbers.pop()?);
+        Some(Endless { values: numbers, peak_mpa, sag_um })
+    };
     Some(kept(&Part::new(bar, share), &content, asked)?.into_iter().map(|node| node.and_then(answer)).collect())
 }
 
@@ -357,13 +378,13 @@ fn spread(count: usize) -> Vec<usize> {
 }
 
 /// The answers, where a node has none that of the nearest node with the same width and spacing, else of the nearest before it.
-fn whole(answers: Vec<Option<Answer>>, axes: &[Axis; 3]) -> Option<Vec<Answer>> {
+fn whole(answers: Vec<Option<Endless>>, axes: &[Axis; 3]) -> Option<Vec<Endless>> {
     let missing = answers.iter().filter(|answer| answer.is_none()).count();
     if missing as f64 > MOST_LEFT_OUT * answers.len() as f64 {
         return None;
     }
     let depths = axes[2].nodes;
-    let mut found: Vec<Answer> = Vec::with_capacity(answers.len());
+    let mut found: Vec<Endless> = Vec::with_capacity(answers.len());
     for (place, answer) in answers.iter().enumerate() {
         let row = place / depths * depths;
         let near = (row..row + depths).filter(|near| answers[*near].is_some()).min_by_key(|near| near.abs_diff(place));
@@ -373,12 +394,25 @@ fn whole(answers: Vec<Option<Answer>>, axes: &[Axis; 3]) -> Option<Vec<Answer>> 
     Some(found)
 }
 
-/// Values, and logarithms of the largest pressures, through their nodes.
-fn surfaces(axes: [Axis; 3], all: &[Answer]) -> (ResponseSurface, ResponseSurface) {
-    let outputs = all.first().map_or(0, |(values, _)| values.len());
-    let values = all.iter().flat_map(|(values, _)| values.iter().copied()).collect();
-    let peaks = all.iter().map(|(_, peak_mpa)| peak_mpa.max(f64::MIN_POSITIVE).ln()).collect();
-    (ResponseSurface::through(axes, outputs, values), ResponseSurface::through(axes, 1, peaks))
+/// Values, and logarithms of the largest pressures beside how far ceilings come down, through their nodes.
+fn surfaces(axes: [Axis; 3], all: &[Endless]) -> (ResponseSurface, ResponseSurface) {
+    let outputs = all.first().map_or(0, |answer| answer.values.len());
+    let values = all.iter().flat_map(|answer| answer.values.iter().copied()).collect();
+    let beside = all.iter().flat_map(|answer| [answer.peak_mpa.max(f64::MIN_POSITIVE).ln(), answer.sag_um]).collect();
+    (ResponseSurface::through(axes, outputs, values), ResponseSurface::through(axes, 2, beside))
+}
+
+/// How far straight lines between the target's pressures are from the solver at most, over the first of the `checks`.
+fn off_between(model: &SteadyModel, texture: &Texture, checks: &[[f64; 3]], bar: &Stage<'_>) -> Option<f64> {
+    let (count, parts) = if model.guide().is_some() { SPACE_BETWEEN } else { PLANE_BETWEEN };
+    let designs = &checks[..count.min(checks.len())];
+    let one = |lengths_um: &[f64; 3]| {
+        let off = pattern(texture, lengths_um).filter(|_| !bar.cancelled());
+        off.and_then(|pattern| model.off_between(&pattern, parts)).map(|off| vec![off])
+    };
+    let asked = || Some(designs.par_iter().map(one).collect()).filter(|_| !bar.cancelled());
+    let found = kept(&Part::new(bar, 0.0), &(model.content(), designs, parts, "between"), asked)?;
+    found.into_iter().flatten().flatten().reduce(f64::max)
 }
 
 /// What rims of other heights than those of `rim` change; `None` where `bar` has cancelled, or too many designs cannot be computed.
@@ -399,16 +433,14 @@ fn rim_changes(
         )
     };
     let own = solved(1.0)?;
-    let (mut values, mut log_peak) = (Vec::new(), Vec::new());
+    let (mut values, mut peak_and_sag) = (Vec::new(), Vec::new());
     for factor in RIM_FACTORS {
-        let change = solved(factor)?.into_iter().zip(&own).map(|((other, other_peak), (own, peak))| {
-            (other.iter().zip(own).map(|(other, own)| other - own).collect(), other_peak / peak)
-        });
-        let found = surfaces(axes, &change.collect::<Vec<Answer>>());
+        let changes: Vec<Endless> = solved(factor)?.iter().zip(&own).map(|(other, own)| other.over(own)).collect();
+        let found = surfaces(axes, &changes);
         values.push(found.0);
-        log_peak.push(found.1);
+        peak_and_sag.push(found.1);
     }
-    Some(RimChanges { factors: RIM_FACTORS.to_vec(), values, log_peak })
+    Some(RimChanges { factors: RIM_FACTORS.to_vec(), values, peak_and_sag })
 }
 
 /// Heights of the rims of `count` designs over those modelled: anywhere between the ends of `rims`, or as modelled without it.
@@ -462,7 +494,7 @@ mod tests {
         let rims = RimChanges {
             factors: RIM_FACTORS.to_vec(),
             values: RIM_FACTORS.map(|factor| surface(change(factor))).to_vec(),
-            log_peak: Vec::new(),
+            peak_and_sag: Vec::new(),
         };
         for factor in [0.5, 0.6, 0.75, 1.0, 1.3, 1.5] {
             let found = rims.at(&[20.0, 20.0, 5.0], factor);

@@ -13,7 +13,7 @@ use slipgrid_optimize::{DesignSpace, ForwardModel, ModelFailure, Response};
 use slipgrid_pattern::{Pattern, Texture};
 use slipgrid_springblock::{Dimension, Extent, Fidelity, Load, RunOptions, Scene, Simulation, Status, simulate};
 
-pub use self::coarse::LowFidelity;
+pub use self::coarse::{Endless, LowFidelity};
 use crate::constraint_quantities::Limited;
 use crate::directional_cells::Solver;
 use crate::evaluation_cache::{Answer, Evaluations};

@@ -139,7 +139,7 @@ impl Design {
             let (read, calibration) = self.completed(watch).map_err(Undone::Calibration)?;
             let samples = calibration.map_or_else(Vec::new, |calibration| calibration.trials.samples);
             let pending = samples.iter().filter(|cut| cut.measured.is_empty()).map(|cut| cut.pattern).collect();
-            next_trials(&read.task, &NextOptions { count, pending, own, one_disc: false }, watch)
+            next_trials(&read.task, &NextOptions { count, pending, own, one_disc: false, discs: Vec::new() }, watch)
                 .map_err(Undone::Design)
         })?;
         Ok(NextSamples { found: found.map_err(|undone| self.undone(py, &undone))? })

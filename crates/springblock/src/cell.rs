@@ -269,7 +269,8 @@ impl SteadyCell {
         outcomes.map(|(outcome, load)| CellOutcome::new(load, area_law, outcome)).collect()
     }
 
-    /// The ratios alone.
+    /// The ratios alone, as [`CellOutcome::ratio`] has them. A ratio is given even where a cavity closes under the load, and is no answer
+    /// there: the model lets the ceiling pass through the counterface. [`Self::solve`] says where that is so, by `surface.cavity_closed`.
     #[must_use]
     pub fn ratios(&self, pattern: &Pattern) -> Vec<Option<f64>> {
         self.ratios_heeding(pattern, &Unwatched)

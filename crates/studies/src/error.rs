@@ -1,6 +1,7 @@
 //! Why a study ended without a result.
 
 use slipgrid_formats::Diagnostic;
+use slipgrid_formats::calibrated::Uncalibrated;
 use slipgrid_monitor::Cancelled;
 use slipgrid_report::ChartError;
 
@@ -24,5 +25,15 @@ pub enum StudyError {
 impl From<Cancelled> for StudyError {
     fn from(_: Cancelled) -> Self {
         Self::Cancelled
+    }
+}
+
+impl From<Uncalibrated> for StudyError {
+    fn from(why: Uncalibrated) -> Self {
+        match why {
+            Uncalibrated::Refused(refused) => Self::Input(refused),
+            Uncalibrated::Cancelled => Self::Cancelled,
+            Uncalibrated::Failed(reason) => Self::Failed(reason),
+        }
     }
 }

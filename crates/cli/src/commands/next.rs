@@ -1,6 +1,8 @@
 //! `next`: the samples to cut next, by the model and by what trials say that it lacks.
 
+use slipgrid_design::export::MOST_SECTORS;
 use slipgrid_design::{NextOptions, next_trials};
+use slipgrid_formats::Diagnostic;
 use slipgrid_formats::calibrated::complete;
 use slipgrid_formats::design::Design;
 use slipgrid_report::{Outputs, draw_next};
@@ -17,6 +19,11 @@ const FILES: [&str; 2] = ["pattern.*", "process.toml"];
 
 /// Chooses, writes and reports.
 pub fn run(args: &NextArgs, console: &mut Console<'_>) -> Result<u8, CliError> {
+    if args.one_disc && !(2..=MOST_SECTORS).contains(&args.count.into()) {
+        let reason = "cannot be the number of sectors of one specimen, which --one-disc asks for";
+        let refused = Diagnostic::flag("--count", args.count.to_string(), reason);
+        return Err(refused.expected(format!("2 to {MOST_SECTORS}")).into());
+    }
     let mut design = Design::read(&disk(), &args.design)?;
     console.warn(&design.told);
     let samples = 1..=if args.one_disc { 1 } else { args.count };
@@ -31,8 +38,9 @@ pub fn run(args: &NextArgs, console: &mut Console<'_>) -> Result<u8, CliError> {
     let own = args.candidate.iter().map(|text| design.candidate(text)).collect::<Result<_, _>>()?;
     let calibration = complete(&mut design, &disk(), &Job::new(console))?;
     let samples = calibration.map_or_else(Vec::new, |calibration| calibration.trials.samples);
+    let discs = samples.iter().filter_map(|cut| cut.disc.clone()).collect();
     let pending = samples.iter().filter(|cut| cut.measured.is_empty()).map(|cut| cut.pattern).collect();
-    let options = NextOptions { count: args.count.into(), pending, own, one_disc: args.one_disc };
+    let options = NextOptions { count: args.count.into(), pending, own, one_disc: args.one_disc, discs };
     let found =
         next_trials(&design.task, &options, &Job::new(console)).map_err(|error| refused(error, &design, None))?;
     let report = &found.report;

@@ -17,7 +17,7 @@ use slipgrid_disk::disk;
 /// Lengths of the pattern: ten centimetres are more than any specimen.
 const PATTERN_UM: Quantity = LENGTH_UM.at_most(1e5);
 /// Travel of a run in time: sliding is steady after a few micrometres.
-const TRAVEL_UM: Quantity = LENGTH_UM.at_most(100.0);
+const TRAVEL_UM: Quantity = LENGTH_UM.or_least().at_most(100.0);
 /// Slope factors: beyond these no surface is meant.
 const SLOPE_FACTORS: std::ops::RangeInclusive<f64> = 0.01..=100.0;
 
@@ -44,6 +44,7 @@ pub fn run(args: &ValidateArgs, console: &mut Console<'_>) -> Result<u8, CliErro
     // What is wrong with the flags is said before anything is read.
     patterns(args, None)?;
     let slope_factors = slope_factors(&args.slope_factors)?;
+    let sliding_m = Some(checked("--sliding-um", args.sliding_um, TRAVEL_UM)?).filter(|sliding_m| *sliding_m > 0.0);
     let mut calibration = Calibration::read(&disk(), &args.calibration)?;
     let own = calibration.pattern.filter(|_| !validation::is_published(&calibration.source));
     let mut compared = None;
@@ -58,10 +59,6 @@ pub fn run(args: &ValidateArgs, console: &mut Console<'_>) -> Result<u8, CliErro
             compared = Some(cut.name);
             Patterns { modelled: groove, measured: groove }
         }
-    };
-    let sliding_m = match args.sliding_um {
-        0.0 => None,
-        sliding_um => Some(checked("--sliding-um", sliding_um, TRAVEL_UM)?),
     };
     let task = ValidationTask {
         path: &args.calibration,

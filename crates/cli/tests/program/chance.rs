@@ -47,8 +47,7 @@ fn the_chance_comes_first_with_what_is_in_it_and_what_is_not() {
     // What is announced counts what the model may lack; the rest is about what the chance would be if it lacked nothing.
     assert!(first.ends_with("% chance that a cut sample is on target; target met by the model"), "{first}");
     assert!(found["advice"]["chance"].as_f64().unwrap() < found["chance"]["value"].as_f64().unwrap(), "{first}");
-    let counts =
-        told.lines().find(|line| line.contains("the chance counts what is believed before any trial")).unwrap();
+    let counts = told.lines().find(|line| line.contains("the chance counts how far the model may be off")).unwrap();
     assert!(counts.contains("% (limited by Young's modulus, known to 21 %"), "{counts}");
     let chance = &found["chance"];
     let share = chance["value"].as_f64().unwrap();
@@ -95,7 +94,7 @@ fn the_chance_comes_first_with_what_is_in_it_and_what_is_not() {
     // One number is said, that of the advice, and what it leaves out.
     let first = told.lines().next().unwrap();
     assert!(first.ends_with("% chance that a cut sample is on target; target met by the model"), "{told}");
-    let said = "for the model alone, chance not known: neither tolerances nor errors of the material are given";
+    let said = "for the model alone the chance is not known: neither tolerances nor errors of the material are given";
     assert!(told.contains(said) && told.contains("cut it as a trial: its chance, "), "{told}");
     assert_eq!((&found["chance"]["value"], &found["status"]), (&Value::Null, &Value::from("met")));
 }

@@ -397,6 +397,15 @@ fn a_page_explores_a_design_or_a_material_before_any_search() {
         place.succeed(&["explore", file, "-o", page]);
         let text = std::fs::read_to_string(place.path(page)).unwrap();
         assert!(text.contains("id=\"explorer-data\"") && text.contains("nothing was searched"), "{page}");
+        // What its error compares, and what is not in it.
+        let said = ["in the same blocks by", "draws straight lines", "The size of blocks and how cavities are laid"];
+        assert_eq!(said.into_iter().find(|said| !text.contains(said)), None, "{page}");
+        assert!(text.contains("no files belong to it") && !text.contains("files beside this page"), "{page}");
+        // What there is not is not spoken of; flat friction is known.
+        let of_target = ["chance on target", "target's band", "within the bounds"];
+        assert_eq!(of_target.map(|said| text.contains(said)), [page == "explore.html"; 3], "{page}");
+        assert!(page == "explore.html" || !text.contains("Hatched"), "{page}");
+        assert!(text.contains("\"flat_mu\":[0.27") || page == "explore.html", "{page}");
         // Written twice, the same.
         place.succeed(&["explore", file, "-o", page]);
         assert_eq!(text, std::fs::read_to_string(place.path(page)).unwrap());

@@ -67,6 +67,31 @@ fn by_the_measured_law_the_same_groove_raises_friction_that_the_area_law_lowers(
 }
 
 #[test]
+fn a_fitted_law_is_compared_as_trials_have_it() {
+    let calibration = "calibration/synthetic-polymer";
+    let place = Place::with(&[]);
+    let whole = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).ancestors().nth(2).unwrap().join(calibration);
+    let file = whole.join("calibration.toml").to_str().unwrap().to_owned();
+    let json = |args: &[&str]| -> serde_json::Value { serde_json::from_str(&place.succeed(args)).unwrap() };
+    let found = json(&["validate", &file, "--slope-factors", "2", "--json"]);
+    let learned = json(&["trials", &file, "--json"]);
+    let modelled = |factor: f64| -> Vec<f64> {
+        let of = |row: &serde_json::Value| {
+            let laws = row["modelled"].as_array().unwrap();
+            laws.iter().find(|law| law["slope_factor"] == factor).unwrap()["ratio_groove"].as_f64().unwrap()
+        };
+        found["results"].as_array().unwrap().iter().map(of).collect()
+    };
+    let of_trials = learned["trials"][0]["measured"].as_array().unwrap().iter();
+    let of_trials: Vec<f64> = of_trials.map(|of| of["modelled"].as_f64().unwrap()).collect();
+    let [own, steeper] = [modelled(1.0), modelled(2.0)];
+    let alike = own.len() == 2 && own.iter().zip(&of_trials).all(|(own, other)| (own - other).abs() < 3e-3);
+    assert!(alike, "{own:?} {of_trials:?}");
+    // A steeper surface is farther from full contact: its friction is closer to the load.
+    assert!(own[1] < 0.9 && own[1] < own[0] && steeper[1] > own[1], "{own:?} {steeper:?}");
+}
+
+#[test]
 fn a_measured_law_is_refused_where_it_means_nothing() {
     let place = Place::with(&[
         ("open.toml", &with_surface("local_law = \"measured\"\n")),

@@ -419,6 +419,18 @@ fn flags() {
         (vec!["validate", "--depth-um", "200"], "error: --depth-um: 200 leaves nothing of the layer of 200 um"),
         (vec!["validate", "--width-um", "-1"], "error: --width-um: -1 is out of range"),
         (vec!["validate", "--width-um", "0"], "error: --width-um: 0 is out of range"),
+        (
+            vec!["validate", "--sliding-um=-3"],
+            "error: --sliding-um: -3 is out of range; expected a number from 0 up to 100 um",
+        ),
+        (
+            vec!["next", "scene.toml", "--one-disc"],
+            "error: --count: 1 cannot be the number of sectors of one specimen, which --one-disc asks for; expected 2 to 12",
+        ),
+        (
+            vec!["next", "scene.toml", "--one-disc", "--count", "13"],
+            "error: --count: 13 cannot be the number of sectors of one specimen, which --one-disc asks for; expected 2 to 12",
+        ),
         (vec!["validate", "--slope-factors", "0"], "error: --slope-factors: 0 is out of range"),
         (vec!["validate", "-o", "map.txt"], "error: --output: map.txt is a file"),
     ] {

@@ -348,7 +348,7 @@ fn sectors_of_one_disc_are_drawn_and_become_trials() {
     let trials = read("trials.toml");
     fs::write(place.path("calibration.toml"), format!("{CALIBRATION}{trials}")).unwrap();
     let after = next(&place, &["--count", "2", "--one-disc"]);
-    assert_eq!((after["pending"].as_u64(), after["one_disc"]["name"].as_str()), (Some(3), Some("three cuts, disc 4")));
+    assert_eq!((after["pending"].as_u64(), after["one_disc"]["name"].as_str()), (Some(3), Some("three cuts, disc 2")));
     // Measured: the material keeps which trials share a disc.
     for number in 1..=3 {
         fs::write(place.path(&format!("sector-{number}.csv")), table([0.9, 0.88, 0.86])).unwrap();

@@ -54,7 +54,7 @@ impl AdviceReport {
     #[must_use]
     pub fn known_of(&self) -> String {
         match self.trials {
-            0 => "what is believed before any trial that the model lacks".to_owned(),
+            0 => "how far the model may be off, as it is believed before any trial".to_owned(),
             1 => "what one trial says that the model lacks".to_owned(),
             trials => format!("what {trials} trials say that the model lacks"),
         }

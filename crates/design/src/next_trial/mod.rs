@@ -11,7 +11,7 @@ use slipgrid_calibrate::uncertainty::MaterialUncertainty;
 use slipgrid_discrepancy::{
     Candidate, Discrepancy, Features, Load, Prediction, Predictor, Scenarios, Score, Wanted, information,
 };
-use slipgrid_export::{Division, LEAST_PERIODS, Removal, Sector};
+use slipgrid_export::{Division, LEAST_PERIODS, Outline, Removal, Sector};
 use slipgrid_material::AreaLaw;
 use slipgrid_monitor::{Monitor, Stage};
 use slipgrid_optimize::Quantity;
@@ -55,6 +55,8 @@ pub struct NextOptions {
     pub own: Vec<Pattern>,
     /// The samples are to be sectors of one specimen.
     pub one_disc: bool,
+    /// Names of the specimens that were cut into sectors already; those of measured trials are known without them.
+    pub discs: Vec<String>,
 }
 
 /// A design that could be cut.
@@ -178,11 +180,20 @@ pub fn next_trials(task: &DesignTask, options: &NextOptions, monitor: &dyn Monit
         Some(division) => division.lay(&patterns).map_err(|error| DesignError::refused(error.to_string()))?,
         None => Vec::new(),
     };
-    let disc = format!("{}, disc {}", report.name, report.trials + report.pending + 1);
-    report.one_disc = OneDiscReport::of(disc, &sectors);
+    let learned = known.uncertainty.learned.iter().flat_map(|learned| learned.trials());
+    let cut: Vec<&str> =
+        learned.filter_map(|trial| trial.disc.as_deref()).chain(options.discs.iter().map(String::as_str)).collect();
+    report.one_disc = OneDiscReport::of(new_name(&report.name, &task, &cut), &sectors);
     // Those that were asked for are numbered after the samples, as they are listed.
     report.warnings = laser_warnings(&task, patterns.iter().chain(&options.own));
     Ok(NextTrials { report, patterns, sectors, material })
+}
+
+/// A name for a specimen of `design` that none of those `cut` has.
+fn new_name(design: &str, task: &DesignTask, cut: &[&str]) -> String {
+    let what = if matches!(task.specimen.outline, Outline::Rectangle { .. }) { "rectangle" } else { "disc" };
+    let mut names = (1..).map(|number| format!("{design}, {what} {number}"));
+    names.find(|name| !cut.contains(&name.as_str())).unwrap_or_default()
 }
 
 fn asked(

@@ -8,7 +8,7 @@ use slipgrid_results::{
 };
 use slipgrid_units::{HUMIDITY_PCT, PRESSURE_MPA, SPEED_MM_S, tidy};
 
-use slipgrid_export::{Laser, MEASURE_EACH_ALONE, Sector};
+use slipgrid_export::{Laser, MEASURE_EACH_ALONE, Outline, Sector};
 
 use super::advice::CLEARLY;
 use super::{Asked, Judged, information_bits, laser_s};
@@ -78,6 +78,10 @@ pub struct OneDiscReport {
     pub sectors: Vec<SectorReport>,
 }
 
+/// What is said of the sectors of a rectangle.
+const OF_A_RECTANGLE: &str = "the specimen is a rectangle: its sectors meet in its middle at equal angles, differ in area, and their textures all \
+                              lie as that of a whole specimen";
+
 /// A sample as a sector.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SectorReport {
@@ -104,7 +108,10 @@ impl OneDiscReport {
             land_mm: tidy(1e3 * division.land_m()),
             area_mm2: tidy(areas_mm2.fold(f64::INFINITY, f64::min)),
             circle_mm: tidy(1e3 * division.least_circle_m()),
-            measuring: MEASURE_EACH_ALONE.to_owned(),
+            measuring: match division.specimen().outline {
+                Outline::Rectangle { .. } => format!("{MEASURE_EACH_ALONE}; {OF_A_RECTANGLE}"),
+                _ => MEASURE_EACH_ALONE.to_owned(),
+            },
             sectors: sectors.iter().map(sector).collect(),
         })
     }

@@ -142,6 +142,14 @@ fn sectors_of_one_disc_hold_what_is_chosen_for_them() {
     let options = NextOptions { count: 4, one_disc: true, ..NextOptions::default() };
     let refused = next_trials(&small, &options, &Unwatched).unwrap_err().to_string();
     assert!(refused.contains("expected fewer sectors"), "{refused}");
+    // Sectors of a rectangle are said to be such; the names of specimens that were cut are not given again.
+    small.specimen.outline = slipgrid_export::Outline::Rectangle { length_m: 12e-3, width_m: 12e-3 };
+    let options = NextOptions { discs: vec![format!("{}, rectangle 1", disc.report.name)], ..options };
+    let rectangle = next_trials(&small, &options, &Unwatched).unwrap().report.text();
+    assert!(
+        rectangle.contains("rectangle 2: 4 sectors") && rectangle.contains("the specimen is a rectangle"),
+        "{rectangle}"
+    );
 }
 
 /// On one disc all are off together: the more a disc is off by, the less a further sector helps.

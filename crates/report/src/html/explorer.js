@@ -52,7 +52,7 @@
     return { at, plane };
   };
   const axes = data.axes, loads = data.pressure_mpa.length;
-  const endless = surface(unpack(data.values), axes, loads), logPeak = surface(unpack(data.log_peak), axes, 1);
+  const endless = surface(unpack(data.values), axes, loads), peakAndSag = surface(unpack(data.peak_and_sag), axes, 2);
   const density = surface(unpack(data.areal_density), [axes[0], axes[1], { nodes: 1 }], 1);
 
   // Rims of other heights: what they change is the polynomial through the heights that were solved (Lagrange), of every coefficient.
@@ -70,7 +70,7 @@
       };
       return { mix, ...surface(mixed, data.rim.axes, outputs) };
     };
-    const values = made(data.rim.values, loads), logPeak = made(data.rim.log_peak, 1);
+    const values = made(data.rim.values, loads), peakAndSag = made(data.rim.peak_and_sag, 2);
     const height = depth => {
       const after = heights_um.findIndex(([at]) => at > depth);
       if (after === 0) return heights_um[0][1];
@@ -78,11 +78,12 @@
       const [[d0, h0], [d1, h1]] = heights_um.slice(after - 1, after + 1);
       return h0 + (h1 - h0) * (depth - d0) / (d1 - d0);
     };
-    return { factor: 1, least: factors[0], most: factors[factors.length - 1], values, logPeak, height };
+    return { factor: 1, least: factors[0], most: factors[factors.length - 1], values, peakAndSag, height };
   })();
   const sum = (one, other) => { for (let k = 0; k < one.length; k++) one[k] += other[k]; return one; };
   const valuesAt = at => rims ? sum(endless.at(at), rims.values.at(at)) : endless.at(at);
-  const peakAt = at => Math.exp(logPeak.at(at)[0] + (rims ? rims.logPeak.at(at)[0] : 0));
+  // The logarithm of the largest pressure, and how far ceilings come down: where that is the depth, the cavity closes.
+  const besideAt = at => rims ? sum(peakAndSag.at(at), rims.peakAndSag.at(at)) : peakAndSag.at(at);
 
   // The chance: draws of the errors of the design found, the same for every design.
   const draws = (() => {
@@ -113,10 +114,10 @@
   const bursts = depth => data.burst_um ? Math.max(1, Math.round(depth / data.burst_um)) : null;
   const describe = at => {
     const values = valuesAt(at).map((value, load) => value + data.offset[load]);
-    const share = density.at(at)[0], laser = data.laser;
+    const share = density.at(at)[0], laser = data.laser, [logPeak, sag] = besideAt(at), isClosed = sag >= at[2];
     const steps = depth => data.burst_um ? bursts(depth) : depth;
     return {
-      at, values, face: share * data.face_over_period, peak: peakAt(at), chance: chance(values), bursts: bursts(at[2]),
+      at, values, face: share * data.face_over_period, isClosed, peak: isClosed ? null : Math.exp(logPeak), chance: isClosed ? null : chance(values), bursts: bursts(at[2]),
       minutes: laser ? laser.time_s / 60 * share / laser.areal_density * (data.design[0] / at[0]) ** laser.width_power * steps(at[2]) / steps(laser.depth_um) : null,
     };
   };
@@ -154,7 +155,7 @@
     if (!Number.isFinite(factor)) return;
     rims.factor = Math.min(Math.max(factor, rims.least), rims.most);
     rims.values.mix(rims.factor);
-    rims.logPeak.mix(rims.factor);
+    rims.peakAndSag.mix(rims.factor);
   };
   if (rims) {
     find("rim").addEventListener("input", event => { raise(+event.target.value); draw(); });
@@ -214,7 +215,12 @@
       parts.push(svg("rect", { x: x(p) - half, y: y(to), width: 2 * half, height: Math.max(y(from) - y(to), 1), fill: "#0072b2", opacity: 0.25 }));
     });
     const points = sign => data.pressure_mpa.map((p, load) => [p, shown.values[load] + sign * (std[load] || 0)]);
-    if (std.length && loads > 1) parts.push(svg("path", { d: line(points(1)) + line(points(-1).reverse()).replace("M", "L") + "z", fill: "#d55e00", opacity: 0.15 }));
+    if (std.length && loads > 1 && !shown.isClosed) parts.push(svg("path", { d: line(points(1)) + line(points(-1).reverse()).replace("M", "L") + "z", fill: "#d55e00", opacity: 0.15 }));
+    if (shown.isClosed) {
+      parts.push(svg("text", { x: (left + width - right) / 2, y: (top + height - bottom) / 2, "text-anchor": "middle" }, data.closed));
+      chart.replaceChildren(...parts);
+      return;
+    }
     parts.push(svg("path", { d: line(points(0)), fill: "none", stroke: "#b34700", "stroke-width": 2 }));
     for (const [p, v] of points(0)) parts.push(svg("circle", { cx: x(p), cy: y(v), r: 4, fill: "#b34700" }));
     if (loads > 1) parts.push(svg("path", { d: `M${x(pressure)} ${top}V${height - bottom}`, stroke: "#444", "stroke-dasharray": "4 3" }));
@@ -260,24 +266,27 @@
       mapped = key;
       const hs = Array.from({ length: COLUMNS }, (_, column) => lengthAt(h, (column + 0.5) / COLUMNS));
       const vs = Array.from({ length: ROWS }, (_, row) => lengthAt(v, 1 - (row + 0.5) / ROWS));
-      const values = endless.plane(state, h, v, hs, vs), peaks = logPeak.plane(state, h, v, hs, vs);
+      const values = endless.plane(state, h, v, hs, vs), beside = peakAndSag.plane(state, h, v, hs, vs);
       if (rims && rims.factor !== 1) {
         sum(values, rims.values.plane(state, h, v, hs, vs));
-        sum(peaks, rims.logPeak.plane(state, h, v, hs, vs));
+        sum(beside, rims.peakAndSag.plane(state, h, v, hs, vs));
       }
       const side = [h, v].includes(2) ? null : density.plane(state, h, v, hs, vs);
       image = context.createImageData(map.width, map.height);
       // Without a target: how low the value is at the pressure chosen, among those of the map.
       const rank = [];
-      if (!hasTarget) for (let cell = 0; cell < COLUMNS * ROWS; cell++) rank.push(between(Array.from({ length: loads }, (_, load) => values[cell * loads + load]), pressure));
-      const [least, most] = rank.reduce(([a, b], own) => [Math.min(a, own), Math.max(b, own)], [Infinity, -Infinity]);
+      const depthOf = cell => h === 2 ? hs[cell % COLUMNS] : v === 2 ? vs[Math.floor(cell / COLUMNS)] : state[2];
+      const closed = Array.from({ length: COLUMNS * ROWS }, (_, cell) => beside[2 * cell + 1] >= depthOf(cell));
+      find("closed-words").textContent = closed.includes(true) ? `. White: ${data.closed}` : "";
+      if (!hasTarget) for (let cell = 0; cell < COLUMNS * ROWS; cell++) rank.push(closed[cell] ? NaN : between(Array.from({ length: loads }, (_, load) => values[cell * loads + load]), pressure));
+      const [least, most] = rank.reduce(([a, b], own) => Number.isNaN(own) ? [a, b] : [Math.min(a, own), Math.max(b, own)], [Infinity, -Infinity]);
       const pixels = new Uint32Array(image.data.buffer), at = state.slice(), own = new Array(loads), wide = map.width / COLUMNS;
       for (let row = 0; row < ROWS; row++) for (let column = 0; column < COLUMNS; column++) {
         const cell = row * COLUMNS + column;
         [at[h], at[v]] = [hs[column], vs[row]];
         for (let load = 0; load < loads; load++) own[load] = values[cell * loads + load] + data.offset[load];
-        const isBroken = broken({ at, peak: Math.exp(peaks[cell]), face: (side ? side[cell] : density.at(at)[0]) * data.face_over_period, minutes: null }).length > 0;
-        const [plain, hatch] = colour(hasTarget ? misfit(own) : 2 ** (0.1 + 4.9 * (rank[cell] - least) / Math.max(most - least, 1e-9)), isBroken);
+        const isBroken = broken({ at, peak: Math.exp(beside[2 * cell]), face: (side ? side[cell] : density.at(at)[0]) * data.face_over_period, minutes: null }).length > 0;
+        const [plain, hatch] = closed[cell] ? [0xffffffff, 0xffffffff] : colour(hasTarget ? misfit(own) : 2 ** (0.1 + 4.9 * (rank[cell] - least) / Math.max(most - least, 1e-9)), isBroken);
         for (let y = row * wide; y < (row + 1) * wide; y++) for (let x = column * wide; x < (column + 1) * wide; x++) {
           pixels[y * map.width + x] = (x + y) % 8 === 0 ? hatch : plain;
         }
@@ -319,7 +328,7 @@
     return `${fixed(seconds, seconds < 0.995 ? 2 : seconds < 99.95 ? 1 : 0)} s`;
   };
   const draw = () => {
-    const shown = describe(state), second = other(shown.values), limits = broken(shown);
+    const shown = describe(state), second = other(shown.values), limits = broken(shown), known = shown.isClosed ? null : shown;
     for (const slider of all("slider")) slider.value = toStep(axes[+slider.dataset.slider], state[+slider.dataset.slider]);
     for (const field of all("number")) field.value = fixed(state[+field.dataset.number], 1);
     if (pressing) pressing.value = pressure;
@@ -330,9 +339,9 @@
     const say = (name, text) => { const place = find(name); if (place) place.textContent = text; };
     say("rim-words", rims ? `${fixed(rims.factor, 2)} times as high as modelled at this depth` : "");
     say("at", `${fixed(pressure, 2)} MPa`);
-    say("first", fixed(between(shown.values, pressure), 4));
-    say("second", second ? fixed(between(second, pressure), 4) : "-");
-    say("chance", shown.chance === null ? "not known" : `${fixed(100 * shown.chance, 0)} %`);
+    say("first", fixed(known && between(shown.values, pressure), 4));
+    say("second", fixed(known && second && between(second, pressure), 4));
+    say("chance", shown.isClosed ? "-" : shown.chance === null ? "not known" : `${fixed(100 * shown.chance, 0)} %`);
     say("peak", fixed(shown.peak, 1));
     say("density", fixed(100 * shown.face, 1));
     const cut = shown.bursts === null ? "-" : `${fixed(shown.bursts * data.burst_um, 1)} µm`;
@@ -340,9 +349,10 @@
     say("laser-time", duration(shown.minutes));
     const on = misfit(shown.values) <= 1;
     const words = limits.map(limit => limit.words);
-    const aimed = hasTarget ? [on ? "On target by the model" : "Off target"] : [], breaks = words.length ? [`breaks ${words.join(", ")}`] : [];
+    const aimed = shown.isClosed ? [data.closed.replace(/^t/, "T")] : hasTarget ? [on ? "On target by the model" : "Off target"] : [], breaks = words.length ? [`breaks ${words.join(", ")}`] : [];
     say("verdict", [...aimed, ...breaks].join("; "));
     root.dataset.values = JSON.stringify(shown.values);
+    root.dataset.closed = shown.isClosed;
     curve(shown);
     section(state);
     if (free.length > 1) drawMap();

@@ -20,6 +20,8 @@ use crate::Outputs;
 const SCRIPT: &str = include_str!("explorer.js");
 /// Names of the axes.
 const LENGTHS: [&str; 3] = ["width", "spacing", "depth"];
+/// What is said of a design whose cavities close.
+const CLOSED: &str = "the cavity closes under the load: no answer";
 /// Largest of the codes that coefficients are written as.
 const FULL_SCALE: f64 = 65_535.0;
 
@@ -90,7 +92,7 @@ struct RimData {
     /// Modelled heights by the depth of the cavity.
     heights_um: Vec<[f64; 2]>,
     values: Vec<Packed>,
-    log_peak: Vec<Packed>,
+    peak_and_sag: Vec<Packed>,
 }
 
 impl RimData {
@@ -101,7 +103,7 @@ impl RimData {
             factors: changes.factors.clone(),
             heights_um: rim.heights_m().iter().map(|pair| pair.map(|m| tidy(LENGTH_UM.from_si(m)))).collect(),
             values: changes.values.iter().map(Packed::new).collect(),
-            log_peak: changes.log_peak.iter().map(Packed::new).collect(),
+            peak_and_sag: changes.peak_and_sag.iter().map(Packed::new).collect(),
         })
     }
 
@@ -125,7 +127,7 @@ struct Data {
     highest: Vec<Option<f64>>,
     flat_mu: Option<Vec<f64>>,
     values: Packed,
-    log_peak: Packed,
+    peak_and_sag: Packed,
     rim: Option<RimData>,
     areal_density: Packed,
     /// Share of the specimen's face that is cavity over that of a period, by the design of the page: limits are about the
@@ -138,6 +140,8 @@ struct Data {
     /// Depths are whole passes over a hatch, and not bursts on a spot.
     has_passes: bool,
     laser: Option<LaserData>,
+    /// What is said of a design whose cavities close.
+    closed: &'static str,
     design: [f64; 3],
     points: Vec<Point>,
     toml: String,
@@ -162,6 +166,8 @@ struct Subject<'a> {
     explorer: &'a Explorer,
     /// The design found, where one was searched.
     report: Option<&'a DesignReport>,
+    /// Friction of the flat surface at each of the target's pressures, where nothing was confirmed.
+    flat_mu: Option<&'a [f64]>,
     /// A scene of the pattern.
     toml: String,
 }
@@ -222,7 +228,7 @@ impl Subject<'_> {
             })
         });
         let face_over_period = self.face_over_period();
-        let flat_mu = flat_mu.filter(|all| all.len() == count);
+        let flat_mu = self.flat_mu.map(<[f64]>::to_vec).or(flat_mu).filter(|all| all.len() == count);
         let among = Among {
             task,
             material: self.material,
@@ -240,7 +246,7 @@ impl Subject<'_> {
             pressure_mpa: target.pressure_mpa,
             flat_mu,
             values: Packed::new(&explorer.values),
-            log_peak: Packed::new(&explorer.log_peak),
+            peak_and_sag: Packed::new(&explorer.peak_and_sag),
             rim: RimData::new(explorer, pattern),
             areal_density: Packed::new(&explorer.areal_density),
             face_over_period,
@@ -255,10 +261,43 @@ impl Subject<'_> {
             burst_um: task.constraints.limits.depth_per_burst_m.map(|m| LENGTH_UM.from_si(m)),
             has_passes: task.laser.bursts_per_pass().is_some(),
             laser,
+            closed: CLOSED,
             design: [own.width_um, own.spacing_um, own.depth_um],
             points,
             toml: self.toml.clone(),
         }
+    }
+
+    /// How far the surface is off, what it is compared with, and what is left out of that.
+    fn errors(&self, data: &Data) -> String {
+        let error = self.explorer.error;
+        let quantity = if data.is_ratio { "ratio" } else { "dynamic friction" };
+        let rims = data.rim.as_ref().map_or_else(String::new, |rim| {
+            format!(", their rims from {} to {} times as high as modelled", rim.ends()[0], rim.ends()[1])
+        });
+        let mut words = format!(
+            "At the pressures of the table its {quantity} is off that of the steady solver in the same blocks by {} in the median and {} at worst over {} \
+             designs drawn at random{rims}.",
+            number(error.median, 4),
+            number(error.worst, 4),
+            error.points,
+        );
+        if let Some(between) = error.between {
+            words += &format!(
+                " Between these pressures it draws straight lines, from which the solver's ratio is off by up to {} more.",
+                number(between, 4)
+            );
+        }
+        let confirmed = self.report.map_or(&[][..], |report| &report.confirmed);
+        let of_blocks =
+            confirmed.iter().filter_map(|load| load.ratio_discretization_error).map(f64::abs).reduce(f64::max);
+        let blocks = of_blocks.map_or_else(String::new, |blocks| {
+            format!(" (of the design found, blocks that vanish change the ratio by up to {})", number(blocks, 4))
+        });
+        words
+            + &format!(
+                " The size of blocks{blocks} and how cavities are laid on the specimen are not in these numbers."
+            )
     }
 
     /// Adds what asks the surface.
@@ -267,26 +306,16 @@ impl Subject<'_> {
         let Ok(json) = serde_json::to_string(&data) else { return };
         // Nothing in it may end the element that holds it.
         let json = json.replace("</", "<\\/").replace("<!--", "<\\u0021--");
-        let quantity = if data.is_ratio { "ratio" } else { "dynamic friction" };
-        let error = self.explorer.error;
         let corrected = if self.report.is_some() {
             "The pattern is taken as endless, corrected so that the design found has what was predicted of it. Error band and chance \
              take the errors of the design found: compare chances here with one another, not with the chance above."
         } else {
             "The pattern is taken as endless; nothing was searched or confirmed in time, and no error of the material is drawn."
         };
-        let words = format!(
-            "What any design within the bounds would do, by a table of steady solutions: the {quantity} is off the solver's by {} in \
-             the median and {} at worst over {} designs drawn at random{}. {corrected}",
-            number(error.median, 4),
-            number(error.worst, 4),
-            error.points,
-            data.rim.as_ref().map_or_else(String::new, |rim| format!(
-                ", their rims from {} to {} times as high as modelled",
-                rim.ends()[0],
-                rim.ends()[1]
-            )),
-        );
+        let which =
+            if self.report.is_some() || data.has_target() { "within the bounds" } else { "that the sliders reach" };
+        let errors = self.errors(&data);
+        let words = format!("What any design {which} would do, by a table of steady solutions. {errors} {corrected}");
         let words = if data.limits.iter().any(|limit| ["density", "bearing"].contains(&limit.kind)) {
             let of = if self.report.is_some() { "the design found" } else { "the design in the middle of the bounds" };
             let factor = number(data.face_over_period, 4);
@@ -312,14 +341,14 @@ pub(super) fn explorer(page: &mut Page, found: &DesignOutcome, outputs: &Outputs
     let Some(explorer) = &found.explorer else { return };
     let toml = outputs.text("design.toml").unwrap_or_default();
     let (task, material, pattern) = (&found.task, &found.material, &found.pattern);
-    Subject { task, material, pattern, explorer, report: Some(&found.report), toml }.add(page);
+    Subject { task, material, pattern, explorer, report: Some(&found.report), flat_mu: None, toml }.add(page);
 }
 
 /// The page of what a task's designs do, before any is searched; `toml` is a scene of the design in the middle.
 #[must_use]
 pub fn exploration(found: &Explored, toml: String) -> String {
-    let Explored { task, material, pattern, explorer, .. } = found;
-    let mut page = Page::default();
+    let Explored { task, material, pattern, explorer, flat_mu, .. } = found;
+    let mut page = Page::alone();
     page.title(&task.name);
     if let Some(date) = &task.date {
         page.marked("date", date);
@@ -327,7 +356,7 @@ pub fn exploration(found: &Explored, toml: String) -> String {
     if material.material.provenance.synthetic_surface {
         page.warning("The area law behind these numbers rests on a synthetic surface, not on a measured one.");
     }
-    Subject { task, material, pattern, explorer, report: None, toml }.add(&mut page);
+    Subject { task, material, pattern, explorer, report: None, flat_mu: Some(flat_mu), toml }.add(&mut page);
     page.finish(&task.name, VERSION)
 }
 
@@ -368,6 +397,19 @@ fn controls(data: &Data) -> Markup {
     let reading = |name: &str, place: &str, unit: &str| {
         html! { div { dt { (name) } dd { (PreEscaped(format!("<span data-{place}></span>"))) @if !unit.is_empty() { " " (unit) } } } }
     };
+    let (curve, of_curve, of_map) = if data.has_target() {
+        (
+            "Values against pressure with the target's band",
+            "Values against pressure: this design with one standard deviation, and the target's band",
+            "Where designs are on target; the sliders choose the same",
+        )
+    } else {
+        (
+            "Values against pressure",
+            "Values against pressure of this design",
+            "How low values of designs are; the sliders choose the same",
+        )
+    };
     let pairs = [(0, 1), (0, 2), (1, 2)].into_iter().filter(|(a, b)| free.contains(a) && free.contains(b));
     html! {
         div id="explorer" class="explorer" hidden {
@@ -396,7 +438,8 @@ fn controls(data: &Data) -> Markup {
                     }
                 }
                 dl class="readings" {
-                    (reading(first, "first", "")) (reading(second, "second", "")) (reading("chance on target by the steady model", "chance", ""))
+                    (reading(first, "first", "")) @if data.flat_mu.is_some() { (reading(second, "second", "")) }
+                    @if data.has_target() { (reading("chance on target by the steady model", "chance", "")) }
                     (reading("peak pressure", "peak", "MPa")) (reading("cavities' share of the face", "density", "%"))
                     @if data.burst_um.is_some() { (reading(if data.has_passes { "depth, in whole passes" } else { "bursts (depth)" }, "bursts", "")) }
                     @if data.laser.is_some() { (reading("laser time", "laser-time", "")) }
@@ -407,14 +450,14 @@ fn controls(data: &Data) -> Markup {
             }
             div class="views" {
                 div {
-                    figure { div class="card" { svg data-curve viewBox="0 0 460 300" role="img" aria-label="Values against pressure with the target's band" font-family="sans-serif" font-size="15" fill="#333" {} }
-                        figcaption { "Values against pressure: this design with one standard deviation, and the target's band" } }
+                    figure { div class="card" { svg data-curve viewBox="0 0 460 300" role="img" aria-label=(curve) font-family="sans-serif" font-size="15" fill="#333" {} }
+                        figcaption { (of_curve) } }
                     figure { div class="card" { svg data-section viewBox="0 0 460 120" role="img" aria-label="Vertical section of two periods to scale" font-family="sans-serif" font-size="15" fill="#333" {} }
                         figcaption { "Vertical section of two periods of this design, both axes at one scale" } }
                 }
                 @if free.len() > 1 {
                     figure {
-                        div class="card" { canvas data-map width="384" height="288" role="img" aria-label="Where designs are on target; the sliders choose the same" {} }
+                        div class="card" { canvas data-map width="384" height="288" role="img" aria-label=(of_map) {} }
                         figcaption {
                             @if free.len() > 2 {
                                 select data-pair aria-label="What the map shows" {
@@ -422,7 +465,8 @@ fn controls(data: &Data) -> Markup {
                                 }
                                 " "
                             }
-                            span data-across {} "; " span data-up {} @if data.has_target() { ". Green: on target" } @else { ". The darker, the lower" } ". Hatched: breaks a limit" span data-limits {}
+                            span data-across {} "; " span data-up {} @if data.has_target() { ". Green: on target" } @else { ". The darker, the lower" } @if !data.limits.is_empty() { ". Hatched: breaks a limit" span data-limits {} }
+                            span data-closed-words {}
                             ". Diamond: where it started; orange: chosen here" @if data.shows("trade-off") { "; grey: trade-offs" } @if data.shows("trial") { "; purple squares: trials, cut and measured" } ". Click to choose."
                         }
                     }

@@ -34,17 +34,28 @@ impl Render for Text<'_> {
 /// A column of a table of records: its name, and what stands in it of a record.
 pub type Column<T> = (&'static str, fn(&T) -> String);
 
+/// What is said of a page without files beside it.
+const ALONE: &str = "This page holds all its numbers itself: no files belong to it.";
+
 /// A page under construction; by default with nothing on it.
 #[derive(Clone, Debug, Default)]
 pub struct Page {
     body: String,
     pictures: usize,
+    /// No files stand beside it.
+    is_alone: bool,
 }
 
 impl Page {
+    /// A page without files beside it.
+    pub fn alone() -> Self {
+        Self { is_alone: true, ..Self::default() }
+    }
+
     /// The whole page. `version` of the program that made it.
     pub fn finish(self, title: &str, version: &str) -> String {
         let (title, version) = (Text(title), Text(version));
+        let beside = if self.is_alone { ALONE } else { "Every number stands in the files beside this page." };
         let page = html! {
             (DOCTYPE) (NL)
             html lang="en" { (NL)
@@ -57,7 +68,7 @@ impl Page {
                 } (NL)
                 body { (NL)
                     main { (NL) (PreEscaped(self.body)) } (NL)
-                    footer { "Made by slipgrid " (version) ". Every number stands in the files beside this page." } (NL)
+                    footer { "Made by slipgrid " (version) ". " (beside) } (NL)
                     script { (NL) (PreEscaped(SCRIPT)) } (NL)
                 } (NL)
             } (NL)

@@ -93,7 +93,7 @@ impl Among<'_> {
             trial.measured.iter().filter(|of| !is_any || is_wanted(&of.load)).map(words).collect();
         let outside = match (has_texture, on_map) {
             (false, _) => " (another texture)",
-            (true, false) => " (outside the bounds)",
+            (true, false) => " (beyond the sliders)",
             _ => "",
         };
         Point {

@@ -1,5 +1,6 @@
 //! Area laws of a calibration's surface with its heights scaled.
 
+use slipgrid_calibrate::Selection;
 use slipgrid_calibrate::area_law::{CONTACT_TOLERANCE, DEFAULT_PRESSURES_MPA, area_curve, area_law, persson_curve};
 use slipgrid_contact::{AreaPoint, Status};
 use slipgrid_material::AreaLaw;
@@ -8,11 +9,16 @@ use super::ValidationTask;
 use crate::StudyError;
 use slipgrid_formats::Diagnostic;
 use slipgrid_formats::altitude_map::{read_period, told};
+use slipgrid_formats::calibrated::calibrate;
+use slipgrid_formats::scene::DEFAULT_SPECIMEN;
 use slipgrid_formats::source::Source;
 use slipgrid_formats::surface::Surface;
 use slipgrid_monitor::{Monitor, Stage};
 use slipgrid_results::fixed;
 use slipgrid_units::{PRESSURE_MPA, tidy};
+
+/// Seed of the flat sample that a scale is fitted to: that of `calibrate` and `trials`.
+const FIT_SEED: u64 = 1;
 
 /// The area law of the surface with every height multiplied by one factor.
 #[derive(Clone, Debug, PartialEq)]
@@ -62,6 +68,7 @@ pub fn scaled_laws(
             .map_err(|error| Diagnostic::file(path, format!("the contact area gives no area law: {error}")))
     };
     match &calibration.surface {
+        Surface::None if calibration.area_law_scale_pa.is_some() => fitted_laws(task, source, monitor),
         Surface::None => Ok(ScaledLaws {
             laws: vec![ScaledLaw { slope_factor: 1.0, rms_slope: None, law: None, areas: Vec::new() }],
             synthetic: false,
@@ -131,6 +138,53 @@ pub fn scaled_laws(
             Ok(ScaledLaws { laws, synthetic: *synthetic || surface.synthetic, notes })
         }
     }
+}
+
+/// The laws of a surface of which the scale is fitted to flat friction, as calibrations fit it.
+fn fitted_laws(task: &ValidationTask<'_>, source: &Source, monitor: &dyn Monitor) -> Result<ScaledLaws, StudyError> {
+    // The fit is of flat samples: trials say nothing to it.
+    let mut flat = task.calibration.clone();
+    flat.trials.samples.clear();
+    let sample = (DEFAULT_SPECIMEN, FIT_SEED);
+    let (_, found) = calibrate(&flat, task.path, source, sample, Selection::default(), monitor)?;
+    let refuse = |error: &dyn std::fmt::Display| {
+        let key = Some("fit.area_law_scale_mpa".into());
+        Diagnostic { key, ..Diagnostic::file(task.path, format!("gives no area law: {error}")) }
+    };
+    let scale = found.fit.parameters.iter().find(|parameter| parameter.name == "area_law_scale_pa");
+    let (Some(own), Some(scale)) = (&found.surface.law, scale) else {
+        return Err(refuse(&"the fit found no scale")
+            .expected("measurements of flat samples at two loads or more")
+            .into());
+    };
+    let scale_pa = scale.value;
+    let rms_slope = scale_pa / flat.elastic.contact_modulus_pa(flat.poisson_ratio);
+    let pressures_pa = DEFAULT_PRESSURES_MPA.map(|pressure_mpa| PRESSURE_MPA.to_si(pressure_mpa));
+    let law = |slope_factor: f64| {
+        if slope_factor == 1.0 {
+            return Ok(own.clone());
+        }
+        // A(P; s h) = A(P/s; h)
+        let stretched = |point: &AreaPoint| AreaPoint { pressure_pa: slope_factor * point.pressure_pa, ..*point };
+        let points: Vec<AreaPoint> = found.surface.curve.iter().map(stretched).collect();
+        area_law(&points, flat.threshold_pa).map_err(|error| refuse(&error))
+    };
+    let laws = task.slope_factors.iter().map(|&slope_factor| {
+        let areas = persson_curve(1.0, slope_factor * scale_pa, &pressures_pa).map_err(|error| refuse(&error))?;
+        Ok(ScaledLaw {
+            slope_factor,
+            rms_slope: Some(tidy(rms_slope * slope_factor)),
+            law: Some(law(slope_factor)?),
+            areas,
+        })
+    });
+    let notes = vec![format!(
+        "area law by Persson's theory, its pressure scale fitted to flat friction ([fit] area_law_scale_mpa): {} MPa, as an rms slope \
+         of {} has it",
+        fixed(Some(PRESSURE_MPA.from_si(scale_pa)), 2),
+        fixed(Some(rms_slope), 4),
+    )];
+    Ok(ScaledLaws { laws: laws.collect::<Result<_, Diagnostic>>()?, synthetic: false, notes })
 }
 
 /// Pressures P/s of the surface itself behind every tabulated pressure of the scaled ones, increasing.
