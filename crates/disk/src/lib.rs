@@ -1,5 +1,5 @@
-//! What front doors share of the system: [`Disk`] reads and writes files for libraries that know none, and [`KeptResults`] is
-//! a folder of results by their content, so that nothing is computed twice.
+//! What front doors share of the system: [`Disk`] reads and writes files for libraries that know none, [`Place`] is where results
+//! go without anything being lost, and [`KeptResults`] is a folder of results by their content, so that nothing is computed twice.
 //!
 //! Only this crate and the front doors themselves touch files. A kept result is the one that would be computed, to the last
 //! bit; a run with an empty folder, or without one, gives the same bytes:
@@ -20,9 +20,11 @@
 
 mod files;
 mod kept_results;
+mod places;
 
 pub use files::{Disk, disk};
 pub use kept_results::KeptResults;
+pub use places::{Place, PlaceError, WriteError, check_file, check_folder, refuse_foreign, write_file, write_folder};
 
 use std::fs;
 use std::io;
