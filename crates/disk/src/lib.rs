@@ -31,6 +31,9 @@ use std::io;
 use std::io::Write;
 use std::path::Path;
 
+/// Most threads of a pool: more than one machine has cores, and few enough to be made in an instant.
+pub const MOST_THREADS: usize = 1024;
+
 /// Name of a file that is not finished, at its beginning and end.
 pub const UNFINISHED: (&str, &str) = (".slipgrid-", ".part");
 
