@@ -23,11 +23,11 @@ use slipgrid_pattern::Pattern;
 use slipgrid_results::{SCHEMA, VERSION};
 use slipgrid_studies::laboratories::{self, Job, Policy};
 use slipgrid_units::LENGTH_UM;
-use toml::{Spanned, Table};
+use toml::{Spanned, Table, Value};
 
 use crate::campaign::{Campaign, Kind, Task};
 use crate::inputs::{Contents, Noted, ReadOnce};
-use crate::varied::{Grid, ListRow, MOST_TASKS, Row, Varied, crossed};
+use crate::varied::{MOST_TASKS, Row, Varied, crossed};
 use crate::{CampaignError, worker};
 
 /// Most trials of a simulated laboratory, and most widths that it chooses from.
@@ -65,10 +65,19 @@ struct CampaignFile {
     laboratories: Option<Spanned<laboratories::Options>>,
     /// One table for each key that is varied by itself; every combination of all grids is a task.
     #[serde(default)]
-    grid: Vec<Spanned<Grid>>,
+    grid: Vec<Spanned<GridFile>>,
     /// Rows of keys that go together, each with every combination of the grids.
     #[serde(default)]
-    list: Vec<Spanned<ListRow>>,
+    list: Vec<Spanned<BTreeMap<String, Spanned<Value>>>>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct GridFile {
+    /// Dotted key of the base, present there or not.
+    pub(crate) key: Spanned<String>,
+    /// The values that it takes.
+    pub(crate) values: Vec<Spanned<Value>>,
 }
 
 /// The tasks of the campaign file at `path`. Every task is read as its command would, so that what is refused is refused now;

@@ -4,10 +4,11 @@ use std::collections::BTreeMap;
 use std::ops::Range;
 use std::path::Path;
 
-use serde::Deserialize;
 use serde_json::Value as Json;
 use slipgrid_formats::{Diagnostic, Document};
 use toml::{Spanned, Value};
+
+use crate::plan::GridFile;
 
 /// Most tasks of one campaign: each result is a file.
 pub(crate) const MOST_TASKS: usize = 1_000_000;
@@ -16,17 +17,7 @@ pub(crate) const MOST_TASKS: usize = 1_000_000;
 pub(crate) type Row = BTreeMap<String, Json>;
 
 /// A row of `[[list]]`: keys that go together.
-pub(crate) type ListRow = BTreeMap<String, Spanned<Value>>;
-
-/// A key that is varied by itself.
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(crate) struct Grid {
-    /// Dotted key of the base, present there or not.
-    key: Spanned<String>,
-    /// The values that it takes.
-    values: Vec<Spanned<Value>>,
-}
+type ListRow = BTreeMap<String, Spanned<Value>>;
 
 /// A value, and where it stands.
 struct Place {
@@ -52,12 +43,12 @@ impl<'a> Varied<'a> {
     /// [`Diagnostic`] for keys and values that no base could have, and for too many of them.
     pub(crate) fn new(
         document: &'a Document,
-        grids: &[Spanned<Grid>],
+        grids: &[Spanned<GridFile>],
         list: &[Spanned<ListRow>],
     ) -> Result<Self, Diagnostic> {
         let mut varied = Self { document, keys: Vec::new(), rows: vec![Row::new()], places: Vec::new() };
         for grid in grids {
-            let Grid { key: named, values } = grid.get_ref();
+            let GridFile { key: named, values } = grid.get_ref();
             let key = named.get_ref();
             varied.check_key(key, named.span())?;
             if values.is_empty() || varied.keys.contains(key) {
