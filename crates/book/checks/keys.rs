@@ -213,7 +213,7 @@ impl Types {
             "String" | "Cow<'static, str>" => Shape::Text,
             "Numbers" => Shape::OneOrMore,
             "NumberList" | "[f64; 2]" => list(Shape::Number),
-            "Value" | "Table" | "toml::Table" => Shape::Any,
+            "Value" | "Table" | "toml::Table" | "BTreeMap<String, Spanned<Value>>" => Shape::Any,
             _ => {
                 let name = kind.rsplit("::").next().unwrap_or(kind);
                 match self.named(name, file) {

@@ -234,8 +234,7 @@ impl Folder {
                     )
                 };
                 let bytes = self.store.read(&path).map_err(|error| refuse(format!("cannot be read: {error}")))?;
-                let done: Done =
-                    serde_json::from_slice(&bytes).map_err(|error| refuse(format!("is no result: {error}")))?;
+                let done = Done::read(&bytes).map_err(refuse)?;
                 if done.id == task.id { Ok(done) } else { Err(refuse("is the result of another task".to_owned())) }
             };
             let done = if known.contains(&task.id) { Some(read()?) } else { None };

@@ -38,6 +38,7 @@ mod folder;
 mod inputs;
 mod plan;
 mod results;
+mod varied;
 mod worker;
 
 pub use campaign::{Campaign, Kind, Task};

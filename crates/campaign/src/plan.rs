@@ -27,14 +27,17 @@ use toml::{Spanned, Table, Value};
 
 use crate::campaign::{Campaign, Kind, Task};
 use crate::inputs::{Contents, Noted, ReadOnce};
+use crate::varied::{MOST_TASKS, Row, Varied, crossed};
 use crate::{CampaignError, worker};
 
-/// Most tasks of one campaign: each result is a file.
-const MOST_TASKS: usize = 1_000_000;
 /// Most trials of a simulated laboratory, and most widths that it chooses from.
 const MOST_CHOICES: usize = 1000;
 /// The base of a campaign of simulated laboratories, which is no file.
 const LABORATORIES: &str = "laboratories";
+/// Options of simulated laboratories.
+const LABORATORY_KEYS: [&str; 4] = ["laboratories", "most_trials", "steps", "seed"];
+/// Tables of a scene.
+const SCENE_TABLES: [&str; 6] = ["material", "pattern", "sample", "load", "condition", "run"];
 /// What can be done with a design.
 const WORK: [&str; 2] = ["search", "table"];
 
@@ -65,20 +68,17 @@ struct CampaignFile {
     grid: Vec<Spanned<GridFile>>,
     /// Rows of keys that go together, each with every combination of the grids.
     #[serde(default)]
-    list: Vec<Spanned<Table>>,
+    list: Vec<Spanned<BTreeMap<String, Spanned<Value>>>>,
 }
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-struct GridFile {
+pub(crate) struct GridFile {
     /// Dotted key of the base, present there or not.
-    key: String,
+    pub(crate) key: Spanned<String>,
     /// The values that it takes.
-    values: Vec<Value>,
+    pub(crate) values: Vec<Spanned<Value>>,
 }
-
-/// One combination: keys with their values.
-type Row = BTreeMap<String, Json>;
 
 /// The tasks of the campaign file at `path`. Every task is read as its command would, so that what is refused is refused now;
 /// `monitor` is told of it.
@@ -89,16 +89,18 @@ pub fn plan(files: &Source, path: &Path, monitor: &dyn Monitor) -> Result<Planne
     let text = read_text(files, path, "a campaign file, with base = \"SCENE or DESIGN\"")?;
     let document = Document::within(files, path, text);
     let file: CampaignFile = document.parse()?;
-    let (mut keys, rows) = combinations(&document, &file)?;
+    let varied = Varied::new(&document, &file.grid, &file.list)?;
     let name = file.name.clone().unwrap_or_else(|| document.stem());
     let base_path = document.resolve(file.base.get_ref());
     let folder = base_path.parent().unwrap_or(Path::new(""));
     let base_name = base_path.file_name().unwrap_or_default().to_string_lossy().into_owned();
     let (kind, text, of_base) = base(files, &document, &file, &base_path, monitor)?;
-    let rows = crossed(rows, &of_base);
+    check_keys(&varied, kind, &text, &of_base)?;
+    let rows = crossed(varied.rows.clone(), &of_base);
     if rows.len() > MOST_TASKS {
         return Err(document.refuse(file.base.span(), "has more than a million tasks").expected("fewer values").into());
     }
+    let mut keys = varied.keys.clone();
     keys.extend(of_base.iter().flat_map(Row::keys).cloned().collect::<BTreeSet<_>>());
     let (program, inputs) = ("slipgrid".to_owned(), BTreeMap::new());
     let version = VERSION.to_owned();
@@ -113,11 +115,19 @@ pub fn plan(files: &Source, path: &Path, monitor: &dyn Monitor) -> Result<Planne
             stage.heed().map_err(|_| CampaignError::Cancelled)?;
             let noted = Noted::new(&read_once, folder);
             let source: Source = Arc::clone(&noted) as Source;
+            let placed = |refused: Diagnostic| {
+                // The base may be refused whatever varies: then its own line is the place.
+                let alone = check(kind, &source, &base_path, &campaign.text, monitor).err();
+                let is_base =
+                    |own: &Diagnostic| of_base.is_empty() && own.key == refused.key && own.reason == refused.reason;
+                let of_value = || varied.placed(&refused, &values, &base_path);
+                alone.filter(is_base).or_else(of_value).unwrap_or_else(|| unplaced(refused.clone(), &values))
+            };
             let text = campaign.text_of(&values).map_err(|(key, reason)| {
-                let at = Diagnostic::file(&base_path, reason);
-                Diagnostic { key: Some(key.into()), ..at }
+                let at = Diagnostic::file(&base_path, reason).expected("a key that stands in a table of the base");
+                placed(Diagnostic { key: Some(key.into()), ..at })
             })?;
-            check(kind, &source, &base_path, &text, monitor).map_err(|refused| placed(refused, &values))?;
+            check(kind, &source, &base_path, &text, monitor).map_err(placed)?;
             let inputs = noted.seen();
             stage.advance(share);
             Ok((Task { id: campaign.id(&text, &inputs), values }, inputs))
@@ -156,9 +166,11 @@ fn base(
             ("most_trials", options.most_trials, MOST_CHOICES),
             ("steps", options.steps, MOST_CHOICES),
         ] {
-            if number > most {
-                let refused = document.refuse(own, format!("has {number} as its `{key}`"));
-                return Err(refused.expected(format!("a whole number from 0 to {most}")).into());
+            if !(1..=most).contains(&number) {
+                let refused = document.refuse(own, "is out of range");
+                let (key, value) = (format!("laboratories.{key}"), number.to_string());
+                let refused = Diagnostic { key: Some(key.into()), value: Some(value.into()), ..refused };
+                return Err(refused.expected(format!("a whole number from 1 to {most}")).into());
             }
         }
         let row = |job: Job| {
@@ -224,47 +236,6 @@ fn dimensions(pattern: &Pattern) -> Row {
     lengths.map(|(name, m)| (format!("pattern.{name}_um"), Json::from(LENGTH_UM.from_si(m)))).into_iter().collect()
 }
 
-/// Every combination of the grids with every row of the list, grids slowest first.
-fn combinations(document: &Document, file: &CampaignFile) -> Result<(Vec<String>, Vec<Row>), Diagnostic> {
-    let mut keys: Vec<String> = Vec::new();
-    let mut rows: Vec<Row> = vec![Row::new()];
-    for grid in &file.grid {
-        let GridFile { key, values } = grid.get_ref();
-        if values.is_empty() || keys.contains(key) {
-            let reason = if values.is_empty() { "has no values" } else { "varies a key for the second time" };
-            return Err(document.refuse(grid.span(), reason).expected("a key of its own with one value or more"));
-        }
-        keys.push(key.clone());
-        if rows.len().saturating_mul(values.len()) > MOST_TASKS {
-            return Err(document.refuse(grid.span(), "makes more than a million tasks").expected("fewer values"));
-        }
-        rows = crossed(rows, &values.iter().map(|value| Row::from([(key.clone(), json(value))])).collect::<Vec<_>>());
-    }
-    let mut list = Vec::new();
-    for row in &file.list {
-        for key in row.get_ref().keys() {
-            if file.grid.iter().any(|grid| grid.get_ref().key == *key) {
-                return Err(document.refuse(row.span(), format!("varies {key}, and so does [[grid]]")));
-            }
-            if !keys.contains(key) {
-                keys.push(key.clone());
-            }
-        }
-        list.push(row.get_ref().iter().map(|(key, value)| (key.clone(), json(value))).collect());
-    }
-    Ok((keys, crossed(rows, &list)))
-}
-
-/// Every one of `rows` with every one of `more`; as they are where there are no more.
-fn crossed(rows: Vec<Row>, more: &[Row]) -> Vec<Row> {
-    if more.is_empty() {
-        return rows;
-    }
-    let with =
-        |row: Row| more.iter().map(move |own| row.iter().chain(own).map(|(k, v)| (k.clone(), v.clone())).collect());
-    rows.into_iter().flat_map(with).collect()
-}
-
 /// Reads what the command of a task would read before it computes anything.
 fn check(kind: Kind, source: &Source, path: &Path, text: &str, monitor: &dyn Monitor) -> Result<(), Diagnostic> {
     let document = Document::within(source, path, text);
@@ -287,16 +258,42 @@ fn check(kind: Kind, source: &Source, path: &Path, text: &str, monitor: &dyn Mon
     Ok(())
 }
 
-/// Says where it was refused: the line is one of the task's text, which nobody has seen.
-fn placed(mut refused: Diagnostic, values: &Row) -> Diagnostic {
+/// Refuses keys that tasks of this kind cannot have, or that do not vary in them.
+fn check_keys(varied: &Varied<'_>, kind: Kind, text: &str, of_base: &[Row]) -> Result<(), Diagnostic> {
+    let refuse = |key: &str, reason: &str, expected: &str| Err(varied.refuse_key(key, reason, expected));
+    for key in &varied.keys {
+        let first = key.split('.').next().unwrap_or(key);
+        match kind {
+            Kind::Laboratory if !LABORATORY_KEYS.contains(&key.as_str()) => {
+                let expected = format!("one of {}", LABORATORY_KEYS.join(", "));
+                return refuse(key, "is no option of simulated laboratories", &expected);
+            }
+            Kind::Scene if of_base.first().is_some_and(|row| row.contains_key(key)) => {
+                let expected = "another key, or bounds of the design that give these values";
+                return refuse(key, "is what the rows of the design's table vary already", expected);
+            }
+            Kind::Scene if !of_base.is_empty() && !is_of_scene(text, first) => {
+                let reason = "is no key of the scenes that work = \"table\" makes of the design";
+                let expected = format!("a key of {}, or work = \"search\"", SCENE_TABLES.join(", "));
+                return refuse(key, reason, &expected);
+            }
+            _ => {}
+        }
+    }
+    Ok(())
+}
+
+/// Whether a scene that says `text` has, or may have, the table `first`.
+fn is_of_scene(text: &str, first: &str) -> bool {
+    SCENE_TABLES.contains(&first) || text.parse::<Table>().is_ok_and(|table| table.contains_key(first))
+}
+
+/// What was refused and is about none of the values: the line is one of the task's text, which nobody has seen.
+fn unplaced(mut refused: Diagnostic, values: &Row) -> Diagnostic {
     refused.line = None;
     let at: Vec<String> = values.iter().map(|(key, value)| format!("{key} = {value}")).collect();
     if !at.is_empty() {
         refused.reason += &format!(" (where {})", at.join(", "));
     }
     refused
-}
-
-fn json(value: &Value) -> Json {
-    serde_json::to_value(value).unwrap_or_else(|_| Json::String(value.to_string()))
 }

@@ -47,6 +47,20 @@ pub struct Done {
     pub record: Option<Json>,
 }
 
+impl Done {
+    /// A result from its JSON.
+    ///
+    /// # Errors
+    /// What is wrong with it, to be said of it.
+    pub fn read(json: &[u8]) -> Result<Self, String> {
+        let done: Self = serde_json::from_slice(json).map_err(|error| format!("is no result: {error}"))?;
+        if done.outcome == Outcome::Done && !done.record.as_ref().is_some_and(Json::is_object) {
+            return Err("is damaged: it says \"done\" and has no record".to_owned());
+        }
+        Ok(done)
+    }
+}
+
 /// Why a task has no record.
 enum Undone {
     Refused(String),

@@ -209,10 +209,39 @@ fn what_cannot_be_is_refused_with_its_place() {
         ("base = \"scene.toml\"\ngrit = 1\n", "grit"),
         (
             "base = \"scene.toml\"\n[[grid]]\nkey = \"pattern.width_um\"\nvalues = [40.0, -1.0]\n",
-            "d/scene.toml: pattern.width_um: -1.0 ",
+            "d/campaign.toml:4: pattern.width_um: -1.0 is out of range (in d/scene.toml); expected",
         ),
         ("base = \"scene.toml\"\n[[grid]]\nkey = \"pattern.with_um\"\nvalues = [1.0]\n", "with_um"),
         ("base = \"scene.toml\"\n[[grid]]\nkey = \"material.name\"\nvalues = [\"x\"]\n", "material is no table"),
+        (
+            "base = \"scene.toml\"\n[[grid]]\nkey = \"pattern.width_um.x\"\nvalues = [1.0]\n",
+            "d/campaign.toml:4: pattern.width_um.x: 1.0 width_um is no table (in d/scene.toml); expected a key that stands in",
+        ),
+        (
+            "base = \"scene.toml\"\n[[grid]]\nkey = \"run.seed\"\nvalues = [1]\n[[list]]\n\"pattern.width_um\" = 40.0\n\
+             [[list]]\n\"pattern.width_um\" = 0.0\n",
+            "d/campaign.toml:8: pattern.width_um: 0.0 is out of range (in d/scene.toml, where run.seed = 1); expected",
+        ),
+        (
+            "base = \"scene.toml\"\n[[grid]]\nkey = \"pattern.width_um\"\nvalues = [40.0, nan]\n",
+            "d/campaign.toml:4: pattern.width_um: nan is not finite; expected finite numbers, texts",
+        ),
+        (
+            "base = \"scene.toml\"\n[[grid]]\nkey = \"run.seed\"\nvalues = [\n1,\n1979-05-27,\n]\n",
+            "d/campaign.toml:6: run.seed: 1979-05-27 is a date; expected",
+        ),
+        (
+            "base = \"scene.toml\"\n[[grid]]\nkey = \"\"\nvalues = [1]\n",
+            "d/campaign.toml:3: grid.key: \"\" is no key: \"\"; expected a dotted key of the base",
+        ),
+        (
+            "base = \"laboratories\"\n[laboratories]\nlaboratories = 0\n",
+            "d/campaign.toml:2: laboratories.laboratories: 0 is out of range; expected a whole number from 1 to",
+        ),
+        (
+            "base = \"laboratories\"\n[[grid]]\nkey = \"pattern.width_um\"\nvalues = [1]\n",
+            "d/campaign.toml:4: pattern.width_um: 1 is no option of simulated laboratories; expected one of laboratories, most",
+        ),
     ] {
         let refused = planned(&given(SCENE, campaign)).unwrap_err().to_string();
         assert!(refused.contains(says), "{campaign}: {refused}");
@@ -229,6 +258,29 @@ fn what_cannot_be_is_refused_with_its_place() {
     store.put(Path::new("out/campaign.json"), later.as_bytes()).unwrap();
     let refused = folder(&store).work(Share::ALL, 1, None, 0, &Unwatched).unwrap_err().to_string();
     assert!(refused.contains("was planned by slipgrid 9"), "{refused}");
+}
+
+#[test]
+fn a_base_that_is_refused_whatever_varies_keeps_its_own_line() {
+    let scene = SCENE.replace("depth_um = 20.0", "depth_um = -20.0");
+    let campaign = "base = \"scene.toml\"\n[[grid]]\nkey = \"run.seed\"\nvalues = [1, 2]\n";
+    let refused = planned(&given(&scene, campaign)).unwrap_err().to_string();
+    assert!(refused.starts_with("d/scene.toml:5: pattern.depth_um: -20.0 "), "{refused}");
+}
+
+#[test]
+fn a_result_that_is_done_and_has_no_record_is_damaged() {
+    let store = Memory::of(&[]);
+    let planned = planned(&given(SCENE, CAMPAIGN)).unwrap();
+    folder(&store).keep(&planned).unwrap();
+    folder(&store).work(Share::ALL, 2, None, 0, &Unwatched).unwrap();
+    let id = &planned.tasks[0].id;
+    let path = PathBuf::from(format!("out/results/{}/{id}.json", &id[..2]));
+    let text = format!("{{\"schema\":1,\"id\":\"{id}\",\"outcome\":\"done\",\"reason\":null,\"record\":null}}");
+    store.put(&path, text.as_bytes()).unwrap();
+    let refused = folder(&store).merge(|results| results.counts()).unwrap_err().to_string();
+    assert!(refused.contains(id.as_str()) && refused.contains("is damaged"), "{refused}");
+    assert!(refused.contains("removed, it is done again"), "{refused}");
 }
 
 #[test]

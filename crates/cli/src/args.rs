@@ -10,6 +10,7 @@ use std::num::{NonZeroU64, NonZeroUsize};
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
+use slipgrid_disk::MOST_THREADS;
 
 pub use campaign::{CampaignArgs, CampaignStep, MergeArgs, PlanArgs, WorkArgs};
 pub use export::ExportArgs;
@@ -32,8 +33,8 @@ pub use trials::{NextArgs, TrialsArgs};
         slipgrid calibrate calibration/ldpe-cast-iron/calibration.toml -o ldpe.toml"
 )]
 pub struct Arguments {
-    /// Number of threads; all cores by default. Results do not depend on it
-    #[arg(long, global = true, value_name = "N")]
+    /// Threads, at most 1024; all cores by default. Results do not depend on it
+    #[arg(long, global = true, value_name = "N", value_parser = parse_threads)]
     pub threads: Option<NonZeroUsize>,
     /// Compute everything anew. Without it, earlier fits and runs in time are taken from the folder that SLIPGRID_CACHE
     /// names, ~/.cache/slipgrid by default. Results do not depend on it
@@ -459,6 +460,11 @@ impl From<ExtentName> for slipgrid_springblock::Extent {
 
 /// Most draws behind a row.
 const MOST_SEEDS: u64 = 1000;
+
+fn parse_threads(text: &str) -> Result<NonZeroUsize, String> {
+    let expected = || format!("expected a whole number from 1 to {MOST_THREADS}");
+    text.parse().ok().filter(|threads: &NonZeroUsize| threads.get() <= MOST_THREADS).ok_or_else(expected)
+}
 
 fn parse_seeds(text: &str) -> Result<NonZeroU64, String> {
     match text.parse::<NonZeroU64>() {

@@ -1,7 +1,7 @@
 use slipgrid_material::MaterialError;
 use slipgrid_monitor::Cancelled;
 
-use crate::output::WriteError;
+use slipgrid_disk::{PlaceError, WriteError};
 use slipgrid_formats::Diagnostic;
 use slipgrid_formats::calibrated::Uncalibrated;
 
@@ -48,6 +48,15 @@ told!(
     slipgrid_report::ReportError,
     slipgrid_formats::written_material::UnwritableMaterial,
 );
+
+impl From<PlaceError> for CliError {
+    fn from(error: PlaceError) -> Self {
+        match error {
+            PlaceError::Refused(refused) => Self::Input(refused),
+            PlaceError::Unwritable(error) => Self::Write(error),
+        }
+    }
+}
 
 impl From<Cancelled> for CliError {
     fn from(_: Cancelled) -> Self {

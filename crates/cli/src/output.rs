@@ -2,35 +2,17 @@
 //! there is replaced only if slipgrid wrote it.
 
 use std::fs;
-use std::io::{self, BufWriter, Read, Write};
-use std::path::{Path, PathBuf};
+use std::io::{self, BufWriter, Write};
+use std::path::Path;
 use std::time::{Duration, SystemTime};
 
-use crate::CliError;
 use crate::interruption;
-use slipgrid_disk::{UNFINISHED, unfinished};
-use slipgrid_formats::Diagnostic;
-use slipgrid_report::written::{HEAD, begins_as_ours};
+pub use slipgrid_disk::{Place, WriteError, check_file, check_folder};
+use slipgrid_disk::{UNFINISHED, refuse_foreign, unfinished};
 use slipgrid_report::{Content, Outputs};
 
 /// Age at which an unfinished file belongs to a run that was killed: writing takes milliseconds.
 const ABANDONED: Duration = Duration::from_secs(600);
-
-/// An output that could not be written.
-#[derive(Debug, thiserror::Error)]
-#[error("{path}: cannot be written: {source}", path = path.display())]
-pub struct WriteError {
-    /// The file or folder.
-    pub path: PathBuf,
-    /// What the system said.
-    pub source: std::io::Error,
-}
-
-impl WriteError {
-    fn at(path: &Path) -> impl Fn(std::io::Error) -> Self + '_ {
-        move |source| Self { path: path.to_owned(), source }
-    }
-}
 
 /// Writes all of `outputs` into `folder`. A new folder appears with everything in it; in one that
 /// exists, files of the same names are replaced one by one once all are ready. Other files stay.
@@ -95,155 +77,6 @@ pub fn write_file(path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
     file.persist(path).map_err(|error| failed(error.error))?;
     interruption::wrote(path);
     Ok(())
-}
-
-/// A place for results, as the command line names it.
-#[derive(Clone, Copy, Debug)]
-pub struct Place<'a> {
-    /// The flag.
-    pub flag: &'a str,
-    /// What stands after it.
-    pub path: &'a Path,
-}
-
-impl<'a> Place<'a> {
-    /// The place after `--output`.
-    #[must_use]
-    pub const fn output(path: &'a Path) -> Self {
-        Self { flag: "--output", path }
-    }
-
-    fn refuse(&self, reason: impl Into<String>) -> Diagnostic {
-        Diagnostic::flag(self.flag, self.path.display().to_string(), reason)
-    }
-
-    /// Refuses a link that leads nowhere.
-    fn check_link(&self) -> Result<(), Diagnostic> {
-        if !self.path.exists() && self.path.is_symlink() {
-            return Err(self.refuse("is a link to what does not exist").expected("a link to something, or no link"));
-        }
-        Ok(())
-    }
-
-    /// Refuses to replace the file at `file` if it is one of `inputs`, or not slipgrid's.
-    fn check_replaced(&self, file: &Path, inputs: &[PathBuf]) -> Result<(), Diagnostic> {
-        let reason = if inputs.iter().any(|input| is_same(input, file)) {
-            "is an input of this run and would be replaced"
-        } else if file.is_dir() {
-            "is a folder where a file is to go"
-        } else if !is_ours(file) {
-            "was not written by slipgrid and would be replaced"
-        } else {
-            return Ok(());
-        };
-        let name = file.file_name().unwrap_or_default().to_string_lossy();
-        let reason = if file == self.path { reason.to_owned() } else { format!("holds {name}, which {reason}") };
-        Err(self.refuse(reason).expected("another place, so that nothing is lost"))
-    }
-}
-
-/// Checks, before long work starts, that results can go to a folder. `names` are those of the files that will be
-/// written there, with `*` for any letters; `inputs` are files that this run reads.
-///
-/// # Errors
-/// [`CliError`] if something else than a folder has that name, nothing can be written there, or a file would be
-/// replaced that is an input or that slipgrid did not write.
-pub fn check_folder(place: Place<'_>, names: &[&str], inputs: &[PathBuf]) -> Result<(), CliError> {
-    let folder = place.path;
-    place.check_link()?;
-    if folder.exists() && !folder.is_dir() {
-        return Err(place.refuse("is a file").expected("a folder").into());
-    }
-    check_parents(place)?;
-    let Ok(entries) = fs::read_dir(folder) else { return Ok(()) };
-    let mut there: Vec<PathBuf> = entries.flatten().map(|entry| entry.path()).collect();
-    there.sort();
-    let is_named = |path: &&PathBuf| {
-        let name = path.file_name().unwrap_or_default().to_string_lossy();
-        names.iter().any(|pattern| fits(&name, pattern))
-    };
-    for file in there.iter().filter(is_named) {
-        place.check_replaced(file, inputs)?;
-    }
-    Ok(())
-}
-
-/// Checks, before long work starts, that a result can go to a file; `inputs` are files that this run reads.
-///
-/// # Errors
-/// [`CliError`] if a folder has that name, nothing can be written there, or the file there is an input or was not
-/// written by slipgrid.
-pub fn check_file(place: Place<'_>, inputs: &[PathBuf]) -> Result<(), CliError> {
-    place.check_link()?;
-    if place.path.is_dir() {
-        return Err(place.refuse("is a folder").expected("a file").into());
-    }
-    check_parents(place)?;
-    if place.path.exists() {
-        place.check_replaced(place.path, inputs)?;
-    }
-    Ok(())
-}
-
-/// Whether both paths lead to one file.
-fn is_same(left: &Path, right: &Path) -> bool {
-    matches!((fs::canonicalize(left), fs::canonicalize(right)), (Ok(left), Ok(right)) if left == right)
-}
-
-/// Whether `name` is `pattern`, which may hold one `*` for any letters.
-fn fits(name: &str, pattern: &str) -> bool {
-    match pattern.split_once('*') {
-        None => name == pattern,
-        Some((start, end)) => name.len() >= start.len() + end.len() && name.starts_with(start) && name.ends_with(end),
-    }
-}
-
-/// Whether the file at `path` is one that slipgrid wrote, by how it begins, or is empty. Devices and pipes hold nothing
-/// that could be lost.
-fn is_ours(path: &Path) -> bool {
-    if path.metadata().is_ok_and(|metadata| !metadata.is_file() && !metadata.is_dir()) {
-        return true;
-    }
-    let mut head = Vec::new();
-    if fs::File::open(path).and_then(|file| file.take(HEAD as u64).read_to_end(&mut head)).is_err() {
-        return false;
-    }
-    let name = path.file_name().map(|name| name.to_string_lossy().to_lowercase()).unwrap_or_default();
-    head.is_empty() || begins_as_ours(&name, &head)
-}
-
-/// # Errors
-/// [`WriteError`] if the file at `path` is there and not slipgrid's.
-fn refuse_foreign(path: &Path) -> Result<(), WriteError> {
-    if !path.exists() || is_ours(path) {
-        return Ok(());
-    }
-    Err(WriteError { path: path.to_owned(), source: io::Error::other("slipgrid did not write the file that is there") })
-}
-
-fn check_parents(place: Place<'_>) -> Result<(), CliError> {
-    let path = place.path;
-    let blocking = path.ancestors().skip(1).find(|above| above.exists());
-    match blocking {
-        Some(above) if !above.as_os_str().is_empty() && !above.is_dir() => {
-            let reason = format!("cannot be made: {} is a file", above.display());
-            Err(place.refuse(reason).expected("a path below folders").into())
-        }
-        _ => Ok(check_writable(path)?),
-    }
-}
-
-/// Checks that a file can be made where `path` would appear: hours of work should not end at a closed door.
-fn check_writable(path: &Path) -> Result<(), WriteError> {
-    if fs::metadata(path).is_ok_and(|metadata| !metadata.is_file() && !metadata.is_dir()) {
-        // A device or a pipe.
-        return Ok(());
-    }
-    let folders = path.ancestors().skip(usize::from(!path.is_dir()));
-    let named = folders.map(|above| if above.as_os_str().is_empty() { Path::new(".") } else { above });
-    let Some(folder) = named.into_iter().find(|above| above.is_dir()) else { return Ok(()) };
-    // It goes away at once.
-    unfinished(0o666).tempfile_in(folder).map(drop).map_err(WriteError::at(path))
 }
 
 /// The folder that holds `path`.
@@ -358,25 +191,5 @@ mod tests {
         fs::File::options().write(true).open(&old).unwrap().set_modified(long_ago).unwrap();
         write_file(&place.path().join("a.txt"), b"one").unwrap();
         assert_eq!(names(place.path()), [".slipgrid-new.part", "a.txt", "other.part"]);
-    }
-
-    #[test]
-    fn an_output_that_cannot_be_is_seen_before_the_work() {
-        let place = tempfile::tempdir().unwrap();
-        let file = place.path().join("file");
-        fs::write(&file, "").unwrap();
-        let to_folder = |path: &Path| check_folder(Place::output(path), &["a.toml", "map-*.svg"], &[]);
-        let to_file = |path: &Path| check_file(Place::output(path), &[]);
-        assert!(to_folder(&file).is_err() && to_folder(&file.join("below")).is_err());
-        assert!(to_file(place.path()).is_err() && to_file(&place.path().join("new/file")).is_ok());
-        assert!(to_folder(Path::new("relative/out")).is_ok() && to_folder(place.path()).is_ok());
-        fs::write(place.path().join("map-1.svg"), "<?xml").unwrap();
-        let refused = to_folder(place.path()).unwrap_err().to_string();
-        assert!(refused.contains("holds map-1.svg, which was not written by slipgrid"), "{refused}");
-        assert!(to_file(&place.path().join("map-1.svg")).is_err());
-        let place = tempfile::tempdir().unwrap();
-        fs::create_dir(place.path().join("a.toml")).unwrap();
-        let refused = to_folder(place.path()).unwrap_err().to_string();
-        assert!(refused.contains("holds a.toml, which is a folder where a file is to go"), "{refused}");
     }
 }

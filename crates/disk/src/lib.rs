@@ -1,5 +1,5 @@
-//! What front doors share of the system: [`Disk`] reads and writes files for libraries that know none, and [`KeptResults`] is
-//! a folder of results by their content, so that nothing is computed twice.
+//! What front doors share of the system: [`Disk`] reads and writes files for libraries that know none, [`Place`] is where results
+//! go without anything being lost, and [`KeptResults`] is a folder of results by their content, so that nothing is computed twice.
 //!
 //! Only this crate and the front doors themselves touch files. A kept result is the one that would be computed, to the last
 //! bit; a run with an empty folder, or without one, gives the same bytes:
@@ -20,14 +20,19 @@
 
 mod files;
 mod kept_results;
+mod places;
 
 pub use files::{Disk, disk};
 pub use kept_results::KeptResults;
+pub use places::{Place, PlaceError, WriteError, check_file, check_folder, refuse_foreign, write_file, write_folder};
 
 use std::fs;
 use std::io;
 use std::io::Write;
 use std::path::Path;
+
+/// Most threads of a pool: more than one machine has cores, and few enough to be made in an instant.
+pub const MOST_THREADS: usize = 1024;
 
 /// Name of a file that is not finished, at its beginning and end.
 pub const UNFINISHED: (&str, &str) = (".slipgrid-", ".part");

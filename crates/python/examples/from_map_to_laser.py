@@ -45,7 +45,7 @@ design = slipgrid.Design(
     sample={"layer_um": 100, "block_um": 10},
 )
 found = design.optimize()
-print(found.chance.words)
+print(found.headline)
 print(found.frame())
 
 # %% What a micrometre more or less does: a steady cell, asked a thousand times.

@@ -16,6 +16,7 @@ use slipgrid::results::json;
 
 use crate::refused;
 use crate::watched::watched;
+use crate::written::inputs;
 use slipgrid_disk::disk;
 
 /// Seed of the flat sample's local coefficients.
@@ -26,6 +27,7 @@ const SEED: u64 = 1;
 pub struct Calibration {
     read: Read,
     path: PathBuf,
+    inputs: Vec<PathBuf>,
 }
 
 /// A calibration that was fitted.
@@ -33,6 +35,7 @@ pub struct Calibration {
 pub struct Fitted {
     read: Read,
     path: PathBuf,
+    inputs: Vec<PathBuf>,
     task: CalibrationTask,
     outcome: CalibrationOutcome,
     ledger: Option<TrialsReport>,
@@ -41,11 +44,14 @@ pub struct Fitted {
 #[pymethods]
 impl Calibration {
     /// The calibration that `text` says, as a file would that stands at `path`: what it names is looked for beside that.
+    /// `is_file` says that it does stand there.
     #[staticmethod]
-    fn from_text(py: Python<'_>, text: &str, path: PathBuf) -> PyResult<Self> {
+    #[pyo3(signature = (text, path, *, is_file=false))]
+    fn from_text(py: Python<'_>, text: &str, path: PathBuf, is_file: bool) -> PyResult<Self> {
         let document = Document::within(&disk(), path.clone(), text);
         let read = py.detach(|| Read::from_document(&document)).map_err(|error| refused::input(py, &error))?;
-        Ok(Self { read, path })
+        let inputs = inputs(&read.inputs, &path, is_file);
+        Ok(Self { read, path, inputs })
     }
 
     /// What is unusual in it, one sentence each.
@@ -64,7 +70,8 @@ impl Calibration {
             Ok((task, outcome, ledger))
         })?;
         let (task, outcome, ledger) = found.map_err(|error: Uncalibrated| refused::uncalibrated(py, &error))?;
-        Ok(Fitted { read: self.read.clone(), path: self.path.clone(), task, outcome, ledger })
+        let (read, path, inputs) = (self.read.clone(), self.path.clone(), self.inputs.clone());
+        Ok(Fitted { read, path, inputs, task, outcome, ledger })
     }
 
     /// The ledger of its trials, as `slipgrid trials --json` writes it, and in words.
@@ -90,6 +97,12 @@ impl Fitted {
     fn material_toml(&self, py: Python<'_>, output: Option<PathBuf>) -> PyResult<String> {
         let made_from = output.and_then(|output| MadeFrom::new(&self.read, &self.path, &output, &disk()));
         material_toml(&self.task, &self.outcome, made_from).map_err(|error| refused::failed(py, &error.to_string()))
+    }
+
+    /// Files that it was made from.
+    #[getter]
+    fn inputs(&self) -> Vec<PathBuf> {
+        self.inputs.clone()
     }
 
     /// The fit as fit.json holds it.

@@ -7,7 +7,7 @@ use std::sync::Arc;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
-use slipgrid::campaign::{Campaign as Shared, Planned, Results, Task, Worker, plan};
+use slipgrid::campaign::{Campaign as Shared, Done, Planned, Results, Task, Worker, plan};
 
 use crate::refused;
 use crate::watched::watched;
@@ -77,7 +77,8 @@ impl Campaign {
     fn table(&self, results: Vec<Option<String>>) -> PyResult<(String, String)> {
         let mut all = Results::new(&self.planned.campaign);
         for (task, text) in self.planned.tasks.iter().zip(&results) {
-            let done = text.as_deref().map(serde_json::from_str).transpose().map_err(|error| unusable(&error))?;
+            let done = text.as_deref().map(|text| Done::read(text.as_bytes())).transpose();
+            let done = done.map_err(|reason| unusable(&format!("a result {reason}")))?;
             all.add(task, done.as_ref());
         }
         Ok((all.csv().to_owned(), all.counts().words()))

@@ -19,12 +19,14 @@ use slipgrid::results::{json, json_and_timings};
 
 use crate::refused;
 use crate::watched::{Watch, watched};
+use crate::written::inputs;
 use slipgrid_disk::disk;
 
 /// A design task.
 #[pyclass(frozen, module = "slipgrid")]
 pub struct Design {
     read: Read,
+    inputs: Vec<PathBuf>,
     /// With its material, once it was calibrated, and the calibration.
     completed: Mutex<Option<(Read, Option<Calibration>)>>,
 }
@@ -33,6 +35,7 @@ pub struct Design {
 #[pyclass(frozen, module = "slipgrid")]
 pub struct Designed {
     found: DesignOutcome,
+    inputs: Vec<PathBuf>,
 }
 
 /// Samples to cut next.
@@ -81,11 +84,20 @@ impl Design {
 #[pymethods]
 impl Design {
     /// The design that `text` says, as a design file would that stands at `path`: what it names is looked for beside that.
+    /// `is_file` says that it does stand there.
     #[staticmethod]
-    fn from_text(py: Python<'_>, text: &str, path: PathBuf) -> PyResult<Self> {
-        let document = Document::within(&disk(), path, text);
+    #[pyo3(signature = (text, path, *, is_file=false))]
+    fn from_text(py: Python<'_>, text: &str, path: PathBuf, is_file: bool) -> PyResult<Self> {
+        let document = Document::within(&disk(), path.clone(), text);
         let read = py.detach(|| Read::from_document(document)).map_err(|error| refused::input(py, &error))?;
-        Ok(Self { read, completed: Mutex::new(None) })
+        let inputs = inputs(&read.inputs, &path, is_file);
+        Ok(Self { read, inputs, completed: Mutex::new(None) })
+    }
+
+    /// Files that it was made from.
+    #[getter]
+    fn inputs(&self) -> Vec<PathBuf> {
+        self.inputs.clone()
     }
 
     /// What is unusual in it, one sentence each.
@@ -102,7 +114,7 @@ impl Design {
             read.task.explorer = true;
             run(&read.task, &mut NoCache, watch).map_err(Undone::Design)
         })?;
-        Ok(Designed { found: found.map_err(|undone| self.undone(py, &undone))? })
+        Ok(Designed { found: found.map_err(|undone| self.undone(py, &undone))?, inputs: self.inputs.clone() })
     }
 
     /// A page with sliders: what any design within the bounds does, before a search.
@@ -156,6 +168,12 @@ impl Designed {
     /// In words, as the command line prints it.
     fn text(&self) -> String {
         self.found.report.summary()
+    }
+
+    /// Files that it was made from.
+    #[getter]
+    fn inputs(&self) -> Vec<PathBuf> {
+        self.inputs.clone()
     }
 
     /// Everything that the command line writes, by name.

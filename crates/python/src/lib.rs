@@ -9,6 +9,7 @@
 //! | `campaigns` | many scenes or designs as tasks for any number of processes |
 //! | `watched` | work on a thread of its own, progress, Ctrl-C |
 //! | `threads` | the pool that work is done in |
+//! | `written` | files, where nothing is lost |
 //! | `refused` | errors as exceptions with file, line and key |
 //!
 //! Records cross the border as the JSON that the command line writes: the same bytes. Arrays are NumPy's.
@@ -21,6 +22,7 @@ mod refused;
 mod scenes;
 mod threads;
 mod watched;
+mod written;
 
 use pyo3::prelude::*;
 
@@ -41,6 +43,8 @@ mod _slipgrid {
     use crate::scenes::{Scene, Solved, SteadyCell};
     #[pymodule_export]
     use crate::threads::{set_threads, threads};
+    #[pymodule_export]
+    use crate::written::{check_file, write_file, write_folder};
 
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {

@@ -6,15 +6,17 @@ use numpy::ndarray::ArrayView2;
 use numpy::{PyArray2, PyReadonlyArray2, PyUntypedArrayMethods};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
-use slipgrid::calibrate::area_law::{AreaLawRequest, CONTACT_TOLERANCE, DEFAULT_PRESSURES_MPA, surface_area_law};
+use slipgrid::calibrate::area_law::{AreaLawError, AreaLawRequest, DEFAULT_PRESSURES_MPA, surface_area_law};
 use slipgrid::formats::altitude_map::{open, refuse, refuse_law};
-use slipgrid::material::THRESHOLD_PRESSURE_PA;
+use slipgrid::formats::{Diagnostic, checked};
 use slipgrid::monitor::Cancelled;
+use slipgrid::report::area_law::{AreaLawCurve, AreaLawReport};
 use slipgrid::report::surface::SurfaceReport;
 use slipgrid::topography::{
     CORRELATION_THRESHOLD, Form, HeightMap, MapError, MapFormat, MaterialRatioCurve, Missing, Preparation, PreparedMap,
     ReadMap, ReadOptions, Sides, SpectrumWindow,
 };
+use slipgrid::units::{MODULUS_GPA, POISSON, PRESSURE_MPA, TOLERANCE};
 
 use crate::refused;
 use crate::watched::{Watch, watched};
@@ -39,6 +41,20 @@ fn preparation(form: &str, missing: &str, despike: bool) -> PyResult<Preparation
     let form = named("form", form, &forms)?;
     let missing = named("missing", missing, &[("fill", Missing::Fill), ("refuse", Missing::Refuse)])?;
     Ok(Preparation { form, missing, despike })
+}
+
+/// Pressures that increase, in pascals.
+fn pressures(pressures_mpa: &[f64]) -> Result<Vec<f64>, Diagnostic> {
+    let refuse = |value: String, reason: &str| {
+        Diagnostic::flag("pressures_mpa", value, reason).expected("positive numbers that increase")
+    };
+    if pressures_mpa.is_empty() {
+        return Err(refuse("[]".to_owned(), "has no pressure"));
+    }
+    if let Some(pair) = pressures_mpa.windows(2).find(|pair| pair[1] <= pair[0]) {
+        return Err(refuse(pair[1].to_string(), &format!("does not exceed the {} before it", pair[0])));
+    }
+    pressures_mpa.iter().map(|&pressure_mpa| checked("pressures_mpa", pressure_mpa, PRESSURE_MPA)).collect()
 }
 
 #[pymethods]
@@ -132,8 +148,8 @@ impl Map {
     }
 
     /// Real contact area and area law at `pressures_mpa`: lists by pressure.
-    #[pyo3(signature = (*, youngs_modulus_gpa, poisson_ratio=1.0/3.0, pressures_mpa=None, threshold_mpa=None,
-                        form="plane", missing="fill", despike=false, windows=None, progress=None))]
+    #[pyo3(signature = (*, youngs_modulus_gpa, poisson_ratio=1.0/3.0, pressures_mpa=None, threshold_mpa=0.7,
+                        tolerance=1e-8, form="plane", missing="fill", despike=false, windows=None, progress=None))]
     #[allow(clippy::too_many_arguments, reason = "they are named where it is called")]
     fn area_law_json(
         &self,
@@ -141,56 +157,50 @@ impl Map {
         youngs_modulus_gpa: f64,
         poisson_ratio: f64,
         pressures_mpa: Option<Vec<f64>>,
-        threshold_mpa: Option<f64>,
+        threshold_mpa: f64,
+        tolerance: f64,
         form: &str,
         missing: &str,
         despike: bool,
-        windows: Option<usize>,
+        windows: Option<i64>,
         progress: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<String> {
         let how = preparation(form, missing, despike)?;
         let pressures_mpa = pressures_mpa.unwrap_or_else(|| DEFAULT_PRESSURES_MPA.to_vec());
-        let is_curve = pressures_mpa.windows(2).all(|pair| pair[0] < pair[1]);
-        if !is_curve || pressures_mpa.iter().any(|pressure| !(*pressure > 0.0 && pressure.is_finite())) {
-            return Err(PyValueError::new_err("pressures_mpa: expected positive numbers, increasing"));
-        }
-        if !(youngs_modulus_gpa > 0.0 && (0.0..0.5).contains(&poisson_ratio)) {
-            return Err(PyValueError::new_err(
-                "youngs_modulus_gpa, poisson_ratio: expected a positive modulus, and a ratio from 0 to below 0.5",
-            ));
-        }
-        let pressures_pa: Vec<f64> = pressures_mpa.iter().map(|pressure| pressure * 1e6).collect();
+        let wanted = || -> Result<AreaLawCurve, Diagnostic> {
+            checked("youngs_modulus_gpa", youngs_modulus_gpa, MODULUS_GPA)?;
+            let poisson_ratio = checked("poisson_ratio", poisson_ratio, POISSON)?;
+            let threshold_pa = checked("threshold_mpa", threshold_mpa, PRESSURE_MPA)?;
+            let tolerance = checked("tolerance", tolerance, TOLERANCE)?;
+            Ok(AreaLawCurve::new(
+                youngs_modulus_gpa,
+                poisson_ratio,
+                threshold_pa,
+                pressures(&pressures_mpa)?,
+                tolerance,
+            ))
+        };
+        let wanted = wanted().map_err(|error| refused::input(py, &error))?;
+        let per_side = |count: i64| usize::try_from(count).ok().filter(|count| *count > 0).ok_or(count);
+        let windows = windows.map(per_side).transpose().map_err(|count| {
+            let refused = Diagnostic::flag("windows", count.to_string(), "is no number of windows");
+            refused::input(py, &refused.expected("1 for none, 2 or more, or None"))
+        })?;
         let found = watched(py, progress, |watch| {
             let surface =
                 PreparedMap::one_period(self.read.clone(), how, watch).map_err(|error| refuse(&self.path, &error))?;
-            let request = AreaLawRequest {
-                contact_modulus_pa: youngs_modulus_gpa * 1e9 / (1.0 - poisson_ratio * poisson_ratio),
-                pressures_pa: &pressures_pa,
-                threshold_pa: threshold_mpa.map_or(THRESHOLD_PRESSURE_PA, |threshold| threshold * 1e6),
-                tolerance: CONTACT_TOLERANCE,
-                windows,
-            };
-            let found = surface_area_law(&surface, &request, watch);
-            let found = found.map_err(|error| refuse_law(&self.path, &error).unwrap_or_default())?;
-            Ok((surface.rms_slope, found))
+            let request = AreaLawRequest { windows, ..wanted.law() };
+            let found = surface_area_law(&surface, &request, watch).map_err(|error| match (&error, windows) {
+                (AreaLawError::Windows(_), Some(per_side)) => {
+                    Diagnostic::flag("windows", per_side.to_string(), error.to_string())
+                }
+                (error, _) => refuse_law(&self.path, error).unwrap_or_default(),
+            })?;
+            let report = wanted.of_map(&self.path.display().to_string(), &surface, &found, &[]);
+            let warnings = found.warnings.iter().map(ToString::to_string).collect();
+            Ok(AreaLawRecord::new(&report, found.curve.full_contact_pressure_pa, warnings, found.unconverged))
         })?;
-        let (rms_slope, found) = found.map_err(|error| refused::input(py, &error))?;
-        let law = found.law.as_ref().ok();
-        let points = &found.curve.points;
-        let each = |of: &dyn Fn(&slipgrid::contact::AreaPoint) -> Option<f64>| -> Vec<Option<f64>> {
-            points.iter().map(of).collect()
-        };
-        let record = AreaLawRecord {
-            rms_slope,
-            full_contact_pressure_mpa: found.curve.full_contact_pressure_pa / 1e6,
-            pressure_mpa: pressures_mpa,
-            area_fraction: each(&|point| Some(point.area_fraction)),
-            area_fraction_corrected: each(&|point| Some(point.area_fraction_corrected)),
-            area_error: each(&|point| Some(point.area_error)),
-            factor: each(&|point| law.map(|law| law.factor(point.pressure_pa))),
-            warnings: found.warnings.iter().map(ToString::to_string).collect(),
-            unconverged: found.unconverged,
-        };
+        let record = found.map_err(|error| refused::input(py, &error))?;
         slipgrid::results::json(&record).map_err(|error| refused::failed(py, &error.to_string()))
     }
 
@@ -224,10 +234,30 @@ struct AreaLawRecord {
     rms_slope: f64,
     full_contact_pressure_mpa: f64,
     pressure_mpa: Vec<f64>,
-    area_fraction: Vec<Option<f64>>,
-    area_fraction_corrected: Vec<Option<f64>>,
-    area_error: Vec<Option<f64>>,
+    area_fraction: Vec<f64>,
+    area_fraction_corrected: Vec<f64>,
+    area_error: Vec<f64>,
     factor: Vec<Option<f64>>,
+    factor_std: Vec<Option<f64>>,
     warnings: Vec<String>,
     unconverged: usize,
+}
+
+impl AreaLawRecord {
+    /// The rows of the command line's report as lists.
+    fn new(report: &AreaLawReport, full_contact_pressure_pa: f64, warnings: Vec<String>, unconverged: usize) -> Self {
+        let rows = &report.results;
+        Self {
+            rms_slope: report.rms_slope,
+            full_contact_pressure_mpa: full_contact_pressure_pa / 1e6,
+            pressure_mpa: rows.iter().map(|row| row.pressure_mpa).collect(),
+            area_fraction: rows.iter().map(|row| row.area_fraction).collect(),
+            area_fraction_corrected: rows.iter().map(|row| row.area_fraction_corrected).collect(),
+            area_error: rows.iter().map(|row| row.area_error).collect(),
+            factor: rows.iter().map(|row| row.factor).collect(),
+            factor_std: rows.iter().map(|row| row.factor_std).collect(),
+            warnings,
+            unconverged,
+        }
+    }
 }

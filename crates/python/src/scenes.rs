@@ -3,13 +3,13 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use numpy::{PyArray1, PyArray2, PyReadonlyArray2};
-use pyo3::exceptions::PyValueError;
+use numpy::{AllowTypeChange, PyArray1, PyArray2, PyArrayLike2, PyArrayMethods, PyUntypedArrayMethods};
+use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use slipgrid::design::simulate_on;
-use slipgrid::formats::Document;
 use slipgrid::formats::run::Overrides;
 use slipgrid::formats::scene::SceneInput;
+use slipgrid::formats::{Diagnostic, Document};
 use slipgrid::monitor::{Monitor, Stage};
 use slipgrid::pattern::{Pattern, Texture};
 use slipgrid::report::files;
@@ -19,12 +19,14 @@ use slipgrid::springblock::{Extent, Fidelity, Simulation, Status};
 use crate::refused;
 use crate::threads::pool;
 use crate::watched::watched;
+use crate::written::inputs;
 use slipgrid_disk::disk;
 
 /// A scene: a material, a pattern or none, loads, and how they are solved.
 #[pyclass(frozen, module = "slipgrid")]
 pub struct Scene {
     input: SceneInput,
+    inputs: Vec<PathBuf>,
 }
 
 /// A scene that was solved.
@@ -33,6 +35,7 @@ pub struct Solved {
     scene: slipgrid::springblock::Scene,
     simulation: Simulation,
     report: SimulationReport,
+    inputs: Vec<PathBuf>,
 }
 
 fn overrides(fidelity: Option<&str>, extent: Option<&str>) -> PyResult<Overrides> {
@@ -54,20 +57,23 @@ fn overrides(fidelity: Option<&str>, extent: Option<&str>) -> PyResult<Overrides
 
 #[pymethods]
 impl Scene {
-    /// The scene that `text` says, as a scene file would that stands at `path`: what it names is looked for beside that.
+    /// The scene that `text` says, as a scene file would that stands at `path`: what it names is looked for beside
+    /// that. `is_file` says that it does stand there.
     #[staticmethod]
-    #[pyo3(signature = (text, path, *, fidelity=None, extent=None))]
+    #[pyo3(signature = (text, path, *, fidelity=None, extent=None, is_file=false))]
     fn from_text(
         py: Python<'_>,
         text: &str,
         path: PathBuf,
         fidelity: Option<&str>,
         extent: Option<&str>,
+        is_file: bool,
     ) -> PyResult<Self> {
         let overrides = overrides(fidelity, extent)?;
+        let inputs = inputs(std::slice::from_ref(&path), &path, is_file);
         let document = Document::within(&disk(), path, text);
         let read = || SceneInput::from_file(document.clone(), &document.parse()?, overrides);
-        Ok(Self { input: read().map_err(|error| refused::input(py, &error))? })
+        Ok(Self { input: read().map_err(|error| refused::input(py, &error))?, inputs })
     }
 
     /// What is unusual in it, one sentence each.
@@ -87,7 +93,7 @@ impl Scene {
             let simulation = solved.map_err(|error| Ok(input.refuse_on_specimen(&error)))?;
             let found = input.report(simulation, wall_s, rayon::current_num_threads());
             let (simulation, report) = found.map_err(|error| Err(error.to_string()))?;
-            Ok(Solved { scene: input.scene.clone(), simulation, report })
+            Ok(Solved { scene: input.scene.clone(), simulation, report, inputs: self.inputs.clone() })
         })?;
         found.map_err(|error| match error {
             Ok(refused) => refused::input(py, &refused),
@@ -102,7 +108,7 @@ impl Scene {
             return Err(PyValueError::new_err("a flat scene has no pattern to vary"));
         };
         let cell = slipgrid::springblock::SteadyCell::new(scene);
-        Ok(SteadyCell { cell: Arc::new(cell), texture: *pattern.texture() })
+        Ok(SteadyCell { cell: Arc::new(cell), texture: *pattern.texture(), loads: scene.loads.len() })
     }
 }
 
@@ -111,6 +117,12 @@ impl Solved {
     /// The record and its times, as result.json and timings.json hold them.
     fn json(&self, py: Python<'_>) -> PyResult<[String; 2]> {
         json_and_timings(&self.report).map_err(|error| refused::failed(py, &error.to_string()))
+    }
+
+    /// Files that it was made from.
+    #[getter]
+    fn inputs(&self) -> Vec<PathBuf> {
+        self.inputs.clone()
     }
 
     /// In words, as the command line prints it.
@@ -130,6 +142,7 @@ impl Solved {
 pub struct SteadyCell {
     cell: Arc<slipgrid::springblock::SteadyCell>,
     texture: Texture,
+    loads: usize,
 }
 
 #[pymethods]
@@ -142,7 +155,7 @@ impl SteadyCell {
         spacing_um: f64,
         depth_um: f64,
     ) -> PyResult<Bound<'py, PyArray1<f64>>> {
-        let pattern = self.pattern([width_um, spacing_um, depth_um])?;
+        let pattern = self.pattern(py, "width_um, spacing_um, depth_um", [width_um, spacing_um, depth_um])?;
         let found = if self.cell.dimension().is_cheap_per_design() {
             py.detach(|| self.cell.ratios(&pattern))
         } else {
@@ -156,29 +169,44 @@ impl SteadyCell {
     }
 
     /// The same of many patterns, rows of width, spacing and depth in micrometres: a row of ratios for each, on all threads.
-    fn ratios_of<'py>(
-        &self,
-        py: Python<'py>,
-        patterns_um: PyReadonlyArray2<'py, f64>,
-    ) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        let rows = patterns_um.as_array();
-        if rows.ncols() != 3 {
-            return Err(PyValueError::new_err("patterns_um: expected rows of width, spacing and depth"));
-        }
-        let lengths = rows.rows().into_iter().map(|row| self.pattern([row[0], row[1], row[2]]));
-        let patterns: Vec<Pattern> = lengths.collect::<PyResult<_>>()?;
+    fn ratios_of<'py>(&self, py: Python<'py>, patterns_um: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let rows = numbers(patterns_um)?;
+        let lengths = rows.as_array().rows().into_iter().map(|row| [row[0], row[1], row[2]]).collect::<Vec<_>>();
+        let of_row =
+            |(row, lengths_um): (usize, &[f64; 3])| self.pattern(py, &format!("patterns_um[{row}]"), *lengths_um);
+        let patterns: Vec<Pattern> = lengths.iter().enumerate().map(of_row).collect::<PyResult<_>>()?;
         let pool = pool()?;
         let found = py.detach(|| pool.install(|| self.cell.ratios_of(&patterns)));
-        let found: Vec<Vec<f64>> =
-            found.into_iter().map(|row| row.into_iter().map(|ratio| ratio.unwrap_or(f64::NAN)).collect()).collect();
-        PyArray2::from_vec2(py, &found).map_err(|error| PyValueError::new_err(error.to_string()))
+        let found = found.into_iter().flatten().map(|ratio| ratio.unwrap_or(f64::NAN));
+        PyArray1::from_iter(py, found).reshape([patterns.len(), self.loads])
+    }
+}
+
+/// An array of rows of three numbers, of any type that numbers have.
+fn numbers<'py>(patterns_um: &Bound<'py, PyAny>) -> PyResult<PyArrayLike2<'py, f64, AllowTypeChange>> {
+    let expected = "expected rows of width, spacing and depth in micrometres";
+    let rows: PyArrayLike2<'py, f64, AllowTypeChange> = patterns_um
+        .extract()
+        .map_err(|_| PyTypeError::new_err(format!("patterns_um is no array of numbers: {expected}")))?;
+    match rows.shape()[1] {
+        3 => Ok(rows),
+        columns => Err(PyValueError::new_err(format!("patterns_um has {columns} columns: {expected}"))),
     }
 }
 
 impl SteadyCell {
-    fn pattern(&self, lengths_um: [f64; 3]) -> PyResult<Pattern> {
+    /// The pattern of these lengths, which stand in the argument `named`, if its cell is not too large.
+    fn pattern(&self, py: Python<'_>, named: &str, lengths_um: [f64; 3]) -> PyResult<Pattern> {
         let [width_m, spacing_m, depth_m] = lengths_um.map(|length_um| length_um * 1e-6);
-        Pattern::new(self.texture, width_m, spacing_m, depth_m)
-            .map_err(|error| PyValueError::new_err(error.to_string()))
+        let pattern = Pattern::new(self.texture, width_m, spacing_m, depth_m)
+            .map_err(|error| PyValueError::new_err(format!("{named}: {error}")))?;
+        let (bytes, most_bytes) = (self.cell.bytes(&pattern), self.cell.most_bytes());
+        if bytes > most_bytes {
+            let given = lengths_um.map(|length_um| length_um.to_string()).join(", ");
+            let refused = Diagnostic::flag(named, given, format!("makes a cell that takes {bytes:.1e} bytes"));
+            let expected = format!("a smaller pattern or larger blocks, at most {most_bytes:.1e} bytes");
+            return Err(refused::input(py, &refused.expected(expected)));
+        }
+        Ok(pattern)
     }
 }

@@ -6,6 +6,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use pyo3::exceptions::{PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
 use rayon::{ThreadPool, ThreadPoolBuilder};
+use slipgrid_disk::MOST_THREADS;
 
 /// Threads asked for, 0 for as many as there are cores, and the pool with the process that made it.
 struct Pool {
@@ -37,10 +38,11 @@ pub fn pool() -> PyResult<Arc<ThreadPool>> {
 /// Computes with `count` threads from here on; as many as there are cores where `count` is None. Results do not depend on it.
 #[pyfunction]
 #[pyo3(signature = (count=None))]
-pub fn set_threads(count: Option<usize>) -> PyResult<()> {
-    if count == Some(0) {
-        return Err(PyValueError::new_err("count is 0: expected 1 or more, or None for all cores"));
-    }
+pub fn set_threads(count: Option<i64>) -> PyResult<()> {
+    let accepted = |count: i64| usize::try_from(count).ok().filter(|count| (1..=MOST_THREADS).contains(count));
+    let refused =
+        |count| PyValueError::new_err(format!("count is {count}: expected 1 to {MOST_THREADS}, or None for all cores"));
+    let count = count.map(|count| accepted(count).ok_or_else(|| refused(count))).transpose()?;
     let mut pool = POOL.lock().unwrap_or_else(PoisonError::into_inner);
     pool.wanted = count.unwrap_or(0);
     if let Some((owner, made)) = pool.made.take()

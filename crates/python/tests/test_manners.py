@@ -116,7 +116,7 @@ def test_threads_are_those_asked_for() -> None:
     assert slipgrid.threads() == 1
     slipgrid.set_threads(None)
     assert slipgrid.threads() == len(os.sched_getaffinity(0))
-    with pytest.raises(ValueError, match="expected 1 or more"):
+    with pytest.raises(ValueError, match="expected 1 to 1024"):
         slipgrid.set_threads(0)
 
 

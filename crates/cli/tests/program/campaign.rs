@@ -91,6 +91,21 @@ fn a_design_is_searched_or_tabulated() {
     let nodes = table.lines().skip(1).filter(|line| !line.starts_with('#')).count();
     assert!(done.contains(&format!("{nodes} tasks: {nodes} done")), "{done}");
     assert!(merged.contains("0 missing, in all.csv") && lines.lines().count() == 1 + 2 * nodes, "{merged}");
+
+    // Scenes vary, not the design that their table was made of.
+    for (key, says) in [
+        (
+            "bounds.width_um",
+            "is no key of the scenes that work = \"table\" makes of the design; expected a key of material, ",
+        ),
+        ("pattern.width_um", "is what the rows of the design's table vary already; expected another key"),
+    ] {
+        let text = format!("base = \"design.toml\"\nwork = \"table\"\n[[grid]]\nkey = \"{key}\"\nvalues = [60.0]\n");
+        fs::write(designs.path("wrong.toml"), text).unwrap();
+        let refused = designs.run(&["campaign", "plan", "wrong.toml", "-o", "wrong"]);
+        let told = String::from_utf8_lossy(&refused.stderr).into_owned();
+        assert!(told.starts_with(&format!("error: wrong.toml:5: {key}: 60.0 {says}")), "{told}");
+    }
 }
 
 #[test]

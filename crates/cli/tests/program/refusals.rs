@@ -373,6 +373,10 @@ fn flags() {
         (vec!["simulate", "scene.toml", "-o", "map.txt/below"], "error: --output: map.txt/below cannot be made"),
         (vec!["simulate", "scene.toml", "--fidelity", "fast"], "error: invalid value 'fast'"),
         (vec!["simulate", "scene.toml", "--threads", "0"], "error: invalid value '0'"),
+        (
+            vec!["simulate", "scene.toml", "--threads", "100000"],
+            "error: invalid value '100000' for '--threads <N>': expected a whole number from 1 to 1024",
+        ),
         (vec!["polish"], "error: unrecognized subcommand 'polish'"),
         (vec!["accuracy", "--quick", "--full"], "error: the argument '--quick' cannot be used with '--full'"),
         (vec!["accuracy", "--seeds", "0"], "error: invalid value '0'"),

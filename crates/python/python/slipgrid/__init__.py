@@ -6,7 +6,7 @@ A design file, a search that is confirmed in time, the files of a laser::
 
     design = slipgrid.Design.read("designs/ldpe-lower-friction.toml")
     found = design.optimize(progress=lambda stage, share: print(f"{stage} {share:.0%}", end="\\r"))
-    print(found.chance.words, found.design.width_um)
+    print(found.headline, found.design.width_um)
     found.export("out")
 
 Units stand in names: ``width_um``, ``pressure_mpa``. Fields are those of the files and of result.json. Results are the command
@@ -26,7 +26,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _slipgrid, campaign, errors
-from ._records import Record, array, frame, table, toml, write
+from ._records import Record, array, floats, frame, heights, table, toml, write
 from ._slipgrid import SteadyCell, __version__, set_threads, threads
 
 if TYPE_CHECKING:
@@ -44,6 +44,7 @@ __all__ = [
     "Scene",
     "SimulationResult",
     "SteadyCell",
+    "Surface",
     "Trials",
     "__version__",
     "campaign",
@@ -67,7 +68,7 @@ class Map:
 
     def __init__(self, heights_m: ArrayLike, pixel_um: float, pixel_y_um: float | None = None) -> None:
         """A map of an array, shape (rows, columns), with pixels of ``pixel_um`` by ``pixel_y_um`` micrometres."""
-        self._map = _slipgrid.Map(np.asarray(heights_m, dtype=np.float64), pixel_um, pixel_y_um)
+        self._map = _slipgrid.Map(heights(heights_m), pixel_um, pixel_y_um)
 
     @classmethod
     def read(
@@ -101,12 +102,12 @@ class Map:
         """The file says of itself that the surface is synthetic, not measured."""
         return self._map.is_synthetic
 
-    def measure(self, *, form: str = "plane", missing: str = "fill", despike: bool = False) -> Record:
+    def measure(self, *, form: str = "plane", missing: str = "fill", despike: bool = False) -> Surface:
         """What the map says: ``parameters`` of ISO 25178, ``spectrum`` and ``warnings``, as ``slipgrid surface --json`` names them.
 
         ``form`` is what is subtracted first: "mean", "plane" or "second-order"; ``missing`` is "fill" or "refuse".
         """
-        return Record(_json.loads(self._map.measure_json(form=form, missing=missing, despike=despike)))
+        return Surface(_json.loads(self._map.measure_json(form=form, missing=missing, despike=despike)))
 
     def area_law(
         self,
@@ -114,19 +115,25 @@ class Map:
         youngs_modulus_gpa: float,
         poisson_ratio: float = 1.0 / 3.0,
         pressures_mpa: Sequence[float] | None = None,
-        threshold_mpa: float | None = None,
+        threshold_mpa: float = 0.7,
+        tolerance: float = 1e-8,
         form: str = "plane",
         missing: str = "fill",
         despike: bool = False,
         windows: int | None = None,
         progress: Progress | None = None,
     ) -> AreaLaw:
-        """Real contact area against nominal pressure by rough contact of the map, and the area law f(P) that follows."""
+        """Real contact area against nominal pressure by rough contact of the map, and the area law f(P) that follows.
+
+        ``tolerance`` is the error at which the contact computation ends; its default is that of ``slipgrid area-law``, whose numbers
+        these are. ``windows`` along either side give standard errors: 1 for none, 2 by default where the map has room.
+        """
         record = self._map.area_law_json(
             youngs_modulus_gpa=youngs_modulus_gpa,
             poisson_ratio=poisson_ratio,
-            pressures_mpa=None if pressures_mpa is None else [float(pressure) for pressure in pressures_mpa],
+            pressures_mpa=None if pressures_mpa is None else floats("pressures_mpa", pressures_mpa),
             threshold_mpa=threshold_mpa,
+            tolerance=tolerance,
             form=form,
             missing=missing,
             despike=despike,
@@ -137,6 +144,15 @@ class Map:
 
     def __repr__(self) -> str:
         return repr(self._map)
+
+
+class Surface(Record):
+    """What a map says; fields as in ``slipgrid surface --json``."""
+
+    @property
+    def warnings(self) -> list[str]:
+        """What is unusual in the map; empty where nothing is."""
+        return list(self.get("warnings", []))
 
 
 class AreaLaw(Record):
@@ -186,7 +202,9 @@ class Scene:
     def read(cls, path: PathLike, *, fidelity: str | None = None, extent: str | None = None) -> Scene:
         """The scene file at ``path``."""
         made = cls.__new__(cls)
-        made._scene = _slipgrid.Scene.from_text(_text(path), Path(path), fidelity=fidelity, extent=extent)
+        made._scene = _slipgrid.Scene.from_text(
+            _text(path), Path(path), fidelity=fidelity, extent=extent, is_file=True
+        )
         return made
 
     @property
@@ -237,8 +255,8 @@ class SimulationResult(Record):
         return frame(self["results"])
 
     def export(self, folder: PathLike) -> list[Path]:
-        """Writes what ``slipgrid simulate -o`` writes."""
-        return write(self._solved.files(), folder)
+        """Writes what ``slipgrid simulate -o`` writes. Files that slipgrid did not write, and inputs, are not replaced."""
+        return write(self._solved.files(), folder, self._solved.inputs)
 
     def __str__(self) -> str:
         return self._solved.text()
@@ -265,7 +283,7 @@ class Calibration:
     def read(cls, path: PathLike) -> Calibration:
         """The calibration file at ``path``."""
         made = cls.__new__(cls)
-        made._calibration = _slipgrid.Calibration.from_text(_text(path), Path(path))
+        made._calibration = _slipgrid.Calibration.from_text(_text(path), Path(path), is_file=True)
         return made
 
     @property
@@ -300,14 +318,15 @@ class Material:
         return Record(_json.loads(self._fitted.fit_json()))
 
     def save(self, path: PathLike) -> Path:
-        """Writes the material file, which remembers the calibration file that it was made from."""
+        """Writes the material file, which remembers the calibration file that it was made from. A file that slipgrid did not
+        write is not replaced."""
         path = Path(path)
-        path.write_bytes(self._fitted.material_toml(path).encode())
+        _slipgrid.write_file(self._fitted.material_toml(path).encode(), path, self._fitted.inputs)
         return path
 
     def export(self, folder: PathLike) -> list[Path]:
-        """Writes what ``slipgrid calibrate --report`` writes."""
-        return write(self._fitted.files(), folder)
+        """Writes what ``slipgrid calibrate --report`` writes; nothing is replaced that slipgrid did not write."""
+        return write(self._fitted.files(), folder, self._fitted.inputs)
 
     def __str__(self) -> str:
         return self._fitted.text()
@@ -348,7 +367,7 @@ class Design:
     def read(cls, path: PathLike) -> Design:
         """The design file at ``path``."""
         made = cls.__new__(cls)
-        made._design = _slipgrid.Design.from_text(_text(path), Path(path))
+        made._design = _slipgrid.Design.from_text(_text(path), Path(path), is_file=True)
         return made
 
     @property
@@ -361,9 +380,12 @@ class Design:
         return DesignResult(self._design.optimize(progress))
 
     def explore(self, path: PathLike, progress: Progress | None = None) -> Path:
-        """Writes a page with sliders, what any design within the bounds does, before a search; as ``slipgrid explore``."""
+        """Writes a page with sliders, what any design within the bounds does, before a search; as ``slipgrid explore``. A file that
+        slipgrid did not write is not replaced."""
         path = Path(path)
-        path.write_bytes(self._design.explore_html(progress).encode())
+        _slipgrid.check_file(path, self._design.inputs)
+        page = self._design.explore_html(progress).encode()
+        _slipgrid.write_file(page, path, self._design.inputs)
         return path
 
     def next(
@@ -375,9 +397,11 @@ class Design:
         """The ``count`` samples to cut next by what trials say. ``candidates_um`` are patterns of one's own, width, spacing and
         depth, whose chance is asked for."""
         own = []
-        for lengths_um in candidates_um:
-            width_um, spacing_um, depth_um = map(float, lengths_um)
-            own.append((width_um, spacing_um, depth_um))
+        for place, lengths_um in enumerate(candidates_um):
+            lengths = floats(f"candidates_um[{place}]", lengths_um)
+            if len(lengths) != 3:
+                raise ValueError(f"candidates_um[{place}] has {len(lengths)} numbers: expected width, spacing and depth")
+            own.append((lengths[0], lengths[1], lengths[2]))
         return NextSamples(self._design.next_samples(count, own, progress))
 
 
@@ -389,6 +413,12 @@ class DesignResult(Record):
         record, times = designed.json()
         super().__init__(_json.loads(record))
         self._times: dict[str, Any] = _json.loads(times)
+
+    @property
+    def headline(self) -> str:
+        """The first line of what ``slipgrid optimize`` prints: the chance that a cut sample is on target, counting what the model
+        may lack, and whether the target is met by the model. ``chance`` is what it would be if the model lacked nothing."""
+        return self._designed.text().splitlines()[0]
 
     @property
     def times(self) -> Record:
@@ -411,8 +441,9 @@ class DesignResult(Record):
         )
 
     def export(self, folder: PathLike) -> list[Path]:
-        """Writes what ``slipgrid optimize -o`` writes: the files of the laser, tables, pictures and report.html."""
-        return write(self._designed.files(), folder)
+        """Writes what ``slipgrid optimize -o`` writes: the files of the laser, tables, pictures and report.html.
+        Files that slipgrid did not write, and inputs, are not replaced: :class:`slipgrid.errors.InputError` names them."""
+        return write(self._designed.files(), folder, self._designed.inputs)
 
     def drawing(self, format: str) -> bytes:
         """The pattern as "dxf", "svg", "csv", "process", "plt", "gcode", "corners", "hatch", "png" or "stl"."""

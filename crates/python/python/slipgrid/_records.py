@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import html
 import json
+import re
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
+
+from . import _slipgrid
 
 if TYPE_CHECKING:
     import pandas as _pandas
@@ -87,44 +90,73 @@ def table(rows: Sequence[Mapping[str, Any]], names: Sequence[str]) -> str:
     return f"<table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"
 
 
-def write(files: Sequence[tuple[str, bytes]], folder: str | Path) -> list[Path]:
-    """Writes ``files`` into ``folder``, which is made where there is none."""
+def heights(given: ArrayLike) -> NDArray[np.float64]:
+    """``given`` as a matrix of heights."""
+    expected = "expected real numbers, shape (rows, columns)"
+    try:
+        array = np.asarray(given)
+        if np.iscomplexobj(array):
+            raise TypeError("complex numbers")
+        array = array.astype(np.float64, copy=False)
+    except (TypeError, ValueError) as error:
+        raise type(error)(f"heights_m: {error}; {expected}") from None
+    if array.ndim != 2:
+        raise ValueError(f"heights_m has the shape {array.shape}; {expected}")
+    return array
+
+
+def floats(name: str, given: Any) -> list[float]:
+    """The argument ``name`` as a list of numbers."""
+    expected = f"{name} is {given!r:.80}: expected a list of numbers"
+    if isinstance(given, (str, bytes, bytearray, memoryview, Mapping)):
+        raise TypeError(expected)
+    try:
+        return [float(number) for number in given]
+    except (TypeError, ValueError):
+        raise TypeError(expected) from None
+
+
+def write(files: Sequence[tuple[str, bytes]], folder: str | Path, inputs: Sequence[Path]) -> list[Path]:
+    """Writes ``files`` into ``folder``, which is made where there is none; neither ``inputs`` nor files of others are replaced."""
     folder = Path(folder)
-    folder.mkdir(parents=True, exist_ok=True)
-    paths = []
-    for name, content in files:
-        path = folder / name
-        path.write_bytes(content)
-        paths.append(path)
-    return paths
+    _slipgrid.write_folder(files, folder, inputs)
+    return [folder / name for name, _ in files]
 
 
 def toml(tables: Mapping[str, Any]) -> str:
     """Nested dictionaries as TOML."""
 
-    def value(item: Any) -> str:
+    def quoted(text: str) -> str:
+        return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")
+
+    def bare(name: Any) -> str:
+        return str(name) if re.fullmatch("[A-Za-z0-9_-]+", str(name)) else quoted(str(name))
+
+    def value(at: str, item: Any) -> str:
         if isinstance(item, Mapping):
-            return "{ " + ", ".join(f"{json.dumps(str(key))} = {value(own)}" for key, own in item.items()) + " }"
-        if isinstance(item, bool):
+            return "{ " + ", ".join(f"{bare(key)} = {value(f'{at}.{key}', own)}" for key, own in item.items()) + " }"
+        if isinstance(item, (bool, np.bool_)):
             return "true" if item else "false"
         if isinstance(item, str):
-            return json.dumps(item, ensure_ascii=False)
+            return quoted(item)
         if isinstance(item, Path):
-            return json.dumps(str(item), ensure_ascii=False)
+            return quoted(str(item))
         if isinstance(item, (int, np.integer)):
             return str(int(item))
         if isinstance(item, (float, np.floating)):
             return repr(float(item))
-        if isinstance(item, (Sequence, np.ndarray)):
-            return "[" + ", ".join(value(own) for own in item) + "]"
-        raise TypeError(f"{item!r} has no TOML form: expected numbers, strings, booleans, lists and dictionaries")
+        if isinstance(item, np.ndarray) and item.ndim == 0:
+            raise TypeError(f"{at} is an array without dimensions: expected a number, as its item() gives it, or a list")
+        if isinstance(item, (Sequence, np.ndarray)) and not isinstance(item, (bytes, bytearray, memoryview)):
+            return "[" + ", ".join(value(at, own) for own in item) + "]"
+        raise TypeError(f"{at} is {item!r:.80}, which has no TOML form: expected numbers, strings, booleans, lists and dictionaries")
 
     lines = []
     for name, item in tables.items():
         if not isinstance(item, Mapping):
-            lines.append(f"{name} = {value(item)}")
+            lines.append(f"{bare(name)} = {value(name, item)}")
     for name, item in tables.items():
         if isinstance(item, Mapping):
-            lines.append(f"[{name}]")
-            lines.extend(f"{key} = {value(own)}" for key, own in item.items())
+            lines.append(f"[{bare(name)}]")
+            lines.extend(f"{bare(key)} = {value(f'{name}.{key}', own)}" for key, own in item.items())
     return "\n".join(lines) + "\n"

@@ -2,10 +2,11 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from os import PathLike
+from pathlib import Path
 from typing import final
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 __version__: str
 __all__ = [
@@ -20,18 +21,31 @@ __all__ = [
     "Scene",
     "Solved",
     "SteadyCell",
+    "check_file",
     "set_threads",
     "threads",
+    "write_file",
+    "write_folder",
 ]
 
 _Progress = Callable[[str, float], object]
 _Path = str | PathLike[str]
 
 def set_threads(count: int | None = None) -> None:
-    """Computes with `count` threads from here on; as many as there are cores where `count` is None. Results do not depend on it."""
+    """Computes with `count` threads from here on; as many as there are cores where `count` is None. Results do not depend on it.
+    More than 1024 are refused."""
 
 def threads() -> int:
     """Threads that are computed with."""
+
+def write_folder(files: Sequence[tuple[str, bytes]], folder: _Path, inputs: Sequence[_Path]) -> None:
+    """Writes `files`, by name, into `folder`; neither `inputs` nor files of others are replaced."""
+
+def write_file(content: bytes, path: _Path, inputs: Sequence[_Path]) -> None:
+    """Writes one file; `inputs` are files that it was made from."""
+
+def check_file(path: _Path, inputs: Sequence[_Path]) -> None:
+    """Refuses, before long work starts, a file that could not be written then."""
 
 @final
 class Map:
@@ -58,7 +72,8 @@ class Map:
         youngs_modulus_gpa: float,
         poisson_ratio: float = ...,
         pressures_mpa: Sequence[float] | None = None,
-        threshold_mpa: float | None = None,
+        threshold_mpa: float = 0.7,
+        tolerance: float = 1e-8,
         form: str = "plane",
         missing: str = "fill",
         despike: bool = False,
@@ -69,7 +84,9 @@ class Map:
 @final
 class Scene:
     @staticmethod
-    def from_text(text: str, path: _Path, *, fidelity: str | None = None, extent: str | None = None) -> Scene: ...
+    def from_text(
+        text: str, path: _Path, *, fidelity: str | None = None, extent: str | None = None, is_file: bool = False
+    ) -> Scene: ...
     @property
     def warnings(self) -> list[str]: ...
     def simulate(self, progress: _Progress | None = None) -> Solved: ...
@@ -77,6 +94,8 @@ class Scene:
 
 @final
 class Solved:
+    @property
+    def inputs(self) -> list[Path]: ...
     def json(self) -> list[str]: ...
     def text(self) -> str: ...
     def files(self) -> list[tuple[str, bytes]]: ...
@@ -86,15 +105,16 @@ class SteadyCell:
     """A steady cell: equilibrium of one period with every contact block sliding."""
 
     def ratios(self, width_um: float, spacing_um: float, depth_um: float) -> NDArray[np.float64]:
-        """Ratio of patterned to flat friction at each load, shape (loads,); NaN where there is none."""
+        """Ratio of patterned to flat friction at each load, shape (loads,); NaN where there is none. A cell that would take too much
+        memory is refused."""
 
-    def ratios_of(self, patterns_um: NDArray[np.float64]) -> NDArray[np.float64]:
+    def ratios_of(self, patterns_um: ArrayLike) -> NDArray[np.float64]:
         """The same of many patterns, rows of width, spacing and depth in micrometres: shape (patterns, loads), on all threads."""
 
 @final
 class Calibration:
     @staticmethod
-    def from_text(text: str, path: _Path) -> Calibration: ...
+    def from_text(text: str, path: _Path, *, is_file: bool = False) -> Calibration: ...
     @property
     def warnings(self) -> list[str]: ...
     def fit(self, progress: _Progress | None = None) -> Fitted: ...
@@ -102,6 +122,8 @@ class Calibration:
 
 @final
 class Fitted:
+    @property
+    def inputs(self) -> list[Path]: ...
     def material_toml(self, output: _Path | None = None) -> str: ...
     def fit_json(self) -> str: ...
     def text(self) -> str: ...
@@ -123,7 +145,9 @@ class Campaign:
 @final
 class Design:
     @staticmethod
-    def from_text(text: str, path: _Path) -> Design: ...
+    def from_text(text: str, path: _Path, *, is_file: bool = False) -> Design: ...
+    @property
+    def inputs(self) -> list[Path]: ...
     @property
     def warnings(self) -> list[str]: ...
     def optimize(self, progress: _Progress | None = None) -> Designed: ...
@@ -137,6 +161,8 @@ class Design:
 
 @final
 class Designed:
+    @property
+    def inputs(self) -> list[Path]: ...
     def json(self) -> list[str]: ...
     def text(self) -> str: ...
     def files(self) -> list[tuple[str, bytes]]: ...

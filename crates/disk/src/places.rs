@@ -1,0 +1,275 @@
+//! Where results may go: nothing is replaced that a run reads or that slipgrid did not write, whichever front door writes.
+
+use std::fs;
+use std::io::{self, Read};
+use std::path::{Path, PathBuf};
+
+use slipgrid_formats::Diagnostic;
+use slipgrid_report::written::{HEAD, begins_as_ours};
+
+use crate::{put, unfinished};
+
+/// An output that could not be written.
+#[derive(Debug, thiserror::Error)]
+#[error("{path}: cannot be written: {source}", path = path.display())]
+pub struct WriteError {
+    /// The file or folder.
+    pub path: PathBuf,
+    /// What the system said.
+    pub source: std::io::Error,
+}
+
+impl WriteError {
+    /// What the system said of `path`.
+    pub fn at(path: &Path) -> impl Fn(std::io::Error) -> Self + '_ {
+        move |source| Self { path: path.to_owned(), source }
+    }
+}
+
+/// Why results cannot go to a place.
+#[derive(Debug, thiserror::Error)]
+pub enum PlaceError {
+    /// Something would be lost there, or it is no place for them.
+    #[error(transparent)]
+    Refused(#[from] Diagnostic),
+    /// The system lets nothing be written there.
+    #[error(transparent)]
+    Unwritable(#[from] WriteError),
+}
+
+/// A place for results, as a front door names it.
+#[derive(Clone, Copy, Debug)]
+pub struct Place<'a> {
+    /// The flag or argument.
+    pub flag: &'a str,
+    /// What stands after it.
+    pub path: &'a Path,
+}
+
+impl<'a> Place<'a> {
+    /// The place after `--output`.
+    #[must_use]
+    pub const fn output(path: &'a Path) -> Self {
+        Self { flag: "--output", path }
+    }
+
+    fn refuse(&self, reason: impl Into<String>) -> Diagnostic {
+        Diagnostic::flag(self.flag, self.path.display().to_string(), reason)
+    }
+
+    /// Refuses a link that leads nowhere.
+    fn check_link(&self) -> Result<(), Diagnostic> {
+        if !self.path.exists() && self.path.is_symlink() {
+            return Err(self.refuse("is a link to what does not exist").expected("a link to something, or no link"));
+        }
+        Ok(())
+    }
+
+    /// Refuses to replace the file at `file` if it is one of `inputs`, or not slipgrid's.
+    fn check_replaced(&self, file: &Path, inputs: &[PathBuf]) -> Result<(), Diagnostic> {
+        let reason = if inputs.iter().any(|input| is_same(input, file)) {
+            "is an input of this run and would be replaced"
+        } else if file.is_dir() {
+            "is a folder where a file is to go"
+        } else if !is_ours(file) {
+            "was not written by slipgrid and would be replaced"
+        } else {
+            return Ok(());
+        };
+        let name = file.file_name().unwrap_or_default().to_string_lossy();
+        let reason = if file == self.path { reason.to_owned() } else { format!("holds {name}, which {reason}") };
+        Err(self.refuse(reason).expected("another place, so that nothing is lost"))
+    }
+}
+
+/// Checks, before long work starts, that results can go to a folder. `names` are those of the files that will be
+/// written there, with `*` for any letters; `inputs` are files that this run reads.
+///
+/// # Errors
+/// [`PlaceError`] if something else than a folder has that name, nothing can be written there, or a file would be
+/// replaced that is an input or that slipgrid did not write.
+pub fn check_folder(place: Place<'_>, names: &[&str], inputs: &[PathBuf]) -> Result<(), PlaceError> {
+    let folder = place.path;
+    place.check_link()?;
+    if folder.exists() && !folder.is_dir() {
+        return Err(place.refuse("is a file").expected("a folder").into());
+    }
+    check_parents(place)?;
+    let Ok(entries) = fs::read_dir(folder) else { return Ok(()) };
+    let mut there: Vec<PathBuf> = entries.flatten().map(|entry| entry.path()).collect();
+    there.sort();
+    let is_named = |path: &&PathBuf| {
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        names.iter().any(|pattern| fits(&name, pattern))
+    };
+    for file in there.iter().filter(is_named) {
+        place.check_replaced(file, inputs)?;
+    }
+    Ok(())
+}
+
+/// Checks, before long work starts, that a result can go to a file; `inputs` are files that this run reads.
+///
+/// # Errors
+/// [`PlaceError`] if a folder has that name, nothing can be written there, or the file there is an input or was not
+/// written by slipgrid.
+pub fn check_file(place: Place<'_>, inputs: &[PathBuf]) -> Result<(), PlaceError> {
+    place.check_link()?;
+    if place.path.is_dir() {
+        return Err(place.refuse("is a folder").expected("a file").into());
+    }
+    check_parents(place)?;
+    if place.path.exists() {
+        place.check_replaced(place.path, inputs)?;
+    }
+    Ok(())
+}
+
+/// Writes `files`, by name, into the folder at `place`, which is made where there is none; all places are looked at first.
+/// `inputs` are files that the results were made from.
+///
+/// # Errors
+/// [`PlaceError`] as of [`check_folder`], or if the system refuses.
+pub fn write_folder(place: Place<'_>, files: &[(String, Vec<u8>)], inputs: &[PathBuf]) -> Result<(), PlaceError> {
+    let names: Vec<&str> = files.iter().map(|(name, _)| name.as_str()).collect();
+    check_folder(place, &names, inputs)?;
+    for (name, bytes) in files {
+        write_at(&place.path.join(name), bytes)?;
+    }
+    Ok(())
+}
+
+/// Writes one file at `place`; `inputs` are files that it was made from.
+///
+/// # Errors
+/// [`PlaceError`] as of [`check_file`], or if the system refuses.
+pub fn write_file(place: Place<'_>, bytes: &[u8], inputs: &[PathBuf]) -> Result<(), PlaceError> {
+    check_file(place, inputs)?;
+    Ok(write_at(place.path, bytes)?)
+}
+
+fn write_at(path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
+    let failed = WriteError::at(path);
+    if is_device(path) {
+        return fs::write(path, bytes).map_err(&failed);
+    }
+    // What a link leads to is replaced, not the link.
+    let leads_to = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
+    put(&leads_to, bytes).map_err(failed)
+}
+
+/// Whether a device or a pipe is there: it holds nothing that could be lost, and a file in its place would take it away.
+fn is_device(path: &Path) -> bool {
+    path.metadata().is_ok_and(|metadata| !metadata.is_file() && !metadata.is_dir())
+}
+
+/// Whether both paths lead to one file.
+fn is_same(left: &Path, right: &Path) -> bool {
+    matches!((fs::canonicalize(left), fs::canonicalize(right)), (Ok(left), Ok(right)) if left == right)
+}
+
+/// Whether `name` is `pattern`, which may hold one `*` for any letters.
+fn fits(name: &str, pattern: &str) -> bool {
+    match pattern.split_once('*') {
+        None => name == pattern,
+        Some((start, end)) => name.len() >= start.len() + end.len() && name.starts_with(start) && name.ends_with(end),
+    }
+}
+
+/// Whether the file at `path` is one that slipgrid wrote, by how it begins, or is empty. Devices and pipes hold nothing
+/// that could be lost.
+fn is_ours(path: &Path) -> bool {
+    if is_device(path) {
+        return true;
+    }
+    let mut head = Vec::new();
+    if fs::File::open(path).and_then(|file| file.take(HEAD as u64).read_to_end(&mut head)).is_err() {
+        return false;
+    }
+    let name = path.file_name().map(|name| name.to_string_lossy().to_lowercase()).unwrap_or_default();
+    head.is_empty() || begins_as_ours(&name, &head)
+}
+
+/// Refuses to replace what slipgrid did not write.
+///
+/// # Errors
+/// [`WriteError`] if the file at `path` is there and not slipgrid's.
+pub fn refuse_foreign(path: &Path) -> Result<(), WriteError> {
+    if !path.exists() || is_ours(path) {
+        return Ok(());
+    }
+    Err(WriteError { path: path.to_owned(), source: io::Error::other("slipgrid did not write the file that is there") })
+}
+
+fn check_parents(place: Place<'_>) -> Result<(), PlaceError> {
+    let path = place.path;
+    let blocking = path.ancestors().skip(1).find(|above| above.exists());
+    match blocking {
+        Some(above) if !above.as_os_str().is_empty() && !above.is_dir() => {
+            let reason = format!("cannot be made: {} is a file", above.display());
+            Err(place.refuse(reason).expected("a path below folders").into())
+        }
+        _ => Ok(check_writable(path)?),
+    }
+}
+
+/// Checks that a file can be made where `path` would appear: hours of work should not end at a closed door.
+fn check_writable(path: &Path) -> Result<(), WriteError> {
+    if is_device(path) {
+        return Ok(());
+    }
+    let folders = path.ancestors().skip(usize::from(!path.is_dir()));
+    let named = folders.map(|above| if above.as_os_str().is_empty() { Path::new(".") } else { above });
+    let Some(folder) = named.into_iter().find(|above| above.is_dir()) else { return Ok(()) };
+    // It goes away at once.
+    unfinished(0o666).tempfile_in(folder).map(drop).map_err(WriteError::at(path))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_output_that_cannot_be_is_seen_before_the_work() {
+        let place = tempfile::tempdir().unwrap();
+        let file = place.path().join("file");
+        fs::write(&file, "").unwrap();
+        let to_folder = |path: &Path| check_folder(Place::output(path), &["a.toml", "map-*.svg"], &[]);
+        let to_file = |path: &Path| check_file(Place::output(path), &[]);
+        assert!(to_folder(&file).is_err() && to_folder(&file.join("below")).is_err());
+        assert!(to_file(place.path()).is_err() && to_file(&place.path().join("new/file")).is_ok());
+        assert!(to_folder(Path::new("relative/out")).is_ok() && to_folder(place.path()).is_ok());
+        fs::write(place.path().join("map-1.svg"), "<?xml").unwrap();
+        let refused = to_folder(place.path()).unwrap_err().to_string();
+        assert!(refused.contains("holds map-1.svg, which was not written by slipgrid"), "{refused}");
+        assert!(to_file(&place.path().join("map-1.svg")).is_err());
+        let place = tempfile::tempdir().unwrap();
+        fs::create_dir(place.path().join("a.toml")).unwrap();
+        let refused = to_folder(place.path()).unwrap_err().to_string();
+        assert!(refused.contains("holds a.toml, which is a folder where a file is to go"), "{refused}");
+    }
+
+    #[test]
+    fn neither_inputs_nor_files_of_others_are_replaced() {
+        let place = tempfile::tempdir().unwrap();
+        let at = |name: &str| place.path().join(name);
+        let files = |names: &[&str]| -> Vec<(String, Vec<u8>)> {
+            names.iter().map(|name| ((*name).to_owned(), b"slipgrid new".to_vec())).collect()
+        };
+        let folder = Place { flag: "folder", path: place.path() };
+        fs::write(at("b.stl"), "mine").unwrap();
+        let refused = write_folder(folder, &files(&["a.stl", "b.stl"]), &[]).unwrap_err().to_string();
+        assert!(refused.starts_with("folder: ") && refused.contains("holds b.stl, which was not written"), "{refused}");
+        // Of a foreign file not even its neighbours are written.
+        assert!(!at("a.stl").exists() && fs::read(at("b.stl")).unwrap() == b"mine");
+        write_folder(folder, &files(&["a.stl"]), &[]).unwrap();
+        write_folder(folder, &files(&["a.stl"]), &[]).unwrap();
+        let refused = write_folder(folder, &files(&["a.stl"]), &[at("a.stl")]).unwrap_err().to_string();
+        assert!(refused.contains("holds a.stl, which is an input of this run"), "{refused}");
+        let file = |name: &str| write_file(Place { flag: "path", path: &at(name) }, b"slipgrid newer", &[]);
+        file("deep/c.stl").unwrap();
+        file("a.stl").unwrap();
+        assert_eq!(fs::read(at("a.stl")).unwrap(), b"slipgrid newer");
+        assert!(file("b.stl").unwrap_err().to_string().starts_with("path: "));
+    }
+}

@@ -1,0 +1,154 @@
+"""Nothing of the user's is lost, and what is refused is refused with the argument's name and what would be accepted."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+import slipgrid
+from conftest import DESIGN, SCENE
+from slipgrid._records import toml
+from slipgrid.errors import InputError
+
+
+def test_neither_inputs_nor_files_of_others_are_replaced(tmp_path: Path) -> None:
+    file = tmp_path / "design.toml"
+    file.write_text(toml(DESIGN))
+    before = file.read_bytes()
+    design = slipgrid.Design.read(file)
+    found = design.optimize()
+    with pytest.raises(InputError, match="holds design.toml, which is an input of this run") as refused:
+        found.export(tmp_path)
+    assert refused.value.key == "folder" and file.read_bytes() == before and list(tmp_path.iterdir()) == [file]
+
+    folder = tmp_path / "out"
+    folder.mkdir()
+    (folder / "pattern.dxf").write_text("0\nSECTION\n")
+    with pytest.raises(InputError, match="holds pattern.dxf, which was not written by slipgrid"):
+        found.export(folder)
+    assert [path.name for path in folder.iterdir()] == ["pattern.dxf"]
+    (folder / "pattern.dxf").unlink()
+    assert found.export(folder) and found.export(folder)
+
+    page = tmp_path / "mine.html"
+    page.write_text("<title>mine</title>")
+    with pytest.raises(InputError, match="was not written by slipgrid"):
+        design.explore(page)
+    assert page.read_text() == "<title>mine</title>"
+    assert design.explore(tmp_path / "own.html") == design.explore(tmp_path / "own.html")
+    # A text stands in no file: a second export replaces the design.toml of the first.
+    alone = slipgrid.Design.from_toml(toml(DESIGN), tmp_path / "again").optimize()
+    assert alone.export(tmp_path / "again") and alone.export(tmp_path / "again")
+
+
+def test_a_calibration_is_not_replaced_by_its_material(tmp_path: Path) -> None:
+    root = Path(__file__).resolve().parents[3] / "calibration" / "ldpe-cast-iron"
+    for path in root.iterdir():
+        if path.is_file():
+            (tmp_path / path.name).write_bytes(path.read_bytes())
+    file = tmp_path / "calibration.toml"
+    before = file.read_bytes()
+    material = slipgrid.Calibration.read(file).fit()
+    with pytest.raises(InputError, match="is an input of this run"):
+        material.save(file)
+    assert file.read_bytes() == before
+    assert material.save(tmp_path / "m.toml") == material.save(tmp_path / "m.toml")
+    # Where nothing can be written it is the system that says so.
+    with pytest.raises((InputError, OSError)):
+        material.save(tmp_path / "m.toml" / "below.toml")
+
+
+def test_cells_that_take_too_much_memory_are_refused() -> None:
+    thick = {**SCENE, "sample": {"length_um": 2000.0, "thickness_mm": 5.0, "block_um": 10.0}}
+    cell = slipgrid.Scene(**thick).steady()
+    with pytest.raises(InputError, match=r"width_um, spacing_um, depth_um: 100000, 10, 10 makes a cell that takes .* bytes") as refused:
+        cell.ratios(1e5, 10.0, 10.0)
+    assert "at most 4.3e9 bytes" in str(refused.value)
+    with pytest.raises(InputError, match=r"patterns_um\[1\]: 100000, 10, 10 makes a cell"):
+        cell.ratios_of([[130.0, 370.0, 20.0], [1e5, 10.0, 10.0]])
+
+
+def test_many_patterns_come_as_any_array_of_numbers() -> None:
+    cell = slipgrid.Scene(**SCENE).steady()
+    patterns = np.array([[100.0, 200.0, 10.0], [130.0, 370.0, 20.0]])
+    expected = cell.ratios_of(patterns)
+    for same in (patterns.astype(np.float32), patterns.astype(int), patterns.tolist(), np.repeat(patterns, 2, axis=0)[::2]):
+        assert np.array_equal(cell.ratios_of(same), expected)
+    assert cell.ratios_of(np.ones((0, 3))).shape == (0, 2)
+    with pytest.raises(ValueError, match="patterns_um has 4 columns: expected rows of width"):
+        cell.ratios_of(np.ones((2, 4)))
+    for wrong in (patterns[0], "abc", None, 1.0):
+        with pytest.raises(TypeError, match="patterns_um is no array of numbers: expected rows of width"):
+            cell.ratios_of(wrong)  # type: ignore[arg-type]
+    with pytest.raises(ValueError, match=r"patterns_um\[0\]: "):
+        cell.ratios_of([[-1.0, 200.0, 10.0]])
+
+
+def test_threads_are_bounded() -> None:
+    for count in (0, -1, 1025, 10**6):
+        with pytest.raises(ValueError, match=f"count is {count}: expected 1 to 1024, or None"):
+            slipgrid.set_threads(count)
+
+
+def a_map() -> slipgrid.Map:
+    return slipgrid.Map(1e-7 * np.random.default_rng(0).standard_normal((64, 64)), 1.0)
+
+
+def test_what_a_map_is_asked_for_is_checked() -> None:
+    surface = a_map()
+    assert surface.measure().warnings == [] or all(isinstance(of, str) for of in surface.measure().warnings)
+    assert slipgrid.Surface({}).warnings == []
+    for wrong, says in [
+        ({"pressures_mpa": []}, r"pressures_mpa: \[\] has no pressure; expected positive numbers that increase"),
+        ({"pressures_mpa": [2, 1]}, "pressures_mpa: 1 does not exceed the 2 before it"),
+        ({"threshold_mpa": 0.0}, "threshold_mpa: 0 is out of range; expected"),
+        ({"threshold_mpa": 1e9}, "threshold_mpa: 1000000000 is out of range; expected"),
+        ({"tolerance": 0.0}, "tolerance: 0 is out of range; expected"),
+        ({"windows": 0}, "windows: 0 is no number of windows; expected 1 for none, 2 or more"),
+        ({"windows": -1}, "windows: -1 is no number of windows"),
+        ({"windows": 1000}, "windows: 1000 "),
+        ({"poisson_ratio": 0.6}, "poisson_ratio: 0.6 is out of range"),
+    ]:
+        with pytest.raises(InputError, match=says):
+            surface.area_law(**{"youngs_modulus_gpa": 0.38, **wrong})
+    for wrong in (b"abc", "abc", 5.0):
+        with pytest.raises(TypeError, match="pressures_mpa is .*: expected a list of numbers"):
+            surface.area_law(youngs_modulus_gpa=0.38, pressures_mpa=wrong)  # type: ignore[arg-type]
+    for heights in ("abc", np.zeros(5), np.zeros((2, 2)) + 1j, None):
+        with pytest.raises((TypeError, ValueError), match="heights_m.*expected real numbers"):
+            slipgrid.Map(heights, 1.0)  # type: ignore[arg-type]
+
+
+def test_the_area_law_is_that_of_the_command_line(program, tmp_path: Path) -> None:
+    path = Path(__file__).resolve().parents[3] / "calibration" / "ldpe-cast-iron" / "flat-map.asc"
+    surface = slipgrid.Map.read(path)
+    for pressures, more in [([0.1, 0.7, 2.6, 10.0], []), ([1.0, 3.0], ["--tolerance", "1e-6"])]:
+        listed = ",".join(map(str, pressures))
+        told = json.loads(
+            program("area-law", path, "--youngs-modulus-gpa", "0.38", "--pressures-mpa", listed, "--json", "-q", *more)
+        )
+        law = surface.area_law(youngs_modulus_gpa=0.38, pressures_mpa=pressures, **({"tolerance": 1e-6} if more else {}))
+        for name in ("pressure_mpa", "area_fraction", "area_fraction_corrected", "area_error", "factor", "factor_std"):
+            assert law[name] == [row.get(name) for row in told["results"]], name
+
+
+def test_dictionaries_become_toml() -> None:
+    same = toml({"a b": np.bool_(True), "t": {"x.y": [1, 2], "z": {"ü\x7f\n": "\x7f"}}})
+    assert same == '"a b" = true\n[t]\n"x.y" = [1, 2]\nz = { "ü\\u007f\\n" = "\\u007f" }\n'
+    for wrong in (b"abc", np.array(0.65), None, 1j):
+        with pytest.raises(TypeError, match="load.pressure_mpa is .*expected"):
+            toml({"load": {"pressure_mpa": wrong}})
+    scene = {**SCENE, "run": {**SCENE["run"], "liftoff": np.bool_(False)}}
+    assert slipgrid.Scene(**scene).warnings == slipgrid.Scene(**SCENE).warnings
+    with pytest.raises(TypeError, match=r"candidates_um\[0\] is 'abc'"):
+        slipgrid.Design(**DESIGN).next(candidates_um=["abc"])  # type: ignore[list-item]
+    with pytest.raises(ValueError, match=r"candidates_um\[0\] has 2 numbers"):
+        slipgrid.Design(**DESIGN).next(candidates_um=[(1.0, 2.0)])
+
+
+def test_the_headline_is_the_first_line_of_the_command_line() -> None:
+    found = slipgrid.Design(**DESIGN).optimize()
+    assert str(found).startswith(found.headline) and "\n" not in found.headline
+    assert "chance that a cut sample is on target" in found.headline
