@@ -96,8 +96,11 @@ impl SteadyModel<'_> {
         );
         scene.loads = loads;
         scene.validate().ok()?;
-        let ratios =
-            SteadyCell::new(&scene).ratios_heeding(design, self.monitor).into_iter().collect::<Option<Vec<f64>>>()?;
+        let ratios = SteadyCell::new(&scene)
+            .solve_heeding(design, self.monitor)
+            .into_iter()
+            .map(|outcome| outcome.ratio.filter(|_| !outcome.surface.cavity_closed))
+            .collect::<Option<Vec<f64>>>()?;
         let off = |(place, ratio): (usize, &f64)| {
             let (first, part) = (place / parts * parts, (place % parts) as f64 / parts as f64);
             let to = ratios.get(first + parts).unwrap_or(ratio);
