@@ -29,6 +29,11 @@ fn space(planform: Planform) -> DesignSpace {
     DesignSpace::new(planform, [40e-6, 400e-6], [40e-6, 1000e-6], [2e-6, 50e-6]).unwrap()
 }
 
+/// How far ratios, and over themselves pressures, of cells in space are from those of `simulate`, which go on until forces balance to 1e-10
+/// of the load: a search stops at 1e-7.
+const LOOSE: f64 = 1e-7;
+const LOOSE_PRESSURE: f64 = 1e-5;
+
 #[test]
 fn the_search_sees_what_simulate_reports() {
     let flat_mu = [0.28, 0.25];
@@ -42,18 +47,19 @@ fn the_search_sees_what_simulate_reports() {
             assert_eq!([model.dimension(), model.scene(&design).dimension()].map(Dimension::number), [expected; 2]);
             let response = model.respond(&design).unwrap();
             let simulation = model.simulate(&design).unwrap();
+            let [ratio, pressure] = if expected == 3 { [LOOSE, LOOSE_PRESSURE] } else { [1e-9; 2] };
             for (load, outcome) in simulation.loads.iter().enumerate() {
                 let expected = outcome.ratio.unwrap() * if flat.is_some() { flat_mu[load] } else { 1.0 };
-                assert!((response.value[load] - expected).abs() < 1e-9, "{load}");
+                assert!((response.value[load] - expected).abs() < ratio, "{load}");
             }
             let peak = simulation.loads.iter().map(|load| load.surface.peak_pressure_pa).fold(0.0, f64::max);
             let answer = model.answer(&model.asked, &model.solver, &design).unwrap();
-            assert!((answer.peak_pressure_pa() / peak - 1.0).abs() < 1e-9 && response.limited.is_empty());
+            assert!((answer.peak_pressure_pa() / peak - 1.0).abs() < pressure && response.limited.is_empty());
             let points = simulation
                 .loads
                 .iter()
                 .flat_map(|load| load.surface.interface.iter().map(|point| point.pressure_pa / load.pressure_pa));
-            assert!((answer.least_pressure - points.fold(f64::INFINITY, f64::min)).abs() < 1e-9);
+            assert!((answer.least_pressure - points.fold(f64::INFINITY, f64::min)).abs() < pressure);
             assert!(answer.clearance_m().is_some_and(|least_m| least_m > 0.0 && least_m < design.depth_m()));
         }
     }
@@ -80,7 +86,7 @@ fn a_guide_in_larger_blocks_is_near_and_goes_along_with_corrections() {
     }
     let confirmed = model.confirmed(&design, 0, &confirmed);
     model.correct(&design, &own, &confirmed);
-    assert!(guided(&model).iter().zip(&before).all(|(after, before)| (after - before + 0.002).abs() < 1e-9));
+    assert!(guided(&model).iter().zip(&before).all(|(after, before)| (after - before + 0.002).abs() < LOOSE));
     // Nothing is gained in the plane, and a pitch of 60 um takes no blocks of 40 um.
     assert!(SteadyModel::new(&scene(), &[], &[], &space(Planform::Groove), None).guide().is_none());
     let narrow = DesignSpace::new(Planform::Square, [20e-6, 400e-6], [40e-6; 2], [5e-6; 2]).unwrap();
@@ -197,10 +203,10 @@ fn further_directions_are_those_of_the_turned_design_solved_alone() {
     let each = [(0.0, &coarse.loads), (0.0, &louder), (90.0, &coarse.loads), (90.0, &louder)]
         .map(|(angle_deg, loads)| alone(angle_deg, loads));
     let expected: Vec<f64> = each.iter().flat_map(|answer| answer.ratio.clone()).collect();
-    assert!(found.ratio.iter().zip(&expected).all(|(a, b)| (a - b).abs() < 1e-9), "{found:?} {expected:?}");
+    assert!(found.ratio.iter().zip(&expected).all(|(a, b)| (a - b).abs() < LOOSE), "{found:?} {expected:?}");
     assert!((expected[1] - expected[5]).abs() > 1e-4, "long cavities slide otherwise across: {expected:?}");
     let worst = each.iter().map(|answer| answer.peak_pressure_mpa).fold(0.0, f64::max);
-    assert!((found.peak_pressure_mpa / worst - 1.0).abs() < 1e-9);
+    assert!((found.peak_pressure_mpa / worst - 1.0).abs() < LOOSE_PRESSURE);
     let beside = model.beside(|scene| Ok::<_, ()>(scene.clone())).unwrap();
     assert_eq!(beside.steady(&design).unwrap().ratio.len(), 8);
     // Slopes for a comparison are those of the guide's blocks, those that are announced of the blocks asked for.
