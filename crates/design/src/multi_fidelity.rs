@@ -163,12 +163,14 @@ impl<'a> MultiFidelityLoop<'a> {
     }
 
     fn run_rounds(&mut self, design: &DesignTask, timings: &mut Timings) -> Result<(), DesignError> {
+        // Known of a search whose model is off by less than what is missing: one that only asks for less pressure reaches no more.
+        let mut is_beyond_reach = false;
         while self.goes_on(design) {
             let outcome = self.search(design, timings)?;
             let has_searched = matches!(outcome.status, Status::Met | Status::Unreachable);
             if !has_searched && !self.may_beat_the_kept(&outcome.best) {
                 self.note_worse(Advantage::Cut);
-                self.status = Status::Budget;
+                self.status = if is_beyond_reach { Status::Unreachable } else { Status::Budget };
                 break;
             }
             let pattern = outcome.best.design;
@@ -206,14 +208,16 @@ impl<'a> MultiFidelityLoop<'a> {
             self.status = match outcome.status {
                 // What was not confirmed may be reached yet.
                 Status::Unreachable if is_whole => Status::Unreachable,
+                Status::Budget if is_beyond_reach => Status::Unreachable,
                 Status::Unreachable | Status::Met | Status::Budget | Status::Cancelled => Status::Budget,
             };
+            is_beyond_reach = self.status == Status::Unreachable && !doubtful;
             // Where the design stays the same the model is exact already.
             if !again || unchanged {
                 break;
             }
             // What a further search could reach is not known where none can be paid.
-            if self.rounds < MOST_ROUNDS && !self.goes_on(design) {
+            if self.rounds < MOST_ROUNDS && !self.goes_on(design) && !is_beyond_reach {
                 self.status = Status::Budget;
             }
         }
