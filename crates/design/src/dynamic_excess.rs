@@ -16,8 +16,7 @@ pub fn correct(simulation: &mut Simulation, scene: &Scene, excess: Option<&[f64]
     }
     let (mut factors, mut of_time, mut of_ends) = (Vec::new(), Vec::new(), Vec::new());
     for ((outcome, load), excess) in simulation.loads.iter_mut().zip(&scene.loads).zip(excess) {
-        let factor = scene.area_law.as_ref().map_or(1.0, |law| law.factor(load.pressure_pa));
-        let steady = load.friction.dynamic_mean() * factor;
+        let steady = load.flat_mu(scene.area_law.as_ref());
         let own = outcome.flat.as_ref().unwrap_or(&outcome.surface).mu_dynamic.filter(|mu| *mu > 0.0);
         if let Some(times) = own.map(|own| excess * steady / own) {
             scale(outcome, times);

@@ -319,11 +319,14 @@ impl<'a> SteadyModel<'a> {
     /// # Errors
     /// Those of `change`.
     pub fn beside<E>(&self, change: impl FnOnce(&Scene) -> Result<Scene, E>) -> Result<Self, E> {
-        // Rims need blocks of at most half their width.
-        let serves = |scene: &Scene| self.texture.rim().is_none_or(|rim| 2.0 * scene.layer.block_m <= rim.width_m());
-        let guide = self.guide.as_ref().map(|(scene, _)| scene).filter(|scene| serves(scene));
-        let asked = change(guide.unwrap_or(&self.asked))?;
+        let asked = change(self.serving_guide().unwrap_or(&self.asked))?;
         Ok(Self { flat_mu: None, learned: None, ..self.of_scenes(asked.clone(), asked) })
+    }
+
+    /// The guide's scene where there is one and its blocks serve the rims, too: these need blocks of at most half their width.
+    fn serving_guide(&self) -> Option<&Scene> {
+        let serves = |scene: &&Scene| self.texture.rim().is_none_or(|rim| 2.0 * scene.layer.block_m <= rim.width_m());
+        self.guide.as_ref().map(|(scene, _)| scene).filter(serves)
     }
 
     /// What a ratio is multiplied by at `load`, of all conditions one after the other, before it is compared with the target: the

@@ -62,9 +62,7 @@ pub struct CellOutcome {
 impl CellOutcome {
     /// What `surface` found under `load`, beside the flat surface.
     fn new(load: &Load, area_law: Option<&AreaLaw>, surface: SurfaceOutcome) -> Self {
-        // mu_flat = mu_d f(P)
-        let mu_flat = Some(load.friction.dynamic_mean() * area_law.map_or(1.0, |law| law.factor(load.pressure_pa)))
-            .filter(|mu| *mu > 0.0 && load.pressure_pa > 0.0);
+        let mu_flat = Some(load.flat_mu(area_law)).filter(|mu| *mu > 0.0 && load.pressure_pa > 0.0);
         let ratio = match (surface.status, surface.mu_dynamic, mu_flat) {
             (Status::Converged | Status::NoFriction, Some(mu), Some(flat)) => Some(mu / flat),
             _ => None,

@@ -103,6 +103,14 @@ pub struct Load {
     pub friction: LocalFriction,
 }
 
+impl Load {
+    /// Friction coefficient of an endless flat layer in steady sliding: mu_d f(P), f = 1 without an area law.
+    #[must_use]
+    pub fn flat_mu(&self, area_law: Option<&AreaLaw>) -> f64 {
+        self.friction.dynamic_mean() * area_law.map_or(1.0, |law| law.factor(self.pressure_pa))
+    }
+}
+
 /// How the scene is solved.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RunOptions {

@@ -37,6 +37,7 @@ use statements::{
 
 pub use blocks::{BlockRefinement, block_refinement};
 pub use expense::{Expense, bounded, expense};
+use pressure_tilt::PressureTilt;
 pub use pressure_tilt::tilt_error;
 
 /// Most columns of a flat surface that a dynamic `cell` takes: without a pattern there is no period,
@@ -67,7 +68,8 @@ pub fn simulate(scene: &Scene, monitor: &dyn Monitor) -> Result<Simulation, Scen
     let mut simulation = over_layer(scene, monitor)?;
     if let Some(pattern) = &scene.pattern {
         rim_difference::add_yielding(scene, pattern, &mut simulation.loads, &mut simulation.model);
-        Behind::new(scene, pattern, monitor).tell(&mut simulation.loads, &mut simulation.model);
+        let tilt = PressureTilt::of_sample(scene, pattern, monitor);
+        Behind::new(scene, pattern, monitor).tell(&tilt, &mut simulation.loads, &mut simulation.model);
         blocks::refine(scene, pattern, 1.0, &mut simulation, monitor);
     }
     Ok(simulation)

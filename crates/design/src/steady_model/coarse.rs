@@ -76,8 +76,7 @@ impl SteadyModel<'_> {
     #[must_use]
     pub fn off_between(&self, design: &Pattern, parts: usize) -> Option<f64> {
         let mut scene = self.scene(design);
-        let serves = |guide: &&Scene| self.texture.rim().is_none_or(|rim| 2.0 * guide.layer.block_m <= rim.width_m());
-        if let Some(guide) = self.guide.as_ref().map(|(guide, _)| guide).filter(serves) {
+        if let Some(guide) = self.serving_guide() {
             scene.layer = guide.layer;
         }
         let pressure_pa = |from: &Load, to: &Load, part: usize| {

@@ -47,7 +47,6 @@ pub struct Behind {
     /// What adding to a ratio leaves open, and that as a share of what is added.
     open: f64,
     open_of_difference: f64,
-    tilt: PressureTilt,
     each: Vec<Option<Difference>>,
 }
 
@@ -100,11 +99,7 @@ impl Behind {
             Extent::Sample => OPEN_BY_ENDS * (KNOWN_LENGTH_M / scene.layer.length_m).max(1.0),
         };
         let is_solved = is_cell(scene) && scene.layer.is_backed();
-        let tilt = match scene.run.extent {
-            Extent::Cell => PressureTilt::default(),
-            Extent::Sample => PressureTilt::new(scene, pattern, &[[1.0, scene.layer.length_m]], monitor),
-        };
-        Self { layer: scene.layer, is_solved, open: in_time.hypot(by_ends), open_of_difference: 0.0, tilt, each }
+        Self { layer: scene.layer, is_solved, open: in_time.hypot(by_ends), open_of_difference: 0.0, each }
     }
 
     /// What is behind the layer of `scene` under `face` with cavities of `pattern`: where the scene says how thick the specimen
@@ -124,28 +119,27 @@ impl Behind {
             *each = each.zip(of_face).map(|(cell, ratio)| Difference { ratio, ..cell });
         }
         behind.open_of_difference = load_sharing::OPEN_BY_SHARING;
-        let share = face.cavity_share() / pattern.section_density();
-        behind.tilt = PressureTilt::of_face(scene, pattern, face, share, monitor);
         behind
     }
 
-    /// Adds it to `loads`, where the scene says how thick the specimen is and they do not have it yet; `model` tells of it.
-    pub fn tell(&self, loads: &mut [LoadOutcome], model: &mut Vec<String>) {
+    /// Adds it to `loads`, where the scene says how thick the specimen is and they do not have it yet, with the error of `tilt`; `model`
+    /// tells of both.
+    pub fn tell(&self, tilt: &PressureTilt, loads: &mut [LoadOutcome], model: &mut Vec<String>) {
         let is_added = self.layer.is_backed() && !self.is_solved;
         for (load, difference) in loads.iter_mut().zip(&self.each) {
             let Some(difference) = difference else { continue };
             load.ratio_layer_difference = Some(difference.ratio);
             if is_added {
                 add(difference, self.open.hypot(self.open_of_difference * difference.ratio), load);
-                load.ratio_layer_error = load.ratio_layer_error.map(|error| error.hypot(self.tilt.std()));
+                load.ratio_layer_error = load.ratio_layer_error.map(|error| error.hypot(tilt.std()));
             }
         }
         if !self.each.is_empty() && loads.iter().any(|load| load.ratio.is_some()) {
-            model.push(self.statement(is_added, loads));
+            model.push(self.statement(is_added, tilt, loads));
         }
     }
 
-    fn statement(&self, is_added: bool, loads: &[LoadOutcome]) -> String {
+    fn statement(&self, is_added: bool, tilt: &PressureTilt, loads: &[LoadOutcome]) -> String {
         let Layer { height_m, thickness_m, .. } = self.layer;
         let (layer_um, thick_mm) = (height_m * 1e6, (thickness_m.unwrap_or(height_m) * 1e6).round() / 1e3);
         let known = || loads.iter().filter_map(|load| load.ratio_layer_difference);
@@ -170,7 +164,7 @@ impl Behind {
             } else {
                 "what it adds to steady cells that share the load as it lets them"
             };
-            let tilt = self.tilt.statement().map_or_else(String::new, |tilt| format!("; {tilt}"));
+            let tilt = tilt.statement().map_or_else(String::new, |tilt| format!("; {tilt}"));
             return format!(
                 "blocks of the lowest {layer_um:.0} um of the specimen; the rest of its {thick_mm} mm adds to the ratio {what}, \
                  {widest}, known to {open:.4}; mu_static and the interface are those of the layer alone{tilt}"

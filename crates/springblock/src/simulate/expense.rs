@@ -112,8 +112,7 @@ fn space(scene: &Scene) -> Expense {
     let model = SteadyCell::solved(scene, Dimension::Space);
     let [nx, ny] = model.columns(pattern);
     let explicit = (pattern.depth_m() / scene.layer.block_m).ceil() + 1.0;
-    let is_raised = pattern.texture().rim().is_some() || scene.relief.is_some();
-    let column_s = if is_raised { RAISED_COLUMN_S } else { SPACE_COLUMN_S };
+    let column_s = if scene.is_raised() { RAISED_COLUMN_S } else { SPACE_COLUMN_S };
     let core_s = nx * ny * explicit * scene.loads.len() as f64 * column_s;
     Expense { core_s, wall_s: core_s, bytes: model.bytes(pattern) }
 }

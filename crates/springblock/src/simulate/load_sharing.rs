@@ -255,15 +255,10 @@ fn lowering(
     let each = each?;
     let at = |(place, load): (usize, &Load)| {
         let borne: f64 = each.iter().map(|of_kind| of_kind[place]).sum::<Option<f64>>()?;
-        let flat = load.pressure_pa * flat_mu(scene, load, load.pressure_pa) * area_m2;
+        let flat = load.pressure_pa * load.flat_mu(scene.area_law.as_ref()) * area_m2;
         (flat > 0.0).then(|| 1.0 - borne / flat)
     };
     Some(scene.loads.iter().enumerate().map(at).collect())
-}
-
-/// mu_d f(p)
-pub fn flat_mu(scene: &Scene, load: &Load, pressure_pa: f64) -> f64 {
-    load.friction.dynamic_mean() * scene.area_law.as_ref().map_or(1.0, |law| law.factor(pressure_pa))
 }
 
 /// Friction force, in newtons, of `parts` that are cells of the pattern `of`, solved in the plane or in space, or solid without one, at
@@ -287,7 +282,7 @@ pub fn borne_friction(scene: &Scene, of: Option<(&Pattern, Dimension)>, parts: &
         };
         outcomes.into_iter().zip(&loads).map(mu).collect()
     } else {
-        loads.iter().map(|load| Some(flat_mu(scene, load, load.pressure_pa))).collect()
+        loads.iter().map(|load| Some(load.flat_mu(scene.area_law.as_ref()))).collect()
     };
     let of_load = |(load, mu): (&Load, &[Option<f64>])| {
         let of_part = |part: &&Borne| {

@@ -23,13 +23,13 @@
 
 use slipgrid_pattern::Pattern;
 
-use super::load_sharing::{Borne, balanced, borne_friction, flat_mu};
+use super::load_sharing::{Borne, balanced, borne_friction};
 use super::widest;
 use crate::Monitor;
 use crate::cell::SteadyCell;
 use crate::dimension::Dimension;
 use crate::face::Face;
-use crate::scene::{Load, Scene};
+use crate::scene::{Extent, Load, Scene};
 
 /// Standard error over the largest change: anything from 0 to 1 of it is equally likely, and it is known to half of itself,
 /// sqrt((1 + 0.55^2) / 3).
@@ -59,7 +59,7 @@ impl PressureTilt {
         let dimension = scene.dimension();
         let cells = SteadyCell::solved(scene, dimension).solve_heeding(pattern, monitor);
         let each = scene.loads.iter().zip(&cells).map(|(load, cell)| {
-            let of_flat = flat_mu(scene, load, load.pressure_pa);
+            let of_flat = load.flat_mu(scene.area_law.as_ref());
             let tilted = |mu: f64| tilted(rectangles, mu * height_m);
             let (flat, most) = tilted(of_flat);
             let change = || {
@@ -76,6 +76,14 @@ impl PressureTilt {
         });
         let (departures, changes) = each.unzip();
         Self { departures, changes }
+    }
+
+    /// The same of the sample of `scene`, one strip as long as its layer; nothing of a cell, which has no ends.
+    pub fn of_sample(scene: &Scene, pattern: &Pattern, monitor: &dyn Monitor) -> Self {
+        match scene.run.extent {
+            Extent::Cell => Self::default(),
+            Extent::Sample => Self::new(scene, pattern, &[[1.0, scene.layer.length_m]], monitor),
+        }
     }
 
     /// The same of `face`, of whose cavities a period's ratio takes `share`.
@@ -146,7 +154,7 @@ mod tests {
     use super::*;
     use crate::face::Strip;
     use crate::samples;
-    use crate::scene::{Extent, Layer, RunOptions};
+    use crate::scene::{Layer, RunOptions};
     use crate::{Unwatched, steady_face_ratios};
 
     #[test]

@@ -22,6 +22,7 @@
 
 use rayon::prelude::*;
 
+use super::pressure_tilt::PressureTilt;
 use super::rim_difference::{RimDifference, without_rim};
 use super::{
     Behind, Integrated, MOST_FACTOR_BYTES, UNIFORM_COLUMNS, cancelled, compare, describe_draws, describe_law,
@@ -85,7 +86,10 @@ pub fn simulate_specimen(scene: &Scene, face: &Face, monitor: &dyn Monitor) -> R
     super::blocks::state(&mut loads, discretization_error(scene, pattern, &cells).as_deref(), share);
     model.extend(describe(scene, face, pattern, &steady));
     let run = RunOptions { extent: Extent::Sample, ..scene.run };
-    Behind::under_face(&Scene { run, ..scene.clone() }, pattern, face, monitor).tell(&mut loads, &mut model);
+    let behind = Behind::under_face(&Scene { run, ..scene.clone() }, pattern, face, monitor);
+    let flat = Scene { relief: None, ..scene.clone() };
+    let tilt = PressureTilt::of_face(&flat, &without_rim(pattern), face, share, monitor);
+    behind.tell(&tilt, &mut loads, &mut model);
     let mut simulation = Simulation { model, loads };
     super::blocks::refine(scene, pattern, share, &mut simulation, monitor);
     describe_draws(scene, &mut simulation.model);
@@ -108,7 +112,7 @@ pub fn steady_face_ratios(
     let steady = SteadyFace::new(&layer, &RimDifference::new(scene, pattern), pattern, face, monitor)?;
     let Some(SteadyFace { mut loads, .. }) = steady else { return Ok(vec![None; scene.loads.len()]) };
     if scene.layer.is_backed() {
-        Behind::under_face(scene, pattern, face, monitor).tell(&mut loads, &mut Vec::new());
+        Behind::under_face(scene, pattern, face, monitor).tell(&PressureTilt::default(), &mut loads, &mut Vec::new());
     }
     Ok(loads.iter().map(|load| load.ratio).collect())
 }
@@ -291,8 +295,7 @@ impl FlatFace {
     /// The flat face under each load: what a pair of ends takes off one strip is that of every strip.
     fn solve(&self, scene: &Scene) -> Vec<SurfaceOutcome> {
         let of_load = |(load, own): (&Load, SurfaceOutcome)| {
-            let factor = scene.area_law.as_ref().map_or(1.0, |law| law.factor(load.pressure_pa));
-            let uniform = load.friction.dynamic_mean() * factor;
+            let uniform = load.flat_mu(scene.area_law.as_ref());
             // mu = mu_u + (mu_1 - mu_u) L_1 sum w_s / sum w_s L_s
             let mu_dynamic = own.mu_dynamic.map(|mu| uniform + (mu - uniform) * self.length_m * self.ends_per_m);
             SurfaceOutcome { mu_dynamic, ..own }

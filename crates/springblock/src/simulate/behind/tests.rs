@@ -148,12 +148,7 @@ fn time_and_ends_get_the_steady_difference_added() {
         assert!((thick.ratio_layer_difference.unwrap() - change).abs() < 1e-9);
         // A strip with ends may tilt.
         scene.layer.thickness_m = Some(7e-3);
-        let tilt = match run.extent {
-            Extent::Cell => 0.0,
-            Extent::Sample => {
-                PressureTilt::new(&scene, &pattern, &[[1.0, scene.layer.length_m]], &crate::Unwatched).std()
-            }
-        };
+        let tilt = PressureTilt::of_sample(&scene, &pattern, &crate::Unwatched).std();
         let open = f64::hypot(open, tilt);
         assert!((thick.ratio_layer_error.unwrap() - open).abs() < 1e-12, "{:?}", thick.ratio_layer_error);
         let mu = thick.flat.as_ref().unwrap().mu_dynamic.unwrap() * thick.ratio.unwrap();
