@@ -3,14 +3,18 @@
 //! Grooves are solved on a lattice of widths, spacings and depths. In space large blocks give the shape of the surface and a few cells
 //! in the layer's own blocks lift it to where it belongs. The error is measured at designs that are no nodes.
 
+mod rims;
+
 use std::iter;
 
 use rayon::prelude::*;
 use slipgrid_optimize::{DesignSpace, ModelFailure, Quantity};
-use slipgrid_pattern::{Pattern, Rim, Texture};
+use slipgrid_pattern::{Pattern, Texture};
 use slipgrid_statistics::{Axis, Normals, ResponseSurface, median, normal_probability};
 use slipgrid_units::LENGTH_UM;
 
+pub use self::rims::RimChanges;
+use self::rims::{factors, rim_changes};
 use crate::DesignError;
 use crate::chance::{About, Chances, Numerical};
 use crate::kept_nodes::kept;
@@ -27,9 +31,6 @@ use slipgrid_springblock::{Load, expense};
 const PLANE_NODES: Nodes = Nodes { each: [8.0, 6.0, 3.4], most: [20, 20, 12] };
 const COARSE_NODES: Nodes = Nodes { each: [5.0, 4.0, 2.0], most: [12, 12, 7] };
 const FINE_NODES: Nodes = Nodes { each: [3.0, 3.0, 1.5], most: [5, 5, 3] };
-/// The same in the vertical plane of what rims of other heights change, and these heights over the modelled ones.
-const RIM_NODES: Nodes = Nodes { each: [6.0, 5.0, 2.5], most: [14, 14, 8] };
-const RIM_FACTORS: [f64; 4] = [0.5, 0.75, 1.25, 1.5];
 /// Designs at which the error is measured: as many as there are nodes, within these limits; in space.
 const PLANE_CHECKS: [usize; 2] = [200, 1000];
 const SPACE_CHECKS: usize = 50;
@@ -89,40 +90,6 @@ pub struct Explorer {
     pub covariance: Vec<Vec<f64>>,
 }
 
-/// What rims of other heights than the modelled change, on a lattice of their own.
-#[derive(Clone, Debug, PartialEq)]
-pub struct RimChanges {
-    /// Heights over the modelled ones, ascending; without 1, where nothing changes.
-    pub factors: Vec<f64>,
-    /// For each of them by width, spacing and depth: what is added to the values.
-    pub values: Vec<ResponseSurface>,
-    /// For each of them by the same: what is added to the logarithm of the largest local pressure, and to how far ceilings come down.
-    pub peak_and_sag: Vec<ResponseSurface>,
-}
-
-impl RimChanges {
-    /// Weights of the changes at a `factor`: those of the polynomial through all heights, the modelled one included (Lagrange).
-    #[must_use]
-    pub fn weights(&self, factor: f64) -> Vec<f64> {
-        let all = || self.factors.iter().copied().chain([1.0]);
-        let weight =
-            |own: f64| all().filter(|other| *other != own).map(|other| (factor - other) / (own - other)).product();
-        self.factors.iter().map(|own| weight(*own)).collect()
-    }
-
-    /// What is added to the values of a design whose rims are `factor` times as high as modelled.
-    #[must_use]
-    pub fn at(&self, lengths_um: &[f64; 3], factor: f64) -> Vec<f64> {
-        let mut found = Vec::new();
-        for (weight, surface) in self.weights(factor).iter().zip(&self.values) {
-            let change = surface.at(lengths_um);
-            found.resize(change.len(), 0.0);
-            found.iter_mut().zip(change).for_each(|(sum, change)| *sum += weight * change);
-        }
-        found
-    }
-}
-
 /// Where the surface is anchored.
 pub struct Anchor<'a> {
     /// The design found.
@@ -173,11 +140,7 @@ pub fn explore_bounds(task: &DesignTask, monitor: &dyn Monitor) -> Result<Explor
     let middle = found.model.endless(&pattern, false).map_err(|failure| DesignError::Failed(failure.to_string()))?;
     let values = middle.values;
     let of_flat = |(place, load): (usize, &Load)| match task.target.quantity() {
-        // mu_flat = mu_d f(P)
-        Quantity::Ratio => {
-            let factor = found.model.area_law().map_or(1.0, |law| law.factor(load.pressure_pa));
-            load.friction.dynamic_mean() * factor
-        }
+        Quantity::Ratio => load.flat_mu(found.model.area_law()),
         _ => found.model.scale(place),
     };
     let flat_mu = loads.iter().enumerate().map(of_flat).collect();
@@ -415,43 +378,6 @@ fn off_between(model: &SteadyModel, texture: &Texture, checks: &[[f64; 3]], bar:
     found.into_iter().flatten().flatten().reduce(f64::max)
 }
 
-/// What rims of other heights than those of `rim` change; `None` where `bar` has cancelled, or too many designs cannot be computed.
-fn rim_changes(
-    design: &DesignTask,
-    model: &SteadyModel,
-    rim: Rim,
-    (bar, share): (&Stage<'_>, f64),
-) -> Option<RimChanges> {
-    let axes = axes(&design.space, &RIM_NODES);
-    let nodes = ResponseSurface::nodes(&axes);
-    let texture = *design.space.texture();
-    let share = share / (1 + RIM_FACTORS.len()) as f64;
-    let solved = |factor: f64| {
-        whole(
-            ask(model, &|_| texture.with_rim(rim.times(factor)), &nodes, (false, MOST_LEFT_OUT), (bar, share))?,
-            &axes,
-        )
-    };
-    let own = solved(1.0)?;
-    let (mut values, mut peak_and_sag) = (Vec::new(), Vec::new());
-    for factor in RIM_FACTORS {
-        let changes: Vec<Endless> = solved(factor)?.iter().zip(&own).map(|(other, own)| other.over(own)).collect();
-        let found = surfaces(axes, &changes);
-        values.push(found.0);
-        peak_and_sag.push(found.1);
-    }
-    Some(RimChanges { factors: RIM_FACTORS.to_vec(), values, peak_and_sag })
-}
-
-/// Heights of the rims of `count` designs over those modelled: anywhere between the ends of `rims`, or as modelled without it.
-fn factors(rims: Option<&RimChanges>, count: usize, seed: u64) -> Vec<f64> {
-    let ends = rims.and_then(|rims| Some([*rims.factors.first()?, *rims.factors.last()?]));
-    // Apart from the draws of the designs.
-    let mut normals = Normals::new(seed.wrapping_add(1));
-    let mut draw = |[from, to]: [f64; 2]| from + (to - from) * normal_probability(normals.draw());
-    (0..count).map(|_| ends.map_or(1.0, &mut draw)).collect()
-}
-
 /// Designs anywhere within the bounds, their logarithms evenly spread.
 fn checks(axes: &[Axis; 3], count: usize, seed: u64) -> Vec<[f64; 3]> {
     let mut normals = Normals::new(seed);
@@ -483,24 +409,5 @@ mod tests {
             let corner = order.iter().take(count / 8).filter(|place| **place < count / 10).count();
             assert!(count < 1000 || (corner as f64 / (count as f64 / 80.0) - 1.0).abs() < 0.34, "{count}: {corner}");
         }
-    }
-
-    #[test]
-    fn changes_are_met_at_every_height_that_was_solved() {
-        let axes = [Axis::new([10.0, 40.0], 4), Axis::new([20.0, 20.0], 1), Axis::new([5.0, 5.0], 1)];
-        let surface = |change: f64| ResponseSurface::through(axes, 1, vec![change; 4]);
-        // A polynomial of the height's factor that is nothing at 1.
-        let change = |factor: f64| 0.3 * (factor - 1.0) - 0.2 * (factor - 1.0).powi(3);
-        let rims = RimChanges {
-            factors: RIM_FACTORS.to_vec(),
-            values: RIM_FACTORS.map(|factor| surface(change(factor))).to_vec(),
-            peak_and_sag: Vec::new(),
-        };
-        for factor in [0.5, 0.6, 0.75, 1.0, 1.3, 1.5] {
-            let found = rims.at(&[20.0, 20.0, 5.0], factor);
-            assert!((found[0] - change(factor)).abs() < 1e-12, "{factor}: {found:?}");
-        }
-        assert!(factors(Some(&rims), 50, 1).iter().all(|factor| (0.5..=1.5).contains(factor)));
-        assert!(factors(None, 3, 1).iter().all(|factor| *factor == 1.0));
     }
 }
