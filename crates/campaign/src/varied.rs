@@ -60,7 +60,7 @@ impl<'a> Varied<'a> {
             if varied.rows.len().saturating_mul(values.len()) > MOST_TASKS {
                 return Err(document.refuse(grid.span(), "makes more than a million tasks").expected("fewer values"));
             }
-            let one = |value| Ok(Row::from([(key.clone(), varied.place(key, value)?)]));
+            let one = |value| Ok(Row::from([(key.clone(), varied.take(key, value)?)]));
             let each: Vec<Row> = values.iter().map(one).collect::<Result<_, Diagnostic>>()?;
             varied.rows = crossed(varied.rows, &each);
         }
@@ -76,18 +76,11 @@ impl<'a> Varied<'a> {
                 if !varied.keys.contains(key) {
                     varied.keys.push(key.clone());
                 }
-                of_row.insert(key.clone(), varied.place(key, value)?);
+                of_row.insert(key.clone(), varied.take(key, value)?);
             }
             each.push(of_row);
         }
         varied.rows = crossed(varied.rows, &each);
-        let of_grids =
-            grids.iter().flat_map(|grid| grid.get_ref().values.iter().map(|of| (grid.get_ref().key.get_ref(), of)));
-        let of_list = list.iter().flat_map(|row| row.get_ref());
-        for (key, value) in of_grids.chain(of_list) {
-            let place = Place { key: key.clone(), value: varied.place(key, value)?, span: value.span() };
-            varied.places.push(place);
-        }
         Ok(varied)
     }
 
@@ -99,14 +92,16 @@ impl<'a> Varied<'a> {
         Ok(())
     }
 
-    /// A value as it travels.
-    fn place(&self, key: &str, value: &Spanned<Value>) -> Result<Json, Diagnostic> {
-        json(value.get_ref()).map_err(|reason| {
+    /// A value as it travels; notes where it stands.
+    fn take(&mut self, key: &str, value: &Spanned<Value>) -> Result<Json, Diagnostic> {
+        let taken = json(value.get_ref()).map_err(|reason| {
             let refused = self.document.refuse(value.span(), reason);
             let refused =
                 Diagnostic { key: Some(key.into()), value: Some(value.get_ref().to_string().into()), ..refused };
             refused.expected("finite numbers, texts, true, false, and lists of them")
-        })
+        })?;
+        self.places.push(Place { key: key.to_owned(), value: taken.clone(), span: value.span() });
+        Ok(taken)
     }
 
     /// Refuses the key `key`, where it stands first.
