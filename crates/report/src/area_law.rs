@@ -235,6 +235,15 @@ pub fn table_csv(report: &AreaLawReport) -> String {
     text
 }
 
+/// The title of a picture of an area law, by the map of a synthetic or of a measured surface.
+pub(crate) const fn picture_title(is_synthetic: bool) -> &'static str {
+    if is_synthetic {
+        "Real contact area and the factor f (synthetic surface)"
+    } else {
+        "Real contact area and the factor f"
+    }
+}
+
 /// Area and f against pressure.
 ///
 /// # Errors
@@ -250,9 +259,8 @@ pub fn picture(report: &AreaLawReport) -> Result<String, charts::ChartError> {
         .find(|point| tidy(point.pressure_mpa) == threshold_mpa)
         .map(|point| [threshold_mpa, point.area_fraction_corrected]);
     let title = match (report.synthetic_surface, &report.map) {
-        (true, _) => "Real contact area and the factor f (synthetic surface)",
-        (false, Some(_)) => "Real contact area and the factor f",
         (false, None) => "Real contact area and the factor f (Persson's theory)",
+        (is_synthetic, _) => picture_title(is_synthetic),
     };
     charts::area_law(&AreaLawChart {
         title,

@@ -4,6 +4,7 @@ use slipgrid_calibrate::{CalibrationOutcome, CalibrationTask, Measurement};
 use slipgrid_units::{HUMIDITY_PCT, PRESSURE_MPA, SPEED_MM_S, tidy};
 
 use crate::ChartError;
+use crate::area_law::picture_title;
 use crate::charts::{self, AreaLawChart, Estimate, FlatFrictionChart, FlatSeries};
 
 /// Pressure up to which the area law is drawn, over the highest nominal one that was measured.
@@ -70,13 +71,8 @@ pub fn area_law(task: &CalibrationTask, outcome: &CalibrationOutcome) -> Result<
     let area_fraction: Vec<f64> = curve.iter().map(|point| point.area_fraction_corrected).collect();
     let factor: Vec<f64> = curve.iter().map(|point| law.factor(point.pressure_pa)).collect();
     let threshold = curve.iter().find(|point| (point.pressure_pa / task.threshold_pa - 1.0).abs() < 1e-9);
-    let title = if surface.synthetic {
-        "Real contact area and the factor f (synthetic surface)"
-    } else {
-        "Real contact area and the factor f"
-    };
     charts::area_law(&AreaLawChart {
-        title,
+        title: picture_title(surface.synthetic),
         pressure_mpa: &pressure_mpa,
         area_fraction: &area_fraction,
         factor: &factor,

@@ -98,15 +98,9 @@ pub(super) fn header_length(value: &str) -> Cow<'_, str> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::GIVEN;
     use super::*;
-    use crate::{LengthUnit, ReadOptions, read_map};
-
-    const GIVEN: ReadOptions = ReadOptions {
-        pixel_m: Some([1e-6; 2]),
-        height_unit: Some(LengthUnit::Micrometre),
-        lateral_unit: Some(LengthUnit::Micrometre),
-        ..ReadOptions::NONE
-    };
+    use crate::{ReadOptions, read_map};
 
     #[test]
     fn decimal_commas_are_told_where_nothing_else_is_meant() {

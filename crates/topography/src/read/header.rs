@@ -207,6 +207,7 @@ pub(super) fn begins_with_a_word(text: &str) -> bool {
 
 #[cfg(test)]
 mod tests {
+    use super::super::GIVEN;
     use super::*;
     use crate::{MapFormat, ReadOptions, read_map};
 
@@ -285,12 +286,7 @@ mod tests {
 
     #[test]
     fn what_an_instrument_writes_above_the_titles_is_passed_over_and_nothing_else_is() {
-        let um = Some(LengthUnit::Micrometre);
-        let refused = |text: &str| {
-            let given =
-                ReadOptions { pixel_m: Some([1e-6; 2]), height_unit: um, lateral_unit: um, ..ReadOptions::NONE };
-            read_map(text.as_bytes(), &given).unwrap_err().to_string()
-        };
+        let refused = |text: &str| read_map(text.as_bytes(), &GIVEN).unwrap_err().to_string();
         let points = "0,0,1\n1,0,2\n0,1,3\n1,1,4\n";
         let text = format!("Measurement 17\nOperator,Anna\n\nX,Y,Z\num,um,nm\n{points}");
         let read = read_map(text.as_bytes(), &ReadOptions::NONE).unwrap();

@@ -220,6 +220,15 @@ fn check_expansion(format: &'static str, heights: u64, bytes_each: u64, packed: 
     Ok(())
 }
 
+/// Heights in micrometres on pixels of a micrometre, and nothing else: what tests read.
+#[cfg(test)]
+const GIVEN: ReadOptions = ReadOptions {
+    pixel_m: Some([1e-6; 2]),
+    height_unit: Some(LengthUnit::Micrometre),
+    lateral_unit: Some(LengthUnit::Micrometre),
+    ..ReadOptions::NONE
+};
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -232,8 +241,7 @@ mod tests {
 
     /// The message with which `text` is refused, read as micrometres on pixels of a micrometre.
     fn refused(text: &str) -> String {
-        let options = ReadOptions { pixel_m: Some([1e-6; 2]), height_unit: UM, lateral_unit: UM, ..ReadOptions::NONE };
-        read_map(text.as_bytes(), &options).unwrap_err().to_string()
+        read_map(text.as_bytes(), &GIVEN).unwrap_err().to_string()
     }
 
     #[test]
@@ -313,13 +321,7 @@ mod tests {
 
     #[test]
     fn a_matrix_of_three_columns_can_be_forced_or_sized() {
-        let options = ReadOptions {
-            format: Some(MapFormat::Matrix),
-            pixel_m: Some([1e-6; 2]),
-            height_unit: UM,
-            lateral_unit: UM,
-            ..ReadOptions::NONE
-        };
+        let options = ReadOptions { format: Some(MapFormat::Matrix), ..GIVEN };
         let map = read_map("1 2 3\n4 5 6\n".as_bytes(), &options).unwrap().map;
         assert_eq!((map.rows(), map.cols()), (3, 2));
     }
@@ -353,13 +355,7 @@ mod tests {
     fn damaged_texts_are_read_or_refused_but_never_break() {
         let whole =
             "# Width: 3 \u{b5}m\n# Height: 4 um\n# Value units: nm\nx_um y_um z_um\n1 2 NaN\n4 BAD ---\n0 1 2\n";
-        let options = ReadOptions {
-            pixel_m: Some([1e-6; 2]),
-            height_unit: UM,
-            lateral_unit: UM,
-            format: Some(MapFormat::Xyz),
-            ..ReadOptions::NONE
-        };
+        let options = ReadOptions { format: Some(MapFormat::Xyz), ..GIVEN };
         let mut state = 1_u32;
         for round in 0..20_000_usize {
             let mut bytes = whole.as_bytes().to_vec();

@@ -163,14 +163,8 @@ fn detect(header: &Header, text: &str) -> MapFormat {
 
 #[cfg(test)]
 mod tests {
-    use crate::{Crop, Decimation, DecimationMethod, LengthUnit, MapFormat, ReadError, ReadOptions, read_map};
-
-    const GIVEN: ReadOptions = ReadOptions {
-        pixel_m: Some([1e-6; 2]),
-        height_unit: Some(LengthUnit::Micrometre),
-        lateral_unit: Some(LengthUnit::Micrometre),
-        ..ReadOptions::NONE
-    };
+    use super::super::GIVEN;
+    use crate::{Crop, Decimation, DecimationMethod, MapFormat, ReadError, ReadOptions, read_map};
 
     /// The map as text, in which NaN equals NaN.
     fn read(text: &str, options: &ReadOptions) -> Result<String, ReadError> {
