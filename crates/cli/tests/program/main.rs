@@ -22,6 +22,7 @@ mod optimize;
 mod outside;
 mod planforms;
 mod refusals;
+mod refused_flags;
 mod relief;
 mod repeats;
 mod rims;
