@@ -129,6 +129,12 @@ pub struct DesignReport {
     pub history: Vec<ImprovementReport>,
     /// What was modelled and why.
     pub model: Vec<String>,
+    /// How it was computed.
+    #[serde(default)]
+    pub method: Vec<String>,
+    /// From where to where friction was measured, where a pressure lies outside.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub measured_mpa: Option<[f64; 2]>,
     /// The material and where it came from.
     pub material: MaterialReport,
     /// The specimen.

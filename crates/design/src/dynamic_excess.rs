@@ -30,7 +30,7 @@ pub fn correct(simulation: &mut Simulation, scene: &Scene, excess: Option<&[f64]
     }
     let (factor, time, ends) = (range(&factors), range(&of_time), range(&of_ends));
     let in_time = "by which the calibration's flat sample has more friction in time than in steady sliding";
-    simulation.model.push(if !is_steady {
+    simulation.statements.model(if !is_steady {
         format!("dynamic friction: times {factor}, so that the flat surface has the calibrated friction in space, where its excess over steady sliding differs from that in the plane")
     } else if of_ends.iter().all(|times| (times - 1.0).abs() < ROUNDING) {
         format!("dynamic friction: steady friction times {factor}, {in_time}; stresses are the steady ones")
@@ -101,13 +101,13 @@ mod tests {
             let times = after.surface.mu_dynamic.unwrap() / before.surface.mu_dynamic.unwrap();
             let of_flat = flat / before.flat.as_ref().unwrap().mu_dynamic.unwrap();
             assert!((times / of_flat - 1.0).abs() < 1e-12 && after.ratio == before.ratio);
-            assert_eq!(found.model.len(), plain.model.len() + 1);
+            assert_eq!(found.statements.model.len(), plain.statements.model.len() + 1);
             let of_time = "times 1.0150, by which the calibration's flat sample has more friction in time than in steady sliding; ";
             assert_eq!(
-                found.model.last().unwrap().contains(of_time),
+                found.statements.model.last().unwrap().contains(of_time),
                 fidelity == Fidelity::Steady,
                 "{:?}",
-                found.model
+                found.statements
             );
             let mut unknown = plain.clone();
             correct(&mut unknown, &scene, None);
@@ -125,7 +125,11 @@ mod tests {
              sliding, times {ends:.4}, steady friction of an endless flat layer",
             1.015 * ends
         );
-        assert!((ends - 1.0).abs() > 1e-3 && found.model.last().unwrap().contains(&says), "{ends} {:?}", found.model);
+        assert!(
+            (ends - 1.0).abs() > 1e-3 && found.statements.model.last().unwrap().contains(&says),
+            "{ends} {:?}",
+            found.statements
+        );
         // In the plane runs in time have the excess that was calibrated.
         let scene = scene(Planform::Groove, Fidelity::Dynamic);
         let plain = simulate(&scene, &Unwatched).unwrap();

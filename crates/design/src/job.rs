@@ -5,8 +5,8 @@ use slipgrid_material::Material;
 use slipgrid_monitor::{Monitor, Remembering};
 use slipgrid_optimize::{Candidate, ModelFailure, Status, TradeOffs};
 use slipgrid_pattern::Pattern;
-use slipgrid_results::{MaterialReport, PatternReport, SCHEMA, VERSION, load_reports, model_notes};
-use slipgrid_springblock::{Load, Scene, Simulation};
+use slipgrid_results::{MaterialReport, PatternReport, SCHEMA, VERSION, load_reports, measured_range, model_notes};
+use slipgrid_springblock::{Load, Scene, Simulation, Statements};
 use slipgrid_units::{PRESSURE_MPA, tidy};
 
 use crate::assessment::Assessment;
@@ -131,11 +131,13 @@ fn every_step(
     monitor.heed()?;
 
     let scene = assessed.confirming.clone();
+    let said = statements(&prepared, &found, best, &cut_short, unexplored);
     let report = DesignReport {
         trade_offs,
         explanation,
         table,
-        model: model_statements(&prepared, &found, best, &cut_short, unexplored),
+        model: said.model,
+        method: said.method,
         cut_short: cut_short.into_iter().map(Into::into).collect(),
         timings_s: timings,
         wall_s: monitor.seconds() - started_s,
@@ -172,22 +174,24 @@ fn search_and_confirm<'a>(
     Ok(found)
 }
 
-/// What was modelled of the design that was found, and what was not, in sentences.
-fn model_statements(
+/// What was modelled of the design that was found, what was not, and how it was computed.
+fn statements(
     prepared: &PreparedTask,
     found: &MultiFidelityLoop<'_>,
     best: BestDesign<'_>,
     cut_short: &[&str],
     unexplored: Option<&'static str>,
-) -> Vec<String> {
-    let mut model = best.confirmed.model.clone();
-    model.extend(found.condition_statements(&prepared.task));
-    model.extend(found.statements());
-    model.extend(time_statement(cut_short));
-    model.extend(unexplored.map(Into::into));
-    model.extend(measured_range(&prepared.material, &prepared.outside));
-    model.extend(model_notes(found.model.dimension().section_of(&best.pattern()), &prepared.material.provenance));
-    model
+) -> Statements {
+    let mut said = best.confirmed.statements.clone();
+    said.model.extend(found.condition_statements(&prepared.task));
+    found.describe(&mut said);
+    said.model.extend(time_statement(cut_short));
+    said.model.extend(unexplored.map(Into::into));
+    if let Some(range) = measured_mpa(&prepared.material, &prepared.outside) {
+        said.model(format!("{}; beyond that the nearest measurement's coefficients were taken", measured_range(range)));
+    }
+    said.model.extend(model_notes(found.model.dimension().section_of(&best.pattern()), &prepared.material.provenance));
+    said
 }
 
 /// The record of the design itself, without what was found beside it and without times.
@@ -249,6 +253,7 @@ fn report_of(
         rounds: found.rounds,
         history: found.history.clone(),
         material: MaterialReport::from(&prepared.material.provenance),
+        measured_mpa: measured_mpa(&prepared.material, &prepared.outside),
         specimen: (&design.specimen).into(),
         laser: design.laser,
         seed: design.seed,
@@ -256,12 +261,8 @@ fn report_of(
     })
 }
 
-/// How the note on the pressures of measured friction begins.
-pub const MEASURED_RANGE: &str = "friction was measured from ";
-
-/// From where to where friction was measured, where one of the pressures is `outside`.
-fn measured_range(material: &Material, outside: &[bool]) -> Option<String> {
-    let [low, high] = material.friction.measured_pressures_pa().filter(|_| outside.contains(&true))?;
-    let [low, high] = [low, high].map(|pressure_pa| (1e3 * PRESSURE_MPA.from_si(pressure_pa)).round() / 1e3);
-    Some(format!("{MEASURED_RANGE}{low} to {high} MPa; beyond that the nearest measurement's coefficients were taken"))
+/// From where to where friction was measured, in MPa, where one of the pressures is `outside`.
+fn measured_mpa(material: &Material, outside: &[bool]) -> Option<[f64; 2]> {
+    let measured_pa = material.friction.measured_pressures_pa().filter(|_| outside.contains(&true))?;
+    Some(measured_pa.map(|pressure_pa| (1e3 * PRESSURE_MPA.from_si(pressure_pa)).round() / 1e3))
 }

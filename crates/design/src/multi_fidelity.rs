@@ -5,7 +5,7 @@ use slipgrid_optimize::{
     Goal, LowFidelityCorrection, Quantity, SearchError, SearchOptions, SearchOutcome, Status, least_evaluations,
     search, search_multi_fidelity,
 };
-use slipgrid_springblock::{Extent, Fidelity, Load, RunOptions, Scene};
+use slipgrid_springblock::{Extent, Fidelity, Load, RunOptions, Scene, Statements};
 
 use crate::DesignError;
 use crate::best_round::{Advantage, KeptRound, Round};
@@ -247,7 +247,7 @@ impl<'a> MultiFidelityLoop<'a> {
     }
 
     /// How designs were searched in space, and at which speed they were run, beside what the confirming run says of itself.
-    pub(super) fn statements(&self) -> Vec<String> {
+    pub(super) fn describe(&self, said: &mut Statements) {
         let (asked, run) = (self.scene.speed_m_s, self.scene.clone().slowed().speed_m_s);
         let slowed = (run < asked).then(|| {
             let [asked, run] = [asked, run].map(|speed_m_s| tidy(SPEED_MM_S.from_si(speed_m_s)));
@@ -256,14 +256,13 @@ impl<'a> MultiFidelityLoop<'a> {
                  the coefficients are those at {asked} mm/s, and the ratio is known to about 0.01"
             )
         });
-        let mut statements: Vec<String> = slowed.into_iter().collect();
-        statements.extend(self.taken_back.clone());
+        said.model.extend(slowed.into_iter().chain(self.taken_back.clone()));
         if self.model.dimension().takes_strips() {
-            return statements;
+            return;
         }
         let um = |length_m: f64| tidy(LENGTH_UM.from_si(length_m));
         let block_um = um(self.scene.layer.block_m);
-        statements.push(match self.model.guide() {
+        said.method(match self.model.guide() {
             Some((_, guide_m)) => format!(
                 "searched in space: steady cells in blocks of {block_um} um judged {} designs; cells in blocks of {} um, corrected by these, found them among {}",
                 self.solid_evaluations,
@@ -272,11 +271,10 @@ impl<'a> MultiFidelityLoop<'a> {
             ),
             None => format!("searched in space: steady cells in blocks of {block_um} um"),
         });
-        statements.push(format!(
+        said.model(format!(
             "confirmed in time on one cell in space, taken for the specimen in proportion to its cavities: a specimen {} um long and as wide is beyond reach",
             um(self.scene.layer.length_m),
         ));
-        statements
     }
 
     /// Corrects the model at the confirmed design; returns the largest change of the target's quantity.

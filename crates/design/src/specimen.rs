@@ -63,9 +63,9 @@ pub fn simulate_on(
     for load in simulation.loads.iter_mut().filter(|_| scene.layer.is_backed()) {
         load.ratio_layer_error = load.ratio.map(|_| load.ratio_layer_error.unwrap_or(0.0).hypot(tilt));
     }
-    simulation.model.extend(tilt_words);
+    simulation.statements.model.extend(tilt_words);
     let largest = ends.iter().flatten().copied().fold(0.0, f64::max);
-    simulation.model.push(format!(
+    simulation.statements.model(format!(
         "specimen as it is laid out: cavities take {:.2} % of its face, {:.2} % of a period; friction is lowered in that proportion, which gives the ratio an error of {largest:.4} at most, as strips of grooves show",
         100.0 * layout.areal_density(),
         100.0 * pattern.areal_density(),

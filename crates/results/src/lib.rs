@@ -41,7 +41,7 @@ pub use notes::notes;
 pub use pattern::{PatternReport, duration_in_words, length_in_words};
 pub use rim::RimReport;
 pub use simulation::{
-    LoadReport, MaterialReport, SimulationReport, beyond_measured, load_reports, model_notes, warnings,
+    LoadReport, MaterialReport, SimulationReport, beyond_measured, load_reports, measured_range, model_notes, warnings,
 };
 pub use specimen::SpecimenReport;
 pub use table::{Table, fixed, with_error};

@@ -32,6 +32,9 @@ pub struct SimulationReport {
     pub dimensions: u8,
     /// What was modelled and why.
     pub model: Vec<String>,
+    /// How it was computed.
+    #[serde(default)]
+    pub method: Vec<String>,
     /// The material and where it came from.
     pub material: MaterialReport,
     /// The texture; null for a flat scene.
@@ -79,6 +82,19 @@ pub struct MaterialReport {
     /// What makes results that rest on it doubtful.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub warnings: Vec<String>,
+}
+
+impl MaterialReport {
+    /// What makes results that rest on it doubtful, in words.
+    pub fn doubts(&self) -> impl Iterator<Item = String> {
+        self.warnings.iter().map(|doubtful| format!("the material is doubtful: {doubtful}"))
+    }
+}
+
+/// From where to where friction was measured, in words.
+#[must_use]
+pub fn measured_range([low_mpa, high_mpa]: [f64; 2]) -> String {
+    format!("friction was measured from {low_mpa} to {high_mpa} MPa")
 }
 
 impl From<&Provenance> for MaterialReport {
@@ -231,7 +247,6 @@ pub fn model_notes(pattern: Option<&Pattern>, provenance: &Provenance) -> Vec<St
     if provenance.synthetic_surface {
         notes.push("the area law rests on a synthetic surface, not on a measured one".to_owned());
     }
-    notes.extend(provenance.warnings.iter().map(|warning| format!("warning: {warning}")));
     notes
 }
 
@@ -257,7 +272,8 @@ impl SimulationReport {
             fidelity: scene.run.fidelity.name().into(),
             extent: scene.run.extent.name().into(),
             dimensions: scene.dimension().number(),
-            model: simulation.model.iter().cloned().chain(model_notes(section, provenance)).collect(),
+            model: [simulation.statements.model.clone(), model_notes(section, provenance)].concat(),
+            method: simulation.statements.method.clone(),
             material: provenance.into(),
             pattern: pattern.map(PatternReport::from),
             section_model: section.is_some(),
@@ -290,7 +306,7 @@ impl SimulationReport {
             },
         );
         text += &format!("{surface}; {}, {}\n", self.fidelity, self.extent);
-        text += &notes(self.model.iter().map(String::as_str));
+        text += &notes(self.model.iter().map(String::as_str), &self.method);
         text.push('\n');
         text += &self.load_table().to_string();
         text += &format!("  {}\n", self.errors.meaning);
@@ -304,8 +320,8 @@ impl SimulationReport {
         if let Some(corrected) = &self.discrepancy {
             text += &corrected.text();
         }
-        for warning in warnings(&self.results) {
-            text += &format!("! {warning}\n");
+        for doubt in self.material.doubts().chain(warnings(&self.results)) {
+            text += &format!("! {doubt}\n");
         }
         text += &format!("\n{:.3} s on {} threads\n", self.wall_s, self.threads);
         text

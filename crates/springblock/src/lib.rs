@@ -79,7 +79,9 @@ pub use dynamics::{
 };
 pub use error::SceneError;
 pub use face::{Face, Strip};
-pub use outcome::{DynamicCost, InterfacePoint, LoadOutcome, Simulation, Status, SurfaceOutcome, TracePoint};
+pub use outcome::{
+    DynamicCost, InterfacePoint, LoadOutcome, Simulation, Statements, Status, SurfaceOutcome, TracePoint,
+};
 pub use scene::{Extent, Fidelity, Layer, Load, MOST_DRAWS, MOST_ROWS, RunOptions, Scene, Springs};
 pub use simulate::{
     BlockRefinement, Expense, block_refinement, bounded, expense, planned_steps, simulate, simulate_specimen,

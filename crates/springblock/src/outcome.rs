@@ -263,11 +263,32 @@ impl LoadOutcome {
     }
 }
 
+/// What a simulation says of itself, one statement each.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Statements {
+    /// What was modelled and why: what bears on a decision.
+    pub model: Vec<String>,
+    /// How it was computed.
+    pub method: Vec<String>,
+}
+
+impl Statements {
+    /// That something was modelled so, or not at all.
+    pub fn model(&mut self, said: impl Into<String>) {
+        self.model.push(said.into());
+    }
+
+    /// That something was computed so.
+    pub fn method(&mut self, said: impl Into<String>) {
+        self.method.push(said.into());
+    }
+}
+
 /// Results of a scene.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Simulation {
-    /// What was modelled and why, one statement each.
-    pub model: Vec<String>,
+    /// What was modelled, and how it was computed.
+    pub statements: Statements,
     /// One record per load, in the scene's order.
     pub loads: Vec<LoadOutcome>,
 }

@@ -26,13 +26,14 @@ use crate::draws;
 use crate::dynamics::{DynamicRun, Plan, Scheme, remembered, settings};
 use crate::error::SceneError;
 use crate::lattice::Lattice;
-use crate::outcome::{LoadOutcome, Simulation, Status, SurfaceOutcome};
+use crate::outcome::{LoadOutcome, Simulation, Statements, Status, SurfaceOutcome};
 use crate::scene::{Extent, Fidelity, Load, Scene};
 use crate::steady::{FaceHistory, RaisedModel, SteadyLoad, SteadyModel, ThickModel, factor_bytes};
 
 use behind::Behind;
 use statements::{
-    describe_draws, describe_extent, describe_law, describe_protocol, describe_scheme, describe_steady, why_space,
+    SPEED_ZERO, STRETCHED_CELL, describe_draws, describe_extent, describe_law, describe_protocol, describe_scheme,
+    describe_start, describe_steady,
 };
 
 pub use blocks::{BlockRefinement, block_refinement};
@@ -67,9 +68,9 @@ pub fn simulate(scene: &Scene, monitor: &dyn Monitor) -> Result<Simulation, Scen
     bounded(scene)?;
     let mut simulation = over_layer(scene, monitor)?;
     if let Some(pattern) = &scene.pattern {
-        rim_difference::add_yielding(scene, pattern, &mut simulation.loads, &mut simulation.model);
+        rim_difference::add_yielding(scene, pattern, &mut simulation.loads, &mut simulation.statements);
         let tilt = PressureTilt::of_sample(scene, pattern, monitor);
-        Behind::new(scene, pattern, monitor).tell(&tilt, &mut simulation.loads, &mut simulation.model);
+        Behind::new(scene, pattern, monitor).tell(&tilt, &mut simulation.loads, &mut simulation.statements);
         blocks::refine(scene, pattern, 1.0, &mut simulation, monitor);
     }
     Ok(simulation)
@@ -79,7 +80,7 @@ pub fn simulate(scene: &Scene, monitor: &dyn Monitor) -> Result<Simulation, Scen
 fn cancelled(scene: &Scene) -> Simulation {
     let unsolved = || SurfaceOutcome::unsolved(Status::Cancelled, std::iter::empty());
     let loads = scene.loads.iter().map(|load| compare(load, unsolved(), Some(unsolved()))).collect();
-    Simulation { model: Vec::new(), loads }
+    Simulation { statements: Statements::default(), loads }
 }
 
 /// Ratios of the steady cell of `scene` at every load, as [`simulate`] finds them, without what tells how far off they are: that
@@ -100,7 +101,7 @@ pub fn steady_ratios(scene: &Scene, monitor: &dyn Monitor) -> Result<Vec<Option<
     } else {
         steady(solved, monitor)?.loads
     };
-    rim_difference::add_yielding(scene, pattern, &mut loads, &mut Vec::new());
+    rim_difference::add_yielding(scene, pattern, &mut loads, &mut Statements::default());
     let refined = if scene.run.refine { block_refinement(scene, blocks::MOST_PRODUCTS) } else { None };
     let shifts = refined.map_or_else(|| vec![0.0; loads.len()], |refined| refined.shifts);
     let converged = |load: LoadOutcome| load.ratio.filter(|_| load.surface.status == Status::Converged);
@@ -256,35 +257,30 @@ fn steady(scene: &Scene, monitor: &dyn Monitor) -> Result<Simulation, SceneError
             outcome
         })
         .collect();
-    let mut model = vec![describe_steady(scene)];
-    describe_extent(scene, &mut model);
+    let mut said = Statements::default();
+    said.model(describe_steady(scene));
+    describe_extent(scene, &mut said);
     if scene.run.extent == Extent::Cell {
-        model.push("mean local coefficients: a periodic cell has no scatter to average".to_owned());
+        said.method("mean local coefficients: a periodic cell has no scatter to average");
     }
     if scene.speed_m_s == 0.0 {
-        model.push("speed 0: the limit of vanishing speed, in which every contact block still slides".to_owned());
+        said.model(SPEED_ZERO);
     }
     if scene.loads.iter().any(|load| load.friction.dynamic_mean() > 1.0) {
-        model.push(
-            "mu above 1: this equilibrium is unstable, as steady sliding of an elastic body on a rigid plane is"
-                .to_owned(),
+        said.model(
+            "mu above 1: this equilibrium is unstable, as steady sliding of an elastic body on a rigid plane is",
         );
     }
     if !own.lattice().is_plain() {
-        model.push(
-            match scene.run.extent {
-                Extent::Cell => {
-                    "dimensions that are no whole blocks: the cell in whole columns stretched to fit, edges and depth blended between blocks"
-                }
-                Extent::Sample => {
-                    "dimensions that are no whole blocks: columns fitted to the cavity's edges, depth blended between rows"
-                }
+        said.method(match scene.run.extent {
+            Extent::Cell => STRETCHED_CELL,
+            Extent::Sample => {
+                "dimensions that are no whole blocks: columns fitted to the cavity's edges, depth blended between rows"
             }
-            .to_owned(),
-        );
+        });
     }
-    describe_law(scene, &mut model);
-    Ok(Simulation { model, loads })
+    describe_law(scene, &mut said);
+    Ok(Simulation { statements: said, loads })
 }
 
 /// Local dynamic coefficients of a steady solve, one a column: the means in a cell, draws in a sample.
@@ -310,23 +306,22 @@ fn dynamic(scene: &Scene, monitor: &dyn Monitor) -> Result<Simulation, SceneErro
     let lattices: Vec<Lattice> = [Some(own), flat].into_iter().flatten().map(|c| lattice(scene, c)).collect();
     let corrections = off_lattice_corrections(scene, nearest.as_ref())?;
     let Integrated { loads, scheme, .. } = integrate(scene, &lattices, &corrections, monitor)?;
-    let mut model = vec![describe_scheme(scene, &scheme)];
-    describe_protocol(scene, scheme.step_s, &mut model);
-    describe_extent(scene, &mut model);
-    describe_draws(scene, &mut model);
-    if scene.run.warm_start {
-        model.push("warm start: the layer sheared as in sliding, every block at rest at a random moment of its stick-slip; no ramp, no static friction".to_owned());
-    }
+    let mut said = Statements::default();
+    said.method(describe_scheme(scene, &scheme));
+    describe_protocol(scene, scheme.step_s, &mut said);
+    describe_extent(scene, &mut said);
+    describe_draws(scene, &mut said);
+    describe_start(scene, "layer", &mut said);
     if let Some(nearest) = nearest.filter(|_| corrections.iter().any(|c| *c != 0.0)) {
-        model.push(format!(
+        said.method(format!(
             "nearest whole blocks ({:.0} / {:.0} / {:.0} um) plus the steady difference of the ratio to the pattern itself; mu_static and the interface are those of the whole blocks",
             nearest.width_m() * 1e6,
             nearest.spacing_m() * 1e6,
             nearest.depth_m() * 1e6,
         ));
     }
-    describe_law(scene, &mut model);
-    Ok(Simulation { model, loads })
+    describe_law(scene, &mut said);
+    Ok(Simulation { statements: said, loads })
 }
 
 /// What runs in time found.

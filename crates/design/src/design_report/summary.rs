@@ -5,9 +5,8 @@ use std::fmt::Write as _;
 use super::DesignReport;
 use crate::conditions_report::ConditionsReport;
 use crate::infeasibility::ExplanationReport;
-use crate::job::MEASURED_RANGE;
 use crate::robustness_report::MEANING;
-use slipgrid_results::{LoadReport, PressureErrors, Table, fixed, length_in_words, with_error};
+use slipgrid_results::{LoadReport, PressureErrors, Table, fixed, length_in_words, measured_range, notes, with_error};
 
 impl DesignReport {
     /// The report for people.
@@ -49,8 +48,7 @@ impl DesignReport {
         }
         // Loads beyond what was measured make the chance itself doubtful.
         if let Some(line) = self.beyond_measured() {
-            let range = self.model.iter().find_map(|note| note.strip_prefix(MEASURED_RANGE)?.split_once(';'));
-            let range = range.map_or_else(String::new, |(range, _)| format!(" ({MEASURED_RANGE}{range})"));
+            let range = self.measured_mpa.map_or_else(String::new, |range| format!(" ({})", measured_range(range)));
             let _ = writeln!(text, "! {line}{range}");
         }
         text += &self.advice.as_ref().map_or_else(String::new, |advice| advice.text());
@@ -163,23 +161,21 @@ impl DesignReport {
 
     /// What is doubtful, marked `!`; what was modelled and what was not.
     fn doubts(&self) -> String {
-        let material = self.material.warnings.iter().map(|doubtful| format!("the material is doubtful: {doubtful}"));
         let laser =
             self.removal.iter().flat_map(|removal| &removal.warnings).map(|warning| format!("laser: {warning}"));
         let beyond = self.beyond_measured();
         let loads = slipgrid_results::warnings(&self.confirmed);
         let loads = loads.into_iter().filter(|warning| Some(warning) != beyond.as_ref());
         let mut text = String::new();
-        for doubt in material.chain(self.violations.iter().cloned()).chain(laser).chain(loads) {
+        for doubt in self.material.doubts().chain(self.violations.iter().cloned()).chain(laser).chain(loads) {
             let _ = writeln!(text, "! {doubt}");
         }
-        // Doubts of the material, which stand above.
-        let stated = self.model.iter().map(String::as_str).filter(|note| !note.starts_with("warning: "));
+        let stated = self.model.iter().map(String::as_str);
         let discrepancy = self.discrepancy.as_ref().map(|found| found.meaning().to_owned());
         let spread = self.robustness.as_ref().map(|_| MEANING);
         let of_lasering = if self.design.rim.is_some() { "roughening by the laser" } else { "recast rims" };
         let lacking = format!("not modelled: {of_lasering}, plasticity, viscoelasticity, heating, wear");
-        text + &slipgrid_results::notes(stated.chain(discrepancy.as_deref()).chain(spread).chain([lacking.as_str()]))
+        text + &notes(stated.chain(discrepancy.as_deref()).chain(spread).chain([lacking.as_str()]), &self.method)
     }
 
     /// How much was computed.

@@ -58,7 +58,7 @@ pub fn design(
                        that of the whole specimen, as in the tables";
         pictures(page, outputs, "Friction in time", "friction-", in_time);
     });
-    page.model(&report.model, report.design.rim.is_some());
+    page.model([&report.model, &report.method], report.design.rim.is_some());
     page.fold("Material and calibration", |page| material(page, report, outputs, (area_law, loads)));
     page.part("Files", |page| {
         page.fold("pattern.svg: the pattern, with two periods enlarged", |page| {

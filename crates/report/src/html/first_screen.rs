@@ -130,7 +130,7 @@ fn caveat(page: &mut Page, report: &DesignReport) {
         load.doubts().map(|doubt| format!("At {at} MPa {doubt}.")).collect::<Vec<_>>()
     };
     all.extend(report.confirmed.iter().flat_map(doubts));
-    all.extend(report.material.warnings.iter().map(|doubtful| format!("The material is doubtful: {doubtful}.")));
+    all.extend(report.material.doubts().map(|doubt| sentence(&doubt)));
     all.extend(report.violations.iter().cloned());
     all.extend(report.removal.iter().flat_map(|removal| &removal.warnings).map(|warning| format!("Laser: {warning}.")));
     page.doubts(all);

@@ -331,10 +331,13 @@ impl Page {
         }
     }
 
-    /// What was modelled, and what never is.
-    pub fn model(&mut self, statements: &[String], has_rim: bool) {
+    /// What was modelled, how it was computed, and what never is modelled.
+    pub fn model(&mut self, [model, method]: [&[String]; 2], has_rim: bool) {
         self.heading("What was modelled, and why");
-        self.list(statements);
+        self.list(model);
+        if !method.is_empty() {
+            self.paragraph(&format!("How it was computed: {}.", method.join("; ")));
+        }
         self.paragraph(&format!("Not modelled: {}.", not_modelled(has_rim).join("; ")));
     }
 

@@ -153,10 +153,7 @@ fn a_load_beyond_those_measured_stands_where_the_chance_is() {
     let mut found = report();
     assert!(!found.summary().contains("outside the measured range"));
     found.confirmed[1].friction_extrapolated = true;
-    found.model.push(
-        "friction was measured from 0.7 to 1.4 MPa; beyond that the nearest measurement's coefficients were taken"
-            .into(),
-    );
+    found.measured_mpa = Some([0.7, 1.4]);
     let text = found.summary();
     let said = "\n! at 2.6 MPa outside the measured range: the nearest measurement's coefficients were taken (friction was measured from \
                 0.7 to 1.4 MPa)\n";

@@ -19,7 +19,7 @@ use crate::Monitor;
 use crate::cell::{CellOutcome, SteadyCell};
 use crate::dimension::Dimension;
 use crate::face::Face;
-use crate::outcome::{LoadOutcome, Status};
+use crate::outcome::{LoadOutcome, Statements, Status};
 use crate::scene::{Extent, Fidelity, Layer, Scene};
 
 /// Standard error of the ratio of a run in time to which the difference of the steady cells is added: the root mean square over ten
@@ -122,9 +122,9 @@ impl Behind {
         behind
     }
 
-    /// Adds it to `loads`, where the scene says how thick the specimen is and they do not have it yet, with the error of `tilt`; `model`
+    /// Adds it to `loads`, where the scene says how thick the specimen is and they do not have it yet, with the error of `tilt`; `said`
     /// tells of both.
-    pub fn tell(&self, tilt: &PressureTilt, loads: &mut [LoadOutcome], model: &mut Vec<String>) {
+    pub fn tell(&self, tilt: &PressureTilt, loads: &mut [LoadOutcome], said: &mut Statements) {
         let is_added = self.layer.is_backed() && !self.is_solved;
         for (load, difference) in loads.iter_mut().zip(&self.each) {
             let Some(difference) = difference else { continue };
@@ -135,27 +135,27 @@ impl Behind {
             }
         }
         if !self.each.is_empty() && loads.iter().any(|load| load.ratio.is_some()) {
-            model.push(self.statement(is_added, tilt, loads));
+            self.describe(is_added, tilt, loads, said);
         }
     }
 
-    fn statement(&self, is_added: bool, tilt: &PressureTilt, loads: &[LoadOutcome]) -> String {
+    fn describe(&self, is_added: bool, tilt: &PressureTilt, loads: &[LoadOutcome], said: &mut Statements) {
         let Layer { height_m, thickness_m, .. } = self.layer;
         let (layer_um, thick_mm) = (height_m * 1e6, (thickness_m.unwrap_or(height_m) * 1e6).round() / 1e3);
         let known = || loads.iter().filter_map(|load| load.ratio_layer_difference);
         let widest = widest(known());
         if known().count() < loads.iter().filter(|load| load.ratio.is_some()).count() {
-            return format!(
+            return said.model(format!(
                 "layer of {layer_um:.0} um under a rigid bulk: what a thicker specimen changes could not be computed, as its \
                  steady cell has no equilibrium"
-            );
+            ));
         }
         let widest = if widest.abs() < 5e-5 { "less than 0.0001".to_owned() } else { format!("{widest:+.4} at most") };
         if self.is_solved {
-            return format!(
+            return said.model(format!(
                 "specimen {thick_mm} mm thick, all of it elastic: that changes the ratio of its lowest {layer_um:.0} um alone by \
                  {widest}"
-            );
+            ));
         }
         if is_added {
             let open = loads.iter().filter_map(|load| load.ratio_layer_error).fold(0.0, f64::max);
@@ -165,15 +165,15 @@ impl Behind {
                 "what it adds to steady cells that share the load as it lets them"
             };
             let tilt = tilt.statement().map_or_else(String::new, |tilt| format!("; {tilt}"));
-            return format!(
+            return said.method(format!(
                 "blocks of the lowest {layer_um:.0} um of the specimen; the rest of its {thick_mm} mm adds to the ratio {what}, \
                  {widest}, known to {open:.4}; mu_static and the interface are those of the layer alone{tilt}"
-            );
+            ));
         }
-        format!(
+        said.model(format!(
             "layer of {layer_um:.0} um under a rigid bulk, as asked for: a specimen much thicker than the pattern is wide would \
              change the ratio by {widest}"
-        )
+        ));
     }
 }
 

@@ -169,7 +169,7 @@ pub fn plane_ratios(scene: &Scene, pattern: &Pattern, most: f64) -> Ratios {
 }
 
 /// Takes the ratios of `loads`, whose cavities take `share` of what a period's take, to smaller blocks by what these change
-/// of the steady cell, where `scene` asks for it and the error is less for it; the model tells of it, or why they are not. Nothing is
+/// of the steady cell, where `scene` asks for it and the error is less for it; its statements tell of it, or why they are not. Nothing is
 /// said once `monitor` has cancelled.
 pub fn refine(scene: &Scene, pattern: &Pattern, share: f64, simulation: &mut Simulation, monitor: &dyn Monitor) {
     if !scene.run.refine {
@@ -184,13 +184,13 @@ pub fn refine(scene: &Scene, pattern: &Pattern, share: f64, simulation: &mut Sim
         *simulation = super::cancelled(scene);
         return;
     }
-    let Simulation { loads, model } = simulation;
+    let Simulation { loads, statements } = simulation;
     let block_m = scene.layer.block_m;
     match found.and_then(|found| better(loads, found, share, block_m)) {
         Ok(BlockRefinement { factor, shifts, errors }) => {
             loads.iter_mut().zip(&shifts).for_each(|(load, shift)| load.shift_ratio(shift * share));
             state(loads, Some(&errors), share);
-            model.push(format!(
+            statements.method(format!(
                 "blocks of {} um: their ratio plus what blocks of {} um change of the steady cell, {:+.4} at most, which leaves it open by \
                  {:.4}; pressures and the interface are those of the larger blocks",
                 micrometres(block_m),
@@ -199,7 +199,7 @@ pub fn refine(scene: &Scene, pattern: &Pattern, share: f64, simulation: &mut Sim
                 share * errors.iter().copied().fold(0.0, f64::max),
             ));
         }
-        Err(reason) => model.push(reason.statement(block_m)),
+        Err(reason) => statements.model(reason.statement(block_m)),
     }
 }
 
@@ -307,7 +307,7 @@ mod tests {
         let said = |pattern: Pattern, refine: bool| {
             let mut scene = samples::scene(pattern, &[2.6], RunOptions { refine, ..RunOptions::default() });
             scene.layer.height_m = 40e-6;
-            let model = simulate(&scene, &Unwatched).unwrap().model;
+            let model = simulate(&scene, &Unwatched).unwrap().statements.model;
             model.into_iter().filter(|statement| statement.contains("smaller")).collect::<Vec<String>>()
         };
         let squares = samples::pattern(slipgrid_pattern::Planform::Square, 60.0, 60.0, 20.0);

@@ -11,7 +11,7 @@ use slipgrid_pattern::Pattern;
 
 use crate::cell::{CellOutcome, SteadyCell};
 use crate::dimension::Dimension;
-use crate::outcome::LoadOutcome;
+use crate::outcome::{LoadOutcome, Statements};
 use crate::scene::{Extent, Fidelity, Scene};
 
 /// Share of what rims add that is left open: ends bear more than the cell, and on a few cavities rims weigh differently
@@ -77,14 +77,14 @@ impl RimDifference {
 
 /// Adds to `loads` of a sample, or of a run in time, whose rims are elastic, what yielding changes of the steady cell; `model`
 /// tells of it. Nothing where the solid of `scene` does not yield, and of steady cells, which have it.
-pub fn add_yielding(scene: &Scene, pattern: &Pattern, loads: &mut [LoadOutcome], model: &mut Vec<String>) {
+pub fn add_yielding(scene: &Scene, pattern: &Pattern, loads: &mut [LoadOutcome], said: &mut Statements) {
     let Some(yield_pa) = scene.elastic.yield_pressure_pa().filter(|_| scene.is_raised()) else { return };
     let yields = format!(
         "heights of the face flatten for good at {} MPa, in the order of the loads",
         (yield_pa * 1e-3).round() * 1e-3
     );
     if scene.run.fidelity == Fidelity::Steady && scene.run.extent == Extent::Cell {
-        model.push(yields);
+        said.model(yields);
         return;
     }
     let Ok(elastic) = scene.elastic.with_yield_pressure_pa(None) else { return };
@@ -93,7 +93,7 @@ pub fn add_yielding(scene: &Scene, pattern: &Pattern, loads: &mut [LoadOutcome],
     let (with, without) = rayon::join(|| solve(scene), || solve(&rigid));
     let each = with.iter().zip(&without).map(|(with, without)| difference(with, without)).collect();
     RimDifference { each }.add(1.0, loads);
-    model.push(format!("{yields}: by what that changes of the steady cell, known to {:.0} %", 100.0 * OPEN_SHARE));
+    said.model(format!("{yields}: by what that changes of the steady cell, known to {:.0} %", 100.0 * OPEN_SHARE));
 }
 
 fn difference(with: &CellOutcome, without: &CellOutcome) -> Option<Difference> {

@@ -4,16 +4,17 @@ use rayon::prelude::*;
 use slipgrid_monitor::{memory, recalled};
 use slipgrid_pattern::Pattern;
 
-use super::{
-    MOST_FACTOR_BYTES, blocks, collect, compare, describe_draws, describe_law, describe_protocol, describe_steady,
-    differences, seed_of, stderr_share, why_space,
+use super::statements::{
+    PERIODIC_CELL, SPEED_ZERO, STRETCHED_CELL, describe_draws, describe_law, describe_protocol, describe_start,
+    describe_steady, why_space,
 };
+use super::{MOST_FACTOR_BYTES, blocks, collect, compare, differences, seed_of, stderr_share};
 use crate::Monitor;
 use crate::cell::SteadyCell;
 use crate::dimension::Dimension;
 use crate::dynamics::{SpaceRun, SpaceScheme, remembered, settings};
 use crate::error::SceneError;
-use crate::outcome::{LoadOutcome, Simulation, Status, SurfaceOutcome};
+use crate::outcome::{LoadOutcome, Simulation, Statements, Status, SurfaceOutcome};
 use crate::scene::Scene;
 use crate::space::SpaceLattice;
 
@@ -37,27 +38,24 @@ pub fn steady(scene: &Scene, pattern: &Pattern, monitor: &dyn Monitor) -> Result
     let model = SteadyCell::solved(scene, Dimension::Space);
     let [nx, ny] = model.columns(pattern);
     let why = why_space(scene, pattern);
-    let mut statements = vec![
-        describe_steady(scene),
-        "cell: one period with periodic sides, as nothing asked for depends on the ends".to_owned(),
-        format!(
-            "three dimensions, {why}: {nx} x {ny} x {} blocks, nu = 1/4, friction against the drive",
-            scene.layer.rows()
-        ),
-        "mean local coefficients: a periodic cell has no scatter to average; the flat surface slides at mu_d f(P)"
-            .to_owned(),
-    ];
+    let mut said = Statements::default();
+    said.model(describe_steady(scene));
+    said.method(PERIODIC_CELL);
+    said.method(format!(
+        "three dimensions, {why}: {nx} x {ny} x {} blocks, nu = 1/4, friction against the drive",
+        scene.layer.rows()
+    ));
+    said.method(
+        "mean local coefficients: a periodic cell has no scatter to average; the flat surface slides at mu_d f(P)",
+    );
     if scene.speed_m_s == 0.0 {
-        statements.push("speed 0: the limit of vanishing speed, in which every contact block still slides".to_owned());
+        said.model(SPEED_ZERO);
     }
     if !model.is_plain(pattern) {
-        statements.push(
-            "dimensions that are no whole blocks: the cell in whole columns stretched to fit, edges and depth blended between blocks"
-                .to_owned(),
-        );
+        said.method(STRETCHED_CELL);
     }
-    describe_law(scene, &mut statements);
-    Ok(Simulation { model: statements, loads })
+    describe_law(scene, &mut said);
+    Ok(Simulation { statements: said, loads })
 }
 
 /// What every load finds, but for how far blocks are off.
@@ -165,8 +163,8 @@ pub fn dynamic(scene: &Scene, pattern: &Pattern, monitor: &dyn Monitor) -> Resul
         .collect();
     let mut loads = collect(scene, surfaces, &corrections, outcomes);
     blocks::state(&mut loads, error.as_deref(), 1.0);
-    let model = statements(scene, pattern, &own, scheme, (!is_whole).then_some(&whole));
-    Ok(Simulation { model, loads })
+    let statements = statements(scene, pattern, &own, scheme, (!is_whole).then_some(&whole));
+    Ok(Simulation { statements, loads })
 }
 
 /// Steady ratio of the pattern itself less that of its nearest whole blocks, by load.
@@ -188,52 +186,43 @@ fn statements(
     own: &SpaceLattice,
     scheme: SpaceScheme,
     nearest: Option<&SpaceLattice>,
-) -> Vec<String> {
+) -> Statements {
     let [nx, ny] = own.columns();
-    let mut model = vec![
-        format!(
-            "dynamic: linear springs, leapfrog with implicit damping at {:.3} ns (limit {:.2} ns), damping {} sqrt(k/m) of the vertical plane",
-            scheme.step_s * 1e9,
-            scheme.limit_s * 1e9,
-            scene.run.damping,
-        ),
-        "cell: one period with periodic sides, as nothing asked for depends on the ends".to_owned(),
-        format!(
-            "three dimensions, {}: {nx} x {ny} x {} blocks, nu = 1/4, friction a vector against the velocity",
-            why_space(scene, pattern),
-            scene.layer.rows(),
-        ),
-    ];
-    describe_protocol(scene, scheme.step_s, &mut model);
+    let mut said = Statements::default();
+    said.method(format!(
+        "dynamic: linear springs, leapfrog with implicit damping at {:.3} ns (limit {:.2} ns), damping {} sqrt(k/m) of the vertical plane",
+        scheme.step_s * 1e9,
+        scheme.limit_s * 1e9,
+        scene.run.damping,
+    ));
+    said.method(PERIODIC_CELL);
+    said.method(format!(
+        "three dimensions, {}: {nx} x {ny} x {} blocks, nu = 1/4, friction a vector against the velocity",
+        why_space(scene, pattern),
+        scene.layer.rows(),
+    ));
+    describe_protocol(scene, scheme.step_s, &mut said);
     if pattern.is_uniform_along_y() {
-        model.push("grooves: as many columns along them as across, with coefficients of their own".to_owned());
+        said.method("grooves: as many columns along them as across, with coefficients of their own");
     }
     if scene.run.draws == 1 {
-        model.push(
-            "one draw of the local coefficients: standard errors are those within the run, not between draws"
-                .to_owned(),
-        );
+        said.method("one draw of the local coefficients: standard errors are those within the run, not between draws");
     }
-    describe_draws(scene, &mut model);
-    if scene.run.warm_start {
-        model.push(
-            "warm start: the cell sheared as in sliding, every block at rest at a random moment of its stick-slip; no ramp, no static friction"
-                .to_owned(),
-        );
-    }
+    describe_draws(scene, &mut said);
+    describe_start(scene, "cell", &mut said);
     if let Some(nearest) = nearest {
         let share = 1.0
             - (0..nx * nearest.columns()[1]).map(|n| nearest.contact_share(n % nx, n / nx)).sum::<f64>()
                 / (nx * nearest.columns()[1]) as f64;
-        model.push(format!(
+        said.method(format!(
             "nearest whole blocks ({nx} x {} columns, {:.2} % cavity, {:.0} rows deep) plus the steady difference of the ratio to the pattern itself; mu_static and the interface are those of the whole blocks",
             nearest.columns()[1],
             100.0 * share,
             nearest.depth(),
         ));
     }
-    describe_law(scene, &mut model);
-    model
+    describe_law(scene, &mut said);
+    said
 }
 
 #[cfg(test)]
@@ -262,7 +251,11 @@ mod tests {
         assert_eq!(scene.dimension(), Dimension::Space);
         let found = simulate(&scene, &Unwatched).unwrap();
         assert!(
-            found.model.iter().any(|line| line.starts_with("three dimensions, as square cavities need: 12 x 12 x 6"))
+            found
+                .statements
+                .method
+                .iter()
+                .any(|line| line.starts_with("three dimensions, as square cavities need: 12 x 12 x 6"))
         );
         let load = &found.loads[0];
         let flat = load.flat.as_ref().unwrap();
@@ -307,7 +300,7 @@ mod tests {
         };
         let both = threads(1);
         assert_eq!(both, threads(3));
-        assert!(both.model.iter().any(|line| line.starts_with("mean of 2 draws")));
+        assert!(both.statements.method.iter().any(|line| line.starts_with("mean of 2 draws")));
         scene.run.draws = 1;
         let ratios: Vec<f64> = [1, 2]
             .into_iter()
@@ -335,7 +328,11 @@ mod tests {
         let found = simulate(&scene, &Unwatched).unwrap();
         assert!(difference.abs() > 1e-3 && (found.loads[0].ratio.unwrap() - whole - difference).abs() < 1e-12);
         assert!(
-            found.model.iter().any(|line| line.starts_with("nearest whole blocks (12 x 12 columns, 25.00 % cavity"))
+            found
+                .statements
+                .method
+                .iter()
+                .any(|line| line.starts_with("nearest whole blocks (12 x 12 columns, 25.00 % cavity"))
         );
     }
 

@@ -26,7 +26,7 @@ use super::pressure_tilt::PressureTilt;
 use super::rim_difference::{RimDifference, without_rim};
 use super::{
     Behind, Integrated, MOST_FACTOR_BYTES, UNIFORM_COLUMNS, cancelled, compare, describe_draws, describe_law,
-    describe_protocol, describe_scheme, discretization_error, integrate, seed_of,
+    describe_protocol, describe_scheme, describe_start, discretization_error, integrate, seed_of,
 };
 use crate::Monitor;
 use crate::cell::SteadyCell;
@@ -36,7 +36,7 @@ use crate::draws;
 use crate::error::SceneError;
 use crate::face::{Face, Strip};
 use crate::lattice::Lattice;
-use crate::outcome::{LoadOutcome, Simulation, Status, SurfaceOutcome};
+use crate::outcome::{LoadOutcome, Simulation, Statements, Status, SurfaceOutcome};
 use crate::scene::{Extent, Fidelity, Layer, Load, RunOptions, Scene};
 use crate::steady::{SteadyLoad, SteadyModel, factor_bytes};
 use slipgrid_pattern::Pattern;
@@ -72,28 +72,28 @@ pub fn simulate_specimen(scene: &Scene, face: &Face, monitor: &dyn Monitor) -> R
     let layer = &Scene { layer: scene.layer.alone(), ..scene.clone() };
     let rims = RimDifference::new(scene, pattern);
     let Some(steady) = SteadyFace::new(layer, &rims, pattern, face, monitor)? else { return Ok(cancelled(scene)) };
-    let mut model = Vec::new();
+    let mut said = Statements::default();
     let mut loads = match scene.run.fidelity {
         Fidelity::Steady => {
-            model.push("steady: equilibrium with every contact block sliding, linear elasticity; no time".to_owned());
+            said.model("steady: equilibrium with every contact block sliding, linear elasticity; no time");
             steady.loads.clone()
         }
-        Fidelity::Dynamic | Fidelity::Reference => in_time(layer, face, pattern, &steady, &mut model, monitor)?,
+        Fidelity::Dynamic | Fidelity::Reference => in_time(layer, face, pattern, &steady, &mut said, monitor)?,
     };
     // What cavities take off the face is that of the cell, in proportion to their share.
     let share = face.cavity_share() / pattern.section_density();
     let cells = SteadyCell::solved(scene, Dimension::Plane).ratios(pattern);
     super::blocks::state(&mut loads, discretization_error(scene, pattern, &cells).as_deref(), share);
-    model.extend(describe(scene, face, pattern, &steady));
+    describe(scene, face, pattern, &steady, &mut said);
     let run = RunOptions { extent: Extent::Sample, ..scene.run };
     let behind = Behind::under_face(&Scene { run, ..scene.clone() }, pattern, face, monitor);
     let flat = Scene { relief: None, ..scene.clone() };
     let tilt = PressureTilt::of_face(&flat, &without_rim(pattern), face, share, monitor);
-    behind.tell(&tilt, &mut loads, &mut model);
-    let mut simulation = Simulation { model, loads };
+    behind.tell(&tilt, &mut loads, &mut said);
+    let mut simulation = Simulation { statements: said, loads };
     super::blocks::refine(scene, pattern, share, &mut simulation, monitor);
-    describe_draws(scene, &mut simulation.model);
-    describe_law(scene, &mut simulation.model);
+    describe_draws(scene, &mut simulation.statements);
+    describe_law(scene, &mut simulation.statements);
     Ok(simulation)
 }
 
@@ -112,7 +112,11 @@ pub fn steady_face_ratios(
     let steady = SteadyFace::new(&layer, &RimDifference::new(scene, pattern), pattern, face, monitor)?;
     let Some(SteadyFace { mut loads, .. }) = steady else { return Ok(vec![None; scene.loads.len()]) };
     if scene.layer.is_backed() {
-        Behind::under_face(scene, pattern, face, monitor).tell(&PressureTilt::default(), &mut loads, &mut Vec::new());
+        Behind::under_face(scene, pattern, face, monitor).tell(
+            &PressureTilt::default(),
+            &mut loads,
+            &mut Statements::default(),
+        );
     }
     Ok(loads.iter().map(|load| load.ratio).collect())
 }
@@ -361,7 +365,7 @@ fn in_time(
     face: &Face,
     pattern: &Pattern,
     steady: &SteadyFace,
-    model: &mut Vec<String>,
+    said: &mut Statements,
     monitor: &dyn Monitor,
 ) -> Result<Vec<LoadOutcome>, SceneError> {
     let strip = timed_strip(face.longest(), scene.layer.block_m);
@@ -370,17 +374,15 @@ fn in_time(
     let lattices = timed_lattices(scene, pattern, &strip);
     let none = vec![0.0; scene.loads.len()];
     let Integrated { mut loads, scheme, steady: models } = integrate(scene, &lattices, &none, monitor)?;
-    model.push(describe_scheme(scene, &scheme));
-    describe_protocol(scene, scheme.step_s, model);
-    model.push(format!(
+    said.method(describe_scheme(scene, &scheme));
+    describe_protocol(scene, scheme.step_s, said);
+    said.method(format!(
         "in time: {part} of the specimen, {:.2} mm with {} cavities on whole blocks of {:.0} um; the other strips take from it what time adds to steady sliding",
         strip.length_m * 1e3,
         strip.cavities_m.len(),
         scene.layer.block_m * 1e6,
     ));
-    if scene.run.warm_start {
-        model.push("warm start: the layer sheared as in sliding, every block at rest at a random moment of its stick-slip; no ramp, no static friction".to_owned());
-    }
+    describe_start(scene, "layer", said);
     let models: Vec<SteadyModel> = lattices
         .into_par_iter()
         .zip(models)
@@ -451,37 +453,35 @@ fn drawn_ratios(scene: &Scene, models: &[SteadyModel]) -> Vec<Option<f64>> {
     sums.into_iter().map(|sum| sum.map(|sum: f64| sum / draws as f64)).collect()
 }
 
-fn describe(scene: &Scene, face: &Face, pattern: &Pattern, steady: &SteadyFace) -> Vec<String> {
+fn describe(scene: &Scene, face: &Face, pattern: &Pattern, steady: &SteadyFace, said: &mut Statements) {
     let strips = face.strips().len();
-    let mut model = vec![format!(
+    said.model(format!(
         "specimen as it is laid out: cavities take {:.2} % of its face, {:.2} % of a period; {} along the sliding direction with cavities and ends of {} own{}",
         100.0 * face.cavity_share(),
         100.0 * pattern.areal_density(),
         if strips == 1 { "one strip".to_owned() } else { format!("{strips} different strips") },
         if strips == 1 { "its" } else { "their" },
         if scene.layer.is_backed() { "" } else { ", under one rigid bulk" },
-    )];
+    ));
     if face
         .strips()
         .iter()
         .any(|strip| without_slivers(strip.clone(), pattern.depth_m(), scene.layer.block_m) != *strip)
     {
-        model.push(
-            "walls at the rim that are narrower than the cavities are deep bear nothing: friction would turn them over"
-                .to_owned(),
+        said.model(
+            "walls at the rim that are narrower than the cavities are deep bear nothing: friction would turn them over",
         );
     }
     if scene.is_raised() {
-        model.push(RimDifference::statement());
+        said.model(RimDifference::statement());
     }
     if steady.shortened > 0 {
-        model.push(format!(
+        said.method(format!(
             "strips longer than {} mm: both ends and periodic cells between them, which changes the ratio of cavities of whole blocks by less than 1e-5",
             (STRIP_HEIGHTS * scene.layer.height_m * 1e6).round() / 1e3
         ));
     }
-    model.push("two dimensions: vertical planes along the sliding direction, plane stress, nu = 1/3".to_owned());
-    model
+    said.method("two dimensions: vertical planes along the sliding direction, plane stress, nu = 1/3");
 }
 
 #[cfg(test)]

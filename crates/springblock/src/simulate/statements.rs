@@ -4,11 +4,19 @@ use slipgrid_pattern::Pattern;
 
 use crate::columns::{self, Column};
 use crate::dynamics::{MOST_STEPS, Plan, Scheme};
+use crate::outcome::Statements;
 use crate::scene::{Extent, Scene};
 
 /// What time adds to a steady ratio at mm/s over the share of cavities, about: 0.7 to 2.3 % on eight grooves at three loads,
 /// most at light loads and in shallow cavities (`what_time_adds_to_ratios` of the validation tests).
 const ADDED_BY_TIME: f64 = 0.015;
+
+/// Said of cells.
+pub const PERIODIC_CELL: &str = "cell: one period with periodic sides, as nothing asked for depends on the ends";
+/// Said of steady runs at no speed.
+pub const SPEED_ZERO: &str = "speed 0: the limit of vanishing speed, in which every contact block still slides";
+/// Said of cells off the lattice.
+pub const STRETCHED_CELL: &str = "dimensions that are no whole blocks: the cell in whole columns stretched to fit, edges and depth blended between blocks";
 
 pub fn describe_steady(scene: &Scene) -> String {
     let ratio = scene.pattern.as_ref().map_or_else(String::new, |pattern| {
@@ -42,22 +50,31 @@ pub fn describe_scheme(scene: &Scene, scheme: &Scheme) -> String {
 }
 
 /// What is said of runs that are not begun, and of a bulk at rest.
-pub fn describe_protocol(scene: &Scene, step_s: f64, model: &mut Vec<String>) {
+pub fn describe_protocol(scene: &Scene, step_s: f64, said: &mut Statements) {
     let steps = Plan::new(scene, step_s).total();
     if steps > MOST_STEPS {
-        model.push(format!(
+        said.model(format!(
             "not run: {:.3e} m of travel at {:.3e} m/s would take {steps:.1e} steps, more than {MOST_STEPS:.0e}; travel less, slide faster, or ask for steady",
             scene.run.sliding_m, scene.speed_m_s,
         ));
     }
     if scene.speed_m_s == 0.0 {
-        model.push("speed 0: the bulk stays where it is; 20 us of rest are simulated".to_owned());
+        said.model("speed 0: the bulk stays where it is; 20 us of rest are simulated");
     }
 }
 
-pub fn describe_draws(scene: &Scene, model: &mut Vec<String>) {
+/// How a run that does not begin at rest begins: `body` is what is sheared.
+pub fn describe_start(scene: &Scene, body: &str, said: &mut Statements) {
+    if scene.run.warm_start {
+        said.method(format!(
+            "warm start: the {body} sheared as in sliding, every block at rest at a random moment of its stick-slip; no ramp, no static friction"
+        ));
+    }
+}
+
+pub fn describe_draws(scene: &Scene, said: &mut Statements) {
     if scene.run.draws > 1 {
-        model.push(format!(
+        said.method(format!(
             "mean of {} draws of the local coefficients, seeds from {}; standard errors from their scatter, or from \
              within the runs where that gives more",
             scene.run.draws, scene.run.seed
@@ -65,19 +82,20 @@ pub fn describe_draws(scene: &Scene, model: &mut Vec<String>) {
     }
 }
 
-pub fn describe_extent(scene: &Scene, model: &mut Vec<String>) {
+pub fn describe_extent(scene: &Scene, said: &mut Statements) {
     let what = match scene.run.extent {
-        Extent::Cell => "cell: one period with periodic sides, as nothing asked for depends on the ends",
+        Extent::Cell => PERIODIC_CELL,
         Extent::Sample => "sample: the whole specimen with free sides",
     };
-    model.push(what.to_owned());
-    model.extend(describe_periods(scene));
+    said.method(what);
+    said.model.extend(describe_periods(scene));
     let asked = match &scene.pattern {
         Some(pattern) if !pattern.texture().is_one_section() && scene.run.dimensions == Some(2) => ", as asked for",
         _ => "",
     };
-    model
-        .push(format!("two dimensions: the vertical plane along the sliding direction, plane stress, nu = 1/3{asked}"));
+    said.method(format!(
+        "two dimensions: the vertical plane along the sliding direction, plane stress, nu = 1/3{asked}"
+    ));
 }
 
 /// Difference between the shares of cavities of specimen and pattern from which it is said: a ratio moves by about as much.
@@ -101,13 +119,13 @@ fn describe_periods(scene: &Scene) -> Option<String> {
     })
 }
 
-pub fn describe_law(scene: &Scene, model: &mut Vec<String>) {
-    model.push(match &scene.area_law {
-        Some(_) => "area law: f = 1 up to its first pressure, the line through the origin above it".to_owned(),
-        None => "no area law: Amontons-Coulomb friction".to_owned(),
-    });
+pub fn describe_law(scene: &Scene, said: &mut Statements) {
+    match &scene.area_law {
+        Some(_) => said.method("area law: f = 1 up to its first pressure, the line through the origin above it"),
+        None => said.model("no area law: Amontons-Coulomb friction"),
+    }
     if scene.run.liftoff {
-        model.push("unilateral contact: blocks under tension leave the counterface".to_owned());
+        said.method("unilateral contact: blocks under tension leave the counterface");
     }
 }
 
@@ -124,7 +142,7 @@ mod tests {
             let scene = samples::scene(samples::groove(100.0, 300.0, 20.0), &[1.0], run);
             let layer = Layer { length_m, height_m: 50e-6, ..scene.layer };
             let scene = Scene { area_law: None, layer, ..scene };
-            let model = simulate(&scene, &Unwatched).unwrap().model;
+            let model = simulate(&scene, &Unwatched).unwrap().statements.model;
             model.into_iter().find(|statement| statement.contains("periods"))
         };
         // 150 um of land, 100 of cavity, 300 of land, 90 of cavity: 190 of 640.

@@ -140,7 +140,10 @@ fn both_are_solved_in_space_steady_and_in_time() {
         (asked.layer.block_m, asked.layer.height_m) = (20e-6, 100e-6);
         let steady = simulate(&asked, &Unwatched).unwrap();
         let ratio = steady.loads[0].ratio.unwrap();
-        assert!(ratio < 0.99 && steady.model.iter().any(|line| line.contains("three dimensions")), "{ratio}");
+        assert!(
+            ratio < 0.99 && steady.statements.method.iter().any(|line| line.contains("three dimensions")),
+            "{ratio}"
+        );
         assert!((SteadyCell::new(&asked).ratios(&pattern)[0].unwrap() - ratio).abs() < 1e-9);
         let run =
             RunOptions { fidelity: Fidelity::Dynamic, sliding_m: 2e-6, warm_start: true, ..RunOptions::default() };

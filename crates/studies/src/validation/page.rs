@@ -49,7 +49,7 @@ pub fn validation(report: &ValidationReport, outputs: &Outputs) -> String {
     page.heading("The modelled pattern");
     page.section(&report.pattern);
     page.paragraph(&format!("Depth of the measured cavities: {} µm.", plain(report.measured_depth_um)));
-    page.model(&report.model, false);
+    page.model([&report.model, &[]], false);
     page.finish(&title, &report.version)
 }
 

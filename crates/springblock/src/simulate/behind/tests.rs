@@ -112,7 +112,7 @@ fn steady_cells_are_solved_over_the_whole_thickness_and_say_what_that_changes() 
         }
         let said = |thickness_m: Option<f64>| {
             let layer = Layer { thickness_m, ..scene.layer };
-            simulate(&Scene { layer, ..scene.clone() }, &Unwatched).unwrap().model.join("\n")
+            simulate(&Scene { layer, ..scene.clone() }, &Unwatched).unwrap().statements.model.join("\n")
         };
         assert!(said(None).contains("layer of 200 um under a rigid bulk, as asked for"));
         assert!(said(Some(7e-3)).contains("specimen 7 mm thick"), "{}", said(Some(7e-3)));

@@ -75,7 +75,11 @@ fn strips_carry_the_load_as_one_rigid_bulk_presses_them() {
         assert!((found.surface.mu_dynamic.unwrap() / mu - 1.0).abs() < 1e-9);
     }
     assert!(found.loads[1].ratio.unwrap() > ratios(&scene, &face(vec![strip(0, 2e-3, 180e-6)]))[1]);
-    assert!(found.model.iter().any(|said| said.contains("13.00 % of its face")), "{:?} {pattern:?}", found.model);
+    assert!(
+        found.statements.model.iter().any(|said| said.contains("13.00 % of its face")),
+        "{:?} {pattern:?}",
+        found.statements
+    );
 }
 
 #[test]
