@@ -145,10 +145,20 @@ impl<'a> SteadyModel<'a> {
         density_share(specimen, design, self.dimension())
     }
 
-    /// What a cell says, with its cavities as `designed` lies on the specimen.
-    fn laid(&self, designed: &Pattern, answer: Answer) -> Result<Answer, ModelFailure> {
-        let share = self.share(designed).map_err(|error| ModelFailure::Trial { reason: error.to_string() })?;
+    /// What a cell of `made` says on the specimen, on which as many cavities lie as of what was `designed`.
+    fn laid(&self, made: &Pattern, designed: &Pattern, answer: Answer) -> Result<Answer, ModelFailure> {
+        let mut share = self.share(designed).map_err(|error| ModelFailure::Trial { reason: error.to_string() })?;
+        if self.specimen.is_some() {
+            // D / D_period = (n A_cavity / A_face) / (A_cavity / A_period), n cavities as designed
+            share *= self.period_extent(made) / self.period_extent(designed);
+        }
         Ok(Answer { ratio: answer.ratio.iter().map(|ratio| on_face(*ratio, share)).collect(), ..answer })
+    }
+
+    /// How much of the face one cavity of `pattern` has for itself: an area in space, a length of grooves and of sections.
+    fn period_extent(&self, pattern: &Pattern) -> f64 {
+        let across_m = if self.dimension().section_of(pattern).is_some() { None } else { pattern.pitch_across_m() };
+        pattern.pitch_m() * across_m.unwrap_or(1.0)
     }
 
     /// The scene with the loads of every condition.
@@ -245,7 +255,7 @@ impl<'a> SteadyModel<'a> {
     /// [`ModelFailure::Trial`] where the design cannot be computed.
     pub fn ratios_of(&self, scene: &Scene, made: &Pattern, designed: &Pattern) -> Result<Vec<f64>, ModelFailure> {
         let solver = Solver::new(scene, &self.texture, &self.directions_deg);
-        Ok(self.laid(designed, open(self.answer(scene, &solver, made)?)?)?.ratio)
+        Ok(self.laid(made, designed, open(self.answer(scene, &solver, made)?)?)?.ratio)
     }
 
     /// Ratios of `made`, a sample of what was `designed`, at every condition: as many cavities lie on it.
@@ -253,7 +263,7 @@ impl<'a> SteadyModel<'a> {
     /// # Errors
     /// [`ModelFailure::Trial`] where the sample cannot be computed.
     pub fn ratios_made(&self, made: &Pattern, designed: &Pattern) -> Result<Vec<f64>, ModelFailure> {
-        Ok(self.laid(designed, open(self.answer(&self.asked, &self.solver, made)?)?)?.ratio)
+        Ok(self.laid(made, designed, open(self.answer(&self.asked, &self.solver, made)?)?)?.ratio)
     }
 
     /// As [`Self::ratios_made`], kept for the next who asks.
@@ -261,7 +271,7 @@ impl<'a> SteadyModel<'a> {
     /// # Errors
     /// As there.
     pub fn ratios_kept(&self, made: &Pattern, designed: &Pattern) -> Result<Vec<f64>, ModelFailure> {
-        Ok(self.laid(designed, open(self.kept(&self.asked, &self.solver, made)?)?)?.ratio)
+        Ok(self.laid(made, designed, open(self.kept(&self.asked, &self.solver, made)?)?)?.ratio)
     }
 
     /// What the model alone says of `design` at every condition: not corrected, not kept.
@@ -269,7 +279,7 @@ impl<'a> SteadyModel<'a> {
     /// # Errors
     /// [`ModelFailure::Trial`] where the design cannot be computed.
     pub fn steady(&self, design: &Pattern) -> Result<Answer, ModelFailure> {
-        self.laid(design, open(self.answer(&self.asked, &self.solver, design)?)?)
+        self.laid(design, design, open(self.answer(&self.asked, &self.solver, design)?)?)
     }
 
     /// Largest local pressure of `design` at each load of each condition, in pascals.
@@ -384,7 +394,7 @@ impl<'a> SteadyModel<'a> {
             return Err(ModelFailure::Cancelled);
         }
         self.limited.check(design)?;
-        let answer = self.laid(designed, self.kept(scene, solver, design)?)?;
+        let answer = self.laid(design, designed, self.kept(scene, solver, design)?)?;
         if answer.clearance_m().is_some_and(|clearance_m| clearance_m <= 0.0) && !self.limited.judges_clearance() {
             return Err(ModelFailure::Trial { reason: "the cavity closes under load".to_owned() });
         }

@@ -57,7 +57,8 @@ impl UncertainModel for Sampled<'_> {
         let (log_scale, law) = (at(&chances.law_scale, 0), at(&chances.law, 0));
         let scale = ScaleShift { log: log_scale, is_fitted: chances.scale_is_fitted };
         let there = chances.still.beside(|scene: &Scene| moved(scene, &friction, scale, law));
-        let ratio = there.map_err(|error| trial(error.to_string()))?.steady(&made)?.ratio;
+        // The laser cuts the design's cavities, as many as lie on the specimen, each as large as drawn.
+        let ratio = there.map_err(|error| trial(error.to_string()))?.ratios_made(&made, own)?;
         let value = |load: usize| {
             let by = self.scale[load] * (ratio[load] - about.still[load]);
             let value = (about.values[load] + by) * if chances.is_ratio { 1.0 } else { 1.0 + friction[load] };
