@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
 use slipgrid_traces::columns::{Channel, Titles};
-use slipgrid_traces::{DEFAULT_STROKE_SHARE, DEFAULT_WINDOW_S};
+use slipgrid_traces::{DEFAULT_STROKE_SHARE, DEFAULT_WINDOW_S, moderate};
 use toml::Spanned;
 
 use super::document::Document;
@@ -227,7 +227,7 @@ impl<'d> TraceReader<'d> {
         Ok(all)
     }
 
-    /// Reads and analyses every trace of `conditions`.
+    /// Reads and analyses every trace of `conditions`, whose scatter is drawn toward that of the others of the same surface.
     ///
     /// # Errors
     /// As [`analyse_condition`](super::traces::analyse_condition), and for an export that holds what another holds.
@@ -236,7 +236,14 @@ impl<'d> TraceReader<'d> {
         conditions: &[(Range<usize>, TraceCondition)],
     ) -> Result<Vec<ConditionTraces>, Diagnostic> {
         let source = self.document.source();
-        conditions.iter().map(|(_, condition)| analyse_among(source, &self.setup, condition, &mut self.seen)).collect()
+        let analysed =
+            conditions.iter().map(|(_, condition)| analyse_among(source, &self.setup, condition, &mut self.seen));
+        let mut found = analysed.collect::<Result<Vec<ConditionTraces>, Diagnostic>>()?;
+        for kind in SurfaceKind::ALL {
+            let alike = found.iter_mut().filter(|traces| traces.condition.surface == kind);
+            moderate(&mut alike.map(|traces| &mut traces.mean).collect::<Vec<_>>());
+        }
+        Ok(found)
     }
 
     fn condition(&mut self, file: &TraceConditionFile, trial: Option<&OfTrial>) -> Result<TraceCondition, Diagnostic> {

@@ -11,6 +11,7 @@
 //! | [`TraceOptions::stroke_share`] | sliding back and forth: friction of the middle of every stroke |
 //! | [`speed_of_position`] | speed from a recorded position |
 //! | [`average`], [`Repeats`] | repeats of one condition |
+//! | [`moderate`] | their scatter, with that of other conditions |
 //! | [`odd_repeats`], [`OddRepeat`] | repeats that are not like the others |
 //!
 //! ```text
@@ -65,7 +66,7 @@ mod trace_errors;
 
 pub use averaging_window::WindowMean;
 pub use position::speed_of_position;
-pub use repeats::{MeanStd, OddRepeat, Repeats, average, odd_repeats};
+pub use repeats::{MeanStd, OddRepeat, Repeats, average, moderate, odd_repeats};
 pub use run_in::RunIn;
 pub use static_peak::TracePeak;
 pub use stick_slip::StickSlip;

@@ -70,7 +70,7 @@ fn square_cavities_are_solved_in_space() {
         (solve("groove.toml"), solve("groove3.toml"), solve("square.toml"), solve("disc.toml"));
     for solid in [&space, &square, &disc] {
         assert_eq!((&solid["dimensions"], &solid["section_model"]), (&Value::from(3), &Value::from(false)));
-        assert!(solid["model"].to_string().contains("three dimensions"));
+        assert!(solid["method"].to_string().contains("three dimensions"));
         assert!(!solid["model"].to_string().contains("section model"));
         let load = &solid["results"][1];
         assert_eq!((&load["status"], &load["status_flat"]), (&Value::from("converged"), &Value::from("converged")));
