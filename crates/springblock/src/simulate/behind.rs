@@ -164,11 +164,11 @@ impl Behind {
             } else {
                 "what it adds to steady cells that share the load as it lets them"
             };
-            let tilt = tilt.statement().map_or_else(String::new, |tilt| format!("; {tilt}"));
-            return said.method(format!(
+            said.method(format!(
                 "blocks of the lowest {layer_um:.0} um of the specimen; the rest of its {thick_mm} mm adds to the ratio {what}, \
-                 {widest}, known to {open:.4}; mu_static and the interface are those of the layer alone{tilt}"
+                 {widest}, known to {open:.4}; mu_static and the interface are those of the layer alone"
             ));
+            return said.model.extend(tilt.statement());
         }
         said.model(format!(
             "layer of {layer_um:.0} um under a rigid bulk, as asked for: a specimen much thicker than the pattern is wide would \
