@@ -234,7 +234,6 @@ mod tests {
                     }
                 }
             }
-            println!("{count} repeats: {held:?} of 2000");
             assert!(held[1] > 1660 && held[1] > held[0], "{count} repeats: {held:?}");
         }
     }

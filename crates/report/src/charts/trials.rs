@@ -69,7 +69,7 @@ pub fn trials(chart: &TrialsChart<'_>) -> Result<String, ChartError> {
         }
         let top = canvas.heading(chart.title, &legend)?;
         let numbers = (1..=count).map(|number| number.to_string()).collect();
-        let x_axis = Axis::of_names("measured ratio", numbers);
+        let x_axis = Axis::of_names("number of the measured ratio", numbers);
         let plot = Plot::new(canvas, [LEFT, top, WIDTH - RIGHT, FIRST], x_axis, y_axis.clone())?;
         for (place, of) in chart.predictions.iter().enumerate() {
             let [low, high] = of.interval.map(|end| end.clamp(lowest, highest));

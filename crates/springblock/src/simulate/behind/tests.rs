@@ -176,26 +176,3 @@ fn a_specimen_thinner_than_its_layer_is_refused() {
         assert!(scene.validate().is_err(), "{thickness_m}");
     }
 }
-
-#[test]
-#[ignore = "measures time"]
-fn a_thick_specimen_costs_a_search_what_its_layer_does() {
-    let fastest = |solve: &dyn Fn() -> Vec<CellOutcome>| {
-        let once = || {
-            let started = std::time::Instant::now();
-            assert!(solve().iter().all(|outcome| outcome.ratio.is_some()));
-            started.elapsed().as_secs_f64()
-        };
-        (0..15).map(|_| once()).fold(f64::INFINITY, f64::min)
-    };
-    for pattern in [groove(400.0, 824.5, 49.4), groove(130.0, 370.0, 20.0), groove(60.0, 140.0, 10.0), squares()] {
-        let scene = scene(pattern, RunOptions::default());
-        let [thin, thick] = [None, Some(7e-3)].map(|thickness_m| {
-            let layer = Layer { thickness_m, ..scene.layer };
-            let scene = Scene { layer, ..scene.clone() };
-            fastest(&|| cells(&scene, &pattern, &crate::Unwatched))
-        });
-        println!("{pattern:?}: {:.3} ms, {:.3} ms, {:.2} times", thin * 1e3, thick * 1e3, thick / thin);
-        assert!(thick < 1.3 * thin, "{pattern:?}");
-    }
-}
