@@ -129,8 +129,8 @@ fn slopes(
                 Ok(Response { value: answer()?, limited: Vec::new() })
             };
             // The slopes have asked for these cells before.
-            let own = |at: &Pattern| heeded(&|| found.model.ratios_kept(at, pattern));
-            let half = |at: &Pattern| heeded(&|| fine.ratios_made(at, pattern));
+            let own = |at: &Pattern| heeded(&|| found.model.ratios_kept(at, &found.model.lay(pattern)?));
+            let half = |at: &Pattern| heeded(&|| fine.ratios_made(at, &fine.lay(pattern)?));
             // Where smaller blocks have no answer, nothing more is known of the errors.
             match slopes.add_blocks([&own, &half], pattern, block_m, &found.model.scales(pattern)) {
                 Ok(()) | Err(ModelFailure::Trial { .. } | ModelFailure::Cancelled) => {}

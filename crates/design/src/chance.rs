@@ -423,7 +423,8 @@ impl<'a> Chances<'a> {
     /// where the rims are lower than that.
     fn along_rim(&self, design: &Pattern) -> Result<Vec<f64>, ModelFailure> {
         let step_m = self.tolerances.rim_height_std_m;
-        let at = |by_m: f64| self.still.ratios_made(&with_rim_off(design, by_m), design);
+        let laid = self.still.lay(design)?;
+        let at = |by_m: f64| self.still.ratios_made(&with_rim_off(design, by_m), &laid);
         let below_m = if design.rim_height_m() < step_m { 0.0 } else { -step_m };
         let (above, below) = (at(step_m)?, at(below_m)?);
         Ok(above.iter().zip(&below).map(|(above, below)| (above - below) / (step_m - below_m)).collect())
@@ -462,13 +463,13 @@ impl<'a> Chances<'a> {
     /// dr/dx of each ratio along one dimension, per metre.
     fn along_axis(&self, design: &Pattern, axis: usize, std_m: f64) -> Result<Vec<f64>, ModelFailure> {
         let lengths_m = design.lengths_m();
-        let step_m = std_m.min(WIDEST_SHARE * lengths_m[axis]);
+        let (step_m, laid) = (std_m.min(WIDEST_SHARE * lengths_m[axis]), self.still.lay(design)?);
         let at = |by_m: f64| {
             let mut made_m = lengths_m;
             made_m[axis] += by_m;
             let made = Pattern::new(*design.texture(), made_m[0], made_m[1], made_m[2]);
             let made = made.map_err(|error| ModelFailure::Trial { reason: error.to_string() })?;
-            self.still.ratios_made(&made, design)
+            self.still.ratios_made(&made, &laid)
         };
         let slope = |above: Vec<f64>, below: Vec<f64>, width_m: f64| -> Vec<f64> {
             above.iter().zip(&below).map(|(above, below)| (above - below) / width_m).collect()

@@ -13,6 +13,7 @@ use slipgrid_optimize::ModelFailure;
 use slipgrid_pattern::Pattern;
 
 use crate::DesignError;
+use crate::specimen::{Laid, on_face};
 
 /// What the model says of a design at the target's pressures. Numbers are kept as the file holds them, so that those
 /// read back are the same to the last bit.
@@ -36,6 +37,13 @@ pub struct Answer {
 pub const LARGEST: f64 = 1e9;
 
 impl Answer {
+    /// A cell's answer on the face of `made`, a sample of what was `laid`.
+    #[must_use]
+    pub fn on(self, laid: &Laid, made: &Pattern) -> Self {
+        let share = laid.share(made);
+        Self { ratio: self.ratio.iter().map(|ratio| on_face(*ratio, share)).collect(), ..self }
+    }
+
     /// Whether these can be the model's numbers at `loads` loads.
     ///
     /// # Errors

@@ -131,13 +131,15 @@ fn every_step(
     monitor.heed()?;
 
     let scene = assessed.confirming.clone();
-    let said = statements(&prepared, &found, best, &cut_short, unexplored);
+    let measured_mpa = measured_mpa(&prepared.material, &prepared.outside);
+    let said = statements(&prepared, &found, best, measured_mpa, (&cut_short, unexplored));
     let report = DesignReport {
         trade_offs,
         explanation,
         table,
         model: said.model,
         method: said.method,
+        measured_mpa,
         cut_short: cut_short.into_iter().map(Into::into).collect(),
         timings_s: timings,
         wall_s: monitor.seconds() - started_s,
@@ -179,15 +181,15 @@ fn statements(
     prepared: &PreparedTask,
     found: &MultiFidelityLoop<'_>,
     best: BestDesign<'_>,
-    cut_short: &[&str],
-    unexplored: Option<&'static str>,
+    measured_mpa: Option<[f64; 2]>,
+    (cut_short, unexplored): (&[&str], Option<&'static str>),
 ) -> Statements {
     let mut said = best.confirmed.statements.clone();
     said.model.extend(found.condition_statements(&prepared.task));
     found.describe(&mut said);
     said.model.extend(time_statement(cut_short));
     said.model.extend(unexplored.map(Into::into));
-    if let Some(range) = measured_mpa(&prepared.material, &prepared.outside) {
+    if let Some(range) = measured_mpa {
         said.model(format!("{}; beyond that the nearest measurement's coefficients were taken", measured_range(range)));
     }
     said.model.extend(model_notes(found.model.dimension().section_of(&best.pattern()), &prepared.material.provenance));
@@ -253,7 +255,6 @@ fn report_of(
         rounds: found.rounds,
         history: found.history.clone(),
         material: MaterialReport::from(&prepared.material.provenance),
-        measured_mpa: measured_mpa(&prepared.material, &prepared.outside),
         specimen: (&design.specimen).into(),
         laser: design.laser,
         seed: design.seed,

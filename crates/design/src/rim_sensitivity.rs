@@ -154,7 +154,8 @@ type Slopes = (f64, Vec<[f64; 2]>);
 fn of_own(model: &SteadyModel<'_>, design: &Pattern) -> Result<Slopes, ModelFailure> {
     let height_m = design.rim_height_m();
     let step_m = (STEP_SHARE * height_m).max(LEAST_STEP_M);
-    let at = |by_m: f64| model.ratios_made(&with_rim_off(design, by_m), design);
+    let laid = model.lay(design)?;
+    let at = |by_m: f64| model.ratios_made(&with_rim_off(design, by_m), &laid);
     let is_central = height_m >= 2.0 * step_m;
     let slope = |step_m: f64| -> Result<Vec<f64>, ModelFailure> {
         let below_m = if is_central { -step_m } else { 0.0 };
@@ -169,7 +170,8 @@ fn of_own(model: &SteadyModel<'_>, design: &Pattern) -> Result<Slopes, ModelFail
 /// What `rim` makes of a design without rims, over its height.
 fn of_tried(model: &SteadyModel<'_>, design: &Pattern, rim: Rim) -> Result<Slopes, ModelFailure> {
     let raised = design.to_owned().with_rim(rim);
-    let (with, without) = (model.ratios_made(&raised, design)?, model.ratios_made(design, design)?);
+    let laid = model.lay(design)?;
+    let (with, without) = (model.ratios_made(&raised, &laid)?, model.ratios_made(design, &laid)?);
     let slope = |(with, without): (&f64, &f64)| [(with - without) / TRIED_HEIGHT_M, 0.0];
     Ok((TRIED_HEIGHT_M, with.iter().zip(&without).map(slope).collect()))
 }

@@ -17,6 +17,7 @@ use crate::robustness_report::{
     InputReport, MEANING, OptimumReport, PressureParts, PressureReport, RobustnessReport, ScatterReport, SpreadReport,
     distribution,
 };
+use crate::specimen::Laid;
 use crate::steady_model::SteadyModel;
 use crate::task::DesignTask;
 use crate::task::SampleScatter;
@@ -116,8 +117,8 @@ impl<'a> Request<'a> {
 /// The model about a confirmed design, with the parameters that are not known exactly.
 struct AboutDesign<'a> {
     model: &'a SteadyModel<'a>,
-    /// The design, as many of whose cavities lie on every sample.
     designed: Pattern,
+    laid: Laid,
     bar: &'a Stage<'a>,
     /// The design's at every condition, the one designed for first, with the material as calibrated.
     scene: Scene,
@@ -198,7 +199,8 @@ impl<'a> AboutDesign<'a> {
         let Some(run) = run else { return Ok(None) };
         let model = request.about.model;
         let scene = Scene { pattern: Some(*request.about.pattern), ..model.asked().clone() };
-        let steady = model.ratios_of(&scene, request.about.pattern, request.about.pattern)?;
+        let laid = model.lay(request.about.pattern)?;
+        let steady = model.ratios_of(&scene, request.about.pattern, &laid)?;
         let confirmed = confirmed_everywhere(request, &scene.loads, &run, &steady);
         let (count, shown) = (scene.loads.len(), run.len());
         // All of one direction's, where friction is known of them.
@@ -246,6 +248,7 @@ impl<'a> AboutDesign<'a> {
             model,
             bar: request.about.bar,
             designed: *request.about.pattern,
+            laid,
             is_ratio: request.is_ratio,
             offset: confirmed.iter().zip(&steady).map(|((ratio, _), steady)| ratio - steady).collect(),
             flat_mu: confirmed.iter().map(|(_, flat_mu)| *flat_mu).collect(),
@@ -286,7 +289,7 @@ impl UncertainModel for AboutDesign<'_> {
         let log_modulus = at(self.parameters.modulus, 0);
         let scale = ScaleShift { log: log_modulus, is_fitted: self.scale_is_fitted };
         let moved = moved(&self.scene, &flat, scale, at(self.parameters.law, 0)).map_err(trial)?;
-        let steady = self.model.ratios_of(&moved, design, &self.designed)?;
+        let steady = self.model.ratios_of(&moved, design, &self.laid)?;
         // r F exp(d): F the discrepancy's median, d its own error
         let off = |load: usize| self.factor[load] * at(self.parameters.discrepancy, load).exp();
         let ratio = steady.iter().zip(&self.offset).enumerate();

@@ -86,6 +86,38 @@ pub fn density_share(specimen: &Specimen, pattern: &Pattern, dimension: Dimensio
     Ok(share_of(&layout.central_strip()) / pattern.section_density())
 }
 
+/// A design as it lies on a specimen: as many of its cavities lie on every sample that is made of it.
+#[derive(Clone, Copy, Debug)]
+pub struct Laid {
+    dimension: Dimension,
+    /// [`density_share`] of the design, and what one of its periods takes of the face; `None` of an endless pattern.
+    on_face: Option<(f64, f64)>,
+}
+
+impl Laid {
+    /// `designed` on `specimen`, or an endless pattern.
+    ///
+    /// # Errors
+    /// [`ExportError`] where the specimen does not take the pattern.
+    pub fn new(specimen: Option<&Specimen>, designed: &Pattern, dimension: Dimension) -> Result<Self, ExportError> {
+        let on = |specimen| Ok((density_share(specimen, designed, dimension)?, period(designed, dimension)));
+        Ok(Self { dimension, on_face: specimen.map(on).transpose()? })
+    }
+
+    /// [`density_share`] of `made`, a sample of the design:
+    /// D / `D_period` = (n `A_cavity` / `A_face`) / (`A_cavity` / `A_period`), n cavities as designed. Of crossing grooves to first order.
+    #[must_use]
+    pub fn share(&self, made: &Pattern) -> f64 {
+        self.on_face.map_or(1.0, |(share, designed)| share * (period(made, self.dimension) / designed))
+    }
+}
+
+/// What one period of `pattern` takes of a face: an area in space, a length of grooves and of sections.
+fn period(pattern: &Pattern, dimension: Dimension) -> f64 {
+    let across_m = pattern.pitch_across_m().filter(|_| dimension.section_of(pattern).is_none());
+    pattern.pitch_m() * across_m.unwrap_or(1.0)
+}
+
 /// Share of strips that is cavity.
 fn share_of(strips: &[LaidStrip]) -> f64 {
     let cavity_m = |strip: &LaidStrip| strip.cavities_m.iter().map(|[from_m, to_m]| to_m - from_m).sum::<f64>();

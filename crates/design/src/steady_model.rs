@@ -18,7 +18,7 @@ use crate::constraint_quantities::Limited;
 use crate::directional_cells::Solver;
 use crate::evaluation_cache::{Answer, Evaluations};
 use crate::learned_discrepancy::LearnedDiscrepancy;
-use crate::specimen::{SpecimenError, density_share, on_face, onto};
+use crate::specimen::{Laid, SpecimenError, onto};
 use slipgrid_export::Specimen;
 
 /// Blocks of the guide over those of the layer, the first that serves: cells of four times the block cost a hundredth
@@ -141,24 +141,16 @@ impl<'a> SteadyModel<'a> {
 
     /// Share of the specimen's face that is cavity over that of the endless pattern.
     pub(crate) fn share(&self, design: &Pattern) -> Result<f64, ExportError> {
-        let Some(specimen) = &self.specimen else { return Ok(1.0) };
-        density_share(specimen, design, self.dimension())
+        Ok(Laid::new(self.specimen.as_ref(), design, self.dimension())?.share(design))
     }
 
-    /// What a cell of `made` says on the specimen, on which as many cavities lie as of what was `designed`.
-    fn laid(&self, made: &Pattern, designed: &Pattern, answer: Answer) -> Result<Answer, ModelFailure> {
-        let mut share = self.share(designed).map_err(|error| ModelFailure::Trial { reason: error.to_string() })?;
-        if self.specimen.is_some() {
-            // D / D_period = (n A_cavity / A_face) / (A_cavity / A_period), n cavities as designed
-            share *= self.period_extent(made) / self.period_extent(designed);
-        }
-        Ok(Answer { ratio: answer.ratio.iter().map(|ratio| on_face(*ratio, share)).collect(), ..answer })
-    }
-
-    /// How much of the face one cavity of `pattern` has for itself: an area in space, a length of grooves and of sections.
-    fn period_extent(&self, pattern: &Pattern) -> f64 {
-        let across_m = if self.dimension().section_of(pattern).is_some() { None } else { pattern.pitch_across_m() };
-        pattern.pitch_m() * across_m.unwrap_or(1.0)
+    /// `design` as it lies on the specimen, for the samples that are made of it.
+    ///
+    /// # Errors
+    /// [`ModelFailure::Trial`] where the specimen does not take it.
+    pub fn lay(&self, design: &Pattern) -> Result<Laid, ModelFailure> {
+        Laid::new(self.specimen.as_ref(), design, self.dimension())
+            .map_err(|error| ModelFailure::Trial { reason: error.to_string() })
     }
 
     /// The scene with the loads of every condition.
@@ -248,30 +240,30 @@ impl<'a> SteadyModel<'a> {
         Ok(simulation)
     }
 
-    /// Ratios of `made`, a sample of what was `designed` and laid, in `scene`, one of this model's with other coefficients and
+    /// Ratios of `made`, a sample of what was `laid`, in `scene`, one of this model's with other coefficients and
     /// another area law.
     ///
     /// # Errors
     /// [`ModelFailure::Trial`] where the design cannot be computed.
-    pub fn ratios_of(&self, scene: &Scene, made: &Pattern, designed: &Pattern) -> Result<Vec<f64>, ModelFailure> {
+    pub fn ratios_of(&self, scene: &Scene, made: &Pattern, laid: &Laid) -> Result<Vec<f64>, ModelFailure> {
         let solver = Solver::new(scene, &self.texture, &self.directions_deg);
-        Ok(self.laid(made, designed, open(self.answer(scene, &solver, made)?)?)?.ratio)
+        Ok(open(self.answer(scene, &solver, made)?)?.on(laid, made).ratio)
     }
 
-    /// Ratios of `made`, a sample of what was `designed`, at every condition: as many cavities lie on it.
+    /// Ratios of `made`, a sample of what was `laid`, at every condition.
     ///
     /// # Errors
     /// [`ModelFailure::Trial`] where the sample cannot be computed.
-    pub fn ratios_made(&self, made: &Pattern, designed: &Pattern) -> Result<Vec<f64>, ModelFailure> {
-        Ok(self.laid(made, designed, open(self.answer(&self.asked, &self.solver, made)?)?)?.ratio)
+    pub fn ratios_made(&self, made: &Pattern, laid: &Laid) -> Result<Vec<f64>, ModelFailure> {
+        Ok(open(self.answer(&self.asked, &self.solver, made)?)?.on(laid, made).ratio)
     }
 
     /// As [`Self::ratios_made`], kept for the next who asks.
     ///
     /// # Errors
     /// As there.
-    pub fn ratios_kept(&self, made: &Pattern, designed: &Pattern) -> Result<Vec<f64>, ModelFailure> {
-        Ok(self.laid(made, designed, open(self.kept(&self.asked, &self.solver, made)?)?)?.ratio)
+    pub fn ratios_kept(&self, made: &Pattern, laid: &Laid) -> Result<Vec<f64>, ModelFailure> {
+        Ok(open(self.kept(&self.asked, &self.solver, made)?)?.on(laid, made).ratio)
     }
 
     /// What the model alone says of `design` at every condition: not corrected, not kept.
@@ -279,7 +271,7 @@ impl<'a> SteadyModel<'a> {
     /// # Errors
     /// [`ModelFailure::Trial`] where the design cannot be computed.
     pub fn steady(&self, design: &Pattern) -> Result<Answer, ModelFailure> {
-        self.laid(design, design, open(self.answer(&self.asked, &self.solver, design)?)?)
+        Ok(open(self.answer(&self.asked, &self.solver, design)?)?.on(&self.lay(design)?, design))
     }
 
     /// Largest local pressure of `design` at each load of each condition, in pascals.
@@ -394,7 +386,7 @@ impl<'a> SteadyModel<'a> {
             return Err(ModelFailure::Cancelled);
         }
         self.limited.check(design)?;
-        let answer = self.laid(design, designed, self.kept(scene, solver, design)?)?;
+        let answer = self.kept(scene, solver, design)?.on(&self.lay(designed)?, design);
         if answer.clearance_m().is_some_and(|clearance_m| clearance_m <= 0.0) && !self.limited.judges_clearance() {
             return Err(ModelFailure::Trial { reason: "the cavity closes under load".to_owned() });
         }

@@ -97,16 +97,12 @@ pub fn stream(source: &Source, path: &Path, expected: &str) -> Result<Box<dyn io
 /// # Errors
 /// As [`read_bytes`], or if it is neither.
 pub fn read_text(source: &Source, path: &Path, expected: &str) -> Result<String, Diagnostic> {
-    let bytes = read_bytes(source, path, expected)?;
-    decoded(path, &bytes, expected)?.map_or_else(
-        || {
-            let valid = bytes.utf8_chunks().next().map_or(0, |chunk| chunk.valid().len());
-            let line = bytes[..valid].split(|byte| *byte == b'\n').count();
-            let refused = Diagnostic::file(path, "is no text in UTF-8").expected("a file saved as UTF-8 by its editor");
-            Err(Diagnostic { line: u32::try_from(line).ok(), ..refused })
-        },
-        Ok,
-    )
+    decoded(path, read_bytes(source, path, expected)?, expected)?.map_err(|bytes| {
+        let valid = bytes.utf8_chunks().next().map_or(0, |chunk| chunk.valid().len());
+        let line = bytes[..valid].split(|byte| *byte == b'\n').count();
+        let refused = Diagnostic::file(path, "is no text in UTF-8").expected("a file saved as UTF-8 by its editor");
+        Diagnostic { line: u32::try_from(line).ok(), ..refused }
+    })
 }
 
 /// The text of a table at `path` of `source`; where it is neither UTF-8 nor UTF-16 with its mark, as instruments and spreadsheets write it in
@@ -115,28 +111,28 @@ pub fn read_text(source: &Source, path: &Path, expected: &str) -> Result<String,
 /// # Errors
 /// As [`read_bytes`], or if it is no text.
 pub fn read_letters(source: &Source, path: &Path, expected: &str) -> Result<String, Diagnostic> {
-    let bytes = read_bytes(source, path, expected)?;
-    let text = decoded(path, &bytes, expected)?;
-    Ok(text.unwrap_or_else(|| bytes.into_iter().map(char::from).collect()))
+    let text = decoded(path, read_bytes(source, path, expected)?, expected)?;
+    Ok(text.unwrap_or_else(|bytes| bytes.into_iter().map(char::from).collect()))
 }
 
 /// Bytes at the beginning of a file that tell text from what is none.
 const HEAD: usize = 512;
 
-/// `bytes` as text, in UTF-8 or in UTF-16 with its mark; `None` of neither.
-fn decoded(path: &Path, bytes: &[u8], expected: &str) -> Result<Option<String>, Diagnostic> {
+/// `bytes` as text, in UTF-8 or in UTF-16 with its mark, or as they are where they are neither.
+fn decoded(path: &Path, bytes: Vec<u8>, expected: &str) -> Result<Result<String, Vec<u8>>, Diagnostic> {
     let units = |rest: &[u8], unit: fn([u8; 2]) -> u16| {
         let pairs = rest.as_chunks::<2>().0.iter().map(|pair| unit(*pair));
         char::decode_utf16(pairs).collect::<Result<String, _>>().ok()
     };
-    match bytes {
-        [0xFF, 0xFE, rest @ ..] => Ok(units(rest, u16::from_le_bytes)),
-        [0xFE, 0xFF, rest @ ..] => Ok(units(rest, u16::from_be_bytes)),
+    let wide = match bytes.as_slice() {
+        [0xFF, 0xFE, rest @ ..] => units(rest, u16::from_le_bytes),
+        [0xFE, 0xFF, rest @ ..] => units(rest, u16::from_be_bytes),
         _ if bytes[..bytes.len().min(HEAD)].contains(&0) => {
-            Err(Diagnostic::file(path, "is no text: it holds bytes that are zero").expected(expected))
+            return Err(Diagnostic::file(path, "is no text: it holds bytes that are zero").expected(expected));
         }
-        _ => Ok(std::str::from_utf8(bytes).ok().map(str::to_owned)),
-    }
+        _ => None,
+    };
+    Ok(wide.map_or_else(|| String::from_utf8(bytes).map_err(std::string::FromUtf8Error::into_bytes), Ok))
 }
 
 fn unreadable(path: &Path, error: &io::Error) -> Diagnostic {
@@ -167,13 +163,13 @@ mod tests {
 
     #[test]
     fn text_is_utf_8_or_utf_16_and_what_is_neither_is_told_with_its_line() {
-        let read = |bytes: &[u8]| decoded(Path::new("a.csv"), bytes, "a table");
+        let read = |bytes: &[u8]| decoded(Path::new("a.csv"), bytes.to_vec(), "a table");
         let little: Vec<u8> = "\u{FEFF}Größe".encode_utf16().flat_map(u16::to_le_bytes).collect();
         let big: Vec<u8> = "\u{FEFF}Größe".encode_utf16().flat_map(u16::to_be_bytes).collect();
         for bytes in [little.as_slice(), big.as_slice(), "Größe".as_bytes()] {
             assert_eq!(read(bytes).unwrap().unwrap(), "Größe");
         }
-        assert_eq!(read(b"Gr\xF6\xDFe").unwrap(), None);
+        assert_eq!(read(b"Gr\xF6\xDFe").unwrap(), Err(b"Gr\xF6\xDFe".to_vec()));
         let refused = read(b"\x7FELF\x02\x01\x01\x00\x00").unwrap_err().to_string();
         assert!(refused.contains("a.csv: is no text: it holds bytes that are zero; expected a table"), "{refused}");
         let source: Source = Arc::new(One(b"name = \"a\"\nsource = \"Gr\xF6\xDFe\"\n"));

@@ -123,8 +123,10 @@ const MOST_FROM_OTHERS: f64 = 4.0;
 pub fn moderate(conditions: &mut [&mut Repeats]) {
     let known: Vec<(f64, f64)> = conditions
         .iter()
-        .map(|of| (of.count as f64 - 1.0, (of.mu_dynamic.std / of.mu_dynamic.mean).powi(2)))
-        .map(|(freedom, square)| (freedom, freedom * square))
+        .map(|of| {
+            let freedom = of.count as f64 - 1.0;
+            (freedom, freedom * (of.mu_dynamic.std / of.mu_dynamic.mean).powi(2))
+        })
         .collect();
     for (place, of) in conditions.iter_mut().enumerate() {
         let others = known.iter().enumerate().filter(|(other, _)| *other != place);

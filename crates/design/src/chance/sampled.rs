@@ -1,11 +1,14 @@
 //! The chance by draws of the steady model itself.
 
 use super::*;
+use crate::specimen::Laid;
 
 /// The steady model itself at every draw, about values that are known, with some of the inputs off.
 pub struct Sampled<'a> {
     chances: &'a Chances<'a>,
     about: About<'a>,
+    /// The laser cuts the design's cavities: as many, each as large as drawn.
+    laid: Laid,
     /// What ratios are multiplied by before they are compared with the target.
     scale: Vec<f64>,
     discrepancy: Option<Drawn>,
@@ -29,7 +32,8 @@ impl<'a> Chances<'a> {
         let factor = |load: usize| discrepancy.as_ref().map_or(1.0, |drawn| drawn.medians[load].exp());
         let scale = self.scale.iter().enumerate().map(|(load, scale)| scale * factor(load)).collect();
         let discrepancy = discrepancy.filter(|drawn| of(drawn.first));
-        let model = Sampled { chances: self, about: *about, scale, discrepancy, of };
+        let laid = self.still.lay(about.design)?;
+        let model = Sampled { chances: self, about: *about, laid, scale, discrepancy, of };
         let drawn = propagate(&model, about.design, &self.uncertainty, draws, seed)?;
         Ok(Accepted(drawn.judged(|values| self.target.accepts(values))))
     }
@@ -57,8 +61,7 @@ impl UncertainModel for Sampled<'_> {
         let (log_scale, law) = (at(&chances.law_scale, 0), at(&chances.law, 0));
         let scale = ScaleShift { log: log_scale, is_fitted: chances.scale_is_fitted };
         let there = chances.still.beside(|scene: &Scene| moved(scene, &friction, scale, law));
-        // The laser cuts the design's cavities, as many as lie on the specimen, each as large as drawn.
-        let ratio = there.map_err(|error| trial(error.to_string()))?.ratios_made(&made, own)?;
+        let ratio = there.map_err(|error| trial(error.to_string()))?.ratios_made(&made, &self.laid)?;
         let value = |load: usize| {
             let by = self.scale[load] * (ratio[load] - about.still[load]);
             let value = (about.values[load] + by) * if chances.is_ratio { 1.0 } else { 1.0 + friction[load] };

@@ -46,7 +46,7 @@ impl<'a> Models<'a> {
     /// [`ModelFailure`] where it cannot be computed.
     pub fn at(&self, design: &Pattern) -> Result<Modelled, ModelFailure> {
         Ok(Modelled {
-            log_ratio: self.own.ratios_made(design, design)?.iter().map(|ratio| ratio.ln()).collect(),
+            log_ratio: self.ratios(design)?.iter().map(|ratio| ratio.ln()).collect(),
             sensitivity: self.slopes.at(design)?,
         })
     }
@@ -58,7 +58,7 @@ impl<'a> Models<'a> {
 
     /// Modelled ratios alone.
     fn ratios(&self, design: &Pattern) -> Result<Vec<f64>, ModelFailure> {
-        self.own.ratios_made(design, design)
+        self.own.ratios_made(design, &self.own.lay(design)?)
     }
 
     /// What smaller blocks change of each ratio of `design`, and how far each is from vanishing blocks, as a standard deviation; `None`

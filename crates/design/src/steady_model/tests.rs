@@ -265,7 +265,7 @@ fn spacing_that_is_off_moves_cavities_and_makes_none() {
     let model = SteadyModel::new(&scene(), &[], &[], &space(Planform::Groove), None).on(specimen);
     let grooves = |spacing_um: f64| Pattern::new(Planform::Groove, 200e-6, spacing_um * 1e-6, 20e-6).unwrap();
     let ratio = |made_um: f64, designed_um: f64| {
-        model.ratios_made(&grooves(made_um), &grooves(designed_um)).unwrap().iter().sum::<f64>()
+        model.ratios_made(&grooves(made_um), &model.lay(&grooves(designed_um)).unwrap()).unwrap().iter().sum::<f64>()
     };
     // 21 of 383 um and a width of 200 um end 140 um before the sides; 23 of 353 um end 34 um before them, and fit no longer at 356.
     for (made_um, designed_um) in [(184.0, 183.0), (182.0, 183.0), (154.0, 153.0), (152.0, 153.0)] {

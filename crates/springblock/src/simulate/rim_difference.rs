@@ -75,7 +75,7 @@ impl RimDifference {
     }
 }
 
-/// Adds to `loads` of a sample, or of a run in time, whose rims are elastic, what yielding changes of the steady cell; `model`
+/// Adds to `loads` of a sample, or of a run in time, whose rims are elastic, what yielding changes of the steady cell; `said`
 /// tells of it. Nothing where the solid of `scene` does not yield, and of steady cells, which have it.
 pub fn add_yielding(scene: &Scene, pattern: &Pattern, loads: &mut [LoadOutcome], said: &mut Statements) {
     let Some(yield_pa) = scene.elastic.yield_pressure_pa().filter(|_| scene.is_raised()) else { return };
