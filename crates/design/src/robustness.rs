@@ -115,6 +115,7 @@ impl<'a> Request<'a> {
 }
 
 /// The model about a confirmed design, with the parameters that are not known exactly.
+#[derive(Clone)]
 struct AboutDesign<'a> {
     model: &'a SteadyModel<'a>,
     designed: Pattern,
@@ -178,7 +179,12 @@ fn report(request: &Request<'_>) -> Result<Option<RobustnessReport>, DesignError
         optimum: request.about.choice.map(|choice| {
             // In space a draw costs a tenth of a second.
             let nominal = (!is_linear)
-                .then(|| propagate(&about, &choice.nominal, &made, request.tolerances.draws, request.seed).ok())
+                .then(|| {
+                    // Its samples have its own cavities.
+                    let laid = request.about.model.lay(&choice.nominal).ok()?;
+                    let about = AboutDesign { laid, ..about.clone() };
+                    propagate(&about, &choice.nominal, &made, request.tolerances.draws, request.seed).ok()
+                })
                 .flatten();
             OptimumReport {
                 nominal: PatternReport::from(&choice.nominal),
