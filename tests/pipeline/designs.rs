@@ -204,7 +204,7 @@ fn squares_are_searched_and_confirmed_in_space() {
     assert_eq!((result["fidelity"].as_str(), result["extent"].as_str()), (Some("dynamic"), Some("cell")));
     let (evaluations, solid) = (result["evaluations"].as_u64().unwrap(), result["solid_evaluations"].as_u64().unwrap());
     assert!(solid > 0 && 5 * solid < evaluations, "{solid} of {evaluations}");
-    let said = result["model"].to_string();
+    let said = result["method"].to_string();
     assert!(said.contains("searched in space") && said.contains("three dimensions, as square cavities need"), "{said}");
     let tolerance = result["target"]["tolerance"].as_f64().unwrap();
     let confirmed = result["confirmed"].as_array().unwrap();

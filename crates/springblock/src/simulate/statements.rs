@@ -7,7 +7,7 @@ use crate::dynamics::{MOST_STEPS, Plan, Scheme};
 use crate::outcome::Statements;
 use crate::scene::{Extent, Scene};
 
-/// What time adds to a steady ratio at mm/s over the share of cavities, about: 0.7 to 2.3 % on eight grooves at three loads,
+/// What time adds to a steady ratio at mm/s over the share of cavities, about: 0.7 to 2.2 % on eight grooves at three loads,
 /// most at light loads and in shallow cavities (`what_time_adds_to_ratios` of the validation tests).
 const ADDED_BY_TIME: f64 = 0.015;
 
