@@ -204,7 +204,7 @@ impl<'a> Chances<'a> {
             };
             parts.name("discrepancy", known_to, first..first + 1 + values);
         }
-        let first_numerical = parts.add(diagonal(&vec![vec![vec![1.0]]; values + 1]));
+        let first_numerical = parts.add(diagonal(&vec![vec![vec![1.0]]; Numerical::deviates(values)]));
         let covariance = diagonal(&parts.blocks);
         let refused = |error: SearchError| DesignError::Failed(format!("errors of the material: {error}"));
         let uncertainty = Uncertainty::new(&tolerances, &covariance).map_err(refused)?;
@@ -269,7 +269,7 @@ impl<'a> Chances<'a> {
 
     /// Places of the numerical errors.
     pub fn numerical(&self) -> Range<usize> {
-        self.first_numerical..self.first_numerical + self.scale.len() + 1
+        self.first_numerical..self.first_numerical + Numerical::deviates(self.scale.len())
     }
 
     /// Ratios of `design` by the steady model that is neither corrected nor kept.
@@ -291,7 +291,7 @@ impl<'a> Chances<'a> {
         let most = still.iter().zip(&fine).map(|(own, fine)| (own - fine).abs()).fold(0.0, f64::max);
         let std = block_std(most);
         let common = self.scale.iter().zip(&others.common).map(|(scale, other)| (scale * std).hypot(*other)).collect();
-        Ok(Numerical { common, scatter: others.scatter.clone() })
+        Ok(Numerical { common, ..others.clone() })
     }
 
     /// Seeded draws of everything.

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 use slipgrid_optimize::ModelFailure;
-use slipgrid_springblock::Simulation;
+use slipgrid_springblock::{LoadOutcome, Simulation};
 
 use crate::DesignError;
 use crate::chance::{About, Chances, Expansion, Gain, Numerical};
@@ -206,8 +206,12 @@ pub(super) fn numerical(
         let of_blocks = 0.5 * scales[place] * discretization(row).unwrap_or(0.0);
         run(row, &[errors::DRAWS, LAYOUT, BEHIND]).unwrap_or(0.0).hypot(of_blocks)
     };
-    let each = 0..scales.len();
-    let numerical = Numerical { scatter: each.clone().map(scatter).collect(), common: each.map(common).collect() };
+    let tilt = |place: usize| {
+        let load = confirmed.loads.get(place % count);
+        scales[place] * load.and_then(LoadOutcome::tilt_error).unwrap_or(0.0)
+    };
+    let of = |std: &dyn Fn(usize) -> f64| (0..scales.len()).map(std).collect();
+    let numerical = Numerical { scatter: of(&scatter), common: of(&common), tilt: of(&tilt) };
     (numerical, (0..count).all(|row| discretization(row).is_some()))
 }
 

@@ -6,7 +6,7 @@ use slipgrid_calibrate::uncertainty::{
 use slipgrid_discrepancy::Features;
 use slipgrid_material::{Condition, MaterialError};
 use slipgrid_results::errors::{
-    BEHIND, BLOCKS, DRAWS, ErrorReport, LAYOUT, NO_SLOPES, PartsReport, PressureErrors, STATIC, TIME_AND_DRAWS,
+    BEHIND, BLOCKS, DRAWS, ErrorReport, LAYOUT, NO_SLOPES, PartsReport, PressureErrors, STATIC, TILT, TIME_AND_DRAWS,
     TIME_AVERAGE,
 };
 use slipgrid_results::{CorrectedAt, CorrectedReport, ErrorsReport};
@@ -63,7 +63,9 @@ impl Solved<'_> {
         let of_specimen = |times: Option<f64>| {
             // What errors of blocks hardly exceed, as two standard deviations.
             let blocks = load.ratio_discretization_error.map(|error| 0.5 * error);
-            let each = [(LAYOUT, load.ratio_layout_error), (BEHIND, load.ratio_layer_error), (BLOCKS, blocks)];
+            let tilt = load.tilt_error().map(f64::abs);
+            let each =
+                [(LAYOUT, load.ratio_layout_error), (BEHIND, load.ratio_layer_error), (TILT, tilt), (BLOCKS, blocks)];
             let part = move |(input, std): (&str, Option<f64>)| {
                 Some(PartsReport { input: input.to_owned(), std: std? * factor * times? })
             };

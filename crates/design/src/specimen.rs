@@ -13,8 +13,8 @@
 use slipgrid_export::{ExportError, LaidStrip, Layout};
 use slipgrid_pattern::Pattern;
 use slipgrid_springblock::{
-    Dimension, Extent, Face, Monitor, RunOptions, Scene, SceneError, Simulation, Status, SteadyCell, Strip, simulate,
-    simulate_specimen, steady_face_ratios, tilt_error,
+    Dimension, Extent, Face, Monitor, RunOptions, Scene, SceneError, Simulation, Status, SteadyCell, Strip, add_tilt,
+    simulate, simulate_specimen, steady_face_ratios,
 };
 
 use slipgrid_export::Specimen;
@@ -59,11 +59,7 @@ pub fn simulate_on(
     }
     onto(&mut simulation, share, &ends);
     let whole = face_of(&layout, layout.strips(BANDS), scene.layer.block_m)?;
-    let (tilt, tilt_words) = tilt_error(scene, &pattern, &whole, share, monitor);
-    for load in simulation.loads.iter_mut().filter(|_| scene.layer.is_backed()) {
-        load.ratio_layer_error = load.ratio.map(|_| load.ratio_layer_error.unwrap_or(0.0).hypot(tilt));
-    }
-    simulation.statements.model.extend(tilt_words);
+    add_tilt(&mut simulation, scene, &pattern, &whole, share, monitor);
     let largest = ends.iter().flatten().copied().fold(0.0, f64::max);
     simulation.statements.model(format!(
         "specimen as it is laid out: cavities take {:.2} % of its face, {:.2} % of a period; friction is lowered in that proportion, which gives the ratio an error of {largest:.4} at most, as strips of grooves show",
@@ -156,6 +152,7 @@ pub fn onto(simulation: &mut Simulation, share: f64, layout_error: &[Option<f64>
         load.ratio_discretization_error = scaled(load.ratio_discretization_error);
         load.ratio_layer_difference = scaled(load.ratio_layer_difference);
         load.ratio_layer_error = scaled(load.ratio_layer_error);
+        load.ratio_tilt_change = scaled(load.ratio_tilt_change);
         load.ratio_layout_error = layout_error.get(place).copied().flatten();
     }
 }

@@ -17,6 +17,8 @@ pub const LAYOUT: &str = "layout on the specimen";
 pub const BLOCKS: &str = "size of blocks";
 /// Part of a run: what is behind the layer that it holds, added by the steady cell.
 pub const BEHIND: &str = "specimen behind the layer";
+/// How far friction tilts the pressure on the specimen.
+pub const TILT: &str = "tilt of the pressure";
 /// Part of what a search took for its target's quantity: how far the run that confirmed the design is from it.
 pub const OFF_THE_RUN: &str = "distance from the confirming run";
 /// Part of a static peak, which follows them at most one to one.
@@ -137,7 +139,7 @@ impl ErrorReport {
     /// The part of the run itself: how long it lasted and what it drew.
     #[must_use]
     pub fn std_of_run(&self) -> f64 {
-        self.std_of_all(&[TIME_AVERAGE, TIME_AND_DRAWS, DRAWS, LAYOUT, BEHIND])
+        self.std_of_all(&[TIME_AVERAGE, TIME_AND_DRAWS, DRAWS, LAYOUT, BEHIND, TILT])
     }
 
     /// Standard deviation by the parts `inputs` together.

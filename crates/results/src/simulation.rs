@@ -139,10 +139,13 @@ pub struct LoadReport {
     /// it where the scene says how thick the specimen is, otherwise what a thick one would add.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub ratio_layer_difference: Option<f64>,
-    /// Standard error of the ratio where that was added to a strip or to a run in time, and in that friction may tilt the pressure
-    /// on a specimen that its holder keeps from turning.
+    /// Standard error of the ratio where that was added to a strip or to a run in time.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub ratio_layer_error: Option<f64>,
+    /// What friction changes of the ratio by tilting the pressure of a specimen that its holder keeps from turning: half of it is in the
+    /// ratio, which has a standard error of 0.34 of it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub ratio_tilt_change: Option<f64>,
     /// Section models: strips between rows of cavities counted as flat.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub ratio_strip_estimate: Option<f64>,
@@ -199,6 +202,7 @@ impl LoadReport {
             ratio_discretization_error: load.ratio_discretization_error,
             ratio_layer_difference: load.ratio_layer_difference,
             ratio_layer_error: load.ratio_layer_error,
+            ratio_tilt_change: load.ratio_tilt_change,
             ratio_strip_estimate: strip.map(|(pattern, ratio)| pattern.strip_estimate(ratio)),
             peak_pressure_mpa: PRESSURE_MPA.from_si(surface.peak_pressure_pa),
             tension_blocks: surface.tension_blocks,

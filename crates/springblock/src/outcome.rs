@@ -4,6 +4,8 @@ mod bytes;
 
 use slipgrid_material::AreaLaw;
 
+use crate::simulate::TILT_STD;
+
 /// How a run ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Status {
@@ -242,12 +244,21 @@ pub struct LoadOutcome {
     /// says how thick the specimen is; otherwise it is what a thick one would add. `None` for a flat scene, and where a cell
     /// has no ratio.
     pub ratio_layer_difference: Option<f64>,
-    /// Standard error of the ratio where that difference was added to a strip or to a run in time, and in that friction may tilt the
-    /// pressure on a specimen that its holder keeps from turning; `None` where nothing was.
+    /// Standard error of the ratio where that difference was added to a strip or to a run in time; `None` where it was not.
     pub ratio_layer_error: Option<f64>,
+    /// What friction changes of the ratio by tilting the pressure of a specimen that its holder keeps from turning. [`TILT_MEAN`] of it is
+    /// in `ratio`, which has an error of [`TILT_STD`] of it; `None` where the scene does not say how thick a specimen with ends is.
+    pub ratio_tilt_change: Option<f64>,
 }
 
 impl LoadOutcome {
+    /// Error of the ratio by the tilt of the pressure, one standard deviation, with the sign that it has at this load where the tilt
+    /// is larger than its mean: all loads of a specimen have it in common.
+    #[must_use]
+    pub fn tilt_error(&self) -> Option<f64> {
+        self.ratio_tilt_change.map(|change| TILT_STD * change)
+    }
+
     /// Sets the ratio, and the patterned surface's dynamic friction to that of the flat one times it.
     pub fn set_ratio(&mut self, ratio: Option<f64>) {
         let flat_mu = self.flat.as_ref().and_then(|flat| flat.mu_dynamic);

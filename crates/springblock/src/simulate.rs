@@ -39,7 +39,7 @@ use statements::{
 pub use blocks::{BlockRefinement, block_refinement};
 pub use expense::{Expense, bounded, expense};
 use pressure_tilt::PressureTilt;
-pub use pressure_tilt::tilt_error;
+pub use pressure_tilt::{MEAN as TILT_MEAN, STD as TILT_STD, add_tilt};
 
 /// Most columns of a flat surface that a dynamic `cell` takes: without a pattern there is no period,
 /// and this many blocks average the scatter of the coefficients.
@@ -445,6 +445,7 @@ fn compare(load: &Load, surface: SurfaceOutcome, flat: Option<SurfaceOutcome>) -
         ratio_layout_error: None,
         ratio_layer_difference: None,
         ratio_layer_error: None,
+        ratio_tilt_change: None,
     }
 }
 

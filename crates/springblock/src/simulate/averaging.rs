@@ -38,6 +38,7 @@ pub fn mean(mut draws: Vec<LoadOutcome>) -> Option<LoadOutcome> {
         ratio_layout_error: first.ratio_layout_error,
         ratio_layer_difference: first.ratio_layer_difference,
         ratio_layer_error: first.ratio_layer_error,
+        ratio_tilt_change: first.ratio_tilt_change,
     })
 }
 
@@ -147,6 +148,7 @@ mod tests {
             ratio_layout_error: None,
             ratio_layer_difference: None,
             ratio_layer_error: None,
+            ratio_tilt_change: None,
         }
     }
 

@@ -122,8 +122,8 @@ impl Behind {
         behind
     }
 
-    /// Adds it to `loads`, where the scene says how thick the specimen is and they do not have it yet, with the error of `tilt`; `said`
-    /// tells of both.
+    /// Adds it to `loads`, where the scene says how thick the specimen is and they do not have it yet, and `tilt`; `said` tells of
+    /// both.
     pub fn tell(&self, tilt: &PressureTilt, loads: &mut [LoadOutcome], said: &mut Statements) {
         let is_added = self.layer.is_backed() && !self.is_solved;
         for (load, difference) in loads.iter_mut().zip(&self.each) {
@@ -131,15 +131,17 @@ impl Behind {
             load.ratio_layer_difference = Some(difference.ratio);
             if is_added {
                 add(difference, self.open.hypot(self.open_of_difference * difference.ratio), load);
-                load.ratio_layer_error = load.ratio_layer_error.map(|error| error.hypot(tilt.std()));
             }
         }
         if !self.each.is_empty() && loads.iter().any(|load| load.ratio.is_some()) {
-            self.describe(is_added, tilt, loads, said);
+            self.describe(is_added, loads, said);
+            if is_added {
+                tilt.add(loads, said);
+            }
         }
     }
 
-    fn describe(&self, is_added: bool, tilt: &PressureTilt, loads: &[LoadOutcome], said: &mut Statements) {
+    fn describe(&self, is_added: bool, loads: &[LoadOutcome], said: &mut Statements) {
         let Layer { height_m, thickness_m, .. } = self.layer;
         let (layer_um, thick_mm) = (height_m * 1e6, (thickness_m.unwrap_or(height_m) * 1e6).round() / 1e3);
         let known = || loads.iter().filter_map(|load| load.ratio_layer_difference);
@@ -164,11 +166,10 @@ impl Behind {
             } else {
                 "what it adds to steady cells that share the load as it lets them"
             };
-            said.method(format!(
+            return said.method(format!(
                 "blocks of the lowest {layer_um:.0} um of the specimen; the rest of its {thick_mm} mm adds to the ratio {what}, \
                  {widest}, known to {open:.4}; mu_static and the interface are those of the layer alone"
             ));
-            return said.model.extend(tilt.statement());
         }
         said.model(format!(
             "layer of {layer_um:.0} um under a rigid bulk, as asked for: a specimen much thicker than the pattern is wide would \

@@ -20,7 +20,7 @@
 //! The same of the layer alone, whose bulk is rigid, says less of what is uneven. The difference of the two is added to what
 //! strips of the layer say.
 
-mod body;
+pub mod body;
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -45,7 +45,7 @@ pub const OPEN_BY_SHARING: f64 = 0.15;
 /// them friction is linear.
 const PRESSURE_STEP: f64 = 0.25;
 /// Compliance of solid pieces over the height of the body: next to none.
-const SOLID_COMPLIANCE: f64 = 1e-4;
+pub const SOLID_COMPLIANCE: f64 = 1e-4;
 /// Columns and rows of the cells that tell how soft pieces are, at least; the rows are as high as a period is long.
 const SOFTNESS_COLUMNS: f64 = 24.0;
 /// Cavities and lands that differ by less are of one kind, in metres.
@@ -109,6 +109,15 @@ fn pieces(strip: &Strip) -> Vec<Piece> {
     push(strip.length_m - left.0 - right.0, width_m, land_m);
     push(right.0, right.1, right.2);
     pieces
+}
+
+/// How much softer than solid a specimen of the layer of `scene` is on cavities of `pattern`, C in metres, far above them; `None` where no
+/// lattice takes such cavities.
+pub fn softness_m(scene: &Scene, pattern: &Pattern) -> Option<f64> {
+    let groove = pattern.as_groove();
+    let soft = Cell::new(scene, kind(groove.width_m(), groove.spacing_m()), groove.depth_m())?;
+    // Of other planforms in proportion to their share of the face.
+    Some(soft.compliance_m[1] * pattern.areal_density() / groove.areal_density())
 }
 
 /// Cavities of one kind.
@@ -263,39 +272,65 @@ fn lowering(
 
 /// Friction force, in newtons, of `parts` that are cells of the pattern `of`, solved in the plane or in space, or solid without one, at
 /// each load: sum of A p mu(p).
-pub fn borne_friction(scene: &Scene, of: Option<(&Pattern, Dimension)>, parts: &[&Borne]) -> Vec<Option<f64>> {
-    let range = parts.iter().map(|part| part.pressure.max(0.0));
-    let (least, most) = range.fold((f64::INFINITY, 0.0_f64), |(least, most), at| (least.min(at), most.max(at)));
-    let steps = ((most - least) / PRESSURE_STEP).ceil() as usize;
-    let step = (most - least) / steps.max(1) as f64;
-    let at_pressures = |load: &Load| -> Vec<Load> {
-        let at = |number: usize| Load { pressure_pa: load.pressure_pa * (least + step * number as f64), ..*load };
-        (0..=steps).map(at).collect()
-    };
-    let loads: Vec<Load> = scene.loads.iter().flat_map(at_pressures).collect();
-    let mu: Vec<Option<f64>> = if let Some((pattern, dimension)) = of {
-        let cell = SteadyCell::solved(&Scene { loads: loads.clone(), ..scene.clone() }, dimension);
-        let outcomes = cell.solve(pattern);
-        // What bears nothing rubs nothing.
-        let mu = |(outcome, load): (CellOutcome, &Load)| {
-            if load.pressure_pa > 0.0 { outcome.ratio.and(outcome.surface.mu_dynamic) } else { Some(0.0) }
+fn borne_friction(scene: &Scene, of: Option<(&Pattern, Dimension)>, parts: &[&Borne]) -> Vec<Option<f64>> {
+    let friction = CellFriction::new(scene, of, parts.iter().copied());
+    (0..scene.loads.len()).map(|place| friction.of(place, parts.iter().copied())).collect()
+}
+
+/// Friction of cells of one kind, or of solid ones, by the pressure that they bear.
+pub struct CellFriction<'a> {
+    loads: &'a [Load],
+    /// Pressures over the nominal one that were solved for: the least, their distance and how many more there are.
+    least: f64,
+    step: f64,
+    steps: usize,
+    /// At each of them, load by load.
+    mu: Vec<Option<f64>>,
+}
+
+impl<'a> CellFriction<'a> {
+    /// At the loads of `scene`, over the range of pressures that `parts` bear.
+    pub fn new<'b>(
+        scene: &'a Scene,
+        of: Option<(&Pattern, Dimension)>,
+        parts: impl Iterator<Item = &'b Borne>,
+    ) -> Self {
+        let range = parts.map(|part| part.pressure.max(0.0));
+        let (least, most) = range.fold((f64::INFINITY, 0.0_f64), |(least, most), at| (least.min(at), most.max(at)));
+        let steps = ((most - least) / PRESSURE_STEP).ceil() as usize;
+        let step = (most - least) / steps.max(1) as f64;
+        let at_pressures = |load: &Load| -> Vec<Load> {
+            let at = |number: usize| Load { pressure_pa: load.pressure_pa * (least + step * number as f64), ..*load };
+            (0..=steps).map(at).collect()
         };
-        outcomes.into_iter().zip(&loads).map(mu).collect()
-    } else {
-        loads.iter().map(|load| Some(load.flat_mu(scene.area_law.as_ref()))).collect()
-    };
-    let of_load = |(load, mu): (&Load, &[Option<f64>])| {
-        let of_part = |part: &&Borne| {
-            let place = if step > 0.0 { (part.pressure.max(0.0) - least) / step } else { 0.0 };
-            let low = (place as usize).min(steps.saturating_sub(1));
+        let loads: Vec<Load> = scene.loads.iter().flat_map(at_pressures).collect();
+        let mu: Vec<Option<f64>> = if let Some((pattern, dimension)) = of {
+            let cell = SteadyCell::solved(&Scene { loads: loads.clone(), ..scene.clone() }, dimension);
+            let outcomes = cell.solve(pattern);
+            // What bears nothing rubs nothing.
+            let mu = |(outcome, load): (CellOutcome, &Load)| {
+                if load.pressure_pa > 0.0 { outcome.ratio.and(outcome.surface.mu_dynamic) } else { Some(0.0) }
+            };
+            outcomes.into_iter().zip(&loads).map(mu).collect()
+        } else {
+            loads.iter().map(|load| Some(load.flat_mu(scene.area_law.as_ref()))).collect()
+        };
+        Self { loads: &scene.loads, least, step, steps, mu }
+    }
+
+    /// Friction force of `parts` at load number `place`, in newtons; `None` where a cell that it needs has none.
+    pub fn of<'b>(&self, place: usize, mut parts: impl Iterator<Item = &'b Borne>) -> Option<f64> {
+        let &Self { least, step, steps, .. } = self;
+        let mu = &self.mu[place * (steps + 1)..(place + 1) * (steps + 1)];
+        parts.try_fold(0.0, |sum, part| {
+            let at = if step > 0.0 { (part.pressure.max(0.0) - least) / step } else { 0.0 };
+            let low = (at as usize).min(steps.saturating_sub(1));
             // The friction stress mu p, which is nearly straight.
             let stress = |number: usize| Some(mu[number]? * (least + step * number as f64));
-            let between = stress(low)? + (place - low as f64) * (stress((low + 1).min(steps))? - stress(low)?);
-            Some(part.area_m2 * load.pressure_pa * between)
-        };
-        parts.iter().map(of_part).sum()
-    };
-    scene.loads.iter().zip(mu.chunks(steps + 1)).map(of_load).collect()
+            let between = stress(low)? + (at - low as f64) * (stress((low + 1).min(steps))? - stress(low)?);
+            Some(sum + part.area_m2 * self.loads[place].pressure_pa * between)
+        })
+    }
 }
 
 #[cfg(test)]

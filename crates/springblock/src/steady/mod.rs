@@ -37,7 +37,7 @@ use crate::lattice::Lattice;
 use crate::outcome::{InterfacePoint, Status, SurfaceOutcome, peak_over_whole_blocks};
 use crate::scene::Scene;
 use anderson::Anderson;
-pub use band::BandMatrix;
+pub use band::{BandFactor, BandMatrix};
 pub use condensed::{CondensedModel, condensing};
 pub use raised::{FaceHistory, RaisedModel};
 use system::{Contact, Raised, System};

@@ -5,12 +5,12 @@
 //! compliance C(x), which gives way by C p / E under the pressure p:
 //!
 //! ```text
-//! div sigma = 0,     u = 0 at the back,     u_z + C p / E = d,  sigma_xz = 0 at the face
+//! div sigma = 0,     u = 0 at the back,     u_z + C p / E = d,  sigma_xz = mu p at the face
 //! ```
 //!
 //! It is solved by bilinear finite elements, fine at the ends of pieces of one compliance and coarse elsewhere.
 
-use crate::steady::BandMatrix;
+use crate::steady::{BandFactor, BandMatrix};
 
 const POISSON_RATIO: f64 = 1.0 / 3.0;
 /// Largest element at the ends of a piece, and largest of all, over the height of the body.
@@ -20,6 +20,9 @@ const COARSE: f64 = 1.0 / 7.0;
 const LEAST_ELEMENTS: f64 = 4.0;
 /// An element's size over that of its neighbour nearer to an end.
 const GROWTH: f64 = 1.4;
+/// Change of a displacement, over the descent of the back, below which friction has settled, and rounds after which it never does.
+const SETTLED: f64 = 1e-9;
+const MOST_ROUNDS: usize = 100;
 
 /// A part of the face whose foundation is the same everywhere.
 #[derive(Clone, Copy, Debug)]
@@ -50,61 +53,94 @@ pub struct FacePressure {
     pub stiffness_per_m: f64,
 }
 
-/// Pressure on the face of a body `height_m` high over `pieces`; `None` without a length or a height.
+/// Pressure on the face of a body `height_m` high over `pieces`, without friction; `None` without a length or a height.
 pub fn face_pressure(pieces: &[Foundation], height_m: f64) -> Option<FacePressure> {
-    solve(pieces, height_m, 1.0)
+    Body::new(pieces, height_m)?.pressure(0.0)
 }
 
-/// The same in elements `size` times as large.
-fn solve(pieces: &[Foundation], height_m: f64, size: f64) -> Option<FacePressure> {
-    let lengths = pieces.iter().map(|piece| piece.length_m);
-    let is_solid = |length_m: f64| length_m.is_finite() && length_m > 0.0;
-    if pieces.is_empty() || !is_solid(height_m) || !lengths.clone().all(is_solid) {
-        return None;
+/// A body on its foundation, ready to be pressed and dragged.
+pub struct Body {
+    factor: BandFactor,
+    unknowns: usize,
+    /// Of nodes of the face: number of the displacement along x, which that along z follows, and spring of the foundation.
+    face: Vec<(usize, f64)>,
+    /// Elements of the face: piece, length and compliance.
+    across: Vec<(usize, f64, f64)>,
+}
+
+impl Body {
+    /// Of `height_m` over `pieces`; `None` without a length or a height.
+    pub fn new(pieces: &[Foundation], height_m: f64) -> Option<Self> {
+        Self::in_elements(pieces, height_m, 1.0)
     }
-    let fine_of = |length_m: f64| size * (FINE * height_m).min(length_m / LEAST_ELEMENTS);
-    let most = size * COARSE * height_m;
-    let across: Vec<(usize, f64)> = lengths
-        .clone()
-        .enumerate()
-        .flat_map(|(piece, length_m)| graded(length_m, fine_of(length_m), most).map(move |element| (piece, element)))
-        .collect();
-    let finest = lengths.map(fine_of).fold(f64::INFINITY, f64::min);
-    let up = one_sided(height_m, finest, most);
-    let mesh = Mesh { across: across.iter().map(|(_, element)| *element).collect(), up };
-    let mut matrix = mesh.stiffness();
-    // Springs of the nodes of the face: half of an element's foundation at each of its ends, a / 2 C.
-    let mut springs = vec![0.0; across.len() + 1];
-    for (element, (piece, length_m)) in across.iter().enumerate() {
-        let half = 0.5 * length_m / pieces[*piece].compliance_m;
-        springs[element] += half;
-        springs[element + 1] += half;
+
+    /// The same in elements `size` times as large.
+    fn in_elements(pieces: &[Foundation], height_m: f64, size: f64) -> Option<Self> {
+        let lengths = pieces.iter().map(|piece| piece.length_m);
+        let is_solid = |length_m: f64| length_m.is_finite() && length_m > 0.0;
+        if pieces.is_empty() || !is_solid(height_m) || !lengths.clone().all(is_solid) {
+            return None;
+        }
+        let fine_of = |length_m: f64| size * (FINE * height_m).min(length_m / LEAST_ELEMENTS);
+        let most = size * COARSE * height_m;
+        let elements = |(piece, foundation): (usize, &Foundation)| {
+            let Foundation { length_m, compliance_m } = *foundation;
+            graded(length_m, fine_of(length_m), most).map(move |element_m| (piece, element_m, compliance_m))
+        };
+        let across: Vec<(usize, f64, f64)> = pieces.iter().enumerate().flat_map(elements).collect();
+        let finest = lengths.map(fine_of).fold(f64::INFINITY, f64::min);
+        let up = one_sided(height_m, finest, most);
+        let mesh = Mesh { across: across.iter().map(|(_, element_m, _)| *element_m).collect(), up };
+        let mut matrix = mesh.stiffness();
+        // Springs of the nodes of the face: half of an element's foundation at each of its ends, a / 2 C.
+        let mut springs = vec![0.0; across.len() + 1];
+        for (element, (_, length_m, compliance_m)) in across.iter().enumerate() {
+            let half = 0.5 * length_m / compliance_m;
+            springs[element] += half;
+            springs[element + 1] += half;
+        }
+        let nodes: Option<Vec<usize>> = (0..springs.len()).map(|node| mesh.unknown(node, 0)).collect();
+        let face: Vec<(usize, f64)> = nodes?.into_iter().zip(springs).collect();
+        for (node, spring) in &face {
+            matrix.add(node + 1, node + 1, *spring);
+        }
+        Some(Self { factor: matrix.factor()?, unknowns: mesh.unknowns(), face, across })
     }
-    let face: Vec<usize> = (0..springs.len()).map(|node| mesh.unknown(node, 0)).collect::<Option<_>>()?;
-    for (node, spring) in face.iter().zip(&springs) {
-        matrix.add(node + 1, node + 1, *spring);
+
+    /// Pressure where the counterface drags the face along x with the friction coefficient `mu`; `None` where friction leaves no
+    /// equilibrium.
+    pub fn pressure(&self, mu: f64) -> Option<FacePressure> {
+        // The face sees the counterface rise by 1: a node bears k (1 - u_z), and friction mu k (1 - u_z).
+        let mut risen = vec![0.0; self.face.len()];
+        let settled = (0..MOST_ROUNDS).any(|_| {
+            let mut displacement = vec![0.0; self.unknowns];
+            for ((node, spring), risen) in self.face.iter().zip(&risen) {
+                displacement[*node] = mu * spring * (1.0 - risen);
+                displacement[node + 1] = *spring;
+            }
+            self.factor.solve(&mut displacement);
+            let next: Vec<f64> = self.face.iter().map(|(node, _)| displacement[node + 1]).collect();
+            let change = next.iter().zip(&risen).map(|(next, risen)| (next - risen).abs()).fold(0.0, f64::max);
+            risen = next;
+            mu == 0.0 || change < SETTLED
+        });
+        if !settled {
+            return None;
+        }
+        // p / E = (1 - u_z) / C
+        let patch = |(element, (piece, length_m, compliance_m)): (usize, &(usize, f64, f64))| {
+            [element, element + 1].map(|node| Patch {
+                piece: *piece,
+                length_m: 0.5 * length_m,
+                pressure: (1.0 - risen[node]) / compliance_m,
+            })
+        };
+        let mut patches: Vec<Patch> = self.across.iter().enumerate().flat_map(patch).collect();
+        let length_m: f64 = patches.iter().map(|patch| patch.length_m).sum();
+        let mean = patches.iter().map(|patch| patch.length_m * patch.pressure).sum::<f64>() / length_m;
+        patches.iter_mut().for_each(|patch| patch.pressure /= mean);
+        Some(FacePressure { patches, stiffness_per_m: mean })
     }
-    // The face sees the counterface rise by 1: a node bears k (1 - u_z).
-    let mut displacement = vec![0.0; mesh.unknowns()];
-    for (node, spring) in face.iter().zip(&springs) {
-        displacement[node + 1] = *spring;
-    }
-    matrix.factor()?.solve(&mut displacement);
-    let risen: Vec<f64> = face.iter().map(|node| displacement[node + 1]).collect();
-    // p / E = (1 - u_z) / C
-    let patch = |element: usize, piece: usize, length_m: f64| {
-        [element, element + 1].map(|node| Patch {
-            piece,
-            length_m: 0.5 * length_m,
-            pressure: (1.0 - risen[node]) / pieces[piece].compliance_m,
-        })
-    };
-    let mut patches: Vec<Patch> =
-        across.iter().enumerate().flat_map(|(element, (piece, length_m))| patch(element, *piece, *length_m)).collect();
-    let length_m: f64 = patches.iter().map(|patch| patch.length_m).sum();
-    let mean = patches.iter().map(|patch| patch.length_m * patch.pressure).sum::<f64>() / length_m;
-    patches.iter_mut().for_each(|patch| patch.pressure /= mean);
-    Some(FacePressure { patches, stiffness_per_m: mean })
 }
 
 /// Lengths of elements that fill `length_m`, `fine` at both ends.
@@ -258,7 +294,7 @@ mod tests {
     fn stiff_ends_bear_more_and_what_is_left_of_the_mesh_is_small() {
         let pieces = [foundation(0.5e-3, 0.05e-3), foundation(9e-3, 0.5e-3), foundation(0.5e-3, 0.05e-3)];
         let ends = |size: f64| {
-            let found = solve(&pieces, 7e-3, size).unwrap();
+            let found = Body::in_elements(&pieces, 7e-3, size).unwrap().pressure(0.0).unwrap();
             assert!((balance(&found) - 1.0).abs() < 1e-12);
             let (first, last) = (found.patches[0].pressure, found.patches[found.patches.len() - 1].pressure);
             assert!((first / last - 1.0).abs() < 1e-9);
