@@ -2,6 +2,7 @@
 //! model is solved and, where a design aims with it, the discrepancy.
 
 mod accepted;
+mod expansion;
 mod inputs;
 mod numerical;
 mod sampled;
@@ -11,7 +12,6 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use slipgrid_calibrate::uncertainty::{Covariance, ScaleShift, moved, with_scale};
-use slipgrid_discrepancy::Sampler;
 use slipgrid_material::{Condition, MaterialError};
 use slipgrid_optimize::{
     CommonDraws, Linearization, ModelFailure, Probability, Quantity, SearchError, Target, Tolerances, UncertainModel,
@@ -21,10 +21,13 @@ use slipgrid_pattern::Pattern;
 use slipgrid_springblock::Scene;
 
 pub use self::accepted::{Accepted, Gain};
+use self::expansion::Drawn;
+pub use self::expansion::Expansion;
 pub(crate) use self::inputs::diagonal;
 use self::inputs::{Parts, of_dimensions, percent, rms};
 pub use self::numerical::{Numerical, block_std};
 use crate::DesignError;
+use crate::evaluation_cache::Answer;
 use crate::learned_discrepancy::LearnedDiscrepancy;
 use crate::operating_conditions::Further;
 use crate::steady_model::SteadyModel;
@@ -80,45 +83,6 @@ pub struct Chances<'a> {
     first_numerical: usize,
 }
 
-/// A design to first order along each input, and to second along the modulus (or the fitted scale) and the area law: a search for
-/// the greatest chance finds where their slopes vanish. The discrepancy is drawn from its own distribution.
-pub struct Expansion {
-    slopes: Linearization,
-    /// Half the second derivative of the values along an input, by its place.
-    curvatures: Vec<(usize, Vec<f64>)>,
-    discrepancy: Option<Drawn>,
-}
-
-impl Expansion {
-    /// Adds to `values`, which are those to first order where the inputs are off by `deviations`, what the inputs that `of` names
-    /// add to second order, and multiplies them by the discrepancy where it is one of these.
-    fn complete(&self, values: &mut [f64], deviations: &[f64], of: &dyn Fn(usize) -> bool) {
-        for (place, curvature) in self.curvatures.iter().filter(|(place, _)| of(*place)) {
-            let square = deviations[*place].powi(2);
-            values.iter_mut().zip(curvature).for_each(|(value, half)| *value += half * square);
-        }
-        if let Some(drawn) = self.discrepancy.as_ref().filter(|drawn| of(drawn.first)) {
-            values.iter_mut().zip(drawn.factors(deviations)).for_each(|(value, factor)| *value *= factor);
-        }
-    }
-}
-
-/// The discrepancy of a design: values are times the exponential of a draw less the median.
-struct Drawn {
-    sampler: Sampler,
-    medians: Vec<f64>,
-    first: usize,
-}
-
-impl Drawn {
-    /// What values are multiplied by where the deviates, of all inputs, are `deviations`.
-    fn factors(&self, deviations: &[f64]) -> impl Iterator<Item = f64> {
-        let (which, z) = (deviations[self.first], &deviations[self.first + 1..=self.first + self.medians.len()]);
-        let drawn = self.sampler.draw(which, z);
-        drawn.into_iter().zip(&self.medians).map(|(drawn, median)| (drawn - median).exp())
-    }
-}
-
 /// Two models to both sides of the one that is used.
 struct Along<'a> {
     above: SteadyModel<'a>,
@@ -133,8 +97,8 @@ struct Along<'a> {
 pub struct About<'a> {
     /// The design.
     pub design: &'a Pattern,
-    /// Its ratios by the steady model, [`Chances::still`].
-    pub still: &'a [f64],
+    /// What the steady model says of it, [`Chances::still`].
+    pub still: &'a Answer,
     /// Values as they are compared with the target, one per load of each condition.
     pub values: &'a [f64],
     /// How exactly the values were computed.
@@ -272,23 +236,28 @@ impl<'a> Chances<'a> {
         self.first_numerical..self.first_numerical + Numerical::deviates(self.scale.len())
     }
 
-    /// Ratios of `design` by the steady model that is neither corrected nor kept.
+    /// What the steady model that is neither corrected nor kept says of `design`.
     ///
     /// # Errors
     /// [`ModelFailure::Trial`] where it cannot be computed.
-    pub fn still(&self, design: &Pattern) -> Result<Vec<f64>, ModelFailure> {
-        Ok(self.still.steady(design)?.ratio)
+    pub fn still(&self, design: &Pattern) -> Result<Answer, ModelFailure> {
+        self.still.steady(design)
     }
 
-    /// How exactly the values of `design`, whose ratios are `still`, are computed: `others`, and in the vertical plane how far they are
+    /// How exactly the values of `design`, of which the model says `still`, are computed: `others`, and in the vertical plane how far they are
     /// from those of vanishing blocks, if the order of convergence is one half, at the load where that is most.
     ///
     /// # Errors
     /// [`ModelFailure::Trial`] where the design cannot be computed in smaller blocks.
-    pub fn numerical_of(&self, design: &Pattern, still: &[f64], others: &Numerical) -> Result<Numerical, ModelFailure> {
+    pub fn numerical_of(
+        &self,
+        design: &Pattern,
+        still: &Answer,
+        others: &Numerical,
+    ) -> Result<Numerical, ModelFailure> {
         let Some(fine) = &self.fine else { return Ok(others.clone()) };
         let fine = fine.steady(design)?.ratio;
-        let most = still.iter().zip(&fine).map(|(own, fine)| (own - fine).abs()).fold(0.0, f64::max);
+        let most = still.ratio.iter().zip(&fine).map(|(own, fine)| (own - fine).abs()).fold(0.0, f64::max);
         let std = block_std(most);
         let common = self.scale.iter().zip(&others.common).map(|(scale, other)| (scale * std).hypot(*other)).collect();
         Ok(Numerical { common, ..others.clone() })
@@ -321,7 +290,7 @@ impl<'a> Chances<'a> {
     ) -> Probability {
         draws.probability_by(&about.slopes, of, |values, deviations| {
             about.complete(values, deviations, of);
-            let accepts = self.target.accepts(values);
+            let accepts = about.is_open(deviations, of) && self.target.accepts(values);
             told(accepts);
             accepts
         })
@@ -360,83 +329,8 @@ impl<'a> Chances<'a> {
         let mut slopes = vec![vec![0.0; values.len()]; places.end];
         numerical.enter(&mut slopes[places.clone()]);
         let run = Linearization::of_slopes(*design, values.to_vec(), slopes);
-        let run = Expansion { slopes: run, curvatures: Vec::new(), discrepancy: None };
+        let run = Expansion::of_slopes(run);
         self.share(draws, &run, &|place| places.contains(&place))
-    }
-
-    /// The discrepancy of `design`, where designs aim with it.
-    fn drawn(&self, design: &Pattern) -> Result<Option<Drawn>, ModelFailure> {
-        let Some(learned) = &self.learned else { return Ok(None) };
-        let prediction = learned.prediction(design, &learned.modulus_sensitivity(design)?);
-        let (sampler, medians) = (prediction.sampler(), prediction.medians());
-        Ok(Some(Drawn { sampler, medians, first: self.first_discrepancy }))
-    }
-
-    /// The values of a design about it: by central differences over a standard deviation each way.
-    ///
-    /// # Errors
-    /// [`ModelFailure::Trial`] where neighbours of the design cannot be computed.
-    pub fn expand(&self, about: &About<'_>) -> Result<Expansion, ModelFailure> {
-        let (count, values) = (self.scale.len(), about.values.to_vec());
-        let discrepancy = self.drawn(about.design)?;
-        let medians = discrepancy.as_ref().map(|drawn| &drawn.medians);
-        let factor = |load: usize| medians.map_or(1.0, |medians| medians[load].exp());
-        let scale: Vec<f64> = self.scale.iter().enumerate().map(|(load, scale)| scale * factor(load)).collect();
-        let mut slopes = vec![vec![0.0; count]; self.uncertainty.inputs()];
-        let mut curvatures = Vec::new();
-        for (axis, std_m) in self.tolerances.std_m.into_iter().enumerate().filter(|(_, std_m)| *std_m > 0.0) {
-            let per_m = self.along_axis(about.design, axis, std_m)?;
-            slopes[axis] = per_m.iter().zip(&scale).map(|(slope, scale)| slope * scale).collect();
-        }
-        if let Some(place) = self.uncertainty.rim() {
-            let per_m = self.along_rim(about.design)?;
-            slopes[place] = per_m.iter().zip(&scale).map(|(slope, scale)| slope * scale).collect();
-        }
-        // (r(x + s) - r(x - s)) / 2s and (r(x + s) - 2 r(x) + r(x - s)) / 2s^2
-        let differences = |along: &Along| -> Result<(Vec<f64>, Vec<f64>), ModelFailure> {
-            let (above, below) = rayon::join(|| along.above.steady(about.design), || along.below.steady(about.design));
-            let (above, below) = (above?.ratio, below?.ratio);
-            let at = |load: usize| {
-                let (above, below, own, step) = (above[load], below[load], about.still[load], along.step[load]);
-                let slope = scale[load] * (above - below) / (2.0 * step);
-                (slope, scale[load] * (above - 2.0 * own + below) / (2.0 * step * step))
-            };
-            Ok((0..count).map(at).unzip())
-        };
-        if let Some(along) = &self.friction {
-            for (load, slope) in differences(along)?.0.into_iter().enumerate() {
-                // mu = r mu_flat (1 + x)
-                slopes[along.first + load % self.inputs_of_loads][load] =
-                    slope + if self.is_ratio { 0.0 } else { values[load] };
-            }
-        }
-        for along in self.law_scale.iter().chain(&self.law) {
-            let (slope, curvature) = differences(along)?;
-            slopes[along.first] = slope;
-            curvatures.push((along.first, curvature));
-        }
-        about.numerical.enter(&mut slopes[self.numerical()]);
-        Ok(Expansion { slopes: Linearization::of_slopes(*about.design, values, slopes), curvatures, discrepancy })
-    }
-
-    /// dr/dh of each ratio along the height of the rims, per metre: over a standard deviation each way, and upwards alone
-    /// where the rims are lower than that.
-    fn along_rim(&self, design: &Pattern) -> Result<Vec<f64>, ModelFailure> {
-        let step_m = self.tolerances.rim_height_std_m;
-        let laid = self.still.lay(design)?;
-        let at = |by_m: f64| self.still.ratios_made(&with_rim_off(design, by_m), &laid);
-        let below_m = if design.rim_height_m() < step_m { 0.0 } else { -step_m };
-        let (above, below) = (at(step_m)?, at(below_m)?);
-        Ok(above.iter().zip(&below).map(|(above, below)| (above - below) / (step_m - below_m)).collect())
-    }
-
-    /// Standard deviation of each ratio of `design` by the height of its rims alone; `None` where that is exact, or where
-    /// neighbours of the design cannot be computed.
-    #[must_use]
-    pub fn rim_std(&self, design: &Pattern) -> Option<Vec<f64>> {
-        self.uncertainty.rim()?;
-        let per_m = self.along_rim(design).ok()?;
-        Some(per_m.iter().map(|slope| slope.abs() * self.tolerances.rim_height_std_m).collect())
     }
 
     /// Covariance of the logarithms of the values of a sample of a design, row by row, by everything but what trials say that the model lacks,
@@ -459,29 +353,6 @@ impl<'a> Chances<'a> {
         };
         rows.into_iter().zip(values).flat_map(row).collect()
     }
-
-    /// dr/dx of each ratio along one dimension, per metre.
-    fn along_axis(&self, design: &Pattern, axis: usize, std_m: f64) -> Result<Vec<f64>, ModelFailure> {
-        let lengths_m = design.lengths_m();
-        let (step_m, laid) = (std_m.min(WIDEST_SHARE * lengths_m[axis]), self.still.lay(design)?);
-        let at = |by_m: f64| {
-            let mut made_m = lengths_m;
-            made_m[axis] += by_m;
-            let made = Pattern::new(*design.texture(), made_m[0], made_m[1], made_m[2]);
-            let made = made.map_err(|error| ModelFailure::Trial { reason: error.to_string() })?;
-            self.still.ratios_made(&made, &laid)
-        };
-        let slope = |above: Vec<f64>, below: Vec<f64>, width_m: f64| -> Vec<f64> {
-            above.iter().zip(&below).map(|(above, below)| (above - below) / width_m).collect()
-        };
-        match rayon::join(|| at(step_m), || at(-step_m)) {
-            (Ok(above), Ok(below)) => Ok(slope(above, below, 2.0 * step_m)),
-            // One-sided beside designs that cannot be computed.
-            (Ok(above), Err(ModelFailure::Trial { .. })) => Ok(slope(above, at(0.0)?, step_m)),
-            (Err(ModelFailure::Trial { .. }), Ok(below)) => Ok(slope(at(0.0)?, below, step_m)),
-            (Err(failure), _) | (_, Err(failure)) => Err(failure),
-        }
-    }
 }
 
 /// `model` in blocks half as large; `None` in space, where they are dear.
@@ -493,3 +364,6 @@ fn fine<'a>(model: &SteadyModel<'a>) -> Result<Option<SteadyModel<'a>>, DesignEr
     };
     if model.is_cheap_per_design() { model.beside(change).map(Some) } else { Ok(None) }
 }
+
+#[cfg(test)]
+mod tests;

@@ -255,7 +255,15 @@ impl<'a> SteadyModel<'a> {
     /// # Errors
     /// [`ModelFailure::Trial`] where the sample cannot be computed.
     pub fn ratios_made(&self, made: &Pattern, laid: &Laid) -> Result<Vec<f64>, ModelFailure> {
-        Ok(open(self.answer(&self.asked, &self.solver, made)?)?.on(laid, made).ratio)
+        Ok(open(self.answer_made(made, laid)?)?.ratio)
+    }
+
+    /// What the model alone says of `made`, a sample of what was `laid`, at every condition, whether or not its cavities close.
+    ///
+    /// # Errors
+    /// [`ModelFailure::Trial`] where the sample cannot be computed.
+    pub fn answer_made(&self, made: &Pattern, laid: &Laid) -> Result<Answer, ModelFailure> {
+        Ok(self.answer(&self.asked, &self.solver, made)?.on(laid, made))
     }
 
     /// As [`Self::ratios_made`], kept for the next who asks.
@@ -271,7 +279,7 @@ impl<'a> SteadyModel<'a> {
     /// # Errors
     /// [`ModelFailure::Trial`] where the design cannot be computed.
     pub fn steady(&self, design: &Pattern) -> Result<Answer, ModelFailure> {
-        Ok(open(self.answer(&self.asked, &self.solver, design)?)?.on(&self.lay(design)?, design))
+        open(self.answer_made(design, &self.lay(design)?)?)
     }
 
     /// Largest local pressure of `design` at each load of each condition, in pascals.

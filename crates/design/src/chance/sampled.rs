@@ -57,17 +57,17 @@ impl UncertainModel for Sampled<'_> {
         let made = made.map_err(|error| trial(error.to_string()))?;
         let at = |along: &Option<Along>, load: usize| along.as_ref().map_or(0.0, |along| off(along.first + load));
         let input = |load: usize| load % chances.inputs_of_loads;
-        let friction: Vec<f64> = (0..about.still.len()).map(|load| at(&chances.friction, input(load))).collect();
+        let friction: Vec<f64> = (0..about.still.ratio.len()).map(|load| at(&chances.friction, input(load))).collect();
         let (log_scale, law) = (at(&chances.law_scale, 0), at(&chances.law, 0));
         let scale = ScaleShift { log: log_scale, is_fitted: chances.scale_is_fitted };
         let there = chances.still.beside(|scene: &Scene| moved(scene, &friction, scale, law));
         let ratio = there.map_err(|error| trial(error.to_string()))?.ratios_made(&made, &self.laid)?;
         let value = |load: usize| {
-            let by = self.scale[load] * (ratio[load] - about.still[load]);
+            let by = self.scale[load] * (ratio[load] - about.still.ratio[load]);
             let value = (about.values[load] + by) * if chances.is_ratio { 1.0 } else { 1.0 + friction[load] };
             value + about.numerical.off(load, |place| off(chances.first_numerical + place))
         };
-        let values = (0..about.still.len()).map(value);
+        let values = (0..about.still.ratio.len()).map(value);
         let Some(drawn) = &self.discrepancy else { return Ok(values.collect()) };
         let all: Vec<f64> = (0..DIMENSIONS).map(|_| 0.0).chain(deviations.iter().copied()).collect();
         Ok(values.zip(drawn.factors(&all)).map(|(value, factor)| value * factor).collect())

@@ -101,7 +101,7 @@ impl MultiFidelityLoop<'_> {
             let (scales, values) = (self.model.scales(&best.design), self.confirmed_values());
             let (numerical, _) = numerical(task, &scales, confirmed, errors);
             let values =
-                values.unwrap_or_else(|| still.iter().zip(&scales).map(|(ratio, scale)| ratio * scale).collect());
+                values.unwrap_or_else(|| still.ratio.iter().zip(&scales).map(|(ratio, scale)| ratio * scale).collect());
             let about = About { design: &best.design, still: &still, values: &values, numerical: &numerical };
             Ok((modelled, chances.log_covariance(&about)?))
         });

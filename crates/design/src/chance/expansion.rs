@@ -1,0 +1,182 @@
+//! The values of a design about it, along everything that is not known exactly.
+
+use slipgrid_discrepancy::Sampler;
+
+use super::*;
+
+/// A design to first order along each input, and to second along the modulus (or the fitted scale) and the area law: a search for
+/// the greatest chance finds where their slopes vanish. The discrepancy is drawn from its own distribution.
+pub struct Expansion {
+    pub(super) slopes: Linearization,
+    /// Half the second derivative of the values along an input, by its place.
+    curvatures: Vec<(usize, Vec<f64>)>,
+    discrepancy: Option<Drawn>,
+    clearance: Option<Clearance>,
+}
+
+/// Least height of a ceiling above the counterface, in metres, with its slopes along inputs by their places.
+struct Clearance {
+    least_m: f64,
+    slopes: Vec<(usize, f64)>,
+}
+
+impl Expansion {
+    /// To first order, with nothing else.
+    pub(super) const fn of_slopes(slopes: Linearization) -> Self {
+        Self { slopes, curvatures: Vec::new(), discrepancy: None, clearance: None }
+    }
+
+    /// Whether cavities stay open, to first order, where the inputs that `of` names are off by `deviations`.
+    pub(super) fn is_open(&self, deviations: &[f64], of: &dyn Fn(usize) -> bool) -> bool {
+        self.clearance.as_ref().is_none_or(|Clearance { least_m, slopes }| {
+            let off = slopes.iter().filter(|(place, _)| of(*place)).map(|(place, slope)| slope * deviations[*place]);
+            least_m + off.sum::<f64>() > 0.0
+        })
+    }
+
+    /// Adds to `values`, which are those to first order where the inputs are off by `deviations`, what the inputs that `of` names
+    /// add to second order, and multiplies them by the discrepancy where it is one of these.
+    pub(super) fn complete(&self, values: &mut [f64], deviations: &[f64], of: &dyn Fn(usize) -> bool) {
+        for (place, curvature) in self.curvatures.iter().filter(|(place, _)| of(*place)) {
+            let square = deviations[*place].powi(2);
+            values.iter_mut().zip(curvature).for_each(|(value, half)| *value += half * square);
+        }
+        if let Some(drawn) = self.discrepancy.as_ref().filter(|drawn| of(drawn.first)) {
+            values.iter_mut().zip(drawn.factors(deviations)).for_each(|(value, factor)| *value *= factor);
+        }
+    }
+}
+
+/// The discrepancy of a design: values are times the exponential of a draw less the median.
+pub(super) struct Drawn {
+    sampler: Sampler,
+    pub(super) medians: Vec<f64>,
+    pub(super) first: usize,
+}
+
+impl Drawn {
+    /// What values are multiplied by where the deviates, of all inputs, are `deviations`.
+    pub(super) fn factors(&self, deviations: &[f64]) -> impl Iterator<Item = f64> {
+        let (which, z) = (deviations[self.first], &deviations[self.first + 1..=self.first + self.medians.len()]);
+        let drawn = self.sampler.draw(which, z);
+        drawn.into_iter().zip(&self.medians).map(|(drawn, median)| (drawn - median).exp())
+    }
+}
+
+/// What one input changes, by its unit: of each ratio, and of the least height of a ceiling in metres.
+struct Slope {
+    ratio: Vec<f64>,
+    clearance: f64,
+}
+
+/// (a - b) / step
+fn per_step(above: &Answer, below: &Answer, step: f64) -> Slope {
+    let ratio = above.ratio.iter().zip(&below.ratio).map(|(above, below)| (above - below) / step).collect();
+    let clearance = above.clearance_m().zip(below.clearance_m()).map_or(0.0, |(above, below)| (above - below) / step);
+    Slope { ratio, clearance }
+}
+
+impl Chances<'_> {
+    /// The discrepancy of `design`, where designs aim with it.
+    pub(super) fn drawn(&self, design: &Pattern) -> Result<Option<Drawn>, ModelFailure> {
+        let Some(learned) = &self.learned else { return Ok(None) };
+        let prediction = learned.prediction(design, &learned.modulus_sensitivity(design)?);
+        let (sampler, medians) = (prediction.sampler(), prediction.medians());
+        Ok(Some(Drawn { sampler, medians, first: self.first_discrepancy }))
+    }
+
+    /// The values of a design about it: by central differences over a standard deviation each way.
+    ///
+    /// # Errors
+    /// [`ModelFailure::Trial`] where neighbours of the design cannot be computed.
+    pub fn expand(&self, about: &About<'_>) -> Result<Expansion, ModelFailure> {
+        let (count, values) = (self.scale.len(), about.values.to_vec());
+        let discrepancy = self.drawn(about.design)?;
+        let medians = discrepancy.as_ref().map(|drawn| &drawn.medians);
+        let factor = |load: usize| medians.map_or(1.0, |medians| medians[load].exp());
+        let scale: Vec<f64> = self.scale.iter().enumerate().map(|(load, scale)| scale * factor(load)).collect();
+        let mut slopes = vec![vec![0.0; count]; self.uncertainty.inputs()];
+        let mut curvatures = Vec::new();
+        let mut of_clearance: Vec<(usize, f64)> = Vec::new();
+        for (axis, std_m) in self.tolerances.std_m.into_iter().enumerate().filter(|(_, std_m)| *std_m > 0.0) {
+            let along = self.along_axis(about.design, axis, std_m)?;
+            slopes[axis] = along.ratio.iter().zip(&scale).map(|(slope, scale)| slope * scale).collect();
+            of_clearance.push((axis, along.clearance));
+        }
+        if let Some(place) = self.uncertainty.rim() {
+            let along = self.along_rim(about.design)?;
+            slopes[place] = along.ratio.iter().zip(&scale).map(|(slope, scale)| slope * scale).collect();
+            of_clearance.push((place, along.clearance));
+        }
+        // (r(x + s) - r(x - s)) / 2s and (r(x + s) - 2 r(x) + r(x - s)) / 2s^2
+        let differences = |along: &Along| -> Result<(Vec<f64>, Vec<f64>, f64), ModelFailure> {
+            let at = |model: &SteadyModel| model.answer_made(about.design, &model.lay(about.design)?);
+            let (above, below) = rayon::join(|| at(&along.above), || at(&along.below));
+            let (above, below) = (above?, below?);
+            let difference = |load: usize| {
+                let (above, below, own) = (above.ratio[load], below.ratio[load], about.still.ratio[load]);
+                let step = along.step[load];
+                let slope = scale[load] * (above - below) / (2.0 * step);
+                (slope, scale[load] * (above - 2.0 * own + below) / (2.0 * step * step))
+            };
+            let (slope, curvature) = (0..count).map(difference).unzip();
+            Ok((slope, curvature, per_step(&above, &below, 2.0 * along.step[0]).clearance))
+        };
+        if let Some(along) = &self.friction {
+            for (load, slope) in differences(along)?.0.into_iter().enumerate() {
+                // mu = r mu_flat (1 + x)
+                slopes[along.first + load % self.inputs_of_loads][load] =
+                    slope + if self.is_ratio { 0.0 } else { values[load] };
+            }
+        }
+        for along in self.law_scale.iter().chain(&self.law) {
+            let (slope, curvature, clearance) = differences(along)?;
+            slopes[along.first] = slope;
+            curvatures.push((along.first, curvature));
+            of_clearance.push((along.first, clearance));
+        }
+        about.numerical.enter(&mut slopes[self.numerical()]);
+        let clearance = about.still.clearance_m().map(|least_m| Clearance { least_m, slopes: of_clearance });
+        let slopes = Linearization::of_slopes(*about.design, values, slopes);
+        Ok(Expansion { slopes, curvatures, discrepancy, clearance })
+    }
+
+    /// Slopes along the height of the rims, per metre: over a standard deviation each way, and upwards alone where the rims are lower
+    /// than that.
+    fn along_rim(&self, design: &Pattern) -> Result<Slope, ModelFailure> {
+        let step_m = self.tolerances.rim_height_std_m;
+        let laid = self.still.lay(design)?;
+        let at = |by_m: f64| self.still.answer_made(&with_rim_off(design, by_m), &laid);
+        let below_m = if design.rim_height_m() < step_m { 0.0 } else { -step_m };
+        Ok(per_step(&at(step_m)?, &at(below_m)?, step_m - below_m))
+    }
+
+    /// Standard deviation of each ratio of `design` by the height of its rims alone; `None` where that is exact, or where
+    /// neighbours of the design cannot be computed.
+    #[must_use]
+    pub fn rim_std(&self, design: &Pattern) -> Option<Vec<f64>> {
+        self.uncertainty.rim()?;
+        let per_m = self.along_rim(design).ok()?.ratio;
+        Some(per_m.iter().map(|slope| slope.abs() * self.tolerances.rim_height_std_m).collect())
+    }
+
+    /// Slopes along one dimension, per metre.
+    fn along_axis(&self, design: &Pattern, axis: usize, std_m: f64) -> Result<Slope, ModelFailure> {
+        let lengths_m = design.lengths_m();
+        let (step_m, laid) = (std_m.min(WIDEST_SHARE * lengths_m[axis]), self.still.lay(design)?);
+        let at = |by_m: f64| {
+            let mut made_m = lengths_m;
+            made_m[axis] += by_m;
+            let made = Pattern::new(*design.texture(), made_m[0], made_m[1], made_m[2]);
+            let made = made.map_err(|error| ModelFailure::Trial { reason: error.to_string() })?;
+            self.still.answer_made(&made, &laid)
+        };
+        match rayon::join(|| at(step_m), || at(-step_m)) {
+            (Ok(above), Ok(below)) => Ok(per_step(&above, &below, 2.0 * step_m)),
+            // One-sided beside designs that cannot be computed.
+            (Ok(above), Err(ModelFailure::Trial { .. })) => Ok(per_step(&above, &at(0.0)?, step_m)),
+            (Err(ModelFailure::Trial { .. }), Ok(below)) => Ok(per_step(&at(0.0)?, &below, step_m)),
+            (Err(failure), _) | (_, Err(failure)) => Err(failure),
+        }
+    }
+}

@@ -1,0 +1,37 @@
+use slipgrid_optimize::{Target, TargetPoint};
+use slipgrid_pattern::Planform;
+use slipgrid_springblock::RunOptions;
+
+use super::*;
+use crate::next_trial::tests::task;
+use crate::task::SampleScatter;
+
+/// Samples whose cavities close are not on target, whatever their friction: the expansion counts them as the draws of the model do.
+#[test]
+fn samples_whose_cavities_close_are_not_on_target() {
+    let mut task = task(Planform::Groove);
+    // Any friction is on target.
+    let points = [0.65e6, 2.6e6].map(|pressure_pa| TargetPoint { pressure_pa, value: 0.5 });
+    task.target = Target::new(Quantity::Ratio, points.to_vec(), 10.0).unwrap();
+    let tolerances = Tolerances { std_m: [10e-6, 0.0, 0.3e-6], ..Tolerances::default() };
+    task.tolerances = Some(SampleScatter { tolerances, draws: 100 });
+    let known = MaterialUncertainty { modulus_relative_std: Some(0.2), ..MaterialUncertainty::default() };
+    let material = task.material.clone().unwrap().material;
+    let loads = task.loads(&material).unwrap().0;
+    let scene = task.flat_scene(&material, loads, RunOptions::default());
+    let model = SteadyModel::new(&scene, &[], &[], &task.space, None);
+    let chances = Chances::new(&task, &known, &model, &[]).unwrap();
+    let numerical = Numerical::in_common(vec![0.0; 2]);
+    let mut between = 0;
+    for depth_um in [1.2, 1.4, 1.7, 3.0] {
+        let design = Pattern::new(Planform::Groove, 250e-6, 250e-6, depth_um * 1e-6).unwrap();
+        let still = chances.still(&design).unwrap();
+        let about = About { design: &design, still: &still, values: &still.ratio, numerical: &numerical };
+        let expansion = chances.expand(&about).unwrap();
+        let expanded = chances.share(&chances.draws(4000, 1), &expansion, &|_| true).share;
+        let sampled = chances.sampled(&about, 600, 1, &|_| true).unwrap().probability();
+        assert!((expanded - sampled.share).abs() < 0.02 + 3.0 * sampled.stderr, "{depth_um}: {expanded} {sampled:?}");
+        between += usize::from(sampled.share > 0.05 && sampled.share < 0.95);
+    }
+    assert_eq!(between, 3);
+}
