@@ -2,8 +2,9 @@
 //!
 //! A calibration fits mu_d to measured friction: mu_flat = delta mu_d f(P), where delta, one to two per cent above 1, is what
 //! the flat sample in time has over an endless one in steady sliding. A steady run gives mu_d f(P), a sample less for
-//! its ends; a run in time in space has an excess of its own. In each the flat surface, solved beside the patterned one, says
-//! by how much, and friction is taken times what brings that flat surface to delta mu_d f(P). Ratios stay.
+//! its ends; a run in time has an excess of its own in space, and with another layer, other blocks or another seed than the
+//! calibration's. In each the flat surface, solved beside the patterned one, says by how much, and friction is taken times what
+//! brings that flat surface to delta mu_d f(P). Ratios stay.
 
 use slipgrid_springblock::{Fidelity, LoadOutcome, Scene, Simulation, SurfaceOutcome};
 
@@ -11,9 +12,7 @@ use slipgrid_springblock::{Fidelity, LoadOutcome, Scene, Simulation, SurfaceOutc
 pub fn correct(simulation: &mut Simulation, scene: &Scene, excess: Option<&[f64]>) {
     let Some(excess) = excess.filter(|excess| excess.len() == simulation.loads.len()) else { return };
     let is_steady = scene.run.fidelity == Fidelity::Steady;
-    if !is_steady && scene.dimension().takes_strips() {
-        return;
-    }
+    let is_calibrated = !is_steady && scene.dimension().takes_strips();
     let (mut factors, mut of_time, mut of_ends) = (Vec::new(), Vec::new(), Vec::new());
     for ((outcome, load), excess) in simulation.loads.iter_mut().zip(&scene.loads).zip(excess) {
         let steady = load.flat_mu(scene.area_law.as_ref());
@@ -28,9 +27,15 @@ pub fn correct(simulation: &mut Simulation, scene: &Scene, excess: Option<&[f64]
     if factors.is_empty() {
         return;
     }
+    if is_calibrated && factors.iter().all(|times| (times - 1.0).abs() < OTHER_LAYER) {
+        // That of the calibration, but for what loads between its own are interpolated by.
+        return;
+    }
     let (factor, time, ends) = (range(&factors), range(&of_time), range(&of_ends));
     let in_time = "by which the calibration's flat sample has more friction in time than in steady sliding";
-    simulation.statements.model(if !is_steady {
+    simulation.statements.model(if is_calibrated {
+        format!("dynamic friction: times {factor}, so that the flat sample has the calibrated friction, which was fitted with another layer, other blocks or another seed")
+    } else if !is_steady {
         format!("dynamic friction: times {factor}, so that the flat surface has the calibrated friction in space, where its excess over steady sliding differs from that in the plane")
     } else if of_ends.iter().all(|times| (times - 1.0).abs() < ROUNDING) {
         format!("dynamic friction: steady friction times {factor}, {in_time}; stresses are the steady ones")
@@ -39,6 +44,8 @@ pub fn correct(simulation: &mut Simulation, scene: &Scene, excess: Option<&[f64]
     });
 }
 
+/// Smallest departure of a factor from 1 that is told of a sample in time like the calibration's.
+const OTHER_LAYER: f64 = 1e-3;
 /// What changes no digit of a factor that is told.
 const ROUNDING: f64 = 5e-5;
 
@@ -130,11 +137,19 @@ mod tests {
             "{ends} {:?}",
             found.statements
         );
-        // In the plane runs in time have the excess that was calibrated.
+        // In the plane runs in time have the excess that was calibrated where nothing but the pattern is other.
         let scene = scene(Planform::Groove, Fidelity::Dynamic);
         let plain = simulate(&scene, &Unwatched).unwrap();
-        let mut found = plain.clone();
-        correct(&mut found, &scene, Some(&[1.015]));
-        assert_eq!(found.loads[0].surface.mu_dynamic, plain.loads[0].surface.mu_dynamic);
+        let own = plain.loads[0].flat.as_ref().unwrap().mu_dynamic.unwrap();
+        let steady = scene.loads[0].flat_mu(scene.area_law.as_ref());
+        for (times, is_told) in [(1.0002, false), (1.01, true)] {
+            let mut found = plain.clone();
+            correct(&mut found, &scene, Some(&[times * own / steady]));
+            let (before, after) = (&plain.loads[0], &found.loads[0]);
+            assert!((after.surface.mu_dynamic.unwrap() / before.surface.mu_dynamic.unwrap() - times).abs() < 1e-12);
+            assert_eq!(after.ratio, before.ratio);
+            let said = found.statements.model.last().unwrap();
+            assert_eq!(said.contains("so that the flat sample has the calibrated friction"), is_told, "{said}");
+        }
     }
 }
