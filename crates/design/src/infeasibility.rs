@@ -5,8 +5,8 @@ use std::borrow::Cow;
 use serde::{Deserialize, Serialize};
 use slipgrid_monitor::Part;
 use slipgrid_optimize::{
-    Bound, Candidate, DesignSpace, Dimension, Explanation, ForwardModel, Limit, Relief, Restriction, SearchError,
-    SearchOptions, Status, explain_infeasibility, search, search_near,
+    Bound, Candidate, Demand, DesignSpace, Dimension, Explanation, ForwardModel, Limit, ReachableRange, Relief,
+    Restriction, SearchError, SearchOptions, Status, explain_infeasibility, search, search_near,
 };
 use std::cell::Cell;
 
@@ -32,9 +32,16 @@ const LEAST_DEPTH_M: f64 = 1e-6;
 /// Digits of limits that suffice, rounded to the loose side.
 const DIGITS: i32 = 3;
 
+/// What is said where pressures contradict one another.
+const EACH_ALONE: &str = "the target at each pressure alone is met by some design, but none found meets all: friction does not \
+                          change with pressure as the target does";
+
 /// Why a target is out of reach.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ExplanationReport {
+    /// Each pressure's target alone is met by some design within bounds and limits, so that only together they are out of reach.
+    #[serde(default)]
+    pub each_alone: bool,
     /// Limits and bounds that bind: relaxing each alone brings a design nearer. Those that suffice first.
     pub binding: Vec<ReliefReport>,
     /// Largest distance of the nearest design from the target, in tolerances, by the search's model as it stands
@@ -108,7 +115,20 @@ impl MultiFidelityLoop<'_> {
         if is_cut {
             self.cut("why the target is out of reach");
         }
-        explanation.map_err(|error| DesignError::Failed(error.to_string()))
+        let each_alone = self.each_is_within_reach(design);
+        let told = |explanation: ExplanationReport| ExplanationReport { each_alone, ..explanation };
+        explanation.map(|found| found.map(told)).map_err(|error| DesignError::Failed(error.to_string()))
+    }
+
+    /// Whether some design is on target at each of several pressures, at one condition.
+    fn each_is_within_reach(&self, design: &DesignTask) -> bool {
+        let (points, ranges) = (design.target.points(), &self.round.reachable);
+        let is_reached = |(demand, range): (&Demand, &ReachableRange)| {
+            let [lowest, highest] = demand.wanted.band();
+            lowest.is_none_or(|lowest| lowest <= range.highest) && highest.is_none_or(|highest| highest >= range.lowest)
+        };
+        let is_one_condition = self.further.is_empty() && ranges.len() == points.len();
+        points.len() > 1 && is_one_condition && points.iter().zip(ranges).all(is_reached)
     }
 }
 
@@ -166,6 +186,7 @@ pub fn explanation(
     let land = if is_both { "land between cavities and lower bound of the spacing" } else { "land between cavities" };
     let named = Named { quantities: &design.constraints.quantities, land };
     Ok(Some(ExplanationReport {
+        each_alone: false,
         binding: reliefs.iter().map(|relief| relief_report(relief, named)).collect(),
         misfit: best.misfit.max,
         relaxed: tried.len(),
@@ -273,7 +294,11 @@ impl ExplanationReport {
     /// The reasons, one line each.
     #[must_use]
     pub fn lines(&self) -> Vec<String> {
-        let mut lines: Vec<String> = self.binding.iter().map(|relief| relief.words(self.misfit)).collect();
+        let mut lines: Vec<String> = Vec::new();
+        if self.each_alone {
+            lines.push(EACH_ALONE.to_owned());
+        }
+        lines.extend(self.binding.iter().map(|relief| relief.words(self.misfit)));
         if self.binding.is_empty() {
             lines.push(match self.relaxed {
                 0 => "no limit or bound is the reason: the nearest design rests on none".to_owned(),
@@ -349,6 +374,7 @@ mod tests {
         let tried: Vec<String> = bounds.iter().map(|(of, loosest, _)| tried_words(*of, *loosest, named)).collect();
         assert_eq!(tried, bounds.map(|(_, _, words)| words));
         let report = ExplanationReport {
+            each_alone: false,
             binding: Vec::new(),
             misfit: 3.0,
             relaxed: tried.len(),
@@ -363,6 +389,8 @@ mod tests {
             "{lines:?}"
         );
         assert_eq!(lines[2], "the nearest design is as narrow as the laser's spot, 30 um, which is not relaxed");
+        let each = ExplanationReport { each_alone: true, ..report.clone() };
+        assert_eq!((each.lines()[0].as_str(), &each.lines()[1..]), (EACH_ALONE, lines.as_slice()));
         // Of one limit alone the line with its number says it, once.
         let relief = ReliefReport {
             what: "peak pressure".into(),
