@@ -1,7 +1,7 @@
 //! Confirming runs: the best design in time, at the condition designed for and at those further ones that decide.
 
 use slipgrid_pattern::Pattern;
-use slipgrid_springblock::{LoadOutcome, Scene, Simulation, Status};
+use slipgrid_springblock::{LoadOutcome, Scene, Simulation, Status, can_refine};
 
 use crate::DesignError;
 use crate::dynamic_excess::correct;
@@ -54,9 +54,8 @@ impl MultiFidelityLoop<'_> {
         let mut predicted = self.model.simulate(pattern).map_err(refuse)?;
         self.round.confirming.draws = self.model.draws(pattern, LEAST_CONTACTS);
         // Once refined, always: what confirming runs correct must be the same from one to the next.
-        // In space there is nothing to refine by.
         self.round.confirming.refine |=
-            self.model.dimension().takes_strips() && self.is_coarse(design, pattern, &predicted);
+            can_refine(&self.confirming_scene(pattern), pattern) && self.is_coarse(design, pattern, &predicted);
         let scene = self.confirming_scene(pattern);
         let mut confirmed = simulate_on(&scene, Some(&design.specimen), &bar).map_err(refuse)?;
         // Of a cell that has no answer nothing is compared.

@@ -142,8 +142,8 @@ pub struct RunOptions {
     /// Surfaces of a dynamic run, with the seeds `seed`, `seed` + 1 and so on: their mean is reported, their scatter
     /// gives its standard error.
     pub draws: u64,
-    /// Ratios are those of vanishing blocks as nearly as steady cells in smaller blocks tell, in the vertical plane; else those
-    /// of the layer's blocks, and where this is true the model says why.
+    /// Ratios are those of vanishing blocks as nearly as steady cells in smaller blocks tell, in the vertical plane, and those
+    /// of grooves like them of cavities in space; else those of the layer's blocks, and where this is true the model says why.
     pub refine: bool,
 }
 

@@ -3,6 +3,7 @@
 mod averaging;
 mod behind;
 mod blocks;
+mod cavities_in_space;
 mod expense;
 mod load_sharing;
 mod pressure_tilt;
@@ -36,7 +37,7 @@ use statements::{
     describe_start, describe_steady,
 };
 
-pub use blocks::{BlockRefinement, block_refinement};
+pub use blocks::{BlockRefinement, block_refinement, can_refine};
 pub use expense::{Expense, bounded, expense};
 use pressure_tilt::PressureTilt;
 pub use pressure_tilt::{MEAN as TILT_MEAN, STD as TILT_STD, add_tilt};
@@ -84,8 +85,8 @@ fn cancelled(scene: &Scene) -> Simulation {
 }
 
 /// Ratios of the steady cell of `scene` at every load, as [`simulate`] finds them, without what tells how far off they are: that
-/// takes several cells more. In the vertical plane they are taken to smaller blocks where [`crate::RunOptions::refine`] asks for it and cells of
-/// half a second can. `None` where a load did not converge.
+/// takes several cells more. They are taken to smaller blocks where [`crate::RunOptions::refine`] asks for it and cells of half a second in the
+/// vertical plane can. `None` where a load did not converge.
 ///
 /// # Errors
 /// [`SceneError`] if the scene means nothing.
@@ -102,7 +103,8 @@ pub fn steady_ratios(scene: &Scene, monitor: &dyn Monitor) -> Result<Vec<Option<
         steady(solved, monitor)?.loads
     };
     rim_difference::add_yielding(scene, pattern, &mut loads, &mut Statements::default());
-    let refined = if scene.run.refine { block_refinement(scene, blocks::MOST_PRODUCTS) } else { None };
+    let own: Vec<Option<f64>> = loads.iter().map(|load| load.ratio).collect();
+    let refined = if scene.run.refine { block_refinement(scene, &own, blocks::MOST_PRODUCTS) } else { None };
     let shifts = refined.map_or_else(|| vec![0.0; loads.len()], |refined| refined.shifts);
     let converged = |load: LoadOutcome| load.ratio.filter(|_| load.surface.status == Status::Converged);
     Ok(loads.into_iter().zip(shifts).map(|(load, shift)| Some(converged(load)? + shift)).collect())

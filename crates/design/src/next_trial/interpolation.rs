@@ -62,13 +62,17 @@ impl<'a> Models<'a> {
     }
 
     /// What smaller blocks change of each ratio of `design`, and how far each is from vanishing blocks, as a standard deviation; `None`
-    /// in space, in several directions, and where smaller blocks are dear.
+    /// of grooves in space, in several directions, and where smaller blocks are dear.
     pub fn refined(&self, design: &Pattern) -> Option<(Vec<f64>, Vec<f64>)> {
         if self.own.has_directions() {
             return None;
         }
         let scene = Scene { pattern: Some(*design), ..self.own.asked().clone() };
-        let (refined, share) = (block_refinement(&scene, MOST_REFINED)?, self.own.share(design).ok()?);
+        let share = self.own.share(design).ok()?;
+        // Of the cell: 1 - r = (1 - r_cell) D / D_period
+        let own: Vec<Option<f64>> =
+            self.ratios(design).ok()?.iter().map(|ratio| Some(1.0 - (1.0 - ratio) / share)).collect();
+        let refined = block_refinement(&scene, &own, MOST_REFINED)?;
         // What errors hardly exceed, as two standard deviations.
         let open = refined.errors.iter().map(|error| 0.5 * share * error).collect();
         Some((refined.shifts.iter().map(|shift| share * shift).collect(), open))

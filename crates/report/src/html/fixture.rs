@@ -120,6 +120,7 @@ pub fn report() -> DesignReport {
             highest_std: None,
         }],
         explanation: Some(ExplanationReport {
+            each_alone: false,
             binding: vec![
                 ReliefReport {
                     what: "depth".into(),

@@ -14,6 +14,7 @@
 
 use slipgrid_pattern::Pattern;
 
+use super::cavities_in_space::{are_alike, refined_by_grooves};
 use super::widest;
 use crate::cell::SteadyCell;
 use crate::dimension::Dimension;
@@ -46,18 +47,36 @@ pub struct BlockRefinement {
     pub errors: Vec<f64>,
 }
 
-/// What smaller blocks change of the ratios of `scene`, by cells of at most `most` multiplications; `None` in space, without a pattern,
-/// and where fewer than two finer sizes can be had.
+/// What smaller blocks change of the ratios of `scene`, by cells of at most `most` multiplications; in space, by grooves, of the ratios
+/// `own` that its cell has. `None` without a pattern, where fewer than two finer sizes can be had, and of grooves in space.
 #[must_use]
-pub fn block_refinement(scene: &Scene, most: f64) -> Option<BlockRefinement> {
-    let pattern = scene.pattern.as_ref().filter(|_| scene.dimension() == Dimension::Plane)?;
-    refined(scene, pattern, most, &Unwatched).ok()
+pub fn block_refinement(scene: &Scene, own: &[Option<f64>], most: f64) -> Option<BlockRefinement> {
+    finer(scene, scene.pattern.as_ref()?, own, most, &Unwatched).ok()
+}
+
+/// Whether smaller blocks can tell of `scene` over `pattern`.
+#[must_use]
+pub fn can_refine(scene: &Scene, pattern: &Pattern) -> bool {
+    scene.dimension() == Dimension::Plane || are_alike(scene, pattern)
+}
+
+fn finer(
+    scene: &Scene,
+    pattern: &Pattern,
+    own: &[Option<f64>],
+    most: f64,
+    monitor: &dyn Monitor,
+) -> Result<BlockRefinement, Unrefined> {
+    match scene.dimension() {
+        Dimension::Plane => refined(scene, pattern, most, monitor).map(|(found, _)| found),
+        Dimension::Space => refined_by_grooves(scene, pattern, own, most, monitor),
+    }
 }
 
 /// Why ratios are not taken to smaller blocks.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Unrefined {
-    /// The scene is solved in space.
+pub enum Unrefined {
+    /// The scene is solved in space, and no groove is like it.
     Space,
     /// The monitor has cancelled.
     Cancelled,
@@ -80,7 +99,9 @@ impl Unrefined {
     fn statement(self, block_m: f64) -> String {
         let um = micrometres;
         let reason = match self {
-            Self::Space => "cells in space are not solved in smaller ones".to_owned(),
+            Self::Space => {
+                "of cells in space only those of cavities without rims are like grooves in the plane".to_owned()
+            }
             Self::Cancelled => "the run was cancelled".to_owned(),
             Self::Uncut(block_m) => format!("the layer cannot be cut into blocks of {} um", um(block_m)),
             Self::Dear(block_m) => format!("steady cells in blocks of {} um are too dear", um(block_m)),
@@ -175,11 +196,8 @@ pub fn refine(scene: &Scene, pattern: &Pattern, share: f64, simulation: &mut Sim
     if !scene.run.refine {
         return;
     }
-    let found = if scene.dimension() == Dimension::Space {
-        Err(Unrefined::Space)
-    } else {
-        refined(scene, pattern, MOST_REFINED, monitor)
-    };
+    let own: Vec<Option<f64>> = simulation.loads.iter().map(|load| load.ratio).collect();
+    let found = finer(scene, pattern, &own, MOST_REFINED, monitor);
     if monitor.cancelled() {
         *simulation = super::cancelled(scene);
         return;
@@ -190,8 +208,14 @@ pub fn refine(scene: &Scene, pattern: &Pattern, share: f64, simulation: &mut Sim
         Ok(BlockRefinement { factor, shifts, errors }) => {
             loads.iter_mut().zip(&shifts).for_each(|(load, shift)| load.shift_ratio(shift * share));
             state(loads, Some(&errors), share);
+            let cell = match scene.dimension() {
+                Dimension::Plane => "the steady cell",
+                Dimension::Space => {
+                    "steady grooves of the same width, depth and share of the face, as the same share of what is taken off"
+                }
+            };
             statements.method(format!(
-                "blocks of {} um: their ratio plus what blocks of {} um change of the steady cell, {:+.4} at most, which leaves it open by \
+                "blocks of {} um: their ratio plus what blocks of {} um change of {cell}, {:+.4} at most, which leaves it open by \
                  {:.4}; pressures and the interface are those of the larger blocks",
                 micrometres(block_m),
                 micrometres(block_m * factor),
@@ -220,8 +244,14 @@ fn micrometres(length_m: f64) -> f64 {
     (length_m * 1e9).round() / 1e3
 }
 
-/// What the finest blocks that can be had change, before `monitor` cancels, or why that is not known.
-fn refined(scene: &Scene, pattern: &Pattern, most: f64, monitor: &dyn Monitor) -> Result<BlockRefinement, Unrefined> {
+/// What the finest blocks that can be had change in the vertical plane, before `monitor` cancels, and ratios in the blocks of `scene`;
+/// or why that is not known.
+pub fn refined(
+    scene: &Scene,
+    pattern: &Pattern,
+    most: f64,
+    monitor: &dyn Monitor,
+) -> Result<(BlockRefinement, Vec<f64>), Unrefined> {
     let at = |factor: f64| -> Result<Vec<f64>, Unrefined> {
         let block_m = factor * scene.layer.block_m;
         monitor.heed().map_err(|_| Unrefined::Cancelled)?;
@@ -251,7 +281,8 @@ fn refined(scene: &Scene, pattern: &Pattern, most: f64, monitor: &dyn Monitor) -
     if pattern.depth_m() < LEAST_DEPTH_BLOCKS * finest_m {
         return Err(Unrefined::Shallow(pattern.depth_m(), finest_m));
     }
-    Ok(BlockRefinement { factor, shifts, errors: by_load(scene, &(0..fine.len()).map(left).collect::<Vec<f64>>()) })
+    let errors = by_load(scene, &(0..fine.len()).map(left).collect::<Vec<f64>>());
+    Ok((BlockRefinement { factor, shifts, errors }, levels.swap_remove(0)))
 }
 
 /// `scene` in blocks `factor` times as large; `None` where they do not divide the layer or the specimen behind it.
@@ -310,12 +341,15 @@ mod tests {
             let model = simulate(&scene, &Unwatched).unwrap().statements.model;
             model.into_iter().filter(|statement| statement.contains("smaller")).collect::<Vec<String>>()
         };
-        let squares = samples::pattern(slipgrid_pattern::Planform::Square, 60.0, 60.0, 20.0);
+        let crossing = samples::pattern(slipgrid_pattern::Planform::Crosshatch, 60.0, 60.0, 20.0);
         let unrefined = "refine: ratios are those of blocks of 10 um and not taken to smaller blocks, since ";
-        assert_eq!(said(squares, true), [format!("{unrefined}cells in space are not solved in smaller ones")]);
+        let of_space = "of cells in space only those of cavities without rims are like grooves in the plane";
+        assert_eq!(said(crossing, true), [format!("{unrefined}{of_space}")]);
         let shallow = "cavities 2 um deep are shallower than two of the finest blocks, of 1.25 um";
         assert_eq!(said(samples::groove(60.0, 60.0, 2.0), true), [format!("{unrefined}{shallow}")]);
-        assert!([squares, samples::groove(60.0, 60.0, 2.0)].into_iter().all(|pattern| said(pattern, false).is_empty()));
+        assert!(
+            [crossing, samples::groove(60.0, 60.0, 2.0)].into_iter().all(|pattern| said(pattern, false).is_empty())
+        );
         // Grooves of some depth are taken to smaller blocks, and then nothing else is said.
         assert!(said(samples::groove(60.0, 60.0, 20.0), true).iter().all(|said| !said.contains("not taken")));
         let groove = samples::groove(60.0, 60.0, 20.0);
