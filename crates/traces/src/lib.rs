@@ -53,6 +53,7 @@
 mod averaging_window;
 pub mod cells;
 pub mod columns;
+mod correlated_noise;
 pub mod export;
 pub mod missing_numbers;
 mod position;
@@ -104,8 +105,9 @@ const COARSE_LEVELS: usize = 10;
 const LONGEST_SLIP_M: f64 = 0.01;
 /// Drift over the window that is flagged, relative to the mean ...
 const DRIFT: f64 = 0.02;
-/// ... if it also exceeds this many of its standard errors (the 99 % point of Student's t for eight degrees of freedom).
-const DRIFT_ERRORS: f64 = 3.36;
+/// ... if it also exceeds this many of its standard errors: noise with correlation times up to a fifteenth of the window does so in less
+/// than 2 of 100 traces, at a sixth in 3.
+const DRIFT_ERRORS: f64 = 3.0;
 
 /// What the tribometer recorded of friction.
 #[derive(Clone, Debug, PartialEq)]
