@@ -135,7 +135,7 @@ pub struct ConditionTraces {
 }
 
 impl ConditionTraces {
-    /// The row of a table of measurements.
+    /// The row of a table of measurements; its deviations say how far another sample may be.
     #[must_use]
     pub fn measurement(&self) -> Measurement {
         let (condition, mean) = (&self.condition, &self.mean);
@@ -144,8 +144,11 @@ impl ConditionTraces {
             speed_m_s: condition.speed_m_s,
             humidity: condition.humidity,
             mu_dynamic: mean.mu_dynamic.mean,
-            mu_dynamic_std: mean.mu_dynamic.std,
-            static_peak: mean.mu_static.map(|peak| StaticPeak { mu: peak.mean, std: peak.std }),
+            mu_dynamic_std: mean.mu_dynamic_of_another(),
+            static_peak: mean
+                .mu_static
+                .zip(mean.mu_static_of_another())
+                .map(|(peak, std)| StaticPeak { mu: peak.mean, std }),
         }
     }
 
