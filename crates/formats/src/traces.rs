@@ -90,6 +90,8 @@ pub struct TraceCondition {
     pub window_s: [f64; 2],
     /// Part in the middle of every stroke that counts where the sample slides back and forth.
     pub stroke_share: Option<f64>,
+    /// Span before touchdown whose mean forces are subtracted as the sensors' zero, in seconds since the first sample.
+    pub zero_s: Option<[f64; 2]>,
     /// Exports, in the order of their names.
     pub files: Vec<PathBuf>,
     /// Exports that `exclude` left out.
@@ -206,6 +208,7 @@ pub(crate) fn analyse_among(
         speed_m_s: condition.speed_m_s,
         static_peak: setup.static_peak,
         stroke_share: condition.stroke_share,
+        zero_s: condition.zero_s,
     };
     let (mut traces, mut refused) = (Vec::new(), Vec::new());
     for path in &condition.files {

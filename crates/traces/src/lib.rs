@@ -9,6 +9,7 @@
 //! | [`analyse`], [`TraceFindings`] | friction against time, its mean, static peak, stick-slip, flags |
 //! | [`TraceError`], [`TraceFlag`] | why a trace was refused, what is odd about one that was not |
 //! | [`TraceOptions::stroke_share`] | sliding back and forth: friction of the middle of every stroke |
+//! | [`TraceOptions::zero_s`] | the sensors' zero, from what they read before touchdown |
 //! | [`speed_of_position`] | speed from a recorded position |
 //! | [`average`], [`Repeats`] | repeats of one condition |
 //! | [`moderate`] | their scatter, with that of other conditions |
@@ -41,6 +42,7 @@
 //!     speed_m_s: 2e-3,
 //!     static_peak: true,
 //!     stroke_share: None,
+//!     zero_s: None,
 //! };
 //! let found = analyse(&file.repeats[0].channels, &options)?;
 //! assert!((found.window.mu - 0.25).abs() < 1e-9);
@@ -64,6 +66,7 @@ mod stick_slip;
 mod strokes;
 mod time_series;
 mod trace_errors;
+mod zero;
 
 pub use averaging_window::WindowMean;
 pub use position::speed_of_position;
@@ -73,6 +76,7 @@ pub use static_peak::TracePeak;
 pub use stick_slip::StickSlip;
 pub use strokes::DEFAULT_STROKE_SHARE;
 pub use trace_errors::{TraceError, TraceFlag};
+pub use zero::SensorZero;
 
 use static_peak::before_window;
 use time_series::median;
@@ -173,6 +177,9 @@ pub struct TraceOptions {
     /// The sample slides back and forth, and this part in the middle of every stroke counts, above 0 up to 1; `None` for sliding in
     /// one direction. Neither static peak nor stick-slip is looked for in strokes.
     pub stroke_share: Option<f64>,
+    /// Span before touchdown, in seconds since the first sample, whose mean normal force and friction force (or torque) are subtracted as
+    /// the sensors' zero; `None` takes them as recorded.
+    pub zero_s: Option<[f64; 2]>,
 }
 
 /// The averaging window of Balestra et al., J. Tribol. 144, 031704: 10 to 40 s.
@@ -208,6 +215,9 @@ pub struct TraceFindings {
 pub fn analyse(channels: &TraceChannels, options: &TraceOptions) -> Result<TraceFindings, TraceError> {
     check_channels(channels, options)?;
     if channels.normal_force_n.is_empty() {
+        if options.zero_s.is_some() {
+            return Err(TraceError::ZeroOfCoefficient);
+        }
         // A coefficient needs no force: the nominal one stands for what was not recorded, and nothing is judged by it.
         let nominal_n = options.nominal_force_n.unwrap_or(1.0);
         let filled = TraceChannels { normal_force_n: vec![nominal_n; channels.time_s.len()], ..channels.clone() };
@@ -219,9 +229,17 @@ pub fn analyse(channels: &TraceChannels, options: &TraceOptions) -> Result<Trace
     let start = channels.time_s[0];
     let time_s: Vec<f64> = channels.time_s.iter().map(|t| t - start).collect();
     let inside = window_samples(&time_s, options.window_s)?;
+    if let Some(span_s) = options.zero_s {
+        let (zeroed, zero) = zero::subtract(channels, &time_s, &inside, span_s, options.window_s[0])?;
+        return analyse(&zeroed, &TraceOptions { zero_s: None, ..*options }).map(|mut found| {
+            found.flags.push(TraceFlag::ZeroTaken(zero));
+            found
+        });
+    }
     let mut flags = gaps(&time_s, options.window_s)?;
     let (usual_n, load_turned) = load(channels, &time_s, &inside, options, &mut flags)?;
     saturation(channels, &inside, &mut flags)?;
+    flags.extend(zero::offset(channels, &time_s, &inside).map(TraceFlag::ZeroOff));
 
     let load_sign = if load_turned { -1.0 } else { 1.0 };
     // Loaded samples alone: before the load is there, torque over force means nothing.

@@ -28,6 +28,7 @@ const OPTIONS: TraceOptions = TraceOptions {
     speed_m_s: 50e-6,
     static_peak: true,
     stroke_share: None,
+    zero_s: None,
 };
 
 fn torque(channels: &mut TraceChannels) -> &mut Vec<f64> {
