@@ -57,6 +57,7 @@ pub mod cells;
 pub mod columns;
 mod correlated_noise;
 pub mod export;
+mod load;
 pub mod missing_numbers;
 mod position;
 mod repeats;
@@ -75,7 +76,7 @@ pub use run_in::RunIn;
 pub use static_peak::TracePeak;
 pub use stick_slip::StickSlip;
 pub use strokes::DEFAULT_STROKE_SHARE;
-pub use trace_errors::{TraceError, TraceFlag};
+pub use trace_errors::{LoadSlip, TraceError, TraceFlag};
 pub use zero::SensorZero;
 
 use static_peak::before_window;
@@ -89,10 +90,6 @@ const GAP_FACTOR: f64 = 10.0;
 const GAP_IN_WINDOW: f64 = 0.02;
 /// Normal force over its median in the window below which a sample carries no load.
 const UNLOADED: f64 = 0.5;
-/// Departure of the mean normal force from the nominal one that is flagged, and that is refused.
-const LOAD_OFF: (f64, f64) = (0.05, 0.5);
-/// Standard deviation of the normal force over its mean that is flagged.
-const LOAD_UNSTEADY: f64 = 0.05;
 /// Share of samples in the window against the mean's sign that is taken for noise.
 const OTHER_SIGN: f64 = 0.05;
 /// Friction coefficient below which nothing slides dry: a hundredth of the least that solids have.
@@ -237,7 +234,7 @@ pub fn analyse(channels: &TraceChannels, options: &TraceOptions) -> Result<Trace
         });
     }
     let mut flags = gaps(&time_s, options.window_s)?;
-    let (usual_n, load_turned) = load(channels, &time_s, &inside, options, &mut flags)?;
+    let (usual_n, load_turned) = load::load(channels, &time_s, &inside, options, &mut flags)?;
     saturation(channels, &inside, &mut flags)?;
     flags.extend(zero::offset(channels, &time_s, &inside).map(TraceFlag::ZeroOff));
 
@@ -399,45 +396,6 @@ fn gaps(time_s: &[f64], window_s: [f64; 2]) -> Result<Vec<TraceFlag>, TraceError
     let flags: Vec<TraceFlag> =
         (count > 0).then_some(TraceFlag::Gap { from_s: longest[0], to_s: longest[1], count }).into_iter().collect();
     Ok(flags)
-}
-
-/// Median normal force in the window, and whether it is recorded as negative.
-fn load(
-    channels: &TraceChannels,
-    time_s: &[f64],
-    inside: &std::ops::Range<usize>,
-    options: &TraceOptions,
-    flags: &mut Vec<TraceFlag>,
-) -> Result<(f64, bool), TraceError> {
-    let recorded = &channels.normal_force_n[inside.clone()];
-    let middle = median(recorded.to_vec());
-    let turned = middle < 0.0;
-    let usual_n = middle.abs();
-    let sign = if turned { -1.0 } else { 1.0 };
-    let lost = recorded.iter().position(|force| sign * force < UNLOADED * usual_n || usual_n == 0.0);
-    if let Some(i) = lost {
-        return Err(TraceError::NoLoad { time_s: time_s[inside.start + i], force_n: recorded[i], usual_n });
-    }
-    if turned {
-        flags.push(TraceFlag::LoadTurned);
-    }
-    let count = recorded.len() as f64;
-    let mean = recorded.iter().map(|force| sign * force).sum::<f64>() / count;
-    if let Some(nominal_n) = options.nominal_force_n {
-        let off = (mean / nominal_n - 1.0).abs();
-        if off > LOAD_OFF.1 {
-            return Err(TraceError::WrongLoad { found_n: mean, nominal_n });
-        }
-        if off > LOAD_OFF.0 {
-            flags.push(TraceFlag::LoadOff { found_n: mean, nominal_n });
-        }
-    }
-    let variance = recorded.iter().map(|force| (sign * force - mean).powi(2)).sum::<f64>() / count;
-    let relative_std = variance.sqrt() / mean;
-    if relative_std > LOAD_UNSTEADY {
-        flags.push(TraceFlag::LoadUnsteady { relative_std });
-    }
-    Ok((usual_n, turned))
 }
 
 /// Refuses a friction sensor at the end of its range in the window; flags one that was there before.

@@ -5,6 +5,41 @@ use std::fmt;
 use super::run_in::RunIn;
 use super::zero::SensorZero;
 
+/// What likely made a load another one than was meant.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum LoadSlip {
+    /// The friction force is what the normal force was meant to be: the two stand in each other's place.
+    Exchanged {
+        /// Friction force in the window, in newtons.
+        friction_n: f64,
+    },
+    /// The force was recorded in another unit than its title says.
+    Unit {
+        /// Which.
+        unit: &'static str,
+        /// What it would be then, in newtons.
+        force_n: f64,
+    },
+}
+
+impl fmt::Display for LoadSlip {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Exchanged { friction_n } => write!(
+                f,
+                "the friction force is {friction_n:.2} N, so that normal force and friction force are likely in each other's place: titles of \
+                 their columns, or `columns` in [traces]"
+            ),
+            Self::Unit { unit, force_n } => {
+                write!(
+                    f,
+                    "recorded in {unit}, it would be {force_n:.2} N: its unit stands in its title, as `Fz [{unit}]`"
+                )
+            }
+        }
+    }
+}
+
 /// Why nothing can be read from a trace. Times are seconds since the first sample.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum TraceError {
@@ -92,12 +127,17 @@ pub enum TraceError {
         usual_n: f64,
     },
     /// The load is not the one that was meant.
-    #[error("the normal force is {found_n:.2} N in the window: expected about {nominal_n} N, as the condition says")]
+    #[error(
+        "the normal force is {} N in the window: expected about {nominal_n} N, as the condition says{}", short(*found_n),
+        likely.map_or_else(String::new, |likely| format!("; {likely}"))
+    )]
     WrongLoad {
         /// Mean force in the window.
         found_n: f64,
         /// Nominal force.
         nominal_n: f64,
+        /// What has likely gone wrong.
+        likely: Option<LoadSlip>,
     },
     /// Friction along the motion in part of the window.
     #[error(
@@ -259,6 +299,8 @@ pub enum TraceFlag {
         found_n: f64,
         /// Nominal force, in newtons.
         nominal_n: f64,
+        /// What has likely gone wrong.
+        likely: Option<LoadSlip>,
     },
     /// No normal force was recorded beside the coefficient.
     LoadNotRecorded,
@@ -353,8 +395,9 @@ impl fmt::Display for TraceFlag {
             ),
             Self::FrictionTurned => f.write_str("friction is recorded as negative and was turned"),
             Self::LoadTurned => f.write_str("the normal force is recorded as negative and was turned"),
-            Self::LoadOff { found_n, nominal_n } => {
-                write!(f, "the normal force is {found_n:.2} N, not the nominal {nominal_n} N")
+            Self::LoadOff { found_n, nominal_n, likely } => {
+                write!(f, "the normal force is {found_n:.2} N, not the nominal {nominal_n} N")?;
+                likely.map_or(Ok(()), |likely| write!(f, "; {likely}"))
             }
             Self::LoadNotRecorded => {
                 f.write_str("no normal force is recorded: it is not known that the nominal one acted")
