@@ -25,7 +25,7 @@ pub struct Measurement {
     pub humidity: f64,
     /// Dynamic friction coefficient.
     pub mu_dynamic: f64,
-    /// Its standard deviation.
+    /// How far that of another sample may be, as a standard deviation.
     pub mu_dynamic_std: f64,
     /// Static peak, where measured.
     pub static_peak: Option<StaticPeak>,

@@ -221,6 +221,9 @@ pub struct TracesArgs {
     /// Averaging window, seconds since the first sample
     #[arg(long, value_name = "FROM,TO", value_delimiter = ',', num_args = 1)]
     pub window_s: Option<Vec<f64>>,
+    /// Span before touchdown whose mean forces are subtracted as the sensors' zero, seconds since the first sample
+    #[arg(long, value_name = "FROM,TO", value_delimiter = ',', num_args = 1)]
+    pub zero_s: Option<Vec<f64>>,
     /// The samples are patterned
     #[arg(long)]
     pub patterned: bool,

@@ -50,10 +50,32 @@ pub fn complete(
     files: &Source,
     monitor: &dyn Monitor,
 ) -> Result<Option<Calibration>, Uncalibrated> {
-    let Some(path) = design.calibration.clone() else { return Ok(None) };
-    let calibration = Calibration::read(files, &path)?;
+    let Some(calibration) = read_calibration(design, files)? else { return Ok(None) };
+    complete_by(design, &calibration, files, monitor)?;
+    Ok(Some(calibration))
+}
+
+/// The calibration that gives the task of `design` its material; `None` where its material is known.
+///
+/// # Errors
+/// [`Diagnostic`] for anything refused in it.
+pub fn read_calibration(design: &Design, files: &Source) -> Result<Option<Calibration>, Diagnostic> {
+    design.calibration.as_ref().map(|path| Calibration::read(files, path)).transpose()
+}
+
+/// Gives the task of `design` the material of its `calibration`; nothing is done where its material is known.
+///
+/// # Errors
+/// As [`complete`].
+pub fn complete_by(
+    design: &mut Design,
+    calibration: &Calibration,
+    files: &Source,
+    monitor: &dyn Monitor,
+) -> Result<(), Uncalibrated> {
+    let Some(path) = design.calibration.clone() else { return Ok(()) };
     // A pressure or condition that was not measured is refused before anything is computed.
-    let measured = as_measured(&calibration)?;
+    let measured = as_measured(calibration)?;
     let checked = design.task.resolve(&measured.friction);
     checked.map_err(|refused| design.refuse(&refused))?;
     let task = &design.task;
@@ -61,8 +83,8 @@ pub fn complete(
     let conditions = task.condition.iter().chain(&task.also_at).copied().collect();
     let selection = Selection { conditions, pressures_pa: task.pressures_pa() };
     let sample = (task.layer, task.seed);
-    design.task.material = Some(known_material(&calibration, &path, files, sample, selection, monitor)?);
-    Ok(Some(calibration))
+    design.task.material = Some(known_material(calibration, &path, files, sample, selection, monitor)?);
+    Ok(())
 }
 
 /// The material that `calibration` gives: recalled as the file that it was written to, or calibrated now.

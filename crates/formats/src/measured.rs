@@ -5,7 +5,9 @@ use std::path::{Path, PathBuf};
 use slipgrid_calibrate::{Measurement, StaticPeak};
 
 use crate::diagnostic::Diagnostic;
-use crate::plausible::{FORCE, FRICTION, PRESSURE, RATIO, RELATIVE_DEVIATION, SPEED, STRAIN, share_of_one};
+use crate::plausible::{
+    FORCE, FRICTION, PRESSURE, RATIO, RELATIVE_DEVIATION, SPEED, STRAIN, exchanged_forces, share_of_one,
+};
 use slipgrid_units::{HUMIDITY_PCT, PRESSURE_MPA, SPEED_MM_S, significant, tidy};
 
 /// Values that differ by less than this part are the same.
@@ -145,7 +147,15 @@ pub fn check(rows: &[Placed], specimens: &Specimens) -> Result<Vec<Diagnostic>, 
         }
     }
     told.extend(low_force(rows, specimens).into_iter().chain(low_speed(rows)).chain(low_humidity(rows)));
+    told.extend(high_friction(rows));
     Ok(told)
+}
+
+/// The row of the greatest friction, where nearly all `rows` have so much that friction force and normal force are likely exchanged.
+fn high_friction(rows: &[Placed]) -> Option<Diagnostic> {
+    let row = rows.iter().max_by(|a, b| a.measurement.mu_dynamic.total_cmp(&b.measurement.mu_dynamic))?;
+    let friction: Vec<f64> = rows.iter().map(|row| row.measurement.mu_dynamic).collect();
+    Some(Diagnostic { reason: exchanged_forces(&friction)?, ..row.at("mu_dynamic", row.measurement.mu_dynamic) })
 }
 
 /// The row of the greatest force, where all `rows` press so little that forces are likely in kN.

@@ -5,7 +5,7 @@
 //! only told.
 
 use crate::diagnostic::Diagnostic;
-use slipgrid_units::{Quantity, tidy};
+use slipgrid_units::{Quantity, significant, tidy};
 
 /// A quantity of an experiment, in the unit of its key.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -141,6 +141,32 @@ pub const RATIO: Plausible = Plausible {
     ],
 };
 
+/// Friction above which most solids do not slide dry: rubber does.
+const HIGH_FRICTION: f64 = 1.0;
+/// What friction is that two columns in each other's place make greater than that.
+const EXCHANGED: [f64; 2] = [0.05, 1.0];
+/// Share of values that have to be so for all to be asked about.
+const NEARLY_ALL: f64 = 0.9;
+
+/// What friction coefficients are told that are nearly all above 1, and of which nearly all would be usual the other way round: friction force
+/// and normal force are likely in each other's place.
+#[must_use]
+pub fn exchanged_forces(friction: &[f64]) -> Option<String> {
+    let is_likely = |mu: &&f64| **mu > HIGH_FRICTION && 1.0 / **mu >= EXCHANGED[0] && 1.0 / **mu < EXCHANGED[1];
+    let likely: Vec<f64> = friction.iter().filter(is_likely).map(|mu| 1.0 / mu).collect();
+    if likely.is_empty() || (likely.len() as f64) < NEARLY_ALL * friction.len() as f64 {
+        return None;
+    }
+    let [least, most] = [f64::min as fn(f64, f64) -> f64, f64::max]
+        .map(|of| tidy(significant(likely.iter().copied().reduce(of).unwrap_or(f64::NAN), 3)));
+    let would = if least == most { format!("{least}") } else { format!("{least} to {most}") };
+    let (count, all) = (likely.len(), friction.len());
+    Some(format!(
+        "is unusual: {count} of {all} friction coefficients are above {HIGH_FRICTION}, as of rubber; if friction force and normal force stand \
+         in each other's place, friction would be {would}"
+    ))
+}
+
 /// Every quantity that is judged.
 pub const ALL: [Plausible; 11] =
     [FRICTION, RATIO, MODULUS, DENSITY, SPEED, FORCE, PRESSURE, STRAIN, RELATIVE_DEVIATION, SPECIMEN, SPOT];
@@ -234,6 +260,21 @@ mod tests {
             assert!(quantity.judge(from).unwrap().is_none() && quantity.judge(to).unwrap().is_none());
             assert!(quantity.judge(most).is_ok() && quantity.judge(1.01 * most).is_err(), "{quantity:?}");
             assert!(quantity.judge(f64::NAN).is_err());
+        }
+    }
+
+    #[test]
+    fn forces_in_each_others_place_are_asked_about() {
+        let said = exchanged_forces(&[4.0, 3.2, 2.5]).unwrap();
+        assert!(said.contains("3 of 3") && said.contains("friction would be 0.25 to 0.4"), "{said}");
+        assert!(exchanged_forces(&[1.6]).unwrap().contains("would be 0.625"));
+        // One of ten may be another, as at the smallest load.
+        let mut ten = [2.0; 10];
+        ten[0] = 0.9;
+        assert!(exchanged_forces(&ten).unwrap().contains("9 of 10"));
+        ten[1] = 0.9;
+        for usual in [&ten[..], &[0.25, 0.3], &[0.99, 1.01], &[1.0], &[40.0, 60.0], &[], &[f64::NAN]] {
+            assert_eq!(exchanged_forces(usual), None, "{usual:?}");
         }
     }
 

@@ -94,7 +94,13 @@ fn of_conditions(conditions: &[ConditionTraces]) -> Vec<Remark> {
             add(format!("{} left out by `exclude`", names.join(", ")));
         }
         if traces.mean.count == 1 {
-            add("one repeat; its deviation is the error within the trace, not between repeats".to_owned());
+            let words = match traces.mean.mu_dynamic.freedom {
+                0 => "one repeat; its deviation is the error within the trace, not between repeats",
+                _ => {
+                    "one repeat; its deviation is that between repeats of other conditions, at least the error within the trace"
+                }
+            };
+            add(words.to_owned());
         }
         if traces.mean.stick_slips > 0 {
             let (found, of) = (traces.mean.stick_slips, traces.mean.count);

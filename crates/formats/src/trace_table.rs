@@ -34,6 +34,9 @@ pub struct TracesFile {
     reciprocating: Option<bool>,
     /// Share of every stroke, about its middle, that is averaged with `reciprocating`; 0.5 when absent.
     stroke_share: Option<Number>,
+    /// Seconds since the first sample, before touchdown, between which the means of normal force and of friction force (or torque) are the
+    /// sensors' zero, which is subtracted; nothing is when absent.
+    zero_s: Option<NumberList>,
     /// Titles of columns that are not among the known ones, as `{ friction_force = "F_tan", normal_force = "F_norm [mN]" }`.
     columns: Option<ColumnsFile>,
     /// One table a condition; needed unless a trial has `[[trial.traces]]`.
@@ -118,10 +121,15 @@ pub struct TraceConditionFile {
     reciprocating: Option<bool>,
     /// Share of every stroke in this condition; as `[traces]` says when absent.
     stroke_share: Option<Number>,
+    /// Seconds between which the sensors' zero of this condition is read; as `[traces]` says when absent.
+    zero_s: Option<NumberList>,
 }
 
 /// Conditions, each with its place in the file.
 pub(crate) type PlacedConditions = Vec<(Range<usize>, TraceCondition)>;
+
+/// The span of the sensors' zero, in seconds since the first sample, and the place of its key.
+type Zero = ([f64; 2], Range<usize>);
 
 /// What reads the traces of a calibration, each export once.
 pub(crate) struct TraceReader<'d> {
@@ -130,6 +138,8 @@ pub(crate) struct TraceReader<'d> {
     window_s: [f64; 2],
     reciprocating: bool,
     stroke_share: Option<f64>,
+    /// With the place of its key.
+    zero_s: Option<Zero>,
     /// Every export that was named, with its own place and line.
     named: Vec<(PathBuf, Option<u32>)>,
     /// Every trace that was read.
@@ -156,6 +166,7 @@ impl<'d> TraceReader<'d> {
                 },
             )
         })?;
+        let zero_s = read_zero(document, file.and_then(|file| file.zero_s.as_ref()))?;
         let radius = file.and_then(|file| file.effective_radius_mm.as_ref());
         let effective_radius_m = document.optional(radius, LENGTH_MM)?;
         let reciprocating = file.and_then(|file| file.reciprocating).unwrap_or(false);
@@ -179,6 +190,7 @@ impl<'d> TraceReader<'d> {
             window_s: window_s.unwrap_or(DEFAULT_WINDOW_S),
             reciprocating,
             stroke_share: document.optional(share, STROKE_SHARE)?,
+            zero_s,
             named: Vec::new(),
             seen: Vec::new(),
         })
@@ -268,6 +280,14 @@ impl<'d> TraceReader<'d> {
             (Some(share), true) => Some(document.number(share, STROKE_SHARE)?),
             (None, true) => Some(self.stroke_share.unwrap_or(DEFAULT_STROKE_SHARE)),
         };
+        let zero = read_zero(document, file.zero_s.as_ref())?.or_else(|| self.zero_s.clone());
+        if let Some((_, place)) = zero.as_ref().filter(|([_, to_s], _)| *to_s > window_s[0]) {
+            let reason = format!("reaches into the averaging window, which begins at {} s", window_s[0]);
+            return Err(document
+                .refuse(place.clone(), reason)
+                .expected(format!("a span before touchdown, that ends at {} s or before", window_s[0])));
+        }
+        let zero_s = zero.map(|(span_s, _)| span_s);
         let (files, excluded) = self.files(&file.files, file.exclude.as_deref().unwrap_or_default())?;
         Ok(TraceCondition {
             surface,
@@ -277,6 +297,7 @@ impl<'d> TraceReader<'d> {
             humidity,
             window_s,
             stroke_share,
+            zero_s,
             files,
             excluded,
         })
@@ -342,10 +363,23 @@ fn needs_reciprocating(document: &Document, share: &Number) -> Diagnostic {
 }
 
 fn read_window(document: &Document, window: Option<&NumberList>) -> Result<Option<[f64; 2]>, Diagnostic> {
-    let Some(window) = window else { return Ok(None) };
-    match document.numbers(window, TIME_S)?[..] {
+    read_span(document, window, ["is no window", "two increasing times, [10, 40]"])
+}
+
+fn read_zero(document: &Document, zero: Option<&NumberList>) -> Result<Option<Zero>, Diagnostic> {
+    let words = ["is no span of time", "two increasing times before touchdown, [0, 2]"];
+    Ok(read_span(document, zero, words)?.zip(zero.map(Spanned::span)))
+}
+
+fn read_span(
+    document: &Document,
+    span: Option<&NumberList>,
+    [reason, expected]: [&str; 2],
+) -> Result<Option<[f64; 2]>, Diagnostic> {
+    let Some(span) = span else { return Ok(None) };
+    match document.numbers(span, TIME_S)?[..] {
         [from, to] if from < to => Ok(Some([from, to])),
-        _ => Err(document.refuse(window.span(), "is no window").expected("two increasing times, [10, 40]")),
+        _ => Err(document.refuse(span.span(), reason).expected(expected)),
     }
 }
 

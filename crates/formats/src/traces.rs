@@ -90,6 +90,8 @@ pub struct TraceCondition {
     pub window_s: [f64; 2],
     /// Part in the middle of every stroke that counts where the sample slides back and forth.
     pub stroke_share: Option<f64>,
+    /// Span before touchdown whose mean forces are subtracted as the sensors' zero, in seconds since the first sample.
+    pub zero_s: Option<[f64; 2]>,
     /// Exports, in the order of their names.
     pub files: Vec<PathBuf>,
     /// Exports that `exclude` left out.
@@ -135,7 +137,7 @@ pub struct ConditionTraces {
 }
 
 impl ConditionTraces {
-    /// The row of a table of measurements.
+    /// The row of a table of measurements; its deviations say how far another sample may be.
     #[must_use]
     pub fn measurement(&self) -> Measurement {
         let (condition, mean) = (&self.condition, &self.mean);
@@ -144,8 +146,11 @@ impl ConditionTraces {
             speed_m_s: condition.speed_m_s,
             humidity: condition.humidity,
             mu_dynamic: mean.mu_dynamic.mean,
-            mu_dynamic_std: mean.mu_dynamic.std,
-            static_peak: mean.mu_static.map(|peak| StaticPeak { mu: peak.mean, std: peak.std }),
+            mu_dynamic_std: mean.mu_dynamic_of_another(),
+            static_peak: mean
+                .mu_static
+                .zip(mean.mu_static_of_another())
+                .map(|(peak, std)| StaticPeak { mu: peak.mean, std }),
         }
     }
 
@@ -203,6 +208,7 @@ pub(crate) fn analyse_among(
         speed_m_s: condition.speed_m_s,
         static_peak: setup.static_peak,
         stroke_share: condition.stroke_share,
+        zero_s: condition.zero_s,
     };
     let (mut traces, mut refused) = (Vec::new(), Vec::new());
     for path in &condition.files {

@@ -12,7 +12,7 @@ use super::rim::read_rim;
 use super::scene::{DEFAULT_LAYER, SampleFile, SceneFile};
 use super::values::{Number, Numbers, PathOr};
 use crate::diagnostic::Diagnostic;
-use crate::plausible::{DENSITY, FRICTION, GIVEN_PRESSURE, MODULUS, Plausible, SPEED, share_of_one};
+use crate::plausible::{DENSITY, FRICTION, GIVEN_PRESSURE, MODULUS, Plausible, SPEED, exchanged_forces, share_of_one};
 use slipgrid_units::LENGTH_UM;
 
 /// What is unusual in the scene `file` of `document`, its material included; numbers of nil have a meaning of their own.
@@ -82,8 +82,22 @@ pub fn of_material(document: &Document, file: &MaterialFile) -> Vec<Diagnostic> 
     for mean in pairs.flat_map(|(at_rest, sliding)| [at_rest, sliding]).flatten() {
         told.extend(numbers(document, FRICTION, mean));
     }
+    told.extend(high_friction(document, file));
     told.extend(file.made_from.as_ref().and_then(|made| made.changed(document)));
     told
+}
+
+/// The first dynamic coefficient, where nearly all are so high that friction force and normal force are likely exchanged.
+fn high_friction(document: &Document, file: &MaterialFile) -> Option<Diagnostic> {
+    let friction = file.friction.get_ref();
+    let each = friction.conditions.iter().map(|table| &table.get_ref().dynamic_mean);
+    let all: Vec<&Spanned<Numbers>> = each.chain(friction.dynamic_mean.as_ref()).collect();
+    let values = |of: &Spanned<Numbers>| match of.get_ref() {
+        Numbers::One(value) => vec![*value],
+        Numbers::Each(each) => each.iter().map(|value| *value.get_ref()).collect(),
+    };
+    let means: Vec<f64> = all.iter().flat_map(|of| values(of)).collect();
+    Some(document.refuse(all.first()?.span(), exchanged_forces(&means)?))
 }
 
 fn number(document: &Document, quantity: Plausible, value: &Number) -> Option<Diagnostic> {
@@ -124,6 +138,19 @@ mod tests {
         for usual in ["0", "1.5", "45.0", "[20, 80]"] {
             assert_eq!(told(usual), [""; 0], "{usual}");
         }
+    }
+
+    #[test]
+    fn coefficients_of_a_material_that_are_all_above_1_are_asked_about() {
+        let told = |dynamic: &str| -> Vec<String> {
+            let text = format!("youngs_modulus_gpa = 0.4\ndensity_g_cm3 = 0.9\n[friction]\n{dynamic}");
+            let document = Document::new("m.toml", text);
+            of_material(&document, &document.parse().unwrap()).iter().map(Diagnostic::to_string).collect()
+        };
+        let said = told("static_mean = 2.8\ndynamic_mean = 2.5");
+        assert!(said.len() == 1 && said[0].starts_with("m.toml:5: friction.dynamic_mean: 2.5 is unusual"), "{said:?}");
+        assert!(said[0].contains("in each other's place, friction would be 0.4"), "{said:?}");
+        assert_eq!(told("static_mean = 0.3\ndynamic_mean = 0.25"), [""; 0]);
     }
 
     #[test]

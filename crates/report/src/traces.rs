@@ -22,7 +22,7 @@ pub fn files(conditions: &[ConditionTraces]) -> Result<Outputs, ChartError> {
         let rows: Vec<Measurement> = of_kind.clone().map(ConditionTraces::measurement).collect();
         if !rows.is_empty() {
             let comment = format!(
-                "By slipgrid traces {VERSION}, schema {SCHEMA}: {} samples, mean and standard deviation of repeats{}",
+                "By slipgrid traces {VERSION}, schema {SCHEMA}: {} samples, mean of repeats, and how far another sample may be as a standard deviation{}",
                 kind.name(),
                 static_parts(of_kind)
             );
@@ -34,7 +34,8 @@ pub fn files(conditions: &[ConditionTraces]) -> Result<Outputs, ChartError> {
             let rows: Vec<Measurement> = of_trial.iter().map(ConditionTraces::measurement).collect();
             let words: String = name.chars().filter(|c| !c.is_control()).collect();
             let comment = format!(
-                "By slipgrid traces {VERSION}, schema {SCHEMA}: trial \"{words}\", mean and standard deviation of repeats{}",
+                "By slipgrid traces {VERSION}, schema {SCHEMA}: trial \"{words}\", mean of repeats, and how far another \
+                 sample may be as a standard deviation{}",
                 static_parts(of_trial)
             );
             outputs.add(format!("trial-{number}-measured.csv"), measurements::table(&comment, &rows));
@@ -59,12 +60,12 @@ pub fn files(conditions: &[ConditionTraces]) -> Result<Outputs, ChartError> {
 fn static_parts<'a>(conditions: impl IntoIterator<Item = &'a ConditionTraces>) -> String {
     let of_condition = |traces: &ConditionTraces| {
         let (peak, missed) = traces.mean.mu_static.zip(traces.mean.mu_static_missed)?;
-        let repeats = (peak.std.powi(2) - missed.powi(2)).max(0.0).sqrt();
         let [_, force, speed, humidity] = words(&traces.condition);
         Some(format!(
-            "\n# {force} N, {speed} mm/s, {humidity} %: mu_static_std is {:.4}, the root of the sum of the squares of {repeats:.4}, {}, and \
+            "\n# {force} N, {speed} mm/s, {humidity} %: mu_static_std is {:.4}, the root of the sum of the squares of {:.4}, by {}, and \
              {missed:.4}, what sampling may have missed of the peak",
-            peak.std,
+            traces.mean.mu_static_of_another()?,
+            peak.of_another_sample(traces.mean.count),
             if traces.mean.count > 1 { "the standard deviation of repeats" } else { "the noise of the one trace" },
         ))
     };
@@ -166,6 +167,7 @@ pub fn summary(conditions: &[ConditionTraces]) -> String {
             "mu",
             "error of mu",
             "std of repeats",
+            "of another",
             "drift %",
             "static peak",
             "at s",
@@ -178,6 +180,7 @@ pub fn summary(conditions: &[ConditionTraces]) -> String {
                 trace.label.clone(),
                 fixed(Some(found.window.mu), 4),
                 fixed(Some(found.window.stderr), 4),
+                String::new(),
                 String::new(),
                 fixed(Some(100.0 * found.window.drift / found.window.mu), 1),
                 fixed(found.static_peak.map(|peak| peak.mu), 4),
@@ -192,6 +195,7 @@ pub fn summary(conditions: &[ConditionTraces]) -> String {
             fixed(Some(mean.mu_dynamic.mean), 4),
             String::new(),
             fixed(Some(mean.mu_dynamic.std), 4),
+            fixed(Some(mean.mu_dynamic_of_another()), 4),
             String::new(),
             fixed(mean.mu_static.map(|peak| peak.mean), 4),
             String::new(),

@@ -150,6 +150,7 @@ mod tests {
         speed_m_s: 5e-3,
         static_peak: true,
         stroke_share: Some(DEFAULT_STROKE_SHARE),
+        zero_s: None,
     };
 
     #[test]

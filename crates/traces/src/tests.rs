@@ -28,6 +28,7 @@ const OPTIONS: TraceOptions = TraceOptions {
     speed_m_s: 50e-6,
     static_peak: true,
     stroke_share: None,
+    zero_s: None,
 };
 
 fn torque(channels: &mut TraceChannels) -> &mut Vec<f64> {
@@ -229,11 +230,15 @@ fn repeats_have_their_mean_and_deviation() {
             found.static_peak.map(|peak| TracePeak { mu, noise: 0.0005, missed: 0.05, std: 0.0500025, ..peak });
         found
     });
-    assert!((average(&peaks).unwrap().mu_static.unwrap().std - 0.00203_f64.hypot(0.05 / 12.0_f64.sqrt())).abs() < 1e-5);
+    let of_peaks = average(&peaks).unwrap();
+    assert!((of_peaks.mu_static.unwrap().std - 0.00203).abs() < 1e-5);
+    let scatter = 0.00203 * (4.0_f64 / 3.0).sqrt() * 4.302_653 / 1.959_964;
+    assert!((of_peaks.mu_static_of_another().unwrap() - scatter.hypot(0.05 / 12.0_f64.sqrt())).abs() < 1e-5);
     // Both parts are known alone.
     assert!((average(&peaks).unwrap().mu_static_missed.unwrap() - 0.05 / 12.0_f64.sqrt()).abs() < 1e-12);
     assert_eq!(average(&peaks[..1]).unwrap().mu_static_missed, Some(0.05));
-    assert!((average(&peaks[..1]).unwrap().mu_static.unwrap().std - 0.0500025).abs() < 1e-9);
+    let of_one = average(&peaks[..1]).unwrap().mu_static_of_another().unwrap();
+    assert!((of_one - (0.0005 * 2.0_f64.sqrt()).hypot(0.05)).abs() < 1e-9);
     let mut without = one.clone();
     without.static_peak = None;
     assert_eq!(average(&[one, without]).unwrap().mu_static, None);

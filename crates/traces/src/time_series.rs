@@ -34,13 +34,11 @@ pub struct Line {
     pub mean: f64,
     /// Change over as many steps as there are values.
     pub change: f64,
-    /// Its standard error.
-    pub change_stderr: f64,
     /// Variance of the values about the line.
     pub variance: f64,
 }
 
-/// The line through `values` by least squares; of fewer than three its errors are no numbers.
+/// The line through `values` by least squares; of fewer than three the variance is no number.
 pub fn line_through(values: &[f64]) -> Line {
     let count = values.len() as f64;
     let mean = values.iter().sum::<f64>() / count;
@@ -50,7 +48,7 @@ pub fn line_through(values: &[f64]) -> Line {
     let change = values.iter().enumerate().map(|(i, y)| x(i) * (y - mean)).sum::<f64>() / sum_xx;
     let left: f64 = values.iter().enumerate().map(|(i, y)| (y - mean - change * x(i)).powi(2)).sum();
     let variance = if values.len() < 3 { f64::NAN } else { left / (count - 2.0) };
-    Line { mean, change, change_stderr: (variance / sum_xx).sqrt(), variance }
+    Line { mean, change, variance }
 }
 
 /// Where `values` are highest within `range`, the first of equal ones; `range` lies within them and is not empty.

@@ -3,6 +3,42 @@
 use std::fmt;
 
 use super::run_in::RunIn;
+use super::zero::SensorZero;
+
+/// What likely made a load another one than was meant.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum LoadSlip {
+    /// The friction force is what the normal force was meant to be: the two stand in each other's place.
+    Exchanged {
+        /// Friction force in the window, in newtons.
+        friction_n: f64,
+    },
+    /// The force was recorded in another unit than its title says.
+    Unit {
+        /// Which.
+        unit: &'static str,
+        /// What it would be then, in newtons.
+        force_n: f64,
+    },
+}
+
+impl fmt::Display for LoadSlip {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Exchanged { friction_n } => write!(
+                f,
+                "the friction force is {friction_n:.2} N, so that normal force and friction force are likely in each other's place: titles of \
+                 their columns, or `columns` in [traces]"
+            ),
+            Self::Unit { unit, force_n } => {
+                write!(
+                    f,
+                    "recorded in {unit}, it would be {force_n:.2} N: its unit stands in its title, as `Fz [{unit}]`"
+                )
+            }
+        }
+    }
+}
 
 /// Why nothing can be read from a trace. Times are seconds since the first sample.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -91,12 +127,17 @@ pub enum TraceError {
         usual_n: f64,
     },
     /// The load is not the one that was meant.
-    #[error("the normal force is {found_n:.2} N in the window: expected about {nominal_n} N, as the condition says")]
+    #[error(
+        "the normal force is {} N in the window: expected about {nominal_n} N, as the condition says{}", short(*found_n),
+        likely.map_or_else(String::new, |likely| format!("; {likely}"))
+    )]
     WrongLoad {
         /// Mean force in the window.
         found_n: f64,
         /// Nominal force.
         nominal_n: f64,
+        /// What has likely gone wrong.
+        likely: Option<LoadSlip>,
     },
     /// Friction along the motion in part of the window.
     #[error(
@@ -167,6 +208,62 @@ pub enum TraceError {
         /// What was given.
         value: f64,
     },
+    /// A span of the sensors' zero that has no length or begins before the trace.
+    #[error("the zero from {from_s} to {to_s} s has no meaning: expected two increasing times from 0 on in zero_s")]
+    Zero {
+        /// Its beginning.
+        from_s: f64,
+        /// Its end.
+        to_s: f64,
+    },
+    /// The same that reaches into the averaging window.
+    #[error("the zero ends at {to_s} s: expected a zero_s that ends before the window begins, at {window_from_s} s")]
+    ZeroInWindow {
+        /// Its end.
+        to_s: f64,
+        /// Beginning of the window.
+        window_from_s: f64,
+    },
+    /// The same with too few samples for a mean.
+    #[error(
+        "the zero from {from_s} to {to_s} s holds {found} samples, one every {} s: expected a zero_s with at least {expected} of them before \
+         touchdown", short(*pause_s)
+    )]
+    ZeroTooShort {
+        /// Its beginning.
+        from_s: f64,
+        /// Its end.
+        to_s: f64,
+        /// Samples there are.
+        found: usize,
+        /// Samples needed.
+        expected: usize,
+        /// Usual time between samples.
+        pause_s: f64,
+    },
+    /// The same while the sample is loaded.
+    #[error(
+        "the normal force is {force_n} N at {at_s:.2} s, within the zero from {from_s} to {to_s} s, of {usual_n:.2} N in the window: expected \
+         a zero_s before touchdown, while the head hangs free"
+    )]
+    ZeroUnderLoad {
+        /// Its beginning.
+        from_s: f64,
+        /// Its end.
+        to_s: f64,
+        /// When.
+        at_s: f64,
+        /// The force there.
+        force_n: f64,
+        /// Median force in the window.
+        usual_n: f64,
+    },
+    /// A zero is asked for of what the instrument divided.
+    #[error(
+        "the export has a friction coefficient and neither torque nor friction force, so no zero can be subtracted: expected one of \
+         these with the normal force, or no zero_s"
+    )]
+    ZeroOfCoefficient,
     /// A torque without the radius at which it acts.
     #[error(
         "the effective radius is {value_m} m: expected a positive length, torque / (normal force x radius) is friction"
@@ -202,6 +299,8 @@ pub enum TraceFlag {
         found_n: f64,
         /// Nominal force, in newtons.
         nominal_n: f64,
+        /// What has likely gone wrong.
+        likely: Option<LoadSlip>,
     },
     /// No normal force was recorded beside the coefficient.
     LoadNotRecorded,
@@ -238,6 +337,10 @@ pub enum TraceFlag {
         /// What sampling may have missed.
         missed: f64,
     },
+    /// The sensors do not read nil before touchdown.
+    ZeroOff(SensorZero),
+    /// What they read there was subtracted.
+    ZeroTaken(SensorZero),
     /// The recorded numbers are rounded so much that few different ones occur.
     Coarse {
         /// Different values in the window.
@@ -292,8 +395,9 @@ impl fmt::Display for TraceFlag {
             ),
             Self::FrictionTurned => f.write_str("friction is recorded as negative and was turned"),
             Self::LoadTurned => f.write_str("the normal force is recorded as negative and was turned"),
-            Self::LoadOff { found_n, nominal_n } => {
-                write!(f, "the normal force is {found_n:.2} N, not the nominal {nominal_n} N")
+            Self::LoadOff { found_n, nominal_n, likely } => {
+                write!(f, "the normal force is {found_n:.2} N, not the nominal {nominal_n} N")?;
+                likely.map_or(Ok(()), |likely| write!(f, "; {likely}"))
             }
             Self::LoadNotRecorded => {
                 f.write_str("no normal force is recorded: it is not known that the nominal one acted")
@@ -326,6 +430,17 @@ impl fmt::Display for TraceFlag {
                 f,
                 "the static peak rests on {samples} sample{} and may have been higher: friction changes by {missed:.4} beside it",
                 if *samples == 1 { "" } else { "s" }
+            ),
+            Self::ZeroOff(zero) => write!(
+                f,
+                "before touchdown, up to {:.2} s, {zero} are read: if the head hangs free there, this offset of the sensors counts in friction; \
+                 `zero_s = [{}, {:.2}]` in [traces] or --zero-s subtracts it",
+                zero.span_s[1], zero.span_s[0], zero.span_s[1]
+            ),
+            Self::ZeroTaken(zero) => write!(
+                f,
+                "{zero} were subtracted as the sensors' zero, from {} to {} s",
+                zero.span_s[0], zero.span_s[1]
             ),
             Self::Coarse { levels } => write!(f, "only {levels} different values occur in the window"),
             Self::StrokesDiffer { offset, relative } => write!(

@@ -28,6 +28,8 @@ pub fn run(args: &CalibrateArgs, console: &mut Console<'_>) -> Result<u8, CliErr
         let names = [&calibration::FILES[..], &super::traces::FILES].concat();
         check_folder(place, &names, &read.inputs)?;
     }
+    // What is unusual may be why the fit is refused, after minutes.
+    console.warn(&read.told);
     let sample = (DEFAULT_SPECIMEN, DEFAULT_SEED);
     let (task, outcome) =
         calibrate(&read, &args.calibration, &disk(), sample, Selection::default(), &Job::new(console))?;

@@ -1,11 +1,11 @@
 //! `explore`: what any design of a material or a task does, as a page that answers while it is read.
 
 use slipgrid_design::explore_bounds;
-use slipgrid_formats::calibrated::complete;
 use slipgrid_formats::confirmed_scene::steady_scene;
 use slipgrid_formats::explored::explored;
 use slipgrid_report::html::exploration;
 
+use super::complete;
 use super::optimize::refused;
 use crate::args::ExploreArgs;
 use crate::output::{Place, check_file, write_file};
@@ -21,7 +21,7 @@ pub fn run(args: &ExploreArgs, console: &mut Console<'_>) -> Result<u8, CliError
     let condition = args.speed_mm_s.zip(args.humidity_pct).map(<[f64; 2]>::from);
     let mut design = explored(&disk(), &args.file, condition)?;
     console.warn(&design.told);
-    complete(&mut design, &disk(), &Job::new(console))?;
+    complete(&mut design, console)?;
     let found = explore_bounds(&design.task, &Job::new(console)).map_err(|error| refused(error, &design, None))?;
     let toml = steady_scene(&found.task, &found.material, &found.loads, &found.pattern);
     let toml = toml.map_err(|error| design.refuse_whole(error.to_string()))?;

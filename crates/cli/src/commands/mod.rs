@@ -19,7 +19,13 @@ mod traces;
 mod trials;
 mod validate;
 
+use slipgrid_disk::disk;
+use slipgrid_formats::calibrated::{complete_by, read_calibration};
+use slipgrid_formats::calibration::Calibration;
+use slipgrid_formats::design::Design;
+
 use crate::args::Command;
+use crate::progress::Job;
 use crate::{CliError, Console};
 
 /// Runs `command` and returns the exit code.
@@ -46,4 +52,13 @@ pub fn run(command: &Command, console: &mut Console<'_>) -> Result<u8, CliError>
         Command::Completions(args) => shell::completions(args, console),
         Command::Man(args) => shell::man(args, console),
     }
+}
+
+/// Gives `design` its material, and returns the calibration where that has to be calibrated first. What is unusual in it is said before
+/// anything is computed: it may be why that is refused.
+fn complete(design: &mut Design, console: &mut Console<'_>) -> Result<Option<Calibration>, CliError> {
+    let Some(calibration) = read_calibration(design, &disk())? else { return Ok(None) };
+    console.warn(&calibration.told);
+    complete_by(design, &calibration, &disk(), &Job::new(console))?;
+    Ok(Some(calibration))
 }

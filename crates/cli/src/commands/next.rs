@@ -3,10 +3,10 @@
 use slipgrid_design::export::MOST_SECTORS;
 use slipgrid_design::{NextOptions, next_trials};
 use slipgrid_formats::Diagnostic;
-use slipgrid_formats::calibrated::complete;
 use slipgrid_formats::design::Design;
 use slipgrid_report::{Outputs, draw_next};
 
+use super::complete;
 use super::optimize::refused;
 use crate::args::NextArgs;
 use crate::output::{Place, check_folder};
@@ -36,7 +36,7 @@ pub fn run(args: &NextArgs, console: &mut Console<'_>) -> Result<u8, CliError> {
         check_folder(Place::output(folder), &["result.json", "timings.json", "trials.toml"], &design.inputs)?;
     }
     let own = args.candidate.iter().map(|text| design.candidate(text)).collect::<Result<_, _>>()?;
-    let calibration = complete(&mut design, &disk(), &Job::new(console))?;
+    let calibration = complete(&mut design, console)?;
     let samples = calibration.map_or_else(Vec::new, |calibration| calibration.trials.samples);
     let discs = samples.iter().filter_map(|cut| cut.disc.clone()).collect();
     let pending = samples.iter().filter(|cut| cut.measured.is_empty()).map(|cut| cut.pattern).collect();

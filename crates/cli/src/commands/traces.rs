@@ -55,15 +55,15 @@ fn setup(args: &TracesArgs) -> Result<TraceSetup, Diagnostic> {
     Ok(TraceSetup::new(radius_m, args.specimens.unwrap_or(1).max(1), !args.no_static_peak))
 }
 
-fn window_s(args: &TracesArgs) -> Result<[f64; 2], Diagnostic> {
-    match args.window_s.as_deref() {
-        None => Ok(DEFAULT_WINDOW_S),
-        Some(&[from, to]) if from < to => {
-            Ok([checked("--window-s", from, TIME_S)?, checked("--window-s", to, TIME_S)?])
-        }
+/// Two increasing times of `flag`.
+fn span_s(flag: &'static str, given: Option<&[f64]>, example: &str) -> Result<Option<[f64; 2]>, Diagnostic> {
+    match given {
+        None => Ok(None),
+        Some(&[from, to]) if from < to => Ok(Some([checked(flag, from, TIME_S)?, checked(flag, to, TIME_S)?])),
         Some(other) => {
             let given: Vec<String> = other.iter().map(f64::to_string).collect();
-            Err(Diagnostic::flag("--window-s", given.join(","), "is no window").expected("two increasing times, 10,40"))
+            Err(Diagnostic::flag(flag, given.join(","), "is no span of time")
+                .expected(format!("two increasing times, {example}")))
         }
     }
 }
@@ -88,8 +88,9 @@ fn condition(args: &TracesArgs) -> Result<TraceCondition, Diagnostic> {
     Ok(TraceCondition {
         surface: if args.patterned { SurfaceKind::Patterned } else { SurfaceKind::Flat },
         trial: None,
-        window_s: window_s(args)?,
+        window_s: span_s("--window-s", args.window_s.as_deref(), "10,40")?.unwrap_or(DEFAULT_WINDOW_S),
         stroke_share: args.reciprocating.then_some(DEFAULT_STROKE_SHARE),
+        zero_s: span_s("--zero-s", args.zero_s.as_deref(), "0,2")?,
         force_n: needed("--force-n", args.force_n, FORCE_N)?,
         speed_m_s: needed("--speed-mm-s", args.speed_mm_s, SPEED_MM_S)?,
         humidity: needed("--humidity-pct", args.humidity_pct, HUMIDITY_PCT)?,

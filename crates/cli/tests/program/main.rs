@@ -34,3 +34,4 @@ mod templates;
 mod thickness;
 mod tolerances;
 mod trials;
+mod unusual;

@@ -219,6 +219,7 @@ fn spoil_everything(times: usize, seed: u64) -> [usize; 7] {
                 speed_m_s: 2e-3,
                 static_peak: true,
                 stroke_share: None,
+                zero_s: None,
             };
             analyse(&file.repeats[0].channels, &options).map_err(|error| format!("x.csv: {error}"))
         }),

@@ -196,3 +196,84 @@ fn a_stretch_without_numbers_is_named_with_its_column_and_times() {
         "{told}"
     );
 }
+
+/// A run under `force_n` that the free head begins: its force sensors read 2.4 N and 0.3 N too much.
+fn with_offset(seed: u32, force_n: f64) -> String {
+    let mut text = HEADER.to_owned();
+    for i in 0..=900 {
+        let t = 0.05 * f64::from(i);
+        let load = force_n * (t - 4.0).clamp(0.0, 1.0);
+        let ripple = 1e-4 * (1.7 * f64::from(i * (seed + 3))).sin();
+        writeln!(text, "{t:.3};{:.4};{:.5};{:.5}", 2.0 * t, (0.25 + ripple) * load + 0.3, load + 2.4 + ripple).unwrap();
+    }
+    text
+}
+
+#[test]
+fn an_offset_before_touchdown_is_told_at_all_forces_and_zero_s_removes_it() {
+    let (head, _) = CALIBRATION.split_once("[measurements]").unwrap();
+    let condition = |force: f64, more: &str| {
+        format!(
+            "[[traces.condition]]\nforce_n = {force:.1}\nspeed_mm_s = 2.0\nhumidity_pct = 45.0\nfiles = [\"z-{force}.txt\"]\n{more}"
+        )
+    };
+    let text = |keys: &str, more: &str| {
+        format!("{head}[traces]\n{keys}{}{}{}", condition(60.0, more), condition(150.0, ""), condition(600.0, ""))
+    };
+    let place = Place::with(&[
+        ("z-60.txt", &with_offset(1, 60.0)),
+        ("z-150.txt", &with_offset(2, 150.0)),
+        ("z-600.txt", &with_offset(3, 600.0)),
+        ("c.toml", &text("", "")),
+    ]);
+    let told = place.succeed(&["traces", "c.toml"]);
+    let says = "before touchdown, up to 2.20 s, the normal force 2.400 N and the friction force 0.3000 N are read";
+    assert!(told.contains("3 of 3 traces, the first of them") && told.contains(says), "{told}");
+    assert!(told.contains("`zero_s = [0, 2.20]` in [traces] or --zero-s subtracts it"), "{told}");
+    // (0.25 60 + 0.3) / 62.4
+    assert!(told.contains("mean of 1  0.2452") && !told.contains("0.2500"), "{told}");
+    for (keys, more) in [("zero_s = [0.0, 2.2]\n", ""), ("zero_s = [0.5, 3.0]\n", "zero_s = [0.0, 3.5]\n")] {
+        fs::write(place.path("c.toml"), text(keys, more)).unwrap();
+        let told = place.succeed(&["traces", "c.toml"]);
+        assert_eq!(told.matches("mean of 1  0.2500").count(), 3, "{told}");
+        assert!(told.contains("were subtracted as the sensors' zero") && !told.contains("before touchdown"), "{told}");
+    }
+    let by_flag = place.succeed(&[&["traces", "z-60.txt", "--zero-s", "0,3"], &FLAGS[..]].concat());
+    assert!(by_flag.contains("mean of 1  0.2500"), "{by_flag}");
+    for (keys, more, says) in [
+        (
+            "zero_s = [2.0, 1.0]\n",
+            "",
+            "c.toml:12: traces.zero_s: [2.0, 1.0] is no span of time; expected two increasing times before",
+        ),
+        ("zero_s = [1.0]\n", "", "c.toml:12: traces.zero_s: [1.0] is no span of time"),
+        ("zero_s = [0.0, nan]\n", "", "c.toml:12: traces.zero_s: nan is out of range; expected"),
+        ("zero_s = [-1.0, 2.0]\n", "", "c.toml:12: traces.zero_s: -1.0 is out of range; expected"),
+        (
+            "zero_s = [0.0, 12.0]\n",
+            "",
+            "c.toml:12: traces.zero_s: [0.0, 12.0] reaches into the averaging window, which begins at 10 s; expected a span before",
+        ),
+        (
+            "",
+            "zero_s = [50.0, 60.0]\n",
+            "c.toml:17: traces.condition.zero_s: [50.0, 60.0] reaches into the averaging window",
+        ),
+        (
+            "zero_s = [0.0, 4.5]\n",
+            "",
+            "z-60.txt: the normal force is 11.39991 N at 4.15 s, within the zero from 0 to 4.5 s, of 62.40 N in the window: expected",
+        ),
+        (
+            "zero_s = [0.0, 0.1]\n",
+            "",
+            "z-60.txt: the zero from 0 to 0.1 s holds 3 samples, one every 0.05 s: expected a zero_s",
+        ),
+    ] {
+        fs::write(place.path("c.toml"), text(keys, more)).unwrap();
+        let refused = place.refuse(&["traces", "c.toml"]);
+        assert!(refused.contains(says), "{says}\n{refused}");
+    }
+    let refused = place.refuse(&[&["traces", "z-60.txt", "--zero-s", "3,0"], &FLAGS[..]].concat());
+    assert!(refused.contains("--zero-s: 3,0 is no span of time; expected two increasing times, 0,2"), "{refused}");
+}

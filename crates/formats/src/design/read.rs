@@ -16,6 +16,7 @@ use crate::file_kind::FileKind;
 use crate::material::{MaterialFile, existing};
 use crate::material_uncertainty::read_known;
 use crate::plausible::SPOT;
+use crate::unusual;
 use crate::values::{Numbers, PathOr, list};
 use slipgrid_units::LENGTH_UM;
 
@@ -156,6 +157,7 @@ pub(super) fn read_material_input(
     match material.get_ref() {
         PathOr::Table(table) => {
             let (material, uncertainty) = read_known(document, table, &material.span())?;
+            told.extend(unusual::of_material(document, table));
             Ok((Some(KnownMaterial { material, uncertainty }), None))
         }
         PathOr::Path(path) => {
@@ -166,8 +168,8 @@ pub(super) fn read_material_input(
             }
             named.require(FileKind::Material)?;
             let file: MaterialFile = named.parse()?;
-            told.extend(file.made_from.as_ref().and_then(|made| made.changed(&named)));
             let (material, uncertainty) = read_known(&named, &file, &(0..0))?;
+            told.extend(unusual::of_material(&named, &file));
             Ok((Some(KnownMaterial { material, uncertainty }), None))
         }
     }

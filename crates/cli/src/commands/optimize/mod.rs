@@ -5,11 +5,11 @@ mod places;
 use std::time::Instant;
 
 use slipgrid_design::DesignError;
-use slipgrid_formats::calibrated::complete;
 use slipgrid_formats::design::Design;
 use slipgrid_optimize::Status;
 use slipgrid_report::{ReportError, files};
 
+use super::complete;
 use crate::args::OptimizeArgs;
 use crate::interruption::{goes_on_with, heed};
 use crate::lock::Lock;
@@ -46,7 +46,7 @@ pub fn run(args: &OptimizeArgs, console: &mut Console<'_>) -> Result<u8, CliErro
 
     design.task.table |= args.table;
     design.task.explorer = !args.no_explorer;
-    complete(&mut design, &disk(), &Job::new(console))?;
+    complete(&mut design, console)?;
     heed()?;
     let calibrated_s = started.elapsed().as_secs_f64();
     let mut task = design.task.clone();

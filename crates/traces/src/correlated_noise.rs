@@ -1,0 +1,129 @@
+//! Errors of the mean and of the slope of values whose noise remembers.
+//!
+//! Means over the parts of a window are taken for a line and noise whose correlation falls with the time t as exp(-|t| / tau). tau is
+//! not known, and a window of a few tens of tau tells it badly: each of some correlation times counts by how likely the values are at it, whatever the line and the strength of the noise (restricted likelihood; D. A. Harville, J. Am. Stat. Assoc. 72, 320, 1977).
+//!
+//! ```text
+//! e^2 = sum_tau w_tau v_tau R_tau / (n - 2),     w_tau ~ prior_tau |C|^-1/2 |X^T C^-1 X|^-1/2 R_tau^-(n-2)/2
+//! ```
+//!
+//! with the covariance C of the n means at unit strength, the line X, the squares R that generalized least squares leave, and the variance v
+//! of the plain mean, or of the plain slope, at unit strength.
+
+use slipgrid_statistics::cholesky::{cholesky, log_determinant, solve_lower};
+
+/// Correlation times over the window beside 0, which is white noise: beyond the last of them noise is a drift.
+const CORRELATION_TIMES: [f64; 6] = [0.01, 0.02, 0.04, 0.08, 0.16, 0.32];
+/// How much each of them counts before anything was measured, where white noise counts 1: as much as all of them together.
+const PRIOR: f64 = 1.0 / 6.0;
+
+/// Standard errors of the mean of values at even steps and of their change over as many steps as there are values, by their line.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LineErrors {
+    /// Of the mean.
+    pub mean: f64,
+    /// Of the change.
+    pub change: f64,
+}
+
+/// What one correlation time says.
+struct Hypothesis {
+    /// ln of its weight, but for a constant.
+    log_weight: f64,
+    /// Squares of both errors.
+    squares: [f64; 2],
+}
+
+/// Errors of `values`, each the mean over its part of a window; of fewer than three they are no numbers.
+pub fn line_errors(values: &[f64]) -> LineErrors {
+    if values.len() < 3 {
+        return LineErrors { mean: f64::NAN, change: f64::NAN };
+    }
+    let alike = std::iter::once((0.0, 0.0)).chain(CORRELATION_TIMES.map(|time| (time, PRIOR.ln())));
+    let found: Vec<Hypothesis> = alike.filter_map(|(time, log_prior)| hypothesis(values, time, log_prior)).collect();
+    let most = found.iter().map(|of| of.log_weight).fold(f64::NEG_INFINITY, f64::max);
+    // Without any noise there is nothing to weigh.
+    let weight = |of: &Hypothesis| if most.is_finite() { (of.log_weight - most).exp() } else { 1.0 };
+    let total: f64 = found.iter().map(weight).sum();
+    let error = |place: usize| (found.iter().map(|of| weight(of) * of.squares[place]).sum::<f64>() / total).sqrt();
+    LineErrors { mean: error(0), change: error(1) }
+}
+
+fn hypothesis(values: &[f64], correlation_time: f64, log_prior: f64) -> Option<Hypothesis> {
+    let n = values.len();
+    let count = n as f64;
+    let covariances = covariances(n, correlation_time);
+    let matrix: Vec<f64> = (0..n * n).map(|at| covariances[(at / n).abs_diff(at % n)]).collect();
+    let factor = cholesky(&matrix, n)?;
+    let whitened = |of: &dyn Fn(usize) -> f64| {
+        let mut all: Vec<f64> = (0..n).map(of).collect();
+        solve_lower(&factor, n, &mut all);
+        all
+    };
+    let x = |i: usize| (i as f64 + 0.5) / count - 0.5;
+    let middle = values[n / 2];
+    let (ones, slope, left) = (whitened(&|_| 1.0), whitened(&x), whitened(&|i| values[i] - middle));
+    let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+    let less = |of: &[f64], times: f64, other: &[f64]| -> Vec<f64> {
+        of.iter().zip(other).map(|(of, other)| of - times * other).collect()
+    };
+    // Gram and Schmidt: the slope beside the mean, and what both leave.
+    let ones_squared = dot(&ones, &ones);
+    let slope = less(&slope, dot(&slope, &ones) / ones_squared, &ones);
+    let slope_squared = dot(&slope, &slope);
+    let left = less(&left, dot(&left, &ones) / ones_squared, &ones);
+    let left = less(&left, dot(&left, &slope) / slope_squared, &slope);
+    let squares = dot(&left, &left);
+    let freedom = count - 2.0;
+    let variance = |weight: &dyn Fn(usize) -> f64| {
+        (0..n * n).map(|at| weight(at / n) * matrix[at] * weight(at % n)).sum::<f64>() * squares / freedom
+    };
+    let sum_xx: f64 = (0..n).map(|i| x(i) * x(i)).sum();
+    Some(Hypothesis {
+        log_weight: log_prior
+            - 0.5 * (log_determinant(&factor, n) + (ones_squared * slope_squared).ln() + freedom * squares.ln()),
+        squares: [variance(&|_| 1.0 / count), variance(&|i| x(i) / sum_xx)],
+    })
+}
+
+/// Covariances of the means over `n` equal parts of the time from 0 to 1, from a part with itself to the first with the last, of noise whose
+/// covariance exp(-|t| / tau) / (2 tau) has the integral 1.
+fn covariances(n: usize, tau: f64) -> Vec<f64> {
+    let count = n as f64;
+    if tau == 0.0 {
+        return (0..n).map(|apart| if apart == 0 { count } else { 0.0 }).collect();
+    }
+    let step = 1.0 / (count * tau);
+    let lost = -(-step).exp_m1();
+    let of = |apart: usize| match apart {
+        0 => count * count * tau * (step - lost),
+        _ => 0.5 * count * count * tau * lost * lost * (-step * (apart - 1) as f64).exp(),
+    };
+    (0..n).map(of).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn covariances_of_parts_sum_to_that_of_the_whole() {
+        for tau in [0.01_f64, 0.1, 0.3] {
+            // 1/n^2 sum_ij C_ij = 1 - tau (1 - exp(-1 / tau)), in any number of parts.
+            for n in [4, 20] {
+                let found = covariances(n, tau);
+                let sum: f64 = (0..n * n).map(|at| found[(at / n).abs_diff(at % n)]).sum::<f64>() / (n * n) as f64;
+                assert!((sum - (1.0 - tau * (1.0 - (-1.0 / tau).exp()))).abs() < 1e-12, "{tau} {n}: {sum}");
+            }
+        }
+    }
+
+    #[test]
+    fn values_on_a_line_have_no_error_and_equal_ones_neither() {
+        let line: Vec<f64> = (0..20).map(|i| 0.3 + 0.01 * f64::from(i)).collect();
+        let found = line_errors(&line);
+        assert!(found.mean < 1e-15 && found.change < 1e-14, "{found:?}");
+        assert_eq!(line_errors(&[0.25; 20]), LineErrors { mean: 0.0, change: 0.0 });
+        assert!(line_errors(&[0.25; 2]).mean.is_nan());
+    }
+}

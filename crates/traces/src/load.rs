@@ -1,0 +1,125 @@
+//! The load of a trace: whether it is there, and whether it is the one that was meant.
+
+use std::ops::Range;
+
+use super::time_series::median;
+use super::{LoadSlip, Tangential, TraceChannels, TraceError, TraceFlag, TraceOptions, UNLOADED};
+
+/// Departure of the mean normal force from the nominal one that is flagged, and that is refused.
+const LOAD_OFF: (f64, f64) = (0.05, 0.5);
+/// Standard deviation of the normal force over its mean that is flagged.
+const LOAD_UNSTEADY: f64 = 0.05;
+/// Departure from the nominal force up to which a force in another column or unit is taken for it.
+const MEANT: f64 = 0.1;
+/// Units that are taken for newtons, in newtons.
+const UNITS: [(&str, f64); 4] = [("kN", 1e3), ("mN", 1e-3), ("kgf", 9.806_65), ("uN", 1e-6)];
+
+/// Median normal force in the window, and whether it is recorded as negative.
+///
+/// # Errors
+/// [`TraceError`] for a load that is lost within the window, and for one far from the nominal one.
+pub fn load(
+    channels: &TraceChannels,
+    time_s: &[f64],
+    inside: &Range<usize>,
+    options: &TraceOptions,
+    flags: &mut Vec<TraceFlag>,
+) -> Result<(f64, bool), TraceError> {
+    let recorded = &channels.normal_force_n[inside.clone()];
+    let middle = median(recorded.to_vec());
+    let turned = middle < 0.0;
+    let usual_n = middle.abs();
+    let sign = if turned { -1.0 } else { 1.0 };
+    let lost = recorded.iter().position(|force| sign * force < UNLOADED * usual_n || usual_n == 0.0);
+    if let Some(i) = lost {
+        return Err(TraceError::NoLoad { time_s: time_s[inside.start + i], force_n: recorded[i], usual_n });
+    }
+    if turned {
+        flags.push(TraceFlag::LoadTurned);
+    }
+    let count = recorded.len() as f64;
+    let mean = recorded.iter().map(|force| sign * force).sum::<f64>() / count;
+    if let Some(nominal_n) = options.nominal_force_n {
+        let off = (mean / nominal_n - 1.0).abs();
+        let likely = likely_slip(&channels.tangential, inside, mean, nominal_n);
+        if off > LOAD_OFF.1 {
+            return Err(TraceError::WrongLoad { found_n: mean, nominal_n, likely });
+        }
+        if off > LOAD_OFF.0 {
+            flags.push(TraceFlag::LoadOff { found_n: mean, nominal_n, likely });
+        }
+    }
+    let variance = recorded.iter().map(|force| (sign * force - mean).powi(2)).sum::<f64>() / count;
+    let relative_std = variance.sqrt() / mean;
+    if relative_std > LOAD_UNSTEADY {
+        flags.push(TraceFlag::LoadUnsteady { relative_std });
+    }
+    Ok((usual_n, turned))
+}
+
+/// What likely makes the normal force `found_n` in place of `nominal_n`.
+fn likely_slip(tangential: &Tangential, inside: &Range<usize>, found_n: f64, nominal_n: f64) -> Option<LoadSlip> {
+    let is_meant = |force_n: f64| (force_n / nominal_n - 1.0).abs() <= MEANT;
+    if is_meant(found_n) {
+        return None;
+    }
+    if let Tangential::ForceN(values) = tangential {
+        let friction_n = median(values[inside.clone()].iter().map(|force| force.abs()).collect());
+        if is_meant(friction_n) {
+            return Some(LoadSlip::Exchanged { friction_n });
+        }
+    }
+    let units = UNITS.into_iter().map(|(unit, newtons)| LoadSlip::Unit { unit, force_n: found_n * newtons });
+    units.into_iter().find(|slip| matches!(slip, LoadSlip::Unit { force_n, .. } if is_meant(*force_n)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::analyse;
+
+    const OPTIONS: TraceOptions = TraceOptions {
+        window_s: [10.0, 40.0],
+        effective_radius_m: f64::NAN,
+        nominal_force_n: Some(60.0),
+        speed_m_s: 2e-3,
+        static_peak: true,
+        stroke_share: None,
+        zero_s: None,
+    };
+
+    fn recorded(friction_n: f64, normal_n: f64) -> TraceChannels {
+        let time_s: Vec<f64> = (0..=450).map(|i| 0.1 * f64::from(i)).collect();
+        let ripple = |t: &f64| 1.0 + 1e-3 * (7.0 * t).sin();
+        TraceChannels {
+            tangential: Tangential::ForceN(time_s.iter().map(|t| friction_n * ripple(t)).collect()),
+            normal_force_n: time_s.iter().map(|t| normal_n * ripple(t)).collect(),
+            time_s,
+        }
+    }
+
+    #[test]
+    fn columns_in_each_others_place_and_other_units_are_named() {
+        let refused = |friction_n: f64, normal_n: f64| analyse(&recorded(friction_n, normal_n), &OPTIONS).unwrap_err();
+        let said = refused(60.0, 15.0).to_string();
+        assert!(said.contains("normal force is 15 N") && said.contains("the friction force is 60.0"), "{said}");
+        assert!(said.contains("likely in each other's place"), "{said}");
+        for (normal_n, says) in [
+            (0.06, "recorded in kN, it would be 60.0"),
+            (60e3, "recorded in mN, it would be 60.0"),
+            (6.12, "recorded in kgf, it would be 60.0"),
+        ] {
+            let said = refused(15.0, normal_n).to_string();
+            assert!(said.contains(says) && said.contains("expected about 60 N"), "{said}");
+        }
+        assert!(matches!(refused(15.0, 25.0), TraceError::WrongLoad { likely: None, .. }));
+        // Friction of 0.6 the other way round is only told.
+        let flags = analyse(&recorded(60.0, 36.0), &OPTIONS).unwrap().flags;
+        assert!(
+            matches!(flags[..], [TraceFlag::LoadOff { likely: Some(LoadSlip::Exchanged { .. }), .. }]),
+            "{flags:?}"
+        );
+        let flags = analyse(&recorded(15.0, 65.0), &OPTIONS).unwrap().flags;
+        assert!(matches!(flags[..], [TraceFlag::LoadOff { likely: None, .. }]), "{flags:?}");
+    }
+}
