@@ -92,9 +92,9 @@ fn scenes() {
                 "youngs_modulus_gpa = 0.38",
                 "youngs_modulus_gpa = 380e6",
                 ":2: material.youngs_modulus_gpa: ",
-                "2000 GPa",
+                "1250 GPa",
             ),
-            case("density_g_cm3 = 0.9", "density_g_cm3 = 900", ":3: material.density_g_cm3: 900 ", "30 g/cm3"),
+            case("density_g_cm3 = 0.9", "density_g_cm3 = 900", ":3: material.density_g_cm3: 900 ", "23 g/cm3"),
             case("relative_std = 0.05", "relative_std = 5", ":7: material.friction.relative_std: 5 ", "0.5"),
             case(
                 "static_mean = 0.30",
