@@ -51,7 +51,11 @@ fn work(args: &WorkArgs, console: &mut Console<'_>) -> Result<u8, CliError> {
     let (share, most_s) = (args.share.unwrap_or(Share::ALL), args.max_seconds.map(f64::from));
     let threads = console.threads;
     let worked = at(&args.folder).work(share, threads, most_s, seed, &Job::new(console))?;
-    console.answer(&format!("{}; {} were done before\n", worked.counts.words(), worked.known))?;
+    let damaged = match worked.damaged {
+        0 => String::new(),
+        count => format!("; {count} had damaged results"),
+    };
+    console.answer(&format!("{}; {} were done before{damaged}\n", worked.counts.words(), worked.known))?;
     Ok(exit_code::DONE)
 }
 
@@ -70,6 +74,7 @@ impl From<CampaignError> for CliError {
     fn from(error: CampaignError) -> Self {
         match error {
             CampaignError::Refused(refused) => Self::Input(refused),
+            CampaignError::Damaged(_) => Self::Inputs(error.to_string()),
             CampaignError::Cancelled => Self::Interrupted,
             other => Self::Other(other.to_string()),
         }
