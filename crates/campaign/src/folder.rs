@@ -183,6 +183,8 @@ impl Folder {
             return Ok(worked);
         }
         shuffle(&mut missing, seed);
+        let results = self.path.join("results");
+        monitor.kept(&results, worked.known);
         let inputs = Inputs { store: Arc::clone(&self.store), folder: self.path.join("inputs") };
         let worker = Worker::with(&campaign, Arc::new(inputs));
         let stage = Stage::new(monitor, "tasks", most_s.map(|seconds| monitor.seconds() + seconds));
@@ -204,6 +206,7 @@ impl Folder {
                         break;
                     }
                 }
+                monitor.kept(&results, ended.0.known + ended.0.counts.ended());
                 stage.advance(1.0 / missing.len() as f64);
             }
         };
@@ -225,8 +228,7 @@ impl Folder {
             return Err(error);
         }
         monitor.heed().map_err(|_| CampaignError::Cancelled)?;
-        let Counts { done, refused, failed, .. } = worked.counts;
-        worked.counts.missing = own().count() - worked.known - done - refused - failed;
+        worked.counts.missing = own().count() - worked.known - worked.counts.ended();
         Ok(worked)
     }
 

@@ -56,6 +56,11 @@ impl Counts {
         format!("{tasks} tasks: {done} done, {refused} refused, {failed} failed, {missing} missing")
     }
 
+    /// Those that have ended, however.
+    pub(crate) const fn ended(self) -> usize {
+        self.done + self.refused + self.failed
+    }
+
     /// Counts one more.
     pub(crate) fn add(&mut self, outcome: Outcome) {
         match outcome {
