@@ -165,6 +165,7 @@ pub(super) fn read_material_input(
                 return Ok((None, Some(path)));
             }
             named.require(FileKind::Material)?;
+            let named = named.as_kind(FileKind::Material);
             let file: MaterialFile = named.parse()?;
             told.extend(file.made_from.as_ref().and_then(|made| made.changed(&named)));
             let (material, uncertainty) = read_known(&named, &file, &(0..0))?;
