@@ -278,11 +278,9 @@ fn describe(
         let name = if key.is_required { format!("**`{}`**", key.name) } else { format!("`{}`", key.name) };
         let range = accepted.get(&path).map_or(String::new(), |range| {
             let range = range.split("; ").next().unwrap_or(range).trim_start_matches("a number ");
-            range
-                .trim_end_matches(|c: char| {
-                    c.is_alphabetic() || "/% ".contains(c) || c == '3' && range.ends_with("cm3")
-                })
-                .to_owned()
+            // Its unit has a column of its own.
+            let unit = range.rsplit_once(' ').filter(|(_, last)| last.parse::<f64>().is_err());
+            unit.map_or(range, |(number, _)| number).to_owned()
         });
         let words = accepted.get(&path).filter(|range| !range.starts_with("a number ")).map_or(range, Clone::clone);
         let default = key.default().unwrap_or(if key.is_required { "required" } else { "-" });

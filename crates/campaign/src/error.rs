@@ -11,6 +11,10 @@ pub enum CampaignError {
     /// A file was refused.
     #[error(transparent)]
     Refused(#[from] Diagnostic),
+    /// Results in the campaign's folder are damaged: each of them.
+    #[error("{} damaged {}; `slipgrid campaign work` on the same folder does their tasks again:{}",
+        .0.len(), if .0.len() == 1 { "result" } else { "results" }, lines(.0))]
+    Damaged(Vec<Diagnostic>),
     /// A file could not be written.
     #[error("{path}: cannot be written: {source}", path = path.display())]
     Unwritable {
@@ -25,4 +29,9 @@ pub enum CampaignError {
     /// Anything else.
     #[error("{0}")]
     Failed(String),
+}
+
+/// Each on a line of its own.
+fn lines(damaged: &[Diagnostic]) -> String {
+    damaged.iter().map(|one| format!("\n  {one}")).collect()
 }

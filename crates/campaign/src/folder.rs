@@ -7,7 +7,7 @@
 //! results/00/ID.json      what came of a task, below the first two digits of its id
 //! ```
 //!
-//! Nothing is ever changed or appended to: a file appears whole, by a rename, and two workers that do the same task write the same
+//! Nothing is ever changed or appended to, but for a result that is damaged: a file appears whole, by a rename, and two workers that do the same task write the same
 //! bytes. So no locks are needed, and a network file system that shows a file late costs some work done twice, nothing else.
 
 use std::collections::BTreeSet;
@@ -56,6 +56,8 @@ pub struct Worked {
     pub counts: Counts,
     /// Tasks of its share that others, or it before, had done.
     pub known: usize,
+    /// Results of its share that were damaged, so that their tasks were missing.
+    pub damaged: usize,
 }
 
 /// A campaign in a folder.
@@ -139,7 +141,16 @@ impl Folder {
         names.filter_map(|name| name.strip_suffix(".json").map(str::to_owned)).collect()
     }
 
-    /// Does what is missing of `share`, `threads` tasks at a time, and starts none after `most_s` seconds. `seed` sets the order:
+    /// What came of a task that has a result.
+    fn done(&self, task: &Task) -> Result<Done, Diagnostic> {
+        let path = self.result(&task.id);
+        let refuse = |reason: String| Diagnostic::file(&path, reason);
+        let bytes = self.store.read(&path).map_err(|error| refuse(format!("cannot be read: {error}")))?;
+        let done = Done::read(&bytes).map_err(refuse)?;
+        if done.id == task.id { Ok(done) } else { Err(refuse("is the result of another task".to_owned())) }
+    }
+
+    /// Does what is missing or damaged of `share`, `threads` tasks at a time, and starts none after `most_s` seconds. `seed` sets the order:
     /// workers of the same share and different seeds seldom have the same task in hand.
     ///
     /// # Errors
@@ -156,12 +167,24 @@ impl Folder {
         let (campaign, tasks) = self.read()?;
         let known = self.known();
         let own = || tasks.iter().enumerate().filter(|(place, _)| place % share.of.max(1) + 1 == share.number);
-        let mut missing: Vec<&Task> = own().map(|(_, task)| task).filter(|task| !known.contains(&task.id)).collect();
-        let mut worked = Worked { known: own().count() - missing.len(), ..Worked::default() };
+        let (mut missing, mut damaged) = (Vec::new(), BTreeSet::new());
+        for (_, task) in own() {
+            if let Some(Err(refused)) = known.contains(&task.id).then(|| self.done(task)) {
+                monitor.note(&format!("warning: {refused}; its task is done again"));
+                damaged.insert(task.id.as_str());
+            } else if known.contains(&task.id) {
+                continue;
+            }
+            missing.push(task);
+        }
+        let mut worked =
+            Worked { known: own().count() - missing.len(), damaged: damaged.len(), counts: Counts::default() };
         if missing.is_empty() {
             return Ok(worked);
         }
         shuffle(&mut missing, seed);
+        let results = self.path.join("results");
+        monitor.kept(&results, worked.known);
         let inputs = Inputs { store: Arc::clone(&self.store), folder: self.path.join("inputs") };
         let worker = Worker::with(&campaign, Arc::new(inputs));
         let stage = Stage::new(monitor, "tasks", most_s.map(|seconds| monitor.seconds() + seconds));
@@ -172,7 +195,8 @@ impl Folder {
                 let Some(task) = missing.get(place).filter(|_| !stage.cancelled()) else { break };
                 let path = self.result(&task.id);
                 // Another worker may have been here since.
-                let found = if self.store.entry(&path).is_ok() { Ok(None) } else { self.one(&worker, task, monitor) };
+                let is_there = !damaged.contains(task.id.as_str()) && self.store.entry(&path).is_ok();
+                let found = if is_there { Ok(None) } else { self.one(&worker, task, monitor) };
                 let mut ended = ended.lock().unwrap_or_else(PoisonError::into_inner);
                 match found {
                     Ok(Some(done)) => ended.0.counts.add(done.outcome),
@@ -182,6 +206,7 @@ impl Folder {
                         break;
                     }
                 }
+                monitor.kept(&results, ended.0.known + ended.0.counts.ended());
                 stage.advance(1.0 / missing.len() as f64);
             }
         };
@@ -203,8 +228,7 @@ impl Folder {
             return Err(error);
         }
         monitor.heed().map_err(|_| CampaignError::Cancelled)?;
-        let Counts { done, refused, failed, .. } = worked.counts;
-        worked.counts.missing = own().count() - worked.known - done - refused - failed;
+        worked.counts.missing = own().count() - worked.known - worked.counts.ended();
         Ok(worked)
     }
 
@@ -219,26 +243,20 @@ impl Folder {
     /// Puts all results together and hands them to `then`.
     ///
     /// # Errors
-    /// [`CampaignError`] for a folder without a campaign, and for a result that is none.
+    /// [`CampaignError`] for a folder without a campaign, and for results that are none, with all of them.
     pub fn merge<T>(&self, then: impl FnOnce(&Results<'_>) -> T) -> Result<T, CampaignError> {
         let (campaign, tasks) = self.read()?;
         let known = self.known();
         let mut results = Results::new(&campaign);
+        let mut damaged = Vec::new();
         for task in &tasks {
-            let path = self.result(&task.id);
-            let read = || -> Result<Done, CampaignError> {
-                let refuse = |reason: String| {
-                    let refused = Diagnostic::file(&path, reason);
-                    CampaignError::from(
-                        refused.expected("a result of `slipgrid campaign work`; removed, it is done again"),
-                    )
-                };
-                let bytes = self.store.read(&path).map_err(|error| refuse(format!("cannot be read: {error}")))?;
-                let done = Done::read(&bytes).map_err(refuse)?;
-                if done.id == task.id { Ok(done) } else { Err(refuse("is the result of another task".to_owned())) }
-            };
-            let done = if known.contains(&task.id) { Some(read()?) } else { None };
-            results.add(task, done.as_ref());
+            match known.contains(&task.id).then(|| self.done(task)).transpose() {
+                Ok(done) => results.add(task, done.as_ref()),
+                Err(refused) => damaged.push(refused),
+            }
+        }
+        if !damaged.is_empty() {
+            return Err(CampaignError::Damaged(damaged));
         }
         Ok(then(&results))
     }

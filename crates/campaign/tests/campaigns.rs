@@ -275,12 +275,59 @@ fn a_result_that_is_done_and_has_no_record_is_damaged() {
     folder(&store).keep(&planned).unwrap();
     folder(&store).work(Share::ALL, 2, None, 0, &Unwatched).unwrap();
     let id = &planned.tasks[0].id;
-    let path = PathBuf::from(format!("out/results/{}/{id}.json", &id[..2]));
+    let path = result_path(id);
     let text = format!("{{\"schema\":1,\"id\":\"{id}\",\"outcome\":\"done\",\"reason\":null,\"record\":null}}");
     store.put(&path, text.as_bytes()).unwrap();
     let refused = folder(&store).merge(|results| results.counts()).unwrap_err().to_string();
+    assert!(refused.starts_with("1 damaged result; `slipgrid campaign work` on the same folder"), "{refused}");
     assert!(refused.contains(id.as_str()) && refused.contains("is damaged"), "{refused}");
-    assert!(refused.contains("removed, it is done again"), "{refused}");
+}
+
+fn result_path(id: &str) -> PathBuf {
+    PathBuf::from(format!("out/results/{}/{id}.json", &id[..2]))
+}
+
+/// Keeps what it is told.
+#[derive(Default)]
+struct Notes(Mutex<Vec<String>>);
+
+impl Monitor for Notes {
+    fn note(&self, text: &str) {
+        self.0.lock().unwrap().push(text.to_owned());
+    }
+}
+
+#[test]
+fn every_damaged_result_is_named_and_done_again() {
+    let store = Memory::of(&[]);
+    let planned = planned(&given(SCENE, CAMPAIGN)).unwrap();
+    folder(&store).keep(&planned).unwrap();
+    folder(&store).work(Share::ALL, 2, None, 0, &Unwatched).unwrap();
+    let whole = store.all();
+    let ids: Vec<&str> = planned.tasks.iter().map(|task| task.id.as_str()).collect();
+    let half = whole[&result_path(ids[1])][..40].to_vec();
+    store.put(&result_path(ids[1]), &half).unwrap();
+    store.put(&result_path(ids[2]), b"").unwrap();
+    store.put(&result_path(ids[4]), &whole[&result_path(ids[5])]).unwrap();
+    let refused = folder(&store).merge(|results| results.counts()).unwrap_err().to_string();
+    let lines: Vec<&str> = refused.lines().collect();
+    assert_eq!(lines.len(), 4, "{refused}");
+    assert!(lines[0].starts_with("3 damaged results; `slipgrid campaign work` "), "{refused}");
+    let says = ["is no result: EOF", "is no result: EOF", "is the result of another task"];
+    for ((line, place), says) in lines[1..].iter().zip([1, 2, 4]).zip(says) {
+        assert!(line.contains(ids[place]) && line.contains(says), "{line}");
+    }
+
+    // A worker names those of its own share and does them again.
+    for (share, damaged, known) in [(Share { number: 2, of: 3 }, 2, 0), (Share::ALL, 1, 5), (Share::ALL, 0, 6)] {
+        let notes = Notes::default();
+        let worked = folder(&store).work(share, 2, None, 0, &notes).unwrap();
+        assert_eq!((worked.damaged, worked.counts.done, worked.known), (damaged, damaged, known));
+        let notes = notes.0.into_inner().unwrap();
+        assert_eq!(notes.len(), damaged, "{notes:?}");
+        assert!(notes.iter().all(|note| note.starts_with("warning: out/results/")), "{notes:?}");
+    }
+    assert_eq!(store.all(), whole);
 }
 
 #[test]

@@ -11,6 +11,9 @@ pub enum CliError {
     /// Input was refused; nothing was written.
     #[error(transparent)]
     Input(#[from] Diagnostic),
+    /// Several files were refused; nothing was written.
+    #[error("{0}")]
+    Inputs(String),
     /// A result could not be written.
     #[error(transparent)]
     Write(#[from] WriteError),
@@ -89,7 +92,7 @@ impl CliError {
     #[must_use]
     pub const fn exit_code(&self) -> u8 {
         match self {
-            Self::Input(_) => crate::exit_code::BAD_INPUT,
+            Self::Input(_) | Self::Inputs(_) => crate::exit_code::BAD_INPUT,
             Self::Interrupted => crate::exit_code::INTERRUPTED,
             Self::OutOfTime(_) => crate::exit_code::BUDGET,
             Self::Write(_) | Self::Stdout(_) | Self::Material(_) | Self::Other(_) => crate::exit_code::FAILURE,

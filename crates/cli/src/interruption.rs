@@ -15,9 +15,14 @@ use crate::{CliError, exit_code};
 /// Time that the stage under way has to hear of a first Ctrl-C.
 const GRACE: Duration = Duration::from_millis(700);
 
+/// What is kept of a search.
+pub const ANSWERS: &str = "answers of the search's model";
+/// What is kept of many tasks.
+pub const RESULTS: &str = "finished results";
+
 static ASKED: AtomicBool = AtomicBool::new(false);
 static ACCOUNT: Mutex<Account> =
-    Mutex::new(Account { stage: String::new(), written: Vec::new(), study: None, goes_on: None });
+    Mutex::new(Account { stage: String::new(), written: Vec::new(), kept: None, goes_on: None });
 static RENAMING: Mutex<()> = Mutex::new(());
 
 /// What is said of a run that was interrupted.
@@ -25,8 +30,8 @@ struct Account {
     stage: String,
     /// Files and folders with results.
     written: Vec<PathBuf>,
-    /// File of answers, and how many it holds.
-    study: Option<(PathBuf, usize)>,
+    /// The place of what is kept whatever happens, how much it is, and of what.
+    kept: Option<(PathBuf, usize, &'static str)>,
     /// The command that goes on with them.
     goes_on: Option<String>,
 }
@@ -81,12 +86,12 @@ pub fn enter(stage: &str) {
     stage.clone_into(&mut locked(&ACCOUNT).stage);
 }
 
-/// Says that the file at `study` holds `answers`, whatever happens to the run.
-pub fn kept(study: &Path, answers: usize) {
+/// Says that `place` holds so many of `what`, whatever happens to the run.
+pub fn kept(place: &Path, count: usize, what: &'static str) {
     let mut account = locked(&ACCOUNT);
-    match &mut account.study {
-        Some((path, known)) if path == study => *known = answers,
-        other => *other = Some((study.to_owned(), answers)),
+    match &mut account.kept {
+        Some((path, known, _)) if path == place => *known = count,
+        other => *other = Some((place.to_owned(), count, what)),
     }
 }
 
@@ -111,10 +116,14 @@ pub fn message() -> String {
     let account = locked(&ACCOUNT);
     let during = if account.stage.is_empty() { String::new() } else { format!(" during {}", account.stage) };
     let written: Vec<String> = account.written.iter().map(|path| path.display().to_string()).collect();
-    let written = if written.is_empty() { "no result".to_owned() } else { written.join(", ") };
-    let mut text = format!("interrupted{during}: {written} was written");
-    if let Some((path, answers)) = account.study.as_ref().filter(|(_, answers)| *answers > 0) {
-        text += &format!("; {answers} answers of the search's model are kept in {}", path.display());
+    let kept = account.kept.as_ref().filter(|(_, count, _)| *count > 0);
+    let mut text = format!("interrupted{during}: ");
+    if !(written.is_empty() && kept.is_some_and(|(.., what)| *what == RESULTS)) {
+        let written = if written.is_empty() { "no result".to_owned() } else { written.join(", ") };
+        text += &format!("{written} was written{}", if kept.is_some() { "; " } else { "" });
+    }
+    if let Some((path, count, what)) = kept {
+        text += &format!("{count} {what} are kept in {}", path.display());
         if let Some(command) = &account.goes_on {
             text += &format!(", and\n  {command}\ngoes on with them");
             if account.stage == "explorer" {

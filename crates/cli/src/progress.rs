@@ -1,6 +1,7 @@
 //! The monitor of the command line: a bar on a terminal, the clock of long runs, Ctrl-C.
 
 use std::io::{IsTerminal, Write};
+use std::path::Path;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
@@ -66,6 +67,10 @@ impl Monitor for Job<'_> {
 
     fn cancelled(&self) -> bool {
         interruption::asked()
+    }
+
+    fn kept(&self, place: &Path, results: usize) {
+        interruption::kept(place, results, interruption::RESULTS);
     }
 
     fn seconds(&self) -> f64 {

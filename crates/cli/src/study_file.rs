@@ -82,7 +82,7 @@ impl StudyFile {
             (known, whole) = read(path, &text, depends_on, loads)?;
         }
         if !known.is_empty() {
-            interruption::kept(path, known.len());
+            interruption::kept(path, known.len(), interruption::ANSWERS);
         }
         let writer = Writer { path: path.clone(), answers: known.len(), header: header(depends_on), whole, file: None };
         *self.writer.get_mut().unwrap_or_else(PoisonError::into_inner) = Some(writer);
@@ -138,7 +138,7 @@ impl Writer {
         file.write_all(text.as_bytes()).map_err(failed)?;
         self.file = Some(file);
         self.answers += 1;
-        interruption::kept(&self.path, self.answers);
+        interruption::kept(&self.path, self.answers, interruption::ANSWERS);
         Ok(())
     }
 

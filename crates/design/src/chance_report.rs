@@ -306,6 +306,12 @@ impl ChanceReport {
         self.beside(advice).map(|advice| advice.chance).or(self.value)
     }
 
+    /// The chance if the model lacked nothing; `None` where the chance counts what it may lack.
+    #[must_use]
+    pub fn if_model_lacked_nothing(&self) -> Option<f64> {
+        self.value.filter(|_| self.not_known.iter().any(|unknown| unknown == MODEL))
+    }
+
     /// The advice, where the chance does not count what trials say.
     fn beside<'a>(&self, advice: Option<&'a AdviceReport>) -> Option<&'a AdviceReport> {
         advice.filter(|_| self.not_known.iter().any(|unknown| unknown == MODEL))
@@ -339,6 +345,36 @@ mod tests {
     use super::*;
 
     #[test]
+    fn a_chance_that_counts_what_the_model_lacks_is_not_that_of_a_model_without_faults() {
+        let of = |not_known: &[&str]| ChanceReport {
+            value: Some(0.7),
+            stderr: None,
+            words: String::new(),
+            included: Vec::new(),
+            not_known: not_known.iter().map(|&name| name.to_owned()).collect(),
+            limited_by: None,
+            parts: Vec::new(),
+            draws: 1,
+        };
+        let advice = AdviceReport { chance: 0.2, ..advice() };
+        let (without, with) = (of(&[TOLERANCES, MODEL]), of(&[TOLERANCES]));
+        assert_eq!((without.announced_value(Some(&advice)), without.if_model_lacked_nothing()), (Some(0.2), Some(0.7)));
+        assert_eq!((with.announced_value(Some(&advice)), with.if_model_lacked_nothing()), (Some(0.7), None));
+        assert_eq!((without.announced_value(None), without.if_model_lacked_nothing()), (Some(0.7), Some(0.7)));
+    }
+
+    fn advice() -> AdviceReport {
+        AdviceReport {
+            advice: String::new(),
+            chance: 0.1,
+            trials: 0,
+            words: String::new(),
+            predicted: Vec::new(),
+            rather: Vec::new(),
+        }
+    }
+
+    #[test]
     fn a_chance_that_is_not_known_is_said_so_in_sentences() {
         let chance = ChanceReport {
             value: None,
@@ -350,15 +386,7 @@ mod tests {
             parts: Vec::new(),
             draws: 0,
         };
-        let advice = AdviceReport {
-            advice: String::new(),
-            chance: 0.1,
-            trials: 0,
-            words: String::new(),
-            predicted: Vec::new(),
-            rather: Vec::new(),
-        };
-        let lines = chance.lines(Some(&advice));
+        let lines = chance.lines(Some(&advice()));
         assert_eq!(
             lines,
             [

@@ -8,7 +8,7 @@ use crate::multi_fidelity::MultiFidelityLoop;
 use crate::task::DesignTask;
 
 /// Seconds, and bytes, up to which nothing is said.
-const SHORT_S: f64 = 60.0;
+const SHORT_S: f64 = 30.0;
 const SMALL_BYTES: f64 = (1_u64 << 30) as f64;
 
 /// Designs that a search, and what is said of its best one, ask of: of the model in the plane, and in space of its guide
@@ -69,7 +69,7 @@ impl MultiFidelityLoop<'_> {
     }
 }
 
-/// That `what` takes `expense` on `threads` threads, where that is more than a minute or a gigabyte; `may_go_on`: until a
+/// That `what` takes `expense` on `threads` threads, where that is more than half a minute or a gigabyte; `may_go_on`: until a
 /// standard error is small enough.
 #[must_use]
 pub fn cost_line(what: &str, expense: Expense, may_go_on: bool, threads: usize) -> Option<String> {
@@ -103,9 +103,9 @@ mod tests {
     #[test]
     fn only_what_is_long_or_large_is_said() {
         let expense = |wall_s: f64, gib: f64| Expense { core_s: wall_s, wall_s, bytes: gib * SMALL_BYTES };
-        assert_eq!(cost_line("this run", expense(59.0, 0.9), true, 2), None);
-        let told = cost_line("this run", expense(61.0, 0.1), false, 2).unwrap();
-        assert_eq!(told, "this run takes about 61 s, estimated for 2 threads with cores of their own");
+        assert_eq!(cost_line("this run", expense(29.0, 0.9), true, 2), None);
+        let told = cost_line("this run", expense(31.0, 0.1), false, 2).unwrap();
+        assert_eq!(told, "this run takes about 31 s, estimated for 2 threads with cores of their own");
         let told = cost_line("this run", expense(7300.0, 2.0), true, 2).unwrap();
         assert!(told.contains("2 h or, until") && told.contains("2.0 GiB of memory"), "{told}");
         assert!(cost_line("a", expense(1.0, 1.5), false, 1).unwrap().contains("about 1 s and 1.5 GiB"));

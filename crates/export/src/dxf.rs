@@ -10,6 +10,7 @@ use std::io::{self, Write};
 
 use slipgrid_pattern::{Arrangement, Pattern};
 
+use crate::ascii::ascii;
 use crate::number::{COORDINATE_DECIMALS, push_decimal};
 use crate::stream::{finish, hand_on};
 use crate::words::{groove_direction, sliding_direction};
@@ -265,13 +266,9 @@ impl Writer {
         }
     }
 
-    /// A comment of printable ASCII: anything else becomes a question mark.
+    /// A comment of printable ASCII.
     fn comment(&mut self, text: &str) {
-        let ascii: String = text
-            .chars()
-            .take(LONGEST_COMMENT)
-            .map(|c| if c.is_ascii_graphic() || c == ' ' { c } else { '?' })
-            .collect();
+        let ascii: String = ascii(text).chars().take(LONGEST_COMMENT).collect();
         self.pair(999, &ascii);
     }
 

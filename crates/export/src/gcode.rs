@@ -5,6 +5,7 @@
 
 use std::io::{self, Write};
 
+use crate::ascii::ascii;
 use crate::number::{COORDINATE_DECIMALS, decimal, push_decimal};
 use crate::stream::{finish, hand_on};
 use crate::words::sliding_direction;
@@ -67,11 +68,10 @@ pub fn gcode(layout: &Layout, plan: &GcodePlan, heading: &Heading, to: &mut dyn 
     finish(&mut out, to)
 }
 
-/// Comments stand in parentheses, of printable ASCII.
+/// Comments stand in parentheses, of printable ASCII; those within become brackets.
 fn comment(out: &mut String, text: &str) {
     out.push('(');
-    let allowed = |c: &char| (c.is_ascii_graphic() && !matches!(c, '(' | ')')) || *c == ' ';
-    out.extend(text.chars().map(|c| if allowed(&c) { c } else { '?' }));
+    out.push_str(&ascii(text).replace('(', "[").replace(')', "]"));
     out.push_str(")\n");
 }
 

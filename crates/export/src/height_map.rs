@@ -5,6 +5,7 @@
 
 use std::io::{self, Write};
 
+use crate::ascii::ascii;
 use crate::{Cavity, ExportError, Heading, Laser, Layout};
 
 /// Most pixels along a side.
@@ -156,7 +157,7 @@ pub fn height_map(layout: &Layout, map: &HeightMap, heading: &Heading, to: &mut 
     );
     for (keyword, text) in [
         ("Software", format!("slipgrid {}", heading.version)),
-        ("Title", latin(heading.name)),
+        ("Title", ascii(heading.name)),
         ("Description", meaning),
     ] {
         encoder.add_text_chunk(keyword.to_owned(), text).map_err(io::Error::other)?;
@@ -172,11 +173,6 @@ pub fn height_map(layout: &Layout, map: &HeightMap, heading: &Heading, to: &mut 
         stream.write_all(&line)?;
     }
     stream.finish().map_err(io::Error::other)
-}
-
-/// What a text chunk may hold: others become question marks.
-fn latin(text: &str) -> String {
-    text.chars().map(|c| if c.is_ascii_graphic() || c == ' ' { c } else { '?' }).collect()
 }
 
 #[cfg(test)]

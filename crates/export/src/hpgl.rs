@@ -6,6 +6,7 @@
 
 use std::io::{self, Write};
 
+use crate::ascii::ascii;
 use crate::number::push_decimal;
 use crate::outline::rims;
 use crate::stream::{finish, hand_on};
@@ -56,7 +57,7 @@ pub fn hpgl(layout: &Layout, marking: Option<&Marking>, heading: &Heading, to: &
 /// A comment: printable ASCII without its own delimiter.
 fn comment(out: &mut String, text: &str) {
     out.push_str("CO \"");
-    out.extend(text.chars().map(|c| if (c.is_ascii_graphic() && c != '"') || c == ' ' { c } else { '?' }));
+    out.push_str(&ascii(text).replace('"', "'"));
     out.push_str("\";\n");
 }
 

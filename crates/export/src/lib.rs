@@ -49,6 +49,7 @@
 //! ```
 
 mod ablation;
+mod ascii;
 mod cavity;
 mod clip;
 mod clip_simple;

@@ -50,12 +50,6 @@ impl Marking {
         if laser.is_mask() { Err(ExportError::NoLines { what }) } else { Ok(marking) }
     }
 
-    /// Hatch or mask.
-    #[must_use]
-    pub const fn exposure(&self) -> Exposure {
-        self.exposure
-    }
-
     /// How far the spot's centre stays inside a cavity's edge, in metres.
     #[must_use]
     pub const fn spot_compensation_m(&self) -> f64 {

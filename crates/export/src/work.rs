@@ -69,7 +69,7 @@ pub struct WorkSheet {
     /// The spot's centre stays this far inside a cavity's edge, in um.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub spot_compensation_um: Option<f64>,
-    /// Where lines run.
+    /// Where lines run; absent for a mask.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub marking_direction: Option<String>,
     /// Distance of lines that the laser is set to, `laser.hatch_um`, in um: nominal, and that of an endless hatch. Within a cavity
@@ -90,10 +90,10 @@ pub struct WorkSheet {
     /// Share of the spot by which lines overlap at the nominal distance.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub line_overlap: Option<f64>,
-    /// Lines on the specimen.
+    /// Lines on the specimen; absent for a mask, which marks none.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub lines_on_specimen: Option<u64>,
-    /// Length of all lines, in mm.
+    /// Length of all lines, in mm; absent for a mask.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub marked_length_mm: Option<f64>,
     /// Distance of bursts along a line: speed over repetition rate, in um.
@@ -186,27 +186,21 @@ impl WorkSheet {
 
     /// Lines, overlaps and passes.
     fn mark(&mut self, layout: &Layout, laser: &Laser) {
-        let Ok(marking) = Marking::new(laser) else { return };
+        // A mask exposes cavities as wholes: nothing is marked line by line.
+        let Some(marking) = Marking::new(laser).ok().filter(|_| !laser.is_mask()) else { return };
         let rounded = |value: f64| round_digits(value, DERIVED_DIGITS);
         let hatched = Hatched::new(layout, &marking);
         (self.lines_on_specimen, self.marked_length_mm) = (Some(hatched.lines), Some(rounded(hatched.length_m * 1e3)));
         self.spot_compensation_um = Some(micrometres(marking.spot_compensation_m()));
         self.marking_direction = Some(
-            match marking.exposure() {
-                Exposure::Hatch if layout.pattern().planform() == Planform::Crosshatch => {
-                    "along the grooves, first one family and then the other, whose lines end half a spot before the grooves of the \
-                     first: crossings are marked once; every second line backwards"
-                }
-                Exposure::Hatch => {
-                    "along the longer side of a cavity, along x where both are alike; every second line backwards"
-                }
-                Exposure::Mask => "along the contour, anticlockwise",
+            if layout.pattern().planform() == Planform::Crosshatch {
+                "along the grooves, first one family and then the other, whose lines end half a spot before the grooves of the \
+                 first: crossings are marked once; every second line backwards"
+            } else {
+                "along the longer side of a cavity, along x where both are alike; every second line backwards"
             }
             .to_owned(),
         );
-        if marking.exposure() == Exposure::Mask {
-            return;
-        }
         let overlap =
             |distance_um: Option<f64>| distance_um.zip(laser.spot_um).map(|(d, spot)| rounded(1.0 - d / spot));
         self.line_distance_um = laser.line_distance_um();

@@ -130,6 +130,7 @@ impl Calibration {
     /// # Errors
     /// As [`Calibration::read`].
     pub fn from_document(document: &Document) -> Result<Self, Diagnostic> {
+        let document = &document.clone().as_kind(FileKind::Calibration);
         let file: CalibrationFile = document.parse()?;
         let bulk = file.material.get_ref();
         let yield_pressure_pa = document.optional(bulk.yield_pressure_mpa.as_ref(), PRESSURE_MPA)?;

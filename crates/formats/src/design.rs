@@ -168,6 +168,7 @@ impl Design {
     /// # Errors
     /// As [`Design::read`].
     pub fn from_document(document: Document) -> Result<Self, Diagnostic> {
+        let document = document.as_kind(FileKind::Design);
         let file: DesignFile = document.parse()?;
         let ranges = read_ranges(&document, &file)?;
         let target = read_target(&document, &file.target)?;

@@ -137,7 +137,8 @@ pub fn checked(flag: &str, value: f64, quantity: Quantity) -> Result<f64, Diagno
     }
     // Not with three hundred digits.
     let given = if value.abs() < 1e16 { value.to_string() } else { format!("{value:e}") };
-    Err(Diagnostic::flag(flag, given, "is out of range").expected(quantity.to_string()))
+    let slip = crate::plausible::slip(quantity, value).map_or_else(String::new, |slip| format!("; {slip}"));
+    Err(Diagnostic::flag(flag, given, "is out of range").expected(format!("{quantity}{slip}")))
 }
 
 #[cfg(test)]
@@ -173,6 +174,13 @@ mod tests {
         };
         let message = refused.to_string();
         assert!(message.len() < 2000 && !message.contains('\u{1b}'), "{message}");
+    }
+
+    #[test]
+    fn a_flag_in_another_unit_is_told_which() {
+        let refused = checked("youngs_modulus_gpa", 380e6, slipgrid_units::MODULUS_GPA).unwrap_err().to_string();
+        let expected = "expected a number above 0 up to 1250 GPa; in Pa, that would be 0.38 GPa";
+        assert_eq!(refused, format!("youngs_modulus_gpa: 380000000 is out of range; {expected}"));
     }
 
     #[test]

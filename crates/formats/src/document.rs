@@ -26,6 +26,8 @@ pub struct Document {
     source: Source,
     path: PathBuf,
     text: String,
+    /// What it should be, where that is known.
+    kind: Option<FileKind>,
 }
 
 impl Document {
@@ -36,7 +38,14 @@ impl Document {
     pub fn read(source: &Source, path: &Path, kind: FileKind) -> Result<Self, Diagnostic> {
         let document = Self::read_any(source, path, kind)?;
         document.require(kind)?;
-        Ok(document)
+        Ok(document.as_kind(kind))
+    }
+
+    /// The same, known to be meant as a `kind`: what is missing is said with what such a file needs.
+    #[must_use]
+    pub fn as_kind(mut self, kind: FileKind) -> Self {
+        self.kind = Some(kind);
+        self
     }
 
     /// Refuses the document if it seems to be something else than a `kind`.
@@ -56,7 +65,7 @@ impl Document {
             return Err(kind.refuse_folder(source, path));
         }
         let text = read_text(source, path, kind.expected())?;
-        Ok(Self { source: Arc::clone(source), path: path.to_owned(), text })
+        Ok(Self { source: Arc::clone(source), path: path.to_owned(), text, kind: None })
     }
 
     /// Where the files come from that this one names.
@@ -80,7 +89,7 @@ impl Document {
     /// A document from text; the files that it names are those of `source`.
     #[must_use]
     pub fn within(source: &Source, path: impl Into<PathBuf>, text: impl Into<String>) -> Self {
-        Self { source: Arc::clone(source), path: path.into(), text: text.into() }
+        Self { source: Arc::clone(source), path: path.into(), text: text.into(), kind: None }
     }
 
     /// The file's path, as the user named it.
@@ -128,13 +137,28 @@ impl Document {
         // The document itself has no key.
         let outer = Some(&table).filter(|span| !span.is_empty() && **span != (0..self.text.len()));
         let outer = outer.and_then(|span| self.key_at(span));
+        if outer.is_none() && DeTable::parse(&self.text).is_ok_and(|table| table.get_ref().is_empty()) {
+            let expected = self.kind.map_or_else(
+                || {
+                    format!(
+                        "a file with the key {key}{}",
+                        needed_value(key).map_or_else(String::new, |value| format!(": {value}"))
+                    )
+                },
+                |kind| format!("{}, such as `{}` writes", kind.expected(), kind.written_by()),
+            );
+            return Diagnostic::file(&self.path, "holds no keys").expected(expected);
+        }
+        let kind = self.kind.filter(|_| outer.is_none());
+        let needed = kind.and_then(|kind| Some((kind.needed_table(key)?, kind.written_by())));
+        let needed = needed.map(|(keys, by)| format!("a table [{key}] with {keys}, as `{by}` writes one"));
         let inside = outer.map_or_else(|| key.into(), |outer| format!("{outer}.{key}").into());
         Diagnostic {
             file: Some(self.path.as_path().into()),
             line: Some(self.line(table.start)),
             key: Some(inside),
             reason: "is missing".to_owned(),
-            expected: needed_value(key),
+            expected: needed.or_else(|| needed_value(key)),
             ..Diagnostic::default()
         }
     }
@@ -343,6 +367,8 @@ fn needed_value(key: &str) -> Option<String> {
         "inner_diameter_mm" => number(LENGTH_MM, "4.0"),
         "width_um" | "spacing_um" => number(LENGTH_UM, "130.0"),
         "depth_um" => number(LENGTH_UM, "5.0"),
+        "name" | "source" => Some(format!("a text, such as {key} = \"...\"")),
+        "base" => Some(format!("the path of a scene or a design, such as {key} = \"scene.toml\"")),
         "material" => Some(format!("the path of a file, such as {key} = \"material.toml\", or a table [{key}]")),
         _ => None,
     }

@@ -77,6 +77,34 @@ impl FileKind {
         }
     }
 
+    /// What writes a file of this kind to start from.
+    #[must_use]
+    pub const fn written_by(self) -> &'static str {
+        match self {
+            Self::Scene => "slipgrid new scene",
+            Self::Design => "slipgrid new design",
+            Self::Calibration => "slipgrid new calibration",
+            Self::Material => "slipgrid calibrate",
+            Self::Result => "slipgrid optimize",
+        }
+    }
+
+    /// What an outermost table that a file of this kind must have holds at least; `None` for what may be no table.
+    #[must_use]
+    pub fn needed_table(self, key: &str) -> Option<&'static str> {
+        match (self, key) {
+            (Self::Design, "target") => Some("quantity, pressure_mpa, and value with tolerance"),
+            (Self::Design, "bounds") => Some("width_um, spacing_um and depth_um"),
+            (Self::Design, "specimen") => Some("shape and diameter_mm, or what its shape needs"),
+            (Self::Scene, "load") => Some("pressure_mpa and speed_mm_s"),
+            (Self::Calibration, "material") => Some("youngs_modulus_gpa and density_g_cm3"),
+            (Self::Calibration, "specimen") => Some("radius_mm, or what its shape needs"),
+            (Self::Calibration, "measurements") => Some("flat = \"TABLE.csv\""),
+            (Self::Material, "friction") => Some("static_mean and dynamic_mean"),
+            _ => None,
+        }
+    }
+
     /// What a file of this kind is, and what takes it.
     #[must_use]
     pub const fn seems(self) -> &'static str {

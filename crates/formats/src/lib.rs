@@ -26,7 +26,7 @@
 //! let file: MaterialFile = document.parse()?;
 //! let refused = read_material(&document, &file, &(0..text.len())).unwrap_err();
 //! assert_eq!((refused.line, refused.key.as_deref()), (Some(2), Some("density_g_cm3")));
-//! assert!(refused.expected.is_some_and(|expected| expected.starts_with("a number above 0 up to 30 g/cm3")));
+//! assert!(refused.expected.is_some_and(|expected| expected.starts_with("a number above 0 up to 23 g/cm3")));
 //! # Ok::<(), slipgrid_formats::Diagnostic>(())
 //! ```
 

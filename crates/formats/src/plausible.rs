@@ -5,7 +5,7 @@
 //! only told.
 
 use crate::diagnostic::Diagnostic;
-use slipgrid_units::{Quantity, significant, tidy};
+use slipgrid_units::{LARGEST_DENSITY_G_CM3, LARGEST_MODULUS_GPA, Quantity, significant, tidy};
 
 /// A quantity of an experiment, in the unit of its key.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -37,7 +37,7 @@ pub const FRICTION: Plausible = Plausible {
 pub const MODULUS: Plausible = Plausible {
     what: "Young's moduli",
     unit: "GPa",
-    measurable: [1e-6, 1250.0],
+    measurable: [1e-6, LARGEST_MODULUS_GPA],
     usual: [5e-4, 250.0],
     why: "rubber has 0.001, polymers 0.1 to 5, steel 210, diamond 1220 GPa",
     slips: &[("in MPa, that", 1e-3), ("in Pa, that", 1e-9)],
@@ -46,7 +46,7 @@ pub const MODULUS: Plausible = Plausible {
 pub const DENSITY: Plausible = Plausible {
     what: "densities",
     unit: "g/cm3",
-    measurable: [1e-3, 23.0],
+    measurable: [1e-3, LARGEST_DENSITY_G_CM3],
     usual: [0.1, 20.0],
     why: "foams have 0.1, polymers 0.9 to 2.2, steel 7.9, osmium 22.6 g/cm3",
     slips: &[("in kg/m3, that", 1e-3)],
@@ -275,6 +275,14 @@ mod tests {
         ten[1] = 0.9;
         for usual in [&ten[..], &[0.25, 0.3], &[0.99, 1.01], &[1.0], &[40.0, 60.0], &[], &[f64::NAN]] {
             assert_eq!(exchanged_forces(usual), None, "{usual:?}");
+        }
+    }
+
+    #[test]
+    fn what_was_measured_is_what_files_may_hold() {
+        for (measured, held) in [(MODULUS, slipgrid_units::MODULUS_GPA), (DENSITY, slipgrid_units::DENSITY_G_CM3)] {
+            let most = measured.measurable[1];
+            assert!(held.accepts(most) && !held.accepts(most.next_up()), "{}: {held}", measured.what);
         }
     }
 

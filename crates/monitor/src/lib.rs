@@ -25,6 +25,8 @@
 mod heeding;
 pub mod memory;
 
+use std::path::Path;
+
 pub use heeding::Heeding;
 pub use memory::{InMemory, Key, Memory, recalled};
 
@@ -62,6 +64,9 @@ pub trait Monitor: Sync {
 
     /// Something worth a line to a person while the work goes on.
     fn note(&self, _text: &str) {}
+
+    /// So many results stand at a place, whole, whatever happens to the work.
+    fn kept(&self, _place: &Path, _results: usize) {}
 
     /// What the caller remembers of earlier computations; the results are the same without.
     fn memory(&self) -> Option<&dyn Memory> {
@@ -128,6 +133,10 @@ macro_rules! passed_on {
 
         fn note(&self, text: &str) {
             self.$to.note(text);
+        }
+
+        fn kept(&self, place: &Path, results: usize) {
+            self.$to.kept(place, results);
         }
 
         fn memory(&self) -> Option<&dyn Memory> {
@@ -215,6 +224,10 @@ impl Monitor for Remembering<'_> {
 
     fn note(&self, text: &str) {
         self.behind.note(text);
+    }
+
+    fn kept(&self, place: &Path, results: usize) {
+        self.behind.kept(place, results);
     }
 
     fn memory(&self) -> Option<&dyn Memory> {

@@ -113,6 +113,8 @@ def test_what_a_map_is_asked_for_is_checked() -> None:
     ]:
         with pytest.raises(InputError, match=says):
             surface.area_law(**{"youngs_modulus_gpa": 0.38, **wrong})
+    with pytest.raises(InputError, match="youngs_modulus_gpa: 380000000 is out of range; .*in Pa, that would be 0.38 GPa"):
+        surface.area_law(youngs_modulus_gpa=380e6)
     for wrong in (b"abc", "abc", 5.0):
         with pytest.raises(TypeError, match="pressures_mpa is .*: expected a list of numbers"):
             surface.area_law(youngs_modulus_gpa=0.38, pressures_mpa=wrong)  # type: ignore[arg-type]

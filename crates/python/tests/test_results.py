@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import copy as copies
 import json
 import math
+import pickle
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -11,8 +14,32 @@ import pytest
 import slipgrid
 from conftest import DESIGN, ROOT, SCENE
 from slipgrid._records import toml
+from slipgrid.errors import ComputationError
 
 SYNTHETIC = ROOT / "calibration" / "synthetic-polymer"
+
+
+def copied(found, folder: Path) -> None:
+    """A pickled copy, a copy of it, and a deep copy are what they are copies of, with the same files."""
+    files = {path.name: path.read_bytes() for path in found.export(folder / "own")}
+    pickled = pickle.loads(pickle.dumps(found))
+    for place, copy in enumerate([pickled, pickle.loads(pickle.dumps(pickled)), copies.deepcopy(found)]):
+        assert type(copy) is type(found) and str(copy) == str(found)
+        assert {path.name: path.read_bytes() for path in copy.export(folder / f"copy-{place}")} == files
+        if isinstance(found, slipgrid.Record):
+            assert copy == found and copy.to_dict() == found.to_dict()
+
+
+def test_records_are_copied() -> None:
+    record = slipgrid.Record({"a": {"b": [1.5, None]}})
+    assert pickle.loads(pickle.dumps(record)) == record == copies.deepcopy(record)
+
+
+def test_frames_say_what_they_need(monkeypatch: pytest.MonkeyPatch) -> None:
+    found = slipgrid.Scene(**SCENE).simulate()
+    monkeypatch.setitem(sys.modules, "pandas", None)
+    with pytest.raises(ImportError, match=r"frame\(\) needs pandas .*: pip install pandas$"):
+        found.frame()
 
 
 def test_a_scene_is_solved_as_by_the_command_line(program, tmp_path: Path) -> None:
@@ -30,6 +57,7 @@ def test_a_scene_is_solved_as_by_the_command_line(program, tmp_path: Path) -> No
     for name in names - {"timings.json"}:
         assert (tmp_path / "python" / name).read_bytes() == (tmp_path / "cli" / name).read_bytes(), name
     assert "<td>" in found._repr_html_() and "ratio" in str(found)
+    copied(found, tmp_path)
     with pytest.raises(AttributeError, match="no field 'rato'"):
         found.rato
 
@@ -53,6 +81,12 @@ def test_a_design_is_found_as_by_the_command_line_with_any_number_of_threads(pro
     with pytest.raises(ValueError, match="expected one of dxf, svg"):
         found.drawing("pdf")
     assert "<iframe" in found._repr_html_() and "small" in str(found)
+    copied(found, tmp_path)
+    copy = pickle.loads(pickle.dumps(found))
+    assert copy.headline == found.headline and copy.drawing("dxf") == found.drawing("dxf")
+    assert copy.report_html() == found.report_html() and copy.times.wall_s == found.times.wall_s
+    with pytest.raises(ComputationError, match="draw 'stl' with the result that was copied"):
+        copy.drawing("stl")
     assert found.to_dict() == json.loads((tmp_path / "cli" / "result.json").read_text())
 
 
@@ -63,6 +97,8 @@ def test_a_calibration_and_its_trials_are_those_of_the_command_line(program, tmp
     assert trials.to_dict() == expected and "patterned samples" in str(trials)
     program("calibrate", SYNTHETIC / "calibration.toml", "-o", "cli.toml", "--report", "report")
     material = calibration.fit()
+    copied(material, tmp_path)
+    assert copies.deepcopy(material).toml == material.toml and copies.deepcopy(material).fit == material.fit
     assert material.save(tmp_path / "python.toml").read_bytes() == (tmp_path / "cli.toml").read_bytes()
     assert material.fit.to_dict() == json.loads((tmp_path / "report" / "fit.json").read_text())
     # The material is one that scenes take.

@@ -94,74 +94,99 @@ pub struct DrawingInput<'a> {
     pub material: &'a MaterialReport,
 }
 
+/// A format that cannot be written, and why.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("{}: {error}", format.described()[0])]
+pub struct Unwritten {
+    /// The format.
+    pub format: LaserFile,
+    /// Why.
+    pub error: ExportError,
+}
+
 /// Adds the pattern's files in `formats` to `outputs`.
 ///
 /// # Errors
-/// [`ExportError`] if no cavity fits on the specimen, or far too many.
+/// [`ExportError`] if no cavity fits on the specimen, or far too many, and where a format needs what the design does not give.
 pub fn draw(input: &DrawingInput<'_>, formats: &[LaserFile], outputs: &mut Outputs) -> Result<(), ExportError> {
-    draw_with(input, formats, None, outputs)
+    let unwritten = draw_with(input, formats, None, outputs)?;
+    unwritten.into_iter().next().map_or(Ok(()), |first| Err(first.error))
 }
 
-/// As [`draw`], with pixels of `pixel_um` in a height map.
+/// As [`draw`], with pixels of `pixel_um` in a height map. Formats that cannot be written leave the others as they are: they are
+/// returned.
 ///
 /// # Errors
-/// As [`draw`]; [`ExportError`] where a format needs what the design does not give.
+/// [`ExportError`] for what no format can hold: a laser or a depth that cannot be, no cavity on the specimen, or far too many.
 pub fn draw_with(
     input: &DrawingInput<'_>,
     formats: &[LaserFile],
     pixel_um: Option<f64>,
     outputs: &mut Outputs,
-) -> Result<(), ExportError> {
+) -> Result<Vec<Unwritten>, ExportError> {
     let layout = input.outline.layout(input.pattern)?;
-    let laser = input.laser;
-    laser.validate()?;
-    laser.check_depth(input.pattern.depth_m())?;
+    input.laser.validate()?;
+    input.laser.check_depth(input.pattern.depth_m())?;
     let drawing = Arc::new(Drawing::new(input, layout));
-    let depth_m = input.pattern.depth_m();
-    for format in formats {
-        let drawing = Arc::clone(&drawing);
-        match format {
-            LaserFile::Dxf => outputs.add_stream("pattern.dxf", move |to| drawing.write(to, dxf)),
-            LaserFile::Svg => outputs.add_stream("pattern.svg", move |to| drawing.write(to, svg)),
-            LaserFile::Csv => {
-                let bursts = laser.bursts(depth_m);
-                outputs.add_stream("pattern.csv", move |to| csv(&layout, bursts, to));
-            }
-            LaserFile::Corners => outputs.add_stream("corners.csv", move |to| corners_csv(&layout, to)),
-            LaserFile::Hatch => {
-                let marking = Marking::of_lines(&laser, "hatch.csv")?;
-                outputs.add_stream("hatch.csv", move |to| hatch_csv(&layout, &marking, to));
-            }
-            LaserFile::Plt => {
-                // Contours alone are a plot too.
-                let hatched = laser.spot_um.is_some() && !laser.is_mask();
-                let marking = hatched.then(|| Marking::new(&laser)).transpose()?;
-                outputs.add_stream("pattern.plt", move |to| {
-                    drawing.write(to, |layout, heading, to| hpgl(layout, marking.as_ref(), heading, to))
-                });
-            }
-            LaserFile::Gcode => {
-                let plan = GcodePlan::new(&laser, Removal::new(&layout, &laser).map_or(1, |removal| removal.passes))?;
-                outputs.add_stream("pattern.gcode", move |to| {
-                    drawing.write(to, |layout, heading, to| gcode(layout, &plan, heading, to))
-                });
-            }
-            LaserFile::Png => {
-                let map = HeightMap::new(&layout, &laser, pixel_um)?;
-                outputs.add_stream("height-map.png", move |to| {
-                    drawing.write(to, |layout, heading, to| height_map(layout, &map, heading, to))
-                });
-            }
-            LaserFile::Stl => {
-                check_stl(&layout, &laser)?;
-                outputs.add_stream("removed.stl", move |to| {
-                    drawing.write(to, |layout, heading, to| stl(layout, &laser, heading, to))
-                });
-            }
-            LaserFile::Process => {
-                let sheet = ProcessSheet::new(&layout, process_input(input))?;
-                outputs.add("process.toml", sheet.to_toml()?);
-            }
+    let mut unwritten = Vec::new();
+    for &format in formats {
+        if let Err(error) = add(format, input, &drawing, pixel_um, outputs) {
+            unwritten.push(Unwritten { format, error });
+        }
+    }
+    Ok(unwritten)
+}
+
+/// Adds the file of one format, or nothing.
+fn add(
+    format: LaserFile,
+    input: &DrawingInput<'_>,
+    drawing: &Arc<Drawing>,
+    pixel_um: Option<f64>,
+    outputs: &mut Outputs,
+) -> Result<(), ExportError> {
+    let (layout, laser, drawing) = (drawing.layout, input.laser, Arc::clone(drawing));
+    match format {
+        LaserFile::Dxf => outputs.add_stream("pattern.dxf", move |to| drawing.write(to, dxf)),
+        LaserFile::Svg => outputs.add_stream("pattern.svg", move |to| drawing.write(to, svg)),
+        LaserFile::Csv => {
+            let bursts = laser.bursts(input.pattern.depth_m());
+            outputs.add_stream("pattern.csv", move |to| csv(&layout, bursts, to));
+        }
+        LaserFile::Corners => outputs.add_stream("corners.csv", move |to| corners_csv(&layout, to)),
+        LaserFile::Hatch => {
+            let marking = Marking::of_lines(&laser, "hatch.csv")?;
+            outputs.add_stream("hatch.csv", move |to| hatch_csv(&layout, &marking, to));
+        }
+        LaserFile::Plt => {
+            // Contours alone are a plot too.
+            let hatched = laser.spot_um.is_some() && !laser.is_mask();
+            let marking = hatched.then(|| Marking::new(&laser)).transpose()?;
+            outputs.add_stream("pattern.plt", move |to| {
+                drawing.write(to, |layout, heading, to| hpgl(layout, marking.as_ref(), heading, to))
+            });
+        }
+        LaserFile::Gcode => {
+            let plan = GcodePlan::new(&laser, Removal::new(&layout, &laser).map_or(1, |removal| removal.passes))?;
+            outputs.add_stream("pattern.gcode", move |to| {
+                drawing.write(to, |layout, heading, to| gcode(layout, &plan, heading, to))
+            });
+        }
+        LaserFile::Png => {
+            let map = HeightMap::new(&layout, &laser, pixel_um)?;
+            outputs.add_stream("height-map.png", move |to| {
+                drawing.write(to, |layout, heading, to| height_map(layout, &map, heading, to))
+            });
+        }
+        LaserFile::Stl => {
+            check_stl(&layout, &laser)?;
+            outputs.add_stream("removed.stl", move |to| {
+                drawing.write(to, |layout, heading, to| stl(layout, &laser, heading, to))
+            });
+        }
+        LaserFile::Process => {
+            let sheet = ProcessSheet::new(&layout, process_input(input))?;
+            outputs.add("process.toml", sheet.to_toml()?);
         }
     }
     Ok(())

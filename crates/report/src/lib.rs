@@ -40,5 +40,5 @@ pub mod written;
 
 pub use charts::ChartError;
 pub use error::ReportError;
-pub use laser_files::{DrawingInput, LaserFile, draw, draw_next, draw_with};
+pub use laser_files::{DrawingInput, LaserFile, Unwritten, draw, draw_next, draw_with};
 pub use outputs::{Content, Outputs};

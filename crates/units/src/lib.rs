@@ -113,12 +113,16 @@ pub const CORRELATION: Quantity = Quantity::new(Scale::Times(1.0), "", -1.0, fal
 pub const LENGTH_MM: Quantity = Quantity::new(Scale::Over(1e3), "mm", 0.0, true, 1e4);
 /// Nominal pressures: diamond yields at 100 GPa.
 pub const PRESSURE_MPA: Quantity = Quantity::new(Scale::Times(1e6), "MPa", 0.0, true, 1e5);
-/// Young's moduli: diamond has 1200 GPa.
-pub const MODULUS_GPA: Quantity = Quantity::new(Scale::Times(1e9), "GPa", 0.0, true, 2000.0);
+/// Largest Young's modulus that any file may hold: diamond has 1220 GPa.
+pub const LARGEST_MODULUS_GPA: f64 = 1250.0;
+/// Young's moduli.
+pub const MODULUS_GPA: Quantity = Quantity::new(Scale::Times(1e9), "GPa", 0.0, true, LARGEST_MODULUS_GPA);
 /// Standard deviations of Young's modulus.
-pub const MODULUS_STD_GPA: Quantity = Quantity::new(Scale::Times(1e9), "GPa", 0.0, false, 2000.0);
-/// Densities: osmium has 22.6 g/cm3.
-pub const DENSITY_G_CM3: Quantity = Quantity::new(Scale::Times(1e3), "g/cm3", 0.0, true, 30.0);
+pub const MODULUS_STD_GPA: Quantity = MODULUS_GPA.or_least();
+/// Largest density that any file may hold: osmium has 22.6 g/cm3.
+pub const LARGEST_DENSITY_G_CM3: f64 = 23.0;
+/// Densities.
+pub const DENSITY_G_CM3: Quantity = Quantity::new(Scale::Times(1e3), "g/cm3", 0.0, true, LARGEST_DENSITY_G_CM3);
 /// Sliding speeds.
 pub const SPEED_MM_S: Quantity = Quantity::new(Scale::Over(1e3), "mm/s", 0.0, true, 1e5);
 /// Relative humidity.
@@ -207,6 +211,6 @@ mod tests {
         assert!(PRESSURE_MPA.accepts(2.6) && !PRESSURE_MPA.accepts(0.0) && PRESSURE_MPA.or_least().accepts(0.0));
         assert!(!PRESSURE_MPA.accepts(2.6e6));
         assert!(HUMIDITY_PCT.accepts(0.0) && !HUMIDITY_PCT.accepts(-1.0) && !HUMIDITY_PCT.accepts(f64::NAN));
-        assert_eq!(DENSITY_G_CM3.to_string(), "a number above 0 up to 30 g/cm3");
+        assert_eq!(DENSITY_G_CM3.to_string(), "a number above 0 up to 23 g/cm3");
     }
 }

@@ -8,12 +8,17 @@ const OPEN_SCALE: f64 = 3.0;
 
 pub fn notes(model: &Model<'_>, fit: &Fit) -> Vec<String> {
     let Model { problem, layout, corrections, .. } = *model;
-    let least = corrections.delta.iter().copied().fold(f64::INFINITY, f64::min);
-    let most = corrections.delta.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let above_pct = |of: &mut dyn Iterator<Item = f64>| {
+        let [least, most] =
+            of.fold([f64::INFINITY, f64::NEG_INFINITY], |[least, most], at| [least.min(at), most.max(at)]);
+        format!("{:.2} to {:.2} %", (least - 1.0) * 100.0, (most - 1.0) * 100.0)
+    };
+    let over_steady = above_pct(&mut corrections.delta.iter().copied());
+    let over_law = above_pct(&mut fit.predictions.iter().map(|predicted| predicted.over_local_law));
     let mut notes = vec![format!(
-        "dynamic_mean: fitted through the spring-block model of the flat sample; dynamic friction lies {:.2} to {:.2} % above steady sliding, and the fit corrects for it",
-        (least - 1.0) * 100.0,
-        (most - 1.0) * 100.0
+        "dynamic_mean: fitted through the spring-block model of the flat sample; its dynamic friction lies {over_steady} above its own steady \
+         sliding, and the fit corrects for it. Above mu_d f(P), the steady sliding of an endless sample, it lies {over_law}: that is \
+         dynamic_over_steady in the material file, or its mean where that is one number"
     )];
     notes.extend(slowed(model));
     if layout.fixed_static.iter().any(Option::is_none) {

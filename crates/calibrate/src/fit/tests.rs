@@ -80,6 +80,13 @@ fn coefficients_behind_the_models_own_data_are_recovered() {
             assert!(pair.static_std_error.is_none());
         }
         assert!(fit.settled && fit.notes.iter().any(|note| note.contains("static_mean: not determined")));
+        // The excess over steady sliding and what the material file holds are two numbers, and said as such.
+        let percent = |of: f64| format!("{:.2}", 100.0 * (of - 1.0));
+        let over_law: Vec<f64> = fit.predictions.iter().map(|predicted| predicted.over_local_law).collect();
+        let least = percent(over_law.iter().copied().fold(f64::INFINITY, f64::min));
+        let most = percent(over_law.iter().copied().fold(f64::NEG_INFINITY, f64::max));
+        let said = format!("Above mu_d f(P), the steady sliding of an endless sample, it lies {least} to {most} %");
+        assert!(fit.notes[0].contains(&said), "{said}: {}", fit.notes[0]);
     }
 }
 

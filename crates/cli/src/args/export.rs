@@ -13,7 +13,8 @@ use slipgrid_report::LaserFile;
     slipgrid export out/ldpe-lower-friction/result.json --format plt,hatch,png,stl -o laser\n  \
     slipgrid export out/next --sample 2 --format gcode -o out/next/next-2\n\n\
     gcode and hatch need laser.spot_um in the design, gcode also laser.speed_mm_s; a mask has no lines and \
-    neither file. A pattern finer than the laser's limits is refused.")]
+    neither file. What cannot be written is said at the end, after the other formats. A pattern finer than the \
+    laser's limits is refused.")]
 pub struct ExportArgs {
     /// result.json of `optimize` or `next`, or the folder that holds it
     pub result: PathBuf,

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::OptimizeArgs;
+use super::{OptimizeArgs, WorkArgs};
 
 /// Characters that a shell does not take for themselves.
 const QUOTED: &str = " '\"\\$`&;()<>|*?";
@@ -15,6 +15,14 @@ impl OptimizeArgs {
         let given = [(self.table, " --table"), (self.no_explorer, " --no-explorer"), (no_cache, " --no-cache")];
         let flags: String = given.into_iter().filter_map(|(is_given, flag)| is_given.then_some(flag)).collect();
         format!("slipgrid optimize {}{output}{flags} --resume", word(&self.design))
+    }
+}
+
+impl WorkArgs {
+    /// The command that does what these arguments' command leaves.
+    pub fn resuming(&self) -> String {
+        let share = self.share.map_or_else(String::new, |share| format!(" --share {}/{}", share.number, share.of));
+        format!("slipgrid campaign work {}{share}", word(&self.folder))
     }
 }
 

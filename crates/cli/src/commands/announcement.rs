@@ -1,4 +1,4 @@
-//! One line on stderr before a run of more than a minute, or of more than a gigabyte.
+//! One line on stderr before a run of more than half a minute, or of more than a gigabyte.
 
 use slipgrid_design::cost_line;
 use slipgrid_springblock::{Expense, Fidelity, Scene, SceneError, Unwatched, bounded, expense, simulate};

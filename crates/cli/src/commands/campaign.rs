@@ -7,6 +7,7 @@ use std::time::SystemTime;
 use slipgrid_campaign::{CampaignError, Folder, Share, plan};
 
 use crate::args::{CampaignArgs, CampaignStep, MergeArgs, PlanArgs, WorkArgs};
+use crate::interruption::goes_on_with;
 use crate::output::{Place, check_file, write_file};
 use crate::progress::Job;
 use crate::{CliError, Console, exit_code};
@@ -50,8 +51,13 @@ fn work(args: &WorkArgs, console: &mut Console<'_>) -> Result<u8, CliError> {
     let seed = u64::from(std::process::id()).wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ u64::from(since.subsec_nanos());
     let (share, most_s) = (args.share.unwrap_or(Share::ALL), args.max_seconds.map(f64::from));
     let threads = console.threads;
+    goes_on_with(args.resuming());
     let worked = at(&args.folder).work(share, threads, most_s, seed, &Job::new(console))?;
-    console.answer(&format!("{}; {} were done before\n", worked.counts.words(), worked.known))?;
+    let damaged = match worked.damaged {
+        0 => String::new(),
+        count => format!("; {count} had damaged results"),
+    };
+    console.answer(&format!("{}; {} were done before{damaged}\n", worked.counts.words(), worked.known))?;
     Ok(exit_code::DONE)
 }
 
@@ -70,6 +76,7 @@ impl From<CampaignError> for CliError {
     fn from(error: CampaignError) -> Self {
         match error {
             CampaignError::Refused(refused) => Self::Input(refused),
+            CampaignError::Damaged(_) => Self::Inputs(error.to_string()),
             CampaignError::Cancelled => Self::Interrupted,
             other => Self::Other(other.to_string()),
         }

@@ -50,12 +50,19 @@ pub fn run(args: &ExportArgs, console: &mut Console<'_>) -> Result<u8, CliError>
     // What the laser cannot make is not drawn for it.
     stored.laser.check(&pattern).map_err(|error| refuse(error.to_string()))?;
     let mut outputs = Outputs::default();
-    draw_with(&input, &args.format, pixel_um, &mut outputs).map_err(|error| refuse(error.to_string()))?;
+    let unwritten =
+        draw_with(&input, &args.format, pixel_um, &mut outputs).map_err(|error| refuse(error.to_string()))?;
+    let said = unwritten.iter().map(|one| format!("\n  {one}")).collect::<String>();
+    let said =
+        format!("{}: {} of {} formats cannot be written:{said}", result.display(), unwritten.len(), args.format.len());
+    if outputs.names().is_empty() {
+        return Err(CliError::Inputs(said));
+    }
     crate::output::write(&outputs, out)?;
     for name in outputs.names() {
         console.answer(&format!("{}\n", folder.join(name).display()))?;
     }
-    Ok(exit_code::DONE)
+    if unwritten.is_empty() { Ok(exit_code::DONE) } else { Err(CliError::Other(said)) }
 }
 
 fn read(path: &Path, sample: Option<usize>) -> Result<StoredDesign, Diagnostic> {

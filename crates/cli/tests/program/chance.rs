@@ -97,6 +97,16 @@ fn the_chance_comes_first_with_what_is_in_it_and_what_is_not() {
     let said = "for the model alone the chance is not known: neither tolerances nor errors of the material are given";
     assert!(told.contains(said) && told.contains("cut it as a trial: its chance, "), "{told}");
     assert_eq!((&found["chance"]["value"], &found["status"]), (&Value::Null, &Value::from("met")));
+    // The explorer gives the same reason, and names no band that it does not draw; where a chance is known, it gives none.
+    let page = |name: &str| fs::read_to_string(place.path("out").join(name).join("report.html")).unwrap();
+    let reason = "not known: neither tolerances nor errors of the material are given";
+    assert!(page("nothing").contains(&format!("\"no_chance\":\"{reason}\"")));
+    assert!(page("nothing").contains(&format!("There is neither a band of errors nor a chance, which is {reason}.")));
+    assert!(!page("nothing").contains("this design with one standard deviation"));
+    assert!(
+        page("material").contains("\"no_chance\":null")
+            && page("material").contains("this design with one standard deviation")
+    );
 }
 
 /// Designs are chosen where the ratio hardly changes with the modulus: there the second order is what scatters. To first order the

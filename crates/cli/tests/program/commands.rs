@@ -405,6 +405,7 @@ fn a_page_explores_a_design_or_a_material_before_any_search() {
         let of_target = ["chance on target", "target's band", "within the bounds"];
         assert_eq!(of_target.map(|said| text.contains(said)), [page == "explore.html"; 3], "{page}");
         assert!(page == "explore.html" || !text.contains("Hatched"), "{page}");
+        assert!(text.contains("\"no_chance\":\"not known: errors are drawn about a design that was found"), "{page}");
         assert!(text.contains("\"flat_mu\":[0.27") || page == "explore.html", "{page}");
         // Written twice, the same.
         place.succeed(&["explore", file, "-o", page]);

@@ -148,6 +148,37 @@ fn the_command_that_is_named_goes_on() {
 }
 
 #[test]
+fn a_worker_of_a_campaign_says_what_is_kept_and_what_goes_on() {
+    if crate::common::ignores_ctrl_c() {
+        return;
+    }
+    let scene = SCENE.replace("\"cell\"", "\"sample\"");
+    let seeds: Vec<String> = (1..200).map(|seed| seed.to_string()).collect();
+    let campaign = format!("base = \"scene.toml\"\n[[grid]]\nkey = \"run.seed\"\nvalues = [{}]\n", seeds.join(", "));
+    let place = Place::with(&[("scene.toml", &scene), ("campaign.toml", &campaign)]);
+    place.succeed(&["campaign", "plan", "campaign.toml", "-o", "my seeds"]);
+    let work = ["campaign", "work", "my seeds", "--share", "1/2", "--threads", "1"];
+    let results = || -> usize {
+        let shelves = crate::common::names(&place.path("my seeds/results"));
+        shelves.iter().map(|shelf| crate::common::names(&place.path(&format!("my seeds/results/{shelf}"))).len()).sum()
+    };
+    let run = start(&place, &work);
+    let started = Instant::now();
+    while !place.path("my seeds/results").exists() || results() < 2 {
+        assert!(started.elapsed() < 10 * ENDED);
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    press(&run);
+    let output = run.wait_with_output().unwrap();
+    let message = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(130), "{message}");
+    let kept =
+        format!("error: interrupted during tasks: {} finished results are kept in my seeds/results, and\n", results());
+    assert!(message.contains(&kept), "{kept}{message}");
+    assert!(message.contains("\n  slipgrid campaign work 'my seeds' --share 1/2\ngoes on with them"), "{message}");
+}
+
+#[test]
 fn a_second_one_ends_at_once() {
     if crate::common::ignores_ctrl_c() {
         return;

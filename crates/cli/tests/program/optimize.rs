@@ -116,6 +116,18 @@ fn a_mask_has_contours_and_no_lines() {
         );
         assert!(said.contains("--format dxf, plt or corners") && !place.path("refused").exists(), "{said}");
     }
+    // The others are written, and what is not is said with the reason of each.
+    let some = place.run(&["export", "mask.json", "--format", "gcode,dxf,hatch,csv", "-o", "some"]);
+    let said = String::from_utf8_lossy(&some.stderr).into_owned();
+    assert_eq!(some.status.code(), Some(1), "{said}");
+    assert_eq!(names(&place.path("some")), ["pattern.csv", "pattern.dxf"]);
+    assert_eq!(String::from_utf8_lossy(&some.stdout).lines().count(), 2);
+    let lines: Vec<&str> = said.lines().collect();
+    assert_eq!(lines[0], "error: mask.json: 2 of 4 formats cannot be written:");
+    assert!(
+        lines[1].starts_with("  gcode: G-code holds the lines") && lines[2].starts_with("  hatch: hatch.csv"),
+        "{said}"
+    );
     place.succeed(&["export", "mask.json", "--format", "dxf,plt,corners,csv,process", "-o", "contours"]);
     let plot = fs::read_to_string(place.path("contours/pattern.plt")).unwrap();
     assert!(plot.contains("PD"), "{plot}");

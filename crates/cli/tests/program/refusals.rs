@@ -92,9 +92,9 @@ fn scenes() {
                 "youngs_modulus_gpa = 0.38",
                 "youngs_modulus_gpa = 380e6",
                 ":2: material.youngs_modulus_gpa: ",
-                "2000 GPa",
+                "1250 GPa",
             ),
-            case("density_g_cm3 = 0.9", "density_g_cm3 = 900", ":3: material.density_g_cm3: 900 ", "30 g/cm3"),
+            case("density_g_cm3 = 0.9", "density_g_cm3 = 900", ":3: material.density_g_cm3: 900 ", "23 g/cm3"),
             case("relative_std = 0.05", "relative_std = 5", ":7: material.friction.relative_std: 5 ", "0.5"),
             case(
                 "static_mean = 0.30",
@@ -322,7 +322,7 @@ fn calibrations() {
                 ":14: fit.coefficients: \"both\" ",
                 "\"single\" or \"per-condition\"",
             ),
-            case("source = \"nowhere\"\n", "", ":1: source: is missing", ""),
+            case("source = \"nowhere\"\n", "", ":1: source: is missing", "a text, such as source ="),
         ],
     );
     // How a map is read; the map itself is not opened before its keys are understood.
@@ -418,4 +418,25 @@ fn a_folder_in_place_of_a_file() {
     let message = folder.refuse(&["calibrate", "mine"]);
     assert!(message.contains("(did you mean `mine/calibration.toml`?)"), "{message}");
     assert!(!folder.refuse(&["optimize", "mine"]).contains("did you mean"));
+}
+
+#[test]
+fn an_empty_file_and_a_missing_table_are_said_with_the_command_that_writes_one() {
+    let cut = DESIGN.find("[target]").unwrap()..DESIGN.find("[bounds]").unwrap();
+    let without_target = DESIGN.replace(&DESIGN[cut], "");
+    let place = Place::with(&[("empty.toml", "# nothing\n"), ("design.toml", &without_target)]);
+    for (args, file, writes) in [
+        (&["optimize", "empty.toml"][..], "empty.toml: holds no keys", "`slipgrid new design`"),
+        (&["simulate", "empty.toml"], "empty.toml: holds no keys", "`slipgrid new scene`"),
+        (&["calibrate", "empty.toml"], "empty.toml: holds no keys", "`slipgrid new calibration`"),
+        (&["campaign", "plan", "empty.toml", "-o", "out"], "empty.toml: holds no keys", "base = \"scene.toml\""),
+        (
+            &["optimize", "design.toml"],
+            "design.toml:1: target: is missing; expected a table [target]",
+            "`slipgrid new design`",
+        ),
+    ] {
+        let message = place.refuse(args);
+        assert!(message.starts_with(&format!("error: {file}")) && message.contains(writes), "{message}");
+    }
 }

@@ -208,7 +208,10 @@ fn comments_stay_one_line_of_ascii() {
     let heading = Heading { name: "µ\n  0\nEOF", version: "0.0.0", notes: &["synthetic surface"] };
     let text = drawn(&layout(Planform::Groove, Outline::Disc { diameter_m: 10e-3 }), &heading);
     assert!(text.is_ascii());
-    assert!(text.starts_with("999\nslipgrid 0.0.0: ??  0?EOF\n999\nUnits: millimetres"));
+    assert!(text.starts_with("999\nslipgrid 0.0.0: u?  0?EOF\n999\nUnits: millimetres"));
     assert!(text.contains("999\nsynthetic surface\n"));
     assert_eq!(read(&text).entities.iter().filter(|e| e.layer == LAYER_CAVITIES).count(), 19);
+    let heading = Heading { name: "Größe 20 µm", ..heading };
+    let text = drawn(&layout(Planform::Groove, Outline::Disc { diameter_m: 10e-3 }), &heading);
+    assert!(text.starts_with("999\nslipgrid 0.0.0: Groesse 20 um\n"), "{}", &text[..60]);
 }

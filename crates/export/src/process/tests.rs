@@ -191,4 +191,8 @@ fn a_mask_takes_one_burst_of_a_whole_cavity_at_a_time() {
     assert_eq!((work.spots_per_cavity, work.spots_on_specimen, &work.no_estimate_because), (None, None, &None));
     assert_eq!(work.estimated_time_s, Some(57.0 * 4.0 / 20e3));
     assert_eq!(work.estimated_time_formula, "cavities * bursts_per_cavity / repetition_hz");
+    // Nothing follows contours: neither their edges nor their length stand on the sheet.
+    assert_eq!((work.lines_on_specimen, work.marked_length_mm), (None, None));
+    assert_eq!((work.marking_direction, work.spot_compensation_um), (None, None));
+    assert!(work.spots_formula.starts_with("none are counted: a mask exposes each cavity as a whole"));
 }

@@ -167,6 +167,7 @@ pub(super) fn read_material_input(
                 return Ok((None, Some(path)));
             }
             named.require(FileKind::Material)?;
+            let named = named.as_kind(FileKind::Material);
             let file: MaterialFile = named.parse()?;
             let (material, uncertainty) = read_known(&named, &file, &(0..0))?;
             told.extend(unusual::of_material(&named, &file));

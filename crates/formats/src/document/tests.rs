@@ -39,7 +39,7 @@ fn refusals_name_line_and_key() {
             "\n[inner]\n",
             "a.toml:2: inner.width_um: is missing; expected a number above 0 up to 10000000 um, such as width_um = 130.0",
         ),
-        ("", "a.toml:1: inner: is missing"),
+        ("# nothing\n", "a.toml: holds no keys; expected a file with the key inner"),
         ("inner = { width_um = \"wide\" }", "a.toml:1: inner.width_um: \"wide\" has the wrong type; expected a number"),
         (
             "[[inner]]\nwidth_um = 1.0",
@@ -54,6 +54,28 @@ fn refusals_name_line_and_key() {
         assert_eq!(refused(text), message);
     }
     assert!(refused("[inner]\nwidth_um = = 2").starts_with("a.toml:2: "));
+}
+
+#[test]
+fn a_missing_table_and_an_empty_file_are_said_with_what_writes_one() {
+    #[derive(serde::Deserialize, Debug)]
+    #[expect(dead_code, reason = "only refused documents are looked at")]
+    struct File {
+        target: toml::Table,
+    }
+    let refused =
+        |text: &str| Document::new("a.toml", text).as_kind(FileKind::Design).parse::<File>().unwrap_err().to_string();
+    assert_eq!(
+        refused("[bounds]\n"),
+        "a.toml:1: target: is missing; expected a table [target] with quantity, pressure_mpa, and value with tolerance, as \
+         `slipgrid new design` writes one"
+    );
+    for empty in ["", " \n", "# no more than a comment\n"] {
+        assert_eq!(
+            refused(empty),
+            "a.toml: holds no keys; expected a design file, with [target] and [bounds], such as `slipgrid new design` writes"
+        );
+    }
 }
 
 #[test]

@@ -26,7 +26,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _slipgrid, campaign, errors
-from ._records import Record, array, floats, frame, heights, table, toml, write
+from ._records import Kept, Record, array, floats, frame, heights, pandas, table, toml, write
 from ._slipgrid import SteadyCell, __version__, set_threads, threads
 
 if TYPE_CHECKING:
@@ -175,10 +175,9 @@ class AreaLaw(Record):
 
     def frame(self) -> _pandas.DataFrame:
         """One row a pressure."""
-        import pandas
-
         names = ["pressure_mpa", "area_fraction", "area_fraction_corrected", "area_error", "factor"]
-        return pandas.DataFrame({name: self[name] for name in names})
+        found: _pandas.DataFrame = pandas().DataFrame({name: self[name] for name in names})
+        return found
 
 
 class Scene:
@@ -224,11 +223,14 @@ class Scene:
 class SimulationResult(Record):
     """What a scene does; fields as in result.json of ``slipgrid simulate``."""
 
-    def __init__(self, solved: _slipgrid.Solved) -> None:
+    def __init__(self, solved: _slipgrid.Solved | Kept) -> None:
         self._solved = solved
         record, times = solved.json()
         super().__init__(_json.loads(record))
         self._times: dict[str, Any] = _json.loads(times)
+
+    def __reduce__(self) -> tuple[type[SimulationResult], tuple[Kept]]:
+        return SimulationResult, (Kept.of(self._solved),)
 
     @property
     def pressure_mpa(self) -> NDArray[np.float64]:
@@ -304,8 +306,11 @@ class Calibration:
 class Material:
     """A fitted material; scenes and designs name the file that :meth:`save` writes."""
 
-    def __init__(self, fitted: _slipgrid.Fitted) -> None:
+    def __init__(self, fitted: _slipgrid.Fitted | Kept) -> None:
         self._fitted = fitted
+
+    def __reduce__(self) -> tuple[type[Material], tuple[Kept]]:
+        return Material, (Kept.of(self._fitted),)
 
     @property
     def toml(self) -> str:
@@ -408,11 +413,14 @@ class Design:
 class DesignResult(Record):
     """A design that was found; fields as in result.json of ``slipgrid optimize``: ``status``, ``chance``, ``advice``, ``design``."""
 
-    def __init__(self, designed: _slipgrid.Designed) -> None:
+    def __init__(self, designed: _slipgrid.Designed | Kept) -> None:
         self._designed = designed
         record, times = designed.json()
         super().__init__(_json.loads(record))
         self._times: dict[str, Any] = _json.loads(times)
+
+    def __reduce__(self) -> tuple[type[DesignResult], tuple[Kept]]:
+        return DesignResult, (Kept.of(self._designed),)
 
     @property
     def headline(self) -> str:
@@ -427,10 +435,8 @@ class DesignResult(Record):
 
     def frame(self) -> _pandas.DataFrame:
         """One row a pressure: what is wanted, predicted and confirmed."""
-        import pandas
-
         of = "ratio" if self["target"]["quantity"] == "ratio" else "mu_dynamic"
-        return pandas.DataFrame(
+        found: _pandas.DataFrame = pandas().DataFrame(
             {
                 "pressure_mpa": self["target"]["pressure_mpa"],
                 "predicted": self["predicted_value"],
@@ -439,6 +445,7 @@ class DesignResult(Record):
                 "peak_pressure_mpa": array(self["predicted"], "peak_pressure_mpa"),
             }
         )
+        return found
 
     def export(self, folder: PathLike) -> list[Path]:
         """Writes what ``slipgrid optimize -o`` writes: the files of the laser, tables, pictures and report.html.

@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 import html
+import importlib
 import json
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
+from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from . import _slipgrid
+from . import _slipgrid, errors
 
 if TYPE_CHECKING:
     import pandas as _pandas
@@ -69,12 +71,60 @@ def array(rows: Sequence[Mapping[str, Any]], name: str) -> NDArray[np.float64]:
     return np.array([np.nan if row.get(name) is None else row[name] for row in rows], dtype=np.float64)
 
 
+def pandas() -> ModuleType:
+    """The package pandas, which frames alone need."""
+    try:
+        return importlib.import_module("pandas")
+    except ImportError as error:
+        raise ImportError(f"frame() needs pandas ({error}): pip install pandas") from error
+
+
+class Kept:
+    """What the compiled half of a result gave, in a copy of the result: in another process it is not there."""
+
+    def __init__(self, given: dict[str, Any]) -> None:
+        self._given = given
+
+    @classmethod
+    def of(cls, found: Any) -> Kept:
+        """All that ``found`` gives."""
+        if isinstance(found, cls):
+            return found
+        names = [name for name in ("json", "text", "files", "material_toml", "fit_json") if hasattr(found, name)]
+        return cls({"inputs": list(found.inputs), **{name: getattr(found, name)() for name in names}})
+
+    def json(self) -> tuple[str, str]:
+        record, times = self._given["json"]
+        return record, times
+
+    def text(self) -> str:
+        return str(self._given["text"])
+
+    def files(self) -> list[tuple[str, bytes]]:
+        return list(self._given["files"])
+
+    def fit_json(self) -> str:
+        return str(self._given["fit_json"])
+
+    def material_toml(self, path: Path | None = None) -> str:
+        return str(self._given["material_toml"])
+
+    def drawing(self, format: str) -> tuple[str, bytes]:
+        names = {"dxf": "pattern.dxf", "svg": "pattern.svg", "csv": "pattern.csv", "process": "process.toml"}
+        if format not in names:
+            raise errors.ComputationError(f"a copy holds {', '.join(names)}: draw {format!r} with the result that was copied")
+        return names[format], dict(self.files())[names[format]]
+
+    @property
+    def inputs(self) -> list[Path]:
+        return list(self._given["inputs"])
+
+
 def frame(rows: Sequence[Mapping[str, Any]]) -> _pandas.DataFrame:
     """A frame of the plain numbers and words of ``rows``."""
-    import pandas
-
     plain = [{name: value for name, value in row.items() if not isinstance(value, (dict, list))} for row in rows]
-    return pandas.DataFrame(plain)
+    found: _pandas.DataFrame = pandas().DataFrame(plain)
+    return found
 
 
 def table(rows: Sequence[Mapping[str, Any]], names: Sequence[str]) -> str:

@@ -215,6 +215,8 @@
       parts.push(svg("rect", { x: x(p) - half, y: y(to), width: 2 * half, height: Math.max(y(from) - y(to), 1), fill: "#0072b2", opacity: 0.25 }));
     });
     const points = sign => data.pressure_mpa.map((p, load) => [p, shown.values[load] + sign * (std[load] || 0)]);
+    // One pressure has a bar where several have a band.
+    if (std.length && loads === 1 && !shown.isClosed) parts.push(svg("path", { "data-band": "", d: `M${x(data.pressure_mpa[0])} ${y(shown.values[0] - std[0])}V${y(shown.values[0] + std[0])}`, stroke: "#d55e00", "stroke-width": 6, opacity: 0.4 }));
     if (std.length && loads > 1 && !shown.isClosed) parts.push(svg("path", { d: line(points(1)) + line(points(-1).reverse()).replace("M", "L") + "z", fill: "#d55e00", opacity: 0.15 }));
     if (shown.isClosed) {
       parts.push(svg("text", { x: (left + width - right) / 2, y: (top + height - bottom) / 2, "text-anchor": "middle" }, data.closed));
@@ -341,7 +343,7 @@
     say("at", `${fixed(pressure, 2)} MPa`);
     say("first", fixed(known && between(shown.values, pressure), 4));
     say("second", fixed(known && second && between(second, pressure), 4));
-    say("chance", shown.isClosed ? "-" : shown.chance === null ? "not known" : `${fixed(100 * shown.chance, 0)} %`);
+    say("chance", shown.isClosed ? "-" : shown.chance === null ? data.no_chance : `${fixed(100 * shown.chance, 0)} %`);
     say("peak", fixed(shown.peak, 1));
     say("density", fixed(100 * shown.face, 1));
     const cut = shown.bursts === null ? "-" : `${fixed(shown.bursts * data.burst_um, 1)} µm`;

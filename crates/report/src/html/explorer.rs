@@ -135,6 +135,8 @@ struct Data {
     face_over_period: f64,
     offset: Vec<f64>,
     covariance: Vec<Vec<f64>>,
+    /// Why there is neither a chance nor a band of errors, where there is none.
+    no_chance: Option<String>,
     limits: Vec<LimitData>,
     burst_um: Option<f64>,
     /// Depths are whole passes over a hatch, and not bursts on a spot.
@@ -212,6 +214,19 @@ impl Subject<'_> {
         face.map(|face| face / period).filter(|factor| factor.is_finite() && *factor > 0.0).unwrap_or(1.0)
     }
 
+    /// Why no chance is known of the designs, where none is.
+    fn no_chance(&self) -> Option<String> {
+        if !self.explorer.covariance.is_empty() {
+            return None;
+        }
+        let Some(report) = self.report else {
+            return Some("not known: errors are drawn about a design that was found, by slipgrid optimize".to_owned());
+        };
+        let unknown = report.chance.as_ref().filter(|chance| chance.value.is_none());
+        let words = unknown.and_then(|chance| chance.words.strip_prefix("chance "));
+        Some(words.unwrap_or("not known: errors about the design found could not be drawn").to_owned())
+    }
+
     fn data(&self) -> Data {
         let (task, explorer, pattern) = (self.task, self.explorer, self.pattern);
         let target: TargetReport = (&task.target).into();
@@ -257,6 +272,7 @@ impl Subject<'_> {
                 .take(count)
                 .map(|row| row[..count.min(row.len())].to_vec())
                 .collect(),
+            no_chance: self.no_chance(),
             limits: self.limits(),
             burst_um: task.constraints.limits.depth_per_burst_m.map(|m| LENGTH_UM.from_si(m)),
             has_passes: task.laser.bursts_per_pass().is_some(),
@@ -306,11 +322,20 @@ impl Subject<'_> {
         let Ok(json) = serde_json::to_string(&data) else { return };
         // Nothing in it may end the element that holds it.
         let json = json.replace("</", "<\\/").replace("<!--", "<\\u0021--");
-        let corrected = if self.report.is_some() {
-            "The pattern is taken as endless, corrected so that the design found has what was predicted of it. Error band and chance \
-             take the errors of the design found: compare chances here with one another, not with the chance above."
-        } else {
-            "The pattern is taken as endless; nothing was searched or confirmed in time, and no error of the material is drawn."
+        let corrected = match (self.report.is_some(), &data.no_chance) {
+            (true, None) => {
+                "The pattern is taken as endless, corrected so that the design found has what was predicted of it. Error band and chance \
+                 take the errors of the design found: compare chances here with one another, not with the chance above."
+                    .to_owned()
+            }
+            (true, Some(reason)) => format!(
+                "The pattern is taken as endless, corrected so that the design found has what was predicted of it. There is neither a band \
+                 of errors nor a chance, which is {reason}."
+            ),
+            (false, _) => {
+                "The pattern is taken as endless; nothing was searched or confirmed in time, and no error of the material is drawn."
+                    .to_owned()
+            }
         };
         let which =
             if self.report.is_some() || data.has_target() { "within the bounds" } else { "that the sliders reach" };
@@ -400,7 +425,11 @@ fn controls(data: &Data) -> Markup {
     let (curve, of_curve, of_map) = if data.has_target() {
         (
             "Values against pressure with the target's band",
-            "Values against pressure: this design with one standard deviation, and the target's band",
+            if data.no_chance.is_none() {
+                "Values against pressure: this design with one standard deviation, and the target's band"
+            } else {
+                "Values against pressure: this design, and the target's band"
+            },
             "Where designs are on target; the sliders choose the same",
         )
     } else {

@@ -68,7 +68,6 @@ pub fn refined_by_grooves(
 mod tests {
     use super::*;
     use crate::cell::SteadyCell;
-    use crate::dimension::Dimension;
     use crate::scene::RunOptions;
     use crate::simulate::block_refinement;
     use crate::{Layer, samples};

@@ -1,0 +1,181 @@
+//! Text for formats that hold ASCII alone: letters with accents, Greek letters and signs in plain letters.
+//!
+//! Latin letters become what passports print in their place (ICAO Doc 9303, part 3): ä is ae, ß is ss, å is aa. No AutoCAD R12
+//! drawing has other characters; only text of later releases knows escapes for them.
+
+/// Two dots above, as a character of its own behind its letter.
+const DIAERESIS: char = '\u{308}';
+/// Other accents behind their letters.
+const ACCENTS: std::ops::RangeInclusive<char> = '\u{300}'..='\u{36f}';
+
+/// Letters that an accent alone sets apart from a plain one.
+const PLAIN: [(char, &str); 23] = [
+    ('a', "àáâãāăą"),
+    ('c', "çćĉċč"),
+    ('d', "ďđð"),
+    ('e', "èéêëēĕėęě"),
+    ('g', "ĝğġģ"),
+    ('h', "ĥħ"),
+    ('i', "ìíîïĩīĭįı"),
+    ('j', "ĵ"),
+    ('k', "ķ"),
+    ('l', "ĺļľŀł"),
+    ('n', "ñńņňŉ"),
+    ('o', "òóôõōŏő"),
+    ('r', "ŕŗř"),
+    ('s', "śŝşšș"),
+    ('t', "ţťŧț"),
+    ('u', "ùúûũūŭůűų"),
+    ('w', "ŵ"),
+    ('y', "ýÿŷ"),
+    ('z', "źżž"),
+    (' ', "\u{a0}\u{2009}\u{202f}"),
+    ('-', "\u{2010}\u{2011}–—\u{2212}"),
+    ('\'', "‘’‚′"),
+    ('"', "“”„″«»"),
+];
+/// What takes more than one character, or another one; capitals of letters begin with a capital.
+const SPELT: [(char, &str); 61] = [
+    ('ä', "ae"),
+    ('ö', "oe"),
+    ('ü', "ue"),
+    ('ß', "ss"),
+    ('å', "aa"),
+    ('æ', "ae"),
+    ('ø', "oe"),
+    ('œ', "oe"),
+    ('þ', "th"),
+    ('ĳ', "ij"),
+    ('ŋ', "ng"),
+    ('ĸ', "q"),
+    ('ſ', "s"),
+    ('İ', "I"),
+    ('µ', "u"),
+    ('α', "alpha"),
+    ('β', "beta"),
+    ('γ', "gamma"),
+    ('δ', "delta"),
+    ('ε', "epsilon"),
+    ('ζ', "zeta"),
+    ('η', "eta"),
+    ('θ', "theta"),
+    ('ι', "iota"),
+    ('κ', "kappa"),
+    ('λ', "lambda"),
+    ('μ', "u"),
+    ('ν', "nu"),
+    ('ξ', "xi"),
+    ('ο', "omicron"),
+    ('π', "pi"),
+    ('ρ', "rho"),
+    ('σ', "sigma"),
+    ('ς', "sigma"),
+    ('τ', "tau"),
+    ('υ', "upsilon"),
+    ('φ', "phi"),
+    ('χ', "chi"),
+    ('ψ', "psi"),
+    ('ω', "omega"),
+    ('°', " deg"),
+    ('±', "+-"),
+    ('×', "x"),
+    ('·', "."),
+    ('÷', "/"),
+    ('…', "..."),
+    ('≤', "<="),
+    ('≥', ">="),
+    ('≈', "~"),
+    ('¼', "1/4"),
+    ('½', "1/2"),
+    ('¾', "3/4"),
+    ('€', "EUR"),
+    ('©', "(c)"),
+    ('®', "(R)"),
+    ('™', "(TM)"),
+    ('Ω', "Ohm"),
+    ('⌀', "diameter "),
+    ('∅', "diameter "),
+    ('→', "->"),
+    ('†', "+"),
+];
+
+/// `text` in printable ASCII, of one line: what has no plain letters becomes a question mark.
+pub(crate) fn ascii(text: &str) -> String {
+    let mut plain = String::new();
+    for letter in text.chars() {
+        match letter {
+            ' '..='~' => plain.push(letter),
+            DIAERESIS => plain.push_str(match plain.chars().next_back() {
+                Some('a' | 'o' | 'u' | 'A' | 'O' | 'U') => "e",
+                _ => "",
+            }),
+            _ if ACCENTS.contains(&letter) => {}
+            _ => push(letter, &mut plain),
+        }
+    }
+    plain
+}
+
+/// Appends what stands for a letter that ASCII lacks.
+fn push(letter: char, plain: &mut String) {
+    let digit = match letter {
+        '²' => Some('2'),
+        '³' => Some('3'),
+        '¹' => Some('1'),
+        '\u{2070}' | '\u{2074}'..='\u{2079}' => char::from_digit(u32::from(letter) - 0x2070, 10),
+        '\u{2080}'..='\u{2089}' => char::from_digit(u32::from(letter) - 0x2080, 10),
+        _ => None,
+    };
+    let spelt = |wanted: char| SPELT.iter().find(|(of, _)| *of == wanted).map(|(_, spelt)| (*spelt).to_owned());
+    let of = |wanted: char| {
+        let accented = || PLAIN.iter().find(|(_, all)| all.contains(wanted)).map(|(own, _)| own.to_string());
+        spelt(wanted).or_else(accented)
+    };
+    let small = letter.to_lowercase().next().filter(|small| *small != letter);
+    let capital = || {
+        let small = of(small?)?;
+        let mut letters = small.chars();
+        letters.next().map(|first| first.to_ascii_uppercase().to_string() + letters.as_str())
+    };
+    match digit.map(String::from).or_else(|| of(letter)).or_else(capital) {
+        Some(found) => plain.push_str(&found),
+        None => plain.push('?'),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_stay_readable() {
+        for (text, plain) in [
+            ("Größe der Mühle, Öl", "Groesse der Muehle, Oel"),
+            ("Ärmel Übung Straße", "Aermel Uebung Strasse"),
+            ("polymère, Łódź, Škoda, Ñandú", "polymere, Lodz, Skoda, Nandu"),
+            ("Ærø, Ångström", "Aeroe, Aangstroem"),
+            ("20 µm, 20 μm at 45°", "20 um, 20 um at 45 deg"),
+            ("130 ± 8 µm × 2 – “wide” … m², 10³, H₂O", "130 +- 8 um x 2 - \"wide\" ... m2, 103, H2O"),
+            ("φ = 30°, Δ, Ω", "phi = 30 deg, Delta, Ohm"),
+            // As file systems that take accents apart write it.
+            ("Mu\u{308}hle, Sche\u{301}ma, nai\u{308}f", "Muehle, Schema, naif"),
+            ("plain (1) \"text\"", "plain (1) \"text\""),
+            ("表面\n\t\u{7f}", "?????"),
+        ] {
+            assert_eq!(ascii(text), plain, "{text}");
+        }
+    }
+
+    #[test]
+    fn every_character_becomes_printable_ascii_of_one_line() {
+        for letter in (0..=0x2fff).filter_map(char::from_u32) {
+            let plain = ascii(&letter.to_string());
+            assert!(plain.bytes().all(|byte| (b' '..=b'~').contains(&byte)), "{letter:?}: {plain:?}");
+        }
+        // Every letter of Latin-1 and of Latin Extended-A has plain ones.
+        for letter in ('\u{c0}'..='\u{17f}').filter(|letter| letter.is_alphabetic()) {
+            let plain = ascii(&letter.to_string());
+            assert!(!plain.is_empty() && plain.chars().all(|plain| plain.is_ascii_alphabetic()), "{letter}: {plain}");
+        }
+    }
+}
