@@ -7,8 +7,9 @@
 //! results/00/ID.json      what came of a task, below the first two digits of its id
 //! ```
 //!
-//! Nothing is ever changed or appended to, but for a result that is damaged: a file appears whole, by a rename, and two workers that do the same task write the same
-//! bytes. So no locks are needed, and a network file system that shows a file late costs some work done twice, nothing else.
+//! Nothing is ever changed or appended to, but for a result that is damaged: a file appears whole, by a rename, and two workers that do
+//! the same task write the same bytes. So no locks are needed, and a network file system that shows a file late costs some work done
+//! twice, nothing else.
 
 use std::collections::BTreeSet;
 use std::io;
@@ -169,11 +170,13 @@ impl Folder {
         let own = || tasks.iter().enumerate().filter(|(place, _)| place % share.of.max(1) + 1 == share.number);
         let (mut missing, mut damaged) = (Vec::new(), BTreeSet::new());
         for (_, task) in own() {
-            if let Some(Err(refused)) = known.contains(&task.id).then(|| self.done(task)) {
-                monitor.note(&format!("warning: {refused}; its task is done again"));
-                damaged.insert(task.id.as_str());
-            } else if known.contains(&task.id) {
-                continue;
+            match known.contains(&task.id).then(|| self.done(task)) {
+                Some(Ok(_)) => continue,
+                Some(Err(refused)) => {
+                    monitor.note(&format!("warning: {refused}; its task is done again"));
+                    damaged.insert(task.id.as_str());
+                }
+                None => {}
             }
             missing.push(task);
         }

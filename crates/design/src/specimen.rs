@@ -152,7 +152,6 @@ pub fn onto(simulation: &mut Simulation, share: f64, layout_error: &[Option<f64>
         load.ratio_discretization_error = scaled(load.ratio_discretization_error);
         load.ratio_layer_difference = scaled(load.ratio_layer_difference);
         load.ratio_layer_error = scaled(load.ratio_layer_error);
-        load.ratio_tilt_change = scaled(load.ratio_tilt_change);
         load.ratio_layout_error = layout_error.get(place).copied().flatten();
     }
 }

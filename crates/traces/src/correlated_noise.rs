@@ -1,7 +1,8 @@
 //! Errors of the mean and of the slope of values whose noise remembers.
 //!
 //! Means over the parts of a window are taken for a line and noise whose correlation falls with the time t as exp(-|t| / tau). tau is
-//! not known, and a window of a few tens of tau tells it badly: each of some correlation times counts by how likely the values are at it, whatever the line and the strength of the noise (restricted likelihood; D. A. Harville, J. Am. Stat. Assoc. 72, 320, 1977).
+//! not known, and a window of a few tens of tau tells it badly: each of some correlation times counts by how likely the values are at it,
+//! whatever the line and the strength of the noise (restricted likelihood; D. A. Harville, J. Am. Stat. Assoc. 72, 320, 1977).
 //!
 //! ```text
 //! e^2 = sum_tau w_tau v_tau R_tau / (n - 2),     w_tau ~ prior_tau |C|^-1/2 |X^T C^-1 X|^-1/2 R_tau^-(n-2)/2

@@ -14,7 +14,7 @@
 
 use slipgrid_pattern::Pattern;
 
-use super::cavities_in_space::{are_alike, refined_by_grooves};
+use super::cavities_in_space::{are_like_grooves, refined_by_grooves};
 use super::widest;
 use crate::cell::SteadyCell;
 use crate::dimension::Dimension;
@@ -57,7 +57,7 @@ pub fn block_refinement(scene: &Scene, own: &[Option<f64>], most: f64) -> Option
 /// Whether smaller blocks can tell of `scene` over `pattern`.
 #[must_use]
 pub fn can_refine(scene: &Scene, pattern: &Pattern) -> bool {
-    scene.dimension() == Dimension::Plane || are_alike(scene, pattern)
+    scene.dimension() == Dimension::Plane || are_like_grooves(scene, pattern)
 }
 
 fn finer(

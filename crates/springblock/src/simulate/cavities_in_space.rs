@@ -24,7 +24,7 @@ const OPEN_SHARE: f64 = 0.5;
 const LEAST_LOWERING: f64 = 1e-5;
 
 /// Whether `pattern` is one of cavities, each with land all around and without rims, under which nothing is measured.
-pub fn are_alike(scene: &Scene, pattern: &Pattern) -> bool {
+pub fn are_like_grooves(scene: &Scene, pattern: &Pattern) -> bool {
     let is_cavity = !matches!(pattern.texture().planform(), Planform::Groove | Planform::Crosshatch);
     is_cavity && pattern.texture().rim().is_none() && scene.relief.is_none()
 }
@@ -39,7 +39,7 @@ pub fn refined_by_grooves(
     monitor: &dyn Monitor,
 ) -> Result<BlockRefinement, Unrefined> {
     let width_m = pattern.width_m();
-    let alike = Some(pattern).filter(|pattern| are_alike(scene, pattern)).and_then(|pattern| {
+    let alike = Some(pattern).filter(|pattern| are_like_grooves(scene, pattern)).and_then(|pattern| {
         // w / (w + s) = share of the face
         let spacing_m = width_m / pattern.areal_density() - width_m;
         Pattern::new(Planform::Groove, width_m, spacing_m, pattern.depth_m()).ok()

@@ -163,6 +163,8 @@ struct HeldSpecimen<'a> {
     area_m2: f64,
     /// A strip of it in the plane, as long as a rectangle of the same second moment.
     body: Body,
+    /// Its pressures without friction.
+    still: [f64; PARTS],
 }
 
 impl<'a> HeldSpecimen<'a> {
@@ -173,13 +175,14 @@ impl<'a> HeldSpecimen<'a> {
         // A, and I = sum w L^3 / 12
         let (area_m2, moment_m4) = (sum(&|length_m| length_m), sum(&|length_m| length_m.powi(3) / 12.0));
         let foundation = Foundation { length_m: (12.0 * moment_m4 / area_m2).sqrt(), compliance_m };
-        Some(Self { rectangles, height_m, area_m2, body: Body::new(&[foundation], height_m)? })
+        let body = Body::new(&[foundation], height_m)?;
+        let still = on_parts(&body.pressure(0.0)?.patches);
+        Some(Self { rectangles, height_m, area_m2, body, still })
     }
 
     /// Its pressures at the friction coefficient `mu`; `None` where that leaves no equilibrium.
     fn pressed(&self, mu: f64) -> Option<Pressed> {
-        let [still, dragged] = [0.0, mu].map(|mu| self.body.pressure(mu));
-        let (still, dragged) = (on_parts(&still?.patches), on_parts(&dragged?.patches));
+        let (still, dragged) = (&self.still, on_parts(&self.body.pressure(mu)?.patches));
         let longest_m = self.rectangles.iter().map(|[_, length_m]| *length_m).fold(0.0, f64::max);
         // Area, place, p without friction and f.
         let on = |[width_m, length_m]: &Rectangle| -> Vec<[f64; 4]> {
