@@ -1,7 +1,7 @@
 //! The explorer: sliders that ask a response surface for what any design within the bounds does.
 
-use base64::Engine;
-use base64::engine::general_purpose::STANDARD;
+mod surfaces;
+
 use maud::{Markup, PreEscaped, html};
 use serde::Serialize;
 use slipgrid_design::optimize::{Bound, Quantity};
@@ -10,50 +10,16 @@ use slipgrid_design::{ConstraintQuantity, DesignOutcome, DesignReport, DesignTas
 use slipgrid_export::laser_time_s;
 use slipgrid_pattern::{Pattern, Planform};
 use slipgrid_results::{PatternReport, VERSION};
-use slipgrid_statistics::ResponseSurface;
-use slipgrid_units::{LENGTH_UM, tidy};
+use slipgrid_units::LENGTH_UM;
 
+use self::surfaces::{AxisData, LENGTHS, Packed, RimData, axes_data};
 use super::page::{Page, number};
 use super::points::{Among, Point};
 use crate::Outputs;
 
 const SCRIPT: &str = include_str!("explorer.js");
-/// Names of the axes.
-const LENGTHS: [&str; 3] = ["width", "spacing", "depth"];
 /// What is said of a design whose cavities close.
 const CLOSED: &str = "the cavity closes under the load: no answer";
-/// Largest of the codes that coefficients are written as.
-const FULL_SCALE: f64 = 65_535.0;
-
-/// Numbers as 16-bit codes between two of them, in base64.
-#[derive(Serialize)]
-struct Packed {
-    from: f64,
-    to: f64,
-    codes: String,
-}
-
-impl Packed {
-    fn new(surface: &ResponseSurface) -> Self {
-        let all = surface.coefficients();
-        let from = all.iter().copied().fold(f64::INFINITY, f64::min);
-        let to = all.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        let span = if to > from { to - from } else { 1.0 };
-        // Between 0 and the full scale: the cast is exact.
-        let code = |value: &f64| (((value - from) / span * FULL_SCALE).round() as u16).to_le_bytes();
-        let codes: Vec<u8> = all.iter().flat_map(code).collect();
-        Self { from, to: from + span, codes: STANDARD.encode(codes) }
-    }
-}
-
-#[derive(Serialize)]
-struct AxisData {
-    name: &'static str,
-    from: f64,
-    to: f64,
-    nodes: usize,
-}
-
 /// A limit that the page can check.
 #[derive(Serialize)]
 struct LimitData {
@@ -81,41 +47,6 @@ const fn width_power(planform: Planform, is_mask: bool) -> u8 {
         Planform::Square | Planform::Disc | Planform::Polygon => 2,
         Planform::Groove | Planform::Crosshatch | Planform::Rectangle => 1,
     }
-}
-
-/// Rims of other heights than the modelled.
-#[derive(Serialize)]
-struct RimData {
-    axes: Vec<AxisData>,
-    /// Heights over those modelled.
-    factors: Vec<f64>,
-    /// Modelled heights by the depth of the cavity.
-    heights_um: Vec<[f64; 2]>,
-    values: Vec<Packed>,
-    peak_and_sag: Vec<Packed>,
-}
-
-impl RimData {
-    fn new(explorer: &Explorer, pattern: &Pattern) -> Option<Self> {
-        let (changes, rim) = (explorer.rims.as_ref()?, pattern.texture().rim()?);
-        Some(Self {
-            axes: axes_data(changes.values.first()?),
-            factors: changes.factors.clone(),
-            heights_um: rim.heights_m().iter().map(|pair| pair.map(|m| tidy(LENGTH_UM.from_si(m)))).collect(),
-            values: changes.values.iter().map(Packed::new).collect(),
-            peak_and_sag: changes.peak_and_sag.iter().map(Packed::new).collect(),
-        })
-    }
-
-    /// Least and greatest factor.
-    fn ends(&self) -> [f64; 2] {
-        [self.factors.first().copied().unwrap_or(1.0), self.factors.last().copied().unwrap_or(1.0)]
-    }
-}
-
-fn axes_data(surface: &ResponseSurface) -> Vec<AxisData> {
-    let named = surface.axes().iter().zip(LENGTHS);
-    named.map(|(axis, name)| AxisData { name, from: axis.from, to: axis.to, nodes: axis.nodes }).collect()
 }
 
 #[derive(Serialize)]
