@@ -2,16 +2,17 @@
 
 use pulp::{Simd, WithSimd};
 
+use super::real::Real;
 use super::rows::Plane;
 
 /// Fills the first `size` values of each plane with numbers of both signs, the same on every machine and in every
 /// allocation.
-pub fn fill<'a>(planes: impl IntoIterator<Item = &'a mut Plane>, size: usize) {
+pub fn fill<'a, R: Real>(planes: impl IntoIterator<Item = &'a mut Plane<R>>, size: usize) {
     let mut number = 1_u32;
     for plane in planes {
         for value in plane.rows_mut().iter_mut().take(size) {
             number = number.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-            *value = (f64::from(number) / f64::from(u32::MAX) - 0.5) * 1e-3;
+            *value = R::of((f64::from(number) / f64::from(u32::MAX) - 0.5) * 1e-3);
         }
     }
 }

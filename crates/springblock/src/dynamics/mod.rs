@@ -6,6 +6,7 @@
 //! | `protocol` | ramp, rest, drive |
 //! | `contact` | the friction law on a contact block, and the contact row of the plane |
 //! | `bonds`, `bond_rows` | forces of linear or exact springs, row by row |
+//! | `real` | single and double precision |
 //! | `rows` | coefficients and state of a strip of columns |
 //! | `stencil` | a lattice cut into strips, with the coefficients of its linear springs |
 //! | `sweep` | one step for the rows of a strip, in vectors |
@@ -31,6 +32,7 @@ mod drive;
 mod engine;
 mod leapfrog;
 mod protocol;
+mod real;
 mod recorder;
 mod remembered;
 mod rows;
@@ -58,6 +60,8 @@ pub use space::{SpaceRun, SpaceScheme};
 mod any_width;
 #[cfg(test)]
 mod front_speed;
+#[cfg(test)]
+mod precision_tests;
 #[cfg(test)]
 mod properties;
 #[cfg(test)]

@@ -1,5 +1,7 @@
 //! What a sweep reads and writes: coefficients of rows, displacements of blocks.
 
+use super::real::{LINE_BYTES, Real, whole_lines};
+
 /// Stiffness of the springs of one block over k: east, west, north, south, then the diagonals.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Springs8 {
@@ -35,24 +37,24 @@ pub struct Site {
 /// Coefficients of a row, one array per spring, one entry per column, then zeros up to a whole number of
 /// cache lines. Those of the diagonals are halved.
 #[derive(Clone, Debug, Default)]
-pub struct RowCoefficients {
-    pub east: Vec<f64>,
-    pub west: Vec<f64>,
-    pub north: Vec<f64>,
-    pub south: Vec<f64>,
-    pub half_north_east: Vec<f64>,
-    pub half_north_west: Vec<f64>,
-    pub half_south_east: Vec<f64>,
-    pub half_south_west: Vec<f64>,
-    pub inverse_mass: Vec<f64>,
+pub struct RowCoefficients<R> {
+    pub east: Vec<R>,
+    pub west: Vec<R>,
+    pub north: Vec<R>,
+    pub south: Vec<R>,
+    pub half_north_east: Vec<R>,
+    pub half_north_west: Vec<R>,
+    pub half_south_east: Vec<R>,
+    pub half_south_west: Vec<R>,
+    pub inverse_mass: Vec<R>,
 }
 
-impl RowCoefficients {
+impl<R: Real> RowCoefficients<R> {
     /// Transposes the blocks of a row.
     pub fn new(sites: &[Site]) -> Self {
         let column = |f: fn(&Site) -> f64| {
-            let mut values: Vec<f64> = sites.iter().map(f).collect();
-            values.resize(whole_lines(sites.len()), 0.0);
+            let mut values: Vec<R> = sites.iter().map(f).map(R::of).collect();
+            values.resize(whole_lines::<R>(sites.len()), R::default());
             values
         };
         Self {
@@ -69,74 +71,54 @@ impl RowCoefficients {
     }
 }
 
-/// The whole number of cache lines that holds `columns` values, in values.
-#[must_use]
-pub const fn whole_lines(columns: usize) -> usize {
-    columns.next_multiple_of(LINE)
-}
-
-/// Values in a cache line.
-pub const LINE: usize = 8;
-/// Bytes in a cache line.
-const LINE_BYTES: usize = 64;
-
-/// One value a block, row by row: column i of row j is at `LINE + j * stride + i`. Behind the last column
+/// One value a block, row by row: column i of row j is at `LINE + j * stride + i`, with the values of a cache line. Behind the last column
 /// lie two values or more: the image of the first column beyond it, and last the image of the column before
 /// column 0 of the next row. Row ny is the bulk. Column 0 begins a cache line.
 #[derive(Clone, Debug)]
-pub struct Plane {
-    values: Vec<f64>,
+pub struct Plane<R> {
+    values: Vec<R>,
     skip: usize,
 }
 
-impl Plane {
+impl<R: Real> Plane<R> {
     pub(super) fn zero(size: usize) -> Self {
-        let values = vec![0.0; size + LINE];
+        let values = vec![R::default(); size + R::LINE];
         // A clone may lie otherwise: slower, not wrong.
-        let skip = values.as_ptr().align_offset(LINE_BYTES).min(LINE);
+        let skip = values.as_ptr().align_offset(LINE_BYTES).min(R::LINE);
         Self { values, skip }
     }
 
     /// All rows, padding included.
     #[inline(always)]
-    pub fn rows(&self) -> &[f64] {
+    pub fn rows(&self) -> &[R] {
         &self.values[self.skip..]
-    }
-
-    /// Places the blocks from `start` on `by` beside where they are `now`.
-    #[inline]
-    pub fn place_moved(&mut self, now: &Self, start: usize, by: &[f64]) {
-        let (values, now) = (&mut self.rows_mut()[start..][..by.len()], &now.rows()[start..][..by.len()]);
-        for ((value, now), by) in values.iter_mut().zip(now).zip(by) {
-            *value = now + by;
-        }
     }
 
     /// All rows, padding included.
     #[inline(always)]
-    pub fn rows_mut(&mut self) -> &mut [f64] {
+    pub fn rows_mut(&mut self) -> &mut [R] {
         &mut self.values[self.skip..]
     }
 }
 
 /// Displacements of the blocks of a strip, x and y: at an instant, and one step before it or after it.
 #[derive(Clone, Debug)]
-pub struct Field {
+pub struct Field<R> {
     pub nx: usize,
     pub ny: usize,
     pub stride: usize,
-    pub now: [Plane; 2],
+    pub now: [Plane<R>; 2],
     /// One step earlier; a sweep replaces it by one step later, and [`Field::turn`] makes that the present.
-    pub other: [Plane; 2],
+    pub other: [Plane<R>; 2],
 }
 
-impl Field {
+impl<R: Real> Field<R> {
     /// A strip at rest.
     #[must_use]
     pub fn at_rest(nx: usize, ny: usize) -> Self {
         // An odd number of lines a row: rows do not meet in the same sets of a cache.
-        let stride = ((nx + 2).div_ceil(LINE) | 1) * LINE;
-        let plane = || Plane::zero(stride * (ny + 1) + 2 * LINE);
+        let stride = ((nx + 2).div_ceil(R::LINE) | 1) * R::LINE;
+        let plane = || Plane::zero(stride * (ny + 1) + 2 * R::LINE);
         Self { nx, ny, stride, now: [plane(), plane()], other: [plane(), plane()] }
     }
 
@@ -144,7 +126,7 @@ impl Field {
     #[inline(always)]
     #[must_use]
     pub const fn at(&self, i: usize, j: usize) -> usize {
-        LINE + j * self.stride + i
+        R::LINE + j * self.stride + i
     }
 
     /// Makes what a sweep has written the present.

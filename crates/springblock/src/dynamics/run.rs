@@ -150,16 +150,21 @@ impl DynamicRun<'_> {
             damping: scene.run.damping,
             liftoff: is_unilateral(scene, self.lattice),
         };
-        let run = Prepared { start, started_s, scales: &scales };
+        let mut run = Prepared { start, started_s, scales: &scales };
         if self.scheme.runge_kutta {
             self.drive(RungeKutta::new(self.lattice, self.scheme.springs, setup), &run, monitor)
         } else if self.scheme.springs == Springs::Exact {
             self.drive(BondLeapfrog::new(self.lattice, Springs::Exact, setup), &run, monitor)
         } else {
             // One thread is the scope's own: without others nothing is spawned.
-            std::thread::scope(|scope| {
-                let engine = StripLeapfrog::new(self.lattice, setup).with_threads(scope, self.threads);
-                self.drive(engine, &run, monitor)
+            std::thread::scope(|scope| match run.start.take_if(|_| scene.run.warm_start) {
+                Some(sliding) => {
+                    let engine = StripLeapfrog::from_sliding(self.lattice, setup, sliding);
+                    self.drive(engine.with_threads(scope, self.threads), &run, monitor)
+                }
+                None => {
+                    self.drive(StripLeapfrog::new(self.lattice, setup).with_threads(scope, self.threads), &run, monitor)
+                }
             })
         }
     }

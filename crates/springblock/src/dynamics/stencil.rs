@@ -10,7 +10,8 @@ use std::ops::Range;
 
 use pulp::{Simd, WithSimd};
 
-use super::rows::{Field, INSIDE, LINE, RowCoefficients, Site};
+use super::real::Real;
+use super::rows::{Field, INSIDE, RowCoefficients, Site};
 use crate::lattice::Lattice;
 use slipgrid_fft::vectorized;
 
@@ -35,11 +36,11 @@ impl BulkBalance {
 
 /// Coefficients of one strip.
 #[derive(Clone, Debug)]
-pub struct StripStencil {
+pub struct StripStencil<R> {
     /// Its columns in the lattice.
     pub columns: Range<usize>,
     /// Rows with a coefficient per spring, from the counterface up.
-    pub general: Vec<RowCoefficients>,
+    pub general: Vec<RowCoefficients<R>>,
     /// Blocks at a free side in the rows above those, by column of the strip.
     pub sides: Vec<(usize, Vec<Site>)>,
     to_bulk_yy: Vec<f64>,
@@ -47,29 +48,29 @@ pub struct StripStencil {
     to_bulk_xy: Vec<(usize, f64)>,
 }
 
-impl StripStencil {
+impl<R: Real> StripStencil<R> {
     /// What the top row takes of the balance of the bulk.
     #[must_use]
-    pub fn held(&self, field: &Field) -> f64 {
+    pub fn held(&self, field: &Field<R>) -> f64 {
         let top = field.at(0, field.ny - 1);
         let row = |component: usize| &field.now[component].rows()[top..][..field.nx];
-        let sideways: f64 = self.to_bulk_xy.iter().map(|(i, xy)| xy * row(0)[*i]).sum();
+        let sideways: f64 = self.to_bulk_xy.iter().map(|(i, xy)| xy * row(0)[*i].widened()).sum();
         weighted_sum(&self.to_bulk_yy, row(1)) + sideways
     }
 }
 
 /// First columns of the strips of `nx` columns, and `nx`.
-fn cuts(nx: usize) -> Vec<usize> {
+fn cuts<R: Real>(nx: usize) -> Vec<usize> {
     let strips = nx.div_ceil(STRIP_COLUMNS);
     // Whole cache lines but for the last strip.
-    let mut cuts: Vec<usize> = (0..strips).map(|s| nx * s / strips / LINE * LINE).collect();
+    let mut cuts: Vec<usize> = (0..strips).map(|s| nx * s / strips / R::LINE * R::LINE).collect();
     cuts.push(nx);
     cuts
 }
 
 /// Cuts a plain lattice (whole blocks of equal width) into strips.
 #[must_use]
-pub fn strips(lattice: &Lattice) -> (Vec<StripStencil>, BulkBalance) {
+pub fn strips<R: Real>(lattice: &Lattice) -> (Vec<StripStencil<R>>, BulkBalance) {
     let (nx, ny) = (lattice.nx(), lattice.ny());
     let mut sites = vec![Site::default(); nx * ny];
     let (mut to_bulk_yy, mut to_bulk_xy) = (vec![0.0; nx], vec![0.0; nx]);
@@ -107,7 +108,7 @@ pub fn strips(lattice: &Lattice) -> (Vec<StripStencil>, BulkBalance) {
     }
     let balance = BulkBalance { yy: to_bulk_yy.iter().sum(), xy: to_bulk_xy.iter().sum() };
     let inside = Site { springs: INSIDE, inverse_mass: 1.0 };
-    let strips = cuts(nx)
+    let strips = cuts::<R>(nx)
         .windows(2)
         .map(|cut| {
             let columns = cut[0]..cut[1];
@@ -134,56 +135,52 @@ pub fn strips(lattice: &Lattice) -> (Vec<StripStencil>, BulkBalance) {
 /// Partial sums in which long sums are taken, whatever the width of vectors.
 const PARTS: usize = 16;
 
-struct WeightedSum<'a>(&'a [f64], &'a [f64]);
+struct WeightedSum<'a, R>(&'a [f64], &'a [R]);
 
-impl WithSimd for WeightedSum<'_> {
+impl<R: Real> WithSimd for WeightedSum<'_, R> {
     type Output = f64;
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) -> f64 {
+    fn with_simd<S: Simd>(self, _: S) -> f64 {
         let (a, b) = (self.0.chunks_exact(PARTS), self.1.chunks_exact(PARTS));
-        let rest: f64 = a.remainder().iter().zip(b.remainder()).map(|(a, b)| a * b).sum();
-        // PARTS / lanes vectors of partial sums.
-        let mut parts = [simd.splat_f64s(0.0); PARTS];
+        let rest: f64 = a.remainder().iter().zip(b.remainder()).map(|(a, b)| a * b.widened()).sum();
+        let mut parts = [0.0; PARTS];
         for (a, b) in a.zip(b) {
-            let (a, b) = (S::as_simd_f64s(a).0, S::as_simd_f64s(b).0);
             for ((part, a), b) in parts.iter_mut().zip(a).zip(b) {
-                *part = simd.add_f64s(*part, simd.mul_f64s(*a, *b));
+                *part += a * b.widened();
             }
         }
-        let parts = &parts[..PARTS / S::F64_LANES];
-        pulp::bytemuck::cast_slice::<S::f64s, f64>(parts).iter().sum::<f64>() + rest
+        parts.iter().sum::<f64>() + rest
     }
 }
 
 /// Sum of a[i] b[i]: the same with any vector width.
-fn weighted_sum(a: &[f64], b: &[f64]) -> f64 {
+fn weighted_sum<R: Real>(a: &[f64], b: &[R]) -> f64 {
     vectorized(WeightedSum(a, b))
 }
 
-struct FixedSum<'a>(&'a [f64]);
+struct FixedSum<'a, R>(&'a [R]);
 
-impl WithSimd for FixedSum<'_> {
+impl<R: Real> WithSimd for FixedSum<'_, R> {
     type Output = f64;
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) -> f64 {
+    fn with_simd<S: Simd>(self, _: S) -> f64 {
         let chunks = self.0.chunks_exact(PARTS);
-        let rest: f64 = chunks.remainder().iter().sum();
-        let mut parts = [simd.splat_f64s(0.0); PARTS];
+        let rest: f64 = chunks.remainder().iter().map(|value| value.widened()).sum();
+        let mut parts = [0.0; PARTS];
         for chunk in chunks {
-            for (part, value) in parts.iter_mut().zip(S::as_simd_f64s(chunk).0) {
-                *part = simd.add_f64s(*part, *value);
+            for (part, value) in parts.iter_mut().zip(chunk) {
+                *part += value.widened();
             }
         }
-        let parts = &parts[..PARTS / S::F64_LANES];
-        pulp::bytemuck::cast_slice::<S::f64s, f64>(parts).iter().sum::<f64>() + rest
+        parts.iter().sum::<f64>() + rest
     }
 }
 
-/// Sum of `values`: the same with any vector width.
+/// Sum of `values` in double precision: the same with any vector width.
 #[must_use]
-pub fn fixed_sum(values: &[f64]) -> f64 {
+pub fn fixed_sum<R: Real>(values: &[R]) -> f64 {
     vectorized(FixedSum(values))
 }
 
@@ -194,10 +191,10 @@ mod tests {
     #[test]
     fn strips_cover_every_column_once_in_whole_lines() {
         for nx in [1, 50, 256, 257, 996, 100_000] {
-            let cuts = cuts(nx);
+            let cuts = cuts::<f32>(nx);
             assert!(cuts[0] == 0 && cuts[cuts.len() - 1] == nx);
-            assert!(cuts.windows(2).all(|w| w[0] < w[1] && w[1] - w[0] <= STRIP_COLUMNS + LINE));
-            assert!(cuts[..cuts.len() - 1].iter().all(|cut| cut.is_multiple_of(LINE)));
+            assert!(cuts.windows(2).all(|w| w[0] < w[1] && w[1] - w[0] <= STRIP_COLUMNS + f32::LINE));
+            assert!(cuts[..cuts.len() - 1].iter().all(|cut| cut.is_multiple_of(f32::LINE)));
         }
     }
 

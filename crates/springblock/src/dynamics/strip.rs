@@ -4,7 +4,8 @@ use std::ops::Range;
 
 use super::contact::{ContactBlock, ContactSums, LocalLaw};
 use super::contact_vectors::ContactVectors;
-use super::rows::{Field, whole_lines};
+use super::real::{AddForces, PlaceContacts, Real, whole_lines};
+use super::rows::Field;
 use super::stencil::StripStencil;
 use super::sweep::{ContactRowForces, InsideRows, Kick, MoveRow, RowForces, side};
 use slipgrid_fft::vectorized;
@@ -16,6 +17,19 @@ pub struct BulkPlace {
     pub x: f64,
     /// Its vertical displacement.
     pub height: f64,
+    /// How far the frame of displacements has been carried after the step.
+    pub carried: f64,
+}
+
+/// What displacements deviate from: a state in equilibrium but for the contact row, in a frame that slides with the bulk.
+#[derive(Clone, Debug)]
+pub struct Base {
+    /// Spring forces on the contact row, horizontal and vertical, by column.
+    pub force: [Vec<f64>; 2],
+    /// Vertical displacements of the contact row, by column.
+    pub height: Vec<f64>,
+    /// How far the frame is carried in a step.
+    pub carried: f64,
 }
 
 /// One side of a strip.
@@ -27,23 +41,29 @@ pub enum Side {
 
 /// A strip of the lattice.
 #[derive(Clone, Debug)]
-pub struct Strip<'a> {
-    stencil: StripStencil,
-    field: Field,
+pub struct Strip<'a, R> {
+    stencil: StripStencil<R>,
+    field: Field<R>,
     contact: ContactVectors<'a, 1>,
     kick: Kick,
+    /// What damping takes from the velocity of the frame.
+    drag: f64,
     liftoff: bool,
     /// Vertical displacements of the last step of contact blocks in the air, by column.
     fall: Vec<f64>,
-    force: [Vec<f64>; 2],
+    force: [Vec<R>; 2],
     at_sides: Vec<[f64; 2]>,
+    /// The contact row in double precision and, but for its frame, as the field has it: displacements, and forces on it.
+    contact_place: [Vec<f64>; 2],
+    contact_force: [Vec<f64>; 2],
+    base: Base,
 }
 
-impl<'a> Strip<'a> {
+impl<'a, R: Real> Strip<'a, R> {
     /// A strip of `rows` rows at rest; `blocks`: the contact blocks of the whole lattice.
     #[must_use]
     pub fn new(
-        stencil: StripStencil,
+        stencil: StripStencil<R>,
         rows: usize,
         blocks: &[ContactBlock<1>],
         law: LocalLaw<'a>,
@@ -61,16 +81,23 @@ impl<'a> Strip<'a> {
                 own
             })
             .collect();
-        let contact = ContactVectors::new(own, law, [1.0], stencil.general[0].inverse_mass.iter().copied(), kick);
+        let inverse_mass = stencil.general[0].inverse_mass.iter().map(|inverse| inverse.widened());
+        let contact = ContactVectors::new(own, law, [1.0], inverse_mass, kick);
+        let padded = whole_lines::<R>(nx);
+        let zeros = || [vec![0.0; padded], vec![0.0; padded]];
         Self {
             stencil,
             field: Field::at_rest(nx, rows),
             contact,
             kick,
+            drag: 0.0,
             liftoff,
             fall: vec![0.0; nx],
-            force: [vec![0.0; whole_lines(nx)], vec![0.0; whole_lines(nx)]],
+            force: [vec![R::default(); padded], vec![R::default(); padded]],
             at_sides: Vec::new(),
+            contact_place: zeros(),
+            contact_force: zeros(),
+            base: Base { force: zeros(), height: vec![0.0; padded], carried: 0.0 },
         }
     }
 
@@ -98,10 +125,34 @@ impl<'a> Strip<'a> {
                 let at = self.field.at(i, j);
                 let u = displacement(self.stencil.columns.start + i, j);
                 for (component, u) in u.into_iter().enumerate() {
-                    self.field.now[component].rows_mut()[at] = u;
-                    self.field.other[component].rows_mut()[at] = u;
+                    self.field.now[component].rows_mut()[at] = R::of(u);
+                    self.field.other[component].rows_mut()[at] = R::of(u);
+                    if j == 0 {
+                        self.contact_place[component][i] = u;
+                    }
                 }
             }
+        }
+    }
+
+    /// Takes displacements from now on as deviations from a state at rest, which is `base` by column of the lattice, in a frame that moves.
+    pub fn deviate(&mut self, base: &Base) {
+        let (columns, padded) = (self.stencil.columns.clone(), whole_lines::<R>(self.field.nx));
+        let own = |values: &[f64]| {
+            let mut own = values[columns.clone()].to_vec();
+            own.resize(padded, 0.0);
+            own
+        };
+        self.base = Base {
+            force: base.force.each_ref().map(|force| own(force)),
+            height: own(&base.height),
+            carried: base.carried,
+        };
+        self.drag = self.kick.drag(base.carried);
+        // One step before, the frame was that much behind.
+        let (first, stride, nx) = (self.field.at(0, 0), self.field.stride, self.field.nx);
+        for row in self.field.other[0].rows_mut()[first..].chunks_mut(stride).take(self.field.ny) {
+            row[..nx].fill(R::of(base.carried));
         }
     }
 
@@ -115,7 +166,7 @@ impl<'a> Strip<'a> {
     #[must_use]
     pub fn displacement(&self, i: usize, j: usize) -> [f64; 2] {
         let at = self.field.at(i, j);
-        [0, 1].map(|component: usize| self.field.now[component].rows()[at])
+        [0, 1].map(|component: usize| self.field.now[component].rows()[at].widened())
     }
 
     /// Joins the left side to the right side: a strip that is a whole period.
@@ -145,7 +196,7 @@ impl<'a> Strip<'a> {
         let (at, stride, ny) = (self.field.at(column, 0), self.field.stride, self.field.ny);
         for (component, plane) in self.field.now.iter().enumerate() {
             for (j, value) in plane.rows()[at..].iter().step_by(stride).take(ny).enumerate() {
-                give(component * ny + j, *value);
+                give(component * ny + j, value.widened());
             }
         }
     }
@@ -159,7 +210,7 @@ impl<'a> Strip<'a> {
         let (stride, ny) = (self.field.stride, self.field.ny);
         for (component, plane) in self.field.now.iter_mut().enumerate() {
             for (j, value) in plane.rows_mut()[at..].iter_mut().step_by(stride).take(ny).enumerate() {
-                *value = take(component * ny + j);
+                *value = R::of(take(component * ny + j));
             }
         }
     }
@@ -168,7 +219,7 @@ impl<'a> Strip<'a> {
     /// neighbours' columns must be those of this instant.
     pub fn step(&mut self, bulk: BulkPlace) -> ContactSums {
         self.place_bulk(bulk);
-        let Self { stencil, field, contact, kick, force: [force_x, force_y], .. } = self;
+        let Self { stencil, field, contact, kick, drag, force: [force_x, force_y], .. } = self;
         let mut sums = ContactSums::default();
         for (row, coefficients) in stencil.general.iter().enumerate() {
             if row == 0 && !self.liftoff {
@@ -177,31 +228,53 @@ impl<'a> Strip<'a> {
                 vectorized(RowForces { coefficients, field, row, force_x, force_y });
             }
             if row == 0 {
+                let total = &mut self.contact_force;
+                for ((force, of_base), total) in [&*force_x, force_y].into_iter().zip(&self.base.force).zip(&mut *total)
+                {
+                    vectorized(AddForces { force, of_base, total });
+                }
+                let [force_x, force_y] = &*total;
                 sums = contact.kick([force_x], force_y, kick.kept);
-                let [velocity] = contact.velocity();
-                field.other[0].place_moved(&field.now[0], field.at(0, 0), &velocity[..field.nx]);
+                let ([velocity], carried) = (contact.velocity(), bulk.carried);
+                let (start, columns, place) = (field.at(0, 0), field.nx, &mut self.contact_place[0]);
+                let (velocity, row) = (&velocity[..columns], &mut field.other[0].rows_mut()[start..][..columns]);
+                vectorized(PlaceContacts { place, velocity, carried, row });
                 if self.liftoff {
-                    move_vertically(contact, *kick, &coefficients.inverse_mass, force_y, field, &mut self.fall);
+                    let inverse_mass = &coefficients.inverse_mass;
+                    let (heights, rises) = (&self.base.height, &mut self.contact_place[1]);
+                    for block in contact.unsettled() {
+                        let i = block.column;
+                        let (fall, inverse_mass) = (&mut self.fall[i], inverse_mass[i].widened());
+                        if let Some(height) = block.fly(heights[i] + rises[i], fall, *kick, inverse_mass, force_y[i]) {
+                            rises[i] = height - heights[i];
+                        }
+                    }
+                    let row = &mut field.other[1].rows_mut()[start..][..columns];
+                    for (row, rise) in row.iter_mut().zip(rises) {
+                        *row = R::of(*rise);
+                    }
                 }
             } else {
                 let inverse_mass = &coefficients.inverse_mass;
                 let (columns, start) = (field.nx, field.at(0, row));
                 let (now, other, force) = (&field.now, &mut field.other, [&force_x[..], force_y]);
-                vectorized(MoveRow { inverse_mass, now, other, columns, start, kick: *kick, force });
+                let drag = [*drag, 0.0];
+                vectorized(MoveRow { inverse_mass, now, other, columns, start, kick: *kick, drag, force });
             }
         }
         let from = stencil.general.len();
         self.at_sides.clear();
         for (i, sites) in &stencil.sides {
-            self.at_sides.extend((from..).zip(sites).map(|(j, site)| side(site, field, *i, j, *kick)));
+            self.at_sides.extend((from..).zip(sites).map(|(j, site)| side(site, field, [*i, j], *kick, *drag)));
         }
-        vectorized(InsideRows { field, from, kick: *kick });
+        vectorized(InsideRows { field, from, kick: *kick, drag: *drag });
         let mut moved = self.at_sides.iter();
         for (i, sites) in &stencil.sides {
             for ((j, _), moved) in (from..).zip(sites).zip(&mut moved) {
                 let at = field.at(*i, j);
-                field.other[0].rows_mut()[at] = moved[0];
-                field.other[1].rows_mut()[at] = moved[1];
+                for (plane, moved) in field.other.iter_mut().zip(*moved) {
+                    plane.rows_mut()[at] = R::of(moved);
+                }
             }
         }
         field.turn();
@@ -211,27 +284,7 @@ impl<'a> Strip<'a> {
     fn place_bulk(&mut self, bulk: BulkPlace) {
         let (start, end) = (self.field.at(0, self.field.ny) - 1, self.field.at(self.field.nx, self.field.ny) + 1);
         for (plane, value) in self.field.now.iter_mut().zip([bulk.x, bulk.height]) {
-            plane.rows_mut()[start..end].fill(value);
-        }
-    }
-}
-
-/// Vertical motion of contact blocks under unilateral contact.
-fn move_vertically(
-    contact: &mut ContactVectors<1>,
-    kick: Kick,
-    inverse_mass: &[f64],
-    force_y: &[f64],
-    field: &mut Field,
-    fall: &mut [f64],
-) {
-    let start = field.at(0, 0);
-    let (now, other) = (&field.now[1].rows()[start..][..field.nx], &mut field.other[1].rows_mut()[start..]);
-    other[..field.nx].copy_from_slice(now);
-    for block in contact.unsettled() {
-        let i = block.column;
-        if let Some(height) = block.fly(now[i], &mut fall[i], kick, inverse_mass[i], force_y[i]) {
-            other[i] = height;
+            plane.rows_mut()[start..end].fill(R::of(value));
         }
     }
 }

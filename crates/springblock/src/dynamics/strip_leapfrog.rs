@@ -6,24 +6,31 @@
 //!
 //! one force evaluation a step, damping implicit, symplectic without damping and friction, of order 2;
 //! stable for dt < 2/omega_max. Units: k = 1, l = 1, m = 1.
+//!
+//! A run that starts from sliding in equilibrium keeps what it deviates from that state, in the frame of the bulk, in single precision: half
+//! as much to move and to add. Deviations stay as small as slips are, about a hundredth of what the layer is sheared, so that their rounding
+//! is to slips what 1e-7 is to one. The contact row has double precision: its displacements, its velocities, and friction on it.
 
 use std::thread::Scope;
 
+use super::bonds::Bonds;
 use super::contact::{ContactForce, ContactSums};
 use super::engine::{Engine, PlaneEngine, Setup};
 use super::protocol::Protocol;
+use super::real::Real;
 use super::stencil::{BulkBalance, strips};
-use super::strip::{BulkPlace, Strip};
+use super::strip::{Base, BulkPlace, Strip};
 use super::strip_workers::StripWorkers;
 use super::sweep::Kick;
 use crate::lattice::Lattice;
+use crate::scene::Springs;
 
 /// Leapfrog on the strips of a plain lattice.
 #[derive(Debug)]
-pub struct StripLeapfrog<'scope, 'env, 'a> {
+pub struct StripLeapfrog<'scope, 'env, 'a, R> {
     /// Strips before the first step; the workers have them after it.
-    strips: Vec<Strip<'a>>,
-    strip_workers: Option<StripWorkers<'scope, 'a>>,
+    strips: Vec<Strip<'a, R>>,
+    strip_workers: Option<StripWorkers<'scope, 'a, R>>,
     /// Where other threads may be started, and how many with the caller's.
     threads: Option<(&'scope Scope<'scope, 'env>, usize)>,
     balance: BulkBalance,
@@ -32,14 +39,44 @@ pub struct StripLeapfrog<'scope, 'env, 'a> {
     steps: u64,
     periodic: bool,
     contacts: usize,
+    /// The state in equilibrium that displacements deviate from, by row and column; nothing where they are those of the layer at rest.
+    base: Vec<[f64; 2]>,
+    columns: usize,
 }
 
-impl<'scope, 'env, 'a: 'scope> StripLeapfrog<'scope, 'env, 'a> {
+impl<'scope, 'a: 'scope> StripLeapfrog<'scope, '_, 'a, f64> {
     /// A plain lattice at rest.
     #[must_use]
     pub fn new(lattice: &Lattice, setup: Setup<'a>) -> Self {
-        let Setup { contact, protocol, time_step, damping, liftoff } = setup;
-        let kick = Kick::new(time_step, damping);
+        let kick = Kick::new(setup.time_step, setup.damping);
+        Self::of(lattice, setup, kick)
+    }
+}
+
+impl<'scope, 'a: 'scope> StripLeapfrog<'scope, '_, 'a, f32> {
+    /// A plain lattice that starts at rest from `base`, displacements by row and column in equilibrium with a motion of the bulk at the
+    /// speed and under the load of `setup`, from the first step on.
+    #[must_use]
+    pub fn from_sliding(lattice: &Lattice, setup: Setup<'a>, base: Vec<[f64; 2]>) -> Self {
+        let Setup { protocol, time_step, damping, .. } = setup;
+        let mut sliding = Self::of(lattice, setup, Kick::new(time_step, damping).rounded::<f32>());
+        let mut bonds = Bonds::new(lattice, Springs::Linear);
+        let u = [0, 1].map(|c: usize| base.iter().map(|u| u[c]).collect::<Vec<f64>>());
+        bonds.evaluate(&u, 0.0, protocol.load(0.0));
+        let nx = lattice.nx();
+        let force = bonds.forces().each_ref().map(|force| force[..nx].to_vec());
+        let height = base[..nx].iter().map(|u| u[1]).collect();
+        let deviates_from = Base { force, height, carried: protocol.speed * time_step };
+        for strip in &mut sliding.strips {
+            strip.deviate(&deviates_from);
+        }
+        Self { base, ..sliding }
+    }
+}
+
+impl<'scope, 'env, 'a: 'scope, R: Real> StripLeapfrog<'scope, 'env, 'a, R> {
+    fn of(lattice: &Lattice, setup: Setup<'a>, kick: Kick) -> Self {
+        let Setup { contact, protocol, time_step, liftoff, .. } = setup;
         let (stencils, balance) = strips(lattice);
         let (blocks, law) = contact.into_parts();
         let contacts = blocks.len();
@@ -48,7 +85,21 @@ impl<'scope, 'env, 'a: 'scope> StripLeapfrog<'scope, 'env, 'a> {
             .map(|stencil| Strip::new(stencil, lattice.ny(), &blocks, law, kick, liftoff))
             .collect();
         let periodic = lattice.is_periodic();
-        Self { strips, strip_workers: None, threads: None, balance, protocol, time_step, steps: 0, periodic, contacts }
+        let (base, columns) = (Vec::new(), lattice.nx());
+        let threads = None;
+        Self {
+            strips,
+            strip_workers: None,
+            threads,
+            balance,
+            protocol,
+            time_step,
+            steps: 0,
+            periodic,
+            contacts,
+            base,
+            columns,
+        }
     }
 
     /// The same, advanced by at most `threads` threads of `scope` with the caller's.
@@ -62,28 +113,41 @@ impl<'scope, 'env, 'a: 'scope> StripLeapfrog<'scope, 'env, 'a> {
     pub fn displacement(&self, i: usize, j: usize) -> [f64; 2] {
         let strips = self.strip_workers.as_ref().map_or(&self.strips[..], StripWorkers::own);
         let strip = strips.iter().find(|strip| strip.columns().contains(&i));
-        strip.map_or([0.0; 2], |strip| strip.displacement(i - strip.columns().start, j))
+        let [x, y] = strip.map_or([0.0; 2], |strip| strip.displacement(i - strip.columns().start, j));
+        match self.base.get(j * self.columns + i) {
+            Some(base) => [base[0] + x + self.carried(self.steps), base[1] + y],
+            None => [x, y],
+        }
+    }
+
+    /// How far the frame of displacements has been carried after `steps` steps: as far as the bulk where they deviate from sliding.
+    fn carried(&self, steps: u64) -> f64 {
+        if self.base.is_empty() { 0.0 } else { self.protocol.bulk_x(steps as f64 * self.time_step) }
     }
 
     /// The workers, which take the strips over.
-    fn strip_workers(&mut self) -> &mut StripWorkers<'scope, 'a> {
+    fn strip_workers(&mut self) -> &mut StripWorkers<'scope, 'a, R> {
         let Self { strips, strip_workers, threads, periodic, .. } = self;
         strip_workers.get_or_insert_with(|| StripWorkers::new(std::mem::take(strips), *periodic, *threads))
     }
 }
 
-impl<'scope, 'a: 'scope> Engine for StripLeapfrog<'scope, '_, 'a> {
+impl<'scope, 'a: 'scope, R: Real> Engine for StripLeapfrog<'scope, '_, 'a, R> {
     fn begin_drive(&mut self) {
         self.strip_workers().begin_drive();
     }
 
     fn step(&mut self) -> ContactSums {
         let time = self.steps as f64 * self.time_step;
+        let x = self.protocol.bulk_x(time) - self.carried(self.steps);
         self.steps += 1;
-        let (x, load, balance) = (self.protocol.bulk_x(time), self.protocol.load(time), self.balance);
+        let carried = self.carried(self.steps);
+        // The load is in balance in the state that displacements deviate from.
+        let load = if self.base.is_empty() { self.protocol.load(time) } else { 0.0 };
+        let balance = self.balance;
         let strip_workers = self.strip_workers();
         let height = balance.height(strip_workers.held(), x, load);
-        strip_workers.step(BulkPlace { x, height })
+        strip_workers.step(BulkPlace { x, height, carried })
     }
 
     fn all_have_slipped(&self) -> bool {
@@ -111,7 +175,7 @@ impl<'scope, 'a: 'scope> Engine for StripLeapfrog<'scope, '_, 'a> {
     }
 }
 
-impl<'scope, 'a: 'scope> PlaneEngine for StripLeapfrog<'scope, '_, 'a> {
+impl<'scope, 'a: 'scope, R: Real> PlaneEngine for StripLeapfrog<'scope, '_, 'a, R> {
     fn start_sheared(&mut self, displacement: &dyn Fn(usize, usize) -> [f64; 2]) {
         for strip in &mut self.strips {
             strip.start(displacement);

@@ -11,6 +11,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::thread::{Scope, ScopedJoinHandle, yield_now};
 
 use super::contact::{ContactForce, ContactSums};
+use super::real::Real;
 use super::strip::{BulkPlace, Side, Strip};
 
 /// What a turn asks for.
@@ -72,6 +73,7 @@ struct Board {
     periodic: bool,
     bulk_x: Number,
     bulk_height: Number,
+    carried: Number,
     /// What the current turn asks for, an index into [`Turn::ALL`].
     wanted: AtomicU64,
     /// Number of the current turn.
@@ -81,7 +83,7 @@ struct Board {
 }
 
 impl Board {
-    fn new(strips: &[Strip], periodic: bool, others: usize) -> Self {
+    fn new<R: Real>(strips: &[Strip<R>], periodic: bool, others: usize) -> Self {
         let numbers = |count: usize| (0..count).map(|_| Number::default()).collect::<Vec<_>>();
         let strips = strips
             .iter()
@@ -100,6 +102,7 @@ impl Board {
             periodic,
             bulk_x: Number::default(),
             bulk_height: Number::default(),
+            carried: Number::default(),
             wanted: AtomicU64::new(0),
             turn: AtomicU64::new(0),
             done: (0..others).map(|_| AtomicU64::new(0)).collect(),
@@ -107,7 +110,7 @@ impl Board {
     }
 
     /// Posts what the others need of strip `number` after step `step`.
-    fn post(&self, number: usize, strip: &Strip, step: u64) {
+    fn post<R: Real>(&self, number: usize, strip: &Strip<R>, step: u64) {
         let board = &self.strips[number];
         board.held.post(strip.held());
         if self.strips.len() == 1 && self.periodic {
@@ -119,7 +122,7 @@ impl Board {
     }
 
     /// Gives strip `number` the columns beside it as they were after step `step`.
-    fn join(&self, number: usize, strip: &mut Strip, step: u64) {
+    fn join<R: Real>(&self, number: usize, strip: &mut Strip<R>, step: u64) {
         let count = self.strips.len();
         if count == 1 && self.periodic {
             strip.join_sides();
@@ -135,9 +138,10 @@ impl Board {
     }
 
     /// Advances strip `number` by step `step` and posts it.
-    fn step(&self, number: usize, strip: &mut Strip, step: u64) {
+    fn step<R: Real>(&self, number: usize, strip: &mut Strip<R>, step: u64) {
         self.join(number, strip, step - 1);
-        let sums = strip.step(BulkPlace { x: self.bulk_x.read(), height: self.bulk_height.read() });
+        let [x, height, carried] = [&self.bulk_x, &self.bulk_height, &self.carried].map(Number::read);
+        let sums = strip.step(BulkPlace { x, height, carried });
         let board = &self.strips[number];
         board.friction.post(sums.friction);
         board.normal.post(sums.normal);
@@ -146,7 +150,7 @@ impl Board {
         self.post(number, strip, step);
     }
 
-    fn post_forces(&self, number: usize, strip: &Strip) {
+    fn post_forces<R: Real>(&self, number: usize, strip: &Strip<R>) {
         for ([normal, friction], force) in self.strips[number].forces.iter().zip(strip.contact().forces()) {
             normal.post(force.normal);
             friction.post(force.friction);
@@ -154,7 +158,7 @@ impl Board {
     }
 
     /// Does what a turn asks for on `strips`, the first of which is `first`; `step` counts steps.
-    fn work(&self, wanted: Turn, first: usize, strips: &mut [Strip], step: &mut u64) {
+    fn work<R: Real>(&self, wanted: Turn, first: usize, strips: &mut [Strip<R>], step: &mut u64) {
         *step += u64::from(wanted == Turn::Step);
         for (number, strip) in (first..).zip(strips) {
             match wanted {
@@ -169,18 +173,18 @@ impl Board {
 
 /// The leader's own strips and the threads that have the others.
 #[derive(Debug)]
-pub struct StripWorkers<'scope, 'a> {
+pub struct StripWorkers<'scope, 'a, R> {
     board: Arc<Board>,
-    own: Vec<Strip<'a>>,
-    others: Vec<ScopedJoinHandle<'scope, Vec<Strip<'a>>>>,
+    own: Vec<Strip<'a, R>>,
+    others: Vec<ScopedJoinHandle<'scope, Vec<Strip<'a, R>>>>,
     turn: u64,
     step: u64,
 }
 
-impl<'scope, 'a: 'scope> StripWorkers<'scope, 'a> {
+impl<'scope, 'a: 'scope, R: Real> StripWorkers<'scope, 'a, R> {
     /// Shares `strips` among the caller's thread and, with `threads`, others of that scope, up to that many.
     pub fn new(
-        mut strips: Vec<Strip<'a>>,
+        mut strips: Vec<Strip<'a, R>>,
         periodic: bool,
         threads: Option<(&'scope Scope<'scope, '_>, usize)>,
     ) -> Self {
@@ -224,6 +228,7 @@ impl<'scope, 'a: 'scope> StripWorkers<'scope, 'a> {
     pub fn step(&mut self, bulk: BulkPlace) -> ContactSums {
         self.board.bulk_x.post(bulk.x);
         self.board.bulk_height.post(bulk.height);
+        self.board.carried.post(bulk.carried);
         self.call(Turn::Step);
         let mut sums = ContactSums::default();
         for strip in &self.board.strips {
@@ -265,12 +270,12 @@ impl<'scope, 'a: 'scope> StripWorkers<'scope, 'a> {
 
     /// The leader's strips: all of them after [`StripWorkers::finish`].
     #[must_use]
-    pub fn own(&self) -> &[Strip<'a>] {
+    pub fn own(&self) -> &[Strip<'a, R>] {
         &self.own
     }
 }
 
-impl Drop for StripWorkers<'_, '_> {
+impl<R> Drop for StripWorkers<'_, '_, R> {
     fn drop(&mut self) {
         if !self.others.is_empty() {
             let number = Turn::ALL.len() - 1;
@@ -281,7 +286,7 @@ impl Drop for StripWorkers<'_, '_> {
 }
 
 /// What the other threads do: turn by turn, until told to finish.
-fn follow<'a>(board: &Board, thread: usize, first: usize, mut strips: Vec<Strip<'a>>) -> Vec<Strip<'a>> {
+fn follow<'a, R: Real>(board: &Board, thread: usize, first: usize, mut strips: Vec<Strip<'a, R>>) -> Vec<Strip<'a, R>> {
     let (mut turn, mut step) = (0, 0);
     loop {
         turn += 1;

@@ -3,10 +3,12 @@
 //! Velocities are not stored: with w = u - u_before the displacement of the last step,
 //!
 //! ```text
-//! u_after = u + kept w + kick F/m
+//! u_after = u + kept w + kick F/m + drag,  drag = -(1 - kept) v dt
 //! ```
 //!
-//! Count for an inside block and step: 17 additions, two of them fused with an exact multiplication by 1/4,
+//! with drag along x where displacements are those in a frame that moves at the speed v: damping is that of the frame at rest.
+//!
+//! Count for an inside block and step: 18 additions, two of them fused with an exact multiplication by 1/4,
 //! 6 multiplications, 8 values loaded and 2 stored, where the sums along a row are kept from row to row,
 //! which is why inside rows are swept upwards in columns as wide as a vector. A core that does eight
 //! additions and eight multiplications a cycle needs 1.9 cycles a block for them. Memory traffic is 48
@@ -17,7 +19,8 @@
 
 use pulp::{Simd, WithSimd};
 
-use super::rows::{Field, LINE, Plane, RowCoefficients, Site, Springs8};
+use super::real::Real;
+use super::rows::{Field, Plane, RowCoefficients, Site, Springs8};
 
 /// What a step does to displacements.
 #[derive(Clone, Copy, Debug)]
@@ -35,24 +38,40 @@ impl Kick {
         let half = 0.5 * damping * time_step;
         Self { kept: (1.0 - half) / (1.0 + half), kick: time_step * time_step / (1.0 + half) }
     }
+
+    /// The same rounded so far that 1 + kept - n kick with a small whole number n has no rounding error in the precision `R`: a layer that
+    /// moves as a whole then feels no force.
+    #[must_use]
+    pub fn rounded<R: Real>(self) -> Self {
+        let unit = R::EPSILON;
+        let round = |value: f64| (value / unit).round() * unit;
+        Self { kept: round(self.kept), kick: round(self.kick) }
+    }
+
+    /// What damping takes from the velocity of a frame that is carried by `carried` in a step.
+    #[must_use]
+    pub fn drag(&self, carried: f64) -> f64 {
+        -(1.0 - self.kept) * carried
+    }
 }
 
 /// Moves all blocks from row `from` up, which must be inside blocks (free sides apart: [`side`] corrects
 /// them). Lanes beyond the last column write into the padding, which the caller restores.
-pub struct InsideRows<'a> {
-    pub field: &'a mut Field,
+pub struct InsideRows<'a, R> {
+    pub field: &'a mut Field<R>,
     pub from: usize,
     pub kick: Kick,
+    pub drag: f64,
 }
 
 /// Sums and differences along a row that the rows above and below share:
 /// s = (x_E + x_W), then x_E + x_W +- (y_E - y_W) and y_E + y_W +- (x_E - x_W).
-struct RowSums<S: Simd> {
-    along: S::f64s,
-    x_plus: S::f64s,
-    x_minus: S::f64s,
-    y_plus: S::f64s,
-    y_minus: S::f64s,
+struct RowSums<V> {
+    along: V,
+    x_plus: V,
+    x_minus: V,
+    y_plus: V,
+    y_minus: V,
 }
 
 /// A row's values seen from its west, centre and east, in vectors.
@@ -66,63 +85,69 @@ pub struct Views<'a, V> {
 impl<'a, V> Views<'a, V> {
     /// The first `count` vectors from where rows begin.
     #[inline(always)]
-    pub fn new<S: Simd<f64s = V>>(_: S, plane: &'a Plane, count: usize) -> Self {
+    pub fn new<S: Simd, R: Real<Vector<S> = V>>(_: S, plane: &'a Plane<R>, count: usize) -> Self {
         let rows = plane.rows();
         Self {
-            west: &S::as_simd_f64s(&rows[LINE - 1..]).0[..count],
-            centre: &S::as_simd_f64s(&rows[LINE..]).0[..count],
-            east: &S::as_simd_f64s(&rows[LINE + 1..]).0[..count],
+            west: &R::vectors::<S>(&rows[R::LINE - 1..])[..count],
+            centre: &R::vectors::<S>(&rows[R::LINE..])[..count],
+            east: &R::vectors::<S>(&rows[R::LINE + 1..])[..count],
         }
     }
 }
 
 #[inline(always)]
-fn row_sums<S: Simd>(simd: S, x: Views<'_, S::f64s>, y: Views<'_, S::f64s>, at: usize) -> RowSums<S> {
-    let (x_sum, x_difference) = (simd.add_f64s(x.east[at], x.west[at]), simd.sub_f64s(x.east[at], x.west[at]));
-    let (y_sum, y_difference) = (simd.add_f64s(y.east[at], y.west[at]), simd.sub_f64s(y.east[at], y.west[at]));
+fn row_sums<S: Simd, R: Real>(
+    simd: S,
+    x: Views<'_, R::Vector<S>>,
+    y: Views<'_, R::Vector<S>>,
+    at: usize,
+) -> RowSums<R::Vector<S>> {
+    let (x_sum, x_difference) = (R::add(simd, x.east[at], x.west[at]), R::sub(simd, x.east[at], x.west[at]));
+    let (y_sum, y_difference) = (R::add(simd, y.east[at], y.west[at]), R::sub(simd, y.east[at], y.west[at]));
     RowSums {
         along: x_sum,
-        x_plus: simd.add_f64s(x_sum, y_difference),
-        x_minus: simd.sub_f64s(x_sum, y_difference),
-        y_plus: simd.add_f64s(y_sum, x_difference),
-        y_minus: simd.sub_f64s(y_sum, x_difference),
+        x_plus: R::add(simd, x_sum, y_difference),
+        x_minus: R::sub(simd, x_sum, y_difference),
+        y_plus: R::add(simd, y_sum, x_difference),
+        y_minus: R::sub(simd, y_sum, x_difference),
     }
 }
 
-impl WithSimd for InsideRows<'_> {
+impl<R: Real> WithSimd for InsideRows<'_, R> {
     type Output = ();
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let Self { field: Field { nx, ny, stride, now, other }, from, kick: Kick { kept, kick } } = self;
-        let (vectors, row) = (nx.div_ceil(S::F64_LANES), *stride / S::F64_LANES);
+        let Self { field: Field { nx, ny, stride, now, other }, from, kick: Kick { kept, kick }, drag } = self;
+        let (vectors, row) = (nx.div_ceil(R::lanes::<S>()), *stride / R::lanes::<S>());
         let count = (*ny + 1) * row;
         let (x, y) = (Views::new(simd, &now[0], count), Views::new(simd, &now[1], count));
         let [other_x, other_y] = other;
-        let new_x = &mut S::as_mut_simd_f64s(&mut other_x.rows_mut()[LINE..]).0[..count];
-        let new_y = &mut S::as_mut_simd_f64s(&mut other_y.rows_mut()[LINE..]).0[..count];
+        let new_x = &mut R::vectors_mut::<S>(&mut other_x.rows_mut()[R::LINE..])[..count];
+        let new_y = &mut R::vectors_mut::<S>(&mut other_y.rows_mut()[R::LINE..])[..count];
 
         // u + kept (u - u_before) + kick (-3 u + ...) = stay u - kept u_before + kick (...)
-        let stay = simd.splat_f64s(1.0 + kept - 3.0 * kick);
-        let (kept, kick, quarter) = (simd.splat_f64s(kept), simd.splat_f64s(kick), simd.splat_f64s(0.25));
+        let stay = R::splat(simd, 1.0 + kept - 3.0 * kick);
+        let (kept, kick, quarter) = (R::splat(simd, kept), R::splat(simd, kick), R::splat(simd, 0.25));
+        let drag = R::splat(simd, drag);
         for column in 0..vectors {
             let mut at = from * row + column;
-            let mut below = row_sums(simd, x, y, at - row);
-            let mut here = row_sums(simd, x, y, at);
+            let mut below = row_sums::<S, R>(simd, x, y, at - row);
+            let mut here = row_sums::<S, R>(simd, x, y, at);
             let mut y_south = y.centre[at - row];
             for _ in from..*ny {
-                let above = row_sums(simd, x, y, at + row);
+                let above = row_sums::<S, R>(simd, x, y, at + row);
                 // F_x + 3 x = x_E + x_W + [(x_E + x_W + y_E - y_W)_N + (x_E + x_W - y_E + y_W)_S] / 4
-                let diagonals = simd.add_f64s(above.x_plus, below.x_minus);
-                let pull = simd.mul_add_e_f64s(quarter, diagonals, here.along);
-                let inert = simd.sub_f64s(simd.mul_f64s(stay, x.centre[at]), simd.mul_f64s(kept, new_x[at]));
-                new_x[at] = simd.add_f64s(inert, simd.mul_f64s(kick, pull));
+                let diagonals = R::add(simd, above.x_plus, below.x_minus);
+                let pull = R::scale_add(simd, quarter, diagonals, here.along);
+                let inert = R::sub(simd, R::mul(simd, stay, x.centre[at]), R::mul(simd, kept, new_x[at]));
+                new_x[at] = R::add(simd, R::add(simd, inert, drag), R::mul(simd, kick, pull));
                 // F_y + 3 y = y_N + y_S + [(y_E + y_W + x_E - x_W)_N + (y_E + y_W - x_E + x_W)_S] / 4
-                let diagonals = simd.add_f64s(above.y_plus, below.y_minus);
-                let pull = simd.mul_add_e_f64s(quarter, diagonals, simd.add_f64s(y.centre[at + row], y_south));
+                let diagonals = R::add(simd, above.y_plus, below.y_minus);
+                let pull = R::scale_add(simd, quarter, diagonals, R::add(simd, y.centre[at + row], y_south));
                 y_south = y.centre[at];
-                let inert = simd.sub_f64s(simd.mul_f64s(stay, y_south), simd.mul_f64s(kept, new_y[at]));
-                new_y[at] = simd.add_f64s(inert, simd.mul_f64s(kick, pull));
+                let inert = R::sub(simd, R::mul(simd, stay, y_south), R::mul(simd, kept, new_y[at]));
+                new_y[at] = R::add(simd, inert, R::mul(simd, kick, pull));
                 below = here;
                 here = above;
                 at += row;
@@ -132,32 +157,32 @@ impl WithSimd for InsideRows<'_> {
 }
 
 /// Spring forces on row `row`, which has a coefficient per spring, by column.
-pub struct RowForces<'a> {
-    pub coefficients: &'a RowCoefficients,
-    pub field: &'a Field,
+pub struct RowForces<'a, R> {
+    pub coefficients: &'a RowCoefficients<R>,
+    pub field: &'a Field<R>,
     pub row: usize,
-    pub force_x: &'a mut [f64],
-    pub force_y: &'a mut [f64],
+    pub force_x: &'a mut [R],
+    pub force_y: &'a mut [R],
 }
 
-impl WithSimd for RowForces<'_> {
+impl<R: Real> WithSimd for RowForces<'_, R> {
     type Output = ();
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
         let Self { coefficients: k, field: Field { nx, ny, stride, now, .. }, row, force_x, force_y } = self;
-        let (vectors, stride) = (nx.div_ceil(S::F64_LANES), *stride / S::F64_LANES);
+        let (vectors, stride) = (nx.div_ceil(R::lanes::<S>()), *stride / R::lanes::<S>());
         let count = (*ny + 1) * stride;
         let (x, y) = (Views::new(simd, &now[0], count), Views::new(simd, &now[1], count));
         // Row 0 has no springs downwards: whatever stands for its lower row is multiplied by zero.
         let (below, here, above) = (row.saturating_sub(1) * stride, row * stride, (row + 1) * stride);
-        let column = |values| coefficient_vectors::<S>(values, vectors);
+        let column = |values| &R::vectors::<S>(values)[..vectors];
         let (east, west, north, south) = (column(&k.east), column(&k.west), column(&k.north), column(&k.south));
         let (half_ne, half_nw) = (column(&k.half_north_east), column(&k.half_north_west));
         let (half_se, half_sw) = (column(&k.half_south_east), column(&k.half_south_west));
-        let force_x = &mut S::as_mut_simd_f64s(force_x).0[..vectors];
-        let force_y = &mut S::as_mut_simd_f64s(force_y).0[..vectors];
-        let (add, sub, mul) = (|a, b| simd.add_f64s(a, b), |a, b| simd.sub_f64s(a, b), |a, b| simd.mul_f64s(a, b));
+        let force_x = &mut R::vectors_mut::<S>(force_x)[..vectors];
+        let force_y = &mut R::vectors_mut::<S>(force_y)[..vectors];
+        let (add, sub, mul) = (|a, b| R::add(simd, a, b), |a, b| R::sub(simd, a, b), |a, b| R::mul(simd, a, b));
         for i in 0..vectors {
             let (hx, hy) = (x.centre[here + i], y.centre[here + i]);
             // Half the stiffness times the elongation along each diagonal: e e^T has entries 1/2.
@@ -179,28 +204,28 @@ impl WithSimd for RowForces<'_> {
 }
 
 /// Spring forces on the contact row while all its blocks stay on the counterface: y = 0, nothing below.
-pub struct ContactRowForces<'a> {
-    pub coefficients: &'a RowCoefficients,
-    pub field: &'a Field,
-    pub force_x: &'a mut [f64],
-    pub force_y: &'a mut [f64],
+pub struct ContactRowForces<'a, R> {
+    pub coefficients: &'a RowCoefficients<R>,
+    pub field: &'a Field<R>,
+    pub force_x: &'a mut [R],
+    pub force_y: &'a mut [R],
 }
 
-impl WithSimd for ContactRowForces<'_> {
+impl<R: Real> WithSimd for ContactRowForces<'_, R> {
     type Output = ();
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
         let Self { coefficients: k, field: Field { nx, ny, stride, now, .. }, force_x, force_y } = self;
-        let (vectors, stride) = (nx.div_ceil(S::F64_LANES), *stride / S::F64_LANES);
+        let (vectors, stride) = (nx.div_ceil(R::lanes::<S>()), *stride / R::lanes::<S>());
         let count = (*ny + 1) * stride;
         let (x, y) = (Views::new(simd, &now[0], count), Views::new(simd, &now[1], count));
-        let column = |values| coefficient_vectors::<S>(values, vectors);
+        let column = |values| &R::vectors::<S>(values)[..vectors];
         let (east, west, north) = (column(&k.east), column(&k.west), column(&k.north));
         let (half_ne, half_nw) = (column(&k.half_north_east), column(&k.half_north_west));
-        let force_x = &mut S::as_mut_simd_f64s(force_x).0[..vectors];
-        let force_y = &mut S::as_mut_simd_f64s(force_y).0[..vectors];
-        let (add, sub, mul) = (|a, b| simd.add_f64s(a, b), |a, b| simd.sub_f64s(a, b), |a, b| simd.mul_f64s(a, b));
+        let force_x = &mut R::vectors_mut::<S>(force_x)[..vectors];
+        let force_y = &mut R::vectors_mut::<S>(force_y)[..vectors];
+        let (add, sub, mul) = (|a, b| R::add(simd, a, b), |a, b| R::sub(simd, a, b), |a, b| R::mul(simd, a, b));
         for i in 0..vectors {
             let (hx, above) = (x.centre[i], stride + i);
             let ne = mul(half_ne[i], add(sub(x.east[above], hx), y.east[above]));
@@ -212,53 +237,53 @@ impl WithSimd for ContactRowForces<'_> {
     }
 }
 
-#[inline(always)]
-fn coefficient_vectors<S: Simd>(values: &[f64], vectors: usize) -> &[S::f64s] {
-    &S::as_simd_f64s(values).0[..vectors]
-}
-
 /// Moves a row of blocks, which have `D` displacements each, by given forces.
-pub struct MoveRow<'a, const D: usize> {
-    pub inverse_mass: &'a [f64],
-    pub now: &'a [Plane; D],
+pub struct MoveRow<'a, R, const D: usize> {
+    pub inverse_mass: &'a [R],
+    pub now: &'a [Plane<R>; D],
     /// One step earlier, replaced by one step later.
-    pub other: &'a mut [Plane; D],
+    pub other: &'a mut [Plane<R>; D],
     /// Columns of the row, and where the first stands.
     pub columns: usize,
     pub start: usize,
     pub kick: Kick,
-    pub force: [&'a [f64]; D],
+    /// By axis.
+    pub drag: [f64; D],
+    pub force: [&'a [R]; D],
 }
 
-impl<const D: usize> WithSimd for MoveRow<'_, D> {
+impl<R: Real, const D: usize> WithSimd for MoveRow<'_, R, D> {
     type Output = ();
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let Self { inverse_mass, now, other, columns, start, kick: Kick { kept, kick }, force } = self;
-        let vectors = columns.div_ceil(S::F64_LANES);
-        let (kept, kick) = (simd.splat_f64s(kept), simd.splat_f64s(kick));
-        let inverse_mass = coefficient_vectors::<S>(inverse_mass, vectors);
-        for ((now, other), force) in now.iter().zip(other).zip(force) {
-            let now = &S::as_simd_f64s(&now.rows()[start..]).0[..vectors];
-            let other = &mut S::as_mut_simd_f64s(&mut other.rows_mut()[start..]).0[..vectors];
-            let force = coefficient_vectors::<S>(force, vectors);
+        let Self { inverse_mass, now, other, columns, start, kick: Kick { kept, kick }, drag, force } = self;
+        let vectors = columns.div_ceil(R::lanes::<S>());
+        let (kept, kick) = (R::splat(simd, kept), R::splat(simd, kick));
+        let inverse_mass = &R::vectors::<S>(inverse_mass)[..vectors];
+        for (((now, other), force), drag) in now.iter().zip(other).zip(force).zip(drag) {
+            let drag = R::splat(simd, drag);
+            let now = &R::vectors::<S>(&now.rows()[start..])[..vectors];
+            let other = &mut R::vectors_mut::<S>(&mut other.rows_mut()[start..])[..vectors];
+            let force = &R::vectors::<S>(force)[..vectors];
             for i in 0..vectors {
-                // u_after = u + kept (u - u_before) + kick F/m
-                let coasting = simd.add_f64s(now[i], simd.mul_f64s(kept, simd.sub_f64s(now[i], other[i])));
-                other[i] = simd.add_f64s(coasting, simd.mul_f64s(simd.mul_f64s(kick, inverse_mass[i]), force[i]));
+                // u_after = u + kept (u - u_before) + drag + kick F/m
+                let kept = R::mul(simd, kept, R::sub(simd, now[i], other[i]));
+                let coasting = R::add(simd, now[i], R::add(simd, kept, drag));
+                other[i] = R::add(simd, coasting, R::mul(simd, R::mul(simd, kick, inverse_mass[i]), force[i]));
             }
         }
     }
 }
 
 /// Displacements one step later of the block (i, j) at a free side, whose earlier ones still stand.
-pub fn side(site: &Site, field: &Field, i: usize, j: usize, Kick { kept, kick }: Kick) -> [f64; 2] {
+pub fn side<R: Real>(site: &Site, field: &Field<R>, [i, j]: [usize; 2], kick: Kick, drag: f64) -> [f64; 2] {
+    let Kick { kept, kick } = kick;
     let k: &Springs8 = &site.springs;
     let block = |east: usize, north: usize| {
         // One more than the offset, so that the lower left neighbour is (0, 0).
         let at = field.at(i + east, j + north - 1) - 1;
-        [field.now[0].rows()[at], field.now[1].rows()[at]]
+        [0, 1].map(|component: usize| field.now[component].rows()[at].widened())
     };
     let ([x, y], [xe, _], [xw, _], [_, yn], [_, ys]) =
         (block(1, 1), block(2, 1), block(0, 1), block(1, 2), block(1, 0));
@@ -269,20 +294,22 @@ pub fn side(site: &Site, field: &Field, i: usize, j: usize, Kick { kept, kick }:
     let force_x = k.east * (xe - x) + k.west * (xw - x) + ((ne + sw) + (nw + se));
     let force_y = k.north * (yn - y) + k.south * (ys - y) + ((ne + sw) - (nw + se));
     let (at, scale) = (field.at(i, j), kick * site.inverse_mass);
-    let before = [field.other[0].rows()[at], field.other[1].rows()[at]];
-    [x + kept * (x - before[0]) + scale * force_x, y + kept * (y - before[1]) + scale * force_y]
+    let before = [0, 1].map(|component: usize| field.other[component].rows()[at].widened());
+    [x + (kept * (x - before[0]) + drag) + scale * force_x, y + kept * (y - before[1]) + scale * force_y]
 }
 
 #[cfg(test)]
 mod tests {
+    use std::marker::PhantomData;
+
     use super::super::any_width::{assert_same_bits, fill};
     use super::super::rows::INSIDE;
     use super::*;
 
     /// A field of `nx` columns with values of all sizes, and coefficients of a row.
-    fn field(nx: usize) -> (Field, RowCoefficients) {
+    fn field<R: Real>(nx: usize) -> (Field<R>, RowCoefficients<R>) {
         let mut field = Field::at_rest(nx, 5);
-        let size = LINE + 6 * field.stride;
+        let size = R::LINE + 6 * field.stride;
         fill(field.now.iter_mut().chain(&mut field.other), size);
         let sites: Vec<Site> = (0..nx)
             .map(|i| Site { springs: Springs8 { east: 1.0 / (1.0 + i as f64), ..INSIDE }, inverse_mass: 1.3 })
@@ -291,37 +318,40 @@ mod tests {
     }
 
     /// Everything that the sweeps write, by column and row.
-    struct Swept {
+    struct Swept<R> {
         nx: usize,
+        precision: PhantomData<R>,
     }
 
-    impl WithSimd for Swept {
+    impl<R: Real> WithSimd for Swept<R> {
         type Output = Vec<f64>;
 
         fn with_simd<S: Simd>(self, simd: S) -> Vec<f64> {
-            let Self { nx } = self;
-            let (mut field, coefficients) = field(nx);
+            let nx = self.nx;
+            let (mut field, coefficients) = field::<R>(nx);
             let kick = Kick::new(0.3, 0.02);
             let padded = coefficients.east.len();
-            let (mut force_x, mut force_y) = (vec![0.0; padded], vec![0.0; padded]);
+            let (mut force_x, mut force_y) = (vec![R::default(); padded], vec![R::default(); padded]);
             let mut written = Vec::new();
+            let mut write = |values: &[R]| written.extend(values[..nx].iter().map(|value| value.widened()));
             for row in 0..2 {
                 let forces =
                     |force_x, force_y| RowForces { coefficients: &coefficients, field: &field, row, force_x, force_y };
                 simd.vectorize(forces(&mut force_x, &mut force_y));
-                written.extend([&force_x, &force_y].map(|force| force[..nx].to_vec()).concat());
+                [&force_x, &force_y].into_iter().for_each(|force| write(force));
             }
             let contact =
                 |force_x, force_y| ContactRowForces { coefficients: &coefficients, field: &field, force_x, force_y };
             simd.vectorize(contact(&mut force_x, &mut force_y));
-            written.extend([&force_x, &force_y].map(|force| force[..nx].to_vec()).concat());
+            [&force_x, &force_y].into_iter().for_each(|force| write(force));
             let (inverse_mass, start, force) = (&coefficients.inverse_mass, field.at(0, 1), [&force_x[..], &force_y]);
             let (now, other) = (&field.now, &mut field.other);
-            simd.vectorize(MoveRow { inverse_mass, now, other, columns: nx, start, kick, force });
-            simd.vectorize(InsideRows { field: &mut field, from: 2, kick });
+            let drag = [-1e-5, 0.0];
+            simd.vectorize(MoveRow { inverse_mass, now, other, columns: nx, start, kick, drag, force });
+            simd.vectorize(InsideRows { field: &mut field, from: 2, kick, drag: -1e-5 });
             for plane in &field.other {
                 for j in 1..field.ny {
-                    written.extend_from_slice(&plane.rows()[field.at(0, j)..][..nx]);
+                    write(&plane.rows()[field.at(0, j)..]);
                 }
             }
             written
@@ -331,7 +361,8 @@ mod tests {
     #[test]
     fn vectors_of_any_width_give_the_same_bits() {
         for nx in [1, 3, 8, 50, 101] {
-            assert_same_bits(&format!("{nx} columns"), || Swept { nx });
+            assert_same_bits(&format!("{nx} columns"), || Swept { nx, precision: PhantomData::<f64> });
+            assert_same_bits(&format!("{nx} columns, single"), || Swept { nx, precision: PhantomData::<f32> });
         }
     }
 }

@@ -14,7 +14,7 @@ use crate::samples;
 use crate::scene::Springs;
 
 /// Displacements of all blocks, along x and along y.
-fn state<'scope, 'a: 'scope>(engine: &StripLeapfrog<'scope, '_, 'a>, lattice: &Lattice) -> [Vec<f64>; 2] {
+fn state<'scope, 'a: 'scope>(engine: &StripLeapfrog<'scope, '_, 'a, f64>, lattice: &Lattice) -> [Vec<f64>; 2] {
     let (nx, ny) = (lattice.nx(), lattice.ny());
     [0, 1].map(|c: usize| (0..nx * ny).map(|number| engine.displacement(number % nx, number / nx)[c]).collect())
 }

@@ -2,7 +2,8 @@
 
 use std::ops::Range;
 
-use super::super::rows::{LINE, Plane};
+use super::super::real::Real;
+use super::super::rows::Plane;
 
 /// Sets of a first-level cache.
 const SETS: usize = 64;
@@ -15,29 +16,29 @@ const APART: usize = 12;
 /// one behind the last hold images of the rows at the other side, and so do the values beside a row's columns. Layer
 /// nz is the bulk.
 #[derive(Clone, Debug)]
-pub struct Field {
+pub struct Field<R> {
     pub nx: usize,
     pub ny: usize,
     pub nz: usize,
     pub stride: usize,
     pub layer: usize,
-    pub now: [Plane; 3],
+    pub now: [Plane<R>; 3],
     /// One step earlier; a sweep replaces it by one step later, and [`Field::turn`] makes that the present.
-    pub other: [Plane; 3],
+    pub other: [Plane<R>; 3],
 }
 
-impl Field {
+impl<R: Real> Field<R> {
     /// A cell of nx x ny columns and nz rows at rest.
     #[must_use]
     pub fn at_rest([nx, ny]: [usize; 2], nz: usize) -> Self {
         // An odd number of lines a row: rows do not meet in the same sets of a cache.
-        let stride = ((nx + 2).div_ceil(LINE) | 1) * LINE;
+        let stride = ((nx + 2).div_ceil(R::LINE) | 1) * R::LINE;
         // Nor do layers: not near a multiple of 64 lines, which would meet in the same sets of the first cache.
-        let lines = (ny + 2) * stride / LINE;
+        let lines = (ny + 2) * stride / R::LINE;
         let beside = lines % SETS;
         let skip = if beside < APART { APART - beside } else { (beside + APART).saturating_sub(SETS) * 2 };
-        let layer = (lines + skip) * LINE;
-        let plane = || Plane::zero(layer * (nz + 1) + 2 * LINE);
+        let layer = (lines + skip) * R::LINE;
+        let plane = || Plane::zero(layer * (nz + 1) + 2 * R::LINE);
         let planes = || [plane(), plane(), plane()];
         Self { nx, ny, nz, stride, layer, now: planes(), other: planes() }
     }
@@ -46,22 +47,29 @@ impl Field {
     #[inline(always)]
     #[must_use]
     pub const fn at(&self, i: usize, j: usize, k: usize) -> usize {
-        LINE + k * self.layer + (j + 1) * self.stride + i
+        R::LINE + k * self.layer + (j + 1) * self.stride + i
     }
 
     /// Displacements of block (i, j, k).
     #[must_use]
     pub fn displacement(&self, [i, j, k]: [usize; 3]) -> [f64; 3] {
         let at = self.at(i, j, k);
-        [0, 1, 2].map(|component: usize| self.now[component].rows()[at])
+        [0, 1, 2].map(|component: usize| self.now[component].rows()[at].widened())
     }
 
     /// Places block (i, j, k) at rest.
     pub fn place(&mut self, [i, j, k]: [usize; 3], displacement: [f64; 3]) {
         let at = self.at(i, j, k);
         for (component, u) in displacement.into_iter().enumerate() {
-            self.now[component].rows_mut()[at] = u;
-            self.other[component].rows_mut()[at] = u;
+            self.now[component].rows_mut()[at] = R::of(u);
+            self.other[component].rows_mut()[at] = R::of(u);
+        }
+    }
+
+    /// Lets every block come, in the step before, from `back` behind where it is.
+    pub fn carry(&mut self, back: [f64; 2]) {
+        for (plane, back) in self.other.iter_mut().zip(back) {
+            plane.rows_mut().fill(R::of(back));
         }
     }
 
@@ -69,7 +77,7 @@ impl Field {
     pub fn place_bulk(&mut self, displacement: [f64; 3]) {
         let from = self.at(0, 0, self.nz) - self.stride - 1;
         for (plane, u) in self.now.iter_mut().zip(displacement) {
-            plane.rows_mut()[from..from + self.layer + 2].fill(u);
+            plane.rows_mut()[from..from + self.layer + 2].fill(R::of(u));
         }
     }
 
@@ -86,7 +94,7 @@ impl Field {
         let Self { nx, ny, stride, layer, other, .. } = self;
         for values in other.iter_mut().map(Plane::rows_mut) {
             for k in layers.clone() {
-                let first = LINE + k * *layer;
+                let first = R::LINE + k * *layer;
                 let row = |number: usize| first + number * *stride;
                 values.copy_within(row(*ny)..row(*ny) + *nx, row(0));
                 values.copy_within(row(1)..row(1) + *nx, row(*ny + 1));

@@ -1,4 +1,6 @@
 //! Leapfrog on a plain cell in space, linear springs, damping implicit.
+//!
+//! As in the plane, a run that starts from sliding in equilibrium keeps what it deviates from it in single precision.
 
 use std::ops::Range;
 
@@ -6,9 +8,10 @@ use super::super::contact::{ContactBlock, ContactForce, ContactSums, LocalLaw};
 use super::super::contact_vectors::ContactVectors;
 use super::super::engine::Engine;
 use super::super::protocol::Protocol;
-use super::super::rows::whole_lines;
+use super::super::real::{AddForces, PlaceContacts, Real, whole_lines};
 use super::super::stencil::fixed_sum;
 use super::super::sweep::{Kick, MoveRow};
+use super::bonds::SpaceBonds;
 use super::field::Field;
 use super::stencil::{GeneralRow, Stencil};
 use super::sweep::{InsideRows, RowForces};
@@ -44,13 +47,13 @@ const TILE: usize = 10;
 const SLAB: usize = 4;
 
 /// Forces of a row, or of the whole contact layer.
-type Forces = [Vec<f64>; 3];
+type Forces<R> = [Vec<R>; 3];
 
 /// The integrator with its state.
 #[derive(Clone, Debug)]
-pub struct SpaceLeapfrog<'a> {
-    stencil: Stencil,
-    field: Field,
+pub struct SpaceLeapfrog<'a, R> {
+    stencil: Stencil<R>,
+    field: Field<R>,
     contact: ContactVectors<'a, 2>,
     protocol: Protocol,
     direction: [f64; 2],
@@ -60,26 +63,70 @@ pub struct SpaceLeapfrog<'a> {
     liftoff: bool,
     /// Vertical displacements of the last step of contact blocks in the air, by place.
     fall: Vec<f64>,
-    contact_force: Forces,
-    row_force: Forces,
+    row_force: Forces<R>,
+    /// The contact layer in double precision and, but for its frame, as the field has it: displacements, and forces on it.
+    contact_place: Forces<f64>,
+    contact_force: Forces<f64>,
+    /// Spring forces on it in the state that displacements deviate from.
+    base_force: Forces<f64>,
+    /// That state, x fastest, then y, then upward; nothing where displacements are those of the cell at rest.
+    base: Vec<[f64; 3]>,
+    /// What damping takes from the velocity of the frame.
+    drag: [f64; 2],
 }
 
-impl<'a> SpaceLeapfrog<'a> {
+impl<'a> SpaceLeapfrog<'a, f64> {
     /// A plain lattice at rest.
     #[must_use]
     pub fn new(lattice: &SpaceLattice, setup: SpaceSetup<'a>) -> Self {
-        let SpaceSetup { coefficients, law, protocol, direction, time_step, damping, liftoff } = setup;
+        let kick = Kick::new(setup.time_step, setup.damping);
+        Self::of(lattice, setup, kick)
+    }
+}
+
+impl<'a> SpaceLeapfrog<'a, f32> {
+    /// A plain lattice that starts at rest from `base`, displacements over l, x fastest, then y, then upward, in equilibrium with a motion of
+    /// the bulk at the speed and under the load of `setup`, from the first step on.
+    #[must_use]
+    pub fn from_sliding(lattice: &SpaceLattice, setup: SpaceSetup<'a>, base: Vec<[f64; 3]>) -> Self {
+        let SpaceSetup { protocol, time_step, damping, direction, .. } = setup;
+        let mut sliding = Self::of(lattice, setup, Kick::new(time_step, damping).rounded::<f32>());
+        let bonds = SpaceBonds::new(lattice);
+        let mut u = base.clone();
+        u.push([0.0; 3]);
+        bonds.balance(&mut u, protocol.load(0.0));
+        let mut force = vec![[0.0; 3]; u.len()];
+        bonds.forces(&u, &mut force);
         let [nx, ny] = lattice.columns();
-        let padded = whole_lines(nx);
-        let kick = Kick::new(time_step, damping);
-        let stencil = Stencil::new(lattice);
+        let padded = whole_lines::<f32>(nx);
+        for (column, force) in force[..nx * ny].iter().enumerate() {
+            let place = column / nx * padded + column % nx;
+            for (base, force) in sliding.base_force.iter_mut().zip(force) {
+                base[place] = *force;
+            }
+        }
+        // One step before, the frame was that much behind.
+        let carried = direction.map(|part| part * protocol.speed * time_step);
+        sliding.field.carry(carried);
+        sliding.drag = carried.map(|carried| sliding.kick.drag(carried));
+        Self { base, ..sliding }
+    }
+}
+
+impl<'a, R: Real> SpaceLeapfrog<'a, R> {
+    fn of(lattice: &SpaceLattice, setup: SpaceSetup<'a>, kick: Kick) -> Self {
+        let SpaceSetup { coefficients, law, protocol, direction, time_step, liftoff, .. } = setup;
+        let [nx, ny] = lattice.columns();
+        let padded = whole_lines::<R>(nx);
+        let stencil = Stencil::<R>::new(lattice);
         let blocks = (0..nx * ny)
             .filter(|column| lattice.contact_share(column % nx, column / nx) > 0.0)
             .map(|column| ContactBlock::new(column / nx * padded + column % nx, coefficients[column]))
             .collect();
-        let inverse_mass = stencil.general[0].iter().flat_map(|row| row.coefficients.inverse_mass.iter().copied());
+        let inverse_mass = stencil.general[0].iter().flat_map(|row| &row.coefficients.inverse_mass);
+        let inverse_mass = inverse_mass.map(|inverse| inverse.widened());
         let contact = ContactVectors::new(blocks, law, direction, inverse_mass, kick);
-        let zero = |size: usize| [vec![0.0; size], vec![0.0; size], vec![0.0; size]];
+        let zeros = || [0; 3].map(|_| vec![0.0; padded * ny]);
         Self {
             stencil,
             field: Field::at_rest([nx, ny], lattice.rows()),
@@ -91,8 +138,12 @@ impl<'a> SpaceLeapfrog<'a> {
             steps: 0,
             liftoff,
             fall: vec![0.0; padded * ny],
-            contact_force: zero(padded * ny),
-            row_force: zero(padded),
+            row_force: [0; 3].map(|_| vec![R::default(); padded]),
+            contact_place: zeros(),
+            contact_force: zeros(),
+            base_force: zeros(),
+            base: Vec::new(),
+            drag: [0.0; 2],
         }
     }
 
@@ -100,7 +151,14 @@ impl<'a> SpaceLeapfrog<'a> {
     pub fn start_sheared(&mut self, displacement: &dyn Fn([usize; 3]) -> [f64; 3]) {
         let Field { nx, ny, nz, .. } = self.field;
         for (k, j, i) in (0..nz).flat_map(|k| (0..ny).flat_map(move |j| (0..nx).map(move |i| (k, j, i)))) {
-            self.field.place([i, j, k], displacement([i, j, k]));
+            let displacement = displacement([i, j, k]);
+            self.field.place([i, j, k], displacement);
+            if k == 0 {
+                let place = j * whole_lines::<R>(nx) + i;
+                for (own, u) in self.contact_place.iter_mut().zip(displacement) {
+                    own[place] = u;
+                }
+            }
         }
         self.field.join_sides();
     }
@@ -108,18 +166,29 @@ impl<'a> SpaceLeapfrog<'a> {
     /// Raises the faces of the contact blocks as those of `lattice` are; what stands higher begins off the counterface. After
     /// [`Self::start_sheared`].
     pub fn raise(&mut self, lattice: &SpaceLattice) {
-        let padded = whole_lines(self.field.nx);
-        let Self { field, contact, .. } = self;
+        let (nx, padded) = (self.field.nx, whole_lines::<R>(self.field.nx));
+        let Self { contact, contact_place, base, .. } = self;
         contact.place(|place| {
             let (i, j) = (place % padded, place / padded);
-            [lattice.relief(i, j), field.displacement([i, j, 0])[2]]
+            [lattice.relief(i, j), base_height(base, j * nx + i) + contact_place[2][place]]
         });
     }
 
     /// Displacements of block (i, j, k).
     #[must_use]
-    pub fn displacement(&self, block: [usize; 3]) -> [f64; 3] {
-        self.field.displacement(block)
+    pub fn displacement(&self, [i, j, k]: [usize; 3]) -> [f64; 3] {
+        let deviation = self.field.displacement([i, j, k]);
+        let Field { nx, ny, .. } = self.field;
+        let Some(base) = self.base.get((k * ny + j) * nx + i) else { return deviation };
+        let [x, y] = self.carried(self.steps);
+        let carried = [x, y, 0.0];
+        std::array::from_fn(|c| base[c] + deviation[c] + carried[c])
+    }
+
+    /// How far the frame of displacements has been carried after `steps` steps: as far as the bulk where they deviate from sliding.
+    fn carried(&self, steps: u64) -> [f64; 2] {
+        let travel = if self.base.is_empty() { 0.0 } else { self.protocol.bulk_x(steps as f64 * self.time_step) };
+        self.direction.map(|part| part * travel)
     }
 
     /// The contact layer.
@@ -129,32 +198,43 @@ impl<'a> SpaceLeapfrog<'a> {
         &self.contact
     }
 
-    /// Displacements of the bulk at `time` that balance the load.
-    fn bulk(&self, time: f64) -> [f64; 3] {
+    /// Displacements of the bulk that balance the load, at the beginning of step number `step`.
+    fn bulk(&self, step: u64) -> [f64; 3] {
+        let time = step as f64 * self.time_step;
         let Field { nx, ny, nz, .. } = self.field;
         let z = self.field.now[2].rows();
         let top: f64 = (0..ny).map(|j| fixed_sum(&z[self.field.at(0, j, nz - 1)..][..nx])).sum();
         // 3 sum (H - u_z) = -load: one vertical spring and four diagonals a block; sideways they cancel.
         let blocks = (nx * ny) as f64;
-        let travel = self.protocol.bulk_x(time);
-        let [x, y] = self.direction;
-        [x * travel, y * travel, top / blocks - self.protocol.load(time) / (3.0 * blocks)]
+        let (travel, carried) = (self.protocol.bulk_x(time), self.carried(step));
+        let [x, y] = [0, 1].map(|axis: usize| self.direction[axis] * travel - carried[axis]);
+        // The load is in balance in the state that displacements deviate from.
+        let load = if self.base.is_empty() { self.protocol.load(time) } else { 0.0 };
+        [x, y, top / blocks - load / (3.0 * blocks)]
     }
 
-    /// Forces on the contact layer, friction, and its motion.
-    fn step_contact(&mut self) -> ContactSums {
-        let Self { stencil, field, contact, kick, contact_force: force, .. } = self;
-        let padded = whole_lines(field.nx);
+    /// Forces on the contact layer, friction, and its motion in step number `step`.
+    fn step_contact(&mut self, step: u64) -> ContactSums {
+        let carried = self.carried(step + 1);
+        let Self { stencil, field, contact, kick, contact_force, row_force, base_force, contact_place, .. } = self;
+        let padded = whole_lines::<R>(field.nx);
         for GeneralRow { row, coefficients } in &stencil.general[0] {
-            let (row, force) = (*row, force.each_mut().map(|force| &mut force[row * padded..][..padded]));
+            let row = *row;
+            let force = row_force.each_mut().map(Vec::as_mut_slice);
             vectorized(RowForces { coefficients, field, layer: 0, row, force });
+            let own = row * padded..(row + 1) * padded;
+            for ((force, base), total) in row_force.iter().zip(&*base_force).zip(&mut *contact_force) {
+                vectorized(AddForces { force, of_base: &base[own.clone()], total: &mut total[own.clone()] });
+            }
         }
-        let [x, y, lift] = force.each_ref().map(Vec::as_slice);
+        let [x, y, lift] = contact_force.each_ref().map(Vec::as_slice);
         let sums = contact.kick([x, y], lift, kick.kept);
         for j in 0..field.ny {
-            let start = field.at(0, j, 0);
+            let (start, columns) = (field.at(0, j, 0), field.nx);
             for (c, velocity) in contact.velocity().into_iter().enumerate() {
-                field.other[c].place_moved(&field.now[c], start, &velocity[j * padded..][..field.nx]);
+                let (place, velocity) = (&mut contact_place[c][j * padded..], &velocity[j * padded..][..columns]);
+                let row = &mut field.other[c].rows_mut()[start..][..columns];
+                vectorized(PlaceContacts { place, velocity, carried: carried[c], row });
             }
         }
         if self.liftoff {
@@ -165,25 +245,30 @@ impl<'a> SpaceLeapfrog<'a> {
 
     /// Vertical motion of contact blocks under unilateral contact.
     fn move_vertically(&mut self) {
-        let Self { stencil, field, contact, kick, contact_force: [_, _, force], fall, .. } = self;
-        let padded = whole_lines(field.nx);
-        for j in 0..field.ny {
-            let (start, nx) = (field.at(0, j, 0), field.nx);
-            field.other[2].rows_mut()[start..][..nx].copy_from_slice(&field.now[2].rows()[start..][..nx]);
-        }
+        let Self { stencil, field, contact, kick, contact_force: [_, _, force], fall, base, .. } = self;
+        let [_, _, rises] = &mut self.contact_place;
+        let (nx, padded) = (field.nx, whole_lines::<R>(field.nx));
         for block in contact.unsettled() {
             let (place, i, j) = (block.column, block.column % padded, block.column / padded);
-            let (at, inverse_mass) = (field.at(i, j, 0), stencil.general[0][j].coefficients.inverse_mass[i]);
-            let height = field.now[2].rows()[at];
-            if let Some(height) = block.fly(height, &mut fall[place], *kick, inverse_mass, force[place]) {
-                field.other[2].rows_mut()[at] = height;
+            let inverse_mass = stencil.general[0][j].coefficients.inverse_mass[i].widened();
+            let base = base_height(base, j * nx + i);
+            if let Some(height) = block.fly(base + rises[place], &mut fall[place], *kick, inverse_mass, force[place]) {
+                rises[place] = height - base;
+            }
+        }
+        for j in 0..field.ny {
+            let start = field.at(0, j, 0);
+            let row = &mut field.other[2].rows_mut()[start..][..nx];
+            for (row, rise) in row.iter_mut().zip(&rises[j * padded..]) {
+                *row = R::of(*rise);
             }
         }
     }
 
     /// Moves `layers`, the contact layer apart.
     fn step_inside(&mut self, layers: Range<usize>) {
-        let Self { stencil, field, kick, row_force: force, .. } = self;
+        let Self { stencil, field, kick, row_force: force, drag, .. } = self;
+        let [drag_x, drag_y] = *drag;
         let layers = layers.start.max(1)..layers.end;
         for layer in layers.clone() {
             for GeneralRow { row, coefficients } in &stencil.general[layer] {
@@ -193,7 +278,8 @@ impl<'a> SpaceLeapfrog<'a> {
                 // What lanes beyond the last column write is restored when sides are joined.
                 let (columns, start) = (field.nx, field.at(0, *row, layer));
                 let (now, other) = (&field.now, &mut field.other);
-                vectorized(MoveRow { inverse_mass, now, other, columns, start, kick: *kick, force });
+                let drag = [drag_x, drag_y, 0.0];
+                vectorized(MoveRow { inverse_mass, now, other, columns, start, kick: *kick, drag, force });
             }
         }
         for tile in (0..field.ny).step_by(TILE) {
@@ -201,7 +287,7 @@ impl<'a> SpaceLeapfrog<'a> {
                 for rows in &stencil.inside[layer] {
                     let rows = rows.start.max(tile)..rows.end.min(tile + TILE);
                     if !rows.is_empty() {
-                        vectorized(InsideRows { field, layer, rows, kick: *kick });
+                        vectorized(InsideRows { field, layer, rows, kick: *kick, drag: *drag });
                     }
                 }
             }
@@ -212,18 +298,23 @@ impl<'a> SpaceLeapfrog<'a> {
     /// the bulk is known once the top layer is where the step before has moved it.
     fn move_layers(&mut self, layers: Range<usize>, step: u64) -> ContactSums {
         if layers.end == self.field.nz {
-            let bulk = self.bulk(step as f64 * self.time_step);
+            let bulk = self.bulk(step);
             self.field.place_bulk(bulk);
         }
         self.step_inside(layers.clone());
-        let sums = if layers.start == 0 { self.step_contact() } else { ContactSums::default() };
+        let sums = if layers.start == 0 { self.step_contact(step) } else { ContactSums::default() };
         self.field.join_layers(layers);
         self.field.turn();
         sums
     }
 }
 
-impl Engine for SpaceLeapfrog<'_> {
+/// Vertical displacement of contact column `column` in the state that displacements deviate from.
+fn base_height(base: &[[f64; 3]], column: usize) -> f64 {
+    base.get(column).map_or(0.0, |base| base[2])
+}
+
+impl<R: Real> Engine for SpaceLeapfrog<'_, R> {
     fn begin_drive(&mut self) {
         self.contact.begin_drive();
     }

@@ -18,6 +18,8 @@ mod slip;
 mod stencil;
 mod sweep;
 
+#[cfg(test)]
+pub use leapfrog::{SpaceLeapfrog, SpaceSetup};
 pub use run::{SPACE_STEP, SpaceRun, SpaceScheme};
 
 #[cfg(test)]

@@ -3,6 +3,7 @@
 use super::super::contact::LocalLaw;
 use super::super::drive::{Drive, MOST_STEPS, Plan, not_begun};
 use super::super::protocol::Protocol;
+use super::super::real::Real;
 use super::super::scales::Scales;
 use super::super::stability::largest_of;
 use super::bonds::SpaceBonds;
@@ -116,30 +117,34 @@ impl SpaceRun<'_> {
         let plane = Scales::new(&scene.elastic, scene.layer.block_m);
         let [nx, ny] = lattice.columns();
         let coefficients = draws::draw(&self.load.friction, self.seed, nx * ny);
-        let mut engine = SpaceLeapfrog::new(
-            lattice,
-            SpaceSetup {
-                coefficients: &coefficients,
-                law: LocalLaw::new(scene.area_law.as_ref(), scales.pressure_pa),
-                // P l^2 a column
-                protocol: Protocol::of(scene, &scales, self.load.pressure_pa / scales.pressure_pa * (nx * ny) as f64),
-                direction: self.direction,
-                time_step: self.scheme.step_s / scales.time_s,
-                // The same rate in 1/s as in the plane, whose k is another.
-                damping: scene.run.damping * scales.time_s / plane.time_s,
-                liftoff: is_unilateral(scene, lattice),
-            },
-        );
+        let setup = SpaceSetup {
+            coefficients: &coefficients,
+            law: LocalLaw::new(scene.area_law.as_ref(), scales.pressure_pa),
+            // P l^2 a column
+            protocol: Protocol::of(scene, &scales, self.load.pressure_pa / scales.pressure_pa * (nx * ny) as f64),
+            direction: self.direction,
+            time_step: self.scheme.step_s / scales.time_s,
+            // The same rate in 1/s as in the plane, whose k is another.
+            damping: scene.run.damping * scales.time_s / plane.time_s,
+            liftoff: is_unilateral(scene, lattice),
+        };
         if scene.run.warm_start {
-            let start = self.sheared();
-            engine.start_sheared(&|[i, j, k]| start[(k * ny + j) * nx + i]);
-        }
-        if lattice.is_raised() {
-            if !scene.run.warm_start {
+            self.drive(SpaceLeapfrog::from_sliding(lattice, setup, self.sheared()), started_s, monitor)
+        } else {
+            let mut engine = SpaceLeapfrog::new(lattice, setup);
+            if lattice.is_raised() {
                 // The layer touches with the highest of its face and bears nothing.
                 let highest = lattice.highest();
                 engine.start_sheared(&|_| [0.0, 0.0, highest]);
             }
+            self.drive(engine, started_s, monitor)
+        }
+    }
+
+    fn drive<R: Real>(&self, mut engine: SpaceLeapfrog<R>, started_s: f64, monitor: &dyn Monitor) -> SurfaceOutcome {
+        let Self { scene, lattice, .. } = self;
+        let ([nx, ny], scales) = (lattice.columns(), Scales::space(&scene.elastic, scene.layer.block_m));
+        if lattice.is_raised() {
             engine.raise(lattice);
         }
         let drive = Drive {
@@ -178,7 +183,7 @@ impl SpaceRun<'_> {
     }
 
     /// Whether a ceiling lies on or below the counterface at the end of the run.
-    fn is_closed(&self, engine: &SpaceLeapfrog) -> bool {
+    fn is_closed<R: Real>(&self, engine: &SpaceLeapfrog<R>) -> bool {
         let ([nx, ny], ceiling) = (self.lattice.columns(), self.lattice.cavity_rows());
         ceiling < self.lattice.rows()
             && (0..nx * ny).map(|column| [column % nx, column / nx]).any(|[i, j]| {

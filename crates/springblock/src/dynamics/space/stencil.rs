@@ -5,7 +5,7 @@
 use std::ops::Range;
 use std::sync::Arc;
 
-use super::super::rows::whole_lines;
+use super::super::real::{Real, whole_lines};
 use crate::space::SpaceLattice;
 
 /// Springs of a block.
@@ -37,32 +37,33 @@ pub const STEPS: [[isize; 3]; SPRINGS] = [
 /// Coefficients of a row: one array per spring, one entry per column, then zeros up to a whole number of cache lines.
 /// Those of the diagonals are halved.
 #[derive(Clone, Debug, PartialEq)]
-pub struct RowCoefficients {
-    springs: Vec<f64>,
-    pub inverse_mass: Vec<f64>,
+pub struct RowCoefficients<R> {
+    springs: Vec<R>,
+    pub inverse_mass: Vec<R>,
 }
 
-impl RowCoefficients {
+impl<R: Real> RowCoefficients<R> {
     /// Coefficients of all springs in the order of [`STEPS`], columns fastest.
     #[inline(always)]
     #[must_use]
-    pub fn springs(&self) -> &[f64] {
+    pub fn springs(&self) -> &[R] {
         &self.springs
     }
 
     /// Row `j` of layer `k` of a plain lattice.
     fn new(lattice: &SpaceLattice, j: usize, k: usize) -> Self {
         let [nx, _] = lattice.columns();
-        let padded = whole_lines(nx);
-        let mut springs = vec![0.0; SPRINGS * padded];
+        let padded = whole_lines::<R>(nx);
+        let mut springs = vec![R::default(); SPRINGS * padded];
         for (number, step) in STEPS.into_iter().enumerate() {
             let scale = if number < 6 { 1.0 } else { 0.5 };
             for i in 0..nx {
-                springs[number * padded + i] = scale * spring(lattice, [i, j, k], step);
+                springs[number * padded + i] = R::of(scale * spring(lattice, [i, j, k], step));
             }
         }
         let inverse = |i: usize| if i < nx { lattice.mass(i, j, k) } else { 0.0 };
-        let inverse_mass = (0..padded).map(inverse).map(|mass| if mass > 0.0 { 1.0 / mass } else { 0.0 }).collect();
+        let inverse_mass =
+            (0..padded).map(inverse).map(|mass| R::of(if mass > 0.0 { 1.0 / mass } else { 0.0 })).collect();
         Self { springs, inverse_mass }
     }
 
@@ -87,29 +88,29 @@ fn spring(lattice: &SpaceLattice, [i, j, k]: [usize; 3], step: [isize; 3]) -> f6
 
 /// A row that is not of inside blocks alone.
 #[derive(Clone, Debug)]
-pub struct GeneralRow {
+pub struct GeneralRow<R> {
     /// Its place along y.
     pub row: usize,
     /// What it shares with all rows like it: 18 numbers a column are more to read than displacements are.
-    pub coefficients: Arc<RowCoefficients>,
+    pub coefficients: Arc<RowCoefficients<R>>,
 }
 
 /// Rows of a cell.
 #[derive(Clone, Debug)]
-pub struct Stencil {
+pub struct Stencil<R> {
     /// General rows by layer, from the counterface up: all of the lowest.
-    pub general: Vec<Vec<GeneralRow>>,
+    pub general: Vec<Vec<GeneralRow<R>>>,
     /// Rows of inside blocks, by layer: the lowest has none.
     pub inside: Vec<Vec<Range<usize>>>,
 }
 
-impl Stencil {
+impl<R: Real> Stencil<R> {
     /// The rows of a plain lattice (whole cubes).
     #[must_use]
     pub fn new(lattice: &SpaceLattice) -> Self {
         let [_, ny] = lattice.columns();
-        let mut distinct: Vec<Arc<RowCoefficients>> = Vec::new();
-        let mut shared = |row: RowCoefficients| {
+        let mut distinct: Vec<Arc<RowCoefficients<R>>> = Vec::new();
+        let mut shared = |row: RowCoefficients<R>| {
             let known = distinct.iter().find(|known| ***known == row).cloned();
             known.unwrap_or_else(|| {
                 distinct.push(Arc::new(row));
@@ -118,10 +119,10 @@ impl Stencil {
         };
         let (mut general, mut inside) = (Vec::new(), Vec::new());
         for k in 0..lattice.rows() {
-            let (mut rows, mut ranges): (Vec<GeneralRow>, Vec<Range<usize>>) = (Vec::new(), Vec::new());
+            let (mut rows, mut ranges): (Vec<GeneralRow<R>>, Vec<Range<usize>>) = (Vec::new(), Vec::new());
             for j in 0..ny {
                 // What a cavity changes ends with the row above it.
-                if k > lattice.cavity_rows() || RowCoefficients::is_inside(lattice, j, k) {
+                if k > lattice.cavity_rows() || RowCoefficients::<R>::is_inside(lattice, j, k) {
                     match ranges.last_mut() {
                         Some(last) if last.end == j => last.end = j + 1,
                         _ => ranges.push(j..j + 1),

@@ -14,18 +14,20 @@ use std::ops::Range;
 
 use pulp::{Simd, WithSimd};
 
-use super::super::rows::LINE;
+use super::super::real::Real;
 use super::super::sweep::{Kick, Views};
 use super::field::Field;
 use super::stencil::{RowCoefficients, SPRINGS};
 
 /// Moves rows that are inside blocks alone: those of `layer`, which is not the lowest. Lanes beyond the last column
 /// write into the images, which the caller restores.
-pub struct InsideRows<'a> {
-    pub field: &'a mut Field,
+pub struct InsideRows<'a, R> {
+    pub field: &'a mut Field<R>,
     pub layer: usize,
     pub rows: Range<usize>,
     pub kick: Kick,
+    /// What damping takes from the velocity of the frame, along x and y.
+    pub drag: [f64; 2],
 }
 
 /// What a row leaves for the two rows after it: a sweep along y meets it as north, as own and as south.
@@ -47,27 +49,27 @@ struct Row<V> {
 
 /// The row at `at`, with those above and below it: what it pulls in the row before it, and what it leaves.
 #[inline(always)]
-fn meet<S: Simd>(
+fn meet<S: Simd, R: Real>(
     simd: S,
-    [x, y, z]: &[Views<'_, S::f64s>; 3],
+    [x, y, z]: &[Views<'_, R::Vector<S>>; 3],
     [below, at, above]: [usize; 3],
-) -> ([S::f64s; 4], Row<S::f64s>) {
+) -> ([R::Vector<S>; 4], Row<R::Vector<S>>) {
     let (east, west) = (x.east[at], x.west[at]);
     let (y_east, y_west) = (y.east[at], y.west[at]);
     let (y_above, z_above) = (y.centre[above], z.centre[above]);
     let (y_below, z_below) = (y.centre[below], z.centre[below]);
     let pulls = [
-        simd.add_f64s(east, y_east),
-        simd.sub_f64s(west, y_west),
-        simd.add_f64s(y_above, z_above),
-        simd.sub_f64s(y_below, z_below),
+        R::add(simd, east, y_east),
+        R::sub(simd, west, y_west),
+        R::add(simd, y_above, z_above),
+        R::sub(simd, y_below, z_below),
     ];
     let left = Row {
-        south_west: simd.add_f64s(west, y_west),
-        south_east: simd.sub_f64s(east, y_east),
-        along: simd.add_f64s(east, west),
-        above: simd.sub_f64s(y_above, z_above),
-        below: simd.add_f64s(y_below, z_below),
+        south_west: R::add(simd, west, y_west),
+        south_east: R::sub(simd, east, y_east),
+        along: R::add(simd, east, west),
+        above: R::sub(simd, y_above, z_above),
+        below: R::add(simd, y_below, z_below),
         z_above,
         z_below,
         y: y.centre[at],
@@ -77,10 +79,10 @@ fn meet<S: Simd>(
 
 /// What a rising and a falling pair of diagonals pull: their sum and their difference.
 #[inline(always)]
-fn share<S: Simd>(simd: S, rising: [S::f64s; 2], falling: [S::f64s; 2]) -> [S::f64s; 2] {
-    let rising = simd.add_f64s(rising[0], rising[1]);
-    let falling = simd.add_f64s(falling[0], falling[1]);
-    [simd.add_f64s(rising, falling), simd.sub_f64s(rising, falling)]
+fn share<S: Simd, R: Real>(simd: S, rising: [R::Vector<S>; 2], falling: [R::Vector<S>; 2]) -> [R::Vector<S>; 2] {
+    let rising = R::add(simd, rising[0], rising[1]);
+    let falling = R::add(simd, falling[0], falling[1]);
+    [R::add(simd, rising, falling), R::sub(simd, rising, falling)]
 }
 
 /// Coefficients of a step: what is left of u, of u_before, and what a pull adds; and one half.
@@ -93,60 +95,75 @@ struct Step<V> {
 }
 
 impl<V: Copy> Step<V> {
-    /// stay u - kept u_before + kick (straight + diagonals/2)
+    /// stay u - kept u_before + kick (straight + diagonals/2), and the drag along an axis that has one
     #[inline(always)]
-    fn after<S: Simd<f64s = V>>(&self, simd: S, [u, before]: [V; 2], straight: V, diagonals: [V; 2]) -> V {
-        let pull = simd.mul_add_e_f64s(self.half, simd.add_f64s(diagonals[0], diagonals[1]), straight);
-        let inert = simd.sub_f64s(simd.mul_f64s(self.stay, u), simd.mul_f64s(self.kept, before));
-        simd.add_f64s(inert, simd.mul_f64s(self.kick, pull))
+    fn after<S: Simd, R: Real<Vector<S> = V>>(
+        &self,
+        simd: S,
+        [u, before]: [V; 2],
+        drag: Option<V>,
+        straight: V,
+        diagonals: [V; 2],
+    ) -> V {
+        let pull = R::scale_add(simd, self.half, R::add(simd, diagonals[0], diagonals[1]), straight);
+        let inert = R::sub(simd, R::mul(simd, self.stay, u), R::mul(simd, self.kept, before));
+        let inert = drag.map_or(inert, |drag| R::add(simd, inert, drag));
+        R::add(simd, inert, R::mul(simd, self.kick, pull))
     }
 }
 
-impl WithSimd for InsideRows<'_> {
+impl<R: Real> WithSimd for InsideRows<'_, R> {
     type Output = ();
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let Self { field: Field { nx, nz, stride, layer: size, now, other, .. }, layer, rows, kick } = self;
+        let Self { field: Field { nx, nz, stride, layer: size, now, other, .. }, layer, rows, kick, drag } = self;
         let Kick { kept, kick } = kick;
-        let (vectors, row, up) = (nx.div_ceil(S::F64_LANES), *stride / S::F64_LANES, *size / S::F64_LANES);
+        let (vectors, row, up) = (nx.div_ceil(R::lanes::<S>()), *stride / R::lanes::<S>(), *size / R::lanes::<S>());
         let count = (*nz + 1) * up;
         let [now_x, now_y, now_z] = now;
         let views = [Views::new(simd, now_x, count), Views::new(simd, now_y, count), Views::new(simd, now_z, count)];
         let [x, _, z] = views;
         let [other_x, other_y, other_z] = other;
-        let new_x = &mut S::as_mut_simd_f64s(&mut other_x.rows_mut()[LINE..]).0[..count];
-        let new_y = &mut S::as_mut_simd_f64s(&mut other_y.rows_mut()[LINE..]).0[..count];
-        let new_z = &mut S::as_mut_simd_f64s(&mut other_z.rows_mut()[LINE..]).0[..count];
+        let new_x = &mut R::vectors_mut::<S>(&mut other_x.rows_mut()[R::LINE..])[..count];
+        let new_y = &mut R::vectors_mut::<S>(&mut other_y.rows_mut()[R::LINE..])[..count];
+        let new_z = &mut R::vectors_mut::<S>(&mut other_z.rows_mut()[R::LINE..])[..count];
         let step = Step {
             // u + kept (u - u_before) + kick (-6 u + ...) = stay u - kept u_before + kick (...)
-            stay: simd.splat_f64s(1.0 + kept - 6.0 * kick),
-            kept: simd.splat_f64s(kept),
-            kick: simd.splat_f64s(kick),
-            half: simd.splat_f64s(0.5),
+            stay: R::splat(simd, 1.0 + kept - 6.0 * kick),
+            kept: R::splat(simd, kept),
+            kick: R::splat(simd, kick),
+            half: R::splat(simd, 0.5),
         };
+        let [drag_x, drag_y] = drag.map(|drag| R::splat(simd, drag));
         let start = layer * up + (rows.start + 1) * row;
         for column in 0..vectors {
             let mut next = start + column;
-            let (_, mut south) = meet(simd, &views, [next - row - up, next - row, next - row + up]);
-            let (_, mut own) = meet(simd, &views, [next - up, next, next + up]);
+            let (_, mut south) = meet::<S, R>(simd, &views, [next - row - up, next - row, next - row + up]);
+            let (_, mut own) = meet::<S, R>(simd, &views, [next - up, next, next + up]);
             for _ in rows.clone() {
                 // Seen as one number: otherwise the compiler keeps a pointer for each of two dozen streams, in memory.
                 let at = std::hint::black_box(next);
                 let (below, above) = (at - up, at + up);
                 let ([north_east, north_west, rising_above, falling_below], north) =
-                    meet(simd, &views, [below + row, at + row, above + row]);
-                let [xy_x, xy_y] = share(simd, [north_east, south.south_west], [north_west, south.south_east]);
-                let [yz_y, yz_z] = share(simd, [rising_above, south.below], [falling_below, south.above]);
-                let [xz_x, xz_z] = share(
+                    meet::<S, R>(simd, &views, [below + row, at + row, above + row]);
+                let [xy_x, xy_y] = share::<S, R>(simd, [north_east, south.south_west], [north_west, south.south_east]);
+                let [yz_y, yz_z] = share::<S, R>(simd, [rising_above, south.below], [falling_below, south.above]);
+                let [xz_x, xz_z] = share::<S, R>(
                     simd,
-                    [simd.add_f64s(x.east[above], z.east[above]), simd.add_f64s(x.west[below], z.west[below])],
-                    [simd.sub_f64s(x.west[above], z.west[above]), simd.sub_f64s(x.east[below], z.east[below])],
+                    [R::add(simd, x.east[above], z.east[above]), R::add(simd, x.west[below], z.west[below])],
+                    [R::sub(simd, x.west[above], z.west[above]), R::sub(simd, x.east[below], z.east[below])],
                 );
-                new_x[at] = step.after(simd, [x.centre[at], new_x[at]], own.along, [xy_x, xz_x]);
-                new_y[at] = step.after(simd, [own.y, new_y[at]], simd.add_f64s(north.y, south.y), [xy_y, yz_y]);
-                let straight = simd.add_f64s(own.z_above, own.z_below);
-                new_z[at] = step.after(simd, [z.centre[at], new_z[at]], straight, [yz_z, xz_z]);
+                new_x[at] = step.after::<S, R>(simd, [x.centre[at], new_x[at]], Some(drag_x), own.along, [xy_x, xz_x]);
+                new_y[at] = step.after::<S, R>(
+                    simd,
+                    [own.y, new_y[at]],
+                    Some(drag_y),
+                    R::add(simd, north.y, south.y),
+                    [xy_y, yz_y],
+                );
+                let straight = R::add(simd, own.z_above, own.z_below);
+                new_z[at] = step.after::<S, R>(simd, [z.centre[at], new_z[at]], None, straight, [yz_z, xz_z]);
                 south = own;
                 own = north;
                 next += row;
@@ -156,39 +173,40 @@ impl WithSimd for InsideRows<'_> {
 }
 
 /// Spring forces on row `row` of `layer`, which has a coefficient per spring, by column.
-pub struct RowForces<'a> {
-    pub coefficients: &'a RowCoefficients,
-    pub field: &'a Field,
+pub struct RowForces<'a, R> {
+    pub coefficients: &'a RowCoefficients<R>,
+    pub field: &'a Field<R>,
     pub layer: usize,
     pub row: usize,
-    pub force: [&'a mut [f64]; 3],
+    pub force: [&'a mut [R]; 3],
 }
 
 /// k (value - own)
 #[inline(always)]
-fn stretch<S: Simd>(simd: S, k: S::f64s, value: S::f64s, own: S::f64s) -> S::f64s {
-    simd.mul_f64s(k, simd.sub_f64s(value, own))
+fn stretch<S: Simd, R: Real>(simd: S, k: R::Vector<S>, value: R::Vector<S>, own: R::Vector<S>) -> R::Vector<S> {
+    R::mul(simd, k, R::sub(simd, value, own))
 }
 
 /// k times the sum of the differences of two components to their own values, along a rising diagonal.
 #[inline(always)]
-fn rise<S: Simd>(simd: S, k: S::f64s, values: [S::f64s; 2], own: [S::f64s; 2]) -> S::f64s {
-    simd.mul_f64s(k, simd.add_f64s(simd.sub_f64s(values[0], own[0]), simd.sub_f64s(values[1], own[1])))
+fn rise<S: Simd, R: Real>(simd: S, k: R::Vector<S>, values: [R::Vector<S>; 2], own: [R::Vector<S>; 2]) -> R::Vector<S> {
+    R::mul(simd, k, R::add(simd, R::sub(simd, values[0], own[0]), R::sub(simd, values[1], own[1])))
 }
 
 /// k times the difference of those differences, along a falling diagonal.
 #[inline(always)]
-fn fall<S: Simd>(simd: S, k: S::f64s, values: [S::f64s; 2], own: [S::f64s; 2]) -> S::f64s {
-    simd.mul_f64s(k, simd.sub_f64s(simd.sub_f64s(values[0], own[0]), simd.sub_f64s(values[1], own[1])))
+fn fall<S: Simd, R: Real>(simd: S, k: R::Vector<S>, values: [R::Vector<S>; 2], own: [R::Vector<S>; 2]) -> R::Vector<S> {
+    R::mul(simd, k, R::sub(simd, R::sub(simd, values[0], own[0]), R::sub(simd, values[1], own[1])))
 }
 
-impl WithSimd for RowForces<'_> {
+impl<R: Real> WithSimd for RowForces<'_, R> {
     type Output = ();
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
         let Self { coefficients, field: Field { nx, nz, stride, layer: size, now, .. }, layer, row, force } = self;
-        let (vectors, row_step, up) = (nx.div_ceil(S::F64_LANES), *stride / S::F64_LANES, *size / S::F64_LANES);
+        let (vectors, row_step, up) =
+            (nx.div_ceil(R::lanes::<S>()), *stride / R::lanes::<S>(), *size / R::lanes::<S>());
         let count = (*nz + 1) * up;
         let [now_x, now_y, now_z] = now;
         let (x, y, z) =
@@ -197,11 +215,11 @@ impl WithSimd for RowForces<'_> {
         // The lowest layer has no springs downwards: whatever stands for what is below is multiplied by zero.
         let down = if layer == 0 { 0 } else { up };
         let [force_x, force_y, force_z] = force;
-        let force_x = &mut S::as_mut_simd_f64s(force_x).0[..vectors];
-        let force_y = &mut S::as_mut_simd_f64s(force_y).0[..vectors];
-        let force_z = &mut S::as_mut_simd_f64s(force_z).0[..vectors];
+        let force_x = &mut R::vectors_mut::<S>(force_x)[..vectors];
+        let force_y = &mut R::vectors_mut::<S>(force_y)[..vectors];
+        let force_z = &mut R::vectors_mut::<S>(force_z)[..vectors];
         // Springs in the order of STEPS, vectors fastest.
-        let springs = S::as_simd_f64s(coefficients.springs()).0;
+        let springs = R::vectors::<S>(coefficients.springs());
         let padded = springs.len() / SPRINGS;
         for i in 0..vectors {
             let at = own + i;
@@ -209,53 +227,62 @@ impl WithSimd for RowForces<'_> {
             let k = |spring: usize| springs[spring * padded + i];
             let (u, v, w) = (x.centre[at], y.centre[at], z.centre[at]);
             // Half the stiffness times the elongation along each diagonal: e e^T has entries 1/2.
-            let [xy_x, xy_y] = share(
+            let [xy_x, xy_y] = share::<S, R>(
                 simd,
                 [
-                    rise(simd, k(6), [x.east[north], y.east[north]], [u, v]),
-                    rise(simd, k(7), [x.west[south], y.west[south]], [u, v]),
+                    rise::<S, R>(simd, k(6), [x.east[north], y.east[north]], [u, v]),
+                    rise::<S, R>(simd, k(7), [x.west[south], y.west[south]], [u, v]),
                 ],
                 [
-                    fall(simd, k(8), [x.west[north], y.west[north]], [u, v]),
-                    fall(simd, k(9), [x.east[south], y.east[south]], [u, v]),
+                    fall::<S, R>(simd, k(8), [x.west[north], y.west[north]], [u, v]),
+                    fall::<S, R>(simd, k(9), [x.east[south], y.east[south]], [u, v]),
                 ],
             );
-            let [xz_x, xz_z] = share(
+            let [xz_x, xz_z] = share::<S, R>(
                 simd,
                 [
-                    rise(simd, k(10), [x.east[above], z.east[above]], [u, w]),
-                    rise(simd, k(11), [x.west[below], z.west[below]], [u, w]),
+                    rise::<S, R>(simd, k(10), [x.east[above], z.east[above]], [u, w]),
+                    rise::<S, R>(simd, k(11), [x.west[below], z.west[below]], [u, w]),
                 ],
                 [
-                    fall(simd, k(12), [x.west[above], z.west[above]], [u, w]),
-                    fall(simd, k(13), [x.east[below], z.east[below]], [u, w]),
+                    fall::<S, R>(simd, k(12), [x.west[above], z.west[above]], [u, w]),
+                    fall::<S, R>(simd, k(13), [x.east[below], z.east[below]], [u, w]),
                 ],
             );
-            let [yz_y, yz_z] = share(
+            let [yz_y, yz_z] = share::<S, R>(
                 simd,
                 [
-                    rise(simd, k(14), [y.centre[above + row_step], z.centre[above + row_step]], [v, w]),
-                    rise(simd, k(15), [y.centre[below - row_step], z.centre[below - row_step]], [v, w]),
+                    rise::<S, R>(simd, k(14), [y.centre[above + row_step], z.centre[above + row_step]], [v, w]),
+                    rise::<S, R>(simd, k(15), [y.centre[below - row_step], z.centre[below - row_step]], [v, w]),
                 ],
                 [
-                    fall(simd, k(16), [y.centre[above - row_step], z.centre[above - row_step]], [v, w]),
-                    fall(simd, k(17), [y.centre[below + row_step], z.centre[below + row_step]], [v, w]),
+                    fall::<S, R>(simd, k(16), [y.centre[above - row_step], z.centre[above - row_step]], [v, w]),
+                    fall::<S, R>(simd, k(17), [y.centre[below + row_step], z.centre[below + row_step]], [v, w]),
                 ],
             );
-            let straight = simd.add_f64s(stretch(simd, k(0), x.east[at], u), stretch(simd, k(1), x.west[at], u));
-            force_x[i] = simd.add_f64s(straight, simd.add_f64s(xy_x, xz_x));
             let straight =
-                simd.add_f64s(stretch(simd, k(2), y.centre[north], v), stretch(simd, k(3), y.centre[south], v));
-            force_y[i] = simd.add_f64s(straight, simd.add_f64s(xy_y, yz_y));
-            let straight =
-                simd.add_f64s(stretch(simd, k(4), z.centre[above], w), stretch(simd, k(5), z.centre[below], w));
-            force_z[i] = simd.add_f64s(straight, simd.add_f64s(xz_z, yz_z));
+                R::add(simd, stretch::<S, R>(simd, k(0), x.east[at], u), stretch::<S, R>(simd, k(1), x.west[at], u));
+            force_x[i] = R::add(simd, straight, R::add(simd, xy_x, xz_x));
+            let straight = R::add(
+                simd,
+                stretch::<S, R>(simd, k(2), y.centre[north], v),
+                stretch::<S, R>(simd, k(3), y.centre[south], v),
+            );
+            force_y[i] = R::add(simd, straight, R::add(simd, xy_y, yz_y));
+            let straight = R::add(
+                simd,
+                stretch::<S, R>(simd, k(4), z.centre[above], w),
+                stretch::<S, R>(simd, k(5), z.centre[below], w),
+            );
+            force_z[i] = R::add(simd, straight, R::add(simd, xz_z, yz_z));
         }
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use std::marker::PhantomData;
+
     use super::super::super::any_width::{assert_same_bits, fill};
     use super::super::super::sweep::MoveRow;
     use super::super::stencil::{GeneralRow, Stencil};
@@ -264,27 +291,29 @@ mod tests {
     use slipgrid_pattern::{Pattern, Planform};
 
     /// Everything that the sweeps write, on a cell of `nx` columns along both axes.
-    struct Swept {
+    struct Swept<R> {
         nx: usize,
+        precision: PhantomData<R>,
     }
 
-    impl WithSimd for Swept {
+    impl<R: Real> WithSimd for Swept<R> {
         type Output = Vec<f64>;
 
         fn with_simd<S: Simd>(self, simd: S) -> Vec<f64> {
-            let Self { nx } = self;
+            let nx = self.nx;
             let um = |blocks: usize| blocks as f64 * 10e-6;
             let cavity = (nx / 3).max(1);
             let pattern = Pattern::new(Planform::Square, um(cavity), um(nx - cavity), um(1)).unwrap();
             let lattice = SpaceLattice::cell(&pattern, 10e-6, 4);
-            let stencil = Stencil::new(&lattice);
+            let stencil = Stencil::<R>::new(&lattice);
             let mut field = Field::at_rest([nx, nx], 4);
-            let size = LINE + 5 * field.layer + LINE;
+            let size = R::LINE + 5 * field.layer + R::LINE;
             fill(field.now.iter_mut().chain(&mut field.other), size);
             let kick = Kick::new(0.15, 0.02);
             let padded = stencil.general[0][0].coefficients.inverse_mass.len();
-            let mut force = [vec![0.0; padded], vec![0.0; padded], vec![0.0; padded]];
+            let mut force = [vec![R::default(); padded], vec![R::default(); padded], vec![R::default(); padded]];
             let mut written = Vec::new();
+            let mut write = |values: &[R]| written.extend(values[..nx].iter().map(|value| value.widened()));
             let general = stencil.general.iter().enumerate();
             for (layer, GeneralRow { row, coefficients }) in
                 general.flat_map(|(layer, rows)| rows.iter().map(move |row| (layer, row)))
@@ -292,20 +321,22 @@ mod tests {
                 let row = *row;
                 let forces = force.each_mut().map(Vec::as_mut_slice);
                 simd.vectorize(RowForces { coefficients, field: &field, layer, row, force: forces });
-                written.extend(force.iter().flat_map(|force| force[..nx].to_vec()));
+                force.iter().for_each(|force| write(force));
                 let (inverse_mass, force) = (&coefficients.inverse_mass, force.each_ref().map(Vec::as_slice));
                 let (columns, start) = (nx, field.at(0, row, layer));
                 let (now, other) = (&field.now, &mut field.other);
-                simd.vectorize(MoveRow { inverse_mass, now, other, columns, start, kick, force });
+                let drag = [-1e-5, 2e-5, 0.0];
+                simd.vectorize(MoveRow { inverse_mass, now, other, columns, start, kick, drag, force });
             }
             for (layer, ranges) in stencil.inside.iter().enumerate() {
                 for rows in ranges {
-                    simd.vectorize(InsideRows { field: &mut field, layer, rows: rows.clone(), kick });
+                    let (rows, drag) = (rows.clone(), [-1e-5, 2e-5]);
+                    simd.vectorize(InsideRows { field: &mut field, layer, rows, kick, drag });
                 }
             }
             for plane in &field.other {
                 for (j, k) in (0..nx).flat_map(|j| (0..4).map(move |k| (j, k))) {
-                    written.extend_from_slice(&plane.rows()[field.at(0, j, k)..][..nx]);
+                    write(&plane.rows()[field.at(0, j, k)..]);
                 }
             }
             written
@@ -315,7 +346,8 @@ mod tests {
     #[test]
     fn vectors_of_any_width_give_the_same_bits() {
         for nx in [2, 3, 8, 14, 21] {
-            assert_same_bits(&format!("{nx} columns"), || Swept { nx });
+            assert_same_bits(&format!("{nx} columns"), || Swept { nx, precision: PhantomData::<f64> });
+            assert_same_bits(&format!("{nx} columns, single"), || Swept { nx, precision: PhantomData::<f32> });
         }
     }
 }

@@ -271,7 +271,7 @@ fn two_steps_at_once_are_two_steps_bit_for_bit() {
                 assert_eq!(paired.step(), single.step());
             }
         }
-        let bits = |engine: &SpaceLeapfrog| -> Vec<u64> {
+        let bits = |engine: &SpaceLeapfrog<f64>| -> Vec<u64> {
             let blocks = (0..nx * ny * rows).map(|n| [n % nx, n / nx % ny, n / (nx * ny)]);
             blocks.flat_map(|block| engine.displacement(block)).map(f64::to_bits).collect()
         };
@@ -442,7 +442,7 @@ fn friction_never_gives_work_and_never_exceeds_its_law() {
     let drawn = coefficients(6, 70);
     let contacts: Vec<usize> = (0..70).filter(|n| lattice.contact_share(n % 10, n / 10) > 0.0).collect();
     let mut engine = SpaceLeapfrog::new(&lattice, setup(&drawn, protocol(&lattice, 1e-4), [0.8, 0.6]));
-    let place = |engine: &SpaceLeapfrog, n: usize| engine.displacement([n % 10, n / 10, 0]);
+    let place = |engine: &SpaceLeapfrog<f64>, n: usize| engine.displacement([n % 10, n / 10, 0]);
     let mut before: Vec<[f64; 3]> = contacts.iter().map(|n| place(&engine, *n)).collect();
     let mut earlier = before.clone();
     let mut slid = vec![false; contacts.len()];

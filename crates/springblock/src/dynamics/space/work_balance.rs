@@ -27,7 +27,7 @@ fn lack(time_step: f64, direction: [f64; 2]) -> f64 {
     let bonds = SpaceBonds::new(&lattice);
     let contacts: Vec<usize> =
         (0..nx * ny).filter(|column| lattice.contact_share(column % nx, column / nx) > 0.0).collect();
-    let state = |engine: &SpaceLeapfrog| -> Vec<[f64; 3]> {
+    let state = |engine: &SpaceLeapfrog<f64>| -> Vec<[f64; 3]> {
         (0..blocks).map(|n| engine.displacement([n % nx, n / nx % ny, n / (nx * ny)])).collect()
     };
 

@@ -1,0 +1,151 @@
+//! Deviations from sliding in single precision beside displacements in double precision.
+
+use slipgrid_material::Elastic;
+use slipgrid_pattern::{Pattern, Planform};
+
+use super::contact::{ContactRow, ContactSums, LocalLaw};
+use super::engine::{Engine, PlaneEngine, Setup};
+use super::protocol::Protocol;
+use super::scales::Scales;
+use super::space::{SpaceLeapfrog, SpaceSetup};
+use super::strip_leapfrog::StripLeapfrog;
+use crate::columns;
+use crate::draws::{self, Coefficients};
+use crate::lattice::Lattice;
+use crate::samples::{coefficients, friction, persson_law};
+use crate::space::{SpaceLattice, SpaceLoad, SpaceSteadyModel};
+use crate::steady::{SteadyLoad, SteadyModel};
+
+const BLOCK_M: f64 = 10e-6;
+const YOUNGS_MODULUS_PA: f64 = 0.38e9;
+const PRESSURE_PA: f64 = 1.3e6;
+/// Of the bulk, displacements over l in sqrt(m/k): 2 mm/s of the published polymer.
+const SPEED: f64 = 3.6e-6;
+const SEED: u64 = 3;
+
+fn elastic() -> Elastic {
+    Elastic::new(YOUNGS_MODULUS_PA, 900.0).unwrap()
+}
+
+/// Grooves of the plane: a ring, or a sample with two ends and more columns than two strips hold.
+fn grooves(periodic: bool) -> Lattice {
+    let pattern = Pattern::new(Planform::Groove, 40e-6, 80e-6, 20e-6).unwrap();
+    let columns = if periodic { columns::cell(&pattern, BLOCK_M) } else { columns::sample(&pattern, BLOCK_M, 601) };
+    Lattice::new(columns, 12, periodic)
+}
+
+/// The engine's setup on `lattice`, and the state of sliding that a run starts from.
+fn sliding<'a>(lattice: &Lattice, law: &'a slipgrid_material::AreaLaw, liftoff: bool) -> (Setup<'a>, Vec<[f64; 2]>) {
+    let drawn = coefficients(SEED, lattice.nx());
+    let model = SteadyModel::new(lattice.clone(), BLOCK_M, YOUNGS_MODULUS_PA, liftoff);
+    let caught = draws::caught(&drawn, SEED);
+    let load = SteadyLoad { pressure_pa: PRESSURE_PA, dynamic_mu: &caught, area_law: Some(law) };
+    let unit_pa = Scales::new(&elastic(), BLOCK_M).pressure_pa;
+    let setup = Setup {
+        contact: ContactRow::new(lattice.contacts(), &drawn, LocalLaw::new(Some(law), unit_pa)),
+        protocol: Protocol { ramp: 0.0, start: 0.0, load: PRESSURE_PA / unit_pa * lattice.length(), speed: SPEED },
+        time_step: 0.3376,
+        damping: 0.01,
+        liftoff,
+    };
+    (setup, model.displacements(&load))
+}
+
+/// Largest difference of friction and normal force over the largest of each.
+fn worst(single: &[ContactSums], double: &[ContactSums]) -> f64 {
+    let of = |part: fn(&ContactSums) -> f64| {
+        let largest = double.iter().map(|sums| part(sums).abs()).fold(0.0, f64::max);
+        single.iter().zip(double).map(|(a, b)| (part(a) - part(b)).abs()).fold(0.0, f64::max) / largest
+    };
+    of(|sums| sums.friction).max(of(|sums| sums.normal))
+}
+
+/// Until a block starts or stops a step earlier or later, which rounding decides in the end.
+const STEPS: usize = 1000;
+
+#[test]
+fn the_plane_moves_alike_in_single_and_double_precision() {
+    let law = persson_law();
+    for (periodic, liftoff) in [(true, false), (true, true), (false, false), (false, true)] {
+        let lattice = grooves(periodic);
+        let (setup, base) = sliding(&lattice, &law, liftoff);
+        let mut double = StripLeapfrog::new(&lattice, setup.clone());
+        double.start_sheared(&|i, j| base[j * lattice.nx() + i]);
+        let mut single = StripLeapfrog::from_sliding(&lattice, setup, base.clone());
+        let (a, b): (Vec<ContactSums>, Vec<ContactSums>) = (0..STEPS).map(|_| (single.step(), double.step())).unzip();
+        let apart = worst(&a, &b);
+        let swing = a.iter().map(|sums| sums.friction).fold(0.0, f64::max) / a[0].friction - 1.0;
+        assert!(apart < 1e-5 && swing > 1e-3, "{periodic} {liftoff}: {apart:e}, {swing:e}");
+        for (i, j) in [(0, 0), (lattice.nx() - 1, 5), (lattice.nx() / 2, 11)] {
+            let ([x, y], [ex, ey]) = (single.displacement(i, j), double.displacement(i, j));
+            assert!((x - ex).abs() < 1e-7 && (y - ey).abs() < 1e-7, "{i} {j}: {x} {ex}, {y} {ey}");
+        }
+    }
+}
+
+#[test]
+fn the_cell_in_space_moves_alike_in_single_and_double_precision() {
+    let law = persson_law();
+    let pattern = Pattern::new(Planform::Square, 50e-6, 90e-6, 20e-6).unwrap();
+    let lattice = SpaceLattice::cell(&pattern, BLOCK_M, 12);
+    let [nx, ny] = lattice.columns();
+    let drawn: Vec<Coefficients> = coefficients(SEED, nx * ny);
+    let unit_pa = Scales::space(&elastic(), BLOCK_M).pressure_pa;
+    for (direction, liftoff) in [([1.0, 0.0], false), ([0.6, 0.8], true)] {
+        let phases = draws::caught_in_mean(&friction(), SEED, nx * ny);
+        let model = SpaceSteadyModel::new(lattice.clone(), BLOCK_M, YOUNGS_MODULUS_PA, liftoff);
+        let base = model.displacements(&SpaceLoad {
+            pressure_pa: PRESSURE_PA,
+            dynamic_mu: friction().dynamic_mean(),
+            relative_mu: Some(&phases),
+            area_law: Some(&law),
+            direction,
+        });
+        let setup = SpaceSetup {
+            coefficients: &drawn,
+            law: LocalLaw::new(Some(&law), unit_pa),
+            protocol: Protocol { ramp: 0.0, start: 0.0, load: PRESSURE_PA / unit_pa * (nx * ny) as f64, speed: SPEED },
+            direction,
+            time_step: 0.1644,
+            damping: 0.01,
+            liftoff,
+        };
+        let mut double = SpaceLeapfrog::new(&lattice, setup.clone());
+        double.start_sheared(&|[i, j, k]| base[(k * ny + j) * nx + i]);
+        let mut single = SpaceLeapfrog::from_sliding(&lattice, setup, base.clone());
+        let mut pairs = single.clone();
+        let (a, b): (Vec<ContactSums>, Vec<ContactSums>) = (0..STEPS).map(|_| (single.step(), double.step())).unzip();
+        let apart = worst(&a, &b);
+        let swing = a.iter().map(|sums| sums.friction).fold(0.0, f64::max) / a[0].friction - 1.0;
+        assert!(apart < 1e-5 && swing > 1e-3, "{direction:?} {liftoff}: {apart:e}, {swing:e}");
+        let mut together = Vec::new();
+        while together.len() < STEPS {
+            let (first, second) = pairs.one_or_two_steps();
+            together.extend(std::iter::once(first).chain(second));
+        }
+        assert!(together[..STEPS] == a[..], "two steps at once are two steps");
+        for block in [[0, 0, 0], [nx - 1, ny / 2, 5], [nx / 2, 1, 11]] {
+            let (found, expected) = (single.displacement(block), double.displacement(block));
+            assert!((0..3).all(|c| (found[c] - expected[c]).abs() < 1e-7), "{block:?}: {found:?} {expected:?}");
+        }
+    }
+}
+
+#[test]
+fn any_number_of_threads_takes_the_same_steps_from_sliding() {
+    let (law, lattice) = (persson_law(), grooves(false));
+    let run = |threads: usize| {
+        std::thread::scope(|scope| {
+            let (setup, base) = sliding(&lattice, &law, false);
+            let mut engine = StripLeapfrog::from_sliding(&lattice, setup, base).with_threads(scope, threads);
+            let sums: Vec<_> = (0..600).map(|_| engine.step()).collect();
+            engine.finish();
+            let rises: Vec<f64> = (0..lattice.nx()).map(|i| engine.rise(i, 5)).collect();
+            (sums, rises)
+        })
+    };
+    let alone = run(1);
+    for threads in [2, 3] {
+        assert!(run(threads) == alone, "{threads}");
+    }
+}
