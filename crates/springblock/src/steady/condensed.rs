@@ -14,6 +14,8 @@
 //! cavity, replace two a block of the cell, and elimination leaves N = N_0 + A T + K z for the m contacts. It takes
 //! n^3/3 + n^2 m + n m^2 multiplications and additions where the band of the whole cell takes 2 nx ny (4 ny)^2.
 
+use std::sync::Arc;
+
 use super::dense::{solve_many, subtract_products};
 use super::flat_layer::FlatLayer;
 use super::system::{Contact, band_products, contacts};
@@ -33,6 +35,12 @@ pub struct CondensedModel {
     block_m: f64,
     youngs_modulus_pa: f64,
     liftoff: bool,
+    cell: Arc<CondensedCell>,
+}
+
+/// A cell without its unknowns: what follows from the lattice alone, whatever its blocks measure and are made of.
+#[derive(Debug)]
+struct CondensedCell {
     response: Condensed,
     ceilings: Vec<Ceiling>,
     /// Unknowns y = Y T + y_0, by rows: Y, then y_0. Heights follow T where they are inputs.
@@ -96,38 +104,45 @@ impl CondensedModel {
     #[must_use]
     pub fn new(lattice: &Lattice, block_m: f64, youngs_modulus_pa: f64, liftoff: bool) -> Option<Self> {
         let equations = Equations::of(lattice, &[], false)?;
-        if equations.products(lattice) > band_products(lattice.nx(), lattice.ny()) {
+        let products = equations.products(lattice);
+        if products > band_products(lattice.nx(), lattice.ny()) {
             return None;
         }
-        let (response, ceilings, unknowns) = equations.condense(lattice)?;
-        Some(Self { block_m, youngs_modulus_pa, liftoff, response, ceilings, unknowns })
+        let cell = equations.condense_or_recall(lattice, products)?;
+        Some(Self { block_m, youngs_modulus_pa, liftoff, cell })
     }
 
     /// The same at any number of operations, with the contact blocks of the columns `lifted` off the counterface.
     pub(super) fn lifted(lattice: &Lattice, block_m: f64, youngs_modulus_pa: f64, lifted: &[usize]) -> Option<Self> {
-        let (response, ceilings, unknowns) = Equations::of(lattice, lifted, false)?.condense(lattice)?;
-        Some(Self { block_m, youngs_modulus_pa, liftoff: !lifted.is_empty(), response, ceilings, unknowns })
+        let (equations, liftoff) = (Equations::of(lattice, lifted, false)?, !lifted.is_empty());
+        let cell = if liftoff {
+            Arc::new(equations.condense(lattice)?)
+        } else {
+            let products = equations.products(lattice);
+            equations.condense_or_recall(lattice, products)?
+        };
+        Some(Self { block_m, youngs_modulus_pa, liftoff, cell })
     }
 
     /// The same with the heights of the face as inputs, as [`super::raised`] needs them.
     pub(super) fn raised(lattice: &Lattice, block_m: f64, youngs_modulus_pa: f64) -> Option<Self> {
-        let (response, ceilings, unknowns) = Equations::of(lattice, &[], true)?.condense(lattice)?;
-        Some(Self { block_m, youngs_modulus_pa, liftoff: true, response, ceilings, unknowns })
+        let cell = Arc::new(Equations::of(lattice, &[], true)?.condense(lattice)?);
+        Some(Self { block_m, youngs_modulus_pa, liftoff: true, cell })
     }
 
     /// N over friction and heights.
-    pub(super) const fn response(&self) -> &Condensed {
-        &self.response
+    pub(super) fn response(&self) -> &Condensed {
+        &self.cell.response
     }
 
     /// The contact blocks, left to right.
     pub(super) fn contacts(&self) -> &[Contact] {
-        &self.response.contacts
+        &self.cell.response.contacts
     }
 
     /// The fixed point of friction under `load` with the blocks on and off the counterface that are.
     pub(super) fn iterate(&self, load: &SteadyLoad) -> Equilibrium {
-        iterate(&self.response, load)
+        iterate(self.response(), load)
     }
 
     /// What `state` says.
@@ -152,11 +167,11 @@ impl CondensedModel {
     /// the band solver has to say how it ends.
     #[must_use]
     pub fn solve(&self, load: &SteadyLoad) -> Option<SurfaceOutcome> {
-        let contacts = &self.response.contacts;
+        let contacts = &self.cell.response.contacts;
         if load.pressure_pa == 0.0 || contacts.is_empty() {
             return Some(unloaded(contacts, self.block_m));
         }
-        let state = iterate(&self.response, load);
+        let state = iterate(self.response(), load);
         let lifts = self.liftoff && state.normal.iter().any(|normal| *normal < 0.0);
         if state.status != Status::Converged || lifts {
             return None;
@@ -167,7 +182,7 @@ impl CondensedModel {
     /// The unknowns under the inputs `inputs`: friction forces, then heights where they are inputs.
     fn unknowns(&self, inputs: &[f64]) -> Vec<f64> {
         let count = inputs.len();
-        self.unknowns.chunks_exact(count + 1).map(|row| dot(&row[..count], inputs) + row[count]).collect()
+        self.cell.unknowns.chunks_exact(count + 1).map(|row| dot(&row[..count], inputs) + row[count]).collect()
     }
 
     /// Least height of a ceiling above the counterface, in blocks.
@@ -175,7 +190,7 @@ impl CondensedModel {
         let unit = displacement_unit(pressure_pa, self.youngs_modulus_pa);
         let affine = |row: &[f64]| dot(&row[..inputs.len()], inputs) + row[inputs.len()];
         let unknowns = self.unknowns(inputs);
-        let heights = self.ceilings.iter().map(|ceiling| {
+        let heights = self.cell.ceilings.iter().map(|ceiling| {
             let (by_unknowns, rest) = ceiling.height.split_at(unknowns.len());
             ceiling.depth + (dot(by_unknowns, &unknowns) + affine(rest)) * unit
         });
@@ -392,8 +407,14 @@ impl Equations {
         forces
     }
 
+    /// [`Self::condense`], remembered where that takes many of its `products`.
+    fn condense_or_recall(self, lattice: &Lattice, products: f64) -> Option<Arc<CondensedCell>> {
+        let condense = || self.condense(lattice).map(Arc::new);
+        if products < latest::WORTH_REMEMBERING { condense() } else { latest::LATEST.recall(lattice, condense) }
+    }
+
     /// N_0, A, the ceilings, and the unknowns over T; `None` if the equations are singular.
-    fn condense(self, lattice: &Lattice) -> Option<(Condensed, Vec<Ceiling>, Vec<f64>)> {
+    fn condense(self, lattice: &Lattice) -> Option<CondensedCell> {
         let w = lattice.columns().first()?.width;
         let layer = &FlatLayer::new(lattice.nx(), w, lattice.ny(), self.explicit);
         let (nx, width) = (self.nx, self.width());
@@ -463,7 +484,7 @@ impl Equations {
             })
             .collect();
         let response = Condensed { load: lattice.length(), contacts: self.contacts, influence, at_rest };
-        Some((response, ceilings, unknowns))
+        Some(CondensedCell { response, ceilings, unknowns })
     }
 }
 
@@ -473,6 +494,8 @@ fn add_to_runs(runs: &mut Vec<Run>, field: usize, column: usize, place: usize) {
         _ => runs.push(Run { field, first: column, count: 1, place }),
     }
 }
+
+mod latest;
 
 #[cfg(test)]
 mod tests;

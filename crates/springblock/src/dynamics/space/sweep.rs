@@ -47,13 +47,16 @@ struct Row<V> {
     y: V,
 }
 
+/// What a row pulls in the row before it, towards the north east, the north west, above and below; and what it leaves.
+type Met<V> = ([V; 4], Row<V>);
+
 /// The row at `at`, with those above and below it: what it pulls in the row before it, and what it leaves.
 #[inline(always)]
 fn meet<S: Simd, R: Real>(
     simd: S,
     [x, y, z]: &[Views<'_, R::Vector<S>>; 3],
     [below, at, above]: [usize; 3],
-) -> ([R::Vector<S>; 4], Row<R::Vector<S>>) {
+) -> Met<R::Vector<S>> {
     let (east, west) = (x.east[at], x.west[at]);
     let (y_east, y_west) = (y.east[at], y.west[at]);
     let (y_above, z_above) = (y.centre[above], z.centre[above]);

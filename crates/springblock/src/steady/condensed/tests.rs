@@ -13,7 +13,7 @@ fn lattice(width_um: f64, spacing_um: f64, depth_um: f64, rows: usize) -> Lattic
 /// Normal forces by both ways under uneven friction, the largest difference.
 fn largest_difference(lattice: &Lattice) -> Option<f64> {
     let plain = super::super::System::new(lattice, &[]);
-    let condensed = CondensedModel::new(lattice, 10e-6, E_PA, false)?.response;
+    let condensed = CondensedModel::new(lattice, 10e-6, E_PA, false)?.response().clone();
     let m = condensed.contacts.len();
     assert_eq!(m, plain.contacts().len());
     let friction: Vec<f64> = (0..m).map(|c| 0.3 + 0.1 * (c as f64).sin()).collect();
@@ -172,7 +172,7 @@ fn a_thick_layer_is_that_of_all_blocks() {
 /// Normal forces under even friction by the condensed model of a layer of `rows` rows.
 fn normal_forces(width_um: f64, spacing_um: f64, depth_um: f64, rows: usize) -> Vec<f64> {
     let lattice = lattice(width_um, spacing_um, depth_um, rows);
-    let condensed = CondensedModel::new(&lattice, 10e-6, E_PA, false).unwrap().response;
+    let condensed = CondensedModel::new(&lattice, 10e-6, E_PA, false).unwrap().response().clone();
     let mut normal = vec![0.0; condensed.contacts.len()];
     condensed.respond(&vec![0.27; normal.len()], &mut [], &mut normal);
     normal
