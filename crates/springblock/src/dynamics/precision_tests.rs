@@ -1,6 +1,6 @@
 //! Deviations from sliding in single precision beside displacements in double precision.
 
-use slipgrid_material::Elastic;
+use slipgrid_material::{AreaLaw, Elastic};
 use slipgrid_pattern::{Pattern, Planform};
 
 use super::contact::{ContactRow, ContactSums, LocalLaw};
@@ -35,10 +35,10 @@ fn grooves(periodic: bool) -> Lattice {
 }
 
 /// The engine's setup on `lattice`, and the state of sliding that a run starts from.
-fn sliding<'a>(lattice: &Lattice, law: &'a slipgrid_material::AreaLaw, liftoff: bool) -> (Setup<'a>, Vec<[f64; 2]>) {
-    let drawn = coefficients(SEED, lattice.nx());
+fn sliding<'a>(lattice: &Lattice, law: &'a AreaLaw, liftoff: bool, seed: u64) -> (Setup<'a>, Vec<[f64; 2]>) {
+    let drawn = coefficients(seed, lattice.nx());
     let model = SteadyModel::new(lattice.clone(), BLOCK_M, YOUNGS_MODULUS_PA, liftoff);
-    let caught = draws::caught(&drawn, SEED);
+    let caught = draws::caught(&drawn, seed);
     let load = SteadyLoad { pressure_pa: PRESSURE_PA, dynamic_mu: &caught, area_law: Some(law) };
     let unit_pa = Scales::new(&elastic(), BLOCK_M).pressure_pa;
     let setup = Setup {
@@ -68,7 +68,7 @@ fn the_plane_moves_alike_in_single_and_double_precision() {
     let law = persson_law();
     for (periodic, liftoff) in [(true, false), (true, true), (false, false), (false, true)] {
         let lattice = grooves(periodic);
-        let (setup, base) = sliding(&lattice, &law, liftoff);
+        let (setup, base) = sliding(&lattice, &law, liftoff, SEED);
         let mut double = StripLeapfrog::new(&lattice, setup.clone());
         double.start_sheared(&|i, j| base[j * lattice.nx() + i]);
         let mut single = StripLeapfrog::from_sliding(&lattice, setup, base.clone());
@@ -136,7 +136,7 @@ fn any_number_of_threads_takes_the_same_steps_from_sliding() {
     let (law, lattice) = (persson_law(), grooves(false));
     let run = |threads: usize| {
         std::thread::scope(|scope| {
-            let (setup, base) = sliding(&lattice, &law, false);
+            let (setup, base) = sliding(&lattice, &law, false, SEED);
             let mut engine = StripLeapfrog::from_sliding(&lattice, setup, base).with_threads(scope, threads);
             let sums: Vec<_> = (0..600).map(|_| engine.step()).collect();
             engine.finish();
@@ -147,5 +147,23 @@ fn any_number_of_threads_takes_the_same_steps_from_sliding() {
     let alone = run(1);
     for threads in [2, 3] {
         assert!(run(threads) == alone, "{threads}");
+    }
+}
+
+#[test]
+fn friction_in_the_mean_is_that_of_double_precision() {
+    let (law, lattice) = (persson_law(), grooves(true));
+    let mean = |engine: &mut dyn FnMut() -> ContactSums| {
+        let sums: Vec<ContactSums> = (0..40_000).map(|_| engine()).skip(4000).collect();
+        let of = |part: fn(&ContactSums) -> f64| sums.iter().map(part).sum::<f64>();
+        of(|sums| sums.friction) / of(|sums| sums.normal)
+    };
+    for seed in 0..12 {
+        let (setup, base) = sliding(&lattice, &law, false, seed);
+        let mut double = StripLeapfrog::new(&lattice, setup.clone());
+        double.start_sheared(&|i, j| base[j * lattice.nx() + i]);
+        let mut single = StripLeapfrog::from_sliding(&lattice, setup, base);
+        let apart = mean(&mut || single.step()) / mean(&mut || double.step()) - 1.0;
+        assert!(apart.abs() < 1e-6, "{seed}: {apart:e}");
     }
 }
