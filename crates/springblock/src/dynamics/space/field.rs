@@ -89,20 +89,34 @@ impl<R: Real> Field<R> {
         self.turn();
     }
 
-    /// Fills the images of `layers` where a sweep has written.
-    pub fn join_layers(&mut self, layers: Range<usize>) {
+    /// Fills the images of all of `layers` where sweeps have written.
+    fn join_layers(&mut self, layers: Range<usize>) {
+        for k in layers.clone() {
+            self.join_rows(k, 0..self.ny);
+        }
+        self.join_ends(layers);
+    }
+
+    /// Fills the images beside `rows` of layer `k` where a sweep has written: soon after it, while they are in the first-level cache.
+    pub fn join_rows(&mut self, k: usize, rows: Range<usize>) {
+        let (start, nx) = (self.at(0, rows.start, k) - 1, self.nx);
+        for values in self.other.iter_mut().map(Plane::rows_mut) {
+            for row in values[start..].chunks_mut(self.stride).take(rows.len()) {
+                row[0] = row[nx];
+                row[nx + 1] = row[1];
+            }
+        }
+    }
+
+    /// Fills the images of the first and the last row of `layers`, once those have theirs.
+    pub fn join_ends(&mut self, layers: Range<usize>) {
         let Self { nx, ny, stride, layer, other, .. } = self;
         for values in other.iter_mut().map(Plane::rows_mut) {
             for k in layers.clone() {
-                let first = R::LINE + k * *layer;
-                let row = |number: usize| first + number * *stride;
-                values.copy_within(row(*ny)..row(*ny) + *nx, row(0));
-                values.copy_within(row(1)..row(1) + *nx, row(*ny + 1));
-                // Single values last: a copy that finds them just written waits for them.
-                for row in values[first - 1..].chunks_mut(*stride).take(*ny + 2) {
-                    row[0] = row[*nx];
-                    row[*nx + 1] = row[1];
-                }
+                // One value before the row to one behind it.
+                let row = |number: usize| R::LINE + k * *layer + number * *stride - 1;
+                values.copy_within(row(*ny)..row(*ny) + *nx + 2, row(0));
+                values.copy_within(row(1)..row(1) + *nx + 2, row(*ny + 1));
             }
         }
     }

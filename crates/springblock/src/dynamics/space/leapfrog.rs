@@ -240,6 +240,7 @@ impl<'a, R: Real> SpaceLeapfrog<'a, R> {
         if self.liftoff {
             self.move_vertically();
         }
+        self.field.join_rows(0, 0..self.field.ny);
         sums
     }
 
@@ -280,6 +281,7 @@ impl<'a, R: Real> SpaceLeapfrog<'a, R> {
                 let (now, other) = (&field.now, &mut field.other);
                 let drag = [drag_x, drag_y, 0.0];
                 vectorized(MoveRow { inverse_mass, now, other, columns, start, kick: *kick, drag, force });
+                field.join_rows(layer, *row..*row + 1);
             }
         }
         for tile in (0..field.ny).step_by(TILE) {
@@ -287,7 +289,8 @@ impl<'a, R: Real> SpaceLeapfrog<'a, R> {
                 for rows in &stencil.inside[layer] {
                     let rows = rows.start.max(tile)..rows.end.min(tile + TILE);
                     if !rows.is_empty() {
-                        vectorized(InsideRows { field, layer, rows, kick: *kick, drag: *drag });
+                        vectorized(InsideRows { field, layer, rows: rows.clone(), kick: *kick, drag: *drag });
+                        field.join_rows(layer, rows);
                     }
                 }
             }
@@ -303,7 +306,7 @@ impl<'a, R: Real> SpaceLeapfrog<'a, R> {
         }
         self.step_inside(layers.clone());
         let sums = if layers.start == 0 { self.step_contact(step) } else { ContactSums::default() };
-        self.field.join_layers(layers);
+        self.field.join_ends(layers);
         self.field.turn();
         sums
     }
