@@ -202,7 +202,8 @@ impl AreaLaw {
                 quadratic_per_pa: 0.0,
             };
         }
-        let i = p.partition_point(|&tabulated| tabulated <= pressure_pa) - 1;
+        // What is no number, as in a run that has blown up, is below none of them and stays no number.
+        let i = p.partition_point(|&tabulated| tabulated <= pressure_pa).max(1) - 1;
         Piece {
             from_pa: p[i],
             to_pa: p[i + 1],
@@ -327,6 +328,7 @@ mod tests {
             let limited_pa = piece.constant_pa + p * (piece.linear + p * piece.quadratic_per_pa);
             assert!((limited_pa / (p * law.factor(p)) - 1.0).abs() < 1e-14, "{p}");
         }
+        assert!(law.piece(f64::NAN).linear.is_finite() && law.factor(f64::NAN).is_nan());
     }
 
     #[test]

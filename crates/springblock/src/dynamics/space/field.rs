@@ -97,11 +97,12 @@ impl<R: Real> Field<R> {
         self.join_ends(layers);
     }
 
-    /// Fills the images beside `rows` of layer `k` where a sweep has written: soon after it, while they are in the first-level cache.
+    /// Fills the images beside `rows` of layer `k` where a sweep has written: soon after it, while they are in the first-level cache. Lanes
+    /// beyond the last column may have written over those of the row after them, which may have been swept before.
     pub fn join_rows(&mut self, k: usize, rows: Range<usize>) {
         let (start, nx) = (self.at(0, rows.start, k) - 1, self.nx);
         for values in self.other.iter_mut().map(Plane::rows_mut) {
-            for row in values[start..].chunks_mut(self.stride).take(rows.len()) {
+            for row in values[start..].chunks_mut(self.stride).take(rows.len() + 1) {
                 row[0] = row[nx];
                 row[nx + 1] = row[1];
             }
