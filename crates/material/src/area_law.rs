@@ -179,9 +179,14 @@ impl AreaLaw {
             if pressure_pa >= p[last] {
                 return f[last] * p[last] / pressure_pa;
             }
-            *near = p.partition_point(|&tabulated| tabulated <= pressure_pa) - 1;
+            *near = self.interval(pressure_pa);
         }
         f[*near] + self.slope[*near] * (pressure_pa - p[*near])
+    }
+
+    /// The interval of the table around `pressure_pa`, which lies within it; the first for what is no number, as in a run that has blown up.
+    fn interval(&self, pressure_pa: f64) -> usize {
+        self.pressure_pa.partition_point(|&tabulated| tabulated <= pressure_pa).max(1) - 1
     }
 
     /// The interval of the law around `pressure_pa` as a polynomial of what it limits, p f(p).
@@ -202,8 +207,7 @@ impl AreaLaw {
                 quadratic_per_pa: 0.0,
             };
         }
-        // What is no number, as in a run that has blown up, is below none of them and stays no number.
-        let i = p.partition_point(|&tabulated| tabulated <= pressure_pa).max(1) - 1;
+        let i = self.interval(pressure_pa);
         Piece {
             from_pa: p[i],
             to_pa: p[i + 1],
