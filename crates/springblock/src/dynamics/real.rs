@@ -115,6 +115,17 @@ pub const fn whole_lines<R: Real>(columns: usize) -> usize {
     columns.next_multiple_of(R::LINE)
 }
 
+/// Largest force on a block above the contact row, over that on the contact row, of a state that is in equilibrium above it: what is left is
+/// not much above the rounding of deviations.
+const EQUILIBRIUM: f64 = 1e-6;
+
+/// Whether a state with the largest forces `inside` and `at_contact`, above the contact row and on it, may be deviated from: the former are
+/// left out then.
+#[must_use]
+pub fn is_in_equilibrium(inside: f64, at_contact: f64) -> bool {
+    inside <= EQUILIBRIUM * at_contact
+}
+
 /// Adds forces to those of the state that displacements deviate from, in double precision.
 pub struct AddForces<'a, R> {
     /// Forces by the deviations.

@@ -157,13 +157,17 @@ impl DynamicRun<'_> {
             self.drive(BondLeapfrog::new(self.lattice, Springs::Exact, setup), &run, monitor)
         } else {
             // One thread is the scope's own: without others nothing is spawned.
-            std::thread::scope(|scope| match run.start.take_if(|_| scene.run.warm_start) {
-                Some(sliding) => {
-                    let engine = StripLeapfrog::from_sliding(self.lattice, setup, sliding);
-                    self.drive(engine.with_threads(scope, self.threads), &run, monitor)
-                }
-                None => {
-                    self.drive(StripLeapfrog::new(self.lattice, setup).with_threads(scope, self.threads), &run, monitor)
+            std::thread::scope(|scope| {
+                let sliding = run.start.as_ref().filter(|_| scene.run.warm_start);
+                match sliding.and_then(|base| StripLeapfrog::from_sliding(self.lattice, setup.clone(), base)) {
+                    Some(engine) => {
+                        run.start = None;
+                        self.drive(engine.with_threads(scope, self.threads), &run, monitor)
+                    }
+                    None => {
+                        let engine = StripLeapfrog::new(self.lattice, setup);
+                        self.drive(engine.with_threads(scope, self.threads), &run, monitor)
+                    }
                 }
             })
         }

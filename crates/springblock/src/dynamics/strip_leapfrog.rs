@@ -11,13 +11,14 @@
 //! as much to move and to add. Deviations stay as small as slips are, about a hundredth of what the layer is sheared, so that their rounding
 //! is to slips what 1e-7 is to one. The contact row has double precision: its displacements, its velocities, and friction on it.
 
+use std::ops::Range;
 use std::thread::Scope;
 
 use super::bonds::Bonds;
 use super::contact::{ContactForce, ContactSums};
 use super::engine::{Engine, PlaneEngine, Setup};
 use super::protocol::Protocol;
-use super::real::Real;
+use super::real::{Real, is_in_equilibrium};
 use super::stencil::{BulkBalance, strips};
 use super::strip::{Base, BulkPlace, Strip};
 use super::strip_workers::StripWorkers;
@@ -55,22 +56,29 @@ impl<'scope, 'a: 'scope> StripLeapfrog<'scope, '_, 'a, f64> {
 
 impl<'scope, 'a: 'scope> StripLeapfrog<'scope, '_, 'a, f32> {
     /// A plain lattice that starts at rest from `base`, displacements by row and column in equilibrium with a motion of the bulk at the
-    /// speed and under the load of `setup`, from the first step on.
+    /// speed and under the load of `setup`, from the first step on; `None` where forces are left above the contact row.
     #[must_use]
-    pub fn from_sliding(lattice: &Lattice, setup: Setup<'a>, base: Vec<[f64; 2]>) -> Self {
+    pub fn from_sliding(lattice: &Lattice, setup: Setup<'a>, base: &[[f64; 2]]) -> Option<Self> {
         let Setup { protocol, time_step, damping, .. } = setup;
         let mut sliding = Self::of(lattice, setup, Kick::new(time_step, damping).rounded::<f32>());
         let mut bonds = Bonds::new(lattice, Springs::Linear);
         let u = [0, 1].map(|c: usize| base.iter().map(|u| u[c]).collect::<Vec<f64>>());
         bonds.evaluate(&u, 0.0, protocol.load(0.0));
-        let nx = lattice.nx();
-        let force = bonds.forces().each_ref().map(|force| force[..nx].to_vec());
+        let (nx, forces) = (lattice.nx(), bonds.forces());
+        let largest = |rows: Range<usize>| {
+            let each = forces.iter().flat_map(|force| &force[rows.clone()]);
+            each.fold(0.0, |largest: f64, force| largest.max(force.abs()))
+        };
+        if !is_in_equilibrium(largest(nx..base.len()), largest(0..nx)) {
+            return None;
+        }
+        let force = forces.each_ref().map(|force| force[..nx].to_vec());
         let height = base[..nx].iter().map(|u| u[1]).collect();
         let deviates_from = Base { force, height, carried: protocol.speed * time_step };
         for strip in &mut sliding.strips {
             strip.deviate(&deviates_from);
         }
-        Self { base, ..sliding }
+        Some(Self { base: base.to_vec(), ..sliding })
     }
 }
 

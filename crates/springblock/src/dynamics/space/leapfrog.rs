@@ -8,7 +8,7 @@ use super::super::contact::{ContactBlock, ContactForce, ContactSums, LocalLaw};
 use super::super::contact_vectors::ContactVectors;
 use super::super::engine::Engine;
 use super::super::protocol::Protocol;
-use super::super::real::{AddForces, PlaceContacts, Real, whole_lines};
+use super::super::real::{AddForces, PlaceContacts, Real, is_in_equilibrium, whole_lines};
 use super::super::stencil::fixed_sum;
 use super::super::sweep::{Kick, MoveRow};
 use super::bonds::SpaceBonds;
@@ -86,18 +86,22 @@ impl<'a> SpaceLeapfrog<'a, f64> {
 
 impl<'a> SpaceLeapfrog<'a, f32> {
     /// A plain lattice that starts at rest from `base`, displacements over l, x fastest, then y, then upward, in equilibrium with a motion of
-    /// the bulk at the speed and under the load of `setup`, from the first step on.
+    /// the bulk at the speed and under the load of `setup`, from the first step on; `None` where forces are left above the contact layer.
     #[must_use]
-    pub fn from_sliding(lattice: &SpaceLattice, setup: SpaceSetup<'a>, base: Vec<[f64; 3]>) -> Self {
+    pub fn from_sliding(lattice: &SpaceLattice, setup: SpaceSetup<'a>, base: &[[f64; 3]]) -> Option<Self> {
         let SpaceSetup { protocol, time_step, damping, direction, .. } = setup;
         let mut sliding = Self::of(lattice, setup, Kick::new(time_step, damping).rounded::<f32>());
         let bonds = SpaceBonds::new(lattice);
-        let mut u = base.clone();
+        let mut u = base.to_vec();
         u.push([0.0; 3]);
         bonds.balance(&mut u, protocol.load(0.0));
         let mut force = vec![[0.0; 3]; u.len()];
         bonds.forces(&u, &mut force);
         let [nx, ny] = lattice.columns();
+        let largest = |forces: &[[f64; 3]]| forces.iter().flatten().fold(0.0, |most: f64, force| most.max(force.abs()));
+        if !is_in_equilibrium(largest(&force[nx * ny..nx * ny * lattice.rows()]), largest(&force[..nx * ny])) {
+            return None;
+        }
         let padded = whole_lines::<f32>(nx);
         for (column, force) in force[..nx * ny].iter().enumerate() {
             let place = column / nx * padded + column % nx;
@@ -109,7 +113,7 @@ impl<'a> SpaceLeapfrog<'a, f32> {
         let carried = direction.map(|part| part * protocol.speed * time_step);
         sliding.field.carry(carried);
         sliding.drag = carried.map(|carried| sliding.kick.drag(carried));
-        Self { base, ..sliding }
+        Some(Self { base: base.to_vec(), ..sliding })
     }
 }
 

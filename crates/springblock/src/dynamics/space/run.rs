@@ -128,17 +128,20 @@ impl SpaceRun<'_> {
             damping: scene.run.damping * scales.time_s / plane.time_s,
             liftoff: is_unilateral(scene, lattice),
         };
-        if scene.run.warm_start {
-            self.drive(SpaceLeapfrog::from_sliding(lattice, setup, self.sheared()), started_s, monitor)
-        } else {
-            let mut engine = SpaceLeapfrog::new(lattice, setup);
-            if lattice.is_raised() {
-                // The layer touches with the highest of its face and bears nothing.
-                let highest = lattice.highest();
-                engine.start_sheared(&|_| [0.0, 0.0, highest]);
-            }
-            self.drive(engine, started_s, monitor)
+        let sheared = scene.run.warm_start.then(|| self.sheared());
+        let sliding = sheared.as_ref().and_then(|base| SpaceLeapfrog::from_sliding(lattice, setup.clone(), base));
+        if let Some(engine) = sliding {
+            return self.drive(engine, started_s, monitor);
         }
+        let mut engine = SpaceLeapfrog::new(lattice, setup);
+        if let Some(start) = sheared {
+            engine.start_sheared(&|[i, j, k]| start[(k * ny + j) * nx + i]);
+        } else if lattice.is_raised() {
+            // The layer touches with the highest of its face and bears nothing.
+            let highest = lattice.highest();
+            engine.start_sheared(&|_| [0.0, 0.0, highest]);
+        }
+        self.drive(engine, started_s, monitor)
     }
 
     fn drive<R: Real>(&self, mut engine: SpaceLeapfrog<R>, started_s: f64, monitor: &dyn Monitor) -> SurfaceOutcome {
