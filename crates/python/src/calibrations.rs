@@ -1,10 +1,11 @@
 //! Calibrations: measurements on samples to a material, and what trials say.
 
+use std::ffi::OsString;
 use std::path::PathBuf;
 
 use pyo3::prelude::*;
+use pyo3::types::PyType;
 use slipgrid::calibrate::{CalibrationOutcome, CalibrationTask, Selection};
-use slipgrid::formats::Document;
 use slipgrid::formats::calibrated::{Uncalibrated, calibrate, learn};
 use slipgrid::formats::calibration::Calibration as Read;
 use slipgrid::formats::made_from::MadeFrom;
@@ -14,6 +15,7 @@ use slipgrid::report::calibration::{files, fit_json, ledger, summary};
 use slipgrid::report::trials::TrialsReport;
 use slipgrid::results::json;
 
+use crate::copied::{Contents, Origin};
 use crate::refused;
 use crate::watched::watched;
 use crate::written::inputs;
@@ -23,12 +25,15 @@ use slipgrid_disk::disk;
 const SEED: u64 = 1;
 
 /// A calibration, ready to be fitted.
-#[pyclass(frozen, module = "slipgrid")]
+#[pyclass(frozen, module = "slipgrid._slipgrid")]
 pub struct Calibration {
     read: Read,
-    path: PathBuf,
     inputs: Vec<PathBuf>,
+    origin: Origin,
 }
+
+/// A calibration's text and path, whether it is a file, and the files that it reads.
+type Parts<'a> = (&'a str, OsString, bool, Contents);
 
 /// A calibration that was fitted.
 #[pyclass(frozen, module = "slipgrid")]
@@ -44,14 +49,22 @@ pub struct Fitted {
 #[pymethods]
 impl Calibration {
     /// The calibration that `text` says, as a file would that stands at `path`: what it names is looked for beside that.
-    /// `is_file` says that it does stand there.
-    #[staticmethod]
-    #[pyo3(signature = (text, path, *, is_file=false))]
-    fn from_text(py: Python<'_>, text: &str, path: PathBuf, is_file: bool) -> PyResult<Self> {
-        let document = Document::within(&disk(), path.clone(), text);
-        let read = py.detach(|| Read::from_document(&document)).map_err(|error| refused::input(py, &error))?;
-        let inputs = inputs(&read.inputs, &path, is_file);
-        Ok(Self { read, path, inputs })
+    /// `is_file` says that it does stand there; `files` are all that there are, or those of the disk.
+    #[new]
+    #[pyo3(signature = (text, path, is_file=false, files=None))]
+    fn new(py: Python<'_>, text: String, path: PathBuf, is_file: bool, files: Option<Contents>) -> PyResult<Self> {
+        let origin = Origin::new(text, path, is_file, files);
+        let read = py.detach(|| Read::from_document(&origin.document()));
+        let read = read.map_err(|error| refused::input(py, &error))?;
+        let inputs = inputs(&read.inputs, &origin.path, is_file);
+        Ok(Self { read, inputs, origin })
+    }
+
+    /// What `pickle` and `copy` make the same calibration of, anywhere.
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyType>, Parts<'_>)> {
+        let Origin { text, path, is_file, .. } = &self.origin;
+        let files = py.detach(|| self.origin.contents()).map_err(|error| refused::input(py, &error))?;
+        Ok((py.get_type::<Self>(), (text, path.clone().into(), *is_file, files)))
     }
 
     /// What is unusual in it, one sentence each.
@@ -65,12 +78,13 @@ impl Calibration {
     fn fit(&self, py: Python<'_>, progress: Option<&Bound<'_, PyAny>>) -> PyResult<Fitted> {
         let sample = (DEFAULT_SPECIMEN, SEED);
         let found = watched(py, progress, |watch| {
-            let (task, outcome) = calibrate(&self.read, &self.path, &disk(), sample, Selection::default(), watch)?;
+            let (path, files) = (&self.origin.path, self.origin.source());
+            let (task, outcome) = calibrate(&self.read, path, &files, sample, Selection::default(), watch)?;
             let ledger = ledger(&self.read, &outcome, watch)?;
             Ok((task, outcome, ledger))
         })?;
         let (task, outcome, ledger) = found.map_err(|error: Uncalibrated| refused::uncalibrated(py, &error))?;
-        let (read, path, inputs) = (self.read.clone(), self.path.clone(), self.inputs.clone());
+        let (read, path, inputs) = (self.read.clone(), self.origin.path.clone(), self.inputs.clone());
         Ok(Fitted { read, path, inputs, task, outcome, ledger })
     }
 
@@ -79,7 +93,7 @@ impl Calibration {
     fn trials(&self, py: Python<'_>, progress: Option<&Bound<'_, PyAny>>) -> PyResult<[String; 2]> {
         let sample = (DEFAULT_SPECIMEN, SEED);
         let found = watched(py, progress, |watch| {
-            let (task, learned) = learn(&self.read, &self.path, &disk(), sample, watch)?;
+            let (task, learned) = learn(&self.read, &self.origin.path, &self.origin.source(), sample, watch)?;
             let report = TrialsReport::new(&self.read.name, &task.trials.samples, &learned.discrepancy, watch)?
                 .with_pending(&learned)
                 .with_warnings(self.read.doubts.clone());

@@ -1,35 +1,41 @@
 //! Designs: the main job, and the samples to cut next.
 
+use std::ffi::OsString;
 use std::path::PathBuf;
 use std::sync::Mutex;
 
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
+use pyo3::types::PyType;
 use slipgrid::design::{
     DesignError, DesignOutcome, NextOptions, NextTrials, NoCache, explore_bounds, next_trials, run,
 };
-use slipgrid::formats::calibrated::{Uncalibrated, complete};
+use slipgrid::formats::calibrated::{Uncalibrated, complete, read_calibration};
 use slipgrid::formats::calibration::Calibration;
 use slipgrid::formats::confirmed_scene::steady_scene;
-use slipgrid::formats::{Diagnostic, Document, design::Design as Read};
+use slipgrid::formats::{Diagnostic, design::Design as Read};
 use slipgrid::pattern::Pattern;
 use slipgrid::report::html::exploration;
 use slipgrid::report::{LaserFile, Outputs, draw, files};
 use slipgrid::results::{json, json_and_timings};
 
+use crate::copied::{Contents, Origin};
 use crate::refused;
 use crate::watched::{Watch, watched};
 use crate::written::inputs;
-use slipgrid_disk::disk;
 
 /// A design task.
-#[pyclass(frozen, module = "slipgrid")]
+#[pyclass(frozen, module = "slipgrid._slipgrid")]
 pub struct Design {
     read: Read,
     inputs: Vec<PathBuf>,
+    origin: Origin,
     /// With its material, once it was calibrated, and the calibration.
     completed: Mutex<Option<(Read, Option<Calibration>)>>,
 }
+
+/// A design's text and path, whether it is a file, and the files that it reads.
+type Parts<'a> = (&'a str, OsString, bool, Contents);
 
 /// A design that was found.
 #[pyclass(frozen, module = "slipgrid")]
@@ -68,7 +74,7 @@ impl Design {
             return Ok(known.clone());
         }
         let mut read = self.read.clone();
-        let calibration = complete(&mut read, &disk(), watch)?;
+        let calibration = complete(&mut read, &self.origin.source(), watch)?;
         *known = Some((read.clone(), calibration.clone()));
         Ok((read, calibration))
     }
@@ -84,14 +90,27 @@ impl Design {
 #[pymethods]
 impl Design {
     /// The design that `text` says, as a design file would that stands at `path`: what it names is looked for beside that.
-    /// `is_file` says that it does stand there.
-    #[staticmethod]
-    #[pyo3(signature = (text, path, *, is_file=false))]
-    fn from_text(py: Python<'_>, text: &str, path: PathBuf, is_file: bool) -> PyResult<Self> {
-        let document = Document::within(&disk(), path.clone(), text);
-        let read = py.detach(|| Read::from_document(document)).map_err(|error| refused::input(py, &error))?;
-        let inputs = inputs(&read.inputs, &path, is_file);
-        Ok(Self { read, inputs, completed: Mutex::new(None) })
+    /// `is_file` says that it does stand there; `files` are all that there are, or those of the disk.
+    #[new]
+    #[pyo3(signature = (text, path, is_file=false, files=None))]
+    fn new(py: Python<'_>, text: String, path: PathBuf, is_file: bool, files: Option<Contents>) -> PyResult<Self> {
+        let origin = Origin::new(text, path, is_file, files);
+        let read = py.detach(|| Read::from_document(origin.document()));
+        let read = read.map_err(|error| refused::input(py, &error))?;
+        let inputs = inputs(&read.inputs, &origin.path, is_file);
+        Ok(Self { read, inputs, origin, completed: Mutex::new(None) })
+    }
+
+    /// What `pickle` and `copy` make the same design of, anywhere.
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyType>, Parts<'_>)> {
+        let Origin { text, path, is_file, .. } = &self.origin;
+        let files = py.detach(|| {
+            // The files of a calibration are read when it is needed, which a copy may do elsewhere.
+            read_calibration(&self.read, &self.origin.source())?;
+            self.origin.contents()
+        });
+        let files = files.map_err(|error| refused::input(py, &error))?;
+        Ok((py.get_type::<Self>(), (text, path.clone().into(), *is_file, files)))
     }
 
     /// Files that it was made from.

@@ -7,6 +7,7 @@
 //! | `calibrations` | measurements to a material, and what trials say |
 //! | `designs` | the main job, and the samples to cut next |
 //! | `campaigns` | many scenes or designs as tasks for any number of processes |
+//! | `copied` | what travels with copies of scenes, designs and calibrations |
 //! | `watched` | work on a thread of its own, progress, Ctrl-C |
 //! | `threads` | the pool that work is done in |
 //! | `written` | files, where nothing is lost |
@@ -16,6 +17,7 @@
 
 mod calibrations;
 mod campaigns;
+mod copied;
 mod designs;
 mod maps;
 mod refused;
@@ -38,7 +40,7 @@ mod _slipgrid {
     #[pymodule_export]
     use crate::designs::{Design, Designed, NextSamples};
     #[pymodule_export]
-    use crate::maps::Map;
+    use crate::maps::{Map, map_of};
     #[pymodule_export]
     use crate::scenes::{Scene, Solved, SteadyCell};
     #[pymodule_export]

@@ -6,6 +6,7 @@ use numpy::ndarray::ArrayView2;
 use numpy::{PyArray2, PyReadonlyArray2, PyUntypedArrayMethods};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
+use pyo3::types::PyTuple;
 use slipgrid::calibrate::area_law::{AreaLawError, AreaLawRequest, DEFAULT_PRESSURES_MPA, surface_area_law};
 use slipgrid::formats::altitude_map::{open, refuse, refuse_law};
 use slipgrid::formats::{Diagnostic, checked};
@@ -23,7 +24,7 @@ use crate::watched::{Watch, watched};
 use slipgrid_disk::disk;
 
 /// An altitude map as it was read or given: heights in metres, missing points NaN.
-#[pyclass(frozen, module = "slipgrid")]
+#[pyclass(frozen, module = "slipgrid._slipgrid")]
 pub struct Map {
     read: ReadMap,
     path: PathBuf,
@@ -57,21 +58,39 @@ fn pressures(pressures_mpa: &[f64]) -> Result<Vec<f64>, Diagnostic> {
     pressures_mpa.iter().map(|&pressure_mpa| checked("pressures_mpa", pressure_mpa, PRESSURE_MPA)).collect()
 }
 
+/// The map that stands at `path` in a `format`, of which everything is known: what a copy is made of.
+#[pyfunction]
+pub fn map_of(
+    heights_m: PyReadonlyArray2<'_, f64>,
+    sides_m: [f64; 2],
+    whole: bool,
+    format: &str,
+    comments: Vec<String>,
+    notes: Vec<String>,
+    path: PathBuf,
+) -> PyResult<Map> {
+    let format = named("format", format, &MapFormat::ALL.map(|format| (format.name(), format)))?;
+    let map = height_map(&heights_m, sides_m)?;
+    Ok(Map { read: ReadMap { map, whole, format, comments, notes }, path })
+}
+
+fn height_map(heights_m: &PyReadonlyArray2<'_, f64>, [dx_m, dy_m]: [f64; 2]) -> PyResult<HeightMap> {
+    let [rows, cols] = [heights_m.shape()[0], heights_m.shape()[1]];
+    // In the order of rows, whatever the array's own is.
+    let heights: Vec<f64> = match heights_m.as_slice() {
+        Ok(slice) if heights_m.is_c_contiguous() => slice.to_vec(),
+        _ => heights_m.as_array().iter().copied().collect(),
+    };
+    HeightMap::new(rows, cols, dx_m, dy_m, heights).map_err(|error| PyValueError::new_err(error.to_string()))
+}
+
 #[pymethods]
 impl Map {
     /// A map of `heights_m`, rows along the sliding direction, with pixels of `pixel_um` by `pixel_y_um` micrometres.
     #[new]
     #[pyo3(signature = (heights_m, pixel_um, pixel_y_um=None))]
     fn new(heights_m: PyReadonlyArray2<'_, f64>, pixel_um: f64, pixel_y_um: Option<f64>) -> PyResult<Self> {
-        let [rows, cols] = [heights_m.shape()[0], heights_m.shape()[1]];
-        // In the order of rows, whatever the array's own is.
-        let heights: Vec<f64> = match heights_m.as_slice() {
-            Ok(slice) if heights_m.is_c_contiguous() => slice.to_vec(),
-            _ => heights_m.as_array().iter().copied().collect(),
-        };
-        let [dx_m, dy_m] = [pixel_um * 1e-6, pixel_y_um.unwrap_or(pixel_um) * 1e-6];
-        let map = HeightMap::new(rows, cols, dx_m, dy_m, heights);
-        let map = map.map_err(|error| PyValueError::new_err(error.to_string()))?;
+        let map = height_map(&heights_m, [pixel_um * 1e-6, pixel_y_um.unwrap_or(pixel_um) * 1e-6])?;
         let (format, comments, notes) = (MapFormat::Matrix, Vec::new(), Vec::new());
         Ok(Self { read: ReadMap { map, whole: true, format, comments, notes }, path: PathBuf::from("array") })
     }
@@ -102,6 +121,15 @@ impl Map {
         let read = watched(py, None, |watch| open(&disk(), &path, &options, watch))?;
         let read = read.map_err(|error| refused::input(py, &error))?;
         Ok(Self { read, path })
+    }
+
+    /// What `pickle` and `copy` make the same map of, anywhere.
+    fn __reduce__<'py>(this: &Bound<'py, Self>) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyTuple>)> {
+        let py = this.py();
+        let Self { read: ReadMap { map, whole, format, comments, notes }, path } = this.get();
+        let (heights_m, sides_m) = (Self::heights_m(this)?, [map.dx_m(), map.dy_m()]);
+        let parts = (heights_m, sides_m, *whole, format.name(), comments, notes, path.as_os_str());
+        Ok((py.import("slipgrid._slipgrid")?.getattr("map_of")?, parts.into_pyobject(py)?))
     }
 
     /// Heights in metres, rows along the sliding direction: the map's own numbers, not to be written to.

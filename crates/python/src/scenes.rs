@@ -1,33 +1,41 @@
 //! Scenes: friction of a given surface at given loads.
 
+use std::ffi::OsString;
 use std::path::PathBuf;
 use std::sync::Arc;
 
 use numpy::{AllowTypeChange, PyArray1, PyArray2, PyArrayLike2, PyArrayMethods, PyUntypedArrayMethods};
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
+use pyo3::types::PyType;
 use slipgrid::design::simulate_on;
+use slipgrid::formats::Diagnostic;
 use slipgrid::formats::run::Overrides;
 use slipgrid::formats::scene::SceneInput;
-use slipgrid::formats::{Diagnostic, Document};
 use slipgrid::monitor::{Monitor, Stage};
 use slipgrid::pattern::{Pattern, Texture};
 use slipgrid::report::files;
 use slipgrid::results::{SimulationReport, json_and_timings};
 use slipgrid::springblock::{Extent, Fidelity, Simulation, Status};
 
+use crate::copied::{Contents, Origin};
 use crate::refused;
 use crate::threads::pool;
 use crate::watched::watched;
 use crate::written::inputs;
-use slipgrid_disk::disk;
 
 /// A scene: a material, a pattern or none, loads, and how they are solved.
-#[pyclass(frozen, module = "slipgrid")]
+#[pyclass(frozen, module = "slipgrid._slipgrid")]
 pub struct Scene {
     input: SceneInput,
     inputs: Vec<PathBuf>,
+    origin: Origin,
+    fidelity: Option<String>,
+    extent: Option<String>,
 }
+
+/// A scene's text and path, `fidelity`, `extent`, whether it is a file, and the files that it reads.
+type Parts<'a> = (&'a str, OsString, Option<&'a str>, Option<&'a str>, bool, Contents);
 
 /// A scene that was solved.
 #[pyclass(frozen, module = "slipgrid")]
@@ -58,22 +66,33 @@ fn overrides(fidelity: Option<&str>, extent: Option<&str>) -> PyResult<Overrides
 #[pymethods]
 impl Scene {
     /// The scene that `text` says, as a scene file would that stands at `path`: what it names is looked for beside
-    /// that. `is_file` says that it does stand there.
-    #[staticmethod]
-    #[pyo3(signature = (text, path, *, fidelity=None, extent=None, is_file=false))]
-    fn from_text(
+    /// that. `is_file` says that it does stand there; `files` are all that there are, or those of the disk.
+    #[new]
+    #[pyo3(signature = (text, path, fidelity=None, extent=None, is_file=false, files=None))]
+    fn new(
         py: Python<'_>,
-        text: &str,
+        text: String,
         path: PathBuf,
-        fidelity: Option<&str>,
-        extent: Option<&str>,
+        fidelity: Option<String>,
+        extent: Option<String>,
         is_file: bool,
+        files: Option<Contents>,
     ) -> PyResult<Self> {
-        let overrides = overrides(fidelity, extent)?;
+        let overrides = overrides(fidelity.as_deref(), extent.as_deref())?;
         let inputs = inputs(std::slice::from_ref(&path), &path, is_file);
-        let document = Document::within(&disk(), path, text);
+        let origin = Origin::new(text, path, is_file, files);
+        let document = origin.document();
         let read = || SceneInput::from_file(document.clone(), &document.parse()?, overrides);
-        Ok(Self { input: read().map_err(|error| refused::input(py, &error))?, inputs })
+        let input = read().map_err(|error| refused::input(py, &error))?;
+        Ok(Self { input, inputs, origin, fidelity, extent })
+    }
+
+    /// What `pickle` and `copy` make the same scene of, anywhere.
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyType>, Parts<'_>)> {
+        let Origin { text, path, is_file, .. } = &self.origin;
+        let files = self.origin.contents().map_err(|error| refused::input(py, &error))?;
+        let (fidelity, extent) = (self.fidelity.as_deref(), self.extent.as_deref());
+        Ok((py.get_type::<Self>(), (text, path.clone().into(), fidelity, extent, *is_file, files)))
     }
 
     /// What is unusual in it, one sentence each.

@@ -186,7 +186,7 @@ class Scene:
     def __init__(self, *, folder: PathLike = ".", fidelity: str | None = None, extent: str | None = None, **tables: Any) -> None:
         """A scene by the tables of a scene file: ``Scene(material={...}, pattern={...}, load={...})``. What they name is
         looked for in ``folder``; ``fidelity`` and ``extent`` overrule ``run``."""
-        self._scene = _slipgrid.Scene.from_text(toml(tables), Path(folder) / "scene", fidelity=fidelity, extent=extent)
+        self._scene = _slipgrid.Scene(toml(tables), Path(folder) / "scene", fidelity=fidelity, extent=extent)
 
     @classmethod
     def from_toml(
@@ -194,14 +194,14 @@ class Scene:
     ) -> Scene:
         """A scene from the text of a scene file that would stand in ``folder``."""
         made = cls.__new__(cls)
-        made._scene = _slipgrid.Scene.from_text(text, Path(folder) / "scene.toml", fidelity=fidelity, extent=extent)
+        made._scene = _slipgrid.Scene(text, Path(folder) / "scene.toml", fidelity=fidelity, extent=extent)
         return made
 
     @classmethod
     def read(cls, path: PathLike, *, fidelity: str | None = None, extent: str | None = None) -> Scene:
         """The scene file at ``path``."""
         made = cls.__new__(cls)
-        made._scene = _slipgrid.Scene.from_text(
+        made._scene = _slipgrid.Scene(
             _text(path), Path(path), fidelity=fidelity, extent=extent, is_file=True
         )
         return made
@@ -272,20 +272,20 @@ class Calibration:
 
     def __init__(self, *, folder: PathLike = ".", **tables: Any) -> None:
         """A calibration by the tables of a calibration file; what they name is looked for in ``folder``."""
-        self._calibration = _slipgrid.Calibration.from_text(toml(tables), Path(folder) / "calibration")
+        self._calibration = _slipgrid.Calibration(toml(tables), Path(folder) / "calibration")
 
     @classmethod
     def from_toml(cls, text: str, folder: PathLike = ".") -> Calibration:
         """A calibration from the text of a file that would stand in ``folder``."""
         made = cls.__new__(cls)
-        made._calibration = _slipgrid.Calibration.from_text(text, Path(folder) / "calibration.toml")
+        made._calibration = _slipgrid.Calibration(text, Path(folder) / "calibration.toml")
         return made
 
     @classmethod
     def read(cls, path: PathLike) -> Calibration:
         """The calibration file at ``path``."""
         made = cls.__new__(cls)
-        made._calibration = _slipgrid.Calibration.from_text(_text(path), Path(path), is_file=True)
+        made._calibration = _slipgrid.Calibration(_text(path), Path(path), is_file=True)
         return made
 
     @property
@@ -359,20 +359,20 @@ class Design:
     def __init__(self, *, folder: PathLike = ".", **tables: Any) -> None:
         """A task by the tables of a design file: ``Design(material={...}, target={...}, bounds={...}, specimen={...})``. What
         they name is looked for in ``folder``."""
-        self._design = _slipgrid.Design.from_text(toml(tables), Path(folder) / "design")
+        self._design = _slipgrid.Design(toml(tables), Path(folder) / "design")
 
     @classmethod
     def from_toml(cls, text: str, folder: PathLike = ".") -> Design:
         """A task from the text of a design file that would stand in ``folder``."""
         made = cls.__new__(cls)
-        made._design = _slipgrid.Design.from_text(text, Path(folder) / "design.toml")
+        made._design = _slipgrid.Design(text, Path(folder) / "design.toml")
         return made
 
     @classmethod
     def read(cls, path: PathLike) -> Design:
         """The design file at ``path``."""
         made = cls.__new__(cls)
-        made._design = _slipgrid.Design.from_text(_text(path), Path(path), is_file=True)
+        made._design = _slipgrid.Design(_text(path), Path(path), is_file=True)
         return made
 
     @property

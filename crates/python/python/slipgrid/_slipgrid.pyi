@@ -22,6 +22,7 @@ __all__ = [
     "Solved",
     "SteadyCell",
     "check_file",
+    "map_of",
     "set_threads",
     "threads",
     "write_file",
@@ -47,6 +48,17 @@ def write_file(content: bytes, path: _Path, inputs: Sequence[_Path]) -> None:
 def check_file(path: _Path, inputs: Sequence[_Path]) -> None:
     """Refuses, before long work starts, a file that could not be written then."""
 
+def map_of(
+    heights_m: NDArray[np.float64],
+    sides_m: Sequence[float],
+    whole: bool,
+    format: str,
+    comments: Sequence[str],
+    notes: Sequence[str],
+    path: _Path,
+) -> Map:
+    """The map that stands at `path` in a `format`, of which everything is known: what a copy is made of."""
+
 @final
 class Map:
     def __new__(cls, heights_m: NDArray[np.float64], pixel_um: float, pixel_y_um: float | None = None) -> Map: ...
@@ -59,6 +71,11 @@ class Map:
         lateral_unit: str | None = None,
         decimal_comma: bool = False,
     ) -> Map: ...
+    def __reduce__(
+        self,
+    ) -> tuple[
+        Callable[..., Map], tuple[NDArray[np.float64], Sequence[float], bool, str, list[str], list[str], str]
+    ]: ...
     @property
     def heights_m(self) -> NDArray[np.float64]: ...
     @property
@@ -83,10 +100,18 @@ class Map:
 
 @final
 class Scene:
-    @staticmethod
-    def from_text(
-        text: str, path: _Path, *, fidelity: str | None = None, extent: str | None = None, is_file: bool = False
+    def __new__(
+        cls,
+        text: str,
+        path: _Path,
+        fidelity: str | None = None,
+        extent: str | None = None,
+        is_file: bool = False,
+        files: Mapping[str, bytes] | None = None,
     ) -> Scene: ...
+    def __reduce__(
+        self,
+    ) -> tuple[type[Scene], tuple[str, str, str | None, str | None, bool, dict[str, bytes]]]: ...
     @property
     def warnings(self) -> list[str]: ...
     def simulate(self, progress: _Progress | None = None) -> Solved: ...
@@ -113,8 +138,10 @@ class SteadyCell:
 
 @final
 class Calibration:
-    @staticmethod
-    def from_text(text: str, path: _Path, *, is_file: bool = False) -> Calibration: ...
+    def __new__(
+        cls, text: str, path: _Path, is_file: bool = False, files: Mapping[str, bytes] | None = None
+    ) -> Calibration: ...
+    def __reduce__(self) -> tuple[type[Calibration], tuple[str, str, bool, dict[str, bytes]]]: ...
     @property
     def warnings(self) -> list[str]: ...
     def fit(self, progress: _Progress | None = None) -> Fitted: ...
@@ -144,8 +171,10 @@ class Campaign:
 
 @final
 class Design:
-    @staticmethod
-    def from_text(text: str, path: _Path, *, is_file: bool = False) -> Design: ...
+    def __new__(
+        cls, text: str, path: _Path, is_file: bool = False, files: Mapping[str, bytes] | None = None
+    ) -> Design: ...
+    def __reduce__(self) -> tuple[type[Design], tuple[str, str, bool, dict[str, bytes]]]: ...
     @property
     def inputs(self) -> list[Path]: ...
     @property
