@@ -263,6 +263,28 @@ impl<'a> Chances<'a> {
         Ok(Numerical { common, ..others.clone() })
     }
 
+    /// Cells that a chance takes: of the design, of one in smaller blocks where there are such, and to both sides along each
+    /// dimension that scatters, the rims' height, flat friction, and scale and factors of the area law.
+    pub fn solves(&self) -> usize {
+        let scattering = self.tolerances.std_m.iter().filter(|std_m| **std_m > 0.0).count();
+        let beside = [&self.friction, &self.law_scale, &self.law].into_iter().flatten().count();
+        let rims = usize::from(self.uncertainty.rim().is_some());
+        1 + usize::from(self.fine.is_some()) + 2 * (scattering + rims + beside)
+    }
+
+    /// One of these cells.
+    pub fn cell(&self, design: &Pattern) -> Scene {
+        self.still.scene(design)
+    }
+
+    /// Cells that were solved so far.
+    #[cfg(test)]
+    pub fn solved(&self) -> usize {
+        let beside = [&self.friction, &self.law_scale, &self.law].into_iter().flatten();
+        let beside = beside.flat_map(|along| [&along.above, &along.below]);
+        std::iter::once(&self.still).chain(&self.fine).chain(beside).map(|model| model.solved()[0]).sum()
+    }
+
     /// Seeded draws of everything.
     pub fn draws(&self, draws: usize, seed: u64) -> CommonDraws {
         CommonDraws::new(&self.uncertainty, draws, seed)

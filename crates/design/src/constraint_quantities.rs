@@ -29,6 +29,14 @@ pub enum ConstraintQuantity {
     Effect,
 }
 
+impl ConstraintQuantity {
+    /// Whether a design is laid on its specimen for it.
+    #[must_use]
+    pub const fn takes_a_layout(self) -> bool {
+        matches!(self, Self::BearingArea | Self::ArealDensity | Self::LaserTime)
+    }
+}
+
 /// What is measured of every design, with what that takes.
 #[derive(Clone, Debug, Default)]
 pub struct Limited {

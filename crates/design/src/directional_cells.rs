@@ -16,6 +16,9 @@ pub struct Solver {
     pub each: Vec<(Option<f64>, SteadyCell)>,
     /// Where they are solved, in every direction alike.
     pub dimension: Dimension,
+    /// Designs that it was asked of.
+    #[cfg(test)]
+    pub asked: std::sync::atomic::AtomicUsize,
 }
 
 impl Solver {
@@ -28,11 +31,18 @@ impl Solver {
             (angle_deg, cell.balanced_to(SEARCH_BALANCE))
         };
         let dimension = Dimension::of(scene.run.dimensions, texture);
-        Self { each: each.zip(scene.loads.chunks(own)).map(cell).collect(), dimension }
+        Self {
+            each: each.zip(scene.loads.chunks(own)).map(cell).collect(),
+            dimension,
+            #[cfg(test)]
+            asked: std::sync::atomic::AtomicUsize::default(),
+        }
     }
 
     /// The cells of `design` in every direction, until `monitor` has cancelled.
     pub fn solve(&self, design: &Pattern, monitor: &dyn Monitor) -> Result<Vec<CellOutcome>, ModelFailure> {
+        #[cfg(test)]
+        self.asked.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
         let mut outcomes = Vec::new();
         for (angle_deg, cell) in &self.each {
             let turned = turned(design, *angle_deg);

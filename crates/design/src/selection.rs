@@ -92,6 +92,17 @@ impl Effort {
     }
 }
 
+/// Whether designs of `design` on target are chosen among: the one asked for is not the one that a goal, or the greatest yield, names.
+pub const fn is_wanted(design: &DesignTask) -> bool {
+    design.target.goal().is_none() && !design.robust
+}
+
+/// How finely the space is looked at, with a guide or without.
+pub fn options(is_guided: bool) -> SelectionOptions {
+    let usual = SelectionOptions::default();
+    if is_guided { SelectionOptions { nodes: NODES_IN_SPACE, ..usual } } else { usual }
+}
+
 /// What designs of one search are chosen by.
 struct ByChance<'a> {
     design: &'a DesignTask,
@@ -136,7 +147,7 @@ impl MultiFidelityLoop<'_> {
         timings: &mut Timings,
     ) -> Result<SearchOutcome, SearchError> {
         self.round.selection = None;
-        let is_wanted = design.target.goal().is_none() && !design.robust && outcome.status == Status::Met;
+        let is_wanted = is_wanted(design) && outcome.status == Status::Met;
         let Some(chances) = self.chances.as_ref().filter(|_| is_wanted && !self.out_of_time) else {
             return Ok(outcome);
         };
@@ -157,11 +168,11 @@ impl MultiFidelityLoop<'_> {
             (&design.target, &design.space, &design.constraints, &outcome.meeting);
         let found = match self.model.guide() {
             None => {
-                let options = SelectionOptions::default();
+                let options = options(false);
                 select(target, space, constraints, known, &options, &self.model, &merits, &bar)
             }
             Some((guide, _)) => {
-                let options = SelectionOptions { nodes: NODES_IN_SPACE, ..SelectionOptions::default() };
+                let options = options(true);
                 let (model, correction) = (&self.model, &mut self.correction);
                 select_multi_fidelity(
                     target,

@@ -215,6 +215,20 @@ impl<'a> SteadyModel<'a> {
         Some((LowFidelity { model: self, scene, solver }, scene.layer.block_m))
     }
 
+    /// The cell of a design with the loads of every condition, in the guide's blocks where there is a guide and `coarse` asks for it.
+    pub(crate) fn cell(&self, design: &Pattern, coarse: bool) -> Scene {
+        let guide = self.guide.as_ref().filter(|_| coarse).map(|(scene, _)| scene);
+        Scene { pattern: Some(*design), ..guide.unwrap_or(&self.asked).clone() }
+    }
+
+    /// Designs that were solved so far, by the model and by its guide.
+    #[cfg(test)]
+    pub(crate) fn solved(&self) -> [usize; 2] {
+        let guide = self.guide.as_ref().map(|(_, solver)| solver);
+        [Some(&self.solver), guide]
+            .map(|solver| solver.map_or(0, |solver| solver.asked.load(std::sync::atomic::Ordering::Relaxed)))
+    }
+
     /// Draws of the local coefficients with which a cell of `design` has at least `contacts` contact blocks in all, as
     /// [`SteadyCell::draws`](slipgrid_springblock::SteadyCell::draws) counts them.
     #[must_use]

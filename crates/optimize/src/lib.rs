@@ -101,7 +101,7 @@ pub use multi_fidelity::search_multi_fidelity;
 pub use outcome::{Candidate, FailedTrial, HistoryPoint, ReachableRange, SearchOutcome, Status};
 pub use robust_search::{RobustOutcome, search_robust};
 pub use search::{SearchOptions, least_evaluations, search, search_near};
-pub use selection::{Choice, Merits, Selection, SelectionOptions, select, select_multi_fidelity};
+pub use selection::{Choice, Merits, Selection, SelectionCount, SelectionOptions, select, select_multi_fidelity};
 pub use sensitivity::{AxisSensitivity, Sensitivities, Slope, sensitivities, with_rim_off};
 pub use space::{DEPTH_STEP_M, DesignSpace, POSITION_STEP_M};
 pub use target::{Demand, Goal, Misfit, Quantity, Target, TargetPoint, Wanted};

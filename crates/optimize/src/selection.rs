@@ -4,6 +4,9 @@
 //! at every node of a lattice of the others, by the secant method on the mean residual; then about the best found, in
 //! ever smaller steps.
 
+mod count;
+
+pub use self::count::SelectionCount;
 use crate::evaluation_archive::{Key, key};
 use crate::low_discrepancy::MOST_DIMENSIONS;
 use crate::multi_fidelity::Corrected;

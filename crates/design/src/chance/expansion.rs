@@ -3,6 +3,7 @@
 use slipgrid_discrepancy::Sampler;
 
 use super::*;
+use crate::specimen::Laid;
 
 /// A design to first order along each input, and to second along the modulus (or the fitted scale) and the area law: a search for
 /// the greatest chance finds where their slopes vanish. The discrepancy is drawn from its own distribution.
@@ -91,7 +92,7 @@ impl Chances<'_> {
     /// [`ModelFailure::Trial`] where neighbours of the design cannot be computed.
     pub fn expand(&self, about: &About<'_>) -> Result<Expansion, ModelFailure> {
         let (count, values) = (self.scale.len(), about.values.to_vec());
-        let discrepancy = self.drawn(about.design)?;
+        let (discrepancy, laid) = (self.drawn(about.design)?, self.still.lay(about.design)?);
         let medians = discrepancy.as_ref().map(|drawn| &drawn.medians);
         let factor = |load: usize| medians.map_or(1.0, |medians| medians[load].exp());
         let scale: Vec<f64> = self.scale.iter().enumerate().map(|(load, scale)| scale * factor(load)).collect();
@@ -99,7 +100,7 @@ impl Chances<'_> {
         let mut curvatures = Vec::new();
         let mut of_clearance: Vec<(usize, f64)> = Vec::new();
         for (axis, std_m) in self.tolerances.std_m.into_iter().enumerate().filter(|(_, std_m)| *std_m > 0.0) {
-            let along = self.along_axis(about.design, axis, std_m)?;
+            let along = self.along_axis(about.design, &laid, axis, std_m)?;
             slopes[axis] = along.ratio.iter().zip(&scale).map(|(slope, scale)| slope * scale).collect();
             of_clearance.push((axis, along.clearance));
         }
@@ -110,7 +111,8 @@ impl Chances<'_> {
         }
         // (r(x + s) - r(x - s)) / 2s and (r(x + s) - 2 r(x) + r(x - s)) / 2s^2
         let differences = |along: &Along| -> Result<(Vec<f64>, Vec<f64>, f64), ModelFailure> {
-            let at = |model: &SteadyModel| model.answer_made(about.design, &model.lay(about.design)?);
+            // All of them lie on one specimen: laying out crossing grooves takes as long as solving them.
+            let at = |model: &SteadyModel| model.answer_made(about.design, &laid);
             let (above, below) = rayon::join(|| at(&along.above), || at(&along.below));
             let (above, below) = (above?, below?);
             let difference = |load: usize| {
@@ -161,15 +163,15 @@ impl Chances<'_> {
     }
 
     /// Slopes along one dimension, per metre.
-    fn along_axis(&self, design: &Pattern, axis: usize, std_m: f64) -> Result<Slope, ModelFailure> {
+    fn along_axis(&self, design: &Pattern, laid: &Laid, axis: usize, std_m: f64) -> Result<Slope, ModelFailure> {
         let lengths_m = design.lengths_m();
-        let (step_m, laid) = (std_m.min(WIDEST_SHARE * lengths_m[axis]), self.still.lay(design)?);
+        let step_m = std_m.min(WIDEST_SHARE * lengths_m[axis]);
         let at = |by_m: f64| {
             let mut made_m = lengths_m;
             made_m[axis] += by_m;
             let made = Pattern::new(*design.texture(), made_m[0], made_m[1], made_m[2]);
             let made = made.map_err(|error| ModelFailure::Trial { reason: error.to_string() })?;
-            self.still.answer_made(&made, &laid)
+            self.still.answer_made(&made, laid)
         };
         match rayon::join(|| at(step_m), || at(-step_m)) {
             (Ok(above), Ok(below)) => Ok(per_step(&above, &below, 2.0 * step_m)),

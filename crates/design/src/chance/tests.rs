@@ -35,3 +35,24 @@ fn samples_whose_cavities_close_are_not_on_target() {
     }
     assert_eq!(between, 3);
 }
+
+#[test]
+fn a_chance_takes_as_many_cells_as_it_says() {
+    let mut task = task(Planform::Groove);
+    let tolerances = Tolerances { std_m: [3e-6, 0.0, 0.3e-6], ..Tolerances::default() };
+    task.tolerances = Some(SampleScatter { tolerances, draws: 100 });
+    let known = MaterialUncertainty { modulus_relative_std: Some(0.2), ..MaterialUncertainty::default() };
+    let material = task.material.clone().unwrap().material;
+    let loads = task.loads(&material).unwrap().0;
+    let scene = task.flat_scene(&material, loads, RunOptions::default());
+    let model = SteadyModel::new(&scene, &[], &[], &task.space, None);
+    let chances = Chances::new(&task, &known, &model, &[]).unwrap();
+    let design = Pattern::new(Planform::Groove, 250e-6, 250e-6, 15e-6).unwrap();
+    let still = chances.still(&design).unwrap();
+    let others = Numerical::in_common(vec![0.0; 2]);
+    let numerical = chances.numerical_of(&design, &still, &others).unwrap();
+    let about = About { design: &design, still: &still, values: &still.ratio, numerical: &numerical };
+    let _ = chances.expand(&about).unwrap();
+    // The design, smaller blocks, and both sides of width, depth and modulus.
+    assert_eq!((chances.solves(), chances.solved()), (8, 8));
+}

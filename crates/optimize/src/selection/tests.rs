@@ -2,6 +2,7 @@ use super::*;
 use crate::{Bound, CommonDraws, Limit, Linearization, Quantity, Response, TargetPoint, Tolerances, Uncertainty};
 use slipgrid_monitor::Unwatched;
 use slipgrid_pattern::{ManufacturingLimits, Planform};
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 const PRESSURES_PA: [f64; 2] = [1e6, 2e6];
 
@@ -155,4 +156,59 @@ fn a_guide_that_is_off_leads_to_designs_that_the_model_has_judged() {
     }
     let alone = chosen_on(2);
     assert!(found.pool[0].chance.share > alone.pool[0].chance.share - 0.03);
+}
+
+/// [`Made`], counting the chances that are asked for.
+struct Counted(Made, AtomicUsize);
+
+impl Merits for Counted {
+    fn chance(&self, candidate: &Candidate) -> Result<(Probability, f64), ModelFailure> {
+        self.1.fetch_add(1, Ordering::Relaxed);
+        self.0.chance(candidate)
+    }
+
+    fn effort(&self, design: &Pattern) -> Result<f64, ModelFailure> {
+        self.0.effort(design)
+    }
+}
+
+#[test]
+fn a_choice_asks_of_about_as_many_designs_and_chances_as_are_counted_beforehand() {
+    let near = |counted: usize, expected: f64| {
+        let over = counted as f64 / expected;
+        assert!((0.5..2.0).contains(&over), "{counted}, where {expected} were expected");
+    };
+    let options = SelectionOptions::default();
+    for space in [space(), DesignSpace::new(Planform::Groove, [40e-6, 400e-6], [40e-6, 1000e-6], [13e-6; 2]).unwrap()] {
+        let free = if space.depth_m()[0] < space.depth_m()[1] { 3 } else { 2 };
+        let (target, limits) = (target(), bursts());
+        let alone = Counted(Made::new(), AtomicUsize::default());
+        let found = select(&target, &space, &limits, &[], &options, &respond, &alone, &Unwatched).unwrap();
+        let count = options.count(free, false);
+        near(found.designs, count.designs);
+        near(alone.1.into_inner(), count.chances);
+        let (guided, judged) = (Counted(Made::new(), AtomicUsize::default()), AtomicUsize::default());
+        let model = |design: &Pattern| {
+            judged.fetch_add(1, Ordering::Relaxed);
+            respond(design)
+        };
+        let correction = &mut LowFidelityCorrection::new();
+        let found = select_multi_fidelity(
+            &target,
+            &space,
+            &limits,
+            &[],
+            &options,
+            &model,
+            &respond,
+            correction,
+            &guided,
+            &Unwatched,
+        );
+        let count = options.count(free, true);
+        near(found.unwrap().designs, count.designs);
+        near(guided.1.into_inner(), count.chances);
+        assert!(judged.into_inner() as f64 <= count.judged);
+    }
+    assert_eq!(options.count(0, true).designs, 0.0);
 }
