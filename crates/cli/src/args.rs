@@ -1,5 +1,8 @@
 //! The command line.
 
+// Comments of arguments are help texts, in which tables of files stand in brackets.
+#![allow(rustdoc::broken_intra_doc_links)]
+
 mod campaign;
 mod export;
 mod maps;
