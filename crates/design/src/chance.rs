@@ -267,9 +267,14 @@ impl<'a> Chances<'a> {
     /// dimension that scatters, the rims' height, flat friction, and scale and factors of the area law.
     pub fn solves(&self) -> usize {
         let scattering = self.tolerances.std_m.iter().filter(|std_m| **std_m > 0.0).count();
-        let beside = [&self.friction, &self.law_scale, &self.law].into_iter().flatten().count();
+        let beside = self.beside().count();
         let rims = usize::from(self.uncertainty.rim().is_some());
         1 + usize::from(self.fine.is_some()) + 2 * (scattering + rims + beside)
+    }
+
+    /// What scatters beside dimensions and is solved to both sides.
+    fn beside(&self) -> impl Iterator<Item = &Along<'a>> {
+        [&self.friction, &self.law_scale, &self.law].into_iter().flatten()
     }
 
     /// One of these cells.
@@ -280,8 +285,7 @@ impl<'a> Chances<'a> {
     /// Cells that were solved so far.
     #[cfg(test)]
     pub fn solved(&self) -> usize {
-        let beside = [&self.friction, &self.law_scale, &self.law].into_iter().flatten();
-        let beside = beside.flat_map(|along| [&along.above, &along.below]);
+        let beside = self.beside().flat_map(|along| [&along.above, &along.below]);
         std::iter::once(&self.still).chain(&self.fine).chain(beside).map(|model| model.solved()[0]).sum()
     }
 

@@ -93,8 +93,8 @@ impl MultiFidelityLoop<'_> {
         let laid_s = layout_s(&design.specimen, pattern);
         let layouts = 1 + design.quantities.iter().filter(|quantity| quantity.takes_a_layout()).count();
         let slopes = if self.model.learned().is_some() { MODULUS_CELLS } else { 0.0 };
-        let beside_s = layouts as f64 * laid_s + slopes * (chance_s + laid_s);
-        let (solves, slopes_s) = (chances.solves() as f64, slopes * (chance_s + laid_s));
+        let slopes_s = slopes * (chance_s + laid_s);
+        let (solves, beside_s) = (chances.solves() as f64, layouts as f64 * laid_s + slopes_s);
         Some(ChoiceCost {
             cells: count.designs * (1.0 + slopes) + count.judged * slopes + count.chances * (solves + slopes),
             judged: count.judged,
@@ -124,8 +124,8 @@ impl MultiFidelityLoop<'_> {
         let (cell, run) = (expense(&searched), expense(&confirmed));
         // Searches look at the whole space, where the largest cells cost most.
         let widest = space.pattern([space.width_m()[1], space.spacing_m()[1], pattern.depth_m()]);
-        let widest = widest.ok().filter(|widest| self.model.scene(widest).validate().is_ok());
-        let largest = widest.map(|widest| self.model.scene(&widest));
+        let largest = widest.ok().map(|widest| (widest, self.model.scene(&widest)));
+        let (widest, largest) = largest.filter(|(_, scene)| scene.validate().is_ok()).unzip();
         let spread_s = f64::midpoint(cell.core_s, largest.map_or(cell.core_s, |scene| expense(&scene).core_s));
         let threads = rayon::current_num_threads() as f64;
         let search_s = if self.model.is_cheap_per_design() {

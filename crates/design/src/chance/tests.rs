@@ -6,6 +6,16 @@ use super::*;
 use crate::next_trial::tests::task;
 use crate::task::SampleScatter;
 
+/// The flat scene of `task`, whose widths scatter by `width_std_m` and depths by 0.3 um, and what is known of its material.
+fn scattering(task: &mut DesignTask, width_std_m: f64) -> (Scene, MaterialUncertainty) {
+    let tolerances = Tolerances { std_m: [width_std_m, 0.0, 0.3e-6], ..Tolerances::default() };
+    task.tolerances = Some(SampleScatter { tolerances, draws: 100 });
+    let known = MaterialUncertainty { modulus_relative_std: Some(0.2), ..MaterialUncertainty::default() };
+    let material = task.material.clone().unwrap().material;
+    let loads = task.loads(&material).unwrap().0;
+    (task.flat_scene(&material, loads, RunOptions::default()), known)
+}
+
 /// Samples whose cavities close are not on target, whatever their friction: the expansion counts them as the draws of the model do.
 #[test]
 fn samples_whose_cavities_close_are_not_on_target() {
@@ -13,12 +23,7 @@ fn samples_whose_cavities_close_are_not_on_target() {
     // Any friction is on target.
     let points = [0.65e6, 2.6e6].map(|pressure_pa| TargetPoint { pressure_pa, value: 0.5 });
     task.target = Target::new(Quantity::Ratio, points.to_vec(), 10.0).unwrap();
-    let tolerances = Tolerances { std_m: [10e-6, 0.0, 0.3e-6], ..Tolerances::default() };
-    task.tolerances = Some(SampleScatter { tolerances, draws: 100 });
-    let known = MaterialUncertainty { modulus_relative_std: Some(0.2), ..MaterialUncertainty::default() };
-    let material = task.material.clone().unwrap().material;
-    let loads = task.loads(&material).unwrap().0;
-    let scene = task.flat_scene(&material, loads, RunOptions::default());
+    let (scene, known) = scattering(&mut task, 10e-6);
     let model = SteadyModel::new(&scene, &[], &[], &task.space, None);
     let chances = Chances::new(&task, &known, &model, &[]).unwrap();
     let numerical = Numerical::in_common(vec![0.0; 2]);
@@ -39,12 +44,7 @@ fn samples_whose_cavities_close_are_not_on_target() {
 #[test]
 fn a_chance_takes_as_many_cells_as_it_says() {
     let mut task = task(Planform::Groove);
-    let tolerances = Tolerances { std_m: [3e-6, 0.0, 0.3e-6], ..Tolerances::default() };
-    task.tolerances = Some(SampleScatter { tolerances, draws: 100 });
-    let known = MaterialUncertainty { modulus_relative_std: Some(0.2), ..MaterialUncertainty::default() };
-    let material = task.material.clone().unwrap().material;
-    let loads = task.loads(&material).unwrap().0;
-    let scene = task.flat_scene(&material, loads, RunOptions::default());
+    let (scene, known) = scattering(&mut task, 3e-6);
     let model = SteadyModel::new(&scene, &[], &[], &task.space, None);
     let chances = Chances::new(&task, &known, &model, &[]).unwrap();
     let design = Pattern::new(Planform::Groove, 250e-6, 250e-6, 15e-6).unwrap();
