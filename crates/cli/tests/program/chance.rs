@@ -115,13 +115,14 @@ fn the_chance_comes_first_with_what_is_in_it_and_what_is_not() {
 fn the_chance_that_a_design_is_chosen_for_is_that_of_its_samples() {
     let text = design("value = 0.9\ntolerance = 0.02", &TOLERANCES.replace("6.0", "4.0").replace("1.0", "4.0"))
         .replace("density_g_cm3 = 0.9\n", MODULUS)
-        .replace("depth_um = [2.0, 50.0]", "depth_um = [2.0, 20.0]");
+        .replace("depth_um = [2.0, 50.0]", "depth_um = [2.0, 20.0]")
+        // A design that its confirming run moves little, by 0.002: that run also makes the ratio better known, which is a tenth of chance.
+        .replace("seed = 1", "seed = 2");
     let place = Place::with(&[("all.toml", &format!("{text}[trade_offs]\ngoals = [\"chance\", \"volume\"]\n"))]);
     let (_, found) = optimize(&place, "all.toml", 0);
     let [chosen, said] =
         ["/trade_offs/chosen/0", "/chance/value"].map(|at| found.pointer(at).unwrap().as_f64().unwrap());
-    // It is chosen for the chance to be confirmed and then on target; when that is said it has been confirmed.
-    assert!(chosen < said + 0.15 && chosen > 0.5 * said, "chosen for {chosen}, samples have {said}");
+    assert!((chosen - said).abs() < 0.15, "chosen for {chosen}, samples have {said}");
 }
 
 #[test]
