@@ -5,7 +5,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// The crates in an order in which each uses only those before it.
-const ROOMS: [&str; 24] = [
+const ROOMS: [&str; 25] = [
     "monitor",
     "units",
     "statistics",
@@ -17,9 +17,10 @@ const ROOMS: [&str; 24] = [
     "contact",
     "traces",
     "springblock",
+    "export",
+    "specimen",
     "calibrate",
     "optimize",
-    "export",
     "results",
     "design",
     "formats",

@@ -3,6 +3,7 @@
 use slipgrid_contact::ContactError;
 use slipgrid_material::{AreaLaw, Condition, Elastic, Extrapolation, Material, MaterialError};
 use slipgrid_monitor::{Monitor, Stage};
+use slipgrid_specimen::SpecimenError;
 use slipgrid_springblock::{Layer, SceneError};
 use slipgrid_topography::PreparedMap;
 
@@ -151,6 +152,9 @@ pub enum CalibrationError {
     /// The model of the patterned samples was refused.
     #[error(transparent)]
     Scene(#[from] SceneError),
+    /// The model of a patterned sample on its specimen was refused.
+    #[error(transparent)]
+    Specimen(#[from] SpecimenError),
     /// A number of the material has no meaning.
     #[error(transparent)]
     Material(#[from] MaterialError),

@@ -101,4 +101,6 @@ pub use marginal_uncertainty::{FlatLoad, marginal_relative_std};
 pub use scaled_area_law::AreaLawScale;
 pub use select_measurements::{Selection, measured_friction};
 pub use surface_area_law_source::{AreaLawOrigin, SurfaceFindings};
-pub use trial_discrepancy::{CutSample, LearnedSamples, ModelledRatio, PendingSample, TrialsTask, learn, learn_alone};
+pub use trial_discrepancy::{
+    CutSample, CutSpecimen, LearnedSamples, ModelledRatio, PendingSample, TrialsTask, learn, learn_alone,
+};

@@ -1,4 +1,5 @@
-//! What the model says of patterned samples at the conditions at which they were measured.
+//! What the model says of patterned samples at the conditions at which they were measured: steady cells, on the specimen that was cut
+//! where that is known.
 
 use std::sync::Arc;
 
@@ -7,9 +8,11 @@ use slipgrid_contact::AreaPoint;
 use slipgrid_material::{AreaLaw, Elastic, LocalFriction, MaterialError};
 use slipgrid_monitor::Monitor;
 use slipgrid_pattern::{Pattern, ReliefMap};
+use slipgrid_specimen::SteadyOnFace;
 use slipgrid_springblock::{Layer, Load, RunOptions, Scene, steady_ratios};
 
 use crate::area_law::area_law;
+use crate::trial_discrepancy::CutSpecimen;
 use crate::{CalibrationError, CalibrationTask, Measurement};
 use slipgrid_monitor::Part;
 
@@ -32,6 +35,10 @@ pub(crate) struct Model<'a> {
     pub law: (Option<&'a AreaLaw>, &'a [AreaPoint]),
     pub pattern: Pattern,
     pub relief: Option<Arc<ReliefMap>>,
+    /// Thickness of the specimen, in metres, where it is not that of the task.
+    pub thickness_m: Option<f64>,
+    /// What the specimen makes of ratios of an endless pattern at the pairs that are asked for; `None` where they stay those.
+    pub on_face: Option<&'a SteadyOnFace>,
 }
 
 impl Model<'_> {
@@ -71,7 +78,62 @@ impl Model<'_> {
             Some(_) => Some(stiffer(curve, log_modulus, self.task.threshold_pa)?),
         };
         let elastic = self.task.elastic.at_modulus(log_modulus.exp())?;
-        ratios(self, elastic, law, pairs, monitor)
+        let Some(scene) = self.scene(elastic, law, pairs)? else { return Ok(Vec::new()) };
+        let cells = steady_ratios(&scene, monitor)?;
+        let on_face = |(place, cell): (usize, Option<f64>)| match self.on_face {
+            None => cell,
+            Some(on_face) => on_face.ratio(cell?, &self.pattern, place),
+        };
+        Ok(cells.into_iter().enumerate().map(on_face).collect())
+    }
+
+    /// What `cut` makes of ratios of an endless pattern at `pairs`.
+    pub fn on(
+        &self,
+        cut: &CutSpecimen,
+        pairs: &[Pair],
+        monitor: &dyn Monitor,
+    ) -> Result<Option<SteadyOnFace>, CalibrationError> {
+        let scene = self.scene(self.task.elastic, self.law.0.cloned(), pairs)?;
+        scene.map(|scene| Ok(SteadyOnFace::new(&scene, &self.pattern, &cut.specimen, monitor)?)).transpose()
+    }
+
+    /// Steady cells of the sample, the flat surface at its measured friction; `None` without any pair.
+    fn scene(
+        &self,
+        elastic: Elastic,
+        area_law: Option<AreaLaw>,
+        pairs: &[Pair],
+    ) -> Result<Option<Scene>, CalibrationError> {
+        let Some([first, _]) = pairs.first() else { return Ok(None) };
+        let task = self.task;
+        let load = |[flat, _]: &Pair| {
+            let pressure_pa = task.pressure_pa(flat);
+            // A flat cell slides at mu_flat = mu_d f(P).
+            let mean = flat.mu_dynamic / area_law.as_ref().map_or(1.0, |law| law.factor(pressure_pa));
+            Ok(Load { pressure_pa, friction: LocalFriction::new(mean, mean, 0.0)? })
+        };
+        let loads = pairs.iter().map(load).collect::<Result<Vec<Load>, MaterialError>>()?;
+        let layer = task.layer;
+        let block_m = match (self.pattern.texture().rim(), &self.relief) {
+            (Some(rim), _) => rim.block_m(layer.block_m),
+            // Measured rims are some ten micrometres wide.
+            (None, Some(_)) => 0.5 * layer.block_m,
+            (None, None) => layer.block_m,
+        };
+        let thickness_m = self.thickness_m.map(|thickness_m| thickness_m.max(layer.height_m)).or(layer.thickness_m);
+        Ok(Some(Scene {
+            elastic,
+            area_law,
+            pattern: Some(self.pattern),
+            relief: self.relief.clone(),
+            layer: Layer { block_m, thickness_m, ..layer },
+            loads,
+            // Steady sliding does not depend on it.
+            speed_m_s: first.speed_m_s,
+            // As the run that confirms a design has them: what trials say must not have the blocks' error in it.
+            run: RunOptions { refine: true, ..RunOptions::default() },
+        }))
     }
 }
 
@@ -81,44 +143,4 @@ fn stiffer(curve: &[AreaPoint], log_modulus: f64, threshold_pa: f64) -> Result<A
     let moved: Vec<AreaPoint> =
         curve.iter().map(|point| AreaPoint { pressure_pa: point.pressure_pa * factor, ..*point }).collect();
     area_law(&moved, threshold_pa)
-}
-
-/// Modelled ratios of the patterned samples: steady cells, the flat surface at its measured friction. `None` where a load did
-/// not converge.
-fn ratios(
-    Model { task, pattern, relief, .. }: &Model<'_>,
-    elastic: Elastic,
-    area_law: Option<AreaLaw>,
-    pairs: &[Pair],
-    monitor: &dyn Monitor,
-) -> Result<Vec<Option<f64>>, CalibrationError> {
-    let loads = pairs
-        .iter()
-        .map(|[flat, _]| {
-            let pressure_pa = task.pressure_pa(flat);
-            // A flat cell slides at mu_flat = mu_d f(P).
-            let mean = flat.mu_dynamic / area_law.as_ref().map_or(1.0, |law| law.factor(pressure_pa));
-            Ok(Load { pressure_pa, friction: LocalFriction::new(mean, mean, 0.0)? })
-        })
-        .collect::<Result<Vec<Load>, MaterialError>>()?;
-    let Some(speed_m_s) = pairs.first().map(|[flat, _]| flat.speed_m_s) else { return Ok(Vec::new()) };
-    let block_m = match (pattern.texture().rim(), relief) {
-        (Some(rim), _) => rim.block_m(task.layer.block_m),
-        // Measured rims are some ten micrometres wide.
-        (None, Some(_)) => 0.5 * task.layer.block_m,
-        (None, None) => task.layer.block_m,
-    };
-    let scene = Scene {
-        elastic,
-        area_law,
-        pattern: Some(*pattern),
-        relief: relief.clone(),
-        layer: Layer { block_m, ..task.layer },
-        loads,
-        // Steady sliding does not depend on it.
-        speed_m_s,
-        // As the run that confirms a design has them: what trials say must not have the blocks' error in it.
-        run: RunOptions { refine: true, ..RunOptions::default() },
-    };
-    Ok(steady_ratios(&scene, monitor)?)
 }

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use slipgrid_contact::AreaPoint;
 use slipgrid_discrepancy::{Conditions, Discrepancy, Features, Hyperparameters, Load, Measured, Trial};
+use slipgrid_export::Specimen;
 use slipgrid_material::AreaLaw;
 use slipgrid_monitor::{Monitor, Stage};
 use slipgrid_pattern::{Pattern, ReliefMap};
@@ -34,8 +35,19 @@ pub struct CutSample {
     pub sample_std: Option<f64>,
     /// The disc that it shares with other samples of this name, as a sector of it; `None` where it has its own.
     pub disc: Option<String>,
+    /// The specimen that it was cut into; `None` where the pattern is taken as endless, as on a sector of a disc.
+    pub specimen: Option<CutSpecimen>,
     /// Measurements on it; none while it is pending.
     pub measured: Vec<Measurement>,
+}
+
+/// The specimen that a sample was cut into.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CutSpecimen {
+    /// Its face, and what became of cavities that pass its rim.
+    pub specimen: Specimen,
+    /// Its thickness, in metres, where it is not that of the task's layer.
+    pub thickness_m: Option<f64>,
 }
 
 /// What is wanted of trials: the samples, and what is believed before.
@@ -168,11 +180,17 @@ fn trial(
 ) -> Result<Trial, CalibrationError> {
     let axes: Vec<usize> = (0..3).filter(|axis| cut.dimensions_std_m[*axis] > 0.0).collect();
     let monitor = Part::new(monitor, 1.0 / (1 + axes.len()) as f64);
-    let model = |pattern: Pattern| Model { task, law, pattern, relief: cut.relief.clone() };
+    let thickness_m = cut.specimen.as_ref().and_then(|cut| cut.thickness_m);
+    let model =
+        |pattern: Pattern, on_face| Model { task, law, pattern, relief: cut.relief.clone(), thickness_m, on_face };
     let pairs = pairs(task, &cut.measured);
     let is_cheap = Dimension::of(None, cut.pattern.texture()).is_cheap_per_design();
     let ends = if is_cheap { Ends { solved: pairs.clone() } } else { Ends::new(&pairs) };
-    let modelled = model(cut.pattern).sensitive_ratios(&ends.solved, &monitor)?;
+    let on_face = match &cut.specimen {
+        Some(specimen) => model(cut.pattern, None).on(specimen, &ends.solved, &Part::new(&monitor, 0.0))?,
+        None => None,
+    };
+    let modelled = model(cut.pattern, on_face.as_ref()).sensitive_ratios(&ends.solved, &monitor)?;
     let known: Vec<(&Pair, [f64; 2])> =
         pairs.iter().filter_map(|pair| Some((pair, ends.between(pair, |place| modelled[place])?))).collect();
     let mut of_dimensions = Vec::new();
@@ -183,7 +201,7 @@ fn trial(
             lengths_m[other] + if other == axis { cut.dimensions_std_m[axis] } else { 0.0 }
         });
         let Ok(moved) = Pattern::new(*cut.pattern.texture(), width_m, spacing_m, depth_m) else { continue };
-        let others = model(moved).ratios(&ends.solved, &monitor)?;
+        let others = model(moved, on_face.as_ref()).ratios(&ends.solved, &monitor)?;
         let change = |(pair, [own, _]): &(&Pair, [f64; 2])| {
             let [other] = ends.between(pair, |place| Some([others[place]?]))?;
             Some(tidy((other / own).ln()))
@@ -309,6 +327,7 @@ mod tests {
             dimensions_std_m: [5e-6, 0.0, 0.0],
             sample_std: None,
             disc: None,
+            specimen: None,
             measured: flat.iter().map(|flat| Measurement { mu_dynamic: 0.9 * flat.mu_dynamic, ..*flat }).collect(),
         };
         CalibrationTask {

@@ -6,9 +6,9 @@ use slipgrid_springblock::{LoadOutcome, Scene, Simulation, Status, can_refine};
 use crate::DesignError;
 use crate::dynamic_excess::correct;
 use crate::multi_fidelity::{CONFIRMATION, MultiFidelityLoop};
-use crate::specimen::{SpecimenError, simulate_on};
 use crate::task::DesignTask;
 use crate::timings::Timings;
+use slipgrid_specimen::{SpecimenError, simulate_on};
 
 /// Contact blocks with coefficients of their own that a confirming run in space has at least, over all its draws:
 /// fewer scatter the ratio by more than a tenth of the usual tolerance.

@@ -13,7 +13,7 @@ use slipgrid_optimize::ModelFailure;
 use slipgrid_pattern::Pattern;
 
 use crate::DesignError;
-use crate::specimen::{Laid, on_face};
+use slipgrid_specimen::{Laid, on_face};
 
 /// What the model says of a design at the target's pressures. Numbers are kept as the file holds them, so that those
 /// read back are the same to the last bit.

@@ -3,8 +3,8 @@
 use slipgrid_springblock::{Extent, LoadOutcome, RunOptions, Scene};
 
 use crate::confirmation::{in_time, trusted};
-use crate::specimen::{SpecimenError, simulate_on};
 use crate::time_budget::TimeBudget;
+use slipgrid_specimen::{SpecimenError, simulate_on};
 
 /// Dynamic friction of the flat sample at every load of `scene`; `None` where it does not slide, or only in waves.
 pub(super) fn flat_friction(scene: &Scene, budget: TimeBudget<'_>) -> Result<Option<Vec<f64>>, SpecimenError> {

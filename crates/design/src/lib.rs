@@ -97,7 +97,6 @@ mod robustness_report;
 mod scene_errors;
 mod selection;
 mod sensitivity;
-mod specimen;
 mod steady_model;
 mod stored_result;
 mod target_report;
@@ -129,7 +128,7 @@ pub use next_trial::{
     TrialCandidateReport, next_trials,
 };
 pub use scene_errors::{Solved, of_scene};
-pub use specimen::{SpecimenError, simulate_on};
+pub use slipgrid_specimen::{SpecimenError, simulate_on};
 pub use stored_result::{StoredDesign, StoredError};
 pub use task::{
     DEFAULT_MAX_EVALUATIONS, DEFAULT_SPEED_M_S, DesignTask, FurtherDirections, KnownMaterial, SampleScatter,

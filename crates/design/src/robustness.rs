@@ -17,7 +17,6 @@ use crate::robustness_report::{
     InputReport, MEANING, OptimumReport, PressureParts, PressureReport, RobustnessReport, ScatterReport, SpreadReport,
     distribution,
 };
-use crate::specimen::Laid;
 use crate::steady_model::SteadyModel;
 use crate::task::DesignTask;
 use crate::task::SampleScatter;
@@ -25,6 +24,7 @@ use slipgrid_calibrate::uncertainty::MaterialUncertainty;
 use slipgrid_monitor::{Monitor, Stage};
 use slipgrid_results::PartsReport;
 use slipgrid_results::PatternReport;
+use slipgrid_specimen::Laid;
 use slipgrid_units::{LENGTH_UM, PRESSURE_MPA, tidy};
 
 /// Draws from the first-order model, which cost nothing.

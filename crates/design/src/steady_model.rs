@@ -18,8 +18,8 @@ use crate::constraint_quantities::Limited;
 use crate::directional_cells::Solver;
 use crate::evaluation_cache::{Answer, Evaluations};
 use crate::learned_discrepancy::LearnedDiscrepancy;
-use crate::specimen::{Laid, SpecimenError, onto};
 use slipgrid_export::Specimen;
+use slipgrid_specimen::{Laid, SpecimenError, onto};
 
 /// Blocks of the guide over those of the layer, the first that serves: cells of four times the block cost a hundredth
 /// and differ by at most 0.02 of the ratio, of twice the block a tenth and 0.013.

@@ -3,10 +3,10 @@
 use std::path::{Path, PathBuf};
 
 use slipgrid_calibrate::{
-    CalibrationTask, Coefficients, CutSample, MapSurface, Measurement, Selection, Surface as LawSource, TrialsTask,
-    flat_friction_law,
+    CalibrationTask, Coefficients, CutSample, CutSpecimen, MapSurface, Measurement, Selection, Surface as LawSource,
+    TrialsTask, flat_friction_law,
 };
-use slipgrid_export::Outline;
+use slipgrid_export::{Outline, Specimen};
 use slipgrid_material::{AreaLaw, Elastic, Extrapolation, THRESHOLD_PRESSURE_PA};
 use slipgrid_monitor::Monitor;
 use slipgrid_pattern::Pattern;
@@ -148,7 +148,8 @@ impl Calibration {
             fit.and_then(|fit| fit.coefficients.as_ref()).map_or(Ok(Coefficients::PerCondition), |name| {
                 document.choice(name, &Coefficients::ALL, Coefficients::name)
             })?;
-        let outline = read_outline(document, &file.specimen)?;
+        let cut = read_specimen(document, &file.specimen)?;
+        let outline = cut.specimen.outline;
         let specimens = Specimens { area_m2: area_m2(&outline), modulus_pa: elastic.youngs_modulus_pa() };
         let mut remarks = Remarks { told: bulk_told(document, bulk)?, ..Remarks::default() };
         remarks.told.extend(outline_told(document, &file.specimen, &outline)?);
@@ -165,14 +166,14 @@ impl Calibration {
             measured::refuse_repeated(&placed)?;
         }
         let pattern = file.pattern.as_ref();
-        let pattern = pattern.map(|table| read_fitting_pattern(document, table, &outline)).transpose()?;
+        let pattern = pattern.map(|table| read_fitting_pattern(document, table, &cut.specimen)).transpose()?;
         let relief = match file.pattern.as_ref().zip(pattern.as_ref()) {
             Some((table, pattern)) => read_relief(document, table, pattern)?,
             None => None,
         };
         let first = pattern.filter(|_| !patterned.is_empty());
-        let first = first.map(|pattern| trials::of_tables(pattern, relief, &patterned));
-        let flat = FlatSamples { outline: &outline, specimens: &specimens, measured: &placed };
+        let first = first.map(|pattern| trials::of_tables(pattern, relief, Some(cut), &patterned));
+        let flat = FlatSamples { cut, specimens: &specimens, measured: &placed };
         let prior = file.trial_prior.as_ref();
         let (trials, of_trials) =
             trials::read_trials(document, &file.trial, prior, &flat, first, &mut reader, &mut remarks)?;
@@ -301,8 +302,16 @@ fn measured_law(
     })
 }
 
+/// A specimen: its face, what becomes of cavities at its rim, and its thickness where that is given.
+pub(crate) fn read_specimen(document: &Document, table: &Spanned<FaceFile>) -> Result<CutSpecimen, Diagnostic> {
+    let file = table.get_ref();
+    let is_clipped = laser::read_is_clipped(document, file.cavities.as_ref())?;
+    let specimen = Specimen { outline: read_outline(document, table)?, is_clipped };
+    Ok(CutSpecimen { specimen, thickness_m: document.optional(file.thickness_mm.as_ref(), LENGTH_MM)? })
+}
+
 /// A specimen's face: a disc by its radius, or the shapes of a design's specimen.
-pub(crate) fn read_outline(document: &Document, table: &Spanned<FaceFile>) -> Result<Outline, Diagnostic> {
+fn read_outline(document: &Document, table: &Spanned<FaceFile>) -> Result<Outline, Diagnostic> {
     let file = table.get_ref();
     let others = [
         ("disc", &file.diameter_mm),
@@ -389,16 +398,19 @@ fn bulk_told(document: &Document, bulk: &BulkFile) -> Result<Vec<Diagnostic>, Di
 pub(crate) fn read_fitting_pattern(
     document: &Document,
     table: &Spanned<PatternFile>,
-    outline: &Outline,
+    specimen: &Specimen,
 ) -> Result<Pattern, Diagnostic> {
     let pattern = read_pattern(document, table, &DEFAULT_LAYER)?;
-    let (pitch_mm, extent_mm) = (LENGTH_MM.from_si(pattern.pitch_m()), LENGTH_MM.from_si(extent_m(outline)));
+    let (pitch_mm, extent_mm) = (LENGTH_MM.from_si(pattern.pitch_m()), LENGTH_MM.from_si(extent_m(&specimen.outline)));
     if pitch_mm > extent_mm {
         let reason = format!("repeats every {pitch_mm} mm, more than the specimen's {extent_mm} mm");
         return Err(document
             .refuse(table.span(), reason)
             .expected("width_um and spacing_um of which a period fits on the specimen"));
     }
+    specimen.check(pattern).map_err(|error| {
+        document.refuse(table.span(), error.to_string()).expected("a pattern as it was cut into the specimen")
+    })?;
     Ok(pattern)
 }
 

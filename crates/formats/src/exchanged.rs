@@ -64,7 +64,7 @@ mod tests {
             (document, file, pattern)
         };
         let (document, file, pattern) = read(own, planform);
-        let others = [of_tables(read(other, "square").2, None, &[])];
+        let others = [of_tables(read(other, "square").2, None, None, &[])];
         check(&document, &file, &pattern, &others).map(|told| told.to_string())
     }
 

@@ -273,9 +273,13 @@ pub fn read_specimen(document: &Document, file: &Spanned<SpecimenFile>) -> Resul
             Outline::Ring { outer_diameter_m, inner_diameter_m }
         }
     };
-    let at_the_rim =
-        specimen.cavities.as_ref().map(|name| document.choice(name, &AT_THE_RIM, |name| name)).transpose()?;
-    Ok(Specimen { outline, is_clipped: at_the_rim == Some(AT_THE_RIM[1]) })
+    Ok(Specimen { outline, is_clipped: read_is_clipped(document, specimen.cavities.as_ref())? })
+}
+
+/// Whether cavities that pass the rim are cut, by the name of what becomes of them.
+pub(crate) fn read_is_clipped(document: &Document, name: Option<&Spanned<String>>) -> Result<bool, Diagnostic> {
+    let at_the_rim = name.map(|name| document.choice(name, &AT_THE_RIM, |name| name)).transpose()?;
+    Ok(at_the_rim == Some(AT_THE_RIM[1]))
 }
 
 /// Refuses a specimen on which the smallest cavity within the bounds does not fit, or on which even the largest and

@@ -1,14 +1,13 @@
 //! Trials in files: `[[trial]]` and `[trial_prior]` of a calibration, and what a material file keeps of them.
 
 use serde::{Deserialize, Serialize};
-use slipgrid_calibrate::{CutSample, TrialsTask};
+use slipgrid_calibrate::{CutSample, CutSpecimen, TrialsTask};
 use slipgrid_discrepancy::{Conditions, Discrepancy, Features, Hyperparameters, Load, Measured, Trial};
-use slipgrid_export::Outline;
 use slipgrid_pattern::Pattern;
 use slipgrid_results::PatternReport;
 use toml::Spanned;
 
-use super::calibration::{area_m2, read_fitting_pattern, read_outline};
+use super::calibration::{area_m2, read_fitting_pattern, read_specimen};
 use super::calibration_file::FaceFile;
 use super::document::Document;
 use super::exchanged;
@@ -136,8 +135,8 @@ impl PriorFile {
 
 /// The flat samples of a calibration, beside which its trials stand.
 pub(crate) struct FlatSamples<'a> {
-    /// Outline of their specimens.
-    pub(crate) outline: &'a Outline,
+    /// Their specimens.
+    pub(crate) cut: CutSpecimen,
     /// What measurements on them are judged by.
     pub(crate) specimens: &'a Specimens,
     /// The measurements.
@@ -158,7 +157,7 @@ pub(crate) fn read_trials(
     reader: &mut TraceReader<'_>,
     remarks: &mut Remarks,
 ) -> Result<(TrialsTask, Vec<ConditionTraces>), Diagnostic> {
-    let FlatSamples { outline, specimens, measured: flat } = *flat;
+    let FlatSamples { cut, specimens, measured: flat } = *flat;
     let mut read = Vec::new();
     let mut samples: Vec<CutSample> = first.into_iter().collect();
     let mut before = flat.to_vec();
@@ -169,9 +168,9 @@ pub(crate) fn read_trials(
                 .refuse(file.name.span(), "names two trials")
                 .expected("a name of its own for every [[trial]]"));
         }
-        let own = file.specimen.as_ref().map(|table| read_outline(document, table)).transpose()?;
-        let own_specimens = Specimens { area_m2: own.as_ref().map_or(specimens.area_m2, area_m2), ..*specimens };
-        let pattern = read_fitting_pattern(document, &file.pattern, own.as_ref().unwrap_or(outline))?;
+        let own = file.specimen.as_ref().map(|table| read_specimen(document, table)).transpose()?.unwrap_or(cut);
+        let own_specimens = Specimens { area_m2: area_m2(&own.specimen.outline), ..*specimens };
+        let pattern = read_fitting_pattern(document, &file.pattern, &own.specimen)?;
         remarks.told.extend(exchanged::check(document, &file.pattern, &pattern, &samples));
         let rows = match (&file.measurements, &file.traces) {
             (Some(_), Some(traces)) => {
@@ -216,6 +215,8 @@ pub(crate) fn read_trials(
             ],
             pattern,
             sample_std: document.optional(file.sample_std.as_ref(), RELATIVE_STD)?,
+            // What presses on a sector has a face of its own, and the sector goes on around it.
+            specimen: Some(own).filter(|_| file.disc.is_none()),
             disc: read_disc(document, file.disc.as_ref())?,
             measured: rows.iter().map(|row| row.measurement).collect(),
         });
@@ -285,6 +286,7 @@ fn read_disc(document: &Document, disc: Option<&Spanned<String>>) -> Result<Opti
 pub fn of_tables(
     pattern: slipgrid_pattern::Pattern,
     relief: Option<std::sync::Arc<slipgrid_pattern::ReliefMap>>,
+    specimen: Option<CutSpecimen>,
     measured: &[Placed],
 ) -> CutSample {
     CutSample {
@@ -296,6 +298,7 @@ pub fn of_tables(
         dimensions_std_m: [0.0; 3],
         sample_std: None,
         disc: None,
+        specimen,
         measured: measured.iter().map(|row| row.measurement).collect(),
     }
 }

@@ -8,6 +8,7 @@
 //! | [`material`] | elastic constants, local friction, the area law |
 //! | [`pattern`] | planforms and their lengths |
 //! | [`springblock`] | friction of a pattern: steady cells, runs in time, in the plane and in space |
+//! | [`specimen`] | the same on the specimen that a pattern is cut into |
 //! | [`calibrate`] | measurements on samples to a material, with errors |
 //! | [`optimize`] | searches among patterns |
 //! | [`design`] | **the main job**: search, confirm in time, explain |
@@ -77,6 +78,7 @@ pub use slipgrid_optimize as optimize;
 pub use slipgrid_pattern as pattern;
 pub use slipgrid_report as report;
 pub use slipgrid_results as results;
+pub use slipgrid_specimen as specimen;
 pub use slipgrid_springblock as springblock;
 pub use slipgrid_statistics as statistics;
 pub use slipgrid_studies as studies;

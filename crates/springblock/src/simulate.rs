@@ -40,7 +40,7 @@ use statements::{
 pub use blocks::{BlockRefinement, block_refinement, can_refine};
 pub use expense::{Expense, bounded, expense};
 use pressure_tilt::PressureTilt;
-pub use pressure_tilt::{MEAN as TILT_MEAN, STD as TILT_STD, add_tilt};
+pub use pressure_tilt::{MEAN as TILT_MEAN, STD as TILT_STD, add_tilt, tilt_changes};
 
 /// Most columns of a flat surface that a dynamic `cell` takes: without a pattern there is no period,
 /// and this many blocks average the scatter of the coefficients.

@@ -3,7 +3,7 @@
 use slipgrid_discrepancy::Sampler;
 
 use super::*;
-use crate::specimen::Laid;
+use slipgrid_specimen::Laid;
 
 /// A design to first order along each input, and to second along the modulus (or the fitted scale) and the area law: a search for
 /// the greatest chance finds where their slopes vanish. The discrepancy is drawn from its own distribution.

@@ -1,7 +1,7 @@
 //! The chance by draws of the steady model itself.
 
 use super::*;
-use crate::specimen::Laid;
+use slipgrid_specimen::Laid;
 
 /// The steady model itself at every draw, about values that are known, with some of the inputs off.
 pub struct Sampled<'a> {

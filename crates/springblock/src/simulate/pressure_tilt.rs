@@ -26,6 +26,7 @@ use slipgrid_pattern::Pattern;
 
 use super::load_sharing::body::{Body, Foundation, Patch};
 use super::load_sharing::{Borne, CellFriction, SOLID_COMPLIANCE, balanced, softness_m};
+use super::rim_difference::without_rim;
 use super::widest;
 use crate::Monitor;
 use crate::cell::SteadyCell;
@@ -154,6 +155,26 @@ pub fn add_tilt(
 ) {
     let tilt = PressureTilt::of_face(scene, pattern, face, share, monitor);
     tilt.add(&mut simulation.loads, &mut simulation.statements);
+}
+
+/// What a tilt of the pressure changes of the ratios of cells of `scene` over `pattern`, on the specimen with the face `face`, of whose
+/// cavities a period's ratio takes `share`, by load: a ratio has [`MEAN`] of it. `None` where a cell has no equilibrium, where the scene
+/// does not say how thick the specimen is, or once `monitor` has cancelled.
+#[must_use]
+pub fn tilt_changes(
+    scene: &Scene,
+    pattern: &Pattern,
+    face: &Face,
+    share: f64,
+    monitor: &dyn Monitor,
+) -> Vec<Option<f64>> {
+    // Strips lie flat.
+    let flat =
+        scene.dimension().takes_strips().then(|| (Scene { relief: None, ..scene.clone() }, without_rim(pattern)));
+    let (scene, pattern) = flat.as_ref().map_or((scene, pattern), |(scene, pattern)| (scene, pattern));
+    let mut changes = PressureTilt::of_face(scene, pattern, face, share, monitor).changes;
+    changes.resize(scene.loads.len(), None);
+    changes
 }
 
 /// A specimen that its holder keeps from turning.

@@ -1,23 +1,13 @@
-//! Friction of a pattern on the specimen that it is cut into: what is exported is what is solved.
-//!
-//! Grooves across the sliding direction are solved strip by strip ([`simulate_specimen`]). A specimen of any other planform
-//! is a cell and what its rim leaves untextured: cavities lower friction in proportion to their share D of the face,
-//!
-//! ```text
-//! 1 - r = (1 - r_cell) D / D_period
-//! ```
-//!
-//! The same is what a search takes for every design. What the ends of strips do beside that is known from grooves of
-//! the same section in the plane, and is the error of the formula.
+//! Ratios of patterns on specimens, strip by strip or from a cell.
 
-use slipgrid_export::{ExportError, LaidStrip, Layout};
+use slipgrid_export::{ExportError, LaidStrip, Layout, Specimen};
 use slipgrid_pattern::Pattern;
 use slipgrid_springblock::{
-    Dimension, Extent, Face, Monitor, RunOptions, Scene, SceneError, Simulation, Status, SteadyCell, Strip, add_tilt,
-    simulate, simulate_specimen, steady_face_ratios,
+    Extent, Face, Monitor, RunOptions, Scene, SceneError, Simulation, Status, SteadyCell, Strip, TILT_MEAN, add_tilt,
+    simulate, simulate_specimen, steady_face_ratios, tilt_changes,
 };
 
-use slipgrid_export::Specimen;
+use crate::laid::{Laid, on_face, share_of};
 
 /// Bands that a face is cut into: the strips in their middles sample it. On discs of 10 mm the ratio by 32 bands differs
 /// from that by 128 by less than the error stated (`bands_sample_a_disc`).
@@ -69,64 +59,6 @@ pub fn simulate_on(
     Ok(simulation)
 }
 
-/// Share of the face that is cavity over that of an endless pattern; where only a section is solved, along
-/// the row of cavities through the specimen's centre.
-///
-/// # Errors
-/// [`ExportError`] where the specimen does not take the pattern.
-pub fn density_share(specimen: &Specimen, pattern: &Pattern, dimension: Dimension) -> Result<f64, ExportError> {
-    let layout = specimen.layout(*pattern)?;
-    if dimension.section_of(pattern).is_none() {
-        return Ok(layout.areal_density() / pattern.areal_density());
-    }
-    Ok(share_of(&layout.central_strip()) / pattern.section_density())
-}
-
-/// A design as it lies on a specimen: as many of its cavities lie on every sample that is made of it.
-#[derive(Clone, Copy, Debug)]
-pub struct Laid {
-    dimension: Dimension,
-    /// [`density_share`] of the design, and what one of its periods takes of the face; `None` of an endless pattern.
-    on_face: Option<(f64, f64)>,
-}
-
-impl Laid {
-    /// `designed` on `specimen`, or an endless pattern.
-    ///
-    /// # Errors
-    /// [`ExportError`] where the specimen does not take the pattern.
-    pub fn new(specimen: Option<&Specimen>, designed: &Pattern, dimension: Dimension) -> Result<Self, ExportError> {
-        let on = |specimen| Ok((density_share(specimen, designed, dimension)?, period(designed, dimension)));
-        Ok(Self { dimension, on_face: specimen.map(on).transpose()? })
-    }
-
-    /// [`density_share`] of `made`, a sample of the design:
-    /// D / `D_period` = (n `A_cavity` / `A_face`) / (`A_cavity` / `A_period`), n cavities as designed. Of crossing grooves to first order.
-    #[must_use]
-    pub fn share(&self, made: &Pattern) -> f64 {
-        self.on_face.map_or(1.0, |(share, designed)| share * (period(made, self.dimension) / designed))
-    }
-}
-
-/// What one period of `pattern` takes of a face: an area in space, a length of grooves and of sections.
-fn period(pattern: &Pattern, dimension: Dimension) -> f64 {
-    let across_m = pattern.pitch_across_m().filter(|_| dimension.section_of(pattern).is_none());
-    pattern.pitch_m() * across_m.unwrap_or(1.0)
-}
-
-/// Share of strips that is cavity.
-fn share_of(strips: &[LaidStrip]) -> f64 {
-    let cavity_m = |strip: &LaidStrip| strip.cavities_m.iter().map(|[from_m, to_m]| to_m - from_m).sum::<f64>();
-    let area_m2: f64 = strips.iter().map(|strip| strip.width_m * strip.length_m).sum();
-    strips.iter().map(|strip| strip.width_m * cavity_m(strip)).sum::<f64>() / area_m2
-}
-
-/// A ratio on a specimen whose cavities take `share` of what an endless pattern's take.
-#[must_use]
-pub fn on_face(ratio: f64, share: f64) -> f64 {
-    1.0 - share * (1.0 - ratio)
-}
-
 /// The strips of `layout` as a solver takes them: all of grooves across the sliding direction; of another planform, which
 /// the plane takes a section of, that through the middle of the cavities.
 fn face(layout: &Layout, block_m: f64) -> Result<Face, SceneError> {
@@ -156,6 +88,62 @@ pub fn onto(simulation: &mut Simulation, share: f64, layout_error: &[Option<f64>
     }
 }
 
+/// What a specimen makes of the steady ratios of an endless pattern, at the loads of a scene.
+///
+/// ```text
+/// r = 1 - (1 - r_cell) D / D_period + ends + tilt
+/// ```
+///
+/// The ends are what grooves across the sliding direction solved strip by strip depart from the rest of the formula; those of other
+/// planforms are part of its error ([`simulate_on`]). Of what friction changes by tilting the pressure it is the mean.
+#[derive(Clone, Debug)]
+pub struct SteadyOnFace {
+    laid: Laid,
+    /// Ends and tilt, by load.
+    added: Vec<Option<f64>>,
+}
+
+impl SteadyOnFace {
+    /// Of `pattern` in the place of that of `scene`, on `specimen`.
+    ///
+    /// # Errors
+    /// [`SpecimenError`] where the scene means nothing or the specimen does not take its pattern.
+    pub fn new(
+        scene: &Scene,
+        pattern: &Pattern,
+        specimen: &Specimen,
+        monitor: &dyn Monitor,
+    ) -> Result<Self, SpecimenError> {
+        let mut scene = Scene { pattern: Some(*pattern), ..scene.clone() };
+        scene.layer.length_m = specimen.whole_length_m(scene.layer.block_m);
+        scene.validate()?;
+        let dimension = scene.dimension();
+        let laid = Laid::new(Some(specimen), pattern, dimension)?;
+        let share = laid.share(pattern);
+        let layout = specimen.layout(*pattern)?;
+        let whole = face_of(&layout, layout.strips(BANDS), scene.layer.block_m)?;
+        let tilt = tilt_changes(&scene, pattern, &whole, share, monitor);
+        let ends = if dimension.takes_strips() {
+            scene.run.extent = Extent::Sample;
+            let strips = steady_face_ratios(&scene, pattern, &face(&layout, scene.layer.block_m)?, monitor)?;
+            let cells = SteadyCell::new(&scene).ratios(pattern);
+            let end = |(strip, cell): (Option<f64>, Option<f64>)| Some(strip? - on_face(cell?, share));
+            strips.into_iter().zip(cells).map(end).collect()
+        } else {
+            vec![Some(0.0); scene.loads.len()]
+        };
+        let added = ends.into_iter().zip(tilt).map(|(end, tilt)| Some(end? + TILT_MEAN * tilt.unwrap_or(0.0)));
+        Ok(Self { laid, added: added.collect() })
+    }
+
+    /// The ratio of `made`, a sample of the pattern whose endless ratio is `cell`, on the specimen, at the load `place`; `None` where
+    /// strips have none.
+    #[must_use]
+    pub fn ratio(&self, cell: f64, made: &Pattern, place: usize) -> Option<f64> {
+        Some(on_face(cell, self.laid.share(made)) + self.added.get(place).copied().flatten()?)
+    }
+}
+
 /// What [`onto`] leaves open at each load: the distance of strips of grooves of the same section on the same specimen from
 /// it, in proportion to the share of a period across the cavities' row that is cavity.
 fn ends_error(
@@ -182,10 +170,11 @@ fn ends_error(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::density_share;
     use slipgrid_export::Outline;
     use slipgrid_material::{AreaLaw, Elastic, LocalFriction};
     use slipgrid_pattern::Planform;
-    use slipgrid_springblock::{Layer, Load, Unwatched};
+    use slipgrid_springblock::{Dimension, Layer, Load, Unwatched, steady_ratios};
 
     const DISC: Specimen = Specimen { outline: Outline::Disc { diameter_m: 10e-3 }, is_clipped: false };
 
@@ -254,5 +243,36 @@ mod tests {
         // The plane takes the row of cavities through the centre.
         let section = density_share(&DISC, &pattern, Dimension::Plane).unwrap();
         assert!((section - 20.0 * 0.2 / 10.0 / 0.4).abs() < 0.06, "{section}");
+    }
+
+    /// Trials are modelled by it: what a design is confirmed as must be what its sample is expected to be.
+    #[test]
+    fn steady_ratios_on_a_face_are_those_of_the_specimen() {
+        for (planform, width_um, spacing_um, depth_um) in [
+            (Planform::Groove, 41.6, 46.7, 15.6),
+            (Planform::Groove, 130.0, 370.0, 20.0),
+            (Planform::Square, 130.0, 170.0, 20.0),
+        ] {
+            let pattern = Pattern::new(planform, width_um * 1e-6, spacing_um * 1e-6, depth_um * 1e-6).unwrap();
+            let asked = scene(pattern);
+            let mut scene = Scene { run: asked.run.on_specimen(pattern.texture()), ..asked };
+            scene.layer.thickness_m = Some(7e-3);
+            if planform == Planform::Square {
+                scene.layer.block_m = 20e-6;
+            }
+            let on_face = SteadyOnFace::new(&scene, &pattern, &DISC, &Unwatched).unwrap();
+            let cells = steady_ratios(&Scene { run: RunOptions::default(), ..scene.clone() }, &Unwatched).unwrap();
+            let solved = simulate_on(&scene, Some(&DISC), &Unwatched).unwrap();
+            let (mut farthest, mut tilted) = (0.0, 0.0);
+            for (place, (load, cell)) in solved.loads.iter().zip(cells).enumerate() {
+                let cell = cell.unwrap();
+                let (found, asked) = (on_face.ratio(cell, &pattern, place).unwrap(), load.ratio.unwrap());
+                assert!((found - asked).abs() < 1e-9, "{pattern:?} {place}: {found} {asked}");
+                farthest = f64::max(farthest, (found - cell).abs());
+                tilted = f64::max(tilted, load.ratio_tilt_change.unwrap().abs());
+            }
+            println!("{planform:?} {width_um}/{spacing_um}/{depth_um}: {farthest:.4} from its cell, tilt {tilted:.4}");
+            assert!(farthest > 5e-4 && tilted > 1e-3, "{farthest} {tilted}");
+        }
     }
 }
