@@ -136,11 +136,17 @@ impl SteadyOnFace {
         Ok(Self { laid, added: added.collect() })
     }
 
+    /// Ends and tilt at the load `place`, beside the share of the face; `None` where strips have no ratio.
+    #[must_use]
+    pub fn added(&self, place: usize) -> Option<f64> {
+        self.added.get(place).copied().flatten()
+    }
+
     /// The ratio of `made`, a sample of the pattern whose endless ratio is `cell`, on the specimen, at the load `place`; `None` where
     /// strips have none.
     #[must_use]
     pub fn ratio(&self, cell: f64, made: &Pattern, place: usize) -> Option<f64> {
-        Some(on_face(cell, self.laid.share(made)) + self.added.get(place).copied().flatten()?)
+        Some(on_face(cell, self.laid.share(made)) + self.added(place)?)
     }
 }
 

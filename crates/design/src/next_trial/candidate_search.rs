@@ -55,6 +55,8 @@ impl Scope {
 const REGIONS: usize = 3;
 /// Share of a chance that a design's must have by the interpolated model for the model itself to judge it beside others of that chance.
 pub const OF_CHANCE: f64 = 0.25;
+/// A guess at the best design compares one in so many of them.
+const GUESSED_OF: usize = 16;
 /// Lengths that differ by less are the same, relative.
 const SAME_LENGTH: f64 = 1e-3;
 
@@ -140,9 +142,14 @@ impl<'a> Search<'a> {
     }
 
     /// What looks best by the interpolated model, the best of every region among it, and how many were compared. Designs of less than
-    /// `least_chance` are passed by, and of regions those of less than [`OF_CHANCE`] of the greatest.
-    fn looked_over(&self, is_open: &dyn Fn(&Pattern) -> bool, least_chance: f64) -> (Vec<Pattern>, usize) {
-        let all = Steps::new(self.task).spread(self.scope.designs);
+    /// `least_chance` are passed by, and of regions those of less than [`OF_CHANCE`] of the greatest. About so many `designs` are compared.
+    fn looked_over(
+        &self,
+        is_open: &dyn Fn(&Pattern) -> bool,
+        least_chance: f64,
+        designs: usize,
+    ) -> (Vec<Pattern>, usize) {
+        let all = Steps::new(self.task).spread(designs);
         let patterns: Vec<Pattern> = all.into_iter().filter(is_open).collect();
         let between = |pattern: &Pattern| {
             if self.stage.cancelled() {
@@ -182,6 +189,14 @@ impl<'a> Search<'a> {
         all.into_par_iter().map(judged).collect::<Vec<_>>().into_iter().flatten().collect()
     }
 
+    /// The best of what looks best by the interpolated model, in the layer's blocks; a guess at what [`Search::best`] will find.
+    pub fn likely_best(&self) -> Option<Judged> {
+        let (best, _) = self.looked_over(&|_| true, 0.0, self.scope.designs / GUESSED_OF);
+        let drafted = best.into_par_iter().filter_map(|pattern| self.drafted(&pattern).ok()).collect::<Vec<_>>();
+        // Of equals the first.
+        drafted.into_iter().reduce(|best, of| if of.score.value() > best.score.value() { of } else { best })
+    }
+
     /// The designs of the greatest scores among those that were not cut and are `open`, at least `count` where there are as many, the greatest
     /// first, and how many were compared; what is known so far where the stage is cancelled. Designs whose chance by the interpolated model
     /// is below `least_chance` are passed by.
@@ -200,7 +215,7 @@ impl<'a> Search<'a> {
             !cut.iter().any(|cut| is_same(cut, &own)) && open(pattern, &own)
         };
         let part = Part::new(self.stage, 0.2);
-        let (best, compared) = self.looked_over(&is_open, least_chance);
+        let (best, compared) = self.looked_over(&is_open, least_chance, self.scope.designs);
         // The model itself at what looks best by the interpolated one.
         self.stage.advance(0.2);
         let mut pool = self.each(best, &|pattern| self.drafted(&pattern));

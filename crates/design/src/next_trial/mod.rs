@@ -13,10 +13,11 @@ use slipgrid_discrepancy::{
 };
 use slipgrid_export::{Division, LEAST_PERIODS, Outline, Removal, Sector};
 use slipgrid_material::AreaLaw;
-use slipgrid_monitor::{Monitor, Stage};
+use slipgrid_monitor::{Monitor, Part, Stage};
 use slipgrid_optimize::Quantity;
 use slipgrid_pattern::Pattern;
 use slipgrid_results::{MaterialReport, SCHEMA, VERSION};
+use slipgrid_specimen::SteadyOnFace;
 use slipgrid_springblock::{Fidelity, RunOptions};
 use slipgrid_units::tidy;
 
@@ -171,7 +172,11 @@ pub fn next_trials(task: &DesignTask, options: &NextOptions, monitor: &dyn Monit
     let interpolation = interpolation.ok_or(DesignError::Cancelled)?;
     let stage = Stage::new(monitor, "trials", None);
     let material = MaterialReport::from(&known.material.provenance);
-    let search = Search::new(&task, &asked, &models, &chances, (&interpolation, &scope), &stage);
+    let mut search = Search::new(&task, &asked, &models, &chances, (&interpolation, &scope), &stage);
+    // A sector of a disc has no margins.
+    if division.is_none() {
+        search.off = off_on_specimen(&task, &model, search.likely_best().as_ref(), &stage)?;
+    }
     let found = choose(&search, options, division.as_ref(), &material);
     stage.finish();
     monitor.heed()?;
@@ -187,6 +192,25 @@ pub fn next_trials(task: &DesignTask, options: &NextOptions, monitor: &dyn Monit
     // Those that were asked for are numbered after the samples, as they are listed.
     report.warnings = laser_warnings(&task, patterns.iter().chain(&options.own));
     Ok(NextTrials { report, patterns, sectors, material })
+}
+
+/// What the ends of strips and the tilt of the pressure add to the logarithms of ratios of `likely` on its specimen, as a trial of it will be
+/// modelled: at each load of each condition, in every direction as in the first. Other designs are taken to have as much.
+fn off_on_specimen(
+    task: &DesignTask,
+    model: &SteadyModel<'_>,
+    likely: Option<&Judged>,
+    monitor: &dyn Monitor,
+) -> Result<Vec<f64>, DesignError> {
+    let Some(Judged { design, .. }) = likely else { return Ok(Vec::new()) };
+    let mut scene = model.cell(&design.pattern, false);
+    let count = scene.loads.len() / (1 + task.directions.different_deg.len());
+    scene.loads.truncate(count);
+    let on_face = SteadyOnFace::new(&scene, &design.pattern, &task.specimen, &Part::new(monitor, 0.0));
+    let on_face = on_face.map_err(|error| DesignError::Failed(error.to_string()))?;
+    monitor.heed()?;
+    let off = |(place, ratio): (usize, &f64)| on_face.added(place % count).map_or(0.0, |added| (added / ratio).ln_1p());
+    Ok(design.ratio.iter().enumerate().map(off).collect())
 }
 
 /// A name for a specimen of `design` that none of those `cut` has.

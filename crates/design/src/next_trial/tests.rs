@@ -5,7 +5,8 @@ use slipgrid_material::{Elastic, Friction, LocalFriction, Material, Provenance};
 use slipgrid_monitor::{Stage, Unwatched};
 use slipgrid_optimize::{DesignSpace, Target, TargetPoint, Wanted as Accepted};
 use slipgrid_pattern::{ManufacturingLimits, Planform};
-use slipgrid_springblock::Layer;
+use slipgrid_specimen::simulate_on;
+use slipgrid_springblock::{Extent, Layer, Scene};
 
 use super::*;
 
@@ -101,6 +102,29 @@ fn without_trials_every_chance_is_small_and_no_texture_comes_twice() {
         found.report.designs
     );
     assert!(text.contains(&said) && text.contains("a first trial is cut to learn how far the model is off"), "{text}");
+}
+
+/// A design is chosen by what its trial will be modelled as, on the specimen that it is cut into.
+#[test]
+fn ratios_that_are_predicted_are_those_of_the_specimen() {
+    let mut task = task(Planform::Groove);
+    task.layer.thickness_m = Some(7e-3);
+    let found = next_trials(&task, &NextOptions { count: 1, ..NextOptions::default() }, &Unwatched).unwrap();
+    let material = &task.material.as_ref().unwrap().material;
+    let pattern = Some(found.patterns[0]);
+    let ratios = |extent, specimen: Option<&slipgrid_export::Specimen>| {
+        let run = RunOptions { extent, refine: true, ..RunOptions::default() };
+        let scene = Scene { pattern, ..task.flat_scene(material, task.loads(material).unwrap().0, run) };
+        simulate_on(&scene, specimen, &Unwatched).unwrap().loads.into_iter().map(|load| load.ratio.unwrap())
+    };
+    let specimen = ratios(Extent::Sample, Some(&task.specimen));
+    let off: Vec<[f64; 2]> = found.report.next[0]
+        .predicted
+        .iter()
+        .zip(specimen.zip(ratios(Extent::Cell, None)))
+        .map(|(at, (specimen, cell))| [at.of.modelled - specimen, cell - specimen])
+        .collect();
+    assert!(off.iter().all(|[own, _]| own.abs() < 1e-4) && off.iter().any(|[_, cell]| cell.abs() > 3e-4), "{off:?}");
 }
 
 #[test]
