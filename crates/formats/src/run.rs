@@ -50,8 +50,8 @@ pub struct RunFile {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub draws: Option<Spanned<u64>>,
     /// Give ratios for vanishing blocks, as well as steady cells in smaller blocks tell them; false when absent. It serves in the vertical
-    /// plane, and in space of cavities without rims, by what it changes of grooves like them, where such cells are not too dear and cavities are
-    /// at least two of their blocks deep, and where the error is smaller for it. Elsewhere ratios stay those of the blocks of `[sample]`, and
+    /// plane, and in space without rims, by smaller cells and by what it changes of grooves like them, where such cells are not too dear and
+    /// cavities are at least two of their blocks deep, and where the error is smaller for it. Elsewhere ratios stay those of the blocks of `[sample]`, and
     /// the result's model says why.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub refine: Option<bool>,

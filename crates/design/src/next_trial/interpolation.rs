@@ -62,7 +62,7 @@ impl<'a> Models<'a> {
     }
 
     /// What smaller blocks change of each ratio of `design`, and how far each is from vanishing blocks, as a standard deviation; `None`
-    /// of grooves in space, in several directions, and where smaller blocks are dear.
+    /// of rims in space, in several directions, and where smaller blocks are dear.
     pub fn refined(&self, design: &Pattern) -> Option<(Vec<f64>, Vec<f64>)> {
         if self.own.has_directions() {
             return None;

@@ -31,6 +31,10 @@ const TAILS: f64 = 1.5;
 const OF_FINEST: f64 = 2.0;
 /// Finest blocks in the depth of a cavity from which their differences tell what is left.
 const LEAST_DEPTH_BLOCKS: f64 = 2.0;
+/// Sizes of blocks over the layer's.
+const FACTORS: [f64; 6] = [1.0, 0.5, 0.25, 0.125, 0.0625, 0.03125];
+/// Of these as many for cavities that are [`LEAST_DEPTH_BLOCKS`] deep in the last.
+const DEEP_LEVELS: usize = 4;
 /// Most multiplications of one steady cell in the plane that tells of the size of blocks: half a second.
 pub const MOST_PRODUCTS: f64 = 2e9;
 /// The same of one that ratios are refined by: some seconds.
@@ -48,7 +52,7 @@ pub struct BlockRefinement {
 }
 
 /// What smaller blocks change of the ratios of `scene`, by cells of at most `most` multiplications; in space, by grooves, of the ratios
-/// `own` that its cell has. `None` without a pattern, where fewer than two finer sizes can be had, and of grooves in space.
+/// `own` that its cell has. `None` without a pattern, where fewer than two finer sizes can be had, and in space with rims.
 #[must_use]
 pub fn block_refinement(scene: &Scene, own: &[Option<f64>], most: f64) -> Option<BlockRefinement> {
     finer(scene, scene.pattern.as_ref()?, own, most, &Unwatched).ok()
@@ -99,9 +103,7 @@ impl Unrefined {
     fn statement(self, block_m: f64) -> String {
         let um = micrometres;
         let reason = match self {
-            Self::Space => {
-                "of cells in space only those of cavities without rims are like grooves in the plane".to_owned()
-            }
+            Self::Space => "cells in space with rims or measured heights are like no grooves in the plane".to_owned(),
             Self::Cancelled => "the run was cancelled".to_owned(),
             Self::Uncut(block_m) => format!("the layer cannot be cut into blocks of {} um", um(block_m)),
             Self::Dear(block_m) => format!("steady cells in blocks of {} um are too dear", um(block_m)),
@@ -211,7 +213,7 @@ pub fn refine(scene: &Scene, pattern: &Pattern, share: f64, simulation: &mut Sim
             let cell = match scene.dimension() {
                 Dimension::Plane => "the steady cell",
                 Dimension::Space => {
-                    "steady grooves of the same width, depth and share of the face, as the same share of what is taken off"
+                    "steady cells in space, as far as these take a second, and then of steady grooves of the same width, depth and share of the face, as the same share of what is taken off"
                 }
             };
             statements.method(format!(
@@ -261,7 +263,13 @@ pub fn refined(
     };
     let mut levels: Vec<Vec<f64>> = Vec::new();
     let mut ended = None;
-    for factor in [1.0, 0.5, 0.25, 0.125] {
+    for factor in FACTORS {
+        // Cavities of some depth need no blocks smaller than an eighth.
+        if levels.len() >= DEEP_LEVELS
+            && pattern.depth_m() >= LEAST_DEPTH_BLOCKS * FACTORS[levels.len() - 1] * scene.layer.block_m
+        {
+            break;
+        }
         match at(factor) {
             Ok(level) => levels.push(level),
             Err(reason) => {
@@ -343,10 +351,11 @@ mod tests {
         };
         let crossing = samples::pattern(slipgrid_pattern::Planform::Crosshatch, 60.0, 60.0, 20.0);
         let unrefined = "refine: ratios are those of blocks of 10 um and not taken to smaller blocks, since ";
-        let of_space = "of cells in space only those of cavities without rims are like grooves in the plane";
-        assert_eq!(said(crossing, true), [format!("{unrefined}{of_space}")]);
-        let shallow = "cavities 2 um deep are shallower than two of the finest blocks, of 1.25 um";
-        assert_eq!(said(samples::groove(60.0, 60.0, 2.0), true), [format!("{unrefined}{shallow}")]);
+        let of_space = "cells in space with rims or measured heights are like no grooves in the plane";
+        let rim = slipgrid_pattern::Rim::new(0.2e-6, 20e-6, slipgrid_pattern::RimProfile::Flat).unwrap();
+        assert_eq!(said(crossing.with_rim(rim), true), [format!("{unrefined}{of_space}")]);
+        let shallow = "cavities 0.5 um deep are shallower than two of the finest blocks, of 0.313 um";
+        assert_eq!(said(samples::groove(60.0, 60.0, 0.5), true), [format!("{unrefined}{shallow}")]);
         assert!(
             [crossing, samples::groove(60.0, 60.0, 2.0)].into_iter().all(|pattern| said(pattern, false).is_empty())
         );

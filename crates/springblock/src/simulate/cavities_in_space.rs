@@ -1,4 +1,4 @@
-//! What smaller blocks change of cavities in space, as grooves tell it.
+//! What smaller blocks change of cells in space, as smaller cells and grooves tell it.
 //!
 //! Cells in space are too dear in blocks of a fraction of a shallow cavity's depth. Grooves in the vertical plane are not. A groove
 //! across the sliding direction as wide and as deep as a cavity, with as large a share of the face, has edges that bear alike, and what
@@ -8,29 +8,47 @@
 //! 1 - r(0) = (1 - r(l)) (1 - r_groove(0)) / (1 - r_groove(l))
 //! ```
 //!
-//! Crossing and turned grooves have no such likeness (at 12 um of depth the formula is off by more than it corrects), and rims and
-//! measured reliefs meet the counterface in their own way.
+//! A turned groove is like one of its width and spacing; at edges along the sliding direction friction tilts no pressure, which is a tenth
+//! of what blocks change. The formula starts from the smallest blocks in which a cell in space takes a second, a half or a quarter of the
+//! layer's. Rims and measured reliefs meet the counterface in their own way, and are not refined.
 
 use slipgrid_pattern::{Pattern, Planform};
 
-use super::blocks::{BlockRefinement, Unrefined, refined};
+use super::blocks::{BlockRefinement, MOST_PRODUCTS, Unrefined, refined, sized};
+use super::space::MOST_ESTIMATED_BYTES;
 use crate::Monitor;
+use crate::cell::SteadyCell;
+use crate::dimension::Dimension;
 use crate::scene::Scene;
 
 /// What the likeness leaves open, as a share of what smaller blocks change
 /// (`grooves_tell_what_smaller_blocks_change_of_cavities_in_space`): hardly exceeded.
 const OPEN_SHARE: f64 = 0.5;
+/// Multiplications in the plane that take as long as a column of a cell in space.
+const COLUMN_PRODUCTS: f64 = 2e6;
+/// Sizes over the layer's of the blocks of smaller cells in space, the smallest first.
+const SIZES: [f64; 2] = [0.25, 0.5];
 /// Friction that a groove takes off, over the flat surface's, below which nothing is told by it.
 const LEAST_LOWERING: f64 = 1e-5;
 
-/// Whether `pattern` is one of cavities, each with land all around and without rims, under which nothing is measured.
+/// Whether `pattern` lies flat, and nothing is measured.
 pub fn are_like_grooves(scene: &Scene, pattern: &Pattern) -> bool {
-    let is_cavity = !matches!(pattern.texture().planform(), Planform::Groove | Planform::Crosshatch);
-    is_cavity && pattern.texture().rim().is_none() && scene.relief.is_none()
+    pattern.texture().rim().is_none() && scene.relief.is_none()
 }
 
-/// What smaller blocks change of ratios `own` of cells of `scene` over `pattern` in space, by steady cells of grooves of at most `most`
-/// multiplications.
+/// The groove across the sliding direction that is like `pattern`.
+fn like(pattern: &Pattern) -> Option<Pattern> {
+    let width_m = pattern.width_m();
+    let spacing_m = match pattern.planform() {
+        Planform::Groove => pattern.spacing_m(),
+        // w / (w + s) = share of the face
+        _ => width_m / pattern.areal_density() - width_m,
+    };
+    Pattern::new(Planform::Groove, width_m, spacing_m, pattern.depth_m()).ok()
+}
+
+/// What smaller blocks change of ratios `own` of cells of `scene` over `pattern` in space: smaller cells in space where one takes no longer
+/// than `most` multiplications in the plane, and from there on grooves.
 pub fn refined_by_grooves(
     scene: &Scene,
     pattern: &Pattern,
@@ -38,16 +56,57 @@ pub fn refined_by_grooves(
     most: f64,
     monitor: &dyn Monitor,
 ) -> Result<BlockRefinement, Unrefined> {
-    let width_m = pattern.width_m();
-    let alike = Some(pattern).filter(|pattern| are_like_grooves(scene, pattern)).and_then(|pattern| {
-        // w / (w + s) = share of the face
-        let spacing_m = width_m / pattern.areal_density() - width_m;
-        Pattern::new(Planform::Groove, width_m, spacing_m, pattern.depth_m()).ok()
-    });
+    let alike = Some(pattern).filter(|pattern| are_like_grooves(scene, pattern)).and_then(like);
     let groove = alike.ok_or(Unrefined::Space)?;
-    let mut plane = Scene { pattern: Some(groove), ..scene.clone() };
-    plane.run.dimensions = Some(2);
-    let (found, of_groove) = refined(&plane, &groove, most, monitor)?;
+    for size in SIZES {
+        let Some(finer) = sized(scene, size).filter(|finer| is_cheap(finer, pattern, most)) else { continue };
+        let Some(nearer) = by_cells(scene, &finer, pattern, own, monitor) else { continue };
+        monitor.heed().map_err(|_| Unrefined::Cancelled)?;
+        let added =
+            nearer.iter().zip(own).map(|(nearer, own)| nearer.zip(*own).map_or(0.0, |(nearer, own)| nearer - own));
+        if let Ok(found) = by_grooves(&finer, &groove, &nearer, most.min(MOST_PRODUCTS), monitor) {
+            let shifts = found.shifts.iter().zip(added).map(|(shift, added)| shift + added).collect();
+            return Ok(BlockRefinement { factor: size * found.factor, shifts, ..found });
+        }
+    }
+    by_grooves(scene, &groove, own, most, monitor)
+}
+
+/// Whether a cell in space of `scene` over `pattern` takes no longer than `most` multiplications in the plane, and not too much memory.
+fn is_cheap(scene: &Scene, pattern: &Pattern, most: f64) -> bool {
+    let cell = SteadyCell::solved(scene, Dimension::Space);
+    let [nx, ny] = cell.columns(pattern);
+    nx * ny * COLUMN_PRODUCTS < most && cell.bytes(pattern) < MOST_ESTIMATED_BYTES
+}
+
+/// Ratios `own` with what steady cells in the blocks of `finer` change of those of `scene`; `None` where one has no ratio.
+fn by_cells(
+    scene: &Scene,
+    finer: &Scene,
+    pattern: &Pattern,
+    own: &[Option<f64>],
+    monitor: &dyn Monitor,
+) -> Option<Vec<Option<f64>>> {
+    let ratios = |scene: &Scene| SteadyCell::solved(scene, Dimension::Space).ratios_heeding(pattern, monitor);
+    let (finer, coarse) = rayon::join(|| ratios(finer), || ratios(scene));
+    let moved = |(own, (finer, coarse)): (&Option<f64>, (Option<f64>, Option<f64>))| match own {
+        Some(own) => Some(Some(own + finer? - coarse?)),
+        None => Some(None),
+    };
+    own.iter().zip(finer.into_iter().zip(coarse)).map(moved).collect()
+}
+
+/// What smaller blocks change of ratios `own` in the blocks of `scene`, as `groove` has it by steady cells of at most `most` multiplications.
+fn by_grooves(
+    scene: &Scene,
+    groove: &Pattern,
+    own: &[Option<f64>],
+    most: f64,
+    monitor: &dyn Monitor,
+) -> Result<BlockRefinement, Unrefined> {
+    let mut plane = Scene { pattern: Some(*groove), ..scene.clone() };
+    plane.run.dimensions = Some(Dimension::Plane.number());
+    let (found, of_groove) = refined(&plane, groove, most, monitor)?;
     // (1 - r) / (1 - r_groove), in blocks of this size
     let scale: Vec<f64> = own
         .iter()
@@ -71,6 +130,51 @@ mod tests {
     use crate::scene::RunOptions;
     use crate::simulate::block_refinement;
     use crate::{Layer, samples};
+    use slipgrid_pattern::Texture;
+
+    /// Crossing and turned grooves in blocks of 20 um, taken to smaller ones by cells in blocks of 5 um and by grooves, against the same from
+    /// blocks of 2.5 um.
+    #[test]
+    fn smaller_cells_and_grooves_tell_what_smaller_blocks_change_of_crossing_and_turned_grooves() {
+        let crossing = |angle_deg: f64| {
+            let texture = Texture::from(Planform::Crosshatch).with_groove_angle_deg(-0.5 * angle_deg).unwrap();
+            texture.with_crossing_angle_deg(angle_deg).unwrap()
+        };
+        let turned = |angle_deg: f64| Texture::from(Planform::Groove).with_groove_angle_deg(angle_deg).unwrap();
+        let (mut plain, mut left) = (0.0_f64, 0.0_f64);
+        for (texture, width_um, spacing_um) in [
+            (crossing(60.0), 40.0, 100.0),
+            (crossing(90.0), 40.0, 100.0),
+            (turned(30.0), 60.0, 60.0),
+            (turned(90.0), 60.0, 60.0),
+        ] {
+            for depth_um in [2.6, 5.2, 12.0] {
+                let pattern = Pattern::new(texture, width_um * 1e-6, spacing_um * 1e-6, depth_um * 1e-6).unwrap();
+                let solved = |block_um: f64| {
+                    let base = samples::scene(pattern, &[0.65, 1.3, 2.6], RunOptions::default());
+                    let scene =
+                        Scene { layer: Layer { height_m: 80e-6, block_m: block_um * 1e-6, ..base.layer }, ..base };
+                    let own = SteadyCell::new(&scene).ratios(&pattern);
+                    let found = block_refinement(&scene, &own, 2e10).unwrap();
+                    (own, found)
+                };
+                let ((own, found), (fine, after)) = (solved(20.0), solved(2.5));
+                assert!(found.factor <= 0.0625, "{}", found.factor);
+                for load in 0..3 {
+                    let before = own[load].unwrap() - fine[load].unwrap() - after.shifts[load];
+                    let corrected = before + found.shifts[load];
+                    plain += before.powi(2);
+                    left += corrected.powi(2);
+                    let stated = found.errors[load].hypot(after.errors[load]);
+                    assert!(corrected.abs() < stated && stated < 0.014, "{pattern:?} {load}: {corrected} {stated}");
+                }
+            }
+        }
+        // Of 36.
+        let [before, after] = [plain, left].map(|sum| (sum / 36.0).sqrt());
+        println!("root mean square {before:.4} -> {after:.4}");
+        assert!(after < 0.25 * before, "{before} {after}");
+    }
 
     /// Cells in blocks of 10 and of 5 um, refined by grooves to an eighth of that, against the same in blocks of 2.5 and of 1.25 um, refined
     /// to as small ones.

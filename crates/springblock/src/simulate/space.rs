@@ -21,7 +21,7 @@ use crate::space::SpaceLattice;
 /// Most blocks of a cell: its springs, which set the limit of the time step, take up to 4 GiB then.
 const MOST_BLOCKS: f64 = 1e7;
 /// Most memory of a steady cell that tells of the size of blocks, in bytes: a second.
-const MOST_ESTIMATED_BYTES: f64 = 1e8;
+pub const MOST_ESTIMATED_BYTES: f64 = 1e8;
 /// Columns along each axis of the flat layer whose largest eigenfrequency stands for that of any: even, so that they
 /// hold the shortest waves.
 const FLAT_COLUMNS: usize = 8;
