@@ -2,7 +2,7 @@
 
 use slipgrid_contact::ContactError;
 use slipgrid_material::{AreaLaw, Condition, Elastic, Extrapolation, Material, MaterialError};
-use slipgrid_monitor::{Monitor, Stage};
+use slipgrid_monitor::{Monitor, Part, Stage};
 use slipgrid_specimen::SpecimenError;
 use slipgrid_springblock::{Layer, SceneError};
 use slipgrid_topography::PreparedMap;
@@ -214,8 +214,8 @@ impl CalibrationTask {
 }
 
 /// Selects the measurements that `task` needs, computes the area law, fits local coefficients and learns from
-/// trials. Stages of the monitor: "area law", "windows", "area law after the test", "calibration",
-/// "trials"; it is told where the fit will take long.
+/// trials. Stages of the monitor: "area law", "windows", "area law after the test", "calibration", and "trials" where the fit finds
+/// the area law; it is told where the fit will take long.
 ///
 /// # Errors
 /// [`CalibrationError`] for numbers without meaning, measurements that the model cannot follow, or when the monitor asks to
@@ -240,14 +240,25 @@ pub fn run(task: &CalibrationTask, monitor: &dyn Monitor) -> Result<CalibrationO
         monitor.note(&text);
     }
     let stage = Stage::new(monitor, "calibration", None);
-    let fit = fit_coefficients(&problem, &stage);
+    // Trials wait for the fit only where that finds the area law.
+    let is_known = problem.area_law_scale.is_none();
+    let (fit, early) = rayon::join(
+        || fit_coefficients(&problem, &Part::new(&stage, if is_known { 0.8 } else { 1.0 })),
+        || is_known.then(|| learn(task, (surface.law.as_ref(), &surface.curve), &Part::new(&stage, 0.2))),
+    );
     stage.finish();
     let mut fit = fit.map_err(|error| refused(error, &problem.measurements))?;
     surface.take_fitted_scale(&fit)?;
     fit.free_of_the_law(&problem, task.modulus_relative_std().filter(|_| surface.moves_with_the_modulus()))?;
-    let stage = Stage::new(monitor, "trials", None);
-    let learned = learn(task, (surface.law.as_ref(), &surface.curve), &stage);
-    stage.finish();
+    let learned = match early {
+        Some(learned) => learned,
+        None => {
+            let stage = Stage::new(monitor, "trials", None);
+            let learned = learn(task, (surface.law.as_ref(), &surface.curve), &stage);
+            stage.finish();
+            learned
+        }
+    };
     heed()?;
     fitted_material::outcome(task, problem.measurements, fit, surface, learned?)
 }

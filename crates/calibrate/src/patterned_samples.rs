@@ -22,6 +22,9 @@ const LOG_MODULUS_STEP: f64 = 0.02;
 /// A measurement on a flat sample and that on a patterned one at the same condition.
 pub(crate) type Pair = [Measurement; 2];
 
+/// A modelled ratio, and d ln(modelled) / d ln(E); `None` where a load did not converge.
+pub(crate) type Sensitive = Option<[f64; 2]>;
+
 /// Conditions of `patterned` that were measured on a flat sample as well.
 pub(crate) fn pairs(task: &CalibrationTask, patterned: &[Measurement]) -> Vec<Pair> {
     let pair = |patterned: &Measurement| Some([*task.flat.iter().find(|flat| flat.is_at(patterned))?, *patterned]);
@@ -37,34 +40,43 @@ pub(crate) struct Model<'a> {
     pub relief: Option<Arc<ReliefMap>>,
     /// Thickness of the specimen, in metres, where it is not that of the task.
     pub thickness_m: Option<f64>,
-    /// What the specimen makes of ratios of an endless pattern at the pairs that are asked for; `None` where they stay those.
-    pub on_face: Option<&'a SteadyOnFace>,
 }
 
 impl Model<'_> {
-    /// Modelled ratio of each pair; `None` where a load did not converge.
-    pub fn ratios(&self, pairs: &[Pair], monitor: &dyn Monitor) -> Result<Vec<Option<f64>>, CalibrationError> {
-        self.ratios_at(0.0, pairs, monitor)
+    /// Modelled ratio of each pair on the specimen that `on_face` is of, or of an endless pattern; `None` where a load did not converge.
+    pub fn ratios(
+        &self,
+        pairs: &[Pair],
+        on_face: Option<&SteadyOnFace>,
+        monitor: &dyn Monitor,
+    ) -> Result<Vec<Option<f64>>, CalibrationError> {
+        Ok(self.on_face(&self.cells(0.0, pairs, monitor)?, on_face))
     }
 
-    /// The same with d ln(modelled) / d ln(E).
+    /// The same with d ln(modelled) / d ln(E), on the specimen `cut` where there is one, and what that makes of ratios.
     pub fn sensitive_ratios(
         &self,
         pairs: &[Pair],
+        cut: Option<&CutSpecimen>,
         monitor: &dyn Monitor,
-    ) -> Result<Vec<Option<[f64; 2]>>, CalibrationError> {
+    ) -> Result<(Vec<Sensitive>, Option<SteadyOnFace>), CalibrationError> {
         let third = Part::new(monitor, 1.0 / 3.0);
         let steps = [-LOG_MODULUS_STEP, 0.0, LOG_MODULUS_STEP];
-        let all: Vec<Vec<Option<f64>>> =
-            steps.par_iter().map(|&step| self.ratios_at(step, pairs, &third)).collect::<Result<_, _>>()?;
+        let (on_face, cells) = rayon::join(
+            || cut.map_or(Ok(None), |cut| self.on(cut, pairs, &Part::new(monitor, 0.0))),
+            || steps.par_iter().map(|&step| self.cells(step, pairs, &third)).collect::<Result<Vec<_>, _>>(),
+        );
+        let on_face = on_face?;
+        let all: Vec<Vec<Option<f64>>> = cells?.iter().map(|cells| self.on_face(cells, on_face.as_ref())).collect();
         let at = |i: usize| {
             let sensitivity = (all[2][i]?.ln() - all[0][i]?.ln()) / (2.0 * LOG_MODULUS_STEP);
             Some([all[1][i]?, sensitivity])
         };
-        Ok((0..pairs.len()).map(at).collect())
+        Ok(((0..pairs.len()).map(at).collect(), on_face))
     }
 
-    fn ratios_at(
+    /// Ratios of endless patterns, with the modulus larger by the factor exp(log_modulus).
+    fn cells(
         &self,
         log_modulus: f64,
         pairs: &[Pair],
@@ -79,16 +91,17 @@ impl Model<'_> {
         };
         let elastic = self.task.elastic.at_modulus(log_modulus.exp())?;
         let Some(scene) = self.scene(elastic, law, pairs)? else { return Ok(Vec::new()) };
-        let cells = steady_ratios(&scene, monitor)?;
-        let on_face = |(place, cell): (usize, Option<f64>)| match self.on_face {
-            None => cell,
-            Some(on_face) => on_face.ratio(cell?, &self.pattern, place),
-        };
-        Ok(cells.into_iter().enumerate().map(on_face).collect())
+        Ok(steady_ratios(&scene, monitor)?)
+    }
+
+    /// What the specimen makes of the ratios `cells`.
+    fn on_face(&self, cells: &[Option<f64>], on_face: Option<&SteadyOnFace>) -> Vec<Option<f64>> {
+        let Some(on_face) = on_face else { return cells.to_vec() };
+        cells.iter().enumerate().map(|(place, cell)| on_face.ratio((*cell)?, &self.pattern, place)).collect()
     }
 
     /// What `cut` makes of ratios of an endless pattern at `pairs`.
-    pub fn on(
+    fn on(
         &self,
         cut: &CutSpecimen,
         pairs: &[Pair],

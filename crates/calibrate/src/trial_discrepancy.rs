@@ -181,16 +181,11 @@ fn trial(
     let axes: Vec<usize> = (0..3).filter(|axis| cut.dimensions_std_m[*axis] > 0.0).collect();
     let monitor = Part::new(monitor, 1.0 / (1 + axes.len()) as f64);
     let thickness_m = cut.specimen.as_ref().and_then(|cut| cut.thickness_m);
-    let model =
-        |pattern: Pattern, on_face| Model { task, law, pattern, relief: cut.relief.clone(), thickness_m, on_face };
+    let model = |pattern: Pattern| Model { task, law, pattern, relief: cut.relief.clone(), thickness_m };
     let pairs = pairs(task, &cut.measured);
     let is_cheap = Dimension::of(None, cut.pattern.texture()).is_cheap_per_design();
     let ends = if is_cheap { Ends { solved: pairs.clone() } } else { Ends::new(&pairs) };
-    let on_face = match &cut.specimen {
-        Some(specimen) => model(cut.pattern, None).on(specimen, &ends.solved, &Part::new(&monitor, 0.0))?,
-        None => None,
-    };
-    let modelled = model(cut.pattern, on_face.as_ref()).sensitive_ratios(&ends.solved, &monitor)?;
+    let (modelled, on_face) = model(cut.pattern).sensitive_ratios(&ends.solved, cut.specimen.as_ref(), &monitor)?;
     let known: Vec<(&Pair, [f64; 2])> =
         pairs.iter().filter_map(|pair| Some((pair, ends.between(pair, |place| modelled[place])?))).collect();
     let mut of_dimensions = Vec::new();
@@ -201,7 +196,7 @@ fn trial(
             lengths_m[other] + if other == axis { cut.dimensions_std_m[axis] } else { 0.0 }
         });
         let Ok(moved) = Pattern::new(*cut.pattern.texture(), width_m, spacing_m, depth_m) else { continue };
-        let others = model(moved, on_face.as_ref()).ratios(&ends.solved, &monitor)?;
+        let others = model(moved).ratios(&ends.solved, on_face.as_ref(), &monitor)?;
         let change = |(pair, [own, _]): &(&Pair, [f64; 2])| {
             let [other] = ends.between(pair, |place| Some([others[place]?]))?;
             Some(tidy((other / own).ln()))

@@ -85,8 +85,11 @@ fn a_fitted_law_is_compared_as_trials_have_it() {
     let of_trials = learned["trials"][0]["measured"].as_array().unwrap().iter();
     let of_trials: Vec<f64> = of_trials.map(|of| of["modelled"].as_f64().unwrap()).collect();
     let [own, steeper] = [modelled(1.0), modelled(2.0)];
-    let alike = own.len() == 2 && own.iter().zip(&of_trials).all(|(own, other)| (own - other).abs() < 3e-3);
-    assert!(alike, "{own:?} {of_trials:?}");
+    assert_eq!((own.len(), of_trials.len()), (2, 2));
+    // Trials are modelled on their specimen, a comparison as endless: that is less than what another law changes.
+    let law_changes = (steeper[1] - own[1]).abs();
+    let alike = own.iter().zip(&of_trials).all(|(own, other)| (own - other).abs() < law_changes / 3.0);
+    assert!(alike, "{own:?} {steeper:?} {of_trials:?}");
     // A steeper surface is farther from full contact: its friction is closer to the load.
     assert!(own[1] < 0.9 && own[1] < own[0] && steeper[1] > own[1], "{own:?} {steeper:?}");
 }

@@ -252,7 +252,8 @@ fn a_material_is_told_from_its_calibration_that_has_changed_since() {
 #[test]
 fn a_trial_that_is_compared_is_named_and_has_its_own_lengths() {
     let place = place();
-    let more = trial("A", [100.0, 200.0, 10.4], "measurements = \"a.csv\"\n");
+    // A sector of a disc, which is modelled as endless, as what is compared is.
+    let more = trial("A", [100.0, 200.0, 10.4], "measurements = \"a.csv\"\ndisc = \"one\"\n");
     fs::write(place.path("a.csv"), table([0.9, 0.88, 0.86])).unwrap();
     fs::write(place.path("calibration.toml"), format!("{CALIBRATION}\n{more}")).unwrap();
     let validate = ["validate", "calibration.toml", "--trial", "A"];
@@ -262,7 +263,7 @@ fn a_trial_that_is_compared_is_named_and_has_its_own_lengths() {
     place.succeed(&[&validate[..], &["--sliding-um", "0", "-o", "out"]].concat());
     let result = crate::common::result(&place, "out");
     assert_eq!((&result["trial"], &result["cut_as"]), (&"A".into(), &"groove".into()));
-    // The published layer and squares are no part of it: the whole specimen is modelled, as `trials` does.
+    // The published layer and squares are no part of it: the whole height of the specimen is modelled, as `trials` does.
     assert_eq!(result["thickness_mm"], 7.0);
     let page = fs::read_to_string(place.path("out/report.html")).unwrap();
     assert!(page.contains("Compared is the trial") && page.contains("the whole specimen, 7 mm high"));
@@ -316,9 +317,19 @@ fn forces_on_a_sample_of_another_size_count_by_their_pressure() {
         let output = place.run(&["trials", "calibration.toml", "--json"]);
         (output.status.code(), String::from_utf8(output.stdout).unwrap(), String::from_utf8(output.stderr).unwrap())
     };
-    let (disc, pin) = (ledger(&rows, ""), ledger(&rounded, "specimen = { radius_mm = 2.0 }\n"));
+    // On sectors: samples of another size have other margins.
+    let (disc, pin) =
+        (ledger(&rows, "disc = \"one\"\n"), ledger(&rounded, "disc = \"one\"\nspecimen = { radius_mm = 2.0 }\n"));
     assert_eq!((disc.0, pin.0), (Some(0), Some(0)), "{} {}", disc.2, pin.2);
     assert_eq!(disc.1, pin.1);
+    // Alone, a sample is modelled on its own face, whose rim leaves cavities out.
+    let modelled = |said: &str| {
+        let said: Value = serde_json::from_str(said).unwrap();
+        said["trials"][0]["measured"][2]["modelled"].as_f64().unwrap()
+    };
+    let [whole, small] = [ledger(&rows, "").1, ledger(&rounded, "specimen = { radius_mm = 2.0 }\n").1];
+    let [endless, whole, small] = [&disc.1, &whole, &small].map(|said| modelled(said));
+    assert!(whole > endless + 1e-3 && small > endless + 1e-3 && whole != small, "{endless} {whole} {small}");
     // Without its own face the same forces have no partner.
     assert_eq!(ledger(&rounded, "").0, Some(2));
 }

@@ -16,6 +16,7 @@ mod text;
 
 use std::path::Path;
 
+use slipgrid_calibrate::CutSample;
 use slipgrid_formats::Diagnostic;
 use slipgrid_formats::calibration::Calibration;
 use slipgrid_formats::scene::{DEFAULT_LAYER, DEFAULT_SPECIMEN};
@@ -66,16 +67,31 @@ pub struct ValidationTask<'a> {
 impl ValidationTask<'_> {
     /// The cavities as they were cut, where the calibration says it.
     fn cut_as(&self) -> Option<Planform> {
-        let Some(name) = &self.trial else { return self.calibration.pattern.map(|pattern| pattern.planform()) };
-        let cut = self.calibration.trials.samples.iter().find(|cut| cut.name == *name)?;
-        Some(cut.pattern.planform())
+        if self.trial.is_none() {
+            return self.calibration.pattern.map(|pattern| pattern.planform());
+        }
+        Some(self.cut()?.pattern.planform())
+    }
+
+    /// The sample that is compared: the trial, or else the first.
+    fn cut(&self) -> Option<&CutSample> {
+        let mut samples = self.calibration.trials.samples.iter();
+        match &self.trial {
+            Some(name) => samples.find(|cut| cut.name == *name),
+            None => samples.next(),
+        }
     }
 
     /// The layer of the published simulations where these are compared; of any other samples the whole specimen, as
     /// `calibrate`, `trials` and designs take it.
     fn layer(&self) -> Layer {
         let is_published = self.trial.is_none() && is_published(&self.calibration.source);
-        if is_published { DEFAULT_LAYER } else { DEFAULT_SPECIMEN }
+        let height_m = DEFAULT_SPECIMEN.height_m;
+        match self.cut().and_then(|cut| cut.specimen?.thickness_m) {
+            _ if is_published => DEFAULT_LAYER,
+            Some(thickness_m) => Layer { thickness_m: Some(thickness_m.max(height_m)), ..DEFAULT_SPECIMEN },
+            None => DEFAULT_SPECIMEN,
+        }
     }
 }
 
