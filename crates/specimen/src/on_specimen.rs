@@ -277,7 +277,6 @@ mod tests {
                 farthest = f64::max(farthest, (found - cell).abs());
                 tilted = f64::max(tilted, load.ratio_tilt_change.unwrap().abs());
             }
-            println!("{planform:?} {width_um}/{spacing_um}/{depth_um}: {farthest:.4} from its cell, tilt {tilted:.4}");
             assert!(farthest > 5e-4 && tilted > 1e-3, "{farthest} {tilted}");
         }
     }
