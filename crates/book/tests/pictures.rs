@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use crate::{book, files, keep, text};
+use crate::{book, files, keep, root, text};
 
 /// Pictures of the book: the chapter that shows each, the file that its commands write, and the picture.
 const SHOWN: [(&str, &str, &str); 4] = [
@@ -67,6 +67,14 @@ fn pictures_that_are_held_to_their_commands_stand_in_their_chapters() {
     for (chapter, _, shown) in SHOWN {
         assert!(text(&book().join(chapter)).contains(&format!("src=\"../pictures/{shown}\"")), "{chapter}: {shown}");
     }
+}
+
+/// Two minutes of runs: the picture is held to what the command wrote when it was run last, beside its table.
+#[test]
+fn the_work_precision_diagram_is_the_kept_one() {
+    let kept = text(&root().join("tests/accuracy/accuracy.svg"));
+    assert_eq!(text(&book().join("pictures/accuracy.svg")), kept);
+    assert!(text(&book().join("evidence/speed.md")).contains("src=\"../pictures/accuracy.svg\""));
 }
 
 #[test]

@@ -107,8 +107,13 @@ impl Model<'_> {
         pairs: &[Pair],
         monitor: &dyn Monitor,
     ) -> Result<Option<SteadyOnFace>, CalibrationError> {
-        let scene = self.scene(self.task.elastic, self.law.0.cloned(), pairs)?;
-        scene.map(|scene| Ok(SteadyOnFace::new(&scene, &self.pattern, &cut.specimen, monitor)?)).transpose()
+        // Strips lie flat: what rims add is that of the cell.
+        let flat = Model { pattern: self.pattern.with_rim(None), relief: None, ..*self };
+        let own = if self.pattern.texture().is_one_section() { &flat } else { self };
+        let Some(mut scene) = own.scene(self.task.elastic, self.law.0.cloned(), pairs)? else { return Ok(None) };
+        // A tilt needs no blocks as small as rims do.
+        scene.layer.block_m = self.task.layer.block_m;
+        Ok(Some(SteadyOnFace::new(&scene, &own.pattern, &cut.specimen, monitor)?))
     }
 
     /// Steady cells of the sample, the flat surface at its measured friction; `None` without any pair.

@@ -179,7 +179,7 @@ mod tests {
     use crate::density_share;
     use slipgrid_export::Outline;
     use slipgrid_material::{AreaLaw, Elastic, LocalFriction};
-    use slipgrid_pattern::Planform;
+    use slipgrid_pattern::{Planform, Rim, RimProfile};
     use slipgrid_springblock::{Dimension, Layer, Load, Unwatched, steady_ratios};
 
     const DISC: Specimen = Specimen { outline: Outline::Disc { diameter_m: 10e-3 }, is_clipped: false };
@@ -254,19 +254,23 @@ mod tests {
     /// Trials are modelled by it: what a design is confirmed as must be what its sample is expected to be.
     #[test]
     fn steady_ratios_on_a_face_are_those_of_the_specimen() {
-        for (planform, width_um, spacing_um, depth_um) in [
-            (Planform::Groove, 41.6, 46.7, 15.6),
-            (Planform::Groove, 130.0, 370.0, 20.0),
-            (Planform::Square, 130.0, 170.0, 20.0),
+        let rim = Rim::new(0.1e-6, 20e-6, RimProfile::Round).unwrap();
+        for (planform, width_um, spacing_um, depth_um, rim) in [
+            (Planform::Groove, 41.6, 46.7, 15.6, None),
+            (Planform::Groove, 130.0, 370.0, 20.0, None),
+            (Planform::Groove, 130.0, 370.0, 20.0, Some(rim)),
+            (Planform::Square, 130.0, 170.0, 20.0, None),
         ] {
             let pattern = Pattern::new(planform, width_um * 1e-6, spacing_um * 1e-6, depth_um * 1e-6).unwrap();
+            let pattern = pattern.with_rim(rim);
             let asked = scene(pattern);
             let mut scene = Scene { run: asked.run.on_specimen(pattern.texture()), ..asked };
             scene.layer.thickness_m = Some(7e-3);
             if planform == Planform::Square {
                 scene.layer.block_m = 20e-6;
             }
-            let on_face = SteadyOnFace::new(&scene, &pattern, &DISC, &Unwatched).unwrap();
+            // Strips lie flat.
+            let on_face = SteadyOnFace::new(&scene, &pattern.with_rim(None), &DISC, &Unwatched).unwrap();
             let cells = steady_ratios(&Scene { run: RunOptions::default(), ..scene.clone() }, &Unwatched).unwrap();
             let solved = simulate_on(&scene, Some(&DISC), &Unwatched).unwrap();
             let (mut farthest, mut tilted) = (0.0, 0.0);

@@ -37,7 +37,7 @@ impl Scope {
     pub const PLANE: Self = Self {
         nodes: [13, 13, 9],
         blocks: [6, 6, 3],
-        designs: 20_000,
+        designs: 6000,
         judged: 48,
         starts: 6,
         climbed: 900,
@@ -47,7 +47,7 @@ impl Scope {
     pub const SPACE: Self = Self { nodes: [6, 6, 4], climbed: 80, starts: 2, climbed_whole: 26, ..Self::PLANE };
     /// Beside a design that was searched.
     pub const BESIDE: Self =
-        Self { nodes: [9, 9, 5], blocks: [5, 5, 3], designs: 5000, judged: 24, completed: 8, ..Self::PLANE };
+        Self { nodes: [9, 9, 5], blocks: [5, 5, 3], designs: 2000, judged: 24, completed: 8, ..Self::PLANE };
 }
 
 /// Regions along each length of which the best design is judged by the model itself: where the interpolated one is off by a tolerance it
@@ -56,7 +56,7 @@ const REGIONS: usize = 3;
 /// Share of a chance that a design's must have by the interpolated model for the model itself to judge it beside others of that chance.
 pub const OF_CHANCE: f64 = 0.25;
 /// A guess at the best design compares one in so many of them.
-const GUESSED_OF: usize = 16;
+const GUESSED_OF: usize = 5;
 /// Lengths that differ by less are the same, relative.
 const SAME_LENGTH: f64 = 1e-3;
 

@@ -109,6 +109,9 @@ fn without_trials_every_chance_is_small_and_no_texture_comes_twice() {
 fn ratios_that_are_predicted_are_those_of_the_specimen() {
     let mut task = task(Planform::Groove);
     task.layer.thickness_m = Some(7e-3);
+    // A surface whose friction falls faster, on which the rim tells.
+    let law = AreaLaw::new(vec![0.7e6, 2.6e6, 10e6], vec![1.0, 0.6, 0.2]).unwrap();
+    task.material.as_mut().unwrap().material.area_law = Some(law);
     let found = next_trials(&task, &NextOptions { count: 1, ..NextOptions::default() }, &Unwatched).unwrap();
     let material = &task.material.as_ref().unwrap().material;
     let pattern = Some(found.patterns[0]);
@@ -124,7 +127,7 @@ fn ratios_that_are_predicted_are_those_of_the_specimen() {
         .zip(specimen.zip(ratios(Extent::Cell, None)))
         .map(|(at, (specimen, cell))| [at.of.modelled - specimen, cell - specimen])
         .collect();
-    assert!(off.iter().all(|[own, _]| own.abs() < 1e-4) && off.iter().any(|[_, cell]| cell.abs() > 3e-4), "{off:?}");
+    assert!(off.iter().all(|[own, _]| own.abs() < 1e-3) && off.iter().any(|[_, cell]| cell.abs() > 3e-3), "{off:?}");
 }
 
 #[test]
