@@ -242,9 +242,11 @@ pub fn run(task: &CalibrationTask, monitor: &dyn Monitor) -> Result<CalibrationO
     let stage = Stage::new(monitor, "calibration", None);
     // Trials wait for the fit only where that finds the area law.
     let is_known = problem.area_law_scale.is_none();
+    let of_trials =
+        if is_known && task.trials.samples.iter().any(|sample| !sample.measured.is_empty()) { 0.2 } else { 0.0 };
     let (fit, early) = rayon::join(
-        || fit_coefficients(&problem, &Part::new(&stage, if is_known { 0.8 } else { 1.0 })),
-        || is_known.then(|| learn(task, (surface.law.as_ref(), &surface.curve), &Part::new(&stage, 0.2))),
+        || fit_coefficients(&problem, &Part::new(&stage, 1.0 - of_trials)),
+        || is_known.then(|| learn(task, (surface.law.as_ref(), &surface.curve), &Part::new(&stage, of_trials))),
     );
     stage.finish();
     let mut fit = fit.map_err(|error| refused(error, &problem.measurements))?;

@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 use slipgrid_contact::AreaPoint;
+use slipgrid_export::Specimen;
 use slipgrid_material::{AreaLaw, Elastic, LocalFriction, MaterialError};
 use slipgrid_monitor::Monitor;
 use slipgrid_pattern::{Pattern, ReliefMap};
@@ -12,7 +13,6 @@ use slipgrid_specimen::SteadyOnFace;
 use slipgrid_springblock::{Layer, Load, RunOptions, Scene, steady_ratios};
 
 use crate::area_law::area_law;
-use crate::trial_discrepancy::CutSpecimen;
 use crate::{CalibrationError, CalibrationTask, Measurement};
 use slipgrid_monitor::Part;
 
@@ -53,11 +53,11 @@ impl Model<'_> {
         Ok(self.on_face(&self.cells(0.0, pairs, monitor)?, on_face))
     }
 
-    /// The same with d ln(modelled) / d ln(E), on the specimen `cut` where there is one, and what that makes of ratios.
+    /// The same with d ln(modelled) / d ln(E), on the face `cut` where there is one, and what that makes of ratios.
     pub fn sensitive_ratios(
         &self,
         pairs: &[Pair],
-        cut: Option<&CutSpecimen>,
+        cut: Option<&Specimen>,
         monitor: &dyn Monitor,
     ) -> Result<(Vec<Sensitive>, Option<SteadyOnFace>), CalibrationError> {
         let third = Part::new(monitor, 1.0 / 3.0);
@@ -103,7 +103,7 @@ impl Model<'_> {
     /// What `cut` makes of ratios of an endless pattern at `pairs`.
     fn on(
         &self,
-        cut: &CutSpecimen,
+        cut: &Specimen,
         pairs: &[Pair],
         monitor: &dyn Monitor,
     ) -> Result<Option<SteadyOnFace>, CalibrationError> {
@@ -113,7 +113,7 @@ impl Model<'_> {
         let Some(mut scene) = own.scene(self.task.elastic, self.law.0.cloned(), pairs)? else { return Ok(None) };
         // A tilt needs no blocks as small as rims do.
         scene.layer.block_m = self.task.layer.block_m;
-        Ok(Some(SteadyOnFace::new(&scene, &own.pattern, &cut.specimen, monitor)?))
+        Ok(Some(SteadyOnFace::new(&scene, &own.pattern, cut, monitor)?))
     }
 
     /// Steady cells of the sample, the flat surface at its measured friction; `None` without any pair.

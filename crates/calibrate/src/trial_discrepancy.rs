@@ -35,17 +35,17 @@ pub struct CutSample {
     pub sample_std: Option<f64>,
     /// The disc that it shares with other samples of this name, as a sector of it; `None` where it has its own.
     pub disc: Option<String>,
-    /// The specimen that it was cut into; `None` where the pattern is taken as endless, as on a sector of a disc.
-    pub specimen: Option<CutSpecimen>,
+    /// The specimen that it was cut into.
+    pub specimen: CutSpecimen,
     /// Measurements on it; none while it is pending.
     pub measured: Vec<Measurement>,
 }
 
 /// The specimen that a sample was cut into.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct CutSpecimen {
-    /// Its face, and what became of cavities that pass its rim.
-    pub specimen: Specimen,
+    /// Its face, and what became of cavities that pass its rim; `None` where the pattern is taken as endless, as on a sector of a disc.
+    pub face: Option<Specimen>,
     /// Its thickness, in metres, where it is not that of the task's layer.
     pub thickness_m: Option<f64>,
 }
@@ -180,12 +180,12 @@ fn trial(
 ) -> Result<Trial, CalibrationError> {
     let axes: Vec<usize> = (0..3).filter(|axis| cut.dimensions_std_m[*axis] > 0.0).collect();
     let monitor = Part::new(monitor, 1.0 / (1 + axes.len()) as f64);
-    let thickness_m = cut.specimen.as_ref().and_then(|cut| cut.thickness_m);
+    let CutSpecimen { face, thickness_m } = cut.specimen;
     let model = |pattern: Pattern| Model { task, law, pattern, relief: cut.relief.clone(), thickness_m };
     let pairs = pairs(task, &cut.measured);
     let is_cheap = Dimension::of(None, cut.pattern.texture()).is_cheap_per_design();
     let ends = if is_cheap { Ends { solved: pairs.clone() } } else { Ends::new(&pairs) };
-    let (modelled, on_face) = model(cut.pattern).sensitive_ratios(&ends.solved, cut.specimen.as_ref(), &monitor)?;
+    let (modelled, on_face) = model(cut.pattern).sensitive_ratios(&ends.solved, face.as_ref(), &monitor)?;
     let known: Vec<(&Pair, [f64; 2])> =
         pairs.iter().filter_map(|pair| Some((pair, ends.between(pair, |place| modelled[place])?))).collect();
     let mut of_dimensions = Vec::new();
@@ -322,7 +322,7 @@ mod tests {
             dimensions_std_m: [5e-6, 0.0, 0.0],
             sample_std: None,
             disc: None,
-            specimen: None,
+            specimen: CutSpecimen::default(),
             measured: flat.iter().map(|flat| Measurement { mu_dynamic: 0.9 * flat.mu_dynamic, ..*flat }).collect(),
         };
         CalibrationTask {

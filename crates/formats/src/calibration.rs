@@ -10,7 +10,7 @@ use slipgrid_export::{Outline, Specimen};
 use slipgrid_material::{AreaLaw, Elastic, Extrapolation, THRESHOLD_PRESSURE_PA};
 use slipgrid_monitor::Monitor;
 use slipgrid_pattern::Pattern;
-use slipgrid_springblock::Layer;
+use slipgrid_springblock::{Layer, MOST_ROWS};
 use toml::Spanned;
 
 use super::calibration_file::{BulkFile, CalibrationFile, FaceFile};
@@ -148,8 +148,9 @@ impl Calibration {
             fit.and_then(|fit| fit.coefficients.as_ref()).map_or(Ok(Coefficients::PerCondition), |name| {
                 document.choice(name, &Coefficients::ALL, Coefficients::name)
             })?;
-        let cut = read_specimen(document, &file.specimen)?;
-        let outline = cut.specimen.outline;
+        let (specimen, thickness_m) = read_specimen(document, &file.specimen, None)?;
+        let cut = CutSpecimen { face: Some(specimen), thickness_m };
+        let outline = specimen.outline;
         let specimens = Specimens { area_m2: area_m2(&outline), modulus_pa: elastic.youngs_modulus_pa() };
         let mut remarks = Remarks { told: bulk_told(document, bulk)?, ..Remarks::default() };
         remarks.told.extend(outline_told(document, &file.specimen, &outline)?);
@@ -166,14 +167,14 @@ impl Calibration {
             measured::refuse_repeated(&placed)?;
         }
         let pattern = file.pattern.as_ref();
-        let pattern = pattern.map(|table| read_fitting_pattern(document, table, &cut.specimen)).transpose()?;
+        let pattern = pattern.map(|table| read_fitting_pattern(document, table, &specimen, true)).transpose()?;
         let relief = match file.pattern.as_ref().zip(pattern.as_ref()) {
             Some((table, pattern)) => read_relief(document, table, pattern)?,
             None => None,
         };
         let first = pattern.filter(|_| !patterned.is_empty());
-        let first = first.map(|pattern| trials::of_tables(pattern, relief, Some(cut), &patterned));
-        let flat = FlatSamples { cut, specimens: &specimens, measured: &placed };
+        let first = first.map(|pattern| trials::of_tables(pattern, relief, cut, &patterned));
+        let flat = FlatSamples { specimen, thickness_m, specimens: &specimens, measured: &placed };
         let prior = file.trial_prior.as_ref();
         let (trials, of_trials) =
             trials::read_trials(document, &file.trial, prior, &flat, first, &mut reader, &mut remarks)?;
@@ -302,12 +303,34 @@ fn measured_law(
     })
 }
 
-/// A specimen: its face, what becomes of cavities at its rim, and its thickness where that is given.
-pub(crate) fn read_specimen(document: &Document, table: &Spanned<FaceFile>) -> Result<CutSpecimen, Diagnostic> {
+/// Thickness of a specimen that a file may state, in metres: that of the layer, and more rows of blocks than any solver takes.
+const THICKNESS_M: [f64; 2] = [DEFAULT_LAYER.height_m, MOST_ROWS * DEFAULT_LAYER.block_m];
+
+/// A specimen: its face with what becomes of cavities at its rim, and its thickness in metres; what is not given of the latter two is that
+/// of the specimen `before`.
+pub(crate) fn read_specimen(
+    document: &Document,
+    table: &Spanned<FaceFile>,
+    before: Option<(&Specimen, Option<f64>)>,
+) -> Result<(Specimen, Option<f64>), Diagnostic> {
     let file = table.get_ref();
-    let is_clipped = laser::read_is_clipped(document, file.cavities.as_ref())?;
+    let is_clipped = match (&file.cavities, before) {
+        (None, Some((before, _))) => before.is_clipped,
+        (name, _) => laser::read_is_clipped(document, name.as_ref())?,
+    };
     let specimen = Specimen { outline: read_outline(document, table)?, is_clipped };
-    Ok(CutSpecimen { specimen, thickness_m: document.optional(file.thickness_mm.as_ref(), LENGTH_MM)? })
+    let Some(given) = &file.thickness_mm else {
+        return Ok((specimen, before.and_then(|(_, thickness_m)| thickness_m)));
+    };
+    let thickness_m = document.number(given, LENGTH_MM)?;
+    let [least_m, most_m] = THICKNESS_M;
+    if !(least_m..=most_m).contains(&thickness_m) {
+        let [least_mm, most_mm] = [least_m, most_m].map(|end_m| LENGTH_MM.from_si(end_m));
+        return Err(document
+            .refuse(given.span(), "mm is no thickness that is modelled")
+            .expected(format!("a thickness in millimetres, from {least_mm} to {most_mm}")));
+    }
+    Ok((specimen, Some(thickness_m)))
 }
 
 /// A specimen's face: a disc by its radius, or the shapes of a design's specimen.
@@ -399,6 +422,7 @@ pub(crate) fn read_fitting_pattern(
     document: &Document,
     table: &Spanned<PatternFile>,
     specimen: &Specimen,
+    is_laid: bool,
 ) -> Result<Pattern, Diagnostic> {
     let pattern = read_pattern(document, table, &DEFAULT_LAYER)?;
     let (pitch_mm, extent_mm) = (LENGTH_MM.from_si(pattern.pitch_m()), LENGTH_MM.from_si(extent_m(&specimen.outline)));
@@ -408,9 +432,11 @@ pub(crate) fn read_fitting_pattern(
             .refuse(table.span(), reason)
             .expected("width_um and spacing_um of which a period fits on the specimen"));
     }
-    specimen.check(pattern).map_err(|error| {
-        document.refuse(table.span(), error.to_string()).expected("a pattern as it was cut into the specimen")
-    })?;
+    if is_laid {
+        specimen.check(pattern).map_err(|error| {
+            document.refuse(table.span(), error.to_string()).expected("a pattern as it was cut into the specimen")
+        })?;
+    }
     Ok(pattern)
 }
 

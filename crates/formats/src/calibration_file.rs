@@ -72,7 +72,7 @@ pub struct FaceFile {
     pub outer_diameter_mm: Option<Number>,
     /// Diameter of a ring's hole.
     pub inner_diameter_mm: Option<Number>,
-    /// Thickness of the specimen, all of it elastic, which patterned samples are modelled with; that of the design that asks, or 7, when
+    /// Thickness of the specimen, 0.2 to 1000, all of it elastic, which patterned samples are modelled with; that of the design that asks or 7 when
     /// absent.
     pub thickness_mm: Option<Number>,
     /// Cavities at the rim of patterned samples: `whole` where those that pass it were left out, `clipped` where they were cut;

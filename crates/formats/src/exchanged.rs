@@ -52,6 +52,7 @@ mod tests {
     use crate::pattern::read_pattern;
     use crate::scene::DEFAULT_LAYER;
     use crate::trials::of_tables;
+    use slipgrid_calibrate::CutSpecimen;
 
     fn said(own: [f64; 2], other: [f64; 2], planform: &str) -> Option<String> {
         let read = |[width, spacing]: [f64; 2], planform: &str| {
@@ -64,7 +65,7 @@ mod tests {
             (document, file, pattern)
         };
         let (document, file, pattern) = read(own, planform);
-        let others = [of_tables(read(other, "square").2, None, None, &[])];
+        let others = [of_tables(read(other, "square").2, None, CutSpecimen::default(), &[])];
         check(&document, &file, &pattern, &others).map(|told| told.to_string())
     }
 

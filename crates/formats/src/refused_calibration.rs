@@ -22,9 +22,13 @@ pub fn refuse(error: &CalibrationError, path: &Path, calibration: &Calibration) 
         (CalibrationError::MapAfter(reason), Surface::Map { after: Some(path), .. }) => {
             Some(Diagnostic::file(path, reason.clone()))
         }
-        (CalibrationError::NoAreaLaw(_) | CalibrationError::OutOfRange { .. }, _) => {
-            Some(Diagnostic::file(path, error.to_string()))
-        }
+        (
+            CalibrationError::NoAreaLaw(_)
+            | CalibrationError::OutOfRange { .. }
+            | CalibrationError::Scene(_)
+            | CalibrationError::Specimen(_),
+            _,
+        ) => Some(Diagnostic::file(path, error.to_string())),
         (CalibrationError::Fit { error, measurement }, _) => refuse_fit(error, measurement.as_ref(), path, calibration),
         _ => None,
     }

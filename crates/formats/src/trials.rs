@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 use slipgrid_calibrate::{CutSample, CutSpecimen, TrialsTask};
 use slipgrid_discrepancy::{Conditions, Discrepancy, Features, Hyperparameters, Load, Measured, Trial};
+use slipgrid_export::Specimen;
 use slipgrid_pattern::Pattern;
 use slipgrid_results::PatternReport;
 use toml::Spanned;
@@ -136,7 +137,9 @@ impl PriorFile {
 /// The flat samples of a calibration, beside which its trials stand.
 pub(crate) struct FlatSamples<'a> {
     /// Their specimens.
-    pub(crate) cut: CutSpecimen,
+    pub(crate) specimen: Specimen,
+    /// Thickness of these, in metres, where it is given.
+    pub(crate) thickness_m: Option<f64>,
     /// What measurements on them are judged by.
     pub(crate) specimens: &'a Specimens,
     /// The measurements.
@@ -157,7 +160,7 @@ pub(crate) fn read_trials(
     reader: &mut TraceReader<'_>,
     remarks: &mut Remarks,
 ) -> Result<(TrialsTask, Vec<ConditionTraces>), Diagnostic> {
-    let FlatSamples { cut, specimens, measured: flat } = *flat;
+    let FlatSamples { specimen, thickness_m, specimens, measured: flat } = *flat;
     let mut read = Vec::new();
     let mut samples: Vec<CutSample> = first.into_iter().collect();
     let mut before = flat.to_vec();
@@ -168,9 +171,13 @@ pub(crate) fn read_trials(
                 .refuse(file.name.span(), "names two trials")
                 .expected("a name of its own for every [[trial]]"));
         }
-        let own = file.specimen.as_ref().map(|table| read_specimen(document, table)).transpose()?.unwrap_or(cut);
-        let own_specimens = Specimens { area_m2: area_m2(&own.specimen.outline), ..*specimens };
-        let pattern = read_fitting_pattern(document, &file.pattern, &own.specimen)?;
+        let usual = Some((&specimen, thickness_m));
+        let own = file.specimen.as_ref().map(|table| read_specimen(document, table, usual)).transpose()?;
+        let (own, thickness_m) = own.unwrap_or((specimen, thickness_m));
+        let own_specimens = Specimens { area_m2: area_m2(&own.outline), ..*specimens };
+        // What presses on a sector has a face of its own, and the sector goes on around it.
+        let is_laid = file.disc.is_none();
+        let pattern = read_fitting_pattern(document, &file.pattern, &own, is_laid)?;
         remarks.told.extend(exchanged::check(document, &file.pattern, &pattern, &samples));
         let rows = match (&file.measurements, &file.traces) {
             (Some(_), Some(traces)) => {
@@ -215,8 +222,7 @@ pub(crate) fn read_trials(
             ],
             pattern,
             sample_std: document.optional(file.sample_std.as_ref(), RELATIVE_STD)?,
-            // What presses on a sector has a face of its own, and the sector goes on around it.
-            specimen: Some(own).filter(|_| file.disc.is_none()),
+            specimen: CutSpecimen { face: Some(own).filter(|_| is_laid), thickness_m },
             disc: read_disc(document, file.disc.as_ref())?,
             measured: rows.iter().map(|row| row.measurement).collect(),
         });
@@ -286,7 +292,7 @@ fn read_disc(document: &Document, disc: Option<&Spanned<String>>) -> Result<Opti
 pub fn of_tables(
     pattern: slipgrid_pattern::Pattern,
     relief: Option<std::sync::Arc<slipgrid_pattern::ReliefMap>>,
-    specimen: Option<CutSpecimen>,
+    specimen: CutSpecimen,
     measured: &[Placed],
 ) -> CutSample {
     CutSample {

@@ -162,7 +162,7 @@ mod tests {
             dimensions_std_m: [1e-6, 0.0, 0.2e-6],
             sample_std: None,
             disc: Some("disc \"1\"".into()),
-            specimen: None,
+            specimen: slipgrid_calibrate::CutSpecimen::default(),
             measured: patterned,
         };
         CalibrationTask {

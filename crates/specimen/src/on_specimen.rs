@@ -121,11 +121,21 @@ impl SteadyOnFace {
         let laid = Laid::new(Some(specimen), pattern, dimension)?;
         let share = laid.share(pattern);
         let layout = specimen.layout(*pattern)?;
-        let whole = face_of(&layout, layout.strips(BANDS), scene.layer.block_m)?;
-        let tilt = tilt_changes(&scene, pattern, &whole, share, monitor);
-        let ends = if dimension.takes_strips() {
+        let takes_strips = dimension.takes_strips();
+        let strips = if takes_strips { None } else { Some(layout.strips(BANDS)) };
+        let whole = strips.map_or_else(
+            || face(&layout, scene.layer.block_m),
+            |strips| face_of(&layout, strips, scene.layer.block_m),
+        )?;
+        // Strips of a layer alone have no tilt added.
+        let tilt = if takes_strips && !scene.layer.is_backed() {
+            vec![None; scene.loads.len()]
+        } else {
+            tilt_changes(&scene, pattern, &whole, share, monitor)
+        };
+        let ends = if takes_strips {
             scene.run.extent = Extent::Sample;
-            let strips = steady_face_ratios(&scene, pattern, &face(&layout, scene.layer.block_m)?, monitor)?;
+            let strips = steady_face_ratios(&scene, pattern, &whole, monitor)?;
             let cells = SteadyCell::new(&scene).ratios(pattern);
             let end = |(strip, cell): (Option<f64>, Option<f64>)| Some(strip? - on_face(cell?, share));
             strips.into_iter().zip(cells).map(end).collect()

@@ -104,7 +104,8 @@ pub fn steady_ratios(scene: &Scene, monitor: &dyn Monitor) -> Result<Vec<Option<
     };
     rim_difference::add_yielding(scene, pattern, &mut loads, &mut Statements::default());
     let own: Vec<Option<f64>> = loads.iter().map(|load| load.ratio).collect();
-    let refined = if scene.run.refine { block_refinement(scene, &own, blocks::MOST_PRODUCTS) } else { None };
+    let refined =
+        if scene.run.refine { blocks::finer(scene, pattern, &own, blocks::MOST_PRODUCTS, monitor).ok() } else { None };
     let shifts = refined.map_or_else(|| vec![0.0; loads.len()], |refined| refined.shifts);
     let converged = |load: LoadOutcome| load.ratio.filter(|_| load.surface.status == Status::Converged);
     Ok(loads.into_iter().zip(shifts).map(|(load, shift)| Some(converged(load)? + shift)).collect())

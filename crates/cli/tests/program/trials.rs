@@ -415,7 +415,13 @@ fn what_means_nothing_is_refused_where_it_stands() {
     let missing = format!("{CALIBRATION}{}", trial("a", lengths, "measurements = \"none.csv\"\n"));
     let unknown = twice.replacen("width_std_um = 2.0", "width_std_um = 90.0", 1);
     let third = "trial.width_std_um: 90.0 is more than a third of the measured width, 100 um; expected a standard error of at most 33.333 um";
+    let in_metres = trial("a", lengths, "specimen = { radius_mm = 1.5, thickness_mm = 0.007 }\n");
+    let in_metres = format!("{CALIBRATION}{in_metres}");
     for (text, says) in [
+        (
+            in_metres,
+            "thickness_mm: 0.007 mm is no thickness that is modelled; expected a thickness in millimetres, from 0.2 to 1000",
+        ),
         (twice, "names two trials"),
         (prior, "amplitude_std is -1, and must be from 0 to 10"),
         (missing, "none.csv"),

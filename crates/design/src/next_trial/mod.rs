@@ -158,8 +158,9 @@ pub fn next_trials(task: &DesignTask, options: &NextOptions, monitor: &dyn Monit
     let scene = task.flat_scene(&known.material, loads, run);
     let elsewhere: Vec<&[slipgrid_springblock::Load]> = further.iter().map(|at| &at.loads[..]).collect();
     let directions_deg = &task.directions.different_deg;
-    let model =
-        SteadyModel::new(&scene, &elsewhere, directions_deg, &task.space, None).watched_by(monitor).on(task.specimen);
+    let model = SteadyModel::new(&scene, &elsewhere, directions_deg, &task.space, None).watched_by(monitor);
+    // A sector is a trial of an endless pattern: what presses on it has no rim of its own.
+    let model = if division.is_none() { model.on(task.specimen) } else { model };
     let asked = asked(&task, &known.uncertainty, &further, &model)?;
     let models = Models::new(&model, &known.uncertainty)?;
     let chances = Chances::new(&task, &known.uncertainty, &model, &further)?;
@@ -173,7 +174,6 @@ pub fn next_trials(task: &DesignTask, options: &NextOptions, monitor: &dyn Monit
     let stage = Stage::new(monitor, "trials", None);
     let material = MaterialReport::from(&known.material.provenance);
     let mut search = Search::new(&task, &asked, &models, &chances, (&interpolation, &scope), &stage);
-    // A sector of a disc has no margins.
     if division.is_none() {
         search.off = off_on_specimen(&task, &model, search.likely_best().as_ref(), &stage)?;
     }
@@ -195,7 +195,7 @@ pub fn next_trials(task: &DesignTask, options: &NextOptions, monitor: &dyn Monit
 }
 
 /// What the ends of strips and the tilt of the pressure add to the logarithms of ratios of `likely` on its specimen, as a trial of it will be
-/// modelled: at each load of each condition, in every direction as in the first. Other designs are taken to have as much.
+/// modelled: at each load of the first condition, and at others as there. Other designs are taken to have as much.
 fn off_on_specimen(
     task: &DesignTask,
     model: &SteadyModel<'_>,
@@ -204,7 +204,7 @@ fn off_on_specimen(
 ) -> Result<Vec<f64>, DesignError> {
     let Some(Judged { design, .. }) = likely else { return Ok(Vec::new()) };
     let mut scene = model.cell(&design.pattern, false);
-    let count = scene.loads.len() / (1 + task.directions.different_deg.len());
+    let count = task.target.points().len();
     scene.loads.truncate(count);
     let on_face = SteadyOnFace::new(&scene, &design.pattern, &task.specimen, &Part::new(monitor, 0.0));
     monitor.heed()?;

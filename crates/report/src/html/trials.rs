@@ -19,7 +19,7 @@ const TOO_FEW: f64 = 0.8;
 const SURPRISING: f64 = 2.0;
 
 /// What the modelled ratio of a ledger is, beside those of a design's report.
-const MODELLED: &str = "The modelled ratio is that of the texture as measured on its specimen, in steady sliding, with the error of its blocks taken \
+const MODELLED: &str = "The modelled ratio is that of the texture as measured, on its specimen or endless on a sector of a disc, in steady sliding, with the error of its blocks taken \
     off where it is known. A design's report has two more for the same texture: predicted is one period in the design's own blocks with its \
     share of the specimen, and confirmed is the whole specimen with its rim, sliding in time. The three may differ by a hundredth.";
 

@@ -40,7 +40,7 @@ pub const MOST_PRODUCTS: f64 = 2e9;
 /// The same of one that ratios are refined by: some seconds.
 const MOST_REFINED: f64 = 2e10;
 
-/// What smaller blocks change of a steady cell in the vertical plane.
+/// What smaller blocks change of a steady cell.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BlockRefinement {
     /// The finest blocks over the layer's.
@@ -51,7 +51,7 @@ pub struct BlockRefinement {
     pub errors: Vec<f64>,
 }
 
-/// What smaller blocks change of the ratios of `scene`, by cells of at most `most` multiplications; in space, by grooves, of the ratios
+/// What smaller blocks change of the ratios of `scene`, by cells of at most `most` multiplications; in space, by smaller cells and grooves, of the ratios
 /// `own` that its cell has. `None` without a pattern, where fewer than two finer sizes can be had, and in space with rims.
 #[must_use]
 pub fn block_refinement(scene: &Scene, own: &[Option<f64>], most: f64) -> Option<BlockRefinement> {
@@ -64,7 +64,7 @@ pub fn can_refine(scene: &Scene, pattern: &Pattern) -> bool {
     scene.dimension() == Dimension::Plane || are_like_grooves(scene, pattern)
 }
 
-fn finer(
+pub fn finer(
     scene: &Scene,
     pattern: &Pattern,
     own: &[Option<f64>],

@@ -258,7 +258,7 @@ fn lowering(
     let area_m2: f64 = parts.iter().map(|part| part.area_m2).sum();
     let of_kind = |(kind, parts): (Kind, Vec<&Borne>)| -> Option<Vec<Option<f64>>> {
         monitor.heed().ok()?;
-        Some(borne_friction(scene, cells.get(&kind).map(|cell| (&cell.pattern, Dimension::Plane)), &parts))
+        Some(borne_friction(scene, cells.get(&kind).map(|cell| (&cell.pattern, Dimension::Plane)), &parts, monitor))
     };
     let each: Option<Vec<Vec<Option<f64>>>> = by_kind.into_par_iter().map(of_kind).collect();
     let each = each?;
@@ -272,8 +272,13 @@ fn lowering(
 
 /// Friction force, in newtons, of `parts` that are cells of the pattern `of`, solved in the plane or in space, or solid without one, at
 /// each load: sum of A p mu(p).
-fn borne_friction(scene: &Scene, of: Option<(&Pattern, Dimension)>, parts: &[&Borne]) -> Vec<Option<f64>> {
-    let friction = CellFriction::new(scene, of, parts.iter().copied());
+fn borne_friction(
+    scene: &Scene,
+    of: Option<(&Pattern, Dimension)>,
+    parts: &[&Borne],
+    monitor: &dyn Monitor,
+) -> Vec<Option<f64>> {
+    let friction = CellFriction::new(scene, of, parts.iter().copied(), monitor);
     (0..scene.loads.len()).map(|place| friction.of(place, parts.iter().copied())).collect()
 }
 
@@ -289,11 +294,12 @@ pub struct CellFriction<'a> {
 }
 
 impl<'a> CellFriction<'a> {
-    /// At the loads of `scene`, over the range of pressures that `parts` bear.
+    /// At the loads of `scene`, over the range of pressures that `parts` bear; what is being solved when `monitor` cancels is given up.
     pub fn new<'b>(
         scene: &'a Scene,
         of: Option<(&Pattern, Dimension)>,
         parts: impl Iterator<Item = &'b Borne>,
+        monitor: &dyn Monitor,
     ) -> Self {
         let range = parts.map(|part| part.pressure.max(0.0));
         let (least, most) = range.fold((f64::INFINITY, 0.0_f64), |(least, most), at| (least.min(at), most.max(at)));
@@ -306,7 +312,7 @@ impl<'a> CellFriction<'a> {
         let loads: Vec<Load> = scene.loads.iter().flat_map(at_pressures).collect();
         let mu: Vec<Option<f64>> = if let Some((pattern, dimension)) = of {
             let cell = SteadyCell::solved(&Scene { loads: loads.clone(), ..scene.clone() }, dimension);
-            let outcomes = cell.solve(pattern);
+            let outcomes = cell.solve_heeding(pattern, monitor);
             // What bears nothing rubs nothing.
             let mu = |(outcome, load): (CellOutcome, &Load)| {
                 if load.pressure_pa > 0.0 { outcome.ratio.and(outcome.surface.mu_dynamic) } else { Some(0.0) }

@@ -87,7 +87,7 @@ impl PressureTilt {
         let own = pressed(&specimen, cells.iter().map(|cell| cell.ratio.and(cell.surface.mu_dynamic)).collect());
         let friction = |of: Option<(&Pattern, Dimension)>, each: &[Option<Pressed>]| -> Vec<[Option<f64>; 2]> {
             let parts = each.iter().flatten().flat_map(|pressed| &pressed.parts);
-            let friction = CellFriction::new(scene, of, parts);
+            let friction = CellFriction::new(scene, of, parts, monitor);
             let at = |number: usize, place: usize| friction.of(place, each[number].as_ref()?.parts.iter());
             (0..scene.loads.len()).map(|place| [at(1 + place, place), at(0, place)]).collect()
         };

@@ -78,7 +78,7 @@ impl ValidationTask<'_> {
         let mut samples = self.calibration.trials.samples.iter();
         match &self.trial {
             Some(name) => samples.find(|cut| cut.name == *name),
-            None => samples.next(),
+            None => samples.next().filter(|_| self.calibration.pattern.is_some()),
         }
     }
 
@@ -87,7 +87,7 @@ impl ValidationTask<'_> {
     fn layer(&self) -> Layer {
         let is_published = self.trial.is_none() && is_published(&self.calibration.source);
         let height_m = DEFAULT_SPECIMEN.height_m;
-        match self.cut().and_then(|cut| cut.specimen?.thickness_m) {
+        match self.cut().and_then(|cut| cut.specimen.thickness_m) {
             _ if is_published => DEFAULT_LAYER,
             Some(thickness_m) => Layer { thickness_m: Some(thickness_m.max(height_m)), ..DEFAULT_SPECIMEN },
             None => DEFAULT_SPECIMEN,
