@@ -3,33 +3,33 @@
 use std::path::{Path, PathBuf};
 
 use slipgrid_calibrate::{
-    CalibrationTask, Coefficients, CutSample, CutSpecimen, MapSurface, Measurement, Selection, Surface as LawSource,
-    TrialsTask, flat_friction_law,
+    CalibrationTask, Coefficients, CutSample, MapSurface, Measurement, Selection, Surface as LawSource, TrialsTask,
+    flat_friction_law,
 };
-use slipgrid_export::{Outline, Specimen};
+use slipgrid_export::Specimen;
 use slipgrid_material::{AreaLaw, Elastic, Extrapolation, THRESHOLD_PRESSURE_PA};
 use slipgrid_monitor::Monitor;
 use slipgrid_pattern::Pattern;
-use slipgrid_springblock::{Layer, MOST_ROWS};
+use slipgrid_springblock::Layer;
 use toml::Spanned;
 
-use super::calibration_file::{BulkFile, CalibrationFile, FaceFile};
+use super::calibration_file::{BulkFile, CalibrationFile};
 use super::document::Document;
 use super::file_kind::FileKind;
-use super::laser;
 use super::material::{DEFAULT_STATIC_OVER_DYNAMIC, existing};
 use super::measured::{self, Placed, Remarks, Specimens};
 use super::measurements;
 use super::pattern::{PatternFile, read_pattern};
 use super::relief::read_relief;
 use super::scene::DEFAULT_LAYER;
+use super::stated_specimen::{StatedSpecimen, area_m2, extent_m, outline_told};
 use super::surface::{Surface, SurfaceFile};
 use super::trace_table::TraceReader;
 use super::traces::{self, ConditionTraces, SurfaceKind};
 use super::trials::{self, FlatSamples};
 use crate::altitude_map::read_period;
 use crate::diagnostic::Diagnostic;
-use crate::plausible::{DENSITY, MODULUS, SPECIMEN};
+use crate::plausible::{DENSITY, MODULUS};
 use crate::source::Source;
 use slipgrid_units::{DENSITY_G_CM3, LENGTH_MM, MODULUS_GPA, MODULUS_STD_GPA, POISSON, PRESSURE_MPA, RELATIVE_STD};
 
@@ -148,8 +148,8 @@ impl Calibration {
             fit.and_then(|fit| fit.coefficients.as_ref()).map_or(Ok(Coefficients::PerCondition), |name| {
                 document.choice(name, &Coefficients::ALL, Coefficients::name)
             })?;
-        let (specimen, thickness_m) = read_specimen(document, &file.specimen, None)?;
-        let cut = CutSpecimen { face: Some(specimen), thickness_m };
+        let stated = StatedSpecimen::read(document, &file.specimen, None)?;
+        let specimen = stated.specimen;
         let outline = specimen.outline;
         let specimens = Specimens { area_m2: area_m2(&outline), modulus_pa: elastic.youngs_modulus_pa() };
         let mut remarks = Remarks { told: bulk_told(document, bulk)?, ..Remarks::default() };
@@ -173,8 +173,8 @@ impl Calibration {
             None => None,
         };
         let first = pattern.filter(|_| !patterned.is_empty());
-        let first = first.map(|pattern| trials::of_tables(pattern, relief, cut, &patterned));
-        let flat = FlatSamples { specimen, thickness_m, specimens: &specimens, measured: &placed };
+        let first = first.map(|pattern| trials::of_tables(pattern, relief, stated.cut(), &patterned));
+        let flat = FlatSamples { stated, specimens: &specimens, measured: &placed };
         let prior = file.trial_prior.as_ref();
         let (trials, of_trials) =
             trials::read_trials(document, &file.trial, prior, &flat, first, &mut reader, &mut remarks)?;
@@ -301,106 +301,6 @@ fn measured_law(
             )
             .expected("flat samples measured at one speed and humidity at two forces or more, the lightest among them")
     })
-}
-
-/// Thickness of a specimen that a file may state, in metres: that of the layer, and more rows of blocks than any solver takes.
-const THICKNESS_M: [f64; 2] = [DEFAULT_LAYER.height_m, MOST_ROWS * DEFAULT_LAYER.block_m];
-
-/// A specimen: its face with what becomes of cavities at its rim, and its thickness in metres; what is not given of the latter two is that
-/// of the specimen `before`.
-pub(crate) fn read_specimen(
-    document: &Document,
-    table: &Spanned<FaceFile>,
-    before: Option<(&Specimen, Option<f64>)>,
-) -> Result<(Specimen, Option<f64>), Diagnostic> {
-    let file = table.get_ref();
-    let is_clipped = match (&file.cavities, before) {
-        (None, Some((before, _))) => before.is_clipped,
-        (name, _) => laser::read_is_clipped(document, name.as_ref())?,
-    };
-    let specimen = Specimen { outline: read_outline(document, table)?, is_clipped };
-    let Some(given) = &file.thickness_mm else {
-        return Ok((specimen, before.and_then(|(_, thickness_m)| thickness_m)));
-    };
-    let thickness_m = document.number(given, LENGTH_MM)?;
-    let [least_m, most_m] = THICKNESS_M;
-    if !(least_m..=most_m).contains(&thickness_m) {
-        let [least_mm, most_mm] = [least_m, most_m].map(|end_m| LENGTH_MM.from_si(end_m));
-        return Err(document
-            .refuse(given.span(), "mm is no thickness that is modelled")
-            .expected(format!("a thickness in millimetres, from {least_mm} to {most_mm}")));
-    }
-    Ok((specimen, Some(thickness_m)))
-}
-
-/// A specimen's face: a disc by its radius, or the shapes of a design's specimen.
-fn read_outline(document: &Document, table: &Spanned<FaceFile>) -> Result<Outline, Diagnostic> {
-    let file = table.get_ref();
-    let others = [
-        ("disc", &file.diameter_mm),
-        ("rectangle", &file.length_mm),
-        ("rectangle", &file.width_mm),
-        ("ring", &file.outer_diameter_mm),
-        ("ring", &file.inner_diameter_mm),
-    ];
-    if let Some(radius) = &file.radius_mm {
-        let stray = others.iter().find_map(|(_, length)| length.as_ref().map(Spanned::span));
-        if let Some(stray) = stray.or(file.shape.as_ref().map(Spanned::span)) {
-            return Err(document
-                .refuse(stray, "stands beside radius_mm")
-                .expected("either radius_mm alone, or a shape with its lengths"));
-        }
-        return Ok(Outline::Disc { diameter_m: 2.0 * document.number(radius, LENGTH_MM)? });
-    }
-    // The lengths say what shape it is where the file does not.
-    let shape = others.iter().find(|(_, length)| length.is_some()).map(|(shape, _)| *shape);
-    let named = shape.map(|shape| Spanned::new(table.span(), shape.to_owned()));
-    let shape = file.shape.clone().or(named).ok_or_else(|| {
-        document.missing(table.span(), "radius_mm").expected(
-            "radius_mm or diameter_mm of a disc, outer_diameter_mm and inner_diameter_mm of a ring, or length_mm and \
-             width_mm of a rectangle",
-        )
-    })?;
-    let as_design = laser::SpecimenFile {
-        shape,
-        diameter_mm: file.diameter_mm.clone(),
-        length_mm: file.length_mm.clone(),
-        width_mm: file.width_mm.clone(),
-        outer_diameter_mm: file.outer_diameter_mm.clone(),
-        inner_diameter_mm: file.inner_diameter_mm.clone(),
-        cavities: None,
-    };
-    Ok(laser::read_specimen(document, &Spanned::new(table.span(), as_design))?.outline)
-}
-
-/// Area of a face, in square metres.
-pub(crate) fn area_m2(outline: &Outline) -> f64 {
-    match outline {
-        // pi r^2
-        Outline::Disc { diameter_m } => std::f64::consts::PI * (diameter_m / 2.0) * (diameter_m / 2.0),
-        other => other.area_m2(),
-    }
-}
-
-/// Its greatest extent, in metres.
-fn extent_m(outline: &Outline) -> f64 {
-    match *outline {
-        Outline::Disc { diameter_m } => diameter_m,
-        Outline::Rectangle { length_m, width_m } => length_m.max(width_m),
-        Outline::Ring { outer_diameter_m, .. } => outer_diameter_m,
-    }
-}
-
-/// What is unusual of the specimen's size.
-fn outline_told(
-    document: &Document,
-    table: &Spanned<FaceFile>,
-    outline: &Outline,
-) -> Result<Option<Diagnostic>, Diagnostic> {
-    let file = table.get_ref();
-    let lengths = [&file.radius_mm, &file.diameter_mm, &file.length_mm, &file.outer_diameter_mm];
-    let place = lengths.into_iter().flatten().next().map_or(table.span(), Spanned::span);
-    SPECIMEN.check(LENGTH_MM.from_si(extent_m(outline)), || document.refuse(place, ""))
 }
 
 /// What is unusual of the bulk.

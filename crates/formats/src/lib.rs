@@ -59,6 +59,7 @@ pub mod rim;
 pub mod run;
 pub mod scene;
 pub mod source;
+mod stated_specimen;
 pub mod stored_pattern;
 pub mod surface;
 pub mod target;

@@ -3,12 +3,11 @@
 use serde::{Deserialize, Serialize};
 use slipgrid_calibrate::{CutSample, CutSpecimen, TrialsTask};
 use slipgrid_discrepancy::{Conditions, Discrepancy, Features, Hyperparameters, Load, Measured, Trial};
-use slipgrid_export::Specimen;
 use slipgrid_pattern::Pattern;
 use slipgrid_results::PatternReport;
 use toml::Spanned;
 
-use super::calibration::{area_m2, read_fitting_pattern, read_specimen};
+use super::calibration::read_fitting_pattern;
 use super::calibration_file::FaceFile;
 use super::document::Document;
 use super::exchanged;
@@ -17,6 +16,7 @@ use super::measured::{self, Placed, Remarks, Specimens};
 use super::measurements;
 use super::pattern::PatternFile;
 use super::relief::read_relief;
+use super::stated_specimen::{StatedSpecimen, area_m2};
 use super::trace_table::{TraceConditionFile, TraceReader};
 use super::traces::{ConditionTraces, OfTrial};
 use super::values::Number;
@@ -137,9 +137,7 @@ impl PriorFile {
 /// The flat samples of a calibration, beside which its trials stand.
 pub(crate) struct FlatSamples<'a> {
     /// Their specimens.
-    pub(crate) specimen: Specimen,
-    /// Thickness of these, in metres, where it is given.
-    pub(crate) thickness_m: Option<f64>,
+    pub(crate) stated: StatedSpecimen,
     /// What measurements on them are judged by.
     pub(crate) specimens: &'a Specimens,
     /// The measurements.
@@ -160,7 +158,7 @@ pub(crate) fn read_trials(
     reader: &mut TraceReader<'_>,
     remarks: &mut Remarks,
 ) -> Result<(TrialsTask, Vec<ConditionTraces>), Diagnostic> {
-    let FlatSamples { specimen, thickness_m, specimens, measured: flat } = *flat;
+    let FlatSamples { stated, specimens, measured: flat } = *flat;
     let mut read = Vec::new();
     let mut samples: Vec<CutSample> = first.into_iter().collect();
     let mut before = flat.to_vec();
@@ -171,13 +169,13 @@ pub(crate) fn read_trials(
                 .refuse(file.name.span(), "names two trials")
                 .expected("a name of its own for every [[trial]]"));
         }
-        let usual = Some((&specimen, thickness_m));
-        let own = file.specimen.as_ref().map(|table| read_specimen(document, table, usual)).transpose()?;
-        let (own, thickness_m) = own.unwrap_or((specimen, thickness_m));
-        let own_specimens = Specimens { area_m2: area_m2(&own.outline), ..*specimens };
+        let own =
+            file.specimen.as_ref().map(|table| StatedSpecimen::read(document, table, Some(stated))).transpose()?;
+        let own = own.unwrap_or(stated);
+        let own_specimens = Specimens { area_m2: area_m2(&own.specimen.outline), ..*specimens };
         // What presses on a sector has a face of its own, and the sector goes on around it.
         let is_laid = file.disc.is_none();
-        let pattern = read_fitting_pattern(document, &file.pattern, &own, is_laid)?;
+        let pattern = read_fitting_pattern(document, &file.pattern, &own.specimen, is_laid)?;
         remarks.told.extend(exchanged::check(document, &file.pattern, &pattern, &samples));
         let rows = match (&file.measurements, &file.traces) {
             (Some(_), Some(traces)) => {
@@ -222,7 +220,7 @@ pub(crate) fn read_trials(
             ],
             pattern,
             sample_std: document.optional(file.sample_std.as_ref(), RELATIVE_STD)?,
-            specimen: CutSpecimen { face: Some(own).filter(|_| is_laid), thickness_m },
+            specimen: if is_laid { own.cut() } else { CutSpecimen { face: None, ..own.cut() } },
             disc: read_disc(document, file.disc.as_ref())?,
             measured: rows.iter().map(|row| row.measurement).collect(),
         });
