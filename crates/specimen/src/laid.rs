@@ -1,27 +1,24 @@
 //! Shares of a face that cavities take, as they are laid.
 
-use slipgrid_export::{ExportError, LaidStrip, Specimen};
+use slipgrid_export::{ExportError, LaidStrip, Layout, Specimen};
 use slipgrid_pattern::Pattern;
 use slipgrid_springblock::Dimension;
 
-/// Share of the face that is cavity over that of an endless pattern; where only a section is solved, along
+/// Share of the face of `layout` that is cavity over that of its endless pattern; where only a section is solved, along
 /// the row of cavities through the specimen's centre.
-///
-/// # Errors
-/// [`ExportError`] where the specimen does not take the pattern.
-pub fn density_share(specimen: &Specimen, pattern: &Pattern, dimension: Dimension) -> Result<f64, ExportError> {
-    let layout = specimen.layout(*pattern)?;
+pub(crate) fn density_share(layout: &Layout, dimension: Dimension) -> f64 {
+    let pattern = layout.pattern();
     if dimension.section_of(pattern).is_none() {
-        return Ok(layout.areal_density() / pattern.areal_density());
+        return layout.areal_density() / pattern.areal_density();
     }
-    Ok(share_of(&layout.central_strip()) / pattern.section_density())
+    share_of(&layout.central_strip()) / pattern.section_density()
 }
 
 /// A design as it lies on a specimen: as many of its cavities lie on every sample that is made of it.
 #[derive(Clone, Copy, Debug)]
 pub struct Laid {
     dimension: Dimension,
-    /// [`density_share`] of the design, and what one of its periods takes of the face; `None` of an endless pattern.
+    /// Its share of cavities over that of a period, and what one of its periods takes of the face; `None` of an endless pattern.
     on_face: Option<(f64, f64)>,
 }
 
@@ -31,11 +28,17 @@ impl Laid {
     /// # Errors
     /// [`ExportError`] where the specimen does not take the pattern.
     pub fn new(specimen: Option<&Specimen>, designed: &Pattern, dimension: Dimension) -> Result<Self, ExportError> {
-        let on = |specimen| Ok((density_share(specimen, designed, dimension)?, period(designed, dimension)));
-        Ok(Self { dimension, on_face: specimen.map(on).transpose()? })
+        let endless = Self { dimension, on_face: None };
+        specimen.map_or(Ok(endless), |specimen| Ok(Self::of(&specimen.layout(*designed)?, dimension)))
     }
 
-    /// [`density_share`] of `made`, a sample of the design:
+    /// The pattern of `layout` as that has it.
+    pub(crate) fn of(layout: &Layout, dimension: Dimension) -> Self {
+        let on_face = (density_share(layout, dimension), period(layout.pattern(), dimension));
+        Self { dimension, on_face: Some(on_face) }
+    }
+
+    /// Share of the face that is cavity over that of an endless pattern, of `made`, a sample of the design:
     /// D / `D_period` = (n `A_cavity` / `A_face`) / (`A_cavity` / `A_period`), n cavities as designed. Of crossing grooves to first order.
     #[must_use]
     pub fn share(&self, made: &Pattern) -> f64 {

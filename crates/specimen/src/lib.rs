@@ -39,5 +39,5 @@
 mod laid;
 mod on_specimen;
 
-pub use laid::{Laid, density_share, on_face};
+pub use laid::{Laid, on_face};
 pub use on_specimen::{SpecimenError, SteadyOnFace, onto, simulate_on};

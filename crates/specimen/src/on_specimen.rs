@@ -7,7 +7,7 @@ use slipgrid_springblock::{
     simulate, simulate_specimen, steady_face_ratios, tilt_changes,
 };
 
-use crate::laid::{Laid, on_face, share_of};
+use crate::laid::{Laid, density_share, on_face, share_of};
 
 /// Bands that a face is cut into: the strips in their middles sample it. On discs of 10 mm the ratio by 32 bands differs
 /// from that by 128 by less than the error stated (`bands_sample_a_disc`).
@@ -41,7 +41,7 @@ pub fn simulate_on(
         return Ok(simulate_specimen(scene, &face(&layout, scene.layer.block_m)?, monitor)?);
     }
     let mut simulation = simulate(scene, monitor)?;
-    let share = layout.areal_density() / pattern.areal_density();
+    let share = density_share(&layout, scene.dimension());
     let ends = ends_error(scene, specimen, &pattern, monitor)?;
     if monitor.cancelled() {
         // Its error is not known.
@@ -118,24 +118,17 @@ impl SteadyOnFace {
         scene.layer.length_m = specimen.whole_length_m(scene.layer.block_m);
         scene.validate()?;
         let dimension = scene.dimension();
-        let laid = Laid::new(Some(specimen), pattern, dimension)?;
-        let share = laid.share(pattern);
         let layout = specimen.layout(*pattern)?;
+        let laid = Laid::of(&layout, dimension);
+        let share = laid.share(pattern);
         let takes_strips = dimension.takes_strips();
-        let strips = if takes_strips { None } else { Some(layout.strips(BANDS)) };
-        let whole = strips.map_or_else(
-            || face(&layout, scene.layer.block_m),
-            |strips| face_of(&layout, strips, scene.layer.block_m),
-        )?;
-        // Strips of a layer alone have no tilt added.
-        let tilt = if takes_strips && !scene.layer.is_backed() {
-            vec![None; scene.loads.len()]
-        } else {
-            tilt_changes(&scene, pattern, &whole, share, monitor)
-        };
+        let block_m = scene.layer.block_m;
+        let face =
+            if takes_strips { face(&layout, block_m)? } else { face_of(&layout, layout.strips(BANDS), block_m)? };
+        let tilt = tilt_changes(&scene, pattern, &face, share, monitor);
         let ends = if takes_strips {
             scene.run.extent = Extent::Sample;
-            let strips = steady_face_ratios(&scene, pattern, &whole, monitor)?;
+            let strips = steady_face_ratios(&scene, pattern, &face, monitor)?;
             let cells = SteadyCell::new(&scene).ratios(pattern);
             let end = |(strip, cell): (Option<f64>, Option<f64>)| Some(strip? - on_face(cell?, share));
             strips.into_iter().zip(cells).map(end).collect()
@@ -186,7 +179,6 @@ fn ends_error(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::density_share;
     use slipgrid_export::Outline;
     use slipgrid_material::{AreaLaw, Elastic, LocalFriction};
     use slipgrid_pattern::{Planform, Rim, RimProfile};
@@ -230,7 +222,7 @@ mod tests {
         // Seven grooves lie on the disc: 29.9 % of it, 32.7 % of a period.
         let pattern = Pattern::new(Planform::Groove, 400e-6, 824.5e-6, 49.4e-6).unwrap();
         let scene = scene(pattern);
-        let share = density_share(&DISC, &pattern, Dimension::Plane).unwrap();
+        let share = density_share(&DISC.layout(pattern).unwrap(), Dimension::Plane);
         assert!((share - 0.2993 / 0.3267).abs() < 2e-3, "{share}");
         let strips = simulate_on(&scene, Some(&DISC), &Unwatched).unwrap();
         let cells = SteadyCell::new(&scene).ratios(&pattern);
@@ -250,14 +242,14 @@ mod tests {
         assert_eq!(scene.run.extent, Extent::Cell);
         let cell = simulate(&scene, &Unwatched).unwrap();
         let on = simulate_on(&scene, Some(&DISC), &Unwatched).unwrap();
-        let share = density_share(&DISC, &pattern, Dimension::Space).unwrap();
+        let share = density_share(&DISC.layout(pattern).unwrap(), Dimension::Space);
         for (cell, on) in cell.loads.iter().zip(&on.loads) {
             let (cell, found) = (cell.ratio.unwrap(), on.ratio.unwrap());
             assert!(((1.0 - found) / (1.0 - cell) - share).abs() < 1e-9 && share < 1.0);
             assert!(on.ratio_layout_error.is_some_and(|error| error < 0.003), "{:?}", on.ratio_layout_error);
         }
         // The plane takes the row of cavities through the centre.
-        let section = density_share(&DISC, &pattern, Dimension::Plane).unwrap();
+        let section = density_share(&DISC.layout(pattern).unwrap(), Dimension::Plane);
         assert!((section - 20.0 * 0.2 / 10.0 / 0.4).abs() < 0.06, "{section}");
     }
 
