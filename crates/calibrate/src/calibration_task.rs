@@ -246,7 +246,7 @@ pub fn run(task: &CalibrationTask, monitor: &dyn Monitor) -> Result<CalibrationO
         if is_known && task.trials.samples.iter().any(|sample| !sample.measured.is_empty()) { 0.2 } else { 0.0 };
     let (fit, early) = rayon::join(
         || fit_coefficients(&problem, &Part::new(&stage, 1.0 - of_trials)),
-        || is_known.then(|| learn(task, (surface.law.as_ref(), &surface.curve), &Part::new(&stage, of_trials))),
+        || is_known.then(|| learn(task, surface.law_and_curve(), &Part::new(&stage, of_trials))),
     );
     stage.finish();
     let mut fit = fit.map_err(|error| refused(error, &problem.measurements))?;
@@ -256,7 +256,7 @@ pub fn run(task: &CalibrationTask, monitor: &dyn Monitor) -> Result<CalibrationO
         Some(learned) => learned,
         None => {
             let stage = Stage::new(monitor, "trials", None);
-            let learned = learn(task, (surface.law.as_ref(), &surface.curve), &stage);
+            let learned = learn(task, surface.law_and_curve(), &stage);
             stage.finish();
             learned
         }

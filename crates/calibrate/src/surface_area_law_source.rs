@@ -75,6 +75,11 @@ pub struct SurfaceFindings {
 }
 
 impl SurfaceFindings {
+    /// The law, and the contact area that it follows from where it moves with the modulus.
+    pub(crate) fn law_and_curve(&self) -> (Option<&AreaLaw>, &[AreaPoint]) {
+        (self.law.as_ref(), &self.curve)
+    }
+
     /// Whether another Young's modulus makes it another law: not where it is measured friction itself.
     #[must_use]
     pub fn moves_with_the_modulus(&self) -> bool {

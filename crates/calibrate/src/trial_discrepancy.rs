@@ -135,7 +135,7 @@ pub fn learn_alone(task: &CalibrationTask, monitor: &dyn Monitor) -> Result<Lear
     } else {
         (surface_findings(task, monitor)?, None)
     };
-    let law = (surface.law.as_ref(), &surface.curve[..]);
+    let law = surface.law_and_curve();
     let stage = Stage::new(monitor, "trials", None);
     let learned = learned.map_or_else(|| learn(task, law, &stage), Ok);
     let pending = task.trials.samples.iter().filter(|sample| sample.measured.is_empty());

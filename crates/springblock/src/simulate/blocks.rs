@@ -261,13 +261,12 @@ pub fn refined(
         let ratios = plane_ratios(&finer, pattern, most).ok_or(Unrefined::Dear(block_m))?;
         ratios.into_iter().collect::<Option<Vec<f64>>>().ok_or(Unrefined::Unsolved(block_m))
     };
+    let is_deep = |factor: f64| pattern.depth_m() >= LEAST_DEPTH_BLOCKS * factor * scene.layer.block_m;
     let mut levels: Vec<Vec<f64>> = Vec::new();
     let mut ended = None;
     for factor in FACTORS {
         // Cavities of some depth need no blocks smaller than an eighth.
-        if levels.len() >= DEEP_LEVELS
-            && pattern.depth_m() >= LEAST_DEPTH_BLOCKS * FACTORS[levels.len() - 1] * scene.layer.block_m
-        {
+        if levels.len() >= DEEP_LEVELS && is_deep(FACTORS[levels.len() - 1]) {
             break;
         }
         match at(factor) {
@@ -284,10 +283,9 @@ pub fn refined(
         OF_FINEST * (differences[1].abs() + tail(differences))
     };
     let shifts = fine.iter().zip(&levels[0]).map(|(fine, own)| fine - own).collect();
-    let factor = (1..levels.len()).fold(1.0, |factor, _| 0.5 * factor);
-    let finest_m = factor * scene.layer.block_m;
-    if pattern.depth_m() < LEAST_DEPTH_BLOCKS * finest_m {
-        return Err(Unrefined::Shallow(pattern.depth_m(), finest_m));
+    let factor = FACTORS[levels.len() - 1];
+    if !is_deep(factor) {
+        return Err(Unrefined::Shallow(pattern.depth_m(), factor * scene.layer.block_m));
     }
     let errors = by_load(scene, &(0..fine.len()).map(left).collect::<Vec<f64>>());
     Ok((BlockRefinement { factor, shifts, errors }, levels.swap_remove(0)))

@@ -61,16 +61,17 @@ pub fn refined_by_grooves(
     let groove = alike.ok_or(Unrefined::Space)?;
     for size in SIZES {
         let Some(finer) = sized(scene, size).filter(|finer| is_cheap(finer, pattern, most)) else { continue };
+        // Before the cell in space, which is dearer and serves with it alone.
+        let Ok(of_groove) = of_groove(&finer, &groove, most.min(MOST_PRODUCTS), monitor) else { continue };
         let Some(nearer) = by_cells(scene, &finer, pattern, own, monitor) else { continue };
         monitor.heed().map_err(|_| Unrefined::Cancelled)?;
         let added =
             nearer.iter().zip(own).map(|(nearer, own)| nearer.zip(*own).map_or(0.0, |(nearer, own)| nearer - own));
-        if let Ok(found) = by_grooves(&finer, &groove, &nearer, most.min(MOST_PRODUCTS), monitor) {
-            let shifts = found.shifts.iter().zip(added).map(|(shift, added)| shift + added).collect();
-            return Ok(BlockRefinement { factor: size * found.factor, shifts, ..found });
-        }
+        let found = in_proportion(of_groove, &nearer);
+        let shifts = found.shifts.iter().zip(added).map(|(shift, added)| shift + added).collect();
+        return Ok(BlockRefinement { factor: size * found.factor, shifts, ..found });
     }
-    by_grooves(scene, &groove, own, most, monitor)
+    Ok(in_proportion(of_groove(scene, &groove, most, monitor)?, own))
 }
 
 /// Whether a cell in space of `scene` over `pattern` takes no longer than `most` multiplications in the plane, and not too much memory.
@@ -97,17 +98,20 @@ fn by_cells(
     own.iter().zip(finer.into_iter().zip(coarse)).map(moved).collect()
 }
 
-/// What smaller blocks change of ratios `own` in the blocks of `scene`, as `groove` has it by steady cells of at most `most` multiplications.
-fn by_grooves(
+/// What smaller blocks change of `groove`, by steady cells of at most `most` multiplications, and its ratios in the blocks of `scene`.
+fn of_groove(
     scene: &Scene,
     groove: &Pattern,
-    own: &[Option<f64>],
     most: f64,
     monitor: &dyn Monitor,
-) -> Result<BlockRefinement, Unrefined> {
+) -> Result<(BlockRefinement, Vec<f64>), Unrefined> {
     let mut plane = Scene { pattern: Some(*groove), ..scene.clone() };
     plane.run.dimensions = Some(Dimension::Plane.number());
-    let (found, of_groove) = refined(&plane, groove, most, monitor)?;
+    refined(&plane, groove, most, monitor)
+}
+
+/// What smaller blocks change of ratios `own`, by what they change of a groove and its ratios in the same blocks.
+fn in_proportion((found, of_groove): (BlockRefinement, Vec<f64>), own: &[Option<f64>]) -> BlockRefinement {
     // (1 - r) / (1 - r_groove), in blocks of this size
     let scale: Vec<f64> = own
         .iter()
@@ -121,7 +125,7 @@ fn by_grooves(
     let widest = shifts.iter().fold(0.0, |widest: f64, shift| widest.max(shift.abs()));
     let errors = found.errors.iter().zip(&scale);
     let errors = errors.map(|(error, scale)| (error * scale.abs()).hypot(OPEN_SHARE * widest)).collect();
-    Ok(BlockRefinement { shifts, errors, ..found })
+    BlockRefinement { shifts, errors, ..found }
 }
 
 #[cfg(test)]

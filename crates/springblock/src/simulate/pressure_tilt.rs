@@ -168,11 +168,13 @@ pub fn tilt_changes(
     share: f64,
     monitor: &dyn Monitor,
 ) -> Vec<Option<f64>> {
-    // Strips lie flat.
-    let flat =
-        scene.dimension().takes_strips().then(|| (Scene { relief: None, ..scene.clone() }, without_rim(pattern)));
-    let (scene, pattern) = flat.as_ref().map_or((scene, pattern), |(scene, pattern)| (scene, pattern));
-    let mut changes = PressureTilt::of_face(scene, pattern, face, share, monitor).changes;
+    let of = |scene: &Scene, pattern: &Pattern| PressureTilt::of_face(scene, pattern, face, share, monitor).changes;
+    let mut changes = match scene.dimension().takes_strips() {
+        false => of(scene, pattern),
+        // Strips of a layer alone have no tilt added, and strips lie flat.
+        true if !scene.layer.is_backed() => Vec::new(),
+        true => of(&Scene { relief: None, ..scene.clone() }, &without_rim(pattern)),
+    };
     changes.resize(scene.loads.len(), None);
     changes
 }

@@ -86,12 +86,11 @@ impl ValidationTask<'_> {
     /// `calibrate`, `trials` and designs take it.
     fn layer(&self) -> Layer {
         let is_published = self.trial.is_none() && is_published(&self.calibration.source);
-        let height_m = DEFAULT_SPECIMEN.height_m;
-        match self.cut().and_then(|cut| cut.specimen.thickness_m) {
-            _ if is_published => DEFAULT_LAYER,
-            Some(thickness_m) => Layer { thickness_m: Some(thickness_m.max(height_m)), ..DEFAULT_SPECIMEN },
-            None => DEFAULT_SPECIMEN,
+        if is_published {
+            return DEFAULT_LAYER;
         }
+        let stated_m = self.cut().and_then(|cut| cut.specimen.thickness_m);
+        Layer { thickness_m: stated_m.or(DEFAULT_SPECIMEN.thickness_m), ..DEFAULT_SPECIMEN }
     }
 }
 
