@@ -1,14 +1,15 @@
 //! Confirming runs: the best design in time, at the condition designed for and at those further ones that decide.
 
+use slipgrid_optimize::Status;
 use slipgrid_pattern::Pattern;
-use slipgrid_springblock::{LoadOutcome, Scene, Simulation, Status, can_refine};
+use slipgrid_springblock::{LoadOutcome, Scene, Simulation, Status as RunStatus, SteadySpecimen, can_refine};
 
 use crate::DesignError;
 use crate::dynamic_excess::correct;
-use crate::multi_fidelity::{CONFIRMATION, MultiFidelityLoop};
+use crate::multi_fidelity::{CONFIRMATION, MultiFidelityLoop, is_doubtful};
 use crate::task::DesignTask;
 use crate::timings::Timings;
-use slipgrid_specimen::{SpecimenError, simulate_on};
+use slipgrid_specimen::{SpecimenError, simulate_on, strips_on};
 
 /// Contact blocks with coefficients of their own that a confirming run in space has at least, over all its draws:
 /// fewer scatter the ratio by more than a tenth of the usual tolerance.
@@ -37,27 +38,81 @@ pub(super) fn in_time(scene: Scene) -> Scene {
 #[must_use]
 pub(super) fn trusted(load: &LoadOutcome) -> bool {
     let surfaces = std::iter::once(&load.surface).chain(&load.flat);
-    let is_mean = |status: Status| matches!(status, Status::Converged | Status::NoFriction | Status::StderrNotReached);
+    let is_mean = |status: RunStatus| {
+        matches!(status, RunStatus::Converged | RunStatus::NoFriction | RunStatus::StderrNotReached)
+    };
     surfaces.into_iter().all(|surface| is_mean(surface.status))
 }
 
+fn refuse(error: SpecimenError) -> DesignError {
+    DesignError::refused(error.to_string())
+}
+
 impl MultiFidelityLoop<'_> {
-    /// Runs `pattern` in time at the condition designed for.
-    pub(super) fn confirm(
-        &mut self,
-        design: &DesignTask,
-        pattern: &Pattern,
-        timings: &mut Timings,
-    ) -> Result<(), DesignError> {
-        let refuse = |error: SpecimenError| DesignError::refused(error.to_string());
-        let bar = self.stage("confirmation");
-        let mut predicted = self.model.simulate(pattern).map_err(refuse)?;
+    /// What the steady model says of `pattern`, and how that is confirmed.
+    fn predict(&mut self, design: &DesignTask, pattern: &Pattern) -> Result<Simulation, DesignError> {
+        let predicted = self.model.simulate(pattern).map_err(refuse)?;
         self.round.confirming.draws = self.model.draws(pattern, LEAST_CONTACTS);
         // Once refined, always: what confirming runs correct must be the same from one to the next.
         self.round.confirming.refine |=
             can_refine(&self.confirming_scene(pattern), pattern) && self.is_coarse(design, pattern, &predicted);
+        Ok(predicted)
+    }
+
+    /// The best design on its specimen in steady sliding, once it is known what time adds to that; `None` before, and where it is not
+    /// solved strip by strip.
+    pub(super) fn without_time(
+        &mut self,
+        design: &DesignTask,
+        timings: &mut Timings,
+    ) -> Result<Option<SteadySpecimen>, DesignError> {
+        let best = self.round.best.as_ref().map(|best| best.design);
+        let Some(pattern) = best.filter(|_| !self.added_by_time.is_empty()) else { return Ok(None) };
+        let bar = self.stage("confirmation");
+        self.predict(design, &pattern)?;
+        let solved = strips_on(&self.confirming_scene(&pattern), &design.specimen, &bar).map_err(refuse)?;
+        timings.confirm += bar.finish();
+        self.monitor.heed()?;
+        Ok(solved)
+    }
+
+    /// Whether a search, of which `status` is said, is to be followed by another before its best design is run in time: where `solved`,
+    /// that design on its specimen in steady sliding, with what time added to the last one, is off target, or may bring one within reach. A
+    /// run would say next to the same, at several times the cost. The model is corrected by it then.
+    pub(super) fn is_searched_again(&mut self, design: &DesignTask, status: Status, solved: &SteadySpecimen) -> bool {
+        let Some(best) = self.round.best.as_ref().filter(|_| self.goes_on(design)) else { return false };
+        let values = self.expected_each(best, &solved.steady());
+        let Some(known) = values.iter().copied().collect::<Option<Vec<f64>>>() else { return false };
+        let again = match status {
+            Status::Met => design.target.misfit(&known).max > 1.0 || self.model.does_too_little(&best.design, &known),
+            Status::Unreachable => {
+                let missed = best.response.value.iter().zip(&known).map(|(own, known)| (known - own).abs());
+                is_doubtful(design, best.misfit.max, missed.fold(0.0, f64::max))
+            }
+            Status::Budget | Status::Cancelled => false,
+        };
+        if again {
+            self.missed = self.model.correct(&best.design, &best.response.value, &values);
+        }
+        again
+    }
+
+    /// Runs `pattern` in time at the condition designed for, from what is `solved` of it in steady sliding, where that is known.
+    pub(super) fn confirm(
+        &mut self,
+        design: &DesignTask,
+        pattern: &Pattern,
+        solved: Option<&SteadySpecimen>,
+        timings: &mut Timings,
+    ) -> Result<(), DesignError> {
+        let bar = self.stage("confirmation");
+        let mut predicted = self.predict(design, pattern)?;
         let scene = self.confirming_scene(pattern);
-        let mut confirmed = simulate_on(&scene, Some(&design.specimen), &bar).map_err(refuse)?;
+        let confirmed = match solved {
+            Some(solved) => solved.in_time(&bar).map_err(SpecimenError::Scene),
+            None => simulate_on(&scene, Some(&design.specimen), &bar),
+        };
+        let mut confirmed = confirmed.map_err(refuse)?;
         // Of a cell that has no answer nothing is compared.
         self.round.cell_peaks_pa = self.model.limited_peaks_pa(pattern).unwrap_or_default();
         timings.confirm += bar.finish();
@@ -66,6 +121,9 @@ impl MultiFidelityLoop<'_> {
         let excess = self.excess.first().and_then(Option::as_deref);
         correct(&mut predicted, &self.model.scene(pattern), excess);
         correct(&mut confirmed, &scene, excess);
+        let added: Option<Vec<f64>> = confirmed.loads.iter().map(|load| load.ratio_time_change).collect();
+        self.added_by_time = added.unwrap_or_default();
+        self.runs += 1;
         self.round.predicted = Some(predicted);
         self.round.confirmed = Some(confirmed);
         for further in &mut self.further {
@@ -101,8 +159,7 @@ impl MultiFidelityLoop<'_> {
                 let (loads, pattern) = (at.loads.clone(), at.at.turned(&pattern));
                 let run = self.round.confirming;
                 let scene = in_time(Scene { pattern: Some(pattern), loads, speed_m_s, run, ..self.scene.clone() });
-                let mut confirmed = simulate_on(&scene, Some(&design.specimen), &bar)
-                    .map_err(|error| DesignError::refused(error.to_string()))?;
+                let mut confirmed = simulate_on(&scene, Some(&design.specimen), &bar).map_err(refuse)?;
                 timings.confirm_further += bar.finish();
                 self.monitor.heed()?;
                 correct(&mut confirmed, &scene, self.excess.get(1 + place).and_then(Option::as_deref));
@@ -117,7 +174,7 @@ impl MultiFidelityLoop<'_> {
     /// Notes that `run` was cut short, where it was: it confirms nothing.
     fn note_cut(&mut self, run: &Simulation, stage: &'static str) {
         let surfaces = run.loads.iter().flat_map(|load| std::iter::once(&load.surface).chain(&load.flat));
-        if surfaces.into_iter().any(|surface| surface.status == Status::Cancelled) {
+        if surfaces.into_iter().any(|surface| surface.status == RunStatus::Cancelled) {
             self.cut(stage);
             self.out_of_time = true;
         }

@@ -1,7 +1,9 @@
 //! Which of the conditions that the target must hold at decide, and what is said of them.
 
-use slipgrid_optimize::Target;
+use slipgrid_optimize::{Candidate, Target};
+use slipgrid_springblock::{LoadOutcome, Simulation};
 
+use crate::confirmation::trusted;
 use crate::multi_fidelity::MultiFidelityLoop;
 use crate::operating_conditions::{Further, Setting};
 use crate::task::DesignTask;
@@ -40,8 +42,25 @@ impl MultiFidelityLoop<'_> {
     /// none was made by the steady model about that at the condition designed for. Absent where a run gave none.
     pub(super) fn confirmed_each(&self) -> Vec<Option<f64>> {
         let (Some(best), Some(confirmed)) = (&self.round.best, &self.round.confirmed) else { return Vec::new() };
-        let first = self.model.confirmed(&best.design, 0, confirmed);
-        let of = |(place, at): (usize, &Further)| match &at.confirmed {
+        self.by_first(best, self.model.confirmed(&best.design, 0, confirmed), |at| at.confirmed.as_ref())
+    }
+
+    /// The same of `best` that is not run in time, of which `steady` is its specimen in steady sliding: with what time added to that of the
+    /// last design that was.
+    pub(super) fn expected_each(&self, best: &Candidate, steady: &Simulation) -> Vec<Option<f64>> {
+        let in_time = |(load, added): (&LoadOutcome, &f64)| Some(load.ratio.filter(|_| trusted(load))? + added);
+        let in_time: Vec<Option<f64>> = steady.loads.iter().zip(&self.added_by_time).map(in_time).collect();
+        self.by_first(best, self.model.of_ratios(&best.design, &in_time), |_| None)
+    }
+
+    /// Values `first` of `best` at the condition designed for, and those at the further ones: by the runs that `run` says, or about the first.
+    fn by_first(
+        &self,
+        best: &Candidate,
+        first: Vec<Option<f64>>,
+        run: impl Fn(&Further) -> Option<&Simulation>,
+    ) -> Vec<Option<f64>> {
+        let of = |(place, at): (usize, &Further)| match run(at) {
             Some(run) => self.model.confirmed(&best.design, place + 1, run),
             None => self.model.about(&best.design, place + 1, &best.response.value, &first),
         };

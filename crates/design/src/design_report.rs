@@ -16,7 +16,7 @@ use crate::discrepancy_correction::DiscrepancyReport;
 use crate::flat_is_best::FlatReport;
 use crate::infeasibility::ExplanationReport;
 use crate::lattice_table::TableReport;
-use crate::multi_fidelity::MOST_ROUNDS;
+use crate::multi_fidelity::{MOST_ROUNDS, MOST_RUNS};
 use crate::next_trial::AdviceReport;
 use crate::reachable_range::ReachableReport;
 use crate::robustness_report::RobustnessReport;
@@ -123,8 +123,11 @@ pub struct DesignReport {
     pub cut_short: Vec<Cow<'static, str>>,
     /// Designs that the model could not compute.
     pub failed_trials: usize,
-    /// Searches made: each after the first corrected by the confirming run before it.
+    /// Searches made: each after the first corrected by the specimen of the design before it, solved without time or in time.
     pub rounds: usize,
+    /// Designs that were run in time.
+    #[serde(default)]
+    pub runs: usize,
     /// Improvements during the searches.
     pub history: Vec<ImprovementReport>,
     /// What was modelled and why.
@@ -259,7 +262,7 @@ impl DesignReport {
             format!("not met before {}", self.spent())
         } else if is_found {
             format!("met by the steady model, not confirmed in time after {searches}")
-        } else if self.rounds >= MOST_ROUNDS {
+        } else if self.rounds >= MOST_ROUNDS || self.runs >= MOST_RUNS {
             format!("not met after {searches}")
         } else {
             format!("not met before {}", self.spent())
@@ -286,7 +289,7 @@ mod tests {
         for (report, says) in [
             (missed(0.8, 4, false), "target met by the steady model, not confirmed in time after 4 searches"),
             (missed(0.8, 1, false), "target met by the steady model, not confirmed in time after one search"),
-            (missed(1.1, 4, false), "target not met after 4 searches"),
+            (missed(1.1, MOST_ROUNDS, false), "target not met after 8 searches"),
             (missed(1.1, 2, false), "target not met before the evaluations allowed were spent"),
             (missed(1.1, 2, true), "target not met before the seconds allowed were spent"),
         ] {

@@ -253,6 +253,7 @@ fn report_of(
         out_of_time: found.out_of_time,
         failed_trials: found.failed_trials,
         rounds: found.rounds,
+        runs: found.runs,
         history: found.history.clone(),
         material: MaterialReport::from(&prepared.material.provenance),
         specimen: (&design.specimen).into(),

@@ -2,9 +2,10 @@
 
 use slipgrid_material::Material;
 use slipgrid_optimize::{
-    Goal, LowFidelityCorrection, Quantity, SearchError, SearchOptions, SearchOutcome, Status, least_evaluations,
-    search, search_multi_fidelity,
+    Candidate, Goal, LowFidelityCorrection, Quantity, SearchError, SearchOptions, SearchOutcome, Status,
+    least_evaluations, search, search_multi_fidelity,
 };
+use slipgrid_pattern::Pattern;
 use slipgrid_springblock::{Extent, Fidelity, Load, RunOptions, Scene, Statements};
 
 use crate::DesignError;
@@ -24,9 +25,11 @@ use crate::timings::{ImprovementReport, Timings};
 use slipgrid_monitor::{Monitor, Stage};
 use slipgrid_units::{LENGTH_UM, SPEED_MM_S, tidy};
 
-/// Searches made at most: each after the first takes what the confirming run before it found the
-/// steady model to miss. Two suffice where the miss hardly depends on the design.
-pub(super) const MOST_ROUNDS: usize = 4;
+/// Searches made at most: each after the first takes what the specimen of the design before it was found to add to the steady
+/// model. Two suffice where that hardly depends on the design.
+pub(super) const MOST_ROUNDS: usize = 8;
+/// Designs run in time at most.
+pub(super) const MOST_RUNS: usize = 4;
 
 /// Searches and confirmations in turn, until a confirmed design meets the target.
 pub(super) struct MultiFidelityLoop<'a> {
@@ -35,6 +38,8 @@ pub(super) struct MultiFidelityLoop<'a> {
     pub(super) scene: Scene,
     pub(super) status: Status,
     pub(super) rounds: usize,
+    /// Designs run in time.
+    pub(super) runs: usize,
     pub(super) evaluations: usize,
     pub(super) solid_evaluations: usize,
     pub(super) failed_trials: usize,
@@ -53,8 +58,10 @@ pub(super) struct MultiFidelityLoop<'a> {
     pub(super) cut_short: Vec<&'static str>,
     /// What the chance of designs rests on.
     pub(super) chances: Option<Chances<'a>>,
-    /// Largest change of the model by the last confirming run; 0 before.
+    /// Largest change of the model by the specimen solved last; 0 before.
     pub(super) missed: f64,
+    /// What time added to steady sliding of the design that was run last, by load; nothing before, and where that is not known.
+    pub(super) added_by_time: Vec<f64>,
     /// Dynamic over steady friction of the flat sample as calibrated, at each load of the condition designed for and then of each
     /// further one; absent where the material does not say it.
     pub(super) excess: Vec<Option<Vec<f64>>>,
@@ -69,6 +76,12 @@ pub(super) const CONFIRMATION: &str = "confirmation";
 
 /// Standard error over dynamic friction at which a confirming run stops: a tenth of the usual tolerance.
 const CONFIRMED_STDERR: f64 = 0.001;
+
+/// Whether a target that designs miss by `misfit` tolerances may still be reached, where their model misses `missed` of the specimen: it is
+/// missed by less than twice as much.
+pub(super) fn is_doubtful(design: &DesignTask, misfit: f64, missed: f64) -> bool {
+    missed > 0.5 * (misfit - 1.0) * design.target.tolerance()
+}
 
 /// That the seconds allowed did not suffice for `stages`, where there are any.
 pub(super) fn time_statement(stages: &[&str]) -> Option<String> {
@@ -130,6 +143,7 @@ impl<'a> MultiFidelityLoop<'a> {
             scene,
             status: Status::Budget,
             rounds: 0,
+            runs: 0,
             evaluations: 0,
             solid_evaluations: 0,
             failed_trials: 0,
@@ -141,6 +155,7 @@ impl<'a> MultiFidelityLoop<'a> {
             cut_short: Vec::new(),
             chances: None,
             missed: 0.0,
+            added_by_time: Vec::new(),
             excess: Vec::new(),
             kept: None,
             taken_back: None,
@@ -155,31 +170,45 @@ impl<'a> MultiFidelityLoop<'a> {
     }
 
     /// Whether a further round is allowed and can be paid: a search without its whole sample finds what chance would have it.
-    fn goes_on(&self, design: &DesignTask) -> bool {
+    pub(super) fn goes_on(&self, design: &DesignTask) -> bool {
         let left = design.max_evaluations.saturating_sub(self.evaluations);
         let least = || least_evaluations(&design.space, &design.constraints);
         let is_paid = self.rounds == 0 || least().is_ok_and(|least| left >= least);
-        self.rounds < MOST_ROUNDS && left > 0 && is_paid && !self.out_of_time
+        self.may_search_again() && left > 0 && is_paid && !self.out_of_time
+    }
+
+    /// Whether there were fewer searches, and fewer runs in time, than are made at most.
+    const fn may_search_again(&self) -> bool {
+        self.rounds < MOST_ROUNDS && self.runs < MOST_RUNS
     }
 
     fn run_rounds(&mut self, design: &DesignTask, timings: &mut Timings) -> Result<(), DesignError> {
         // Known of a search whose model is off by less than what is missing: one that only asks for less pressure reaches no more.
         let mut is_beyond_reach = false;
+        // The design that was run in time last.
+        let mut in_time = None;
         while self.goes_on(design) {
             let outcome = self.search(design, timings)?;
             let has_searched = matches!(outcome.status, Status::Met | Status::Unreachable);
-            if !has_searched && !self.may_beat_the_kept(&outcome.best) {
+            let best = if has_searched { outcome.best } else { self.or_waiting(design, outcome.best, in_time) };
+            if !has_searched && !self.may_beat_the_kept(&best) {
                 self.note_worse(Advantage::Cut);
                 self.status = if is_beyond_reach { Status::Unreachable } else { Status::Budget };
                 break;
             }
-            let pattern = outcome.best.design;
-            let misfit = outcome.best.misfit;
-            let keeps_by_model = outcome.best.violations.is_empty();
-            let unchanged = self.round.best.as_ref().is_some_and(|best| best.design == pattern);
-            self.round.best = Some(outcome.best);
+            let pattern = best.design;
+            let misfit = best.misfit;
+            let keeps_by_model = best.violations.is_empty();
+            let unchanged = in_time == Some(pattern);
+            self.round.best = Some(best);
             if !unchanged {
-                self.confirm(design, &pattern, timings)?;
+                let solved = if has_searched { self.without_time(design, timings)? } else { None };
+                if solved.as_ref().is_some_and(|solved| self.is_searched_again(design, outcome.status, solved)) {
+                    is_beyond_reach = false;
+                    continue;
+                }
+                self.confirm(design, &pattern, solved.as_ref(), timings)?;
+                in_time = Some(pattern);
             }
             // Further runs are as dear: not of a design that misses, or breaks a limit, by what is known already.
             if self.is_confirmed(design) {
@@ -188,7 +217,7 @@ impl<'a> MultiFidelityLoop<'a> {
             // On target is all that is asked for, unless there is a goal: then nothing better may be left to find.
             let suffices = design.target.goal().is_none() || outcome.status == Status::Met;
             // What is even by the steady model need not be in time: searched again with what the first run taught.
-            let is_settled = design.target.goal() != Some(Goal::Even) || unchanged || self.rounds > 1;
+            let is_settled = design.target.goal() != Some(Goal::Even) || unchanged || self.runs > 1;
             let is_whole = !self.cut_short.iter().any(|stage| stage.starts_with(CONFIRMATION));
             self.keep_round(design, !has_searched, suffices && is_whole);
             let feasible = self.broken(design).is_empty();
@@ -198,8 +227,7 @@ impl<'a> MultiFidelityLoop<'a> {
             }
             let is_pressed_harder = keeps_by_model && self.breaks_in_time(design);
             let missed = self.correct(design);
-            // A target missed by less than twice what the model misses may still be reached.
-            let doubtful = missed > 0.5 * (misfit.max - 1.0) * design.target.tolerance();
+            let doubtful = is_doubtful(design, misfit.max, missed);
             let again = match outcome.status {
                 Status::Met => true,
                 Status::Unreachable => doubtful || is_pressed_harder,
@@ -217,11 +245,20 @@ impl<'a> MultiFidelityLoop<'a> {
                 break;
             }
             // What a further search could reach is not known where none can be paid.
-            if self.rounds < MOST_ROUNDS && !self.goes_on(design) && !is_beyond_reach {
+            if self.may_search_again() && !self.goes_on(design) && !is_beyond_reach {
                 self.status = Status::Budget;
             }
         }
         Ok(())
+    }
+
+    /// `found` by a search that was cut short, or the best design before it that still waits for its run, where that is better by the model as
+    /// it stands; `in_time` is the design that was run last.
+    fn or_waiting(&self, design: &DesignTask, found: Candidate, in_time: Option<Pattern>) -> Candidate {
+        let waiting = self.round.best.as_ref().filter(|best| Some(best.design) != in_time);
+        let waiting = waiting.map(|best| self.model.judged(design, best));
+        let rank = |candidate: &Candidate| (candidate.excess(), candidate.misfit.merit);
+        waiting.filter(|waiting| rank(waiting) < rank(&found)).unwrap_or(found)
     }
 
     /// Keeps every answer in `cache`, and begins with those that it holds.

@@ -146,6 +146,9 @@ pub struct LoadReport {
     /// ratio, which has a standard error of 0.34 of it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub ratio_tilt_change: Option<f64>,
+    /// What sliding in time adds to the ratio of steady sliding: in the ratio of a specimen run in time.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub ratio_time_change: Option<f64>,
     /// Section models: strips between rows of cavities counted as flat.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub ratio_strip_estimate: Option<f64>,
@@ -203,6 +206,7 @@ impl LoadReport {
             ratio_layer_difference: load.ratio_layer_difference,
             ratio_layer_error: load.ratio_layer_error,
             ratio_tilt_change: load.ratio_tilt_change,
+            ratio_time_change: load.ratio_time_change,
             ratio_strip_estimate: strip.map(|(pattern, ratio)| pattern.strip_estimate(ratio)),
             peak_pressure_mpa: PRESSURE_MPA.from_si(surface.peak_pressure_pa),
             tension_blocks: surface.tension_blocks,

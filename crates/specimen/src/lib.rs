@@ -12,7 +12,7 @@
 //!
 //! | type | role |
 //! |---|---|
-//! | [`simulate_on`] | solves a scene on a specimen, in time or steady |
+//! | [`simulate_on`], [`strips_on`] | solves a scene on a specimen, in time or steady, or both in turn |
 //! | [`SteadyOnFace`] | what a specimen makes of steady ratios, cheaply: how trials are modelled |
 //! | [`Laid`], [`on_face`] | the share of cavities of a design, of samples of it, and what follows for the ratio |
 //!
@@ -40,4 +40,4 @@ mod laid;
 mod on_specimen;
 
 pub use laid::{Laid, on_face};
-pub use on_specimen::{SpecimenError, SteadyOnFace, onto, simulate_on};
+pub use on_specimen::{SpecimenError, SteadyOnFace, onto, simulate_on, strips_on};

@@ -3,8 +3,8 @@
 use slipgrid_export::{ExportError, LaidStrip, Layout, Specimen};
 use slipgrid_pattern::Pattern;
 use slipgrid_springblock::{
-    Extent, Face, Monitor, RunOptions, Scene, SceneError, Simulation, Status, SteadyCell, Strip, TILT_MEAN, add_tilt,
-    simulate, simulate_specimen, steady_face_ratios, tilt_changes,
+    Extent, Face, Monitor, RunOptions, Scene, SceneError, Simulation, Status, SteadyCell, SteadySpecimen, Strip,
+    TILT_MEAN, add_tilt, simulate, simulate_specimen, steady_face_ratios, tilt_changes,
 };
 
 use crate::laid::{Laid, density_share, on_face, share_of};
@@ -57,6 +57,21 @@ pub fn simulate_on(
         100.0 * pattern.areal_density(),
     ));
     Ok(simulation)
+}
+
+/// `specimen` with the pattern of `scene` in steady sliding, from which a run in time goes on; `None` where it takes no strips, and once
+/// `monitor` has cancelled.
+///
+/// # Errors
+/// As [`simulate_on`].
+pub fn strips_on(
+    scene: &Scene,
+    specimen: &Specimen,
+    monitor: &dyn Monitor,
+) -> Result<Option<SteadySpecimen>, SpecimenError> {
+    let Some(pattern) = scene.pattern.filter(|_| scene.dimension().takes_strips()) else { return Ok(None) };
+    let face = face(&specimen.layout(pattern)?, scene.layer.block_m)?;
+    Ok(SteadySpecimen::new(scene, &face, monitor)?)
 }
 
 /// The strips of `layout` as a solver takes them: all of grooves across the sliding direction; of another planform, which

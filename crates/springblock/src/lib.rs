@@ -16,7 +16,7 @@
 //! | [`Scene`] | what is to be simulated, fixed |
 //! | [`simulate`] | solves a scene at every load, beside the flat surface |
 //! | [`steady_ratios`] | the ratios of a steady cell alone |
-//! | [`Face`], [`Strip`], [`simulate_specimen`] | the same of a specimen as it is cut, strip by strip |
+//! | [`Face`], [`Strip`], [`simulate_specimen`], [`SteadySpecimen`] | the same of a specimen as it is cut, strip by strip |
 //! | [`Simulation`], [`LoadOutcome`], [`SurfaceOutcome`] | what was found, with a [`Status`] |
 //! | [`Dimension`] | in the plane or in space, and what follows from it |
 //! | [`SteadyCell`], [`CellOutcome`] | the steady ratio of many patterns, in the plane or in space: what a search calls |
@@ -84,8 +84,8 @@ pub use outcome::{
 };
 pub use scene::{Extent, Fidelity, Layer, Load, MOST_DRAWS, MOST_ROWS, RunOptions, Scene, Springs};
 pub use simulate::{
-    BlockRefinement, Expense, TILT_MEAN, TILT_STD, add_tilt, block_refinement, bounded, can_refine, expense,
-    planned_steps, simulate, simulate_specimen, steady_face_ratios, steady_ratios, tilt_changes,
+    BlockRefinement, Expense, SteadySpecimen, TILT_MEAN, TILT_STD, add_tilt, block_refinement, bounded, can_refine,
+    expense, planned_steps, simulate, simulate_specimen, steady_face_ratios, steady_ratios, tilt_changes,
 };
 pub use slipgrid_monitor::{Monitor, Unwatched};
 pub use space::{SpaceBond, SpaceLattice, SpaceLoad, SpaceSpring, SpaceSteadyModel};

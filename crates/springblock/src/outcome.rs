@@ -249,6 +249,9 @@ pub struct LoadOutcome {
     /// What friction changes of the ratio by tilting the pressure of a specimen that its holder keeps from turning. [`TILT_MEAN`] of it is
     /// in `ratio`, which has an error of [`TILT_STD`] of it; `None` where the scene does not say how thick a specimen with ends is.
     pub ratio_tilt_change: Option<f64>,
+    /// What sliding in time adds to the ratio of steady sliding, which is in `ratio`; `None` where it is not known: only strips of a
+    /// specimen have both.
+    pub ratio_time_change: Option<f64>,
 }
 
 impl LoadOutcome {

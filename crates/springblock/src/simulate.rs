@@ -12,7 +12,7 @@ mod space;
 mod specimen;
 mod statements;
 
-pub use specimen::{simulate_specimen, steady_face_ratios};
+pub use specimen::{SteadySpecimen, simulate_specimen, steady_face_ratios};
 
 use std::sync::OnceLock;
 
@@ -71,7 +71,8 @@ pub fn simulate(scene: &Scene, monitor: &dyn Monitor) -> Result<Simulation, Scen
     if let Some(pattern) = &scene.pattern {
         rim_difference::add_yielding(scene, pattern, &mut simulation.loads, &mut simulation.statements);
         let tilt = PressureTilt::of_sample(scene, pattern, monitor);
-        Behind::new(scene, pattern, monitor).tell(&tilt, &mut simulation.loads, &mut simulation.statements);
+        let is_in_time = scene.run.fidelity != Fidelity::Steady;
+        Behind::new(scene, pattern, monitor).tell(is_in_time, &tilt, &mut simulation.loads, &mut simulation.statements);
         blocks::refine(scene, pattern, 1.0, &mut simulation, monitor);
     }
     Ok(simulation)
@@ -449,6 +450,7 @@ fn compare(load: &Load, surface: SurfaceOutcome, flat: Option<SurfaceOutcome>) -
         ratio_layer_difference: None,
         ratio_layer_error: None,
         ratio_tilt_change: None,
+        ratio_time_change: None,
     }
 }
 

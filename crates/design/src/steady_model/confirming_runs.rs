@@ -56,6 +56,12 @@ impl SteadyModel<'_> {
         simulation.loads.iter().zip(own).map(|(load, factor)| Some(value(load)? * factor)).collect()
     }
 
+    /// The target's quantity of `design` at the condition designed for, by its `ratios` there, as it is compared with the target.
+    #[must_use]
+    pub fn of_ratios(&self, design: &Pattern, ratios: &[Option<f64>]) -> Vec<Option<f64>> {
+        ratios.iter().zip(self.scales(design)).map(|(ratio, scale)| Some((*ratio)? * scale)).collect()
+    }
+
     /// What the steady model makes of the values `first` of `design` confirmed at the condition designed for at that of place
     /// `condition`, which the search took for `predicted`: its ratio is off by as much as there.
     #[must_use]

@@ -40,18 +40,19 @@ const THICK_PERIODS: f64 = 4.0;
 const COARSE_PERIOD: f64 = 8.0;
 
 /// Differences of a thick cell from the layer's alone, by load.
+#[derive(Clone, Debug)]
 pub struct Behind {
     layer: Layer,
     /// Whether the ratios solved for have the specimen behind the layer in them.
     is_solved: bool,
-    /// What adding to a ratio leaves open, and that as a share of what is added.
-    open: f64,
+    /// What adding to a ratio leaves open by the ends of strips, and that as a share of what is added.
+    open_by_ends: f64,
     open_of_difference: f64,
     each: Vec<Option<Difference>>,
 }
 
 /// Thick less layer alone.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 struct Difference {
     ratio: f64,
     /// Peak pressure over that of the layer alone.
@@ -93,13 +94,12 @@ impl Behind {
         let alone = Scene { layer: thick.layer.alone(), ..thick.clone() };
         let (thick, alone) = rayon::join(|| cells(&thick, pattern, monitor), || cells(&alone, pattern, monitor));
         let each = thick.iter().zip(&alone).map(|(thick, alone)| difference(thick, alone)).collect();
-        let in_time = if scene.run.fidelity == Fidelity::Steady { 0.0 } else { OPEN_IN_TIME };
-        let by_ends = match scene.run.extent {
+        let open_by_ends = match scene.run.extent {
             Extent::Cell => 0.0,
             Extent::Sample => OPEN_BY_ENDS * (KNOWN_LENGTH_M / scene.layer.length_m).max(1.0),
         };
         let is_solved = is_cell(scene) && scene.layer.is_backed();
-        Self { layer: scene.layer, is_solved, open: in_time.hypot(by_ends), open_of_difference: 0.0, each }
+        Self { layer: scene.layer, is_solved, open_by_ends, open_of_difference: 0.0, each }
     }
 
     /// What is behind the layer of `scene` under `face` with cavities of `pattern`: where the scene says how thick the specimen
@@ -123,14 +123,15 @@ impl Behind {
     }
 
     /// Adds it to `loads`, where the scene says how thick the specimen is and they do not have it yet, and `tilt`; `said` tells of
-    /// both.
-    pub fn tell(&self, tilt: &PressureTilt, loads: &mut [LoadOutcome], said: &mut Statements) {
+    /// both. `is_in_time` says whether time is in them.
+    pub fn tell(&self, is_in_time: bool, tilt: &PressureTilt, loads: &mut [LoadOutcome], said: &mut Statements) {
         let is_added = self.layer.is_backed() && !self.is_solved;
+        let open = (if is_in_time { OPEN_IN_TIME } else { 0.0 }).hypot(self.open_by_ends);
         for (load, difference) in loads.iter_mut().zip(&self.each) {
             let Some(difference) = difference else { continue };
             load.ratio_layer_difference = Some(difference.ratio);
             if is_added {
-                add(difference, self.open.hypot(self.open_of_difference * difference.ratio), load);
+                add(difference, open.hypot(self.open_of_difference * difference.ratio), load);
             }
         }
         if !self.each.is_empty() && loads.iter().any(|load| load.ratio.is_some()) {

@@ -199,11 +199,26 @@ pub fn refine(scene: &Scene, pattern: &Pattern, share: f64, simulation: &mut Sim
         return;
     }
     let own: Vec<Option<f64>> = simulation.loads.iter().map(|load| load.ratio).collect();
-    let found = finer(scene, pattern, &own, MOST_REFINED, monitor);
+    let found = finest(scene, pattern, &own, monitor);
     if monitor.cancelled() {
         *simulation = super::cancelled(scene);
         return;
     }
+    take(scene, found, share, simulation);
+}
+
+/// What blocks as small as can be had in some seconds change of `scene` over `pattern`; `own` are its ratios, which cells in space need.
+pub fn finest(
+    scene: &Scene,
+    pattern: &Pattern,
+    own: &[Option<f64>],
+    monitor: &dyn Monitor,
+) -> Result<BlockRefinement, Unrefined> {
+    finer(scene, pattern, own, MOST_REFINED, monitor)
+}
+
+/// Takes what was `found` of smaller blocks into the ratios of `simulation`, as [`refine`] does.
+pub fn take(scene: &Scene, found: Result<BlockRefinement, Unrefined>, share: f64, simulation: &mut Simulation) {
     let Simulation { loads, statements } = simulation;
     let block_m = scene.layer.block_m;
     match found.and_then(|found| better(loads, found, share, block_m)) {

@@ -1,6 +1,12 @@
+use std::sync::OnceLock;
+
+use super::strips::{shortened, solve};
+use super::timed_strip::{TIME_SHARE, drawn_ratios, timed_lattices};
 use super::*;
-use crate::samples;
-use crate::{Extent, Layer, RunOptions, Unwatched, simulate};
+use crate::lattice::Lattice;
+use crate::simulate::integrate;
+use crate::steady::SteadyModel;
+use crate::{Layer, Strip, columns, samples, simulate};
 use slipgrid_material::{AreaLaw, LocalFriction};
 
 fn scene(run: RunOptions) -> Scene {
@@ -238,9 +244,8 @@ fn strips_follow_the_longest_in_time() {
     let alone = |strip: &Strip| {
         let lattices = timed_lattices(&scene, &scene.pattern.unwrap(), strip);
         let loads = integrate(&scene, &lattices, &[0.0], &Unwatched).unwrap().loads;
-        let models: Vec<SteadyModel> =
-            lattices.into_iter().map(|lattice| SteadyModel::new(lattice, 10e-6, 0.38e9, false)).collect();
-        loads[0].ratio.unwrap() - drawn_ratios(&scene, &models)[0].unwrap()
+        let steady = drawn_ratios(&scene, lattices, vec![OnceLock::new(); 2], &Unwatched);
+        loads[0].ratio.unwrap() - steady[0].unwrap()
     };
     let added: Vec<f64> = strips.iter().map(alone).collect();
     let over_share: Vec<f64> =

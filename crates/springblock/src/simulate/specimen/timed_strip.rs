@@ -1,0 +1,159 @@
+//! What time adds to steady sliding, by the longest strip of a face.
+
+use std::sync::OnceLock;
+
+use slipgrid_monitor::memory::{from_bytes, recalled, to_bytes};
+use slipgrid_pattern::Pattern;
+
+use super::super::{Integrated, describe_protocol, describe_scheme, describe_start, integrate, seed_of};
+use super::strips::{solve_drawn, without_slivers};
+use crate::Monitor;
+use crate::columns;
+use crate::draws;
+use crate::dynamics::settings;
+use crate::error::SceneError;
+use crate::face::{Face, Strip};
+use crate::lattice::Lattice;
+use crate::outcome::{LoadOutcome, Statements, Status, SurfaceOutcome};
+use crate::scene::{Load, Scene};
+use crate::steady::SteadyModel;
+
+/// Columns of the strip that is run in time: the published specimen has 996.
+const MOST_TIMED_COLUMNS: f64 = 1200.0;
+/// Share of what time adds to steady sliding on one strip that is left open for the others: that of strips of other lengths
+/// and cavities departs from it by no more (`strips_follow_the_longest_in_time`).
+pub const TIME_SHARE: f64 = 0.5;
+
+/// The longest strip of a face, run in time.
+pub struct TimedStrip {
+    /// It and its flat companion, by load.
+    loads: Vec<LoadOutcome>,
+    /// What time adds to its steady ratio, by load.
+    added: Vec<Option<f64>>,
+    /// Share of its columns that is cavity.
+    share: f64,
+    said: Statements,
+}
+
+impl TimedStrip {
+    /// That of `face` with cavities of `pattern`, at every load of `scene`.
+    ///
+    /// # Errors
+    /// As [`super::super::simulate`].
+    pub fn new(scene: &Scene, face: &Face, pattern: &Pattern, monitor: &dyn Monitor) -> Result<Self, SceneError> {
+        let strip = timed_strip(face.longest(), scene.layer.block_m);
+        let part =
+            if strip.length_m < face.longest().length_m { "part of the longest strip" } else { "the longest strip" };
+        let strip = without_slivers(strip, pattern.depth_m(), scene.layer.block_m);
+        let lattices = timed_lattices(scene, pattern, &strip);
+        let none = vec![0.0; scene.loads.len()];
+        let Integrated { loads, scheme, steady: models } = integrate(scene, &lattices, &none, monitor)?;
+        let mut said = Statements::default();
+        said.method(describe_scheme(scene, &scheme));
+        describe_protocol(scene, scheme.step_s, &mut said);
+        said.method(format!(
+            "in time: {part} of the specimen, {:.2} mm with {} cavities on whole blocks of {:.0} um; the other strips take from it what time adds to steady sliding",
+            strip.length_m * 1e3,
+            strip.cavities_m.len(),
+            scene.layer.block_m * 1e6,
+        ));
+        describe_start(scene, "layer", &mut said);
+        let columns = lattices[0].columns();
+        let share = columns.iter().filter(|column| !column.is_land()).count() as f64 / columns.len() as f64;
+        let steady = drawn_ratios(scene, lattices, models, monitor);
+        let added = loads.iter().zip(steady).map(|(load, steady)| Some(load.ratio? - steady?)).collect();
+        Ok(Self { loads, added, share, said })
+    }
+
+    /// The `steady` ratios of `face` with what time adds; `said` tells how.
+    pub fn on(&self, face: &Face, steady: &[LoadOutcome], said: &mut Statements) -> Vec<LoadOutcome> {
+        said.model.extend(self.said.model.iter().cloned());
+        said.method.extend(self.said.method.iter().cloned());
+        // D / D_1
+        let share = if self.share > 0.0 { face.cavity_share() / self.share } else { 0.0 };
+        // One strip has nothing to follow it.
+        let followed = if face.strips().len() > 1 { TIME_SHARE } else { 0.0 };
+        let of_load = |((strip, added), steady): ((&LoadOutcome, &Option<f64>), &LoadOutcome)| {
+            let mut load = strip.clone();
+            load.ratio_time_change = steady.ratio.and(*added).map(|added| added * share);
+            load.set_ratio(steady.ratio.zip(load.ratio_time_change).map(|(ratio, added)| ratio + added));
+            load.ratio_stderr = strip.ratio_stderr.map(|stderr| stderr * share);
+            load.surface.cavity_closed |= steady.surface.cavity_closed;
+            load.surface.area_law_extrapolated |= steady.surface.area_law_extrapolated;
+            let sampled = steady.ratio_layout_error.zip(load.ratio_time_change);
+            load.ratio_layout_error = sampled.map(|(sampled, added)| sampled.hypot(followed * added));
+            load
+        };
+        self.loads.iter().zip(&self.added).zip(steady).map(of_load).collect()
+    }
+}
+
+/// The part of `strip` that is run in time: up to the middle of a land where it is too long.
+fn timed_strip(strip: &Strip, block_m: f64) -> Strip {
+    let most_m = MOST_TIMED_COLUMNS * block_m;
+    if strip.length_m <= most_m {
+        return strip.clone();
+    }
+    let middles = strip.cavities_m.windows(2).map(|pair| f64::midpoint(pair[0][1], pair[1][0]));
+    let length_m = middles.take_while(|at_m| *at_m <= most_m).last().unwrap_or(most_m);
+    let cavities_m = strip.cavities_m.iter().copied().filter(|[_, end_m]| *end_m <= length_m).collect();
+    Strip { length_m, cavities_m, ..strip.clone() }
+}
+
+/// The strip and its flat companion on whole blocks.
+pub fn timed_lattices(scene: &Scene, pattern: &Pattern, strip: &Strip) -> Vec<Lattice> {
+    let (block_m, rows) = (scene.layer.block_m, scene.layer.rows());
+    let cavities: Vec<[f64; 2]> = strip.cavities_m.iter().map(|ends_m| ends_m.map(|at_m| at_m / block_m)).collect();
+    let own = columns::whole_strip(strip.length_m / block_m, &cavities, pattern.depth_m() / block_m, rows);
+    let own = columns::raised(own, pattern, block_m, scene.relief.as_deref());
+    let flat = columns::flat(own.len());
+    [own, flat].into_iter().map(|columns| Lattice::new(columns, rows, false)).collect()
+}
+
+/// Steady ratio of the strip over its flat companion with the coefficients that the runs in time draw, by load. What the flat one has is
+/// recalled where the monitor's caller remembers it.
+pub fn drawn_ratios(
+    scene: &Scene,
+    lattices: Vec<Lattice>,
+    models: Vec<OnceLock<SteadyModel>>,
+    monitor: &dyn Monitor,
+) -> Vec<Option<f64>> {
+    let mut each = lattices.into_iter().zip(models);
+    let (Some(own), Some(flat)) = (each.next(), each.next()) else { return Vec::new() };
+    let friction = |(lattice, made): (Lattice, OnceLock<SteadyModel>)| {
+        let model = made.into_inner().unwrap_or_else(|| SteadyModel::of(scene, lattice));
+        drawn_friction(scene, &model)
+    };
+    let of_flat = || {
+        let (content, count) = ((settings(scene), &scene.loads, &flat.0), scene.loads.len() * scene.run.draws as usize);
+        let known = |bytes: &[u8]| Some(from_bytes(bytes)).filter(|all| all.len() == count);
+        // No number stands for friction that was not found.
+        let kept = |friction: &Vec<f64>| Some(to_bytes(friction));
+        recalled(monitor, ("flat", &content), (known, kept), || friction(flat.clone()))
+    };
+    let (own, flat) = rayon::join(|| friction(own), of_flat);
+    let ratio = |load: usize| {
+        let of_draw = |(own, flat): (&f64, &f64)| Some(own / flat).filter(|ratio| ratio.is_finite());
+        let count = scene.loads.len();
+        let each = |all: &'_ [f64]| all.iter().skip(load).step_by(count).copied().collect::<Vec<f64>>();
+        let ratios = each(&own).iter().zip(&each(&flat)).map(of_draw).collect::<Option<Vec<f64>>>()?;
+        Some(ratios.iter().sum::<f64>() / ratios.len() as f64)
+    };
+    (0..scene.loads.len()).map(ratio).collect()
+}
+
+/// Steady friction of `model` by draw, and by load in each; no number where none is found, or none is there.
+fn drawn_friction(scene: &Scene, model: &SteadyModel) -> Vec<f64> {
+    let of_draw = |draw: usize| {
+        let of_load = |load: &Load| {
+            let drawn = draws::draw(&load.friction, seed_of(scene, draw), model.lattice().nx());
+            drawn.iter().map(|drawn| drawn.dynamic_mu).collect()
+        };
+        solve_drawn(scene, model, 1.0, &scene.loads.iter().map(of_load).collect::<Vec<Vec<f64>>>())
+    };
+    let mu = |surface: SurfaceOutcome| {
+        let found = surface.mu_dynamic.filter(|mu| *mu != 0.0 && surface.status == Status::Converged);
+        found.unwrap_or(f64::NAN)
+    };
+    (0..scene.run.draws as usize).flat_map(of_draw).map(mu).collect()
+}
