@@ -320,6 +320,16 @@ mod tests {
     }
 
     #[test]
+    fn designs_off_target_without_time_are_not_run_in_time() {
+        let found = searched(4000, 2);
+        assert!(found.runs > 1 && found.rounds > found.runs, "{} {}", found.rounds, found.runs);
+        // What is reported was run in time, whatever was known before.
+        let confirmed = &found.confirmed[0];
+        assert!(confirmed.ratio_time_change.is_some() && confirmed.steps.is_some());
+        assert_eq!(found, searched(4000, 1));
+    }
+
+    #[test]
     fn a_search_that_is_cut_short_takes_nothing_back_and_none_begins_without_its_sample() {
         let missed = |report: &crate::DesignReport| report.misfit.confirmed.unwrap();
         let grooves = task(Planform::Groove);

@@ -258,3 +258,35 @@ fn strips_follow_the_longest_in_time() {
     let distance = (found.ratio.unwrap() - (steady[0] + all)).abs();
     assert!(distance <= found.ratio_layout_error.unwrap(), "{distance} {:?}", found.ratio_layout_error);
 }
+
+#[test]
+fn a_run_in_time_is_the_steady_specimen_and_what_it_says_that_time_adds() {
+    let run = RunOptions {
+        fidelity: Fidelity::Dynamic,
+        warm_start: true,
+        sliding_m: 1e-6,
+        refine: true,
+        ..RunOptions::default()
+    };
+    let mut scene = scene(run);
+    scene.layer.thickness_m = Some(3e-3);
+    let whole = face(vec![strip(0, 2e-3, 180e-6), strip(1, 0.9e-3, 180e-6)]);
+    let at_once = simulate_specimen(&scene, &whole, &Unwatched).unwrap();
+    let solved = SteadySpecimen::new(&scene, &whole, &Unwatched).unwrap().unwrap();
+    let (steady, mut in_time) = (solved.steady(), solved.in_time(&Unwatched).unwrap());
+    // Times are another each time.
+    for (load, of) in in_time.loads.iter_mut().zip(&at_once.loads) {
+        let surfaces = [Some(&mut load.surface), load.flat.as_mut()].into_iter().flatten();
+        for (surface, of) in surfaces.zip([Some(&of.surface), of.flat.as_ref()].into_iter().flatten()) {
+            surface.cost = of.cost;
+        }
+    }
+    assert_eq!(in_time, at_once);
+    let alone = Scene { run: RunOptions { fidelity: Fidelity::Steady, ..scene.run }, ..scene.clone() };
+    assert_eq!(simulate_specimen(&alone, &whole, &Unwatched).unwrap(), steady);
+    for (in_time, steady) in in_time.loads.iter().zip(&steady.loads) {
+        let added = in_time.ratio_time_change.unwrap();
+        assert!((in_time.ratio.unwrap() - steady.ratio.unwrap() - added).abs() < 1e-12 && added != 0.0);
+        assert_eq!((steady.ratio_time_change, steady.ratio_tilt_change), (None, in_time.ratio_tilt_change));
+    }
+}
