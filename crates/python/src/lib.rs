@@ -15,6 +15,8 @@
 //!
 //! Records cross the border as the JSON that the command line writes: the same bytes. Arrays are NumPy's.
 
+#![cfg(feature = "module")]
+
 mod calibrations;
 mod campaigns;
 mod copied;

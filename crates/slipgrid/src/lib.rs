@@ -19,7 +19,7 @@
 //! | [`campaign`] | many scenes or designs as tasks that any machine can do |
 //! | [`monitor`], [`units`], [`statistics`] | progress and cancelling; units of files; deviates and quantiles |
 //!
-//! From Python the same is `slipgrid.Design.read("design.toml").optimize()`: `crates/python`, a workspace of its own.
+//! From Python the same is `slipgrid.Design.read("design.toml").optimize()`: `crates/python`.
 //!
 //! No library opens a file, reads a clock, prints, or touches the environment: bytes come through
 //! [`formats::source::Files`], time and cancelling through [`monitor::Monitor`].
