@@ -5,10 +5,8 @@ use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use super::CondensedCell;
 use crate::lattice::Lattice;
 
-/// Multiplications from which a cell is worth remembering: some ten microseconds, of which finding it again takes one.
-pub const WORTH_REMEMBERING: f64 = 3e5;
-/// Cells that are remembered at most: who asks again does so soon.
-const MOST_CELLS: usize = 128;
+/// Multiplications from which a cell is worth remembering: some milliseconds.
+pub const WORTH_REMEMBERING: f64 = 1e7;
 /// Numbers that remembered cells hold at most: 64 MB.
 const MOST_NUMBERS: usize = 8 << 20;
 
@@ -45,13 +43,9 @@ impl Latest {
         };
         let cell = own.get_or_init(condense).clone();
         let mut all = all();
-        let mut held = 0;
-        let kept = all.iter().rev().take(MOST_CELLS).take_while(|(_, made)| {
-            held += numbers(made);
-            held <= self.most_numbers
-        });
-        let forgotten = all.len() - kept.count();
-        all.drain(..forgotten);
+        while all.iter().map(|(_, made)| numbers(made)).sum::<usize>() > self.most_numbers {
+            all.remove(0);
+        }
         cell
     }
 }
