@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 
 use rayon::prelude::*;
-use slipgrid_statistics::{Normals, box_probability};
+use slipgrid_statistics::{Normals, box_probability, rough_box_probability};
 
 use crate::{Features, Prediction, Predictor};
 use slipgrid_statistics::cholesky::{cholesky, covariance_factor, dot, is_regular, log_determinant, solve_lower};
@@ -83,11 +83,11 @@ impl Wanted {
     #[must_use]
     pub fn score(&self, prediction: &Prediction, modelled: &[f64]) -> Score {
         let bounds = self.over(modelled);
-        let chance = chance(prediction, &bounds, 0.0).unwrap_or(0.0);
+        let chance = chance(prediction, &bounds, 0.0, box_probability).unwrap_or(0.0);
         Score { chance, closeness: closeness(prediction, &bounds) }
     }
 
-    /// The same; `None` where the chance is below `least_chance`, or the score's value below `least_value`. `most_close` is no less than the
+    /// The same, roughly where there are more than four loads; `None` where the chance is below `least_chance`, or the score's value below `least_value`. `most_close` is no less than the
     /// closeness, which is dearer than most chances that are too small.
     fn score_above(
         &self,
@@ -98,7 +98,7 @@ impl Wanted {
     ) -> Option<Score> {
         let bounds = self.over(modelled);
         let least = least_chance.max(least_value - OF_CLOSENESS * most_close);
-        let chance = chance(prediction, &bounds, least)?;
+        let chance = chance(prediction, &bounds, least, rough_box_probability)?;
         let score = Score { chance, closeness: closeness(prediction, &bounds) };
         (score.value() >= least_value).then_some(score)
     }
@@ -128,9 +128,12 @@ impl Wanted {
     }
 }
 
+/// Probability of a box, as [`box_probability`] has it.
+type Within = fn(&[f64], &[f64], &[f64], &[f64]) -> f64;
+
 /// Chance that a sample lies within `bounds` at all loads at once; `None` where that is less than `least`, which the forms that can
 /// add most tell before the others are asked.
-fn chance(prediction: &Prediction, [lower, upper]: &[Vec<f64>; 2], least: f64) -> Option<f64> {
+fn chance(prediction: &Prediction, [lower, upper]: &[Vec<f64>; 2], least: f64, within: Within) -> Option<f64> {
     let n = lower.len();
     let forms = prediction.components.iter().enumerate().filter(|(_, of)| of.weight > LEAST_WEIGHT);
     let mut most: Vec<(usize, f64)> =
@@ -146,7 +149,7 @@ fn chance(prediction: &Prediction, [lower, upper]: &[Vec<f64>; 2], least: f64) -
         }
         let of = &prediction.components[place];
         let factor = covariance_factor(&of.covariance, n);
-        found[place] = of.weight * box_probability(&of.mean, &factor, lower, upper);
+        found[place] = of.weight * within(&of.mean, &factor, lower, upper);
         sum += found[place];
         left -= most;
     }

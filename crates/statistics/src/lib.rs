@@ -19,7 +19,7 @@ mod synthetic_noise;
 
 pub use chi_square::chi_square_beyond;
 pub use normal::Normals;
-pub use normal_distribution::{box_probability, normal_probability, normal_quantile};
+pub use normal_distribution::{box_probability, normal_probability, normal_quantile, rough_box_probability};
 pub use response_surface::{Axis, ResponseSurface};
 pub use sample::{mean_and_std, median, upper_median};
 pub use student::Confidence;

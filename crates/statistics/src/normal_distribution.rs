@@ -106,6 +106,8 @@ const FAR_BOTTOM: [f64; 8] = [
 
 /// Points of the rule behind [`box_probability`] for up to four components, and for more.
 const POINTS: [usize; 2] = [64, 512];
+/// Points from five components on where boxes are ranked.
+const ROUGH_POINTS: usize = 128;
 /// Dimensions beyond the first in which points spread: square roots of primes.
 const PRIMES: [f64; 12] = [2.0, 3.0, 5.0, 7.0, 11.0, 13.0, 17.0, 19.0, 23.0, 29.0, 31.0, 37.0];
 
@@ -115,6 +117,17 @@ const PRIMES: [f64; 12] = [2.0, 3.0, 5.0, 7.0, 11.0, 13.0, 17.0, 19.0, 23.0, 29.
 /// on 512: exact for one component, to some 1e-3 for four and for six.
 #[must_use]
 pub fn box_probability(mean: &[f64], factor: &[f64], lower: &[f64], upper: &[f64]) -> f64 {
+    by_points(mean, factor, lower, upper, POINTS[usize::from(mean.len() > 4)])
+}
+
+/// The same to rank by: on 128 points from five components on, up to 24 of which it departs from [`box_probability`] by 0.01 root mean
+/// square (`few_points_serve_to_rank_by`).
+#[must_use]
+pub fn rough_box_probability(mean: &[f64], factor: &[f64], lower: &[f64], upper: &[f64]) -> f64 {
+    by_points(mean, factor, lower, upper, POINTS[usize::from(mean.len() > 4)].min(ROUGH_POINTS))
+}
+
+fn by_points(mean: &[f64], factor: &[f64], lower: &[f64], upper: &[f64], points: usize) -> f64 {
     let n = mean.len();
     let ends = |row: usize, drawn: &[f64]| {
         let known: f64 = mean[row] + drawn.iter().zip(&factor[row * n..]).map(|(y, l)| y * l).sum::<f64>();
@@ -140,7 +153,6 @@ pub fn box_probability(mean: &[f64], factor: &[f64], lower: &[f64], upper: &[f64
     }
     let mut sum = 0.0;
     let mut drawn = vec![0.0; n];
-    let points = POINTS[usize::from(n > 4)];
     for point in 0..points {
         let mut product = share;
         let [mut from, mut to] = [first, last];
@@ -208,6 +220,32 @@ mod tests {
             // Draws: 0.0011 at most; the rule's own error.
             assert!((found - share).abs() < 0.008, "{case}: {found} {share}");
         }
+    }
+
+    #[test]
+    fn few_points_serve_to_rank_by() {
+        let mut normals = Normals::new(11);
+        let (mut squares, mut farthest) = (0.0, 0.0_f64);
+        for case in 0..2000 {
+            let n = 5 + case % 20;
+            // Loads that have some inputs in common, as conditions have: boxes from narrow to wide.
+            let common = 1.0 + normals.draw().abs();
+            let mut factor = vec![0.0; n * n];
+            for row in 0..n {
+                factor[row * n] = common * (1.0 + 0.2 * normals.draw());
+                for column in 1..=row {
+                    factor[row * n + column] = 0.3 * normals.draw();
+                }
+                factor[row * n + row] = 0.1 + 0.3 * normals.draw().abs();
+            }
+            let mean: Vec<f64> = (0..n).map(|_| 0.5 * normals.draw()).collect();
+            let half = 0.5 + 3.0 * normals.draw().abs();
+            let (lower, upper) = (vec![-half; n], vec![half; n]);
+            let [rough, fine] = [rough_box_probability, box_probability].map(|of| of(&mean, &factor, &lower, &upper));
+            squares += (rough - fine).powi(2) / 2000.0;
+            farthest = farthest.max((rough - fine).abs());
+        }
+        assert!(squares.sqrt() < 0.011 && farthest < 0.06, "{} {farthest}", squares.sqrt());
     }
 
     #[test]

@@ -180,7 +180,7 @@ fn a_simulated_design_has_the_errors_it_was_found_with() {
     let text = fs::read_to_string(place.path(scene)).unwrap();
     let from_rest = |line: &str| match line.split_once(" = ") {
         Some(("warm_start" | "mu_stderr", _)) => None,
-        Some(("sliding_um", _)) => Some("sliding_um = 2.0\n".to_owned()),
+        Some(("sliding_um", _)) => Some("sliding_um = 1.0\n".to_owned()),
         _ => Some(format!("{line}\n")),
     };
     let flat: String = text.lines().filter_map(from_rest).collect();

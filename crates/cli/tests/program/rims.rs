@@ -124,7 +124,9 @@ fn a_design_with_rims_carries_them_and_their_tolerance_into_every_file() {
     let tolerances = "[tolerances]\nwidth_std_um = 2.0\nrim_height_std_um = 0.02\ndraws = 100\n";
     let rims = "rim_heights_um = [[2.6, 0.07], [20.0, 0.13]]\nrim_width_um = 20.0\nrim_profile = \"ramp\"\n\
                 rim_height_std_um = 0.01\n";
-    let place = Place::with(&[("d.toml", &design(rims, tolerances))]);
+    // At one spacing: two lengths are searched in a fraction of the time of three.
+    let of = |rims: &str| design(rims, tolerances).replace("[80.0, 300.0]", "[170.0, 170.0]");
+    let place = Place::with(&[("d.toml", &of(rims))]);
     let output = place.run(&["optimize", "d.toml", "-o", "out"]);
     assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
     let summary = String::from_utf8(output.stdout).unwrap();
@@ -168,7 +170,7 @@ fn a_design_with_rims_carries_them_and_their_tolerance_into_every_file() {
     assert!(page.contains("height of the rims") && page.contains("times as high"));
 
     // Rims of other heights have other answers.
-    fs::write(place.path("d.toml"), design(RIMS, tolerances)).unwrap();
+    fs::write(place.path("d.toml"), of(RIMS)).unwrap();
     let message = place.refuse(&["optimize", "d.toml", "-o", "out", "--resume"]);
     assert!(message.contains("rim"), "{message}");
 }

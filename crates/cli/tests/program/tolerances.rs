@@ -19,17 +19,17 @@ fn design(more: &str) -> String {
     format!("{text}{more}")
 }
 
-const TOLERANCES: &str = "[tolerances]\nwidth_std_um = 8.0\nspacing_std_um = 13.0\ndepth_std_um = 1.3\ndraws = 200\n";
+const TOLERANCES: &str = "[tolerances]\nwidth_std_um = 8.0\nspacing_std_um = 13.0\ndepth_std_um = 1.3\ndraws = 100\n";
 
 #[test]
 fn samples_trade_offs_and_the_robust_choice_are_reported() {
-    let trade_offs = "[trade_offs]\ngoals = [\"misfit\", \"laser_time\", \"spread\"]\ndesigns = 60\n";
+    let trade_offs = "[trade_offs]\ngoals = [\"misfit\", \"laser_time\", \"spread\"]\ndesigns = 30\n";
     let text = design(&format!("robust = true\n{TOLERANCES}{trade_offs}"));
     let place = Place::with(&[("robust.toml", &text)]);
     let output = place.run(&["optimize", "robust.toml", "--threads", "1"]);
     assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
     let summary = String::from_utf8(output.stdout).unwrap();
-    for said in ["1e-4 where one dimension grows by 1 um", "200 draws", "trade-offs: of", "chosen for its samples"] {
+    for said in ["1e-4 where one dimension grows by 1 um", "100 draws", "trade-offs: of", "chosen for its samples"] {
         assert!(summary.contains(said), "{said}: {summary}");
     }
 
