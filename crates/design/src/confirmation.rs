@@ -44,6 +44,18 @@ pub(super) fn trusted(load: &LoadOutcome) -> bool {
     surfaces.into_iter().all(|surface| is_mean(surface.status))
 }
 
+/// What is expected of a design in time.
+pub struct Expected {
+    /// The target's quantity at each load of each condition, as it is compared with the target.
+    values: Vec<f64>,
+    /// What it misses by, as the search ranks.
+    pub(super) merit: f64,
+    /// Its largest distance from the target, in tolerances.
+    pub(super) misfit: f64,
+    /// Its largest distance from what the search took.
+    missed: f64,
+}
+
 fn refuse(error: SpecimenError) -> DesignError {
     DesignError::refused(error.to_string())
 }
@@ -67,7 +79,7 @@ impl MultiFidelityLoop<'_> {
         timings: &mut Timings,
     ) -> Result<Option<SteadySpecimen>, DesignError> {
         let best = self.round.best.as_ref().map(|best| best.design);
-        let Some(pattern) = best.filter(|_| !self.added_by_time.is_empty()) else { return Ok(None) };
+        let Some(pattern) = best.filter(|_| self.added_by_time.is_some()) else { return Ok(None) };
         let bar = self.stage("confirmation");
         self.predict(design, &pattern)?;
         let solved = strips_on(&self.confirming_scene(&pattern), &design.specimen, &bar).map_err(refuse)?;
@@ -76,22 +88,30 @@ impl MultiFidelityLoop<'_> {
         Ok(solved)
     }
 
-    /// Whether a search, of which `status` is said, is to be followed by another before its best design is run in time: where `solved`,
-    /// that design on its specimen in steady sliding, with what time added to the last one, is off target, or may bring one within reach. A
-    /// run would say next to the same, at several times the cost. The model is corrected by it then.
-    pub(super) fn is_searched_again(&mut self, design: &DesignTask, status: Status, solved: &SteadySpecimen) -> bool {
+    /// What is expected in time of the best design, of which `solved` is its specimen in steady sliding: with what time added to the last one.
+    pub(super) fn expected(&self, design: &DesignTask, solved: &SteadySpecimen) -> Option<Expected> {
+        let best = self.round.best.as_ref()?;
+        let each = self.expected_each(best, &solved.steady());
+        let values: Vec<f64> = each.into_iter().collect::<Option<_>>()?;
+        let misfit = design.target.misfit(&values);
+        let missed = best.response.value.iter().zip(&values).map(|(own, expected)| (expected - own).abs());
+        Some(Expected { merit: misfit.merit, misfit: misfit.max, missed: missed.fold(0.0, f64::max), values })
+    }
+
+    /// Whether a search, of which `status` is said, is to be followed by another before its best design is run in time: where that is
+    /// `expected` off target, or may bring one within reach. A run would say next to the same, at several times the cost. The model is corrected
+    /// by what is expected then; of a design that it was corrected at, or that waits already, a run alone tells more.
+    pub(super) fn is_searched_again(&mut self, design: &DesignTask, status: Status, expected: &Expected) -> bool {
         let Some(best) = self.round.best.as_ref().filter(|_| self.goes_on(design)) else { return false };
-        let values = self.expected_each(best, &solved.steady());
-        let Some(known) = values.iter().copied().collect::<Option<Vec<f64>>>() else { return false };
         let again = match status {
-            Status::Met => design.target.misfit(&known).max > 1.0 || self.model.does_too_little(&best.design, &known),
-            Status::Unreachable => {
-                let missed = best.response.value.iter().zip(&known).map(|(own, known)| (known - own).abs());
-                is_doubtful(design, best.misfit.max, missed.fold(0.0, f64::max))
-            }
+            _ if self.corrected_at == Some(best.design) || self.waits(&best.design) => false,
+            Status::Met => expected.misfit > 1.0 || self.model.does_too_little(&best.design, &expected.values),
+            Status::Unreachable => is_doubtful(design, best.misfit.max, expected.missed),
             Status::Budget | Status::Cancelled => false,
         };
         if again {
+            let values: Vec<Option<f64>> = expected.values.iter().copied().map(Some).collect();
+            self.corrected_at = Some(best.design);
             self.missed = self.model.correct(&best.design, &best.response.value, &values);
         }
         again
@@ -121,8 +141,7 @@ impl MultiFidelityLoop<'_> {
         let excess = self.excess.first().and_then(Option::as_deref);
         correct(&mut predicted, &self.model.scene(pattern), excess);
         correct(&mut confirmed, &scene, excess);
-        let added: Option<Vec<f64>> = confirmed.loads.iter().map(|load| load.ratio_time_change).collect();
-        self.added_by_time = added.unwrap_or_default();
+        self.added_by_time = self.model.added_by_time(&confirmed);
         self.runs += 1;
         self.round.predicted = Some(predicted);
         self.round.confirmed = Some(confirmed);

@@ -1,9 +1,8 @@
 //! Which of the conditions that the target must hold at decide, and what is said of them.
 
 use slipgrid_optimize::{Candidate, Target};
-use slipgrid_springblock::{LoadOutcome, Simulation};
+use slipgrid_springblock::Simulation;
 
-use crate::confirmation::trusted;
 use crate::multi_fidelity::MultiFidelityLoop;
 use crate::operating_conditions::{Further, Setting};
 use crate::task::DesignTask;
@@ -48,9 +47,8 @@ impl MultiFidelityLoop<'_> {
     /// The same of `best` that is not run in time, of which `steady` is its specimen in steady sliding: with what time added to that of the
     /// last design that was.
     pub(super) fn expected_each(&self, best: &Candidate, steady: &Simulation) -> Vec<Option<f64>> {
-        let in_time = |(load, added): (&LoadOutcome, &f64)| Some(load.ratio.filter(|_| trusted(load))? + added);
-        let in_time: Vec<Option<f64>> = steady.loads.iter().zip(&self.added_by_time).map(in_time).collect();
-        self.by_first(best, self.model.of_ratios(&best.design, &in_time), |_| None)
+        let Some(added) = &self.added_by_time else { return Vec::new() };
+        self.by_first(best, self.model.expected(&best.design, steady, added), |_| None)
     }
 
     /// Values `first` of `best` at the condition designed for, and those at the further ones: by the runs that `run` says, or about the first.

@@ -2,7 +2,7 @@
 //! on target and what limits it.
 //!
 //! ```text
-//! task -> [search by the steady model <-> confirming run in time] -> chance, slopes, robustness, trade-offs -> outcome
+//! task -> [search by the steady model <-> specimen, steady and in time] -> chance, slopes, robustness, trade-offs -> outcome
 //! ```
 //!
 //! [`run`] is the job. It needs a [`DesignTask`], a place for the answers of its model that may outlive the run
@@ -13,9 +13,9 @@
 //! |---|---|
 //! | `task`, `prepared_task`, `job`, `design_report` | what is asked, what follows from it, how it is answered, what is found |
 //! | `assessment` | how far the design found can be trusted, and what moves it |
-//! | `steady_model`, `directional_cells` | the model that the search asks: the steady cell, corrected by confirming runs |
+//! | `steady_model`, `directional_cells` | the model that the search asks: the steady cell, corrected by what specimens add to it |
 //! | `multi_fidelity`, `best_round` | searches and confirming runs in turn, and which of them is reported |
-//! | `confirmation`, `confirmed_peak`, `flat_sample`, `dynamic_excess` | runs in time: of the design, its largest pressure, of the flat sample, and how both agree with calibration |
+//! | `confirmation`, `confirmed_peak`, `flat_sample`, `dynamic_excess` | specimens, steady and in time: of the design, its largest pressure, of the flat sample, and how both agree with calibration |
 //! | `specimen` | a pattern solved on the specimen that it is cut into |
 //! | `operating_conditions`, `decisive_conditions`, `conditions_report` | further speeds, humidities and sliding directions |
 //! | `constraint_quantities`, `minimum_effect` | what limits hold |

@@ -60,8 +60,13 @@ pub(super) struct MultiFidelityLoop<'a> {
     pub(super) chances: Option<Chances<'a>>,
     /// Largest change of the model by the specimen solved last; 0 before.
     pub(super) missed: f64,
-    /// What time added to steady sliding of the design that was run last, by load; nothing before, and where that is not known.
-    pub(super) added_by_time: Vec<f64>,
+    /// What the run in time of the last design that was run added to its specimen in steady sliding, to the target's quantity by the physics
+    /// at each load of the condition designed for; nothing before, and where that is not known.
+    pub(super) added_by_time: Option<Vec<f64>>,
+    /// The design that the model was corrected at last: of it, it says what is known.
+    pub(super) corrected_at: Option<Pattern>,
+    /// The best design that was not run in time, since its specimen in steady sliding was off target.
+    pub(super) waiting: Option<Waiting>,
     /// Dynamic over steady friction of the flat sample as calibrated, at each load of the condition designed for and then of each
     /// further one; absent where the material does not say it.
     pub(super) excess: Vec<Option<Vec<f64>>>,
@@ -69,6 +74,15 @@ pub(super) struct MultiFidelityLoop<'a> {
     pub(super) kept: Option<KeptRound>,
     /// Which round's design is reported and why, where later ones were worse.
     pub(super) taken_back: Option<String>,
+}
+
+/// A design that was not run in time.
+#[derive(Clone, Debug)]
+pub struct Waiting {
+    /// What it is expected to miss by in time, as the search ranks.
+    merit: f64,
+    /// The round that found it.
+    round: Round,
 }
 
 /// How the names of confirming stages begin.
@@ -155,7 +169,9 @@ impl<'a> MultiFidelityLoop<'a> {
             cut_short: Vec::new(),
             chances: None,
             missed: 0.0,
-            added_by_time: Vec::new(),
+            added_by_time: None,
+            corrected_at: None,
+            waiting: None,
             excess: Vec::new(),
             kept: None,
             taken_back: None,
@@ -185,12 +201,37 @@ impl<'a> MultiFidelityLoop<'a> {
     fn run_rounds(&mut self, design: &DesignTask, timings: &mut Timings) -> Result<(), DesignError> {
         // Known of a search whose model is off by less than what is missing: one that only asks for less pressure reaches no more.
         let mut is_beyond_reach = false;
-        // The design that was run in time last.
+        // The design that was run in time last, and whether its ratios were taken to smaller blocks.
         let mut in_time = None;
         while self.goes_on(design) {
-            let outcome = self.search(design, timings)?;
+            let outcome = match self.search(design, timings) {
+                // What was found before stands.
+                Err(DesignError::OutOfTime(_)) if self.kept.is_some() => {
+                    self.out_of_time = true;
+                    self.cut("search");
+                    self.status = Status::Budget;
+                    break;
+                }
+                outcome => outcome?,
+            };
             let has_searched = matches!(outcome.status, Status::Met | Status::Unreachable);
-            let best = if has_searched { outcome.best } else { self.or_waiting(design, outcome.best, in_time) };
+            let is_known = in_time.is_some_and(|(run, _)| run == outcome.best.design);
+            self.round.best = Some(outcome.best);
+            let mut solved = if has_searched && !is_known { self.without_time(design, timings)? } else { None };
+            if let Some(expected) = solved.as_ref().and_then(|solved| self.expected(design, solved)) {
+                if self.is_searched_again(design, outcome.status, &expected) {
+                    self.wait(expected.merit);
+                    is_beyond_reach = false;
+                    continue;
+                }
+                if expected.misfit > 1.0 && self.take_the_waiting(design, expected.merit) {
+                    solved = None;
+                }
+            } else if !has_searched {
+                let merit = self.round.best.as_ref().map_or(f64::INFINITY, |best| best.misfit.merit);
+                self.take_the_waiting(design, merit);
+            }
+            let Some(best) = self.round.best.clone() else { break };
             if !has_searched && !self.may_beat_the_kept(&best) {
                 self.note_worse(Advantage::Cut);
                 self.status = if is_beyond_reach { Status::Unreachable } else { Status::Budget };
@@ -199,16 +240,10 @@ impl<'a> MultiFidelityLoop<'a> {
             let pattern = best.design;
             let misfit = best.misfit;
             let keeps_by_model = best.violations.is_empty();
-            let unchanged = in_time == Some(pattern);
-            self.round.best = Some(best);
+            let unchanged = in_time == Some((pattern, self.round.confirming.refine));
             if !unchanged {
-                let solved = if has_searched { self.without_time(design, timings)? } else { None };
-                if solved.as_ref().is_some_and(|solved| self.is_searched_again(design, outcome.status, solved)) {
-                    is_beyond_reach = false;
-                    continue;
-                }
                 self.confirm(design, &pattern, solved.as_ref(), timings)?;
-                in_time = Some(pattern);
+                in_time = Some((pattern, self.round.confirming.refine));
             }
             // Further runs are as dear: not of a design that misses, or breaks a limit, by what is known already.
             if self.is_confirmed(design) {
@@ -226,6 +261,7 @@ impl<'a> MultiFidelityLoop<'a> {
                 return Ok(());
             }
             let is_pressed_harder = keeps_by_model && self.breaks_in_time(design);
+            let was_exact = self.corrected_at == Some(pattern);
             let missed = self.correct(design);
             let doubtful = is_doubtful(design, misfit.max, missed);
             let again = match outcome.status {
@@ -241,7 +277,7 @@ impl<'a> MultiFidelityLoop<'a> {
             };
             is_beyond_reach = self.status == Status::Unreachable && !doubtful;
             // Where the design stays the same the model is exact already.
-            if !again || unchanged {
+            if !again || was_exact {
                 break;
             }
             // What a further search could reach is not known where none can be paid.
@@ -252,13 +288,37 @@ impl<'a> MultiFidelityLoop<'a> {
         Ok(())
     }
 
-    /// `found` by a search that was cut short, or the best design before it that still waits for its run, where that is better by the model as
-    /// it stands; `in_time` is the design that was run last.
-    fn or_waiting(&self, design: &DesignTask, found: Candidate, in_time: Option<Pattern>) -> Candidate {
-        let waiting = self.round.best.as_ref().filter(|best| Some(best.design) != in_time);
-        let waiting = waiting.map(|best| self.model.judged(design, best));
-        let rank = |candidate: &Candidate| (candidate.excess(), candidate.misfit.merit);
-        waiting.filter(|waiting| rank(waiting) < rank(&found)).unwrap_or(found)
+    /// Whether `pattern` waits.
+    pub(super) fn waits(&self, pattern: &Pattern) -> bool {
+        self.waiting
+            .as_ref()
+            .and_then(|waiting| waiting.round.best.as_ref())
+            .is_some_and(|best| best.design == *pattern)
+    }
+
+    /// The best design waits, of which `merit` is expected in time, unless one that is expected nearer does.
+    fn wait(&mut self, merit: f64) {
+        if self.waiting.as_ref().is_none_or(|waiting| merit < waiting.merit) {
+            self.waiting = Some(Waiting { merit, round: self.round.clone() });
+        }
+    }
+
+    /// Takes the design that waits in the place of the best one, of which `merit` is expected, where it is expected nearer and keeps limits as
+    /// well.
+    fn take_the_waiting(&mut self, design: &DesignTask, merit: f64) -> bool {
+        let excess = |round: &Round| round.best.as_ref().map_or(f64::INFINITY, Candidate::excess);
+        let is_nearer = |waiting: &Waiting| waiting.merit < merit && excess(&waiting.round) <= excess(&self.round);
+        if !self.waiting.as_ref().is_some_and(is_nearer) {
+            return false;
+        }
+        if let Some(Waiting { round, .. }) = self.waiting.take() {
+            let best = round.best.as_ref().map(|best| self.model.judged(design, best));
+            // What can be reached is known best by the last search.
+            let last = std::mem::replace(&mut self.round, round);
+            let Round { confirming, reachable, searched, .. } = last;
+            self.round = Round { best, confirming, reachable, searched, ..self.round.clone() };
+        }
+        true
     }
 
     /// Keeps every answer in `cache`, and begins with those that it holds.
@@ -319,6 +379,7 @@ impl<'a> MultiFidelityLoop<'a> {
         self.learn_peaks(design);
         let confirmed = self.confirmed_each();
         let Some(best) = &self.round.best else { return 0.0 };
+        self.corrected_at = Some(best.design);
         self.missed = self.model.correct(&best.design, &best.response.value, &confirmed);
         self.missed
     }

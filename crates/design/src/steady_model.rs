@@ -28,7 +28,7 @@ const GUIDE_FACTORS: [usize; 4] = [4, 2, 3, 5];
 const LEAST_GUIDE_ROWS: usize = 4;
 const LEAST_GUIDE_PITCH: f64 = 2.0;
 
-/// Friction of a design by the steady cell, with what confirming runs found the model to miss.
+/// Friction of a design by the steady cell, with what specimens of earlier designs, steady or in time, found the model to miss.
 pub struct SteadyModel<'a> {
     /// With the loads of the condition designed for.
     scene: Scene,
@@ -47,7 +47,7 @@ pub struct SteadyModel<'a> {
     flat_mu: Option<Vec<f64>>,
     /// What trials say that the model lacks, where designs aim with it.
     learned: Option<Arc<LearnedDiscrepancy<'a>>>,
-    /// Added to the model's value by the physics at each load of each condition: dynamic minus steady at a confirmed design.
+    /// Added to the model's value by the physics at each load of each condition: what the specimen of an earlier design has beyond its cell.
     correction: Vec<f64>,
     limited: Limited,
     evaluations: Evaluations<'a>,

@@ -89,7 +89,7 @@ impl DesignReport {
             self.target.quantity,
             if self.discrepancy.is_some() { ", aimed with what trials say that the model lacks" } else { "" },
             self.in_space(),
-            if self.rounds > 1 { ", corrected by the specimen solved before the last search" } else { "" },
+            if self.rounds > 1 { ", corrected before the last search" } else { "" },
             self.confirmation()
         );
         let _ = writeln!(text, "  {}", self.errors.meaning);

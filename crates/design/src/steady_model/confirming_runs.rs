@@ -47,19 +47,35 @@ impl SteadyModel<'_> {
     /// target, absent where it gave none that can be trusted.
     #[must_use]
     pub fn confirmed(&self, design: &Pattern, condition: usize, simulation: &Simulation) -> Vec<Option<f64>> {
-        let value = |load: &LoadOutcome| {
-            let value = if self.flat_mu.is_some() { load.surface.mu_dynamic } else { load.ratio };
-            value.filter(|_| trusted(load))
-        };
         let factors = self.factors(design);
         let own = &factors[condition * self.scene.loads.len()..];
-        simulation.loads.iter().zip(own).map(|(load, factor)| Some(value(load)? * factor)).collect()
+        simulation.loads.iter().zip(own).map(|(load, factor)| Some(self.physics(load)? * factor)).collect()
     }
 
-    /// The target's quantity of `design` at the condition designed for, by its `ratios` there, as it is compared with the target.
+    /// What a run in time, of which `confirmed` came, added to the specimen in steady sliding, to the target's quantity by the physics at each
+    /// load of the condition designed for; `None` where it gave nothing that can be trusted, or is no specimen's.
     #[must_use]
-    pub fn of_ratios(&self, design: &Pattern, ratios: &[Option<f64>]) -> Vec<Option<f64>> {
-        ratios.iter().zip(self.scales(design)).map(|(ratio, scale)| Some((*ratio)? * scale)).collect()
+    pub fn added_by_time(&self, confirmed: &Simulation) -> Option<Vec<f64>> {
+        let steady = |load: &LoadOutcome| Some(load.ratio? - load.ratio_time_change?);
+        let each = confirmed.loads.iter().enumerate();
+        each.map(|(place, load)| Some(self.physics(load)? - steady(load)? * self.scale(place))).collect()
+    }
+
+    /// The target's quantity of `design` at the condition designed for, by its specimen in steady sliding, `steady`, and what time adds,
+    /// `added`, as it is compared with the target.
+    #[must_use]
+    pub fn expected(&self, design: &Pattern, steady: &Simulation, added: &[f64]) -> Vec<Option<f64>> {
+        let each = steady.loads.iter().zip(added).zip(self.factors(design)).enumerate();
+        each.map(|(place, ((load, added), factor))| {
+            Some((load.ratio.filter(|_| trusted(load))? * self.scale(place) + added) * factor)
+        })
+        .collect()
+    }
+
+    /// The target's quantity by the physics of a confirming run; absent where it gave none that can be trusted.
+    fn physics(&self, load: &LoadOutcome) -> Option<f64> {
+        let value = if self.flat_mu.is_some() { load.surface.mu_dynamic } else { load.ratio };
+        value.filter(|_| trusted(load))
     }
 
     /// What the steady model makes of the values `first` of `design` confirmed at the condition designed for at that of place
@@ -81,7 +97,7 @@ impl SteadyModel<'_> {
         first.iter().enumerate().map(at).collect()
     }
 
-    /// `candidate` by the model as it stands: confirming runs may have corrected it since.
+    /// `candidate` by the model as it stands: it may have been corrected since.
     #[must_use]
     pub fn judged(&self, design: &DesignTask, candidate: &Candidate) -> Candidate {
         let Ok(response) = self.respond(&candidate.design) else { return candidate.clone() };

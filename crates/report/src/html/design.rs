@@ -250,7 +250,7 @@ fn search(page: &mut Page, report: &DesignReport) {
         report.evaluations,
         match report.rounds {
             1 => "one search".to_owned(),
-            rounds => format!("{rounds} searches, each corrected by the specimen of the design before it"),
+            rounds => format!("{rounds} searches, each corrected by what was solved of the design before it"),
         },
         report.failed_trials,
         report.seed

@@ -59,6 +59,12 @@ pub fn simulate_specimen(scene: &Scene, face: &Face, monitor: &dyn Monitor) -> R
 /// The pattern of `scene`, which means something.
 fn pattern_of(scene: &Scene) -> Result<Pattern, SceneError> {
     scene.validate()?;
+    if !scene.dimension().takes_strips() {
+        return Err(SceneError::Unsupported {
+            what: "strips of a pattern that is solved in space",
+            instead: "simulate its cell",
+        });
+    }
     scene.pattern.ok_or(SceneError::Unsupported {
         what: "the layout of a flat specimen",
         instead: "give a pattern, or simulate the flat sample",
