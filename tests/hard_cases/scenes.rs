@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
+use rayon::prelude::*;
 use serde_json::Value;
 
 /// Longest time that a scene may take, in seconds: none of them is large.
@@ -117,11 +118,10 @@ fn complaints(file: &Path) -> Vec<String> {
 
 #[test]
 fn every_scene_behaves_as_its_first_lines_say() {
-    let mut wrong = String::new();
-    for file in files() {
-        for complaint in complaints(&file) {
-            wrong += &format!("{}: {complaint}\n", file.file_stem().unwrap().to_str().unwrap());
-        }
-    }
+    let wrong = |file: PathBuf| -> String {
+        let name = file.file_stem().unwrap().to_str().unwrap();
+        complaints(&file).into_iter().map(|complaint| format!("{name}: {complaint}\n")).collect()
+    };
+    let wrong: String = files().into_par_iter().map(wrong).collect();
     assert!(wrong.is_empty(), "\n{wrong}");
 }
