@@ -305,6 +305,34 @@ mod tests {
         assert_eq!(taken_back(true, false), (Status::Budget, 0.85, said));
     }
 
+    #[test]
+    fn a_design_that_waits_is_run_in_place_of_one_that_is_expected_to_miss_by_more() {
+        let design = task(Planform::Groove);
+        let material = design.material.clone().unwrap().material;
+        let loads = design.loads(&material).unwrap().0;
+        let (budget, timings) = (TimeBudget::new(&Unwatched, None), &mut Timings::default());
+        let new = MultiFidelityLoop::new(&design, &material, loads, Vec::new(), budget, &Unwatched, timings);
+        let mut found = new.unwrap();
+        let [first, second, third] = [120e-6, 130e-6, 140e-6].map(|width_m| {
+            let pattern = Pattern::new(Planform::Groove, width_m, 300e-6, 15e-6).unwrap();
+            let response = found.model.respond(&pattern).unwrap();
+            let misfit = design.target.misfit(&response.value);
+            Candidate { design: pattern, response, misfit, violations: Vec::new() }
+        });
+        let best = |found: &MultiFidelityLoop<'_>| found.round.best.as_ref().unwrap().design;
+        found.round = Round { best: Some(first.clone()), searched: 10, ..Round::default() };
+        found.wait(1.4);
+        // What is expected to miss by more does not take its place.
+        found.round = Round { best: Some(second.clone()), searched: 20, ..Round::default() };
+        found.wait(1.6);
+        assert!(found.waits(&first.design) && !found.waits(&second.design));
+        found.round = Round { best: Some(third.clone()), searched: 30, ..Round::default() };
+        assert!(!found.take_the_waiting(&design, 1.2) && best(&found) == third.design);
+        assert!(found.take_the_waiting(&design, 1.5) && best(&found) == first.design);
+        // What can be reached is known by the last search, and nothing waits any more.
+        assert!(found.round.searched == 30 && !found.waits(&first.design) && !found.take_the_waiting(&design, 9.0));
+    }
+
     /// A target that the model meets and runs in time miss, so that searches follow one another.
     fn searched(most: usize, threads: usize) -> crate::DesignReport {
         let mut task = task(Planform::Groove);

@@ -244,6 +244,9 @@ impl<'a> MultiFidelityLoop<'a> {
             if !unchanged {
                 self.confirm(design, &pattern, solved.as_ref(), timings)?;
                 in_time = Some((pattern, self.round.confirming.refine));
+                if self.waits(&pattern) {
+                    self.waiting = None;
+                }
             }
             // Further runs are as dear: not of a design that misses, or breaks a limit, by what is known already.
             if self.is_confirmed(design) {
@@ -261,7 +264,7 @@ impl<'a> MultiFidelityLoop<'a> {
                 return Ok(());
             }
             let is_pressed_harder = keeps_by_model && self.breaks_in_time(design);
-            let was_exact = self.corrected_at == Some(pattern);
+            let was_exact = unchanged && self.corrected_at == Some(pattern);
             let missed = self.correct(design);
             let doubtful = is_doubtful(design, misfit.max, missed);
             let again = match outcome.status {
@@ -276,7 +279,7 @@ impl<'a> MultiFidelityLoop<'a> {
                 Status::Unreachable | Status::Met | Status::Budget | Status::Cancelled => Status::Budget,
             };
             is_beyond_reach = self.status == Status::Unreachable && !doubtful;
-            // Where the design stays the same the model is exact already.
+            // Where the model was corrected by this design's run before, it is exact already.
             if !again || was_exact {
                 break;
             }
@@ -297,7 +300,7 @@ impl<'a> MultiFidelityLoop<'a> {
     }
 
     /// The best design waits, of which `merit` is expected in time, unless one that is expected nearer does.
-    fn wait(&mut self, merit: f64) {
+    pub(super) fn wait(&mut self, merit: f64) {
         if self.waiting.as_ref().is_none_or(|waiting| merit < waiting.merit) {
             self.waiting = Some(Waiting { merit, round: self.round.clone() });
         }
@@ -305,7 +308,7 @@ impl<'a> MultiFidelityLoop<'a> {
 
     /// Takes the design that waits in the place of the best one, of which `merit` is expected, where it is expected nearer and keeps limits as
     /// well.
-    fn take_the_waiting(&mut self, design: &DesignTask, merit: f64) -> bool {
+    pub(super) fn take_the_waiting(&mut self, design: &DesignTask, merit: f64) -> bool {
         let excess = |round: &Round| round.best.as_ref().map_or(f64::INFINITY, Candidate::excess);
         let is_nearer = |waiting: &Waiting| waiting.merit < merit && excess(&waiting.round) <= excess(&self.round);
         if !self.waiting.as_ref().is_some_and(is_nearer) {
