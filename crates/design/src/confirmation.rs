@@ -44,6 +44,14 @@ pub(super) fn trusted(load: &LoadOutcome) -> bool {
     surfaces.into_iter().all(|surface| is_mean(surface.status))
 }
 
+/// What is known of a design without a run in time.
+pub struct WithoutTime {
+    /// What the steady model says of it.
+    predicted: Simulation,
+    /// Its specimen in steady sliding, from which a run goes on.
+    strips: SteadySpecimen,
+}
+
 /// What is expected of a design in time.
 pub struct Expected {
     /// The target's quantity at each load of each condition, as it is compared with the target.
@@ -71,27 +79,26 @@ impl MultiFidelityLoop<'_> {
         Ok(predicted)
     }
 
-    /// The best design on its specimen in steady sliding, once it is known what time adds to that; `None` before, and where it is not
-    /// solved strip by strip.
+    /// The best design without time, once it is known what time adds to that; `None` before, and where it is not solved strip by strip.
     pub(super) fn without_time(
         &mut self,
         design: &DesignTask,
         timings: &mut Timings,
-    ) -> Result<Option<SteadySpecimen>, DesignError> {
+    ) -> Result<Option<WithoutTime>, DesignError> {
         let best = self.round.best.as_ref().map(|best| best.design);
         let Some(pattern) = best.filter(|_| self.added_by_time.is_some()) else { return Ok(None) };
         let bar = self.stage("confirmation");
-        self.predict(design, &pattern)?;
-        let solved = strips_on(&self.confirming_scene(&pattern), &design.specimen, &bar).map_err(refuse)?;
+        let predicted = self.predict(design, &pattern)?;
+        let strips = strips_on(&self.confirming_scene(&pattern), &design.specimen, &bar).map_err(refuse)?;
         timings.confirm += bar.finish();
         self.monitor.heed()?;
-        Ok(solved)
+        Ok(strips.map(|strips| WithoutTime { predicted, strips }))
     }
 
-    /// What is expected in time of the best design, of which `solved` is its specimen in steady sliding: with what time added to the last one.
-    pub(super) fn expected(&self, design: &DesignTask, solved: &SteadySpecimen) -> Option<Expected> {
+    /// What is expected in time of the best design, of which `solved` is known: with what time added to the last one.
+    pub(super) fn expected(&self, design: &DesignTask, solved: &WithoutTime) -> Option<Expected> {
         let best = self.round.best.as_ref()?;
-        let each = self.expected_each(best, &solved.steady());
+        let each = self.expected_each(best, &solved.strips.steady());
         let values: Vec<f64> = each.into_iter().collect::<Option<_>>()?;
         let misfit = design.target.misfit(&values);
         let missed = best.response.value.iter().zip(&values).map(|(own, expected)| (expected - own).abs());
@@ -117,19 +124,22 @@ impl MultiFidelityLoop<'_> {
         again
     }
 
-    /// Runs `pattern` in time at the condition designed for, from what is `solved` of it in steady sliding, where that is known.
+    /// Runs `pattern` in time at the condition designed for, from what is `solved` of it without, where that is known.
     pub(super) fn confirm(
         &mut self,
         design: &DesignTask,
         pattern: &Pattern,
-        solved: Option<&SteadySpecimen>,
+        solved: Option<WithoutTime>,
         timings: &mut Timings,
     ) -> Result<(), DesignError> {
         let bar = self.stage("confirmation");
-        let mut predicted = self.predict(design, pattern)?;
+        let (mut predicted, strips) = match solved {
+            Some(WithoutTime { predicted, strips }) => (predicted, Some(strips)),
+            None => (self.predict(design, pattern)?, None),
+        };
         let scene = self.confirming_scene(pattern);
-        let confirmed = match solved {
-            Some(solved) => solved.in_time(&bar).map_err(SpecimenError::Scene),
+        let confirmed = match strips {
+            Some(strips) => strips.in_time(&bar).map_err(SpecimenError::Scene),
             None => simulate_on(&scene, Some(&design.specimen), &bar),
         };
         let mut confirmed = confirmed.map_err(refuse)?;

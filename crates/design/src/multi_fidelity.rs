@@ -1,5 +1,7 @@
 //! Searches and confirming runs in turn.
 
+use std::ops::ControlFlow;
+
 use slipgrid_material::Material;
 use slipgrid_optimize::{
     Candidate, Goal, LowFidelityCorrection, Quantity, SearchError, SearchOptions, SearchOutcome, Status,
@@ -12,7 +14,7 @@ use crate::DesignError;
 use crate::best_round::{Advantage, KeptRound, Round};
 use crate::cache_key::cache_key;
 use crate::chance::Chances;
-use crate::confirmation::warm_travel_m;
+use crate::confirmation::{WithoutTime, warm_travel_m};
 use crate::constraint_quantities::Limited;
 use crate::evaluation_cache::{EvaluationCache, Evaluations};
 use crate::flat_sample::flat_friction;
@@ -207,8 +209,6 @@ impl<'a> MultiFidelityLoop<'a> {
             let outcome = match self.search(design, timings) {
                 // What was found before stands.
                 Err(DesignError::OutOfTime(_)) if self.kept.is_some() => {
-                    self.out_of_time = true;
-                    self.cut("search");
                     self.status = Status::Budget;
                     break;
                 }
@@ -217,20 +217,10 @@ impl<'a> MultiFidelityLoop<'a> {
             let has_searched = matches!(outcome.status, Status::Met | Status::Unreachable);
             let is_known = in_time.is_some_and(|(run, _)| run == outcome.best.design);
             self.round.best = Some(outcome.best);
-            let mut solved = if has_searched && !is_known { self.without_time(design, timings)? } else { None };
-            if let Some(expected) = solved.as_ref().and_then(|solved| self.expected(design, solved)) {
-                if self.is_searched_again(design, outcome.status, &expected) {
-                    self.wait(expected.merit);
-                    is_beyond_reach = false;
-                    continue;
-                }
-                if expected.misfit > 1.0 && self.take_the_waiting(design, expected.merit) {
-                    solved = None;
-                }
-            } else if !has_searched {
-                let merit = self.round.best.as_ref().map_or(f64::INFINITY, |best| best.misfit.merit);
-                self.take_the_waiting(design, merit);
-            }
+            let ControlFlow::Continue(solved) = self.next_run(design, outcome.status, is_known, timings)? else {
+                is_beyond_reach = false;
+                continue;
+            };
             let Some(best) = self.round.best.clone() else { break };
             if !has_searched && !self.may_beat_the_kept(&best) {
                 self.note_worse(Advantage::Cut);
@@ -242,7 +232,7 @@ impl<'a> MultiFidelityLoop<'a> {
             let keeps_by_model = best.violations.is_empty();
             let unchanged = in_time == Some((pattern, self.round.confirming.refine));
             if !unchanged {
-                self.confirm(design, &pattern, solved.as_ref(), timings)?;
+                self.confirm(design, &pattern, solved, timings)?;
                 in_time = Some((pattern, self.round.confirming.refine));
                 if self.waits(&pattern) {
                     self.waiting = None;
@@ -291,6 +281,33 @@ impl<'a> MultiFidelityLoop<'a> {
         Ok(())
     }
 
+    /// What is known without time of the design to run next, which is the round's best after it; it breaks off where a further search comes
+    /// first. `status` is that of the search that found the best design, and `is_known` says whether that was run last.
+    fn next_run(
+        &mut self,
+        design: &DesignTask,
+        status: Status,
+        is_known: bool,
+        timings: &mut Timings,
+    ) -> Result<ControlFlow<(), Option<WithoutTime>>, DesignError> {
+        let has_searched = matches!(status, Status::Met | Status::Unreachable);
+        let solved = if has_searched && !is_known { self.without_time(design, timings)? } else { None };
+        let expected = solved.as_ref().and_then(|solved| self.expected(design, solved));
+        if let Some(expected) = expected.as_ref()
+            && self.is_searched_again(design, status, expected)
+        {
+            self.wait(expected.merit);
+            return Ok(ControlFlow::Break(()));
+        }
+        // One that waits may be nearer than what misses, or than what a search found before it was cut short.
+        let missed_by = match expected {
+            Some(expected) => Some(expected.merit).filter(|_| expected.misfit > 1.0),
+            None => self.round.best.as_ref().map(|best| best.misfit.merit).filter(|_| !has_searched),
+        };
+        let is_other = missed_by.is_some_and(|merit| self.take_the_waiting(design, merit));
+        Ok(ControlFlow::Continue(solved.filter(|_| !is_other)))
+    }
+
     /// Whether `pattern` waits.
     pub(super) fn waits(&self, pattern: &Pattern) -> bool {
         self.waiting
@@ -310,17 +327,12 @@ impl<'a> MultiFidelityLoop<'a> {
     /// well.
     pub(super) fn take_the_waiting(&mut self, design: &DesignTask, merit: f64) -> bool {
         let excess = |round: &Round| round.best.as_ref().map_or(f64::INFINITY, Candidate::excess);
-        let is_nearer = |waiting: &Waiting| waiting.merit < merit && excess(&waiting.round) <= excess(&self.round);
-        if !self.waiting.as_ref().is_some_and(is_nearer) {
-            return false;
-        }
-        if let Some(Waiting { round, .. }) = self.waiting.take() {
-            let best = round.best.as_ref().map(|best| self.model.judged(design, best));
-            // What can be reached is known best by the last search.
-            let last = std::mem::replace(&mut self.round, round);
-            let Round { confirming, reachable, searched, .. } = last;
-            self.round = Round { best, confirming, reachable, searched, ..self.round.clone() };
-        }
+        let is_nearer = |waiting: &mut Waiting| waiting.merit < merit && excess(&waiting.round) <= excess(&self.round);
+        let Some(Waiting { round, .. }) = self.waiting.take_if(is_nearer) else { return false };
+        let best = round.best.as_ref().map(|best| self.model.judged(design, best));
+        // What can be reached is known best by the last search.
+        let Round { confirming, reachable, searched, .. } = std::mem::take(&mut self.round);
+        self.round = Round { best, confirming, reachable, searched, ..round };
         true
     }
 
@@ -411,6 +423,10 @@ impl<'a> MultiFidelityLoop<'a> {
             }
             _ => DesignError::refused(error.to_string()),
         };
+        if out_of_time {
+            self.out_of_time = true;
+            self.cut("search");
+        }
         let (outcome, choice) = outcome.map_err(failed)?;
         self.rounds += 1;
         self.history.extend(outcome.history.iter().map(|point| ImprovementReport {
@@ -420,10 +436,6 @@ impl<'a> MultiFidelityLoop<'a> {
             feasible: point.feasible,
         }));
         self.round.choice = choice;
-        if out_of_time {
-            self.out_of_time = true;
-            self.cut("search");
-        }
         let outcome = self.choose(design, outcome, timings).map_err(failed)?;
         self.monitor.heed()?;
         self.evaluations += outcome.evaluations.max(outcome.guide_evaluations);

@@ -1,5 +1,7 @@
 //! The face of a specimen: strips along the sliding direction, each with its own cavities and ends.
 
+use slipgrid_pattern::Pattern;
+
 use crate::SceneError;
 
 /// A strip of a specimen's face along the sliding direction, alike across its width.
@@ -79,6 +81,12 @@ impl Face {
     #[must_use]
     pub const fn cavity_share(&self) -> f64 {
         self.cavity_share
+    }
+
+    /// What cavities take off friction of the face over what they take off that of a cell of `pattern`: D / D_cell.
+    #[must_use]
+    pub fn share_of(&self, pattern: &Pattern) -> f64 {
+        self.cavity_share / pattern.section_density()
     }
 
     /// The strip that is run in time: the longest with cavities, the first of equals.

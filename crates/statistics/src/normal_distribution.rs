@@ -106,8 +106,8 @@ const FAR_BOTTOM: [f64; 8] = [
 
 /// Points of the rule behind [`box_probability`] for up to four components, and for more.
 const POINTS: [usize; 2] = [64, 512];
-/// Points from five components on where boxes are ranked.
-const ROUGH_POINTS: usize = 128;
+/// The same where boxes are ranked.
+const ROUGH_POINTS: [usize; 2] = [64, 128];
 /// Dimensions beyond the first in which points spread: square roots of primes.
 const PRIMES: [f64; 12] = [2.0, 3.0, 5.0, 7.0, 11.0, 13.0, 17.0, 19.0, 23.0, 29.0, 31.0, 37.0];
 
@@ -117,18 +117,19 @@ const PRIMES: [f64; 12] = [2.0, 3.0, 5.0, 7.0, 11.0, 13.0, 17.0, 19.0, 23.0, 29.
 /// on 512: exact for one component, to some 1e-3 for four and for six.
 #[must_use]
 pub fn box_probability(mean: &[f64], factor: &[f64], lower: &[f64], upper: &[f64]) -> f64 {
-    by_points(mean, factor, lower, upper, POINTS[usize::from(mean.len() > 4)])
+    by_points(mean, factor, lower, upper, POINTS)
 }
 
 /// The same to rank by: on 128 points from five components on, up to 24 of which it departs from [`box_probability`] by 0.01 root mean
 /// square (`few_points_serve_to_rank_by`).
 #[must_use]
 pub fn rough_box_probability(mean: &[f64], factor: &[f64], lower: &[f64], upper: &[f64]) -> f64 {
-    by_points(mean, factor, lower, upper, POINTS[usize::from(mean.len() > 4)].min(ROUGH_POINTS))
+    by_points(mean, factor, lower, upper, ROUGH_POINTS)
 }
 
-fn by_points(mean: &[f64], factor: &[f64], lower: &[f64], upper: &[f64], points: usize) -> f64 {
+fn by_points(mean: &[f64], factor: &[f64], lower: &[f64], upper: &[f64], points: [usize; 2]) -> f64 {
     let n = mean.len();
+    let points = points[usize::from(n > 4)];
     let ends = |row: usize, drawn: &[f64]| {
         let known: f64 = mean[row] + drawn.iter().zip(&factor[row * n..]).map(|(y, l)| y * l).sum::<f64>();
         let std = factor[row * n + row];

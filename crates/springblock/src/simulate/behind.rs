@@ -107,7 +107,7 @@ impl Behind {
     pub fn under_face(scene: &Scene, pattern: &Pattern, face: &Face, monitor: &dyn Monitor) -> Self {
         if !scene.layer.is_backed() {
             let mut behind = Self::new(scene, pattern, monitor);
-            let share = face.cavity_share() / pattern.section_density();
+            let share = face.share_of(pattern);
             behind.each.iter_mut().flatten().for_each(|each| each.ratio *= share);
             return behind;
         }

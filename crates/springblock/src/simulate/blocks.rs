@@ -38,7 +38,7 @@ const DEEP_LEVELS: usize = 4;
 /// Most multiplications of one steady cell in the plane that tells of the size of blocks: half a second.
 pub const MOST_PRODUCTS: f64 = 2e9;
 /// The same of one that ratios are refined by: some seconds.
-const MOST_REFINED: f64 = 2e10;
+pub const MOST_REFINED: f64 = 2e10;
 
 /// What smaller blocks change of a steady cell.
 #[derive(Clone, Debug, PartialEq)]
@@ -64,6 +64,8 @@ pub fn can_refine(scene: &Scene, pattern: &Pattern) -> bool {
     scene.dimension() == Dimension::Plane || are_like_grooves(scene, pattern)
 }
 
+/// What smaller blocks change of `scene` over `pattern`, by cells of at most `most` multiplications; `own` are its ratios, which cells in space
+/// need.
 pub fn finer(
     scene: &Scene,
     pattern: &Pattern,
@@ -199,22 +201,12 @@ pub fn refine(scene: &Scene, pattern: &Pattern, share: f64, simulation: &mut Sim
         return;
     }
     let own: Vec<Option<f64>> = simulation.loads.iter().map(|load| load.ratio).collect();
-    let found = finest(scene, pattern, &own, monitor);
+    let found = finer(scene, pattern, &own, MOST_REFINED, monitor);
     if monitor.cancelled() {
         *simulation = super::cancelled(scene);
         return;
     }
     take(scene, found, share, simulation);
-}
-
-/// What blocks as small as can be had in some seconds change of `scene` over `pattern`; `own` are its ratios, which cells in space need.
-pub fn finest(
-    scene: &Scene,
-    pattern: &Pattern,
-    own: &[Option<f64>],
-    monitor: &dyn Monitor,
-) -> Result<BlockRefinement, Unrefined> {
-    finer(scene, pattern, own, MOST_REFINED, monitor)
 }
 
 /// Takes what was `found` of smaller blocks into the ratios of `simulation`, as [`refine`] does.

@@ -119,6 +119,12 @@ impl PressureTilt {
         found
     }
 
+    /// The same of `face` solved strip by strip: strips lie flat.
+    pub fn of_strips(scene: &Scene, pattern: &Pattern, face: &Face, share: f64, monitor: &dyn Monitor) -> Self {
+        let flat = Scene { relief: None, ..scene.clone() };
+        Self::of_face(&flat, &without_rim(pattern), face, share, monitor)
+    }
+
     /// Adds [`MEAN`] of the change to the ratios of `loads`; `said` tells of it.
     pub fn add(&self, loads: &mut [LoadOutcome], said: &mut Statements) {
         for (load, change) in loads.iter_mut().zip(&self.changes) {
@@ -168,12 +174,11 @@ pub fn tilt_changes(
     share: f64,
     monitor: &dyn Monitor,
 ) -> Vec<Option<f64>> {
-    let of = |scene: &Scene, pattern: &Pattern| PressureTilt::of_face(scene, pattern, face, share, monitor).changes;
     let mut changes = match scene.dimension().takes_strips() {
-        false => of(scene, pattern),
-        // Strips of a layer alone have no tilt added, and strips lie flat.
+        false => PressureTilt::of_face(scene, pattern, face, share, monitor).changes,
+        // Strips of a layer alone have no tilt added.
         true if !scene.layer.is_backed() => Vec::new(),
-        true => of(&Scene { relief: None, ..scene.clone() }, &without_rim(pattern)),
+        true => PressureTilt::of_strips(scene, pattern, face, share, monitor).changes,
     };
     changes.resize(scene.loads.len(), None);
     changes

@@ -27,12 +27,12 @@ use slipgrid_pattern::Pattern;
 
 use super::blocks::{self, BlockRefinement, Unrefined};
 use super::pressure_tilt::PressureTilt;
-use super::rim_difference::{RimDifference, without_rim};
+use super::rim_difference::RimDifference;
 use super::{Behind, cancelled, describe_draws, describe_law, discretization_error};
 use crate::cell::SteadyCell;
 use crate::dimension::Dimension;
 use crate::error::SceneError;
-use crate::face::Face;
+use crate::face::{Face, Strip};
 use crate::outcome::{LoadOutcome, Simulation, Statements};
 use crate::scene::{Extent, Fidelity, RunOptions, Scene};
 use crate::{Monitor, Unwatched};
@@ -98,8 +98,6 @@ impl SteadySpecimen {
     /// As [`simulate_specimen`].
     pub fn new(scene: &Scene, face: &Face, monitor: &dyn Monitor) -> Result<Option<Self>, SceneError> {
         let pattern = pattern_of(scene)?;
-        // What cavities take off the face is that of the cell, in proportion to their share.
-        let share = face.cavity_share() / pattern.section_density();
         let strips =
             || SteadyFace::new(&layer_of(scene), &RimDifference::new(scene, &pattern), &pattern, face, monitor);
         let block_errors = || {
@@ -110,11 +108,8 @@ impl SteadySpecimen {
             let run = RunOptions { extent: Extent::Sample, ..scene.run };
             Behind::under_face(&Scene { run, ..scene.clone() }, &pattern, face, monitor)
         };
-        let tilt = || {
-            let flat = Scene { relief: None, ..scene.clone() };
-            PressureTilt::of_face(&flat, &without_rim(&pattern), face, share, monitor)
-        };
-        let refined = || scene.run.refine.then(|| blocks::finest(scene, &pattern, &[], monitor));
+        let tilt = || PressureTilt::of_strips(scene, &pattern, face, face.share_of(&pattern), monitor);
+        let refined = || scene.run.refine.then(|| blocks::finer(scene, &pattern, &[], blocks::MOST_REFINED, monitor));
         let (strips, ((block_errors, refined), (behind, tilt))) =
             rayon::join(strips, || rayon::join(|| rayon::join(block_errors, refined), || rayon::join(behind, tilt)));
         let Some(SteadyFace { loads, shortened }) = strips? else { return Ok(None) };
@@ -141,15 +136,16 @@ impl SteadySpecimen {
     /// The specimen with what `timed` adds.
     fn with(&self, timed: Option<&TimedStrip>, monitor: &dyn Monitor) -> Simulation {
         let Self { scene, face, pattern, .. } = self;
-        let mut said = Statements::default();
-        let mut loads = match timed {
-            None => {
+        let (mut loads, mut said) = timed.map_or_else(
+            || {
+                let mut said = Statements::default();
                 said.model("steady: equilibrium with every contact block sliding, linear elasticity; no time");
-                self.loads.clone()
-            }
-            Some(timed) => timed.on(face, &self.loads, &mut said),
-        };
-        let share = face.cavity_share() / pattern.section_density();
+                (self.loads.clone(), said)
+            },
+            |timed| timed.on(face, &self.loads),
+        );
+        // What cavities take off the face is that of the cell, in proportion to their share.
+        let share = face.share_of(pattern);
         blocks::state(&mut loads, self.block_errors.as_deref(), share);
         self.describe(&mut said);
         self.behind.tell(timed.is_some(), &self.tilt, &mut loads, &mut said);
@@ -169,30 +165,28 @@ impl SteadySpecimen {
         let Self { scene, face, pattern, .. } = self;
         let strips = face.strips().len();
         said.model(format!(
-        "specimen as it is laid out: cavities take {:.2} % of its face, {:.2} % of a period; {} along the sliding direction with cavities and ends of {} own{}",
-        100.0 * face.cavity_share(),
-        100.0 * pattern.areal_density(),
-        if strips == 1 { "one strip".to_owned() } else { format!("{strips} different strips") },
-        if strips == 1 { "its" } else { "their" },
-        if scene.layer.is_backed() { "" } else { ", under one rigid bulk" },
-    ));
-        if face
-            .strips()
-            .iter()
-            .any(|strip| without_slivers(strip.clone(), pattern.depth_m(), scene.layer.block_m) != *strip)
-        {
+            "specimen as it is laid out: cavities take {:.2} % of its face, {:.2} % of a period; {} along the sliding direction with cavities and ends of {} own{}",
+            100.0 * face.cavity_share(),
+            100.0 * pattern.areal_density(),
+            if strips == 1 { "one strip".to_owned() } else { format!("{strips} different strips") },
+            if strips == 1 { "its" } else { "their" },
+            if scene.layer.is_backed() { "" } else { ", under one rigid bulk" },
+        ));
+        let has_sliver =
+            |strip: &Strip| without_slivers(strip.clone(), pattern.depth_m(), scene.layer.block_m) != *strip;
+        if face.strips().iter().any(has_sliver) {
             said.model(
-            "walls at the rim that are narrower than the cavities are deep bear nothing: friction would turn them over",
-        );
+                "walls at the rim that are narrower than the cavities are deep bear nothing: friction would turn them over",
+            );
         }
         if scene.is_raised() {
             said.model(RimDifference::statement());
         }
         if self.shortened > 0 {
             said.method(format!(
-            "strips longer than {} mm: both ends and periodic cells between them, which changes the ratio of cavities of whole blocks by less than 1e-5",
-            (STRIP_HEIGHTS * scene.layer.height_m * 1e6).round() / 1e3
-        ));
+                "strips longer than {} mm: both ends and periodic cells between them, which changes the ratio of cavities of whole blocks by less than 1e-5",
+                (STRIP_HEIGHTS * scene.layer.height_m * 1e6).round() / 1e3
+            ));
         }
         said.method("two dimensions: vertical planes along the sliding direction, plane stress, nu = 1/3");
     }

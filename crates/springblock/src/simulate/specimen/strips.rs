@@ -150,7 +150,7 @@ impl SteadyFace {
             face_load(face, &pieces, &surfaces, flat, load)
         });
         let mut loads: Vec<LoadOutcome> = each.collect();
-        rims.add(face.cavity_share() / pattern.section_density(), &mut loads);
+        rims.add(face.share_of(pattern), &mut loads);
         Ok(Some(Self { loads, shortened: count }))
     }
 }

@@ -244,7 +244,7 @@ fn strips_follow_the_longest_in_time() {
     let alone = |strip: &Strip| {
         let lattices = timed_lattices(&scene, &scene.pattern.unwrap(), strip);
         let loads = integrate(&scene, &lattices, &[0.0], &Unwatched).unwrap().loads;
-        let steady = drawn_ratios(&scene, lattices, vec![OnceLock::new(); 2], &Unwatched);
+        let steady = drawn_ratios(&scene, &lattices, &[OnceLock::new(), OnceLock::new()], &Unwatched);
         loads[0].ratio.unwrap() - steady[0].unwrap()
     };
     let added: Vec<f64> = strips.iter().map(alone).collect();

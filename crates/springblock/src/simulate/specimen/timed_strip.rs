@@ -60,15 +60,13 @@ impl TimedStrip {
         describe_start(scene, "layer", &mut said);
         let columns = lattices[0].columns();
         let share = columns.iter().filter(|column| !column.is_land()).count() as f64 / columns.len() as f64;
-        let steady = drawn_ratios(scene, lattices, models, monitor);
+        let steady = drawn_ratios(scene, &lattices, &models, monitor);
         let added = loads.iter().zip(steady).map(|(load, steady)| Some(load.ratio? - steady?)).collect();
         Ok(Self { loads, added, share, said })
     }
 
-    /// The `steady` ratios of `face` with what time adds; `said` tells how.
-    pub fn on(&self, face: &Face, steady: &[LoadOutcome], said: &mut Statements) -> Vec<LoadOutcome> {
-        said.model.extend(self.said.model.iter().cloned());
-        said.method.extend(self.said.method.iter().cloned());
+    /// The `steady` ratios of `face` with what time adds, and how that was found.
+    pub fn on(&self, face: &Face, steady: &[LoadOutcome]) -> (Vec<LoadOutcome>, Statements) {
         // D / D_1
         let share = if self.share > 0.0 { face.cavity_share() / self.share } else { 0.0 };
         // One strip has nothing to follow it.
@@ -84,7 +82,7 @@ impl TimedStrip {
             load.ratio_layout_error = sampled.map(|(sampled, added)| sampled.hypot(followed * added));
             load
         };
-        self.loads.iter().zip(&self.added).zip(steady).map(of_load).collect()
+        (self.loads.iter().zip(&self.added).zip(steady).map(of_load).collect(), self.said.clone())
     }
 }
 
@@ -110,36 +108,33 @@ pub fn timed_lattices(scene: &Scene, pattern: &Pattern, strip: &Strip) -> Vec<La
     [own, flat].into_iter().map(|columns| Lattice::new(columns, rows, false)).collect()
 }
 
-/// Steady ratio of the strip over its flat companion with the coefficients that the runs in time draw, by load. What the flat one has is
-/// recalled where the monitor's caller remembers it.
+/// Steady ratio of the first of `lattices`, a strip, over the second, its flat companion, with the coefficients that the runs in time draw, by
+/// load; of `models` those are made that are not. What the flat one has is recalled where the monitor's caller remembers it.
 pub fn drawn_ratios(
     scene: &Scene,
-    lattices: Vec<Lattice>,
-    models: Vec<OnceLock<SteadyModel>>,
+    lattices: &[Lattice],
+    models: &[OnceLock<SteadyModel>],
     monitor: &dyn Monitor,
 ) -> Vec<Option<f64>> {
-    let mut each = lattices.into_iter().zip(models);
-    let (Some(own), Some(flat)) = (each.next(), each.next()) else { return Vec::new() };
-    let friction = |(lattice, made): (Lattice, OnceLock<SteadyModel>)| {
-        let model = made.into_inner().unwrap_or_else(|| SteadyModel::of(scene, lattice));
-        drawn_friction(scene, &model)
+    let ([own, flat], [of_own, of_flat]) = (lattices, models) else { return Vec::new() };
+    let friction = |lattice: &Lattice, made: &OnceLock<SteadyModel>| {
+        drawn_friction(scene, made.get_or_init(|| SteadyModel::of(scene, lattice.clone())))
     };
+    let count = scene.loads.len();
     let of_flat = || {
-        let (content, count) = ((settings(scene), &scene.loads, &flat.0), scene.loads.len() * scene.run.draws as usize);
-        let known = |bytes: &[u8]| Some(from_bytes(bytes)).filter(|all| all.len() == count);
+        let content = (settings(scene), &scene.loads, flat);
+        let known = |bytes: &[u8]| Some(from_bytes(bytes)).filter(|all| all.len() == count * scene.run.draws as usize);
         // No number stands for friction that was not found.
         let kept = |friction: &Vec<f64>| Some(to_bytes(friction));
-        recalled(monitor, ("flat", &content), (known, kept), || friction(flat.clone()))
+        recalled(monitor, ("flat", &content), (known, kept), || friction(flat, of_flat))
     };
-    let (own, flat) = rayon::join(|| friction(own), of_flat);
+    let (own, flat) = rayon::join(|| friction(own, of_own), of_flat);
     let ratio = |load: usize| {
         let of_draw = |(own, flat): (&f64, &f64)| Some(own / flat).filter(|ratio| ratio.is_finite());
-        let count = scene.loads.len();
-        let each = |all: &'_ [f64]| all.iter().skip(load).step_by(count).copied().collect::<Vec<f64>>();
-        let ratios = each(&own).iter().zip(&each(&flat)).map(of_draw).collect::<Option<Vec<f64>>>()?;
+        let ratios = own.iter().zip(&flat).skip(load).step_by(count).map(of_draw).collect::<Option<Vec<f64>>>()?;
         Some(ratios.iter().sum::<f64>() / ratios.len() as f64)
     };
-    (0..scene.loads.len()).map(ratio).collect()
+    (0..count).map(ratio).collect()
 }
 
 /// Steady friction of `model` by draw, and by load in each; no number where none is found, or none is there.
