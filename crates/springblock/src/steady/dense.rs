@@ -68,6 +68,21 @@ pub fn subtract_products(target: &mut [f64], factors: &[f64], rows: &[f64], widt
     subtract_rows(target, factors, rows, width, skip);
 }
 
+/// `target` += `factor` times `row`.
+#[multiversion(targets("x86_64+avx512f", "x86_64+avx2"))]
+pub fn add_times(target: &mut [f64], factor: f64, row: &[f64]) {
+    target.iter_mut().zip(row).for_each(|(target, value)| *target += factor * value);
+}
+
+/// `target` = e . (a - b), of rows of x and of z.
+#[multiversion(targets("x86_64+avx512f", "x86_64+avx2"))]
+pub fn elongation(target: &mut [f64], e: [f64; 2], [ax, az]: [&[f64]; 2], [bx, bz]: [&[f64]; 2]) {
+    let ends = ax.iter().zip(az).zip(bx.iter().zip(bz));
+    for (target, ((ax, az), (bx, bz))) in target.iter_mut().zip(ends) {
+        *target = e[0] * (ax - bx) + e[1] * (az - bz);
+    }
+}
+
 #[inline(always)]
 fn subtract_rows(target: &mut [f64], factors: &[f64], rows: &[f64], width: usize, skip: usize) {
     let length = target.len();

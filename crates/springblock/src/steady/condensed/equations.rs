@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::super::dense::{solve_many, subtract_products};
+use super::super::dense::{add_times, elongation, solve_many, subtract_products};
 use super::super::flat_layer::FlatLayer;
 use super::super::system::{Contact, contacts};
 use super::{Ceiling, Condensed, CondensedCell, latest};
@@ -203,26 +203,26 @@ impl Equations {
             let ends = [bond.a, b].map(|(i, j)| self.number[j * self.nx + i]);
             let of = |block: usize| displacements[2 * block * width..][..2 * width].split_at(width);
             let ((ax, az), (bx, bz)) = (of(ends[0]), of(ends[1]));
-            for at in 0..width {
-                stretch[at] = e[0] * (ax[at] - bx[at]) + e[1] * (az[at] - bz[at]);
-            }
+            elongation(&mut stretch, e, [ax, az], [bx, bz]);
             for ((i, j), block, sign) in [(bond.a, ends[0], 1.0), (b, ends[1], -1.0)] {
                 if lattice.is_attached(i, j) {
                     let (x, z) = forces[2 * block * width..][..2 * width].split_at_mut(width);
-                    for at in 0..width {
-                        x[at] += sign * e[0] * stretch[at];
-                        z[at] += sign * e[1] * stretch[at];
-                    }
+                    add_times(x, sign * e[0], &stretch);
+                    add_times(z, sign * e[1], &stretch);
                 }
             }
         }
         forces
     }
 
-    /// [`Self::condense`], remembered where that takes many of its `products`.
+    /// [`Self::condense`], remembered: for all threads where that takes many of its `products`.
     pub fn condense_or_recall(self, lattice: &Lattice, products: f64) -> Option<Arc<CondensedCell>> {
         let condense = || self.condense(lattice).map(Arc::new);
-        if products < latest::WORTH_REMEMBERING { condense() } else { latest::LATEST.recall(lattice, condense) }
+        if products < latest::WORTH_REMEMBERING {
+            latest::recall_own(lattice, condense)
+        } else {
+            latest::LATEST.recall(lattice, condense)
+        }
     }
 
     /// N_0, A, the ceilings, and the unknowns over T; `None` if the equations are singular.
@@ -238,7 +238,7 @@ impl Equations {
             row[width - 1] = w;
             if self.number[column] != NONE {
                 let missing = &forces[(2 * self.number[column] + 1) * width..][..width];
-                row.iter_mut().zip(missing).for_each(|(row, missing)| *row -= missing);
+                add_times(row, -1.0, missing);
             }
         };
         let mut ties = vec![0.0; nx];

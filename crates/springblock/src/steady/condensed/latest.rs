@@ -1,5 +1,6 @@
 //! Cells that were condensed last: one texture slides under several moduli, area laws and measurements, of which its equations know nothing.
 
+use std::cell::RefCell;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use super::CondensedCell;
@@ -9,6 +10,29 @@ use crate::lattice::Lattice;
 pub const WORTH_REMEMBERING: f64 = 1e7;
 /// Numbers that remembered cells hold at most: 64 MB.
 const MOST_NUMBERS: usize = 8 << 20;
+
+thread_local! {
+    /// The last cell that this thread has condensed, with its lattice. Small ones are not worth a place that all threads share, and one by one
+    /// they take the same memory.
+    static OWN: RefCell<Option<(Lattice, Arc<CondensedCell>)>> = const { RefCell::new(None) };
+}
+
+/// The cell of `lattice`, as `condense` makes it or as this thread has just made it.
+pub fn recall_own(
+    lattice: &Lattice,
+    condense: impl FnOnce() -> Option<Arc<CondensedCell>>,
+) -> Option<Arc<CondensedCell>> {
+    let known =
+        OWN.with_borrow(|own| own.as_ref().filter(|(known, _)| known == lattice).map(|(_, cell)| Arc::clone(cell)));
+    if known.is_some() {
+        return known;
+    }
+    // What is put out gives its memory to what comes.
+    OWN.set(None);
+    let cell = condense()?;
+    OWN.set(Some((lattice.clone(), Arc::clone(&cell))));
+    Some(cell)
+}
 
 /// What came of a cell, once it has been condensed.
 type Made = Arc<OnceLock<Option<Arc<CondensedCell>>>>;
@@ -62,6 +86,23 @@ mod tests {
     use super::*;
     use crate::columns;
     use crate::samples::groove;
+
+    #[test]
+    fn a_thread_has_its_last_cell_and_no_other() {
+        let lattice = |width_um: f64| Lattice::new(columns::cell(&groove(width_um, 100.0, 20.0), 10e-6), 20, true);
+        let anew = [80.0, 80.0, 81.0, 80.0].map(|width_um| {
+            let (lattice, mut is_new) = (lattice(width_um), false);
+            let found = recall_own(&lattice, || {
+                is_new = true;
+                Equations::of(&lattice, &[], false)?.condense(&lattice).map(Arc::new)
+            });
+            let expected = Equations::of(&lattice, &[], false).unwrap().condense(&lattice).unwrap();
+            assert_eq!(found.unwrap().unknowns, expected.unknowns);
+            is_new
+        });
+        assert_eq!(anew, [true, false, true, true]);
+        assert_eq!(recall_own(&lattice(82.0), || None).map(|cell| cell.unknowns.len()), None);
+    }
 
     #[test]
     fn a_cell_is_condensed_once_and_the_oldest_are_forgotten() {
