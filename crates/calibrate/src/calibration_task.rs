@@ -206,6 +206,17 @@ impl CalibrationTask {
         measured.force_n / self.specimen_area_m2
     }
 
+    /// `mu_s` / `mu_d` of blocks, before anything is fitted: the mean of measured peaks over dynamic friction, or what is assumed without any.
+    #[must_use]
+    pub fn local_static_over_dynamic(&self) -> f64 {
+        let measured = self.flat.iter().filter_map(|flat| Some(flat.static_peak?.mu / flat.mu_dynamic));
+        let shares: Vec<f64> = measured.collect();
+        if shares.is_empty() {
+            return self.static_over_dynamic;
+        }
+        (shares.iter().sum::<f64>() / shares.len() as f64).max(1.0)
+    }
+
     /// Standard deviation of Young's modulus over itself, where it is known.
     #[must_use]
     pub fn modulus_relative_std(&self) -> Option<f64> {

@@ -9,7 +9,7 @@ use slipgrid_export::Specimen;
 use slipgrid_material::{AreaLaw, Elastic, LocalFriction, MaterialError};
 use slipgrid_monitor::Monitor;
 use slipgrid_pattern::{Pattern, ReliefMap};
-use slipgrid_specimen::SteadyOnFace;
+use slipgrid_specimen::{SteadyOnFace, time_changes_on};
 use slipgrid_springblock::{Layer, Load, RunOptions, Scene, steady_ratios};
 
 use crate::area_law::area_law;
@@ -114,6 +114,44 @@ impl Model<'_> {
         // A tilt needs no blocks as small as rims do.
         scene.layer.block_m = self.task.layer.block_m;
         Ok(Some(SteadyOnFace::new(&scene, &own.pattern, cut, monitor)?))
+    }
+
+    /// What sliding in time adds to the ratio of each pair on the face `cut`, or of an endless pattern: at each force by one run, at the mean of
+    /// flat friction there, as it depends on friction by less than the run's own error. 0 where it is not known.
+    pub fn added_by_time(
+        &self,
+        pairs: &[Pair],
+        cut: Option<&Specimen>,
+        monitor: &dyn Monitor,
+    ) -> Result<Vec<f64>, CalibrationError> {
+        let task = self.task;
+        // As the strips of a face: what rims add is that of the cell.
+        let own = Model { pattern: self.pattern.with_rim(None), relief: None, ..*self };
+        let mut forces_n: Vec<f64> = pairs.iter().map(|[flat, _]| flat.force_n).collect();
+        forces_n.sort_by(f64::total_cmp);
+        forces_n.dedup();
+        let at_mean = |force_n: &f64| {
+            let alike: Vec<&Measurement> =
+                pairs.iter().map(|[flat, _]| flat).filter(|flat| flat.force_n == *force_n).collect();
+            let mu_dynamic = alike.iter().map(|flat| flat.mu_dynamic).sum::<f64>() / alike.len() as f64;
+            let mean = Measurement { mu_dynamic, ..*alike[0] };
+            [mean, mean]
+        };
+        let means: Vec<Pair> = forces_n.iter().map(at_mean).collect();
+        let Some(mut scene) = own.scene(task.elastic, self.law.0.cloned(), &means)? else { return Ok(Vec::new()) };
+        scene.layer.block_m = task.layer.block_m;
+        scene.run = RunOptions { seed: task.seed, ..RunOptions::default() };
+        let static_share = task.local_static_over_dynamic();
+        for load in &mut scene.loads {
+            let dynamic_mu = load.friction.dynamic_mean();
+            load.friction = LocalFriction::new(static_share * dynamic_mu, dynamic_mu, task.relative_std)?;
+        }
+        let added = time_changes_on(&scene, cut, monitor)?;
+        let at = |[flat, _]: &Pair| {
+            let place = forces_n.iter().position(|force_n| *force_n == flat.force_n);
+            place.and_then(|place| added[place]).unwrap_or(0.0)
+        };
+        Ok(pairs.iter().map(at).collect())
     }
 
     /// Steady cells of the sample, the flat surface at its measured friction; `None` without any pair.

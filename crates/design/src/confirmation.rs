@@ -18,22 +18,6 @@ pub(super) const LEAST_CONTACTS: f64 = 400.0;
 /// Share of the tolerance up to which the error of blocks is left as it is.
 const OF_TOLERANCE: f64 = 0.2;
 
-/// Travel that a run of `scene` from the sheared layer is planned for, in metres. It goes on until its mean is stationary and
-/// its standard error small enough.
-pub(super) fn warm_travel_m(scene: &Scene) -> f64 {
-    let law = (&scene.elastic, scene.area_law.as_ref());
-    slipgrid_springblock::warm_travel_m(law, &scene.layer, &scene.loads, scene.speed_m_s)
-}
-
-/// The run in time that stands for `scene`: slowed to even sliding, as far as one from the sheared layer needs.
-pub(super) fn in_time(scene: Scene) -> Scene {
-    let mut scene = scene.slowed();
-    if scene.run.warm_start {
-        scene.run.sliding_m = warm_travel_m(&scene);
-    }
-    scene
-}
-
 /// Whether both surfaces of `load` slid to a mean that means something.
 #[must_use]
 pub(super) fn trusted(load: &LoadOutcome) -> bool {
@@ -163,7 +147,7 @@ impl MultiFidelityLoop<'_> {
 
     /// The scene of the confirming run of `pattern` at the condition designed for.
     pub(super) fn confirming_scene(&self, pattern: &Pattern) -> Scene {
-        in_time(Scene { pattern: Some(*pattern), run: self.round.confirming, ..self.scene.clone() })
+        Scene { pattern: Some(*pattern), run: self.round.confirming, ..self.scene.clone() }.in_time()
     }
 
     /// Whether the size of blocks leaves more open of `predicted` than a fifth of the tolerance.
@@ -187,7 +171,7 @@ impl MultiFidelityLoop<'_> {
                 let speed_m_s = at.at.condition.map_or(self.scene.speed_m_s, |condition| condition.speed_m_s);
                 let (loads, pattern) = (at.loads.clone(), at.at.turned(&pattern));
                 let run = self.round.confirming;
-                let scene = in_time(Scene { pattern: Some(pattern), loads, speed_m_s, run, ..self.scene.clone() });
+                let scene = Scene { pattern: Some(pattern), loads, speed_m_s, run, ..self.scene.clone() }.in_time();
                 let mut confirmed = simulate_on(&scene, Some(&design.specimen), &bar).map_err(refuse)?;
                 timings.confirm_further += bar.finish();
                 self.monitor.heed()?;

@@ -2,7 +2,7 @@
 
 use slipgrid_springblock::{Extent, LoadOutcome, RunOptions, Scene};
 
-use crate::confirmation::{in_time, trusted};
+use crate::confirmation::trusted;
 use crate::time_budget::TimeBudget;
 use slipgrid_specimen::{SpecimenError, simulate_on};
 
@@ -11,7 +11,7 @@ pub(super) fn flat_friction(scene: &Scene, budget: TimeBudget<'_>) -> Result<Opt
     let bar = budget.stage("flat sample");
     // On the sample that the coefficients were calibrated on, in as many dimensions as there.
     let run = RunOptions { warm_start: true, extent: Extent::Sample, dimensions: None, ..scene.run };
-    let simulation = simulate_on(&in_time(Scene { pattern: None, run, ..scene.clone() }), None, &bar);
+    let simulation = simulate_on(&Scene { pattern: None, run, ..scene.clone() }.in_time(), None, &bar);
     bar.finish();
     let mu = |load: &LoadOutcome| load.surface.mu_dynamic.filter(|_| trusted(load));
     Ok(simulation?.loads.iter().map(mu).collect())

@@ -14,7 +14,7 @@ use crate::DesignError;
 use crate::best_round::{Advantage, KeptRound, Round};
 use crate::cache_key::cache_key;
 use crate::chance::Chances;
-use crate::confirmation::{WithoutTime, warm_travel_m};
+use crate::confirmation::WithoutTime;
 use crate::constraint_quantities::Limited;
 use crate::evaluation_cache::{EvaluationCache, Evaluations};
 use crate::flat_sample::flat_friction;
@@ -90,9 +90,6 @@ pub struct Waiting {
 /// How the names of confirming stages begin.
 pub(super) const CONFIRMATION: &str = "confirmation";
 
-/// Standard error over dynamic friction at which a confirming run stops: a tenth of the usual tolerance.
-const CONFIRMED_STDERR: f64 = 0.001;
-
 /// Whether a target that designs miss by `misfit` tolerances may still be reached, where their model misses `missed` of the specimen: it is
 /// missed by less than twice as much.
 pub(super) fn is_doubtful(design: &DesignTask, misfit: f64, missed: f64) -> bool {
@@ -126,8 +123,7 @@ impl<'a> MultiFidelityLoop<'a> {
         let mut scene = design.flat_scene(material, loads, from_rest);
         if !design.from_rest {
             // Nobody asked for static friction: start where sliding is about to begin.
-            let sliding_m = warm_travel_m(&scene);
-            scene.run = RunOptions { warm_start: true, mu_stderr: Some(CONFIRMED_STDERR), sliding_m, ..from_rest };
+            scene.run = from_rest.from_sliding();
         }
         let started_s = monitor.seconds();
         let flat_mu = match design.target.quantity() {

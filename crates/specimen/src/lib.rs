@@ -13,7 +13,7 @@
 //! | type | role |
 //! |---|---|
 //! | [`simulate_on`], [`strips_on`] | solves a scene on a specimen, in time or steady, or both in turn |
-//! | [`SteadyOnFace`] | what a specimen makes of steady ratios, cheaply: how trials are modelled |
+//! | [`SteadyOnFace`], [`time_changes_on`] | what a specimen, and time, make of steady ratios, cheaply: how trials are modelled |
 //! | [`Laid`], [`on_face`] | the share of cavities of a design, of samples of it, and what follows for the ratio |
 //!
 //! Of squares on a disc as wide as eleven periods, the rim leaves some untextured, and friction is lowered that much less:
@@ -40,4 +40,4 @@ mod laid;
 mod on_specimen;
 
 pub use laid::{Laid, on_face};
-pub use on_specimen::{SpecimenError, SteadyOnFace, onto, simulate_on, strips_on};
+pub use on_specimen::{SpecimenError, SteadyOnFace, onto, simulate_on, strips_on, time_changes_on};

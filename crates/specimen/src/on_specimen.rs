@@ -4,7 +4,7 @@ use slipgrid_export::{ExportError, LaidStrip, Layout, Specimen};
 use slipgrid_pattern::Pattern;
 use slipgrid_springblock::{
     Extent, Face, Monitor, RunOptions, Scene, SceneError, Simulation, Status, SteadyCell, SteadySpecimen, Strip,
-    TILT_MEAN, add_tilt, simulate, simulate_specimen, steady_face_ratios, tilt_changes,
+    TILT_MEAN, add_tilt, simulate, simulate_specimen, steady_face_ratios, tilt_changes, time_changes,
 };
 
 use crate::laid::{Laid, density_share, on_face, share_of};
@@ -168,6 +168,39 @@ impl SteadyOnFace {
     }
 }
 
+/// What sliding in time adds to the steady ratio of the pattern of `scene` on `specimen`, or of an endless one on a strip as long as its
+/// layer, at each load: by a run from sliding of the longest strip. `None` where that gives none, and in space, where it is not known.
+///
+/// # Errors
+/// As [`simulate_on`].
+pub fn time_changes_on(
+    scene: &Scene,
+    specimen: Option<&Specimen>,
+    monitor: &dyn Monitor,
+) -> Result<Vec<Option<f64>>, SpecimenError> {
+    let Some(pattern) = scene.pattern.filter(|_| scene.dimension().takes_strips()) else {
+        return Ok(vec![None; scene.loads.len()]);
+    };
+    let mut scene = Scene { run: RunOptions { extent: Extent::Sample, ..scene.run.from_sliding() }, ..scene.clone() };
+    let face = match specimen {
+        Some(specimen) => {
+            scene.layer.length_m = specimen.whole_length_m(scene.layer.block_m);
+            face(&specimen.layout(pattern)?, scene.layer.block_m)?
+        }
+        None => endless(&pattern, scene.layer.length_m)?,
+    };
+    Ok(time_changes(&scene.in_time(), &face, monitor)?)
+}
+
+/// A strip of an endless pattern, `length_m` long, with half a land at its left end and whole cavities.
+fn endless(pattern: &Pattern, length_m: f64) -> Result<Face, SceneError> {
+    let (width_m, pitch_m) = (pattern.width_m(), pattern.pitch_m());
+    let starts_m = (0..).map(|number| 0.5 * pattern.spacing_m() + f64::from(number) * pitch_m);
+    let cavities_m = starts_m.map(|start_m| [start_m, start_m + width_m]).take_while(|[_, end_m]| *end_m <= length_m);
+    let strip = Strip { band: 0, width_m: length_m, length_m, cavities_m: cavities_m.collect() };
+    Face::new(vec![strip], pattern.section_density())
+}
+
 /// What [`onto`] leaves open at each load: the distance of strips of grooves of the same section on the same specimen from
 /// it, in proportion to the share of a period across the cavities' row that is cavity.
 fn ends_error(
@@ -213,6 +246,27 @@ mod tests {
             speed_m_s: 2e-3,
             run: RunOptions { extent: Extent::Sample, ..RunOptions::default() },
         }
+    }
+
+    #[test]
+    fn what_time_adds_alone_is_what_the_whole_specimen_in_time_has() {
+        let pattern = Pattern::new(Planform::Groove, 130e-6, 370e-6, 20e-6).unwrap();
+        let mut scene = scene(pattern);
+        scene.layer.length_m = DISC.whole_length_m(scene.layer.block_m);
+        let found = time_changes_on(&scene, Some(&DISC), &Unwatched).unwrap();
+        let run = RunOptions { extent: Extent::Sample, ..scene.run.from_sliding() };
+        let timed = Scene { run, ..scene.clone() }.in_time();
+        let whole = simulate_on(&timed, Some(&DISC), &Unwatched).unwrap();
+        assert_eq!(found, whole.loads.iter().map(|load| load.ratio_time_change).collect::<Vec<_>>());
+        // An endless pattern has as much but for its share, within the error of a run.
+        let endless = time_changes_on(&scene, None, &Unwatched).unwrap();
+        for (own, endless) in found.iter().zip(&endless) {
+            let (own, endless) = (own.unwrap(), endless.unwrap());
+            assert!(own > 1e-3 && own < 0.02 && (own - endless).abs() < 0.5 * own, "{own} {endless}");
+        }
+        let squares = Pattern::new(Planform::Square, 130e-6, 370e-6, 20e-6).unwrap();
+        let in_space = Scene { pattern: Some(squares), ..scene };
+        assert_eq!(time_changes_on(&in_space, Some(&DISC), &Unwatched).unwrap(), [None, None]);
     }
 
     #[test]

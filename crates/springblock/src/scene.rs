@@ -5,7 +5,7 @@ use std::sync::Arc;
 use slipgrid_material::{AreaLaw, Elastic, LocalFriction};
 use slipgrid_pattern::{Pattern, ReliefMap, Texture};
 
-use crate::{Dimension, SceneError, run_speed_m_s};
+use crate::{Dimension, SceneError, run_speed_m_s, warm_travel_m};
 
 /// What a solver solves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -147,7 +147,16 @@ pub struct RunOptions {
     pub refine: bool,
 }
 
+/// Standard error of dynamic friction over itself at which a run from sliding may end.
+const MEAN_STDERR: f64 = 0.001;
+
 impl RunOptions {
+    /// A run in time whose mean alone is asked for: from where sliding is about to begin, until that is known to a thousandth.
+    #[must_use]
+    pub const fn from_sliding(self) -> Self {
+        Self { fidelity: Fidelity::Dynamic, warm_start: true, mu_stderr: Some(MEAN_STDERR), ..self }
+    }
+
     /// How a specimen with patterns of `texture` is run: strip by strip in the plane, in other sliding directions of the texture, too,
     /// and by one cell in space.
     #[must_use]
@@ -249,6 +258,17 @@ impl Scene {
         let lightest_pa = self.loads.iter().map(|load| load.pressure_pa).fold(f64::INFINITY, f64::min);
         self.speed_m_s = run_speed_m_s(&self.elastic, lightest_pa, self.speed_m_s);
         self
+    }
+
+    /// The run in time that stands for this one: slowed to even sliding, as far as one from the sheared layer needs.
+    #[must_use]
+    pub fn in_time(self) -> Self {
+        let mut scene = self.slowed();
+        if scene.run.warm_start {
+            let law = (&scene.elastic, scene.area_law.as_ref());
+            scene.run.sliding_m = warm_travel_m(law, &scene.layer, &scene.loads, scene.speed_m_s);
+        }
+        scene
     }
 }
 

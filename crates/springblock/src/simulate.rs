@@ -12,7 +12,7 @@ mod space;
 mod specimen;
 mod statements;
 
-pub use specimen::{SteadySpecimen, simulate_specimen, steady_face_ratios};
+pub use specimen::{SteadySpecimen, simulate_specimen, steady_face_ratios, time_changes};
 
 use std::sync::OnceLock;
 

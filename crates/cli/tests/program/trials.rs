@@ -284,8 +284,8 @@ fn a_trial_that_is_compared_is_named_and_has_its_own_lengths() {
         let modelled = row["modelled"].as_array().unwrap();
         let given = modelled.iter().find(|modelled| modelled["slope_factor"] == 1.0).unwrap();
         let [own, here] = [&own["modelled"], &given["ratio_groove"]].map(|ratio| ratio.as_f64().unwrap());
-        // Smaller blocks of `trials` are the difference.
-        assert!((own - here).abs() < 0.01, "{own} {here}");
+        // Smaller blocks of `trials` are the difference, and what time adds, which is some thousandths.
+        assert!((own - here).abs() < 0.015, "{own} {here}");
     }
     // Without any there is nothing to compare.
     fs::write(place.path("flat-alone.toml"), CALIBRATION).unwrap();
@@ -297,6 +297,35 @@ fn a_trial_that_is_compared_is_named_and_has_its_own_lengths() {
     fs::write(place.path("a.csv"), format!("{rows}{again}\n")).unwrap();
     let refused = place.run(&["trials", "calibration.toml"]);
     assert!(String::from_utf8_lossy(&refused.stderr).contains("% again, as line 4 has"), "{refused:?}");
+}
+
+/// A sample whose friction is what its confirming run says lacks nothing: what time adds, the margins of its face and smaller blocks are in both.
+#[test]
+fn a_sample_that_slides_as_it_was_confirmed_lacks_nothing() {
+    let place = place();
+    let area_m2 = std::f64::consts::PI * 25e-6;
+    let pressures: Vec<String> = FORCES_N.iter().map(|force_n| (force_n / area_m2 / 1e6).to_string()).collect();
+    let scene = format!(
+        "material = \"m.toml\"\ncondition = {{ speed_mm_s = 2.0, humidity_pct = 15.0 }}\n\
+         [pattern]\nplanform = \"groove\"\nwidth_um = 100\nspacing_um = 200\ndepth_um = 10.4\n\
+         [specimen]\nshape = \"disc\"\ndiameter_mm = 10.0\n[sample]\nlayer_um = 200.0\nblock_um = 10.0\nthickness_mm = 7.0\n\
+         [load]\npressure_mpa = [{}]\n[run]\nfidelity = \"dynamic\"\nextent = \"sample\"\nseed = 2\nsliding_um = 0.1\nwarm_start = true\n\
+         mu_stderr = 0.001\nrefine = true\n",
+        pressures.join(", ")
+    );
+    fs::write(place.path("confirmed.toml"), scene).unwrap();
+    let found: Value = serde_json::from_str(&place.succeed(&["simulate", "confirmed.toml", "--json"])).unwrap();
+    let ratio = |key: &str| [0, 1, 2].map(|row| found["results"][row][key].as_f64().unwrap());
+    let (confirmed, by_time) = (ratio("ratio"), ratio("ratio_time_change"));
+    let more = trial("A", [100.0, 200.0, 10.4], "measurements = \"a.csv\"\n");
+    fs::write(place.path("a.csv"), table(confirmed)).unwrap();
+    fs::write(place.path("calibration.toml"), format!("{CALIBRATION}\n{more}")).unwrap();
+    let ledger: Value = serde_json::from_str(&place.succeed(&["trials", "calibration.toml", "--json"])).unwrap();
+    for (row, (confirmed, by_time)) in confirmed.into_iter().zip(by_time).enumerate() {
+        let modelled = ledger["trials"][0]["measured"][row]["modelled"].as_f64().unwrap();
+        // Two runs in time, of blocks drawn anew: each within its error.
+        assert!((modelled - confirmed).abs() < 0.0015 && by_time > 0.003, "{row}: {modelled} {confirmed} {by_time}");
+    }
 }
 
 /// A pending sample is predicted where flat ones were measured.
@@ -327,14 +356,14 @@ fn forces_on_a_sample_of_another_size_count_by_their_pressure() {
         (ledger(&rows, "disc = \"one\"\n"), ledger(&rounded, "disc = \"one\"\nspecimen = { radius_mm = 2.0 }\n"));
     assert_eq!((disc.0, pin.0), (Some(0), Some(0)), "{} {}", disc.2, pin.2);
     assert_eq!(disc.1, pin.1);
-    // Alone, a sample is modelled on its own face, whose rim leaves cavities out.
+    // Alone, a sample is modelled on its own face: friction tilts the pressure on it, the more the shorter it is for its height.
     let modelled = |said: &str| {
         let said: Value = serde_json::from_str(said).unwrap();
-        said["trials"][0]["measured"][2]["modelled"].as_f64().unwrap()
+        said["trials"][0]["measured"][0]["modelled"].as_f64().unwrap()
     };
     let [whole, small] = [ledger(&rows, "").1, ledger(&rounded, "specimen = { radius_mm = 2.0 }\n").1];
     let [endless, whole, small] = [&disc.1, &whole, &small].map(|said| modelled(said));
-    assert!(whole > endless + 1e-3 && small > endless + 1e-3 && whole != small, "{endless} {whole} {small}");
+    assert!(whole < endless - 1e-3 && small < whole - 1e-3, "{endless} {whole} {small}");
     // Without its own face the same forces have no partner.
     assert_eq!(ledger(&rounded, "").0, Some(2));
 }

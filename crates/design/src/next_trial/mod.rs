@@ -11,14 +11,14 @@ use slipgrid_calibrate::uncertainty::MaterialUncertainty;
 use slipgrid_discrepancy::{
     Candidate, Discrepancy, Features, Load, Prediction, Predictor, Scenarios, Score, Wanted, information,
 };
-use slipgrid_export::{Division, LEAST_PERIODS, Outline, Removal, Sector};
+use slipgrid_export::{Division, LEAST_PERIODS, Outline, Removal, Sector, Specimen};
 use slipgrid_material::AreaLaw;
 use slipgrid_monitor::{Monitor, Part, Stage};
 use slipgrid_optimize::Quantity;
 use slipgrid_pattern::Pattern;
 use slipgrid_results::{MaterialReport, SCHEMA, VERSION};
-use slipgrid_specimen::SteadyOnFace;
-use slipgrid_springblock::{Fidelity, RunOptions};
+use slipgrid_specimen::{SteadyOnFace, time_changes_on};
+use slipgrid_springblock::{Fidelity, RunOptions, Scene};
 use slipgrid_units::tidy;
 
 use crate::chance::Chances;
@@ -174,9 +174,8 @@ pub fn next_trials(task: &DesignTask, options: &NextOptions, monitor: &dyn Monit
     let stage = Stage::new(monitor, "trials", None);
     let material = MaterialReport::from(&known.material.provenance);
     let mut search = Search::new(&task, &asked, &models, &chances, (&interpolation, &scope), &stage);
-    if division.is_none() {
-        search.off = off_on_specimen(&task, &model, search.likely_best().as_ref(), &stage)?;
-    }
+    let face = Some(&task.specimen).filter(|_| division.is_none());
+    search.off = off_on_specimen(&task, face, &model, search.likely_best().as_ref(), &stage)?;
     let found = choose(&search, options, division.as_ref(), &material);
     stage.finish();
     monitor.heed()?;
@@ -194,10 +193,11 @@ pub fn next_trials(task: &DesignTask, options: &NextOptions, monitor: &dyn Monit
     Ok(NextTrials { report, patterns, sectors, material })
 }
 
-/// What the ends of strips and the tilt of the pressure add to the logarithms of ratios of `likely` on its specimen, as a trial of it will be
-/// modelled: at each load of the first condition, and at others as there. Other designs are taken to have as much.
+/// What sliding in time and, on the specimen `face`, the ends of strips and the tilt of the pressure add to the logarithms of ratios of `likely`,
+/// as a trial of it will be modelled: at each load of the first condition, and at others as there. Other designs are taken to have as much.
 fn off_on_specimen(
     task: &DesignTask,
+    face: Option<&Specimen>,
     model: &SteadyModel<'_>,
     likely: Option<&Judged>,
     monitor: &dyn Monitor,
@@ -206,11 +206,21 @@ fn off_on_specimen(
     let mut scene = model.cell(&design.pattern, false);
     let count = task.target.points().len();
     scene.loads.truncate(count);
-    let on_face = SteadyOnFace::new(&scene, &design.pattern, &task.specimen, &Part::new(monitor, 0.0));
+    let pattern = Some(design.pattern.with_rim(None));
+    let timed = Scene { pattern, run: RunOptions { seed: task.seed, ..scene.run }, ..scene.clone() };
+    let part = Part::new(monitor, 0.0);
+    let (on_face, by_time) = rayon::join(
+        || face.map(|face| SteadyOnFace::new(&scene, &design.pattern, face, &part)).transpose(),
+        || time_changes_on(&timed, face, &part),
+    );
     monitor.heed()?;
     // Strips that are too large leave the cells, which samples are chosen by.
-    let Ok(on_face) = on_face else { return Ok(Vec::new()) };
-    let off = |(place, ratio): (usize, &f64)| on_face.added(place % count).map_or(0.0, |added| (added / ratio).ln_1p());
+    let (on_face, by_time) = (on_face.ok().flatten(), by_time.unwrap_or_default());
+    let off = |(place, ratio): (usize, &f64)| {
+        let of_face = on_face.as_ref().and_then(|on_face| on_face.added(place % count));
+        let of_time = by_time.get(place % count).copied().flatten();
+        ((of_face.unwrap_or(0.0) + of_time.unwrap_or(0.0)) / ratio).ln_1p()
+    };
     Ok(design.ratio.iter().enumerate().map(off).collect())
 }
 

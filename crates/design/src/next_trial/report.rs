@@ -331,7 +331,8 @@ impl NextReport {
         };
         let doubts = self.material.warnings.iter().filter(|doubt| is_of_contradicting_samples(doubt));
         doubts.for_each(|doubt| text += &format!("! {doubt}\n"));
-        text += "chances by the steady model: a run in time, which optimize makes, moves ratios by some thousandths\n";
+        text += "chances by the steady model, of grooves with what sliding in time adds to the likeliest sample: a run of its own, which optimize \
+                 makes, moves ratios by some thousandths\n";
         if let Some(own) = self.likelier_own() {
             text += &format!("yours, {} um, is likelier: {}\n", own.design.lengths_in_words(), chance(own.chance));
         }

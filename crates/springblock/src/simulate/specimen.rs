@@ -216,5 +216,14 @@ pub fn steady_face_ratios(
     Ok(loads.iter().map(|load| load.ratio).collect())
 }
 
+/// What sliding in time adds to the steady ratio of `face` at each load of `scene`, which says how the longest strip is run; `None` where that
+/// gives no ratio.
+///
+/// # Errors
+/// As [`simulate_specimen`].
+pub fn time_changes(scene: &Scene, face: &Face, monitor: &dyn Monitor) -> Result<Vec<Option<f64>>, SceneError> {
+    Ok(TimedStrip::new(&layer_of(scene), face, &pattern_of(scene)?, monitor)?.added_on(face))
+}
+
 #[cfg(test)]
 mod tests;

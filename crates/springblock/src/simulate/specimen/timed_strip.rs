@@ -65,10 +65,20 @@ impl TimedStrip {
         Ok(Self { loads, added, share, said })
     }
 
+    /// D / `D_1`
+    fn share_on(&self, face: &Face) -> f64 {
+        if self.share > 0.0 { face.cavity_share() / self.share } else { 0.0 }
+    }
+
+    /// What it adds to the ratio of `face`, by load.
+    pub fn added_on(&self, face: &Face) -> Vec<Option<f64>> {
+        let share = self.share_on(face);
+        self.added.iter().map(|added| added.map(|added| added * share)).collect()
+    }
+
     /// The `steady` ratios of `face` with what time adds, and how that was found.
     pub fn on(&self, face: &Face, steady: &[LoadOutcome]) -> (Vec<LoadOutcome>, Statements) {
-        // D / D_1
-        let share = if self.share > 0.0 { face.cavity_share() / self.share } else { 0.0 };
+        let share = self.share_on(face);
         // One strip has nothing to follow it.
         let followed = if face.strips().len() > 1 { TIME_SHARE } else { 0.0 };
         let of_load = |((strip, added), steady): ((&LoadOutcome, &Option<f64>), &LoadOutcome)| {
