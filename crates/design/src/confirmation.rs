@@ -63,7 +63,7 @@ impl MultiFidelityLoop<'_> {
         Ok(predicted)
     }
 
-    /// The best design without time, once it is known what time adds to that; `None` before, and where it is not solved strip by strip.
+    /// The best design without time; `None` where it is not solved strip by strip, or is not known what time adds to that.
     pub(super) fn without_time(
         &mut self,
         design: &DesignTask,
@@ -79,7 +79,7 @@ impl MultiFidelityLoop<'_> {
         Ok(strips.map(|strips| WithoutTime { predicted, strips }))
     }
 
-    /// What is expected in time of the best design, of which `solved` is known: with what time added to the last one.
+    /// What is expected in time of the best design, of which `solved` is known: with what time added to the last one, or is guessed to.
     pub(super) fn expected(&self, design: &DesignTask, solved: &WithoutTime) -> Option<Expected> {
         let best = self.round.best.as_ref()?;
         let each = self.expected_each(best, &solved.strips.steady());

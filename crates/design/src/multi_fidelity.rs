@@ -63,7 +63,7 @@ pub(super) struct MultiFidelityLoop<'a> {
     /// Largest change of the model by the specimen solved last; 0 before.
     pub(super) missed: f64,
     /// What the run in time of the last design that was run added to its specimen in steady sliding, to the target's quantity by the physics
-    /// at each load of the condition designed for; nothing before, and where that is not known.
+    /// at each load of the condition designed for; a guess before, and nothing where it is not known.
     pub(super) added_by_time: Option<Vec<f64>>,
     /// The design that the model was corrected at last: of it, it says what is known.
     pub(super) corrected_at: Option<Pattern>,
@@ -146,10 +146,12 @@ impl<'a> MultiFidelityLoop<'a> {
         };
         timings.flat = monitor.seconds() - started_s;
         let elsewhere: Vec<&[Load]> = further.iter().map(|at| &at.loads[..]).collect();
+        let model = SteadyModel::new(&scene, &elsewhere, &design.directions.different_deg, &design.space, flat_mu)
+            .watched_by(monitor)
+            .on(design.specimen);
         Ok(Self {
-            model: SteadyModel::new(&scene, &elsewhere, &design.directions.different_deg, &design.space, flat_mu)
-                .watched_by(monitor)
-                .on(design.specimen),
+            added_by_time: model.guessed_by_time(),
+            model,
             correction: LowFidelityCorrection::new(),
             round: Round { confirming: scene.run, ..Round::default() },
             scene,
@@ -167,7 +169,6 @@ impl<'a> MultiFidelityLoop<'a> {
             cut_short: Vec::new(),
             chances: None,
             missed: 0.0,
-            added_by_time: None,
             corrected_at: None,
             waiting: None,
             excess: Vec::new(),
