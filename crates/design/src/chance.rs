@@ -9,8 +9,9 @@ mod sampled;
 
 use std::cell::RefCell;
 use std::ops::Range;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 
+use rayon::prelude::*;
 use slipgrid_calibrate::uncertainty::{Covariance, ScaleShift, moved, with_scale};
 use slipgrid_material::{Condition, MaterialError};
 use slipgrid_optimize::{
@@ -27,6 +28,7 @@ pub(crate) use self::inputs::diagonal;
 use self::inputs::{Parts, of_dimensions, percent, rms};
 pub use self::numerical::{Numerical, block_std};
 use crate::DesignError;
+use crate::between_designs::BetweenDesigns;
 use crate::evaluation_cache::Answer;
 use crate::learned_discrepancy::LearnedDiscrepancy;
 use crate::operating_conditions::Further;
@@ -39,6 +41,11 @@ use slipgrid_units::{LENGTH_UM, tidy};
 const DIMENSIONS: usize = 3;
 /// Widest difference along a dimension over the dimension itself.
 const WIDEST_SHARE: f64 = 0.5;
+
+/// Distance from which designs are unlike: widths or spacings that differ by a factor 1.6, depths by 1.3.
+const UNLIKE: f64 = 0.5;
+/// What blocks leave open of a ratio at least: its logarithm is known.
+const LEAST_BLOCK_STD: f64 = 1e-6;
 
 /// What the mean height of a sample's rims is called.
 pub const RIM_HEIGHT: &str = "rim height";
@@ -68,6 +75,8 @@ pub struct Chances<'a> {
     still: SteadyModel<'a>,
     /// The same in blocks half as large, in the vertical plane.
     fine: Option<SteadyModel<'a>>,
+    /// Logarithm of what blocks leave open of a ratio, where it was found out.
+    block_errors: Mutex<BetweenDesigns>,
     /// Along flat friction, the area law's scale and its factors: models to both sides, and the way to each.
     friction: Option<Along<'a>>,
     law_scale: Option<Along<'a>>,
@@ -199,6 +208,7 @@ impl<'a> Chances<'a> {
             tolerances,
             still: model.beside(|scene: &Scene| Ok::<_, DesignError>(scene.clone()))?,
             fine: fine(model)?,
+            block_errors: Mutex::default(),
             friction: along(friction_at, count, true, 0.0, 0.0)?,
             law_scale: along(scale_at, 1, false, 1.0, 0.0)?,
             scale_is_fitted: is_fitted,
@@ -256,11 +266,56 @@ impl<'a> Chances<'a> {
         others: &Numerical,
     ) -> Result<Numerical, ModelFailure> {
         let Some(fine) = &self.fine else { return Ok(others.clone()) };
-        let fine = fine.steady(design)?.ratio;
-        let most = still.ratio.iter().zip(&fine).map(|(own, fine)| (own - fine).abs()).fold(0.0, f64::max);
-        let std = block_std(most);
+        let most = most_apart(&still.ratio, &fine.steady(design)?.ratio);
+        Ok(self.with_blocks(block_std(most), others))
+    }
+
+    /// Finds out how far blocks leave the values of `designs` open, for [`Self::numerical_like`]: of those that are unlike others. It goes smoothly
+    /// with the lengths but for a fifth of itself, by where cavities end within blocks.
+    ///
+    /// # Errors
+    /// [`ModelFailure`] where the model is broken, or asked to stop.
+    pub fn learn_blocks(&self, designs: impl IntoIterator<Item = Pattern>) -> Result<(), ModelFailure> {
+        let Some(fine) = &self.fine else { return Ok(()) };
+        let mut known = self.block_errors.lock().unwrap_or_else(PoisonError::into_inner);
+        let solved = |design: &Pattern| {
+            let most = most_apart(&self.still(design)?.ratio, &fine.steady(design)?.ratio);
+            Ok((*design, vec![block_std(most).max(LEAST_BLOCK_STD).ln()]))
+        };
+        let solved: Vec<_> = known.unlike(designs, UNLIKE).par_iter().map(solved).collect();
+        let mut learnt = Vec::new();
+        for found in solved {
+            match found {
+                Ok(found) => learnt.push(found),
+                Err(ModelFailure::Trial { .. }) => {}
+                Err(failure) => return Err(failure),
+            }
+        }
+        known.learn(learnt);
+        Ok(())
+    }
+
+    /// As [`Self::numerical_of`], by what [`Self::learn_blocks`] found of designs like it where it found any: where many are compared.
+    ///
+    /// # Errors
+    /// As there.
+    pub fn numerical_like(
+        &self,
+        design: &Pattern,
+        still: &Answer,
+        others: &Numerical,
+    ) -> Result<Numerical, ModelFailure> {
+        let known = self.block_errors.lock().unwrap_or_else(PoisonError::into_inner).at(design);
+        known.map_or_else(
+            || self.numerical_of(design, still, others),
+            |log_std| Ok(self.with_blocks(log_std[0].exp(), others)),
+        )
+    }
+
+    /// `others` with what the size of blocks leaves open of ratios.
+    fn with_blocks(&self, std: f64, others: &Numerical) -> Numerical {
         let common = self.scale.iter().zip(&others.common).map(|(scale, other)| (scale * std).hypot(*other)).collect();
-        Ok(Numerical { common, ..others.clone() })
+        Numerical { common, ..others.clone() }
     }
 
     /// Cells that a chance takes: of the design, of one in smaller blocks where there are such, and to both sides along each
@@ -379,6 +434,11 @@ impl<'a> Chances<'a> {
         };
         rows.into_iter().zip(values).flat_map(row).collect()
     }
+}
+
+/// The largest distance of two numbers at one place.
+fn most_apart(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
 }
 
 /// `model` in blocks half as large; `None` in space, where they are dear.

@@ -61,6 +61,7 @@
 
 mod assessment;
 mod best_round;
+mod between_designs;
 mod cache_key;
 mod chance;
 mod chance_report;

@@ -11,6 +11,7 @@ use slipgrid_optimize::{
 };
 use slipgrid_pattern::Pattern;
 
+use crate::between_designs::unlike_those_before;
 use crate::chance::{About, Chances, Numerical};
 use crate::multi_fidelity::MultiFidelityLoop;
 use crate::task::DesignTask;
@@ -23,6 +24,8 @@ const DRAWS: usize = 4000;
 /// By how much a ratio of the steady model is taken to be off before it is confirmed in time: confirming runs differ by 0.001
 /// to 0.004. Designs at the edge of what is accepted lose by it.
 const NUMERICAL_STD: f64 = 0.002;
+/// Distance from which designs that a search went through are unlike: a fifth of a width or a spacing, a tenth of a depth.
+const UNLIKE: f64 = 0.2;
 /// Misfit of the steady model from which a design may fail its confirming run: its chance counts that too.
 const NEAR_THE_EDGE: f64 = 0.9;
 /// Lattice in space, where a design of the guide takes some milliseconds.
@@ -115,10 +118,14 @@ struct ByChance<'a> {
 }
 
 impl Merits for ByChance<'_> {
+    fn expect(&self, candidates: &[Candidate]) -> Result<(), ModelFailure> {
+        self.chances.learn_blocks(candidates.iter().map(|candidate| candidate.design))
+    }
+
     fn chance(&self, candidate: &Candidate) -> Result<(Probability, f64), ModelFailure> {
         let values = &candidate.response.value;
         let still = self.chances.still(&candidate.design)?;
-        let numerical = self.chances.numerical_of(&candidate.design, &still, &self.numerical)?;
+        let numerical = self.chances.numerical_like(&candidate.design, &still, &self.numerical)?;
         let about = About { design: &candidate.design, still: &still, values, numerical: &numerical };
         let expansion = self.chances.expand(&about)?;
         let all = self.chances.share(&self.draws, &expansion, &|_| true);
@@ -168,8 +175,8 @@ impl MultiFidelityLoop<'_> {
             (&design.target, &design.space, &design.constraints, &outcome.meeting);
         let found = match self.model.guide() {
             None => {
-                let options = options(false);
-                select(target, space, constraints, known, &options, &self.model, &merits, &bar)
+                let (options, known) = (options(false), unlike(known));
+                select(target, space, constraints, &known, &options, &self.model, &merits, &bar)
             }
             Some((guide, _)) => {
                 let options = options(true);
@@ -196,6 +203,15 @@ impl MultiFidelityLoop<'_> {
         self.round.selection = Some(Chosen { selection, effort: merits.effort });
         Ok(SearchOutcome { best: chosen, alternatives, ..outcome })
     }
+}
+
+/// Those of `known` that are unlike better ones: a search ends among many that are alike.
+fn unlike(known: &[Candidate]) -> Vec<Candidate> {
+    let mut known = known.to_vec();
+    known.sort_by(|a, b| a.misfit.merit.total_cmp(&b.misfit.merit));
+    let mut is_unlike = unlike_those_before(Vec::new(), UNLIKE);
+    known.retain(|candidate| is_unlike(&candidate.design));
+    known
 }
 
 /// What was chosen from, and by what effort.

@@ -14,6 +14,7 @@ use slipgrid_pattern::{Pattern, Texture};
 use slipgrid_springblock::{Dimension, Extent, Fidelity, Load, RunOptions, Scene, Simulation, Status, simulate};
 
 pub use self::coarse::{Endless, LowFidelity};
+use crate::between_designs::BetweenDesigns;
 use crate::constraint_quantities::Limited;
 use crate::directional_cells::Solver;
 use crate::evaluation_cache::{Answer, Evaluations};
@@ -47,8 +48,8 @@ pub struct SteadyModel<'a> {
     flat_mu: Option<Vec<f64>>,
     /// What trials say that the model lacks, where designs aim with it.
     learned: Option<Arc<LearnedDiscrepancy<'a>>>,
-    /// Added to the model's value by the physics at each load of each condition: what the specimen of an earlier design has beyond its cell.
-    correction: Vec<f64>,
+    /// Added to the model's value by the physics at each load of each condition: what specimens of earlier designs have beyond their cells.
+    correction: BetweenDesigns,
     limited: Limited,
     evaluations: Evaluations<'a>,
     /// Ends a search.
@@ -88,7 +89,6 @@ impl<'a> SteadyModel<'a> {
             };
             loads.iter().enumerate().map(at).collect()
         });
-        let count = loads.len();
         let asked = Scene { loads, ..scene.clone() };
         let rows = scene.layer.rows();
         let shortest_pitch_m = space.width_m()[0] + space.spacing_m()[0];
@@ -115,7 +115,7 @@ impl<'a> SteadyModel<'a> {
             guide,
             flat_mu,
             learned: None,
-            correction: vec![0.0; count],
+            correction: BetweenDesigns::default(),
             scene,
             asked,
             limited: Limited::default(),
@@ -327,7 +327,7 @@ impl<'a> SteadyModel<'a> {
             guide: None,
             flat_mu: self.flat_mu.clone(),
             learned: self.learned.clone(),
-            correction: vec![0.0; asked.loads.len()],
+            correction: BetweenDesigns::default(),
             limited: Limited::default(),
             evaluations: Evaluations::default(),
             monitor: self.monitor,
@@ -412,12 +412,18 @@ impl<'a> SteadyModel<'a> {
         if answer.clearance_m().is_some_and(|clearance_m| clearance_m <= 0.0) && !self.limited.judges_clearance() {
             return Err(ModelFailure::Trial { reason: "the cavity closes under load".to_owned() });
         }
-        let corrected = |(load, ratio): (usize, &f64)| ratio * self.scale(load) + self.correction[load];
-        let physics: Vec<f64> = answer.ratio.iter().enumerate().map(corrected).collect();
+        let correction = self.correction_of(designed);
+        let corrected = |((load, ratio), correction): ((usize, &f64), f64)| ratio * self.scale(load) + correction;
+        let physics: Vec<f64> = answer.ratio.iter().enumerate().zip(correction).map(corrected).collect();
         let limited = self.limited.values(design, &answer, &physics)?;
         let value =
             physics.iter().zip(self.factors_of(design, &answer)).map(|(value, factor)| value * factor).collect();
         Ok(Response { value, limited })
+    }
+
+    /// What the specimen of `design` has beyond its cell by what is known of others, at each load of each condition.
+    fn correction_of(&self, design: &Pattern) -> Vec<f64> {
+        self.correction.at(design).unwrap_or_else(|| vec![0.0; self.asked.loads.len()])
     }
 
     /// What `solver`, made of `scene`, says of `design`, kept for the next who asks; with slopes along the modulus where designs aim

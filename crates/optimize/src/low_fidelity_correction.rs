@@ -4,13 +4,11 @@ use crate::Response;
 use crate::low_discrepancy::MOST_DIMENSIONS;
 use crate::space::Grid;
 use slipgrid_pattern::Pattern;
-use slipgrid_statistics::cholesky::{cholesky, is_regular, solve};
+use slipgrid_statistics::Kriging;
 
 /// Distance over which differences resemble each other, as a share of the (logarithmic) bounds. Shorter forgets
 /// what is known from afar, longer trusts it too much: from 0.4 to 1 the number of evaluations hardly changes.
 const RANGE: f64 = 1.5;
-/// Added to the covariance of a design with itself: keeps neighbouring designs apart.
-const NUGGET: f64 = 1e-12;
 
 /// Differences between a model and its guide, learnt in one search and of use in the next, as long as models,
 /// texture and bounds stay the same. Values may be shifted in both alike.
@@ -68,28 +66,11 @@ impl LowFidelityCorrection {
             let [model, guide] = known[row].said[column];
             if is_factor(column) { libm::log(model / guide) } else { model - guide }
         };
-        let mean = |column: usize| (0..n).map(|row| by(column, row)).sum::<f64>() / n.max(1) as f64;
-        let mut columns: Vec<Column> = (0..count)
-            .map(|column| Column { mean: mean(column), weights: vec![0.0; n], is_factor: is_factor(column) })
-            .collect();
-        let nugget = |i: usize, j: usize| if i == j { NUGGET } else { 0.0 };
-        let covariances: Vec<f64> =
-            (0..n * n).map(|e| covariance(&shares[e / n], &shares[e % n]) + nugget(e / n, e % n)).collect();
-        // Two designs at one place, which a grid does not have, would be left to the mean.
-        if let Some(factor) = cholesky(&covariances, n).filter(|factor| n > 0 && is_regular(factor, n)) {
-            let solved = |mut right: Vec<f64>| {
-                solve(&factor, n, &mut right);
-                right
-            };
-            let ones = solved(vec![1.0; n]);
-            for (number, column) in columns.iter_mut().enumerate() {
-                // m = 1' C^-1 d / 1' C^-1 1,   w = C^-1 (d - m 1)
-                let by = solved((0..n).map(|row| by(number, row)).collect());
-                column.mean = by.iter().sum::<f64>() / ones.iter().sum::<f64>();
-                column.weights = by.iter().zip(&ones).map(|(by, one)| by - column.mean * one).collect();
-            }
+        let columns: Vec<Vec<f64>> = (0..count).map(|column| (0..n).map(|row| by(column, row)).collect()).collect();
+        Correction {
+            differences: Kriging::new(RANGE, shares, &columns),
+            is_factor: (0..count).map(is_factor).collect(),
         }
-        Correction { shares, columns }
     }
 }
 
@@ -100,39 +81,21 @@ fn numbers(response: &Response) -> impl Iterator<Item = f64> {
 
 type Shares = [f64; MOST_DIMENSIONS];
 
-/// Matern's covariance of smoothness 3/2: (1 + sqrt(3) r / L) exp(-sqrt(3) r / L).
-fn covariance(left: &Shares, right: &Shares) -> f64 {
-    let square: f64 = left.iter().zip(right).map(|(left, right)| (left - right).powi(2)).sum();
-    let r = (3.0 * square).sqrt() / RANGE;
-    (1.0 + r) * libm::exp(-r)
-}
-
-/// Ordinary kriging (Matheron, Econ. Geol. 58, 1246, 1963) of the differences: exact where they are known, their
-/// mean far from all.
+/// Differences between a model and its guide as a function of a design's shares.
 #[derive(Clone, Debug)]
 pub(crate) struct Correction {
-    shares: Vec<Shares>,
-    columns: Vec<Column>,
-}
-
-#[derive(Clone, Debug)]
-struct Column {
-    mean: f64,
-    weights: Vec<f64>,
+    differences: Kriging<MOST_DIMENSIONS>,
     /// The difference is the logarithm of a factor.
-    is_factor: bool,
+    is_factor: Vec<bool>,
 }
 
 impl Correction {
     /// What the model is expected to answer where the guide answers `guide` at `shares`.
     pub(crate) fn apply(&self, shares: &Shares, guide: &Response) -> Response {
-        let near: Vec<f64> = self.shares.iter().map(|known| covariance(known, shares)).collect();
-        // d(t) = m + sum_i w_i C(t, t_i)
-        let at =
-            |column: &Column| column.mean + column.weights.iter().zip(&near).map(|(weight, c)| weight * c).sum::<f64>();
-        let mut corrected = numbers(guide).zip(&self.columns).map(|(number, column)| {
-            if column.is_factor { number * libm::exp(at(column)) } else { number + at(column) }
-        });
+        let by = self.differences.at(shares).into_iter().zip(&self.is_factor);
+        let mut corrected = numbers(guide)
+            .zip(by)
+            .map(|(number, (by, is_factor))| if *is_factor { number * libm::exp(by) } else { number + by });
         let value = corrected.by_ref().take(guide.value.len()).collect();
         Response { value, limited: corrected.collect() }
     }

@@ -1,5 +1,5 @@
 //! Statistics that several crates need: normal deviates and their distribution, that of chi-square, medians, standard deviations and Student's t,
-//! response surfaces of three lengths, and the small dense systems that these lead to.
+//! response surfaces of three lengths, kriging, and the small dense systems that these lead to.
 //!
 //! ```
 //! use slipgrid_statistics::{Confidence, mean_and_std, median, upper_median};
@@ -10,6 +10,7 @@
 
 mod chi_square;
 pub mod cholesky;
+mod kriging;
 mod normal;
 mod normal_distribution;
 mod response_surface;
@@ -18,6 +19,7 @@ mod student;
 mod synthetic_noise;
 
 pub use chi_square::chi_square_beyond;
+pub use kriging::Kriging;
 pub use normal::Normals;
 pub use normal_distribution::{box_probability, normal_probability, normal_quantile, rough_box_probability};
 pub use response_surface::{Axis, ResponseSurface};

@@ -12,18 +12,20 @@ use crate::task::DesignTask;
 const ADDED_BY_STICKING: f64 = 0.035;
 
 impl SteadyModel<'_> {
-    /// Takes the difference between `confirmed` and what the search took for `predicted` as the model's error at every
-    /// design, and returns the largest change of it at the confirmed `design`. Values, one per load of each condition, that either
-    /// has not keep their correction.
+    /// Takes the difference between `confirmed` and what the model `predicted` of `design` as its error there, which says something of other
+    /// designs, and returns the largest change of it at this one. Values, one per load of each condition, that either has not keep their
+    /// correction.
     pub fn correct(&mut self, design: &Pattern, predicted: &[f64], confirmed: &[Option<f64>]) -> f64 {
         let mut largest = 0.0_f64;
         let (factors, each) = (self.factors(design), predicted.iter().zip(confirmed));
-        for ((correction, factor), (predicted, confirmed)) in self.correction.iter_mut().zip(factors).zip(each) {
+        let mut differences = self.correction_of(design);
+        for ((difference, factor), (predicted, confirmed)) in differences.iter_mut().zip(factors).zip(each) {
             if let Some(confirmed) = confirmed {
                 largest = largest.max((confirmed - predicted).abs());
-                *correction += (confirmed - predicted) / factor;
+                *difference += (confirmed - predicted) / factor;
             }
         }
+        self.correction.learn([(*design, differences)]);
         largest
     }
 

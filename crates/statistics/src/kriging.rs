@@ -1,0 +1,92 @@
+//! Ordinary kriging (Matheron, Econ. Geol. 58, 1246, 1963): what is known at some places, and what that says of those in between.
+
+use crate::cholesky::{cholesky, is_regular, solve};
+
+/// Added to the covariance of a place with itself: keeps neighbours apart.
+const NUGGET: f64 = 1e-12;
+
+/// Quantities that are known at the same places: exact there, their mean far from all.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Kriging<const D: usize> {
+    range: f64,
+    places: Vec<[f64; D]>,
+    quantities: Vec<Quantity>,
+}
+
+#[derive(Clone, Debug, PartialEq)]
+struct Quantity {
+    mean: f64,
+    weights: Vec<f64>,
+}
+
+impl<const D: usize> Kriging<D> {
+    /// Of `quantities`, each known at all `places`, that resemble each other over the distance `range`; zero without places.
+    #[must_use]
+    pub fn new(range: f64, places: Vec<[f64; D]>, quantities: &[Vec<f64>]) -> Self {
+        let n = places.len();
+        let nugget = |i: usize, j: usize| if i == j { NUGGET } else { 0.0 };
+        let covariances: Vec<f64> =
+            (0..n * n).map(|e| covariance(&places[e / n], &places[e % n], range) + nugget(e / n, e % n)).collect();
+        // Two quantities at one place are left to their mean.
+        let factor = cholesky(&covariances, n).filter(|factor| n > 0 && is_regular(factor, n));
+        let solved = |factor: &[f64], mut right: Vec<f64>| {
+            solve(factor, n, &mut right);
+            right
+        };
+        let ones = factor.as_ref().map(|factor| solved(factor, vec![1.0; n]));
+        let quantity = |known: &Vec<f64>| {
+            let Some((factor, ones)) = factor.as_ref().zip(ones.as_ref()) else {
+                return Quantity { mean: known.iter().sum::<f64>() / n.max(1) as f64, weights: vec![0.0; n] };
+            };
+            // m = 1' C^-1 d / 1' C^-1 1,   w = C^-1 (d - m 1)
+            let by = solved(factor, known.clone());
+            let mean = by.iter().sum::<f64>() / ones.iter().sum::<f64>();
+            Quantity { mean, weights: by.iter().zip(ones).map(|(by, one)| by - mean * one).collect() }
+        };
+        let quantities = quantities.iter().map(quantity).collect();
+        Self { range, places, quantities }
+    }
+
+    /// The quantities at `place`: d(t) = m + sum `w_i` C(t, `t_i`).
+    #[must_use]
+    pub fn at(&self, place: &[f64; D]) -> Vec<f64> {
+        let near: Vec<f64> = self.places.iter().map(|known| covariance(known, place, self.range)).collect();
+        let of = |quantity: &Quantity| {
+            quantity.mean + quantity.weights.iter().zip(&near).map(|(weight, c)| weight * c).sum::<f64>()
+        };
+        self.quantities.iter().map(of).collect()
+    }
+}
+
+/// Matern's covariance of smoothness 3/2: (1 + sqrt(3) r / L) exp(-sqrt(3) r / L).
+fn covariance<const D: usize>(left: &[f64; D], right: &[f64; D], range: f64) -> f64 {
+    let square: f64 = left.iter().zip(right).map(|(left, right)| (left - right).powi(2)).sum();
+    let r = (3.0 * square).sqrt() / range;
+    (1.0 + r) * libm::exp(-r)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn quantities_are_exact_where_they_are_known_and_their_mean_far_away() {
+        let places = vec![[0.0, 0.0], [1.0, 0.0], [0.0, 0.5]];
+        let known = [vec![1.0, 3.0, 0.5], vec![-2.0, -2.0, -2.0]];
+        let found = Kriging::new(1.5, places.clone(), &known);
+        for (row, place) in places.iter().enumerate() {
+            let at = found.at(place);
+            assert!((at[0] - known[0][row]).abs() < 1e-9 && (at[1] + 2.0).abs() < 1e-9, "{at:?}");
+        }
+        // Between two places between what is known there; far from all what is in common to all.
+        let between = found.at(&[0.5, 0.0])[0];
+        assert!(between > 1.0 && between < 3.0, "{between}");
+        let far = [[90.0, 0.0], [0.0, -90.0]].map(|place| found.at(&place));
+        assert!(far[0] == far[1] && far[0][0] > 0.5 && far[0][0] < 3.0, "{far:?}");
+        // The same without one of two that agree, and none without any.
+        assert_eq!(Kriging::new(1.0, vec![[0.0]], &[vec![4.0]]).at(&[7.0]), [4.0]);
+        assert_eq!(Kriging::<1>::new(1.0, Vec::new(), &[Vec::new()]).at(&[7.0]), [0.0]);
+        // Of two numbers at one place the mean.
+        assert_eq!(Kriging::new(1.0, vec![[0.0]; 2], &[vec![4.0, 6.0]]).at(&[0.0]).len(), 1);
+    }
+}
