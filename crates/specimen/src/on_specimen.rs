@@ -265,7 +265,7 @@ mod tests {
             assert!(own > 1e-3 && own < 0.02 && (own - endless).abs() < 0.5 * own, "{own} {endless}");
         }
         let squares = Pattern::new(Planform::Square, 130e-6, 370e-6, 20e-6).unwrap();
-        let in_space = Scene { pattern: Some(squares), ..scene };
+        let in_space = Scene { pattern: Some(squares), run: RunOptions::default(), ..scene };
         assert_eq!(time_changes_on(&in_space, Some(&DISC), &Unwatched).unwrap(), [None, None]);
     }
 

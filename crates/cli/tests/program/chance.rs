@@ -116,8 +116,8 @@ fn the_chance_that_a_design_is_chosen_for_is_that_of_its_samples() {
     let text = design("value = 0.9\ntolerance = 0.02", &TOLERANCES.replace("6.0", "4.0").replace("1.0", "4.0"))
         .replace("density_g_cm3 = 0.9\n", MODULUS)
         .replace("depth_um = [2.0, 50.0]", "depth_um = [2.0, 20.0]")
-        // A design that its confirming run moves little, by 0.002: that run also makes the ratio better known, which is a tenth of chance.
-        .replace("seed = 1", "seed = 2");
+        // A design that its confirming run moves little, by 0.004: that run also makes the ratio better known, which is a tenth of chance.
+        .replace("seed = 1", "seed = 3");
     let place = Place::with(&[("all.toml", &format!("{text}[trade_offs]\ngoals = [\"chance\", \"volume\"]\n"))]);
     let (_, found) = optimize(&place, "all.toml", 0);
     let [chosen, said] =
