@@ -115,7 +115,7 @@ impl MultiFidelityLoop<'_> {
         let searched = self.model.scene(&pattern);
         let draws = self.model.draws(&pattern, crate::confirmation::LEAST_CONTACTS);
         let run = RunOptions { draws, ..self.round.confirming };
-        let confirmed = Scene { run, ..searched.clone() };
+        let confirmed = Scene { run, ..searched.clone() }.in_time();
         // A middle that is no design says nothing of the others.
         if searched.validate().is_err() || confirmed.validate().is_err() {
             return Ok(());
