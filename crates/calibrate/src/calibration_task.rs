@@ -8,7 +8,7 @@ use slipgrid_springblock::{Layer, SceneError};
 use slipgrid_topography::PreparedMap;
 
 use crate::area_law::AreaLawError;
-use crate::fit::seconds;
+use crate::fit::{local_static_over_dynamic, seconds};
 use crate::select_measurements::Selection;
 use crate::surface_area_law_source::{SurfaceFindings, surface_findings};
 use crate::trial_discrepancy::{TrialsTask, learn};
@@ -206,15 +206,15 @@ impl CalibrationTask {
         measured.force_n / self.specimen_area_m2
     }
 
-    /// `mu_s` / `mu_d` of blocks, before anything is fitted: the mean of measured peaks over dynamic friction, or what is assumed without any.
+    /// `mu_s` / `mu_d` of blocks, before anything is fitted: the mean of those of which measured peaks tell, or what is assumed without any.
     #[must_use]
     pub fn local_static_over_dynamic(&self) -> f64 {
-        let measured = self.flat.iter().filter_map(|flat| Some(flat.static_peak?.mu / flat.mu_dynamic));
-        let shares: Vec<f64> = measured.collect();
+        let told = |flat: &Measurement| local_static_over_dynamic(flat.static_peak?.mu / flat.mu_dynamic);
+        let shares: Vec<f64> = self.flat.iter().filter_map(told).collect();
         if shares.is_empty() {
             return self.static_over_dynamic;
         }
-        (shares.iter().sum::<f64>() / shares.len() as f64).max(1.0)
+        shares.iter().sum::<f64>() / shares.len() as f64
     }
 
     /// Standard deviation of Young's modulus over itself, where it is known.

@@ -1,5 +1,5 @@
 //! What the model says of patterned samples at the conditions at which they were measured: steady cells, on the specimen that was cut
-//! where that is known.
+//! where that is known, and what sliding in time adds.
 
 use std::sync::Arc;
 
@@ -117,7 +117,8 @@ impl Model<'_> {
     }
 
     /// What sliding in time adds to the ratio of each pair on the face `cut`, or of an endless pattern: at each force by one run, at the mean of
-    /// flat friction there, as it depends on friction by less than the run's own error. 0 where it is not known.
+    /// flat friction there, as it depends on friction by less than the run's own error. 0 at all of them where it is not known of one: in space,
+    /// where strips do not slide to a mean, and where they take too much memory. That of rims is taken for that of the pattern without.
     pub fn added_by_time(
         &self,
         pairs: &[Pair],
@@ -146,10 +147,11 @@ impl Model<'_> {
             let dynamic_mu = load.friction.dynamic_mean();
             load.friction = LocalFriction::new(static_share * dynamic_mu, dynamic_mu, task.relative_std)?;
         }
-        let added = time_changes_on(&scene, cut, monitor)?;
+        let added = time_changes_on(&scene, cut, monitor).ok();
+        let added = added.and_then(|added| added.into_iter().collect::<Option<Vec<f64>>>());
         let at = |[flat, _]: &Pair| {
             let place = forces_n.iter().position(|force_n| *force_n == flat.force_n);
-            place.and_then(|place| added[place]).unwrap_or(0.0)
+            place.zip(added.as_ref()).map_or(0.0, |(place, added)| added[place])
         };
         Ok(pairs.iter().map(at).collect())
     }

@@ -366,9 +366,14 @@ mod tests {
                 measured(100.0, 0.15, 0.24),
                 measured(200.0, 0.4, 0.3),
             ];
-            // Blocks that are all alike slide as one: time adds next to nothing. In the plane alone it is known, at the mean friction of a force.
-            let of_time = if planform == Planform::Groove { 3e-4 } else { 0.0 };
-            let task = |flat| CalibrationTask { relative_std: 0.0, static_over_dynamic: 1.0, ..task(flat, planform) };
+            // What time adds is known in the plane alone, at the mean friction of a force, within the error of a run.
+            let of_time = if planform == Planform::Groove { 1.5e-3 } else { 0.0 };
+            let task = |flat| {
+                let own = task(flat, planform);
+                let length_m = if planform == Planform::Groove { 5e-3 } else { own.layer.length_m };
+                let layer = Layer { length_m, ..own.layer };
+                CalibrationTask { layer, ..own }
+            };
             let all = learn_alone(&task(flat.clone()), &Unwatched).unwrap().discrepancy;
             let all = &all.trials()[0];
             assert_eq!(all.of_dimensions.len(), 1);
@@ -421,10 +426,11 @@ mod tests {
         };
         let added = slipgrid_specimen::time_changes_on(&scene, None, &Unwatched).unwrap();
         let [light, heavy] = [0, 1].map(|place| added[place].unwrap());
-        assert!(light > 1e-3 && heavy > 5e-4, "{light} {heavy}");
+        assert!(light > 4e-3 && heavy > 4e-3, "{light} {heavy}");
         let found = modelled(&scattered).into_iter().zip(modelled(&alike));
         for ((scattered, alike), added) in found.zip([light, light, heavy]) {
-            assert!((scattered - alike - added).abs() < 2e-4, "{scattered} {alike} {added}");
+            // To blocks that are all alike it adds less.
+            assert!((scattered - alike - added).abs() < 1e-3, "{scattered} {alike} {added}");
         }
     }
 

@@ -3,9 +3,12 @@
 use slipgrid_pattern::Pattern;
 use slipgrid_statistics::Kriging;
 
-/// Distance over which quantities resemble each other. What cells in blocks of 10 um are off by those of 2.5 um goes on differing the more, the
-/// further grooves 40 to 500 um wide are apart, up to there.
+/// Distance over which quantities resemble each other. What cells in blocks of 10 um are off by those of 2.5 um, most of what specimens have
+/// beyond cells, goes on differing the more, the further grooves 40 to 500 um wide are apart, up to there.
 const RANGE: f64 = 3.0;
+/// Nearer than this, quantities differ by where cavities end within blocks and by the errors of runs: their slope would say nothing of designs
+/// further off.
+pub const LEAST_APART: f64 = 0.3;
 /// Cavities as shallow as one or two blocks differ most: a factor in depth counts as much as this power of it in width or spacing.
 const OF_DEPTH: f64 = 2.0;
 
@@ -23,10 +26,11 @@ impl BetweenDesigns {
         (!self.known.is_empty()).then(|| self.kriging.at(&place(design)))
     }
 
-    /// Takes these quantities, as many for each, for those of the designs `learnt`, in the place of what was known of them.
+    /// Takes these quantities, as many for each, for those of the designs `learnt`, in the place of what was known of them and of designs alike.
     pub fn learn(&mut self, learnt: impl IntoIterator<Item = (Pattern, Vec<f64>)>) {
         for (design, quantities) in learnt {
-            self.known.retain(|(known, _)| *known != design);
+            let own = place(&design);
+            self.known.retain(|(known, _)| distance(&place(known), &own) >= LEAST_APART);
             self.known.push((design, quantities));
         }
         let places = self.known.iter().map(|(known, _)| place(known)).collect();
@@ -87,6 +91,11 @@ mod tests {
     #[test]
     fn designs_alike_stand_for_one_another() {
         let mut found = BetweenDesigns::default();
+        found.learn([(groove(100.0, 10.0), vec![0.0])]);
+        // What was known of one alike is forgotten.
+        let nearly = groove(101.0, 10.0);
+        found.learn([(nearly, vec![0.4])]);
+        assert_eq!(found.at(&groove(800.0, 40.0)), Some(vec![0.4]));
         found.learn([(groove(100.0, 10.0), vec![0.0])]);
         // A factor e^0.3 in width is nearer than in depth.
         let (wider, deeper) = (groove(135.0, 10.0), groove(100.0, 13.5));

@@ -28,7 +28,7 @@ pub(crate) use self::inputs::diagonal;
 use self::inputs::{Parts, of_dimensions, percent, rms};
 pub use self::numerical::{Numerical, block_std};
 use crate::DesignError;
-use crate::between_designs::BetweenDesigns;
+use crate::between_designs::{BetweenDesigns, LEAST_APART};
 use crate::evaluation_cache::Answer;
 use crate::learned_discrepancy::LearnedDiscrepancy;
 use crate::operating_conditions::Further;
@@ -42,11 +42,8 @@ const DIMENSIONS: usize = 3;
 /// Widest difference along a dimension over the dimension itself.
 const WIDEST_SHARE: f64 = 0.5;
 
-/// Distance from which designs are unlike: widths or spacings that differ by a factor 1.35, depths by 1.16. A third of the designs of a choice are,
-/// and what blocks leave open of the others is found to a sixth of itself.
-const UNLIKE: f64 = 0.3;
-/// What blocks leave open of a ratio at least: its logarithm is known.
-const LEAST_BLOCK_STD: f64 = 1e-6;
+/// What blocks leave open of a ratio at least, where it is found by that of others: less is the chance of two lattices that agree.
+const LEAST_BLOCK_STD: f64 = 3e-4;
 
 /// What the mean height of a sample's rims is called.
 pub const RIM_HEIGHT: &str = "rim height";
@@ -271,19 +268,21 @@ impl<'a> Chances<'a> {
         Ok(self.with_blocks(block_std(most), others))
     }
 
-    /// Finds out how far blocks leave the values of `designs` open, for [`Self::numerical_like`]: of those that are unlike others. It goes smoothly
-    /// with the lengths but for a fifth of itself, by where cavities end within blocks.
+    /// Finds out how far blocks leave the values of `designs` open, for [`Self::numerical_like`]: of those that are unlike others, a third of a
+    /// choice's. It goes smoothly with the lengths but for a fifth of itself, by where cavities end within blocks.
     ///
     /// # Errors
     /// [`ModelFailure`] where the model is broken, or asked to stop.
     pub fn learn_blocks(&self, designs: impl IntoIterator<Item = Pattern>) -> Result<(), ModelFailure> {
         let Some(fine) = &self.fine else { return Ok(()) };
-        let mut known = self.block_errors.lock().unwrap_or_else(PoisonError::into_inner);
+        let known = || self.block_errors.lock().unwrap_or_else(PoisonError::into_inner);
+        let fresh = known().unlike(designs, LEAST_APART);
+        // Not locked while designs are solved: a thread that waits for another's may take up any task.
         let solved = |design: &Pattern| {
             let most = most_apart(&self.still(design)?.ratio, &fine.steady(design)?.ratio);
             Ok((*design, vec![block_std(most).max(LEAST_BLOCK_STD).ln()]))
         };
-        let solved: Vec<_> = known.unlike(designs, UNLIKE).par_iter().map(solved).collect();
+        let solved: Vec<_> = fresh.par_iter().map(solved).collect();
         let mut learnt = Vec::new();
         for found in solved {
             match found {
@@ -292,7 +291,7 @@ impl<'a> Chances<'a> {
                 Err(failure) => return Err(failure),
             }
         }
-        known.learn(learnt);
+        known().learn(learnt);
         Ok(())
     }
 

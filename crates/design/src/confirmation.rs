@@ -15,17 +15,15 @@ use slipgrid_specimen::{SpecimenError, simulate_on, strips_on};
 /// fewer scatter the ratio by more than a tenth of the usual tolerance.
 pub(super) const LEAST_CONTACTS: f64 = 400.0;
 
+/// Designs that are searched again at most by a guess of what time adds.
+const MOST_GUESSED: usize = 2;
 /// Share of the tolerance up to which the error of blocks is left as it is.
 const OF_TOLERANCE: f64 = 0.2;
 
 /// Whether both surfaces of `load` slid to a mean that means something.
 #[must_use]
 pub(super) fn trusted(load: &LoadOutcome) -> bool {
-    let surfaces = std::iter::once(&load.surface).chain(&load.flat);
-    let is_mean = |status: RunStatus| {
-        matches!(status, RunStatus::Converged | RunStatus::NoFriction | RunStatus::StderrNotReached)
-    };
-    surfaces.into_iter().all(|surface| is_mean(surface.status))
+    load.is_trusted()
 }
 
 /// What is known of a design without a run in time.
@@ -93,7 +91,9 @@ impl MultiFidelityLoop<'_> {
     /// `expected` off target, or may bring one within reach. A run would say next to the same, at several times the cost. The model is corrected
     /// by what is expected then; of a design that it was corrected at, or that waits already, a run alone tells more.
     pub(super) fn is_searched_again(&mut self, design: &DesignTask, status: Status, expected: &Expected) -> bool {
-        let Some(best) = self.round.best.as_ref().filter(|_| self.goes_on(design)) else { return false };
+        let is_guessed_too_often = self.runs == 0 && self.rounds > MOST_GUESSED;
+        let may_go_on = self.goes_on(design) && !is_guessed_too_often;
+        let Some(best) = self.round.best.as_ref().filter(|_| may_go_on) else { return false };
         let again = match status {
             _ if self.corrected_at == Some(best.design) || self.waits(&best.design) => false,
             Status::Met => expected.misfit > 1.0 || self.model.does_too_little(&best.design, &expected.values),

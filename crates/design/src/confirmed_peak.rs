@@ -174,6 +174,7 @@ mod tests {
         let broken = found(Some(most), Some(free.evaluations));
         assert_eq!((broken.rounds, broken.status.as_ref()), (1, "budget"));
         let [cell, confirmed] = peaks_mpa(&broken);
+        assert!(cell <= most && confirmed > most, "{cell} {confirmed} {most}");
         let told = [confirmed, cell, most].map(|mpa| format!("{mpa:.3e}").parse::<f64>().unwrap());
         let says = format!(
             "peak pressure is {} MPa in the confirming run and {} MPa in the steady cell: allowed is at most {} MPa",

@@ -45,7 +45,7 @@ impl MultiFidelityLoop<'_> {
     }
 
     /// The same of `best` that is not run in time, of which `steady` is its specimen in steady sliding: with what time added to that of the
-    /// last design that was.
+    /// last design that was, or is guessed to.
     pub(super) fn expected_each(&self, best: &Candidate, steady: &Simulation) -> Vec<Option<f64>> {
         let Some(added) = &self.added_by_time else { return Vec::new() };
         self.by_first(best, self.model.expected(&best.design, steady, added), |_| None)

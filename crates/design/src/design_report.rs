@@ -78,7 +78,7 @@ pub struct DesignReport {
     pub predicted: Vec<LoadReport>,
     /// The target's quantity as the search took it, by pressure: the steady cell's ratio, times the flat
     /// sample's dynamic friction where that is wanted, times the discrepancy where designs aim with it, with what the
-    /// specimen of an earlier design, in steady sliding or in time, corrected; at the condition designed for.
+    /// specimens of earlier designs, in steady sliding or in time, corrected; at the condition designed for.
     pub predicted_value: Vec<f64>,
     /// The confirming run at the target's pressures.
     pub confirmed: Vec<LoadReport>,
@@ -123,7 +123,7 @@ pub struct DesignReport {
     pub cut_short: Vec<Cow<'static, str>>,
     /// Designs that the model could not compute.
     pub failed_trials: usize,
-    /// Searches made: each after the first corrected by what was solved of the design before it, without time or in time.
+    /// Searches made: each after the first corrected by what was solved of the designs before it, without time or in time.
     pub rounds: usize,
     /// Designs that were run in time.
     #[serde(default)]

@@ -27,7 +27,7 @@ use crate::timings::{ImprovementReport, Timings};
 use slipgrid_monitor::{Monitor, Stage};
 use slipgrid_units::{LENGTH_UM, SPEED_MM_S, tidy};
 
-/// Searches made at most: each after the first takes what the specimen of the design before it was found to add to the steady
+/// Searches made at most: each after the first takes what the specimens of the designs before it were found to add to the steady
 /// model. Two suffice where that hardly depends on the design.
 pub(super) const MOST_ROUNDS: usize = 8;
 /// Designs run in time at most.
@@ -205,8 +205,8 @@ impl<'a> MultiFidelityLoop<'a> {
         while self.goes_on(design) {
             let outcome = match self.search(design, timings) {
                 // What was found before stands.
-                Err(DesignError::OutOfTime(_)) if self.kept.is_some() => {
-                    self.status = Status::Budget;
+                Err(DesignError::OutOfTime(_)) if self.kept.is_some() || self.waiting.is_some() => {
+                    self.end_without_search(design, timings)?;
                     break;
                 }
                 outcome => outcome?,
@@ -274,6 +274,19 @@ impl<'a> MultiFidelityLoop<'a> {
             if self.may_search_again() && !self.goes_on(design) && !is_beyond_reach {
                 self.status = Status::Budget;
             }
+        }
+        Ok(())
+    }
+
+    /// Ends where the seconds did not suffice for a search: with what is kept, and before that with the design that waits, in time.
+    pub(super) fn end_without_search(&mut self, design: &DesignTask, timings: &mut Timings) -> Result<(), DesignError> {
+        self.status = Status::Budget;
+        if self.kept.is_none()
+            && self.take_the_waiting(design, f64::INFINITY)
+            && let Some(pattern) = self.round.best.as_ref().map(|best| best.design)
+        {
+            self.confirm(design, &pattern, None, timings)?;
+            self.keep_round(design, true, false);
         }
         Ok(())
     }

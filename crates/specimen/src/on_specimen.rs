@@ -4,7 +4,7 @@ use slipgrid_export::{ExportError, LaidStrip, Layout, Specimen};
 use slipgrid_pattern::Pattern;
 use slipgrid_springblock::{
     Extent, Face, Monitor, RunOptions, Scene, SceneError, Simulation, Status, SteadyCell, SteadySpecimen, Strip,
-    TILT_MEAN, add_tilt, simulate, simulate_specimen, steady_face_ratios, tilt_changes, time_changes,
+    TILT_MEAN, add_tilt, even_speed_m_s, simulate, simulate_specimen, steady_face_ratios, tilt_changes, time_changes,
 };
 
 use crate::laid::{Laid, density_share, on_face, share_of};
@@ -169,7 +169,8 @@ impl SteadyOnFace {
 }
 
 /// What sliding in time adds to the steady ratio of the pattern of `scene` on `specimen`, or of an endless one on a strip as long as its
-/// layer, at each load: by a run from sliding of the longest strip. `None` where that gives none, and in space, where it is not known.
+/// layer, at each load: by a run from sliding of the longest strip, as fast as that slides evenly. At other speeds it is the same within the
+/// error of a run (`what_time_adds_hangs_on_no_speed`). `None` where that gives none, and in space, where it is not known.
 ///
 /// # Errors
 /// As [`simulate_on`].
@@ -181,7 +182,12 @@ pub fn time_changes_on(
     let Some(pattern) = scene.pattern.filter(|_| scene.dimension().takes_strips()) else {
         return Ok(vec![None; scene.loads.len()]);
     };
-    let mut scene = Scene { run: RunOptions { extent: Extent::Sample, ..scene.run.from_sliding() }, ..scene.clone() };
+    let lightest_pa = scene.loads.iter().map(|load| load.pressure_pa).fold(f64::INFINITY, f64::min);
+    let mut scene = Scene {
+        speed_m_s: even_speed_m_s(&scene.elastic, lightest_pa),
+        run: RunOptions { extent: Extent::Sample, ..scene.run.from_sliding() },
+        ..scene.clone()
+    };
     let face = match specimen {
         Some(specimen) => {
             scene.layer.length_m = specimen.whole_length_m(scene.layer.block_m);
@@ -255,7 +261,8 @@ mod tests {
         scene.layer.length_m = DISC.whole_length_m(scene.layer.block_m);
         let found = time_changes_on(&scene, Some(&DISC), &Unwatched).unwrap();
         let run = RunOptions { extent: Extent::Sample, ..scene.run.from_sliding() };
-        let timed = Scene { run, ..scene.clone() }.in_time();
+        let speed_m_s = even_speed_m_s(&scene.elastic, 0.65e6);
+        let timed = Scene { run, speed_m_s, ..scene.clone() }.in_time();
         let whole = simulate_on(&timed, Some(&DISC), &Unwatched).unwrap();
         assert_eq!(found, whole.loads.iter().map(|load| load.ratio_time_change).collect::<Vec<_>>());
         // An endless pattern has as much but for its share, within the error of a run.
@@ -267,6 +274,23 @@ mod tests {
         let squares = Pattern::new(Planform::Square, 130e-6, 370e-6, 20e-6).unwrap();
         let in_space = Scene { pattern: Some(squares), run: RunOptions::default(), ..scene };
         assert_eq!(time_changes_on(&in_space, Some(&DISC), &Unwatched).unwrap(), [None, None]);
+    }
+
+    #[test]
+    fn what_time_adds_hangs_on_no_speed() {
+        let pattern = Pattern::new(Planform::Groove, 130e-6, 370e-6, 20e-6).unwrap();
+        let mut scene = scene(pattern);
+        scene.layer.length_m = DISC.whole_length_m(scene.layer.block_m);
+        let found = time_changes_on(&scene, Some(&DISC), &Unwatched).unwrap();
+        let run = RunOptions { extent: Extent::Sample, ..scene.run.from_sliding() };
+        let slow = Scene { run, speed_m_s: 1e-3, ..scene }.in_time();
+        assert!(slow.speed_m_s < 0.1 * even_speed_m_s(&slow.elastic, 0.65e6));
+        let slow = simulate_on(&slow, Some(&DISC), &Unwatched).unwrap();
+        for (load, found) in slow.loads.iter().zip(found) {
+            let (slow, found) = (load.ratio_time_change.unwrap(), found.unwrap());
+            // The standard error of either is up to 0.001.
+            assert!((slow - found).abs() < 1e-3 && slow > 2e-3, "{slow} {found} {:?}", load.ratio_stderr);
+        }
     }
 
     #[test]

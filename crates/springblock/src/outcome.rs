@@ -255,6 +255,13 @@ pub struct LoadOutcome {
 }
 
 impl LoadOutcome {
+    /// Whether both surfaces slid to a mean that means something.
+    #[must_use]
+    pub fn is_trusted(&self) -> bool {
+        let means = [Status::Converged, Status::NoFriction, Status::StderrNotReached];
+        std::iter::once(&self.surface).chain(&self.flat).all(|surface| means.contains(&surface.status))
+    }
+
     /// Error of the ratio by the tilt of the pressure, one standard deviation, with the sign that it has at this load where the tilt
     /// is larger than its mean: all loads of a specimen have it in common.
     #[must_use]

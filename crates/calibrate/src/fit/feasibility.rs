@@ -12,6 +12,8 @@ const MOST_PEAK: f64 = 2.0;
 /// the model shows 0.0016 where mu_s / mu_d is 1 and 0.004 where it is 1.1, so that mu_s follows with ten times the peak's
 /// own error or more.
 const LEAST_EXCESS: f64 = 5e-3;
+/// Static peak over dynamic friction, less one, and the `mu_s` / `mu_d` of blocks with which the model shows it there.
+const PEAKS: [[f64; 2]; 4] = [[0.004, 1.1], [0.03, 1.2], [0.4, 2.0], [0.83, 3.0]];
 /// Time steps that the run of a measurement without a static peak is planned for at most: it goes on for up to so many times as long
 /// until its mean is known, and would be broken off before.
 const MOST_PLANNED: u64 = MOST_STEPS / MOST_EXTENSION_FOR_STDERR;
@@ -27,6 +29,19 @@ const LEAST_FRICTION_OVER_INERTIA: f64 = 0.005;
 /// Dynamic over steady friction beyond which the two have little to do with one another: at 10 Pa and 2 mm/s, where
 /// the inertia of the layer exceeds friction, it is 0.46.
 const DELTAS: [f64; 2] = [0.5, 1.5];
+
+/// `mu_s` / `mu_d` of blocks of which a flat sample shows a static peak of so many times its dynamic friction, roughly: as at 0.64 MPa on the
+/// usual layer, straight between the points known. `None` where a peak says nothing.
+#[must_use]
+pub fn local_static_over_dynamic(peak_over_dynamic: f64) -> Option<f64> {
+    let excess = peak_over_dynamic - 1.0;
+    let between = |pair: &[[f64; 2]]| {
+        let ([from, low], [to, high]) = (pair[0], pair[1]);
+        (excess <= to).then(|| low + (excess - from) / (to - from) * (high - low))
+    };
+    let [.., [_, highest]] = PEAKS;
+    (excess >= LEAST_EXCESS).then(|| PEAKS.windows(2).find_map(between).unwrap_or(highest))
+}
 
 /// Refuses dynamic runs that say nothing of steady friction.
 pub fn check_deltas(deltas: &[f64]) -> Result<(), FitError> {
@@ -130,4 +145,19 @@ pub fn seconds(problem: &Problem, steps: f64) -> f64 {
 pub fn planned_steps(problem: &Problem) -> Result<Vec<u64>, FitError> {
     problem.validate()?;
     check(&without_hidden_peaks(problem).0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn peaks_tell_of_blocks_what_the_model_shows_of_these() {
+        let told = |peak: f64| local_static_over_dynamic(peak);
+        assert_eq!((told(0.99), told(1.004)), (None, None));
+        for [excess, share] in [[0.03, 1.2], [0.4, 2.0], [0.83, 3.0], [1.4, 3.0]] {
+            assert!((told(1.0 + excess).unwrap() - share).abs() < 1e-9);
+        }
+        assert!((told(1.215).unwrap() - 1.6).abs() < 1e-9);
+    }
 }

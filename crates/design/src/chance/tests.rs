@@ -42,6 +42,34 @@ fn samples_whose_cavities_close_are_not_on_target() {
 }
 
 #[test]
+fn what_blocks_leave_open_is_that_of_designs_alike() {
+    let mut task = task(Planform::Groove);
+    let (scene, known) = scattering(&mut task, 3e-6);
+    let model = SteadyModel::new(&scene, &[], &[], &task.space, None);
+    let chances = Chances::new(&task, &known, &model, &[]).unwrap();
+    let lengths_um = (0..14).flat_map(|w| (0..9).map(move |d| [60.0 * 1.09_f64.powi(w), 8.0 * 1.08_f64.powi(d)]));
+    let of = |[width_um, depth_um]: [f64; 2]| {
+        Pattern::new(Planform::Groove, width_um * 1e-6, 2.5 * width_um * 1e-6, depth_um * 1e-6).unwrap()
+    };
+    let designs: Vec<Pattern> = lengths_um.map(of).collect();
+    let before = chances.solved();
+    chances.learn_blocks(designs.iter().copied()).unwrap();
+    // Each solved in both blocks.
+    let learnt = (chances.solved() - before) / 2;
+    assert!(learnt > 10 && learnt < designs.len() / 2, "{learnt}");
+    let others = Numerical::in_common(vec![0.0; 2]);
+    let log_off = designs.iter().map(|design| {
+        let still = chances.still(design).unwrap();
+        let [like, of] =
+            [chances.numerical_like(design, &still, &others), chances.numerical_of(design, &still, &others)];
+        (like.unwrap().common[0] / of.unwrap().common[0].max(3e-4)).ln()
+    });
+    let log_off: Vec<f64> = log_off.collect();
+    let rms = (log_off.iter().map(|off| off * off).sum::<f64>() / log_off.len() as f64).sqrt();
+    assert!(rms > 1e-3 && rms < 0.3, "{rms} of {learnt}");
+}
+
+#[test]
 fn a_chance_takes_as_many_cells_as_it_says() {
     let mut task = task(Planform::Groove);
     let (scene, known) = scattering(&mut task, 3e-6);

@@ -6,7 +6,7 @@ use slipgrid_monitor::{Stage, Unwatched};
 use slipgrid_optimize::{DesignSpace, Target, TargetPoint, Wanted as Accepted};
 use slipgrid_pattern::{ManufacturingLimits, Planform};
 use slipgrid_specimen::simulate_on;
-use slipgrid_springblock::{Extent, Layer, Scene};
+use slipgrid_springblock::{Extent, Layer, LoadOutcome, Scene, even_speed_m_s};
 
 use super::*;
 
@@ -116,16 +116,23 @@ fn ratios_that_are_predicted_are_those_of_the_specimen() {
     let material = &task.material.as_ref().unwrap().material;
     let pattern = Some(found.patterns[0]);
     let ratios = |extent, specimen: Option<&slipgrid_export::Specimen>| {
-        let run = RunOptions { extent, refine: true, ..RunOptions::default() };
+        let run = RunOptions { extent, refine: true, seed: task.seed, ..RunOptions::default() };
+        let run = if specimen.is_some() { run.from_sliding() } else { run };
         let scene = Scene { pattern, ..task.flat_scene(material, task.loads(material).unwrap().0, run) };
-        simulate_on(&scene, specimen, &Unwatched).unwrap().loads.into_iter().map(|load| load.ratio.unwrap())
+        // What time adds is that of even sliding.
+        let speed_m_s = even_speed_m_s(&scene.elastic, scene.loads[0].pressure_pa);
+        let scene = if specimen.is_some() { Scene { speed_m_s, ..scene }.in_time() } else { scene };
+        simulate_on(&scene, specimen, &Unwatched).unwrap().loads
     };
     let specimen = ratios(Extent::Sample, Some(&task.specimen));
+    let by_time: Vec<f64> = specimen.iter().map(|load| load.ratio_time_change.unwrap()).collect();
+    assert!(by_time[0] > 2e-3, "{by_time:?}");
+    let ratio = |load: &LoadOutcome| load.ratio.unwrap();
     let off: Vec<[f64; 2]> = found.report.next[0]
         .predicted
         .iter()
-        .zip(specimen.zip(ratios(Extent::Cell, None)))
-        .map(|(at, (specimen, cell))| [at.of.modelled - specimen, cell - specimen])
+        .zip(specimen.iter().zip(&ratios(Extent::Cell, None)))
+        .map(|(at, (specimen, cell))| [at.of.modelled - ratio(specimen), ratio(cell) - ratio(specimen)])
         .collect();
     assert!(off.iter().all(|[own, _]| own.abs() < 1e-3) && off.iter().any(|[_, cell]| cell.abs() > 3e-3), "{off:?}");
 }

@@ -71,8 +71,14 @@ const MOST_SLOWED: f64 = 10.0;
 /// it, and the ratio of a groove rises by 0.003, 0.012 and 0.017. From three times this speed on waves rule ([`Status::SlidingWaves`]).
 #[must_use]
 pub fn run_speed_m_s(elastic: &Elastic, pressure_pa: f64, speed_m_s: f64) -> f64 {
-    let even_m_s = EVEN_SLIDING * pressure_pa / (elastic.youngs_modulus_pa() * elastic.density_kg_m3()).sqrt();
+    let even_m_s = even_speed_m_s(elastic, pressure_pa);
     if speed_m_s > MOST_SLOWED * even_m_s { speed_m_s } else { speed_m_s.min(even_m_s) }
+}
+
+/// The fastest speed at which the layer slides evenly under `pressure_pa`: v = 0.01 P / sqrt(E rho), in m/s.
+#[must_use]
+pub fn even_speed_m_s(elastic: &Elastic, pressure_pa: f64) -> f64 {
+    EVEN_SLIDING * pressure_pa / (elastic.youngs_modulus_pa() * elastic.density_kg_m3()).sqrt()
 }
 
 /// Travel of the bulk that a run from the sheared layer needs for a mean, in metres, rounded up to nanometres:

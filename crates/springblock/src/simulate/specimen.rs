@@ -217,7 +217,7 @@ pub fn steady_face_ratios(
 }
 
 /// What sliding in time adds to the steady ratio of `face` at each load of `scene`, which says how the longest strip is run; `None` where that
-/// gives no ratio.
+/// does not slide to a mean.
 ///
 /// # Errors
 /// As [`simulate_specimen`].

@@ -73,7 +73,8 @@ impl TimedStrip {
     /// What it adds to the ratio of `face`, by load.
     pub fn added_on(&self, face: &Face) -> Vec<Option<f64>> {
         let share = self.share_on(face);
-        self.added.iter().map(|added| added.map(|added| added * share)).collect()
+        let each = self.added.iter().zip(&self.loads);
+        each.map(|(added, load)| added.filter(|_| load.is_trusted()).map(|added| added * share)).collect()
     }
 
     /// The `steady` ratios of `face` with what time adds, and how that was found.
