@@ -246,8 +246,8 @@ pub struct LoadOutcome {
     pub ratio_layer_difference: Option<f64>,
     /// Standard error of the ratio where that difference was added to a strip or to a run in time; `None` where it was not.
     pub ratio_layer_error: Option<f64>,
-    /// What friction changes of the ratio by tilting the pressure of a specimen that its holder keeps from turning. [`TILT_MEAN`] of it is
-    /// in `ratio`, which has an error of [`TILT_STD`] of it; `None` where the scene does not say how thick a specimen with ends is.
+    /// What friction changes of the ratio by tilting the pressure of a specimen that its holder keeps from turning. [`TILT_MEAN`](crate::TILT_MEAN) of it is
+    /// in `ratio`, which has an error of [`TILT_STD`](crate::TILT_STD) of it; `None` where the scene does not say how thick a specimen with ends is.
     pub ratio_tilt_change: Option<f64>,
     /// What sliding in time adds to the ratio of steady sliding, which is in `ratio`; `None` where it is not known: only strips of a
     /// specimen have both.
