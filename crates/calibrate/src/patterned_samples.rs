@@ -107,13 +107,22 @@ impl Model<'_> {
         pairs: &[Pair],
         monitor: &dyn Monitor,
     ) -> Result<Option<SteadyOnFace>, CalibrationError> {
-        // Strips lie flat: what rims add is that of the cell.
-        let flat = Model { pattern: self.pattern.with_rim(None), relief: None, ..*self };
+        let flat = self.lying_flat();
         let own = if self.pattern.texture().is_one_section() { &flat } else { self };
-        let Some(mut scene) = own.scene(self.task.elastic, self.law.0.cloned(), pairs)? else { return Ok(None) };
-        // A tilt needs no blocks as small as rims do.
-        scene.layer.block_m = self.task.layer.block_m;
+        let Some(scene) = own.face_scene(pairs)? else { return Ok(None) };
         Ok(Some(SteadyOnFace::new(&scene, &own.pattern, cut, monitor)?))
+    }
+
+    /// The same without rims, as strips are solved: what rims add is that of the cell.
+    fn lying_flat(&self) -> Self {
+        Self { pattern: self.pattern.with_rim(None), relief: None, ..*self }
+    }
+
+    /// What a face is solved in: neither its tilt nor time needs blocks as small as rims do. `None` without any pair.
+    fn face_scene(&self, pairs: &[Pair]) -> Result<Option<Scene>, CalibrationError> {
+        let mut scene = self.scene(self.task.elastic, self.law.0.cloned(), pairs)?;
+        scene.iter_mut().for_each(|scene| scene.layer.block_m = self.task.layer.block_m);
+        Ok(scene)
     }
 
     /// What sliding in time adds to the ratio of each pair on the face `cut`, or of an endless pattern: at each force by one run, at the mean of
@@ -126,8 +135,6 @@ impl Model<'_> {
         monitor: &dyn Monitor,
     ) -> Result<Vec<f64>, CalibrationError> {
         let task = self.task;
-        // As the strips of a face: what rims add is that of the cell.
-        let own = Model { pattern: self.pattern.with_rim(None), relief: None, ..*self };
         let mut forces_n: Vec<f64> = pairs.iter().map(|[flat, _]| flat.force_n).collect();
         forces_n.sort_by(f64::total_cmp);
         forces_n.dedup();
@@ -139,8 +146,7 @@ impl Model<'_> {
             [mean, mean]
         };
         let means: Vec<Pair> = forces_n.iter().map(at_mean).collect();
-        let Some(mut scene) = own.scene(task.elastic, self.law.0.cloned(), &means)? else { return Ok(Vec::new()) };
-        scene.layer.block_m = task.layer.block_m;
+        let Some(mut scene) = self.lying_flat().face_scene(&means)? else { return Ok(Vec::new()) };
         scene.run = RunOptions { seed: task.seed, ..RunOptions::default() };
         let static_share = task.local_static_over_dynamic();
         for load in &mut scene.loads {

@@ -36,7 +36,7 @@ impl BetweenDesigns {
         let places = self.known.iter().map(|(known, _)| place(known)).collect();
         let count = self.known.first().map_or(0, |(_, quantities)| quantities.len());
         let of = |number: usize| self.known.iter().map(|(_, quantities)| quantities[number]).collect();
-        self.kriging = Kriging::new(RANGE, places, &(0..count).map(of).collect::<Vec<Vec<f64>>>());
+        self.kriging = Kriging::new(RANGE, places, (0..count).map(of).collect());
     }
 
     /// Those of `designs` that are at least `least` from what is known and from those before them.

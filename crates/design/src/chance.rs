@@ -270,29 +270,18 @@ impl<'a> Chances<'a> {
 
     /// Finds out how far blocks leave the values of `designs` open, for [`Self::numerical_like`]: of those that are unlike others, a third of a
     /// choice's. It goes smoothly with the lengths but for a fifth of itself, by where cavities end within blocks.
-    ///
-    /// # Errors
-    /// [`ModelFailure`] where the model is broken, or asked to stop.
-    pub fn learn_blocks(&self, designs: impl IntoIterator<Item = Pattern>) -> Result<(), ModelFailure> {
-        let Some(fine) = &self.fine else { return Ok(()) };
+    /// Those that cannot be computed are left out.
+    pub fn learn_blocks(&self, designs: impl IntoIterator<Item = Pattern>) {
+        let Some(fine) = &self.fine else { return };
         let known = || self.block_errors.lock().unwrap_or_else(PoisonError::into_inner);
         let fresh = known().unlike(designs, LEAST_APART);
         // Not locked while designs are solved: a thread that waits for another's may take up any task.
         let solved = |design: &Pattern| {
-            let most = most_apart(&self.still(design)?.ratio, &fine.steady(design)?.ratio);
-            Ok((*design, vec![block_std(most).max(LEAST_BLOCK_STD).ln()]))
+            let most = most_apart(&self.still(design).ok()?.ratio, &fine.steady(design).ok()?.ratio);
+            Some((*design, vec![block_std(most).max(LEAST_BLOCK_STD).ln()]))
         };
-        let solved: Vec<_> = fresh.par_iter().map(solved).collect();
-        let mut learnt = Vec::new();
-        for found in solved {
-            match found {
-                Ok(found) => learnt.push(found),
-                Err(ModelFailure::Trial { .. }) => {}
-                Err(failure) => return Err(failure),
-            }
-        }
+        let learnt: Vec<_> = fresh.par_iter().filter_map(solved).collect();
         known().learn(learnt);
-        Ok(())
     }
 
     /// As [`Self::numerical_of`], by what [`Self::learn_blocks`] found of designs like it where it found any: where many are compared.

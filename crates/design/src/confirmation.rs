@@ -2,7 +2,7 @@
 
 use slipgrid_optimize::Status;
 use slipgrid_pattern::Pattern;
-use slipgrid_springblock::{LoadOutcome, Scene, Simulation, Status as RunStatus, SteadySpecimen, can_refine};
+use slipgrid_springblock::{Scene, Simulation, Status as RunStatus, SteadySpecimen, can_refine};
 
 use crate::DesignError;
 use crate::dynamic_excess::correct;
@@ -19,12 +19,6 @@ pub(super) const LEAST_CONTACTS: f64 = 400.0;
 const MOST_GUESSED: usize = 2;
 /// Share of the tolerance up to which the error of blocks is left as it is.
 const OF_TOLERANCE: f64 = 0.2;
-
-/// Whether both surfaces of `load` slid to a mean that means something.
-#[must_use]
-pub(super) fn trusted(load: &LoadOutcome) -> bool {
-    load.is_trusted()
-}
 
 /// What is known of a design without a run in time.
 pub struct WithoutTime {

@@ -7,7 +7,6 @@
 use slipgrid_optimize::{Limit, Violation};
 use slipgrid_springblock::Simulation;
 
-use crate::confirmation::trusted;
 use crate::constraint_quantities::ConstraintQuantity;
 use crate::multi_fidelity::MultiFidelityLoop;
 use crate::task::DesignTask;
@@ -24,7 +23,7 @@ pub struct Peaks {
 impl Peaks {
     /// Those of `cell_pa`, by load, and of `run` at the same loads; `None` where it says nothing.
     fn new(cell_pa: &[f64], run: &Simulation) -> Option<Self> {
-        let each = cell_pa.iter().zip(&run.loads).filter(|(_, load)| trusted(load));
+        let each = cell_pa.iter().zip(&run.loads).filter(|(_, load)| load.is_trusted());
         let (cell_pa, confirmed_pa) = each.fold((0.0_f64, 0.0_f64), |(cell, confirmed), (own, load)| {
             (cell.max(*own), confirmed.max(load.surface.peak_pressure_pa))
         });

@@ -2,7 +2,6 @@
 
 use slipgrid_springblock::{Extent, LoadOutcome, RunOptions, Scene};
 
-use crate::confirmation::trusted;
 use crate::time_budget::TimeBudget;
 use slipgrid_specimen::{SpecimenError, simulate_on};
 
@@ -13,6 +12,6 @@ pub(super) fn flat_friction(scene: &Scene, budget: TimeBudget<'_>) -> Result<Opt
     let run = RunOptions { warm_start: true, extent: Extent::Sample, dimensions: None, ..scene.run };
     let simulation = simulate_on(&Scene { pattern: None, run, ..scene.clone() }.in_time(), None, &bar);
     bar.finish();
-    let mu = |load: &LoadOutcome| load.surface.mu_dynamic.filter(|_| trusted(load));
+    let mu = |load: &LoadOutcome| load.surface.mu_dynamic.filter(|_| load.is_trusted());
     Ok(simulation?.loads.iter().map(mu).collect())
 }

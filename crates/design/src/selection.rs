@@ -118,8 +118,8 @@ struct ByChance<'a> {
 }
 
 impl Merits for ByChance<'_> {
-    fn expect(&self, candidates: &[Candidate]) -> Result<(), ModelFailure> {
-        self.chances.learn_blocks(candidates.iter().map(|candidate| candidate.design))
+    fn expect(&self, candidates: &[Candidate]) {
+        self.chances.learn_blocks(candidates.iter().map(|candidate| candidate.design));
     }
 
     fn chance(&self, candidate: &Candidate) -> Result<(Probability, f64), ModelFailure> {

@@ -66,11 +66,8 @@ impl LowFidelityCorrection {
             let [model, guide] = known[row].said[column];
             if is_factor(column) { libm::log(model / guide) } else { model - guide }
         };
-        let columns: Vec<Vec<f64>> = (0..count).map(|column| (0..n).map(|row| by(column, row)).collect()).collect();
-        Correction {
-            differences: Kriging::new(RANGE, shares, &columns),
-            is_factor: (0..count).map(is_factor).collect(),
-        }
+        let columns = (0..count).map(|column| (0..n).map(|row| by(column, row)).collect()).collect();
+        Correction { differences: Kriging::new(RANGE, shares, columns), is_factor: (0..count).map(is_factor).collect() }
     }
 }
 

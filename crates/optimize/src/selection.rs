@@ -31,14 +31,8 @@ pub trait Merits: Sync {
     /// [`ModelFailure::Trial`] for a design that is not to be chosen; otherwise as [`ForwardModel::respond`].
     fn chance(&self, candidate: &Candidate) -> Result<(Probability, f64), ModelFailure>;
 
-    /// Hears of the `candidates` whose chances will be asked for, before they are: what they have in common may be found once.
-    ///
-    /// # Errors
-    /// As [`Merits::chance`].
-    fn expect(&self, candidates: &[Candidate]) -> Result<(), ModelFailure> {
-        let _ = candidates;
-        Ok(())
-    }
+    /// Hears of the candidates whose chances will be asked for, before they are: what they have in common may be found once.
+    fn expect(&self, _: &[Candidate]) {}
 
     /// What making `design` takes, the less the better.
     ///
@@ -403,10 +397,7 @@ impl<'a> Shell<'a> {
             }
         }
         let merits = self.merits;
-        match merits.expect(&fresh) {
-            Ok(()) | Err(ModelFailure::Trial { .. } | ModelFailure::Cancelled) => {}
-            Err(ModelFailure::Broken { reason }) => return Err(SearchError::BrokenModel { reason }),
-        }
+        merits.expect(&fresh);
         let choices: Vec<_> = fresh
             .into_par_iter()
             .map(|candidate| {

@@ -254,16 +254,20 @@ mod tests {
         }
     }
 
-    #[test]
-    fn what_time_adds_alone_is_what_the_whole_specimen_in_time_has() {
-        let pattern = Pattern::new(Planform::Groove, 130e-6, 370e-6, 20e-6).unwrap();
-        let mut scene = scene(pattern);
+    /// Grooves on a disc; what time adds to them, and their whole specimen in time at a share `of_even` of the speed of even sliding.
+    fn on_disc(of_even: f64) -> (Scene, Vec<Option<f64>>, Simulation) {
+        let mut scene = scene(Pattern::new(Planform::Groove, 130e-6, 370e-6, 20e-6).unwrap());
         scene.layer.length_m = DISC.whole_length_m(scene.layer.block_m);
         let found = time_changes_on(&scene, Some(&DISC), &Unwatched).unwrap();
-        let run = RunOptions { extent: Extent::Sample, ..scene.run.from_sliding() };
-        let speed_m_s = even_speed_m_s(&scene.elastic, 0.65e6);
-        let timed = Scene { run, speed_m_s, ..scene.clone() }.in_time();
+        let speed_m_s = of_even * even_speed_m_s(&scene.elastic, 0.65e6);
+        let timed = Scene { run: scene.run.from_sliding(), speed_m_s, ..scene.clone() }.in_time();
         let whole = simulate_on(&timed, Some(&DISC), &Unwatched).unwrap();
+        (scene, found, whole)
+    }
+
+    #[test]
+    fn what_time_adds_alone_is_what_the_whole_specimen_in_time_has() {
+        let (scene, found, whole) = on_disc(1.0);
         assert_eq!(found, whole.loads.iter().map(|load| load.ratio_time_change).collect::<Vec<_>>());
         // An endless pattern has as much but for its share, within the error of a run.
         let endless = time_changes_on(&scene, None, &Unwatched).unwrap();
@@ -278,14 +282,7 @@ mod tests {
 
     #[test]
     fn what_time_adds_hangs_on_no_speed() {
-        let pattern = Pattern::new(Planform::Groove, 130e-6, 370e-6, 20e-6).unwrap();
-        let mut scene = scene(pattern);
-        scene.layer.length_m = DISC.whole_length_m(scene.layer.block_m);
-        let found = time_changes_on(&scene, Some(&DISC), &Unwatched).unwrap();
-        let run = RunOptions { extent: Extent::Sample, ..scene.run.from_sliding() };
-        let slow = Scene { run, speed_m_s: 1e-3, ..scene }.in_time();
-        assert!(slow.speed_m_s < 0.1 * even_speed_m_s(&slow.elastic, 0.65e6));
-        let slow = simulate_on(&slow, Some(&DISC), &Unwatched).unwrap();
+        let (_, found, slow) = on_disc(0.09);
         for (load, found) in slow.loads.iter().zip(found) {
             let (slow, found) = (load.ratio_time_change.unwrap(), found.unwrap());
             // The standard error of either is up to 0.001.

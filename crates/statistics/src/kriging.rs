@@ -22,7 +22,7 @@ struct Quantity {
 impl<const D: usize> Kriging<D> {
     /// Of `quantities`, each known at all `places`, that resemble each other over the distance `range`; zero without places.
     #[must_use]
-    pub fn new(range: f64, places: Vec<[f64; D]>, quantities: &[Vec<f64>]) -> Self {
+    pub fn new(range: f64, places: Vec<[f64; D]>, quantities: Vec<Vec<f64>>) -> Self {
         let n = places.len();
         let nugget = |i: usize, j: usize| if i == j { NUGGET } else { 0.0 };
         let covariances: Vec<f64> =
@@ -33,17 +33,17 @@ impl<const D: usize> Kriging<D> {
             solve(factor, n, &mut right);
             right
         };
-        let ones = factor.as_ref().map(|factor| solved(factor, vec![1.0; n]));
-        let quantity = |known: &Vec<f64>| {
-            let Some((factor, ones)) = factor.as_ref().zip(ones.as_ref()) else {
+        let regular = factor.as_ref().map(|factor| (factor, solved(factor, vec![1.0; n])));
+        let quantity = |known: Vec<f64>| {
+            let Some((factor, ones)) = &regular else {
                 return Quantity { mean: known.iter().sum::<f64>() / n.max(1) as f64, weights: vec![0.0; n] };
             };
             // m = 1' C^-1 d / 1' C^-1 1,   w = C^-1 (d - m 1)
-            let by = solved(factor, known.clone());
+            let by = solved(factor, known);
             let mean = by.iter().sum::<f64>() / ones.iter().sum::<f64>();
             Quantity { mean, weights: by.iter().zip(ones).map(|(by, one)| by - mean * one).collect() }
         };
-        let quantities = quantities.iter().map(quantity).collect();
+        let quantities = quantities.into_iter().map(quantity).collect();
         Self { range, places, quantities }
     }
 
@@ -73,7 +73,7 @@ mod tests {
     fn quantities_are_exact_where_they_are_known_and_their_mean_far_away() {
         let places = vec![[0.0, 0.0], [1.0, 0.0], [0.0, 0.5]];
         let known = [vec![1.0, 3.0, 0.5], vec![-2.0, -2.0, -2.0]];
-        let found = Kriging::new(1.5, places.clone(), &known);
+        let found = Kriging::new(1.5, places.clone(), known.to_vec());
         for (row, place) in places.iter().enumerate() {
             let at = found.at(place);
             assert!((at[0] - known[0][row]).abs() < 1e-9 && (at[1] + 2.0).abs() < 1e-9, "{at:?}");
@@ -84,9 +84,9 @@ mod tests {
         let far = [[90.0, 0.0], [0.0, -90.0]].map(|place| found.at(&place));
         assert!(far[0] == far[1] && far[0][0] > 0.5 && far[0][0] < 3.0, "{far:?}");
         // The same without one of two that agree, and none without any.
-        assert_eq!(Kriging::new(1.0, vec![[0.0]], &[vec![4.0]]).at(&[7.0]), [4.0]);
-        assert_eq!(Kriging::<1>::new(1.0, Vec::new(), &[Vec::new()]).at(&[7.0]), [0.0]);
+        assert_eq!(Kriging::new(1.0, vec![[0.0]], vec![vec![4.0]]).at(&[7.0]), [4.0]);
+        assert_eq!(Kriging::<1>::new(1.0, Vec::new(), vec![Vec::new()]).at(&[7.0]), [0.0]);
         // Of two numbers at one place the mean.
-        assert_eq!(Kriging::new(1.0, vec![[0.0]; 2], &[vec![4.0, 6.0]]).at(&[0.0]).len(), 1);
+        assert_eq!(Kriging::new(1.0, vec![[0.0]; 2], vec![vec![4.0, 6.0]]).at(&[0.0]).len(), 1);
     }
 }

@@ -5,7 +5,6 @@ use slipgrid_pattern::Pattern;
 use slipgrid_springblock::{Load, LoadOutcome, Simulation};
 
 use super::SteadyModel;
-use crate::confirmation::trusted;
 use crate::task::DesignTask;
 
 /// What time adds to the ratio over `mu_s / mu_d` - 1, roughly: 0.02 to 0.06 on six grooves 40 to 300 um wide at 0.65 to 2.6 MPa.
@@ -83,7 +82,7 @@ impl SteadyModel<'_> {
     pub fn expected(&self, design: &Pattern, steady: &Simulation, added: &[f64]) -> Vec<Option<f64>> {
         let each = steady.loads.iter().zip(added).zip(self.factors(design)).enumerate();
         each.map(|(place, ((load, added), factor))| {
-            Some((load.ratio.filter(|_| trusted(load))? * self.scale(place) + added) * factor)
+            Some((load.ratio.filter(|_| load.is_trusted())? * self.scale(place) + added) * factor)
         })
         .collect()
     }
@@ -91,7 +90,7 @@ impl SteadyModel<'_> {
     /// The target's quantity by the physics of a confirming run; absent where it gave none that can be trusted.
     fn physics(&self, load: &LoadOutcome) -> Option<f64> {
         let value = if self.flat_mu.is_some() { load.surface.mu_dynamic } else { load.ratio };
-        value.filter(|_| trusted(load))
+        value.filter(|_| load.is_trusted())
     }
 
     /// What the steady model makes of the values `first` of `design` confirmed at the condition designed for at that of place
