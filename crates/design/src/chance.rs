@@ -21,9 +21,9 @@ use slipgrid_optimize::{
 use slipgrid_pattern::Pattern;
 use slipgrid_springblock::Scene;
 
-pub use self::accepted::{Accepted, Gain};
-use self::expansion::Drawn;
+pub use self::accepted::{Accepted, Gain, Judged};
 pub use self::expansion::Expansion;
+use self::expansion::{Drawn, Sensitivity};
 pub(crate) use self::inputs::diagonal;
 use self::inputs::{Parts, of_dimensions, percent, rms};
 pub use self::numerical::{Numerical, block_std};
@@ -73,8 +73,8 @@ pub struct Chances<'a> {
     still: SteadyModel<'a>,
     /// The same in blocks half as large, in the vertical plane.
     fine: Option<SteadyModel<'a>>,
-    /// Logarithm of what blocks leave open of a ratio, where it was found out.
-    block_errors: Mutex<BetweenDesigns>,
+    /// Logarithm of what blocks leave open of a ratio, in the vertical plane, and how the steady model moves: where that was found out.
+    between: Mutex<BetweenDesigns>,
     /// Along flat friction, the area law's scale and its factors: models to both sides, and the way to each.
     friction: Option<Along<'a>>,
     law_scale: Option<Along<'a>>,
@@ -206,7 +206,7 @@ impl<'a> Chances<'a> {
             tolerances,
             still: model.beside(|scene: &Scene| Ok::<_, DesignError>(scene.clone()))?,
             fine: fine(model)?,
-            block_errors: Mutex::default(),
+            between: Mutex::default(),
             friction: along(friction_at, count, true, 0.0, 0.0)?,
             law_scale: along(scale_at, 1, false, 1.0, 0.0)?,
             scale_is_fitted: is_fitted,
@@ -268,37 +268,48 @@ impl<'a> Chances<'a> {
         Ok(self.with_blocks(block_std(most), others))
     }
 
-    /// Finds out how far blocks leave the values of `designs` open, for [`Self::numerical_like`]: of those that are unlike others, a third of a
-    /// choice's. It goes smoothly with the lengths but for a fifth of itself, by where cavities end within blocks.
-    /// Those that cannot be computed are left out.
-    pub fn learn_blocks(&self, designs: impl IntoIterator<Item = Pattern>) {
-        let Some(fine) = &self.fine else { return };
-        let known = || self.block_errors.lock().unwrap_or_else(PoisonError::into_inner);
+    /// Finds out what [`Self::expand_roughly`] needs, of those of `designs` that are unlike others: a third of a choice's. It goes smoothly with the
+    /// lengths but for where cavities end within blocks. Those that cannot be computed are left out.
+    pub fn learn(&self, designs: impl IntoIterator<Item = Pattern>) {
+        let known = || self.between.lock().unwrap_or_else(PoisonError::into_inner);
         let fresh = known().unlike(designs, LEAST_APART);
         // Not locked while designs are solved: a thread that waits for another's may take up any task.
         let solved = |design: &Pattern| {
-            let most = most_apart(&self.still(design).ok()?.ratio, &fine.steady(design).ok()?.ratio);
-            Some((*design, vec![block_std(most).max(LEAST_BLOCK_STD).ln()]))
+            let still = self.still(design).ok()?;
+            let block_std = |fine: &SteadyModel<'_>| {
+                let most = most_apart(&still.ratio, &fine.steady(design).ok()?.ratio);
+                Some(block_std(most).max(LEAST_BLOCK_STD).ln())
+            };
+            let blocks = self.fine.as_ref().map_or(Some(0.0), block_std)?;
+            let mut numbers = vec![blocks];
+            numbers.extend(self.sensitivity(design, &still).ok()?.numbers());
+            Some((*design, numbers))
         };
         let learnt: Vec<_> = fresh.par_iter().filter_map(solved).collect();
         known().learn(learnt);
     }
 
-    /// As [`Self::numerical_of`], by what [`Self::learn_blocks`] found of designs like it where it found any: where many are compared.
+    /// As [`Self::expand`] with [`Self::numerical_of`], by what [`Self::learn`] found of designs like it where it found any: where many are
+    /// compared. `values` are those compared with the target.
     ///
     /// # Errors
     /// As there.
-    pub fn numerical_like(
+    pub fn expand_roughly(
         &self,
         design: &Pattern,
-        still: &Answer,
+        values: &[f64],
         others: &Numerical,
-    ) -> Result<Numerical, ModelFailure> {
-        let known = self.block_errors.lock().unwrap_or_else(PoisonError::into_inner).at(design);
-        known.map_or_else(
-            || self.numerical_of(design, still, others),
-            |log_std| Ok(self.with_blocks(log_std[0].exp(), others)),
-        )
+    ) -> Result<Expansion, ModelFailure> {
+        let still = &self.still(design)?;
+        let Some(numbers) = self.between.lock().unwrap_or_else(PoisonError::into_inner).at(design) else {
+            let numerical = &self.numerical_of(design, still, others)?;
+            return self.expand(&About { design, still, values, numerical });
+        };
+        let (blocks, rest) = (numbers[0], &numbers[1..]);
+        let of_blocks = self.fine.as_ref().map(|_| self.with_blocks(blocks.exp(), others));
+        let numerical = of_blocks.as_ref().unwrap_or(others);
+        let about = About { design, still, values, numerical };
+        self.expand_by(&about, &Sensitivity::of(rest, self.scale.len()))
     }
 
     /// `others` with what the size of blocks leaves open of ratios.
@@ -338,6 +349,14 @@ impl<'a> Chances<'a> {
         CommonDraws::new(&self.uncertainty, draws, seed)
     }
 
+    /// The draws that [`Self::sampled`] begins with.
+    ///
+    /// # Errors
+    /// [`ModelFailure::Trial`] where hardly any leaves the dimensions of `design` positive.
+    pub fn draws_about(&self, design: &Pattern, draws: usize, seed: u64) -> Result<CommonDraws, ModelFailure> {
+        CommonDraws::about(design, &self.uncertainty, draws, seed)
+    }
+
     /// Share of `draws` in which the inputs that `of` names leave every value accepted.
     pub fn share(&self, draws: &CommonDraws, about: &Expansion, of: &dyn Fn(usize) -> bool) -> Probability {
         self.judge(draws, about, of, |_| ())
@@ -347,7 +366,7 @@ impl<'a> Chances<'a> {
     pub fn expanded(&self, draws: &CommonDraws, about: &Expansion, of: &dyn Fn(usize) -> bool) -> Accepted {
         let accepted = RefCell::new(Vec::new());
         let _ = self.judge(draws, about, of, |accepts| accepted.borrow_mut().push(accepts));
-        Accepted(accepted.into_inner())
+        accepted.into_inner()
     }
 
     /// The share, where `told` hears of every draw whether it is accepted.

@@ -5,7 +5,7 @@ use slipgrid_optimize::ModelFailure;
 use slipgrid_springblock::{LoadOutcome, Simulation};
 
 use crate::DesignError;
-use crate::chance::{About, Chances, Expansion, Gain, Numerical};
+use crate::chance::{About, Chances, Expansion, Gain, Judged, Numerical};
 use crate::multi_fidelity::MultiFidelityLoop;
 use crate::next_trial::AdviceReport;
 use crate::task::DesignTask;
@@ -14,11 +14,12 @@ use slipgrid_results::ErrorsReport;
 use slipgrid_results::errors::{self, BEHIND, LAYOUT, TIME_AND_DRAWS, TIME_AVERAGE};
 use slipgrid_units::{PRESSURE_MPA, tidy};
 
-/// Draws of the chance that is reported: a half is known to 0.4 %.
+/// Draws of the expansion: a half is known to 0.4 %.
 const DRAWS: usize = 20_000;
-/// Draws of the steady model itself, in the vertical plane: a half is known to 1.6 %. And those of each part.
-const SAMPLED: usize = 1000;
-const SAMPLED_PARTS: usize = 300;
+/// The first of them, of which the steady model itself is asked in the vertical plane, and those of each part. It judges one in thirty
+/// otherwise, so that the chance is known to 1 %.
+const SAMPLED: usize = 400;
+const SAMPLED_PARTS: usize = 150;
 /// Standard errors of a gain by which it must be above 0 to be told.
 const BEYOND_DRAWS: f64 = 2.0;
 /// How the numerical errors are called.
@@ -142,17 +143,18 @@ impl MultiFidelityLoop<'_> {
         };
         let about = About { design: &best.design, still: &still, values: &values, numerical: &numerical };
         let is_sampled = self.model.is_cheap_per_design();
-        let draws = chances.draws(DRAWS, design.seed);
         let failed = |failure: ModelFailure| DesignError::Failed(format!("chance: {failure}"));
-        let accepted = |count: usize, of: &(dyn Fn(usize) -> bool + Sync)| {
-            if !is_sampled {
-                return Ok(chances.expanded(&draws, &expansion, of));
-            }
-            chances.sampled(&about, count, design.seed, of).map_err(failed)
+        let draws = chances.draws_about(&best.design, DRAWS, design.seed).map_err(failed)?;
+        let judged = |count: usize, of: &(dyn Fn(usize) -> bool + Sync)| {
+            let sampled = if is_sampled { chances.sampled(&about, count, design.seed, of) } else { Ok(Vec::new()) };
+            Ok::<_, DesignError>(Judged {
+                expanded: chances.expanded(&draws, &expansion, of),
+                sampled: sampled.map_err(failed)?,
+            })
         };
-        let drawn = accepted(SAMPLED, &|_| true)?;
+        let drawn = judged(SAMPLED, &|_| true)?;
         let all = drawn.probability();
-        let gains = gains(chances, &numerical, &|of| Ok(accepted(SAMPLED_PARTS, of)?.gain_over(&drawn)))?;
+        let gains = gains(chances, &numerical, &|of| Ok(judged(SAMPLED_PARTS, of)?.gain_over(&drawn)))?;
         let mut included: Vec<String> =
             chances.inputs().iter().map(|input| format!("{} ({})", input.name, input.known_to)).collect();
         included.push(if discretization {

@@ -12,7 +12,7 @@ use slipgrid_optimize::{
 use slipgrid_pattern::Pattern;
 
 use crate::between_designs::unlike_those_before;
-use crate::chance::{About, Chances, Numerical};
+use crate::chance::{About, Chances, Expansion, Numerical};
 use crate::multi_fidelity::MultiFidelityLoop;
 use crate::task::DesignTask;
 use crate::time_budget::SEARCH_SHARE;
@@ -117,23 +117,36 @@ struct ByChance<'a> {
     effort: Effort,
 }
 
+impl ByChance<'_> {
+    /// The chance of `candidate` by its expansion, and the share of it that counts.
+    fn counted(&self, candidate: &Candidate, expansion: &Expansion) -> (Probability, f64) {
+        let values = &candidate.response.value;
+        let all = self.chances.share(&self.draws, expansion, &|_| true);
+        if candidate.misfit.max <= self.safe_misfit {
+            return (all, 1.0);
+        }
+        // How the ratio changes with the blocks, the confirming run has in common with the steady model.
+        (all, self.chances.share_of_run(&self.draws, &candidate.design, values, &self.numerical).share)
+    }
+}
+
 impl Merits for ByChance<'_> {
     fn expect(&self, candidates: &[Candidate]) {
-        self.chances.learn_blocks(candidates.iter().map(|candidate| candidate.design));
+        self.chances.learn(candidates.iter().map(|candidate| candidate.design));
+    }
+
+    fn rough_chance(&self, candidate: &Candidate) -> Option<Result<(Probability, f64), ModelFailure>> {
+        let (design, values) = (&candidate.design, &candidate.response.value);
+        let expansion = self.chances.expand_roughly(design, values, &self.numerical);
+        Some(expansion.map(|expansion| self.counted(candidate, &expansion)))
     }
 
     fn chance(&self, candidate: &Candidate) -> Result<(Probability, f64), ModelFailure> {
         let values = &candidate.response.value;
         let still = self.chances.still(&candidate.design)?;
-        let numerical = self.chances.numerical_like(&candidate.design, &still, &self.numerical)?;
+        let numerical = self.chances.numerical_of(&candidate.design, &still, &self.numerical)?;
         let about = About { design: &candidate.design, still: &still, values, numerical: &numerical };
-        let expansion = self.chances.expand(&about)?;
-        let all = self.chances.share(&self.draws, &expansion, &|_| true);
-        if candidate.misfit.max <= self.safe_misfit {
-            return Ok((all, 1.0));
-        }
-        // How the ratio changes with the blocks, the confirming run has in common with the steady model.
-        Ok((all, self.chances.share_of_run(&self.draws, &candidate.design, values, &self.numerical).share))
+        Ok(self.counted(candidate, &self.chances.expand(&about)?))
     }
 
     fn effort(&self, design: &Pattern) -> Result<f64, ModelFailure> {

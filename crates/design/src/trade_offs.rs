@@ -26,7 +26,8 @@ use slipgrid_units::{PRESSURE_MPA, tidy};
 
 /// What the chances of trade-offs are.
 pub const BEFORE: &str = "chances by the steady model, before any confirming run, are to be compared with one another, not with the chance \
-                          above; those alike within the error of the choice count as one, of which less effort stands";
+                          above; but for those that come first they are interpolated between designs, to about 1 %; designs whose chances \
+                          differ by less than the error of the choice count as equal, and the one with less effort is listed";
 
 /// Designs of the front that a report lists; the table beside it has all.
 const LISTED: usize = 12;

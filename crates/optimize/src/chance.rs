@@ -1,8 +1,10 @@
 //! The chance that what is made of a design is on target, by draws that all designs share.
 
+use crate::ModelFailure;
 use crate::sensitivity::folded;
 use crate::uncertainty::Uncertainty;
-use crate::uncertainty_propagation::{Linearization, Probability};
+use crate::uncertainty_propagation::{Linearization, Probability, drawn};
+use slipgrid_pattern::Pattern;
 use slipgrid_statistics::Normals;
 
 /// Seeded draws of everything that is not known exactly. Designs judged by the same draws are compared without the
@@ -22,13 +24,28 @@ impl CommonDraws {
     #[must_use]
     pub fn new(uncertainty: &Uncertainty, draws: usize, seed: u64) -> Self {
         let mut normals = Normals::new(seed);
+        let draw = |_| {
+            let z: Vec<f64> = (0..uncertainty.inputs()).map(|_| normals.draw()).collect();
+            uncertainty.deviations(&z)
+        };
+        Self::of(uncertainty, (0..draws).flat_map(draw).collect())
+    }
+
+    /// Those of [`propagate`](crate::propagate) about `design`.
+    ///
+    /// # Errors
+    /// [`ModelFailure::Trial`] where hardly any leaves its dimensions positive.
+    pub fn about(design: &Pattern, uncertainty: &Uncertainty, draws: usize, seed: u64) -> Result<Self, ModelFailure> {
+        let mut normals = Normals::new(seed);
+        let deviations: Vec<Vec<f64>> = (0..draws)
+            .map(|_| Ok(drawn(design, uncertainty, &mut normals)?.deviations))
+            .collect::<Result<_, ModelFailure>>()?;
+        Ok(Self::of(uncertainty, deviations.concat()))
+    }
+
+    fn of(uncertainty: &Uncertainty, deviations: Vec<f64>) -> Self {
         let inputs = uncertainty.inputs();
-        let mut deviations = Vec::with_capacity(draws * inputs);
-        for _ in 0..draws {
-            let z: Vec<f64> = (0..inputs).map(|_| normals.draw()).collect();
-            deviations.extend(uncertainty.deviations(&z));
-        }
-        Self { deviations, inputs, draws, rim: uncertainty.rim() }
+        Self { draws: deviations.len() / inputs, deviations, inputs, rim: uncertainty.rim() }
     }
 
     /// How often `judge` holds of the values of `about`, moved to first order by each draw.
@@ -81,8 +98,8 @@ impl CommonDraws {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Tolerances;
-    use slipgrid_pattern::{Pattern, Planform};
+    use crate::{Tolerances, propagate};
+    use slipgrid_pattern::Planform;
 
     #[test]
     fn the_share_within_a_band_is_that_of_the_normal_distribution() {
@@ -99,5 +116,30 @@ mod tests {
         let width = draws.probability_of(&about, &|input| input < 3, within);
         assert!((width.share - 0.9044).abs() < 3.0 * width.stderr, "{width:?}");
         assert_eq!(draws.probability(&about, within), CommonDraws::new(&known, 20_000, 7).probability(&about, within));
+    }
+
+    #[test]
+    fn draws_about_a_design_are_those_that_a_model_is_asked_of() {
+        // One in six widths is not positive and drawn again.
+        let tolerances = Tolerances { std_m: [1e-4, 0.0, 0.0], ..Tolerances::default() };
+        let known = Uncertainty::new(&tolerances, &[vec![4.0]]).unwrap();
+        let design = Pattern::new(Planform::Groove, 1e-4, 1e-4, 1e-5).unwrap();
+        let none = vec![0.0];
+        let about = Linearization::of_slopes(design, vec![0.0], vec![vec![1e6], none.clone(), none, vec![1.0]]);
+        let values = |draws: &CommonDraws| {
+            let values = std::cell::RefCell::new(Vec::new());
+            let _ = draws.probability(&about, |moved| {
+                values.borrow_mut().push(moved[0]);
+                true
+            });
+            values.into_inner()
+        };
+        let model = |made: &Pattern, off: &[f64]| Ok(vec![(made.width_m() - 1e-4) * 1e6 + off[0]]);
+        let asked = propagate(&model, &design, &known, 500, 7).unwrap();
+        assert!(asked.redrawn > 40);
+        let drawn = values(&CommonDraws::about(&design, &known, 500, 7).unwrap());
+        let place = std::cell::Cell::new(0);
+        let same = asked.judged(|of| (of[0] - drawn[place.replace(place.get() + 1)]).abs() < 1e-9);
+        assert!(same.len() == 500 && same.into_iter().all(|same| same));
     }
 }

@@ -31,8 +31,14 @@ pub trait Merits: Sync {
     /// [`ModelFailure::Trial`] for a design that is not to be chosen; otherwise as [`ForwardModel::respond`].
     fn chance(&self, candidate: &Candidate) -> Result<(Probability, f64), ModelFailure>;
 
-    /// Hears of the candidates whose chances will be asked for, before they are: what they have in common may be found once.
+    /// Hears of the candidates whose rough chances will be asked for, before they are: what they have in common may be found once.
     fn expect(&self, _: &[Candidate]) {}
+
+    /// The same as [`Merits::chance`], roughly, where that takes less: of the many that are compared. Those that come first are asked of
+    /// exactly.
+    fn rough_chance(&self, _: &Candidate) -> Option<Result<(Probability, f64), ModelFailure>> {
+        None
+    }
 
     /// What making `design` takes, the less the better.
     ///
@@ -67,6 +73,8 @@ pub struct Choice {
     pub chance: Probability,
     /// The share of the chance that counts in the choice.
     pub counts: f64,
+    /// Both are [rough](Merits::rough_chance).
+    pub is_rough: bool,
     /// What making it takes.
     pub effort: f64,
 }
@@ -94,6 +102,8 @@ const BRACKET_END: f64 = 0.05;
 const MOST_OF_A_LINE: usize = 1;
 /// Designs whose surroundings are looked at: so many by rank, and so many by chance.
 const REFINED: usize = 3;
+/// Designs whose chances are not left rough: so many by rank, and so many by chance.
+const SETTLED: usize = 6;
 /// First steps along the line about a design on target, as a share of the bounds: a shell is some hundredths thick.
 const LINE_STEP: f64 = 0.02;
 /// Rounds in which the dear model judges what its guide found, and designs of each.
@@ -121,6 +131,7 @@ pub fn select(
     let mut shell = Shell::new(target, constraints, &grid, *options, model, merits);
     shell.take(known.to_vec())?;
     shell.search(monitor)?;
+    shell.settle(monitor)?;
     let designs = shell.designs;
     Ok(selection(&grid, shell.into_pool(), designs, options.alike))
 }
@@ -177,6 +188,7 @@ pub fn select_multi_fidelity(
     }
     let mut shell = Shell::new(target, constraints, &grid, *options, model, merits);
     shell.take(judged)?;
+    shell.settle(monitor)?;
     Ok(selection(&grid, shell.into_pool(), designs, options.alike))
 }
 
@@ -277,7 +289,7 @@ impl<'a> Shell<'a> {
             }
             let share = 0.5_f64.powi(i32::try_from(refinement).unwrap_or(i32::MAX));
             let mut lines: Vec<(Shares, Vec<f64>)> = Vec::new();
-            for design in self.leaders() {
+            for Choice { candidate: Candidate { design, .. }, .. } in self.leaders(REFINED) {
                 let here = self.grid.shares(&design);
                 let step = LINE_STEP * 2.0 * share;
                 lines.push((here, vec![here[line] - step, here[line] + step]));
@@ -293,21 +305,52 @@ impl<'a> Shell<'a> {
         Ok(())
     }
 
-    /// The designs whose surroundings are looked at.
-    fn leaders(&self) -> Vec<Pattern> {
+    /// The designs that come first: so many `by_each`, by what they are ranked by and by what they are chosen by.
+    fn leaders(&self, by_each: usize) -> Vec<Choice> {
         let pool: Vec<Choice> = self.pool.values().flatten().cloned().collect();
         let mut by_merit: Vec<(f64, &Choice)> = merits(&pool).into_iter().zip(&pool).collect();
         // Stable: of equal ones in the order of the designs.
         by_merit.sort_by(|(a, _), (b, _)| b.total_cmp(a));
-        let by_merit: Vec<Pattern> = by_merit.iter().take(REFINED).map(|(_, choice)| choice.candidate.design).collect();
-        let mut leaders: Vec<Pattern> =
-            ranked(pool, self.options.alike).iter().take(REFINED).map(|choice| choice.candidate.design).collect();
-        for design in by_merit {
-            if !leaders.contains(&design) {
-                leaders.push(design);
+        let by_merit: Vec<Choice> = by_merit.into_iter().take(by_each).map(|(_, choice)| choice.clone()).collect();
+        let mut leaders = ranked(pool, self.options.alike);
+        leaders.truncate(by_each);
+        for choice in by_merit {
+            if !leaders.iter().any(|known| known.candidate.design == choice.candidate.design) {
+                leaders.push(choice);
             }
         }
         leaders
+    }
+
+    /// Asks for the chances of those that come first, until none of them is rough or `monitor` cancels it.
+    fn settle(&mut self, monitor: &dyn Monitor) -> Result<(), SearchError> {
+        while !monitor.cancelled() {
+            let rough: Vec<Choice> = self.leaders(SETTLED).into_iter().filter(|choice| choice.is_rough).collect();
+            let merits = self.merits;
+            let exact = rough.into_par_iter().map(|choice| (key(&choice.candidate.design), exact(merits, choice)));
+            let exact: Vec<_> = exact.collect();
+            let is_settled = exact.is_empty();
+            // A rough chance is better than none.
+            let is_cut = exact.iter().any(|(_, choice)| matches!(choice, Err(ModelFailure::Cancelled)));
+            if is_settled || is_cut {
+                break;
+            }
+            self.keep(exact)?;
+        }
+        Ok(())
+    }
+
+    /// Keeps what was found of designs in the pool.
+    fn keep(&mut self, found: Vec<(Key, Result<Choice, ModelFailure>)>) -> Result<(), SearchError> {
+        for (key, choice) in found {
+            let choice = match choice {
+                Ok(choice) => Some(choice),
+                Err(ModelFailure::Trial { .. } | ModelFailure::Cancelled) => None,
+                Err(ModelFailure::Broken { reason }) => return Err(SearchError::BrokenModel { reason }),
+            };
+            self.pool.insert(key, choice);
+        }
+        Ok(())
     }
 
     /// Shares to both sides of `design` along `axis`: at least one burst away where depths are counted in bursts.
@@ -398,25 +441,22 @@ impl<'a> Shell<'a> {
         }
         let merits = self.merits;
         merits.expect(&fresh);
-        let choices: Vec<_> = fresh
-            .into_par_iter()
-            .map(|candidate| {
-                let effort = merits.effort(&candidate.design)?;
-                let (chance, counts) = merits.chance(&candidate)?;
-                Ok(Choice { chance, counts, effort, candidate })
-            })
-            .collect();
-        for choice in choices {
-            match choice {
-                Ok(choice) => {
-                    self.pool.insert(key(&choice.candidate.design), Some(choice));
-                }
-                Err(ModelFailure::Trial { .. } | ModelFailure::Cancelled) => {}
-                Err(ModelFailure::Broken { reason }) => return Err(SearchError::BrokenModel { reason }),
-            }
-        }
-        Ok(())
+        let choice = |candidate: Candidate| {
+            let effort = merits.effort(&candidate.design)?;
+            let rough = merits.rough_chance(&candidate);
+            let is_rough = rough.is_some();
+            let (chance, counts) = rough.unwrap_or_else(|| merits.chance(&candidate))?;
+            Ok(Choice { chance, counts, is_rough, effort, candidate })
+        };
+        let found = fresh.into_par_iter().map(|candidate| (key(&candidate.design), choice(candidate)));
+        self.keep(found.collect())
     }
+}
+
+/// `choice` with the chance that is not rough.
+fn exact(merits: &dyn Merits, choice: Choice) -> Result<Choice, ModelFailure> {
+    let (chance, counts) = merits.chance(&choice.candidate)?;
+    Ok(Choice { chance, counts, is_rough: false, ..choice })
 }
 
 #[cfg(test)]

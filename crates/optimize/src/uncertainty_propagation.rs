@@ -79,16 +79,9 @@ pub fn propagate(
     let mut redrawn = 0;
     let mut inputs: Vec<(Pattern, Vec<f64>)> = Vec::with_capacity(draws);
     for _ in 0..draws {
-        let drawn = (0..MOST_REDRAWS).find_map(|attempt| {
-            let z: Vec<f64> = (0..uncertainty.inputs()).map(|_| normals.draw()).collect();
-            let deviations = uncertainty.deviations(&z);
-            let drawn = moved(design, &deviations, uncertainty).ok();
-            redrawn += usize::from(drawn.is_none() && attempt + 1 < MOST_REDRAWS);
-            Some((drawn?, deviations[uncertainty.parameters()].to_vec()))
-        });
-        inputs.push(drawn.ok_or_else(|| ModelFailure::Trial {
-            reason: "the tolerances hardly leave a dimension positive".to_owned(),
-        })?);
+        let drawn = drawn(design, uncertainty, &mut normals)?;
+        redrawn += drawn.redrawn;
+        inputs.push((drawn.made, drawn.deviations[uncertainty.parameters()].to_vec()));
     }
     let answers: Vec<_> = inputs.par_iter().map(|(at, parameters)| model.respond_at(at, parameters)).collect();
     let mut samples: Vec<Option<Vec<f64>>> = Vec::with_capacity(draws);
@@ -114,6 +107,28 @@ pub fn propagate(
         );
     }
     Ok(Propagation { failed, samples, redrawn })
+}
+
+/// One draw about a design.
+pub(crate) struct Drawn {
+    /// The design moved by it.
+    made: Pattern,
+    /// Of all inputs.
+    pub deviations: Vec<f64>,
+    /// Draws before it of a dimension that was not positive.
+    redrawn: usize,
+}
+
+/// Draws from `uncertainty` about `design` until every dimension is positive.
+pub(crate) fn drawn(design: &Pattern, uncertainty: &Uncertainty, normals: &mut Normals) -> Result<Drawn, ModelFailure> {
+    for redrawn in 0..MOST_REDRAWS {
+        let z: Vec<f64> = (0..uncertainty.inputs()).map(|_| normals.draw()).collect();
+        let deviations = uncertainty.deviations(&z);
+        if let Ok(made) = moved(design, &deviations, uncertainty) {
+            return Ok(Drawn { made, deviations, redrawn });
+        }
+    }
+    Err(ModelFailure::Trial { reason: "the tolerances hardly leave a dimension positive".to_owned() })
 }
 
 /// The design moved by the first deviations, and its rims by the last where their height is not exact.

@@ -64,17 +64,41 @@ impl Drawn {
     }
 }
 
-/// What one input changes, by its unit: of each ratio, and of the least height of a ceiling in metres.
-struct Slope {
+/// What one input changes, by its unit: of each ratio, half the second derivative of that, and of the least height of a ceiling in metres.
+#[derive(Clone, Debug)]
+pub(super) struct Slope {
     ratio: Vec<f64>,
+    curvature: Vec<f64>,
     clearance: f64,
 }
 
 /// (a - b) / step
 fn per_step(above: &Answer, below: &Answer, step: f64) -> Slope {
-    let ratio = above.ratio.iter().zip(&below.ratio).map(|(above, below)| (above - below) / step).collect();
+    let ratio: Vec<f64> = above.ratio.iter().zip(&below.ratio).map(|(above, below)| (above - below) / step).collect();
     let clearance = above.clearance_m().zip(below.clearance_m()).map_or(0.0, |(above, below)| (above - below) / step);
-    Slope { ratio, clearance }
+    Slope { curvature: vec![0.0; ratio.len()], ratio, clearance }
+}
+
+/// How the steady model moves about a design along each input that it is asked of: the dimensions that scatter, the height of the rims, flat
+/// friction, scale and factors of the area law. By central differences over a standard deviation each way.
+#[derive(Clone, Debug)]
+pub(super) struct Sensitivity(Vec<Slope>);
+
+impl Sensitivity {
+    /// As numbers, for [`BetweenDesigns`].
+    pub fn numbers(&self) -> Vec<f64> {
+        let of = |slope: &Slope| [slope.ratio.clone(), slope.curvature.clone(), vec![slope.clearance]].concat();
+        self.0.iter().flat_map(of).collect()
+    }
+
+    /// Of these numbers, of so many `values`.
+    pub fn of(numbers: &[f64], values: usize) -> Self {
+        let of = |numbers: &[f64]| {
+            let (ratio, rest) = numbers.split_at(values);
+            Slope { ratio: ratio.to_vec(), curvature: rest[..values].to_vec(), clearance: rest[values] }
+        };
+        Self(numbers.chunks_exact(2 * values + 1).map(of).collect())
+    }
 }
 
 impl Chances<'_> {
@@ -86,56 +110,70 @@ impl Chances<'_> {
         Ok(Some(Drawn { sampler, medians, first: self.first_discrepancy }))
     }
 
-    /// The values of a design about it: by central differences over a standard deviation each way.
+    /// The values of a design about it.
     ///
     /// # Errors
     /// [`ModelFailure::Trial`] where neighbours of the design cannot be computed.
     pub fn expand(&self, about: &About<'_>) -> Result<Expansion, ModelFailure> {
+        self.expand_by(about, &self.sensitivity(about.design, about.still)?)
+    }
+
+    /// How the steady model moves about `design`, of which it says `still`.
+    pub(super) fn sensitivity(&self, design: &Pattern, still: &Answer) -> Result<Sensitivity, ModelFailure> {
+        let laid = self.still.lay(design)?;
+        let dimensions = self.tolerances.std_m.into_iter().enumerate().filter(|(_, std_m)| *std_m > 0.0);
+        let mut slopes = dimensions
+            .map(|(axis, std_m)| self.along_axis(design, &laid, axis, std_m))
+            .collect::<Result<Vec<Slope>, ModelFailure>>()?;
+        if self.uncertainty.rim().is_some() {
+            slopes.push(self.along_rim(design)?);
+        }
+        for along in self.beside() {
+            // All of them lie on one specimen: laying out crossing grooves takes as long as solving them.
+            let at = |model: &SteadyModel| model.answer_made(design, &laid);
+            let (above, below) = rayon::join(|| at(&along.above), || at(&along.below));
+            let (above, below) = (above?, below?);
+            // (r(x + s) - r(x - s)) / 2s and (r(x + s) - 2 r(x) + r(x - s)) / 2s^2
+            let load = |load: usize| {
+                let (above, below, own) = (above.ratio[load], below.ratio[load], still.ratio[load]);
+                let step = along.step[load];
+                ((above - below) / (2.0 * step), (above - 2.0 * own + below) / (2.0 * step * step))
+            };
+            let (ratio, curvature) = (0..self.scale.len()).map(load).unzip();
+            let clearance = per_step(&above, &below, 2.0 * along.step[0]).clearance;
+            slopes.push(Slope { ratio, curvature, clearance });
+        }
+        Ok(Sensitivity(slopes))
+    }
+
+    /// The values of a design about it, where the steady model moves by `sensitivity`.
+    pub(super) fn expand_by(&self, about: &About<'_>, sensitivity: &Sensitivity) -> Result<Expansion, ModelFailure> {
         let (count, values) = (self.scale.len(), about.values.to_vec());
-        let (discrepancy, laid) = (self.drawn(about.design)?, self.still.lay(about.design)?);
+        let discrepancy = self.drawn(about.design)?;
         let medians = discrepancy.as_ref().map(|drawn| &drawn.medians);
         let factor = |load: usize| medians.map_or(1.0, |medians| medians[load].exp());
         let scale: Vec<f64> = self.scale.iter().enumerate().map(|(load, scale)| scale * factor(load)).collect();
+        let scaled = |ratio: &[f64]| ratio.iter().zip(&scale).map(|(ratio, scale)| ratio * scale).collect::<Vec<f64>>();
         let mut slopes = vec![vec![0.0; count]; self.uncertainty.inputs()];
-        let mut curvatures = Vec::new();
         let mut of_clearance: Vec<(usize, f64)> = Vec::new();
-        for (axis, std_m) in self.tolerances.std_m.into_iter().enumerate().filter(|(_, std_m)| *std_m > 0.0) {
-            let along = self.along_axis(about.design, &laid, axis, std_m)?;
-            slopes[axis] = along.ratio.iter().zip(&scale).map(|(slope, scale)| slope * scale).collect();
-            of_clearance.push((axis, along.clearance));
-        }
-        if let Some(place) = self.uncertainty.rim() {
-            let along = self.along_rim(about.design)?;
-            slopes[place] = along.ratio.iter().zip(&scale).map(|(slope, scale)| slope * scale).collect();
+        let mut along = sensitivity.0.iter();
+        let axes = (0..DIMENSIONS).filter(|axis| self.tolerances.std_m[*axis] > 0.0);
+        for (place, along) in axes.chain(self.uncertainty.rim()).zip(&mut along) {
+            slopes[place] = scaled(&along.ratio);
             of_clearance.push((place, along.clearance));
         }
-        // (r(x + s) - r(x - s)) / 2s and (r(x + s) - 2 r(x) + r(x - s)) / 2s^2
-        let differences = |along: &Along| -> Result<(Vec<f64>, Vec<f64>, f64), ModelFailure> {
-            // All of them lie on one specimen: laying out crossing grooves takes as long as solving them.
-            let at = |model: &SteadyModel| model.answer_made(about.design, &laid);
-            let (above, below) = rayon::join(|| at(&along.above), || at(&along.below));
-            let (above, below) = (above?, below?);
-            let difference = |load: usize| {
-                let (above, below, own) = (above.ratio[load], below.ratio[load], about.still.ratio[load]);
-                let step = along.step[load];
-                let slope = scale[load] * (above - below) / (2.0 * step);
-                (slope, scale[load] * (above - 2.0 * own + below) / (2.0 * step * step))
-            };
-            let (slope, curvature) = (0..count).map(difference).unzip();
-            Ok((slope, curvature, per_step(&above, &below, 2.0 * along.step[0]).clearance))
-        };
-        if let Some(along) = &self.friction {
-            for (load, slope) in differences(along)?.0.into_iter().enumerate() {
+        for (friction, along) in self.friction.iter().zip(&mut along) {
+            for (load, slope) in scaled(&along.ratio).into_iter().enumerate() {
                 // mu = r mu_flat (1 + x)
-                slopes[along.first + load % self.inputs_of_loads][load] =
+                slopes[friction.first + load % self.inputs_of_loads][load] =
                     slope + if self.is_ratio { 0.0 } else { values[load] };
             }
         }
-        for along in self.law_scale.iter().chain(&self.law) {
-            let (slope, curvature, clearance) = differences(along)?;
-            slopes[along.first] = slope;
-            curvatures.push((along.first, curvature));
-            of_clearance.push((along.first, clearance));
+        let mut curvatures = Vec::new();
+        for (law, along) in self.law_scale.iter().chain(&self.law).zip(along) {
+            slopes[law.first] = scaled(&along.ratio);
+            curvatures.push((law.first, scaled(&along.curvature)));
+            of_clearance.push((law.first, along.clearance));
         }
         about.numerical.enter(&mut slopes[self.numerical()]);
         let clearance = about.still.clearance_m().map(|least_m| Clearance { least_m, slopes: of_clearance });

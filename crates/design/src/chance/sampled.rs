@@ -35,7 +35,7 @@ impl<'a> Chances<'a> {
         let laid = self.still.lay(about.design)?;
         let model = Sampled { chances: self, about: *about, laid, scale, discrepancy, of };
         let drawn = propagate(&model, about.design, &self.uncertainty, draws, seed)?;
-        Ok(Accepted(drawn.judged(|values| self.target.accepts(values))))
+        Ok(drawn.judged(|values| self.target.accepts(values)))
     }
 }
 

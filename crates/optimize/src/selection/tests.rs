@@ -100,6 +100,46 @@ fn the_chosen_design_is_as_likely_as_any_and_takes_the_least_effort_of_those() {
     assert!(!found.alternatives.is_empty() && found.alternatives.iter().all(Candidate::meets_target));
 }
 
+/// The same, of which rough chances are too large by up to 0.02, otherwise from design to design.
+struct Roughly(Made, AtomicUsize);
+
+impl Merits for Roughly {
+    fn rough_chance(&self, candidate: &Candidate) -> Option<Result<(Probability, f64), ModelFailure>> {
+        let (chance, counts) = self.0.chance(candidate).unwrap();
+        let off = 0.01 + 0.01 * (7e6 * candidate.design.width_m()).sin();
+        Some(Ok((Probability { share: chance.share + off, ..chance }, counts)))
+    }
+
+    fn chance(&self, candidate: &Candidate) -> Result<(Probability, f64), ModelFailure> {
+        self.1.fetch_add(1, Ordering::Relaxed);
+        self.0.chance(candidate)
+    }
+
+    fn effort(&self, design: &Pattern) -> Result<f64, ModelFailure> {
+        self.0.effort(design)
+    }
+}
+
+#[test]
+fn chances_of_those_that_come_first_are_not_rough() {
+    let (options, merits) = (SelectionOptions::default(), Roughly(Made::new(), AtomicUsize::new(0)));
+    let found = select(&target(), &space(), &bursts(), &[], &options, &respond, &merits, &Unwatched).unwrap();
+    assert!(found.pool.iter().take(SETTLED).all(|choice| !choice.is_rough));
+    let exact = |choice: &&Choice| merits.0.chance(&choice.candidate).unwrap().0 == choice.chance;
+    assert!(found.pool.iter().filter(|choice| !choice.is_rough).all(|choice| exact(&choice)));
+    let greatest = |is_rough: bool| {
+        let of = found.pool.iter().filter(|choice| choice.is_rough == is_rough);
+        of.map(|choice| choice.chance.share).fold(0.0, f64::max)
+    };
+    assert!(greatest(true) <= greatest(false), "{} {}", greatest(true), greatest(false));
+    // Few of the pool take the dear chance.
+    let asked = merits.1.into_inner();
+    assert!(asked < found.pool.len() / 2, "{asked} of {}", found.pool.len());
+    let best = chosen_on(1);
+    let (own, known) = (&found.pool[0], &best.pool[0]);
+    assert!(own.chance.share > known.chance.share - best.alike && own.effort < 1.1 * known.effort);
+}
+
 fn bursts_of_none() -> Constraints {
     Constraints::default()
 }
