@@ -424,18 +424,20 @@ impl<'a> Chances<'a> {
 
     /// Covariance of the logarithms of the values of a sample of a design, row by row, by everything but what trials say that the model lacks,
     /// which Young's modulus belongs to: to first order.
-    ///
-    /// # Errors
-    /// [`ModelFailure`] where neighbours of the design cannot be computed.
-    pub fn log_covariance(&self, about: &About<'_>) -> Result<Vec<f64>, ModelFailure> {
-        Ok(self.log_covariance_of(&self.expand(about)?))
+    pub fn log_covariance(&self, expansion: &Expansion) -> Vec<f64> {
+        let modulus = self.law_scale.as_ref().filter(|_| !self.scale_is_fitted).map(|along| along.first);
+        self.log_covariance_of(expansion, &|place| Some(place) != modulus)
     }
 
-    /// The same of a design's expansion.
-    pub fn log_covariance_of(&self, expansion: &Expansion) -> Vec<f64> {
-        let modulus = self.law_scale.as_ref().filter(|_| !self.scale_is_fitted).map(|along| along.first);
+    /// The part of it that differs from sample to sample: by their dimensions.
+    pub fn log_covariance_of_dimensions(&self, expansion: &Expansion) -> Vec<f64> {
+        let rim = self.uncertainty.rim();
+        self.log_covariance_of(expansion, &|place| place < DIMENSIONS || Some(place) == rim)
+    }
+
+    fn log_covariance_of(&self, expansion: &Expansion, of: &dyn Fn(usize) -> bool) -> Vec<f64> {
         let (slopes, values) = (&expansion.slopes, expansion.slopes.values());
-        let rows = slopes.covariance_of(&self.uncertainty, &|place| Some(place) != modulus);
+        let rows = slopes.covariance_of(&self.uncertainty, of);
         // cov(ln v, ln w) = cov(v, w) / (v w)
         let row = |(row, own): (Vec<f64>, &f64)| {
             row.into_iter().zip(values).map(move |(entry, other)| entry / (own * other)).collect::<Vec<f64>>()

@@ -50,8 +50,11 @@ pub struct Candidate<'a> {
     pub modelled: &'a [f64],
     /// g = d ln R / d ln E at each load.
     pub modulus_sensitivity: &'a [f64],
-    /// Covariance of the logarithms of the ratios of samples by their dimensions, loads x loads; empty where these are exact.
+    /// Covariance of the logarithms of the ratios of samples by all that is not known exactly beside the discrepancy, loads x loads; empty where
+    /// that is nothing.
     pub covariance: &'a [f64],
+    /// The part of it that differs from sample to sample, by their dimensions; empty where these are exact.
+    pub of_dimensions: &'a [f64],
 }
 
 /// The texture to cut next.

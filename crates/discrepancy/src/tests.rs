@@ -1,6 +1,6 @@
 use slipgrid_monitor::{Cancelled, Monitor, Unwatched};
 use slipgrid_pattern::{Pattern, Planform};
-use slipgrid_statistics::Normals;
+use slipgrid_statistics::{Normals, normal_probability, normal_quantile};
 
 use super::*;
 
@@ -314,6 +314,7 @@ fn the_choice_is_the_best_of_all_scores() {
             modelled: &modelled[place],
             modulus_sensitivity: &sensitivity,
             covariance: &[],
+            of_dimensions: &[],
         })
     };
     let found = choose(&predictor, &wanted, textures.len(), &of).unwrap();
@@ -352,23 +353,65 @@ fn numbers_without_meaning_are_named() {
 
 #[test]
 fn scenarios_are_on_target_as_often_as_the_chance_says() {
-    let hyper = Hyperparameters { sample_std: 0.0, ..Hyperparameters::default() };
     let at = loads();
     let trials = vec![trial("", groove(100.0, 300.0, 10.0), &at, 0.01, &mut |_| -0.1)];
-    let known = Discrepancy::new(hyper, Conditions::default(), 0.2, trials).unwrap();
+    let known = Discrepancy::new(Hyperparameters::default(), Conditions::default(), 0.2, trials).unwrap();
     let scenarios = Scenarios::new(&known, 4000, 1);
+    // Half of the variance by the dimensions of each sample, half by what all have in common.
+    let covariance =
+        |variance: f64| (0..16).map(|e| if e % 5 == 0 { variance } else { 0.5 * variance }).collect::<Vec<_>>();
+    let (all, own) = (covariance(2e-4), covariance(1e-4));
     for texture in [groove(100.0, 300.0, 10.0), groove(60.0, 300.0, 20.0), groove(200.0, 100.0, 5.0)] {
         let candidate = Candidate {
             features: texture,
             modelled: &[0.98, 0.96, 0.95, 0.94],
             modulus_sensitivity: &[0.02, 0.04, 0.06, 0.08],
-            covariance: &[],
+            covariance: &all,
+            of_dimensions: &own,
         };
         let wanted = Wanted { lower: vec![0.82; 4], upper: vec![0.9; 4] };
         let chance = wanted.score(&known.at(&at).of(&candidate), candidate.modelled).chance;
-        let share = scenarios.on_target(&candidate, &at, &wanted).iter().filter(|on| **on).count() as f64 / 4000.0;
+        let share = scenarios.on_target(&candidate, &at, &wanted, 0).iter().filter(|on| **on).count() as f64 / 4000.0;
         // A standard error of 0.008 at most, and the integral's own.
         assert!((chance - share).abs() < 0.03, "{chance} {share}");
+    }
+}
+
+/// One of three samples alike, each off by what all share and by what it has of its own: against the integral over what they share.
+#[test]
+fn one_of_several_samples_is_on_target_as_often_as_they_differ() {
+    let exact = Hyperparameters {
+        sample_std: 1e-9,
+        amplitude_std: 1e-9,
+        pressure_std: 0.0,
+        inverse_pressure_std: 0.0,
+        speed_std: 0.0,
+        humidity_std: 0.0,
+        ..Hyperparameters::default()
+    };
+    let known = Discrepancy::new(exact, Conditions::default(), 0.0, Vec::new()).unwrap();
+    let (scenarios, at) = (Scenarios::new(&known, 8000, 1), [load(1.3, 2.0, 40.0)]);
+    let half = 0.0115_f64;
+    let wanted = Wanted { lower: vec![0.9 * (-half).exp()], upper: vec![0.9 * half.exp()] };
+    for [common, own] in [[0.005_f64, 0.02_f64], [0.01, 0.03], [0.02, 0.02]] {
+        let (all, of_own) = ([common.powi(2) + own.powi(2)], [own.powi(2)]);
+        let candidate = Candidate {
+            features: groove(100.0, 300.0, 10.0),
+            modelled: &[0.9],
+            modulus_sensitivity: &[0.0],
+            covariance: &all,
+            of_dimensions: &of_own,
+        };
+        let each = [0, 1, 2].map(|number| scenarios.on_target(&candidate, &at, &wanted, number));
+        let share = (0..8000).filter(|&draw| each.iter().any(|on| on[draw])).count() as f64 / 8000.0;
+        let by_integral: f64 = (0..4000_u32)
+            .map(|k| {
+                let c = common * normal_quantile((f64::from(k) + 0.5) / 4000.0);
+                let one = normal_probability((half - c) / own) - normal_probability((-half - c) / own);
+                (1.0_f64 - (1.0 - one).powi(3)) / 4000.0
+            })
+            .sum();
+        assert!((share - by_integral).abs() < 0.02, "{common} {own}: {share} {by_integral}");
     }
 }
 
@@ -386,13 +429,20 @@ fn samples_on_one_disc_are_off_together() {
     let (at, textures) = ([load(1.3, 2.0, 40.0)], [groove(100.0, 300.0, 10.0), groove(60.0, 300.0, 20.0)]);
     let wanted = Wanted { lower: vec![0.9 * (-0.02_f64).exp()], upper: vec![0.9 * 0.02_f64.exp()] };
     let scenarios = Scenarios::new(&known, 4000, 1);
-    let on = |of: &Scenarios, features: Features| {
-        let candidate = Candidate { features, modelled: &[0.9], modulus_sensitivity: &[0.0], covariance: &[] };
-        of.on_target(&candidate, &at, &wanted)
+    let on = |of: &Scenarios, features: Features, number: usize| {
+        let (modelled, sensitivity) = (&[0.9], &[0.0]);
+        let candidate =
+            Candidate { features, modelled, modulus_sensitivity: sensitivity, covariance: &[], of_dimensions: &[] };
+        of.on_target(&candidate, &at, &wanted, number)
     };
-    assert!(on(&scenarios, textures[0]).iter().all(|on| *on));
+    let share = |on: &[bool]| on.iter().filter(|on| **on).count() as f64 / 4000.0;
+    let both =
+        |one: &[bool], other: &[bool]| one.iter().zip(other).map(|(one, other)| *one && *other).collect::<Vec<_>>();
+    // Each within one standard deviation of its own.
+    let apart = [0, 1].map(|number| on(&scenarios, textures[number], number));
+    assert!((share(&both(&apart[0], &apart[1])) - 0.683 * 0.683).abs() < 0.025, "{apart:?}");
     let disc = scenarios.on_one_disc(2);
-    let [one, other] = textures.map(|features| on(&disc, features));
+    let [one, other] = [0, 1].map(|number| on(&disc, textures[number], number));
     // Within one standard deviation, and both or neither.
     let share = one.iter().filter(|on| **on).count() as f64 / 4000.0;
     assert!((share - 0.683).abs() < 0.025, "{share}");

@@ -68,6 +68,8 @@ struct Design {
     ratio: Vec<f64>,
     sensitivity: Vec<f64>,
     covariance: Vec<f64>,
+    /// By the dimensions of samples alone; empty where several samples are not compared.
+    of_dimensions: Vec<f64>,
     /// The ratio in the layer's blocks.
     in_blocks: Vec<f64>,
 }
@@ -81,7 +83,8 @@ struct Judged {
 }
 
 impl Design {
-    fn new(pattern: Pattern, modelled: Modelled, covariance: Vec<f64>) -> Self {
+    /// With the covariance by all that is not known exactly, and by dimensions.
+    fn new(pattern: Pattern, modelled: Modelled, [covariance, of_dimensions]: [Vec<f64>; 2]) -> Self {
         let ratio: Vec<f64> = modelled.log_ratio.iter().map(|log| log.exp()).collect();
         Self {
             features: Features::from(&pattern),
@@ -89,6 +92,7 @@ impl Design {
             ratio,
             sensitivity: modelled.sensitivity,
             covariance,
+            of_dimensions,
             pattern,
         }
     }
@@ -110,6 +114,7 @@ impl Design {
             modelled: &self.ratio,
             modulus_sensitivity: &self.sensitivity,
             covariance: &self.covariance,
+            of_dimensions: &self.of_dimensions,
         }
     }
 
@@ -336,14 +341,15 @@ fn choose(
 /// Samples on one disc share what differs from disc to disc: they are off together, and further apart from each other are better.
 fn several<'a>(pool: &'a [Judged], pending: &[Judged], options: &NextOptions, asked: &Asked) -> (Vec<&'a Judged>, f64) {
     let (count, scenarios) = (options.count.max(1), Scenarios::new(&asked.learned, SCENARIOS, 1));
-    let on = |scenarios: &Scenarios, judged: &Judged| {
-        scenarios.on_target(&judged.design.candidate(), &asked.loads, &asked.wanted)
+    // Each another sample.
+    let on = |scenarios: &Scenarios, (number, judged): (usize, &Judged)| {
+        scenarios.on_target(&judged.design.candidate(), &asked.loads, &asked.wanted, number)
     };
     let disc = if options.one_disc { scenarios.clone().on_one_disc(DISC_SEED) } else { scenarios.clone() };
-    let hits: Vec<Vec<bool>> = pool.par_iter().map(|judged| on(&disc, judged)).collect();
+    let hits: Vec<Vec<bool>> = pool.par_iter().enumerate().map(|of| on(&disc, of)).collect();
     let mut hit = vec![false; SCENARIOS];
     let mark = |hit: &mut Vec<bool>, by: &[bool]| hit.iter_mut().zip(by).for_each(|(hit, on)| *hit |= on);
-    pending.iter().for_each(|judged| mark(&mut hit, &on(&scenarios, judged)));
+    (pool.len()..).zip(pending).for_each(|of| mark(&mut hit, &on(&scenarios, of)));
     let mut chosen: Vec<usize> = Vec::new();
     for _ in 0..count.min(pool.len()) {
         let gain = |place: &usize| hits[*place].iter().zip(&hit).filter(|(on, hit)| **on && !**hit).count();
@@ -358,7 +364,10 @@ fn several<'a>(pool: &'a [Judged], pending: &[Judged], options: &NextOptions, as
         mark(&mut hit, &hits[best]);
         chosen.push(best);
     }
-    let together = hit.iter().filter(|hit| **hit).count() as f64 / SCENARIOS as f64;
+    let together = match chosen[..] {
+        [one] if pending.is_empty() => pool[one].score.chance,
+        _ => hit.iter().filter(|hit| **hit).count() as f64 / SCENARIOS as f64,
+    };
     (chosen.into_iter().map(|place| &pool[place]).collect(), together)
 }
 

@@ -120,7 +120,13 @@ fn of_form(form: Form) -> Hyperparameters {
 
 /// The candidate that a texture is, with `covariance` for its dimensions.
 pub fn candidate<'a>(of: &'a Solved, covariance: &'a [f64]) -> Candidate<'a> {
-    Candidate { features: of.features, modelled: &of.ratio, modulus_sensitivity: &of.physics.slope, covariance }
+    Candidate {
+        features: of.features,
+        modelled: &of.ratio,
+        modulus_sensitivity: &of.physics.slope,
+        covariance,
+        of_dimensions: covariance,
+    }
 }
 
 /// What is known before the next cut.
