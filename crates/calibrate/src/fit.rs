@@ -13,7 +13,7 @@ use slipgrid_monitor::{Monitor, Part};
 use crate::flat_sample::Pairs;
 use crate::flat_sample_emulator::Emulator;
 use crate::least_squares::{LeastSquares, Solution};
-use crate::{Coefficients, FitError, Problem};
+use crate::{Coefficients, FitError, Measurement, Problem};
 use dynamic_corrections::{Corrections, average_slopes, borrow_slopes, confirm, correct, flat_peaks};
 
 /// Rounds of fit and dynamic runs at most. delta hardly depends on the coefficients: where no static peaks are fitted one
@@ -375,6 +375,21 @@ fn first_guess(problem: &Problem, layout: &Layout) -> Vec<f64> {
     sums.into_iter().map(|(sum, count): (f64, f64)| sum / count.max(1.0)).collect()
 }
 
+/// Relative standard deviation of friction about the one pair that is fitted to several measurements, beyond what they are known to: flat
+/// friction at one of them is not the pair's. It is 0 where each has a pair of its own.
+fn scatter_beyond(problem: &Problem, solution: &Solution, parameters: usize) -> f64 {
+    let count = problem.measurements.len();
+    if problem.coefficients != Coefficients::Single || count <= parameters {
+        return 0.0;
+    }
+    // s^2 = sum (r_i s_i / mu_i)^2 / (n - p) - sum (s_i / mu_i)^2 / n, r_i residuals in standard deviations s_i
+    let relative = |measured: &Measurement| measured.mu_dynamic_std / measured.mu_dynamic;
+    let each = || problem.measurements.iter().map(relative).zip(&solution.residuals);
+    let about: f64 = each().map(|(relative, residual)| (residual * relative).powi(2)).sum();
+    let known: f64 = each().map(|(relative, _)| relative.powi(2)).sum();
+    (about / (count - parameters) as f64 - known / count as f64).max(0.0).sqrt()
+}
+
 /// What was found, with what `confirmed` says of dynamic friction and of peaks at it.
 fn report(model: &Model<'_>, confirmed: &Corrections, solution: &Solution, settled: bool) -> Result<Fit, FitError> {
     let Model { problem, layout, corrections, .. } = *model;
@@ -383,11 +398,12 @@ fn report(model: &Model<'_>, confirmed: &Corrections, solution: &Solution, settl
         Coefficients::Single => 1,
         Coefficients::PerCondition => count,
     };
+    let beyond = scatter_beyond(problem, solution, layout.count);
     let pairs = (0..pairs_per_fit)
         .map(|i| {
             let pair = layout.pair(problem, &solution.parameters, i)?;
             // One draw of coefficients serves all runs: their errors are not averaged away.
-            let of_runs = pair.dynamic_mean() * corrections.relative_stderr[i];
+            let of_runs = pair.dynamic_mean() * corrections.relative_stderr[i].hypot(beyond);
             Ok(FittedPair {
                 static_mean: pair.static_mean(),
                 static_std_error: layout.fixed_static[i]

@@ -252,7 +252,9 @@ impl Fit {
         };
         let std_error = self.pairs.first()?.dynamic_std_error;
         let variance = std_error.map_or(entry(mean, mean)?, |std_error| std_error * std_error);
-        let shared = entry(mean, scale)?;
-        Some([[tidy(variance), tidy(shared)], [tidy(shared), tidy(entry(scale, scale)?)]])
+        // Where the model does not describe the measurements, these scatter by more than they are known to (Birge, Phys. Rev. 40, 207, 1932).
+        let excess = (self.chi_square / self.degrees_of_freedom.max(1) as f64).max(1.0);
+        let [shared, of_scale] = [entry(mean, scale)?, entry(scale, scale)?].map(|entry| tidy(excess * entry));
+        Some([[tidy(variance).max(tidy(excess * entry(mean, mean)?)), shared], [shared, of_scale]])
     }
 }

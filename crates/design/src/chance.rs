@@ -144,9 +144,7 @@ impl<'a> Chances<'a> {
             parts.name("scale of the area law", percent(joint[count][count].sqrt()), first + count..first + count + 1);
             (friction_at, scale_at) = (Some(first), Some(first + count));
         } else {
-            let each = conditions.iter().map(|at| material.friction_covariance(&design.pressures_pa(), at.as_ref()));
-            if let Some(blocks) = each.collect::<Option<Vec<Covariance>>>() {
-                let covariance = diagonal(&blocks);
+            if let Some(covariance) = material.friction_covariance(&design.pressures_pa(), conditions) {
                 let known_to = percent(rms(&covariance));
                 let first = parts.add(covariance);
                 parts.name("flat friction", known_to, first..first + count);

@@ -1,7 +1,7 @@
 //! What tolerances of manufacture and errors of the calibration make of a design's friction.
 
 use slipgrid_calibrate::uncertainty::{Covariance, ScaleShift, moved, with_scale};
-use slipgrid_material::MaterialError;
+use slipgrid_material::{Condition, MaterialError};
 use slipgrid_optimize::{
     Linearization, ModelFailure, Propagation, Quantity, SearchError, Spread, Target, UncertainModel, Uncertainty,
     propagate,
@@ -98,15 +98,14 @@ impl<'a> Request<'a> {
         let directions = 1 + design.directions.different_deg.len();
         let conditions = (1 + about.further.len()) / directions;
         let further = about.further.iter().map(|further| further.at.condition);
-        let each = std::iter::once(design.condition).chain(further).take(conditions);
-        let each = each.map(|at| material.friction_covariance(&design.pressures_pa(), at.as_ref()));
+        let each: Vec<Option<Condition>> = std::iter::once(design.condition).chain(further).take(conditions).collect();
         Self {
             about,
             target: &design.target,
             is_ratio: design.target.quantity() == Quantity::Ratio,
             tolerances,
             material,
-            friction_covariance: each.collect::<Option<Vec<Covariance>>>().map(|blocks| diagonal(&blocks)),
+            friction_covariance: material.friction_covariance(&design.pressures_pa(), &each),
             directions,
             condition: (!about.further.is_empty()).then(|| Setting::first(design).in_words()),
             seed: design.seed,

@@ -173,12 +173,12 @@ mod tests {
     #[test]
     fn one_pair_is_off_alike_at_every_load() {
         let known = read("static_mean = 0.3\ndynamic_mean = 0.25\ndynamic_std_error = 0.005", "");
-        let covariance = known.friction_covariance(&[1e6, 2e6], None).unwrap();
+        let covariance = known.friction_covariance(&[1e6, 2e6], &[None]).unwrap();
         assert!(covariance.iter().flatten().all(|entry| (entry - 4e-4).abs() < 1e-15), "{covariance:?}");
         assert_eq!((known.modulus_relative_std, known.law_is_fitted), (Some(0.25), false));
         assert_eq!(known.discrepancy().unwrap().trials(), []);
         let silent = read("static_mean = 0.3\ndynamic_mean = 0.25", "");
-        assert_eq!(silent.friction_covariance(&[1e6], None), None);
+        assert_eq!(silent.friction_covariance(&[1e6], &[None]), None);
     }
 
     #[test]
@@ -208,7 +208,7 @@ mod tests {
         assert!(known.law_is_fitted);
         let condition = Condition { speed_m_s: 2e-3, humidity: 0.15 };
         // mu(1.5) = 0.25 with half of each error; mu(0.5) and mu(3) are the ends'.
-        let covariance = known.friction_covariance(&[0.5e6, 1.5e6, 3e6], Some(&condition)).unwrap();
+        let covariance = known.friction_covariance(&[0.5e6, 1.5e6, 3e6], &[Some(condition)]).unwrap();
         let expected = [
             [4e-4, 0.5 * 1.6e-5 / 0.05, 0.0],
             [0.5 * 1.6e-5 / 0.05, 0.25 * (1.6e-5 + 9e-6) / 0.0625, 0.5 * 9e-6 / 0.075],
@@ -219,7 +219,7 @@ mod tests {
                 assert!((entry - expected).abs() < 1e-12, "{covariance:?}");
             }
         }
-        assert_eq!(known.friction_covariance(&[1e6], Some(&Condition { humidity: 0.8, ..condition })), None);
+        assert_eq!(known.friction_covariance(&[1e6], &[Some(Condition { humidity: 0.8, ..condition })]), None);
     }
 
     #[test]
@@ -231,9 +231,14 @@ mod tests {
             )
         };
         let known = read(&format!("{}{}", condition(1.0, 0.2, 0.004), condition(4.0, 0.3, 0.003)), "");
-        let covariance =
-            known.friction_covariance(&[1e6], Some(&Condition { speed_m_s: 2e-3, humidity: 0.15 })).unwrap();
-        // Half of each: mean 0.25, variance (0.004^2 + 0.003^2) / 4.
+        let at = |speed_m_s: f64| Some(Condition { speed_m_s, humidity: 0.15 });
+        let covariance = known.friction_covariance(&[1e6], &[at(2e-3), at(1e-3)]).unwrap();
+        // Half of each: mean 0.25, variance (0.004^2 + 0.003^2) / 4; with the first alone it shares half of that one's error.
         assert!((covariance[0][0] - 0.25 * 2.5e-5 / 0.0625).abs() < 1e-12, "{covariance:?}");
+        assert!((covariance[0][1] - 0.5 * 1.6e-5 / (0.25 * 0.2)).abs() < 1e-12, "{covariance:?}");
+        // One pair for all conditions is off alike at all.
+        let single = read("static_mean = 0.3\ndynamic_mean = 0.25\ndynamic_std_error = 0.005", "");
+        let covariance = single.friction_covariance(&[1e6, 2e6], &[at(2e-3), at(1e-3)]).unwrap();
+        assert!(covariance.len() == 4 && covariance.iter().flatten().all(|entry| (entry - 4e-4).abs() < 1e-15));
     }
 }

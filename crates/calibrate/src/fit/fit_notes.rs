@@ -1,10 +1,12 @@
 //! What a fit says in words: how values were found, what the data leave open, and what would settle it.
 
-use super::{Fit, MOST_ROUNDS, Model, SETTLED};
+use super::{Fit, FittedPair, MOST_ROUNDS, Model, SETTLED};
 use crate::flat_sample::speed_m_s;
 
 /// An interval of the area law's scale wider than this factor leaves the law open.
 const OPEN_SCALE: f64 = 3.0;
+/// Chi-square over its degrees of freedom from which on one pair does not describe the measurements.
+const POOR_FIT: f64 = 3.0;
 
 pub fn notes(model: &Model<'_>, fit: &Fit) -> Vec<String> {
     let Model { problem, layout, corrections, .. } = *model;
@@ -34,14 +36,7 @@ pub fn notes(model: &Model<'_>, fit: &Fit) -> Vec<String> {
     }
     let (chi_square, degrees_of_freedom) = (fit.chi_square, fit.degrees_of_freedom);
     if degrees_of_freedom > 0 {
-        notes.push(format!(
-            "chi-square {chi_square:.1} for {degrees_of_freedom} degrees of freedom{}",
-            if chi_square > 3.0 * degrees_of_freedom as f64 {
-                ": one pair of coefficients does not describe these measurements; fit coefficients per condition"
-            } else {
-                ""
-            }
-        ));
+        notes.push(format!("chi-square {chi_square:.1} for {degrees_of_freedom} degrees of freedom"));
     }
     notes
 }
@@ -53,6 +48,18 @@ pub fn warnings(fit: &Fit) -> Vec<String> {
         warnings.push(format!(
             "the fit did not settle: coefficients still changed by more than {SETTLED} of themselves after {MOST_ROUNDS} rounds, and \
              friction of the flat sample in time may miss what was measured"
+        ));
+    }
+    if fit.degrees_of_freedom > 0 && fit.chi_square > POOR_FIT * fit.degrees_of_freedom as f64 {
+        let share = |pair: &FittedPair| Some(100.0 * pair.dynamic_std_error? / pair.dynamic_mean);
+        let error = fit.pairs.first().filter(|_| fit.pairs.len() == 1).and_then(share);
+        let counted = error.map_or_else(String::new, |percent| {
+            format!("; its standard error, {percent:.1} %, has the scatter of the measurements about it in it")
+        });
+        warnings.push(format!(
+            "one pair of coefficients does not describe these measurements: chi-square is {:.0} for {} degrees of freedom{counted}. Fit \
+             coefficients per condition",
+            fit.chi_square, fit.degrees_of_freedom
         ));
     }
     for parameter in fit.parameters.iter().filter(|parameter| parameter.at_bound) {

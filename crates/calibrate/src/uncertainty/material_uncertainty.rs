@@ -58,21 +58,20 @@ impl MaterialUncertainty {
         }
     }
 
-    /// Covariance of the relative errors of mu_d at `pressures_pa`: fitted coefficients are independent of one another,
-    /// what stands between two of them shares both, and one pair for all loads is off alike at all. `None` where the
-    /// file has no standard errors for the condition.
+    /// Covariance of the relative errors of mu_d at `pressures_pa` under each of `conditions`, one condition after the other: fitted coefficients
+    /// are independent of one another, what stands between two of them shares both, and one pair for all loads, or for all conditions, is off
+    /// alike at all. `None` where the file has no standard errors for a condition.
     #[must_use]
-    pub fn friction_covariance(&self, pressures_pa: &[f64], condition: Option<&Condition>) -> Option<Covariance> {
-        covariance(&self.friction, pressures_pa, condition)
+    pub fn friction_covariance(&self, pressures_pa: &[f64], conditions: &[Option<Condition>]) -> Option<Covariance> {
+        covariance(&self.friction, pressures_pa, conditions)
     }
 
     /// Dynamic friction of the flat sample over that in steady sliding at `pressures_pa`, as the calibration found it: linear
     /// between measurements. `None` where the file does not say it for the condition.
     #[must_use]
     pub fn excess(&self, pressures_pa: &[f64], condition: Option<&Condition>) -> Option<Vec<f64>> {
-        let (known, weights) = shares(&self.dynamic_over_steady, pressures_pa, condition)?;
-        let at = |row: &Vec<f64>| row.iter().zip(&known).map(|(share, known)| share * known.value).sum();
-        Some(weights.iter().map(at).collect())
+        let known = &self.dynamic_over_steady;
+        Some(shares(known, pressures_pa, condition)?.iter().map(|row| mean(row, known)).collect())
     }
 
     /// What is known at `loads` under `condition` of a material with this `area_law`.
@@ -89,7 +88,7 @@ impl MaterialUncertainty {
         let variance =
             |known: Covariance| known.iter().enumerate().map(|(place, row)| row[place]).collect::<Vec<f64>>();
         let count = loads.len();
-        let static_friction = covariance(&self.static_friction, &pressures_pa, condition).map(variance);
+        let static_friction = covariance(&self.static_friction, &pressures_pa, &[condition.copied()]).map(variance);
         if let (Some(known), Some(law)) = (&self.scale_covariance, area_law) {
             // Fitted together: flat friction and the law's scale are off together.
             let joint = with_scale(known, law, loads)?;
@@ -102,7 +101,7 @@ impl MaterialUncertainty {
             return Ok(InputUncertainty { flat_friction, static_friction, scale: Some(scale), discrepancy: None });
         }
         Ok(InputUncertainty {
-            flat_friction: self.friction_covariance(&pressures_pa, condition).map(variance),
+            flat_friction: self.friction_covariance(&pressures_pa, &[condition.copied()]).map(variance),
             static_friction,
             scale: self.modulus_std(area_law).map(|std| ScaleError::of_modulus(std, count)),
             discrepancy: None,
@@ -139,50 +138,50 @@ impl MaterialUncertainty {
     }
 }
 
-/// Those of `known` coefficients that stand for `condition`, and the share of each at each of `pressures_pa`.
-fn shares<'a>(
-    known: &'a [CoefficientEstimate],
-    pressures_pa: &[f64],
-    condition: Option<&Condition>,
-) -> Option<(Vec<&'a CoefficientEstimate>, Vec<Vec<f64>>)> {
+/// The share that each of `known` coefficients has in the one at each of `pressures_pa` under `condition`, one row a pressure.
+fn shares(known: &[CoefficientEstimate], pressures_pa: &[f64], condition: Option<&Condition>) -> Option<Vec<Vec<f64>>> {
     let measured: Vec<Condition> = known.iter().filter_map(|row| row.condition).collect();
-    let shares: Vec<(Option<Condition>, f64)> = if measured.is_empty() {
+    let conditions: Vec<(Option<Condition>, f64)> = if measured.is_empty() {
         vec![(None, 1.0)]
     } else {
         between(&measured, condition?)?.into_iter().map(|(own, share)| (Some(own), share)).collect()
     };
-    let is_of = |row: &&CoefficientEstimate, own: &Option<Condition>| match (&row.condition, own) {
+    let is_of = |row: &CoefficientEstimate, own: &Option<Condition>| match (&row.condition, own) {
         (Some(condition), Some(own)) => condition.matches(own),
         (condition, own) => condition.is_none() && own.is_none(),
     };
-    let groups: Vec<(Vec<&CoefficientEstimate>, f64)> =
-        shares.iter().map(|(own, share)| (known.iter().filter(|row| is_of(row, own)).collect(), *share)).collect();
-    let known: Vec<&CoefficientEstimate> = groups.iter().flat_map(|(rows, _)| rows.iter().copied()).collect();
-    let at = |at_pa: f64| -> Option<Vec<f64>> {
-        let each = groups.iter().map(|(rows, share)| {
-            Some(weights(rows, at_pa)?.into_iter().map(|weight| share * weight).collect::<Vec<f64>>())
-        });
-        Some(each.collect::<Option<Vec<_>>>()?.concat())
+    let at = |&at_pa: &f64| {
+        let mut row = vec![0.0; known.len()];
+        for (own, share) in &conditions {
+            let places: Vec<usize> = (0..known.len()).filter(|place| is_of(&known[*place], own)).collect();
+            let of: Vec<&CoefficientEstimate> = places.iter().map(|place| &known[*place]).collect();
+            places.iter().zip(weights(&of, at_pa)?).for_each(|(place, weight)| row[*place] += share * weight);
+        }
+        Some(row)
     };
-    let weights: Vec<Vec<f64>> = pressures_pa.iter().map(|&at_pa| at(at_pa)).collect::<Option<_>>()?;
-    Some((known, weights))
+    pressures_pa.iter().map(at).collect()
 }
 
-/// Covariance of the relative errors of `known` coefficients at `pressures_pa` under `condition`.
+/// The coefficient of which each of `known` has its share in `row`.
+fn mean(row: &[f64], known: &[CoefficientEstimate]) -> f64 {
+    row.iter().zip(known).map(|(share, known)| share * known.value).sum()
+}
+
+/// Covariance of the relative errors of `known` coefficients at `pressures_pa` under each of `conditions`, one condition after the other.
 fn covariance(
     known: &[CoefficientEstimate],
     pressures_pa: &[f64],
-    condition: Option<&Condition>,
+    conditions: &[Option<Condition>],
 ) -> Option<Covariance> {
-    let (known, weights) = shares(known, pressures_pa, condition)?;
-    let mean = |row: &Vec<f64>| row.iter().zip(&known).map(|(w, known)| w * known.value).sum::<f64>();
+    let each = conditions.iter().map(|condition| shares(known, pressures_pa, condition.as_ref()));
+    let rows = each.collect::<Option<Vec<Vec<Vec<f64>>>>>()?.concat();
     // cov(mu_i, mu_j) = sum_k w_ik w_jk s_k^2, relative to mu_i mu_j
     let covariance = |left: &Vec<f64>, right: &Vec<f64>| {
         let shared: f64 =
-            left.iter().zip(right).zip(&known).map(|((l, r), known)| l * r * known.std_error.powi(2)).sum();
-        shared / (mean(left) * mean(right))
+            left.iter().zip(right).zip(known).map(|((l, r), known)| l * r * known.std_error.powi(2)).sum();
+        shared / (mean(left, known) * mean(right, known))
     };
-    Some(weights.iter().map(|left| weights.iter().map(|right| covariance(left, right)).collect()).collect())
+    Some(rows.iter().map(|left| rows.iter().map(|right| covariance(left, right)).collect()).collect())
 }
 
 /// The share of each of `known` in the coefficient at a pressure: linear between measurements, the nearest beyond.
