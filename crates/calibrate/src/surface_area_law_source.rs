@@ -77,13 +77,13 @@ pub struct SurfaceFindings {
 impl SurfaceFindings {
     /// The law, and the contact area that it follows from where it moves with the modulus.
     pub(crate) fn law_and_curve(&self) -> (Option<&AreaLaw>, &[AreaPoint]) {
-        (self.law.as_ref(), &self.curve)
+        (self.law.as_ref(), if self.moves_with_the_modulus() { &self.curve } else { &[] })
     }
 
-    /// Whether another Young's modulus makes it another law: not where it is measured friction itself.
+    /// Whether another Young's modulus makes it another law: not where it is measured friction itself, or its scale was fitted to that.
     #[must_use]
     pub fn moves_with_the_modulus(&self) -> bool {
-        self.origin != Some(AreaLawOrigin::Measured)
+        !matches!(self.origin, Some(AreaLawOrigin::Measured | AreaLawOrigin::Fit))
     }
 
     /// The law of which the scale is fitted: Persson's contact area against P / (E* h'rms), from far below the threshold at any

@@ -73,7 +73,9 @@ pub fn learn(
     let monitor = Part::new(monitor, 1.0 / measured.len().max(1) as f64);
     let trials = measured.into_iter().map(|sample| trial(task, sample, law, &monitor));
     let trials = trials.collect::<Result<Vec<Trial>, CalibrationError>>()?;
-    let modulus = tidy(task.modulus_relative_std().unwrap_or(0.0));
+    // As designs have it: ratios follow the modulus through the area law, where that moves with it.
+    let (_, curve) = law;
+    let modulus = if curve.is_empty() { 0.0 } else { tidy(task.modulus_relative_std().unwrap_or(0.0)) };
     Discrepancy::new(task.trials.prior.clone(), conditions(task), modulus, trials).map_err(CalibrationError::Trials)
 }
 
@@ -432,6 +434,25 @@ mod tests {
             // To blocks that are all alike it adds less.
             assert!((scattered - alike - added).abs() < 1e-3, "{scattered} {alike} {added}");
         }
+    }
+
+    /// Designs take a fitted law and a measured one as they are, whatever the modulus: what a trial laid to the modulus would be lost to them.
+    #[test]
+    fn a_law_that_the_modulus_does_not_move_lays_nothing_to_it() {
+        let flat = vec![measured(100.0, 0.4, 0.27), measured(200.0, 0.4, 0.25), measured(300.0, 0.4, 0.24)];
+        let of = |surface: Surface| {
+            let task =
+                CalibrationTask { surface, coefficients: Coefficients::Single, ..task(flat.clone(), Planform::Groove) };
+            learn_alone(&task, &Unwatched).unwrap().discrepancy
+        };
+        assert!((of(Surface::RmsSlope(0.0137)).modulus_relative_std() - 0.08 / 0.38).abs() < 1e-6);
+        let fitted = of(Surface::FittedScale { bounds_pa: [0.5e6, 50e6] });
+        assert_eq!((fitted.modulus_relative_std(), of(Surface::None).modulus_relative_std()), (0.0, 0.0));
+        // What is measured of a texture is predicted of it, whatever slope along the modulus is asked with.
+        let trial = &fitted.trials()[0];
+        let at: Vec<Load> = trial.measured.iter().map(|at| at.load).collect();
+        let of_slope = |g: f64| fitted.at(&at).predict(&trial.features, &vec![g; at.len()]).medians();
+        assert_eq!(of_slope(0.0), of_slope(0.2));
     }
 
     #[test]

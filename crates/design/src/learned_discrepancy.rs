@@ -125,6 +125,11 @@ impl<'a> LearnedDiscrepancy<'a> {
         self.trials
     }
 
+    /// Whether ratios follow Young's modulus, as far as its error is known.
+    pub const fn follows_the_modulus(&self) -> bool {
+        self.slopes.both.is_some()
+    }
+
     /// g = d ln R / d ln E of `design` at every load.
     ///
     /// # Errors

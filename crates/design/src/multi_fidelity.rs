@@ -353,7 +353,8 @@ impl<'a> MultiFidelityLoop<'a> {
         cache: &'a mut dyn EvaluationCache,
     ) -> Result<(), DesignError> {
         let asked = self.model.asked();
-        let key = cache_key(asked, design.space.texture(), &design.directions.different_deg, design.discrepancy);
+        let slopes = self.model.learned().map(|learned| (learned.follows_the_modulus(), &design.specimen));
+        let key = cache_key(asked, design.space.texture(), &design.directions.different_deg, slopes);
         let place = cache.place();
         let (evaluations, known) = Evaluations::cached(cache, &key, asked.loads.len())?;
         if known > 0 {
