@@ -14,10 +14,9 @@ use crate::calibration_task::{CalibrationError, CalibrationOutcome, CalibrationT
 use crate::contradicting_samples::contradicting_samples;
 use crate::load_dependence::follows_load;
 use crate::surface_area_law_source::{AreaLawOrigin, SurfaceFindings};
-use crate::trial_discrepancy::note;
+use crate::trial_discrepancy::{Learned, note};
 use crate::uncertainty::{CoefficientEstimate, MaterialUncertainty};
 use crate::{Coefficients, Fit, FittedPair, Measurement, numbered};
-use slipgrid_discrepancy::Discrepancy;
 
 /// A number of the material as a file holds it.
 fn written(field: &'static str, quantity: Quantity, si: f64) -> Result<f64, CalibrationError> {
@@ -38,7 +37,7 @@ pub(crate) fn outcome(
     measurements: Vec<Measurement>,
     fit: Fit,
     surface: SurfaceFindings,
-    learned: Discrepancy,
+    Learned { discrepancy: learned, warnings: of_trials }: Learned,
 ) -> Result<CalibrationOutcome, CalibrationError> {
     let by_condition = match task.coefficients {
         Coefficients::Single => Vec::new(),
@@ -74,7 +73,8 @@ pub(crate) fn outcome(
         source: task.source.clone(),
         synthetic_surface: surface.synthetic,
         notes,
-        warnings: [warnings(task, &surface, area_law.as_ref(), &by_condition, of_the_fit), contradicting].concat(),
+        warnings: [warnings(task, &surface, area_law.as_ref(), &by_condition, of_the_fit), contradicting, of_trials]
+            .concat(),
     };
     let material = Material { elastic, friction, area_law, provenance };
     Ok(CalibrationOutcome { material, uncertainty, measurements, fit, by_condition, surface })

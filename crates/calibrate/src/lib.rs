@@ -102,5 +102,5 @@ pub use scaled_area_law::AreaLawScale;
 pub use select_measurements::{Selection, measured_friction};
 pub use surface_area_law_source::{AreaLawOrigin, SurfaceFindings};
 pub use trial_discrepancy::{
-    CutSample, CutSpecimen, LearnedSamples, ModelledRatio, PendingSample, TrialsTask, learn, learn_alone,
+    CutSample, CutSpecimen, Learned, LearnedSamples, ModelledRatio, PendingSample, TrialsTask, learn, learn_alone,
 };

@@ -9,8 +9,9 @@ use slipgrid_export::Specimen;
 use slipgrid_material::{AreaLaw, Elastic, LocalFriction, MaterialError};
 use slipgrid_monitor::Monitor;
 use slipgrid_pattern::{Pattern, ReliefMap};
-use slipgrid_specimen::{SteadyOnFace, time_changes_on};
+use slipgrid_specimen::{SteadyOnFace, nearest_known, time_changes_on};
 use slipgrid_springblock::{Layer, Load, RunOptions, Scene, steady_ratios};
+use slipgrid_units::PRESSURE_MPA;
 
 use crate::area_law::area_law;
 use crate::{CalibrationError, CalibrationTask, Measurement};
@@ -29,6 +30,18 @@ pub(crate) type Sensitive = Option<[f64; 2]>;
 pub(crate) fn pairs(task: &CalibrationTask, patterned: &[Measurement]) -> Vec<Pair> {
     let pair = |patterned: &Measurement| Some([*task.flat.iter().find(|flat| flat.is_at(patterned))?, *patterned]);
     patterned.iter().filter_map(pair).collect()
+}
+
+/// What is said of a sample without what time adds, and of one that does not slide to a mean.
+const NOTHING_ADDED: &str = "its modelled ratios lack what sliding in time adds, some thousandths";
+const NO_MEAN: &str = "in time the sample does not slide to a mean";
+
+/// What sliding in time adds to the ratios of a sample: 0 where that is not known of it, as in space.
+pub(crate) struct AddedByTime {
+    /// At each pair.
+    pub at: Vec<f64>,
+    /// What is not known of it in the vertical plane, in words.
+    pub unknown: Option<String>,
 }
 
 /// What the model says of a sample.
@@ -126,14 +139,13 @@ impl Model<'_> {
     }
 
     /// What sliding in time adds to the ratio of each pair on the face `cut`, or of an endless pattern: at each force by one run, at the mean of
-    /// flat friction there, as it depends on friction by less than the run's own error. 0 at all of them where it is not known of one: in space,
-    /// where strips do not slide to a mean, and where they take too much memory. That of rims is taken for that of the pattern without.
+    /// flat friction there, as it depends on friction by less than the run's own error. That of rims is taken for that of the pattern without.
     pub fn added_by_time(
         &self,
         pairs: &[Pair],
         cut: Option<&Specimen>,
         monitor: &dyn Monitor,
-    ) -> Result<Vec<f64>, CalibrationError> {
+    ) -> Result<AddedByTime, CalibrationError> {
         let task = self.task;
         let mut forces_n: Vec<f64> = pairs.iter().map(|[flat, _]| flat.force_n).collect();
         forces_n.sort_by(f64::total_cmp);
@@ -146,20 +158,36 @@ impl Model<'_> {
             [mean, mean]
         };
         let means: Vec<Pair> = forces_n.iter().map(at_mean).collect();
-        let Some(mut scene) = self.lying_flat().face_scene(&means)? else { return Ok(Vec::new()) };
+        let nothing = |unknown| AddedByTime { at: vec![0.0; pairs.len()], unknown };
+        let Some(mut scene) = self.lying_flat().face_scene(&means)? else { return Ok(nothing(None)) };
         scene.run = RunOptions { seed: task.seed, ..RunOptions::default() };
         let static_share = task.local_static_over_dynamic();
         for load in &mut scene.loads {
             let dynamic_mu = load.friction.dynamic_mean();
             load.friction = LocalFriction::new(static_share * dynamic_mu, dynamic_mu, task.relative_std)?;
         }
-        let added = time_changes_on(&scene, cut, monitor).ok();
-        let added = added.and_then(|added| added.into_iter().collect::<Option<Vec<f64>>>());
+        if !scene.dimension().takes_strips() {
+            return Ok(nothing(None));
+        }
+        let added = match time_changes_on(&scene, cut, monitor) {
+            Ok(added) => added,
+            Err(error) => return Ok(nothing(Some(format!("{NOTHING_ADDED}: {error}")))),
+        };
+        let Some(known) = nearest_known(&added, &scene.loads) else {
+            return Ok(nothing(Some(format!("{NOTHING_ADDED}: {NO_MEAN} at any pressure"))));
+        };
+        let without = scene.loads.iter().zip(&added).filter(|(_, added)| added.is_none());
+        let without: Vec<String> =
+            without.map(|(load, _)| format!("{:.3}", PRESSURE_MPA.from_si(load.pressure_pa))).collect();
+        let unknown = (!without.is_empty()).then(|| {
+            let at = without.join(" and ");
+            format!("{NO_MEAN} at {at} MPa: what sliding in time adds there is taken from the nearest other pressure")
+        });
         let at = |[flat, _]: &Pair| {
             let place = forces_n.iter().position(|force_n| *force_n == flat.force_n);
-            place.zip(added.as_ref()).map_or(0.0, |(place, added)| added[place])
+            place.map_or(0.0, |place| known[place])
         };
-        Ok(pairs.iter().map(at).collect())
+        Ok(AddedByTime { at: pairs.iter().map(at).collect(), unknown })
     }
 
     /// Steady cells of the sample, the flat surface at its measured friction; `None` without any pair.

@@ -59,6 +59,15 @@ pub struct TrialsTask {
     pub prior: Hyperparameters,
 }
 
+/// What the samples of a calibration say.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Learned {
+    /// The discrepancy.
+    pub discrepancy: Discrepancy,
+    /// What is not modelled of a sample as it is of designs, one sentence each.
+    pub warnings: Vec<String>,
+}
+
 /// The discrepancy that the samples of `task` say, by an area law that follows from a contact area `curve`, or by `law` itself where
 /// there is no curve. Before any sample it is the prior.
 ///
@@ -68,15 +77,20 @@ pub fn learn(
     task: &CalibrationTask,
     law: (Option<&AreaLaw>, &[AreaPoint]),
     monitor: &dyn Monitor,
-) -> Result<Discrepancy, CalibrationError> {
+) -> Result<Learned, CalibrationError> {
     let measured: Vec<&CutSample> = task.trials.samples.iter().filter(|sample| !sample.measured.is_empty()).collect();
     let monitor = Part::new(monitor, 1.0 / measured.len().max(1) as f64);
     let trials = measured.into_iter().map(|sample| trial(task, sample, law, &monitor));
-    let trials = trials.collect::<Result<Vec<Trial>, CalibrationError>>()?;
+    let (trials, warnings): (Vec<Trial>, Vec<Option<String>>) =
+        trials.collect::<Result<Vec<_>, CalibrationError>>()?.into_iter().unzip();
     // As designs have it: ratios follow the modulus through the area law, where that moves with it.
     let (_, curve) = law;
     let modulus = if curve.is_empty() { 0.0 } else { tidy(task.modulus_relative_std().unwrap_or(0.0)) };
-    Discrepancy::new(task.trials.prior.clone(), conditions(task), modulus, trials).map_err(CalibrationError::Trials)
+    let discrepancy = Discrepancy::new(task.trials.prior.clone(), conditions(task), modulus, trials);
+    Ok(Learned {
+        discrepancy: discrepancy.map_err(CalibrationError::Trials)?,
+        warnings: warnings.into_iter().flatten().collect(),
+    })
 }
 
 /// What a calibration's samples say, and what is modelled of those that were cut and not yet measured.
@@ -139,12 +153,12 @@ pub fn learn_alone(task: &CalibrationTask, monitor: &dyn Monitor) -> Result<Lear
     };
     let law = surface.law_and_curve();
     let stage = Stage::new(monitor, "trials", None);
-    let learned = learned.map_or_else(|| learn(task, law, &stage), Ok);
+    let learned = learned.map_or_else(|| learn(task, law, &stage).map(|learned| learned.discrepancy), Ok);
     let pending = task.trials.samples.iter().filter(|sample| sample.measured.is_empty());
     let pending = pending.map(|sample| {
         // Each flat measurement beside itself: what is modelled there.
         let sample = CutSample { measured: task.flat.clone(), ..sample.clone() };
-        trial(task, &sample, law, &Part::new(&stage, 0.0)).map(PendingSample::from)
+        trial(task, &sample, law, &Part::new(&stage, 0.0)).map(|(trial, _)| PendingSample::from(trial))
     });
     let pending = pending.collect::<Result<Vec<_>, CalibrationError>>();
     stage.finish();
@@ -170,7 +184,7 @@ fn conditions(task: &CalibrationTask) -> Conditions {
     }
 }
 
-/// A sample beside the model, its numbers to the digits that a material file holds.
+/// A sample beside the model, its numbers to the digits that a material file holds, and what is not modelled of it as it is of designs.
 ///
 /// A modelled ratio depends on local friction by a thousandth at most, and in space linearly but for 5e-5: there it is solved at each
 /// force for the least and the greatest, as a load takes a tenth of a second. In the plane it is solved for every friction.
@@ -182,7 +196,7 @@ fn trial(
     cut: &CutSample,
     law: (Option<&AreaLaw>, &[AreaPoint]),
     monitor: &dyn Monitor,
-) -> Result<Trial, CalibrationError> {
+) -> Result<(Trial, Option<String>), CalibrationError> {
     let axes: Vec<usize> = (0..3).filter(|axis| cut.dimensions_std_m[*axis] > 0.0).collect();
     let monitor = Part::new(monitor, 1.0 / (1 + axes.len()) as f64);
     let CutSpecimen { face, thickness_m } = cut.specimen;
@@ -195,7 +209,7 @@ fn trial(
         || model(cut.pattern).added_by_time(&pairs, face.as_ref(), &Part::new(&monitor, 0.0)),
     );
     let ((steady, on_face), added) = (steady?, added?);
-    let known = pairs.iter().zip(&added);
+    let known = pairs.iter().zip(&added.at);
     let known = known.filter_map(|(pair, added)| Some((pair, ends.between(pair, |place| steady[place])?, *added)));
     let known: Vec<(&Pair, [f64; 2], f64)> = known.collect();
     let mut of_dimensions = Vec::new();
@@ -234,16 +248,17 @@ fn trial(
         pitch_m: tidy(features.pitch_m),
         depth_m: tidy(features.depth_m),
     };
-    let name = cut.name.clone();
-    Ok(Trial {
-        name,
+    let warning = added.unknown.map(|unknown| format!("trial \"{}\": {unknown}", cut.name));
+    let trial = Trial {
+        name: cut.name.clone(),
         features,
         sample_std: cut.sample_std,
         disc: cut.disc.clone(),
         measured: measured.collect(),
         dimensions_std_m: cut.dimensions_std_m.map(tidy),
         of_dimensions,
-    })
+    };
+    Ok((trial, warning))
 }
 
 /// What trials say, for the material's notes; `None` without any that was measured.

@@ -40,4 +40,4 @@ mod laid;
 mod on_specimen;
 
 pub use laid::{Laid, on_face};
-pub use on_specimen::{SpecimenError, SteadyOnFace, onto, simulate_on, strips_on, time_changes_on};
+pub use on_specimen::{SpecimenError, SteadyOnFace, nearest_known, onto, simulate_on, strips_on, time_changes_on};

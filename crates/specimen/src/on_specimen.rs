@@ -3,7 +3,7 @@
 use slipgrid_export::{ExportError, LaidStrip, Layout, Specimen};
 use slipgrid_pattern::Pattern;
 use slipgrid_springblock::{
-    Extent, Face, Monitor, RunOptions, Scene, SceneError, Simulation, Status, SteadyCell, SteadySpecimen, Strip,
+    Extent, Face, Load, Monitor, RunOptions, Scene, SceneError, Simulation, Status, SteadyCell, SteadySpecimen, Strip,
     TILT_MEAN, add_tilt, even_speed_m_s, simulate, simulate_specimen, steady_face_ratios, tilt_changes, time_changes,
 };
 
@@ -196,6 +196,18 @@ pub fn time_changes_on(
         None => endless(&pattern, scene.layer.length_m)?,
     };
     Ok(time_changes(&scene.in_time(), &face, monitor)?)
+}
+
+/// `changes` at `loads`, where one is not known that at the nearest pressure at which it is: it goes smoothly with the pressure. `None` where none
+/// is known.
+#[must_use]
+pub fn nearest_known(changes: &[Option<f64>], loads: &[Load]) -> Option<Vec<f64>> {
+    let at = |load: &Load| {
+        let apart = |other: &Load| (other.pressure_pa / load.pressure_pa).ln().abs();
+        let known = changes.iter().zip(loads).filter_map(|(change, other)| Some(((*change)?, apart(other))));
+        known.min_by(|(_, a), (_, b)| a.total_cmp(b)).map(|(change, _)| change)
+    };
+    loads.iter().map(at).collect()
 }
 
 /// A strip of an endless pattern, `length_m` long, with half a land at its left end and whole cavities.

@@ -97,8 +97,8 @@ impl<'a> Search<'a> {
 
     /// Covariance of the ratios of samples of `pattern` by their dimensions.
     fn covariance(&self, pattern: &Pattern) -> Option<Vec<f64>> {
-        let std_m = self.task.tolerances.map_or([0.0; 3], |scatter| scatter.tolerances.std_m);
-        self.interpolation.covariance(pattern.lengths_m(), std_m)
+        let tolerances = self.task.tolerances.map(|scatter| scatter.tolerances).unwrap_or_default();
+        self.interpolation.covariance(pattern.lengths_m(), &tolerances)
     }
 
     /// `pattern` by the model itself in the layer's blocks and what smaller ones change of its like, with the scatter of its dimensions.

@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 use slipgrid_calibrate::uncertainty::MaterialUncertainty;
 use slipgrid_monitor::{Monitor, Part};
-use slipgrid_optimize::ModelFailure;
+use slipgrid_optimize::{ModelFailure, Tolerances};
 use slipgrid_pattern::Pattern;
 use slipgrid_springblock::{Scene, block_refinement};
 
@@ -126,27 +126,29 @@ impl Interpolation {
         Some(self.blocks.at(lengths_m)?.log_ratio)
     }
 
-    /// Covariance of ln R of samples whose lengths scatter by `std_m` about `lengths_m`, to first order: differences over a
+    /// Covariance of ln R of samples whose lengths scatter about `lengths_m` as `tolerances` say, to first order: differences over a
     /// standard deviation each way.
-    pub fn covariance(&self, lengths_m: [f64; 3], std_m: [f64; 3]) -> Option<Vec<f64>> {
+    pub fn covariance(&self, lengths_m: [f64; 3], tolerances: &Tolerances) -> Option<Vec<f64>> {
         let count = self.at(lengths_m)?.log_ratio.len();
-        let mut covariance = vec![0.0; count * count];
-        for axis in (0..3).filter(|axis| std_m[*axis] > 0.0) {
+        // By a standard deviation of each length.
+        let mut slopes = [const { Vec::new() }; 3];
+        for (axis, std_m) in tolerances.std_m.into_iter().enumerate() {
             let moved = |side: f64| {
                 let mut lengths_m = lengths_m;
-                lengths_m[axis] = (lengths_m[axis] + side * std_m[axis]).max(0.1 * lengths_m[axis]);
-                self.at(lengths_m)
+                lengths_m[axis] = (lengths_m[axis] + side * std_m).max(0.1 * lengths_m[axis]);
+                Some(self.at(lengths_m)?.log_ratio)
             };
-            let (above, below) = (moved(1.0)?, moved(-1.0)?);
-            let slope: Vec<f64> =
-                above.log_ratio.iter().zip(&below.log_ratio).map(|(above, below)| 0.5 * (above - below)).collect();
-            for l in 0..count {
-                for m in 0..count {
-                    covariance[l * count + m] += slope[l] * slope[m];
-                }
-            }
+            slopes[axis] = if std_m > 0.0 {
+                moved(1.0)?.iter().zip(moved(-1.0)?).map(|(above, below)| 0.5 * (above - below)).collect()
+            } else {
+                vec![0.0; count]
+            };
         }
-        Some(covariance)
+        let [w, s, d] = &slopes;
+        let rho = tolerances.width_spacing_correlation;
+        // w_l w_m + s_l s_m + d_l d_m + rho (w_l s_m + s_l w_m)
+        let entry = |l: usize, m: usize| w[l] * w[m] + s[l] * s[m] + d[l] * d[m] + rho * (w[l] * s[m] + s[l] * w[m]);
+        Some((0..count * count).map(|place| entry(place / count, place % count)).collect())
     }
 }
 

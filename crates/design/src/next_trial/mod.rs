@@ -17,7 +17,7 @@ use slipgrid_monitor::{Monitor, Part, Stage};
 use slipgrid_optimize::Quantity;
 use slipgrid_pattern::Pattern;
 use slipgrid_results::{MaterialReport, SCHEMA, VERSION};
-use slipgrid_specimen::{SteadyOnFace, time_changes_on};
+use slipgrid_specimen::{SteadyOnFace, nearest_known, time_changes_on};
 use slipgrid_springblock::{Fidelity, RunOptions, Scene};
 use slipgrid_units::tidy;
 
@@ -180,11 +180,13 @@ pub fn next_trials(task: &DesignTask, options: &NextOptions, monitor: &dyn Monit
     let material = MaterialReport::from(&known.material.provenance);
     let mut search = Search::new(&task, &asked, &models, &chances, (&interpolation, &scope), &stage);
     let face = Some(&task.specimen).filter(|_| division.is_none());
-    search.off = off_on_specimen(&task, face, &model, search.likely_best().as_ref(), &stage)?;
+    let beyond = beyond_cells(&task, face, &model, search.likely_best().as_ref(), &stage)?;
+    search.off = beyond.log_off;
     let found = choose(&search, options, division.as_ref(), &material);
     stage.finish();
     monitor.heed()?;
     let (mut report, patterns) = found?;
+    beyond.words.clone_into(&mut report.basis);
     let sectors = match &division {
         Some(division) => division.lay(&patterns).map_err(|error| DesignError::refused(error.to_string()))?,
         None => Vec::new(),
@@ -198,16 +200,32 @@ pub fn next_trials(task: &DesignTask, options: &NextOptions, monitor: &dyn Monit
     Ok(NextTrials { report, patterns, sectors, material })
 }
 
+/// What the likeliest sample has beyond its cell, which others are taken to have, too.
+struct BeyondCells {
+    /// By how much the logarithms of ratios are greater, at each load; none where nothing is known.
+    log_off: Vec<f64>,
+    /// What it is, in words.
+    words: &'static str,
+}
+
+/// What chances are made of, by what is known of the likeliest sample.
+const WITH_TIME: &str = "Chances come from the steady model. What sliding in time adds to the likeliest sample is added to all samples; optimize \
+                         runs a design itself in time, and its ratios may differ from these by some thousandths.";
+const WITHOUT_TIME: &str = "Chances come from the steady model. What sliding in time adds is not known here and not in them; it moves ratios by some \
+                            thousandths.";
+
 /// What sliding in time and, on the specimen `face`, the ends of strips and the tilt of the pressure add to the logarithms of ratios of `likely`,
 /// as a trial of it will be modelled: at each load of the first condition, and at others as there. Other designs are taken to have as much.
-fn off_on_specimen(
+fn beyond_cells(
     task: &DesignTask,
     face: Option<&Specimen>,
     model: &SteadyModel<'_>,
     likely: Option<&Judged>,
     monitor: &dyn Monitor,
-) -> Result<Vec<f64>, DesignError> {
-    let Some(Judged { design, .. }) = likely else { return Ok(Vec::new()) };
+) -> Result<BeyondCells, DesignError> {
+    let Some(Judged { design, .. }) = likely else {
+        return Ok(BeyondCells { log_off: Vec::new(), words: WITHOUT_TIME });
+    };
     let mut scene = model.cell(&design.pattern, false);
     let count = task.target.points().len();
     scene.loads.truncate(count);
@@ -220,13 +238,17 @@ fn off_on_specimen(
     );
     monitor.heed()?;
     // Strips that are too large leave the cells, which samples are chosen by.
-    let (on_face, by_time) = (on_face.ok().flatten(), by_time.unwrap_or_default());
+    let on_face = on_face.ok().flatten();
+    let by_time = by_time.ok().and_then(|by_time| nearest_known(&by_time, &scene.loads));
     let off = |(place, ratio): (usize, &f64)| {
         let of_face = on_face.as_ref().and_then(|on_face| on_face.added(place % count));
-        let of_time = by_time.get(place % count).copied().flatten();
+        let of_time = by_time.as_ref().map(|by_time| by_time[place % count]);
         ((of_face.unwrap_or(0.0) + of_time.unwrap_or(0.0)) / ratio).ln_1p()
     };
-    Ok(design.ratio.iter().enumerate().map(off).collect())
+    Ok(BeyondCells {
+        log_off: design.ratio.iter().enumerate().map(off).collect(),
+        words: if by_time.is_some() { WITH_TIME } else { WITHOUT_TIME },
+    })
 }
 
 /// A name for a specimen of `design` that none of those `cut` has.
@@ -322,6 +344,7 @@ fn choose(
         next: chosen.iter().map(|judged| report(judged)).collect(),
         one_on_target: tidy(together),
         one_disc: None,
+        basis: String::new(),
         why: String::new(),
         best: pool.iter().take(LISTED).map(report).collect(),
         own: own.iter().map(report).collect(),

@@ -41,6 +41,9 @@ pub struct NextReport {
     /// The one specimen on which they are sectors, where that was asked for.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub one_disc: Option<OneDiscReport>,
+    /// What the chances are made of, in words.
+    #[serde(default)]
+    pub basis: String,
     /// Why the first sample stands first, in words.
     #[serde(default)]
     pub why: String,
@@ -331,8 +334,7 @@ impl NextReport {
         };
         let doubts = self.material.warnings.iter().filter(|doubt| is_of_contradicting_samples(doubt));
         doubts.for_each(|doubt| text += &format!("! {doubt}\n"));
-        text += "chances by the steady model, of grooves with what sliding in time adds to the likeliest sample: a run of its own, which optimize \
-                 makes, moves ratios by some thousandths\n";
+        text += &format!("{}\n", self.basis);
         if let Some(own) = self.likelier_own() {
             text += &format!("yours, {} um, is likelier: {}\n", own.design.lengths_in_words(), chance(own.chance));
         }
@@ -344,7 +346,7 @@ impl NextReport {
             table.row(of.row(&name));
         }
         text += &table.to_string();
-        text += "tells bits: what its measurement would tell of how the model's lack depends on the texture\n";
+        text += "tells bits: how much measuring this sample would tell about the form of the discrepancy, in bits\n";
         if !self.why.is_empty() {
             text += &format!("why the first: {}\n", self.why);
         }

@@ -3,7 +3,7 @@ use std::sync::Mutex;
 use slipgrid_discrepancy::{Conditions, Hyperparameters};
 use slipgrid_material::{Elastic, Friction, LocalFriction, Material, Provenance};
 use slipgrid_monitor::{Stage, Unwatched};
-use slipgrid_optimize::{DesignSpace, Target, TargetPoint, Wanted as Accepted};
+use slipgrid_optimize::{DesignSpace, Target, TargetPoint, Tolerances, Wanted as Accepted};
 use slipgrid_pattern::{ManufacturingLimits, Planform};
 use slipgrid_specimen::simulate_on;
 use slipgrid_springblock::{Extent, Layer, LoadOutcome, Scene, even_speed_m_s};
@@ -67,8 +67,19 @@ fn between_its_nodes_the_model_is_off_by_less_than_a_tolerance() {
     let near = found.at(corner).unwrap();
     assert!((near.log_ratio[1] - exact.log_ratio[1]).abs() < 1e-6);
     // Samples whose widths scatter: the variance is the slope's square, and loads move together.
-    let covariance = found.covariance([120e-6, 300e-6, 15e-6], [5e-6, 0.0, 0.0]).unwrap();
-    assert!(covariance[3] > 0.0 && (covariance[1].powi(2) / (covariance[0] * covariance[3]) - 1.0).abs() < 1e-9);
+    let covariance = |std_um: [f64; 3], width_spacing_correlation: f64| {
+        let std_m = std_um.map(|um| um * 1e-6);
+        let tolerances = Tolerances { std_m, width_spacing_correlation, ..Tolerances::default() };
+        found.covariance([120e-6, 300e-6, 15e-6], &tolerances).unwrap()
+    };
+    let of_width = covariance([5.0, 0.0, 0.0], 0.0);
+    assert!(of_width[3] > 0.0 && (of_width[1].powi(2) / (of_width[0] * of_width[3]) - 1.0).abs() < 1e-9);
+    // Wider cavities that are nearer each lower friction: where the pitch is exact both do, and deviations add up.
+    let of_spacing = covariance([0.0, 5.0, 0.0], 0.0);
+    let both = covariance([5.0, 5.0, 0.0], -1.0);
+    assert!((both[3].sqrt() - of_width[3].sqrt() - of_spacing[3].sqrt()).abs() < 1e-9, "{both:?}");
+    let apart = covariance([5.0, 5.0, 0.0], 0.0);
+    assert!((apart[3] - of_width[3] - of_spacing[3]).abs() < 1e-12, "{apart:?}");
 }
 
 #[test]
@@ -90,7 +101,7 @@ fn without_trials_every_chance_is_small_and_no_texture_comes_twice() {
     let again = next_trials(&task, &options, &Unwatched).unwrap();
     assert_eq!(again.report, found.report);
     let text = found.report.text();
-    assert!(text.contains("next 4") && text.contains("\ntells bits: what its measurement would tell"), "{text}");
+    assert!(text.contains("next 4") && text.contains("\ntells bits: how much measuring this sample"), "{text}");
     // Samples that contradict each other are named below the advice, other doubts of the material are not.
     let mut doubtful = found.report.clone();
     doubtful.material.warnings = vec!["slope: odd".to_owned(), "contradicting samples: A and B".to_owned()];

@@ -290,3 +290,20 @@ fn a_run_in_time_is_the_steady_specimen_and_what_it_says_that_time_adds() {
         assert_eq!((steady.ratio_time_change, steady.ratio_tilt_change), (None, in_time.ratio_tilt_change));
     }
 }
+
+#[test]
+fn the_largest_pressure_is_that_of_all_strips() {
+    let run = RunOptions { fidelity: Fidelity::Dynamic, warm_start: true, sliding_m: 1e-6, ..RunOptions::default() };
+    let scene = scene(run);
+    let peaks = |strips: Vec<Strip>| -> Vec<f64> {
+        let loads = simulate_specimen(&scene, &face(strips), &Unwatched).unwrap().loads;
+        loads.iter().map(|load| load.surface.peak_pressure_pa).collect()
+    };
+    // The land between two cavities of a shorter strip, as the rim cuts them, is a quarter as wide.
+    let longest = strip(0, 2e-3, 180e-6);
+    let cavities_m = vec![[300e-6, 430e-6], [490e-6, 620e-6]];
+    let narrow = Strip { band: 1, length_m: 1.2e-3, cavities_m, ..longest.clone() };
+    for (both, alone) in peaks(vec![longest.clone(), narrow]).into_iter().zip(peaks(vec![longest])) {
+        assert!(both > 1.01 * alone, "{both} {alone}");
+    }
+}

@@ -87,6 +87,9 @@ impl TimedStrip {
             load.ratio_time_change = steady.ratio.and(*added).map(|added| added * share);
             load.set_ratio(steady.ratio.zip(load.ratio_time_change).map(|(ratio, added)| ratio + added));
             load.ratio_stderr = strip.ratio_stderr.map(|stderr| stderr * share);
+            // Shorter strips, and those of narrower lands, are pressed harder than the longest.
+            let surface = &mut load.surface;
+            surface.peak_pressure_pa = surface.peak_pressure_pa.max(steady.surface.peak_pressure_pa);
             load.surface.cavity_closed |= steady.surface.cavity_closed;
             load.surface.area_law_extrapolated |= steady.surface.area_law_extrapolated;
             let sampled = steady.ratio_layout_error.zip(load.ratio_time_change);
