@@ -207,12 +207,13 @@ mod tests {
         );
         assert!(known.law_is_fitted);
         let condition = Condition { speed_m_s: 2e-3, humidity: 0.15 };
-        // mu(1.5) = 0.25 with half of each error; mu(0.5) and mu(3) are the ends'.
+        // mu(1.5) = 0.25, known to the mean of both errors; mu(0.5) and mu(3) are the ends', one of which has four fifths of what they share.
         let covariance = known.friction_covariance(&[0.5e6, 1.5e6, 3e6], &[Some(condition)]).unwrap();
+        let (own, rho) = (0.0035 / 0.25, [0.004, 0.003].map(|error| error / 0.005));
         let expected = [
-            [4e-4, 0.5 * 1.6e-5 / 0.05, 0.0],
-            [0.5 * 1.6e-5 / 0.05, 0.25 * (1.6e-5 + 9e-6) / 0.0625, 0.5 * 9e-6 / 0.075],
-            [0.0, 0.5 * 9e-6 / 0.075, 1e-4],
+            [4e-4, 0.02 * rho[0] * own, 0.0],
+            [0.02 * rho[0] * own, own * own, 0.01 * rho[1] * own],
+            [0.0, 0.01 * rho[1] * own, 1e-4],
         ];
         for (row, expected) in covariance.iter().zip(expected) {
             for (entry, expected) in row.iter().zip(expected) {
@@ -233,9 +234,10 @@ mod tests {
         let known = read(&format!("{}{}", condition(1.0, 0.2, 0.004), condition(4.0, 0.3, 0.003)), "");
         let at = |speed_m_s: f64| Some(Condition { speed_m_s, humidity: 0.15 });
         let covariance = known.friction_covariance(&[1e6], &[at(2e-3), at(1e-3)]).unwrap();
-        // Half of each: mean 0.25, variance (0.004^2 + 0.003^2) / 4; with the first alone it shares half of that one's error.
-        assert!((covariance[0][0] - 0.25 * 2.5e-5 / 0.0625).abs() < 1e-12, "{covariance:?}");
-        assert!((covariance[0][1] - 0.5 * 1.6e-5 / (0.25 * 0.2)).abs() < 1e-12, "{covariance:?}");
+        // Half of each: mean 0.25, known to the mean of both errors, with a correlation of 0.8 to the first.
+        let own = 0.0035 / 0.25;
+        assert!((covariance[0][0] - own * own).abs() < 1e-12, "{covariance:?}");
+        assert!((covariance[0][1] - 0.8 * own * 0.02).abs() < 1e-12, "{covariance:?}");
         // One pair for all conditions is off alike at all.
         let single = read("static_mean = 0.3\ndynamic_mean = 0.25\ndynamic_std_error = 0.005", "");
         let covariance = single.friction_covariance(&[1e6, 2e6], &[at(2e-3), at(1e-3)]).unwrap();

@@ -59,8 +59,8 @@ impl MaterialUncertainty {
     }
 
     /// Covariance of the relative errors of mu_d at `pressures_pa` under each of `conditions`, one condition after the other: fitted coefficients
-    /// are independent of one another, what stands between two of them shares both, and one pair for all loads, or for all conditions, is off
-    /// alike at all. `None` where the file has no standard errors for a condition.
+    /// are independent of one another, what stands between two of them shares both and is known no better than they are, and one pair for all
+    /// loads, or for all conditions, is off alike at all. `None` where the file has no standard errors for a condition.
     #[must_use]
     pub fn friction_covariance(&self, pressures_pa: &[f64], conditions: &[Option<Condition>]) -> Option<Covariance> {
         covariance(&self.friction, pressures_pa, conditions)
@@ -175,12 +175,18 @@ fn covariance(
 ) -> Option<Covariance> {
     let each = conditions.iter().map(|condition| shares(known, pressures_pa, condition.as_ref()));
     let rows = each.collect::<Option<Vec<Vec<Vec<f64>>>>>()?.concat();
-    // cov(mu_i, mu_j) = sum_k w_ik w_jk s_k^2, relative to mu_i mu_j
-    let covariance = |left: &Vec<f64>, right: &Vec<f64>| {
-        let shared: f64 =
-            left.iter().zip(right).zip(known).map(|((l, r), known)| l * r * known.std_error.powi(2)).sum();
-        shared / (mean(left, known) * mean(right, known))
+    // How far another sample may be off between measurements is no less than at them: errors do not average away,
+    // s_i = sum_k w_ik s_k,   cov(mu_i, mu_j) = rho_ij s_i s_j / (mu_i mu_j),   rho_ij that of independent errors w_ik s_k
+    let each = |row: &[f64]| -> Vec<f64> { row.iter().zip(known).map(|(w, known)| w * known.std_error).collect() };
+    let size = |errors: &[f64]| errors.iter().map(|error| error * error).sum::<f64>().sqrt();
+    let scaled = |row: &Vec<f64>| {
+        let errors = each(row);
+        let (of_all, independent) = (errors.iter().sum::<f64>(), size(&errors));
+        let scale = if independent > 0.0 { of_all / (independent * mean(row, known)) } else { 0.0 };
+        errors.into_iter().map(|error| scale * error).collect::<Vec<f64>>()
     };
+    let rows: Vec<Vec<f64>> = rows.iter().map(scaled).collect();
+    let covariance = |left: &Vec<f64>, right: &Vec<f64>| left.iter().zip(right).map(|(l, r)| l * r).sum::<f64>();
     Some(rows.iter().map(|left| rows.iter().map(|right| covariance(left, right)).collect()).collect())
 }
 

@@ -71,8 +71,17 @@ const MOST_SLOWED: f64 = 10.0;
 /// it, and the ratio of a groove rises by 0.003, 0.012 and 0.017. From three times this speed on waves rule ([`Status::SlidingWaves`]).
 #[must_use]
 pub fn run_speed_m_s(elastic: &Elastic, pressure_pa: f64, speed_m_s: f64) -> f64 {
-    let even_m_s = even_speed_m_s(elastic, pressure_pa);
-    if speed_m_s > MOST_SLOWED * even_m_s { speed_m_s } else { speed_m_s.min(even_m_s) }
+    if is_too_fast(elastic, pressure_pa, speed_m_s) {
+        speed_m_s
+    } else {
+        speed_m_s.min(even_speed_m_s(elastic, pressure_pa))
+    }
+}
+
+/// Whether sliding at `speed_m_s` under `pressure_pa` is so fast that no run stands for it: waves rule, whatever a run's mean says.
+#[must_use]
+pub fn is_too_fast(elastic: &Elastic, pressure_pa: f64, speed_m_s: f64) -> bool {
+    speed_m_s > MOST_SLOWED * even_speed_m_s(elastic, pressure_pa)
 }
 
 /// The fastest speed at which the layer slides evenly under `pressure_pa`: v = 0.01 P / sqrt(E rho), in m/s.
@@ -154,6 +163,8 @@ impl Plan {
 pub struct Drive<'a> {
     /// The scene.
     pub scene: &'a Scene,
+    /// The nominal pressure of the run, in pascals.
+    pub pressure_pa: f64,
     /// Time step, in seconds.
     pub step_s: f64,
     /// Share of all work that this run is, for the progress report.
@@ -260,7 +271,9 @@ impl Drive<'_> {
             if mean.mu == 0.0 && mean.stderr == 0.0 {
                 // Sums of nothing but zeros.
                 status = Status::NoFriction;
-            } else if mean.excess.is_some_and(|excess| excess < -(WAVE_DEFICIT + unknown)) {
+            } else if mean.excess.is_some_and(|excess| excess < -(WAVE_DEFICIT + unknown))
+                || is_too_fast(&self.scene.elastic, self.pressure_pa, self.scene.speed_m_s)
+            {
                 status = Status::SlidingWaves;
             }
         }

@@ -209,6 +209,7 @@ impl DynamicRun<'_> {
         }
         let drive = Drive {
             scene: self.scene,
+            pressure_pa: self.load.pressure_pa,
             step_s: self.scheme.step_s,
             share: self.share,
             stderr_share: self.stderr_share,

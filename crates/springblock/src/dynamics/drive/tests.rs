@@ -1,10 +1,10 @@
 //! A drive asks the same of an engine that takes two steps at once as of one that takes them one by one.
 
 use super::*;
-use crate::Unwatched;
 use crate::dynamics::contact::ContactSums;
 use crate::samples;
 use crate::scene::RunOptions;
+use crate::{Fidelity, Unwatched, simulate};
 
 /// An engine whose sums and forces tell the step they are of.
 #[derive(Default)]
@@ -59,6 +59,7 @@ fn steps_two_at_once_are_asked_the_same_as_steps_one_by_one() {
         let scene = samples::scene(samples::groove(40.0, 60.0, 20.0), &[2.6], run);
         let drive = Drive {
             scene: &scene,
+            pressure_pa: 2.6e6,
             step_s: 5e-9,
             share: 1.0,
             stderr_share: Some(1e-5),
@@ -81,5 +82,21 @@ fn steps_two_at_once_are_asked_the_same_as_steps_one_by_one() {
             assert_eq!(single.last, paired.last);
             assert_eq!(single.recorder.interface(&single.last), paired.recorder.interface(&paired.last));
         }
+    }
+}
+
+/// Far faster than a layer slides evenly, a run's mean may by chance be near sliding friction, or above it.
+#[test]
+fn nothing_stands_for_sliding_that_is_far_too_fast() {
+    let run = RunOptions { warm_start: true, sliding_m: 2e-6, fidelity: Fidelity::Dynamic, ..RunOptions::default() };
+    let mut scene = samples::scene(samples::groove(40.0, 60.0, 20.0), &[1.3], run);
+    scene.pattern = None;
+    scene.layer.length_m = 500e-6;
+    let even_m_s = even_speed_m_s(&scene.elastic, 1.3e6);
+    for (times, is_even) in [(0.5, true), (11.0, false), (40.0, false), (400.0, false)] {
+        scene.speed_m_s = times * even_m_s;
+        scene.run.sliding_m = warm_travel_m((&scene.elastic, None), &scene.layer, &scene.loads, scene.speed_m_s);
+        let status = simulate(&scene, &Unwatched).unwrap().loads[0].surface.status;
+        assert_eq!(status == Status::SlidingWaves, !is_even, "{times}: {status:?}");
     }
 }

@@ -152,6 +152,7 @@ impl SpaceRun<'_> {
         }
         let drive = Drive {
             scene,
+            pressure_pa: self.load.pressure_pa,
             step_s: self.scheme.step_s,
             share: self.share,
             stderr_share: self.stderr_share,

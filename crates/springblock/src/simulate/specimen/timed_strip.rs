@@ -87,16 +87,30 @@ impl TimedStrip {
             load.ratio_time_change = steady.ratio.and(*added).map(|added| added * share);
             load.set_ratio(steady.ratio.zip(load.ratio_time_change).map(|(ratio, added)| ratio + added));
             load.ratio_stderr = strip.ratio_stderr.map(|stderr| stderr * share);
-            // Shorter strips, and those of narrower lands, are pressed harder than the longest.
-            let surface = &mut load.surface;
-            surface.peak_pressure_pa = surface.peak_pressure_pa.max(steady.surface.peak_pressure_pa);
             load.surface.cavity_closed |= steady.surface.cavity_closed;
             load.surface.area_law_extrapolated |= steady.surface.area_law_extrapolated;
             let sampled = steady.ratio_layout_error.zip(load.ratio_time_change);
             load.ratio_layout_error = sampled.map(|(sampled, added)| sampled.hypot(followed * added));
             load
         };
-        (self.loads.iter().zip(&self.added).zip(steady).map(of_load).collect(), self.said.clone())
+        let loads = self.loads.iter().zip(&self.added).zip(steady).map(of_load).collect();
+        let mut said = self.said.clone();
+        said.model.extend(self.pressed_harder(steady));
+        (loads, said)
+    }
+
+    /// What lands at the border of the `steady` face bear beyond the strip, where that is more than 2 %: the narrowest of them are pressed the
+    /// hardest, so that a limit of the largest pressure is held to the strip.
+    fn pressed_harder(&self, steady: &[LoadOutcome]) -> Option<String> {
+        let peak_pa = |load: &LoadOutcome| load.surface.peak_pressure_pa;
+        let each = self.loads.iter().zip(steady).map(|(strip, face)| peak_pa(face) / peak_pa(strip));
+        let most = each.fold(1.0, f64::max);
+        (most > 1.02).then(|| {
+            format!(
+                "the largest local pressure is that of the strip that was run in time; lands that the border of the specimen cuts narrower are \
+                 pressed up to {most:.2} times as hard"
+            )
+        })
     }
 }
 
