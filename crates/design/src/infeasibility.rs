@@ -347,8 +347,10 @@ impl ReliefReport {
         if self.suffices {
             format!("{change} the search's model meets the target, which no run in time has confirmed: {design}")
         } else {
+            // Limits come first: what breaks them by less may be farther from the target.
+            let limits = if self.nearest.misfit < missed { "" } else { "breaks the limits by less, and " };
             format!(
-                "{change} the nearest design, {design}, misses by {:.2} tolerances, not {missed:.2}",
+                "{change} the nearest design, {design}, {limits}misses by {:.2} tolerances, not {missed:.2}",
                 self.nearest.misfit
             )
         }
@@ -404,6 +406,9 @@ mod tests {
         let one = ExplanationReport { binding: vec![relief], relaxed: 1, tried, kept: None, ..report.clone() };
         assert_eq!(one.lines().len(), 1, "{:?}", one.lines());
         assert!(one.lines()[0].starts_with("with peak pressure 70 MPa instead of 60 MPa the nearest design"));
+        // A design that is farther from the target is nearest where it breaks limits by less.
+        let farther = ExplanationReport { misfit: 1.5, ..one };
+        assert!(farther.lines()[0].ends_with("breaks the limits by less, and misses by 2.00 tolerances, not 1.50"));
     }
 
     #[test]
