@@ -24,6 +24,7 @@ use super::relief::read_relief;
 use super::scene::DEFAULT_LAYER;
 use super::stated_specimen::{StatedSpecimen, area_m2, extent_m, outline_told};
 use super::surface::{Surface, SurfaceFile};
+use super::trace_notes::unrepeated;
 use super::trace_table::TraceReader;
 use super::traces::{self, ConditionTraces, SurfaceKind};
 use super::trials::{self, FlatSamples};
@@ -178,6 +179,7 @@ impl Calibration {
         let prior = file.trial_prior.as_ref();
         let (trials, of_trials) =
             trials::read_trials(document, &file.trial, prior, &flat, first, &mut reader, &mut remarks)?;
+        let once = unrepeated(&traces);
         traces.extend(of_trials);
         let area_law_scale_pa = read_scale(document, &file)?;
         let measured_law = match (&surface, &file.surface) {
@@ -210,7 +212,7 @@ impl Calibration {
                 .unwrap_or(super::material::DEFAULT_RELATIVE_STD),
             placed,
             told: remarks.told.iter().map(Diagnostic::to_string).collect(),
-            doubts: remarks.warnings(),
+            doubts: remarks.warnings().into_iter().chain(once).collect(),
         })
     }
 

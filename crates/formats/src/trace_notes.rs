@@ -25,6 +25,21 @@ pub fn notes(conditions: &[ConditionTraces]) -> Vec<String> {
     notes
 }
 
+/// What errors lack where no condition was measured more than once; `None` otherwise.
+#[must_use]
+pub fn unrepeated(conditions: &[ConditionTraces]) -> Option<String> {
+    let is_alone = |traces: &ConditionTraces| traces.mean.count == 1 && traces.mean.mu_dynamic.freedom == 0;
+    let alone = conditions.iter().filter(|traces| is_alone(traces)).count();
+    (alone > 0).then(|| {
+        format!(
+            "errors of friction: {alone} of {} conditions were measured once, and no other was repeated: nothing tells how far another sample may \
+             be, and the errors of friction and of ratios, and the chance, count the error within a trace alone. Three repeats of one condition \
+             would tell",
+            conditions.len()
+        )
+    })
+}
+
 /// What is odd, and where.
 struct Remark {
     place: String,

@@ -230,6 +230,11 @@ fn an_offset_before_touchdown_is_told_at_all_forces_and_zero_s_removes_it() {
     let says = "before touchdown, up to 2.20 s, the normal force 2.400 N and the friction force 0.3000 N are read";
     assert!(told.contains("3 of 3 traces, the first of them") && told.contains(says), "{told}");
     assert!(told.contains("`zero_s = [0, 2.20]` in [traces] or --zero-s subtracts it"), "{told}");
+    // Nothing tells how far another sample may be.
+    let calibrated = place.succeed(&["calibrate", "c.toml", "-o", "m.toml"]);
+    let once = "errors of friction: 3 of 3 conditions were measured once, and no other was repeated";
+    assert!(calibrated.contains(&format!("! {once}")), "{calibrated}");
+    assert!(fs::read_to_string(place.path("m.toml")).unwrap().contains(once));
     // (0.25 60 + 0.3) / 62.4
     assert!(told.contains("mean of 1  0.2452") && !told.contains("0.2500"), "{told}");
     for (keys, more) in [("zero_s = [0.0, 2.2]\n", ""), ("zero_s = [0.5, 3.0]\n", "zero_s = [0.0, 3.5]\n")] {
