@@ -8,7 +8,7 @@ use super::scales::Scales;
 use crate::Monitor;
 use crate::dimension::Dimension;
 use crate::outcome::{DynamicCost, InterfacePoint, Status, SurfaceOutcome};
-use crate::scene::{Layer, Load, Scene};
+use crate::scene::{Layer, Load, RunOptions, Scene};
 use slipgrid_material::{AreaLaw, Elastic};
 
 /// Intervals in which the planned run is recorded.
@@ -271,14 +271,19 @@ impl Drive<'_> {
             if mean.mu == 0.0 && mean.stderr == 0.0 {
                 // Sums of nothing but zeros.
                 status = Status::NoFriction;
-            } else if mean.excess.is_some_and(|excess| excess < -(WAVE_DEFICIT + unknown))
-                || is_too_fast(&self.scene.elastic, self.pressure_pa, self.scene.speed_m_s)
-            {
+            } else if mean.excess.is_some_and(|excess| excess < -(WAVE_DEFICIT + unknown)) || self.is_too_fast() {
                 status = Status::SlidingWaves;
             }
         }
         let last = engine.contact_forces();
         Driven { status, recorder, mean, cost, last }
+    }
+
+    /// Whether waves rule, whatever the mean says: stronger damping than the usual one may hold them down.
+    fn is_too_fast(&self) -> bool {
+        let run = &self.scene.run;
+        run.damping <= RunOptions::default().damping
+            && is_too_fast(&self.scene.elastic, self.pressure_pa, self.scene.speed_m_s)
     }
 
     /// What a run with `mean` is: converged, or why it goes on.
