@@ -66,8 +66,8 @@ pub enum SearchError {
         /// The whole-burst depth nearest to the bounds, in metres.
         nearest_m: f64,
     },
-    /// The model failed for every design of the sample.
-    #[error("the model failed for all of {trials} trial designs; for the first because {reason}")]
+    /// The model could compute none of the designs that were tried.
+    #[error("the model could not compute any of the {trials} designs that were tried; for the first because {reason}")]
     EveryTrialFailed {
         /// Designs tried.
         trials: usize,
