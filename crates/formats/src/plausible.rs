@@ -19,7 +19,7 @@ pub struct Plausible {
     /// Beyond these a slip is likelier than a discovery.
     pub usual: [f64; 2],
     /// What lies at the ends.
-    why: &'static str,
+    pub why: &'static str,
     /// Units that are taken for it, and what turns them into it.
     slips: &'static [(&'static str, f64)],
 }

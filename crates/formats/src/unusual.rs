@@ -130,16 +130,17 @@ fn of_static(document: &Document, at_rest: &Spanned<Numbers>, sliding: &Spanned<
     at_rest_values.iter().enumerate().find_map(|(place, mean)| {
         let dynamic = dynamic(place).filter(|dynamic| *dynamic > 0.0 && *mean > 0.0)?;
         let ratio = mean / dynamic;
-        let expected = STATIC_OVER_DYNAMIC.judge(ratio).err()?;
-        let slip = STATIC_OVER_DYNAMIC
-            .slips_of(ratio)
-            .map(|(what, factor)| format!("; {what} would be {}", tidy(mean * factor)));
+        STATIC_OVER_DYNAMIC.judge(ratio).err()?;
+        let slip = STATIC_OVER_DYNAMIC.slips_of(ratio);
+        let slip = slip.map_or_else(String::new, |(what, factor)| format!("; {what} would be {}", tidy(mean * factor)));
+        let [least, most] = STATIC_OVER_DYNAMIC.measurable;
         let reason = format!(
-            "is {} times the dynamic coefficient beside it, {dynamic}, which no measurement gives{}",
+            "is {} times the dynamic coefficient beside it, {dynamic}: tables of a calibration refuse it, as {}{slip}",
             significant(ratio, 3),
-            slip.unwrap_or_default()
+            STATIC_OVER_DYNAMIC.why
         );
-        let from_to = format!("{} to {} ({expected} times dynamic_mean)", tidy(dynamic), tidy(2.0 * dynamic));
+        let from_to =
+            format!("{} to {}, {least} to {most} times dynamic_mean", tidy(least * dynamic), tidy(most * dynamic));
         Some(document.refuse(number_span(at_rest, place), reason).expected(from_to))
     })
 }
