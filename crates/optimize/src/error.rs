@@ -109,3 +109,16 @@ pub(crate) fn positive(quantity: &'static str, value: f64) -> Result<f64, Search
         Err(SearchError::OutOfRange { quantity, value, expected: "a positive number" })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn designs_that_were_tried_are_not_called_trials() {
+        let failed = SearchError::EveryTrialFailed { trials: 40, reason: "cavities close".to_owned() }.to_string();
+        let words =
+            "the model could not compute any of the 40 designs that were tried; for the first because cavities close";
+        assert_eq!(failed, words);
+    }
+}
