@@ -64,6 +64,12 @@ pub struct DesignReport {
     /// What these remove from the cavities as they are laid out; null as above.
     #[serde(default)]
     pub removal: Option<Removal>,
+    /// What the laser does other than the design says, and what to do, where no passes are planned.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub laser_warnings: Vec<String>,
+    /// Size of blocks.
+    #[serde(default)]
+    pub block_um: f64,
     /// Dimensions of the model.
     pub dimensions: u8,
     /// The vertical plane took a section of a planform that needs three dimensions.
@@ -178,6 +184,11 @@ pub struct Verdict {
 }
 
 impl DesignReport {
+    /// What the laser does to the cavities other than the design says: of passes over lines, or of bursts on spots.
+    pub fn of_laser(&self) -> impl Iterator<Item = &String> {
+        self.removal.iter().flat_map(|removal| &removal.warnings).chain(&self.laser_warnings)
+    }
+
     /// The target's quantity by the confirming run at a pressure, as it is compared with the target.
     #[must_use]
     pub fn confirmed_at(&self, row: usize) -> Option<&ErrorReport> {
@@ -279,6 +290,26 @@ pub fn patterns<'a>(candidates: impl IntoIterator<Item = &'a Pattern>) -> Vec<Pa
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn what_the_laser_does_other_than_the_design_says_stands_with_the_doubts() {
+        let removal = Removal { warnings: vec!["2 passes make 7 um".to_owned()], ..Removal::default() };
+        let laser_warnings = vec!["lines lie 11.6 um apart".to_owned()];
+        let report = DesignReport { removal: Some(removal), laser_warnings, ..DesignReport::default() };
+        let text = report.summary();
+        let changed =
+            LoadReport { pressure_mpa: 4.24, ratio_discretization_error: Some(-0.27), ..LoadReport::default() };
+        let coarse = DesignReport { confirmed: vec![changed], block_um: 10.0, ..DesignReport::default() }.summary();
+        assert!(
+            coarse.contains("! at 4.24 MPa the ratio would change by up to 0.27 with vanishing blocks"),
+            "{coarse}"
+        );
+        assert!(
+            coarse.contains("blocks of 10 um do not resolve the pattern; a smaller block_um in [sample], such as 5")
+        );
+        assert!(!text.contains("do not resolve"), "{text}");
+        assert!(text.contains("! laser: 2 passes make 7 um\n! laser: lines lie 11.6 um apart\n"), "{text}");
+    }
 
     #[test]
     fn what_ended_a_search_without_its_target_is_said_as_it_was() {

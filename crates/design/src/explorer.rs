@@ -10,6 +10,7 @@ use std::iter;
 use rayon::prelude::*;
 use slipgrid_optimize::{DesignSpace, ModelFailure, Quantity};
 use slipgrid_pattern::{Pattern, Texture};
+use slipgrid_results::MaterialReport;
 use slipgrid_statistics::{Axis, Normals, ResponseSurface, median, normal_probability};
 use slipgrid_units::LENGTH_UM;
 
@@ -115,8 +116,19 @@ pub struct Explored {
     pub loads: Vec<Load>,
     /// Friction of the flat surface in steady sliding at each load; of a target that is friction itself what ratios are multiplied by.
     pub flat_mu: Vec<f64>,
+    /// Which of the pressures lie outside those at which friction was measured, in words.
+    pub beyond_measured: Option<String>,
     /// What any design does.
     pub explorer: Explorer,
+}
+
+impl Explored {
+    /// What makes its numbers doubtful, in words.
+    #[must_use]
+    pub fn doubts(&self) -> Vec<String> {
+        let material = MaterialReport::from(&self.material.material.provenance);
+        self.beyond_measured.clone().into_iter().chain(material.doubts()).collect()
+    }
 }
 
 /// What the designs of `task` do at the condition that it is designed for, by the steady model alone.
@@ -128,7 +140,8 @@ pub fn explore_bounds(task: &DesignTask, monitor: &dyn Monitor) -> Result<Explor
     let mut task = task.clone();
     task.check(&known)?;
     let task = &task;
-    let (loads, _) = task.loads(&known.material)?;
+    let (loads, outside) = task.loads(&known.material)?;
+    let beyond_measured = task.beyond_measured(&known.material, &outside);
     let budget = TimeBudget::new(monitor, None);
     let scene = (task, &known.material, loads.clone());
     let found =
@@ -150,7 +163,7 @@ pub fn explore_bounds(task: &DesignTask, monitor: &dyn Monitor) -> Result<Explor
     stage.finish();
     monitor.heed()?;
     let explorer = explorer.ok_or_else(|| DesignError::Failed(TOO_FEW.to_owned()))?;
-    Ok(Explored { task: task.clone(), material: known, pattern, loads, flat_mu, explorer })
+    Ok(Explored { task: task.clone(), material: known, pattern, loads, flat_mu, beyond_measured, explorer })
 }
 
 /// Solves the surface by `model` and measures its error; `None` where `bar` has cancelled, or too many designs cannot be computed.

@@ -1,13 +1,12 @@
 //! The job, from a task to a design: search, confirm, explain.
 
-use slipgrid_export::Removal;
-use slipgrid_material::Material;
+use slipgrid_export::{Removal, laser_warnings};
 use slipgrid_monitor::{Monitor, Remembering};
 use slipgrid_optimize::{Candidate, ModelFailure, Status, TradeOffs};
 use slipgrid_pattern::Pattern;
 use slipgrid_results::{MaterialReport, PatternReport, SCHEMA, VERSION, load_reports, measured_range, model_notes};
 use slipgrid_springblock::{Load, Scene, Simulation, Statements};
-use slipgrid_units::{PRESSURE_MPA, tidy};
+use slipgrid_units::tidy;
 
 use crate::assessment::Assessment;
 use crate::best_round::BestDesign;
@@ -131,7 +130,7 @@ fn every_step(
     monitor.heed()?;
 
     let scene = assessed.confirming.clone();
-    let measured_mpa = measured_mpa(&prepared.material, &prepared.outside);
+    let measured_mpa = prepared.task.measured_mpa(&prepared.material, &prepared.outside);
     let said = statements(&prepared, &found, best, measured_mpa, (&cut_short, unexplored));
     let report = DesignReport {
         trade_offs,
@@ -226,7 +225,9 @@ fn report_of(
         specimen_areal_density: tidy(laid.areal_density()),
         bursts: design.laser.bursts(pattern.depth_m()),
         passes: removal.as_ref().map(|removal| removal.passes),
+        laser_warnings: if removal.is_none() { laser_warnings(&laid, &design.laser) } else { Vec::new() },
         removal,
+        block_um: tidy(design.block_um()),
         dimensions: found.model.dimension().number(),
         section_model: section.is_some(),
         fidelity: found.round.confirming.fidelity.name().into(),
@@ -261,10 +262,4 @@ fn report_of(
         seed: design.seed,
         ..DesignReport::default()
     })
-}
-
-/// From where to where friction was measured, in MPa, where one of the pressures is `outside`.
-fn measured_mpa(material: &Material, outside: &[bool]) -> Option<[f64; 2]> {
-    let measured_pa = material.friction.measured_pressures_pa().filter(|_| outside.contains(&true))?;
-    Some(measured_pa.map(|pressure_pa| (1e3 * PRESSURE_MPA.from_si(pressure_pa)).round() / 1e3))
 }

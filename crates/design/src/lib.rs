@@ -132,8 +132,8 @@ pub use scene_errors::{Solved, of_scene};
 pub use slipgrid_specimen::{SpecimenError, simulate_on};
 pub use stored_result::{StoredDesign, StoredError};
 pub use task::{
-    DEFAULT_MAX_EVALUATIONS, DEFAULT_SPEED_M_S, DesignTask, FurtherDirections, KnownMaterial, SampleScatter,
-    TradeOffGoal, TradeOffsWanted, check_pressures, loads,
+    DEFAULT_MAX_EVALUATIONS, DEFAULT_SPEED_M_S, DesignTask, FurtherDirections, KnownMaterial, MOST_STRAIN,
+    SampleScatter, TradeOffGoal, TradeOffsWanted, check_pressures, loads,
 };
 
 /// What a [`DesignReport`] is made of: the records of result.json.

@@ -4,8 +4,9 @@ use slipgrid_calibrate::uncertainty::MaterialUncertainty;
 use slipgrid_export::{Laser, Specimen};
 use slipgrid_material::{Condition, ConditionRange, Friction, Material, MaterialError};
 use slipgrid_optimize::{Constraints, DesignSpace, Target, Tolerances};
+use slipgrid_results::beyond_measured_range;
 use slipgrid_springblock::{Layer, Load, RunOptions, Scene, SceneError};
-use slipgrid_units::{LENGTH_UM, PRESSURE_MPA};
+use slipgrid_units::{LENGTH_UM, PRESSURE_MPA, tidy};
 
 use crate::constraint_quantities::ConstraintQuantity;
 use crate::error::{Refusal, TaskPart};
@@ -277,6 +278,22 @@ impl DesignTask {
             .map_err(|error| Refusal::new(TaskPart::Condition, error.to_string()))
     }
 
+    /// From where to where friction was measured at the condition designed for, in MPa, where one of the pressures is `outside`.
+    #[must_use]
+    pub fn measured_mpa(&self, material: &Material, outside: &[bool]) -> Option<[f64; 2]> {
+        let measured_pa = material.friction.measured_pressures_pa(self.condition.as_ref());
+        let rounded = |pressure_pa: f64| (1e3 * PRESSURE_MPA.from_si(pressure_pa)).round() / 1e3;
+        measured_pa.filter(|_| outside.contains(&true)).map(|ends_pa| ends_pa.map(rounded))
+    }
+
+    /// Which of the target's pressures are `outside` what was measured, in words; `None` where none is.
+    #[must_use]
+    pub fn beyond_measured(&self, material: &Material, outside: &[bool]) -> Option<String> {
+        let pressures = self.pressures_pa().into_iter().zip(outside).filter(|(_, is_outside)| **is_outside);
+        let beyond_mpa: Vec<f64> = pressures.map(|(pressure_pa, _)| tidy(PRESSURE_MPA.from_si(pressure_pa))).collect();
+        beyond_measured_range(&beyond_mpa, self.measured_mpa(material, outside))
+    }
+
     /// The same at a further condition.
     ///
     /// # Errors
@@ -342,16 +359,23 @@ impl DesignTask {
     }
 }
 
-/// Whether every nominal pressure, in pascals, lies where `material` is linear elastic.
+/// Nominal pressure over Young's modulus above which nothing is measured, nor designed for.
+pub const MOST_STRAIN: f64 = 0.5;
+
+/// Whether every nominal pressure, in pascals, is one that a specimen of `material` bears.
 ///
 /// # Errors
-/// [`Refusal`] of the first that is not below Young's modulus.
+/// [`Refusal`] of the first that is above [`MOST_STRAIN`] of Young's modulus.
 pub fn check_pressures(pressures_pa: &[f64], material: &Material) -> Result<(), Refusal> {
     let modulus_pa = material.elastic.youngs_modulus_pa();
-    let Some(place) = pressures_pa.iter().position(|&pressure_pa| pressure_pa >= modulus_pa) else { return Ok(()) };
-    let reason = "MPa is not below Young's modulus, where nothing is linear elastic";
-    Err(Refusal::new(TaskPart::Pressure(place), reason)
-        .expected(format!("a pressure below {} MPa", PRESSURE_MPA.from_si(modulus_pa))))
+    let Some(place) = pressures_pa.iter().position(|&pressure_pa| pressure_pa > MOST_STRAIN * modulus_pa) else {
+        return Ok(());
+    };
+    let [modulus_mpa, most_mpa] = [modulus_pa, MOST_STRAIN * modulus_pa].map(|pa| tidy(PRESSURE_MPA.from_si(pa)));
+    let reason = format!(
+        "MPa is above {MOST_STRAIN} of Young's modulus, {modulus_mpa} MPa, where no solid is linear elastic and no friction is measured"
+    );
+    Err(Refusal::new(TaskPart::Pressure(place), reason).expected(format!("at most {most_mpa} MPa")))
 }
 
 /// The loads of a scene: coefficients of `friction` at each pressure, and whether each was taken from outside the measured

@@ -24,7 +24,7 @@ const SAMPLES: u32 = 400;
 /// Parts of the way from the edge of a cavity to its middle that a sheet lists.
 const LISTED: u32 = 8;
 /// Share of the design's depth from which on a difference is warned of.
-const OFF: f64 = 0.05;
+pub(crate) const OFF: f64 = 0.05;
 /// A line that is longer by less, relative to it, is as long.
 const LONGER: f64 = 1e-9;
 /// Most passes.
@@ -84,6 +84,8 @@ pub(crate) struct Hatched {
     pub(crate) length_m: f64,
     /// Least and greatest distance of neighbouring lines in a cavity, in metres; `None` where no cavity has two.
     pub(crate) apart_m: Option<[f64; 2]>,
+    /// Distance of neighbouring lines in the cavity with most of them, in metres; the greatest where its parts differ.
+    pub(crate) one_apart_m: Option<f64>,
     /// Those of the cavity with most of them: one that no rim cuts, where there is one.
     of_one: Vec<Line>,
     /// Half the spot, in metres.
@@ -104,9 +106,10 @@ impl Hatched {
     pub(crate) fn new(layout: &Layout, marking: &Marking) -> Self {
         let (mut lines, mut length, mut most_m, mut of_one) = (0, 0.0, 0.0, None);
         let mut apart_m: Option<[f64; 2]> = None;
+        let mut one_apart_m = None;
         for cavity in layout.iter() {
             let (own, distances_m) = marking.fill(&cavity);
-            for at_m in distances_m {
+            for &at_m in &distances_m {
                 let [least_m, most_m] = apart_m.unwrap_or([at_m; 2]);
                 apart_m = Some([least_m.min(at_m), most_m.max(at_m)]);
             }
@@ -115,11 +118,20 @@ impl Hatched {
             length += own_m;
             if own_m > most_m * (1.0 + LONGER) {
                 (most_m, of_one) = (own_m, Some((cavity, own)));
+                one_apart_m = distances_m.into_iter().reduce(f64::max);
             }
         }
         let section = of_one.as_ref().and_then(|(cavity, own)| Section::of(cavity, own, marking.direction(cavity)));
         let of_one = of_one.map_or_else(Vec::new, |(_, own)| own);
-        Self { lines, length_m: length, apart_m, of_one, half_spot_m: marking.spot_compensation_m(), section }
+        Self {
+            lines,
+            length_m: length,
+            apart_m,
+            one_apart_m,
+            of_one,
+            half_spot_m: marking.spot_compensation_m(),
+            section,
+        }
     }
 
     /// Length of lines within half a spot of the point `at_m` of the section from its edge, in metres.

@@ -7,7 +7,8 @@ use crate::number::{DERIVED_DIGITS, millimetres, round_decimals, round_digits};
 use crate::sectors::Sector;
 use crate::words::ANGLE_DECIMALS;
 use crate::{
-    Division, ExportError, Laser, MaterialNote, PatternSheet, ProcessInput, Removal, laser_time_s, not_modelled,
+    Division, ExportError, Laser, MaterialNote, PatternSheet, ProcessInput, Removal, laser_time_s, laser_warnings,
+    not_modelled,
 };
 
 /// What sectors are good for, and what not.
@@ -89,6 +90,9 @@ pub struct SectorSheet {
     /// Time under the laser, in s: that of the pattern on the whole specimen times the sector's share of its cavities' area.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub estimated_time_s: Option<f64>,
+    /// What is off the design's depth by more than 5 %, and what to do, where no passes are planned.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub warnings: Vec<String>,
     /// Its pattern.
     pub pattern: PatternSheet,
     /// Passes over its lines, and what they remove.
@@ -165,6 +169,7 @@ impl SectorSheet {
     fn new(sector: &Sector, laser: &Laser) -> Self {
         let (number, division, pattern) = (sector.number(), sector.division(), sector.pattern());
         let rounded = |value: f64| round_digits(value, DERIVED_DIGITS);
+        let removal = Removal::new(sector.whole(), laser);
         let share = sector.cavity_area_m2() / sector.whole().cavity_area_m2();
         Self {
             number,
@@ -178,7 +183,8 @@ impl SectorSheet {
             bursts_per_cavity: laser.bursts(pattern.depth_m()),
             estimated_time_s: laser_time_s(sector.whole(), laser).map(|time_s| rounded(share * time_s)),
             pattern: PatternSheet::from(pattern),
-            removal: Removal::new(sector.whole(), laser),
+            warnings: if removal.is_none() { laser_warnings(sector.whole(), laser) } else { Vec::new() },
+            removal,
         }
     }
 }

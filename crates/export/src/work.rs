@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 use slipgrid_pattern::Planform;
 
 use crate::number::{DERIVED_DIGITS, MICROMETRE_DECIMALS, micrometres, round_decimals, round_digits};
+use crate::overlap::Overlap;
 use crate::removal::Hatched;
 use crate::{Exposure, Laser, Layout, Marking, Removal};
 
@@ -32,6 +33,9 @@ const REMOVAL_FORMULA: &str = "z(x) = passes * (depth per burst / pulse distance
      (depth per burst / pulse distance) * (pi / 4) spot^2 * marked length; depth in the middle is the mean of z over the middle \
      third of a cavity's width, mean depth the removed volume over the area of all cavities";
 
+const OVERLAP_FORMULA: &str = "spot_um over the distance of lines in a cavity; where the spot follows these lines, bursts edge to edge, depth is \
+     depth_of_bursts_um times this";
+
 /// Bursts, lines and time.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -55,6 +59,16 @@ pub struct WorkSheet {
     /// Its standard error, where depth per burst was fitted against fluence, in um.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub depth_of_bursts_stderr_um: Option<f64>,
+    /// How often a point of a cavity is exposed, on average, where bursts are planned on spots and the spot follows the lines of
+    /// `hatch.csv`; absent where lines do not overlap, where passes over lines give the depth, and for a mask.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub exposures_of_a_point: Option<f64>,
+    /// How that follows.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub exposures_of_a_point_formula: Option<String>,
+    /// Depth that those bursts then make, in um.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub depth_where_lines_overlap_um: Option<f64>,
     /// Width of a cavity on its floor, where walls lean, in um.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub floor_width_um: Option<f64>,
@@ -131,6 +145,9 @@ pub struct WorkSheet {
     pub estimated_time_formula: String,
     /// What the estimate takes for granted.
     pub estimated_time_assumptions: String,
+    /// What is off the design's depth by more than 5 % where the spot follows lines that overlap, and what to do.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub warnings: Vec<String>,
     /// Passes over the lines, and what they remove.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub removal: Option<Removal>,
@@ -208,6 +225,12 @@ impl WorkSheet {
         (self.least_line_distance_um, self.greatest_line_distance_um) = (least_um, greatest_um);
         self.line_distance_formula = Some(LINES_FORMULA.to_owned());
         self.line_overlap = overlap(laser.line_distance_um());
+        if let Some(overlap) = Overlap::of(layout, laser, &hatched) {
+            self.exposures_of_a_point = Some(rounded(overlap.exposures));
+            self.exposures_of_a_point_formula = Some(OVERLAP_FORMULA.to_owned());
+            self.depth_where_lines_overlap_um = Some(overlap.depth_um);
+            self.warnings.push(overlap.warning());
+        }
         self.pulse_distance_um = laser.pulse_distance_um().map(rounded);
         self.pulse_overlap = overlap(laser.pulse_distance_um());
         self.bursts_per_pass = laser.bursts_per_pass().map(rounded);

@@ -11,7 +11,7 @@ use slipgrid_material::ConditionRange;
 use slipgrid_optimize::{Constraints, DesignSpace};
 use slipgrid_pattern::{Pattern, Texture};
 use slipgrid_springblock::Dimension;
-use slipgrid_units::{LENGTH_UM, TIME_S};
+use slipgrid_units::{LENGTH_UM, MODULUS_GPA, PRESSURE_MPA, TIME_S};
 use toml::Spanned;
 
 use read::{
@@ -219,6 +219,7 @@ impl Design {
         let limits = read_limits(&document, &file, &laser, (width_m, spacing_m, depth_m))?;
         let wide = file.bounds.get_ref().width_um.span();
         check_fits(&document, (&file.specimen, wide), &specimen, &texture, (width_m, spacing_m, depth_m))?;
+        file.limits.check_peak(&document, &file.target.get_ref().pressure_mpa)?;
         let (measures, quantities) = read_limited(&document, &file.limits, &laser)?;
         let mut told =
             unusual::of_shares(&document, file.condition.iter().chain(file.also_at.iter().flat_map(Spanned::get_ref)));
@@ -278,8 +279,17 @@ impl Design {
         let mut design = Self { task, calibration, inputs, told, stands_for: None, document, places };
         if let Some(known) = design.task.material.clone() {
             design.task.check(&known).map_err(|refused| design.refuse(&refused))?;
+            design.told.extend(design.strained());
         }
         Ok(design)
+    }
+
+    /// What is told of the target's pressures, by Young's modulus of the material where that is known.
+    #[must_use]
+    pub fn strained(&self) -> Option<Diagnostic> {
+        let material = &self.task.material.as_ref()?.material;
+        let modulus_gpa = MODULUS_GPA.from_si(material.elastic.youngs_modulus_pa());
+        unusual::of_pressures(&self.document, &self.places.pressures, modulus_gpa)
     }
 
     /// Refuses the design as a whole.
@@ -308,7 +318,15 @@ impl Design {
                 },
             },
         };
-        let found = Diagnostic { expected: refused.expected.clone(), ..found };
+        let pressure_pa = match refused.part {
+            TaskPart::Pressure(place) => self.task.pressures_pa().get(place).copied(),
+            _ => None,
+        };
+        let expected = refused.expected.as_ref().map(|expected| {
+            let pressure_mpa = pressure_pa.map(|pressure_pa| PRESSURE_MPA.from_si(pressure_pa));
+            pressure_mpa.map_or_else(|| expected.clone(), |at_mpa| unusual::with_slip(expected, at_mpa))
+        });
+        let found = Diagnostic { expected, ..found };
         match &self.stands_for {
             Some(material) => of_material(found, self.document.path(), material),
             None => found,

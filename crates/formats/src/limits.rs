@@ -7,7 +7,7 @@ use slipgrid_optimize::{Bound, Limit};
 use toml::Spanned;
 
 use super::document::Document;
-use super::values::Number;
+use super::values::{Number, Numbers, list, number_span};
 use crate::diagnostic::Diagnostic;
 use slipgrid_units::{FRACTION, LENGTH_UM, PRESSURE_MPA, Quantity, TIME_S};
 
@@ -35,6 +35,29 @@ pub struct LimitsFile {
     min_clearance_um: Option<Number>,
     /// `refuse` rejects designs in which a contact block is under tension in the steady model.
     lift_off: Option<Spanned<String>>,
+}
+
+impl LimitsFile {
+    /// Refuses a nominal pressure of the target that `max_peak_pressure_mpa` forbids of every design, the flat surface included.
+    ///
+    /// # Errors
+    /// [`Diagnostic`] at the first that is as high as the limit or higher.
+    pub fn check_peak(&self, document: &Document, pressures: &Spanned<Numbers>) -> Result<(), Diagnostic> {
+        let Some(limit) = &self.max_peak_pressure_mpa else { return Ok(()) };
+        let (read, limit_mpa) = (list(document, pressures, PRESSURE_MPA)?, *limit.get_ref());
+        document.number(limit, PRESSURE_MPA)?;
+        let Some(place) = read.iter().position(|pressure_pa| PRESSURE_MPA.from_si(*pressure_pa) >= limit_mpa) else {
+            return Ok(());
+        };
+        let line = document.refuse(limit.span(), "").line.map_or_else(String::new, |line| format!(" in line {line}"));
+        let reason = format!(
+            "MPa is not below limits.max_peak_pressure_mpa = {limit_mpa}{line}: the largest pressure on a block is never below the nominal \
+             pressure, so that no design keeps the limit"
+        );
+        Err(document
+            .refuse(number_span(pressures, place), reason)
+            .expected(format!("pressures below {limit_mpa} MPa, or a higher max_peak_pressure_mpa")))
+    }
 }
 
 type Side = fn(f64) -> Bound;
@@ -155,4 +178,33 @@ pub(super) fn missing_for_time(laser: &Laser) -> Vec<&'static str> {
         _ => "limits.depth_per_burst_um or laser.ablation",
     };
     laser.missing_for_time().into_iter().map(key).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[derive(Deserialize)]
+    struct Both {
+        limits: LimitsFile,
+        pressure_mpa: Spanned<Numbers>,
+    }
+
+    #[test]
+    fn a_nominal_pressure_at_the_limit_of_the_largest_is_refused_with_both_keys_and_lines() {
+        let checked = |pressures: &str| {
+            let document = Document::new(
+                "d.toml",
+                format!("pressure_mpa = {pressures}\n\n[limits]\nmax_peak_pressure_mpa = 10.0"),
+            );
+            let both: Both = document.parse().unwrap();
+            both.limits.check_peak(&document, &both.pressure_mpa).map_err(|refused| refused.to_string())
+        };
+        for high in ["[1.0, 12.0]", "[1.0, 10.0]"] {
+            let said = checked(high).unwrap_err();
+            assert!(said.starts_with("d.toml:1: pressure_mpa: 1") && said.contains("MPa is not below"), "{said}");
+            assert!(said.contains("limits.max_peak_pressure_mpa = 10 in line 4"), "{said}");
+        }
+        assert_eq!(checked("[1.0, 9.9]"), Ok(()));
+    }
 }

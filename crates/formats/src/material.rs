@@ -363,6 +363,11 @@ fn read_area_law(document: &Document, file: &Spanned<AreaLawFile>) -> Result<Are
     let law = file.get_ref();
     let pressure_pa = increasing(document, &law.pressure_mpa, PRESSURE_MPA)?;
     let factor = document.numbers(&law.factor, FACTOR)?;
+    if let Some(nil) = law.factor.get_ref().iter().find(|factor| *factor.get_ref() <= 0.0) {
+        return Err(document
+            .refuse(nil.span(), "leaves no contact and no friction, and nothing to compare a pattern with")
+            .expected("a positive factor at every pressure"));
+    }
     let same_length = |list: &NumberList| {
         if list.get_ref().len() == pressure_pa.len() {
             return Ok(());

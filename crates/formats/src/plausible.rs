@@ -19,7 +19,7 @@ pub struct Plausible {
     /// Beyond these a slip is likelier than a discovery.
     pub usual: [f64; 2],
     /// What lies at the ends.
-    why: &'static str,
+    pub why: &'static str,
     /// Units that are taken for it, and what turns them into it.
     slips: &'static [(&'static str, f64)],
 }
@@ -84,10 +84,23 @@ pub const GIVEN_PRESSURE: Plausible = Plausible { slips: &[("in kPa, that", 1e-3
 pub const STRAIN: Plausible = Plausible {
     what: "nominal pressures over Young's modulus",
     unit: "",
-    measurable: [0.0, 0.5],
+    measurable: [0.0, slipgrid_design::MOST_STRAIN],
     usual: [0.0, 0.05],
     why: "polymers yield at 0.05 and below, and the model is linear",
     slips: &[],
+};
+/// Static over dynamic friction coefficients: a calibration refuses a static peak that does not exceed dynamic friction, and one of more
+/// than twice as much.
+pub const STATIC_OVER_DYNAMIC: Plausible = Plausible {
+    what: "static over dynamic friction coefficients",
+    unit: "",
+    measurable: [1.0, 2.0],
+    usual: [1.0, 2.0],
+    why: "friction at rest is not below that of sliding, and beyond 2 a specimen does not slide at once",
+    slips: &[
+        ("with the decimal point one place to the left it", 0.1),
+        ("with the decimal point one place to the right it", 10.0),
+    ],
 };
 /// Standard deviations of friction coefficients over their means.
 pub const RELATIVE_DEVIATION: Plausible = Plausible {
@@ -168,8 +181,20 @@ pub fn exchanged_forces(friction: &[f64]) -> Option<String> {
 }
 
 /// Every quantity that is judged.
-pub const ALL: [Plausible; 11] =
-    [FRICTION, RATIO, MODULUS, DENSITY, SPEED, FORCE, PRESSURE, STRAIN, RELATIVE_DEVIATION, SPECIMEN, SPOT];
+pub const ALL: [Plausible; 12] = [
+    FRICTION,
+    STATIC_OVER_DYNAMIC,
+    RATIO,
+    MODULUS,
+    DENSITY,
+    SPEED,
+    FORCE,
+    PRESSURE,
+    STRAIN,
+    RELATIVE_DEVIATION,
+    SPECIMEN,
+    SPOT,
+];
 
 /// The unit that is likely to have been meant by a `value` that a key's `quantity` does not accept.
 #[must_use]
@@ -212,11 +237,17 @@ impl Plausible {
         }
     }
 
+    /// What is likely to have been mistaken, and what turns `value` into what is usual.
+    #[must_use]
+    pub fn slips_of(&self, value: f64) -> Option<(&'static str, f64)> {
+        let within = |value: f64| value >= self.usual[0] && value <= self.usual[1];
+        self.slips.iter().copied().find(|(_, factor)| within(value * factor))
+    }
+
     /// The unit that is likely to have been meant: that in which `value` is usual.
     #[must_use]
     pub fn slip(&self, value: f64) -> Option<String> {
-        let within = |value: f64| value >= self.usual[0] && value <= self.usual[1];
-        let (what, factor) = self.slips.iter().find(|(_, factor)| within(value * factor))?;
+        let (what, factor) = self.slips_of(value)?;
         let unit = if self.unit.is_empty() { String::new() } else { format!(" {}", self.unit) };
         Some(format!("{what} would be {}{unit}", tidy(value * factor)))
     }

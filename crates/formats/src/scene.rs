@@ -15,7 +15,7 @@ use super::material_uncertainty::read_referenced;
 use super::pattern::{PatternFile, read_pattern, require_section};
 use super::relief::read_relief;
 use super::run::{Overrides, RunFile, read_run};
-use super::unusual;
+use super::unusual::{self, with_slip};
 use super::values::{Number, Numbers, PathOr, list, number_span};
 use crate::diagnostic::Diagnostic;
 use crate::source::Source;
@@ -24,6 +24,9 @@ use slipgrid_design::{SpecimenError, TaskPart, check_pressures, correct, loads, 
 use slipgrid_export::Specimen;
 use slipgrid_results::SimulationReport;
 use slipgrid_units::{LENGTH_MM, LENGTH_UM, PRESSURE_MPA, Quantity, SPEED_MM_S, STEP_NS, significant_to};
+
+/// Most blocks of a layer, as solvers take them.
+const MOST_BLOCKS: f64 = 4e7;
 
 /// A scene as a file writes it.
 #[derive(Clone, Debug, Deserialize, Serialize)]
@@ -370,6 +373,12 @@ pub fn read_layer(
     };
     let lowest_m = thickness_m.map_or(DEFAULT_LAYER.height_m, |thickness_m| thickness_m.min(DEFAULT_LAYER.height_m));
     let layer = Layer { length_m, height_m: or(sample.layer_um.as_ref(), lowest_m)?, block_m, thickness_m };
+    let blocks = layer.length_m / block_m * (layer.height_m / block_m);
+    if let (Some(given), true) = (&sample.block_um, blocks > MOST_BLOCKS) {
+        return Err(document
+            .refuse(given.span(), format!("divides the layer into {blocks:.1e} blocks"))
+            .expected(format!("a size that gives at most {MOST_BLOCKS:.0e}")));
+    }
     if let (Some(thickness), Some(thickness_m)) = (&sample.thickness_mm, thickness_m)
         && thickness_m < layer.height_m
     {
@@ -419,7 +428,8 @@ fn read_pressures(
     let read = list(document, pressures, quantity)?;
     check_pressures(&read, material).map_err(|refused| {
         let place = if let TaskPart::Pressure(place) = refused.part { place } else { 0 };
-        Diagnostic { expected: refused.expected, ..document.refuse(number_span(pressures, place), refused.reason) }
+        let expected = refused.expected.map(|expected| with_slip(&expected, PRESSURE_MPA.from_si(read[place])));
+        Diagnostic { expected, ..document.refuse(number_span(pressures, place), refused.reason) }
     })?;
     Ok(read)
 }

@@ -10,26 +10,32 @@ use super::material::MaterialFile;
 use super::pattern::TextureFile;
 use super::rim::read_rim;
 use super::scene::{DEFAULT_LAYER, SampleFile, SceneFile};
-use super::values::{Number, Numbers, PathOr};
+use super::values::{Number, Numbers, PathOr, number_span};
 use crate::diagnostic::Diagnostic;
-use crate::plausible::{DENSITY, FRICTION, GIVEN_PRESSURE, MODULUS, Plausible, SPEED, exchanged_forces, share_of_one};
-use slipgrid_units::LENGTH_UM;
+use crate::plausible::{
+    DENSITY, FRICTION, GIVEN_PRESSURE, MODULUS, Plausible, SPEED, STATIC_OVER_DYNAMIC, STRAIN, exchanged_forces,
+    share_of_one,
+};
+use slipgrid_units::{LENGTH_UM, significant, tidy};
 
 /// What is unusual in the scene `file` of `document`, its material included; numbers of nil have a meaning of their own.
 #[must_use]
 pub fn of_scene(document: &Document, file: &SceneFile) -> Vec<Diagnostic> {
-    let mut told = match file.material.get_ref() {
-        PathOr::Table(table) => of_material(document, table),
+    let of =
+        |document: &Document, table: &MaterialFile| (of_material(document, table), *table.youngs_modulus_gpa.get_ref());
+    let of_file = match file.material.get_ref() {
+        PathOr::Table(table) => Some(of(document, table)),
         PathOr::Path(path) => {
             // What cannot be read has been refused before.
             let named = Document::read(document.source(), &document.resolve(path), FileKind::Material).ok();
-            named.and_then(|named| Some(of_material(&named, &named.parse::<MaterialFile>().ok()?))).unwrap_or_default()
+            named.and_then(|named| Some(of(&named, &named.parse::<MaterialFile>().ok()?)))
         }
     };
+    let (mut told, modulus_gpa) = of_file.unwrap_or((Vec::new(), f64::INFINITY));
     let load = file.load.get_ref();
     told.extend(file.condition.as_ref().and_then(|at| of_share(document, &at.get_ref().humidity_pct)));
     told.extend(load.speed_mm_s.as_ref().and_then(|speed| number(document, SPEED, speed)));
-    told.extend(numbers(document, GIVEN_PRESSURE, &load.pressure_mpa));
+    told.extend(of_pressures(document, &load.pressure_mpa, modulus_gpa));
     if let Some(pattern) = &file.pattern {
         let texture = pattern.get_ref().texture();
         // What is no rim has been refused before.
@@ -37,6 +43,28 @@ pub fn of_scene(document: &Document, file: &SceneFile) -> Vec<Diagnostic> {
         told.extend(of_rims(document, rim.as_ref(), &texture, file.sample.get_ref()));
     }
     told
+}
+
+/// What is `expected` of a nominal pressure, with the unit that is likely to have been meant.
+#[must_use]
+pub fn with_slip(expected: &str, pressure_mpa: f64) -> String {
+    GIVEN_PRESSURE.slip(pressure_mpa).map_or_else(|| expected.to_owned(), |slip| format!("{expected}; {slip}"))
+}
+
+/// The first of nominal pressures that strain a material of `modulus_gpa` more than solids bear, or else the first that is unusual.
+pub fn of_pressures(document: &Document, pressures: &Spanned<Numbers>, modulus_gpa: f64) -> Option<Diagnostic> {
+    let strained = |value: &Number| {
+        let (pressure_mpa, modulus_mpa) = (*value.get_ref(), 1e3 * modulus_gpa);
+        let strain = pressure_mpa / modulus_mpa;
+        let usual = STRAIN.judge(strain).ok().flatten()?;
+        let most_mpa = (STRAIN.usual[1] * modulus_mpa).min(GIVEN_PRESSURE.usual[1]);
+        let slip = GIVEN_PRESSURE.within([GIVEN_PRESSURE.usual[0], most_mpa]).slip(pressure_mpa);
+        let slip = slip.map_or_else(String::new, |slip| format!("; {slip}"));
+        let (strain, modulus_mpa) = (significant(strain, 2), tidy(modulus_mpa));
+        let reason = format!("MPa is {strain} of Young's modulus, {modulus_mpa} MPa: this {usual}{slip}");
+        Some(document.refuse(value.span(), reason))
+    };
+    first(pressures, strained).or_else(|| numbers(document, GIVEN_PRESSURE, pressures))
 }
 
 /// Rims narrower than two blocks, of which blocks hold no more than the mean.
@@ -82,9 +110,39 @@ pub fn of_material(document: &Document, file: &MaterialFile) -> Vec<Diagnostic> 
     for mean in pairs.flat_map(|(at_rest, sliding)| [at_rest, sliding]).flatten() {
         told.extend(numbers(document, FRICTION, mean));
     }
+    let tables = friction.conditions.iter().map(|table| (&table.get_ref().static_mean, &table.get_ref().dynamic_mean));
+    for (at_rest, sliding) in tables.chain(friction.static_mean.as_ref().zip(friction.dynamic_mean.as_ref())) {
+        told.extend(of_static(document, at_rest, sliding));
+    }
     told.extend(high_friction(document, file));
     told.extend(file.made_from.as_ref().and_then(|made| made.changed(document)));
     told
+}
+
+/// The first static coefficient that no table of a calibration may hold beside its dynamic one.
+fn of_static(document: &Document, at_rest: &Spanned<Numbers>, sliding: &Spanned<Numbers>) -> Option<Diagnostic> {
+    let values = |of: &Numbers| match of {
+        Numbers::One(value) => vec![*value],
+        Numbers::Each(each) => each.iter().map(|value| *value.get_ref()).collect(),
+    };
+    let (at_rest_values, sliding) = (values(at_rest.get_ref()), values(sliding.get_ref()));
+    let dynamic = |place: usize| sliding.get(place).or(sliding.first().filter(|_| sliding.len() == 1)).copied();
+    at_rest_values.iter().enumerate().find_map(|(place, mean)| {
+        let dynamic = dynamic(place).filter(|dynamic| *dynamic > 0.0 && *mean > 0.0)?;
+        let ratio = mean / dynamic;
+        STATIC_OVER_DYNAMIC.judge(ratio).err()?;
+        let slip = STATIC_OVER_DYNAMIC.slips_of(ratio);
+        let slip = slip.map_or_else(String::new, |(what, factor)| format!("; {what} would be {}", tidy(mean * factor)));
+        let [least, most] = STATIC_OVER_DYNAMIC.measurable;
+        let reason = format!(
+            "is {} times the dynamic coefficient beside it, {dynamic}: tables of a calibration refuse it, as {}{slip}",
+            significant(ratio, 3),
+            STATIC_OVER_DYNAMIC.why
+        );
+        let from_to =
+            format!("{} to {}, {least} to {most} times dynamic_mean", tidy(least * dynamic), tidy(most * dynamic));
+        Some(document.refuse(number_span(at_rest, place), reason).expected(from_to))
+    })
 }
 
 /// The first dynamic coefficient, where nearly all are so high that friction force and normal force are likely exchanged.
@@ -151,6 +209,49 @@ mod tests {
         assert!(said.len() == 1 && said[0].starts_with("m.toml:5: friction.dynamic_mean: 2.5 is unusual"), "{said:?}");
         assert!(said[0].contains("in each other's place, friction would be 0.4"), "{said:?}");
         assert_eq!(told("static_mean = 0.3\ndynamic_mean = 0.25"), [""; 0]);
+    }
+
+    #[test]
+    fn static_friction_that_tables_refuse_is_told_of() {
+        let told = |friction: &str| -> Vec<String> {
+            let text = format!("youngs_modulus_gpa = 0.4\ndensity_g_cm3 = 0.9\n[friction]\n{friction}");
+            let document = Document::new("m.toml", text);
+            of_material(&document, &document.parse().unwrap()).iter().map(Diagnostic::to_string).collect()
+        };
+        let said = told("static_mean = 3.0\ndynamic_mean = 0.27");
+        assert!(
+            said.len() == 1 && said[0].starts_with("m.toml:4: friction.static_mean: 3.0 is 11.1 times"),
+            "{said:?}"
+        );
+        assert!(
+            said[0].contains("one place to the left it would be 0.3") && said[0].contains("expected 0.27 to 0.54"),
+            "{said:?}"
+        );
+        let said = told("pressure_mpa = [1.0, 2.0]\nstatic_mean = [0.3, 0.2]\ndynamic_mean = [0.27, 0.27]");
+        assert!(
+            said.len() == 1 && said[0].contains("0.2 is 0.741 times the dynamic coefficient beside it, 0.27"),
+            "{said:?}"
+        );
+        let table = "[[friction.conditions]]\nspeed_mm_s = 1.0\nhumidity_pct = 30.0\npressure_mpa = [1.0]\nstatic_mean = [0.1]\n\
+                     dynamic_mean = [0.2]";
+        assert!(told(table)[0].contains("friction.conditions.static_mean") || told(table)[0].contains("static_mean"));
+        assert_eq!(told("static_mean = 0.27\ndynamic_mean = 0.27"), [""; 0]);
+    }
+
+    #[test]
+    fn nominal_pressures_that_strain_a_solid_too_much_are_told_of() {
+        let told = |pressures: &str| {
+            let document = Document::new("d.toml", format!("pressure_mpa = {pressures}"));
+            let file: std::collections::HashMap<String, Spanned<Numbers>> = document.parse().unwrap();
+            of_pressures(&document, &file["pressure_mpa"], 0.8).map(|told| told.to_string())
+        };
+        let said = told("[1.0, 390.0]").unwrap();
+        assert!(said.starts_with("d.toml:1: pressure_mpa: 390.0 MPa is 0.49 of Young's modulus, 800 MPa"), "{said}");
+        assert!(
+            said.contains("mostly lie from 0 to 0.05") && said.contains("in kPa, that would be 0.39 MPa"),
+            "{said}"
+        );
+        assert_eq!(told("[1.0, 39.0]"), None);
     }
 
     #[test]

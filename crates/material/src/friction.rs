@@ -127,14 +127,27 @@ impl Friction {
         }
     }
 
-    /// Lowest and highest pressure at which coefficients were measured, at all conditions; `None` where one pair holds for all.
+    /// Lowest and highest pressure at which coefficients were measured under `condition`; between measured conditions those at which
+    /// all of them were. `None` where one pair holds for all, where nothing is known of the condition, and where no pressure is common to
+    /// the conditions about it.
     #[must_use]
-    pub fn measured_pressures_pa(&self) -> Option<[f64; 2]> {
-        let pressures = self.table().iter().map(|row| row.pressure_pa);
-        pressures.fold(None, |ends, pressure_pa| {
-            let [low, high] = ends.unwrap_or([pressure_pa; 2]);
-            Some([low.min(pressure_pa), high.max(pressure_pa)])
-        })
+    pub fn measured_pressures_pa(&self, condition: Option<&Condition>) -> Option<[f64; 2]> {
+        let measured: Vec<Condition> = self.table().iter().filter_map(|row| row.condition).collect();
+        let about: Vec<Option<Condition>> = if measured.is_empty() {
+            vec![None]
+        } else {
+            between(&measured, condition?)?.into_iter().map(|(own, _)| Some(own)).collect()
+        };
+        let ends_pa = |own: &Option<Condition>| {
+            let rows = self.table().iter().filter(|row| match (row.condition, own) {
+                (Some(condition), Some(own)) => condition.matches(own),
+                _ => true,
+            });
+            rows.map(|row| row.pressure_pa)
+                .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], at_pa| [low.min(at_pa), high.max(at_pa)])
+        };
+        let common = about.iter().map(ends_pa).reduce(|[low, high], [from, to]| [low.max(from), high.min(to)])?;
+        (common[0] <= common[1]).then_some(common)
     }
 
     /// What coefficients under `condition` are made of where it was not measured itself: measured conditions about it, in
@@ -233,6 +246,10 @@ mod tests {
         assert!((middle.friction.static_mean() - 0.33).abs() < 1e-12 && middle.friction.relative_std() == 0.05);
         // A pressure beyond those of one of the two is outside.
         assert!(at(2e-3, 2.5e6).unwrap().outside_measured_range && !at(4e-3, 2.5e6).unwrap().outside_measured_range);
+        // The range that is named is that of the condition: between two of them what both have.
+        let range = |speed_m_s| friction.measured_pressures_pa(Some(&Condition { speed_m_s, humidity: 0.15 }));
+        assert_eq!((range(1e-3), range(4e-3)), (Some([1e6, 2e6]), Some([1e6, 3e6])));
+        assert_eq!((range(2e-3), range(9e-3)), (Some([1e6, 2e6]), None));
         assert!(at(0.9e-3, 1.5e6).is_err() && at(4.1e-3, 1.5e6).is_err());
         let said = |speed_m_s| friction.interpolation(Some(&Condition { speed_m_s, humidity: 0.15 }));
         assert!(said(2e-3).unwrap().contains("1 mm/s at 15 % (0.50), 4 mm/s at 15 % (0.50)"));

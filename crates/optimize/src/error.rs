@@ -66,8 +66,8 @@ pub enum SearchError {
         /// The whole-burst depth nearest to the bounds, in metres.
         nearest_m: f64,
     },
-    /// The model failed for every design of the sample.
-    #[error("the model failed for all of {trials} trial designs; for the first because {reason}")]
+    /// The model could compute none of the designs that were tried.
+    #[error("the model could not compute any of the {trials} designs that were tried; for the first because {reason}")]
     EveryTrialFailed {
         /// Designs tried.
         trials: usize,
@@ -107,5 +107,18 @@ pub(crate) fn positive(quantity: &'static str, value: f64) -> Result<f64, Search
         Ok(value)
     } else {
         Err(SearchError::OutOfRange { quantity, value, expected: "a positive number" })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn designs_that_were_tried_are_not_called_trials() {
+        let failed = SearchError::EveryTrialFailed { trials: 40, reason: "cavities close".to_owned() }.to_string();
+        let words =
+            "the model could not compute any of the 40 designs that were tried; for the first because cavities close";
+        assert_eq!(failed, words);
     }
 }

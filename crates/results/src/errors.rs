@@ -73,7 +73,8 @@ pub struct ErrorReport {
     pub value: Option<f64>,
     /// All parts together; null where none is known.
     pub std: Option<f64>,
-    /// Ends of the 95 % interval, which reaches farther to one side where Young's modulus decides; null where none is known.
+    /// Ends of the 95 % interval, which reaches farther to one side where Young's modulus decides, and not below nil; null where none is
+    /// known.
     pub interval_95: Option<[f64; 2]>,
     /// Each part alone.
     pub parts: Vec<PartsReport>,
@@ -88,6 +89,11 @@ pub struct PartsReport {
     pub std: f64,
 }
 
+/// Ends of an interval: friction of a sliding surface and its ratio are not negative.
+fn physical(ends: [f64; 2]) -> [f64; 2] {
+    ends.map(|end| tidy(end.max(0.0)))
+}
+
 impl ErrorReport {
     /// `own` parts are independent of one another and of what the material leaves open.
     #[must_use]
@@ -100,7 +106,7 @@ impl ErrorReport {
         let interval = value.filter(|_| is_known).map(|value| {
             let [below, above] =
                 known.map_or([0.0; 2], |known| known.reach_95).map(|reach| (reach * reach + of_run).sqrt());
-            [tidy(value - below), tidy(value + above)]
+            physical([value - below, value + above])
         });
         let of_material = known.into_iter().flat_map(|known| &known.parts);
         let of_material = of_material.map(|&(source, std)| PartsReport { input: source.name().to_owned(), std });
@@ -114,8 +120,8 @@ impl ErrorReport {
     pub fn and(mut self, input: &str, std: f64) -> Self {
         let Some(value) = self.value else { return self };
         let reach = NORMAL_95 * std;
-        let [below, above] = self.interval_95.map_or([0.0; 2], |[from, to]| [value - from, to - value]);
-        self.interval_95 = Some([tidy(value - below.hypot(reach)), tidy(value + above.hypot(reach))]);
+        let [below, above] = self.reach(value);
+        self.interval_95 = Some(physical([value - below.hypot(reach), value + above.hypot(reach)]));
         self.std = Some(tidy(self.std.unwrap_or(0.0).hypot(std)));
         self.parts.push(PartsReport { input: input.to_owned(), std: tidy(std) });
         self
@@ -124,10 +130,19 @@ impl ErrorReport {
     /// The same errors about another `value`.
     #[must_use]
     pub fn about(mut self, value: f64) -> Self {
-        let moved = self.value.map_or(0.0, |own| value - own);
-        self.interval_95 = self.interval_95.map(|ends| ends.map(|end| tidy(end + moved)));
+        let [below, above] = self.reach(self.value.unwrap_or(value));
+        self.interval_95 = self.interval_95.map(|_| physical([value - below, value + above]));
         self.value = Some(tidy(value));
         self
+    }
+
+    /// How far the interval reaches below and above `value`, its own; where it ends at nil, below as far as the standard deviation says.
+    fn reach(&self, value: f64) -> [f64; 2] {
+        let below_of = |from: f64| match self.std {
+            Some(std) if from <= 0.0 => (value - from).max(NORMAL_95 * std),
+            _ => value - from,
+        };
+        self.interval_95.map_or([0.0; 2], |[from, to]| [below_of(from), to - value])
     }
 
     /// Standard deviation by the part `input` alone, where it is known.
@@ -188,5 +203,24 @@ impl ErrorsReport {
     #[must_use]
     pub fn at(&self, row: usize) -> Option<&PressureErrors> {
         self.by_pressure.get(row)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn intervals_of_friction_and_of_ratios_end_at_nil() {
+        let part = |std: f64| vec![PartsReport { input: "size of blocks".to_owned(), std }];
+        let wide = ErrorReport::new(Some(0.4), part(0.3), None);
+        let [from, to] = wide.interval_95.unwrap();
+        assert!(from == 0.0 && (to - 0.988).abs() < 1e-3, "{from} to {to}");
+        // Nothing is forgotten of what lies below nil.
+        let [from, to] = wide.clone().about(0.9).interval_95.unwrap();
+        assert!((from - 0.312).abs() < 1e-3 && (to - 1.488).abs() < 1e-3, "{from} to {to}");
+        assert_eq!(wide.and("more", 0.1).interval_95.unwrap()[0], 0.0);
+        let narrow = ErrorReport::new(Some(0.4), part(0.1), None).interval_95.unwrap();
+        assert!((narrow[0] - 0.204).abs() < 1e-3, "{narrow:?}");
     }
 }

@@ -41,7 +41,8 @@ pub use notes::notes;
 pub use pattern::{PatternReport, duration_in_words, length_in_words};
 pub use rim::RimReport;
 pub use simulation::{
-    LoadReport, MaterialReport, SimulationReport, beyond_measured, load_reports, measured_range, model_notes, warnings,
+    LoadReport, MaterialReport, SYNTHETIC_SURFACE, SimulationReport, beyond_measured, beyond_measured_range,
+    load_reports, measured_range, model_notes, unresolved, warnings,
 };
 pub use specimen::SpecimenReport;
 pub use table::{Table, fixed, with_error};

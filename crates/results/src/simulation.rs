@@ -237,6 +237,9 @@ pub fn load_reports(simulation: &Simulation, pattern: Option<&Pattern>, outside:
     simulation.loads.iter().zip(flags).map(|(load, outside)| LoadReport::new(load, pattern, outside)).collect()
 }
 
+/// What is said of an area law of a surface that was not measured.
+pub const SYNTHETIC_SURFACE: &str = "the area law rests on a synthetic surface, not on a measured one";
+
 /// What else than the solver's own statements a reader must know about the model; `pattern` where the vertical
 /// plane took a section of it.
 #[must_use]
@@ -253,7 +256,7 @@ pub fn model_notes(pattern: Option<&Pattern>, provenance: &Provenance) -> Vec<St
         ));
     }
     if provenance.synthetic_surface {
-        notes.push("the area law rests on a synthetic surface, not on a measured one".to_owned());
+        notes.push(SYNTHETIC_SURFACE.to_owned());
     }
     notes
 }
@@ -328,7 +331,8 @@ impl SimulationReport {
         if let Some(corrected) = &self.discrepancy {
             text += &corrected.text();
         }
-        for doubt in self.material.doubts().chain(warnings(&self.results)) {
+        let blocks = unresolved(&self.results, self.block_um);
+        for doubt in self.material.doubts().chain(warnings(&self.results)).chain(blocks) {
             text += &format!("! {doubt}\n");
         }
         text += &format!("\n{:.3} s on {} threads\n", self.wall_s, self.threads);
@@ -433,11 +437,36 @@ impl LoadReport {
     }
 }
 
-/// Names the pressures of `results`, all of which lie beyond those at which friction was measured.
+/// Names `pressures_mpa`, all of which lie beyond those at which friction was measured; `None` without any.
 #[must_use]
-pub fn beyond_measured(results: &[LoadReport]) -> String {
-    let named: Vec<String> = results.iter().map(|load| load.pressure_mpa.to_string()).collect();
-    format!("at {} MPa {BEYOND_MEASURED}", named.join(", "))
+pub fn beyond_measured(pressures_mpa: &[f64]) -> Option<String> {
+    let named: Vec<String> = pressures_mpa.iter().map(f64::to_string).collect();
+    (!named.is_empty()).then(|| format!("at {} MPa {BEYOND_MEASURED}", named.join(", ")))
+}
+
+/// The same with the range in which it was measured, where there is one.
+#[must_use]
+pub fn beyond_measured_range(pressures_mpa: &[f64], measured_mpa: Option<[f64; 2]>) -> Option<String> {
+    let range = measured_mpa.map_or_else(String::new, |range| format!(" ({})", measured_range(range)));
+    beyond_measured(pressures_mpa).map(|words| words + &range)
+}
+
+/// Error of blocks of a ratio above which blocks do not resolve a pattern.
+const UNRESOLVED: f64 = 0.1;
+
+/// Says at which loads blocks of `block_um` do not resolve the pattern, and what would help; `None` where they do.
+#[must_use]
+pub fn unresolved(results: &[LoadReport], block_um: f64) -> Option<String> {
+    let error = |load: &LoadReport| load.ratio_discretization_error.map(f64::abs).filter(|error| *error > UNRESOLVED);
+    let named: Vec<String> =
+        results.iter().filter(|load| error(load).is_some()).map(|load| load.pressure_mpa.to_string()).collect();
+    let largest = results.iter().filter_map(error).reduce(f64::max)?;
+    Some(format!(
+        "at {} MPa the ratio would change by up to {largest:.2} with vanishing blocks, more than {UNRESOLVED}: blocks of {block_um} um do not \
+         resolve the pattern; a smaller block_um in [sample], such as {}, helps, and so do wider cavities, lands and rims, or lower rims",
+        named.join(", "),
+        block_um / 2.0
+    ))
 }
 
 /// What a reader should know before using the numbers.

@@ -23,6 +23,7 @@ pub fn run(args: &ExploreArgs, console: &mut Console<'_>) -> Result<u8, CliError
     console.warn(&design.told);
     complete(&mut design, console)?;
     let found = explore_bounds(&design.task, &Job::new(console)).map_err(|error| refused(error, &design, None))?;
+    console.warn(&found.doubts());
     let toml = steady_scene(&found.task, &found.material, &found.loads, &found.pattern);
     let toml = toml.map_err(|error| design.refuse_whole(error.to_string()))?;
     write_file(&output, exploration(&found, toml).as_bytes())?;

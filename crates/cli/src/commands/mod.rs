@@ -60,5 +60,6 @@ fn complete(design: &mut Design, console: &mut Console<'_>) -> Result<Option<Cal
     let Some(calibration) = read_calibration(design, &disk())? else { return Ok(None) };
     console.warn(&calibration.told);
     complete_by(design, &calibration, &disk(), &Job::new(console))?;
+    console.warn(&design.strained().into_iter().collect::<Vec<_>>());
     Ok(Some(calibration))
 }

@@ -178,7 +178,7 @@ fn trade_offs_that_no_design_allows_say_so_beside_everything_else() {
         "min_clearance_um = 1000.0",
         "min_bearing_area = 0.99",
         "max_areal_density = 0.01",
-        "max_peak_pressure_mpa = 1.0",
+        "max_peak_pressure_mpa = 2.61",
     ] {
         let text = small().replace("max_evaluations = 12", "max_evaluations = 800");
         let text = text.replace("max_peak_pressure_mpa = 20.0", limit).replace("spot_um = 23.0", lasers);

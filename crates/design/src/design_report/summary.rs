@@ -6,7 +6,9 @@ use super::DesignReport;
 use crate::conditions_report::ConditionsReport;
 use crate::infeasibility::ExplanationReport;
 use crate::robustness_report::MEANING;
-use slipgrid_results::{LoadReport, PressureErrors, Table, fixed, length_in_words, measured_range, notes, with_error};
+use slipgrid_results::{
+    PressureErrors, Table, beyond_measured, beyond_measured_range, fixed, length_in_words, notes, with_error,
+};
 
 impl DesignReport {
     /// The report for people.
@@ -47,9 +49,8 @@ impl DesignReport {
             let _ = writeln!(text, "  {line}");
         }
         // Loads beyond what was measured make the chance itself doubtful.
-        if let Some(line) = self.beyond_measured() {
-            let range = self.measured_mpa.map_or_else(String::new, |range| format!(" ({})", measured_range(range)));
-            let _ = writeln!(text, "! {line}{range}");
+        if let Some(line) = beyond_measured_range(&self.beyond_mpa(), self.measured_mpa) {
+            let _ = writeln!(text, "! {line}");
         }
         text += &self.advice.as_ref().map_or_else(String::new, |advice| advice.text());
         text + "\n"
@@ -161,13 +162,19 @@ impl DesignReport {
 
     /// What is doubtful, marked `!`; what was modelled and what was not.
     fn doubts(&self) -> String {
-        let laser =
-            self.removal.iter().flat_map(|removal| &removal.warnings).map(|warning| format!("laser: {warning}"));
-        let beyond = self.beyond_measured();
+        let laser = self.of_laser().map(|warning| format!("laser: {warning}"));
+        let beyond = beyond_measured(&self.beyond_mpa());
         let loads = slipgrid_results::warnings(&self.confirmed);
         let loads = loads.into_iter().filter(|warning| Some(warning) != beyond.as_ref());
         let mut text = String::new();
-        for doubt in self.material.doubts().chain(self.violations.iter().cloned()).chain(laser).chain(loads) {
+        for doubt in self
+            .material
+            .doubts()
+            .chain(self.violations.iter().cloned())
+            .chain(laser)
+            .chain(loads)
+            .chain(self.unresolved())
+        {
             let _ = writeln!(text, "! {doubt}");
         }
         let stated = self.model.iter().map(String::as_str);
@@ -192,9 +199,14 @@ impl DesignReport {
         )
     }
 
-    /// Loads beyond those at which friction was measured, as the warning of them says it.
-    fn beyond_measured(&self) -> Option<String> {
-        let only: Vec<LoadReport> = self.confirmed.iter().filter(|load| load.friction_extrapolated).cloned().collect();
-        (!only.is_empty()).then(|| slipgrid_results::beyond_measured(&only))
+    /// Whether blocks resolve the pattern, as the confirming run says, or else the steady model.
+    pub fn unresolved(&self) -> Option<String> {
+        slipgrid_results::unresolved(&self.confirmed, self.block_um)
+            .or_else(|| slipgrid_results::unresolved(&self.predicted, self.block_um))
+    }
+
+    /// Pressures beyond those at which friction was measured.
+    fn beyond_mpa(&self) -> Vec<f64> {
+        self.confirmed.iter().filter(|load| load.friction_extrapolated).map(|load| load.pressure_mpa).collect()
     }
 }

@@ -11,7 +11,7 @@ use slipgrid_calibrate::uncertainty::MaterialUncertainty;
 use slipgrid_discrepancy::{
     Candidate, Discrepancy, Features, Load, Prediction, Predictor, Scenarios, Score, Wanted, information,
 };
-use slipgrid_export::{Division, LEAST_PERIODS, Outline, Removal, Sector, Specimen};
+use slipgrid_export::{Division, LEAST_PERIODS, Outline, Sector, Specimen};
 use slipgrid_material::AreaLaw;
 use slipgrid_monitor::{Monitor, Part, Stage};
 use slipgrid_optimize::Quantity;
@@ -157,7 +157,7 @@ pub fn next_trials(task: &DesignTask, options: &NextOptions, monitor: &dyn Monit
     task.check(&known)?;
     let division = options.one_disc.then(|| Division::new(task.specimen, options.count)).transpose();
     let division = division.map_err(|error| DesignError::refused(error.to_string()))?;
-    let (loads, _) = task.loads(&known.material)?;
+    let (loads, outside) = task.loads(&known.material)?;
     let further = further(&task, &known.material)?;
     let run = RunOptions { fidelity: Fidelity::Steady, dimensions: task.dimensions, ..RunOptions::default() };
     let scene = task.flat_scene(&known.material, loads, run);
@@ -196,6 +196,7 @@ pub fn next_trials(task: &DesignTask, options: &NextOptions, monitor: &dyn Monit
         learned.filter_map(|trial| trial.disc.as_deref()).chain(options.discs.iter().map(String::as_str)).collect();
     report.one_disc = OneDiscReport::of(new_name(&report.name, &task, &cut), &sectors);
     // Those that were asked for are numbered after the samples, as they are listed.
+    report.beyond_measured = task.beyond_measured(&known.material, &outside);
     report.warnings = laser_warnings(&task, patterns.iter().chain(&options.own));
     Ok(NextTrials { report, patterns, sectors, material })
 }
@@ -349,6 +350,7 @@ fn choose(
         best: pool.iter().take(LISTED).map(report).collect(),
         own: own.iter().map(report).collect(),
         warnings: Vec::new(),
+        beyond_measured: None,
         material: material.clone(),
         specimen: (&task.specimen).into(),
         laser: task.laser,
@@ -400,8 +402,8 @@ fn laser_warnings<'a>(task: &DesignTask, patterns: impl Iterator<Item = &'a Patt
         let broken = task.constraints.limits.violations(pattern);
         let mut warnings: Vec<String> = broken.iter().map(ToString::to_string).collect();
         warnings.extend(task.laser.check_depth(pattern.depth_m()).err().map(|error| error.to_string()));
-        let removal = task.specimen.layout(*pattern).ok().and_then(|layout| Removal::new(&layout, &task.laser));
-        warnings.extend(removal.into_iter().flat_map(|removal| removal.warnings));
+        let layout = task.specimen.layout(*pattern).ok();
+        warnings.extend(layout.into_iter().flat_map(|layout| slipgrid_export::laser_warnings(&layout, &task.laser)));
         warnings.into_iter().map(move |warning| format!("sample {}: {warning}", number + 1))
     };
     patterns.enumerate().flat_map(of).collect()

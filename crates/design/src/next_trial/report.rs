@@ -1,10 +1,10 @@
 //! The samples to cut next, as JSON and in words.
 
 use serde::{Deserialize, Serialize};
-use slipgrid_calibrate::is_of_contradicting_samples;
 use slipgrid_discrepancy::{Load, Prediction};
 use slipgrid_results::{
-    MaterialReport, PatternReport, SpecimenReport, Table, believed_interval, duration_in_words, fixed,
+    MaterialReport, PatternReport, SYNTHETIC_SURFACE, SpecimenReport, Table, believed_interval, duration_in_words,
+    fixed,
 };
 use slipgrid_units::{HUMIDITY_PCT, PRESSURE_MPA, SPEED_MM_S, tidy};
 
@@ -54,6 +54,9 @@ pub struct NextReport {
     /// What the laser will not cut as it is designed, each with the number of the sample that it is about.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub warnings: Vec<String>,
+    /// Which of the target's pressures lie outside those at which friction was measured, in words.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub beyond_measured: Option<String>,
     /// The material and where it came from.
     pub material: MaterialReport,
     /// The specimen.
@@ -332,8 +335,11 @@ impl NextReport {
         } else {
             format!("cut it as a trial: {} chance that a cut sample is on target\n", chance(greatest))
         };
-        let doubts = self.material.warnings.iter().filter(|doubt| is_of_contradicting_samples(doubt));
+        let doubts = self.beyond_measured.clone().into_iter().chain(self.material.doubts());
         doubts.for_each(|doubt| text += &format!("! {doubt}\n"));
+        if self.material.synthetic_surface {
+            text += &format!("{SYNTHETIC_SURFACE}\n");
+        }
         text += &format!("{}\n", self.basis);
         if let Some(own) = self.likelier_own() {
             text += &format!("yours, {} um, is likelier: {}\n", own.design.lengths_in_words(), chance(own.chance));

@@ -5,6 +5,7 @@ use slipgrid_material::{Elastic, Friction, LocalFriction, Material, Provenance};
 use slipgrid_monitor::{Stage, Unwatched};
 use slipgrid_optimize::{DesignSpace, Target, TargetPoint, Tolerances, Wanted as Accepted};
 use slipgrid_pattern::{ManufacturingLimits, Planform};
+use slipgrid_results::beyond_measured_range;
 use slipgrid_specimen::simulate_on;
 use slipgrid_springblock::{Extent, Layer, LoadOutcome, Scene, even_speed_m_s};
 
@@ -102,11 +103,16 @@ fn without_trials_every_chance_is_small_and_no_texture_comes_twice() {
     assert_eq!(again.report, found.report);
     let text = found.report.text();
     assert!(text.contains("next 4") && text.contains("\ntells bits: how much measuring this sample"), "{text}");
-    // Samples that contradict each other are named below the advice, other doubts of the material are not.
+    // What is doubtful of the material and of the loads stands below the advice, in the words of `optimize`.
     let mut doubtful = found.report.clone();
     doubtful.material.warnings = vec!["slope: odd".to_owned(), "contradicting samples: A and B".to_owned()];
+    doubtful.material.synthetic_surface = true;
+    doubtful.beyond_measured = beyond_measured_range(&[12.0], Some([0.65, 2.6]));
     let said = doubtful.text();
-    assert!(said.contains("on target\n! contradicting samples: A and B\n") && !said.contains("odd"), "{said}");
+    let doubts = "on target\n! at 12 MPa outside the measured range: the nearest measurement's coefficients were taken (friction was measured \
+                  from 0.65 to 2.6 MPa)\n! the material is doubtful: slope: odd\n! the material is doubtful: contradicting samples: A and B\n\
+                  the area law rests on a synthetic surface, not on a measured one\n";
+    assert!(said.contains(doubts), "{said}");
     // Why the first is recommended, from its own numbers.
     let said = format!(
         "why the first: of the {} designs compared none has a clearly greater chance than",

@@ -232,8 +232,13 @@ impl<'c, 'a> Plot<'c, 'a> {
         aside: f64,
         color: RGBColor,
     ) -> Result<(), ChartError> {
+        self.bar(x, [y - error, y + error], aside, color)
+    }
+
+    /// A bar between two values, moved sideways by `aside` units of the page.
+    pub(super) fn bar(&self, x: f64, ends: [f64; 2], aside: f64, color: RGBColor) -> Result<(), ChartError> {
         const CAP: f64 = 4.0;
-        let [low, high] = [y - error, y + error].map(|y| {
+        let [low, high] = ends.map(|y| {
             let [page_x, page_y] = self.at([x, y]);
             [page_x + aside, page_y]
         });

@@ -58,13 +58,18 @@ pub fn target_narrow(chart: &TargetChart<'_>) -> Result<String, ChartError> {
     target_of_width(chart, NARROW)
 }
 
+/// Ends of the bar of a value with its error: friction and ratios are not negative.
+fn ends_of(value: f64, error: f64) -> [f64; 2] {
+    [(value - error).max(0.0), value + error]
+}
+
 fn target_of_width(chart: &TargetChart<'_>, width: f64) -> Result<String, ChartError> {
     check(chart.title, chart.target.iter().map(|point| &point.pressure_mpa))?;
     let estimates = || chart.predicted.iter().chain(chart.flat).chain(chart.confirmed);
     let bars = || {
         estimates().flat_map(|&(_, Estimate { value, error })| {
             let error = error.unwrap_or(0.0);
-            [value - error, value + error]
+            ends_of(value, error)
         })
     };
     let limits = || chart.target.iter().flat_map(|point| [point.value, point.lowest, point.highest]).flatten();
@@ -134,7 +139,10 @@ fn target_of_width(chart: &TargetChart<'_>, width: f64) -> Result<String, ChartE
         let flat: Vec<[f64; 2]> = chart.flat.iter().map(|(pressure, estimate)| [*pressure, estimate.value]).collect();
         plot.line(&flat, GREY, 1.6)?;
         for &(pressure, estimate) in chart.flat {
-            plot.mark(Mark::Triangle, [pressure, estimate.value], estimate.error, 0.0, GREY)?;
+            if let Some(error) = estimate.error {
+                plot.bar(pressure, ends_of(estimate.value, error), 0.0, GREY)?;
+            }
+            plot.mark(Mark::Triangle, [pressure, estimate.value], None, 0.0, GREY)?;
         }
         let at = |point: &TargetPoint| Some([point.pressure_mpa, point.value?]);
         let wanted: Vec<[f64; 2]> = widened().filter_map(at).collect();
@@ -149,12 +157,15 @@ fn target_of_width(chart: &TargetChart<'_>, width: f64) -> Result<String, ChartE
             plot.polygon(&[[left, low], [right, low], [right, high], [left, high]], purple, SPREAD)?;
         }
         for &(pressure, estimate) in chart.confirmed {
-            plot.mark(Mark::Square, [pressure, estimate.value], estimate.error, 0.0, vermilion)?;
+            if let Some(error) = estimate.error {
+                plot.bar(pressure, ends_of(estimate.value, error), 0.0, vermilion)?;
+            }
+            plot.mark(Mark::Square, [pressure, estimate.value], None, 0.0, vermilion)?;
         }
         for &(pressure, estimate) in chart.predicted {
             plot.mark(Mark::Ring, [pressure, estimate.value], None, 0.0, blue)?;
             if let Some(error) = estimate.error {
-                plot.error_bar([pressure, estimate.value], error, -BESIDE, blue)?;
+                plot.bar(pressure, ends_of(estimate.value, error), -BESIDE, blue)?;
             }
         }
         Ok(())
@@ -220,6 +231,12 @@ mod tests {
         let free = open.map(|point| TargetPoint { highest: None, ..point });
         let svg = chart(&free);
         assert!(!svg.contains("accepted") && svg.contains("\npredicted ± one standard deviation\n"));
+    }
+
+    #[test]
+    fn bars_end_at_nil() {
+        assert_eq!(ends_of(0.3, 0.4), [0.0, 0.7]);
+        assert_eq!(ends_of(0.5, 0.25), [0.25, 0.75]);
     }
 
     #[test]

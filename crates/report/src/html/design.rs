@@ -148,14 +148,14 @@ fn target(page: &mut Page, report: &DesignReport) {
             ]
         })
         .collect();
-    let header = "P in MPa,target,predicted,predicted to vanishing blocks,confirmed,confirmed to vanishing blocks,mu,mu flat,mu static,\
-                  peak in MPa,status";
+    let header = "P in MPa,target,predicted,change of predicted for vanishing blocks,confirmed,change of confirmed for vanishing \
+                  blocks,mu,mu flat,mu static,peak in MPa,status";
     let (header, rows, status) = told(&header.split(',').collect::<Vec<_>>(), &rows);
     let quantity = if report.is_ratio() { "ratio patterned over flat" } else { "dynamic friction coefficient" };
     page.table(
         &format!(
             "Target (or the band accepted), predicted and confirmed: {quantity}, dimensionless{}. After ±: of the target its \
-             tolerance; else {}. To vanishing blocks: estimated change of the ratio. The peak is the \
+             tolerance; else {}. Changes for vanishing blocks: estimated, of the ratio. The peak is the \
              largest local pressure of the steady cell, which grows as blocks shrink.{status}",
             if report.discrepancy.is_some() { ", times what trials say that the model lacks" } else { "" },
             report.errors.meaning.trim_start_matches("+-: "),

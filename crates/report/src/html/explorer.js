@@ -194,7 +194,7 @@
     const chart = find("curve"), [width, height, left, right, top, bottom] = [460, 300, 58, 14, 12, 44];
     const std = data.covariance.map((row, load) => Math.sqrt(row[load]));
     const bounds = [...data.lowest, ...data.highest].filter(value => value !== null);
-    const values = [...shown.values.flatMap((value, load) => [value - (std[load] || 0), value + (std[load] || 0)]), ...bounds];
+    const values = [...shown.values.flatMap((value, load) => [Math.max(value - (std[load] || 0), 0), value + (std[load] || 0)]), ...bounds];
     let [low, high] = [Math.min(...values), Math.max(...values)];
     const room = Math.max(0.08 * (high - low), 0.005);
     [low, high] = [low - room, high + room];
@@ -214,9 +214,9 @@
       const half = loads > 1 ? 9 : x(p + wide) - x(p);
       parts.push(svg("rect", { x: x(p) - half, y: y(to), width: 2 * half, height: Math.max(y(from) - y(to), 1), fill: "#0072b2", opacity: 0.25 }));
     });
-    const points = sign => data.pressure_mpa.map((p, load) => [p, shown.values[load] + sign * (std[load] || 0)]);
+    const points = sign => data.pressure_mpa.map((p, load) => [p, Math.max(shown.values[load] + sign * (std[load] || 0), 0)]);
     // One pressure has a bar where several have a band.
-    if (std.length && loads === 1 && !shown.isClosed) parts.push(svg("path", { "data-band": "", d: `M${x(data.pressure_mpa[0])} ${y(shown.values[0] - std[0])}V${y(shown.values[0] + std[0])}`, stroke: "#d55e00", "stroke-width": 6, opacity: 0.4 }));
+    if (std.length && loads === 1 && !shown.isClosed) parts.push(svg("path", { "data-band": "", d: `M${x(data.pressure_mpa[0])} ${y(Math.max(shown.values[0] - std[0], 0))}V${y(shown.values[0] + std[0])}`, stroke: "#d55e00", "stroke-width": 6, opacity: 0.4 }));
     if (std.length && loads > 1 && !shown.isClosed) parts.push(svg("path", { d: line(points(1)) + line(points(-1).reverse()).replace("M", "L") + "z", fill: "#d55e00", opacity: 0.15 }));
     if (shown.isClosed) {
       parts.push(svg("text", { x: (left + width - right) / 2, y: (top + height - bottom) / 2, "text-anchor": "middle" }, data.closed));

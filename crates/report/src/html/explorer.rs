@@ -13,7 +13,7 @@ use slipgrid_results::{PatternReport, VERSION};
 use slipgrid_units::LENGTH_UM;
 
 use self::surfaces::{AxisData, LENGTHS, Packed, RimData, axes_data};
-use super::page::{Page, number};
+use super::page::{Page, number, sentence};
 use super::points::{Among, Point};
 use crate::Outputs;
 
@@ -312,6 +312,7 @@ pub fn exploration(found: &Explored, toml: String) -> String {
     if material.material.provenance.synthetic_surface {
         page.warning("The area law behind these numbers rests on a synthetic surface, not on a measured one.");
     }
+    page.doubts(found.doubts().iter().map(|doubt| sentence(doubt)).collect());
     Subject { task, material, pattern, explorer, report: None, flat_mu: Some(flat_mu), toml }.add(&mut page);
     page.finish(&task.name, VERSION)
 }

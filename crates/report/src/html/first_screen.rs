@@ -132,7 +132,8 @@ fn caveat(page: &mut Page, report: &DesignReport) {
     all.extend(report.confirmed.iter().flat_map(doubts));
     all.extend(report.material.doubts().map(|doubt| sentence(&doubt)));
     all.extend(report.violations.iter().cloned());
-    all.extend(report.removal.iter().flat_map(|removal| &removal.warnings).map(|warning| format!("Laser: {warning}.")));
+    all.extend(report.of_laser().map(|warning| format!("Laser: {warning}.")));
+    all.extend(report.unresolved().map(|doubt| sentence(&doubt)));
     page.doubts(all);
 }
 

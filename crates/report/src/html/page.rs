@@ -369,8 +369,12 @@ pub fn known(value: impl Into<Option<f64>>) -> Option<f64> {
     value.into().filter(|value| value.is_finite())
 }
 
-/// Words as a sentence.
+/// Words as a sentence. A key or a file that begins it is written as it is named.
 pub fn sentence(words: &str) -> String {
+    let first = words.split_whitespace().next().unwrap_or_default().trim_end_matches([':', ',', ';', '.']);
+    if first.contains(['_', '.', '/', '`', '[']) {
+        return format!("{words}.");
+    }
     let mut letters = words.chars();
     let first = letters.next().map_or_else(String::new, |letter| letter.to_uppercase().collect());
     format!("{first}{}.", letters.as_str())
@@ -423,6 +427,16 @@ pub fn yes_or_no(is_so: bool) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn sentences_begin_with_a_capital_but_names_of_keys_and_files_stay_as_they_are() {
+        assert_eq!(sentence("rows are left out"), "Rows are left out.");
+        for named in
+            ["dynamic_mean: fitted", "traces.csv: 3 rows", "static_mean 2: not determined", "[learned] is used"]
+        {
+            assert_eq!(sentence(named), format!("{named}."));
+        }
+    }
 
     #[test]
     fn drawings_are_so_wide_that_their_smallest_text_can_be_read() {

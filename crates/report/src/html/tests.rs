@@ -172,7 +172,7 @@ fn what_is_estimated_beyond_the_blocks_stands_beside_the_value_that_it_is_of() {
         loads.iter_mut().for_each(|load| load.ratio_discretization_error = Some(change));
     }
     let page = page_of(&report, &Outputs::default());
-    let row = page.split(">confirmed to vanishing blocks<").nth(1).unwrap().split("<tbody>").nth(1).unwrap();
+    let row = page.split(">change of confirmed for vanishing blocks<").nth(1).unwrap().split("<tbody>").nth(1).unwrap();
     let row = row.split("</tr>").next().unwrap();
     let cells: Vec<&str> = row.split("</td>").map(|cell| cell.rsplit('>').next().unwrap()).collect();
     assert_eq!((cells[3], cells[5]), ("0.0281", "0.0068"), "{row}");

@@ -89,8 +89,33 @@ impl ValidationTask<'_> {
         if is_published {
             return DEFAULT_LAYER;
         }
-        let stated_m = self.cut().and_then(|cut| cut.specimen.thickness_m);
-        Layer { thickness_m: stated_m.or(DEFAULT_SPECIMEN.thickness_m), ..DEFAULT_SPECIMEN }
+        Layer { thickness_m: self.stated_thickness_m().or(DEFAULT_SPECIMEN.thickness_m), ..DEFAULT_SPECIMEN }
+    }
+
+    /// The thickness that the calibration states of the sample that is compared, in metres.
+    fn stated_thickness_m(&self) -> Option<f64> {
+        self.cut().and_then(|cut| cut.specimen.thickness_m)
+    }
+}
+
+/// Where the height of the specimen comes from, and what else takes it; `stated_m` of the calibration, `default_m` of designs.
+fn thickness_words(stated_m: Option<f64>, default_m: Option<f64>) -> String {
+    let mm = |length_m: f64| LENGTH_MM.from_si(length_m);
+    match (stated_m, default_m) {
+        (None, _) => {
+            "The calibration states no thickness_mm; calibrate, trials and designs without thickness_mm take the same"
+                .to_owned()
+        }
+        (Some(stated_m), Some(default_m)) if mm(stated_m) != mm(default_m) => format!(
+            "The calibration states thickness_mm = {0}, which its trials are modelled with; designs without thickness_mm take {1} mm, and \
+             not {0} mm: thickness_mm = {0} in [sample] of a design makes them agree",
+            mm(stated_m),
+            mm(default_m)
+        ),
+        (Some(stated_m), _) => format!(
+            "The calibration states thickness_mm = {}; trials and designs without thickness_mm take the same",
+            mm(stated_m)
+        ),
     }
 }
 
@@ -342,9 +367,10 @@ fn model_notes(task: &ValidationTask<'_>, pairs: &[Pair], surface: &[String]) ->
         ),
         Some(thickness_m) => format!(
             "steady sliding of one period in the vertical plane: the whole specimen, {} mm high, in blocks of {} um at the \
-             interface. A calibration states no height; calibrate, trials and designs without thickness_mm take the same",
+             interface. {}",
             LENGTH_MM.from_si(thickness_m),
             um(layer.block_m),
+            thickness_words(task.stated_thickness_m(), DEFAULT_SPECIMEN.thickness_m),
         ),
     });
     notes.push(
@@ -368,4 +394,21 @@ fn model_notes(task: &ValidationTask<'_>, pairs: &[Pair], surface: &[String]) ->
         "not modelled in these ratios: recast rims{rims}, plasticity, viscoelasticity, heating, wear, menisci"
     ));
     notes
+}
+
+#[cfg(test)]
+mod tests {
+    use super::thickness_words;
+
+    #[test]
+    fn a_thickness_that_designs_do_not_take_is_named() {
+        let said = |stated_m| thickness_words(stated_m, Some(7e-3));
+        assert!(said(None).contains("states no thickness_mm"));
+        assert!(
+            said(Some(7e-3)).contains("states thickness_mm = 7; trials and designs without thickness_mm take the same")
+        );
+        let other = said(Some(4e-3));
+        assert!(other.contains("states thickness_mm = 4") && other.contains("take 7 mm, and not 4 mm"), "{other}");
+        assert!(!other.contains("states no") && other.contains("thickness_mm = 4 in [sample] of a design"), "{other}");
+    }
 }

@@ -1,0 +1,152 @@
+//! What bursts on spots make where the lines of the spot overlap.
+//!
+//! Without a speed, n bursts of the depth d are planned on each spot, and make n d where each spot is burnt by itself, edge to edge.
+//! Lines within a cavity lie evenly from edge to edge, and nearer to each other than the spot is wide:
+//!
+//! ```text
+//! E = s / h        exposures of a point, s the spot, h the distance of lines in a cavity
+//! z = n d E        depth, bursts edge to edge along lines
+//! ```
+
+use crate::number::{MICROMETRE_DECIMALS, decimal, round_decimals};
+use crate::removal::{Hatched, OFF};
+use crate::{Laser, Layout, Marking};
+
+/// Depth of bursts on the spots of overlapping lines.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Overlap {
+    /// How often a point of a cavity is exposed, on average: the spot over the distance of lines.
+    pub(crate) exposures: f64,
+    /// Depth that the bursts of the sheet then make, in um.
+    pub(crate) depth_um: f64,
+    line_distance_um: f64,
+    spot_um: f64,
+    bursts: u32,
+    burst_um: f64,
+    design_um: f64,
+}
+
+impl Overlap {
+    /// Of bursts on spots; `None` where passes over lines give the depth, where a mask exposes whole cavities, and where lines overlap
+    /// by less than what a difference of depths is warned of.
+    pub(crate) fn of(layout: &Layout, laser: &Laser, hatched: &Hatched) -> Option<Self> {
+        let design_m = layout.pattern().depth_m();
+        let (bursts, burst_um) = laser.bursts(design_m).zip(laser.depth_per_burst_um)?;
+        let (spot_um, apart_m) = laser.spot_um.filter(|_| !laser.is_mask()).zip(hatched.one_apart_m)?;
+        let line_distance_um = apart_m * 1e6;
+        let exposures = spot_um / line_distance_um;
+        (exposures > 1.0 + OFF).then(|| Self {
+            exposures,
+            depth_um: round_decimals(f64::from(bursts) * burst_um * exposures, MICROMETRE_DECIMALS),
+            line_distance_um,
+            spot_um,
+            bursts,
+            burst_um,
+            design_um: design_m * 1e6,
+        })
+    }
+
+    /// What happens, and what to do.
+    pub(crate) fn warning(&self) -> String {
+        let plural = |bursts: u32| if bursts == 1 { "1 burst".to_owned() } else { format!("{bursts} bursts") };
+        let makes = |bursts: u32| if bursts == 1 { "makes" } else { "make" };
+        let each_um = self.burst_um * self.exposures;
+        // Fewer than the bursts that are planned: the cast cannot overflow.
+        let nearest = (self.design_um / each_um).round().max(1.0) as u32;
+        let fewer = if nearest < self.bursts {
+            let come = if nearest == 1 { "comes" } else { "come" };
+            let depth = decimal(f64::from(nearest) * each_um, 1);
+            format!("{} on each {come} nearest to it, with {depth} um", plural(nearest))
+        } else {
+            "a lower fluence makes bursts finer".to_owned()
+        };
+        format!(
+            "lines lie {} um apart in a cavity and the spot is {} um wide: where the spot follows them, bursts edge to edge, a point is exposed {} \
+             times on average, and {} on each spot {} {} um, not the design's {} um: {fewer}; speed_mm_s and repetition_hz in [laser] let the \
+             sheet plan passes; depth_of_bursts_um holds only where each spot is burnt by itself or a mask exposes whole cavities",
+            decimal(self.line_distance_um, 1),
+            decimal(self.spot_um, 1),
+            decimal(self.exposures, 2),
+            plural(self.bursts),
+            makes(self.bursts),
+            decimal(self.depth_um, 1),
+            decimal(self.design_um, 1)
+        )
+    }
+}
+
+/// What the laser does to all cavities of `layout` other than the design says, and what to do: of passes over lines, and of bursts
+/// on the spots of lines that overlap.
+#[must_use]
+pub fn laser_warnings(layout: &Layout, laser: &Laser) -> Vec<String> {
+    let Ok(marking) = Marking::new(laser) else { return Vec::new() };
+    if laser.is_mask() || laser.depth_per_burst_um.is_none() {
+        return Vec::new();
+    }
+    let hatched = Hatched::new(layout, &marking);
+    let passes = hatched.removal(layout, laser).filter(|_| laser.bursts_per_pass().is_some());
+    let bursts = Overlap::of(layout, laser, &hatched).map(|overlap| overlap.warning());
+    passes.into_iter().flat_map(|removal| removal.warnings).chain(bursts).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Exposure, Outline, WorkSheet};
+    use slipgrid_pattern::{Pattern, Planform};
+
+    const LASER: Laser = Laser {
+        wavelength_nm: None,
+        spot_um: Some(23.0),
+        pulse_ns: None,
+        power_density_gw_cm2: None,
+        depth_per_burst_um: Some(2.6),
+        repetition_hz: None,
+        speed_mm_s: None,
+        hatch_um: None,
+        wall_taper_deg: None,
+        exposure: None,
+        min_land_um: None,
+        ablation: None,
+    };
+
+    fn grooves(width_um: f64) -> Layout {
+        let pattern = Pattern::new(Planform::Groove, width_um * 1e-6, 98.7e-6, 15.6e-6).unwrap();
+        Layout::new(pattern, Outline::Disc { diameter_m: 4e-3 }).unwrap()
+    }
+
+    #[test]
+    fn bursts_on_the_spots_of_overlapping_lines_are_warned_of_with_the_depth_that_they_make() {
+        // Three lines 11.6 um apart in 46.2 um: every point is exposed by two of them.
+        let sheet = WorkSheet::new(&grooves(46.2), &LASER);
+        assert_eq!((sheet.bursts_per_cavity, sheet.depth_of_bursts_um), (Some(6), Some(15.6)));
+        assert_eq!(sheet.exposures_of_a_point, Some(1.98276));
+        assert_eq!(sheet.depth_where_lines_overlap_um, Some(30.931));
+        let [warning] = &sheet.warnings[..] else { panic!("{:?}", sheet.warnings) };
+        for said in
+            ["11.6 um apart", "1.98 times", "6 bursts on each spot make 30.9 um", "3 bursts on each come nearest"]
+        {
+            assert!(warning.contains(said), "{warning}");
+        }
+        assert_eq!(laser_warnings(&grooves(46.2), &LASER), sheet.warnings);
+        // With a speed of one burst per pass over an endless hatch, passes say nearly the same.
+        let moving = Laser { repetition_hz: Some(1000.0), speed_mm_s: Some(18.064), ..LASER };
+        let sheet = WorkSheet::new(&grooves(46.2), &moving);
+        assert_eq!((sheet.exposures_of_a_point, sheet.removal.map(|removal| removal.passes)), (None, Some(3)));
+    }
+
+    #[test]
+    fn bursts_are_not_warned_of_where_lines_do_not_overlap_or_nothing_is_hatched() {
+        // Two lines side by side, one line, a mask, and no depth of a burst.
+        for (width_um, laser) in [
+            (46.0, LASER),
+            (23.0, LASER),
+            (46.2, Laser { exposure: Some(Exposure::Mask), ..LASER }),
+            (46.2, Laser { depth_per_burst_um: None, ..LASER }),
+        ] {
+            let sheet = WorkSheet::new(&grooves(width_um), &laser);
+            assert_eq!((sheet.exposures_of_a_point, sheet.warnings.len()), (None, 0), "{width_um} {laser:?}");
+            assert_eq!(laser_warnings(&grooves(width_um), &laser), sheet.warnings);
+        }
+    }
+}
