@@ -221,10 +221,10 @@ pub struct TracesArgs {
     /// Specimens that share the recorded normal force
     #[arg(long, value_name = "N")]
     pub specimens: Option<u32>,
-    /// Averaging window, seconds since the first sample
+    /// Averaging window, seconds since the first row
     #[arg(long, value_name = "FROM,TO", value_delimiter = ',', num_args = 1)]
     pub window_s: Option<Vec<f64>>,
-    /// Span before touchdown whose mean forces are subtracted as the sensors' zero, seconds since the first sample
+    /// Span before touchdown whose mean forces are subtracted as the sensors' zero, seconds since the first row
     #[arg(long, value_name = "FROM,TO", value_delimiter = ',', num_args = 1)]
     pub zero_s: Option<Vec<f64>>,
     /// The samples are patterned

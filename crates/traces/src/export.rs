@@ -329,6 +329,8 @@ struct Table {
     turns_per_s: Vec<f64>,
     humidity: Vec<f64>,
     position_m: Vec<f64>,
+    /// Time of its first row, on the file's own clock; one that lacks other numbers counts too.
+    start_s: Option<f64>,
     missing: Stretch,
     repeated: usize,
     last: Option<Row>,
@@ -342,6 +344,7 @@ impl Table {
     /// Takes the row in line `number`, unless it is `without` a number in columns that are needed.
     fn push<'a>(&mut self, number: u32, row: &Row, without: impl Iterator<Item = &'a str>) {
         let mut without = without.peekable();
+        self.start_s = self.start_s.or(row.get(Channel::Time));
         let time_s = match row.get(Channel::Time) {
             Some(time_s) if without.peek().is_none() => time_s,
             time_s => return self.missing.add(number, time_s, without),
@@ -368,6 +371,7 @@ impl Table {
             let mean = values.iter().sum::<f64>() / values.len() as f64;
             mean.is_finite().then_some(mean)
         };
+        let start_s = self.start_s.unwrap_or(0.0);
         // v = 2 pi n r_eff
         let turning = mean(&self.turns_per_s).map(|turns| std::f64::consts::TAU * turns * radius_m);
         Recorded {
@@ -375,7 +379,7 @@ impl Table {
             speed_m_s: mean(&self.speed_m_s).or(turning).filter(|speed| speed.is_finite()),
             humidity: mean(&self.humidity),
             position_m: if self.position_m.iter().any(|x| x.is_finite()) { self.position_m } else { Vec::new() },
-            missing: self.missing.found(self.time_s.first().copied(), self.time_s.len() + self.repeated),
+            missing: self.missing.found(start_s, self.time_s.len() + self.repeated),
             repeated_rows: self.repeated,
             channels: TraceChannels {
                 tangential: if !self.torque_nm.is_empty() {
@@ -386,6 +390,7 @@ impl Table {
                     Tangential::Coefficient(self.coefficient)
                 },
                 time_s: self.time_s,
+                start_s,
                 normal_force_n: self.normal_force_n,
             },
         }
