@@ -1,6 +1,6 @@
 //! Tribometer exports: tables with the instrument's own names, units, separators and decimal sign.
 
-use crate::cells::{cut, number_in, separator, unquoted};
+use crate::cells::{DecimalSigns, cut, number_in, separator, unquoted};
 use crate::columns::{Channel, Column, Titles, UnknownUnit, columns, needed_columns};
 use crate::missing_numbers::{Longest, Missing, Stretch};
 use crate::{Tangential, TraceChannels};
@@ -130,7 +130,7 @@ pub fn parse(text: &str, effective_radius_m: Option<f64>, titles: &Titles) -> Re
     }
     let needed: Vec<&Column> = layout.iter().flatten().filter(|column| column.channel.is_needed()).collect();
     let mut repeats: Vec<Table> = vec![Table::default()];
-    let mut label: Option<f64> = None;
+    let (mut label, mut signs): (Option<f64>, _) = (None, DecimalSigns::default());
     for (number, line) in rows {
         let cells = cut(line, separator);
         if cells.starts_with(&header.cells) && cells[header.cells.len()..].iter().all(|cell| cell.is_empty()) {
@@ -144,6 +144,7 @@ pub fn parse(text: &str, effective_radius_m: Option<f64>, titles: &Titles) -> Re
             let expected = format!("{}, as the header line", header.cells.len());
             return Err(ExportError::at(Some(number), format!("has {} values", cells.len()), expected));
         }
+        check_signs(&layout, &cells, separator, number, &mut signs)?;
         let row = read_row(&layout, &cells, separator).map_err(|(name, cell)| ExportError {
             column: Some(name),
             value: Some(format!("\"{cell}\"")),
@@ -315,6 +316,30 @@ fn read_row(layout: &[Option<Column>], cells: &[&str], separator: char) -> Resul
         }
     }
     Ok(row)
+}
+
+/// Refuses numbers with decimal commas and numbers with points in one table; `line` is that of the `cells`.
+fn check_signs(
+    layout: &[Option<Column>],
+    cells: &[&str],
+    separator: char,
+    line: u32,
+    signs: &mut DecimalSigns,
+) -> Result<(), ExportError> {
+    for ((column, cell), at) in layout.iter().zip(cells).zip(0..) {
+        if column.is_none() || number_in(cell, separator).is_none() {
+            continue;
+        }
+        if let Some((point, reason)) = signs.take(cell, [line, at]) {
+            let column = layout.get(point.column).and_then(Option::as_ref);
+            return Err(ExportError {
+                column: column.map(|column| column.name().to_owned()),
+                value: Some(format!("\"{}\"", point.number)),
+                ..ExportError::at(Some(point.line), reason, DecimalSigns::EXPECTED)
+            });
+        }
+    }
+    Ok(())
 }
 
 /// Samples of one repeat.

@@ -103,6 +103,17 @@ fn time_is_counted_from_the_first_row_even_where_it_lacks_a_number() {
 }
 
 #[test]
+fn a_point_beside_decimal_commas_is_refused() {
+    let refused = parsed("time;Fx;Fz;Temp\n0,0;15,2;500;20.5\n0,5;15,3;1.000;20.5\n").unwrap_err();
+    assert_eq!((refused.line, refused.column.as_deref()), (Some(3), Some("Fz")));
+    let said = refused.to_string();
+    assert!(refused.value.as_deref() == Some("\"1.000\"") && said.contains("\"0,0\" in line 2"), "{said}");
+    assert!(said.ends_with("expected one decimal sign in all numbers of the table, and no sign between thousands"));
+    // A column that is not used, here a temperature, may be written as it likes.
+    assert!(parsed("time;Fx;Fz;Temp\n0,0;15,2;500;20.5\n").is_ok());
+}
+
+#[test]
 fn empty_cells_at_the_end_of_a_line_are_cells_whatever_separates_them() {
     for mark in ["\t", ";", ","] {
         let table = "Time,Fx,Fz,Kommentar\n0,1.5,50,\n1,1.6,50,gut\n\n2,1.7,50,\n";
