@@ -161,7 +161,7 @@ impl Calibration {
             remarks.told.extend(measured::check(rows, &specimens)?);
             remarks.repeated.extend(measured::identical(&[], rows));
         }
-        remarks.told.extend(measured::check_partners(&patterned, &placed)?);
+        remarks.told.extend(measured::check_partners(&patterned, &patterned, &placed)?);
         remarks.doubts.extend(measured::doubtful_ratios(&patterned, &placed));
         if coefficients == Coefficients::PerCondition {
             measured::refuse_repeated(&placed)?;

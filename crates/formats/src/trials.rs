@@ -202,8 +202,9 @@ pub(crate) fn read_trials(
         remarks.repeated.extend(measured::identical(&before, &rows));
         before.extend(rows.iter().cloned());
         remarks.told.extend(measured::check(&rows, &own_specimens)?);
-        let rows: Vec<Placed> = rows.iter().map(|row| row.on(&own_specimens, specimens, flat)).collect();
-        remarks.told.extend(measured::check_partners(&rows, flat)?);
+        let written = rows;
+        let rows: Vec<Placed> = written.iter().map(|row| row.on(&own_specimens, specimens, flat)).collect();
+        remarks.told.extend(measured::check_partners(&rows, &written, flat)?);
         remarks.doubts.extend(measured::doubtful_ratios(&rows, flat));
         let std = |written: &Option<Number>, name: &str, length_m: f64| {
             dimension_error::read(document, written.as_ref(), name, length_m)
