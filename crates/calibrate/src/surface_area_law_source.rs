@@ -158,6 +158,7 @@ pub(crate) fn surface_findings(
                 law: Some(area_law(&curve, task.threshold_pa).map_err(CalibrationError::NoAreaLaw)?),
                 curve,
                 notes: vec!["area law by Persson's theory from the rms slope: no substitute for a map".to_owned()],
+                warnings: SurfaceWarning::of_slope(*rms_slope).into_iter().collect(),
                 ..SurfaceFindings::default()
             })
         }

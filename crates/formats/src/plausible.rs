@@ -279,6 +279,20 @@ mod tests {
     }
 
     #[test]
+    fn a_slope_is_no_friction_coefficient() {
+        for (quantity, value, hint) in [
+            (slipgrid_units::SLOPE, 13.7, None),
+            (slipgrid_units::SLOPE, 250.0, None),
+            (slipgrid_units::RATIO, 85.0, Some("in per cent, that would be 0.85")),
+            (slipgrid_units::FRICTION, 25.0, Some("in per cent, that would be 0.25")),
+        ] {
+            let said = slip(quantity, value);
+            assert_eq!(said.is_some(), hint.is_some(), "{quantity}: {said:?}");
+        }
+        assert!(!slipgrid_units::SLOPE.accepts(1e-9));
+    }
+
+    #[test]
     fn what_was_measured_is_what_files_may_hold() {
         for (measured, held) in [(MODULUS, slipgrid_units::MODULUS_GPA), (DENSITY, slipgrid_units::DENSITY_G_CM3)] {
             let most = measured.measurable[1];

@@ -1,6 +1,6 @@
 //! What a curve of real contact area was solved for, and its record.
 
-use slipgrid_calibrate::area_law::{AreaLawRequest, SurfaceAreaLaw, area_law, persson_curve};
+use slipgrid_calibrate::area_law::{AreaLawRequest, SurfaceAreaLaw, SurfaceWarning, area_law, persson_curve};
 use slipgrid_calibrate::area_law_sampling::{Resolution, STATISTICS_TOLERANCE, WINDOW_STATEMENT, WindowSpread};
 use slipgrid_contact::{AreaPoint, ContactError};
 use slipgrid_formats::altitude_map::law_warnings;
@@ -128,7 +128,8 @@ impl AreaLawCurve {
                 .to_owned(),
             FACTOR_STATEMENT.to_owned(),
         ];
-        Ok(AreaLawReport { model, ..self.report(&curve, rms_slope) })
+        let warnings: Vec<SurfaceWarning> = SurfaceWarning::of_slope(rms_slope).into_iter().collect();
+        Ok(AreaLawReport { model, warnings: law_warnings(&warnings), ..self.report(&curve, rms_slope) })
     }
 
     /// The report of a curve, without what only a map has.
