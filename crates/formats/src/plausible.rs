@@ -118,6 +118,25 @@ pub const SPOT: Plausible = Plausible {
     slips: &[("in mm, that", 1e3), ("in nm, that", 1e-3)],
 };
 
+/// Widths of cavities, and gaps between them.
+pub const CAVITY_WIDTH: Plausible = Plausible {
+    what: "widths and gaps of cavities",
+    unit: "um",
+    measurable: [1e-3, 1e7],
+    usual: [1.0, 1e4],
+    why: "lasers cut from 1 um, and cutters up to 10 mm",
+    slips: &[("in mm, that", 1e3), ("in nm, that", 1e-3)],
+};
+/// Depths of cavities.
+pub const CAVITY_DEPTH: Plausible = Plausible {
+    what: "depths of cavities",
+    unit: "um",
+    measurable: [1e-4, 1e6],
+    usual: [0.2, 1e3],
+    why: "what is shallower drowns in roughness, and lasers cut up to 1 mm deep",
+    slips: &[("in mm, that", 1e3), ("in nm, that", 1e-3)],
+};
+
 /// What a relative humidity that is likely a share of 1 is told: air in a room has 20 to 80 %. Nil is air without water.
 #[must_use]
 pub fn share_of_one(humidity_pct: f64) -> Option<String> {
@@ -168,8 +187,21 @@ pub fn exchanged_forces(friction: &[f64]) -> Option<String> {
 }
 
 /// Every quantity that is judged.
-pub const ALL: [Plausible; 11] =
-    [FRICTION, RATIO, MODULUS, DENSITY, SPEED, FORCE, PRESSURE, STRAIN, RELATIVE_DEVIATION, SPECIMEN, SPOT];
+pub const ALL: [Plausible; 13] = [
+    FRICTION,
+    RATIO,
+    MODULUS,
+    DENSITY,
+    SPEED,
+    FORCE,
+    PRESSURE,
+    STRAIN,
+    RELATIVE_DEVIATION,
+    SPECIMEN,
+    SPOT,
+    CAVITY_WIDTH,
+    CAVITY_DEPTH,
+];
 
 /// The unit that is likely to have been meant by a `value` that a key's `quantity` does not accept.
 #[must_use]
@@ -236,7 +268,7 @@ impl Plausible {
         match self.judge(value) {
             Ok(told) => Ok(told.map(|reason| Diagnostic { reason, ..place() })),
             Err(expected) => {
-                let reason = format!("cannot be: {} are not measured there", self.what);
+                let reason = format!("lies outside all measured {}", self.what);
                 Err(Diagnostic { reason, ..place() }.expected(expected))
             }
         }
@@ -321,6 +353,24 @@ mod tests {
             };
             assert!(said.contains(says), "{said}");
         }
+    }
+
+    #[test]
+    fn a_value_that_cannot_be_is_told_in_a_sentence() {
+        let place = || Diagnostic {
+            key: Some("youngs_modulus_gpa".into()),
+            value: Some("5000".into()),
+            ..Diagnostic::default()
+        };
+        let said = MODULUS.check(5000.0, place).unwrap_err().to_string();
+        assert!(
+            said.starts_with("youngs_modulus_gpa: 5000 lies outside all measured Young's moduli; expected"),
+            "{said}"
+        );
+        assert!(
+            said.contains("0.000001 to 1250 GPa, as rubber has") && said.contains("in MPa, that would be 5 GPa"),
+            "{said}"
+        );
     }
 
     #[test]

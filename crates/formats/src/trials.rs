@@ -9,6 +9,7 @@ use toml::Spanned;
 
 use super::calibration::read_fitting_pattern;
 use super::calibration_file::FaceFile;
+use super::cavity_lengths;
 use super::document::Document;
 use super::exchanged;
 use super::material::existing;
@@ -176,6 +177,7 @@ pub(crate) fn read_trials(
         // What presses on a sector has a face of its own, and the sector goes on around it.
         let is_laid = file.disc.is_none();
         let pattern = read_fitting_pattern(document, &file.pattern, &own.specimen, is_laid)?;
+        remarks.told.extend(cavity_lengths::unusual(document, &file.pattern));
         remarks.told.extend(exchanged::check(document, &file.pattern, &pattern, &samples));
         let rows = match (&file.measurements, &file.traces) {
             (Some(_), Some(traces)) => {
