@@ -91,7 +91,9 @@ impl std::fmt::Display for SurfaceWarning {
             ),
             Self::NoError { sides_m: [x_m, y_m], points: [along_x, along_y] } => write!(
                 f,
-                "small map: it measures {} x {} um in {along_x} x {along_y} points, too little to tell how far another place differs: the                  area law has no error, and counts as if it were known; take {ADVISED_SIDE_MM} mm a side or more, in at least                  {LEAST_DEFAULT_SIDE} x {LEAST_DEFAULT_SIDE} points",
+                "small map: it measures {} x {} um in {along_x} x {along_y} points, too little to tell how far another place differs: the \
+                 area law has no error, and counts as if it were known; take {ADVISED_SIDE_MM} mm a side or more, in at \
+                 least {LEAST_DEFAULT_SIDE} x {LEAST_DEFAULT_SIDE} points",
                 significant(LENGTH_UM.from_si(*x_m), 4),
                 significant(LENGTH_UM.from_si(*y_m), 4)
             ),
@@ -313,6 +315,7 @@ mod tests {
                 said.contains(&size) && said.contains("0.5 mm a side") && said.contains("64 x 64 points"),
                 "{said}"
             );
+            assert!(!said.contains("  "), "{said}");
         }
         // A map with room for windows has an error, and who asks for none knows.
         let whole = law_of(64, None);
