@@ -232,3 +232,16 @@ fn model(surface: &PreparedMap) -> Vec<String> {
     model.extend(surface.notes.iter().cloned());
     model
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_given_slope_of_no_surface_is_told() {
+        let curve = AreaLawCurve::new(0.38, 1.0 / 3.0, 0.7e6, vec![0.5e6, 0.7e6, 2.6e6], 1e-8);
+        let warnings = |rms_slope: f64| curve.of_theory(rms_slope).unwrap().warnings;
+        assert_eq!(warnings(0.0137), [""; 0]);
+        assert!(warnings(1e-5)[0].starts_with("slope: the rms slope given is 1e-5"), "{:?}", warnings(1e-5));
+    }
+}
