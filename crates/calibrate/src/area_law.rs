@@ -4,10 +4,12 @@ use slipgrid_contact::closed_form::persson_area_fraction;
 use slipgrid_contact::{AreaCurve, AreaPoint, ContactError, Convergence, SolveOptions, Status};
 use slipgrid_material::{AreaLaw, MOST_FACTOR, MaterialError};
 use slipgrid_monitor::{Monitor, Stage};
-use slipgrid_topography::{HeightMap, MapWarning, PreparedMap};
-use slipgrid_units::PRESSURE_MPA;
+use slipgrid_topography::{HeightMap, MapWarning, PreparedMap, limits};
+use slipgrid_units::{LENGTH_UM, PRESSURE_MPA, significant};
 
-use crate::area_law_sampling::{DEFAULT_WINDOWS, WindowSpread, takes_default_windows, window_spread};
+use crate::area_law_sampling::{
+    DEFAULT_WINDOWS, LEAST_DEFAULT_SIDE, WindowSpread, takes_default_windows, window_spread,
+};
 
 /// Error at which the contact computation of a calibration ends: on the reference maps no pixel changes after it.
 pub const CONTACT_TOLERANCE: f64 = 1e-6;
@@ -18,6 +20,9 @@ pub const DEFAULT_PRESSURES_MPA: [f64; 28] = [
     0.1, 0.15, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.85, 1.0, 1.3, 1.6, 2.0, 2.6, 3.2, 4.0, 5.0, 6.5, 8.0, 10.0, 13.0, 17.0,
     22.0, 30.0, 40.0, 55.0, 75.0, 100.0,
 ];
+
+/// Side of a map that how-to/measure.md asks for, in millimetres.
+const ADVISED_SIDE_MM: f64 = 0.5;
 
 /// What a closed form takes.
 const CLOSED_FORM: Convergence =
@@ -51,6 +56,27 @@ pub enum SurfaceWarning {
         /// f there.
         factor: f64,
     },
+    /// The map is too small to be cut into windows, whose spread would give the error of its law.
+    NoError {
+        /// Sides of the map along x and y, in metres.
+        sides_m: [f64; 2],
+        /// Points along them.
+        points: [usize; 2],
+    },
+    /// A given rms slope that no surface that slides has.
+    GivenSlope {
+        /// The rms slope.
+        rms_slope: f64,
+    },
+}
+
+impl SurfaceWarning {
+    /// What is doubtful about an rms slope that stands for a surface: what is of the slope of a map.
+    #[must_use]
+    pub fn of_slope(rms_slope: f64) -> Option<Self> {
+        let [least, most] = limits::WARNED_SLOPE;
+        (!(least..=most).contains(&rms_slope)).then_some(Self::GivenSlope { rms_slope })
+    }
 }
 
 impl std::fmt::Display for SurfaceWarning {
@@ -62,6 +88,20 @@ impl std::fmt::Display for SurfaceWarning {
                 "factor above 1: f reaches {factor:.3} at {} MPa, where real contact area grows no faster than pressure: too few \
                  points are in contact for their number to say more, or a few high ones carry the load of the rest",
                 PRESSURE_MPA.from_si(*pressure_pa)
+            ),
+            Self::NoError { sides_m: [x_m, y_m], points: [along_x, along_y] } => write!(
+                f,
+                "small map: it measures {} x {} um in {along_x} x {along_y} points, too little to tell how far another place differs: the \
+                 area law has no error, and counts as if it were known; take {ADVISED_SIDE_MM} mm a side or more, in at \
+                 least {LEAST_DEFAULT_SIDE} x {LEAST_DEFAULT_SIDE} points",
+                significant(LENGTH_UM.from_si(*x_m), 4),
+                significant(LENGTH_UM.from_si(*y_m), 4)
+            ),
+            Self::GivenSlope { rms_slope } => write!(
+                f,
+                "slope: the rms slope given is {rms_slope:e}; surfaces that slide have {:e} to {:e}",
+                limits::WARNED_SLOPE[0],
+                limits::WARNED_SLOPE[1]
             ),
         }
     }
@@ -150,6 +190,12 @@ pub fn surface_area_law(
         heed()?;
         windows = spread.map_err(AreaLawError::Windows)?;
     }
+    if windows.is_none() && request.windows.is_none() {
+        let map = &surface.map;
+        let points = [map.rows(), map.cols()];
+        let sides_m = [map.dx_m() * points[0] as f64, map.dy_m() * points[1] as f64];
+        warnings.push(SurfaceWarning::NoError { sides_m, points });
+    }
     if let Some(windows) = &windows {
         law = law.and_then(|law| with_errors(law, &curve.points, &windows.factor_std()));
     }
@@ -230,4 +276,66 @@ pub fn table_warnings(law: &AreaLaw) -> Vec<String> {
         )
     });
     step.into_iter().chain(above).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use slipgrid_monitor::Unwatched;
+    use slipgrid_topography::{Form, MapFormat, Preparation, ReadMap, SelfAffine};
+
+    /// The law of the first `side` x `side` points of a synthetic map.
+    fn law_of(side: usize, windows: Option<usize>) -> SurfaceAreaLaw {
+        let whole = SelfAffine { pixels: 64, max_wave: 8, ..SelfAffine::STAND_IN }.map().unwrap();
+        let height_m = (0..side * side).map(|n| whole.heights_m()[n / side * 64 + n % side]).collect();
+        let map = HeightMap::new(side, side, 2.5e-6, 2.5e-6, height_m).unwrap();
+        let read = ReadMap { map, whole: false, format: MapFormat::Matrix, comments: Vec::new(), notes: Vec::new() };
+        let how = Preparation { form: Form::Plane, ..Preparation::default() };
+        let surface = PreparedMap::one_period(read, how, &Unwatched).unwrap();
+        let request = AreaLawRequest {
+            contact_modulus_pa: 0.43e9,
+            pressures_pa: &[0.5e6, 0.7e6, 2.0e6],
+            threshold_pa: 0.7e6,
+            tolerance: 1e-4,
+            windows,
+        };
+        surface_area_law(&surface, &request, &Unwatched).unwrap()
+    }
+
+    #[test]
+    fn a_map_too_small_for_an_error_of_its_law_is_told() {
+        let told = |found: &SurfaceAreaLaw| {
+            let is_small = |warning: &&SurfaceWarning| matches!(warning, SurfaceWarning::NoError { .. });
+            found.warnings.iter().find(is_small).map(ToString::to_string)
+        };
+        for side in [12, 40] {
+            let said = told(&law_of(side, None)).unwrap();
+            let size = format!("{} x {} um in {side} x {side} points", 2.5 * side as f64, 2.5 * side as f64);
+            assert!(
+                said.contains(&size) && said.contains("0.5 mm a side") && said.contains("64 x 64 points"),
+                "{said}"
+            );
+            assert!(!said.contains("  "), "{said}");
+        }
+        // A map with room for windows has an error, and who asks for none knows.
+        let whole = law_of(64, None);
+        assert!(told(&whole).is_none() && whole.windows.is_some());
+        assert_eq!(told(&law_of(40, Some(0))), None);
+    }
+
+    #[test]
+    fn a_given_slope_is_doubted_as_that_of_a_map() {
+        for usual in [1e-4, 0.1, 1.0] {
+            assert_eq!(SurfaceWarning::of_slope(usual), None);
+        }
+        for doubtful in [1e-5, 1.5] {
+            let said = SurfaceWarning::of_slope(doubtful).unwrap().to_string();
+            assert!(said.starts_with("slope: the rms slope given is") && said.contains("1e-4 to 1e0"), "{said}");
+        }
+        let [least, most] = limits::POSSIBLE_SLOPE;
+        let slope = slipgrid_units::SLOPE;
+        assert!(
+            slope.accepts(least) && !slope.accepts(0.9 * least) && slope.accepts(most) && !slope.accepts(1.1 * most)
+        );
+    }
 }

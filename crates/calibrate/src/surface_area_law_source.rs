@@ -158,6 +158,7 @@ pub(crate) fn surface_findings(
                 law: Some(area_law(&curve, task.threshold_pa).map_err(CalibrationError::NoAreaLaw)?),
                 curve,
                 notes: vec!["area law by Persson's theory from the rms slope: no substitute for a map".to_owned()],
+                warnings: SurfaceWarning::of_slope(*rms_slope).into_iter().collect(),
                 ..SurfaceFindings::default()
             })
         }
@@ -248,4 +249,42 @@ fn after_test(
         before.rms_slope,
         at.join(", ")
     ))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Coefficients, Selection, TrialsTask};
+    use slipgrid_material::Elastic;
+    use slipgrid_monitor::Unwatched;
+    use slipgrid_springblock::Layer;
+
+    #[test]
+    fn a_given_slope_of_no_surface_makes_the_law_doubtful() {
+        let warnings = |rms_slope: f64| {
+            let task = CalibrationTask {
+                name: String::new(),
+                source: String::new(),
+                elastic: Elastic::new(0.38e9, 900.0).unwrap(),
+                youngs_modulus_std_pa: None,
+                poisson_ratio: 1.0 / 3.0,
+                surface: Surface::RmsSlope(rms_slope),
+                threshold_pa: THRESHOLD_PRESSURE_PA,
+                specimen_area_m2: 78.54e-6,
+                flat: Vec::new(),
+                trials: TrialsTask::default(),
+                coefficients: Coefficients::PerCondition,
+                relative_std: 0.05,
+                static_over_dynamic: 1.1,
+                layer: Layer { length_m: 500e-6, height_m: 100e-6, block_m: 10e-6, thickness_m: None },
+                seed: 1,
+                selection: Selection::default(),
+                notes: Vec::new(),
+                doubts: Vec::new(),
+            };
+            surface_findings(&task, &Unwatched).unwrap().warnings
+        };
+        assert_eq!(warnings(0.0137), []);
+        assert_eq!(warnings(2.0), [SurfaceWarning::GivenSlope { rms_slope: 2.0 }]);
+    }
 }

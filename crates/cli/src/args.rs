@@ -221,10 +221,10 @@ pub struct TracesArgs {
     /// Specimens that share the recorded normal force
     #[arg(long, value_name = "N")]
     pub specimens: Option<u32>,
-    /// Averaging window, seconds since the first sample
+    /// Averaging window, seconds since the first row
     #[arg(long, value_name = "FROM,TO", value_delimiter = ',', num_args = 1)]
     pub window_s: Option<Vec<f64>>,
-    /// Span before touchdown whose mean forces are subtracted as the sensors' zero, seconds since the first sample
+    /// Span before touchdown whose mean forces are subtracted as the sensors' zero, seconds since the first row
     #[arg(long, value_name = "FROM,TO", value_delimiter = ',', num_args = 1)]
     pub zero_s: Option<Vec<f64>>,
     /// The samples are patterned
@@ -263,7 +263,7 @@ pub struct AreaLawArgs {
     /// Poisson's ratio; the default is 1/3
     #[arg(long, default_value_t = 1.0 / 3.0, value_name = "NU", hide_default_value = true)]
     pub poisson_ratio: f64,
-    /// Nominal pressures, separated by commas; 0.1 to 30 MPa by default
+    /// Nominal pressures, separated by commas; 0.1 to 100 MPa by default
     #[arg(long, value_delimiter = ',', value_name = "P,P,...")]
     pub pressures_mpa: Option<Vec<f64>>,
     /// Error at which the contact computation ends
@@ -272,8 +272,8 @@ pub struct AreaLawArgs {
     /// Pressure up to which friction is taken as proportional to load
     #[arg(long, default_value_t = 0.7, value_name = "MPA")]
     pub threshold_mpa: f64,
-    /// Windows along either side of the map: the spread of f among them gives its standard error; 1 for none,
-    /// 2 by default where the map has room
+    /// Windows along either side of the map: the spread of f among them gives its standard error; 0 or 1 for
+    /// none, 2 by default where the map has room
     #[arg(long, value_name = "N")]
     pub windows: Option<usize>,
     /// Also report f at coarser pixels: means over 2 x 2 and 4 x 4, or over the numbers given

@@ -62,7 +62,7 @@ fn listed(warnings: &[MapWarning]) -> String {
 pub fn law_warnings(warnings: &[SurfaceWarning]) -> Vec<String> {
     let text = |warning: &SurfaceWarning| match warning {
         SurfaceWarning::Map(warning) => told(warning),
-        SurfaceWarning::FactorAboveOne { .. } => warning.to_string(),
+        _ => warning.to_string(),
     };
     warnings.iter().map(text).collect()
 }
@@ -72,6 +72,9 @@ pub fn law_warnings(warnings: &[SurfaceWarning]) -> Vec<String> {
 pub fn told(warning: &MapWarning) -> String {
     match warning {
         MapWarning::Spikes { .. } => format!("{warning}; --despike, or despike = true in [surface], replaces them"),
+        MapWarning::Curved { .. } => {
+            format!("{warning}; --form second-order, or form = \"second-order\" in [surface], subtracts it")
+        }
         _ => warning.to_string(),
     }
 }

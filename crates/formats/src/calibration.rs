@@ -14,6 +14,7 @@ use slipgrid_springblock::Layer;
 use toml::Spanned;
 
 use super::calibration_file::{BulkFile, CalibrationFile};
+use super::cavity_lengths;
 use super::document::Document;
 use super::file_kind::FileKind;
 use super::material::{DEFAULT_STATIC_OVER_DYNAMIC, existing};
@@ -162,13 +163,14 @@ impl Calibration {
             remarks.told.extend(measured::check(rows, &specimens)?);
             remarks.repeated.extend(measured::identical(&[], rows));
         }
-        remarks.told.extend(measured::check_partners(&patterned, &placed)?);
+        remarks.told.extend(measured::check_partners(&patterned, &patterned, &placed)?);
         remarks.doubts.extend(measured::doubtful_ratios(&patterned, &placed));
         if coefficients == Coefficients::PerCondition {
             measured::refuse_repeated(&placed)?;
         }
         let pattern = file.pattern.as_ref();
         let pattern = pattern.map(|table| read_fitting_pattern(document, table, &specimen, true)).transpose()?;
+        remarks.told.extend(file.pattern.iter().flat_map(|table| cavity_lengths::unusual(document, table)));
         let relief = match file.pattern.as_ref().zip(pattern.as_ref()) {
             Some((table, pattern)) => read_relief(document, table, pattern)?,
             None => None,

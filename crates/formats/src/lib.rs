@@ -34,6 +34,7 @@ pub mod altitude_map;
 pub mod calibrated;
 pub mod calibration;
 mod calibration_file;
+mod cavity_lengths;
 pub mod condition_ranges;
 pub mod confirmed_scene;
 pub mod design;

@@ -194,22 +194,30 @@ fn low_humidity(rows: &[Placed]) -> Option<Diagnostic> {
 }
 
 /// Names the `rows` of a patterned sample at whose force, speed and humidity none of the `flat` samples was measured: they have no ratio
-/// and are left out.
+/// and are left out. Their forces are those on the calibration's face; `written` are the same rows as their table has them.
 ///
 /// # Errors
 /// [`Diagnostic`] where that is all of them.
-pub fn check_partners(rows: &[Placed], flat: &[Placed]) -> Result<Vec<Diagnostic>, Diagnostic> {
-    let is_alone = |row: &&Placed| !flat.iter().any(|other| other.measurement.is_at(&row.measurement));
-    let alone: Vec<&Placed> = rows.iter().filter(is_alone).collect();
+pub fn check_partners(rows: &[Placed], written: &[Placed], flat: &[Placed]) -> Result<Vec<Diagnostic>, Diagnostic> {
+    let is_alone = |row: &Placed| !flat.iter().any(|other| other.measurement.is_at(&row.measurement));
+    let alone: Vec<(&Placed, &Placed)> = rows.iter().zip(written).filter(|(row, _)| is_alone(row)).collect();
     if alone.is_empty() {
         return Ok(Vec::new());
     }
     let measured = flat.iter().take(MOST_NAMED).map(Placed::condition).collect::<Vec<_>>().join("; ");
     let more = if flat.len() > MOST_NAMED { format!("; {} more", flat.len() - MOST_NAMED) } else { String::new() };
-    let named = |row: &&Placed, so: &str| {
-        let reason = format!("has no flat sample beside it, measured at {}: {so}", row.condition());
-        let at = Diagnostic { reason, ..row.at("force_n", row.measurement.force_n) };
-        at.expected(format!("a condition of the flat samples: {measured}{more}"))
+    let named = |(row, written): &(&Placed, &Placed), so: &str| {
+        let (force_n, own_n) = (row.measurement.force_n, written.measurement.force_n);
+        let (as_much, there) = if row.is_at_condition_of(written) {
+            (String::new(), "")
+        } else {
+            let force_n = tidy(significant(force_n, 6));
+            let as_much = format!("N on this face press as {force_n} N do on the calibration's: it ");
+            (as_much, ", with forces on the calibration's face")
+        };
+        let reason = format!("{as_much}has no flat sample beside it, measured at {}: {so}", row.condition());
+        let at = Diagnostic { reason, ..row.at("force_n", own_n) };
+        at.expected(format!("a condition of the flat samples{there}: {measured}{more}"))
     };
     if alone.len() == rows.len() {
         return Err(named(&alone[0], "no row of this sample has a ratio"));
@@ -331,6 +339,28 @@ mod tests {
         assert_eq!(said(&[row_of(0.2, 4e-6, 2), row_of(50.0, 2e-3, 3)]), Vec::<String>::new());
         let pin = Specimens { area_m2: 1e-6, ..specimens };
         assert_eq!(check(&[row_of(0.2, 2e-3, 2)], &pin).unwrap(), []);
+    }
+
+    #[test]
+    fn a_row_without_a_partner_is_named_with_the_force_of_its_own_table() {
+        let [own, face] = [0.25, 1.0].map(|share| Specimens { area_m2: share * 78.5e-6, modulus_pa: 380e6 });
+        let flat = [row_of(50.0, 2e-3, 2), row_of(200.0, 2e-3, 3)];
+        let written = [row_of(12.5, 2e-3, 2), row_of(60.0, 2e-3, 4)];
+        let on_face: Vec<Placed> = written.iter().map(|row| row.on(&own, &face, &flat)).collect();
+        let said: Vec<String> =
+            check_partners(&on_face, &written, &flat).unwrap().iter().map(Diagnostic::to_string).collect();
+        assert_eq!(said.len(), 1);
+        assert!(
+            said[0].starts_with(
+                "flat.csv:4: force_n: 60 N on this face press as 240 N do on the calibration's: it has no flat sample beside it, measured at 240 N"
+            ),
+            "{said:?}"
+        );
+        assert!(said[0].contains("the flat samples, with forces on the calibration's face: 50 N"), "{said:?}");
+        // On a face of the calibration's size nothing is converted.
+        let refused = check_partners(&written[1..], &written[1..], &flat).unwrap_err().to_string();
+        assert!(refused.starts_with("flat.csv:4: force_n: 60 has no flat sample beside it"), "{refused}");
+        assert!(!refused.contains("face"), "{refused}");
     }
 
     #[test]

@@ -6,7 +6,7 @@ use slipgrid_calibrate::{Measurement, StaticPeak};
 
 use crate::diagnostic::{Diagnostic, nearest};
 use crate::source::{Source, read_letters};
-use slipgrid_traces::cells::{cut, number_in, separator, unquoted};
+use slipgrid_traces::cells::{DecimalSigns, cut, number_in, separator, unquoted};
 use slipgrid_units::{FORCE_N, FRICTION, FRICTION_STD, HUMIDITY_PCT, Quantity, SPEED_MM_S, tidy};
 
 /// Columns: name, range, whether every table must have it.
@@ -90,7 +90,7 @@ fn rows(path: &Path, text: &str) -> Result<Vec<(u32, Measurement)>, Diagnostic> 
         }
     }
 
-    let mut rows = Vec::new();
+    let (mut rows, mut signs) = (Vec::new(), DecimalSigns::default());
     for (line, content) in lines {
         // Tables that were joined repeat their header.
         if cut(content, separator).first().is_some_and(|cell| unquoted(cell) == COLUMNS[order[0]].0) {
@@ -121,7 +121,13 @@ fn rows(path: &Path, text: &str) -> Result<Vec<(u32, Measurement)>, Diagnostic> 
             if bare.is_empty() && !required {
                 continue;
             }
-            match bare.parse::<f64>().ok().or_else(|| number_in(cell, separator)) {
+            let number = bare.parse::<f64>().ok().or_else(|| number_in(cell, separator));
+            let clash = number.and_then(|_| signs.take(cell, [line, column as u32]));
+            if let Some((point, reason)) = clash {
+                let name = COLUMNS.get(point.column).map(|column| column.0);
+                return Err(refuse(point.line, name, Some(&point.number), reason).expected(DecimalSigns::EXPECTED));
+            }
+            match number {
                 Some(value) if quantity.accepts(value) => values[column] = Some(quantity.to_si(value)),
                 Some(_) => {
                     return Err(
@@ -211,6 +217,11 @@ mod tests {
         let expected = parse(Path::new("a.csv"), plain).unwrap();
         assert_eq!((expected.len(), expected[0].force_n, expected[1].speed_m_s), (2, 12.5, 0.4e-3));
         let comma = |mark: &str| plain.replace(',', mark).replace('.', ",");
+        // Commas part the cells and the decimals, which are quoted.
+        let quoted =
+            |cell: &str| if cell.contains('.') { format!("\"{}\"", cell.replace('.', ",")) } else { cell.to_owned() };
+        let quoted_line = |line: &str| line.split(',').map(quoted).collect::<Vec<_>>().join(",") + "\n";
+        let quoted: String = plain.lines().map(quoted_line).collect();
         for text in [
             plain.replace(',', ";"),
             comma(";"),
@@ -218,7 +229,8 @@ mod tests {
             format!("\u{feff}{}", comma(";").replace('\n', "\r\n")),
             // Columns and rows of a sheet that hold nothing, and cells in quotes.
             comma(";").replace('\n', ";;\n") + ";;;;;;;;\n",
-            plain.replace("12.5", "\"12,5\"").replace("force_n", "\"force_n\""),
+            plain.replace("12.5", "\"12.5\"").replace("force_n", "\"force_n\""),
+            quoted,
         ] {
             assert_eq!(parse(Path::new("a.csv"), &text), Ok(expected.clone()), "{text}");
         }
@@ -226,6 +238,21 @@ mod tests {
         assert!(refused.contains("has 8 values") && refused.contains("semicolons"), "{refused}");
         let refused = parse(Path::new("a.csv"), &comma(";").replace("12,5", "1.012,5")).unwrap_err().to_string();
         assert!(refused.contains("force_n: \"1.012,5\" is no number"), "{refused}");
+    }
+
+    #[test]
+    fn a_point_of_thousands_beside_decimal_commas_is_refused() {
+        let header = "force_n;speed_mm_s;humidity_pct;mu_dynamic;mu_dynamic_std\n";
+        let refused = |rows: &str| parse(Path::new("a.csv"), &format!("{header}{rows}")).unwrap_err().to_string();
+        for (rows, line) in [
+            ("500;2;15;0,248;0,002\n1.000;2;15;0,263;0,005\n", 3),
+            ("1.000;2;15;0,263;0,005\n500;2;15;0,248;0,002\n", 2),
+        ] {
+            let said = refused(rows);
+            let begins = format!("a.csv:{line}: force_n: \"1.000\" has a point, which may part decimals or thousands");
+            assert!(said.starts_with(&begins) && said.contains("has a decimal comma"), "{said}");
+            assert!(said.contains("expected one decimal sign"), "{said}");
+        }
     }
 
     #[test]

@@ -131,6 +131,25 @@ pub const SPOT: Plausible = Plausible {
     slips: &[("in mm, that", 1e3), ("in nm, that", 1e-3)],
 };
 
+/// Widths of cavities, and gaps between them.
+pub const CAVITY_WIDTH: Plausible = Plausible {
+    what: "widths and gaps of cavities",
+    unit: "um",
+    measurable: [1e-3, 1e7],
+    usual: [1.0, 1e4],
+    why: "lasers cut from 1 um, and cutters up to 10 mm",
+    slips: &[("in mm, that", 1e3), ("in nm, that", 1e-3)],
+};
+/// Depths of cavities.
+pub const CAVITY_DEPTH: Plausible = Plausible {
+    what: "depths of cavities",
+    unit: "um",
+    measurable: [1e-4, 1e6],
+    usual: [0.2, 1e3],
+    why: "what is shallower drowns in roughness, and lasers cut up to 1 mm deep",
+    slips: &[("in mm, that", 1e3), ("in nm, that", 1e-3)],
+};
+
 /// What a relative humidity that is likely a share of 1 is told: air in a room has 20 to 80 %. Nil is air without water.
 #[must_use]
 pub fn share_of_one(humidity_pct: f64) -> Option<String> {
@@ -181,7 +200,7 @@ pub fn exchanged_forces(friction: &[f64]) -> Option<String> {
 }
 
 /// Every quantity that is judged.
-pub const ALL: [Plausible; 12] = [
+pub const ALL: [Plausible; 14] = [
     FRICTION,
     STATIC_OVER_DYNAMIC,
     RATIO,
@@ -194,6 +213,8 @@ pub const ALL: [Plausible; 12] = [
     RELATIVE_DEVIATION,
     SPECIMEN,
     SPOT,
+    CAVITY_WIDTH,
+    CAVITY_DEPTH,
 ];
 
 /// The unit that is likely to have been meant by a `value` that a key's `quantity` does not accept.
@@ -267,7 +288,7 @@ impl Plausible {
         match self.judge(value) {
             Ok(told) => Ok(told.map(|reason| Diagnostic { reason, ..place() })),
             Err(expected) => {
-                let reason = format!("cannot be: {} are not measured there", self.what);
+                let reason = format!("lies outside all measured {}", self.what);
                 Err(Diagnostic { reason, ..place() }.expected(expected))
             }
         }
@@ -310,6 +331,20 @@ mod tests {
     }
 
     #[test]
+    fn a_slope_is_no_friction_coefficient() {
+        for (quantity, value, hint) in [
+            (slipgrid_units::SLOPE, 13.7, None),
+            (slipgrid_units::SLOPE, 250.0, None),
+            (slipgrid_units::RATIO, 85.0, Some("in per cent, that would be 0.85")),
+            (slipgrid_units::FRICTION, 25.0, Some("in per cent, that would be 0.25")),
+        ] {
+            let said = slip(quantity, value);
+            assert_eq!(said.is_some(), hint.is_some(), "{quantity}: {said:?}");
+        }
+        assert!(!slipgrid_units::SLOPE.accepts(1e-9));
+    }
+
+    #[test]
     fn what_was_measured_is_what_files_may_hold() {
         for (measured, held) in [(MODULUS, slipgrid_units::MODULUS_GPA), (DENSITY, slipgrid_units::DENSITY_G_CM3)] {
             let most = measured.measurable[1];
@@ -338,6 +373,24 @@ mod tests {
             };
             assert!(said.contains(says), "{said}");
         }
+    }
+
+    #[test]
+    fn a_value_that_cannot_be_is_told_in_a_sentence() {
+        let place = || Diagnostic {
+            key: Some("youngs_modulus_gpa".into()),
+            value: Some("5000".into()),
+            ..Diagnostic::default()
+        };
+        let said = MODULUS.check(5000.0, place).unwrap_err().to_string();
+        assert!(
+            said.starts_with("youngs_modulus_gpa: 5000 lies outside all measured Young's moduli; expected"),
+            "{said}"
+        );
+        assert!(
+            said.contains("0.000001 to 1250 GPa, as rubber has") && said.contains("in MPa, that would be 5 GPa"),
+            "{said}"
+        );
     }
 
     #[test]

@@ -55,7 +55,7 @@ pub struct SurfaceFile {
     level: Option<Spanned<bool>>,
     /// P0, the pressure up to which friction is proportional to load; 0.7 when absent.
     pub threshold_mpa: Option<Number>,
-    /// Windows along each side, whose spread gives the errors of the law: 0 for none; without the key 2, where the map has room.
+    /// Windows along each side, whose spread gives the errors of the law: 0 or 1 for none; without the key 2, where the map has room.
     windows: Option<Spanned<usize>>,
 }
 

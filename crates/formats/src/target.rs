@@ -19,7 +19,8 @@ pub struct TargetFile {
     pub pressure_mpa: Spanned<Numbers>,
     /// Value wanted: one number, or one per pressure.
     value: Option<Spanned<Numbers>>,
-    /// Half-width about `value` within which the target is met: one number, or one per pressure.
+    /// Half-width about `value` within which the target is met, or how far beyond `lowest` or `highest` alone is aimed, 0.01 of it when
+    /// absent there: one number, or one per pressure.
     tolerance: Option<Spanned<Numbers>>,
     /// Lower end of a band, in place of `value`: one number, or one per pressure.
     lowest: Option<Spanned<Numbers>>,
@@ -119,5 +120,31 @@ fn combined(document: &Document, file: &Spanned<TargetFile>, goal: Option<Goal>)
             .refuse(tolerance.span(), "has nothing that it belongs to")
             .expected("a tolerance beside value, or beside one of lowest and highest")),
         _ => Ok(()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn read(keys: &str) -> Result<Target, String> {
+        let text = format!("quantity = \"ratio\"\npressure_mpa = 1.0\n{keys}");
+        let document = Document::new("design.toml", &text);
+        read_target(&document, &document.parse().unwrap()).map_err(|refused| refused.to_string())
+    }
+
+    #[test]
+    fn a_tolerance_beside_one_limit_says_how_far_beyond_it_is_aimed() {
+        for (keys, wanted) in [
+            ("highest = 0.9\ntolerance = 0.02", Wanted::AtMost { highest: 0.9, margin: 0.02 }),
+            ("highest = 0.9", Wanted::AtMost { highest: 0.9, margin: MARGIN * 0.9 }),
+            ("lowest = 0.9\ntolerance = 0.02", Wanted::AtLeast { lowest: 0.9, margin: 0.02 }),
+        ] {
+            let demand = Demand { pressure_pa: 1e6, wanted, weight: 1.0 };
+            assert_eq!(read(keys), Ok(Target::of(Quantity::Ratio, vec![demand], None).unwrap()), "{keys}");
+        }
+        let said = read("lowest = 0.8\nhighest = 0.9\ntolerance = 0.02").unwrap_err();
+        assert!(said.contains("tolerance: 0.02 has nothing that it belongs to"), "{said}");
+        assert!(read("value = 0.85\nhighest = 0.9\ntolerance = 0.02").unwrap_err().contains("stands beside value"));
     }
 }

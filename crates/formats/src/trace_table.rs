@@ -22,7 +22,7 @@ const MOST_SPECIMENS: u64 = 100;
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TracesFile {
-    /// Seconds since the first sample between which friction is averaged; [10, 40] when absent.
+    /// Seconds since the first row between which friction is averaged; [10, 40] when absent.
     window_s: Option<NumberList>,
     /// Distance from the axis to a specimen's centre: mu = torque / (normal force x radius).
     effective_radius_mm: Option<Number>,
@@ -34,7 +34,7 @@ pub struct TracesFile {
     reciprocating: Option<bool>,
     /// Share of every stroke, about its middle, that is averaged with `reciprocating`; 0.5 when absent.
     stroke_share: Option<Number>,
-    /// Seconds since the first sample, before touchdown, between which the means of normal force and of friction force (or torque) are the
+    /// Seconds since the first row, before touchdown, between which the means of normal force and of friction force (or torque) are the
     /// sensors' zero, which is subtracted; nothing is when absent.
     zero_s: Option<NumberList>,
     /// Titles of columns that are not among the known ones, as `{ friction_force = "F_tan", normal_force = "F_norm [mN]" }`.
@@ -128,7 +128,7 @@ pub struct TraceConditionFile {
 /// Conditions, each with its place in the file.
 pub(crate) type PlacedConditions = Vec<(Range<usize>, TraceCondition)>;
 
-/// The span of the sensors' zero, in seconds since the first sample, and the place of its key.
+/// The span of the sensors' zero, in seconds since the first row, and the place of its key.
 type Zero = ([f64; 2], Range<usize>);
 
 /// What reads the traces of a calibration, each export once.

@@ -86,11 +86,11 @@ pub struct TraceCondition {
     pub speed_m_s: f64,
     /// Relative humidity, 0 to 1.
     pub humidity: f64,
-    /// Averaging window, in seconds since the first sample.
+    /// Averaging window, in seconds since the first row.
     pub window_s: [f64; 2],
     /// Part in the middle of every stroke that counts where the sample slides back and forth.
     pub stroke_share: Option<f64>,
-    /// Span before touchdown whose mean forces are subtracted as the sensors' zero, in seconds since the first sample.
+    /// Span before touchdown whose mean forces are subtracted as the sensors' zero, in seconds since the first row.
     pub zero_s: Option<[f64; 2]>,
     /// Exports, in the order of their names.
     pub files: Vec<PathBuf>,
@@ -345,6 +345,7 @@ fn departures(condition: &TraceCondition, repeat: &Recorded) -> Vec<String> {
     }
     let moved = speed_of_position(
         &repeat.channels.time_s,
+        repeat.channels.start_s,
         &repeat.position_m,
         condition.window_s,
         condition.stroke_share.is_some(),

@@ -9,6 +9,7 @@ use toml::Spanned;
 
 use super::calibration::read_fitting_pattern;
 use super::calibration_file::FaceFile;
+use super::cavity_lengths;
 use super::document::Document;
 use super::exchanged;
 use super::material::existing;
@@ -176,6 +177,7 @@ pub(crate) fn read_trials(
         // What presses on a sector has a face of its own, and the sector goes on around it.
         let is_laid = file.disc.is_none();
         let pattern = read_fitting_pattern(document, &file.pattern, &own.specimen, is_laid)?;
+        remarks.told.extend(cavity_lengths::unusual(document, &file.pattern));
         remarks.told.extend(exchanged::check(document, &file.pattern, &pattern, &samples));
         let rows = match (&file.measurements, &file.traces) {
             (Some(_), Some(traces)) => {
@@ -202,8 +204,9 @@ pub(crate) fn read_trials(
         remarks.repeated.extend(measured::identical(&before, &rows));
         before.extend(rows.iter().cloned());
         remarks.told.extend(measured::check(&rows, &own_specimens)?);
-        let rows: Vec<Placed> = rows.iter().map(|row| row.on(&own_specimens, specimens, flat)).collect();
-        remarks.told.extend(measured::check_partners(&rows, flat)?);
+        let written = rows;
+        let rows: Vec<Placed> = written.iter().map(|row| row.on(&own_specimens, specimens, flat)).collect();
+        remarks.told.extend(measured::check_partners(&rows, &written, flat)?);
         remarks.doubts.extend(measured::doubtful_ratios(&rows, flat));
         let std = |written: &Option<Number>, name: &str, length_m: f64| {
             dimension_error::read(document, written.as_ref(), name, length_m)

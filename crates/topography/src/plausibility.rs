@@ -5,7 +5,7 @@ use std::fmt;
 use slipgrid_monitor::{Cancelled, Monitor};
 use slipgrid_statistics::upper_median;
 
-use crate::{HeightMap, Spikes};
+use crate::{Form, HeightMap, Spikes};
 
 /// The limits of plausibility of maps, all of them.
 pub mod limits {
@@ -33,6 +33,8 @@ pub mod limits {
     pub const SPIKE_SLOPE: f64 = 0.03;
     /// ... or by which the highest point stands higher above the median with them: it carries load first.
     pub const SPIKE_PEAK: f64 = 0.1;
+    /// Part of Sa that a surface of second order must take beyond the plane to be warned of, as the form of a curved specimen.
+    pub const FORM_SHARE: f64 = 1.0 / 3.0;
     /// Share of missing points from which the filled ones matter: they are smooth, and lower the slope by up to half
     /// their share. Instruments advise to measure again from 5 to 10 %.
     pub const WARNED_MISSING_SHARE: f64 = 0.1;
@@ -83,6 +85,13 @@ pub enum MapWarning {
         /// First and last row, first and last column that hold such points.
         extent: [[usize; 2]; 2],
     },
+    /// Most of the heights are those of a surface of second order: a curved specimen, taken for roughness.
+    Curved {
+        /// Sa of the map less its plane, in metres.
+        sa_m: f64,
+        /// Sa of the map less its surface of second order, in metres.
+        sa_without_m: f64,
+    },
     /// Many points are missing.
     Missing {
         /// Points missing.
@@ -110,6 +119,7 @@ impl MapWarning {
             Self::Spikes { .. } => "spikes",
             Self::Raised { .. } => "debris",
             Self::Lowered { .. } => "hole",
+            Self::Curved { .. } => "curved",
             Self::Missing { .. } => "missing points",
             Self::Slope { .. } => "slope",
             Self::Heights { .. } => "unit of heights",
@@ -142,6 +152,13 @@ impl fmt::Display for MapWarning {
                  {last_col}), as a hole, a cavity or the edge of a specimen does: crop the map to the surface itself",
                 100.0 * share,
                 depth_m * 1e6
+            ),
+            Self::Curved { sa_m, sa_without_m } => write!(
+                f,
+                "Sa is {:.3} um, and {:.3} um without the least-squares surface of second order: the form of a curved specimen, which \
+                 counts as roughness (in a small map a long wave looks the same)",
+                sa_m * 1e6,
+                sa_without_m * 1e6
             ),
             Self::Missing { missing, points } => write!(
                 f,
@@ -222,6 +239,24 @@ impl HeightMap {
             highest_m,
             highest_without_m,
         }))
+    }
+
+    /// The warning on a form of second order, if it makes up most of the heights left by the least-squares plane.
+    ///
+    /// # Errors
+    /// [`Cancelled`] once `monitor` cancels.
+    pub fn form_warning(&self, monitor: &dyn Monitor) -> Result<Option<MapWarning>, Cancelled> {
+        let sa_m_without = |form: Form| {
+            let mut map = self.clone();
+            // What does not determine a form has none.
+            let is_removed = map.remove_form(form, monitor).is_ok();
+            monitor.heed()?;
+            Ok(is_removed.then(|| map.sa_m()))
+        };
+        let Some(sa_without_m) = sa_m_without(Form::SecondOrder)? else { return Ok(None) };
+        let Some(sa_m) = sa_m_without(Form::Plane)? else { return Ok(None) };
+        let is_curved = sa_without_m < (1.0 - limits::FORM_SHARE) * sa_m && sa_m >= limits::WARNED_SQ_M[0];
+        Ok(is_curved.then_some(MapWarning::Curved { sa_m, sa_without_m }))
     }
 
     /// Median of the heights present, in metres.

@@ -170,6 +170,8 @@ impl PreparedMap {
             }
         }
         period |= one_period && side_step_ratio(&map, monitor)? <= PERIOD_STEP_RATIO;
+        let is_kept = !period && how.form != Form::SecondOrder;
+        let curved = if is_kept { map.form_warning(monitor).map_err(MapError::from)? } else { None };
         // A plane through one period would leave a step where the period closes.
         match how.form {
             Form::Plane if !period => {
@@ -210,7 +212,10 @@ impl PreparedMap {
         // High points that are spikes are no debris beside.
         let is_new =
             |warning: &MapWarning| !matches!(warning, MapWarning::Raised { points, .. } if *points <= spike_points);
-        warnings.extend(map.hole_warning());
+        let hole = map.hole_warning();
+        // A hole bends the surface of second order too.
+        warnings.extend(curved.filter(|_| hole.is_none()));
+        warnings.extend(hole);
         heed()?;
         warnings.extend(map.height_warnings(rms_slope).into_iter().filter(is_new));
         heed()?;
@@ -253,6 +258,27 @@ mod tests {
         let map = HeightMap::new(rows, cols, map.dx_m(), map.dy_m(), tilted).unwrap();
         let read = ReadMap { map, whole: true, format: MapFormat::Matrix, comments: Vec::new(), notes: Vec::new() };
         PreparedMap::one_period(read, Preparation::default(), &Unwatched).unwrap()
+    }
+
+    #[test]
+    fn a_curved_specimen_is_told_until_its_form_is_removed() {
+        let rough = SelfAffine { pixels: 64, max_wave: 8, ..SelfAffine::STAND_IN }.map().unwrap();
+        let curved = |bow_m: f64, form: Form| {
+            let u = |n: usize| 2.0 * n as f64 / 63.0 - 1.0;
+            let height_m = (0..64 * 64).map(|n| rough.heights_m()[n] + bow_m * u(n / 64).powi(2)).collect();
+            let map = HeightMap::new(64, 64, rough.dx_m(), rough.dy_m(), height_m).unwrap();
+            let read = ReadMap { map, whole: true, format: MapFormat::Matrix, comments: Vec::new(), notes: Vec::new() };
+            let found = PreparedMap::new(read, Preparation { form, ..Preparation::default() }, &Unwatched).unwrap();
+            found.warnings.into_iter().find(|warning| matches!(warning, MapWarning::Curved { .. }))
+        };
+        let bow_m = 20.0 * rough.sa_m();
+        for form in [Form::Plane, Form::Mean] {
+            let Some(MapWarning::Curved { sa_m, sa_without_m }) = curved(bow_m, form) else { panic!("{form:?}") };
+            assert!(sa_without_m < 1.1 * rough.sa_m() && sa_m > 3.0 * sa_without_m, "{sa_m} {sa_without_m}");
+            assert_eq!(curved(0.0, form), None);
+            assert_eq!(curved(0.5 * rough.sa_m(), form), None);
+        }
+        assert_eq!(curved(bow_m, Form::SecondOrder), None);
     }
 
     #[test]

@@ -44,3 +44,64 @@ pub fn number_in(cell: &str, separator: char) -> Option<f64> {
         .then(|| bare.replace(',', ".").parse::<f64>().ok())
         .flatten()
 }
+
+/// A number as it was written, and where.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Written {
+    /// Its line, from 1.
+    pub line: u32,
+    /// Its column, counted by the caller.
+    pub column: usize,
+    /// The number itself, without quotes.
+    pub number: String,
+}
+
+/// The decimal signs that the numbers of a table were written with: beside decimal commas a point may part thousands.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct DecimalSigns {
+    comma: Option<Written>,
+    point: Option<Written>,
+}
+
+impl DecimalSigns {
+    /// Takes a cell that is a number. Returns the first number with a point and, in words, why its value is not known, once numbers with
+    /// decimal commas stand in the same table.
+    pub fn take(&mut self, cell: &str, [line, column]: [u32; 2]) -> Option<(&Written, String)> {
+        let bare = unquoted(cell);
+        let first = if bare.contains(',') {
+            &mut self.comma
+        } else if bare.contains('.') {
+            &mut self.point
+        } else {
+            return None;
+        };
+        first.get_or_insert_with(|| Written { line, column: column as usize, number: bare.to_owned() });
+        let (point, comma) = self.point.as_ref().zip(self.comma.as_ref())?;
+        let reason = format!(
+            "has a point, which may part decimals or thousands: \"{}\" in line {} has a decimal comma",
+            comma.number, comma.line
+        );
+        Some((point, reason))
+    }
+
+    /// What would be accepted of a table with both.
+    pub const EXPECTED: &'static str = "one decimal sign in all numbers of the table, and no sign between thousands";
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_point_beside_decimal_commas_is_named_whichever_comes_first() {
+        for cells in [["0,248", "1.000"], ["1.000", "\"0,248\""]] {
+            let mut signs = DecimalSigns::default();
+            assert_eq!(signs.take("500", [2, 0]), None);
+            assert_eq!(signs.take(cells[0], [2, 3]), None);
+            assert_eq!(signs.take("7e3", [3, 1]), None);
+            let (point, reason) = signs.take(cells[1], [4, 0]).unwrap();
+            assert_eq!(point.number, "1.000");
+            assert!(reason.contains("\"0,248\" in line") && reason.contains("thousands"), "{reason}");
+        }
+    }
+}

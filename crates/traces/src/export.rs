@@ -1,6 +1,6 @@
 //! Tribometer exports: tables with the instrument's own names, units, separators and decimal sign.
 
-use crate::cells::{cut, number_in, separator, unquoted};
+use crate::cells::{DecimalSigns, cut, number_in, separator, unquoted};
 use crate::columns::{Channel, Column, Titles, UnknownUnit, columns, needed_columns};
 use crate::missing_numbers::{Longest, Missing, Stretch};
 use crate::{Tangential, TraceChannels};
@@ -130,7 +130,7 @@ pub fn parse(text: &str, effective_radius_m: Option<f64>, titles: &Titles) -> Re
     }
     let needed: Vec<&Column> = layout.iter().flatten().filter(|column| column.channel.is_needed()).collect();
     let mut repeats: Vec<Table> = vec![Table::default()];
-    let mut label: Option<f64> = None;
+    let (mut label, mut signs): (Option<f64>, _) = (None, DecimalSigns::default());
     for (number, line) in rows {
         let cells = cut(line, separator);
         if cells.starts_with(&header.cells) && cells[header.cells.len()..].iter().all(|cell| cell.is_empty()) {
@@ -144,6 +144,7 @@ pub fn parse(text: &str, effective_radius_m: Option<f64>, titles: &Titles) -> Re
             let expected = format!("{}, as the header line", header.cells.len());
             return Err(ExportError::at(Some(number), format!("has {} values", cells.len()), expected));
         }
+        check_signs(&layout, &cells, separator, number, &mut signs)?;
         let row = read_row(&layout, &cells, separator).map_err(|(name, cell)| ExportError {
             column: Some(name),
             value: Some(format!("\"{cell}\"")),
@@ -317,6 +318,30 @@ fn read_row(layout: &[Option<Column>], cells: &[&str], separator: char) -> Resul
     Ok(row)
 }
 
+/// Refuses numbers with decimal commas and numbers with points in one table; `line` is that of the `cells`.
+fn check_signs(
+    layout: &[Option<Column>],
+    cells: &[&str],
+    separator: char,
+    line: u32,
+    signs: &mut DecimalSigns,
+) -> Result<(), ExportError> {
+    for ((column, cell), at) in layout.iter().zip(cells).zip(0..) {
+        if column.is_none() || number_in(cell, separator).is_none() {
+            continue;
+        }
+        if let Some((point, reason)) = signs.take(cell, [line, at]) {
+            let column = layout.get(point.column).and_then(Option::as_ref);
+            return Err(ExportError {
+                column: column.map(|column| column.name().to_owned()),
+                value: Some(format!("\"{}\"", point.number)),
+                ..ExportError::at(Some(point.line), reason, DecimalSigns::EXPECTED)
+            });
+        }
+    }
+    Ok(())
+}
+
 /// Samples of one repeat.
 #[derive(Default)]
 struct Table {
@@ -329,6 +354,8 @@ struct Table {
     turns_per_s: Vec<f64>,
     humidity: Vec<f64>,
     position_m: Vec<f64>,
+    /// Time of its first row, on the file's own clock; one that lacks other numbers counts too.
+    start_s: Option<f64>,
     missing: Stretch,
     repeated: usize,
     last: Option<Row>,
@@ -342,6 +369,7 @@ impl Table {
     /// Takes the row in line `number`, unless it is `without` a number in columns that are needed.
     fn push<'a>(&mut self, number: u32, row: &Row, without: impl Iterator<Item = &'a str>) {
         let mut without = without.peekable();
+        self.start_s = self.start_s.or(row.get(Channel::Time));
         let time_s = match row.get(Channel::Time) {
             Some(time_s) if without.peek().is_none() => time_s,
             time_s => return self.missing.add(number, time_s, without),
@@ -368,6 +396,7 @@ impl Table {
             let mean = values.iter().sum::<f64>() / values.len() as f64;
             mean.is_finite().then_some(mean)
         };
+        let start_s = self.start_s.unwrap_or(0.0);
         // v = 2 pi n r_eff
         let turning = mean(&self.turns_per_s).map(|turns| std::f64::consts::TAU * turns * radius_m);
         Recorded {
@@ -375,7 +404,7 @@ impl Table {
             speed_m_s: mean(&self.speed_m_s).or(turning).filter(|speed| speed.is_finite()),
             humidity: mean(&self.humidity),
             position_m: if self.position_m.iter().any(|x| x.is_finite()) { self.position_m } else { Vec::new() },
-            missing: self.missing.found(self.time_s.first().copied(), self.time_s.len() + self.repeated),
+            missing: self.missing.found(start_s, self.time_s.len() + self.repeated),
             repeated_rows: self.repeated,
             channels: TraceChannels {
                 tangential: if !self.torque_nm.is_empty() {
@@ -386,6 +415,7 @@ impl Table {
                     Tangential::Coefficient(self.coefficient)
                 },
                 time_s: self.time_s,
+                start_s,
                 normal_force_n: self.normal_force_n,
             },
         }

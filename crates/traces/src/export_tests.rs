@@ -9,6 +9,7 @@ fn separators_decimal_signs_units_and_comments() {
     let plain = parsed("time_s,torque_nm,normal_force_n\n0,0.5,50\n0.5,0.25,51\n").unwrap();
     let expected = TraceChannels {
         time_s: vec![0.0, 0.5],
+        start_s: 0.0,
         tangential: Tangential::TorqueNm(vec![0.5, 0.25]),
         normal_force_n: vec![50.0, 51.0],
     };
@@ -51,6 +52,65 @@ fn what_was_not_measured_is_left_out_and_counted() {
     assert_eq!((repeat.channels.time_s.as_slice(), missing.rows, missing.of), (&[0.0, 3.0][..], 2, 4));
     assert_eq!(missing.words(true), "2 of 4 rows have no number in Tz from 1.00 to 2.00 s (lines 3 to 4)");
     assert_eq!(found.unused, ["Temp"]);
+}
+
+#[test]
+fn time_is_counted_from_the_first_row_even_where_it_lacks_a_number() {
+    // 0.25 with a drift of 0.001 a second, of a clock that begins at 7 s; the force is recorded from `from_s` on.
+    let table = |from_s: f64| {
+        let mut text = String::from("time,Fx,Fz,x [mm]\n");
+        for t in (0..=1000).map(|row| f64::from(row) * 0.05) {
+            let ripple = 0.01 * (3.0 * t).sin();
+            let force = if t < from_s { String::new() } else { "60".to_owned() };
+            text += &format!("{},{},{force},{}\n", 7.0 + t, 15.0 + 0.06 * t + ripple, 2.0 * t);
+        }
+        parsed(&text).unwrap().repeats.remove(0)
+    };
+    let options = crate::TraceOptions {
+        window_s: [15.0, 45.0],
+        effective_radius_m: f64::NAN,
+        nominal_force_n: Some(60.0),
+        speed_m_s: 2e-3,
+        static_peak: false,
+        stroke_share: None,
+        zero_s: None,
+    };
+    let analysed = |repeat: &Recorded, options: &crate::TraceOptions| crate::analyse(&repeat.channels, options);
+    let (whole, late) = (table(0.0), table(12.0));
+    let found = [&whole, &late].map(|repeat| analysed(repeat, &options).unwrap());
+    assert_eq!(found[0].window, found[1].window);
+    assert!((found[1].time_s[0] - 12.0).abs() < 1e-9);
+    let missing = late.missing.as_ref().unwrap().words(true);
+    assert_eq!(missing, "240 of 1001 rows have no number in Fz from 0.00 to 11.95 s (lines 2 to 241)");
+    assert!(found[1].flags.iter().any(|flag| flag.to_string().contains("no samples from 0.00 to 12.00 s")));
+    let speed = |repeat: &Recorded, span_s: [f64; 2]| {
+        crate::speed_of_position(&repeat.channels.time_s, repeat.channels.start_s, &repeat.position_m, span_s, false)
+    };
+    assert!(speed(&late, [13.0, 45.0]).is_some() && speed(&late, [0.0, 11.0]).is_none());
+    // The file ends at 50 s, and what a window misses of it is refused.
+    let longer = crate::TraceOptions { window_s: [15.0, 55.0], ..options };
+    assert!(
+        matches!(analysed(&late, &longer), Err(crate::TraceError::TooShort { end_s, .. }) if (end_s - 50.0).abs() < 1e-9)
+    );
+    let early = crate::TraceOptions { window_s: [5.0, 45.0], ..options };
+    let error = analysed(&late, &early).unwrap_err();
+    assert!(matches!(error, crate::TraceError::Gap { from_s: 0.0, .. }), "{error:?}");
+    let [reason, _] = late.missing.as_ref().unwrap().explains(&error, early.window_s).unwrap();
+    assert!(reason.contains("from 0.00 to 11.95 s"), "{reason}");
+    // A span of the zero in which nothing was recorded is none.
+    let zeroed = crate::TraceOptions { zero_s: Some([0.0, 4.0]), ..options };
+    assert!(matches!(analysed(&late, &zeroed), Err(crate::TraceError::ZeroTooShort { found: 0, .. })));
+}
+
+#[test]
+fn a_point_beside_decimal_commas_is_refused() {
+    let refused = parsed("time;Fx;Fz;Temp\n0,0;15,2;500;20.5\n0,5;15,3;1.000;20.5\n").unwrap_err();
+    assert_eq!((refused.line, refused.column.as_deref()), (Some(3), Some("Fz")));
+    let said = refused.to_string();
+    assert!(refused.value.as_deref() == Some("\"1.000\"") && said.contains("\"0,0\" in line 2"), "{said}");
+    assert!(said.ends_with("expected one decimal sign in all numbers of the table, and no sign between thousands"));
+    // A column that is not used, here a temperature, may be written as it likes.
+    assert!(parsed("time;Fx;Fz;Temp\n0,0;15,2;500;20.5\n").is_ok());
 }
 
 #[test]

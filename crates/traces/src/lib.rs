@@ -142,6 +142,8 @@ impl Tangential {
 pub struct TraceChannels {
     /// Time of every sample, in seconds.
     pub time_s: Vec<f64>,
+    /// When the trace begins on that clock, in seconds: at its first row, which may lack other numbers than the time and be no sample.
+    pub start_s: f64,
     /// Friction.
     pub tangential: Tangential,
     /// Normal force on the whole sample holder, in newtons; empty where only a coefficient was recorded.
@@ -161,7 +163,7 @@ impl TraceChannels {
 /// How a trace is read.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TraceOptions {
-    /// Averaging window, in seconds since the first sample.
+    /// Averaging window, in seconds since the trace begins.
     pub window_s: [f64; 2],
     /// Distance r_eff from the axis to the centre of a specimen, in metres; needed for a torque.
     pub effective_radius_m: f64,
@@ -174,7 +176,7 @@ pub struct TraceOptions {
     /// The sample slides back and forth, and this part in the middle of every stroke counts, above 0 up to 1; `None` for sliding in
     /// one direction. Neither static peak nor stick-slip is looked for in strokes.
     pub stroke_share: Option<f64>,
-    /// Span before touchdown, in seconds since the first sample, whose mean normal force and friction force (or torque) are subtracted as
+    /// Span before touchdown, in seconds since the trace begins, whose mean normal force and friction force (or torque) are subtracted as
     /// the sensors' zero; `None` takes them as recorded.
     pub zero_s: Option<[f64; 2]>,
 }
@@ -185,11 +187,11 @@ pub const DEFAULT_WINDOW_S: [f64; 2] = [10.0, 40.0];
 /// What a trace says.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TraceFindings {
-    /// Time of every loaded sample, in seconds since the first sample of the trace.
+    /// Time of every loaded sample, in seconds since the trace begins.
     pub time_s: Vec<f64>,
     /// Friction coefficient there, positive against the motion.
     pub mu: Vec<f64>,
-    /// Averaging window, in seconds since the first sample.
+    /// Averaging window, in seconds since the trace begins.
     pub window_s: [f64; 2],
     /// Mean, error and drift over the window.
     pub window: WindowMean,
@@ -223,8 +225,7 @@ pub fn analyse(channels: &TraceChannels, options: &TraceOptions) -> Result<Trace
             found
         });
     }
-    let start = channels.time_s[0];
-    let time_s: Vec<f64> = channels.time_s.iter().map(|t| t - start).collect();
+    let time_s: Vec<f64> = channels.time_s.iter().map(|t| t - channels.start_s).collect();
     let inside = window_samples(&time_s, options.window_s)?;
     if let Some(span_s) = options.zero_s {
         let (zeroed, zero) = zero::subtract(channels, &time_s, &inside, span_s, options.window_s[0])?;
@@ -335,6 +336,9 @@ fn check_channels(channels: &TraceChannels, options: &TraceOptions) -> Result<()
     if let Some(i) = time_s.windows(2).position(|pair| pair[1] < pair[0]) {
         return Err(TraceError::ClockBack { sample: i + 2, from_s: time_s[i], to_s: time_s[i + 1] });
     }
+    if !(channels.start_s.is_finite() && channels.start_s <= time_s[0]) {
+        return Err(TraceError::ClockBack { sample: 1, from_s: channels.start_s, to_s: time_s[0] });
+    }
     let [from_s, to_s] = options.window_s;
     if !(from_s >= 0.0 && to_s > from_s && to_s.is_finite()) {
         return Err(TraceError::Window { from_s, to_s });
@@ -379,8 +383,9 @@ fn usual_pause(time_s: &[f64]) -> f64 {
 fn gaps(time_s: &[f64], window_s: [f64; 2]) -> Result<Vec<TraceFlag>, TraceError> {
     let usual = usual_pause(time_s);
     let (mut longest, mut count) = ([0.0, 0.0], 0);
-    for pair in time_s.windows(2) {
-        let (from_s, to_s) = (pair[0], pair[1]);
+    // Before the first sample there may be rows that lack numbers.
+    let before = (0.0, time_s[0]);
+    for (from_s, to_s) in [before].into_iter().chain(time_s.windows(2).map(|pair| (pair[0], pair[1]))) {
         if to_s - from_s <= GAP_FACTOR * usual || from_s >= window_s[1] {
             continue;
         }

@@ -95,6 +95,7 @@ mod tests {
             tangential: Tangential::ForceN(time_s.iter().map(|t| friction_n * ripple(t)).collect()),
             normal_force_n: time_s.iter().map(|t| normal_n * ripple(t)).collect(),
             time_s,
+            start_s: 0.0,
         }
     }
 

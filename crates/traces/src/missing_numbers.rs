@@ -22,7 +22,7 @@ pub struct Missing {
     pub rows: usize,
     /// Of how many.
     pub of: usize,
-    /// Most of them one behind another; times are seconds since the first sample.
+    /// Most of them one behind another; times are seconds since the trace begins.
     pub longest: Longest,
 }
 
@@ -105,10 +105,9 @@ impl Stretch {
     }
 
     /// What was missing of a repeat whose clock begins at `start_s` and that has so many `whole` rows.
-    pub(crate) fn found(self, start_s: Option<f64>, whole: usize) -> Option<Missing> {
+    pub(crate) fn found(self, start_s: f64, whole: usize) -> Option<Missing> {
         let rows = self.rows;
         let mut longest = self.longest()?;
-        let start_s = start_s.unwrap_or(0.0);
         longest.time_s = longest.time_s.map(|times| times.map(|time_s| time_s - start_s));
         Some(Missing { rows, of: rows + whole, longest })
     }

@@ -9,21 +9,21 @@ const LONGEST_STEP: usize = 50;
 /// Of a sample that slides back and forth, rates above this part of the fastest are of the middle of a stroke.
 const IN_THE_MIDDLE: f64 = 0.5;
 
-/// Speed at which a position changes, in m/s: the median of |dx/dt| over the samples from `from_s` to `to_s`, in seconds since the first
-/// sample. Of a sample that slides back and forth only rates of the middle of strokes count. `None` where the position says nothing: it was
+/// Speed at which a position changes, in m/s: the median of |dx/dt| over the samples from `from_s` to `to_s`, in seconds since `start_s`
+/// on the clock of `time_s`. Of a sample that slides back and forth only rates of the middle of strokes count. `None` where the position says nothing: it was
 /// not recorded, stands still, or is too coarse. Numbers that are not finite are left out; the shorter of the two lists counts.
 #[must_use]
 pub fn speed_of_position(
     time_s: &[f64],
+    start_s: f64,
     position_m: &[f64],
     [from_s, to_s]: [f64; 2],
     reciprocating: bool,
 ) -> Option<f64> {
-    let start = time_s.first()?;
     let samples: Vec<(f64, f64)> = time_s
         .iter()
         .zip(position_m)
-        .map(|(t, x)| (t - start, *x))
+        .map(|(t, x)| (t - start_s, *x))
         .filter(|(t, x)| *t >= from_s && *t <= to_s && x.is_finite())
         .collect();
     let positions: Vec<f64> = samples.iter().map(|(_, x)| *x).collect();
@@ -60,7 +60,7 @@ mod tests {
         let time_s: Vec<f64> = (0..=2250).map(|i| 0.02 * f64::from(i)).collect();
         let position_m: Vec<f64> = time_s.iter().copied().map(position).collect();
         let clock: Vec<f64> = time_s.iter().map(|t| t + 7.0).collect();
-        speed_of_position(&clock, &position_m, WINDOW_S, reciprocating)
+        speed_of_position(&clock, 7.0, &position_m, WINDOW_S, reciprocating)
     }
 
     #[test]
@@ -90,7 +90,7 @@ mod tests {
         assert_eq!(found(false, |t| (2e-3 * t / 0.01).round() * 0.01), None);
         assert_eq!(found(false, |_| f64::NAN), None);
         for times in [&[][..], &[0.0], &[0.0; 40], &[f64::NAN; 40]] {
-            assert_eq!(speed_of_position(times, &[0.0; 40], WINDOW_S, true), None);
+            assert_eq!(speed_of_position(times, 0.0, &[0.0; 40], WINDOW_S, true), None);
         }
     }
 }

@@ -26,9 +26,9 @@ pub struct RunIn {
     pub change: f64,
     /// The same over what friction settles at.
     pub relative: f64,
-    /// The middle of that first part, in seconds since the first sample.
+    /// The middle of that first part, in seconds since the trace begins.
     pub from_s: f64,
-    /// When half of the change was over, in seconds since the first sample.
+    /// When half of the change was over, in seconds since the trace begins.
     pub half_s: f64,
 }
 

@@ -50,7 +50,7 @@ pub struct TracePeak {
     pub noise: f64,
     /// What sampling may have missed: the smaller change to the next samples, where there are some on both sides.
     pub missed: f64,
-    /// When, in seconds since the first sample.
+    /// When, in seconds since the trace begins.
     pub time_s: f64,
     /// Samples in the upper quarter of its height over what follows.
     pub samples_at_top: usize,

@@ -140,7 +140,7 @@ mod tests {
         };
         let force_n = time_s.iter().map(|&t| 20.0 * seen(friction(t) + noise * random.normal())).collect();
         let normal_force_n = time_s.iter().map(|_| 20.0).collect();
-        TraceChannels { time_s, tangential: Tangential::ForceN(force_n), normal_force_n }
+        TraceChannels { time_s, start_s: 0.0, tangential: Tangential::ForceN(force_n), normal_force_n }
     }
 
     const OPTIONS: TraceOptions = TraceOptions {
@@ -200,6 +200,7 @@ mod tests {
         let coarse = |values: &[f64]| values.iter().copied().step_by(20).collect::<Vec<_>>();
         let sparse = TraceChannels {
             time_s: coarse(&both.time_s),
+            start_s: 0.0,
             tangential: Tangential::ForceN(coarse(both.tangential.values())),
             normal_force_n: coarse(&both.normal_force_n),
         };

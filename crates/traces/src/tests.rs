@@ -17,7 +17,7 @@ fn good() -> TraceChannels {
             (mu + 0.0025 * noise.normal()) * force * RADIUS_M
         })
         .collect();
-    TraceChannels { time_s, tangential: Tangential::TorqueNm(torque), normal_force_n }
+    TraceChannels { time_s, start_s: 100.0, tangential: Tangential::TorqueNm(torque), normal_force_n }
 }
 
 /// At 50 um/s friction falls from its peak within 50 um.
@@ -200,6 +200,7 @@ fn times_in_another_unit_are_asked_about() {
     for (factor, says) in [(60.0, "a sample every"), (1e-3, "with a sample every 0.00005 s")] {
         let mut channels = good();
         channels.time_s.iter_mut().for_each(|t| *t *= factor);
+        channels.start_s *= factor;
         let window_s = if factor > 1.0 { [10.0, 60.0] } else { DEFAULT_WINDOW_S };
         let refused = analyse(&channels, &TraceOptions { window_s, ..OPTIONS }).unwrap_err().to_string();
         assert!(refused.contains("time is in another unit than its title says"), "{refused}");

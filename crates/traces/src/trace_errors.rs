@@ -40,7 +40,7 @@ impl fmt::Display for LoadSlip {
     }
 }
 
-/// Why nothing can be read from a trace. Times are seconds since the first sample.
+/// Why nothing can be read from a trace. Times are seconds since the trace begins.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum TraceError {
     /// A number that was not measured.

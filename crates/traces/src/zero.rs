@@ -22,7 +22,7 @@ const STEADY: f64 = 0.25;
 /// What the sensors read before touchdown.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SensorZero {
-    /// From when to when, in seconds since the first sample.
+    /// From when to when, in seconds since the trace begins.
     pub span_s: [f64; 2],
     /// Normal force, in newtons.
     pub force_n: f64,
@@ -41,7 +41,7 @@ impl fmt::Display for SensorZero {
     }
 }
 
-/// `channels` less what they read from `from_s` to `to_s`; `inside` are the samples of the window, and `time_s` counts from the first sample.
+/// `channels` less what they read from `from_s` to `to_s`; `inside` are the samples of the window, and `time_s` counts from the beginning of the trace.
 ///
 /// # Errors
 /// [`TraceError`] for a span that is none, that has too few samples, in which the sample is loaded, and for friction without a zero.
@@ -78,6 +78,7 @@ pub fn subtract(
     let less = |values: &[f64], zero: f64| values.iter().map(|value| value - zero).collect::<Vec<f64>>();
     let zeroed = TraceChannels {
         time_s: channels.time_s.clone(),
+        start_s: channels.start_s,
         tangential: match &channels.tangential {
             Tangential::TorqueNm(values) => Tangential::TorqueNm(less(values, zero.tangential)),
             Tangential::ForceN(values) => Tangential::ForceN(less(values, zero.tangential)),
@@ -175,7 +176,7 @@ mod tests {
         let mut read = |value: f64, offset: f64| value + offset + 0.05 * noise.normal();
         let normal_force_n = time_s.iter().map(|t| read(load(*t), force_n)).collect();
         let friction = time_s.iter().map(|t| read(0.25 * load(*t), friction_n)).collect();
-        TraceChannels { time_s, tangential: Tangential::ForceN(friction), normal_force_n }
+        TraceChannels { time_s, start_s: 0.0, tangential: Tangential::ForceN(friction), normal_force_n }
     }
 
     fn with(channels: &TraceChannels, zero_s: [f64; 2]) -> Result<TraceFindings, TraceError> {
@@ -242,6 +243,7 @@ mod tests {
         late.time_s.iter_mut().for_each(|t| *t -= 8.0);
         let from = late.time_s.partition_point(|t| *t < 0.0);
         let late = TraceChannels {
+            start_s: late.time_s[from],
             time_s: late.time_s.split_off(from),
             tangential: Tangential::ForceN(late.tangential.values()[from..].to_vec()),
             normal_force_n: late.normal_force_n.split_off(from),

@@ -151,8 +151,8 @@ pub const TOLERANCE: Quantity = Quantity::new(Scale::Times(1.0), "", 0.0, true, 
 pub const STROKE_SHARE: Quantity = Quantity::new(Scale::Times(1.0), "", 0.0, true, 1.0);
 /// Weights in means.
 pub const WEIGHT: Quantity = Quantity::new(Scale::Times(1.0), "", 0.0, true, 1e6);
-/// Rms slopes of surfaces.
-pub const SLOPE: Quantity = Quantity::new(Scale::Times(1.0), "", 0.0, true, 10.0);
+/// Rms slopes of surfaces: below the least every surface is in full contact, above the most none is measured.
+pub const SLOPE: Quantity = Quantity::new(Scale::Times(1.0), "", 1e-7, false, 10.0);
 /// Damping frequency over sqrt(k/m).
 pub const DAMPING: Quantity = Quantity::new(Scale::Times(1.0), "", 0.0, false, 2.0);
 /// Times of a test.

@@ -1,6 +1,6 @@
 //! What a curve of real contact area was solved for, and its record.
 
-use slipgrid_calibrate::area_law::{AreaLawRequest, SurfaceAreaLaw, area_law, persson_curve};
+use slipgrid_calibrate::area_law::{AreaLawRequest, SurfaceAreaLaw, SurfaceWarning, area_law, persson_curve};
 use slipgrid_calibrate::area_law_sampling::{Resolution, STATISTICS_TOLERANCE, WINDOW_STATEMENT, WindowSpread};
 use slipgrid_contact::{AreaPoint, ContactError};
 use slipgrid_formats::altitude_map::law_warnings;
@@ -128,7 +128,8 @@ impl AreaLawCurve {
                 .to_owned(),
             FACTOR_STATEMENT.to_owned(),
         ];
-        Ok(AreaLawReport { model, ..self.report(&curve, rms_slope) })
+        let warnings: Vec<SurfaceWarning> = SurfaceWarning::of_slope(rms_slope).into_iter().collect();
+        Ok(AreaLawReport { model, warnings: law_warnings(&warnings), ..self.report(&curve, rms_slope) })
     }
 
     /// The report of a curve, without what only a map has.
@@ -230,4 +231,17 @@ fn model(surface: &PreparedMap) -> Vec<String> {
     }
     model.extend(surface.notes.iter().cloned());
     model
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_given_slope_of_no_surface_is_told() {
+        let curve = AreaLawCurve::new(0.38, 1.0 / 3.0, 0.7e6, vec![0.5e6, 0.7e6, 2.6e6], 1e-8);
+        let warnings = |rms_slope: f64| curve.of_theory(rms_slope).unwrap().warnings;
+        assert_eq!(warnings(0.0137), [""; 0]);
+        assert!(warnings(1e-5)[0].starts_with("slope: the rms slope given is 1e-5"), "{:?}", warnings(1e-5));
+    }
 }

@@ -135,10 +135,12 @@ mod tests {
     #[test]
     fn a_map_with_decimal_commas_is_that_with_points() {
         let points = "0.5;0.25;1;2\n0;-1.5;0.125;2e-1\n1;1;1;3.25\n";
+        // A matrix takes no unit of x and y.
+        let matrix = ReadOptions { lateral_unit: None, ..GIVEN };
         for mark in [";", "\t", " "] {
             let text = points.replace(';', mark);
-            let plain = read_map(text.as_bytes(), &GIVEN).unwrap();
-            let read = read_map(text.replace('.', ",").as_bytes(), &GIVEN).unwrap();
+            let plain = read_map(text.as_bytes(), &matrix).unwrap();
+            let read = read_map(text.replace('.', ",").as_bytes(), &matrix).unwrap();
             assert_eq!(read.map, plain.map, "{mark:?}");
             assert!(plain.notes.is_empty() && read.notes == [FOUND], "{:?}", read.notes);
             let told = ReadOptions { decimal_comma: true, ..GIVEN };

@@ -6,6 +6,7 @@ use std::io::Read;
 
 use super::bytes::{Number, at_end, exact, numbers};
 use super::lines::{excerpt, number};
+use super::overridden::Said;
 use super::window::Window;
 use super::{MapFormat, ReadMap, ReadOptions, keep_comment};
 use crate::unit::unit_names;
@@ -79,6 +80,8 @@ pub(super) fn read(mut source: impl Read, options: &ReadOptions) -> Result<ReadM
         let missing = [height_unit.is_none().then_some(no_height), pixel_m.is_none().then_some(no_side)];
         return Err(ReadError::NotGiven { missing: missing.into_iter().flatten().collect() });
     };
+    let steps = [(1, cols), (0, rows)].map(|(axis, pixels)| header.side[axis].unwrap_or(1.0) / pixels as f64);
+    let notes = Said::of_steps(steps, header.lateral_unit, header.height_unit).notes(options, MapFormat::Gsf);
     let mut window = Window::new(Some(rows), cols, options.crop, options.decimation)?;
     // Both counts passed the window's check: the product fits.
     let read_all = numbers(&mut source, FORMAT, Number::F32, false, rows.saturating_mul(cols), |values| {
@@ -90,7 +93,7 @@ pub(super) fn read(mut source: impl Read, options: &ReadOptions) -> Result<ReadM
     }
     let whole = window.is_whole();
     let map = window.finish_lines(pixel_m, |height| height_unit.to_metres(height))?;
-    Ok(ReadMap { map, whole, format: MapFormat::Gsf, comments, notes: Vec::new() })
+    Ok(ReadMap { map, whole, format: MapFormat::Gsf, comments, notes })
 }
 
 /// The header up to its zeros, which are read past.

@@ -4,6 +4,7 @@ use std::io::BufRead;
 
 use super::header::Header;
 use super::lines::{Delimiter, Lines, excerpt, expected_height, height};
+use super::overridden::Said;
 use super::window::Window;
 use super::{MapFormat, ReadOptions};
 use crate::unit::unit_names;
@@ -224,6 +225,19 @@ impl MatrixReader {
             return Err(ReadError::Oblong { sides_m, rows, cols: self.cols });
         }
         Ok(pixel_m)
+    }
+
+    /// What the header says, where `rows` rows were counted.
+    pub(super) fn said(&self, rows: usize, header: &Header) -> Said {
+        // Rows behind a crop are not counted where the pixel is given.
+        let is_counted = self.window.is_whole() || header.pixels[0].is_some();
+        let along_y_m = header.height_m.filter(|_| is_counted).map(|height_m| height_m / rows as f64);
+        let bit = header.value_nm.filter(|value_nm| *value_nm == 1.0).map(|_| LengthUnit::Nanometre);
+        Said {
+            pixel_m: [header.width_m.map(|width_m| width_m / self.cols as f64), along_y_m],
+            height_unit: header.value_unit.or(bit),
+            lateral_unit: None,
+        }
     }
 
     /// The map, on pixels that share the header's sides among `rows` rows.

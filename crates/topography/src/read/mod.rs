@@ -28,6 +28,7 @@ mod header;
 mod lines;
 mod matrix;
 mod npy;
+mod overridden;
 mod scan;
 mod sdf;
 mod sur;

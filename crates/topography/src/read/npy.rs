@@ -8,6 +8,7 @@ use super::bytes::{Number, at_end, exact, numbers, unreadable};
 use super::header::Header;
 use super::lines::excerpt;
 use super::matrix::MatrixReader;
+use super::overridden::Said;
 use super::window::{Crop, Window};
 use super::{MapFormat, ReadMap, ReadOptions};
 use crate::ReadError;
@@ -73,7 +74,13 @@ pub(super) fn read(mut source: impl Read, options: &ReadOptions) -> Result<ReadM
     let to_metres = |height| height_unit.to_metres(height);
     // Lines are the rows of the array: column after column comes as the map wants it.
     let map = if fortran_order { window.finish(pixel, to_metres)? } else { window.finish_lines(pixel, to_metres)? };
-    Ok(ReadMap { map, whole, format: MapFormat::Npy, comments: Vec::new(), notes: Vec::new() })
+    Ok(ReadMap {
+        map,
+        whole,
+        format: MapFormat::Npy,
+        comments: Vec::new(),
+        notes: Said::default().notes(options, MapFormat::Npy),
+    })
 }
 
 fn refused(field: &'static str, value: String, expected: &'static str) -> ReadError {

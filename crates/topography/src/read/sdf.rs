@@ -16,6 +16,7 @@ use std::io::{BufRead, Read};
 
 use super::bytes::{Number, array, exact, numbers, text};
 use super::lines::{Lines, excerpt, height, number};
+use super::overridden::Said;
 use super::window::Window;
 use super::{MapFormat, ReadMap, ReadOptions, keep_comment};
 use crate::{LengthUnit, ReadError};
@@ -94,7 +95,9 @@ impl Header {
         let unit = options.height_unit.unwrap_or(LengthUnit::Metre);
         let whole = window.is_whole();
         let map = window.finish_lines(pixel_m, |height| unit.to_metres(height * z))?;
-        Ok(ReadMap { map, whole, format: MapFormat::Sdf, comments, notes: Vec::new() })
+        let metre = Some(LengthUnit::Metre);
+        let notes = Said::of_steps([x, y], metre, metre).notes(options, MapFormat::Sdf);
+        Ok(ReadMap { map, whole, format: MapFormat::Sdf, comments, notes })
     }
 }
 

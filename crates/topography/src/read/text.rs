@@ -6,6 +6,7 @@ use super::comma::{self, DecimalSign};
 use super::header::{ABOVE_DATA, Header, begins_with_a_word, names_a_value};
 use super::lines::Lines;
 use super::matrix::MatrixReader;
+use super::overridden::Said;
 use super::window::window_of;
 use super::xyz::{XyzReader, is_point};
 use super::{MapFormat, ReadMap, ReadOptions};
@@ -138,20 +139,25 @@ pub(super) fn read_text(source: impl BufRead, options: &ReadOptions) -> Result<R
     }
     text.push_preamble()?;
     let Text { header, data, .. } = text;
-    let (map, whole, format) = match data {
+    let (map, whole, format, said) = match data {
         None => return Err(ReadError::NoData { lines: lines.line() }),
         Some(Data::Matrix(mut matrix)) => {
             // The rows behind a crop say how large a pixel is, where the header gives only the sides.
             let rows = matrix.count_rest(&mut lines, options, &header)?;
             let whole = matrix.is_whole();
-            (matrix.finish(rows, &header, options)?, whole, MapFormat::Matrix)
+            let said = matrix.said(rows, &header);
+            (matrix.finish(rows, &header, options)?, whole, MapFormat::Matrix, said)
         }
         Some(Data::Xyz(points)) => {
+            let said = Said { pixel_m: [None; 2], height_unit: header.value_unit, lateral_unit: header.lateral_unit };
             let (map, whole) = window_of(points.finish(&header, options)?, options.crop, options.decimation)?;
-            (map, whole, MapFormat::Xyz)
+            (map, whole, MapFormat::Xyz, said)
         }
     };
-    let notes = if sign == DecimalSign::Found { vec![comma::FOUND.to_owned()] } else { Vec::new() };
+    let mut notes = said.notes(options, format);
+    if sign == DecimalSign::Found {
+        notes.push(comma::FOUND.to_owned());
+    }
     Ok(ReadMap { map, whole, format, comments: header.comments, notes })
 }
 

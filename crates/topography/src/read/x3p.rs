@@ -10,6 +10,7 @@ use zip::read::ZipFile;
 
 use super::bytes::{at_end, numbers, unreadable};
 use super::foreign::{PLUX, PLUX_INDEX};
+use super::overridden::Said;
 use super::window::Window;
 use super::x3p_index::{Heights, Index};
 use super::{MapFormat, ReadMap, ReadOptions, check_expansion};
@@ -97,7 +98,10 @@ pub(super) fn read(mut source: impl Read, options: &ReadOptions) -> Result<ReadM
     let [.., scale] = index.increment_m;
     let whole = window.is_whole();
     let map = window.finish_lines(pixel_m, |height| unit.to_metres(height * scale + index.offset_z_m))?;
-    Ok(ReadMap { map, whole, format: MapFormat::X3p, comments: index.comments, notes: Vec::new() })
+    let metre = Some(LengthUnit::Metre);
+    let [x, y, _] = index.increment_m;
+    let notes = Said::of_steps([x, y], metre, metre).notes(options, MapFormat::X3p);
+    Ok(ReadMap { map, whole, format: MapFormat::X3p, comments: index.comments, notes })
 }
 
 pub(super) fn refused(field: &'static str, value: String, expected: &'static str) -> ReadError {
