@@ -313,7 +313,12 @@ fn calibrations() {
                 ":8: surface.map: \"absent.asc\" ",
                 "cannot be read",
             ),
-            case("persson_rms_slope = 0.0137", "persson_rms_slope = 0", ":8: surface.persson_rms_slope: 0 ", "above 0"),
+            case(
+                "persson_rms_slope = 0.0137",
+                "persson_rms_slope = 0",
+                ":8: surface.persson_rms_slope: 0 ",
+                "from 0.0000001",
+            ),
             case("persson_rms_slope = 0.0137", "", ":7: surface.map: is missing", "persson_rms_slope"),
             case("radius_mm = 5.0", "radius_um = 5.0", ":10: specimen.radius_um: ", "did you mean `radius_mm`?"),
             case(
