@@ -190,7 +190,7 @@ pub fn surface_area_law(
         heed()?;
         windows = spread.map_err(AreaLawError::Windows)?;
     }
-    if windows.is_none() && request.windows.is_none() {
+    if windows.is_none() && request.windows.is_none() && !takes_default_windows(&surface.map) {
         let map = &surface.map;
         let points = [map.rows(), map.cols()];
         let sides_m = [map.dx_m() * points[0] as f64, map.dy_m() * points[1] as f64];

@@ -377,8 +377,10 @@ fn first_guess(problem: &Problem, layout: &Layout) -> Vec<f64> {
 
 /// Relative standard deviation of friction about the one pair that is fitted to several measurements, beyond what they are known to: flat
 /// friction at one of them is not the pair's. It is 0 where each has a pair of its own.
-fn scatter_beyond(problem: &Problem, solution: &Solution, parameters: usize) -> f64 {
+fn scatter_beyond(problem: &Problem, layout: &Layout, solution: &Solution) -> f64 {
     let count = problem.measurements.len();
+    // Static coefficients fit no dynamic friction.
+    let parameters = 1 + usize::from(layout.log_scale.is_some());
     if problem.coefficients != Coefficients::Single || count <= parameters {
         return 0.0;
     }
@@ -398,7 +400,7 @@ fn report(model: &Model<'_>, confirmed: &Corrections, solution: &Solution, settl
         Coefficients::Single => 1,
         Coefficients::PerCondition => count,
     };
-    let beyond = scatter_beyond(problem, solution, layout.count);
+    let beyond = scatter_beyond(problem, layout, solution);
     let pairs = (0..pairs_per_fit)
         .map(|i| {
             let pair = layout.pair(problem, &solution.parameters, i)?;

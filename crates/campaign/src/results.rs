@@ -224,6 +224,7 @@ mod tests {
             limited_by: None,
             parts: Vec::new(),
             draws: 1,
+            draws_of_the_model: 1,
         };
         let advice = AdviceReport {
             advice: String::new(),

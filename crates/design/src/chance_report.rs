@@ -32,7 +32,7 @@ const MODEL: &str = "how far the model itself is off";
 pub struct ChanceReport {
     /// Share of draws; null where nothing is known that could be drawn.
     pub value: Option<f64>,
-    /// Its binomial standard error.
+    /// Its standard error: that of the draws of the expansion, and of what the model says otherwise of its own.
     pub stderr: Option<f64>,
     /// The chance in words, with what limits it most.
     pub words: String,
@@ -45,8 +45,11 @@ pub struct ChanceReport {
     pub limited_by: Option<PartReport>,
     /// The same of every part, the greatest gain first.
     pub parts: Vec<PartReport>,
-    /// Draws of the steady model about the confirming runs; in space of its expansion.
+    /// Draws of the steady model's expansion about the confirming runs.
     pub draws: usize,
+    /// The first of them, which the steady model itself judged too; 0 in space.
+    #[serde(default)]
+    pub draws_of_the_model: usize,
 }
 
 /// Something that is not known exactly.
@@ -101,6 +104,7 @@ impl MultiFidelityLoop<'_> {
             limited_by: None,
             parts: Vec::new(),
             draws: 0,
+            draws_of_the_model: 0,
         };
         let Some(values) = values else {
             let (each, count) = (self.confirmed_each(), design.target.points().len());
@@ -179,7 +183,8 @@ impl MultiFidelityLoop<'_> {
             not_known,
             limited_by,
             parts,
-            draws: if is_sampled { SAMPLED } else { DRAWS },
+            draws: DRAWS,
+            draws_of_the_model: drawn.sampled.len(),
         };
         Ok(Some((report, Some(expansion))))
     }
@@ -357,6 +362,7 @@ mod tests {
             limited_by: None,
             parts: Vec::new(),
             draws: 1,
+            draws_of_the_model: 1,
         };
         let advice = AdviceReport { chance: 0.2, ..advice() };
         let (without, with) = (of(&[TOLERANCES, MODEL]), of(&[TOLERANCES]));
@@ -387,6 +393,7 @@ mod tests {
             limited_by: None,
             parts: Vec::new(),
             draws: 0,
+            draws_of_the_model: 0,
         };
         let lines = chance.lines(Some(&advice()));
         assert_eq!(

@@ -146,6 +146,17 @@ impl Hatched {
         (0..SAMPLES).map(|k| self.reach_m(section, place(k))).sum::<f64>() / f64::from(SAMPLES)
     }
 
+    /// Lines within half a spot of a point, as a mean over the middle third from edge to edge; `None` without a section.
+    pub(crate) fn exposures(&self) -> Option<f64> {
+        let section = self.section.as_ref()?;
+        let lines_at = |k: u32| {
+            let at_m = section.width_m * (1.0 + (f64::from(k) + 0.5) / f64::from(SAMPLES)) / 3.0;
+            let at = [0, 1].map(|axis| section.from_m[axis] + at_m * section.across[axis]);
+            self.of_one.iter().filter(|line| within_m(line, at, self.half_spot_m) > 0.0).count()
+        };
+        Some((0..SAMPLES).map(lines_at).sum::<usize>() as f64 / f64::from(SAMPLES))
+    }
+
     /// Depths, in um, that `passes` make between an edge and the middle: distances from the edge and the mean depth from the one
     /// before up to each.
     pub(crate) fn across_um(&self, laser: &Laser, passes: u32) -> Option<Vec<[f64; 2]>> {

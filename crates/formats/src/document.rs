@@ -41,6 +41,11 @@ impl Document {
         Ok(document.as_kind(kind))
     }
 
+    /// Whether it is known to be meant as a `kind`.
+    pub fn is_meant_as(&self, kind: FileKind) -> bool {
+        self.kind == Some(kind)
+    }
+
     /// The same, known to be meant as a `kind`: what is missing is said with what such a file needs.
     #[must_use]
     pub fn as_kind(mut self, kind: FileKind) -> Self {

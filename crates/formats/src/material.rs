@@ -8,6 +8,7 @@ use slipgrid_material::{
 use toml::Spanned;
 
 use super::document::Document;
+use super::file_kind::FileKind;
 use super::made_from::MadeFrom;
 use super::trials::LearnedFile;
 use super::values::{Number, NumberList, Numbers, for_each, increasing, list};
@@ -363,7 +364,9 @@ fn read_area_law(document: &Document, file: &Spanned<AreaLawFile>) -> Result<Are
     let law = file.get_ref();
     let pressure_pa = increasing(document, &law.pressure_mpa, PRESSURE_MPA)?;
     let factor = document.numbers(&law.factor, FACTOR)?;
-    if let Some(nil) = law.factor.get_ref().iter().find(|factor| *factor.get_ref() <= 0.0) {
+    // A scene ends with the status `no_friction`; a design has nothing to search for.
+    let nil = law.factor.get_ref().iter().find(|factor| *factor.get_ref() <= 0.0);
+    if let Some(nil) = nil.filter(|_| document.is_meant_as(FileKind::Design)) {
         return Err(document
             .refuse(nil.span(), "leaves no contact and no friction, and nothing to compare a pattern with")
             .expected("a positive factor at every pressure"));

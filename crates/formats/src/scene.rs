@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use serde::{Deserialize, Serialize};
 use slipgrid_material::{Condition, Material, MaterialError};
-use slipgrid_springblock::{Extent, Layer, MOST_ROWS, Scene, SceneError, Simulation};
+use slipgrid_springblock::{Extent, Layer, MOST_BLOCKS, MOST_ROWS, Scene, SceneError, Simulation};
 use toml::Spanned;
 
 use super::document::Document;
@@ -24,9 +24,6 @@ use slipgrid_design::{SpecimenError, TaskPart, check_pressures, correct, loads, 
 use slipgrid_export::Specimen;
 use slipgrid_results::SimulationReport;
 use slipgrid_units::{LENGTH_MM, LENGTH_UM, PRESSURE_MPA, Quantity, SPEED_MM_S, STEP_NS, significant_to};
-
-/// Most blocks of a layer, as solvers take them.
-const MOST_BLOCKS: f64 = 4e7;
 
 /// A scene as a file writes it.
 #[derive(Clone, Debug, Deserialize, Serialize)]

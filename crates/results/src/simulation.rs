@@ -463,7 +463,7 @@ pub fn unresolved(results: &[LoadReport], block_um: f64) -> Option<String> {
     let largest = results.iter().filter_map(error).reduce(f64::max)?;
     Some(format!(
         "at {} MPa the ratio would change by up to {largest:.2} with vanishing blocks, more than {UNRESOLVED}: blocks of {block_um} um do not \
-         resolve the pattern; a smaller block_um in [sample], such as {}, helps, and so do wider cavities, lands and rims, or lower rims",
+         resolve the pattern; a smaller block_um in [sample], such as {}, helps, and so do wider cavities and lands, or, where there are rims, wider and lower ones",
         named.join(", "),
         block_um / 2.0
     ))

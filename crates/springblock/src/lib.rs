@@ -83,7 +83,7 @@ pub use face::{Face, Strip};
 pub use outcome::{
     DynamicCost, InterfacePoint, LoadOutcome, Simulation, Statements, Status, SurfaceOutcome, TracePoint,
 };
-pub use scene::{Extent, Fidelity, Layer, Load, MOST_DRAWS, MOST_ROWS, RunOptions, Scene, Springs};
+pub use scene::{Extent, Fidelity, Layer, Load, MOST_BLOCKS, MOST_DRAWS, MOST_ROWS, RunOptions, Scene, Springs};
 pub use simulate::{
     BlockRefinement, Expense, SteadySpecimen, TILT_MEAN, TILT_STD, add_tilt, block_refinement, bounded, can_refine,
     expense, planned_steps, simulate, simulate_specimen, steady_face_ratios, steady_ratios, tilt_changes, time_changes,

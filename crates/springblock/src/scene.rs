@@ -278,8 +278,8 @@ fn whole(ratio: f64) -> usize {
     ratio.round() as usize
 }
 
-/// Largest number of columns or rows accepted: memory for a whole lattice stays within 24 GiB.
-const MOST_BLOCKS: f64 = 4e7;
+/// Most blocks of a layer: memory for a whole lattice stays within 24 GiB.
+pub const MOST_BLOCKS: f64 = 4e7;
 /// Most rows of blocks over the thickness of a specimen: rounding of what shears them all grows with their square.
 pub const MOST_ROWS: f64 = 1e5;
 /// Most surfaces of one scene: its standard error falls with the root of their number.

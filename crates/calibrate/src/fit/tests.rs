@@ -194,6 +194,15 @@ fn loads_that_one_pair_cannot_describe_show_in_chi_square() {
     let relative = fit.pairs[0].dynamic_std_error.unwrap() / fit.pairs[0].dynamic_mean;
     assert!((relative - 0.1).abs() < 0.02, "{relative}");
     assert!(warned.unwrap().contains(&format!("its standard error, {:.1} %", 100.0 * relative)), "{warned:?}");
+    // A static coefficient that is fitted to peaks explains no scatter of dynamic friction.
+    measured_by_the_model(&mut problem, 0.25, true);
+    problem.measurements.truncate(2);
+    for (measured, factor) in problem.measurements.iter_mut().zip([0.9, 1.1]) {
+        measured.mu_dynamic *= factor;
+    }
+    let pair = fit_coefficients(&problem, &Unwatched).unwrap().pairs[0];
+    let relative = pair.dynamic_std_error.unwrap() / pair.dynamic_mean;
+    assert!((relative - 0.02_f64.sqrt()).abs() < 0.03, "{relative}");
 }
 
 #[test]

@@ -72,12 +72,12 @@ fn designs_that_no_search_can_meet_are_refused_as_they_are_read() {
         assert!(said.contains("error: d.toml:") && said.contains(key) && said.contains(says), "{said}");
     }
     // A law that leaves no contact.
-    let (law, _) = SCENE.split_once("factor = [").unwrap();
-    let text = SCENE.replacen("factor = [", "factor = [0.0, ", 1);
-    let place = Place::with(&[("s.toml", &text)]);
-    let said = place.refuse(&["simulate", "s.toml"]);
+    let design = small();
+    let (law, _) = design.split_once("factor = [1.0,").unwrap();
+    let place = Place::with(&[("d.toml", &design.replacen("factor = [1.0,", "factor = [0.0,", 1))]);
+    let said = place.refuse(&["optimize", "d.toml"]);
     let line = law.lines().count() + 1;
-    assert!(said.contains(&format!("s.toml:{line}: material.area_law.factor: 0.0 leaves no contact")), "{said}");
+    assert!(said.contains(&format!("d.toml:{line}: material.area_law.factor: 0.0 leaves no contact")), "{said}");
 }
 
 #[test]

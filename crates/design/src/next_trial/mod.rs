@@ -375,6 +375,7 @@ fn several<'a>(pool: &'a [Judged], pending: &[Judged], options: &NextOptions, as
     let mut hit = vec![false; SCENARIOS];
     let mark = |hit: &mut Vec<bool>, by: &[bool]| hit.iter_mut().zip(by).for_each(|(hit, on)| *hit |= on);
     (pool.len()..).zip(pending).for_each(|of| mark(&mut hit, &on(&scenarios, of)));
+    let of_pending = hit.clone();
     let mut chosen: Vec<usize> = Vec::new();
     for _ in 0..count.min(pool.len()) {
         let gain = |place: &usize| hits[*place].iter().zip(&hit).filter(|(on, hit)| **on && !**hit).count();
@@ -391,7 +392,13 @@ fn several<'a>(pool: &'a [Judged], pending: &[Judged], options: &NextOptions, as
     }
     let together = match chosen[..] {
         [one] if pending.is_empty() => pool[one].score.chance,
-        _ => hit.iter().filter(|hit| **hit).count() as f64 / SCENARIOS as f64,
+        _ => {
+            // Others of the same designs: those that were chosen were lucky in their own draws.
+            let others = (pool.len() + pending.len()..).zip(chosen.iter().map(|place| &pool[*place]));
+            let mut hit = of_pending;
+            others.for_each(|of| mark(&mut hit, &on(&disc, of)));
+            hit.iter().filter(|hit| **hit).count() as f64 / SCENARIOS as f64
+        }
     };
     (chosen.into_iter().map(|place| &pool[place]).collect(), together)
 }

@@ -202,7 +202,8 @@ fn chance() -> ChanceReport {
         not_known: vec!["how far the model itself is off".into()],
         limited_by: None,
         parts: vec![width],
-        draws: 1000,
+        draws: 20_000,
+        draws_of_the_model: 400,
     }
 }
 
@@ -299,7 +300,7 @@ fn robustness(design: &PatternReport) -> RobustnessReport {
     let of = |mean: f64, band_95| Distribution { mean, mean_stderr: 0.0, std: 0.01, band_95 };
     let spread = SpreadReport { ratio: of(0.96, [0.94, 0.98]), mu: of(0.24, [0.23, 0.25]) };
     let samples = ScatterReport {
-        draws: 1000,
+        draws: 500,
         failed: 3,
         redrawn: 0,
         probability: Some(0.62),
