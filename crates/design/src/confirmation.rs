@@ -16,7 +16,7 @@ use slipgrid_specimen::{SpecimenError, simulate_on, strips_on};
 pub(super) const LEAST_CONTACTS: f64 = 400.0;
 
 /// Designs that are searched again at most by a guess of what time adds.
-const MOST_GUESSED: usize = 2;
+const MOST_GUESSED: usize = 3;
 /// Share of the tolerance up to which the error of blocks is left as it is.
 const OF_TOLERANCE: f64 = 0.2;
 
