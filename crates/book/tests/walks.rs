@@ -4,8 +4,6 @@
 //! place of its last four lines. A block `console` holds commands with what they print, and `console whole` one command with every
 //! line of it. Blocks `python = PATH` and `rust = PATH`
 //! are lines of that file of the repository. A block `text`, or one of four spaces, is not looked at.
-//!
-//! Chapters with a line `<!-- slow -->` run behind `--ignored`.
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -151,14 +149,13 @@ fn walk(path: &Path) -> (TempDir, usize, Vec<String>) {
     (place, commands, differ)
 }
 
-/// Goes through all chapters that are slow, or all others; returns the number of their commands and the tables of the book that
-/// they wrote.
-fn walk_all(is_slow: bool) -> (usize, BTreeSet<(String, String)>) {
+/// Goes through all chapters and the README; returns the number of their commands and the tables of the book that they wrote.
+fn walk_all() -> (usize, BTreeSet<(String, String)>) {
     let (mut differ, mut commands) = (Vec::new(), 0);
     let (listed, mut seen) = (tables::listed(), BTreeSet::new());
     let mut pages = files(&book(), ".md");
     pages.push(root().join("README.md"));
-    for page in pages.iter().filter(|page| text(page).lines().any(|line| line == "<!-- slow -->") == is_slow) {
+    for page in &pages {
         let (place, number, found) = walk(page);
         // What the walk speaks of at its end is there.
         for name in LEFT_BY_WALK.iter().filter(|_| page.ends_with("from-raw-files.md")) {
@@ -180,20 +177,13 @@ fn walk_all(is_slow: bool) -> (usize, BTreeSet<(String, String)>) {
 
 #[test]
 fn every_command_of_the_book_prints_what_the_book_shows_and_writes_tables_as_it_lists() {
-    let (commands, seen) = walk_all(false);
+    let (commands, seen) = walk_all();
     assert!(commands > 30, "{commands} commands");
     for (name, titles) in tables::listed() {
         let is_seen = seen.iter().any(|(_, known)| *known == titles);
         assert!(is_seen || tables::is_written_by_code(&titles), "nothing writes {name}: {titles}");
     }
     assert!(seen.len() > 12, "{seen:?}");
-}
-
-#[test]
-#[ignore = "a minute: the commands of chapters that search long"]
-fn every_slow_command_of_the_book_prints_what_the_book_shows() {
-    let (commands, _) = walk_all(true);
-    assert_eq!(commands, 1);
 }
 
 #[test]
