@@ -6,7 +6,7 @@ use slipgrid_material::{Condition, ConditionRange, Friction, Material, MaterialE
 use slipgrid_optimize::{Constraints, DesignSpace, Target, Tolerances};
 use slipgrid_results::beyond_measured_range;
 use slipgrid_springblock::{Layer, Load, RunOptions, Scene, SceneError};
-use slipgrid_units::{LENGTH_UM, PRESSURE_MPA, tidy};
+use slipgrid_units::{LENGTH_UM, PRESSURE_MPA, in_digits, tidy};
 
 use crate::constraint_quantities::ConstraintQuantity;
 use crate::error::{Refusal, TaskPart};
@@ -371,7 +371,8 @@ pub fn check_pressures(pressures_pa: &[f64], material: &Material) -> Result<(), 
     let Some(place) = pressures_pa.iter().position(|&pressure_pa| pressure_pa > MOST_STRAIN * modulus_pa) else {
         return Ok(());
     };
-    let [modulus_mpa, most_mpa] = [modulus_pa, MOST_STRAIN * modulus_pa].map(|pa| tidy(PRESSURE_MPA.from_si(pa)));
+    let in_mpa = |pa: f64| in_digits(tidy(PRESSURE_MPA.from_si(pa)));
+    let [modulus_mpa, most_mpa] = [modulus_pa, MOST_STRAIN * modulus_pa].map(in_mpa);
     let reason = format!(
         "MPa is above {MOST_STRAIN} of Young's modulus, {modulus_mpa} MPa, where no solid is linear elastic and no friction is measured"
     );

@@ -3,7 +3,7 @@
 use std::fmt;
 use std::path::Path;
 
-use slipgrid_units::Quantity;
+use slipgrid_units::{Quantity, in_digits};
 use strsim::levenshtein;
 
 /// Why an input was refused.
@@ -136,7 +136,7 @@ pub fn checked(flag: &str, value: f64, quantity: Quantity) -> Result<f64, Diagno
         return Ok(quantity.to_si(value));
     }
     // Not with three hundred digits.
-    let given = if value.abs() < 1e16 { value.to_string() } else { format!("{value:e}") };
+    let given = in_digits(value);
     let slip = crate::plausible::slip(quantity, value).map_or_else(String::new, |slip| format!("; {slip}"));
     Err(Diagnostic::flag(flag, given, "is out of range").expected(format!("{quantity}{slip}")))
 }

@@ -9,7 +9,7 @@ use toml::Spanned;
 use super::document::Document;
 use super::values::{Number, Numbers, list, number_span};
 use crate::diagnostic::Diagnostic;
-use slipgrid_units::{FRACTION, LENGTH_UM, PRESSURE_MPA, Quantity, TIME_S};
+use slipgrid_units::{FRACTION, LENGTH_UM, PRESSURE_MPA, Quantity, TIME_S, in_digits};
 
 /// Limits as a design writes them.
 #[derive(Clone, Debug, Default, Deserialize)]
@@ -49,6 +49,7 @@ impl LimitsFile {
         let Some(place) = read.iter().position(|pressure_pa| PRESSURE_MPA.from_si(*pressure_pa) >= limit_mpa) else {
             return Ok(());
         };
+        let limit_mpa = in_digits(limit_mpa);
         let line = document.refuse(limit.span(), "").line.map_or_else(String::new, |line| format!(" in line {line}"));
         let reason = format!(
             "MPa is not below limits.max_peak_pressure_mpa = {limit_mpa}{line}: the largest pressure on a block is never below the nominal \

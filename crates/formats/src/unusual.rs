@@ -16,7 +16,7 @@ use crate::plausible::{
     DENSITY, FRICTION, GIVEN_PRESSURE, MODULUS, Plausible, SPEED, STATIC_OVER_DYNAMIC, STRAIN, exchanged_forces,
     share_of_one,
 };
-use slipgrid_units::{LENGTH_UM, significant, tidy};
+use slipgrid_units::{LENGTH_UM, in_digits, significant, tidy};
 
 /// What is unusual in the scene `file` of `document`, its material included; numbers of nil have a meaning of their own.
 #[must_use]
@@ -60,7 +60,7 @@ pub fn of_pressures(document: &Document, pressures: &Spanned<Numbers>, modulus_g
         let most_mpa = (STRAIN.usual[1] * modulus_mpa).min(GIVEN_PRESSURE.usual[1]);
         let slip = GIVEN_PRESSURE.within([GIVEN_PRESSURE.usual[0], most_mpa]).slip(pressure_mpa);
         let slip = slip.map_or_else(String::new, |slip| format!("; {slip}"));
-        let (strain, modulus_mpa) = (significant(strain, 2), tidy(modulus_mpa));
+        let [strain, modulus_mpa] = [significant(strain, 2), tidy(modulus_mpa)].map(in_digits);
         let reason = format!("MPa is {strain} of Young's modulus, {modulus_mpa} MPa: this {usual}{slip}");
         Some(document.refuse(value.span(), reason))
     };
@@ -132,15 +132,19 @@ fn of_static(document: &Document, at_rest: &Spanned<Numbers>, sliding: &Spanned<
         let ratio = mean / dynamic;
         STATIC_OVER_DYNAMIC.judge(ratio).err()?;
         let slip = STATIC_OVER_DYNAMIC.slips_of(ratio);
-        let slip = slip.map_or_else(String::new, |(what, factor)| format!("; {what} would be {}", tidy(mean * factor)));
+        let slip = slip
+            .map_or_else(String::new, |(what, factor)| format!("; {what} would be {}", in_digits(tidy(mean * factor))));
         let [least, most] = STATIC_OVER_DYNAMIC.measurable;
         let reason = format!(
-            "is {} times the dynamic coefficient beside it, {dynamic}, which no calibration finds: {}{slip}",
-            significant(ratio, 3),
+            "is {} times the dynamic coefficient beside it, {}, which no calibration finds: {}{slip}",
+            in_digits(significant(ratio, 3)),
+            in_digits(dynamic),
             STATIC_OVER_DYNAMIC.why
         );
-        let from_to =
-            format!("{} to {}, {least} to {most} times dynamic_mean", tidy(least * dynamic), tidy(most * dynamic));
+        let from_to = format!(
+            "{}, {least} to {most} times dynamic_mean",
+            [least, most].map(|of| in_digits(tidy(of * dynamic))).join(" to ")
+        );
         Some(document.refuse(number_span(at_rest, place), reason).expected(from_to))
     })
 }

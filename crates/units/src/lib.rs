@@ -184,6 +184,13 @@ pub fn significant(value: f64, digits: usize) -> f64 {
     if value.is_finite() { format!("{value:.*e}", digits.saturating_sub(1)).parse().unwrap_or(value) } else { value }
 }
 
+/// `value` as one writes it: with an exponent where its digits would fill a line.
+#[must_use]
+pub fn in_digits(value: f64) -> String {
+    let is_plain = value == 0.0 || (1e-9..1e16).contains(&value.abs());
+    if is_plain { value.to_string() } else { format!("{value:e}") }
+}
+
 /// A positive `value` to so many significant digits, up with `to` = `f64::ceil`, down with `f64::floor`.
 #[must_use]
 pub fn significant_to(value: f64, digits: usize, to: fn(f64) -> f64) -> f64 {
@@ -204,6 +211,11 @@ mod tests {
             }
         }
         assert_eq!(LENGTH_UM.to_si(10.0), 1e-5);
+    }
+
+    #[test]
+    fn no_number_fills_a_line_with_digits() {
+        assert_eq!([0.0, -2.5, 800.0, 1e-300, 2e20].map(in_digits), ["0", "-2.5", "800", "1e-300", "2e20"]);
     }
 
     #[test]
