@@ -1,6 +1,6 @@
 //! The job, from a task to a design: search, confirm, explain.
 
-use slipgrid_export::{Removal, laser_warnings};
+use slipgrid_export::{Removal, burst_warnings};
 use slipgrid_monitor::{Monitor, Remembering};
 use slipgrid_optimize::{Candidate, ModelFailure, Status, TradeOffs};
 use slipgrid_pattern::Pattern;
@@ -225,7 +225,7 @@ fn report_of(
         specimen_areal_density: tidy(laid.areal_density()),
         bursts: design.laser.bursts(pattern.depth_m()),
         passes: removal.as_ref().map(|removal| removal.passes),
-        laser_warnings: if removal.is_none() { laser_warnings(&laid, &design.laser) } else { Vec::new() },
+        laser_warnings: burst_warnings(&laid, &design.laser),
         removal,
         block_um: tidy(design.block_um()),
         dimensions: found.model.dimension().number(),

@@ -108,6 +108,23 @@ impl Laser {
         }
     }
 
+    /// A laser of which nothing is known.
+    #[cfg(test)]
+    pub(crate) const UNKNOWN: Self = Self {
+        wavelength_nm: None,
+        spot_um: None,
+        pulse_ns: None,
+        power_density_gw_cm2: None,
+        depth_per_burst_um: None,
+        repetition_hz: None,
+        speed_mm_s: None,
+        hatch_um: None,
+        wall_taper_deg: None,
+        exposure: None,
+        min_land_um: None,
+        ablation: None,
+    };
+
     /// Refuses a pattern finer than what the laser makes, and names the limit.
     ///
     /// # Errors

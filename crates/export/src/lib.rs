@@ -20,7 +20,7 @@
 //! | [`Laser`], [`Ablation`], [`Exposure`] | the laser, its depth per burst against fluence, hatch or mask |
 //! | [`Marking`], [`Line`] | the lines that the spot follows |
 //! | [`Removal`] | what passes over them remove, and how many a depth needs |
-//! | [`laser_warnings`] | what the laser does other than the design says |
+//! | [`laser_warnings`], [`burst_warnings`] | what the laser does other than the design says |
 //! | [`dxf`], [`dxf_of_sectors`] | drawing for the laser, AutoCAD R12 |
 //! | [`svg`], [`svg_of_sectors`] | drawing for people, at scale |
 //! | [`hpgl`] | plot for marking software, HP-GL/2 |
@@ -98,7 +98,7 @@ pub use layout::{Layout, MOST_CAVITIES};
 pub use marking::{Line, Marking};
 pub use number::COORDINATE_DECIMALS;
 pub use outline::Outline;
-pub use overlap::laser_warnings;
+pub use overlap::{burst_warnings, laser_warnings};
 pub use process::{MaterialNote, PatternSheet, ProcessInput, ProcessSheet, SpecimenSheet, Tolerances, not_modelled};
 pub use removal::Removal;
 pub use sector_sheet::{DividedSheet, MEASURE_EACH_ALONE, SectorSheet, SectorsSheet};

@@ -217,20 +217,7 @@ mod tests {
     use crate::{Layout, Outline};
     use slipgrid_pattern::{Pattern, Planform, Polygon, Texture};
 
-    const LASER: Laser = Laser {
-        wavelength_nm: None,
-        spot_um: Some(23.0),
-        pulse_ns: None,
-        power_density_gw_cm2: None,
-        depth_per_burst_um: None,
-        repetition_hz: None,
-        speed_mm_s: None,
-        hatch_um: Some(15.0),
-        wall_taper_deg: None,
-        exposure: None,
-        min_land_um: None,
-        ablation: None,
-    };
+    const LASER: Laser = Laser { spot_um: Some(23.0), hatch_um: Some(15.0), ..Laser::UNKNOWN };
 
     fn first(planform: Planform) -> Cavity {
         let pattern = Pattern::new(planform, 130e-6, 370e-6, 5e-6).unwrap();

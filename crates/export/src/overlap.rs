@@ -10,7 +10,7 @@
 
 use crate::number::{MICROMETRE_DECIMALS, decimal, round_decimals};
 use crate::removal::{Hatched, OFF};
-use crate::{Laser, Layout, Marking};
+use crate::{Laser, Layout, Marking, Removal};
 
 /// Depth of bursts on the spots of overlapping lines.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -75,18 +75,23 @@ impl Overlap {
     }
 }
 
-/// What the laser does to all cavities of `layout` other than the design says, and what to do: of passes over lines, and of bursts
-/// on the spots of lines that overlap.
+/// What bursts on the spots of lines that overlap make of all cavities of `layout` other than the design says, and what to do; nothing where
+/// passes over lines give the depth, of which [`Removal`] warns.
 #[must_use]
-pub fn laser_warnings(layout: &Layout, laser: &Laser) -> Vec<String> {
-    let Ok(marking) = Marking::new(laser) else { return Vec::new() };
-    if laser.is_mask() || laser.depth_per_burst_um.is_none() {
+pub fn burst_warnings(layout: &Layout, laser: &Laser) -> Vec<String> {
+    if laser.is_mask() || laser.bursts(layout.pattern().depth_m()).is_none() {
         return Vec::new();
     }
-    let hatched = Hatched::new(layout, &marking);
-    let passes = hatched.removal(layout, laser).filter(|_| laser.bursts_per_pass().is_some());
-    let bursts = Overlap::of(layout, laser, &hatched).map(|overlap| overlap.warning());
-    passes.into_iter().flat_map(|removal| removal.warnings).chain(bursts).collect()
+    let hatched = Marking::new(laser).ok().map(|marking| Hatched::new(layout, &marking));
+    let overlap = hatched.and_then(|hatched| Overlap::of(layout, laser, &hatched));
+    overlap.iter().map(Overlap::warning).collect()
+}
+
+/// What the laser does to all cavities of `layout` other than the design says, and what to do: of passes over lines, or of bursts on the
+/// spots of lines that overlap.
+#[must_use]
+pub fn laser_warnings(layout: &Layout, laser: &Laser) -> Vec<String> {
+    Removal::new(layout, laser).map_or_else(|| burst_warnings(layout, laser), |removal| removal.warnings)
 }
 
 #[cfg(test)]
@@ -95,20 +100,7 @@ mod tests {
     use crate::{Exposure, Outline, WorkSheet};
     use slipgrid_pattern::{Pattern, Planform};
 
-    const LASER: Laser = Laser {
-        wavelength_nm: None,
-        spot_um: Some(23.0),
-        pulse_ns: None,
-        power_density_gw_cm2: None,
-        depth_per_burst_um: Some(2.6),
-        repetition_hz: None,
-        speed_mm_s: None,
-        hatch_um: None,
-        wall_taper_deg: None,
-        exposure: None,
-        min_land_um: None,
-        ablation: None,
-    };
+    const LASER: Laser = Laser { spot_um: Some(23.0), depth_per_burst_um: Some(2.6), ..Laser::UNKNOWN };
 
     fn grooves(width_um: f64) -> Layout {
         let pattern = Pattern::new(Planform::Groove, width_um * 1e-6, 98.7e-6, 15.6e-6).unwrap();

@@ -19,6 +19,8 @@ use crate::number::{DERIVED_DIGITS, MICROMETRE_DECIMALS, decimal, micrometres, r
 use crate::process::removed_volume_m3;
 use crate::{Laser, Layout, Line, Marking};
 
+/// Shares of a cavity's width between which its middle lies.
+const MIDDLE: [f64; 2] = [1.0 / 3.0, 2.0 / 3.0];
 /// Points at which a part of a cavity's width is looked at.
 const SAMPLES: u32 = 400;
 /// Parts of the way from the edge of a cavity to its middle that a sheet lists.
@@ -134,27 +136,26 @@ impl Hatched {
         }
     }
 
-    /// Length of lines within half a spot of the point `at_m` of the section from its edge, in metres.
-    fn reach_m(&self, section: &Section, at_m: f64) -> f64 {
-        let at = [0, 1].map(|axis| section.from_m[axis] + at_m * section.across[axis]);
-        self.of_one.iter().map(|line| within_m(line, at, self.half_spot_m)).sum()
+    /// The sum of `of` the lengths of lines within half a spot of a point, in metres, as a mean over the part of the section between two
+    /// shares of its width.
+    fn mean_of_lines(&self, section: &Section, [from, to]: [f64; 2], of: fn(f64) -> f64) -> f64 {
+        let at_point = |k: u32| -> f64 {
+            let at_m = section.width_m * (from + (to - from) * (f64::from(k) + 0.5) / f64::from(SAMPLES));
+            let at = [0, 1].map(|axis| section.from_m[axis] + at_m * section.across[axis]);
+            self.of_one.iter().map(|line| of(within_m(line, at, self.half_spot_m))).sum()
+        };
+        (0..SAMPLES).map(at_point).sum::<f64>() / f64::from(SAMPLES)
     }
 
-    /// The same, as a mean over the part of the section between two shares of its width.
-    fn mean_reach_m(&self, section: &Section, [from, to]: [f64; 2]) -> f64 {
-        let place = |k: u32| section.width_m * (from + (to - from) * (f64::from(k) + 0.5) / f64::from(SAMPLES));
-        (0..SAMPLES).map(|k| self.reach_m(section, place(k))).sum::<f64>() / f64::from(SAMPLES)
+    /// Length of lines within half a spot of a point, in metres, as such a mean.
+    fn mean_reach_m(&self, section: &Section, shares: [f64; 2]) -> f64 {
+        self.mean_of_lines(section, shares, |within_m| within_m)
     }
 
     /// Lines within half a spot of a point, as a mean over the middle third from edge to edge; `None` without a section.
     pub(crate) fn exposures(&self) -> Option<f64> {
-        let section = self.section.as_ref()?;
-        let lines_at = |k: u32| {
-            let at_m = section.width_m * (1.0 + (f64::from(k) + 0.5) / f64::from(SAMPLES)) / 3.0;
-            let at = [0, 1].map(|axis| section.from_m[axis] + at_m * section.across[axis]);
-            self.of_one.iter().filter(|line| within_m(line, at, self.half_spot_m) > 0.0).count()
-        };
-        Some((0..SAMPLES).map(lines_at).sum::<usize>() as f64 / f64::from(SAMPLES))
+        let is_within = |within_m: f64| if within_m > 0.0 { 1.0 } else { 0.0 };
+        Some(self.mean_of_lines(self.section.as_ref()?, MIDDLE, is_within))
     }
 
     /// Depths, in um, that `passes` make between an edge and the middle: distances from the edge and the mean depth from the one
@@ -182,7 +183,7 @@ impl Hatched {
         let (burst_um, pulse_um, speed_mm_s) =
             (laser.depth_per_burst_um?, laser.pulse_distance_um()?, laser.speed_mm_s?);
         let design_um = layout.pattern().depth_m() * 1e6;
-        let middle_m = self.section.as_ref().map(|section| self.mean_reach_m(section, [1.0 / 3.0, 2.0 / 3.0]));
+        let middle_m = self.section.as_ref().map(|section| self.mean_reach_m(section, MIDDLE));
         let Some(reach_m) = middle_m.filter(|mean_m| *mean_m > 0.0) else {
             // Lines of no length: the hatch of an endless face is all that is known.
             let passes = (design_um / laser.depth_step_um()?).round().clamp(1.0, MOST_PASSES) as u32;

@@ -7,7 +7,7 @@ use crate::number::{DERIVED_DIGITS, millimetres, round_decimals, round_digits};
 use crate::sectors::Sector;
 use crate::words::ANGLE_DECIMALS;
 use crate::{
-    Division, ExportError, Laser, MaterialNote, PatternSheet, ProcessInput, Removal, laser_time_s, laser_warnings,
+    Division, ExportError, Laser, MaterialNote, PatternSheet, ProcessInput, Removal, burst_warnings, laser_time_s,
     not_modelled,
 };
 
@@ -169,7 +169,6 @@ impl SectorSheet {
     fn new(sector: &Sector, laser: &Laser) -> Self {
         let (number, division, pattern) = (sector.number(), sector.division(), sector.pattern());
         let rounded = |value: f64| round_digits(value, DERIVED_DIGITS);
-        let removal = Removal::new(sector.whole(), laser);
         let share = sector.cavity_area_m2() / sector.whole().cavity_area_m2();
         Self {
             number,
@@ -183,8 +182,8 @@ impl SectorSheet {
             bursts_per_cavity: laser.bursts(pattern.depth_m()),
             estimated_time_s: laser_time_s(sector.whole(), laser).map(|time_s| rounded(share * time_s)),
             pattern: PatternSheet::from(pattern),
-            warnings: if removal.is_none() { laser_warnings(sector.whole(), laser) } else { Vec::new() },
-            removal,
+            warnings: burst_warnings(sector.whole(), laser),
+            removal: Removal::new(sector.whole(), laser),
         }
     }
 }

@@ -33,8 +33,8 @@ const REMOVAL_FORMULA: &str = "z(x) = passes * (depth per burst / pulse distance
      (depth per burst / pulse distance) * (pi / 4) spot^2 * marked length; depth in the middle is the mean of z over the middle \
      third of a cavity's width, mean depth the removed volume over the area of all cavities";
 
-const OVERLAP_FORMULA: &str = "spot_um over the distance of lines in a cavity; where the spot follows these lines, bursts edge to edge, depth is \
-     depth_of_bursts_um times this";
+const OVERLAP_FORMULA: &str = "lines within half a spot of a point, as a mean over the middle third of a cavity's width; where the spot follows these \
+     lines, bursts edge to edge, depth there is depth_of_bursts_um times this";
 
 /// Bursts, lines and time.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -59,7 +59,7 @@ pub struct WorkSheet {
     /// Its standard error, where depth per burst was fitted against fluence, in um.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub depth_of_bursts_stderr_um: Option<f64>,
-    /// How often a point of a cavity is exposed, on average, where bursts are planned on spots and the spot follows the lines of
+    /// How often a point in the middle of a cavity is exposed, where bursts are planned on spots and the spot follows the lines of
     /// `hatch.csv`; absent where lines do not overlap, where passes over lines give the depth, and for a mask.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub exposures_of_a_point: Option<f64>,

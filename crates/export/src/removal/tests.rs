@@ -10,18 +10,12 @@ const NARROW: Laser = laser(30.0, 8.0, 200.0, 0.8);
 
 const fn laser(spot_um: f64, hatch_um: f64, speed_mm_s: f64, burst_um: f64) -> Laser {
     Laser {
-        wavelength_nm: None,
         spot_um: Some(spot_um),
-        pulse_ns: None,
-        power_density_gw_cm2: None,
         depth_per_burst_um: Some(burst_um),
         repetition_hz: Some(50e3),
         speed_mm_s: Some(speed_mm_s),
         hatch_um: Some(hatch_um),
-        wall_taper_deg: None,
-        exposure: None,
-        min_land_um: None,
-        ablation: None,
+        ..Laser::UNKNOWN
     }
 }
 
