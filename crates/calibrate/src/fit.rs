@@ -101,6 +101,17 @@ pub struct Fit {
     pub warnings: Vec<String>,
 }
 
+impl Fit {
+    /// Chi-square over its degrees of freedom from which on the model does not describe the measurements.
+    const POOR: f64 = 3.0;
+
+    /// Whether the model does not describe the measurements.
+    #[must_use]
+    pub fn is_poor(&self) -> bool {
+        self.degrees_of_freedom > 0 && self.chi_square > Self::POOR * self.degrees_of_freedom as f64
+    }
+}
+
 /// How parameters map to measurements: parameter numbers of mu_d and, where fitted, mu_s.
 struct Layout {
     dynamic: Vec<usize>,
@@ -114,7 +125,7 @@ struct Layout {
 const FRICTION_BOUNDS: [f64; 2] = [1e-3, 5.0];
 /// Bounds of mu_s over the first guess of mu_d. Below, sliding would take more than rest; above, a larger mu_s gives
 /// the model's sample no larger peak, because the ends slip long before its middle does.
-const STATIC_OVER_DYNAMIC: [f64; 2] = [0.9, 3.5];
+pub const STATIC_OVER_DYNAMIC: [f64; 2] = [0.9, 3.5];
 /// Scales of the area law from which a fit starts: chi-square may have more than one valley.
 const STARTS: usize = 7;
 

@@ -94,7 +94,7 @@ pub use calibration_task::{
     CalibrationError, CalibrationOutcome, CalibrationTask, FittedRow, MapSurface, Surface, run,
 };
 pub use contradicting_samples::{contradicting_samples, is_of_contradicting_samples};
-pub use fit::{Fit, FittedPair, Parameter, Prediction, fit_coefficients, planned_steps};
+pub use fit::{Fit, FittedPair, Parameter, Prediction, STATIC_OVER_DYNAMIC, fit_coefficients, planned_steps};
 pub use fit_problem::{Coefficients, FitError, Measurement, Problem, StaticPeak, numbered};
 pub use flat_friction_law::flat_friction_law;
 pub use marginal_uncertainty::{FlatLoad, marginal_relative_std};

@@ -5,7 +5,7 @@ use toml::Spanned;
 use super::document::Document;
 use super::pattern::PatternFile;
 use crate::diagnostic::Diagnostic;
-use crate::plausible::{CAVITY_DEPTH, CAVITY_WIDTH};
+use crate::plausible::{CAVITY_DEPTH, CAVITY_WIDTH, Plausible};
 
 /// Says which lengths in the `table` are those of no cavity that is cut.
 pub(crate) fn unusual(document: &Document, table: &Spanned<PatternFile>) -> Vec<Diagnostic> {
@@ -16,7 +16,7 @@ pub(crate) fn unusual(document: &Document, table: &Spanned<PatternFile>) -> Vec<
         (CAVITY_WIDTH, file.length_um.as_ref()),
         (CAVITY_DEPTH, Some(&file.depth_um)),
     ];
-    let told = |(quantity, length): (crate::plausible::Plausible, Option<&Spanned<f64>>)| {
+    let told = |(quantity, length): (Plausible, Option<&Spanned<f64>>)| {
         let length = length?;
         quantity.tell(*length.get_ref(), || document.refuse(length.span(), ""))
     };

@@ -24,6 +24,9 @@ pub struct Plausible {
     slips: &'static [(&'static str, f64)],
 }
 
+/// What is taken for micrometres.
+const OF_MICROMETRES: &[(&str, f64)] = &[("in mm, that", 1e3), ("in nm, that", 1e-3)];
+
 /// Friction coefficients.
 pub const FRICTION: Plausible = Plausible {
     what: "friction coefficients",
@@ -94,8 +97,8 @@ pub const STRAIN: Plausible = Plausible {
 pub const STATIC_OVER_DYNAMIC: Plausible = Plausible {
     what: "static over dynamic local coefficients",
     unit: "",
-    measurable: [0.9, 3.5],
-    usual: [0.9, 3.5],
+    measurable: slipgrid_calibrate::STATIC_OVER_DYNAMIC,
+    usual: slipgrid_calibrate::STATIC_OVER_DYNAMIC,
     why: "friction at rest is hardly below that of sliding, and with more than 3.5 times of it no specimen slides at once",
     slips: &[
         ("with the decimal point one place to the left it", 0.1),
@@ -128,7 +131,7 @@ pub const SPOT: Plausible = Plausible {
     measurable: [0.2, 1e4],
     usual: [0.2, 1e4],
     why: "light is focused to half its wavelength at best, and masks let through 10 mm at most",
-    slips: &[("in mm, that", 1e3), ("in nm, that", 1e-3)],
+    slips: OF_MICROMETRES,
 };
 
 /// Widths of cavities, and gaps between them.
@@ -138,7 +141,7 @@ pub const CAVITY_WIDTH: Plausible = Plausible {
     measurable: [1e-3, 1e7],
     usual: [1.0, 1e4],
     why: "lasers cut from 1 um, and cutters up to 10 mm",
-    slips: &[("in mm, that", 1e3), ("in nm, that", 1e-3)],
+    slips: OF_MICROMETRES,
 };
 /// Depths of cavities.
 pub const CAVITY_DEPTH: Plausible = Plausible {
@@ -147,7 +150,7 @@ pub const CAVITY_DEPTH: Plausible = Plausible {
     measurable: [1e-4, 1e6],
     usual: [0.2, 1e3],
     why: "what is shallower drowns in roughness, and lasers cut up to 1 mm deep",
-    slips: &[("in mm, that", 1e3), ("in nm, that", 1e-3)],
+    slips: OF_MICROMETRES,
 };
 
 /// What a relative humidity that is likely a share of 1 is told: air in a room has 20 to 80 %. Nil is air without water.

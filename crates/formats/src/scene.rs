@@ -370,7 +370,7 @@ pub fn read_layer(
     };
     let lowest_m = thickness_m.map_or(DEFAULT_LAYER.height_m, |thickness_m| thickness_m.min(DEFAULT_LAYER.height_m));
     let layer = Layer { length_m, height_m: or(sample.layer_um.as_ref(), lowest_m)?, block_m, thickness_m };
-    let blocks = layer.length_m / block_m * (layer.height_m / block_m);
+    let blocks = layer.blocks();
     if let (Some(given), true) = (&sample.block_um, blocks > MOST_BLOCKS) {
         return Err(document
             .refuse(given.span(), format!("divides the layer into {blocks:.1e} blocks"))

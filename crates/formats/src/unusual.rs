@@ -121,11 +121,7 @@ pub fn of_material(document: &Document, file: &MaterialFile) -> Vec<Diagnostic> 
 
 /// The first static coefficient that no calibration finds beside its dynamic one.
 fn of_static(document: &Document, at_rest: &Spanned<Numbers>, sliding: &Spanned<Numbers>) -> Option<Diagnostic> {
-    let values = |of: &Numbers| match of {
-        Numbers::One(value) => vec![*value],
-        Numbers::Each(each) => each.iter().map(|value| *value.get_ref()).collect(),
-    };
-    let (at_rest_values, sliding) = (values(at_rest.get_ref()), values(sliding.get_ref()));
+    let (at_rest_values, sliding) = (at_rest.get_ref().written(), sliding.get_ref().written());
     let dynamic = |place: usize| sliding.get(place).or(sliding.first().filter(|_| sliding.len() == 1)).copied();
     at_rest_values.iter().enumerate().find_map(|(place, mean)| {
         let dynamic = dynamic(place).filter(|dynamic| *dynamic > 0.0 && *mean > 0.0)?;
@@ -154,11 +150,7 @@ fn high_friction(document: &Document, file: &MaterialFile) -> Option<Diagnostic>
     let friction = file.friction.get_ref();
     let each = friction.conditions.iter().map(|table| &table.get_ref().dynamic_mean);
     let all: Vec<&Spanned<Numbers>> = each.chain(friction.dynamic_mean.as_ref()).collect();
-    let values = |of: &Spanned<Numbers>| match of.get_ref() {
-        Numbers::One(value) => vec![*value],
-        Numbers::Each(each) => each.iter().map(|value| *value.get_ref()).collect(),
-    };
-    let means: Vec<f64> = all.iter().flat_map(|of| values(of)).collect();
+    let means: Vec<f64> = all.iter().flat_map(|of| of.get_ref().written()).collect();
     Some(document.refuse(all.first()?.span(), exchanged_forces(&means)?))
 }
 

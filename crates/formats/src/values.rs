@@ -79,6 +79,17 @@ pub fn list(document: &Document, values: &Spanned<Numbers>, quantity: Quantity) 
     }
 }
 
+impl Numbers {
+    /// The numbers as they are written.
+    #[must_use]
+    pub fn written(&self) -> Vec<f64> {
+        match self {
+            Self::One(value) => vec![*value],
+            Self::Each(each) => each.iter().map(|value| *value.get_ref()).collect(),
+        }
+    }
+}
+
 /// Where number `place` of `values` stands; one number stands for all.
 #[must_use]
 pub fn number_span(values: &Spanned<Numbers>, place: usize) -> Range<usize> {

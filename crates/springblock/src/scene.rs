@@ -244,6 +244,12 @@ impl Layer {
         Self { thickness_m: None, ..self }
     }
 
+    /// Blocks of a section along the sliding direction, whole ones or not.
+    #[must_use]
+    pub fn blocks(&self) -> f64 {
+        (self.length_m / self.block_m) * (self.height_m / self.block_m)
+    }
+
     /// Columns of blocks over the whole specimen.
     #[must_use]
     pub fn columns(&self) -> usize {
@@ -351,7 +357,7 @@ impl Scene {
                 });
             }
         }
-        let blocks = (self.layer.length_m / self.layer.block_m) * (self.layer.height_m / self.layer.block_m);
+        let blocks = self.layer.blocks();
         if blocks > MOST_BLOCKS {
             return Err(SceneError::TooManyBlocks { blocks, most: MOST_BLOCKS });
         }

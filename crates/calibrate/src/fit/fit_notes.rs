@@ -5,8 +5,6 @@ use crate::flat_sample::speed_m_s;
 
 /// An interval of the area law's scale wider than this factor leaves the law open.
 const OPEN_SCALE: f64 = 3.0;
-/// Chi-square over its degrees of freedom from which on one pair does not describe the measurements.
-const POOR_FIT: f64 = 3.0;
 
 pub fn notes(model: &Model<'_>, fit: &Fit) -> Vec<String> {
     let Model { problem, layout, corrections, .. } = *model;
@@ -50,7 +48,7 @@ pub fn warnings(fit: &Fit) -> Vec<String> {
              friction of the flat sample in time may miss what was measured"
         ));
     }
-    if fit.degrees_of_freedom > 0 && fit.chi_square > POOR_FIT * fit.degrees_of_freedom as f64 {
+    if fit.is_poor() {
         let share = |pair: &FittedPair| Some(100.0 * pair.dynamic_std_error? / pair.dynamic_mean);
         let error = fit.pairs.first().filter(|_| fit.pairs.len() == 1).and_then(share);
         let counted = error.map_or_else(String::new, |percent| {

@@ -19,8 +19,6 @@ use crate::trials::TrialsReport;
 const LOOSE_MODULUS: f64 = 0.1;
 /// The same of a coefficient of friction.
 const LOOSE_FRICTION: f64 = 0.02;
-/// Chi-square over its degrees of freedom from which on the model does not describe the measurements.
-const POOR_FIT: f64 = 3.0;
 /// Fitted numbers that the first screen shows one by one.
 const FEW: usize = 3;
 
@@ -128,13 +126,12 @@ fn verdict(page: &mut Page, outcome: &CalibrationOutcome) {
         String::new()
     };
     page.lead(&format!("Local dynamic friction is {known}{words}: {count} measurements on flat samples."));
-    let degrees = fit.degrees_of_freedom as f64;
     let off =
         outcome.measurements.iter().zip(&fit.predictions).map(|(of, at)| (at.residual / of.mu_dynamic_std).powi(2));
     let off = (off.sum::<f64>() / count.max(1) as f64).sqrt();
-    if degrees == 0.0 {
+    if fit.degrees_of_freedom == 0 {
         page.paragraph("As many numbers were fitted as were measured: the model follows every measurement, and none is left to check it by.");
-    } else if fit.chi_square > POOR_FIT * degrees {
+    } else if fit.is_poor() {
         page.marked("verdict missed", &format!(
             "The model does not describe these measurements: it is off by {} of their standard deviations (root mean square). Fit coefficients per condition.",
             number(off, 1)
