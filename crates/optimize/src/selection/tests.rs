@@ -100,32 +100,43 @@ fn the_chosen_design_is_as_likely_as_any_and_takes_the_least_effort_of_those() {
     assert!(!found.alternatives.is_empty() && found.alternatives.iter().all(Candidate::meets_target));
 }
 
-/// The same, of which rough chances are too large by up to 0.02, otherwise from design to design.
-struct Roughly(Made, AtomicUsize);
+/// The same, counting the chances that are asked for. Rough ones, where there are such, are too large by up to 0.02, otherwise from design to
+/// design.
+struct Counted {
+    made: Made,
+    chances: AtomicUsize,
+    has_rough: bool,
+}
 
-impl Merits for Roughly {
+impl Counted {
+    fn new(has_rough: bool) -> Self {
+        Self { made: Made::new(), chances: AtomicUsize::new(0), has_rough }
+    }
+}
+
+impl Merits for Counted {
     fn rough_chance(&self, candidate: &Candidate) -> Option<Result<(Probability, f64), ModelFailure>> {
-        let (chance, counts) = self.0.chance(candidate).unwrap();
+        let (chance, counts) = self.has_rough.then(|| self.made.chance(candidate).unwrap())?;
         let off = 0.01 + 0.01 * (7e6 * candidate.design.width_m()).sin();
         Some(Ok((Probability { share: chance.share + off, ..chance }, counts)))
     }
 
     fn chance(&self, candidate: &Candidate) -> Result<(Probability, f64), ModelFailure> {
-        self.1.fetch_add(1, Ordering::Relaxed);
-        self.0.chance(candidate)
+        self.chances.fetch_add(1, Ordering::Relaxed);
+        self.made.chance(candidate)
     }
 
     fn effort(&self, design: &Pattern) -> Result<f64, ModelFailure> {
-        self.0.effort(design)
+        self.made.effort(design)
     }
 }
 
 #[test]
 fn chances_of_those_that_come_first_are_not_rough() {
-    let (options, merits) = (SelectionOptions::default(), Roughly(Made::new(), AtomicUsize::new(0)));
+    let (options, merits) = (SelectionOptions::default(), Counted::new(true));
     let found = select(&target(), &space(), &bursts(), &[], &options, &respond, &merits, &Unwatched).unwrap();
     assert!(found.pool.iter().take(SETTLED).all(|choice| !choice.is_rough));
-    let exact = |choice: &&Choice| merits.0.chance(&choice.candidate).unwrap().0 == choice.chance;
+    let exact = |choice: &&Choice| merits.made.chance(&choice.candidate).unwrap().0 == choice.chance;
     assert!(found.pool.iter().filter(|choice| !choice.is_rough).all(|choice| exact(&choice)));
     let greatest = |is_rough: bool| {
         let of = found.pool.iter().filter(|choice| choice.is_rough == is_rough);
@@ -133,7 +144,7 @@ fn chances_of_those_that_come_first_are_not_rough() {
     };
     assert!(greatest(true) <= greatest(false), "{} {}", greatest(true), greatest(false));
     // Few of the pool take the dear chance.
-    let asked = merits.1.into_inner();
+    let asked = merits.chances.into_inner();
     assert!(asked < found.pool.len() / 2, "{asked} of {}", found.pool.len());
     let best = chosen_on(1);
     let (own, known) = (&found.pool[0], &best.pool[0]);
@@ -198,20 +209,6 @@ fn a_guide_that_is_off_leads_to_designs_that_the_model_has_judged() {
     assert!(found.pool[0].chance.share > alone.pool[0].chance.share - 0.03);
 }
 
-/// [`Made`], counting the chances that are asked for.
-struct Counted(Made, AtomicUsize);
-
-impl Merits for Counted {
-    fn chance(&self, candidate: &Candidate) -> Result<(Probability, f64), ModelFailure> {
-        self.1.fetch_add(1, Ordering::Relaxed);
-        self.0.chance(candidate)
-    }
-
-    fn effort(&self, design: &Pattern) -> Result<f64, ModelFailure> {
-        self.0.effort(design)
-    }
-}
-
 #[test]
 fn a_choice_asks_of_about_as_many_designs_and_chances_as_are_counted_beforehand() {
     let near = |counted: usize, expected: f64| {
@@ -222,12 +219,12 @@ fn a_choice_asks_of_about_as_many_designs_and_chances_as_are_counted_beforehand(
     for space in [space(), DesignSpace::new(Planform::Groove, [40e-6, 400e-6], [40e-6, 1000e-6], [13e-6; 2]).unwrap()] {
         let free = if space.depth_m()[0] < space.depth_m()[1] { 3 } else { 2 };
         let (target, limits) = (target(), bursts());
-        let alone = Counted(Made::new(), AtomicUsize::default());
+        let alone = Counted::new(false);
         let found = select(&target, &space, &limits, &[], &options, &respond, &alone, &Unwatched).unwrap();
         let count = options.count(free, false);
         near(found.designs, count.designs);
-        near(alone.1.into_inner(), count.chances);
-        let (guided, judged) = (Counted(Made::new(), AtomicUsize::default()), AtomicUsize::default());
+        near(alone.chances.into_inner(), count.chances);
+        let (guided, judged) = (Counted::new(false), AtomicUsize::default());
         let model = |design: &Pattern| {
             judged.fetch_add(1, Ordering::Relaxed);
             respond(design)
@@ -247,7 +244,7 @@ fn a_choice_asks_of_about_as_many_designs_and_chances_as_are_counted_beforehand(
         );
         let count = options.count(free, true);
         near(found.unwrap().designs, count.designs);
-        near(guided.1.into_inner(), count.chances);
+        near(guided.chances.into_inner(), count.chances);
         assert!(judged.into_inner() as f64 <= count.judged);
     }
     assert_eq!(options.count(0, true).designs, 0.0);
