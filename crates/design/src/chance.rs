@@ -261,9 +261,14 @@ impl<'a> Chances<'a> {
         still: &Answer,
         others: &Numerical,
     ) -> Result<Numerical, ModelFailure> {
-        let Some(fine) = &self.fine else { return Ok(others.clone()) };
-        let most = most_apart(&still.ratio, &fine.steady(design)?.ratio);
-        Ok(self.with_blocks(block_std(most), others))
+        let of_blocks = self.block_std(design, still)?;
+        Ok(of_blocks.map_or_else(|| others.clone(), |std| self.with_blocks(std, others)))
+    }
+
+    /// What blocks leave open of the ratios of `design`, of which the model says `still`; `None` in space, where smaller ones are dear.
+    fn block_std(&self, design: &Pattern, still: &Answer) -> Result<Option<f64>, ModelFailure> {
+        let Some(fine) = &self.fine else { return Ok(None) };
+        Ok(Some(block_std(most_apart(&still.ratio, &fine.steady(design)?.ratio))))
     }
 
     /// Finds out what [`Self::expand_roughly`] needs, of those of `designs` that are unlike others: a third of a choice's. It goes smoothly with the
@@ -273,17 +278,12 @@ impl<'a> Chances<'a> {
         let fresh = known().unlike(designs, LEAST_APART);
         // Not locked while designs are solved: a thread that waits for another's may take up any task.
         let solved = |design: &Pattern| {
-            let still = self.still(design).ok()?;
-            let block_std = |fine: &SteadyModel<'_>| {
-                let most = most_apart(&still.ratio, &fine.steady(design).ok()?.ratio);
-                Some(block_std(most).max(LEAST_BLOCK_STD).ln())
-            };
-            let blocks = self.fine.as_ref().map_or(Some(0.0), block_std)?;
-            let mut numbers = vec![blocks];
-            numbers.extend(self.sensitivity(design, &still).ok()?.numbers());
-            Some((*design, numbers))
+            let still = self.still(design)?;
+            let blocks = self.block_std(design, &still)?.unwrap_or_default().max(LEAST_BLOCK_STD).ln();
+            let numbers = [vec![blocks], self.sensitivity(design, &still)?.numbers()].concat();
+            Ok::<_, ModelFailure>((*design, numbers))
         };
-        let learnt: Vec<_> = fresh.par_iter().filter_map(solved).collect();
+        let learnt: Vec<_> = fresh.par_iter().filter_map(|design| solved(design).ok()).collect();
         known().learn(learnt);
     }
 

@@ -118,7 +118,7 @@ impl MultiFidelityLoop<'_> {
         };
         let log_ratio = modelled.log_ratio.iter().enumerate();
         let log_ratio = log_ratio.map(|(load, log)| log + off(load % count).unwrap_or(0.0)).collect();
-        let design = Design::new(best.design, Modelled { log_ratio, ..modelled }, [covariance, Vec::new()]);
+        let design = Design::new(best.design, Modelled { log_ratio, ..modelled }, covariance);
         let judged = design.judged(&asked.learned.at(&asked.loads), &asked.wanted);
         // A design that aims with the discrepancy has it in its chance.
         let chance = aimed.unwrap_or(judged.score.chance);

@@ -104,7 +104,7 @@ impl<'a> Search<'a> {
     /// `pattern` by the model itself in the layer's blocks and what smaller ones change of its like, with the scatter of its dimensions.
     fn drafted(&self, pattern: &Pattern) -> Result<Judged, ModelFailure> {
         let covariance = self.covariance(pattern).unwrap_or_default();
-        let design = Design::new(*pattern, self.models.at(pattern)?, [covariance.clone(), covariance]);
+        let design = Design::new(*pattern, self.models.at(pattern)?, covariance);
         let design = design.in_smaller_blocks(self.interpolation.shifts(pattern.lengths_m())).moved(&self.off);
         Ok(design.judged(&self.predictor, &self.asked.wanted))
     }
@@ -127,10 +127,11 @@ impl<'a> Search<'a> {
         };
         let about = About { design: &pattern, still: &still, values: &ratio, numerical: &open };
         let expansion = self.chances.expand(&about)?;
-        let covariance =
-            [self.chances.log_covariance(&expansion), self.chances.log_covariance_of_dimensions(&expansion)];
+        let of_dimensions = self.chances.log_covariance_of_dimensions(&expansion);
         let log_ratio = ratio.iter().map(|ratio| ratio.ln()).collect();
-        let design = Design::new(pattern, Modelled { log_ratio, sensitivity }, covariance).moved(&self.off);
+        let modelled = Modelled { log_ratio, sensitivity };
+        let design = Design::new(pattern, modelled, self.chances.log_covariance(&expansion)).moved(&self.off);
+        let design = Design { of_dimensions, ..design };
         Ok(design.judged(&self.predictor, &self.asked.wanted))
     }
 
@@ -158,8 +159,7 @@ impl<'a> Search<'a> {
                 return None;
             }
             let lengths_m = pattern.lengths_m();
-            let covariance = self.covariance(pattern)?;
-            let design = Design::new(*pattern, self.interpolation.at(lengths_m)?, [covariance, Vec::new()]);
+            let design = Design::new(*pattern, self.interpolation.at(lengths_m)?, self.covariance(pattern)?);
             Some(design.in_smaller_blocks(self.interpolation.shifts(lengths_m)).moved(&self.off))
         };
         let drafts: Vec<Option<Design>> = patterns.par_iter().map(between).collect();

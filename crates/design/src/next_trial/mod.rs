@@ -83,8 +83,7 @@ struct Judged {
 }
 
 impl Design {
-    /// With the covariance by all that is not known exactly, and by dimensions.
-    fn new(pattern: Pattern, modelled: Modelled, [covariance, of_dimensions]: [Vec<f64>; 2]) -> Self {
+    fn new(pattern: Pattern, modelled: Modelled, covariance: Vec<f64>) -> Self {
         let ratio: Vec<f64> = modelled.log_ratio.iter().map(|log| log.exp()).collect();
         Self {
             features: Features::from(&pattern),
@@ -92,7 +91,7 @@ impl Design {
             ratio,
             sensitivity: modelled.sensitivity,
             covariance,
-            of_dimensions,
+            of_dimensions: Vec::new(),
             pattern,
         }
     }
@@ -365,7 +364,11 @@ fn choose(
 ///
 /// Samples on one disc share what differs from disc to disc: they are off together, and further apart from each other are better.
 fn several<'a>(pool: &'a [Judged], pending: &[Judged], options: &NextOptions, asked: &Asked) -> (Vec<&'a Judged>, f64) {
-    let (count, scenarios) = (options.count.max(1), Scenarios::new(&asked.learned, SCENARIOS, 1));
+    let count = options.count.max(1).min(pool.len());
+    if count == 1 && pending.is_empty() {
+        return (vec![&pool[0]], pool[0].score.chance);
+    }
+    let scenarios = Scenarios::new(&asked.learned, SCENARIOS, 1);
     // Each another sample.
     let on = |scenarios: &Scenarios, (number, judged): (usize, &Judged)| {
         scenarios.on_target(&judged.design.candidate(), &asked.loads, &asked.wanted, number)
@@ -375,9 +378,9 @@ fn several<'a>(pool: &'a [Judged], pending: &[Judged], options: &NextOptions, as
     let mut hit = vec![false; SCENARIOS];
     let mark = |hit: &mut Vec<bool>, by: &[bool]| hit.iter_mut().zip(by).for_each(|(hit, on)| *hit |= on);
     (pool.len()..).zip(pending).for_each(|of| mark(&mut hit, &on(&scenarios, of)));
-    let of_pending = hit.clone();
+    let mut of_pending = hit.clone();
     let mut chosen: Vec<usize> = Vec::new();
-    for _ in 0..count.min(pool.len()) {
+    for _ in 0..count {
         let gain = |place: &usize| hits[*place].iter().zip(&hit).filter(|(on, hit)| **on && !**hit).count();
         let open = (0..pool.len()).filter(|place| !chosen.contains(place));
         // The first of nothing before it is the best by its score; of equal gains the better by that.
@@ -390,17 +393,12 @@ fn several<'a>(pool: &'a [Judged], pending: &[Judged], options: &NextOptions, as
         mark(&mut hit, &hits[best]);
         chosen.push(best);
     }
-    let together = match chosen[..] {
-        [one] if pending.is_empty() => pool[one].score.chance,
-        _ => {
-            // Others of the same designs: those that were chosen were lucky in their own draws.
-            let others = (pool.len() + pending.len()..).zip(chosen.iter().map(|place| &pool[*place]));
-            let mut hit = of_pending;
-            others.for_each(|of| mark(&mut hit, &on(&disc, of)));
-            hit.iter().filter(|hit| **hit).count() as f64 / SCENARIOS as f64
-        }
-    };
-    (chosen.into_iter().map(|place| &pool[place]).collect(), together)
+    let chosen: Vec<&Judged> = chosen.into_iter().map(|place| &pool[place]).collect();
+    // Others of the same designs: those that were chosen were lucky in their own draws.
+    let others = (pool.len() + pending.len()..).zip(chosen.iter().copied());
+    others.for_each(|of| mark(&mut of_pending, &on(&disc, of)));
+    let together = of_pending.iter().filter(|hit| **hit).count() as f64 / SCENARIOS as f64;
+    (chosen, together)
 }
 
 /// What the laser of `task` will not cut of `patterns` as they are designed, each with the number of its sample.
