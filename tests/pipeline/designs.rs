@@ -26,15 +26,16 @@ fn slipgrid(arguments: &[&str]) -> (u8, String, String) {
     (code, String::from_utf8(out).unwrap(), String::from_utf8(err).unwrap())
 }
 
+/// A folder with the results of a shipped design in `results`, and what `result.json` holds.
 fn optimize(name: &str) -> (tempfile::TempDir, Value) {
     let (_, code, status) = ENDINGS.into_iter().find(|(ending, ..)| *ending == name).unwrap();
     let folder = tempfile::tempdir().unwrap();
     let design = root().join("designs").join(format!("{name}.toml"));
-    let (ended, out, err) = slipgrid(&["optimize", design.to_str().unwrap(), "-o", folder.path().to_str().unwrap()]);
+    let results = folder.path().join("results");
+    let (ended, out, err) = slipgrid(&["optimize", design.to_str().unwrap(), "-o", results.to_str().unwrap()]);
     println!("{out}");
     assert_eq!((ended, err.as_str()), (code, ""), "{name}");
-    let result: Value =
-        serde_json::from_str(&std::fs::read_to_string(folder.path().join("result.json")).unwrap()).unwrap();
+    let result: Value = serde_json::from_str(&std::fs::read_to_string(results.join("result.json")).unwrap()).unwrap();
     assert_eq!(result["status"], status);
     (folder, result)
 }
@@ -74,7 +75,7 @@ fn crossing_grooves_reach_the_target_and_are_cut_once() {
     let [width, spacing] = ["width_um", "spacing_um"].map(|key| design[key].as_f64().unwrap());
     let density = 1.0 - (spacing / (width + spacing)).powi(2);
     assert!((design["areal_density"].as_f64().unwrap() - density).abs() < 1e-9, "{design}");
-    let process = std::fs::read_to_string(folder.path().join("process.toml")).unwrap();
+    let process = std::fs::read_to_string(folder.path().join("results/process.toml")).unwrap();
     assert!(process.contains("crossings are marked once"), "{process}");
 }
 
@@ -113,7 +114,7 @@ fn lower_friction_is_met_with_evidence_and_files_for_the_laser() {
     assert_eq!(result["material"]["synthetic_surface"], true);
 
     // The scene runs as it is; steady sliding of its specimen lies near what was confirmed.
-    let scene = folder.path().join("design.toml");
+    let scene = folder.path().join("results/design.toml");
     let (code, out, _) = slipgrid(&["simulate", scene.to_str().unwrap(), "--fidelity", "steady", "--json"]);
     assert_eq!(code, 0);
     let steady: Value = serde_json::from_str(&out).unwrap();
@@ -122,7 +123,7 @@ fn lower_friction_is_met_with_evidence_and_files_for_the_laser() {
         assert!((steady / confirmed - 1.0).abs() < 0.01, "{steady} {confirmed}");
     }
     // Rows of cavities in CSV, polygons in DXF and count on the process sheet agree.
-    let read = |name: &str| std::fs::read_to_string(folder.path().join(name)).unwrap();
+    let read = |name: &str| std::fs::read_to_string(folder.path().join("results").join(name)).unwrap();
     let process: toml::Table = read("process.toml").parse().unwrap();
     let cavities = process["specimen"]["cavities"].as_integer().unwrap();
     assert_eq!(read("pattern.csv").lines().count() as i64, cavities + 1);
@@ -215,7 +216,7 @@ fn squares_are_searched_and_confirmed_in_space() {
     }
     // What is predicted is what the written scene gives as a steady cell, but for what the confirming run has beside that: smaller blocks,
     // and half of what a tilt of the pressure changes.
-    let scene = folder.path().join("design.toml");
+    let scene = folder.path().join("results/design.toml");
     let text = std::fs::read_to_string(&scene).unwrap();
     assert!(text.contains("refine = true"), "{text}");
     std::fs::write(&scene, text.replace("refine = true", "refine = false")).unwrap();

@@ -28,13 +28,10 @@ const RIM_BASIS: &str = "what the design assumes: the laser's real rims have to 
 #[serde(deny_unknown_fields)]
 pub struct Tolerances {
     /// Of the width, in um.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub width_um: Option<f64>,
     /// Of the spacing, in um.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub spacing_um: Option<f64>,
     /// Of the depth, in um.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub depth_um: Option<f64>,
     /// Where the numbers come from, in words.
     pub basis: String,
@@ -90,7 +87,6 @@ pub struct ProcessSheet {
     /// The pattern.
     pub pattern: PatternSheet,
     /// Tolerances, where there are any.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub tolerances: Option<Tolerances>,
     /// The specimen and the cavities on it.
     pub specimen: SpecimenSheet,
@@ -116,45 +112,32 @@ pub struct PatternSheet {
     /// Period of a row, width + spacing, in um.
     pub pitch_um: f64,
     /// Length of a rectangle across the rows, in um.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub length_um: Option<f64>,
     /// Corners of a polygon as `[x, y]` from the middle of its bounding box, anticlockwise, in um.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub vertices_um: Option<Vec<[f64; 2]>>,
     /// Gap between rows, in um, where rows are not a pitch apart.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub spacing_across_um: Option<f64>,
     /// Distance of rows, in um, where it is not the pitch.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub pitch_across_um: Option<f64>,
     /// `staggered` or `hexagonal`, where rows are.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub arrangement: Option<String>,
     /// Grooves turned on the specimen from lying across x, anticlockwise, in degrees.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub angle_deg: Option<f64>,
     /// The second family of crossing grooves turned from the first, anticlockwise, in degrees.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub crossing_angle_deg: Option<f64>,
     /// Sliding direction turned from x, anticlockwise, in degrees.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub sliding_angle_deg: Option<f64>,
     /// Depth, in um.
     pub depth_um: f64,
     /// Height of the rims at the edges of cavities as deep, in um, where there are rims.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub rim_height_um: Option<f64>,
     /// Standard deviation of heights from rim to rim, in um, where they scatter.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub rim_height_std_um: Option<f64>,
     /// Width of the rims, in um.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub rim_width_um: Option<f64>,
     /// How rims fall outward: `round`, `flat` or `ramp`.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub rim_profile: Option<String>,
     /// Where these come from, in words.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub rim_basis: Option<String>,
     /// Share of an unbounded surface that is cavity.
     pub areal_density: f64,
@@ -167,19 +150,14 @@ pub struct SpecimenSheet {
     /// `disc`, `rectangle` or `ring`.
     pub shape: String,
     /// Diameter of a disc, in mm.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub diameter_mm: Option<f64>,
     /// Length of a rectangle along x, in mm.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub length_mm: Option<f64>,
     /// Width of a rectangle along y, in mm.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub width_mm: Option<f64>,
     /// Diameter of a ring's rim, in mm.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub outer_diameter_mm: Option<f64>,
     /// Diameter of a ring's hole, in mm.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub inner_diameter_mm: Option<f64>,
     /// What becomes of cavities that pass the rim, in words.
     pub at_the_rim: String,

@@ -49,7 +49,6 @@ pub struct Removal {
     pub edge_ramp_um: f64,
     /// Speed at which as many passes make the design's depth; left out where pulses would lie farther apart than the
     /// spot is wide.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub speed_for_depth_mm_s: Option<f64>,
     /// What is off by more than 5 % of the design's depth, and what to do.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]

@@ -52,7 +52,6 @@ pub struct DividedSheet {
     /// Extents along x and y, in mm.
     pub extents_mm: [f64; 2],
     /// Diameter of the hole of a ring, in mm.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub hole_mm: Option<f64>,
     /// Number of sectors.
     pub sectors: usize,
@@ -85,10 +84,8 @@ pub struct SectorSheet {
     /// Share of the sector that is cavity, as cut.
     pub areal_density: f64,
     /// Bursts per cavity (on each of its spots).
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub bursts_per_cavity: Option<u32>,
     /// Time under the laser, in s: that of the pattern on the whole specimen times the sector's share of its cavities' area.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub estimated_time_s: Option<f64>,
     /// What is off the design's depth by more than 5 %, and what to do, where no passes are planned.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
@@ -96,7 +93,6 @@ pub struct SectorSheet {
     /// Its pattern.
     pub pattern: PatternSheet,
     /// Passes over its lines, and what they remove.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub removal: Option<Removal>,
 }
 

@@ -44,102 +44,72 @@ pub struct WorkSheet {
     pub exposure: Exposure,
     /// Depth that the least exposure gives, in um: one pass over an endless hatch, otherwise one burst. Depths of designs are
     /// whole multiples of it.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub depth_step_um: Option<f64>,
     /// How it follows.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub depth_step_formula: Option<String>,
     /// Bursts per cavity (on each of its spots, or on the whole cavity with a mask): depth over depth per burst, to the nearest
     /// whole; absent where passes over lines give the depth.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub bursts_per_cavity: Option<u32>,
     /// Depth that those bursts give, in um.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub depth_of_bursts_um: Option<f64>,
     /// Its standard error, where depth per burst was fitted against fluence, in um.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub depth_of_bursts_stderr_um: Option<f64>,
     /// How often a point in the middle of a cavity is exposed, where bursts are planned on spots and the spot follows the lines of
     /// `hatch.csv`; absent where lines do not overlap, where passes over lines give the depth, and for a mask.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub exposures_of_a_point: Option<f64>,
     /// How that follows.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub exposures_of_a_point_formula: Option<String>,
     /// Depth that those bursts then make, in um.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub depth_where_lines_overlap_um: Option<f64>,
     /// Width of a cavity on its floor, where walls lean, in um.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub floor_width_um: Option<f64>,
     /// Spots that tile a cavity; of grooves on a disc the longest. Absent for a mask, which exposes cavities as wholes.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub spots_per_cavity: Option<u64>,
     /// Spots that tile all cavities; absent for a mask.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub spots_on_specimen: Option<u64>,
     /// How spots are counted.
     pub spots_formula: String,
     /// The spot's centre stays this far inside a cavity's edge, in um.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub spot_compensation_um: Option<f64>,
     /// Where lines run; absent for a mask.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub marking_direction: Option<String>,
     /// Distance of lines that the laser is set to, `laser.hatch_um`, in um: nominal, and that of an endless hatch. Within a cavity
     /// lines lie evenly from edge to edge, at this distance or nearer.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub line_distance_um: Option<f64>,
     /// The least distance of neighbouring lines within a cavity, in um, as in `hatch.csv`; absent where one line fills each
     /// cavity.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub least_line_distance_um: Option<f64>,
     /// The greatest distance of neighbouring lines within a cavity, in um, as in `hatch.csv`; the same as the least where all
     /// cavities are as wide.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub greatest_line_distance_um: Option<f64>,
     /// How these three belong together.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub line_distance_formula: Option<String>,
     /// Share of the spot by which lines overlap at the nominal distance.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub line_overlap: Option<f64>,
     /// Lines on the specimen; absent for a mask, which marks none.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub lines_on_specimen: Option<u64>,
     /// Length of all lines, in mm; absent for a mask.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub marked_length_mm: Option<f64>,
     /// Distance of bursts along a line: speed over repetition rate, in um.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub pulse_distance_um: Option<f64>,
     /// Share of the spot by which bursts overlap.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub pulse_overlap: Option<f64>,
     /// Bursts that reach a point in one pass, on average.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub bursts_per_pass: Option<f64>,
     /// How those are counted.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub bursts_per_pass_formula: Option<String>,
     /// Volume that the passes over all lines remove, in mm^3.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub removed_volume_mm3: Option<f64>,
     /// Depths that all passes make between the edge of a cavity and its middle, in eight equally wide bins: pairs of the distance
     /// from the edge at which a bin ends, and the mean depth over the bin, both in um.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub depths_across_um: Option<Vec<[f64; 2]>>,
     /// What those pairs are.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub depths_across_formula: Option<String>,
     /// How depths follow from the lines.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub removal_formula: Option<String>,
     /// Time under the laser, in s.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub estimated_time_s: Option<f64>,
     /// Why there is no estimate.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub no_estimate_because: Option<String>,
     /// How time is estimated.
     pub estimated_time_formula: String,
@@ -149,7 +119,6 @@ pub struct WorkSheet {
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub warnings: Vec<String>,
     /// Passes over the lines, and what they remove.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub removal: Option<Removal>,
 }
 

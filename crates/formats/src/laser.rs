@@ -62,23 +62,17 @@ pub struct SpecimenFile {
     /// Shape of the face: `disc`, `rectangle` or `ring`.
     pub shape: Spanned<String>,
     /// Diameter of a disc.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub diameter_mm: Option<Number>,
     /// Length of a rectangle along the sliding direction.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub length_mm: Option<Number>,
     /// Width of a rectangle across the sliding direction.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub width_mm: Option<Number>,
     /// Outer diameter of a ring.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub outer_diameter_mm: Option<Number>,
     /// Diameter of a ring's hole.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub inner_diameter_mm: Option<Number>,
     /// Cavities at the rim of the specimen: with `whole` those that pass it are left out, with `clipped` they are
     /// cut; `whole` when absent.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cavities: Option<Spanned<String>>,
 }
 

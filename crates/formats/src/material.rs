@@ -29,19 +29,14 @@ pub const DEFAULT_STATIC_OVER_DYNAMIC: f64 = 0.30 / 0.27;
 #[serde(deny_unknown_fields)]
 pub struct MaterialFile {
     /// The material's name.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub name: Option<String>,
     /// Publication or laboratory.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub source: Option<String>,
     /// Schema of the file; 1 when absent.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub schema: Option<Spanned<u32>>,
     /// Version of the program that wrote the file.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub slipgrid_version: Option<String>,
     /// The surface behind the area law is synthetic, not measured; false when absent.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub synthetic_surface: Option<bool>,
     /// How values were obtained.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
@@ -52,26 +47,21 @@ pub struct MaterialFile {
     /// Young's modulus.
     pub youngs_modulus_gpa: Number,
     /// Its standard deviation.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub youngs_modulus_std_gpa: Option<Number>,
     /// Density.
     pub density_g_cm3: Number,
     /// Contact pressure at which rims flatten for good; absent where they are elastic.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub yield_pressure_mpa: Option<Number>,
     /// Local friction coefficients.
     pub friction: Spanned<FrictionFile>,
     /// Area law; absent for Amontons-Coulomb.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub area_law: Option<Spanned<AreaLawFile>>,
     /// One factor for every texture, which earlier versions wrote; it is ignored.
     #[serde(default, skip_serializing)]
     pub discrepancy: Option<toml::Table>,
     /// What was learned from trials, for any texture.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub learned: Option<Spanned<LearnedFile>>,
     /// The calibration that the file was made from.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub made_from: Option<MadeFrom>,
 }
 
@@ -81,35 +71,25 @@ pub struct MaterialFile {
 #[serde(deny_unknown_fields)]
 pub struct FrictionFile {
     /// Nominal pressures of the coefficients; absent for one pair.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub pressure_mpa: Option<NumberList>,
     /// Mean local static coefficient.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub static_mean: Option<Spanned<Numbers>>,
     /// Mean local dynamic coefficient.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub dynamic_mean: Option<Spanned<Numbers>>,
     /// Scatter of both coefficients over their means; 0.05 when absent.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub relative_std: Option<Number>,
     /// Standard errors of `static_mean`.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub static_std_error: Option<Spanned<Numbers>>,
     /// Standard errors of `dynamic_mean`, with those of Young's modulus and the area law in them. Without
     /// `dynamic_std_error_given_law` beside them they hold at the given law.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub dynamic_std_error: Option<Spanned<Numbers>>,
     /// The same at the given area law: those of flat friction.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub dynamic_std_error_given_law: Option<Spanned<Numbers>>,
     /// Dynamic friction of the flat sample over mu_d f(P), which is the friction of an endless one in steady sliding.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub dynamic_over_steady: Option<Spanned<Numbers>>,
     /// Model minus measurement of the flat sample, one per measurement.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub residual: Option<Vec<f64>>,
     /// Covariance of `dynamic_mean` and of the logarithm of the area law's pressure scale, where that was fitted.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub scale_covariance: Option<Spanned<Vec<Vec<f64>>>>,
     /// Coefficients per condition.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
@@ -131,20 +111,15 @@ pub struct ConditionTable {
     /// Mean local dynamic coefficients.
     pub dynamic_mean: Spanned<Numbers>,
     /// Standard errors of `static_mean`.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub static_std_error: Option<Spanned<Numbers>>,
     /// Standard errors of `dynamic_mean`, with those of Young's modulus and the area law in them. Without
     /// `dynamic_std_error_given_law` beside them they hold at the given law.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub dynamic_std_error: Option<Spanned<Numbers>>,
     /// The same at the given area law: those of flat friction.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub dynamic_std_error_given_law: Option<Spanned<Numbers>>,
     /// Dynamic friction of the flat sample over mu_d f(P), which is the friction of an endless one in steady sliding.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub dynamic_over_steady: Option<Spanned<Numbers>>,
     /// Model minus measurement of the flat sample, one per pressure.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub residual: Option<Vec<f64>>,
 }
 
@@ -153,32 +128,24 @@ pub struct ConditionTable {
 #[serde(deny_unknown_fields)]
 pub struct AreaLawFile {
     /// Where the law came from: `map`, `persson`, `fit`, or `measured` for flat friction itself.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub origin: Option<String>,
     /// Rms slope of the map behind the law.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub rms_slope: Option<Number>,
     /// Arithmetic mean height of that map.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub sa_um: Option<Number>,
     /// Its pixel size along the sliding direction.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub pixel_um: Option<Number>,
     /// Its pixel size across the sliding direction; as along it when absent.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub pixel_y_um: Option<Number>,
     /// Poisson's ratio of the contact computation.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub poisson_ratio: Option<Number>,
     /// Tabulated pressures.
     pub pressure_mpa: NumberList,
     /// Factors f.
     pub factor: NumberList,
     /// Their standard errors, from windows of the map.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub factor_std: Option<NumberList>,
     /// Real contact area fractions behind them.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub area_fraction: Option<NumberList>,
 }
 

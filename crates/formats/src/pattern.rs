@@ -28,52 +28,36 @@ pub struct PatternFile {
     /// Depth of a cavity.
     pub depth_um: Number,
     /// As in [`TextureFile`].
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub planform: Option<Spanned<String>>,
     /// As in [`TextureFile`].
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub length_um: Option<Number>,
     /// As in [`TextureFile`].
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub vertices_um: Option<Spanned<Vec<[f64; 2]>>>,
     /// As in [`TextureFile`].
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub outline: Option<Spanned<String>>,
     /// As in [`TextureFile`].
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub outline_layer: Option<Spanned<String>>,
     /// As in [`TextureFile`].
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub spacing_across_um: Option<Number>,
     /// As in [`TextureFile`].
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub arrangement: Option<Spanned<String>>,
     /// As in [`TextureFile`].
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub angle_deg: Option<Number>,
     /// As in [`TextureFile`].
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub crossing_angle_deg: Option<Number>,
     /// As in [`TextureFile`].
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub sliding_angle_deg: Option<Number>,
     /// Map of one period of the measured face, in place of rims.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub relief: Option<Spanned<String>>,
     /// As in [`TextureFile`].
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub rim_height_um: Option<Number>,
     /// As in [`TextureFile`].
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub rim_heights_um: Option<Spanned<Vec<NumberList>>>,
     /// As in [`TextureFile`].
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub rim_width_um: Option<Number>,
     /// As in [`TextureFile`].
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub rim_profile: Option<Spanned<String>>,
     /// As in [`TextureFile`].
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub rim_height_std_um: Option<Number>,
 }
 

@@ -14,47 +14,34 @@ use slipgrid_units::{DAMPING, LENGTH_UM, STEP_NS, TOLERANCE};
 #[serde(deny_unknown_fields)]
 pub struct RunFile {
     /// How the scene is solved: `steady`, `dynamic` or `reference`; `steady` when absent.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub fidelity: Option<Spanned<String>>,
     /// `cell`, one period, or `sample`, the whole specimen; `cell` when absent.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub extent: Option<Spanned<String>>,
     /// Seed of the local coefficients; 1 when absent.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub seed: Option<u64>,
     /// Planned travel of the bulk in dynamic runs; 2 when absent.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub sliding_um: Option<Number>,
     /// A block under tension leaves the counterface, in place of being pinned; false when absent.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub liftoff: Option<bool>,
     /// Standard error of mu over mu at which a dynamic run may end; without it no such error is sought.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub mu_stderr: Option<Number>,
     /// Time step; without it 0.34 sqrt(m/k) for `dynamic`, which is 6 ns for the published polymer in blocks of 10 um, and 1 ns for
     /// `reference`.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub step_ns: Option<Number>,
     /// Damping frequency over sqrt(k/m); 0.01 when absent.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub damping: Option<Number>,
     /// Start dynamic runs from the sheared steady equilibrium; false when absent.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub warm_start: Option<bool>,
     /// `linear` springs, for small displacements, or `exact` ones; without it the fidelity decides.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub springs: Option<Spanned<String>>,
     /// 2 solves in the vertical plane, 3 in space; the planform decides when absent.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub dimensions: Option<Spanned<u64>>,
     /// Surfaces with coefficients of their own in dynamic runs, 1 to 64; 1 when absent.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub draws: Option<Spanned<u64>>,
     /// Give ratios for vanishing blocks, as well as steady cells in smaller blocks tell them; false when absent. It serves in the vertical
     /// plane, and in space without rims, by smaller cells and by what it changes of grooves like them, where such cells are not too dear and
     /// cavities are at least two of their blocks deep, and where the error is smaller for it. Elsewhere ratios stay those of the blocks of `[sample]`, and
     /// the result's model says why.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub refine: Option<bool>,
 }
 

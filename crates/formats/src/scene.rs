@@ -30,21 +30,16 @@ use slipgrid_units::{LENGTH_MM, LENGTH_UM, PRESSURE_MPA, Quantity, SPEED_MM_S, S
 #[serde(deny_unknown_fields)]
 pub struct SceneFile {
     /// Name for reports.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub name: Option<String>,
     /// Schema of the file; 1 when absent.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub schema: Option<Spanned<u32>>,
     /// Selects coefficients of a material that has them per condition.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub condition: Option<Spanned<ConditionFile>>,
     /// Material table, or path of a material file.
     pub material: Spanned<PathOr<MaterialFile>>,
     /// Texture; absent for a flat surface.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub pattern: Option<Spanned<PatternFile>>,
     /// The specimen that the pattern is laid on; absent where a sample is one strip of `sample.length_um`.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub specimen: Option<Spanned<SpecimenFile>>,
     /// The modelled layer.
     #[serde(default = "default_sample")]
@@ -62,17 +57,13 @@ pub struct SceneFile {
 pub struct SampleFile {
     /// Length of the specimen along the sliding direction; that of `[specimen]` where there is one, otherwise 9960 when
     /// absent.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub length_um: Option<Number>,
     /// Height of the layer that strips and runs in time hold block by block; 200 um below the rest of the specimen when absent.
     /// Given alone, it is all that is elastic.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub layer_um: Option<Number>,
     /// Thickness of the specimen, all of it elastic; 7 when neither this nor the layer is given.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub thickness_mm: Option<Number>,
     /// Lattice spacing; 10 when absent.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub block_um: Option<Number>,
 }
 
@@ -98,7 +89,6 @@ pub struct LoadFile {
     /// Nominal pressures, one or several.
     pub pressure_mpa: Spanned<Numbers>,
     /// Sliding speed; the condition's when absent.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub speed_mm_s: Option<Number>,
 }
 

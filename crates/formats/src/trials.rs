@@ -76,25 +76,18 @@ impl TrialFile {
 #[serde(deny_unknown_fields)]
 pub struct PriorFile {
     /// Size of the discrepancy at the published squares; 0.2 when absent.
-    #[serde(skip_serializing_if = "Option::is_none")]
     amplitude_std: Option<f64>,
     /// Slope along (P - P0) / P0, with P0 the mean measured pressure; 0.06 when absent.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pressure_std: Option<f64>,
     /// Slope along P1 / P, with P1 the lowest pressure, which adhesion would cause; 0.08 when absent.
-    #[serde(skip_serializing_if = "Option::is_none")]
     inverse_pressure_std: Option<f64>,
     /// Change for a speed e times as high; 0.05 when absent.
-    #[serde(skip_serializing_if = "Option::is_none")]
     speed_std: Option<f64>,
     /// Change from one humidity to another; 0.1 when absent.
-    #[serde(skip_serializing_if = "Option::is_none")]
     humidity_std: Option<f64>,
     /// Scatter from one sample of a texture to the next, until trials refute it; 0.005 when absent.
-    #[serde(skip_serializing_if = "Option::is_none")]
     sample_std: Option<f64>,
     /// Least relative standard error of a measurement; 0.005 when absent.
-    #[serde(skip_serializing_if = "Option::is_none")]
     least_measured_std: Option<f64>,
 }
 
@@ -345,19 +338,14 @@ struct LearnedTrial {
     /// Depth of a cavity.
     depth_um: f64,
     /// Scatter of ln(ratio) from one such sample to the next.
-    #[serde(skip_serializing_if = "Option::is_none")]
     sample_std: Option<f64>,
     /// Standard error of its width, which tells whether it is of one texture with another; 0 when absent.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     width_std_um: Option<f64>,
     /// Standard error of its spacing; 0 when absent.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     spacing_std_um: Option<f64>,
     /// Standard error of its depth; 0 when absent.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     depth_std_um: Option<f64>,
     /// The disc of which the sample was a sector: trials with one disc name share what differs from disc to disc.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     disc: Option<String>,
     /// Nominal pressures of the measurements.
     pressure_mpa: Vec<f64>,
