@@ -5,6 +5,7 @@ use crate::clip::{area_m2, circle, clip};
 use crate::clip_simple::clip_simple;
 use crate::crossing::Crossing;
 use crate::face::Face;
+use crate::outline::left_of;
 
 /// One cavity seen from above, on the specimen's axes x and y.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -148,21 +149,23 @@ impl Cavity {
         }
     }
 
-    /// Where the line along x at `y_m` first enters and last leaves its walls, in metres; the rim is no wall. `None` where
-    /// it passes by.
-    pub(crate) fn chord_x_m(&self, y_m: f64) -> Option<[f64; 2]> {
+    /// Where the line along the unit vector `along`, `at_m` to its left from the specimen's centre, first enters and last leaves its walls: along
+    /// it, in metres; the rim is no wall. `None` where it passes by.
+    pub(crate) fn chord_m(&self, along: [f64; 2], at_m: f64) -> Option<[f64; 2]> {
         if let Some(face) = &self.face {
-            let spans_m = face.spans_m([1.0, 0.0], y_m);
+            let spans_m = face.spans_m(along, at_m);
             return spans_m.first().zip(spans_m.last()).map(|(first, last)| [first[0], last[1]]);
         }
         let face = match self.planform {
             Planform::Disc => Outline::Disc { diameter_m: self.width_m },
             _ => Outline::Rectangle { length_m: self.width_m, width_m: self.length_m },
         };
-        // On the cavity's own axes the line's normal is (sin a, cos a), and along it x falls.
-        let [cosine, sine] = self.orientation;
-        let [low_m, high_m] = face.chord_m([sine, cosine], y_m - self.centre_y_m)?;
-        Some([self.centre_x_m - high_m, self.centre_x_m - low_m])
+        // The line's normal on the cavity's own axes; turned anticlockwise it is the direction back.
+        let ([nx, ny], [cosine, sine]) = (left_of(along), self.orientation);
+        let normal = [nx * cosine + ny * sine, ny * cosine - nx * sine];
+        let of_centre = |[x, y]: [f64; 2]| self.centre_x_m * x + self.centre_y_m * y;
+        let [low_m, high_m] = face.chord_m(normal, at_m - of_centre([nx, ny]))?;
+        Some([of_centre(along) - high_m, of_centre(along) - low_m])
     }
 
     /// Corners of the rectangle that it is, or of the square around a disc, as `[x, y]`, anticlockwise

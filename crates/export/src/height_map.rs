@@ -85,7 +85,7 @@ impl HeightMap {
 
     /// Lowers the pixels of the row at `y_m` that lie in a cavity.
     fn cut(&self, layout: &Layout, cavity: &Cavity, y_m: f64, heights: &mut [u16]) {
-        let Some([from_m, to_m]) = cavity.chord_x_m(y_m) else { return };
+        let Some([from_m, to_m]) = cavity.chord_m([1.0, 0.0], y_m) else { return };
         // One more on either side: whether the outermost lie inside is for the distance to say.
         let (first, end) = (self.after(from_m).saturating_sub(1), (self.after(to_m) + 1).min(heights.len()));
         let wall_distance_m = |column: usize| cavity.wall_distance_m([self.x_m(column as u32), y_m]);

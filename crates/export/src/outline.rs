@@ -144,18 +144,25 @@ impl Outline {
         }
     }
 
-    /// The parts of the line along x at `y_m` that lie on the face, in metres, from the least x: one, two beside a hole, or
-    /// none.
-    pub(crate) fn chords_along_x_m(&self, y_m: f64) -> Vec<[f64; 2]> {
-        // The normal is y; y turned anticlockwise is -x.
-        let Some([low_m, high_m]) = self.chord_m([0.0, 1.0], y_m) else { return Vec::new() };
-        let (left_m, right_m) = (-high_m, -low_m);
+    /// The parts of the line along the unit vector `along`, `at_m` to its left from the centre, that lie on the face: their ends along it,
+    /// in metres, ascending; one, two beside a hole, or none.
+    pub(crate) fn chords_along_m(&self, along @ [dx, dy]: [f64; 2], at_m: f64) -> Vec<[f64; 2]> {
+        debug_assert!((dx.hypot(dy) - 1.0).abs() < 1e-12);
+        // The normal turned anticlockwise is the direction back.
+        let Some([low_m, high_m]) = self.chord_m(left_of(along), at_m) else { return Vec::new() };
+        let (from_m, to_m) = (-high_m, -low_m);
         let hole_m = self.hole_m() / 2.0;
-        if y_m.abs() >= hole_m {
-            return vec![[left_m, right_m]];
+        if at_m.abs() >= hole_m {
+            return vec![[from_m, to_m]];
         }
-        let half_m = ((hole_m - y_m) * (hole_m + y_m)).sqrt();
-        vec![[left_m, -half_m], [half_m, right_m]]
+        let half_m = ((hole_m - at_m) * (hole_m + at_m)).sqrt();
+        vec![[from_m, -half_m], [half_m, to_m]]
+    }
+
+    /// Length of the line along the unit vector `along` through its centre, from rim to rim, in metres.
+    #[must_use]
+    pub fn length_along_m(&self, along: [f64; 2]) -> f64 {
+        2.0 * self.rim_m(along)
     }
 
     /// The name used in files.
@@ -167,6 +174,12 @@ impl Outline {
             Self::Ring { .. } => "ring",
         }
     }
+}
+
+/// The unit vector `along` turned by a right angle anticlockwise.
+pub(crate) fn left_of([dx, dy]: [f64; 2]) -> [f64; 2] {
+    // Not the negative zero.
+    [0.0 - dy, dx]
 }
 
 /// The rim and, of a ring, the hole as polygons, in metres; arcs as chords.

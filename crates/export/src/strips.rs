@@ -2,45 +2,47 @@
 
 use slipgrid_pattern::Planform;
 
+use crate::outline::left_of;
 use crate::{Cavity, Layout};
 
-/// A strip of the specimen's face along x, the sliding direction.
+/// A strip of the specimen's face along the sliding direction.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LaidStrip {
     /// Number of the band of the face that it is the middle of, from the rim inwards.
     pub band: usize,
     /// Width that it stands for, in metres: its band's area over its length, and that of all bands alike.
     pub width_m: f64,
-    /// Length along x, in metres.
+    /// Length along the sliding direction, in metres.
     pub length_m: f64,
-    /// Where cavities begin and end, from the strip's least x, in metres; ascending and apart.
+    /// Where cavities begin and end, from the strip's trailing end, in metres; ascending and apart.
     pub cavities_m: Vec<[f64; 2]>,
 }
 
-/// Strips whose ends and edges agree to this share of the pitch are one.
-const ALIKE: f64 = 1e-9;
+/// Strips whose ends and edges agree to this are one, in metres: twice what they are rounded to.
+const ALIKE_M: f64 = 2e-12;
 
 impl Layout {
-    /// The face cut into `bands` of equal height across x, each represented by the strip, or beside a hole the strips, in
+    /// The face cut into `bands` of equal height across the sliding direction, each represented by the strip, or beside a hole the strips, in
     /// its middle. Bands that are alike are one strip of their widths together; the widths make up the area of the face.
     /// Cavities are those of the layout, cut at the rim where it cuts them.
     #[must_use]
     pub fn strips(&self, bands: usize) -> Vec<LaidStrip> {
-        let [_, extent_y_m] = self.outline().extents_m();
-        let height_m = extent_y_m / bands as f64;
+        let sliding = self.sliding();
+        let extent_m = self.outline().extent_along_m(left_of(sliding));
+        let height_m = extent_m / bands as f64;
         let cavities: Vec<Cavity> = self.iter().collect();
         let mut strips: Vec<LaidStrip> = Vec::new();
         for place in 0..bands {
-            let y_m = (place as f64 + 0.5) * height_m - 0.5 * extent_y_m;
+            let at_m = (place as f64 + 0.5) * height_m - 0.5 * extent_m;
             let band = place.min(bands - 1 - place);
-            for [left_m, right_m] in self.outline().chords_along_x_m(y_m) {
+            for chord_m @ [from_m, to_m] in self.outline().chords_along_m(sliding, at_m) {
                 let strip = LaidStrip {
                     band,
                     width_m: height_m,
-                    length_m: rounded(right_m - left_m),
-                    cavities_m: self.along(&cavities, y_m, [left_m, right_m]),
+                    length_m: rounded(to_m - from_m),
+                    cavities_m: self.along(&cavities, at_m, chord_m),
                 };
-                match strips.iter_mut().find(|known| self.alike(known, &strip)) {
+                match strips.iter_mut().find(|known| alike(known, &strip)) {
                     Some(known) => known.width_m += height_m,
                     None if strip.length_m > 0.0 => strips.push(strip),
                     None => {}
@@ -60,25 +62,32 @@ impl Layout {
     #[must_use]
     pub fn central_strip(&self) -> Vec<LaidStrip> {
         let cavities: Vec<Cavity> = self.iter().collect();
-        let chords = self.outline().chords_along_x_m(0.0);
-        let length_m: f64 = chords.iter().map(|[left_m, right_m]| right_m - left_m).sum();
-        let strip = |&[left_m, right_m]: &[f64; 2]| LaidStrip {
+        let chords = self.outline().chords_along_m(self.sliding(), 0.0);
+        let length_m: f64 = chords.iter().map(|[from_m, to_m]| to_m - from_m).sum();
+        let strip = |chord_m @ &[from_m, to_m]: &[f64; 2]| LaidStrip {
             band: 0,
             width_m: self.outline().area_m2() / length_m,
-            length_m: rounded(right_m - left_m),
-            cavities_m: self.along(&cavities, 0.0, [left_m, right_m]),
+            length_m: rounded(to_m - from_m),
+            cavities_m: self.along(&cavities, 0.0, *chord_m),
         };
         chords.iter().map(strip).collect()
     }
 
-    /// Where `cavities` lie on the chord at `y_m`, from its left end.
-    fn along(&self, cavities: &[Cavity], y_m: f64, [left_m, right_m]: [f64; 2]) -> Vec<[f64; 2]> {
+    /// Unit vector of the sliding direction.
+    fn sliding(&self) -> [f64; 2] {
+        self.pattern().texture().sliding_direction_on_specimen()
+    }
+
+    /// Where `cavities` lie on the chord from one of these places to the other of the line `at_m` to the left of the sliding direction, from
+    /// the first.
+    fn along(&self, cavities: &[Cavity], at_m: f64, [chord_from_m, chord_to_m]: [f64; 2]) -> Vec<[f64; 2]> {
+        let sliding = self.sliding();
         let mut found: Vec<[f64; 2]> = cavities
             .iter()
-            .flat_map(|cavity| spans_m(cavity, y_m))
+            .flat_map(|cavity| spans_m(cavity, sliding, at_m))
             .filter_map(|[from_m, to_m]| {
-                let from_m = from_m.max(left_m) - left_m;
-                let to_m = to_m.min(right_m) - left_m;
+                let from_m = from_m.max(chord_from_m) - chord_from_m;
+                let to_m = to_m.min(chord_to_m) - chord_from_m;
                 (to_m > from_m).then_some([rounded(from_m), rounded(to_m)])
             })
             .collect();
@@ -96,13 +105,13 @@ impl Layout {
         }
         apart
     }
+}
 
-    fn alike(&self, a: &LaidStrip, b: &LaidStrip) -> bool {
-        let near = |a_m: f64, b_m: f64| (a_m - b_m).abs() <= ALIKE * self.pattern().pitch_m();
-        near(a.length_m, b.length_m)
-            && a.cavities_m.len() == b.cavities_m.len()
-            && a.cavities_m.iter().zip(&b.cavities_m).all(|(a, b)| near(a[0], b[0]) && near(a[1], b[1]))
-    }
+fn alike(a: &LaidStrip, b: &LaidStrip) -> bool {
+    let near = |a_m: f64, b_m: f64| (a_m - b_m).abs() <= ALIKE_M;
+    near(a.length_m, b.length_m)
+        && a.cavities_m.len() == b.cavities_m.len()
+        && a.cavities_m.iter().zip(&b.cavities_m).all(|(a, b)| near(a[0], b[0]) && near(a[1], b[1]))
 }
 
 /// A length to the picometre, in metres: what decimals in files leave behind is gone, so that a pattern read back has the
@@ -111,15 +120,15 @@ fn rounded(length_m: f64) -> f64 {
     (length_m * 1e12).round() * 1e-12
 }
 
-/// What a cavity takes of the line along x at `y_m`: where it begins and ends, in metres.
-fn spans_m(cavity: &Cavity, y_m: f64) -> Vec<[f64; 2]> {
+/// What a cavity takes of the line along the unit vector `along`, `at_m` to its left: where it begins and ends, in metres.
+fn spans_m(cavity: &Cavity, along: [f64; 2], at_m: f64) -> Vec<[f64; 2]> {
     if let Some(face) = &cavity.face {
-        return face.spans_m([1.0, 0.0], y_m);
+        return face.spans_m(along, at_m);
     }
-    if cavity.crossed_by.is_some() || !cavity.is_aligned() {
-        return cavity.chord_x_m(y_m).into_iter().collect();
+    if cavity.crossed_by.is_some() || !cavity.is_aligned() || along != [1.0, 0.0] {
+        return cavity.chord_m(along, at_m).into_iter().collect();
     }
-    let half_m = half_width_m(cavity, y_m);
+    let half_m = half_width_m(cavity, at_m);
     half_m.map(|half_m| [cavity.centre_x_m - half_m, cavity.centre_x_m + half_m]).into_iter().collect()
 }
 
@@ -217,5 +226,52 @@ mod tests {
             layout.strips(213).iter().filter(|strip| strip.cavities_m.is_empty()).map(|s| s.width_m).sum::<f64>();
         // Five rows of 130 um in 2130.
         assert!((bare / 2.13e-3 - (1.0 - 5.0 * 130.0 / 2130.0)).abs() < 1e-9, "{bare}");
+    }
+
+    #[test]
+    fn turned_with_its_sliding_direction_a_layout_has_the_same_strips() {
+        let turned = |texture: Texture, by_deg: f64| {
+            let texture = texture.with_sliding_angle_deg(texture.sliding_angle_deg() + by_deg).unwrap();
+            let angle_deg = texture.groove_angle_deg() + by_deg;
+            let is_grooves = matches!(texture.planform(), Planform::Groove | Planform::Crosshatch);
+            if is_grooves { texture.with_groove_angle_deg(angle_deg).unwrap() } else { texture }
+        };
+        let crossed = Texture::new(Planform::Crosshatch).with_crossing_angle_deg(60.0).unwrap();
+        let flown = Texture::new(Planform::Groove).with_groove_angle_deg(20.0).unwrap();
+        let ring = Outline::Ring { outer_diameter_m: 5e-3, inner_diameter_m: 2e-3 };
+        let [long, high] =
+            [[4e-3, 1.5e-3], [1.5e-3, 4e-3]].map(|[length_m, width_m]| Outline::Rectangle { length_m, width_m });
+        let squares = Texture::new(Planform::Square);
+        for (texture, by_deg, [face, turned_face]) in [
+            (Texture::new(Planform::Groove), 60.0, [ring, ring]),
+            (crossed, -70.0, [ring, ring]),
+            (flown, 33.3, [ring, ring]),
+            (Texture::new(Planform::Groove), 90.0, [long, high]),
+            (flown, -90.0, [long, high]),
+            (squares, 90.0, [long, high]),
+            (squares, 90.0, [ring, ring]),
+        ] {
+            for layout in [Layout::new, Layout::clipped] {
+                let of = |texture: Texture, face: Outline| {
+                    let layout = layout(Pattern::new(texture, 130e-6, 170e-6, 20e-6).unwrap(), face).unwrap();
+                    [layout.strips(16), layout.central_strip()].concat()
+                };
+                let (strips, again) = (of(texture, face), of(turned(texture, by_deg), turned_face));
+                assert_eq!(strips.len(), again.len(), "{texture:?}");
+                for (own, turned) in strips.iter().zip(&again) {
+                    let ends = |strip: &LaidStrip| [&[[strip.width_m, strip.length_m]], &strip.cavities_m[..]].concat();
+                    let (own, turned) = (ends(own), ends(turned));
+                    assert_eq!(own.len(), turned.len(), "{texture:?}");
+                    let apart = own.iter().flatten().zip(turned.iter().flatten()).map(|(a, b)| (a - b).abs());
+                    assert!(apart.fold(0.0, f64::max) < 2e-12, "{texture:?}: {own:?} {turned:?}");
+                }
+            }
+        }
+        // Backwards strips are mirrored.
+        let slid = |angle_deg: f64| {
+            let texture = Texture::new(Planform::Groove).with_sliding_angle_deg(angle_deg).unwrap();
+            Layout::new(Pattern::new(texture, 130e-6, 370e-6, 20e-6).unwrap(), DISC).unwrap().strips(16)
+        };
+        assert_eq!(slid(180.0).len(), slid(0.0).len());
     }
 }

@@ -20,7 +20,7 @@ use super::file_kind::FileKind;
 use super::material::{DEFAULT_STATIC_OVER_DYNAMIC, existing};
 use super::measured::{self, Placed, Remarks, Specimens};
 use super::measurements;
-use super::pattern::{PatternFile, read_pattern};
+use super::pattern::{PatternFile, check_depth, read_pattern};
 use super::relief::read_relief;
 use super::scene::DEFAULT_LAYER;
 use super::stated_specimen::{StatedSpecimen, area_m2, extent_m, outline_told};
@@ -328,7 +328,8 @@ pub(crate) fn read_fitting_pattern(
     specimen: &Specimen,
     is_laid: bool,
 ) -> Result<Pattern, Diagnostic> {
-    let pattern = read_pattern(document, table, &DEFAULT_LAYER)?;
+    let pattern = read_pattern(document, table)?;
+    check_depth(document, table.get_ref(), pattern.depth_m(), &DEFAULT_LAYER)?;
     let (pitch_mm, extent_mm) = (LENGTH_MM.from_si(pattern.pitch_m()), LENGTH_MM.from_si(extent_m(&specimen.outline)));
     if pitch_mm > extent_mm {
         let reason = format!("repeats every {pitch_mm} mm, more than the specimen's {extent_mm} mm");

@@ -64,7 +64,7 @@ pub struct FaceFile {
     pub shape: Option<Spanned<String>>,
     /// Diameter of a disc.
     pub diameter_mm: Option<Number>,
-    /// Length of a rectangle along the sliding direction.
+    /// Length of a rectangle along x, the sliding direction where `sliding_angle_deg` does not turn it.
     pub length_mm: Option<Number>,
     /// Width of a rectangle across the sliding direction.
     pub width_mm: Option<Number>,

@@ -173,7 +173,9 @@ impl Design {
         let ranges = read_ranges(&document, &file)?;
         let target = read_target(&document, &file.target)?;
         let specimen = read_specimen(&document, &file.specimen)?;
-        let layer = read_layer(&document, &file.sample, Some(&specimen))?;
+        let texture = read_texture(&document, file.pattern.get_ref(), file.pattern.span())?;
+        let sliding = texture.sliding_direction_on_specimen();
+        let layer = read_layer(&document, &file.sample, Some((&specimen, sliding)))?;
         let bounds = file.bounds.get_ref();
         let (width_m, spacing_m, depth_m) = (
             read_range(&document, &bounds.width_um)?,
@@ -189,7 +191,6 @@ impl Design {
         let largest_m = [width_m[1], spacing_m[1], depth_m[1]];
         let tolerances =
             file.tolerances.as_ref().map(|table| read_tolerances(&document, table, largest_m)).transpose()?;
-        let texture = read_texture(&document, file.pattern.get_ref(), file.pattern.span())?;
         let texture = match file.tolerances.as_ref().and_then(|table| table.rim_height_std_um.as_ref()) {
             Some(std) if *std.get_ref() > 0.0 => {
                 // Rims that are expected to be of no height may still have one.
@@ -202,7 +203,7 @@ impl Design {
             }
             _ => texture,
         };
-        let directions = read_directions(&document, file.pattern.get_ref(), &texture)?;
+        let directions = read_directions(&document, file.pattern.get_ref(), &texture, &specimen)?;
         let dimensions = read_dimensions(&document, file.search.dimensions.as_ref())?;
         let turned = directions.different_deg.iter().filter_map(|deg| texture.with_sliding_angle_deg(*deg).ok());
         let each: Vec<Texture> = std::iter::once(texture).chain(turned).collect();

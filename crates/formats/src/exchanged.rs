@@ -50,7 +50,6 @@ pub(crate) fn check(
 mod tests {
     use super::*;
     use crate::pattern::read_pattern;
-    use crate::scene::DEFAULT_LAYER;
     use crate::trials::of_tables;
     use slipgrid_calibrate::CutSpecimen;
 
@@ -61,7 +60,7 @@ mod tests {
             let document = Document::new("c.toml", text);
             let file: PatternFile = document.parse().unwrap();
             let file = Spanned::new(0..0, file);
-            let pattern = read_pattern(&document, &file, &DEFAULT_LAYER).unwrap();
+            let pattern = read_pattern(&document, &file).unwrap();
             (document, file, pattern)
         };
         let (document, file, pattern) = read(own, planform);

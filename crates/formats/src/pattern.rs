@@ -8,6 +8,7 @@ use slipgrid_springblock::Layer;
 use toml::Spanned;
 
 use slipgrid_design::FurtherDirections;
+use slipgrid_export::Specimen;
 use slipgrid_results::PatternReport;
 
 use super::document::Document;
@@ -157,23 +158,31 @@ impl From<&Pattern> for PatternFile {
     }
 }
 
-/// Reads a pattern and checks that it leaves some of the layer.
+/// Reads a pattern.
 ///
 /// # Errors
 /// [`Diagnostic`] for numbers out of range, and for keys that the planform has no use for.
-pub fn read_pattern(document: &Document, file: &Spanned<PatternFile>, layer: &Layer) -> Result<Pattern, Diagnostic> {
+pub fn read_pattern(document: &Document, file: &Spanned<PatternFile>) -> Result<Pattern, Diagnostic> {
     let pattern = file.get_ref();
     let texture = read_texture(document, &pattern.texture(), file.span())?;
     let width_m = document.number(&pattern.width_um, LENGTH_UM)?;
     let spacing_m = document.number(&pattern.spacing_um, LENGTH_UM)?;
     let depth_m = document.number(&pattern.depth_um, LENGTH_UM)?;
-    if depth_m >= layer.height_m {
-        let layer_um = LENGTH_UM.from_si(layer.height_m);
-        return Err(document
-            .refuse(pattern.depth_um.span(), format!("um leaves nothing of the layer of {layer_um} um"))
-            .expected(format!("a depth below {layer_um} um")));
-    }
     Pattern::new(texture, width_m, spacing_m, depth_m).map_err(|error| document.refuse(file.span(), error.to_string()))
+}
+
+/// Refuses cavities that leave nothing of `layer`.
+///
+/// # Errors
+/// [`Diagnostic`] at the depth.
+pub fn check_depth(document: &Document, file: &PatternFile, depth_m: f64, layer: &Layer) -> Result<(), Diagnostic> {
+    if depth_m < layer.height_m {
+        return Ok(());
+    }
+    let layer_um = LENGTH_UM.from_si(layer.height_m);
+    Err(document
+        .refuse(file.depth_um.span(), format!("um leaves nothing of the layer of {layer_um} um"))
+        .expected(format!("a depth below {layer_um} um")))
 }
 
 /// Reads the texture in the table at `table`, sliding along the first direction that it names.
@@ -249,7 +258,7 @@ pub fn read_texture(document: &Document, file: &TextureFile, table: Range<usize>
     Ok(texture.with_rim(read_rim(document, file)?.filter(Rim::stands)))
 }
 
-/// The directions that `file` names beside the first, which `texture` has.
+/// The directions that `file` names beside the first, which `texture` has, on `specimen`.
 ///
 /// # Errors
 /// [`Diagnostic`] for numbers out of range.
@@ -257,12 +266,13 @@ pub fn read_directions(
     document: &Document,
     file: &TextureFile,
     texture: &Texture,
+    specimen: &Specimen,
 ) -> Result<FurtherDirections, Diagnostic> {
     let mut found = FurtherDirections::default();
     let Some(angles) = &file.sliding_angle_deg else { return Ok(found) };
     let mut known = vec![*texture];
     for angle_deg in list(document, angles, SLIDING_ANGLE_DEG)?.into_iter().skip(1) {
-        if known.iter().any(|known| known.slides_alike(angle_deg)) {
+        if known.iter().any(|known| specimen.slides_alike(known, angle_deg)) {
             found.alike_deg.push(angle_deg);
             continue;
         }
@@ -307,7 +317,6 @@ pub fn require_section(document: &Document, file: &TextureFile, texture: &Textur
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::DEFAULT_LAYER;
 
     #[derive(Debug, Deserialize)]
     struct Written {
@@ -319,7 +328,7 @@ mod tests {
     fn read(keys: &str) -> Result<(Pattern, Result<(), Diagnostic>), Diagnostic> {
         let document = Document::new("a.toml", format!("{LENGTHS}{keys}"));
         let written: Written = document.parse()?;
-        let pattern = read_pattern(&document, &written.pattern, &DEFAULT_LAYER)?;
+        let pattern = read_pattern(&document, &written.pattern)?;
         let section = require_section(&document, &written.pattern.get_ref().texture(), pattern.texture());
         Ok((pattern, section))
     }
@@ -345,7 +354,7 @@ mod tests {
             let text = toml::to_string(&Again { pattern: PatternFile::from(&pattern) }).unwrap();
             let document = Document::new("b.toml", text);
             let again: Written = document.parse().unwrap();
-            assert_eq!(read_pattern(&document, &again.pattern, &DEFAULT_LAYER).unwrap(), pattern, "{keys}");
+            assert_eq!(read_pattern(&document, &again.pattern).unwrap(), pattern, "{keys}");
         }
         let (pattern, _) = read("planform = \"disc\"\nsliding_angle_deg = 90").unwrap();
         assert_eq!((pattern.planform(), pattern.sliding_direction()), (Planform::Disc, [0.0, 1.0]));

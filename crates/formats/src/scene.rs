@@ -12,7 +12,7 @@ use super::file_kind::FileKind;
 use super::laser::{SpecimenFile, read_specimen};
 use super::material::{ConditionFile, MaterialFile, read_condition};
 use super::material_uncertainty::read_referenced;
-use super::pattern::{PatternFile, read_pattern, require_section};
+use super::pattern::{PatternFile, check_depth, read_pattern, require_section};
 use super::relief::read_relief;
 use super::run::{Overrides, RunFile, read_run};
 use super::unusual::{self, with_slip};
@@ -23,7 +23,7 @@ use slipgrid_calibrate::uncertainty::MaterialUncertainty;
 use slipgrid_design::{SpecimenError, TaskPart, check_pressures, correct, loads, of_scene};
 use slipgrid_export::Specimen;
 use slipgrid_results::SimulationReport;
-use slipgrid_units::{LENGTH_MM, LENGTH_UM, PRESSURE_MPA, Quantity, SPEED_MM_S, STEP_NS, significant_to};
+use slipgrid_units::{LENGTH_MM, LENGTH_UM, PRESSURE_MPA, Quantity, SPEED_MM_S, STEP_NS, significant_to, tidy};
 
 /// A scene as a file writes it.
 #[derive(Clone, Debug, Deserialize, Serialize)]
@@ -146,8 +146,12 @@ impl SceneInput {
         let condition = file.condition.as_ref().map(|c| read_condition(&document, c.get_ref())).transpose()?;
         material.provenance.notes.extend(material.friction.interpolation(condition.as_ref()));
         let specimen = file.specimen.as_ref().map(|table| read_specimen(&document, table)).transpose()?;
-        let layer = read_layer(&document, &file.sample, specimen.as_ref())?;
-        let pattern = file.pattern.as_ref().map(|pattern| read_pattern(&document, pattern, &layer)).transpose()?;
+        let pattern = file.pattern.as_ref().map(|pattern| read_pattern(&document, pattern)).transpose()?;
+        let sliding = pattern.map_or([1.0, 0.0], |pattern| pattern.texture().sliding_direction_on_specimen());
+        let layer = read_layer(&document, &file.sample, specimen.as_ref().map(|specimen| (specimen, sliding)))?;
+        if let Some((table, pattern)) = file.pattern.as_ref().zip(pattern.as_ref()) {
+            check_depth(&document, table.get_ref(), pattern.depth_m(), &layer)?;
+        }
         let relief = match file.pattern.as_ref().zip(pattern.as_ref()) {
             Some((table, pattern)) => read_relief(&document, table, pattern)?,
             None => None,
@@ -330,7 +334,7 @@ impl SceneInput {
 pub fn read_layer(
     document: &Document,
     file: &Spanned<SampleFile>,
-    specimen: Option<&Specimen>,
+    specimen: Option<(&Specimen, [f64; 2])>,
 ) -> Result<Layer, Diagnostic> {
     let sample = file.get_ref();
     let or = |value: Option<&Number>, default_m: f64| {
@@ -338,18 +342,18 @@ pub fn read_layer(
     };
     let block_m = or(sample.block_um.as_ref(), DEFAULT_LAYER.block_m)?;
     let length_m = match (&sample.length_um, specimen) {
-        (Some(length), Some(specimen)) => {
-            let [length_m, _] = specimen.outline.extents_m();
+        (Some(length), Some((specimen, sliding))) => {
+            let length_m = specimen.outline.length_along_m(sliding);
             return Err(document
                 .refuse(length.span(), "is given beside [specimen], which says how long the specimen is")
                 .expected(format!(
-                    "no such key: the {} is {} mm long",
+                    "no such key: the {} is {} mm long in the sliding direction",
                     specimen.outline.name(),
-                    LENGTH_MM.from_si(length_m)
+                    tidy(LENGTH_MM.from_si(length_m))
                 )));
         }
         // The nearest whole blocks: strips of the layout keep their own lengths.
-        (None, Some(specimen)) => specimen.whole_length_m(block_m),
+        (None, Some((specimen, sliding))) => specimen.whole_length_m(sliding, block_m),
         (length, None) => or(length.as_ref(), DEFAULT_LAYER.length_m)?,
     };
     let thickness_m = document.optional(sample.thickness_mm.as_ref(), LENGTH_MM)?;

@@ -36,6 +36,7 @@ pub fn simulate_on(
     monitor: &dyn Monitor,
 ) -> Result<Simulation, SpecimenError> {
     let Some((specimen, pattern)) = specimen.zip(scene.pattern) else { return Ok(simulate(scene, monitor)?) };
+    let scene = &on(specimen, &pattern, scene);
     let layout = specimen.layout(pattern)?;
     if scene.dimension().takes_strips() {
         return Ok(simulate_specimen(scene, &face(&layout, scene.layer.block_m)?, monitor)?);
@@ -59,6 +60,14 @@ pub fn simulate_on(
     Ok(simulation)
 }
 
+/// `scene` with `pattern`, as long as `specimen` is along the direction that it slides in.
+fn on(specimen: &Specimen, pattern: &Pattern, scene: &Scene) -> Scene {
+    let mut scene = Scene { pattern: Some(*pattern), ..scene.clone() };
+    let sliding = pattern.texture().sliding_direction_on_specimen();
+    scene.layer.length_m = specimen.whole_length_m(sliding, scene.layer.block_m);
+    scene
+}
+
 /// `specimen` with the pattern of `scene` in steady sliding, from which a run in time goes on; `None` where it takes no strips, and once
 /// `monitor` has cancelled.
 ///
@@ -70,8 +79,9 @@ pub fn strips_on(
     monitor: &dyn Monitor,
 ) -> Result<Option<SteadySpecimen>, SpecimenError> {
     let Some(pattern) = scene.pattern.filter(|_| scene.dimension().takes_strips()) else { return Ok(None) };
+    let scene = on(specimen, &pattern, scene);
     let face = face(&specimen.layout(pattern)?, scene.layer.block_m)?;
-    Ok(SteadySpecimen::new(scene, &face, monitor)?)
+    Ok(SteadySpecimen::new(&scene, &face, monitor)?)
 }
 
 /// The strips of `layout` as a solver takes them: all of grooves across the sliding direction; of another planform, which
@@ -129,8 +139,7 @@ impl SteadyOnFace {
         specimen: &Specimen,
         monitor: &dyn Monitor,
     ) -> Result<Self, SpecimenError> {
-        let mut scene = Scene { pattern: Some(*pattern), ..scene.clone() };
-        scene.layer.length_m = specimen.whole_length_m(scene.layer.block_m);
+        let mut scene = on(specimen, pattern, scene);
         scene.validate()?;
         let dimension = scene.dimension();
         let layout = specimen.layout(*pattern)?;
@@ -190,7 +199,7 @@ pub fn time_changes_on(
     };
     let face = match specimen {
         Some(specimen) => {
-            scene.layer.length_m = specimen.whole_length_m(scene.layer.block_m);
+            scene = on(specimen, &pattern, &scene);
             face(&specimen.layout(pattern)?, scene.layer.block_m)?
         }
         None => endless(&pattern, scene.layer.length_m)?,
@@ -229,8 +238,7 @@ fn ends_error(
 ) -> Result<Vec<Option<f64>>, SpecimenError> {
     let groove = pattern.as_groove();
     let run = RunOptions { extent: Extent::Sample, dimensions: Some(2), ..RunOptions::default() };
-    let mut plane = Scene { pattern: Some(groove), run, ..scene.clone() };
-    plane.layer.length_m = specimen.whole_length_m(plane.layer.block_m);
+    let plane = Scene { run, ..on(specimen, &groove, scene) };
     let Ok(layout) = specimen.layout(groove) else { return Ok(vec![None; scene.loads.len()]) };
     let share = layout.areal_density() / groove.areal_density();
     let strips = steady_face_ratios(&plane, &groove, &face(&layout, plane.layer.block_m)?, monitor)?;
@@ -247,7 +255,7 @@ mod tests {
     use super::*;
     use slipgrid_export::Outline;
     use slipgrid_material::{AreaLaw, Elastic, LocalFriction};
-    use slipgrid_pattern::{Planform, Rim, RimProfile};
+    use slipgrid_pattern::{Planform, Rim, RimProfile, Texture};
     use slipgrid_springblock::{Dimension, Layer, Load, Unwatched, steady_ratios};
 
     const DISC: Specimen = Specimen { outline: Outline::Disc { diameter_m: 10e-3 }, is_clipped: false };
@@ -269,7 +277,7 @@ mod tests {
     /// Grooves on a disc; what time adds to them, and their whole specimen in time at a share `of_even` of the speed of even sliding.
     fn on_disc(of_even: f64) -> (Scene, Vec<Option<f64>>, Simulation) {
         let mut scene = scene(Pattern::new(Planform::Groove, 130e-6, 370e-6, 20e-6).unwrap());
-        scene.layer.length_m = DISC.whole_length_m(scene.layer.block_m);
+        scene.layer.length_m = DISC.whole_length_m([1.0, 0.0], scene.layer.block_m);
         let found = time_changes_on(&scene, Some(&DISC), &Unwatched).unwrap();
         let speed_m_s = of_even * even_speed_m_s(&scene.elastic, 0.65e6);
         let timed = Scene { run: scene.run.from_sliding(), speed_m_s, ..scene.clone() }.in_time();
@@ -299,6 +307,34 @@ mod tests {
             let (slow, found) = (load.ratio_time_change.unwrap(), found.unwrap());
             // The standard error of either is up to 0.001.
             assert!((slow - found).abs() < 1e-3 && slow > 2e-3, "{slow} {found} {:?}", load.ratio_stderr);
+        }
+    }
+
+    #[test]
+    fn turned_with_its_face_and_its_sliding_direction_a_pattern_has_the_same_ratios() {
+        let [long, high] =
+            [[4e-3, 1.5e-3], [1.5e-3, 4e-3]].map(|[length_m, width_m]| Outline::Rectangle { length_m, width_m });
+        let disc = Outline::Disc { diameter_m: 4e-3 };
+        for (planform, by_deg, [face, turned_face]) in [
+            (Planform::Groove, 60.0, [disc, disc]),
+            (Planform::Groove, 90.0, [long, high]),
+            (Planform::Square, 90.0, [long, high]),
+        ] {
+            let ratios = |angle_deg: f64, outline: Outline| {
+                let texture = Texture::new(planform).with_sliding_angle_deg(angle_deg).unwrap();
+                let turned = texture.with_groove_angle_deg(angle_deg);
+                let pattern = Pattern::new(turned.unwrap_or(texture), 130e-6, 170e-6, 20e-6).unwrap();
+                let mut scene = Scene { run: RunOptions::default().on_specimen(pattern.texture()), ..scene(pattern) };
+                (scene.layer.block_m, scene.layer.thickness_m) = (20e-6, Some(7e-3));
+                let specimen = Specimen { outline, is_clipped: false };
+                let loads = simulate_on(&scene, Some(&specimen), &Unwatched).unwrap().loads;
+                loads.iter().map(|load| [load.ratio, load.ratio_tilt_change]).collect::<Vec<_>>()
+            };
+            let (own, turned) = (ratios(0.0, face), ratios(by_deg, turned_face));
+            for (own, turned) in own.iter().flatten().zip(turned.iter().flatten()) {
+                let apart = own.zip(*turned).map(|(own, turned)| (own - turned).abs());
+                assert!(apart.is_some_and(|apart| apart < 1e-8), "{planform:?} {by_deg}: {own:?} {turned:?}");
+            }
         }
     }
 
