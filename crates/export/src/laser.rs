@@ -230,7 +230,8 @@ impl Laser {
     }
 
     /// Horizontal extent of a wall over its height.
-    pub(crate) fn slope(&self) -> f64 {
+    #[must_use]
+    pub fn slope(&self) -> f64 {
         self.wall_taper_deg.map_or(0.0, |taper_deg| libm::tan(taper_deg.to_radians()))
     }
 }

@@ -217,7 +217,7 @@ impl Design {
         let depth_m = whole_steps(depth_m, &laser);
         let space = DesignSpace::new(texture, width_m, spacing_m, depth_m)
             .map_err(|error| document.refuse(file.bounds.span(), error.to_string()))?;
-        let limits = read_limits(&document, &file, &laser, (width_m, spacing_m, depth_m))?;
+        let limits = read_limits(&document, &file, &laser, &texture, (width_m, spacing_m, depth_m))?;
         let wide = file.bounds.get_ref().width_um.span();
         check_fits(&document, (&file.specimen, wide), &specimen, &texture, (width_m, spacing_m, depth_m))?;
         file.limits.check_peak(&document, &file.target.get_ref().pressure_mpa)?;

@@ -34,7 +34,7 @@ pub struct LaserFile {
     /// Distance of marked lines; the spot when absent.
     hatch_um: Option<Number>,
     /// How far walls lean from upright; 0 when absent.
-    wall_taper_deg: Option<Number>,
+    pub(crate) wall_taper_deg: Option<Number>,
     /// `hatch` marks lines inside each contour, `mask` exposes contours as wholes, one with each burst; `hatch` when absent.
     exposure: Option<Spanned<String>>,
     /// Fluence in use, with `[laser.ablation]`.

@@ -8,7 +8,7 @@
 use crate::error::positive;
 use crate::low_discrepancy::MOST_DIMENSIONS;
 use crate::{Constraints, SearchError};
-use slipgrid_pattern::{Arrangement, Pattern, PatternError, Planform, Texture};
+use slipgrid_pattern::{Arrangement, ManufacturingLimits, Pattern, PatternError, Planform, Texture};
 
 /// Step of width and spacing, in metres: what a laser scanner positions. Coarser loses accuracy
 /// (0.1 um moves the friction ratio by about 1e-4), finer gives digits without meaning.
@@ -179,6 +179,28 @@ impl Axis {
         }
     }
 
+    /// The greatest grid value up to `most_m`, or the first.
+    fn at_most(&self, most_m: f64) -> f64 {
+        match *self {
+            Self::Fixed(value_m) => value_m,
+            Self::Free { lower_m, upper_m, step, first, last } => {
+                let index = ((step.index(most_m) + GRID_SLACK).floor() as u64).clamp(first, last);
+                step.at(index).clamp(lower_m, upper_m)
+            }
+        }
+    }
+
+    /// The least grid value from `least_m` on, or the last.
+    fn at_least(&self, least_m: f64) -> f64 {
+        match *self {
+            Self::Fixed(value_m) => value_m,
+            Self::Free { lower_m, upper_m, step, first, last } => {
+                let index = ((step.index(least_m) - GRID_SLACK).ceil() as u64).clamp(first, last);
+                step.at(index).clamp(lower_m, upper_m)
+            }
+        }
+    }
+
     /// Number of grid values.
     fn values(&self) -> u64 {
         match *self {
@@ -218,6 +240,7 @@ pub(crate) struct Grid {
     /// First and last whole number of bursts, where depths are counted in bursts.
     bursts: Option<[u64; 2]>,
     depth_per_burst_m: f64,
+    limits: ManufacturingLimits,
 }
 
 impl Grid {
@@ -254,7 +277,7 @@ impl Grid {
         };
         let axes = [Axis::position(width_m, POSITION_STEP_M), Axis::position(spacing_m, POSITION_STEP_M), depth];
         let depth_per_burst_m = limits.depth_per_burst_m.unwrap_or(DEPTH_STEP_M);
-        Ok(Self { texture: space.texture, axes, bursts, depth_per_burst_m })
+        Ok(Self { texture: space.texture, axes, bursts, depth_per_burst_m, limits: *limits })
     }
 
     /// Indices of the axes that are not fixed.
@@ -306,6 +329,7 @@ impl Grid {
                 }
             }
         }
+        neighbours.retain(|moved| !self.limits.walls_meet(moved));
         neighbours
     }
 
@@ -318,11 +342,22 @@ impl Grid {
         self
     }
 
-    /// The design nearest to the shares `t`, one per axis; shares of fixed axes are ignored.
+    /// The design nearest to the shares `t`, one per axis; shares of fixed axes are ignored. Where walls that lean would meet in it, it is as
+    /// deep as they allow, or where its depth is fixed as wide as they need, if the grid has that.
     pub(crate) fn design(&self, t: &[f64; MOST_DIMENSIONS]) -> Option<Pattern> {
         let [width_m, spacing_m, depth_m] = std::array::from_fn(|axis| self.axes[axis].at(t[axis]));
         // Every length of the grid is positive and finite: always a pattern.
-        Pattern::new(self.texture, width_m, spacing_m, depth_m).ok()
+        let pattern = |width_m: f64, depth_m: f64| Pattern::new(self.texture, width_m, spacing_m, depth_m).ok();
+        let found = pattern(width_m, depth_m)?;
+        let Some(deepest_m) = self.limits.deepest_m(&found).filter(|_| self.limits.walls_meet(&found)) else {
+            return Some(found);
+        };
+        let shallower = pattern(width_m, self.axes[2].at_most(deepest_m))?;
+        if !self.limits.walls_meet(&shallower) {
+            return Some(shallower);
+        }
+        let wider_m = width_m * shallower.depth_m() / deepest_m;
+        pattern(self.axes[0].at_least(wider_m), shallower.depth_m())
     }
 
     /// The shares of `design`.
@@ -361,7 +396,6 @@ fn burst_axis([lower_m, upper_m]: [f64; 2], depth_per_burst_m: f64) -> Result<(A
 #[cfg(test)]
 mod tests {
     use super::*;
-    use slipgrid_pattern::ManufacturingLimits;
 
     fn grid(width_um: [f64; 2], depth_um: [f64; 2], limits: ManufacturingLimits) -> Result<Grid, SearchError> {
         let metres = |bounds: [f64; 2]| bounds.map(|bound| bound * 1e-6);
@@ -393,7 +427,7 @@ mod tests {
     fn limits_cut_the_bounds_exactly() {
         // 0.1 + 0.2 style limits: no design may break one by rounding.
         let limits =
-            ManufacturingLimits { min_land_m: Some(47.3 * 1e-6), spot_m: Some(80.7 * 1e-6), depth_per_burst_m: None };
+            ManufacturingLimits { min_land_m: Some(47.3 * 1e-6), spot_m: Some(80.7 * 1e-6), ..Default::default() };
         let lowest = grid([40.0, 400.0], [2.0, 50.0], limits).unwrap().design(&[0.0; 3]).unwrap();
         assert!(limits.violations(&lowest).is_empty());
         assert!((lowest.width_m() - 80.7e-6).abs() < 1e-12 && (lowest.spacing_m() - 47.3e-6).abs() < 1e-12);

@@ -123,8 +123,12 @@ fn fixed_dimensions_stay_and_a_fixed_design_is_only_judged() {
 
 #[test]
 fn manufacturing_limits_are_never_crossed() {
-    let limits =
-        ManufacturingLimits { min_land_m: Some(200e-6), spot_m: Some(150e-6), depth_per_burst_m: Some(2.6e-6) };
+    let limits = ManufacturingLimits {
+        min_land_m: Some(200e-6),
+        spot_m: Some(150e-6),
+        depth_per_burst_m: Some(2.6e-6),
+        wall_slope: Some(2.0),
+    };
     let constraints = Constraints { limits, ..unlimited() };
     let model = |design: &Pattern| {
         assert!(limits.violations(design).is_empty());

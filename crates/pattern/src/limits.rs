@@ -1,6 +1,9 @@
 use crate::Pattern;
 use crate::error::um;
 
+/// Share of a depth that is forgiven as rounding.
+const ROUNDING: f64 = 1e-9;
+
 /// What the laser can make. Absent limits do not bind.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ManufacturingLimits {
@@ -10,6 +13,8 @@ pub struct ManufacturingLimits {
     pub spot_m: Option<f64>,
     /// Depth that the least exposure removes, in metres, a burst or a pass over lines: depths are whole multiples of it.
     pub depth_per_burst_m: Option<f64>,
+    /// Horizontal extent of a wall over its height: walls that lean must not meet above the floor.
+    pub wall_slope: Option<f64>,
 }
 
 /// A limit that a pattern breaks. `excess` is dimensionless: 0 at the limit.
@@ -31,6 +36,14 @@ pub enum LimitViolation {
         /// The spot's diameter, in metres.
         spot_m: f64,
     },
+    /// The cavity's walls, which lean, meet above its floor.
+    #[error("cavity of {} um is narrower than what two walls that lean take at its depth, {} um", um(*extent_m), um(*walls_m))]
+    WallsMeet {
+        /// The cavity's smallest extent seen from above, in metres.
+        extent_m: f64,
+        /// What two walls take of it, in metres.
+        walls_m: f64,
+    },
 }
 
 impl LimitViolation {
@@ -40,6 +53,7 @@ impl LimitViolation {
         match *self {
             Self::LandTooNarrow { land_m, min_land_m } => 1.0 - land_m / min_land_m,
             Self::NarrowerThanSpot { width_m, spot_m } => 1.0 - width_m / spot_m,
+            Self::WallsMeet { extent_m, walls_m } => 1.0 - extent_m / walls_m,
         }
     }
 }
@@ -59,7 +73,24 @@ impl ManufacturingLimits {
         {
             broken.push(LimitViolation::NarrowerThanSpot { width_m: pattern.least_extent_m(), spot_m });
         }
+        if self.walls_meet(pattern) {
+            let walls_m = 2.0 * self.wall_slope.unwrap_or(0.0) * pattern.depth_m();
+            broken.push(LimitViolation::WallsMeet { extent_m: pattern.least_extent_m(), walls_m });
+        }
         broken
+    }
+
+    /// Whether the walls of `pattern` lean so far that they meet above its floor.
+    #[must_use]
+    pub fn walls_meet(&self, pattern: &Pattern) -> bool {
+        self.deepest_m(pattern).is_some_and(|deepest_m| pattern.depth_m() > deepest_m * (1.0 + ROUNDING))
+    }
+
+    /// Depth at which the walls of cavities as wide as those of `pattern` meet, in metres; `None` where they do not lean.
+    #[must_use]
+    pub fn deepest_m(&self, pattern: &Pattern) -> Option<f64> {
+        // w = 2 d tan(taper)
+        self.wall_slope.filter(|slope| *slope > 0.0).map(|slope| pattern.least_extent_m() / (2.0 * slope))
     }
 
     /// Bursts for a depth, rounded to the nearest whole number and at least one; `None` without a
@@ -85,7 +116,7 @@ mod tests {
 
     #[test]
     fn broken_limits_are_named_with_their_excess() {
-        let limits = ManufacturingLimits { min_land_m: Some(40e-6), spot_m: Some(23e-6), depth_per_burst_m: None };
+        let limits = ManufacturingLimits { min_land_m: Some(40e-6), spot_m: Some(23e-6), ..Default::default() };
         let pattern = Pattern::new(Planform::Groove, 20e-6, 30e-6, 5e-6).unwrap();
         let broken = limits.violations(&pattern);
         assert_eq!(broken.len(), 2);
@@ -95,7 +126,7 @@ mod tests {
 
     #[test]
     fn the_narrowest_land_and_the_smallest_extent_decide() {
-        let limits = ManufacturingLimits { min_land_m: Some(40e-6), spot_m: Some(23e-6), depth_per_burst_m: None };
+        let limits = ManufacturingLimits { min_land_m: Some(40e-6), spot_m: Some(23e-6), ..Default::default() };
         let rectangle = Texture::new(Planform::Rectangle);
         let close_rows = rectangle.with_length_m(80e-6).unwrap().with_spacing_across_m(30e-6).unwrap();
         let broken = limits.violations(&Pattern::new(close_rows, 50e-6, 60e-6, 5e-6).unwrap());
@@ -103,5 +134,15 @@ mod tests {
         let short = rectangle.with_length_m(20e-6).unwrap();
         let broken = limits.violations(&Pattern::new(short, 50e-6, 60e-6, 5e-6).unwrap());
         assert_eq!(broken, [LimitViolation::NarrowerThanSpot { width_m: 20e-6, spot_m: 23e-6 }]);
+    }
+
+    #[test]
+    fn walls_that_lean_meet_at_half_the_smallest_extent_over_their_slope() {
+        let limits = ManufacturingLimits { wall_slope: Some(0.5), ..Default::default() };
+        let short = Texture::new(Planform::Rectangle).with_length_m(30e-6).unwrap();
+        let broken = |depth_m: f64| limits.violations(&Pattern::new(short, 60e-6, 60e-6, depth_m).unwrap());
+        assert!(broken(30e-6).is_empty());
+        assert_eq!(broken(40e-6), [LimitViolation::WallsMeet { extent_m: 30e-6, walls_m: 40e-6 }]);
+        assert!((broken(40e-6)[0].excess() - 0.25).abs() < 1e-12);
     }
 }

@@ -298,6 +298,18 @@ fn designs() {
 }
 
 #[test]
+fn walls_that_meet_above_every_floor() {
+    let narrow = DESIGN.replace("[40.0, 400.0]", "40.0").replace("[2.0, 50.0]", "[45.0, 50.0]");
+    let cases = [case(
+        "spot_um = 23.0",
+        "spot_um = 23.0\nwall_taper_deg = 30.0",
+        ":29: laser.wall_taper_deg: ",
+        "at most 23.9",
+    )];
+    refuse_all("design.toml", &narrow, &[], "optimize", &cases);
+}
+
+#[test]
 fn calibrations() {
     let with_table = &[("flat.csv", FLAT)];
     refuse_all(

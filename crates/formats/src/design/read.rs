@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use slipgrid_design::KnownMaterial;
 use slipgrid_export::Laser;
 use slipgrid_material::ConditionRange;
-use slipgrid_pattern::{Arrangement, ManufacturingLimits};
+use slipgrid_pattern::{Arrangement, ManufacturingLimits, Pattern, Texture};
 use toml::Spanned;
 
 use super::DesignFile;
@@ -18,7 +18,7 @@ use crate::material_uncertainty::read_known;
 use crate::plausible::SPOT;
 use crate::unusual;
 use crate::values::{Numbers, PathOr, list};
-use slipgrid_units::LENGTH_UM;
+use slipgrid_units::{LENGTH_UM, significant, significant_to};
 
 /// Conditions with their places: the one designed for, then the further ones.
 pub(super) fn read_ranges(
@@ -90,6 +90,7 @@ pub(super) fn read_limits(
     document: &Document,
     file: &DesignFile,
     laser: &Laser,
+    asked: &Texture,
     (width_m, spacing_m, depth_m): Bounds,
 ) -> Result<ManufacturingLimits, Diagnostic> {
     let limits = ManufacturingLimits {
@@ -97,6 +98,7 @@ pub(super) fn read_limits(
         spot_m: laser.spot_um.map(|spot_um| LENGTH_UM.to_si(spot_um)),
         // By bursts, given or fitted against fluence, or by passes over the lines of a hatch.
         depth_per_burst_m: laser.depth_step_um().map(|depth_um| LENGTH_UM.to_si(depth_um)),
+        wall_slope: laser.wall_taper_deg.map(|_| laser.slope()),
     };
     let bounds = file.bounds.get_ref();
     if let Some(min_land_m) = limits.min_land_m
@@ -144,6 +146,27 @@ pub(super) fn read_limits(
                 .refuse(bounds.depth_um.span(), format!("holds no whole number of {}", depth_steps(laser)))
                 .expected(format!("a range with a multiple of {} um in it", LENGTH_UM.from_si(burst_m))));
         }
+    }
+    // The shallowest of the widest cavities.
+    let widest = Pattern::new(*asked, width_m[1], spacing_m[1], depth_m[0]).ok();
+    let taper = file.laser.as_ref().and_then(|laser| laser.get_ref().wall_taper_deg.as_ref());
+    if let (Some(pattern), Some(taper)) = (widest, taper)
+        && limits.walls_meet(&pattern)
+    {
+        let extent_m = pattern.least_extent_m();
+        // tan(taper) = w / 2d
+        let most_deg = significant_to((extent_m / (2.0 * depth_m[0])).atan().to_degrees(), 3, f64::floor);
+        let (extent_um, depth_um) = (LENGTH_UM.from_si(extent_m), LENGTH_UM.from_si(depth_m[0]));
+        return Err(document
+            .refuse(
+                taper.span(),
+                format!(
+                    "lets walls meet above the floor of every cavity within the bounds: the widest is {} um wide, the shallowest {} um deep",
+                    significant(extent_um, 4),
+                    significant(depth_um, 4)
+                ),
+            )
+            .expected(format!("at most {most_deg} degrees, or wider or shallower cavities")));
     }
     Ok(limits)
 }
