@@ -5,7 +5,7 @@ mod summary;
 use std::borrow::Cow;
 
 use serde::{Deserialize, Serialize};
-use slipgrid_export::{Laser, Removal};
+use slipgrid_export::{Laser, Removal, Tolerances};
 use slipgrid_optimize::{Goal, Quantity};
 use slipgrid_pattern::Pattern;
 use slipgrid_springblock::{Dimension, Extent, Fidelity};
@@ -150,6 +150,9 @@ pub struct DesignReport {
     pub specimen: SpecimenReport,
     /// The laser.
     pub laser: Laser,
+    /// How exactly samples are assumed to be cut; absent where the design file does not say.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub tolerances: Option<Tolerances>,
     /// Seconds by stage; with those in all and threads in timings.json.
     #[serde(default)]
     pub timings_s: Timings,

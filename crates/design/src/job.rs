@@ -259,6 +259,7 @@ fn report_of(
         material: MaterialReport::from(&prepared.material.provenance),
         specimen: (&design.specimen).into(),
         laser: design.laser,
+        tolerances: design.assumed_tolerances(),
         seed: design.seed,
         ..DesignReport::default()
     })

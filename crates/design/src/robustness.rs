@@ -18,8 +18,7 @@ use crate::robustness_report::{
     distribution,
 };
 use crate::steady_model::SteadyModel;
-use crate::task::DesignTask;
-use crate::task::SampleScatter;
+use crate::task::{DesignTask, SCATTER_BASIS, SampleScatter};
 use slipgrid_calibrate::uncertainty::MaterialUncertainty;
 use slipgrid_monitor::{Monitor, Stage};
 use slipgrid_results::PartsReport;
@@ -407,21 +406,20 @@ fn inputs(request: &Request<'_>, about: &AboutDesign<'_>, uncertainty: &Uncertai
                 name: name.to_owned(),
                 std: vec![std_um],
                 unit: "um".into(),
-                basis: "standard deviation of a sample's mean, as the design file gives it".to_owned(),
+                basis: SCATTER_BASIS.to_owned(),
             });
         }
     }
     if let Some(place) = uncertainty.rim() {
         let is_half = about.designed.rim_height_m() == 0.0;
-        let basis = "standard deviation of a sample's mean, as the design file gives it";
         inputs.push(InputReport {
             name: RIM_HEIGHT.to_owned(),
             std: vec![LENGTH_UM.from_si(uncertainty.std(place))],
             unit: "um".into(),
             basis: if is_half {
-                format!("{basis}; half-normal, rims being expected to have none")
+                format!("{SCATTER_BASIS}; half-normal, rims being expected to have none")
             } else {
-                basis.to_owned()
+                SCATTER_BASIS.to_owned()
             },
         });
     }

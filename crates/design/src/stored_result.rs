@@ -2,7 +2,7 @@
 
 use serde::Deserialize;
 use serde::de::IgnoredAny;
-use slipgrid_export::Laser;
+use slipgrid_export::{Laser, Tolerances};
 use slipgrid_results::{MaterialReport, PatternReport, SpecimenReport};
 
 use crate::next_trial::NextReport;
@@ -25,6 +25,8 @@ pub struct StoredDesign {
     pub specimen: SpecimenReport,
     /// The laser.
     pub laser: Laser,
+    /// How exactly samples are assumed to be cut; absent where the design file does not say.
+    pub tolerances: Option<Tolerances>,
     /// Seed.
     pub seed: u64,
 }
@@ -85,7 +87,7 @@ impl StoredDesign {
         let row = sample.unwrap_or(1).checked_sub(1).and_then(|place| rows.get(place));
         let (_, of) = row.ok_or(StoredError::NoSample { rows: rows.len() })?;
         let design = of.design.clone();
-        let NextReport { name, version, schema, material, specimen, laser, seed, .. } = stored;
-        Ok(Self { name, version, schema, design, material, specimen, laser, seed })
+        let NextReport { name, version, schema, material, specimen, laser, tolerances, seed, .. } = stored;
+        Ok(Self { name, version, schema, design, material, specimen, laser, tolerances, seed })
     }
 }

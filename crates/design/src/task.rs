@@ -1,7 +1,7 @@
 //! The task: what friction is wanted, of which material, and what may be cut.
 
 use slipgrid_calibrate::uncertainty::MaterialUncertainty;
-use slipgrid_export::{Laser, Specimen};
+use slipgrid_export::{Laser, Specimen, Tolerances as SheetTolerances};
 use slipgrid_material::{Condition, ConditionRange, Friction, Material, MaterialError};
 use slipgrid_optimize::{Constraints, DesignSpace, Target, Tolerances};
 use slipgrid_results::beyond_measured_range;
@@ -180,7 +180,23 @@ pub const DEFAULT_MAX_EVALUATIONS: usize = 2000;
 /// Sliding speed of the confirming run where neither condition nor target names one, in m/s: the paper's.
 pub const DEFAULT_SPEED_M_S: f64 = 2e-3;
 
+/// Where the scatter of dimensions comes from.
+pub(crate) const SCATTER_BASIS: &str = "standard deviation of a sample's mean, as the design file gives it";
+
 impl DesignTask {
+    /// What the design assumes of how exactly it is cut, as files for the laser say it.
+    #[must_use]
+    pub fn assumed_tolerances(&self) -> Option<SheetTolerances> {
+        let std_m = self.tolerances?.tolerances.std_m;
+        let [width_um, spacing_um, depth_um] =
+            std_m.map(|std_m| (std_m > 0.0).then(|| tidy(LENGTH_UM.from_si(std_m))));
+        let basis = SCATTER_BASIS.to_owned();
+        [width_um, spacing_um, depth_um]
+            .iter()
+            .any(Option::is_some)
+            .then_some(SheetTolerances { width_um, spacing_um, depth_um, basis })
+    }
+
     /// The task of a pattern of `space` that brings `material` to `target` on `specimen`, whose modelled layer is `layer`;
     /// everything else is as simple as it can be: one condition, no limits but the bounds, no tolerances.
     #[must_use]

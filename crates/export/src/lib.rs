@@ -77,6 +77,7 @@ mod stl;
 mod stream;
 mod strips;
 mod svg;
+mod unreached;
 mod words;
 mod work;
 

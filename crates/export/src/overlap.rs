@@ -75,16 +75,17 @@ impl Overlap {
     }
 }
 
-/// What bursts on the spots of lines that overlap make of all cavities of `layout` other than the design says, and what to do; nothing where
-/// passes over lines give the depth, of which [`Removal`] warns.
+/// What bursts on the spots of lines make of all cavities of `layout` other than the design says, and what to do: where lines overlap, and where
+/// the spot does not get in. Nothing where passes over lines give the depth, of which [`Removal`] warns.
 #[must_use]
 pub fn burst_warnings(layout: &Layout, laser: &Laser) -> Vec<String> {
     if laser.is_mask() || laser.bursts(layout.pattern().depth_m()).is_none() {
         return Vec::new();
     }
-    let hatched = Marking::new(laser).ok().map(|marking| Hatched::new(layout, &marking));
-    let overlap = hatched.and_then(|hatched| Overlap::of(layout, laser, &hatched));
-    overlap.iter().map(Overlap::warning).collect()
+    let Ok(marking) = Marking::new(laser) else { return Vec::new() };
+    let hatched = Hatched::new(layout, &marking);
+    let overlap = Overlap::of(layout, laser, &hatched);
+    hatched.unreached_warnings(layout).into_iter().chain(overlap.iter().map(Overlap::warning)).collect()
 }
 
 /// What the laser does to all cavities of `layout` other than the design says, and what to do: of passes over lines, or of bursts on the

@@ -23,7 +23,7 @@ pub const fn not_modelled(has_rim: bool) -> [&'static str; 5] {
 /// How rims come onto a process sheet.
 const RIM_BASIS: &str = "what the design assumes: the laser's real rims have to be measured";
 
-/// Permitted departures of the made cavities, plus or minus; absent ones are left out.
+/// Standard deviations of a cut sample's mean dimensions that the design assumes; absent ones are left out.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Tolerances {
@@ -62,7 +62,7 @@ pub struct ProcessInput {
     pub seed: u64,
     /// The laser.
     pub laser: Laser,
-    /// Tolerances, where there are any.
+    /// What the design assumes of how exactly it is cut, where it does.
     pub tolerances: Option<Tolerances>,
     /// The material.
     pub material: MaterialNote,
@@ -86,7 +86,7 @@ pub struct ProcessSheet {
     pub not_modelled: Vec<String>,
     /// The pattern.
     pub pattern: PatternSheet,
-    /// Tolerances, where there are any.
+    /// What the design assumes of how exactly it is cut, where it does.
     pub tolerances: Option<Tolerances>,
     /// The specimen and the cavities on it.
     pub specimen: SpecimenSheet,

@@ -17,6 +17,7 @@ use crate::cavity::Cavity;
 use crate::marking::length_m;
 use crate::number::{DERIVED_DIGITS, MICROMETRE_DECIMALS, decimal, micrometres, round_decimals, round_digits};
 use crate::process::removed_volume_m3;
+use crate::unreached::{self, Unreached};
 use crate::{Laser, Layout, Line, Marking};
 
 /// Shares of a cavity's width between which its middle lies.
@@ -93,6 +94,8 @@ pub(crate) struct Hatched {
     half_spot_m: f64,
     /// Where depth is looked at.
     section: Option<Section>,
+    /// What the spot does not get into.
+    unreached: Unreached,
 }
 
 /// The straight way across a cavity from edge to edge, through the middle of its longest line and at right angles to that.
@@ -108,6 +111,7 @@ impl Hatched {
         let (mut lines, mut length, mut most_m, mut of_one) = (0, 0.0, 0.0, None);
         let mut apart_m: Option<[f64; 2]> = None;
         let mut one_apart_m = None;
+        let mut bare = (0, 0.0);
         for cavity in layout.iter() {
             let (own, distances_m) = marking.fill(&cavity);
             for &at_m in &distances_m {
@@ -115,6 +119,9 @@ impl Hatched {
                 apart_m = Some([least_m.min(at_m), most_m.max(at_m)]);
             }
             let own_m: f64 = own.iter().map(length_m).sum();
+            if own.is_empty() {
+                bare = (bare.0 + 1, bare.1 + cavity.area_m2());
+            }
             lines += own.len() as u64;
             length += own_m;
             if own_m > most_m * (1.0 + LONGER) {
@@ -123,16 +130,16 @@ impl Hatched {
             }
         }
         let section = of_one.as_ref().and_then(|(cavity, own)| Section::of(cavity, own, marking.direction(cavity)));
+        let half_spot_m = marking.spot_compensation_m();
+        let swept = of_one.as_ref().map(|(cavity, own)| unreached::swept_share(cavity, own, half_spot_m));
+        let unreached = Unreached { cavities: bare.0, area_m2: bare.1, swept };
         let of_one = of_one.map_or_else(Vec::new, |(_, own)| own);
-        Self {
-            lines,
-            length_m: length,
-            apart_m,
-            one_apart_m,
-            of_one,
-            half_spot_m: marking.spot_compensation_m(),
-            section,
-        }
+        Self { lines, length_m: length, apart_m, one_apart_m, of_one, half_spot_m, section, unreached }
+    }
+
+    /// What the spot does not get into, for people.
+    pub(crate) fn unreached_warnings(&self, layout: &Layout) -> Vec<String> {
+        self.unreached.warnings(layout, 2e6 * self.half_spot_m)
     }
 
     /// The sum of `of` the lengths of lines within half a spot of a point, in metres, as a mean over the part of the section between two
@@ -200,7 +207,7 @@ impl Hatched {
         let speed = speed_mm_s * made_um / design_um;
         let is_near = speed / speed_mm_s * pulse_um <= laser.spot_um? * (1.0 + LONGER);
         let speed_for_depth_mm_s = is_near.then(|| round_digits(speed, DERIVED_DIGITS));
-        let mut warnings = Vec::new();
+        let mut warnings = self.unreached_warnings(layout);
         let off = |made_um: f64, wanted_um: f64| {
             let share = made_um / wanted_um - 1.0;
             (share.abs() > OFF).then(|| format!("{:+.0} %", 100.0 * share))

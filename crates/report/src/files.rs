@@ -69,6 +69,7 @@ pub fn drawing(found: &DesignOutcome) -> DrawingInput<'_> {
         pattern: found.pattern,
         outline: found.task.specimen,
         laser: found.task.laser,
+        tolerances: found.task.assumed_tolerances(),
         material: &found.report.material,
     }
 }

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use slipgrid_design::{DesignTask, NextTrials};
 use slipgrid_export::{
     ExportError, GcodePlan, Heading, HeightMap, Laser, Layout, Marking, MaterialNote, ProcessInput, ProcessSheet,
-    Removal, Sector, SectorsSheet, check_stl, corners_csv, csv, dxf, dxf_of_sectors, gcode, hatch_csv, height_map,
+    Removal, Sector, SectorsSheet, Tolerances, check_stl, corners_csv, csv, dxf, dxf_of_sectors, gcode, hatch_csv, height_map,
     hpgl, stl, svg, svg_of_sectors,
 };
 use slipgrid_formats::trials::sector_trials;
@@ -90,6 +90,8 @@ pub struct DrawingInput<'a> {
     pub outline: Specimen,
     /// The laser.
     pub laser: Laser,
+    /// How exactly samples are assumed to be cut.
+    pub tolerances: Option<Tolerances>,
     /// The material.
     pub material: &'a MaterialReport,
 }
@@ -205,6 +207,7 @@ pub fn draw_next(found: &NextTrials, task: &DesignTask) -> Result<Vec<Outputs>, 
         pattern: *pattern,
         outline: task.specimen,
         laser: task.laser,
+        tolerances: task.assumed_tolerances(),
         material: &found.material,
     };
     let drawn = |drawing: &dyn Fn(&mut Outputs) -> Result<(), ExportError>| {
@@ -258,7 +261,7 @@ fn process_input(input: &DrawingInput<'_>) -> ProcessInput {
         schema: SCHEMA,
         seed: input.seed,
         laser: input.laser,
-        tolerances: None,
+        tolerances: input.tolerances.clone(),
         material: MaterialNote {
             name: input.material.name.clone(),
             source: input.material.source.clone(),

@@ -40,6 +40,7 @@ pub fn run(args: &ExportArgs, console: &mut Console<'_>) -> Result<u8, CliError>
         pattern,
         outline: stored.specimen.specimen().map_err(refuse)?,
         laser: stored.laser,
+        tolerances: stored.tolerances.clone(),
         material: &stored.material,
     };
     let pixel_um = args.pixel_um.filter(|&pixel_um| LENGTH_UM.accepts(pixel_um));

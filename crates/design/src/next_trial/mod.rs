@@ -353,6 +353,7 @@ fn choose(
         material: material.clone(),
         specimen: (&task.specimen).into(),
         laser: task.laser,
+        tolerances: task.assumed_tolerances(),
         seed: task.seed,
     };
     next.why = next.reason().unwrap_or_default();

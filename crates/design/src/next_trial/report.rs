@@ -8,7 +8,7 @@ use slipgrid_results::{
 };
 use slipgrid_units::{HUMIDITY_PCT, PRESSURE_MPA, SPEED_MM_S, tidy};
 
-use slipgrid_export::{Laser, MEASURE_EACH_ALONE, Outline, Sector};
+use slipgrid_export::{Laser, MEASURE_EACH_ALONE, Outline, Sector, Tolerances};
 
 use super::advice::CLEARLY;
 use super::{Asked, Judged, information_bits, laser_s};
@@ -63,6 +63,9 @@ pub struct NextReport {
     pub specimen: SpecimenReport,
     /// The laser.
     pub laser: Laser,
+    /// How exactly samples are assumed to be cut; absent where the design file does not say.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub tolerances: Option<Tolerances>,
     /// Seed of the design.
     pub seed: u64,
 }
