@@ -39,6 +39,7 @@ use slipgrid_units::{LENGTH_UM, tidy};
 
 /// Width, spacing, depth: the inputs before the others.
 const DIMENSIONS: usize = 3;
+const DEPTH: usize = 2;
 /// Widest difference along a dimension over the dimension itself.
 const WIDEST_SHARE: f64 = 0.5;
 
@@ -81,6 +82,8 @@ pub struct Chances<'a> {
     /// That scale was fitted; otherwise it is Young's modulus.
     scale_is_fitted: bool,
     law: Option<Along<'a>>,
+    /// Place of the depth per burst, where that was fitted against fluence: the depths of all samples are off by this factor.
+    burst: Option<usize>,
     /// What designs aim with beside the physics. It has what is not known of Young's modulus in it.
     learned: Option<Arc<LearnedDiscrepancy<'a>>>,
     inputs: Vec<Input>,
@@ -162,6 +165,11 @@ impl<'a> Chances<'a> {
             parts.name("area law", "known to the scatter of its map's windows".to_owned(), first..first + 1);
             law_at = Some(first);
         }
+        let burst = design.laser.depth_per_burst_std().map(|std| {
+            let first = parts.add(vec![vec![std * std]]);
+            parts.name("depth per burst", percent(std), first..first + 1);
+            first
+        });
         let first_discrepancy = parts.count;
         let learned = model.learned().cloned();
         if let Some(learned) = &learned {
@@ -209,6 +217,7 @@ impl<'a> Chances<'a> {
             law_scale: along(scale_at, 1, false, 1.0, 0.0)?,
             scale_is_fitted: is_fitted,
             law: along(law_at, 1, false, 0.0, 1.0)?,
+            burst,
             uncertainty,
             learned,
             inputs: parts.inputs,
@@ -317,12 +326,12 @@ impl<'a> Chances<'a> {
     }
 
     /// Cells that a chance takes: of the design, of one in smaller blocks where there are such, and to both sides along each
-    /// dimension that scatters, the rims' height, flat friction, and scale and factors of the area law.
+    /// dimension that scatters, the rims' height, the depth per burst, flat friction, and scale and factors of the area law.
     pub fn solves(&self) -> usize {
         let scattering = self.tolerances.std_m.iter().filter(|std_m| **std_m > 0.0).count();
         let beside = self.beside().count();
-        let rims = usize::from(self.uncertainty.rim().is_some());
-        1 + usize::from(self.fine.is_some()) + 2 * (scattering + rims + beside)
+        let others = usize::from(self.uncertainty.rim().is_some()) + usize::from(self.burst.is_some());
+        1 + usize::from(self.fine.is_some()) + 2 * (scattering + others + beside)
     }
 
     /// What scatters beside dimensions and is solved to both sides.

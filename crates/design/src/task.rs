@@ -188,13 +188,14 @@ impl DesignTask {
     #[must_use]
     pub fn assumed_tolerances(&self) -> Option<SheetTolerances> {
         let std_m = self.tolerances?.tolerances.std_m;
-        let [width_um, spacing_um, depth_um] =
-            std_m.map(|std_m| (std_m > 0.0).then(|| tidy(LENGTH_UM.from_si(std_m))));
+        let [width_um, spacing_um, depth_um] = std_m.map(|std_m| (std_m > 0.0).then(|| tidy(LENGTH_UM.from_si(std_m))));
         let basis = SCATTER_BASIS.to_owned();
-        [width_um, spacing_um, depth_um]
-            .iter()
-            .any(Option::is_some)
-            .then_some(SheetTolerances { width_um, spacing_um, depth_um, basis })
+        [width_um, spacing_um, depth_um].iter().any(Option::is_some).then_some(SheetTolerances {
+            width_um,
+            spacing_um,
+            depth_um,
+            basis,
+        })
     }
 
     /// The task of a pattern of `space` that brings `material` to `target` on `specimen`, whose modelled layer is `layer`;

@@ -185,6 +185,13 @@ impl Laser {
         Some(self.depth_per_burst_um? * self.bursts_per_pass().unwrap_or(1.0))
     }
 
+    /// Standard deviation of the depth per burst as a share of it, where it was fitted against fluence.
+    #[must_use]
+    pub fn depth_per_burst_std(&self) -> Option<f64> {
+        let std = self.ablation.map(|law| law.depth_per_burst_stderr_um / law.depth_per_burst_um);
+        std.filter(|std| *std > 0.0)
+    }
+
     /// Refuses a depth that no whole number of passes or bursts gives.
     ///
     /// # Errors

@@ -6,8 +6,8 @@ use std::sync::Arc;
 use slipgrid_design::{DesignTask, NextTrials};
 use slipgrid_export::{
     ExportError, GcodePlan, Heading, HeightMap, Laser, Layout, Marking, MaterialNote, ProcessInput, ProcessSheet,
-    Removal, Sector, SectorsSheet, Tolerances, check_stl, corners_csv, csv, dxf, dxf_of_sectors, gcode, hatch_csv, height_map,
-    hpgl, stl, svg, svg_of_sectors,
+    Removal, Sector, SectorsSheet, Tolerances, check_stl, corners_csv, csv, dxf, dxf_of_sectors, gcode, hatch_csv,
+    height_map, hpgl, stl, svg, svg_of_sectors,
 };
 use slipgrid_formats::trials::sector_trials;
 use slipgrid_pattern::Pattern;

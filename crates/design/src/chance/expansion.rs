@@ -79,8 +79,16 @@ fn per_step(above: &Answer, below: &Answer, step: f64) -> Slope {
     Slope { curvature: vec![0.0; ratio.len()], ratio, clearance }
 }
 
-/// How the steady model moves about a design along each input that it is asked of: the dimensions that scatter, the height of the rims, flat
-/// friction, scale and factors of the area law. By central differences over a standard deviation each way.
+impl Slope {
+    /// By a unit that is `factor` times as large.
+    fn times(self, factor: f64) -> Self {
+        let times = |numbers: Vec<f64>| numbers.into_iter().map(|number| factor * number).collect();
+        Self { ratio: times(self.ratio), curvature: times(self.curvature), clearance: factor * self.clearance }
+    }
+}
+
+/// How the steady model moves about a design along each input that it is asked of: the dimensions that scatter, the height of the rims, the
+/// depth per burst, flat friction, scale and factors of the area law. By central differences over a standard deviation each way.
 #[derive(Clone, Debug)]
 pub(super) struct Sensitivity(Vec<Slope>);
 
@@ -128,6 +136,11 @@ impl Chances<'_> {
         if self.uncertainty.rim().is_some() {
             slopes.push(self.along_rim(design)?);
         }
+        if let Some(place) = self.burst {
+            // dr / d ln(depth) = depth dr / d depth
+            let std_m = self.uncertainty.std(place) * design.depth_m();
+            slopes.push(self.along_axis(design, &laid, DEPTH, std_m)?.times(design.depth_m()));
+        }
         for along in self.beside() {
             // All of them lie on one specimen: laying out crossing grooves takes as long as solving them.
             let at = |model: &SteadyModel| model.answer_made(design, &laid);
@@ -158,7 +171,7 @@ impl Chances<'_> {
         let mut of_clearance: Vec<(usize, f64)> = Vec::new();
         let mut along = sensitivity.0.iter();
         let axes = (0..DIMENSIONS).filter(|axis| self.tolerances.std_m[*axis] > 0.0);
-        for (place, along) in axes.chain(self.uncertainty.rim()).zip(&mut along) {
+        for (place, along) in axes.chain(self.uncertainty.rim()).chain(self.burst).zip(&mut along) {
             slopes[place] = scaled(&along.ratio);
             of_clearance.push((place, along.clearance));
         }

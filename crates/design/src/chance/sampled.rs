@@ -51,7 +51,8 @@ impl UncertainModel for Sampled<'_> {
             texture.to_owned(),
             length(0, made.width_m(), own.width_m()),
             length(1, made.spacing_m(), own.spacing_m()),
-            length(2, made.depth_m(), own.depth_m()),
+            // As many bursts, each of which removes more or less: a depth stays positive.
+            length(DEPTH, made.depth_m(), own.depth_m()) * chances.burst.map_or(1.0, |place| off(place).exp()),
         );
         let trial = |reason: String| ModelFailure::Trial { reason };
         let made = made.map_err(|error| trial(error.to_string()))?;

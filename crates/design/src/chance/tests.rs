@@ -77,6 +77,48 @@ fn rough_chances_are_those_of_designs_alike() {
     assert!(rms > 1e-4 && rms < 0.015 && most - least > 0.2, "{rms} of {least} to {most} by {learnt}");
 }
 
+/// Depths of all samples are off by one factor where the depth per burst was fitted against fluence.
+#[test]
+fn what_is_not_known_of_the_depth_per_burst_counts_in_expansion_and_draws() {
+    // Shallow: friction goes with the depth, if by little.
+    let design = Pattern::new(Planform::Groove, 130e-6, 250e-6, 6e-6).unwrap();
+    let shares = |std: f64| {
+        let mut task = task(Planform::Groove);
+        task.laser.ablation = Some(slipgrid_export::Ablation {
+            delta_um: 0.2,
+            delta_stderr_um: 0.01,
+            threshold_j_cm2: 0.4,
+            threshold_stderr_j_cm2: 0.02,
+            fluence_j_cm2: 0.66,
+            depth_per_burst_um: 0.1,
+            depth_per_burst_stderr_um: 0.1 * std,
+            points: 4,
+        });
+        let still = scattering(&mut task, 2e-6).still(&design).unwrap();
+        let points = [0.65e6, 2.6e6].into_iter().zip(&still.ratio);
+        let points = points.map(|(pressure_pa, value)| TargetPoint { pressure_pa, value: *value }).collect();
+        task.target = Target::new(Quantity::Ratio, points, 0.02).unwrap();
+        let chances = scattering(&mut task, 2e-6);
+        assert_eq!(chances.inputs().iter().any(|input| input.name == "depth per burst"), std > 0.0);
+        let numerical = Numerical::in_common(vec![0.0; 2]);
+        let about = About { design: &design, still: &still, values: &still.ratio, numerical: &numerical };
+        let expansion = chances.expand(&about).unwrap();
+        let sampled = chances.sampled(&about, 600, 1, &|_| true).unwrap();
+        let sampled = sampled.iter().filter(|&&accepted| accepted).count() as f64 / 600.0;
+        let expanded = chances.share(&chances.draws(4000, 1), &expansion, &|_| true).share;
+        let deeper = [1.3, 0.7].map(|factor| {
+            let made = Pattern::new(Planform::Groove, 130e-6, 250e-6, factor * design.depth_m()).unwrap();
+            chances.still(&made).unwrap().ratio[1]
+        });
+        // d ln r / d ln depth
+        let slope = (deeper[0] - deeper[1]) / 0.6 / still.ratio[1];
+        (chances.log_covariance(&expansion)[3], (slope * std).powi(2), [expanded, sampled])
+    };
+    let [(exact, _, _), (off, by_slope, [expanded, sampled])] = [shares(0.0), shares(0.3)];
+    assert!((expanded - sampled).abs() < 0.05, "{expanded} {sampled}");
+    assert!(by_slope > 1e-9 && (off - exact - by_slope).abs() < 1e-3 * by_slope, "{off} {exact} {by_slope}");
+}
+
 #[test]
 fn a_chance_takes_as_many_cells_as_it_says() {
     let mut task = task(Planform::Groove);
