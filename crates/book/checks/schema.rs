@@ -239,7 +239,8 @@ mod tests {
 
     #[test]
     fn an_element_of_a_list_may_be_null_where_its_type_may_be_absent() {
-        let text = "#[derive(Deserialize)]\nstruct A {\n    lowest_um: Vec<Option<f64>>,\n    highest_um: Vec<f64>,\n}\n";
+        let text =
+            "#[derive(Deserialize)]\nstruct A {\n    lowest_um: Vec<Option<f64>>,\n    highest_um: Vec<f64>,\n}\n";
         let types = Types::new([("a.rs", text)]).records();
         let root = ("a.rs".to_owned(), "A".to_owned());
         let known = schema(&types, &root, ("a", 1), &Accepted::new()).unwrap();
