@@ -14,6 +14,7 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use slipgrid_disk::MOST_THREADS;
+use slipgrid_formats::traces::MOST_SPECIMENS;
 
 pub use campaign::{CampaignArgs, CampaignStep, MergeArgs, PlanArgs, WorkArgs};
 pub use export::ExportArgs;
@@ -197,7 +198,7 @@ pub struct CalibrateArgs {
     slipgrid traces my-material/calibration.toml -o out/traces\n  \
     slipgrid traces run1.csv run2.csv run3.csv --effective-radius-mm 38.1 --force-n 200 \\\n    \
     --speed-mm-s 2 --humidity-pct 15 -o out/200N\n\n\
-    Takes a calibration file with a table [traces], or the repeats of one condition. An export is a \
+    Takes a calibration file with a table [traces], which says what the flags say of exports, or the repeats of one condition. An export is a \
     table with a header that names time, torque (or friction force) and normal force, with units; comma, \
     semicolon or tab, decimal point or comma. mu = torque / (normal force x effective radius). \
     Writes flat.csv, patterned.csv and a table of each trial, which `calibrate` takes, traces.csv and a picture of each condition. \
@@ -219,7 +220,7 @@ pub struct TracesArgs {
     #[arg(long, value_name = "PCT")]
     pub humidity_pct: Option<f64>,
     /// Specimens that share the recorded normal force
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(MOST_SPECIMENS)))]
     pub specimens: Option<u32>,
     /// Averaging window, seconds since the first row
     #[arg(long, value_name = "FROM,TO", value_delimiter = ',', num_args = 1)]
