@@ -158,7 +158,7 @@ pub struct OptimizeArgs {
 #[derive(Args, Debug)]
 #[command(after_help = "Examples:\n  \
     slipgrid explore designs/ldpe-lower-friction.toml\n  \
-    slipgrid explore ldpe.toml -o ldpe.html\n\n\
+    slipgrid explore ldpe.toml --speed-mm-s 2 --humidity-pct 15 -o ldpe.html\n\n\
     The page interpolates steady solutions of a lattice of designs, and says how far this is from the solver. It needs \
     neither the network nor slipgrid. For a material it shows grooves at 0.65 to 2.6 MPa; for all else give a design.")]
 pub struct ExploreArgs {
