@@ -256,7 +256,8 @@ pub struct AreaLawArgs {
     #[arg(required_unless_present = "persson_rms_slope")]
     pub map: Option<PathBuf>,
     /// Without a map: the law of Persson's theory for this rms slope
-    #[arg(long, value_name = "SLOPE", conflicts_with_all = ["map", "windows", "resolutions", "pixel_um", "height_unit", "no_level"])]
+    #[arg(long, value_name = "SLOPE", conflicts_with_all = ["map", "windows", "resolutions", "pixel_um", "pixel_y_um", "height_unit",
+        "lateral_unit", "decimal_comma", "crop", "decimate", "decimate_by", "missing", "despike", "form", "no_level"])]
     pub persson_rms_slope: Option<f64>,
     /// Young's modulus; without it that of the published polyethylene, 0.38 GPa, which the result says
     #[arg(long, value_name = "GPA")]
