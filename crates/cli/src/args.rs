@@ -222,7 +222,7 @@ pub struct TracesArgs {
     /// Specimens that share the recorded normal force
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(MOST_SPECIMENS)))]
     pub specimens: Option<u32>,
-    /// Averaging window, seconds since the first row
+    /// Averaging window, seconds since the first row; 10,40 by default
     #[arg(long, value_name = "FROM,TO", value_delimiter = ',', num_args = 1)]
     pub window_s: Option<Vec<f64>>,
     /// Span before touchdown whose mean forces are subtracted as the sensors' zero, seconds since the first row
