@@ -23,6 +23,8 @@ pub enum Shape {
     OneOrMore,
     /// A list.
     List(Box<Shape>),
+    /// An element of a list of a record, or null.
+    OrNull(Box<Shape>),
     /// The path of a file, or what would stand in it.
     PathOr(Box<Shape>),
     /// A table, by the file and the name of its structure.
@@ -200,7 +202,10 @@ impl Types {
             }
         }
         if let Some(kind) = inside(kind, "Vec") {
-            return Ok(Shape::List(Box::new(self.shape(kind, file)?)));
+            let of = self.shape(kind, file)?;
+            // An absent key says that nothing is there; an element of a list can only be null.
+            let is_nullable = inside(kind, "Option").is_some();
+            return Ok(Shape::List(Box::new(if is_nullable { Shape::OrNull(Box::new(of)) } else { of })));
         }
         if let Some(kind) = inside(kind, "PathOr") {
             return Ok(Shape::PathOr(Box::new(self.shape(kind, file)?)));
@@ -263,17 +268,8 @@ impl Key {
             ("force_n", "N"),
             ("clearance_um", "µm"),
         ];
-        let is_number = match &self.shape {
-            Shape::Number | Shape::OneOrMore => true,
-            Shape::List(of) => match &**of {
-                Shape::Number => true,
-                Shape::List(of) => **of == Shape::Number,
-                _ => false,
-            },
-            _ => false,
-        };
         let found = UNITS.into_iter().find(|(ending, _)| self.name.ends_with(ending));
-        found.filter(|_| is_number).map_or("", |(_, unit)| unit)
+        found.filter(|_| self.shape.is_of_numbers()).map_or("", |(_, unit)| unit)
     }
 }
 
@@ -293,10 +289,21 @@ impl Shape {
                 Self::Number => "list of numbers".to_owned(),
                 Self::Whole => "list of whole numbers".to_owned(),
                 Self::Text => "list of texts".to_owned(),
+                Self::OrNull(of) => format!("{}, or nulls", Self::List(of.clone()).words()),
                 of => format!("list of: {}", of.words()),
             },
+            Self::OrNull(of) => format!("{} or null", of.words()),
             Self::PathOr(_) => "path or table".to_owned(),
             Self::Table(_) => "table".to_owned(),
+        }
+    }
+
+    /// A number, or a list of numbers in which there may be lists.
+    fn is_of_numbers(&self) -> bool {
+        match self {
+            Self::Number | Self::OneOrMore => true,
+            Self::List(of) | Self::OrNull(of) => of.is_of_numbers(),
+            _ => false,
         }
     }
 
@@ -305,7 +312,7 @@ impl Shape {
     pub fn table(&self) -> Option<&Place> {
         match self {
             Self::Table(place) => Some(place),
-            Self::List(of) | Self::PathOr(of) => of.table(),
+            Self::List(of) | Self::OrNull(of) | Self::PathOr(of) => of.table(),
             _ => None,
         }
     }

@@ -82,6 +82,7 @@ fn value(types: &Types, shape: &Shape, path: &str, accepted: &Accepted) -> Resul
             json!({ "anyOf": [number("number", range), { "type": "array", "items": number("number", range), "minItems": 1 }] })
         }
         Shape::List(of) => json!({ "type": "array", "items": value(types, of, path, accepted)? }),
+        Shape::OrNull(of) => json!({ "anyOf": [{ "type": "null" }, value(types, of, path, accepted)?] }),
         Shape::PathOr(of) => json!({ "anyOf": [{ "type": "string" }, value(types, of, path, accepted)?] }),
         Shape::Table(place) => table(types, place, path, accepted)?,
     })
@@ -234,5 +235,19 @@ mod tests {
         assert_eq!(of(r#"{"kind": "x", "seed": -1}"#), ["seed is out of range"]);
         assert_eq!(of("{}"), ["kind is missing"]);
         assert_eq!(of(r#"{"kind": "z"}"#).len(), 1);
+    }
+
+    #[test]
+    fn an_element_of_a_list_may_be_null_where_its_type_may_be_absent() {
+        let text =
+            "#[derive(Deserialize)]\nstruct A {\n    lowest_um: Vec<Option<f64>>,\n    highest_um: Vec<f64>,\n}\n";
+        let types = Types::new([("a.rs", text)]).records();
+        let root = ("a.rs".to_owned(), "A".to_owned());
+        let known = schema(&types, &root, ("a", 1), &Accepted::new()).unwrap();
+        let of = |text: &str| violations(&known, &serde_json::from_str(text).unwrap());
+        assert!(of(r#"{"lowest_um": [null, 1.0], "highest_um": []}"#).is_empty());
+        assert_eq!(of(r#"{"lowest_um": ["x"], "highest_um": [null]}"#).len(), 2);
+        let keys = types.table(&root).unwrap().keys;
+        assert_eq!((keys[0].unit(), &*keys[0].shape.words()), ("\u{b5}m", "list of numbers, or nulls"));
     }
 }

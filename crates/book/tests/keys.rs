@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
+use std::path::Path;
 
 use slipgrid_book::keys::{Place, Types};
 use slipgrid_book::schema::{Accepted, literal, schema, violations};
@@ -193,36 +194,45 @@ fn plain(comment: &str) -> String {
     comment.replace("[`", "`").replace("`]", "`")
 }
 
+/// A small design with the keys `wanted` in its target.
+fn small_design(wanted: &str) -> String {
+    format!(
+        "[material]\nyoungs_modulus_gpa = 0.38\ndensity_g_cm3 = 0.9\nyoungs_modulus_std_gpa = 0.08\n\
+         friction = {{ static_mean = 0.30, dynamic_mean = 0.27, dynamic_std_error = 0.003 }}\n\
+         area_law = {{ pressure_mpa = [0.7, 2.6, 26.0], factor = [1.0, 0.8, 0.3] }}\n[target]\nquantity = \"ratio\"\n\
+         pressure_mpa = 2.6\n{wanted}\n[bounds]\nwidth_um = [100, 200]\nspacing_um = [200, 400]\n\
+         depth_um = [5, 20]\n[limits]\ndepth_per_burst_um = 1.1\n[laser]\nspot_um = 25\nrepetition_hz = 20000\n\
+         speed_mm_s = 200\nhatch_um = 12.5\n[specimen]\nshape = \"disc\"\ndiameter_mm = 2\n[sample]\nlayer_um = 60\nblock_um = 10\n\
+         [tolerances]\nwidth_std_um = 4.0\n"
+    )
+}
+
+/// Runs the program in `folder` and holds the result.json that it writes below `out` to the schema `name`.
+fn obeys(folder: &Path, name: &str, arguments: &[&str], out: &str) {
+    let mut program = std::process::Command::new(env!("CARGO_BIN_EXE_slipgrid-of-the-book"));
+    let output = program.current_dir(folder).args(arguments).args(["-o", out]).output().unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let known: serde_json::Value =
+        serde_json::from_str(&text(&book().join(format!("schemas/{name}-{VERSION}.json")))).unwrap();
+    let written = text(&folder.join(out).join("result.json"));
+    let found = violations(&known, &serde_json::from_str(&written).unwrap());
+    assert!(found.is_empty(), "{name}: {arguments:?}: {found:?}");
+}
+
 /// What two commands write obeys the schemas, and every key of it is described.
 #[test]
 fn results_obey_their_schemas() {
     let folder = tempfile::tempdir().unwrap();
-    let design = "[material]\nyoungs_modulus_gpa = 0.38\ndensity_g_cm3 = 0.9\nyoungs_modulus_std_gpa = 0.08\n\
-                  friction = { static_mean = 0.30, dynamic_mean = 0.27, dynamic_std_error = 0.003 }\n\
-                  area_law = { pressure_mpa = [0.7, 2.6, 26.0], factor = [1.0, 0.8, 0.3] }\n[target]\nquantity = \"ratio\"\n\
-                  pressure_mpa = 2.6\nvalue = 0.95\ntolerance = 0.02\n[bounds]\nwidth_um = [100, 200]\nspacing_um = [200, 400]\n\
-                  depth_um = [5, 20]\n[limits]\ndepth_per_burst_um = 1.1\n[laser]\nspot_um = 25\nrepetition_hz = 20000\n\
-                  speed_mm_s = 200\nhatch_um = 12.5\n[specimen]\nshape = \"disc\"\ndiameter_mm = 2\n[sample]\nlayer_um = 60\nblock_um = 10\n\
-                  [tolerances]\nwidth_std_um = 4.0\n[trade_offs]\ngoals = [\"misfit\", \"volume\"]\n";
-    std::fs::write(folder.path().join("d.toml"), design).unwrap();
-    for (name, arguments) in [
-        ("result", vec!["optimize", "d.toml", "-o", "out", "--table", "--no-explorer"]),
-        ("simulation", vec!["simulate", "out/design.toml", "--fidelity", "steady", "-o", "out/scene"]),
-    ] {
-        let mut program = std::process::Command::new(env!("CARGO_BIN_EXE_slipgrid-of-the-book"));
-        let output = program.current_dir(folder.path()).args(&arguments).output().unwrap();
-        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-        let written = text(
-            &folder
-                .path()
-                .join(arguments.iter().rev().find(|word| word.starts_with("out")).unwrap())
-                .join("result.json"),
-        );
-        let known: serde_json::Value =
-            serde_json::from_str(&text(&book().join(format!("schemas/{name}-{VERSION}.json")))).unwrap();
-        let found = violations(&known, &serde_json::from_str(&written).unwrap());
-        assert!(found.is_empty(), "{name}: {found:?}");
-    }
+    let write = |file: &str, design: String| std::fs::write(folder.path().join(file), design).unwrap();
+    let near = small_design("value = 0.95\ntolerance = 0.02");
+    write("d.toml", near + "[trade_offs]\ngoals = [\"misfit\", \"volume\"]\n");
+    // Of a goal nothing is asked at either end, of a one-sided band at one.
+    write("goal.toml", small_design("goal = \"lowest\""));
+    write("band.toml", small_design("highest = 0.97"));
+    obeys(folder.path(), "result", &["optimize", "d.toml", "--table", "--no-explorer"], "out");
+    obeys(folder.path(), "simulation", &["simulate", "out/design.toml", "--fidelity", "steady"], "out/scene");
+    obeys(folder.path(), "result", &["optimize", "goal.toml", "--no-explorer"], "goal");
+    obeys(folder.path(), "result", &["optimize", "band.toml", "--no-explorer"], "band");
     // Every key of the process sheet is described in its chapter.
     let sheet: toml::Table = text(&folder.path().join("out/process.toml")).parse().unwrap();
     let known = described_keys(&records(), &(SHEETS[0].1[0].to_owned(), SHEETS[0].1[1].to_owned()));

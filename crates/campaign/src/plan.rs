@@ -86,7 +86,8 @@ pub(crate) struct GridFile {
 /// # Errors
 /// [`CampaignError`] for anything refused in the campaign or in one of its tasks.
 pub fn plan(files: &Source, path: &Path, monitor: &dyn Monitor) -> Result<Planned, CampaignError> {
-    let text = read_text(files, path, "a campaign file, with base = \"SCENE or DESIGN\"")?;
+    let text = read_text(files, path, FileKind::Campaign.expected())?;
+    FileKind::Campaign.require(path, &text)?;
     let document = Document::within(files, path, text);
     let file: CampaignFile = document.parse()?;
     let varied = Varied::new(&document, &file.grid, &file.list)?;

@@ -14,6 +14,7 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use slipgrid_disk::MOST_THREADS;
+use slipgrid_formats::traces::MOST_SPECIMENS;
 
 pub use campaign::{CampaignArgs, CampaignStep, MergeArgs, PlanArgs, WorkArgs};
 pub use export::ExportArgs;
@@ -157,7 +158,7 @@ pub struct OptimizeArgs {
 #[derive(Args, Debug)]
 #[command(after_help = "Examples:\n  \
     slipgrid explore designs/ldpe-lower-friction.toml\n  \
-    slipgrid explore ldpe.toml -o ldpe.html\n\n\
+    slipgrid explore ldpe.toml --speed-mm-s 2 --humidity-pct 15 -o ldpe.html\n\n\
     The page interpolates steady solutions of a lattice of designs, and says how far this is from the solver. It needs \
     neither the network nor slipgrid. For a material it shows grooves at 0.65 to 2.6 MPa; for all else give a design.")]
 pub struct ExploreArgs {
@@ -197,7 +198,7 @@ pub struct CalibrateArgs {
     slipgrid traces my-material/calibration.toml -o out/traces\n  \
     slipgrid traces run1.csv run2.csv run3.csv --effective-radius-mm 38.1 --force-n 200 \\\n    \
     --speed-mm-s 2 --humidity-pct 15 -o out/200N\n\n\
-    Takes a calibration file with a table [traces], or the repeats of one condition. An export is a \
+    Takes a calibration file with a table [traces], which says what the flags say of exports, or the repeats of one condition. An export is a \
     table with a header that names time, torque (or friction force) and normal force, with units; comma, \
     semicolon or tab, decimal point or comma. mu = torque / (normal force x effective radius). \
     Writes flat.csv, patterned.csv and a table of each trial, which `calibrate` takes, traces.csv and a picture of each condition. \
@@ -219,9 +220,9 @@ pub struct TracesArgs {
     #[arg(long, value_name = "PCT")]
     pub humidity_pct: Option<f64>,
     /// Specimens that share the recorded normal force
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(MOST_SPECIMENS)))]
     pub specimens: Option<u32>,
-    /// Averaging window, seconds since the first row
+    /// Averaging window, seconds since the first row; 10,40 by default
     #[arg(long, value_name = "FROM,TO", value_delimiter = ',', num_args = 1)]
     pub window_s: Option<Vec<f64>>,
     /// Span before touchdown whose mean forces are subtracted as the sensors' zero, seconds since the first row
@@ -255,7 +256,8 @@ pub struct AreaLawArgs {
     #[arg(required_unless_present = "persson_rms_slope")]
     pub map: Option<PathBuf>,
     /// Without a map: the law of Persson's theory for this rms slope
-    #[arg(long, value_name = "SLOPE", conflicts_with_all = ["map", "windows", "resolutions", "pixel_um", "height_unit", "no_level"])]
+    #[arg(long, value_name = "SLOPE", conflicts_with_all = ["map", "windows", "resolutions", "pixel_um", "pixel_y_um", "height_unit",
+        "lateral_unit", "decimal_comma", "crop", "decimate", "decimate_by", "missing", "despike", "form", "no_level"])]
     pub persson_rms_slope: Option<f64>,
     /// Young's modulus; without it that of the published polyethylene, 0.38 GPa, which the result says
     #[arg(long, value_name = "GPA")]

@@ -137,6 +137,18 @@ where
     run_with(args, out, err, None)
 }
 
+/// `command`, and those below it, that takes a number below zero, or a list that begins with one, for a value: it is out of range, not an
+/// unknown flag.
+fn with_negative_numbers(command: clap::Command) -> clap::Command {
+    let is_list = |argument: &clap::Arg| {
+        argument.get_value_names().is_some_and(|names| names.iter().any(|name| name.contains(',')))
+    };
+    let with_numbers = |argument: clap::Arg| {
+        if is_list(&argument) { argument.allow_hyphen_values(true) } else { argument.allow_negative_numbers(true) }
+    };
+    command.mut_args(with_numbers).mut_subcommands(with_negative_numbers)
+}
+
 /// The same with `kept`, results of earlier runs, where the flags do not forbid it.
 pub fn run_with<I, T>(
     args: I,
@@ -148,9 +160,7 @@ where
     I: IntoIterator<Item = T>,
     T: Into<OsString> + Clone,
 {
-    // A number below zero is out of range, not an unknown flag.
-    let mut command = args::Arguments::command()
-        .mut_subcommands(|command| command.mut_args(|argument| argument.allow_negative_numbers(true)));
+    let mut command = with_negative_numbers(args::Arguments::command());
     let parsed = command.try_get_matches_from_mut(args);
     let parsed = parsed.and_then(|found| args::Arguments::from_arg_matches(&found));
     let arguments = match parsed.map_err(|refused| refused.format(&mut command)) {

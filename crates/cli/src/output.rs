@@ -132,9 +132,34 @@ fn remove_abandoned(folder: &Path) {
     }
 }
 
+/// `path` as a shell takes it for one word: quoted if it holds anything that a shell would read otherwise.
+pub fn quoted(path: &Path) -> String {
+    let plain = |letter: char| letter.is_alphanumeric() || "/._-+,:@%".contains(letter);
+    let path = path.display().to_string();
+    if cfg!(windows) {
+        // Names there hold no double quotes.
+        return if path.contains(' ') { format!("\"{path}\"") } else { path };
+    }
+    if path.chars().all(plain) { path } else { format!("'{}'", path.replace('\'', r"'\''")) }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    #[cfg(not(windows))]
+    fn paths_are_one_word_of_a_shell() {
+        for (path, word) in [
+            ("my-material/calibration.toml", "my-material/calibration.toml"),
+            ("polym\u{e8}re.toml", "polym\u{e8}re.toml"),
+            ("my material.toml", "'my material.toml'"),
+            ("Anna's (2).toml", r"'Anna'\''s (2).toml'"),
+            ("a$b.toml", "'a$b.toml'"),
+        ] {
+            assert_eq!(quoted(Path::new(path)), word);
+        }
+    }
 
     fn names(folder: &Path) -> Vec<String> {
         let mut names: Vec<String> =

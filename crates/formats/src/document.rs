@@ -1,5 +1,7 @@
 //! A TOML file with its text, so that every refusal can point at a line.
 
+mod tables_only;
+
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -8,6 +10,7 @@ use serde::de::DeserializeOwned;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
+use self::tables_only::TablesOnly;
 use super::file_kind::FileKind;
 use crate::diagnostic::{Diagnostic, nearest};
 use crate::plausible;
@@ -120,7 +123,8 @@ impl Document {
     /// # Errors
     /// [`Diagnostic`] for bad TOML, unknown and missing keys, and values of a wrong type.
     pub fn parse<T: DeserializeOwned>(&self) -> Result<T, Diagnostic> {
-        toml::from_str(&self.text).map_err(|error| self.explain(&error))
+        let read = toml::Deserializer::parse(&self.text).and_then(|reader| T::deserialize(TablesOnly(reader)));
+        read.map_err(|error| self.explain(&error))
     }
 
     /// Refuses what stands at `span`.
@@ -334,9 +338,9 @@ impl Document {
         let said = plain.iter().fold(message.to_owned(), |said, (code, word)| replace_word(&said, code, word));
         // Names of the program's own types are none of the user's words.
         let said = said.find("expected struct ").map_or(said.clone(), |at| format!("{}expected a table", &said[..at]));
-        let is_listed = self.text.get(span.clone()).is_some_and(|text| text.starts_with("[["));
+        let is_listed = self.line_text(span.start).trim_start().starts_with("[[");
         let mut refused = self.refuse(span, "");
-        if is_listed && message.starts_with("invalid type: map") {
+        if is_listed && said.ends_with("expected a table") {
             let key = refused.key.clone().unwrap_or_default();
             refused.value = None;
             "stands in double brackets, as one of a list".clone_into(&mut refused.reason);

@@ -20,6 +20,8 @@ pub enum FileKind {
     Material,
     /// What `optimize` writes.
     Result,
+    /// What `campaign plan` takes.
+    Campaign,
 }
 
 impl FileKind {
@@ -31,15 +33,17 @@ impl FileKind {
             return read.get("design").is_some().then_some(Self::Result);
         }
         let parsed = DeTable::parse(text).ok()?;
-        let table = |key: &str| {
+        let value = |key: &str| {
             let found = parsed.get_ref().iter().find(|(name, _)| name.get_ref().as_ref() == key);
-            found.is_some_and(|(_, value)| matches!(value.get_ref(), DeValue::Table(_) | DeValue::Array(_)))
+            found.map(|(_, value)| value.get_ref())
         };
+        let table = |key: &str| matches!(value(key), Some(DeValue::Table(_) | DeValue::Array(_)));
         let mut seen = [
             (Self::Scene, table("load")),
             (Self::Design, table("target") && table("bounds")),
             (Self::Calibration, table("measurements") || table("traces")),
             (Self::Material, table("friction")),
+            (Self::Campaign, matches!(value("base"), Some(DeValue::String(_)))),
         ]
         .into_iter()
         .filter_map(|(kind, marked)| marked.then_some(kind));
@@ -74,6 +78,7 @@ impl FileKind {
             Self::Calibration => "a calibration file, with [measurements] or [traces]",
             Self::Material => "a material file, with [friction], as `slipgrid calibrate` writes it",
             Self::Result => "result.json as `slipgrid optimize` writes it, or its folder",
+            Self::Campaign => "a campaign file, with base = \"SCENE or DESIGN\"",
         }
     }
 
@@ -86,6 +91,7 @@ impl FileKind {
             Self::Calibration => "slipgrid new calibration",
             Self::Material => "slipgrid calibrate",
             Self::Result => "slipgrid optimize",
+            Self::Campaign => "slipgrid campaign --help",
         }
     }
 
@@ -114,6 +120,7 @@ impl FileKind {
             Self::Calibration => "seems to be a calibration file, which `slipgrid calibrate` takes",
             Self::Material => "seems to be a material file, which scenes and designs name by material = \"PATH\"",
             Self::Result => "seems to be a result of `slipgrid optimize`, which `slipgrid export` takes",
+            Self::Campaign => "seems to be a campaign file, which `slipgrid campaign plan` takes",
         }
     }
 
@@ -143,6 +150,8 @@ mod tests {
             ("[measurements]\n[fit]", Some(FileKind::Calibration)),
             ("[[traces]]", Some(FileKind::Calibration)),
             ("[[friction.conditions]]", Some(FileKind::Material)),
+            ("base = \"scene.toml\"\n[[grid]]", Some(FileKind::Campaign)),
+            ("base = \"scene.toml\"\n[load]", None),
             ("{\"design\": {}}", Some(FileKind::Result)),
             ("{}", None),
             ("{", None),

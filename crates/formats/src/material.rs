@@ -255,13 +255,7 @@ fn read_friction(document: &Document, file: &Spanned<FrictionFile>) -> Result<Fr
         list(document, excess, EXCESS)?;
     }
     if !friction.conditions.is_empty() {
-        let stray =
-            [friction.static_mean.as_ref().map(Spanned::span), friction.dynamic_mean.as_ref().map(Spanned::span)];
-        if let Some(stray) = stray.into_iter().flatten().next() {
-            return Err(document
-                .refuse(stray, "stands beside coefficients per condition")
-                .expected("either static_mean and dynamic_mean, or [[friction.conditions]]"));
-        }
+        refuse_beside_conditions(document, friction)?;
         return read_conditions(document, &friction.conditions, local);
     }
     let static_mean = friction.static_mean.as_ref().ok_or_else(|| document.missing(file.span(), "static_mean"))?;
@@ -286,6 +280,31 @@ fn read_friction(document: &Document, file: &Spanned<FrictionFile>) -> Result<Fr
         rows.push(ConditionFriction { pressure_pa, condition: None, friction: local(static_mean, dynamic_mean)? });
     }
     Ok(Friction::PerCondition(rows))
+}
+
+/// Refuses coefficients, and what belongs to them, beside those per condition: nothing would be taken from them.
+fn refuse_beside_conditions(document: &Document, friction: &FrictionFile) -> Result<(), Diagnostic> {
+    let numbers = [
+        ("static_mean", &friction.static_mean),
+        ("dynamic_mean", &friction.dynamic_mean),
+        ("static_std_error", &friction.static_std_error),
+        ("dynamic_std_error", &friction.dynamic_std_error),
+        ("dynamic_std_error_given_law", &friction.dynamic_std_error_given_law),
+        ("dynamic_over_steady", &friction.dynamic_over_steady),
+    ];
+    let mut stray = numbers.map(|(key, numbers)| (key, numbers.as_ref().map(Spanned::span))).to_vec();
+    stray.push(("pressure_mpa", friction.pressure_mpa.as_ref().map(Spanned::span)));
+    stray.push(("scale_covariance", friction.scale_covariance.as_ref().map(Spanned::span)));
+    let found = stray.into_iter().find_map(|(key, place)| Some((key, place?)));
+    let Some((key, place)) = found else { return Ok(()) };
+    let expected = match key {
+        "static_mean" | "dynamic_mean" => "either static_mean and dynamic_mean, or [[friction.conditions]]".to_owned(),
+        "scale_covariance" => {
+            "scale_covariance beside one dynamic_mean, or [[friction.conditions]] without it".to_owned()
+        }
+        _ => format!("{key} in each of the tables [[friction.conditions]], or no such table"),
+    };
+    Err(document.refuse(place, "stands beside coefficients per condition").expected(expected))
 }
 
 fn read_conditions(
@@ -367,4 +386,36 @@ fn read_area_law(document: &Document, file: &Spanned<AreaLawFile>) -> Result<Are
     same_length(factor_std)?;
     let factor_std = document.numbers(factor_std, FACTOR_STD)?;
     AreaLaw::new(pressure_pa, factor).and_then(|law| law.with_factor_std(factor_std)).map_err(law_of)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_belongs_to_one_pair_of_coefficients_is_refused_beside_coefficients_per_condition() {
+        let table = "[[friction.conditions]]\nspeed_mm_s = 2.0\nhumidity_pct = 15.0\npressure_mpa = [0.7]\nstatic_mean = 0.3\n\
+                     dynamic_mean = 0.25\n";
+        let read = |line: &str| {
+            let text = format!(
+                "youngs_modulus_gpa = 0.4\ndensity_g_cm3 = 0.9\n[friction]\nrelative_std = 0.05\n{line}\n{table}"
+            );
+            let document = Document::new("m.toml", text);
+            read_material(&document, &document.parse().unwrap(), &(0..0)).map_err(|refused| refused.to_string())
+        };
+        assert!(read("").is_ok());
+        for (line, key) in [
+            ("static_mean = 0.3", "static_mean"),
+            ("pressure_mpa = [0.7, 2.6]", "pressure_mpa"),
+            ("static_std_error = 0.01", "static_std_error"),
+            ("dynamic_std_error = 0.01", "dynamic_std_error"),
+            ("dynamic_std_error_given_law = 0.01", "dynamic_std_error_given_law"),
+            ("dynamic_over_steady = 1.0", "dynamic_over_steady"),
+            ("scale_covariance = [[1e-4, 0.0], [0.0, 1e-4]]", "scale_covariance"),
+        ] {
+            let refused = read(line).unwrap_err();
+            assert!(refused.starts_with(&format!("m.toml:5: friction.{key}: ")), "{refused}");
+            assert!(refused.contains("stands beside coefficients per condition; expected"), "{refused}");
+        }
+    }
 }

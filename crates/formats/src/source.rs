@@ -118,7 +118,10 @@ pub fn read_letters(source: &Source, path: &Path, expected: &str) -> Result<Stri
 /// Bytes at the beginning of a file that tell text from what is none.
 const HEAD: usize = 512;
 
-/// `bytes` as text, in UTF-8 or in UTF-16 with its mark, or as they are where they are neither.
+/// What some editors write in front of UTF-8.
+const UTF_8_MARK: &[u8] = b"\xEF\xBB\xBF";
+
+/// `bytes` as text, in UTF-8 with or without its mark or in UTF-16 with it, or as they are where they are neither.
 fn decoded(path: &Path, bytes: Vec<u8>, expected: &str) -> Result<Result<String, Vec<u8>>, Diagnostic> {
     let units = |rest: &[u8], unit: fn([u8; 2]) -> u16| {
         let pairs = rest.as_chunks::<2>().0.iter().map(|pair| unit(*pair));
@@ -132,6 +135,7 @@ fn decoded(path: &Path, bytes: Vec<u8>, expected: &str) -> Result<Result<String,
         }
         _ => None,
     };
+    let bytes = if bytes.starts_with(UTF_8_MARK) { bytes[UTF_8_MARK.len()..].to_vec() } else { bytes };
     Ok(wide.map_or_else(|| String::from_utf8(bytes).map_err(std::string::FromUtf8Error::into_bytes), Ok))
 }
 
@@ -166,7 +170,7 @@ mod tests {
         let read = |bytes: &[u8]| decoded(Path::new("a.csv"), bytes.to_vec(), "a table");
         let little: Vec<u8> = "\u{FEFF}Größe".encode_utf16().flat_map(u16::to_le_bytes).collect();
         let big: Vec<u8> = "\u{FEFF}Größe".encode_utf16().flat_map(u16::to_be_bytes).collect();
-        for bytes in [little.as_slice(), big.as_slice(), "Größe".as_bytes()] {
+        for bytes in [little.as_slice(), big.as_slice(), "Größe".as_bytes(), "\u{FEFF}Größe".as_bytes()] {
             assert_eq!(read(bytes).unwrap().unwrap(), "Größe");
         }
         assert_eq!(read(b"Gr\xF6\xDFe").unwrap(), Err(b"Gr\xF6\xDFe".to_vec()));

@@ -9,14 +9,13 @@ use slipgrid_traces::{DEFAULT_STROKE_SHARE, DEFAULT_WINDOW_S, moderate};
 use toml::Spanned;
 
 use super::document::Document;
-use super::traces::{ConditionTraces, OfTrial, Seen, SurfaceKind, TraceCondition, TraceSetup, analyse_among};
+use super::traces::{
+    ConditionTraces, MOST_SPECIMENS, OfTrial, Seen, SurfaceKind, TraceCondition, TraceSetup, analyse_among,
+};
 use super::values::{Number, NumberList};
 use crate::diagnostic::Diagnostic;
 use crate::source::{Entry, Source};
 use slipgrid_units::{FORCE_N, HUMIDITY_PCT, LENGTH_MM, SPEED_MM_S, STROKE_SHARE, TIME_S};
-
-/// Number of specimens in a holder, at most.
-const MOST_SPECIMENS: u64 = 100;
 
 /// `[traces]` as a file writes it.
 #[derive(Clone, Debug, Deserialize)]
@@ -158,13 +157,11 @@ impl<'d> TraceReader<'d> {
     ) -> Result<Self, Diagnostic> {
         let window_s = read_window(document, file.and_then(|file| file.window_s.as_ref()))?;
         let specimens = file.and_then(|file| file.specimens.as_ref()).map_or(Ok(1), |count| {
-            u32::try_from(*count.get_ref()).ok().filter(|_| (1..=MOST_SPECIMENS).contains(count.get_ref())).ok_or_else(
-                || {
-                    document
-                        .refuse(count.span(), "specimens are not held")
-                        .expected(format!("a whole number from 1 to {MOST_SPECIMENS}"))
-                },
-            )
+            u32::try_from(*count.get_ref()).ok().filter(|count| (1..=MOST_SPECIMENS).contains(count)).ok_or_else(|| {
+                document
+                    .refuse(count.span(), "specimens are not held")
+                    .expected(format!("a whole number from 1 to {MOST_SPECIMENS}"))
+            })
         })?;
         let zero_s = read_zero(document, file.and_then(|file| file.zero_s.as_ref()))?;
         let radius = file.and_then(|file| file.effective_radius_mm.as_ref());

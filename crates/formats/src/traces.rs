@@ -20,6 +20,9 @@ use crate::source::{Source, read_letters};
 use crate::unused_columns::near_titles;
 use slipgrid_units::{HUMIDITY_PCT, SPEED_MM_S};
 
+/// Number of specimens in a holder, at most.
+pub const MOST_SPECIMENS: u32 = 100;
+
 /// The surface of a specimen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SurfaceKind {

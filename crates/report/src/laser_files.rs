@@ -106,7 +106,7 @@ pub struct Unwritten {
     pub error: ExportError,
 }
 
-/// Adds the pattern's files in `formats` to `outputs`.
+/// Adds the pattern's files in `formats` to `outputs`, one each.
 ///
 /// # Errors
 /// [`ExportError`] if no cavity fits on the specimen, or far too many, and where a format needs what the design does not give.
@@ -131,7 +131,10 @@ pub fn draw_with(
     input.laser.check_depth(input.pattern.depth_m())?;
     let drawing = Arc::new(Drawing::new(input, layout));
     let mut unwritten = Vec::new();
-    for &format in formats {
+    for (place, &format) in formats.iter().enumerate() {
+        if formats[..place].contains(&format) {
+            continue;
+        }
         if let Err(error) = add(format, input, &drawing, pixel_um, outputs) {
             unwritten.push(Unwritten { format, error });
         }

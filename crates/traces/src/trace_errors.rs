@@ -83,8 +83,9 @@ pub enum TraceError {
     },
     /// The trace ends before the averaging window does.
     #[error(
-        "the trace ends at {end_s:.4} s, with a sample every {} s: expected one that covers the window up to {window_end_s} s; \
-         if it was longer, time is in another unit than its title says, as `Time [s]`", short(*pause_s)
+        "the trace ends at {end_s:.4} s, with a sample every {} s: expected one that covers the window up to {window_end_s} s, or \
+         another window, window_s in [traces] or --window-s; if the trace was longer, time is in another unit than its title says, as \
+         `Time [s]`", short(*pause_s)
     )]
     TooShort {
         /// Time of the last sample.

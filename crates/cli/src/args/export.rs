@@ -11,7 +11,7 @@ use slipgrid_report::LaserFile;
 #[command(after_help = "Examples:\n  \
     slipgrid export out/ldpe-lower-friction/result.json --format dxf,svg -o laser\n  \
     slipgrid export out/ldpe-lower-friction/result.json --format plt,hatch,png,stl -o laser\n  \
-    slipgrid export out/next --sample 2 --format gcode -o out/next/next-2\n\n\
+    slipgrid export out/next --sample 2 --format plt -o out/next/next-2\n\n\
     gcode and hatch need laser.spot_um in the design, gcode also laser.speed_mm_s; a mask has no lines and \
     neither file. What cannot be written is said at the end, after the other formats. A pattern finer than the \
     laser's limits is refused.")]

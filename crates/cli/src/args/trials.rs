@@ -11,7 +11,7 @@ use clap::Args;
     slipgrid next designs/ldpe-lower-friction.toml --count 3 -o out/next\n  \
     slipgrid next designs/ldpe-lower-friction.toml --count 3 --one-disc -o out/disc\n  \
     slipgrid next designs/ldpe-lower-friction.toml --candidate 100,300,10\n  \
-    slipgrid export out/next --sample 2 --format gcode -o out/next/next-2\n\n\
+    slipgrid export out/next --sample 2 --format plt -o out/next/next-2\n\n\
     Compares about 6,000 designs within the bounds by the chance that a cut sample is on target: by the steady model, \
     for grooves with what sliding in time adds, and by what the trials of the calibration say that it lacks. Several samples are chosen to complement each other \
     and those that are pending. A [[trial]] without measurements is pending.\n\n\

@@ -8,7 +8,7 @@ use slipgrid_campaign::{CampaignError, Folder, Share, plan};
 
 use crate::args::{CampaignArgs, CampaignStep, MergeArgs, PlanArgs, WorkArgs};
 use crate::interruption::goes_on_with;
-use crate::output::{Place, check_file, write_file};
+use crate::output::{Place, check_file, quoted, write_file};
 use crate::progress::Job;
 use crate::{CliError, Console, exit_code};
 use slipgrid_disk::{Disk, disk};
@@ -38,9 +38,10 @@ fn planned(args: &PlanArgs, console: &mut Console<'_>) -> Result<u8, CliError> {
         write_file(&args.output.join(format!("{}.sh", engine.name())), script.as_bytes())?;
     }
     console.answer(&format!(
-        "{}: {} tasks in {folder}\nnext: slipgrid campaign work {folder}\n",
+        "{}: {} tasks in {folder}\nnext: slipgrid campaign work {}\n",
         planned.campaign.name,
-        planned.tasks.len()
+        planned.tasks.len(),
+        quoted(&args.output)
     ))?;
     Ok(exit_code::DONE)
 }

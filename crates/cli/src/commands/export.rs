@@ -54,8 +54,8 @@ pub fn run(args: &ExportArgs, console: &mut Console<'_>) -> Result<u8, CliError>
     let unwritten =
         draw_with(&input, &args.format, pixel_um, &mut outputs).map_err(|error| refuse(error.to_string()))?;
     let said = unwritten.iter().map(|one| format!("\n  {one}")).collect::<String>();
-    let said =
-        format!("{}: {} of {} formats cannot be written:{said}", result.display(), unwritten.len(), args.format.len());
+    let of = unwritten.len() + outputs.names().len();
+    let said = format!("{}: {} of {of} formats cannot be written:{said}", result.display(), unwritten.len());
     if outputs.names().is_empty() {
         return Err(CliError::Inputs(said));
     }

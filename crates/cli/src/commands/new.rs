@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use crate::args::{NewArgs, TemplateName};
-use crate::output::write_file;
+use crate::output::{quoted, write_file};
 use crate::{CliError, Console, exit_code};
 use slipgrid_formats::Diagnostic;
 use slipgrid_report::Outputs;
@@ -41,35 +41,6 @@ pub fn run(args: &NewArgs, console: &mut Console<'_>) -> Result<u8, CliError> {
         TemplateName::Calibration => ("calibrate", path.join("calibration.toml")),
     };
     console.answer(&format!("{}\n", path.display()))?;
-    console.note(&format!("next: slipgrid {command} {}", quoted(&file.to_string_lossy())));
+    console.note(&format!("next: slipgrid {command} {}", quoted(&file)));
     Ok(exit_code::DONE)
-}
-
-/// `path` as a shell takes it for one word: quoted if it holds anything that a shell would read otherwise.
-fn quoted(path: &str) -> String {
-    let plain = |letter: char| letter.is_alphanumeric() || "/._-+,:@%".contains(letter);
-    if cfg!(windows) {
-        // Names there hold no double quotes.
-        return if path.contains(' ') { format!("\"{path}\"") } else { path.to_owned() };
-    }
-    if path.chars().all(plain) { path.to_owned() } else { format!("'{}'", path.replace('\'', r"'\''")) }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    #[cfg(not(windows))]
-    fn paths_are_one_word_of_a_shell() {
-        for (path, word) in [
-            ("my-material/calibration.toml", "my-material/calibration.toml"),
-            ("polym\u{e8}re.toml", "polym\u{e8}re.toml"),
-            ("my material.toml", "'my material.toml'"),
-            ("Anna's (2).toml", r"'Anna'\''s (2).toml'"),
-            ("a$b.toml", "'a$b.toml'"),
-        ] {
-            assert_eq!(quoted(path), word);
-        }
-    }
 }

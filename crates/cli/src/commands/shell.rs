@@ -27,16 +27,21 @@ pub fn man(args: &ManArgs, console: &mut Console<'_>) -> Result<u8, CliError> {
     };
     check_folder(Place::output(folder), &["slipgrid*.1"], &[])?;
     let mut pages = Outputs::default();
-    for command in program.get_subcommands().filter(|command| command.get_name() != "help") {
-        let name = format!("slipgrid-{}", command.get_name());
-        pages.add(format!("{name}.1"), page(command.clone())?);
-    }
-    pages.add("slipgrid.1", page(program)?);
+    add_pages(&program, "slipgrid", &mut pages)?;
     crate::output::write(&pages, folder)?;
     for name in pages.names() {
         writeln!(console.out, "{}", folder.join(name).display())?;
     }
     Ok(exit_code::DONE)
+}
+
+/// Adds the pages of `command`, which is called `name`, and of the commands below it.
+fn add_pages(command: &Command, name: &str, pages: &mut Outputs) -> Result<(), CliError> {
+    for below in command.get_subcommands().filter(|below| below.get_name() != "help") {
+        add_pages(below, &format!("{name}-{}", below.get_name()), pages)?;
+    }
+    pages.add(format!("{name}.1"), page(command.clone())?);
+    Ok(())
 }
 
 fn page(command: Command) -> Result<Vec<u8>, CliError> {

@@ -1,11 +1,13 @@
 //! `traces`: tribometer exports to measurements.
 
+use std::path::Path;
+
 use crate::args::TracesArgs;
 use crate::output::{Place, check_folder};
 use crate::{CliError, Console, exit_code};
 use slipgrid_formats::calibration::Calibration;
 use slipgrid_formats::file_kind::FileKind;
-use slipgrid_formats::traces::{SurfaceKind, TraceCondition, TraceSetup, analyse_condition};
+use slipgrid_formats::traces::{ConditionTraces, SurfaceKind, TraceCondition, TraceSetup, analyse_condition};
 use slipgrid_formats::{Diagnostic, checked};
 use slipgrid_report::traces;
 use slipgrid_traces::{DEFAULT_STROKE_SHARE, DEFAULT_WINDOW_S};
@@ -28,15 +30,7 @@ pub fn run(args: &TracesArgs, console: &mut Console<'_>) -> Result<u8, CliError>
         check_folder(Place::output(folder), &FILES, &args.files)?;
     }
     let conditions = match &args.files[..] {
-        [file] if file.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("toml")) => {
-            let calibration = Calibration::read(&slipgrid_disk::disk(), file)?;
-            if calibration.traces.is_empty() {
-                return Err(Diagnostic::file(file, "has no table [traces]")
-                    .expected("one, [[trial.traces]] of a trial, or exports instead")
-                    .into());
-            }
-            calibration.traces
-        }
+        [file] if is_calibration(file) => of_calibration(file, args)?,
         [folder] if folder.is_dir() => {
             return Err(FileKind::Calibration.refuse_folder(&slipgrid_disk::disk(), folder).into());
         }
@@ -50,9 +44,42 @@ pub fn run(args: &TracesArgs, console: &mut Console<'_>) -> Result<u8, CliError>
     Ok(exit_code::DONE)
 }
 
+fn is_calibration(file: &Path) -> bool {
+    file.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("toml"))
+}
+
+/// The conditions of the calibration `file`.
+fn of_calibration(file: &Path, args: &TracesArgs) -> Result<Vec<ConditionTraces>, Diagnostic> {
+    let calibration = Calibration::read(&slipgrid_disk::disk(), file)?;
+    if calibration.traces.is_empty() {
+        return Err(Diagnostic::file(file, "has no table [traces]")
+            .expected("one, [[trial.traces]] of a trial, or exports instead"));
+    }
+    let flags = [
+        ("--effective-radius-mm", args.effective_radius_mm.is_some(), "effective_radius_mm in [traces]"),
+        ("--force-n", args.force_n.is_some(), "force_n in [[traces.condition]]"),
+        ("--speed-mm-s", args.speed_mm_s.is_some(), "speed_mm_s in [[traces.condition]]"),
+        ("--humidity-pct", args.humidity_pct.is_some(), "humidity_pct in [[traces.condition]]"),
+        ("--specimens", args.specimens.is_some(), "specimens in [traces]"),
+        ("--window-s", args.window_s.is_some(), "window_s in [traces]"),
+        ("--zero-s", args.zero_s.is_some(), "zero_s in [traces]"),
+        ("--patterned", args.patterned, "surface = \"patterned\" in [[traces.condition]]"),
+        ("--no-static-peak", args.no_static_peak, "static_peak = false in [traces]"),
+        ("--reciprocating", args.reciprocating, "reciprocating = true in [traces]"),
+    ];
+    match flags.into_iter().find(|(_, is_given, _)| *is_given) {
+        Some((flag, _, key)) => {
+            let reason = format!("is a flag for exports: of a calibration [traces] says this, in {}", file.display());
+            let refused = Diagnostic { key: Some(flag.into()), reason, ..Diagnostic::default() };
+            Err(refused.expected(format!("{key}, or exports in place of the calibration")))
+        }
+        None => Ok(calibration.traces),
+    }
+}
+
 fn setup(args: &TracesArgs) -> Result<TraceSetup, Diagnostic> {
     let radius_m = args.effective_radius_mm.map(|mm| checked("--effective-radius-mm", mm, LENGTH_MM)).transpose()?;
-    Ok(TraceSetup::new(radius_m, args.specimens.unwrap_or(1).max(1), !args.no_static_peak))
+    Ok(TraceSetup::new(radius_m, args.specimens.unwrap_or(1), !args.no_static_peak))
 }
 
 /// Two increasing times of `flag`.
@@ -81,6 +108,11 @@ fn condition(args: &TracesArgs) -> Result<TraceCondition, Diagnostic> {
     };
     let mut known = std::collections::HashSet::new();
     for file in &args.files {
+        if is_calibration(file) {
+            return Err(Diagnostic::file(file, "is a calibration file, and other files are given beside it").expected(
+                "either a calibration file alone, whose [traces] names its exports, or exports of one condition",
+            ));
+        }
         if !known.insert(file.canonicalize().unwrap_or_else(|_| file.clone())) {
             return Err(Diagnostic::file(file, "is given twice: one export is one repeat").expected("each export once"));
         }

@@ -140,6 +140,26 @@ fn a_sample_that_slides_back_and_forth_is_read_by_its_strokes() {
     fs::write(place.path("c.toml"), text("reciprocating = true\nstroke_share = 0.7\n")).unwrap();
     let told = place.succeed(&["traces", "c.toml"]);
     assert!((of_first(&told, "crank.csv") - 0.25).abs() < 2e-4, "{told}");
+    // What a flag says of exports stands in the table.
+    for (flags, says) in [
+        (
+            &["--window-s", "10,20"][..],
+            "--window-s: is a flag for exports: of a calibration [traces] says this, in c.toml; expected window_s in",
+        ),
+        (&["--reciprocating"], "--reciprocating: is a flag for exports"),
+        (&["--specimens", "0"], "invalid value '0' for '--specimens <N>'"),
+        (&["--window-s", "-1,2"], "--window-s: is a flag for exports"),
+    ] {
+        let refused = place.refuse(&[&["traces", "c.toml"], flags].concat());
+        assert!(refused.contains(says), "{refused}");
+    }
+    let refused = place.refuse(&["traces", "c.toml", "crank.csv"]);
+    assert!(
+        refused.contains("c.toml: is a calibration file, and other files are given beside it; expected either"),
+        "{refused}"
+    );
+    let refused = place.refuse(&traces(&["crank.csv"], &["--reciprocating", "--window-s", "10,60"]));
+    assert!(refused.contains("or another window, window_s in [traces] or --window-s"), "{refused}");
     for (keys, says) in [
         ("stroke_share = 0.7\n", "stroke_share: 0.7 needs `reciprocating = true`"),
         ("reciprocating = true\nstroke_share = 1.5\n", "expected a number above 0 up to 1"),

@@ -35,6 +35,9 @@ fn workers_that_are_killed_lose_the_task_in_hand() {
         let said = place.succeed(&["campaign", "plan", "campaign.toml", "-o", folder]);
         assert!(said.contains("campaign: 42 tasks") && said.contains("next: slipgrid campaign work"), "{said}");
     }
+    // A shell takes the next command as it is printed.
+    let said = place.succeed(&["campaign", "plan", "campaign.toml", "-o", "with a space"]);
+    assert!(cfg!(windows) || said.ends_with("next: slipgrid campaign work 'with a space'\n"), "{said}");
     assert!(place.succeed(&["campaign", "work", "alone", "--threads", "2"]).contains("42 tasks: 42 done"));
     assert!(
         place.succeed(&["campaign", "merge", "alone"]).contains("42 tasks: 42 done, 0 refused, 0 failed, 0 missing")

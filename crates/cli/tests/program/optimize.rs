@@ -51,7 +51,7 @@ fn a_target_that_is_met() {
     assert_eq!(again["results"][0]["ratio"], found["confirmed"][0]["ratio"]);
 
     // Exported again: the same bytes.
-    place.succeed(&["export", "out/grooves/result.json", "--format", "dxf,process", "-o", "laser"]);
+    place.succeed(&["export", "out/grooves/result.json", "--format", "dxf,process,dxf", "-o", "laser"]);
     assert_eq!(names(&place.path("laser")), ["pattern.dxf", "process.toml"]);
     for name in ["pattern.dxf", "process.toml"] {
         assert_eq!(fs::read(place.path("laser").join(name)).unwrap(), fs::read(folder.join(name)).unwrap(), "{name}");

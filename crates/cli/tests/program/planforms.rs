@@ -149,8 +149,19 @@ fn outlines_and_angles_that_mean_nothing_are_refused_where_they_stand() {
         ("planform = \"polygon\"\nvertices_um = [[0, 0], [1, 1], [2, 2]]", &["encloses no area"]),
         ("planform = \"polygon\"\nvertices_um = [[0, 0], [1, inf], [2, 2]]", &["corner 2", "finite numbers"]),
         ("planform = \"polygon\"\nvertices_um = [[0, 0], [1], [2, 2]]", &["a.toml:16", "vertices_um"]),
-        ("planform = \"polygon\"\noutline = \"no.svg\"", &["no.svg: cannot be read"]),
-        ("planform = \"polygon\"\noutline = \"two.svg\"", &["two.svg:2: holds 2 closed outlines", "no holes"]),
+        (
+            "planform = \"polygon\"\noutline = \"no.svg\"",
+            &["a.toml:", "pattern.outline: \"no.svg\" (", "no.svg) cannot be read"],
+        ),
+        (
+            "planform = \"polygon\"\noutline = \"two.svg\"",
+            &[
+                "a.toml:",
+                "pattern.outline: \"two.svg\" cannot be used: ",
+                "two.svg:2: holds 2 closed outlines",
+                "no holes",
+            ],
+        ),
         ("planform = \"polygon\"\noutline = \"a.txt\"", &["pattern.outline: \"a.txt\"", ".svg or .dxf"]),
         (
             "planform = \"polygon\"\noutline = \"two.svg\"\noutline_layer = \"A\"",

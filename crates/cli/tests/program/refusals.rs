@@ -393,6 +393,7 @@ fn a_file_given_to_another_command() {
         ("flat.csv", FLAT),
         ("material.toml", material),
         ("result.json", result),
+        ("campaign.toml", "base = \"scene.toml\"\n[[grid]]\nkey = \"load.pressure_mpa\"\nvalues = [1.0]\n"),
     ]);
     let before = folder.names();
     let kinds = [
@@ -401,8 +402,9 @@ fn a_file_given_to_another_command() {
         ("calibration.toml", "a calibration file", "calibrate"),
         ("material.toml", "a material file", ""),
         ("result.json", "a result of `slipgrid optimize`", "export"),
+        ("campaign.toml", "a campaign file", "campaign plan"),
     ];
-    for command in ["simulate", "optimize", "calibrate", "export", "traces", "validate", "accuracy"] {
+    for command in ["simulate", "optimize", "calibrate", "export", "traces", "validate", "accuracy", "campaign plan"] {
         for (file, kind, takes) in kinds {
             let own = match command {
                 "traces" | "validate" => "calibrate",
@@ -411,7 +413,9 @@ fn a_file_given_to_another_command() {
             };
             // Traces are tables; one .toml beside them is taken for a calibration.
             if takes != own && (command != "traces" || file.ends_with(".toml")) {
-                let message = folder.refuse(&[command, file]);
+                let words: Vec<&str> = command.split(' ').chain([file]).collect();
+                let output: &[&str] = if command == "campaign plan" { &["-o", "out"] } else { &[] };
+                let message = folder.refuse(&[&words[..], output].concat());
                 let says = format!("error: {file}: seems to be {kind}, which");
                 assert!(message.starts_with(&says) && message.lines().count() == 1, "{command}: {message}");
                 assert!(takes.is_empty() || message.contains(&format!("`slipgrid {takes}`")), "{command}: {message}");

@@ -41,6 +41,17 @@ fn flags() {
         (vec!["area-law", "map.txt", "--threshold-mpa", "0"], "error: --threshold-mpa: 0 is out of range"),
         (vec!["area-law", "map.txt", "--persson-rms-slope", "0.01"], "error: the argument"),
         (vec!["area-law", "--persson-rms-slope", "-1"], "error: "),
+        (
+            vec!["area-law", "--persson-rms-slope", "0.01", "--crop", "0,0,2,2"],
+            "error: the argument '--persson-rms-slope <SLOPE>' cannot be used with '--crop",
+        ),
+        (
+            vec!["area-law", "--persson-rms-slope", "0.01", "--form", "mean"],
+            "error: the argument '--persson-rms-slope <SLOPE>' cannot be used with '--form",
+        ),
+        (vec!["area-law", "map.txt", "--pressures-mpa", "-1,2"], "error: --pressures-mpa: -1 is out of range"),
+        (vec!["campaign", "work", "out", "--max-seconds", "-1"], "error: invalid value '-1' for '--max-seconds <S>'"),
+        (vec!["next", "map.txt", "--candidate", "-1,2,3"], "error: map.txt"),
         (vec!["area-law"], "error: the following required arguments"),
         (vec!["area-law", "map.txt", "--height-unit", "inch"], "error: --height-unit: "),
         (vec!["synthesize", "--waves", "64:4", "-o", "m"], "error: invalid value '64:4'"),

@@ -66,11 +66,14 @@ fn shells_and_readers_learn_every_command() {
     assert!(page.contains(".TH slipgrid 1") && page.contains("Exit codes"));
     place.succeed(&["man", "-o", "man1"]);
     let mut expected: Vec<String> = COMMANDS.iter().map(|command| format!("slipgrid-{command}.1")).collect();
+    expected.extend(["plan", "work", "merge"].map(|step| format!("slipgrid-campaign-{step}.1")));
     expected.push("slipgrid.1".to_owned());
     expected.sort();
     assert_eq!(names(&place.path("man1")), expected);
     let page = fs::read_to_string(place.path("man1/slipgrid-optimize.1")).unwrap();
     assert!(page.contains(".TH slipgrid-optimize 1") && page.contains("Design file"), "{page}");
+    let page = fs::read_to_string(place.path("man1/slipgrid-campaign-work.1")).unwrap();
+    assert!(page.contains(".TH slipgrid-campaign-work 1") && page.contains("Folder of the campaign"), "{page}");
 }
 
 /// The keys that each table of a calibration takes, as refusals list them, stand in the template.

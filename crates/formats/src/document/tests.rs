@@ -7,6 +7,7 @@ use super::*;
 #[expect(dead_code, reason = "only refused documents are looked at")]
 struct Outer {
     inner: Inner,
+    others: Option<Vec<Inner>>,
 }
 
 #[derive(serde::Deserialize, Debug)]
@@ -44,6 +45,13 @@ fn refusals_name_line_and_key() {
         (
             "[[inner]]\nwidth_um = 1.0",
             "a.toml:1: inner: stands in double brackets, as one of a list; expected one table, [inner]",
+        ),
+        // A list could stand for the fields of a structure in their order.
+        ("inner = [1.5, 3]", "a.toml:1: inner: [1.5, 3] has the wrong type; expected a table"),
+        ("inner = []", "a.toml:1: inner: has the wrong type; expected a table"),
+        (
+            "inner = { width_um = 1 }\nothers = [[2.5, 3]]",
+            "a.toml:2: others: [2.5, 3] has the wrong type; expected a table",
         ),
         ("inner = 3", "a.toml:1: inner: 3 has the wrong type; expected a table"),
         (

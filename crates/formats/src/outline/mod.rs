@@ -15,6 +15,7 @@ use toml::Spanned;
 
 use crate::diagnostic::Diagnostic;
 use crate::document::Document;
+use crate::material::existing;
 use crate::source::{Source, read_bytes};
 
 /// Departure of chords from a curve, over the larger extent of what the curve is made of: of its control points, or of a circle.
@@ -53,15 +54,22 @@ pub fn read_outline(
         (Some(vertices), None) => Polygon::new(vertices.get_ref())
             .map_err(|error| refused(document.refuse(vertices.span(), String::new()), &error)),
         (None, Some(outline)) => {
-            let path = document.resolve(outline.get_ref());
             let layer = layer.map(|layer| layer.get_ref().as_str());
             let is_drawing = ["svg", "dxf"].into_iter().any(|extension| has_extension(outline.get_ref(), extension));
             if !is_drawing {
                 return Err(document.refuse(outline.span(), "is no drawing that can be read").expected(EXPECTED));
             }
-            read_drawing(document.source(), &path, layer)
+            let path = existing(document, outline, outline.get_ref())?;
+            read_drawing(document.source(), &path, layer).map_err(|wrong| named_by(document, outline, wrong))
         }
     }
+}
+
+/// What is `wrong` with a drawing, at the key `outline` that names it.
+fn named_by(document: &Document, outline: &Spanned<String>, wrong: Diagnostic) -> Diagnostic {
+    let expected = wrong.expected.clone().unwrap_or_else(|| EXPECTED.to_owned());
+    let inside = Diagnostic { expected: None, ..wrong };
+    document.refuse(outline.span(), format!("cannot be used: {inside}")).expected(expected)
 }
 
 /// The one closed outline of the drawing at `path` of `source`; of a DXF drawing that on `layer`, if it is given.

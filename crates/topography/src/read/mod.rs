@@ -33,15 +33,17 @@ mod scan;
 mod sdf;
 mod sur;
 mod text;
+mod utf16;
 mod window;
 mod x3p;
 mod x3p_index;
 mod xyz;
 
-use std::io::{BufRead, Cursor, Read};
+use std::io::{BufRead, BufReader, Cursor, Read};
 
 pub(crate) use matrix::square;
 use text::read_text;
+use utf16::Utf16;
 pub use window::{Crop, Decimation, DecimationMethod};
 
 use crate::{HeightMap, LengthUnit, ReadError};
@@ -170,9 +172,13 @@ pub fn read_map(mut source: impl BufRead, options: &ReadOptions) -> Result<ReadM
         Some(format) => Some(format),
         None => format_of(&start)?,
     };
+    let order = utf16::order_of(&start);
     let source = Cursor::new(start).chain(source);
     match format {
-        None | Some(MapFormat::Matrix | MapFormat::Xyz) => read_text(source, options),
+        None | Some(MapFormat::Matrix | MapFormat::Xyz) => match order {
+            Some(order) => read_text(BufReader::new(Utf16::new(source, order)), options),
+            None => read_text(source, options),
+        },
         Some(MapFormat::Gsf) => gsf::read(source, options),
         Some(MapFormat::Npy) => npy::read(source, options),
         Some(MapFormat::Sdf) => sdf::read(source, options),
@@ -194,6 +200,8 @@ fn format_of(start: &[u8]) -> Result<Option<MapFormat>, ReadError> {
         MapFormat::Sur
     } else if begins(x3p::MAGIC) {
         MapFormat::X3p
+    } else if utf16::order_of(start).is_some() {
+        return Ok(None);
     } else if let Some(format) = foreign::name_of(start) {
         return Err(ReadError::Foreign { format });
     } else if start.iter().any(|&byte| byte < 9) {
