@@ -7,6 +7,7 @@
 )]
 
 mod cancelling;
+mod first_pages;
 mod outside;
 mod rooms;
 mod whole_maps;

@@ -16,7 +16,6 @@
 //! | `steady_model`, `directional_cells` | the model that the search asks: the steady cell, corrected by what specimens add to it |
 //! | `multi_fidelity`, `best_round` | searches and confirming runs in turn, and which of them is reported |
 //! | `confirmation`, `confirmed_peak`, `flat_sample`, `dynamic_excess` | specimens, steady and in time: of the design, its largest pressure, of the flat sample, and how both agree with calibration |
-//! | `specimen` | a pattern solved on the specimen that it is cut into |
 //! | `operating_conditions`, `decisive_conditions`, `conditions_report` | further speeds, humidities and sliding directions |
 //! | `constraint_quantities`, `minimum_effect` | what limits hold |
 //! | `learned_discrepancy` | what trials say that the model lacks, which designs may aim with |

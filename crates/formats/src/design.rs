@@ -327,7 +327,7 @@ impl Design {
             let pressure_mpa = pressure_pa.map(|pressure_pa| PRESSURE_MPA.from_si(pressure_pa));
             pressure_mpa.map_or_else(|| expected.clone(), |at_mpa| unusual::with_slip(expected, at_mpa))
         });
-        let found = Diagnostic { expected, ..found };
+        let found = Diagnostic { expected: expected.map(Into::into), ..found };
         match &self.stands_for {
             Some(material) => of_material(found, self.document.path(), material),
             None => found,

@@ -20,9 +20,11 @@ pub struct Diagnostic {
     /// Why it was refused.
     pub reason: String,
     /// What would be accepted.
-    pub expected: Option<String>,
+    pub expected: Option<Box<str>>,
     /// A guess at what was meant.
     pub suggestion: Option<Box<str>>,
+    /// Nothing stands where the file should.
+    pub is_absent: bool,
 }
 
 impl Diagnostic {
@@ -41,7 +43,7 @@ impl Diagnostic {
     /// The same, with what would be accepted.
     #[must_use]
     pub fn expected(mut self, expected: impl Into<String>) -> Self {
-        self.expected = Some(expected.into());
+        self.expected = Some(expected.into().into());
         self
     }
 }
@@ -192,7 +194,7 @@ mod tests {
             value: Some("[400, 40]".into()),
             reason: "falls".into(),
             expected: Some("[smallest, largest]".into()),
-            suggestion: None,
+            ..Diagnostic::default()
         };
         assert_eq!(
             refused.to_string(),

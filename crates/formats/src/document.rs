@@ -100,6 +100,12 @@ impl Document {
         Self { source: Arc::clone(source), path: path.into(), text: text.into(), kind: None }
     }
 
+    /// What it says.
+    #[must_use]
+    pub fn text(&self) -> &str {
+        &self.text
+    }
+
     /// The file's path, as the user named it.
     #[must_use]
     pub fn path(&self) -> &Path {
@@ -167,7 +173,7 @@ impl Document {
             line: Some(self.line(table.start)),
             key: Some(inside),
             reason: "is missing".to_owned(),
-            expected: needed.or_else(|| needed_value(key)),
+            expected: needed.or_else(|| needed_value(key)).map(Into::into),
             ..Diagnostic::default()
         }
     }

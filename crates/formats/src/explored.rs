@@ -57,7 +57,7 @@ pub(crate) fn of_material(refused: Diagnostic, made_up: &Path, material: &Path) 
         return refused;
     }
     let of_condition = matches!(refused.key.as_deref(), Some("condition" | "material"));
-    let flags = of_condition.then(|| "--speed-mm-s and --humidity-pct, or a design file that says so".to_owned());
+    let flags = of_condition.then(|| "--speed-mm-s and --humidity-pct, or a design file that says so".into());
     let expected = refused.expected.or(flags);
     Diagnostic { file: Some(material.into()), line: None, key: None, value: None, expected, ..refused }
 }

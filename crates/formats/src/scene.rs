@@ -420,7 +420,10 @@ fn read_pressures(
     check_pressures(&read, material).map_err(|refused| {
         let place = if let TaskPart::Pressure(place) = refused.part { place } else { 0 };
         let expected = refused.expected.map(|expected| with_slip(&expected, PRESSURE_MPA.from_si(read[place])));
-        Diagnostic { expected, ..document.refuse(number_span(pressures, place), refused.reason) }
+        Diagnostic {
+            expected: expected.map(Into::into),
+            ..document.refuse(number_span(pressures, place), refused.reason)
+        }
     })?;
     Ok(read)
 }

@@ -140,7 +140,8 @@ fn decoded(path: &Path, bytes: Vec<u8>, expected: &str) -> Result<Result<String,
 }
 
 fn unreadable(path: &Path, error: &io::Error) -> Diagnostic {
-    Diagnostic::file(path, format!("cannot be read: {error}"))
+    let is_absent = error.kind() == io::ErrorKind::NotFound;
+    Diagnostic { is_absent, ..Diagnostic::file(path, format!("cannot be read: {error}")) }
 }
 
 #[cfg(test)]
@@ -163,6 +164,12 @@ mod tests {
         fn names(&self, _: &Path) -> Vec<String> {
             Vec::new()
         }
+    }
+
+    #[test]
+    fn a_file_that_is_not_there_is_told_from_one_that_cannot_be_read() {
+        let is_absent = |source: Source| read_text(&source, Path::new("a.toml"), "a file").unwrap_err().is_absent;
+        assert!(is_absent(Arc::new(NoFiles)) && !is_absent(Arc::new(One(b"Gr\xF6\xDFe"))));
     }
 
     #[test]

@@ -8,6 +8,7 @@ use pyo3::types::PyType;
 use slipgrid::calibrate::{CalibrationOutcome, CalibrationTask, Selection};
 use slipgrid::formats::calibrated::{Uncalibrated, calibrate, learn};
 use slipgrid::formats::calibration::Calibration as Read;
+use slipgrid::formats::file_kind::FileKind;
 use slipgrid::formats::made_from::MadeFrom;
 use slipgrid::formats::scene::DEFAULT_SPECIMEN;
 use slipgrid::formats::written_material::material_toml;
@@ -15,11 +16,9 @@ use slipgrid::report::calibration::{files, fit_json, ledger, summary};
 use slipgrid::report::trials::TrialsReport;
 use slipgrid::results::json;
 
-use crate::copied::{Contents, Origin};
+use crate::copied::{Anchored, Contents, Origin};
 use crate::refused;
 use crate::watched::watched;
-use crate::written::inputs;
-use slipgrid_disk::disk;
 
 /// Seed of the flat sample's local coefficients.
 const SEED: u64 = 1;
@@ -40,10 +39,20 @@ type Parts<'a> = (&'a str, OsString, bool, Contents);
 pub struct Fitted {
     read: Read,
     path: PathBuf,
+    disk: Anchored,
     inputs: Vec<PathBuf>,
     task: CalibrationTask,
     outcome: CalibrationOutcome,
     ledger: Option<TrialsReport>,
+}
+
+impl Calibration {
+    fn of(py: Python<'_>, origin: Origin) -> PyResult<Self> {
+        let read = py.detach(|| Read::from_document(&origin.document(FileKind::Calibration)?));
+        let read = read.map_err(|error| refused::input(py, &error))?;
+        let inputs = origin.inputs(&read.inputs);
+        Ok(Self { read, inputs, origin })
+    }
 }
 
 #[pymethods]
@@ -53,11 +62,14 @@ impl Calibration {
     #[new]
     #[pyo3(signature = (text, path, is_file=false, files=None))]
     fn new(py: Python<'_>, text: String, path: PathBuf, is_file: bool, files: Option<Contents>) -> PyResult<Self> {
-        let origin = Origin::new(text, path, is_file, files);
-        let read = py.detach(|| Read::from_document(&origin.document()));
-        let read = read.map_err(|error| refused::input(py, &error))?;
-        let inputs = inputs(&read.inputs, &origin.path, is_file);
-        Ok(Self { read, inputs, origin })
+        Self::of(py, Origin::new(text, path, is_file, files))
+    }
+
+    /// The calibration file at `path`.
+    #[staticmethod]
+    fn read(py: Python<'_>, path: PathBuf) -> PyResult<Self> {
+        let origin = py.detach(|| Origin::read(path, FileKind::Calibration));
+        Self::of(py, origin.map_err(|error| refused::input(py, &error))?)
     }
 
     /// What `pickle` and `copy` make the same calibration of, anywhere.
@@ -85,7 +97,7 @@ impl Calibration {
         })?;
         let (task, outcome, ledger) = found.map_err(|error: Uncalibrated| refused::uncalibrated(py, &error))?;
         let (read, path, inputs) = (self.read.clone(), self.origin.path.clone(), self.inputs.clone());
-        Ok(Fitted { read, path, inputs, task, outcome, ledger })
+        Ok(Fitted { read, path, disk: self.origin.disk.clone(), inputs, task, outcome, ledger })
     }
 
     /// The ledger of its trials, as `slipgrid trials --json` writes it, and in words.
@@ -109,7 +121,10 @@ impl Fitted {
     /// The material file; with `[made_from]` where it is to stand at `output` and the calibration stands in a file.
     #[pyo3(signature = (output=None))]
     fn material_toml(&self, py: Python<'_>, output: Option<PathBuf>) -> PyResult<String> {
-        let made_from = output.and_then(|output| MadeFrom::new(&self.read, &self.path, &output, &disk()));
+        let made_from = output.and_then(|output| {
+            let output = self.disk.seen_from_there(output);
+            MadeFrom::new(&self.read, &self.path, &output, &self.disk.source())
+        });
         material_toml(&self.task, &self.outcome, made_from).map_err(|error| refused::failed(py, &error.to_string()))
     }
 

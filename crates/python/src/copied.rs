@@ -6,9 +6,10 @@ use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
+use slipgrid::formats::file_kind::FileKind;
 use slipgrid::formats::source::{Entry, Files, NoFiles, Source, read_bytes};
 use slipgrid::formats::{Diagnostic, Document};
-use slipgrid_disk::disk;
+use slipgrid_disk::{Disk, disk};
 
 /// Contents of files by their paths. These are no paths of Python, which would spell some otherwise than they are asked for.
 pub type Contents = BTreeMap<OsString, Vec<u8>>;
@@ -70,6 +71,57 @@ impl Files for Remembered {
     }
 }
 
+/// The disk by paths that count from a folder, wherever the process goes meanwhile.
+#[derive(Clone, Debug)]
+pub struct Anchored {
+    folder: PathBuf,
+}
+
+impl Anchored {
+    /// The disk by paths that count from where the process is.
+    fn here() -> Self {
+        Self { folder: std::env::current_dir().unwrap_or_default() }
+    }
+
+    /// Where `path` leads.
+    fn place(&self, path: &Path) -> PathBuf {
+        self.folder.join(path)
+    }
+
+    /// As a source of files.
+    pub fn source(&self) -> Source {
+        Arc::new(self.clone())
+    }
+
+    /// A `path` that counts from where the process is now, as it is where that is still the same folder.
+    pub fn seen_from_there(&self, path: PathBuf) -> PathBuf {
+        let here = Self::here();
+        if here.folder == self.folder { path } else { here.place(&path) }
+    }
+}
+
+impl Files for Anchored {
+    fn read(&self, path: &Path) -> io::Result<Vec<u8>> {
+        Disk.read(&self.place(path))
+    }
+
+    fn stream(&self, path: &Path) -> io::Result<Box<dyn io::Read>> {
+        Disk.stream(&self.place(path))
+    }
+
+    fn entry(&self, path: &Path) -> io::Result<Entry> {
+        Disk.entry(&self.place(path))
+    }
+
+    fn names(&self, folder: &Path) -> Vec<String> {
+        Disk.names(&self.place(folder))
+    }
+
+    fn canonical(&self, path: &Path) -> PathBuf {
+        Disk.canonical(&self.place(path))
+    }
+}
+
 /// What something was read from.
 #[derive(Debug)]
 pub struct Origin {
@@ -79,15 +131,27 @@ pub struct Origin {
     pub path: PathBuf,
     /// It does stand there.
     pub is_file: bool,
+    /// The disk, by paths that count from where the process was then.
+    pub disk: Anchored,
     files: Arc<Remembered>,
 }
 
 impl Origin {
     /// A text at a path, beside which the disk has the files that it names; a copy has those alone that are given with it.
     pub fn new(text: String, path: PathBuf, is_file: bool, given: Option<Contents>) -> Self {
-        let beyond = if given.is_none() { disk() } else { Arc::new(NoFiles) };
+        let disk = Anchored::here();
+        let beyond = if given.is_none() { disk.source() } else { Arc::new(NoFiles) };
         let known = given.into_iter().flatten().map(|(path, bytes)| (path.into(), Some(bytes.into()))).collect();
-        Self { text, path, is_file, files: Arc::new(Remembered { known: Mutex::new(known), beyond }) }
+        Self { text, path, is_file, disk, files: Arc::new(Remembered { known: Mutex::new(known), beyond }) }
+    }
+
+    /// The file at `path`, which should be a `kind`.
+    ///
+    /// # Errors
+    /// [`Diagnostic`] if it cannot be read, is no text, or seems to be another kind of file.
+    pub fn read(path: PathBuf, kind: FileKind) -> Result<Self, Diagnostic> {
+        let text = Document::read(&disk(), &path, kind)?.text().to_owned();
+        Ok(Self::new(text, path, true, None))
     }
 
     /// The files that it names.
@@ -95,9 +159,20 @@ impl Origin {
         Arc::clone(&self.files) as Source
     }
 
-    /// The document to be read.
-    pub fn document(&self) -> Document {
-        Document::within(&self.source(), self.path.clone(), self.text.clone())
+    /// The document to be read, which should be a `kind`.
+    ///
+    /// # Errors
+    /// [`Diagnostic`] if it seems to be another kind.
+    pub fn document(&self, kind: FileKind) -> Result<Document, Diagnostic> {
+        let document = Document::within(&self.source(), self.path.clone(), self.text.clone());
+        document.require(kind)?;
+        Ok(document.as_kind(kind))
+    }
+
+    /// Where the files of `named` stand that a run reads: its own only if the text came from there.
+    pub fn inputs(&self, named: &[PathBuf]) -> Vec<PathBuf> {
+        let read = named.iter().filter(|input| self.is_file || **input != self.path);
+        read.map(|input| self.disk.place(input)).collect()
     }
 
     /// Every file that was read or looked for.

@@ -1,6 +1,7 @@
 //! Designs: the main job, and the samples to cut next.
 
 use std::ffi::OsString;
+use std::ops::RangeInclusive;
 use std::path::PathBuf;
 use std::sync::Mutex;
 
@@ -13,6 +14,7 @@ use slipgrid::design::{
 use slipgrid::formats::calibrated::{Uncalibrated, complete, read_calibration};
 use slipgrid::formats::calibration::Calibration;
 use slipgrid::formats::confirmed_scene::steady_scene;
+use slipgrid::formats::file_kind::FileKind;
 use slipgrid::formats::{Diagnostic, design::Design as Read};
 use slipgrid::pattern::Pattern;
 use slipgrid::report::html::exploration;
@@ -20,9 +22,12 @@ use slipgrid::report::{LaserFile, Outputs, draw, files};
 use slipgrid::results::{json, json_and_timings};
 
 use crate::copied::{Contents, Origin};
+use crate::given::{counted, shown};
 use crate::refused;
 use crate::watched::{Watch, watched};
-use crate::written::inputs;
+
+/// How many samples to cut next may be asked for.
+const SAMPLES: RangeInclusive<usize> = 1..=20;
 
 /// A design task.
 #[pyclass(frozen, module = "slipgrid._slipgrid")]
@@ -67,6 +72,13 @@ pub fn contents(py: Python<'_>, outputs: &Outputs) -> PyResult<Vec<(String, Vec<
 }
 
 impl Design {
+    fn of(py: Python<'_>, origin: Origin) -> PyResult<Self> {
+        let read = py.detach(|| Read::from_document(origin.document(FileKind::Design)?));
+        let read = read.map_err(|error| refused::input(py, &error))?;
+        let inputs = origin.inputs(&read.inputs);
+        Ok(Self { read, inputs, origin, completed: Mutex::new(None) })
+    }
+
     /// The design with its material: calibrated once.
     fn completed(&self, watch: &Watch) -> Result<(Read, Option<Calibration>), Uncalibrated> {
         let mut known = self.completed.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
@@ -94,11 +106,14 @@ impl Design {
     #[new]
     #[pyo3(signature = (text, path, is_file=false, files=None))]
     fn new(py: Python<'_>, text: String, path: PathBuf, is_file: bool, files: Option<Contents>) -> PyResult<Self> {
-        let origin = Origin::new(text, path, is_file, files);
-        let read = py.detach(|| Read::from_document(origin.document()));
-        let read = read.map_err(|error| refused::input(py, &error))?;
-        let inputs = inputs(&read.inputs, &origin.path, is_file);
-        Ok(Self { read, inputs, origin, completed: Mutex::new(None) })
+        Self::of(py, Origin::new(text, path, is_file, files))
+    }
+
+    /// The design file at `path`.
+    #[staticmethod]
+    fn read(py: Python<'_>, path: PathBuf) -> PyResult<Self> {
+        let origin = py.detach(|| Origin::read(path, FileKind::Design));
+        Self::of(py, origin.map_err(|error| refused::input(py, &error))?)
     }
 
     /// What `pickle` and `copy` make the same design of, anywhere.
@@ -149,17 +164,19 @@ impl Design {
     }
 
     /// The `count` samples to cut next; `candidates_um` are patterns of one's own, whose chance is asked for.
-    #[pyo3(signature = (count=1, candidates_um=Vec::new(), progress=None))]
+    #[pyo3(signature = (count, candidates_um, progress=None))]
     fn next_samples(
         &self,
         py: Python<'_>,
-        count: usize,
+        count: &Bound<'_, PyAny>,
         candidates_um: Vec<[f64; 3]>,
         progress: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<NextSamples> {
-        if !(1..=20).contains(&count) {
-            return Err(PyValueError::new_err(format!("count is {count}: expected 1 to 20")));
-        }
+        let refused = || {
+            let [least, most] = [SAMPLES.start(), SAMPLES.end()];
+            PyValueError::new_err(format!("count is {}: expected {least} to {most}", shown(count)))
+        };
+        let count = counted("count", count)?.filter(|count| SAMPLES.contains(count)).ok_or_else(refused)?;
         let own = candidates_um.iter().map(|lengths_um| {
             let [width_m, spacing_m, depth_m] = lengths_um.map(|length_um| length_um * 1e-6);
             Pattern::new(*self.read.task.space.texture(), width_m, spacing_m, depth_m)

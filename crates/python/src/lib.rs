@@ -7,8 +7,9 @@
 //! | `calibrations` | measurements to a material, and what trials say |
 //! | `designs` | the main job, and the samples to cut next |
 //! | `campaigns` | many scenes or designs as tasks for any number of processes |
-//! | `copied` | what travels with copies of scenes, designs and calibrations |
-//! | `watched` | work on a thread of its own, progress, Ctrl-C |
+//! | `copied` | what scenes, designs and calibrations were read from, which travels with their copies |
+//! | `given` | numbers that arguments give |
+//! | `watched` | work in the pool, progress, Ctrl-C |
 //! | `threads` | the pool that work is done in |
 //! | `written` | files, where nothing is lost |
 //! | `refused` | errors as exceptions with file, line and key |
@@ -21,6 +22,7 @@ mod calibrations;
 mod campaigns;
 mod copied;
 mod designs;
+mod given;
 mod maps;
 mod refused;
 mod scenes;

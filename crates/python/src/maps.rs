@@ -17,8 +17,9 @@ use slipgrid::topography::{
     CORRELATION_THRESHOLD, Form, HeightMap, MapError, MapFormat, MaterialRatioCurve, Missing, Preparation, PreparedMap,
     ReadMap, ReadOptions, Sides, SpectrumWindow,
 };
-use slipgrid::units::{MODULUS_GPA, POISSON, PRESSURE_MPA, TOLERANCE};
+use slipgrid::units::{MODULUS_GPA, PIXEL_UM, POISSON, PRESSURE_MPA, TOLERANCE};
 
+use crate::given::{counted, shown};
 use crate::refused;
 use crate::watched::{Watch, watched};
 use slipgrid_disk::disk;
@@ -70,18 +71,23 @@ pub fn map_of(
     path: PathBuf,
 ) -> PyResult<Map> {
     let format = named("format", format, &MapFormat::ALL.map(|format| (format.name(), format)))?;
-    let map = height_map(&heights_m, sides_m)?;
+    let map = height_map(&heights_m, sides_m).map_err(|error| PyValueError::new_err(error.to_string()))?;
     Ok(Map { read: ReadMap { map, whole, format, comments, notes }, path })
 }
 
-fn height_map(heights_m: &PyReadonlyArray2<'_, f64>, [dx_m, dy_m]: [f64; 2]) -> PyResult<HeightMap> {
+/// The side of a pixel, in metres, that the argument `name` gives.
+fn side(py: Python<'_>, name: &str, pixel_um: f64) -> PyResult<f64> {
+    checked(name, pixel_um, PIXEL_UM).map_err(|error| refused::input(py, &error))
+}
+
+fn height_map(heights_m: &PyReadonlyArray2<'_, f64>, [dx_m, dy_m]: [f64; 2]) -> Result<HeightMap, MapError> {
     let [rows, cols] = [heights_m.shape()[0], heights_m.shape()[1]];
     // In the order of rows, whatever the array's own is.
     let heights: Vec<f64> = match heights_m.as_slice() {
         Ok(slice) if heights_m.is_c_contiguous() => slice.to_vec(),
         _ => heights_m.as_array().iter().copied().collect(),
     };
-    HeightMap::new(rows, cols, dx_m, dy_m, heights).map_err(|error| PyValueError::new_err(error.to_string()))
+    HeightMap::new(rows, cols, dx_m, dy_m, heights)
 }
 
 #[pymethods]
@@ -89,8 +95,20 @@ impl Map {
     /// A map of `heights_m`, rows along the sliding direction, with pixels of `pixel_um` by `pixel_y_um` micrometres.
     #[new]
     #[pyo3(signature = (heights_m, pixel_um, pixel_y_um=None))]
-    fn new(heights_m: PyReadonlyArray2<'_, f64>, pixel_um: f64, pixel_y_um: Option<f64>) -> PyResult<Self> {
-        let map = height_map(&heights_m, [pixel_um * 1e-6, pixel_y_um.unwrap_or(pixel_um) * 1e-6])?;
+    fn new(
+        py: Python<'_>,
+        heights_m: PyReadonlyArray2<'_, f64>,
+        pixel_um: f64,
+        pixel_y_um: Option<f64>,
+    ) -> PyResult<Self> {
+        let dx_m = side(py, "pixel_um", pixel_um)?;
+        let dy_m = pixel_y_um.map_or(Ok(dx_m), |pixel_um| side(py, "pixel_y_um", pixel_um))?;
+        let refused = |error: MapError| Diagnostic {
+            key: Some("heights_m".into()),
+            reason: error.to_string(),
+            ..Diagnostic::default()
+        };
+        let map = height_map(&heights_m, [dx_m, dy_m]).map_err(|error| refused::input(py, &refused(error)))?;
         let (format, comments, notes) = (MapFormat::Matrix, Vec::new(), Vec::new());
         Ok(Self { read: ReadMap { map, whole: true, format, comments, notes }, path: PathBuf::from("array") })
     }
@@ -112,7 +130,7 @@ impl Map {
                 .map_err(|error: slipgrid::topography::UnknownUnit| PyValueError::new_err(error.to_string()))
         };
         let options = ReadOptions {
-            pixel_m: pixel_um.map(|pixel_um| [pixel_um * 1e-6; 2]),
+            pixel_m: pixel_um.map(|pixel_um| side(py, "pixel_um", pixel_um).map(|side_m| [side_m; 2])).transpose()?,
             height_unit: unit(height_unit)?,
             lateral_unit: unit(lateral_unit)?,
             decimal_comma,
@@ -190,7 +208,7 @@ impl Map {
         form: &str,
         missing: &str,
         despike: bool,
-        windows: Option<i64>,
+        windows: Option<&Bound<'_, PyAny>>,
         progress: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<String> {
         let how = preparation(form, missing, despike)?;
@@ -209,11 +227,12 @@ impl Map {
             ))
         };
         let wanted = wanted().map_err(|error| refused::input(py, &error))?;
-        let per_side = |count: i64| usize::try_from(count).ok().filter(|count| *count > 0).ok_or(count);
-        let windows = windows.map(per_side).transpose().map_err(|count| {
-            let refused = Diagnostic::flag("windows", count.to_string(), "is no number of windows");
-            refused::input(py, &refused.expected("1 for none, 2 or more, or None"))
-        })?;
+        let per_side = |given: &Bound<'_, PyAny>| {
+            let refused = Diagnostic::flag("windows", shown(given), "is no number of windows");
+            let refused = || refused::input(py, &refused.expected("1 for none, 2 or more, or None"));
+            counted("windows", given)?.filter(|count| *count > 0).ok_or_else(refused)
+        };
+        let windows = windows.map(per_side).transpose()?;
         let found = watched(py, progress, |watch| {
             let surface =
                 PreparedMap::one_period(self.read.clone(), how, watch).map_err(|error| refuse(&self.path, &error))?;

@@ -9,7 +9,8 @@ use slipgrid::formats::Diagnostic;
 use slipgrid::formats::calibrated::Uncalibrated;
 use slipgrid::formats::design::Design;
 
-/// `slipgrid.errors.InputError` with where it stands and what would be accepted.
+/// `slipgrid.errors.InputError` with where it stands and what would be accepted; of a file that is not there `MissingFileError`, which
+/// is one.
 pub fn input(py: Python<'_>, refused: &Diagnostic) -> PyErr {
     let made = || {
         let named = PyDict::new(py);
@@ -18,7 +19,8 @@ pub fn input(py: Python<'_>, refused: &Diagnostic) -> PyErr {
         named.set_item("key", refused.key.as_deref())?;
         named.set_item("value", refused.value.as_deref())?;
         named.set_item("expected", refused.expected.as_deref())?;
-        py.import("slipgrid.errors")?.getattr("InputError")?.call((refused.to_string(),), Some(&named))
+        let class = if refused.is_absent { "MissingFileError" } else { "InputError" };
+        py.import("slipgrid.errors")?.getattr(class)?.call((refused.to_string(),), Some(&named))
     };
     match made() {
         Ok(error) => PyErr::from_value(error),
@@ -36,7 +38,7 @@ pub fn failed(py: Python<'_>, reason: &str) -> PyErr {
 }
 
 /// What was cancelled without anybody having raised anything.
-fn stopped() -> PyErr {
+pub fn stopped() -> PyErr {
     PyRuntimeError::new_err("stopped")
 }
 

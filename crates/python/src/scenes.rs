@@ -1,15 +1,17 @@
 //! Scenes: friction of a given surface at given loads.
 
 use std::ffi::OsString;
+use std::fmt::Arguments;
 use std::path::PathBuf;
 use std::sync::Arc;
 
 use numpy::{AllowTypeChange, PyArray1, PyArray2, PyArrayLike2, PyArrayMethods, PyUntypedArrayMethods};
-use pyo3::exceptions::{PyTypeError, PyValueError};
+use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyType;
 use slipgrid::design::simulate_on;
 use slipgrid::formats::Diagnostic;
+use slipgrid::formats::file_kind::FileKind;
 use slipgrid::formats::run::Overrides;
 use slipgrid::formats::scene::SceneInput;
 use slipgrid::monitor::{Monitor, Stage};
@@ -19,10 +21,9 @@ use slipgrid::results::{SimulationReport, json_and_timings};
 use slipgrid::springblock::{Extent, Fidelity, Simulation, Status};
 
 use crate::copied::{Contents, Origin};
+use crate::given;
 use crate::refused;
-use crate::threads::pool;
 use crate::watched::watched;
-use crate::written::inputs;
 
 /// A scene: a material, a pattern or none, loads, and how they are solved.
 #[pyclass(frozen, module = "slipgrid._slipgrid")]
@@ -63,6 +64,19 @@ fn overrides(fidelity: Option<&str>, extent: Option<&str>) -> PyResult<Overrides
     Ok(Overrides { fidelity: fidelity.transpose()?, extent: extent.transpose()? })
 }
 
+impl Scene {
+    fn of(py: Python<'_>, origin: Origin, fidelity: Option<String>, extent: Option<String>) -> PyResult<Self> {
+        let overrides = overrides(fidelity.as_deref(), extent.as_deref())?;
+        let read = || {
+            let document = origin.document(FileKind::Scene)?;
+            SceneInput::from_file(document.clone(), &document.parse()?, overrides)
+        };
+        let input = read().map_err(|error| refused::input(py, &error))?;
+        let inputs = origin.inputs(std::slice::from_ref(&origin.path));
+        Ok(Self { input, inputs, origin, fidelity, extent })
+    }
+}
+
 #[pymethods]
 impl Scene {
     /// The scene that `text` says, as a scene file would that stands at `path`: what it names is looked for beside
@@ -78,13 +92,15 @@ impl Scene {
         is_file: bool,
         files: Option<Contents>,
     ) -> PyResult<Self> {
-        let overrides = overrides(fidelity.as_deref(), extent.as_deref())?;
-        let inputs = inputs(std::slice::from_ref(&path), &path, is_file);
-        let origin = Origin::new(text, path, is_file, files);
-        let document = origin.document();
-        let read = || SceneInput::from_file(document.clone(), &document.parse()?, overrides);
-        let input = read().map_err(|error| refused::input(py, &error))?;
-        Ok(Self { input, inputs, origin, fidelity, extent })
+        Self::of(py, Origin::new(text, path, is_file, files), fidelity, extent)
+    }
+
+    /// The scene file at `path`.
+    #[staticmethod]
+    #[pyo3(signature = (path, fidelity=None, extent=None))]
+    fn read(py: Python<'_>, path: PathBuf, fidelity: Option<String>, extent: Option<String>) -> PyResult<Self> {
+        let origin = py.detach(|| Origin::read(path, FileKind::Scene));
+        Self::of(py, origin.map_err(|error| refused::input(py, &error))?, fidelity, extent)
     }
 
     /// What `pickle` and `copy` make the same scene of, anywhere.
@@ -156,6 +172,9 @@ impl Solved {
     }
 }
 
+/// Rows of patterns that are checked in milliseconds, after which Ctrl-C is looked for.
+const ROWS_BETWEEN_SIGNALS: usize = 4096;
+
 /// A steady cell: equilibrium of one period with every contact block sliding.
 #[pyclass(frozen, module = "slipgrid")]
 pub struct SteadyCell {
@@ -166,7 +185,8 @@ pub struct SteadyCell {
 
 #[pymethods]
 impl SteadyCell {
-    /// Ratio of patterned to flat friction at each load; NaN where there is none.
+    /// Ratio of patterned to flat friction at each load, shape (loads,); NaN where there is none. A cell that would take too much
+    /// memory is refused.
     fn ratios<'py>(
         &self,
         py: Python<'py>,
@@ -174,7 +194,8 @@ impl SteadyCell {
         spacing_um: f64,
         depth_um: f64,
     ) -> PyResult<Bound<'py, PyArray1<f64>>> {
-        let pattern = self.pattern(py, "width_um, spacing_um, depth_um", [width_um, spacing_um, depth_um])?;
+        let pattern =
+            self.pattern(py, format_args!("width_um, spacing_um, depth_um"), [width_um, spacing_um, depth_um])?;
         let found = if self.cell.dimension().is_cheap_per_design() {
             py.detach(|| self.cell.ratios(&pattern))
         } else {
@@ -187,26 +208,28 @@ impl SteadyCell {
         Ok(PyArray1::from_iter(py, found.into_iter().map(|ratio| ratio.unwrap_or(f64::NAN))))
     }
 
-    /// The same of many patterns, rows of width, spacing and depth in micrometres: a row of ratios for each, on all threads.
+    /// The same of many patterns, rows of width, spacing and depth in micrometres: shape (patterns, loads), on all threads. Masked
+    /// numbers are refused.
     fn ratios_of<'py>(&self, py: Python<'py>, patterns_um: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyArray2<f64>>> {
         let rows = numbers(patterns_um)?;
         let lengths = rows.as_array().rows().into_iter().map(|row| [row[0], row[1], row[2]]).collect::<Vec<_>>();
-        let of_row =
-            |(row, lengths_um): (usize, &[f64; 3])| self.pattern(py, &format!("patterns_um[{row}]"), *lengths_um);
+        let of_row = |(row, lengths_um): (usize, &[f64; 3])| {
+            if row % ROWS_BETWEEN_SIGNALS == 0 {
+                py.check_signals()?;
+            }
+            self.pattern(py, format_args!("patterns_um[{row}]"), *lengths_um)
+        };
         let patterns: Vec<Pattern> = lengths.iter().enumerate().map(of_row).collect::<PyResult<_>>()?;
-        let pool = pool()?;
-        let found = py.detach(|| pool.install(|| self.cell.ratios_of(&patterns)));
-        let found = found.into_iter().flatten().map(|ratio| ratio.unwrap_or(f64::NAN));
+        let found = watched(py, None, |watch| self.cell.ratios_of_heeding(&patterns, watch))?;
+        let found = found.map_err(|_| refused::stopped())?.into_iter().flatten().map(|ratio| ratio.unwrap_or(f64::NAN));
         PyArray1::from_iter(py, found).reshape([patterns.len(), self.loads])
     }
 }
 
-/// An array of rows of three numbers, of any type that numbers have.
+/// An array of rows of three numbers.
 fn numbers<'py>(patterns_um: &Bound<'py, PyAny>) -> PyResult<PyArrayLike2<'py, f64, AllowTypeChange>> {
     let expected = "expected rows of width, spacing and depth in micrometres";
-    let rows: PyArrayLike2<'py, f64, AllowTypeChange> = patterns_um
-        .extract()
-        .map_err(|_| PyTypeError::new_err(format!("patterns_um is no array of numbers: {expected}")))?;
+    let rows = given::rows("patterns_um", patterns_um, expected)?;
     match rows.shape()[1] {
         3 => Ok(rows),
         columns => Err(PyValueError::new_err(format!("patterns_um has {columns} columns: {expected}"))),
@@ -215,14 +238,15 @@ fn numbers<'py>(patterns_um: &Bound<'py, PyAny>) -> PyResult<PyArrayLike2<'py, f
 
 impl SteadyCell {
     /// The pattern of these lengths, which stand in the argument `named`, if its cell is not too large.
-    fn pattern(&self, py: Python<'_>, named: &str, lengths_um: [f64; 3]) -> PyResult<Pattern> {
+    fn pattern(&self, py: Python<'_>, named: Arguments<'_>, lengths_um: [f64; 3]) -> PyResult<Pattern> {
         let [width_m, spacing_m, depth_m] = lengths_um.map(|length_um| length_um * 1e-6);
         let pattern = Pattern::new(self.texture, width_m, spacing_m, depth_m)
             .map_err(|error| PyValueError::new_err(format!("{named}: {error}")))?;
         let (bytes, most_bytes) = (self.cell.bytes(&pattern), self.cell.most_bytes());
         if bytes > most_bytes {
             let given = lengths_um.map(|length_um| length_um.to_string()).join(", ");
-            let refused = Diagnostic::flag(named, given, format!("makes a cell that takes {bytes:.1e} bytes"));
+            let refused =
+                Diagnostic::flag(&named.to_string(), given, format!("makes a cell that takes {bytes:.1e} bytes"));
             let expected = format!("a smaller pattern or larger blocks, at most {most_bytes:.1e} bytes");
             return Err(refused::input(py, &refused.expected(expected)));
         }

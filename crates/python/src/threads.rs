@@ -8,6 +8,8 @@ use pyo3::prelude::*;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use slipgrid_disk::MOST_THREADS;
 
+use crate::given::{counted, shown};
+
 /// Threads asked for, 0 for as many as there are cores, and the pool with the process that made it.
 struct Pool {
     wanted: usize,
@@ -38,11 +40,13 @@ pub fn pool() -> PyResult<Arc<ThreadPool>> {
 /// Computes with `count` threads from here on; as many as there are cores where `count` is None. Results do not depend on it.
 #[pyfunction]
 #[pyo3(signature = (count=None))]
-pub fn set_threads(count: Option<i64>) -> PyResult<()> {
-    let accepted = |count: i64| usize::try_from(count).ok().filter(|count| (1..=MOST_THREADS).contains(count));
-    let refused =
-        |count| PyValueError::new_err(format!("count is {count}: expected 1 to {MOST_THREADS}, or None for all cores"));
-    let count = count.map(|count| accepted(count).ok_or_else(|| refused(count))).transpose()?;
+pub fn set_threads(count: Option<&Bound<'_, PyAny>>) -> PyResult<()> {
+    let accepted = |given: &Bound<'_, PyAny>| {
+        let count = counted("count", given)?.filter(|count| (1..=MOST_THREADS).contains(count));
+        let expected = format!("expected 1 to {MOST_THREADS}, or None for all cores");
+        count.ok_or_else(|| PyValueError::new_err(format!("count is {}: {expected}", shown(given))))
+    };
+    let count = count.map(accepted).transpose()?;
     let mut pool = POOL.lock().unwrap_or_else(PoisonError::into_inner);
     pool.wanted = count.unwrap_or(0);
     if let Some((owner, made)) = pool.made.take()

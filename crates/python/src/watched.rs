@@ -1,8 +1,8 @@
-//! Work on a thread of its own, while the calling thread tells of progress and heeds Ctrl-C.
+//! Work in the pool, while the calling thread tells of progress and heeds Ctrl-C.
 
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
-use std::thread;
 use std::time::{Duration, Instant};
 
 use pyo3::exceptions::PyRuntimeError;
@@ -94,40 +94,45 @@ pub fn watched<T: Send>(
 ) -> PyResult<T> {
     let pool = pool()?;
     let watch = Watch::new();
-    thread::scope(|scope| {
-        let worker = scope.spawn(|| {
+    let mut found = None;
+    let raised = pool.in_place_scope(|scope| {
+        scope.spawn(|_| {
             let _end = End(&watch);
-            pool.install(|| work(&watch))
+            found = Some(catch_unwind(AssertUnwindSafe(|| work(&watch))));
         });
-        let mut raised = None;
-        let mut told = Standing::default();
-        loop {
-            let standing = py.detach(|| watch.wait());
-            if raised.is_none() {
-                let tell = || {
-                    py.check_signals()?;
-                    match progress {
-                        Some(call) if standing != told && !standing.stage.is_empty() => {
-                            call.call1((standing.stage.as_str(), standing.done.clamp(0.0, 1.0))).map(|_| ())
-                        }
-                        _ => Ok(()),
-                    }
-                };
-                if let Err(error) = tell() {
-                    watch.cancelled.store(true, Ordering::Relaxed);
-                    raised = Some(error);
-                }
-            }
-            if standing.ended {
-                break;
-            }
-            told = standing;
+        heed(py, progress, &watch)
+    });
+    match (raised, found) {
+        (Err(error), _) => Err(error),
+        (Ok(()), Some(Ok(found))) => Ok(found),
+        (Ok(()), _) => Err(PyRuntimeError::new_err("slipgrid failed within: this is a bug")),
+    }
+}
+
+/// Waits for the end of the work and tells `progress` of it; what is raised meanwhile cancels it.
+fn heed(py: Python<'_>, progress: Option<&Bound<'_, PyAny>>, watch: &Watch) -> PyResult<()> {
+    let mut raised = Ok(());
+    let mut told = Standing::default();
+    loop {
+        let standing = py.detach(|| watch.wait());
+        if raised.is_ok() {
+            raised = tell(py, progress, &standing, &told);
+            watch.cancelled.fetch_or(raised.is_err(), Ordering::Relaxed);
         }
-        let found = py.detach(|| worker.join());
-        match (raised, found) {
-            (Some(error), _) => Err(error),
-            (None, Ok(found)) => Ok(found),
-            (None, Err(_)) => Err(PyRuntimeError::new_err("slipgrid failed within: this is a bug")),
+        if standing.ended {
+            return raised;
         }
-    })
+        told = standing;
+    }
+}
+
+/// Looks for signals, and calls `progress` where the work stands elsewhere than it was `told`.
+fn tell(py: Python<'_>, progress: Option<&Bound<'_, PyAny>>, standing: &Standing, told: &Standing) -> PyResult<()> {
+    py.check_signals()?;
+    match progress {
+        Some(call) if standing != told && !standing.stage.is_empty() => {
+            call.call1((standing.stage.as_str(), standing.done.clamp(0.0, 1.0))).map(|_| ())
+        }
+        _ => Ok(()),
+    }
 }

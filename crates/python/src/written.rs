@@ -47,8 +47,3 @@ pub fn write_file(py: Python<'_>, content: &[u8], path: PathBuf, inputs: Vec<Pat
 pub fn check_file(py: Python<'_>, path: PathBuf, inputs: Vec<PathBuf>) -> PyResult<()> {
     slipgrid_disk::check_file(file_at(&path), &inputs).map_err(|error| misplaced(py, &error))
 }
-
-/// The files of `named` that a run reads: `path` only if the text came from there.
-pub fn inputs(named: &[PathBuf], path: &Path, is_file: bool) -> Vec<PathBuf> {
-    named.iter().filter(|input| is_file || input.as_path() != path).cloned().collect()
-}

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import subprocess
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -17,14 +19,14 @@ MATERIAL = {
     "friction": {"static_mean": 0.30, "dynamic_mean": 0.27, "dynamic_std_error": 0.003},
     "area_law": {"pressure_mpa": [0.7, 1.3, 2.6, 10.0], "factor": [1.0, 0.9, 0.7, 0.3]},
 }
-SCENE = {
+SCENE: dict[str, Any] = {
     "material": MATERIAL,
     "pattern": {"planform": "groove", "width_um": 130.0, "spacing_um": 370.0, "depth_um": 20.0},
     "sample": {"length_um": 2000.0, "layer_um": 100.0, "block_um": 10.0},
     "load": {"pressure_mpa": [0.65, 2.6], "speed_mm_s": 2.0},
     "run": {"fidelity": "steady", "extent": "cell"},
 }
-DESIGN = {
+DESIGN: dict[str, Any] = {
     "name": "small",
     "material": MATERIAL,
     "target": {"quantity": "ratio", "pressure_mpa": 2.6, "value": 0.88, "tolerance": 0.02},
@@ -37,7 +39,7 @@ DESIGN = {
 
 
 @pytest.fixture
-def program(tmp_path: Path):
+def program(tmp_path: Path) -> Callable[..., str]:
     """Runs the command line in a folder of its own; skips where it was not built."""
     if not PROGRAM.is_file():
         pytest.skip(f"{PROGRAM} is not built: cargo build --release")

@@ -43,6 +43,7 @@ def table(program, tmp_path: Path, file: Path) -> str:
 def test_any_executor_finds_the_table_of_the_command_line(pool: Executor, file: Path, table: str) -> None:
     tasks = campaign.plan(file)
     assert len(tasks) == 9 and tasks.tasks[0]["values"] == {"pattern.width_um": 40.0, "pattern.spacing_um": 100.0}
+    assert tasks.tasks[0].values["pattern.width_um"] == 40.0 and tasks.tasks[0].id == tasks.tasks[0]["id"]
     told: list[float] = []
     with pool:
         found = campaign.run(tasks, pool, progress=lambda stage, share: told.append(share))

@@ -129,6 +129,39 @@ def test_a_design_takes_along_its_calibration_with_its_map(folder: Path, monkeyp
     assert copy.next(1).to_dict() == next_samples
 
 
+def test_a_calibration_and_a_design_are_those_of_the_folder_in_which_they_were_read(
+    folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    mapped(folder)
+    tables = {**DESIGN, "material": "calibration.toml", "condition": {"speed_mm_s": 2.0, "humidity_pct": 50.0}}
+    tables["target"] = {**DESIGN["target"], "pressure_mpa": 2.546}
+    (folder / "design.toml").write_text(toml(tables))
+    expected = slipgrid.Calibration.read("calibration.toml").fit()
+    saved = expected.save("expected.toml").read_text()
+    (folder / "expected.toml").unlink()
+    design, calibration = slipgrid.Design.read("design.toml"), slipgrid.Calibration.read("calibration.toml")
+    later, taken = slipgrid.Calibration.read("calibration.toml"), slipgrid.Design.read("design.toml")
+    elsewhere = folder.with_name("elsewhere")
+    elsewhere.mkdir()
+    monkeypatch.chdir(elsewhere)
+    material = calibration.fit()
+    assert material.toml == expected.toml and str(material) == str(expected)
+    # What it was made from is found from where it stands.
+    assert material.save(folder / "material.toml").read_text() == saved
+    found = design.optimize()
+    assert pickle.loads(pickle.dumps(taken)).optimize().to_dict() == found.to_dict()
+    assert design.next(1).to_dict()["next"]
+    # Inputs are guarded where they stand, and nothing of the same name elsewhere.
+    with pytest.raises(InputError, match="is an input of this run"):
+        material.save(folder / "calibration.toml")
+    with pytest.raises(InputError, match="holds design.toml, which is an input of this run"):
+        found.export(folder)
+    assert found.export(".") and found.export(".")
+    (folder / "map.txt").unlink()
+    with pytest.raises(InputError, match="^map.txt: cannot be read: "):
+        later.fit()
+
+
 def test_a_file_that_is_gone_before_it_was_read_is_named(folder: Path) -> None:
     mapped(folder)
     calibration = slipgrid.Calibration.read("calibration.toml")

@@ -2,18 +2,22 @@
 
 from __future__ import annotations
 
+import errno
 import os
+import pickle
 import signal
 import statistics
 import threading
 import time
+from collections.abc import Callable
+from pathlib import Path
 
 import numpy as np
 import pytest
 import slipgrid
 from conftest import DESIGN, SCENE
 from slipgrid._records import toml
-from slipgrid.errors import InputError
+from slipgrid.errors import InputError, MissingFileError
 
 
 def test_what_is_refused_names_file_line_and_key() -> None:
@@ -26,10 +30,31 @@ def test_what_is_refused_names_file_line_and_key() -> None:
     assert error.expected and str(error).startswith("somewhere") and isinstance(error, ValueError)
     with pytest.raises(InputError, match="widht_um"):
         slipgrid.Design(**{**DESIGN, "bounds": {**DESIGN["bounds"], "widht_um": [1, 2]}})
-    with pytest.raises(FileNotFoundError):
-        slipgrid.Scene.read("nowhere.toml")
     with pytest.raises(ValueError, match="expected one of steady, dynamic"):
         slipgrid.Scene(**SCENE, fidelity="quick")
+
+
+@pytest.mark.parametrize(
+    "read",
+    [
+        slipgrid.Scene.read,
+        slipgrid.Design.read,
+        slipgrid.Calibration.read,
+        slipgrid.Map.read,
+        slipgrid.campaign.plan,
+    ],
+)
+def test_a_file_that_is_not_there_is_refused_and_not_found(read: Callable[[str], object], tmp_path: Path) -> None:
+    for way in (InputError, FileNotFoundError):
+        with pytest.raises(way, match="^nowhere.toml: cannot be read: ") as refused:
+            read("nowhere.toml")
+        error = refused.value
+        assert isinstance(error, MissingFileError) and error.file == error.filename == "nowhere.toml" and error.errno == errno.ENOENT
+        copy = pickle.loads(pickle.dumps(error))
+        assert type(copy) is type(error) and str(copy) == str(error) and copy.file == error.file
+    with pytest.raises(InputError, match="is a folder") as refused:
+        read(str(tmp_path))
+    assert not isinstance(refused.value, FileNotFoundError)
 
 
 def slow() -> slipgrid.Scene:
@@ -55,6 +80,26 @@ def test_ctrl_c_ends_a_run_long_before_its_end() -> None:
     with pytest.raises(KeyboardInterrupt):
         slow().simulate(lambda stage, share: shares.append(share))
     assert shares[-1] < 0.5
+
+
+@pytest.mark.usefixtures("ctrl_c")
+def test_ctrl_c_ends_the_ratios_of_many_patterns() -> None:
+    cell = slipgrid.Scene(**SCENE).steady()
+    widths_um = np.linspace(100.0, 200.0, 400_000)
+    patterns = np.column_stack([widths_um, np.full_like(widths_um, 200.0), np.full_like(widths_um, 10.0)])
+    pressed = []
+
+    def press() -> None:
+        pressed.append(time.monotonic())
+        os.kill(os.getpid(), signal.SIGINT)
+
+    threading.Timer(0.5, press).start()
+    with pytest.raises(KeyboardInterrupt):
+        cell.ratios_of(patterns)
+    took = time.monotonic() - pressed[0]
+    assert took < 0.2, f"{took} s"
+    # The same cell goes on.
+    assert np.array_equal(cell.ratios_of(patterns[:5])[4], cell.ratios(*patterns[4]))
 
 
 def test_what_a_callback_raises_ends_a_run_too() -> None:

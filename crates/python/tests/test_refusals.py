@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import json
+import subprocess
 from pathlib import Path
 
 import numpy as np
 import pytest
 import slipgrid
-from conftest import DESIGN, SCENE
+from conftest import DESIGN, PROGRAM, SCENE
 from slipgrid._records import toml
 from slipgrid.errors import InputError
 
@@ -87,9 +88,117 @@ def test_many_patterns_come_as_any_array_of_numbers() -> None:
 
 
 def test_threads_are_bounded() -> None:
-    for count in (0, -1, 1025, 10**6):
+    for count in (0, -1, 1025, 10**6, 2**70, -(2**70)):
         with pytest.raises(ValueError, match=f"count is {count}: expected 1 to 1024, or None"):
             slipgrid.set_threads(count)
+
+
+def test_counts_of_any_size_are_refused_in_words() -> None:
+    design = slipgrid.Design(**DESIGN)
+    for count in (0, -1, 21, 2**70):
+        with pytest.raises(ValueError, match=f"count is {count}: expected 1 to 20"):
+            design.next(count)
+    with pytest.raises(InputError, match=f"windows: {2**70} is no number of windows; expected 1 for none"):
+        a_map().area_law(youngs_modulus_gpa=0.38, windows=2**70)
+    for wrong in ("abc", 1.5):
+        with pytest.raises(TypeError, match=f"count is {wrong}: expected a whole number"):
+            design.next(wrong)  # type: ignore[arg-type]
+        with pytest.raises(TypeError, match=f"count is {wrong}: expected a whole number"):
+            slipgrid.set_threads(wrong)  # type: ignore[arg-type]
+
+
+def test_masked_heights_are_missing_and_masked_patterns_refused() -> None:
+    rng = np.random.default_rng(0)
+    heights_m, bad = 1e-7 * rng.standard_normal((16, 16)), rng.random((16, 16)) < 0.1
+    with_gaps = slipgrid.Map(np.where(bad, np.nan, heights_m), 1.0)
+    masked = slipgrid.Map(np.ma.MaskedArray(heights_m, bad), 1.0)
+    assert masked.heights_m.tobytes() == with_gaps.heights_m.tobytes() and masked.measure() == with_gaps.measure()
+    whole = np.ma.MaskedArray(np.arange(4).reshape(2, 2), [[False, True], [False, False]])
+    assert np.array_equal(slipgrid.Map(whole, 1.0).heights_m, [[0.0, np.nan], [2.0, 3.0]], equal_nan=True)
+    assert not np.isnan(slipgrid.Map(np.ma.MaskedArray(heights_m), 1.0).heights_m).any()
+    cell = slipgrid.Scene(**SCENE).steady()
+    patterns = np.ma.MaskedArray([[100.0, 200.0, 10.0], [130.0, 370.0, 20.0]])
+    assert np.array_equal(cell.ratios_of(patterns), cell.ratios_of(patterns.data))
+    patterns[1, 2] = np.ma.masked
+    with pytest.raises(ValueError, match="patterns_um has masked numbers: expected rows of width, .*, none of them masked"):
+        cell.ratios_of(patterns)
+    with pytest.raises(TypeError, match="load.pressure_mpa is masked: expected a number"):
+        slipgrid.Scene(**{**SCENE, "load": {"pressure_mpa": np.ma.MaskedArray([0.65, 2.6], [False, True]), "speed_mm_s": 2.0}})
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [
+        np.ones((2, 3), dtype="datetime64[s]"),
+        np.ones((2, 3), dtype="timedelta64[s]"),
+        np.ones((2, 3), dtype=bool),
+        np.full((2, 3), "1.0"),
+        np.full((2, 3), b"1.0"),
+        np.ones((2, 3), dtype=complex),
+    ],
+    ids=lambda wrong: str(wrong.dtype),
+)
+def test_only_real_numbers_are_numbers(wrong: np.ndarray) -> None:
+    with pytest.raises(TypeError, match=r"heights_m: .*; expected real numbers, shape \(rows, columns\)"):
+        slipgrid.Map(wrong, 1.0)
+    with pytest.raises(TypeError, match="patterns_um is no array of numbers: expected rows of width"):
+        slipgrid.Scene(**SCENE).steady().ratios_of(wrong)
+
+
+def test_any_type_of_real_numbers_is_taken() -> None:
+    for kind in (np.float16, np.float32, np.longdouble, np.int8, np.uint64, object):
+        assert np.array_equal(slipgrid.Map(np.arange(6).reshape(2, 3).astype(kind), 1.0).heights_m, [[0, 1, 2], [3, 4, 5]])
+    patterns = np.array([[100, 200, 10]])
+    cell = slipgrid.Scene(**SCENE).steady()
+    assert np.array_equal(cell.ratios_of(patterns.astype(object)), cell.ratios_of(patterns))
+
+
+def test_pixels_are_refused_in_their_unit(tmp_path: Path) -> None:
+    accepted = "out of range; expected a number from 0.0000001 up to 10000000 um"
+    for wrong in (-1.0, 0.0, 1e-8, 1e8, float("nan"), float("inf")):
+        with pytest.raises(InputError, match=f"^pixel_um: .* is {accepted}$") as refused:
+            slipgrid.Map(np.zeros((2, 2)), wrong)
+        assert refused.value.key == "pixel_um"
+        with pytest.raises(InputError, match=f"^pixel_y_um: .* is {accepted}$"):
+            slipgrid.Map(np.zeros((2, 2)), 1.0, wrong)
+        with pytest.raises(InputError, match=f"^pixel_um: .* is {accepted}$"):
+            slipgrid.Map.read(tmp_path / "nowhere", pixel_um=wrong)
+    for wrong_heights, says in [(np.zeros((1, 5)), "expected at least 2"), (np.full((2, 2), 2000.0), "height is 2000: expected")]:
+        with pytest.raises(InputError, match=f"^heights_m: .*{says}"):
+            slipgrid.Map(wrong_heights, 1.0)
+
+
+def refused_by_the_program(folder: Path, command: str, name: str) -> str:
+    """What the command line says of a file, without the word before it."""
+    if not PROGRAM.is_file():
+        pytest.skip(f"{PROGRAM} is not built: cargo build --release")
+    done = subprocess.run([PROGRAM, command, name], cwd=folder, capture_output=True, text=True, check=False)
+    assert done.returncode == 2, done
+    return done.stderr
+
+
+def test_files_are_read_and_refused_as_by_the_command_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    texts = {"scene.toml": toml({"name": "Größe", **SCENE}), "design.toml": toml({**DESIGN, "name": "Größe"})}
+    for name, text in texts.items():
+        for encoding in ("utf-8", "utf-16", "latin-1"):
+            Path(f"{encoding}-{name}").write_bytes(text.encode(encoding))
+    Path("broken.toml").write_bytes(b"\x7fELF\0\0")
+    for name, read, own in (("scene.toml", slipgrid.Scene.read, "simulate"), ("design.toml", slipgrid.Design.read, "optimize")):
+        other = next(of for of in texts if of != name)
+        for wrong, says in [
+            (f"latin-1-{name}", "is no text in UTF-8"),
+            ("broken.toml", "is no text"),
+            (f"utf-8-{other}", "seems to be a "),
+            (".", "is a folder"),
+        ]:
+            with pytest.raises(InputError, match=says) as refused:
+                read(wrong)
+            assert str(refused.value) in refused_by_the_program(tmp_path, own, wrong)
+        assert read(f"utf-16-{name}").warnings == read(f"utf-8-{name}").warnings
+    with pytest.raises(InputError, match="^calibration.toml: seems to be a design file, which `slipgrid optimize` takes"):
+        slipgrid.Calibration.from_toml(texts["design.toml"])
+    assert slipgrid.Scene.read("utf-16-scene.toml").simulate() == slipgrid.Scene(**SCENE, name="Größe").simulate()
 
 
 def a_map() -> slipgrid.Map:

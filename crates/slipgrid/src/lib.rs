@@ -10,6 +10,7 @@
 //! | [`springblock`] | friction of a pattern: steady cells, runs in time, in the plane and in space |
 //! | [`specimen`] | the same on the specimen that a pattern is cut into |
 //! | [`calibrate`] | measurements on samples to a material, with errors |
+//! | [`discrepancy`] | what the model lacks on textured samples, learned from trials |
 //! | [`optimize`] | searches among patterns |
 //! | [`design`] | **the main job**: search, confirm in time, explain |
 //! | [`export`] | layouts on a specimen and the files of a laser |
@@ -62,6 +63,23 @@
 //! let mut drawing = Vec::new();
 //! export::dxf(&layout, &heading, &mut drawing)?;
 //! assert!(drawing.starts_with(b"999\nslipgrid"));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! That design stands alone: a document of [`Document::new`](formats::Document::new) has no files beside it, and what names a material, a
+//! calibration or a drawing is refused. A [`Document::within`](formats::Document::within) has those of a source. Files of a disk are
+//! `slipgrid_disk::disk()`, of the crate `slipgrid-disk` beside this one:
+//!
+//! ```
+//! use slipgrid::formats::{Document, design::Design};
+//!
+//! let path = "../../designs/ldpe-squares.toml";
+//! let text = std::fs::read_to_string(path)?;
+//! let alone = Design::from_document(Document::new(path, &*text));
+//! assert!(alone.is_err_and(|refused| refused.key.as_deref() == Some("material")));
+//!
+//! let design = Design::from_document(Document::within(&slipgrid_disk::disk(), path, text))?;
+//! assert!(design.inputs.iter().any(|input| input.ends_with("ldpe-cast-iron/calibration.toml")));
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 

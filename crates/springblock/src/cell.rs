@@ -18,7 +18,7 @@ use crate::steady::{
     CondensedModel, FaceHistory, RaisedModel, SteadyLoad, SteadyModel, ThickModel, band_products, condensing,
     factor_bytes,
 };
-use crate::{Monitor, Unwatched};
+use crate::{Cancelled, Monitor, Unwatched};
 
 /// Rounding left by division counts as a whole number of blocks.
 const WHOLE: f64 = 1e-9;
@@ -287,6 +287,21 @@ impl SteadyCell {
         patterns.par_iter().map(|pattern| self.ratios(pattern)).collect()
     }
 
+    /// The same, as [`Self::solve_heeding`] solves; no further pattern is begun once `monitor` cancels.
+    ///
+    /// # Errors
+    /// [`Cancelled`] if `monitor` has cancelled.
+    pub fn ratios_of_heeding(
+        &self,
+        patterns: &[Pattern],
+        monitor: &dyn Monitor,
+    ) -> Result<Vec<Vec<Option<f64>>>, Cancelled> {
+        let heeding = |pattern| monitor.heed().map(|()| self.ratios_heeding(pattern, monitor));
+        let found = patterns.par_iter().map(heeding).collect::<Result<_, _>>()?;
+        // What was being solved when it cancelled was given up.
+        monitor.heed().map(|()| found)
+    }
+
     /// Every groove of whole blocks whose width, spacing and depth lie within bounds, in metres, and that leaves a row of
     /// blocks above it, with its ratios: widths slowest, depths fastest.
     #[must_use]
@@ -323,6 +338,8 @@ pub fn condensing_cell(pattern: &Pattern, block_m: f64) -> (f64, f64) {
 
 #[cfg(test)]
 mod tests {
+    use std::sync::atomic::{AtomicUsize, Ordering};
+
     use super::*;
     use crate::samples;
     use crate::scene::RunOptions;
@@ -350,6 +367,30 @@ mod tests {
         assert!(
             one.iter().flat_map(|(_, ratios)| ratios).all(|ratio| ratio.is_some_and(|r| r > 0.5 && r < 1.0 + 1e-9))
         );
+    }
+
+    /// Cancels when it has been asked so many times.
+    struct Patience {
+        questions: AtomicUsize,
+    }
+
+    impl Monitor for Patience {
+        fn cancelled(&self) -> bool {
+            let left = |left: usize| Some(left.saturating_sub(1));
+            self.questions.fetch_update(Ordering::Relaxed, Ordering::Relaxed, left) == Ok(0)
+        }
+    }
+
+    #[test]
+    fn many_patterns_end_when_the_monitor_cancels_and_are_the_same_when_it_does_not() {
+        let patterns: Vec<Pattern> =
+            (1..=40).map(|step| samples::groove(10.0 * f64::from(step), 370.0, 20.0)).collect();
+        let cell = model();
+        assert_eq!(cell.ratios_of_heeding(&patterns, &Unwatched), Ok(cell.ratios_of(&patterns)));
+        for questions in [0, 5, 40] {
+            let patience = Patience { questions: AtomicUsize::new(questions) };
+            assert_eq!(cell.ratios_of_heeding(&patterns, &patience), Err(Cancelled), "{questions}");
+        }
     }
 
     #[test]

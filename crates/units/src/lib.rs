@@ -103,6 +103,8 @@ impl fmt::Display for Quantity {
 
 /// Lengths of patterns and layers: up to 10 m, where a metre was meant to be a micrometre.
 pub const LENGTH_UM: Quantity = Quantity::new(Scale::Over(1e6), "um", 0.0, true, 1e7);
+/// Sides of pixels: a map has none below a ten-thousandth of a nanometre.
+pub const PIXEL_UM: Quantity = Quantity { least: 1e-7, above: false, ..LENGTH_UM };
 /// Standard deviations of lengths.
 pub const LENGTH_STD_UM: Quantity = LENGTH_UM.or_least();
 /// Heights of rims, and their scatter.

@@ -67,7 +67,7 @@ pub fn read_outline(
 
 /// What is `wrong` with a drawing, at the key `outline` that names it.
 fn named_by(document: &Document, outline: &Spanned<String>, wrong: Diagnostic) -> Diagnostic {
-    let expected = wrong.expected.clone().unwrap_or_else(|| EXPECTED.to_owned());
+    let expected = wrong.expected.as_deref().unwrap_or(EXPECTED).to_owned();
     let inside = Diagnostic { expected: None, ..wrong };
     document.refuse(outline.span(), format!("cannot be used: {inside}")).expected(expected)
 }

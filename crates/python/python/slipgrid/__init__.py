@@ -11,7 +11,8 @@ A design file, a search that is confirmed in time, the files of a laser::
 
 Units stand in names: ``width_um``, ``pressure_mpa``. Fields are those of the files and of result.json. Results are the command
 line's to the last bit, with any number of threads. Ctrl-C ends what is computed; what is refused raises
-:class:`slipgrid.errors.InputError` with file, line and key.
+:class:`slipgrid.errors.InputError` with file, line and key. Paths count from where the process is when something is read, wherever it
+goes afterwards.
 """
 
 from __future__ import annotations
@@ -26,7 +27,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _slipgrid, campaign, errors
-from ._records import Kept, Record, array, floats, frame, heights, pandas, table, toml, write
+from ._records import Kept, Record, array, floats, frame, heights, pandas, table, toml, triples, write
 from ._slipgrid import SteadyCell, __version__, set_threads, threads
 
 if TYPE_CHECKING:
@@ -59,12 +60,8 @@ Progress = Callable[[str, float], object]
 PathLike = Union[str, Path]
 
 
-def _text(path: PathLike) -> str:
-    return Path(path).read_text(encoding="utf-8")
-
-
 class Map:
-    """An altitude map: heights in metres, rows along the sliding direction, missing points NaN."""
+    """An altitude map: heights in metres, rows along the sliding direction, missing points NaN or masked."""
 
     def __init__(self, heights_m: ArrayLike, pixel_um: float, pixel_y_um: float | None = None) -> None:
         """A map of an array, shape (rows, columns), with pixels of ``pixel_um`` by ``pixel_y_um`` micrometres."""
@@ -114,7 +111,7 @@ class Map:
         *,
         youngs_modulus_gpa: float,
         poisson_ratio: float = 1.0 / 3.0,
-        pressures_mpa: Sequence[float] | None = None,
+        pressures_mpa: ArrayLike | None = None,
         threshold_mpa: float = 0.7,
         tolerance: float = 1e-8,
         form: str = "plane",
@@ -201,9 +198,7 @@ class Scene:
     def read(cls, path: PathLike, *, fidelity: str | None = None, extent: str | None = None) -> Scene:
         """The scene file at ``path``."""
         made = cls.__new__(cls)
-        made._scene = _slipgrid.Scene(
-            _text(path), Path(path), fidelity=fidelity, extent=extent, is_file=True
-        )
+        made._scene = _slipgrid.Scene.read(Path(path), fidelity=fidelity, extent=extent)
         return made
 
     @property
@@ -285,7 +280,7 @@ class Calibration:
     def read(cls, path: PathLike) -> Calibration:
         """The calibration file at ``path``."""
         made = cls.__new__(cls)
-        made._calibration = _slipgrid.Calibration(_text(path), Path(path), is_file=True)
+        made._calibration = _slipgrid.Calibration.read(Path(path))
         return made
 
     @property
@@ -372,7 +367,7 @@ class Design:
     def read(cls, path: PathLike) -> Design:
         """The design file at ``path``."""
         made = cls.__new__(cls)
-        made._design = _slipgrid.Design(_text(path), Path(path), is_file=True)
+        made._design = _slipgrid.Design.read(Path(path))
         return made
 
     @property
@@ -396,18 +391,12 @@ class Design:
     def next(
         self,
         count: int = 1,
-        candidates_um: Sequence[Sequence[float]] = (),
+        candidates_um: ArrayLike = (),
         progress: Progress | None = None,
     ) -> NextSamples:
-        """The ``count`` samples to cut next by what trials say. ``candidates_um`` are patterns of one's own, width, spacing and
-        depth, whose chance is asked for."""
-        own = []
-        for place, lengths_um in enumerate(candidates_um):
-            lengths = floats(f"candidates_um[{place}]", lengths_um)
-            if len(lengths) != 3:
-                raise ValueError(f"candidates_um[{place}] has {len(lengths)} numbers: expected width, spacing and depth")
-            own.append((lengths[0], lengths[1], lengths[2]))
-        return NextSamples(self._design.next_samples(count, own, progress))
+        """The ``count`` samples to cut next by what trials say. ``candidates_um`` are patterns of one's own, rows of width, spacing
+        and depth, whose chance is asked for."""
+        return NextSamples(self._design.next_samples(count, triples("candidates_um", candidates_um), progress))
 
 
 class DesignResult(Record):

@@ -140,14 +140,18 @@ def table(rows: Sequence[Mapping[str, Any]], names: Sequence[str]) -> str:
     return f"<table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"
 
 
+#: Kinds of arrays that hold real numbers: of floating point, whole, without sign, and objects that may be any of them.
+_REAL = "fiuO"
+
+
 def heights(given: ArrayLike) -> NDArray[np.float64]:
-    """``given`` as a matrix of heights."""
+    """``given`` as a matrix of heights, NaN where they are masked."""
     expected = "expected real numbers, shape (rows, columns)"
     try:
-        array = np.asarray(given)
-        if np.iscomplexobj(array):
-            raise TypeError("complex numbers")
-        array = array.astype(np.float64, copy=False)
+        typed: NDArray[Any] = np.asanyarray(given)
+        if typed.dtype.kind not in _REAL:
+            raise TypeError(f"holds what is of the type {typed.dtype}")
+        array: NDArray[np.float64] = np.asarray(np.ma.filled(typed.astype(np.float64, copy=False), np.nan))
     except (TypeError, ValueError) as error:
         raise type(error)(f"heights_m: {error}; {expected}") from None
     if array.ndim != 2:
@@ -166,6 +170,20 @@ def floats(name: str, given: Any) -> list[float]:
         raise TypeError(expected) from None
 
 
+def triples(name: str, given: Any) -> list[tuple[float, float, float]]:
+    """The argument ``name`` as rows of width, spacing and depth."""
+    if isinstance(given, (str, bytes, bytearray, memoryview, Mapping)) or not hasattr(given, "__iter__"):
+        raise TypeError(f"{name} is {given!r:.80}: expected rows of width, spacing and depth")
+    rows = []
+    # A frame of pandas gives the names of its columns where rows are asked for.
+    for place, row in enumerate(np.asanyarray(given) if hasattr(given, "__array__") else given):
+        lengths = floats(f"{name}[{place}]", row)
+        if len(lengths) != 3:
+            raise ValueError(f"{name}[{place}] has {len(lengths)} numbers: expected width, spacing and depth")
+        rows.append((lengths[0], lengths[1], lengths[2]))
+    return rows
+
+
 def write(files: Sequence[tuple[str, bytes]], folder: str | Path, inputs: Sequence[Path]) -> list[Path]:
     """Writes ``files`` into ``folder``, which is made where there is none; neither ``inputs`` nor files of others are replaced."""
     folder = Path(folder)
@@ -174,7 +192,7 @@ def write(files: Sequence[tuple[str, bytes]], folder: str | Path, inputs: Sequen
 
 
 def toml(tables: Mapping[str, Any]) -> str:
-    """Nested dictionaries as TOML."""
+    """Nested dictionaries as TOML; their lists may be arrays, or what is like one."""
 
     def quoted(text: str) -> str:
         return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")
@@ -195,6 +213,11 @@ def toml(tables: Mapping[str, Any]) -> str:
             return str(int(item))
         if isinstance(item, (float, np.floating)):
             return repr(float(item))
+        if item is np.ma.masked:
+            raise TypeError(f"{at} is masked: expected a number")
+        if not isinstance(item, (np.ndarray, np.generic)) and hasattr(item, "__array__"):
+            # A series of pandas, or what else is like an array.
+            item = np.asarray(item)
         if isinstance(item, np.ndarray) and item.ndim == 0:
             raise TypeError(f"{at} is an array without dimensions: expected a number, as its item() gives it, or a list")
         if isinstance(item, (Sequence, np.ndarray)) and not isinstance(item, (bytes, bytearray, memoryview)):

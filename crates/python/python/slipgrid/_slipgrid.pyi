@@ -109,6 +109,8 @@ class Scene:
         is_file: bool = False,
         files: Mapping[str, bytes] | None = None,
     ) -> Scene: ...
+    @staticmethod
+    def read(path: _Path, fidelity: str | None = None, extent: str | None = None) -> Scene: ...
     def __reduce__(
         self,
     ) -> tuple[type[Scene], tuple[str, str, str | None, str | None, bool, dict[str, bytes]]]: ...
@@ -134,13 +136,16 @@ class SteadyCell:
         memory is refused."""
 
     def ratios_of(self, patterns_um: ArrayLike) -> NDArray[np.float64]:
-        """The same of many patterns, rows of width, spacing and depth in micrometres: shape (patterns, loads), on all threads."""
+        """The same of many patterns, rows of width, spacing and depth in micrometres: shape (patterns, loads), on all threads. Masked
+        numbers are refused."""
 
 @final
 class Calibration:
     def __new__(
         cls, text: str, path: _Path, is_file: bool = False, files: Mapping[str, bytes] | None = None
     ) -> Calibration: ...
+    @staticmethod
+    def read(path: _Path) -> Calibration: ...
     def __reduce__(self) -> tuple[type[Calibration], tuple[str, str, bool, dict[str, bytes]]]: ...
     @property
     def warnings(self) -> list[str]: ...
@@ -174,6 +179,8 @@ class Design:
     def __new__(
         cls, text: str, path: _Path, is_file: bool = False, files: Mapping[str, bytes] | None = None
     ) -> Design: ...
+    @staticmethod
+    def read(path: _Path) -> Design: ...
     def __reduce__(self) -> tuple[type[Design], tuple[str, str, bool, dict[str, bytes]]]: ...
     @property
     def inputs(self) -> list[Path]: ...
@@ -183,8 +190,8 @@ class Design:
     def explore_html(self, progress: _Progress | None = None) -> str: ...
     def next_samples(
         self,
-        count: int = 1,
-        candidates_um: Sequence[tuple[float, float, float]] = ...,
+        count: int,
+        candidates_um: Sequence[tuple[float, float, float]],
         progress: _Progress | None = None,
     ) -> NextSamples: ...
 

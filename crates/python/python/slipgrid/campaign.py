@@ -32,12 +32,21 @@ from ._records import Record
 if TYPE_CHECKING:
     import pandas as _pandas
 
-__all__ = ["Campaign", "Results", "plan", "run"]
+__all__ = ["Campaign", "Results", "Task", "plan", "run"]
 
 #: Parts that each process gets, so that all end at about the same time.
 _PARTS_EACH = 8
 #: Most tasks of a part.
 _LARGEST_PART = 64
+
+
+class Task(Record):
+    """A task: ``id``, a hash of all that matters to the result, and ``values``, what its keys are."""
+
+    @property
+    def values(self) -> Record:  # type: ignore[override]
+        """What the keys of the task are, by their names; in place of the method of mappings."""
+        return Record(self["values"])
 
 
 class Campaign:
@@ -53,9 +62,9 @@ class Campaign:
         return self._campaign.name
 
     @property
-    def tasks(self) -> list[Record]:
+    def tasks(self) -> list[Task]:
         """The tasks: ``id``, a hash of all that matters to the result, and ``values``, what its keys are."""
-        return [Record(json.loads(task)) for task in self._tasks]
+        return [Task(json.loads(task)) for task in self._tasks]
 
     def __len__(self) -> int:
         return len(self._tasks)

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import errno
+from typing import Any
+
 
 class InputError(ValueError):
     """Input that was refused: which file, line and key, what stood there, and what would be accepted.
@@ -25,6 +28,18 @@ class InputError(ValueError):
         self.key = key
         self.value = value
         self.expected = expected
+
+
+class MissingFileError(FileNotFoundError, InputError):
+    """A file that is not there: :class:`InputError` with its path in ``file``, and Python's own ``FileNotFoundError``."""
+
+    def __init__(self, message: str, *, file: str | None = None, **named: Any) -> None:
+        InputError.__init__(self, message, file=file, **named)
+        self.errno = errno.ENOENT
+        self.filename = file
+
+    def __str__(self) -> str:
+        return str(self.args[0])
 
 
 class ComputationError(RuntimeError):
