@@ -16,8 +16,8 @@ use slipgrid_units::{PRESSURE_MPA, tidy};
 
 /// Draws of the expansion: a half is known to 0.4 %.
 const DRAWS: usize = 20_000;
-/// The first of them, of which the steady model itself is asked in the vertical plane, and those of each part. It judges one in thirty
-/// otherwise, so that the chance is known to 1 %.
+/// The first of them, of which the steady model itself is asked in the vertical plane, and those of each part. It judges one in fifty to
+/// seventy otherwise, so that the chance is known to 0.7 %.
 const SAMPLED: usize = 400;
 const SAMPLED_PARTS: usize = 150;
 /// Standard errors of a gain by which it must be above 0 to be told.

@@ -22,7 +22,7 @@ use super::condition_ranges::ConditionRangeFile;
 use super::document::Document;
 use super::explored::of_material;
 use super::file_kind::FileKind;
-use super::laser::{LaserFile, SpecimenFile, check_fits, read_laser, read_specimen};
+use super::laser::{LaserFile, SpecimenFile, check_fits, read_laser, read_specimen, unmeasured_fluence};
 use super::limits::{LimitsFile, read_limited};
 use super::material::MaterialFile;
 use super::pattern::{TextureFile, read_directions, read_texture, require_section};
@@ -224,6 +224,7 @@ impl Design {
         let (measures, quantities) = read_limited(&document, &file.limits, &laser)?;
         let mut told =
             unusual::of_shares(&document, file.condition.iter().chain(file.also_at.iter().flat_map(Spanned::get_ref)));
+        told.extend(unmeasured_fluence(&document, file.laser.as_ref(), &laser));
         let (known, calibration) = read_material_input(&document, &file.material, &mut told)?;
         let max_evaluations = match &file.search.max_evaluations {
             None => DEFAULT_MAX_EVALUATIONS,

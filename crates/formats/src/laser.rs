@@ -13,7 +13,7 @@ use crate::diagnostic::Diagnostic;
 use crate::plausible::SPOT;
 use slipgrid_export::{AT_THE_RIM, Specimen};
 use slipgrid_results::SpecimenReport;
-use slipgrid_units::{LENGTH_MM, LENGTH_UM, POSITIVE, WALL_TAPER_DEG, significant, significant_to};
+use slipgrid_units::{LENGTH_MM, LENGTH_UM, POSITIVE, WALL_TAPER_DEG, significant, significant_to, tidy};
 
 /// The laser as a design writes it.
 #[derive(Clone, Debug, Deserialize)]
@@ -134,7 +134,7 @@ pub fn read_laser(
         exposure,
         ..of_limits
     };
-    let laser = with_ablation(document, laser, file, limits.0.as_ref())?;
+    let laser = with_ablation(document, laser, table, limits.0.as_ref())?;
     laser.validate().map_err(|error| unlike_spot(document, table, &error))?;
     Ok(laser)
 }
@@ -190,9 +190,10 @@ const fn exposure_name(exposure: Exposure) -> &'static str {
 fn with_ablation(
     document: &Document,
     laser: Laser,
-    file: &LaserFile,
+    laser_table: &Spanned<LaserFile>,
     depth_per_burst: Option<&Number>,
 ) -> Result<Laser, Diagnostic> {
+    let file = laser_table.get_ref();
     let fluence_j_cm2 = document.optional(file.fluence_j_cm2.as_ref(), POSITIVE)?;
     let Some(table) = &file.ablation else { return Ok(laser) };
     if let Some(depth) = depth_per_burst {
@@ -200,7 +201,7 @@ fn with_ablation(
             .refuse(depth.span(), "is given beside laser.ablation, which gives it too")
             .expected("either depth_per_burst_um or [laser.ablation]"));
     }
-    let fluence_j_cm2 = fluence_j_cm2.ok_or_else(|| document.missing(table.span(), "fluence_j_cm2 of [laser]"))?;
+    let fluence_j_cm2 = fluence_j_cm2.ok_or_else(|| document.missing(laser_table.span(), "fluence_j_cm2"))?;
     let given = table.get_ref();
     let fluences = document.numbers(&given.fluence_j_cm2, POSITIVE)?;
     let column = |list: &NumberList| {
@@ -226,6 +227,29 @@ fn with_ablation(
     let law = Ablation::fit(&points, fluence_j_cm2)
         .map_err(|error| document.refuse(given.fluence_j_cm2.span(), error.to_string()))?;
     Ok(Laser { depth_per_burst_um: Some(law.depth_per_burst_um), ablation: Some(law), ..laser })
+}
+
+/// That the fluence in use lies outside those at which depths were measured.
+pub(crate) fn unmeasured_fluence(
+    document: &Document,
+    file: Option<&Spanned<LaserFile>>,
+    laser: &Laser,
+) -> Option<Diagnostic> {
+    let (file, law) = (file?.get_ref(), laser.ablation?);
+    let (used, table) = (file.fluence_j_cm2.as_ref()?, file.ablation.as_ref()?);
+    // What is no number has been refused before.
+    let fluences = document.numbers(&table.get_ref().fluence_j_cm2, POSITIVE).ok()?;
+    let least = fluences.iter().copied().fold(f64::INFINITY, f64::min);
+    let most = fluences.into_iter().fold(0.0, f64::max);
+    (law.fluence_j_cm2 < least || law.fluence_j_cm2 > most).then(|| {
+        let reason = format!(
+            "J/cm2 lies outside the fluences at which depths were measured, {} to {} J/cm2: the depth per burst, {} um, is extrapolated along the law",
+            tidy(least),
+            tidy(most),
+            significant(law.depth_per_burst_um, 3)
+        );
+        document.refuse(used.span(), reason)
+    })
 }
 
 /// Reads the specimen.
@@ -350,6 +374,24 @@ mod tests {
         Ok((laser, read_specimen(&document, &written.specimen).map_err(|refused| refused.to_string())?))
     }
 
+    #[test]
+    fn a_fluence_outside_those_measured_is_told_of() {
+        let told = |fluence_j_cm2: &str| {
+            let table = ABLATION.replace("fluence_j_cm2 = 4.0", &format!("fluence_j_cm2 = {fluence_j_cm2}"));
+            let document = Document::new("a.toml", format!("[laser]\n{table}\n[specimen]\n{DISC}\n"));
+            let written: Written = document.parse().unwrap();
+            let laser = read_laser(&document, written.laser.as_ref(), (&None, &None)).unwrap();
+            unmeasured_fluence(&document, written.laser.as_ref(), &laser).map(|told| told.to_string())
+        };
+        assert_eq!([told("4.0"), told("8.0")], [None, None]);
+        let said = told("9.0").unwrap();
+        assert!(
+            said.starts_with("a.toml:2: laser.fluence_j_cm2: 9.0 J/cm2 lies outside") && said.contains("1 to 8 J/cm2"),
+            "{said}"
+        );
+        assert!(told("0.7").unwrap().contains("extrapolated"));
+    }
+
     const DISC: &str = "shape = \"disc\"\ndiameter_mm = 10.0";
     const ABLATION: &str = "fluence_j_cm2 = 4.0\nablation = { fluence_j_cm2 = [1.0, 2.0, 4.0, 8.0], depth_per_burst_um = [0.55, 1.11, 1.66, 2.22] }";
 
@@ -361,7 +403,7 @@ mod tests {
         assert!((law.delta_um - 0.8).abs() < 0.005 && (law.threshold_j_cm2 - 0.5).abs() < 0.01);
         assert_eq!(laser.depth_per_burst_um, Some(law.depth_per_burst_um));
         for (laser, says) in [
-            (ABLATION.replace("fluence_j_cm2 = 4.0", ""), "fluence_j_cm2 of [laser]"),
+            (ABLATION.replace("fluence_j_cm2 = 4.0", ""), "laser.fluence_j_cm2: is missing"),
             (ABLATION.replace("fluence_j_cm2 = 4.0", "fluence_j_cm2 = 0.4"), "above the fitted threshold"),
             (ABLATION.replace(", 2.22]", "]"), "4, one for each fluence"),
             (

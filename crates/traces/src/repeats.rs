@@ -150,10 +150,10 @@ const MOST_FROM_OTHERS: usize = 4;
 /// Draws the deviation of dynamic friction at each condition toward that of the others, relative to friction, and likewise that of static friction:
 ///
 /// ```text
-/// s^2 = (nu_0 (s_0 mu)^2 + nu s_own^2) / (nu_0 + nu),   nu = n - 1,   s_0^2 = sum nu_j (s_j/mu_j)^2 / nu_0 over the others
+/// s^2 = (nu_0 (s_0 mu)^2 + nu s_own^2) / (nu_0 + nu),   nu = n - 1,   s_0^2 = sum nu_j (s_j/mu_j)^2 / sum nu_j over the others
 /// ```
 ///
-/// with nu_0 of at most four (as variances are moderated by G. K. Smyth, Stat. Appl. Genet. Mol. Biol. 3, 3, 2004). Two or three repeats may
+/// with nu_0 = sum nu_j, four at most (as variances are moderated by G. K. Smyth, Stat. Appl. Genet. Mol. Biol. 3, 3, 2004). Two or three repeats may
 /// agree by chance: a fit that weighs by 1/s^2 would take such a condition for nearly exact. Deviations of single repeats, which know
 /// nothing of their scatter, are not lowered. The degrees of freedom of each are nu_0 + nu from then on.
 pub fn moderate(conditions: &mut [&mut Repeats]) {

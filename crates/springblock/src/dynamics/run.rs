@@ -21,10 +21,10 @@ use crate::scene::{Fidelity, Load, Scene, Springs};
 use crate::steady::{SteadyLoad, SteadyModel};
 
 /// Default step of the leapfrog over sqrt(m/k): 6 ns for the published polymer at l = 10 um, half of the stability limit. Dynamic mu is
-/// then 0.01 % below the limit of short steps, and the ratio as it is there (`tests/validation/excess.rs`).
+/// then 0.03 % below the limit of short steps, and the ratio as it is there (`tests/validation/excess.rs`).
 ///
 /// Up to there slips are as long as in exact time ([`super::contact`]): the slip of a lone contact block lasts pi/sqrt(5) of these
-/// units, four steps. At 8 ns dynamic mu is 0.06 % too low, at 10 ns, five steps for two slips, 0.1 % too high.
+/// units, four steps. At 8 ns dynamic mu is 0.08 % too low, at 10 ns, five steps for two slips, 0.1 % too high.
 const LEAPFROG_STEP: f64 = 0.3376;
 /// Step of the reference integration, in seconds (paper).
 const REFERENCE_STEP_S: f64 = 1e-9;
