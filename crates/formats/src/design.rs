@@ -27,7 +27,7 @@ use super::limits::{LimitsFile, read_limited};
 use super::material::MaterialFile;
 use super::pattern::{TextureFile, read_directions, read_texture, require_section};
 use super::rim::read_rim;
-use super::scene::{SampleFile, default_sample, read_layer};
+use super::scene::{SampleFile, check_face, default_sample, read_layer};
 use super::target::{TargetFile, read_target};
 use super::tolerances::{TolerancesFile, read_tolerances};
 use super::trade_offs::{Given, TradeOffsFile, read_trade_offs};
@@ -220,6 +220,7 @@ impl Design {
         let limits = read_limits(&document, &file, &laser, &texture, (width_m, spacing_m, depth_m))?;
         let wide = file.bounds.get_ref().width_um.span();
         check_fits(&document, (&file.specimen, wide), &specimen, &texture, (width_m, spacing_m, depth_m))?;
+        check_face(&document, &file.specimen, &specimen, &layer)?;
         file.limits.check_peak(&document, &file.target.get_ref().pressure_mpa)?;
         let (measures, quantities) = read_limited(&document, &file.limits, &laser)?;
         let mut told =

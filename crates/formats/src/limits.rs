@@ -90,7 +90,7 @@ pub fn read_limited(
 ) -> Result<(Vec<ConstraintQuantity>, Vec<Limit>), Diagnostic> {
     let mut limited = (Vec::new(), Vec::new());
     let (most, least): (Side, Side) = (Bound::AtMost, Bound::AtLeast);
-    let (unbounded, clearance) = (f64::INFINITY, LENGTH_UM.or_least());
+    let (unbounded, clearance) = (f64::INFINITY, LENGTH_UM.or_zero());
     let entry = |measure, name, number, side, loosest, quantity, unit| Entry {
         measure,
         name,

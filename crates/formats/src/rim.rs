@@ -71,7 +71,7 @@ fn read_pairs(document: &Document, pairs: &Spanned<Vec<NumberList>>) -> Result<V
             let reason = format!("has {} numbers", pair.get_ref().len());
             return Err(document.refuse(pair.span(), reason).expected("a depth and a height, in um"));
         };
-        let found = [document.number(depth, LENGTH_UM.or_least())?, document.number(height, RIM_HEIGHT_UM)?];
+        let found = [document.number(depth, LENGTH_UM.or_zero())?, document.number(height, RIM_HEIGHT_UM)?];
         if read.last().is_some_and(|[before_m, _]| *before_m >= found[0]) {
             let reason = "is no deeper than the cavity before it";
             return Err(document.refuse(depth.span(), reason).expected("depths that ascend from pair to pair"));
@@ -127,7 +127,10 @@ mod tests {
                 "rim_height_um = -0.1\nrim_width_um = 10",
                 "1: rim_height_um: -0.1 is out of range; expected a number from 0",
             ),
-            ("rim_height_um = 0.1\nrim_width_um = 0", "2: rim_width_um: 0 is out of range; expected a number above 0"),
+            (
+                "rim_height_um = 0.1\nrim_width_um = 0",
+                "2: rim_width_um: 0 is out of range; expected a number from 0.000001",
+            ),
             (
                 "rim_heights_um = [[5.0, 0.1], [5.0, 0.2]]\nrim_width_um = 10",
                 "1: rim_heights_um: 5.0 is no deeper than the cavity before it; expected depths that ascend",

@@ -21,7 +21,7 @@ use crate::diagnostic::Diagnostic;
 use crate::source::Source;
 use slipgrid_calibrate::uncertainty::MaterialUncertainty;
 use slipgrid_design::{SpecimenError, TaskPart, check_pressures, correct, loads, of_scene};
-use slipgrid_export::Specimen;
+use slipgrid_export::{Outline, Specimen};
 use slipgrid_results::SimulationReport;
 use slipgrid_units::{LENGTH_MM, LENGTH_UM, PRESSURE_MPA, Quantity, SPEED_MM_S, STEP_NS, significant_to, tidy};
 
@@ -149,6 +149,9 @@ impl SceneInput {
         let pattern = file.pattern.as_ref().map(|pattern| read_pattern(&document, pattern)).transpose()?;
         let sliding = pattern.map_or([1.0, 0.0], |pattern| pattern.texture().sliding_direction_on_specimen());
         let layer = read_layer(&document, &file.sample, specimen.as_ref().map(|specimen| (specimen, sliding)))?;
+        if let Some((table, specimen)) = file.specimen.as_ref().zip(specimen.as_ref()) {
+            check_face(&document, table, specimen, &layer)?;
+        }
         if let Some((table, pattern)) = file.pattern.as_ref().zip(pattern.as_ref()) {
             check_depth(&document, table.get_ref(), pattern.depth_m(), &layer)?;
         }
@@ -159,7 +162,7 @@ impl SceneInput {
         let run = read_run(&document, &file.run, overrides, specimen.is_some())?;
         let speed_m_s = read_speed(&document, &file.load, condition.as_ref())?;
         // A scene may ask for no load and for no speed: both have a meaning, if no coefficient.
-        let load = PRESSURE_MPA.or_least();
+        let load = PRESSURE_MPA.or_zero();
         let pressures_pa = read_pressures(&document, &file.load.get_ref().pressure_mpa, load, &material)?;
         let asked = file.condition.as_ref().map_or(file.material.span(), Spanned::span);
         let (loads, friction_extrapolated) = loads(&material.friction, &pressures_pa, condition.as_ref())
@@ -327,6 +330,35 @@ impl SceneInput {
     }
 }
 
+/// Blocks that the face of a specimen is wide at least, wherever it is measured: fewer are no strip of it.
+const LEAST_FACE_BLOCKS: f64 = 2.0;
+
+/// Refuses a specimen whose face is narrower than the blocks of `layer` can show.
+///
+/// # Errors
+/// [`Diagnostic`] at the table of the specimen.
+pub fn check_face(
+    document: &Document,
+    table: &Spanned<SpecimenFile>,
+    specimen: &Specimen,
+    layer: &Layer,
+) -> Result<(), Diagnostic> {
+    let (what, narrowest_m) = match specimen.outline {
+        Outline::Disc { diameter_m } => ("diameter", diameter_m),
+        Outline::Rectangle { length_m, width_m } => ("shorter side", length_m.min(width_m)),
+        Outline::Ring { outer_diameter_m, inner_diameter_m } => {
+            ("width from inner to outer edge", 0.5 * (outer_diameter_m - inner_diameter_m))
+        }
+    };
+    if narrowest_m >= LEAST_FACE_BLOCKS * layer.block_m {
+        return Ok(());
+    }
+    let [narrowest_um, block_um] = [narrowest_m, layer.block_m].map(|length_m| LENGTH_UM.from_si(length_m));
+    Err(document
+        .refuse(table.span(), format!("has a {what} of {narrowest_um} um, of blocks of {block_um} um"))
+        .expected(format!("a {what} of at least {LEAST_FACE_BLOCKS} blocks, or a smaller sample.block_um")))
+}
+
 /// Reads the modelled layer, as long as `specimen` where there is one, and checks that it is made of whole blocks.
 ///
 /// # Errors
@@ -433,7 +465,7 @@ fn read_speed(document: &Document, load: &Spanned<LoadFile>, condition: Option<&
         (None, None) => Err(document.missing(load.span(), "speed_mm_s")),
         (None, Some(condition)) => Ok(condition.speed_m_s),
         (Some(speed), condition) => {
-            let speed_m_s = document.number(speed, SPEED_MM_S.or_least())?;
+            let speed_m_s = document.number(speed, SPEED_MM_S.or_zero())?;
             // A run in time may be slower, as that of a design is where the modelled layer would slide in waves.
             let other = condition.filter(|condition| speed_m_s > (1.0 + 1e-6) * condition.speed_m_s);
             other.map_or(Ok(speed_m_s), |condition| {

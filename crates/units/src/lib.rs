@@ -78,10 +78,10 @@ impl Quantity {
         self.to_si(self.from_si(si))
     }
 
-    /// The same quantity with its lower end included: where zero has a meaning.
+    /// The same quantity from zero on, where that has a meaning.
     #[must_use]
-    pub const fn or_least(mut self) -> Self {
-        self.above = false;
+    pub const fn or_zero(mut self) -> Self {
+        (self.least, self.above) = (0.0, false);
         self
     }
 
@@ -101,18 +101,18 @@ impl fmt::Display for Quantity {
     }
 }
 
-/// Lengths of patterns and layers: up to 10 m, where a metre was meant to be a micrometre.
-pub const LENGTH_UM: Quantity = Quantity::new(Scale::Over(1e6), "um", 0.0, true, 1e7);
+/// Lengths of patterns and layers: from a picometre, far below an atom, up to 10 m, where a metre was meant to be a micrometre.
+pub const LENGTH_UM: Quantity = Quantity::new(Scale::Over(1e6), "um", 1e-6, false, 1e7);
 /// Sides of pixels: a map has none below a ten-thousandth of a nanometre.
 pub const PIXEL_UM: Quantity = Quantity { least: 1e-7, above: false, ..LENGTH_UM };
 /// Standard deviations of lengths.
-pub const LENGTH_STD_UM: Quantity = LENGTH_UM.or_least();
+pub const LENGTH_STD_UM: Quantity = LENGTH_UM.or_zero();
 /// Heights of rims, and their scatter.
-pub const RIM_HEIGHT_UM: Quantity = LENGTH_UM.or_least().at_most(1000.0);
+pub const RIM_HEIGHT_UM: Quantity = LENGTH_UM.or_zero().at_most(1000.0);
 /// Correlations.
 pub const CORRELATION: Quantity = Quantity::new(Scale::Times(1.0), "", -1.0, false, 1.0);
-/// Lengths of specimens.
-pub const LENGTH_MM: Quantity = Quantity::new(Scale::Over(1e3), "mm", 0.0, true, 1e4);
+/// Lengths of specimens, from a nanometre.
+pub const LENGTH_MM: Quantity = Quantity::new(Scale::Over(1e3), "mm", 1e-6, false, 1e4);
 /// Nominal pressures: diamond yields at 100 GPa.
 pub const PRESSURE_MPA: Quantity = Quantity::new(Scale::Times(1e6), "MPa", 0.0, true, 1e5);
 /// Largest Young's modulus that any file may hold: diamond has 1220 GPa.
@@ -120,7 +120,7 @@ pub const LARGEST_MODULUS_GPA: f64 = 1250.0;
 /// Young's moduli.
 pub const MODULUS_GPA: Quantity = Quantity::new(Scale::Times(1e9), "GPa", 0.0, true, LARGEST_MODULUS_GPA);
 /// Standard deviations of Young's modulus.
-pub const MODULUS_STD_GPA: Quantity = MODULUS_GPA.or_least();
+pub const MODULUS_STD_GPA: Quantity = MODULUS_GPA.or_zero();
 /// Largest density that any file may hold: osmium has 22.6 g/cm3.
 pub const LARGEST_DENSITY_G_CM3: f64 = 23.0;
 /// Densities.
@@ -171,8 +171,8 @@ pub const CROSSING_ANGLE_DEG: Quantity = Quantity::new(Scale::Times(1.0), "degre
 pub const SLIDING_ANGLE_DEG: Quantity = Quantity::new(Scale::Times(1.0), "degrees", -180.0, false, 180.0);
 /// How far walls lean from upright.
 pub const WALL_TAPER_DEG: Quantity = Quantity::new(Scale::Times(1.0), "degrees", 0.0, false, 80.0);
-/// Numbers of the laser that are only copied.
-pub const POSITIVE: Quantity = Quantity::new(Scale::Times(1.0), "", 0.0, true, 1e12);
+/// Numbers of the laser in units of their own; below a millionth of these nothing is made.
+pub const POSITIVE: Quantity = Quantity::new(Scale::Times(1.0), "", 1e-6, false, 1e12);
 
 /// `value` to 12 significant digits: what unit conversion left behind is gone.
 #[must_use]
@@ -222,7 +222,14 @@ mod tests {
 
     #[test]
     fn ranges_say_what_they_accept() {
-        assert!(PRESSURE_MPA.accepts(2.6) && !PRESSURE_MPA.accepts(0.0) && PRESSURE_MPA.or_least().accepts(0.0));
+        assert!(PRESSURE_MPA.accepts(2.6) && !PRESSURE_MPA.accepts(0.0) && PRESSURE_MPA.or_zero().accepts(0.0));
+        for quantity in [LENGTH_UM, LENGTH_MM, POSITIVE] {
+            assert!(
+                quantity.accepts(1e-6) && !quantity.accepts(5e-324) && quantity.or_zero().accepts(0.0),
+                "{quantity}"
+            );
+        }
+        assert_eq!(LENGTH_UM.to_string(), "a number from 0.000001 up to 10000000 um");
         assert!(!PRESSURE_MPA.accepts(2.6e6));
         assert!(HUMIDITY_PCT.accepts(0.0) && !HUMIDITY_PCT.accepts(-1.0) && !HUMIDITY_PCT.accepts(f64::NAN));
         assert_eq!(DENSITY_G_CM3.to_string(), "a number above 0 up to 23 g/cm3");

@@ -24,7 +24,7 @@ pub fn run(args: &SurfaceArgs, console: &mut Console<'_>) -> Result<u8, CliError
         check_file(Place { flag: "--period-out", path: file }, std::slice::from_ref(&args.map))?;
     }
     let options = map_options(&args.reading)?;
-    let section_m = args.section_um.map(|um| checked("--section-um", um, LENGTH_UM.or_least())).transpose()?;
+    let section_m = args.section_um.map(|um| checked("--section-um", um, LENGTH_UM.or_zero())).transpose()?;
     let job = Job::new(console);
     let read = open(&slipgrid_disk::disk(), &args.map, &options.read, &job)?;
     let refuse = |error: MapError| Diagnostic::file(&args.map, error.to_string());

@@ -68,7 +68,7 @@ fn pattern(args: &SynthesizeArgs) -> Result<Option<CutPattern>, Diagnostic> {
     let [width_m, spacing_m, depth_m] = lengths_um.map(|length_um| checked("--cavities", length_um, LENGTH_UM));
     let std_um = args.cavity_std.unwrap_or_default();
     let [width_std_m, pitch_std_m, depth_std_m] =
-        std_um.map(|std_um| checked("--cavity-std", std_um, LENGTH_UM.or_least()));
+        std_um.map(|std_um| checked("--cavity-std", std_um, LENGTH_UM.or_zero()));
     Ok(Some(CutPattern {
         shape: match args.cavity_shape {
             CutName::Groove => CutShape::Groove,
@@ -78,7 +78,7 @@ fn pattern(args: &SynthesizeArgs) -> Result<Option<CutPattern>, Diagnostic> {
         width_m: width_m?,
         spacing_m: spacing_m?,
         depth_m: depth_m?,
-        wall_m: checked("--wall-um", args.wall_um, LENGTH_UM.or_least())?,
+        wall_m: checked("--wall-um", args.wall_um, LENGTH_UM.or_zero())?,
         width_std_m: width_std_m?,
         pitch_std_m: pitch_std_m?,
         depth_std_m: depth_std_m?,
@@ -94,7 +94,7 @@ fn rim(args: &SynthesizeArgs) -> Result<Option<CutRim>, Diagnostic> {
         height_m: checked("--rims", height_um, LENGTH_UM)?,
         width_m: checked("--rims", width_um, LENGTH_UM)?,
         profile: args.rim_profile.into(),
-        height_std_m: checked("--rim-std-um", args.rim_std_um, LENGTH_UM.or_least())?,
+        height_std_m: checked("--rim-std-um", args.rim_std_um, LENGTH_UM.or_zero())?,
     }))
 }
 

@@ -17,7 +17,7 @@ use slipgrid_disk::disk;
 /// Lengths of the pattern: ten centimetres are more than any specimen.
 const PATTERN_UM: Quantity = LENGTH_UM.at_most(1e5);
 /// Travel of a run in time: sliding is steady after a few micrometres.
-const TRAVEL_UM: Quantity = LENGTH_UM.or_least().at_most(100.0);
+const TRAVEL_UM: Quantity = LENGTH_UM.or_zero().at_most(100.0);
 /// Slope factors: beyond these no surface is meant.
 const SLOPE_FACTORS: std::ops::RangeInclusive<f64> = 0.01..=100.0;
 

@@ -43,9 +43,9 @@ fn scenes() {
         &[
             case("width_um = 130.0", "widht_um = 130.0", ":12: pattern.widht_um: ", "did you mean `width_um`?"),
             case("width_um = 130.0", "width_mm = 0.13", ":12: pattern.width_mm: ", "did you mean `width_um`?"),
-            case("width_um = 130.0", "width_um = -130.0", ":12: pattern.width_um: -130.0 ", "above 0"),
-            case("width_um = 130.0", "width_um = nan", ":12: pattern.width_um: nan ", "above 0"),
-            case("width_um = 130.0", "width_um = inf", ":12: pattern.width_um: inf ", "above 0"),
+            case("width_um = 130.0", "width_um = -130.0", ":12: pattern.width_um: -130.0 ", "from 0.000001"),
+            case("width_um = 130.0", "width_um = nan", ":12: pattern.width_um: nan ", "from 0.000001"),
+            case("width_um = 130.0", "width_um = inf", ":12: pattern.width_um: inf ", "from 0.000001"),
             case("width_um = 130.0", "width_um = \"wide\"", ":12: pattern.width_um: \"wide\" ", "expected a number"),
             case("width_um = 130.0", "", ":11: pattern.width_um: is missing", ""),
             case("depth_um = 20.0", "depth_um = 200.0", ":14: pattern.depth_um: 200.0 ", "below 200 um"),
@@ -80,7 +80,7 @@ fn scenes() {
             ),
             case("layer_um = 200.0", "layer_um = 205.0", ":18: sample.layer_um: 205.0 ", "layer_um = 200"),
             case("length_um = 9960.0", "length_um = 3.0", ":17: sample.length_um: 3.0 ", "length_um = 10"),
-            case("block_um = 10.0", "block_um = 0", ":19: sample.block_um: 0 ", "above 0"),
+            case("block_um = 10.0", "block_um = 0", ":19: sample.block_um: 0 ", "from 0.000001"),
             case("block_um = 10.0", "block_um = 0.0001", ":19: sample.block_um: 0.0001 ", "at most 4e7"),
             case("[0.65, 2.6]", "[0.65, 2.6e6]", ":21: load.pressure_mpa: 2.6e6 ", "MPa"),
             case("[0.65, 2.6]", "[0.65, 500]", ":21: load.pressure_mpa: 500 ", "at most 190 MPa"),
@@ -253,7 +253,7 @@ fn designs() {
             case("[40.0, 1000.0]", "[5.0, 30.0]", ":18: bounds.spacing_um: ", "at least 40 um"),
             case("[2.0, 50.0]", "[2.0, 2.5]", ":19: bounds.depth_um: ", "multiple of 2.6 um"),
             case("[2.0, 50.0]", "[2.0, 200.0]", ":19: bounds.depth_um: ", "below 200 um"),
-            case("[2.0, 50.0]", "[-2.0, 50.0]", ":19: bounds.depth_um: -2.0 ", "above 0"),
+            case("[2.0, 50.0]", "[-2.0, 50.0]", ":19: bounds.depth_um: -2.0 ", "from 0.000001"),
             case("\"ratio\"", "\"ration\"", ":12: target.quantity: \"ration\" ", "did you mean `ratio`?"),
             case("value = 0.9", "value = [0.9, 0.8, 0.7]", ":14: target.value: ", "2, one for each"),
             case("value = 0.9", "value = -0.9", ":14: target.value: -0.9 ", "above 0"),
@@ -459,5 +459,26 @@ fn an_empty_file_and_a_missing_table_are_said_with_the_command_that_writes_one()
     ] {
         let message = place.refuse(args);
         assert!(message.starts_with(&format!("error: {file}")) && message.contains(writes), "{message}");
+    }
+}
+
+#[test]
+fn lengths_that_nothing_can_have_are_refused_with_their_line() {
+    let (specimen, limits) = ("\ndiameter_mm = ", "\n[limits]\n");
+    let design = |from: &str, to: &str| DESIGN.replacen(from, to, 1);
+    for (text, says) in [
+        (
+            design(specimen, "\ndiameter_mm = 5e-324 #"),
+            "specimen.diameter_mm: 5e-324 is out of range; expected a number from 0.000001 up to",
+        ),
+        (
+            design(specimen, "\ncavities = \"clipped\"\ndiameter_mm = 0.01 #"),
+            "specimen: has a diameter of 10 um, of blocks of ",
+        ),
+        (design(limits, "\n[limits]\nmin_land_um = 5e-324 #"), "limits.min_land_um: 5e-324 is out of range"),
+    ] {
+        let place = Place::with(&[("design.toml", &text)]);
+        let message = place.refuse(&["optimize", "design.toml"]);
+        assert!(message.starts_with("error: design.toml:") && message.contains(says), "{message}");
     }
 }

@@ -38,7 +38,7 @@ fn refusals_name_line_and_key() {
         ),
         (
             "\n[inner]\n",
-            "a.toml:2: inner.width_um: is missing; expected a number above 0 up to 10000000 um, such as width_um = 130.0",
+            "a.toml:2: inner.width_um: is missing; expected a number from 0.000001 up to 10000000 um, such as width_um = 130.0",
         ),
         ("# nothing\n", "a.toml: holds no keys; expected a file with the key inner"),
         ("inner = { width_um = \"wide\" }", "a.toml:1: inner.width_um: \"wide\" has the wrong type; expected a number"),
