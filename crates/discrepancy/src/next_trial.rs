@@ -90,7 +90,7 @@ impl Wanted {
         Score { chance, closeness: closeness(prediction, &bounds) }
     }
 
-    /// The same, roughly where there are more than four loads; `None` where the chance is below `least_chance`, or the score's value below `least_value`. `most_close` is no less than the
+    /// The same, roughly; `None` where the chance is below `least_chance`, or the score's value below `least_value`. `most_close` is no less than the
     /// closeness, which is dearer than most chances that are too small.
     fn score_above(
         &self,
@@ -184,7 +184,7 @@ fn closeness(prediction: &Prediction, [lower, upper]: &[Vec<f64>; 2]) -> f64 {
     sum
 }
 
-/// The greatest score of `count` candidates that `of` gives; candidates of which it gives nothing are passed by. Of equal ones
+/// The greatest score of `count` candidates that `of` gives, as they are ranked; candidates of which it gives nothing are passed by. Of equal ones
 /// the first.
 pub fn choose<'a>(
     predictor: &Predictor,
@@ -192,7 +192,9 @@ pub fn choose<'a>(
     count: usize,
     of: &(dyn Fn(usize) -> Option<Candidate<'a>> + Sync),
 ) -> Option<Chosen> {
-    Ranking::new(predictor, wanted, 0.0, count, of).best(1, 0.0, &|_| true).into_iter().next()
+    let ranked = Ranking::new(predictor, wanted, 0.0, count, of).best(1, 0.0, &|_| true).into_iter().next()?;
+    let candidate = of(ranked.place)?;
+    Some(Chosen { score: wanted.score(&predictor.of(&candidate), candidate.modelled), ..ranked })
 }
 
 /// Candidates with what their scores are at most, so that few are scored.

@@ -106,8 +106,8 @@ const FAR_BOTTOM: [f64; 8] = [
 
 /// Points of the rule behind [`box_probability`].
 const POINTS: usize = 512;
-/// The same where boxes are ranked.
-const ROUGH_POINTS: usize = 128;
+/// The same where boxes of up to four components, and of more, are ranked.
+const ROUGH_POINTS: [usize; 2] = [64, 128];
 
 /// Probability that a normal vector of this `mean` lies between `lower` and `upper` in every component. `factor` is the lower
 /// triangular factor L of its covariance L L^T, row by row, n x n; rows of zeros are exact components. By separation of
@@ -118,11 +118,11 @@ pub fn box_probability(mean: &[f64], factor: &[f64], lower: &[f64], upper: &[f64
     by_points(mean, factor, lower, upper, POINTS)
 }
 
-/// The same to rank by: on 128 points, which up to 24 components departs from [`box_probability`] by 0.01 root mean
-/// square (`few_points_serve_to_rank_by`).
+/// The same to rank by: on 64 points, which depart from the integral by 0.003 root mean square, and on 128 from five components on, up to 24 of
+/// which it departs from [`box_probability`] by 0.01 root mean square (`few_points_serve_to_rank_by`).
 #[must_use]
 pub fn rough_box_probability(mean: &[f64], factor: &[f64], lower: &[f64], upper: &[f64]) -> f64 {
-    by_points(mean, factor, lower, upper, ROUGH_POINTS)
+    by_points(mean, factor, lower, upper, ROUGH_POINTS[usize::from(mean.len() > 4)])
 }
 
 /// The primes, whose square roots are those of the lattice: another one for every component, as two of the same would move together.
