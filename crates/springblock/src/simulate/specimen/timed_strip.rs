@@ -103,8 +103,9 @@ impl TimedStrip {
     /// hardest, so that a limit of the largest pressure is held to the strip.
     fn pressed_harder(&self, steady: &[LoadOutcome]) -> Option<String> {
         let peak_pa = |load: &LoadOutcome| load.surface.peak_pressure_pa;
-        let each = self.loads.iter().zip(steady).map(|(strip, face)| peak_pa(face) / peak_pa(strip));
-        let most = each.fold(1.0, f64::max);
+        // A strip that does not slide to a mean bears nothing that could be compared.
+        let each = self.loads.iter().zip(steady).filter(|(strip, _)| peak_pa(strip) > 0.0);
+        let most = each.map(|(strip, face)| peak_pa(face) / peak_pa(strip)).fold(1.0, f64::max);
         (most > 1.02).then(|| {
             format!(
                 "the largest local pressure is that of the strip that was run in time; lands that the border of the specimen cuts narrower are \
