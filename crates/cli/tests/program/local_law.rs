@@ -67,6 +67,7 @@ fn by_the_measured_law_the_same_groove_raises_friction_that_the_area_law_lowers(
 }
 
 #[test]
+#[ignore = "takes ten to twenty seconds of both cores"]
 fn a_fitted_law_is_compared_as_trials_have_it() {
     let calibration = "calibration/synthetic-polymer";
     let place = Place::with(&[]);
