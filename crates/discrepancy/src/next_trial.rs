@@ -57,6 +57,9 @@ pub struct Candidate<'a> {
     pub of_dimensions: &'a [f64],
 }
 
+/// Candidates that come first by rough chances, of which the exact ones decide.
+const FINALISTS: usize = 8;
+
 /// The texture to cut next.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Chosen {
@@ -184,7 +187,7 @@ fn closeness(prediction: &Prediction, [lower, upper]: &[Vec<f64>; 2]) -> f64 {
     sum
 }
 
-/// The greatest score of `count` candidates that `of` gives, as they are ranked; candidates of which it gives nothing are passed by. Of equal ones
+/// The greatest score of `count` candidates that `of` gives; candidates of which it gives nothing are passed by. Of equal ones
 /// the first.
 pub fn choose<'a>(
     predictor: &Predictor,
@@ -192,9 +195,12 @@ pub fn choose<'a>(
     count: usize,
     of: &(dyn Fn(usize) -> Option<Candidate<'a>> + Sync),
 ) -> Option<Chosen> {
-    let ranked = Ranking::new(predictor, wanted, 0.0, count, of).best(1, 0.0, &|_| true).into_iter().next()?;
-    let candidate = of(ranked.place)?;
-    Some(Chosen { score: wanted.score(&predictor.of(&candidate), candidate.modelled), ..ranked })
+    let finalists = Ranking::new(predictor, wanted, 0.0, count, of).best(FINALISTS, 0.0, &|_| true).into_iter();
+    let exact = finalists.filter_map(|Chosen { place, .. }| {
+        let candidate = of(place)?;
+        Some(Chosen { place, score: wanted.score(&predictor.of(&candidate), candidate.modelled) })
+    });
+    exact.reduce(|best, next| if next.score.value() > best.score.value() { next } else { best })
 }
 
 /// Candidates with what their scores are at most, so that few are scored.
