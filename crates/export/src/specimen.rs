@@ -1,6 +1,6 @@
 //! A specimen: its face, and what becomes of cavities at the rim.
 
-use slipgrid_pattern::{Pattern, Texture};
+use slipgrid_pattern::{Pattern, Texture, folded_deg};
 
 use crate::{ExportError, Layout, Outline};
 
@@ -36,10 +36,7 @@ impl Specimen {
         let is_back_or_forth = (own_deg - other_deg).rem_euclid(180.0) == 0.0;
         // What a rectangle has in common with a texture that lies along its sides: mirrors at these, and at its diagonal where it is a square.
         let shares_axes = texture.outline().is_none() && texture.orientation_deg().rem_euclid(90.0) == 0.0;
-        let folded_deg = |angle_deg: f64| {
-            let acute_deg = angle_deg.rem_euclid(180.0).min((-angle_deg).rem_euclid(180.0));
-            if length_m == width_m { acute_deg.min(90.0 - acute_deg) } else { acute_deg }
-        };
+        let folded_deg = |angle_deg: f64| folded_deg(angle_deg, length_m == width_m);
         let is_alike = is_back_or_forth || shares_axes && (folded_deg(own_deg) - folded_deg(other_deg)).abs() < 1e-9;
         is_alike && texture.slides_alike(other_deg)
     }

@@ -67,7 +67,7 @@ pub use planform::{Arrangement, Planform};
 pub use polygon::{OutlineError, Polygon};
 pub use relief_map::{LandRelief, ReliefMap};
 pub use rim::{Rim, RimProfile};
-pub use texture::Texture;
+pub use texture::{Texture, folded_deg};
 
 #[cfg(test)]
 mod tests;

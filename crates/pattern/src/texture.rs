@@ -279,12 +279,7 @@ impl Texture {
         let is_square =
             matches!(self.planform, Planform::Square | Planform::Disc | Planform::Polygon) && is_square_lattice;
         let has_square_symmetry = is_square || self.crossing_angle_deg() == Some(RIGHT_ANGLE_DEG);
-        // The angle between the direction and the nearest x or -x, of 0 to 90 degrees, or to 45.
-        let folded_deg = |angle_deg: f64| {
-            let turned_deg = (angle_deg - self.orientation_deg()).rem_euclid(180.0);
-            let acute_deg = turned_deg.min(180.0 - turned_deg);
-            if has_square_symmetry { acute_deg.min(90.0 - acute_deg) } else { acute_deg }
-        };
+        let folded_deg = |angle_deg: f64| folded_deg(angle_deg - self.orientation_deg(), has_square_symmetry);
         (folded_deg(self.sliding_angle_deg) - folded_deg(other_deg)).abs() < SAME_DEG
     }
 
@@ -310,6 +305,14 @@ fn angle(quantity: &'static str, value_deg: f64, most_deg: f64) -> Result<f64, P
     } else {
         Err(PatternError::AngleOutOfRange { quantity, value_deg, most_deg })
     }
+}
+
+/// The angle between a direction and the nearest x or -x, of 0 to 90 degrees; or where x and y are alike, the nearest of both, of 0 to 45.
+#[must_use]
+pub fn folded_deg(angle_deg: f64, has_square_symmetry: bool) -> f64 {
+    let turned_deg = angle_deg.rem_euclid(180.0);
+    let acute_deg = turned_deg.min(180.0 - turned_deg);
+    if has_square_symmetry { acute_deg.min(90.0 - acute_deg) } else { acute_deg }
 }
 
 /// (cos a, sin a), exact at multiples of a right angle and the same on every platform.
