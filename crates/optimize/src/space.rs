@@ -170,32 +170,29 @@ impl Axis {
     fn at(&self, t: f64) -> f64 {
         match *self {
             Self::Fixed(value_m) => value_m,
-            Self::Free { lower_m, upper_m, step, first, last } => {
-                // length = lower (upper / lower)^t
-                let length_m = lower_m * (upper_m / lower_m).powf(t.clamp(0.0, 1.0));
-                let index = (step.index(length_m).round() as u64).clamp(first, last);
-                step.at(index).clamp(lower_m, upper_m)
+            // length = lower (upper / lower)^t
+            Self::Free { lower_m, upper_m, .. } => {
+                self.on_step(lower_m * (upper_m / lower_m).powf(t.clamp(0.0, 1.0)), f64::round)
             }
         }
     }
 
     /// The greatest grid value up to `most_m`, or the first.
     fn at_most(&self, most_m: f64) -> f64 {
-        match *self {
-            Self::Fixed(value_m) => value_m,
-            Self::Free { lower_m, upper_m, step, first, last } => {
-                let index = ((step.index(most_m) + GRID_SLACK).floor() as u64).clamp(first, last);
-                step.at(index).clamp(lower_m, upper_m)
-            }
-        }
+        self.on_step(most_m, |index| (index + GRID_SLACK).floor())
     }
 
     /// The least grid value from `least_m` on, or the last.
     fn at_least(&self, least_m: f64) -> f64 {
+        self.on_step(least_m, |index| (index - GRID_SLACK).ceil())
+    }
+
+    /// The grid value whose index is `whole` of that of `length_m`, or the nearest that there is.
+    fn on_step(&self, length_m: f64, whole: fn(f64) -> f64) -> f64 {
         match *self {
             Self::Fixed(value_m) => value_m,
             Self::Free { lower_m, upper_m, step, first, last } => {
-                let index = ((step.index(least_m) - GRID_SLACK).ceil() as u64).clamp(first, last);
+                let index = (whole(step.index(length_m)) as u64).clamp(first, last);
                 step.at(index).clamp(lower_m, upper_m)
             }
         }
