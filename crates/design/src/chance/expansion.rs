@@ -79,14 +79,6 @@ fn per_step(above: &Answer, below: &Answer, step: f64) -> Slope {
     Slope { curvature: vec![0.0; ratio.len()], ratio, clearance }
 }
 
-impl Slope {
-    /// By a unit that is `factor` times as large.
-    fn times(self, factor: f64) -> Self {
-        let times = |numbers: Vec<f64>| numbers.into_iter().map(|number| factor * number).collect();
-        Self { ratio: times(self.ratio), curvature: times(self.curvature), clearance: factor * self.clearance }
-    }
-}
-
 /// How the steady model moves about a design along each input that it is asked of: the dimensions that scatter, the height of the rims, the
 /// depth per burst, flat friction, scale and factors of the area law. By central differences over a standard deviation each way.
 #[derive(Clone, Debug)]
@@ -131,15 +123,15 @@ impl Chances<'_> {
         let laid = self.still.lay(design)?;
         let dimensions = self.tolerances.std_m.into_iter().enumerate().filter(|(_, std_m)| *std_m > 0.0);
         let mut slopes = dimensions
-            .map(|(axis, std_m)| self.along_axis(design, &laid, axis, std_m))
+            .map(|(axis, std_m)| self.along_axis(design, &laid, axis, std_m, 1.0))
             .collect::<Result<Vec<Slope>, ModelFailure>>()?;
         if self.uncertainty.rim().is_some() {
             slopes.push(self.along_rim(design)?);
         }
         if let Some(place) = self.burst {
-            // dr / d ln(depth) = depth dr / d depth
-            let std_m = self.uncertainty.std(place) * design.depth_m();
-            slopes.push(self.along_axis(design, &laid, DEPTH, std_m)?.times(design.depth_m()));
+            // By a share of the depth: dr / d ln(depth).
+            let (depth_m, std) = (design.depth_m(), self.uncertainty.std(place));
+            slopes.push(self.along_axis(design, &laid, DEPTH, std * depth_m, depth_m)?);
         }
         for along in self.beside() {
             // All of them lie on one specimen: laying out crossing grooves takes as long as solving them.
@@ -213,10 +205,18 @@ impl Chances<'_> {
         Some(per_m.iter().map(|slope| slope.abs() * self.tolerances.rim_height_std_m).collect())
     }
 
-    /// Slopes along one dimension, per metre.
-    fn along_axis(&self, design: &Pattern, laid: &Laid, axis: usize, std_m: f64) -> Result<Slope, ModelFailure> {
+    /// Slopes along one dimension, per `unit_m`.
+    fn along_axis(
+        &self,
+        design: &Pattern,
+        laid: &Laid,
+        axis: usize,
+        std_m: f64,
+        unit_m: f64,
+    ) -> Result<Slope, ModelFailure> {
         let lengths_m = design.lengths_m();
         let step_m = std_m.min(WIDEST_SHARE * lengths_m[axis]);
+        let step = step_m / unit_m;
         let at = |by_m: f64| {
             let mut made_m = lengths_m;
             made_m[axis] += by_m;
@@ -225,10 +225,10 @@ impl Chances<'_> {
             self.still.answer_made(&made, laid)
         };
         match rayon::join(|| at(step_m), || at(-step_m)) {
-            (Ok(above), Ok(below)) => Ok(per_step(&above, &below, 2.0 * step_m)),
+            (Ok(above), Ok(below)) => Ok(per_step(&above, &below, 2.0 * step)),
             // One-sided beside designs that cannot be computed.
-            (Ok(above), Err(ModelFailure::Trial { .. })) => Ok(per_step(&above, &at(0.0)?, step_m)),
-            (Err(ModelFailure::Trial { .. }), Ok(below)) => Ok(per_step(&at(0.0)?, &below, step_m)),
+            (Ok(above), Err(ModelFailure::Trial { .. })) => Ok(per_step(&above, &at(0.0)?, step)),
+            (Err(ModelFailure::Trial { .. }), Ok(below)) => Ok(per_step(&at(0.0)?, &below, step)),
             (Err(failure), _) | (_, Err(failure)) => Err(failure),
         }
     }
