@@ -141,9 +141,11 @@ fn near_m(a: [f64; 2], b: [f64; 2], reach: f64) -> Option<[f64; 2]> {
     (span[0] < span[1]).then_some(span)
 }
 
-fn distance_m(at: [f64; 2], a: [f64; 2], b: [f64; 2]) -> f64 {
+/// Distance of a point from the straight line between two others, which may be one.
+pub(crate) fn distance_m(at: [f64; 2], a: [f64; 2], b: [f64; 2]) -> f64 {
     let (along, from) = ([b[0] - a[0], b[1] - a[1]], [at[0] - a[0], at[1] - a[1]]);
-    let share = (from[0] * along[0] + from[1] * along[1]) / (along[0] * along[0] + along[1] * along[1]);
+    let square = along[0] * along[0] + along[1] * along[1];
+    let share = if square > 0.0 { (from[0] * along[0] + from[1] * along[1]) / square } else { 0.0 };
     let share = share.clamp(0.0, 1.0);
     (from[0] - share * along[0]).hypot(from[1] - share * along[1])
 }

@@ -5,7 +5,6 @@
 //! mask needs the contour alone. Where grooves cross, lines of the second family end half a spot before those of the first.
 
 use crate::crossing::Crossing;
-use crate::face::without;
 use crate::{Boundary, Cavity, ExportError, Exposure, Laser};
 
 /// A straight line of the spot's centre, from one end to the other, in metres.
@@ -123,14 +122,10 @@ impl Marking {
             let at_m = low_m + across_m * if gaps > 0.0 { line as f64 / gaps } else { 0.5 };
             let mut spans_m = face.spans_m([dx, dy], at_m);
             if let Some(outline) = &inner.cut_by {
-                // Along the line turned by a right angle anticlockwise from its normal: backwards.
-                let Some([low_m, high_m]) = outline.chord_m([-dy, dx], at_m) else { continue };
-                let beyond_m = [[f64::NEG_INFINITY, -high_m], [-low_m, f64::INFINITY]];
-                let hole_m = outline.hole_m() / 2.0;
-                let half_m = ((hole_m - at_m) * (hole_m + at_m)).max(0.0).sqrt();
-                for taken_m in beyond_m.into_iter().chain([[-half_m, half_m]]) {
-                    spans_m = spans_m.into_iter().flat_map(|span_m| without(span_m, taken_m)).collect();
-                }
+                let both = |[from_m, to_m]: [f64; 2], [low_m, high_m]: [f64; 2]| [from_m.max(low_m), to_m.min(high_m)];
+                let on_face = outline.chords_along_m([dx, dy], at_m).into_iter();
+                let parts = on_face.flat_map(|chord_m| spans_m.iter().map(move |span_m| both(*span_m, chord_m)));
+                spans_m = parts.filter(|[from_m, to_m]| to_m > from_m).collect();
             }
             let point = |along_m: f64| [along_m * dx - at_m * dy, along_m * dy + at_m * dx];
             lines.extend(spans_m.into_iter().map(|ends_m| ends_m.map(point)));

@@ -146,8 +146,7 @@ impl Outline {
 
     /// The parts of the line along the unit vector `along`, `at_m` to its left from the centre, that lie on the face: their ends along it,
     /// in metres, ascending; one, two beside a hole, or none.
-    pub(crate) fn chords_along_m(&self, along @ [dx, dy]: [f64; 2], at_m: f64) -> Vec<[f64; 2]> {
-        debug_assert!((dx.hypot(dy) - 1.0).abs() < 1e-12);
+    pub(crate) fn chords_along_m(&self, along: [f64; 2], at_m: f64) -> Vec<[f64; 2]> {
         // The normal turned anticlockwise is the direction back.
         let Some([low_m, high_m]) = self.chord_m(left_of(along), at_m) else { return Vec::new() };
         let (from_m, to_m) = (-high_m, -low_m);

@@ -17,7 +17,7 @@ use crate::cavity::Cavity;
 use crate::marking::length_m;
 use crate::number::{DERIVED_DIGITS, MICROMETRE_DECIMALS, decimal, micrometres, round_decimals, round_digits};
 use crate::process::removed_volume_m3;
-use crate::unreached::{self, Unreached};
+use crate::unreached;
 use crate::{Laser, Layout, Line, Marking};
 
 /// Shares of a cavity's width between which its middle lies.
@@ -88,14 +88,16 @@ pub(crate) struct Hatched {
     pub(crate) apart_m: Option<[f64; 2]>,
     /// Distance of neighbouring lines in the cavity with most of them, in metres; the greatest where its parts differ.
     pub(crate) one_apart_m: Option<f64>,
-    /// Those of the cavity with most of them: one that no rim cuts, where there is one.
+    /// Cavities without a line, and their area in square metres.
+    bare: (u32, f64),
+    /// The cavity with most of them, one that no rim cuts where there is one; `None` where all lines are of no length.
+    one: Option<Cavity>,
+    /// Its lines.
     of_one: Vec<Line>,
     /// Half the spot, in metres.
     half_spot_m: f64,
     /// Where depth is looked at.
     section: Option<Section>,
-    /// What the spot does not get into.
-    unreached: Unreached,
 }
 
 /// The straight way across a cavity from edge to edge, through the middle of its longest line and at right angles to that.
@@ -131,15 +133,14 @@ impl Hatched {
         }
         let section = of_one.as_ref().and_then(|(cavity, own)| Section::of(cavity, own, marking.direction(cavity)));
         let half_spot_m = marking.spot_compensation_m();
-        let swept = of_one.as_ref().map(|(cavity, own)| unreached::swept_share(cavity, own, half_spot_m));
-        let unreached = Unreached { cavities: bare.0, area_m2: bare.1, swept };
-        let of_one = of_one.map_or_else(Vec::new, |(_, own)| own);
-        Self { lines, length_m: length, apart_m, one_apart_m, of_one, half_spot_m, section, unreached }
+        let (one, of_one) = of_one.map_or_else(Default::default, |(cavity, own)| (Some(cavity), own));
+        Self { lines, length_m: length, apart_m, one_apart_m, bare, one, of_one, half_spot_m, section }
     }
 
     /// What the spot does not get into, for people.
     pub(crate) fn unreached_warnings(&self, layout: &Layout) -> Vec<String> {
-        self.unreached.warnings(layout, 2e6 * self.half_spot_m)
+        let of = |one| unreached::warnings(layout, self.half_spot_m, self.bare, one, &self.of_one);
+        self.one.as_ref().map_or_else(Vec::new, of)
     }
 
     /// The sum of `of` the lengths of lines within half a spot of a point, in metres, as a mean over the part of the section between two

@@ -9,6 +9,7 @@
 
 use slipgrid_pattern::Planform;
 
+use crate::face::distance_m;
 use crate::number::decimal;
 use crate::{Cavity, Layout, Line};
 
@@ -17,54 +18,47 @@ const POINTS: u32 = 60;
 /// A cavity of which less is swept is warned of. A spot a third as wide sweeps 97 % of a square and all of a disc.
 const LEAST_SWEPT: f64 = 0.9;
 
-/// What a spot does not get into.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Unreached {
-    /// Cavities without a line.
-    pub(crate) cavities: u32,
-    /// Their area, in square metres.
-    pub(crate) area_m2: f64,
-    /// Share of the cavity with most lines that these sweep; `None` without lines.
-    pub(crate) swept: Option<f64>,
-}
-
-impl Unreached {
-    /// For people, of the cavities of `layout` and a spot of `spot_um`.
-    pub(crate) fn warnings(&self, layout: &Layout, spot_um: f64) -> Vec<String> {
-        let percent = |share: f64| format!("{:.0} %", 100.0 * share);
-        let spot = decimal(spot_um, 1);
-        let mut warnings = Vec::new();
-        // Without any line another warning says so.
-        if let (Some(_), 1..) = (self.swept, self.cavities) {
-            let share = percent(self.area_m2 / layout.cavity_area_m2());
-            warnings.push(format!(
-                "{} of {} cavities, {share} of their area, are cut by the rim to less than the spot, {spot} um, and get no line; friction was \
-                 computed with them: a smaller spot makes them, and cavities = \"whole\" leaves them out of both",
-                self.cavities,
-                layout.cavities(),
-            ));
-        }
-        if self.swept.is_some() && layout.pattern().planform() == Planform::Crosshatch {
-            warnings.push(
-                "lines of both families of grooves end half a spot before the walls of the other, so that a thin wall stays at every mouth of a \
-                 crossing; friction was computed with open crossings: marking both families as whole grooves opens them, and cuts crossings twice as \
-                 deep"
-                    .to_owned(),
-            );
-        }
-        if let Some(swept) = self.swept.filter(|swept| *swept < LEAST_SWEPT) {
-            warnings.push(format!(
-                "lines sweep {} of the area of a cavity, whose corners the spot, {spot} um, does not get into; friction was computed with all of \
-                 it: a smaller spot or wider cavities come nearer",
-                percent(swept)
-            ));
-        }
-        warnings
+/// What a spot does not get into of the cavities of `layout`, for people: of those without a line, which are `bare`, number and area in square
+/// metres, and of one whose `lines` are the longest.
+pub(crate) fn warnings(
+    layout: &Layout,
+    half_spot_m: f64,
+    bare: (u32, f64),
+    one: &Cavity,
+    lines: &[Line],
+) -> Vec<String> {
+    let percent = |share: f64| format!("{:.0} %", 100.0 * share);
+    let spot = decimal(2e6 * half_spot_m, 1);
+    let mut warnings = Vec::new();
+    if let (cavities @ 1.., area_m2) = bare {
+        let share = percent(area_m2 / layout.cavity_area_m2());
+        warnings.push(format!(
+            "{cavities} of {} cavities, {share} of their area, are cut by the rim to less than the spot, {spot} um, and get no line; friction was \
+             computed with them: a smaller spot makes them, and cavities = \"whole\" leaves them out of both",
+            layout.cavities(),
+        ));
     }
+    if layout.pattern().planform() == Planform::Crosshatch {
+        warnings.push(
+            "lines of both families of grooves end half a spot before the walls of the other, so that a thin wall stays at every mouth of a \
+             crossing; friction was computed with open crossings: marking both families as whole grooves opens them, and cuts crossings twice as \
+             deep"
+                .to_owned(),
+        );
+    }
+    let swept = swept_share(one, lines, half_spot_m);
+    if swept < LEAST_SWEPT {
+        warnings.push(format!(
+            "lines sweep {} of the area of a cavity, whose corners the spot, {spot} um, does not get into; friction was computed with all of \
+             it: a smaller spot or wider cavities come nearer",
+            percent(swept)
+        ));
+    }
+    warnings
 }
 
 /// Share of `cavity` within `half_spot_m` of one of `lines`.
-pub(crate) fn swept_share(cavity: &Cavity, lines: &[Line], half_spot_m: f64) -> f64 {
+fn swept_share(cavity: &Cavity, lines: &[Line], half_spot_m: f64) -> f64 {
     let [cosine, sine] = cavity.orientation;
     let place = |k: u32| (f64::from(k) + 0.5) / f64::from(POINTS) - 0.5;
     let at = |(i, j): (u32, u32)| {
@@ -73,17 +67,8 @@ pub(crate) fn swept_share(cavity: &Cavity, lines: &[Line], half_spot_m: f64) -> 
     };
     let all = (0..POINTS).flat_map(|i| (0..POINTS).map(move |j| (i, j))).map(at);
     let inside: Vec<[f64; 2]> = all.filter(|at_m| cavity.wall_distance_m(*at_m) >= 0.0).collect();
-    let is_swept = |at_m: &&[f64; 2]| lines.iter().any(|line| distance_m(line, **at_m) <= half_spot_m);
+    let is_swept = |at_m: &&[f64; 2]| lines.iter().any(|[from, to]| distance_m(**at_m, *from, *to) <= half_spot_m);
     inside.iter().filter(is_swept).count() as f64 / inside.len().max(1) as f64
-}
-
-/// Distance of a point from a line, in metres.
-fn distance_m([from, to]: &Line, [x_m, y_m]: [f64; 2]) -> f64 {
-    let [ex, ey] = [to[0] - from[0], to[1] - from[1]];
-    let square = ex * ex + ey * ey;
-    let along = if square > 0.0 { ((x_m - from[0]) * ex + (y_m - from[1]) * ey) / square } else { 0.0 };
-    let along = along.clamp(0.0, 1.0);
-    (x_m - from[0] - along * ex).hypot(y_m - from[1] - along * ey)
 }
 
 #[cfg(test)]
