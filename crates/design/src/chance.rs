@@ -199,7 +199,7 @@ impl<'a> Chances<'a> {
             let own = |side: f64| {
                 let by: Vec<f64> = step.iter().map(|step| if friction { side * step } else { 0.0 }).collect();
                 let one = side * step[0];
-                let scale = ScaleShift { log: scale * one, is_fitted };
+                let scale = ScaleShift::off_by(scale * one, is_fitted);
                 model.beside(|scene: &Scene| moved(scene, &by, scale, law * one)).map_err(of_material)
             };
             Ok::<_, DesignError>(Some(Along { above: own(1.0)?, below: own(-1.0)?, step, first }))

@@ -57,6 +57,8 @@ struct Request<'a> {
     tolerances: &'a SampleScatter,
     /// How well the material is known.
     material: &'a MaterialUncertainty,
+    /// Relative standard deviation of the depth that a burst removes, where that was fitted.
+    burst_std: Option<f64>,
     /// Relative covariance of the loads' coefficients at every condition of one sliding direction, one condition after the other;
     /// `None` where it is not known.
     friction_covariance: Option<Vec<Vec<f64>>>,
@@ -104,6 +106,7 @@ impl<'a> Request<'a> {
             is_ratio: design.target.quantity() == Quantity::Ratio,
             tolerances,
             material,
+            burst_std: design.laser.depth_per_burst_std(),
             friction_covariance: material.friction_covariance(&design.pressures_pa(), &each),
             directions,
             condition: (!about.further.is_empty()).then(|| Setting::first(design).in_words()),
@@ -141,8 +144,10 @@ struct AboutDesign<'a> {
 struct Parameters {
     /// First of the relative errors of flat friction, one per load of one sliding direction.
     friction: Option<usize>,
-    /// The logarithm of Young's modulus, or of the area law's fitted scale, which moves the law alike.
+    /// Young's modulus over itself, or the logarithm of the area law's fitted scale, which moves the law alike.
     modulus: Option<usize>,
+    /// The logarithm of the depth that a burst removes: all cavities of all samples are deeper by it.
+    burst: Option<usize>,
     /// The area law's factors, in standard errors.
     law: Option<usize>,
     /// First of the logarithmic errors of the discrepancy, one per load; Young's modulus is in them.
@@ -231,6 +236,7 @@ impl<'a> AboutDesign<'a> {
         }
         let has_errors = model.area_law().and_then(|law| law.factor_std()).is_some();
         let law = has_errors.then(|| add(vec![vec![1.0]])).flatten();
+        let burst = request.burst_std.and_then(|std| add(vec![vec![std * std]]));
         let prediction = match model.learned() {
             Some(learned) => {
                 let slopes = learned.modulus_sensitivity(request.about.pattern)?;
@@ -247,7 +253,7 @@ impl<'a> AboutDesign<'a> {
         let factor =
             prediction.map_or_else(|| vec![1.0; count], |found| found.medians().iter().map(|d| d.exp()).collect());
         let covariance = diagonal(&blocks);
-        parameters = Parameters { friction, modulus, law, discrepancy: errors, ..parameters };
+        parameters = Parameters { friction, modulus, burst, law, discrepancy: errors, ..parameters };
         let about = Self {
             model,
             bar: request.about.bar,
@@ -290,10 +296,13 @@ impl UncertainModel for AboutDesign<'_> {
         let count = self.scene.loads.len();
         let at = |first: Option<usize>, load: usize| first.map_or(0.0, |first| deviations[first + load]);
         let flat: Vec<f64> = (0..count).map(|load| at(self.parameters.friction, load % self.inputs_of_loads)).collect();
-        let log_modulus = at(self.parameters.modulus, 0);
-        let scale = ScaleShift { log: log_modulus, is_fitted: self.scale_is_fitted };
+        let scale = ScaleShift::off_by(at(self.parameters.modulus, 0), self.scale_is_fitted);
         let moved = moved(&self.scene, &flat, scale, at(self.parameters.law, 0)).map_err(trial)?;
-        let steady = self.model.ratios_of(&moved, design, &self.laid)?;
+        let burst = at(self.parameters.burst, 0).exp();
+        let [width_m, spacing_m, depth_m] = [design.width_m(), design.spacing_m(), design.depth_m() * burst];
+        let made = Pattern::new(design.texture().to_owned(), width_m, spacing_m, depth_m);
+        let made = made.map_err(|error| ModelFailure::Trial { reason: error.to_string() })?;
+        let steady = self.model.ratios_of(&moved, &made, &self.laid)?;
         // r F exp(d): F the discrepancy's median, d its own error
         let off = |load: usize| self.factor[load] * at(self.parameters.discrepancy, load).exp();
         let ratio = steady.iter().zip(&self.offset).enumerate();
@@ -373,6 +382,7 @@ fn parts(about: &AboutDesign<'_>, uncertainty: &Uncertainty, first_order: &Linea
         (RIM_HEIGHT, uncertainty.rim().map(|place| place..place + 1)),
         ("flat friction", parameter(about.parameters.friction, of_friction)),
         (about.scale_name(), parameter(about.parameters.modulus, 1)),
+        ("depth per burst", parameter(about.parameters.burst, 1)),
         ("area law", parameter(about.parameters.law, 1)),
         ("discrepancy", parameter(about.parameters.discrepancy, count)),
     ];
@@ -444,6 +454,14 @@ fn inputs(request: &Request<'_>, about: &AboutDesign<'_>, uncertainty: &Uncertai
                 "shifts the area law along pressure, while flat friction stays as measured"
             }
             .to_owned(),
+        });
+    }
+    if let Some(place) = about.parameters.burst {
+        inputs.push(InputReport {
+            name: "depth per burst".to_owned(),
+            std: vec![percent(uncertainty.std(DIMENSIONS + place))],
+            unit: "%".into(),
+            basis: "fitted to measured depths; all cavities are deeper or shallower by it".to_owned(),
         });
     }
     if about.parameters.law.is_some() {

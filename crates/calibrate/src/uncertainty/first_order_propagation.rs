@@ -35,15 +35,8 @@ pub struct Slopes {
 const REACHES: [f64; 4] = [-NORMAL_95, -1.0, 1.0, NORMAL_95];
 /// The 97.5 % point of the normal distribution.
 const NORMAL_95: f64 = 1.959_964;
-/// Least modulus over the expected one that is solved as so many standard deviations below it: less would be a logarithm's.
-const LEAST_MODULUS: f64 = 0.1;
-
-/// Logarithm of Young's modulus over the expected one, where it is off by `reach` standard deviations `relative_std` of itself.
-/// What is measured is the modulus, not its logarithm.
-fn log_modulus(relative_std: f64, reach: f64) -> f64 {
-    let linear = 1.0 + reach * relative_std;
-    if linear > LEAST_MODULUS { linear.ln() } else { reach * relative_std }
-}
+/// The relative error of Young's modulus below which the logarithm goes on straight: a modulus stays positive.
+const LOWEST_MODULUS_ERROR: f64 = -0.5;
 
 /// A standard deviation with the parts that make it.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -250,6 +243,24 @@ pub struct ScaleShift {
     pub is_fitted: bool,
 }
 
+impl ScaleShift {
+    /// Where what is known is off by `deviation`, which has a normal distribution about 0: the logarithm of a scale that
+    /// `is_fitted`, or Young's modulus over itself. What is measured of the modulus is the modulus, not its logarithm:
+    /// E = E_0 (1 + x), and below half of E_0 the tangent of ln E there, so that no draw is negative.
+    #[must_use]
+    pub fn off_by(deviation: f64, is_fitted: bool) -> Self {
+        let log = if is_fitted {
+            deviation
+        } else if deviation > LOWEST_MODULUS_ERROR {
+            deviation.ln_1p()
+        } else {
+            // ln(1 + a) + (x - a)/(1 + a)
+            LOWEST_MODULUS_ERROR.ln_1p() + (deviation - LOWEST_MODULUS_ERROR) / (1.0 + LOWEST_MODULUS_ERROR)
+        };
+        Self { log, is_fitted }
+    }
+}
+
 /// `scene` where flat friction is larger by the shares `friction`, one per load, the law's pressures by `scale` and its factors
 /// by `law` standard errors. Flat friction was measured: mu_d = mu_flat / f(P), whatever the law says.
 ///
@@ -273,13 +284,13 @@ pub fn moved(scene: &Scene, friction: &[f64], scale: ScaleShift, law: f64) -> Re
 /// one cannot be computed.
 fn bends(cell: &Scene, pattern: &Pattern, relative_std: f64) -> Option<Vec<[f64; 4]>> {
     let still = vec![0.0; cell.loads.len()];
-    let at = |log: f64| -> Option<Vec<f64>> {
-        ratios(cell, pattern, &still, ScaleShift { log, is_fitted: false }, 0.0).ok()?.into_iter().collect()
+    let at = |reach: f64| -> Option<Vec<f64>> {
+        let scale = ScaleShift::off_by(reach * relative_std, false);
+        ratios(cell, pattern, &still, scale, 0.0).ok()?.into_iter().collect()
     };
-    let moved = |reach: f64| at(log_modulus(relative_std, reach));
     let [low, lower, higher, high] = REACHES;
     let ((own, (far_below, below)), (above, far_above)) =
-        rayon::join(|| (at(0.0), (moved(low), moved(lower))), || (moved(higher), moved(high)));
+        rayon::join(|| (at(0.0), (at(low), at(lower))), || (at(higher), at(high)));
     let (own, all) = (own?, [far_below?, below?, above?, far_above?]);
     Some((0..own.len()).map(|load| [0, 1, 2, 3].map(|place| all[place][load] - own[load])).collect())
 }

@@ -108,8 +108,7 @@ impl MaterialUncertainty {
         })
     }
 
-    /// Standard deviation of the logarithm of Young's modulus, where that moves `area_law`: ln(1 + x) of a relative one x is
-    /// x to first order.
+    /// Standard deviation of Young's modulus over itself, which to first order is that of its logarithm, where that moves `area_law`.
     #[must_use]
     pub fn modulus_std(&self, area_law: Option<&AreaLaw>) -> Option<f64> {
         self.modulus_relative_std

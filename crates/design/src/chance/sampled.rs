@@ -59,8 +59,8 @@ impl UncertainModel for Sampled<'_> {
         let at = |along: &Option<Along>, load: usize| along.as_ref().map_or(0.0, |along| off(along.first + load));
         let input = |load: usize| load % chances.inputs_of_loads;
         let friction: Vec<f64> = (0..about.still.ratio.len()).map(|load| at(&chances.friction, input(load))).collect();
-        let (log_scale, law) = (at(&chances.law_scale, 0), at(&chances.law, 0));
-        let scale = ScaleShift { log: log_scale, is_fitted: chances.scale_is_fitted };
+        let (scale, law) = (at(&chances.law_scale, 0), at(&chances.law, 0));
+        let scale = ScaleShift::off_by(scale, chances.scale_is_fitted);
         let there = chances.still.beside(|scene: &Scene| moved(scene, &friction, scale, law));
         let ratio = there.map_err(|error| trial(error.to_string()))?.ratios_made(&made, &self.laid)?;
         let value = |load: usize| {

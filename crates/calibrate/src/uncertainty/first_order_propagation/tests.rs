@@ -72,6 +72,18 @@ fn assert_stiffer_is_lighter(scene: &Scene, area_law: &AreaLaw) {
 }
 
 #[test]
+fn what_is_drawn_of_the_modulus_is_the_modulus_itself() {
+    for x in [-0.4999, -0.2, 0.0, 0.21, 3.0] {
+        assert!((ScaleShift::off_by(x, false).log.exp() - (1.0 + x)).abs() < 1e-12);
+        assert_eq!(ScaleShift::off_by(x, true).log, x);
+    }
+    // Smooth where the logarithm ends, and never negative.
+    let [below, at, above] = [-0.501, -0.5, -0.499].map(|x| ScaleShift::off_by(x, false).log);
+    assert!(((above - at) - (at - below)).abs() < 3e-6 && at == 0.5_f64.ln());
+    assert!(ScaleShift::off_by(-3.0, false).log.exp() > 0.0);
+}
+
+#[test]
 fn without_an_area_law_only_flat_friction_moves_friction() {
     let scene = scene(Planform::Groove, None);
     let knowledge =
