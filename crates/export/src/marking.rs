@@ -2,7 +2,12 @@
 //!
 //! Hatching fills a cavity with lines along its longer side (along x where both are alike), every second line
 //! backwards. The spot's edge, not its centre, ends on the cavity's edge: lines lie half a spot inside it. A
-//! mask needs the contour alone. Where grooves cross, lines of the second family end half a spot before those of the first.
+//! mask needs the contour alone. Where grooves cross, lines of the second family end before the walls of the first, so near to them that
+//! the round ends of neighbouring lines meet there and no wall stays between:
+//!
+//! ```text
+//! d = sqrt((s/2)^2 - (h / (2 sin a))^2)      s the spot, h the distance of lines, a the angle of the families
+//! ```
 
 use crate::crossing::Crossing;
 use crate::{Boundary, Cavity, ExportError, Exposure, Laser};
@@ -77,9 +82,11 @@ impl Marking {
         let Some(inner) = cavity.inset(self.inset_m, self.inset_m) else { return (Vec::new(), Vec::new()) };
         let direction = self.direction(cavity);
         let (mut lines, mut apart_m) = (Vec::new(), Vec::new());
-        // The spot keeps off the walls of what crosses, which are those of another groove.
-        let keep_off = |crossing: Crossing| Crossing { grown_m: crossing.grown_m + 2.0 * self.inset_m, ..crossing };
-        let inner = Cavity { crossed_by: inner.crossed_by.map(keep_off), ..inner };
+        let keep_off = |crossing: Crossing| {
+            let grown_m = crossing.grown_m + self.end_before_m(cavity, &crossing);
+            Crossing { grown_m, ..crossing }
+        };
+        let inner = Cavity { crossed_by: cavity.crossed_by.map(keep_off), ..inner };
         if inner.face.is_some() {
             apart_m.extend(self.hatch_face(&inner, direction, &mut lines));
         } else if let (Some(crossing), None) = (&inner.crossed_by, &inner.cut_by) {
@@ -92,6 +99,14 @@ impl Marking {
             line.reverse();
         }
         (lines, apart_m)
+    }
+
+    /// How far before the walls of the grooves that cross it the lines of `cavity` end, in metres.
+    fn end_before_m(&self, cavity: &Cavity, crossing: &Crossing) -> f64 {
+        let [[cosine, sine], [x, y]] = [cavity.orientation, crossing.grooves.pattern().texture().orientation()];
+        let half_apart_m = 0.5 * self.distance_m / (cosine * y - sine * x).abs();
+        // d = sqrt((s/2)^2 - (h / (2 sin a))^2)
+        ((self.inset_m - half_apart_m) * (self.inset_m + half_apart_m)).max(0.0).sqrt()
     }
 
     /// Fills the parts of a cavity that is no polygon; the distances of lines in them.
@@ -208,6 +223,7 @@ pub(crate) fn length_m([[x0, y0], [x1, y1]]: &Line) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::face::distance_m;
     use crate::layout::every_kind;
     use crate::{Layout, Outline};
     use slipgrid_pattern::{Pattern, Planform, Polygon, Texture};
@@ -317,14 +333,36 @@ mod tests {
                 let (first, second): (Vec<Cavity>, Vec<Cavity>) =
                     layout.iter().partition(|cavity| cavity.crossed_by.is_none());
                 assert!(first.len() > 3 && second.len() > 3);
-                // The ends and the middle of each line of the second lie half a spot off every groove of the first.
+                // The ends and the middle of each line of the second lie off every groove of the first, where the ends of lines 15 um
+                // apart meet.
+                let end_before_m = (11.5_f64.powi(2) - (7.5 / crossing_deg.to_radians().sin()).powi(2)).sqrt() * 1e-6;
                 let points = second
                     .iter()
                     .flat_map(|groove| marking.lines(groove))
                     .flat_map(|[from, to]| [from, to, [f64::midpoint(from[0], to[0]), f64::midpoint(from[1], to[1])]]);
                 for point in points {
                     let inside_m = first.iter().map(|groove| Cavity { cut_by: None, ..*groove }.wall_distance_m(point));
-                    assert!(inside_m.fold(f64::NEG_INFINITY, f64::max) < -11.5e-6 + 1e-10, "{point:?}");
+                    assert!(inside_m.fold(f64::NEG_INFINITY, f64::max) < -end_before_m + 1e-10, "{point:?}");
+                }
+                // No wall stays at a mouth: of whole grooves all but their corners is swept by one family or the other.
+                for groove in second.iter().filter(|_| !layout.is_clipped()).take(3) {
+                    let lines = marking.lines(groove);
+                    let alone = Cavity { crossed_by: None, ..*groove };
+                    let [[cosine, sine], half_m] = [groove.orientation, [groove.width_m / 2.0, groove.length_m / 2.0]];
+                    for place in 0..20_000 {
+                        let share = [(place % 20) as f64 / 9.5 - 1.0, (place / 20) as f64 / 499.5 - 1.0];
+                        let [across_m, along_m] = [share[0] * half_m[0], share[1] * half_m[1]];
+                        let point = [
+                            groove.centre_x_m + across_m * cosine - along_m * sine,
+                            groove.centre_y_m + across_m * sine + along_m * cosine,
+                        ];
+                        let is_swept = |[from, to]: &Line| distance_m(point, *from, *to) < 11.5e-6 + 1e-10;
+                        let is_of_first = || first.iter().any(|groove| groove.wall_distance_m(point) > -1e-10);
+                        // Off the groove's own corners, and off the ends of grooves at the rim and at the hole.
+                        let is_between_ends = (0.9e-3..1.6e-3).contains(&point[0].hypot(point[1]));
+                        let is_inner = is_between_ends && alone.wall_distance_m(point) > 11.5e-6;
+                        assert!(!is_inner || is_of_first() || lines.iter().any(is_swept), "{groove:?}: {point:?}");
+                    }
                 }
                 // The areas add up to what points say, and near the pattern's own where nothing is left out.
                 let grooves = [first.as_slice(), &second].concat();

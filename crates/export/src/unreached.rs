@@ -7,8 +7,6 @@
 //! swept share = area(points within s/2 of a line) / area(cavity)        s the spot
 //! ```
 
-use slipgrid_pattern::Planform;
-
 use crate::face::distance_m;
 use crate::number::decimal;
 use crate::{Cavity, Layout, Line};
@@ -37,14 +35,6 @@ pub(crate) fn warnings(
              computed with them: a smaller spot makes them, and cavities = \"whole\" leaves them out of both",
             layout.cavities(),
         ));
-    }
-    if layout.pattern().planform() == Planform::Crosshatch {
-        warnings.push(
-            "lines of both families of grooves end half a spot before the walls of the other, so that a thin wall stays at every mouth of a \
-             crossing; friction was computed with open crossings: marking both families as whole grooves opens them, and cuts crossings twice as \
-             deep"
-                .to_owned(),
-        );
     }
     let swept = swept_share(one, lines, half_spot_m);
     if swept < LEAST_SWEPT {
@@ -75,7 +65,7 @@ fn swept_share(cavity: &Cavity, lines: &[Line], half_spot_m: f64) -> f64 {
 mod tests {
     use super::*;
     use crate::{Laser, Marking, Outline, laser_warnings};
-    use slipgrid_pattern::{Pattern, Polygon, Texture};
+    use slipgrid_pattern::{Pattern, Planform, Polygon, Texture};
 
     const DISC: Outline = Outline::Disc { diameter_m: 2e-3 };
 
@@ -110,8 +100,6 @@ mod tests {
         let layout = Layout::new(pattern(triangle, 60.0), DISC).unwrap();
         let said = laser_warnings(&layout, &laser);
         assert!(said.iter().any(|said| said.starts_with("lines sweep ") && said.contains("30 um")), "{said:?}");
-        let crossed = Layout::new(pattern(Texture::new(Planform::Crosshatch), 100.0), DISC).unwrap();
-        assert!(laser_warnings(&crossed, &laser)[0].contains("wall stays at every mouth"));
         // Grooves 160 um wide every 260 um on a plate 920 um long, whose outer ones are cut to 20 um.
         let plate = Outline::Rectangle { length_m: 920e-6, width_m: 1e-3 };
         let clipped = Layout::clipped(pattern(Texture::new(Planform::Groove), 160.0), plate).unwrap();

@@ -180,8 +180,8 @@ impl WorkSheet {
         self.spot_compensation_um = Some(micrometres(marking.spot_compensation_m()));
         self.marking_direction = Some(
             if layout.pattern().planform() == Planform::Crosshatch {
-                "along the grooves, first one family and then the other, whose lines end half a spot before the grooves of the \
-                 first: crossings are marked once; every second line backwards"
+                "along the grooves, first one family and then the other, whose lines end before the walls of the first where \
+                 their round ends meet: crossings are marked once, and no wall stays at their mouths; every second line backwards"
             } else {
                 "along the longer side of a cavity, along x where both are alike; every second line backwards"
             }
