@@ -1,6 +1,10 @@
 //! What the test targets of this package share: scenes of the published polymer, and a place to run
 //! the program in.
 
+mod quoted;
+
+pub use quoted::Quoted;
+
 use slipgrid_contact::closed_form::persson_area_fraction;
 use slipgrid_material::{AreaLaw, Elastic, LocalFriction};
 use slipgrid_pattern::{Pattern, PatternError, Planform};

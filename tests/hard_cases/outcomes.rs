@@ -12,6 +12,7 @@ use slipgrid_pattern::{Pattern, Planform};
 use slipgrid_springblock::{
     Extent, Fidelity, Layer, Load, LoadOutcome, RunOptions, Scene, Status, Unwatched, simulate,
 };
+use slipgrid_tests::Quoted;
 
 /// Rounding, and changes of mu that the test of stationarity calls noise.
 const RESOLVED: f64 = 2e-4;
@@ -99,15 +100,14 @@ const REGIONS: [Region; 7] = [
     ("above 3", |scene| shear_number(scene) >= 3.0),
 ];
 
-/// Runs `count` scenes; prints the table of outcomes by region, and gives those that converged to another ratio than 1.
+/// Runs `count` scenes: those that converged to another ratio than 1, and the table of outcomes by region, row by row.
 /// Of those that converged at most one of a hundred is far from it by chance.
-fn wrong(count: usize) -> Vec<String> {
+fn wrong(count: usize) -> (Vec<String>, Vec<String>) {
     let scenes = scenes(count);
     let found: Vec<LoadOutcome> = scenes.par_iter().map(outcome).collect();
     let statuses = [Status::Converged, Status::SlidingWaves, Status::ShortWindow, Status::NoOnset]
         .map(|status| (status.name(), status));
-    println!("| scenes | all | {} | largest deficit by waves |", statuses.map(|(name, _)| name).join(" | "));
-    println!("|---|---|---|---|---|---|---|");
+    let mut rows = Vec::new();
     for (name, is_of) in REGIONS {
         let own: Vec<&LoadOutcome> =
             scenes.iter().zip(&found).filter(|(scene, _)| is_of(scene)).map(|(_, load)| load).collect();
@@ -117,7 +117,7 @@ fn wrong(count: usize) -> Vec<String> {
         }
         let each = statuses.map(|(name, _)| counts.get(name).copied().unwrap_or(0).to_string()).join(" | ");
         let most = own.iter().map(|load| deficit(load)).fold(0.0, f64::max);
-        println!("| {name} | {} | {each} | {:.1} % |", own.len(), 100.0 * most);
+        rows.push(format!("| {name} | {} | {each} | {:.1} % |", own.len(), 100.0 * most));
     }
     let is_beyond = |load: &LoadOutcome, errors: f64| {
         let (ratio, stderr) = (load.ratio.unwrap_or(f64::NAN), load.ratio_stderr.unwrap_or(f64::NAN));
@@ -129,20 +129,23 @@ fn wrong(count: usize) -> Vec<String> {
     println!("{rare} of {} that converged are more than {RARE} standard errors from ratio 1", converged.len());
     assert!(rare as f64 <= 0.01 * converged.len() as f64);
     let wrong = converged.iter().filter(|(_, load)| is_beyond(load, WRONG));
-    wrong.map(|(scene, load)| format!("{:?} +- {:?}: {scene:?}", load.ratio, load.ratio_stderr)).collect()
+    (wrong.map(|(scene, load)| format!("{:?} +- {:?}: {scene:?}", load.ratio, load.ratio_stderr)).collect(), rows)
 }
 
 #[test]
 fn equal_coefficients_give_ratio_one_in_every_run_that_converged() {
-    let wrong = wrong(30);
+    let (wrong, _) = wrong(30);
     assert!(wrong.is_empty(), "{wrong:#?}");
 }
 
 #[test]
-#[ignore = "six minutes: prints a table of the book, evidence/verification.md"]
+#[ignore = "six minutes: finds a table of the book, evidence/verification.md"]
 fn equal_coefficients_give_ratio_one_in_two_thousand_scenes() {
-    let wrong = wrong(2000);
+    let (wrong, rows) = wrong(2000);
     assert!(wrong.is_empty(), "{wrong:#?}");
+    let mut quoted = Quoted::new("verification").unwrap();
+    rows.iter().for_each(|row| quoted.row(row));
+    assert_eq!(quoted.differences().unwrap(), "");
 }
 
 /// Where every block grips alike, what friction lacks of that of sliding blocks is what it lacks of mu: also in a motion of one period

@@ -8,7 +8,7 @@ use slipgrid_contact::closed_form::persson_area_fraction;
 use slipgrid_material::{AreaLaw, LocalFriction, THRESHOLD_PRESSURE_PA};
 use slipgrid_springblock::{Extent, Fidelity, Layer, Load, RunOptions, Scene, Unwatched, simulate};
 use slipgrid_statistics::Noise;
-use slipgrid_tests::{polymer_scene, published_groove};
+use slipgrid_tests::{Quoted, polymer_scene, published_groove};
 
 const REPLICATES: usize = 200;
 /// Standard deviation of a measured modulus over the true one: the published 0.08 of 0.38 GPa.
@@ -71,9 +71,10 @@ impl Coverage {
         [self.in_68, self.in_95].map(|count| 100.0 * count as f64 / self.of as f64)
     }
 
-    fn row(&self, what: &str) -> [f64; 2] {
+    fn row(&self, what: &str, quoted: &mut Quoted) -> [f64; 2] {
         let [sixty, ninety] = self.percent();
-        println!("| {what} | {sixty:.1} % | {ninety:.1} % | {} | {} | {} |", self.of, self.below, self.above);
+        let (of, below, above) = (self.of, self.below, self.above);
+        quoted.row(&format!("| {what} | {sixty:.1} % | {ninety:.1} % | {of} | {below} | {above} |"));
         [sixty, ninety]
     }
 }
@@ -87,7 +88,7 @@ fn covers([sixty, ninety]: [f64; 2]) -> bool {
 type Told = (f64, f64, [f64; 2], [f64; 2]);
 
 #[test]
-#[ignore = "half a minute: prints a table of the book, evidence/verification.md"]
+#[ignore = "half a minute: finds rows of a table of the book, evidence/verification.md"]
 fn intervals_of_patterned_ratios_hold_the_truth_as_often_as_they_say() {
     let friction = [0.248, 0.263, 0.272, 0.278];
     let pattern = published_groove().unwrap();
@@ -127,7 +128,7 @@ fn intervals_of_patterned_ratios_hold_the_truth_as_often_as_they_say() {
             ratios(&scene).iter().enumerate().map(of).collect()
         })
         .collect();
-    println!("| interval | in 68 % | in 95 % | of | below | above |\n|---|---|---|---|---|---|");
+    let mut quoted = Quoted::new("verification").unwrap();
     let mut held = Vec::new();
     for (load, pressure_mpa) in PRESSURES_MPA.iter().enumerate() {
         let (mut before, mut after) = (Coverage::default(), Coverage::default());
@@ -136,16 +137,17 @@ fn intervals_of_patterned_ratios_hold_the_truth_as_often_as_they_say() {
             before.add(truth[load], ratio, [std; 2], [NORMAL_95 * std; 2]);
             after.add(truth[load], ratio, reach_68, reach_95);
         }
-        before.row(&format!("ratio at {pressure_mpa} MPa, one standard deviation either way"));
-        held.push(after.row(&format!("ratio at {pressure_mpa} MPa, solved along the modulus")));
+        before.row(&format!("ratio at {pressure_mpa} MPa, one standard deviation either way"), &mut quoted);
+        held.push(after.row(&format!("ratio at {pressure_mpa} MPa, solved along the modulus"), &mut quoted));
     }
     assert!(held[1..].iter().all(|held| covers(*held)), "{held:?}");
     // Below the threshold of the law, of which the law of a stiffer surface takes more than a table says, a parabola stands for it.
     assert!((66.0..=70.5).contains(&held[0][0]) && (92.0..=97.0).contains(&held[0][1]), "{held:?}");
+    assert_eq!(quoted.differences().unwrap(), "");
 }
 
 #[test]
-#[ignore = "two minutes: prints a table of the book, evidence/verification.md"]
+#[ignore = "two minutes: finds rows of a table of the book, evidence/verification.md"]
 fn intervals_of_flat_friction_and_of_its_coefficient_hold_the_truth_as_often_as_they_say() {
     const PRESSURE_PA: f64 = 2.55e6;
     const MEAN: f64 = 0.32;
@@ -200,12 +202,16 @@ fn intervals_of_flat_friction_and_of_its_coefficient_hold_the_truth_as_often_as_
         }
         covered
     };
-    println!("| interval | in 68 % | in 95 % | of | below | above |\n|---|---|---|---|---|---|");
-    covered(|row| [row[0] / row[1], row[3] * row[0] / row[1]], truth).row("flat friction, steady");
-    let flat = covered(|row| [row[0], row[3] * row[0]], truth).row("flat friction, steady times the excess");
-    covered(|row| [row[2], row[3] * row[2]], MEAN).row("local coefficient at 2.55 MPa, error at the given law");
-    let own = covered(|row| [row[2], row[4] * row[2]], MEAN).row("local coefficient at 2.55 MPa, marginal error");
+    let mut quoted = Quoted::new("verification").unwrap();
+    covered(|row| [row[0] / row[1], row[3] * row[0] / row[1]], truth).row("flat friction, steady", &mut quoted);
+    let flat =
+        covered(|row| [row[0], row[3] * row[0]], truth).row("flat friction, steady times the excess", &mut quoted);
+    covered(|row| [row[2], row[3] * row[2]], MEAN)
+        .row("local coefficient at 2.55 MPa, error at the given law", &mut quoted);
+    let own = covered(|row| [row[2], row[4] * row[2]], MEAN)
+        .row("local coefficient at 2.55 MPa, marginal error", &mut quoted);
     assert!(covers(flat), "{flat:?}");
     // A standard error, so to first order: the coefficient bends along the modulus, and misses lie on one side.
     assert!((60.0..=80.0).contains(&own[0]) && (89.0..=98.0).contains(&own[1]), "{own:?}");
+    assert_eq!(quoted.differences().unwrap(), "");
 }

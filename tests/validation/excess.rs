@@ -3,7 +3,7 @@
 
 use slipgrid_material::LocalFriction;
 use slipgrid_springblock::{Extent, Fidelity, Layer, Scene, Unwatched, simulate};
-use slipgrid_tests::{polymer_scene, published_groove};
+use slipgrid_tests::{Quoted, polymer_scene, published_groove};
 
 /// A number and its standard error.
 type Measured = (f64, f64);
@@ -47,7 +47,7 @@ fn travel(step_ns: f64) -> f64 {
 }
 
 #[test]
-#[ignore = "a minute: prints what the book, evidence/verification.md, says of steps of 8, 10 and 11 ns"]
+#[ignore = "a minute: finds what the book, evidence/verification.md, says of steps of 8, 10 and 11 ns"]
 fn near_the_stability_limit_friction_rises_where_slips_are_short() {
     const SEEDS: u32 = 8;
     let mut found: Vec<[f64; 3]> = Vec::new();
@@ -77,18 +77,23 @@ fn near_the_stability_limit_friction_rises_where_slips_are_short() {
         assert!((other[2] - 1.0).abs() < 1e-3 && ten[2] < 0.99, "{found:?}");
         assert!(ten[0] - other[0] > 5.0 * ten[1].hypot(other[1]), "{found:?}");
     }
+    let mut quoted = Quoted::new("verification").unwrap();
+    let [a, b, c, d] = [six, eight, ten, eleven].map(|of_step| 100.0 * of_step[0]);
+    quoted.sentence(&format!("6, 8, 10 and 11 ns give {a:.2}, {b:.2}, {c:.2} and {d:.2} %"));
+    let [a, b, c, d] = [six, eight, ten, eleven].map(|of_step| of_step[2]);
+    quoted.sentence(&format!("it goes {a:.4}, {b:.4}, {c:.4} and {d:.4} times as far as in exact time"));
+    assert_eq!(quoted.differences().unwrap(), "");
 }
 
 #[test]
-#[ignore = "two minutes: prints a table of the book, evidence/verification.md"]
+#[ignore = "two minutes: finds a table of the book, evidence/verification.md"]
 fn excess_of_dynamic_friction_against_step_damping_and_static_friction() {
-    println!(
-        "| choice | flat sample: dynamic over steady friction, less one | ratio patterned over flat |\n|---|---|---|"
-    );
+    let mut quoted = Quoted::new("verification").unwrap();
     let mut rows: Vec<[Measured; 2]> = Vec::new();
     let mut row = |what: &str, [(excess, error), ratio]: [Measured; 2]| {
         let percent = [excess, error].map(|value| 100.0 * value);
-        println!("| {what} | {:.2} +- {:.2} % | {:.4} +- {:.4} |", percent[0], percent[1], ratio.0, ratio.1);
+        let [mean, stderr] = percent;
+        quoted.row(&format!("| {what} | {mean:.2} +- {stderr:.2} % | {:.4} +- {:.4} |", ratio.0, ratio.1));
         rows.push([(excess, error), ratio]);
         excess
     };
@@ -123,4 +128,5 @@ fn excess_of_dynamic_friction_against_step_damping_and_static_friction() {
         let most = most.min((own.0 - excess).abs() / 3.0) + 3.0 * own_error.hypot(error);
         assert!((own_ratio - ratio).abs() < most, "{own:?} {own_ratio} {own_error}");
     }
+    assert_eq!(quoted.differences().unwrap(), "");
 }

@@ -4,7 +4,7 @@ use slipgrid_pattern::{Pattern, Planform};
 use slipgrid_springblock::{
     Extent, Fidelity, Layer, LoadOutcome, RunOptions, Scene, Unwatched, simulate, warm_travel_m,
 };
-use slipgrid_tests::polymer_scene;
+use slipgrid_tests::{Quoted, polymer_scene};
 
 /// Draws of local coefficients, each run by itself.
 const DRAWS: u64 = 6;
@@ -39,15 +39,15 @@ fn root_mean_square(values: impl Iterator<Item = f64>) -> f64 {
 
 /// Times are those of site updates, which two cores make 2e9 of a second: counts are the same on any machine.
 #[test]
-#[ignore = "two minutes on two cores"]
+#[ignore = "two minutes on two cores: finds a table of the book, evidence/speed.md"]
 fn the_confirming_run_is_as_long_as_its_error_asks_for() {
     let seeds = || 1..=DRAWS;
     let long: Vec<Vec<f64>> = seeds().map(|seed| ratios(&run(LONG, seed))).collect();
     let mean = |place: usize| long.iter().map(|ratios| ratios[place]).sum::<f64>() / DRAWS as f64;
     // One draw in place of many.
     let drawn = root_mean_square(long.iter().flat_map(|own| own.iter().enumerate().map(|(p, ratio)| ratio - mean(p))));
-    println!("one draw, endless travel: {:.1}e-4 from the mean of {DRAWS} draws", 1e4 * drawn);
-    println!("travel over the planned one: site updates of a confirmation, error of time, stated, in units of it");
+    let mut quoted = Quoted::new("speed").unwrap();
+    quoted.sentence(&format!("the ratio of one draw differs by {drawn:.5} from the mean of six"));
     let mut rows = Vec::new();
     for travel in [0.5, 1.0, 2.0, 4.0] {
         let runs: Vec<Vec<LoadOutcome>> = seeds().map(|seed| run(travel, seed)).collect();
@@ -57,7 +57,7 @@ fn the_confirming_run_is_as_long_as_its_error_asks_for() {
         let surfaces = each().flat_map(|(load, _)| std::iter::once(&load.surface).chain(&load.flat));
         let updates: u64 = surfaces.map(|surface| surface.cost.unwrap().site_updates).sum();
         let updates = updates as f64 / DRAWS as f64;
-        println!("{travel}: {updates:.2e}, {:.1}e-4, {:.1}e-4, {:.2}", 1e4 * error, 1e4 * stated, error / stated);
+        quoted.row(&format!("| {travel} | {updates:.1e} | {error:.5} | {stated:.5} |"));
         rows.push([updates, error, stated]);
     }
     // What is stated holds, and the planned run is off by less than what drawing coefficients once leaves open.
@@ -74,6 +74,7 @@ fn the_confirming_run_is_as_long_as_its_error_asks_for() {
         let (flat, long) = (&flat, &long);
         (0..long[own].len()).map(move |p| long[own][p] * (flat[own][p] / flat[other][p] - 1.0))
     }));
-    println!("draws of their own for flat and patterned surfaces: {:.1}e-4 more", 1e4 * apart);
+    quoted.sentence(&format!("If each had draws of its own, the ratio would scatter by {apart:.4} more"));
     assert!(apart > 2.0 * drawn);
+    assert_eq!(quoted.differences().unwrap(), "");
 }

@@ -1,0 +1,115 @@
+//! What the book's evidence quotes of a test: the test finds it again.
+
+use std::path::PathBuf;
+
+/// Set where the book takes over what tests find now.
+const UPDATES: &str = "SLIPGRID_UPDATE_GUIDE";
+
+/// A chapter of the evidence whose rows and sentences a test compares with what it finds.
+#[derive(Debug)]
+pub struct Quoted {
+    path: PathBuf,
+    chapter: String,
+    differences: Vec<String>,
+}
+
+impl Quoted {
+    /// `crates/book/src/evidence/<chapter>.md`.
+    ///
+    /// # Errors
+    /// Where it cannot be read.
+    pub fn new(chapter: &str) -> std::io::Result<Self> {
+        let path = PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../crates/book/src/evidence"));
+        let path = path.join(chapter).with_extension("md");
+        let chapter = std::fs::read_to_string(&path)?;
+        Ok(Self { path, chapter, differences: Vec::new() })
+    }
+
+    /// A row of a table, `| title | number | ...`, as it is found now: the row of that title stands in the chapter with numbers alike.
+    pub fn row(&mut self, row: &str) {
+        let title = |line: &str| line.split('|').nth(1).map(|cell| cell.trim().to_owned());
+        let Some(kept) = self.chapter.lines().find(|line| line.starts_with('|') && title(line) == title(row)) else {
+            self.differences.push(format!("no row has the title of {row}"));
+            return;
+        };
+        if kept == row {
+            return;
+        }
+        if std::env::var_os(UPDATES).is_some() {
+            self.chapter = self.chapter.replace(kept, row);
+        } else if !is_alike(kept, row) {
+            self.differences.push(format!("the chapter has {kept}\n     now it is {row}"));
+        }
+    }
+
+    /// A sentence, or a part of one, as it would have to read now.
+    pub fn sentence(&mut self, sentence: &str) {
+        let words = |text: &str| text.split_whitespace().collect::<Vec<_>>().join(" ");
+        if !words(&self.chapter).contains(&words(sentence)) {
+            self.differences.push(format!("the chapter does not say: {sentence}"));
+        }
+    }
+
+    /// What differs between the chapter and what was found, in lines; the chapter takes rows over where it is updated.
+    ///
+    /// # Errors
+    /// Where it cannot be written.
+    pub fn differences(self) -> std::io::Result<String> {
+        if std::env::var_os(UPDATES).is_some() {
+            std::fs::write(&self.path, &self.chapter)?;
+        }
+        Ok(self.differences.join("\n"))
+    }
+}
+
+/// Whether two rows have the same words and, but for rounding on other processors, the same numbers.
+fn is_alike(kept: &str, now: &str) -> bool {
+    let [kept, now] = [kept, now].map(|row| row.split_whitespace().collect::<Vec<_>>());
+    let is_alike = |place: usize| {
+        let (Ok(was), Ok(is)) = (kept[place].parse::<f64>(), now[place].parse::<f64>()) else {
+            return kept[place] == now[place];
+        };
+        let error = if kept.get(place + 1) == Some(&"+-") { kept[place + 2].parse().unwrap_or(0.0) } else { 0.0 };
+        (was - is).abs() <= 1.5 * last_place(kept[place]) + 3.0 * error
+    };
+    kept.len() == now.len() && (0..kept.len()).all(is_alike)
+}
+
+/// One unit of the last decimal of a number; of a count, a hundredth of it.
+fn last_place(number: &str) -> f64 {
+    let (digits, exponent) = number.split_once('e').unwrap_or((number, "0"));
+    let power = 10_f64.powi(exponent.parse().unwrap_or(0));
+    digits.split_once('.').map_or_else(
+        || (0.01 * digits.parse::<f64>().unwrap_or(0.0).abs()).max(1.0),
+        |(_, decimals)| 0.1_f64.powi(i32::try_from(decimals.len()).unwrap_or(0)) * power,
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_alike_to_their_last_place_and_three_standard_errors() {
+        let kept = "| step 8 ns | 1.64 +- 0.01 % | 0.9288 +- 0.0002 | 536 | 9.3e8 |";
+        assert!(is_alike(kept, "| step 8 ns | 1.68 +- 0.02 % | 0.9280 +- 0.0002 | 541 | 9.4e8 |"));
+        for wrong in [
+            "| step 8 ns | 1.70 +- 0.01 % | 0.9288 +- 0.0002 | 536 | 9.3e8 |",
+            "| step 8 ns | 1.64 +- 0.01 % | 0.9298 +- 0.0002 | 536 | 9.3e8 |",
+            "| step 8 ns | 1.64 +- 0.01 % | 0.9288 +- 0.0002 | 550 | 9.3e8 |",
+            "| step 8 ns | 1.64 +- 0.01 % | 0.9288 +- 0.0002 | 536 | 9.5e8 |",
+            "| step 9 ns | 1.64 +- 0.01 % | 0.9288 +- 0.0002 | 536 | 9.3e8 |",
+            "| step 8 ns | 1.64 +- 0.01 % | 0.9288 +- 0.0002 | 536 |",
+        ] {
+            assert!(!is_alike(kept, wrong), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn a_chapter_is_compared_by_titles_and_sentences() {
+        let mut quoted = Quoted::new("verification").unwrap();
+        quoted.sentence("Verification asks whether the equations are solved correctly.");
+        quoted.row("| convergence of nothing | 1 |");
+        assert!(quoted.differences().unwrap().contains("no row"));
+    }
+}
