@@ -37,15 +37,15 @@ impl Quoted {
         }
         if std::env::var_os(UPDATES).is_some() {
             self.chapter = self.chapter.replace(kept, row);
-        } else if !is_alike(kept, row) {
+        } else if !are_alike(&words(kept), &words(row)) {
             self.differences.push(format!("the chapter has {kept}\n     now it is {row}"));
         }
     }
 
-    /// A sentence, or a part of one, as it would have to read now.
+    /// A sentence, or a part of one, as it would have to read now: it stands in the chapter with numbers alike.
     pub fn sentence(&mut self, sentence: &str) {
-        let words = |text: &str| text.split_whitespace().collect::<Vec<_>>().join(" ");
-        if !words(&self.chapter).contains(&words(sentence)) {
+        let now = words(sentence);
+        if !words(&self.chapter).windows(now.len()).any(|kept| are_alike(kept, &now)) {
             self.differences.push(format!("the chapter does not say: {sentence}"));
         }
     }
@@ -62,15 +62,19 @@ impl Quoted {
     }
 }
 
-/// Whether two rows have the same words and, but for rounding on other processors, the same numbers.
-fn is_alike(kept: &str, now: &str) -> bool {
-    let [kept, now] = [kept, now].map(|row| row.split_whitespace().collect::<Vec<_>>());
+fn words(text: &str) -> Vec<&str> {
+    text.split_whitespace().collect()
+}
+
+/// Whether these are the same words and, but for rounding on other processors, the same numbers.
+fn are_alike(kept: &[&str], now: &[&str]) -> bool {
     let is_alike = |place: usize| {
-        let (Ok(was), Ok(is)) = (kept[place].parse::<f64>(), now[place].parse::<f64>()) else {
+        let [was, is] = [kept, now].map(|words| words[place].trim_end_matches([',', '.', ';']));
+        let (Ok(value), Ok(found)) = (was.parse::<f64>(), is.parse::<f64>()) else {
             return kept[place] == now[place];
         };
         let error = if kept.get(place + 1) == Some(&"+-") { kept[place + 2].parse().unwrap_or(0.0) } else { 0.0 };
-        (was - is).abs() <= 1.5 * last_place(kept[place]) + 3.0 * error
+        (value - found).abs() <= 1.5 * last_place(was) + 3.0 * error
     };
     kept.len() == now.len() && (0..kept.len()).all(is_alike)
 }
@@ -91,14 +95,15 @@ mod tests {
 
     #[test]
     fn numbers_are_alike_to_their_last_place_and_three_standard_errors() {
+        let is_alike = |kept: &str, now: &str| are_alike(&words(kept), &words(now));
         let kept = "| step 8 ns | 1.64 +- 0.01 % | 0.9288 +- 0.0002 | 536 | 9.3e8 |";
-        assert!(is_alike(kept, "| step 8 ns | 1.68 +- 0.02 % | 0.9280 +- 0.0002 | 541 | 9.4e8 |"));
+        assert!(is_alike(kept, "| step 8 ns | 1.68 +- 0.02 % | 0.9282 +- 0.0002 | 541 | 9.4e8 |"));
         for wrong in [
             "| step 8 ns | 1.70 +- 0.01 % | 0.9288 +- 0.0002 | 536 | 9.3e8 |",
             "| step 8 ns | 1.64 +- 0.01 % | 0.9298 +- 0.0002 | 536 | 9.3e8 |",
             "| step 8 ns | 1.64 +- 0.01 % | 0.9288 +- 0.0002 | 550 | 9.3e8 |",
             "| step 8 ns | 1.64 +- 0.01 % | 0.9288 +- 0.0002 | 536 | 9.5e8 |",
-            "| step 9 ns | 1.64 +- 0.01 % | 0.9288 +- 0.0002 | 536 | 9.3e8 |",
+            "| step 8 us | 1.64 +- 0.01 % | 0.9288 +- 0.0002 | 536 | 9.3e8 |",
             "| step 8 ns | 1.64 +- 0.01 % | 0.9288 +- 0.0002 | 536 |",
         ] {
             assert!(!is_alike(kept, wrong), "{wrong}");
@@ -109,7 +114,10 @@ mod tests {
     fn a_chapter_is_compared_by_titles_and_sentences() {
         let mut quoted = Quoted::new("verification").unwrap();
         quoted.sentence("Verification asks whether the equations are solved correctly.");
+        quoted.sentence("from rest and warm, with 2 um of travel");
         quoted.row("| convergence of nothing | 1 |");
-        assert!(quoted.differences().unwrap().contains("no row"));
+        quoted.sentence("with 21 um of travel");
+        let found = quoted.differences().unwrap();
+        assert!(found.starts_with("no row") && found.ends_with("with 21 um of travel") && found.lines().count() == 2);
     }
 }

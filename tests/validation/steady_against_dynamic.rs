@@ -49,7 +49,7 @@ fn ratios_of_the_whole_sample_agree_at_all_four_loads() {
     let ([departures, excess], mut quoted) = (compare(scene), Quoted::new("verification").unwrap());
     assert!(departures.iter().all(|departure| *departure < 0.005), "{departures:?}");
     assert!(excess.iter().all(|excess| (0.01..0.02).contains(excess)), "{excess:?}");
-    let apart: Vec<String> = departures.iter().map(|departure| format!("{:.1}", 100.0 * departure)).collect();
+    let apart: Vec<String> = departures.iter().map(|departure| format!("{:.2}", 100.0 * departure)).collect();
     quoted.sentence(&format!("ratio at 0.65, 1.3, 1.95, 2.6 MPa | {} % apart", apart.join(", ")));
     assert_eq!(quoted.differences().unwrap(), "");
 }
