@@ -69,11 +69,15 @@ fn words(text: &str) -> Vec<&str> {
 /// Whether these are the same words and, but for rounding on other processors, the same numbers.
 fn are_alike(kept: &[&str], now: &[&str]) -> bool {
     let is_alike = |place: usize| {
-        let [was, is] = [kept, now].map(|words| words[place].trim_end_matches([',', '.', ';']));
+        let [was, is] = [kept, now].map(|words| words[place].trim_end_matches([',', '.', ';', ')']));
         let (Ok(value), Ok(found)) = (was.parse::<f64>(), is.parse::<f64>()) else {
             return kept[place] == now[place];
         };
-        let error = if kept.get(place + 1) == Some(&"+-") { kept[place + 2].parse().unwrap_or(0.0) } else { 0.0 };
+        let error = if matches!(kept.get(place + 1), Some(&"+-" | &"±")) {
+            kept[place + 2].parse().unwrap_or(0.0)
+        } else {
+            0.0
+        };
         (value - found).abs() <= 1.5 * last_place(was) + 3.0 * error
     };
     kept.len() == now.len() && (0..kept.len()).all(is_alike)

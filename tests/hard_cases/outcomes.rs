@@ -100,9 +100,9 @@ const REGIONS: [Region; 7] = [
     ("above 3", |scene| shear_number(scene) >= 3.0),
 ];
 
-/// Runs `count` scenes: those that converged to another ratio than 1, and the table of outcomes by region, row by row.
+/// Runs `count` scenes: those that converged to another ratio than 1, the table of outcomes by region, row by row, and a sentence.
 /// Of those that converged at most one of a hundred is far from it by chance.
-fn wrong(count: usize) -> (Vec<String>, Vec<String>) {
+fn wrong(count: usize) -> (Vec<String>, Vec<String>, String) {
     let scenes = scenes(count);
     let found: Vec<LoadOutcome> = scenes.par_iter().map(outcome).collect();
     let statuses = [Status::Converged, Status::SlidingWaves, Status::ShortWindow, Status::NoOnset]
@@ -126,25 +126,27 @@ fn wrong(count: usize) -> (Vec<String>, Vec<String>) {
     let converged: Vec<(&Scene, &LoadOutcome)> =
         scenes.iter().zip(&found).filter(|(_, load)| status(load) == Status::Converged).collect();
     let rare = converged.iter().filter(|(_, load)| is_beyond(load, RARE)).count();
-    println!("{rare} of {} that converged are more than {RARE} standard errors from ratio 1", converged.len());
+    let are = if rare == 0 { "none is".to_owned() } else { format!("{rare} are") };
+    let text = format!("of {} such runs {are} more than three standard errors from it", converged.len());
     assert!(rare as f64 <= 0.01 * converged.len() as f64);
     let wrong = converged.iter().filter(|(_, load)| is_beyond(load, WRONG));
-    (wrong.map(|(scene, load)| format!("{:?} +- {:?}: {scene:?}", load.ratio, load.ratio_stderr)).collect(), rows)
+    (wrong.map(|(scene, load)| format!("{:?} +- {:?}: {scene:?}", load.ratio, load.ratio_stderr)).collect(), rows, text)
 }
 
 #[test]
 fn equal_coefficients_give_ratio_one_in_every_run_that_converged() {
-    let (wrong, _) = wrong(30);
+    let (wrong, ..) = wrong(30);
     assert!(wrong.is_empty(), "{wrong:#?}");
 }
 
 #[test]
 #[ignore = "six minutes: finds a table of the book, evidence/verification.md"]
 fn equal_coefficients_give_ratio_one_in_two_thousand_scenes() {
-    let (wrong, rows) = wrong(2000);
+    let (wrong, rows, text) = wrong(2000);
     assert!(wrong.is_empty(), "{wrong:#?}");
     let mut quoted = Quoted::new("verification").unwrap();
     rows.iter().for_each(|row| quoted.row(row));
+    quoted.sentence(&text);
     assert_eq!(quoted.differences().unwrap(), "");
 }
 

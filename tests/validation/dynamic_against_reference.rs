@@ -1,31 +1,34 @@
 //! The fast time integration against the paper's: Runge-Kutta of order 4, 1 ns, exact springs.
 
-use slipgrid_springblock::{Extent, Fidelity, Layer, Scene, SurfaceOutcome, Unwatched, simulate};
-use slipgrid_tests::polymer_scene;
+use slipgrid_springblock::{Extent, Fidelity, Layer, LoadOutcome, Scene, Unwatched, simulate};
+use slipgrid_tests::{Quoted, polymer_scene};
 
-fn run(scene: &Scene) -> SurfaceOutcome {
-    let load = simulate(scene, &Unwatched).unwrap().loads.remove(0);
-    if let Some(ratio) = load.ratio {
-        println!("{}: ratio {ratio} +- {}", scene.run.fidelity.name(), load.ratio_stderr.unwrap());
-    }
-    load.surface
+/// Friction and, on a patterned sample, the ratio, each with its standard error.
+fn values(load: &LoadOutcome) -> Vec<(f64, f64)> {
+    let surface = &load.surface;
+    let friction = (surface.mu_dynamic.unwrap(), surface.mu_dynamic_stderr.unwrap());
+    std::iter::once(friction).chain(load.ratio.map(|ratio| (ratio, load.ratio_stderr.unwrap()))).collect()
 }
 
-/// Compares both fidelities on `scene` and returns the work of each in spring-force evaluations.
-fn compare(mut scene: Scene) -> [u64; 2] {
+/// Compares both fidelities on `scene`: what each found, and its work in spring-force evaluations.
+fn compare(mut scene: Scene) -> ([Vec<(f64, f64)>; 2], [u64; 2]) {
     let outcomes = [Fidelity::Dynamic, Fidelity::Reference].map(|fidelity| {
         scene.run.fidelity = fidelity;
-        run(&scene)
+        simulate(&scene, &Unwatched).unwrap().loads.remove(0)
     });
-    let [dynamic, reference] = &outcomes;
-    let value = |outcome: &SurfaceOutcome| (outcome.mu_dynamic.unwrap(), outcome.mu_dynamic_stderr.unwrap());
-    let ((mu, error), (reference_mu, reference_error)) = (value(dynamic), value(reference));
-    println!("dynamic {mu} +- {error}, reference {reference_mu} +- {reference_error}");
+    let found = outcomes.each_ref().map(values);
+    println!("dynamic {:?}, reference {:?}", found[0], found[1]);
+    let [(mu, error), (reference_mu, reference_error)] = [found[0][0], found[1][0]];
     assert!(error <= 1e-3 * mu && reference_error <= 1e-3 * mu, "{error} {reference_error}");
     // 0.3 % plus twice the standard errors
     let allowed = 3e-3 * reference_mu + 2.0 * error.hypot(reference_error);
     assert!((mu - reference_mu).abs() <= allowed, "{mu} {reference_mu}");
-    outcomes.each_ref().map(|outcome| outcome.cost.unwrap().site_updates)
+    (found, outcomes.map(|load| load.surface.cost.unwrap().site_updates))
+}
+
+/// Numbers to four decimals, as the book has them.
+fn told(values: &[f64]) -> String {
+    values.iter().map(|value| format!("{value:.4}")).collect::<Vec<_>>().join(", ")
 }
 
 #[test]
@@ -33,7 +36,10 @@ fn a_thin_flat_strip_slides_alike() {
     let mut scene = polymer_scene(None, &[1.3], Fidelity::Dynamic, Extent::Sample).unwrap();
     scene.layer = Layer { length_m: 2000e-6, height_m: 50e-6, block_m: 10e-6, thickness_m: None };
     scene.run.sliding_m = 0.3e-6;
-    let [fast, slow] = compare(scene);
+    let ([dynamic, reference], [fast, slow]) = compare(scene);
+    let mut quoted = Quoted::new("verification").unwrap();
+    quoted.sentence(&format!("{:.4} against {:.4} (standard errors 0.0001)", dynamic[0].0, reference[0].0));
+    assert_eq!(quoted.differences().unwrap(), "");
     // Force evaluations alone: 6 ns with one a step against 1 ns with four.
     assert!(slow > 22 * fast, "{fast} {slow}");
 }
@@ -46,7 +52,12 @@ fn a_patterned_sample_of_full_height_slides_alike() {
     scene.layer = Layer { length_m: 1500e-6, ..scene.layer };
     scene.run.warm_start = true;
     scene.run.sliding_m = 0.6e-6;
-    compare(scene);
+    let ([dynamic, reference], _) = compare(scene);
+    let mut quoted = Quoted::new("verification").unwrap();
+    let [own, other] = [&dynamic, &reference].map(|found| told(&[found[0].0, found[1].0]));
+    let errors = told(&[dynamic[0].1, dynamic[1].1]);
+    quoted.sentence(&format!("| {own} against {other} (standard errors {errors})"));
+    assert_eq!(quoted.differences().unwrap(), "");
 }
 
 #[test]
@@ -55,5 +66,11 @@ fn the_whole_patterned_sample_slides_alike() {
     let pattern = slipgrid_tests::published_groove().unwrap();
     let mut scene = polymer_scene(Some(pattern), &[1.3], Fidelity::Dynamic, Extent::Sample).unwrap();
     scene.run.sliding_m = 1e-6;
-    compare(scene);
+    let ([dynamic, reference], _) = compare(scene);
+    let mut quoted = Quoted::new("verification").unwrap();
+    let with_errors = |found: &[(f64, f64)]| -> String {
+        found.iter().map(|(value, error)| format!("{value:.4} ± {error:.4}")).collect::<Vec<_>>().join(", ")
+    };
+    quoted.sentence(&format!("| {} against {}", with_errors(&dynamic), with_errors(&reference)));
+    assert_eq!(quoted.differences().unwrap(), "");
 }
