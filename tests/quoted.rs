@@ -71,7 +71,8 @@ fn are_alike(kept: &[&str], now: &[&str]) -> bool {
     let is_alike = |place: usize| {
         let [was, is] = [kept, now].map(|words| words[place].trim_end_matches([',', '.', ';', ')']));
         let (Ok(value), Ok(found)) = (was.parse::<f64>(), is.parse::<f64>()) else {
-            return kept[place] == now[place];
+            // A part of a sentence may end before a full stop.
+            return kept[place] == now[place] || (place + 1 == now.len() && was == is);
         };
         let error = if matches!(kept.get(place + 1), Some(&"+-" | &"±")) {
             kept[place + 2].parse().unwrap_or(0.0)
