@@ -20,7 +20,7 @@ fn table(ratios: [f64; 3]) -> String {
 }
 
 fn place() -> Place {
-    let place = Place::with(&[("flat.csv", &table([1.0; 3])), ("calibration.toml", CALIBRATION)]);
+    let place = Place::with_cache(&[("flat.csv", &table([1.0; 3])), ("calibration.toml", CALIBRATION)]);
     place.succeed(&["calibrate", "calibration.toml", "-o", "m.toml", "-q"]);
     place
 }

@@ -10,7 +10,12 @@ fn a_few_laboratories_reach_their_targets() {
     let options = Options { laboratories: 9, most_trials: 5, steps: 4, seed: 3 };
     let policies = [Policy::Mixture, Policy::Physics, Policy::Generator, Policy::Truth];
     let found = run(&options, &policies, &Unwatched).unwrap();
-    assert_eq!(found, run(&options, &policies, &Unwatched).unwrap());
+    let few = Options { laboratories: 1, ..options };
+    let on_threads = |count: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(count).build().unwrap();
+        pool.install(|| run(&few, &policies, &Unwatched)).unwrap()
+    };
+    assert_eq!(on_threads(1), on_threads(3));
     for start in &found.starts {
         let mean = |policy: Policy| start.policies.iter().find(|of| of.policy == policy.name()).unwrap().mean;
         let means = policies.map(mean);

@@ -153,6 +153,8 @@ pub fn program() -> Command {
 /// A folder with input files, in which the program is run.
 pub struct Place {
     folder: TempDir,
+    /// Where the program keeps results from one run to the next; absent where it computes everything anew.
+    cache: Option<TempDir>,
 }
 
 /// JSON as printed or written.
@@ -172,11 +174,16 @@ pub fn number(value: &Value) -> f64 {
 impl Place {
     /// A folder with `files`, names and contents.
     pub fn with(files: &[(&str, &str)]) -> Self {
-        let place = Self { folder: tempfile::tempdir().unwrap() };
+        let place = Self { folder: tempfile::tempdir().unwrap(), cache: None };
         for (name, text) in files {
             fs::write(place.path(name), text).unwrap();
         }
         place
+    }
+
+    /// The same, whose runs take over what earlier ones kept, as a user's do.
+    pub fn with_cache(files: &[(&str, &str)]) -> Self {
+        Self { cache: Some(tempfile::tempdir().unwrap()), ..Self::with(files) }
     }
 
     pub fn path(&self, name: &str) -> PathBuf {
@@ -198,6 +205,9 @@ impl Place {
 
     pub fn run(&self, args: &[&str]) -> Output {
         let mut command = program();
+        if let Some(cache) = &self.cache {
+            command.env("SLIPGRID_CACHE", cache.path());
+        }
         command.current_dir(self.folder.path()).args(args).output().unwrap()
     }
 
