@@ -1,8 +1,8 @@
 //! What a caller remembers from one computation to the next.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, VecDeque};
 use std::fmt::{self, Debug, Write};
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use sha2::{Digest, Sha256};
 
@@ -53,18 +53,57 @@ impl Write for Hashed {
     }
 }
 
-/// A memory that ends with the process.
-#[derive(Debug, Default)]
-pub struct InMemory(Mutex<BTreeMap<Key, Vec<u8>>>);
+/// A memory that ends with the process, and forgets what it has kept longest where it would have more bytes than it may.
+#[derive(Debug)]
+pub struct InMemory {
+    kept: Mutex<Kept>,
+    most_bytes: usize,
+}
+
+#[derive(Debug)]
+struct Kept {
+    values: BTreeMap<Key, Vec<u8>>,
+    oldest_first: VecDeque<Key>,
+    bytes: usize,
+}
+
+impl InMemory {
+    /// Nothing yet, and `most_bytes` of values at most.
+    #[must_use]
+    pub const fn new(most_bytes: usize) -> Self {
+        let kept = Kept { values: BTreeMap::new(), oldest_first: VecDeque::new(), bytes: 0 };
+        Self { kept: Mutex::new(kept), most_bytes }
+    }
+
+    fn kept(&self) -> MutexGuard<'_, Kept> {
+        // A value is whole when it enters: those of a panicking thread are as good as any.
+        self.kept.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl Default for InMemory {
+    fn default() -> Self {
+        Self::new(usize::MAX)
+    }
+}
 
 impl Memory for InMemory {
     fn recall(&self, key: &Key) -> Option<Vec<u8>> {
-        // A value is whole when it enters: those of a panicking thread are as good as any.
-        self.0.lock().unwrap_or_else(PoisonError::into_inner).get(key).cloned()
+        self.kept().values.get(key).cloned()
     }
 
     fn keep(&self, key: &Key, value: &[u8]) {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner).insert(key.clone(), value.to_vec());
+        let mut kept = self.kept();
+        if value.len() > self.most_bytes || kept.values.contains_key(key) {
+            return;
+        }
+        while kept.bytes > self.most_bytes - value.len() {
+            let Some(oldest) = kept.oldest_first.pop_front() else { break };
+            kept.bytes -= kept.values.remove(&oldest).map_or(0, |value| value.len());
+        }
+        kept.bytes += value.len();
+        kept.oldest_first.push_back(key.clone());
+        kept.values.insert(key.clone(), value.to_vec());
     }
 }
 
@@ -116,5 +155,18 @@ mod tests {
         assert_eq!(memory.recall(&key), None);
         memory.keep(&key, &[1, 2]);
         assert_eq!(memory.recall(&key), Some(vec![1, 2]));
+    }
+
+    #[test]
+    fn a_memory_that_is_full_forgets_what_it_has_kept_longest() {
+        let memory = InMemory::new(10);
+        let key = |number: u32| Key::of("run", &number);
+        for (number, length) in [(1, 4), (2, 4), (2, 4), (3, 4), (4, 11)] {
+            memory.keep(&key(number), &vec![7; length]);
+        }
+        // Eight bytes and four are too many, eleven alone as well.
+        assert_eq!([1, 2, 3, 4].map(|number| memory.recall(&key(number)).is_some()), [false, true, true, false]);
+        memory.keep(&key(5), &[7; 10]);
+        assert_eq!([2, 3, 5].map(|number| memory.recall(&key(number)).is_some()), [false, false, true]);
     }
 }

@@ -7,12 +7,16 @@ use std::time::{Duration, Instant};
 
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
-use slipgrid::monitor::Monitor;
+use slipgrid::monitor::{InMemory, Memory, Monitor};
 
 use crate::threads::pool;
 
 /// How often signals are looked for and progress is told.
 const TICK: Duration = Duration::from_millis(50);
+
+/// Fitted materials, runs of flat samples and nodes of explorers, which further targets and further questions take over: results are the
+/// same to the last bit, and a series of targets does not calibrate anew for each. A calibration and a design take about a megabyte.
+static MEMORY: InMemory = InMemory::new(256 << 20);
 
 /// Where the work stands.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -72,6 +76,10 @@ impl Monitor for Watch {
 
     fn note(&self, text: &str) {
         self.standing().notes.push(text.to_owned());
+    }
+
+    fn memory(&self) -> Option<&dyn Memory> {
+        Some(&MEMORY)
     }
 }
 
