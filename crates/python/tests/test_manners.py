@@ -97,7 +97,8 @@ def test_ctrl_c_ends_the_ratios_of_many_patterns() -> None:
     with pytest.raises(KeyboardInterrupt):
         cell.ratios_of(patterns)
     took = time.monotonic() - pressed[0]
-    assert took < 0.2, f"{took} s"
+    # 0.06 s alone; all of them take 17 s, and another test may have the cores.
+    assert took < 1.0, f"{took} s"
     # The same cell goes on.
     assert np.array_equal(cell.ratios_of(patterns[:5])[4], cell.ratios(*patterns[4]))
 
