@@ -1,7 +1,7 @@
 //! What is known at some designs, and what that says of those in between.
 
 use slipgrid_pattern::Pattern;
-use slipgrid_statistics::Kriging;
+use slipgrid_statistics::{Kriging, distance};
 
 /// Distance over which quantities resemble each other. What cells in blocks of 10 um are off by those of 2.5 um, most of what specimens have
 /// beyond cells, goes on differing the more, the further grooves 40 to 500 um wide are apart, up to there.
@@ -61,10 +61,6 @@ pub fn unlike_those_before(before: Vec<Pattern>, least: f64) -> impl FnMut(&Patt
 fn place(design: &Pattern) -> [f64; 3] {
     let [width, spacing, depth] = design.lengths_m().map(f64::ln);
     [width, spacing, OF_DEPTH * depth]
-}
-
-fn distance(a: &[f64; 3], b: &[f64; 3]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt()
 }
 
 #[cfg(test)]

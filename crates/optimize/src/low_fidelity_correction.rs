@@ -4,7 +4,7 @@ use crate::Response;
 use crate::low_discrepancy::MOST_DIMENSIONS;
 use crate::space::Grid;
 use slipgrid_pattern::Pattern;
-use slipgrid_statistics::Kriging;
+use slipgrid_statistics::{Kriging, distance};
 
 /// Distance over which differences resemble each other, as a share of the (logarithmic) bounds. Shorter forgets
 /// what is known from afar, longer trusts it too much: from 0.4 to 1 the number of evaluations hardly changes.
@@ -14,10 +14,6 @@ const RANGE: f64 = 1.5;
 /// would be carried on through the whole range. With 0.08 or 0.15, of seventeen targets for cavities in space all those that were met still
 /// are, and four of the six that are out of reach are approached by 0.1 to 0.4 tolerances more.
 const LEAST_APART: f64 = 0.08;
-
-fn distance(left: &Shares, right: &Shares) -> f64 {
-    left.iter().zip(right).map(|(left, right)| (left - right).powi(2)).sum::<f64>().sqrt()
-}
 
 /// Differences between a model and its guide, learnt in one search and of use in the next, as long as models,
 /// texture and bounds stay the same. Values may be shifted in both alike.

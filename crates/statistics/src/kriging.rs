@@ -58,10 +58,19 @@ impl<const D: usize> Kriging<D> {
     }
 }
 
+/// Distance of two places.
+#[must_use]
+pub fn distance<const D: usize>(left: &[f64; D], right: &[f64; D]) -> f64 {
+    square(left, right).sqrt()
+}
+
+fn square<const D: usize>(left: &[f64; D], right: &[f64; D]) -> f64 {
+    left.iter().zip(right).map(|(left, right)| (left - right).powi(2)).sum()
+}
+
 /// Matern's covariance of smoothness 3/2: (1 + sqrt(3) r / L) exp(-sqrt(3) r / L).
 fn covariance<const D: usize>(left: &[f64; D], right: &[f64; D], range: f64) -> f64 {
-    let square: f64 = left.iter().zip(right).map(|(left, right)| (left - right).powi(2)).sum();
-    let r = (3.0 * square).sqrt() / range;
+    let r = (3.0 * square(left, right)).sqrt() / range;
     (1.0 + r) * libm::exp(-r)
 }
 

@@ -19,7 +19,7 @@ mod student;
 mod synthetic_noise;
 
 pub use chi_square::chi_square_beyond;
-pub use kriging::Kriging;
+pub use kriging::{Kriging, distance};
 pub use normal::Normals;
 pub use normal_distribution::{box_probability, normal_probability, normal_quantile, rough_box_probability};
 pub use response_surface::{Axis, ResponseSurface};
