@@ -48,6 +48,15 @@ const LEAST_BLOCK_STD: f64 = 3e-4;
 
 /// What the mean height of a sample's rims is called.
 pub const RIM_HEIGHT: &str = "rim height";
+/// What the depth that a burst removes is called.
+pub const DEPTH_PER_BURST: &str = "depth per burst";
+
+/// `design` made with as many bursts, each of which removes exp(`log`) times as much: a depth stays positive.
+pub fn by_deeper_bursts(design: &Pattern, log: f64) -> Result<Pattern, ModelFailure> {
+    let [width_m, spacing_m, depth_m] = design.lengths_m();
+    Pattern::new(*design.texture(), width_m, spacing_m, depth_m * log.exp())
+        .map_err(|error| ModelFailure::Trial { reason: error.to_string() })
+}
 
 /// Something that is not known exactly.
 #[derive(Clone, Debug, PartialEq)]
@@ -167,7 +176,7 @@ impl<'a> Chances<'a> {
         }
         let burst = design.laser.depth_per_burst_std().map(|std| {
             let first = parts.add(vec![vec![std * std]]);
-            parts.name("depth per burst", percent(std), first..first + 1);
+            parts.name(DEPTH_PER_BURST, percent(std), first..first + 1);
             first
         });
         let first_discrepancy = parts.count;

@@ -10,7 +10,7 @@ use slipgrid_pattern::Pattern;
 use slipgrid_springblock::{Load, LoadOutcome, Scene, Simulation};
 
 use crate::DesignError;
-use crate::chance::{RIM_HEIGHT, diagonal};
+use crate::chance::{DEPTH_PER_BURST, RIM_HEIGHT, by_deeper_bursts, diagonal};
 use crate::operating_conditions::{Further, Setting};
 use crate::robust_search::RobustChoice;
 use crate::robustness_report::{
@@ -298,10 +298,7 @@ impl UncertainModel for AboutDesign<'_> {
         let flat: Vec<f64> = (0..count).map(|load| at(self.parameters.friction, load % self.inputs_of_loads)).collect();
         let scale = ScaleShift::off_by(at(self.parameters.modulus, 0), self.scale_is_fitted);
         let moved = moved(&self.scene, &flat, scale, at(self.parameters.law, 0)).map_err(trial)?;
-        let burst = at(self.parameters.burst, 0).exp();
-        let [width_m, spacing_m, depth_m] = [design.width_m(), design.spacing_m(), design.depth_m() * burst];
-        let made = Pattern::new(design.texture().to_owned(), width_m, spacing_m, depth_m);
-        let made = made.map_err(|error| ModelFailure::Trial { reason: error.to_string() })?;
+        let made = by_deeper_bursts(design, at(self.parameters.burst, 0))?;
         let steady = self.model.ratios_of(&moved, &made, &self.laid)?;
         // r F exp(d): F the discrepancy's median, d its own error
         let off = |load: usize| self.factor[load] * at(self.parameters.discrepancy, load).exp();
@@ -382,7 +379,7 @@ fn parts(about: &AboutDesign<'_>, uncertainty: &Uncertainty, first_order: &Linea
         (RIM_HEIGHT, uncertainty.rim().map(|place| place..place + 1)),
         ("flat friction", parameter(about.parameters.friction, of_friction)),
         (about.scale_name(), parameter(about.parameters.modulus, 1)),
-        ("depth per burst", parameter(about.parameters.burst, 1)),
+        (DEPTH_PER_BURST, parameter(about.parameters.burst, 1)),
         ("area law", parameter(about.parameters.law, 1)),
         ("discrepancy", parameter(about.parameters.discrepancy, count)),
     ];
@@ -458,7 +455,7 @@ fn inputs(request: &Request<'_>, about: &AboutDesign<'_>, uncertainty: &Uncertai
     }
     if let Some(place) = about.parameters.burst {
         inputs.push(InputReport {
-            name: "depth per burst".to_owned(),
+            name: DEPTH_PER_BURST.to_owned(),
             std: vec![percent(uncertainty.std(DIMENSIONS + place))],
             unit: "%".into(),
             basis: "fitted to measured depths; all cavities are deeper or shallower by it".to_owned(),

@@ -51,11 +51,13 @@ impl UncertainModel for Sampled<'_> {
             texture.to_owned(),
             length(0, made.width_m(), own.width_m()),
             length(1, made.spacing_m(), own.spacing_m()),
-            // As many bursts, each of which removes more or less: a depth stays positive.
-            length(DEPTH, made.depth_m(), own.depth_m()) * chances.burst.map_or(1.0, |place| off(place).exp()),
+            length(DEPTH, made.depth_m(), own.depth_m()),
         );
         let trial = |reason: String| ModelFailure::Trial { reason };
-        let made = made.map_err(|error| trial(error.to_string()))?;
+        let mut made = made.map_err(|error| trial(error.to_string()))?;
+        if let Some(place) = chances.burst {
+            made = by_deeper_bursts(&made, off(place))?;
+        }
         let at = |along: &Option<Along>, load: usize| along.as_ref().map_or(0.0, |along| off(along.first + load));
         let input = |load: usize| load % chances.inputs_of_loads;
         let friction: Vec<f64> = (0..about.still.ratio.len()).map(|load| at(&chances.friction, input(load))).collect();
