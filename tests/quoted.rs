@@ -1,6 +1,7 @@
 //! What the book's evidence quotes of a test: the test finds it again.
 
 use std::path::PathBuf;
+use std::sync::{Mutex, PoisonError};
 
 /// Set where the book takes over what tests find now.
 const UPDATES: &str = "SLIPGRID_UPDATE_GUIDE";
@@ -10,8 +11,13 @@ const UPDATES: &str = "SLIPGRID_UPDATE_GUIDE";
 pub struct Quoted {
     path: PathBuf,
     chapter: String,
+    /// Rows that the chapter has, and those that it takes over for them.
+    taken_over: Vec<[String; 2]>,
     differences: Vec<String>,
 }
+
+/// Held while a chapter takes rows over: other tests have rows of the same one.
+static WRITING: Mutex<()> = Mutex::new(());
 
 impl Quoted {
     /// `crates/book/src/evidence/<chapter>.md`.
@@ -22,7 +28,7 @@ impl Quoted {
         let path = PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../crates/book/src/evidence"));
         let path = path.join(chapter).with_extension("md");
         let chapter = std::fs::read_to_string(&path)?;
-        Ok(Self { path, chapter, differences: Vec::new() })
+        Ok(Self { path, chapter, taken_over: Vec::new(), differences: Vec::new() })
     }
 
     /// A row of a table, `| title | number | ...`, as it is found now: the row of that title stands in the chapter with numbers alike.
@@ -36,7 +42,7 @@ impl Quoted {
             return;
         }
         if std::env::var_os(UPDATES).is_some() {
-            self.chapter = self.chapter.replace(kept, row);
+            self.taken_over.push([kept.to_owned(), row.to_owned()]);
         } else if !are_alike(&words(kept), &words(row)) {
             self.differences.push(format!("the chapter has {kept}\n     now it is {row}"));
         }
@@ -55,8 +61,11 @@ impl Quoted {
     /// # Errors
     /// Where it cannot be written.
     pub fn differences(self) -> std::io::Result<String> {
-        if std::env::var_os(UPDATES).is_some() {
-            std::fs::write(&self.path, &self.chapter)?;
+        if !self.taken_over.is_empty() {
+            let _writing = WRITING.lock().unwrap_or_else(PoisonError::into_inner);
+            let chapter = std::fs::read_to_string(&self.path)?;
+            let chapter = self.taken_over.iter().fold(chapter, |chapter, [kept, now]| chapter.replace(kept, now));
+            std::fs::write(&self.path, chapter)?;
         }
         Ok(self.differences.join("\n"))
     }

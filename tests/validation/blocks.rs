@@ -75,11 +75,17 @@ fn the_estimate_of_the_error_of_blocks_holds_with_rims() {
     assert!(held as f64 >= 0.95 * all as f64);
 }
 
+/// [`covered`] of 40 patterns in blocks of 10 um, and refined.
+fn plain_and_refined(has_rims: bool) -> [[usize; 2]; 2] {
+    let found = [false, true].map(|is_refined| covered(40, is_refined, has_rims));
+    assert!(found.iter().all(|[held, all]| *held as f64 >= 0.95 * *all as f64), "{found:?}");
+    found
+}
+
 #[test]
 #[ignore = "half a minute: finds what the book, evidence/verification.md, says of 40 patterns with rims"]
 fn the_estimate_of_the_error_of_blocks_with_rims_holds_in_95_of_100_cases() {
-    let [plain, refined] = [false, true].map(|is_refined| covered(40, is_refined, true));
-    assert!([plain, refined].iter().all(|[held, all]| *held as f64 >= 0.95 * *all as f64));
+    let [plain, refined] = plain_and_refined(true);
     let mut quoted = Quoted::new("verification").unwrap();
     quoted.sentence(&format!("it is below in {} and {} of {} cases", plain[0], refined[0], plain[1]));
     assert_eq!(quoted.differences().unwrap(), "");
@@ -88,8 +94,7 @@ fn the_estimate_of_the_error_of_blocks_with_rims_holds_in_95_of_100_cases() {
 #[test]
 #[ignore = "half a minute: finds what the book, evidence/verification.md, says of 40 patterns"]
 fn the_estimate_of_the_error_of_blocks_holds_in_95_of_100_cases() {
-    let [plain, refined] = [false, true].map(|is_refined| covered(40, is_refined, false));
-    assert!([plain, refined].iter().all(|[held, all]| *held as f64 >= 0.95 * *all as f64));
+    let [plain, refined] = plain_and_refined(false);
     let mut quoted = Quoted::new("verification").unwrap();
     quoted
         .sentence(&format!("the true error of the ratio is below the estimate in {} of {} cases", plain[0], plain[1]));

@@ -91,8 +91,7 @@ fn excess_of_dynamic_friction_against_step_damping_and_static_friction() {
     let mut quoted = Quoted::new("verification").unwrap();
     let mut rows: Vec<[Measured; 2]> = Vec::new();
     let mut row = |what: &str, [(excess, error), ratio]: [Measured; 2]| {
-        let percent = [excess, error].map(|value| 100.0 * value);
-        let [mean, stderr] = percent;
+        let [mean, stderr] = [excess, error].map(|value| 100.0 * value);
         quoted.row(&format!("| {what} | {mean:.2} +- {stderr:.2} % | {:.4} +- {:.4} |", ratio.0, ratio.1));
         rows.push([(excess, error), ratio]);
         excess

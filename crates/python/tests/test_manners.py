@@ -82,6 +82,7 @@ def test_ctrl_c_ends_a_run_long_before_its_end() -> None:
     assert shares[-1] < 0.5
 
 
+@pytest.mark.alone
 @pytest.mark.usefixtures("ctrl_c")
 def test_ctrl_c_ends_the_ratios_of_many_patterns() -> None:
     cell = slipgrid.Scene(**SCENE).steady()
@@ -97,8 +98,7 @@ def test_ctrl_c_ends_the_ratios_of_many_patterns() -> None:
     with pytest.raises(KeyboardInterrupt):
         cell.ratios_of(patterns)
     took = time.monotonic() - pressed[0]
-    # 0.06 s alone; all of them take 17 s, and another test may have the cores.
-    assert took < 1.0, f"{took} s"
+    assert took < 0.2, f"{took} s"
     # The same cell goes on.
     assert np.array_equal(cell.ratios_of(patterns[:5])[4], cell.ratios(*patterns[4]))
 
@@ -160,6 +160,7 @@ def test_threads_are_those_asked_for() -> None:
         slipgrid.set_threads(0)
 
 
+@pytest.mark.alone
 def test_the_border_costs_microseconds() -> None:
     """A call's time beside the solve: many single calls against one call for all of them, on one thread."""
     slipgrid.set_threads(1)
