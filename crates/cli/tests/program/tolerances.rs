@@ -95,6 +95,32 @@ fn samples_trade_offs_and_the_robust_choice_are_reported() {
     assert_eq!(result(&place, "again")["robustness"], *robustness);
 }
 
+/// All samples are deeper or shallower by what the depth per burst is off by.
+#[test]
+fn samples_with_the_material_count_a_fitted_depth_per_burst() {
+    let fitted = "spot_um = 23.0\nfluence_j_cm2 = 10.0\n[laser.ablation]\nfluence_j_cm2 = [2.0, 5.0, 10.0, 20.0]\n\
+                  depth_per_burst_um = [0.6, 1.9, 2.4, 3.6]\n";
+    let text = crate::common::small().replace("depth_per_burst_um = 2.6\n", "").replace("spot_um = 23.0\n", fitted);
+    let tolerances = "[tolerances]\nwidth_std_um = 1.0\ndepth_std_um = 0.5\ndraws = 100\n";
+    let place = Place::with(&[("fitted.toml", &format!("{text}{tolerances}"))]);
+    place.run(&["optimize", "fitted.toml", "-o", "out", "--no-explorer"]);
+    let found = result(&place, "out");
+    let number = |value: &Value| value.as_f64().unwrap();
+    let of = |list: &Value, key: &str, name: &str, what: &str| {
+        let row = list.as_array().unwrap().iter().find(|row| row[key] == name).unwrap_or_else(|| panic!("{list}"));
+        if row[what].is_array() { number(&row[what][0]) } else { number(&row[what]) }
+    };
+    let robustness = &found["robustness"];
+    let std = |name: &str| of(&robustness["parts"][0]["of"], "input", name, "std");
+    let percent = of(&robustness["inputs"], "name", "depth per burst", "std");
+    // dr / d ln(depth) = depth dr / d depth
+    let expected = std("depth") * 0.01 * percent * number(&found["design"]["depth_um"]) / 0.5;
+    assert!(percent > 1.0 && (std("depth per burst") / expected - 1.0).abs() < 0.1, "{robustness}");
+    // Nothing else is known of this material: it alone is drawn beside the dimensions.
+    let [all, samples] = ["with_material", "samples"].map(|which| &robustness[which]["by_pressure"]);
+    assert!(all.is_array() && all != samples, "{robustness}");
+}
+
 #[test]
 fn what_samples_need_and_do_not_have_is_refused_by_key() {
     for (more, says) in [
