@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 
 use rayon::prelude::*;
-use slipgrid_statistics::{Normals, box_probability, rough_box_probability};
+use slipgrid_statistics::{Normals, part_box_probability, rough_part_box_probability};
 
 use crate::{Features, Prediction, Predictor};
 use slipgrid_statistics::cholesky::{cholesky, covariance_factor, dot, is_regular, log_determinant, solve_lower};
@@ -89,7 +89,7 @@ impl Wanted {
     #[must_use]
     pub fn score(&self, prediction: &Prediction, modelled: &[f64]) -> Score {
         let bounds = self.over(modelled);
-        let chance = chance(prediction, &bounds, 0.0, box_probability).unwrap_or(0.0);
+        let chance = chance(prediction, &bounds, 0.0, part_box_probability).unwrap_or(0.0);
         Score { chance, closeness: closeness(prediction, &bounds) }
     }
 
@@ -104,7 +104,7 @@ impl Wanted {
     ) -> Option<Score> {
         let bounds = self.over(modelled);
         let least = least_chance.max(least_value - OF_CLOSENESS * most_close);
-        let chance = chance(prediction, &bounds, least, rough_box_probability)?;
+        let chance = chance(prediction, &bounds, least, rough_part_box_probability)?;
         let score = Score { chance, closeness: closeness(prediction, &bounds) };
         (score.value() >= least_value).then_some(score)
     }
@@ -134,8 +134,8 @@ impl Wanted {
     }
 }
 
-/// Probability of a box, as [`box_probability`] has it.
-type Within = fn(&[f64], &[f64], &[f64], &[f64]) -> f64;
+/// Probability of a box, as [`part_box_probability`] has it.
+type Within = fn(&[f64], &[f64], &[f64], &[f64], f64) -> f64;
 
 /// Chance that a sample lies within `bounds` at all loads at once; `None` where that is less than `least`, which the forms that can
 /// add most tell before the others are asked.
@@ -155,7 +155,7 @@ fn chance(prediction: &Prediction, [lower, upper]: &[Vec<f64>; 2], least: f64, w
         }
         let of = &prediction.components[place];
         let factor = covariance_factor(&of.covariance, n);
-        found[place] = of.weight * within(&of.mean, &factor, lower, upper);
+        found[place] = of.weight * within(&of.mean, &factor, lower, upper, most);
         sum += found[place];
         left -= most;
     }

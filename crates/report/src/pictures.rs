@@ -1,5 +1,6 @@
 //! Pictures of results: from simulations and reports to what the charts draw.
 
+use rayon::prelude::*;
 use slipgrid_pattern::Texture;
 use slipgrid_springblock::{InterfacePoint, LoadOutcome, Scene, Simulation, SteadyCell, SurfaceOutcome};
 
@@ -9,7 +10,7 @@ use crate::charts::{
     self, Estimate, FrictionTraceChart, InterfacePressureChart, Series, SlidingMark, SurfaceMapChart, Trace,
     friction_trace, interface_pressure,
 };
-use slipgrid_results::ErrorsReport;
+use slipgrid_results::{ErrorsReport, PressureErrors};
 use slipgrid_units::{LENGTH_UM, PRESSURE_MPA, tidy};
 
 /// Shares of a cavity's pitch by which two contact blocks are one land: gaps wider than this many
@@ -53,65 +54,74 @@ pub fn simulation(
     errors: &ErrorsReport,
     outputs: &mut Outputs,
 ) -> Result<(), ChartError> {
-    for (load, at) in simulation.loads.iter().zip(&errors.by_pressure) {
-        let load_mpa = PRESSURE_MPA.from_si(load.pressure_pa);
-        let surfaces = surfaces(load);
-        let finite = |points: Vec<[f64; 2]>| -> Vec<[f64; 2]> {
-            points.into_iter().filter(|point| point.iter().all(|value| value.is_finite())).collect()
-        };
-        let traces: Vec<Vec<[f64; 2]>> = surfaces
-            .iter()
-            .map(|(_, surface)| finite(surface.trace.iter().map(|point| [point.time_s * 1e3, point.mu]).collect()))
-            .collect();
-        if traces.iter().any(|trace| !trace.is_empty()) {
-            let std = |label: &str| match (&at.mu_flat, label) {
-                (Some(flat), FLAT) => flat.std,
-                _ => at.mu.std,
-            };
-            let [patterned, means] = run_words(scene, load);
-            let traces: Vec<Trace<'_>> = surfaces
-                .iter()
-                .zip(&traces)
-                .map(|(&(label, surface), points)| Trace {
-                    series: Series { label: if label == FLAT { FLAT } else { patterned }, points },
-                    // The mean reaches to the end of the trace.
-                    window_ms: surface.averaged_from_s.zip(points.last()).map(|(from_s, end)| [from_s * 1e3, end[0]]),
-                    mu_dynamic: surface.mu_dynamic.map(|value| Estimate { value, error: std(label) }),
-                })
-                .collect();
-            let title = format!("Friction coefficient at {load_mpa} MPa");
-            let chart = FrictionTraceChart { title: &title, traces: &traces, means };
-            outputs.add(format!("friction-{load_mpa}mpa.svg"), friction_trace(&chart)?);
-        }
-        if scene.dimension().sees_face() {
-            if let Some(map) = interface_map(scene, load, load_mpa)? {
-                outputs.add(format!("interface-{load_mpa}mpa.svg"), map);
-            }
-            continue;
-        }
-        let pressures: Vec<Vec<[f64; 2]>> = surfaces
-            .iter()
-            .map(|(_, surface)| {
-                let point =
-                    |point: &InterfacePoint| [LENGTH_UM.from_si(point.x_m), PRESSURE_MPA.from_si(point.pressure_pa)];
-                finite(surface.interface.iter().map(point).collect())
-            })
-            .collect();
-        if pressures.iter().any(|pressure| !pressure.is_empty()) {
-            let series: Vec<Series<'_>> =
-                surfaces.iter().zip(&pressures).map(|(&(label, _), points)| Series { label, points }).collect();
-            let title = format!("Pressure along the interface at {load_mpa} MPa");
-            let cavities = cavities_um(scene, &load.surface);
-            let chart = InterfacePressureChart {
-                title: &title,
-                surfaces: &series,
-                cavities_um: &cavities,
-                nominal_mpa: Some(load_mpa),
-            };
-            outputs.add(format!("interface-{load_mpa}mpa.svg"), interface_pressure(&chart)?);
-        }
+    let each = simulation.loads.par_iter().zip(&errors.by_pressure);
+    let pictures = each.map(|(load, at)| of_load(scene, load, at)).collect::<Result<Vec<_>, _>>()?;
+    for (name, picture) in pictures.into_iter().flatten() {
+        outputs.add(name, picture);
     }
     Ok(())
+}
+
+/// Names and pictures of one load.
+fn of_load(scene: &Scene, load: &LoadOutcome, at: &PressureErrors) -> Result<Vec<(String, String)>, ChartError> {
+    let mut pictures = Vec::new();
+    let load_mpa = PRESSURE_MPA.from_si(load.pressure_pa);
+    let surfaces = surfaces(load);
+    let finite = |points: Vec<[f64; 2]>| -> Vec<[f64; 2]> {
+        points.into_iter().filter(|point| point.iter().all(|value| value.is_finite())).collect()
+    };
+    let traces: Vec<Vec<[f64; 2]>> = surfaces
+        .iter()
+        .map(|(_, surface)| finite(surface.trace.iter().map(|point| [point.time_s * 1e3, point.mu]).collect()))
+        .collect();
+    if traces.iter().any(|trace| !trace.is_empty()) {
+        let std = |label: &str| match (&at.mu_flat, label) {
+            (Some(flat), FLAT) => flat.std,
+            _ => at.mu.std,
+        };
+        let [patterned, means] = run_words(scene, load);
+        let traces: Vec<Trace<'_>> = surfaces
+            .iter()
+            .zip(&traces)
+            .map(|(&(label, surface), points)| Trace {
+                series: Series { label: if label == FLAT { FLAT } else { patterned }, points },
+                // The mean reaches to the end of the trace.
+                window_ms: surface.averaged_from_s.zip(points.last()).map(|(from_s, end)| [from_s * 1e3, end[0]]),
+                mu_dynamic: surface.mu_dynamic.map(|value| Estimate { value, error: std(label) }),
+            })
+            .collect();
+        let title = format!("Friction coefficient at {load_mpa} MPa");
+        let chart = FrictionTraceChart { title: &title, traces: &traces, means };
+        pictures.push((format!("friction-{load_mpa}mpa.svg"), friction_trace(&chart)?));
+    }
+    if scene.dimension().sees_face() {
+        if let Some(map) = interface_map(scene, load, load_mpa)? {
+            pictures.push((format!("interface-{load_mpa}mpa.svg"), map));
+        }
+        return Ok(pictures);
+    }
+    let pressures: Vec<Vec<[f64; 2]>> = surfaces
+        .iter()
+        .map(|(_, surface)| {
+            let point =
+                |point: &InterfacePoint| [LENGTH_UM.from_si(point.x_m), PRESSURE_MPA.from_si(point.pressure_pa)];
+            finite(surface.interface.iter().map(point).collect())
+        })
+        .collect();
+    if pressures.iter().any(|pressure| !pressure.is_empty()) {
+        let series: Vec<Series<'_>> =
+            surfaces.iter().zip(&pressures).map(|(&(label, _), points)| Series { label, points }).collect();
+        let title = format!("Pressure along the interface at {load_mpa} MPa");
+        let cavities = cavities_um(scene, &load.surface);
+        let chart = InterfacePressureChart {
+            title: &title,
+            surfaces: &series,
+            cavities_um: &cavities,
+            nominal_mpa: Some(load_mpa),
+        };
+        pictures.push((format!("interface-{load_mpa}mpa.svg"), interface_pressure(&chart)?));
+    }
+    Ok(pictures)
 }
 
 /// The pressure over the interface of a cell in space from above; `None` where it has none.

@@ -309,7 +309,8 @@ fn dynamic(scene: &Scene, monitor: &dyn Monitor) -> Result<Simulation, SceneErro
     let (own, flat) = surfaces(scene, nearest.as_ref());
     let lattices: Vec<Lattice> = [Some(own), flat].into_iter().flatten().map(|c| lattice(scene, c)).collect();
     let corrections = off_lattice_corrections(scene, nearest.as_ref())?;
-    let Integrated { loads, scheme, .. } = integrate(scene, &lattices, &corrections, monitor)?;
+    let steady = vec![OnceLock::new(); lattices.len()];
+    let Integrated { loads, scheme } = integrate(scene, &lattices, &steady, &corrections, monitor)?;
     let mut said = Statements::default();
     said.method(describe_scheme(scene, &scheme));
     describe_protocol(scene, scheme.step_s, &mut said);
@@ -332,15 +333,14 @@ fn dynamic(scene: &Scene, monitor: &dyn Monitor) -> Result<Simulation, SceneErro
 struct Integrated {
     loads: Vec<LoadOutcome>,
     scheme: Scheme,
-    /// Equations of steady sliding by lattice, where a run began from them.
-    steady: Vec<OnceLock<SteadyModel>>,
 }
 
 /// Runs `lattices`, a surface and its flat companion where it has one, in time at every load; `corrections` of the ratio by
-/// load.
+/// load. Equations of `steady` sliding, by lattice, are made where a run begins from them and nobody has made them.
 fn integrate(
     scene: &Scene,
     lattices: &[Lattice],
+    steady: &[OnceLock<SteadyModel>],
     corrections: &[f64],
     monitor: &dyn Monitor,
 ) -> Result<Integrated, SceneError> {
@@ -349,9 +349,8 @@ fn integrate(
             affordable(scene, lattice.nx(), lattice.is_periodic())?;
         }
     }
-    let schemes = lattices.iter().map(|lattice| Scheme::choose(scene, lattice)).collect::<Result<Vec<_>, _>>()?;
+    let schemes = lattices.par_iter().map(|lattice| Scheme::choose(scene, lattice)).collect::<Result<Vec<_>, _>>()?;
     let surfaces = lattices.len();
-    let steady = vec![OnceLock::new(); surfaces];
     let draws = scene.run.draws as usize;
     let runs = surfaces * draws * scene.loads.len();
     let share = 1.0 / runs as f64;
@@ -369,7 +368,7 @@ fn integrate(
             remembered(monitor, &content, share, || run.run(monitor))
         })
         .collect();
-    Ok(Integrated { loads: collect(scene, surfaces, corrections, outcomes), scheme: schemes[0], steady })
+    Ok(Integrated { loads: collect(scene, surfaces, corrections, outcomes), scheme: schemes[0] })
 }
 
 /// Seed of the local coefficients of draw number `draw`.

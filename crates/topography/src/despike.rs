@@ -1,7 +1,7 @@
 //! Spikes: single points, or clusters of a few, that an instrument got wrong.
 //!
 //! A point is suspect if it differs from the median of the 5 x 5 points about it by more than T, eight standard
-//! deviations of such differences over the whole map (1.4826 times their median absolute value: what is wrong at a few
+//! deviations of such differences over a sample of the map (1.4826 times their median absolute value: what is wrong at a few
 //! points does not move it). Suspects that touch are one cluster. A cluster is a spike if it has twelve points at
 //! most and stands beyond *every* point around it by more than T: corners of cavities, scratches and steep walls
 //! do not. This is the detail-preserving form of the median filter: heights elsewhere stay as they are.
@@ -16,6 +16,8 @@ use slipgrid_statistics::upper_median;
 
 use crate::plausibility::ROBUST_DEVIATION;
 
+/// Most points whose distance from the median about them is found for T, evenly over the map: they tell it to 1 %.
+const MOST_SAMPLED: usize = 1 << 14;
 /// Fewest differences that have a scale.
 const LEAST_SAMPLED: usize = 64;
 /// Differences below this share of the range of heights are rounding.
@@ -154,7 +156,7 @@ impl HeightMap {
     fn spike_threshold_m(&self, monitor: &dyn Monitor) -> Result<Option<f64>, Cancelled> {
         let heights = self.heights_m();
         let mut differences = Vec::new();
-        for (n, node) in self.sampled().enumerate() {
+        for (n, node) in self.sampled(MOST_SAMPLED).enumerate() {
             if n % ASKED_EVERY == 0 {
                 monitor.heed()?;
             }

@@ -261,7 +261,8 @@ impl HeightMap {
 
     /// Median of the heights present, in metres.
     fn median_m(&self) -> f64 {
-        let mut sample: Vec<f64> = self.sampled().map(|node| self.heights_m()[node]).filter(|h| !h.is_nan()).collect();
+        let mut sample: Vec<f64> =
+            self.sampled(MOST_SAMPLED).map(|node| self.heights_m()[node]).filter(|h| !h.is_nan()).collect();
         upper_median(&mut sample).unwrap_or(f64::NAN)
     }
 
@@ -288,7 +289,8 @@ impl HeightMap {
 
     /// Median height and standard deviation by the median absolute deviation, in metres; `None` where half of all heights are one.
     fn robust(&self) -> Option<(f64, f64)> {
-        let mut sample: Vec<f64> = self.sampled().map(|node| self.heights_m()[node]).filter(|h| !h.is_nan()).collect();
+        let mut sample: Vec<f64> =
+            self.sampled(MOST_SAMPLED).map(|node| self.heights_m()[node]).filter(|h| !h.is_nan()).collect();
         let median_m = upper_median(&mut sample)?;
         sample.iter_mut().for_each(|height| *height = (*height - median_m).abs());
         let deviation_m = ROBUST_DEVIATION * upper_median(&mut sample)?;
@@ -329,10 +331,10 @@ impl HeightMap {
 const MOST_SAMPLED: usize = 1 << 18;
 
 impl HeightMap {
-    /// Nodes from which medians over the map are taken, evenly over it.
-    pub(crate) fn sampled(&self) -> impl Iterator<Item = usize> {
+    /// Nodes from which medians over the map are taken, `most` of them, evenly over it.
+    pub(crate) fn sampled(&self, most: usize) -> impl Iterator<Item = usize> {
         let points = self.heights_m().len();
-        let stride = (1..).find(|stride| points / (stride * stride) <= MOST_SAMPLED).unwrap_or(1);
+        let stride = (1..).find(|stride| points / (stride * stride) <= most).unwrap_or(1);
         // Another column in each row, so that no pattern along the rows falls in with the sample.
         (0..self.rows())
             .step_by(stride)

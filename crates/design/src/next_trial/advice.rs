@@ -5,7 +5,7 @@ use slipgrid_calibrate::uncertainty::MaterialUncertainty;
 use slipgrid_monitor::{Monitor, Part};
 use slipgrid_optimize::{ModelFailure, Status};
 
-use super::candidate_search::{OF_CHANCE, Scope, Search, is_same};
+use super::candidate_search::{Scope, Search, is_same};
 use super::interpolation::{Interpolation, Modelled, Models};
 use super::{Asked, Design, Judged, PredictedRatio, SERIES, TrialCandidateReport, asked};
 use crate::DesignError;
@@ -176,7 +176,7 @@ impl MultiFidelityLoop<'_> {
                 search.off = ratios.map(|(confirmed, steady)| (confirmed / steady).ln()).collect();
             }
             let is_other = |_: &_, of: &_| !is_same(of, &found.features);
-            let (mut best, _) = search.best(&is_other, OF_CHANCE * (chance + CLEARLY), RATHER);
+            let (mut best, _) = search.best(&is_other, chance + CLEARLY, RATHER);
             if stage.cancelled() {
                 return None;
             }

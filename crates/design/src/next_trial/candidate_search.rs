@@ -54,7 +54,10 @@ impl Scope {
 /// may rank a whole region too low.
 const REGIONS: usize = 3;
 /// Share of a chance that a design's must have by the interpolated model for the model itself to judge it beside others of that chance.
-pub const OF_CHANCE: f64 = 0.25;
+const OF_CHANCE: f64 = 0.25;
+/// The same by the model itself, for everything that counts to be found: that, and a climb over single blocks after it, change chances by
+/// hundredths of themselves.
+const OF_WHOLE_CHANCE: f64 = 0.5;
 /// A guess at the best design compares one in so many of them.
 const GUESSED_OF: usize = 5;
 /// Lengths that differ by less are the same, relative.
@@ -201,24 +204,19 @@ impl<'a> Search<'a> {
     }
 
     /// The designs of the greatest scores among those that were not cut and are `open`, at least `count` where there are as many, the greatest
-    /// first, and how many were compared; what is known so far where the stage is cancelled. Designs whose chance by the interpolated model
-    /// is below `least_chance` are passed by.
+    /// first, and how many were compared; what is known so far where the stage is cancelled. Designs that are far from a chance of
+    /// `enough` are passed by.
     ///
     /// All are ranked by the interpolated model, the best are judged by the model itself, and from the best of these of different
     /// regions is climbed over whole blocks and bursts: first by the model in the layer's blocks and what smaller ones change of their like, then with everything that counts.
-    pub fn best(
-        &self,
-        open: &dyn Fn(&Pattern, &Features) -> bool,
-        least_chance: f64,
-        count: usize,
-    ) -> (Vec<Judged>, usize) {
+    pub fn best(&self, open: &dyn Fn(&Pattern, &Features) -> bool, enough: f64, count: usize) -> (Vec<Judged>, usize) {
         let cut: Vec<Features> = self.asked.learned.trials().iter().map(|trial| trial.features).collect();
         let is_open = |pattern: &Pattern| {
             let own = Features::from(pattern);
             !cut.iter().any(|cut| is_same(cut, &own)) && open(pattern, &own)
         };
         let part = Part::new(self.stage, 0.2);
-        let (best, compared) = self.looked_over(&is_open, least_chance, self.scope.designs);
+        let (best, compared) = self.looked_over(&is_open, OF_CHANCE * enough, self.scope.designs);
         // The model itself at what looks best by the interpolated one.
         self.stage.advance(0.2);
         let mut pool = self.each(best, &|pattern| self.drafted(&pattern));
@@ -248,6 +246,7 @@ impl<'a> Search<'a> {
         let mut first: Vec<Judged> = ended.collect();
         pool.retain(|of| !is_known(&first, of));
         first.append(&mut pool);
+        first.retain(|of| of.score.chance >= OF_WHOLE_CHANCE * enough);
         sort(&mut first);
         first.truncate(self.scope.completed.max(2 * count));
         let mut pool = self.each(first, &|draft| self.completed(draft));

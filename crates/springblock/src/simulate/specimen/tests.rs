@@ -243,8 +243,9 @@ fn strips_follow_the_longest_in_time() {
     let found = &simulate_specimen(&scene, &whole, &Unwatched).unwrap().loads[0];
     let alone = |strip: &Strip| {
         let lattices = timed_lattices(&scene, &scene.pattern.unwrap(), strip);
-        let loads = integrate(&scene, &lattices, &[0.0], &Unwatched).unwrap().loads;
-        let steady = drawn_ratios(&scene, &lattices, &[OnceLock::new(), OnceLock::new()], &Unwatched);
+        let models = [OnceLock::new(), OnceLock::new()];
+        let loads = integrate(&scene, &lattices, &models, &[0.0], &Unwatched).unwrap().loads;
+        let steady = drawn_ratios(&scene, &lattices, &models, &Unwatched);
         loads[0].ratio.unwrap() - steady[0].unwrap()
     };
     let added: Vec<f64> = strips.iter().map(alone).collect();

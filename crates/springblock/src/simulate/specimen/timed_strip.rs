@@ -5,7 +5,7 @@ use std::sync::OnceLock;
 use slipgrid_monitor::memory::{from_bytes, recalled, to_bytes};
 use slipgrid_pattern::Pattern;
 
-use super::super::{Integrated, describe_protocol, describe_scheme, describe_start, integrate, seed_of};
+use super::super::{Integrated, affordable, describe_protocol, describe_scheme, describe_start, integrate, seed_of};
 use super::strips::{solve_drawn, without_slivers};
 use crate::Monitor;
 use crate::columns;
@@ -47,7 +47,16 @@ impl TimedStrip {
         let strip = without_slivers(strip, pattern.depth_m(), scene.layer.block_m);
         let lattices = timed_lattices(scene, pattern, &strip);
         let none = vec![0.0; scene.loads.len()];
-        let Integrated { loads, scheme, steady: models } = integrate(scene, &lattices, &none, monitor)?;
+        for lattice in &lattices {
+            affordable(scene, lattice.nx(), lattice.is_periodic())?;
+        }
+        let models = vec![OnceLock::new(); lattices.len()];
+        // The steady ratios are found while no run has begun, or the last one ends.
+        let (integrated, steady) = rayon::join(
+            || integrate(scene, &lattices, &models, &none, monitor),
+            || drawn_ratios(scene, &lattices, &models, monitor),
+        );
+        let Integrated { loads, scheme } = integrated?;
         let mut said = Statements::default();
         said.method(describe_scheme(scene, &scheme));
         describe_protocol(scene, scheme.step_s, &mut said);
@@ -60,7 +69,6 @@ impl TimedStrip {
         describe_start(scene, "layer", &mut said);
         let columns = lattices[0].columns();
         let share = columns.iter().filter(|column| !column.is_land()).count() as f64 / columns.len() as f64;
-        let steady = drawn_ratios(scene, &lattices, &models, monitor);
         let added = loads.iter().zip(steady).map(|(load, steady)| Some(load.ratio? - steady?)).collect();
         Ok(Self { loads, added, share, said })
     }
