@@ -7,6 +7,8 @@ use super::super::rows::Plane;
 
 /// Sets of a first-level cache.
 const SETS: usize = 64;
+/// Lines of a row, or a multiple of them, at which rows meet in an eighth of the sets or less.
+const MEETING: usize = 8;
 /// Sets by which neighbouring layers are kept apart: a sweep along y stays in as many rows at a time.
 const APART: usize = 12;
 
@@ -31,8 +33,10 @@ impl<R: Real> Field<R> {
     /// A cell of nx x ny columns and nz rows at rest.
     #[must_use]
     pub fn at_rest([nx, ny]: [usize; 2], nz: usize) -> Self {
-        // An odd number of lines a row: rows do not meet in the same sets of a cache.
-        let stride = ((nx + 2).div_ceil(R::LINE) | 1) * R::LINE;
+        // Rows of a multiple of so many lines would meet in the same few sets of a cache. Others have no line more than they need: every one
+        // is read.
+        let own = (nx + 2).div_ceil(R::LINE);
+        let stride = (own + usize::from(own.is_multiple_of(MEETING))) * R::LINE;
         // Nor do layers: not near a multiple of 64 lines, which would meet in the same sets of the first cache.
         let lines = (ny + 2) * stride / R::LINE;
         let beside = lines % SETS;
