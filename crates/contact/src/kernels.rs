@@ -48,6 +48,31 @@ pub(crate) fn dot(a: &[f32], b: &[f32]) -> f64 {
     sums([a, b], |[a, b]| [a * b])[0]
 }
 
+/// Pressures of a lowered state.
+pub(crate) struct Pressed {
+    /// Sum of those above zero.
+    pub(crate) sum: f64,
+    /// How many they are.
+    pub(crate) count: f64,
+    /// Of so many.
+    pub(crate) points: f64,
+}
+
+/// The pressures `level` + f of one in `every` eight points.
+#[multiversion(targets("x86_64+avx512f", "x86_64+avx2"))]
+pub(crate) fn pressed(fluctuation: &[f64], level: f64, every: usize) -> Pressed {
+    let (mut sum, mut count, mut points) = ([0.0; LANES], [0.0; LANES], 0);
+    for f in fluctuation.chunks(LANES).step_by(every) {
+        for (lane, f) in f.iter().enumerate() {
+            let pressure = level + f;
+            sum[lane] += if pressure > 0.0 { pressure } else { 0.0 };
+            count[lane] += when(pressure > 0.0);
+        }
+        points += f.len();
+    }
+    Pressed { sum: total(sum), count: total(count), points: points as f64 }
+}
+
 /// What is known of a gap after a pass over the map.
 pub(crate) struct Gap {
     /// Its mean over p > 0.

@@ -5,7 +5,7 @@ use crate::area::{ContactArea, contact_area};
 use crate::error::within;
 use crate::preconditioner::Preconditioner;
 use crate::solver::{Outcome, minimize};
-use crate::{ContactError, Monitor, Unwatched};
+use crate::{ContactError, Monitor, Unwatched, kernels};
 
 /// How far the solver goes.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -82,6 +82,13 @@ pub struct ContactState {
 /// Range of moduli and pressures in which nothing overflows, in pascals.
 const MODULUS_RANGE_PA: std::ops::RangeInclusive<f64> = 1e-3..=1e15;
 const PRESSURE_RANGE_PA: std::ops::RangeInclusive<f64> = 0.0..=1e15;
+
+/// Newton's steps to the level of pressures that a solve begins with; a dozen do.
+const MOST_LOWERINGS: usize = 50;
+/// The level is found on one in so many points first.
+const SAMPLED_OF: usize = 16;
+/// Share of the load that is no longer lowered by: scaling brings it there.
+const NEGLIGIBLE: f64 = 1e-3;
 
 /// A rough elastic half-space against a rigid plane: fixed parameters, normalized.
 ///
@@ -173,6 +180,32 @@ impl RoughContact {
             full_contact_pressure: -lowest,
             full_contact_fluctuation: fluctuation,
         })
+    }
+
+    /// The pressures that flatten the surface, lowered until those above zero bear the normalized mean pressure `nominal` > 0: near
+    /// the state of contact where most is in contact.
+    pub(crate) fn pressed_flat(&self, nominal: f64) -> Vec<f64> {
+        let fluctuation = &self.full_contact_fluctuation;
+        let mut level = nominal;
+        // m(c) = mean max(c + f, 0) is convex: Newton's steps come down to m(c) = P from above, after one from below.
+        for every in [SAMPLED_OF, 1] {
+            for _ in 0..MOST_LOWERINGS {
+                let pressed = kernels::pressed(fluctuation, level, every);
+                // (m - P) / m'
+                let lowering = (pressed.sum - nominal * pressed.points) / pressed.count;
+                if !lowering.is_finite() || lowering.abs() <= NEGLIGIBLE * nominal {
+                    break;
+                }
+                level -= lowering;
+            }
+        }
+        let mut pressure: Vec<f64> = fluctuation.iter().map(|f| (level + f).max(0.0)).collect();
+        let scale = nominal * pressure.len() as f64 / pressure.iter().sum::<f64>();
+        if !scale.is_finite() {
+            return vec![nominal; pressure.len()];
+        }
+        pressure.iter_mut().for_each(|pressure| *pressure *= scale);
+        pressure
     }
 
     /// p*, the pressure from which all of the map is in contact, in pascals.

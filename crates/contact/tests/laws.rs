@@ -117,6 +117,21 @@ fn from_full_contact_pressure_on_all_is_in_contact() {
     }
 }
 
+/// The solve begins with the pressures that flatten the surface, those below zero cut off: at 0.9 p* few are.
+#[test]
+fn near_full_contact_few_iterations_are_left() {
+    let map = self_affine(128);
+    let contact = RoughContact::new(&map, MODULUS_PA).unwrap();
+    let iterations = |share: f64| {
+        let pressure_pa = share * contact.full_contact_pressure_pa();
+        let found = contact.solve(pressure_pa, &SolveOptions::default(), &Unwatched).unwrap();
+        assert_eq!(found.convergence.status, Status::Converged);
+        found.convergence.iterations
+    };
+    let [middle, near, nearer] = [0.3, 0.9, 0.999].map(iterations);
+    assert!(nearer <= near && 2 * near < middle && nearer < 8, "{middle} {near} {nearer}");
+}
+
 #[test]
 fn area_grows_with_pressure() {
     let pressures_pa: Vec<f64> = (0..25).map(|n| 10f64.powf(f64::from(n) / 4.0 + 1.0)).collect();
