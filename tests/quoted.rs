@@ -75,16 +75,21 @@ fn words(text: &str) -> Vec<&str> {
     text.split_whitespace().collect()
 }
 
+/// `word` without the punctuation after it.
+fn without_stop(word: &str) -> &str {
+    word.trim_end_matches([',', '.', ';', ')'])
+}
+
 /// Whether these are the same words and, but for rounding on other processors, the same numbers.
 fn are_alike(kept: &[&str], now: &[&str]) -> bool {
     let is_alike = |place: usize| {
-        let [was, is] = [kept, now].map(|words| words[place].trim_end_matches([',', '.', ';', ')']));
+        let [was, is] = [kept, now].map(|words| without_stop(words[place]));
         let (Ok(value), Ok(found)) = (was.parse::<f64>(), is.parse::<f64>()) else {
             // A part of a sentence may end before a full stop.
             return kept[place] == now[place] || (place + 1 == now.len() && was == is);
         };
         let error = if matches!(kept.get(place + 1), Some(&"+-" | &"±")) {
-            kept[place + 2].parse().unwrap_or(0.0)
+            kept.get(place + 2).and_then(|error| without_stop(error).parse().ok()).unwrap_or(0.0)
         } else {
             0.0
         };
@@ -112,6 +117,7 @@ mod tests {
         let is_alike = |kept: &str, now: &str| are_alike(&words(kept), &words(now));
         let kept = "| step 8 ns | 1.64 +- 0.01 % | 0.9288 +- 0.0002 | 536 | 9.3e8 |";
         assert!(is_alike(kept, "| step 8 ns | 1.68 +- 0.02 % | 0.9282 +- 0.0002 | 541 | 9.4e8 |"));
+        assert!(is_alike("0.2425 ± 0.0003, apart", "0.2433 ± 0.0003, apart"));
         for wrong in [
             "| step 8 ns | 1.70 +- 0.01 % | 0.9288 +- 0.0002 | 536 | 9.3e8 |",
             "| step 8 ns | 1.64 +- 0.01 % | 0.9298 +- 0.0002 | 536 | 9.3e8 |",

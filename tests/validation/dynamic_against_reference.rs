@@ -61,7 +61,7 @@ fn a_patterned_sample_of_full_height_slides_alike() {
 }
 
 #[test]
-#[ignore = "eight minutes: the paper's integration on the whole sample"]
+#[ignore = "ten minutes: the paper's integration on the whole sample"]
 fn the_whole_patterned_sample_slides_alike() {
     let pattern = slipgrid_tests::published_groove().unwrap();
     let mut scene = polymer_scene(Some(pattern), &[1.3], Fidelity::Dynamic, Extent::Sample).unwrap();
@@ -69,7 +69,7 @@ fn the_whole_patterned_sample_slides_alike() {
     let ([dynamic, reference], _) = compare(scene);
     let mut quoted = Quoted::new("verification").unwrap();
     let with_errors = |found: &[(f64, f64)]| -> String {
-        found.iter().map(|(value, error)| format!("{value:.4} ± {error:.4}")).collect::<Vec<_>>().join(", ")
+        found.iter().map(|(value, error)| format!("{value:.5} ± {error:.5}")).collect::<Vec<_>>().join(", ")
     };
     quoted.sentence(&format!("| {} against {}", with_errors(&dynamic), with_errors(&reference)));
     assert_eq!(quoted.differences().unwrap(), "");
