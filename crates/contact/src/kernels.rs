@@ -58,7 +58,7 @@ pub(crate) struct Pressed {
     pub(crate) points: f64,
 }
 
-/// The pressures `level` + f of one in `every` eight points.
+/// The pressures `level` + f of one in `every` groups of eight points.
 #[multiversion(targets("x86_64+avx512f", "x86_64+avx2"))]
 pub(crate) fn pressed(fluctuation: &[f64], level: f64, every: usize) -> Pressed {
     let (mut sum, mut count, mut points) = ([0.0; LANES], [0.0; LANES], 0);

@@ -91,13 +91,16 @@ impl<'a> State<'a> {
     fn new(contact: &'a RoughContact, nominal: f64, monitor: &'a dyn Monitor) -> Self {
         let points = contact.height.len();
         let zeros = || vec![0.0; points];
+        // All that the surface bears is a change from nothing.
+        let pressure = contact.pressed_flat(nominal);
         let mut state = Self {
             contact,
             work: contact.fourier.work_watched(monitor),
             work_single: contact.fourier_single.work_watched(monitor),
             preconditioner_work: contact.preconditioner.work(),
             fourier_pairs: 0,
-            pressure: vec![0.0; points],
+            preconditioned: pressure.iter().map(|&p| p as f32).collect(),
+            pressure,
             scale: 1.0,
             best: Vec::new(),
             best_scale: 1.0,
@@ -107,20 +110,12 @@ impl<'a> State<'a> {
             found: Gap { shift: 0.0, lowest: 0.0, work: 0.0 },
             residual: zeros(),
             previous_residual: zeros(),
-            preconditioned: zeros(),
             direction: zeros(),
             image: zeros(),
         };
-        state.press(contact.pressed_flat(nominal));
+        state.follow_changes();
+        state.settle(1.0);
         state
-    }
-
-    /// Puts `pressure` on the surface that bears none.
-    fn press(&mut self, pressure: Vec<f64>) {
-        self.preconditioned.iter_mut().zip(&pressure).for_each(|(changed, &p)| *changed = p as f32);
-        self.pressure = pressure;
-        self.follow_changes();
-        self.settle(1.0);
     }
 
     /// image = K of what the pressures changed by.
@@ -136,21 +131,15 @@ impl<'a> State<'a> {
         self.found = kernels::settle(&mut self.gap, &self.image, &self.contact.height_single, &self.pressure, change);
     }
 
-    /// g = u - h less its mean under pressure, in double precision before it is rounded.
-    fn measure(&mut self) {
-        let Self { contact, pressure, displacement, gap, scale, .. } = self;
+    /// u = K p and g = u - h less its mean under pressure, in double precision before it is rounded.
+    fn refresh(&mut self) {
+        let Self { contact, pressure, displacement, work, gap, scale, .. } = self;
+        contact.fourier.filter(pressure, &contact.compliance, displacement, work);
         self.found = kernels::measure(pressure, displacement, &contact.height, *scale);
         kernels::gap(gap, displacement, &contact.height, *scale, self.found.shift);
         self.found.shift = 0.0;
-    }
-
-    /// u = K p and the gap in double precision.
-    fn refresh(&mut self) {
-        let Self { contact, pressure, displacement, work, .. } = self;
-        contact.fourier.filter(pressure, &contact.compliance, displacement, work);
         self.fourier_pairs += 1;
         self.exact = true;
-        self.measure();
     }
 
     /// z = K^-1 r, about

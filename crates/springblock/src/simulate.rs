@@ -177,6 +177,11 @@ fn affordable(scene: &Scene, columns: usize, periodic: bool) -> Result<(), Scene
     if bytes > most_bytes { Err(SceneError::TooLarge { bytes, most_bytes }) } else { Ok(()) }
 }
 
+/// The same of each of `lattices`.
+fn all_affordable(scene: &Scene, lattices: &[Lattice]) -> Result<(), SceneError> {
+    lattices.iter().try_for_each(|lattice| affordable(scene, lattice.nx(), lattice.is_periodic()))
+}
+
 /// Steady sliding of one surface.
 enum Steady {
     /// By the equations of all blocks.
@@ -309,6 +314,9 @@ fn dynamic(scene: &Scene, monitor: &dyn Monitor) -> Result<Simulation, SceneErro
     let (own, flat) = surfaces(scene, nearest.as_ref());
     let lattices: Vec<Lattice> = [Some(own), flat].into_iter().flatten().map(|c| lattice(scene, c)).collect();
     let corrections = off_lattice_corrections(scene, nearest.as_ref())?;
+    if scene.run.warm_start {
+        all_affordable(scene, &lattices)?;
+    }
     let steady = vec![OnceLock::new(); lattices.len()];
     let Integrated { loads, scheme } = integrate(scene, &lattices, &steady, &corrections, monitor)?;
     let mut said = Statements::default();
@@ -344,11 +352,6 @@ fn integrate(
     corrections: &[f64],
     monitor: &dyn Monitor,
 ) -> Result<Integrated, SceneError> {
-    if scene.run.warm_start {
-        for lattice in lattices {
-            affordable(scene, lattice.nx(), lattice.is_periodic())?;
-        }
-    }
     let schemes = lattices.par_iter().map(|lattice| Scheme::choose(scene, lattice)).collect::<Result<Vec<_>, _>>()?;
     let surfaces = lattices.len();
     let draws = scene.run.draws as usize;

@@ -261,8 +261,7 @@ impl HeightMap {
 
     /// Median of the heights present, in metres.
     fn median_m(&self) -> f64 {
-        let mut sample: Vec<f64> =
-            self.sampled(MOST_SAMPLED).map(|node| self.heights_m()[node]).filter(|h| !h.is_nan()).collect();
+        let mut sample = self.sampled_heights_m();
         upper_median(&mut sample).unwrap_or(f64::NAN)
     }
 
@@ -289,8 +288,7 @@ impl HeightMap {
 
     /// Median height and standard deviation by the median absolute deviation, in metres; `None` where half of all heights are one.
     fn robust(&self) -> Option<(f64, f64)> {
-        let mut sample: Vec<f64> =
-            self.sampled(MOST_SAMPLED).map(|node| self.heights_m()[node]).filter(|h| !h.is_nan()).collect();
+        let mut sample = self.sampled_heights_m();
         let median_m = upper_median(&mut sample)?;
         sample.iter_mut().for_each(|height| *height = (*height - median_m).abs());
         let deviation_m = ROBUST_DEVIATION * upper_median(&mut sample)?;
@@ -331,6 +329,11 @@ impl HeightMap {
 const MOST_SAMPLED: usize = 1 << 18;
 
 impl HeightMap {
+    /// The heights from which medians over the map are taken.
+    fn sampled_heights_m(&self) -> Vec<f64> {
+        self.sampled(MOST_SAMPLED).map(|node| self.heights_m()[node]).filter(|height| !height.is_nan()).collect()
+    }
+
     /// Nodes from which medians over the map are taken, `most` of them, evenly over it.
     pub(crate) fn sampled(&self, most: usize) -> impl Iterator<Item = usize> {
         let points = self.heights_m().len();

@@ -5,7 +5,9 @@ use std::sync::OnceLock;
 use slipgrid_monitor::memory::{from_bytes, recalled, to_bytes};
 use slipgrid_pattern::Pattern;
 
-use super::super::{Integrated, affordable, describe_protocol, describe_scheme, describe_start, integrate, seed_of};
+use super::super::{
+    Integrated, all_affordable, describe_protocol, describe_scheme, describe_start, integrate, seed_of,
+};
 use super::strips::{solve_drawn, without_slivers};
 use crate::Monitor;
 use crate::columns;
@@ -47,9 +49,7 @@ impl TimedStrip {
         let strip = without_slivers(strip, pattern.depth_m(), scene.layer.block_m);
         let lattices = timed_lattices(scene, pattern, &strip);
         let none = vec![0.0; scene.loads.len()];
-        for lattice in &lattices {
-            affordable(scene, lattice.nx(), lattice.is_periodic())?;
-        }
+        all_affordable(scene, &lattices)?;
         let models = vec![OnceLock::new(); lattices.len()];
         // The steady ratios are found while no run has begun, or the last one ends.
         let (integrated, steady) = rayon::join(
