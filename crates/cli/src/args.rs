@@ -455,6 +455,8 @@ pub enum ExtentName {
     Cell,
     /// The whole specimen with free sides
     Sample,
+    /// A strip of it in space, one period wide, with two ends
+    Strip,
 }
 
 impl From<ExtentName> for slipgrid_springblock::Extent {
@@ -462,6 +464,7 @@ impl From<ExtentName> for slipgrid_springblock::Extent {
         match name {
             ExtentName::Cell => Self::Cell,
             ExtentName::Sample => Self::Sample,
+            ExtentName::Strip => Self::Strip,
         }
     }
 }

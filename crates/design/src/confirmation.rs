@@ -2,7 +2,7 @@
 
 use slipgrid_optimize::Status;
 use slipgrid_pattern::Pattern;
-use slipgrid_springblock::{Scene, Simulation, Status as RunStatus, SteadySpecimen, can_refine};
+use slipgrid_springblock::{Extent, Scene, Simulation, Status as RunStatus, SteadySpecimen, can_refine};
 
 use crate::DesignError;
 use crate::dynamic_excess::correct;
@@ -48,11 +48,20 @@ impl MultiFidelityLoop<'_> {
     /// What the steady model says of `pattern`, and how that is confirmed.
     fn predict(&mut self, design: &DesignTask, pattern: &Pattern) -> Result<Simulation, DesignError> {
         let predicted = self.model.simulate(pattern).map_err(refuse)?;
-        self.round.confirming.draws = self.model.draws(pattern, LEAST_CONTACTS);
+        self.round.confirming.draws = self.draws(pattern);
         // Once refined, always: what confirming runs correct must be the same from one to the next.
         self.round.confirming.refine |=
             can_refine(&self.confirming_scene(pattern), pattern) && self.is_coarse(design, pattern, &predicted);
         Ok(predicted)
+    }
+
+    /// Draws of the local coefficients that a confirming run of `pattern` takes.
+    pub(super) fn draws(&self, pattern: &Pattern) -> u64 {
+        match self.round.confirming.extent {
+            // Dozens of cells have blocks enough.
+            Extent::Strip => 1,
+            Extent::Cell | Extent::Sample => self.model.draws(pattern, LEAST_CONTACTS),
+        }
     }
 
     /// The best design without time; `None` where it is not solved strip by strip, or is not known what time adds to that.

@@ -113,7 +113,7 @@ impl MultiFidelityLoop<'_> {
         let space = &design.space;
         let Ok(pattern) = space.middle() else { return Ok(()) };
         let searched = self.model.scene(&pattern);
-        let draws = self.model.draws(&pattern, crate::confirmation::LEAST_CONTACTS);
+        let draws = self.draws(&pattern);
         let run = RunOptions { draws, ..self.round.confirming };
         let confirmed = Scene { run, ..searched.clone() }.in_time();
         // A middle that is no design says nothing of the others.

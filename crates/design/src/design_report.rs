@@ -237,7 +237,12 @@ impl DesignReport {
     /// What confirmed the design, in words.
     #[must_use]
     pub fn confirmation(&self) -> String {
-        let extent = if self.extent == Extent::Sample.name() { "whole sample" } else { "cell" };
+        let named = Extent::ALL.into_iter().find(|extent| extent.name() == self.extent);
+        let extent = match named {
+            Some(Extent::Sample) => "whole sample",
+            Some(Extent::Strip) => "strip of the specimen",
+            Some(Extent::Cell) | None => "cell",
+        };
         let time = if self.fidelity == Fidelity::Steady.name() { ", steady" } else { " in time" };
         format!("{extent}{}{time}", self.in_space())
     }

@@ -114,7 +114,7 @@ impl<'a> MultiFidelityLoop<'a> {
     ) -> Result<Self, DesignError> {
         let from_rest = RunOptions {
             fidelity: Fidelity::Dynamic,
-            extent: Extent::Sample,
+            extent: if design.strip { Extent::Strip } else { Extent::Sample },
             seed: design.seed,
             dimensions: design.dimensions,
             ..RunOptions::default()

@@ -10,7 +10,7 @@ use slipgrid_results::errors::{
     TIME_AVERAGE,
 };
 use slipgrid_results::{CorrectedAt, CorrectedReport, ErrorsReport};
-use slipgrid_springblock::{Extent, Fidelity, Load, LoadOutcome, Scene, Simulation, SurfaceOutcome};
+use slipgrid_springblock::{Fidelity, Load, LoadOutcome, Scene, Simulation, SurfaceOutcome};
 use slipgrid_units::{PRESSURE_MPA, tidy};
 
 use crate::learned_discrepancy::usual_humidity;
@@ -99,7 +99,7 @@ impl Solved<'_> {
     /// What one draw of local coefficients leaves open; nothing of a cell at the mean coefficients.
     fn drawn(&self, place: usize, load: &LoadOutcome) -> SamplingScatter {
         let run = &self.scene.run;
-        let is_drawn = run.fidelity != Fidelity::Steady || run.extent == Extent::Sample;
+        let is_drawn = run.fidelity != Fidelity::Steady || run.extent.has_ends();
         if is_drawn {
             sampling_scatter(load, self.scene.loads[place].friction.relative_std())
         } else {

@@ -59,6 +59,8 @@ pub struct DesignTask {
     pub explorer: bool,
     /// Confirming runs start from an unloaded layer at rest and give static friction too.
     pub from_rest: bool,
+    /// Designs in space are confirmed on a strip of the specimen, in place of a cell.
+    pub strip: bool,
     /// Of the designs that meet the target, the one whose samples miss it least is wanted; with tolerances only.
     pub robust: bool,
     /// Dimensions of the model, 2 or 3; what the texture needs when absent.
@@ -237,6 +239,7 @@ impl DesignTask {
             table: false,
             explorer: false,
             from_rest: false,
+            strip: false,
             robust: false,
             dimensions: None,
             tolerances: None,

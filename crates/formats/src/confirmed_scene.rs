@@ -114,7 +114,10 @@ impl DesignScene<'_> {
             }),
             run: RunFile {
                 fidelity: Some(unplaced(self.run.fidelity.name().to_owned())),
-                extent: Some(unplaced(Extent::Sample.name().to_owned())),
+                // Of a sample in space one cell is run.
+                extent: Some(unplaced(
+                    if self.run.extent == Extent::Strip { Extent::Strip } else { Extent::Sample }.name().to_owned(),
+                )),
                 seed: Some(self.run.seed),
                 sliding_um: Some(micrometres(self.run.sliding_m)),
                 mu_stderr: self.run.mu_stderr.map(number),

@@ -104,6 +104,9 @@ struct SearchFile {
     table: Option<bool>,
     /// Confirm from an unloaded layer at rest, with static friction; false when absent.
     from_rest: Option<bool>,
+    /// Confirm designs in space on a strip of the specimen with its own ends and margins, the row of cavities through its middle, in place of one
+    /// cell: minutes in place of seconds; false when absent.
+    strip: Option<Spanned<bool>>,
     /// Choose the design with the least mean squared misfit of its samples; needs `[tolerances]`; false when absent.
     robust: Option<Spanned<bool>>,
     /// 2 solves in the vertical plane, 3 in space; the planform decides when absent.
@@ -262,6 +265,7 @@ impl Design {
             max_seconds: document.optional(file.search.max_seconds.as_ref(), TIME_S)?,
             table: file.search.table.unwrap_or(false),
             from_rest: file.search.from_rest.unwrap_or(false),
+            strip: read_strip(&document, &file, &each, dimensions)?,
             robust: read_robust(&document, &file)?,
             dimensions,
             tolerances,
@@ -335,4 +339,29 @@ impl Design {
             None => found,
         }
     }
+}
+
+/// Whether a strip confirms the design: of what is solved in space, where it slides along rows or across them.
+fn read_strip(
+    document: &Document,
+    file: &DesignFile,
+    textures: &[Texture],
+    dimensions: Option<u8>,
+) -> Result<bool, Diagnostic> {
+    let Some(strip) = file.search.strip.as_ref().filter(|strip| *strip.get_ref()) else { return Ok(false) };
+    let is_in_space = dimensions.map_or_else(|| Dimension::serving(textures), Dimension::numbered).sees_face();
+    if !is_in_space {
+        return Err(document
+            .refuse(strip.span(), "is of designs in space: in the plane all strips of the specimen are solved")
+            .expected("false"));
+    }
+    if textures.iter().any(Texture::slides_aslant) {
+        return Err(document
+            .refuse(
+                strip.span(),
+                "is of patterns that slide along their rows or across them: others repeat at no distance across",
+            )
+            .expected("false"));
+    }
+    Ok(true)
 }

@@ -289,8 +289,7 @@ pub fn read_directions(
 /// # Errors
 /// [`Diagnostic`] at the first key that asks for more.
 pub fn require_section(document: &Document, file: &TextureFile, texture: &Texture) -> Result<(), Diagnostic> {
-    const WHY: &str = "needs a three-dimensional cell, which scenes with fidelity = \"steady\" and extent = \"cell\" \
-                       have: the vertical section along the sliding direction says little of it";
+    const WHY: &str = "needs three dimensions, which scenes with extent = \"cell\" or \"strip\" have: the vertical section along the sliding direction says little of it";
     if texture.is_one_section() {
         return Ok(());
     }
@@ -375,7 +374,7 @@ mod tests {
         for (keys, key, expected) in [
             ("planform = \"disc\"", "5: pattern.planform: \"disc\" needs", "\"groove\" or \"square\""),
             ("planform = \"rectangle\"\nlength_um = 5.0", "5: pattern.planform: \"rectangle\" needs", "\"square\""),
-            ("angle_deg = 90", "5: pattern.angle_deg: 90 needs a three-dimensional cell", "expected 0"),
+            ("angle_deg = 90", "5: pattern.angle_deg: 90 needs three dimensions", "expected 0"),
             ("sliding_angle_deg = 1.5", "5: pattern.sliding_angle_deg: 1.5 needs", "expected 0"),
             ("angle_deg = 10\nsliding_angle_deg = 20", "6: pattern.sliding_angle_deg: 20 needs", "grooves, 10"),
             ("planform = \"square\"\nsliding_angle_deg = 45", "6: pattern.sliding_angle_deg: 45 needs", "expected 0"),

@@ -15,7 +15,9 @@ use slipgrid_units::{DAMPING, LENGTH_UM, STEP_NS, TOLERANCE};
 pub struct RunFile {
     /// How the scene is solved: `steady`, `dynamic` or `reference`; `steady` when absent.
     pub fidelity: Option<Spanned<String>>,
-    /// `cell`, one period, or `sample`, the whole specimen; `cell` when absent.
+    /// `cell`, one period; `sample`, the whole specimen; or `strip`, a strip of it in space, one period wide with periodic sides and with two
+    /// ends; `cell` when absent. On a `[specimen]` that is solved in space, a sample is one cell, and a strip the row of cavities through
+    /// its middle.
     pub extent: Option<Spanned<String>>,
     /// Seed of the local coefficients; 1 when absent.
     pub seed: Option<u64>,
@@ -34,7 +36,7 @@ pub struct RunFile {
     pub warm_start: Option<bool>,
     /// `linear` springs, for small displacements, or `exact` ones; without it the fidelity decides.
     pub springs: Option<Spanned<String>>,
-    /// 2 solves in the vertical plane, 3 in space; the planform decides when absent.
+    /// 2 solves in the vertical plane, 3 in space; the planform decides when absent, and a strip is solved in space.
     pub dimensions: Option<Spanned<u64>>,
     /// Surfaces with coefficients of their own in dynamic runs, 1 to 64; 1 when absent.
     pub draws: Option<Spanned<u64>>,
@@ -54,7 +56,7 @@ pub struct Overrides {
     pub extent: Option<Extent>,
 }
 
-/// Reads the table; on a specimen patterns of three dimensions are solved as one cell.
+/// Reads the table; on a specimen patterns of three dimensions are solved as one cell, or as a strip.
 ///
 /// # Errors
 /// [`Diagnostic`] for unknown names, numbers out of range and what cannot be solved together.
@@ -73,15 +75,20 @@ pub fn read_run(
     let extent = overrides.extent.or(extent).unwrap_or(default.extent);
     if let Some(dimensions) = &file.dimensions {
         match dimensions.get_ref() {
+            2 if extent == Extent::Strip => {
+                return Err(document
+                    .refuse(dimensions.span(), "solves in the vertical plane, and extent = \"strip\" in space")
+                    .expected("3, or extent = \"sample\""));
+            }
             2 => {}
             3 if fidelity != Fidelity::Reference
-                && (extent == Extent::Cell || has_specimen)
+                && (extent != Extent::Sample || has_specimen)
                 && springs != Some(Springs::Exact) => {}
             3 => {
                 return Err(document
                     .refuse(
                         dimensions.span(),
-                        "is solved for fidelity = \"steady\" or \"dynamic\" with linear springs and extent = \"cell\" alone",
+                        "is solved for fidelity = \"steady\" or \"dynamic\" with linear springs and extent = \"cell\" or \"strip\" alone",
                     )
                     .expected("2, which models the vertical section along the sliding direction"));
             }
@@ -104,7 +111,10 @@ pub fn read_run(
         damping: document.optional(file.damping.as_ref(), DAMPING)?.unwrap_or(default.damping),
         warm_start: file.warm_start.unwrap_or(default.warm_start),
         springs,
-        dimensions: file.dimensions.as_ref().map(|dimensions| if *dimensions.get_ref() == 3 { 3 } else { 2 }),
+        dimensions: match &file.dimensions {
+            Some(dimensions) => Some(if *dimensions.get_ref() == 3 { 3 } else { 2 }),
+            None => (extent == Extent::Strip).then_some(3),
+        },
         draws: file.draws.as_ref().map_or(default.draws, |draws| *draws.get_ref()),
         refine: file.refine.unwrap_or(default.refine),
     })

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use serde::{Deserialize, Serialize};
 use slipgrid_material::{Condition, Material, MaterialError};
-use slipgrid_springblock::{Extent, Layer, MOST_BLOCKS, MOST_ROWS, Scene, SceneError, Simulation};
+use slipgrid_springblock::{Layer, MOST_BLOCKS, MOST_ROWS, Scene, SceneError, Simulation};
 use toml::Spanned;
 
 use super::document::Document;
@@ -180,7 +180,7 @@ impl SceneInput {
             travel: place(file.run.sliding_um.as_ref()),
         };
         // A flat specimen is its strip, and one period has no rim.
-        let specimen = specimen.filter(|_| pattern.is_some() && run.extent == Extent::Sample);
+        let specimen = specimen.filter(|_| pattern.is_some() && run.extent.has_ends());
         let scene = Scene {
             elastic: material.elastic,
             area_law: material.area_law.clone(),
@@ -200,6 +200,15 @@ impl SceneInput {
         let told = unusual::of_scene(&document, file);
         let input =
             Self { scene, material, uncertainty, condition, specimen, friction_extrapolated, told, document, places };
+        if let Some(extent) = file.run.extent.as_ref().filter(|_| input.scene.is_strip_aslant()) {
+            return Err(input
+                .document
+                .refuse(
+                    extent.span(),
+                    "asks for a strip of a pattern that slides aslant, and repeats at no distance across",
+                )
+                .expected("\"cell\", or a sliding direction along or across the rows"));
+        }
         input.scene.validate().map_err(|error| input.refuse(&error))?;
         Ok(input)
     }

@@ -28,6 +28,9 @@ const RIGHT_ANGLE_DEG: f64 = 90.0;
 const MOST_GROOVE_ANGLE_DEG: f64 = 90.0;
 const MOST_SLIDING_ANGLE_DEG: f64 = 180.0;
 
+/// Component of a sliding direction below which it lies along the other axis.
+const ALIGNED: f64 = 1e-9;
+
 impl Texture {
     /// Cavities of `planform`, as long as wide and as far apart along y as along x, every row like
     /// the one before, sliding along x. A polygon is a square until it has an outline; grooves cross at right angles.
@@ -255,6 +258,12 @@ impl Texture {
     #[must_use]
     pub fn sliding_direction(&self) -> [f64; 2] {
         unit_vector(self.sliding_angle_deg - self.orientation_deg())
+    }
+
+    /// Whether the sliding direction is neither along rows nor across them, so that the pattern repeats at no distance across it.
+    #[must_use]
+    pub fn slides_aslant(&self) -> bool {
+        self.sliding_direction().iter().all(|part| part.abs() > ALIGNED)
     }
 
     /// Unit vector of the sliding direction in the specimen's axes X and Y.

@@ -38,13 +38,15 @@ impl Fidelity {
 pub enum Extent {
     /// One period of the pattern with periodic sides.
     Cell,
-    /// The whole specimen with free sides.
+    /// The whole specimen with free sides: in the vertical plane.
     Sample,
+    /// A strip of the specimen in space, one period wide with periodic sides, with two ends; in the plane the same as a sample.
+    Strip,
 }
 
 impl Extent {
     /// All extents, cheapest first.
-    pub const ALL: [Self; 2] = [Self::Cell, Self::Sample];
+    pub const ALL: [Self; 3] = [Self::Cell, Self::Sample, Self::Strip];
 
     /// The name used in files.
     #[must_use]
@@ -52,7 +54,14 @@ impl Extent {
         match self {
             Self::Cell => "cell",
             Self::Sample => "sample",
+            Self::Strip => "strip",
         }
+    }
+
+    /// Whether what is modelled has ends.
+    #[must_use]
+    pub const fn has_ends(self) -> bool {
+        !matches!(self, Self::Cell)
     }
 }
 
@@ -158,12 +167,14 @@ impl RunOptions {
     }
 
     /// How a specimen with patterns of `texture` is run: strip by strip in the plane, in other sliding directions of the texture, too,
-    /// and by one cell in space.
+    /// and in space by one cell, or by the strip that is asked for.
     #[must_use]
     pub fn on_specimen(self, texture: &Texture) -> Self {
         match Dimension::of(self.dimensions, texture) {
             Dimension::Plane => Self { dimensions: Some(Dimension::Plane.number()), ..self },
-            Dimension::Space if self.has_space() => Self { extent: Extent::Cell, ..self },
+            Dimension::Space if self.has_space() && self.extent == Extent::Sample => {
+                Self { extent: Extent::Cell, ..self }
+            }
             Dimension::Space => self,
         }
     }
@@ -312,9 +323,16 @@ impl Scene {
         self.dimension().section_of(self.pattern.as_ref()?)
     }
 
-    /// Whether a cell in space can solve it.
+    /// Whether a cell or a strip in space can solve it.
     fn has_spatial_cell(&self) -> bool {
-        self.run.extent == Extent::Cell && self.run.has_space()
+        self.run.extent != Extent::Sample && self.run.has_space()
+    }
+
+    /// Whether it asks for a strip in space of a pattern that slides neither along its rows nor across them.
+    #[must_use]
+    pub fn is_strip_aslant(&self) -> bool {
+        let is_strip = self.run.extent == Extent::Strip && self.dimension() == Dimension::Space;
+        is_strip && self.pattern.is_some_and(|pattern| pattern.texture().slides_aslant())
     }
 
     /// Checks every number for a meaning.
@@ -386,8 +404,14 @@ impl Scene {
         }
         if self.run.dimensions == Some(3) && !self.has_spatial_cell() {
             return Err(SceneError::Unsupported {
-                what: "the three-dimensional cell in whole samples, with exact springs and by the reference integration",
-                instead: "ask for a steady or a dynamic cell, or for dimensions = 2",
+                what: "three dimensions in whole samples, with exact springs and by the reference integration",
+                instead: "ask for a cell or a strip, steady or dynamic, with linear springs, or for dimensions = 2",
+            });
+        }
+        if self.is_strip_aslant() {
+            return Err(SceneError::Unsupported {
+                what: "a strip in space of a pattern that slides aslant to its rows, and so repeats at no distance across",
+                instead: "ask for extent = \"cell\", or slide along the rows or across them",
             });
         }
         self.validate_relief()?;

@@ -9,6 +9,7 @@ mod load_sharing;
 mod pressure_tilt;
 mod rim_difference;
 mod space;
+mod space_strip;
 mod specimen;
 mod statements;
 
@@ -26,12 +27,14 @@ use crate::dimension::Dimension;
 use crate::draws;
 use crate::dynamics::{DynamicRun, Plan, Scheme, remembered, settings};
 use crate::error::SceneError;
+use crate::face::Strip;
 use crate::lattice::Lattice;
 use crate::outcome::{LoadOutcome, Simulation, Statements, Status, SurfaceOutcome};
-use crate::scene::{Extent, Fidelity, Load, Scene};
+use crate::scene::{Extent, Fidelity, Layer, Load, RunOptions, Scene};
 use crate::steady::{FaceHistory, RaisedModel, SteadyLoad, SteadyModel, ThickModel, factor_bytes};
 
 use behind::Behind;
+use space::{Laid, laid_share};
 use statements::{
     SPEED_ZERO, STRETCHED_CELL, describe_draws, describe_extent, describe_law, describe_protocol, describe_scheme,
     describe_start, describe_steady,
@@ -65,15 +68,41 @@ fn widest(values: impl Iterator<Item = f64>) -> f64 {
 /// # Errors
 /// [`SceneError`] if the scene means nothing; everything else is a [`crate::Status`].
 pub fn simulate(scene: &Scene, monitor: &dyn Monitor) -> Result<Simulation, SceneError> {
+    simulate_laid(scene, None, |pattern| PressureTilt::of_sample(scene, pattern, monitor), monitor)
+}
+
+/// The same of a strip of a specimen in space ([`Extent::Strip`]), as long as `strip`, with cavities as that has them and nothing of a tilt of
+/// the pressure, which is one of the whole specimen; and its share of cavities over that of a period.
+///
+/// # Errors
+/// As [`simulate`].
+pub fn simulate_strip(scene: &Scene, strip: &Strip, monitor: &dyn Monitor) -> Result<(Simulation, f64), SceneError> {
+    let run = RunOptions { extent: Extent::Strip, dimensions: Some(Dimension::Space.number()), ..scene.run };
+    let blocks = (strip.length_m / scene.layer.block_m).round().max(1.0);
+    let layer = Layer { length_m: blocks * scene.layer.block_m, ..scene.layer };
+    let scene = &Scene { layer, run, ..scene.clone() };
+    let simulation = simulate_laid(scene, Some(strip), |_| PressureTilt::default(), monitor)?;
+    let share = scene.pattern.as_ref().map_or(1.0, |pattern| laid_share(scene, Laid { pattern, strip: Some(strip) }));
+    Ok((simulation, share))
+}
+
+fn simulate_laid(
+    scene: &Scene,
+    strip: Option<&Strip>,
+    tilt: impl Fn(&Pattern) -> PressureTilt,
+    monitor: &dyn Monitor,
+) -> Result<Simulation, SceneError> {
     scene.validate()?;
     bounded(scene)?;
-    let mut simulation = over_layer(scene, monitor)?;
+    let mut simulation = over_layer(scene, strip, monitor)?;
     if let Some(pattern) = &scene.pattern {
+        // Of a strip as it is laid, whose cavities take less than those of a period.
+        let share = strip.map_or(1.0, |strip| laid_share(scene, Laid { pattern, strip: Some(strip) }));
         rim_difference::add_yielding(scene, pattern, &mut simulation.loads, &mut simulation.statements);
-        let tilt = PressureTilt::of_sample(scene, pattern, monitor);
         let is_in_time = scene.run.fidelity != Fidelity::Steady;
-        Behind::new(scene, pattern, monitor).tell(is_in_time, &tilt, &mut simulation.loads, &mut simulation.statements);
-        blocks::refine(scene, pattern, 1.0, &mut simulation, monitor);
+        let behind = Behind::new(scene, pattern, monitor).times(share);
+        behind.tell(is_in_time, &tilt(pattern), &mut simulation.loads, &mut simulation.statements);
+        blocks::refine(scene, pattern, share, &mut simulation, monitor);
     }
     Ok(simulation)
 }
@@ -113,12 +142,13 @@ pub fn steady_ratios(scene: &Scene, monitor: &dyn Monitor) -> Result<Vec<Option<
 }
 
 /// The same as [`simulate`] without what is behind the layer where blocks stand for the layer alone.
-fn over_layer(scene: &Scene, monitor: &dyn Monitor) -> Result<Simulation, SceneError> {
+fn over_layer(scene: &Scene, strip: Option<&Strip>, monitor: &dyn Monitor) -> Result<Simulation, SceneError> {
     let solved = &behind::solved(scene);
     if let Some(pattern) = scene.pattern.as_ref().filter(|_| scene.dimension() == Dimension::Space) {
+        let laid = Laid { pattern, strip };
         return match scene.run.fidelity {
-            Fidelity::Steady => space::steady(solved, pattern, monitor),
-            Fidelity::Dynamic | Fidelity::Reference => space::dynamic(solved, pattern, monitor),
+            Fidelity::Steady => space::steady(solved, laid, monitor),
+            Fidelity::Dynamic | Fidelity::Reference => space::dynamic(solved, laid, monitor),
         };
     }
     let mut simulation = match scene.run.fidelity {
@@ -152,9 +182,9 @@ fn surfaces(scene: &Scene, pattern: Option<&Pattern>) -> (Vec<Column>, Option<Ve
     let (block_m, whole) = (scene.layer.block_m, scene.layer.columns());
     let map = scene.relief.as_deref();
     match (pattern, scene.run.extent) {
-        (None, Extent::Sample) => (columns::flat(whole), None),
+        (None, Extent::Sample | Extent::Strip) => (columns::flat(whole), None),
         (None, Extent::Cell) => (columns::flat(whole.min(FLAT_CELL_COLUMNS)), None),
-        (Some(pattern), Extent::Sample) => {
+        (Some(pattern), Extent::Sample | Extent::Strip) => {
             (columns::sample_on(pattern, block_m, whole, map), Some(columns::flat(whole)))
         }
         (Some(pattern), Extent::Cell) => {
@@ -283,7 +313,7 @@ fn steady(scene: &Scene, monitor: &dyn Monitor) -> Result<Simulation, SceneError
     if !own.lattice().is_plain() {
         said.method(match scene.run.extent {
             Extent::Cell => STRETCHED_CELL,
-            Extent::Sample => {
+            Extent::Sample | Extent::Strip => {
                 "dimensions that are no whole blocks: columns fitted to the cavity's edges, depth blended between rows"
             }
         });
@@ -296,7 +326,7 @@ fn steady(scene: &Scene, monitor: &dyn Monitor) -> Result<Simulation, SceneError
 fn steady_coefficients(scene: &Scene, load: &Load, columns: usize) -> Vec<f64> {
     match scene.run.extent {
         Extent::Cell => vec![load.friction.dynamic_mean(); columns],
-        Extent::Sample => {
+        Extent::Sample | Extent::Strip => {
             draws::draw(&load.friction, scene.run.seed, columns).iter().map(|drawn| drawn.dynamic_mu).collect()
         }
     }

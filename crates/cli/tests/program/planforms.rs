@@ -194,7 +194,7 @@ fn outlines_and_angles_that_mean_nothing_are_refused_where_they_stand() {
         fs::write(place.path("a.toml"), text).unwrap();
         let refused = place.refuse(&["simulate", "a.toml"]);
         assert!(
-            refused.contains("needs a three-dimensional cell") && refused.contains("\"groove\" or \"square\""),
+            refused.contains("needs three dimensions") && refused.contains("\"groove\" or \"square\""),
             "{refused}"
         );
     }

@@ -122,7 +122,6 @@ fn scenes() {
             case("seed = 1", "seed = -1", ":26: run.seed: -1 ", "whole number"),
             case("seed = 1", "seed = 1.5", ":26: run.seed: 1.5 ", "whole number"),
             case("seed = 1", "dimensions = 4", ":26: run.dimensions: 4 ", "2 or 3"),
-            case("\"cell\"", "\"sample\"\ndimensions = 3", ":26: run.dimensions: 3 ", "extent = \"cell\""),
             case("\"steady\"", "\"reference\"\ndimensions = 3", ":25: run.dimensions: 3 ", "\"dynamic\""),
             case("seed = 1", "draws = 0", ":26: run.draws: 0 ", "from 1 to 64"),
             case("seed = 1", "draws = 65", ":26: run.draws: 65 ", "from 1 to 64"),

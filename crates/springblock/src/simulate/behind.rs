@@ -96,20 +96,23 @@ impl Behind {
         let each = thick.iter().zip(&alone).map(|(thick, alone)| difference(thick, alone)).collect();
         let open_by_ends = match scene.run.extent {
             Extent::Cell => 0.0,
-            Extent::Sample => OPEN_BY_ENDS * (KNOWN_LENGTH_M / scene.layer.length_m).max(1.0),
+            Extent::Sample | Extent::Strip => OPEN_BY_ENDS * (KNOWN_LENGTH_M / scene.layer.length_m).max(1.0),
         };
         let is_solved = is_cell(scene) && scene.layer.is_backed();
         Self { layer: scene.layer, is_solved, open_by_ends, open_of_difference: 0.0, each }
+    }
+
+    /// The same of a face of whose cavities a period's ratio takes `share`.
+    pub fn times(mut self, share: f64) -> Self {
+        self.each.iter_mut().flatten().for_each(|each| each.ratio *= share);
+        self
     }
 
     /// What is behind the layer of `scene` under `face` with cavities of `pattern`: where the scene says how thick the specimen
     /// is, its strips share the load as it lets them, with lands that lie flat ([`load_sharing`]).
     pub fn under_face(scene: &Scene, pattern: &Pattern, face: &Face, monitor: &dyn Monitor) -> Self {
         if !scene.layer.is_backed() {
-            let mut behind = Self::new(scene, pattern, monitor);
-            let share = face.share_of(pattern);
-            behind.each.iter_mut().flatten().for_each(|each| each.ratio *= share);
-            return behind;
+            return Self::new(scene, pattern, monitor).times(face.share_of(pattern));
         }
         let (scene, pattern) = (&Scene { relief: None, ..scene.clone() }, &without_rim(pattern));
         let mut behind = Self::new(scene, pattern, monitor);

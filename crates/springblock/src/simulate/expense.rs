@@ -4,6 +4,9 @@
 //! second by linear springs in the plane, 7e7 by exact ones, 1.5e8 in space (tests/accuracy), and a band factor takes
 //! 2e-10 s a product.
 
+use slipgrid_pattern::Pattern;
+
+use super::space_strip::BYTES_PER_BLOCK as STRIP_BYTES_PER_BLOCK;
 use super::{FLAT_CELL_COLUMNS, MOST_FACTOR_BYTES, UNIFORM_COLUMNS};
 use crate::cell::{SteadyCell, condensing_cell};
 use crate::dimension::Dimension;
@@ -67,7 +70,7 @@ pub fn bounded(scene: &Scene) -> Result<(), SceneError> {
 
 fn of_threads(scene: &Scene, threads: f64) -> Expense {
     match (scene.run.fidelity, scene.dimension()) {
-        (Fidelity::Steady, Dimension::Space) => space(scene),
+        (Fidelity::Steady, Dimension::Space) => space(scene, threads),
         (Fidelity::Steady, Dimension::Plane) => plane(scene, threads),
         (_, dimension) => in_time(scene, dimension == Dimension::Space, threads),
     }
@@ -77,9 +80,9 @@ fn of_threads(scene: &Scene, threads: f64) -> Expense {
 fn surfaces(scene: &Scene) -> [Option<usize>; 2] {
     let whole = scene.layer.columns();
     match (&scene.pattern, scene.run.extent) {
-        (None, Extent::Sample) => [Some(whole), None],
+        (None, Extent::Sample | Extent::Strip) => [Some(whole), None],
         (None, Extent::Cell) => [Some(whole.min(FLAT_CELL_COLUMNS)), None],
-        (Some(_), Extent::Sample) => [Some(whole); 2],
+        (Some(_), Extent::Sample | Extent::Strip) => [Some(whole); 2],
         (Some(pattern), Extent::Cell) => {
             // At most 4e7: the cast is exact.
             let own = (pattern.pitch_m() / scene.layer.block_m).ceil() as usize;
@@ -106,14 +109,28 @@ fn plane(scene: &Scene, threads: f64) -> Expense {
     Expense { core_s, wall_s: core_s / threads.min(2.0), bytes }
 }
 
-/// Steady sliding in space: one cell, its loads one after the other.
-fn space(scene: &Scene) -> Expense {
+/// Columns of a strip of the sample in space, a period of `pattern` wide.
+fn strip_columns(scene: &Scene, pattern: &Pattern) -> f64 {
+    let [nx, ny] = SpaceLattice::columns_of(pattern, scene.layer.block_m);
+    let [along_x, along_y] = pattern.sliding_direction().map(f64::abs);
+    scene.layer.columns() as f64 * if along_x > along_y { ny } else { nx }
+}
+
+/// Steady sliding in space: one cell or a strip, its loads one after the other.
+fn space(scene: &Scene, threads: f64) -> Expense {
     let Some(pattern) = &scene.pattern else { return Expense::default() };
     let model = SteadyCell::solved(scene, Dimension::Space);
+    let column_s = if scene.is_raised() { RAISED_COLUMN_S } else { SPACE_COLUMN_S };
+    let loads = scene.loads.len() as f64;
+    if scene.run.extent == Extent::Strip {
+        // Its ends are missing springs from the face to the bulk; the flat one is solved beside it.
+        let blocks = strip_columns(scene, pattern) * (scene.layer.rows() + 1) as f64;
+        let core_s = 2.0 * blocks * loads * column_s;
+        return Expense { core_s, wall_s: core_s / threads.min(2.0), bytes: 2.0 * blocks * STRIP_BYTES_PER_BLOCK };
+    }
     let [nx, ny] = model.columns(pattern);
     let explicit = (pattern.depth_m() / scene.layer.block_m).ceil() + 1.0;
-    let column_s = if scene.is_raised() { RAISED_COLUMN_S } else { SPACE_COLUMN_S };
-    let core_s = nx * ny * explicit * scene.loads.len() as f64 * column_s;
+    let core_s = nx * ny * explicit * loads * column_s;
     Expense { core_s, wall_s: core_s, bytes: model.bytes(pattern) }
 }
 
@@ -121,6 +138,7 @@ fn space(scene: &Scene) -> Expense {
 fn in_time(scene: &Scene, is_spatial: bool, threads: f64) -> Expense {
     let rows = scene.layer.rows();
     let columns: Vec<f64> = match (&scene.pattern, is_spatial) {
+        (Some(pattern), true) if scene.run.extent == Extent::Strip => vec![strip_columns(scene, pattern); 2],
         (Some(pattern), true) => {
             let [nx, ny] = SpaceLattice::columns_of(pattern, scene.layer.block_m);
             vec![nx * if pattern.is_uniform_along_y() { nx } else { ny }; 2]
@@ -164,7 +182,7 @@ fn in_time(scene: &Scene, is_spatial: bool, threads: f64) -> Expense {
 
 #[cfg(test)]
 mod tests {
-    use slipgrid_pattern::{Pattern, Planform};
+    use slipgrid_pattern::Planform;
 
     use super::*;
     use crate::Unwatched;

@@ -107,7 +107,7 @@ impl PressureTilt {
     pub fn of_sample(scene: &Scene, pattern: &Pattern, monitor: &dyn Monitor) -> Self {
         match scene.run.extent {
             Extent::Cell => Self::default(),
-            Extent::Sample => Self::new(scene, pattern, &[[1.0, scene.layer.length_m]], monitor),
+            Extent::Sample | Extent::Strip => Self::new(scene, pattern, &[[1.0, scene.layer.length_m]], monitor),
         }
     }
 

@@ -1,9 +1,10 @@
-//! The cell in space, in steady sliding and in time: which lattices, what runs on them, what is said.
+//! A cell or a strip in space, in steady sliding and in time: which lattices, what runs on them, what is said.
 
 use rayon::prelude::*;
 use slipgrid_monitor::{memory, recalled};
 use slipgrid_pattern::Pattern;
 
+use super::space_strip::{self, SpaceStrip};
 use super::statements::{
     PERIODIC_CELL, SPEED_ZERO, STRETCHED_CELL, describe_draws, describe_law, describe_protocol, describe_start,
     describe_steady, why_space,
@@ -14,8 +15,9 @@ use crate::cell::SteadyCell;
 use crate::dimension::Dimension;
 use crate::dynamics::{SpaceRun, SpaceScheme, remembered, settings};
 use crate::error::SceneError;
+use crate::face::Strip;
 use crate::outcome::{LoadOutcome, Simulation, Statements, Status, SurfaceOutcome};
-use crate::scene::Scene;
+use crate::scene::{Extent, Scene};
 use crate::space::SpaceLattice;
 
 /// Most blocks of a cell: its springs, which set the limit of the time step, take up to 4 GiB then.
@@ -28,26 +30,63 @@ const FLAT_COLUMNS: usize = 8;
 /// Bytes a block of a warm start, which knows the displacements of all rows, as unknowns and as spectra.
 const WARM_BYTES_PER_BLOCK: f64 = 500.0;
 
-/// Steady sliding of the cell of `pattern`.
-pub fn steady(scene: &Scene, pattern: &Pattern, monitor: &dyn Monitor) -> Result<Simulation, SceneError> {
-    let mut loads = steady_loads(scene, pattern, monitor)?;
-    let ratios: Vec<Option<f64>> = loads.iter().map(|load| load.ratio).collect();
-    let error = discretization_error(scene, pattern, &ratios, monitor);
-    blocks::state(&mut loads, error.as_deref(), 1.0);
-    monitor.advance(1.0);
+/// A pattern in space, and its cavities as they are `laid` on a strip of a specimen, where it is one.
+#[derive(Clone, Copy)]
+pub struct Laid<'a> {
+    pub pattern: &'a Pattern,
+    pub strip: Option<&'a Strip>,
+}
+
+impl Laid<'_> {
+    /// The strip that `scene` asks for, of the cells `cell`; `None` where it asks for one cell.
+    fn on(self, scene: &Scene, cell: impl FnOnce() -> SpaceLattice) -> Option<SpaceStrip> {
+        (scene.run.extent == Extent::Strip).then(|| SpaceStrip::new(scene, self.pattern, &cell(), self.strip))
+    }
+}
+
+/// Cavities' share of the face over that of a cell.
+fn share_of_cells(strip: Option<&SpaceStrip>) -> f64 {
+    strip.map_or(1.0, |strip| strip.of_cells)
+}
+
+/// The same of the strip that `laid` is on.
+pub fn laid_share(scene: &Scene, laid: Laid) -> f64 {
+    let cell = || SteadyCell::solved(scene, Dimension::Space).space_lattice(laid.pattern, scene.layer.rows());
+    share_of_cells(laid.on(scene, cell).as_ref())
+}
+
+/// Steady sliding of the cell of `pattern`, or of a strip of the sample.
+pub fn steady(scene: &Scene, laid: Laid, monitor: &dyn Monitor) -> Result<Simulation, SceneError> {
+    let pattern = laid.pattern;
     let model = SteadyCell::solved(scene, Dimension::Space);
-    let [nx, ny] = model.columns(pattern);
+    let strip = laid.on(scene, || model.space_lattice(pattern, scene.layer.rows()));
+    let mut loads = match &strip {
+        None => steady_loads(scene, pattern, monitor)?,
+        Some(strip) => space_strip::steady_loads(scene, strip, monitor)?,
+    };
+    let ratios: Vec<Option<f64>> = match &strip {
+        None => loads.iter().map(|load| load.ratio).collect(),
+        Some(_) => model.ratios_heeding(pattern, monitor),
+    };
+    let error = discretization_error(scene, pattern, &ratios, monitor);
+    blocks::state(&mut loads, error.as_deref(), share_of_cells(strip.as_ref()));
+    monitor.advance(1.0);
+    let [nx, ny] =
+        strip.as_ref().map_or_else(|| model.columns(pattern).map(|columns| columns as usize), SpaceStrip::columns);
     let why = why_space(scene, pattern);
     let mut said = Statements::default();
     said.model(describe_steady(scene));
-    said.method(PERIODIC_CELL);
+    said.method(strip.as_ref().map_or_else(|| PERIODIC_CELL.to_owned(), SpaceStrip::statement));
+    said.model.extend(strip.as_ref().and_then(|strip| strip.of_few_periods(pattern)));
     said.method(format!(
         "three dimensions, {why}: {nx} x {ny} x {} blocks, nu = 1/4, friction against the drive",
         scene.layer.rows()
     ));
-    said.method(
-        "mean local coefficients: a periodic cell has no scatter to average; the flat surface slides at mu_d f(P)",
-    );
+    if strip.is_none() {
+        said.method(
+            "mean local coefficients: a periodic cell has no scatter to average; the flat surface slides at mu_d f(P)",
+        );
+    }
     if scene.speed_m_s == 0.0 {
         said.model(SPEED_ZERO);
     }
@@ -111,13 +150,18 @@ fn discretization_error(
     recalled(monitor, ("blocks", &content), (known, kept), estimate)
 }
 
-/// Dynamic runs of the cell of `pattern` and of a flat one.
-pub fn dynamic(scene: &Scene, pattern: &Pattern, monitor: &dyn Monitor) -> Result<Simulation, SceneError> {
+/// Dynamic runs of the cell of `pattern`, or of a strip of the sample, and of a flat one.
+pub fn dynamic(scene: &Scene, laid: Laid, monitor: &dyn Monitor) -> Result<Simulation, SceneError> {
+    let pattern = laid.pattern;
     let rows = scene.layer.rows();
     let [nx, ny] = SpaceLattice::columns_of(pattern, scene.layer.block_m);
     // Grooves have no period along themselves: as many columns as across hold as many draws as squares do.
     let along = if pattern.is_uniform_along_y() { nx } else { ny };
-    let blocks = nx * along * rows as f64;
+    let cell = SteadyCell::solved(scene, Dimension::Space);
+    let blocks = match scene.run.extent {
+        Extent::Cell | Extent::Sample => nx * along * rows as f64,
+        Extent::Strip => scene.layer.columns() as f64 * nx.max(ny) * rows as f64,
+    };
     if blocks > MOST_BLOCKS {
         return Err(SceneError::TooManyBlocks { blocks, most: MOST_BLOCKS });
     }
@@ -125,11 +169,18 @@ pub fn dynamic(scene: &Scene, pattern: &Pattern, monitor: &dyn Monitor) -> Resul
     if scene.run.warm_start && bytes > most_bytes {
         return Err(SceneError::TooLarge { bytes, most_bytes });
     }
-    let cell = SteadyCell::solved(scene, Dimension::Space);
     let exact = cell.space_lattice(pattern, rows);
     let whole = exact.nearest_whole();
-    let own = if pattern.is_uniform_along_y() { whole.repeated_along_y(nx as usize) } else { whole.clone() };
-    let flat = SpaceLattice::flat(own.columns(), rows);
+    let strip = laid.on(scene, || whole.clone());
+    let [own, flat] = strip.as_ref().map_or_else(
+        || {
+            let own = if pattern.is_uniform_along_y() { whole.repeated_along_y(nx as usize) } else { whole.clone() };
+            let flat = SpaceLattice::flat(own.columns(), rows);
+            [own, flat]
+        },
+        |strip| strip.lattices.clone(),
+    );
+    let direction = strip.as_ref().map_or_else(|| pattern.sliding_direction(), |strip| strip.direction);
     let scheme = SpaceScheme::choose(scene, &own)?;
     SpaceScheme::choose(scene, &SpaceLattice::flat([FLAT_COLUMNS; 2], rows))?;
 
@@ -151,19 +202,23 @@ pub fn dynamic(scene: &Scene, pattern: &Pattern, monitor: &dyn Monitor) -> Resul
                 scene,
                 load: &scene.loads[load],
                 lattice: lattices[surface],
-                direction: pattern.sliding_direction(),
+                direction,
                 scheme,
                 share: 1.0 / runs as f64,
                 seed: seed_of(scene, draw),
                 stderr_share: stderr_share(scene),
             };
             let content = (settings(scene), run.load, run.lattice, run.direction, scheme, run.seed, run.stderr_share);
-            remembered(monitor, &content, run.share, || run.run(monitor))
+            let mut outcome = remembered(monitor, &content, run.share, || run.run(monitor));
+            strip.iter().for_each(|strip| strip.turn_back(&mut outcome));
+            outcome
         })
         .collect();
+    let share = share_of_cells(strip.as_ref());
+    let corrections: Vec<f64> = corrections.iter().map(|correction| share * correction).collect();
     let mut loads = collect(scene, surfaces, &corrections, outcomes);
-    blocks::state(&mut loads, error.as_deref(), 1.0);
-    let statements = statements(scene, pattern, &own, scheme, (!is_whole).then_some(&whole));
+    blocks::state(&mut loads, error.as_deref(), share);
+    let statements = statements(scene, pattern, &own, strip.as_ref(), scheme, (!is_whole).then_some(&whole));
     Ok(Simulation { statements, loads })
 }
 
@@ -184,10 +239,11 @@ fn statements(
     scene: &Scene,
     pattern: &Pattern,
     own: &SpaceLattice,
+    strip: Option<&SpaceStrip>,
     scheme: SpaceScheme,
     nearest: Option<&SpaceLattice>,
 ) -> Statements {
-    let [nx, ny] = own.columns();
+    let [nx, ny] = strip.map_or_else(|| own.columns(), SpaceStrip::columns);
     let mut said = Statements::default();
     said.method(format!(
         "dynamic: linear springs, leapfrog with implicit damping at {:.3} ns (limit {:.2} ns), damping {} sqrt(k/m) of the vertical plane",
@@ -195,28 +251,27 @@ fn statements(
         scheme.limit_s * 1e9,
         scene.run.damping,
     ));
-    said.method(PERIODIC_CELL);
+    said.method(strip.map_or_else(|| PERIODIC_CELL.to_owned(), SpaceStrip::statement));
+    said.model.extend(strip.and_then(|strip| strip.of_few_periods(pattern)));
     said.method(format!(
         "three dimensions, {}: {nx} x {ny} x {} blocks, nu = 1/4, friction a vector against the velocity",
         why_space(scene, pattern),
         scene.layer.rows(),
     ));
     describe_protocol(scene, scheme.step_s, &mut said);
-    if pattern.is_uniform_along_y() {
+    if pattern.is_uniform_along_y() && strip.is_none() {
         said.method("grooves: as many columns along them as across, with coefficients of their own");
     }
     if scene.run.draws == 1 {
         said.method("one draw of the local coefficients: standard errors are those within the run, not between draws");
     }
     describe_draws(scene, &mut said);
-    describe_start(scene, "cell", &mut said);
+    describe_start(scene, if strip.is_some() { "strip" } else { "cell" }, &mut said);
     if let Some(nearest) = nearest {
-        let share = 1.0
-            - (0..nx * nearest.columns()[1]).map(|n| nearest.contact_share(n % nx, n / nx)).sum::<f64>()
-                / (nx * nearest.columns()[1]) as f64;
+        let [nx, ny] = nearest.columns();
+        let share = 1.0 - (0..nx * ny).map(|n| nearest.contact_share(n % nx, n / nx)).sum::<f64>() / (nx * ny) as f64;
         said.method(format!(
-            "nearest whole blocks ({nx} x {} columns, {:.2} % cavity, {:.0} rows deep) plus the steady difference of the ratio to the pattern itself; mu_static and the interface are those of the whole blocks",
-            nearest.columns()[1],
+            "nearest whole blocks ({nx} x {ny} columns, {:.2} % cavity, {:.0} rows deep) plus the steady difference of the ratio to the pattern itself; mu_static and the interface are those of the whole blocks",
             100.0 * share,
             nearest.depth(),
         ));

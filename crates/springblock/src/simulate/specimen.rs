@@ -36,8 +36,8 @@ use crate::face::{Face, Strip};
 use crate::outcome::{LoadOutcome, Simulation, Statements};
 use crate::scene::{Extent, Fidelity, RunOptions, Scene};
 use crate::{Monitor, Unwatched};
-pub use strips::without_slivers;
 use strips::{STRIP_HEIGHTS, SteadyFace};
+pub use strips::{least_wall_m, without_slivers};
 use timed_strip::TimedStrip;
 
 /// Solves `scene`, whose pattern lies on `face` as its strips say, beside the flat face. Loads and strips run in parallel on

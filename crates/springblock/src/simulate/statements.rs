@@ -85,7 +85,7 @@ pub fn describe_draws(scene: &Scene, said: &mut Statements) {
 pub fn describe_extent(scene: &Scene, said: &mut Statements) {
     let what = match scene.run.extent {
         Extent::Cell => PERIODIC_CELL,
-        Extent::Sample => "sample: the whole specimen with free sides",
+        Extent::Sample | Extent::Strip => "sample: the whole specimen with free sides",
     };
     said.method(what);
     said.model.extend(describe_periods(scene));
@@ -103,16 +103,19 @@ const SHARE_TO_TELL: f64 = 0.01;
 
 /// That a specimen of few periods is not the pattern, where its cavities take another share.
 fn describe_periods(scene: &Scene) -> Option<String> {
-    let pattern = scene.pattern.as_ref().filter(|_| scene.run.extent == Extent::Sample)?;
+    let pattern = scene.pattern.as_ref().filter(|_| scene.run.extent.has_ends())?;
     let columns = columns::sample(pattern, scene.layer.block_m, scene.layer.columns());
     let sum = |of: fn(&Column) -> f64| columns.iter().map(of).sum::<f64>();
     let share = sum(|column| column.width * column.coverage) / sum(|column| column.width);
-    let own = pattern.section_density();
+    few_periods(scene.layer.length_m / pattern.pitch_m(), share, pattern.section_density())
+}
+
+/// That a specimen of `periods` whose cavities take `share` of it is not the pattern, whose period's take `own`.
+pub fn few_periods(periods: f64, share: f64, own: f64) -> Option<String> {
     ((share - own).abs() > SHARE_TO_TELL).then(|| {
         format!(
-            "the specimen holds {:.1} periods, no whole number of them: cavities take {:.1} % of its length, {:.1} % of a period; its \
+            "the specimen holds {periods:.1} periods, no whole number of them: cavities take {:.1} % of its length, {:.1} % of a period; its \
              ratio is its own, not that of many periods",
-            scene.layer.length_m / pattern.pitch_m(),
             100.0 * share,
             100.0 * own,
         )

@@ -84,6 +84,8 @@ impl Surface {
 #[derive(Clone, Debug)]
 pub struct Interface {
     columns: [usize; 2],
+    /// Columns that are not cut away.
+    face_columns: usize,
     area: f64,
     explicit: usize,
     layer: FlatLayer,
@@ -142,7 +144,7 @@ impl Interface {
     #[must_use]
     pub fn new(lattice: &SpaceLattice) -> Self {
         // A missing spring reaches from the cavities' last row to the next at most, a contact's from row 0 to 1.
-        Self::with_rows(lattice, (lattice.cavity_rows() + 1).max(2))
+        Self::with_rows(lattice, (lattice.changed_rows() + 1).max(2))
     }
 
     /// The same with the displacements of all rows and of the bulk, everywhere.
@@ -195,7 +197,7 @@ impl Interface {
         // Ceilings say whether cavities close.
         let ceiling = lattice.ceiling_row();
         for (j, i) in (0..ny).flat_map(|j| (0..nx).map(move |i| (j, i))) {
-            if lattice.contact_share(i, j) == 0.0 {
+            if lattice.is_cavity(i, j) {
                 want(place([i, j, ceiling]));
             }
         }
@@ -203,6 +205,7 @@ impl Interface {
         (0..ny).for_each(|j| want(place([0, j, 1])));
         let mut interface = Self {
             columns: [nx, ny],
+            face_columns: lattice.face_columns(),
             area: 1.0,
             explicit,
             layer: FlatLayer::new([nx, ny], lattice.spacing(), rows, explicit),
@@ -403,7 +406,7 @@ impl Interface {
     /// The load of the cell in units of P l^2, which is its area over l^2.
     #[must_use]
     pub fn load(&self) -> f64 {
-        (self.columns[0] * self.columns[1]) as f64 * self.area
+        self.face_columns as f64 * self.area
     }
 
     /// Nominal area of a column over l^2.

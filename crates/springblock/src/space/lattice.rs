@@ -28,6 +28,8 @@ pub struct SpaceLattice {
     /// Height of the land of every column towards the counterface, in the mean, in lattice spacings, i fastest; empty where
     /// the face is even.
     relief: Vec<f64>,
+    /// Lines of columns along y, from the last on, that are cut away from the face to the bulk: what is left has two ends.
+    gap: usize,
 }
 
 /// A spring between block `a` and block `b`, or the bulk.
@@ -63,7 +65,7 @@ impl SpaceLattice {
     /// A cell of cubes of whose columns, i fastest, cavities `depth` rows deep cover `coverage`. At depth 0 what is
     /// covered is whole, and does not touch.
     pub(super) const fn of_cubes(columns: [usize; 2], rows: usize, coverage: Vec<f64>, depth: f64) -> Self {
-        Self { columns, rows, spacing: [1.0; 2], coverage, depth, relief: Vec::new() }
+        Self { columns, rows, spacing: [1.0; 2], coverage, depth, relief: Vec::new(), gap: 0 }
     }
 
     /// One period of `pattern` in blocks of `block_m`, `rows` high. Grooves take one column along y.
@@ -115,7 +117,7 @@ impl SpaceLattice {
         };
         let depth = pattern.depth_m() / block_m;
         let depth = if (depth - depth.round()).abs() < WHOLE * depth.max(1.0) { depth.round() } else { depth };
-        Self { columns, rows, spacing, coverage, depth, relief }
+        Self { columns, rows, spacing, coverage, depth, relief, gap: 0 }
     }
 
     /// The same cell in whole cubes: columns that are cavity by half or more are cavity, depth is the nearest number
@@ -136,6 +138,35 @@ impl SpaceLattice {
     pub fn repeated_along_y(&self, count: usize) -> Self {
         let columns = [self.columns[0], self.columns[1] * count];
         Self { columns, coverage: self.coverage.repeat(count), relief: self.relief.repeat(count), ..self.clone() }
+    }
+
+    /// `lines` lines of this cell along y, then `gap` lines, at least one, that are cut away from the face to the bulk: a strip with two
+    /// ends. Line n of it is line `of(n)` of the cell, or land where there is none.
+    #[must_use]
+    pub fn strip_along_y(&self, lines: usize, gap: usize, of: impl Fn(usize) -> Option<usize>) -> Self {
+        let nx = self.columns[0];
+        let laid = |values: &[f64], elsewhere: f64, beyond: f64| -> Vec<f64> {
+            let line = |n: usize| of(n).map_or_else(|| vec![elsewhere; nx], |j| values[j * nx..(j + 1) * nx].to_vec());
+            (0..lines).flat_map(line).chain(std::iter::repeat_n(beyond, gap * nx)).collect()
+        };
+        let coverage = laid(&self.coverage, 0.0, 1.0);
+        let relief = if self.relief.is_empty() { Vec::new() } else { laid(&self.relief, 0.0, 0.0) };
+        Self { columns: [nx, lines + gap], coverage, relief, gap, ..self.clone() }
+    }
+
+    /// The same cell with x in the place of y.
+    #[must_use]
+    pub fn transposed(&self) -> Self {
+        let [nx, ny] = self.columns;
+        let turned = |values: &[f64]| -> Vec<f64> {
+            if values.is_empty() {
+                return Vec::new();
+            }
+            (0..nx).flat_map(|i| (0..ny).map(move |j| values[j * nx + i])).collect()
+        };
+        let (coverage, relief) = (turned(&self.coverage), turned(&self.relief));
+        let [a, b] = self.spacing;
+        Self { columns: [ny, nx], spacing: [b, a], coverage, relief, ..self.clone() }
     }
 
     /// The same cell whose columns, i fastest, are raised towards the counterface by `relief`, in lattice spacings.
@@ -187,6 +218,29 @@ impl SpaceLattice {
         land.map(|(height, _)| *height).reduce(f64::max).unwrap_or(0.0)
     }
 
+    /// Columns that are not cut away.
+    #[must_use]
+    pub const fn face_columns(&self) -> usize {
+        self.columns[0] * (self.columns[1] - self.gap)
+    }
+
+    /// Whether line `j` along y is cut away.
+    const fn is_cut(&self, j: usize) -> bool {
+        j >= self.columns[1] - self.gap
+    }
+
+    /// Whether line `j` along y is beside what is cut away, or cut away itself.
+    #[must_use]
+    pub const fn is_end(&self, j: usize) -> bool {
+        self.gap > 0 && (j == 0 || self.is_cut(j + 1))
+    }
+
+    /// Whether column (i, j) is cavity all over.
+    #[must_use]
+    pub fn is_cavity(&self, i: usize, j: usize) -> bool {
+        self.contact_share(i, j) == 0.0 && !self.is_cut(j)
+    }
+
     /// Whether every block is whole and a cube.
     #[must_use]
     pub fn is_plain(&self) -> bool {
@@ -207,6 +261,12 @@ impl SpaceLattice {
         (self.depth.ceil() as usize).min(self.rows)
     }
 
+    /// Rows that are not those of a flat layer: all of them where the layer has ends.
+    #[must_use]
+    pub fn changed_rows(&self) -> usize {
+        if self.gap > 0 { self.rows } else { self.cavity_rows() }
+    }
+
     /// The row of blocks over the cavities, wholly there or in part.
     #[must_use]
     pub fn ceiling_row(&self) -> usize {
@@ -217,6 +277,9 @@ impl SpaceLattice {
     /// Share of block (i, j, k) that is there.
     #[must_use]
     pub fn presence(&self, i: usize, j: usize, k: usize) -> f64 {
+        if self.is_cut(j) {
+            return 0.0;
+        }
         // A cavity of depth d covering c of a column takes c (d - k) of row k, held to [0, c].
         1.0 - self.coverage[j * self.columns[0] + i] * self.depth_in(k)
     }
@@ -226,8 +289,13 @@ impl SpaceLattice {
         (self.depth - k as f64).clamp(0.0, 1.0)
     }
 
-    /// Share of the stiffness of a spring between blocks `a` and `b` that is there; the bulk is whole.
-    fn spring_share(&self, a: [usize; 3], b: [usize; 3]) -> f64 {
+    /// Share of the stiffness of a spring between blocks `a` and `b` that is there; the bulk, whose row is that above the top one, is whole
+    /// over the face.
+    #[must_use]
+    pub fn spring_share(&self, a: [usize; 3], b: [usize; 3]) -> f64 {
+        if self.is_cut(a[1]) || self.is_cut(b[1]) {
+            return 0.0;
+        }
         let covered = [a, b].map(|[i, j, _]| self.coverage[j * self.columns[0] + i]);
         let deep = [a, b].map(|[_, _, k]| if k < self.rows { self.depth_in(k) } else { 0.0 });
         stiffness_share(joint_presence(covered, deep))
@@ -237,7 +305,7 @@ impl SpaceLattice {
     /// that have less than the stiffness they have in a flat layer, springs of removed blocks among them.
     fn visit_bonds(&self, weakened: bool, mut visit: impl FnMut(SpaceBond)) {
         let kinds = springs(self.spacing);
-        let rows = if weakened { self.cavity_rows() } else { self.rows };
+        let rows = if weakened { self.changed_rows() } else { self.rows };
         let [nx, ny] = self.columns;
         for (k, j, i) in (0..rows).flat_map(|k| (0..ny).flat_map(move |j| (0..nx).map(move |i| (k, j, i)))) {
             let a = [i, j, k];

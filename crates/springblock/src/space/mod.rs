@@ -32,4 +32,6 @@ mod planform_tests;
 #[cfg(test)]
 mod raised_tests;
 #[cfg(test)]
+mod strip_tests;
+#[cfg(test)]
 mod tests;

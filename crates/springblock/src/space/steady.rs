@@ -209,7 +209,7 @@ impl SpaceSteadyModel {
         let [nx, ny] = self.lattice.columns();
         let row = self.lattice.ceiling_row();
         let ceiling = &displacement[(3 * row + 2) * nx * ny..][..nx * ny];
-        let is_cavity = |column: &usize| self.lattice.contact_share(column % nx, column / nx) == 0.0;
+        let is_cavity = |column: &usize| self.lattice.is_cavity(column % nx, column / nx);
         (0..nx * ny).filter(is_cavity).map(|column| self.lattice.depth() + ceiling[column] * unit).reduce(f64::min)
     }
 }

@@ -9,6 +9,7 @@ use super::super::contact_vectors::ContactVectors;
 use super::super::engine::Engine;
 use super::super::protocol::Protocol;
 use super::super::real::{AddForces, PlaceContacts, Real, is_in_equilibrium, whole_lines};
+use super::super::rows::Plane;
 use super::super::stencil::fixed_sum;
 use super::super::sweep::{Kick, MoveRow};
 use super::bonds::SpaceBonds;
@@ -54,6 +55,9 @@ type Forces<R> = [Vec<R>; 3];
 pub struct SpaceLeapfrog<'a, R> {
     stencil: Stencil<R>,
     field: Field<R>,
+    /// Lines along y that are there, and whether they end.
+    lines: usize,
+    has_ends: bool,
     contact: ContactVectors<'a, 2>,
     protocol: Protocol,
     direction: [f64; 2],
@@ -134,6 +138,8 @@ impl<'a, R: Real> SpaceLeapfrog<'a, R> {
         Self {
             stencil,
             field: Field::at_rest([nx, ny], lattice.rows()),
+            lines: lattice.face_columns() / nx,
+            has_ends: lattice.face_columns() < nx * ny,
             contact,
             protocol,
             direction,
@@ -205,16 +211,25 @@ impl<'a, R: Real> SpaceLeapfrog<'a, R> {
     /// Displacements of the bulk that balance the load, at the beginning of step number `step`.
     fn bulk(&self, step: u64) -> [f64; 3] {
         let time = step as f64 * self.time_step;
-        let Field { nx, ny, nz, .. } = self.field;
-        let z = self.field.now[2].rows();
-        let top: f64 = (0..ny).map(|j| fixed_sum(&z[self.field.at(0, j, nz - 1)..][..nx])).sum();
-        // 3 sum (H - u_z) = -load: one vertical spring and four diagonals a block; sideways they cancel.
-        let blocks = (nx * ny) as f64;
+        let Field { nx, nz, .. } = self.field;
+        let (lines, [_, y, z]) = (self.lines, &self.field.now);
+        let line = |values: &Plane<R>, j: usize| fixed_sum(&values.rows()[self.field.at(0, j, nz - 1)..][..nx]);
+        let top: f64 = (0..lines).map(|j| line(z, j)).sum();
         let (travel, carried) = (self.protocol.bulk_x(time), self.carried(step));
-        let [x, y] = [0, 1].map(|axis: usize| self.direction[axis] * travel - carried[axis]);
+        let [x, own_y] = [0, 1].map(|axis: usize| self.direction[axis] * travel - carried[axis]);
         // The load is in balance in the state that displacements deviate from.
         let load = if self.base.is_empty() { self.protocol.load(time) } else { 0.0 };
-        [x, y, top / blocks - load / (3.0 * blocks)]
+        let blocks = (nx * lines) as f64;
+        // 3 sum (H - u_z) = -load: one vertical spring and four diagonals a block; sideways they cancel.
+        let height = top / blocks - load / (3.0 * blocks);
+        if !self.has_ends {
+            return [x, own_y, height];
+        }
+        // At either end one diagonal a block is missing, and the one that is left pulls sideways:
+        // (3 n - n_x) H = 3 sum u_z - (u_z,first + u_z,last)/2 + (u_y,first - u_y,last)/2 - load
+        let [first, last] = [0, lines - 1];
+        let ends = line(y, first) - line(y, last) - line(z, first) - line(z, last);
+        [x, own_y, (3.0 * top + 0.5 * ends - load) / (3.0 * blocks - nx as f64)]
     }
 
     /// Forces on the contact layer, friction, and its motion in step number `step`.

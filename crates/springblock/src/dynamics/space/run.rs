@@ -120,8 +120,12 @@ impl SpaceRun<'_> {
         let setup = SpaceSetup {
             coefficients: &coefficients,
             law: LocalLaw::new(scene.area_law.as_ref(), scales.pressure_pa),
-            // P l^2 a column
-            protocol: Protocol::of(scene, &scales, self.load.pressure_pa / scales.pressure_pa * (nx * ny) as f64),
+            // P l^2 a column of the face
+            protocol: Protocol::of(
+                scene,
+                &scales,
+                self.load.pressure_pa / scales.pressure_pa * lattice.face_columns() as f64,
+            ),
             direction: self.direction,
             time_step: self.scheme.step_s / scales.time_s,
             // The same rate in 1/s as in the plane, whose k is another.
@@ -146,7 +150,7 @@ impl SpaceRun<'_> {
 
     fn drive<R: Real>(&self, mut engine: SpaceLeapfrog<R>, started_s: f64, monitor: &dyn Monitor) -> SurfaceOutcome {
         let Self { scene, lattice, .. } = self;
-        let ([nx, ny], scales) = (lattice.columns(), Scales::space(&scene.elastic, scene.layer.block_m));
+        let scales = Scales::space(&scene.elastic, scene.layer.block_m);
         if lattice.is_raised() {
             engine.raise(lattice);
         }
@@ -156,7 +160,7 @@ impl SpaceRun<'_> {
             step_s: self.scheme.step_s,
             share: self.share,
             stderr_share: self.stderr_share,
-            blocks: (nx * ny * lattice.rows()) as u64,
+            blocks: (lattice.face_columns() * lattice.rows()) as u64,
             // 4 h / c_s, c_s = sqrt(C44/rho) = l sqrt(k/m)
             shear_period: 4.0 * lattice.rows() as f64,
             started_s,
@@ -191,8 +195,7 @@ impl SpaceRun<'_> {
         let ([nx, ny], ceiling) = (self.lattice.columns(), self.lattice.cavity_rows());
         ceiling < self.lattice.rows()
             && (0..nx * ny).map(|column| [column % nx, column / nx]).any(|[i, j]| {
-                self.lattice.contact_share(i, j) == 0.0
-                    && ceiling as f64 + engine.displacement([i, j, ceiling])[2] <= 0.0
+                self.lattice.is_cavity(i, j) && ceiling as f64 + engine.displacement([i, j, ceiling])[2] <= 0.0
             })
     }
 }

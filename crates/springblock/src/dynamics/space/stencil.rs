@@ -81,9 +81,7 @@ fn spring(lattice: &SpaceLattice, [i, j, k]: [usize; 3], step: [isize; 3]) -> f6
     let [nx, ny] = lattice.columns();
     let wrap = |at: usize, step: isize, count: usize| (at + count).wrapping_add_signed(step) % count;
     let Some(above) = k.checked_add_signed(step[2]) else { return 0.0 };
-    let there = |i, j, k| k >= lattice.rows() || lattice.presence(i, j, k) > 0.0;
-    let both = there(i, j, k) && there(wrap(i, step[0], nx), wrap(j, step[1], ny), above);
-    if both { 1.0 } else { 0.0 }
+    lattice.spring_share([i, j, k], [wrap(i, step[0], nx), wrap(j, step[1], ny), above])
 }
 
 /// A row that is not of inside blocks alone.
@@ -122,7 +120,7 @@ impl<R: Real> Stencil<R> {
             let (mut rows, mut ranges): (Vec<GeneralRow<R>>, Vec<Range<usize>>) = (Vec::new(), Vec::new());
             for j in 0..ny {
                 // What a cavity changes ends with the row above it.
-                if k > lattice.cavity_rows() || RowCoefficients::<R>::is_inside(lattice, j, k) {
+                if (k > lattice.cavity_rows() && !lattice.is_end(j)) || RowCoefficients::<R>::is_inside(lattice, j, k) {
                     match ranges.last_mut() {
                         Some(last) if last.end == j => last.end = j + 1,
                         _ => ranges.push(j..j + 1),

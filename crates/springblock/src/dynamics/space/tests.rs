@@ -27,8 +27,7 @@ fn cell(width: usize, length: usize, [nx, ny]: [usize; 2], depth: usize, rows: u
 }
 
 fn protocol(lattice: &SpaceLattice, speed: f64) -> Protocol {
-    let [nx, ny] = lattice.columns();
-    Protocol { ramp: 20.0, start: 40.0, load: 0.005 * (nx * ny) as f64, speed }
+    Protocol { ramp: 20.0, start: 40.0, load: 0.005 * lattice.face_columns() as f64, speed }
 }
 
 fn setup<'a>(coefficients: &'a [Coefficients], protocol: Protocol, direction: [f64; 2]) -> SpaceSetup<'a> {
@@ -367,44 +366,61 @@ fn mirrored_cells_slide_alike() {
 #[test]
 fn what_is_uniform_across_is_the_vertical_plane_to_rounding() {
     let pattern = Pattern::new(Planform::Groove, 40e-6, 80e-6, 20e-6).unwrap();
-    let lattice = SpaceLattice::cell(&pattern, 10e-6, 6).repeated_along_y(3);
-    let in_plane = Lattice::new(columns::cell(&pattern, 10e-6), 6, true);
-    let (nx, ny) = (12, 3);
-    let row = coefficients(5, nx);
-    let drawn: Vec<Coefficients> = (0..nx * ny).map(|n| row[n % nx]).collect();
+    let cell = SpaceLattice::cell(&pattern, 10e-6, 6).repeated_along_y(3);
+    as_in_the_plane(&cell, &Lattice::new(columns::cell(&pattern, 10e-6), 6, true), 0);
+    // With two ends, along y.
+    let strip = cell.transposed().strip_along_y(31, 2, |line| Some(line % 12));
+    as_in_the_plane(&strip, &Lattice::new(columns::sample(&pattern, 10e-6, 31), 6, false), 1);
+}
+
+/// Slides `lattice`, which has three columns across, along `axis` as it slides `in_plane`.
+fn as_in_the_plane(lattice: &SpaceLattice, in_plane: &Lattice, axis: usize) {
+    const ACROSS: usize = 3;
+    let length = in_plane.nx();
+    let [nx, ny] = lattice.columns();
+    let along = |column: usize| [column % nx, column / nx][axis];
+    let row = coefficients(5, length);
+    let drawn: Vec<Coefficients> = (0..nx * ny).map(|column| row[along(column) % length]).collect();
     let law = AreaLaw::new(vec![0.7e6, 1.3e6, 2.6e6, 10e6], vec![1.0, 0.96, 0.9, 0.6]).unwrap();
     let (root, unit_pa) = (2.0_f64.sqrt(), 0.4 * 0.38e9);
-    let own = protocol(&lattice, 1e-4);
-    let mut setup = setup(&drawn, own, [1.0, 0.0]);
+    let own = protocol(lattice, 1e-4);
+    let mut direction = [0.0; 2];
+    direction[axis] = 1.0;
+    let mut setup = setup(&drawn, own, direction);
     setup.law = LocalLaw::new(Some(&law), unit_pa);
     let (dt, damping) = (setup.time_step, setup.damping);
-    let mut engine = SpaceLeapfrog::new(&lattice, setup);
+    let mut engine = SpaceLeapfrog::new(lattice, setup);
     let plane = Protocol {
         ramp: own.ramp * root,
         start: own.start * root,
-        load: own.load / ny as f64 / 2.0,
+        load: own.load / ACROSS as f64 / 2.0,
         speed: own.speed / root,
     };
     let contact = ContactRow::new(in_plane.contacts(), &row, LocalLaw::new(Some(&law), 2.0 * unit_pa));
     let setup = Setup { contact, protocol: plane, time_step: dt * root, damping: damping / root, liftoff: false };
-    let mut flat = StripLeapfrog::new(&in_plane, setup);
+    let mut flat = StripLeapfrog::new(in_plane, setup);
     let mut moved = false;
     for step in 0..2500 {
         let (space, plane) = (engine.step(), flat.step());
-        let worst = (space.friction / 2.0 / ny as f64 - plane.friction).abs();
+        let worst = (space.friction / 2.0 / ACROSS as f64 - plane.friction).abs();
         assert!(worst < 1e-11 && space.across.abs() < 1e-11, "{step}: {space:?} {plane:?}");
-        assert!((space.normal / 2.0 / ny as f64 - plane.normal).abs() < 1e-11, "{step}");
+        assert!((space.normal / 2.0 / ACROSS as f64 - plane.normal).abs() < 1e-11, "{step}");
         moved |= engine.all_have_slipped();
     }
     assert!(moved, "every block has slipped");
-    for (i, k) in (0..nx).flat_map(|i| (0..6).map(move |k| (i, k))).filter(|(i, k)| lattice.presence(*i, 0, *k) > 0.0) {
-        let first = engine.displacement([i, 0, k]);
-        for j in 0..ny {
-            let other = engine.displacement([i, j, k]);
-            assert!((0..3).all(|c| (other[c] - first[c]).abs() < 1e-12), "{i} {j} {k}");
+    let block = |i: usize, j: usize, k: usize| if axis == 0 { [i, j, k] } else { [j, i, k] };
+    for (i, k) in (0..length).flat_map(|i| (0..6).map(move |k| (i, k))) {
+        let [first, others @ ..] = [0, 1, 2].map(|j| block(i, j, k));
+        if lattice.presence(first[0], first[1], k) == 0.0 {
+            continue;
+        }
+        let first = engine.displacement(first);
+        for other in others {
+            let other = engine.displacement(other);
+            assert!((0..3).all(|c| (other[c] - first[c]).abs() < 1e-12), "{i} {k}");
         }
         let [x, z] = flat.displacement(i, k);
-        assert!((first[0] - x).abs() < 1e-11 && (first[2] - z).abs() < 1e-11 && first[1].abs() < 1e-12);
+        assert!((first[axis] - x).abs() < 1e-11 && (first[2] - z).abs() < 1e-11 && first[1 - axis].abs() < 1e-12);
         assert_eq!(z, flat.rise(i, k));
     }
 }

@@ -70,10 +70,14 @@ pub fn shortened(strip: &Strip, layer: &Layer) -> (Strip, f64) {
     (Strip { length_m: strip.length_m - out_m, cavities_m: ends.collect(), ..strip.clone() }, out_m)
 }
 
-/// `strip` without land between a cavity and its ends that is narrower than the cavity is deep, or than
-/// [`LEAST_END_BLOCKS`]: on so slender a wall friction raises the pressure that raises friction, and nothing holds it.
+/// Narrowest land between a cavity and an end of a strip that is one.
+pub fn least_wall_m(depth_m: f64, block_m: f64) -> f64 {
+    depth_m.max(LEAST_END_BLOCKS * block_m)
+}
+
+/// `strip` without land between a cavity and its ends that is narrower than [`least_wall_m`]: on so slender a wall friction raises the pressure that raises friction, and nothing holds it.
 pub fn without_slivers(mut strip: Strip, depth_m: f64, block_m: f64) -> Strip {
-    let least_m = depth_m.max(LEAST_END_BLOCKS * block_m);
+    let least_m = least_wall_m(depth_m, block_m);
     let length_m = strip.length_m;
     if let Some(first) = strip.cavities_m.first_mut().filter(|first| first[0] < least_m) {
         first[0] = 0.0;

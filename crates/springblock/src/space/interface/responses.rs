@@ -40,9 +40,10 @@ impl Interface {
         let plane = self.columns[0] * self.columns[1];
         self.load_fields(unknowns, direction, face.raise, &mut response.fields);
         self.layer.respond(&mut response.fields, &self.wanted, &mut response.workspace);
-        // u_z = -k P l^2 / (3 k) on row k
+        // u_z = -k P l^2 / (3 k) on row k, all columns bearing the load of those that are not cut away
+        let compression = self.compression * self.face_columns as f64 / plane as f64;
         for (field, values) in response.fields.chunks_exact_mut(plane).enumerate().skip(2).step_by(3) {
-            let sinks = (field / 3) as f64 * self.compression;
+            let sinks = (field / 3) as f64 * compression;
             let lines = self.lines(field);
             values[lines.start * self.columns[0]..lines.end * self.columns[0]].iter_mut().for_each(|z| *z -= sinks);
         }

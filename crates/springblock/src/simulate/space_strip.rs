@@ -1,0 +1,355 @@
+//! A strip of the sample in space: one period wide with periodic sides, as long as the sample, with two ends.
+
+use std::ops::Range;
+
+use rayon::prelude::*;
+use slipgrid_pattern::Pattern;
+
+use super::specimen::least_wall_m;
+use super::statements::few_periods;
+use super::{MOST_FACTOR_BYTES, compare, steady_coefficients};
+use crate::Monitor;
+use crate::error::SceneError;
+use crate::face::Strip;
+use crate::outcome::{LoadOutcome, SurfaceOutcome};
+use crate::scene::{Load, Scene};
+use crate::space::{SpaceLattice, SpaceLoad, SpaceSteadyModel};
+
+/// Prime factors of the number of lines, with those that are cut away, that Fourier transforms are quick with.
+const FACTORS: [usize; 6] = [2, 3, 5, 7, 11, 13];
+/// Share of the width of the widest cavity from which one is whole.
+const WHOLE: f64 = 1.0 - 1e-6;
+/// Bytes a block of a steady solution: displacements of all rows, spectra, and directions that are kept.
+pub const BYTES_PER_BLOCK: f64 = 800.0;
+
+/// A strip and its flat companion, along y of their lattices.
+pub struct SpaceStrip {
+    /// With cavities, and flat.
+    pub lattices: [SpaceLattice; 2],
+    /// Unit vector of the sliding direction in the axes of the lattices.
+    pub direction: [f64; 2],
+    /// Whether y of the lattices is x of the pattern.
+    is_turned: bool,
+    /// Periods that it is long, where it has cavities from end to end.
+    periods: Option<f64>,
+    /// Share of its face that is cavity over that of its cells.
+    pub of_cells: f64,
+}
+
+impl SpaceStrip {
+    /// That of `scene` over `pattern`, whose `cell` it repeats from where `laid` has its cavities to where they end. Without, it begins with a
+    /// cell, as its lattice does, and clips what the last one leaves over.
+    #[must_use]
+    pub fn new(scene: &Scene, pattern: &Pattern, cell: &SpaceLattice, laid: Option<&Strip>) -> Self {
+        let [along_x, along_y] = pattern.sliding_direction();
+        let is_turned = along_x.abs() > along_y.abs();
+        let direction = [0.0, if is_turned { along_x.signum() } else { along_y.signum() }];
+        let cell = if is_turned { cell.transposed() } else { cell.clone() };
+        let [_, period] = cell.columns();
+        // Validated to be at least one block; the cast is exact.
+        let spacing = cell.spacing()[1];
+        let lines = (scene.layer.columns() as f64 / spacing).round().max(1.0) as usize;
+        let gap = gap_after(lines);
+        let own = match laid {
+            None => cell.strip_along_y(lines, gap, |line| Some(line % period)),
+            Some(laid) => {
+                let line_m = spacing * scene.layer.block_m;
+                let textured = Textured::new(laid, line_m, &cell);
+                // Of a wall at an end that is too slender the cavity beside it takes the place.
+                let slender = (least_wall_m(pattern.depth_m(), scene.layer.block_m) / line_m).ceil() as usize;
+                let [first, last] = textured.walls(lines).map(|wall| wall.filter(|wall| *wall < slender).unwrap_or(0));
+                cell.strip_along_y(lines, gap, |line| textured.line_of_cell(line.clamp(first, lines - 1 - last)))
+            }
+        };
+        let of_cells = cavity_share(&own) / cavity_share(&cell);
+        let flat = cell.strip_along_y(lines, gap, |_| None);
+        // The cell may hold several.
+        let cell_m = pattern.cell_m()[usize::from(!is_turned)];
+        Self {
+            lattices: [own, flat],
+            direction,
+            is_turned,
+            periods: laid.is_none().then_some(scene.layer.length_m / cell_m),
+            of_cells,
+        }
+    }
+
+    /// Puts what was found on a lattice into the axes of the pattern.
+    pub fn turn_back(&self, outcome: &mut SurfaceOutcome) {
+        if !self.is_turned {
+            return;
+        }
+        for point in &mut outcome.interface {
+            std::mem::swap(&mut point.x_m, &mut point.y_m);
+        }
+        outcome.interface.sort_by(|a, b| a.y_m.total_cmp(&b.y_m).then(a.x_m.total_cmp(&b.x_m)));
+        // What is to the left of the sliding direction is to the right of it in the mirror.
+        outcome.mu_across = outcome.mu_across.map(|across| -across);
+    }
+
+    /// That its cavities take another share than those of a period of `pattern`, where they do.
+    pub fn of_few_periods(&self, pattern: &Pattern) -> Option<String> {
+        few_periods(self.periods?, cavity_share(&self.lattices[0]), pattern.areal_density())
+    }
+
+    /// Columns along the sliding direction and across it.
+    pub fn columns(&self) -> [usize; 2] {
+        let [across, _] = self.lattices[0].columns();
+        [self.lattices[0].face_columns() / across, across]
+    }
+
+    /// What is said of it.
+    pub fn statement(&self) -> String {
+        let [along, across] = self.columns();
+        format!(
+            "strip: {along} columns along the sliding direction with two free ends, one period of {across} columns across with periodic sides"
+        )
+    }
+}
+
+/// Share of the face of `lattice` that is cavity.
+fn cavity_share(lattice: &SpaceLattice) -> f64 {
+    let [nx, ny] = lattice.columns();
+    let bears = (0..nx * ny).map(|column| lattice.contact_share(column % nx, column / nx)).sum::<f64>();
+    1.0 - bears / lattice.face_columns() as f64
+}
+
+/// Which lines of a strip are those of cells.
+struct Textured {
+    /// The first line of a cell.
+    first: isize,
+    /// The lines that are textured.
+    lines: Range<isize>,
+    /// Lines of a cell.
+    period: isize,
+    /// Lines of a cell before its first cavity and behind its last one.
+    lands: [isize; 2],
+}
+
+impl Textured {
+    /// Those of `laid` in lines of `line_m`: as many cells as it has whole cavities, about the middle of these, so that cells of another length
+    /// than the period leave out none; up to an end that cuts a cavity, and nothing without any.
+    fn new(laid: &Strip, line_m: f64, cell: &SpaceLattice) -> Self {
+        let [nx, ny] = cell.columns();
+        let mut of_cavities = (0..ny).filter(|j| (0..nx).any(|i| cell.is_cavity(i, *j)));
+        let ends = of_cavities.next().map(|before| (before, of_cavities.next_back().unwrap_or(before)));
+        // Strips are at most 1e7 lines long: casts are exact.
+        let period = ny as isize;
+        let lands = ends.map_or([0; 2], |(first, last)| [first as isize, (ny - 1 - last) as isize]);
+        let widest_m = laid.cavities_m.iter().map(|[start_m, end_m]| end_m - start_m).fold(0.0, f64::max);
+        let mut whole = laid.cavities_m.iter().filter(|[start_m, end_m]| end_m - start_m > WHOLE * widest_m);
+        let count = whole.clone().count() as isize;
+        let (Some(start), Some(end)) = (whole.clone().next(), whole.next_back().or(laid.cavities_m.first())) else {
+            return Self { first: 0, lines: 0..0, period, lands };
+        };
+        let middle = f64::midpoint(start[0], end[1]) / line_m;
+        let first = (middle - 0.5 * (count * period) as f64).round() as isize;
+        let is_cut = [laid.cavities_m.first() != Some(start), laid.cavities_m.last() != Some(end)];
+        let from = if is_cut[0] { isize::MIN } else { first };
+        let to = if is_cut[1] { isize::MAX } else { first + count * period };
+        Self { first, lines: from..to, period, lands }
+    }
+
+    /// Lines of land between the ends of a strip of `lines` and the cavities next to them; `None` at an end that cuts a cavity.
+    fn walls(&self, lines: usize) -> [Option<usize>; 2] {
+        let Range { start, end } = self.lines;
+        let before = (start > isize::MIN).then(|| start + self.lands[0]);
+        let behind = (end < isize::MAX).then(|| lines as isize - end + self.lands[1]);
+        // Less than none is none.
+        [before, behind].map(|wall| wall.and_then(|wall| usize::try_from(wall).ok()))
+    }
+
+    /// The line of the cell that `line` is; `None` of land beyond.
+    fn line_of_cell(&self, line: usize) -> Option<usize> {
+        let line = line as isize;
+        self.lines.contains(&line).then(|| (line - self.first).rem_euclid(self.period) as usize)
+    }
+}
+
+/// Lines that are cut away behind `lines`: at least one, and as many as make a number that transforms are quick with.
+pub fn gap_after(lines: usize) -> usize {
+    let is_quick = |mut count: usize| {
+        for factor in FACTORS {
+            while count.is_multiple_of(factor) {
+                count /= factor;
+            }
+        }
+        count == 1
+    };
+    (1..).find(|gap| is_quick(lines + gap)).unwrap_or(1)
+}
+
+/// Steady sliding of the strip of `scene` over `pattern`, and of the flat one, with the local coefficients that are drawn.
+///
+/// # Errors
+/// [`SceneError::TooLarge`].
+pub fn steady_loads(scene: &Scene, strip: &SpaceStrip, monitor: &dyn Monitor) -> Result<Vec<LoadOutcome>, SceneError> {
+    let bytes: f64 = strip.lattices.iter().map(steady_bytes).sum();
+    if bytes > MOST_FACTOR_BYTES {
+        return Err(SceneError::TooLarge { bytes, most_bytes: MOST_FACTOR_BYTES });
+    }
+    let solved: Vec<Vec<SurfaceOutcome>> =
+        strip.lattices.par_iter().map(|lattice| solve(scene, lattice, strip.direction, monitor)).collect();
+    let [own, flat] = <[_; 2]>::try_from(solved).unwrap_or_default();
+    let each = scene.loads.iter().zip(own.into_iter().zip(flat)).map(|(load, (mut own, mut flat))| {
+        strip.turn_back(&mut own);
+        strip.turn_back(&mut flat);
+        compare(load, own, Some(flat))
+    });
+    Ok(each.collect())
+}
+
+/// Memory of a steady solution on `lattice`, in bytes.
+fn steady_bytes(lattice: &SpaceLattice) -> f64 {
+    let [nx, ny] = lattice.columns();
+    (nx * ny * (lattice.rows() + 1)) as f64 * BYTES_PER_BLOCK
+}
+
+fn solve(scene: &Scene, lattice: &SpaceLattice, direction: [f64; 2], monitor: &dyn Monitor) -> Vec<SurfaceOutcome> {
+    let [nx, ny] = lattice.columns();
+    let model = SpaceSteadyModel::new(
+        lattice.clone(),
+        scene.layer.block_m,
+        scene.elastic.youngs_modulus_pa(),
+        scene.run.liftoff,
+    );
+    // The coefficients of the columns that touch, over their mean.
+    let relative = |load: &Load| -> Vec<f64> {
+        let mean = load.friction.dynamic_mean();
+        let drawn = steady_coefficients(scene, load, nx * ny);
+        let touching = (0..nx * ny).filter(|column| lattice.contact_share(column % nx, column / nx) > 0.0);
+        touching.map(|column| drawn[column] / mean).collect()
+    };
+    let relative: Vec<Vec<f64>> = scene.loads.iter().map(relative).collect();
+    let loads: Vec<SpaceLoad<'_>> = scene
+        .loads
+        .iter()
+        .zip(&relative)
+        .map(|(load, relative)| SpaceLoad {
+            relative_mu: Some(relative),
+            ..SpaceLoad::of_mean(load, scene.area_law.as_ref(), direction)
+        })
+        .collect();
+    model.solve_all(&loads, monitor)
+}
+
+#[cfg(test)]
+mod tests {
+    use slipgrid_material::{Elastic, LocalFriction};
+    use slipgrid_pattern::{Planform, Texture};
+
+    use super::*;
+    use crate::Unwatched;
+    use crate::outcome::Status;
+    use crate::samples;
+    use crate::scene::{Extent, Fidelity, Layer, RunOptions};
+    use crate::simulate::simulate;
+
+    fn scene(pattern: Pattern, dimensions: u8, fidelity: Fidelity) -> Scene {
+        let run = RunOptions {
+            fidelity,
+            extent: if dimensions == 3 { Extent::Strip } else { Extent::Sample },
+            dimensions: Some(dimensions),
+            ..RunOptions::default()
+        };
+        let scene = samples::scene(pattern, &[0.65, 2.6], run);
+        Scene { layer: Layer { length_m: 960e-6, height_m: 60e-6, ..scene.layer }, ..scene }
+    }
+
+    /// Plane strain at nu = 1/4 is plane stress at 1/3 with other moduli, which steady ratios do not hang on.
+    #[test]
+    fn a_strip_of_grooves_slides_steadily_as_it_does_in_the_plane() {
+        let pattern = samples::groove(60.0, 90.0, 20.0);
+        let [space, plane] =
+            [3, 2].map(|dimensions| simulate(&scene(pattern, dimensions, Fidelity::Steady), &Unwatched).unwrap());
+        for (space, plane) in space.loads.iter().zip(&plane.loads) {
+            assert_eq!(space.surface.status, Status::Converged);
+            assert!((space.ratio.unwrap() - plane.ratio.unwrap()).abs() < 1e-8, "{:?} {:?}", space.ratio, plane.ratio);
+            for (own, plane) in surfaces(space).zip(surfaces(plane)) {
+                assert!((own.mu_dynamic.unwrap() - plane.mu_dynamic.unwrap()).abs() < 1e-9);
+                assert!((own.peak_pressure_pa / plane.peak_pressure_pa - 1.0).abs() < 1e-6);
+                assert_eq!(own.interface.len(), plane.interface.len());
+                for (own, plane) in own.interface.iter().zip(&plane.interface) {
+                    assert!(
+                        (own.x_m - plane.x_m).abs() < 1e-12 && (own.pressure_pa / plane.pressure_pa - 1.0).abs() < 1e-5
+                    );
+                }
+            }
+        }
+        assert!(space.statements.method.iter().any(|line| line.starts_with("strip: 96 columns")));
+    }
+
+    /// With cavities and flat.
+    fn surfaces(load: &LoadOutcome) -> impl Iterator<Item = &SurfaceOutcome> {
+        std::iter::once(&load.surface).chain(&load.flat)
+    }
+
+    /// C11 = 6/5 E in space and 9/8 E in the plane.
+    #[test]
+    fn a_strip_of_grooves_in_time_is_that_of_the_plane() {
+        let pattern = samples::groove(60.0, 90.0, 20.0);
+        let run = |dimensions: u8, warm_start: bool| {
+            let mut scene = scene(pattern, dimensions, Fidelity::Dynamic);
+            scene.run.warm_start = warm_start;
+            scene.run.sliding_m = 0.2e-6;
+            scene.run.step_s = Some(4e-9);
+            if dimensions == 2 {
+                scene.elastic = Elastic::new(samples::E_PA * 1.2 / 1.125, 900.0).unwrap();
+                // The same damping in 1/s.
+                scene.run.damping *= (1.125_f64 / 1.2).sqrt();
+            }
+            simulate(&scene, &Unwatched).unwrap().loads
+        };
+        // From rest all the way, by the same steps; from sliding deviations are in single precision, which rounds otherwise.
+        for (space, plane) in run(3, false).iter().zip(&run(2, false)) {
+            for (own, plane) in surfaces(space).zip(surfaces(plane)) {
+                assert_eq!(own.status, plane.status);
+                let close = |own: Option<f64>, plane: Option<f64>| (own.unwrap() - plane.unwrap()).abs() < 1e-9;
+                assert!(close(own.mu_static, plane.mu_static) && close(own.mu_dynamic, plane.mu_dynamic), "{own:?}");
+                assert!((own.peak_pressure_pa / plane.peak_pressure_pa - 1.0).abs() < 1e-6);
+                assert!(own.mu_across.unwrap().abs() < 1e-12);
+            }
+        }
+        for (space, plane) in run(3, true).iter().zip(&run(2, true)) {
+            for (own, plane) in surfaces(space).zip(surfaces(plane)) {
+                let apart = (own.mu_dynamic.unwrap() - plane.mu_dynamic.unwrap()).abs();
+                let stderr = own.mu_dynamic_stderr.unwrap().hypot(plane.mu_dynamic_stderr.unwrap());
+                assert!(apart < 3.0 * stderr && stderr < 2e-3, "{apart} {stderr}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_strip_along_rows_and_one_across_them_are_their_own_patterns_turned() {
+        for fidelity in [Fidelity::Steady, Fidelity::Dynamic] {
+            let loads = [0.0, 90.0].map(|angle_deg| {
+                let texture = Texture::new(Planform::Square).with_sliding_angle_deg(angle_deg).unwrap();
+                let mut scene = scene(Pattern::new(texture, 60e-6, 60e-6, 20e-6).unwrap(), 3, fidelity);
+                scene.run.warm_start = true;
+                scene.run.sliding_m = 0.1e-6;
+                scene.loads.iter_mut().for_each(|load| load.friction = LocalFriction::new(0.3, 0.27, 0.02).unwrap());
+                simulate(&scene, &Unwatched).unwrap().loads
+            });
+            for (along, across) in loads[0].iter().zip(&loads[1]) {
+                assert_eq!(along.surface.status, Status::Converged);
+                assert_eq!(along.ratio, across.ratio);
+                assert_eq!(along.surface.mu_across, across.surface.mu_across.map(|mu| -mu));
+                let length = along.surface.interface.iter().map(|point| point.x_m).fold(0.0, f64::max);
+                assert!((length - 955e-6).abs() < 1e-9);
+            }
+        }
+    }
+
+    #[test]
+    fn a_pattern_that_slides_aslant_has_no_strip() {
+        let texture = Texture::new(Planform::Square).with_sliding_angle_deg(30.0).unwrap();
+        let aslant = scene(Pattern::new(texture, 60e-6, 60e-6, 20e-6).unwrap(), 3, Fidelity::Steady);
+        let error = simulate(&aslant, &Unwatched).unwrap_err();
+        assert!(error.to_string().contains("aslant"), "{error}");
+    }
+
+    #[test]
+    fn lines_are_cut_away_up_to_a_number_that_transforms_are_quick_with() {
+        assert_eq!([47, 299, 300, 996, 1007, 1].map(gap_after), [1, 1, 8, 4, 1, 1]);
+    }
+}
