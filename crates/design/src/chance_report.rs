@@ -11,7 +11,7 @@ use crate::next_trial::AdviceReport;
 use crate::task::DesignTask;
 use slipgrid_calibrate::uncertainty::MaterialUncertainty;
 use slipgrid_results::ErrorsReport;
-use slipgrid_results::errors::{self, BEHIND, LAYOUT, TIME_AND_DRAWS, TIME_AVERAGE};
+use slipgrid_results::errors::{self, BEHIND, LAYOUT, TIME_AVERAGE};
 use slipgrid_units::{PRESSURE_MPA, tidy};
 
 /// Draws of the expansion: a half is known to 0.4 %.
@@ -206,7 +206,7 @@ pub(super) fn numerical(
         let of = if is_ratio { at.ratio.as_ref()? } else { &at.mu };
         Some(of.std_of_all(parts))
     };
-    let scatter = |place: usize| run(place % count, &[TIME_AVERAGE, TIME_AND_DRAWS]).unwrap_or(0.0);
+    let scatter = |place: usize| run(place % count, &[TIME_AVERAGE]).unwrap_or(0.0);
     let common = |place: usize| {
         let row = place % count;
         // What errors hardly exceed, as two standard deviations.

@@ -6,8 +6,7 @@ use slipgrid_calibrate::uncertainty::{
 use slipgrid_discrepancy::Features;
 use slipgrid_material::{Condition, MaterialError};
 use slipgrid_results::errors::{
-    BEHIND, BLOCKS, DRAWS, ErrorReport, LAYOUT, NO_SLOPES, PartsReport, PressureErrors, STATIC, TILT, TIME_AND_DRAWS,
-    TIME_AVERAGE,
+    BEHIND, BLOCKS, DRAWS, ErrorReport, LAYOUT, NO_SLOPES, PartsReport, PressureErrors, STATIC, TILT, TIME_AVERAGE,
 };
 use slipgrid_results::{CorrectedAt, CorrectedReport, ErrorsReport};
 use slipgrid_springblock::{Fidelity, Load, LoadOutcome, Scene, Simulation, SurfaceOutcome};
@@ -109,10 +108,13 @@ impl Solved<'_> {
 
     /// Parts of a run: how long it lasted, and what it drew.
     fn of_run(&self, value: Option<f64>, stderr: Option<f64>, drawn: Option<f64>) -> Vec<PartsReport> {
-        let has_several = self.scene.run.draws > 1;
-        // The scatter of several draws is in their standard error.
-        let drawn = value.zip(drawn).filter(|_| !has_several).map(|(value, share)| value * share);
-        let parts = [(if has_several { TIME_AND_DRAWS } else { TIME_AVERAGE }, stderr), (DRAWS, drawn)];
+        let draws = self.scene.run.draws as f64;
+        let drawn = value.zip(drawn).map(|(value, share)| value * share / draws.sqrt());
+        // The standard error of several draws has their scatter, which is hardly known of few: what they draw makes it, and what is beyond
+        // that is left to time.
+        let counted = drawn.filter(|_| draws > 1.0).unwrap_or(0.0);
+        let of_time = stderr.map(|stderr| (stderr * stderr - counted * counted).max(0.0).sqrt());
+        let parts = [(TIME_AVERAGE, of_time), (DRAWS, drawn)];
         let part = |(input, std): (&str, Option<f64>)| Some(PartsReport { input: input.to_owned(), std: std? });
         parts.into_iter().filter_map(part).collect()
     }
@@ -188,4 +190,48 @@ pub fn of_scene(
         })
         .collect();
     Ok((errors, Some(CorrectedReport { trials: learned.trials().len(), by_pressure })))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use slipgrid_material::{AreaLaw, Elastic, LocalFriction};
+    use slipgrid_pattern::{Pattern, Planform};
+    use slipgrid_springblock::{Layer, RunOptions, Unwatched, simulate};
+
+    /// Cells in space of two draws, which say next to nothing of their scatter themselves.
+    #[test]
+    fn what_few_draws_leave_open_is_what_their_ratios_scatter_by() {
+        let friction = LocalFriction::new(0.3, 0.27, 0.1).unwrap();
+        let mut scene = Scene {
+            elastic: Elastic::new(0.38e9, 900.0).unwrap(),
+            area_law: Some(AreaLaw::new(vec![0.7e6, 10e6], vec![1.0, 0.4]).unwrap()),
+            pattern: Some(Pattern::new(Planform::Square, 60e-6, 60e-6, 20e-6).unwrap()),
+            relief: None,
+            layer: Layer { length_m: 1e-3, height_m: 60e-6, block_m: 10e-6, thickness_m: None },
+            loads: vec![Load { pressure_pa: 2.6e6, friction }],
+            speed_m_s: 2e-3,
+            run: RunOptions { draws: 2, sliding_m: 0.1e-6, ..RunOptions::default().from_sliding() },
+        };
+        let found: Vec<[f64; 2]> = (0..16)
+            .map(|seed| {
+                scene.run.seed = 1 + 2 * seed;
+                let simulation = simulate(&scene, &Unwatched).unwrap();
+                let (errors, _) = of_scene(&scene, &MaterialUncertainty::default(), None, &simulation).unwrap();
+                let ratio = errors.at(0).unwrap().ratio.clone().unwrap();
+                let drawn = ratio.std_of(DRAWS).unwrap();
+                assert!(drawn > 1e-3 && ratio.std_of(TIME_AVERAGE).is_some());
+                [simulation.loads[0].ratio.unwrap(), ratio.std_of_all(&[TIME_AVERAGE, DRAWS])]
+            })
+            .collect();
+        let count = found.len() as f64;
+        let mean = found.iter().map(|[ratio, _]| ratio).sum::<f64>() / count;
+        let scatter = (found.iter().map(|[ratio, _]| (ratio - mean).powi(2)).sum::<f64>() / (count - 1.0)).sqrt();
+        let stated = (found.iter().map(|[_, stated]| stated * stated).sum::<f64>() / count).sqrt();
+        // The scatter of 16 is known to 18 %.
+        assert!(scatter > 0.5 * stated && scatter < 1.3 * stated, "{scatter} {stated}");
+        // Of every one, not of most.
+        let least = found.iter().map(|[_, stated]| *stated).fold(f64::INFINITY, f64::min);
+        assert!(least > 0.6 * scatter, "{least} {scatter}");
+    }
 }

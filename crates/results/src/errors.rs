@@ -7,8 +7,6 @@ use slipgrid_units::tidy;
 
 /// Part of a run: how long it lasted.
 pub const TIME_AVERAGE: &str = "time average";
-/// The same of a mean over several draws, whose scatter its error comes from.
-pub const TIME_AND_DRAWS: &str = "time average and local coefficients drawn";
 /// Part of a run: which local coefficients it drew.
 pub const DRAWS: &str = "local coefficients drawn";
 /// Part of a run: what stands for the specimen as it is laid out.
@@ -154,7 +152,7 @@ impl ErrorReport {
     /// The part of the run itself: how long it lasted and what it drew.
     #[must_use]
     pub fn std_of_run(&self) -> f64 {
-        self.std_of_all(&[TIME_AVERAGE, TIME_AND_DRAWS, DRAWS, LAYOUT, BEHIND, TILT])
+        self.std_of_all(&[TIME_AVERAGE, DRAWS, LAYOUT, BEHIND, TILT])
     }
 
     /// Standard deviation by the parts `inputs` together.

@@ -140,6 +140,12 @@ impl SpaceLattice {
         Self { columns, coverage: self.coverage.repeat(count), relief: self.relief.repeat(count), ..self.clone() }
     }
 
+    /// The same cell `count` times along x.
+    #[must_use]
+    pub fn repeated_along_x(&self, count: usize) -> Self {
+        self.transposed().repeated_along_y(count).transposed()
+    }
+
     /// `lines` lines of this cell along y, then `gap` lines, at least one, that are cut away from the face to the bulk: a strip with two
     /// ends. Line n of it is line `of(n)` of the cell, or land where there is none.
     #[must_use]
