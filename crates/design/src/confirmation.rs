@@ -11,9 +11,9 @@ use crate::task::DesignTask;
 use crate::timings::Timings;
 use slipgrid_specimen::{SpecimenError, simulate_on, strips_on};
 
-/// Contact blocks with coefficients of their own that a confirming run in space has at least, over all its draws:
-/// fewer scatter the ratio by more than a tenth of the usual tolerance.
-pub(super) const LEAST_CONTACTS: f64 = 400.0;
+/// Contact blocks with coefficients of their own that a confirming run in space has at least, over all its draws: with what they drew taken out,
+/// so few scatter the ratio by a twentieth of the usual tolerance.
+pub(super) const LEAST_CONTACTS: f64 = 100.0;
 
 /// Designs that are searched again at most by a guess of what time adds.
 const MOST_GUESSED: usize = 3;

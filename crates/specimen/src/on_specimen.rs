@@ -132,6 +132,7 @@ pub fn onto(simulation: &mut Simulation, share: f64, layout_error: &[Option<f64>
         load.set_ratio(load.ratio.map(|ratio| on_face(ratio, share)));
         let scaled = |error: Option<f64>| error.map(|error| error * share);
         load.ratio_stderr = scaled(load.ratio_stderr);
+        load.ratio_time_change = scaled(load.ratio_time_change);
         load.ratio_discretization_error = scaled(load.ratio_discretization_error);
         load.ratio_layer_difference = scaled(load.ratio_layer_difference);
         load.ratio_layer_error = scaled(load.ratio_layer_error);

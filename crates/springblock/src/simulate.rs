@@ -401,7 +401,8 @@ fn integrate(
             remembered(monitor, &content, share, || run.run(monitor))
         })
         .collect();
-    Ok(Integrated { loads: collect(scene, surfaces, corrections, outcomes), scheme: schemes[0] })
+    let corrected = |load: usize, _: usize, outcome: &mut LoadOutcome| outcome.shift_ratio(corrections[load]);
+    Ok(Integrated { loads: collect(scene, surfaces, outcomes, corrected), scheme: schemes[0] })
 }
 
 /// Seed of the local coefficients of draw number `draw`.
@@ -414,17 +415,22 @@ fn stderr_share(scene: &Scene) -> Option<f64> {
     scene.run.mu_stderr.map(|wanted| wanted * (scene.run.draws as f64).sqrt())
 }
 
-/// One record per load from runs by load, draw and surface, the patterned one first; `corrections` of the ratio by load.
-fn collect(scene: &Scene, surfaces: usize, corrections: &[f64], outcomes: Vec<SurfaceOutcome>) -> Vec<LoadOutcome> {
+/// One record per load from runs by load, draw and surface, the patterned one first; `correct` corrects that of each load and draw.
+fn collect(
+    scene: &Scene,
+    surfaces: usize,
+    outcomes: Vec<SurfaceOutcome>,
+    correct: impl Fn(usize, usize, &mut LoadOutcome),
+) -> Vec<LoadOutcome> {
     let mut outcomes = outcomes.into_iter();
     let mut loads = Vec::with_capacity(scene.loads.len());
-    for (load, correction) in scene.loads.iter().zip(corrections) {
+    for (place, load) in scene.loads.iter().enumerate() {
         let mut draws = Vec::new();
-        for _ in 0..scene.run.draws {
+        for draw in 0..scene.run.draws as usize {
             let Some(own) = outcomes.next() else { break };
             let flat = if surfaces == 2 { outcomes.next() } else { None };
             let mut outcome = compare(load, own, flat);
-            outcome.shift_ratio(*correction);
+            correct(place, draw, &mut outcome);
             draws.push(outcome);
         }
         loads.extend(averaging::mean(draws));

@@ -39,7 +39,7 @@ pub fn mean(mut draws: Vec<LoadOutcome>) -> Option<LoadOutcome> {
         ratio_layer_difference: first.ratio_layer_difference,
         ratio_layer_error: first.ratio_layer_error,
         ratio_tilt_change: first.ratio_tilt_change,
-        ratio_time_change: first.ratio_time_change,
+        ratio_time_change: all(draws.iter().map(|draw| draw.ratio_time_change)).as_deref().map(average),
     })
 }
 

@@ -4,7 +4,7 @@ use rayon::prelude::*;
 use slipgrid_monitor::{memory, recalled};
 use slipgrid_pattern::Pattern;
 
-use super::space_strip::{self, SpaceStrip};
+use super::space_strip::{self, SpaceStrip, SteadyRatios};
 use super::statements::{
     PERIODIC_CELL, SPEED_ZERO, STRETCHED_CELL, describe_draws, describe_law, describe_protocol, describe_start,
     describe_steady, why_space,
@@ -192,11 +192,11 @@ pub fn dynamic(scene: &Scene, laid: Laid, monitor: &dyn Monitor) -> Result<Simul
 
     let lattices = [&own, &flat];
     let surfaces = lattices.len();
+    let drawn_ratios = || SteadyRatios::new(scene, lattices, direction, monitor);
     let draws = scene.run.draws as usize;
     let runs = surfaces * draws * scene.loads.len();
-    let outcomes: Vec<SurfaceOutcome> = (0..runs)
-        .into_par_iter()
-        .map(|task| {
+    let integrated = || -> Vec<SurfaceOutcome> {
+        let run = |task: usize| {
             let (load, draw, surface) = (task / (surfaces * draws), task / surfaces % draws, task % surfaces);
             let run = SpaceRun {
                 scene,
@@ -212,11 +212,19 @@ pub fn dynamic(scene: &Scene, laid: Laid, monitor: &dyn Monitor) -> Result<Simul
             let mut outcome = remembered(monitor, &content, run.share, || run.run(monitor));
             strip.iter().for_each(|strip| strip.turn_back(&mut outcome));
             outcome
-        })
-        .collect();
+        };
+        (0..runs).into_par_iter().map(run).collect()
+    };
+    let (outcomes, drawn_ratios) = rayon::join(integrated, drawn_ratios);
     let share = share_of_cells(strip.as_ref());
-    let corrections: Vec<f64> = corrections.iter().map(|correction| share * correction).collect();
-    let mut loads = collect(scene, surfaces, &corrections, outcomes);
+    let mut loads = collect(scene, surfaces, outcomes, |load, draw, outcome| {
+        // r = r_steady + (r_dynamic - r_steady of the same draw)
+        if let Some((steady, drawn)) = drawn_ratios.as_ref().and_then(|known| known.at(load, draw)) {
+            outcome.ratio_time_change = outcome.ratio.map(|ratio| ratio - drawn);
+            outcome.shift_ratio(steady - drawn);
+        }
+        outcome.shift_ratio(share * corrections[load]);
+    });
     blocks::state(&mut loads, error.as_deref(), share);
     let statements = statements(scene, pattern, &own, strip.as_ref(), scheme, (!is_whole).then_some(&whole));
     Ok(Simulation { statements, loads })
