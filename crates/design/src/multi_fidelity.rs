@@ -394,10 +394,9 @@ impl<'a> MultiFidelityLoop<'a> {
             ),
             None => format!("searched in space: steady cells in blocks of {block_um} um"),
         });
-        said.model(format!(
-            "confirmed in time on one cell in space, taken for the specimen in proportion to its cavities: a specimen {} um long and as wide is beyond reach",
-            um(self.scene.layer.length_m),
-        ));
+        if self.round.confirming.extent != Extent::Strip {
+            said.model("confirmed in time on one cell in space, taken for the specimen in proportion to its cavities; strip = true in [search] confirms on the row of cavities through the specimen's middle, with both ends, which takes minutes");
+        }
     }
 
     /// Corrects the model at the confirmed design; returns the largest change of the target's quantity.

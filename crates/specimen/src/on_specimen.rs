@@ -367,21 +367,20 @@ mod tests {
 
     #[test]
     fn a_strip_in_space_departs_from_the_rule_by_its_ends_alone_and_shows_what_they_bear() {
-        for spacing_um in [170.0, 171.5] {
-            let (scene, specimen) = on_strip(Planform::Square, spacing_um, Outline::Disc { diameter_m: 3e-3 });
-            let strip = simulate_on(&scene, Some(&specimen), &Unwatched).unwrap();
-            let run = RunOptions { extent: Extent::Cell, ..scene.run };
-            let cell = simulate_on(&Scene { run, ..scene.clone() }, Some(&specimen), &Unwatched).unwrap();
-            for (strip, cell) in strip.loads.iter().zip(&cell.loads) {
-                let departs = (strip.ratio.unwrap() - cell.ratio.unwrap()).abs();
-                let [own, without] = [strip, cell].map(|load| load.ratio_layout_error.unwrap());
-                assert!(departs < 5e-4 && departs > 1e-5, "{spacing_um}: {departs} {without}");
-                assert!((own - OTHER_ROWS * without).abs() < 1e-12);
-                let peaks = [strip, cell].map(|load| load.surface.peak_pressure_pa);
-                assert!(peaks[0] > 1.02 * peaks[1], "{peaks:?}");
-            }
-            assert!(strip.statements.model.iter().any(|line| line.contains("of the strip through its middle")));
+        // No whole blocks.
+        let (scene, specimen) = on_strip(Planform::Square, 171.5, Outline::Disc { diameter_m: 3e-3 });
+        let strip = simulate_on(&scene, Some(&specimen), &Unwatched).unwrap();
+        let run = RunOptions { extent: Extent::Cell, ..scene.run };
+        let cell = simulate_on(&Scene { run, ..scene.clone() }, Some(&specimen), &Unwatched).unwrap();
+        for (strip, cell) in strip.loads.iter().zip(&cell.loads) {
+            let departs = (strip.ratio.unwrap() - cell.ratio.unwrap()).abs();
+            let [own, without] = [strip, cell].map(|load| load.ratio_layout_error.unwrap());
+            assert!(departs < 5e-4 && departs > 1e-5, "{departs} {without}");
+            assert!((own - OTHER_ROWS * without).abs() < 1e-12);
+            let peaks = [strip, cell].map(|load| load.surface.peak_pressure_pa);
+            assert!(peaks[0] > 1.02 * peaks[1], "{peaks:?}");
         }
+        assert!(strip.statements.model.iter().any(|line| line.contains("of the strip through its middle")));
     }
 
     /// Squares on discs: every row of them by a strip in space of its own, the row through the middle alone, and the rule.
@@ -389,7 +388,7 @@ mod tests {
     fn rows_in_space_depart_from_the_rule_as_far_as_is_stated() {
         let (mut of_rule, mut of_middle) = (Vec::new(), Vec::new());
         for (width_um, spacing_um, depth_um, rows) in
-            [(130.0, 170.0, 20.0, 11), (60.0, 60.0, 20.0, 25), (100.0, 60.0, 10.0, 19)]
+            [(130.0, 170.0, 20.0, 9), (60.0, 60.0, 20.0, 13), (100.0, 60.0, 10.0, 11)]
         {
             let outline = Outline::Disc { diameter_m: f64::from(rows) * (width_um + spacing_um) * 1e-6 };
             let (mut scene, specimen) = on_strip(Planform::Square, spacing_um, outline);
@@ -418,7 +417,7 @@ mod tests {
                 let departs = |load: &LoadOutcome| (by_rows - load.ratio.unwrap()) / load.ratio_layout_error.unwrap();
                 of_rule.push(departs(rule));
                 of_middle.push(departs(middle));
-                assert!((by_rows - middle.ratio.unwrap()).abs() < 4e-4, "{width_um}: {by_rows} {:?}", middle.ratio);
+                assert!((by_rows - middle.ratio.unwrap()).abs() < 1e-3, "{width_um}: {by_rows} {:?}", middle.ratio);
             }
         }
         let rms = |all: &[f64]| (all.iter().map(|own| own * own).sum::<f64>() / all.len() as f64).sqrt();

@@ -17,6 +17,7 @@
 //! | [`simulate`] | solves a scene at every load, beside the flat surface |
 //! | [`steady_ratios`] | the ratios of a steady cell alone |
 //! | [`Face`], [`Strip`], [`simulate_specimen`], [`SteadySpecimen`] | the same of a specimen as it is cut, strip by strip |
+//! | [`simulate_strip`] | the same of a row of cavities in space, with both ends of the specimen |
 //! | [`Simulation`], [`LoadOutcome`], [`SurfaceOutcome`] | what was found, with a [`Status`] |
 //! | [`Dimension`] | in the plane or in space, and what follows from it |
 //! | [`SteadyCell`], [`CellOutcome`] | the steady ratio of many patterns, in the plane or in space: what a search calls |
