@@ -382,7 +382,7 @@ fn integrate(
     corrections: &[f64],
     monitor: &dyn Monitor,
 ) -> Result<Integrated, SceneError> {
-    let schemes = lattices.par_iter().map(|lattice| Scheme::choose(scene, lattice)).collect::<Result<Vec<_>, _>>()?;
+    let schemes = stable(lattices.par_iter().map(|lattice| Scheme::choose(scene, lattice)).collect())?;
     let surfaces = lattices.len();
     let draws = scene.run.draws as usize;
     let runs = surfaces * draws * scene.loads.len();
@@ -403,6 +403,22 @@ fn integrate(
         .collect();
     let corrected = |load: usize, _: usize, outcome: &mut LoadOutcome| outcome.shift_ratio(corrections[load]);
     Ok(Integrated { loads: collect(scene, surfaces, outcomes, corrected), scheme: schemes[0] })
+}
+
+/// All of `schemes`, or the refusal of the one whose step must be the smallest: what it names is stable on all.
+fn stable(schemes: Vec<Result<Scheme, SceneError>>) -> Result<Vec<Scheme>, SceneError> {
+    let limit_s = |scheme: &Result<Scheme, SceneError>| match scheme {
+        Err(SceneError::UnstableStep { limit_s, .. }) => *limit_s,
+        Err(_) => 0.0,
+        Ok(_) => f64::INFINITY,
+    };
+    let (refused, _) = schemes
+        .iter()
+        .map(limit_s)
+        .enumerate()
+        .fold((0, f64::INFINITY), |least, own| if own.1 < least.1 { own } else { least });
+    let refusal = schemes.get(refused).and_then(|scheme| scheme.as_ref().err().cloned());
+    refusal.map_or_else(|| schemes.into_iter().collect(), Err)
 }
 
 /// Seed of the local coefficients of draw number `draw`.

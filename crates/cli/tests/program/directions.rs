@@ -95,5 +95,5 @@ fn wrong_directions_are_refused_where_they_stand() {
     let text = small().replace("\"groove\"", "\"groove\"\nsliding_angle_deg = [0, 90]");
     fs::write(place.path("a.toml"), text.replace("seed = 1", "seed = 1\ndimensions = 2")).unwrap();
     let refused = place.refuse(&["optimize", "a.toml", "-o", "a"]);
-    assert!(refused.contains("pattern.sliding_angle_deg") && refused.contains("three-dimensional"), "{refused}");
+    assert!(refused.contains("pattern.sliding_angle_deg") && refused.contains("three dimensions"), "{refused}");
 }

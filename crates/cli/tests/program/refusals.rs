@@ -141,11 +141,11 @@ fn scenes_in_the_vertical_plane() {
     let dynamic = SCENE.replace("\"steady\"", "\"dynamic\"").replace("\"cell\"", "\"sample\"");
     for scene in [&asked, &dynamic] {
         let cases = [
-            case("\"groove\"", "\"disc\"", ":15: pattern.planform: \"disc\" needs a three-dimensional", "\"square\""),
+            case("\"groove\"", "\"disc\"", ":15: pattern.planform: \"disc\" needs three dimensions", "\"square\""),
             case(
                 "\"groove\"",
                 "\"groove\"\nangle_deg = 45.0",
-                ":16: pattern.angle_deg: 45.0 needs a three-dimensional",
+                ":16: pattern.angle_deg: 45.0 needs three dimensions",
                 "expected 0",
             ),
         ];
