@@ -110,30 +110,31 @@ pub fn plan(files: &Source, path: &Path, monitor: &dyn Monitor) -> Result<Planne
     let stage = Stage::new(monitor, "tasks", None);
     let read_once = ReadOnce::new(Arc::clone(files));
     let share = 1.0 / rows.len().max(1) as f64;
-    let planned: Vec<(Task, BTreeMap<String, String>)> = rows
-        .into_par_iter()
-        .map(|values| {
-            stage.heed().map_err(|_| CampaignError::Cancelled)?;
-            let noted = Noted::new(&read_once, folder);
-            let source: Source = Arc::clone(&noted) as Source;
-            let placed = |refused: Diagnostic| {
-                // The base may be refused whatever varies: then its own line is the place.
-                let alone = check(kind, &source, &base_path, &campaign.text, monitor).err();
-                let is_base =
-                    |own: &Diagnostic| of_base.is_empty() && own.key == refused.key && own.reason == refused.reason;
-                let of_value = || varied.placed(&refused, &values, &base_path);
-                alone.filter(is_base).or_else(of_value).unwrap_or_else(|| unplaced(refused.clone(), &values))
-            };
-            let text = campaign.text_of(&values).map_err(|(key, reason)| {
-                let at = Diagnostic::file(&base_path, reason).expected("a key that stands in a table of the base");
-                placed(Diagnostic { key: Some(key.into()), ..at })
-            })?;
-            check(kind, &source, &base_path, &text, monitor).map_err(placed)?;
-            let inputs = noted.seen();
-            stage.advance(share);
-            Ok((Task { id: campaign.id(&text, &inputs), values }, inputs))
-        })
-        .collect::<Result<_, CampaignError>>()?;
+    let one = |values: &Row| {
+        stage.heed().map_err(|_| CampaignError::Cancelled)?;
+        let noted = Noted::new(&read_once, folder);
+        let source: Source = Arc::clone(&noted) as Source;
+        let placed = |refused: Diagnostic| {
+            // The base may be refused whatever varies: then its own line is the place.
+            let alone = check(kind, &source, &base_path, &campaign.text, monitor).err();
+            let is_base =
+                |own: &Diagnostic| of_base.is_empty() && own.key == refused.key && own.reason == refused.reason;
+            let of_value = || varied.placed(&refused, values, &base_path);
+            alone.filter(is_base).or_else(of_value).unwrap_or_else(|| unplaced(refused.clone(), values))
+        };
+        let text = campaign.text_of(values).map_err(|(key, reason)| {
+            let at = Diagnostic::file(&base_path, reason).expected("a key that stands in a table of the base");
+            placed(Diagnostic { key: Some(key.into()), ..at })
+        })?;
+        check(kind, &source, &base_path, &text, monitor).map_err(placed)?;
+        let inputs = noted.seen();
+        stage.advance(share);
+        Ok((Task { id: campaign.id(&text, &inputs), values: values.clone() }, inputs))
+    };
+    let planned = rows.par_iter().map(one).collect::<Result<Vec<_>, CampaignError>>();
+    // Threads refuse any of the tasks that are wrong; the first is named.
+    let first_refused = || rows.par_iter().map(one).find_first(Result::is_err).and_then(Result::err);
+    let planned = planned.map_err(|refused| first_refused().unwrap_or(refused))?;
     stage.finish();
 
     let mut known = BTreeSet::new();

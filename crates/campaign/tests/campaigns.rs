@@ -261,6 +261,19 @@ fn what_cannot_be_is_refused_with_its_place() {
 }
 
 #[test]
+fn of_many_tasks_that_are_refused_the_first_is_named() {
+    let values: Vec<String> =
+        (0..40).map(|value| if value < 9 { "40.0".to_owned() } else { format!("-{value}.0") }).collect();
+    let campaign =
+        format!("base = \"scene.toml\"\n[[grid]]\nkey = \"pattern.width_um\"\nvalues = [{}]\n", values.join(", "));
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(4).build().unwrap();
+    for _ in 0..10 {
+        let refused = pool.install(|| planned(&given(SCENE, &campaign)).unwrap_err().to_string());
+        assert!(refused.contains("pattern.width_um: -9.0 is out of range"), "{refused}");
+    }
+}
+
+#[test]
 fn a_base_that_is_refused_whatever_varies_keeps_its_own_line() {
     let scene = SCENE.replace("depth_um = 20.0", "depth_um = -20.0");
     let campaign = "base = \"scene.toml\"\n[[grid]]\nkey = \"run.seed\"\nvalues = [1, 2]\n";
