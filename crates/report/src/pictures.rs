@@ -1,8 +1,10 @@
 //! Pictures of results: from simulations and reports to what the charts draw.
 
+use std::collections::BTreeMap;
+
 use rayon::prelude::*;
 use slipgrid_pattern::Texture;
-use slipgrid_springblock::{InterfacePoint, LoadOutcome, Scene, Simulation, SteadyCell, SurfaceOutcome};
+use slipgrid_springblock::{Extent, InterfacePoint, LoadOutcome, Scene, Simulation, SteadyCell, SurfaceOutcome};
 
 use crate::ChartError;
 use crate::Outputs;
@@ -94,25 +96,33 @@ fn of_load(scene: &Scene, load: &LoadOutcome, at: &PressureErrors) -> Result<Vec
         let chart = FrictionTraceChart { title: &title, traces: &traces, means };
         pictures.push((format!("friction-{load_mpa}mpa.svg"), friction_trace(&chart)?));
     }
-    if scene.dimension().sees_face() {
+    let is_strip = scene.run.extent == Extent::Strip;
+    if scene.dimension().sees_face() && !is_strip {
         if let Some(map) = interface_map(scene, load, load_mpa)? {
             pictures.push((format!("interface-{load_mpa}mpa.svg"), map));
         }
         return Ok(pictures);
     }
-    let pressures: Vec<Vec<[f64; 2]>> = surfaces
+    let lines: Vec<Vec<InterfacePoint>> = if is_strip && scene.dimension().sees_face() {
+        lines_through_cavities(scene, &surfaces, &load.surface)
+    } else {
+        surfaces.iter().map(|(_, surface)| surface.interface.clone()).collect()
+    };
+    let pressures: Vec<Vec<[f64; 2]>> = lines
         .iter()
-        .map(|(_, surface)| {
+        .map(|line| {
             let point =
                 |point: &InterfacePoint| [LENGTH_UM.from_si(point.x_m), PRESSURE_MPA.from_si(point.pressure_pa)];
-            finite(surface.interface.iter().map(point).collect())
+            finite(line.iter().map(point).collect())
         })
         .collect();
     if pressures.iter().any(|pressure| !pressure.is_empty()) {
         let series: Vec<Series<'_>> =
             surfaces.iter().zip(&pressures).map(|(&(label, _), points)| Series { label, points }).collect();
-        let title = format!("Pressure along the interface at {load_mpa} MPa");
-        let cavities = cavities_um(scene, &load.surface);
+        let where_from =
+            if is_strip && scene.dimension().sees_face() { "through cavities" } else { "along the interface" };
+        let title = format!("Pressure {where_from} at {load_mpa} MPa");
+        let cavities = lines.last().map_or_else(Vec::new, |line| cavities_um(scene, line));
         let chart = InterfacePressureChart {
             title: &title,
             surfaces: &series,
@@ -205,14 +215,38 @@ fn columns(scene: &Scene, points: &[InterfacePoint]) -> [Columns; 2] {
     [divided(0), if pattern.is_uniform_along_y() { filled(reach[1], block_m) } else { divided(1) }]
 }
 
-/// The gaps between contact blocks of a patterned surface: its cavities, to within a block.
-pub fn cavities_um(scene: &Scene, surface: &SurfaceOutcome) -> Vec<[f64; 2]> {
+/// The contact blocks of `surfaces`, which are strips, on the line along the sliding direction on which `patterned` has the fewest: through the
+/// middle of cavities. x is along that line.
+fn lines_through_cavities(
+    scene: &Scene,
+    surfaces: &[(&'static str, &SurfaceOutcome)],
+    patterned: &SurfaceOutcome,
+) -> Vec<Vec<InterfacePoint>> {
+    let [along_x, along_y] = scene.pattern.map_or([1.0, 0.0], |pattern| pattern.sliding_direction());
+    let is_turned = along_y.abs() > along_x.abs();
+    let turned = |point: &InterfacePoint| match is_turned {
+        true => InterfacePoint { x_m: point.y_m, y_m: point.x_m, ..*point },
+        false => *point,
+    };
+    let mut lines: BTreeMap<u64, usize> = BTreeMap::new();
+    // Centres of blocks are positive: their bits are in their order.
+    patterned.interface.iter().for_each(|point| *lines.entry(turned(point).y_m.to_bits()).or_default() += 1);
+    let fewest = lines.values().copied().min().unwrap_or(0);
+    let alike: Vec<u64> = lines.iter().filter(|(_, count)| **count == fewest).map(|(line, _)| *line).collect();
+    let chosen = alike.get(alike.len() / 2).copied().unwrap_or(0);
+    let on_line = |surface: &SurfaceOutcome| -> Vec<InterfacePoint> {
+        surface.interface.iter().map(turned).filter(|point| point.y_m.to_bits() == chosen).collect()
+    };
+    surfaces.iter().map(|(_, surface)| on_line(surface)).collect()
+}
+
+/// The gaps between contact blocks `interface` of a patterned surface: its cavities, to within a block.
+pub fn cavities_um(scene: &Scene, interface: &[InterfacePoint]) -> Vec<[f64; 2]> {
     if scene.pattern.is_none() {
         return Vec::new();
     }
     let block_m = scene.layer.block_m;
-    surface
-        .interface
+    interface
         .windows(2)
         .filter(|pair| pair[1].x_m - pair[0].x_m > CONTIGUOUS_BLOCKS * block_m)
         .map(|pair| [pair[0].x_m + block_m / 2.0, pair[1].x_m - block_m / 2.0].map(|x_m| LENGTH_UM.from_si(x_m)))

@@ -168,7 +168,7 @@ impl Figures<'_> {
     /// Pressure under the whole sample, and larger under its first periods.
     fn interface(&self, scene: &Scene, simulation: &Simulation, outputs: &mut Outputs) -> Result<(), StudyError> {
         let Some(load) = simulation.loads.first() else { return Ok(()) };
-        let cavities = cavities_um(scene, &load.surface);
+        let cavities = cavities_um(scene, &load.surface.interface);
         let points = |surface: &SurfaceOutcome| -> Vec<[f64; 2]> {
             let point =
                 |point: &InterfacePoint| [LENGTH_UM.from_si(point.x_m), PRESSURE_MPA.from_si(point.pressure_pa)];
