@@ -199,3 +199,37 @@ fn outlines_and_angles_that_mean_nothing_are_refused_where_they_stand() {
         );
     }
 }
+
+#[test]
+fn a_strip_in_space_is_drawn_from_end_to_end_and_refused_where_it_means_nothing() {
+    let place = Place::with(&[]);
+    let strip = |keys: &str| {
+        scene(keys)
+            .replace("\"cell\"", "\"strip\"")
+            .replace("length_um = 9960.0", "length_um = 960.0\nlayer_um = 100.0")
+    };
+    fs::write(place.path("a.toml"), strip("planform = \"square\"").replace("layer_um = 200.0", "")).unwrap();
+    let told = json(&place.succeed(&["simulate", "a.toml", "--json", "-o", "out/a"]));
+    assert_eq!((told["dimensions"].as_u64(), told["extent"].as_str()), (Some(3), Some("strip")));
+    let table = fs::read_to_string(place.path("out/a/interface.csv")).unwrap();
+    let reach = |column: usize| {
+        let places = table.lines().skip(1).map(|line| line.split(',').nth(column).unwrap().parse::<f64>().unwrap());
+        places.fold(0.0, f64::max)
+    };
+    // The last of 48 columns along, and of 8 across.
+    assert_eq!((reach(2), reach(3)), (950.0, 150.0));
+    let svg = fs::read_dir(place.path("out/a")).unwrap().map(|entry| entry.unwrap().path());
+    let mut svg = svg.filter(|path| path.to_string_lossy().contains("interface-"));
+    assert!(fs::read_to_string(svg.next().unwrap()).unwrap().contains("Pressure through cavities"));
+    for (keys, says) in [
+        ("planform = \"square\"\nsliding_angle_deg = 30", "asks for a strip of a pattern that slides aslant"),
+        ("planform = \"groove\"\nangle_deg = 30", "asks for a strip of a pattern that slides aslant"),
+    ] {
+        fs::write(place.path("a.toml"), strip(keys).replace("layer_um = 200.0", "")).unwrap();
+        let refused = place.refuse(&["simulate", "a.toml"]);
+        assert!(refused.contains("run.extent: \"strip\"") && refused.contains(says), "{keys}: {refused}");
+    }
+    fs::write(place.path("b.toml"), small().replace("seed = 1", "seed = 1\nstrip = true")).unwrap();
+    let refused = place.refuse(&["optimize", "b.toml"]);
+    assert!(refused.contains("search.strip: true is of designs in space"), "{refused}");
+}
