@@ -58,11 +58,15 @@ impl SpaceStrip {
                 let textured = Textured::new(laid, line_m, &cell);
                 // Of a wall at an end that is too slender the cavity beside it takes the place.
                 let slender = (least_wall_m(pattern.depth_m(), scene.layer.block_m) / line_m).ceil() as usize;
-                let [first, last] = textured.walls(lines).map(|wall| wall.filter(|wall| *wall < slender).unwrap_or(0));
+                let walls = textured.walls(lines).map(|wall| wall.filter(|wall| *wall < slender).unwrap_or(0));
+                // Of a strip that is nothing but walls nothing is left out.
+                let [first, last] = if walls[0] + walls[1] < lines { walls } else { [0; 2] };
                 cell.strip_along_y(lines, gap, |line| textured.line_of_cell(line.clamp(first, lines - 1 - last)))
             }
         };
-        let of_cells = cavity_share(&own) / cavity_share(&cell);
+        // Cavities narrower than half a block are none in whole blocks.
+        let of_cell = cavity_share(&cell);
+        let of_cells = if of_cell > 0.0 { cavity_share(&own) / of_cell } else { 1.0 };
         let flat = cell.strip_along_y(lines, gap, |_| None);
         // The cell may hold several.
         let cell_m = pattern.cell_m()[usize::from(!is_turned)];
@@ -446,6 +450,39 @@ mod tests {
                 assert!((own - added).abs() < 3.0 * open && open < 3e-3, "{own} {added} {open}");
             }
         }
+    }
+
+    #[test]
+    fn of_a_laid_strip_slender_walls_and_short_strips_are_taken_as_they_are() {
+        let scene = scene(samples::pattern(Planform::Square, 60.0, 60.0, 20.0), 3, Fidelity::Steady);
+        let pattern = scene.pattern.unwrap();
+        let cell = SpaceLattice::cell(&pattern, 10e-6, 6);
+        let laid = |lines: usize, cavities_um: &[[f64; 2]]| {
+            let cavities_m = cavities_um.iter().map(|ends| ends.map(|at| at * 1e-6)).collect();
+            let length_m = lines as f64 * 10e-6;
+            let strip = Strip { band: 0, width_m: 1e-3, length_m, cavities_m };
+            let scene = Scene { layer: Layer { length_m, ..scene.layer }, ..scene.clone() };
+            let found = SpaceStrip::new(&scene, &pattern, &cell, Some(&strip));
+            let lattice = &found.lattices[0];
+            // Lines that hold a cavity.
+            let lines: Vec<usize> = (0..lines).filter(|j| (0..12).any(|i| lattice.is_cavity(i, *j))).collect();
+            (lines, found.of_cells)
+        };
+        let whole = |from: usize, to: usize| (from..to).collect::<Vec<usize>>();
+        // Margins of 50 and of 70 um.
+        let (lines, of_cells) = laid(30, &[[50.0, 110.0], [170.0, 230.0]]);
+        assert_eq!(lines, [whole(5, 11), whole(17, 23)].concat());
+        assert!((of_cells - 24.0 / 30.0).abs() < 1e-12);
+        // A wall of one block in front of a cavity two blocks deep is left out, at either end.
+        assert_eq!(laid(30, &[[10.0, 70.0], [130.0, 190.0]]).0, [whole(0, 7), whole(13, 19)].concat());
+        assert_eq!(laid(20, &[[10.0, 70.0], [130.0, 190.0]]).0, [whole(0, 7), whole(13, 20)].concat());
+        // The border cuts the first cavity; nothing is between the ends of a strip of two blocks.
+        assert_eq!(
+            laid(30, &[[0.0, 30.0], [90.0, 150.0], [210.0, 270.0]]).0,
+            [whole(0, 3), whole(9, 15), whole(21, 27)].concat()
+        );
+        assert_eq!(laid(2, &[[10.0, 20.0]]).1, laid(2, &[[10.0, 20.0]]).1);
+        assert_eq!(laid(5, &[]), (Vec::new(), 0.0));
     }
 
     #[test]
