@@ -289,7 +289,8 @@ pub fn read_directions(
 /// # Errors
 /// [`Diagnostic`] at the first key that asks for more.
 pub fn require_section(document: &Document, file: &TextureFile, texture: &Texture) -> Result<(), Diagnostic> {
-    const WHY: &str = "needs three dimensions, which scenes with extent = \"cell\" or \"strip\" have: the vertical section along the sliding direction says little of it";
+    const WHY: &str = "needs three dimensions, which scenes with extent = \"cell\" or \"strip\" have: the vertical \
+                       section along the sliding direction says little of it";
     if texture.is_one_section() {
         return Ok(());
     }

@@ -260,6 +260,13 @@ impl Texture {
         unit_vector(self.sliding_angle_deg - self.orientation_deg())
     }
 
+    /// Whether the sliding direction is along the texture's own x rather than across it.
+    #[must_use]
+    pub fn slides_along_rows(&self) -> bool {
+        let [along_x, along_y] = self.sliding_direction();
+        along_x.abs() > along_y.abs()
+    }
+
     /// Whether the sliding direction is neither along rows nor across them, so that the pattern repeats at no distance across it.
     #[must_use]
     pub fn slides_aslant(&self) -> bool {

@@ -96,14 +96,15 @@ fn of_load(scene: &Scene, load: &LoadOutcome, at: &PressureErrors) -> Result<Vec
         let chart = FrictionTraceChart { title: &title, traces: &traces, means };
         pictures.push((format!("friction-{load_mpa}mpa.svg"), friction_trace(&chart)?));
     }
-    let is_strip = scene.run.extent == Extent::Strip;
-    if scene.dimension().sees_face() && !is_strip {
+    let sees_face = scene.dimension().sees_face();
+    let is_strip = sees_face && scene.run.extent == Extent::Strip;
+    if sees_face && !is_strip {
         if let Some(map) = interface_map(scene, load, load_mpa)? {
             pictures.push((format!("interface-{load_mpa}mpa.svg"), map));
         }
         return Ok(pictures);
     }
-    let lines: Vec<Vec<InterfacePoint>> = if is_strip && scene.dimension().sees_face() {
+    let lines: Vec<Vec<InterfacePoint>> = if is_strip {
         lines_through_cavities(scene, &surfaces, &load.surface)
     } else {
         surfaces.iter().map(|(_, surface)| surface.interface.clone()).collect()
@@ -119,8 +120,7 @@ fn of_load(scene: &Scene, load: &LoadOutcome, at: &PressureErrors) -> Result<Vec
     if pressures.iter().any(|pressure| !pressure.is_empty()) {
         let series: Vec<Series<'_>> =
             surfaces.iter().zip(&pressures).map(|(&(label, _), points)| Series { label, points }).collect();
-        let where_from =
-            if is_strip && scene.dimension().sees_face() { "through cavities" } else { "along the interface" };
+        let where_from = if is_strip { "through cavities" } else { "along the interface" };
         let title = format!("Pressure {where_from} at {load_mpa} MPa");
         let cavities = lines.last().map_or_else(Vec::new, |line| cavities_um(scene, line));
         let chart = InterfacePressureChart {
@@ -222,8 +222,7 @@ fn lines_through_cavities(
     surfaces: &[(&'static str, &SurfaceOutcome)],
     patterned: &SurfaceOutcome,
 ) -> Vec<Vec<InterfacePoint>> {
-    let [along_x, along_y] = scene.pattern.map_or([1.0, 0.0], |pattern| pattern.sliding_direction());
-    let is_turned = along_y.abs() > along_x.abs();
+    let is_turned = scene.pattern.is_some_and(|pattern| !pattern.texture().slides_along_rows());
     let turned = |point: &InterfacePoint| match is_turned {
         true => InterfacePoint { x_m: point.y_m, y_m: point.x_m, ..*point },
         false => *point,

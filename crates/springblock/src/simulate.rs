@@ -4,10 +4,12 @@ mod averaging;
 mod behind;
 mod blocks;
 mod cavities_in_space;
+mod drawn_ratios;
 mod expense;
 mod load_sharing;
 mod pressure_tilt;
 mod rim_difference;
+mod runs;
 mod space;
 mod space_strip;
 mod specimen;
@@ -25,7 +27,7 @@ use crate::cell::{SteadyCell, condensing_cell, raised_model};
 use crate::columns::{self, Column};
 use crate::dimension::Dimension;
 use crate::draws;
-use crate::dynamics::{DynamicRun, Plan, Scheme, remembered, settings};
+use crate::dynamics::{Plan, Scheme};
 use crate::error::SceneError;
 use crate::face::Strip;
 use crate::lattice::Lattice;
@@ -34,6 +36,7 @@ use crate::scene::{Extent, Fidelity, Layer, Load, RunOptions, Scene};
 use crate::steady::{FaceHistory, RaisedModel, SteadyLoad, SteadyModel, ThickModel, factor_bytes};
 
 use behind::Behind;
+use runs::{Integrated, collect, integrate, seed_of, stderr_share};
 use space::{Laid, laid_share};
 use statements::{
     SPEED_ZERO, STRETCHED_CELL, describe_draws, describe_extent, describe_law, describe_protocol, describe_scheme,
@@ -68,7 +71,8 @@ fn widest(values: impl Iterator<Item = f64>) -> f64 {
 /// # Errors
 /// [`SceneError`] if the scene means nothing; everything else is a [`crate::Status`].
 pub fn simulate(scene: &Scene, monitor: &dyn Monitor) -> Result<Simulation, SceneError> {
-    simulate_laid(scene, None, |pattern| PressureTilt::of_sample(scene, pattern, monitor), monitor)
+    let tilt = |pattern: &Pattern| PressureTilt::of_sample(scene, pattern, monitor);
+    simulate_laid(scene, None, tilt, monitor).map(|(simulation, _)| simulation)
 }
 
 /// The same of a strip of a specimen in space ([`Extent::Strip`]), as long as `strip`, with cavities as that has them and nothing of a tilt of
@@ -81,30 +85,29 @@ pub fn simulate_strip(scene: &Scene, strip: &Strip, monitor: &dyn Monitor) -> Re
     let blocks = (strip.length_m / scene.layer.block_m).round().max(1.0);
     let layer = Layer { length_m: blocks * scene.layer.block_m, ..scene.layer };
     let scene = &Scene { layer, run, ..scene.clone() };
-    let simulation = simulate_laid(scene, Some(strip), |_| PressureTilt::default(), monitor)?;
-    let share = scene.pattern.as_ref().map_or(1.0, |pattern| laid_share(scene, Laid { pattern, strip: Some(strip) }));
-    Ok((simulation, share))
+    simulate_laid(scene, Some(strip), |_| PressureTilt::default(), monitor)
 }
 
+/// Of a strip as it is laid its share of cavities over that of a period beside it; 1 without.
 fn simulate_laid(
     scene: &Scene,
     strip: Option<&Strip>,
     tilt: impl Fn(&Pattern) -> PressureTilt,
     monitor: &dyn Monitor,
-) -> Result<Simulation, SceneError> {
+) -> Result<(Simulation, f64), SceneError> {
     scene.validate()?;
     bounded(scene)?;
     let mut simulation = over_layer(scene, strip, monitor)?;
+    let laid = strip.zip(scene.pattern.as_ref());
+    let share = laid.map_or(1.0, |(strip, pattern)| laid_share(scene, Laid { pattern, strip: Some(strip) }));
     if let Some(pattern) = &scene.pattern {
-        // Of a strip as it is laid, whose cavities take less than those of a period.
-        let share = strip.map_or(1.0, |strip| laid_share(scene, Laid { pattern, strip: Some(strip) }));
         rim_difference::add_yielding(scene, pattern, &mut simulation.loads, &mut simulation.statements);
         let is_in_time = scene.run.fidelity != Fidelity::Steady;
         let behind = Behind::new(scene, pattern, monitor).times(share);
         behind.tell(is_in_time, &tilt(pattern), &mut simulation.loads, &mut simulation.statements);
         blocks::refine(scene, pattern, share, &mut simulation, monitor);
     }
-    Ok(simulation)
+    Ok((simulation, share))
 }
 
 /// What is said of `scene` once the monitor has cancelled: nothing at any load.
@@ -365,93 +368,6 @@ fn dynamic(scene: &Scene, monitor: &dyn Monitor) -> Result<Simulation, SceneErro
     }
     describe_law(scene, &mut said);
     Ok(Simulation { statements: said, loads })
-}
-
-/// What runs in time found.
-struct Integrated {
-    loads: Vec<LoadOutcome>,
-    scheme: Scheme,
-}
-
-/// Runs `lattices`, a surface and its flat companion where it has one, in time at every load; `corrections` of the ratio by
-/// load. Equations of `steady` sliding, by lattice, are made where a run begins from them and nobody has made them.
-fn integrate(
-    scene: &Scene,
-    lattices: &[Lattice],
-    steady: &[OnceLock<SteadyModel>],
-    corrections: &[f64],
-    monitor: &dyn Monitor,
-) -> Result<Integrated, SceneError> {
-    let schemes = stable(lattices.par_iter().map(|lattice| Scheme::choose(scene, lattice)).collect())?;
-    let surfaces = lattices.len();
-    let draws = scene.run.draws as usize;
-    let runs = surfaces * draws * scene.loads.len();
-    let share = 1.0 / runs as f64;
-    // Threads that find no run of their own help with another's.
-    let threads = rayon::current_num_threads() / runs;
-    let outcomes: Vec<SurfaceOutcome> = (0..runs)
-        .into_par_iter()
-        .map(|task| {
-            let (draw, surface) = (task / surfaces % draws, task % surfaces);
-            let load = &scene.loads[task / (surfaces * draws)];
-            let (lattice, steady, scheme) = (&lattices[surface], &steady[surface], schemes[surface]);
-            let (seed, stderr_share) = (seed_of(scene, draw), stderr_share(scene));
-            let run = DynamicRun { scene, load, lattice, steady, scheme, threads, share, seed, stderr_share };
-            let content = (settings(scene), load, lattice, scheme, seed, stderr_share);
-            remembered(monitor, &content, share, || run.run(monitor))
-        })
-        .collect();
-    let corrected = |load: usize, _: usize, outcome: &mut LoadOutcome| outcome.shift_ratio(corrections[load]);
-    Ok(Integrated { loads: collect(scene, surfaces, outcomes, corrected), scheme: schemes[0] })
-}
-
-/// All of `schemes`, or the refusal of the one whose step must be the smallest: what it names is stable on all.
-fn stable(schemes: Vec<Result<Scheme, SceneError>>) -> Result<Vec<Scheme>, SceneError> {
-    let limit_s = |scheme: &Result<Scheme, SceneError>| match scheme {
-        Err(SceneError::UnstableStep { limit_s, .. }) => *limit_s,
-        Err(_) => 0.0,
-        Ok(_) => f64::INFINITY,
-    };
-    let (refused, _) = schemes
-        .iter()
-        .map(limit_s)
-        .enumerate()
-        .fold((0, f64::INFINITY), |least, own| if own.1 < least.1 { own } else { least });
-    let refusal = schemes.get(refused).and_then(|scheme| scheme.as_ref().err().cloned());
-    refusal.map_or_else(|| schemes.into_iter().collect(), Err)
-}
-
-/// Seed of the local coefficients of draw number `draw`.
-const fn seed_of(scene: &Scene, draw: usize) -> u64 {
-    scene.run.seed.wrapping_add(draw as u64)
-}
-
-/// Standard error over dynamic mu at which the run of one draw may end: that of their mean is the one asked for.
-fn stderr_share(scene: &Scene) -> Option<f64> {
-    scene.run.mu_stderr.map(|wanted| wanted * (scene.run.draws as f64).sqrt())
-}
-
-/// One record per load from runs by load, draw and surface, the patterned one first; `correct` corrects that of each load and draw.
-fn collect(
-    scene: &Scene,
-    surfaces: usize,
-    outcomes: Vec<SurfaceOutcome>,
-    correct: impl Fn(usize, usize, &mut LoadOutcome),
-) -> Vec<LoadOutcome> {
-    let mut outcomes = outcomes.into_iter();
-    let mut loads = Vec::with_capacity(scene.loads.len());
-    for (place, load) in scene.loads.iter().enumerate() {
-        let mut draws = Vec::new();
-        for draw in 0..scene.run.draws as usize {
-            let Some(own) = outcomes.next() else { break };
-            let flat = if surfaces == 2 { outcomes.next() } else { None };
-            let mut outcome = compare(load, own, flat);
-            correct(place, draw, &mut outcome);
-            draws.push(outcome);
-        }
-        loads.extend(averaging::mean(draws));
-    }
-    loads
 }
 
 /// Steady ratio of the pattern itself less that of its nearest whole blocks, by load.

@@ -112,8 +112,7 @@ fn plane(scene: &Scene, threads: f64) -> Expense {
 /// Columns of a strip of the sample in space, a period of `pattern` wide.
 fn strip_columns(scene: &Scene, pattern: &Pattern) -> f64 {
     let [nx, ny] = SpaceLattice::columns_of(pattern, scene.layer.block_m);
-    let [along_x, along_y] = pattern.sliding_direction().map(f64::abs);
-    scene.layer.columns() as f64 * if along_x > along_y { ny } else { nx }
+    scene.layer.columns() as f64 * if pattern.texture().slides_along_rows() { ny } else { nx }
 }
 
 /// Steady sliding in space: one cell or a strip, its loads one after the other.

@@ -4,7 +4,8 @@ use rayon::prelude::*;
 use slipgrid_monitor::{memory, recalled};
 use slipgrid_pattern::Pattern;
 
-use super::space_strip::{self, SpaceStrip, SteadyRatios};
+use super::drawn_ratios::SteadyRatios;
+use super::space_strip::{self, SpaceStrip};
 use super::statements::{
     PERIODIC_CELL, SPEED_ZERO, STRETCHED_CELL, describe_draws, describe_law, describe_protocol, describe_start,
     describe_steady, why_space,

@@ -5,16 +5,16 @@ use std::ops::Range;
 use rayon::prelude::*;
 use slipgrid_pattern::Pattern;
 
+use super::drawn_ratios::{model_of, solve_drawn};
 use super::specimen::least_wall_m;
 use super::statements::few_periods;
-use super::{MOST_FACTOR_BYTES, compare, seed_of, steady_coefficients};
+use super::{MOST_FACTOR_BYTES, compare, steady_coefficients};
 use crate::Monitor;
-use crate::draws;
 use crate::error::SceneError;
 use crate::face::Strip;
-use crate::outcome::{LoadOutcome, Status, SurfaceOutcome};
-use crate::scene::{Load, Scene};
-use crate::space::{SpaceLattice, SpaceLoad, SpaceSteadyModel};
+use crate::outcome::{LoadOutcome, SurfaceOutcome};
+use crate::scene::Scene;
+use crate::space::SpaceLattice;
 
 /// Prime factors of the number of lines, with those that are cut away, that Fourier transforms are quick with.
 const FACTORS: [usize; 6] = [2, 3, 5, 7, 11, 13];
@@ -43,7 +43,7 @@ impl SpaceStrip {
     #[must_use]
     pub fn new(scene: &Scene, pattern: &Pattern, cell: &SpaceLattice, laid: Option<&Strip>) -> Self {
         let [along_x, along_y] = pattern.sliding_direction();
-        let is_turned = along_x.abs() > along_y.abs();
+        let is_turned = pattern.texture().slides_along_rows();
         let direction = [0.0, if is_turned { along_x.signum() } else { along_y.signum() }];
         let cell = if is_turned { cell.transposed() } else { cell.clone() };
         let [_, period] = cell.columns();
@@ -215,92 +215,6 @@ fn solve(scene: &Scene, lattice: &SpaceLattice, direction: [f64; 2], monitor: &d
     let [nx, ny] = lattice.columns();
     let drawn = scene.loads.iter().map(|load| steady_coefficients(scene, load, nx * ny)).collect();
     solve_drawn(scene, &model_of(scene, lattice), direction, drawn, monitor)
-}
-
-fn model_of(scene: &Scene, lattice: &SpaceLattice) -> SpaceSteadyModel {
-    let stiffness_pa = scene.elastic.youngs_modulus_pa();
-    SpaceSteadyModel::new(lattice.clone(), scene.layer.block_m, stiffness_pa, scene.run.liftoff)
-}
-
-/// Steady sliding of `model` at each load with the coefficients `drawn` of its columns, load by load.
-fn solve_drawn(
-    scene: &Scene,
-    model: &SpaceSteadyModel,
-    direction: [f64; 2],
-    drawn: Vec<Vec<f64>>,
-    monitor: &dyn Monitor,
-) -> Vec<SurfaceOutcome> {
-    let lattice = model.lattice();
-    let [nx, ny] = lattice.columns();
-    // The coefficients of the columns that touch, over their mean.
-    let relative = |(load, drawn): (&Load, Vec<f64>)| -> Vec<f64> {
-        let mean = load.friction.dynamic_mean();
-        let touching = (0..nx * ny).filter(|column| lattice.contact_share(column % nx, column / nx) > 0.0);
-        touching.map(|column| drawn[column] / mean).collect()
-    };
-    let relative: Vec<Vec<f64>> = scene.loads.iter().zip(drawn).map(relative).collect();
-    let mut loads = Vec::with_capacity(relative.len());
-    for (load, relative) in scene.loads.iter().zip(&relative) {
-        let mean = SpaceLoad::of_mean(load, scene.area_law.as_ref(), direction);
-        loads.push(SpaceLoad { relative_mu: Some(relative), ..mean });
-    }
-    model.solve_all(&loads, monitor)
-}
-
-/// Steady ratios of a lattice over its flat companion, with mean coefficients and with those that runs in time draw: what these have by
-/// their draw alone.
-pub struct SteadyRatios {
-    /// By load.
-    mean: Vec<Option<f64>>,
-    /// By draw, and by load in each.
-    drawn: Vec<Vec<Option<f64>>>,
-}
-
-impl SteadyRatios {
-    /// Of a patterned and a flat lattice; `None` on a face with heights, on which contacts are found anew for every draw.
-    pub fn new(
-        scene: &Scene,
-        lattices: [&SpaceLattice; 2],
-        direction: [f64; 2],
-        monitor: &dyn Monitor,
-    ) -> Option<Self> {
-        if lattices[0].is_raised() {
-            return None;
-        }
-        let draws = scene.run.draws as usize;
-        let friction: Vec<Vec<Vec<Option<f64>>>> = lattices
-            .into_par_iter()
-            .map(|lattice| {
-                let model = model_of(scene, lattice);
-                let [nx, ny] = lattice.columns();
-                let of_draw = |draw: Option<usize>| {
-                    let of_load = |load: &Load| match draw {
-                        None => vec![load.friction.dynamic_mean(); nx * ny],
-                        Some(draw) => draws::draw(&load.friction, seed_of(scene, draw), nx * ny)
-                            .iter()
-                            .map(|drawn| drawn.dynamic_mu)
-                            .collect(),
-                    };
-                    let coefficients = scene.loads.iter().map(of_load).collect();
-                    let mu = |surface: SurfaceOutcome| {
-                        surface.mu_dynamic.filter(|mu| *mu != 0.0 && surface.status == Status::Converged)
-                    };
-                    solve_drawn(scene, &model, direction, coefficients, monitor).into_iter().map(mu).collect()
-                };
-                std::iter::once(None).chain((0..draws).map(Some)).map(of_draw).collect()
-            })
-            .collect();
-        let [own, flat] = <[_; 2]>::try_from(friction).ok()?;
-        let ratio = |(own, flat): (&Option<f64>, &Option<f64>)| Some((*own)? / (*flat)?);
-        let mut each = own.iter().zip(&flat).map(|(own, flat)| own.iter().zip(flat).map(ratio).collect());
-        Some(Self { mean: each.next()?, drawn: each.collect() })
-    }
-
-    /// At the load `load`: with mean coefficients, and with those of draw number `draw`; `None` where one of the draws has none.
-    pub fn at(&self, load: usize, draw: usize) -> Option<(f64, f64)> {
-        let all: Option<Vec<f64>> = self.drawn.iter().map(|drawn| drawn.get(load).copied().flatten()).collect();
-        Some((self.mean.get(load).copied().flatten()?, *all?.get(draw)?))
-    }
 }
 
 #[cfg(test)]
@@ -481,7 +395,7 @@ mod tests {
             laid(30, &[[0.0, 30.0], [90.0, 150.0], [210.0, 270.0]]).0,
             [whole(0, 3), whole(9, 15), whole(21, 27)].concat()
         );
-        assert_eq!(laid(2, &[[10.0, 20.0]]).1, laid(2, &[[10.0, 20.0]]).1);
+        assert_eq!(laid(2, &[[10.0, 20.0]]), (whole(0, 2), 2.0));
         assert_eq!(laid(5, &[]), (Vec::new(), 0.0));
     }
 

@@ -119,7 +119,7 @@ impl<R: Real> Stencil<R> {
         for k in 0..lattice.rows() {
             let (mut rows, mut ranges): (Vec<GeneralRow<R>>, Vec<Range<usize>>) = (Vec::new(), Vec::new());
             for j in 0..ny {
-                // What a cavity changes ends with the row above it.
+                // What a cavity changes ends with the row above it; ends reach up to the bulk.
                 if (k > lattice.cavity_rows() && !lattice.is_end(j)) || RowCoefficients::<R>::is_inside(lattice, j, k) {
                     match ranges.last_mut() {
                         Some(last) if last.end == j => last.end = j + 1,

@@ -75,7 +75,8 @@ pub fn least_wall_m(depth_m: f64, block_m: f64) -> f64 {
     depth_m.max(LEAST_END_BLOCKS * block_m)
 }
 
-/// `strip` without land between a cavity and its ends that is narrower than [`least_wall_m`]: on so slender a wall friction raises the pressure that raises friction, and nothing holds it.
+/// `strip` without land between a cavity and its ends that is narrower than [`least_wall_m`]: on so slender a wall friction raises
+/// the pressure that raises friction, and nothing holds it.
 pub fn without_slivers(mut strip: Strip, depth_m: f64, block_m: f64) -> Strip {
     let least_m = least_wall_m(depth_m, block_m);
     let length_m = strip.length_m;
