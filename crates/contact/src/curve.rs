@@ -1,7 +1,10 @@
+use std::sync::{Mutex, PoisonError};
+
 use rayon::prelude::*;
 use slipgrid_topography::HeightMap;
 
 use crate::rough_contact::check;
+use crate::solver::Spare;
 use crate::{ContactError, Convergence, Monitor, RoughContact, SolveOptions};
 
 /// Real contact area at one nominal pressure.
@@ -47,20 +50,48 @@ pub fn area_curve(
     }
     let contact = RoughContact::watched(map, contact_modulus_pa, monitor)?;
     let share = 1.0 / pressures_pa.len() as f64;
+    let spares: Mutex<Vec<Spare>> = Mutex::default();
     let points = pressures_pa
         .par_iter()
         .with_max_len(1)
         .map(|&pressure_pa| {
-            let state = contact.solve(pressure_pa, options, monitor)?;
+            let point = area_point(&contact, pressure_pa, options, monitor, &spares);
             monitor.advance(share);
-            Ok(AreaPoint {
-                pressure_pa,
-                area_fraction: state.area.fraction,
-                area_fraction_corrected: state.area.fraction_corrected,
-                area_error: state.area_error,
-                convergence: state.convergence,
-            })
+            point
         })
-        .collect::<Result<_, ContactError>>()?;
+        .collect();
     Ok(AreaCurve { points, full_contact_pressure_pa: contact.full_contact_pressure_pa() })
+}
+
+/// One point of the curve, solved in fields that an earlier one has left.
+fn area_point(
+    contact: &RoughContact,
+    pressure_pa: f64,
+    options: &SolveOptions,
+    monitor: &dyn Monitor,
+    spares: &Mutex<Vec<Spare>>,
+) -> AreaPoint {
+    if let Some(area) = contact.known_area(pressure_pa) {
+        return AreaPoint {
+            pressure_pa,
+            area_fraction: area,
+            area_fraction_corrected: area,
+            area_error: 0.0,
+            convergence: Convergence::KNOWN,
+        };
+    }
+    let spares = || spares.lock().unwrap_or_else(PoisonError::into_inner);
+    let mut spare = spares().pop().unwrap_or_default();
+    let outcome = contact.minimize(pressure_pa, options, monitor, &mut spare);
+    let (area, area_error) = contact.area(&outcome);
+    let convergence = outcome.convergence;
+    spare.take_back(outcome);
+    spares().push(spare);
+    AreaPoint {
+        pressure_pa,
+        area_fraction: area.fraction,
+        area_fraction_corrected: area.fraction_corrected,
+        area_error,
+        convergence,
+    }
 }

@@ -8,29 +8,6 @@ use multiversion::multiversion;
 const LANES: usize = 8;
 type Lanes = [f64; LANES];
 
-/// Sums of `body` over the points, `body` taking one value of each input.
-#[inline(always)]
-fn sums<const I: usize, const S: usize>(inputs: [&[f32]; I], body: impl Fn([f64; I]) -> [f64; S]) -> [f64; S] {
-    let inputs = inputs.map(|input| input.as_chunks::<LANES>());
-    let mut sums = [[0.0; LANES]; S];
-    for n in 0..inputs[0].0.len() {
-        let values: [&[f32; LANES]; I] = std::array::from_fn(|i| &inputs[i].0[n]);
-        for lane in 0..LANES {
-            let terms = body(std::array::from_fn(|i| f64::from(values[i][lane])));
-            for s in 0..S {
-                sums[s][lane] += terms[s];
-            }
-        }
-    }
-    for n in 0..inputs[0].1.len() {
-        let terms = body(std::array::from_fn(|i| f64::from(inputs[i].1[n])));
-        for s in 0..S {
-            sums[s][0] += terms[s];
-        }
-    }
-    sums.map(total)
-}
-
 fn total(lanes: Lanes) -> f64 {
     let [a, b, c, d, e, f, g, h] = lanes;
     ((a + e) + (c + g)) + ((b + f) + (d + h))
@@ -45,7 +22,20 @@ fn when(condition: bool) -> f64 {
 /// a . b
 #[multiversion(targets("x86_64+avx512f", "x86_64+avx2"))]
 pub(crate) fn dot(a: &[f32], b: &[f32]) -> f64 {
-    sums([a, b], |[a, b]| [a * b])[0]
+    let mut sum = [0.0; LANES];
+    let ((a, a_rest), (b, b_rest)) = (a.as_chunks::<LANES>(), b.as_chunks::<LANES>());
+    for (a, b) in a.iter().zip(b) {
+        dot_lanes(a, b, &mut sum);
+    }
+    dot_lanes(a_rest, b_rest, &mut sum);
+    total(sum)
+}
+
+#[inline(always)]
+fn dot_lanes(a: &[f32], b: &[f32], sum: &mut Lanes) {
+    for lane in 0..a.len() {
+        sum[lane] += f64::from(a[lane]) * f64::from(b[lane]);
+    }
 }
 
 /// Pressures of a lowered state.
@@ -115,41 +105,40 @@ impl GapSums {
         }
     }
 
-    /// With pressures `scale` times as high.
-    fn total(&self, scale: f64) -> Gap {
+    fn total(&self) -> Gap {
         let lowest = self.lowest.into_iter().fold(f64::INFINITY, f64::min);
-        Gap { shift: total(self.sum) / total(self.count), lowest, work: scale * total(self.work) }
+        Gap { shift: total(self.sum) / total(self.count), lowest, work: total(self.work) }
     }
 }
 
-/// The gap scale u - h.
+/// The gap u - h.
 #[multiversion(targets("x86_64+avx512f", "x86_64+avx2"))]
-pub(crate) fn measure(pressure: &[f64], displacement: &[f64], height: &[f64], scale: f64) -> Gap {
+pub(crate) fn measure(pressure: &[f64], displacement: &[f64], height: &[f64]) -> Gap {
     let mut sums = GapSums::new();
     let (pressures, p) = pressure.as_chunks::<LANES>();
     let (displacements, u) = displacement.as_chunks::<LANES>();
     let (heights, h) = height.as_chunks::<LANES>();
     for ((p, u), h) in pressures.iter().zip(displacements).zip(heights) {
-        measure_lanes(p, u, h, scale, &mut sums);
+        measure_lanes(p, u, h, &mut sums);
     }
-    measure_lanes(p, u, h, scale, &mut sums);
-    sums.total(scale)
+    measure_lanes(p, u, h, &mut sums);
+    sums.total()
 }
 
 #[inline(always)]
-fn measure_lanes(pressure: &[f64], displacement: &[f64], height: &[f64], scale: f64, sums: &mut GapSums) {
+fn measure_lanes(pressure: &[f64], displacement: &[f64], height: &[f64], sums: &mut GapSums) {
     let mut gap = [0.0; LANES];
     for ((g, u), h) in gap.iter_mut().zip(displacement).zip(height) {
-        *g = scale * u - h;
+        *g = u - h;
     }
     sums.add(pressure, &gap[..pressure.len()]);
 }
 
-/// g = scale u - h - shift
+/// g = u - h - shift
 #[multiversion(targets("x86_64+avx512f", "x86_64+avx2"))]
-pub(crate) fn gap(gap: &mut [f32], displacement: &[f64], height: &[f64], scale: f64, shift: f64) {
+pub(crate) fn gap(gap: &mut [f32], displacement: &[f64], height: &[f64], shift: f64) {
     for ((g, &u), &h) in gap.iter_mut().zip(displacement).zip(height) {
-        *g = (scale * u - h - shift) as f32;
+        *g = (u - h - shift) as f32;
     }
 }
 
@@ -173,15 +162,69 @@ pub(crate) struct Fit {
     pub(crate) before: f64,
 }
 
+/// The sums of a [`Fit`], side by side.
+#[derive(Default)]
+pub(crate) struct FitSums {
+    count: Lanes,
+    z: Lanes,
+    r: Lanes,
+    z_r: Lanes,
+    before: Lanes,
+    z_before: Lanes,
+}
+
+impl FitSums {
+    /// Takes points in, of whose values `preconditioned` is not masked.
+    pub(crate) fn add(&mut self, preconditioned: &[f32], residual: &[f32], previous: &[f32]) {
+        add_fit(self, preconditioned, residual, previous);
+    }
+
+    pub(crate) fn fit(self) -> Fit {
+        let [count, z, r] = [self.count, self.z, self.r].map(total);
+        let mean = z / count;
+        Fit { mean, now: total(self.z_r) - mean * r, before: total(self.z_before) - mean * total(self.before) }
+    }
+
+    /// Up to [`LANES`] points, one sum after the other so that each becomes one vector's.
+    #[inline(always)]
+    fn add_lanes(&mut self, preconditioned: &[f32], residual: &[f32], previous: &[f32]) {
+        let points = residual.len();
+        let [mut z, mut r, mut before, mut free] = [[0.0; LANES]; 4];
+        for lane in 0..points {
+            r[lane] = f64::from(residual[lane]);
+        }
+        for lane in 0..points {
+            free[lane] = when(r[lane] != 0.0);
+        }
+        for lane in 0..points {
+            z[lane] = free[lane] * f64::from(preconditioned[lane]);
+        }
+        for lane in 0..points {
+            before[lane] = free[lane] * f64::from(previous[lane]);
+        }
+        let sums = [&mut self.count, &mut self.z, &mut self.r, &mut self.before];
+        for (sum, terms) in sums.into_iter().zip([free, z, r, before]) {
+            for lane in 0..points {
+                sum[lane] += terms[lane];
+            }
+        }
+        for (sum, terms) in [&mut self.z_r, &mut self.z_before].into_iter().zip([r, before]) {
+            for lane in 0..points {
+                sum[lane] += z[lane] * terms[lane];
+            }
+        }
+    }
+}
+
 #[multiversion(targets("x86_64+avx512f", "x86_64+avx2"))]
-pub(crate) fn fit(preconditioned: &[f32], residual: &[f32], previous: &[f32]) -> Fit {
-    let [count, z, r, zr, before, z_before] = sums([preconditioned, residual, previous], |[z, r, before]| {
-        let mask = r != 0.0;
-        let (z, before) = (if mask { z } else { 0.0 }, if mask { before } else { 0.0 });
-        [when(mask), z, r, z * r, before, z * before]
-    });
-    let mean = z / count;
-    Fit { mean, now: zr - mean * r, before: z_before - mean * before }
+fn add_fit(sums: &mut FitSums, preconditioned: &[f32], residual: &[f32], previous: &[f32]) {
+    let (chunks, z) = preconditioned.as_chunks::<LANES>();
+    let (residuals, r) = residual.as_chunks::<LANES>();
+    let (befores, before) = previous.as_chunks::<LANES>();
+    for ((z, r), before) in chunks.iter().zip(residuals).zip(befores) {
+        sums.add_lanes(z, r, before);
+    }
+    sums.add_lanes(z, r, before);
 }
 
 /// d = -(z - mean) + beta d on free points, zero elsewhere; returns r . d.
@@ -218,49 +261,37 @@ pub(crate) struct Moved {
     pub(crate) sum: f64,
     /// How many are positive.
     pub(crate) count: f64,
-    /// Some were negative and set to zero.
-    pub(crate) clipped: bool,
 }
 
-/// p = scale p_before + step d, negative pressures to zero; `moved` becomes what each pressure changed by.
+/// p = p + step d, less `excess` on free points, negative pressures to zero; `moved` becomes what each pressure changed by.
 #[multiversion(targets("x86_64+avx512f", "x86_64+avx2"))]
-pub(crate) fn advance(
-    pressure: &mut [f64],
-    before: &[f64],
-    direction: &[f32],
-    moved: &mut [f32],
-    scale: f64,
-    step: f64,
-) -> Moved {
-    let (mut lowest, mut sum, mut number) = ([0.0; LANES], [0.0; LANES], [0.0; LANES]);
+pub(crate) fn advance(pressure: &mut [f64], direction: &[f32], moved: &mut [f32], step: f64, excess: f64) -> Moved {
+    let (mut sum, mut number) = ([0.0; LANES], [0.0; LANES]);
     let (pressures, p) = pressure.as_chunks_mut::<LANES>();
-    let (befores, b) = before.as_chunks::<LANES>();
     let (directions, d) = direction.as_chunks::<LANES>();
     let (changes, m) = moved.as_chunks_mut::<LANES>();
-    for (((p, b), d), m) in pressures.iter_mut().zip(befores).zip(directions).zip(changes) {
-        advance_lanes(p, b, d, m, (scale, step), (&mut lowest, &mut sum, &mut number));
+    for ((p, d), m) in pressures.iter_mut().zip(directions).zip(changes) {
+        advance_lanes(p, d, m, (step, excess), (&mut sum, &mut number));
     }
-    advance_lanes(p, b, d, m, (scale, step), (&mut lowest, &mut sum, &mut number));
-    Moved { sum: total(sum), count: total(number), clipped: lowest.iter().any(|&low| low < 0.0) }
+    advance_lanes(p, d, m, (step, excess), (&mut sum, &mut number));
+    Moved { sum: total(sum), count: total(number) }
 }
 
 #[inline(always)]
 fn advance_lanes(
     pressure: &mut [f64],
-    before: &[f64],
     direction: &[f32],
     moved: &mut [f32],
-    (scale, step): (f64, f64),
-    (lowest, sum, number): (&mut Lanes, &mut Lanes, &mut Lanes),
+    (step, excess): (f64, f64),
+    (sum, number): (&mut Lanes, &mut Lanes),
 ) {
     let count = pressure.len();
     let (mut kept, mut changes) = ([0.0; LANES], [0.0; LANES]);
     for lane in 0..count {
-        let before = scale * before[lane];
-        let free = before + step * f64::from(direction[lane]);
-        lowest[lane] = if free < lowest[lane] { free } else { lowest[lane] };
+        let direction = f64::from(direction[lane]);
+        let free = pressure[lane] + step * direction - if direction != 0.0 { excess } else { 0.0 };
         kept[lane] = if free > 0.0 { free } else { 0.0 };
-        changes[lane] = (kept[lane] - before) as f32;
+        changes[lane] = (kept[lane] - pressure[lane]) as f32;
         sum[lane] += kept[lane];
         number[lane] += when(free > 0.0);
     }
@@ -295,44 +326,46 @@ fn lower_lanes(pressure: &mut [f64], moved: &mut [f32], excess: f64, sum: &mut L
     moved.copy_from_slice(&changes[..count]);
 }
 
-/// What a step does to a gap. With u = scale (u + step K d) the gap u - h is, up to a constant,
-/// g = scale (g - shift + step K d) + (scale - 1) h.
-#[derive(Clone, Copy)]
-pub(crate) struct Settling {
-    pub(crate) shift: f64,
-    pub(crate) step: f64,
-    pub(crate) scale: f64,
+/// p = `share` p, `moved` follows.
+#[multiversion(targets("x86_64+avx512f", "x86_64+avx2"))]
+pub(crate) fn scale(pressure: &mut [f64], moved: &mut [f32], share: f64) {
+    for (p, moved) in pressure.iter_mut().zip(moved) {
+        *moved += ((share - 1.0) * *p) as f32;
+        *p *= share;
+    }
 }
 
+/// p = p - `share` c without negative pressures, c what they changed by; returns their sum.
 #[multiversion(targets("x86_64+avx512f", "x86_64+avx2"))]
-pub(crate) fn settle(gap: &mut [f32], image: &[f32], height: &[f32], pressure: &[f64], change: Settling) -> Gap {
+pub(crate) fn step_back(pressure: &mut [f64], moved: &[f32], share: f64) -> f64 {
+    let mut sum = 0.0;
+    for (p, &moved) in pressure.iter_mut().zip(moved) {
+        *p = (*p - share * f64::from(moved)).max(0.0);
+        sum += *p;
+    }
+    sum
+}
+
+/// g = g - shift + `share` K c
+#[multiversion(targets("x86_64+avx512f", "x86_64+avx2"))]
+pub(crate) fn settle(gap: &mut [f32], image: &[f32], pressure: &[f64], shift: f64, share: f64) -> Gap {
     let mut sums = GapSums::new();
     let (gaps, g) = gap.as_chunks_mut::<LANES>();
     let (images, i) = image.as_chunks::<LANES>();
-    let (heights, h) = height.as_chunks::<LANES>();
     let (pressures, p) = pressure.as_chunks::<LANES>();
-    for (((g, i), h), p) in gaps.iter_mut().zip(images).zip(heights).zip(pressures) {
-        settle_lanes(g, i, h, p, change, &mut sums);
+    for ((g, i), p) in gaps.iter_mut().zip(images).zip(pressures) {
+        settle_lanes(g, i, p, (shift, share), &mut sums);
     }
-    settle_lanes(g, i, h, p, change, &mut sums);
-    sums.total(change.scale)
+    settle_lanes(g, i, p, (shift, share), &mut sums);
+    sums.total()
 }
 
 #[inline(always)]
-fn settle_lanes(
-    gap: &mut [f32],
-    image: &[f32],
-    height: &[f32],
-    pressure: &[f64],
-    change: Settling,
-    sums: &mut GapSums,
-) {
-    let Settling { shift, step, scale } = change;
+fn settle_lanes(gap: &mut [f32], image: &[f32], pressure: &[f64], (shift, share): (f64, f64), sums: &mut GapSums) {
     let count = gap.len();
     let mut settled = [0.0; LANES];
     for lane in 0..count {
-        let moved = f64::from(gap[lane]) - shift + step * f64::from(image[lane]);
-        settled[lane] = scale * moved + (scale - 1.0) * f64::from(height[lane]);
+        settled[lane] = f64::from(gap[lane]) - shift + share * f64::from(image[lane]);
     }
     sums.add(pressure, &settled[..count]);
     for lane in 0..count {

@@ -48,6 +48,7 @@ mod preconditioner;
 mod rough_contact;
 mod sampling;
 mod solver;
+mod two_grids;
 
 pub use area::ContactArea;
 pub use curve::{AreaCurve, AreaPoint, area_curve};

@@ -4,15 +4,16 @@ use slipgrid_topography::{HeightMap, MapError};
 use crate::area::{ContactArea, contact_area};
 use crate::error::within;
 use crate::preconditioner::Preconditioner;
-use crate::solver::{Outcome, minimize};
+use crate::solver::{Outcome, Spare, minimize};
+use crate::two_grids::{Near, TwoGrids};
 use crate::{ContactError, Monitor, Unwatched, kernels};
 
 /// How far the solver goes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SolveOptions {
     /// Residual at which a state counts as converged: |sum (g - min g) p| / (sum p Sq), the mean gap under
-    /// pressure over the rms height. The area follows it: on the reference maps 1e-4 leaves 6e-5,
-    /// 1e-5 5e-6, and from 1e-6 on no pixel changes.
+    /// pressure over the rms height, and the share of the load that is missing or too much. The area follows
+    /// it: on the reference maps 1e-4 leaves 6e-5, 1e-5 5e-6, and from 1e-6 on no pixel changes.
     pub tolerance: f64,
     /// Iterations after which the best state is reported as it is.
     pub max_iterations: usize,
@@ -63,6 +64,11 @@ pub struct Convergence {
     pub residual: f64,
 }
 
+impl Convergence {
+    /// That of a state that is known without iterations.
+    pub(crate) const KNOWN: Self = Self { status: Status::Converged, iterations: 0, fourier_pairs: 0, residual: 0.0 };
+}
+
 /// A state of contact: pressure and gap at every point of the map.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ContactState {
@@ -102,12 +108,12 @@ pub struct RoughContact {
     /// u = K p: q1/q for each wave, 0 for the mean.
     pub(crate) compliance: Multiplier,
     pub(crate) compliance_single: Multiplier<f32>,
-    /// About q/q1 for each wave, 1/2 for the mean.
+    /// About the same, for little.
+    pub(crate) compliance_about: TwoGrids,
+    /// About K's inverse on free points: of q/q1 for each wave, 1/2 for the mean.
     pub(crate) preconditioner: Preconditioner,
     /// Normalized heights, mean 0, rms 1; all 0 for a flat map.
     pub(crate) height: Vec<f64>,
-    /// The same, rounded.
-    pub(crate) height_single: Vec<f32>,
     height_unit_m: f64,
     pressure_unit_pa: f64,
     /// Normalized p*.
@@ -164,6 +170,10 @@ impl RoughContact {
         heed()?;
         let compliance_single = fourier_single.multiplier(dx_m, dy_m, 0.0, compliance);
         heed()?;
+        let compliance_of_waves =
+            |k, l| if k == 0 && l == 0 { 0.0 } else { compliance(fourier.wave_number(k, l, dx_m, dy_m)) };
+        let compliance_about = TwoGrids::new(map.rows(), map.cols(), Near::ShortWaves, compliance_of_waves);
+        heed()?;
         let preconditioner = Preconditioner::new(map.rows(), map.cols(), stiffness);
         heed()?;
         Ok(Self {
@@ -171,9 +181,9 @@ impl RoughContact {
             compliance: compliance_double,
             fourier,
             compliance_single,
+            compliance_about,
             preconditioner,
             fourier_single,
-            height_single: height.iter().map(|&h| h as f32).collect(),
             height,
             height_unit_m,
             pressure_unit_pa: 0.5 * contact_modulus_pa * height_unit_m * first,
@@ -182,9 +192,9 @@ impl RoughContact {
         })
     }
 
-    /// The pressures that flatten the surface, lowered until those above zero bear the normalized mean pressure `nominal` > 0: near
-    /// the state of contact where most is in contact.
-    pub(crate) fn pressed_flat(&self, nominal: f64) -> Vec<f64> {
+    /// Writes the pressures that flatten the surface, lowered until those above zero bear the normalized mean pressure `nominal` > 0:
+    /// near the state of contact where most is in contact.
+    pub(crate) fn press_flat(&self, nominal: f64, pressure: &mut [f64]) {
         let fluctuation = &self.full_contact_fluctuation;
         let mut level = nominal;
         // m(c) = mean max(c + f, 0) is convex: Newton's steps come down to m(c) = P from above, after one from below.
@@ -199,13 +209,13 @@ impl RoughContact {
                 level -= lowering;
             }
         }
-        let mut pressure: Vec<f64> = fluctuation.iter().map(|f| (level + f).max(0.0)).collect();
+        pressure.iter_mut().zip(fluctuation).for_each(|(p, f)| *p = (level + f).max(0.0));
         let scale = nominal * pressure.len() as f64 / pressure.iter().sum::<f64>();
         if !scale.is_finite() {
-            return vec![nominal; pressure.len()];
+            pressure.fill(nominal);
+            return;
         }
         pressure.iter_mut().for_each(|pressure| *pressure *= scale);
-        pressure
     }
 
     /// p*, the pressure from which all of the map is in contact, in pascals.
@@ -227,41 +237,68 @@ impl RoughContact {
         monitor: &dyn Monitor,
     ) -> Result<ContactState, ContactError> {
         check(pressure_pa, options)?;
-        let known = |pressure_pa, gap_m, area| {
-            let convergence = Convergence { status: Status::Converged, iterations: 0, fourier_pairs: 0, residual: 0.0 };
-            Ok(ContactState {
-                pressure_pa,
-                gap_m,
-                area: ContactArea { fraction: area, fraction_corrected: area },
-                area_error: 0.0,
-                convergence,
-            })
-        };
-        let points = self.height.len();
-        if pressure_pa == 0.0 {
-            let highest = self.height.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-            let gap_m = self.height.iter().map(|h| (highest - h) * self.height_unit_m).collect();
-            return known(vec![0.0; points], gap_m, 0.0);
+        if let Some(area_fraction) = self.known_area(pressure_pa) {
+            return Ok(self.known(pressure_pa, area_fraction));
         }
-        let full_contact_pressure_pa = self.full_contact_pressure_pa();
-        if pressure_pa >= full_contact_pressure_pa {
-            let fluctuation = self.full_contact_fluctuation.iter();
-            let local_pa = fluctuation.map(|p| (pressure_pa + p * self.pressure_unit_pa).max(0.0)).collect();
-            return known(local_pa, vec![0.0; points], 1.0);
-        }
-        let Outcome { mut pressure, mut gap, convergence, area_before } =
-            minimize(self, pressure_pa / self.pressure_unit_pa, options, monitor);
+        let outcome = self.minimize(pressure_pa, options, monitor, &mut Spare::default());
+        let (area, area_error) = self.area(&outcome);
+        let Outcome { pressure: mut pressure_pa, displacement: mut gap_m, convergence, .. } = outcome;
         if convergence.status == Status::Cancelled {
-            let area = ContactArea { fraction: 0.0, fraction_corrected: 0.0 };
-            return Ok(ContactState { pressure_pa: pressure, gap_m: gap, area, area_error: 1.0, convergence });
+            (pressure_pa, gap_m) = (Vec::new(), Vec::new());
         }
-        let area = contact_area(&pressure, self.cols);
+        let mut lowest = f64::INFINITY;
+        for (g, h) in gap_m.iter_mut().zip(&self.height) {
+            *g -= h;
+            lowest = lowest.min(*g);
+        }
+        gap_m.iter_mut().for_each(|g| *g = (*g - lowest) * self.height_unit_m);
+        pressure_pa.iter_mut().for_each(|p| *p *= self.pressure_unit_pa);
+        Ok(ContactState { pressure_pa, gap_m, area, area_error, convergence })
+    }
+
+    /// The area fraction at `pressure_pa` where it is known without iterations.
+    pub(crate) fn known_area(&self, pressure_pa: f64) -> Option<f64> {
+        if pressure_pa == 0.0 {
+            return Some(0.0);
+        }
+        (pressure_pa >= self.full_contact_pressure_pa()).then_some(1.0)
+    }
+
+    /// The state at a pressure at which the area is known.
+    fn known(&self, pressure_pa: f64, area_fraction: f64) -> ContactState {
+        let points = self.height.len();
+        let (pressure_pa, gap_m) = if area_fraction == 0.0 {
+            let highest = self.height.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+            (vec![0.0; points], self.height.iter().map(|h| (highest - h) * self.height_unit_m).collect())
+        } else {
+            let fluctuation = self.full_contact_fluctuation.iter();
+            (fluctuation.map(|p| (pressure_pa + p * self.pressure_unit_pa).max(0.0)).collect(), vec![0.0; points])
+        };
+        let area = ContactArea { fraction: area_fraction, fraction_corrected: area_fraction };
+        ContactState { pressure_pa, gap_m, area, area_error: 0.0, convergence: Convergence::KNOWN }
+    }
+
+    /// The solution at a pressure between those at which the area is known.
+    pub(crate) fn minimize(
+        &self,
+        pressure_pa: f64,
+        options: &SolveOptions,
+        monitor: &dyn Monitor,
+        spare: &mut Spare,
+    ) -> Outcome {
+        minimize(self, pressure_pa / self.pressure_unit_pa, options, monitor, spare)
+    }
+
+    /// The area of a solution and what ending at the tolerance leaves open of it.
+    pub(crate) fn area(&self, outcome: &Outcome) -> (ContactArea, f64) {
+        if outcome.convergence.status == Status::Cancelled {
+            return (ContactArea { fraction: 0.0, fraction_corrected: 0.0 }, 1.0);
+        }
+        let area = contact_area(&outcome.pressure, self.cols);
         // Without a state a decade before, all of the area is open.
-        let one_pixel = 1.0 / points as f64;
-        let area_error = area_before.map_or(area.fraction, |before| area.distance(&before)).max(one_pixel);
-        pressure.iter_mut().for_each(|p| *p *= self.pressure_unit_pa);
-        gap.iter_mut().for_each(|g| *g *= self.height_unit_m);
-        Ok(ContactState { pressure_pa: pressure, gap_m: gap, area, area_error, convergence })
+        let one_pixel = 1.0 / self.height.len() as f64;
+        let error = outcome.area_before.map_or(area.fraction, |before| area.distance(&before)).max(one_pixel);
+        (area, error)
     }
 }
 

@@ -8,8 +8,10 @@
 //!
 //! I. A. Polonsky and L. M. Keer, Wear 231, 206 (1999), solve it by conjugate gradients on the points in
 //! contact; V. Rey, G. Anciaux and J.-F. Molinari, Comput. Mech. 60, 69 (2017), apply K in Fourier space.
-//! Here directions are preconditioned by nearly K's inverse (`preconditioner`), masked to the points that are free to
-//! move, which makes the number of iterations nearly independent of the grid:
+//! Here directions are preconditioned by nearly K's inverse on the points that are free to move (`preconditioner`), which makes the
+//! number of iterations nearly independent of the grid. How long a step is follows from the energy of its direction on two grids
+//! (`two_grids`), known to less than a tenth. So one pair of transforms of the whole map does in an iteration, that of what the
+//! pressures changed by:
 //!
 //! 0. p = max(c + f, 0), f the pressures that flatten the surface less their mean, c such that mean p = P: the solution at full contact,
 //!    and a tenth to a fifth of the iterations less than from p = P at other loads;
@@ -17,39 +19,66 @@
 //! 2. r = g on free points; z = K^-1 r, about, on free points, less its mean there;
 //! 3. d = -z + beta d on free points, Polak-Ribiere; d = -z again where d would not descend or the residual
 //!    doubled;
-//! 4. p + alpha d with the exact step alpha; where that made pressures negative, these to zero, the others lower by the same
-//!    pressure that the load asks for; what is left of the load by scaling; g follows by K d, or by K of what the pressures
-//!    changed by where some were set to zero.
+//! 4. p + alpha d with alpha = -r.d / d.Kd, about, less what the load was too high by; where that made pressures negative, these to
+//!    zero, and where it changed the load by more than a hundredth, the others lower by the same pressure;
+//! 5. g + K c, c what the pressures changed by;
+//! 6. where the residual grew and less than half of the step would have been better, back to where the energy along c is least, so
+//!    that no step too long and no pressure set to zero raises the energy again and again.
 //!
-//! Scaling alone would take the load that was set free from where pressures are highest. Where single pixels stand out of
-//! the map and carry most of the load, the iteration then never ends.
+//! Scaling the pressures instead of lowering them would take the load that was set free from where pressures are highest. Where single
+//! pixels stand out of the map and carry most of the load, the iteration then never ends.
 //!
 //! Transforms and gaps are in single precision: a direction need not be better, and gaps under pressure round by ever
 //! less as they vanish. What rounding leaves in them is removed by one transform in double precision where the residual
-//! nears it and before a state counts as converged. A gap is known up to a constant, which the shift takes out, so that
-//! the scaling of the load reaches it as g + (scale - 1) h; pressures take their scale up in the next step.
+//! nears it and before a state counts as converged.
 
 use slipgrid_topography::fourier::FourierWork;
 
 use crate::area::{ContactArea, contact_area};
-use crate::kernels::{Gap, Settling};
-use crate::preconditioner::PreconditionerWork;
+use crate::kernels::{Fit, FitSums, Gap};
 use crate::rough_contact::{Convergence, RoughContact, SolveOptions, Status};
+use crate::two_grids::TwoGridsWork;
 use crate::{Monitor, kernels};
 
-/// What the solver found, normalized.
+/// What the solver found, normalized; nothing where it was cancelled.
 pub(crate) struct Outcome {
     pub(crate) pressure: Vec<f64>,
-    pub(crate) gap: Vec<f64>,
+    /// u = K p
+    pub(crate) displacement: Vec<f64>,
     pub(crate) convergence: Convergence,
     /// The area when the residual first was within [`AREA_DECADE`] of the tolerance.
     pub(crate) area_before: Option<ContactArea>,
+}
+
+/// Fields of earlier solves of one map, for the next one to write to.
+#[derive(Default)]
+pub(crate) struct Spare {
+    double: Vec<Vec<f64>>,
+    single: Vec<Vec<f32>>,
+}
+
+impl Spare {
+    /// Takes what a solve found back.
+    pub(crate) fn take_back(&mut self, outcome: Outcome) {
+        self.double.extend([outcome.pressure, outcome.displacement].into_iter().filter(|field| !field.is_empty()));
+    }
+}
+
+/// A field that a solve no longer needs, or a new one.
+fn taken<T: Copy + Default>(spare: &mut Vec<Vec<T>>, points: usize) -> Vec<T> {
+    let mut field = spare.pop().unwrap_or_else(|| vec![T::default(); points]);
+    field.fill(T::default());
+    field
 }
 
 /// How far before the end the area is noted, for the estimate of its error.
 const AREA_DECADE: f64 = 10.0;
 /// Share of the sum of pressures down to which the load is restored by lowering them.
 const LEAST_SHARE: f64 = 1e-9;
+/// Share of the load that a step may leave to the next one.
+const NEGLIGIBLE_SHARE: f64 = 1e-2;
+/// Share of a step that was best, below which it is taken back to that.
+const OVERSHOT: f64 = 0.5;
 /// Growth of the residual in one iteration after which directions start anew.
 const RESTART_GROWTH: f64 = 2.0;
 /// Residual at which the gap is first computed anew in double precision: single precision rounds it by a few 1e-7.
@@ -62,15 +91,20 @@ struct State<'a> {
     contact: &'a RoughContact,
     work: FourierWork<'a>,
     work_single: FourierWork<'a, f32>,
-    preconditioner_work: PreconditionerWork,
+    preconditioner_work: TwoGridsWork,
+    compliance_work: TwoGridsWork,
     fourier_pairs: usize,
-    /// p over `scale`.
+    /// The sum of p that the load asks for.
+    load: f64,
+    /// p.
     pressure: Vec<f64>,
-    scale: f64,
-    /// The pressures of the best state but this one, over `best_scale`.
+    /// Its sum, what the last step changed of that, and over how many points it is spread.
+    sum: f64,
+    sum_change: f64,
+    pressed: f64,
+    /// The pressures of the best state but this one, once there is one.
     best: Vec<f64>,
-    best_scale: f64,
-    /// u = K p over `scale` where the state is exact.
+    /// u = K p where the state is exact; else the pressures before the last step where they are not the best.
     displacement: Vec<f64>,
     /// The gap is that of K p in double precision.
     exact: bool,
@@ -80,133 +114,201 @@ struct State<'a> {
     /// r, the gap on free points, zero elsewhere and nowhere else.
     residual: Vec<f32>,
     previous_residual: Vec<f32>,
-    /// z, before it is masked; later what the pressures changed by.
+    /// z, before it is masked; later c, what the pressures changed by.
     preconditioned: Vec<f32>,
     direction: Vec<f32>,
-    /// K d, or K of what the pressures changed by.
+    /// K c.
     image: Vec<f32>,
 }
 
 impl<'a> State<'a> {
-    fn new(contact: &'a RoughContact, nominal: f64, monitor: &'a dyn Monitor) -> Self {
+    fn new(contact: &'a RoughContact, nominal: f64, monitor: &'a dyn Monitor, spare: &mut Spare) -> Self {
         let points = contact.height.len();
-        let zeros = || vec![0.0; points];
+        let mut zeros = || taken(&mut spare.single, points);
+        let [mut gap, mut preconditioned] = [zeros(), zeros()];
+        let mut pressure = taken(&mut spare.double, points);
+        contact.press_flat(nominal, &mut pressure);
+        gap.iter_mut().zip(&contact.height).for_each(|(g, &h)| *g = -h as f32);
         // All that the surface bears is a change from nothing.
-        let pressure = contact.pressed_flat(nominal);
+        preconditioned.iter_mut().zip(&pressure).for_each(|(c, &p)| *c = p as f32);
+        let load = nominal * points as f64;
         let mut state = Self {
             contact,
             work: contact.fourier.work_watched(monitor),
             work_single: contact.fourier_single.work_watched(monitor),
             preconditioner_work: contact.preconditioner.work(),
+            compliance_work: contact.compliance_about.work(),
             fourier_pairs: 0,
-            preconditioned: pressure.iter().map(|&p| p as f32).collect(),
+            load,
+            preconditioned,
             pressure,
-            scale: 1.0,
-            best: Vec::new(),
-            best_scale: 1.0,
-            displacement: vec![0.0; points],
+            sum: load,
+            sum_change: load,
+            pressed: points as f64,
+            best: spare.double.pop().unwrap_or_default(),
+            displacement: taken(&mut spare.double, points),
             exact: false,
-            gap: contact.height_single.iter().map(|h| -h).collect(),
+            gap,
             found: Gap { shift: 0.0, lowest: 0.0, work: 0.0 },
             residual: zeros(),
             previous_residual: zeros(),
             direction: zeros(),
             image: zeros(),
         };
-        state.follow_changes();
-        state.settle(1.0);
+        state.follow();
         state
     }
 
-    /// image = K of what the pressures changed by.
-    fn follow_changes(&mut self) {
+    /// g = g + K c after pressures have changed by c.
+    fn follow(&mut self) {
         let Self { contact, preconditioned, image, work_single, .. } = self;
         contact.fourier_single.filter(preconditioned, &contact.compliance_single, image, work_single);
         self.fourier_pairs += 1;
+        self.settle(1.0);
     }
 
-    /// g after pressures have changed, where K of that is `share` of the image.
+    /// g = g + `share` K c, less its mean before.
     fn settle(&mut self, share: f64) {
-        let change = Settling { shift: self.found.shift, step: share, scale: self.scale };
-        self.found = kernels::settle(&mut self.gap, &self.image, &self.contact.height_single, &self.pressure, change);
+        self.found = kernels::settle(&mut self.gap, &self.image, &self.pressure, self.found.shift, share);
     }
 
     /// u = K p and g = u - h less its mean under pressure, in double precision before it is rounded.
     fn refresh(&mut self) {
-        let Self { contact, pressure, displacement, work, gap, scale, .. } = self;
+        let Self { contact, pressure, displacement, work, gap, .. } = self;
         contact.fourier.filter(pressure, &contact.compliance, displacement, work);
-        self.found = kernels::measure(pressure, displacement, &contact.height, *scale);
-        kernels::gap(gap, displacement, &contact.height, *scale, self.found.shift);
+        self.found = kernels::measure(pressure, displacement, &contact.height);
+        kernels::gap(gap, displacement, &contact.height, self.found.shift);
         self.found.shift = 0.0;
         self.fourier_pairs += 1;
         self.exact = true;
     }
 
-    /// z = K^-1 r, about
-    fn precondition(&mut self) {
-        let Self { contact, residual, preconditioned, preconditioner_work, .. } = self;
-        contact.preconditioner.apply(residual, preconditioned, preconditioner_work);
+    /// |sum (g - min g) p| / (sum p Sq), Sq = 1, and what the load lacks of it.
+    fn error(&self) -> f64 {
+        ((self.found.work - self.found.lowest * self.sum) / self.load).abs() + (self.sum / self.load - 1.0).abs()
     }
 
-    /// d = -z + beta d; returns r . d.
-    fn turn(&mut self, mean: f64, beta: f64) -> f64 {
-        kernels::turn(&mut self.direction, &self.preconditioned, &self.residual, mean as f32, beta as f32)
+    /// r on free points; z = K^-1 r, about.
+    fn precondition(&mut self) -> Fit {
+        let Self {
+            contact,
+            pressure,
+            gap,
+            found,
+            residual,
+            previous_residual,
+            preconditioned,
+            preconditioner_work,
+            ..
+        } = self;
+        std::mem::swap(residual, previous_residual);
+        let mut sums = FitSums::default();
+        contact.preconditioner.apply(
+            residual,
+            preconditioned,
+            preconditioner_work,
+            |points, residual| kernels::masked_gap(residual, &pressure[points.clone()], &gap[points], found.shift),
+            |points, z, residual| sums.add(z, residual, &previous_residual[points]),
+        );
+        sums.fit()
     }
 
-    /// image = K d; returns d . K d.
-    fn curvature(&mut self) -> f64 {
-        let Self { contact, direction, image, work_single, .. } = self;
-        contact.fourier_single.filter(direction, &contact.compliance_single, image, work_single);
-        self.fourier_pairs += 1;
-        kernels::dot(&self.direction, &self.image)
+    /// d = -z + beta d.
+    fn turn(&mut self, mean: f64, beta: f64) -> Direction {
+        let Self { contact, preconditioned, residual, direction, compliance_work, .. } = self;
+        let mut slope = 0.0;
+        let curvature = contact.compliance_about.energy(direction, compliance_work, |points, direction| {
+            let (z, residual) = (&preconditioned[points.clone()], &residual[points]);
+            slope += kernels::turn(direction, z, residual, mean as f32, beta as f32);
+        });
+        Direction { slope, curvature }
     }
 
-    /// p + step d without negative pressures, the load restored; g follows. What was before is kept where it is the
-    /// best. False where that is not finite.
-    fn advance(&mut self, step: f64, load: f64, is_best: bool) -> bool {
-        if is_best {
-            std::mem::swap(&mut self.pressure, &mut self.best);
-            self.best_scale = self.scale;
-            self.pressure.resize(self.best.len(), 0.0);
-        } else {
-            std::mem::swap(&mut self.pressure, &mut self.displacement);
+    /// p + step d without negative pressures, the load restored; g follows. False where that is not finite.
+    fn advance(&mut self, step: f64) -> bool {
+        let excess = (self.sum - self.load) / self.pressed;
+        let Self { load, pressure, direction, preconditioned, .. } = self;
+        let moved = kernels::advance(pressure, direction, preconditioned, step, excess);
+        let (mut sum, load) = (moved.sum, *load);
+        if (sum - load).abs() > NEGLIGIBLE_SHARE * load {
+            // Differences of pressures know a load that is too small a share of them no longer.
+            if load > LEAST_SHARE * sum {
+                sum = kernels::lower(pressure, preconditioned, (sum - load) / moved.count);
+            } else {
+                kernels::scale(pressure, preconditioned, load / sum);
+                sum = load;
+            }
         }
-        let Self { pressure, best, displacement, direction, preconditioned, .. } = self;
-        let before = if is_best { best } else { displacement };
-        let moved = kernels::advance(pressure, before, direction, preconditioned, self.scale, step);
-        self.exact = false;
-        let (mut sum, mut share) = (moved.sum, step);
-        // Differences of pressures know a load that is too small a share of them no longer.
-        if moved.clipped && load > LEAST_SHARE * moved.sum {
-            sum = kernels::lower(pressure, preconditioned, (sum - load) / moved.count);
-        }
-        self.scale = load / sum;
-        if !self.scale.is_finite() {
+        self.sum_change = sum - self.sum;
+        (self.sum, self.pressed, self.exact) = (sum, moved.count, false);
+        if !(sum.is_finite() && sum > 0.0) {
             return false;
         }
-        if moved.clipped {
-            self.follow_changes();
-            share = 1.0;
-        }
-        self.settle(share);
+        self.follow();
         true
+    }
+
+    /// Back to where the energy is least between the pressures before the last step and these, where that is far from here; says
+    /// whether it was.
+    fn retreat(&mut self) -> bool {
+        // E(s) = E(1) - (1 - s) g.c + (1 - s)^2 c.Kc/2
+        let changed = &self.preconditioned;
+        let work = kernels::dot(changed, &self.gap) - self.found.shift * self.sum_change;
+        let back = work / kernels::dot(changed, &self.image);
+        if !(back > 1.0 - OVERSHOT && back < 1.0) {
+            return false;
+        }
+        self.exact = false;
+        self.sum = kernels::step_back(&mut self.pressure, &self.preconditioned, back);
+        self.settle(-back);
+        true
+    }
+
+    /// Keeps the pressures before the last step.
+    fn keep_last(&mut self) {
+        self.best.clone_from(&self.pressure);
+        kernels::step_back(&mut self.best, &self.preconditioned, 1.0);
     }
 }
 
+/// A direction and what is known of the energy along it.
+struct Direction {
+    /// r . d
+    slope: f64,
+    /// d . K d, about
+    curvature: f64,
+}
+
 /// Solves for the normalized mean pressure `nominal` > 0.
-pub(crate) fn minimize(contact: &RoughContact, nominal: f64, options: &SolveOptions, monitor: &dyn Monitor) -> Outcome {
-    let mut state = State::new(contact, nominal, monitor);
-    let load = nominal * contact.height.len() as f64;
+pub(crate) fn minimize(
+    contact: &RoughContact,
+    nominal: f64,
+    options: &SolveOptions,
+    monitor: &dyn Monitor,
+    spare: &mut Spare,
+) -> Outcome {
+    let mut state = State::new(contact, nominal, monitor, spare);
     let mut best_error = f64::INFINITY;
     let mut error_before = f64::INFINITY;
     let mut fit_before = f64::INFINITY;
     let mut refresh_at = FIRST_REFRESH.max(options.tolerance);
     let mut restart = true;
+    let mut was_best = false;
     let mut iterations = 0;
     let mut area_before = None;
     let (status, error) = loop {
-        // |sum (g - min g) p| / (sum p Sq), Sq = 1
-        let error = ((state.found.work - state.found.lowest * load) / load).abs();
+        let mut error = state.error();
+        if was_best && error > best_error {
+            state.keep_last();
+            was_best = false;
+        }
+        if error > error_before {
+            restart |= error > RESTART_GROWTH * error_before;
+            if state.retreat() {
+                restart = true;
+                error = state.error();
+            }
+        }
         if error <= refresh_at && !state.exact {
             refresh_at = options.tolerance.max(NEXT_REFRESH * error);
             state.refresh();
@@ -224,48 +326,46 @@ pub(crate) fn minimize(contact: &RoughContact, nominal: f64, options: &SolveOpti
         if monitor.cancelled() {
             break (Status::Cancelled, error);
         }
-        let is_best = error < best_error;
-        restart |= error > RESTART_GROWTH * error_before;
+        was_best = error <= best_error;
+        best_error = best_error.min(error);
         error_before = error;
 
-        std::mem::swap(&mut state.residual, &mut state.previous_residual);
-        kernels::masked_gap(&mut state.residual, &state.pressure, &state.gap, state.found.shift);
-        state.precondition();
+        let fit = state.precondition();
         // On large maps the passes from here to the next transform take as long as those before.
         if monitor.cancelled() {
             break (Status::Cancelled, error);
         }
-        let fit = kernels::fit(&state.preconditioned, &state.residual, &state.previous_residual);
         // beta = z.(r - r_before) / (z_before.r_before), Polak and Ribiere
         let mut beta = if restart { 0.0 } else { ((fit.now - fit.before) / fit_before).max(0.0) };
         if !beta.is_finite() {
             beta = 0.0;
         }
         fit_before = fit.now;
-        let mut slope = state.turn(fit.mean, beta);
-        if slope >= 0.0 && beta > 0.0 {
-            slope = state.turn(fit.mean, 0.0);
+        let mut direction = state.turn(fit.mean, beta);
+        if direction.slope >= 0.0 && beta > 0.0 {
+            direction = state.turn(fit.mean, 0.0);
         }
-        // alpha = -r.d / d.Kd
-        let step = -slope / state.curvature();
+        // alpha = -r.d / d.Kd, about
+        let step = -direction.slope / direction.curvature;
         if !(step.is_finite() && step > 0.0) {
             if restart {
                 break (Status::Stalled, error);
             }
             restart = true;
+            was_best = false;
             iterations += 1;
             continue;
         }
         restart = false;
-        best_error = best_error.min(error);
-        if !state.advance(step, load, is_best) {
+        if !state.advance(step) {
+            state.keep_last();
             break (Status::Stalled, f64::INFINITY);
         }
         iterations += 1;
     };
     // What a filter left undone may look like anything.
     let status = if monitor.cancelled() { Status::Cancelled } else { status };
-    finish(state, (status, error, iterations), best_error, area_before)
+    finish(state, (status, error, iterations), best_error, area_before, spare)
 }
 
 /// The last state, or the best one where the last is worse.
@@ -274,28 +374,22 @@ fn finish(
     (status, mut error, iterations): (Status, f64, usize),
     best_error: f64,
     area_before: Option<ContactArea>,
+    spare: &mut Spare,
 ) -> Outcome {
     if best_error < error && status != Status::Converged {
-        error = best_error;
         std::mem::swap(&mut state.pressure, &mut state.best);
-        state.scale = state.best_scale;
         state.exact = false;
     }
-    if status == Status::Cancelled {
-        let convergence = Convergence { status, iterations, fourier_pairs: state.fourier_pairs, residual: error };
-        return Outcome { pressure: Vec::new(), gap: Vec::new(), convergence, area_before: None };
-    }
-    if !state.exact {
+    if !state.exact && status != Status::Cancelled {
         state.refresh();
+        error = state.error();
     }
-    let State { mut pressure, scale, displacement: mut gap, contact, fourier_pairs, .. } = state;
-    let mut lowest = f64::INFINITY;
-    for (g, h) in gap.iter_mut().zip(&contact.height) {
-        *g = scale * *g - h;
-        lowest = lowest.min(*g);
+    let State { pressure, displacement, best, fourier_pairs, .. } = state;
+    let State { gap, residual, previous_residual, preconditioned, direction, image, .. } = state;
+    spare.single.extend([gap, residual, previous_residual, preconditioned, direction, image]);
+    if !best.is_empty() {
+        spare.double.push(best);
     }
-    gap.iter_mut().for_each(|g| *g -= lowest);
-    pressure.iter_mut().for_each(|p| *p *= scale);
     let convergence = Convergence { status, iterations, fourier_pairs, residual: error };
-    Outcome { pressure, gap, convergence, area_before }
+    Outcome { pressure, displacement, convergence, area_before }
 }

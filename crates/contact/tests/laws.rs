@@ -129,7 +129,7 @@ fn near_full_contact_few_iterations_are_left() {
         found.convergence.iterations
     };
     let [middle, near, nearer] = [0.3, 0.9, 0.999].map(iterations);
-    assert!(nearer <= near && 2 * near < middle && nearer < 8, "{middle} {near} {nearer}");
+    assert!(near < middle && 2 * nearer < middle && nearer < 7, "{middle} {near} {nearer}");
 }
 
 #[test]
@@ -167,6 +167,33 @@ fn single_high_pixels_do_not_keep_the_rest_from_settling() {
         let convergence = solve(&map, pressure_pa).convergence;
         assert_eq!(convergence.status, Status::Converged, "{pressure_pa} Pa: {convergence:?}");
         assert!(convergence.iterations < 200, "{pressure_pa} Pa: {convergence:?}");
+    }
+}
+
+/// Steps that set many pressures to zero at once may raise the energy: on white noise they did so in turns, without an end.
+#[test]
+fn steps_that_overshoot_are_taken_back() {
+    let noise = |n: usize| ((n * n * 7919 + 13 * n) % 10_007) as f64 / 10_007.0 - 0.5;
+    for (rows, cols, dy_m) in [(128, 128, 1e-6), (96, 160, 1e-6), (128, 64, 4e-6)] {
+        let heights = (0..rows * cols).map(|n| 3e-7 * noise(n)).collect();
+        let contact = RoughContact::new(&HeightMap::new(rows, cols, 1e-6, dy_m, heights).unwrap(), MODULUS_PA).unwrap();
+        for share in [0.01, 0.05, 0.1, 0.15, 0.2, 0.3, 0.5, 0.8] {
+            let pressure_pa = share * contact.full_contact_pressure_pa();
+            let convergence = contact.solve(pressure_pa, &SolveOptions::default(), &Unwatched).unwrap().convergence;
+            assert_eq!(convergence.status, Status::Converged, "{rows} x {cols}, {share} p*: {convergence:?}");
+            assert!(convergence.iterations < 60, "{rows} x {cols}, {share} p*: {convergence:?}");
+        }
+    }
+}
+
+/// One pair for each iteration, one for the start, and what removes the rounding.
+#[test]
+fn an_iteration_takes_one_pair_of_transforms() {
+    let contact = RoughContact::new(&self_affine(256), MODULUS_PA).unwrap();
+    for share in [0.01, 0.1, 0.3, 0.7] {
+        let pressure_pa = share * contact.full_contact_pressure_pa();
+        let found = contact.solve(pressure_pa, &SolveOptions::default(), &Unwatched).unwrap().convergence;
+        assert!((1..6).contains(&(found.fourier_pairs - found.iterations)), "{share} p*: {found:?}");
     }
 }
 

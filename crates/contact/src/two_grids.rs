@@ -1,0 +1,494 @@
+//! A convolution that costs little: what a point and its neighbours say, and a coarse grid for the rest.
+//!
+//! ```text
+//! A  ~  N + B^T C B
+//! ```
+//!
+//! where N is a stencil of a point and its eight neighbours, B sums over blocks of 4 x 4 points, B^T repeats a block's value at
+//! its points, and C multiplies the waves of the coarse grid by what N lacks of A's factor. Both are symmetric.
+
+use std::f64::consts::TAU;
+use std::ops::Range;
+
+use multiversion::multiversion;
+use slipgrid_topography::fourier::{Fourier, FourierWork, Multiplier};
+
+use crate::kernels::dot;
+
+/// Points along a side of a block, on sides of at least [`SHORT_SIDE`] points; on shorter ones 1.
+const BLOCK: usize = 4;
+const SHORT_SIDE: usize = 16;
+
+/// One side of the map, cut into blocks of which the last takes what is left over.
+#[derive(Clone, Debug)]
+struct Side {
+    points: usize,
+    block: usize,
+    blocks: usize,
+}
+
+impl Side {
+    fn new(points: usize) -> Self {
+        let block = if points < SHORT_SIDE { 1 } else { BLOCK };
+        Self { points, block, blocks: points / block }
+    }
+
+    /// The points of block `n`.
+    fn points_of(&self, n: usize) -> Range<usize> {
+        let end = if n + 1 == self.blocks { self.points } else { (n + 1) * self.block };
+        n * self.block..end
+    }
+
+    /// Points of the longest block.
+    fn longest(&self) -> usize {
+        self.points_of(self.blocks - 1).len()
+    }
+
+    /// `sums` of blocks of the rows `input`, one after the other; `column_sums` is of one row.
+    fn sum(&self, input: &[f32], column_sums: &mut [f32], sums: &mut [f32]) {
+        column_sums.fill(0.0);
+        let mut fours = input.chunks_exact(4 * self.points);
+        for four in &mut fours {
+            let (two, others) = four.split_at(2 * self.points);
+            let ((a, b), (c, d)) = (two.split_at(self.points), others.split_at(self.points));
+            add_four(column_sums, [a, b, c, d]);
+        }
+        fours.remainder().chunks_exact(self.points).for_each(|row| add(column_sums, row));
+        if self.block == 1 {
+            sums.copy_from_slice(column_sums);
+            return;
+        }
+        let (blocks, rest) = column_sums.as_chunks::<BLOCK>();
+        sum_blocks(blocks, sums);
+        sums[self.blocks - 1] += rest.iter().sum::<f32>();
+    }
+
+    /// `values`, one a block, repeated at its points.
+    fn repeat(&self, values: &[f32], repeated: &mut [f32]) {
+        if self.block == 1 {
+            repeated.copy_from_slice(values);
+            return;
+        }
+        let (blocks, rest) = repeated.as_chunks_mut::<BLOCK>();
+        repeat_values(values, blocks);
+        rest.fill(values[self.blocks - 1]);
+    }
+
+    /// The share of a neighbour's value that either neighbour takes: they are one point where the side has two, and the
+    /// point itself where it has one.
+    fn neighbour_share(&self) -> f64 {
+        match self.points {
+            1 => 0.0,
+            2 => 0.5,
+            _ => 1.0,
+        }
+    }
+
+    /// cos(2 pi k/n): what a wave of k along this side has at a neighbour, in the mean of both, over what it has at a point.
+    fn turned(&self, k: usize) -> f64 {
+        (TAU * k as f64 / self.points as f64).cos()
+    }
+
+    /// What a factor of waves along this side is at c = 0 and how it grows with c, c the wave's [`Self::turned`], on the line through
+    /// its values at a quarter of all waves and at half of them. On sides without a coarse grid: its value at a quarter.
+    fn line(&self, factor: impl Fn(usize) -> f64) -> [f64; 2] {
+        let [quarter, half] = [self.points / 4, self.points / 2];
+        let (at_quarter, at_half) = (factor(quarter), factor(half));
+        if self.block == 1 {
+            return [at_quarter, 0.0];
+        }
+        let slope = (at_quarter - at_half) / (self.turned(quarter) - self.turned(half));
+        [at_quarter - slope * self.turned(quarter), slope]
+    }
+}
+
+/// The kernel's values at a point, at its neighbours along rows (in the next row), along columns and along both.
+#[derive(Clone, Copy, Debug)]
+struct Stencil {
+    centre: f64,
+    next_row: f64,
+    next_column: f64,
+    corner: f64,
+}
+
+impl Stencil {
+    /// The values of the kernel with the waves `stiffness`, (1/N) sum of stiffness cos(q x).
+    fn of_kernel(rows: &Side, cols: &Side, stiffness: impl Fn(usize, usize) -> f64) -> Self {
+        let [mut centre, mut next_row, mut next_column, mut corner] = [0.0; 4];
+        let row_turns: Vec<f64> = (0..=rows.points / 2).map(|k| rows.turned(k)).collect();
+        for l in 0..=cols.points / 2 {
+            let [mut here, mut beside] = [0.0; 2];
+            for (k, turned) in row_turns.iter().enumerate() {
+                let wave = twins(k, rows.points) * stiffness(k, l);
+                here += wave;
+                beside += wave * turned;
+            }
+            let (twins, turned) = (twins(l, cols.points), cols.turned(l));
+            centre += twins * here;
+            next_row += twins * beside;
+            next_column += twins * here * turned;
+            corner += twins * beside * turned;
+        }
+        let per_point = 1.0 / (rows.points * cols.points) as f64;
+        let (row_share, column_share) = (per_point * rows.neighbour_share(), cols.neighbour_share());
+        Self {
+            centre: per_point * centre,
+            next_row: row_share * next_row,
+            next_column: per_point * column_share * next_column,
+            corner: row_share * column_share * corner,
+        }
+    }
+
+    /// The stencil whose factor is bilinear in the cosines of neighbours and meets `factor` at a quarter and at half of the waves.
+    fn of_short_waves(rows: &Side, cols: &Side, factor: impl Fn(usize, usize) -> f64) -> Self {
+        let along = |part: usize| rows.line(|k| cols.line(|l| factor(k, l))[part]);
+        let ([centre, by_row], [by_column, by_both]) = (along(0), along(1));
+        Self { centre, next_row: by_row / 2.0, next_column: by_column / 2.0, corner: by_both / 4.0 }
+    }
+
+    /// N's factor for a wave that has `along_x` and `along_y` of its value at neighbours.
+    fn factor(&self, along_x: f64, along_y: f64) -> f64 {
+        let beside = 2.0 * (self.next_row * along_x + self.next_column * along_y);
+        self.centre + beside + 4.0 * self.corner * along_x * along_y
+    }
+}
+
+/// The mean of `factor` over all waves of a grid: what the convolution with it has at a point.
+fn mean_of_waves(rows: usize, cols: usize, factor: impl Fn(usize, usize) -> f64) -> f64 {
+    let waves = (0..=rows / 2).flat_map(|k| (0..=cols / 2).map(move |l| (k, l)));
+    waves.map(|(k, l)| twins(k, rows) * twins(l, cols) * factor(k, l)).sum::<f64>() / (rows * cols) as f64
+}
+
+/// Waves that -k and k stand for along a side of `points`.
+fn twins(k: usize, points: usize) -> f64 {
+    if k == 0 || 2 * k == points { 1.0 } else { 2.0 }
+}
+
+/// Which stencil stands for the near part of a convolution.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Near {
+    /// The kernel's values at a point and its neighbours: for kernels that fall off fast.
+    Kernel,
+    /// The factors of short waves, and the kernel's centre: for kernels that reach far, whose rest is smooth.
+    ShortWaves,
+}
+
+/// A = N + B^T C B for maps of one size.
+#[derive(Clone, Debug)]
+pub(crate) struct TwoGrids {
+    rows: Side,
+    cols: Side,
+    stencil: Stencil,
+    coarse: Fourier<f32>,
+    remainder: Multiplier<f32>,
+}
+
+/// Buffers of one running [`TwoGrids`], for all of one size.
+pub(crate) struct TwoGridsWork {
+    fourier: FourierWork<'static, f32>,
+    /// Sums over blocks.
+    blocks: Vec<f32>,
+    /// What the coarse grid adds at them.
+    added: Vec<f32>,
+    /// The row of `added` that a row of the map lies in, each value repeated over its block.
+    repeated: Vec<f32>,
+    /// The sum of the rows before and after one row.
+    beside: Vec<f32>,
+    /// The first row, and the row before the next.
+    first: Vec<f32>,
+    before: Vec<f32>,
+    /// The rows of one block of the result.
+    result: Vec<f32>,
+}
+
+impl TwoGrids {
+    /// For maps of `rows` x `cols` points whose waves of k along x and l along y have the factor `factor(k, l)`.
+    pub(crate) fn new(rows: usize, cols: usize, near: Near, factor: impl Fn(usize, usize) -> f64) -> Self {
+        let (rows, cols) = (Side::new(rows), Side::new(cols));
+        let coarse = Fourier::new(rows.blocks, cols.blocks);
+        // Sums over blocks count each point once: over their number they are means.
+        let blocks_per_point = (rows.blocks * cols.blocks) as f64 / (rows.points * cols.points) as f64;
+        let rest = |stencil: Stencil, k: usize, l: usize| {
+            (factor(k, l) - stencil.factor(rows.turned(k), cols.turned(l))) * blocks_per_point
+        };
+        let mut stencil = match near {
+            Near::Kernel => Stencil::of_kernel(&rows, &cols, &factor),
+            Near::ShortWaves => Stencil::of_short_waves(&rows, &cols, &factor),
+        };
+        if matches!(near, Near::ShortWaves) && blocks_per_point < 1.0 {
+            // A point that is alone meets the kernel's centre. Of what is added to N there, the coarse grid takes a share off again.
+            let alone = mean_of_waves(rows.points, cols.points, &factor);
+            let found = stencil.centre + mean_of_waves(rows.blocks, cols.blocks, |k, l| rest(stencil, k, l));
+            stencil.centre += (alone - found) / (1.0 - blocks_per_point);
+        }
+        let remainder = coarse.wave_multiplier(|k, l| rest(stencil, k, l));
+        Self { rows, cols, stencil, coarse, remainder }
+    }
+
+    /// Buffers for one running convolution.
+    pub(crate) fn work(&self) -> TwoGridsWork {
+        let blocks = self.rows.blocks * self.cols.blocks;
+        let row = || vec![0.0; self.cols.points];
+        TwoGridsWork {
+            fourier: self.coarse.work(),
+            blocks: vec![0.0; blocks],
+            added: vec![0.0; blocks],
+            repeated: row(),
+            beside: row(),
+            first: row(),
+            before: row(),
+            result: vec![0.0; self.rows.longest() * self.cols.points],
+        }
+    }
+
+    /// The kernel's value at its centre.
+    pub(crate) fn centre(&self) -> f64 {
+        self.stencil.centre
+    }
+
+    /// The points in the rows of block `n`.
+    fn points_of(&self, n: usize) -> Range<usize> {
+        let rows = self.rows.points_of(n);
+        rows.start * self.cols.points..rows.end * self.cols.points
+    }
+
+    /// Sums over blocks of `values`, which [`Self::apply`] begins with, after `fill` has overwritten one range of points after the other.
+    pub(crate) fn gather(
+        &self,
+        values: &mut [f32],
+        work: &mut TwoGridsWork,
+        mut fill: impl FnMut(Range<usize>, &mut [f32]),
+    ) {
+        for (n, sums) in work.blocks.chunks_exact_mut(self.cols.blocks).enumerate() {
+            let points = self.points_of(n);
+            let values = &mut values[points.clone()];
+            fill(points, values);
+            self.cols.sum(values, &mut work.repeated, sums);
+        }
+    }
+
+    /// A `values`, some rows after the other. `turn` gets the range of their points, A `values` there and `values` there, and may
+    /// overwrite both; what it leaves of the former is gathered for the next call. `values` themselves have been gathered before.
+    pub(crate) fn apply(
+        &self,
+        values: &mut [f32],
+        work: &mut TwoGridsWork,
+        mut turn: impl FnMut(Range<usize>, &mut [f32], &mut [f32]),
+    ) {
+        let Self { rows, cols, stencil, coarse, remainder } = self;
+        let TwoGridsWork { fourier, blocks, added, repeated, beside, first, before, result } = work;
+        coarse.filter(blocks, remainder, added, fourier);
+        // Rows that neighbours need after others have come in their place.
+        first.copy_from_slice(&values[..cols.points]);
+        before.copy_from_slice(&values[values.len() - cols.points..]);
+        let grids = added.chunks_exact(cols.blocks).zip(blocks.chunks_exact_mut(cols.blocks));
+        for (n, (coarse_values, sums)) in grids.enumerate() {
+            cols.repeat(coarse_values, repeated);
+            let points = self.points_of(n);
+            let result = &mut result[..points.len()];
+            for (row, result) in rows.points_of(n).zip(result.chunks_exact_mut(cols.points)) {
+                let (row, after) = values[row * cols.points..].split_at(cols.points);
+                sum_rows(beside, before, after.get(..cols.points).unwrap_or(first));
+                near(result, row, beside, repeated, *stencil);
+                before.copy_from_slice(row);
+            }
+            turn(points.clone(), result, &mut values[points]);
+            cols.sum(result, repeated, sums);
+        }
+    }
+
+    /// `values` . A `values`, after `fill` has overwritten one range of points after the other.
+    pub(crate) fn energy(
+        &self,
+        values: &mut [f32],
+        work: &mut TwoGridsWork,
+        mut fill: impl FnMut(Range<usize>, &mut [f32]),
+    ) -> f64 {
+        let Self { rows, cols, stencil, coarse, remainder } = self;
+        let mut energy = 0.0;
+        // Each row with itself and twice with the one before it.
+        let mut near_energy = |row: &[f32], before: &[f32], work: &mut TwoGridsWork| {
+            let TwoGridsWork { repeated, beside, result, .. } = work;
+            sum_rows(beside, before, before);
+            repeated.fill(0.0);
+            let result = &mut result[..cols.points];
+            near(result, row, beside, repeated, *stencil);
+            energy += dot(row, result);
+        };
+        for n in 0..rows.blocks {
+            let points = self.points_of(n);
+            fill(points.clone(), &mut values[points.clone()]);
+            for start in points.clone().step_by(cols.points).filter(|&start| start > 0) {
+                let (before, row) = values[start - cols.points..start + cols.points].split_at(cols.points);
+                near_energy(row, before, work);
+            }
+            let sums = &mut work.blocks[n * cols.blocks..(n + 1) * cols.blocks];
+            cols.sum(&values[points], &mut work.repeated, sums);
+        }
+        near_energy(&values[..cols.points], &values[values.len() - cols.points..], work);
+        coarse.filter(&work.blocks, remainder, &mut work.added, &mut work.fourier);
+        energy + dot(&work.blocks, &work.added)
+    }
+}
+
+#[multiversion(targets("x86_64+avx512f", "x86_64+avx2"))]
+fn add(sums: &mut [f32], row: &[f32]) {
+    for (sum, value) in sums.iter_mut().zip(row) {
+        *sum += value;
+    }
+}
+
+#[multiversion(targets("x86_64+avx512f", "x86_64+avx2"))]
+fn add_four(sums: &mut [f32], [a, b, c, d]: [&[f32]; 4]) {
+    for ((((sum, a), b), c), d) in sums.iter_mut().zip(a).zip(b).zip(c).zip(d) {
+        *sum += (a + b) + (c + d);
+    }
+}
+
+#[multiversion(targets("x86_64+avx512f", "x86_64+avx2"))]
+fn sum_blocks(blocks: &[[f32; BLOCK]], sums: &mut [f32]) {
+    for (sum, [a, b, c, d]) in sums.iter_mut().zip(blocks) {
+        *sum = (a + b) + (c + d);
+    }
+}
+
+#[multiversion(targets("x86_64+avx512f", "x86_64+avx2"))]
+fn repeat_values(values: &[f32], blocks: &mut [[f32; BLOCK]]) {
+    for (block, &value) in blocks.iter_mut().zip(values) {
+        *block = [value; BLOCK];
+    }
+}
+
+#[multiversion(targets("x86_64+avx512f", "x86_64+avx2"))]
+fn sum_rows(sums: &mut [f32], before: &[f32], after: &[f32]) {
+    for ((sum, b), a) in sums.iter_mut().zip(before).zip(after) {
+        *sum = b + a;
+    }
+}
+
+/// One row of N, `beside` the sum of the rows before and after it, and what the coarse grid adds to it.
+#[multiversion(targets("x86_64+avx512f", "x86_64+avx2"))]
+fn near(output: &mut [f32], row: &[f32], beside: &[f32], added: &[f32], stencil: Stencil) {
+    let [centre, next_row, next_column, corner] =
+        [stencil.centre, stencil.next_row, stencil.next_column, stencil.corner].map(|weight| weight as f32);
+    // Of three columns the values and those beside them in the rows before and after.
+    let value = |[left, here, right]: [f32; 3], [beside_left, beside, beside_right]: [f32; 3]| {
+        centre * here + next_row * beside + next_column * (left + right) + corner * (beside_left + beside_right)
+    };
+    let last = row.len() - 1;
+    for at in [0, last] {
+        let columns = [if at == 0 { last } else { at - 1 }, at, if at == last { 0 } else { at + 1 }];
+        output[at] = added[at] + value(columns.map(|n| row[n]), columns.map(|n| beside[n]));
+    }
+    if let Some(inner) = output.get_mut(1..last) {
+        for (n, out) in inner.iter_mut().enumerate() {
+            *out = added[n + 1] + value([row[n], row[n + 1], row[n + 2]], [beside[n], beside[n + 1], beside[n + 2]]);
+        }
+    }
+}
+
+#[cfg(test)]
+pub(crate) mod tests {
+    use super::*;
+
+    /// q/q1 on pixels of 1 x `aspect`, 1/2 for the mean.
+    pub(crate) fn stiffness((rows, cols): (usize, usize), aspect: f64) -> impl Fn(usize, usize) -> f64 {
+        let (x, y) = (1.0 / rows as f64, 1.0 / (cols as f64 * aspect));
+        move |k, l| if k == 0 && l == 0 { 0.5 } else { (k as f64 * x).hypot(l as f64 * y) / x.min(y) }
+    }
+
+    /// q1/q, nothing for the mean.
+    fn compliance(sides: (usize, usize), aspect: f64) -> impl Fn(usize, usize) -> f64 {
+        let stiffness = stiffness(sides, aspect);
+        move |k, l| if k == 0 && l == 0 { 0.0 } else { 1.0 / stiffness(k, l) }
+    }
+
+    pub(crate) fn applied(convolution: &TwoGrids, input: &[f32]) -> Vec<f32> {
+        let (mut values, mut work) = (input.to_vec(), convolution.work());
+        convolution.gather(&mut values, &mut work, |_, _| {});
+        convolution.apply(&mut values, &mut work, |_, result, values| values.copy_from_slice(result));
+        values
+    }
+
+    /// The convolution itself.
+    fn exact((rows, cols): (usize, usize), factor: impl Fn(usize, usize) -> f64, input: &[f32]) -> Vec<f32> {
+        let fourier = Fourier::<f32>::new(rows, cols);
+        let mut output = input.to_vec();
+        fourier.filter(input, &fourier.wave_multiplier(factor), &mut output, &mut fourier.work());
+        output
+    }
+
+    pub(crate) fn uneven(points: usize, seed: usize) -> Vec<f32> {
+        (0..points).map(|n| ((n * n * 7919 + seed * n + 13) % 1009) as f32 / 1009.0 - 0.4).collect()
+    }
+
+    #[test]
+    fn it_is_symmetric_and_positive_on_sides_of_any_length() {
+        for (rows, cols) in [(64, 64), (67, 35), (16, 18), (40, 1), (1, 33), (2, 64), (3, 3), (256, 17)] {
+            let convolution = TwoGrids::new(rows, cols, Near::Kernel, stiffness((rows, cols), 1.3));
+            let (a, b) = (uneven(rows * cols, 3), uneven(rows * cols, 11));
+            let (of_a, of_b) = (applied(&convolution, &a), applied(&convolution, &b));
+            let (left, right) = (dot(&a, &of_b), dot(&b, &of_a));
+            let size = (dot(&a, &of_a) * dot(&b, &of_b)).sqrt();
+            assert!(size > 0.0 && (left - right).abs() < 1e-5 * size, "{rows} x {cols}: {left} and {right} of {size}");
+        }
+    }
+
+    #[test]
+    fn on_short_sides_it_is_the_convolution_itself() {
+        for sides in [(15, 12), (8, 8), (2, 5), (1, 7), (9, 1), (2, 2), (1, 1)] {
+            let input = uneven(sides.0 * sides.1, 5);
+            let tolerance = 1e-5 * (sides.0 + sides.1) as f32;
+            let close = |found: Vec<f32>, expected: Vec<f32>| {
+                for (found, expected) in found.iter().zip(&expected) {
+                    assert!((found - expected).abs() < tolerance, "{sides:?}: {found}, {expected}");
+                }
+            };
+            let (stiff, soft) = (stiffness(sides, 0.7), compliance(sides, 0.7));
+            close(
+                applied(&TwoGrids::new(sides.0, sides.1, Near::Kernel, &stiff), &input),
+                exact(sides, &stiff, &input),
+            );
+            close(
+                applied(&TwoGrids::new(sides.0, sides.1, Near::ShortWaves, &soft), &input),
+                exact(sides, &soft, &input),
+            );
+        }
+    }
+
+    /// With N alone, a wave of the whole side would meet a stiffness of tens instead of 1; with C alone, the shortest none.
+    #[test]
+    fn waves_of_all_lengths_meet_about_their_factor() {
+        let (rows, cols) = (128, 96);
+        let (stiff, soft) = (stiffness((rows, cols), 1.0), compliance((rows, cols), 1.0));
+        let stiffness = TwoGrids::new(rows, cols, Near::Kernel, &stiff);
+        let compliance = TwoGrids::new(rows, cols, Near::ShortWaves, &soft);
+        for (k, l) in [(1, 0), (0, 1), (2, 3), (8, 1), (12, 12), (20, 5), (40, 30), (64, 0), (0, 48), (64, 48)] {
+            let phase = |n: usize| (k * (n / cols)) as f64 / rows as f64 + (l * (n % cols)) as f64 / cols as f64;
+            let wave: Vec<f32> = (0..rows * cols).map(|n| (TAU * phase(n)).cos() as f32).collect();
+            for (of, factor) in [(&stiffness, stiff(k, l)), (&compliance, soft(k, l))] {
+                let share = dot(&wave, &applied(of, &wave)) / dot(&wave, &wave) / factor;
+                assert!((0.8..1.25).contains(&share), "{k} and {l}: {share} of {factor}");
+            }
+        }
+    }
+
+    /// Directions of a solve are rough: their energy is known to less than a tenth.
+    #[test]
+    fn the_energy_of_rough_fields_is_about_theirs() {
+        for (sides, aspect) in [((128, 96), 1.0), ((67, 70), 1.0), ((64, 130), 0.5), ((40, 1), 1.0), ((100, 12), 1.0)] {
+            let soft = compliance(sides, aspect);
+            let about = TwoGrids::new(sides.0, sides.1, Near::ShortWaves, &soft);
+            let white = uneven(sides.0 * sides.1, 7);
+            for power in [0, 1] {
+                // White, or with waves as high as they are long.
+                let mut field = if power == 0 { white.clone() } else { exact(sides, &soft, &white) };
+                let expected = dot(&field, &exact(sides, &soft, &field));
+                let found = about.energy(&mut field, &mut about.work(), |_, _| {});
+                let by_rows = dot(&field, &applied(&about, &field));
+                assert!((found / by_rows - 1.0).abs() < 1e-4, "{sides:?}, {power}: {found}, by rows {by_rows}");
+                assert!((found / expected - 1.0).abs() < 0.09, "{sides:?}, {power}: {}", found / expected);
+            }
+        }
+    }
+}
