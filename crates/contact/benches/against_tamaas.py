@@ -9,7 +9,7 @@ Needs Tamaas (PyPI: pip install tamaas) and the built program:
 
 `slipgrid synthesize` writes the map. Seconds are processor seconds of the solves alone on either side; those of the whole
 program `slipgrid area-law`, with the reading of the map, stand below. Iterations of the two are not alike: one of
-Tamaas applies the operator twice (gap and step), ours two to three times, one of them the preconditioner.
+Tamaas applies the operator twice (gap and step), ours once, beside a preconditioner on two grids.
 """
 
 import os
