@@ -10,7 +10,7 @@ use slipgrid_traces::columns::Channel;
 use toml::Value;
 
 use crate::probes::{KINDS, Kind, changed, records, types};
-use crate::{book, files, keep, root, text};
+use crate::{book, files, keep, program, root, text};
 
 /// The schema that files of this program have.
 const VERSION: u32 = 1;
@@ -209,8 +209,7 @@ fn small_design(wanted: &str) -> String {
 
 /// Runs the program in `folder` and holds the result.json that it writes below `out` to the schema `name`.
 fn obeys(folder: &Path, name: &str, arguments: &[&str], out: &str) {
-    let mut program = std::process::Command::new(env!("CARGO_BIN_EXE_slipgrid-of-the-book"));
-    let output = program.current_dir(folder).args(arguments).args(["-o", out]).output().unwrap();
+    let output = program().current_dir(folder).args(arguments).args(["-o", out]).output().unwrap();
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let known: serde_json::Value =
         serde_json::from_str(&text(&book().join(format!("schemas/{name}-{VERSION}.json")))).unwrap();

@@ -15,6 +15,7 @@ mod walks;
 
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::process::Command;
 
 /// The folder of the repository.
 fn root() -> PathBuf {
@@ -24,6 +25,13 @@ fn root() -> PathBuf {
 /// The folder of the chapters.
 fn book() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("src")
+}
+
+/// The program, which keeps its results beside what was built, not in the user's folder.
+fn program() -> Command {
+    let mut program = Command::new(env!("CARGO_BIN_EXE_slipgrid-of-the-book"));
+    program.env("SLIPGRID_CACHE", Path::new(env!("CARGO_TARGET_TMPDIR")).join("kept-of-the-book"));
+    program
 }
 
 /// The text of a file of the repository.

@@ -1,14 +1,11 @@
 //! Numbers that the book quotes stand where it says.
 
-use std::process::Command;
-
-use crate::{book, root, text};
+use crate::{book, program, root, text};
 
 /// The table of measured and modelled ratios is what `slipgrid validate` prints.
 #[test]
 fn the_ratios_of_the_validation_are_what_the_program_prints() {
-    let mut program = Command::new(env!("CARGO_BIN_EXE_slipgrid-of-the-book"));
-    let output = program.current_dir(root()).arg("validate").output().unwrap();
+    let output = program().current_dir(root()).arg("validate").output().unwrap();
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let printed = String::from_utf8(output.stdout).unwrap();
     let numbers = |line: &str| line.split_whitespace().map(|word| word.parse().ok()).collect::<Option<Vec<f64>>>();

@@ -8,12 +8,11 @@
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::Path;
-use std::process::Command;
 
 use slipgrid_book::console::{LEFT_OUT, blocks, compare};
 use tempfile::TempDir;
 
-use crate::{book, files, pictures, root, tables, text, updates};
+use crate::{book, files, pictures, program, root, tables, text, updates};
 
 /// A line of a chapter that begins what a command ends with, where that is not 0.
 const EXIT_CODE: &str = "[exit code ";
@@ -50,8 +49,7 @@ fn print(folder: &Path, command: &str) -> String {
             String::new()
         }
         ["slipgrid", ..] => {
-            let mut program = Command::new(env!("CARGO_BIN_EXE_slipgrid-of-the-book"));
-            let output = program.current_dir(folder).args(&words[1..]).output().unwrap();
+            let output = program().current_dir(folder).args(&words[1..]).output().unwrap();
             let mut printed = String::from_utf8(output.stdout).unwrap();
             match output.status.code() {
                 Some(0) => {}

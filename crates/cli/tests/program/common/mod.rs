@@ -5,6 +5,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
+use std::sync::LazyLock;
 
 use serde_json::Value;
 use tempfile::TempDir;
@@ -153,8 +154,19 @@ pub fn program() -> Command {
 /// A folder with input files, in which the program is run.
 pub struct Place {
     folder: TempDir,
-    /// Where the program keeps results from one run to the next; absent where it computes everything anew.
+    /// Where the program keeps results from one run to the next; absent where it shares them with other places.
     cache: Option<TempDir>,
+}
+
+/// What runs of this test program keep for one another, as a user's do: fits and runs in time of the same flat sample are many tests'
+/// first step. Empty at first, so that nothing is taken from an older program.
+fn shared_cache() -> &'static Path {
+    static CACHE: LazyLock<PathBuf> = LazyLock::new(|| {
+        let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("kept");
+        let _ = fs::remove_dir_all(&folder);
+        folder
+    });
+    &CACHE
 }
 
 /// JSON as printed or written.
@@ -181,7 +193,7 @@ impl Place {
         place
     }
 
-    /// The same, whose runs take over what earlier ones kept, as a user's do.
+    /// The same, whose runs take over what earlier ones in this place kept, and nothing else.
     pub fn with_cache(files: &[(&str, &str)]) -> Self {
         Self { cache: Some(tempfile::tempdir().unwrap()), ..Self::with(files) }
     }
@@ -205,9 +217,7 @@ impl Place {
 
     pub fn run(&self, args: &[&str]) -> Output {
         let mut command = program();
-        if let Some(cache) = &self.cache {
-            command.env("SLIPGRID_CACHE", cache.path());
-        }
+        command.env("SLIPGRID_CACHE", self.cache.as_ref().map_or_else(|| shared_cache(), |cache| cache.path()));
         command.current_dir(self.folder.path()).args(args).output().unwrap()
     }
 
