@@ -12,6 +12,9 @@ pub struct ContactArea {
 }
 
 impl ContactArea {
+    pub(crate) const NONE: Self = Self { fraction: 0.0, fraction_corrected: 0.0 };
+    pub(crate) const FULL: Self = Self { fraction: 1.0, fraction_corrected: 1.0 };
+
     /// The larger of the differences of both fractions.
     pub(crate) fn distance(&self, other: &Self) -> f64 {
         let counted = (self.fraction - other.fraction).abs();

@@ -71,22 +71,19 @@ fn area_point(
     monitor: &dyn Monitor,
     spares: &Mutex<Vec<Spare>>,
 ) -> AreaPoint {
-    if let Some(area) = contact.known_area(pressure_pa) {
-        return AreaPoint {
-            pressure_pa,
-            area_fraction: area,
-            area_fraction_corrected: area,
-            area_error: 0.0,
-            convergence: Convergence::KNOWN,
-        };
-    }
-    let spares = || spares.lock().unwrap_or_else(PoisonError::into_inner);
-    let mut spare = spares().pop().unwrap_or_default();
-    let outcome = contact.minimize(pressure_pa, options, monitor, &mut spare);
-    let (area, area_error) = contact.area(&outcome);
-    let convergence = outcome.convergence;
-    spare.take_back(outcome);
-    spares().push(spare);
+    let (area, area_error, convergence) = match contact.known_area(pressure_pa) {
+        Some(area) => (area, 0.0, Convergence::KNOWN),
+        None => {
+            let spares = || spares.lock().unwrap_or_else(PoisonError::into_inner);
+            let mut spare = spares().pop().unwrap_or_default();
+            let outcome = contact.minimize(pressure_pa, options, monitor, &mut spare);
+            let (area, area_error) = contact.area(&outcome);
+            let convergence = outcome.convergence;
+            spare.take_back(outcome);
+            spares().push(spare);
+            (area, area_error, convergence)
+        }
+    };
     AreaPoint {
         pressure_pa,
         area_fraction: area.fraction,

@@ -153,9 +153,9 @@ impl RoughContact {
         let fourier = Fourier::new(map.rows(), map.cols());
         let longest_m = (map.rows() as f64 * map.dx_m()).max(map.cols() as f64 * map.dy_m());
         let first = std::f64::consts::TAU / longest_m;
-        // u_q = 2/(E* q) p_q; in the units above q1/q.
-        let compliance = |q| first / q;
         let (dx_m, dy_m) = (map.dx_m(), map.dy_m());
+        // u_q = 2/(E* q) p_q; in the units above q1/q.
+        let compliance = |k, l| if k == 0 && l == 0 { 0.0 } else { first / fourier.wave_number(k, l, dx_m, dy_m) };
         // p_q = E* q/2 u_q; the mean, on which a half-space has no hold, takes half of the first wave's.
         let stiffness = |k, l| if k == 0 && l == 0 { 0.5 } else { fourier.wave_number(k, l, dx_m, dy_m) / first };
         let fourier_single: Fourier<f32> = Fourier::new(map.rows(), map.cols());
@@ -166,13 +166,11 @@ impl RoughContact {
         fourier.filter(&height, &flattening, &mut fluctuation, &mut fourier.work_watched(monitor));
         heed()?;
         let lowest = fluctuation.iter().copied().fold(0.0, f64::min);
-        let compliance_double = fourier.multiplier(dx_m, dy_m, 0.0, compliance);
+        let compliance_double = fourier.wave_multiplier(compliance);
         heed()?;
-        let compliance_single = fourier_single.multiplier(dx_m, dy_m, 0.0, compliance);
+        let compliance_single = fourier_single.wave_multiplier(compliance);
         heed()?;
-        let compliance_of_waves =
-            |k, l| if k == 0 && l == 0 { 0.0 } else { compliance(fourier.wave_number(k, l, dx_m, dy_m)) };
-        let compliance_about = TwoGrids::new(map.rows(), map.cols(), Near::ShortWaves, compliance_of_waves);
+        let compliance_about = TwoGrids::new(map.rows(), map.cols(), Near::ShortWaves, compliance);
         heed()?;
         let preconditioner = Preconditioner::new(map.rows(), map.cols(), stiffness);
         heed()?;
@@ -237,8 +235,8 @@ impl RoughContact {
         monitor: &dyn Monitor,
     ) -> Result<ContactState, ContactError> {
         check(pressure_pa, options)?;
-        if let Some(area_fraction) = self.known_area(pressure_pa) {
-            return Ok(self.known(pressure_pa, area_fraction));
+        if let Some(area) = self.known_area(pressure_pa) {
+            return Ok(self.known(pressure_pa, area));
         }
         let outcome = self.minimize(pressure_pa, options, monitor, &mut Spare::default());
         let (area, area_error) = self.area(&outcome);
@@ -256,25 +254,24 @@ impl RoughContact {
         Ok(ContactState { pressure_pa, gap_m, area, area_error, convergence })
     }
 
-    /// The area fraction at `pressure_pa` where it is known without iterations.
-    pub(crate) fn known_area(&self, pressure_pa: f64) -> Option<f64> {
+    /// The area at `pressure_pa` where it is known without iterations.
+    pub(crate) fn known_area(&self, pressure_pa: f64) -> Option<ContactArea> {
         if pressure_pa == 0.0 {
-            return Some(0.0);
+            return Some(ContactArea::NONE);
         }
-        (pressure_pa >= self.full_contact_pressure_pa()).then_some(1.0)
+        (pressure_pa >= self.full_contact_pressure_pa()).then_some(ContactArea::FULL)
     }
 
     /// The state at a pressure at which the area is known.
-    fn known(&self, pressure_pa: f64, area_fraction: f64) -> ContactState {
+    fn known(&self, pressure_pa: f64, area: ContactArea) -> ContactState {
         let points = self.height.len();
-        let (pressure_pa, gap_m) = if area_fraction == 0.0 {
+        let (pressure_pa, gap_m) = if area == ContactArea::NONE {
             let highest = self.height.iter().copied().fold(f64::NEG_INFINITY, f64::max);
             (vec![0.0; points], self.height.iter().map(|h| (highest - h) * self.height_unit_m).collect())
         } else {
             let fluctuation = self.full_contact_fluctuation.iter();
             (fluctuation.map(|p| (pressure_pa + p * self.pressure_unit_pa).max(0.0)).collect(), vec![0.0; points])
         };
-        let area = ContactArea { fraction: area_fraction, fraction_corrected: area_fraction };
         ContactState { pressure_pa, gap_m, area, area_error: 0.0, convergence: Convergence::KNOWN }
     }
 
@@ -292,7 +289,7 @@ impl RoughContact {
     /// The area of a solution and what ending at the tolerance leaves open of it.
     pub(crate) fn area(&self, outcome: &Outcome) -> (ContactArea, f64) {
         if outcome.convergence.status == Status::Cancelled {
-            return (ContactArea { fraction: 0.0, fraction_corrected: 0.0 }, 1.0);
+            return (ContactArea::NONE, 1.0);
         }
         let area = contact_area(&outcome.pressure, self.cols);
         // Without a state a decade before, all of the area is open.

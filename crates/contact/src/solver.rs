@@ -40,7 +40,7 @@ use crate::rough_contact::{Convergence, RoughContact, SolveOptions, Status};
 use crate::two_grids::TwoGridsWork;
 use crate::{Monitor, kernels};
 
-/// What the solver found, normalized; nothing where it was cancelled.
+/// What the solver found, normalized; where it was cancelled the fields mean nothing.
 pub(crate) struct Outcome {
     pub(crate) pressure: Vec<f64>,
     /// u = K p
@@ -60,13 +60,13 @@ pub(crate) struct Spare {
 impl Spare {
     /// Takes what a solve found back.
     pub(crate) fn take_back(&mut self, outcome: Outcome) {
-        self.double.extend([outcome.pressure, outcome.displacement].into_iter().filter(|field| !field.is_empty()));
+        self.double.extend([outcome.pressure, outcome.displacement]);
     }
 }
 
-/// A field that a solve no longer needs, or a new one.
-fn taken<T: Copy + Default>(spare: &mut Vec<Vec<T>>, points: usize) -> Vec<T> {
-    let mut field = spare.pop().unwrap_or_else(|| vec![T::default(); points]);
+/// A field of zeros, in place of one that a solve no longer needs where there is one.
+fn zeros<T: Copy + Default>(spare: &mut Vec<Vec<T>>, points: usize) -> Vec<T> {
+    let Some(mut field) = spare.pop() else { return vec![T::default(); points] };
     field.fill(T::default());
     field
 }
@@ -104,7 +104,7 @@ struct State<'a> {
     pressed: f64,
     /// The pressures of the best state but this one, once there is one.
     best: Vec<f64>,
-    /// u = K p where the state is exact; else the pressures before the last step where they are not the best.
+    /// u = K p where the state is exact.
     displacement: Vec<f64>,
     /// The gap is that of K p in double precision.
     exact: bool,
@@ -124,9 +124,9 @@ struct State<'a> {
 impl<'a> State<'a> {
     fn new(contact: &'a RoughContact, nominal: f64, monitor: &'a dyn Monitor, spare: &mut Spare) -> Self {
         let points = contact.height.len();
-        let mut zeros = || taken(&mut spare.single, points);
-        let [mut gap, mut preconditioned] = [zeros(), zeros()];
-        let mut pressure = taken(&mut spare.double, points);
+        let mut single = || zeros(&mut spare.single, points);
+        let [mut gap, mut preconditioned] = [single(), single()];
+        let mut pressure = zeros(&mut spare.double, points);
         contact.press_flat(nominal, &mut pressure);
         gap.iter_mut().zip(&contact.height).for_each(|(g, &h)| *g = -h as f32);
         // All that the surface bears is a change from nothing.
@@ -146,14 +146,14 @@ impl<'a> State<'a> {
             sum_change: load,
             pressed: points as f64,
             best: spare.double.pop().unwrap_or_default(),
-            displacement: taken(&mut spare.double, points),
+            displacement: zeros(&mut spare.double, points),
             exact: false,
             gap,
             found: Gap { shift: 0.0, lowest: 0.0, work: 0.0 },
-            residual: zeros(),
-            previous_residual: zeros(),
-            direction: zeros(),
-            image: zeros(),
+            residual: single(),
+            previous_residual: single(),
+            direction: single(),
+            image: single(),
         };
         state.follow();
         state

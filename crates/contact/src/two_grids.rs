@@ -310,7 +310,6 @@ impl TwoGrids {
         let mut near_energy = |row: &[f32], before: &[f32], work: &mut TwoGridsWork| {
             let TwoGridsWork { repeated, beside, result, .. } = work;
             sum_rows(beside, before, before);
-            repeated.fill(0.0);
             let result = &mut result[..cols.points];
             near(result, row, beside, repeated, *stencil);
             energy += dot(row, result);
@@ -318,6 +317,8 @@ impl TwoGrids {
         for n in 0..rows.blocks {
             let points = self.points_of(n);
             fill(points.clone(), &mut values[points.clone()]);
+            // Nothing from the coarse grid yet.
+            work.repeated.fill(0.0);
             for start in points.clone().step_by(cols.points).filter(|&start| start > 0) {
                 let (before, row) = values[start - cols.points..start + cols.points].split_at(cols.points);
                 near_energy(row, before, work);
@@ -325,6 +326,7 @@ impl TwoGrids {
             let sums = &mut work.blocks[n * cols.blocks..(n + 1) * cols.blocks];
             cols.sum(&values[points], &mut work.repeated, sums);
         }
+        work.repeated.fill(0.0);
         near_energy(&values[..cols.points], &values[values.len() - cols.points..], work);
         coarse.filter(&work.blocks, remainder, &mut work.added, &mut work.fourier);
         energy + dot(&work.blocks, &work.added)
@@ -403,7 +405,7 @@ pub(crate) mod tests {
         move |k, l| if k == 0 && l == 0 { 0.0 } else { 1.0 / stiffness(k, l) }
     }
 
-    pub(crate) fn applied(convolution: &TwoGrids, input: &[f32]) -> Vec<f32> {
+    fn applied(convolution: &TwoGrids, input: &[f32]) -> Vec<f32> {
         let (mut values, mut work) = (input.to_vec(), convolution.work());
         convolution.gather(&mut values, &mut work, |_, _| {});
         convolution.apply(&mut values, &mut work, |_, result, values| values.copy_from_slice(result));
