@@ -28,14 +28,10 @@ pub struct Hyperparameters {
     pub residual_length: f64,
     /// Difference of the logarithms of pressure over which it changes.
     pub residual_pressure_length: f64,
-    /// Random features that it is made of (Rahimi and Recht 2007).
-    pub residual_features: usize,
-    /// Seed of these.
-    pub seed: u64,
     /// Of t: from one sample to the next of the same texture, as stated.
     pub sample_std: f64,
     /// How many times as large that may be, with weights that sum to 1: samples scatter as stated, unless they show that they do not.
-    /// The tail is heavy, so that no scatter is too large to be believed. It counts from the second sample on a disc of its own.
+    /// The tail is heavy, so that no scatter is too large to be believed.
     pub scatters: Vec<(f64, f64)>,
     /// Least standard error of a patterned measurement over itself.
     pub least_measured_std: f64,
@@ -63,8 +59,6 @@ impl Default for Hyperparameters {
             residuals: vec![(0.1, 0.5), (0.4, 0.5)],
             residual_length: 0.8,
             residual_pressure_length: 2.0,
-            residual_features: 24,
-            seed: 1,
             sample_std: 0.005,
             scatters: vec![(1.0, 0.9), (3.0, 0.06), (10.0, 0.03), (30.0, 0.01)],
             least_measured_std: 0.005,

@@ -68,7 +68,7 @@ mod tests {
                 flat_std: 0.005,
                 modulus_sensitivity: 0.0,
             };
-            let (name, of_dimensions) = (format!("{lengths_um:?}"), Vec::new());
+            let (name, dimension_shifts) = (format!("{lengths_um:?}"), Vec::new());
             let dimensions_std_m = [0.0; 3];
             Trial {
                 name,
@@ -77,7 +77,7 @@ mod tests {
                 disc: None,
                 measured: vec![measured],
                 dimensions_std_m,
-                of_dimensions,
+                dimension_shifts,
             }
         };
         let trials = textures.iter().map(trial).collect();

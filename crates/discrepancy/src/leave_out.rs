@@ -47,13 +47,10 @@ pub fn leave_out(discrepancy: &Discrepancy, by: LeftOut, monitor: &dyn Monitor) 
     let rows: Vec<_> = discrepancy.rows().collect();
     let n = rows.len();
     let excess: Vec<f64> = rows.iter().map(|(_, at)| at.log_excess()).collect();
-    // Members of one scatter, which follow one another, have one noise.
-    let of_one = discrepancy.members().chunk_by(|a, b| a.scatter.to_bits() == b.scatter.to_bits());
-    let covariances: Vec<Vec<f64>> = of_one
-        .flat_map(|members| {
-            let noise = discrepancy.noise(members[0].scatter);
-            members.iter().map(|member| covariance(discrepancy, member, &noise)).collect::<Vec<_>>()
-        })
+    let covariances: Vec<Vec<f64>> = discrepancy
+        .members()
+        .iter()
+        .map(|member| covariance(discrepancy, member, &discrepancy.noise_of(member)))
         .collect();
     let mut found = Vec::new();
     let mut done = vec![false; n];
@@ -73,9 +70,7 @@ pub fn leave_out(discrepancy: &Discrepancy, by: LeftOut, monitor: &dyn Monitor) 
         };
         let wanted: Vec<usize> = (0..n).filter(is_wanted).collect();
         let known: Vec<usize> = (0..n).filter(is_known).collect();
-        // What is known may be of too few samples to say how far they scatter.
-        let is_inferred = discrepancy.infers_scatter(&|trial| known.iter().any(|row| rows[*row].0 == trial));
-        let prediction = conditional(discrepancy, &covariances, is_inferred, &excess, [&known, &wanted]);
+        let prediction = conditional(discrepancy, &covariances, &excess, [&known, &wanted]);
         for (load, &row) in wanted.iter().enumerate() {
             done[row] = true;
             let (trial, own) = (rows[row].0, row - rows.iter().position(|(of, _)| *of == rows[row].0).unwrap_or(0));
@@ -98,7 +93,8 @@ pub fn leave_out(discrepancy: &Discrepancy, by: LeftOut, monitor: &dyn Monitor) 
     Ok(found)
 }
 
-/// Covariance of all measurements where one form holds: noise + Phi Phi^T.
+/// Covariance of all measurements where one form holds: noise + Phi Phi^T. Measurements lie at places of the residual's basis, which
+/// leave none of it open.
 fn covariance(discrepancy: &Discrepancy, member: &Member, noise: &[f64]) -> Vec<f64> {
     let rows: Vec<Vec<f64>> = discrepancy
         .rows()
@@ -112,23 +108,17 @@ fn covariance(discrepancy: &Discrepancy, member: &Member, noise: &[f64]) -> Vec<
     (0..n * n).map(|entry| noise[entry] + dot(&rows[entry / n], &rows[entry % n])).collect()
 }
 
-/// What the measurements `known` say of those `wanted`, errors included: mean K_wk K_kk^-1 y, covariance K_ww - K_wk K_kk^-1 K_kw;
-/// samples scatter as stated unless that `is_inferred` from what is known.
+/// Distribution of the measurements `wanted` given those `known`, errors included: mean K_wk K_kk^-1 y, covariance K_ww - K_wk K_kk^-1 K_kw.
 fn conditional(
     discrepancy: &Discrepancy,
     covariances: &[Vec<f64>],
-    is_inferred: bool,
     excess: &[f64],
     [known, wanted]: [&[usize]; 2],
 ) -> Prediction {
     let (n, k, m) = (excess.len(), known.len(), wanted.len());
     let mut evidences = Vec::new();
     let mut components = Vec::new();
-    let stated = discrepancy.hyperparameters().sample_std;
     for (member, all) in discrepancy.members().iter().zip(covariances) {
-        if !is_inferred && member.scatter != stated {
-            continue;
-        }
         let inner: Vec<f64> = known.iter().flat_map(|i| known.iter().map(move |j| all[i * n + j])).collect();
         // The noise is regular: so is every part of it.
         let Some(factor) = cholesky(&inner, k).filter(|factor| is_regular(factor, k)) else { continue };
@@ -149,6 +139,7 @@ fn conditional(
             weight: member.prior,
             mean: columns.iter().map(|column| dot(column, &y)).collect(),
             covariance: (0..m * m).map(entry).collect(),
+            of_form: wanted.iter().map(|row| member.at_trials[*row]).collect(),
         });
     }
     let most = evidences.iter().copied().fold(f64::NEG_INFINITY, f64::max);

@@ -13,6 +13,9 @@
 //! the logarithm of Young's modulus is off, g = d ln R / d ln E; t is one sample's own, which all
 //! samples on one disc share, f the flat sample's error, which all ratios of one condition share, and e the patterned measurement's.
 //!
+//! A sample is not made as it was designed. An error of its dimensions moves its modelled ratio and its form: ln R and h are those of the
+//! texture as made, of every trial and of every prediction ([`DimensionShift`]).
+//!
 //! Nobody knows the form, how large the coefficients are, how far a form is from what it stands for or how far samples scatter. Every
 //! one of [`Hyperparameters::forms`] with each of the scales, of the sizes of the residual and of the scatters makes an exact Gaussian
 //! regression, and its weight is its prior times its evidence: a finite mixture, exact and the same on every machine. Without any trial it is the
@@ -53,6 +56,7 @@ mod leave_out;
 mod mixture;
 mod next_trial;
 mod prediction;
+mod residual;
 mod rows;
 mod scatter;
 mod scenarios;
@@ -68,8 +72,10 @@ pub use next_trial::{Candidate, Chosen, Ranking, Score, Wanted, choose, informat
 pub use prediction::{Component, Load, Prediction, Predictor, Sampler};
 pub use scatter::{Contradiction, ScatterWeight};
 pub use scenarios::Scenarios;
-pub use trial::{Measured, Trial};
+pub use trial::{DimensionShift, Measured, Trial};
 
+#[cfg(test)]
+mod made_tests;
 #[cfg(test)]
 mod scatter_tests;
 #[cfg(test)]

@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use rayon::prelude::*;
 use slipgrid_statistics::{Normals, part_box_probability, rough_part_box_probability};
 
-use crate::{Features, Prediction, Predictor};
+use crate::{DimensionShift, Features, Form, Prediction, Predictor};
 use slipgrid_statistics::cholesky::{cholesky, covariance_factor, dot, is_regular, log_determinant, solve_lower};
 
 /// What counts beside the chance: a texture that misses by little teaches more of the target than one that misses by far.
@@ -50,11 +50,10 @@ pub struct Candidate<'a> {
     pub modelled: &'a [f64],
     /// g = d ln R / d ln E at each load.
     pub modulus_sensitivity: &'a [f64],
-    /// Covariance of the logarithms of the ratios of samples by all that is not known exactly beside the discrepancy, loads x loads; empty where
-    /// that is nothing.
+    /// Covariance of the logarithms of the ratios that all samples share beside the discrepancy, loads x loads; empty where that is nothing.
     pub covariance: &'a [f64],
-    /// The part of it that differs from sample to sample, by their dimensions; empty where these are exact.
-    pub of_dimensions: &'a [f64],
+    /// Independent errors of the dimensions of each sample; empty where these are exact.
+    pub dimension_shifts: &'a [DimensionShift],
 }
 
 /// Candidates that come first by rough chances, of which the exact ones decide.
@@ -277,7 +276,8 @@ impl Predictor {
     /// What is predicted of a sample of `candidate`.
     #[must_use]
     pub fn of(&self, candidate: &Candidate<'_>) -> Prediction {
-        self.predict(&candidate.features, candidate.modulus_sensitivity).with(candidate.covariance)
+        let Candidate { features, modulus_sensitivity, covariance, dimension_shifts, .. } = candidate;
+        self.predict_made(features, modulus_sensitivity, dimension_shifts).with(covariance)
     }
 }
 
@@ -295,27 +295,32 @@ pub fn information(prediction: &Prediction, measured_std: f64) -> f64 {
             (0..n).for_each(|load| covariance[load * n + load] += measured_std * measured_std);
             let factor = cholesky(&covariance, n).filter(|factor| is_regular(factor, n))?;
             let log_determinant = log_determinant(&factor, n);
-            Some((of.weight, &of.mean, factor, log_determinant))
+            Some((of, factor, log_determinant))
         })
         .collect();
     let mut normals = Normals::new(1);
     let mut gain = 0.0;
-    for (own, (weight, mean, factor, _)) in members.iter().enumerate() {
+    for (own, factor, _) in &members {
+        let of_form: f64 = members.iter().filter(|(of, ..)| of.form == own.form).map(|(of, ..)| of.weight).sum();
         for _ in 0..4 * DRAWS {
             let z: Vec<f64> = (0..n).map(|_| normals.draw()).collect();
-            let y: Vec<f64> = (0..n).map(|load| mean[load] + dot(&factor[load * n..][..=load], &z)).collect();
+            let y: Vec<f64> = (0..n).map(|load| own.mean[load] + dot(&factor[load * n..][..=load], &z)).collect();
             let logs: Vec<f64> = members
                 .iter()
-                .map(|(_, mean, factor, log_determinant)| {
-                    let mut off: Vec<f64> = y.iter().zip(*mean).map(|(y, mean)| y - mean).collect();
+                .map(|(of, factor, log_determinant)| {
+                    let mut off: Vec<f64> = y.iter().zip(&of.mean).map(|(y, mean)| y - mean).collect();
                     solve_lower(factor, n, &mut off);
                     -0.5 * (dot(&off, &off) + log_determinant)
                 })
                 .collect();
             let most = logs.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-            let all: f64 = members.iter().zip(&logs).map(|((weight, ..), log)| weight * libm::exp(log - most)).sum();
-            // E ln p(y | form) / p(y)
-            gain += weight * (logs[own] - most - libm::log(all)) / (4 * DRAWS) as f64;
+            let sum = |is_in: &dyn Fn(&Form) -> bool| -> f64 {
+                let within = members.iter().zip(&logs).filter(|((of, ..), _)| is_in(&of.form));
+                within.map(|((of, ..), log)| of.weight * libm::exp(log - most)).sum()
+            };
+            // E ln p(y | form) / p(y): samples that scatter more than stated are of the same form.
+            let ratio = sum(&|form| *form == own.form) / of_form / sum(&|_| true);
+            gain += own.weight * libm::log(ratio) / (4 * DRAWS) as f64;
         }
     }
     gain.max(0.0)

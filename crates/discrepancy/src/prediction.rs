@@ -2,10 +2,10 @@
 
 use slipgrid_statistics::{box_probability, normal_probability};
 
-use crate::Features;
-use crate::Form;
 use crate::mixture::Member;
+use crate::residual::Place;
 use crate::rows::Basis;
+use crate::{DimensionShift, Features, Form};
 use slipgrid_statistics::cholesky::{covariance_factor, dot};
 
 /// Members of less weight change no digit that is reported.
@@ -69,13 +69,25 @@ pub struct Component {
     pub mean: Vec<f64>,
     /// Covariance, loads x loads.
     pub covariance: Vec<f64>,
+    /// Mean without that of the modulus: the part that is proportional to the form.
+    pub of_form: Vec<f64>,
 }
 
 /// Draws from a prediction: all loads at once.
 #[derive(Clone, Debug)]
 pub struct Sampler {
-    /// Of each form: the weights up to it, its mean and the factor L of its covariance L L^T.
-    forms: Vec<(f64, Vec<f64>, Vec<f64>)>,
+    forms: Vec<FormSampler>,
+}
+
+#[derive(Clone, Debug)]
+struct FormSampler {
+    /// Sum of the weights up to this form.
+    cumulated_weight: f64,
+    form: Form,
+    mean: Vec<f64>,
+    /// L of the covariance L L^T.
+    factor: Vec<f64>,
+    of_form: Vec<f64>,
 }
 
 impl Predictor {
@@ -111,12 +123,26 @@ impl Predictor {
         }
     }
 
-    /// What is predicted of a sample of the texture `of`, whose modelled ratio goes with the logarithm of Young's modulus as
+    /// Prediction of a sample with the features `of`, made exactly, whose modelled ratio goes with the logarithm of Young's modulus as
     /// `modulus_sensitivity` at each load. The sample's own scatter is in it.
     #[must_use]
     pub fn predict(&self, of: &Features, modulus_sensitivity: &[f64]) -> Prediction {
-        let features: Vec<Vec<f64>> = self.loads.iter().map(|load| self.basis.residual(of, load)).collect();
+        self.predict_made(of, modulus_sensitivity, &[])
+    }
+
+    /// Prediction of ln(true ratio / modelled ratio as designed) of a sample whose dimensions are off by independent `shifts`: these move its
+    /// modelled ratio and the discrepancy. To first order in the shifts, form by form.
+    #[must_use]
+    pub fn predict_made(&self, of: &Features, modulus_sensitivity: &[f64], shifts: &[DimensionShift]) -> Prediction {
+        let places: Vec<Place> = self.loads.iter().map(|load| self.basis.place(of, load)).collect();
+        let features: Vec<Vec<f64>> = places.iter().map(|place| self.basis.residual(place)).collect();
         let n = self.loads.len();
+        let residual_left: Vec<f64> = (0..n * n)
+            .map(|e| {
+                let (l, m) = (e / n, e % n);
+                self.basis.residual_left([&places[l], &places[m]], [&features[l], &features[m]])
+            })
+            .collect();
         let g = modulus_sensitivity;
         let component = |member: &Prepared| {
             let h = member.member.value(of);
@@ -137,33 +163,45 @@ impl Predictor {
                 })
                 .collect();
             let re: Vec<f64> = r.iter().map(|r| dot(r, &member.e[first..])).collect();
+            let mean_form: f64 = shifts.iter().map(|shift| shift.mean_form(&member.member.form, of)).product();
+            let of_form: Vec<f64> = (0..n)
+                .map(|l| mean_form * (h * member.mean_of_form[l] + size * dot(&features[l], &member.mean_of_residual)))
+                .collect();
+            // d ln h and d ln R + D d ln h by one standard deviation of each shift, D the mean discrepancy
+            let of_shift = |shift: &DimensionShift| {
+                let log_form = shift.log_form(&member.member.form, of);
+                let moved = shift.log_ratio.iter().zip(&of_form).map(|(by, mean)| by + mean * log_form);
+                (log_form, moved.collect::<Vec<f64>>())
+            };
+            let of_shifts: Vec<(f64, Vec<f64>)> = shifts.iter().map(of_shift).collect();
+            // E (1 + d ln h)^2 of the part that is not known
+            let times = 1.0 + of_shifts.iter().map(|(log_form, _)| log_form * log_form).sum::<f64>();
             // v_l = h B_l + g_l E + R_l, covariance v_l v_m
             let mut covariance = vec![0.0; n * n];
             for l in 0..n {
                 for m in 0..=l {
                     let [rb, br] = [(l, m), (m, l)].map(|(l, m)| dot(&r[l], &member.b[m][first..]));
-                    let entry = h * h * (member.bb[l * n + m] + self.humidity_left[l * n + m])
-                        + h * (g[m] * member.be[l] + g[l] * member.be[m])
-                        + g[l] * g[m] * member.ee
+                    let left = self.humidity_left[l * n + m];
+                    let unknown_form = h * h * (member.bb[l * n + m] + left)
                         + h * (rb + br)
-                        + g[m] * re[l]
-                        + g[l] * re[m]
                         + dot(&r[l], &r[m])
-                        + own;
+                        + size * size * residual_left[l * n + m];
+                    let of_modulus = h * (g[m] * member.be[l] + g[l] * member.be[m])
+                        + g[l] * g[m] * member.ee
+                        + g[m] * re[l]
+                        + g[l] * re[m];
+                    let of_dimensions: f64 = of_shifts.iter().map(|(_, moved)| moved[l] * moved[m]).sum();
+                    let entry = times * unknown_form + of_modulus + of_dimensions + own;
                     covariance[l * n + m] = entry;
                     covariance[m * n + l] = entry;
                 }
             }
-            let mean = |l: usize| {
-                h * member.mean_of_form[l]
-                    + g[l] * member.mean_of_modulus
-                    + size * dot(&features[l], &member.mean_of_residual)
-            };
             Component {
                 form: member.member.form,
                 weight: member.member.weight,
-                mean: (0..n).map(mean).collect(),
+                mean: (0..n).map(|l| of_form[l] + g[l] * member.mean_of_modulus).collect(),
                 covariance,
+                of_form,
             }
         };
         Prediction { components: self.members.iter().map(component).collect() }
@@ -171,14 +209,22 @@ impl Predictor {
 }
 
 impl Sampler {
-    /// The draw of the form that the normal deviate `which` picks, with normal deviates `z`, one a load.
+    /// The draw of the form that the normal deviate `which` picks, with normal deviates `z`, one a load. `log_form` gives ln(h as made / h as
+    /// designed) of a form.
     #[must_use]
-    pub fn draw(&self, which: f64, z: &[f64]) -> Vec<f64> {
+    pub fn draw(&self, which: f64, z: &[f64], log_form: &dyn Fn(&Form) -> f64) -> Vec<f64> {
         let share = normal_probability(which);
-        let picked = self.forms.iter().find(|(reached, ..)| share <= *reached).or(self.forms.last());
-        let Some((_, mean, factor)) = picked else { return Vec::new() };
+        let picked = self.forms.iter().find(|form| share <= form.cumulated_weight).or(self.forms.last());
+        let Some(FormSampler { form, mean, factor, of_form, .. }) = picked else { return Vec::new() };
         let n = mean.len();
-        (0..n).map(|load| mean[load] + dot(&factor[load * n..][..=load], z)).collect()
+        // D (h' / h - 1)
+        let grown = libm::expm1(log_form(form));
+        (0..n).map(|load| mean[load] + grown * of_form[load] + dot(&factor[load * n..][..=load], z)).collect()
+    }
+
+    /// The forms that draws come from.
+    pub fn forms(&self) -> impl Iterator<Item = &Form> {
+        self.forms.iter().map(|sampler| &sampler.form)
     }
 }
 
@@ -294,7 +340,13 @@ impl Prediction {
         let mut reached = 0.0;
         let form = |of: &Component| {
             reached += of.weight;
-            (reached, of.mean.clone(), covariance_factor(&of.covariance, n))
+            FormSampler {
+                cumulated_weight: reached,
+                form: of.form,
+                mean: of.mean.clone(),
+                factor: covariance_factor(&of.covariance, n),
+                of_form: of.of_form.clone(),
+            }
         };
         Sampler { forms: self.components.iter().map(form).collect() }
     }

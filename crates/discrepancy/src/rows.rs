@@ -1,9 +1,8 @@
-//! The coefficients of the mixture, each in units of its standard deviation before anything was measured, and what multiplies
-//! them at a texture and a load.
+//! The coefficients of the mixture, each in units of its prior standard deviation, and the basis functions that multiply them at a
+//! texture and a load.
 
-use slipgrid_statistics::Normals;
-
-use crate::{Conditions, Features, Hyperparameters, Load};
+use crate::residual::{Place, ResidualBasis};
+use crate::{Conditions, Features, Hyperparameters, Load, Trial};
 use slipgrid_statistics::cholesky::{cholesky, dot, solve_lower};
 
 /// alpha, beta, gamma and kappa, the coefficients before those of the humidities.
@@ -11,7 +10,7 @@ const OF_LOAD: usize = 4;
 /// Humidities nearer than this are one.
 const SAME_HUMIDITY: f64 = 1e-6;
 
-/// What multiplies the coefficients: those of the load first, then eta at every measured humidity, eps, and those of c.
+/// The basis functions: those of the load first, then eta at every measured humidity, eps, and the residual at the trials.
 #[derive(Clone, Debug)]
 pub struct Basis {
     hyper: Hyperparameters,
@@ -20,28 +19,22 @@ pub struct Basis {
     humidities: Vec<f64>,
     /// Lower factor of the correlation of eta at these.
     humidity_factor: Vec<f64>,
-    /// Frequencies and phases of the residual's features.
-    waves: Vec<([f64; 4], f64)>,
+    residual: ResidualBasis,
 }
 
 impl Basis {
-    pub fn new(hyper: &Hyperparameters, conditions: Conditions, modulus_std: f64, humidities: &[f64]) -> Self {
-        let mut levels = humidities.to_vec();
+    /// The basis for a posterior given `trials`.
+    pub fn new(hyper: &Hyperparameters, conditions: Conditions, modulus_std: f64, trials: &[Trial]) -> Self {
+        let measured = || trials.iter().flat_map(|trial| trial.measured.iter().map(move |at| (trial, at)));
+        let mut levels: Vec<f64> = measured().map(|(_, at)| at.load.humidity).collect();
         levels.sort_by(f64::total_cmp);
         levels.dedup_by(|a, b| (*a - *b).abs() <= SAME_HUMIDITY);
         let n = levels.len();
         let correlation: Vec<f64> =
             levels.iter().flat_map(|a| levels.iter().map(|b| correlation(hyper, *a, *b))).collect();
-        let mut normals = Normals::new(hyper.seed);
-        let wave = |_| {
-            let lengths =
-                [hyper.residual_length, hyper.residual_length, hyper.residual_length, hyper.residual_pressure_length];
-            let frequency = lengths.map(|length| normals.draw() / length);
-            // A phase uniform in a turn, from the argument of two deviates.
-            (frequency, libm::atan2(normals.draw(), normals.draw()))
-        };
+        let places = measured().map(|(trial, at)| Place::new(hyper, &trial.features, &at.load)).collect();
         Self {
-            waves: (0..hyper.residual_features).map(wave).collect(),
+            residual: ResidualBasis::new(places),
             humidity_factor: cholesky(&correlation, n).unwrap_or_default(),
             humidities: levels,
             hyper: hyper.clone(),
@@ -61,7 +54,7 @@ impl Basis {
 
     /// All coefficients: those of a form, eps, and those of the residual.
     pub fn count(&self) -> usize {
-        self.of_form() + 1 + self.waves.len()
+        self.of_form() + 1 + self.residual.count()
     }
 
     /// Place of eps.
@@ -101,13 +94,26 @@ impl Basis {
         if left.abs() < 1e-12 { 0.0 } else { self.hyper.humidity_std.powi(2) * left }
     }
 
-    /// Features of the residual, of a standard deviation of 1 over that of alpha.
-    pub fn residual(&self, of: &Features, load: &Load) -> Vec<f64> {
-        // sigma sqrt(2 / J) cos(omega z + phi)
-        let size = self.hyper.amplitude_std * (2.0 / self.waves.len().max(1) as f64).sqrt();
-        let [width, pitch, depth] = of.logarithms();
-        let z = [width, pitch, depth, libm::log(load.pressure_pa)];
-        self.waves.iter().map(|(omega, phase)| size * libm::cos(dot(omega, &z) + phase)).collect()
+    /// A texture at a load, as the residual sees it.
+    pub fn place(&self, of: &Features, load: &Load) -> Place {
+        Place::new(&self.hyper, of, load)
+    }
+
+    /// Basis functions of the residual at `place`, times the amplitude.
+    pub fn residual(&self, place: &Place) -> Vec<f64> {
+        let mut row = self.residual.whitened(place);
+        row.iter_mut().for_each(|entry| *entry *= self.hyper.amplitude_std);
+        row
+    }
+
+    /// Prior covariance of the residual at two places, less the part that [`Self::residual`] explains.
+    pub fn residual_left(&self, [a, b]: [&Place; 2], [row_a, row_b]: [&[f64]; 2]) -> f64 {
+        (self.hyper.amplitude_std.powi(2) * a.correlation(b) - dot(row_a, row_b)).max(0.0)
+    }
+
+    /// Places of the trials that the residual is expanded about.
+    pub const fn residual_basis(&self) -> &ResidualBasis {
+        &self.residual
     }
 
     /// What multiplies all coefficients where the form is `form`, times the scale, and the residual over it `residual`.
@@ -115,7 +121,7 @@ impl Basis {
         let mut row = self.at_load(load);
         row.iter_mut().for_each(|entry| *entry *= form);
         row.push(self.modulus_std * modulus_sensitivity);
-        row.extend(self.residual(of, load).iter().map(|entry| form * residual * entry));
+        row.extend(self.residual(&self.place(of, load)).iter().map(|entry| form * residual * entry));
         row
     }
 }

@@ -47,23 +47,13 @@ pub struct Contradiction {
 }
 
 impl Discrepancy {
-    /// Whether the trials that `is_known` are of two discs at least whose scatter is not stated of the samples themselves: fewer say
-    /// nothing of it.
-    pub(crate) fn infers_scatter(&self, is_known: &dyn Fn(usize) -> bool) -> bool {
-        let trials = self.trials();
-        let says = |place: &usize| {
-            let trial = &trials[*place];
-            trial.sample_std.is_none() && !trial.measured.is_empty() && is_known(*place)
-        };
-        let says: Vec<usize> = (0..trials.len()).filter(says).collect();
-        says.iter().any(|place| !self.is_one_disc(says[0], *place))
-    }
-
-    /// The scatters that samples may have, each with its weight, the stated one first; that alone where the trials say nothing of it.
+    /// The scatters that samples may have, each with its weight, the stated one first; that alone where it is zero or stated of every trial itself.
     pub(crate) fn scatters(&self) -> Vec<(f64, f64)> {
         let hyper = self.hyperparameters();
         let stated = hyper.sample_std;
-        if stated == 0.0 || !self.infers_scatter(&|_| true) {
+        let trials = self.trials();
+        let is_known = !trials.is_empty() && trials.iter().all(|trial| trial.sample_std.is_some());
+        if stated == 0.0 || is_known {
             return vec![(stated, 1.0)];
         }
         let all = hyper.scatters.iter().map(|(times, weight)| (times * stated, *weight));
@@ -94,7 +84,8 @@ impl Discrepancy {
     pub fn contradictions(&self) -> Vec<Contradiction> {
         let count = self.trials().len();
         let pairs = (0..count).flat_map(|second| (0..second).map(move |first| [first, second]));
-        let noise = self.noise(self.hyperparameters().sample_std);
+        // Errors of their dimensions move the discrepancy, too: `compared` bounds that by its own rule.
+        let noise = self.noise(self.hyperparameters().sample_std, &|_, _| 0.0);
         let compared: Vec<Contradiction> = pairs.filter_map(|pair| self.compared(pair, &noise)).collect();
         let least = LEAST_PROBABILITY / compared.len().max(1) as f64;
         let mut found: Vec<Contradiction> = compared.into_iter().filter(|pair| pair.probability < least).collect();

@@ -4,6 +4,7 @@ use slipgrid_statistics::Normals;
 use slipgrid_statistics::cholesky::covariance_factor;
 
 use crate::mixture::Member;
+use crate::residual::{Place, ResidualBasis};
 use crate::rows::Basis;
 use crate::{Candidate, Discrepancy, Load, Wanted};
 use slipgrid_statistics::cholesky::dot;
@@ -13,16 +14,58 @@ use slipgrid_statistics::cholesky::dot;
 pub struct Scenarios {
     basis: Basis,
     members: Vec<Member>,
-    /// Number of the member and its coefficients.
-    draws: Vec<(usize, Vec<f64>)>,
+    draws: Vec<Truth>,
     /// t of the one disc on which all samples are cut; none where each has its own.
     of_disc: Vec<f64>,
     seed: u64,
 }
 
-/// Seeds beyond that of the truths: of what all samples share, and of each sample beyond its number.
+/// A draw of the mixture.
+#[derive(Clone, Debug)]
+struct Truth {
+    /// Number of its member.
+    member: usize,
+    coefficients: Vec<f64>,
+    residual: ResidualDraw,
+}
+
+/// A draw of the rest of the residual, which the trials do not explain: a draw of the prior less what its own values at the trials explain
+/// (Matheron's rule). The prior is a sum of waves of random frequencies (Rahimi and Recht 2007), others in every draw.
+#[derive(Clone, Debug)]
+struct ResidualDraw {
+    /// Frequencies and phases.
+    waves: Vec<([f64; 4], f64)>,
+    /// L^-1 of its values at the places of the basis.
+    whitened: Vec<f64>,
+}
+
+/// Waves of a draw of the residual: their sum is nearly normal, and over all draws its covariance is exact.
+const WAVES: usize = 16;
+/// Seeds beyond that of the truths: of what all samples share, of each sample beyond its number, and of residuals.
 const OF_ALL: u64 = 1 << 32;
 const OF_SAMPLES: u64 = 2 << 32;
+const OF_RESIDUALS: u64 = 3 << 32;
+
+impl ResidualDraw {
+    fn new(basis: &ResidualBasis, normals: &mut Normals) -> Self {
+        let wave = |_| {
+            let frequency = std::array::from_fn(|_| normals.draw());
+            // A phase uniform in a turn, from the argument of two deviates.
+            (frequency, libm::atan2(normals.draw(), normals.draw()))
+        };
+        let mut found = Self { waves: (0..WAVES).map(wave).collect(), whitened: Vec::new() };
+        let mut whitened: Vec<f64> = basis.places().iter().map(|place| found.prior(place)).collect();
+        basis.whiten(&mut whitened);
+        found.whitened = whitened;
+        found
+    }
+
+    /// sqrt(2 / J) sum_j cos(omega_j x + phi_j)
+    fn prior(&self, place: &Place) -> f64 {
+        let wave = |(omega, phase): &([f64; 4], f64)| libm::cos(dot(omega, place.coordinates()) + phase);
+        (2.0 / WAVES as f64).sqrt() * self.waves.iter().map(wave).sum::<f64>()
+    }
+}
 
 impl Scenarios {
     /// `count` truths, seeded: of every form as many as its weight says.
@@ -31,6 +74,7 @@ impl Scenarios {
         let (basis, members) = (discrepancy.basis().clone(), discrepancy.members().to_vec());
         let p = basis.count();
         let mut normals = Normals::new(seed);
+        let mut of_residual = Normals::new(seed.wrapping_add(OF_RESIDUALS));
         let mut draws = Vec::with_capacity(count);
         let (mut place, mut reached) = (0, members.first().map_or(1.0, |member| member.weight));
         for draw in 0..count {
@@ -44,7 +88,11 @@ impl Scenarios {
             // theta = mean + L^-T z
             let coefficient =
                 |c: usize| member.mean[c] + (c..p).map(|row| member.inverse[row * p + c] * z[row]).sum::<f64>();
-            draws.push((place, (0..p).map(coefficient).collect()));
+            draws.push(Truth {
+                member: place,
+                coefficients: (0..p).map(coefficient).collect(),
+                residual: ResidualDraw::new(basis.residual_basis(), &mut of_residual),
+            });
         }
         Self { basis, members, draws, of_disc: Vec::new(), seed }
     }
@@ -53,7 +101,8 @@ impl Scenarios {
     #[must_use]
     pub fn on_one_disc(mut self, seed: u64) -> Self {
         let mut normals = Normals::new(seed);
-        self.of_disc = self.draws.iter().map(|(member, _)| self.members[*member].scatter * normals.draw()).collect();
+        let disc = |truth: &Truth| self.members[truth.member].scatter * normals.draw();
+        self.of_disc = self.draws.iter().map(disc).collect();
         self
     }
 
@@ -63,33 +112,50 @@ impl Scenarios {
     pub fn on_target(&self, candidate: &Candidate<'_>, loads: &[Load], wanted: &Wanted, number: usize) -> Vec<bool> {
         let n = loads.len();
         let [lower, upper] = wanted.over(candidate.modelled);
-        let of = |member: &Member| -> (f64, Vec<Vec<f64>>) {
+        let places: Vec<Place> = loads.iter().map(|load| self.basis.place(&candidate.features, load)).collect();
+        let explained: Vec<Vec<f64>> = places.iter().map(|place| self.basis.residual(place)).collect();
+        let amplitude = self.basis.hyper().amplitude_std;
+        // c beyond the trials: f(x) - w(x)^T L^-1 f(trials)
+        let residual_left = |draw: &ResidualDraw, load: usize| {
+            amplitude * draw.prior(&places[load]) - dot(&explained[load], &draw.whitened)
+        };
+        let of = |member: &Member| {
             let form = member.value(&candidate.features);
             let at = loads.iter().zip(candidate.modulus_sensitivity);
             let row = |(load, g)| self.basis.row(form, member.residual, &candidate.features, load, g);
-            (form, at.map(|(load, g)| row((load, *g))).collect())
+            let shifts = candidate.dimension_shifts.iter();
+            let log_forms: Vec<f64> = shifts.map(|shift| shift.log_form(&member.form, &candidate.features)).collect();
+            (form, at.map(|(load, g)| row((load, *g))).collect::<Vec<_>>(), log_forms)
         };
-        let members: Vec<(f64, Vec<Vec<f64>>)> = self.members.iter().map(of).collect();
+        let members: Vec<(f64, Vec<Vec<f64>>, Vec<f64>)> = self.members.iter().map(of).collect();
         let left: Vec<f64> = loads.iter().flat_map(|a| loads.iter().map(|b| self.basis.humidity_left(a, b))).collect();
-        let or_none = |covariance: &[f64]| if covariance.is_empty() { vec![0.0; n * n] } else { covariance.to_vec() };
-        let (all, own) = (or_none(candidate.covariance), or_none(candidate.of_dimensions));
-        let common: Vec<f64> = all.iter().zip(&own).map(|(all, own)| all - own).collect();
-        let [left, common, own] = [left, common, own].map(|covariance| covariance_factor(&covariance, n));
+        let common = candidate.covariance;
+        let common = if common.is_empty() { vec![0.0; n * n] } else { common.to_vec() };
+        let [left, common] = [left, common].map(|covariance| covariance_factor(&covariance, n));
         let [mut of_all, mut of_own] =
             [OF_ALL, OF_SAMPLES + number as u64].map(|beyond| Normals::new(self.seed.wrapping_add(beyond)));
         let drawn = |factor: &[f64], normals: &mut Normals| -> Vec<f64> {
             let z: Vec<f64> = (0..n).map(|_| normals.draw()).collect();
             (0..n).map(|load| dot(&factor[load * n..][..=load], &z)).collect()
         };
-        let mut is_on = |(draw, (member, theta)): (usize, &(usize, Vec<f64>))| {
-            let (form, rows) = &members[*member];
-            let [left, common, own] =
-                [drawn(&left, &mut of_all), drawn(&common, &mut of_all), drawn(&own, &mut of_own)];
-            let own_t = self.members[*member].scatter * of_own.draw();
+        let modulus = self.basis.modulus();
+        let mut is_on = |(draw, truth): (usize, &Truth)| {
+            let (form, rows, log_forms) = &members[truth.member];
+            let member = &self.members[truth.member];
+            let [left, common] = [&left, &common].map(|factor| drawn(factor, &mut of_all));
+            let deviates: Vec<f64> = candidate.dimension_shifts.iter().map(|_| of_own.draw()).collect();
+            // ln h as made - ln h as designed
+            let log_form = dot(log_forms, &deviates);
+            let own_t = member.scatter * of_own.draw();
             let t = self.of_disc.get(draw).copied().unwrap_or(own_t);
-            // y = b theta + h eta + what all samples share + what this one has of its own + t
             (0..n).all(|load| {
-                let value = dot(&rows[load], theta) + form * left[load] + common[load] + own[load] + t;
+                let of_modulus = rows[load][modulus] * truth.coefficients[modulus];
+                let rest = form * (left[load] + member.residual * residual_left(&truth.residual, load));
+                let of_form = dot(&rows[load], &truth.coefficients) - of_modulus + rest;
+                let shifts = candidate.dimension_shifts.iter().zip(&deviates);
+                let of_dimensions: f64 = shifts.map(|(shift, z)| shift.log_ratio[load] * z).sum();
+                // y = D h' / h + eps g + what all samples share + d ln R + t
+                let value = of_form * (1.0 + log_form) + of_modulus + common[load] + of_dimensions + t;
                 (lower[load]..=upper[load]).contains(&value)
             })
         };

@@ -35,8 +35,13 @@ fn trial(name: &str, features: Features, loads: &[Load], noise: f64, truth: &mut
         disc: None,
         measured,
         dimensions_std_m: [0.0; 3],
-        of_dimensions: Vec::new(),
+        dimension_shifts: Vec::new(),
     }
+}
+
+/// An error of a dimension that moves the modelled ratio alone.
+fn physics_alone(features: Features, log_ratio: Vec<f64>) -> DimensionShift {
+    DimensionShift { log_ratio, above: features, below: None }
 }
 
 fn discrepancy(trials: Vec<Trial>) -> Discrepancy {
@@ -51,7 +56,7 @@ fn prior() -> Discrepancy {
 fn without_cavities_there_is_no_discrepancy() {
     let trials = vec![trial("A", groove(100.0, 300.0, 10.0), &loads(), 0.01, &mut |_| -0.2)];
     for known in [prior(), discrepancy(trials)] {
-        let own = known.hyperparameters().sample_std;
+        let own = known.sample_std();
         let nothing = Features { areal_density: 0.0, edge_1_m: 0.0, ..groove(100.0, 300.0, 10.0) };
         let mut last = f64::INFINITY;
         // Ever fewer grooves, at last none; what is left is a sample's own scatter.
@@ -71,29 +76,18 @@ fn before_any_trial_the_prior_is_what_is_believed() {
     let at = load(1.5, 2.0, 40.0);
     let found = prior().at(&[at]).predict(&hyper.reference, &[0.3]);
     let (mean, std) = found.moments(0);
-    // q = 0.65 / 1.5 - 1/2; every form is 1 at the reference, and the residual's features have the variance of the sum.
+    // q = 0.65 / 1.5 - 1/2; every form is 1 at the reference, and the residual has the variance of alpha times its size.
     let q: f64 = 0.65 / 1.5 - 0.5;
-    let features = residual_squares(&hyper);
     let mean_square = |all: &[(f64, f64)]| all.iter().map(|(size, weight)| weight * size * size).sum::<f64>();
-    let of_form =
-        0.2_f64.powi(2) * (1.0 + features * mean_square(&hyper.residuals)) + (0.08 * q).powi(2) + 0.1_f64.powi(2);
-    let variance = mean_square(&hyper.scales) * of_form + (0.2 * 0.3_f64).powi(2) + 0.005_f64.powi(2);
+    let of_form = 0.2_f64.powi(2) * (1.0 + mean_square(&hyper.residuals)) + (0.08 * q).powi(2) + 0.1_f64.powi(2);
+    // Of scatters those above 0.2 are left out.
+    let scatter = (0.9 + 0.06 * 9.0 + 0.03 * 100.0 + 0.01 * 900.0) * 0.005_f64.powi(2);
+    let variance = mean_square(&hyper.scales) * of_form + (0.2 * 0.3_f64).powi(2) + scatter;
     assert!(mean.abs() < 1e-15 && (std * std / variance - 1.0).abs() < 1e-12, "{mean} {std}");
     // Scales of several sizes: more in the middle and farther out than one normal distribution.
     assert!(found.quantile(0, 0.995) > 2.6 * std && found.quantile(0, 0.75) < 0.67 * std);
     assert!((prior().forms().iter().map(|of| of.weight).sum::<f64>() - 1.0).abs() < 1e-12);
-    // Nothing says anything of how far samples scatter: it is as stated.
-    assert_eq!(prior().sample_std(), hyper.sample_std);
-}
-
-/// Variance of the residual at the reference, over that of alpha.
-fn residual_squares(hyper: &Hyperparameters) -> f64 {
-    let basis = crate::rows::Basis::new(hyper, Conditions::default(), 0.2, &[]);
-    basis
-        .residual(&hyper.reference, &load(1.5, 2.0, 40.0))
-        .iter()
-        .map(|entry| (entry / hyper.amplitude_std).powi(2))
-        .sum()
+    assert!((prior().sample_std() - scatter.sqrt()).abs() < 1e-15);
 }
 
 /// Regression of the coefficients and conditioning of the measurements are two ways to one answer.
@@ -110,7 +104,7 @@ fn coefficients_and_measurements_say_the_same() {
         .enumerate()
         .map(|(place, (features, loads))| {
             let mut of = trial(&place.to_string(), *features, loads, 0.01, &mut |_| -0.1 + 0.05 * normals.draw());
-            of.of_dimensions = vec![vec![0.01, 0.012]];
+            of.dimension_shifts = vec![physics_alone(*features, vec![0.01, 0.012])];
             of
         })
         .collect();
@@ -122,7 +116,7 @@ fn coefficients_and_measurements_say_the_same() {
         let mut errors = vec![0.0; 4];
         for l in 0..2 {
             for m in 0..2 {
-                errors[2 * l + m] = wanted.of_dimensions[0][l] * wanted.of_dimensions[0][m];
+                errors[2 * l + m] = wanted.dimension_shifts[0].log_ratio[l] * wanted.dimension_shifts[0].log_ratio[m];
             }
             errors[3 * l] += 2.0 * 0.01_f64.powi(2);
         }
@@ -152,7 +146,7 @@ fn weights_are_prior_times_evidence() {
         .members()
         .iter()
         .map(|member| {
-            let noise = found.noise(member.scatter);
+            let noise = found.noise(member.scatter, &|_, _| 0.0);
             let phi: Vec<Vec<f64>> = rows
                 .iter()
                 .map(|(trial, at)| {
@@ -286,7 +280,9 @@ fn two_trials_of_one_disc_tell_less_of_the_mean_and_more_of_their_difference() {
 
 #[test]
 fn an_unmeasured_humidity_lies_between_what_is_known_and_the_prior() {
-    let known = discrepancy(vec![trial("", groove(100.0, 300.0, 10.0), &loads(), 0.002, &mut |_| -0.2)]);
+    let hyper = Hyperparameters { scatters: vec![(1.0, 1.0)], ..Hyperparameters::default() };
+    let trials = vec![trial("", groove(100.0, 300.0, 10.0), &loads(), 0.002, &mut |_| -0.2)];
+    let known = Discrepancy::new(hyper, Conditions::default(), 0.2, trials).unwrap();
     let std = |humidity_pct: f64| {
         known.at(&[load(1.3, 2.0, humidity_pct)]).predict(&groove(100.0, 300.0, 10.0), &[0.1]).moments(0).1
     };
@@ -314,7 +310,7 @@ fn the_choice_is_the_best_of_all_scores() {
             modelled: &modelled[place],
             modulus_sensitivity: &sensitivity,
             covariance: &[],
-            of_dimensions: &[],
+            dimension_shifts: &[],
         })
     };
     let found = choose(&predictor, &wanted, textures.len(), &of).unwrap();
@@ -351,23 +347,26 @@ fn numbers_without_meaning_are_named() {
     assert_eq!(refused.to_string(), "residual_length is 0, and must be positive and finite");
 }
 
+/// Features of a groove whose width is a twentieth larger, cut at the same pitch.
+fn wider(of: Features) -> Features {
+    Features { areal_density: 1.05 * of.areal_density, width_m: 1.05 * of.width_m, ..of }
+}
+
 #[test]
 fn scenarios_are_on_target_as_often_as_the_chance_says() {
     let at = loads();
     let trials = vec![trial("", groove(100.0, 300.0, 10.0), &at, 0.01, &mut |_| -0.1)];
     let known = Discrepancy::new(Hyperparameters::default(), Conditions::default(), 0.2, trials).unwrap();
     let scenarios = Scenarios::new(&known, 4000, 1);
-    // Half of the variance by the dimensions of each sample, half by what all have in common.
-    let covariance =
-        |variance: f64| (0..16).map(|e| if e % 5 == 0 { variance } else { 0.5 * variance }).collect::<Vec<_>>();
-    let (all, own) = (covariance(2e-4), covariance(1e-4));
+    // Half of the variance by the dimensions of each sample, half shared by all.
+    let all: Vec<f64> = (0..16).map(|e| if e % 5 == 0 { 1e-4 } else { 0.5e-4 }).collect();
     for texture in [groove(100.0, 300.0, 10.0), groove(60.0, 300.0, 20.0), groove(200.0, 100.0, 5.0)] {
         let candidate = Candidate {
             features: texture,
             modelled: &[0.98, 0.96, 0.95, 0.94],
             modulus_sensitivity: &[0.02, 0.04, 0.06, 0.08],
             covariance: &all,
-            of_dimensions: &own,
+            dimension_shifts: &[DimensionShift { log_ratio: vec![0.01; 4], above: wider(texture), below: None }],
         };
         let wanted = Wanted { lower: vec![0.82; 4], upper: vec![0.9; 4] };
         let chance = wanted.score(&known.at(&at).of(&candidate), candidate.modelled).chance;
@@ -394,13 +393,13 @@ fn one_of_several_samples_is_on_target_as_often_as_they_differ() {
     let half = 0.0115_f64;
     let wanted = Wanted { lower: vec![0.9 * (-half).exp()], upper: vec![0.9 * half.exp()] };
     for [common, own] in [[0.005_f64, 0.02_f64], [0.01, 0.03], [0.02, 0.02]] {
-        let (all, of_own) = ([common.powi(2) + own.powi(2)], [own.powi(2)]);
+        let (shared, features) = ([common.powi(2)], groove(100.0, 300.0, 10.0));
         let candidate = Candidate {
-            features: groove(100.0, 300.0, 10.0),
+            features,
             modelled: &[0.9],
             modulus_sensitivity: &[0.0],
-            covariance: &all,
-            of_dimensions: &of_own,
+            covariance: &shared,
+            dimension_shifts: &[physics_alone(features, vec![own])],
         };
         let each = [0, 1, 2].map(|number| scenarios.on_target(&candidate, &at, &wanted, number));
         let share = (0..8000).filter(|&draw| each.iter().any(|on| on[draw])).count() as f64 / 8000.0;
@@ -418,7 +417,8 @@ fn one_of_several_samples_is_on_target_as_often_as_they_differ() {
 #[test]
 fn samples_on_one_disc_are_off_together() {
     // What the model lacks is as good as known: what is left is the disc's own scatter.
-    let hyper = Hyperparameters { sample_std: 0.02, amplitude_std: 1e-6, ..Hyperparameters::default() };
+    let scatters = vec![(1.0, 1.0)];
+    let hyper = Hyperparameters { sample_std: 0.02, amplitude_std: 1e-6, scatters, ..Hyperparameters::default() };
     let known = Discrepancy::new(
         Hyperparameters { pressure_std: 0.0, inverse_pressure_std: 0.0, speed_std: 0.0, humidity_std: 0.0, ..hyper },
         Conditions::default(),
@@ -432,7 +432,7 @@ fn samples_on_one_disc_are_off_together() {
     let on = |of: &Scenarios, features: Features, number: usize| {
         let (modelled, sensitivity) = (&[0.9], &[0.0]);
         let candidate =
-            Candidate { features, modelled, modulus_sensitivity: sensitivity, covariance: &[], of_dimensions: &[] };
+            Candidate { features, modelled, modulus_sensitivity: sensitivity, covariance: &[], dimension_shifts: &[] };
         of.on_target(&candidate, &at, &wanted, number)
     };
     let share = |on: &[bool]| on.iter().filter(|on| **on).count() as f64 / 4000.0;
@@ -440,7 +440,8 @@ fn samples_on_one_disc_are_off_together() {
         |one: &[bool], other: &[bool]| one.iter().zip(other).map(|(one, other)| *one && *other).collect::<Vec<_>>();
     // Each within one standard deviation of its own.
     let apart = [0, 1].map(|number| on(&scenarios, textures[number], number));
-    assert!((share(&both(&apart[0], &apart[1])) - 0.683 * 0.683).abs() < 0.025, "{apart:?}");
+    let together = share(&both(&apart[0], &apart[1]));
+    assert!((together - 0.683 * 0.683).abs() < 0.025, "{together}");
     let disc = scenarios.on_one_disc(2);
     let [one, other] = [0, 1].map(|number| on(&disc, textures[number], number));
     // Within one standard deviation, and both or neither.
@@ -467,7 +468,7 @@ fn more_loads_are_never_likelier_within_their_bounds_than_fewer() {
             let within = (0..draws).filter(|_| {
                 let which = normals.draw();
                 let z: Vec<f64> = (0..n).map(|_| normals.draw()).collect();
-                sampler.draw(which, &z).iter().all(|y| (-0.06..=0.02).contains(y))
+                sampler.draw(which, &z, &|_| 0.0).iter().all(|y| (-0.06..=0.02).contains(y))
             });
             let drawn = within.count() as f64 / f64::from(draws);
             let share = prediction.probability_within(&lower, &upper);

@@ -1,6 +1,6 @@
 //! Trials: samples that were cut and measured.
 
-use crate::{DiscrepancyError, Features, Load};
+use crate::{DiscrepancyError, Features, Form, Load};
 
 /// A sample that was cut and measured.
 #[derive(Clone, Debug, PartialEq)]
@@ -17,8 +17,39 @@ pub struct Trial {
     pub measured: Vec<Measured>,
     /// Standard errors of its width, spacing and depth, in metres; 0 where they are taken as exact.
     pub dimensions_std_m: [f64; 3],
-    /// What errors of its dimensions do, one list a dimension: d ln R / dx times the standard error of x, at each of `measured`.
-    pub of_dimensions: Vec<Vec<f64>>,
+    /// Independent errors of its dimensions, at the loads of `measured`; none where the dimensions are taken as exact.
+    pub dimension_shifts: Vec<DimensionShift>,
+}
+
+/// One of the independent errors of a sample's dimensions: the effect of one standard deviation of it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct DimensionShift {
+    /// Change of the modelled ln R at each load.
+    pub log_ratio: Vec<f64>,
+    /// Features of the texture with the dimensions one standard deviation above.
+    pub above: Features,
+    /// The same below; `None` where only one side is known.
+    pub below: Option<Features>,
+}
+
+impl DimensionShift {
+    /// Change of ln h for a texture with the features `own`; 0 for a texture without cavities.
+    #[must_use]
+    pub fn log_form(&self, form: &Form, own: &Features) -> f64 {
+        let log = |of: &Features| libm::log(form.value(of));
+        let change = match &self.below {
+            Some(below) => 0.5 * (log(&self.above) - log(below)),
+            None => log(&self.above) - log(own),
+        };
+        if change.is_finite() { change } else { 0.0 }
+    }
+
+    /// Mean of h over h as designed, to second order; 1 where only one side is known.
+    #[must_use]
+    pub fn mean_form(&self, form: &Form, own: &Features) -> f64 {
+        let mean = |below: &Features| 0.5 * (form.value(&self.above) + form.value(below)) / form.value(own);
+        self.below.as_ref().map(mean).filter(|mean| mean.is_finite()).unwrap_or(1.0)
+    }
 }
 
 /// A ratio of patterned to flat friction that was measured, beside the modelled one.
@@ -75,6 +106,12 @@ impl Trial {
             }
             if !at.modulus_sensitivity.is_finite() {
                 return refuse("sensitivity to the modulus", at.modulus_sensitivity, "finite");
+            }
+            for shift in &self.dimension_shifts {
+                let change = shift.log_ratio.get(row).copied().unwrap_or(f64::NAN);
+                if !change.is_finite() {
+                    return refuse("change by an error of a dimension", change, "finite, one a measurement");
+                }
             }
         }
         Ok(())
