@@ -90,7 +90,7 @@ mod tests {
                 modulus_sensitivity: 0.05,
             }],
             dimensions_std_m: [0.0; 3],
-            of_dimensions: Vec::new(),
+            dimension_shifts: Vec::new(),
         };
         let trials = excess.iter().enumerate().map(of).collect();
         Discrepancy::new(Hyperparameters::default(), Conditions::default(), 0.1, trials).unwrap()

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use slipgrid_contact::AreaPoint;
-use slipgrid_discrepancy::{Conditions, Discrepancy, Features, Hyperparameters, Load, Measured, Trial};
+use slipgrid_discrepancy::{Conditions, DimensionShift, Discrepancy, Features, Hyperparameters, Load, Measured, Trial};
 use slipgrid_export::Specimen;
 use slipgrid_material::AreaLaw;
 use slipgrid_monitor::{Monitor, Stage};
@@ -111,8 +111,8 @@ pub struct PendingSample {
     pub features: Features,
     /// What is modelled, one a condition.
     pub modelled: Vec<ModelledRatio>,
-    /// Changes of ln(modelled ratio) by the errors of its dimensions, one list a dimension.
-    pub of_dimensions: Vec<Vec<f64>>,
+    /// Errors of its dimensions.
+    pub dimension_shifts: Vec<DimensionShift>,
 }
 
 /// The modelled ratio of patterned to flat friction at one load.
@@ -129,13 +129,13 @@ pub struct ModelledRatio {
 impl From<Trial> for PendingSample {
     /// Without what stands for measurements.
     fn from(trial: Trial) -> Self {
-        let Trial { name, features, measured, of_dimensions, .. } = trial;
+        let Trial { name, features, measured, dimension_shifts, .. } = trial;
         let modelled = measured.iter().map(|at| ModelledRatio {
             load: at.load,
             ratio: at.modelled,
             modulus_sensitivity: at.modulus_sensitivity,
         });
-        Self { name, features, modelled: modelled.collect(), of_dimensions }
+        Self { name, features, modelled: modelled.collect(), dimension_shifts }
     }
 }
 
@@ -212,7 +212,7 @@ fn trial(
     let known = pairs.iter().zip(&added.at);
     let known = known.filter_map(|(pair, added)| Some((pair, ends.between(pair, |place| steady[place])?, *added)));
     let known: Vec<(&Pair, [f64; 2], f64)> = known.collect();
-    let mut of_dimensions = Vec::new();
+    let mut dimension_shifts = Vec::new();
     for axis in axes {
         let lengths_m = cut.pattern.lengths_m();
         // One standard error upwards: a cavity of a rough edge is rather too large than too small.
@@ -225,7 +225,9 @@ fn trial(
             let [other] = ends.between(pair, |place| Some([others[place]?]))?;
             Some(tidy(((other + added) / (own + added)).ln()))
         };
-        of_dimensions.extend(known.iter().map(change).collect::<Option<Vec<f64>>>());
+        let log_ratio = known.iter().map(change).collect::<Option<Vec<f64>>>();
+        let above = tidy_features(&moved);
+        dimension_shifts.extend(log_ratio.map(|log_ratio| DimensionShift { log_ratio, above, below: None }));
     }
     // d ln (r + a) / d ln E = r / (r + a) d ln r / d ln E
     let measured = known.iter().map(|([flat, patterned], [steady, modulus_sensitivity], added)| Measured {
@@ -240,25 +242,29 @@ fn trial(
         flat_std: tidy(flat.mu_dynamic_std / flat.mu_dynamic),
         modulus_sensitivity: tidy(modulus_sensitivity * steady / (steady + added)),
     });
-    let features = Features::from(&cut.pattern);
-    let features = Features {
+    let warning = added.unknown.map(|unknown| format!("trial \"{}\": {unknown}", cut.name));
+    let trial = Trial {
+        name: cut.name.clone(),
+        features: tidy_features(&cut.pattern),
+        sample_std: cut.sample_std,
+        disc: cut.disc.clone(),
+        measured: measured.collect(),
+        dimensions_std_m: cut.dimensions_std_m.map(tidy),
+        dimension_shifts,
+    };
+    Ok((trial, warning))
+}
+
+/// Features of `pattern` to the digits that a material file holds.
+fn tidy_features(pattern: &Pattern) -> Features {
+    let features = Features::from(pattern);
+    Features {
         areal_density: tidy(features.areal_density),
         edge_1_m: tidy(features.edge_1_m),
         width_m: tidy(features.width_m),
         pitch_m: tidy(features.pitch_m),
         depth_m: tidy(features.depth_m),
-    };
-    let warning = added.unknown.map(|unknown| format!("trial \"{}\": {unknown}", cut.name));
-    let trial = Trial {
-        name: cut.name.clone(),
-        features,
-        sample_std: cut.sample_std,
-        disc: cut.disc.clone(),
-        measured: measured.collect(),
-        dimensions_std_m: cut.dimensions_std_m.map(tidy),
-        of_dimensions,
-    };
-    Ok((trial, warning))
+    }
 }
 
 /// What trials say, for the material's notes; `None` without any that was measured.
@@ -393,7 +399,7 @@ mod tests {
             };
             let all = learn_alone(&task(flat.clone()), &Unwatched).unwrap().discrepancy;
             let all = &all.trials()[0];
-            assert_eq!(all.of_dimensions.len(), 1);
+            assert_eq!(all.dimension_shifts.len(), 1);
             for (row, flat) in flat.iter().enumerate() {
                 let own = learn_alone(&task(vec![*flat]), &Unwatched).unwrap().discrepancy;
                 let own = &own.trials()[0];
@@ -402,9 +408,9 @@ mod tests {
                 assert!(off < 5e-5 + of_time, "{planform:?} {row}: {found:?} {exact:?}");
                 assert!((found.modulus_sensitivity - exact.modulus_sensitivity).abs() < 2e-4, "{planform:?} {row}");
                 // A wider cavity lowers the ratio.
-                let change = all.of_dimensions[0][row];
+                let change = all.dimension_shifts[0].log_ratio[row];
                 assert!(
-                    change < -1e-4 && (change - own.of_dimensions[0][0]).abs() < 5e-5,
+                    change < -1e-4 && (change - own.dimension_shifts[0].log_ratio[0]).abs() < 5e-5,
                     "{planform:?} {row}: {change}"
                 );
             }

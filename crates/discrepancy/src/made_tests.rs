@@ -120,7 +120,7 @@ fn dimensions_as_made_move_physics_and_discrepancy_of_trial_and_sample() {
             // To first order in errors of 13 % of the form: what is left out is a seventh of the standard deviation.
             let off = (own_mean - mean[load]).abs() / std[load];
             assert!(off < 0.2, "{log_excess:?} {load}: {own_mean} {}", mean[load]);
-            assert!((own_std / std[load] - 1.0).abs() < 0.04, "{log_excess:?} {load}: {own_std} {}", std[load]);
+            assert!((own_std / std[load] - 1.0).abs() < 0.06, "{log_excess:?} {load}: {own_std} {}", std[load]);
         }
         let by_mixture = found.probability_within(&[band[0]; 2], &[band[1]; 2]);
         assert!((by_mixture - chance).abs() < 0.02, "{log_excess:?}: {by_mixture} {chance}");

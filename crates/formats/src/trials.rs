@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 use slipgrid_calibrate::{CutSample, CutSpecimen, TrialsTask};
-use slipgrid_discrepancy::{Conditions, Discrepancy, Features, Hyperparameters, Load, Measured, Trial};
+use slipgrid_discrepancy::{Conditions, DimensionShift, Discrepancy, Features, Hyperparameters, Load, Measured, Trial};
 use slipgrid_pattern::Pattern;
 use slipgrid_results::PatternReport;
 use toml::Spanned;
@@ -366,10 +366,26 @@ struct LearnedTrial {
     /// Changes of ln(modelled ratio) by the errors of width, spacing and depth, one list each.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     of_dimensions: Vec<Vec<f64>>,
+    /// Areal density, edges per mm, width, pitch and depth in um of the texture with each of these dimensions one standard error larger.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    texture_of_dimensions: Vec<[f64; 5]>,
 }
 
 /// Metres in a millimetre, for edges per area.
 const PER_MM: f64 = 1e-3;
+
+/// Areal density, edges per mm, width, pitch and depth in um.
+fn to_columns(of: &Features) -> [f64; 5] {
+    let [width_um, pitch_um, depth_um] =
+        [of.width_m, of.pitch_m, of.depth_m].map(|length_m| LENGTH_UM.from_si(length_m));
+    [of.areal_density, tidy(of.edge_1_m * PER_MM), width_um, pitch_um, depth_um]
+}
+
+/// The features that [`to_columns`] wrote.
+fn from_columns([areal_density, edge_per_mm, lengths_um @ ..]: &[f64; 5]) -> Features {
+    let [width_m, pitch_m, depth_m] = lengths_um.map(|length_um| tidy(LENGTH_UM.to_si(length_um)));
+    Features { areal_density: *areal_density, edge_1_m: tidy(edge_per_mm / PER_MM), width_m, pitch_m, depth_m }
+}
 
 impl LearnedFile {
     /// What is kept of `learned`.
@@ -400,7 +416,8 @@ impl LearnedFile {
                 patterned_std: column(|at| at.patterned_std),
                 flat_std: column(|at| at.flat_std),
                 modulus_sensitivity: column(|at| at.modulus_sensitivity),
-                of_dimensions: trial.of_dimensions.clone(),
+                of_dimensions: trial.dimension_shifts.iter().map(|shift| shift.log_ratio.clone()).collect(),
+                texture_of_dimensions: trial.dimension_shifts.iter().map(|shift| to_columns(&shift.above)).collect(),
             }
         };
         Self {
@@ -447,21 +464,25 @@ impl LearnedFile {
                 flat_std: trial.flat_std[row],
                 modulus_sensitivity: trial.modulus_sensitivity[row],
             };
+            let LearnedTrial { areal_density, edge_per_mm, width_um, pitch_um, depth_um, .. } = *trial;
+            let features = from_columns(&[areal_density, edge_per_mm, width_um, pitch_um, depth_um]);
+            // A file of before that key holds what moves the model alone.
+            let above = |place: usize| trial.texture_of_dimensions.get(place).map_or(features, from_columns);
+            let shift = |(place, log_ratio): (usize, &Vec<f64>)| DimensionShift {
+                log_ratio: log_ratio.clone(),
+                above: above(place),
+                below: None,
+            };
+            let dimension_shifts = trial.of_dimensions.iter().enumerate().map(shift).collect();
             Ok(Trial {
                 name: trial.name.clone(),
-                features: Features {
-                    areal_density: trial.areal_density,
-                    edge_1_m: tidy(trial.edge_per_mm / PER_MM),
-                    width_m: tidy(LENGTH_UM.to_si(trial.width_um)),
-                    pitch_m: tidy(LENGTH_UM.to_si(trial.pitch_um)),
-                    depth_m: tidy(LENGTH_UM.to_si(trial.depth_um)),
-                },
+                features,
                 sample_std: trial.sample_std,
                 disc: trial.disc.clone(),
                 measured: (0..n).map(measured).collect(),
                 dimensions_std_m: [trial.width_std_um, trial.spacing_std_um, trial.depth_std_um]
                     .map(|std_um| std_um.map_or(0.0, |std_um| tidy(LENGTH_UM.to_si(std_um)))),
-                of_dimensions: trial.of_dimensions.clone(),
+                dimension_shifts,
             })
         };
         let trials = file.trial.iter().map(trial).collect::<Result<Vec<Trial>, Diagnostic>>()?;

@@ -20,6 +20,21 @@ pub struct Tolerances {
     pub rim_height_std_m: f64,
 }
 
+impl Tolerances {
+    /// The independent errors of width, spacing and depth that do not vanish, each by one standard deviation, in metres.
+    #[must_use]
+    pub fn independent_m(&self) -> Vec<[f64; AXES]> {
+        let [width, spacing, depth] = self.std_m;
+        let correlation = self.width_spacing_correlation;
+        // Rows of the factor's transpose: spacing = rho s z_1 + sqrt(1 - rho^2) s z_2
+        let free = (1.0 - correlation * correlation).max(0.0).sqrt();
+        let with_width = if width > 0.0 { correlation * spacing } else { 0.0 };
+        let alone = if width > 0.0 { free * spacing } else { spacing };
+        let all = [[width, with_width, 0.0], [0.0, alone, 0.0], [0.0, 0.0, depth]];
+        all.into_iter().filter(|shift| shift.iter().any(|by_m| *by_m != 0.0)).collect()
+    }
+}
+
 /// The joint normal distribution of a design's dimensions and of a model's parameters, about the design and zero.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Uncertainty {

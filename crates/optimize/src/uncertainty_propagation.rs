@@ -263,7 +263,8 @@ impl Linearization {
     }
 
     /// The design.
-    pub(crate) const fn design(&self) -> &Pattern {
+    #[must_use]
+    pub const fn design(&self) -> &Pattern {
         &self.design
     }
 
@@ -274,7 +275,8 @@ impl Linearization {
     }
 
     /// dv/dx, one row per input.
-    pub(crate) fn slopes(&self) -> &[Vec<f64>] {
+    #[must_use]
+    pub fn slopes(&self) -> &[Vec<f64>] {
         &self.slopes
     }
 

@@ -1,6 +1,6 @@
 //! The values of a design about it, along everything that is not known exactly.
 
-use slipgrid_discrepancy::Sampler;
+use slipgrid_discrepancy::{Form, Sampler};
 
 use super::*;
 use slipgrid_specimen::Laid;
@@ -43,23 +43,31 @@ impl Expansion {
             values.iter_mut().zip(curvature).for_each(|(value, half)| *value += half * square);
         }
         if let Some(drawn) = self.discrepancy.as_ref().filter(|drawn| of(drawn.first)) {
-            values.iter_mut().zip(drawn.factors(deviations)).for_each(|(value, factor)| *value *= factor);
+            let made_m = std::array::from_fn(|axis| if of(axis) { deviations[axis] } else { 0.0 });
+            values.iter_mut().zip(drawn.factors(deviations, made_m)).for_each(|(value, factor)| *value *= factor);
         }
     }
 }
 
-/// The discrepancy of a design: values are times the exponential of a draw less the median.
+/// The discrepancy of a design: values are multiplied by the exponential of a draw less the median.
 pub(super) struct Drawn {
     sampler: Sampler,
     pub(super) medians: Vec<f64>,
     pub(super) first: usize,
+    /// d ln h / dx along width, spacing and depth, in 1/m, of each form.
+    log_slopes: Vec<(Form, [f64; DIMENSIONS])>,
 }
 
 impl Drawn {
-    /// What values are multiplied by where the deviates, of all inputs, are `deviations`.
-    pub(super) fn factors(&self, deviations: &[f64]) -> impl Iterator<Item = f64> {
+    /// Factors of the values where the deviates, of all inputs, are `deviations`, and the dimensions are off by `made_m`.
+    pub(super) fn factors(&self, deviations: &[f64], made_m: [f64; DIMENSIONS]) -> impl Iterator<Item = f64> {
         let (which, z) = (deviations[self.first], &deviations[self.first + 1..=self.first + self.medians.len()]);
-        let drawn = self.sampler.draw(which, z);
+        let log_form = |form: &Form| {
+            let slopes =
+                self.log_slopes.iter().find(|(own, _)| own == form).map_or([0.0; DIMENSIONS], |(_, slopes)| *slopes);
+            slopes.into_iter().zip(made_m).map(|(slope, by_m)| slope * by_m).sum()
+        };
+        let drawn = self.sampler.draw(which, z, &log_form);
         drawn.into_iter().zip(&self.medians).map(|(drawn, median)| (drawn - median).exp())
     }
 }
@@ -107,7 +115,22 @@ impl Chances<'_> {
         let Some(learned) = &self.learned else { return Ok(None) };
         let prediction = learned.prediction(design, &learned.modulus_sensitivity(design)?);
         let (sampler, medians) = (prediction.sampler(), prediction.medians());
-        Ok(Some(Drawn { sampler, medians, first: self.first_discrepancy }))
+        let own = Features::from(design);
+        let slope = |form: &Form, axis: usize| {
+            let step_m = Some(self.tolerances.std_m[axis])
+                .filter(|std_m| *std_m > 0.0)
+                .unwrap_or(0.01 * design.lengths_m()[axis]);
+            let by_m = std::array::from_fn(|other| if other == axis { step_m } else { 0.0 });
+            let [above, below] = [1.0, -1.0].map(|side| Features::from(&made(design, &by_m, side)));
+            DimensionShift { log_ratio: Vec::new(), above, below: Some(below) }.log_form(form, &own) / step_m
+        };
+        let mut log_slopes: Vec<(Form, [f64; DIMENSIONS])> = Vec::new();
+        for form in sampler.forms() {
+            if !log_slopes.iter().any(|(known, _)| known == form) {
+                log_slopes.push((*form, std::array::from_fn(|axis| slope(form, axis))));
+            }
+        }
+        Ok(Some(Drawn { sampler, medians, first: self.first_discrepancy, log_slopes }))
     }
 
     /// The values of a design about it.

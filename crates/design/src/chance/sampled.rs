@@ -73,6 +73,8 @@ impl UncertainModel for Sampled<'_> {
         let values = (0..about.still.ratio.len()).map(value);
         let Some(drawn) = &self.discrepancy else { return Ok(values.collect()) };
         let all: Vec<f64> = (0..DIMENSIONS).map(|_| 0.0).chain(deviations.iter().copied()).collect();
-        Ok(values.zip(drawn.factors(&all)).map(|(value, factor)| value * factor).collect())
+        let (made_m, own_m) = (made.lengths_m(), own.lengths_m());
+        let off_m = std::array::from_fn(|axis| made_m[axis] - own_m[axis]);
+        Ok(values.zip(drawn.factors(&all, off_m)).map(|(value, factor)| value * factor).collect())
     }
 }

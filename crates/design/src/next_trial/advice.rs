@@ -95,7 +95,7 @@ impl MultiFidelityLoop<'_> {
         let models = Models::new(&self.model, material)?;
         let found = models.at(&best.design).and_then(|modelled| {
             if let Some(expansion) = expansion {
-                return Ok((modelled, chances.log_covariance(expansion)));
+                return Ok((modelled, (chances.log_covariance(expansion), chances.dimension_shifts(expansion))));
             }
             let still = chances.still(&best.design)?;
             let (scales, values) = (self.model.scales(&best.design), self.confirmed_values());
@@ -103,9 +103,10 @@ impl MultiFidelityLoop<'_> {
             let values =
                 values.unwrap_or_else(|| still.ratio.iter().zip(&scales).map(|(ratio, scale)| ratio * scale).collect());
             let about = About { design: &best.design, still: &still, values: &values, numerical: &numerical };
-            Ok((modelled, chances.log_covariance(&chances.expand(&about)?)))
+            let expansion = chances.expand(&about)?;
+            Ok((modelled, (chances.log_covariance(&expansion), chances.dimension_shifts(&expansion))))
         });
-        let (modelled, covariance) = match found {
+        let (modelled, (covariance, shifts)) = match found {
             Ok(found) => found,
             Err(ModelFailure::Cancelled) => return Err(DesignError::Cancelled),
             Err(_) => return Ok(None),
@@ -118,7 +119,7 @@ impl MultiFidelityLoop<'_> {
         };
         let log_ratio = modelled.log_ratio.iter().enumerate();
         let log_ratio = log_ratio.map(|(load, log)| log + off(load % count).unwrap_or(0.0)).collect();
-        let design = Design::new(best.design, Modelled { log_ratio, ..modelled }, covariance);
+        let design = Design::new(best.design, Modelled { log_ratio, ..modelled }, covariance, shifts);
         let judged = design.judged(&asked.learned.at(&asked.loads), &asked.wanted);
         // A design that aims with the discrepancy has it in its chance.
         let chance = aimed.unwrap_or(judged.score.chance);

@@ -1,7 +1,7 @@
 //! The designs likeliest on target: all by the interpolated model, the best by the model itself, and what lies about them.
 
 use rayon::prelude::*;
-use slipgrid_discrepancy::{Features, Predictor, Ranking};
+use slipgrid_discrepancy::{DimensionShift, Features, Predictor, Ranking};
 use slipgrid_monitor::{Monitor, Part};
 use slipgrid_optimize::ModelFailure;
 use slipgrid_pattern::Pattern;
@@ -98,16 +98,16 @@ impl<'a> Search<'a> {
         Self { task, asked, predictor, models, interpolation, chances, scope, off: Vec::new(), stage }
     }
 
-    /// Covariance of the ratios of samples of `pattern` by their dimensions.
-    fn covariance(&self, pattern: &Pattern) -> Option<Vec<f64>> {
+    /// Errors of the dimensions of samples of `pattern`, by the interpolated model.
+    fn dimension_shifts(&self, pattern: &Pattern) -> Option<Vec<DimensionShift>> {
         let tolerances = self.task.tolerances.map(|scatter| scatter.tolerances).unwrap_or_default();
-        self.interpolation.covariance(pattern.lengths_m(), &tolerances)
+        self.interpolation.dimension_shifts(pattern, &tolerances)
     }
 
     /// `pattern` by the model itself in the layer's blocks and what smaller ones change of its like, with the scatter of its dimensions.
     fn drafted(&self, pattern: &Pattern) -> Result<Judged, ModelFailure> {
-        let covariance = self.covariance(pattern).unwrap_or_default();
-        let design = Design::new(*pattern, self.models.at(pattern)?, covariance);
+        let shifts = self.dimension_shifts(pattern).unwrap_or_default();
+        let design = Design::new(*pattern, self.models.at(pattern)?, Vec::new(), shifts);
         let design = design.in_smaller_blocks(self.interpolation.shifts(pattern.lengths_m())).moved(&self.off);
         Ok(design.judged(&self.predictor, &self.asked.wanted))
     }
@@ -130,11 +130,10 @@ impl<'a> Search<'a> {
         };
         let about = About { design: &pattern, still: &still, values: &ratio, numerical: &open };
         let expansion = self.chances.expand(&about)?;
-        let of_dimensions = self.chances.log_covariance_of_dimensions(&expansion);
+        let shifts = self.chances.dimension_shifts(&expansion);
         let log_ratio = ratio.iter().map(|ratio| ratio.ln()).collect();
         let modelled = Modelled { log_ratio, sensitivity };
-        let design = Design::new(pattern, modelled, self.chances.log_covariance(&expansion)).moved(&self.off);
-        let design = Design { of_dimensions, ..design };
+        let design = Design::new(pattern, modelled, self.chances.log_covariance(&expansion), shifts).moved(&self.off);
         Ok(design.judged(&self.predictor, &self.asked.wanted))
     }
 
@@ -162,7 +161,8 @@ impl<'a> Search<'a> {
                 return None;
             }
             let lengths_m = pattern.lengths_m();
-            let design = Design::new(*pattern, self.interpolation.at(lengths_m)?, self.covariance(pattern)?);
+            let shifts = self.dimension_shifts(pattern)?;
+            let design = Design::new(*pattern, self.interpolation.at(lengths_m)?, Vec::new(), shifts);
             Some(design.in_smaller_blocks(self.interpolation.shifts(lengths_m)).moved(&self.off))
         };
         let drafts: Vec<Option<Design>> = patterns.par_iter().map(between).collect();

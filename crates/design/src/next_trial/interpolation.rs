@@ -2,12 +2,14 @@
 
 use rayon::prelude::*;
 use slipgrid_calibrate::uncertainty::MaterialUncertainty;
+use slipgrid_discrepancy::{DimensionShift, Features};
 use slipgrid_monitor::{Monitor, Part};
 use slipgrid_optimize::{ModelFailure, Tolerances};
 use slipgrid_pattern::Pattern;
 use slipgrid_springblock::{Scene, block_refinement};
 
 use crate::DesignError;
+use crate::chance::made;
 use crate::kept_nodes::kept;
 use crate::learned_discrepancy::ModulusSlopes;
 use crate::steady_model::SteadyModel;
@@ -126,29 +128,19 @@ impl Interpolation {
         Some(self.blocks.at(lengths_m)?.log_ratio)
     }
 
-    /// Covariance of ln R of samples whose lengths scatter about `lengths_m` as `tolerances` say, to first order: differences over a
-    /// standard deviation each way.
-    pub fn covariance(&self, lengths_m: [f64; 3], tolerances: &Tolerances) -> Option<Vec<f64>> {
-        let count = self.at(lengths_m)?.log_ratio.len();
-        // By a standard deviation of each length.
-        let mut slopes = [const { Vec::new() }; 3];
-        for (axis, std_m) in tolerances.std_m.into_iter().enumerate() {
-            let moved = |side: f64| {
-                let mut lengths_m = lengths_m;
-                lengths_m[axis] = (lengths_m[axis] + side * std_m).max(0.1 * lengths_m[axis]);
-                Some(self.at(lengths_m)?.log_ratio)
-            };
-            slopes[axis] = if std_m > 0.0 {
-                moved(1.0)?.iter().zip(moved(-1.0)?).map(|(above, below)| 0.5 * (above - below)).collect()
-            } else {
-                vec![0.0; count]
-            };
-        }
-        let [w, s, d] = &slopes;
-        let rho = tolerances.width_spacing_correlation;
-        // w_l w_m + s_l s_m + d_l d_m + rho (w_l s_m + s_l w_m)
-        let entry = |l: usize, m: usize| w[l] * w[m] + s[l] * s[m] + d[l] * d[m] + rho * (w[l] * s[m] + s[l] * w[m]);
-        Some((0..count * count).map(|place| entry(place / count, place % count)).collect())
+    /// Errors of the dimensions of samples of `design` that scatter as `tolerances` say: differences over a standard deviation each way.
+    pub fn dimension_shifts(&self, design: &Pattern, tolerances: &Tolerances) -> Option<Vec<DimensionShift>> {
+        let shift = |by_m: &[f64; 3]| {
+            let [above, below] = [1.0, -1.0].map(|side| made(design, by_m, side));
+            let log_ratio = self.at(above.lengths_m())?.log_ratio;
+            let log_ratio = log_ratio.iter().zip(self.at(below.lengths_m())?.log_ratio);
+            Some(DimensionShift {
+                log_ratio: log_ratio.map(|(above, below)| 0.5 * (above - below)).collect(),
+                above: Features::from(&above),
+                below: Some(Features::from(&below)),
+            })
+        };
+        tolerances.independent_m().iter().map(shift).collect()
     }
 }
 

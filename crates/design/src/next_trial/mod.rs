@@ -9,7 +9,8 @@ mod report;
 use rayon::prelude::*;
 use slipgrid_calibrate::uncertainty::MaterialUncertainty;
 use slipgrid_discrepancy::{
-    Candidate, Discrepancy, Features, Load, Prediction, Predictor, Scenarios, Score, Wanted, information,
+    Candidate, DimensionShift, Discrepancy, Features, Load, Prediction, Predictor, Scenarios, Score, Wanted,
+    information,
 };
 use slipgrid_export::{Division, LEAST_PERIODS, Outline, Sector, Specimen};
 use slipgrid_material::AreaLaw;
@@ -67,9 +68,9 @@ struct Design {
     features: Features,
     ratio: Vec<f64>,
     sensitivity: Vec<f64>,
+    /// Of the logarithms of the ratios, shared by all samples.
     covariance: Vec<f64>,
-    /// By the dimensions of samples alone; empty where several samples are not compared.
-    of_dimensions: Vec<f64>,
+    dimension_shifts: Vec<DimensionShift>,
     /// The ratio in the layer's blocks.
     in_blocks: Vec<f64>,
 }
@@ -83,7 +84,7 @@ struct Judged {
 }
 
 impl Design {
-    fn new(pattern: Pattern, modelled: Modelled, covariance: Vec<f64>) -> Self {
+    fn new(pattern: Pattern, modelled: Modelled, covariance: Vec<f64>, dimension_shifts: Vec<DimensionShift>) -> Self {
         let ratio: Vec<f64> = modelled.log_ratio.iter().map(|log| log.exp()).collect();
         Self {
             features: Features::from(&pattern),
@@ -91,7 +92,7 @@ impl Design {
             ratio,
             sensitivity: modelled.sensitivity,
             covariance,
-            of_dimensions: Vec::new(),
+            dimension_shifts,
             pattern,
         }
     }
@@ -113,7 +114,7 @@ impl Design {
             modelled: &self.ratio,
             modulus_sensitivity: &self.sensitivity,
             covariance: &self.covariance,
-            of_dimensions: &self.of_dimensions,
+            dimension_shifts: &self.dimension_shifts,
         }
     }
 

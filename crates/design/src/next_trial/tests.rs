@@ -71,14 +71,19 @@ fn between_its_nodes_the_model_is_off_by_less_than_a_tolerance() {
     let covariance = |std_um: [f64; 3], width_spacing_correlation: f64| {
         let std_m = std_um.map(|um| um * 1e-6);
         let tolerances = Tolerances { std_m, width_spacing_correlation, ..Tolerances::default() };
-        found.covariance([120e-6, 300e-6, 15e-6], &tolerances).unwrap()
+        let design = Pattern::new(Planform::Groove, 120e-6, 300e-6, 15e-6).unwrap();
+        let shifts = found.dimension_shifts(&design, &tolerances).unwrap();
+        let entry = |l: usize, m: usize| shifts.iter().map(|of| of.log_ratio[l] * of.log_ratio[m]).sum::<f64>();
+        [entry(0, 0), entry(0, 1), entry(1, 0), entry(1, 1)]
     };
     let of_width = covariance([5.0, 0.0, 0.0], 0.0);
     assert!(of_width[3] > 0.0 && (of_width[1].powi(2) / (of_width[0] * of_width[3]) - 1.0).abs() < 1e-9);
     // Wider cavities that are nearer each lower friction: where the pitch is exact both do, and deviations add up.
     let of_spacing = covariance([0.0, 5.0, 0.0], 0.0);
     let both = covariance([5.0, 5.0, 0.0], -1.0);
-    assert!((both[3].sqrt() - of_width[3].sqrt() - of_spacing[3].sqrt()).abs() < 1e-9, "{both:?}");
+    // Both at once differ from each alone by the curvature of the interpolated model.
+    let sum = of_width[3].sqrt() + of_spacing[3].sqrt();
+    assert!((both[3].sqrt() / sum - 1.0).abs() < 0.02, "{both:?} {sum}");
     let apart = covariance([5.0, 5.0, 0.0], 0.0);
     assert!((apart[3] - of_width[3] - of_spacing[3]).abs() < 1e-12, "{apart:?}");
 }

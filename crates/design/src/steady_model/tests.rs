@@ -132,7 +132,7 @@ fn aim(model: &mut SteadyModel<'_>, design: &Pattern) -> Vec<f64> {
         disc: None,
         measured: vec![measured(loads[0], 0.85), measured(loads[3], 0.75)],
         dimensions_std_m: [0.0; 3],
-        of_dimensions: Vec::new(),
+        dimension_shifts: Vec::new(),
     };
     let learned = Discrepancy::new(Hyperparameters::default(), Conditions::default(), 0.2, vec![trial]).unwrap();
     let known = MaterialUncertainty { modulus_relative_std: Some(0.2), ..MaterialUncertainty::default() };

@@ -28,11 +28,7 @@ impl PendingReport {
     fn new(of: &PendingSample, learned: &Discrepancy) -> Self {
         let loads: Vec<_> = of.modelled.iter().map(|at| at.load).collect();
         let sensitivity: Vec<f64> = of.modelled.iter().map(|at| at.modulus_sensitivity).collect();
-        // Errors of its dimensions move all ratios together: cov_ij = sum of d_i d_j.
-        let n = loads.len();
-        let entry = |e: usize| of.of_dimensions.iter().map(|slopes| slopes[e / n] * slopes[e % n]).sum();
-        let of_dimensions: Vec<f64> = (0..n * n).map(entry).collect();
-        let found = learned.at(&loads).predict(&of.features, &sensitivity).with(&of_dimensions);
+        let found = learned.at(&loads).predict_made(&of.features, &sensitivity, &of.dimension_shifts);
         let predicted =
             of.modelled.iter().enumerate().map(|(row, at)| RatioPrediction::new(&at.load, at.ratio, &found, row));
         Self {

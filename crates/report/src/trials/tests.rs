@@ -19,7 +19,7 @@ fn trial(name: &str, spacing_um: f64, excess: f64) -> Trial {
         disc: None,
         measured: vec![at(1e6), at(2e6)],
         dimensions_std_m: [0.0; 3],
-        of_dimensions: Vec::new(),
+        dimension_shifts: Vec::new(),
     }
 }
 

@@ -13,7 +13,7 @@ mod truth;
 
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
-use slipgrid_discrepancy::Trial;
+use slipgrid_discrepancy::{DimensionShift, Trial};
 use slipgrid_monitor::{Monitor, Stage};
 use slipgrid_statistics::{Normals, normal_probability};
 
@@ -21,7 +21,7 @@ use crate::StudyError;
 use draws::{around, is_within};
 use generator::{Generator, Sizes};
 use physics::{LOADS, Solved};
-use policy::{Informed, Known, Told, candidate, covariances, learned, wanted};
+use policy::{Informed, Known, Told, all_dimension_shifts, candidate, learned, wanted};
 use truth::Laboratory;
 
 pub use policy::Policy;
@@ -146,7 +146,7 @@ pub struct Way {
 pub struct Bench {
     options: Options,
     textures: Vec<Solved>,
-    covariances: Vec<Vec<f64>>,
+    dimension_shifts: Vec<Vec<DimensionShift>>,
     /// What [`Policy::Generator`] knows.
     generator: Generator,
     told: Told,
@@ -236,9 +236,9 @@ impl Bench {
         let stage = Stage::new(monitor, "textures", None);
         let textures = physics::textures(options.steps, &stage)?;
         stage.finish();
-        let covariances = covariances(&textures);
+        let dimension_shifts = all_dimension_shifts(&textures);
         let generator = Generator::new(&textures, &Mechanism::ALL, Sizes::Own);
-        Ok(Self { options: *options, textures, covariances, generator, told: Told::ALL })
+        Ok(Self { options: *options, textures, dimension_shifts, generator, told: Told::ALL })
     }
 
     /// How many textures there are.
@@ -272,7 +272,7 @@ impl Bench {
     /// # Errors
     /// [`StudyError::Failed`] where nothing can be learned from its trials.
     pub fn way(&self, job: Job) -> Result<Way, StudyError> {
-        let (Self { options, textures, covariances, .. }, policy) = (self, job.policy);
+        let (Self { options, textures, dimension_shifts, .. }, policy) = (self, job.policy);
         let Begun { mut laboratory, truths, target, mut cut, mut trials } = self.begin(job);
         let (wanted, judged_from) = (wanted(&target), trials.len());
         let mut found = Way { trials: None, chances: Vec::new(), below: Vec::new() };
@@ -283,7 +283,7 @@ impl Bench {
         for count in 1..=most {
             let known = Known {
                 textures,
-                covariances,
+                dimension_shifts,
                 cut: &cut,
                 trials: &trials,
                 target: &target,
@@ -307,7 +307,7 @@ impl Bench {
                 found.below.extend(informed.below(place, &made.trial));
             }
             if let Some(hyper) = policy.hyperparameters(laboratory.form()) {
-                let prediction = learned(&hyper, &trials)?.of(&candidate(of, &covariances[place]));
+                let prediction = learned(&hyper, &trials)?.of(&candidate(of, &dimension_shifts[place]));
                 found.chances.push((wanted.score(&prediction, &of.ratio).chance, is_on_target));
                 // Errors of the measurement: its own and the flat sample's.
                 let errors: Vec<f64> = (0..LOADS * LOADS)

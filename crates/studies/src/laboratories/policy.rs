@@ -1,18 +1,16 @@
 //! How a laboratory may choose what it cuts next.
 
 use slipgrid_discrepancy::{
-    Candidate, Conditions, Discrepancy, Form, Hyperparameters, Predictor, Trial, Wanted, choose,
+    Candidate, Conditions, DimensionShift, Discrepancy, Form, Hyperparameters, Predictor, Trial, Wanted, choose,
 };
 use slipgrid_statistics::Normals;
 
 use super::draws::{Draws, around, between};
 use super::generator::{Generator, Seen, logs};
 use super::physics::{LOADS, Solved, loads};
-use super::truth::{MODULUS_STD, TOLERANCE, of_dimensions};
+use super::truth::{MODULUS_STD, TOLERANCE, dimension_shifts};
 use crate::StudyError;
 
-/// Random features of the Gaussian process without forms.
-const PROCESS_FEATURES: usize = 128;
 /// Its standard deviation.
 const PROCESS_STD: f64 = 0.2;
 /// Draws behind the expected improvement.
@@ -106,7 +104,6 @@ pub fn process() -> Hyperparameters {
         humidity_std: 0.0,
         scales: vec![(1.0, 1.0)],
         residuals: vec![(1.0, 1.0)],
-        residual_features: PROCESS_FEATURES,
         forms: vec![(Form::Saturating { scale: 0.02 }, 1.0)],
         ..Hyperparameters::default()
     }
@@ -118,14 +115,14 @@ fn of_form(form: Form) -> Hyperparameters {
     Hyperparameters { forms: vec![(form, 1.0)], scales: one, residuals: vec![(0.0, 1.0)], ..Hyperparameters::default() }
 }
 
-/// The candidate that a texture is, with `covariance` for its dimensions.
-pub fn candidate<'a>(of: &'a Solved, covariance: &'a [f64]) -> Candidate<'a> {
+/// The candidate that a texture is, with errors of its dimensions.
+pub fn candidate<'a>(of: &'a Solved, dimension_shifts: &'a [DimensionShift]) -> Candidate<'a> {
     Candidate {
         features: of.features,
         modelled: &of.ratio,
         modulus_sensitivity: &of.physics.slope,
-        covariance,
-        of_dimensions: covariance,
+        covariance: &[],
+        dimension_shifts,
     }
 }
 
@@ -133,8 +130,8 @@ pub fn candidate<'a>(of: &'a Solved, covariance: &'a [f64]) -> Candidate<'a> {
 pub struct Known<'a> {
     /// All textures, and those that were cut.
     pub textures: &'a [Solved],
-    /// Covariance of the samples' dimensions for each.
-    pub covariances: &'a [Vec<f64>],
+    /// Errors of the samples' dimensions for each.
+    pub dimension_shifts: &'a [Vec<DimensionShift>],
     /// Places of those that were cut.
     pub cut: &'a [usize],
     /// What was measured of these.
@@ -181,8 +178,9 @@ impl Policy {
         let at_load: Vec<f64> = (0..LOADS).map(|load| mean(&excess(load))).collect();
         let by_chance = |hyper: &Hyperparameters| -> Result<Option<usize>, StudyError> {
             let predictor = learned(hyper, known.trials)?;
-            let of =
-                |place: usize| is_open(&place).then(|| candidate(&known.textures[place], &known.covariances[place]));
+            let of = |place: usize| {
+                is_open(&place).then(|| candidate(&known.textures[place], &known.dimension_shifts[place]))
+            };
             Ok(choose(&predictor, &wanted(known.target), known.textures.len(), &of).map(|chosen| chosen.place))
         };
         let found = match self {
@@ -287,7 +285,7 @@ fn improvement(known: &Known<'_>) -> Result<Option<usize>, StudyError> {
     let draws: Vec<[f64; LOADS]> = (0..DRAWS).map(|_| [0; LOADS].map(|_| normals.draw())).collect();
     let expected = |place: usize| {
         let of = &known.textures[place];
-        let prediction = predictor.of(&candidate(of, &known.covariances[place]));
+        let prediction = predictor.of(&candidate(of, &known.dimension_shifts[place]));
         let component = &prediction.components[0];
         // Loads move together but for their own scatter: a common deviate and a small one each.
         let std = |load: usize| component.covariance[load * LOADS + load].sqrt();
@@ -305,7 +303,7 @@ fn improvement(known: &Known<'_>) -> Result<Option<usize>, StudyError> {
     Ok(open.map(|place| (place, expected(place))).max_by(|a, b| a.1.total_cmp(&b.1)).map(|(place, _)| place))
 }
 
-/// [`of_dimensions`] for every texture.
-pub fn covariances(textures: &[Solved]) -> Vec<Vec<f64>> {
-    textures.iter().map(|of| of_dimensions(&of.ratio)).collect()
+/// [`dimension_shifts`] for every texture.
+pub fn all_dimension_shifts(textures: &[Solved]) -> Vec<Vec<DimensionShift>> {
+    textures.iter().map(|of| dimension_shifts(of.features, &of.ratio)).collect()
 }

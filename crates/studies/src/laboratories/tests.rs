@@ -47,7 +47,7 @@ fn who_knows_how_laboratories_are_made_says_nothing_of_what_none_of_them_reaches
     let bench = Bench::new(&Options { steps: 2, ..Options::default() }, &Unwatched).unwrap();
     let known = Known {
         textures: &bench.textures,
-        covariances: &bench.covariances,
+        dimension_shifts: &bench.dimension_shifts,
         cut: &[],
         trials: &[],
         target: &[5.0; LOADS],

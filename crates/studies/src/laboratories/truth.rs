@@ -1,6 +1,6 @@
 //! A laboratory: what its samples truly do, and what it measures of them.
 
-use slipgrid_discrepancy::{Features, Form, Hyperparameters, Measured, Trial};
+use slipgrid_discrepancy::{DimensionShift, Features, Form, Hyperparameters, Measured, Trial};
 use slipgrid_statistics::Normals;
 
 use super::physics::{LOADS, PRESSURES_PA, Solved, loads};
@@ -200,8 +200,9 @@ impl Laboratory {
                 modulus_sensitivity: of.physics.slope[load],
             });
         }
-        // What the dimensions do of what was measured.
-        let of_dimensions = vec![measured.iter().map(|at| DIMENSIONS_STD * at.measured.ln()).collect()];
+        // In proportion to the whole effect, measured and not modelled: the discrepancy moves with it.
+        let log_ratio = measured.iter().map(|at| DIMENSIONS_STD * at.measured.ln()).collect();
+        let dimension_shifts = vec![DimensionShift { log_ratio, above: of.features, below: None }];
         let trial = Trial {
             name: String::new(),
             features: of.features,
@@ -209,14 +210,14 @@ impl Laboratory {
             disc: None,
             measured,
             dimensions_std_m: [0.0; 3],
-            of_dimensions,
+            dimension_shifts,
         };
         Cut { truth, trial }
     }
 }
 
-/// Covariance of what the dimensions of a sample leave open, where its ratio is about `ratio`.
-pub fn of_dimensions(ratio: &[f64; LOADS]) -> Vec<f64> {
-    let logs = ratio.map(|ratio| DIMENSIONS_STD * ratio.ln());
-    logs.iter().flat_map(|a| logs.map(|b| a * b)).collect()
+/// Error of the dimensions of a sample with the features `of`, whose ratio is about `ratio`.
+pub fn dimension_shifts(of: Features, ratio: &[f64; LOADS]) -> Vec<DimensionShift> {
+    let log_ratio = ratio.iter().map(|ratio| DIMENSIONS_STD * ratio.ln()).collect();
+    vec![DimensionShift { log_ratio, above: of, below: None }]
 }
