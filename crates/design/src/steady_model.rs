@@ -48,7 +48,7 @@ pub struct SteadyModel<'a> {
     flat_mu: Option<Vec<f64>>,
     /// What trials say that the model lacks, where designs aim with it.
     learned: Option<Arc<LearnedDiscrepancy<'a>>>,
-    /// Added to the model's value by the physics at each load of each condition: what specimens of earlier designs have beyond their cells.
+    /// Differences of specimens of earlier designs from their cells over [`texture_effect`], at each load of each condition.
     correction: BetweenDesigns,
     limited: Limited,
     evaluations: Evaluations<'a>,
@@ -413,7 +413,9 @@ impl<'a> SteadyModel<'a> {
             return Err(ModelFailure::Trial { reason: "the cavity closes under load".to_owned() });
         }
         let correction = self.correction_of(designed);
-        let corrected = |((load, ratio), correction): ((usize, &f64), f64)| ratio * self.scale(load) + correction;
+        let corrected = |((load, ratio), share): ((usize, &f64), f64)| {
+            (ratio + share * texture_effect(*ratio)) * self.scale(load)
+        };
         let physics: Vec<f64> = answer.ratio.iter().enumerate().zip(correction).map(corrected).collect();
         let limited = self.limited.values(design, &answer, &physics)?;
         let value =
@@ -421,7 +423,8 @@ impl<'a> SteadyModel<'a> {
         Ok(Response { value, limited })
     }
 
-    /// What the specimen of `design` has beyond its cell by what is known of others, at each load of each condition.
+    /// Difference of the specimen of `design` from its cell over [`texture_effect`], interpolated between earlier designs, at each load of
+    /// each condition.
     fn correction_of(&self, design: &Pattern) -> Vec<f64> {
         self.correction.at(design).unwrap_or_else(|| vec![0.0; self.asked.loads.len()])
     }
@@ -464,6 +467,16 @@ impl<'a> SteadyModel<'a> {
         let (peak_pressure_mpa, clearance_um) = (peak_pressure_pa / 1e6, clearance_m.map(|least_m| least_m * 1e6));
         Ok(Answer { ratio, peak_pressure_mpa, least_pressure, clearance_um, modulus_sensitivity: Vec::new() })
     }
+}
+
+/// Least effect of a texture on the ratio that corrections are taken to grow with: below it a run's own error would be blown up.
+const LEAST_EFFECT: f64 = 0.02;
+
+/// 1 - R, and at least [`LEAST_EFFECT`] either way. Ends, tilt and time act on what the texture does: a specimen without cavities has a ratio of 1
+/// in time, too, so a sparse texture differs less from its cell than a dense one.
+fn texture_effect(ratio: f64) -> f64 {
+    let effect = 1.0 - ratio;
+    effect.abs().max(LEAST_EFFECT).copysign(effect)
 }
 
 /// The answer of a design whose cavities stay open.

@@ -7,7 +7,7 @@ use slipgrid_optimize::{ModelFailure, Status};
 
 use super::candidate_search::{Scope, Search, is_same};
 use super::interpolation::{Interpolation, Modelled, Models};
-use super::{Asked, Design, Judged, PredictedRatio, SERIES, TrialCandidateReport, asked};
+use super::{Asked, BeyondCells, Design, Judged, PredictedRatio, SERIES, TrialCandidateReport, asked};
 use crate::DesignError;
 use crate::chance::{About, Chances, Expansion};
 use crate::chance_report::{numerical, percent};
@@ -36,7 +36,7 @@ pub struct AdviceReport {
     /// What is predicted of a cut sample.
     pub predicted: Vec<PredictedRatio>,
     /// Other samples that are clearly likelier to be on target than this one, the most likely first; empty where the advice is a series.
-    /// Their ratios are taken to differ from the steady model as the confirmed ratios of this design do. Before any trial only samples
+    /// Their ratios have ends, tilt and time of their own. Before any trial only samples
     /// whose median is near the target are listed. In space the list is empty, and `slipgrid next` looks for such samples.
     #[serde(default)]
     pub rather: Vec<TrialCandidateReport>,
@@ -155,7 +155,7 @@ impl MultiFidelityLoop<'_> {
     }
 
     /// Samples that are clearly likelier on target than `found` with its `chance`, the likeliest first; `None` in space, and where time is
-    /// spent. What a run in time of `found` says beside the steady model is taken to hold of all.
+    /// spent.
     fn rather(
         &self,
         task: &DesignTask,
@@ -169,15 +169,18 @@ impl MultiFidelityLoop<'_> {
         let stage = self.stage("samples likelier on target");
         let scope = Scope::BESIDE;
         let half = Part::new(&stage, 0.5);
-        let interpolation = Interpolation::new(task, models, (scope.nodes, scope.blocks), &half);
+        let beyond = BeyondCells {
+            model: &self.model,
+            face: Some(task.specimen),
+            count: task.target.points().len(),
+            seed: task.seed,
+        };
+        let interpolation = Interpolation::new(task, models, &beyond, &scope, &half);
         let best = interpolation.and_then(|nodes| {
-            let mut search = Search::new(task, asked, models, chances, (&nodes, &scope), &half);
-            if let Ok(steady) = search.exactly(&found.pattern) {
-                let ratios = found.ratio.iter().zip(&steady.design.ratio);
-                search.off = ratios.map(|(confirmed, steady)| (confirmed / steady).ln()).collect();
-            }
+            let search = Search::new(task, asked, (models, &beyond), chances, (&nodes, &scope), &half);
             let is_other = |_: &_, of: &_| !is_same(of, &found.features);
-            let (mut best, _) = search.best(&is_other, chance + CLEARLY, RATHER);
+            let (best, _) = search.best(&is_other, chance + CLEARLY, RATHER);
+            let mut best = search.all_in_time(best, 2 * RATHER);
             if stage.cancelled() {
                 return None;
             }

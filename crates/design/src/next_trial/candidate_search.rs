@@ -8,7 +8,7 @@ use slipgrid_pattern::Pattern;
 
 use super::interpolation::{Interpolation, Modelled, Models};
 use super::local_search::{Climb, Known, Place, Steps, climb};
-use super::{Asked, Design, Judged};
+use super::{Asked, BeyondCells, Design, Judged};
 use crate::chance::{About, Chances, Numerical};
 use crate::task::DesignTask;
 
@@ -18,18 +18,20 @@ pub struct Scope {
     pub nodes: [usize; 3],
     /// The same of what smaller blocks change, some hundredths of a second each.
     pub blocks: [usize; 3],
+    /// The same of what ends and tilt change.
+    pub face: [usize; 3],
     /// Designs that are compared by it, about.
-    designs: usize,
+    pub designs: usize,
     /// Of these the best by it, which the model itself judges, beside the best of every region.
-    judged: usize,
+    pub judged: usize,
     /// Of these the best of different regions, from which is climbed.
-    starts: usize,
+    pub starts: usize,
     /// Designs that the model judges while climbing, at most.
-    climbed: usize,
+    pub climbed: usize,
     /// Of the best by that, of which everything counts.
-    completed: usize,
+    pub completed: usize,
     /// Designs of which everything counts while climbing once more, at most.
-    climbed_whole: usize,
+    pub climbed_whole: usize,
 }
 
 impl Scope {
@@ -37,6 +39,7 @@ impl Scope {
     pub const PLANE: Self = Self {
         nodes: [13, 13, 9],
         blocks: [6, 6, 3],
+        face: [5, 5, 3],
         designs: 6000,
         judged: 48,
         starts: 6,
@@ -47,7 +50,7 @@ impl Scope {
     pub const SPACE: Self = Self { nodes: [6, 6, 4], climbed: 80, starts: 2, climbed_whole: 26, ..Self::PLANE };
     /// Beside a design that was searched.
     pub const BESIDE: Self =
-        Self { nodes: [9, 9, 5], blocks: [5, 5, 3], designs: 2000, judged: 24, completed: 8, ..Self::PLANE };
+        Self { nodes: [9, 9, 5], blocks: [5, 5, 3], face: [4, 4, 2], designs: 2000, judged: 24, completed: 8, ..Self::PLANE };
 }
 
 /// Regions along each length of which the best design is judged by the model itself: where the interpolated one is off by a tolerance it
@@ -58,8 +61,6 @@ const OF_CHANCE: f64 = 0.25;
 /// The same by the model itself, for everything that counts to be found: that, and a climb over single blocks after it, change chances by
 /// hundredths of themselves.
 const OF_WHOLE_CHANCE: f64 = 0.5;
-/// A guess at the best design compares one in so many of them.
-const GUESSED_OF: usize = 5;
 /// Lengths that differ by less are the same, relative.
 const SAME_LENGTH: f64 = 1e-3;
 
@@ -75,12 +76,11 @@ pub struct Search<'a> {
     pub asked: &'a Asked,
     predictor: Predictor,
     models: &'a Models<'a>,
+    beyond: &'a BeyondCells<'a>,
     interpolation: &'a Interpolation,
     /// What is not known exactly beside what trials tell of.
     chances: &'a Chances<'a>,
     scope: &'a Scope,
-    /// By how much the logarithms of ratios are greater than this model says, at each load; nowhere where it is empty.
-    pub off: Vec<f64>,
     /// Whom it reports to, and who ends it.
     pub stage: &'a dyn Monitor,
 }
@@ -89,13 +89,13 @@ impl<'a> Search<'a> {
     pub fn new(
         task: &'a DesignTask,
         asked: &'a Asked,
-        models: &'a Models<'a>,
+        (models, beyond): (&'a Models<'a>, &'a BeyondCells<'a>),
         chances: &'a Chances<'a>,
         (interpolation, scope): (&'a Interpolation, &'a Scope),
         stage: &'a dyn Monitor,
     ) -> Self {
         let predictor = asked.learned.at(&asked.loads);
-        Self { task, asked, predictor, models, interpolation, chances, scope, off: Vec::new(), stage }
+        Self { task, asked, predictor, models, beyond, interpolation, chances, scope, stage }
     }
 
     /// Errors of the dimensions of samples of `pattern`, by the interpolated model.
@@ -108,7 +108,8 @@ impl<'a> Search<'a> {
     fn drafted(&self, pattern: &Pattern) -> Result<Judged, ModelFailure> {
         let shifts = self.dimension_shifts(pattern).unwrap_or_default();
         let design = Design::new(*pattern, self.models.at(pattern)?, Vec::new(), shifts);
-        let design = design.in_smaller_blocks(self.interpolation.shifts(pattern.lengths_m())).moved(&self.off);
+        let design = design.in_smaller_blocks(self.interpolation.shifts(pattern.lengths_m()));
+        let design = design.moved(&self.interpolation.by_face(pattern.lengths_m()));
         Ok(design.judged(&self.predictor, &self.asked.wanted))
     }
 
@@ -133,7 +134,9 @@ impl<'a> Search<'a> {
         let shifts = self.chances.dimension_shifts(&expansion);
         let log_ratio = ratio.iter().map(|ratio| ratio.ln()).collect();
         let modelled = Modelled { log_ratio, sensitivity };
-        let design = Design::new(pattern, modelled, self.chances.log_covariance(&expansion), shifts).moved(&self.off);
+        let design = Design::new(pattern, modelled, self.chances.log_covariance(&expansion), shifts);
+        let by_face = self.beyond.by_face(&pattern, &design.ratio, self.stage);
+        let design = design.moved(&by_face);
         Ok(design.judged(&self.predictor, &self.asked.wanted))
     }
 
@@ -163,7 +166,8 @@ impl<'a> Search<'a> {
             let lengths_m = pattern.lengths_m();
             let shifts = self.dimension_shifts(pattern)?;
             let design = Design::new(*pattern, self.interpolation.at(lengths_m)?, Vec::new(), shifts);
-            Some(design.in_smaller_blocks(self.interpolation.shifts(lengths_m)).moved(&self.off))
+            let design = design.in_smaller_blocks(self.interpolation.shifts(lengths_m));
+            Some(design.moved(&self.interpolation.by_face(lengths_m)))
         };
         let drafts: Vec<Option<Design>> = patterns.par_iter().map(between).collect();
         let left: Vec<Design> = drafts.into_iter().flatten().collect();
@@ -195,12 +199,19 @@ impl<'a> Search<'a> {
         all.into_par_iter().map(judged).collect::<Vec<_>>().into_iter().flatten().collect()
     }
 
-    /// The best of what looks best by the interpolated model, in the layer's blocks; a guess at what [`Search::best`] will find.
-    pub fn likely_best(&self) -> Option<Judged> {
-        let (best, _) = self.looked_over(&|_| true, 0.0, self.scope.designs / GUESSED_OF);
-        let drafted = best.into_par_iter().filter_map(|pattern| self.drafted(&pattern).ok()).collect::<Vec<_>>();
-        // Of equals the first.
-        drafted.into_iter().reduce(|best, of| if of.score.value() > best.score.value() { of } else { best })
+    /// `found` with what its own run in time adds; as it is where that gives none.
+    pub fn in_time(&self, found: Judged) -> Judged {
+        let Some(by_time) = self.beyond.by_time(&found.design.pattern, &found.design.ratio, self.stage) else { return found };
+        found.design.moved(&by_time).judged(&self.predictor, &self.asked.wanted)
+    }
+
+    /// The first `count` of `pool`, each with what its own run in time adds, the greatest score first.
+    pub fn all_in_time(&self, mut pool: Vec<Judged>, count: usize) -> Vec<Judged> {
+        pool.truncate(count);
+        let mut pool: Vec<Judged> = pool.into_par_iter().map(|found| self.in_time(found)).collect();
+        // Stable: of equal scores the earlier first.
+        pool.sort_by(|a, b| b.score.value().total_cmp(&a.score.value()));
+        pool
     }
 
     /// The designs of the greatest scores among those that were not cut and are `open`, at least `count` where there are as many, the greatest

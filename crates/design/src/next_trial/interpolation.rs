@@ -13,6 +13,8 @@ use crate::chance::made;
 use crate::kept_nodes::kept;
 use crate::learned_discrepancy::ModulusSlopes;
 use crate::steady_model::SteadyModel;
+use super::BeyondCells;
+use super::candidate_search::Scope;
 use crate::task::DesignTask;
 
 /// Most multiplications of a cell by which a candidate is refined: some hundredths of a second.
@@ -85,6 +87,7 @@ impl<'a> Models<'a> {
 pub struct Interpolation {
     model: Nodes,
     blocks: Nodes,
+    face: Nodes,
 }
 
 /// Numbers at the nodes of a lattice.
@@ -96,16 +99,17 @@ struct Nodes {
 }
 
 impl Interpolation {
-    /// Asks `models` at the nodes of lattices over the space of `task`, at most `most` along each length, and at most `finer` of smaller
-    /// blocks, as the whole of `stage`; `None` where that ends before.
+    /// Asks `models` at the nodes of lattices over the space of `task`, as many along each length as `scope` says, and what smaller blocks and
+    /// what is `beyond` cells change, as the whole of `stage`; `None` where that ends before.
     pub fn new(
         task: &DesignTask,
         models: &Models<'_>,
-        (most, finer): ([usize; 3], [usize; 3]),
+        beyond: &BeyondCells<'_>,
+        scope: &Scope,
         stage: &dyn Monitor,
     ) -> Option<Self> {
-        let half = Part::new(stage, 0.5);
-        let model = Nodes::new(task, ("model", models), &|design| models.at(design).ok(), most, &half)?;
+        let third = Part::new(stage, 1.0 / 3.0);
+        let model = Nodes::new(task, ("model", models), &|design| models.at(design).ok(), scope.nodes, &third)?;
         // ln (r + s) / r, s what smaller blocks change; nothing where they are dear, as for what is judged in the end.
         let shift = |design: &Pattern| {
             let nothing = || Modelled { log_ratio: vec![0.0; models.loads()], sensitivity: Vec::new() };
@@ -114,13 +118,23 @@ impl Interpolation {
             let logs = ratios.iter().zip(shifts).map(|(ratio, shift)| (shift / ratio).max(-0.5).ln_1p());
             Some(Modelled { log_ratio: logs.collect(), sensitivity: Vec::new() })
         };
-        let blocks = Nodes::new(task, ("blocks", models), &shift, finer, &half)?;
-        Some(Self { model, blocks })
+        let blocks = Nodes::new(task, ("blocks", models), &shift, scope.blocks, &third)?;
+        let by_face = |design: &Pattern| {
+            let log_ratio = beyond.by_face(design, &models.ratios(design).ok()?, stage);
+            Some(Modelled { log_ratio, sensitivity: Vec::new() })
+        };
+        let face = Nodes::new(task, ("face", models), &by_face, scope.face, &third)?;
+        Some(Self { model, blocks, face })
     }
 
     /// What the models say of a design of these lengths, between the nodes about it; `None` where one of them cannot be computed.
     pub fn at(&self, lengths_m: [f64; 3]) -> Option<Modelled> {
         self.model.at(lengths_m)
+    }
+
+    /// Change of the logarithm of each ratio by ends and tilt; none where a node beside it has no answer.
+    pub fn by_face(&self, lengths_m: [f64; 3]) -> Vec<f64> {
+        self.face.at(lengths_m).map_or_else(Vec::new, |known| known.log_ratio)
     }
 
     /// What smaller blocks change of the logarithm of each ratio, so far as it is known there.
@@ -176,7 +190,8 @@ impl Nodes {
             let numbers = |found: Modelled| [found.log_ratio, found.sensitivity].concat();
             (!stage.cancelled()).then(|| nodes.into_iter().map(|found| found.map(numbers)).collect())
         };
-        let content = (name, models.own.content(), models.slopes.content(), space, &axes);
+        let loads_of_face = (name == "face").then(|| task.target.points().len());
+        let content = (name, models.own.content(), models.slopes.content(), space, &axes, loads_of_face);
         let loads = models.loads();
         let modelled = |numbers: Vec<f64>| {
             let (log_ratio, sensitivity) = numbers.split_at(loads);

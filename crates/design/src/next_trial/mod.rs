@@ -14,7 +14,7 @@ use slipgrid_discrepancy::{
 };
 use slipgrid_export::{Division, LEAST_PERIODS, Outline, Sector, Specimen};
 use slipgrid_material::AreaLaw;
-use slipgrid_monitor::{Monitor, Part, Stage};
+use slipgrid_monitor::{Monitor, Stage};
 use slipgrid_optimize::Quantity;
 use slipgrid_pattern::Pattern;
 use slipgrid_results::{MaterialReport, SCHEMA, VERSION};
@@ -35,8 +35,8 @@ use interpolation::{Interpolation, Modelled, Models};
 pub use advice::AdviceReport;
 pub use report::{NextReport, OneDiscReport, PredictedRatio, RatioPrediction, SectorReport, TrialCandidateReport};
 
-/// Designs that a report lists.
-const LISTED: usize = 10;
+/// Designs that a report lists, each with a run in time of its own.
+const LISTED: usize = 6;
 /// Truths in which several samples are judged together.
 const SCENARIOS: usize = 2000;
 /// Seed of what one disc is off by in them.
@@ -172,21 +172,20 @@ pub fn next_trials(task: &DesignTask, options: &NextOptions, monitor: &dyn Monit
 
     let stage = Stage::new(monitor, "model", None);
     let scope = if model.is_cheap_per_design() { Scope::PLANE } else { Scope::SPACE };
-    let interpolation = Interpolation::new(&task, &models, (scope.nodes, scope.blocks), &stage);
+    let face = Some(task.specimen).filter(|_| division.is_none());
+    let beyond = BeyondCells { model: &model, face, count: task.target.points().len(), seed: task.seed };
+    let interpolation = Interpolation::new(&task, &models, &beyond, &scope, &stage);
     stage.finish();
     monitor.heed()?;
     let interpolation = interpolation.ok_or(DesignError::Cancelled)?;
     let stage = Stage::new(monitor, "trials", None);
     let material = MaterialReport::from(&known.material.provenance);
-    let mut search = Search::new(&task, &asked, &models, &chances, (&interpolation, &scope), &stage);
-    let face = Some(&task.specimen).filter(|_| division.is_none());
-    let beyond = beyond_cells(&task, face, &model, search.likely_best().as_ref(), &stage)?;
-    search.off = beyond.log_off;
+    let search = Search::new(&task, &asked, (&models, &beyond), &chances, (&interpolation, &scope), &stage);
     let found = choose(&search, options, division.as_ref(), &material);
     stage.finish();
     monitor.heed()?;
     let (mut report, patterns) = found?;
-    beyond.words.clone_into(&mut report.basis);
+    report.basis = if model.dimension().takes_strips() { WITH_TIME } else { WITHOUT_TIME }.to_owned();
     let sectors = match &division {
         Some(division) => division.lay(&patterns).map_err(|error| DesignError::refused(error.to_string()))?,
         None => Vec::new(),
@@ -201,55 +200,54 @@ pub fn next_trials(task: &DesignTask, options: &NextOptions, monitor: &dyn Monit
     Ok(NextTrials { report, patterns, sectors, material })
 }
 
-/// What the likeliest sample has beyond its cell, which others are taken to have, too.
-struct BeyondCells {
-    /// By how much the logarithms of ratios are greater, at each load; none where nothing is known.
-    log_off: Vec<f64>,
-    /// What it is, in words.
-    words: &'static str,
-}
-
-/// What chances are made of, by what is known of the likeliest sample.
-const WITH_TIME: &str = "Chances come from the steady model. What sliding in time adds to the likeliest sample is added to all samples; optimize \
-                         runs a design itself in time, and its ratios may differ from these by some thousandths.";
+/// What chances are made of.
+const WITH_TIME: &str = "Chances of listed samples come from the steady model with their own ends, tilt and sliding in time.";
 const WITHOUT_TIME: &str = "Chances come from the steady model. What sliding in time adds is not known here and not in them; it moves ratios by some \
                             thousandths.";
 
-/// What sliding in time and, on the specimen `face`, the ends of strips and the tilt of the pressure add to the logarithms of ratios of `likely`,
-/// as a trial of it will be modelled: at each load of the first condition, and at others as there. Other designs are taken to have as much.
-fn beyond_cells(
-    task: &DesignTask,
-    face: Option<&Specimen>,
-    model: &SteadyModel<'_>,
-    likely: Option<&Judged>,
-    monitor: &dyn Monitor,
-) -> Result<BeyondCells, DesignError> {
-    let Some(Judged { design, .. }) = likely else {
-        return Ok(BeyondCells { log_off: Vec::new(), words: WITHOUT_TIME });
-    };
-    let mut scene = model.cell(&design.pattern, false);
-    let count = task.target.points().len();
-    scene.loads.truncate(count);
-    let pattern = Some(design.pattern.with_rim(None));
-    let timed = Scene { pattern, run: RunOptions { seed: task.seed, ..scene.run }, ..scene.clone() };
-    let part = Part::new(monitor, 0.0);
-    let (on_face, by_time) = rayon::join(
-        || face.map(|face| SteadyOnFace::new(&scene, &design.pattern, face, &part)).transpose(),
-        || time_changes_on(&timed, face, &part),
-    );
-    monitor.heed()?;
-    // Strips that are too large leave the cells, which samples are chosen by.
-    let on_face = on_face.ok().flatten();
-    let by_time = by_time.ok().and_then(|by_time| nearest_known(&by_time, &scene.loads));
-    let off = |(place, ratio): (usize, &f64)| {
-        let of_face = on_face.as_ref().and_then(|on_face| on_face.added(place % count));
-        let of_time = by_time.as_ref().map(|by_time| by_time[place % count]);
-        ((of_face.unwrap_or(0.0) + of_time.unwrap_or(0.0)) / ratio).ln_1p()
-    };
-    Ok(BeyondCells {
-        log_off: design.ratio.iter().enumerate().map(off).collect(),
-        words: if by_time.is_some() { WITH_TIME } else { WITHOUT_TIME },
-    })
+/// Differences of samples from their cells: ends of strips, tilt of the pressure, and sliding in time, of each design by itself.
+struct BeyondCells<'a> {
+    model: &'a SteadyModel<'a>,
+    /// Face of the specimen; `None` where samples are sectors of one.
+    face: Option<Specimen>,
+    /// Loads of the first condition; those of others are taken to differ as these.
+    count: usize,
+    seed: u64,
+}
+
+impl BeyondCells<'_> {
+    /// The cell of `pattern` at the loads of the first condition.
+    fn scene(&self, pattern: &Pattern) -> Scene {
+        let mut scene = self.model.cell(pattern, false);
+        scene.loads.truncate(self.count);
+        scene
+    }
+
+    /// Change of the logarithm of each of `ratios` of `pattern`, one a load of every condition, by what is `added` to those of the first.
+    fn log_shifts(&self, ratios: &[f64], added: &dyn Fn(usize) -> f64) -> Vec<f64> {
+        let shift = |(load, ratio): (usize, &f64)| (added(load % self.count) / ratio).max(-0.5).ln_1p();
+        ratios.iter().enumerate().map(shift).collect()
+    }
+
+    /// Change of the logarithms of `ratios` of `pattern` by ends and tilt; zeros without a face, and where strips are too large to solve.
+    fn by_face(&self, pattern: &Pattern, ratios: &[f64], monitor: &dyn Monitor) -> Vec<f64> {
+        let solve = |face: &Specimen| SteadyOnFace::new(&self.scene(pattern), pattern, face, monitor).ok();
+        let on_face = self.face.as_ref().and_then(solve);
+        self.log_shifts(ratios, &|load| on_face.as_ref().and_then(|on_face| on_face.added(load)).unwrap_or(0.0))
+    }
+
+    /// Change of the logarithms of `ratios` of `pattern` by sliding in time; `None` in space, and where a run gives none.
+    fn by_time(&self, pattern: &Pattern, ratios: &[f64], monitor: &dyn Monitor) -> Option<Vec<f64>> {
+        let scene = self.scene(pattern);
+        let timed = Scene {
+            pattern: Some(pattern.with_rim(None)),
+            run: RunOptions { seed: self.seed, ..scene.run },
+            ..scene.clone()
+        };
+        let changes = time_changes_on(&timed, self.face.as_ref(), monitor).ok()?;
+        let changes = nearest_known(&changes, &scene.loads)?;
+        Some(self.log_shifts(ratios, &|load| changes[load]))
+    }
 }
 
 /// A name for a specimen of `design` that none of those `cut` has.
@@ -326,10 +324,12 @@ fn choose(
     let own = |pattern: &Pattern| {
         search.stage.heed()?;
         let refused = |failure| DesignError::refused(format!("the candidate cannot be computed: {failure}"));
-        search.exactly(pattern).map_err(refused)
+        search.exactly(pattern).map(|found| search.in_time(found)).map_err(refused)
     };
     let own: Vec<Judged> = options.own.iter().map(own).collect::<Result<_, _>>()?;
     let pending: Vec<Judged> = options.pending.iter().filter_map(|pattern| search.exactly(pattern).ok()).collect();
+    let pool = search.all_in_time(pool, LISTED.max(options.count));
+    search.stage.heed()?;
     let (chosen, together) = several(&pool, &pending, options, asked);
     let report = |judged: &Judged| TrialCandidateReport::new(task, asked, judged);
     let greatest = pool.iter().map(|judged| judged.score.chance).fold(0.0, f64::max);

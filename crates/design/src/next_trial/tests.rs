@@ -38,6 +38,11 @@ fn model(task: &DesignTask) -> SteadyModel<'static> {
     SteadyModel::new(&scene, &[], &[], &task.space, None)
 }
 
+/// Samples of endless patterns.
+fn endless<'a>(task: &DesignTask, model: &'a SteadyModel<'a>) -> BeyondCells<'a> {
+    BeyondCells { model, face: None, count: task.target.points().len(), seed: 1 }
+}
+
 /// What the interpolated model is off by: the finalists are solved exactly, so it need only rank.
 #[test]
 fn between_its_nodes_the_model_is_off_by_less_than_a_tolerance() {
@@ -45,7 +50,8 @@ fn between_its_nodes_the_model_is_off_by_less_than_a_tolerance() {
     let model = model(&task);
     let models = Models::new(&model, &known()).unwrap();
     let stage = Stage::new(&Unwatched, "model", None);
-    let found = Interpolation::new(&task, &models, (Scope::PLANE.nodes, [2; 3]), &stage).unwrap();
+    let scope = Scope { blocks: [2; 3], face: [2; 3], ..Scope::PLANE };
+    let found = Interpolation::new(&task, &models, &endless(&task, &model), &scope, &stage).unwrap();
     let mut worst = [0.0_f64; 2];
     for width in [60.0, 85.0, 140.0, 222.0, 300.0] {
         for spacing in [100.0, 133.0, 270.0, 510.0, 700.0] {
@@ -321,8 +327,9 @@ fn every_stage_comes_to_its_whole_and_a_search_that_is_over_asks_nothing() {
     let (models, chances) =
         (Models::new(&model, &known()).unwrap(), Chances::new(&task, &known(), &model, &[]).unwrap());
     let scope = Scope::BESIDE;
-    let nodes = Interpolation::new(&task, &models, (scope.nodes, scope.blocks), &Unwatched).unwrap();
-    let search = Search::new(&task, &asked, &models, &chances, (&nodes, &scope), &Over);
+    let beyond = endless(&task, &model);
+    let nodes = Interpolation::new(&task, &models, &beyond, &scope, &Unwatched).unwrap();
+    let search = Search::new(&task, &asked, (&models, &beyond), &chances, (&nodes, &scope), &Over);
     let (pool, compared) = search.best(&|_, _| true, 0.0, 1);
     assert_eq!((pool.len(), compared), (0, 0));
 }

@@ -4,7 +4,7 @@ use slipgrid_optimize::{Candidate, ForwardModel, ModelFailure};
 use slipgrid_pattern::Pattern;
 use slipgrid_springblock::{Load, LoadOutcome, Simulation};
 
-use super::SteadyModel;
+use super::{SteadyModel, texture_effect};
 use crate::task::DesignTask;
 
 /// What time adds to the ratio over `mu_s / mu_d` - 1, roughly: 0.02 to 0.06 on six grooves 40 to 300 um wide at 0.65 to 2.6 MPa.
@@ -16,12 +16,16 @@ impl SteadyModel<'_> {
     /// correction.
     pub fn correct(&mut self, design: &Pattern, predicted: &[f64], confirmed: &[Option<f64>]) -> f64 {
         let mut largest = 0.0_f64;
-        let (factors, each) = (self.factors(design), predicted.iter().zip(confirmed));
+        let (scales, each) = (self.scales(design), predicted.iter().zip(confirmed));
         let mut differences = self.correction_of(design);
-        for ((difference, factor), (predicted, confirmed)) in differences.iter_mut().zip(factors).zip(each) {
+        let cell = self.kept(&self.asked, &self.solver, design).and_then(|answer| Ok(answer.on(&self.lay(design)?, design)));
+        let Ok(cell) = cell else { return largest };
+        for (((difference, scale), ratio), (predicted, confirmed)) in
+            differences.iter_mut().zip(scales).zip(&cell.ratio).zip(each)
+        {
             if let Some(confirmed) = confirmed {
                 largest = largest.max((confirmed - predicted).abs());
-                *difference += (confirmed - predicted) / factor;
+                *difference += (confirmed - predicted) / (scale * texture_effect(*ratio));
             }
         }
         self.correction.learn([(*design, differences)]);
