@@ -413,9 +413,8 @@ impl<'a> SteadyModel<'a> {
             return Err(ModelFailure::Trial { reason: "the cavity closes under load".to_owned() });
         }
         let correction = self.correction_of(designed);
-        let corrected = |((load, ratio), share): ((usize, &f64), f64)| {
-            (ratio + share * texture_effect(*ratio)) * self.scale(load)
-        };
+        let corrected =
+            |((load, ratio), share): ((usize, &f64), f64)| (ratio + share * texture_effect(*ratio)) * self.scale(load);
         let physics: Vec<f64> = answer.ratio.iter().enumerate().zip(correction).map(corrected).collect();
         let limited = self.limited.values(design, &answer, &physics)?;
         let value =

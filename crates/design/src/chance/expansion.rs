@@ -43,7 +43,11 @@ impl Expansion {
             values.iter_mut().zip(curvature).for_each(|(value, half)| *value += half * square);
         }
         if let Some(drawn) = self.discrepancy.as_ref().filter(|drawn| of(drawn.first)) {
-            let made_m = std::array::from_fn(|axis| if of(axis) { deviations[axis] } else { 0.0 });
+            let mut made_m: [f64; DIMENSIONS] =
+                std::array::from_fn(|axis| if of(axis) { deviations[axis] } else { 0.0 });
+            if let Some((place, depth_m)) = drawn.burst.filter(|(place, _)| of(*place)) {
+                made_m[DEPTH] += depth_m * deviations[place].exp_m1();
+            }
             values.iter_mut().zip(drawn.factors(deviations, made_m)).for_each(|(value, factor)| *value *= factor);
         }
     }
@@ -56,6 +60,8 @@ pub(super) struct Drawn {
     pub(super) first: usize,
     /// d ln h / dx along width, spacing and depth, in 1/m, of each form.
     log_slopes: Vec<(Form, [f64; DIMENSIONS])>,
+    /// Place of the depth per burst, with the depth that it scales, in metres.
+    burst: Option<(usize, f64)>,
 }
 
 impl Drawn {
@@ -130,7 +136,13 @@ impl Chances<'_> {
                 log_slopes.push((*form, std::array::from_fn(|axis| slope(form, axis))));
             }
         }
-        Ok(Some(Drawn { sampler, medians, first: self.first_discrepancy, log_slopes }))
+        Ok(Some(Drawn {
+            sampler,
+            medians,
+            first: self.first_discrepancy,
+            log_slopes,
+            burst: self.burst.map(|place| (place, design.depth_m())),
+        }))
     }
 
     /// The values of a design about it.

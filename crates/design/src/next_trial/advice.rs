@@ -180,7 +180,7 @@ impl MultiFidelityLoop<'_> {
             let search = Search::new(task, asked, (models, &beyond), chances, (&nodes, &scope), &half);
             let is_other = |_: &_, of: &_| !is_same(of, &found.features);
             let (best, _) = search.best(&is_other, chance + CLEARLY, RATHER);
-            let mut best = search.all_in_time(best, 2 * RATHER);
+            let mut best = search.all_as_cut(best, 2 * RATHER);
             if stage.cancelled() {
                 return None;
             }

@@ -39,7 +39,7 @@ impl Scope {
     pub const PLANE: Self = Self {
         nodes: [13, 13, 9],
         blocks: [6, 6, 3],
-        face: [5, 5, 3],
+        face: [5, 5, 2],
         designs: 6000,
         judged: 48,
         starts: 6,
@@ -49,8 +49,15 @@ impl Scope {
     };
     pub const SPACE: Self = Self { nodes: [6, 6, 4], climbed: 80, starts: 2, climbed_whole: 26, ..Self::PLANE };
     /// Beside a design that was searched.
-    pub const BESIDE: Self =
-        Self { nodes: [9, 9, 5], blocks: [5, 5, 3], face: [4, 4, 2], designs: 2000, judged: 24, completed: 8, ..Self::PLANE };
+    pub const BESIDE: Self = Self {
+        nodes: [9, 9, 5],
+        blocks: [5, 5, 3],
+        face: [4, 4, 2],
+        designs: 2000,
+        judged: 24,
+        completed: 8,
+        ..Self::PLANE
+    };
 }
 
 /// Regions along each length of which the best design is judged by the model itself: where the interpolated one is off by a tolerance it
@@ -135,8 +142,7 @@ impl<'a> Search<'a> {
         let log_ratio = ratio.iter().map(|ratio| ratio.ln()).collect();
         let modelled = Modelled { log_ratio, sensitivity };
         let design = Design::new(pattern, modelled, self.chances.log_covariance(&expansion), shifts);
-        let by_face = self.beyond.by_face(&pattern, &design.ratio, self.stage);
-        let design = design.moved(&by_face);
+        let design = design.moved(&self.interpolation.by_face(pattern.lengths_m()));
         Ok(design.judged(&self.predictor, &self.asked.wanted))
     }
 
@@ -199,16 +205,22 @@ impl<'a> Search<'a> {
         all.into_par_iter().map(judged).collect::<Vec<_>>().into_iter().flatten().collect()
     }
 
-    /// `found` with what its own run in time adds; as it is where that gives none.
-    pub fn in_time(&self, found: Judged) -> Judged {
-        let Some(by_time) = self.beyond.by_time(&found.design.pattern, &found.design.ratio, self.stage) else { return found };
-        found.design.moved(&by_time).judged(&self.predictor, &self.asked.wanted)
+    /// `found` with ends and tilt solved for itself in place of interpolated ones, and with its own run in time where that gives one.
+    pub fn as_cut(&self, found: Judged) -> Judged {
+        let interpolated = self.interpolation.by_face(found.design.pattern.lengths_m());
+        let cell = found.design.moved(&interpolated.iter().map(|by| -by).collect::<Vec<f64>>());
+        let Design { pattern, ratio, .. } = &cell;
+        let (by_face, by_time) = rayon::join(
+            || self.beyond.by_face(pattern, ratio, false, self.stage),
+            || self.beyond.by_time(pattern, ratio, self.stage),
+        );
+        cell.moved(&by_face).moved(&by_time.unwrap_or_default()).judged(&self.predictor, &self.asked.wanted)
     }
 
-    /// The first `count` of `pool`, each with what its own run in time adds, the greatest score first.
-    pub fn all_in_time(&self, mut pool: Vec<Judged>, count: usize) -> Vec<Judged> {
+    /// The first `count` of `pool`, each by [`Self::as_cut`], the greatest score first.
+    pub fn all_as_cut(&self, mut pool: Vec<Judged>, count: usize) -> Vec<Judged> {
         pool.truncate(count);
-        let mut pool: Vec<Judged> = pool.into_par_iter().map(|found| self.in_time(found)).collect();
+        let mut pool: Vec<Judged> = pool.into_par_iter().map(|found| self.as_cut(found)).collect();
         // Stable: of equal scores the earlier first.
         pool.sort_by(|a, b| b.score.value().total_cmp(&a.score.value()));
         pool

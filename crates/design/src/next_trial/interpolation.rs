@@ -8,13 +8,13 @@ use slipgrid_optimize::{ModelFailure, Tolerances};
 use slipgrid_pattern::Pattern;
 use slipgrid_springblock::{Scene, block_refinement};
 
+use super::BeyondCells;
+use super::candidate_search::Scope;
 use crate::DesignError;
 use crate::chance::made;
 use crate::kept_nodes::kept;
 use crate::learned_discrepancy::ModulusSlopes;
 use crate::steady_model::SteadyModel;
-use super::BeyondCells;
-use super::candidate_search::Scope;
 use crate::task::DesignTask;
 
 /// Most multiplications of a cell by which a candidate is refined: some hundredths of a second.
@@ -120,7 +120,7 @@ impl Interpolation {
         };
         let blocks = Nodes::new(task, ("blocks", models), &shift, scope.blocks, &third)?;
         let by_face = |design: &Pattern| {
-            let log_ratio = beyond.by_face(design, &models.ratios(design).ok()?, stage);
+            let log_ratio = beyond.by_face(design, &models.ratios(design).ok()?, true, stage);
             Some(Modelled { log_ratio, sensitivity: Vec::new() })
         };
         let face = Nodes::new(task, ("face", models), &by_face, scope.face, &third)?;

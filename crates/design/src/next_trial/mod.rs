@@ -14,7 +14,7 @@ use slipgrid_discrepancy::{
 };
 use slipgrid_export::{Division, LEAST_PERIODS, Outline, Sector, Specimen};
 use slipgrid_material::AreaLaw;
-use slipgrid_monitor::{Monitor, Stage};
+use slipgrid_monitor::{Monitor, Part, Stage};
 use slipgrid_optimize::Quantity;
 use slipgrid_pattern::Pattern;
 use slipgrid_results::{MaterialReport, SCHEMA, VERSION};
@@ -201,7 +201,8 @@ pub fn next_trials(task: &DesignTask, options: &NextOptions, monitor: &dyn Monit
 }
 
 /// What chances are made of.
-const WITH_TIME: &str = "Chances of listed samples come from the steady model with their own ends, tilt and sliding in time.";
+const WITH_TIME: &str =
+    "Chances of listed samples come from the steady model with their own ends, tilt and sliding in time.";
 const WITHOUT_TIME: &str = "Chances come from the steady model. What sliding in time adds is not known here and not in them; it moves ratios by some \
                             thousandths.";
 
@@ -230,9 +231,11 @@ impl BeyondCells<'_> {
     }
 
     /// Change of the logarithms of `ratios` of `pattern` by ends and tilt; zeros without a face, and where strips are too large to solve.
-    fn by_face(&self, pattern: &Pattern, ratios: &[f64], monitor: &dyn Monitor) -> Vec<f64> {
-        let solve = |face: &Specimen| SteadyOnFace::new(&self.scene(pattern), pattern, face, monitor).ok();
-        let on_face = self.face.as_ref().and_then(solve);
+    /// Roughly where many designs are ranked.
+    fn by_face(&self, pattern: &Pattern, ratios: &[f64], is_rough: bool, monitor: &dyn Monitor) -> Vec<f64> {
+        let solve = if is_rough { SteadyOnFace::roughly } else { SteadyOnFace::new };
+        let part = Part::new(monitor, 0.0);
+        let on_face = self.face.as_ref().and_then(|face| solve(&self.scene(pattern), pattern, face, &part).ok());
         self.log_shifts(ratios, &|load| on_face.as_ref().and_then(|on_face| on_face.added(load)).unwrap_or(0.0))
     }
 
@@ -244,7 +247,7 @@ impl BeyondCells<'_> {
             run: RunOptions { seed: self.seed, ..scene.run },
             ..scene.clone()
         };
-        let changes = time_changes_on(&timed, self.face.as_ref(), monitor).ok()?;
+        let changes = time_changes_on(&timed, self.face.as_ref(), &Part::new(monitor, 0.0)).ok()?;
         let changes = nearest_known(&changes, &scene.loads)?;
         Some(self.log_shifts(ratios, &|load| changes[load]))
     }
@@ -324,11 +327,11 @@ fn choose(
     let own = |pattern: &Pattern| {
         search.stage.heed()?;
         let refused = |failure| DesignError::refused(format!("the candidate cannot be computed: {failure}"));
-        search.exactly(pattern).map(|found| search.in_time(found)).map_err(refused)
+        search.exactly(pattern).map(|found| search.as_cut(found)).map_err(refused)
     };
     let own: Vec<Judged> = options.own.iter().map(own).collect::<Result<_, _>>()?;
     let pending: Vec<Judged> = options.pending.iter().filter_map(|pattern| search.exactly(pattern).ok()).collect();
-    let pool = search.all_in_time(pool, LISTED.max(options.count));
+    let pool = search.all_as_cut(pool, LISTED.max(options.count));
     search.stage.heed()?;
     let (chosen, together) = several(&pool, &pending, options, asked);
     let report = |judged: &Judged| TrialCandidateReport::new(task, asked, judged);

@@ -18,7 +18,8 @@ impl SteadyModel<'_> {
         let mut largest = 0.0_f64;
         let (scales, each) = (self.scales(design), predicted.iter().zip(confirmed));
         let mut differences = self.correction_of(design);
-        let cell = self.kept(&self.asked, &self.solver, design).and_then(|answer| Ok(answer.on(&self.lay(design)?, design)));
+        let cell =
+            self.kept(&self.asked, &self.solver, design).and_then(|answer| Ok(answer.on(&self.lay(design)?, design)));
         let Ok(cell) = cell else { return largest };
         for (((difference, scale), ratio), (predicted, confirmed)) in
             differences.iter_mut().zip(scales).zip(&cell.ratio).zip(each)
