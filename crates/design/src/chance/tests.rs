@@ -112,7 +112,8 @@ fn what_is_not_known_of_the_depth_per_burst_counts_in_expansion_and_draws() {
         });
         // d ln r / d ln depth
         let slope = (deeper[0] - deeper[1]) / 0.6 / still.ratio[1];
-        (chances.log_covariance(&expansion)[3], (slope * std).powi(2), [expanded, sampled])
+        let of_dimensions = chances.dimension_shifts(&expansion).iter().map(|of| of.log_ratio[1].powi(2)).sum::<f64>();
+        (of_dimensions, (slope * std).powi(2), [expanded, sampled])
     };
     let [(exact, _, _), (off, by_slope, [expanded, sampled])] = [shares(0.0), shares(0.3)];
     assert!((expanded - sampled).abs() < 0.05, "{expanded} {sampled}");
