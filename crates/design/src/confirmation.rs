@@ -99,7 +99,7 @@ impl MultiFidelityLoop<'_> {
         let Some(best) = self.round.best.as_ref().filter(|_| may_go_on) else { return false };
         let again = match status {
             _ if self.corrected_at == Some(best.design) || self.waits(&best.design) => false,
-            Status::Met => expected.misfit > 1.0 || self.model.does_too_little(&best.design, &expected.values),
+            Status::Met => expected.misfit > 1.0,
             Status::Unreachable => is_doubtful(design, best.misfit.max, expected.missed),
             Status::Budget | Status::Cancelled => false,
         };

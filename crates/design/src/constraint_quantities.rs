@@ -5,7 +5,6 @@ use slipgrid_optimize::ModelFailure;
 use slipgrid_pattern::Pattern;
 
 use crate::evaluation_cache::Answer;
-use crate::minimum_effect::Effect;
 use crate::steady_model::SteadyModel;
 use crate::task::DesignTask;
 use slipgrid_export::Specimen;
@@ -25,8 +24,6 @@ pub enum ConstraintQuantity {
     Clearance,
     /// Least local pressure over the nominal one, at any target pressure: negative under tension.
     LeastPressure,
-    /// Distance from the flat surface by the physics alone, in tolerances.
-    Effect,
 }
 
 impl ConstraintQuantity {
@@ -43,7 +40,6 @@ pub struct Limited {
     measures: Vec<ConstraintQuantity>,
     laser: Laser,
     outline: Option<Specimen>,
-    effect: Effect,
     /// Largest pressure of confirming runs over that of the cell; absent before one was beyond its limit.
     peak_factor: Option<f64>,
 }
@@ -55,7 +51,6 @@ impl Limited {
             measures: design.quantities.clone(),
             laser: design.laser,
             outline: Some(design.specimen),
-            effect: Effect::new(design, model),
             peak_factor: model.peak_factor(),
         }
     }
@@ -77,11 +72,6 @@ impl Limited {
         self.measures.contains(&ConstraintQuantity::PeakPressure)
     }
 
-    /// Whether by `physics`, values without the discrepancy, a pattern does less than limits demand.
-    pub fn does_too_little(&self, physics: &[f64]) -> bool {
-        self.measures.contains(&ConstraintQuantity::Effect) && self.effect.of(physics) < 1.0
-    }
-
     /// Whether the specimen takes `pattern`: what cannot be drawn for the laser is no answer.
     ///
     /// # Errors
@@ -96,12 +86,11 @@ impl Limited {
         self.measures.contains(&ConstraintQuantity::Clearance)
     }
 
-    /// The quantities of `pattern`, of which the model says `answer` and, without the discrepancy, gives the values `physics` of the
-    /// target's quantity, in the order of the limits, SI units.
+    /// The quantities of `pattern`, of which the model says `answer`, in the order of the limits, SI units.
     ///
     /// # Errors
     /// [`ModelFailure::Trial`] where the specimen cannot take the pattern.
-    pub fn values(&self, pattern: &Pattern, answer: &Answer, physics: &[f64]) -> Result<Vec<f64>, ModelFailure> {
+    pub fn values(&self, pattern: &Pattern, answer: &Answer) -> Result<Vec<f64>, ModelFailure> {
         self.measures
             .iter()
             .map(|measure| {
@@ -113,7 +102,6 @@ impl Limited {
                     // Where nothing is left that could sag, nothing does.
                     ConstraintQuantity::Clearance => answer.clearance_m().unwrap_or_else(|| pattern.depth_m()),
                     ConstraintQuantity::LeastPressure => answer.least_pressure,
-                    ConstraintQuantity::Effect => self.effect.of(physics),
                 })
             })
             .collect()

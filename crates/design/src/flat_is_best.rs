@@ -3,7 +3,6 @@
 use serde::{Deserialize, Serialize};
 use slipgrid_optimize::{Demand, Goal, Quantity, Status, Wanted};
 
-use crate::constraint_quantities::ConstraintQuantity;
 use crate::multi_fidelity::MultiFidelityLoop;
 use crate::task::DesignTask;
 use slipgrid_results::fixed;
@@ -76,10 +75,6 @@ impl MultiFidelityLoop<'_> {
         [flat, found]: [&[f64]; 2],
         list: &dyn Fn(&[f64]) -> String,
     ) -> Option<FlatReport> {
-        // A limit may ask for a pattern that does something.
-        if design.quantities.contains(&ConstraintQuantity::Effect) {
-            return None;
-        }
         let [of_flat, of_found] = [design.target.goal_value(flat)?, design.target.goal_value(found)?];
         let gain = if goal == Goal::Highest { of_flat - of_found } else { of_found - of_flat };
         if gain <= 0.0 {

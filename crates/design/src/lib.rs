@@ -17,7 +17,7 @@
 //! | `multi_fidelity`, `best_round` | searches and confirming runs in turn, and which of them is reported |
 //! | `confirmation`, `confirmed_peak`, `flat_sample`, `dynamic_excess` | specimens, steady and in time: of the design, its largest pressure, of the flat sample, and how both agree with calibration |
 //! | `operating_conditions`, `decisive_conditions`, `conditions_report` | further speeds, humidities and sliding directions |
-//! | `constraint_quantities`, `minimum_effect` | what limits hold |
+//! | `constraint_quantities` | what limits hold |
 //! | `learned_discrepancy` | what trials say that the model lacks, which designs may aim with |
 //! | `selection`, `chance`, `chance_report` | the choice among designs on target by their chance |
 //! | `uncertainty_budget`, `scene_errors`, `discrepancy_correction` | the error beside every number |
@@ -84,7 +84,6 @@ mod job;
 mod kept_nodes;
 mod lattice_table;
 mod learned_discrepancy;
-mod minimum_effect;
 mod multi_fidelity;
 mod next_trial;
 mod operating_conditions;

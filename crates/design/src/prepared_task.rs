@@ -6,7 +6,7 @@ use slipgrid_springblock::Load;
 
 use crate::operating_conditions::{self, Further};
 use crate::task::{DesignTask, KnownMaterial};
-use crate::{DesignError, lattice_table, minimum_effect};
+use crate::{DesignError, lattice_table};
 
 /// A task with its material and its conditions.
 #[derive(Clone, Debug)]
@@ -41,7 +41,6 @@ impl PreparedTask {
         let (loads, outside) = task.loads(&material)?;
         let further = operating_conditions::further(&task, &material)?;
         task.target = task.target.at_conditions(1 + further.len());
-        minimum_effect::demand_effect(&mut task);
         if task.table {
             lattice_table::check(&task)?;
         }

@@ -175,14 +175,6 @@ impl<'a> SteadyModel<'a> {
         (self.limited, self.evaluations) = (limited, evaluations);
     }
 
-    /// Whether by the physics behind the `values` of `design`, as they are compared with the target, it does less than limits
-    /// demand.
-    #[must_use]
-    pub fn does_too_little(&self, design: &Pattern, values: &[f64]) -> bool {
-        let physics: Vec<f64> = values.iter().zip(self.factors(design)).map(|(value, factor)| value / factor).collect();
-        self.limited.does_too_little(&physics)
-    }
-
     /// Everything that answers about a texture follow from where designs do not aim with a discrepancy, but for its lengths.
     pub(crate) fn content(&self) -> impl Debug + '_ {
         let guide = self.guide.as_ref().map(|(scene, _)| scene);
@@ -416,7 +408,7 @@ impl<'a> SteadyModel<'a> {
         let corrected =
             |((load, ratio), share): ((usize, &f64), f64)| (ratio + share * texture_effect(*ratio)) * self.scale(load);
         let physics: Vec<f64> = answer.ratio.iter().enumerate().zip(correction).map(corrected).collect();
-        let limited = self.limited.values(design, &answer, &physics)?;
+        let limited = self.limited.values(design, &answer)?;
         let value =
             physics.iter().zip(self.factors_of(design, &answer)).map(|(value, factor)| value * factor).collect();
         Ok(Response { value, limited })

@@ -311,7 +311,7 @@ impl By<'_> {
     fn goals(&self, at: &Pattern) -> Result<Vec<f64>, ModelFailure> {
         let trial = |reason: &str| ModelFailure::Trial { reason: reason.to_owned() };
         let (physics, answer) = self.plane.answer(at)?;
-        let limited = self.limited.values(at, &answer, &physics)?;
+        let limited = self.limited.values(at, &answer)?;
         let value = physics.iter().zip(self.plane.factors(at)).map(|(value, factor)| value * factor).collect();
         let response = Response { value, limited };
         // Those of the pool respect every limit by the search's own model.
