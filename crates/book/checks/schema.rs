@@ -25,7 +25,8 @@ pub fn schema(
     let mut object = table(types, root, "", accepted)?;
     if let Some(object) = object.as_object_mut() {
         object.insert("$schema".to_owned(), json!("http://json-schema.org/draft-07/schema#"));
-        object.insert("$id".to_owned(), json!(format!("slipgrid-{title}-{version}")));
+        // Taplo takes a schema only if this is an absolute URI.
+        object.insert("$id".to_owned(), json!(format!("urn:slipgrid:schema:{title}-{version}")));
         object.insert("title".to_owned(), json!(format!("slipgrid {title}, schema {version}")));
     }
     Ok(object)

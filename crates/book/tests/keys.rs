@@ -1,6 +1,6 @@
 //! The chapter of keys and the schemas are those of the readers.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
 use std::path::Path;
 
@@ -23,6 +23,44 @@ fn schemas_are_generated_from_the_types_that_read() {
         let path = book().join(format!("schemas/{}-{VERSION}.json", kind.name));
         keep(&path, &(serde_json::to_string_pretty(&now).unwrap() + "\n"));
     }
+}
+
+#[test]
+fn schemas_have_absolute_ids_and_references_that_resolve() {
+    let is_absolute = |id: &str| {
+        let (scheme, rest) = id.split_once(':').unwrap_or_default();
+        scheme.starts_with(|first: char| first.is_ascii_lowercase())
+            && scheme.bytes().all(|byte| byte.is_ascii_alphanumeric() || b"+-.".contains(&byte))
+            && !rest.is_empty()
+            && id.bytes().all(|byte| byte.is_ascii_graphic() && !b"\"<>\\^`{|}#".contains(&byte))
+    };
+    fn references<'a>(value: &'a serde_json::Value, found: &mut Vec<&'a str>) {
+        match value {
+            serde_json::Value::Object(keys) => {
+                found.extend(keys.get("$ref").and_then(serde_json::Value::as_str));
+                keys.values().for_each(|value| references(value, found));
+            }
+            serde_json::Value::Array(values) => values.iter().for_each(|value| references(value, found)),
+            _ => {}
+        }
+    }
+    let mut ids = BTreeSet::new();
+    for entry in std::fs::read_dir(book().join("schemas")).unwrap() {
+        let path = entry.unwrap().path();
+        let schema: serde_json::Value = serde_json::from_str(&text(&path)).unwrap();
+        let id = schema["$id"].as_str().unwrap().to_owned();
+        assert!(is_absolute(&id), "{}: {id}", path.display());
+        assert!(ids.insert(id), "{}", path.display());
+        let mut found = Vec::new();
+        references(&schema, &mut found);
+        for reference in found {
+            // Schemas stand alone: what they name lies within them.
+            let pointer = reference.strip_prefix('#').unwrap();
+            assert!(schema.pointer(pointer).is_some(), "{}: {reference}", path.display());
+        }
+    }
+    assert!(ids.len() >= KINDS.len());
+    assert!(!is_absolute("slipgrid-design-1") && !is_absolute("design-1.json#") && is_absolute("https://a.b/c.json"));
 }
 
 #[test]
