@@ -7,7 +7,8 @@ use slipgrid_calibrate::area_law::{AreaLawError, SurfaceWarning};
 use slipgrid_material::MOST_FACTOR;
 use slipgrid_monitor::{Heeding, Monitor};
 use slipgrid_topography::{
-    MapOption, MapWarning, PreparationError, PreparedMap, ReadError, ReadMap, ReadOptions, limits, read_map,
+    MapOption, MapWarning, Preparation, PreparationError, PreparedMap, ReadError, ReadMap, ReadOptions, limits,
+    read_map,
 };
 
 use crate::Diagnostic;
@@ -29,8 +30,29 @@ pub fn read_period(
     options: &MapOptions,
     monitor: &dyn Monitor,
 ) -> Result<PreparedMap, Diagnostic> {
-    PreparedMap::one_period(open(source, path, &options.read, monitor)?, options.preparation(), monitor)
-        .map_err(|error| refuse(path, &error))
+    let (read, how) = read_for(source, path, options, monitor)?;
+    PreparedMap::one_period(read, how, monitor).map_err(|error| refuse(path, &error))
+}
+
+/// Reads the map at `path`, and says how it is still to be prepared. Spikes are removed before points are joined: a mean over a spike is none
+/// any more that could be found.
+///
+/// # Errors
+/// As [`open`].
+pub fn read_for(
+    source: &Source,
+    path: &Path,
+    options: &MapOptions,
+    monitor: &dyn Monitor,
+) -> Result<(ReadMap, Preparation), Diagnostic> {
+    let how = options.preparation();
+    let Some(decimation) = options.read.decimation.filter(|_| options.despike) else {
+        return Ok((open(source, path, &options.read, monitor)?, how));
+    };
+    let read = open(source, path, &ReadOptions { decimation: None, ..options.read }, monitor)?;
+    let read = read.despiked(monitor).map_err(|error| Diagnostic::file(path, error.to_string()))?;
+    let read = read.decimated(decimation).map_err(|error| Diagnostic::file(path, error.to_string()))?;
+    Ok((read, Preparation { despike: false, ..how }))
 }
 
 /// What is wrong with the map at `path`.

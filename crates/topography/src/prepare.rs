@@ -2,7 +2,10 @@
 
 use slipgrid_monitor::Monitor;
 
-use crate::{Form, HeightMap, MapError, MapFormat, MapWarning, ReadMap, limits, periodic_component, side_step_ratio};
+use crate::{
+    Decimation, Form, HeightMap, MapError, MapFormat, MapWarning, ReadError, ReadMap, limits, periodic_component,
+    side_step_ratio,
+};
 
 /// Rms step across opposite sides, over that between neighbours, up to which a map is taken as one period: a
 /// period has about 1, a piece of a smooth surface many times that.
@@ -230,6 +233,28 @@ impl PreparedMap {
     }
 }
 
+impl ReadMap {
+    /// The map without its spikes, which a note says.
+    ///
+    /// # Errors
+    /// [`MapError::Cancelled`] once `monitor` has cancelled.
+    pub fn despiked(mut self, monitor: &dyn Monitor) -> Result<Self, MapError> {
+        self.notes.push(despiked(&mut self.map, monitor)?);
+        Ok(self)
+    }
+
+    /// The map with its points joined, as the reader would have joined them.
+    ///
+    /// # Errors
+    /// [`ReadError`] if nothing is left.
+    pub fn decimated(mut self, decimation: Decimation) -> Result<Self, ReadError> {
+        let is_whole = |points: usize| points % decimation.factor.max(1) == 0;
+        self.whole &= is_whole(self.map.rows()) && is_whole(self.map.cols());
+        self.map = self.map.windowed(None, Some(decimation))?;
+        Ok(self)
+    }
+}
+
 /// Removes spikes and says which.
 fn despiked(map: &mut HeightMap, monitor: &dyn Monitor) -> Result<String, MapError> {
     let spikes = map.despike(monitor)?;
@@ -249,7 +274,7 @@ mod tests {
     use slipgrid_monitor::Unwatched;
 
     use super::*;
-    use crate::SelfAffine;
+    use crate::{DecimationMethod, SelfAffine};
 
     /// What is told of a map, tilted by `tilt_m` from its first to its last line, when it is taken as one period.
     fn told(map: &HeightMap, tilt_m: f64) -> PreparedMap {
@@ -258,6 +283,31 @@ mod tests {
         let map = HeightMap::new(rows, cols, map.dx_m(), map.dy_m(), tilted).unwrap();
         let read = ReadMap { map, whole: true, format: MapFormat::Matrix, comments: Vec::new(), notes: Vec::new() };
         PreparedMap::one_period(read, Preparation::default(), &Unwatched).unwrap()
+    }
+
+    #[test]
+    fn spikes_are_removed_before_points_are_joined() {
+        let clean = SelfAffine { pixels: 64, max_wave: 16, ..SelfAffine::STAND_IN }.map().unwrap();
+        let read = |spike_m: f64| {
+            let mut height_m = clean.heights_m().to_vec();
+            height_m[20 * 64 + 31] += spike_m;
+            let map = HeightMap::new(64, 64, clean.dx_m(), clean.dy_m(), height_m).unwrap();
+            ReadMap { map, whole: true, format: MapFormat::Matrix, comments: Vec::new(), notes: Vec::new() }
+        };
+        let of_two = |method| Decimation { factor: 2, method };
+        let slope = |read: &ReadMap| read.map.rms_slope_spectral().unwrap();
+        for method in [DecimationMethod::Mean, DecimationMethod::Pick] {
+            let own = read(0.0).decimated(of_two(method)).unwrap();
+            let despiked = read(2e-6).despiked(&Unwatched).unwrap();
+            assert!(despiked.notes[0].starts_with("despiked: 1 point"), "{:?}", despiked.notes);
+            let despiked = despiked.decimated(of_two(method)).unwrap();
+            assert_eq!([despiked.map.rows(), despiked.map.cols(), usize::from(despiked.whole)], [32, 32, 1]);
+            assert!((slope(&despiked) / slope(&own) - 1.0).abs() < 0.02, "{} {}", slope(&despiked), slope(&own));
+        }
+        let spoilt = read(2e-6).decimated(of_two(DecimationMethod::Mean)).unwrap();
+        let own = read(0.0).decimated(of_two(DecimationMethod::Mean)).unwrap();
+        assert!(slope(&spoilt) > 1.2 * slope(&own), "{} {}", slope(&spoilt), slope(&own));
+        assert!(!read(0.0).decimated(Decimation { factor: 5, method: DecimationMethod::Mean }).unwrap().whole);
     }
 
     #[test]

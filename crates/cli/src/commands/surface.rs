@@ -10,7 +10,7 @@ use crate::args::SurfaceArgs;
 use crate::output::{Place, check_file, check_folder, write_file};
 use crate::progress::Job;
 use crate::{CliError, Console, exit_code};
-use slipgrid_formats::altitude_map::{open, refuse as refuse_map};
+use slipgrid_formats::altitude_map::{read_for, refuse as refuse_map};
 use slipgrid_formats::{Diagnostic, checked};
 use slipgrid_report::surface::{FILES, Measured, SurfaceReport, files, period_note, period_text};
 use slipgrid_units::LENGTH_UM;
@@ -26,12 +26,12 @@ pub fn run(args: &SurfaceArgs, console: &mut Console<'_>) -> Result<u8, CliError
     let options = map_options(&args.reading)?;
     let section_m = args.section_um.map(|um| checked("--section-um", um, LENGTH_UM.or_zero())).transpose()?;
     let job = Job::new(console);
-    let read = open(&slipgrid_disk::disk(), &args.map, &options.read, &job)?;
+    let (read, how) = read_for(&slipgrid_disk::disk(), &args.map, &options, &job)?;
     let refuse = |error: MapError| Diagnostic::file(&args.map, error.to_string());
     let cancelled = |ended: Cancelled| refuse(ended.into());
     // Cavities are sought on the map as it was measured: their own form, their own missing points.
     let mut measured = args.cavities.then(|| read.map.clone());
-    if let Some(measured) = measured.as_mut().filter(|_| options.despike) {
+    if let Some(measured) = measured.as_mut().filter(|_| how.despike) {
         measured.despike(&job).map_err(cancelled)?;
     }
     let cavities = measured.as_ref().map(|map| map.measure_cavities(options.form, &job)).transpose().map_err(refuse)?;
@@ -40,7 +40,7 @@ pub fn run(args: &SurfaceArgs, console: &mut Console<'_>) -> Result<u8, CliError
         .map(|(file, map)| map.mean_cavity_period(options.form, &job).map(|period| (file, period)))
         .transpose()
         .map_err(refuse)?;
-    let mut surface = PreparedMap::new(read, options.preparation(), &job)
+    let mut surface = PreparedMap::new(read, how, &job)
         .and_then(|map| if args.cavities { Ok(map) } else { map.possible() })
         .map_err(|error| refuse_map(&args.map, &error))?;
     if args.cavities {
