@@ -91,9 +91,9 @@ fn shown(page: &mut dyn Page) -> ([f64; 3], Vec<f64>) {
     (lengths.try_into().unwrap(), values.map(|(value, offset)| number(value) - number(offset)).collect())
 }
 
-/// Ratios that `simulate` finds for an endless pattern of the material of design.toml.
+/// Ratios that `simulate` finds for an endless pattern of the material of scene.toml.
 fn simulated(folder: &Path, [width_um, spacing_um, depth_um]: [f64; 3]) -> Vec<f64> {
-    let mut scene: toml::Table = fs::read_to_string(folder.join("design.toml")).unwrap().parse().unwrap();
+    let mut scene: toml::Table = fs::read_to_string(folder.join("scene.toml")).unwrap().parse().unwrap();
     scene.remove("specimen");
     let pattern = scene["pattern"].as_table_mut().unwrap();
     for (key, length_um) in [("width_um", width_um), ("spacing_um", spacing_um), ("depth_um", depth_um)] {

@@ -114,7 +114,7 @@ fn lower_friction_is_met_with_evidence_and_files_for_the_laser() {
     assert_eq!(result["material"]["synthetic_surface"], true);
 
     // The scene runs as it is; steady sliding of its specimen lies near what was confirmed.
-    let scene = folder.path().join("results/design.toml");
+    let scene = folder.path().join("results/scene.toml");
     let (code, out, _) = slipgrid(&["simulate", scene.to_str().unwrap(), "--fidelity", "steady", "--json"]);
     assert_eq!(code, 0);
     let steady: Value = serde_json::from_str(&out).unwrap();
@@ -216,7 +216,7 @@ fn squares_are_searched_and_confirmed_in_space() {
     }
     // What is predicted is what the written scene gives as a steady cell, but for what the confirming run has beside that: smaller blocks,
     // and half of what a tilt of the pressure changes.
-    let scene = folder.path().join("results/design.toml");
+    let scene = folder.path().join("results/scene.toml");
     let text = std::fs::read_to_string(&scene).unwrap();
     assert!(text.contains("refine = true"), "{text}");
     std::fs::write(&scene, text.replace("refine = true", "refine = false")).unwrap();

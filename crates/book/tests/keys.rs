@@ -267,7 +267,7 @@ fn results_obey_their_schemas() {
     write("goal.toml", small_design("goal = \"lowest\""));
     write("band.toml", small_design("highest = 0.97"));
     obeys(folder.path(), "result", &["optimize", "d.toml", "--table", "--no-explorer"], "out");
-    obeys(folder.path(), "simulation", &["simulate", "out/design.toml", "--fidelity", "steady"], "out/scene");
+    obeys(folder.path(), "simulation", &["simulate", "out/scene.toml", "--fidelity", "steady"], "out/scene");
     obeys(folder.path(), "result", &["optimize", "goal.toml", "--no-explorer"], "goal");
     obeys(folder.path(), "result", &["optimize", "band.toml", "--no-explorer"], "band");
     // Every key of the process sheet is described in its chapter.

@@ -1,4 +1,4 @@
-//! The scene of a design: design.toml, which `simulate` takes.
+//! The scene of a design: scene.toml, which `simulate` takes.
 
 use slipgrid_calibrate::uncertainty::InputUncertainty;
 use slipgrid_material::{Condition, LocalFriction, Material, MaterialError};
@@ -31,7 +31,7 @@ pub enum UnwritableScene {
     Material(#[from] MaterialError),
 }
 
-/// What design.toml is made of.
+/// What scene.toml is made of.
 pub struct DesignScene<'a> {
     /// Name of the design.
     pub name: &'a str,
@@ -129,7 +129,7 @@ impl DesignScene<'_> {
             },
         };
         let body = toml::to_string(&file)?;
-        Ok(format!("# Scene of the confirming run, by slipgrid {VERSION}: slipgrid simulate design.toml\n{body}"))
+        Ok(format!("# Scene of the confirming run, by slipgrid {VERSION}: slipgrid simulate scene.toml\n{body}"))
     }
 
     fn material(&self, knowledge: &InputUncertainty) -> MaterialFile {
@@ -287,7 +287,7 @@ mod tests {
             speed_m_s: 2e-3,
             run: &run,
         };
-        let document = Document::new("design.toml", scene.to_toml().unwrap());
+        let document = Document::new("scene.toml", scene.to_toml().unwrap());
         let read = SceneInput::from_file(document.clone(), &document.parse().unwrap(), Overrides::default()).unwrap();
         assert_eq!((read.scene.pattern, read.specimen), (Some(pattern), Some(specimen)));
         assert_eq!((read.scene.layer, read.scene.run, read.scene.speed_m_s), (layer, run, 2e-3));

@@ -137,12 +137,12 @@ def test_a_calibration_and_a_design_are_those_of_the_folder_in_which_they_were_r
     mapped(folder)
     tables = {**DESIGN, "material": "calibration.toml", "condition": {"speed_mm_s": 2.0, "humidity_pct": 50.0}}
     tables["target"] = {**DESIGN["target"], "pressure_mpa": 2.546}
-    (folder / "design.toml").write_text(toml(tables))
+    (folder / "scene.toml").write_text(toml(tables))
     expected = slipgrid.Calibration.read("calibration.toml").fit()
     saved = expected.save("expected.toml").read_text()
     (folder / "expected.toml").unlink()
-    design, calibration = slipgrid.Design.read("design.toml"), slipgrid.Calibration.read("calibration.toml")
-    later, taken = slipgrid.Calibration.read("calibration.toml"), slipgrid.Design.read("design.toml")
+    design, calibration = slipgrid.Design.read("scene.toml"), slipgrid.Calibration.read("calibration.toml")
+    later, taken = slipgrid.Calibration.read("calibration.toml"), slipgrid.Design.read("scene.toml")
     elsewhere = folder.with_name("elsewhere")
     elsewhere.mkdir()
     monkeypatch.chdir(elsewhere)
@@ -156,7 +156,7 @@ def test_a_calibration_and_a_design_are_those_of_the_folder_in_which_they_were_r
     # Inputs are guarded where they stand, and nothing of the same name elsewhere.
     with pytest.raises(InputError, match="is an input of this run"):
         material.save(folder / "calibration.toml")
-    with pytest.raises(InputError, match="holds design.toml, which is an input of this run"):
+    with pytest.raises(InputError, match="holds scene.toml, which is an input of this run"):
         found.export(folder)
     assert found.export(".") and found.export(".")
     (folder / "map.txt").unlink()

@@ -15,12 +15,12 @@ from slipgrid.errors import InputError
 
 
 def test_neither_inputs_nor_files_of_others_are_replaced(tmp_path: Path) -> None:
-    file = tmp_path / "design.toml"
+    file = tmp_path / "scene.toml"
     file.write_text(toml(DESIGN))
     before = file.read_bytes()
     design = slipgrid.Design.read(file)
     found = design.optimize()
-    with pytest.raises(InputError, match="holds design.toml, which is an input of this run") as refused:
+    with pytest.raises(InputError, match="holds scene.toml, which is an input of this run") as refused:
         found.export(tmp_path)
     assert refused.value.key == "folder" and file.read_bytes() == before and list(tmp_path.iterdir()) == [file]
 
@@ -39,7 +39,7 @@ def test_neither_inputs_nor_files_of_others_are_replaced(tmp_path: Path) -> None
         design.explore(page)
     assert page.read_text() == "<title>mine</title>"
     assert design.explore(tmp_path / "own.html") == design.explore(tmp_path / "own.html")
-    # A text stands in no file: a second export replaces the design.toml of the first.
+    # A text stands in no file: a second export replaces the scene.toml of the first.
     alone = slipgrid.Design.from_toml(toml(DESIGN), tmp_path / "again").optimize()
     assert alone.export(tmp_path / "again") and alone.export(tmp_path / "again")
 

@@ -30,7 +30,7 @@ pub fn of_design(found: &DesignOutcome) -> Result<Outputs, ReportError> {
         speed_m_s: found.scene.speed_m_s,
         run: &found.scene.run,
     };
-    outputs.add("design.toml", scene.to_toml()?);
+    outputs.add("scene.toml", scene.to_toml()?);
     draw(&drawing(found), &LaserFile::ALWAYS, &mut outputs)?;
     outputs.add("interface.csv", csv::interface(&found.confirmed));
     if let Some(trace) = csv::friction_trace(&found.confirmed) {

@@ -36,7 +36,7 @@ const MEAN_PERIOD: &str = "mean period of measured cavities, by slipgrid";
 
 /// How its other files begin, by their name or its ending.
 const BEGINNINGS: [(&str, &[&str]); 14] = [
-    ("design.toml", &["# Scene of the confirming run, by slipgrid "]),
+    ("scene.toml", &["# Scene of the confirming run, by slipgrid "]),
     ("process.toml", &["# Process sheet."]),
     ("trials.toml", &["# Trials of one disc, by slipgrid: "]),
     (".toml", &[MATERIAL]),
@@ -82,13 +82,13 @@ mod tests {
     #[test]
     fn a_file_is_known_by_its_beginning() {
         for (name, head, ours) in [
-            ("design.toml", "# Scene of the confirming run, by slipgrid 0.1.0: slipgrid simulate", true),
+            ("scene.toml", "# Scene of the confirming run, by slipgrid 0.1.0: slipgrid simulate", true),
             (
-                "design.toml",
+                "scene.toml",
                 "# A design task: the pattern that brings friction to a target.   slipgrid optimize",
                 false,
             ),
-            ("design.toml", "name = \"mine\"\n", false),
+            ("scene.toml", "name = \"mine\"\n", false),
             ("ldpe.toml", "# Material, by slipgrid calibrate 0.1.0. Scenes", true),
             ("c.toml", "# A calibration: measurements on flat samples", false),
             ("flat.csv", "force_n,speed_mm_s,humidity_pct,mu_dynamic,mu_dynamic_std\n", false),

@@ -38,7 +38,7 @@ fn at(found: &Value) -> &Vec<Value> {
 
 /// Ratio and peak pressure of the design in `folder` by a steady cell whose mean local dynamic coefficient is `mean`.
 fn steady(place: &Place, folder: &str, mean: f64) -> [f64; 2] {
-    let scene = fs::read_to_string(place.path(folder).join("design.toml")).unwrap();
+    let scene = fs::read_to_string(place.path(folder).join("scene.toml")).unwrap();
     let lines = scene.lines().map(|line| match line.split_once(" = ") {
         Some(("dynamic_mean", _)) => format!("dynamic_mean = {mean}"),
         _ => line.to_owned(),
@@ -106,7 +106,7 @@ fn a_friction_target_holds_at_every_condition_and_each_that_decides_is_run_at_it
     assert!((value(second, "mu") / value(first, "mu") - 1.1).abs() < 0.011 && value(first, "mu") < 0.17);
 
     // The same run by hand: the scene of the design with the speed and the coefficients of the other condition.
-    let scene = fs::read_to_string(place.path("out/a/design.toml")).unwrap();
+    let scene = fs::read_to_string(place.path("out/a/scene.toml")).unwrap();
     let other = scene.replace("speed_mm_s = 2.0", "speed_mm_s = 4.0");
     let other: Vec<String> = other
         .lines()
@@ -303,7 +303,7 @@ fn a_range_is_the_list_of_its_conditions_and_each_humidity_has_its_own_discrepan
         found.as_object_mut().unwrap().remove("model").unwrap();
     }
     assert_eq!(one, two);
-    for name in ["design.toml", "target.svg", "process.toml", "friction.csv"] {
+    for name in ["scene.toml", "target.svg", "process.toml", "friction.csv"] {
         let [one, two] = ["out/one", "out/two"].map(|folder| fs::read(place.path(folder).join(name)).unwrap());
         assert_eq!(one, two, "{name}");
     }
@@ -311,7 +311,7 @@ fn a_range_is_the_list_of_its_conditions_and_each_humidity_has_its_own_discrepan
     let places: Vec<[f64; 2]> =
         at(&one).iter().map(|at| [number(&at["speed_mm_s"]), number(&at["humidity_pct"])]).collect();
     assert_eq!(places, [[2.0, 15.0], [1.5, 15.0], [1.5, 80.0], [2.0, 80.0], [4.0, 15.0], [4.0, 80.0]]);
-    assert!(fs::read_to_string(place.path("out/one/design.toml")).unwrap().contains("speed_mm_s = 2.0"));
+    assert!(fs::read_to_string(place.path("out/one/scene.toml")).unwrap().contains("speed_mm_s = 2.0"));
     // Each humidity has what was measured there; of the speed nothing is known, which moves a median by little.
     let factors = |humidity: f64| -> Vec<f64> {
         let own = at(&one).iter().filter(|at| at["humidity_pct"] == humidity);

@@ -27,7 +27,7 @@ fn the_target_holds_in_each_direction_and_the_worst_decides() {
     assert!((found["misfit"]["confirmed"].as_f64().unwrap() - misfit(&at[worst])).abs() < 1e-9);
     assert!(at[worst]["in_time"].as_bool().unwrap(), "{at:?}");
     // Each is what the turned scene gives alone, run as the design's was.
-    let scene = fs::read_to_string(place.path("both/design.toml")).unwrap();
+    let scene = fs::read_to_string(place.path("both/scene.toml")).unwrap();
     for (angle_deg, at) in ["0.0", "90.0"].iter().zip(at) {
         let planform = "planform = \"rectangle\"";
         let turned = scene.replace(planform, &format!("{planform}\nsliding_angle_deg = {angle_deg}"));

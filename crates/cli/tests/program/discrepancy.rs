@@ -145,7 +145,7 @@ fn a_simulated_design_has_the_errors_it_was_found_with() {
     let known = |text: String| ERRORS.iter().fold(text, |text, (from, to)| text.replace(from, to));
     let place = Place::with(&[("a.toml", &known(design("value = 0.88\ntolerance = 0.02", TRIAL)))]);
     place.succeed(&["optimize", "a.toml"]);
-    let (found, scene) = (result(&place, "out/a"), "out/a/design.toml");
+    let (found, scene) = (result(&place, "out/a"), "out/a/scene.toml");
     let simulate = |more: &[&str]| -> Value {
         let arguments: Vec<&str> = ["simulate", scene, "--json"].into_iter().chain(more.iter().copied()).collect();
         serde_json::from_str(&place.succeed(&arguments)).unwrap()
@@ -278,7 +278,7 @@ fn a_calibration_is_interpolated_between_its_speeds_and_aimed_with_where_asked()
     assert!(known["trials"] == 1 && told.contains("what one trial says"), "{told}");
     // Measured ratios are 0.9 of what the model gives those grooves.
     let factor = number(&known["by_pressure"][0]["factor"]);
-    let trial = fs::read_to_string(place.path("out/a/design.toml")).unwrap();
+    let trial = fs::read_to_string(place.path("out/a/scene.toml")).unwrap();
     let (from, to) = (trial.find("[pattern]").unwrap(), trial.find("[sample]").unwrap());
     let pattern = "[pattern]\nplanform = \"groove\"\nwidth_um = 80.0\nspacing_um = 160.0\ndepth_um = 20.0\n\n";
     fs::write(place.path("trial.toml"), format!("{}{pattern}{}", &trial[..from], &trial[to..])).unwrap();

@@ -12,18 +12,18 @@ fn inputs_and_what_others_wrote_are_not_replaced() {
     let place = Place::with(&[("c.toml", CALIBRATION), ("flat.csv", FLAT), ("s.toml", SCENE)]);
     fs::create_dir(place.path("job")).unwrap();
     let design = small();
-    fs::write(place.path("job/design.toml"), &design).unwrap();
+    fs::write(place.path("job/scene.toml"), &design).unwrap();
     fs::write(place.path("d.toml"), &design).unwrap();
     fs::write(place.path("map.asc"), "# Channel: height\n# Width: 1 um\n# Height: 1 um\n1 2\n3 4\n").unwrap();
-    let kept = ["c.toml", "flat.csv", "s.toml", "job/design.toml", "d.toml", "map.asc"];
+    let kept = ["c.toml", "flat.csv", "s.toml", "job/scene.toml", "d.toml", "map.asc"];
     let contents = || kept.map(|name| fs::read(place.path(name)).unwrap());
     let before = contents();
     let mut args = MAP.to_vec();
     args.extend(["-o", "map.asc"]);
     for (args, says) in [
-        (vec!["optimize", "job/design.toml", "-o", "job"], "job holds design.toml, which is an input of this run"),
-        (vec!["optimize", "d.toml", "-o", "job"], "job holds design.toml, which was not written by slipgrid"),
-        (vec!["optimize", "job/design.toml", "-o", "job/../job"], "is an input of this run"),
+        (vec!["optimize", "job/scene.toml", "-o", "job"], "job holds scene.toml, which is an input of this run"),
+        (vec!["optimize", "d.toml", "-o", "job"], "job holds scene.toml, which was not written by slipgrid"),
+        (vec!["optimize", "job/scene.toml", "-o", "job/../job"], "is an input of this run"),
         (vec!["calibrate", "c.toml", "-o", "c.toml"], "--output: c.toml is an input of this run"),
         (vec!["calibrate", "c.toml", "-o", "flat.csv"], "--output: flat.csv is an input of this run"),
         (vec!["calibrate", "c.toml", "-o", "s.toml"], "--output: s.toml was not written by slipgrid"),
@@ -33,7 +33,7 @@ fn inputs_and_what_others_wrote_are_not_replaced() {
         assert!(message.contains(says) && message.contains("so that nothing is lost"), "{args:?}: {message}");
     }
     assert_eq!(contents(), before);
-    assert_eq!(names(&place.path("job")), ["design.toml"]);
+    assert_eq!(names(&place.path("job")), ["scene.toml"]);
     // Files that are not in the way are nobody's concern.
     place.succeed(&["simulate", "s.toml", "-o", "job"]);
     fs::write(place.path("job/result.json"), "{\"mine\": 1}").unwrap();
@@ -56,7 +56,7 @@ fn every_command_replaces_what_it_wrote_before() {
         vec!["export", "out/d", "--format", all],
         vec!["export", "out/d", "--format", all, "-o", "laser"],
         vec!["simulate", "s.toml", "-o", "out/s"],
-        vec!["simulate", "out/d/design.toml", "-o", "out/t"],
+        vec!["simulate", "out/d/scene.toml", "-o", "out/t"],
         vec!["calibrate", "c.toml", "-o", "m.toml", "--report", "out/c"],
         vec!["surface", "map.asc", "--cavities", "-o", "out/m"],
         vec!["area-law", "map.asc", "--pressures-mpa", "0.7", "--tolerance", "1e-3", "-o", "out/a"],

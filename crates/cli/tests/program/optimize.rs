@@ -41,13 +41,13 @@ fn a_target_that_is_met() {
     }
     assert!(found["evaluations"].as_u64().unwrap() > 0 && found["seed"] == 1 && found["version"].is_string());
     let folder = place.path("out/grooves");
-    for name in ["design.toml", "pattern.dxf", "pattern.svg", "pattern.csv", "process.toml", "target.svg"] {
+    for name in ["scene.toml", "pattern.dxf", "pattern.svg", "pattern.csv", "process.toml", "target.svg"] {
         assert!(names(&folder).contains(&name.to_owned()), "{name}");
     }
 
     // The written scene is the confirming run.
     let again: Value =
-        serde_json::from_str(&place.succeed(&["simulate", "out/grooves/design.toml", "--json"])).unwrap();
+        serde_json::from_str(&place.succeed(&["simulate", "out/grooves/scene.toml", "--json"])).unwrap();
     assert_eq!(again["results"][0]["ratio"], found["confirmed"][0]["ratio"]);
 
     // Exported again: the same bytes.

@@ -101,7 +101,7 @@ fn crossing_grooves_are_searched_confirmed_and_exported() {
         "{process}"
     );
     // The confirming run is a scene that reads back.
-    place.succeed(&["simulate", "out/design.toml", "--json"]);
+    place.succeed(&["simulate", "out/scene.toml", "--json"]);
     let formats = "dxf,svg,csv,process,plt,gcode,corners,hatch,png,stl";
     place.succeed(&["export", "out/result.json", "--format", formats, "-o", "files"]);
     for name in ["pattern.gcode", "removed.stl", "height-map.png", "corners.csv"] {
@@ -123,7 +123,7 @@ fn polygons_are_searched_confirmed_and_exported() {
     let extent =
         corners.iter().map(x).fold(f64::NEG_INFINITY, f64::max) - corners.iter().map(x).fold(f64::INFINITY, f64::min);
     assert!(corners.len() == 6 && (extent - result["design"]["width_um"].as_f64().unwrap()).abs() < 1e-9);
-    place.succeed(&["simulate", "out/design.toml", "--json"]);
+    place.succeed(&["simulate", "out/scene.toml", "--json"]);
     let formats = "dxf,svg,csv,process,plt,gcode,corners,hatch,png,stl";
     place.succeed(&["export", "out/result.json", "--format", formats, "-o", "files"]);
     let rows = fs::read_to_string(place.path("files/corners.csv")).unwrap().lines().count() - 1;

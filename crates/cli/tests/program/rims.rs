@@ -155,7 +155,7 @@ fn a_design_with_rims_carries_them_and_their_tolerance_into_every_file() {
     assert!(parts.iter().any(|part| part["input"] == "rim height"), "{parts:?}");
 
     // The scene is the design, to the last digit; so is what is exported of the result.
-    let written = simulated_pattern(&place, "out/design.toml");
+    let written = simulated_pattern(&place, "out/scene.toml");
     for key in ["rim_heights_um", "rim_width_um", "rim_profile", "rim_height_std_um", "width_um", "depth_um"] {
         assert_eq!(written[key], found["design"][key], "{key}");
     }

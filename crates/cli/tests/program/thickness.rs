@@ -89,13 +89,13 @@ fn designs_are_searched_in_the_specimen_as_thick_as_it_is() {
     let narrow = narrow.replace("diameter_mm = 10.0", "diameter_mm = 3.0");
     let place = Place::with(&[("thick.toml", &narrow.replace("layer_um = 200.0\n", ""))]);
     place.run(&["optimize", "thick.toml", "-o", "out", "--quiet"]);
-    let design = fs::read_to_string(place.path("out").join("design.toml")).unwrap();
+    let design = fs::read_to_string(place.path("out").join("scene.toml")).unwrap();
     assert!(design.contains("layer_um = 200.0") && design.contains("thickness_mm = 7.0"), "{design}");
     let result: Value =
         serde_json::from_str(&fs::read_to_string(place.path("out").join("result.json")).unwrap()).unwrap();
     assert!(result["confirmed"][0]["ratio_layer_difference"].as_f64().unwrap() < 0.0);
     // The written scene gives the confirmed ratio to the last bit.
-    let again = json(&place.succeed(&["simulate", "out/design.toml", "--json"]));
+    let again = json(&place.succeed(&["simulate", "out/scene.toml", "--json"]));
     for (place, load) in result["confirmed"].as_array().unwrap().iter().enumerate() {
         assert_eq!(load["ratio"], again["results"][place]["ratio"]);
     }

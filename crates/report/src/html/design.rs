@@ -356,8 +356,8 @@ fn material(page: &mut Page, report: &DesignReport, outputs: &Outputs, (area_law
     if let Some(law) = area_law {
         background::area_law(page, law);
     }
-    if let Some(scene) = outputs.text("design.toml") {
-        page.folded("design.toml: coefficients, area law, sample and run, as confirmed", &scene);
+    if let Some(scene) = outputs.text("scene.toml") {
+        page.folded("scene.toml: coefficients, area law, sample and run, as confirmed", &scene);
     }
 }
 

@@ -295,7 +295,7 @@ impl Subject<'_> {
 /// The explorer of `found`, where it was made.
 pub(super) fn explorer(page: &mut Page, found: &DesignOutcome, outputs: &Outputs) {
     let Some(explorer) = &found.explorer else { return };
-    let toml = outputs.text("design.toml").unwrap_or_default();
+    let toml = outputs.text("scene.toml").unwrap_or_default();
     let (task, material, pattern) = (&found.task, &found.material, &found.pattern);
     Subject { task, material, pattern, explorer, report: Some(&found.report), flat_mu: None, toml }.add(page);
 }

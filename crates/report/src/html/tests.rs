@@ -73,7 +73,7 @@ fn a_page_holds_every_number_with_its_error_and_asks_the_network_for_nothing() {
         outputs.add(name, picture);
     }
     outputs.add("process.toml", "name = \"x < y\"\n");
-    outputs.add("design.toml", "[material]\nname = \"m & n\"\n");
+    outputs.add("scene.toml", "[material]\nname = \"m & n\"\n");
     let page = page_of(&report(), &outputs);
     assert_eq!(unbalanced(&page), Vec::<String>::new());
     for said in [

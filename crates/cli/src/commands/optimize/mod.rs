@@ -24,7 +24,7 @@ const FILES: [&str; 11] = [
     "report.html",
     "result.json",
     "timings.json",
-    "design.toml",
+    "scene.toml",
     "process.toml",
     "pattern.*",
     "target.svg",
