@@ -16,7 +16,7 @@ use crate::diagnostic::Diagnostic;
 use crate::source::Entry;
 use slipgrid_units::{
     DENSITY_G_CM3, EXCESS, FACTOR, FACTOR_STD, FRACTION, FRICTION, FRICTION_STD, HUMIDITY_PCT, LENGTH_UM, MODULUS_GPA,
-    MODULUS_STD_GPA, POISSON, PRESSURE_MPA, RELATIVE_STD, SLOPE, SPEED_MM_S,
+    MODULUS_STD_GPA, POISSON, PRESSURE_MPA, RELATIVE_STD, SLOPE, SPEED_MM_S, significant_to, tidy,
 };
 
 /// Scatter of the local coefficients where a file names none: the paper's 5 %.
@@ -198,6 +198,7 @@ pub fn read_material(
 ) -> Result<Material, Diagnostic> {
     let youngs_modulus_pa = document.number(&file.youngs_modulus_gpa, MODULUS_GPA)?;
     document.optional(file.youngs_modulus_std_gpa.as_ref(), MODULUS_STD_GPA)?;
+    check_modulus_std(document, *file.youngs_modulus_gpa.get_ref(), file.youngs_modulus_std_gpa.as_ref())?;
     let density_kg_m3 = document.number(&file.density_g_cm3, DENSITY_G_CM3)?;
     let yield_pressure_pa = document.optional(file.yield_pressure_mpa.as_ref(), PRESSURE_MPA)?;
     let elastic = Elastic::new(youngs_modulus_pa, density_kg_m3)
@@ -228,6 +229,13 @@ pub fn read_material(
             warnings,
         },
     })
+}
+
+/// Refuses a standard deviation of Young's modulus that is not below the modulus: nothing follows from such a modulus.
+pub(crate) fn check_modulus_std(document: &Document, modulus_gpa: f64, std: Option<&Number>) -> Result<(), Diagnostic> {
+    let Some(std) = std.filter(|std| *std.get_ref() >= modulus_gpa) else { return Ok(()) };
+    let reason = format!("leaves Young's modulus of {modulus_gpa} GPa open altogether");
+    Err(document.refuse(std.span(), reason).expected("a standard deviation below the modulus, in GPa"))
 }
 
 /// What is said of a table of earlier versions.
@@ -346,6 +354,9 @@ fn read_conditions(
     Ok(Friction::PerCondition(rows))
 }
 
+/// Part by which tabulated contact area may fall: tables are written to three digits or more.
+const AREA_TOLERANCE: f64 = 5e-3;
+
 fn read_area_law(document: &Document, file: &Spanned<AreaLawFile>) -> Result<AreaLaw, Diagnostic> {
     let law = file.get_ref();
     let pressure_pa = increasing(document, &law.pressure_mpa, PRESSURE_MPA)?;
@@ -366,6 +377,9 @@ fn read_area_law(document: &Document, file: &Spanned<AreaLawFile>) -> Result<Are
             .expected(format!("{}, one for each pressure", pressure_pa.len())))
     };
     same_length(&law.factor)?;
+    if law.origin.as_deref() != Some("measured") {
+        refuse_falling_area(document, &law.factor, &pressure_pa, &factor)?;
+    }
     for (about, quantity) in [
         (&law.rms_slope, SLOPE),
         (&law.sa_um, LENGTH_UM),
@@ -386,6 +400,26 @@ fn read_area_law(document: &Document, file: &Spanned<AreaLawFile>) -> Result<Are
     same_length(factor_std)?;
     let factor_std = document.numbers(factor_std, FACTOR_STD)?;
     AreaLaw::new(pressure_pa, factor).and_then(|law| law.with_factor_std(factor_std)).map_err(law_of)
+}
+
+/// Refuses factors by which contact area falls from one pressure to the next: area goes as P f(P).
+fn refuse_falling_area(
+    document: &Document,
+    file: &NumberList,
+    pressure_pa: &[f64],
+    factor: &[f64],
+) -> Result<(), Diagnostic> {
+    let area: Vec<f64> = pressure_pa.iter().zip(factor).map(|(pressure_pa, factor)| pressure_pa * factor).collect();
+    let falls = |pair: &[f64]| pair[1] < (1.0 - AREA_TOLERANCE) * pair[0];
+    let Some(place) = area.windows(2).position(falls) else { return Ok(()) };
+    let [from_mpa, to_mpa] = [place, place + 1].map(|place| tidy(PRESSURE_MPA.from_si(pressure_pa[place])));
+    let least = significant_to(factor[place] * pressure_pa[place] / pressure_pa[place + 1], 3, f64::ceil);
+    let reason = format!(
+        "makes contact area fall to {:.2} times from {from_mpa} to {to_mpa} MPa; real contact area never falls with pressure",
+        area[place + 1] / area[place]
+    );
+    let span = file.get_ref().get(place + 1).map_or(file.span(), Spanned::span);
+    Err(document.refuse(span, reason).expected(format!("a factor of at least {least} at {to_mpa} MPa")))
 }
 
 #[cfg(test)]
