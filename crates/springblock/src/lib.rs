@@ -76,8 +76,8 @@ mod steady;
 pub use cell::{CellOutcome, SteadyCell};
 pub use dimension::Dimension;
 pub use dynamics::{
-    MOST_EXTENSION_FOR_STDERR, MOST_STEPS, WAVE_DEFICIT, even_speed_m_s, run_speed_m_s, shear_modulus_pa,
-    shear_period_s, warm_travel_m,
+    MOST_EXTENSION_FOR_STDERR, MOST_STEPS, WAVE_DEFICIT, even_speed_m_s, max_run_speed_m_s, run_speed_m_s,
+    shear_modulus_pa, shear_period_s, warm_travel_m,
 };
 pub use error::SceneError;
 pub use face::{Face, Strip};

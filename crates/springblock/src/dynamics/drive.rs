@@ -81,7 +81,13 @@ pub fn run_speed_m_s(elastic: &Elastic, pressure_pa: f64, speed_m_s: f64) -> f64
 /// Whether sliding at `speed_m_s` under `pressure_pa` is so fast that no run stands for it: waves rule, whatever a run's mean says.
 #[must_use]
 pub fn is_too_fast(elastic: &Elastic, pressure_pa: f64, speed_m_s: f64) -> bool {
-    speed_m_s > MOST_SLOWED * even_speed_m_s(elastic, pressure_pa)
+    speed_m_s > max_run_speed_m_s(elastic, pressure_pa)
+}
+
+/// The fastest speed that a run in time under `pressure_pa` stands for, in m/s: ten times that of even sliding.
+#[must_use]
+pub fn max_run_speed_m_s(elastic: &Elastic, pressure_pa: f64) -> f64 {
+    MOST_SLOWED * even_speed_m_s(elastic, pressure_pa)
 }
 
 /// The fastest speed at which the layer slides evenly under `pressure_pa`: v = 0.01 P / sqrt(E rho), in m/s.

@@ -49,8 +49,8 @@ mod strip_workers;
 mod sweep;
 
 pub use drive::{
-    MOST_EXTENSION_FOR_STDERR, MOST_STEPS, Plan, WAVE_DEFICIT, even_speed_m_s, run_speed_m_s, shear_modulus_pa,
-    shear_period_s, warm_travel_m,
+    MOST_EXTENSION_FOR_STDERR, MOST_STEPS, Plan, WAVE_DEFICIT, even_speed_m_s, max_run_speed_m_s, run_speed_m_s,
+    shear_modulus_pa, shear_period_s, warm_travel_m,
 };
 pub use remembered::{remembered, settings};
 pub use run::{DynamicRun, Scheme, usual_step_s};
