@@ -50,6 +50,11 @@ fn by_the_measured_law_the_same_groove_raises_friction_that_the_area_law_lowers(
     // Steady friction times the excess is what was measured, by either law.
     assert!((flat / 0.278 - 1.0).abs() < 2e-3 && (flat_by_area / 0.278 - 1.0).abs() < 2e-3, "{flat} {flat_by_area}");
 
+    // A page without a picture of contact area, which a measured law does not have.
+    place.succeed(&["validate", "measured.toml", "--sliding-um", "0", "-o", "page"]);
+    let page = fs::read_to_string(place.path("page/report.html")).unwrap();
+    assert!(page.contains("logarithmic") && !place.path("page/area-law.svg").exists());
+
     // Both laws side by side, with what would decide.
     let told = place.succeed(&["validate", "area.toml"]);
     assert!(told.contains("groove, constant") && told.contains("square, logarithmic"), "{told}");

@@ -136,8 +136,11 @@ impl Figures<'_> {
         // Up to the first tabulated pressure that no block exceeds.
         let shown = given.pressure_mpa.iter().take_while(|&&pressure| pressure < peak_mpa).count() + 1;
         let shown = shown.clamp(2.min(given.pressure_mpa.len()), given.pressure_mpa.len());
-        let threshold_mpa = tidy(PRESSURE_MPA.from_si(self.calibration.threshold_pa));
-        let at_threshold = given.pressure_mpa.iter().position(|&pressure| tidy(pressure) == threshold_mpa);
+        let stated_mpa = self.calibration.threshold_pa.map(|threshold_pa| tidy(PRESSURE_MPA.from_si(threshold_pa)));
+        let at_threshold = stated_mpa.and_then(|threshold_mpa| {
+            let row = given.pressure_mpa.iter().position(|&pressure| tidy(pressure) == threshold_mpa)?;
+            Some([threshold_mpa, given.area_fraction[row]])
+        });
         let labels: Vec<String> =
             tables.iter().map(|table| format!("{} times the slope", table.slope_factor)).collect();
         let others: Vec<OtherSurface<'_>> = tables
@@ -160,7 +163,7 @@ impl Figures<'_> {
             area_fraction: &given.area_fraction[..shown],
             factor: &given.factor[..shown],
             factor_std: &[],
-            threshold: at_threshold.map(|row| [threshold_mpa, given.area_fraction[row]]),
+            threshold: at_threshold,
             others: &others,
         })?))
     }
@@ -273,7 +276,9 @@ impl Figures<'_> {
 
 /// Area and factor of every surface at the tabulated pressures.
 pub fn area_tables(laws: &[ScaledLaw]) -> Vec<AreaTable> {
+    // A measured law has no contact area behind it.
     laws.iter()
+        .filter(|scaled| !scaled.areas.is_empty())
         .filter_map(|scaled| {
             let law = scaled.law.as_ref()?;
             Some(AreaTable {

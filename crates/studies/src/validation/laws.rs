@@ -1,7 +1,7 @@
 //! Area laws of a calibration's surface with its heights scaled.
 
-use slipgrid_calibrate::Selection;
 use slipgrid_calibrate::area_law::{CONTACT_TOLERANCE, DEFAULT_PRESSURES_MPA, area_curve, area_law, persson_curve};
+use slipgrid_calibrate::{LawPressures, Selection};
 use slipgrid_contact::{AreaPoint, Status};
 use slipgrid_material::AreaLaw;
 
@@ -63,10 +63,11 @@ pub fn scaled_laws(
     let (path, calibration, factors) = (task.path, task.calibration, &task.slope_factors);
     let contact_modulus_pa = calibration.elastic.contact_modulus_pa(calibration.poisson_ratio);
     let refuse = |error: &dyn std::fmt::Display| Diagnostic::file(path, error.to_string());
-    let law = |points: &[AreaPoint]| {
-        area_law(points, calibration.threshold_pa)
+    let law = |points: &[AreaPoint], threshold_pa: f64| {
+        area_law(points, threshold_pa)
             .map_err(|error| Diagnostic::file(path, format!("the contact area gives no area law: {error}")))
     };
+    let stated_pa = calibration.threshold_pa;
     match &calibration.surface {
         Surface::None if calibration.area_law_scale_pa.is_some() => fitted_laws(task, source, monitor),
         Surface::None => Ok(ScaledLaws {
@@ -95,8 +96,12 @@ pub fn scaled_laws(
                 .iter()
                 .map(|&slope_factor| {
                     let scaled = rms_slope * slope_factor;
-                    let curve = persson_curve(scaled, contact_modulus_pa, &pressures_pa).map_err(|e| refuse(&e))?;
-                    Ok(ScaledLaw { slope_factor, rms_slope: Some(tidy(scaled)), law: Some(law(&curve)?), areas: curve })
+                    let curve = |pressures_pa: &[f64]| persson_curve(scaled, contact_modulus_pa, pressures_pa);
+                    let areas = curve(&pressures_pa).map_err(|e| refuse(&e))?;
+                    let of = LawPressures::new(stated_pa, contact_modulus_pa, scaled, None);
+                    let behind = curve(&of.pressures_pa).map_err(|e| refuse(&e))?;
+                    let law = law(&behind, of.threshold_pa)?;
+                    Ok(ScaledLaw { slope_factor, rms_slope: Some(tidy(scaled)), law: Some(law), areas })
                 })
                 .collect::<Result<_, Diagnostic>>()?;
             let notes = vec!["area law by Persson's theory from the rms slope: no substitute for a map".to_owned()];
@@ -105,7 +110,11 @@ pub fn scaled_laws(
         Surface::Map { path: map_path, synthetic, options, .. } => {
             let surface = read_period(source, map_path, options, monitor)?;
             // A(P; s h) = A(P/s; h): every scaled surface is read off the one that was given.
-            let solved_pa = unscaled_pressures_pa(factors);
+            let points = surface.map.rows() * surface.map.cols();
+            let of = LawPressures::new(stated_pa, contact_modulus_pa, surface.rms_slope, Some(points));
+            // With a stated threshold, the scaled laws are those of the tabulated pressures.
+            let light_pa = if stated_pa.is_none() { of.pressures_pa.as_slice() } else { &[] };
+            let solved_pa = unscaled_pressures_pa(factors, light_pa);
             let progress = Stage::new(monitor, "area law", None);
             let curve = area_curve(&surface.map, contact_modulus_pa, &solved_pa, CONTACT_TOLERANCE, &progress);
             progress.finish();
@@ -126,13 +135,13 @@ pub fn scaled_laws(
             let laws = factors
                 .iter()
                 .map(|&slope_factor| {
-                    let points = scaled(&curve.points, slope_factor);
-                    Ok(ScaledLaw {
-                        slope_factor,
-                        rms_slope: Some(tidy(surface.rms_slope * slope_factor)),
-                        law: Some(law(&points)?),
-                        areas: points,
-                    })
+                    let areas = scaled(&curve.points, slope_factor);
+                    let law = match stated_pa {
+                        Some(threshold_pa) => law(&areas, threshold_pa)?,
+                        None => law(&stretched(&curve.points, slope_factor), slope_factor * of.threshold_pa)?,
+                    };
+                    let rms_slope = Some(tidy(surface.rms_slope * slope_factor));
+                    Ok(ScaledLaw { slope_factor, rms_slope, law: Some(law), areas })
                 })
                 .collect::<Result<_, Diagnostic>>()?;
             Ok(ScaledLaws { laws, synthetic: *synthetic || surface.synthetic, notes })
@@ -164,10 +173,8 @@ fn fitted_laws(task: &ValidationTask<'_>, source: &Source, monitor: &dyn Monitor
         if slope_factor == 1.0 {
             return Ok(own.clone());
         }
-        // A(P; s h) = A(P/s; h)
-        let stretched = |point: &AreaPoint| AreaPoint { pressure_pa: slope_factor * point.pressure_pa, ..*point };
-        let points: Vec<AreaPoint> = found.surface.curve.iter().map(stretched).collect();
-        area_law(&points, flat.threshold_pa).map_err(|error| refuse(&error))
+        let points = stretched(&found.surface.curve, slope_factor);
+        area_law(&points, points[0].pressure_pa).map_err(|error| refuse(&error))
     };
     let laws = task.slope_factors.iter().map(|&slope_factor| {
         let areas = persson_curve(1.0, slope_factor * scale_pa, &pressures_pa).map_err(|error| refuse(&error))?;
@@ -187,10 +194,18 @@ fn fitted_laws(task: &ValidationTask<'_>, source: &Source, monitor: &dyn Monitor
     Ok(ScaledLaws { laws: laws.collect::<Result<_, Diagnostic>>()?, synthetic: false, notes })
 }
 
-/// Pressures P/s of the surface itself behind every tabulated pressure of the scaled ones, increasing.
-fn unscaled_pressures_pa(factors: &[f64]) -> Vec<f64> {
-    let mut pressures_pa: Vec<f64> =
-        factors.iter().flat_map(|&factor| tabulated_pa(factor).map(|pair| pair[1])).collect();
+/// The curve of the surface scaled by `factor`: A(P; s h) = A(P/s; h).
+fn stretched(curve: &[AreaPoint], factor: f64) -> Vec<AreaPoint> {
+    curve.iter().map(|point| AreaPoint { pressure_pa: factor * point.pressure_pa, ..*point }).collect()
+}
+
+/// Pressures P/s of the surface itself behind every tabulated pressure of the scaled ones, and `more`, increasing.
+fn unscaled_pressures_pa(factors: &[f64], more: &[f64]) -> Vec<f64> {
+    let mut pressures_pa: Vec<f64> = factors
+        .iter()
+        .flat_map(|&factor| tabulated_pa(factor).map(|pair| pair[1]))
+        .chain(more.iter().copied())
+        .collect();
     pressures_pa.sort_by(f64::total_cmp);
     pressures_pa.dedup();
     pressures_pa
@@ -227,7 +242,7 @@ mod tests {
         let solve = |map: &HeightMap, pressures_pa: &[f64]| {
             area_curve(map, 427.5e6, pressures_pa, 1e-10, &progress).unwrap().points
         };
-        let own = solve(&map, &unscaled_pressures_pa(&[0.5, 1.0, 2.0]));
+        let own = solve(&map, &unscaled_pressures_pa(&[0.5, 1.0, 2.0], &[]));
         for factor in [0.5, 1.0, 2.0] {
             let by_identity = scaled(&own, factor);
             assert_eq!(by_identity.len(), DEFAULT_PRESSURES_MPA.len());
