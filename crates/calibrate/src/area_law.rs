@@ -63,6 +63,15 @@ pub enum SurfaceWarning {
         /// Points along them.
         points: [usize; 2],
     },
+    /// Contact area grows by less than in proportion within the measured loads that lie below a stated threshold.
+    Threshold {
+        /// The stated threshold, in pascals.
+        threshold_pa: f64,
+        /// The lightest measured load, in pascals.
+        lightest_pa: f64,
+        /// A / P at the threshold over that at the lightest load.
+        share: f64,
+    },
     /// A given rms slope that no surface that slides has.
     GivenSlope {
         /// The rms slope.
@@ -96,6 +105,13 @@ impl std::fmt::Display for SurfaceWarning {
                  least {LEAST_DEFAULT_SIDE} x {LEAST_DEFAULT_SIDE} points",
                 significant(LENGTH_UM.from_si(*x_m), 4),
                 significant(LENGTH_UM.from_si(*y_m), 4)
+            ),
+            Self::Threshold { threshold_pa, lightest_pa, share } => write!(
+                f,
+                "threshold: friction counts as proportional to load up to {} MPa, where contact area per load is {share:.2} times that at \
+                 {} MPa, the lightest load measured; without threshold_mpa the law follows the area that was computed",
+                PRESSURE_MPA.from_si(*threshold_pa),
+                significant(PRESSURE_MPA.from_si(*lightest_pa), 3)
             ),
             Self::GivenSlope { rms_slope } => write!(
                 f,

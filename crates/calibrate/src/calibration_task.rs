@@ -8,7 +8,7 @@ use slipgrid_springblock::{Layer, SceneError};
 use slipgrid_topography::PreparedMap;
 
 use crate::area_law::AreaLawError;
-use crate::fit::{local_static_over_dynamic, seconds};
+use crate::fit::{check_speeds, local_static_over_dynamic, seconds};
 use crate::select_measurements::Selection;
 use crate::surface_area_law_source::{SurfaceFindings, surface_findings};
 use crate::trial_discrepancy::{TrialsTask, learn};
@@ -30,8 +30,8 @@ pub struct CalibrationTask {
     pub poisson_ratio: f64,
     /// Where the area law comes from.
     pub surface: Surface,
-    /// Pressure P0 up to which friction is proportional to load, in pascals.
-    pub threshold_pa: f64,
+    /// Stated pressure P0 up to which friction is proportional to load, in pascals; `None` for the limit of small loads.
+    pub threshold_pa: Option<f64>,
     /// Area of one specimen's face, in square metres.
     pub specimen_area_m2: f64,
     /// Measurements on flat samples.
@@ -234,6 +234,8 @@ impl CalibrationTask {
 pub fn run(task: &CalibrationTask, monitor: &dyn Monitor) -> Result<CalibrationOutcome, CalibrationError> {
     let heed = || if monitor.cancelled() { Err(CalibrationError::Cancelled) } else { Ok(()) };
     let measurements = task.selection.flat(task);
+    // A modulus in the wrong unit is found before the contact of a map is computed.
+    check_speeds(&task.elastic, task.specimen_area_m2, &measurements).map_err(|error| refused(error, &measurements))?;
     let mut surface = surface_findings(task, monitor)?;
     let problem = Problem {
         elastic: task.elastic,

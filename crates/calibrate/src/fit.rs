@@ -5,7 +5,7 @@ mod feasibility;
 mod fit_notes;
 mod profile_likelihood;
 
-pub use feasibility::{local_static_over_dynamic, planned_steps, seconds};
+pub use feasibility::{check_speeds, local_static_over_dynamic, planned_steps, seconds};
 
 use slipgrid_material::{AreaLaw, LocalFriction};
 use slipgrid_monitor::{Monitor, Part};

@@ -3,7 +3,7 @@
 use crate::AreaLawScale;
 use slipgrid_material::{AreaLaw, Condition, Elastic, MaterialError};
 use slipgrid_springblock::{Layer, SceneError};
-use slipgrid_units::{HUMIDITY_PCT, SPEED_MM_S};
+use slipgrid_units::{HUMIDITY_PCT, MODULUS_GPA, PRESSURE_MPA, SPEED_MM_S, significant, significant_to, tidy};
 
 /// A measured peak of friction at the onset of sliding.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -185,18 +185,27 @@ pub enum FitError {
         /// The largest that is fitted.
         most: f64,
     },
-    /// Inertia of the layer exceeds friction by far.
+    /// Sliding so fast that waves rule, whatever a run would show.
     #[error(
-        "measurement {number}: friction is {share:.1e} of the stress rho c v of the layer's inertia at this speed: \
-         expected at least {least}"
+        "measurement {number}: {} mm/s is too fast at {} MPa with E = {} GPa: expected at most {} mm/s",
+        tidy(SPEED_MM_S.from_si(*speed_m_s)),
+        significant(PRESSURE_MPA.from_si(*pressure_pa), 3),
+        tidy(MODULUS_GPA.from_si(*modulus_pa)),
+        significant_to(SPEED_MM_S.from_si(*most_m_s), 2, f64::floor)
     )]
-    Inertia {
+    TooFast {
         /// The measurement's number, from 1.
         number: usize,
-        /// Friction over rho c v.
-        share: f64,
-        /// The least that is fitted.
-        least: f64,
+        /// Its speed, in m/s.
+        speed_m_s: f64,
+        /// Its nominal pressure, in pascals.
+        pressure_pa: f64,
+        /// Young's modulus, in pascals.
+        modulus_pa: f64,
+        /// The fastest speed at this pressure and modulus, in m/s.
+        most_m_s: f64,
+        /// The largest modulus at this pressure and speed, in pascals.
+        most_modulus_pa: f64,
     },
     /// Dynamic runs have little to do with steady sliding.
     #[error(
@@ -263,7 +272,7 @@ impl FitError {
             | Self::NoSliding { number, .. }
             | Self::PeakTooHigh { number, .. }
             | Self::BeyondLaw { number, .. }
-            | Self::Inertia { number, .. }
+            | Self::TooFast { number, .. }
             | Self::NotQuasiStatic { number, .. }
             | Self::TooManySteps { number, .. } => Some(*number),
             _ => None,

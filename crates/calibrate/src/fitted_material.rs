@@ -92,7 +92,7 @@ fn warnings(
     let mut warnings: Vec<String> = surface.warnings.iter().map(ToString::to_string).collect();
     warnings.extend(of_the_fit);
     warnings.extend(task.doubts.iter().cloned());
-    warnings.extend(law.and_then(|_| follows_load(surface.origin, by_condition)));
+    warnings.extend(law.and_then(|_| follows_load(surface, task.elastic.youngs_modulus_pa(), by_condition)));
     // A measured law may rise: it is none of contact area.
     let of_area = law.filter(|_| surface.origin != Some(AreaLawOrigin::Measured));
     let name = |warning: &str| warning.split(':').next().map(str::to_owned);

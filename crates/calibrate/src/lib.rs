@@ -34,7 +34,7 @@
 //!
 //! ```no_run
 //! use slipgrid_calibrate::{CalibrationTask, Coefficients, Measurement, Selection, Surface, TrialsTask, run};
-//! use slipgrid_material::{Elastic, THRESHOLD_PRESSURE_PA};
+//! use slipgrid_material::Elastic;
 //! use slipgrid_springblock::{Layer, Unwatched};
 //! let measured = |force_n: f64, mu_dynamic: f64| Measurement {
 //!     force_n,
@@ -51,7 +51,7 @@
 //!     youngs_modulus_std_pa: Some(0.08e9),
 //!     poisson_ratio: 1.0 / 3.0,
 //!     surface: Surface::RmsSlope(0.0137),
-//!     threshold_pa: THRESHOLD_PRESSURE_PA,
+//!     threshold_pa: None,
 //!     specimen_area_m2: 78.54e-6,
 //!     flat: vec![measured(100.0, 0.271), measured(200.0, 0.278)],
 //!     trials: TrialsTask::default(),
@@ -80,6 +80,7 @@ mod fitted_material;
 mod flat_friction_law;
 mod flat_sample;
 mod flat_sample_emulator;
+mod law_pressures;
 mod least_squares;
 mod load_dependence;
 mod marginal_uncertainty;
@@ -97,6 +98,7 @@ pub use contradicting_samples::{contradicting_samples, is_of_contradicting_sampl
 pub use fit::{Fit, FittedPair, Parameter, Prediction, STATIC_OVER_DYNAMIC, fit_coefficients, planned_steps};
 pub use fit_problem::{Coefficients, FitError, Measurement, Problem, StaticPeak, numbered};
 pub use flat_friction_law::flat_friction_law;
+pub use law_pressures::{LawPressures, light_pressure_pa};
 pub use marginal_uncertainty::{FlatLoad, marginal_relative_std};
 pub use scaled_area_law::AreaLawScale;
 pub use select_measurements::{Selection, measured_friction};

@@ -1,10 +1,11 @@
 //! Whether local coefficients follow load, which a law of contact area that fits would leave constant.
 
+use slipgrid_contact::AreaPoint;
 use slipgrid_material::Condition;
-use slipgrid_units::{HUMIDITY_PCT, PRESSURE_MPA, SPEED_MM_S, tidy};
+use slipgrid_units::{HUMIDITY_PCT, MODULUS_GPA, PRESSURE_MPA, SPEED_MM_S, in_digits, significant, tidy};
 
 use crate::FittedRow;
-use crate::surface_area_law_source::AreaLawOrigin;
+use crate::surface_area_law_source::{AreaLawOrigin, SurfaceFindings};
 
 /// Standard errors from which on a change is no scatter.
 const SURE: f64 = 3.0;
@@ -17,11 +18,12 @@ const LEAST: f64 = 0.05;
 /// Flat friction is mu_d f(P), so that mu_d is constant where f is the measured fall of friction. Errors of f are those of a larger load
 /// alone, or shared: taken as independent, they make the change less sure than it is.
 pub(crate) fn follows_load(
-    origin: Option<AreaLawOrigin>,
+    surface: &SurfaceFindings,
+    modulus_pa: f64,
     by_condition: &[(Condition, Vec<FittedRow>)],
 ) -> Option<String> {
     // A measured law is flat friction itself, and a fitted one has one coefficient.
-    if !matches!(origin, Some(AreaLawOrigin::Map | AreaLawOrigin::Persson)) {
+    if !matches!(surface.origin, Some(AreaLawOrigin::Map | AreaLawOrigin::Persson)) {
         return None;
     }
     let changes = by_condition.iter().filter_map(|(condition, rows)| Some((condition, Change::of(rows)?)));
@@ -30,15 +32,69 @@ pub(crate) fn follows_load(
     let (moves, falls) =
         if change.part > 0.0 { ("rises", "rises with load or falls less") } else { ("falls", "falls more with load") };
     let [from, to] = change.pressures_pa.map(|pressure_pa| PRESSURE_MPA.from_si(pressure_pa));
+    let fitting = fitting_modulus(surface, by_condition).map_or_else(String::new, |factor| {
+        let modulus_gpa = MODULUS_GPA.from_si(modulus_pa);
+        let fitting_gpa = in_digits(significant(factor * modulus_gpa, 2));
+        format!("; Young's modulus of about {fitting_gpa} GPa in place of {} GPa would fit", tidy(modulus_gpa))
+    });
     Some(format!(
         "local coefficient: mu_d {moves} by {:.0} % from {from:.3} to {to:.3} MPa at {} mm/s and {} %, {:.1} standard errors with those of \
-         the law: measured flat friction {falls} than this area law says. The law, the map or the modulus does not fit; \
+         the law: measured flat friction {falls} than this area law says. The law, the map or the modulus does not fit{fitting}; \
          local_law = \"measured\" in [surface] takes flat friction as measured",
         100.0 * change.part.abs(),
         tidy(SPEED_MM_S.from_si(condition.speed_m_s)),
         tidy(HUMIDITY_PCT.from_si(condition.humidity)),
         change.errors.abs()
     ))
+}
+
+/// Factors on Young's modulus that are tried: from gigapascals written for pascals to the reverse of megapascals.
+const FACTORS: [f64; 2] = [1e-9, 1e4];
+/// Factors tried; two neighbours differ by 6 %.
+const TRIED: usize = 501;
+/// Share of chi-square that may be left at a modulus that fits.
+const LEFT: f64 = 0.1;
+
+/// The factor on Young's modulus at which flat friction falls with load as contact area does: A(P; c E) = A(P / c; E), and friction
+/// is a_k A(P / c) / P with a coefficient a_k for each condition. `None` where no modulus explains most of the change.
+fn fitting_modulus(surface: &SurfaceFindings, by_condition: &[(Condition, Vec<FittedRow>)]) -> Option<f64> {
+    let (curve, law) = (&surface.curve, surface.law.as_ref()?);
+    let (first, last) = (curve.first()?, curve.last()?);
+    let log_share = |point: &AreaPoint| (point.area_fraction_corrected / point.pressure_pa).ln();
+    // ln (A / P), its limits beyond the ends of the curve.
+    let at = |pressure_pa: f64| {
+        if pressure_pa <= first.pressure_pa {
+            return log_share(first);
+        }
+        let above = curve.partition_point(|point| point.pressure_pa < pressure_pa);
+        let Some(upper) = curve.get(above) else { return (last.area_fraction_corrected / pressure_pa).ln() };
+        let lower = &curve[above - 1];
+        let share = (pressure_pa / lower.pressure_pa).ln() / (upper.pressure_pa / lower.pressure_pa).ln();
+        (1.0 - share) * log_share(lower) + share * log_share(upper)
+    };
+    // ln friction with its standard error: flat friction is mu_d f(P).
+    let log_friction = |row: &FittedRow| {
+        let std_error = row.pair.dynamic_std_error_given_law.or(row.pair.dynamic_std_error)?;
+        let friction = row.pair.dynamic_mean * law.factor(row.pressure_pa);
+        (friction > 0.0 && std_error > 0.0).then(|| (row.pressure_pa, friction.ln(), std_error / row.pair.dynamic_mean))
+    };
+    let conditions: Vec<Vec<(f64, f64, f64)>> =
+        by_condition.iter().map(|(_, rows)| rows.iter().filter_map(log_friction).collect()).collect();
+    let chi_square = |factor: f64| -> f64 {
+        let of = |rows: &Vec<(f64, f64, f64)>| -> f64 {
+            let off = || rows.iter().map(|&(pressure_pa, log, std)| (log - at(pressure_pa / factor), std.powi(-2)));
+            let mean =
+                off().map(|(off, weight)| off * weight).sum::<f64>() / off().map(|(_, weight)| weight).sum::<f64>();
+            off().map(|(off, weight)| weight * (off - mean).powi(2)).sum()
+        };
+        conditions.iter().filter(|rows| rows.len() > 1).map(of).sum()
+    };
+    let [from, to] = FACTORS;
+    let tried = (0..TRIED).map(|i| from * (to / from).powf(i as f64 / (TRIED - 1) as f64));
+    let best = tried.min_by(|a, b| chi_square(*a).total_cmp(&chi_square(*b)))?;
+    // All much harder solids have one law, f = 1, and all much softer ones another: then no modulus was found.
+    let is_found = best > from && [0.5, 2.0].iter().any(|by| chi_square(best * by) > chi_square(best) + 1.0);
+    (is_found && chi_square(best) < LEFT * chi_square(1.0)).then_some(best)
 }
 
 /// How a coefficient changes from the lowest to the highest load.
@@ -68,7 +124,8 @@ impl Change {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::FittedPair;
+    use crate::area_law::{area_law, persson_curve};
+    use crate::{FittedPair, LawPressures};
 
     fn row(pressure_pa: f64, dynamic_mean: f64, std_error: f64) -> FittedRow {
         let pair = FittedPair {
@@ -87,7 +144,8 @@ mod tests {
         let at = |speed_m_s| Condition { speed_m_s, humidity: 0.5 };
         let of = |origin: AreaLawOrigin, last: f64, std_error: f64| {
             let rows = |last: f64| vec![row(0.4e6, 0.28, 0.001), row(1e6, 0.29, 0.004), row(4e6, last, std_error)];
-            follows_load(Some(origin), &[(at(2e-3), rows(0.281)), (at(1e-2), rows(last))])
+            let surface = SurfaceFindings { origin: Some(origin), ..SurfaceFindings::default() };
+            follows_load(&surface, 0.38e9, &[(at(2e-3), rows(0.281)), (at(1e-2), rows(last))])
         };
         let said = of(map, 0.336, 0.018).unwrap();
         assert!(
@@ -100,5 +158,43 @@ mod tests {
         assert_eq!(of(map, 0.336, 0.02), None);
         assert_eq!(of(map, 0.29, 0.001), None);
         assert_eq!(of(AreaLawOrigin::Measured, 0.336, 0.001), None);
+    }
+
+    #[test]
+    fn the_modulus_that_fits_is_named() {
+        // Friction of a solid of 0.048 GPa, calibrated with other moduli: by a factor of 1000, as MPa taken for GPa, and by less.
+        let rms_slope = 0.0358;
+        let law_at = |modulus_pa: f64| {
+            let of = LawPressures::new(None, 1.125 * modulus_pa, rms_slope, None);
+            let curve = persson_curve(rms_slope, 1.125 * modulus_pa, &of.pressures_pa).unwrap();
+            (area_law(&curve, of.threshold_pa).unwrap(), curve)
+        };
+        let condition = Condition { speed_m_s: 1e-2, humidity: 0.4 };
+        let told = |true_pa: f64, taken_pa: f64, exponent: f64| {
+            let ((truth, _), (law, curve)) = (law_at(true_pa), law_at(taken_pa));
+            let rows = [0.15e6, 0.3e6, 0.6e6, 1e6].map(|pressure_pa| {
+                let friction = 0.65 * truth.factor(pressure_pa) * (pressure_pa / 1e6_f64).powf(exponent);
+                let mean = friction / law.factor(pressure_pa);
+                row(pressure_pa, mean, 0.01 * mean)
+            });
+            let surface = SurfaceFindings {
+                origin: Some(AreaLawOrigin::Persson),
+                law: Some(law),
+                curve,
+                ..SurfaceFindings::default()
+            };
+            follows_load(&surface, taken_pa, &[(condition, rows.to_vec())])
+        };
+        for (taken_pa, taken) in [(48e9, "48"), (0.48e9, "0.48"), (0.012e9, "0.012")] {
+            let said = told(0.048e9, taken_pa, 0.0).unwrap();
+            let words = said.split("of about ").nth(1).unwrap();
+            let fitting_gpa: f64 = words.split(' ').next().unwrap().parse().unwrap();
+            assert!((0.044..0.053).contains(&fitting_gpa), "{said}");
+            assert!(said.contains(&format!("GPa in place of {taken} GPa would fit; local_law")), "{said}");
+        }
+        assert_eq!(told(0.048e9, 0.048e9, 0.0), None);
+        // Friction that rises with load is that of no modulus.
+        let said = told(0.048e9, 48e9, 0.6).unwrap();
+        assert!(said.contains("does not fit; local_law"), "{said}");
     }
 }

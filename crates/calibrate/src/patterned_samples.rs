@@ -100,7 +100,7 @@ impl Model<'_> {
             None => None,
             // A measured law is moved by no modulus.
             Some(law) if curve.is_empty() => Some(law.clone()),
-            Some(_) => Some(stiffer(curve, log_modulus, self.task.threshold_pa)?),
+            Some(law) => Some(stiffer(curve, log_modulus, self.task.threshold_pa, law.pressures_pa()[0])?),
         };
         let elastic = self.task.elastic.at_modulus(log_modulus.exp())?;
         let Some(scene) = self.scene(elastic, law, pairs)? else { return Ok(Vec::new()) };
@@ -229,10 +229,16 @@ impl Model<'_> {
     }
 }
 
-/// The law of a surface whose modulus is larger by the factor exp(log_modulus): A(P; c E) = A(P / c; E).
-fn stiffer(curve: &[AreaPoint], log_modulus: f64, threshold_pa: f64) -> Result<AreaLaw, MaterialError> {
+/// The law of a surface whose modulus is larger by the factor exp(log_modulus): A(P; c E) = A(P / c; E). A stated threshold
+/// stays; the reference pressure `light_pa` of small loads moves with the modulus.
+fn stiffer(
+    curve: &[AreaPoint],
+    log_modulus: f64,
+    stated_pa: Option<f64>,
+    light_pa: f64,
+) -> Result<AreaLaw, MaterialError> {
     let factor = log_modulus.exp();
     let moved: Vec<AreaPoint> =
         curve.iter().map(|point| AreaPoint { pressure_pa: point.pressure_pa * factor, ..*point }).collect();
-    area_law(&moved, threshold_pa)
+    area_law(&moved, stated_pa.unwrap_or(light_pa * factor))
 }

@@ -1,18 +1,17 @@
 //! The surface behind a calibration's area law: its contact area by rough contact of a map or by theory.
 
 use slipgrid_contact::AreaPoint;
-use slipgrid_material::{AreaLaw, THRESHOLD_PRESSURE_PA};
+use slipgrid_material::AreaLaw;
 use slipgrid_monitor::{Monitor, Stage};
 use slipgrid_topography::{LIMITED_BY_PIXELS, PreparedMap};
 use slipgrid_units::{LENGTH_UM, PRESSURE_MPA};
 
 use crate::area_law::{
-    AreaLawRequest, CONTACT_TOLERANCE, DEFAULT_PRESSURES_MPA, SurfaceWarning, area_curve, area_law, persson_curve,
-    surface_area_law,
+    AreaLawRequest, CONTACT_TOLERANCE, SurfaceWarning, area_curve, area_law, persson_curve, surface_area_law,
 };
 use crate::area_law_sampling::WINDOW_STATEMENT;
 use crate::calibration_task::{CalibrationError, CalibrationTask, MapSurface, Surface};
-use crate::{AreaLawScale, Fit};
+use crate::{AreaLawScale, Fit, LawPressures};
 
 /// Local pressures at which maps before and after a test are compared.
 const AFTER_MPA: [f64; 3] = [1.3, 2.6, 8.0];
@@ -20,6 +19,8 @@ const AFTER_MPA: [f64; 3] = [1.3, 2.6, 8.0];
 const SCALE_PARAMETER: &str = "area_law_scale_pa";
 /// Tabulated pressures of a law that is fitted: dense, so that it bends smoothly.
 const SCALED_POINTS: usize = 241;
+/// First and last of them over E* h'rms: from where A / P is its limit at small loads to 1e-8, to full contact.
+const SCALED_RANGE: [f64; 2] = [1e-4, 10.0];
 
 /// Where an area law came from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -71,7 +72,7 @@ pub struct SurfaceFindings {
     /// What makes the law doubtful.
     pub warnings: Vec<SurfaceWarning>,
     /// Bounds of the scale where that is fitted, in pascals.
-    scale_bounds_pa: Option<[f64; 2]>,
+    pub(crate) scale_bounds_pa: Option<[f64; 2]>,
 }
 
 impl SurfaceFindings {
@@ -86,14 +87,11 @@ impl SurfaceFindings {
         !matches!(self.origin, Some(AreaLawOrigin::Measured | AreaLawOrigin::Fit))
     }
 
-    /// The law of which the scale is fitted: Persson's contact area against P / (E* h'rms), from far below the threshold at any
-    /// scale to full contact.
+    /// The law of which the scale is fitted: Persson's contact area against P / (E* h'rms), from small loads to
+    /// full contact.
     pub(crate) fn scale(&self) -> Result<Option<AreaLawScale>, CalibrationError> {
         let Some(bounds_pa) = self.scale_bounds_pa else { return Ok(None) };
-        let [from, to] = [
-            1e-4_f64.min(0.1 * THRESHOLD_PRESSURE_PA / bounds_pa[1]),
-            10.0_f64.max(2.0 * THRESHOLD_PRESSURE_PA / bounds_pa[0]),
-        ];
+        let [from, to] = SCALED_RANGE;
         let pressure_over_scale: Vec<f64> =
             (0..SCALED_POINTS).map(|i| from * (to / from).powf(i as f64 / (SCALED_POINTS - 1) as f64)).collect();
         let curve = persson_curve(1.0, 1.0, &pressure_over_scale)?;
@@ -115,23 +113,41 @@ impl SurfaceFindings {
     }
 }
 
+/// Fall of A / P between the lightest measured load and a stated threshold from which on that is named.
+const MOST_CLAMPED: f64 = 0.02;
+
+/// A stated threshold that takes friction as proportional to load where the computed contact area is not.
+fn clamped(task: &CalibrationTask, curve: &[AreaPoint]) -> Option<SurfaceWarning> {
+    let threshold_pa = task.threshold_pa?;
+    let lightest_pa = task.flat.iter().map(|measured| task.pressure_pa(measured)).reduce(f64::min)?;
+    // A / P, straight between the points of the curve.
+    let per_load = |pressure_pa: f64| {
+        let above = curve.partition_point(|point| point.pressure_pa < pressure_pa);
+        let share = |point: &AreaPoint| point.area_fraction_corrected / point.pressure_pa;
+        let (lower, upper) = (curve.get(above.checked_sub(1)?)?, curve.get(above)?);
+        let place = (pressure_pa - lower.pressure_pa) / (upper.pressure_pa - lower.pressure_pa);
+        Some((1.0 - place) * share(lower) + place * share(upper))
+    };
+    let share = per_load(threshold_pa)? / per_load(lightest_pa)?;
+    (lightest_pa < threshold_pa && share < 1.0 - MOST_CLAMPED).then_some(SurfaceWarning::Threshold {
+        threshold_pa,
+        lightest_pa,
+        share,
+    })
+}
+
 /// Contact area and area law of the surface of `task`, before anything is fitted.
 pub(crate) fn surface_findings(
     task: &CalibrationTask,
     monitor: &dyn Monitor,
 ) -> Result<SurfaceFindings, CalibrationError> {
-    let mut pressures_pa = DEFAULT_PRESSURES_MPA.map(|pressure_mpa| PRESSURE_MPA.to_si(pressure_mpa)).to_vec();
-    let threshold = pressures_pa.partition_point(|&pressure_pa| pressure_pa < task.threshold_pa);
-    if pressures_pa.get(threshold) != Some(&task.threshold_pa) {
-        pressures_pa.insert(threshold, task.threshold_pa);
-    }
-    let request = AreaLawRequest {
-        contact_modulus_pa: task.elastic.contact_modulus_pa(task.poisson_ratio),
-        pressures_pa: &pressures_pa,
-        threshold_pa: task.threshold_pa,
-        tolerance: CONTACT_TOLERANCE,
-        windows: None,
-    };
+    let mut found = findings(task, monitor)?;
+    found.warnings.extend(clamped(task, &found.curve));
+    Ok(found)
+}
+
+fn findings(task: &CalibrationTask, monitor: &dyn Monitor) -> Result<SurfaceFindings, CalibrationError> {
+    let contact_modulus_pa = task.elastic.contact_modulus_pa(task.poisson_ratio);
     match &task.surface {
         Surface::None => Ok(SurfaceFindings {
             notes: vec!["no surface was given: friction is proportional to load (Amontons-Coulomb)".to_owned()],
@@ -151,18 +167,31 @@ pub(crate) fn surface_findings(
             ..SurfaceFindings::default()
         }),
         Surface::RmsSlope(rms_slope) => {
-            let curve = persson_curve(*rms_slope, request.contact_modulus_pa, &pressures_pa)?;
+            let of = LawPressures::new(task.threshold_pa, contact_modulus_pa, *rms_slope, None);
+            let curve = persson_curve(*rms_slope, contact_modulus_pa, &of.pressures_pa)?;
             Ok(SurfaceFindings {
                 origin: Some(AreaLawOrigin::Persson),
                 rms_slope: Some(*rms_slope),
-                law: Some(area_law(&curve, task.threshold_pa).map_err(CalibrationError::NoAreaLaw)?),
+                law: Some(area_law(&curve, of.threshold_pa).map_err(CalibrationError::NoAreaLaw)?),
                 curve,
                 notes: vec!["area law by Persson's theory from the rms slope: no substitute for a map".to_owned()],
                 warnings: SurfaceWarning::of_slope(*rms_slope).into_iter().collect(),
                 ..SurfaceFindings::default()
             })
         }
-        Surface::Map(surface) => of_map(surface, &AreaLawRequest { windows: surface.windows, ..request }, monitor),
+        Surface::Map(surface) => {
+            let map = &surface.map;
+            let points = map.map.rows() * map.map.cols();
+            let of = LawPressures::new(task.threshold_pa, contact_modulus_pa, map.rms_slope, Some(points));
+            let request = AreaLawRequest {
+                contact_modulus_pa,
+                pressures_pa: &of.pressures_pa,
+                threshold_pa: of.threshold_pa,
+                tolerance: CONTACT_TOLERANCE,
+                windows: surface.windows,
+            };
+            of_map(surface, &request, monitor)
+        }
     }
 }
 
@@ -261,30 +290,61 @@ mod tests {
 
     #[test]
     fn a_given_slope_of_no_surface_makes_the_law_doubtful() {
-        let warnings = |rms_slope: f64| {
-            let task = CalibrationTask {
-                name: String::new(),
-                source: String::new(),
-                elastic: Elastic::new(0.38e9, 900.0).unwrap(),
-                youngs_modulus_std_pa: None,
-                poisson_ratio: 1.0 / 3.0,
-                surface: Surface::RmsSlope(rms_slope),
-                threshold_pa: THRESHOLD_PRESSURE_PA,
-                specimen_area_m2: 78.54e-6,
-                flat: Vec::new(),
-                trials: TrialsTask::default(),
-                coefficients: Coefficients::PerCondition,
-                relative_std: 0.05,
-                static_over_dynamic: 1.1,
-                layer: Layer { length_m: 500e-6, height_m: 100e-6, block_m: 10e-6, thickness_m: None },
-                seed: 1,
-                selection: Selection::default(),
-                notes: Vec::new(),
-                doubts: Vec::new(),
-            };
-            surface_findings(&task, &Unwatched).unwrap().warnings
-        };
+        let warnings = |rms_slope: f64| surface_findings(&task(0.38e9, rms_slope), &Unwatched).unwrap().warnings;
         assert_eq!(warnings(0.0137), []);
         assert_eq!(warnings(2.0), [SurfaceWarning::GivenSlope { rms_slope: 2.0 }]);
+    }
+
+    fn task(modulus_pa: f64, rms_slope: f64) -> CalibrationTask {
+        CalibrationTask {
+            name: String::new(),
+            source: String::new(),
+            elastic: Elastic::new(modulus_pa, 900.0).unwrap(),
+            youngs_modulus_std_pa: None,
+            poisson_ratio: 1.0 / 3.0,
+            surface: Surface::RmsSlope(rms_slope),
+            threshold_pa: None,
+            specimen_area_m2: 50e-6,
+            flat: Vec::new(),
+            trials: TrialsTask::default(),
+            coefficients: Coefficients::PerCondition,
+            relative_std: 0.05,
+            static_over_dynamic: 1.1,
+            layer: Layer { length_m: 500e-6, height_m: 100e-6, block_m: 10e-6, thickness_m: None },
+            seed: 1,
+            selection: Selection::default(),
+            notes: Vec::new(),
+            doubts: Vec::new(),
+        }
+    }
+
+    #[test]
+    fn without_a_threshold_the_law_follows_the_area_within_the_measured_loads() {
+        // Loads of 0.15 to 1 MPa on a soft solid, E* h'rms = 1.93 MPa; what the published polyethylene states lies among them.
+        let measured = |force_n: f64| crate::Measurement {
+            force_n,
+            speed_m_s: 1e-2,
+            humidity: 0.4,
+            mu_dynamic: 0.6,
+            mu_dynamic_std: 0.01,
+            static_peak: None,
+        };
+        let of = |threshold_pa: Option<f64>| {
+            let flat = [7.5, 15.0, 50.0].map(measured).to_vec();
+            surface_findings(&CalibrationTask { threshold_pa, flat, ..task(48e6, 0.0358) }, &Unwatched).unwrap()
+        };
+        let (free, stated) = (of(None), of(Some(0.7e6)));
+        let factors =
+            |found: &SurfaceFindings| [0.15e6, 1e6].map(|pressure_pa| found.law.as_ref().unwrap().factor(pressure_pa));
+        // erf(sqrt 2 x) / (sqrt(8 / pi) x), x = 0.15 / 1.93 and 1 / 1.93
+        let ([light, heavy], [clamped, _]) = (factors(&free), factors(&stated));
+        assert!((light - 0.9960).abs() < 2e-4 && (heavy - 0.8470).abs() < 5e-4 && clamped == 1.0, "{light} {heavy}");
+        assert_eq!(free.warnings, []);
+        let said = stated.warnings[0].to_string();
+        assert!(said.contains("up to 0.7 MPa, where contact area per load is 0.92 times that at 0.15 MPa"), "{said}");
+        // A threshold below the loads, or above loads at which area still grows in proportion, is not told of.
+        assert_eq!(of(Some(0.1e6)).warnings, []);
+        let stiff = CalibrationTask { threshold_pa: Some(0.7e6), flat: vec![measured(30.0)], ..task(0.38e9, 0.0137) };
+        assert_eq!(surface_findings(&stiff, &Unwatched).unwrap().warnings, []);
     }
 }

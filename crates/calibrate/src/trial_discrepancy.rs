@@ -332,7 +332,7 @@ impl Ends {
 
 #[cfg(test)]
 mod tests {
-    use slipgrid_material::{Elastic, THRESHOLD_PRESSURE_PA};
+    use slipgrid_material::Elastic;
     use slipgrid_monitor::Unwatched;
     use slipgrid_pattern::Planform;
     use slipgrid_springblock::Layer;
@@ -364,7 +364,7 @@ mod tests {
             youngs_modulus_std_pa: Some(0.08e9),
             poisson_ratio: 1.0 / 3.0,
             surface: Surface::RmsSlope(0.0137),
-            threshold_pa: THRESHOLD_PRESSURE_PA,
+            threshold_pa: None,
             specimen_area_m2: 78.54e-6,
             flat,
             trials: TrialsTask { samples: vec![sample], ..TrialsTask::default() },

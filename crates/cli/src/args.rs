@@ -124,7 +124,7 @@ pub struct SimulateArgs {
     slipgrid optimize designs/ldpe-lower-friction.toml\n  \
     slipgrid optimize designs/ldpe-lower-friction.toml -o out/grooves --threads 8\n  \
     slipgrid optimize designs/ldpe-lower-friction.toml --table --resume\n\n\
-    Writes result.json, timings.json, design.toml (a scene for `simulate`), pattern.dxf, pattern.svg, pattern.csv, \
+    Writes result.json, timings.json, scene.toml (a scene for `simulate`), pattern.dxf, pattern.svg, pattern.csv, \
     process.toml, report.html and pictures. A file that slipgrid did not write is not replaced. Exit codes: \
     0 target met, 3 no design within bounds and limits reaches it, 4 budget of evaluations or seconds spent; \
     the best design is written in all three cases.\n\n\
@@ -247,8 +247,8 @@ pub struct TracesArgs {
 #[command(after_help = "Examples:\n  \
     slipgrid area-law flat-map.asc --youngs-modulus-gpa 0.38\n  \
     slipgrid area-law scan.txt --pixel-um 0.5 --height-unit nm --pressures-mpa 0.1,0.7,2.6 --json\n\n\
-    The factor f is the contact area at P over that at 0.7 MPa, divided by P/0.7 MPa: the line through \
-    the origin, not the tangent at 0.7 MPa. It depends on the map's pixel size and rms slope.\n\n\
+    The factor f is A/P, the contact area over pressure, divided by its limit at small loads. \
+    It depends on the map's pixel size and rms slope.\n\n\
     Maps that look wrong are named in lines that begin with !, or are refused; crates/book has the limits. \
     Last digits (1e-14) differ between processors with AVX and without it.")]
 pub struct AreaLawArgs {
@@ -271,9 +271,9 @@ pub struct AreaLawArgs {
     /// Error at which the contact computation ends
     #[arg(long, default_value_t = 1e-8, value_name = "ERROR")]
     pub tolerance: f64,
-    /// Pressure up to which friction is taken as proportional to load
-    #[arg(long, default_value_t = 0.7, value_name = "MPA")]
-    pub threshold_mpa: f64,
+    /// Pressure up to which friction is taken as proportional to load; without it f is A/P over its limit at small loads
+    #[arg(long, value_name = "MPA")]
+    pub threshold_mpa: Option<f64>,
     /// Windows along either side of the map: the spread of f among them gives its standard error; 0 or 1 for
     /// none, 2 by default where the map has room
     #[arg(long, value_name = "N")]

@@ -53,7 +53,7 @@ pub struct SurfaceFile {
     form: Option<Spanned<String>>,
     /// Older name of `form`: true is `plane`, false is `mean`.
     level: Option<Spanned<bool>>,
-    /// P0, the pressure up to which friction is proportional to load; 0.7 when absent.
+    /// P0, up to which friction counts as proportional to load; without it f is A/P over its limit at small loads.
     pub threshold_mpa: Option<Number>,
     /// Windows along each side, whose spread gives the errors of the law: 0 or 1 for none; without the key 2, where the map has room.
     windows: Option<Spanned<usize>>,

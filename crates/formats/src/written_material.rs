@@ -172,7 +172,7 @@ mod tests {
             youngs_modulus_std_pa: Some(0.08e9),
             poisson_ratio: 1.0 / 3.0,
             surface,
-            threshold_pa: slipgrid_material::THRESHOLD_PRESSURE_PA,
+            threshold_pa: None,
             specimen_area_m2: std::f64::consts::PI * 25e-6,
             flat,
             trials: TrialsTask { samples: vec![sample], ..TrialsTask::default() },

@@ -11,7 +11,7 @@ use slipgrid::calibrate::area_law::{AreaLawError, AreaLawRequest, DEFAULT_PRESSU
 use slipgrid::formats::altitude_map::{open, refuse, refuse_law};
 use slipgrid::formats::{Diagnostic, checked};
 use slipgrid::monitor::Cancelled;
-use slipgrid::report::area_law::{AreaLawCurve, AreaLawReport};
+use slipgrid::report::area_law::{AreaLawOptions, AreaLawReport};
 use slipgrid::report::surface::SurfaceReport;
 use slipgrid::topography::{
     CORRELATION_THRESHOLD, Form, HeightMap, MapError, MapFormat, MaterialRatioCurve, Missing, Preparation, PreparedMap,
@@ -194,7 +194,7 @@ impl Map {
     }
 
     /// Real contact area and area law at `pressures_mpa`: lists by pressure.
-    #[pyo3(signature = (*, youngs_modulus_gpa, poisson_ratio=1.0/3.0, pressures_mpa=None, threshold_mpa=0.7,
+    #[pyo3(signature = (*, youngs_modulus_gpa, poisson_ratio=1.0/3.0, pressures_mpa=None, threshold_mpa=None,
                         tolerance=1e-8, form="plane", missing="fill", despike=false, windows=None, progress=None))]
     #[allow(clippy::too_many_arguments, reason = "they are named where it is called")]
     fn area_law_json(
@@ -203,7 +203,7 @@ impl Map {
         youngs_modulus_gpa: f64,
         poisson_ratio: f64,
         pressures_mpa: Option<Vec<f64>>,
-        threshold_mpa: f64,
+        threshold_mpa: Option<f64>,
         tolerance: f64,
         form: &str,
         missing: &str,
@@ -213,18 +213,13 @@ impl Map {
     ) -> PyResult<String> {
         let how = preparation(form, missing, despike)?;
         let pressures_mpa = pressures_mpa.unwrap_or_else(|| DEFAULT_PRESSURES_MPA.to_vec());
-        let wanted = || -> Result<AreaLawCurve, Diagnostic> {
+        let wanted = || -> Result<AreaLawOptions, Diagnostic> {
             checked("youngs_modulus_gpa", youngs_modulus_gpa, MODULUS_GPA)?;
             let poisson_ratio = checked("poisson_ratio", poisson_ratio, POISSON)?;
-            let threshold_pa = checked("threshold_mpa", threshold_mpa, PRESSURE_MPA)?;
+            let threshold_pa = threshold_mpa.map(|mpa| checked("threshold_mpa", mpa, PRESSURE_MPA)).transpose()?;
             let tolerance = checked("tolerance", tolerance, TOLERANCE)?;
-            Ok(AreaLawCurve::new(
-                youngs_modulus_gpa,
-                poisson_ratio,
-                threshold_pa,
-                pressures(&pressures_mpa)?,
-                tolerance,
-            ))
+            let pressures_pa = pressures(&pressures_mpa)?;
+            Ok(AreaLawOptions { youngs_modulus_gpa, poisson_ratio, tolerance, threshold_pa, pressures_pa })
         };
         let wanted = wanted().map_err(|error| refused::input(py, &error))?;
         let per_side = |given: &Bound<'_, PyAny>| {
@@ -236,6 +231,7 @@ impl Map {
         let found = watched(py, progress, |watch| {
             let surface =
                 PreparedMap::one_period(self.read.clone(), how, watch).map_err(|error| refuse(&self.path, &error))?;
+            let wanted = wanted.on_surface(surface.rms_slope, Some(surface.map.rows() * surface.map.cols()));
             let request = AreaLawRequest { windows, ..wanted.law() };
             let found = surface_area_law(&surface, &request, watch).map_err(|error| match (&error, windows) {
                 (AreaLawError::Windows(_), Some(per_side)) => {

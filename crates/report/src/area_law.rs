@@ -10,7 +10,7 @@ use slipgrid_units::tidy;
 
 mod curve;
 
-pub use curve::AreaLawCurve;
+pub use curve::{AreaLawCurve, AreaLawOptions};
 
 /// What `area-law --json` prints.
 #[derive(Clone, Debug, Serialize)]
@@ -47,7 +47,7 @@ pub struct AreaLawReport {
     pub contact_modulus_gpa: f64,
     /// Pressure at which the surfaces touch everywhere.
     pub full_contact_pressure_mpa: Option<f64>,
-    /// P0: area is in proportion to pressure up to it.
+    /// P0: f is 1 up to it. Without a stated threshold a small load, where A/P stands for its limit.
     pub threshold_mpa: f64,
     /// A/P at the threshold over that at the lightest load: 1 where area still grows in proportion.
     pub threshold_proportionality: Option<f64>,

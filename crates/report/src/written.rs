@@ -83,11 +83,7 @@ mod tests {
     fn a_file_is_known_by_its_beginning() {
         for (name, head, ours) in [
             ("scene.toml", "# Scene of the confirming run, by slipgrid 0.1.0: slipgrid simulate", true),
-            (
-                "scene.toml",
-                "# A design task: the pattern that brings friction to a target.   slipgrid optimize",
-                false,
-            ),
+            ("scene.toml", "# A design task: the pattern that brings friction to a target.   slipgrid optimize", false),
             ("scene.toml", "name = \"mine\"\n", false),
             ("ldpe.toml", "# Material, by slipgrid calibrate 0.1.0. Scenes", true),
             ("c.toml", "# A calibration: measurements on flat samples", false),

@@ -1,9 +1,10 @@
 //! What can be known before the first dynamic run: peaks that say nothing, coefficients out of reach, time it takes.
 
-use slipgrid_springblock::{MOST_EXTENSION_FOR_STDERR, MOST_STEPS};
+use slipgrid_material::Elastic;
+use slipgrid_springblock::{MOST_EXTENSION_FOR_STDERR, MOST_STEPS, max_run_speed_m_s};
 
 use super::{FRICTION_BOUNDS, Layout, first_guess};
-use crate::{FitError, Problem, flat_sample};
+use crate::{FitError, Measurement, Problem, flat_sample};
 
 /// Static peak over dynamic friction beyond which the model of the flat sample has none: at 0.64 MPa on the usual layer
 /// it is 1.03 for mu_s / mu_d of 1.2, 1.4 for 2, 1.83 for 3, and falls again beyond.
@@ -23,9 +24,6 @@ const MOST_WORK: u64 = 10 * MOST_STEPS;
 /// Coefficients at most: time and memory of their covariance and profiles grow with the fourth and the second power of
 /// their number, and reach half an hour here.
 const MOST_COEFFICIENTS: usize = 250;
-/// Friction over rho c v, the stress of a shear wave of the sliding speed, below which inertia rules: on the usual layer at
-/// 2 mm/s it is 0.0035 at 10 Pa, where dynamic friction is 0.46 of the steady one.
-const LEAST_FRICTION_OVER_INERTIA: f64 = 0.005;
 /// Dynamic over steady friction beyond which the two have little to do with one another: at 10 Pa and 2 mm/s, where
 /// the inertia of the layer exceeds friction, it is 0.46.
 const DELTAS: [f64; 2] = [0.5, 1.5];
@@ -84,6 +82,7 @@ pub fn check(problem: &Problem) -> Result<Vec<u64>, FitError> {
     if count > most {
         return Err(FitError::TooManyCoefficients { count, most });
     }
+    check_speeds(&problem.elastic, problem.specimen_area_m2, &problem.measurements)?;
     let most = FRICTION_BOUNDS[1];
     for (measured, number) in problem.measurements.iter().zip(1..) {
         if let Some(peak) = measured.static_peak {
@@ -91,14 +90,6 @@ pub fn check(problem: &Problem) -> Result<Vec<u64>, FitError> {
             if ratio > MOST_PEAK {
                 return Err(FitError::PeakTooHigh { number, ratio, most: MOST_PEAK });
             }
-        }
-        // c = sqrt(G / rho), G = 3 E / 8: rho c v = sqrt(G rho) v
-        let elastic = &problem.elastic;
-        let impedance = (0.375 * elastic.youngs_modulus_pa() * elastic.density_kg_m3()).sqrt();
-        let share = measured.mu_dynamic * problem.pressure_pa(measured)
-            / (impedance * flat_sample::speed_m_s(problem, measured));
-        if share < LEAST_FRICTION_OVER_INERTIA {
-            return Err(FitError::Inertia { number, share, least: LEAST_FRICTION_OVER_INERTIA });
         }
         if let Some(law) = &problem.area_law {
             let factor = law.factor(problem.pressure_pa(measured));
@@ -126,6 +117,22 @@ pub fn check(problem: &Problem) -> Result<Vec<u64>, FitError> {
         return Err(FitError::TooMuchWork { steps: all as f64, most: MOST_WORK as f64 });
     }
     Ok(steps)
+}
+
+/// Refuses `measurements` that are too fast for any run in time: known from speed, pressure and bulk alone.
+pub fn check_speeds(elastic: &Elastic, area_m2: f64, measurements: &[Measurement]) -> Result<(), FitError> {
+    for (measured, number) in measurements.iter().zip(1..) {
+        // P = F / A
+        let (pressure_pa, speed_m_s) = (measured.force_n / area_m2, measured.speed_m_s);
+        let most_m_s = max_run_speed_m_s(elastic, pressure_pa);
+        if speed_m_s > most_m_s {
+            let modulus_pa = elastic.youngs_modulus_pa();
+            // v goes with 1 / sqrt(E).
+            let most_modulus_pa = modulus_pa * (most_m_s / speed_m_s).powi(2);
+            return Err(FitError::TooFast { number, speed_m_s, pressure_pa, modulus_pa, most_m_s, most_modulus_pa });
+        }
+    }
+    Ok(())
 }
 
 /// Time steps of a lattice of 20,000 blocks in a second on one core, about.

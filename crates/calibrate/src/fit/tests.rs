@@ -377,7 +377,7 @@ fn what_no_run_would_bring_nearer_is_refused_before_the_first() {
     });
     assert!(matches!(many, FitError::TooMuchWork { .. }), "{many}");
     let light = refused(&|p| p.measurements[1].force_n = 10.0);
-    assert!(matches!(light, FitError::Inertia { number: 2, .. }), "{light}");
+    assert!(matches!(light, FitError::TooFast { number: 2, .. }), "{light}");
     let wide = refused(&|p| p.measurements = vec![p.measurements[0]; 251]);
     assert!(matches!(wide, FitError::TooManyCoefficients { count: 251, .. }), "{wide}");
 }

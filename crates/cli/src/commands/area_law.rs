@@ -16,7 +16,7 @@ use slipgrid_formats::surface::MapOptions;
 use slipgrid_formats::{Diagnostic, checked};
 use slipgrid_monitor::Monitor;
 use slipgrid_report::Outputs;
-use slipgrid_report::area_law::{AreaLawCurve, AreaLawReport, picture, table, table_csv};
+use slipgrid_report::area_law::{AreaLawOptions, AreaLawReport, picture, table, table_csv};
 use slipgrid_units::{LENGTH_UM, MODULUS_GPA, POISSON, PRESSURE_MPA, SLOPE, TOLERANCE};
 
 /// Young's modulus of the published polyethylene, in GPa.
@@ -30,10 +30,12 @@ pub fn run(args: &AreaLawArgs, console: &mut Console<'_>) -> Result<u8, CliError
     }
     let request = request(args)?;
     let mut report = match (&args.map, args.persson_rms_slope) {
-        (Some(path), _) => of_map(path, args, &request, console)?,
-        (None, Some(rms_slope)) => request
-            .of_theory(checked("--persson-rms-slope", rms_slope, SLOPE)?)
-            .map_err(|error| CliError::Other(error.to_string()))?,
+        (Some(path), _) => of_map(path, args, request, console)?,
+        (None, Some(rms_slope)) => {
+            let rms_slope = checked("--persson-rms-slope", rms_slope, SLOPE)?;
+            let curve = request.on_surface(rms_slope, None);
+            curve.of_theory(rms_slope).map_err(|error| CliError::Other(error.to_string()))?
+        }
         (None, None) => return Err(Diagnostic::flag("MAP", String::new(), "is missing").into()),
     };
     if args.youngs_modulus_gpa.is_none() {
@@ -52,21 +54,21 @@ pub fn run(args: &AreaLawArgs, console: &mut Console<'_>) -> Result<u8, CliError
 }
 
 /// The flags in SI units.
-fn request(args: &AreaLawArgs) -> Result<AreaLawCurve, Diagnostic> {
+fn request(args: &AreaLawArgs) -> Result<AreaLawOptions, Diagnostic> {
     let youngs_modulus_gpa = args.youngs_modulus_gpa.unwrap_or(POLYETHYLENE_GPA);
     checked("--youngs-modulus-gpa", youngs_modulus_gpa, MODULUS_GPA)?;
     let poisson_ratio = checked("--poisson-ratio", args.poisson_ratio, POISSON)?;
-    let threshold_pa = checked("--threshold-mpa", args.threshold_mpa, PRESSURE_MPA)?;
-    let listed_pa = pressures(args)?;
+    let threshold_pa = args.threshold_mpa.map(|mpa| checked("--threshold-mpa", mpa, PRESSURE_MPA)).transpose()?;
+    let pressures_pa = pressures(args)?;
     let tolerance = checked("--tolerance", args.tolerance, TOLERANCE)?;
-    Ok(AreaLawCurve::new(youngs_modulus_gpa, poisson_ratio, threshold_pa, listed_pa, tolerance))
+    Ok(AreaLawOptions { youngs_modulus_gpa, poisson_ratio, tolerance, threshold_pa, pressures_pa })
 }
 
 /// Rough contact of the map at `path`.
 fn of_map(
     path: &Path,
     args: &AreaLawArgs,
-    request: &AreaLawCurve,
+    request: AreaLawOptions,
     console: &mut Console<'_>,
 ) -> Result<AreaLawReport, CliError> {
     let mut options = map_options(&args.reading)?;
@@ -75,6 +77,7 @@ fn of_map(
     }
     let job = Job::new(console);
     let surface = read_period(&slipgrid_disk::disk(), path, &options, &job)?;
+    let request = request.on_surface(surface.rms_slope, Some(surface.map.rows() * surface.map.cols()));
     let wanted = AreaLawRequest { windows: args.windows, ..request.law() };
     let found = surface_area_law(&surface, &wanted, &job).map_err(|error| match &error {
         AreaLawError::Windows(_) => {

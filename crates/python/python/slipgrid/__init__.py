@@ -112,7 +112,7 @@ class Map:
         youngs_modulus_gpa: float,
         poisson_ratio: float = 1.0 / 3.0,
         pressures_mpa: ArrayLike | None = None,
-        threshold_mpa: float = 0.7,
+        threshold_mpa: float | None = None,
         tolerance: float = 1e-8,
         form: str = "plane",
         missing: str = "fill",
@@ -123,7 +123,8 @@ class Map:
         """Real contact area against nominal pressure by rough contact of the map, and the area law f(P) that follows.
 
         ``tolerance`` is the error at which the contact computation ends; its default is that of ``slipgrid area-law``, whose numbers
-        these are. ``windows`` along either side give standard errors: 1 for none, 2 by default where the map has room.
+        these are. Without ``threshold_mpa`` f is A/P over its limit at small loads; with it, over A/P there.
+        ``windows`` along either side give standard errors: 1 for none, 2 by default where the map has room.
         """
         record = self._map.area_law_json(
             youngs_modulus_gpa=youngs_modulus_gpa,

@@ -89,7 +89,7 @@ class Map:
         youngs_modulus_gpa: float,
         poisson_ratio: float = ...,
         pressures_mpa: Sequence[float] | None = None,
-        threshold_mpa: float = 0.7,
+        threshold_mpa: float | None = None,
         tolerance: float = 1e-8,
         form: str = "plane",
         missing: str = "fill",

@@ -2,14 +2,57 @@
 
 use slipgrid_calibrate::area_law::{AreaLawRequest, SurfaceAreaLaw, SurfaceWarning, area_law, persson_curve};
 use slipgrid_calibrate::area_law_sampling::{Resolution, STATISTICS_TOLERANCE, WINDOW_STATEMENT, WindowSpread};
+use slipgrid_calibrate::light_pressure_pa;
 use slipgrid_contact::{AreaPoint, ContactError};
 use slipgrid_formats::altitude_map::law_warnings;
+use slipgrid_formats::plausible::MODULUS;
 use slipgrid_material::AreaLaw;
 use slipgrid_results::{SCHEMA, VERSION};
 use slipgrid_topography::PreparedMap;
 use slipgrid_units::{LENGTH_UM, MODULUS_GPA, PRESSURE_MPA};
 
 use super::{AreaLawReport, AreaReport, ResolutionReport, WindowReport};
+
+/// What a curve of real contact area is asked for.
+#[derive(Clone, Debug)]
+pub struct AreaLawOptions {
+    /// Young's modulus in GPa.
+    pub youngs_modulus_gpa: f64,
+    /// Poisson's ratio.
+    pub poisson_ratio: f64,
+    /// Relative error up to which contact is solved.
+    pub tolerance: f64,
+    /// Stated P0, in pascals; `None` for the limit of small loads.
+    pub threshold_pa: Option<f64>,
+    /// Pressures asked for, increasing, in pascals.
+    pub pressures_pa: Vec<f64>,
+}
+
+impl AreaLawOptions {
+    /// The curve for a surface of this rms slope; `points` is the number of points of its map.
+    ///
+    /// A(P0) is interpolated where the pressures go past P0; otherwise it is solved for beside them.
+    #[must_use]
+    pub fn on_surface(self, rms_slope: f64, points: Option<usize>) -> AreaLawCurve {
+        let Self { youngs_modulus_gpa, poisson_ratio, tolerance, threshold_pa, pressures_pa: listed_pa } = self;
+        // E* = E / (1 - nu^2)
+        let contact_modulus_pa = MODULUS_GPA.to_si(youngs_modulus_gpa) / (1.0 - poisson_ratio * poisson_ratio);
+        let threshold_pa = threshold_pa.unwrap_or_else(|| light_pressure_pa(contact_modulus_pa, rms_slope, points));
+        let mut solved_pa = listed_pa.clone();
+        if listed_pa.iter().all(|&pressure_pa| pressure_pa > threshold_pa) {
+            solved_pa.insert(0, threshold_pa);
+        }
+        AreaLawCurve {
+            contact_modulus_pa,
+            youngs_modulus_gpa,
+            poisson_ratio,
+            tolerance,
+            threshold_pa,
+            listed_pa,
+            solved_pa,
+        }
+    }
+}
 
 /// What a curve of real contact area was solved for, SI units.
 #[derive(Clone, Debug)]
@@ -31,25 +74,6 @@ pub struct AreaLawCurve {
 }
 
 impl AreaLawCurve {
-    /// The curve of a solid at the pressures `listed_pa`, which increase. A(P0) is interpolated where they go past P0; otherwise it
-    /// is solved for beside them.
-    #[must_use]
-    pub fn new(
-        youngs_modulus_gpa: f64,
-        poisson_ratio: f64,
-        threshold_pa: f64,
-        listed_pa: Vec<f64>,
-        tolerance: f64,
-    ) -> Self {
-        let mut solved_pa = listed_pa.clone();
-        if listed_pa.iter().all(|&pressure_pa| pressure_pa > threshold_pa) {
-            solved_pa.insert(0, threshold_pa);
-        }
-        // E* = E / (1 - nu^2)
-        let contact_modulus_pa = MODULUS_GPA.to_si(youngs_modulus_gpa) / (1.0 - poisson_ratio * poisson_ratio);
-        Self { contact_modulus_pa, youngs_modulus_gpa, poisson_ratio, tolerance, threshold_pa, listed_pa, solved_pa }
-    }
-
     /// Where the pressures asked for begin among those solved for.
     fn first(&self) -> usize {
         self.solved_pa.len() - self.listed_pa.len()
@@ -93,7 +117,7 @@ impl AreaLawCurve {
             columns: Some(surface.map.rows()),
             full_contact_pressure_mpa: Some(PRESSURE_MPA.from_si(found.curve.full_contact_pressure_pa)),
             model: model(surface),
-            warnings: law_warnings(&found.warnings),
+            warnings: self.warnings(&found.warnings),
             wall_s: found.curve_s,
             resolutions: resolutions.iter().map(|blunt| resolution_report(blunt, self.first())).collect(),
             ..self.report(&found.curve.points, surface.rms_slope)
@@ -128,8 +152,18 @@ impl AreaLawCurve {
                 .to_owned(),
             FACTOR_STATEMENT.to_owned(),
         ];
-        let warnings: Vec<SurfaceWarning> = SurfaceWarning::of_slope(rms_slope).into_iter().collect();
-        Ok(AreaLawReport { model, warnings: law_warnings(&warnings), ..self.report(&curve, rms_slope) })
+        let of_slope: Vec<SurfaceWarning> = SurfaceWarning::of_slope(rms_slope).into_iter().collect();
+        let warnings = self.warnings(&of_slope);
+        Ok(AreaLawReport { model, warnings, ..self.report(&curve, rms_slope) })
+    }
+
+    /// What makes the law doubtful: an unusual modulus, and what is known of the surface.
+    fn warnings(&self, of_surface: &[SurfaceWarning]) -> Vec<String> {
+        let modulus_gpa = self.youngs_modulus_gpa;
+        let of_modulus =
+            MODULUS.judge(modulus_gpa).unwrap_or_else(|expected| Some(format!("is not possible: expected {expected}")));
+        let of_modulus = of_modulus.map(|reason| format!("Young's modulus: {modulus_gpa} GPa {reason}"));
+        of_modulus.into_iter().chain(law_warnings(of_surface)).collect()
     }
 
     /// The report of a curve, without what only a map has.
@@ -217,8 +251,8 @@ fn resolution_report(resolution: &Resolution, first: usize) -> ResolutionReport 
 }
 
 /// How f is meant.
-const FACTOR_STATEMENT: &str =
-    "f is the area over that at the threshold P0, divided by P/P0: the line through the origin, not the tangent";
+const FACTOR_STATEMENT: &str = "f is the area over that at P0, divided by P/P0, and 1 below P0; without a stated threshold P0 is a small load, where A/P \
+     stands for its limit";
 
 /// What was modelled of `surface`, and how.
 fn model(surface: &PreparedMap) -> Vec<String> {
@@ -239,9 +273,39 @@ mod tests {
 
     #[test]
     fn a_given_slope_of_no_surface_is_told() {
-        let curve = AreaLawCurve::new(0.38, 1.0 / 3.0, 0.7e6, vec![0.5e6, 0.7e6, 2.6e6], 1e-8);
-        let warnings = |rms_slope: f64| curve.of_theory(rms_slope).unwrap().warnings;
-        assert_eq!(warnings(0.0137), [""; 0]);
-        assert!(warnings(1e-5)[0].starts_with("slope: the rms slope given is 1e-5"), "{:?}", warnings(1e-5));
+        let warnings = |youngs_modulus_gpa: f64, rms_slope: f64| curve(youngs_modulus_gpa, None, rms_slope).warnings;
+        assert_eq!(warnings(0.38, 0.0137), [""; 0]);
+        let told = warnings(0.38, 1e-5);
+        assert!(told[0].starts_with("slope: the rms slope given is 1e-5"), "{told:?}");
+        let told = warnings(380.0, 0.0137);
+        assert!(
+            told[0].starts_with("Young's modulus: 380 GPa is unusual") && told[0].contains("would be 0.38 GPa"),
+            "{told:?}"
+        );
+    }
+
+    /// The report for an rms slope.
+    fn curve(youngs_modulus_gpa: f64, threshold_pa: Option<f64>, rms_slope: f64) -> AreaLawReport {
+        let pressures_pa = vec![0.5e6, 0.7e6, 2.6e6];
+        let options = AreaLawOptions {
+            youngs_modulus_gpa,
+            poisson_ratio: 1.0 / 3.0,
+            tolerance: 1e-8,
+            threshold_pa,
+            pressures_pa,
+        };
+        options.on_surface(rms_slope, None).of_theory(rms_slope).unwrap()
+    }
+
+    #[test]
+    fn without_a_threshold_f_falls_from_the_first_load_on() {
+        let factors = |threshold_pa: Option<f64>| -> Vec<f64> {
+            curve(0.048, threshold_pa, 0.0358).results.iter().map(|point| point.factor.unwrap()).collect()
+        };
+        // E* h'rms = 1.93 MPa: erf(sqrt 2 x) / (sqrt(8 / pi) x) at x = P / 1.93 MPa
+        for (found, known) in factors(None).iter().zip([0.9571, 0.9191, 0.4626]) {
+            assert!((found - known).abs() < 2e-4, "{found} {known}");
+        }
+        assert_eq!(factors(Some(0.7e6))[..2], [1.0, 1.0]);
     }
 }

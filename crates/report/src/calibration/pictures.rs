@@ -70,7 +70,7 @@ pub fn area_law(task: &CalibrationTask, outcome: &CalibrationOutcome) -> Result<
     let pressure_mpa: Vec<f64> = curve.iter().map(|point| PRESSURE_MPA.from_si(point.pressure_pa)).collect();
     let area_fraction: Vec<f64> = curve.iter().map(|point| point.area_fraction_corrected).collect();
     let factor: Vec<f64> = curve.iter().map(|point| law.factor(point.pressure_pa)).collect();
-    let threshold = curve.iter().find(|point| (point.pressure_pa / task.threshold_pa - 1.0).abs() < 1e-9);
+    let threshold = curve.iter().find(|point| (point.pressure_pa / law.pressures_pa()[0] - 1.0).abs() < 1e-9);
     charts::area_law(&AreaLawChart {
         title: picture_title(surface.synthetic),
         pressure_mpa: &pressure_mpa,
