@@ -7,7 +7,7 @@ use slipgrid_calibrate::{
     flat_friction_law,
 };
 use slipgrid_export::Specimen;
-use slipgrid_material::{AreaLaw, Elastic, Extrapolation, THRESHOLD_PRESSURE_PA};
+use slipgrid_material::{AreaLaw, Elastic, Extrapolation};
 use slipgrid_monitor::Monitor;
 use slipgrid_pattern::Pattern;
 use slipgrid_springblock::Layer;
@@ -17,7 +17,7 @@ use super::calibration_file::{BulkFile, CalibrationFile};
 use super::cavity_lengths;
 use super::document::Document;
 use super::file_kind::FileKind;
-use super::material::{DEFAULT_STATIC_OVER_DYNAMIC, existing};
+use super::material::{DEFAULT_STATIC_OVER_DYNAMIC, check_modulus_std, existing};
 use super::measured::{self, Placed, Remarks, Specimens};
 use super::measurements;
 use super::pattern::{PatternFile, check_depth, read_pattern};
@@ -31,7 +31,7 @@ use super::traces::{self, ConditionTraces, SurfaceKind};
 use super::trials::{self, FlatSamples};
 use crate::altitude_map::read_period;
 use crate::diagnostic::Diagnostic;
-use crate::plausible::{DENSITY, MODULUS};
+use crate::plausible::{DENSITY, MODULUS, stiff_for_its_density};
 use crate::source::Source;
 use slipgrid_units::{DENSITY_G_CM3, LENGTH_MM, MODULUS_GPA, MODULUS_STD_GPA, POISSON, PRESSURE_MPA, RELATIVE_STD};
 
@@ -53,10 +53,12 @@ pub struct Calibration {
     pub poisson_ratio: f64,
     /// Where the area law comes from.
     pub surface: Surface,
-    /// Pressure P0 up to which friction is proportional to load, in pascals.
-    pub threshold_pa: f64,
+    /// Stated pressure P0 up to which friction is proportional to load, in pascals; `None` for the limit of small loads.
+    pub threshold_pa: Option<f64>,
     /// Area of one specimen's face, in square metres.
     pub specimen_area_m2: f64,
+    /// Thickness of the specimen, in metres, where it is stated.
+    pub thickness_m: Option<f64>,
     /// Measurements on flat samples.
     pub flat: Vec<Measurement>,
     /// Measurements on patterned samples; empty without any.
@@ -144,7 +146,7 @@ impl Calibration {
         .map_err(|error| document.refuse(file.material.span(), error.to_string()))?;
         let surface = file.surface.as_ref().map_or(Ok(Surface::None), |surface| Surface::new(document, surface))?;
         let threshold = file.surface.as_ref().and_then(|surface| surface.get_ref().threshold_mpa.as_ref());
-        let threshold_pa = document.optional(threshold, PRESSURE_MPA)?.unwrap_or(THRESHOLD_PRESSURE_PA);
+        let threshold_pa = document.optional(threshold, PRESSURE_MPA)?;
         let fit = file.fit.as_ref();
         let coefficients =
             fit.and_then(|fit| fit.coefficients.as_ref()).map_or(Ok(Coefficients::PerCondition), |name| {
@@ -201,6 +203,7 @@ impl Calibration {
             surface,
             threshold_pa,
             specimen_area_m2: specimens.area_m2,
+            thickness_m: stated.thickness_m,
             flat: placed.iter().map(|row| row.measurement).collect(),
             patterned: patterned.iter().map(|row| row.measurement).collect(),
             traces,
@@ -310,15 +313,14 @@ fn measured_law(
 /// What is unusual of the bulk.
 fn bulk_told(document: &Document, bulk: &BulkFile) -> Result<Vec<Diagnostic>, Diagnostic> {
     let modulus_gpa = *bulk.youngs_modulus_gpa.get_ref();
-    if let Some(std) = bulk.youngs_modulus_std_gpa.as_ref().filter(|std| *std.get_ref() >= modulus_gpa) {
-        let reason = format!("leaves Young's modulus of {modulus_gpa} GPa open altogether");
-        return Err(document.refuse(std.span(), reason).expected("a standard deviation below the modulus, in GPa"));
-    }
+    check_modulus_std(document, modulus_gpa, bulk.youngs_modulus_std_gpa.as_ref())?;
     let judged = [(MODULUS, &bulk.youngs_modulus_gpa), (DENSITY, &bulk.density_g_cm3)];
     let told = judged.into_iter().filter_map(|(quantity, number)| {
         quantity.check(*number.get_ref(), || document.refuse(number.span(), "")).transpose()
     });
-    told.collect()
+    let stiff = stiff_for_its_density(modulus_gpa, *bulk.density_g_cm3.get_ref());
+    let stiff = stiff.map(|reason| Ok(document.refuse(bulk.youngs_modulus_gpa.span(), reason)));
+    told.chain(stiff).collect()
 }
 
 /// The pattern, of which one period fits on the specimen: what the model's cell takes grows with it.

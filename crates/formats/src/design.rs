@@ -1,5 +1,6 @@
 //! Design files: what `optimize` takes.
 
+mod contradictions;
 mod read;
 
 use std::ops::Range;
@@ -140,6 +141,8 @@ struct Places {
     pressures: Spanned<Numbers>,
     /// Absent where the default holds.
     block: Option<Range<usize>>,
+    /// Absent where the default holds.
+    thickness: Option<Range<usize>>,
 }
 
 impl Design {
@@ -278,6 +281,7 @@ impl Design {
             also_at: file.also_at.as_ref().map_or(0..0, Spanned::span),
             pressures: file.target.get_ref().pressure_mpa.clone(),
             block: file.sample.get_ref().block_um.as_ref().map(Spanned::span),
+            thickness: file.sample.get_ref().thickness_mm.as_ref().map(Spanned::span),
         };
         let drawing = file.pattern.get_ref().outline.as_ref().map(|outline| document.resolve(outline.get_ref()));
         let inputs = std::iter::once(document.path().to_owned()).chain(named).chain(drawing).collect();
@@ -286,14 +290,13 @@ impl Design {
         let mut design = Self { task, calibration, inputs, told, stands_for: None, document, places };
         if let Some(known) = design.task.material.clone() {
             design.task.check(&known).map_err(|refused| design.refuse(&refused))?;
-            design.told.extend(design.strained());
+            design.told.extend(design.material_told());
         }
         Ok(design)
     }
 
     /// What is told of the target's pressures, by Young's modulus of the material where that is known.
-    #[must_use]
-    pub fn strained(&self) -> Option<Diagnostic> {
+    fn strained(&self) -> Option<Diagnostic> {
         let material = &self.task.material.as_ref()?.material;
         let modulus_gpa = MODULUS_GPA.from_si(material.elastic.youngs_modulus_pa());
         unusual::of_pressures(&self.document, &self.places.pressures, modulus_gpa)

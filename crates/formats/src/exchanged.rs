@@ -1,4 +1,5 @@
-//! Width and spacing of a cut sample that were likely written in each other's place.
+//! Dimensions of a cut sample that were likely mistaken, as other samples show: width and spacing in each other's place, and a depth with
+//! its decimal point in another place.
 
 use slipgrid_calibrate::CutSample;
 use slipgrid_pattern::Pattern;
@@ -7,7 +8,7 @@ use toml::Spanned;
 use super::document::Document;
 use super::pattern::PatternFile;
 use crate::diagnostic::Diagnostic;
-use slipgrid_units::LENGTH_UM;
+use slipgrid_units::{LENGTH_UM, tidy};
 
 /// Lengths that differ by less than this part are those of one sample, as designed and as measured.
 const SAME: f64 = 0.02;
@@ -46,6 +47,31 @@ pub(crate) fn check(
     Some(document.refuse(file.get_ref().width_um.span(), reason).expected(expected))
 }
 
+/// Depths of two samples whose ratio lies within this range differ by the place of the decimal point.
+const TENFOLD: [f64; 2] = [9.0, 11.0];
+
+/// Says that the `pattern` in the table `file` has width and spacing of one of the `others`, and ten times its depth, or a tenth of it.
+pub(crate) fn check_depth(
+    document: &Document,
+    file: &Spanned<PatternFile>,
+    pattern: &Pattern,
+    others: &[CutSample],
+) -> Option<Diagnostic> {
+    let near = |a: f64, b: f64| (a - b).abs() <= APART * a.max(b);
+    let ratio = |other: &CutSample| pattern.depth_m() / other.pattern.depth_m();
+    let is_tenfold = |ratio: f64| (TENFOLD[0]..=TENFOLD[1]).contains(&ratio);
+    let other = others.iter().find(|other| {
+        near(other.pattern.width_m(), pattern.width_m())
+            && near(other.pattern.spacing_m(), pattern.spacing_m())
+            && (is_tenfold(ratio(other)) || is_tenfold(1.0 / ratio(other)))
+    })?;
+    let other_um = tidy(LENGTH_UM.from_si(other.pattern.depth_m()));
+    let times = if ratio(other) > 1.0 { "ten times" } else { "a tenth of" };
+    let reason = format!("um is {times} the depth of \"{}\", {other_um} um, at the same width and spacing", other.name);
+    let told = document.refuse(file.get_ref().depth_um.span(), reason);
+    Some(told.expected("the depth as measured, with its decimal point in the right place"))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -66,6 +92,32 @@ mod tests {
         let (document, file, pattern) = read(own, planform);
         let others = [of_tables(read(other, "square").2, None, CutSpecimen::default(), &[])];
         check(&document, &file, &pattern, &others).map(|told| told.to_string())
+    }
+
+    #[test]
+    fn a_depth_ten_times_that_of_another_sample_is_named() {
+        let read = |depth: f64, width: f64| {
+            let text =
+                format!("width_um = {width:?}\nspacing_um = 370.0\ndepth_um = {depth:?}\nplanform = \"square\"\n");
+            let document = Document::new("c.toml", text);
+            let file: PatternFile = document.parse().unwrap();
+            let pattern = read_pattern(&document, &Spanned::new(0..0, file.clone())).unwrap();
+            (document, Spanned::new(0..0, file), pattern)
+        };
+        let said = |depth: f64, width: f64| {
+            let (document, file, pattern) = read(depth, width);
+            let others = [of_tables(read(5.2, 130.0).2, None, CutSpecimen::default(), &[])];
+            check_depth(&document, &file, &pattern, &others).map(|told| told.to_string())
+        };
+        let told = said(52.0, 132.0).unwrap();
+        assert!(
+            told.starts_with("c.toml:3: depth_um: 52.0 um is ten times the depth of \"patterned samples\", 5.2 um"),
+            "{told}"
+        );
+        assert!(said(0.52, 130.0).unwrap().contains("is a tenth of the depth"));
+        for (depth, width) in [(5.2, 130.0), (20.8, 130.0), (52.0, 200.0)] {
+            assert_eq!(said(depth, width), None, "{depth} {width}");
+        }
     }
 
     #[test]

@@ -153,6 +153,22 @@ pub const CAVITY_DEPTH: Plausible = Plausible {
     slips: OF_MICROMETRES,
 };
 
+/// Densities below which no fibre, metal or mineral is the bulk of a solid, in g/cm3: polymers, elastomers and wood.
+const LIGHT_G_CM3: f64 = 1.4;
+/// Young's modulus up to which such solids are known, along the grain of wood, in GPa.
+const LIGHT_MODULUS_GPA: f64 = 20.0;
+
+/// What a usual modulus is told that is too high for a solid so light, with the unit that was likely meant.
+#[must_use]
+pub fn stiff_for_its_density(modulus_gpa: f64, density_g_cm3: f64) -> Option<String> {
+    let is_doubtful = density_g_cm3 < LIGHT_G_CM3 && modulus_gpa > LIGHT_MODULUS_GPA;
+    let usual = MODULUS.within([MODULUS.usual[0], LIGHT_MODULUS_GPA]);
+    let slip = usual.slip(modulus_gpa).filter(|_| is_doubtful && MODULUS.judge(modulus_gpa) == Ok(None))?;
+    Some(format!(
+        "is unusual: solids lighter than {LIGHT_G_CM3} g/cm3 have at most {LIGHT_MODULUS_GPA} GPa, and density_g_cm3 is {density_g_cm3}; {slip}"
+    ))
+}
+
 /// What a relative humidity that is likely a share of 1 is told: air in a room has 20 to 80 %. Nil is air without water.
 #[must_use]
 pub fn share_of_one(humidity_pct: f64) -> Option<String> {
@@ -330,6 +346,19 @@ mod tests {
         ten[1] = 0.9;
         for usual in [&ten[..], &[0.25, 0.3], &[0.99, 1.01], &[1.0], &[40.0, 60.0], &[], &[f64::NAN]] {
             assert_eq!(exchanged_forces(usual), None, "{usual:?}");
+        }
+    }
+
+    #[test]
+    fn a_modulus_too_high_for_so_light_a_solid_is_asked_about() {
+        for (modulus_gpa, density_g_cm3, meant) in [(48.0, 1.21, "0.048"), (100.0, 0.95, "0.1"), (25.0, 1.15, "0.025")]
+        {
+            let said = stiff_for_its_density(modulus_gpa, density_g_cm3).unwrap();
+            assert!(said.ends_with(&format!("in MPa, that would be {meant} GPa")), "{said}");
+        }
+        // Polymers, wood, a fibre composite, magnesium; and what is unusual for any solid is told once.
+        for (modulus_gpa, density_g_cm3) in [(3.6, 1.3), (15.0, 0.6), (140.0, 1.55), (45.0, 1.74), (380.0, 0.9)] {
+            assert_eq!(stiff_for_its_density(modulus_gpa, density_g_cm3), None);
         }
     }
 

@@ -8,8 +8,9 @@ use slipgrid_calibrate::{CalibrationError, FitError, Measurement};
 use crate::Diagnostic;
 use crate::altitude_map::refuse_law;
 use crate::calibration::Calibration;
+use crate::plausible::MODULUS;
 use crate::surface::Surface;
-use slipgrid_units::{SPEED_MM_S, significant_to, tidy};
+use slipgrid_units::{MODULUS_GPA, SPEED_MM_S, significant_to, tidy};
 
 /// What is wrong with the calibration at `path`; nothing where its numbers are not what ended it.
 #[must_use]
@@ -41,8 +42,8 @@ fn refuse_fit(
     path: &Path,
     calibration: &Calibration,
 ) -> Option<Diagnostic> {
-    let speed;
-    let change = match error {
+    let (speed, change);
+    let expected = match error {
         FitError::NoSliding { status, .. } => match *status {
             "no_onset" => {
                 "friction and a load at which the modelled layer slides as a whole, or no mu_static in this row"
@@ -53,7 +54,15 @@ fn refuse_fit(
         },
         FitError::PeakTooHigh { .. } => "a smaller mu_static, or nothing in mu_static and mu_static_std",
         FitError::BeyondLaw { .. } => "another [surface], or a smaller load",
-        FitError::Inertia { .. } => "a larger force_n or a smaller speed_mm_s",
+        FitError::TooFast { most_m_s, modulus_pa, most_modulus_pa, .. } => {
+            let most_mm_s = significant_to(SPEED_MM_S.from_si(*most_m_s), 2, f64::floor);
+            let [modulus_gpa, most_gpa] = [*modulus_pa, *most_modulus_pa].map(|pa| tidy(MODULUS_GPA.from_si(pa)));
+            let slip = MODULUS.within([0.0, most_gpa]).slip(modulus_gpa);
+            let slip = slip.map_or_else(String::new, |slip| format!(" ({slip})"));
+            let most_gpa = significant_to(most_gpa, 2, f64::floor);
+            change = format!("speed_mm_s of at most {most_mm_s}, or youngs_modulus_gpa of at most {most_gpa}{slip}");
+            &change
+        }
         FitError::NotQuasiStatic { .. } => {
             "a larger force_n, a smaller speed_mm_s, or mu_dynamic below 1, above which the modelled layer hardly slides steadily; is its \
              unit right, that of a friction force in traces among them?"
@@ -70,7 +79,7 @@ fn refuse_fit(
     let text = error.to_string();
     let reason = text.split_once(": expected").map_or(text.as_str(), |(reason, _)| reason);
     let row = measurement.and_then(|measurement| calibration.place(measurement));
-    let Some(row) = row else { return Some(Diagnostic::file(path, reason).expected(change)) };
+    let Some(row) = row else { return Some(Diagnostic::file(path, reason).expected(expected)) };
     // The row is named by its condition instead of by its number.
     let reason = reason.split_once(": ").map_or(reason, |(_, reason)| reason);
     let measured = match error {
@@ -80,5 +89,5 @@ fn refuse_fit(
         _ => String::new(),
     };
     let reason = format!("({}{measured}): {reason}", row.condition());
-    Some(Diagnostic { line: Some(row.line), ..Diagnostic::file(&row.path, reason) }.expected(change))
+    Some(Diagnostic { line: Some(row.line), ..Diagnostic::file(&row.path, reason) }.expected(expected))
 }

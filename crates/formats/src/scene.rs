@@ -197,7 +197,8 @@ impl SceneInput {
         if let Some((pattern, file)) = scene.section().zip(file.pattern.as_ref()) {
             require_section(&document, &file.get_ref().texture(), pattern.texture())?;
         }
-        let told = unusual::of_scene(&document, file);
+        let mut told = unusual::of_scene(&document, file);
+        told.extend(unusual::of_speed(&document, file.load.get_ref(), &scene));
         let input =
             Self { scene, material, uncertainty, condition, specimen, friction_extrapolated, told, document, places };
         if let Some(extent) = file.run.extent.as_ref().filter(|_| input.scene.is_strip_aslant()) {

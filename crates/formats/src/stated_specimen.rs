@@ -23,7 +23,7 @@ pub(crate) struct StatedSpecimen {
     /// Its face, and what becomes of cavities at its rim.
     pub(crate) specimen: Specimen,
     /// Its thickness, in metres, where it is given.
-    thickness_m: Option<f64>,
+    pub(crate) thickness_m: Option<f64>,
 }
 
 impl StatedSpecimen {

@@ -172,6 +172,7 @@ pub(crate) fn read_trials(
         let pattern = read_fitting_pattern(document, &file.pattern, &own.specimen, is_laid)?;
         remarks.told.extend(cavity_lengths::unusual(document, &file.pattern));
         remarks.told.extend(exchanged::check(document, &file.pattern, &pattern, &samples));
+        remarks.told.extend(exchanged::check_depth(document, &file.pattern, &pattern, &samples));
         let rows = match (&file.measurements, &file.traces) {
             (Some(_), Some(traces)) => {
                 return Err(document

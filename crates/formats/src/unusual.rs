@@ -1,6 +1,8 @@
 //! What is unusual in a scene and its material: told, not refused, because a scene may be a thought experiment.
 
+use slipgrid_material::Elastic;
 use slipgrid_pattern::Rim;
+use slipgrid_springblock::{Fidelity, RunOptions, Scene, max_run_speed_m_s};
 use toml::Spanned;
 
 use super::condition_ranges::ConditionRangeFile;
@@ -9,14 +11,14 @@ use super::file_kind::FileKind;
 use super::material::MaterialFile;
 use super::pattern::TextureFile;
 use super::rim::read_rim;
-use super::scene::{DEFAULT_LAYER, SampleFile, SceneFile};
+use super::scene::{DEFAULT_LAYER, LoadFile, SampleFile, SceneFile};
 use super::values::{Number, Numbers, PathOr, number_span};
 use crate::diagnostic::Diagnostic;
 use crate::plausible::{
     DENSITY, FRICTION, GIVEN_PRESSURE, MODULUS, Plausible, SPEED, STATIC_OVER_DYNAMIC, STRAIN, exchanged_forces,
-    share_of_one,
+    share_of_one, stiff_for_its_density,
 };
-use slipgrid_units::{LENGTH_UM, in_digits, significant, tidy};
+use slipgrid_units::{LENGTH_UM, MODULUS_GPA, PRESSURE_MPA, SPEED_MM_S, in_digits, significant, significant_to, tidy};
 
 /// What is unusual in the scene `file` of `document`, its material included; numbers of nil have a meaning of their own.
 #[must_use]
@@ -67,6 +69,33 @@ pub fn of_pressures(document: &Document, pressures: &Spanned<Numbers>, modulus_g
     first(pressures, strained).or_else(|| numbers(document, GIVEN_PRESSURE, pressures))
 }
 
+/// What is told of a speed so fast that no run in time stands for it at this pressure, and what would be accepted.
+#[must_use]
+pub fn too_fast(elastic: &Elastic, pressure_pa: f64, speed_m_s: f64) -> Option<[String; 2]> {
+    let most_m_s = max_run_speed_m_s(elastic, pressure_pa);
+    (speed_m_s > most_m_s).then(|| {
+        let reason = format!(
+            "{} mm/s is too fast at {} MPa with E = {} GPa",
+            tidy(SPEED_MM_S.from_si(speed_m_s)),
+            significant(PRESSURE_MPA.from_si(pressure_pa), 3),
+            tidy(MODULUS_GPA.from_si(elastic.youngs_modulus_pa()))
+        );
+        let most_mm_s = significant_to(SPEED_MM_S.from_si(most_m_s), 2, f64::floor);
+        [reason, format!("speed_mm_s of at most {most_mm_s}, or higher pressures")]
+    })
+}
+
+/// The same of a `scene` that runs in time with no more than the usual damping, which would hold waves down.
+pub fn of_speed(document: &Document, load: &LoadFile, scene: &Scene) -> Option<Diagnostic> {
+    let runs = scene.run.fidelity != Fidelity::Steady && scene.run.damping <= RunOptions::default().damping;
+    let loaded = scene.loads.iter().map(|load| load.pressure_pa).filter(|pressure_pa| *pressure_pa > 0.0);
+    let lightest_pa = loaded.filter(|_| runs).reduce(f64::min)?;
+    let [reason, expected] = too_fast(&scene.elastic, lightest_pa, scene.speed_m_s)?;
+    let place = load.speed_mm_s.as_ref().map_or(load.pressure_mpa.span(), Spanned::span);
+    let told = document.refuse(place, format!("{reason}: the run ends as sliding_waves"));
+    Some(Diagnostic { value: None, ..told }.expected(expected))
+}
+
 /// Rims narrower than two blocks, of which blocks hold no more than the mean.
 #[must_use]
 pub fn of_rims(document: &Document, rim: Option<&Rim>, file: &TextureFile, sample: &SampleFile) -> Option<Diagnostic> {
@@ -101,6 +130,8 @@ pub fn of_material(document: &Document, file: &MaterialFile) -> Vec<Diagnostic> 
     let bulk = [(MODULUS, &file.youngs_modulus_gpa), (DENSITY, &file.density_g_cm3)];
     let mut told: Vec<Diagnostic> =
         bulk.into_iter().filter_map(|(quantity, value)| number(document, quantity, value)).collect();
+    let stiff = stiff_for_its_density(*file.youngs_modulus_gpa.get_ref(), *file.density_g_cm3.get_ref());
+    told.extend(stiff.map(|reason| document.refuse(file.youngs_modulus_gpa.span(), reason)));
     let friction = file.friction.get_ref();
     let pairs = friction.conditions.iter().map(|table| {
         let table = table.get_ref();

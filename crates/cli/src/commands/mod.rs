@@ -59,7 +59,8 @@ pub fn run(command: &Command, console: &mut Console<'_>) -> Result<u8, CliError>
 fn complete(design: &mut Design, console: &mut Console<'_>) -> Result<Option<Calibration>, CliError> {
     let Some(calibration) = read_calibration(design, &disk())? else { return Ok(None) };
     console.warn(&calibration.told);
+    console.warn(&design.contradictions(&calibration));
     complete_by(design, &calibration, &disk(), &Job::new(console))?;
-    console.warn(&design.strained().into_iter().collect::<Vec<_>>());
+    console.warn(&design.material_told());
     Ok(Some(calibration))
 }

@@ -304,7 +304,10 @@ const ROWS: [(&str, &str); 14] = [
     ("50,2,15,0.248,0.3,,", "flat.csv:2: mu_dynamic_std: 0.3 lies outside all measured"),
     ("50,2,15,0.0005,0.0001,,", "flat.csv:2: mu_dynamic: 0.0005 lies outside all measured"),
     ("50,0.00003,15,0.248,0.002,,", "flat.csv:2: (50 N, 0.00003 mm/s, 15 %): its run in time takes"),
-    ("0.001,2,15,0.248,0.002,,", "flat.csv:2: (0.001 N, 2 mm/s, 15 %): friction is 4.4e-3 of the stress rho c v"),
+    (
+        "0.001,2,15,0.248,0.002,,",
+        "flat.csv:2: (0.001 N, 2 mm/s, 15 %): 2 mm/s is too fast at 0.0000127 MPa with E = 0.38 GPa; expected speed_mm_s of at most 0.002",
+    ),
     (
         "500000,2,15,0.248,0.002,,",
         "flat.csv:2: force_n: 500000 (16.753 of Young's modulus, on the specimen's area) lies outside all measured",

@@ -9,6 +9,7 @@ mod chance;
 mod commands;
 mod common;
 mod conditions;
+mod contradictions;
 mod ctrl_c;
 mod directions;
 mod discrepancy;

@@ -46,8 +46,7 @@ fn a_target_that_is_met() {
     }
 
     // The written scene is the confirming run.
-    let again: Value =
-        serde_json::from_str(&place.succeed(&["simulate", "out/grooves/scene.toml", "--json"])).unwrap();
+    let again: Value = serde_json::from_str(&place.succeed(&["simulate", "out/grooves/scene.toml", "--json"])).unwrap();
     assert_eq!(again["results"][0]["ratio"], found["confirmed"][0]["ratio"]);
 
     // Exported again: the same bytes.

@@ -1,0 +1,146 @@
+//! Inputs that contradict each other or cannot be: named by file, line and key before anything is computed.
+
+use slipgrid_formats::Diagnostic;
+use slipgrid_formats::calibration::Calibration;
+use slipgrid_formats::design::Design;
+use slipgrid_formats::document::Document;
+
+use crate::common::{CALIBRATION, DESIGN, FLAT, Place, SCENE};
+
+/// What a design says of a calibration that it contradicts.
+fn contradictions(design: &str, calibration: &str) -> Vec<String> {
+    let place = Place::with(&[("c.toml", calibration), ("flat.csv", FLAT), ("cut.csv", FLAT)]);
+    let (head, rest) = design.split_once("[material]").unwrap();
+    let design = format!("{head}material = \"c.toml\"\n[target]{}", rest.split_once("[target]").unwrap().1);
+    std::fs::write(place.path("d.toml"), design).unwrap();
+    let design = Design::read(&slipgrid_disk::disk(), &place.path("d.toml")).unwrap();
+    let calibration = Calibration::read(&slipgrid_disk::disk(), &place.path("c.toml")).unwrap();
+    let folder = format!("{}/", place.path("").display()).replace("//", "/");
+    design.contradictions(&calibration).iter().map(|told| told.to_string().replace(&folder, "")).collect()
+}
+
+#[test]
+fn a_thickness_that_a_design_does_not_know_is_told() {
+    let thick = |mm: &str| CALIBRATION.replace("radius_mm = 5.0\n", &format!("radius_mm = 5.0\nthickness_mm = {mm}\n"));
+    let plain = DESIGN.replace("layer_um = 200.0\n", "");
+    let told = contradictions(&plain, &thick("4.0"));
+    assert_eq!(told.len(), 1, "{told:?}");
+    assert!(told[0].starts_with("d.toml: sample.thickness_mm: is not given, so that 7 mm is taken"), "{told:?}");
+    assert!(
+        told[0].contains("the specimen of the calibration is 4 mm thick; expected thickness_mm = 4 in [sample]"),
+        "{told:?}"
+    );
+    let stated = plain.replace("[sample]\n", "[sample]\nthickness_mm = 6.0\n");
+    let told = contradictions(&stated, &thick("4.0"));
+    assert!(told[0].starts_with("d.toml:26: sample.thickness_mm: 6.0 mm is the thickness here"), "{told:?}");
+    for (design, calibration) in [
+        (&stated, thick("6.0")),
+        (&plain, thick("7.0")),
+        (&plain, CALIBRATION.to_owned()),
+        (&DESIGN.to_owned(), thick("4.0")),
+    ] {
+        assert_eq!(contradictions(design, &calibration), [""; 0]);
+    }
+}
+
+#[test]
+fn trials_far_from_the_design_are_told_with_what_was_likely_meant() {
+    let with_trial = |width: f64, spacing: f64, depth: f64| {
+        format!(
+            "{CALIBRATION}[[trial]]\nname = \"T1\"\nmeasurements = \"cut.csv\"\n[trial.pattern]\nwidth_um = {width:?}\n\
+             spacing_um = {spacing:?}\ndepth_um = {depth:?}\n"
+        )
+    };
+    let narrow = DESIGN.replace("width_um = [40.0, 400.0]", "width_um = [100.0, 150.0]");
+    let narrow = narrow.replace("spacing_um = [40.0, 1000.0]", "spacing_um = [300.0, 500.0]");
+    let narrow = narrow.replace("depth_um = [2.0, 50.0]", "depth_um = 5.2");
+    let told = contradictions(&narrow, &with_trial(130.0, 370.0, 52.0));
+    assert_eq!(told.len(), 1, "{told:?}");
+    assert!(
+        told[0].starts_with("c.toml: trial.pattern.depth_um: of \"T1\" is 52 um, 10 times more than the largest of the design's bounds, 5.2 um"),
+        "{told:?}"
+    );
+    let told = contradictions(&narrow, &with_trial(130.0, 370.0, 0.52));
+    assert!(told[0].contains("is 0.52 um, 10 times less than the smallest of the design's bounds, 5.2 um"), "{told:?}");
+    let told = contradictions(&narrow, &with_trial(370.0, 130.0, 5.2));
+    assert!(
+        told.len() == 1
+            && told[0].contains("is 370 um, and its spacing_um 130 um: the design's bounds hold them exchanged"),
+        "{told:?}"
+    );
+    assert_eq!(contradictions(&narrow, &with_trial(160.0, 290.0, 9.0)), [""; 0]);
+    assert_eq!(contradictions(DESIGN, &with_trial(130.0, 370.0, 5.2)), [""; 0]);
+}
+
+#[test]
+fn a_speed_that_no_run_confirms_is_told_as_a_number() {
+    let place = Place::with(&[]);
+    let told = |text: &str| -> Vec<String> {
+        let document = Document::within(&slipgrid_disk::disk(), place.path("d.toml"), text);
+        Design::from_document(document).unwrap().told.iter().map(Diagnostic::to_string).collect()
+    };
+    // v = 0.1 P / sqrt(E rho) = 1.52 mm/s, and 2 mm/s is the speed without a condition.
+    let slow = DESIGN.replace("[0.65, 2.6]", "[0.1, 2.6]").replace("= 0.38", "= 48.0");
+    let said = told(&slow);
+    assert_eq!(said.len(), 2, "{said:?}");
+    assert!(
+        said[0].contains("youngs_modulus_gpa: 48.0 is unusual") && said[0].ends_with("would be 0.048 GPa"),
+        "{said:?}"
+    );
+    assert!(said[1].contains("2 mm/s is too fast at 0.1 MPa with E = 48 GPa: no run in time confirms"), "{said:?}");
+    assert!(said[1].ends_with("expected speed_mm_s of at most 1.5, or higher pressures"), "{said:?}");
+    assert_eq!(told(DESIGN), [""; 0]);
+}
+
+#[test]
+fn a_modulus_in_megapascals_is_named_before_anything_runs() {
+    // 10 mm/s at 0.15 MPa: of 48 MPa, written as GPa.
+    let text = CALIBRATION.replace("= 0.38", "= 48").replace("= 0.08", "= 4").replace("= 0.9", "= 1.21");
+    let flat = FLAT.replace("50,2,15,0.248,0.002", "11.8,10,41,0.65,0.01");
+    let place = Place::with(&[("c.toml", &text), ("flat.csv", &flat)]);
+    let refused = place.refuse(&["calibrate", "c.toml"]);
+    assert!(
+        refused.contains("! c.toml:4: material.youngs_modulus_gpa: 48 is unusual: solids lighter than 1.4 g/cm3"),
+        "{refused}"
+    );
+    let said = "error: flat.csv:2: (11.8 N, 10 mm/s, 41 %): 10 mm/s is too fast at 0.15 MPa with E = 48 GPa; expected speed_mm_s of at most \
+                1.9, or youngs_modulus_gpa of at most 1.8 (in MPa, that would be 0.048 GPa)";
+    assert!(refused.contains(said), "{refused}");
+}
+
+#[test]
+fn contact_area_that_falls_with_pressure_and_moduli_left_open_are_refused() {
+    let scene = |factor: &str| SCENE.replace("factor = [1.0, 0.96, 0.90, 0.60]", &format!("factor = {factor}"));
+    for (factor, says) in [
+        ("[1.0, 0.5, 0.2, 0.04]", "0.5 makes contact area fall to 0.93 times from 0.7 to 1.3 MPa"),
+        ("[1.0, 0.96, 0.001, 0.6]", "0.001 makes contact area fall to 0.00 times from 1.3 to 2.6 MPa"),
+        ("[1.0, 0.96, 0.90, 0.2]", "0.2 makes contact area fall to 0.85 times from 2.6 to 10 MPa"),
+        ("[0.8, 0.4, 0.3, 0.2]", "0.4 makes contact area fall to 0.93 times from 0.7 to 1.3 MPa"),
+    ] {
+        let place =
+            Place::with(&[("s.toml", &scene(factor)), ("d.toml", &DESIGN.replace("[1.0, 0.9, 0.7, 0.3]", factor))]);
+        for args in [["simulate", "s.toml"], ["optimize", "d.toml"]] {
+            let refused = place.refuse(&args);
+            assert!(
+                refused.contains(&format!("material.area_law.factor: {says}; real contact area never falls")),
+                "{refused}"
+            );
+            assert!(refused.contains("expected a factor of at least 0."), "{refused}");
+        }
+    }
+    // Full contact, and friction that was measured, which may fall.
+    let full = scene("[1.0, 0.539, 0.27, 0.07]");
+    let measured =
+        scene("[1.0, 0.5, 0.2, 0.04]").replace("[material.area_law]", "[material.area_law]\norigin = \"measured\"");
+    let open = SCENE.replace("youngs_modulus_gpa = 0.38", "youngs_modulus_gpa = 0.38\nyoungs_modulus_std_gpa = 1.0");
+    let place = Place::with(&[("full.toml", &full), ("measured.toml", &measured), ("open.toml", &open)]);
+    place.succeed(&["simulate", "full.toml"]);
+    place.succeed(&["simulate", "measured.toml"]);
+    let refused = place.refuse(&["simulate", "open.toml"]);
+    assert!(
+        refused.contains(
+            "open.toml:3: material.youngs_modulus_std_gpa: 1.0 leaves Young's modulus of 0.38 GPa open altogether"
+        ),
+        "{refused}"
+    );
+}

@@ -1,0 +1,112 @@
+//! What a design and its calibration or material say differently, and speeds that no run in time confirms.
+
+use slipgrid_units::{LENGTH_MM, LENGTH_UM, significant, tidy};
+
+use super::Design;
+use crate::calibration::Calibration;
+use crate::diagnostic::Diagnostic;
+use crate::unusual::too_fast;
+
+/// Thicknesses that differ by less than this part are the same.
+const SAME_THICKNESS: f64 = 0.01;
+/// A trial's dimension so many times beyond the bounds of the design is named.
+const FAR_OUTSIDE: f64 = 3.0;
+
+impl Design {
+    /// What `calibration`, which the design's material comes from, says of the specimen that the design says otherwise.
+    #[must_use]
+    pub fn contradictions(&self, calibration: &Calibration) -> Vec<Diagnostic> {
+        let samples = &calibration.trials.samples;
+        let cut = samples.iter().map(|cut| {
+            let pattern = &cut.pattern;
+            (cut.name.as_str(), [pattern.width_m(), pattern.spacing_m(), pattern.depth_m()])
+        });
+        let outside = cut.filter_map(|(name, lengths_m)| self.outside(name, lengths_m));
+        self.thickness(calibration).into_iter().chain(outside).collect()
+    }
+
+    /// What is told of the material once it is known: a speed that no run in time confirms, and trials far outside the bounds.
+    #[must_use]
+    pub fn material_told(&self) -> Vec<Diagnostic> {
+        let known = self.task.material.as_ref().filter(|_| self.calibration.is_none());
+        let learned = known.and_then(|known| known.uncertainty.learned.as_ref());
+        let trials = learned.map_or(&[][..], |learned| learned.trials());
+        let outside = trials.iter().filter_map(|trial| {
+            let of = &trial.features;
+            self.outside(&trial.name, [of.width_m, of.pitch_m - of.width_m, of.depth_m])
+        });
+        self.strained().into_iter().chain(self.too_fast()).chain(outside).collect()
+    }
+
+    /// The thickness that the calibration states, where the design models another.
+    fn thickness(&self, calibration: &Calibration) -> Option<Diagnostic> {
+        let (stated_m, own_m) = (calibration.thickness_m?, self.task.layer.thickness_m?);
+        if (own_m / stated_m - 1.0).abs() < SAME_THICKNESS {
+            return None;
+        }
+        let [stated_mm, own_mm] = [stated_m, own_m].map(|length_m| tidy(LENGTH_MM.from_si(length_m)));
+        let reason = |own: &str| format!("{own}, and the specimen of the calibration is {stated_mm} mm thick");
+        let told = match &self.places.thickness {
+            Some(place) => self.document.refuse(place.clone(), reason("mm is the thickness here")),
+            None => Diagnostic {
+                key: Some("sample.thickness_mm".into()),
+                ..Diagnostic::file(self.document.path(), reason(&format!("is not given, so that {own_mm} mm is taken")))
+            },
+        };
+        Some(told.expected(format!("thickness_mm = {stated_mm} in [sample], if the design is for the same specimen")))
+    }
+
+    /// The first dimension of the trial `name` that lies far outside the bounds of the design, or its width and spacing if they lie
+    /// within each other's bounds.
+    fn outside(&self, name: &str, lengths_m: [f64; 3]) -> Option<Diagnostic> {
+        let bounds_m = self.task.space.lengths_m();
+        let within = |length_m: f64, [from_m, to_m]: [f64; 2]| length_m >= from_m && length_m <= to_m;
+        let [width_m, spacing_m, _] = lengths_m;
+        let um = |length_m: f64| tidy(significant(LENGTH_UM.from_si(length_m), 4));
+        let path = self.calibration.as_deref().unwrap_or(self.document.path());
+        let told = |key: &str, reason: String| Diagnostic {
+            key: Some(format!("trial.pattern.{key}").into()),
+            ..Diagnostic::file(path, format!("of \"{name}\" {reason}"))
+        };
+        if !within(width_m, bounds_m[0])
+            && !within(spacing_m, bounds_m[1])
+            && within(width_m, bounds_m[1])
+            && within(spacing_m, bounds_m[0])
+        {
+            let [width_um, spacing_um] = [width_m, spacing_m].map(um);
+            let reason = format!(
+                "is {width_um} um, and its spacing_um {spacing_um} um: the design's bounds hold them exchanged"
+            );
+            return Some(
+                told("width_um", reason).expected("the width of a cavity, and the gap between two as spacing_um"),
+            );
+        }
+        let keys = ["width_um", "spacing_um", "depth_um"];
+        keys.into_iter().zip(lengths_m).zip(bounds_m).find_map(|((key, length_m), [from_m, to_m])| {
+            let (times, end_m) =
+                if length_m > to_m { (length_m / to_m, to_m) } else { (from_m / length_m, from_m) };
+            (times > FAR_OUTSIDE).then(|| {
+                let [more, end] = if length_m > to_m { ["more", "largest"] } else { ["less", "smallest"] };
+                let reason = format!(
+                    "is {} um, {} times {more} than the {end} of the design's bounds, {} um: the trial says little of such designs",
+                    um(length_m),
+                    significant(times, 2),
+                    um(end_m)
+                );
+                told(key, reason).expected("the dimension as measured, with its decimal point in the right place")
+            })
+        })
+    }
+
+    /// The speed, where it is so fast at the lightest pressure that no run in time stands for it.
+    fn too_fast(&self) -> Option<Diagnostic> {
+        let elastic = &self.task.material.as_ref()?.material.elastic;
+        let lightest_pa = self.task.pressures_pa().into_iter().reduce(f64::min)?;
+        let of_conditions = self.task.also_at.iter().map(|condition| condition.speed_m_s);
+        let speed_m_s = of_conditions.fold(self.task.speed_m_s, f64::max);
+        let [reason, expected] = too_fast(elastic, lightest_pa, speed_m_s)?;
+        let reason = format!("{reason}: no run in time confirms a design there");
+        let told = Diagnostic { value: None, ..self.document.refuse(self.places.condition.clone(), reason) };
+        Some(told.expected(expected))
+    }
+}
