@@ -155,6 +155,8 @@ fn a_synthetic_map_and_its_area_law() {
         "map.asc",
         "--pressures-mpa",
         "0.3,0.7,1.4",
+        "--threshold-mpa",
+        "0.7",
         "--youngs-modulus-gpa",
         "0.38",
         "--json",
@@ -175,9 +177,14 @@ fn a_synthetic_map_and_its_area_law() {
     assert_eq!(names(&place.path("law")), ["area-law.csv", "area-law.svg", "result.json", "timings.json"]);
 
     // Where no pressure reaches down to 0.7 MPa, the area there is computed beside the list.
-    let above = json(&place.succeed(&["area-law", "map.asc", "--pressures-mpa", "1.4", "--json"]));
-    assert_eq!(above["results"].as_array().unwrap().len(), 1);
-    assert_eq!(above["results"][0]["factor"], points[2]["factor"]);
+    let above = ["area-law", "map.asc", "--pressures-mpa", "1.4", "--json"];
+    let stated = json(&place.succeed(&[&above[..], &["--threshold-mpa", "0.7"]].concat()));
+    assert_eq!(stated["results"].as_array().unwrap().len(), 1);
+    assert_eq!(stated["results"][0]["factor"], points[2]["factor"]);
+    // Without a threshold A/P counts from a small load, at which 400 of the 64 x 64 points touch or more.
+    let light = json(&place.succeed(&above));
+    let scale_mpa = 427.5 * law["rms_slope"].as_f64().unwrap();
+    assert!((light["threshold_mpa"].as_f64().unwrap() / scale_mpa / 0.0612 - 1.0).abs() < 0.01, "{light}");
 }
 
 #[test]
@@ -185,6 +192,7 @@ fn an_area_law_states_its_uncertainty() {
     let place = Place::with(&[]);
     place.succeed(&["synthesize", "--pixels", "128", "--waves", "4:16", "-o", "map.asc"]);
     let list = ["area-law", "map.asc", "--pressures-mpa", "0.3,0.7,2.6", "--resolutions", "--json", "-o", "law"];
+    let list = [&list[..], &["--threshold-mpa", "0.7"]].concat();
     let law = json(&place.succeed(&list));
     let points = law["results"].as_array().unwrap();
     assert_eq!((&points[0]["factor_std"], &points[1]["factor_std"]), (&Value::from(0.0), &Value::from(0.0)));
@@ -204,8 +212,8 @@ fn an_area_law_states_its_uncertainty() {
     let svg = std::fs::read_to_string(place.path("law").join("area-law.svg")).unwrap();
     assert!(svg.contains("standard error"));
 
-    let alone =
-        json(&place.succeed(&["area-law", "map.asc", "--pressures-mpa", "0.7,2.6", "--windows", "1", "--json"]));
+    let alone = ["area-law", "map.asc", "--pressures-mpa", "0.7,2.6", "--windows", "1", "--json", "--threshold-mpa", "0.7"];
+    let alone = json(&place.succeed(&alone));
     assert_eq!(alone["results"][1]["factor"], points[2]["factor"]);
     assert!(alone["windows"].is_null() && alone["results"][1]["factor_std"].is_null());
 
@@ -282,7 +290,7 @@ fn measured_ratios_are_tabulated() {
 #[test]
 fn a_validation_goes_to_a_folder_and_says_what_it_rests_on() {
     let calibration = CALIBRATION
-        .replace("persson_rms_slope = 0.0137", "map = \"map.asc\"")
+        .replace("persson_rms_slope = 0.0137", "map = \"map.asc\"\nthreshold_mpa = 0.7")
         .replace("flat = \"flat.csv\"", "flat = \"flat.csv\"\npatterned = \"patterned.csv\"");
     let heavy = "200,2,15,0.278,0.001\n";
     let place = Place::with(&[

@@ -32,7 +32,7 @@ fn a_thickness_that_a_design_does_not_know_is_told() {
     );
     let stated = plain.replace("[sample]\n", "[sample]\nthickness_mm = 6.0\n");
     let told = contradictions(&stated, &thick("4.0"));
-    assert!(told[0].starts_with("d.toml:26: sample.thickness_mm: 6.0 mm is the thickness here"), "{told:?}");
+    assert!(told[0].starts_with("d.toml:25: sample.thickness_mm: 6.0 mm is the thickness here"), "{told:?}");
     for (design, calibration) in [
         (&stated, thick("6.0")),
         (&plain, thick("7.0")),
