@@ -107,7 +107,7 @@ pub use sectors::{Division, LEAST_PERIODS, MOST_SECTORS, Sector};
 pub use specimen::{AT_THE_RIM, Specimen};
 pub use stl::{CHORDS, check as check_stl, stl};
 pub use strips::LaidStrip;
-pub use svg::{svg, svg_of_sectors};
+pub use svg::{is_xml_letter, svg, svg_of_sectors};
 pub use work::{WorkSheet, laser_time_s};
 
 /// What drawings say about themselves.

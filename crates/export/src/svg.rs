@@ -173,10 +173,16 @@ fn wrap(text: &str, characters: usize) -> Vec<String> {
     lines
 }
 
-/// `text` as XML character data; control characters, which XML forbids, are left out.
+/// Whether a one-line text in XML may hold `letter`: XML 1.0 forbids control characters and U+FFFE and U+FFFF ("Char").
+#[must_use]
+pub fn is_xml_letter(letter: char) -> bool {
+    !letter.is_control() && !matches!(letter, '\u{fffe}' | '\u{ffff}')
+}
+
+/// `text` as XML character data, without the letters that XML forbids.
 fn escape(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
-    for c in text.chars().filter(|c| !c.is_control()) {
+    for c in text.chars().filter(|c| is_xml_letter(*c)) {
         match c {
             '&' => out.push_str("&amp;"),
             '<' => out.push_str("&lt;"),

@@ -124,6 +124,7 @@ fn names_are_escaped_and_notes_appear() {
     let picture = drawn(&layout(Planform::Groove, Outline::Disc { diameter_m: 10e-3 }), &HEADING);
     assert!(picture.contains(">a &lt; b &amp; c: textured specimen from above</text>"));
     assert!(picture.contains(">synthetic surface</text>"));
+    assert_eq!(escape("a\u{fffe}\u{ffff}\u{0}\u{1b}\nb\u{1fffe}é"), "ab\u{1fffe}é");
 }
 
 #[test]

@@ -65,10 +65,11 @@ pub(super) fn outline(text: &str, layer: Option<&str>) -> Result<(Corners, u32),
     let mut place = 0;
     while let Some(entity) = entities.get(place) {
         place += 1;
-        // Vertices follow their polyline up to SEQEND.
-        let vertices = entities[place..].iter().take_while(|entity| entity.kind == "VERTEX").count();
-        let own = &entities[place..place + vertices];
+        let mut own = &entities[place..place];
         if entity.kind == "POLYLINE" {
+            // Vertices follow their polyline up to SEQEND.
+            let vertices = entities[place..].iter().take_while(|entity| entity.kind == "VERTEX").count();
+            own = &entities[place..place + vertices];
             place += vertices;
             if entities.get(place).is_none_or(|entity| entity.kind != "SEQEND") {
                 return Err(Wrong::new(entity.line, "is a POLYLINE without SEQEND", EXPECTED));

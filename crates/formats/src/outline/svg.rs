@@ -17,10 +17,14 @@ pub(super) fn outline(text: &str) -> Result<(Corners, u32), Wrong> {
     let mut reader = Reader::from_str(text);
     let mut found = Vec::new();
     let mut is_drawing = false;
+    // Lines are counted on from the last element: counting from the beginning each time is quadratic.
+    let (mut line, mut counted) = (1, 0);
     loop {
         let before = usize::try_from(reader.buffer_position()).unwrap_or(usize::MAX).min(text.len());
-        let blank = text[before..].len() - text[before..].trim_start().len();
-        let line = line_at(text, before + blank);
+        let begins = (text.len() - text[before..].trim_start().len()).max(counted);
+        // Lines of a file that fits in memory: the count fits.
+        line += text.as_bytes()[counted..begins].iter().filter(|byte| **byte == b'\n').count() as u32;
+        counted = begins;
         let element = match reader.read_event() {
             Err(error) => return Err(Wrong::new(line, format!("is no XML: {error}"), "an SVG drawing")),
             Ok(Event::Eof) => break,
@@ -61,11 +65,6 @@ pub(super) fn outline(text: &str) -> Result<(Corners, u32), Wrong> {
         found.push((corners, line));
     }
     if is_drawing { only(found, EXPECTED) } else { Err(Wrong::new(None, "is no SVG drawing", EXPECTED)) }
-}
-
-fn line_at(text: &str, place: usize) -> u32 {
-    // Lines of a file that fits in memory: the count fits.
-    text.as_bytes()[..place.min(text.len())].iter().filter(|byte| **byte == b'\n').count() as u32 + 1
 }
 
 /// The attributes of an element without the prefixes of their names.

@@ -169,3 +169,17 @@ fn what_is_refused_names_line_key_value_and_what_is_accepted() {
     let missing = read_drawing(&(Arc::new(Drawings(BTreeMap::new())) as Source), Path::new("b.svg"), None);
     assert!(missing.unwrap_err().to_string().contains("b.svg: cannot be read"));
 }
+
+#[test]
+fn long_drawings_take_linear_time_and_lines_are_counted_right() {
+    let started = std::time::Instant::now();
+    let metadata = "<metadata>some text</metadata>\n".repeat(20_000);
+    let refused = svg(&format!("{metadata}<line/>")).unwrap_err().to_string();
+    assert!(refused.starts_with("a.svg:20003: is a line"), "{refused}");
+    let nested = format!("{}\n<path d=\"M0 0H4L1 3Z\"/>{}", "<g>".repeat(20_000), "</g>".repeat(20_000));
+    assert!(svg(&nested).is_ok());
+    let vertices = "  0\nVERTEX\n  8\nB\n".repeat(20_000);
+    assert!(dxf(&vertices, Some("A")).is_err());
+    // Milliseconds; counting lines from the beginning for each element took 20 s.
+    assert!(started.elapsed().as_secs() < 5, "{:?}", started.elapsed());
+}

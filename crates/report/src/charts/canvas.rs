@@ -3,6 +3,7 @@
 use plotters::coord::Shift;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
+use slipgrid_export::is_xml_letter;
 
 use super::ChartError;
 
@@ -215,8 +216,7 @@ impl Canvas<'_> {
         style: FontStyle,
         transform: FontTransform,
     ) -> Result<(), ChartError> {
-        // Control characters have no place in XML.
-        let text: String = text.chars().filter(|c| !c.is_control()).collect();
+        let text: String = text.chars().filter(|c| is_xml_letter(*c)).collect();
         let style = TextStyle::from(("sans-serif", size * FONT_FACTOR * PRECISION, style).into_font())
             .transform(transform)
             .color(&color)

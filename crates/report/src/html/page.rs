@@ -1,7 +1,7 @@
 //! The parts of a page: text, tables that sort, pictures on cards.
 
 use maud::{DOCTYPE, Markup, PreEscaped, Render, html};
-use slipgrid_export::not_modelled;
+use slipgrid_export::{is_xml_letter, not_modelled};
 use slipgrid_results::{ErrorReport, PatternReport, fixed};
 
 use super::section::section;
@@ -27,7 +27,7 @@ struct Text<'a>(&'a str);
 
 impl Render for Text<'_> {
     fn render_to(&self, buffer: &mut String) {
-        self.0.replace(|c: char| c.is_control() && c != '\n', "").render_to(buffer);
+        self.0.replace(|c: char| !is_xml_letter(c) && c != '\n', "").render_to(buffer);
     }
 }
 
