@@ -16,7 +16,7 @@ use super::pattern::{PatternFile, check_depth, read_pattern, require_section};
 use super::relief::read_relief;
 use super::run::{Overrides, RunFile, read_run};
 use super::unusual::{self, with_slip};
-use super::values::{Number, Numbers, PathOr, list, number_span};
+use super::values::{Number, Numbers, PathOr, distinct_pressures, number_span};
 use crate::diagnostic::Diagnostic;
 use crate::source::Source;
 use slipgrid_calibrate::uncertainty::MaterialUncertainty;
@@ -451,14 +451,14 @@ pub fn read_layer(
 /// Reads nominal pressures in the range of `quantity` and checks them against the elastic modulus.
 ///
 /// # Errors
-/// [`Diagnostic`] for numbers out of range.
+/// [`Diagnostic`] for numbers out of range and for one that stands there twice.
 fn read_pressures(
     document: &Document,
     pressures: &Spanned<Numbers>,
     quantity: Quantity,
     material: &Material,
 ) -> Result<Vec<f64>, Diagnostic> {
-    let read = list(document, pressures, quantity)?;
+    let read = distinct_pressures(document, pressures, quantity)?;
     check_pressures(&read, material).map_err(|refused| {
         let place = if let TaskPart::Pressure(place) = refused.part { place } else { 0 };
         let expected = refused.expected.map(|expected| with_slip(&expected, PRESSURE_MPA.from_si(read[place])));

@@ -5,7 +5,7 @@ use slipgrid_optimize::{Demand, Goal, Quantity, Target, Wanted};
 use toml::Spanned;
 
 use super::document::Document;
-use super::values::{Numbers, for_each, list};
+use super::values::{Numbers, distinct_pressures, for_each};
 use crate::diagnostic::Diagnostic;
 use slipgrid_units::{FRICTION, PRESSURE_MPA, RATIO, TOLERANCE, WEIGHT};
 
@@ -45,14 +45,7 @@ pub fn read_target(document: &Document, file: &Spanned<TargetFile>) -> Result<Ta
     let target = file.get_ref();
     let all = [Quantity::Ratio, Quantity::DynamicFriction];
     let quantity = document.choice(&target.quantity, &all, Quantity::name)?;
-    let pressures_pa = list(document, &target.pressure_mpa, PRESSURE_MPA)?;
-    for (place, pressure_pa) in pressures_pa.iter().enumerate() {
-        if pressures_pa[..place].contains(pressure_pa) {
-            return Err(document
-                .refuse(target.pressure_mpa.span(), format!("has {} MPa twice", PRESSURE_MPA.from_si(*pressure_pa)))
-                .expected("each pressure once"));
-        }
-    }
+    let pressures_pa = distinct_pressures(document, &target.pressure_mpa, PRESSURE_MPA)?;
     let range = match quantity {
         Quantity::Ratio => RATIO,
         Quantity::DynamicFriction => FRICTION,

@@ -79,6 +79,30 @@ pub fn list(document: &Document, values: &Spanned<Numbers>, quantity: Quantity) 
     }
 }
 
+/// Relative difference up to which two pressures are one: results and pictures are told apart by their pressure.
+const SAME_PRESSURE: f64 = 1e-9;
+
+/// Reads the pressures `values` as [`list`] does, each of them once.
+///
+/// # Errors
+/// As [`list`], or [`Diagnostic`] at a pressure that stands in the list twice.
+pub fn distinct_pressures(
+    document: &Document,
+    values: &Spanned<Numbers>,
+    quantity: Quantity,
+) -> Result<Vec<f64>, Diagnostic> {
+    let pressures_pa = list(document, values, quantity)?;
+    let mut order: Vec<usize> = (0..pressures_pa.len()).collect();
+    order.sort_by(|a, b| pressures_pa[*a].total_cmp(&pressures_pa[*b]));
+    let is_twice =
+        |pair: &&[usize]| pressures_pa[pair[1]] - pressures_pa[pair[0]] <= SAME_PRESSURE * pressures_pa[pair[1]];
+    if let Some(pair) = order.windows(2).find(is_twice) {
+        let later = pair[0].max(pair[1]);
+        return Err(document.refuse(number_span(values, later), "MPa is in the list twice").expected("each pressure once"));
+    }
+    Ok(pressures_pa)
+}
+
 impl Numbers {
     /// The numbers as they are written.
     #[must_use]

@@ -64,6 +64,11 @@ pub fn simulation(
     Ok(())
 }
 
+/// A number of at least 0 as file names have it: `0.65`, or `1e-7` where all its zeros would make the name too long for some systems.
+pub(crate) fn name_part(number: f64) -> String {
+    if number == 0.0 || (1e-6..1e9).contains(&number) { number.to_string() } else { format!("{number:e}") }
+}
+
 /// Names and pictures of one load.
 fn of_load(scene: &Scene, load: &LoadOutcome, at: &PressureErrors) -> Result<Vec<(String, String)>, ChartError> {
     let mut pictures = Vec::new();
@@ -94,13 +99,13 @@ fn of_load(scene: &Scene, load: &LoadOutcome, at: &PressureErrors) -> Result<Vec
             .collect();
         let title = format!("Friction coefficient at {load_mpa} MPa");
         let chart = FrictionTraceChart { title: &title, traces: &traces, means };
-        pictures.push((format!("friction-{load_mpa}mpa.svg"), friction_trace(&chart)?));
+        pictures.push((format!("friction-{}mpa.svg", name_part(load_mpa)), friction_trace(&chart)?));
     }
     let sees_face = scene.dimension().sees_face();
     let is_strip = sees_face && scene.run.extent == Extent::Strip;
     if sees_face && !is_strip {
         if let Some(map) = interface_map(scene, load, load_mpa)? {
-            pictures.push((format!("interface-{load_mpa}mpa.svg"), map));
+            pictures.push((format!("interface-{}mpa.svg", name_part(load_mpa)), map));
         }
         return Ok(pictures);
     }
@@ -129,7 +134,7 @@ fn of_load(scene: &Scene, load: &LoadOutcome, at: &PressureErrors) -> Result<Vec
             cavities_um: &cavities,
             nominal_mpa: Some(load_mpa),
         };
-        pictures.push((format!("interface-{load_mpa}mpa.svg"), interface_pressure(&chart)?));
+        pictures.push((format!("interface-{}mpa.svg", name_part(load_mpa)), interface_pressure(&chart)?));
     }
     Ok(pictures)
 }
