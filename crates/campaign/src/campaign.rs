@@ -4,7 +4,8 @@ use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::path::Path;
 
-use serde::{Deserialize, Serialize};
+use serde::de::{Error, Unexpected};
+use serde::{Deserialize, Deserializer, Serialize};
 use serde_json::Value as Json;
 use sha2::{Digest, Sha256};
 use slipgrid_formats::Diagnostic;
@@ -13,6 +14,9 @@ use toml::{Table, Value};
 
 /// Digits of an id: among a million tasks two are alike by chance once in 10^12 campaigns.
 const ID_DIGITS: usize = 20;
+
+/// Digits of a SHA-256.
+const HASH_DIGITS: usize = 64;
 
 /// What a task is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -53,6 +57,7 @@ pub struct Campaign {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Task {
     /// A hash of what the task says, of the files that it reads and of the program's version.
+    #[serde(deserialize_with = "read_id")]
     pub id: String,
     /// What its keys are.
     pub values: BTreeMap<String, Json>,
@@ -62,7 +67,7 @@ impl Campaign {
     /// The campaign file of a folder.
     ///
     /// # Errors
-    /// [`Diagnostic`] for what is none, and for one of another version.
+    /// [`Diagnostic`] for what is none, for one of another version, and for names in it that no plan gives.
     pub fn read(path: &Path, text: &str) -> Result<Self, Diagnostic> {
         let refuse = |reason: String| Diagnostic::file(path, reason);
         let read: Self = serde_json::from_str(text).map_err(|error| {
@@ -73,6 +78,13 @@ impl Campaign {
             return Err(refuse(reason).expected(format!(
                 "slipgrid {VERSION}, schema {SCHEMA}: results of two versions do not stand in one table"
             )));
+        }
+        let is_key = |key: &String| !key.is_empty() && !key.contains(char::is_control);
+        if let Some(key) = read.keys.iter().find(|key| !is_key(key)) {
+            return Err(refuse(format!("is no campaign: {key:?} is no key")).expected("what `slipgrid campaign plan` writes"));
+        }
+        if let Some(hash) = read.inputs.values().find(|hash| !is_hexadecimal(hash, HASH_DIGITS)) {
+            return Err(refuse(format!("is no campaign: {hash:?} is no hash")).expected(format!("{HASH_DIGITS} hexadecimal digits")));
         }
         Ok(read)
     }
@@ -98,6 +110,18 @@ impl Campaign {
         let content = serde_json::json!([self.version, self.schema, self.kind, text, inputs]);
         hash(content.to_string().as_bytes())[..ID_DIGITS].to_owned()
     }
+}
+
+/// Reads the id of a task, which becomes the name of a file.
+fn read_id<'de, D: Deserializer<'de>>(deserializer: D) -> Result<String, D::Error> {
+    let id = String::deserialize(deserializer)?;
+    let expected = format!("an id of {ID_DIGITS} hexadecimal digits");
+    if is_hexadecimal(&id, ID_DIGITS) { Ok(id) } else { Err(D::Error::invalid_value(Unexpected::Str(&id), &expected.as_str())) }
+}
+
+/// Whether `text` is `digits` hexadecimal digits in small letters, as hashes are written here.
+fn is_hexadecimal(text: &str, digits: usize) -> bool {
+    text.len() == digits && text.bytes().all(|byte| matches!(byte, b'0'..=b'9' | b'a'..=b'f'))
 }
 
 /// Sets the key with the tables that it stands in.

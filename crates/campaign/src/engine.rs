@@ -1,5 +1,9 @@
 //! Job scripts: the engine of a cluster runs workers, each of which does its share.
 
+use std::path::Path;
+
+use slipgrid_formats::Diagnostic;
+
 /// An engine that runs jobs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Engine {
@@ -24,16 +28,24 @@ impl Engine {
 
     /// The script that has it run `workers` workers of `threads` threads on the campaign in `folder`, at most `at_once` of them at
     /// a time. The program is `slipgrid`, or what the variable SLIPGRID names.
-    #[must_use]
-    pub fn script(self, folder: &str, workers: usize, threads: usize, at_once: Option<usize>) -> String {
-        let folder = format!("'{}'", folder.replace('\'', "'\\''"));
+    ///
+    /// # Errors
+    /// As [`check_folder_name`](Self::check_folder_name).
+    pub fn script(
+        self,
+        folder: &Path,
+        workers: usize,
+        threads: usize,
+        at_once: Option<usize>,
+    ) -> Result<String, Diagnostic> {
+        let folder = format!("'{}'", Self::check_folder_name(folder)?.replace('\'', "'\\''"));
         let (engine, at_once) = (self.name(), at_once.unwrap_or(workers).min(workers));
         let run = |threads: &str, number: &str| {
             format!(
                 "exec \"${{SLIPGRID:-slipgrid}}\" --threads {threads} --quiet campaign work {folder} --share \"{number}/{workers}\"\n"
             )
         };
-        match self {
+        Ok(match self {
             Self::Slurm => format!(
                 "#!/bin/bash\n\
                  # By slipgrid: sbatch {engine}.sh, and in the end slipgrid campaign merge {folder}\n\
@@ -54,6 +66,18 @@ impl Engine {
                  {}",
                 run(&threads.to_string(), "$HQ_TASK_ID")
             ),
-        }
+        })
+    }
+
+    /// The name of a `folder` that scripts can hold: a line break in it would begin a line of the script.
+    ///
+    /// # Errors
+    /// [`Diagnostic`] for a name with control characters, or that is not UTF-8.
+    pub fn check_folder_name(folder: &Path) -> Result<&str, Diagnostic> {
+        folder.to_str().filter(|name| !name.contains(char::is_control)).ok_or_else(|| {
+            let reason = "cannot stand in a job script";
+            Diagnostic::flag("--output", folder.to_string_lossy(), reason)
+                .expected("a folder without control characters in its path, in UTF-8")
+        })
     }
 }

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use serde_json::Value as Json;
 use slipgrid_design::AdviceReport;
 use slipgrid_design::records::ChanceReport;
+use slipgrid_results::guard_formula;
 use slipgrid_studies::laboratories::{LaboratoriesReport, Way};
 use slipgrid_units::tidy;
 
@@ -78,6 +79,8 @@ impl Counts {
 pub struct Results<'a> {
     campaign: &'a Campaign,
     text: String,
+    /// Columns of the kind of task, between outcome and reason.
+    columns: usize,
     counts: Counts,
     ways: Vec<(Task, usize, Way)>,
 }
@@ -91,11 +94,12 @@ impl<'a> Results<'a> {
             Kind::Design => OF_DESIGN.map(|(name, _)| name).to_vec(),
             Kind::Laboratory => OF_LABORATORY.map(|(name, _)| name).to_vec(),
         };
+        let columns = own.len();
         let keys = campaign.keys.iter().map(|key| quoted(key));
         let header = ["task".to_owned()].into_iter().chain(keys).chain(["outcome".to_owned()]);
         let header = header.chain(own.iter().map(|name| (*name).to_owned())).chain(["reason".to_owned()]);
         let text = header.collect::<Vec<_>>().join(",") + "\n";
-        Self { campaign, text, counts: Counts::default(), ways: Vec::new() }
+        Self { campaign, text, columns, counts: Counts::default(), ways: Vec::new() }
     }
 
     /// Adds what came of `task`; `None` where nobody has done it.
@@ -147,11 +151,9 @@ impl<'a> Results<'a> {
         let own = |record: &Json, places: &[(&str, &str)]| -> Vec<String> {
             places.iter().map(|(_, place)| at(record.pointer(place))).collect()
         };
-        let columns =
-            self.text.lines().next().map_or(0, |header| header.split(',').count()) - self.campaign.keys.len() - 3;
         let empty = |outcome: &str, reason: &str| {
             let mut row = vec![outcome.to_owned()];
-            row.resize(1 + columns, String::new());
+            row.resize(1 + self.columns, String::new());
             row.push(quoted(reason));
             vec![row]
         };
@@ -201,9 +203,10 @@ fn at(value: Option<&Json>) -> String {
     }
 }
 
-/// Text as a cell: quoted where it must be.
+/// Text as a cell: no formula, and quoted where it must be.
 fn quoted(text: &str) -> String {
-    if text.contains([',', '"', '\n', '\r']) { format!("\"{}\"", text.replace('"', "\"\"")) } else { text.to_owned() }
+    let text = guard_formula(text);
+    if text.contains([',', '"', '\n', '\r']) { format!("\"{}\"", text.replace('"', "\"\"")) } else { text }
 }
 
 #[cfg(test)]

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex};
 
-use slipgrid_campaign::{CampaignError, Folder, Outcome, Planned, Share, Store, Worker, plan};
+use slipgrid_campaign::{CampaignError, Engine, Folder, Outcome, Planned, Results, Share, Store, Worker, plan};
 use slipgrid_formats::source::{Entry, Files, Source};
 use slipgrid_monitor::{Monitor, Unwatched};
 
@@ -279,6 +279,51 @@ fn a_base_that_is_refused_whatever_varies_keeps_its_own_line() {
     let campaign = "base = \"scene.toml\"\n[[grid]]\nkey = \"run.seed\"\nvalues = [1, 2]\n";
     let refused = planned(&given(&scene, campaign)).unwrap_err().to_string();
     assert!(refused.starts_with("d/scene.toml:5: pattern.depth_um: -20.0 "), "{refused}");
+}
+
+#[test]
+fn names_in_a_folder_lead_nowhere_else_and_shift_no_columns() {
+    let planned = planned(&given(SCENE, CAMPAIGN)).unwrap();
+    let id = planned.tasks[0].id.as_str();
+    let hash = planned.campaign.inputs.values().next().unwrap().as_str();
+    for (file, from, to, says) in [
+        ("out/tasks.jsonl", id, "../../made/outside", "out/tasks.jsonl:1: is no task: invalid value: string"),
+        ("out/tasks.jsonl", id, &id[1..], "expected an id of 20 hexadecimal digits"),
+        ("out/tasks.jsonl", id, &id.to_uppercase().replace(char::is_numeric, "A"), "expected an id of 20"),
+        ("out/campaign.json", "\"pattern.width_um\"", "\"pattern\\nwidth_um\"", "\"pattern\\nwidth_um\" is no key"),
+        ("out/campaign.json", hash, "../../secret", "\"../../secret\" is no hash; expected 64 hexadecimal digits"),
+    ] {
+        let store = Memory::of(&[]);
+        folder(&store).keep(&planned).unwrap();
+        let text = String::from_utf8(store.read(Path::new(file)).unwrap()).unwrap();
+        assert!(text.contains(from), "{text}");
+        store.put(Path::new(file), text.replace(from, to).as_bytes()).unwrap();
+        let before = store.all();
+        let worked = folder(&store).work(Share::ALL, 1, None, 0, &Unwatched).unwrap_err().to_string();
+        let merged = folder(&store).merge(|results| results.counts()).unwrap_err().to_string();
+        assert!(worked.contains(says) && merged.contains(says), "{to}: {worked}");
+        assert!(store.all() == before, "{to}");
+    }
+    // Cells have as many columns as the header, whatever a key or a text holds.
+    let mut campaign = planned.campaign;
+    campaign.keys = vec!["a,b".to_owned(), "=c".to_owned()];
+    let mut results = Results::new(&campaign);
+    results.add(&planned.tasks[0], None);
+    let header = "task,\"a,b\",'=c,outcome,pressure_mpa,";
+    assert!(results.csv().starts_with(header), "{}", results.csv());
+    let cells = |line: &str| line.replace("\"a,b\"", "").matches(',').count();
+    let counts: Vec<usize> = results.csv().lines().map(cells).collect();
+    assert_eq!(counts[0], counts[1]);
+}
+
+#[test]
+fn a_folder_with_a_line_break_in_its_name_has_no_script() {
+    for engine in Engine::EACH {
+        let of = |folder: &str| engine.script(Path::new(folder), 2, 1, None);
+        assert!(of("/a b/it's").unwrap().contains("campaign work '/a b/it'\\''s' --share"));
+        let refused = of("/a\n#SBATCH --wrap=x\n/b").unwrap_err().to_string();
+        assert!(refused.contains("cannot stand in a job script"), "{refused}");
+    }
 }
 
 #[test]

@@ -3,11 +3,12 @@
 use slipgrid_calibrate::Measurement;
 use slipgrid_formats::measurements;
 use slipgrid_formats::traces::{ConditionTraces, OfTrial, SurfaceKind, TraceCondition, notes};
-use slipgrid_results::{SCHEMA, Table, VERSION, fixed};
+use slipgrid_results::{SCHEMA, Table, VERSION, fixed, guard_formula};
 use slipgrid_traces::DEFAULT_WINDOW_S;
 use slipgrid_units::{HUMIDITY_PCT, SPEED_MM_S, tidy};
 
 use crate::charts::{RepeatTrace, Series, TribometerChart, tribometer};
+use crate::pictures::name_part;
 use crate::{ChartError, Outputs};
 
 /// Tables and pictures of all conditions.
@@ -32,7 +33,8 @@ pub fn files(conditions: &[ConditionTraces]) -> Result<Outputs, ChartError> {
     for of_trial in conditions.chunk_by(|a, b| a.condition.trial == b.condition.trial) {
         if let Some(OfTrial { number, name }) = of_trial.first().and_then(|traces| traces.condition.trial.as_ref()) {
             let rows: Vec<Measurement> = of_trial.iter().map(ConditionTraces::measurement).collect();
-            let words: String = name.chars().filter(|c| !c.is_control()).collect();
+            // A spreadsheet divides the comment at commas: what follows one may not be a formula.
+            let words: String = name.chars().filter(|c| !c.is_control()).map(|c| if ",;".contains(c) { ' ' } else { c }).collect();
             let comment = format!(
                 "By slipgrid traces {VERSION}, schema {SCHEMA}: trial \"{words}\", mean of repeats, and how far another \
                  sample may be as a standard deviation{}",
@@ -91,7 +93,9 @@ fn words(condition: &TraceCondition) -> [String; 4] {
 
 /// A file name for a condition: `flat-200N-2mm_s-15pct`.
 fn name(condition: &TraceCondition) -> String {
-    let [surface, force, speed, humidity] = words(condition);
+    let [surface, ..] = words(condition);
+    let numbers = [condition.force_n, SPEED_MM_S.from_si(condition.speed_m_s), HUMIDITY_PCT.from_si(condition.humidity)];
+    let [force, speed, humidity] = numbers.map(name_part);
     format!("{surface}-{force}N-{speed}mm_s-{humidity}pct")
 }
 
@@ -153,7 +157,7 @@ fn table(conditions: &[ConditionTraces]) -> String {
 }
 
 fn quoted(text: &str) -> String {
-    format!("\"{}\"", text.replace('"', "'"))
+    format!("\"{}\"", guard_formula(text).replace('"', "'"))
 }
 
 /// The traces for people.

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use slipgrid_calibrate::{CutSample, contradicting_samples};
 use slipgrid_discrepancy::{Discrepancy, LeftOut, Surprise, leave_out};
 use slipgrid_monitor::{Cancelled, Monitor};
-use slipgrid_results::{SCHEMA, Table, VERSION, believed, believed_interval, believed_std, fixed};
+use slipgrid_results::{SCHEMA, Table, VERSION, believed, believed_interval, believed_std, fixed, guard_formula};
 use slipgrid_units::{HUMIDITY_PCT, LENGTH_UM, PRESSURE_MPA, SPEED_MM_S, tidy};
 
 use crate::charts::{Estimate, Prediction, TrialsChart, trials};
@@ -331,7 +331,7 @@ impl TrialsReport {
                         surprise_without_condition\n"
             .to_owned();
         for trial in &self.trials {
-            let name = trial.name.replace('"', "\"\"");
+            let [name, date] = [&trial.name, &trial.date].map(|text| guard_formula(text).replace('"', "\"\""));
             for at in &trial.measured {
                 let numbers = [
                     trial.areal_density,
@@ -354,7 +354,7 @@ impl TrialsReport {
                     at.without_condition.surprise,
                 ];
                 let numbers: Vec<String> = numbers.iter().map(f64::to_string).collect();
-                text += &format!("\"{name}\",\"{}\",{}\n", trial.date.replace('"', "\"\""), numbers.join(","));
+                text += &format!("\"{name}\",\"{date}\",{}\n", numbers.join(","));
             }
         }
         text

@@ -25,6 +25,7 @@
 
 mod believed;
 mod corrected;
+mod csv;
 pub mod errors;
 mod notes;
 mod pattern;
@@ -36,6 +37,7 @@ mod timings;
 
 pub use believed::{believed, believed_interval, believed_std};
 pub use corrected::{CorrectedAt, CorrectedReport};
+pub use csv::guard_formula;
 pub use errors::{ErrorReport, ErrorsReport, PartsReport, PressureErrors};
 pub use notes::notes;
 pub use pattern::{PatternReport, duration_in_words, length_in_words};
