@@ -1,7 +1,7 @@
 //! Files on disk.
 
 use std::fs::{self, File};
-use std::io;
+use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -9,6 +9,13 @@ use slipgrid_campaign::Store;
 use slipgrid_formats::source::{Entry, Files, Source};
 
 use crate::put;
+
+/// Maximum size of a file that is read at once, in bytes: a tribometer that writes 100 rows a second fills it in weeks. Maps are read as
+/// streams.
+const MAX_BYTES: u64 = 1 << 30;
+
+/// The same of a pipe or a device, which may have no end.
+const MAX_STREAM_BYTES: u64 = 1 << 26;
 
 /// Files as the system has them.
 #[derive(Clone, Copy, Debug, Default)]
@@ -22,7 +29,14 @@ pub fn disk() -> Source {
 
 impl Files for Disk {
     fn read(&self, path: &Path) -> io::Result<Vec<u8>> {
-        fs::read(path)
+        let file = File::open(path)?;
+        let most = if file.metadata()?.is_file() { MAX_BYTES } else { MAX_STREAM_BYTES };
+        let mut bytes = Vec::new();
+        file.take(most + 1).read_to_end(&mut bytes)?;
+        if bytes.len() as u64 > most {
+            return Err(io::Error::other(format!("it has more than {} MiB", most >> 20)));
+        }
+        Ok(bytes)
     }
 
     fn stream(&self, path: &Path) -> io::Result<Box<dyn io::Read>> {

@@ -38,6 +38,9 @@ pub fn parse(path: &Path, text: &str) -> Result<Vec<Measurement>, Diagnostic> {
     Ok(rows(path, text)?.into_iter().map(|(_, row)| row).collect())
 }
 
+/// Maximum number of rows of a table. A laboratory measures some hundred conditions, and rows are compared in pairs.
+const MAX_ROWS: usize = 5000;
+
 fn rows(path: &Path, text: &str) -> Result<Vec<(u32, Measurement)>, Diagnostic> {
     let refuse = |line: u32, key: Option<&str>, value: Option<&str>, reason: String| Diagnostic {
         line: Some(line),
@@ -159,6 +162,10 @@ fn rows(path: &Path, text: &str) -> Result<Vec<(u32, Measurement)>, Diagnostic> 
             }
             let static_peak = mu_static.zip(mu_static_std).map(|(mu, std)| StaticPeak { mu, std });
             let row = Measurement { force_n, speed_m_s, humidity, mu_dynamic, mu_dynamic_std, static_peak };
+            if rows.len() == MAX_ROWS {
+                return Err(refuse(line, None, None, format!("is row {}: too many for a table of means", MAX_ROWS + 1))
+                    .expected(format!("at most {MAX_ROWS}, one a condition; samples in time are exports, which stand in [traces]")));
+            }
             rows.push((line, row));
         }
     }
