@@ -335,7 +335,7 @@ fn ask(
         let (sag_um, peak_mpa) = (numbers.pop()?, numbers.pop()?);
         Some(Endless { values: numbers, peak_mpa, sag_um })
     };
-    Some(kept(&Part::new(bar, share), &content, asked)?.into_iter().map(|node| node.and_then(answer)).collect())
+    Some(kept(&Part::new(bar, share), &content, nodes.len(), asked)?.into_iter().map(|node| node.and_then(answer)).collect())
 }
 
 /// The numbers from 0 to `count`, each once, those that follow each other far apart: steps of the golden section.
@@ -387,7 +387,7 @@ fn off_between(model: &SteadyModel, texture: &Texture, checks: &[[f64; 3]], bar:
         off.and_then(|pattern| model.off_between(&pattern, parts)).map(|off| vec![off])
     };
     let asked = || Some(designs.par_iter().map(one).collect()).filter(|_| !bar.cancelled());
-    let found = kept(&Part::new(bar, 0.0), &(model.content(), designs, parts, "between"), asked)?;
+    let found = kept(&Part::new(bar, 0.0), &(model.content(), designs, parts, "between"), designs.len(), asked)?;
     found.into_iter().flatten().flatten().reduce(f64::max)
 }
 

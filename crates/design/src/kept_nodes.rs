@@ -7,11 +7,16 @@ use slipgrid_monitor::{Monitor, memory, recalled};
 /// Numbers of a node, as many at each; `None` where there is no answer.
 pub type Node = Option<Vec<f64>>;
 
-/// What `ask` says at the nodes, which follows from `content` alone: recalled where the caller of `monitor` remembers it, as the whole of
+/// What `ask` says at `count` nodes, which follows from `content` alone: recalled where the caller of `monitor` remembers it, as the whole of
 /// `monitor`'s work; `None` where `ask` gives none, as once it is cancelled.
-pub fn kept(monitor: &dyn Monitor, content: &dyn Debug, ask: impl FnOnce() -> Option<Vec<Node>>) -> Option<Vec<Node>> {
+pub fn kept(
+    monitor: &dyn Monitor,
+    content: &dyn Debug,
+    count: usize,
+    ask: impl FnOnce() -> Option<Vec<Node>>,
+) -> Option<Vec<Node>> {
     let known = |bytes: &[u8]| {
-        let nodes = from_bytes(bytes)?;
+        let nodes = from_bytes(bytes).filter(|nodes| nodes.len() == count)?;
         monitor.advance(1.0);
         Some(Some(nodes))
     };
@@ -33,8 +38,8 @@ fn to_bytes(nodes: &[Node]) -> Option<Vec<u8>> {
 
 fn from_bytes(bytes: &[u8]) -> Option<Vec<Node>> {
     let all = memory::from_bytes(bytes);
-    let (length, numbers) = all.split_first()?;
-    let length = Some(*length as usize).filter(|length| *length > 0)?;
+    let (length, numbers) = all.split_first().filter(|_| bytes.len() % size_of::<f64>() == 0)?;
+    let length = Some(*length as usize).filter(|length| *length > 0 && numbers.len() % length == 0)?;
     let node = |numbers: &[f64]| (!numbers[0].is_nan()).then(|| numbers.to_vec());
     Some(numbers.chunks_exact(length).map(node).collect())
 }
@@ -48,8 +53,8 @@ mod tests {
     fn nodes_are_asked_once_and_come_back_to_the_last_bit() {
         let monitor = Remembering::new(&Unwatched);
         let nodes = vec![Some(vec![1.0 / 3.0, -0.0]), None, Some(vec![f64::MAX, f64::NAN])];
-        let first = kept(&monitor, &"a", || Some(nodes.clone())).unwrap();
-        let again = kept(&monitor, &"a", || panic!("asked twice")).unwrap();
+        let first = kept(&monitor, &"a", 3, || Some(nodes.clone())).unwrap();
+        let again = kept(&monitor, &"a", 3, || panic!("asked twice")).unwrap();
         let bits = |nodes: &[Node]| -> Vec<Option<Vec<u64>>> {
             nodes
                 .iter()
@@ -59,18 +64,25 @@ mod tests {
         assert_eq!(bits(&first), bits(&again));
         assert_eq!(bits(&again), bits(&nodes));
         let other = vec![Some(vec![2.0])];
-        assert_eq!(kept(&monitor, &"b", || Some(other.clone())), Some(other));
+        assert_eq!(kept(&monitor, &"b", 1, || Some(other.clone())), Some(other));
+        // Of another number of nodes nothing is recalled.
+        assert_eq!(kept(&monitor, &"a", 2, || None), None);
     }
 
     #[test]
     fn what_is_cancelled_or_uneven_is_asked_again() {
         let monitor = Remembering::new(&Unwatched);
-        assert_eq!(kept(&monitor, &"a", || None), None);
+        assert_eq!(kept(&monitor, &"a", 2, || None), None);
         for nodes in [vec![None, None], vec![Some(vec![1.0]), Some(vec![1.0, 2.0])], vec![Some(vec![])]] {
-            assert_eq!(kept(&monitor, &"a", || Some(nodes.clone())), Some(nodes));
+            assert_eq!(kept(&monitor, &"a", nodes.len(), || Some(nodes.clone())), Some(nodes));
         }
-        assert_eq!(kept(&monitor, &"a", || Some(vec![Some(vec![3.0])])), Some(vec![Some(vec![3.0])]));
+        assert_eq!(kept(&monitor, &"a", 1, || Some(vec![Some(vec![3.0])])), Some(vec![Some(vec![3.0])]));
         assert_eq!(from_bytes(&[1, 2]), None);
         assert_eq!(from_bytes(&[0; 16]), None);
+        let whole = memory::to_bytes(&[2.0, 1.0, 3.0]);
+        assert!(from_bytes(&whole).is_some());
+        for cut in [&whole[..16], &whole[..23], &memory::to_bytes(&[1e300, 1.0])] {
+            assert_eq!(from_bytes(cut), None);
+        }
     }
 }

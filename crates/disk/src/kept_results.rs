@@ -1,6 +1,7 @@
 //! A folder of results by their content.
 
-use std::fs::{self, File};
+use std::fs::{self, File, OpenOptions};
+use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::SystemTime;
@@ -10,6 +11,8 @@ use slipgrid_monitor::{Key, Memory};
 
 use crate::put;
 
+/// Of which form files are: the hash of another form differs.
+const FORMAT: &[u8] = b"slipgrid kept 2";
 /// Bytes of the hash that a file begins with.
 const HASH_BYTES: usize = 32;
 /// Share of the bound to which a folder that has grown beyond it is brought back.
@@ -20,8 +23,8 @@ const MOST_BYTES: u64 = 256 << 20;
 const EXTENSION: &str = "kept";
 
 /// A folder that holds one file a result, named by its key and the build of the program that computed it. Any number of
-/// processes may use it at once: a file appears whole and says a hash of its content, and one that is broken or gone is as if
-/// it had never been. Beyond the bound those go first that were not asked for the longest.
+/// processes may use it at once: a file appears whole and begins with a hash of its name and its content, and one that is broken, gone or
+/// another's is as if it had never been. Beyond the bound those go first that were not asked for the longest.
 #[derive(Debug)]
 pub struct KeptResults {
     folder: PathBuf,
@@ -60,6 +63,16 @@ impl KeptResults {
         self.folder.join(format!("{}-{}.{EXTENSION}", key.name(), self.build))
     }
 
+    /// What a file at `path` that holds `value` begins with: it is bound to its key and build.
+    fn hash(path: &Path, value: &[u8]) -> [u8; HASH_BYTES] {
+        let name = path.file_name().unwrap_or_default().as_encoded_bytes();
+        let mut hash = Sha256::new();
+        hash.update(FORMAT);
+        hash.update(Sha256::digest(name));
+        hash.update(value);
+        hash.finalize().into()
+    }
+
     /// Removes what was not asked for the longest, where there is too much.
     fn clear(&self) {
         let mut kept: Vec<(SystemTime, u64, PathBuf)> = fs::read_dir(&self.folder)
@@ -88,23 +101,41 @@ impl KeptResults {
     }
 }
 
+/// Options to open a file that may be a pipe, which would wait for its other end.
+fn unblocking() -> OpenOptions {
+    let mut options = File::options();
+    #[cfg(unix)]
+    std::os::unix::fs::OpenOptionsExt::custom_flags(&mut options, libc::O_NONBLOCK);
+    options
+}
+
+/// The content of the file at `path`; `None` of what is no regular file, or has more than `most_bytes`.
+fn read_regular(path: &Path, most_bytes: u64) -> Option<Vec<u8>> {
+    let file = unblocking().read(true).open(path).ok()?;
+    let found = file.metadata().ok().filter(|found| found.is_file() && found.len() <= most_bytes)?;
+    let mut bytes = Vec::new();
+    // It may grow while it is read.
+    file.take(found.len()).read_to_end(&mut bytes).ok()?;
+    Some(bytes)
+}
+
 impl Memory for KeptResults {
     fn recall(&self, key: &Key) -> Option<Vec<u8>> {
         let path = self.path(key);
-        let mut bytes = fs::read(&path).ok()?;
+        let mut bytes = read_regular(&path, self.most_bytes)?;
         let value = bytes.split_off(HASH_BYTES.min(bytes.len()));
-        if Sha256::digest(&value)[..] != bytes[..] {
+        if Self::hash(&path, &value)[..] != bytes[..] {
             return None;
         }
         // Asked for now: what is not written stays a little older.
-        let _ = File::options().append(true).open(&path).and_then(|file| file.set_modified(SystemTime::now()));
+        let _ = unblocking().append(true).open(&path).and_then(|file| file.set_modified(SystemTime::now()));
         Some(value)
     }
 
     fn keep(&self, key: &Key, value: &[u8]) {
-        let hash = Sha256::digest(value);
+        let path = self.path(key);
         // A full or read-only disk keeps nothing: the next run computes it again.
-        let _ = put(&self.path(key), &[&hash[..], value].concat());
+        let _ = put(&path, &[&Self::hash(&path, value)[..], value].concat());
         // Once a process: results come by the dozen.
         if !self.is_cleared.swap(true, Ordering::Relaxed) {
             self.clear();
@@ -123,8 +154,24 @@ mod tests {
         let key = Key::of("run", &1.5);
         kept.keep(&key, b"value");
         let path = kept.path(&key);
-        for broken in [&b""[..], b"short", &[0; 40]] {
+        let own = fs::read(&path).unwrap();
+        let unbound = [&Sha256::digest(b"other")[..], b"other"].concat();
+        for broken in [&b""[..], b"short", &[0; 40], &own[..own.len() - 1], &unbound, &[7; 1001]] {
             fs::write(&path, broken).unwrap();
+            assert_eq!(kept.recall(&key), None);
+        }
+        // The file of another key is whole, and another's.
+        let other = Key::of("run", &2.5);
+        kept.keep(&other, b"value");
+        fs::copy(kept.path(&other), &path).unwrap();
+        assert_eq!((kept.recall(&key), kept.recall(&other)), (None, Some(b"value".to_vec())));
+        fs::write(&path, own).unwrap();
+        assert_eq!(kept.recall(&key).as_deref(), Some(&b"value"[..]));
+        #[cfg(unix)]
+        {
+            // A pipe that nobody writes to.
+            fs::remove_file(&path).unwrap();
+            assert!(std::process::Command::new("mkfifo").arg(&path).status().unwrap().success());
             assert_eq!(kept.recall(&key), None);
         }
         kept.keep(&key, b"");

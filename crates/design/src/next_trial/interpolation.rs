@@ -194,10 +194,10 @@ impl Nodes {
         let content = (name, models.own.content(), models.slopes.content(), space, &axes, loads_of_face);
         let loads = models.loads();
         let modelled = |numbers: Vec<f64>| {
-            let (log_ratio, sensitivity) = numbers.split_at(loads);
-            Modelled { log_ratio: log_ratio.to_vec(), sensitivity: sensitivity.to_vec() }
+            let (log_ratio, sensitivity) = numbers.split_at_checked(loads)?;
+            Some(Modelled { log_ratio: log_ratio.to_vec(), sensitivity: sensitivity.to_vec() })
         };
-        let nodes = kept(stage, &content, ask)?.into_iter().map(|node| node.map(modelled)).collect();
+        let nodes = kept(stage, &content, count, ask)?.into_iter().map(|node| node.and_then(modelled)).collect();
         Some(Self { axes, nodes })
     }
 

@@ -100,6 +100,12 @@ impl SurfaceOutcome {
         ] = optional;
         let [peak_pressure_pa, dt_s, wall_s] = [numbers.next()?, numbers.next()?, numbers.next()?];
         let numbers: Vec<f64> = numbers.collect();
+        // A run that ended as it should has finite numbers alone.
+        let is_finite = |number: &f64| number.is_finite();
+        let first = [peak_pressure_pa, dt_s, wall_s];
+        if !optional.iter().flatten().chain(&first).chain(&numbers).all(is_finite) {
+            return None;
+        }
         let (points, instants) = (usize::try_from(points).ok()?, usize::try_from(instants).ok()?);
         let split = points.checked_mul(4)?;
         if numbers.len() != split.checked_add(instants.checked_mul(2)?)? {
