@@ -23,7 +23,6 @@ pub const RESULTS: &str = "finished results";
 static ASKED: AtomicBool = AtomicBool::new(false);
 static ACCOUNT: Mutex<Account> =
     Mutex::new(Account { stage: String::new(), written: Vec::new(), kept: None, goes_on: None });
-static RENAMING: Mutex<()> = Mutex::new(());
 
 /// What is said of a run that was interrupted.
 struct Account {
@@ -53,7 +52,7 @@ pub fn install() -> Result<(), ctrlc::Error> {
         std::thread::spawn(|| {
             std::thread::sleep(GRACE);
             // Files appear together: not between two of them.
-            let _renaming = locked(&RENAMING);
+            let _renaming = slipgrid_disk::hold_renaming();
             // Whoever closed stderr does not want to know.
             let _ = writeln!(std::io::stderr(), "\nerror: {}", message());
             end();
@@ -63,7 +62,7 @@ pub fn install() -> Result<(), ctrlc::Error> {
 
 /// Ends the process, with the locks that it holds.
 fn end() -> ! {
-    crate::lock::remove_all();
+    slipgrid_disk::lock::remove_all();
     std::process::exit(exit_code::INTERRUPTED.into())
 }
 
@@ -103,11 +102,6 @@ pub fn wrote(path: &Path) {
 /// Names the command that goes on with what was kept.
 pub fn goes_on_with(command: String) {
     locked(&ACCOUNT).goes_on = Some(command);
-}
-
-/// While it is held the process does not end by a first Ctrl-C.
-pub fn shield() -> impl Drop {
-    locked(&RENAMING)
 }
 
 /// What is said of a run that was interrupted now.

@@ -4,7 +4,6 @@
 //! |---|---|
 //! | [`args`] | flags and help |
 //! | [`interruption`] | Ctrl-C |
-//! | [`lock`] | one run at a time for one folder of results |
 //! | [`output`] | files written whole or not at all |
 //! | [`progress`] | bar on a terminal, clock of long runs |
 //! | [`commands`] | one module a command |
@@ -23,7 +22,6 @@ pub mod commands;
 
 mod error;
 pub mod interruption;
-pub mod lock;
 
 pub mod output;
 pub mod progress;
@@ -35,7 +33,7 @@ use std::path::Path;
 use clap::{CommandFactory, FromArgMatches};
 
 pub use error::CliError;
-use slipgrid_disk::KeptResults;
+use slipgrid_disk::{KeptResults, ResultFolder};
 use slipgrid_formats::diagnostic::printable_lines;
 use slipgrid_report::Outputs;
 
@@ -111,13 +109,13 @@ impl Console<'_> {
         Ok(())
     }
 
-    /// Writes `outputs` into `folder` and says so.
+    /// Has `outputs` replace what `folder` holds of an earlier result, and says so.
     ///
     /// # Errors
-    /// [`CliError::Write`] as [`output::write`].
-    pub fn keep(&mut self, outputs: &Outputs, folder: &Path) -> Result<(), CliError> {
-        output::write(outputs, folder)?;
-        self.kept(outputs, folder);
+    /// [`CliError::Write`] as [`ResultFolder::replace`].
+    pub fn keep(&mut self, outputs: &Outputs, folder: &ResultFolder) -> Result<(), CliError> {
+        output::replace(outputs, folder)?;
+        self.kept(outputs, folder.path());
         Ok(())
     }
 
@@ -173,12 +171,16 @@ where
             return if refused.use_stderr() { exit_code::BAD_INPUT } else { exit_code::DONE };
         }
     };
-    let threads = arguments.threads.map_or(0, std::num::NonZeroUsize::get);
-    let pool = match rayon::ThreadPoolBuilder::new().num_threads(threads).build() {
+    let threads = arguments.threads.map_or_else(slipgrid_disk::default_threads, |threads| Ok(threads.get()));
+    let pool = threads.map_err(CliError::from).and_then(|threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+        pool.map_err(|error| CliError::Other(format!("--threads: {error}")))
+    });
+    let pool = match pool {
         Ok(pool) => pool,
         Err(error) => {
-            let _ = writeln!(err, "error: --threads: {error}");
-            return exit_code::FAILURE;
+            let _ = writeln!(err, "error: {error}");
+            return error.exit_code();
         }
     };
     let (quiet, no_cache) = (arguments.quiet, arguments.no_cache);

@@ -1,5 +1,5 @@
 //! What front doors share of the system: [`Disk`] reads and writes files for libraries that know none, [`Place`] is where results
-//! go without anything being lost, and [`KeptResults`] is a folder of results by their content, so that nothing is computed twice.
+//! go without anything being lost, [`ResultFolder`] a folder of them that is replaced as a whole, and [`KeptResults`] is a folder of results by their content, so that nothing is computed twice.
 //!
 //! Only this crate and the front doors themselves touch files. A kept result is the one that would be computed, to the last
 //! bit; a run with an empty folder, or without one, gives the same bytes:
@@ -20,19 +20,41 @@
 
 mod files;
 mod kept_results;
+pub mod lock;
 mod places;
+mod result_folder;
+mod written_list;
 
 pub use files::{Disk, disk};
 pub use kept_results::KeptResults;
 pub use places::{Place, PlaceError, WriteError, check_file, check_folder, refuse_foreign, write_file, write_folder};
+pub use result_folder::{ResultFolder, hold_renaming};
 
 use std::fs;
 use std::io;
 use std::io::Write;
 use std::path::Path;
 
+use slipgrid_formats::Diagnostic;
+
 /// Most threads of a pool: more than one machine has cores, and few enough to be made in an instant.
 pub const MOST_THREADS: usize = 1024;
+
+/// Threads of a pool for which nobody asked by a number: those that the environment names in `RAYON_NUM_THREADS`, else as many as cores.
+///
+/// # Errors
+/// [`Diagnostic`] where the environment names more than [`MOST_THREADS`].
+pub fn default_threads() -> Result<usize, Diagnostic> {
+    const VARIABLE: &str = "RAYON_NUM_THREADS";
+    let cores = std::thread::available_parallelism().map_or(1, usize::from).min(MOST_THREADS);
+    let Some(named) = std::env::var(VARIABLE).ok().filter(|text| !text.is_empty()) else { return Ok(cores) };
+    match named.parse() {
+        Ok(0) => Ok(cores),
+        Ok(threads) if threads <= MOST_THREADS => Ok(threads),
+        _ => Err(Diagnostic::flag(VARIABLE, named, "is no number of threads")
+            .expected(format!("a whole number up to {MOST_THREADS}, or no such variable"))),
+    }
+}
 
 /// Name of a file that is not finished, at its beginning and end.
 pub const UNFINISHED: (&str, &str) = (".slipgrid-", ".part");
@@ -43,12 +65,18 @@ pub const UNFINISHED: (&str, &str) = (".slipgrid-", ".part");
 /// # Errors
 /// What the system said.
 pub fn put(path: &Path, bytes: &[u8]) -> io::Result<()> {
-    let folder = path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let folder = parent(path);
     fs::create_dir_all(folder)?;
     let mut file = unfinished(0o666).tempfile_in(folder)?;
     file.write_all(bytes)?;
     file.as_file().sync_data()?;
     file.persist(path).map(drop).map_err(|error| error.error)
+}
+
+/// The folder that holds `path`.
+#[must_use]
+pub fn parent(path: &Path) -> &Path {
+    path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 
 /// A maker of files and folders of unfinished names, with permissions `mode` before the user's mask: temporary ones are

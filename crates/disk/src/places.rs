@@ -5,9 +5,12 @@ use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
 use slipgrid_formats::Diagnostic;
-use slipgrid_report::written::{HEAD, begins_as_ours};
+use slipgrid_report::Outputs;
+use slipgrid_report::written::{HEAD, has_mark};
 
-use crate::{put, unfinished};
+use crate::result_folder::ResultFolder;
+use crate::written_list::Written;
+use crate::{parent, put, unfinished};
 
 /// An output that could not be written.
 #[derive(Debug, thiserror::Error)]
@@ -65,25 +68,26 @@ impl<'a> Place<'a> {
         Ok(())
     }
 
-    /// Refuses to replace the file at `file` if it is one of `inputs`, or not slipgrid's.
-    fn check_replaced(&self, file: &Path, inputs: &[PathBuf]) -> Result<(), Diagnostic> {
+    /// Refuses to replace the file at `path` of `folder` if it is one of `inputs`, or not slipgrid's.
+    fn check_replaced(&self, folder: &Path, path: &Path, inputs: &[PathBuf]) -> Result<(), Diagnostic> {
+        let file = &folder.join(path);
         let reason = if inputs.iter().any(|input| is_same(input, file)) {
             "is an input of this run and would be replaced"
         } else if file.is_dir() {
             "is a folder where a file is to go"
-        } else if !is_ours(file) {
-            "was not written by slipgrid and would be replaced"
+        } else if !is_ours(folder, path) {
+            "was not written by slipgrid, or was changed since, and would be replaced"
         } else {
             return Ok(());
         };
-        let name = file.file_name().unwrap_or_default().to_string_lossy();
-        let reason = if file == self.path { reason.to_owned() } else { format!("holds {name}, which {reason}") };
+        let reason =
+            if file == self.path { reason.to_owned() } else { format!("holds {}, which {reason}", path.display()) };
         Err(self.refuse(reason).expected("another place, so that nothing is lost"))
     }
 }
 
 /// Checks, before long work starts, that results can go to a folder. `names` are those of the files that will be
-/// written there, with `*` for any letters; `inputs` are files that this run reads.
+/// written there, with one `*` for any letters and `/` below folders; `inputs` are files that this run reads.
 ///
 /// # Errors
 /// [`PlaceError`] if something else than a folder has that name, nothing can be written there, or a file would be
@@ -95,17 +99,20 @@ pub fn check_folder(place: Place<'_>, names: &[&str], inputs: &[PathBuf]) -> Res
         return Err(place.refuse("is a file").expected("a folder").into());
     }
     check_parents(place)?;
-    let Ok(entries) = fs::read_dir(folder) else { return Ok(()) };
-    let mut there: Vec<PathBuf> = entries.flatten().map(|entry| entry.path()).collect();
+    let mut there: Vec<PathBuf> = names.iter().flat_map(|pattern| matching(folder, pattern)).collect();
     there.sort();
-    let is_named = |path: &&PathBuf| {
-        let name = path.file_name().unwrap_or_default().to_string_lossy();
-        names.iter().any(|pattern| fits(&name, pattern))
-    };
-    for file in there.iter().filter(is_named) {
-        place.check_replaced(file, inputs)?;
-    }
+    there.iter().try_for_each(|path| place.check_replaced(folder, path, inputs))?;
     Ok(())
+}
+
+/// Paths in `folder` of what fits `pattern`.
+pub(crate) fn matching(folder: &Path, pattern: &str) -> Vec<PathBuf> {
+    let (first, rest) = pattern.split_once('/').map_or((pattern, None), |(first, rest)| (first, Some(rest)));
+    let entries = fs::read_dir(folder).into_iter().flatten().flatten();
+    let named = entries.map(|entry| PathBuf::from(entry.file_name())).filter(|name| fits(&name.to_string_lossy(), first));
+    let Some(rest) = rest else { return named.collect() };
+    let below = |name: PathBuf| matching(&folder.join(&name), rest).into_iter().map(move |path| name.join(path));
+    named.flat_map(below).collect()
 }
 
 /// Checks, before long work starts, that a result can go to a file; `inputs` are files that this run reads.
@@ -120,7 +127,8 @@ pub fn check_file(place: Place<'_>, inputs: &[PathBuf]) -> Result<(), PlaceError
     }
     check_parents(place)?;
     if place.path.exists() {
-        place.check_replaced(place.path, inputs)?;
+        let name = place.path.file_name().map_or(place.path, Path::new);
+        place.check_replaced(parent(place.path), name, inputs)?;
     }
     Ok(())
 }
@@ -132,11 +140,9 @@ pub fn check_file(place: Place<'_>, inputs: &[PathBuf]) -> Result<(), PlaceError
 /// [`PlaceError`] as of [`check_folder`], or if the system refuses.
 pub fn write_folder(place: Place<'_>, files: &[(String, Vec<u8>)], inputs: &[PathBuf]) -> Result<(), PlaceError> {
     let names: Vec<&str> = files.iter().map(|(name, _)| name.as_str()).collect();
-    check_folder(place, &names, inputs)?;
-    for (name, bytes) in files {
-        write_at(&place.path.join(name), bytes)?;
-    }
-    Ok(())
+    let mut outputs = Outputs::default();
+    files.iter().for_each(|(name, bytes)| outputs.add(name.as_str(), bytes.as_slice()));
+    Ok(ResultFolder::open(place, &names, inputs)?.replace(&outputs, &|| false)?)
 }
 
 /// Writes one file at `place`; `inputs` are files that it was made from.
@@ -176,18 +182,19 @@ fn fits(name: &str, pattern: &str) -> bool {
     }
 }
 
-/// Whether the file at `path` is one that slipgrid wrote, by how it begins, or is empty. Devices and pipes hold nothing
-/// that could be lost.
-fn is_ours(path: &Path) -> bool {
-    if is_device(path) {
+/// Whether the file at `path` of `folder` is one that slipgrid wrote, by its mark or the folder's list, or is empty. Devices and pipes
+/// hold nothing that could be lost.
+fn is_ours(folder: &Path, path: &Path) -> bool {
+    let file = &folder.join(path);
+    if is_device(file) {
         return true;
     }
     let mut head = Vec::new();
-    if fs::File::open(path).and_then(|file| file.take(HEAD as u64).read_to_end(&mut head)).is_err() {
+    if fs::File::open(file).and_then(|file| file.take(HEAD as u64).read_to_end(&mut head)).is_err() {
         return false;
     }
     let name = path.file_name().map(|name| name.to_string_lossy().to_lowercase()).unwrap_or_default();
-    head.is_empty() || begins_as_ours(&name, &head)
+    head.is_empty() || has_mark(&name, &head) || Written::read(folder).holds(folder, path)
 }
 
 /// Refuses to replace what slipgrid did not write.
@@ -195,10 +202,19 @@ fn is_ours(path: &Path) -> bool {
 /// # Errors
 /// [`WriteError`] if the file at `path` is there and not slipgrid's.
 pub fn refuse_foreign(path: &Path) -> Result<(), WriteError> {
-    if !path.exists() || is_ours(path) {
+    refuse_foreign_in(parent(path), path.file_name().map_or(path, Path::new))
+}
+
+/// Refuses to replace what slipgrid did not write into `folder`.
+///
+/// # Errors
+/// [`WriteError`] if the file at `path` of it is there and not slipgrid's.
+pub(crate) fn refuse_foreign_in(folder: &Path, path: &Path) -> Result<(), WriteError> {
+    let file = folder.join(path);
+    if !file.exists() || is_ours(folder, path) {
         return Ok(());
     }
-    Err(WriteError { path: path.to_owned(), source: io::Error::other("slipgrid did not write the file that is there") })
+    Err(WriteError { path: file, source: io::Error::other("slipgrid did not write the file that is there") })
 }
 
 fn check_parents(place: Place<'_>) -> Result<(), PlaceError> {

@@ -60,6 +60,11 @@ impl Outputs {
         Ok(())
     }
 
+    /// Adds all of `others`, each with `prefix` before its name: `next-1/` puts them below a folder.
+    pub fn add_below(&mut self, prefix: &str, others: &Self) {
+        self.files.extend(others.files.iter().map(|(name, content)| (format!("{prefix}{name}"), content.clone())));
+    }
+
     /// Adds a file that `write` makes, piece by piece, when it is written.
     pub fn add_stream(
         &mut self,

@@ -1,31 +1,7 @@
-//! Whether slipgrid wrote a file: only such a file is replaced.
+//! The marks of files that slipgrid wrote. Tables, pictures and process sheets have none: the folder that they are written to lists them.
 
 /// Bytes that are looked at.
 pub const HEAD: usize = 1024;
-
-/// How the tables begin that slipgrid writes.
-const TABLES: [&str; 20] = [
-    "# By slipgrid traces ",
-    "load_mpa,surface,",
-    "index,centre_x_mm,centre_y_mm,",
-    "index,part,corner,",
-    "index,line,from_x_mm,",
-    "width_um,spacing_um,depth_um,",
-    "x_um,height_um",
-    "q_per_um,psd_um4,",
-    "x_um,y_um,width_x_um,",
-    "distance_um,height_um,",
-    "pressure_mpa,area_fraction,",
-    "slope_factor,rms_slope,pressure_mpa,",
-    "force_n,pressure_mpa,speed_mm_s,",
-    "force_n,speed_mm_s,humidity_pct,ratio,",
-    "parameter,value,",
-    "surface,force_n,speed_mm_s,humidity_pct,trace,",
-    "kind,family,name,",
-    "planform,rim_width_um,rim_height_um,",
-    "trial,date,areal_density,",
-    "task,",
-];
 
 /// How a material file begins.
 const MATERIAL: &str = "# Material, by slipgrid ";
@@ -34,38 +10,29 @@ const SYNTHETIC: &str = "synthetic self-affine map, not a measurement";
 /// What a mean period says that was averaged from a map.
 const MEAN_PERIOD: &str = "mean period of measured cavities, by slipgrid";
 
-/// How its other files begin, by their name or its ending.
-const BEGINNINGS: [(&str, &[&str]); 14] = [
-    ("scene.toml", &["# Scene of the confirming run, by slipgrid "]),
-    ("process.toml", &["# Process sheet."]),
-    ("trials.toml", &["# Trials of one disc, by slipgrid: "]),
-    (".toml", &[MATERIAL]),
-    (".csv", &TABLES),
-    (".json", &["{\n  \"program\": \"slipgrid\"", "{\n  \"parameters\": [\n"]),
-    (".svg", &["<svg width=\"", "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\""]),
+/// How its other files begin, by the ending of their name.
+const BEGINNINGS: [(&str, &[&str]); 8] = [
+    (".toml", &[MATERIAL, "# Scene of the confirming run, by slipgrid ", "# Trials of one disc, by slipgrid: "]),
+    (".csv", &["# By slipgrid traces "]),
+    (".json", &["{\n  \"program\": \"slipgrid\""]),
     (".dxf", &["999\nslipgrid ", "999\r\nslipgrid "]),
     (".plt", &["CO \"slipgrid "]),
     (".gcode", &["(slipgrid "]),
     (".stl", &["slipgrid "]),
-    (".md", &["# Speed against error", "# Simulated laboratories"]),
     (".sh", &["#!/bin/bash\n# By slipgrid: "]),
-    (".1", &[".ie \\n(.g .ds Aq"]),
 ];
 
-/// Whether slipgrid wrote a file called `name`, in small letters, whose first [`HEAD`] bytes are `head`.
+/// Whether a file called `name`, in small letters, has a mark of slipgrid in `head`, its first [`HEAD`] bytes.
 #[must_use]
-pub fn begins_as_ours(name: &str, head: &[u8]) -> bool {
+pub fn has_mark(name: &str, head: &[u8]) -> bool {
     let text = String::from_utf8_lossy(head);
     if name.ends_with(".html") {
         return text.contains("<meta name=\"generator\" content=\"slipgrid ");
     }
-    if name.ends_with(".png") {
-        // 16 bits of grey: the height map.
-        return head.starts_with(b"\x89PNG\r\n\x1a\n") && head.get(24..26) == Some(&[16, 0]);
+    if name.ends_with(".csv") && is_campaign_table(&text) {
+        return true;
     }
-    let named =
-        BEGINNINGS.iter().find(|(ending, _)| name == *ending || (ending.starts_with('.') && name.ends_with(ending)));
-    match named {
+    match BEGINNINGS.iter().find(|(ending, _)| name.ends_with(ending)) {
         Some((_, beginnings)) => beginnings.iter().any(|beginning| text.starts_with(beginning)),
         // Materials and altitude maps may have any name.
         None => {
@@ -75,12 +42,19 @@ pub fn begins_as_ours(name: &str, head: &[u8]) -> bool {
     }
 }
 
+/// Whether `head` begins a table of a campaign: its first task has an id, a hash in 20 hexadecimal digits.
+fn is_campaign_table(head: &str) -> bool {
+    let mut lines = head.lines();
+    let id = lines.next().filter(|header| header.starts_with("task,")).and(lines.next()).and_then(|row| row.split_once(','));
+    id.is_some_and(|(id, _)| id.len() == 20 && id.bytes().all(|byte| byte.is_ascii_hexdigit()))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
-    fn a_file_is_known_by_its_beginning() {
+    fn a_file_is_known_by_its_mark() {
         for (name, head, ours) in [
             ("scene.toml", "# Scene of the confirming run, by slipgrid 0.1.0: slipgrid simulate", true),
             ("scene.toml", "# A design task: the pattern that brings friction to a target.   slipgrid optimize", false),
@@ -89,18 +63,21 @@ mod tests {
             ("c.toml", "# A calibration: measurements on flat samples", false),
             ("flat.csv", "force_n,speed_mm_s,humidity_pct,mu_dynamic,mu_dynamic_std\n", false),
             ("flat.csv", "# By slipgrid traces 0.1.0: flat samples", true),
-            ("trade-offs.csv", "width_um,spacing_um,depth_um,areal_density,x", true),
+            ("trade-offs.csv", "width_um,spacing_um,depth_um,areal_density,x", false),
+            ("table.csv", "task,due,who\nbuy laser,2026-12-01,me", false),
+            ("table.csv", "task,a,outcome\n8f441b6065e778870488,1,done", true),
+            ("pattern.svg", "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"100mm\"", false),
+            ("fit.json", "{\n  \"parameters\": [\n", false),
             ("result.json", "{\n  \"program\": \"slipgrid\",", true),
             ("result.json", "{}", false),
             ("report.html", "<!DOCTYPE html>\n<title>my report</title>", false),
             ("map.asc", "# Channel: altitude\n# synthetic self-affine map, not a measurement\n", true),
             ("map.asc", "# Channel: altitude\n# Width: 1 mm\n", false),
             ("period.asc", "# Channel: mean period\n# mean period of measured cavities, by slipgrid\n", true),
-            ("edge-profile.csv", "distance_um,height_um,height_error_um,rim_um\n", true),
-            ("rims.csv", "planform,rim_width_um,rim_height_um,pressure_mpa,ratio,", true),
+            ("section.csv", "x_um,height_um\n0,1\n", false),
             ("pattern.dxf", "0\nSECTION", false),
         ] {
-            assert_eq!(begins_as_ours(name, head.as_bytes()), ours, "{name} {head}");
+            assert_eq!(has_mark(name, head.as_bytes()), ours, "{name} {head}");
         }
     }
 }

@@ -13,19 +13,17 @@ use slipgrid_studies::laboratories;
 use super::announcement::say;
 use super::date;
 use crate::args::AccuracyArgs;
-use crate::output::{Place, check_folder};
+use crate::output::{ResultFolder, open};
 use crate::progress::Job;
 use crate::{CliError, Console, exit_code};
 use slipgrid_disk::disk;
 
 /// Runs every row and reports.
 pub fn run(args: &AccuracyArgs, console: &mut Console<'_>) -> Result<u8, CliError> {
-    if let Some(folder) = &args.output {
-        let inputs: Vec<PathBuf> = args.scene.iter().cloned().collect();
-        check_folder(Place::output(folder), &["report.html", "accuracy.*", "result.json"], &inputs)?;
-    }
+    let inputs: Vec<PathBuf> = args.scene.iter().cloned().collect();
+    let folder = open(args.output.as_ref(), &["report.html", "accuracy.*", "result.json"], &inputs)?;
     if args.laboratories {
-        return of_laboratories(args, console);
+        return of_laboratories(args, folder.as_ref(), console);
     }
     let (scene, input) = match &args.scene {
         Some(path) => {
@@ -55,7 +53,7 @@ pub fn run(args: &AccuracyArgs, console: &mut Console<'_>) -> Result<u8, CliErro
     let expense = Expense { core_s: wall_s * console.threads as f64, wall_s, bytes: 0.0 };
     say("this comparison", expense, false, console);
     let report = accuracy::compare(size, &base, &source, seeds, machine(size), &Job::new(console))?;
-    if let Some(folder) = &args.output {
+    if let Some(folder) = &folder {
         let mut outputs = Outputs::default();
         outputs.add("accuracy.md", accuracy::markdown(&report));
         outputs.add("accuracy.csv", accuracy::csv(&report));
@@ -76,9 +74,13 @@ pub fn run(args: &AccuracyArgs, console: &mut Console<'_>) -> Result<u8, CliErro
 }
 
 /// Runs every policy in simulated laboratories and reports.
-fn of_laboratories(args: &AccuracyArgs, console: &mut Console<'_>) -> Result<u8, CliError> {
+fn of_laboratories(
+    args: &AccuracyArgs,
+    folder: Option<&ResultFolder>,
+    console: &mut Console<'_>,
+) -> Result<u8, CliError> {
     let report = laboratories::run(&laboratories::Options::default(), &laboratories::Policy::ALL, &Job::new(console))?;
-    if let Some(folder) = &args.output {
+    if let Some(folder) = folder {
         let mut outputs = Outputs::default();
         outputs.add("accuracy.md", format!("# Simulated laboratories\n\n{}\n", report.lines().join("\n")));
         outputs.add("result.json", json(&report)?);

@@ -8,7 +8,7 @@ use slipgrid_topography::{Crop, Decimation, Form, LengthUnit, Missing, ReadOptio
 
 use crate::args::{AreaLawArgs, FormName, MapArgs, MissingName};
 use crate::interruption::heed;
-use crate::output::{Place, check_folder};
+use crate::output::open;
 use crate::progress::Job;
 use crate::{CliError, Console, exit_code};
 use slipgrid_formats::altitude_map::{read_period, refuse_law};
@@ -24,10 +24,8 @@ const POLYETHYLENE_GPA: f64 = 0.38;
 
 /// Computes the curve and reports.
 pub fn run(args: &AreaLawArgs, console: &mut Console<'_>) -> Result<u8, CliError> {
-    if let Some(folder) = &args.output {
-        let inputs: Vec<PathBuf> = args.map.iter().cloned().collect();
-        check_folder(Place::output(folder), &["result.json", "timings.json", "area-law.*"], &inputs)?;
-    }
+    let inputs: Vec<PathBuf> = args.map.iter().cloned().collect();
+    let folder = open(args.output.as_ref(), &["result.json", "timings.json", "area-law.*"], &inputs)?;
     let request = request(args)?;
     let mut report = match (&args.map, args.persson_rms_slope) {
         (Some(path), _) => of_map(path, args, request, console)?,
@@ -42,7 +40,7 @@ pub fn run(args: &AreaLawArgs, console: &mut Console<'_>) -> Result<u8, CliError
         let said = "Young's modulus was not given: that of the published polyethylene is taken; area goes with pressure over modulus";
         report.model.push(said.to_owned());
     }
-    if let Some(folder) = &args.output {
+    if let Some(folder) = &folder {
         let mut outputs = Outputs::default();
         outputs.add_record(&report)?;
         outputs.add("area-law.csv", table_csv(&report));

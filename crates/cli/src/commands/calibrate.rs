@@ -3,7 +3,7 @@
 use slipgrid_calibrate::Selection;
 
 use crate::args::CalibrateArgs;
-use crate::output::{Place, check_file, check_folder, write_file};
+use crate::output::{Place, ResultFolder, check_file, write_file};
 use crate::progress::Job;
 use crate::{CliError, Console, exit_code};
 use slipgrid_disk::disk;
@@ -23,11 +23,10 @@ pub fn run(args: &CalibrateArgs, console: &mut Console<'_>) -> Result<u8, CliErr
     if let Some(path) = &args.output {
         check_file(Place::output(path), &read.inputs)?;
     }
-    if let Some(folder) = &args.report {
-        let place = Place { flag: "--report", path: folder };
-        let names = [&calibration::FILES[..], &super::traces::FILES].concat();
-        check_folder(place, &names, &read.inputs)?;
-    }
+    let of_traces = if read.traces.is_empty() { &[][..] } else { &super::traces::FILES };
+    let names = [&calibration::FILES[..], of_traces].concat();
+    let report = args.report.as_ref().map(|path| Place { flag: "--report", path });
+    let report = report.map(|place| ResultFolder::open(place, &names, &read.inputs)).transpose()?;
     // What is unusual may be why the fit is refused, after minutes.
     console.warn(&read.told);
     let sample = (DEFAULT_SPECIMEN, DEFAULT_SEED);
@@ -39,7 +38,7 @@ pub fn run(args: &CalibrateArgs, console: &mut Console<'_>) -> Result<u8, CliErr
         write_file(path, file.as_bytes())?;
     }
     let ledger = calibration::ledger(&read, &outcome, &Job::new(console))?;
-    if let Some(folder) = &args.report {
+    if let Some(folder) = &report {
         let outputs = calibration::files(&read, &task, &outcome, ledger.as_ref())?;
         console.keep(&outputs, folder)?;
     }

@@ -4,11 +4,11 @@ use std::path::Path;
 use std::sync::Arc;
 use std::time::SystemTime;
 
-use slipgrid_campaign::{CampaignError, Folder, Share, plan};
+use slipgrid_campaign::{CampaignError, Engine, Folder, Share, plan};
 
 use crate::args::{CampaignArgs, CampaignStep, MergeArgs, PlanArgs, WorkArgs};
 use crate::interruption::goes_on_with;
-use crate::output::{Place, check_file, quoted, write_file};
+use crate::output::{Place, ResultFolder, check_file, quoted, write_file};
 use crate::progress::Job;
 use crate::{CliError, Console, exit_code};
 use slipgrid_disk::{Disk, disk};
@@ -27,6 +27,11 @@ fn at(folder: &Path) -> Folder {
 }
 
 fn planned(args: &PlanArgs, console: &mut Console<'_>) -> Result<u8, CliError> {
+    if args.emit.is_some() {
+        let absolute = std::path::absolute(&args.output).unwrap_or_else(|_| args.output.clone());
+        Engine::check_folder_name(&absolute)?;
+    }
+    let _locked = ResultFolder::open(Place::output(&args.output), &[], &[])?;
     let planned = plan(&disk(), &args.campaign, &Job::new(console))?;
     at(&args.output).keep(&planned)?;
     let folder = args.output.display();
@@ -34,7 +39,7 @@ fn planned(args: &PlanArgs, console: &mut Console<'_>) -> Result<u8, CliError> {
         let absolute = args.output.canonicalize().unwrap_or_else(|_| args.output.clone());
         let [workers, cores] = [args.workers, args.cores].map(|count| count as usize);
         let script =
-            engine.script(&absolute.to_string_lossy(), workers, cores, args.at_once.map(|count| count as usize));
+            engine.script(&absolute, workers, cores, args.at_once.map(|count| count as usize))?;
         write_file(&args.output.join(format!("{}.sh", engine.name())), script.as_bytes())?;
     }
     console.answer(&format!(

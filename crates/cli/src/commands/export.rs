@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use crate::args::ExportArgs;
-use crate::output::{Place, check_folder};
+use crate::output::{Place, ResultFolder, add};
 use crate::{CliError, Console, exit_code};
 use slipgrid_design::{StoredDesign, StoredError};
 use slipgrid_disk::disk;
@@ -29,7 +29,7 @@ pub fn run(args: &ExportArgs, console: &mut Console<'_>) -> Result<u8, CliError>
     let result = if inside.is_file() { &inside } else { &args.result };
     let folder = args.output.as_deref().or(result.parent()).unwrap_or(Path::new("."));
     let out = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
-    check_folder(Place::output(out), &FILES, std::slice::from_ref(result))?;
+    let place = ResultFolder::open(Place::output(out), &FILES, std::slice::from_ref(result))?;
     let stored = read(result, args.sample)?;
     let refuse = |reason: String| Diagnostic::file(result, reason);
     let pattern = stored_pattern(result, &stored.design)?;
@@ -59,7 +59,7 @@ pub fn run(args: &ExportArgs, console: &mut Console<'_>) -> Result<u8, CliError>
     if outputs.names().is_empty() {
         return Err(CliError::Inputs(said));
     }
-    crate::output::write(&outputs, out)?;
+    add(&outputs, &place)?;
     for name in outputs.names() {
         console.answer(&format!("{}\n", folder.join(name).display()))?;
     }

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use crate::args::{NewArgs, TemplateName};
-use crate::output::{quoted, write_file};
+use crate::output::{Place, ResultFolder, add, quoted, write_file};
 use crate::{CliError, Console, exit_code};
 use slipgrid_formats::Diagnostic;
 use slipgrid_report::Outputs;
@@ -32,7 +32,7 @@ pub fn run(args: &NewArgs, console: &mut Console<'_>) -> Result<u8, CliError> {
             let mut files = Outputs::default();
             files.add("calibration.toml", CALIBRATION);
             files.add("flat.csv", FLAT);
-            crate::output::write(&files, path)?;
+            add(&files, &ResultFolder::open(Place { flag: "new", path }, &[], &[])?)?;
         }
     }
     let (command, file) = match args.template {

@@ -9,13 +9,15 @@ use slipgrid_report::{Outputs, draw_next};
 use super::complete;
 use super::optimize::refused;
 use crate::args::NextArgs;
-use crate::output::{Place, check_folder};
+use crate::output::open;
 use crate::progress::Job;
 use crate::{CliError, Console, exit_code};
 use slipgrid_disk::disk;
 
-/// What is written for each sample.
-const FILES: [&str; 2] = ["pattern.*", "process.toml"];
+/// What is written for several samples, and for those of one disc.
+const FILES: [&str; 5] =
+    ["result.json", "timings.json", "trials.toml", "next-*/pattern.*", "next-*/process.toml"];
+const FILES_OF_DISC: [&str; 5] = ["result.json", "timings.json", "trials.toml", "pattern.*", "process.toml"];
 
 /// Chooses, writes and reports.
 pub fn run(args: &NextArgs, console: &mut Console<'_>) -> Result<u8, CliError> {
@@ -26,15 +28,7 @@ pub fn run(args: &NextArgs, console: &mut Console<'_>) -> Result<u8, CliError> {
     }
     let mut design = Design::read(&disk(), &args.design)?;
     console.warn(&design.told);
-    let samples = 1..=if args.one_disc { 1 } else { args.count };
-    let own = |n| if args.one_disc { String::new() } else { format!("next-{n}") };
-    let folders: Vec<_> = args.output.iter().flat_map(|folder| samples.clone().map(|n| folder.join(own(n)))).collect();
-    for folder in &folders {
-        check_folder(Place::output(folder), &FILES, &design.inputs)?;
-    }
-    if let Some(folder) = &args.output {
-        check_folder(Place::output(folder), &["result.json", "timings.json", "trials.toml"], &design.inputs)?;
-    }
+    let folder = open(args.output.as_ref(), if args.one_disc { &FILES_OF_DISC } else { &FILES }, &design.inputs)?;
     let own = args.candidate.iter().map(|text| design.candidate(text)).collect::<Result<_, _>>()?;
     let calibration = complete(&mut design, console)?;
     let samples = calibration.map_or_else(Vec::new, |calibration| calibration.trials.samples);
@@ -44,14 +38,17 @@ pub fn run(args: &NextArgs, console: &mut Console<'_>) -> Result<u8, CliError> {
     let found =
         next_trials(&design.task, &options, &Job::new(console)).map_err(|error| refused(error, &design, None))?;
     let report = &found.report;
-    if let Some(folder) = &args.output {
-        let mut record = Outputs::default();
-        record.add_record(report)?;
-        console.keep(&record, folder)?;
-    }
-    if args.output.is_some() {
-        let drawn = draw_next(&found, &design.task).map_err(|error| design.refuse_whole(error.to_string()))?;
-        folders.iter().zip(&drawn).try_for_each(|(folder, outputs)| console.keep(outputs, folder))?;
+    if let Some(folder) = &folder {
+        let mut outputs = Outputs::default();
+        outputs.add_record(report)?;
+        let drawn = draw_next(&found, &design.task);
+        for (place, own) in drawn.iter().flatten().enumerate() {
+            let below = if args.one_disc { String::new() } else { format!("next-{}/", place + 1) };
+            outputs.add_below(&below, own);
+        }
+        // The record stands even where nothing can be drawn.
+        console.keep(&outputs, folder)?;
+        drawn.map_err(|error| design.refuse_whole(error.to_string()))?;
     }
     console.report(args.json, report, || report.text())?;
     Ok(exit_code::DONE)

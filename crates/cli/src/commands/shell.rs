@@ -4,7 +4,7 @@ use clap::{Command, CommandFactory};
 use clap_mangen::Man;
 
 use crate::args::{Arguments, CompletionsArgs, ManArgs};
-use crate::output::{Place, check_folder};
+use crate::output::{Place, ResultFolder, add};
 use crate::{CliError, Console, exit_code};
 use slipgrid_report::Outputs;
 
@@ -25,10 +25,10 @@ pub fn man(args: &ManArgs, console: &mut Console<'_>) -> Result<u8, CliError> {
         console.out.write_all(&page(program)?)?;
         return Ok(exit_code::DONE);
     };
-    check_folder(Place::output(folder), &["slipgrid*.1"], &[])?;
+    let place = ResultFolder::open(Place::output(folder), &["slipgrid*.1"], &[])?;
     let mut pages = Outputs::default();
     add_pages(&program, "slipgrid", &mut pages)?;
-    crate::output::write(&pages, folder)?;
+    add(&pages, &place)?;
     for name in pages.names() {
         writeln!(console.out, "{}", folder.join(name).display())?;
     }

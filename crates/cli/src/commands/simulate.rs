@@ -5,7 +5,7 @@ use slipgrid_monitor::Stage;
 
 use crate::args::SimulateArgs;
 use crate::interruption::{enter, heed};
-use crate::output::{Place, check_folder};
+use crate::output::open;
 use crate::progress::Job;
 use crate::{CliError, Console, exit_code};
 use slipgrid_design::simulate_on;
@@ -20,9 +20,7 @@ const FILES: [&str; 6] =
 
 /// Solves a scene and reports.
 pub fn run(args: &SimulateArgs, console: &mut Console<'_>) -> Result<u8, CliError> {
-    if let Some(folder) = &args.output {
-        check_folder(Place::output(folder), &FILES, std::slice::from_ref(&args.scene))?;
-    }
+    let folder = open(args.output.as_ref(), &FILES, std::slice::from_ref(&args.scene))?;
     let overrides = Overrides { fidelity: args.fidelity.map(Into::into), extent: args.extent.map(Into::into) };
     let input = SceneInput::read(&disk(), &args.scene, overrides)?;
     console.warn(&input.told);
@@ -37,7 +35,7 @@ pub fn run(args: &SimulateArgs, console: &mut Console<'_>) -> Result<u8, CliErro
     enter("errors");
     let (simulation, report) = input.report(simulation, wall_s, console.threads)?;
     heed()?;
-    if let Some(folder) = &args.output {
+    if let Some(folder) = &folder {
         console.keep(&files::of_scene(&input.scene, &simulation, &report)?, folder)?;
     }
     console.report(args.json, &report, || report.table())?;

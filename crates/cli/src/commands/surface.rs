@@ -7,7 +7,7 @@ use slipgrid_topography::{
 
 use super::area_law::map_options;
 use crate::args::SurfaceArgs;
-use crate::output::{Place, check_file, check_folder, write_file};
+use crate::output::{Place, check_file, open as open_folder, write_file};
 use crate::progress::Job;
 use crate::{CliError, Console, exit_code};
 use slipgrid_formats::altitude_map::{read_for, refuse as refuse_map};
@@ -17,9 +17,7 @@ use slipgrid_units::LENGTH_UM;
 
 /// Reads the map, measures it and reports.
 pub fn run(args: &SurfaceArgs, console: &mut Console<'_>) -> Result<u8, CliError> {
-    if let Some(folder) = &args.output {
-        check_folder(Place::output(folder), &FILES, std::slice::from_ref(&args.map))?;
-    }
+    let folder = open_folder(args.output.as_ref(), &FILES, std::slice::from_ref(&args.map))?;
     if let Some(file) = &args.period_out {
         check_file(Place { flag: "--period-out", path: file }, std::slice::from_ref(&args.map))?;
     }
@@ -68,7 +66,7 @@ pub fn run(args: &SurfaceArgs, console: &mut Console<'_>) -> Result<u8, CliError
     let spectrum = map.radial_spectrum(window, &job).map_err(refuse)?;
     let report = SurfaceReport::new(&args.map, &surface, &curve, &lengths, &spectrum, cavities.as_ref(), &job);
     let report = report.map_err(cancelled)?;
-    if let Some(folder) = &args.output {
+    if let Some(folder) = &folder {
         let of =
             Measured { surface: &surface, curve: &curve, spectrum: &spectrum, cavities: cavities.as_ref(), column };
         let outputs = files(&report, of, &job)?;

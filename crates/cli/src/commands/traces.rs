@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use crate::args::TracesArgs;
-use crate::output::{Place, check_folder};
+use crate::output::{self, open};
 use crate::{CliError, Console, exit_code};
 use slipgrid_formats::calibration::Calibration;
 use slipgrid_formats::file_kind::FileKind;
@@ -26,9 +26,7 @@ pub const FILES: [&str; 7] = [
 
 /// Reads exports and reports.
 pub fn run(args: &TracesArgs, console: &mut Console<'_>) -> Result<u8, CliError> {
-    if let Some(folder) = &args.output {
-        check_folder(Place::output(folder), &FILES, &args.files)?;
-    }
+    let folder = open(args.output.as_ref(), &FILES, &args.files)?;
     let conditions = match &args.files[..] {
         [file] if is_calibration(file) => of_calibration(file, args)?,
         [folder] if folder.is_dir() => {
@@ -36,9 +34,11 @@ pub fn run(args: &TracesArgs, console: &mut Console<'_>) -> Result<u8, CliError>
         }
         _ => vec![analyse_condition(&slipgrid_disk::disk(), &setup(args)?, &condition(args)?)?],
     };
-    if let Some(folder) = &args.output {
+    if let Some(folder) = &folder {
         let outputs = traces::files(&conditions)?;
-        console.keep(&outputs, folder)?;
+        // Flat and patterned samples, or several conditions, may go to one folder one after the other.
+        output::add(&outputs, folder)?;
+        console.kept(&outputs, folder.path());
     }
     console.answer(&traces::summary(&conditions))?;
     Ok(exit_code::DONE)

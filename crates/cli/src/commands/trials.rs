@@ -7,7 +7,7 @@ use slipgrid_report::trials::TrialsReport;
 
 use super::calibrate::DEFAULT_SEED;
 use crate::args::TrialsArgs;
-use crate::output::{Place, check_folder};
+use crate::output::open;
 use crate::progress::Job;
 use crate::{CliError, Console, exit_code};
 use slipgrid_disk::disk;
@@ -16,20 +16,15 @@ use slipgrid_disk::disk;
 pub fn run(args: &TrialsArgs, console: &mut Console<'_>) -> Result<u8, CliError> {
     let calibration = Calibration::read(&disk(), &args.calibration)?;
     console.warn(&calibration.told);
-    if let Some(folder) = &args.output {
-        check_folder(
-            Place::output(folder),
-            &["trials.*", "report.html", "result.json", "timings.json"],
-            &calibration.inputs,
-        )?;
-    }
+    let names = ["trials.*", "report.html", "result.json", "timings.json"];
+    let folder = open(args.output.as_ref(), &names, &calibration.inputs)?;
     let sample = (DEFAULT_SPECIMEN, DEFAULT_SEED);
     let job = Job::new(console);
     let (task, learned) = learn(&calibration, &args.calibration, &disk(), sample, &job)?;
     let report = TrialsReport::new(&calibration.name, &task.trials.samples, &learned.discrepancy, &job)?
         .with_pending(&learned)
         .with_warnings(calibration.doubts.clone());
-    if let Some(folder) = &args.output {
+    if let Some(folder) = &folder {
         console.keep(&report.files()?, folder)?;
     }
     console.report(args.json, &report, || report.text())?;

@@ -9,7 +9,7 @@ use slipgrid_studies::validation::{self, Patterns, ValidationTask, validate};
 use slipgrid_units::{LENGTH_UM, POSITIVE, Quantity};
 
 use crate::args::ValidateArgs;
-use crate::output::{Place, check_folder};
+use crate::output::open;
 use crate::progress::Job;
 use crate::{CliError, Console, exit_code};
 use slipgrid_disk::disk;
@@ -38,9 +38,7 @@ const FILES: [&str; 11] = [
 
 /// Reads both tables, models every condition and reports.
 pub fn run(args: &ValidateArgs, console: &mut Console<'_>) -> Result<u8, CliError> {
-    if let Some(folder) = &args.output {
-        check_folder(Place::output(folder), &FILES, std::slice::from_ref(&args.calibration))?;
-    }
+    let folder = open(args.output.as_ref(), &FILES, std::slice::from_ref(&args.calibration))?;
     // What is wrong with the flags is said before anything is read.
     patterns(args, None)?;
     let slope_factors = slope_factors(&args.slope_factors)?;
@@ -73,7 +71,7 @@ pub fn run(args: &ValidateArgs, console: &mut Console<'_>) -> Result<u8, CliErro
         figures: args.output.is_some(),
     };
     let (report, mut outputs) = validate(&task, &disk(), &Job::new(console))?;
-    if let Some(folder) = &args.output {
+    if let Some(folder) = &folder {
         outputs.add_record(&report)?;
         outputs.add("ratios.csv", validation::csv(&report));
         outputs.add("ratios.svg", validation::picture(&report)?);

@@ -34,6 +34,22 @@ fn inputs_and_what_others_wrote_are_not_replaced() {
     }
     assert_eq!(contents(), before);
     assert_eq!(names(&place.path("job")), ["scene.toml"]);
+    // What begins as a file of slipgrid is none.
+    place.succeed(&[&MAP[..], &["-o", "own.asc"]].concat());
+    fs::create_dir(place.path("others")).unwrap();
+    for (name, text, args) in [
+        ("pattern.svg", "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"100mm\"><!-- mine --></svg>", vec!["optimize", "d.toml"]),
+        ("section.csv", "x_um,height_um\n0,1\n", vec!["surface", "own.asc"]),
+        ("interface.csv", "load_mpa,surface,x_um,pressure_mpa,friction_mpa\nmine\n", vec!["simulate", "s.toml"]),
+        ("table.csv", "task,due,who\nbuy laser,2026-12-01,me\n", vec!["optimize", "d.toml", "--table"]),
+        ("process.toml", "# Process sheet. Mine\n", vec!["optimize", "d.toml"]),
+    ] {
+        fs::write(place.path("others").join(name), text).unwrap();
+        let message = place.refuse(&[&args[..], &["-o", "others"]].concat());
+        assert!(message.contains(&format!("others holds {name}, which was not written by slipgrid")), "{message}");
+        assert_eq!(fs::read_to_string(place.path("others").join(name)).unwrap(), text);
+        fs::remove_file(place.path("others").join(name)).unwrap();
+    }
     // Files that are not in the way are nobody's concern.
     place.succeed(&["simulate", "s.toml", "-o", "job"]);
     fs::write(place.path("job/result.json"), "{\"mine\": 1}").unwrap();

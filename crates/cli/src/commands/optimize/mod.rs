@@ -12,15 +12,14 @@ use slipgrid_report::{ReportError, files};
 use super::complete;
 use crate::args::OptimizeArgs;
 use crate::interruption::{goes_on_with, heed};
-use crate::lock::Lock;
-use crate::output::{self, Place, check_folder};
+use crate::output::{Place, ResultFolder, replace};
 use crate::progress::Job;
 use crate::study_file::StudyFile;
 use crate::{CliError, Console, exit_code};
 use slipgrid_disk::disk;
 
 /// What is written.
-const FILES: [&str; 11] = [
+const FILES: [&str; 15] = [
     "report.html",
     "result.json",
     "timings.json",
@@ -32,6 +31,11 @@ const FILES: [&str; 11] = [
     "table.*",
     "friction*",
     "interface*",
+    // Drawings that `export` added of an earlier design.
+    "corners.csv",
+    "hatch.csv",
+    "height-map.png",
+    "removed.stl",
 ];
 
 /// Searches, confirms, writes and reports.
@@ -40,8 +44,7 @@ pub fn run(args: &OptimizeArgs, console: &mut Console<'_>) -> Result<u8, CliErro
     let mut design = Design::read(&disk(), &args.design)?;
     console.warn(&design.told);
     let folder = args.output.clone().unwrap_or_else(|| places::default_folder(&args.design));
-    check_folder(Place::output(&folder), &FILES, &design.inputs)?;
-    let _held = Lock::new(&places::lock_path(&folder))?;
+    let results = ResultFolder::open(Place::output(&folder), &FILES, &design.inputs)?;
     goes_on_with(args.resuming(console.no_cache));
 
     design.task.table |= args.table;
@@ -66,7 +69,7 @@ pub fn run(args: &OptimizeArgs, console: &mut Console<'_>) -> Result<u8, CliErro
     found.report.wall_s = started.elapsed().as_secs_f64();
     files::add_report(&found, &mut outputs)?;
     let report = &found.report;
-    output::write(&outputs, &folder)?;
+    replace(&outputs, &results)?;
     console.report(args.json, report, || report.summary())?;
     console.kept(&outputs, &folder);
     Ok(match found.status {

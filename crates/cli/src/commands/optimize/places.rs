@@ -1,4 +1,4 @@
-//! Where results, kept answers and the lock of a design go.
+//! Where results and kept answers of a design go.
 
 use std::path::{Path, PathBuf};
 
@@ -15,12 +15,6 @@ pub fn default_folder(design: &Path) -> PathBuf {
 #[must_use]
 pub fn study_path(folder: &Path) -> PathBuf {
     beside(folder, ".study.jsonl")
-}
-
-/// The file that a run for the folder of results holds locked: out/NAME.lock.
-#[must_use]
-pub fn lock_path(folder: &Path) -> PathBuf {
-    beside(folder, ".lock")
 }
 
 fn beside(folder: &Path, ending: &str) -> PathBuf {
@@ -53,6 +47,5 @@ mod tests {
         }
         assert_eq!(study_path(Path::new("out/a")), Path::new("out/a.study.jsonl"));
         assert_eq!(study_path(Path::new("..")), Path::new("../design.study.jsonl"));
-        assert_eq!(lock_path(Path::new(".")), Path::new("./design.lock"));
     }
 }

@@ -241,6 +241,8 @@ impl Place {
 pub fn names(folder: &Path) -> Vec<String> {
     let mut names: Vec<String> =
         fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
+    // The list of what was written is no result.
+    names.retain(|name| name != ".slipgrid-written");
     names.sort();
     names
 }

@@ -9,9 +9,9 @@ use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{SystemTime, UNIX_EPOCH};
 
-use crate::CliError;
-use crate::output::WriteError;
 use slipgrid_formats::Diagnostic;
+
+use crate::places::{PlaceError, WriteError};
 
 /// Times that a file which its holder has just removed is made again.
 const ATTEMPTS: usize = 20;
@@ -57,7 +57,7 @@ impl Lock {
     ///
     /// # Errors
     /// [`Diagnostic`] if another run holds it, by who and since when; [`WriteError`] if the system refuses.
-    pub fn new(path: &Path) -> Result<Self, CliError> {
+    pub fn new(path: &Path) -> Result<Self, PlaceError> {
         let failed = |source: io::Error| WriteError { path: path.to_owned(), source };
         if path.is_dir() {
             return Err(Diagnostic::file(path, "is a folder where a file is to go").expected("no such folder").into());
@@ -91,7 +91,11 @@ impl Lock {
                 }
                 _ => {}
             }
-            own.write(&mut file).map_err(failed)?;
+            if let Err(error) = own.write(&mut file) {
+                // A full disk: an empty file would stay.
+                let _ = fs::remove_file(path);
+                return Err(failed(error).into());
+            }
             lock.file = Some(file);
             held().push(path.to_owned());
             return Ok(lock);

@@ -1,0 +1,110 @@
+use super::*;
+
+fn outputs(files: &[(&str, &str)]) -> Outputs {
+    let mut outputs = Outputs::default();
+    files.iter().for_each(|(name, text)| outputs.add(*name, *text));
+    outputs
+}
+
+fn open(folder: &Path) -> Result<ResultFolder, PlaceError> {
+    ResultFolder::open(Place::output(folder), &["result.json", "friction-*.svg", "next-*/a.svg", "table.csv"], &[])
+}
+
+fn replace(folder: &Path, files: &[(&str, &str)]) -> Result<(), WriteError> {
+    open(folder).unwrap().replace(&outputs(files), &|| false)
+}
+
+/// Names with contents, but for the list.
+fn content(folder: &Path) -> Vec<(String, String)> {
+    let mut all = Vec::new();
+    for entry in fs::read_dir(folder).unwrap().map(Result::unwrap) {
+        let name = entry.file_name().into_string().unwrap();
+        if entry.path().is_dir() {
+            all.extend(content(&entry.path()).into_iter().map(|(below, text)| (format!("{name}/{below}"), text)));
+        } else if name != LIST {
+            all.push((name, fs::read_to_string(entry.path()).unwrap()));
+        }
+    }
+    all.sort();
+    all
+}
+
+fn of(files: &[(&str, &str)]) -> Vec<(String, String)> {
+    let mut files: Vec<_> = files.iter().map(|(name, text)| ((*name).to_owned(), (*text).to_owned())).collect();
+    files.sort();
+    files
+}
+
+#[test]
+fn a_result_is_replaced_as_a_whole_and_files_of_others_stay() {
+    // Beside a folder of the user files are renamed one by one.
+    for has_folder in [false, true] {
+        let place = tempfile::tempdir().unwrap();
+        let folder = place.path().join("deep/out");
+        replace(&folder, &[("result.json", "1"), ("friction-1mpa.svg", "1"), ("table.csv", "1")]).unwrap();
+        let mut kept = vec![("notes.txt", "mine")];
+        fs::write(folder.join("notes.txt"), "mine").unwrap();
+        if has_folder {
+            fs::create_dir(folder.join("own")).unwrap();
+            fs::write(folder.join("own/a"), "mine").unwrap();
+            kept.push(("own/a", "mine"));
+        }
+        let second = [("result.json", "2"), ("friction-2mpa.svg", "2")];
+        replace(&folder, &second).unwrap();
+        assert_eq!(content(&folder), of(&[&second[..], &kept].concat()), "pictures of the first result are gone");
+        // What the user changed is the user's.
+        fs::write(folder.join("friction-2mpa.svg"), "changed").unwrap();
+        let refused = open(&folder).unwrap_err().to_string();
+        assert!(refused.contains("holds friction-2mpa.svg, which was not written by slipgrid, or was changed"), "{refused}");
+        fs::remove_file(folder.join("friction-2mpa.svg")).unwrap();
+        let third = [("result.json", "3"), ("next-1/a.svg", "3")];
+        replace(&folder, &third).unwrap();
+        open(&folder).unwrap().add(&outputs(&[("table.csv", "4")]), &|| false).unwrap();
+        assert_eq!(content(&folder), of(&[&third[..], &[("table.csv", "4")], &kept].concat()));
+        replace(&folder, &[("result.json", "5"), ("next-1/a.svg", "5")]).unwrap();
+        assert_eq!(names_in(folder.parent().unwrap()).unwrap().len(), 1, "nothing is left beside it");
+    }
+}
+
+#[test]
+fn nothing_changes_where_a_result_is_refused_cancelled_or_has_a_name_twice() {
+    let place = tempfile::tempdir().unwrap();
+    let folder = place.path().join("out");
+    replace(&folder, &[("result.json", "1")]).unwrap();
+    let held = open(&folder).unwrap();
+    fs::write(folder.join("friction-1mpa.svg"), "<svg width=\"mine\"/>").unwrap();
+    let before = content(&folder);
+    let new = [("friction-1mpa.svg", "2"), ("result.json", "2")];
+    let refused = held.replace(&outputs(&new), &|| false).unwrap_err().to_string();
+    assert!(refused.contains("friction-1mpa.svg: cannot be written: slipgrid did not write"), "{refused}");
+    assert!(held.replace(&outputs(&new[1..]), &|| true).is_err());
+    let twice = held.replace(&outputs(&[new[1], new[1]]), &|| false).unwrap_err().to_string();
+    assert!(twice.contains("two results would have the name result.json"), "{twice}");
+    assert_eq!(content(&folder), before);
+    let other = open(&folder).unwrap_err().to_string();
+    assert!(other.contains("another run works for this folder") || other.contains("holds friction-1mpa.svg"), "{other}");
+    fs::remove_file(folder.join("friction-1mpa.svg")).unwrap();
+    let other = open(&folder).unwrap_err().to_string();
+    assert!(other.contains("another run works for this folder"), "{other}");
+}
+
+/// A run that was killed leaves files of two results, and the list of both.
+#[test]
+fn what_a_killed_run_left_is_replaced_and_old_unfinished_files_go() {
+    let place = tempfile::tempdir().unwrap();
+    let folder = place.path().join("out");
+    replace(&folder, &[("result.json", "1"), ("table.csv", "1")]).unwrap();
+    let list = fs::read_to_string(folder.join(LIST)).unwrap();
+    replace(&folder, &[("result.json", "2"), ("table.csv", "2")]).unwrap();
+    fs::write(folder.join(LIST), list + &fs::read_to_string(folder.join(LIST)).unwrap()).unwrap();
+    fs::write(folder.join("table.csv"), "1").unwrap();
+    for name in [".slipgrid-old.part", ".slipgrid-new.part", "other.part"] {
+        fs::write(place.path().join(name), "").unwrap();
+    }
+    let old = File::options().write(true).open(place.path().join(".slipgrid-old.part")).unwrap();
+    old.set_modified(SystemTime::now() - 2 * ABANDONED).unwrap();
+    replace(&folder, &[("result.json", "3"), ("table.csv", "3")]).unwrap();
+    assert_eq!(content(&folder), of(&[("result.json", "3"), ("table.csv", "3")]));
+    let left: Vec<OsString> = names_in(place.path()).unwrap().into_iter().collect();
+    assert_eq!(left, [".slipgrid-new.part", "other.part", "out"]);
+}

@@ -1,0 +1,77 @@
+//! The list of what slipgrid wrote into a folder: names with hashes, as `sha256sum` writes them. Tables and pictures have no room for a
+//! mark of their own. What was changed since is the user's.
+
+use std::collections::BTreeMap;
+use std::fmt::Write;
+use std::fs::{self, File};
+use std::io;
+use std::path::Path;
+
+use sha2::{Digest, Sha256};
+
+/// The name of the list in its folder.
+pub(crate) const LIST: &str = ".slipgrid-written";
+
+/// Hashes of the files that slipgrid wrote into a folder, by their names; several where a run was killed while it replaced them.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Written(BTreeMap<String, Vec<String>>);
+
+impl Written {
+    /// The list of `folder`, empty where there is none.
+    pub(crate) fn read(folder: &Path) -> Self {
+        let mut written = Self::default();
+        for line in fs::read_to_string(folder.join(LIST)).unwrap_or_default().lines() {
+            if let Some((hash, name)) = line.split_once("  ") {
+                written.0.entry(name.to_owned()).or_default().push(hash.to_owned());
+            }
+        }
+        written
+    }
+
+    /// Whether the file at `path` of `folder` is in the list, with the content that it has.
+    pub(crate) fn holds(&self, folder: &Path, path: &Path) -> bool {
+        let Some(hashes) = path.to_str().and_then(|name| self.0.get(name)) else { return false };
+        hash_file(&folder.join(path)).is_ok_and(|hash| hashes.contains(&hash))
+    }
+
+    pub(crate) fn insert(&mut self, name: &str, hash: String) {
+        self.0.insert(name.to_owned(), vec![hash]);
+    }
+
+    pub(crate) fn remove(&mut self, path: &Path) {
+        path.to_str().map(|name| self.0.remove(name));
+    }
+
+    pub(crate) fn to_text(&self) -> String {
+        let lines = self.0.iter().flat_map(|(name, hashes)| hashes.iter().map(move |hash| format!("{hash}  {name}\n")));
+        lines.collect()
+    }
+}
+
+fn hash_file(path: &Path) -> io::Result<String> {
+    let mut hash = HashWriter(Sha256::new());
+    io::copy(&mut File::open(path)?, &mut hash)?;
+    Ok(hexadecimal(&hash.0.finalize()))
+}
+
+struct HashWriter(Sha256);
+
+impl io::Write for HashWriter {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.0.update(bytes);
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
+    }
+}
+
+/// `bytes` as hexadecimal digits.
+pub(crate) fn hexadecimal(bytes: &[u8]) -> String {
+    bytes.iter().fold(String::new(), |mut text, byte| {
+        // Writing to a string never fails.
+        let _ = write!(text, "{byte:02x}");
+        text
+    })
+}
