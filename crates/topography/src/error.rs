@@ -1,6 +1,7 @@
 use slipgrid_monitor::Cancelled;
 
 use crate::cavities::Crossing;
+use crate::read::Foreign;
 
 /// Why an altitude map, or an operation on one, was refused.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -168,6 +169,25 @@ pub enum ReadError {
         /// Values that it should have.
         expected: usize,
     },
+    /// A table of one profile, not of a map.
+    #[error(
+        "{lines} lines of {columns} values are a profile, not a map: expected a matrix of heights, or points x y z"
+    )]
+    Profile {
+        /// Lines of the table.
+        lines: usize,
+        /// Values of each.
+        columns: usize,
+    },
+    /// A table with a column of coordinates that is no list of points x y z.
+    #[error(
+        "column {column} runs in equal steps, as coordinates do, which are no heights: expected a matrix of heights alone, or the three \
+         columns x y z"
+    )]
+    Coordinates {
+        /// The column, from 1.
+        column: usize,
+    },
     /// A header entry that cannot be understood.
     #[error("line {line}: {key} is \"{value}\": expected {expected}")]
     Header {
@@ -233,7 +253,7 @@ pub enum ReadError {
         step: f64,
     },
     /// All points share one coordinate.
-    #[error("all points have {axis} = {}: expected a grid of at least 2 x 2", plain(*value))]
+    #[error("all points have {axis} = {}, as of a profile: expected a map, on a grid of at least 2 x 2", plain(*value))]
     OneLine {
         /// `x` or `y`.
         axis: &'static str,
@@ -277,14 +297,8 @@ pub enum ReadError {
         beginning: String,
     },
     /// A file of an instrument that is not read.
-    #[error(
-        "this is a {format}, which is not read: export it as .sur, .x3p, .gsf or text from the instrument's program or from \
-         Gwyddion"
-    )]
-    Foreign {
-        /// What the file is.
-        format: &'static str,
-    },
+    #[error("this is a {}, which is not read: export {}", .0.format, .0.export)]
+    Foreign(Foreign),
     /// An entry of a binary file's header that cannot be understood.
     #[error("{format}: {field} is \"{value}\": expected {expected}")]
     Field {
@@ -386,8 +400,13 @@ fn plain(value: f64) -> String {
 
 /// A length in micrometres, to six digits.
 fn um(length_m: f64) -> String {
-    let digits = format!("{:.5e}", length_m * 1e6);
-    digits.parse().map_or(digits, plain)
+    significant(length_m * 1e6, 6)
+}
+
+/// `value` to so many digits.
+pub(crate) fn significant(value: f64, digits: usize) -> String {
+    let written = format!("{value:.*e}", digits.saturating_sub(1));
+    written.parse().map_or(written, plain)
 }
 
 #[cfg(test)]

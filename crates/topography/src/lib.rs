@@ -41,6 +41,7 @@ pub mod fourier;
 mod cavities;
 mod despike;
 mod error;
+mod file_faults;
 mod fill;
 mod form;
 mod level;
@@ -72,7 +73,7 @@ pub use parameters::{
 pub use periodic::{periodic_component, side_step_ratio};
 pub use plausibility::{MapWarning, limits};
 pub use prepare::{Missing, Preparation, PreparationError, PreparedMap};
-pub use read::{Crop, Decimation, DecimationMethod, MapFormat, ReadMap, ReadOptions, read_map};
+pub use read::{Crop, Decimation, DecimationMethod, Foreign, MapFormat, ReadMap, ReadOptions, read_map};
 pub use synthetic::SelfAffine;
 pub use unit::{LengthUnit, UnknownUnit};
 pub use write::MatrixStyle;

@@ -5,6 +5,7 @@ use std::fmt;
 use slipgrid_monitor::{Cancelled, Monitor};
 use slipgrid_statistics::upper_median;
 
+use crate::error::significant;
 use crate::{Form, HeightMap, Spikes};
 
 /// The limits of plausibility of maps, all of them.
@@ -43,6 +44,12 @@ pub mod limits {
     /// Rms slopes of surfaces that slide: polished metal has 1e-3 to 1e-2, ground or lasered 0.1 to 0.5. Below the first
     /// a wafer, or heights in too large a unit; above the second elastic contact of gentle slopes no longer holds.
     pub const WARNED_SLOPE: [f64; 2] = [1e-4, 1.0];
+    /// Sides of pixels, in metres: from half the distance of two atoms to what the eye sees.
+    pub const WARNED_PIXEL_M: [f64; 2] = [1e-10, 1e-3];
+    /// Ratio of a pixel's sides: scans of profiles have up to 10 between them; sides a thousand times apart are in two units.
+    pub const WARNED_PIXEL_RATIO: f64 = 12.0;
+    /// Share of the points that are zeros beside zeros from which these are named; a few may be a flat of the surface.
+    pub const WARNED_ZEROS_SHARE: f64 = 1e-3;
     /// Slopes at which the area law means nothing: full contact at once, or walls of 84 degrees on average.
     pub const POSSIBLE_SLOPE: [f64; 2] = [1e-7, 10.0];
     /// Sq of surfaces that slide, in metres: from the size of an atom to what the eye sees as a relief.
@@ -99,6 +106,18 @@ pub enum MapWarning {
         /// Points of the map.
         points: usize,
     },
+    /// Blocks of points that are exactly zero, as some instruments write points that they did not measure.
+    Zeros {
+        /// Such points.
+        zeros: usize,
+        /// Points of the map.
+        points: usize,
+    },
+    /// Pixels with sides of which one seems to be in another unit, or unknown.
+    Pixels {
+        /// Sides along x and y, in metres.
+        pixel_m: [f64; 2],
+    },
     /// An rms slope that no surface that slides has.
     Slope {
         /// The rms slope.
@@ -121,6 +140,8 @@ impl MapWarning {
             Self::Lowered { .. } => "hole",
             Self::Curved { .. } => "curved",
             Self::Missing { .. } => "missing points",
+            Self::Zeros { .. } => "zeros",
+            Self::Pixels { .. } => "pixels",
             Self::Slope { .. } => "slope",
             Self::Heights { .. } => "unit of heights",
         }
@@ -165,6 +186,18 @@ impl fmt::Display for MapWarning {
                 "{:.0} % of the map ({missing} of {points} points) was not measured; what fills it is smooth, so that slopes \
                  come out too small: crop the map to what was measured",
                 100.0 * *missing as f64 / *points as f64
+            ),
+            Self::Zeros { zeros, points } => write!(
+                f,
+                "{zeros} of {points} points are exactly 0 in blocks, as some instruments write points that they did not measure: \
+                 if they are, export them as NaN or BAD"
+            ),
+            Self::Pixels { pixel_m: [x_m, y_m] } => write!(
+                f,
+                "pixels of {} x {} um are implausible: a side of the map may be missing in the file or in another unit; --pixel-um \
+                 and --pixel-y-um give both",
+                significant(x_m * 1e6, 5),
+                significant(y_m * 1e6, 5)
             ),
             Self::Slope { rms_slope } => write!(
                 f,
@@ -349,18 +382,18 @@ impl HeightMap {
 pub(crate) const ROBUST_DEVIATION: f64 = 1.4826;
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::*;
     use crate::SelfAffine;
     use slipgrid_monitor::Unwatched;
 
     /// A synthetic surface on 128 x 128 pixels of 2 um.
-    fn rough(hurst: f64) -> HeightMap {
+    pub(crate) fn rough(hurst: f64) -> HeightMap {
         let size = SelfAffine { pixels: 128, side_m: 256e-6, min_wave: 2, max_wave: 40, ..SelfAffine::STAND_IN };
         SelfAffine { hurst, ..size }.map().unwrap()
     }
 
-    fn changed(map: &HeightMap, change: impl Fn(usize, f64) -> f64) -> HeightMap {
+    pub(crate) fn changed(map: &HeightMap, change: impl Fn(usize, f64) -> f64) -> HeightMap {
         let heights = map.heights_m().iter().enumerate().map(|(n, &height)| change(n, height)).collect();
         HeightMap::new(map.rows(), map.cols(), map.dx_m(), map.dy_m(), heights).unwrap()
     }

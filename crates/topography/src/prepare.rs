@@ -134,6 +134,7 @@ impl PreparedMap {
         if missing as f64 > limits::MOST_MISSING_SHARE * points as f64 {
             return Err(PreparationError::MostlyMissing { missing, points });
         }
+        let zeros = map.zeros_warning();
         if how.despike {
             notes.push(despiked(&mut map, monitor)?);
         }
@@ -151,6 +152,7 @@ impl PreparedMap {
             ));
         }
         warnings.extend(map.missing_warning());
+        warnings.extend(map.pixel_warning().into_iter().chain(zeros));
         let filled = match map.missing() {
             0 => Vec::new(),
             _ => map.heights_m().iter().map(|height| height.is_nan()).collect(),

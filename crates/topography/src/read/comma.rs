@@ -58,7 +58,7 @@ impl DecimalSign {
 }
 
 /// Whether all fields of `text` are heights, more than one.
-fn is_row(delimiter: Delimiter, text: &str) -> bool {
+pub(super) fn is_row(delimiter: Delimiter, text: &str) -> bool {
     delimiter.fields(text).all(|field| height(field).is_some()) && delimiter.fields(text).nth(1).is_some()
 }
 

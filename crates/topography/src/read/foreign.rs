@@ -1,33 +1,99 @@
 //! Files of instruments that are not read: told by what they begin with, so that a message can name them.
 
-/// What files begin with, and what they are called.
-const BEGINNINGS: [(&[u8], &str); 14] = [
-    (b"AliconaImaging\0", "Alicona surface (.al3d)"),
-    (b"\x01\0Directory", "Wyko surface (.opd)"),
-    (b"\x88\x1b\x03\x6f", "Zygo MetroPro surface (.dat)"),
-    (b"\x88\x1b\x03\x70", "Zygo MetroPro surface (.dat)"),
-    (b"\x88\x1b\x03\x71", "Zygo MetroPro surface (.dat)"),
-    (b"VK3_", "Keyence surface (.vk3)"),
-    (b"VK4_", "Keyence surface (.vk4)"),
-    (b"VK6", "Keyence surface (.vk6)"),
-    (b"VK7", "Keyence surface (.vk7)"),
-    (b"GWYP", "Gwyddion document (.gwy)"),
-    (b"FRTM_", "FRT MicroProf surface (.frt)"),
-    (b"\x89PNG", "PNG picture"),
-    (b"II*\0", "TIFF picture"),
-    (b"MM\0*", "TIFF picture"),
+/// A kind of file that is not read.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Foreign {
+    /// What it is called.
+    pub format: &'static str,
+    /// What to export in its place.
+    pub export: &'static str,
+}
+
+/// What Gwyddion or the instrument's program writes of most formats.
+const COMMON: &str = ".sur, .x3p, .gsf or text from the instrument's program or from Gwyddion";
+const VK: &str = "the heights as CSV, or .sur, .x3p, .gsf or text from Gwyddion";
+const MX: &str = "a Zygo XYZ text from Mx, or .sur, .x3p, .gsf or text from Gwyddion";
+const VISION: &str = "ASCII (.asc) from Vision64, or .sur, .x3p, .gsf or text from Gwyddion";
+const SENSOFAR: &str = "the points as .dat from SensoVIEW, or .sur, .x3p, .gsf or text from Gwyddion";
+const MOUNTAINS: &str = "the surface alone as .sur from MountainsMap";
+const PICTURE: &str = "the heights, which a picture does not hold, as .sur, .x3p, .gsf or text";
+const PACKED: &str = "the file in it: unpack it first";
+const SHEET: &str = "the sheet with the heights as CSV";
+
+/// What files begin with, what they are called, and what to export in their place.
+const BEGINNINGS: [(&[u8], &str, &str); 41] = [
+    (b"AliconaImaging\0", "Alicona surface (.al3d)", COMMON),
+    (b"\x01\0Directory", "Wyko surface (.opd)", VISION),
+    (b"VCA DATA\x01\0\0\x55", "Bruker surface (.opdx)", VISION),
+    (b"\x88\x1b\x03\x6f", "Zygo MetroPro surface (.dat)", COMMON),
+    (b"\x88\x1b\x03\x70", "Zygo MetroPro surface (.dat)", COMMON),
+    (b"\x88\x1b\x03\x71", "Zygo MetroPro surface (.dat)", COMMON),
+    (b"\x89HDF\r\n\x1a\n", "HDF5 file, such as a Zygo surface (.datx)", MX),
+    (b"VK3_", "Keyence surface (.vk3)", VK),
+    (b"VK4_", "Keyence surface (.vk4)", VK),
+    (b"VK6", "Keyence surface (.vk6)", VK),
+    (b"VK7", "Keyence surface (.vk7)", VK),
+    (b"KPK0", "Keyence surface (.zon)", VK),
+    (b"GWYP", "Gwyddion document (.gwy)", ".gsf or text from Gwyddion"),
+    (b"FRTM_", "FRT MicroProf surface (.frt)", COMMON),
+    (b"\\*File list", "Bruker NanoScope image (.spm)", COMMON),
+    (b"\x01\xb0\x93\xff", "NT-MDT image (.mdt)", COMMON),
+    (b"WSxM file copyright", "WSxM image (.stp)", COMMON),
+    (b"OLYMPUSRAWFORMAT", "Olympus image (.oir)", COMMON),
+    (b"MATLAB 5.0 MAT-file", "MATLAB file (.mat)", "the heights as text, or as .npy"),
+    (b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1", "MountainsMap document (.mnt) or an Excel workbook (.xls)", MOUNTAINS),
+    (b"solid ", "STL mesh (.stl)", COMMON),
+    (b"ply\n", "PLY mesh (.ply)", COMMON),
+    (b"ply\r\n", "PLY mesh (.ply)", COMMON),
+    (b"%PDF", "PDF document", COMMON),
+    (b"\x89PNG", "PNG picture", PICTURE),
+    (b"II*\0", "TIFF picture", PICTURE),
+    (b"MM\0*", "TIFF picture", PICTURE),
+    (b"II+\0", "TIFF picture", PICTURE),
+    (b"\xff\xd8\xff", "JPEG picture", PICTURE),
+    (b"GIF8", "GIF picture", PICTURE),
+    (b"BM", "BMP picture", PICTURE),
+    (b"\x1f\x8b", "gzip archive", PACKED),
+    (b"BZh", "bzip2 archive", PACKED),
+    (b"\xfd7zXZ\0", "xz archive", PACKED),
+    (b"7z\xbc\xaf\x27\x1c", "7z archive", PACKED),
+    (b"Rar!\x1a\x07", "RAR archive", PACKED),
+    (b"PK\x05\x06", "zip archive without files", PACKED),
+    (b"<!DOCTYPE html", "HTML page", COMMON),
+    (b"<html", "HTML page", COMMON),
+    (b"<?xml", "XML document", COMMON),
+    (b"{\rtf", "RTF document", COMMON),
+];
+
+/// What a zip archive without the index of an X3P surface is, by a file in it.
+const ARCHIVES: [(&str, &str, &str); 5] = [
+    ("index.xml", "Sensofar surface (.plux)", SENSOFAR),
+    ("xl/workbook.xml", "Excel workbook (.xlsx)", SHEET),
+    ("content.xml", "spreadsheet (.ods)", SHEET),
+    (".x3p", "zip archive of X3P surfaces", PACKED),
+    ("", "zip archive without the main.xml of an X3P surface", PACKED),
 ];
 
 /// What a file that begins with `start` is, if it is one of an instrument that is not read.
-pub(super) fn name_of(start: &[u8]) -> Option<&'static str> {
-    let known = BEGINNINGS.iter().find(|(beginning, _)| start.starts_with(beginning)).map(|(_, name)| *name);
-    known.or_else(|| is_plu(start).then_some(PLU))
+pub(super) fn of(start: &[u8]) -> Option<Foreign> {
+    // Words of two or three letters begin texts, too: the files that they name have bytes of no text.
+    let is_binary = start.iter().any(|&byte| byte < 9);
+    let is_known =
+        |beginning: &[u8]| start.starts_with(beginning) && (beginning.len() > 3 || !beginning.is_ascii() || is_binary);
+    let known = BEGINNINGS.iter().find(|(beginning, ..)| is_known(beginning));
+    let known = known.map(|&(_, format, export)| Foreign { format, export });
+    known.or_else(|| is_plu(start).then_some(Foreign { format: "Sensofar surface (.plu)", export: SENSOFAR }))
 }
 
-const PLU: &str = "Sensofar surface (.plu)";
-/// What a Sensofar archive holds beside its heights; the archive of an X3P surface has `main.xml` instead.
-pub(super) const PLUX_INDEX: &str = "index.xml";
-pub(super) const PLUX: &str = "Sensofar surface (.plux)";
+/// What a zip archive with files of these `names` is.
+pub(super) fn archive_of(names: impl Iterator<Item = impl AsRef<str>>) -> Option<Foreign> {
+    let names: Vec<String> = names.map(|name| name.as_ref().to_lowercase()).collect();
+    let holds = |part: &str| {
+        names.iter().any(|name| name == part || part.starts_with('.') && name.ends_with(part) || part.is_empty())
+    };
+    let known = ARCHIVES.iter().find(|(part, ..)| holds(part));
+    known.map(|&(_, format, export)| Foreign { format, export })
+}
 
 /// A `.plu` file has no mark; it begins with a date and time, as `Thu May 10 10:17:24 2007`, and zeros to 128 bytes.
 fn is_plu(start: &[u8]) -> bool {
@@ -59,15 +125,32 @@ mod tests {
             (b"VK4_\0\0", "Keyence surface (.vk4)"),
             (b"GWYPGwyContainer\0", "Gwyddion document (.gwy)"),
             (b"II*\0\x08\0\0\0", "TIFF picture"),
+            (b"\x89HDF\r\n\x1a\n\0\0\0\0", "Zygo surface (.datx)"),
+            (b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1\0\0", "MountainsMap document (.mnt)"),
+            (b"\\*File list\r\n\\Version: 0x05120130\r\n", "NanoScope"),
+            (b"BM\x36\0\0\0", "BMP picture"),
+            (b"\x1f\x8b\x08\0", "gzip archive"),
+            (b"solid ascii\nfacet normal 0 0 1\n", "STL mesh"),
         ] {
             let message = read_map(bytes, &ReadOptions::default()).unwrap_err().to_string();
+            assert!(message.contains(name) && message.contains("not read: export"), "{message}");
+        }
+        for (names, name) in [
+            (&["index.xml", "LAYER_0.raw"][..], "(.plux)"),
+            (&["[Content_Types].xml", "xl/workbook.xml"], "(.xlsx)"),
+            (&["a/1.x3p", "a/2.x3p"], "archive of X3P"),
+            (&["notes.txt"], "zip archive"),
+        ] {
+            let mut writer = zip::ZipWriter::new(std::io::Cursor::new(Vec::new()));
+            names.iter().for_each(|name| writer.start_file(*name, zip::write::SimpleFileOptions::default()).unwrap());
+            let bytes = writer.finish().unwrap().into_inner();
+            let message = read_map(&bytes[..], &ReadOptions::default()).unwrap_err().to_string();
             assert!(message.contains(name), "{message}");
-            assert!(message.contains("export") && message.contains(".sur, .x3p, .gsf or text"), "{message}");
         }
         // Numbers and dates of texts are no such file.
-        for text in [&b"10:17:24 2007 1 2 3\n"[..], b"1 2 3 4\n5 6 7 8\n"] {
+        for text in [&b"10:17:24 2007 1 2 3\n"[..], b"1 2 3 4\n5 6 7 8\n", b"BM: 3\n1 2 3 4\n"] {
             let message = read_map(text, &ReadOptions::default()).unwrap_err().to_string();
-            assert!(!message.contains("Sensofar"), "{message}");
+            assert!(!message.contains("export"), "{message}");
         }
     }
 }

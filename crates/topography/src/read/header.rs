@@ -1,32 +1,48 @@
-//! What comment lines before the data say: sizes, units, titles.
+//! What lines above the data say: sizes, units, titles.
 
-use super::comma::header_length;
+use super::entries::{length, nanometres, positive, rounding, stated_length, unit, whole};
 use super::keep_comment;
+use super::keys::{Key, states_scale};
 use super::lines::{Delimiter, excerpt, height, number};
-use crate::unit::unit_names;
+use super::scale::Scale;
 use crate::{LengthUnit, ReadError};
+
+/// Lines of a header that are named as not used; more are counted.
+const MAX_NAMED: usize = 4;
 
 /// What the header said.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Header {
     /// Extent across the columns, in metres.
-    pub(crate) width_m: Option<f64>,
+    pub(super) width_m: Option<f64>,
     /// Extent across the rows, in metres.
-    pub(crate) height_m: Option<f64>,
-    /// Largest part of each of them that their rounding leaves open.
-    pub(crate) rounding: [f64; 2],
-    pub(crate) value_unit: Option<LengthUnit>,
-    /// Nanometres of a height of 1, where a header says that instead of a unit.
-    pub(crate) value_nm: Option<f64>,
+    pub(super) height_m: Option<f64>,
+    /// Both, of a square scan, in metres.
+    side_m: Option<f64>,
+    /// Sides of a pixel along x and y, in metres.
+    pub(super) pixel_m: [Option<f64>; 2],
+    /// Largest part of width and height that their rounding leaves open.
+    pub(super) rounding: [f64; 2],
+    value_unit: Option<Scale>,
+    /// The length that a value of 1 stands for, where no unit is stated.
+    value_factor: Option<Scale>,
+    pub(super) lateral: Option<Scale>,
     /// The first line was SPIP's: other programs use the same words with other units.
     spip: bool,
+    /// The file is a CSV export of a Keyence microscope.
+    pub(super) keyence: bool,
     /// Titles of the columns x, y and z were met.
-    pub(crate) titled: bool,
+    pub(super) titled: bool,
     /// Lines of the matrix, and values on each.
-    pub(crate) pixels: [Option<u64>; 2],
-    pub(crate) lateral_unit: Option<LengthUnit>,
+    pub(super) pixels: [Option<u64>; 2],
     /// Comment lines without their mark.
-    pub(crate) comments: Vec<String>,
+    pub(super) comments: Vec<String>,
+    /// Lengths that wait for the unit of x and y, with their line.
+    bare: Vec<(Key, f64, usize, String)>,
+    /// Lines with a comma that may be decimal or a mark of thousands, and why each was refused.
+    ambiguous: Vec<(String, usize, ReadError)>,
+    /// Lines that state a unit or a scale and are not used.
+    unused: Vec<(usize, String)>,
 }
 
 impl Header {
@@ -40,55 +56,229 @@ impl Header {
     }
 
     /// Takes in what a line without a mark says that names a value above the data, as `Operator: Anna`. Programs write any words there:
-    /// where the value is none that we know, as of `Height: 480`, the line is a comment and nothing else.
+    /// a value that is not understood is no error.
     pub(super) fn unmarked(&mut self, text: &str, line: usize) {
-        // What is refused was kept among the comments before it was read.
-        self.comment(text, line).ok();
+        if self.comment(text, line).is_err() {
+            self.name_unused(text, line);
+        }
     }
 
     /// Takes in what a comment says.
     fn comment(&mut self, comment: &str, line: usize) -> Result<(), ReadError> {
         keep_comment(&mut self.comments, comment);
-        let Some((key, value)) = comment.split_once([':', '=']) else { return Ok(()) };
-        let value = value.trim();
-        match key.trim().to_ascii_lowercase().as_str() {
-            "width" => {
-                self.width_m = Some(length(line, "Width", value)?);
-                self.rounding[1] = rounding(value);
+        self.entries(comment, line).or_else(|error| match &error {
+            ReadError::Header { value, .. } if value.contains(',') => {
+                self.ambiguous.push((comment.to_owned(), line, error));
+                Ok(())
             }
-            "height" => {
-                self.height_m = Some(length(line, "Height", value)?);
-                self.rounding[0] = rounding(value);
-            }
-            // Of other programs' words whatever counts lines.
-            "rows" => self.pixels[0] = value.parse().ok().filter(|count| *count > 0).or(self.pixels[0]),
-            "value units" | "z units" => self.value_unit = Some(unit(line, "Value units", value)?),
-            "xy units" | "lateral units" => self.lateral_unit = Some(unit(line, "XY units", value)?),
-            "file format" => self.spip = value.eq_ignore_ascii_case("ascii"),
-            key if self.spip => self.spip_entry(key, value, line)?,
-            _ => {}
+            _ => Err(error),
+        })
+    }
+
+    /// Takes in the entries of a line: one, or several as in `h=48 w=64`.
+    fn entries(&mut self, comment: &str, line: usize) -> Result<(), ReadError> {
+        let words: Vec<&str> = comment.split_whitespace().collect();
+        if words.len() > 1 && words.iter().all(|word| word.split_once('=').is_some_and(|(key, _)| !key.is_empty())) {
+            return words.into_iter().try_for_each(|word| self.entry(word, line));
         }
-        Ok(())
+        self.entry(comment, line)
+    }
+
+    fn entry(&mut self, text: &str, line: usize) -> Result<(), ReadError> {
+        let Some((word, value)) = entry(text) else { return Ok(()) };
+        let spip = word.to_ascii_lowercase();
+        if spip == "file format" {
+            self.spip = value.eq_ignore_ascii_case("ascii");
+        } else if self.spip && self.spip_entry(&spip, &value, line)? {
+            return Ok(());
+        }
+        // `Width [um]: 640` and `height conversion factor (-> m)=6.3e-8` name the unit beside the word.
+        let (word, value) = match word.strip_suffix([')', ']']).and_then(|word| word.rsplit_once(['(', '['])) {
+            Some((word, unit)) => (word.trim(), format!("{value} {}", unit.trim_start_matches("->").trim())),
+            None => (word, value),
+        };
+        let Some(key) = Key::of(word) else {
+            if states_scale(word, &value, Scale::parse(&value).is_some()) {
+                self.name_unused(text, line);
+            }
+            return Ok(());
+        };
+        self.set(key, word, &value, line).map(|is_used| {
+            if !is_used {
+                self.name_unused(text, line);
+            }
+        })
+    }
+
+    /// Sets what `key`, written as `word`, states; whether it did.
+    fn set(&mut self, key: Key, word: &str, value: &str, line: usize) -> Result<bool, ReadError> {
+        let name = key.name();
+        // Of other programs' words whatever counts lines.
+        let count = || value.parse().ok().filter(|count| *count > 0);
+        match key {
+            Key::Width | Key::Height => {
+                let axis = usize::from(key == Key::Height);
+                if let Some(bare) = number(value).filter(|_| word.contains('-')) {
+                    self.bare.push((key, bare, line, word.to_owned()));
+                    return Ok(true);
+                }
+                let length_m = Some(length(line, name, value)?);
+                if axis == 0 {
+                    self.width_m = length_m
+                } else {
+                    self.height_m = length_m
+                }
+                self.rounding[1 - axis] = rounding(value);
+            }
+            Key::Side => self.side_m = Some(length(line, name, value)?),
+            Key::Cols => self.pixels[1] = count().or(self.pixels[1]),
+            Key::Rows => self.pixels[0] = count().or(self.pixels[0]),
+            Key::Pixel | Key::PixelX | Key::PixelY => match (stated_length(value), number(value)) {
+                (Some(length), _) => self.set_pixel(key, length.to_metres(1.0)),
+                (None, Some(bare)) => self.bare.push((key, bare, line, word.to_owned())),
+                (None, None) => return Ok(false),
+            },
+            Key::HeightUnit => self.value_unit = Some(unit(line, name, value)?),
+            Key::DataUnit => {
+                let unit = Scale::parse(value);
+                self.value_unit = unit.or(self.value_unit);
+                // Radians become heights by a factor.
+                return Ok(unit.is_some() || value.eq_ignore_ascii_case("rad"));
+            }
+            Key::HeightFactor => {
+                let factor = Scale::parse(value);
+                self.value_factor = factor.or(self.value_factor);
+                return Ok(factor.is_some() || number(value) == Some(1.0));
+            }
+            Key::LateralUnit => self.lateral = Some(unit(line, name, value)?),
+        }
+        Ok(true)
     }
 
     /// An entry of a header by SPIP: lengths in nanometres, heights in their unit or, without one, times Bit2nm.
-    fn spip_entry(&mut self, key: &str, value: &str, line: usize) -> Result<(), ReadError> {
+    fn spip_entry(&mut self, key: &str, value: &str, line: usize) -> Result<bool, ReadError> {
         match key {
             "x-pixels" => self.pixels[1] = Some(whole(line, "x-pixels", value)?),
             "y-pixels" => self.pixels[0] = Some(whole(line, "y-pixels", value)?),
             "x-length" => self.width_m = Some(nanometres(line, "x-length", value)?),
             "y-length" => self.height_m = Some(nanometres(line, "y-length", value)?),
             "z-unit" => self.value_unit = Some(unit(line, "z-unit", value)?),
-            "bit2nm" => self.value_nm = Some(positive(line, "Bit2nm", value)?),
+            "bit2nm" => self.value_factor = Some(Scale::new(positive(line, "Bit2nm", value)?, LengthUnit::Nanometre)),
             "voidpixels" if value.parse() != Ok(0_u64) => {
                 let expected = "0, with NaN for points that are missing";
                 return Err(ReadError::Header { line, key: "voidpixels", value: excerpt(value), expected });
             }
+            _ => return Ok(false),
+        }
+        Ok(true)
+    }
+
+    /// A line of a Keyence export, told by its form, for its words are of any language and encoding: a key and a length with its
+    /// unit is the pixel, a key and a unit that of the heights, and the first whole numbers below the pixel count columns and lines.
+    pub(super) fn keyence_line(&mut self, text: &str) {
+        let delimiter = Delimiter::of(text);
+        let fields: Vec<&str> = delimiter.fields(text).collect();
+        keep_comment(&mut self.comments, fields.join(" ").trim());
+        let [word, values @ ..] = &fields[..] else { return };
+        let value = values.join(" ");
+        // Between semicolons commas are decimal ones.
+        let value = if delimiter == Delimiter::Semicolon { value.replace(',', ".") } else { value };
+        match (Scale::parse(&value), value.trim().parse()) {
+            // All languages have these two letters.
+            (Some(pixel), _) if word.contains("XY") => self.set_pixel(Key::Pixel, pixel.to_metres(1.0)),
+            (Some(unit), _) if !value.starts_with(|c: char| c.is_ascii_digit()) => self.value_unit = Some(unit),
+            (None, Ok(count)) if self.pixel_m[0].is_some() && count > 0 => {
+                let counted = usize::from(self.pixels[1].is_none());
+                self.pixels[counted] = self.pixels[counted].or(Some(count));
+            }
             _ => {}
+        }
+    }
+
+    /// Decides at the first line of data what was left open: commas are decimal if those of the data are, and lengths
+    /// without units are in that of x and y.
+    pub(super) fn settle(&mut self, has_decimal_commas: bool) -> Result<(), ReadError> {
+        for (text, line, error) in std::mem::take(&mut self.ambiguous) {
+            if !has_decimal_commas {
+                return Err(error);
+            }
+            self.entries(&text.replace(',', "."), line)?;
+        }
+        for (key, length, line, word) in std::mem::take(&mut self.bare) {
+            match (self.lateral.filter(|_| length > 0.0).map(|lateral| lateral.to_metres(length)), key) {
+                (None, _) => self.name_unused(&format!("{word}: {length}"), line),
+                (Some(length_m), Key::Width) => self.width_m = Some(length_m),
+                (Some(length_m), Key::Height) => self.height_m = Some(length_m),
+                (Some(length_m), _) => self.set_pixel(key, length_m),
+            }
         }
         Ok(())
     }
 
+    /// Takes the steps of axes along lines and across them for those of pixels, where nothing else gives these and their unit is known.
+    pub(super) fn take_axes(&mut self, steps: [f64; 2], lateral: Option<Scale>) {
+        if let Some(lateral) = lateral.or(self.lateral)
+            && !self.is_sized()
+        {
+            self.pixel_m = steps.map(|step| Some(lateral.to_metres(step.abs())));
+        }
+    }
+
+    fn set_pixel(&mut self, key: Key, length_m: f64) {
+        for axis in 0..2 {
+            if [Key::PixelY, Key::PixelX][axis] != key {
+                self.pixel_m[axis] = Some(length_m);
+            }
+        }
+    }
+
+    /// What a height of 1 stands for: a unit goes before a factor.
+    pub(super) fn value(&self) -> Option<Scale> {
+        self.value_unit.or(self.value_factor)
+    }
+
+    /// Whether a size of the map or of its pixels is stated, as above a matrix.
+    pub(super) fn is_sized(&self) -> bool {
+        let lengths = [self.width_m, self.height_m, self.side_m, self.pixel_m[0], self.pixel_m[1]];
+        lengths.iter().any(Option::is_some) || self.pixels[1].is_some() || !self.bare.is_empty()
+    }
+
+    /// Whether the size of a pixel depends on how many lines the file has.
+    pub(super) fn shares_sides(&self) -> bool {
+        self.pixel_m.contains(&None) && (self.height_m.is_some() || self.side_m.is_some())
+    }
+
+    /// Distances between lines and between the points of a line, in metres, of a map of `rows` lines of `cols` points.
+    pub(super) fn grid_m(&self, rows: usize, cols: usize) -> [Option<f64>; 2] {
+        // The side of a scan with more points along one of its sides says nothing of the other.
+        let side_m = self.side_m.filter(|_| rows == cols);
+        let share =
+            |pixel_m: Option<f64>, side_m: Option<f64>, count| pixel_m.or(side_m.map(|side_m| side_m / count as f64));
+        [share(self.pixel_m[1], self.height_m.or(side_m), rows), share(self.pixel_m[0], self.width_m.or(side_m), cols)]
+    }
+
+    /// Whether `text`, below data, states a side of the map once more: another map begins.
+    pub(super) fn begins_another(&self, text: &str) -> bool {
+        let key = text.strip_prefix(['#', '%']).and_then(entry).and_then(|(word, _)| Key::of(word));
+        key == Some(Key::Width) && self.width_m.is_some() || key == Some(Key::Height) && self.height_m.is_some()
+    }
+
+    /// Names a line that states a unit or a scale and is not used.
+    fn name_unused(&mut self, text: &str, line: usize) {
+        self.unused.push((line, excerpt(text)));
+    }
+
+    /// What is to be told of lines that were not used.
+    pub(super) fn notes(&self) -> Vec<String> {
+        let named = self.unused.iter().take(MAX_NAMED);
+        let more = self.unused.len().saturating_sub(MAX_NAMED);
+        named
+            .map(|(line, text)| format!("line {line} of the header is not used: \"{text}\""))
+            .chain(
+                (more > 0).then(|| format!("{more} more lines of the header that state units or lengths are not used")),
+            )
+            .collect()
+    }
     /// Titles such as `x_um,y_um,z_nm`, `X [um]  Y [um]  Z [nm]` or `"X (mm)","Y (mm)","Height (um)"`.
     fn titles(&mut self, text: &str, line: usize) -> Result<bool, ReadError> {
         let joined = text.replace(" [", "_").replace(" (", "_");
@@ -111,7 +301,7 @@ impl Header {
     fn units_below_titles(&mut self, text: &str, line: usize) -> Result<bool, ReadError> {
         let cells: Vec<&str> = Delimiter::of(text).fields(text).take(4).collect();
         let [x, y, z] = cells[..] else { return Ok(false) };
-        let is_row = self.titled && [x, y, z].iter().all(|cell| bare(cell).parse::<LengthUnit>().is_ok());
+        let is_row = self.titled && [x, y, z].iter().all(|cell| Scale::parse(bare(cell)).is_some());
         if is_row {
             self.take_units([x, y, z], line)?;
         }
@@ -126,7 +316,7 @@ impl Header {
             return Err(ReadError::Header { line, key: "unit of x and y", value, expected: "the same unit for both" });
         }
         if !x.is_empty() {
-            self.lateral_unit = Some(unit(line, "unit of x and y", x)?);
+            self.lateral = Some(unit(line, "unit of x and y", x)?);
         }
         if !z.is_empty() {
             self.value_unit = Some(unit(line, "unit of z", z)?);
@@ -140,63 +330,27 @@ fn bare(cell: &str) -> &str {
     cell.trim_matches(['_', '[', ']', '(', ')', ' ', '/'])
 }
 
-/// A length with its unit, as `1.5 mm`, in metres.
-fn length(line: usize, key: &'static str, value: &str) -> Result<f64, ReadError> {
-    let refused = || ReadError::Header {
-        line,
-        key,
-        value: excerpt(value),
-        expected: concat!("a positive length with its unit (", unit_names!(), "), for instance 1.5 mm"),
-    };
-    let value = &header_length(value);
-    let split = value.find(|c: char| c.is_alphabetic() && !matches!(c, 'e' | 'E')).ok_or_else(refused)?;
-    let (amount, name) = value.split_at(split);
-    let amount = number(amount.trim()).filter(|amount| *amount > 0.0).ok_or_else(refused)?;
-    let unit: LengthUnit = name.parse().map_err(|_| refused())?;
-    Ok(unit.to_metres(amount))
-}
-
-/// Half a unit of the last digit of a length that was accepted, over the length.
-fn rounding(value: &str) -> f64 {
-    let value = &header_length(value);
-    let digits = value.split(|c: char| c.is_alphabetic() || c.is_whitespace()).next().unwrap_or_default();
-    let decimals = digits.split_once('.').map_or(0, |(_, decimals)| decimals.len());
-    // The cast saturates: nothing is rounded to so many digits.
-    let unit = 0.1_f64.powi(i32::try_from(decimals).unwrap_or(i32::MAX));
-    number(digits).map_or(0.0, |amount| 0.5 * unit / amount)
-}
-
-/// A length in nanometres, in metres.
-fn nanometres(line: usize, key: &'static str, value: &str) -> Result<f64, ReadError> {
-    Ok(LengthUnit::Nanometre.to_metres(positive(line, key, value)?))
-}
-
-fn positive(line: usize, key: &'static str, value: &str) -> Result<f64, ReadError> {
-    let refused = || ReadError::Header { line, key, value: excerpt(value), expected: "a number of nanometres above 0" };
-    number(value).filter(|amount| *amount > 0.0).ok_or_else(refused)
-}
-
-fn whole(line: usize, key: &'static str, value: &str) -> Result<u64, ReadError> {
-    let refused = || ReadError::Header { line, key, value: excerpt(value), expected: "a whole number from 1 up" };
-    value.parse().ok().filter(|count| *count > 0).ok_or_else(refused)
-}
-
-fn unit(line: usize, key: &'static str, value: &str) -> Result<LengthUnit, ReadError> {
-    value.parse().map_err(|_| ReadError::Header {
-        line,
-        key,
-        value: excerpt(value),
-        expected: concat!("one of ", unit_names!()),
-    })
-}
-
 /// What lines above data without titles must be.
 pub(super) const ABOVE_DATA: &str =
     "a number; lines above the data begin with #, or name a value, as \"Operator: Anna\"";
 
 /// Whether a line that begins with a word names a value behind it, as `Operator: Anna` or `Gain = 20`.
 pub(super) fn names_a_value(text: &str) -> bool {
-    text.split_once([':', '=']).is_some_and(|(key, _)| !key.contains([';', ',', '\t']))
+    entry(text).is_some()
+}
+
+/// The word and the value of a line that names a value: with a colon or `=` between them, or the mark of a table behind a known word.
+fn entry(text: &str) -> Option<(&str, String)> {
+    if let Some((word, value)) = text.split_once([':', '=', '\u{ff1a}'])
+        && !word.contains([';', ',', '\t'])
+    {
+        return Some((word.trim(), value.trim().to_owned()));
+    }
+    let fields: Vec<&str> = Delimiter::of(text).fields(text).take(4).collect();
+    let ([word, value] | [word, value, _]) = fields[..] else { return None };
+    let joined = [value, fields.get(2).copied().unwrap_or_default()].join(" ").trim().to_owned();
+    let is_entry = text.contains([';', ',', '\t']) && (Scale::parse(&joined).is_some() || number(&joined).is_some());
+    (is_entry && Key::of(word).is_some()).then_some((word, joined))
 }
 
 /// Whether a line begins with a word other than those for a missing height.
@@ -224,7 +378,7 @@ mod tests {
         let read = header(&["# Channel: Topography", "# Width: 1.5 mm", "# Height: 1e3 \u{b5}m", "# Value units: nm"]);
         let read = read.unwrap();
         assert_eq!((read.width_m, read.height_m), (Some(1.5e-3), Some(1e-3)));
-        assert_eq!(read.value_unit, Some(LengthUnit::Nanometre));
+        assert_eq!(read.value(), Some(LengthUnit::Nanometre.into()));
         assert_eq!(read.comments.len(), 4);
     }
 
@@ -234,11 +388,11 @@ mod tests {
             ["# File Format = ASCII", "# x-pixels = 4", "# y-pixels = 3", "# x-length = 2000", "# y-length = 1500.5"];
         let read =
             header(&[&lines[..], &["# Bit2nm = 0.25", "# voidpixels = 0", "# Start of Data:"]].concat()).unwrap();
-        assert_eq!((read.pixels, read.value_nm, read.value_unit), ([Some(3), Some(4)], Some(0.25), None));
+        assert_eq!((read.pixels, read.value()), ([Some(3), Some(4)], Some(Scale::new(0.25, LengthUnit::Nanometre))));
         let close = |found: Option<f64>, expected: f64| (found.unwrap() / expected - 1.0).abs() < 1e-15;
         assert!(close(read.width_m, 2e-6) && close(read.height_m, 1.5005e-6));
         let in_unit = header(&["# File Format = ASCII", "# z-unit = um"]).unwrap();
-        assert_eq!(in_unit.value_unit, Some(LengthUnit::Micrometre));
+        assert_eq!(in_unit.value(), Some(LengthUnit::Micrometre.into()));
         // The same words mean other units elsewhere.
         let other = header(&["# Daisy frame view snapshot", "# x-length: 40.0", "# x-unit: um"]).unwrap();
         assert_eq!((other.width_m, other.pixels), (None, [None; 2]));
@@ -256,11 +410,11 @@ mod tests {
             &["x y z", "[um] [um] [nm]"],
         ] {
             let read = header(titles).unwrap();
-            assert_eq!(read.lateral_unit, Some(LengthUnit::Micrometre), "{titles:?}");
-            assert_eq!(read.value_unit, Some(LengthUnit::Nanometre), "{titles:?}");
+            assert_eq!(read.lateral, Some(LengthUnit::Micrometre.into()), "{titles:?}");
+            assert_eq!(read.value(), Some(LengthUnit::Nanometre.into()), "{titles:?}");
         }
         let read = header(&["x y z"]).unwrap();
-        assert_eq!((read.lateral_unit, read.value_unit), (None, None));
+        assert_eq!((read.lateral, read.value()), (None, None));
         assert!(!Header::default().take("1 2 3", 1).unwrap());
         assert!(!Header::default().take("xerox yes zero", 1).unwrap());
         // Units mean nothing without titles.
@@ -273,7 +427,7 @@ mod tests {
             ("# Width: wide", "wide"),
             ("# Width: -1 mm", "-1 mm"),
             ("# Height: 3", "\"3\""),
-            ("# Value units: inch", "one of m"),
+            ("# Value units: counts", "one of m"),
             ("x_um,y_mm,z_um", "um and mm"),
             ("# x-pixels = -4", "\"-4\""),
             ("# y-length = 0", "above 0"),

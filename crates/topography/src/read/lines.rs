@@ -93,7 +93,8 @@ impl Delimiter {
         }
     }
 
-    const fn mark(self) -> Option<char> {
+    /// The character between two fields; none where blanks are.
+    pub(crate) const fn mark(self) -> Option<char> {
         match self {
             Self::Semicolon => Some(';'),
             Self::Comma => Some(','),
@@ -161,7 +162,9 @@ pub(crate) fn expected_coordinate(field: &str) -> &'static str {
 
 /// A height: a number, or `None` where the file says that the point is missing.
 pub(crate) fn height(field: &str) -> Option<Option<f64>> {
-    const MISSING: [&str; 4] = ["", "nan", "bad", "---"];
+    // The last four are what C writes of NaN on Windows.
+    const MISSING: [&str; 11] =
+        ["", "nan", "bad", "---", "***", "no data", "nodata", "-nan", "nan(ind)", "-nan(ind)", "-1.#ind"];
     if MISSING.iter().any(|name| name.eq_ignore_ascii_case(field)) {
         return Some(None);
     }
@@ -217,7 +220,7 @@ mod tests {
 
     #[test]
     fn missing_points_and_numbers() {
-        for name in ["NaN", "nan", "BAD", "---", ""] {
+        for name in ["NaN", "nan", "BAD", "---", "***", "No Data", "-nan(ind)", ""] {
             assert_eq!(height(name), Some(None), "{name}");
         }
         assert_eq!(height("-1.5e-3"), Some(Some(-1.5e-3)));

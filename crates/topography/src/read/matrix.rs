@@ -5,10 +5,12 @@ use std::io::BufRead;
 use super::header::Header;
 use super::lines::{Delimiter, Lines, excerpt, expected_height, height};
 use super::overridden::Said;
+use super::scale::Scale;
+use super::tables::Listed;
 use super::window::Window;
 use super::{MapFormat, ReadOptions};
 use crate::unit::unit_names;
-use crate::{HeightMap, LengthUnit, MapOption, NotGiven, ReadError};
+use crate::{HeightMap, MapOption, NotGiven, ReadError};
 
 /// Part by which the sides of a pixel may differ, beside what the header's sides are rounded by: some programs count the
 /// distances between pixels instead of pixels ...
@@ -36,6 +38,8 @@ pub(super) struct MatrixReader {
     last: LastField,
     row: Vec<f64>,
     window: Window,
+    /// Of a narrow table, whether it is a list of coordinates.
+    listed: Option<Listed>,
     /// As long as all rows begin with the same tabs: what the rows are if these part empty fields, and are no indentation.
     unindented: Option<Box<MatrixReader>>,
     /// What is refused if all rows begin with the same tabs, which are then an indentation.
@@ -83,7 +87,10 @@ impl MatrixReader {
         };
         let window = Window::new(None, cols as u64, options.crop, options.decimation)?;
         let (indent, row) = (indent.to_owned(), Vec::new());
-        Ok(Self { delimiter, indent, cols, last, row, window, unindented: None, unless_indented: None })
+        // A form or a number of columns that is given decides.
+        let is_open = options.format.is_none() && header.pixels[1].is_none();
+        let listed = Listed::new(cols).filter(|_| is_open);
+        Ok(Self { delimiter, indent, cols, last, row, window, listed, unindented: None, unless_indented: None })
     }
 
     /// Whether `text`, which holds nothing but tabs, is a row in which every point is missing.
@@ -142,6 +149,9 @@ impl MatrixReader {
             let found = self.row.len() - usize::from(ends);
             return Err(ReadError::RowLength { line, found, expected: self.sure_cols() });
         }
+        if let Some(listed) = &mut self.listed {
+            listed.push(&self.row);
+        }
         self.window.push(&self.row)
     }
 
@@ -170,13 +180,17 @@ impl MatrixReader {
         options: &ReadOptions,
         header: &Header,
     ) -> Result<usize, ReadError> {
+        self.listed.as_ref().map_or(Ok(()), Listed::check)?;
         let mut rows = self.window.rows_seen();
-        let shared = options.pixel_m.is_none() && header.height_m.is_some();
+        let shared = options.pixel_m.is_none() && header.shares_sides();
         let is_undecided = self.last == LastField::Open && self.window.takes_last_col();
         let may_be_indented = self.unindented.is_some() || self.unless_indented.is_some();
         if shared || header.pixels[0].is_some() || is_undecided || may_be_indented {
             while let Some(text) = lines.next_row()? {
                 let is_blank = text.trim().is_empty() && !self.is_row_of_missing(text);
+                if header.begins_another(text) {
+                    break;
+                }
                 if is_blank || text.starts_with(['#', '%']) {
                     continue;
                 }
@@ -207,53 +221,55 @@ impl MatrixReader {
         }
     }
 
-    /// What neither the header nor the caller says.
-    pub(super) fn missing(header: &Header, options: &ReadOptions) -> Vec<NotGiven> {
-        let unit = options.height_unit.or(header.value_unit).is_none() && header.value_nm.is_none();
-        let pixel = options.pixel_m.is_none() && header.height_m.zip(header.width_m).is_none();
+    /// What neither the header nor the caller says, where the pixel of a text as far as it is read is `grid_m`.
+    fn not_given(grid_m: [Option<f64>; 2], header: &Header, options: &ReadOptions) -> Vec<NotGiven> {
+        let unit = options.height_unit.is_none() && header.value().is_none();
+        let pixel = options.pixel_m.is_none() && grid_m.contains(&None);
         let way = NotGiven { what: "pixel size", expected: HOW_TO_GIVE_PIXEL, option: MapOption::Pixel };
         unit.then_some(NO_HEIGHT_UNIT).into_iter().chain(pixel.then_some(way)).collect()
     }
 
-    /// The pixel that shares the header's sides among `rows` rows, unless rows seem to be missing.
-    fn pixel_m(&self, sides_m: [f64; 2], rows: usize, header: &Header) -> Result<[f64; 2], ReadError> {
-        let pixel_m = [sides_m[0] / rows as f64, sides_m[1] / self.cols as f64];
+    /// What neither the header nor the caller says.
+    pub(super) fn missing(header: &Header, options: &ReadOptions) -> Vec<NotGiven> {
+        Self::not_given(header.grid_m(1, 1), header, options)
+    }
+
+    /// The pixel of `rows` lines, unless rows seem to be missing.
+    fn grid_m(&self, rows: usize, header: &Header) -> Result<[Option<f64>; 2], ReadError> {
+        let grid_m = header.grid_m(rows, self.cols);
         // Where the header tells the counts, they have been compared.
-        let told = header.pixels[0].is_some();
+        let is_told = header.pixels[0].is_some() || header.pixel_m.iter().any(Option::is_some);
         let allowed = (NOT_SQUARE + header.rounding.iter().sum::<f64>()).min(MOST_NOT_SQUARE);
-        if !told && off_square(pixel_m) > allowed {
-            return Err(ReadError::Oblong { sides_m, rows, cols: self.cols });
+        match (header.height_m.zip(header.width_m), grid_m) {
+            (Some((height_m, width_m)), [Some(along_y_m), Some(along_x_m)])
+                if !is_told && off_square([along_y_m, along_x_m]) > allowed =>
+            {
+                Err(ReadError::Oblong { sides_m: [height_m, width_m], rows, cols: self.cols })
+            }
+            _ => Ok(grid_m),
         }
-        Ok(pixel_m)
     }
 
     /// What the header says, where `rows` rows were counted.
     pub(super) fn said(&self, rows: usize, header: &Header) -> Said {
         // Rows behind a crop are not counted where the pixel is given.
         let is_counted = self.window.is_whole() || header.pixels[0].is_some();
-        let along_y_m = header.height_m.filter(|_| is_counted).map(|height_m| height_m / rows as f64);
-        let bit = header.value_nm.filter(|value_nm| *value_nm == 1.0).map(|_| LengthUnit::Nanometre);
-        Said {
-            pixel_m: [header.width_m.map(|width_m| width_m / self.cols as f64), along_y_m],
-            height_unit: header.value_unit.or(bit),
-            lateral_unit: None,
-        }
+        let [along_y_m, along_x_m] = header.grid_m(rows, self.cols);
+        let along_y_m = along_y_m.filter(|_| is_counted || header.pixel_m[1].is_some());
+        Said { pixel_m: [along_x_m, along_y_m], height_unit: header.value(), lateral_unit: None }
     }
 
     /// The map, on pixels that share the header's sides among `rows` rows.
     pub(super) fn finish(self, rows: usize, header: &Header, options: &ReadOptions) -> Result<HeightMap, ReadError> {
-        let unit = match (options.height_unit.or(header.value_unit), header.value_nm) {
-            (Some(unit), _) => Some((unit, 1.0)),
-            (None, value_nm) => value_nm.map(|value_nm| (LengthUnit::Nanometre, value_nm)),
+        let scale = options.height_unit.map(Scale::from).or(header.value());
+        let grid_m = match options.grid_m() {
+            Some(grid_m) => grid_m.map(Some),
+            None => self.grid_m(rows, header)?,
         };
-        let pixel_m = match (options.grid_m(), header.height_m.zip(header.width_m)) {
-            (None, Some((height_m, width_m))) => Some(self.pixel_m([height_m, width_m], rows, header)?),
-            (pixel_m, _) => pixel_m,
+        let (Some(scale), [Some(along_y_m), Some(along_x_m)]) = (scale, grid_m) else {
+            return Err(ReadError::NotGiven { missing: Self::not_given(grid_m, header, options) });
         };
-        let (Some((unit, factor)), Some(pixel_m)) = (unit, pixel_m) else {
-            return Err(ReadError::NotGiven { missing: Self::missing(header, options) });
-        };
-        self.window.finish_lines(pixel_m, |value| unit.to_metres(factor * value))
+        self.window.finish_lines([along_y_m, along_x_m], |value| scale.to_metres(value))
     }
 }
 

@@ -2,7 +2,10 @@
 //!
 //! | format | told by | sizes and units |
 //! |---|---|---|
-//! | [`Matrix`](MapFormat::Matrix) text, also CSV | anything else | `# Width: 1 mm`, `# Height: 1 mm`, `# Value units: m` (as Gwyddion writes), `# x-length = 1e6` and so on (as SPIP does), or by option |
+//! | [`Matrix`](MapFormat::Matrix) text, also CSV | anything else | lines as `# Width: 1 mm`, `# Value units: m` (Gwyddion, in any language), `# x-length = 1e6` (SPIP), `Pixel size: 1 um`, or by option |
+//! | Keyence CSV, as a matrix | `ImageDataCsv` above the data | in the header |
+//! | Wyko ASCII, as a matrix | `Wyko ASCII Data File Format` | in the header |
+//! | Zygo ASCII, as a matrix; Zygo XYZ, as points | `Zygo ASCII Data File`, `Zygo XYZ Data File` | in the header |
 //! | [`Xyz`](MapFormat::Xyz) text, also CSV | three values on the first line of data | `# XY units: um`, `# Value units: um`, or titles `x_um,y_um,z_um`, or by option |
 //! | [`Gsf`](MapFormat::Gsf), Gwyddion simple field | first line | in the header, where they are given |
 //! | [`Npy`](MapFormat::Npy), NumPy array | `\x93NUMPY` | by option |
@@ -10,8 +13,8 @@
 //! | [`Sur`](MapFormat::Sur), Digital Surf, plain or compressed | `DIGITAL SURF`, `DSCOMPRESSED` | in the header |
 //! | [`X3p`](MapFormat::X3p), XML 3-D surface | a zip archive | metres |
 //!
-//! Units of text are m, cm, mm, um, nm, pm. Values stand between spaces, tabs, commas or semicolons; `NaN`,
-//! `BAD`, `---` and an empty field mark a missing point; marks that end all lines close their last field, tabs that begin all lines indent
+//! Units of text are m, cm, mm, um, nm, pm, and in headers inches, mils, Angstrom and multiples such as 10 nm. Values stand between spaces, tabs, commas or semicolons; `NaN`,
+//! `BAD`, `---`, `***`, `No Data` and an empty field mark a missing point; marks that end all lines close their last field, tabs that begin all lines indent
 //! them, and a line of as many tabs as rows have is a row of missing points. Other lines that begin with `#` or `%` are comments,
 //! in UTF-8 or Latin-1, and so are lines above the data that name a value, as `Operator: Anna`; both may say sizes and units.
 //!
@@ -22,25 +25,34 @@
 
 mod bytes;
 mod comma;
+mod entries;
 mod foreign;
 mod gsf;
 mod header;
+mod keys;
 mod lines;
 mod matrix;
 mod npy;
 mod overridden;
+mod scale;
 mod scan;
 mod sdf;
 mod sur;
+mod tables;
 mod text;
 mod utf16;
+#[cfg(test)]
+mod vendor_tests;
 mod window;
+mod wyko;
 mod x3p;
 mod x3p_index;
 mod xyz;
+mod zygo;
 
 use std::io::{BufRead, BufReader, Cursor, Read};
 
+pub use foreign::Foreign;
 pub(crate) use matrix::square;
 use text::read_text;
 use utf16::Utf16;
@@ -202,8 +214,8 @@ fn format_of(start: &[u8]) -> Result<Option<MapFormat>, ReadError> {
         MapFormat::X3p
     } else if utf16::order_of(start).is_some() {
         return Ok(None);
-    } else if let Some(format) = foreign::name_of(start) {
-        return Err(ReadError::Foreign { format });
+    } else if let Some(foreign) = foreign::of(start) {
+        return Err(ReadError::Foreign(foreign));
     } else if start.iter().any(|&byte| byte < 9) {
         // No text has such bytes.
         return Err(ReadError::Unrecognized { beginning: start[..start.len().min(16)].escape_ascii().to_string() });

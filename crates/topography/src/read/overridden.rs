@@ -1,5 +1,6 @@
 //! What options changed of what a file says of its map, and options that mean nothing for its format.
 
+use super::scale::Scale;
 use super::{MapFormat, ReadOptions};
 use crate::LengthUnit;
 
@@ -12,15 +13,16 @@ pub(super) struct Said {
     /// Sides of its pixels along x, between the points of a line, and along y, between lines, in metres.
     pub(super) pixel_m: [Option<f64>; 2],
     /// Unit of its heights.
-    pub(super) height_unit: Option<LengthUnit>,
+    pub(super) height_unit: Option<Scale>,
     /// Unit of x and y, where another would change the map.
-    pub(super) lateral_unit: Option<LengthUnit>,
+    pub(super) lateral_unit: Option<Scale>,
 }
 
 impl Said {
     /// What a format says that takes lengths in `lateral_unit` and heights in `height_unit`: steps along x and y in its own units.
     pub(super) fn of_steps(steps: [f64; 2], lateral_unit: Option<LengthUnit>, height_unit: Option<LengthUnit>) -> Self {
-        Self { pixel_m: steps.map(|step| Some(lateral_unit?.to_metres(step))), height_unit, lateral_unit }
+        let pixel_m = steps.map(|step| Some(lateral_unit?.to_metres(step)));
+        Self { pixel_m, height_unit: height_unit.map(Scale::from), lateral_unit: lateral_unit.map(Scale::from) }
     }
 
     /// What is to be told of `options` where this is what the file says, one sentence each.
@@ -46,8 +48,8 @@ impl Said {
             let [x, y] = given_m.map(um);
             Some(format!("pixels of {x} x {y} um are taken, as given by option, and not those of the file, {own}"))
         });
-        let unit = |what: &str, given: Option<LengthUnit>, own: Option<LengthUnit>| {
-            let (given, own) = given.zip(own).filter(|(given, own)| given != own)?;
+        let unit = |what: &str, given: Option<LengthUnit>, own: Option<Scale>| {
+            let (given, own) = given.zip(own).filter(|(given, own)| Scale::from(*given) != *own)?;
             Some(format!("the unit of {what} is {given}, as given by option, and not {own}, as the file says"))
         };
         let is_used = |_: &LengthUnit| match format {

@@ -121,8 +121,8 @@ pub(super) fn read(mut source: impl BufRead, options: &ReadOptions) -> Result<Re
     let own = |at| header.unit("unit of an axis", at).ok();
     let said = Said {
         pixel_m: [own(180).map(|unit| unit.to_metres(step_x)), own(196).map(|unit| unit.to_metres(step_y))],
-        height_unit: own(212),
-        lateral_unit: own(180),
+        height_unit: own(212).map(Into::into),
+        lateral_unit: own(180).map(Into::into),
     };
     let (mut comments, mut notes) = (Vec::new(), said.notes(options, MapFormat::Sur));
     for (name, at) in [("object", 20), ("operator", 50)] {

@@ -1,16 +1,23 @@
 //! Texts: what stands above the heights, and matrices or points, told apart.
 
-use std::io::BufRead;
+use std::io::{BufRead, Cursor, Read};
 
-use super::comma::{self, DecimalSign};
+use super::comma::{self, DecimalSign, is_row};
 use super::header::{ABOVE_DATA, Header, begins_with_a_word, names_a_value};
-use super::lines::Lines;
+use super::lines::{Delimiter, Lines};
 use super::matrix::MatrixReader;
 use super::overridden::Said;
+use super::tables::{Axes, HeldRows};
 use super::window::window_of;
 use super::xyz::{XyzReader, is_point};
-use super::{MapFormat, ReadMap, ReadOptions};
+use super::{MapFormat, ReadMap, ReadOptions, wyko, zygo};
 use crate::ReadError;
+use crate::error::significant;
+
+/// Bytes at the beginning of a text in which the name of its format stands.
+const MAX_SIGNATURE_BYTES: u64 = 2048;
+/// What Keyence's programs write above the heights, in every language.
+const KEYENCE: &str = "ImageDataCsv";
 
 enum Data {
     Matrix(Box<MatrixReader>),
@@ -28,14 +35,28 @@ struct Text<'o> {
     tabs_above: Option<(usize, usize)>,
     /// Whether lines without a mark stand above the data: programs that write tables part them with such lines.
     has_unmarked: bool,
+    /// The first rows, as long as the first row and the first column may be axes.
+    held: Option<HeldRows>,
+    axes: Option<Axes>,
+    /// Another map begins behind the one that is read.
+    has_another: bool,
+    has_decimal_commas: bool,
 }
 
 impl Text<'_> {
     /// Takes a line; says whether more are wanted.
     fn take(&mut self, row: &str, line: usize) -> Result<bool, ReadError> {
-        let (text, before_data) = (row.trim(), self.data.is_none());
+        let (text, before_data) = (row.trim(), self.data.is_none() && self.held.is_none());
         if text.is_empty() && !row.is_empty() {
             return self.take_tabs(row, line);
+        }
+        if !before_data && self.header.begins_another(text) {
+            self.has_another = true;
+            return Ok(false);
+        }
+        if before_data && self.header.keyence && !is_row(Delimiter::of(text), text) {
+            self.header.keyence_line(text);
+            return Ok(true);
         }
         self.has_unmarked |= before_data && begins_with_a_word(text);
         if text.is_empty() || ((before_data || text.starts_with(['#', '%'])) && self.header.take(text, line)?) {
@@ -59,6 +80,9 @@ impl Text<'_> {
 
     /// Takes a line of tabs alone: a row of missing points where rows have as many fields, and otherwise nothing.
     fn take_tabs(&mut self, row: &str, line: usize) -> Result<bool, ReadError> {
+        if self.held.is_some() {
+            return self.push(row, line);
+        }
         match &mut self.data {
             Some(Data::Matrix(matrix)) if matrix.is_row_of_missing(row) => {
                 matrix.push(row, line)?;
@@ -96,6 +120,37 @@ impl Text<'_> {
     }
 
     fn push(&mut self, text: &str, line: usize) -> Result<bool, ReadError> {
+        if self.data.is_none() && self.held.is_none() {
+            self.header.settle(self.has_decimal_commas)?;
+            let is_matrix = self.options.format.is_none() && detect(&self.header, text) == MapFormat::Matrix;
+            self.held = (is_matrix && HeldRows::begin(text)).then(HeldRows::default);
+        }
+        if let Some(held) = &mut self.held {
+            held.rows.push((text.to_owned(), line));
+            return if held.is_full() { self.release() } else { Ok(true) };
+        }
+        self.push_data(text, line)
+    }
+
+    /// Decides whether the rows held back have axes, and takes them.
+    fn release(&mut self) -> Result<bool, ReadError> {
+        let Some(held) = self.held.take() else { return Ok(true) };
+        self.axes = if held.is_full() { held.axes() } else { None };
+        if let Some(axes) = self.axes {
+            let lateral = self.options.lateral_unit.map(Into::into);
+            self.header.take_axes(axes.steps, lateral);
+        }
+        let rows = held.rows.iter().skip(usize::from(self.axes.is_some()));
+        for (text, line) in rows {
+            if !self.push_data(text, *line)? {
+                return Ok(false);
+            }
+        }
+        Ok(true)
+    }
+
+    fn push_data(&mut self, text: &str, line: usize) -> Result<bool, ReadError> {
+        let text = self.axes.map_or(text, |axes| axes.strip(text));
         let target = match &mut self.data {
             Some(target) => target,
             None => self.data.insert(match self.options.format.unwrap_or_else(|| detect(&self.header, text)) {
@@ -121,50 +176,102 @@ impl Text<'_> {
             Data::Xyz(points) => points.push(text, line).map(|()| true),
         }
     }
+
+    /// What is to be told of how the text was understood.
+    fn notes(&self) -> Vec<String> {
+        let axes = self.axes.map(|axes| {
+            let [along, across] = axes.steps.map(|step| significant(step, 5));
+            format!(
+                "the first row and the first column are axes, in steps of {along} and {across}: they are no heights"
+            )
+        });
+        let another = self.has_another.then(|| "the file holds several maps: the first is read".to_owned());
+        let commas = self.has_decimal_commas.then(|| comma::FOUND.to_owned());
+        axes.into_iter().chain(another).chain(self.header.notes()).chain(commas).collect()
+    }
 }
 
-/// Reads a text.
-pub(super) fn read_text(source: impl BufRead, options: &ReadOptions) -> Result<ReadMap, ReadError> {
+/// Reads a text in the dialect that its beginning tells.
+pub(super) fn read_text(mut source: impl BufRead, options: &ReadOptions) -> Result<ReadMap, ReadError> {
+    let mut start = Vec::new();
+    let read = (&mut source).take(MAX_SIGNATURE_BYTES).read_to_end(&mut start);
+    read.map_err(|error| ReadError::Source { line: 1, reason: error.to_string() })?;
+    let head = String::from_utf8_lossy(&start).trim_start_matches('\u{feff}').to_owned();
+    let source = Cursor::new(start).chain(source);
+    if head.starts_with(wyko::MAGIC) {
+        wyko::read(source, options)
+    } else if zygo::MAGIC.iter().any(|magic| head.starts_with(magic)) {
+        zygo::read(source, options)
+    } else {
+        read_table(source, head.contains(KEYENCE), options)
+    }
+}
+
+/// Reads a matrix or points below lines of a header.
+fn read_table(source: impl BufRead, is_keyence: bool, options: &ReadOptions) -> Result<ReadMap, ReadError> {
     let mut lines = Lines::new(source);
     let mut sign = DecimalSign::new(options.decimal_comma);
-    let mut text =
-        Text { options, header: Header::default(), data: None, preamble: None, tabs_above: None, has_unmarked: false };
+    let mut header = Header::default();
+    header.keyence = is_keyence;
+    let mut text = Text {
+        options,
+        header,
+        data: None,
+        preamble: None,
+        tabs_above: None,
+        has_unmarked: false,
+        held: None,
+        axes: None,
+        has_another: false,
+        has_decimal_commas: false,
+    };
     loop {
         let line = lines.line() + 1;
         let Some(own) = lines.next_row()? else { break };
-        let more = sign.with_points(own, line).and_then(|own| text.take(&own, line));
+        let with_points = sign.with_points(own, line);
+        text.has_decimal_commas = sign == DecimalSign::Found;
+        let more = with_points.and_then(|own| text.take(&own, line));
         if !more.map_err(|error| text.with_all_that_is_missing(error))? {
             break;
         }
     }
     text.push_preamble()?;
-    let Text { header, data, .. } = text;
+    let released = text.release();
+    released.map_err(|error| text.with_all_that_is_missing(error))?;
+    let mut notes = text.notes();
+    let Text { header, data, axes, has_another, .. } = text;
     let (map, whole, format, said) = match data {
         None => return Err(ReadError::NoData { lines: lines.line() }),
         Some(Data::Matrix(mut matrix)) => {
             // The rows behind a crop say how large a pixel is, where the header gives only the sides.
-            let rows = matrix.count_rest(&mut lines, options, &header)?;
+            let rows = if has_another {
+                matrix.count_rest(&mut Lines::new(std::io::empty()), options, &header)?
+            } else {
+                matrix.count_rest(&mut lines, options, &header)?
+            };
             let whole = matrix.is_whole();
             let said = matrix.said(rows, &header);
             (matrix.finish(rows, &header, options)?, whole, MapFormat::Matrix, said)
         }
         Some(Data::Xyz(points)) => {
-            let said = Said { pixel_m: [None; 2], height_unit: header.value_unit, lateral_unit: header.lateral_unit };
+            let said = Said { pixel_m: [None; 2], height_unit: header.value(), lateral_unit: header.lateral };
             let (map, whole) = window_of(points.finish(&header, options)?, options.crop, options.decimation)?;
             (map, whole, MapFormat::Xyz, said)
         }
     };
-    let mut notes = said.notes(options, format);
-    if sign == DecimalSign::Found {
-        notes.push(comma::FOUND.to_owned());
-    }
+    // Of axes the unit of x and y is that of their steps.
+    let given = if axes.is_some() { ReadOptions { lateral_unit: None, ..*options } } else { *options };
+    notes.splice(..0, said.notes(&given, format));
     Ok(ReadMap { map, whole, format, comments: header.comments, notes })
 }
 
 /// The form of a text, from its header and its first line of data.
 fn detect(header: &Header, text: &str) -> MapFormat {
-    let sized = header.width_m.is_some() || header.height_m.is_some() || header.pixels[1].is_some();
-    if header.titled || !sized && is_point(text) { MapFormat::Xyz } else { MapFormat::Matrix }
+    if header.titled || !header.is_sized() && !header.keyence && is_point(text) {
+        MapFormat::Xyz
+    } else {
+        MapFormat::Matrix
+    }
 }
 
 #[cfg(test)]

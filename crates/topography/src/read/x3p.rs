@@ -3,13 +3,14 @@
 //! which points are valid (lowest bit first). All lengths are metres; a height is the number stored times the
 //! increment of the z axis plus its offset. Missing points are NaN, or not valid.
 
+use std::collections::HashMap;
 use std::io::{BufReader, Cursor, Read};
 
 use zip::ZipArchive;
 use zip::read::ZipFile;
 
 use super::bytes::{at_end, numbers, unreadable};
-use super::foreign::{PLUX, PLUX_INDEX};
+use super::foreign;
 use super::overridden::Said;
 use super::window::Window;
 use super::x3p_index::{Heights, Index};
@@ -37,11 +38,16 @@ pub(super) fn read(mut source: impl Read, options: &ReadOptions) -> Result<ReadM
         return Err(refused("archive", format!("over {MOST_ARCHIVE_BYTES} bytes"), "at most 512 MiB"));
     }
     let mut archive = ZipArchive::new(Cursor::new(bytes.as_slice())).map_err(|error| broken(&error))?;
+    let places = Places::of(&archive);
     let index = {
-        if archive.index_for_name("main.xml").is_none() && archive.index_for_name(PLUX_INDEX).is_some() {
-            return Err(ReadError::Foreign { format: PLUX });
+        if places.index.is_none()
+            && let Some(foreign) = foreign::archive_of(archive.file_names().filter_map(Result::ok))
+        {
+            return Err(ReadError::Foreign(foreign));
         }
-        let file = entry(&mut archive, "main.xml")?;
+        let place =
+            places.index.ok_or_else(|| refused("archive", "no main.xml".to_owned(), "the files of an X3P surface"))?;
+        let file = archive.by_index(place).map_err(|error| broken(&error))?;
         if file.size() > MOST_INDEX_BYTES {
             return Err(refused("main.xml", format!("{} bytes", file.size()), "at most 16 MiB"));
         }
@@ -54,7 +60,7 @@ pub(super) fn read(mut source: impl Read, options: &ReadOptions) -> Result<ReadM
     let mut window = Window::new(Some(index.rows), index.cols, options.crop, options.decimation)?;
     match &index.heights {
         Heights::File { path, valid: None } => {
-            let mut file = data_entry(&mut archive, path, &index)?;
+            let mut file = data_entry(&mut archive, places.find(path)?, &index)?;
             let read_all = numbers(&mut file, FORMAT, index.number, false, index.points(), |values| {
                 keep_finite(values);
                 window.push(values)?;
@@ -67,8 +73,9 @@ pub(super) fn read(mut source: impl Read, options: &ReadOptions) -> Result<ReadM
         Heights::File { path, valid: Some(valid_path) } => {
             // Two entries are read side by side: two views of the same bytes.
             let mut other = ZipArchive::new(Cursor::new(bytes.as_slice())).map_err(|error| broken(&error))?;
-            let mut bits = Bits::new(sized_entry(&mut other, valid_path, index.points().div_ceil(8))?);
-            let mut file = data_entry(&mut archive, path, &index)?;
+            let needed = index.points().div_ceil(8);
+            let mut bits = Bits::new(sized_entry(&mut other, places.find(valid_path)?, needed)?);
+            let mut file = data_entry(&mut archive, places.find(path)?, &index)?;
             let read_all = numbers(&mut file, FORMAT, index.number, false, index.points(), |values| {
                 keep_finite(values);
                 for value in values.iter_mut() {
@@ -114,24 +121,56 @@ fn broken(error: &zip::result::ZipError) -> ReadError {
 
 type Archive<'b> = ZipArchive<Cursor<&'b [u8]>>;
 
-/// A file of the archive.
-fn entry<'a, 'b>(archive: &'a mut Archive<'b>, path: &str) -> Result<ZipFile<'a, Cursor<&'b [u8]>>, ReadError> {
-    archive.by_name(path).map_err(|error| match error {
-        zip::result::ZipError::FileNotFound => {
-            refused("archive", format!("no {}", super::lines::excerpt(path)), "the files of an X3P surface")
+/// Where the files of an archive are, by their names without case, `./` and backslashes. What a Mac adds is left out.
+struct Places {
+    /// The index, `main.xml` in the outermost folder that has one.
+    index: Option<usize>,
+    /// The folder of the index, with its last slash.
+    folder: String,
+    names: HashMap<String, usize>,
+}
+
+impl Places {
+    fn of(archive: &Archive<'_>) -> Self {
+        let mut names = HashMap::new();
+        for name in archive.file_names().filter_map(Result::ok) {
+            let plain = plain(&name);
+            let is_mac =
+                plain.starts_with("__macosx/") || plain.rsplit('/').next().is_some_and(|file| file.starts_with("._"));
+            if let Some(place) = archive.index_for_name(&name).filter(|_| !is_mac) {
+                names.entry(plain).or_insert(place);
+            }
         }
-        error => broken(&error),
-    })
+        let is_index = |name: &&String| name.rsplit('/').next() == Some("main.xml");
+        let depth = |name: &&String| (name.matches('/').count(), name.len(), (*name).clone());
+        let found = names.keys().filter(is_index).min_by_key(depth);
+        let folder = found.map(|name| name.trim_end_matches("main.xml").to_owned()).unwrap_or_default();
+        Self { index: found.and_then(|name| names.get(name)).copied(), folder, names }
+    }
+
+    /// The file that the index calls `path`.
+    fn find(&self, path: &str) -> Result<usize, ReadError> {
+        let plain = plain(path);
+        let found = self.names.get(&format!("{}{plain}", self.folder)).or_else(|| self.names.get(&plain));
+        let name = || format!("no {}", super::lines::excerpt(path));
+        found.copied().ok_or_else(|| refused("archive", name(), "the files of an X3P surface"))
+    }
+}
+
+/// The name of a file in an archive without what writers differ in.
+fn plain(name: &str) -> String {
+    let name = name.replace('\\', "/").to_lowercase();
+    name.split('/').filter(|part| !matches!(*part, "" | ".")).collect::<Vec<_>>().join("/")
 }
 
 /// The file of the archive with the heights that `index` announces.
 fn data_entry<'a, 'b>(
     archive: &'a mut Archive<'b>,
-    path: &str,
+    place: usize,
     index: &Index,
 ) -> Result<ZipFile<'a, Cursor<&'b [u8]>>, ReadError> {
     let bytes_each = index.number.bytes() as u64;
-    let file = sized_entry(archive, path, index.points().saturating_mul(bytes_each))?;
+    let file = sized_entry(archive, place, index.points().saturating_mul(bytes_each))?;
     check_expansion(FORMAT, index.points(), bytes_each, file.compressed_size())?;
     Ok(file)
 }
@@ -139,10 +178,10 @@ fn data_entry<'a, 'b>(
 /// A file of the archive that must unpack to `needed` bytes.
 fn sized_entry<'a, 'b>(
     archive: &'a mut Archive<'b>,
-    path: &str,
+    place: usize,
     needed: u64,
 ) -> Result<ZipFile<'a, Cursor<&'b [u8]>>, ReadError> {
-    let file = entry(archive, path)?;
+    let file = archive.by_index(place).map_err(|error| broken(&error))?;
     if file.size() != needed {
         let (expected, found) = (needed, file.size());
         return Err(ReadError::Ended { format: FORMAT, what: "bytes of data", expected, found });
@@ -241,6 +280,57 @@ mod tests {
                       <Datum>-5</Datum><Datum> 6 </Datum></DataList>";
         check(&archive(&index("D", listed), &[]));
         check(&archive(&index("D", &listed.replace("<Datum></Datum>", "<Datum/>")), &[]));
+    }
+
+    #[test]
+    fn files_are_found_in_folders_in_any_case_and_with_any_slashes() {
+        let floats: Vec<u8> = [1.0_f32, 2.0, 3.0, f32::NAN, -5.0, 6.0].into_iter().flat_map(f32::to_le_bytes).collect();
+        let bits = [0xFF_u8];
+        let zipped = |prefix: &str, main: &str, link: &str| {
+            let mut writer = zip::ZipWriter::new(Cursor::new(Vec::new()));
+            let linked = LINKS
+                .replace("bindata/data.bin", link)
+                .replace("bindata/valid.bin", &link.replace("data.bin", "valid.bin"));
+            let index = index("F", &linked);
+            let junk = format!("__MACOSX/{prefix}._main.xml");
+            for (name, bytes) in [
+                (junk, &b"\x00\x05\x16\x07"[..]),
+                (format!("__MACOSX/{prefix}main.xml"), b"no index"),
+                (format!("{prefix}{main}"), index.as_bytes()),
+                (format!("{prefix}bindata/data.bin"), &floats),
+                (format!("{prefix}bindata/valid.bin"), &bits),
+            ] {
+                writer.start_file(name, SimpleFileOptions::default()).unwrap();
+                writer.write_all(bytes).unwrap();
+            }
+            writer.finish().unwrap().into_inner()
+        };
+        for (prefix, main, link) in [
+            ("", "main.xml", "bindata/data.bin"),
+            ("sample-7/", "main.xml", "bindata/data.bin"),
+            ("a/b/", "Main.XML", "Bindata/data.bin"),
+            ("./", "main.xml", "./bindata/data.bin"),
+            ("sample 7\\", "main.xml", "bindata\\data.bin"),
+            ("", "MAIN.XML", "/bindata/data.bin"),
+            ("sample-7/", "main.xml", "sample-7/bindata/data.bin"),
+        ] {
+            check(&zipped(prefix, main, link));
+        }
+    }
+
+    #[test]
+    fn an_optional_entry_that_is_empty_is_absent() {
+        let floats: Vec<u8> =
+            [6.0e-9_f64, 7e-9, 8e-9, f64::NAN, 0.0, 11e-9].into_iter().flat_map(f64::to_le_bytes).collect();
+        let plain = index("D", LINK).replace("<Increment>1e-9</Increment><Offset>5e-9</Offset>", "");
+        for (from, to) in [
+            ("</AxisType><DataType>D</DataType></CZ>", "</AxisType><DataType>D</DataType><Increment/><Offset/></CZ>"),
+            ("<Offset>0</Offset>", "<Offset></Offset>"),
+            ("</PointDataLink>", "</PointDataLink><ValidPointsLink/><MD5ChecksumPointData/>"),
+        ] {
+            assert!(plain.contains(from));
+            check(&archive(&plain.replace(from, to), &[("bindata/data.bin", &floats)]));
+        }
     }
 
     #[test]

@@ -103,6 +103,10 @@ struct Entries {
 impl Entries {
     fn take(&mut self, path: &[String], text: &str) -> Result<(), ReadError> {
         let [.., parent, name] = path else { return Ok(()) };
+        // Writers leave optional entries empty; an empty height is a missing one.
+        if text.is_empty() && name != "Datum" {
+            return Ok(());
+        }
         let whole = |field| {
             text.parse()
                 .ok()
@@ -114,7 +118,8 @@ impl Entries {
         match (parent.as_str(), name.as_str()) {
             ("Record1", "FeatureType") => {
                 if text != "SUR" {
-                    return Err(refused("FeatureType", excerpt(text), "SUR, a surface"));
+                    let expected = if text == "PRF" { "SUR, a surface: this is a profile" } else { "SUR, a surface" };
+                    return Err(refused("FeatureType", excerpt(text), expected));
                 }
                 self.feature = true;
             }

@@ -4,6 +4,7 @@ use super::ReadOptions;
 use super::header::Header;
 use super::lines::{Delimiter, excerpt, expected_coordinate, expected_height, height, number};
 use super::matrix::NO_HEIGHT_UNIT;
+use super::scale::Scale;
 use super::scan::Scan;
 use crate::map::MOST_POINTS;
 use crate::{HeightMap, LengthUnit, MapError, MapOption, NotGiven, ReadError};
@@ -106,8 +107,8 @@ impl XyzReader {
 
     /// What neither the header nor the caller says.
     pub(super) fn missing(header: &Header, options: &ReadOptions) -> Vec<NotGiven> {
-        let height = options.height_unit.or(header.value_unit).is_none();
-        let lateral = options.lateral_unit.or(header.lateral_unit).is_none();
+        let height = options.height_unit.is_none() && header.value().is_none();
+        let lateral = options.lateral_unit.is_none() && header.lateral.is_none();
         let way = NotGiven {
             what: "unit of x and y",
             expected: "a header line such as \"# XY units: um\", titles such as x_um,y_um,z_um, or a unit by option",
@@ -117,12 +118,18 @@ impl XyzReader {
     }
 
     pub(super) fn finish(self, header: &Header, options: &ReadOptions) -> Result<HeightMap, ReadError> {
-        let units = options.height_unit.or(header.value_unit).zip(options.lateral_unit.or(header.lateral_unit));
+        let given = |unit: Option<LengthUnit>, own: Option<Scale>| unit.map(Scale::from).or(own);
+        let units = given(options.height_unit, header.value()).zip(given(options.lateral_unit, header.lateral));
         let Some((height_unit, lateral_unit)) = units else {
             return Err(ReadError::NotGiven { missing: Self::missing(header, options) });
         };
+        self.grid(height_unit, [lateral_unit; 2])
+    }
+
+    /// The map of the points, with the scales of heights and of x and y.
+    pub(super) fn grid(self, height_unit: Scale, [scale_x, scale_y]: [Scale; 2]) -> Result<HeightMap, ReadError> {
         let map = |[along_x, along_y]: [GridLines; 2], height_m| {
-            let [dx_m, dy_m] = [along_x.step, along_y.step].map(|step| lateral_unit.to_metres(step));
+            let (dx_m, dy_m) = (scale_x.to_metres(along_x.step), scale_y.to_metres(along_y.step));
             Ok(HeightMap::new(along_x.count as usize, along_y.count as usize, dx_m, dy_m, height_m)?)
         };
         let points = match self.points {
@@ -142,7 +149,7 @@ impl XyzReader {
 }
 
 /// The grid of a scan that lacks no point of it, and its heights in metres.
-fn from_scan(scan: &Scan, unit: LengthUnit) -> Option<([GridLines; 2], Vec<f64>)> {
+fn from_scan(scan: &Scan, unit: Scale) -> Option<([GridLines; 2], Vec<f64>)> {
     let ([x, y], z) = scan.grid()?;
     let along_x = GridLines::find("x", x.iter().copied()).ok()?;
     let along_y = GridLines::find("y", y.iter().copied()).ok()?;
@@ -156,7 +163,7 @@ fn from_scan(scan: &Scan, unit: LengthUnit) -> Option<([GridLines; 2], Vec<f64>)
 }
 
 /// The grid of points in any order, and its heights in metres, NaN where no point is.
-fn from_points(points: &[Point], unit: LengthUnit) -> Result<([GridLines; 2], Vec<f64>), ReadError> {
+fn from_points(points: &[Point], unit: Scale) -> Result<([GridLines; 2], Vec<f64>), ReadError> {
     let along_x = GridLines::find("x", points.iter().map(|point| point.x))?;
     let along_y = GridLines::find("y", points.iter().map(|point| point.y))?;
     let nodes = along_x.count * along_y.count;
