@@ -4,10 +4,29 @@ use std::fs;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use crate::interruption;
+use crate::{CliError, interruption};
 pub use slipgrid_disk::{Place, ResultFolder, WriteError, check_file, check_folder};
 use slipgrid_disk::{PlaceError, put, refuse_foreign};
+use slipgrid_formats::Diagnostic;
 use slipgrid_report::Outputs;
+
+/// Extensions of files that hold matrix text.
+const TEXT_EXTENSIONS: [&str; 5] = ["asc", "txt", "dat", "csv", "tsv"];
+
+/// Looks at the place of a map, which is written as matrix text: a name that ends as those of another format is refused.
+///
+/// # Errors
+/// [`CliError`] as of [`check_file`], or if the name is one of another format.
+pub fn check_map_file(place: Place<'_>, inputs: &[PathBuf]) -> Result<(), CliError> {
+    if let Some(extension) = place.path.extension().and_then(|extension| extension.to_str())
+        && !TEXT_EXTENSIONS.contains(&&extension.to_lowercase()[..])
+    {
+        let reason = format!("is no name of a map: it is written as matrix text, not as .{extension}");
+        let refused = Diagnostic::flag(place.flag, place.path.display().to_string(), reason);
+        return Err(refused.expected("a name that ends in .asc or .txt").into());
+    }
+    Ok(check_file(place, inputs)?)
+}
 
 /// Has `outputs` replace what `folder` holds of an earlier result.
 ///

@@ -180,7 +180,7 @@ pub struct SynthesizeArgs {
     /// Standard deviations of the cavities' width, pitch and depth
     #[arg(long, requires = "cavities", value_name = "UM,UM,UM", value_parser = parse_three)]
     pub cavity_std: Option<[f64; 3]>,
-    /// Map to write
+    /// Map to write, as matrix text: a name that ends in .asc or .txt
     #[arg(long, short, value_name = "FILE")]
     pub output: PathBuf,
 }

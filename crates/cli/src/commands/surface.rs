@@ -7,7 +7,7 @@ use slipgrid_topography::{
 
 use super::area_law::map_options;
 use crate::args::SurfaceArgs;
-use crate::output::{Place, check_file, open as open_folder, write_file};
+use crate::output::{Place, check_map_file, open as open_folder, write_file};
 use crate::progress::Job;
 use crate::{CliError, Console, exit_code};
 use slipgrid_formats::altitude_map::{read_for, refuse as refuse_map};
@@ -19,7 +19,7 @@ use slipgrid_units::LENGTH_UM;
 pub fn run(args: &SurfaceArgs, console: &mut Console<'_>) -> Result<u8, CliError> {
     let folder = open_folder(args.output.as_ref(), &FILES, std::slice::from_ref(&args.map))?;
     if let Some(file) = &args.period_out {
-        check_file(Place { flag: "--period-out", path: file }, std::slice::from_ref(&args.map))?;
+        check_map_file(Place { flag: "--period-out", path: file }, std::slice::from_ref(&args.map))?;
     }
     let options = map_options(&args.reading)?;
     let section_m = args.section_um.map(|um| checked("--section-um", um, LENGTH_UM.or_zero())).transpose()?;

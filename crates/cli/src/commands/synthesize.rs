@@ -3,7 +3,7 @@
 use slipgrid_topography::{CutPattern, CutRim, CutShape, HeightMap, LengthUnit, MapError, MatrixStyle, SelfAffine};
 
 use crate::args::{CutName, SynthesizeArgs};
-use crate::output::{Place, check_file, write_file};
+use crate::output::{Place, check_map_file, write_file};
 use crate::{CliError, Console, exit_code};
 use slipgrid_formats::{Diagnostic, checked};
 use slipgrid_results::fixed;
@@ -11,7 +11,7 @@ use slipgrid_units::{LENGTH_MM, LENGTH_UM, SLOPE};
 
 /// Makes the map and writes it.
 pub fn run(args: &SynthesizeArgs, console: &mut Console<'_>) -> Result<u8, CliError> {
-    check_file(Place::output(&args.output), &[])?;
+    check_map_file(Place::output(&args.output), &[])?;
     check_waves(args)?;
     let mut parameters = SelfAffine {
         pixels: args.pixels,

@@ -84,6 +84,17 @@ fn spikes_are_named_by_surface_and_area_law_and_removed_when_asked() {
 }
 
 #[test]
+fn zeros_in_place_of_points_and_pixels_of_two_units_are_named() {
+    let zeros = |row: usize, col: usize, height: f64| if row < 8 && col < 8 { 0.0 } else { height };
+    let place = place(&[("zeros.asc", &zeros)]);
+    let found = json(&place.succeed(&["surface", "zeros.asc", "--json"]));
+    assert!(strings(&found["warnings"])[0].starts_with("zeros: 64 of 9216 points are exactly 0 in blocks"), "{found}");
+    let oblong = ["surface", "clean.asc", "--pixel-um", "0.5", "--pixel-y-um", "500", "--json"];
+    let found = json(&place.succeed(&oblong));
+    assert!(strings(&found["warnings"])[0].starts_with("pixels: pixels of 0.5 x 500 um are implausible"), "{found}");
+}
+
+#[test]
 fn what_is_wrong_with_a_map_stands_in_every_result_that_rests_on_it() {
     let place = place(&[("spiked.asc", &spiked(SPIKE_NM))]);
     let calibration =

@@ -251,6 +251,15 @@ fn what_cannot_be_measured_is_refused_and_nothing_is_written() {
         (vec!["synthesize", "--rims", "1,20", "-o", "m"], "error: the following required arguments"),
         (vec!["surface", "holed.asc", "--period-out", "p.asc"], "error: the following required arguments"),
         (vec!["synthesize", "--rms-slope", "-1", "-o", "m"], "error: "),
+        (
+            vec!["synthesize", "-o", "m.npy"],
+            "error: --output: m.npy is no name of a map: it is written as matrix text, not as .npy",
+        ),
+        (vec!["synthesize", "-o", "m.X3P"], "error: --output: m.X3P is no name of a map"),
+        (
+            vec!["surface", "holed.asc", "--cavities", "--period-out", "p.gsf"],
+            "error: --period-out: p.gsf is no name of a map",
+        ),
     ] {
         let mut args = args;
         if args[0] != "synthesize" {
