@@ -97,6 +97,9 @@ pub fn told(warning: &MapWarning) -> String {
         MapWarning::Curved { .. } => {
             format!("{warning}; --form second-order, or form = \"second-order\" in [surface], subtracts it")
         }
+        MapWarning::Pixels { .. } => {
+            format!("{warning}; --pixel-um and --pixel-y-um, or pixel_um and pixel_y_um in [surface], give both")
+        }
         _ => warning.to_string(),
     }
 }

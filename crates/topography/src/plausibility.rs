@@ -194,8 +194,7 @@ impl fmt::Display for MapWarning {
             ),
             Self::Pixels { pixel_m: [x_m, y_m] } => write!(
                 f,
-                "pixels of {} x {} um are implausible: a side of the map may be missing in the file or in another unit; --pixel-um \
-                 and --pixel-y-um give both",
+                "pixels of {} x {} um are implausible: a side of the map may be missing in the file, or in another unit",
                 significant(x_m * 1e6, 5),
                 significant(y_m * 1e6, 5)
             ),

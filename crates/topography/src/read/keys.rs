@@ -216,10 +216,15 @@ const OTHER_WORDS: [&str; 14] = [
     "image size",
 ];
 
+/// Words of a name, at most.
+const MAX_NAME_WORDS: usize = 4;
+
 /// Whether a line that is not understood seems to state a unit or a scale; `is_length` if its value is a length or a unit.
 pub(super) fn states_scale(word: &str, value: &str, is_length: bool) -> bool {
     let word = word.to_lowercase();
     let has = |words: &[&str]| words.iter().any(|part| word.contains(part));
     let has_number = value.chars().any(|c| c.is_ascii_digit());
-    !has(&OTHER_WORDS) && (is_length || has(&["unit", "einheit"]) || has(&SCALE_WORDS) && has_number)
+    // Sentences with a length at their end are remarks.
+    let names = is_length && word.split_whitespace().count() <= MAX_NAME_WORDS;
+    !has(&OTHER_WORDS) && (names || has(&["unit", "einheit"]) || has(&SCALE_WORDS) && has_number)
 }

@@ -232,6 +232,7 @@ fn lines_of_a_header_that_state_a_scale_and_are_not_used_are_named() {
         "Speed: 10 um/s\n",
         "# x offset: 3 mm\n",
         "# side 1 mm, Sa 0.1 um\n",
+        "# roughness left in the mean, on land: 0.01 um\n",
         "Objective: 10x\n",
     ] {
         assert_eq!(notes(header), [""; 0], "{header}");

@@ -21,9 +21,13 @@ const PHASE_STEPS: [f64; 3] = [4096.0, 32768.0, 131_072.0];
 /// Phases from here on mark points without data.
 const MIN_INVALID_PHASE: f64 = 2_147_483_640.0;
 
-/// The lines above the data, and where numbers stand in them.
+/// The lines above the data.
 struct Header {
     lines: Vec<String>,
+    /// The line with the size of the phase data, of four numbers alone: writers differ in how many lines stand above it.
+    size: usize,
+    /// The line with scale factor, wavelength and camera resolution: the next of seven numbers and more.
+    optics: usize,
 }
 
 impl Header {
@@ -31,13 +35,25 @@ impl Header {
         let mut header = Vec::new();
         while header.len() < MAX_HEADER_LINES {
             match lines.next()? {
-                Some("#") => return Ok(Self { lines: header }),
+                Some("#") => return Self::of(header),
                 Some(text) => header.push(text.to_owned()),
                 None => break,
             }
         }
         let (found, expected) = (header.len().to_string(), "at most 40, then a line with #");
         Err(ReadError::Field { format: FORMAT, field: "number of header lines", value: found, expected })
+    }
+
+    fn of(lines: Vec<String>) -> Result<Self, ReadError> {
+        let is_numbers = |line: &str| line.split_whitespace().all(|word| number(word).is_some());
+        let counts: Vec<usize> =
+            lines.iter().map(|line| if is_numbers(line) { line.split_whitespace().count() } else { 0 }).collect();
+        let size = counts.iter().position(|count| *count == 4);
+        let optics = size.and_then(|size| (size + 1..counts.len()).find(|line| counts[*line] >= 7));
+        let expected = "a line of four numbers and one of seven or more above the line with #";
+        let refused = || ReadError::Field { format: FORMAT, field: "header", value: String::new(), expected };
+        let (size, optics) = size.zip(optics).ok_or_else(refused)?;
+        Ok(Self { lines, size, optics })
     }
 
     /// The number at a place of a line, both from 0, if it is accepted.
@@ -60,22 +76,26 @@ impl Header {
 
     /// Points of a line, and lines.
     fn size(&self) -> Result<[u64; 2], ReadError> {
-        Ok([self.count("width of the phase data", [3, 2])?, self.count("height of the phase data", [3, 3])?])
+        Ok([
+            self.count("width of the phase data", [self.size, 2])?,
+            self.count("height of the phase data", [self.size, 3])?,
+        ])
     }
 
     /// Side of a pixel in metres, unless the instrument was not calibrated.
     fn pixel_m(&self) -> Result<Option<f64>, ReadError> {
-        let pixel_m = self.number("camera resolution", [7, 6], |length| length >= 0.0)?;
+        let pixel_m = self.number("camera resolution", [self.optics, 6], |length| length >= 0.0)?;
         Ok(Some(pixel_m).filter(|pixel_m| *pixel_m > 0.0))
     }
 
     /// Metres of a phase of 1.
     fn phase_m(&self) -> Result<f64, ReadError> {
         let positive = |number| number > 0.0;
-        let scale_factor = self.number("interferometric scale factor", [7, 1], positive)?;
-        let wavelength_m = self.number("wavelength", [7, 2], positive)?;
-        let obliquity = self.number("obliquity factor", [7, 4], positive)?;
-        let resolution = self.number("phase resolution", [10, 0], |number| [0.0, 1.0, 2.0].contains(&number))?;
+        let scale_factor = self.number("interferometric scale factor", [self.optics, 1], positive)?;
+        let wavelength_m = self.number("wavelength", [self.optics, 2], positive)?;
+        let obliquity = self.number("obliquity factor", [self.optics, 4], positive)?;
+        let resolution =
+            self.number("phase resolution", [self.optics + 3, 0], |number| [0.0, 1.0, 2.0].contains(&number))?;
         Ok(scale_factor * wavelength_m * obliquity / PHASE_STEPS[resolution as usize])
     }
 }
@@ -96,7 +116,7 @@ pub(super) fn read(source: impl BufRead, options: &ReadOptions) -> Result<ReadMa
     let (map, whole, height_unit) = if is_points {
         let unit = options.height_unit.unwrap_or(LengthUnit::Micrometre);
         if options.height_unit.is_none() {
-            let said = "the file does not state the unit of its heights: um is taken, which Zygo's programs write; --height-unit changes it";
+            let said = "the file does not state the unit of its heights: um is taken, as Zygo's programs write; --height-unit or height_unit changes it";
             notes.push(said.to_owned());
         }
         let points = points(&mut lines, header.size()?)?;
@@ -139,7 +159,8 @@ fn points(lines: &mut Lines<impl BufRead>, [width, height]: [u64; 2]) -> Result<
 fn phases(lines: &mut Lines<impl BufRead>, header: &Header, options: &ReadOptions) -> Result<Window, ReadError> {
     let [width, height] = header.size()?;
     let window = Window::new(Some(height), width, options.crop, options.decimation)?;
-    let intensities = [[2, 2], [2, 3]].map(|place| header.count("size of the intensity data", place));
+    let above = header.size.saturating_sub(1);
+    let intensities = [[above, 2], [above, 3]].map(|place| header.count("size of the intensity data", place));
     if let [Ok(1..), Ok(1..)] = intensities {
         let mut is_begun = false;
         while let Some(text) = lines.next()? {
@@ -238,6 +259,7 @@ mod tests {
         assert!(refused(&(text.clone() + "1 2 x\n")).contains("column 3: \"x\""));
         assert!(refused(&text.replace("\n1 1 20", "\n7 1 20")).contains("phase resolution is \"7\""));
         assert!(refused(&text.replace("2.0e-006", "0")).contains("pixel size"));
+        assert!(refused("Zygo ASCII Data File - Format 2\n1 2\n#\n").contains("a line of four numbers"));
         assert!(refused("Zygo ASCII Data File - Format 2\n1 2\n").contains("number of header lines is \"2\""));
     }
 }
