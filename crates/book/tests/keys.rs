@@ -88,11 +88,16 @@ fn the_chapter_of_columns_is_generated_from_what_reads_them() {
                        first unit of this table is assumed; a position without a unit is not read. Separators are tabs, semicolons or commas; the decimal \
                        sign is a point or a comma. Columns with other titles are not read, and may be empty, unless \
                        `columns` in `[traces]` gives them a meaning.\n\n\
-                       | column | titles | units |\n|---|---|---|\n"
+                       Titles in the third column count only where no column has one of the second. Several columns of one kind must hold the same \
+                       numbers (the same amounts, of a friction force), or `columns` must name one of them: as `columns = { time = \"Time (s) #2\" }` \
+                       where both have one title, and as `columns = { normal_force = \"none\" }` where none is to be read. A friction \
+                       coefficient beside a torque or friction force is only compared with it.\n\n\
+                       | column | titles | otherwise | units |\n|---|---|---|---|\n"
         .to_owned();
+    let listed = |names: &[&str]| names.iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ");
     for channel in Channel::ALL {
-        let titles: Vec<String> = channel.names().iter().map(|name| format!("`{name}`")).collect();
-        let _ = writeln!(chapter, "| {} | {} | {} |", channel.title(), titles.join(", "), channel.unit_words());
+        let [names, secondary] = [channel.names(), channel.secondary_names()].map(listed);
+        let _ = writeln!(chapter, "| {} | {names} | {secondary} | {} |", channel.title(), channel.unit_words());
     }
     keep(&book().join("reference/trace-columns.md"), &chapter);
 }

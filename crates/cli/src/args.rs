@@ -228,6 +228,9 @@ pub struct TracesArgs {
     /// Span before touchdown whose mean forces are subtracted as the sensors' zero, seconds since the first row
     #[arg(long, value_name = "FROM,TO", value_delimiter = ',', num_args = 1)]
     pub zero_s: Option<Vec<f64>>,
+    /// Step of the exports that is read, by its number in them, or counted from 1; the whole export by default
+    #[arg(long, value_name = "N")]
+    pub step: Option<u32>,
     /// The samples are patterned
     #[arg(long)]
     pub patterned: bool,

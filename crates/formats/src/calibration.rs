@@ -353,7 +353,7 @@ fn inputs(document: &Document, file: &CalibrationFile, surface: &Surface, traces
         Surface::Map { path, after, .. } => std::iter::once(path.clone()).chain(after.clone()).collect(),
         _ => Vec::new(),
     };
-    let traces = traces.iter().flat_map(|traces| traces.condition.files.iter().cloned());
+    let traces = traces.iter().flat_map(|traces| traces.condition.files.iter().map(|export| export.path.clone()));
     std::iter::once(document.path().to_owned()).chain(tables(document, file)).chain(maps).chain(traces).collect()
 }
 

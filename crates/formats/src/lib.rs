@@ -65,6 +65,7 @@ pub mod stored_pattern;
 pub mod surface;
 pub mod target;
 pub mod tolerances;
+mod trace_departures;
 mod trace_notes;
 mod trace_table;
 pub mod traces;

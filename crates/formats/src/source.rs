@@ -121,7 +121,8 @@ const HEAD: usize = 512;
 /// What some editors write in front of UTF-8.
 const UTF_8_MARK: &[u8] = b"\xEF\xBB\xBF";
 
-/// `bytes` as text, in UTF-8 with or without its mark or in UTF-16 with it, or as they are where they are neither.
+/// `bytes` as text, in UTF-8 with or without its mark or in UTF-16 with it, or as they are where they are neither. Lines that end with carriage
+/// returns alone end with line feeds.
 fn decoded(path: &Path, bytes: Vec<u8>, expected: &str) -> Result<Result<String, Vec<u8>>, Diagnostic> {
     let units = |rest: &[u8], unit: fn([u8; 2]) -> u16| {
         let pairs = rest.as_chunks::<2>().0.iter().map(|pair| unit(*pair));
@@ -135,8 +136,14 @@ fn decoded(path: &Path, bytes: Vec<u8>, expected: &str) -> Result<Result<String,
         }
         _ => None,
     };
-    let bytes = if bytes.starts_with(UTF_8_MARK) { bytes[UTF_8_MARK.len()..].to_vec() } else { bytes };
-    Ok(wide.map_or_else(|| String::from_utf8(bytes).map_err(std::string::FromUtf8Error::into_bytes), Ok))
+    if let Some(text) = wide {
+        return Ok(Ok(if text.contains('\n') { text } else { text.replace('\r', "\n") }));
+    }
+    let mut bytes = if bytes.starts_with(UTF_8_MARK) { bytes[UTF_8_MARK.len()..].to_vec() } else { bytes };
+    if !bytes.contains(&b'\n') {
+        bytes.iter_mut().filter(|byte| **byte == b'\r').for_each(|byte| *byte = b'\n');
+    }
+    Ok(String::from_utf8(bytes).map_err(std::string::FromUtf8Error::into_bytes))
 }
 
 fn unreadable(path: &Path, error: &io::Error) -> Diagnostic {

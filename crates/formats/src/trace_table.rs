@@ -10,7 +10,7 @@ use toml::Spanned;
 
 use super::document::Document;
 use super::traces::{
-    ConditionTraces, MOST_SPECIMENS, OfTrial, Seen, SurfaceKind, TraceCondition, TraceSetup, analyse_among,
+    ConditionTraces, Export, MOST_SPECIMENS, OfTrial, Seen, SurfaceKind, TraceCondition, TraceSetup, analyse_among,
 };
 use super::values::{Number, NumberList};
 use crate::diagnostic::Diagnostic;
@@ -42,7 +42,8 @@ pub struct TracesFile {
     condition: Option<Spanned<Vec<TraceConditionFile>>>,
 }
 
-/// Titles of one's own for columns of exports; the known titles of the same quantity then mean nothing.
+/// Titles of one's own for columns of exports, units in them as in an export; the known titles of the same quantity then mean nothing.
+/// `#2` behind a title means the second column that has it, and `none` that no column is of the quantity.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ColumnsFile {
@@ -64,6 +65,8 @@ pub struct ColumnsFile {
     humidity: Option<Spanned<String>>,
     /// Of the number of the repeat.
     repeat: Option<Spanned<String>>,
+    /// Of the number of the step.
+    step: Option<Spanned<String>>,
     /// Of the position along the way of sliding; not read without a unit.
     position: Option<Spanned<String>>,
 }
@@ -81,6 +84,7 @@ impl ColumnsFile {
             (Channel::Revolutions, &self.revolutions),
             (Channel::Humidity, &self.humidity),
             (Channel::Repeat, &self.repeat),
+            (Channel::Step, &self.step),
             (Channel::Position, &self.position),
         ] {
             let Some(title) = title else { continue };
@@ -112,6 +116,8 @@ pub struct TraceConditionFile {
     surface: Option<Spanned<String>>,
     /// Exports, each once; `*` stands for any letters.
     files: Spanned<Vec<Spanned<String>>>,
+    /// The step of the exports that is read, by the number that they give it, or counted from 1 where they give none; the whole export when absent.
+    step: Option<Spanned<u64>>,
     /// Exports of `files` that are left out, such as a spoilt repeat; `*` stands for any letters.
     exclude: Option<Vec<Spanned<String>>>,
     /// Seconds between which friction of this condition is averaged; as `[traces]` says when absent.
@@ -140,7 +146,7 @@ pub(crate) struct TraceReader<'d> {
     /// With the place of its key.
     zero_s: Option<Zero>,
     /// Every export that was named, with its own place and line.
-    named: Vec<(PathBuf, Option<u32>)>,
+    named: Vec<(Export, Option<u32>)>,
     /// Every trace that was read.
     seen: Vec<Seen>,
 }
@@ -285,7 +291,8 @@ impl<'d> TraceReader<'d> {
                 .expected(format!("a span before touchdown, that ends at {} s or before", window_s[0])));
         }
         let zero_s = zero.map(|(span_s, _)| span_s);
-        let (files, excluded) = self.files(&file.files, file.exclude.as_deref().unwrap_or_default())?;
+        let step = file.step.as_ref().map(|step| read_step(document, step)).transpose()?;
+        let (files, excluded) = self.files(&file.files, file.exclude.as_deref().unwrap_or_default(), step)?;
         Ok(TraceCondition {
             surface,
             trial: trial.cloned(),
@@ -305,7 +312,8 @@ impl<'d> TraceReader<'d> {
         &mut self,
         list: &Spanned<Vec<Spanned<String>>>,
         exclude: &[Spanned<String>],
-    ) -> Result<(Vec<PathBuf>, Vec<PathBuf>), Diagnostic> {
+        step: Option<u32>,
+    ) -> Result<(Vec<Export>, Vec<PathBuf>), Diagnostic> {
         let document = self.document;
         let mut files = Vec::new();
         for name in list.get_ref() {
@@ -317,9 +325,13 @@ impl<'d> TraceReader<'d> {
                 return Err(document.refuse(name.span(), what).expected("an export, or a name with * in it"));
             }
             for path in &found {
-                let own = document.source().canonical(path);
+                let own = Export { path: document.source().canonical(path), step };
                 let here = document.refuse(name.span(), "");
-                if let Some((_, line)) = self.named.iter().find(|(other, _)| *other == own) {
+                // Other steps of an export are other traces.
+                let is_same = |other: &Export| {
+                    other.path == own.path && (other.step == own.step || other.step.is_none() || own.step.is_none())
+                };
+                if let Some((_, line)) = self.named.iter().find(|(other, _)| is_same(other)) {
                     let before = line.map_or_else(String::new, |line| format!(", as line {line} does"));
                     let reason = format!("names {} once more{before}: one export is one repeat", path.display());
                     return Err(Diagnostic { reason, ..here }.expected("each export once"));
@@ -351,8 +363,14 @@ impl<'d> TraceReader<'d> {
             let expected = "an `exclude` that leaves at least one export";
             return Err(document.refuse(list.span(), "is left out as a whole").expected(expected));
         }
-        Ok((files, excluded))
+        Ok((files.into_iter().map(|path| Export { path, step }).collect(), excluded))
     }
+}
+
+fn read_step(document: &Document, step: &Spanned<u64>) -> Result<u32, Diagnostic> {
+    u32::try_from(*step.get_ref()).map_err(|_| {
+        document.refuse(step.span(), "is no number of a step").expected("a whole number, as exports give it")
+    })
 }
 
 fn needs_reciprocating(document: &Document, share: &Number) -> Diagnostic {

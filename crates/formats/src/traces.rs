@@ -5,10 +5,9 @@ use std::path::{Path, PathBuf};
 
 use slipgrid_calibrate::{Measurement, StaticPeak};
 use slipgrid_traces::columns::Titles;
-use slipgrid_traces::export::{Recorded, TraceFile, parse};
+use slipgrid_traces::export::{ExportOptions, Recorded, TraceFile, parse};
 use slipgrid_traces::{
     OddRepeat, Repeats, TraceError, TraceFindings, TraceFlag, TraceOptions, analyse, average, odd_repeats,
-    speed_of_position,
 };
 
 use super::document::Document;
@@ -17,8 +16,8 @@ pub use super::trace_notes::notes;
 use crate::diagnostic::Diagnostic;
 use crate::plausible::FRICTION;
 use crate::source::{Source, read_letters};
+use crate::trace_departures::{departures, stands_still};
 use crate::unused_columns::near_titles;
-use slipgrid_units::{HUMIDITY_PCT, SPEED_MM_S};
 
 /// Number of specimens in a holder, at most.
 pub const MOST_SPECIMENS: u32 = 100;
@@ -76,6 +75,28 @@ pub struct OfTrial {
     pub name: String,
 }
 
+/// An export, and the step of it that belongs to a condition.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Export {
+    /// The file.
+    pub path: PathBuf,
+    /// The step that is read, by the number the instrument gave it; `None` for the whole file.
+    pub step: Option<u32>,
+}
+
+impl Export {
+    /// The whole file at `path`.
+    #[must_use]
+    pub const fn whole(path: PathBuf) -> Self {
+        Self { path, step: None }
+    }
+
+    /// The name of the file.
+    fn name(&self) -> String {
+        self.path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default()
+    }
+}
+
 /// Traces of one condition.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TraceCondition {
@@ -96,7 +117,7 @@ pub struct TraceCondition {
     /// Span before touchdown whose mean forces are subtracted as the sensors' zero, in seconds since the first row.
     pub zero_s: Option<[f64; 2]>,
     /// Exports, in the order of their names.
-    pub files: Vec<PathBuf>,
+    pub files: Vec<Export>,
     /// Exports that `exclude` left out.
     pub excluded: Vec<PathBuf>,
 }
@@ -164,13 +185,6 @@ impl ConditionTraces {
     }
 }
 
-/// Departure of a recorded speed from the nominal one that is told.
-const SPEED_OFF: f64 = 0.1;
-/// The same of a speed that the recorded position says: strokes are not all of one speed.
-const POSITION_OFF: f64 = 0.2;
-/// Departure of a recorded humidity that is told.
-const HUMIDITY_OFF: f64 = 0.05;
-
 /// Reads and analyses every trace of a condition.
 ///
 /// # Errors
@@ -213,15 +227,19 @@ pub(crate) fn analyse_among(
         stroke_share: condition.stroke_share,
         zero_s: condition.zero_s,
     };
-    let (mut traces, mut refused) = (Vec::new(), Vec::new());
-    for path in &condition.files {
-        let file = read_export(source, path, setup)?;
+    let (mut traces, mut names, mut refused) = (Vec::new(), Vec::new(), Vec::new());
+    for export in &condition.files {
+        let path = &export.path;
+        let file = read_export(source, export, setup)?;
         let several = file.repeats.len() > 1;
         let near_titles = near_titles(&file, &setup.titles);
         for repeat in &file.repeats {
-            let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
-            let label = if several { format!("{name}, repeat {}", repeat.number) } else { name };
-            let which = if several { format!("repeat {}: ", repeat.number) } else { String::new() };
+            let name = export.name();
+            let step = export.step.map_or_else(String::new, |step| format!("step {step}"));
+            let number = if several { format!("repeat {}", repeat.number) } else { String::new() };
+            let parts: Vec<&str> = [&step[..], &number[..]].into_iter().filter(|part| !part.is_empty()).collect();
+            let which = if parts.is_empty() { String::new() } else { format!("{}: ", parts.join(", ")) };
+            let label = [&[&name[..]], &parts[..]].concat().join(", ");
             let (samples, sums) = (repeat.channels.time_s.len(), repeat.channels.fingerprint());
             if let Some(Seen { label, .. }) = seen.iter().find(|other| (other.samples, other.sums) == (samples, sums)) {
                 let reason = format!("{which}holds the {samples} samples of {label} again: one export given twice");
@@ -237,7 +255,7 @@ pub(crate) fn analyse_among(
             match analyse(&repeat.channels, &options) {
                 Ok(findings) => {
                     let mut flags: Vec<String> = findings.flags.iter().map(TraceFlag::to_string).collect();
-                    flags.extend(departures(condition, repeat));
+                    flags.extend(departures(condition, repeat, &findings, &file));
                     flags.extend_from_slice(&near_titles);
                     let mu = findings.window.mu;
                     match FRICTION.judge(mu) {
@@ -251,6 +269,7 @@ pub(crate) fn analyse_among(
                         }
                     }
                     traces.push(ReadTrace { label, findings, flags });
+                    names.push(name);
                 }
                 Err(error) => refused.push(refuse_trace(path, &which, repeat, &error, options.window_s)),
             }
@@ -267,8 +286,10 @@ pub(crate) fn analyse_among(
     let findings: Vec<TraceFindings> = traces.iter().map(|trace| trace.findings.clone()).collect();
     let friction: Vec<(f64, f64)> = findings.iter().map(|found| (found.window.mu, found.window.stderr)).collect();
     for odd in odd_repeats(&friction) {
-        let labels = [traces[0].label.clone(), traces[odd.index].label.clone()];
-        traces[odd.index].flags.push(words_of_odd(&odd, friction[odd.index].0, &labels));
+        let inside = if traces[odd.index].label == names[odd.index] { "" } else { "its rows removed or " };
+        let words = words_of_odd(&odd, friction[odd.index].0, &traces[0].label);
+        let exclude = format!("; {inside}`exclude = [\"{}\"]` in its condition leaves it out", names[odd.index]);
+        traces[odd.index].flags.push(words + &exclude);
     }
     match average(&findings) {
         Some(mean) => Ok(ConditionTraces { condition: condition.clone(), traces, mean }),
@@ -289,11 +310,11 @@ fn refuse_trace(path: &Path, which: &str, repeat: &Recorded, error: &TraceError,
     }
 }
 
-/// Says how a repeat differs from the others, and how it is left out; `first` is the first of two.
-fn words_of_odd(odd: &OddRepeat, mu: f64, [first, own]: &[String; 2]) -> String {
+/// Says how a repeat differs from the others; `first` is the first of two.
+fn words_of_odd(odd: &OddRepeat, mu: f64, first: &str) -> String {
     let (amount, others) = (100.0 * odd.relative.abs(), odd.others);
     let side = if odd.relative < 0.0 { "below" } else { "above" };
-    let differs = match odd.others_differ {
+    match odd.others_differ {
         Some(differ) => format!(
             "mu {mu:.4} is {amount:.0} % {side} the mean {others:.4} of the other repeats, which differ by {:.1} %: it may be spoilt, and \
              counts all the same",
@@ -303,76 +324,27 @@ fn words_of_odd(odd: &OddRepeat, mu: f64, [first, own]: &[String; 2]) -> String 
             "mu {mu:.4} is {amount:.0} % {side} the {others:.4} of {first}: one of the two may be spoilt, and a third repeat would tell which; \
              both count"
         ),
-    };
-    let (file, inside) =
-        own.split_once(", repeat ").map_or((own.as_str(), ""), |(file, _)| (file, "its rows removed or "));
-    format!("{differs}; {inside}`exclude = [\"{file}\"]` in its condition leaves it out")
+    }
 }
 
-/// Reads the export at `path` of `source`.
-fn read_export(source: &Source, path: &Path, setup: &TraceSetup) -> Result<TraceFile, Diagnostic> {
-    parse_export(path, &read_letters(source, path, "a table of traces")?, setup)
+fn read_export(source: &Source, export: &Export, setup: &TraceSetup) -> Result<TraceFile, Diagnostic> {
+    parse_export(export, &read_letters(source, &export.path, "a table of traces")?, setup)
 }
 
-/// Reads an export from its text; `path` names it in messages.
+/// Reads an export from its text; its path names it in messages.
 ///
 /// # Errors
 /// [`Diagnostic`] that names line and column of what was refused.
-pub fn parse_export(path: &Path, text: &str, setup: &TraceSetup) -> Result<TraceFile, Diagnostic> {
-    parse(text, setup.effective_radius_m, &setup.titles).map_err(|refused| Diagnostic {
+pub fn parse_export(export: &Export, text: &str, setup: &TraceSetup) -> Result<TraceFile, Diagnostic> {
+    let (effective_radius_m, titles) = (setup.effective_radius_m, Some(&setup.titles));
+    parse(text, &ExportOptions { effective_radius_m, titles, step: export.step }).map_err(|refused| Diagnostic {
         line: refused.line,
         key: refused.column.map(Into::into),
         value: refused.value.map(Into::into),
-        ..Diagnostic::file(path, refused.reason).expected(refused.expected)
+        ..Diagnostic::file(&export.path, refused.reason).expected(refused.expected)
     })
 }
 
-/// Recorded speed over the nominal one below which the drive stood still.
-const STILL: f64 = 0.01;
-
-/// Says that a trace was recorded at rest, where it has a column of speed.
-fn stands_still(condition: &TraceCondition, repeat: &Recorded) -> Option<String> {
-    let speed = repeat.speed_m_s.map(f64::abs).filter(|speed| *speed < STILL * condition.speed_m_s)?;
-    let (found, nominal) = (SPEED_MM_S.from_si(speed), SPEED_MM_S.from_si(condition.speed_m_s));
-    Some(format!(
-        "the recorded speed is {found:.4} mm/s, of {nominal} mm/s: the sample does not slide, or its unit is another"
-    ))
-}
-
-/// Where recorded speed, humidity and rows are not what the condition says.
-fn departures(condition: &TraceCondition, repeat: &Recorded) -> Vec<String> {
-    let mut flags = Vec::new();
-    if let Some(speed) = repeat.speed_m_s.map(f64::abs).filter(|v| (v / condition.speed_m_s - 1.0).abs() > SPEED_OFF) {
-        let (found, nominal) = (SPEED_MM_S.from_si(speed), SPEED_MM_S.from_si(condition.speed_m_s));
-        flags.push(format!("the recorded speed is {found:.3} mm/s, not the nominal {nominal}"));
-    }
-    let moved = speed_of_position(
-        &repeat.channels.time_s,
-        repeat.channels.start_s,
-        &repeat.position_m,
-        condition.window_s,
-        condition.stroke_share.is_some(),
-    );
-    // A position that hardly changes is not that of sliding: where a pin stands on its disc, or how far it is worn.
-    let moved = moved.map(|speed| speed / condition.speed_m_s).filter(|ratio| *ratio > STILL);
-    if let Some(ratio) = moved.filter(|ratio| (ratio - 1.0).abs() > POSITION_OFF) {
-        let nominal = SPEED_MM_S.from_si(condition.speed_m_s);
-        let found = ratio * nominal;
-        flags.push(format!(
-            "the recorded position moves at {found:.3} mm/s in the window, not at the nominal {nominal}: speed, its unit or that of the \
-             position is wrong"
-        ));
-    }
-    if let Some(humidity) = repeat.humidity.filter(|h| (h - condition.humidity).abs() > HUMIDITY_OFF) {
-        let (found, nominal) = (HUMIDITY_PCT.from_si(humidity), HUMIDITY_PCT.from_si(condition.humidity));
-        flags.push(format!("the recorded humidity is {found:.1} %, not the nominal {nominal}"));
-    }
-    if repeat.repeated_rows > 0 {
-        let (count, all) = (repeat.repeated_rows, repeat.repeated_rows + repeat.channels.time_s.len());
-        flags.push(format!("{count} of {all} rows repeat the row before them and were left out"));
-    }
-    if let Some(missing) = &repeat.missing {
-        flags.push(format!("{}: left out", missing.words(true)));
-    }
-    flags
-}
+#[cfg(test)]
+#[path = "traces_tests.rs"]
+mod tests;

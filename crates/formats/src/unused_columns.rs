@@ -12,12 +12,21 @@ const FEWEST_LETTERS: usize = 4;
 pub(crate) fn near_titles(file: &TraceFile, titles: &Titles) -> Vec<String> {
     let is_free = |channel: &Channel| !file.used.contains(channel) && !titles.has_own(*channel);
     let free: Vec<Channel> = Channel::ALL.into_iter().filter(is_free).collect();
+    let is_of_another = |title: &str| {
+        let letters = Titles::letters_of(title);
+        let names = |channel: Channel| channel.names().iter().chain(channel.secondary_names());
+        let is_one = |channel: Channel| names(channel).any(|name| letters.iter().any(|own| own == name));
+        Channel::ALL.into_iter().any(|channel| !is_free(&channel) && is_one(channel))
+    };
     let of_title = |title: &String| {
+        if is_of_another(title) {
+            return None;
+        }
         let (channel, known, distance) = nearest_title(title, &free)?;
         let (what, key) = (channel.title(), channel.key());
         if distance == 0 {
             let units = channel.unit_words();
-            return (channel == Channel::Position)
+            return (!channel.is_needed())
                 .then(|| format!("the column `{title}` is not used: its unit is none of those of a {what}, {units}"));
         }
         Some(format!(
@@ -46,12 +55,13 @@ fn nearest_title(title: &str, channels: &[Channel]) -> Option<(Channel, &'static
 #[cfg(test)]
 mod tests {
     use super::*;
-    use slipgrid_traces::export::parse;
+    use slipgrid_traces::export::{ExportOptions, parse};
 
     fn said(header: &str, titles: &Titles) -> Vec<String> {
         let cells = header.split(',').count();
         let rows: String = (0..3).map(|i| vec![i.to_string(); cells].join(",") + "\n").collect();
-        near_titles(&parse(&format!("{header}\n{rows}"), Some(0.04), titles).unwrap(), titles)
+        let options = ExportOptions { effective_radius_m: Some(0.04), titles: Some(titles), step: None };
+        near_titles(&parse(&format!("{header}\n{rows}"), &options).unwrap(), titles)
     }
 
     #[test]
@@ -86,5 +96,8 @@ mod tests {
         let mut own = Titles::default();
         own.name(Channel::Position, "x_stage [mm]").unwrap();
         assert_eq!(said("time,Fx,Fz,Positon (mm)", &own), Vec::<String>::new());
+        // A force that `columns` puts aside is no torque with a slip of the pen.
+        own.name(Channel::Coefficient, "mu").unwrap();
+        assert_eq!(said("time,mu,Friction force [N],Fz", &own), Vec::<String>::new());
     }
 }

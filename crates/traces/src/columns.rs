@@ -1,262 +1,17 @@
-//! Columns of a tribometer export: what a name means, and its unit.
+//! Columns of a tribometer export: the meaning of a title, and its unit.
 
 use crate::cells::unquoted;
-
-/// What a column holds.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Channel {
-    /// Time.
-    Time,
-    /// Torque about the axis.
-    Torque,
-    /// Friction force.
-    FrictionForce,
-    /// Friction coefficient, as the instrument computed it; used where there is neither a torque nor a friction force.
-    Coefficient,
-    /// Normal force on the sample holder.
-    NormalForce,
-    /// Sliding speed.
-    Speed,
-    /// Revolutions per time.
-    Revolutions,
-    /// Relative humidity.
-    Humidity,
-    /// Number of the repeat.
-    Repeat,
-    /// Position along the way of sliding, or the way itself; not used without a known unit.
-    Position,
-}
-
-impl Channel {
-    /// How many there are.
-    pub const COUNT: usize = 10;
-
-    /// A trace cannot be read without some of these columns.
-    #[must_use]
-    pub const fn is_needed(self) -> bool {
-        matches!(self, Self::Time | Self::Torque | Self::FrictionForce | Self::Coefficient | Self::NormalForce)
-    }
-
-    /// Names of such a column, small letters and digits alone.
-    #[must_use]
-    pub const fn names(self) -> &'static [&'static str] {
-        match self {
-            Self::Time => &["time", "t", "timestamp", "elapsedtime", "testtime", "zeit", "temps", "tempo"],
-            Self::Torque => &["torque", "tz", "mz", "frictiontorque", "moment", "drehmoment", "reibmoment", "coppia"],
-            Self::FrictionForce => &[
-                "frictionforce",
-                "friction",
-                "ff",
-                "fx",
-                "ft",
-                "fr",
-                "tangentialforce",
-                "lateralforce",
-                "reibkraft",
-                "forcetangentielle",
-            ],
-            Self::Coefficient => &[
-                "cof",
-                "mu",
-                "\u{3bc}",
-                "frictioncoefficient",
-                "coefficientoffriction",
-                "coeffoffriction",
-                "frictioncoeff",
-                "reibungskoeffizient",
-                "reibkoeffizient",
-                "reibungszahl",
-                "reibwert",
-                "coefficientdefrottement",
-            ],
-            Self::NormalForce => {
-                &["normalforce", "fz", "fn", "load", "normalload", "normalkraft", "forcenormale", "verticalforce"]
-            }
-            Self::Speed => &["speed", "velocity", "slidingspeed", "slidingvelocity", "v", "geschwindigkeit"],
-            Self::Revolutions => {
-                &["rpm", "revolutions", "rotationspeed", "rotationalspeed", "spindlespeed", "drehzahl"]
-            }
-            Self::Humidity => &["humidity", "rh", "relativehumidity", "luftfeuchte", "feuchte"],
-            Self::Repeat => &["repeat", "repetition", "run", "test", "wiederholung"],
-            Self::Position => &[
-                "position",
-                "pos",
-                "x",
-                "displacement",
-                "stroke",
-                "distance",
-                "slidingdistance",
-                "weg",
-                "gleitweg",
-                "hub",
-                "deplacement",
-            ],
-        }
-    }
-
-    /// The key that gives a title of one's own for it.
-    #[must_use]
-    pub fn key(self) -> String {
-        match self {
-            Self::Repeat => "repeat".to_owned(),
-            channel => channel.title().replace(' ', "_"),
-        }
-    }
-
-    /// What it is called in messages.
-    #[must_use]
-    pub const fn title(self) -> &'static str {
-        match self {
-            Self::Time => "time",
-            Self::Torque => "torque",
-            Self::FrictionForce => "friction force",
-            Self::Coefficient => "friction coefficient",
-            Self::NormalForce => "normal force",
-            Self::Speed => "speed",
-            Self::Revolutions => "revolutions",
-            Self::Humidity => "humidity",
-            Self::Repeat => "number of the repeat",
-            Self::Position => "position",
-        }
-    }
-
-    /// Its units, as people write them.
-    #[must_use]
-    pub const fn unit_words(self) -> &'static str {
-        match self {
-            Self::Time => "s, ms, us, min or h",
-            Self::Torque => "N m, mN m, uN m, kN m, N cm, N mm, kgf m, kgf cm, gf cm, lbf in or lbf ft",
-            Self::FrictionForce | Self::NormalForce => "N, mN, uN, kN, daN, gf, kgf, kp or lbf",
-            Self::Speed => "mm/s, m/s, cm/s, um/s, mm/min, cm/min, m/min, um/min, km/h or those of revolutions",
-            Self::Revolutions => "rpm, 1/min, r/min, rev/min, U/min, 1/s, rps, rev/s, Hz or rad/s",
-            Self::Humidity => "%, %RH, %rF, pct or percent",
-            Self::Position => "mm, m, cm, um or nm",
-            Self::Coefficient | Self::Repeat => "a column without a unit",
-        }
-    }
-
-    /// Units and what turns them into SI; the first is taken where none is given.
-    const fn units(self) -> &'static [(&'static str, f64)] {
-        const MINUTE: f64 = 60.0;
-        const GRAM_FORCE: f64 = 9.806_65e-3;
-        const POUND_FORCE: f64 = 4.448_221_615_260_5;
-        const INCH: f64 = 25.4e-3;
-        const FORCE: &[(&str, f64)] = &[
-            ("n", 1.0),
-            ("newton", 1.0),
-            ("newtons", 1.0),
-            ("mn", 1e-3),
-            ("un", 1e-6),
-            ("kn", 1e3),
-            ("dan", 10.0),
-            ("gf", GRAM_FORCE),
-            ("kgf", 1e3 * GRAM_FORCE),
-            ("kp", 1e3 * GRAM_FORCE),
-            ("lbf", POUND_FORCE),
-        ];
-        match self {
-            Self::Time => &[
-                ("s", 1.0),
-                ("sec", 1.0),
-                ("secs", 1.0),
-                ("second", 1.0),
-                ("seconds", 1.0),
-                ("ms", 1e-3),
-                ("msec", 1e-3),
-                ("milliseconds", 1e-3),
-                ("us", 1e-6),
-                ("min", MINUTE),
-                ("mins", MINUTE),
-                ("minutes", MINUTE),
-                ("h", 3600.0),
-                ("hr", 3600.0),
-                ("hours", 3600.0),
-            ],
-            Self::Torque => &[
-                ("nm", 1.0),
-                ("mnm", 1e-3),
-                ("unm", 1e-6),
-                ("knm", 1e3),
-                ("ncm", 1e-2),
-                ("nmm", 1e-3),
-                ("kgfm", 1e3 * GRAM_FORCE),
-                ("kgfcm", 10.0 * GRAM_FORCE),
-                ("gfcm", 1e-2 * GRAM_FORCE),
-                ("lbfin", POUND_FORCE * INCH),
-                ("inlbf", POUND_FORCE * INCH),
-                ("lbfft", 12.0 * POUND_FORCE * INCH),
-                ("ftlbf", 12.0 * POUND_FORCE * INCH),
-            ],
-            Self::FrictionForce | Self::NormalForce => FORCE,
-            Self::Speed => &[
-                ("mms", 1e-3),
-                ("ms", 1.0),
-                ("cms", 1e-2),
-                ("ums", 1e-6),
-                ("mmin", 1.0 / MINUTE),
-                ("mmmin", 1e-3 / MINUTE),
-                ("cmmin", 1e-2 / MINUTE),
-                ("ummin", 1e-6 / MINUTE),
-                ("kmh", 1.0 / 3.6),
-            ],
-            Self::Revolutions => &[
-                ("rpm", 1.0 / MINUTE),
-                ("1min", 1.0 / MINUTE),
-                ("min1", 1.0 / MINUTE),
-                ("rmin", 1.0 / MINUTE),
-                ("umin", 1.0 / MINUTE),
-                ("revmin", 1.0 / MINUTE),
-                ("1s", 1.0),
-                ("s1", 1.0),
-                ("hz", 1.0),
-                ("rps", 1.0),
-                ("revs", 1.0),
-                ("rads", 1.0 / std::f64::consts::TAU),
-            ],
-            Self::Humidity => &[
-                ("pct", 1e-2),
-                ("%", 1e-2),
-                ("rh", 1e-2),
-                ("%rh", 1e-2),
-                ("rh%", 1e-2),
-                ("%rf", 1e-2),
-                ("pctrh", 1e-2),
-                ("percent", 1e-2),
-            ],
-            Self::Coefficient => &[("", 1.0), ("1", 1.0)],
-            Self::Repeat => &[("", 1.0)],
-            Self::Position => &[("mm", 1e-3), ("m", 1.0), ("cm", 1e-2), ("um", 1e-6), ("nm", 1e-9)],
-        }
-    }
-
-    /// What turns numbers without a unit into SI; of a position no number, as a title like `x` may be of anything.
-    const fn usual_factor(self) -> f64 {
-        if matches!(self, Self::Position) { f64::NAN } else { self.units()[0].1 }
-    }
-
-    /// All of them.
-    pub const ALL: [Self; Self::COUNT] = [
-        Self::Time,
-        Self::Torque,
-        Self::FrictionForce,
-        Self::Coefficient,
-        Self::NormalForce,
-        Self::Speed,
-        Self::Revolutions,
-        Self::Humidity,
-        Self::Repeat,
-        Self::Position,
-    ];
-}
+pub use crate::channels::Channel;
 
 /// A unit that a column's quantity does not have.
 #[derive(Clone, Debug, PartialEq)]
 pub struct UnknownUnit {
     /// The column, as the file writes it.
     pub name: String,
+    /// The quantity of the column.
+    pub channel: Channel,
     /// The unit, as the file writes it.
     unit: String,
-    channel: Channel,
 }
 
 impl UnknownUnit {
@@ -265,7 +20,7 @@ impl UnknownUnit {
     pub fn words(&self) -> [String; 2] {
         let (unit, title) = (&self.unit, self.channel.title());
         let letters = unit_letters(unit);
-        let is_known = Channel::ALL.iter().any(|channel| channel.units().iter().any(|(name, _)| *name == letters));
+        let is_known = Channel::ALL.iter().any(|channel| channel.factor(&letters).is_some());
         let reason = if is_known {
             format!("has the unit \"{unit}\", which is none of {title}")
         } else {
@@ -275,11 +30,23 @@ impl UnknownUnit {
     }
 }
 
+/// Which of several columns of one channel is used: the first kind that there is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum Priority {
+    /// Its title is given in `columns`.
+    Own,
+    /// Its title is one of [`Channel::names`].
+    Primary,
+    /// Its title is one of [`Channel::secondary_names`].
+    Secondary,
+}
+
 /// A column that is used.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Column {
     /// What it holds.
     pub channel: Channel,
+    pub(crate) priority: Priority,
     name: String,
     factor: f64,
 }
@@ -315,45 +82,71 @@ impl Column {
     }
 
     fn factor_of(&mut self, unit: &str) -> Option<f64> {
-        let of = |channel: Channel| channel.units().iter().find(|(name, _)| *name == unit).map(|(_, factor)| *factor);
         // A speed in revolutions is of the axis.
         if self.channel == Channel::Speed
-            && let Some(factor) = of(Channel::Revolutions)
+            && let Some(factor) = Channel::Revolutions.factor(unit)
         {
             self.channel = Channel::Revolutions;
             return Some(factor);
         }
-        of(self.channel)
+        self.channel.factor(unit)
     }
 }
 
 /// The unit stands in brackets, behind a slash, or behind an underscore.
 const UNIT_MARKS: [char; 5] = ['[', '(', '{', '/', '_'];
 
+/// The title that says that no column holds a channel.
+pub const NO_COLUMN: &str = "none";
+
 /// Titles of one's own for what columns hold, beside those that are known.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Titles(Vec<Title>);
 
-/// A title, its letters alone, with the factor of its unit.
+/// A title of one's own.
 #[derive(Clone, Debug, PartialEq)]
 struct Title {
     channel: Channel,
+    /// Letters of the whole title, its unit among them.
+    whole: String,
+    /// Letters of the title without the unit in brackets or behind a slash.
     letters: String,
     factor: f64,
+    /// Which of several columns with this title, from 1.
+    number: Option<usize>,
 }
 
 impl Titles {
-    /// Takes `title` for columns of `channel`, which no other title means from now on. The unit in its brackets is that of columns which
-    /// name none; without it the first of [`Channel::unit_words`].
+    /// Takes `title` for columns of `channel`, which no other title means from now on. Its unit, written as in an export, is that of columns
+    /// which name none; without it the first of [`Channel::unit_words`]. `#2` at its end means the second column with this title, and
+    /// [`NO_COLUMN`] alone that no column holds the channel.
     ///
     /// # Errors
     /// [`UnknownUnit`] in its brackets.
     pub fn name(&mut self, channel: Channel, title: &str) -> Result<(), UnknownUnit> {
         let written = unquoted(title);
+        if written.eq_ignore_ascii_case(NO_COLUMN) {
+            self.0.push(Title { channel, whole: String::new(), letters: String::new(), factor: 1.0, number: None });
+            return Ok(());
+        }
+        let numbered =
+            written.rsplit_once('#').and_then(|(start, end)| Some((start.trim_end(), end.trim().parse().ok()?)));
+        let (written, number) = numbered.map_or((written, None), |(start, number)| (start, Some(number)));
         let (name, unit) = written.find(['[', '(', '{']).map_or((written, ""), |at| written.split_at(at));
-        let mut column = Column { channel, name: written.to_owned(), factor: channel.usual_factor() };
+        let priority = Priority::Own;
+        let mut column = Column { channel, priority, name: written.to_owned(), factor: channel.usual_factor() };
         column.set_unit(unit)?;
-        self.0.push(Title { channel: column.channel, letters: letters(name), factor: column.factor });
+        let mut letters_of_name = letters(name);
+        // A suffix is the unit where it is one, as in `load_kg` or `time/ms`; the title is then sought as a whole, too.
+        if unit.is_empty()
+            && let Some((start, end)) = name.rsplit_once(['/', '_'])
+            && column.set_unit(end).is_ok()
+            && name.contains('/')
+        {
+            letters_of_name = letters(start);
+        }
+        let (channel, factor) = (column.channel, column.factor);
+        self.0.push(Title { channel, whole: letters(written), letters: letters_of_name, factor, number });
         Ok(())
     }
 
@@ -361,6 +154,11 @@ impl Titles {
     #[must_use]
     pub fn has_own(&self, channel: Channel) -> bool {
         self.0.iter().any(|title| title.channel == channel)
+    }
+
+    /// Whether a column of `channel` is named by its own title.
+    pub(crate) fn expects(&self, channel: Channel) -> bool {
+        self.0.iter().any(|title| title.channel == channel && !title.whole.is_empty())
     }
 
     /// What may be the name in a title: the whole, and what stands before a bracket, a slash or an underscore; letters and digits alone.
@@ -375,7 +173,8 @@ impl Titles {
     #[must_use]
     pub fn of(&self, channel: Channel) -> String {
         let own: Vec<&str> =
-            self.0.iter().filter(|title| title.channel == channel).map(|title| &title.letters[..]).collect();
+            self.0.iter().filter(|title| title.channel == channel).map(|title| &title.whole[..]).collect();
+        let own: Vec<&str> = own.into_iter().map(|title| if title.is_empty() { NO_COLUMN } else { title }).collect();
         if own.is_empty() {
             channel.names()[..channel.names().len().min(3)].join(", ") + ", ..."
         } else {
@@ -383,30 +182,57 @@ impl Titles {
         }
     }
 
-    /// What a name means, and the factor of the unit that it has where none stands beside it.
-    fn meaning(&self, name: &str) -> Option<(Channel, f64)> {
+    /// The meaning of a name: its channel, the factor of the unit that it has where none stands beside it, and its priority.
+    fn meaning(&self, name: &str) -> Option<(Channel, f64, Priority)> {
         let letters = letters(name);
-        if let Some(own) = self.0.iter().find(|title| title.letters == letters) {
-            return Some((own.channel, own.factor));
+        if letters.is_empty() {
+            return None;
         }
-        let known = Channel::ALL.into_iter().find(|channel| channel.names().contains(&&letters[..]))?;
-        (!self.has_own(known)).then(|| (known, known.usual_factor()))
+        let own = |title: &&Title| title.whole == letters || title.letters == letters;
+        if let Some(own) = self.0.iter().find(own) {
+            return Some((own.channel, own.factor, Priority::Own));
+        }
+        let is_in = |names: &[&str]| names.contains(&&letters[..]);
+        let known = |channel: Channel| match channel {
+            channel if is_in(channel.names()) => Some((channel, Priority::Primary)),
+            channel if is_in(channel.secondary_names()) => Some((channel, Priority::Secondary)),
+            _ => None,
+        };
+        let (known, priority) = Channel::ALL.into_iter().find_map(known)?;
+        (!self.has_own(known)).then(|| (known, known.usual_factor(), priority))
+    }
+
+    /// Which of several columns with an own title of `channel` is meant, from 1.
+    fn number(&self, channel: Channel) -> Option<usize> {
+        self.0.iter().find(|title| title.channel == channel)?.number
     }
 }
 
-/// What each name of a header means; `None` where it is not used.
+/// The meaning of each name of a header; `None` where it is not used. A column that a trace does not need is not used if its unit is unknown.
 ///
 /// # Errors
-/// [`UnknownUnit`] of a column that is used and whose unit is not known.
+/// [`UnknownUnit`] of a column that is needed and whose unit is not known.
 pub(crate) fn columns(cells: &[&str], titles: &Titles) -> Result<Vec<Option<Column>>, UnknownUnit> {
-    cells.iter().map(|cell| column(cell, titles)).collect()
+    let mut counts = [0; Channel::COUNT];
+    let of_cell = |cell: &&str| {
+        let column = match column(cell, titles) {
+            Err(unknown) if !unknown.channel.is_needed() => None,
+            found => found?,
+        };
+        Ok(column.filter(|column| {
+            let count = &mut counts[column.channel as usize];
+            *count += 1;
+            column.priority != Priority::Own || titles.number(column.channel).is_none_or(|number| number == *count)
+        }))
+    };
+    cells.iter().map(of_cell).collect()
 }
 
 /// How many columns of kinds that a trace needs a header names, known or unknown in their units.
 pub(crate) fn needed_columns(cells: &[&str], titles: &Titles) -> usize {
     let is_needed = |cell: &str| match column(cell, titles) {
         Ok(found) => found.is_some_and(|column| column.channel.is_needed()),
-        Err(_) => true,
+        Err(unknown) => unknown.channel.is_needed(),
     };
     cells.iter().filter(|cell| is_needed(cell)).count()
 }
@@ -414,21 +240,26 @@ pub(crate) fn needed_columns(cells: &[&str], titles: &Titles) -> usize {
 fn column(cell: &str, titles: &Titles) -> Result<Option<Column>, UnknownUnit> {
     let written = unquoted(cell);
     // The whole as a name comes first: `normal_force` has no unit.
-    if let Some((channel, factor)) = titles.meaning(written) {
-        return Ok(Some(Column { channel, name: written.to_owned(), factor }));
+    if let Some((channel, factor, priority)) = titles.meaning(written) {
+        return Ok(Some(Column { channel, priority, name: written.to_owned(), factor }));
     }
     let mut unknown = None;
     for (at, _) in written.char_indices().filter(|(_, letter)| UNIT_MARKS.contains(letter)) {
-        let Some((channel, factor)) = titles.meaning(&written[..at]) else { continue };
-        let mut column = Column { channel, name: written.to_owned(), factor };
+        let Some((channel, factor, priority)) = titles.meaning(&written[..at]) else { continue };
+        let mut column = Column { channel, priority, name: written.to_owned(), factor };
         match column.set_unit(&written[at + 1..]) {
             Ok(()) => return Ok(Some(column)),
-            // A position that cannot be read is not needed.
-            Err(_) if channel == Channel::Position => {}
             Err(unit) => unknown = Some(unit),
         }
     }
     unknown.map_or(Ok(None), Err)
+}
+
+/// Whether a title that is not known has the unit of a force, so that it may be the normal force.
+pub(crate) fn may_be_force(title: &str) -> bool {
+    let Some(at) = title.rfind(UNIT_MARKS) else { return false };
+    let unit = unit_letters(&title[at + 1..]);
+    !unit.is_empty() && Channel::NormalForce.factor(&unit).is_some()
 }
 
 /// The letters and digits of a title, small; the letter mu, as such or as the micro sign, is a name of its own.

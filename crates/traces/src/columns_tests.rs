@@ -7,7 +7,8 @@ fn the_units_that_are_listed_are_known_and_none_is_left_out() {
         let listed: Vec<f64> = words
             .split(", ")
             .map(|word| {
-                let mut column = Column { channel, name: String::new(), factor: f64::NAN };
+                let priority = Priority::Primary;
+                let mut column = Column { channel, priority, name: String::new(), factor: f64::NAN };
                 column.set_unit(word).unwrap_or_else(|unknown| panic!("{unknown:?}"));
                 column.factor
             })
@@ -46,6 +47,15 @@ fn names_and_units_of_several_houses() {
         ("time (hours)", Channel::Time, 3600.0),
         ("Fz [lbf]", Channel::NormalForce, 4.448_221_615_260_5),
         ("Fz [daN]", Channel::NormalForce, 10.0),
+        ("Fz [g]", Channel::NormalForce, 9.806_65e-3),
+        ("Ball Load (kg)", Channel::NormalForce, 9.806_65),
+        ("V (mm/sec)", Channel::Speed, 1e-3),
+        ("Step Time (sec)", Channel::Time, 1.0),
+        ("DAQ.Fz (N)", Channel::NormalForce, 1.0),
+        ("DAQ.COF ()", Channel::Coefficient, 1.0),
+        ("Rotary.Velocity (rpm)", Channel::Revolutions, 1.0 / 60.0),
+        ("Nominal Load [mN]", Channel::NormalForce, 1e-3),
+        ("Traction Coeff (-)", Channel::Coefficient, 1.0),
         ("torque [lbf.in]", Channel::Torque, 4.448_221_615_260_5 * 25.4e-3),
         ("RH [% r.h.]", Channel::Humidity, 1e-2),
         ("RH [%]", Channel::Humidity, 1e-2),
@@ -63,13 +73,17 @@ fn names_and_units_of_several_houses() {
         assert_eq!(column(other, &Titles::default()), Ok(None), "{other}");
     }
     for (written, reason, expected) in [
-        ("Fz [psi]", "has the unit \"psi\", which is not known", "N, mN, uN, kN, daN, gf, kgf, kp or lbf"),
+        ("Fz [psi]", "has the unit \"psi\", which is not known", "N, mN, uN, kN, daN, gf or g, kgf or kg, kp or lbf"),
         (
             "Tz (N)",
             "has the unit \"N\", which is none of torque",
             "N m, mN m, uN m, kN m, N cm, N mm, kgf m, kgf cm, gf cm, lbf in or lbf ft",
         ),
-        ("Fz [N m]", "has the unit \"N m\", which is none of normal force", "N, mN, uN, kN, daN, gf, kgf, kp or lbf"),
+        (
+            "Fz [N m]",
+            "has the unit \"N m\", which is none of normal force",
+            "N, mN, uN, kN, daN, gf or g, kgf or kg, kp or lbf",
+        ),
     ] {
         let unknown = column(written, &Titles::default()).unwrap_err();
         assert_eq!((unknown.name.as_str(), unknown.words()), (written, [reason, expected].map(String::from)));
@@ -92,6 +106,20 @@ fn a_title_of_ones_own_stands_for_those_that_are_known() {
     ] {
         let found = column(written, &titles).unwrap().unwrap_or_else(|| panic!("{written}"));
         assert_eq!((found.channel, found.factor), (channel, factor), "{written}");
+    }
+    // Units stand in titles of one's own as in an export, in brackets or behind a slash or an underscore.
+    for (title, written, factor) in [
+        ("Nominal Load [N]", "Nominal Load [N]", 1.0),
+        ("Last/mN", "Last/mN", 1e-3),
+        ("Last/mN", "Last [kN]", 1e3),
+        ("load_kg", "load_kg", 9.806_65),
+        ("load_kg", "Load kg [N]", 1.0),
+        ("F_n", "F_n", 1.0),
+    ] {
+        let mut titles = Titles::default();
+        titles.name(Channel::NormalForce, title).unwrap();
+        let found = column(written, &titles).unwrap().unwrap_or_else(|| panic!("{title} {written}"));
+        assert_eq!((found.channel, found.factor), (Channel::NormalForce, factor), "{title} {written}");
     }
     // A known title is no second column of the same quantity.
     assert_eq!(column("Fz [N]", &titles), Ok(None));

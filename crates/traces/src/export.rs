@@ -1,28 +1,16 @@
 //! Tribometer exports: tables with the instrument's own names, units, separators and decimal sign.
+//!
+//! A file holds one table or several. A table begins below a line of titles; what stands around the tables is the instrument's. Each table is
+//! a repeat, as is what follows a new number in a column of repeats, a line such as `Run # 2`, or a clock that begins anew. Steps are numbered by
+//! a column or by lines such as `Step No. 2`: one of them is read where [`ExportOptions::step`] says which.
 
-use crate::cells::{DecimalSigns, cut, number_in, separator, unquoted};
-use crate::columns::{Channel, Column, Titles, UnknownUnit, columns, needed_columns};
-use crate::missing_numbers::{Longest, Missing, Stretch};
-use crate::{Tangential, TraceChannels};
-
-/// One repeat as recorded.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Recorded {
-    /// Its number in the file, from 1.
-    pub number: usize,
-    /// Time, friction and normal force.
-    pub channels: TraceChannels,
-    /// Mean amount of the recorded sliding speed, in m/s, where there is such a column.
-    pub speed_m_s: Option<f64>,
-    /// Mean recorded humidity, 0 to 1, where there is such a column.
-    pub humidity: Option<f64>,
-    /// Recorded position of every sample, in metres, no number where it was not recorded; empty where there is no such column with a unit.
-    pub position_m: Vec<f64>,
-    /// Rows without a number in a needed column, where there are any: left out.
-    pub missing: Option<Missing>,
-    /// Rows that repeat the row before them: left out.
-    pub repeated_rows: usize,
-}
+use crate::cells::{DecimalSigns, cut, number_in, unquoted};
+use crate::columns::{Channel, Column, Titles, UnknownUnit};
+use crate::layout::{Layout, Line, header, is_missing, no_header};
+use crate::markers::{Marker, marker};
+use crate::missing_numbers::Longest;
+pub use crate::recorded::Recorded;
+use crate::recorded::{Row, Table};
 
 /// A file of one repeat or several.
 #[derive(Clone, Debug, PartialEq)]
@@ -35,8 +23,27 @@ pub struct TraceFile {
     pub used: Vec<Channel>,
 }
 
+/// How exports are read.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct ExportOptions<'a> {
+    /// Distance from the axis to a specimen's centre, in metres: it turns revolutions into speed, and a torque needs it.
+    pub effective_radius_m: Option<f64>,
+    /// Titles of columns beside those that are known; `None` for these alone.
+    pub titles: Option<&'a Titles>,
+    /// The step that is read, by the number the instrument gave it, or counted from 1 where it gave none; `None` for the whole file.
+    pub step: Option<u32>,
+}
+
 /// Marks at the beginning of a comment.
 const COMMENTS: [&str; 4] = ["#", "%", "//", "\"#"];
+/// A clock has begun anew where it is back within this part of its span.
+const CLOCK_ANEW: f64 = 0.01;
+/// Rows in which the clock must have run before it can begin anew: numbers that are no times go back sooner.
+const MIN_ROWS_OF_CLOCK: usize = 20;
+/// Lines as long as a row, but with words for the time, that may stand below the last row: sums and means.
+const MAX_SUMMARY_LINES: usize = 10;
+/// Steps that a message lists.
+const MAX_LISTED_STEPS: usize = 12;
 
 /// Why an export was refused.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -55,121 +62,367 @@ pub struct ExportError {
 }
 
 impl ExportError {
-    fn at(line: Option<u32>, reason: impl Into<String>, expected: impl Into<String>) -> Self {
+    pub(crate) fn at(line: Option<u32>, reason: impl Into<String>, expected: impl Into<String>) -> Self {
         Self { line, column: None, value: None, reason: reason.into(), expected: expected.into() }
     }
 
     /// A column whose unit is not known.
-    fn unit(line: u32, unknown: &UnknownUnit) -> Self {
+    pub(crate) fn unit(line: u32, unknown: &UnknownUnit) -> Self {
         let [reason, expected] = unknown.words();
         Self { column: Some(unknown.name.clone()), ..Self::at(Some(line), reason, expected) }
     }
+
+    /// A cell that is no number.
+    fn cell(line: u32, column: &str, cell: &str) -> Self {
+        Self {
+            column: Some(column.to_owned()),
+            value: Some(format!("\"{}\"", unquoted(cell))),
+            ..Self::at(Some(line), "is no number", "a number, or nothing where it was not measured")
+        }
+    }
 }
 
-/// A line of the file, cut at its separators.
-struct Line<'a> {
-    number: u32,
-    cells: Vec<&'a str>,
-}
-
-/// Reads an export from its text; `effective_radius_m` turns revolutions into speed, `titles` are its owner's.
-///
-/// A line that names time, friction and normal force is a header; what stands before the first is the
-/// instrument's. A header met again begins the next repeat, as does a new number in a column `repeat`.
+/// Reads an export from its text.
 ///
 /// # Errors
 /// [`ExportError`] with line and column of what was refused.
-pub fn parse(text: &str, effective_radius_m: Option<f64>, titles: &Titles) -> Result<TraceFile, ExportError> {
+pub fn parse(text: &str, options: &ExportOptions<'_>) -> Result<TraceFile, ExportError> {
+    let known = Titles::default();
+    let titles = options.titles.unwrap_or(&known);
     let text = text.trim_start_matches('\u{feff}');
-    let lines = || {
-        // A tab at the end of a line stands before an empty cell.
-        text.lines().zip(1..).map(|(line, number)| (number, line)).filter(|(_, line)| {
+    // A tab at the end of a line stands before an empty cell.
+    let lines = text.lines().zip(1..).map(|(line, number)| (number, line));
+    let lines: Vec<Line<'_>> = lines
+        .filter(|(_, line)| {
             let start = line.trim_start();
             !start.is_empty() && !COMMENTS.iter().any(|mark| start.starts_with(mark))
         })
-    };
-    let Some((separator, header)) = lines().find_map(|(number, line)| {
-        let separator = separator(line)?;
-        let mut cells = cut(line, separator);
-        // A separator behind the last title closes it, and opens no column.
-        cells.truncate(cells.iter().rposition(|cell| !cell.is_empty()).map_or(0, |last| last + 1));
-        // A table has at least two of its columns named; one may be what is missing, one may have an unknown unit.
-        (needed_columns(&cells, titles) >= 2).then_some((separator, Line { number, cells }))
-    }) else {
-        return Err(no_header(lines(), titles));
-    };
-    let mut layout = columns(&header.cells, titles).map_err(|unknown| ExportError::unit(header.number, &unknown))?;
-    let mut rows = lines().skip_while(|(number, _)| *number <= header.number).peekable();
-    // A line of units below the names.
-    if let Some((number, line)) = rows.peek().copied() {
-        let cells = cut(line, separator);
-        if !cells.iter().any(|cell| number_in(cell, separator).is_some()) {
-            for (column, cell) in layout.iter_mut().zip(&cells) {
-                if let Some(column) = column {
-                    match column.set_unit(cell) {
-                        Err(unknown) if column.channel != Channel::Position => {
-                            return Err(ExportError::unit(number, &unknown));
-                        }
-                        _ => {}
-                    }
-                }
-            }
-            rows.next();
-        }
-    }
-    check_layout(&layout, &header, effective_radius_m, titles)?;
-    let is =
-        |column: &Option<Column>, channel: Channel| column.as_ref().is_some_and(|column| column.channel == channel);
-    if layout.iter().any(|column| is(column, Channel::Torque) || is(column, Channel::FrictionForce)) {
-        // What the instrument computed from it is not needed.
-        layout.iter_mut().filter(|column| is(column, Channel::Coefficient)).for_each(|column| *column = None);
-    }
-    // Of several positions, and of one without a unit, none is known to be that of sliding.
-    if layout.iter().filter(|column| is(column, Channel::Position)).count() > 1 {
-        layout.iter_mut().filter(|column| is(column, Channel::Position)).for_each(|column| *column = None);
-    }
-    let needed: Vec<&Column> = layout.iter().flatten().filter(|column| column.channel.is_needed()).collect();
-    let mut repeats: Vec<Table> = vec![Table::default()];
-    let (mut label, mut signs): (Option<f64>, _) = (None, DecimalSigns::default());
-    for (number, line) in rows {
-        let cells = cut(line, separator);
-        if cells.starts_with(&header.cells) && cells[header.cells.len()..].iter().all(|cell| cell.is_empty()) {
-            // The same header again: the next repeat.
-            if repeats.last().is_some_and(|table| !table.is_empty()) {
-                repeats.push(Table::default());
-            }
+        .collect();
+    let mut reader = Reader::new(options);
+    let mut at = 0;
+    while let Some(&(number, line)) = lines.get(at) {
+        at += 1;
+        if reader.take_row(number, line)? {
             continue;
         }
-        if cells.len() < header.cells.len() {
-            let expected = format!("{}, as the header line", header.cells.len());
-            return Err(ExportError::at(Some(number), format!("has {} values", cells.len()), expected));
+        match header(line, titles) {
+            Some(cells) => at += reader.begin_table(number, cells, &lines[at..], titles)?,
+            None => reader.take_text(number, line)?,
         }
-        check_signs(&layout, &cells, separator, number, &mut signs)?;
-        let row = read_row(&layout, &cells, separator).map_err(|(name, cell)| ExportError {
-            column: Some(name),
-            value: Some(format!("\"{cell}\"")),
-            ..ExportError::at(Some(number), "is no number", "a number, or nothing where it was not measured")
-        })?;
-        if let Some(next) = row.get(Channel::Repeat) {
-            if label.is_some_and(|before| before != next) {
-                repeats.push(Table::default());
+    }
+    if !reader.has_table {
+        return Err(no_header(lines.into_iter(), titles));
+    }
+    reader.finish()
+}
+
+/// The trace that is being read: where its clock stands, and its numbers.
+#[derive(Clone, Copy)]
+struct Current {
+    run: Option<f64>,
+    step: Option<f64>,
+    start_s: f64,
+    last_s: f64,
+    rows: usize,
+    /// The clock has never gone back.
+    is_ordered: bool,
+}
+
+/// A step that the file numbers, and the line of its first row.
+type NumberedStep = (f64, u32);
+
+/// Reads a file line by line.
+struct Reader<'a, 'o> {
+    options: &'o ExportOptions<'o>,
+    layout: Option<Layout<'a>>,
+    has_table: bool,
+    unused: Vec<String>,
+    used: Vec<Channel>,
+    /// Numbers of run and step by the last lines that give them.
+    run: Option<f64>,
+    step: Option<f64>,
+    /// A header or a line with a number came since the last row.
+    is_apart: bool,
+    current: Option<Current>,
+    /// Traces begun so far, read or not.
+    begun: u32,
+    tables: Vec<Table>,
+    signs: DecimalSigns,
+    /// The first line since the last header that is neither row nor header, and whether it is as long as a row.
+    words: Option<(Line<'a>, bool)>,
+    summary_lines: usize,
+    steps: Vec<NumberedStep>,
+    /// One run has several steps, each with its own clock.
+    has_several_steps: bool,
+}
+
+impl<'a, 'o> Reader<'a, 'o> {
+    fn new(options: &'o ExportOptions<'o>) -> Self {
+        Self {
+            options,
+            layout: None,
+            has_table: false,
+            unused: Vec::new(),
+            used: Vec::new(),
+            run: None,
+            step: None,
+            is_apart: false,
+            current: None,
+            begun: 0,
+            tables: Vec::new(),
+            signs: DecimalSigns::default(),
+            words: None,
+            summary_lines: 0,
+            steps: Vec::new(),
+            has_several_steps: false,
+        }
+    }
+
+    /// Begins a table below the titles `cells` in line `number`; returns how many lines `below` were part of its head.
+    fn begin_table(
+        &mut self,
+        number: u32,
+        cells: (char, Vec<&'a str>),
+        below: &[Line<'a>],
+        titles: &Titles,
+    ) -> Result<usize, ExportError> {
+        self.has_table = true;
+        self.is_apart = true;
+        self.words = None;
+        self.summary_lines = 0;
+        let is_other_step = self.step.is_some_and(|step| self.options.step.is_some_and(|one| f64::from(one) != step));
+        match Layout::new(number, cells, below, titles, self.options.effective_radius_m.is_some()) {
+            Ok(layout) => {
+                for title in layout.unused() {
+                    if !self.unused.contains(&title) {
+                        self.unused.push(title);
+                    }
+                }
+                self.used.extend(layout.columns.iter().flatten().map(|column| column.channel));
+                let head = usize::from(layout.has_units);
+                self.layout = Some(layout);
+                Ok(head)
             }
-            label = Some(next);
-        }
-        if let Some(table) = repeats.last_mut() {
-            let without = needed.iter().filter(|column| row.get(column.channel).is_none());
-            table.push(number, &row, without.map(|column| column.name()));
+            // Steps of other kinds may have other columns.
+            Err(_) if is_other_step => {
+                self.layout = None;
+                Ok(0)
+            }
+            Err(error) => Err(error),
         }
     }
-    let radius_m = effective_radius_m.unwrap_or(f64::NAN);
-    let (full, empty): (Vec<_>, Vec<_>) = (1..).zip(repeats).partition(|(_, table)| !table.is_empty());
-    let repeats: Vec<Recorded> = full.into_iter().map(|(number, table)| table.recorded(number, radius_m)).collect();
-    if repeats.is_empty() {
-        return Err(no_sample(empty.into_iter().find_map(|(_, table)| table.missing.longest())));
+
+    /// Takes `line` if it is a row of the current table; says whether it is.
+    fn take_row(&mut self, number: u32, line: &'a str) -> Result<bool, ExportError> {
+        let Some(layout) = &self.layout else { return Ok(false) };
+        let (separator, width) = (layout.separator, layout.titles.len());
+        let cells = cut(line, separator);
+        let time_s = number_at(layout, layout.time, &cells);
+        let has_time = time_s.is_some() && cells.len() >= width;
+        let is_numbers = !line.contains(|letter: char| letter.is_alphabetic() || letter == ':')
+            && cells.iter().any(|cell| number_in(cell, separator).is_some());
+        let lacks_time = cells.len() >= width && cells.get(layout.time).is_some_and(|cell| is_missing(cell));
+        if !(has_time || is_numbers || (lacks_time && !self.has_words_in_needed(&cells))) {
+            return Ok(false);
+        }
+        if let Some((line, is_long)) = self.words.take() {
+            // Below words such as `Test completed` the clock of the next run begins anew.
+            let begins_anew =
+                time_s.zip(self.current).is_some_and(|(time_s, current)| current.begins_anew(time_s, false));
+            if is_long || !begins_anew {
+                return Err(self.refuse_words(line, is_long));
+            }
+        }
+        let marked = |channel: Channel| layout.find(channel).and_then(|at| number_at(layout, at, &cells));
+        let [run, step] = [marked(Channel::Repeat).or(self.run), marked(Channel::Step).or(self.step)];
+        self.place(number, time_s, run, step);
+        let is_read = match (self.options.step, step) {
+            (None, _) => true,
+            (Some(one), Some(step)) => f64::from(one) == step,
+            (Some(one), None) => one == self.begun,
+        };
+        if is_read {
+            self.read(number, &cells)?;
+        }
+        Ok(true)
     }
-    let unused = header.cells.iter().zip(&layout).filter(|(cell, column)| column.is_none() && !cell.is_empty());
-    let unused = unused.map(|(cell, _)| unquoted(cell).to_owned()).collect();
-    Ok(TraceFile { repeats, unused, used: layout.iter().flatten().map(|column| column.channel).collect() })
+
+    /// Whether words stand where a number is needed.
+    fn has_words_in_needed(&self, cells: &[&str]) -> bool {
+        let Some(layout) = &self.layout else { return false };
+        let is_word = |cell: &str| number_in(cell, layout.separator).is_none() && !is_missing(cell);
+        let needed =
+            layout.columns.iter().zip(cells).filter(|(column, _)| column.as_ref().is_some_and(|c| layout.requires(c)));
+        needed.into_iter().any(|(_, cell)| is_word(cell))
+    }
+
+    /// Finds whether the row in line `number` goes on with the current trace or begins another one.
+    fn place(&mut self, number: u32, time_s: Option<f64>, run: Option<f64>, step: Option<f64>) {
+        if let Some(step) = step.filter(|step| !self.steps.iter().any(|(known, _)| known == step)) {
+            self.steps.push((step, number));
+        }
+        let is_apart = std::mem::take(&mut self.is_apart);
+        let begins = match self.current {
+            None => true,
+            Some(current) => {
+                let changes_step = step != current.step;
+                let changes_run = run.is_some() && run != current.run;
+                let begins_anew = time_s.is_some_and(|time_s| current.begins_anew(time_s, changes_step));
+                if changes_step && !changes_run && (is_apart || begins_anew) {
+                    self.has_several_steps = true;
+                }
+                let by_clock = begins_anew && !is_apart && !changes_run && !changes_step;
+                let begins = is_apart || changes_run || begins_anew || (changes_step && self.options.step.is_some());
+                if begins {
+                    self.tables.push(Table::begun_by_clock(by_clock.then_some(number)));
+                }
+                begins
+            }
+        };
+        if begins {
+            self.begun += 1;
+            let start_s = time_s.unwrap_or(f64::NAN);
+            self.current = Some(Current { run, step, start_s, last_s: start_s, rows: 0, is_ordered: true });
+        }
+        if let Some(current) = &mut self.current {
+            (current.run, current.step) = (run, step);
+            current.rows += 1;
+            if let Some(time_s) = time_s {
+                if time_s < current.last_s {
+                    current.is_ordered = false;
+                }
+                current.start_s = if current.start_s.is_nan() { time_s } else { current.start_s };
+                current.last_s = time_s;
+            }
+        }
+    }
+
+    /// Reads the numbers of the row `cells` in line `number`.
+    fn read(&mut self, number: u32, cells: &[&str]) -> Result<(), ExportError> {
+        let Some(layout) = &self.layout else { return Ok(()) };
+        let width = layout.titles.len();
+        if cells.len() < width {
+            return Err(short_line(number, cells.len(), width));
+        }
+        check_signs(layout, cells, number, &mut self.signs)?;
+        let mut row = Row::default();
+        for (column, cell) in layout.columns.iter().zip(cells) {
+            let Some(column) = column else { continue };
+            match number_in(cell, layout.separator) {
+                Some(value) => row.set(column.channel, column.to_si(value)),
+                None if is_missing(cell) || layout.may_hold_words(column) => {}
+                None => return Err(ExportError::cell(number, column.name(), cell)),
+            }
+        }
+        let lacks = |column: &&Column| layout.requires(column) && row.get(column.channel).is_none();
+        let without = layout.columns.iter().flatten().filter(lacks).map(Column::name);
+        if self.tables.is_empty() {
+            self.tables.push(Table::default());
+        }
+        if let Some(table) = self.tables.last_mut() {
+            table.push(number, &row, without);
+        }
+        Ok(())
+    }
+
+    /// Takes a line that is neither row nor header.
+    fn take_text(&mut self, number: u32, line: &'a str) -> Result<(), ExportError> {
+        match marker(line) {
+            Some(Marker::Run(run)) => self.run = Some(run),
+            Some(Marker::Step(step)) => self.step = Some(step),
+            None => {
+                let Some(layout) = &self.layout else { return Ok(()) };
+                let is_long = cut(line, layout.separator).len() >= layout.titles.len();
+                let words = *self.words.get_or_insert(((number, line), is_long));
+                self.summary_lines += usize::from(is_long);
+                if self.summary_lines > MAX_SUMMARY_LINES {
+                    return Err(self.refuse_words(words.0, words.1));
+                }
+                return Ok(());
+            }
+        }
+        self.is_apart = true;
+        self.words = None;
+        Ok(())
+    }
+
+    /// The refusal of a line of words between rows, or in place of rows.
+    fn refuse_words(&self, (number, line): Line<'_>, is_long: bool) -> ExportError {
+        let Some(layout) = &self.layout else { return ExportError::at(Some(number), "is no row", "numbers") };
+        let cells = cut(line, layout.separator);
+        let is_word = |cell: &str| number_in(cell, layout.separator).is_none() && !is_missing(cell);
+        let needed = |column: &&Option<Column>| column.as_ref().is_some_and(|column| layout.requires(column));
+        let word = layout.columns.iter().zip(&cells).find(|(column, cell)| needed(column) && is_word(cell));
+        match word.and_then(|(column, cell)| Some((column.as_ref()?, cell))) {
+            Some((column, cell)) if is_long => ExportError::cell(number, column.name(), cell),
+            _ => short_line(number, cells.len(), layout.titles.len()),
+        }
+    }
+
+    /// The traces that were read.
+    fn finish(self) -> Result<TraceFile, ExportError> {
+        if self.options.step.is_none() && self.has_several_steps {
+            return Err(self.several_steps());
+        }
+        let radius_m = self.options.effective_radius_m.unwrap_or(f64::NAN);
+        let words = self.words.map(|(line, is_long)| self.refuse_words(line, is_long)).filter(|_| self.begun == 0);
+        let no_such_step = self.options.step.map(|step| self.no_such_step(step));
+        let tables: Vec<Table> = self.tables;
+        let is_read = |table: &Table| self.options.step.is_none() || table.has_rows();
+        let numbered = (1..).zip(tables.into_iter().filter(is_read));
+        let (full, empty): (Vec<_>, Vec<_>) = numbered.partition(|(_, table)| !table.is_empty());
+        let repeats: Vec<Recorded> = full.into_iter().map(|(number, table)| table.recorded(number, radius_m)).collect();
+        if repeats.is_empty() {
+            let missing = empty.into_iter().find_map(|(_, table)| table.longest_missing());
+            return Err(words.or(no_such_step.filter(|_| missing.is_none())).unwrap_or_else(|| no_sample(missing)));
+        }
+        Ok(TraceFile { repeats, unused: self.unused, used: self.used })
+    }
+
+    /// The steps of the file in words.
+    fn listed_steps(&self) -> String {
+        let shown = self.steps.iter().take(MAX_LISTED_STEPS);
+        let mut listed: Vec<String> = shown.map(|(step, line)| format!("{step} (from line {line})")).collect();
+        if self.steps.len() > MAX_LISTED_STEPS {
+            listed.push("...".to_owned());
+        }
+        listed.join(", ")
+    }
+
+    fn several_steps(&self) -> ExportError {
+        let reason = format!("holds several steps, each with its own clock: {}", self.listed_steps());
+        let example = self.steps.first().map_or(1.0, |(step, _)| *step);
+        let expected = format!("the step of this condition, as `step = {example}` in its table or --step {example}");
+        ExportError::at(None, reason, expected)
+    }
+
+    fn no_such_step(&self, step: u32) -> ExportError {
+        if self.steps.is_empty() {
+            let reason =
+                format!("has no step {step}: it numbers no steps, and the count of its tables is {}", self.begun);
+            return ExportError::at(None, reason, format!("a `step` from 1 to {}, or none", self.begun));
+        }
+        ExportError::at(None, format!("has no step {step}"), format!("one of its steps: {}", self.listed_steps()))
+    }
+}
+
+impl Current {
+    /// Whether a clock at `time_s` has begun anew.
+    fn begins_anew(&self, time_s: f64, changes_step: bool) -> bool {
+        let is_back = time_s <= self.start_s + CLOCK_ANEW * (self.last_s - self.start_s);
+        let has_run = self.is_ordered && self.rows >= MIN_ROWS_OF_CLOCK;
+        time_s < self.last_s && (changes_step || (is_back && has_run))
+    }
+}
+
+/// The number of a row in column `at`, in SI units.
+fn number_at(layout: &Layout<'_>, at: usize, cells: &[&str]) -> Option<f64> {
+    let number = number_in(cells.get(at)?, layout.separator)?;
+    layout.columns[at].as_ref().map(|column| column.to_si(number))
+}
+
+fn short_line(number: u32, found: usize, expected: usize) -> ExportError {
+    ExportError::at(Some(number), format!("has {found} values"), format!("{expected}, as the header line"))
 }
 
 /// The refusal of a table without a sample; `rows` are those in which a number is missing.
@@ -182,156 +435,15 @@ fn no_sample(rows: Option<Longest>) -> ExportError {
     ExportError { column: Some(columns.join(", ")), ..ExportError::at(Some(first), reason, expected) }
 }
 
-/// Where titles of one's own are given, and where those that are known are listed.
-const OWN_TITLES: &str = "in [traces]; see reference/trace-columns.md";
-
-/// What is needed and not there, in words, and the titles that would be it.
-fn lacks(lacking: &[&[Channel]], titles: &Titles) -> [String; 2] {
-    let title =
-        |channels: &[Channel]| channels.iter().map(|channel| channel.title()).collect::<Vec<_>>().join(" or the ");
-    let missing: Vec<String> = lacking.iter().map(|channels| format!("the {}", title(channels))).collect();
-    let known: Vec<String> = lacking
-        .iter()
-        .flat_map(|channels| channels.iter())
-        .map(|channel| format!("for {}: {}", channel.title(), titles.of(*channel)))
-        .collect();
-    let keys: Vec<String> = lacking.iter().map(|channels| format!("{} = \"...\"", channels[0].key())).collect();
-    [
-        missing.join(", and none is "),
-        format!("a title {}; or one's own as `columns = {{ {} }}` {OWN_TITLES}", known.join("; "), keys.join(", ")),
-    ]
-}
-
-/// What stands for friction; the first is named in a proposal.
-const FRICTION: [Channel; 3] = [Channel::FrictionForce, Channel::Torque, Channel::Coefficient];
-
-/// The refusal of a file in which no line names the columns: the line above the numbers that looks most like one is shown.
-fn no_header<'a>(lines: impl Iterator<Item = (u32, &'a str)>, titles: &Titles) -> ExportError {
-    let cells = |line: &'a str| separator(line).map(|mark| (mark, cut(line, mark)));
-    let is_numbers = |line: &'a str| {
-        cells(line).is_some_and(|(mark, cells)| {
-            let mut filled = cells.iter().filter(|cell| !cell.is_empty()).peekable();
-            filled.peek().is_some() && filled.all(|cell| number_in(cell, mark).is_some())
-        })
-    };
-    // The most cells, then the most letters, and of equal ones the last.
-    let looks = |line: &'a str| {
-        let titled = cells(line).map_or(0, |(_, cells)| cells.iter().filter(|cell| !cell.is_empty()).count());
-        (titled, line.chars().filter(|letter| letter.is_alphabetic()).count())
-    };
-    let best = lines.take_while(|(_, line)| !is_numbers(line)).max_by_key(|(_, line)| looks(line));
-    let Some((number, line)) = best.filter(|(_, line)| looks(line).0 > 1) else {
-        let expected = "a header with time, torque or friction force, and normal force, for instance `time_s,torque_nm,normal_force_n`";
-        return ExportError::at(None, "has no line that names its columns", expected);
-    };
-    let found = cells(line).map_or_else(Vec::new, |(_, cells)| columns(&cells, titles).unwrap_or_default());
-    let is_there = |channels: &[Channel]| found.iter().flatten().any(|column| channels.contains(&column.channel));
-    let needed: [&[Channel]; 3] = [&[Channel::Time], &FRICTION, &[Channel::NormalForce]];
-    let lacking: Vec<&[Channel]> = needed.into_iter().filter(|channels| !is_there(channels)).collect();
-    let [missing, expected] = lacks(&lacking, titles);
-    let shown: String = line
-        .trim()
-        .chars()
-        .filter(|c| !c.is_control() || *c == '\t')
-        .map(|c| if c == '\t' { ' ' } else { c })
-        .take(80)
-        .collect();
-    ExportError::at(
-        Some(number),
-        format!("`{shown}` looks most like the titles of columns, but none is {missing}"),
-        expected,
-    )
-}
-
-fn check_layout(
-    layout: &[Option<Column>],
-    header: &Line<'_>,
-    effective_radius_m: Option<f64>,
-    titles: &Titles,
-) -> Result<(), ExportError> {
-    let refuse = |reason: &str, expected: &str| Err(ExportError::at(Some(header.number), reason, expected));
-    let unknown: Vec<String> = header
-        .cells
-        .iter()
-        .zip(layout)
-        .filter(|(cell, column)| column.is_none() && !cell.is_empty())
-        .map(|(cell, _)| {
-            format!("`{}`", unquoted(cell).chars().filter(|c| !c.is_control()).take(40).collect::<String>())
-        })
-        .collect();
-    let absent = |channels: &[Channel]| {
-        let [missing, expected] = lacks(&[channels], titles);
-        let unknown = &unknown[..unknown.len().min(4)];
-        let among = if unknown.is_empty() { String::new() } else { format!("; not known are {}", unknown.join(", ")) };
-        refuse(&format!("no column is {missing}{among}"), &expected)
-    };
-    let count = |channel: Channel| layout.iter().flatten().filter(|column| column.channel == channel).count();
-    let [torques, forces] = [count(Channel::Torque), count(Channel::FrictionForce)];
-    for channel in [Channel::Time, Channel::NormalForce] {
-        let what = channel.title();
-        match count(channel) {
-            1 => {}
-            // A coefficient has been divided by it.
-            0 if channel == Channel::NormalForce && torques + forces == 0 && count(Channel::Coefficient) > 0 => {}
-            0 => return absent(&[channel]),
-            found => return refuse(&format!("{found} columns are the {what}"), "one"),
-        }
-    }
-    match (torques + forces, count(Channel::Coefficient)) {
-        (0, 1) => Ok(()),
-        (0, 0) => absent(&FRICTION),
-        (0, found) => refuse(&format!("{found} columns are the friction coefficient"), "one"),
-        (1, _) if effective_radius_m.is_none() && torques == 1 => refuse(
-            "holds a torque, and no effective radius is given",
-            "`effective_radius_mm` in [traces] or --effective-radius-mm: the distance from the axis to a specimen's centre",
-        ),
-        (1, _) => Ok(()),
-        _ => refuse("has both a torque and a friction force, or two of one", "one of them; rename or remove the other"),
-    }
-}
-
-/// A cell that says that nothing was measured.
-fn is_missing(cell: &str) -> bool {
-    matches!(unquoted(cell).to_ascii_lowercase().as_str(), "" | "nan" | "-" | "--" | "---" | "n/a" | "na")
-}
-
-/// Values of one row by channel, SI units.
-#[derive(Clone, Default, PartialEq)]
-struct Row([Option<f64>; Channel::COUNT]);
-
-impl Row {
-    fn get(&self, channel: Channel) -> Option<f64> {
-        self.0[channel as usize]
-    }
-}
-
-fn read_row(layout: &[Option<Column>], cells: &[&str], separator: char) -> Result<Row, (String, String)> {
-    let mut row = Row::default();
-    for (column, cell) in layout.iter().zip(cells) {
-        let Some(column) = column else { continue };
-        match number_in(cell, separator) {
-            Some(value) => row.0[column.channel as usize] = Some(column.to_si(value)).filter(|value| !value.is_nan()),
-            None if is_missing(cell) || column.channel == Channel::Position => {}
-            None => return Err((column.name().to_owned(), unquoted(cell).to_owned())),
-        }
-    }
-    Ok(row)
-}
-
 /// Refuses numbers with decimal commas and numbers with points in one table; `line` is that of the `cells`.
-fn check_signs(
-    layout: &[Option<Column>],
-    cells: &[&str],
-    separator: char,
-    line: u32,
-    signs: &mut DecimalSigns,
-) -> Result<(), ExportError> {
-    for ((column, cell), at) in layout.iter().zip(cells).zip(0..) {
-        if column.is_none() || number_in(cell, separator).is_none() {
+fn check_signs(layout: &Layout<'_>, cells: &[&str], line: u32, signs: &mut DecimalSigns) -> Result<(), ExportError> {
+    for ((column, cell), at) in layout.columns.iter().zip(cells).zip(0..) {
+        let is_read = column.as_ref().is_some_and(|column| !layout.may_hold_words(column));
+        if !is_read || number_in(cell, layout.separator).is_none() {
             continue;
         }
         if let Some((point, reason)) = signs.take(cell, [line, at]) {
-            let column = layout.get(point.column).and_then(Option::as_ref);
+            let column = layout.columns.get(point.column).and_then(Option::as_ref);
             return Err(ExportError {
                 column: column.map(|column| column.name().to_owned()),
                 value: Some(format!("\"{}\"", point.number)),
@@ -340,86 +452,6 @@ fn check_signs(
         }
     }
     Ok(())
-}
-
-/// Samples of one repeat.
-#[derive(Default)]
-struct Table {
-    time_s: Vec<f64>,
-    torque_nm: Vec<f64>,
-    friction_n: Vec<f64>,
-    coefficient: Vec<f64>,
-    normal_force_n: Vec<f64>,
-    speed_m_s: Vec<f64>,
-    turns_per_s: Vec<f64>,
-    humidity: Vec<f64>,
-    position_m: Vec<f64>,
-    /// Time of its first row, on the file's own clock; one that lacks other numbers counts too.
-    start_s: Option<f64>,
-    missing: Stretch,
-    repeated: usize,
-    last: Option<Row>,
-}
-
-impl Table {
-    fn is_empty(&self) -> bool {
-        self.time_s.is_empty()
-    }
-
-    /// Takes the row in line `number`, unless it is `without` a number in columns that are needed.
-    fn push<'a>(&mut self, number: u32, row: &Row, without: impl Iterator<Item = &'a str>) {
-        let mut without = without.peekable();
-        self.start_s = self.start_s.or(row.get(Channel::Time));
-        let time_s = match row.get(Channel::Time) {
-            Some(time_s) if without.peek().is_none() => time_s,
-            time_s => return self.missing.add(number, time_s, without),
-        };
-        self.missing.end();
-        if self.last.as_ref() == Some(row) {
-            self.repeated += 1;
-            return;
-        }
-        self.last = Some(row.clone());
-        self.time_s.push(time_s);
-        self.normal_force_n.extend(row.get(Channel::NormalForce));
-        self.torque_nm.extend(row.get(Channel::Torque));
-        self.friction_n.extend(row.get(Channel::FrictionForce));
-        self.coefficient.extend(row.get(Channel::Coefficient));
-        self.speed_m_s.extend(row.get(Channel::Speed).map(f64::abs));
-        self.turns_per_s.extend(row.get(Channel::Revolutions).map(f64::abs));
-        self.position_m.push(row.get(Channel::Position).unwrap_or(f64::NAN));
-        self.humidity.extend(row.get(Channel::Humidity));
-    }
-
-    fn recorded(self, number: usize, radius_m: f64) -> Recorded {
-        let mean = |values: &[f64]| {
-            let mean = values.iter().sum::<f64>() / values.len() as f64;
-            mean.is_finite().then_some(mean)
-        };
-        let start_s = self.start_s.unwrap_or(0.0);
-        // v = 2 pi n r_eff
-        let turning = mean(&self.turns_per_s).map(|turns| std::f64::consts::TAU * turns * radius_m);
-        Recorded {
-            number,
-            speed_m_s: mean(&self.speed_m_s).or(turning).filter(|speed| speed.is_finite()),
-            humidity: mean(&self.humidity),
-            position_m: if self.position_m.iter().any(|x| x.is_finite()) { self.position_m } else { Vec::new() },
-            missing: self.missing.found(start_s, self.time_s.len() + self.repeated),
-            repeated_rows: self.repeated,
-            channels: TraceChannels {
-                tangential: if !self.torque_nm.is_empty() {
-                    Tangential::TorqueNm(self.torque_nm)
-                } else if !self.friction_n.is_empty() {
-                    Tangential::ForceN(self.friction_n)
-                } else {
-                    Tangential::Coefficient(self.coefficient)
-                },
-                time_s: self.time_s,
-                start_s,
-                normal_force_n: self.normal_force_n,
-            },
-        }
-    }
 }
 
 #[cfg(test)]

@@ -10,7 +10,7 @@
 //! | [`TraceError`], [`TraceFlag`] | why a trace was refused, what is odd about one that was not |
 //! | [`TraceOptions::stroke_share`] | sliding back and forth: friction of the middle of every stroke |
 //! | [`TraceOptions::zero_s`] | the sensors' zero, from what they read before touchdown |
-//! | [`speed_of_position`] | speed from a recorded position |
+//! | [`speed_of_position`], [`lag_of_friction`] | speed from a recorded position, and friction that turns after it |
 //! | [`average`], [`Repeats`] | repeats of one condition |
 //! | [`moderate`] | their scatter, with that of other conditions |
 //! | [`odd_repeats`], [`OddRepeat`] | repeats that are not like the others |
@@ -26,7 +26,7 @@
 //! whole periods:
 //!
 //! ```
-//! use slipgrid_traces::{TraceOptions, analyse, columns::Titles, export};
+//! use slipgrid_traces::{TraceOptions, analyse, export};
 //! let mut text = String::from("Time [ms];Fx [N];Fz [N]\n");
 //! for sample in 0..=300 {
 //!     let t = f64::from(sample) * 0.01;
@@ -34,7 +34,7 @@
 //!     let mu = if t < 1.0 { 0.3 * t } else { 0.25 + ripple };
 //!     text += &format!("{:.0};{};50\n", t * 1000.0, 50.0 * mu);
 //! }
-//! let file = export::parse(&text, None, &Titles::default())?;
+//! let file = export::parse(&text, &export::ExportOptions::default())?;
 //! let options = TraceOptions {
 //!     window_s: [1.5, 2.5],
 //!     effective_radius_m: 1.0,
@@ -54,12 +54,17 @@
 
 mod averaging_window;
 pub mod cells;
+mod channels;
 pub mod columns;
 mod correlated_noise;
 pub mod export;
+mod lag;
+mod layout;
 mod load;
+mod markers;
 pub mod missing_numbers;
 mod position;
+mod recorded;
 mod repeats;
 mod run_in;
 mod static_peak;
@@ -70,13 +75,15 @@ mod trace_errors;
 mod zero;
 
 pub use averaging_window::WindowMean;
+pub use lag::{Lag, lag_of_friction};
+pub use load::LoadSlip;
 pub use position::speed_of_position;
 pub use repeats::{MeanStd, OddRepeat, Repeats, average, moderate, odd_repeats};
 pub use run_in::RunIn;
 pub use static_peak::TracePeak;
 pub use stick_slip::StickSlip;
 pub use strokes::DEFAULT_STROKE_SHARE;
-pub use trace_errors::{LoadSlip, TraceError, TraceFlag};
+pub use trace_errors::{TraceError, TraceFlag};
 pub use zero::SensorZero;
 
 use static_peak::before_window;
@@ -146,7 +153,7 @@ pub struct TraceChannels {
     pub start_s: f64,
     /// Friction.
     pub tangential: Tangential,
-    /// Normal force on the whole sample holder, in newtons; empty where only a coefficient was recorded.
+    /// Normal force on the whole sample holder, in newtons; empty where it was not recorded.
     pub normal_force_n: Vec<f64>,
 }
 
@@ -214,14 +221,21 @@ pub struct TraceFindings {
 pub fn analyse(channels: &TraceChannels, options: &TraceOptions) -> Result<TraceFindings, TraceError> {
     check_channels(channels, options)?;
     if channels.normal_force_n.is_empty() {
+        let is_divided = matches!(channels.tangential, Tangential::Coefficient(_));
         if options.zero_s.is_some() {
-            return Err(TraceError::ZeroOfCoefficient);
+            return Err(if is_divided { TraceError::ZeroOfCoefficient } else { TraceError::ZeroOfStatedLoad });
         }
-        // A coefficient needs no force: the nominal one stands for what was not recorded, and nothing is judged by it.
-        let nominal_n = options.nominal_force_n.unwrap_or(1.0);
+        // A coefficient needs no force: the nominal one stands for what was not recorded, and nothing is judged by it. A friction force is
+        // divided by it, as of a dead weight.
+        let nominal_n = match options.nominal_force_n {
+            Some(nominal_n) => nominal_n,
+            None if is_divided => 1.0,
+            None => return Err(TraceError::NoStatedLoad { channel: channels.tangential.name() }),
+        };
+        let flag = if is_divided { TraceFlag::LoadNotRecorded } else { TraceFlag::LoadStated { nominal_n } };
         let filled = TraceChannels { normal_force_n: vec![nominal_n; channels.time_s.len()], ..channels.clone() };
         return analyse(&filled, options).map(|mut found| {
-            found.flags.push(TraceFlag::LoadNotRecorded);
+            found.flags.push(flag);
             found
         });
     }
@@ -317,9 +331,9 @@ fn check_channels(channels: &TraceChannels, options: &TraceOptions) -> Result<()
     let name = channels.tangential.name();
     let columns =
         [("time", &time_s[..]), (name, channels.tangential.values()), ("normal force", &channels.normal_force_n[..])];
-    let no_load = matches!(channels.tangential, Tangential::Coefficient(_)) && channels.normal_force_n.is_empty();
     for (channel, values) in columns {
-        if values.len() != time_s.len() && !(no_load && channel == columns[2].0) {
+        let is_stated = channel == columns[2].0 && values.is_empty();
+        if values.len() != time_s.len() && !is_stated {
             return Err(TraceError::LengthMismatch { channel, found: values.len(), expected: time_s.len() });
         }
         if let Some(i) = values.iter().position(|value| !value.is_finite()) {
@@ -334,10 +348,12 @@ fn check_channels(channels: &TraceChannels, options: &TraceOptions) -> Result<()
         });
     }
     if let Some(i) = time_s.windows(2).position(|pair| pair[1] < pair[0]) {
-        return Err(TraceError::ClockBack { sample: i + 2, from_s: time_s[i], to_s: time_s[i + 1] });
+        let rises = |values: &[f64]| !values.is_empty() && values.windows(2).all(|pair| pair[1] > pair[0]);
+        let likely = columns[1..].iter().find(|(_, values)| rises(values)).map(|(channel, _)| *channel);
+        return Err(TraceError::ClockBack { sample: i + 2, from_s: time_s[i], to_s: time_s[i + 1], likely });
     }
     if !(channels.start_s.is_finite() && channels.start_s <= time_s[0]) {
-        return Err(TraceError::ClockBack { sample: 1, from_s: channels.start_s, to_s: time_s[0] });
+        return Err(TraceError::ClockBack { sample: 1, from_s: channels.start_s, to_s: time_s[0], likely: None });
     }
     let [from_s, to_s] = options.window_s;
     if !(from_s >= 0.0 && to_s > from_s && to_s.is_finite()) {
@@ -459,5 +475,7 @@ fn turn(time_s: &[f64], mu: &mut [f64], window_s: [f64; 2]) -> Result<bool, Trac
     Ok(turned)
 }
 
+#[cfg(test)]
+mod instrument_tests;
 #[cfg(test)]
 mod tests;

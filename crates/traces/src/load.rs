@@ -1,9 +1,10 @@
 //! The load of a trace: whether it is there, and whether it is the one that was meant.
 
+use std::fmt;
 use std::ops::Range;
 
 use super::time_series::median;
-use super::{LoadSlip, Tangential, TraceChannels, TraceError, TraceFlag, TraceOptions, UNLOADED};
+use super::{Tangential, TraceChannels, TraceError, TraceFlag, TraceOptions, UNLOADED};
 
 /// Departure of the mean normal force from the nominal one that is flagged, and that is refused.
 const LOAD_OFF: (f64, f64) = (0.05, 0.5);
@@ -12,7 +13,45 @@ const LOAD_UNSTEADY: f64 = 0.05;
 /// Departure from the nominal force up to which a force in another column or unit is taken for it.
 const MEANT: f64 = 0.1;
 /// Units that are taken for newtons, in newtons.
-const UNITS: [(&str, f64); 4] = [("kN", 1e3), ("mN", 1e-3), ("kgf", 9.806_65), ("uN", 1e-6)];
+const UNITS: [(&str, f64); 5] = [("kN", 1e3), ("mN", 1e-3), ("kgf", 9.806_65), ("gf", 9.806_65e-3), ("uN", 1e-6)];
+
+/// What likely made a load another one than was meant.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum LoadSlip {
+    /// The torque or friction force is what the normal force was meant to be: the two stand in each other's place.
+    Exchanged {
+        /// `torque` or `friction force`.
+        channel: &'static str,
+        /// Its number in the window.
+        friction_n: f64,
+    },
+    /// The force was recorded in another unit than its title says.
+    Unit {
+        /// Which.
+        unit: &'static str,
+        /// What it would be then, in newtons.
+        force_n: f64,
+    },
+}
+
+impl fmt::Display for LoadSlip {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Exchanged { channel, friction_n } => write!(
+                f,
+                "the {channel} is {friction_n:.2}{}, so that normal force and {channel} are likely in each other's place: titles of \
+                 their columns, or `columns` in [traces]",
+                if *channel == "torque" { " N m" } else { " N" }
+            ),
+            Self::Unit { unit, force_n } => {
+                write!(
+                    f,
+                    "recorded in {unit}, it would be {force_n:.2} N: its unit stands in its title, as `Fz [{unit}]`"
+                )
+            }
+        }
+    }
+}
 
 /// Median normal force in the window, and whether it is recorded as negative.
 ///
@@ -63,10 +102,12 @@ fn likely_slip(tangential: &Tangential, inside: &Range<usize>, found_n: f64, nom
     if is_meant(found_n) {
         return None;
     }
-    if let Tangential::ForceN(values) = tangential {
+    if let Tangential::ForceN(values) | Tangential::TorqueNm(values) = tangential {
         let friction_n = median(values[inside.clone()].iter().map(|force| force.abs()).collect());
-        if is_meant(friction_n) {
-            return Some(LoadSlip::Exchanged { friction_n });
+        // Nothing dry has a friction force above the normal force, and a holder's radius is below 1 m.
+        let is_above = friction_n > found_n && (friction_n / nominal_n - 1.0).abs() <= LOAD_OFF.1;
+        if is_meant(friction_n) || is_above {
+            return Some(LoadSlip::Exchanged { channel: tangential.name(), friction_n });
         }
     }
     let units = UNITS.into_iter().map(|(unit, newtons)| LoadSlip::Unit { unit, force_n: found_n * newtons });
@@ -109,6 +150,7 @@ mod tests {
             (0.06, "recorded in kN, it would be 60.0"),
             (60e3, "recorded in mN, it would be 60.0"),
             (6.12, "recorded in kgf, it would be 60.0"),
+            (6120.0, "recorded in gf, it would be 60.0"),
         ] {
             let said = refused(15.0, normal_n).to_string();
             assert!(said.contains(says) && said.contains("expected about 60 N"), "{said}");

@@ -2,43 +2,9 @@
 
 use std::fmt;
 
+use super::load::LoadSlip;
 use super::run_in::RunIn;
 use super::zero::SensorZero;
-
-/// What likely made a load another one than was meant.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum LoadSlip {
-    /// The friction force is what the normal force was meant to be: the two stand in each other's place.
-    Exchanged {
-        /// Friction force in the window, in newtons.
-        friction_n: f64,
-    },
-    /// The force was recorded in another unit than its title says.
-    Unit {
-        /// Which.
-        unit: &'static str,
-        /// What it would be then, in newtons.
-        force_n: f64,
-    },
-}
-
-impl fmt::Display for LoadSlip {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Exchanged { friction_n } => write!(
-                f,
-                "the friction force is {friction_n:.2} N, so that normal force and friction force are likely in each other's place: titles of \
-                 their columns, or `columns` in [traces]"
-            ),
-            Self::Unit { unit, force_n } => {
-                write!(
-                    f,
-                    "recorded in {unit}, it would be {force_n:.2} N: its unit stands in its title, as `Fz [{unit}]`"
-                )
-            }
-        }
-    }
-}
 
 /// Why nothing can be read from a trace. Times are seconds since the trace begins.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -64,7 +30,12 @@ pub enum TraceError {
         expected: usize,
     },
     /// The clock goes back.
-    #[error("the clock goes back at sample {sample}: from {from_s} s to {to_s} s")]
+    #[error(
+        "the clock goes back at sample {sample}: from {from_s} s to {to_s} s{}",
+        likely.map_or_else(String::new, |channel| {
+            format!("; the {channel} rises throughout, so that time and {channel} are likely in each other's place")
+        })
+    )]
     ClockBack {
         /// Number of the later sample, from 1.
         sample: usize,
@@ -72,6 +43,8 @@ pub enum TraceError {
         from_s: f64,
         /// Time after.
         to_s: f64,
+        /// The channel that rises throughout as time would.
+        likely: Option<&'static str>,
     },
     /// The averaging window has no length or begins before the trace.
     #[error("the window from {from_s} to {to_s} s has no meaning: expected two increasing times from 0 on")]
@@ -265,6 +238,17 @@ pub enum TraceError {
          these with the normal force, or no zero_s"
     )]
     ZeroOfCoefficient,
+    /// A zero is asked for where no load says when the sample touches down.
+    #[error(
+        "no normal force is recorded, so that touchdown is not known and no zero can be subtracted: expected no zero_s"
+    )]
+    ZeroOfStatedLoad,
+    /// A torque or friction force alone, and no force is stated.
+    #[error("no normal force is recorded and none is stated: expected one of the two to divide the {channel} by")]
+    NoStatedLoad {
+        /// `torque` or `friction force`.
+        channel: &'static str,
+    },
     /// A torque without the radius at which it acts.
     #[error(
         "the effective radius is {value_m} m: expected a positive length, torque / (normal force x radius) is friction"
@@ -305,6 +289,11 @@ pub enum TraceFlag {
     },
     /// No normal force was recorded beside the coefficient.
     LoadNotRecorded,
+    /// No normal force was recorded beside a torque or friction force: it was divided by the stated one.
+    LoadStated {
+        /// Stated force on the whole sample holder, in newtons.
+        nominal_n: f64,
+    },
     /// The normal force is unsteady.
     LoadUnsteady {
         /// Its standard deviation in the window over its mean.
@@ -402,6 +391,9 @@ impl fmt::Display for TraceFlag {
             }
             Self::LoadNotRecorded => {
                 f.write_str("no normal force is recorded: it is not known that the nominal one acted")
+            }
+            Self::LoadStated { nominal_n } => {
+                write!(f, "no normal force is recorded: friction is over the stated {nominal_n} N, as of a dead weight")
             }
             Self::LoadUnsteady { relative_std } => {
                 write!(f, "the normal force varies by {:.1} % in the window", 100.0 * relative_std)

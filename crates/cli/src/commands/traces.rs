@@ -7,7 +7,7 @@ use crate::output::{self, open};
 use crate::{CliError, Console, exit_code};
 use slipgrid_formats::calibration::Calibration;
 use slipgrid_formats::file_kind::FileKind;
-use slipgrid_formats::traces::{ConditionTraces, SurfaceKind, TraceCondition, TraceSetup, analyse_condition};
+use slipgrid_formats::traces::{ConditionTraces, Export, SurfaceKind, TraceCondition, TraceSetup, analyse_condition};
 use slipgrid_formats::{Diagnostic, checked};
 use slipgrid_report::traces;
 use slipgrid_traces::{DEFAULT_STROKE_SHARE, DEFAULT_WINDOW_S};
@@ -63,6 +63,7 @@ fn of_calibration(file: &Path, args: &TracesArgs) -> Result<Vec<ConditionTraces>
         ("--specimens", args.specimens.is_some(), "specimens in [traces]"),
         ("--window-s", args.window_s.is_some(), "window_s in [traces]"),
         ("--zero-s", args.zero_s.is_some(), "zero_s in [traces]"),
+        ("--step", args.step.is_some(), "step in [[traces.condition]]"),
         ("--patterned", args.patterned, "surface = \"patterned\" in [[traces.condition]]"),
         ("--no-static-peak", args.no_static_peak, "static_peak = false in [traces]"),
         ("--reciprocating", args.reciprocating, "reciprocating = true in [traces]"),
@@ -126,7 +127,7 @@ fn condition(args: &TracesArgs) -> Result<TraceCondition, Diagnostic> {
         force_n: needed("--force-n", args.force_n, FORCE_N)?,
         speed_m_s: needed("--speed-mm-s", args.speed_mm_s, SPEED_MM_S)?,
         humidity: needed("--humidity-pct", args.humidity_pct, HUMIDITY_PCT)?,
-        files: args.files.clone(),
+        files: args.files.iter().map(|path| Export { path: path.clone(), step: args.step }).collect(),
         excluded: Vec::new(),
     })
 }

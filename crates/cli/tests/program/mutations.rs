@@ -11,7 +11,7 @@ use slipgrid_formats::design::Design;
 use slipgrid_formats::measurements;
 use slipgrid_formats::run::Overrides;
 use slipgrid_formats::scene::SceneInput;
-use slipgrid_formats::traces::{TraceSetup, parse_export};
+use slipgrid_formats::traces::{Export, TraceSetup, parse_export};
 use slipgrid_topography::{ReadOptions, read_map};
 use slipgrid_traces::{TraceOptions, analyse};
 
@@ -210,7 +210,8 @@ fn spoil_everything(times: usize, seed: u64) -> [usize; 7] {
             read.map_err(|message| message.replace(&table, "x.csv").replace("flat.csv:", "x.csv:"))
         }),
         spoil_all(TRACE, times / 2, seed + 6, |text, _| {
-            let file = parse_export(Path::new("x.csv"), text, &TraceSetup::new(Some(0.04), 1, true)).map_err(string)?;
+            let file = parse_export(&Export::whole("x.csv".into()), text, &TraceSetup::new(Some(0.04), 1, true))
+                .map_err(string)?;
             // What only the analysis can judge is refused in its own words.
             let options = TraceOptions {
                 window_s: [1.0, 2.5],

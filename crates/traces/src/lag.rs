@@ -1,0 +1,113 @@
+//! Friction that turns after the position does, of a sample that slides back and forth.
+
+use super::time_series::median;
+use super::{TraceChannels, between, usual_pause};
+
+/// Fewest turns of which a lag is taken.
+const MIN_TURNS: usize = 5;
+/// A turn of the position is where it is within this part of the stroke from its end.
+const AT_THE_END: f64 = 0.01;
+
+/// The time by which friction changes its sign later than the position turns.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Lag {
+    /// The lag, in seconds; negative where friction turns first.
+    pub lag_s: f64,
+    /// Usual duration of a stroke, in seconds.
+    pub stroke_s: f64,
+}
+
+/// The usual lag of friction behind `position_m` within `window_s`, in seconds since the trace begins; `None` of too few turns, of a position that
+/// was not recorded, and where it is below two pauses between samples.
+#[must_use]
+pub fn lag_of_friction(channels: &TraceChannels, position_m: &[f64], window_s: [f64; 2]) -> Option<Lag> {
+    let friction = channels.tangential.values();
+    if position_m.len() != friction.len() || friction.len() != channels.time_s.len() {
+        return None;
+    }
+    let time_s: Vec<f64> = channels.time_s.iter().map(|t| t - channels.start_s).collect();
+    let inside = between(&time_s, window_s);
+    let (time_s, friction, position) = (&time_s[inside.clone()], &friction[inside.clone()], &position_m[inside]);
+    if !position.iter().all(|x| x.is_finite()) || time_s.is_empty() {
+        return None;
+    }
+    let turns: Vec<f64> =
+        crossings(time_s, position).windows(2).map(|pair| turn(time_s, position, pair[0], pair[1])).collect();
+    let changes: Vec<f64> =
+        crossings(time_s, friction).into_iter().map(|at| (time_s[at - 1] + time_s[at]) / 2.0).collect();
+    if turns.len() < MIN_TURNS || changes.len() < MIN_TURNS {
+        return None;
+    }
+    let stroke_s = median(turns.windows(2).map(|pair| pair[1] - pair[0]).collect());
+    let nearest = |turn_s: &f64| {
+        let next = changes.partition_point(|change| change < turn_s);
+        let around = changes[next.saturating_sub(1)..(next + 1).min(changes.len())].iter();
+        around.map(|change| change - turn_s).min_by(|a, b| a.abs().total_cmp(&b.abs()))
+    };
+    let lag_s = median(turns.iter().filter_map(nearest).collect());
+    (lag_s.abs() > 2.0 * usual_pause(time_s)).then_some(Lag { lag_s, stroke_s })
+}
+
+/// The samples at which `values` have come to the other side of their middle, by a quarter of their range.
+fn crossings(time_s: &[f64], values: &[f64]) -> Vec<usize> {
+    let mut sorted = values.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    let quantile = |part: f64| sorted[((sorted.len() - 1) as f64 * part).round() as usize];
+    let (low, high) = (quantile(0.05), quantile(0.95));
+    let (middle, far) = ((low + high) / 2.0, (high - low) / 4.0);
+    let (mut found, mut side, mut crossed) = (Vec::new(), None, 0);
+    for at in 1..time_s.len() {
+        if (values[at] >= middle) != (values[at - 1] >= middle) {
+            crossed = at;
+        }
+        if (values[at] - middle).abs() >= far {
+            let is_above = values[at] > middle;
+            if side.is_some_and(|before| before != is_above) && crossed > 0 {
+                found.push(crossed);
+            }
+            side = Some(is_above);
+        }
+    }
+    found
+}
+
+/// When the position is at its end between two crossings of its middle.
+fn turn(time_s: &[f64], position: &[f64], from: usize, to: usize) -> f64 {
+    let middle = (position[from] + position[to]) / 2.0;
+    let distance = |at: &usize| (position[*at] - middle).abs();
+    let farthest = (from..to).map(|at| distance(&at)).fold(0.0, f64::max);
+    let mut at_the_end = (from..to).filter(|at| distance(at) >= (1.0 - 2.0 * AT_THE_END) * farthest);
+    let first = at_the_end.next().unwrap_or(from);
+    let last = at_the_end.last().unwrap_or(first);
+    (time_s[first] + time_s[last]) / 2.0
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Tangential;
+
+    /// Strokes of half a second at 200 Hz by a crank or at even speed, friction `lag_s` behind them.
+    fn found(lag_s: f64, is_crank: bool) -> Option<Lag> {
+        let time_s: Vec<f64> = (0..4000).map(|i| 3.0 + 0.005 * f64::from(i)).collect();
+        let triangle = |t: f64| if t.rem_euclid(1.0) < 0.5 { t.rem_euclid(1.0) } else { 1.0 - t.rem_euclid(1.0) };
+        let position = |t: f64| if is_crank { -(std::f64::consts::TAU * t).cos() } else { triangle(t) };
+        let position_m: Vec<f64> = time_s.iter().map(|&t| 0.01 * position(t)).collect();
+        let force_n = |t: f64| if (t - lag_s).rem_euclid(1.0) < 0.5 { 2.0 } else { -2.0 };
+        let friction: Vec<f64> = time_s.iter().map(|&t| force_n(t)).collect();
+        let tangential = Tangential::ForceN(friction);
+        let channels = TraceChannels { start_s: 3.0, normal_force_n: vec![10.0; time_s.len()], time_s, tangential };
+        lag_of_friction(&channels, &position_m, [2.0, 18.0])
+    }
+
+    #[test]
+    fn a_lag_is_found_and_no_lag_is_none() {
+        for is_crank in [false, true] {
+            for lag_s in [0.04, 0.1, -0.05] {
+                let lag = found(lag_s, is_crank).unwrap();
+                assert!((lag.lag_s - lag_s).abs() < 0.006 && (lag.stroke_s - 0.5).abs() < 0.006, "{lag_s}: {lag:?}");
+            }
+            assert_eq!(found(0.0, is_crank), None);
+        }
+    }
+}

@@ -1,0 +1,154 @@
+//! One trace of an export: its samples in SI units.
+
+use crate::columns::Channel;
+use crate::missing_numbers::{Longest, Missing, Stretch};
+use crate::time_series::median;
+use crate::{Tangential, TraceChannels};
+
+/// One repeat as recorded.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Recorded {
+    /// Its number in the file, from 1.
+    pub number: usize,
+    /// Time, friction and normal force.
+    pub channels: TraceChannels,
+    /// The friction coefficient that the instrument computed, of every sample, beside a torque or friction force; no number where it is
+    /// missing, empty where there is no such column.
+    pub coefficient: Vec<f64>,
+    /// Mean amount of the recorded sliding speed, in m/s, where there is such a column.
+    pub speed_m_s: Option<f64>,
+    /// Mean recorded humidity, 0 to 1, where there is such a column.
+    pub humidity: Option<f64>,
+    /// Recorded position of every sample, in metres, no number where it was not recorded; empty where there is no such column with a unit.
+    pub position_m: Vec<f64>,
+    /// Rows without a number in a needed column, where there are any: left out.
+    pub missing: Option<Missing>,
+    /// Rows that repeat the row before them: left out.
+    pub repeated_rows: usize,
+    /// The line from which on the clock begins anew, where only this tells the trace from the one before it.
+    pub clock_restarts_in_line: Option<u32>,
+}
+
+impl Recorded {
+    /// Median amount of the instrument's own friction coefficient from `from_s` to `to_s`, in seconds since the trace begins.
+    #[must_use]
+    pub fn usual_coefficient(&self, [from_s, to_s]: [f64; 2]) -> Option<f64> {
+        let times = self.channels.time_s.iter().map(|t| t - self.channels.start_s);
+        let inside = times.zip(&self.coefficient).filter(|(t, mu)| *t >= from_s && *t <= to_s && mu.is_finite());
+        let amounts: Vec<f64> = inside.map(|(_, mu)| mu.abs()).collect();
+        (!amounts.is_empty()).then(|| median(amounts))
+    }
+}
+
+/// Values of one row by channel, SI units.
+#[derive(Clone, Default, PartialEq)]
+pub(crate) struct Row([Option<f64>; Channel::COUNT]);
+
+impl Row {
+    pub(crate) fn get(&self, channel: Channel) -> Option<f64> {
+        self.0[channel as usize]
+    }
+
+    pub(crate) fn set(&mut self, channel: Channel, value: f64) {
+        self.0[channel as usize] = Some(value).filter(|value| !value.is_nan());
+    }
+}
+
+/// Samples of one repeat.
+#[derive(Default)]
+pub(crate) struct Table {
+    time_s: Vec<f64>,
+    torque_nm: Vec<f64>,
+    friction_n: Vec<f64>,
+    coefficient: Vec<f64>,
+    normal_force_n: Vec<f64>,
+    speed_m_s: Vec<f64>,
+    turns_per_s: Vec<f64>,
+    humidity: Vec<f64>,
+    position_m: Vec<f64>,
+    /// Time of its first row, on the file's own clock; one that lacks other numbers counts too.
+    start_s: Option<f64>,
+    missing: Stretch,
+    repeated: usize,
+    last: Option<Row>,
+    has_rows: bool,
+    clock_restarts_in_line: Option<u32>,
+}
+
+impl Table {
+    /// A table that begins because the clock begins anew in this line, where it does.
+    pub(crate) fn begun_by_clock(clock_restarts_in_line: Option<u32>) -> Self {
+        Self { clock_restarts_in_line, ..Self::default() }
+    }
+
+    pub(crate) fn is_empty(&self) -> bool {
+        self.time_s.is_empty()
+    }
+
+    /// Whether any row was taken, with all its numbers or without.
+    pub(crate) const fn has_rows(&self) -> bool {
+        self.has_rows
+    }
+
+    /// The longest stretch of rows without a number.
+    pub(crate) fn longest_missing(self) -> Option<Longest> {
+        self.missing.longest()
+    }
+
+    /// Takes the row in line `number`, unless it is `without` a number in columns that are needed.
+    pub(crate) fn push<'a>(&mut self, number: u32, row: &Row, without: impl Iterator<Item = &'a str>) {
+        let mut without = without.peekable();
+        self.has_rows = true;
+        self.start_s = self.start_s.or(row.get(Channel::Time));
+        let time_s = match row.get(Channel::Time) {
+            Some(time_s) if without.peek().is_none() => time_s,
+            time_s => return self.missing.add(number, time_s, without),
+        };
+        self.missing.end();
+        if self.last.as_ref() == Some(row) {
+            self.repeated += 1;
+            return;
+        }
+        self.last = Some(row.clone());
+        self.time_s.push(time_s);
+        self.normal_force_n.extend(row.get(Channel::NormalForce));
+        self.torque_nm.extend(row.get(Channel::Torque));
+        self.friction_n.extend(row.get(Channel::FrictionForce));
+        self.coefficient.push(row.get(Channel::Coefficient).unwrap_or(f64::NAN));
+        self.speed_m_s.extend(row.get(Channel::Speed).map(f64::abs));
+        self.turns_per_s.extend(row.get(Channel::Revolutions).map(f64::abs));
+        self.position_m.push(row.get(Channel::Position).unwrap_or(f64::NAN));
+        self.humidity.extend(row.get(Channel::Humidity));
+    }
+
+    /// The trace with its `number` in the file; `radius_m` turns revolutions into speed.
+    pub(crate) fn recorded(self, number: usize, radius_m: f64) -> Recorded {
+        let mean = |values: &[f64]| {
+            let mean = values.iter().sum::<f64>() / values.len() as f64;
+            mean.is_finite().then_some(mean)
+        };
+        let where_recorded =
+            |values: Vec<f64>| if values.iter().any(|value| value.is_finite()) { values } else { Vec::new() };
+        let start_s = self.start_s.unwrap_or(0.0);
+        // v = 2 pi n r_eff
+        let turning = mean(&self.turns_per_s).map(|turns| std::f64::consts::TAU * turns * radius_m);
+        let (tangential, coefficient) = if !self.torque_nm.is_empty() {
+            (Tangential::TorqueNm(self.torque_nm), self.coefficient)
+        } else if !self.friction_n.is_empty() {
+            (Tangential::ForceN(self.friction_n), self.coefficient)
+        } else {
+            (Tangential::Coefficient(self.coefficient), Vec::new())
+        };
+        Recorded {
+            number,
+            coefficient: where_recorded(coefficient),
+            speed_m_s: mean(&self.speed_m_s).or(turning).filter(|speed| speed.is_finite()),
+            humidity: mean(&self.humidity),
+            position_m: where_recorded(self.position_m),
+            missing: self.missing.found(start_s, self.time_s.len() + self.repeated),
+            repeated_rows: self.repeated,
+            clock_restarts_in_line: self.clock_restarts_in_line,
+            channels: TraceChannels { tangential, time_s: self.time_s, start_s, normal_force_n: self.normal_force_n },
+        }
+    }
+}
