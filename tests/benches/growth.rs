@@ -156,7 +156,7 @@ fn trials() {
             disc: None,
             measured: measured.collect(),
             dimensions_std_m: [0.0; 3],
-            of_dimensions: Vec::new(),
+            dimension_shifts: Vec::new(),
         }
     };
     row("learning from trials of four loads", "trials", &[4, 8, 16, 32], |count| {
