@@ -81,10 +81,13 @@ impl Campaign {
         }
         let is_key = |key: &String| !key.is_empty() && !key.contains(char::is_control);
         if let Some(key) = read.keys.iter().find(|key| !is_key(key)) {
-            return Err(refuse(format!("is no campaign: {key:?} is no key")).expected("what `slipgrid campaign plan` writes"));
+            return Err(
+                refuse(format!("is no campaign: {key:?} is no key")).expected("what `slipgrid campaign plan` writes")
+            );
         }
         if let Some(hash) = read.inputs.values().find(|hash| !is_hexadecimal(hash, HASH_DIGITS)) {
-            return Err(refuse(format!("is no campaign: {hash:?} is no hash")).expected(format!("{HASH_DIGITS} hexadecimal digits")));
+            return Err(refuse(format!("is no campaign: {hash:?} is no hash"))
+                .expected(format!("{HASH_DIGITS} hexadecimal digits")));
         }
         Ok(read)
     }
@@ -116,7 +119,11 @@ impl Campaign {
 fn read_id<'de, D: Deserializer<'de>>(deserializer: D) -> Result<String, D::Error> {
     let id = String::deserialize(deserializer)?;
     let expected = format!("an id of {ID_DIGITS} hexadecimal digits");
-    if is_hexadecimal(&id, ID_DIGITS) { Ok(id) } else { Err(D::Error::invalid_value(Unexpected::Str(&id), &expected.as_str())) }
+    if is_hexadecimal(&id, ID_DIGITS) {
+        Ok(id)
+    } else {
+        Err(D::Error::invalid_value(Unexpected::Str(&id), &expected.as_str()))
+    }
 }
 
 /// Whether `text` is `digits` hexadecimal digits in small letters, as hashes are written here.

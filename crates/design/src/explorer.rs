@@ -335,7 +335,12 @@ fn ask(
         let (sag_um, peak_mpa) = (numbers.pop()?, numbers.pop()?);
         Some(Endless { values: numbers, peak_mpa, sag_um })
     };
-    Some(kept(&Part::new(bar, share), &content, nodes.len(), asked)?.into_iter().map(|node| node.and_then(answer)).collect())
+    Some(
+        kept(&Part::new(bar, share), &content, nodes.len(), asked)?
+            .into_iter()
+            .map(|node| node.and_then(answer))
+            .collect(),
+    )
 }
 
 /// The numbers from 0 to `count`, each once, those that follow each other far apart: steps of the golden section.

@@ -109,9 +109,15 @@ pub fn check_folder(place: Place<'_>, names: &[&str], inputs: &[PathBuf]) -> Res
 pub(crate) fn matching(folder: &Path, pattern: &str) -> Vec<PathBuf> {
     let (first, rest) = pattern.split_once('/').map_or((pattern, None), |(first, rest)| (first, Some(rest)));
     let entries = fs::read_dir(folder).into_iter().flatten().flatten();
-    let named = entries.map(|entry| PathBuf::from(entry.file_name())).filter(|name| fits(&name.to_string_lossy(), first));
+    let named =
+        entries.map(|entry| PathBuf::from(entry.file_name())).filter(|name| fits(&name.to_string_lossy(), first));
     let Some(rest) = rest else { return named.collect() };
-    let below = |name: PathBuf| matching(&folder.join(&name), rest).into_iter().map(move |path| name.join(path));
+    let below = |name: PathBuf| {
+        let inside = folder.join(&name);
+        // A file stands in the way of the folder.
+        let found = if inside.is_dir() { matching(&inside, rest) } else { vec![PathBuf::new()] };
+        found.into_iter().map(move |path| if path.as_os_str().is_empty() { name.clone() } else { name.join(path) })
+    };
     named.flat_map(below).collect()
 }
 
@@ -263,6 +269,9 @@ mod tests {
         fs::create_dir(place.path().join("a.toml")).unwrap();
         let refused = to_folder(place.path()).unwrap_err().to_string();
         assert!(refused.contains("holds a.toml, which is a folder where a file is to go"), "{refused}");
+        fs::write(place.path().join("next-1"), "a file").unwrap();
+        let refused = check_folder(Place::output(place.path()), &["next-*/a.svg"], &[]).unwrap_err().to_string();
+        assert!(refused.contains("holds next-1, which was not written by slipgrid"), "{refused}");
     }
 
     #[test]

@@ -155,12 +155,7 @@ struct Staged {
 
 impl Staged {
     /// `outputs` in a new folder in `place`, with the list of what is `written` there and of them.
-    fn new(
-        outputs: &Outputs,
-        place: &Path,
-        mut written: Written,
-        is_cancelled: &dyn Fn() -> bool,
-    ) -> io::Result<Self> {
+    fn new(outputs: &Outputs, place: &Path, mut written: Written, is_cancelled: &dyn Fn() -> bool) -> io::Result<Self> {
         let folder = unfinished(0o777).tempdir_in(place)?;
         for (name, content) in outputs.iter() {
             let path = folder.path().join(name);
@@ -202,7 +197,8 @@ fn rename_each(staged: &Staged, folder: &Path, names: &BTreeSet<&str>, stale: &[
 
 /// Whether the folder holds no folders, and is not where the user stands: a shell would stay in the one that goes.
 fn holds_files_alone(folder: &Path) -> bool {
-    let is_plain = |entry: io::Result<fs::DirEntry>| entry.and_then(|entry| entry.file_type()).is_ok_and(|kind| !kind.is_dir());
+    let is_plain =
+        |entry: io::Result<fs::DirEntry>| entry.and_then(|entry| entry.file_type()).is_ok_and(|kind| !kind.is_dir());
     let is_here = std::env::current_dir().and_then(fs::canonicalize).is_ok_and(|here| here == folder);
     !is_here && fs::read_dir(folder).is_ok_and(|mut entries| entries.all(is_plain))
 }
@@ -280,7 +276,9 @@ fn lock_path(folder: &Path) -> PathBuf {
     let mut name = folder.file_name().map_or_else(OsString::new, OsString::from);
     name.push(".lock");
     match folder.file_name() {
-        Some(_) if !folder.is_dir() || unfinished(0o600).tempfile_in(parent(&folder)).is_ok() => folder.with_file_name(name),
+        Some(_) if !folder.is_dir() || unfinished(0o600).tempfile_in(parent(&folder)).is_ok() => {
+            folder.with_file_name(name)
+        }
         _ => folder.join(".slipgrid.lock"),
     }
 }

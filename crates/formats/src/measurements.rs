@@ -163,8 +163,15 @@ fn rows(path: &Path, text: &str) -> Result<Vec<(u32, Measurement)>, Diagnostic> 
             let static_peak = mu_static.zip(mu_static_std).map(|(mu, std)| StaticPeak { mu, std });
             let row = Measurement { force_n, speed_m_s, humidity, mu_dynamic, mu_dynamic_std, static_peak };
             if rows.len() == MAX_ROWS {
-                return Err(refuse(line, None, None, format!("is row {}: too many for a table of means", MAX_ROWS + 1))
-                    .expected(format!("at most {MAX_ROWS}, one a condition; samples in time are exports, which stand in [traces]")));
+                return Err(refuse(
+                    line,
+                    None,
+                    None,
+                    format!("is row {}: too many for a table of means", MAX_ROWS + 1),
+                )
+                .expected(format!(
+                    "at most {MAX_ROWS}, one a condition; samples in time are exports, which stand in [traces]"
+                )));
             }
             rows.push((line, row));
         }

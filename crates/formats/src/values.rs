@@ -98,7 +98,9 @@ pub fn distinct_pressures(
         |pair: &&[usize]| pressures_pa[pair[1]] - pressures_pa[pair[0]] <= SAME_PRESSURE * pressures_pa[pair[1]];
     if let Some(pair) = order.windows(2).find(is_twice) {
         let later = pair[0].max(pair[1]);
-        return Err(document.refuse(number_span(values, later), "MPa is in the list twice").expected("each pressure once"));
+        return Err(document
+            .refuse(number_span(values, later), "MPa is in the list twice")
+            .expected("each pressure once"));
     }
     Ok(pressures_pa)
 }

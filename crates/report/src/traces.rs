@@ -34,7 +34,8 @@ pub fn files(conditions: &[ConditionTraces]) -> Result<Outputs, ChartError> {
         if let Some(OfTrial { number, name }) = of_trial.first().and_then(|traces| traces.condition.trial.as_ref()) {
             let rows: Vec<Measurement> = of_trial.iter().map(ConditionTraces::measurement).collect();
             // A spreadsheet divides the comment at commas: what follows one may not be a formula.
-            let words: String = name.chars().filter(|c| !c.is_control()).map(|c| if ",;".contains(c) { ' ' } else { c }).collect();
+            let words: String =
+                name.chars().filter(|c| !c.is_control()).map(|c| if ",;".contains(c) { ' ' } else { c }).collect();
             let comment = format!(
                 "By slipgrid traces {VERSION}, schema {SCHEMA}: trial \"{words}\", mean of repeats, and how far another \
                  sample may be as a standard deviation{}",
@@ -94,7 +95,8 @@ fn words(condition: &TraceCondition) -> [String; 4] {
 /// A file name for a condition: `flat-200N-2mm_s-15pct`.
 fn name(condition: &TraceCondition) -> String {
     let [surface, ..] = words(condition);
-    let numbers = [condition.force_n, SPEED_MM_S.from_si(condition.speed_m_s), HUMIDITY_PCT.from_si(condition.humidity)];
+    let numbers =
+        [condition.force_n, SPEED_MM_S.from_si(condition.speed_m_s), HUMIDITY_PCT.from_si(condition.humidity)];
     let [force, speed, humidity] = numbers.map(name_part);
     format!("{surface}-{force}N-{speed}mm_s-{humidity}pct")
 }

@@ -45,7 +45,8 @@ pub fn has_mark(name: &str, head: &[u8]) -> bool {
 /// Whether `head` begins a table of a campaign: its first task has an id, a hash in 20 hexadecimal digits.
 fn is_campaign_table(head: &str) -> bool {
     let mut lines = head.lines();
-    let id = lines.next().filter(|header| header.starts_with("task,")).and(lines.next()).and_then(|row| row.split_once(','));
+    let id =
+        lines.next().filter(|header| header.starts_with("task,")).and(lines.next()).and_then(|row| row.split_once(','));
     id.is_some_and(|(id, _)| id.len() == 20 && id.bytes().all(|byte| byte.is_ascii_hexdigit()))
 }
 

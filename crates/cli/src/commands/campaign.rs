@@ -38,8 +38,7 @@ fn planned(args: &PlanArgs, console: &mut Console<'_>) -> Result<u8, CliError> {
     if let Some(engine) = args.emit {
         let absolute = args.output.canonicalize().unwrap_or_else(|_| args.output.clone());
         let [workers, cores] = [args.workers, args.cores].map(|count| count as usize);
-        let script =
-            engine.script(&absolute, workers, cores, args.at_once.map(|count| count as usize))?;
+        let script = engine.script(&absolute, workers, cores, args.at_once.map(|count| count as usize))?;
         write_file(&args.output.join(format!("{}.sh", engine.name())), script.as_bytes())?;
     }
     console.answer(&format!(

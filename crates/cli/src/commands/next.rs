@@ -15,8 +15,7 @@ use crate::{CliError, Console, exit_code};
 use slipgrid_disk::disk;
 
 /// What is written for several samples, and for those of one disc.
-const FILES: [&str; 5] =
-    ["result.json", "timings.json", "trials.toml", "next-*/pattern.*", "next-*/process.toml"];
+const FILES: [&str; 5] = ["result.json", "timings.json", "trials.toml", "next-*/pattern.*", "next-*/process.toml"];
 const FILES_OF_DISC: [&str; 5] = ["result.json", "timings.json", "trials.toml", "pattern.*", "process.toml"];
 
 /// Chooses, writes and reports.

@@ -38,7 +38,11 @@ fn inputs_and_what_others_wrote_are_not_replaced() {
     place.succeed(&[&MAP[..], &["-o", "own.asc"]].concat());
     fs::create_dir(place.path("others")).unwrap();
     for (name, text, args) in [
-        ("pattern.svg", "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"100mm\"><!-- mine --></svg>", vec!["optimize", "d.toml"]),
+        (
+            "pattern.svg",
+            "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"100mm\"><!-- mine --></svg>",
+            vec!["optimize", "d.toml"],
+        ),
         ("section.csv", "x_um,height_um\n0,1\n", vec!["surface", "own.asc"]),
         ("interface.csv", "load_mpa,surface,x_um,pressure_mpa,friction_mpa\nmine\n", vec!["simulate", "s.toml"]),
         ("table.csv", "task,due,who\nbuy laser,2026-12-01,me\n", vec!["optimize", "d.toml", "--table"]),

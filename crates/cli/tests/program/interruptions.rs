@@ -132,8 +132,7 @@ fn a_run_killed_at_any_moment_leaves_whole_files_or_none() {
     // The files of an earlier result.
     fs::write(place.path("earlier.json"), result().replace("40.0", "30.0")).unwrap();
     place.succeed(&[&["export", "earlier.json"], &EXPORT[2..5], &["earlier"]].concat());
-    let before: Vec<Vec<u8>> =
-        files.iter().map(|name| fs::read(place.path("earlier").join(name)).unwrap()).collect();
+    let before: Vec<Vec<u8>> = files.iter().map(|name| fs::read(place.path("earlier").join(name)).unwrap()).collect();
     const KILLS: u32 = 12;
     for fresh in [true, false] {
         for kill in 0..KILLS {

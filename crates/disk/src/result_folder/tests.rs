@@ -55,7 +55,10 @@ fn a_result_is_replaced_as_a_whole_and_files_of_others_stay() {
         // What the user changed is the user's.
         fs::write(folder.join("friction-2mpa.svg"), "changed").unwrap();
         let refused = open(&folder).unwrap_err().to_string();
-        assert!(refused.contains("holds friction-2mpa.svg, which was not written by slipgrid, or was changed"), "{refused}");
+        assert!(
+            refused.contains("holds friction-2mpa.svg, which was not written by slipgrid, or was changed"),
+            "{refused}"
+        );
         fs::remove_file(folder.join("friction-2mpa.svg")).unwrap();
         let third = [("result.json", "3"), ("next-1/a.svg", "3")];
         replace(&folder, &third).unwrap();
@@ -82,7 +85,10 @@ fn nothing_changes_where_a_result_is_refused_cancelled_or_has_a_name_twice() {
     assert!(twice.contains("two results would have the name result.json"), "{twice}");
     assert_eq!(content(&folder), before);
     let other = open(&folder).unwrap_err().to_string();
-    assert!(other.contains("another run works for this folder") || other.contains("holds friction-1mpa.svg"), "{other}");
+    assert!(
+        other.contains("another run works for this folder") || other.contains("holds friction-1mpa.svg"),
+        "{other}"
+    );
     fs::remove_file(folder.join("friction-1mpa.svg")).unwrap();
     let other = open(&folder).unwrap_err().to_string();
     assert!(other.contains("another run works for this folder"), "{other}");
