@@ -31,10 +31,12 @@ fn lines(rows: u32, line: impl Fn(f64, f64) -> String) -> String {
     (0..rows).map(|row| f64::from(row) * 0.1).map(|t| line(t, ripple(t)) + "\n").collect()
 }
 
-/// The traces of a calibration with these conditions, read from `export`.
-fn read(export: &str, keys: &str, conditions: &[&str]) -> Result<Vec<ConditionTraces>, String> {
-    let condition = |own: &&str| {
-        format!("[[traces.condition]]\nforce_n = 10\nspeed_mm_s = 100\nhumidity_pct = 50\nfiles = [\"a.csv\"]\n{own}\n")
+/// The traces of a calibration whose conditions have these speeds and keys, read from `export`.
+fn read(export: &str, keys: &str, conditions: &[(u32, &str)]) -> Result<Vec<ConditionTraces>, String> {
+    let condition = |(speed, own): &(u32, &str)| {
+        format!(
+            "[[traces.condition]]\nforce_n = 10\nspeed_mm_s = {speed}\nhumidity_pct = 50\nfiles = [\"a.csv\"]\n{own}\n"
+        )
     };
     let text = format!(
         "name = \"a\"\nsource = \"test\"\n[material]\nyoungs_modulus_gpa = 2.5\ndensity_g_cm3 = 1.42\n[specimen]\nradius_mm = 1.0\n\
@@ -46,30 +48,30 @@ fn read(export: &str, keys: &str, conditions: &[&str]) -> Result<Vec<ConditionTr
 }
 
 fn notes_of(export: &str, keys: &str) -> String {
-    notes(&read(export, keys, &[""]).unwrap()).join("\n")
+    notes(&read(export, keys, &[(100, "")]).unwrap()).join("\n")
 }
 
 #[test]
 fn steps_of_one_export_are_traces_of_several_conditions_or_repeats_of_one() {
     let step = |step: u32, mu: f64| lines(101, move |t, ripple| format!("{step};{t:.1};{:.4};10", 10.0 * mu * ripple));
     let export = format!("Step;Time [s];Fx [N];Fz [N]\n{}{}", step(4, 0.21), step(7, 0.23));
-    let found = read(&export, "", &["step = 4", "step = 7\nwindow_s = [2, 9]"]).unwrap();
+    let found = read(&export, "", &[(100, "step = 4"), (200, "step = 7")]).unwrap();
     let mu: Vec<f64> = found.iter().map(|traces| (1e2 * traces.mean.mu_dynamic.mean).round()).collect();
     assert_eq!(mu, [21.0, 23.0]);
     assert_eq!(found[1].traces[0].label, "a.csv, step 7");
-    let repeats = read(&export, "", &["step = 4", "step = 7"]).unwrap();
+    let repeats = read(&export, "", &[(100, "step = 4"), (100, "step = 7")]).unwrap();
     assert_eq!((repeats.len(), repeats[0].mean.count), (1, 2));
     assert!(repeats[0].traces[1].flags.iter().any(|flag| flag.contains("`exclude = [\"a.csv\"]`")), "{repeats:?}");
     for (conditions, says) in [
         (
-            &["step = 4", "step = 4"][..],
+            &[(100, "step = 4"), (200, "step = 4")][..],
             "c.toml:24: traces.condition.files: \"a.csv\" names a.csv once more, as line 17 does",
         ),
-        (&["step = 4", ""], "names a.csv once more"),
-        (&["step = 5"], "a.csv: has no step 5; expected one of its steps: 4 (from line 2), 7 (from line 103)"),
-        (&["step = -1"], "c.toml:18: traces.condition.step"),
-        (&["step = 5000000000"], "is no number of a step"),
-        (&[""], "a.csv: holds several steps, each with its own clock: 4 (from line 2), 7 (from line 103)"),
+        (&[(100, "step = 4"), (200, "")], "names a.csv once more"),
+        (&[(100, "step = 5")], "a.csv: has no step 5; expected one of its steps: 4 (from line 2), 7 (from line 103)"),
+        (&[(100, "step = -1")], "c.toml:18: traces.condition.step"),
+        (&[(100, "step = 5000000000")], "is no number of a step"),
+        (&[(100, "")], "a.csv: holds several steps, each with its own clock: 4 (from line 2), 7 (from line 103)"),
     ] {
         let refused = read(&export, "", conditions).unwrap_err();
         assert!(refused.contains(says), "{conditions:?}: {refused}");
@@ -84,7 +86,7 @@ fn a_recorded_coefficient_that_contradicts_the_forces_is_told() {
     };
     let radius = "effective_radius_mm = 38.1";
     let said = notes_of(&export(2.0), radius);
-    let says = "the recorded friction coefficient is 0.5000, 2.00 times the 0.2500 of torque / (normal force x radius): the radius or a channel is wrong";
+    let says = "the recorded friction coefficient is 0.5005, 2.00 times the 0.2500 of torque / (normal force x radius): the radius or a channel is wrong";
     assert!(said.contains(says), "{said}");
     assert!(!notes_of(&export(1.05), radius).contains("coefficient"));
     // Of a dead weight the stated force is doubtful; a force and a coefficient may be exchanged.
@@ -122,14 +124,15 @@ fn friction_that_turns_late_is_told() {
         "time [s],Fx [N],Fz [N],x [mm]\n".to_owned() + &(0..1500).map(row).collect::<String>()
     };
     let keys = "reciprocating = true";
-    let said = |lag_s: f64| notes(&read(&export(lag_s), keys, &["window_s = [1, 14]"]).unwrap()).join("\n");
-    assert!(said(0.08).contains("friction turns 0.080 s after the position, 20 % of a stroke"), "{}", said(0.08));
+    let said = |lag_s: f64| notes(&read(&export(lag_s), keys, &[(100, "window_s = [1, 14]")]).unwrap()).join("\n");
+    assert!(said(0.08).contains("friction turns 0.085 s after the position, 21 % of a stroke"), "{}", said(0.08));
     assert!(!said(0.0).contains("friction turns"), "{}", said(0.0));
 }
 
 #[test]
 fn lines_that_end_with_carriage_returns_alone_are_lines() {
     let export = "time;Fx [N];Fz [N]\n".to_owned() + &lines(101, |t, ripple| format!("{t:.1};{:.5};10", 2.1 * ripple));
-    let [as_usual, returns] = [export.clone(), export.replace('\n', "\r")].map(|text| read(&text, "", &[""]).unwrap());
+    let [as_usual, returns] =
+        [export.clone(), export.replace('\n', "\r")].map(|text| read(&text, "", &[(100, "")]).unwrap());
     assert_eq!(as_usual, returns);
 }

@@ -78,7 +78,7 @@ fn turn(time_s: &[f64], position: &[f64], from: usize, to: usize) -> f64 {
     let farthest = (from..to).map(|at| distance(&at)).fold(0.0, f64::max);
     let mut at_the_end = (from..to).filter(|at| distance(at) >= (1.0 - 2.0 * AT_THE_END) * farthest);
     let first = at_the_end.next().unwrap_or(from);
-    let last = at_the_end.last().unwrap_or(first);
+    let last = at_the_end.next_back().unwrap_or(first);
     (time_s[first] + time_s[last]) / 2.0
 }
 

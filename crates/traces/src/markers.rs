@@ -9,14 +9,10 @@ pub(crate) enum Marker {
     Step(f64),
 }
 
-/// The words that begin such a line.
-const WORDS: [(&str, fn(f64) -> Marker); 5] = [
-    ("step", Marker::Step),
-    ("schritt", Marker::Step),
-    ("segment", Marker::Step),
-    ("sequence", Marker::Step),
-    ("run", Marker::Run),
-];
+/// The words that begin the line of a step.
+const STEP_WORDS: [&str; 4] = ["step", "schritt", "segment", "sequence"];
+/// The word that begins the line of a run.
+const RUN_WORD: &str = "run";
 
 /// Words that may stand between the word and the number.
 const NUMBER_WORDS: [&str; 3] = ["number", "no", "nr"];
@@ -25,14 +21,15 @@ const NUMBER_WORDS: [&str; 3] = ["number", "no", "nr"];
 pub(crate) fn marker(line: &str) -> Option<Marker> {
     let is_sign = |letter: char| letter.is_whitespace() || ".:#=;,\"".contains(letter);
     let line = line.trim_start_matches(is_sign).to_lowercase();
-    WORDS.into_iter().find_map(|(word, kind)| {
+    STEP_WORDS.into_iter().chain([RUN_WORD]).find_map(|word| {
         let rest = line.strip_prefix(word).filter(|rest| rest.starts_with(is_sign))?;
         let rest = rest.trim_start_matches(is_sign);
         let rest = NUMBER_WORDS.into_iter().find_map(|word| rest.strip_prefix(word)).unwrap_or(rest);
         let rest = rest.trim_start_matches(is_sign);
         let end = rest.find(|letter: char| !letter.is_ascii_digit()).unwrap_or(rest.len());
         let ends_there = !rest[end..].starts_with(|letter: char| letter.is_alphanumeric() || letter == '/');
-        rest[..end].parse().ok().filter(|_| ends_there).map(kind)
+        let number = rest[..end].parse().ok().filter(|_| ends_there)?;
+        Some(if word == RUN_WORD { Marker::Run(number) } else { Marker::Step(number) })
     })
 }
 
