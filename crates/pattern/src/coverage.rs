@@ -10,8 +10,8 @@ use crate::geometry::edges;
 pub(crate) enum Shape<'a> {
     /// Without ends along y.
     Strip { width_m: f64 },
-    /// `width_m` along x and `length_m` along y.
-    Rectangle { width_m: f64, length_m: f64 },
+    /// `width_m` along x and `length_m` along y, its corners quarter discs of `corner_m`.
+    Rectangle { width_m: f64, length_m: f64, corner_m: f64 },
     /// A disc.
     Disc { diameter_m: f64 },
     /// A simple polygon: `scale_m` times its vertices, anticlockwise, within `extents_m` about the origin.
@@ -40,7 +40,7 @@ pub(crate) fn covered_area(shape: Shape<'_>, sublattice: &Sublattice, x_m: [f64;
         return covered_m * (y_m[1] - y_m[0]);
     }
     let (width_m, length_m) = match shape {
-        Shape::Rectangle { width_m, length_m }
+        Shape::Rectangle { width_m, length_m, .. }
         | Shape::Polygon { extents_m: [width_m, length_m], .. }
         | Shape::Pieces { extents_m: [width_m, length_m], .. } => (width_m, length_m),
         Shape::Strip { width_m: side_m } | Shape::Disc { diameter_m: side_m } => (side_m, side_m),
@@ -56,6 +56,9 @@ pub(crate) fn covered_area(shape: Shape<'_>, sublattice: &Sublattice, x_m: [f64;
                         Shape::Polygon { vertices, scale_m, .. } => area_within(edges(vertices), scale_m, x_m, y_m),
                         Shape::Pieces { pieces, scale_m, .. } => {
                             area_within(pieces.iter().map(|[a, b]| (*a, *b)), scale_m, x_m, y_m)
+                        }
+                        Shape::Rectangle { corner_m, .. } if corner_m > 0.0 => {
+                            round_rectangle_area([width_m, length_m], corner_m, x_m, y_m)
                         }
                         _ => overlap(x_m, width_m) * overlap(y_m, length_m),
                     };
@@ -129,6 +132,21 @@ fn mean_clamped([one, other]: [f64; 2], most: f64) -> f64 {
     }
     // 1/(high - low) times the integral of h from `from` to `to`, and of `most` from there to high.
     ((to - from) * (to + from) / 2.0 + most * (high - to)) / (high - low)
+}
+
+/// Area that the rectangle `x` by `y` shares with one of `sides` about the origin whose corners are quarter discs of `radius`:
+/// two rectangles that leave out the corners, and the quarter discs.
+fn round_rectangle_area([width, length]: [f64; 2], radius: f64, x: [f64; 2], y: [f64; 2]) -> f64 {
+    let (straight_x, straight_y) = (width - 2.0 * radius, length - 2.0 * radius);
+    let ends = (overlap(y, length) - overlap(y, straight_y)).max(0.0);
+    let mut area = overlap(x, width) * overlap(y, straight_y) + overlap(x, straight_x) * ends;
+    for x in quadrant_sides(x) {
+        for y in quadrant_sides(y) {
+            let from_corner = |side: [f64; 2], half: f64| side.map(|end| (end - half).max(0.0));
+            area += quarter_disc_area(radius, from_corner(x, straight_x / 2.0), from_corner(y, straight_y / 2.0));
+        }
+    }
+    area
 }
 
 /// Area that the rectangle `x` by `y` shares with a disc about the origin.

@@ -198,8 +198,8 @@ impl Pattern {
         rounded(self.coverage_within(0.0, [x0_m, x1_m], [y0_m, y1_m]))
     }
 
-    /// Share of a rectangle that lies in a cavity or within `distance_m` of one, at most half of the narrowest land; beside
-    /// squares and rectangles within as much along x and along y.
+    /// Share of a rectangle that lies in a cavity or within the Euclidean distance `distance_m` of one, at most half of the
+    /// narrowest land.
     pub(crate) fn coverage_within(&self, distance_m: f64, x_m: [f64; 2], y_m: [f64; 2]) -> f64 {
         let Some(area_m2) = proper_area_m2(x_m, y_m) else { return 0.0 };
         let cell_m = self.cell_m();
@@ -221,7 +221,8 @@ impl Pattern {
                 cavities_m2(Shape::Polygon { vertices, scale_m: width_m, extents_m }) / area_m2
             }
             (_, _, Some(length_m)) => {
-                cavities_m2(Shape::Rectangle { width_m, length_m: length_m + 2.0 * distance_m }) / area_m2
+                let length_m = length_m + 2.0 * distance_m;
+                cavities_m2(Shape::Rectangle { width_m, length_m, corner_m: distance_m }) / area_m2
             }
             (_, _, None) => cavities_m2(Shape::Strip { width_m }) / area_m2,
         }
@@ -252,7 +253,7 @@ impl Pattern {
     fn land_m2(&self, spacing_m: f64, covered_m2: impl Fn(Shape<'_>, [f64; 2]) -> f64) -> f64 {
         let [cell_x_m, cell_y_m] = self.cell_m();
         let Some(half) = self.oblique_half_angle() else {
-            let square = Shape::Rectangle { width_m: spacing_m, length_m: spacing_m };
+            let square = Shape::Rectangle { width_m: spacing_m, length_m: spacing_m, corner_m: 0.0 };
             return covered_m2(square, [cell_x_m / 2.0, cell_y_m / 2.0]);
         };
         // |x cos(c/2) +- y sin(c/2)| <= s/2 about the centre of a land.
