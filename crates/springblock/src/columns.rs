@@ -11,6 +11,11 @@ use slipgrid_pattern::{Pattern, ReliefMap, Texture};
 
 use crate::rims::Rims;
 
+/// Stiffness of a solid that cannot strain along y over that of the plane lattice, E / (1 - nu^2) over E, with the nu = 1/4 of
+/// cells in space. The lattice of E, in plane stress at 1/3, is that solid but for this factor: its heights are as many times
+/// higher and press alike, and its displacements are as many times larger.
+pub const PLANE_STRAIN: f64 = 16.0 / 15.0;
+
 /// One column of blocks.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Column {
@@ -20,7 +25,7 @@ pub struct Column {
     pub coverage: f64,
     /// Depth of the cavity above the counterface in rows, 0 on land.
     pub cavity_rows: f64,
-    /// Height towards the counterface of what of its face is land, in the mean, in lattice spacings.
+    /// Height towards the counterface of what of its face is land, in the mean, in lattice spacings, times [`PLANE_STRAIN`].
     pub relief: f64,
 }
 
@@ -177,7 +182,7 @@ fn measured(
         let right = left + column.width;
         if column.is_land() {
             let x_m = [left, right].map(|at| at * block_m);
-            column.relief = lands.mean_m(x_m, [-0.5 * across_m, 0.5 * across_m]) / block_m;
+            column.relief = PLANE_STRAIN * lands.mean_m(x_m, [-0.5 * across_m, 0.5 * across_m]) / block_m;
         }
         left = right;
     }

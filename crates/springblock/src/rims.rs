@@ -11,16 +11,18 @@
 
 use slipgrid_pattern::{Pattern, Rim};
 
+use crate::columns::PLANE_STRAIN;
+
 /// Periods of a cell whose rims are of different heights.
 const SCATTERED_PERIODS: usize = 4;
 /// The golden section, (sqrt(5) - 1) / 2.
 const GOLDEN: f64 = 0.618_033_988_749_894_9;
 
-/// The rims of a row of cavities.
+/// The rims of a row of cavities in the plane.
 pub struct Rims {
     rim: Rim,
     block_m: f64,
-    /// Heights in lattice spacings: before and after each cavity.
+    /// Heights in lattice spacings times [`PLANE_STRAIN`]: before and after each cavity.
     heights: Vec<f64>,
 }
 
@@ -33,10 +35,12 @@ impl Rims {
     /// Those of `cavities` cavities of `pattern` in blocks of `block_m`; `None` where they have none.
     pub fn new(pattern: &Pattern, block_m: f64, cavities: usize) -> Option<Self> {
         let rim = *pattern.texture().rim()?;
-        heights(pattern, block_m, 2 * cavities).map(|heights| Self { rim, block_m, heights })
+        let mut heights = heights(pattern, block_m, 2 * cavities)?;
+        heights.iter_mut().for_each(|height| *height *= PLANE_STRAIN);
+        Some(Self { rim, block_m, heights })
     }
 
-    /// Height of the rim before cavity number `cavity`, in lattice spacings.
+    /// Height of the rim before cavity number `cavity`, as [`crate::columns::Column::relief`] has it.
     pub fn before(&self, cavity: usize) -> f64 {
         self.heights[2 * cavity % self.heights.len()]
     }
@@ -156,7 +160,7 @@ mod tests {
         {
             let pattern = pattern(width, spacing, rim, 0.0);
             let columns = cell(&pattern, 10e-6);
-            let area: f64 = columns.iter().map(|c| c.relief * c.width * (1.0 - c.coverage)).sum();
+            let area: f64 = columns.iter().map(|c| c.relief / PLANE_STRAIN * c.width * (1.0 - c.coverage)).sum();
             let length: f64 = columns.iter().map(|c| c.width).sum();
             // A ramp's area is h (d - d^2 / 2 w) up to the end d, in blocks of 10 um.
             let end = rim.min(spacing / 2.0);
@@ -169,7 +173,7 @@ mod tests {
                 let x_m = from_m - first_m - pattern.width_m() / 2.0;
                 if columns[0].width == 1.0 {
                     let share = pattern.rim_share(x_m, x_m + 10e-6, 0.0, 1e-6);
-                    assert!((column.relief - 0.05 * share).abs() < 1e-9, "{i}");
+                    assert!((column.relief / PLANE_STRAIN - 0.05 * share).abs() < 1e-9, "{i}");
                 }
             }
         }
@@ -183,7 +187,7 @@ mod tests {
         let raised: Vec<usize> = (0..996).filter(|&i| columns[i].relief > 0.0).collect();
         let expected: Vec<usize> = (0..20).flat_map(|m| [17 + 50 * m, 31 + 50 * m]).filter(|i| *i < 996).collect();
         assert_eq!(raised, expected);
-        assert!(raised.iter().all(|&i| (columns[i].relief - 0.025).abs() < 1e-12));
+        assert!(raised.iter().all(|&i| (columns[i].relief / PLANE_STRAIN - 0.025).abs() < 1e-12));
     }
 
     #[test]
@@ -200,7 +204,7 @@ mod tests {
         heights.sort_by(f64::total_cmp);
         assert_eq!(heights.len(), 8);
         assert!(heights.windows(2).all(|pair| pair[1] > pair[0]));
-        let mean = heights.iter().sum::<f64>() / 8.0;
+        let mean = heights.iter().sum::<f64>() / 8.0 / PLANE_STRAIN;
         assert!((mean - 0.025).abs() < 1e-12, "{mean}");
     }
 }

@@ -14,6 +14,7 @@ use super::stability::largest_frequency;
 use super::strip_leapfrog::StripLeapfrog;
 use crate::Monitor;
 use crate::SceneError;
+use crate::columns::PLANE_STRAIN;
 use crate::draws;
 use crate::lattice::Lattice;
 use crate::outcome::{Status, SurfaceOutcome};
@@ -230,7 +231,7 @@ impl DynamicRun<'_> {
             .enumerate()
             // A layer of one row may be cut through: nothing is left that could sag.
             .filter(|(i, column)| !column.is_land() && self.lattice.lowest_row(*i) < self.lattice.ny())
-            .any(|(i, column)| column.cavity_rows + engine.rise(i, self.lattice.lowest_row(i)) <= 0.0)
+            .any(|(i, column)| column.cavity_rows + engine.rise(i, self.lattice.lowest_row(i)) / PLANE_STRAIN <= 0.0)
     }
 }
 

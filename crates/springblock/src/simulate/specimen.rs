@@ -28,6 +28,7 @@ use slipgrid_pattern::Pattern;
 use super::blocks::{self, BlockRefinement, Unrefined};
 use super::pressure_tilt::PressureTilt;
 use super::rim_difference::RimDifference;
+use super::statements::modulus_of_heights;
 use super::{Behind, cancelled, describe_draws, describe_law, discretization_error};
 use crate::cell::SteadyCell;
 use crate::dimension::Dimension;
@@ -188,7 +189,10 @@ impl SteadySpecimen {
                 (STRIP_HEIGHTS * scene.layer.height_m * 1e6).round() / 1e3
             ));
         }
-        said.method("two dimensions: vertical planes along the sliding direction, plane stress, nu = 1/3");
+        said.method(format!(
+            "two dimensions: vertical planes along the sliding direction, plane stress, nu = 1/3{}",
+            modulus_of_heights(&self.scene)
+        ));
     }
 }
 

@@ -94,8 +94,14 @@ pub fn describe_extent(scene: &Scene, said: &mut Statements) {
         _ => "",
     };
     said.method(format!(
-        "two dimensions: the vertical plane along the sliding direction, plane stress, nu = 1/3{asked}"
+        "two dimensions: the vertical plane along the sliding direction, plane stress, nu = 1/3{asked}{}",
+        modulus_of_heights(scene)
     ));
+}
+
+/// By which modulus heights of the face press in the plane; nothing where it has none.
+pub fn modulus_of_heights(scene: &Scene) -> &'static str {
+    if scene.is_raised() { "; rims and heights press as in plane strain, E / (1 - nu^2) at nu = 1/4" } else { "" }
 }
 
 /// Difference between the shares of cavities of specimen and pattern from which it is said: a ratio moves by about as much.

@@ -20,6 +20,7 @@ use self::equations::Equations;
 use super::dense::subtract_products;
 use super::system::{Contact, band_products};
 use super::{Equilibrium, LinearResponse, SteadyLoad, displacement_unit, iterate, observe, unloaded};
+use crate::columns::PLANE_STRAIN;
 use crate::lattice::Lattice;
 use crate::outcome::{Status, SurfaceOutcome};
 
@@ -181,7 +182,7 @@ impl CondensedModel {
 
     /// Least height of a ceiling above the counterface, in blocks.
     fn clearance(&self, pressure_pa: f64, inputs: &[f64]) -> Option<f64> {
-        let unit = displacement_unit(pressure_pa, self.youngs_modulus_pa);
+        let unit = displacement_unit(pressure_pa, PLANE_STRAIN * self.youngs_modulus_pa);
         let affine = |row: &[f64]| dot(&row[..inputs.len()], inputs) + row[inputs.len()];
         let unknowns = self.unknowns(inputs);
         let heights = self.cell.ceilings.iter().map(|ceiling| {

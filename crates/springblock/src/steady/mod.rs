@@ -33,6 +33,7 @@ mod thick;
 
 use slipgrid_material::AreaLaw;
 
+use crate::columns::PLANE_STRAIN;
 use crate::lattice::Lattice;
 use crate::outcome::{InterfacePoint, Status, SurfaceOutcome, peak_over_whole_blocks};
 use crate::scene::Scene;
@@ -231,7 +232,7 @@ impl SteadyModel {
 
     /// Least height of a ceiling above the counterface, in blocks.
     fn clearance(&self, pressure_pa: f64, displacement: &[f64]) -> Option<f64> {
-        let unit = displacement_unit(pressure_pa, self.youngs_modulus_pa);
+        let unit = displacement_unit(pressure_pa, PLANE_STRAIN * self.youngs_modulus_pa);
         let (columns, rows) = (self.lattice.columns(), self.lattice.ny());
         // A layer of one row may be cut through: nothing is left that could sag.
         let ceilings = columns.iter().enumerate().filter(|(i, c)| !c.is_land() && self.lattice.lowest_row(*i) < rows);
