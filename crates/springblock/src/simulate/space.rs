@@ -135,6 +135,9 @@ fn discretization_error(
     own: &[Option<f64>],
     monitor: &dyn Monitor,
 ) -> Option<Vec<f64>> {
+    if let Some(errors) = blocks::edge_groove_error(scene, pattern) {
+        return Some(errors);
+    }
     let estimate = || {
         blocks::block_error(scene, own, |scene| {
             let model = SteadyCell::solved(scene, Dimension::Space);
