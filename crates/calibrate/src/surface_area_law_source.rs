@@ -9,7 +9,6 @@ use slipgrid_units::{LENGTH_UM, PRESSURE_MPA};
 use crate::area_law::{
     AreaLawRequest, CONTACT_TOLERANCE, SurfaceWarning, area_curve, area_law, persson_curve, surface_area_law,
 };
-use crate::area_law_sampling::WINDOW_STATEMENT;
 use crate::calibration_task::{CalibrationError, CalibrationTask, MapSurface, Surface};
 use crate::{AreaLawScale, Fit, LawPressures};
 
@@ -215,10 +214,7 @@ fn of_map(
         notes.push(after_test(after, (map, &law), request, monitor)?);
     }
     if let Some(windows) = &found.windows {
-        notes.push(format!(
-            "factor_std: standard deviation of f among {} windows of the map over the root of their number; {WINDOW_STATEMENT}",
-            windows.count()
-        ));
+        notes.push(windows.statement());
     }
     Ok(SurfaceFindings {
         origin: Some(AreaLawOrigin::Map),

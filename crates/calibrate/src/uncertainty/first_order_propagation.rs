@@ -34,7 +34,7 @@ pub struct Slopes {
 /// Standard deviations of the modulus at which intervals are solved: those of 68 and of 95 % each way.
 const REACHES: [f64; 4] = [-NORMAL_95, -1.0, 1.0, NORMAL_95];
 /// The 97.5 % point of the normal distribution.
-const NORMAL_95: f64 = 1.959_964;
+pub const NORMAL_95: f64 = 1.959_964;
 /// The relative error of Young's modulus below which the logarithm goes on straight: a modulus stays positive.
 const LOWEST_MODULUS_ERROR: f64 = -0.5;
 

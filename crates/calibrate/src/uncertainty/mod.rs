@@ -16,6 +16,7 @@ mod material_uncertainty;
 mod sampling_scatter;
 
 pub use covariances::{Covariance, with_scale};
+pub(crate) use first_order_propagation::NORMAL_95;
 pub use first_order_propagation::{Deviation, Deviations, ScaleShift, Slopes, moved};
 pub use material_uncertainty::{CoefficientEstimate, MaterialUncertainty};
 pub use sampling_scatter::{SamplingScatter, sampling_scatter};

@@ -203,8 +203,8 @@ fn an_area_law_states_its_uncertainty() {
     assert_eq!((&points[0]["factor_std"], &points[1]["factor_std"]), (&Value::from(0.0), &Value::from(0.0)));
     let std = points[2]["factor_std"].as_f64().unwrap();
     let spread = law["windows"]["factor_spread"][2].as_f64().unwrap();
-    // Four windows.
-    assert!(std > 0.0 && (std - spread / 2.0).abs() < 1e-15);
+    // Four windows, which count as two: Student's t of three degrees of freedom over the normal deviate.
+    assert!(std > 0.0 && (std / spread - 3.182_446 / 1.959_964 / 2.0_f64.sqrt()).abs() < 1e-6);
     assert_eq!((&law["windows"]["count"], &law["windows"]["rows"]), (&Value::from(4), &Value::from(64)));
     assert!(points[2]["area_error"].as_f64().unwrap() < 1e-4);
     // Coarser pixels see less slope, and so a lower f.

@@ -124,16 +124,9 @@ impl AreaLawCurve {
         };
         if let Some(spread) = &found.windows {
             let windows = window_report(spread, self.first(), found.windows_s);
-            let count = windows.count as f64;
-            // A standard deviation of n normal values is known to 1/sqrt(2(n - 1)).
-            let known = 1.0 / (2.0 * (count - 1.0)).sqrt();
-            report.model.push(format!(
-                "factor_std is the standard deviation of f among {count} windows over the root of their number, itself known to \
-                 {:.0} %; {WINDOW_STATEMENT}",
-                100.0 * known,
-            ));
-            for (point, spread) in report.results.iter_mut().zip(&windows.factor_spread) {
-                point.factor_std = Some(spread / count.sqrt());
+            report.model.push(spread.statement());
+            for (point, std) in report.results.iter_mut().zip(spread.factor_std().split_off(self.first())) {
+                point.factor_std = Some(std);
             }
             report.windows = Some(windows);
         }
