@@ -1,7 +1,7 @@
 //! Real contact area of a surface against nominal pressure, and the area law f that it implies.
 
 use slipgrid_contact::closed_form::persson_area_fraction;
-use slipgrid_contact::{AreaCurve, AreaPoint, ContactError, Convergence, SolveOptions, Status};
+use slipgrid_contact::{AreaCurve, AreaPoint, ContactError, Convergence, SolveOptions};
 use slipgrid_material::{AreaLaw, MOST_FACTOR, MaterialError};
 use slipgrid_monitor::{Monitor, Stage};
 use slipgrid_topography::{HeightMap, MapWarning, PreparedMap, limits};
@@ -25,8 +25,7 @@ pub const DEFAULT_PRESSURES_MPA: [f64; 28] = [
 const ADVISED_SIDE_MM: f64 = 0.5;
 
 /// What a closed form takes.
-const CLOSED_FORM: Convergence =
-    Convergence { status: Status::Converged, iterations: 0, fourier_pairs: 0, residual: 0.0 };
+const CLOSED_FORM: Convergence = Convergence { iterations: 0, fourier_pairs: 0, residual: 0.0 };
 
 /// What an area law is computed for.
 #[derive(Clone, Copy, Debug)]
@@ -129,7 +128,7 @@ pub enum AreaLawError {
     /// The contact solver refused the map or a number.
     #[error(transparent)]
     Contact(#[from] ContactError),
-    /// The map cannot be cut into so many windows, or one of them cannot be solved.
+    /// The map cannot be cut into so many windows.
     #[error(transparent)]
     Windows(ContactError),
     /// f exceeds 1 by more than a count of points scatters.
@@ -157,8 +156,6 @@ pub struct SurfaceAreaLaw {
     pub law: Result<AreaLaw, MaterialError>,
     /// The law of windows of the map, where they were solved.
     pub windows: Option<WindowSpread>,
-    /// Pressures at which the contact computation ended before its tolerance.
-    pub unconverged: usize,
     /// What makes the law doubtful.
     pub warnings: Vec<SurfaceWarning>,
     /// Seconds that the whole map took, on the monitor's clock.
@@ -171,8 +168,8 @@ pub struct SurfaceAreaLaw {
 /// Stages of the monitor: "area law", "windows".
 ///
 /// # Errors
-/// [`AreaLawError`] if a number means nothing to the contact solver, the map is too small for the windows asked for, the
-/// factors exceed 1 by more than counts scatter, or the monitor asks to stop.
+/// [`AreaLawError`] if a number means nothing to the contact solver, a pressure does not converge, the map is too small for the windows
+/// asked for, the factors exceed 1 by more than counts scatter, or the monitor asks to stop.
 pub fn surface_area_law(
     surface: &PreparedMap,
     request: &AreaLawRequest<'_>,
@@ -196,7 +193,6 @@ pub fn surface_area_law(
         }
         warnings.push(SurfaceWarning::FactorAboveOne { pressure_pa, factor });
     }
-    let unconverged = curve.points.iter().filter(|point| point.convergence.status != Status::Converged).count();
     let per_side = request.windows.unwrap_or(if takes_default_windows(&surface.map) { DEFAULT_WINDOWS } else { 0 });
     let (mut windows, mut windows_s) = (None, 0.0);
     if per_side >= 2 {
@@ -204,7 +200,7 @@ pub fn surface_area_law(
         let spread = window_spread(&surface.map, per_side, request, &stage);
         windows_s = stage.finish();
         heed()?;
-        windows = spread.map_err(AreaLawError::Windows)?;
+        windows = spread?;
     }
     if windows.is_none() && request.windows.is_none() && !takes_default_windows(&surface.map) {
         let map = &surface.map;
@@ -215,7 +211,7 @@ pub fn surface_area_law(
     if let Some(windows) = &windows {
         law = law.and_then(|law| with_errors(law, &curve.points, &windows.factor_std()));
     }
-    Ok(SurfaceAreaLaw { curve, law, windows, unconverged, warnings, curve_s, windows_s })
+    Ok(SurfaceAreaLaw { curve, law, windows, warnings, curve_s, windows_s })
 }
 
 /// The law with the standard errors of its factors, one per point of the curve.
@@ -231,7 +227,7 @@ fn with_errors(law: AreaLaw, curve: &[AreaPoint], factor_std: &[f64]) -> Result<
 /// Computes the contact area of `map` at every pressure to `tolerance`.
 ///
 /// # Errors
-/// [`ContactError`] if a number means nothing to the contact solver.
+/// [`ContactError`] if a number means nothing to the contact solver, or a pressure does not converge.
 pub fn area_curve(
     map: &HeightMap,
     contact_modulus_pa: f64,

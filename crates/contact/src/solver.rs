@@ -31,16 +31,19 @@
 //! Transforms and gaps are in single precision: a direction need not be better, and gaps under pressure round by ever
 //! less as they vanish. What rounding leaves in them is removed by one transform in double precision where the residual
 //! nears it and before a state counts as converged.
+//!
+//! Nothing proves that this converges: pressures that each step sets to zero may come back with the next. Where the residual stops
+//! falling, `projected_gradient` begins anew.
 
 use slipgrid_topography::fourier::FourierWork;
 
 use crate::area::{ContactArea, contact_area};
 use crate::kernels::{Fit, FitSums, Gap};
-use crate::rough_contact::{Convergence, RoughContact, SolveOptions, Status};
+use crate::rough_contact::{Convergence, RoughContact, SolveOptions};
 use crate::two_grids::TwoGridsWork;
-use crate::{Monitor, kernels};
+use crate::{Monitor, kernels, projected_gradient};
 
-/// What the solver found, normalized; where it was cancelled the fields mean nothing.
+/// What the solver found, normalized.
 pub(crate) struct Outcome {
     pub(crate) pressure: Vec<f64>,
     /// u = K p
@@ -48,6 +51,14 @@ pub(crate) struct Outcome {
     pub(crate) convergence: Convergence,
     /// The area when the residual first was within [`AREA_DECADE`] of the tolerance.
     pub(crate) area_before: Option<ContactArea>,
+}
+
+/// Why there is no outcome.
+pub(crate) enum Failure {
+    /// The monitor asked to stop.
+    Cancelled,
+    /// The residual did not reach the tolerance.
+    NotConverged { iterations: usize, residual: f64 },
 }
 
 /// Fields of earlier solves of one map, for the next one to write to.
@@ -72,7 +83,7 @@ fn zeros<T: Copy + Default>(spare: &mut Vec<Vec<T>>, points: usize) -> Vec<T> {
 }
 
 /// How far before the end the area is noted, for the estimate of its error.
-const AREA_DECADE: f64 = 10.0;
+pub(crate) const AREA_DECADE: f64 = 10.0;
 /// Share of the sum of pressures down to which the load is restored by lowering them.
 const LEAST_SHARE: f64 = 1e-9;
 /// Share of the load that a step may leave to the next one.
@@ -85,6 +96,15 @@ const RESTART_GROWTH: f64 = 2.0;
 const FIRST_REFRESH: f64 = 1e-5;
 /// Part of the residual at one refresh that calls for the next.
 const NEXT_REFRESH: f64 = 1e-5;
+
+/// Iterations in which the residual must halve. In solves that converge it halves within 12, in one of 500 within 56; an iteration of
+/// `projected_gradient` takes about as long.
+const PATIENCE: usize = 30;
+
+/// |sum (g - min g) p| / (sum p Sq), Sq = 1, and what the load lacks of it.
+pub(crate) fn relative_error(gap: &Gap, sum: f64, load: f64) -> f64 {
+    ((gap.work - gap.lowest * sum) / load).abs() + (sum / load - 1.0).abs()
+}
 
 /// The evolving state, all fields as long as the map.
 struct State<'a> {
@@ -102,8 +122,6 @@ struct State<'a> {
     sum: f64,
     sum_change: f64,
     pressed: f64,
-    /// The pressures of the best state but this one, once there is one.
-    best: Vec<f64>,
     /// u = K p where the state is exact.
     displacement: Vec<f64>,
     /// The gap is that of K p in double precision.
@@ -145,7 +163,6 @@ impl<'a> State<'a> {
             sum: load,
             sum_change: load,
             pressed: points as f64,
-            best: spare.double.pop().unwrap_or_default(),
             displacement: zeros(&mut spare.double, points),
             exact: false,
             gap,
@@ -183,9 +200,8 @@ impl<'a> State<'a> {
         self.exact = true;
     }
 
-    /// |sum (g - min g) p| / (sum p Sq), Sq = 1, and what the load lacks of it.
     fn error(&self) -> f64 {
-        ((self.found.work - self.found.lowest * self.sum) / self.load).abs() + (self.sum / self.load - 1.0).abs()
+        relative_error(&self.found, self.sum, self.load)
     }
 
     /// r on free points; z = K^-1 r, about.
@@ -263,12 +279,6 @@ impl<'a> State<'a> {
         self.settle(-back);
         true
     }
-
-    /// Keeps the pressures before the last step.
-    fn keep_last(&mut self) {
-        self.best.clone_from(&self.pressure);
-        kernels::step_back(&mut self.best, &self.preconditioned, 1.0);
-    }
 }
 
 /// A direction and what is known of the energy along it.
@@ -279,6 +289,13 @@ struct Direction {
     curvature: f64,
 }
 
+/// How conjugate gradients ended.
+enum Ending {
+    Converged { residual: f64, area_before: Option<ContactArea> },
+    Failed(Failure),
+    NoProgress,
+}
+
 /// Solves for the normalized mean pressure `nominal` > 0.
 pub(crate) fn minimize(
     contact: &RoughContact,
@@ -286,22 +303,40 @@ pub(crate) fn minimize(
     options: &SolveOptions,
     monitor: &dyn Monitor,
     spare: &mut Spare,
-) -> Outcome {
+) -> Result<Outcome, Failure> {
     let mut state = State::new(contact, nominal, monitor, spare);
-    let mut best_error = f64::INFINITY;
+    let mut iterations = 0;
+    let ending = descend(&mut state, options, monitor, &mut iterations);
+    let State { pressure, displacement, fourier_pairs, .. } = state;
+    let State { gap, residual, previous_residual, preconditioned, direction, image, .. } = state;
+    spare.single.extend([gap, residual, previous_residual, preconditioned, direction, image]);
+    match ending {
+        // What a filter left undone may look like anything.
+        _ if monitor.cancelled() => Err(Failure::Cancelled),
+        Ending::Converged { residual, area_before } => {
+            let convergence = Convergence { iterations, fourier_pairs, residual };
+            Ok(Outcome { pressure, displacement, convergence, area_before })
+        }
+        Ending::Failed(failure) => Err(failure),
+        Ending::NoProgress => {
+            let mut double = || zeros(&mut spare.double, contact.height.len());
+            let fields = [pressure, displacement, double(), double()];
+            projected_gradient::minimize(contact, nominal, options, monitor, (iterations, fourier_pairs), fields)
+        }
+    }
+}
+
+/// Conjugate gradients until the tolerance is met or the residual no longer falls.
+fn descend(state: &mut State, options: &SolveOptions, monitor: &dyn Monitor, iterations: &mut usize) -> Ending {
     let mut error_before = f64::INFINITY;
     let mut fit_before = f64::INFINITY;
     let mut refresh_at = FIRST_REFRESH.max(options.tolerance);
     let mut restart = true;
-    let mut was_best = false;
-    let mut iterations = 0;
+    // The last residual that counts as progress, and the iteration that reached it.
+    let mut progress = (f64::INFINITY, 0);
     let mut area_before = None;
-    let (status, error) = loop {
+    loop {
         let mut error = state.error();
-        if was_best && error > best_error {
-            state.keep_last();
-            was_best = false;
-        }
         if error > error_before {
             restart |= error > RESTART_GROWTH * error_before;
             if state.retreat() {
@@ -315,25 +350,29 @@ pub(crate) fn minimize(
             continue;
         }
         if error <= AREA_DECADE * options.tolerance && area_before.is_none() {
-            area_before = Some(contact_area(&state.pressure, contact.cols));
+            area_before = Some(contact_area(&state.pressure, state.contact.cols));
         }
         if error <= options.tolerance {
-            break (Status::Converged, error);
+            return Ending::Converged { residual: error, area_before };
         }
-        if iterations >= options.max_iterations {
-            break (Status::IterationLimit, error);
+        if *iterations >= options.max_iterations {
+            return Ending::Failed(Failure::NotConverged { iterations: *iterations, residual: error });
+        }
+        if error < 0.5 * progress.0 {
+            progress = (error, *iterations);
+        }
+        if *iterations - progress.1 > PATIENCE {
+            return Ending::NoProgress;
         }
         if monitor.cancelled() {
-            break (Status::Cancelled, error);
+            return Ending::Failed(Failure::Cancelled);
         }
-        was_best = error <= best_error;
-        best_error = best_error.min(error);
         error_before = error;
 
         let fit = state.precondition();
         // On large maps the passes from here to the next transform take as long as those before.
         if monitor.cancelled() {
-            break (Status::Cancelled, error);
+            return Ending::Failed(Failure::Cancelled);
         }
         // beta = z.(r - r_before) / (z_before.r_before), Polak and Ribiere
         let mut beta = if restart { 0.0 } else { ((fit.now - fit.before) / fit_before).max(0.0) };
@@ -345,51 +384,19 @@ pub(crate) fn minimize(
         if direction.slope >= 0.0 && beta > 0.0 {
             direction = state.turn(fit.mean, 0.0);
         }
+        *iterations += 1;
         // alpha = -r.d / d.Kd, about
         let step = -direction.slope / direction.curvature;
         if !(step.is_finite() && step > 0.0) {
             if restart {
-                break (Status::Stalled, error);
+                return Ending::NoProgress;
             }
             restart = true;
-            was_best = false;
-            iterations += 1;
             continue;
         }
         restart = false;
         if !state.advance(step) {
-            state.keep_last();
-            break (Status::Stalled, f64::INFINITY);
+            return Ending::NoProgress;
         }
-        iterations += 1;
-    };
-    // What a filter left undone may look like anything.
-    let status = if monitor.cancelled() { Status::Cancelled } else { status };
-    finish(state, (status, error, iterations), best_error, area_before, spare)
-}
-
-/// The last state, or the best one where the last is worse.
-fn finish(
-    mut state: State,
-    (status, mut error, iterations): (Status, f64, usize),
-    best_error: f64,
-    area_before: Option<ContactArea>,
-    spare: &mut Spare,
-) -> Outcome {
-    if best_error < error && status != Status::Converged {
-        std::mem::swap(&mut state.pressure, &mut state.best);
-        state.exact = false;
     }
-    if !state.exact && status != Status::Cancelled {
-        state.refresh();
-        error = state.error();
-    }
-    let State { pressure, displacement, best, fourier_pairs, .. } = state;
-    let State { gap, residual, previous_residual, preconditioned, direction, image, .. } = state;
-    spare.single.extend([gap, residual, previous_residual, preconditioned, direction, image]);
-    if !best.is_empty() {
-        spare.double.push(best);
-    }
-    let convergence = Convergence { status, iterations, fourier_pairs, residual: error };
-    Outcome { pressure, displacement, convergence, area_before }
 }

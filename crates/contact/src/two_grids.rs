@@ -6,101 +6,18 @@
 //!
 //! where N is a stencil of a point and its eight neighbours, B sums over blocks of 4 x 4 points, B^T repeats a block's value at
 //! its points, and C multiplies the waves of the coarse grid by what N lacks of A's factor. Both are symmetric.
+//!
+//! Where 4 does not divide a side, up to three of its blocks have 5 points. B and B^T then weight a block of n points by sqrt(4/n), so that
+//! B B^T is 16 times the identity on every grid. Without the weights B^T C B takes more off N at long blocks than N has there: the sum
+//! is indefinite, and conjugate gradients preconditioned by it stall.
 
-use std::f64::consts::TAU;
 use std::ops::Range;
 
 use multiversion::multiversion;
 use slipgrid_topography::fourier::{Fourier, FourierWork, Multiplier};
 
+use crate::blocks::Side;
 use crate::kernels::dot;
-
-/// Points along a side of a block, on sides of at least [`SHORT_SIDE`] points; on shorter ones 1.
-const BLOCK: usize = 4;
-const SHORT_SIDE: usize = 16;
-
-/// One side of the map, cut into blocks of which the last takes what is left over.
-#[derive(Clone, Debug)]
-struct Side {
-    points: usize,
-    block: usize,
-    blocks: usize,
-}
-
-impl Side {
-    fn new(points: usize) -> Self {
-        let block = if points < SHORT_SIDE { 1 } else { BLOCK };
-        Self { points, block, blocks: points / block }
-    }
-
-    /// The points of block `n`.
-    fn points_of(&self, n: usize) -> Range<usize> {
-        let end = if n + 1 == self.blocks { self.points } else { (n + 1) * self.block };
-        n * self.block..end
-    }
-
-    /// Points of the longest block.
-    fn longest(&self) -> usize {
-        self.points_of(self.blocks - 1).len()
-    }
-
-    /// `sums` of blocks of the rows `input`, one after the other; `column_sums` is of one row.
-    fn sum(&self, input: &[f32], column_sums: &mut [f32], sums: &mut [f32]) {
-        column_sums.fill(0.0);
-        let mut fours = input.chunks_exact(4 * self.points);
-        for four in &mut fours {
-            let (two, others) = four.split_at(2 * self.points);
-            let ((a, b), (c, d)) = (two.split_at(self.points), others.split_at(self.points));
-            add_four(column_sums, [a, b, c, d]);
-        }
-        fours.remainder().chunks_exact(self.points).for_each(|row| add(column_sums, row));
-        if self.block == 1 {
-            sums.copy_from_slice(column_sums);
-            return;
-        }
-        let (blocks, rest) = column_sums.as_chunks::<BLOCK>();
-        sum_blocks(blocks, sums);
-        sums[self.blocks - 1] += rest.iter().sum::<f32>();
-    }
-
-    /// `values`, one a block, repeated at its points.
-    fn repeat(&self, values: &[f32], repeated: &mut [f32]) {
-        if self.block == 1 {
-            repeated.copy_from_slice(values);
-            return;
-        }
-        let (blocks, rest) = repeated.as_chunks_mut::<BLOCK>();
-        repeat_values(values, blocks);
-        rest.fill(values[self.blocks - 1]);
-    }
-
-    /// The share of a neighbour's value that either neighbour takes: they are one point where the side has two, and the
-    /// point itself where it has one.
-    fn neighbour_share(&self) -> f64 {
-        match self.points {
-            1 => 0.0,
-            2 => 0.5,
-            _ => 1.0,
-        }
-    }
-
-    /// cos(2 pi k/n): what a wave of k along this side has at a neighbour, in the mean of both, over what it has at a point.
-    fn turned(&self, k: usize) -> f64 {
-        (TAU * k as f64 / self.points as f64).cos()
-    }
-
-    /// What a factor of waves along this side is at c = 0 and how it grows with c, c the wave's [`Self::turned`], on the line through
-    /// its values at a quarter of all waves and at half of them. On sides without a coarse grid: its value at a quarter.
-    fn line(&self, factor: impl Fn(usize) -> f64) -> [f64; 2] {
-        let [quarter, half] = [self.points / 4, self.points / 2];
-        let (at_quarter, at_half) = (factor(quarter), factor(half));
-        if self.block == 1 {
-            return [at_quarter, 0.0];
-        }
-        let slope = (at_quarter - at_half) / (self.turned(quarter) - self.turned(half));
-        [at_quarter - slope * self.turned(quarter), slope]
-    }
-}
 
 /// The kernel's values at a point, at its neighbours along rows (in the next row), along columns and along both.
 #[derive(Clone, Copy, Debug)]
@@ -206,8 +123,8 @@ impl TwoGrids {
     pub(crate) fn new(rows: usize, cols: usize, near: Near, factor: impl Fn(usize, usize) -> f64) -> Self {
         let (rows, cols) = (Side::new(rows), Side::new(cols));
         let coarse = Fourier::new(rows.blocks, cols.blocks);
-        // Sums over blocks count each point once: over their number they are means.
-        let blocks_per_point = (rows.blocks * cols.blocks) as f64 / (rows.points * cols.points) as f64;
+        // B B^T is the identity over this.
+        let blocks_per_point = 1.0 / (rows.block * cols.block) as f64;
         let rest = |stencil: Stencil, k: usize, l: usize| {
             (factor(k, l) - stencil.factor(rows.turned(k), cols.turned(l))) * blocks_per_point
         };
@@ -263,7 +180,7 @@ impl TwoGrids {
             let points = self.points_of(n);
             let values = &mut values[points.clone()];
             fill(points, values);
-            self.cols.sum(values, &mut work.repeated, sums);
+            self.cols.sum(values, self.rows.weight(n), &mut work.repeated, sums);
         }
     }
 
@@ -283,7 +200,7 @@ impl TwoGrids {
         before.copy_from_slice(&values[values.len() - cols.points..]);
         let grids = added.chunks_exact(cols.blocks).zip(blocks.chunks_exact_mut(cols.blocks));
         for (n, (coarse_values, sums)) in grids.enumerate() {
-            cols.repeat(coarse_values, repeated);
+            cols.repeat(coarse_values, rows.weight(n), repeated);
             let points = self.points_of(n);
             let result = &mut result[..points.len()];
             for (row, result) in rows.points_of(n).zip(result.chunks_exact_mut(cols.points)) {
@@ -293,7 +210,7 @@ impl TwoGrids {
                 before.copy_from_slice(row);
             }
             turn(points.clone(), result, &mut values[points]);
-            cols.sum(result, repeated, sums);
+            cols.sum(result, rows.weight(n), repeated, sums);
         }
     }
 
@@ -324,40 +241,12 @@ impl TwoGrids {
                 near_energy(row, before, work);
             }
             let sums = &mut work.blocks[n * cols.blocks..(n + 1) * cols.blocks];
-            cols.sum(&values[points], &mut work.repeated, sums);
+            cols.sum(&values[points], rows.weight(n), &mut work.repeated, sums);
         }
         work.repeated.fill(0.0);
         near_energy(&values[..cols.points], &values[values.len() - cols.points..], work);
         coarse.filter(&work.blocks, remainder, &mut work.added, &mut work.fourier);
         energy + dot(&work.blocks, &work.added)
-    }
-}
-
-#[multiversion(targets("x86_64+avx512f", "x86_64+avx2"))]
-fn add(sums: &mut [f32], row: &[f32]) {
-    for (sum, value) in sums.iter_mut().zip(row) {
-        *sum += value;
-    }
-}
-
-#[multiversion(targets("x86_64+avx512f", "x86_64+avx2"))]
-fn add_four(sums: &mut [f32], [a, b, c, d]: [&[f32]; 4]) {
-    for ((((sum, a), b), c), d) in sums.iter_mut().zip(a).zip(b).zip(c).zip(d) {
-        *sum += (a + b) + (c + d);
-    }
-}
-
-#[multiversion(targets("x86_64+avx512f", "x86_64+avx2"))]
-fn sum_blocks(blocks: &[[f32; BLOCK]], sums: &mut [f32]) {
-    for (sum, [a, b, c, d]) in sums.iter_mut().zip(blocks) {
-        *sum = (a + b) + (c + d);
-    }
-}
-
-#[multiversion(targets("x86_64+avx512f", "x86_64+avx2"))]
-fn repeat_values(values: &[f32], blocks: &mut [[f32; BLOCK]]) {
-    for (block, &value) in blocks.iter_mut().zip(values) {
-        *block = [value; BLOCK];
     }
 }
 
@@ -391,6 +280,8 @@ fn near(output: &mut [f32], row: &[f32], beside: &[f32], added: &[f32], stencil:
 
 #[cfg(test)]
 pub(crate) mod tests {
+    use std::f64::consts::TAU;
+
     use super::*;
 
     /// q/q1 on pixels of 1 x `aspect`, 1/2 for the mean.
@@ -433,6 +324,31 @@ pub(crate) mod tests {
             let (left, right) = (dot(&a, &of_b), dot(&b, &of_a));
             let size = (dot(&a, &of_a) * dot(&b, &of_b)).sqrt();
             assert!(size > 0.0 && (left - right).abs() < 1e-5 * size, "{rows} x {cols}: {left} and {right} of {size}");
+        }
+    }
+
+    /// Conjugate gradients need a positive preconditioner. The lowest eigenvalue is that of the highest of (s - A), s above all of A.
+    #[test]
+    fn the_stiffness_is_positive_whatever_four_leaves_over() {
+        for (rows, cols) in [(64, 64), (65, 67), (66, 66), (67, 65), (67, 67), (98, 17), (19, 22)] {
+            for aspect in [0.25, 1.0, 4.0] {
+                let convolution = TwoGrids::new(rows, cols, Near::Kernel, stiffness((rows, cols), aspect));
+                let highest_eigenvalue = |shift: f32, sign: f32| {
+                    let mut vector = uneven(rows * cols, 3);
+                    let mut eigenvalue = 0.0;
+                    for _ in 0..300 {
+                        let image = applied(&convolution, &vector);
+                        let image: Vec<f32> = image.iter().zip(&vector).map(|(i, v)| shift * v + sign * i).collect();
+                        let norm = dot(&image, &image).sqrt();
+                        eigenvalue = norm / dot(&vector, &vector).sqrt();
+                        vector = image.iter().map(|value| value / norm as f32).collect();
+                    }
+                    eigenvalue
+                };
+                let shift = 1.1 * highest_eigenvalue(0.0, 1.0);
+                let lowest = shift - highest_eigenvalue(shift as f32, -1.0);
+                assert!(lowest > 0.0, "{rows} x {cols}, pixels 1 x {aspect}: {lowest} of {shift}");
+            }
         }
     }
 

@@ -241,7 +241,7 @@ impl Map {
             })?;
             let report = wanted.of_map(&self.path.display().to_string(), &surface, &found, &[]);
             let warnings = found.warnings.iter().map(ToString::to_string).collect();
-            Ok(AreaLawRecord::new(&report, found.curve.full_contact_pressure_pa, warnings, found.unconverged))
+            Ok(AreaLawRecord::new(&report, found.curve.full_contact_pressure_pa, warnings))
         })?;
         let record = found.map_err(|error| refused::input(py, &error))?;
         slipgrid::results::json(&record).map_err(|error| refused::failed(py, &error.to_string()))
@@ -283,12 +283,11 @@ struct AreaLawRecord {
     factor: Vec<Option<f64>>,
     factor_std: Vec<Option<f64>>,
     warnings: Vec<String>,
-    unconverged: usize,
 }
 
 impl AreaLawRecord {
     /// The rows of the command line's report as lists.
-    fn new(report: &AreaLawReport, full_contact_pressure_pa: f64, warnings: Vec<String>, unconverged: usize) -> Self {
+    fn new(report: &AreaLawReport, full_contact_pressure_pa: f64, warnings: Vec<String>) -> Self {
         let rows = &report.results;
         Self {
             rms_slope: report.rms_slope,
@@ -300,7 +299,6 @@ impl AreaLawRecord {
             factor: rows.iter().map(|row| row.factor).collect(),
             factor_std: rows.iter().map(|row| row.factor_std).collect(),
             warnings,
-            unconverged,
         }
     }
 }

@@ -133,8 +133,6 @@ pub struct AreaReport {
     pub iterations: usize,
     /// Where it ended: relative error of the pressures.
     pub residual: f64,
-    /// How it ended.
-    pub status: &'static str,
 }
 
 /// The report as text.
@@ -162,7 +160,7 @@ pub fn table(report: &AreaLawReport) -> String {
         text += &format!("! {warning}\n");
     }
     let mut table =
-        Table::new(["P MPa", "area", "corrected", "solver +-", "f", "windows +-", "iterations", "error", "status"]);
+        Table::new(["P MPa", "area", "corrected", "solver +-", "f", "windows +-", "iterations", "error"]);
     for point in &report.results {
         table.row([
             point.pressure_mpa.to_string(),
@@ -173,7 +171,6 @@ pub fn table(report: &AreaLawReport) -> String {
             fixed(point.factor_std, 5),
             point.iterations.to_string(),
             format!("{:.1e}", point.residual),
-            point.status.to_owned(),
         ]);
     }
     text += &format!("\n{table}\n");

@@ -87,10 +87,10 @@ fn of_map(
     job.stage("resolutions");
     let mut resolutions = Vec::new();
     for &factor in args.resolutions.as_deref().unwrap_or_default() {
-        let blunt = resolution(&surface.map, factor, &request.law(), &job)
-            .map_err(|error| Diagnostic::flag("--resolutions", factor.to_string(), error.to_string()))?;
+        let blunt = resolution(&surface.map, factor, &request.law(), &job);
         heed()?;
-        resolutions.push(blunt);
+        let refuse = |error| Diagnostic::flag("--resolutions", factor.to_string(), format!("{}: {error}", path.display()));
+        resolutions.push(blunt.map_err(refuse)?);
     }
     job.stage_ended();
 

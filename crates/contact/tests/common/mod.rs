@@ -1,5 +1,8 @@
 //! Surfaces and tables that several tests share.
 
+#[allow(dead_code, reason = "each test file takes what it needs")]
+pub mod surfaces;
+
 use std::f64::consts::TAU;
 
 use slipgrid_topography::{HeightMap, SelfAffine};

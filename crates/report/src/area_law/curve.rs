@@ -174,7 +174,6 @@ impl AreaLawCurve {
             area_error: point.area_error,
             iterations: point.convergence.iterations,
             residual: point.convergence.residual,
-            status: point.convergence.status.name(),
         };
         AreaLawReport {
             program: "slipgrid",

@@ -2,7 +2,7 @@
 
 use slipgrid_calibrate::area_law::{CONTACT_TOLERANCE, DEFAULT_PRESSURES_MPA, area_curve, area_law, persson_curve};
 use slipgrid_calibrate::{LawPressures, Selection};
-use slipgrid_contact::{AreaPoint, Status};
+use slipgrid_contact::AreaPoint;
 use slipgrid_material::AreaLaw;
 
 use super::ValidationTask;
@@ -128,10 +128,6 @@ pub fn scaled_laws(
             )];
             notes.extend(surface.notes.iter().cloned());
             notes.extend(surface.warnings.iter().map(|warning| format!("warning: {}", told(warning))));
-            let unfinished = curve.points.iter().filter(|point| point.convergence.status != Status::Converged).count();
-            if unfinished > 0 {
-                notes.push(format!("the contact area did not converge at {unfinished} pressures: best states taken"));
-            }
             let laws = factors
                 .iter()
                 .map(|&slope_factor| {
