@@ -1,0 +1,134 @@
+//! Designs: the shipped ones and small ones, searched, confirmed and exported.
+
+use std::fs;
+
+use crate::Case;
+use crate::place::{Place, repository};
+use crate::record::Record;
+
+/// Designs of `designs/` that search, and what of them stands for the calibration in `calibration/ldpe-cast-iron`.
+const SHIPPED: [&str; 8] =
+    ["any-humidity", "crosshatch", "lower-friction", "lowest", "rims", "squares", "target-mu", "unreachable"];
+
+/// A design that is searched and confirmed in a second.
+const SMALL: &str = r#"name = "small"
+[material]
+youngs_modulus_gpa = 0.38
+density_g_cm3 = 0.9
+[material.friction]
+static_mean = 0.30
+dynamic_mean = 0.27
+[material.area_law]
+pressure_mpa = [0.7, 1.3, 2.6, 10.0]
+factor = [1.0, 0.9, 0.7, 0.3]
+[target]
+quantity = "ratio"
+pressure_mpa = [0.65, 2.6]
+value = 0.9
+tolerance = 0.1
+[bounds]
+width_um = [40.0, 80.0]
+spacing_um = [40.0, 80.0]
+depth_um = [2.0, 10.0]
+[pattern]
+planform = "groove"
+[limits]
+min_land_um = 40.0
+depth_per_burst_um = 2.6
+max_peak_pressure_mpa = 20.0
+[laser]
+wavelength_nm = 1064.0
+spot_um = 23.0
+repetition_hz = 1000.0
+speed_mm_s = 10.0
+[specimen]
+shape = "disc"
+diameter_mm = 1.0
+[sample]
+layer_um = 40.0
+block_um = 20.0
+[search]
+seed = 1
+max_evaluations = 12
+"#;
+
+/// Variants of [`SMALL`]: name, text that is replaced, and what takes its place.
+const VARIANTS: [(&str, &str, &str); 9] = [
+    ("as it is", "", ""),
+    ("mu", "quantity = \"ratio\"", "quantity = \"mu_dynamic\""),
+    ("lowest", "value = 0.9\ntolerance = 0.1", "goal = \"lowest\""),
+    ("band", "value = 0.9\ntolerance = 0.1", "lowest = 0.8\nhighest = [0.98, 0.95]"),
+    ("ring", "shape = \"disc\"\ndiameter_mm = 1.0", "shape = \"ring\"\nouter_diameter_mm = 2.0\ninner_diameter_mm = 1.0"),
+    ("rectangle", "shape = \"disc\"\ndiameter_mm = 1.0", "shape = \"rectangle\"\nlength_mm = 1.0\nwidth_mm = 0.6"),
+    ("tolerances", "[search]", "[tolerances]\nwidth_std_um = 3.0\ndepth_std_um = 0.4\ndraws = 200\n[search]"),
+    ("squares", "planform = \"groove\"", "planform = \"square\""),
+    ("table", "[search]", "[search]\ntable = true"),
+];
+
+pub fn cases() -> Vec<Case> {
+    let small = VARIANTS.iter().map(|(name, from, to)| {
+        Case::new(format!("small, {name}"), true, move || {
+            assert!(SMALL.contains(from));
+            search(&[("design.toml", &SMALL.replacen(from, to, usize::from(!from.is_empty())))], "small")
+        })
+    });
+    let shipped = SHIPPED.iter().map(|name| Case::new(format!("ldpe-{name}"), false, move || shipped(name)));
+    let others = [
+        Case::new("template", false, || {
+            let text = include_str!("../../crates/cli/src/templates/design.toml");
+            search(&[("design.toml", text)], "template")
+        }),
+        Case::new("next", false, || {
+            let mut record = Record::new();
+            with_material("lower-friction").run("next @design.toml --count 2 --json", &mut record);
+            record
+        }),
+        Case::new("campaign of rims", true, campaign),
+    ];
+    small.chain(shipped).chain(others).collect()
+}
+
+/// The outputs of a search, and of an export of its result into every format.
+fn search(files: &[(&str, &str)], _name: &str) -> Record {
+    search_in(&Place::with(files))
+}
+
+fn search_in(place: &Place) -> Record {
+    let mut record = Record::new();
+    place.run("optimize @design.toml --json --no-explorer -o @out", &mut record);
+    place.record_folder("out", &mut record);
+    let (code, _, err) = place.run_raw("export @out/result.json --format plt,gcode,corners,hatch,stl -o @laser");
+    record.insert("export".into(), format!("{code} {}", err.trim()).into());
+    for name in ["pattern.plt", "pattern.gcode", "corners.csv", "hatch.csv", "removed.stl"] {
+        place.record_file(&format!("laser/{name}"), name, &mut record);
+    }
+    record
+}
+
+/// A shipped design beside the material of its calibration, which is fitted once.
+fn with_material(name: &str) -> Place {
+    static MATERIAL: std::sync::LazyLock<String> = std::sync::LazyLock::new(|| {
+        let place = Place::new();
+        let calibration = repository().join("calibration/ldpe-cast-iron/calibration.toml");
+        let (code, _, err) = place.run_raw(&format!("calibrate {} -o @m.toml", calibration.display()));
+        assert_eq!(code, 0, "{err}");
+        fs::read_to_string(place.path("m.toml")).unwrap()
+    });
+    let text = fs::read_to_string(repository().join(format!("designs/ldpe-{name}.toml"))).unwrap();
+    let design = text.replace("../calibration/ldpe-cast-iron/calibration.toml", "m.toml");
+    assert_ne!(design, text);
+    Place::with(&[("design.toml", &design), ("m.toml", &MATERIAL)])
+}
+
+fn shipped(name: &str) -> Record {
+    search_in(&with_material(name))
+}
+
+/// The plan of a campaign.
+fn campaign() -> Record {
+    let mut record = Record::new();
+    let place = Place::new();
+    let campaign = repository().join("designs/campaign-rims.toml");
+    place.run(&format!("campaign plan {} -o @out", campaign.display()), &mut record);
+    record
+}

@@ -1,0 +1,99 @@
+//! A folder in which the program is run, within this process.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use serde_json::Value;
+use tempfile::TempDir;
+
+use crate::record::{Record, insert, insert_csv, insert_drawing};
+
+/// The root of the repository.
+pub fn repository() -> PathBuf {
+    Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/..")).canonicalize().unwrap()
+}
+
+/// A folder of files, which goes when it is dropped.
+pub struct Place(TempDir);
+
+impl Place {
+    pub fn new() -> Self {
+        Self(tempfile::tempdir().unwrap())
+    }
+
+    pub fn with(files: &[(&str, &str)]) -> Self {
+        let place = Self::new();
+        for (name, text) in files {
+            place.write(name, text.as_bytes());
+        }
+        place
+    }
+
+    pub fn path(&self, name: &str) -> PathBuf {
+        self.0.path().join(name)
+    }
+
+    pub fn write(&self, name: &str, bytes: &[u8]) {
+        fs::create_dir_all(self.path(name).parent().unwrap()).unwrap();
+        fs::write(self.path(name), bytes).unwrap();
+    }
+
+    /// Runs the program with these arguments; those that begin with `@` are paths in this folder. Records exit code, messages and what
+    /// stdout has as JSON.
+    pub fn run(&self, arguments: &str, record: &mut Record) {
+        let (code, out, err) = self.run_raw(arguments);
+        record.insert("exit".into(), code.into());
+        let told: Vec<Value> =
+            err.lines().filter(|line| !line.starts_with("wrote ")).map(|line| Value::String(line.to_owned())).collect();
+        if !told.is_empty() {
+            record.insert("stderr".into(), Value::Array(told));
+        }
+        if let Ok(value) = serde_json::from_str::<Value>(&out) {
+            insert(record, "", &value);
+        } else if !out.is_empty() {
+            record.insert("stdout".into(), out.lines().map(|line| Value::String(line.to_owned())).collect());
+        }
+    }
+
+    /// Exit code, stdout and stderr without this folder's path.
+    pub fn run_raw(&self, arguments: &str) -> (u8, String, String) {
+        let folder = format!("{}/", self.0.path().display());
+        let words = arguments.split_whitespace().map(|word| word.replace('@', &folder));
+        let (mut out, mut err) = (Vec::new(), Vec::new());
+        let program = ["slipgrid", "--no-cache", "--threads", "1"].into_iter().map(str::to_owned);
+        let code = slipgrid_cli::run(program.chain(words), &mut out, &mut err);
+        let [out, err] = [out, err].map(|bytes| {
+            let text = String::from_utf8_lossy(&bytes).replace(&folder, "");
+            text.replace(&repository().display().to_string(), "REPOSITORY")
+        });
+        (code, out, err)
+    }
+
+    /// Records the files of a folder by what they are: names of pictures and pages, fields of JSON and TOML, columns of CSV, lines of others.
+    pub fn record_folder(&self, folder: &str, record: &mut Record) {
+        let Ok(entries) = fs::read_dir(self.path(folder)) else { return };
+        let mut names: Vec<String> = entries.map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
+        names.sort();
+        for name in &names {
+            self.record_file(&format!("{folder}/{name}"), name, record);
+        }
+        record.insert("files".into(), Value::from(names));
+    }
+
+    /// Records one file under `field`.
+    pub fn record_file(&self, file: &str, field: &str, record: &mut Record) {
+        let Ok(text) = fs::read_to_string(self.path(file)) else { return };
+        match Path::new(file).extension().and_then(|extension| extension.to_str()) {
+            // Written beside stdout, which has the same.
+            Some("html" | "svg" | "png") => {}
+            Some("json") if field == "result.json" || field == "timings.json" => {}
+            Some("json") => insert(record, field, &serde_json::from_str(&text).unwrap()),
+            Some("toml") => {
+                let table: toml::Table = text.parse().unwrap();
+                insert(record, field, &serde_json::to_value(table).unwrap());
+            }
+            Some("csv") => insert_csv(record, field, &text),
+            _ => insert_drawing(record, field, &text),
+        }
+    }
+}

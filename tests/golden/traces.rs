@@ -1,0 +1,124 @@
+//! Traces of a tribometer that are made here: kinds of columns, separators, motions and faults.
+
+use std::fmt::Write as _;
+
+use crate::Case;
+use crate::place::Place;
+use crate::random::Random;
+use crate::record::Record;
+
+/// Distance of a specimen from the axis, in metres.
+const RADIUS_M: f64 = 0.0381;
+
+/// Options of `traces` that fit a trace of [`rows`].
+const OPTIONS: &str = "--effective-radius-mm 38.1 --force-n 150 --speed-mm-s 0.05 --humidity-pct 40 --window-s 10,40";
+
+/// Time in s, friction coefficient and normal force in N of 45 s at 20 Hz: a peak at the onset of sliding, noise of 1 %.
+fn rows(seed: u64) -> Vec<[f64; 3]> {
+    let mut random = Random::new(seed);
+    let mut noise = move |size: f64| size * (0..4).map(|_| random.unit() - 0.5).sum::<f64>();
+    (0..=900)
+        .map(|sample| {
+            let t = f64::from(sample) * 0.05;
+            let mu = if t < 0.5 { 0.62 * t } else { 0.25 + 0.06 * (0.5 - t).exp() };
+            [t, mu + noise(0.004), 150.0 + noise(1.0)]
+        })
+        .collect()
+}
+
+/// A table with a comma between its fields.
+fn table(titles: &str, rows: &[[f64; 3]], line: impl Fn([f64; 3]) -> String) -> String {
+    rows.iter().fold(format!("{titles}\n"), |mut text, row| {
+        writeln!(text, "{}", line(*row)).unwrap();
+        text
+    })
+}
+
+/// The plain kind of table.
+fn plain(rows: &[[f64; 3]]) -> String {
+    table("time_s,torque_nm,normal_force_n", rows, |[t, mu, n]| format!("{t:.2},{:.5},{n:.3}", mu * n * RADIUS_M))
+}
+
+/// Name, table and options.
+fn exports() -> Vec<(&'static str, String, String)> {
+    let good = rows(1);
+    let changed = |change: &dyn Fn(usize, &mut [f64; 3])| {
+        let mut rows = good.clone();
+        rows.iter_mut().enumerate().for_each(|(place, row)| change(place, row));
+        plain(&rows)
+    };
+    let back_and_forth = |[t, mu, n]: [f64; 3]| {
+        let sign = if (t / 2.0) as i64 % 2 == 0 { 1.0 } else { -1.0 };
+        format!("{t:.2},{:.4},{n:.3}", sign * mu * n)
+    };
+    let tables = [
+        ("torque", plain(&good)),
+        ("force", table("time_s,friction_force_n,normal_force_n", &good, |[t, mu, n]| format!("{t:.2},{:.4},{n:.3}", mu * n))),
+        ("coefficient", table("time_s,COF,load_n", &good, |[t, mu, n]| format!("{t:.2},{mu:.5},{n:.3}"))),
+        ("coefficient alone", table("t,mu", &good, |[t, mu, _]| format!("{t:.2},{mu:.5}"))),
+        (
+            "decimal commas",
+            table("Zeit [s];Drehmoment [mNm];Normalkraft [N]", &good, |[t, mu, n]| {
+                format!("{t:.2};{:.2};{n:.3}", 1e3 * mu * n * RADIUS_M).replace('.', ",")
+            }),
+        ),
+        (
+            "tabs and units below",
+            table("Time\tTz\tFz\ns\tN m\tN", &good, |[t, mu, n]| format!("{t:.2}\t{:.5}\t{n:.3}", mu * n * RADIUS_M)),
+        ),
+        ("kilograms", table("time_s,Fx (kgf),Fz (kgf)", &good, |[t, mu, n]| format!("{t:.2},{:.5},{:.4}", mu * n / 9.80665, n / 9.80665))),
+        ("minutes", table("time (min),Fx,Fz", &good, |[t, mu, n]| format!("{:.6},{:.4},{n:.3}", t / 60.0, mu * n))),
+        ("a column more", table("time_s,Fx,Fz,Temp", &good, |[t, mu, n]| format!("{t:.2},{:.4},{n:.3},21", mu * n))),
+        ("negative", changed(&|_, row| row[1] = -row[1])),
+        ("negative force", changed(&|_, row| row[2] = -row[2])),
+        ("missing numbers", changed(&|place, row| if place % 50 == 7 { row[1] = f64::NAN })),
+        ("saturated", changed(&|_, row| row[1] = 0.25)),
+        ("clock back", changed(&|place, row| if place == 500 { row[0] = 3.0 })),
+        ("gap", changed(&|place, row| if place > 400 { row[0] += 2.5 })),
+        ("no load", changed(&|place, row| if place > 600 { row[2] = 0.5 })),
+        ("drift", changed(&|_, row| row[1] += 0.002 * row[0])),
+        ("stick-slip", changed(&|_, row| row[1] += 0.03 * (row[0] % 1.0 - 0.5))),
+        ("another load", changed(&|_, row| row[2] *= 1.3)),
+        ("short", plain(&good[..300])),
+        ("no title", plain(&good).lines().skip(1).fold(String::new(), |text, line| text + line + "\n")),
+        ("unknown titles", plain(&good).replace("torque_nm", "signal_a")),
+        ("unknown unit", plain(&good).replace("torque_nm", "torque (furlong)")),
+        ("a field too few", plain(&good).replacen(",", " ", 9)),
+        ("two titles alike", table("time_s,Fx,Fx,Fz", &good, |[t, mu, n]| format!("{t:.2},{:.4},1,{n:.3}", mu * n))),
+        ("empty", String::new()),
+        ("words", "this is no table\n".repeat(5)),
+    ];
+    let mut exports: Vec<_> = tables.into_iter().map(|(name, text)| (name, text, OPTIONS.to_owned())).collect();
+    let reciprocating = table("time_s,Fx,Fz", &good, back_and_forth);
+    exports.push(("reciprocating", reciprocating.clone(), format!("{OPTIONS} --reciprocating")));
+    exports.push(("reciprocating, not said", reciprocating, OPTIONS.to_owned()));
+    exports.push(("window beyond", plain(&good), OPTIONS.replace("10,40", "30,60")));
+    exports.push(("window backward", plain(&good), OPTIONS.replace("10,40", "40,10")));
+    exports.push(("no radius", plain(&good), OPTIONS.replace("--effective-radius-mm 38.1", "")));
+    exports.push(("three specimens", plain(&good), format!("{} --specimens 3", OPTIONS.replace("150", "50"))));
+    exports
+}
+
+pub fn cases() -> Vec<Case> {
+    let mut cases: Vec<Case> = exports()
+        .into_iter()
+        .map(|(name, text, options)| {
+            Case::new(name, true, move || {
+                let mut record = Record::new();
+                let place = Place::with(&[("a.csv", &text)]);
+                place.run(&format!("traces @a.csv {options} -o @out"), &mut record);
+                place.record_folder("out", &mut record);
+                record
+            })
+        })
+        .collect();
+    cases.push(Case::new("three repeats", true, || {
+        let tables: Vec<String> = (1..4).map(|seed| plain(&rows(seed))).collect();
+        let place = Place::with(&[("a.csv", &tables[0]), ("b.csv", &tables[1]), ("c.csv", &tables[2])]);
+        let mut record = Record::new();
+        place.run(&format!("traces @a.csv @b.csv @c.csv {OPTIONS} -o @out"), &mut record);
+        place.record_folder("out", &mut record);
+        record
+    }));
+    cases
+}
