@@ -10,13 +10,25 @@ use crate::record::Record;
 const VARIANTS: [(&str, &str, &[(&str, &str)]); 6] = [
     ("LDPE", "ldpe-cast-iron", &[]),
     ("LDPE, one pair", "ldpe-cast-iron", &[("coefficients = \"per-condition\"", "coefficients = \"single\"")]),
-    ("LDPE, Persson", "ldpe-cast-iron", &[("map = \"flat-map.asc\"", "persson_rms_slope = 0.0137"), ("synthetic = true", "")]),
-    ("LDPE, measured law", "ldpe-cast-iron", &[("map = \"flat-map.asc\"", "local_law = \"measured\""), ("synthetic = true", "")]),
+    (
+        "LDPE, Persson",
+        "ldpe-cast-iron",
+        &[("map = \"flat-map.asc\"", "persson_rms_slope = 0.0137"), ("synthetic = true", "")],
+    ),
+    (
+        "LDPE, measured law",
+        "ldpe-cast-iron",
+        &[("map = \"flat-map.asc\"", "local_law = \"measured\""), ("synthetic = true", "")],
+    ),
     ("traces", "synthetic-polymer", &[]),
-    ("traces, fixed slope", "synthetic-polymer", &[
-        ("coefficients = \"single\"", "coefficients = \"per-condition\""),
-        ("area_law_scale_mpa = [1.0, 100.0]", "[surface]\npersson_rms_slope = 0.005"),
-    ]),
+    (
+        "traces, fixed slope",
+        "synthetic-polymer",
+        &[
+            ("coefficients = \"single\"", "coefficients = \"per-condition\""),
+            ("area_law_scale_mpa = [1.0, 100.0]", "[surface]\npersson_rms_slope = 0.005"),
+        ],
+    ),
 ];
 
 pub fn cases() -> Vec<Case> {

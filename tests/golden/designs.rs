@@ -58,7 +58,11 @@ const VARIANTS: [(&str, &str, &str); 9] = [
     ("mu", "quantity = \"ratio\"", "quantity = \"mu_dynamic\""),
     ("lowest", "value = 0.9\ntolerance = 0.1", "goal = \"lowest\""),
     ("band", "value = 0.9\ntolerance = 0.1", "lowest = 0.8\nhighest = [0.98, 0.95]"),
-    ("ring", "shape = \"disc\"\ndiameter_mm = 1.0", "shape = \"ring\"\nouter_diameter_mm = 2.0\ninner_diameter_mm = 1.0"),
+    (
+        "ring",
+        "shape = \"disc\"\ndiameter_mm = 1.0",
+        "shape = \"ring\"\nouter_diameter_mm = 2.0\ninner_diameter_mm = 1.0",
+    ),
     ("rectangle", "shape = \"disc\"\ndiameter_mm = 1.0", "shape = \"rectangle\"\nlength_mm = 1.0\nwidth_mm = 0.6"),
     ("tolerances", "[search]", "[tolerances]\nwidth_std_um = 3.0\ndepth_std_um = 0.4\ndraws = 200\n[search]"),
     ("squares", "planform = \"groove\"", "planform = \"square\""),

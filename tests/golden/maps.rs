@@ -133,22 +133,25 @@ fn rewrite(place: &Place, format: &str) -> (String, &'static str) {
         .collect();
     let shown = |height: &f64| if height.is_nan() { "nan".to_owned() } else { format!("{height:.5}") };
     let joined = |mark: &str| {
-        heights.chunks(points).fold(String::new(), |text, row| {
-            text + &row.iter().map(shown).collect::<Vec<_>>().join(mark) + "\n"
-        })
+        heights
+            .chunks(points)
+            .fold(String::new(), |text, row| text + &row.iter().map(shown).collect::<Vec<_>>().join(mark) + "\n")
     };
     let bytes = match format {
         "csv" => joined(";").replace('.', ",").into_bytes(),
         "txt" => format!("# Width: 0.5 mm\n# Height: 0.5 mm\n# Value units: um\n{}", joined("\t")).into_bytes(),
         "xyz" => {
-            let points = heights.iter().enumerate().filter(|(_, height)| !height.is_nan()).map(|(n, height)| {
-                (12.5 * (n % points) as f64, 12.5 * (n / points) as f64, height)
-            });
-            points.fold(String::new(), |mut text, (x, y, height)| {
-                writeln!(text, "{x} {y} {height:.5}").unwrap();
-                text
-            })
-            .into_bytes()
+            let points = heights
+                .iter()
+                .enumerate()
+                .filter(|(_, height)| !height.is_nan())
+                .map(|(n, height)| (12.5 * (n % points) as f64, 12.5 * (n / points) as f64, height));
+            points
+                .fold(String::new(), |mut text, (x, y, height)| {
+                    writeln!(text, "{x} {y} {height:.5}").unwrap();
+                    text
+                })
+                .into_bytes()
         }
         "npy" => {
             let header = format!("{{'descr': '<f8', 'fortran_order': False, 'shape': ({lines}, {points}), }}\n");

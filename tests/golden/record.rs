@@ -93,5 +93,6 @@ pub fn insert_csv(record: &mut Record, path: &str, text: &str) {
 pub fn insert_drawing(record: &mut Record, path: &str, text: &str) {
     let numbers = text.split(|c: char| !(c.is_ascii_digit() || c == '.')).filter_map(|word| word.parse::<f64>().ok());
     record.insert(format!("{path}.lines"), text.lines().count().into());
-    record.insert(format!("{path}.sum"), serde_json::Number::from_f64(numbers.sum()).map_or(Value::Null, Value::Number));
+    record
+        .insert(format!("{path}.sum"), serde_json::Number::from_f64(numbers.sum()).map_or(Value::Null, Value::Number));
 }

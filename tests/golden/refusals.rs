@@ -35,7 +35,11 @@ const KINDS: [(&str, &str, &str); 10] = [
     ("calibration", CALIBRATION, "calibrate @calibration.toml"),
     ("calibration-traces", include_str!("inputs/calibration-traces.toml"), "calibrate @calibration-traces.toml"),
     ("calibration-trial", include_str!("inputs/calibration-trial.toml"), "calibrate @calibration-trial.toml"),
-    ("design-conditions", include_str!("inputs/design-conditions.toml"), "optimize @design-conditions.toml --no-explorer -o @out"),
+    (
+        "design-conditions",
+        include_str!("inputs/design-conditions.toml"),
+        "optimize @design-conditions.toml --no-explorer -o @out",
+    ),
     ("material-learned", LEARNED, "simulate @with-learned.toml"),
     ("material", MATERIAL, "simulate @with-material.toml"),
     ("campaign", CAMPAIGN, "campaign plan @campaign.toml -o @out"),
@@ -66,7 +70,16 @@ pub fn cases() -> Vec<Case> {
     cases.push(Case::new("flags", true, || {
         let said = |line: &str| {
             let place = files();
-            let words: Vec<String> = line.split(' ').map(|word| if word.contains('.') && !word.starts_with(|c: char| c.is_ascii_digit()) { format!("@{word}") } else { word.to_owned() }).collect();
+            let words: Vec<String> = line
+                .split(' ')
+                .map(|word| {
+                    if word.contains('.') && !word.starts_with(|c: char| c.is_ascii_digit()) {
+                        format!("@{word}")
+                    } else {
+                        word.to_owned()
+                    }
+                })
+                .collect();
             let (code, _, err) = place.run_raw(&words.join(" "));
             Value::from(format!("{code} {}", err.trim()))
         };
@@ -137,7 +150,9 @@ fn replace(table: &mut Table, keys: &[&str], value: Option<Toml>) -> bool {
     let below = table.entry((*first).to_owned()).or_insert_with(|| Table::new().into());
     match below {
         Toml::Table(table) => replace(table, rest, value),
-        Toml::Array(items) => items.first_mut().and_then(Toml::as_table_mut).is_some_and(|table| replace(table, rest, value)),
+        Toml::Array(items) => {
+            items.first_mut().and_then(Toml::as_table_mut).is_some_and(|table| replace(table, rest, value))
+        }
         _ => false,
     }
 }

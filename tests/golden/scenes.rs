@@ -113,8 +113,11 @@ fn scene(kind: &str, random: &mut Random) -> String {
 
 /// A table `[pattern]`.
 fn pattern(in_space: bool, in_time: bool, block_um: f64, random: &mut Random) -> String {
-    let planform =
-        if in_space { *random.choose(&[&"groove", &"square", &"rectangle", &"disc", &"polygon", &"crosshatch"]) } else { "groove" };
+    let planform = if in_space {
+        *random.choose(&[&"groove", &"square", &"rectangle", &"disc", &"polygon", &"crosshatch"])
+    } else {
+        "groove"
+    };
     let widest = if in_space || in_time || block_um < 10.0 { 140.0 } else { 400.0 };
     // Whole blocks in half of the patterns: then nothing is stretched.
     let step = if random.chance(0.5) { block_um } else { 0.5 };
@@ -142,7 +145,8 @@ fn pattern(in_space: bool, in_time: bool, block_um: f64, random: &mut Random) ->
     if random.chance(0.35) {
         let height = random.between(0.02, 0.3, 0.01);
         let profile = random.choose(&[&"round", &"flat", &"ramp"]);
-        text += &format!("rim_height_um = {height:.2}\nrim_width_um = {}\nrim_profile = \"{profile}\"\n", 2.0 * block_um);
+        text +=
+            &format!("rim_height_um = {height:.2}\nrim_width_um = {}\nrim_profile = \"{profile}\"\n", 2.0 * block_um);
         if random.chance(0.3) {
             text += "rim_height_std_um = 0.02\n";
         }

@@ -150,9 +150,9 @@ fn shorten(value: &Value, shared: &mut BTreeMap<String, String>) -> String {
 
 /// Fowler, Noll and Vo's hash (FNV-1a) of 64 bits, folded to 32.
 fn fnv(text: &str) -> u64 {
-    let hash = text.bytes().fold(0xcbf2_9ce4_8422_2325_u64, |hash, byte| {
-        (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3)
-    });
+    let hash = text
+        .bytes()
+        .fold(0xcbf2_9ce4_8422_2325_u64, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3));
     (hash >> 32) ^ (hash & 0xffff_ffff)
 }
 

@@ -53,7 +53,10 @@ fn exports() -> Vec<(&'static str, String, String)> {
     };
     let tables = [
         ("torque", plain(&good)),
-        ("force", table("time_s,friction_force_n,normal_force_n", &good, |[t, mu, n]| format!("{t:.2},{:.4},{n:.3}", mu * n))),
+        (
+            "force",
+            table("time_s,friction_force_n,normal_force_n", &good, |[t, mu, n]| format!("{t:.2},{:.4},{n:.3}", mu * n)),
+        ),
         ("coefficient", table("time_s,COF,load_n", &good, |[t, mu, n]| format!("{t:.2},{mu:.5},{n:.3}"))),
         ("coefficient alone", table("t,mu", &good, |[t, mu, _]| format!("{t:.2},{mu:.5}"))),
         (
@@ -66,16 +69,49 @@ fn exports() -> Vec<(&'static str, String, String)> {
             "tabs and units below",
             table("Time\tTz\tFz\ns\tN m\tN", &good, |[t, mu, n]| format!("{t:.2}\t{:.5}\t{n:.3}", mu * n * RADIUS_M)),
         ),
-        ("kilograms", table("time_s,Fx (kgf),Fz (kgf)", &good, |[t, mu, n]| format!("{t:.2},{:.5},{:.4}", mu * n / 9.80665, n / 9.80665))),
+        (
+            "kilograms",
+            table("time_s,Fx (kgf),Fz (kgf)", &good, |[t, mu, n]| {
+                format!("{t:.2},{:.5},{:.4}", mu * n / 9.80665, n / 9.80665)
+            }),
+        ),
         ("minutes", table("time (min),Fx,Fz", &good, |[t, mu, n]| format!("{:.6},{:.4},{n:.3}", t / 60.0, mu * n))),
         ("a column more", table("time_s,Fx,Fz,Temp", &good, |[t, mu, n]| format!("{t:.2},{:.4},{n:.3},21", mu * n))),
         ("negative", changed(&|_, row| row[1] = -row[1])),
         ("negative force", changed(&|_, row| row[2] = -row[2])),
-        ("missing numbers", changed(&|place, row| if place % 50 == 7 { row[1] = f64::NAN })),
+        (
+            "missing numbers",
+            changed(&|place, row| {
+                if place % 50 == 7 {
+                    row[1] = f64::NAN
+                }
+            }),
+        ),
         ("saturated", changed(&|_, row| row[1] = 0.25)),
-        ("clock back", changed(&|place, row| if place == 500 { row[0] = 3.0 })),
-        ("gap", changed(&|place, row| if place > 400 { row[0] += 2.5 })),
-        ("no load", changed(&|place, row| if place > 600 { row[2] = 0.5 })),
+        (
+            "clock back",
+            changed(&|place, row| {
+                if place == 500 {
+                    row[0] = 3.0
+                }
+            }),
+        ),
+        (
+            "gap",
+            changed(&|place, row| {
+                if place > 400 {
+                    row[0] += 2.5
+                }
+            }),
+        ),
+        (
+            "no load",
+            changed(&|place, row| {
+                if place > 600 {
+                    row[2] = 0.5
+                }
+            }),
+        ),
         ("drift", changed(&|_, row| row[1] += 0.002 * row[0])),
         ("stick-slip", changed(&|_, row| row[1] += 0.03 * (row[0] % 1.0 - 0.5))),
         ("another load", changed(&|_, row| row[2] *= 1.3)),
