@@ -141,6 +141,80 @@ fn cavities_that_close_have_no_answer() {
     assert_eq!(page.complaints(), Vec::<String>::new());
 }
 
+/// Limits of the design whose map is hatched: that of the laser's time alone is broken by most designs.
+const LIMITED: &str = r#"[material]
+youngs_modulus_gpa = 0.38
+density_g_cm3 = 0.9
+[material.friction]
+static_mean = 0.30
+dynamic_mean = 0.27
+[material.area_law]
+pressure_mpa = [0.7, 2.6, 10.0]
+factor = [1.0, 0.90, 0.60]
+[target]
+quantity = "ratio"
+pressure_mpa = 2.6
+value = 0.9
+tolerance = 0.01
+[bounds]
+width_um = [40.0, 400.0]
+spacing_um = [40.0, 1000.0]
+depth_um = [2.0, 50.0]
+[limits]
+depth_per_burst_um = 2.6
+max_laser_time_s = 60.0
+[laser]
+spot_um = 23.0
+repetition_hz = 1000.0
+[specimen]
+shape = "disc"
+diameter_mm = 10.0
+"#;
+
+/// A cell of the map is hatched if and only if the design that a click on it chooses breaks a limit.
+#[test]
+#[ignore = "needs Chromium"]
+fn designs_that_break_the_limit_of_laser_time_are_hatched() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("explore.html");
+    run(&["explore", &file(folder.path(), "design.toml", LIMITED), "-o", path.to_str().unwrap()]);
+    let Some(mut page) = Chromium::open(&path) else {
+        println!("skipped: no Chromium");
+        return;
+    };
+    let found = page.ask(HATCHED);
+    println!("{found}");
+    let count = |name: &str| found[name].as_u64().unwrap();
+    assert_eq!(found["wrong"], json!([]));
+    assert!(count("hatched") > 100 && count("hatched") + 100 < count("cells"), "{found}");
+    assert_eq!(page.complaints(), Vec::<String>::new());
+}
+
+/// Compares every third cell of the map with what the page says of its middle; not next to cells that differ, and not where a point is.
+const HATCHED: &str = r"(() => {
+  const map = document.querySelector('[data-map]'), verdict = document.querySelector('[data-verdict]'), side = 4;
+  const [columns, rows] = [map.width / side, map.height / side];
+  const { data } = map.getContext('2d').getImageData(0, 0, map.width, map.height);
+  const colours = (column, row) => {
+    const found = new Set();
+    for (let y = row * side; y < (row + 1) * side; y++) for (let x = column * side; x < (column + 1) * side; x++) found.add(data.slice(4 * (y * map.width + x), 4 * (y * map.width + x) + 3).join());
+    return found.size;
+  };
+  const isHatched = (column, row) => colours(column, row) > 1;
+  const box = map.getBoundingClientRect(), wrong = [];
+  let cells = 0, hatched = 0;
+  for (let row = 1; row < rows - 1; row += 3) for (let column = 1; column < columns - 1; column += 3) {
+    const own = isHatched(column, row), near = [[-1, 0], [1, 0], [0, -1], [0, 1]];
+    if (near.some(([x, y]) => isHatched(column + x, row + y) !== own) || colours(column, row) > 2) continue;
+    map.dispatchEvent(new MouseEvent('click', { clientX: box.left + box.width * (column + 0.5) / columns, clientY: box.top + box.height * (row + 0.5) / rows }));
+    cells++;
+    hatched += own;
+    const isBroken = verdict.textContent.includes('breaks');
+    if (isBroken !== own) wrong.push([column, row, verdict.textContent]);
+  }
+  return { cells, hatched, wrong };
+})()";
+
 /// The trial of grooves is on the map and can be chosen; the one of squares stands in the list alone.
 fn trials_are_points(page: &mut Chromium) {
     let points = page.ask("JSON.parse(document.getElementById('explorer-data').textContent).points");

@@ -19,6 +19,7 @@ use self::rims::{factors, rim_changes};
 use crate::DesignError;
 use crate::chance::{About, Chances, Numerical};
 use crate::kept_nodes::kept;
+use crate::learned_discrepancy::LearnedDiscrepancy;
 use crate::multi_fidelity::MultiFidelityLoop;
 use crate::steady_model::{Endless, SteadyModel};
 use crate::task::{DesignTask, KnownMaterial};
@@ -38,12 +39,8 @@ const SPACE_CHECKS: usize = 50;
 /// Of these, how many are asked between the target's pressures, and in how many parts each two of them are divided.
 const PLANE_BETWEEN: (usize, usize) = (50, 8);
 const SPACE_BETWEEN: (usize, usize) = (8, 4);
-/// Most nodes that may have no answer: they get their neighbour's.
-const MOST_LEFT_OUT: f64 = 0.05;
-/// Nodes that are asked before those without an answer are counted again: where there are too many, the rest is not asked.
-const AT_ONCE: usize = 128;
-/// Why there is no explorer where they are more.
-const TOO_FEW: &str = "no explorer: more than 5 % of the designs within the bounds have no answer, as where cavities close under the load";
+/// Why there is no explorer where no node has an answer.
+const NO_ANSWER: &str = "no explorer: the steady model has no answer for any design within the bounds";
 /// Seconds of one core, roughly, beyond which designs in space are not asked for an explorer alone.
 const MOST_CORE_S: f64 = 6.0;
 /// Why there is none then.
@@ -79,6 +76,8 @@ pub struct Explorer {
     /// By the same: the logarithm of the largest local pressure over MPa, over the target's pressures, and how far ceilings come down
     /// in micrometres: where that is the depth, cavities close under the load, and there is no answer.
     pub peak_and_sag: ResponseSurface,
+    /// Nodes of `values`, by their places, for which the steady model has no answer: there is none in the cells around them either.
+    pub unanswered: Vec<usize>,
     /// By width and spacing, at any depth: share of a period that is cavity.
     pub areal_density: ResponseSurface,
     /// What rims of other heights change; `None` without rims, and in space.
@@ -95,12 +94,30 @@ pub struct Explorer {
 pub struct Anchor<'a> {
     /// The design found.
     pub design: &'a Pattern,
-    /// What the corrected model says of it, the first a pressure.
+    /// What the corrected model says of it, the first a pressure; empty where nothing is corrected.
     pub values: &'a [f64],
     /// What its errors are, where anything is known of them.
     pub chances: Option<&'a Chances<'a>>,
     /// How exactly the values were computed.
     pub numerical: &'a Numerical,
+}
+
+impl Explorer {
+    /// Whether a design has an answer: its cavities stay open, and all nodes around it are answered.
+    #[must_use]
+    pub fn has_answer(&self, lengths_um: &[f64; 3]) -> bool {
+        !self.values.is_beside(&self.unanswered, lengths_um) && self.peak_and_sag.at(lengths_um)[1] < lengths_um[2]
+    }
+
+    /// The node with an answer that is nearest to the middle of the bounds.
+    fn most_central(&self) -> Option<[f64; 3]> {
+        let axes = self.values.axes();
+        let off = |node: &[f64; 3]| -> f64 {
+            axes.iter().zip(node).map(|(axis, length)| (length / (axis.from * axis.to).sqrt()).ln().powi(2)).sum()
+        };
+        let answered = ResponseSurface::nodes(axes).into_iter().filter(|node| self.has_answer(node));
+        answered.min_by(|a, b| off(a).total_cmp(&off(b)))
+    }
 }
 
 /// What a task's designs do, before any is searched.
@@ -110,7 +127,7 @@ pub struct Explored {
     pub task: DesignTask,
     /// Its material.
     pub material: KnownMaterial,
-    /// The design in the middle of the bounds.
+    /// The design in the middle of the bounds, or the nearest to it that has an answer.
     pub pattern: Pattern,
     /// The loads.
     pub loads: Vec<Load>,
@@ -131,10 +148,11 @@ impl Explored {
     }
 }
 
-/// What the designs of `task` do at the condition that it is designed for, by the steady model alone.
+/// What the designs of `task` do at the condition that it is designed for, by the steady model; with the median discrepancy of trials
+/// where the task aims with it.
 ///
 /// # Errors
-/// [`DesignError`] for a task that is refused or that the monitor cancels, and where too many designs cannot be computed.
+/// [`DesignError`] for a task that is refused or that the monitor cancels, and where no design can be computed.
 pub fn explore_bounds(task: &DesignTask, monitor: &dyn Monitor) -> Result<Explored, DesignError> {
     let known = task.material.clone().ok_or_else(|| DesignError::refused("has no material"))?;
     let mut task = task.clone();
@@ -144,29 +162,34 @@ pub fn explore_bounds(task: &DesignTask, monitor: &dyn Monitor) -> Result<Explor
     let beyond_measured = task.beyond_measured(&known.material, &outside);
     let budget = TimeBudget::new(monitor, None);
     let scene = (task, &known.material, loads.clone());
-    let found =
+    let mut found =
         MultiFidelityLoop::new(scene.0, scene.1, scene.2, Vec::new(), budget, monitor, &mut Timings::default())?;
-    let pattern = task
+    if task.discrepancy {
+        let learned = LearnedDiscrepancy::new(task, &known.uncertainty, &found.further, &found.model)?;
+        found.model.aim_with(learned);
+    }
+    let middle = task
         .space
         .middle()
         .map_err(|error| DesignError::refused(format!("the middle of the bounds is no pattern: {error}")))?;
-    let middle = found.model.endless(&pattern, false).map_err(|failure| DesignError::Failed(failure.to_string()))?;
-    let values = middle.values;
     let of_flat = |(place, load): (usize, &Load)| match task.target.quantity() {
         Quantity::Ratio => load.flat_mu(found.model.area_law()),
         _ => found.model.scale(place),
     };
     let flat_mu = loads.iter().enumerate().map(of_flat).collect();
     let stage = budget.stage("explorer");
-    let anchor = Anchor { design: &pattern, values: &values, chances: None, numerical: &Numerical::default() };
+    let anchor = Anchor { design: &middle, values: &[], chances: None, numerical: &Numerical::default() };
     let explorer = explore(task, &found.model, &anchor, &stage);
     stage.finish();
     monitor.heed()?;
-    let explorer = explorer.ok_or_else(|| DesignError::Failed(TOO_FEW.to_owned()))?;
+    let explorer = explorer.ok_or_else(|| DesignError::Failed(NO_ANSWER.to_owned()))?;
+    let start = Some(middle).filter(|middle| explorer.has_answer(&lengths_um(middle)));
+    let central = || explorer.most_central().and_then(|node| pattern(task.space.texture(), &node));
+    let pattern = start.or_else(central).unwrap_or(middle);
     Ok(Explored { task: task.clone(), material: known, pattern, loads, flat_mu, beyond_measured, explorer })
 }
 
-/// Solves the surface by `model` and measures its error; `None` where `bar` has cancelled, or too many designs cannot be computed.
+/// Solves the surface by `model` and measures its error; `None` where `bar` has cancelled, or no design can be computed.
 pub fn explore(design: &DesignTask, model: &SteadyModel, anchor: &Anchor<'_>, bar: &Stage<'_>) -> Option<Explorer> {
     let is_guided = model.guide().is_some();
     let axes = axes(&design.space, if is_guided { &COARSE_NODES } else { &PLANE_NODES });
@@ -178,19 +201,19 @@ pub fn explore(design: &DesignTask, model: &SteadyModel, anchor: &Anchor<'_>, ba
         Some(_) => [0.5, 0.4, 0.1],
         None => [0.8, 0.0, 0.2],
     };
-    let ask = |nodes: &[[f64; 3]], coarse: bool, share: f64| {
-        ask(model, &|_| texture, nodes, (coarse, MOST_LEFT_OUT), (bar, share))
-    };
+    let ask = |nodes: &[[f64; 3]], coarse: bool, share: f64| ask(model, &|_| texture, nodes, coarse, (bar, share));
 
     let nodes = ResponseSurface::nodes(&axes);
-    let mut all = whole(ask(&nodes, is_guided, shares[0])?, &axes)?;
+    let answers = ask(&nodes, is_guided, shares[0])?;
+    let unanswered: Vec<usize> = (0..nodes.len()).filter(|place| answers[*place].is_none()).collect();
+    let mut all = filled(answers, &axes)?;
     if is_guided {
         let axes = self::axes(&design.space, &FINE_NODES);
         let few = ResponseSurface::nodes(&axes);
         let (fine, coarse) = (ask(&few, false, shares[1])?, ask(&few, true, 0.0)?);
         // A node without an answer has its neighbour's change, not that of another answer.
         let difference = fine.into_iter().zip(coarse).map(|(fine, coarse)| Some(fine?.over(&coarse?)));
-        let lift = surfaces(axes, &whole(difference.collect(), &axes)?);
+        let lift = surfaces(axes, &filled(difference.collect(), &axes)?);
         for (at, answer) in nodes.iter().zip(&mut all) {
             answer.values.iter_mut().zip(lift.0.at(at)).for_each(|(value, lift)| *value += lift);
             let beside = lift.1.at(at);
@@ -209,11 +232,12 @@ pub fn explore(design: &DesignTask, model: &SteadyModel, anchor: &Anchor<'_>, ba
     let checks = checks(&axes, count, design.seed);
     let factors = factors(rims.as_ref(), count, design.seed);
     let of = |place: usize| rim.map_or(texture, |rim| texture.with_rim(rim.times(factors[place])));
-    let mut off: Vec<f64> = self::ask(model, &of, &checks, (false, 1.0), (bar, shares[2]))?
+    let answers = self::ask(model, &of, &checks, false, (bar, shares[2]))?;
+    let mut off: Vec<f64> = answers
         .into_iter()
         .zip(checks.iter().zip(&factors))
         .filter_map(|(answer, (at, factor))| {
-            let exact = answer.filter(|answer| !answer.is_closed(at[2]))?.values;
+            let exact = answer.filter(|answer| !answer.is_closed(at[2]) && !values.is_beside(&unanswered, at))?.values;
             let change =
                 rims.as_ref().map_or_else(Vec::new, |rims| rims.at(at, *factor)).into_iter().chain(iter::repeat(0.0));
             let found = values.at(at).into_iter().zip(change).map(|(found, change)| found + change);
@@ -222,17 +246,18 @@ pub fn explore(design: &DesignTask, model: &SteadyModel, anchor: &Anchor<'_>, ba
         .collect();
     let worst = off.iter().copied().fold(0.0, f64::max);
     let between = off_between(model, &texture, &checks, bar);
-    let error = SurfaceError { points: off.len(), median: median(&mut off)?, worst, between };
+    let error = SurfaceError { points: off.len(), median: median(&mut off).unwrap_or(0.0), worst, between };
 
     let own = lengths_um(anchor.design);
-    let offset = values.at(&own).iter().zip(anchor.values).map(|(found, predicted)| predicted - found).collect();
+    let difference = |(load, found): (usize, &f64)| anchor.values.get(load).map_or(0.0, |predicted| predicted - found);
+    let offset = values.at(&own).iter().enumerate().map(difference).collect();
     let density = |at: &[f64; 3]| pattern(&texture, at).map_or(0.0, |pattern| pattern.areal_density());
     let [width, spacing, depth] = axes;
     let level = [width, spacing, Axis { nodes: 1, ..depth }];
     let densities = ResponseSurface::nodes(&level).iter().map(density).collect();
     let covariance = covariance(anchor, design.seed).unwrap_or_default();
     let areal_density = ResponseSurface::through(level, 1, densities);
-    Some(Explorer { values, peak_and_sag, areal_density, rims, error, offset, covariance })
+    Some(Explorer { values, peak_and_sag, unanswered, areal_density, rims, error, offset, covariance })
 }
 
 /// The explorer beside a search, and why there is none where that is not a matter of time.
@@ -246,7 +271,7 @@ pub(crate) fn explore_beside(
         return (None, None);
     }
     let (explorer, reason) =
-        if is_too_dear(design, model) { (None, TOO_DEAR) } else { (explore(design, model, anchor, bar), TOO_FEW) };
+        if is_too_dear(design, model) { (None, TOO_DEAR) } else { (explore(design, model, anchor, bar), NO_ANSWER) };
     let is_missing = explorer.is_none() && !bar.is_out_of_time();
     (explorer, is_missing.then_some(reason))
 }
@@ -284,18 +309,16 @@ fn lengths_um(pattern: &Pattern) -> [f64; 3] {
 }
 
 /// What the model says of each of `nodes`, of the texture that `texture` has for its place, in its guide's blocks where `coarse`,
-/// as `share` of a stage; `None` once it is cancelled, or more than the share `most_missing` has no answer, those whose cavities close
-/// among them: of these the values go on behind where they close, so that the surface is smooth up to there. Nodes are asked far
-/// from one another first, as those without an answer lie together.
+/// as `share` of a stage; `None` once it is cancelled. Of designs whose cavities close the values go on behind where they close, so that
+/// the surface is smooth up to there.
 fn ask(
     model: &SteadyModel,
     texture: &(impl Fn(usize) -> Texture + Sync),
     nodes: &[[f64; 3]],
-    (coarse, most_missing): (bool, f64),
+    coarse: bool,
     (bar, share): (&Stage<'_>, f64),
 ) -> Option<Vec<Option<Endless>>> {
-    let one = |place: &usize| {
-        let (place, lengths_um) = (*place, &nodes[*place]);
+    let one = |(place, lengths_um): (usize, &[f64; 3])| {
         if bar.cancelled() {
             return Err(ModelFailure::Cancelled);
         }
@@ -307,22 +330,7 @@ fn ask(
             _ => Ok(None),
         }
     };
-    let has_none = |(place, answer): (&usize, &Option<Endless>)| {
-        answer.as_ref().is_none_or(|answer| answer.is_closed(nodes[*place][2]))
-    };
-    let all = || {
-        let mut answers = vec![None; nodes.len()];
-        let mut missing = 0;
-        for places in spread(nodes.len()).chunks(AT_ONCE) {
-            let found: Vec<Option<Endless>> = places.par_iter().map(one).collect::<Result<_, _>>().ok()?;
-            missing += places.iter().zip(&found).filter(|own| has_none(*own)).count();
-            if missing as f64 > most_missing * nodes.len() as f64 {
-                return None;
-            }
-            places.iter().zip(found).for_each(|(place, answer)| answers[*place] = answer);
-        }
-        Some(answers)
-    };
+    let all = || nodes.par_iter().enumerate().map(one).collect::<Result<Vec<_>, _>>().ok();
     if model.learned().is_some() {
         return all();
     }
@@ -343,36 +351,19 @@ fn ask(
     )
 }
 
-/// The numbers from 0 to `count`, each once, those that follow each other far apart: steps of the golden section.
-fn spread(count: usize) -> Vec<usize> {
-    let divides = |step: usize| {
-        let (mut a, mut b) = (count, step);
-        while b > 0 {
-            (a, b) = (b, a % b);
-        }
-        a
+/// The answers, where a node has none that of the nearest node that has one; `None` if none has.
+fn filled(answers: Vec<Option<Endless>>, axes: &[Axis; 3]) -> Option<Vec<Endless>> {
+    let [_, rows, depths] = axes.map(|axis| axis.nodes);
+    let place = |node: usize| [node / (rows * depths), node / depths % rows, node % depths];
+    let answered: Vec<(usize, &Endless)> =
+        answers.iter().enumerate().filter_map(|(node, answer)| Some((node, answer.as_ref()?))).collect();
+    let nearest = |node: usize| {
+        let distance = |(other, _): &&(usize, &Endless)| -> usize {
+            place(node).iter().zip(place(*other)).map(|(a, b)| a.abs_diff(b).pow(2)).sum()
+        };
+        answered.iter().min_by_key(distance).map(|(_, answer)| (*answer).clone())
     };
-    // Some thousands at most: the cast is exact.
-    let golden = (0.618 * count as f64) as usize;
-    let step = (golden.max(1)..).find(|step| divides(*step) == 1).unwrap_or(1);
-    (0..count).map(|n| n * step % count.max(1)).collect()
-}
-
-/// The answers, where a node has none that of the nearest node with the same width and spacing, else of the nearest before it.
-fn whole(answers: Vec<Option<Endless>>, axes: &[Axis; 3]) -> Option<Vec<Endless>> {
-    let missing = answers.iter().filter(|answer| answer.is_none()).count();
-    if missing as f64 > MOST_LEFT_OUT * answers.len() as f64 {
-        return None;
-    }
-    let depths = axes[2].nodes;
-    let mut found: Vec<Endless> = Vec::with_capacity(answers.len());
-    for (place, answer) in answers.iter().enumerate() {
-        let row = place / depths * depths;
-        let near = (row..row + depths).filter(|near| answers[*near].is_some()).min_by_key(|near| near.abs_diff(place));
-        let own = answer.clone().or_else(|| near.and_then(|near| answers[near].clone()));
-        found.push(own.or_else(|| found.last().cloned()).or_else(|| answers.iter().flatten().next().cloned())?);
-    }
-    Some(found)
+    answers.iter().enumerate().map(|(node, answer)| answer.clone().or_else(|| nearest(node))).collect()
 }
 
 /// Values, and logarithms of the largest pressures beside how far ceilings come down, through their nodes.
@@ -414,18 +405,83 @@ fn covariance(anchor: &Anchor<'_>, seed: u64) -> Option<Vec<Vec<f64>>> {
 
 #[cfg(test)]
 mod tests {
+    use slipgrid_discrepancy::{Conditions, Discrepancy, Features, Hyperparameters, Measured, Trial};
+    use slipgrid_material::Elastic;
+    use slipgrid_monitor::Unwatched;
+    use slipgrid_pattern::Planform;
+
     use super::*;
+    use crate::next_trial::tests::task;
+
+    /// A task with these bounds, in micrometres, of a material with this modulus.
+    fn bounded(bounds_um: [[f64; 2]; 3], youngs_modulus_pa: f64) -> DesignTask {
+        let mut task = task(Planform::Groove);
+        let [width, spacing, depth] = bounds_um.map(|bounds| bounds.map(|um| LENGTH_UM.to_si(um)));
+        task.space = DesignSpace::new(Planform::Groove, width, spacing, depth).unwrap();
+        task.material.as_mut().unwrap().material.elastic = Elastic::new(youngs_modulus_pa, 900.0).unwrap();
+        task
+    }
 
     #[test]
-    fn nodes_are_asked_each_once_and_far_apart() {
-        for count in [0, 1, 2, 12, 175, 1008, 4800] {
-            let order = spread(count);
-            let mut sorted = order.clone();
-            sorted.sort_unstable();
-            assert!(sorted.into_iter().eq(0..count), "{count}");
-            // A corner of a tenth of all has a tenth of the first eighth, within a third.
-            let corner = order.iter().take(count / 8).filter(|place| **place < count / 10).count();
-            assert!(count < 1000 || (corner as f64 / (count as f64 / 80.0) - 1.0).abs() < 0.34, "{count}: {corner}");
+    fn designs_without_an_answer_are_holes_and_the_rest_is_explored() {
+        // Periods of less than a block have no answer.
+        let task = bounded([[4.0, 80.0], [4.0, 300.0], [10.0, 10.0]], 0.38e9);
+        let Explored { explorer, pattern: start, .. } = explore_bounds(&task, &Unwatched).unwrap();
+        let share = explorer.unanswered.len() as f64 / ResponseSurface::nodes(explorer.values.axes()).len() as f64;
+        assert!(share > 0.0 && share < 0.5, "{share}");
+        assert!(!explorer.has_answer(&[4.0, 4.0, 10.0]) && explorer.has_answer(&[80.0, 300.0, 10.0]));
+        assert!(explorer.has_answer(&lengths_um(&start)) && explorer.error.points > 100);
+        assert!(explorer.error.median < 0.01, "{:?}", explorer.error);
+
+        // Wide and shallow cavities of a soft body close.
+        let task = bounded([[60.0, 300.0], [100.0, 100.0], [2.0, 30.0]], 0.04e9);
+        let Explored { explorer, pattern: start, .. } = explore_bounds(&task, &Unwatched).unwrap();
+        assert!(explorer.unanswered.is_empty());
+        assert!(!explorer.has_answer(&[300.0, 100.0, 2.0]) && explorer.has_answer(&[60.0, 100.0, 30.0]));
+        assert!(explorer.has_answer(&lengths_um(&start)) && explorer.error.points > 20);
+    }
+
+    #[test]
+    fn values_have_what_trials_add_where_the_task_aims_with_it() {
+        let mut task = bounded([[60.0, 120.0], [300.0, 300.0], [10.0, 10.0]], 0.38e9);
+        let at = [100.0, 300.0, 10.0];
+        let features = Features::from(&pattern(task.space.texture(), &at).unwrap());
+        let measured = |pressure_pa| Measured {
+            load: slipgrid_discrepancy::Load { pressure_pa, speed_m_s: task.speed_m_s, humidity: 0.4 },
+            measured: 0.72,
+            modelled: 0.9,
+            patterned_std: 0.001,
+            flat_std: 0.001,
+            modulus_sensitivity: 0.0,
+        };
+        let trial = Trial {
+            name: "cut".to_owned(),
+            features,
+            sample_std: None,
+            disc: None,
+            measured: task.pressures_pa().into_iter().map(measured).collect(),
+            dimensions_std_m: [0.0; 3],
+            of_dimensions: Vec::new(),
+        };
+        let learned = Discrepancy::new(Hyperparameters::default(), Conditions::default(), 0.0, vec![trial]).unwrap();
+        task.material.as_mut().unwrap().uncertainty.learned = Some(learned);
+        let plain = explore_bounds(&task, &Unwatched).unwrap().explorer;
+        task.discrepancy = true;
+        let aimed = explore_bounds(&task, &Unwatched).unwrap().explorer;
+        for (aimed, plain) in aimed.values.at(&at).iter().zip(plain.values.at(&at)) {
+            assert!((aimed / plain - 0.8).abs() < 0.02, "{aimed} {plain}");
         }
+        assert!(aimed.error.worst < 0.02, "{:?}", aimed.error);
+    }
+
+    #[test]
+    fn a_node_without_an_answer_has_that_of_the_nearest() {
+        let axes = [Axis::new([1.0, 8.0], 4), Axis::new([1.0, 8.0], 4), Axis::new([5.0, 5.0], 1)];
+        let answer = |value: f64| Some(Endless { values: vec![value], peak_mpa: 1.0, sag_um: 0.0 });
+        let mut answers = vec![None; 16];
+        assert_eq!(filled(answers.clone(), &axes), None);
+        (answers[2], answers[13]) = (answer(0.5), answer(0.7));
+        let values: Vec<f64> = filled(answers, &axes).unwrap().iter().map(|answer| answer.values[0]).collect();
+        assert_eq!((values[2], values[7], values[9], values[13], values[12]), (0.5, 0.5, 0.7, 0.7, 0.7));
     }
 }

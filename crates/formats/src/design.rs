@@ -299,7 +299,15 @@ impl Design {
     fn strained(&self) -> Option<Diagnostic> {
         let material = &self.task.material.as_ref()?.material;
         let modulus_gpa = MODULUS_GPA.from_si(material.elastic.youngs_modulus_pa());
-        unusual::of_pressures(&self.document, &self.places.pressures, modulus_gpa)
+        unusual::of_pressures(&self.document, &self.places.pressures, modulus_gpa).map(|told| self.named(told))
+    }
+
+    /// What is told of the design, which may stand for a material.
+    fn named(&self, told: Diagnostic) -> Diagnostic {
+        match &self.stands_for {
+            Some(material) => of_material(told, self.document.path(), material),
+            None => told,
+        }
     }
 
     /// Refuses the design as a whole.
@@ -336,11 +344,7 @@ impl Design {
             let pressure_mpa = pressure_pa.map(|pressure_pa| PRESSURE_MPA.from_si(pressure_pa));
             pressure_mpa.map_or_else(|| expected.clone(), |at_mpa| unusual::with_slip(expected, at_mpa))
         });
-        let found = Diagnostic { expected: expected.map(Into::into), ..found };
-        match &self.stands_for {
-            Some(material) => of_material(found, self.document.path(), material),
-            None => found,
-        }
+        self.named(Diagnostic { expected: expected.map(Into::into), ..found })
     }
 }
 

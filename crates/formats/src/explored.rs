@@ -46,18 +46,30 @@ pub fn explored(source: &Source, path: &Path, condition: Option<[f64; 2]>) -> Re
     let within = Document::within(source, path.with_file_name("explored.toml"), text);
     let made_up = within.path().to_owned();
     let mut design = Design::from_document(within).map_err(|refused| of_material(refused, &made_up, path))?;
+    design.told = design.told.into_iter().map(|told| of_material(told, &made_up, path)).collect();
     design.stands_for = Some(path.to_owned());
     Ok(design)
 }
 
-/// What is said of the `made_up` design, which nobody wrote, said of the `material` that it stands for. What is refused in a file that
-/// somebody wrote stays as it is.
-pub(crate) fn of_material(refused: Diagnostic, made_up: &Path, material: &Path) -> Diagnostic {
-    if refused.file.as_deref() != Some(made_up) {
-        return refused;
+/// A refusal or a warning about the `made_up` design, which nobody wrote, as one about the `material` that it stands for. One about a file
+/// that somebody wrote stays as it is.
+pub(crate) fn of_material(told: Diagnostic, made_up: &Path, material: &Path) -> Diagnostic {
+    if told.file.as_deref() != Some(made_up) {
+        return told;
     }
-    let of_condition = matches!(refused.key.as_deref(), Some("condition" | "material"));
-    let flags = of_condition.then(|| "--speed-mm-s and --humidity-pct, or a design file that says so".into());
-    let expected = refused.expected.or(flags);
-    Diagnostic { file: Some(material.into()), line: None, key: None, value: None, expected, ..refused }
+    let file = Some(material.into());
+    match (told.key.as_deref(), told.value.as_deref()) {
+        (Some("target.pressure_mpa"), Some(value)) => {
+            // What the number would be in another unit is a guess at what was typed.
+            let reason = told.reason.split_once("; in ").map_or(told.reason.as_str(), |(reason, _)| reason);
+            let reason = format!("the page's {value} {reason}");
+            Diagnostic { file, reason, ..Diagnostic::default() }.expected("a design file with pressures of its own")
+        }
+        (key, _) => {
+            let of_condition = matches!(key, Some("condition" | "material"));
+            let flags = of_condition.then(|| "--speed-mm-s and --humidity-pct, or a design file that says so".into());
+            let expected = told.expected.or(flags);
+            Diagnostic { file, line: None, key: None, value: None, expected, ..told }
+        }
+    }
 }

@@ -41,6 +41,17 @@ impl Axis {
         if self.nodes == 1 { 1 } else { self.nodes + 2 }
     }
 
+    /// The first and the last of the nodes around `length`: the same one at a node; beyond the ends those at the ends.
+    fn around(&self, length: f64) -> [usize; 2] {
+        if self.nodes == 1 {
+            return [0; 2];
+        }
+        let place = (length / self.from).ln() / (self.to / self.from).ln() * (self.nodes - 1) as f64;
+        let place = place.clamp(0.0, (self.nodes - 1) as f64);
+        // Lengths of nodes are rounded.
+        [(place + 1e-9).floor() as usize, (place - 1e-9).ceil() as usize]
+    }
+
     /// The first of four coefficients that count at `length`, and their weights; beyond the ends as at the ends.
     fn weights(&self, length: f64) -> (usize, [f64; 4]) {
         if self.nodes == 1 {
@@ -159,6 +170,17 @@ impl ResponseSurface {
         (0..first.nodes).flat_map(of).map(|[a, b, c]| [first.at(a), second.at(b), third.at(c)]).collect()
     }
 
+    /// Whether one of `nodes`, by their places, is a corner of the lattice cell that holds three lengths.
+    #[must_use]
+    pub fn is_beside(&self, nodes: &[usize], lengths: &[f64; 3]) -> bool {
+        let [_, rows, columns] = self.axes.map(|axis| axis.nodes);
+        let around: [_; 3] = std::array::from_fn(|axis| self.axes[axis].around(lengths[axis]));
+        nodes.iter().any(|node| {
+            let place = [node / (rows * columns), node / columns % rows, node % columns];
+            place.iter().zip(around).all(|(own, [first, last])| (first..=last).contains(own))
+        })
+    }
+
     /// The outputs at three lengths; beyond an axis what they are at its end.
     #[must_use]
     pub fn at(&self, lengths: &[f64; 3]) -> Vec<f64> {
@@ -181,6 +203,21 @@ impl ResponseSurface {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_node_is_a_corner_of_all_cells_around_it() {
+        let axes = [Axis::new([1.0, 8.0], 4), Axis::new([1.0, 8.0], 4), Axis::new([5.0, 5.0], 1)];
+        let surface = ResponseSurface::through(axes, 1, vec![0.0; 16]);
+        // The node at 2 and 4.
+        let is_beside = |width: f64, spacing: f64| surface.is_beside(&[6], &[width, spacing, 5.0]);
+        for [width, spacing] in [[2.0, 4.0], [1.1, 4.0], [3.9, 7.9], [1.5, 2.5], [2.5, 3.0]] {
+            assert!(is_beside(width, spacing), "{width} {spacing}");
+        }
+        for [width, spacing] in [[1.0, 4.0], [4.0, 4.0], [2.0, 8.0], [2.0, 2.0], [2.0, 9.0], [4.1, 4.0], [2.0, 1.9]] {
+            assert!(!is_beside(width, spacing), "{width} {spacing}");
+        }
+        assert!(!surface.is_beside(&[], &[2.0, 4.0, 5.0]));
+    }
 
     fn surface(nodes: [usize; 3], model: impl Fn(&[f64; 3]) -> Vec<f64>) -> ResponseSurface {
         let axes = [

@@ -4,7 +4,7 @@ use slipgrid_monitor::Stage;
 use slipgrid_pattern::Rim;
 use slipgrid_statistics::{Normals, ResponseSurface, normal_probability};
 
-use super::{MOST_LEFT_OUT, Nodes, ask, axes, surfaces, whole};
+use super::{Nodes, ask, axes, filled, surfaces};
 use crate::steady_model::{Endless, SteadyModel};
 use crate::task::DesignTask;
 
@@ -46,7 +46,7 @@ impl RimChanges {
     }
 }
 
-/// What rims of other heights than those of `rim` change; `None` where `bar` has cancelled, or too many designs cannot be computed.
+/// What rims of other heights than those of `rim` change; `None` where `bar` has cancelled, or no design can be computed.
 pub(super) fn rim_changes(
     design: &DesignTask,
     model: &SteadyModel,
@@ -57,16 +57,12 @@ pub(super) fn rim_changes(
     let nodes = ResponseSurface::nodes(&axes);
     let texture = *design.space.texture();
     let share = share / (1 + RIM_FACTORS.len()) as f64;
-    let solved = |factor: f64| {
-        whole(
-            ask(model, &|_| texture.with_rim(rim.times(factor)), &nodes, (false, MOST_LEFT_OUT), (bar, share))?,
-            &axes,
-        )
-    };
+    let solved = |factor: f64| ask(model, &|_| texture.with_rim(rim.times(factor)), &nodes, false, (bar, share));
     let own = solved(1.0)?;
     let (mut values, mut peak_and_sag) = (Vec::new(), Vec::new());
     for factor in RIM_FACTORS {
-        let changes: Vec<Endless> = solved(factor)?.iter().zip(&own).map(|(other, own)| other.over(own)).collect();
+        let change = |(other, own): (Option<Endless>, &Option<Endless>)| Some(other?.over(own.as_ref()?));
+        let changes = filled(solved(factor)?.into_iter().zip(&own).map(change).collect(), &axes)?;
         let found = surfaces(axes, &changes);
         values.push(found.0);
         peak_and_sag.push(found.1);

@@ -80,6 +80,22 @@
     };
     return { factor: 1, least: factors[0], most: factors[factors.length - 1], values, peakAndSag, height };
   })();
+  // Nodes without an answer are corners of cells without one; lengths of nodes are rounded.
+  const unanswered = new Set(data.unanswered);
+  const around = (axis, length) => {
+    if (axis.nodes === 1) return [0, 0];
+    const place = Math.min(Math.max(Math.log(length / axis.from) / Math.log(axis.to / axis.from), 0), 1) * (axis.nodes - 1);
+    return [Math.floor(place + 1e-9), Math.ceil(place - 1e-9)];
+  };
+  const isUnanswered = at => {
+    if (unanswered.size === 0) return false;
+    const [a, b, c] = axes.map((axis, k) => around(axis, at[k]));
+    for (let i = a[0]; i <= a[1]; i++) for (let j = b[0]; j <= b[1]; j++) for (let k = c[0]; k <= c[1]; k++)
+      if (unanswered.has((i * axes[1].nodes + j) * axes[2].nodes + k)) return true;
+    return false;
+  };
+  // Why a design whose ceilings come down by `sag` has no answer, in words; null where it has one.
+  const gapOf = (at, sag) => isUnanswered(at) ? data.unanswered_words : sag >= at[2] ? data.closed : null;
   const sum = (one, other) => { for (let k = 0; k < one.length; k++) one[k] += other[k]; return one; };
   const valuesAt = at => rims ? sum(endless.at(at), rims.values.at(at)) : endless.at(at);
   // The logarithm of the largest pressure, and how far ceilings come down: where that is the depth, the cavity closes.
@@ -112,14 +128,24 @@
 
   const round = (value, step) => Math.round(value / step) * step;
   const bursts = depth => data.burst_um ? Math.max(1, Math.round(depth / data.burst_um)) : null;
+  const steps = depth => data.burst_um ? bursts(depth) : depth;
+  // Seconds of a step in depth over the share of the face, straight between the widths of the table.
+  const stepSeconds = width => {
+    const { width_um, step_s } = data.laser;
+    const above = width_um.findIndex(own => own >= width), k = above < 0 ? width_um.length - 1 : Math.max(above, 1);
+    if (width_um.length === 1) return step_s[0];
+    const t = Math.min(Math.max((width - width_um[k - 1]) / (width_um[k] - width_um[k - 1]), 0), 1);
+    return step_s[k - 1] + t * (step_s[k] - step_s[k - 1]);
+  };
+  // What limits are about, of a design of which cavities are this share of a period.
+  const limited = (at, share, logPeak) => {
+    const face = share * data.face_over_period;
+    return { at, face, peak: Math.exp(logPeak), minutes: data.laser ? stepSeconds(at[0]) / 60 * face * steps(at[2]) : null };
+  };
   const describe = at => {
-    const values = valuesAt(at).map((value, load) => value + data.offset[load]);
-    const share = density.at(at)[0], laser = data.laser, [logPeak, sag] = besideAt(at), isClosed = sag >= at[2];
-    const steps = depth => data.burst_um ? bursts(depth) : depth;
-    return {
-      at, values, face: share * data.face_over_period, isClosed, peak: isClosed ? null : Math.exp(logPeak), chance: isClosed ? null : chance(values), bursts: bursts(at[2]),
-      minutes: laser ? laser.time_s / 60 * share / laser.areal_density * (data.design[0] / at[0]) ** laser.width_power * steps(at[2]) / steps(laser.depth_um) : null,
-    };
+    const values = valuesAt(at).map((value, load) => value + data.offset[load]), [logPeak, sag] = besideAt(at), gap = gapOf(at, sag);
+    const found = limited(at, density.at(at)[0], logPeak);
+    return { ...found, values, gap, peak: gap ? null : found.peak, chance: gap ? null : chance(values), bursts: bursts(at[2]) };
   };
   const broken = state => data.limits.filter(limit => {
     const value = { peak: state.peak, land: state.at[1], spot: state.at[0], density: state.face, bearing: 1 - state.face, laser: state.minutes }[limit.kind];
@@ -216,10 +242,10 @@
     });
     const points = sign => data.pressure_mpa.map((p, load) => [p, Math.max(shown.values[load] + sign * (std[load] || 0), 0)]);
     // One pressure has a bar where several have a band.
-    if (std.length && loads === 1 && !shown.isClosed) parts.push(svg("path", { "data-band": "", d: `M${x(data.pressure_mpa[0])} ${y(Math.max(shown.values[0] - std[0], 0))}V${y(shown.values[0] + std[0])}`, stroke: "#d55e00", "stroke-width": 6, opacity: 0.4 }));
-    if (std.length && loads > 1 && !shown.isClosed) parts.push(svg("path", { d: line(points(1)) + line(points(-1).reverse()).replace("M", "L") + "z", fill: "#d55e00", opacity: 0.15 }));
-    if (shown.isClosed) {
-      parts.push(svg("text", { x: (left + width - right) / 2, y: (top + height - bottom) / 2, "text-anchor": "middle" }, data.closed));
+    if (std.length && loads === 1 && !shown.gap) parts.push(svg("path", { "data-band": "", d: `M${x(data.pressure_mpa[0])} ${y(Math.max(shown.values[0] - std[0], 0))}V${y(shown.values[0] + std[0])}`, stroke: "#d55e00", "stroke-width": 6, opacity: 0.4 }));
+    if (std.length && loads > 1 && !shown.gap) parts.push(svg("path", { d: line(points(1)) + line(points(-1).reverse()).replace("M", "L") + "z", fill: "#d55e00", opacity: 0.15 }));
+    if (shown.gap) {
+      parts.push(svg("text", { x: (left + width - right) / 2, y: (top + height - bottom) / 2, "text-anchor": "middle" }, shown.gap));
       chart.replaceChildren(...parts);
       return;
     }
@@ -242,7 +268,7 @@
   };
 
   // The map of two lengths.
-  const map = find("map"), context = map.getContext("2d"), pair = find("pair");
+  const map = find("map"), context = map && map.getContext("2d"), pair = find("pair");
   const free = axes.map((axis, k) => k).filter(k => axes[k].nodes > 1);
   const COLUMNS = 96, ROWS = 72;
   let plane = free.slice(0, 2), mapped = "";
@@ -277,18 +303,18 @@
       image = context.createImageData(map.width, map.height);
       // Without a target: how low the value is at the pressure chosen, among those of the map.
       const rank = [];
-      const depthOf = cell => h === 2 ? hs[cell % COLUMNS] : v === 2 ? vs[Math.floor(cell / COLUMNS)] : state[2];
-      const closed = Array.from({ length: COLUMNS * ROWS }, (_, cell) => beside[2 * cell + 1] >= depthOf(cell));
-      find("closed-words").textContent = closed.includes(true) ? `. White: ${data.closed}` : "";
-      if (!hasTarget) for (let cell = 0; cell < COLUMNS * ROWS; cell++) rank.push(closed[cell] ? NaN : between(Array.from({ length: loads }, (_, load) => values[cell * loads + load]), pressure));
+      const at = state.slice(), to = cell => { [at[h], at[v]] = [hs[cell % COLUMNS], vs[Math.floor(cell / COLUMNS)]]; return at; };
+      const gaps = Array.from({ length: COLUMNS * ROWS }, (_, cell) => gapOf(to(cell), beside[2 * cell + 1])), told = new Set(gaps.filter(gap => gap));
+      find("closed-words").textContent = told.size ? `. White: ${[...told].join("; ")}` : "";
+      if (!hasTarget) for (let cell = 0; cell < COLUMNS * ROWS; cell++) rank.push(gaps[cell] ? NaN : between(Array.from({ length: loads }, (_, load) => values[cell * loads + load]), pressure));
       const [least, most] = rank.reduce(([a, b], own) => Number.isNaN(own) ? [a, b] : [Math.min(a, own), Math.max(b, own)], [Infinity, -Infinity]);
-      const pixels = new Uint32Array(image.data.buffer), at = state.slice(), own = new Array(loads), wide = map.width / COLUMNS;
+      const pixels = new Uint32Array(image.data.buffer), own = new Array(loads), wide = map.width / COLUMNS;
       for (let row = 0; row < ROWS; row++) for (let column = 0; column < COLUMNS; column++) {
         const cell = row * COLUMNS + column;
-        [at[h], at[v]] = [hs[column], vs[row]];
+        to(cell);
         for (let load = 0; load < loads; load++) own[load] = values[cell * loads + load] + data.offset[load];
-        const isBroken = broken({ at, peak: Math.exp(beside[2 * cell]), face: (side ? side[cell] : density.at(at)[0]) * data.face_over_period, minutes: null }).length > 0;
-        const [plain, hatch] = closed[cell] ? [0xffffffff, 0xffffffff] : colour(hasTarget ? misfit(own) : 2 ** (0.1 + 4.9 * (rank[cell] - least) / Math.max(most - least, 1e-9)), isBroken);
+        const isBroken = broken(limited(at, side ? side[cell] : density.at(at)[0], beside[2 * cell])).length > 0;
+        const [plain, hatch] = gaps[cell] ? [0xffffffff, 0xffffffff] : colour(hasTarget ? misfit(own) : 2 ** (0.1 + 4.9 * (rank[cell] - least) / Math.max(most - least, 1e-9)), isBroken);
         for (let y = row * wide; y < (row + 1) * wide; y++) for (let x = column * wide; x < (column + 1) * wide; x++) {
           pixels[y * map.width + x] = (x + y) % 8 === 0 ? hatch : plain;
         }
@@ -312,7 +338,7 @@
     find("across").textContent = `${axes[h].name} in µm: ${fixed(axes[h].from, 0)} (left) to ${fixed(axes[h].to, 0)}`;
     find("up").textContent = `${axes[v].name} in µm: ${fixed(axes[v].from, 0)} (below) to ${fixed(axes[v].to, 0)}`;
   };
-  map.addEventListener("click", event => {
+  if (map) map.addEventListener("click", event => {
     const box = map.getBoundingClientRect(), [h, v] = plane;
     state[h] = round(lengthAt(h, Math.min(Math.max((event.clientX - box.left) / box.width, 0), 1)), 0.1);
     state[v] = round(lengthAt(v, Math.min(Math.max(1 - (event.clientY - box.top) / box.height, 0), 1)), 0.1);
@@ -330,7 +356,7 @@
     return `${fixed(seconds, seconds < 0.995 ? 2 : seconds < 99.95 ? 1 : 0)} s`;
   };
   const draw = () => {
-    const shown = describe(state), second = other(shown.values), limits = broken(shown), known = shown.isClosed ? null : shown;
+    const shown = describe(state), second = other(shown.values), limits = broken(shown), known = shown.gap ? null : shown;
     for (const slider of all("slider")) slider.value = toStep(axes[+slider.dataset.slider], state[+slider.dataset.slider]);
     for (const field of all("number")) field.value = fixed(state[+field.dataset.number], 1);
     if (pressing) pressing.value = pressure;
@@ -343,7 +369,7 @@
     say("at", `${fixed(pressure, 2)} MPa`);
     say("first", fixed(known && between(shown.values, pressure), 4));
     say("second", fixed(known && second && between(second, pressure), 4));
-    say("chance", shown.isClosed ? "-" : shown.chance === null ? data.no_chance : `${fixed(100 * shown.chance, 0)} %`);
+    say("chance", shown.gap ? "-" : shown.chance === null ? data.no_chance : `${fixed(100 * shown.chance, 0)} %`);
     say("peak", fixed(shown.peak, 1));
     say("density", fixed(100 * shown.face, 1));
     const cut = shown.bursts === null ? "-" : `${fixed(shown.bursts * data.burst_um, 1)} µm`;
@@ -351,10 +377,10 @@
     say("laser-time", duration(shown.minutes));
     const on = misfit(shown.values) <= 1;
     const words = limits.map(limit => limit.words);
-    const aimed = shown.isClosed ? [data.closed.replace(/^t/, "T")] : hasTarget ? [on ? "On target by the model" : "Off target"] : [], breaks = words.length ? [`breaks ${words.join(", ")}`] : [];
+    const aimed = shown.gap ? [shown.gap.replace(/^t/, "T")] : hasTarget ? [on ? "On target by the model" : "Off target"] : [], breaks = words.length ? [`breaks ${words.join(", ")}`] : [];
     say("verdict", [...aimed, ...breaks].join("; "));
     root.dataset.values = JSON.stringify(shown.values);
-    root.dataset.closed = shown.isClosed;
+    root.dataset.closed = shown.gap !== null;
     curve(shown);
     section(state);
     if (free.length > 1) drawMap();

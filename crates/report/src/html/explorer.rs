@@ -8,8 +8,9 @@ use slipgrid_design::optimize::{Bound, Quantity};
 use slipgrid_design::records::TargetReport;
 use slipgrid_design::{ConstraintQuantity, DesignOutcome, DesignReport, DesignTask, Explored, Explorer, KnownMaterial};
 use slipgrid_export::laser_time_s;
-use slipgrid_pattern::{Pattern, Planform};
+use slipgrid_pattern::Pattern;
 use slipgrid_results::{PatternReport, VERSION};
+use slipgrid_statistics::Axis;
 use slipgrid_units::LENGTH_UM;
 
 use self::surfaces::{AxisData, LENGTHS, Packed, RimData, axes_data};
@@ -18,8 +19,9 @@ use super::points::{Among, Point};
 use crate::Outputs;
 
 const SCRIPT: &str = include_str!("explorer.js");
-/// What is said of a design whose cavities close.
+/// What is said of a design whose cavities close, and of one near designs that the steady model cannot solve.
 const CLOSED: &str = "the cavity closes under the load: no answer";
+const UNANSWERED: &str = "the steady model finds no answer near this design";
 /// A limit that the page can check.
 #[derive(Serialize)]
 struct LimitData {
@@ -29,23 +31,41 @@ struct LimitData {
     is_most: bool,
 }
 
+/// Widths at which the laser's time is computed, where the width is not fixed. Spots and lines are whole numbers: time has steps along the
+/// width, which lie where they are to one part in forty over a range of ten.
+const LASER_WIDTHS: usize = 96;
+
+/// The laser's time: that of a width times the share of the face times the steps in depth.
 #[derive(Serialize)]
 struct LaserData {
-    time_s: f64,
-    areal_density: f64,
-    depth_um: f64,
-    /// Time goes as the share of cavities over their width to this power: 0 where spots tile them or lines fill them. A mask
-    /// takes as long for a large cavity as for a small one.
-    width_power: u8,
+    width_um: Vec<f64>,
+    /// At each width, the time that a step in depth takes over the share of the face that is cavity, in seconds.
+    step_s: Vec<f64>,
 }
 
-/// The power of the width by which cavities have more area, where a mask of `laser` exposes each as a whole; of crossing grooves as if
-/// they did not cross.
-const fn width_power(planform: Planform, is_mask: bool) -> u8 {
-    match planform {
-        _ if !is_mask => 0,
-        Planform::Square | Planform::Disc | Planform::Polygon => 2,
-        Planform::Groove | Planform::Crosshatch | Planform::Rectangle => 1,
+impl LaserData {
+    /// The time of cavities at the spacing and the depth of `pattern` on the task's specimen, where the task's laser has one.
+    fn new(task: &DesignTask, explorer: &Explorer, pattern: &Pattern) -> Option<Self> {
+        let [width_m, spacing_m, depth_m] = pattern.lengths_m();
+        let steps = match task.constraints.limits.depth_per_burst_m {
+            Some(burst_m) => (depth_m / burst_m).round().max(1.0),
+            None => LENGTH_UM.from_si(depth_m),
+        };
+        let Axis { from, to, nodes } = explorer.values.axes()[0];
+        let along = Axis { from, to, nodes: if nodes == 1 { 1 } else { LASER_WIDTHS } };
+        let mut widths: Vec<f64> = (0..along.nodes).map(|node| along.at(node)).collect();
+        // The time of the pattern itself is met exactly.
+        widths.push(LENGTH_UM.from_si(width_m));
+        widths.sort_by(f64::total_cmp);
+        widths.dedup();
+        let of_width = |width_um: f64| {
+            let made = Pattern::new(*pattern.texture(), LENGTH_UM.to_si(width_um), spacing_m, depth_m).ok()?;
+            let laid = task.specimen.layout(made).ok()?;
+            let step_s = laser_time_s(&laid, &task.laser)? / (laid.areal_density() * steps);
+            step_s.is_finite().then_some((width_um, step_s))
+        };
+        let (width_um, step_s): (Vec<f64>, Vec<f64>) = widths.into_iter().filter_map(of_width).unzip();
+        (!step_s.is_empty()).then_some(Self { width_um, step_s })
     }
 }
 
@@ -73,8 +93,10 @@ struct Data {
     /// Depths are whole passes over a hatch, and not bursts on a spot.
     has_passes: bool,
     laser: Option<LaserData>,
-    /// What is said of a design whose cavities close.
     closed: &'static str,
+    /// Nodes of the lattice without an answer.
+    unanswered: Vec<usize>,
+    unanswered_words: &'static str,
     design: [f64; 3],
     points: Vec<Point>,
     toml: String,
@@ -165,14 +187,6 @@ impl Subject<'_> {
         let edge = |edges: &[Option<f64>]| (0..count).map(|row| edges.get(row).copied().flatten()).collect();
         let confirmed = self.report.map_or(&[][..], |report| &report.confirmed);
         let flat_mu: Option<Vec<f64>> = confirmed.iter().map(|load| load.mu_flat).collect();
-        let laser = task.specimen.layout(*pattern).ok().and_then(|laid| {
-            Some(LaserData {
-                time_s: laser_time_s(&laid, &task.laser)?,
-                areal_density: pattern.areal_density(),
-                depth_um: LENGTH_UM.from_si(pattern.depth_m()),
-                width_power: width_power(pattern.planform(), task.laser.is_mask()),
-            })
-        });
         let face_over_period = self.face_over_period();
         let flat_mu = self.flat_mu.map(<[f64]>::to_vec).or(flat_mu).filter(|all| all.len() == count);
         let among = Among {
@@ -207,8 +221,10 @@ impl Subject<'_> {
             limits: self.limits(),
             burst_um: task.constraints.limits.depth_per_burst_m.map(|m| LENGTH_UM.from_si(m)),
             has_passes: task.laser.bursts_per_pass().is_some(),
-            laser,
+            laser: LaserData::new(task, explorer, pattern),
             closed: CLOSED,
+            unanswered: explorer.unanswered.clone(),
+            unanswered_words: UNANSWERED,
             design: [own.width_um, own.spacing_um, own.depth_um],
             points,
             toml: self.toml.clone(),
@@ -222,6 +238,9 @@ impl Subject<'_> {
         let rims = data.rim.as_ref().map_or_else(String::new, |rim| {
             format!(", their rims from {} to {} times as high as modelled", rim.ends()[0], rim.ends()[1])
         });
+        if error.points == 0 {
+            return "No design drawn at random has an answer to compare it with.".to_owned();
+        }
         let mut words = format!(
             "At the pressures of the table its {quantity} is off that of the steady solver in the same blocks by {} in the median and {} at worst over {} \
              designs drawn at random{rims}.",
@@ -271,7 +290,9 @@ impl Subject<'_> {
         let which =
             if self.report.is_some() || data.has_target() { "within the bounds" } else { "that the sliders reach" };
         let errors = self.errors(&data);
-        let words = format!("What any design {which} would do, by a table of steady solutions. {errors} {corrected}");
+        let times = if self.task.discrepancy { ", times the median factor that trials add" } else { "" };
+        let words =
+            format!("What any design {which} would do, by a table of steady solutions{times}. {errors} {corrected}");
         let words = if data.limits.iter().any(|limit| ["density", "bearing"].contains(&limit.kind)) {
             let of = if self.report.is_some() { "the design found" } else { "the design in the middle of the bounds" };
             let factor = number(data.face_over_period, 4);
