@@ -6,6 +6,7 @@
 //! strip and added in their order, so that results are those of one thread to the last bit.
 
 use std::hint::spin_loop;
+use std::panic::resume_unwind;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::thread::{Scope, ScopedJoinHandle, yield_now};
@@ -26,6 +27,9 @@ enum Turn {
 impl Turn {
     const ALL: [Self; 4] = [Self::Step, Self::BeginDrive, Self::PostForces, Self::Finish];
 }
+
+/// What a thread that panicked has done last: every turn, so that the leader does not wait for it.
+const PANICKED: u64 = u64::MAX;
 
 /// Looks at a word before the thread offers its core to others.
 const SPINS: u32 = 4000;
@@ -213,8 +217,29 @@ impl<'scope, 'a: 'scope, R: Real> StripWorkers<'scope, 'a, R> {
         self.board.wanted.store(number as u64, Ordering::Relaxed);
         self.board.turn.store(self.turn, Ordering::Release);
         self.board.work(wanted, 0, &mut self.own, &mut self.step);
+        self.wait_for_others();
+    }
+
+    /// Waits until the others have done the present turn.
+    ///
+    /// # Panics
+    /// As a thread has that did not.
+    fn wait_for_others(&mut self) {
         for done in &self.board.done {
             wait_until(|| done.load(Ordering::Acquire) >= self.turn);
+        }
+        if self.board.done.iter().any(|done| done.load(Ordering::Relaxed) == PANICKED) {
+            self.pass_panic_on();
+        }
+    }
+
+    /// Ends all threads, of which one has panicked, and panics as that one did.
+    fn pass_panic_on(&mut self) {
+        self.end();
+        for other in self.others.drain(..) {
+            if let Err(panic) = other.join() {
+                resume_unwind(panic);
+            }
         }
     }
 
@@ -263,8 +288,7 @@ impl<'scope, 'a: 'scope, R: Real> StripWorkers<'scope, 'a, R> {
             self.call(Turn::Finish);
         }
         for other in self.others.drain(..) {
-            // A thread that panicked has no strips to give back; the scope passes its panic on.
-            self.own.extend(other.join().unwrap_or_default());
+            self.own.extend(other.join().unwrap_or_else(|panic| resume_unwind(panic)));
         }
     }
 
@@ -275,12 +299,33 @@ impl<'scope, 'a: 'scope, R: Real> StripWorkers<'scope, 'a, R> {
     }
 }
 
+impl<R> StripWorkers<'_, '_, R> {
+    /// Calls the last turn, and waits for nobody.
+    fn end(&self) {
+        let number = Turn::ALL.len() - 1;
+        self.board.wanted.store(number as u64, Ordering::Relaxed);
+        self.board.turn.store(self.turn + 1, Ordering::Release);
+    }
+}
+
 impl<R> Drop for StripWorkers<'_, '_, R> {
     fn drop(&mut self) {
         if !self.others.is_empty() {
-            let number = Turn::ALL.len() - 1;
-            self.board.wanted.store(number as u64, Ordering::Relaxed);
-            self.board.turn.store(self.turn + 1, Ordering::Release);
+            self.end();
+        }
+    }
+}
+
+/// Tells the leader, however the thread that has it ends, which turn that has done last.
+struct Done<'a> {
+    last: &'a AtomicU64,
+    has_finished: bool,
+}
+
+impl Drop for Done<'_> {
+    fn drop(&mut self) {
+        if !self.has_finished {
+            self.last.store(PANICKED, Ordering::Release);
         }
     }
 }
@@ -288,14 +333,50 @@ impl<R> Drop for StripWorkers<'_, '_, R> {
 /// What the other threads do: turn by turn, until told to finish.
 fn follow<'a, R: Real>(board: &Board, thread: usize, first: usize, mut strips: Vec<Strip<'a, R>>) -> Vec<Strip<'a, R>> {
     let (mut turn, mut step) = (0, 0);
+    let mut done = Done { last: &board.done[thread], has_finished: false };
     loop {
         turn += 1;
         wait_until(|| board.turn.load(Ordering::Acquire) >= turn);
         let wanted = Turn::ALL[board.wanted.load(Ordering::Relaxed) as usize];
         board.work(wanted, first, &mut strips, &mut step);
-        board.done[thread].store(turn, Ordering::Release);
+        done.last.store(turn, Ordering::Release);
         if wanted == Turn::Finish {
+            done.has_finished = true;
             return strips;
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::panic::{AssertUnwindSafe, catch_unwind};
+    use std::sync::mpsc;
+    use std::time::Duration;
+
+    use super::*;
+
+    #[test]
+    fn a_thread_that_panics_ends_the_run_with_its_panic() {
+        let (sender, receiver) = mpsc::channel();
+        std::thread::spawn(move || {
+            let found = catch_unwind(AssertUnwindSafe(|| {
+                std::thread::scope(|scope| {
+                    let board = Arc::new(Board::new::<f64>(&[], true, 2));
+                    let others = (0..2).map(|thread| {
+                        let board = Arc::clone(&board);
+                        scope.spawn(move || follow::<f64>(&board, thread, 0, Vec::new()))
+                    });
+                    let others = others.collect();
+                    let mut workers = StripWorkers { board, own: Vec::new(), others, turn: 1, step: 0 };
+                    // No turn: the threads panic where they look it up.
+                    workers.board.wanted.store(Turn::ALL.len() as u64, Ordering::Relaxed);
+                    workers.board.turn.store(1, Ordering::Release);
+                    workers.wait_for_others();
+                });
+            }));
+            let _ = sender.send(found.map_err(|panic| panic.downcast_ref::<String>().cloned()));
+        });
+        let found = receiver.recv_timeout(Duration::from_secs(20)).unwrap();
+        assert!(found.unwrap_err().is_some_and(|said| said.contains("out of bounds")));
     }
 }
