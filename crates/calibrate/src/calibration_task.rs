@@ -11,7 +11,7 @@ use crate::area_law::AreaLawError;
 use crate::fit::{check_speeds, local_static_over_dynamic, seconds};
 use crate::select_measurements::Selection;
 use crate::surface_area_law_source::{SurfaceFindings, surface_findings};
-use crate::trial_discrepancy::{TrialsTask, learn};
+use crate::trial_discrepancy::{TrialsTask, learn, sample_bytes};
 use crate::uncertainty::MaterialUncertainty;
 use crate::{Coefficients, Fit, FitError, Measurement, Problem, fit_coefficients, fitted_material, planned_steps};
 
@@ -233,6 +233,8 @@ impl CalibrationTask {
 /// stop.
 pub fn run(task: &CalibrationTask, monitor: &dyn Monitor) -> Result<CalibrationOutcome, CalibrationError> {
     let heed = || if monitor.cancelled() { Err(CalibrationError::Cancelled) } else { Ok(()) };
+    // Before minutes of the rest, which do not need it.
+    note_memory(sample_bytes(task)?, monitor);
     let measurements = task.selection.flat(task);
     // A modulus in the wrong unit is found before the contact of a map is computed.
     check_speeds(&task.elastic, task.specimen_area_m2, &measurements).map_err(|error| refused(error, &measurements))?;
@@ -285,6 +287,17 @@ fn refused(error: FitError, measurements: &[Measurement]) -> CalibrationError {
             let measurement = error.measurement().and_then(|number| measurements.get(number - 1)).copied();
             CalibrationError::Fit { error, measurement }
         }
+    }
+}
+
+/// Memory from which it is told, in bytes.
+const LARGE_BYTES: f64 = (1_u64 << 30) as f64;
+
+/// Says how much memory the samples take, where that is much.
+fn note_memory(bytes: f64, monitor: &dyn Monitor) {
+    if bytes > LARGE_BYTES {
+        let gib = bytes / LARGE_BYTES;
+        monitor.note(&format!("the strips of a measured sample take about {gib:.1} GiB of memory"));
     }
 }
 

@@ -105,4 +105,5 @@ pub use select_measurements::{Selection, measured_friction};
 pub use surface_area_law_source::{AreaLawOrigin, SurfaceFindings};
 pub use trial_discrepancy::{
     CutSample, CutSpecimen, Learned, LearnedSamples, ModelledRatio, PendingSample, TrialsTask, learn, learn_alone,
+    sample_bytes,
 };

@@ -9,7 +9,7 @@ use slipgrid_export::Specimen;
 use slipgrid_material::{AreaLaw, Elastic, LocalFriction, MaterialError};
 use slipgrid_monitor::Monitor;
 use slipgrid_pattern::{Pattern, ReliefMap};
-use slipgrid_specimen::{SteadyOnFace, nearest_known, time_changes_on};
+use slipgrid_specimen::{SpecimenError, SteadyOnFace, nearest_known, time_changes_on};
 use slipgrid_springblock::{Layer, Load, RunOptions, Scene, steady_ratios};
 use slipgrid_units::PRESSURE_MPA;
 
@@ -124,6 +124,17 @@ impl Model<'_> {
         let own = if self.pattern.texture().is_one_section() { &flat } else { self };
         let Some(scene) = own.face_scene(pairs)? else { return Ok(None) };
         Ok(Some(SteadyOnFace::new(&scene, &own.pattern, cut, monitor)?))
+    }
+
+    /// Memory, in bytes, that [`Self::on`] takes.
+    pub fn bytes_on(&self, cut: &Specimen, pairs: &[Pair]) -> Result<f64, CalibrationError> {
+        let flat = self.lying_flat();
+        let own = if self.pattern.texture().is_one_section() { &flat } else { self };
+        let Some(scene) = own.face_scene(pairs)? else { return Ok(0.0) };
+        SteadyOnFace::bytes(&scene, &own.pattern, cut).map_err(|error| match error {
+            SpecimenError::Scene(error) => error.into(),
+            error => error.into(),
+        })
     }
 
     /// The same without rims, as strips are solved: what rims add is that of the cell.

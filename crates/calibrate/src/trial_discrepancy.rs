@@ -93,6 +93,22 @@ pub fn learn(
     })
 }
 
+/// Memory, in bytes, that modelling the strips of the largest measured sample of `task` takes: samples follow one another.
+///
+/// # Errors
+/// [`CalibrationError`] where one takes more than there is, or means nothing.
+pub fn sample_bytes(task: &CalibrationTask) -> Result<f64, CalibrationError> {
+    let law = (None, &[][..]);
+    let mut most = 0.0_f64;
+    for cut in task.trials.samples.iter().filter(|sample| !sample.measured.is_empty()) {
+        let CutSpecimen { face, thickness_m } = cut.specimen;
+        let Some(face) = &face else { continue };
+        let model = Model { task, law, pattern: cut.pattern, relief: cut.relief.clone(), thickness_m };
+        most = most.max(model.bytes_on(face, &pairs(task, &cut.measured))?);
+    }
+    Ok(most)
+}
+
 /// What a calibration's samples say, and what is modelled of those that were cut and not yet measured.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LearnedSamples {

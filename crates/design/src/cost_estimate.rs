@@ -2,7 +2,9 @@
 
 use slipgrid_export::Specimen;
 use slipgrid_pattern::{Pattern, Planform};
-use slipgrid_springblock::{Expense, RunOptions, Scene, expense};
+use slipgrid_springblock::{
+    Expense, Fidelity, RunOptions, Scene, SceneError, Unwatched, bounded, cell_expense, expense, simulate,
+};
 
 use crate::DesignError;
 use crate::lattice_table::lattice;
@@ -84,8 +86,8 @@ impl MultiFidelityLoop<'_> {
         let count = selection::options(is_guided).count(free, is_guided);
         // Designs lie in the whole space.
         let spread_s = |cell: &dyn Fn(&Pattern) -> Scene| {
-            let own_s = expense(&cell(pattern)).core_s;
-            LOOSE_SHARE * f64::midpoint(own_s, widest.map_or(own_s, |widest| expense(&cell(widest)).core_s))
+            let own_s = cell_expense(&cell(pattern)).core_s;
+            LOOSE_SHARE * f64::midpoint(own_s, widest.map_or(own_s, |widest| cell_expense(&cell(widest)).core_s))
         };
         let guide_s = spread_s(&|design| self.model.cell(design, true));
         let model_s = spread_s(&|design| self.model.cell(design, false));
@@ -120,13 +122,13 @@ impl MultiFidelityLoop<'_> {
         if searched.validate().is_err() || confirmed.validate().is_err() {
             return Ok(());
         }
-        slipgrid_springblock::bounded(&confirmed).map_err(|error| design.refuse_blocks(&error))?;
-        let (cell, run) = (expense(&searched), expense(&confirmed));
+        bounded(&confirmed).map_err(|error| design.refuse_blocks(&error))?;
+        let (cell, run) = (cell_expense(&searched), expense(&confirmed));
         // Searches look at the whole space, where the largest cells cost most.
         let widest = space.pattern([space.width_m()[1], space.spacing_m()[1], pattern.depth_m()]);
         let largest = widest.ok().map(|widest| (widest, self.model.scene(&widest)));
         let (widest, largest) = largest.filter(|(_, scene)| scene.validate().is_ok()).unzip();
-        let spread_s = f64::midpoint(cell.core_s, largest.map_or(cell.core_s, |scene| expense(&scene).core_s));
+        let spread_s = f64::midpoint(cell.core_s, largest.map_or(cell.core_s, |scene| cell_expense(&scene).core_s));
         let threads = rayon::current_num_threads() as f64;
         let search_s = if self.model.is_cheap_per_design() {
             let table = if design.table { lattice(design).0.len() } else { 0 };
@@ -150,6 +152,32 @@ impl MultiFidelityLoop<'_> {
             self.monitor.note(&line);
         }
         Ok(())
+    }
+}
+
+/// Step of the reference integration where a scene names none, in seconds; that of dynamic runs is always stable.
+const REFERENCE_STEP_S: f64 = 1e-9;
+
+/// What solving `scene` takes, as [`cost_line`] says it of this run; nothing where it is refused.
+#[must_use]
+pub fn run_line(scene: &Scene) -> Option<String> {
+    let may_go_on = scene.run.mu_stderr.is_some();
+    let line = cost_line("this run", expense(scene), may_go_on, rayon::current_num_threads())?;
+    (bounded(scene).is_ok() && is_stable(scene)).then_some(line)
+}
+
+/// Whether a run in time takes the step of `scene`.
+fn is_stable(scene: &Scene) -> bool {
+    let is_reference = scene.run.fidelity == Fidelity::Reference;
+    let asked = scene.run.step_s.filter(|_| scene.run.fidelity != Fidelity::Steady);
+    let Some(step_s) = asked.or(is_reference.then_some(REFERENCE_STEP_S)) else { return true };
+    // The largest step is refused with the limit named, before anything is run.
+    let mut probe = scene.clone();
+    probe.run.step_s = Some(f64::MAX);
+    match simulate(&probe, &Unwatched) {
+        Err(SceneError::UnstableStep { limit_s, .. }) => step_s <= limit_s,
+        Err(_) => false,
+        Ok(_) => true,
     }
 }
 

@@ -26,7 +26,7 @@ use crate::task::{DesignTask, KnownMaterial};
 use crate::time_budget::TimeBudget;
 use crate::timings::Timings;
 use slipgrid_monitor::{Monitor, Part, Stage};
-use slipgrid_springblock::{Load, expense};
+use slipgrid_springblock::{Load, cell_expense};
 
 /// Nodes along width, spacing and depth for each factor e between the bounds, and the most of them, in the vertical plane; in space
 /// of large blocks, and of the layer's own.
@@ -284,7 +284,7 @@ fn is_too_dear(design: &DesignTask, model: &SteadyModel) -> bool {
     let nodes = ResponseSurface::nodes(&axes(&design.space, &FINE_NODES));
     let texture = design.space.texture();
     let scenes = nodes.iter().filter_map(|node| Some(model.scene(&pattern(texture, node)?)));
-    let core_s: f64 = scenes.map(|scene| expense(&scene).core_s).sum();
+    let core_s: f64 = scenes.map(|scene| cell_expense(&scene).core_s).sum();
     core_s * (nodes.len() + SPACE_CHECKS) as f64 > MOST_CORE_S * nodes.len() as f64
 }
 

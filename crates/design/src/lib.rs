@@ -114,7 +114,7 @@ pub use slipgrid_pattern as pattern;
 pub use slipgrid_springblock as springblock;
 
 pub use constraint_quantities::ConstraintQuantity;
-pub use cost_estimate::cost_line;
+pub use cost_estimate::{cost_line, run_line};
 pub use design_report::{DesignReport, MisfitReport, Verdict};
 pub use dynamic_excess::correct;
 pub use error::{DesignError, Refusal, TaskPart};
@@ -128,6 +128,7 @@ pub use next_trial::{
 };
 pub use scene_errors::{Solved, of_scene};
 pub use slipgrid_specimen::{SpecimenError, simulate_on};
+pub use slipgrid_springblock::Expense;
 pub use stored_result::{StoredDesign, StoredError};
 pub use task::{
     DEFAULT_MAX_EVALUATIONS, DEFAULT_SPEED_M_S, DesignTask, FurtherDirections, KnownMaterial, MOST_STRAIN,

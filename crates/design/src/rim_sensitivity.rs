@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use slipgrid_optimize::{ModelFailure, Tolerances, with_rim_off};
 use slipgrid_pattern::{Pattern, Rim, RimProfile};
 use slipgrid_results::RimReport;
-use slipgrid_springblock::{Layer, Scene, expense};
+use slipgrid_springblock::{Layer, Scene, cell_expense};
 use slipgrid_units::{LENGTH_UM, PRESSURE_MPA, tidy};
 
 use crate::DesignError;
@@ -95,7 +95,7 @@ pub fn report(
         Ok(Some(RimSensitivityReport { words, ..least.clone() }))
     };
     let cells = if own.is_some() { 4.0 } else { 2.0 };
-    let core_s = cells * expense(&model.scene(asked.design)).core_s;
+    let core_s = cells * cell_expense(&model.scene(asked.design)).core_s;
     if layer.block_m < asked.layer.block_m && core_s > MOST_CORE_S {
         return nothing(&format!("cells in blocks of {} um would take about {core_s:.0} s", least.block_um));
     }

@@ -357,6 +357,16 @@ impl DesignTask {
     /// The refusal of blocks, for what they make of confirming runs.
     #[must_use]
     pub fn refuse_blocks(&self, error: &SceneError) -> Refusal {
+        Self::refuse_cost("confirming runs", error)
+    }
+
+    /// The refusal of blocks, for what they make of the samples that the material is calibrated with.
+    #[must_use]
+    pub fn refuse_samples(&self, error: &SceneError) -> Refusal {
+        Self::refuse_cost("samples of the calibration", error)
+    }
+
+    fn refuse_cost(what: &str, error: &SceneError) -> Refusal {
         let gib = |bytes: f64| bytes / (1_u64 << 30) as f64;
         let days = |seconds: f64| seconds / 86_400.0;
         let (takes, most) = match error {
@@ -368,7 +378,7 @@ impl DesignTask {
             }
             other => return Refusal::new(TaskPart::Whole, other.to_string()),
         };
-        Refusal::new(TaskPart::BlockSize, format!("um makes confirming runs that take about {takes}"))
+        Refusal::new(TaskPart::BlockSize, format!("um makes {what} that take about {takes}"))
             .expected(format!("larger blocks, a smaller layer or specimen, or a higher speed, for at most {most}"))
     }
 

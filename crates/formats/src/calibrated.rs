@@ -4,7 +4,7 @@ use std::path::Path;
 
 use slipgrid_calibrate::area_law::AreaLawError;
 use slipgrid_calibrate::{
-    CalibrationError, CalibrationOutcome, CalibrationTask, LearnedSamples, Selection, measured_friction,
+    CalibrationError, CalibrationOutcome, CalibrationTask, LearnedSamples, Selection, measured_friction, sample_bytes,
 };
 use slipgrid_design::KnownMaterial;
 use slipgrid_material::{Material, Provenance};
@@ -82,28 +82,29 @@ pub fn complete_by(
     task.loads(&measured).map_err(|refused| design.refuse(&refused))?;
     let conditions = task.condition.iter().chain(&task.also_at).copied().collect();
     let selection = Selection { conditions, pressures_pa: task.pressures_pa() };
-    let sample = (task.layer, task.seed);
-    design.task.material = Some(known_material(calibration, &path, files, sample, selection, monitor)?);
+    let asked = calibration.task(files, (task.layer, task.seed), selection, monitor)?;
+    // The blocks are the design's: what they make of the samples is no fault of the calibration.
+    if let Err(CalibrationError::Scene(error)) = sample_bytes(&asked) {
+        return Err(design.refuse(&task.refuse_samples(&error)).into());
+    }
+    design.task.material = Some(known_material(&asked, calibration, &path, monitor)?);
     Ok(())
 }
 
 /// The material that `calibration` gives: recalled as the file that it was written to, or calibrated now.
 fn known_material(
+    task: &CalibrationTask,
     calibration: &Calibration,
     path: &Path,
-    files: &Source,
-    sample: (Layer, u64),
-    selection: Selection,
     monitor: &dyn Monitor,
 ) -> Result<KnownMaterial, Uncalibrated> {
-    let task = calibration.task(files, sample, selection, monitor)?;
-    let memory = monitor.memory().map(|memory| (memory, Key::of("material", &task)));
+    let memory = monitor.memory().map(|memory| (memory, Key::of("material", task)));
     let recalled = memory.as_ref().and_then(|(memory, key)| memory.recall(key));
     if let Some(known) = recalled.and_then(|bytes| read_kept(String::from_utf8(bytes).ok()?)) {
         return Ok(known);
     }
-    let found = outcome(&task, calibration, path, monitor)?;
-    let file = memory.and_then(|(memory, key)| Some((memory, key, material_toml(&task, &found, None).ok()?)));
+    let found = outcome(task, calibration, path, monitor)?;
+    let file = memory.and_then(|(memory, key)| Some((memory, key, material_toml(task, &found, None).ok()?)));
     let known = KnownMaterial { material: found.material, uncertainty: found.uncertainty };
     // Only what reads back as it was written is kept.
     if let Some((memory, key, text)) = file

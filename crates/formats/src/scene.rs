@@ -16,7 +16,7 @@ use super::pattern::{PatternFile, check_depth, read_pattern, require_section};
 use super::relief::read_relief;
 use super::run::{Overrides, RunFile, read_run};
 use super::unusual::{self, with_slip};
-use super::values::{Number, Numbers, PathOr, distinct_pressures, number_span};
+use super::values::{MAX_PRESSURES, Number, Numbers, PathOr, check_count, distinct_pressures, number_span};
 use crate::diagnostic::Diagnostic;
 use crate::source::Source;
 use slipgrid_calibrate::uncertainty::MaterialUncertainty;
@@ -458,6 +458,7 @@ fn read_pressures(
     quantity: Quantity,
     material: &Material,
 ) -> Result<Vec<f64>, Diagnostic> {
+    check_count(document, pressures, MAX_PRESSURES)?;
     let read = distinct_pressures(document, pressures, quantity)?;
     check_pressures(&read, material).map_err(|refused| {
         let place = if let TaskPart::Pressure(place) = refused.part { place } else { 0 };

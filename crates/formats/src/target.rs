@@ -5,7 +5,7 @@ use slipgrid_optimize::{Demand, Goal, Quantity, Target, Wanted};
 use toml::Spanned;
 
 use super::document::Document;
-use super::values::{Numbers, distinct_pressures, for_each};
+use super::values::{MAX_TARGET_PRESSURES, Numbers, check_count, distinct_pressures, for_each};
 use crate::diagnostic::Diagnostic;
 use slipgrid_units::{FRICTION, PRESSURE_MPA, RATIO, TOLERANCE, WEIGHT};
 
@@ -45,6 +45,7 @@ pub fn read_target(document: &Document, file: &Spanned<TargetFile>) -> Result<Ta
     let target = file.get_ref();
     let all = [Quantity::Ratio, Quantity::DynamicFriction];
     let quantity = document.choice(&target.quantity, &all, Quantity::name)?;
+    check_count(document, &target.pressure_mpa, MAX_TARGET_PRESSURES)?;
     let pressures_pa = distinct_pressures(document, &target.pressure_mpa, PRESSURE_MPA)?;
     let range = match quantity {
         Quantity::Ratio => RATIO,

@@ -105,6 +105,25 @@ pub fn distinct_pressures(
     Ok(pressures_pa)
 }
 
+/// Most pressures of a scene: what is said of each takes a millisecond and some kilobytes.
+pub const MAX_PRESSURES: usize = 10_000;
+/// Most pressures of a design: every design of a search is solved at each, and their errors are correlated each with each.
+pub const MAX_TARGET_PRESSURES: usize = 1000;
+
+/// Refuses a list of more than `most` pressures, at the first that is too many.
+///
+/// # Errors
+/// [`Diagnostic`] of that pressure.
+pub fn check_count(document: &Document, pressures: &Spanned<Numbers>, most: usize) -> Result<(), Diagnostic> {
+    match pressures.get_ref() {
+        Numbers::Each(each) if each.len() > most => {
+            let reason = format!("MPa is one of {} pressures", each.len());
+            Err(document.refuse(each[most].span(), reason).expected(format!("at most {most}")))
+        }
+        _ => Ok(()),
+    }
+}
+
 impl Numbers {
     /// The numbers as they are written.
     #[must_use]

@@ -4,8 +4,8 @@ use slipgrid_export::{ExportError, LaidStrip, Layout, Specimen};
 use slipgrid_pattern::Pattern;
 use slipgrid_springblock::{
     Extent, Face, Load, Monitor, RunOptions, Scene, SceneError, Simulation, Status, SteadyCell, SteadySpecimen, Strip,
-    TILT_MEAN, add_tilt, even_speed_m_s, simulate, simulate_specimen, simulate_strip, steady_face_ratios, tilt_changes,
-    time_changes,
+    TILT_MEAN, add_tilt, even_speed_m_s, simulate, simulate_specimen, simulate_strip, steady_face_bytes,
+    steady_face_ratios, tilt_changes, time_changes,
 };
 
 use crate::laid::{Laid, density_share, on_face, share_of};
@@ -220,6 +220,19 @@ impl SteadyOnFace {
         };
         let added = ends.into_iter().zip(tilt).map(|(end, tilt)| Some(end? + TILT_MEAN * tilt.unwrap_or(0.0)));
         Ok(Self { laid, added: added.collect() })
+    }
+
+    /// Memory, in bytes, that [`Self::new`] takes for the equations of the face's strips; 0 where it solves none.
+    ///
+    /// # Errors
+    /// Those of [`Self::new`] that are known before anything is solved.
+    pub fn bytes(scene: &Scene, pattern: &Pattern, specimen: &Specimen) -> Result<f64, SpecimenError> {
+        let scene = on(specimen, pattern, scene);
+        scene.validate()?;
+        if !scene.dimension().takes_strips() {
+            return Ok(0.0);
+        }
+        Ok(steady_face_bytes(&scene, pattern, &face(&specimen.layout(*pattern)?, scene.layer.block_m)?)?)
     }
 
     /// Ends and tilt at the load `place`, beside the share of the face; `None` where strips have no ratio.

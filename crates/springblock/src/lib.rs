@@ -87,8 +87,8 @@ pub use outcome::{
 pub use scene::{Extent, Fidelity, Layer, Load, MOST_BLOCKS, MOST_DRAWS, MOST_ROWS, RunOptions, Scene, Springs};
 pub use simulate::{
     BlockRefinement, Expense, SteadySpecimen, TILT_MEAN, TILT_STD, add_tilt, block_refinement, bounded, can_refine,
-    expense, planned_steps, simulate, simulate_specimen, simulate_strip, steady_face_ratios, steady_ratios,
-    tilt_changes, time_changes,
+    cell_expense, expense, planned_steps, simulate, simulate_specimen, simulate_strip, steady_face_bytes,
+    steady_face_ratios, steady_ratios, tilt_changes, time_changes,
 };
 pub use slipgrid_monitor::{Cancelled, Monitor, Unwatched};
 pub use space::{SpaceBond, SpaceLattice, SpaceLoad, SpaceSpring, SpaceSteadyModel};

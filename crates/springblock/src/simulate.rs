@@ -15,7 +15,7 @@ mod space_strip;
 mod specimen;
 mod statements;
 
-pub use specimen::{SteadySpecimen, simulate_specimen, steady_face_ratios, time_changes};
+pub use specimen::{SteadySpecimen, simulate_specimen, steady_face_bytes, steady_face_ratios, time_changes};
 
 use std::sync::OnceLock;
 
@@ -44,7 +44,7 @@ use statements::{
 };
 
 pub use blocks::{BlockRefinement, block_refinement, can_refine};
-pub use expense::{Expense, bounded, expense};
+pub use expense::{Expense, bounded, cell_expense, expense};
 use pressure_tilt::PressureTilt;
 pub use pressure_tilt::{MEAN as TILT_MEAN, STD as TILT_STD, add_tilt, tilt_changes};
 

@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use slipgrid_design::cost_line;
 use slipgrid_formats::run::Overrides;
 use slipgrid_formats::scene::SceneInput;
 use slipgrid_report::Outputs;
@@ -10,7 +11,6 @@ use slipgrid_springblock::{Expense, Fidelity, Scene};
 use slipgrid_studies::accuracy::{self, Machine, Size};
 use slipgrid_studies::laboratories;
 
-use super::announcement::say;
 use super::date;
 use crate::args::AccuracyArgs;
 use crate::output::{ResultFolder, open};
@@ -51,7 +51,8 @@ pub fn run(args: &AccuracyArgs, console: &mut Console<'_>) -> Result<u8, CliErro
     let seeds = args.seeds.get();
     let wall_s = accuracy::expected_wall_s(size, &base, seeds);
     let expense = Expense { core_s: wall_s * console.threads as f64, wall_s, bytes: 0.0 };
-    say("this comparison", expense, false, console);
+    let line = cost_line("this comparison", expense, false, console.threads);
+    line.iter().for_each(|line| console.note(line));
     let report = accuracy::compare(size, &base, &source, seeds, machine(size), &Job::new(console))?;
     if let Some(folder) = &folder {
         let mut outputs = Outputs::default();

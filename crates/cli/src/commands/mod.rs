@@ -1,7 +1,6 @@
 //! One module a command: read, call the libraries, report.
 
 mod accuracy;
-mod announcement;
 mod area_law;
 mod calibrate;
 mod campaign;

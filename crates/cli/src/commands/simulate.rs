@@ -1,6 +1,5 @@
 //! `simulate`: friction of a given surface at given loads.
 
-use super::announcement::announce;
 use slipgrid_monitor::Stage;
 
 use crate::args::SimulateArgs;
@@ -8,7 +7,7 @@ use crate::interruption::{enter, heed};
 use crate::output::open;
 use crate::progress::Job;
 use crate::{CliError, Console, exit_code};
-use slipgrid_design::simulate_on;
+use slipgrid_design::{run_line, simulate_on};
 use slipgrid_disk::disk;
 use slipgrid_formats::run::Overrides;
 use slipgrid_formats::scene::SceneInput;
@@ -24,7 +23,7 @@ pub fn run(args: &SimulateArgs, console: &mut Console<'_>) -> Result<u8, CliErro
     let overrides = Overrides { fidelity: args.fidelity.map(Into::into), extent: args.extent.map(Into::into) };
     let input = SceneInput::read(&disk(), &args.scene, overrides)?;
     console.warn(&input.told);
-    announce(&input.scene, console);
+    run_line(&input.scene).iter().for_each(|line| console.note(line));
     let (solved, wall_s) = {
         let job = Job::new(console);
         let stage = Stage::new(&job, input.scene.run.fidelity.name(), None);

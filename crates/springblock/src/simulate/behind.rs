@@ -75,21 +75,11 @@ fn is_cell(scene: &Scene) -> bool {
 impl Behind {
     /// What is behind the layer of `scene` under `pattern`.
     pub fn new(scene: &Scene, pattern: &Pattern, monitor: &dyn Monitor) -> Self {
-        let mut thick = scene.clone();
+        let mut thick = Self::cell_of(scene, pattern);
         let extent_m =
             pattern.pitch_m().max(if scene.dimension() == Dimension::Space { pattern.cell_m()[1] } else { 0.0 });
         if !scene.layer.is_backed() {
             thick.layer.thickness_m = Some(scene.layer.height_m + THICK_PERIODS * extent_m);
-        }
-        // Steady cells in space take their time, and blocks hardly change what is far above them.
-        let rows = scene.layer.rows();
-        let is_coarse = scene.dimension() == Dimension::Space
-            && is_cell(scene)
-            && rows.is_multiple_of(2)
-            && rows > 2
-            && pattern.pitch_m() >= COARSE_PERIOD * scene.layer.block_m;
-        if is_coarse {
-            thick.layer.block_m *= 2.0;
         }
         let alone = Scene { layer: thick.layer.alone(), ..thick.clone() };
         let (thick, alone) = rayon::join(|| cells(&thick, pattern, monitor), || cells(&alone, pattern, monitor));
@@ -100,6 +90,20 @@ impl Behind {
         };
         let is_solved = is_cell(scene) && scene.layer.is_backed();
         Self { layer: scene.layer, is_solved, open_by_ends, open_of_difference: 0.0, each }
+    }
+
+    /// The scene whose cells are compared: in blocks twice as large where that serves.
+    pub fn cell_of(scene: &Scene, pattern: &Pattern) -> Scene {
+        // Steady cells in space take their time, and blocks hardly change what is far above them.
+        let rows = scene.layer.rows();
+        let is_coarse = scene.dimension() == Dimension::Space
+            && is_cell(scene)
+            && rows.is_multiple_of(2)
+            && rows > 2
+            && pattern.pitch_m() >= COARSE_PERIOD * scene.layer.block_m;
+        let mut cell = scene.clone();
+        cell.layer.block_m *= if is_coarse { 2.0 } else { 1.0 };
+        cell
     }
 
     /// The same of a face of whose cavities a period's ratio takes `share`.

@@ -6,6 +6,9 @@
 
 use slipgrid_pattern::Pattern;
 
+use super::behind::Behind;
+use super::blocks;
+use super::space::MOST_ESTIMATED_BYTES;
 use super::space_strip::BYTES_PER_BLOCK as STRIP_BYTES_PER_BLOCK;
 use super::{FLAT_CELL_COLUMNS, MOST_FACTOR_BYTES, UNIFORM_COLUMNS};
 use crate::cell::{SteadyCell, condensing_cell};
@@ -13,7 +16,7 @@ use crate::dimension::Dimension;
 use crate::dynamics::{MOST_STEPS, Plan, usual_step_s};
 use crate::error::SceneError;
 use crate::scene::{Extent, Fidelity, Scene, Springs};
-use crate::space::SpaceLattice;
+use crate::space::{MOST_DIRECTIONS, MOST_KEPT, SpaceLattice};
 use crate::steady::{band_products, factor_bytes};
 
 /// Seconds a block and force evaluation, by linear and by exact springs in the plane, and in space.
@@ -23,12 +26,33 @@ const SPACE_S: f64 = 7e-9;
 /// Seconds a product of a band factor, and an entry of it in a solution of its equations.
 const PRODUCT_S: f64 = 2e-10;
 const ENTRY_S: f64 = 5e-10;
+/// Bytes that a point of the interface takes at each load, with its share of the report.
+const BYTES_PER_POINT: f64 = 150.0;
 /// Solutions that a load takes.
 const SOLUTIONS: f64 = 15.0;
-/// Seconds that a column of a steady cell in space takes for each explicit row and load, smooth and with rims or other heights
-/// on its face: the median of cells of squares, discs and crossing grooves of 4 to 200 columns a side is 1.3e-6 and 2.6e-6.
-const SPACE_COLUMN_S: f64 = 2e-6;
-const RAISED_COLUMN_S: f64 = 4e-6;
+/// Seconds that a column of a cell in space takes in a search for each explicit row and load: the median of cells of squares, discs
+/// and crossing grooves of 4 to 200 columns a side is 1.3e-6.
+const SEARCHED_COLUMN_S: f64 = 2e-6;
+/// Seconds that a direction of the solver in space takes for a column and an explicit row, and how many times as many where one side
+/// of the cell has fewer columns than `THIN`: of transforms so short, and of one so long, a number takes longer. Fitted to squares
+/// and discs of 50 to 400 columns a side, and to cells of 1 to 15 by 50 to 5000.
+const SPACE_COLUMN_S: f64 = 4.5e-8;
+const THIN: f64 = 24.0;
+const THIN_TIMES: f64 = 2.9;
+/// Times that, with rims or other heights on the face.
+const RAISED_TIMES: f64 = 2.0;
+/// Seconds that making one number of a new image orthogonal to an older one takes.
+const ORTHOGONAL_S: f64 = 6e-10;
+/// Directions that the first load takes, a + b sqrt(n) for a cavity n blocks wide where it is narrowest: cavities of 3 to 2000 blocks
+/// take 13 to 143. Loads after it take `LATER` of them while all are kept.
+const DIRECTIONS: [f64; 2] = [10.0, 3.0];
+const LATER: f64 = 0.4;
+/// Numbers of a column for each direction kept: its own unknowns with their image and normal force, and those of a cavity above it.
+const NUMBERS_PER_COLUMN: f64 = 3.0;
+const NUMBERS_PER_CAVITY: f64 = 6.0;
+/// Bytes that a column of a cell in space takes for each explicit row, beside the directions that are kept: displacements, spectra
+/// and condensed matrices.
+const CELL_BYTES_PER_BLOCK: f64 = 500.0;
 /// Longest time of one core that is begun, in seconds: a month.
 const MOST_CORE_S: f64 = 30.0 * 86_400.0;
 /// Bytes a block of a run in time, and of one in space with its warm start.
@@ -47,10 +71,32 @@ pub struct Expense {
     pub bytes: f64,
 }
 
+impl Expense {
+    /// What this and then `next` take.
+    #[must_use]
+    pub const fn then(self, next: Self) -> Self {
+        Self { core_s: self.core_s + next.core_s, wall_s: self.wall_s + next.wall_s, bytes: self.bytes.max(next.bytes) }
+    }
+}
+
 /// What solving `scene`, which is valid, takes on rayon's current pool.
 #[must_use]
 pub fn expense(scene: &Scene) -> Expense {
     of_threads(scene, rayon::current_num_threads() as f64)
+}
+
+/// What one steady cell of a search takes, roughly and on the slow side, without what tells how far off it is.
+#[must_use]
+pub fn cell_expense(scene: &Scene) -> Expense {
+    let Some(pattern) = scene.pattern.as_ref().filter(|_| scene.dimension() == Dimension::Space) else {
+        return plane(scene, 1.0);
+    };
+    let model = SteadyCell::solved(scene, Dimension::Space);
+    let [nx, ny] = model.columns(pattern);
+    let explicit = (pattern.depth_m() / scene.layer.block_m).ceil() + 1.0;
+    let raised = if scene.is_raised() { RAISED_TIMES } else { 1.0 };
+    let core_s = nx * ny * explicit * scene.loads.len() as f64 * SEARCHED_COLUMN_S * raised;
+    Expense { core_s, wall_s: core_s, bytes: model.bytes(pattern) }
 }
 
 /// Refuses a scene that takes more memory or time than anybody means to give it, on one thread.
@@ -71,7 +117,7 @@ pub fn bounded(scene: &Scene) -> Result<(), SceneError> {
 fn of_threads(scene: &Scene, threads: f64) -> Expense {
     match (scene.run.fidelity, scene.dimension()) {
         (Fidelity::Steady, Dimension::Space) => space(scene, threads),
-        (Fidelity::Steady, Dimension::Plane) => plane(scene, threads),
+        (Fidelity::Steady, Dimension::Plane) => plane(scene, threads).then(beside_in_plane(scene, threads)),
         (_, dimension) => in_time(scene, dimension == Dimension::Space, threads),
     }
 }
@@ -97,7 +143,9 @@ fn plane(scene: &Scene, threads: f64) -> Expense {
     let (mut core_s, mut bytes) = (0.0, 0.0);
     if let Some(pattern) = scene.pattern.as_ref().filter(|_| is_cell && scene.layer.is_backed()) {
         let (products, bytes) = condensing_cell(pattern, scene.layer.block_m);
-        return Expense { core_s: products * PRODUCT_S, wall_s: products * PRODUCT_S, bytes };
+        let columns = pattern.pitch_m() / scene.layer.block_m;
+        let core_s = products * PRODUCT_S + loads * SOLUTIONS * columns * columns * ENTRY_S;
+        return Expense { core_s, wall_s: core_s, bytes: bytes + loads * columns * BYTES_PER_POINT };
     }
     for columns in surfaces(scene).into_iter().flatten() {
         let own = factor_bytes(columns, rows, is_cell);
@@ -105,8 +153,30 @@ fn plane(scene: &Scene, threads: f64) -> Expense {
         // Of a strip a quarter of a ring's, whose band is twice as wide.
         let products = band_products(columns, rows) * if is_cell { 1.0 } else { 0.25 };
         core_s += products * PRODUCT_S + loads * SOLUTIONS * own / 8.0 * ENTRY_S;
+        bytes += loads * columns as f64 * BYTES_PER_POINT;
     }
     Expense { core_s, wall_s: core_s / threads.min(2.0), bytes }
+}
+
+/// Cells in the plane in other blocks, and over the whole thickness and the layer alone, that tell how far off a ratio is.
+fn beside_in_plane(scene: &Scene, threads: f64) -> Expense {
+    let Some(pattern) = &scene.pattern else { return Expense::default() };
+    let cell = |sized: &Scene| {
+        let columns = pattern.pitch_m() / sized.layer.block_m;
+        let products = SteadyCell::solved(sized, Dimension::Plane).products(pattern);
+        let solutions = sized.loads.len() as f64 * SOLUTIONS * columns * columns;
+        (products, products * PRODUCT_S + solutions * ENTRY_S)
+    };
+    let by = |factor: f64| {
+        let (products, core_s) = cell(&blocks::sized(scene, factor)?);
+        (products < blocks::MOST_PRODUCTS).then_some(core_s)
+    };
+    let half = by(0.5);
+    let quarter = half.and_then(|_| by(0.25));
+    let larger = if quarter.is_some() { None } else { by(2.0) };
+    let sizes_s = [half, quarter, larger].into_iter().flatten().sum::<f64>();
+    let behind_s = 2.0 * cell(scene).1;
+    Expense { core_s: sizes_s + behind_s, wall_s: sizes_s + behind_s / threads.min(2.0), bytes: 0.0 }
 }
 
 /// Columns of a strip of the sample in space, a period of `pattern` wide.
@@ -115,22 +185,65 @@ fn strip_columns(scene: &Scene, pattern: &Pattern) -> f64 {
     scene.layer.columns() as f64 * if pattern.texture().slides_along_rows() { ny } else { nx }
 }
 
-/// Steady sliding in space: one cell or a strip, its loads one after the other.
+/// Steady sliding in space: one cell or a strip, its loads one after the other, and the cells that tell how far off it is.
 fn space(scene: &Scene, threads: f64) -> Expense {
     let Some(pattern) = &scene.pattern else { return Expense::default() };
-    let model = SteadyCell::solved(scene, Dimension::Space);
-    let column_s = if scene.is_raised() { RAISED_COLUMN_S } else { SPACE_COLUMN_S };
-    let loads = scene.loads.len() as f64;
+    let (cell, beside) = (space_cell(scene, pattern), beside(scene, pattern, threads));
     if scene.run.extent == Extent::Strip {
         // Its ends are missing springs from the face to the bulk; the flat one is solved beside it.
-        let blocks = strip_columns(scene, pattern) * (scene.layer.rows() + 1) as f64;
-        let core_s = 2.0 * blocks * loads * column_s;
-        return Expense { core_s, wall_s: core_s / threads.min(2.0), bytes: 2.0 * blocks * STRIP_BYTES_PER_BLOCK };
+        let (columns, rows) = (strip_columns(scene, pattern), (scene.layer.rows() + 1) as f64);
+        let each_s = directions(scene, pattern, 1.0).iter().sum::<f64>() * columns * rows * SPACE_COLUMN_S * THIN_TIMES;
+        let strips = Expense {
+            core_s: 2.0 * each_s,
+            wall_s: 2.0 * each_s / threads.min(2.0),
+            bytes: 2.0 * columns * rows * STRIP_BYTES_PER_BLOCK,
+        };
+        return strips.then(cell).then(beside);
     }
-    let [nx, ny] = model.columns(pattern);
+    cell.then(beside)
+}
+
+/// Directions that the solver in space takes for each load of `scene`, in blocks of `factor` times its own.
+fn directions(scene: &Scene, pattern: &Pattern, factor: f64) -> Vec<f64> {
+    let narrowest_m = pattern.length_m().map_or_else(|| pattern.width_m(), |length_m| length_m.min(pattern.width_m()));
+    let blocks = narrowest_m / (factor * scene.layer.block_m);
+    let [least, by_root] = DIRECTIONS;
+    let first = (least + by_root * blocks.sqrt()).min(MOST_DIRECTIONS as f64);
+    let later = if first * (1.0 + LATER) < MOST_KEPT as f64 { LATER * first } else { first };
+    (0..scene.loads.len()).map(|load| if load == 0 { first } else { later }).collect()
+}
+
+/// One steady cell in space at all loads.
+fn space_cell(scene: &Scene, pattern: &Pattern) -> Expense {
+    let [nx, ny] = SpaceLattice::columns_of(pattern, scene.layer.block_m);
+    let (columns, each) = (nx * ny, directions(scene, pattern, 1.0));
     let explicit = (pattern.depth_m() / scene.layer.block_m).ceil() + 1.0;
-    let core_s = nx * ny * explicit * loads * column_s;
-    Expense { core_s, wall_s: core_s, bytes: model.bytes(pattern) }
+    let all: f64 = each.iter().sum();
+    let kept = all.min(MOST_KEPT as f64);
+    // A direction, its image and its normal forces.
+    let numbers = columns * (NUMBERS_PER_COLUMN + NUMBERS_PER_CAVITY * pattern.areal_density());
+    let thin = if nx.min(ny) < THIN { THIN_TIMES } else { 1.0 };
+    let raised = if scene.is_raised() { RAISED_TIMES } else { 1.0 };
+    let transforms_s = columns * explicit * SPACE_COLUMN_S * thin;
+    let core_s = all * raised * (transforms_s + numbers / 2.0 * kept / 2.0 * ORTHOGONAL_S);
+    let bytes = columns * explicit * CELL_BYTES_PER_BLOCK + numbers * kept * size_of::<f64>() as f64;
+    Expense { core_s, wall_s: core_s, bytes }
+}
+
+/// Cells in space in other blocks, and over the whole thickness and the layer alone, that tell how far off a ratio is.
+fn beside(scene: &Scene, pattern: &Pattern, threads: f64) -> Expense {
+    let is_told = |sized: &Scene| SteadyCell::solved(sized, Dimension::Space).bytes(pattern) < MOST_ESTIMATED_BYTES;
+    let by = |factor: f64| blocks::sized(scene, factor).filter(is_told).map(|sized| space_cell(&sized, pattern));
+    let half = by(0.5);
+    let other = match half {
+        None => [by(2.0), by(4.0)],
+        Some(_) => [half, by(0.25).or_else(|| by(2.0))],
+    };
+    let sizes = other.into_iter().flatten().fold(Expense::default(), Expense::then);
+    let each = space_cell(&Behind::cell_of(scene, pattern), pattern);
+    let both = if threads >= 2.0 { 2.0 } else { 1.0 };
+    let behind = Expense { core_s: 2.0 * each.core_s, wall_s: 2.0 * each.core_s / both, bytes: both * each.bytes };
+    sizes.then(behind)
 }
 
 /// Runs in time: one for each surface, load and draw.
@@ -176,7 +289,11 @@ fn in_time(scene: &Scene, is_spatial: bool, threads: f64) -> Expense {
             core_s += each * columns.len() as f64 * products * PRODUCT_S;
         }
     }
-    Expense { core_s, wall_s: core_s / at_once.max(1.0), bytes }
+    let runs = Expense { core_s, wall_s: core_s / at_once.max(1.0), bytes };
+    // Steady cells go before the runs, and tell how far off they are.
+    let cells = scene.pattern.as_ref().filter(|_| is_spatial);
+    let cells = cells.map(|pattern| space_cell(scene, pattern).then(beside(scene, pattern, threads)));
+    cells.unwrap_or_default().then(runs)
 }
 
 #[cfg(test)]

@@ -196,6 +196,14 @@ impl SteadySpecimen {
     }
 }
 
+/// Memory, in bytes, that [`steady_face_ratios`] takes for the equations of `face`.
+///
+/// # Errors
+/// [`SceneError::TooLarge`] where it refuses them.
+pub fn steady_face_bytes(scene: &Scene, pattern: &Pattern, face: &Face) -> Result<f64, SceneError> {
+    strips::face_bytes(&layer_of(scene).layer, pattern, face)
+}
+
 /// Steady ratios of the face by load, over the thickness that `scene` says, without what tells how far off they are; all `None` once
 /// `monitor` has cancelled.
 ///

@@ -26,11 +26,11 @@ const LINEAR_TOLERANCE: f64 = 0.03;
 /// Reduction of the residual below which a chord is replaced by a tangent.
 const CONTRACTION: f64 = 0.5;
 /// Directions of one load after which the solve gives up.
-const MOST_DIRECTIONS: usize = 600;
+pub(crate) const MOST_DIRECTIONS: usize = 600;
 /// Evaluations of friction after which it does.
 const MOST_EVALUATIONS: usize = 100;
 /// Directions kept: more cost memory and time, fewer lose what was learnt.
-const MOST_KEPT: usize = 160;
+pub(crate) const MOST_KEPT: usize = 160;
 /// Relative step of the slope of friction.
 const SLOPE_STEP: f64 = 1e-6;
 /// Rounds of lifting and landing blocks after which unilateral contact gives up.

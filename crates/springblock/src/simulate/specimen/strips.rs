@@ -89,6 +89,60 @@ pub fn without_slivers(mut strip: Strip, depth_m: f64, block_m: f64) -> Strip {
     strip
 }
 
+/// A part of a face before it is solved: the band of its strip, its area, that of its cavities, and its lattice.
+type Planned = (usize, f64, f64, Lattice);
+
+/// The parts of `face` in blocks of `layer`, and how many of its strips are shortened.
+fn planned(layer: &Layer, pattern: &Pattern, face: &Face) -> (Vec<Planned>, usize) {
+    let (block_m, rows) = (layer.block_m, layer.rows());
+    let blocks = |strip: &Strip| -> Vec<[f64; 2]> {
+        strip.cavities_m.iter().map(|ends_m| ends_m.map(|at_m| at_m / block_m)).collect()
+    };
+    // To a billionth of a row: what decimals in files leave behind is gone.
+    let depth = (pattern.depth_m() / block_m * 1e9).round() * 1e-9;
+    let mut planned: Vec<Planned> = Vec::new();
+    let mut count = 0;
+    for strip in face.strips() {
+        let (kept, out_m) = shortened(strip, layer);
+        let cavity_m2 = |strip: &Strip| strip.cavity_length_m() * strip.width_m;
+        let bearing = without_slivers(kept.clone(), pattern.depth_m(), block_m);
+        let ends = Lattice::new(columns::strip(kept.length_m / block_m, &blocks(&bearing), depth), rows, false);
+        planned.push((strip.band, kept.area_m2(), cavity_m2(&kept), ends));
+        if out_m > 0.0 {
+            count += 1;
+            let middle = if kept.cavities_m.is_empty() {
+                columns::flat(UNIFORM_COLUMNS)
+            } else {
+                columns::cell(pattern, block_m)
+            };
+            let cavity_area_m2 = cavity_m2(strip) - cavity_m2(&kept);
+            planned.push((strip.band, out_m * strip.width_m, cavity_area_m2, Lattice::new(middle, rows, true)));
+        }
+    }
+    (planned, count)
+}
+
+fn bytes_of(planned: &[Planned]) -> f64 {
+    planned.iter().map(|(.., lattice)| factor_bytes(lattice.nx(), lattice.ny(), lattice.is_periodic())).sum()
+}
+
+/// Refuses parts of a face whose equations, all together, do not fit in memory.
+fn affordable(planned: &[Planned]) -> Result<f64, SceneError> {
+    let bytes = bytes_of(planned);
+    if bytes > MOST_FACTOR_BYTES {
+        return Err(SceneError::TooLarge { bytes, most_bytes: MOST_FACTOR_BYTES });
+    }
+    Ok(bytes)
+}
+
+/// Memory, in bytes, of the equations of `face` in blocks of `layer`.
+///
+/// # Errors
+/// [`SceneError::TooLarge`], as solving it.
+pub fn face_bytes(layer: &Layer, pattern: &Pattern, face: &Face) -> Result<f64, SceneError> {
+    affordable(&planned(layer, &without_rim(pattern), face).0)
+}
+
 impl SteadyFace {
     /// `None` once `monitor` has cancelled.
     pub fn new(
@@ -98,37 +152,10 @@ impl SteadyFace {
         face: &Face,
         monitor: &dyn Monitor,
     ) -> Result<Option<Self>, SceneError> {
-        let (block_m, rows) = (scene.layer.block_m, scene.layer.rows());
         // Strips lie flat: what rims add is that of the cell.
         let pattern = &without_rim(pattern);
-        let blocks = |strip: &Strip| -> Vec<[f64; 2]> {
-            strip.cavities_m.iter().map(|ends_m| ends_m.map(|at_m| at_m / block_m)).collect()
-        };
-        // To a billionth of a row: what decimals in files leave behind is gone.
-        let depth = (pattern.depth_m() / block_m * 1e9).round() * 1e-9;
-        let mut planned: Vec<(usize, f64, f64, Lattice)> = Vec::new();
-        let mut count = 0;
-        for strip in face.strips() {
-            let (kept, out_m) = shortened(strip, &scene.layer);
-            let cavity_m2 = |strip: &Strip| strip.cavity_length_m() * strip.width_m;
-            let bearing = without_slivers(kept.clone(), pattern.depth_m(), block_m);
-            let ends = Lattice::new(columns::strip(kept.length_m / block_m, &blocks(&bearing), depth), rows, false);
-            planned.push((strip.band, kept.area_m2(), cavity_m2(&kept), ends));
-            if out_m > 0.0 {
-                count += 1;
-                let middle = if kept.cavities_m.is_empty() {
-                    columns::flat(UNIFORM_COLUMNS)
-                } else {
-                    columns::cell(pattern, block_m)
-                };
-                let cavity_area_m2 = cavity_m2(strip) - cavity_m2(&kept);
-                planned.push((strip.band, out_m * strip.width_m, cavity_area_m2, Lattice::new(middle, rows, true)));
-            }
-        }
-        let bytes = planned.iter().map(|(.., lattice)| factor_bytes(lattice.nx(), rows, lattice.is_periodic())).sum();
-        if bytes > MOST_FACTOR_BYTES {
-            return Err(SceneError::TooLarge { bytes, most_bytes: MOST_FACTOR_BYTES });
-        }
+        let (planned, count) = planned(&scene.layer, pattern, face);
+        affordable(&planned)?;
         let pieces: Option<Vec<Piece>> = planned
             .into_par_iter()
             .map(|(band, area_m2, cavity_area_m2, lattice)| {
