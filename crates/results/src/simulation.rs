@@ -331,12 +331,18 @@ impl SimulationReport {
         if let Some(corrected) = &self.discrepancy {
             text += &corrected.text();
         }
-        let blocks = unresolved(&self.results, self.block_um);
-        for doubt in self.material.doubts().chain(warnings(&self.results)).chain(blocks) {
+        for doubt in self.doubts() {
             text += &format!("! {doubt}\n");
         }
         text += &format!("\n{:.3} s on {} threads\n", self.wall_s, self.threads);
         text
+    }
+
+    /// What makes the material or the results doubtful, one sentence each.
+    #[must_use]
+    pub fn doubts(&self) -> Vec<String> {
+        let blocks = unresolved(&self.results, self.block_um);
+        self.material.doubts().chain(warnings(&self.results)).chain(blocks).collect()
     }
 
     /// How far the size of blocks moves the ratio.

@@ -19,7 +19,7 @@ impl DesignReport {
             self.friction_text(),
             self.found_beside(),
             self.out_of_reach(),
-            self.doubts(),
+            self.notes_text(),
             self.cost(),
         ]
         .concat()
@@ -49,7 +49,7 @@ impl DesignReport {
             let _ = writeln!(text, "  {line}");
         }
         // Loads beyond what was measured make the chance itself doubtful.
-        if let Some(line) = beyond_measured_range(&self.beyond_mpa(), self.measured_mpa) {
+        if let Some(line) = self.beyond_range() {
             let _ = writeln!(text, "! {line}");
         }
         text += &self.advice.as_ref().map_or_else(String::new, |advice| advice.text());
@@ -160,21 +160,30 @@ impl DesignReport {
         text
     }
 
-    /// What is doubtful, marked `!`; what was modelled and what was not.
-    fn doubts(&self) -> String {
+    /// Pressures of the target outside the measured range.
+    fn beyond_range(&self) -> Option<String> {
+        beyond_measured_range(&self.beyond_mpa(), self.measured_mpa)
+    }
+
+    /// What makes the design doubtful, one sentence each: the lines that the text marks with `!`.
+    #[must_use]
+    pub fn doubts(&self) -> Vec<String> {
+        self.beyond_range().into_iter().chain(self.other_doubts()).collect()
+    }
+
+    fn other_doubts(&self) -> impl Iterator<Item = String> {
         let laser = self.of_laser().map(|warning| format!("laser: {warning}"));
         let beyond = beyond_measured(&self.beyond_mpa());
         let loads = slipgrid_results::warnings(&self.confirmed);
-        let loads = loads.into_iter().filter(|warning| Some(warning) != beyond.as_ref());
+        let loads = loads.into_iter().filter(move |warning| Some(warning) != beyond.as_ref());
+        let violations = self.violations.iter().cloned();
+        self.material.doubts().chain(violations).chain(laser).chain(loads).chain(self.unresolved())
+    }
+
+    /// Doubts, marked `!`; what was modelled and what was not.
+    fn notes_text(&self) -> String {
         let mut text = String::new();
-        for doubt in self
-            .material
-            .doubts()
-            .chain(self.violations.iter().cloned())
-            .chain(laser)
-            .chain(loads)
-            .chain(self.unresolved())
-        {
+        for doubt in self.other_doubts() {
             let _ = writeln!(text, "! {doubt}");
         }
         let stated = self.model.iter().map(String::as_str);

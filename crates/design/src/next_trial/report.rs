@@ -320,6 +320,20 @@ impl NextReport {
         Some(words)
     }
 
+    /// What makes the samples doubtful, one sentence each: the lines that the text marks with `!`.
+    #[must_use]
+    pub fn doubts(&self) -> Vec<String> {
+        self.material_doubts().chain(self.laser_doubts()).collect()
+    }
+
+    fn material_doubts(&self) -> impl Iterator<Item = String> {
+        self.beyond_measured.clone().into_iter().chain(self.material.doubts())
+    }
+
+    fn laser_doubts(&self) -> impl Iterator<Item = String> {
+        self.warnings.iter().map(|warning| format!("laser: {warning}"))
+    }
+
     /// The samples in words.
     #[must_use]
     pub fn text(&self) -> String {
@@ -338,8 +352,7 @@ impl NextReport {
         } else {
             format!("cut it as a trial: {} chance that a cut sample is on target\n", chance(greatest))
         };
-        let doubts = self.beyond_measured.clone().into_iter().chain(self.material.doubts());
-        doubts.for_each(|doubt| text += &format!("! {doubt}\n"));
+        self.material_doubts().for_each(|doubt| text += &format!("! {doubt}\n"));
         if self.material.synthetic_surface {
             text += &format!("{SYNTHETIC_SURFACE}\n");
         }
@@ -359,7 +372,7 @@ impl NextReport {
         if !self.why.is_empty() {
             text += &format!("why the first: {}\n", self.why);
         }
-        self.warnings.iter().for_each(|warning| text += &format!("! laser: {warning}\n"));
+        self.laser_doubts().for_each(|doubt| text += &format!("! {doubt}\n"));
         text + &self.one_disc.as_ref().map_or_else(String::new, OneDiscReport::text)
     }
 }
