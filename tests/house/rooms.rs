@@ -44,7 +44,7 @@ const PYTHON: &str = "python";
 /// Lines that the command line has at most.
 const MOST_LINES: usize = 4000;
 /// What reaches outside: files, clocks, the environment, the console, processes and a pool of threads for all.
-const OUTSIDE: [&str; 21] = [
+const OUTSIDE: [&str; 22] = [
     "std::fs",
     "File::open",
     "File::create",
@@ -65,6 +65,7 @@ const OUTSIDE: [&str; 21] = [
     "io::stderr",
     "std::process",
     "build_global",
+    "rayon::spawn",
     "available_parallelism",
 ];
 
@@ -125,6 +126,51 @@ fn libraries_touch_nothing_outside() {
                 let touched = OUTSIDE.into_iter().find(|outside| code.contains(outside));
                 assert!(touched.is_none(), "{}:{line}: {}", file.display(), touched.unwrap_or_default());
             }
+        }
+    }
+}
+
+/// Rooms that read files and hold values: callers have no thread pool then, and rayon's own would outlive the call and not survive a
+/// fork.
+const WITHOUT_THREADS: [&str; 13] = [
+    "monitor",
+    "units",
+    "statistics",
+    "fft",
+    "material",
+    "pattern",
+    "topography",
+    "traces",
+    "export",
+    "specimen",
+    "results",
+    "formats",
+    "disk",
+];
+/// A file that reading needs, in a room that has threads.
+const SEQUENTIAL: &str = "discrepancy/src/mixture.rs";
+/// Files of Python's room that release the interpreter: all others compute through these, in the pool of the process.
+const DETACHING: [&str; 3] = ["threads.rs", "watched.rs", "written.rs"];
+
+#[test]
+fn nothing_uses_a_pool_that_no_front_door_has_made() {
+    let crates = root().join("crates");
+    let manifests = WITHOUT_THREADS.map(|room| crates.join(room).join("Cargo.toml"));
+    for file in manifests.into_iter().chain([crates.join(SEQUENTIAL)]) {
+        assert!(!fs::read_to_string(&file).unwrap().contains("rayon"), "{}", file.display());
+    }
+    let mut files = Vec::new();
+    sources(&crates.join(PYTHON).join("src"), &mut files);
+    files.retain(|file| !DETACHING.iter().any(|name| file.ends_with(name)));
+    assert!(files.len() > DETACHING.len());
+    for file in files {
+        let text = fs::read_to_string(&file).unwrap();
+        for (line, code) in code(&text) {
+            assert!(
+                !code.contains(".detach("),
+                "{}:{line}: expected threads::detached or threads::in_pool",
+                file.display()
+            );
         }
     }
 }

@@ -1,7 +1,5 @@
 //! The mixture of all forms after the trials.
 
-use rayon::prelude::*;
-
 use crate::rows::Basis;
 use crate::{
     Conditions, DimensionShift, DiscrepancyError, Features, Form, Hyperparameters, Load, Measured, Predictor, Trial,
@@ -94,8 +92,9 @@ impl Discrepancy {
         for (scatter, weight) in found.scatters() {
             let noise = found.noise(scatter, &|_, _| 0.0);
             let whitened = found.whitened(&noise).ok_or(DiscrepancyError::Singular)?;
+            // One after the other: files are read so, by callers that have no thread pool.
             let at_scatter = members(&hyper, (scatter, weight))
-                .into_par_iter()
+                .into_iter()
                 .map(|member| found.fit_as_made(member, &whitened))
                 .collect::<Option<Vec<_>>>();
             fitted.extend(at_scatter.ok_or(DiscrepancyError::Singular)?);
