@@ -18,6 +18,8 @@ use slipgrid::results::json;
 
 use crate::copied::{Anchored, Contents, Origin};
 use crate::refused;
+use crate::threads::{detached, in_pool};
+use crate::told::warn_of;
 use crate::watched::watched;
 
 /// Seed of the flat sample's local coefficients.
@@ -47,10 +49,13 @@ pub struct Fitted {
 }
 
 impl Calibration {
-    fn of(py: Python<'_>, origin: Origin) -> PyResult<Self> {
-        let read = py.detach(|| Read::from_document(&origin.document(FileKind::Calibration)?));
+    fn of(py: Python<'_>, origin: Origin, warns: bool) -> PyResult<Self> {
+        let read = in_pool(py, || Read::from_document(&origin.document(FileKind::Calibration)?))?;
         let read = read.map_err(|error| refused::input(py, &error))?;
         let inputs = origin.inputs(&read.inputs);
+        if warns {
+            warn_of(py, &read.told)?;
+        }
         Ok(Self { read, inputs, origin })
     }
 }
@@ -62,20 +67,22 @@ impl Calibration {
     #[new]
     #[pyo3(signature = (text, path, is_file=false, files=None))]
     fn new(py: Python<'_>, text: String, path: PathBuf, is_file: bool, files: Option<Contents>) -> PyResult<Self> {
-        Self::of(py, Origin::new(text, path, is_file, files))
+        // A copy was told of when it was made.
+        let warns = files.is_none();
+        Self::of(py, Origin::new(text, path, is_file, files), warns)
     }
 
     /// The calibration file at `path`.
     #[staticmethod]
     fn read(py: Python<'_>, path: PathBuf) -> PyResult<Self> {
-        let origin = py.detach(|| Origin::read(path, FileKind::Calibration));
-        Self::of(py, origin.map_err(|error| refused::input(py, &error))?)
+        let origin = detached(py, || Origin::read(path, FileKind::Calibration))?;
+        Self::of(py, origin.map_err(|error| refused::input(py, &error))?, true)
     }
 
     /// What `pickle` and `copy` make the same calibration of, anywhere.
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyType>, Parts<'_>)> {
         let Origin { text, path, is_file, .. } = &self.origin;
-        let files = py.detach(|| self.origin.contents()).map_err(|error| refused::input(py, &error))?;
+        let files = detached(py, || self.origin.contents())?.map_err(|error| refused::input(py, &error))?;
         Ok((py.get_type::<Self>(), (text, path.clone().into(), *is_file, files)))
     }
 
@@ -96,6 +103,7 @@ impl Calibration {
             Ok((task, outcome, ledger))
         })?;
         let (task, outcome, ledger) = found.map_err(|error: Uncalibrated| refused::uncalibrated(py, &error))?;
+        warn_of(py, &outcome.material.provenance.warnings)?;
         let (read, path, inputs) = (self.read.clone(), self.origin.path.clone(), self.inputs.clone());
         Ok(Fitted { read, path, disk: self.origin.disk.clone(), inputs, task, outcome, ledger })
     }
@@ -110,9 +118,11 @@ impl Calibration {
                 .with_pending(&learned)
                 .with_warnings(self.read.doubts.clone());
             let record = json(&report).map_err(|error| Uncalibrated::Failed(error.to_string()))?;
-            Ok([record, report.text()])
+            Ok(([record, report.text()], report.warnings))
         })?;
-        found.map_err(|error: Uncalibrated| refused::uncalibrated(py, &error))
+        let (found, warnings) = found.map_err(|error: Uncalibrated| refused::uncalibrated(py, &error))?;
+        warn_of(py, &warnings)?;
+        Ok(found)
     }
 }
 
@@ -125,7 +135,8 @@ impl Fitted {
             let output = self.disk.seen_from_there(output);
             MadeFrom::new(&self.read, &self.path, &output, &self.disk.source())
         });
-        material_toml(&self.task, &self.outcome, made_from).map_err(|error| refused::failed(py, &error.to_string()))
+        let text = in_pool(py, || material_toml(&self.task, &self.outcome, made_from))?;
+        text.map_err(|error| refused::failed(py, &error.to_string()))
     }
 
     /// Files that it was made from.
@@ -136,17 +147,23 @@ impl Fitted {
 
     /// The fit as fit.json holds it.
     fn fit_json(&self, py: Python<'_>) -> PyResult<String> {
-        fit_json(&self.task, &self.outcome).map_err(|error| refused::failed(py, &error.to_string()))
+        in_pool(py, || fit_json(&self.task, &self.outcome))?.map_err(|error| refused::failed(py, &error.to_string()))
     }
 
     /// In words, as the command line prints it.
-    fn text(&self) -> String {
-        summary(&self.read, &self.task, &self.outcome, self.ledger.as_ref())
+    fn text(&self, py: Python<'_>) -> PyResult<String> {
+        in_pool(py, || summary(&self.read, &self.task, &self.outcome, self.ledger.as_ref()))
+    }
+
+    /// What is doubtful in the measurements and in the material, one sentence each.
+    #[getter]
+    fn warnings(&self) -> Vec<String> {
+        [self.read.told.clone(), self.outcome.material.provenance.warnings.clone()].concat()
     }
 
     /// Everything that the command line writes of the fit, by name.
     fn files(&self, py: Python<'_>) -> PyResult<Vec<(String, Vec<u8>)>> {
-        let outputs = files(&self.read, &self.task, &self.outcome, self.ledger.as_ref());
+        let outputs = in_pool(py, || files(&self.read, &self.task, &self.outcome, self.ledger.as_ref()))?;
         crate::designs::contents(py, &outputs.map_err(|error| refused::failed(py, &error.to_string()))?)
     }
 }

@@ -3,7 +3,7 @@
 use std::ffi::OsString;
 use std::ops::RangeInclusive;
 use std::path::PathBuf;
-use std::sync::Mutex;
+use std::sync::{Mutex, PoisonError};
 
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
@@ -11,7 +11,7 @@ use pyo3::types::PyType;
 use slipgrid::design::{
     DesignError, DesignOutcome, NextOptions, NextTrials, NoCache, explore_bounds, next_trials, run,
 };
-use slipgrid::formats::calibrated::{Uncalibrated, complete, read_calibration};
+use slipgrid::formats::calibrated::{Uncalibrated, complete_by, read_calibration};
 use slipgrid::formats::calibration::Calibration;
 use slipgrid::formats::confirmed_scene::steady_scene;
 use slipgrid::formats::file_kind::FileKind;
@@ -24,6 +24,8 @@ use slipgrid::results::{json, json_and_timings};
 use crate::copied::{Contents, Origin};
 use crate::given::{counted, shown};
 use crate::refused;
+use crate::threads::{detached, in_pool};
+use crate::told::warn_of;
 use crate::watched::{Watch, watched};
 
 /// How many samples to cut next may be asked for.
@@ -35,7 +37,8 @@ pub struct Design {
     read: Read,
     inputs: Vec<PathBuf>,
     origin: Origin,
-    /// With its material, once it was calibrated, and the calibration.
+    /// With its material, once it was calibrated, and the calibration. Never held while anything is computed: a thread of the pool
+    /// that waits for others takes up other calls meanwhile, which may want it.
     completed: Mutex<Option<(Read, Option<Calibration>)>>,
 }
 
@@ -46,6 +49,7 @@ type Parts<'a> = (&'a str, OsString, bool, Contents);
 #[pyclass(frozen, module = "slipgrid")]
 pub struct Designed {
     found: DesignOutcome,
+    warnings: Vec<String>,
     inputs: Vec<PathBuf>,
 }
 
@@ -53,6 +57,7 @@ pub struct Designed {
 #[pyclass(frozen, module = "slipgrid")]
 pub struct NextSamples {
     found: NextTrials,
+    warnings: Vec<String>,
 }
 
 /// Why a job has no result.
@@ -72,23 +77,44 @@ pub fn contents(py: Python<'_>, outputs: &Outputs) -> PyResult<Vec<(String, Vec<
 }
 
 impl Design {
-    fn of(py: Python<'_>, origin: Origin) -> PyResult<Self> {
-        let read = py.detach(|| Read::from_document(origin.document(FileKind::Design)?));
+    fn of(py: Python<'_>, origin: Origin, warns: bool) -> PyResult<Self> {
+        let read = in_pool(py, || Read::from_document(origin.document(FileKind::Design)?))?;
         let read = read.map_err(|error| refused::input(py, &error))?;
         let inputs = origin.inputs(&read.inputs);
-        Ok(Self { read, inputs, origin, completed: Mutex::new(None) })
+        let made = Self { read, inputs, origin, completed: Mutex::new(None) };
+        if warns {
+            warn_of(py, &made.warnings())?;
+        }
+        Ok(made)
     }
 
     /// The design with its material: calibrated once.
     fn completed(&self, watch: &Watch) -> Result<(Read, Option<Calibration>), Uncalibrated> {
-        let mut known = self.completed.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
-        if let Some(known) = known.as_ref() {
+        let known = || self.completed.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(known) = known().as_ref() {
             return Ok(known.clone());
         }
-        let mut read = self.read.clone();
-        let calibration = complete(&mut read, &self.origin.source(), watch)?;
-        *known = Some((read.clone(), calibration.clone()));
+        let (mut read, files) = (self.read.clone(), self.origin.source());
+        let calibration = read_calibration(&read, &files)?;
+        if let Some(calibration) = &calibration {
+            // Before anything is computed: it may be why that is refused.
+            watch.warn(calibration.told.iter().cloned());
+            complete_by(&mut read, calibration, &files, watch)?;
+        }
+        *known() = Some((read.clone(), calibration.clone()));
         Ok((read, calibration))
+    }
+
+    /// What is unusual in the design and in what it reads; `completed` is the design with its material.
+    fn told(&self, completed: &Read, calibration: Option<&Calibration>) -> Vec<String> {
+        let of_material = calibration.map(|calibration| calibration.told.clone()).unwrap_or_default();
+        let strained = calibration.and_then(|_| completed.strained()).map(|strained| strained.to_string());
+        self.warnings().into_iter().chain(of_material).chain(strained).collect()
+    }
+
+    /// Warns of those of `warnings` that reading the design did not tell yet.
+    fn warn_of_found(&self, py: Python<'_>, warnings: &[String]) -> PyResult<()> {
+        warn_of(py, &warnings[self.read.told.len().min(warnings.len())..])
     }
 
     fn undone(&self, py: Python<'_>, undone: &Undone) -> PyErr {
@@ -106,24 +132,26 @@ impl Design {
     #[new]
     #[pyo3(signature = (text, path, is_file=false, files=None))]
     fn new(py: Python<'_>, text: String, path: PathBuf, is_file: bool, files: Option<Contents>) -> PyResult<Self> {
-        Self::of(py, Origin::new(text, path, is_file, files))
+        // A copy was told of when it was made.
+        let warns = files.is_none();
+        Self::of(py, Origin::new(text, path, is_file, files), warns)
     }
 
     /// The design file at `path`.
     #[staticmethod]
     fn read(py: Python<'_>, path: PathBuf) -> PyResult<Self> {
-        let origin = py.detach(|| Origin::read(path, FileKind::Design));
-        Self::of(py, origin.map_err(|error| refused::input(py, &error))?)
+        let origin = detached(py, || Origin::read(path, FileKind::Design))?;
+        Self::of(py, origin.map_err(|error| refused::input(py, &error))?, true)
     }
 
     /// What `pickle` and `copy` make the same design of, anywhere.
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyType>, Parts<'_>)> {
         let Origin { text, path, is_file, .. } = &self.origin;
-        let files = py.detach(|| {
+        let files = in_pool(py, || {
             // The files of a calibration are read when it is needed, which a copy may do elsewhere.
             read_calibration(&self.read, &self.origin.source())?;
             self.origin.contents()
-        });
+        })?;
         let files = files.map_err(|error| refused::input(py, &error))?;
         Ok((py.get_type::<Self>(), (text, path.clone().into(), *is_file, files)))
     }
@@ -144,23 +172,33 @@ impl Design {
     #[pyo3(signature = (progress=None))]
     fn optimize(&self, py: Python<'_>, progress: Option<&Bound<'_, PyAny>>) -> PyResult<Designed> {
         let found = watched(py, progress, |watch| {
-            let (mut read, _) = self.completed(watch).map_err(Undone::Calibration)?;
+            let (mut read, calibration) = self.completed(watch).map_err(Undone::Calibration)?;
+            let mut warnings = self.told(&read, calibration.as_ref());
             read.task.explorer = true;
-            run(&read.task, &mut NoCache, watch).map_err(Undone::Design)
+            let found = run(&read.task, &mut NoCache, watch).map_err(Undone::Design)?;
+            warnings.extend(found.report.doubts());
+            Ok(Designed { found, warnings, inputs: self.inputs.clone() })
         })?;
-        Ok(Designed { found: found.map_err(|undone| self.undone(py, &undone))?, inputs: self.inputs.clone() })
+        let found = found.map_err(|undone| self.undone(py, &undone))?;
+        self.warn_of_found(py, &found.warnings)?;
+        Ok(found)
     }
 
     /// A page with sliders: what any design within the bounds does, before a search.
     #[pyo3(signature = (progress=None))]
     fn explore_html(&self, py: Python<'_>, progress: Option<&Bound<'_, PyAny>>) -> PyResult<String> {
         let found = watched(py, progress, |watch| {
-            let (read, _) = self.completed(watch).map_err(Undone::Calibration)?;
-            explore_bounds(&read.task, watch).map_err(Undone::Design)
+            let (read, calibration) = self.completed(watch).map_err(Undone::Calibration)?;
+            let mut warnings = self.told(&read, calibration.as_ref());
+            let found = explore_bounds(&read.task, watch).map_err(Undone::Design)?;
+            warnings.extend(found.doubts());
+            let scene = steady_scene(&found.task, &found.material, &found.loads, &found.pattern);
+            let scene = scene.map_err(|error| Undone::Design(DesignError::Failed(error.to_string())))?;
+            Ok((exploration(&found, scene), warnings))
         })?;
-        let found = found.map_err(|undone| self.undone(py, &undone))?;
-        let scene = steady_scene(&found.task, &found.material, &found.loads, &found.pattern);
-        Ok(exploration(&found, scene.map_err(|error| refused::failed(py, &error.to_string()))?))
+        let (page, warnings) = found.map_err(|undone| self.undone(py, &undone))?;
+        self.warn_of_found(py, &warnings)?;
+        Ok(page)
     }
 
     /// The `count` samples to cut next; `candidates_um` are patterns of one's own, whose chance is asked for.
@@ -185,12 +223,17 @@ impl Design {
         let own: Vec<Pattern> = own.collect::<PyResult<_>>()?;
         let found = watched(py, progress, |watch| {
             let (read, calibration) = self.completed(watch).map_err(Undone::Calibration)?;
+            let mut warnings = self.told(&read, calibration.as_ref());
             let samples = calibration.map_or_else(Vec::new, |calibration| calibration.trials.samples);
             let pending = samples.iter().filter(|cut| cut.measured.is_empty()).map(|cut| cut.pattern).collect();
-            next_trials(&read.task, &NextOptions { count, pending, own, one_disc: false, discs: Vec::new() }, watch)
-                .map_err(Undone::Design)
+            let options = NextOptions { count, pending, own, one_disc: false, discs: Vec::new() };
+            let found = next_trials(&read.task, &options, watch).map_err(Undone::Design)?;
+            warnings.extend(found.report.doubts());
+            Ok(NextSamples { found, warnings })
         })?;
-        Ok(NextSamples { found: found.map_err(|undone| self.undone(py, &undone))? })
+        let found = found.map_err(|undone| self.undone(py, &undone))?;
+        self.warn_of_found(py, &found.warnings)?;
+        Ok(found)
     }
 }
 
@@ -202,8 +245,14 @@ impl Designed {
     }
 
     /// In words, as the command line prints it.
-    fn text(&self) -> String {
-        self.found.report.summary()
+    fn text(&self, py: Python<'_>) -> PyResult<String> {
+        in_pool(py, || self.found.report.summary())
+    }
+
+    /// What is doubtful in the input and in what was found, one sentence each.
+    #[getter]
+    fn warnings(&self) -> Vec<String> {
+        self.warnings.clone()
     }
 
     /// Files that it was made from.
@@ -214,11 +263,11 @@ impl Designed {
 
     /// Everything that the command line writes, by name.
     fn files(&self, py: Python<'_>) -> PyResult<Vec<(String, Vec<u8>)>> {
-        let outputs = py.detach(|| {
+        let outputs = in_pool(py, || {
             let mut outputs = files::of_design(&self.found)?;
             files::add_report(&self.found, &mut outputs)?;
             Ok::<_, slipgrid::report::ReportError>(outputs)
-        });
+        })?;
         contents(py, &outputs.map_err(|error| refused::failed(py, &error.to_string()))?)
     }
 
@@ -229,9 +278,12 @@ impl Designed {
             let names: Vec<&str> = LaserFile::EACH.iter().map(|own| own.described()[0]).collect();
             return Err(PyValueError::new_err(format!("format is {format:?}: expected one of {}", names.join(", "))));
         };
-        let mut outputs = Outputs::default();
-        let drawn = draw(&files::drawing(&self.found), &[named], &mut outputs);
-        drawn.map_err(|error| refused::input(py, &Diagnostic::flag("format", format, error.to_string())))?;
+        let drawn = in_pool(py, || {
+            let mut outputs = Outputs::default();
+            draw(&files::drawing(&self.found), &[named], &mut outputs).map(|()| outputs)
+        })?;
+        let outputs =
+            drawn.map_err(|error| refused::input(py, &Diagnostic::flag("format", format, error.to_string())))?;
         let mut all = contents(py, &outputs)?;
         if all.is_empty() { Err(refused::failed(py, "nothing was drawn")) } else { Ok(all.swap_remove(0)) }
     }
@@ -245,7 +297,13 @@ impl NextSamples {
     }
 
     /// In words, as the command line prints it.
-    fn text(&self) -> String {
-        self.found.report.text()
+    fn text(&self, py: Python<'_>) -> PyResult<String> {
+        in_pool(py, || self.found.report.text())
+    }
+
+    /// What is doubtful in the input and in what was found, one sentence each.
+    #[getter]
+    fn warnings(&self) -> Vec<String> {
+        self.warnings.clone()
     }
 }

@@ -13,6 +13,7 @@
 //! | `threads` | the pool that work is done in |
 //! | `written` | files, where nothing is lost |
 //! | `refused` | errors as exceptions with file, line and key |
+//! | `told` | warnings |
 //!
 //! Records cross the border as the JSON that the command line writes: the same bytes. Arrays are NumPy's.
 
@@ -27,6 +28,7 @@ mod maps;
 mod refused;
 mod scenes;
 mod threads;
+mod told;
 mod watched;
 mod written;
 
@@ -54,6 +56,7 @@ mod _slipgrid {
 
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
+        module.add("MAX_MAP_POINTS", slipgrid::topography::MOST_POINTS)?;
         module.add("__version__", slipgrid::results::VERSION)
     }
 }

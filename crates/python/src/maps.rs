@@ -2,8 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-use numpy::ndarray::ArrayView2;
-use numpy::{PyArray2, PyReadonlyArray2, PyUntypedArrayMethods};
+use numpy::ndarray::{ArrayView2, ShapeBuilder};
+use numpy::{PyArray2, PyReadonlyArray2};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyTuple;
@@ -14,8 +14,8 @@ use slipgrid::monitor::Cancelled;
 use slipgrid::report::area_law::{AreaLawOptions, AreaLawReport};
 use slipgrid::report::surface::SurfaceReport;
 use slipgrid::topography::{
-    CORRELATION_THRESHOLD, Form, HeightMap, MapError, MapFormat, MaterialRatioCurve, Missing, Preparation, PreparedMap,
-    ReadMap, ReadOptions, Sides, SpectrumWindow,
+    CORRELATION_THRESHOLD, Form, HeightMap, MOST_POINTS, MapError, MapFormat, MaterialRatioCurve, Missing, Preparation,
+    PreparedMap, ReadMap, ReadOptions, Sides, SpectrumWindow,
 };
 use slipgrid::units::{MODULUS_GPA, PIXEL_UM, POISSON, PRESSURE_MPA, TOLERANCE};
 
@@ -23,6 +23,9 @@ use crate::given::{counted, shown};
 use crate::refused;
 use crate::watched::{Watch, watched};
 use slipgrid_disk::disk;
+
+/// Side of the squares in which an array is turned.
+const SQUARE: usize = 32;
 
 /// An altitude map as it was read or given: heights in metres, missing points NaN.
 #[pyclass(frozen, module = "slipgrid._slipgrid")]
@@ -61,7 +64,9 @@ fn pressures(pressures_mpa: &[f64]) -> Result<Vec<f64>, Diagnostic> {
 
 /// The map that stands at `path` in a `format`, of which everything is known: what a copy is made of.
 #[pyfunction]
+#[allow(clippy::too_many_arguments, reason = "they are what a map is made of, and Python's interpreter")]
 pub fn map_of(
+    py: Python<'_>,
     heights_m: PyReadonlyArray2<'_, f64>,
     sides_m: [f64; 2],
     whole: bool,
@@ -71,7 +76,7 @@ pub fn map_of(
     path: PathBuf,
 ) -> PyResult<Map> {
     let format = named("format", format, &MapFormat::ALL.map(|format| (format.name(), format)))?;
-    let map = height_map(&heights_m, sides_m).map_err(|error| PyValueError::new_err(error.to_string()))?;
+    let map = height_map(&heights_m, sides_m).map_err(|error| error.raised(py))?;
     Ok(Map { read: ReadMap { map, whole, format, comments, notes }, path })
 }
 
@@ -80,19 +85,51 @@ fn side(py: Python<'_>, name: &str, pixel_um: f64) -> PyResult<f64> {
     checked(name, pixel_um, PIXEL_UM).map_err(|error| refused::input(py, &error))
 }
 
-fn height_map(heights_m: &PyReadonlyArray2<'_, f64>, [dx_m, dy_m]: [f64; 2]) -> Result<HeightMap, MapError> {
-    let [rows, cols] = [heights_m.shape()[0], heights_m.shape()[1]];
-    // In the order of rows, whatever the array's own is.
-    let heights: Vec<f64> = match heights_m.as_slice() {
-        Ok(slice) if heights_m.is_c_contiguous() => slice.to_vec(),
-        _ => heights_m.as_array().iter().copied().collect(),
-    };
-    HeightMap::new(rows, cols, dx_m, dy_m, heights)
+/// Why an array makes no map.
+enum NoMap {
+    /// There is no memory for so many points, or a map may not have so many.
+    TooLarge(usize),
+    Refused(MapError),
+}
+
+impl NoMap {
+    fn raised(self, py: Python<'_>) -> PyErr {
+        let of_heights = |reason: String| Diagnostic { key: Some("heights_m".into()), reason, ..Diagnostic::default() };
+        match self {
+            Self::TooLarge(points) => {
+                let expected = format!("at most {MOST_POINTS}, and room for them");
+                refused::too_large(py, &of_heights(format!("has {points} points")).expected(expected))
+            }
+            Self::Refused(error) => refused::input(py, &of_heights(error.to_string())),
+        }
+    }
+}
+
+/// The map of an array whose rows are lines of the map: x runs along a row.
+fn height_map(lines_m: &PyReadonlyArray2<'_, f64>, [dx_m, dy_m]: [f64; 2]) -> Result<HeightMap, NoMap> {
+    let lines = lines_m.as_array();
+    let (count, length) = lines.dim();
+    let points = count.saturating_mul(length);
+    let mut heights: Vec<f64> = Vec::new();
+    if points > MOST_POINTS || heights.try_reserve_exact(points).is_err() {
+        return Err(NoMap::TooLarge(points));
+    }
+    heights.resize(points, 0.0);
+    // Square by square: both sides of the copy stay in the cache.
+    for (from, to) in (0..count).step_by(SQUARE).flat_map(|j| (0..length).step_by(SQUARE).map(move |i| (j, i))) {
+        for j in from..(from + SQUARE).min(count) {
+            for i in to..(to + SQUARE).min(length) {
+                heights[i * count + j] = lines[[j, i]];
+            }
+        }
+    }
+    HeightMap::new(length, count, dx_m, dy_m, heights).map_err(NoMap::Refused)
 }
 
 #[pymethods]
 impl Map {
-    /// A map of `heights_m`, rows along the sliding direction, with pixels of `pixel_um` by `pixel_y_um` micrometres.
+    /// A map of `heights_m`, whose rows are lines along x, the sliding direction, with pixels of `pixel_um` along x by `pixel_y_um`
+    /// micrometres.
     #[new]
     #[pyo3(signature = (heights_m, pixel_um, pixel_y_um=None))]
     fn new(
@@ -103,12 +140,7 @@ impl Map {
     ) -> PyResult<Self> {
         let dx_m = side(py, "pixel_um", pixel_um)?;
         let dy_m = pixel_y_um.map_or(Ok(dx_m), |pixel_um| side(py, "pixel_y_um", pixel_um))?;
-        let refused = |error: MapError| Diagnostic {
-            key: Some("heights_m".into()),
-            reason: error.to_string(),
-            ..Diagnostic::default()
-        };
-        let map = height_map(&heights_m, [dx_m, dy_m]).map_err(|error| refused::input(py, &refused(error)))?;
+        let map = height_map(&heights_m, [dx_m, dy_m]).map_err(|error| error.raised(py))?;
         let (format, comments, notes) = (MapFormat::Matrix, Vec::new(), Vec::new());
         Ok(Self { read: ReadMap { map, whole: true, format, comments, notes }, path: PathBuf::from("array") })
     }
@@ -150,11 +182,13 @@ impl Map {
         Ok((py.import("slipgrid._slipgrid")?.getattr("map_of")?, parts.into_pyobject(py)?))
     }
 
-    /// Heights in metres, rows along the sliding direction: the map's own numbers, not to be written to.
+    /// Heights in metres, whose rows are lines along x, the sliding direction: the map's own numbers, not to be written to.
     #[getter]
     fn heights_m<'py>(this: &Bound<'py, Self>) -> PyResult<Bound<'py, PyArray2<f64>>> {
         let map = &this.get().read.map;
-        let view = ArrayView2::from_shape((map.rows(), map.cols()), map.heights_m());
+        // The map has the points of a line `cols` apart.
+        let shape = (map.cols(), map.rows()).strides((1, map.cols()));
+        let view = ArrayView2::from_shape(shape, map.heights_m());
         let view = view.map_err(|error| PyValueError::new_err(error.to_string()))?;
         // The heights live as long as the map, which the array holds on to; a frozen class never moves or changes them.
         #[allow(unsafe_code)]
@@ -171,7 +205,7 @@ impl Map {
         Ok(lent)
     }
 
-    /// Sides of a pixel along the rows' and the columns' direction, in micrometres.
+    /// Sides of a pixel along x, from point to point of a row, and along y, from row to row, in micrometres.
     #[getter]
     fn pixel_um(&self) -> (f64, f64) {
         {
@@ -250,7 +284,7 @@ impl Map {
     fn __repr__(&self) -> String {
         let map = &self.read.map;
         let (dx_um, dy_um) = self.pixel_um();
-        format!("<slipgrid.Map {} x {} pixels of {dx_um} x {dy_um} um>", map.rows(), map.cols())
+        format!("<slipgrid.Map {} x {} pixels of {dx_um} x {dy_um} um>", map.cols(), map.rows())
     }
 }
 

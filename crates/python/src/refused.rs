@@ -12,6 +12,15 @@ use slipgrid::formats::design::Design;
 /// `slipgrid.errors.InputError` with where it stands and what would be accepted; of a file that is not there `MissingFileError`, which
 /// is one.
 pub fn input(py: Python<'_>, refused: &Diagnostic) -> PyErr {
+    of_class(py, if refused.is_absent { "MissingFileError" } else { "InputError" }, refused)
+}
+
+/// `slipgrid.errors.TooLargeError`, an `InputError` and Python's own `MemoryError`.
+pub fn too_large(py: Python<'_>, refused: &Diagnostic) -> PyErr {
+    of_class(py, "TooLargeError", refused)
+}
+
+fn of_class(py: Python<'_>, class: &str, refused: &Diagnostic) -> PyErr {
     let made = || {
         let named = PyDict::new(py);
         named.set_item("file", refused.file.as_ref().map(|file| file.display().to_string()))?;
@@ -19,7 +28,6 @@ pub fn input(py: Python<'_>, refused: &Diagnostic) -> PyErr {
         named.set_item("key", refused.key.as_deref())?;
         named.set_item("value", refused.value.as_deref())?;
         named.set_item("expected", refused.expected.as_deref())?;
-        let class = if refused.is_absent { "MissingFileError" } else { "InputError" };
         py.import("slipgrid.errors")?.getattr(class)?.call((refused.to_string(),), Some(&named))
     };
     match made() {

@@ -9,7 +9,7 @@ use numpy::{AllowTypeChange, PyArray1, PyArray2, PyArrayLike2, PyArrayMethods, P
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyType;
-use slipgrid::design::simulate_on;
+use slipgrid::design::{run_line, simulate_on};
 use slipgrid::formats::Diagnostic;
 use slipgrid::formats::file_kind::FileKind;
 use slipgrid::formats::run::Overrides;
@@ -23,6 +23,8 @@ use slipgrid::springblock::{Extent, Fidelity, Simulation, Status};
 use crate::copied::{Contents, Origin};
 use crate::given;
 use crate::refused;
+use crate::threads::{detached, in_pool};
+use crate::told::warn_of;
 use crate::watched::watched;
 
 /// A scene: a material, a pattern or none, loads, and how they are solved.
@@ -44,6 +46,7 @@ pub struct Solved {
     scene: slipgrid::springblock::Scene,
     simulation: Simulation,
     report: SimulationReport,
+    warnings: Vec<String>,
     inputs: Vec<PathBuf>,
 }
 
@@ -65,15 +68,25 @@ fn overrides(fidelity: Option<&str>, extent: Option<&str>) -> PyResult<Overrides
 }
 
 impl Scene {
-    fn of(py: Python<'_>, origin: Origin, fidelity: Option<String>, extent: Option<String>) -> PyResult<Self> {
+    fn of(
+        py: Python<'_>,
+        origin: Origin,
+        fidelity: Option<String>,
+        extent: Option<String>,
+        warns: bool,
+    ) -> PyResult<Self> {
         let overrides = overrides(fidelity.as_deref(), extent.as_deref())?;
         let read = || {
             let document = origin.document(FileKind::Scene)?;
             SceneInput::from_file(document.clone(), &document.parse()?, overrides)
         };
-        let input = read().map_err(|error| refused::input(py, &error))?;
+        let input = in_pool(py, read)?.map_err(|error| refused::input(py, &error))?;
         let inputs = origin.inputs(std::slice::from_ref(&origin.path));
-        Ok(Self { input, inputs, origin, fidelity, extent })
+        let made = Self { input, inputs, origin, fidelity, extent };
+        if warns {
+            warn_of(py, &made.warnings())?;
+        }
+        Ok(made)
     }
 }
 
@@ -92,21 +105,23 @@ impl Scene {
         is_file: bool,
         files: Option<Contents>,
     ) -> PyResult<Self> {
-        Self::of(py, Origin::new(text, path, is_file, files), fidelity, extent)
+        // A copy was told of when it was made.
+        let warns = files.is_none();
+        Self::of(py, Origin::new(text, path, is_file, files), fidelity, extent, warns)
     }
 
     /// The scene file at `path`.
     #[staticmethod]
     #[pyo3(signature = (path, fidelity=None, extent=None))]
     fn read(py: Python<'_>, path: PathBuf, fidelity: Option<String>, extent: Option<String>) -> PyResult<Self> {
-        let origin = py.detach(|| Origin::read(path, FileKind::Scene));
-        Self::of(py, origin.map_err(|error| refused::input(py, &error))?, fidelity, extent)
+        let origin = detached(py, || Origin::read(path, FileKind::Scene))?;
+        Self::of(py, origin.map_err(|error| refused::input(py, &error))?, fidelity, extent, true)
     }
 
     /// What `pickle` and `copy` make the same scene of, anywhere.
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyType>, Parts<'_>)> {
         let Origin { text, path, is_file, .. } = &self.origin;
-        let files = self.origin.contents().map_err(|error| refused::input(py, &error))?;
+        let files = detached(py, || self.origin.contents())?.map_err(|error| refused::input(py, &error))?;
         let (fidelity, extent) = (self.fidelity.as_deref(), self.extent.as_deref());
         Ok((py.get_type::<Self>(), (text, path.clone().into(), fidelity, extent, *is_file, files)))
     }
@@ -122,18 +137,22 @@ impl Scene {
     fn simulate(&self, py: Python<'_>, progress: Option<&Bound<'_, PyAny>>) -> PyResult<Solved> {
         let input = &self.input;
         let found = watched(py, progress, |watch| {
+            run_line(&input.scene).iter().for_each(|line| watch.note(line));
             let stage = Stage::new(watch, input.scene.run.fidelity.name(), None);
             let solved = simulate_on(&input.scene, input.specimen.as_ref(), &stage);
             let wall_s = stage.finish();
             let simulation = solved.map_err(|error| Ok(input.refuse_on_specimen(&error)))?;
             let found = input.report(simulation, wall_s, rayon::current_num_threads());
             let (simulation, report) = found.map_err(|error| Err(error.to_string()))?;
-            Ok(Solved { scene: input.scene.clone(), simulation, report, inputs: self.inputs.clone() })
+            let warnings = self.warnings().into_iter().chain(report.doubts()).collect();
+            Ok(Solved { scene: input.scene.clone(), simulation, report, warnings, inputs: self.inputs.clone() })
         })?;
-        found.map_err(|error| match error {
+        let found = found.map_err(|error| match error {
             Ok(refused) => refused::input(py, &refused),
             Err(reason) => refused::failed(py, &reason),
-        })
+        })?;
+        warn_of(py, &found.warnings[self.input.told.len()..])?;
+        Ok(found)
     }
 
     /// The steady cell of the scene's texture, asked for one pattern after the other.
@@ -161,19 +180,28 @@ impl Solved {
     }
 
     /// In words, as the command line prints it.
-    fn text(&self) -> String {
-        self.report.table()
+    fn text(&self, py: Python<'_>) -> PyResult<String> {
+        in_pool(py, || self.report.table())
+    }
+
+    /// What is doubtful in the input and in what was found, one sentence each.
+    #[getter]
+    fn warnings(&self) -> Vec<String> {
+        self.warnings.clone()
     }
 
     /// Everything that the command line writes, by name.
     fn files(&self, py: Python<'_>) -> PyResult<Vec<(String, Vec<u8>)>> {
-        let outputs = py.detach(|| files::of_scene(&self.scene, &self.simulation, &self.report));
+        let outputs = in_pool(py, || files::of_scene(&self.scene, &self.simulation, &self.report))?;
         crate::designs::contents(py, &outputs.map_err(|error| refused::failed(py, &error.to_string()))?)
     }
 }
 
 /// Rows of patterns that are checked in milliseconds, after which Ctrl-C is looked for.
 const ROWS_BETWEEN_SIGNALS: usize = 4096;
+
+/// Most patterns of one call: with their ratios, a few gigabytes.
+const MOST_ROWS: usize = 10_000_000;
 
 /// A steady cell: equilibrium of one period with every contact block sliding.
 #[pyclass(frozen, module = "slipgrid")]
@@ -197,7 +225,7 @@ impl SteadyCell {
         let pattern =
             self.pattern(py, format_args!("width_um, spacing_um, depth_um"), [width_um, spacing_um, depth_um])?;
         let found = if self.cell.dimension().is_cheap_per_design() {
-            py.detach(|| self.cell.ratios(&pattern))
+            detached(py, || self.cell.ratios(&pattern))?
         } else {
             watched(py, None, |watch| {
                 let found = self.cell.solve_heeding(&pattern, watch);
@@ -212,14 +240,18 @@ impl SteadyCell {
     /// numbers are refused.
     fn ratios_of<'py>(&self, py: Python<'py>, patterns_um: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyArray2<f64>>> {
         let rows = numbers(patterns_um)?;
-        let lengths = rows.as_array().rows().into_iter().map(|row| [row[0], row[1], row[2]]).collect::<Vec<_>>();
-        let of_row = |(row, lengths_um): (usize, &[f64; 3])| {
+        let mut patterns: Vec<Pattern> = Vec::new();
+        if rows.shape()[0] > MOST_ROWS || patterns.try_reserve_exact(rows.shape()[0]).is_err() {
+            let reason = format!("has {} rows", rows.shape()[0]);
+            let refused = Diagnostic { key: Some("patterns_um".into()), reason, ..Diagnostic::default() };
+            return Err(refused::too_large(py, &refused.expected(format!("at most {MOST_ROWS}, and room for them"))));
+        }
+        for (row, own) in rows.as_array().rows().into_iter().enumerate() {
             if row % ROWS_BETWEEN_SIGNALS == 0 {
                 py.check_signals()?;
             }
-            self.pattern(py, format_args!("patterns_um[{row}]"), *lengths_um)
-        };
-        let patterns: Vec<Pattern> = lengths.iter().enumerate().map(of_row).collect::<PyResult<_>>()?;
+            patterns.push(self.pattern(py, format_args!("patterns_um[{row}]"), [own[0], own[1], own[2]])?);
+        }
         let found = watched(py, None, |watch| self.cell.ratios_of_heeding(&patterns, watch))?;
         let found = found.map_err(|_| refused::stopped())?.into_iter().flatten().map(|ratio| ratio.unwrap_or(f64::NAN));
         PyArray1::from_iter(py, found).reshape([patterns.len(), self.loads])

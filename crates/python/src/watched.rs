@@ -9,7 +9,8 @@ use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 use slipgrid::monitor::{InMemory, Memory, Monitor};
 
-use crate::threads::pool;
+use crate::threads::{Busy, pool};
+use crate::told::{Category, warn};
 
 /// How often signals are looked for and progress is told.
 const TICK: Duration = Duration::from_millis(50);
@@ -23,7 +24,7 @@ static MEMORY: InMemory = InMemory::new(256 << 20);
 struct Standing {
     stage: String,
     done: f64,
-    notes: Vec<String>,
+    warnings: Vec<(Category, String)>,
     ended: bool,
 }
 
@@ -45,13 +46,18 @@ impl Watch {
         self.standing.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
+    /// Warns of each of `doubts`.
+    pub fn warn(&self, doubts: impl IntoIterator<Item = String>) {
+        self.standing().warnings.extend(doubts.into_iter().map(|doubt| (Category::Doubt, doubt)));
+    }
+
     /// Waits for a tick, or for the end.
     fn wait(&self) -> Standing {
         let standing = self.standing();
         let waited = self.changed.wait_timeout_while(standing, TICK, |standing| !standing.ended);
         let (mut standing, _) = waited.unwrap_or_else(PoisonError::into_inner);
         let told = standing.clone();
-        standing.notes.clear();
+        standing.warnings.clear();
         told
     }
 }
@@ -75,7 +81,7 @@ impl Monitor for Watch {
     }
 
     fn note(&self, text: &str) {
-        self.standing().notes.push(text.to_owned());
+        self.standing().warnings.push((Category::Cost, text.to_owned()));
     }
 
     fn memory(&self) -> Option<&dyn Memory> {
@@ -100,7 +106,8 @@ pub fn watched<T: Send>(
     progress: Option<&Bound<'_, PyAny>>,
     work: impl FnOnce(&Watch) -> T + Send,
 ) -> PyResult<T> {
-    let pool = pool()?;
+    let busy = Busy::new(py)?;
+    let pool = pool(&busy)?;
     let watch = Watch::new();
     let mut found = None;
     let raised = pool.in_place_scope(|scope| {
@@ -134,11 +141,13 @@ fn heed(py: Python<'_>, progress: Option<&Bound<'_, PyAny>>, watch: &Watch) -> P
     }
 }
 
-/// Looks for signals, and calls `progress` where the work stands elsewhere than it was `told`.
+/// Looks for signals, warns, and calls `progress` where the work stands elsewhere than it was `told`.
 fn tell(py: Python<'_>, progress: Option<&Bound<'_, PyAny>>, standing: &Standing, told: &Standing) -> PyResult<()> {
     py.check_signals()?;
+    standing.warnings.iter().try_for_each(|(category, text)| warn(py, *category, text))?;
+    let has_moved = (&standing.stage, standing.done, standing.ended) != (&told.stage, told.done, told.ended);
     match progress {
-        Some(call) if standing != told && !standing.stage.is_empty() => {
+        Some(call) if has_moved && !standing.stage.is_empty() => {
             call.call1((standing.stage.as_str(), standing.done.clamp(0.0, 1.0))).map(|_| ())
         }
         _ => Ok(()),

@@ -11,7 +11,8 @@ A design file, a search that is confirmed in time, the files of a laser::
 
 Units stand in names: ``width_um``, ``pressure_mpa``. Fields are those of the files and of result.json. Results are the command
 line's to the last bit, with any number of threads. Ctrl-C ends what is computed; what is refused raises
-:class:`slipgrid.errors.InputError` with file, line and key. Paths count from where the process is when something is read, wherever it
+:class:`slipgrid.errors.InputError` with file, line and key. What is doubtful is warned of
+(:class:`slipgrid.errors.SlipgridWarning`) and stands in ``warnings`` of results. Paths count from where the process is when something is read, wherever it
 goes afterwards.
 """
 
@@ -27,7 +28,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _slipgrid, campaign, errors
-from ._records import Kept, Record, array, floats, frame, heights, pandas, table, toml, triples, write
+from ._records import Kept, Record, array, floats, frame, heights, pandas, table, toml, triples, warn, write
 from ._slipgrid import SteadyCell, __version__, set_threads, threads
 
 if TYPE_CHECKING:
@@ -61,10 +62,15 @@ PathLike = Union[str, Path]
 
 
 class Map:
-    """An altitude map: heights in metres, rows along the sliding direction, missing points NaN or masked."""
+    """An altitude map: heights in metres, missing points NaN or masked.
+
+    Rows are the lines of a file, as ``numpy.loadtxt`` reads them: x runs along a row, from column to column, y from row to row. The
+    face slides along x where a map is that of a sample.
+    """
 
     def __init__(self, heights_m: ArrayLike, pixel_um: float, pixel_y_um: float | None = None) -> None:
-        """A map of an array, shape (rows, columns), with pixels of ``pixel_um`` by ``pixel_y_um`` micrometres."""
+        """A map of an array, shape (rows, columns), with pixels of ``pixel_um`` along a row and ``pixel_y_um`` from row to row, in
+        micrometres. An array that is too large raises :class:`slipgrid.errors.TooLargeError` and is not copied."""
         self._map = _slipgrid.Map(heights(heights_m), pixel_um, pixel_y_um)
 
     @classmethod
@@ -86,12 +92,12 @@ class Map:
 
     @property
     def heights_m(self) -> NDArray[np.float64]:
-        """Heights in metres, shape (rows, columns): a view of the map's own numbers, read-only."""
+        """Heights in metres, shape (rows, columns), a row for each line along x: a view of the map's own numbers, read-only."""
         return self._map.heights_m
 
     @property
     def pixel_um(self) -> tuple[float, float]:
-        """Sides of a pixel along rows and columns, in micrometres."""
+        """Sides of a pixel along x, from column to column, and along y, from row to row, in micrometres."""
         return self._map.pixel_um
 
     @property
@@ -104,7 +110,9 @@ class Map:
 
         ``form`` is what is subtracted first: "mean", "plane" or "second-order"; ``missing`` is "fill" or "refuse".
         """
-        return Surface(_json.loads(self._map.measure_json(form=form, missing=missing, despike=despike)))
+        found = Surface(_json.loads(self._map.measure_json(form=form, missing=missing, despike=despike)))
+        warn(found.warnings)
+        return found
 
     def area_law(
         self,
@@ -138,7 +146,9 @@ class Map:
             windows=windows,
             progress=progress,
         )
-        return AreaLaw(_json.loads(record))
+        found = AreaLaw(_json.loads(record))
+        warn(found["warnings"])
+        return found
 
     def __repr__(self) -> str:
         return repr(self._map)
@@ -244,6 +254,11 @@ class SimulationResult(Record):
         return array(self["results"], "ratio")
 
     @property
+    def warnings(self) -> list[str]:
+        """What is doubtful in the scene and in its results, one sentence each."""
+        return list(self._solved.warnings)
+
+    @property
     def times(self) -> Record:
         """Seconds and speeds, as in timings.json."""
         return Record(self._times)
@@ -312,6 +327,11 @@ class Material:
     def toml(self) -> str:
         """The material file, but for ``[made_from]``, which is of a file at its place."""
         return self._fitted.material_toml()
+
+    @property
+    def warnings(self) -> list[str]:
+        """What is doubtful in the measurements and in the material, one sentence each."""
+        return list(self._fitted.warnings)
 
     @property
     def fit(self) -> Record:
@@ -419,6 +439,11 @@ class DesignResult(Record):
         return self._designed.text().splitlines()[0]
 
     @property
+    def warnings(self) -> list[str]:
+        """What is doubtful in the task, its material and the design found, one sentence each."""
+        return list(self._designed.warnings)
+
+    @property
     def times(self) -> Record:
         """Seconds of every stage, as in timings.json."""
         return Record(self._times)
@@ -464,6 +489,12 @@ class NextSamples(Record):
     def __init__(self, samples: _slipgrid.NextSamples) -> None:
         super().__init__(_json.loads(samples.json()))
         self._words = samples.text()
+        self._warnings = samples.warnings
+
+    @property
+    def warnings(self) -> list[str]:
+        """What is doubtful in the task, its material and the samples, one sentence each."""
+        return list(self._warnings)
 
     def frame(self) -> _pandas.DataFrame:
         """One row a sample: those to cut, those asked for, and the next best."""

@@ -6,6 +6,7 @@ import html
 import importlib
 import json
 import re
+import warnings
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from types import ModuleType
@@ -91,7 +92,8 @@ class Kept:
         if isinstance(found, cls):
             return found
         names = [name for name in ("json", "text", "files", "material_toml", "fit_json") if hasattr(found, name)]
-        return cls({"inputs": list(found.inputs), **{name: getattr(found, name)() for name in names}})
+        given = {"inputs": list(found.inputs), "warnings": list(found.warnings)}
+        return cls({**given, **{name: getattr(found, name)() for name in names}})
 
     def json(self) -> tuple[str, str]:
         record, times = self._given["json"]
@@ -119,6 +121,10 @@ class Kept:
     def inputs(self) -> list[Path]:
         return list(self._given["inputs"])
 
+    @property
+    def warnings(self) -> list[str]:
+        return list(self._given["warnings"])
+
 
 def frame(rows: Sequence[Mapping[str, Any]]) -> _pandas.DataFrame:
     """A frame of the plain numbers and words of ``rows``."""
@@ -144,14 +150,39 @@ def table(rows: Sequence[Mapping[str, Any]], names: Sequence[str]) -> str:
 _REAL = "fiuO"
 
 
+#: Most numbers of a list in a file, a list of pressures or of candidates: an array that claims more is not copied out.
+_MAX_NUMBERS = 10_000_000
+
+
+def _check_count(name: str, given: Any) -> None:
+    """Refuses, before it is copied, an array with more than ``_MAX_NUMBERS`` numbers."""
+    size = getattr(given, "size", 0)
+    if isinstance(size, (int, np.integer)) and size > _MAX_NUMBERS:
+        raise errors.TooLargeError(
+            f"{name}: has {size} numbers; expected at most {_MAX_NUMBERS}",
+            key=name,
+            value=str(size),
+            expected=f"at most {_MAX_NUMBERS}",
+        )
+
+
 def heights(given: ArrayLike) -> NDArray[np.float64]:
     """``given`` as a matrix of heights, NaN where they are masked."""
     expected = "expected real numbers, shape (rows, columns)"
     try:
         typed: NDArray[Any] = np.asanyarray(given)
+        if typed.size > _slipgrid.MAX_MAP_POINTS:
+            raise errors.TooLargeError(
+                f"heights_m: has {typed.size} points; expected at most {_slipgrid.MAX_MAP_POINTS}",
+                key="heights_m",
+                value=str(typed.size),
+                expected=f"at most {_slipgrid.MAX_MAP_POINTS}",
+            )
         if typed.dtype.kind not in _REAL:
             raise TypeError(f"holds what is of the type {typed.dtype}")
         array: NDArray[np.float64] = np.asarray(np.ma.filled(typed.astype(np.float64, copy=False), np.nan))
+    except errors.InputError:
+        raise
     except (TypeError, ValueError) as error:
         raise type(error)(f"heights_m: {error}; {expected}") from None
     if array.ndim != 2:
@@ -164,6 +195,7 @@ def floats(name: str, given: Any) -> list[float]:
     expected = f"{name} is {given!r:.80}: expected a list of numbers"
     if isinstance(given, (str, bytes, bytearray, memoryview, Mapping)):
         raise TypeError(expected)
+    _check_count(name, given)
     try:
         return [float(number) for number in given]
     except (TypeError, ValueError):
@@ -174,6 +206,7 @@ def triples(name: str, given: Any) -> list[tuple[float, float, float]]:
     """The argument ``name`` as rows of width, spacing and depth."""
     if isinstance(given, (str, bytes, bytearray, memoryview, Mapping)) or not hasattr(given, "__iter__"):
         raise TypeError(f"{name} is {given!r:.80}: expected rows of width, spacing and depth")
+    _check_count(name, given)
     rows = []
     # A frame of pandas gives the names of its columns where rows are asked for.
     for place, row in enumerate(np.asanyarray(given) if hasattr(given, "__array__") else given):
@@ -182,6 +215,12 @@ def triples(name: str, given: Any) -> list[tuple[float, float, float]]:
             raise ValueError(f"{name}[{place}] has {len(lengths)} numbers: expected width, spacing and depth")
         rows.append((lengths[0], lengths[1], lengths[2]))
     return rows
+
+
+def warn(doubts: Sequence[str]) -> None:
+    """Warns who called the caller of each of ``doubts``."""
+    for doubt in doubts:
+        warnings.warn(doubt, errors.SlipgridWarning, stacklevel=3)
 
 
 def write(files: Sequence[tuple[str, bytes]], folder: str | Path, inputs: Sequence[Path]) -> list[Path]:
@@ -220,6 +259,7 @@ def toml(tables: Mapping[str, Any]) -> str:
             item = np.asarray(item)
         if isinstance(item, np.ndarray) and item.ndim == 0:
             raise TypeError(f"{at} is an array without dimensions: expected a number, as its item() gives it, or a list")
+        _check_count(at, item)
         if isinstance(item, (Sequence, np.ndarray)) and not isinstance(item, (bytes, bytearray, memoryview)):
             return "[" + ", ".join(value(at, own) for own in item) + "]"
         raise TypeError(f"{at} is {item!r:.80}, which has no TOML form: expected numbers, strings, booleans, lists and dictionaries")

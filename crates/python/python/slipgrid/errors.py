@@ -1,4 +1,4 @@
-"""What slipgrid raises."""
+"""What slipgrid raises, and what it warns of."""
 
 from __future__ import annotations
 
@@ -40,6 +40,22 @@ class MissingFileError(FileNotFoundError, InputError):
 
     def __str__(self) -> str:
         return str(self.args[0])
+
+
+class TooLargeError(MemoryError, InputError):
+    """An array that is larger than what is accepted, or than memory: :class:`InputError`, and Python's own ``MemoryError``. It was
+    not copied."""
+
+    def __init__(self, message: str, **named: Any) -> None:
+        InputError.__init__(self, message, **named)
+
+
+class SlipgridWarning(UserWarning):
+    """What is doubtful in the input or in a result: the command line says it as ``warning:`` or marks it with ``!``."""
+
+
+class CostWarning(SlipgridWarning):
+    """A computation that takes more than half a minute or a gigabyte, told before it begins."""
 
 
 class ComputationError(RuntimeError):
