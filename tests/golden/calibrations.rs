@@ -6,8 +6,11 @@ use crate::Case;
 use crate::place::{Place, repository};
 use crate::record::Record;
 
+/// Text of a file that is replaced, and its replacement.
+type Change = (&'static str, &'static str);
+
 /// Variants of the shipped calibrations: name, folder, text that is replaced, and what takes its place.
-const VARIANTS: [(&str, &str, &[(&str, &str)]); 6] = [
+const VARIANTS: [(&str, &str, &[Change]); 6] = [
     ("LDPE", "ldpe-cast-iron", &[]),
     ("LDPE, one pair", "ldpe-cast-iron", &[("coefficients = \"per-condition\"", "coefficients = \"single\"")]),
     (

@@ -237,6 +237,7 @@ mod tests {
 
     #[test]
     #[ignore = "minutes: finds how many windows count as independent"]
+    #[expect(clippy::print_stdout, reason = "a test of minutes says what it measured")]
     fn intervals_of_windows_hold_the_law_of_many_surfaces() {
         let mut sum = 0.0;
         for hurst in [0.5, 0.8, 1.0] {

@@ -461,7 +461,7 @@ mod tests {
             disc: None,
             measured: task.pressures_pa().into_iter().map(measured).collect(),
             dimensions_std_m: [0.0; 3],
-            of_dimensions: Vec::new(),
+            dimension_shifts: Vec::new(),
         };
         let learned = Discrepancy::new(Hyperparameters::default(), Conditions::default(), 0.0, vec![trial]).unwrap();
         task.material.as_mut().unwrap().uncertainty.learned = Some(learned);

@@ -38,7 +38,7 @@ fn to_bytes(nodes: &[Node]) -> Option<Vec<u8>> {
 
 fn from_bytes(bytes: &[u8]) -> Option<Vec<Node>> {
     let all = memory::from_bytes(bytes);
-    let (length, numbers) = all.split_first().filter(|_| bytes.len() % size_of::<f64>() == 0)?;
+    let (length, numbers) = all.split_first().filter(|_| bytes.len().is_multiple_of(size_of::<f64>()))?;
     let length = Some(*length as usize).filter(|length| *length > 0 && numbers.len() % length == 0)?;
     let node = |numbers: &[f64]| (!numbers[0].is_nan()).then(|| numbers.to_vec());
     Some(numbers.chunks_exact(length).map(node).collect())

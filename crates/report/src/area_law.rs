@@ -159,8 +159,7 @@ pub fn table(report: &AreaLawReport) -> String {
     for warning in &report.warnings {
         text += &format!("! {warning}\n");
     }
-    let mut table =
-        Table::new(["P MPa", "area", "corrected", "solver +-", "f", "windows +-", "iterations", "error"]);
+    let mut table = Table::new(["P MPa", "area", "corrected", "solver +-", "f", "windows +-", "iterations", "error"]);
     for point in &report.results {
         table.row([
             point.pressure_mpa.to_string(),

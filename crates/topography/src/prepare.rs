@@ -250,7 +250,7 @@ impl ReadMap {
     /// # Errors
     /// [`ReadError`] if nothing is left.
     pub fn decimated(mut self, decimation: Decimation) -> Result<Self, ReadError> {
-        let is_whole = |points: usize| points % decimation.factor.max(1) == 0;
+        let is_whole = |points: usize| points.is_multiple_of(decimation.factor.max(1));
         self.whole &= is_whole(self.map.rows()) && is_whole(self.map.cols());
         self.map = self.map.windowed(None, Some(decimation))?;
         Ok(self)

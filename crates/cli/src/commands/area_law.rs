@@ -89,7 +89,8 @@ fn of_map(
     for &factor in args.resolutions.as_deref().unwrap_or_default() {
         let blunt = resolution(&surface.map, factor, &request.law(), &job);
         heed()?;
-        let refuse = |error| Diagnostic::flag("--resolutions", factor.to_string(), format!("{}: {error}", path.display()));
+        let refuse =
+            |error| Diagnostic::flag("--resolutions", factor.to_string(), format!("{}: {error}", path.display()));
         resolutions.push(blunt.map_err(refuse)?);
     }
     job.stage_ended();

@@ -217,7 +217,8 @@ fn an_area_law_states_its_uncertainty() {
     let svg = std::fs::read_to_string(place.path("law").join("area-law.svg")).unwrap();
     assert!(svg.contains("standard error"));
 
-    let alone = ["area-law", "map.asc", "--pressures-mpa", "0.7,2.6", "--windows", "1", "--json", "--threshold-mpa", "0.7"];
+    let alone =
+        ["area-law", "map.asc", "--pressures-mpa", "0.7,2.6", "--windows", "1", "--json", "--threshold-mpa", "0.7"];
     let alone = json(&place.succeed(&alone));
     assert_eq!(alone["results"][1]["factor"], points[2]["factor"]);
     assert!(alone["windows"].is_null() && alone["results"][1]["factor_std"].is_null());

@@ -51,12 +51,12 @@ impl Surface<'_> {
             "self_affine" => self.roughen(&white).iter().map(|h| h * RMS_HEIGHT_M).collect(),
             "plateau" => {
                 // Every other plateau is flat to the last digit.
-                let rms_m = if self.seed % 2 == 0 { PLATEAU_NOISE_M } else { 0.0 };
+                let rms_m = if self.seed.is_multiple_of(2) { PLATEAU_NOISE_M } else { 0.0 };
                 let cut = self.roughen(&white).into_iter().map(|h| h.min(PLATEAU) * RMS_HEIGHT_M);
                 cut.zip((0..points).map(noise(self.seed + 1))).map(|(h, noise)| h + noise * rms_m).collect()
             }
             "pits" => {
-                let is_pit = |n: &u64| random(self.seed + 1, *n) % POINTS_PER_PIT == 0;
+                let is_pit = |n: &u64| random(self.seed + 1, *n).is_multiple_of(POINTS_PER_PIT);
                 let heights = (0..points).zip(&white);
                 heights.map(|(n, h)| h * PITTED_RMS_HEIGHT_M - if is_pit(&n) { PIT_DEPTH_M } else { 0.0 }).collect()
             }
