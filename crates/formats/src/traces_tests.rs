@@ -54,14 +54,13 @@ fn notes_of(export: &str, keys: &str) -> String {
 #[test]
 fn steps_of_one_export_are_traces_of_several_conditions_or_repeats_of_one() {
     let step = |step: u32, mu: f64| lines(101, move |t, ripple| format!("{step};{t:.1};{:.4};10", 10.0 * mu * ripple));
-    let export = format!("Step;Time [s];Fx [N];Fz [N]\n{}{}", step(4, 0.21), step(7, 0.3));
+    let export = format!("Step;Time [s];Fx [N];Fz [N]\n{}{}", step(4, 0.21), step(7, 0.23));
     let found = read(&export, "", &[(100, "step = 4"), (200, "step = 7")]).unwrap();
     let mu: Vec<f64> = found.iter().map(|traces| (1e2 * traces.mean.mu_dynamic.mean).round()).collect();
-    assert_eq!(mu, [21.0, 30.0]);
+    assert_eq!(mu, [21.0, 23.0]);
     assert_eq!(found[1].traces[0].label, "a.csv, step 7");
     let repeats = read(&export, "", &[(100, "step = 4"), (100, "step = 7")]).unwrap();
     assert_eq!((repeats.len(), repeats[0].mean.count), (1, 2));
-    assert!(repeats[0].traces[1].flags.iter().any(|flag| flag.contains("`exclude = [\"a.csv\"]`")), "{repeats:?}");
     for (conditions, says) in [
         (
             &[(100, "step = 4"), (200, "step = 4")][..],
