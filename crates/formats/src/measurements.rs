@@ -208,6 +208,15 @@ mod tests {
     use super::*;
 
     #[test]
+    fn a_table_with_too_many_rows_is_refused_at_the_first_of_them() {
+        let header = "force_n,speed_mm_s,humidity_pct,mu_dynamic,mu_dynamic_std\n";
+        let of = |count: usize| parse(Path::new("a.csv"), &(header.to_owned() + &"50,2,15,0.25,0.002\n".repeat(count)));
+        assert_eq!(of(MAX_ROWS).unwrap().len(), MAX_ROWS);
+        let refused = of(300_000).unwrap_err().to_string();
+        assert!(refused.starts_with("a.csv:5002: is row 5001: too many for a table of means"), "{refused}");
+    }
+
+    #[test]
     fn columns_may_stand_in_any_order_and_static_ones_be_empty() {
         let text = "# three repetitions\nmu_dynamic,force_n,speed_mm_s,humidity_pct,mu_dynamic_std,mu_static\n0.278, 200, 2, 15, 0.001,\n";
         let rows = parse(Path::new("a.csv"), text).unwrap();

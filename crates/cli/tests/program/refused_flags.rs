@@ -91,4 +91,9 @@ fn flags() {
         assert!(message.starts_with(says), "{args:?}: {message}");
         assert_eq!(folder.names(), ["map.txt", "scene.toml"], "{args:?}");
     }
+    let mut command = crate::common::program();
+    let ended = command.env("RAYON_NUM_THREADS", "100000").args(["new", "scene", "new.toml"]).output().unwrap();
+    let message = String::from_utf8_lossy(&ended.stderr).into_owned();
+    assert!(message.starts_with("error: RAYON_NUM_THREADS: 100000 is no number of threads"), "{message}");
+    assert!(ended.status.code() == Some(2) && !folder.path("new.toml").exists());
 }
