@@ -369,7 +369,7 @@ struct LearnedTrial {
     of_dimensions: Vec<Vec<f64>>,
     /// Areal density, edges per mm, width, pitch and depth in um of the texture with each of these dimensions one standard error larger.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    texture_of_dimensions: Vec<[f64; 5]>,
+    texture_of_dimensions: Vec<Vec<f64>>,
 }
 
 /// Metres in a millimetre, for edges per area.
@@ -418,7 +418,11 @@ impl LearnedFile {
                 flat_std: column(|at| at.flat_std),
                 modulus_sensitivity: column(|at| at.modulus_sensitivity),
                 of_dimensions: trial.dimension_shifts.iter().map(|shift| shift.log_ratio.clone()).collect(),
-                texture_of_dimensions: trial.dimension_shifts.iter().map(|shift| to_columns(&shift.above)).collect(),
+                texture_of_dimensions: trial
+                    .dimension_shifts
+                    .iter()
+                    .map(|shift| to_columns(&shift.above).to_vec())
+                    .collect(),
             }
         };
         Self {
@@ -453,6 +457,10 @@ impl LearnedFile {
                 let reason = format!("has columns of different lengths in trial \"{}\"", trial.name);
                 return Err(refuse(reason).expected("one number a pressure in each of them"));
             }
+            if trial.texture_of_dimensions.iter().any(|columns| columns.len() != 5) {
+                let reason = format!("has a texture of other than five numbers in trial \"{}\"", trial.name);
+                return Err(refuse(reason).expected("areal density, edges per mm, width, pitch and depth"));
+            }
             let measured = |row: usize| Measured {
                 load: Load {
                     pressure_pa: tidy(PRESSURE_MPA.to_si(trial.pressure_mpa[row])),
@@ -468,7 +476,10 @@ impl LearnedFile {
             let LearnedTrial { areal_density, edge_per_mm, width_um, pitch_um, depth_um, .. } = *trial;
             let features = from_columns(&[areal_density, edge_per_mm, width_um, pitch_um, depth_um]);
             // A file of before that key holds what moves the model alone.
-            let above = |place: usize| trial.texture_of_dimensions.get(place).map_or(features, from_columns);
+            let above = |place: usize| {
+                let columns = trial.texture_of_dimensions.get(place).and_then(|columns| columns.first_chunk::<5>());
+                columns.map_or(features, from_columns)
+            };
             let shift = |(place, log_ratio): (usize, &Vec<f64>)| DimensionShift {
                 log_ratio: log_ratio.clone(),
                 above: above(place),

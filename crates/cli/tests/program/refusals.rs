@@ -85,7 +85,12 @@ fn scenes() {
             case("[0.65, 2.6]", "[0.65, 2.6e6]", ":21: load.pressure_mpa: 2.6e6 ", "MPa"),
             case("[0.65, 2.6]", "[0.65, 500]", ":21: load.pressure_mpa: 500 ", "at most 190 MPa"),
             case("[0.65, 2.6]", "[]", ":21: load.pressure_mpa: ", "at least one"),
-            case("[0.65, 2.6]", "[0.65, 2.6, 0.6500000000000001]", ":21: load.pressure_mpa: 0.6500000000000001 ", "once"),
+            case(
+                "[0.65, 2.6]",
+                "[0.65, 2.6, 0.6500000000000001]",
+                ":21: load.pressure_mpa: 0.6500000000000001 ",
+                "once",
+            ),
             case("[0.65, 2.6]", "-0.1", ":21: load.pressure_mpa: -0.1 ", "from 0"),
             case("speed_mm_s = 2.0", "speed_mm_s = -2.0", ":22: load.speed_mm_s: -2.0 ", "from 0"),
             case("speed_mm_s = 2.0", "", ":20: load.speed_mm_s: is missing", ""),
