@@ -73,6 +73,8 @@ impl Place {
     pub fn record_folder(&self, folder: &str, record: &mut Record) {
         let Ok(entries) = fs::read_dir(self.path(folder)) else { return };
         let mut names: Vec<String> = entries.map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
+        // The list of what was written beside the results has hashes of pages, which hold times.
+        names.retain(|name| !name.starts_with('.'));
         names.sort();
         for name in &names {
             self.record_file(&format!("{folder}/{name}"), name, record);

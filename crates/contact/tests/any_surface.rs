@@ -13,7 +13,7 @@ use slipgrid_topography::fourier::Fourier;
 const ANY_SURFACE: &str = include_str!("reference/any_surface.csv");
 
 /// Compares with the table on surfaces whose number of points is wanted.
-fn compare_with_tamaas(wanted: impl Fn(usize) -> bool) {
+fn compare_with_table(wanted: impl Fn(usize) -> bool) {
     let mut compared = 0;
     for row in rows(ANY_SURFACE) {
         let whole = |field: usize| row[field].parse::<usize>().unwrap();
@@ -38,14 +38,14 @@ fn compare_with_tamaas(wanted: impl Fn(usize) -> bool) {
 }
 
 #[test]
-fn validation_small_surfaces_touch_as_by_tamaas() {
-    compare_with_tamaas(|points| points < 20_000);
+fn validation_small_surfaces_touch_as_by_other_codes() {
+    compare_with_table(|points| points < 20_000);
 }
 
 #[test]
 #[ignore = "minutes"]
-fn validation_surfaces_of_any_size_touch_as_by_tamaas() {
-    compare_with_tamaas(|_| true);
+fn validation_surfaces_of_any_size_touch_as_by_other_codes() {
+    compare_with_table(|_| true);
 }
 
 /// Asserts that pressures and gaps are those of a state of contact: the one minimum of a convex problem.

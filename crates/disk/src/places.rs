@@ -81,7 +81,7 @@ impl<'a> Place<'a> {
             return Ok(());
         };
         let reason =
-            if file == self.path { reason.to_owned() } else { format!("holds {}, which {reason}", path.display()) };
+            if self.path.is_dir() { format!("holds {}, which {reason}", path.display()) } else { reason.to_owned() };
         Err(self.refuse(reason).expected("another place, so that nothing is lost"))
     }
 }

@@ -184,7 +184,8 @@ fn maps_that_are_hardly_there_are_told_or_refused() {
         assert!(said.starts_with("error: hundredth.asc: 9072 of 9216 points are missing"), "{said}");
     }
     let law =
-        json(&place.succeed(&["area-law", "tenth.asc", "--windows", "1", "--pressures-mpa", "0.7,2.6", "--json"]));
+        ["area-law", "tenth.asc", "--windows", "1", "--pressures-mpa", "0.7,2.6", "--threshold-mpa", "0.7", "--json"];
+    let law = json(&place.succeed(&law));
     assert!(strings(&law["warnings"])[0].starts_with("missing points: 88 %"), "{law}");
 }
 

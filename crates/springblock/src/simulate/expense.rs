@@ -322,11 +322,11 @@ mod tests {
         ] {
             assert!(within(found.core_s, core_s) && within(found.bytes, bytes), "{found:?}");
         }
-        // Squares of 130/370/20 um: 50 x 50 x 20 blocks, then 200 x 200 x 80 of them.
+        // One cell of squares of 130/370/20 um: 50 x 50 x 20 blocks, then 200 x 200 x 80 of them.
         for (block_m, core_s) in [(10e-6, 0.0088), (2.5e-6, 0.38)] {
             let mut squares = scene(Fidelity::Steady, Extent::Cell, block_m);
             squares.pattern = Some(Pattern::new(Planform::Square, 130e-6, 370e-6, 20e-6).unwrap());
-            let found = expense(&squares).core_s;
+            let found = cell_expense(&squares).core_s;
             assert!(found > core_s && found < 5.0 * core_s, "{found} s, where {core_s} s were measured");
         }
         // Two surfaces, two loads, 250,000 steps of travel and 3000 of ramp and rest, 19,920 blocks.

@@ -182,7 +182,7 @@ fn grooves_whose_rims_yield_are_those_of_the_vertical_plane() {
     let pattern = rimmed(Planform::Groove, [133.3, 372.9, 17.0], 1.0, 25.0);
     let plane = Lattice::new(columns::cell(&pattern, 10e-6), 20, true);
     let dynamic_mu = vec![0.27; plane.nx()];
-    let solid = elastic(E_PA * 16.0 / 15.0).with_yield_pressure_pa(Some(9e6)).unwrap();
+    let solid = elastic(E_PA).with_yield_pressure_pa(Some(9e6)).unwrap();
     let plane = RaisedModel::new(&plane, 10e-6, solid).unwrap();
     let space = model(&pattern).yielding_at(Some(9e6));
     let pressures_mpa = [0.65, 2.6, 0.65];
