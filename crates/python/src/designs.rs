@@ -108,8 +108,9 @@ impl Design {
     /// What is unusual in the design and in what it reads; `completed` is the design with its material.
     fn told(&self, completed: &Read, calibration: Option<&Calibration>) -> Vec<String> {
         let of_material = calibration.map(|calibration| calibration.told.clone()).unwrap_or_default();
-        let strained = calibration.and_then(|_| completed.strained()).map(|strained| strained.to_string());
-        self.warnings().into_iter().chain(of_material).chain(strained).collect()
+        let found = calibration.map(|calibration| [completed.contradictions(calibration), completed.material_told()]);
+        let found = found.into_iter().flatten().flatten().map(|told| told.to_string());
+        self.warnings().into_iter().chain(of_material).chain(found).collect()
     }
 
     /// Warns of those of `warnings` that reading the design did not tell yet.
