@@ -162,7 +162,7 @@ spacing_um = [40.0, 1000.0]
 depth_um = [2.0, 50.0]
 [limits]
 depth_per_burst_um = 2.6
-max_laser_time_s = 600.0
+max_laser_time_s = 150.0
 [laser]
 spot_um = 23.0
 repetition_hz = 1000.0

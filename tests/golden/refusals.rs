@@ -64,7 +64,8 @@ pub fn cases() -> Vec<Case> {
             let (_, text, command) = find(kind);
             assert!(text.contains(&from), "{from}");
             let message = outcome(kind, &text.replacen(&from, &to, 1), command);
-            Record::from([(format!("{from} -> {to}").replace('\n', "|"), message)])
+            // A field that began with a bracket would be read as the name of a case.
+            Record::from([(format!("from {from} to {to}").replace('\n', "|"), message)])
         }));
     }
     cases.push(Case::new("flags", true, || {
@@ -214,5 +215,5 @@ const MAPS: [(&str, &str); 22] = [
 fn map(text: &str, options: &str) -> (String, Value) {
     let place = Place::with(&[("map.txt", text)]);
     let (code, _, err) = place.run_raw(&format!("surface @map.txt {options}"));
-    (format!("{text}: {options}").replace('\n', "|"), format!("{code} {}", err.trim()).into())
+    (format!("map {text}: {options}").replace('\n', "|"), format!("{code} {}", err.trim()).into())
 }
