@@ -4,6 +4,7 @@
 mod accepted;
 mod expansion;
 mod inputs;
+mod made;
 mod numerical;
 mod sampled;
 
@@ -13,7 +14,6 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use rayon::prelude::*;
 use slipgrid_calibrate::uncertainty::{Covariance, ScaleShift, moved, with_scale};
-use slipgrid_discrepancy::{DimensionShift, Features};
 use slipgrid_material::{Condition, MaterialError};
 use slipgrid_optimize::{
     CommonDraws, Linearization, ModelFailure, Probability, Quantity, SearchError, Target, Tolerances, UncertainModel,
@@ -27,6 +27,7 @@ pub use self::expansion::Expansion;
 use self::expansion::{Drawn, Sensitivity};
 pub(crate) use self::inputs::diagonal;
 use self::inputs::{Parts, of_dimensions, percent, rms};
+pub use self::made::made;
 pub use self::numerical::{Numerical, block_std};
 use crate::DesignError;
 use crate::between_designs::{BetweenDesigns, LEAST_APART};
@@ -444,36 +445,8 @@ impl<'a> Chances<'a> {
     pub fn log_covariance(&self, expansion: &Expansion) -> Vec<f64> {
         let modulus = self.law_scale.as_ref().filter(|_| !self.scale_is_fitted).map(|along| along.first);
         let rim = self.uncertainty.rim();
-        self.log_covariance_of(expansion, &|place| {
-            let place = Some(place);
-            place >= Some(DIMENSIONS) && place != modulus && place != rim && place != self.burst
-        })
-    }
-
-    /// Errors of the dimensions of samples of a design: to first order.
-    pub fn dimension_shifts(&self, expansion: &Expansion) -> Vec<DimensionShift> {
-        let (slopes, values, design) = (&expansion.slopes, expansion.slopes.values(), expansion.slopes.design());
-        let log_by = |input: usize, by: f64| {
-            slopes.slopes()[input].iter().zip(values).map(move |(slope, value)| by * slope / value)
-        };
-        let shift = |by_m: [f64; DIMENSIONS], log_ratio: Vec<f64>| {
-            let [above, below] = [1.0, -1.0].map(|side| Features::from(&made(design, &by_m, side)));
-            DimensionShift { log_ratio, above, below: Some(below) }
-        };
-        let of_lengths = self.tolerances.independent_m().into_iter().map(|by_m| {
-            let mut log_ratio = vec![0.0; values.len()];
-            for (axis, by_m) in by_m.into_iter().enumerate() {
-                log_ratio.iter_mut().zip(log_by(axis, by_m)).for_each(|(sum, by)| *sum += by);
-            }
-            shift(by_m, log_ratio)
-        });
-        let of_rim =
-            self.uncertainty.rim().map(|place| shift([0.0; 3], log_by(place, self.uncertainty.std(place)).collect()));
-        let of_bursts = self.burst.map(|place| {
-            let std = self.uncertainty.std(place);
-            shift([0.0, 0.0, std * design.depth_m()], log_by(place, std).collect())
-        });
-        of_lengths.chain(of_rim).chain(of_bursts).collect()
+        let others = [modulus, rim, self.burst];
+        self.log_covariance_of(expansion, &|place| place >= DIMENSIONS && !others.contains(&Some(place)))
     }
 
     fn log_covariance_of(&self, expansion: &Expansion, of: &dyn Fn(usize) -> bool) -> Vec<f64> {
@@ -485,14 +458,6 @@ impl<'a> Chances<'a> {
         };
         rows.into_iter().zip(values).flat_map(row).collect()
     }
-}
-
-/// `design` with its lengths off by `side` times `by_m`, at most by nine tenths of each.
-pub fn made(design: &Pattern, by_m: &[f64; DIMENSIONS], side: f64) -> Pattern {
-    let lengths_m = design.lengths_m();
-    let [width_m, spacing_m, depth_m] =
-        std::array::from_fn(|axis| (lengths_m[axis] + side * by_m[axis]).max(0.1 * lengths_m[axis]));
-    Pattern::new(*design.texture(), width_m, spacing_m, depth_m).unwrap_or(*design)
 }
 
 /// The largest distance of two numbers at one place.

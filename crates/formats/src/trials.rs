@@ -397,13 +397,14 @@ impl LearnedFile {
             let column = |of: fn(&Measured) -> f64| trial.measured.iter().map(|at| tidy(of(at))).collect();
             let of_length =
                 |axis: usize| Some(LENGTH_UM.from_si(trial.dimensions_std_m[axis])).filter(|std| *std > 0.0);
+            let [areal_density, edge_per_mm, width_um, pitch_um, depth_um] = to_columns(&trial.features);
             LearnedTrial {
                 name: trial.name.clone(),
-                areal_density: trial.features.areal_density,
-                edge_per_mm: tidy(trial.features.edge_1_m * PER_MM),
-                width_um: LENGTH_UM.from_si(trial.features.width_m),
-                pitch_um: LENGTH_UM.from_si(trial.features.pitch_m),
-                depth_um: LENGTH_UM.from_si(trial.features.depth_m),
+                areal_density,
+                edge_per_mm,
+                width_um,
+                pitch_um,
+                depth_um,
                 sample_std: trial.sample_std,
                 width_std_um: of_length(0),
                 spacing_std_um: of_length(1),

@@ -1,6 +1,6 @@
 //! The values of a design about it, along everything that is not known exactly.
 
-use slipgrid_discrepancy::{Form, Sampler};
+use slipgrid_discrepancy::{DimensionShift, Features, Form, Sampler};
 
 use super::*;
 use slipgrid_specimen::Laid;
