@@ -85,6 +85,7 @@ mod least_squares;
 mod load_dependence;
 mod marginal_uncertainty;
 mod patterned_samples;
+mod pending_sample;
 mod scaled_area_law;
 mod select_measurements;
 mod surface_area_law_source;
@@ -100,10 +101,10 @@ pub use fit_problem::{Coefficients, FitError, Measurement, Problem, StaticPeak, 
 pub use flat_friction_law::flat_friction_law;
 pub use law_pressures::{LawPressures, light_pressure_pa};
 pub use marginal_uncertainty::{FlatLoad, marginal_relative_std};
+pub use pending_sample::{ModelledRatio, PendingSample};
 pub use scaled_area_law::AreaLawScale;
 pub use select_measurements::{Selection, measured_friction};
 pub use surface_area_law_source::{AreaLawOrigin, SurfaceFindings};
 pub use trial_discrepancy::{
-    CutSample, CutSpecimen, Learned, LearnedSamples, ModelledRatio, PendingSample, TrialsTask, learn, learn_alone,
-    sample_bytes,
+    CutSample, CutSpecimen, Learned, LearnedSamples, TrialsTask, learn, learn_alone, sample_bytes,
 };

@@ -13,7 +13,7 @@ use slipgrid_units::{HUMIDITY_PCT, PRESSURE_MPA, SPEED_MM_S, tidy};
 
 use crate::patterned_samples::{Model, Pair, pairs};
 use crate::surface_area_law_source::surface_findings;
-use crate::{CalibrationError, CalibrationTask, Measurement, Surface};
+use crate::{CalibrationError, CalibrationTask, Measurement, PendingSample, Surface};
 use slipgrid_monitor::Part;
 
 /// A sample that was cut, and measured unless it is pending.
@@ -116,43 +116,6 @@ pub struct LearnedSamples {
     pub discrepancy: Discrepancy,
     /// What is modelled of the pending samples.
     pub pending: Vec<PendingSample>,
-}
-
-/// A sample that was cut and not yet measured, as it is modelled at the flat sample's conditions.
-#[derive(Clone, Debug, PartialEq)]
-pub struct PendingSample {
-    /// Its name.
-    pub name: String,
-    /// Its texture.
-    pub features: Features,
-    /// What is modelled, one a condition.
-    pub modelled: Vec<ModelledRatio>,
-    /// Errors of its dimensions.
-    pub dimension_shifts: Vec<DimensionShift>,
-}
-
-/// The modelled ratio of patterned to flat friction at one load.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ModelledRatio {
-    /// Pressure, speed and humidity.
-    pub load: Load,
-    /// The ratio.
-    pub ratio: f64,
-    /// d ln(ratio) / d ln(Young's modulus).
-    pub modulus_sensitivity: f64,
-}
-
-impl From<Trial> for PendingSample {
-    /// Without what stands for measurements.
-    fn from(trial: Trial) -> Self {
-        let Trial { name, features, measured, dimension_shifts, .. } = trial;
-        let modelled = measured.iter().map(|at| ModelledRatio {
-            load: at.load,
-            ratio: at.modelled,
-            modulus_sensitivity: at.modulus_sensitivity,
-        });
-        Self { name, features, modelled: modelled.collect(), dimension_shifts }
-    }
 }
 
 /// The same without fitting anything to flat samples, but where the area law is fitted to them. Stages of the monitor: those of the
