@@ -98,21 +98,21 @@ mod tests {
 
     #[test]
     fn pairs_are_named_with_what_is_said_of_their_scatter() {
-        let [warning] = &contradicting_samples(&learned(&[0.0, -0.09], None))[..] else { panic!() };
+        let [warning] = &contradicting_samples(&learned(&[0.0, -0.12], None))[..] else { panic!() };
         assert!(is_of_contradicting_samples(warning) && !is_of_contradicting_samples("slope: of another kind"));
         for words in [
             "contradicting samples: \"cut-1\" and \"cut-2\" are of one texture within the errors of their dimensions",
-            "differ by 9.0 % at 2.00 MPa, 5 mm/s and 45 %, where samples are said to scatter by 0.50 % (sample_std)",
+            "differ by 12 % at 2.00 MPa, 5 mm/s and 45 %, where samples are said to scatter by 2.0 % (sample_std)",
             "of 1 ratio, a probability ",
             "until then other samples are taken to scatter by ",
         ] {
             assert!(warning.contains(words), "{words}: {warning}");
         }
-        let own = contradicting_samples(&learned(&[0.0, -0.09], Some(0.01)));
+        let own = contradicting_samples(&learned(&[0.0, -0.12], Some(0.01)));
         assert!(own.len() == 1 && own[0].contains("by 1.0 % (sample_std)"), "{own:?}");
         assert!(own[0].ends_with("sample_std is kept as it is stated of both"), "{own:?}");
-        assert!(contradicting_samples(&learned(&[0.0, -0.09], Some(0.05))).is_empty());
-        let many = contradicting_samples(&learned(&[0.0, 0.001, -0.09, -0.091], None));
+        assert!(contradicting_samples(&learned(&[0.0, -0.12], Some(0.05))).is_empty());
+        let many = contradicting_samples(&learned(&[0.0, 0.001, -0.12, -0.121], None));
         assert_eq!((many.len(), many[3].as_str()), (4, "contradicting samples: and one further pair"));
     }
 }

@@ -92,6 +92,14 @@ impl Wanted {
         Score { chance, closeness: closeness(prediction, &bounds) }
     }
 
+    /// The same with a rougher probability of the box, for many textures that are compared.
+    #[must_use]
+    pub fn rough_score(&self, prediction: &Prediction, modelled: &[f64]) -> Score {
+        let bounds = self.over(modelled);
+        let chance = chance(prediction, &bounds, 0.0, rough_part_box_probability).unwrap_or(0.0);
+        Score { chance, closeness: closeness(prediction, &bounds) }
+    }
+
     /// The same, roughly; `None` where the chance is below `least_chance`, or the score's value below `least_value`. `most_close` is no less than the
     /// closeness, which is dearer than most chances that are too small.
     fn score_above(

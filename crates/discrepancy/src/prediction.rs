@@ -1,6 +1,6 @@
 //! What the mixture says of a texture.
 
-use slipgrid_statistics::{box_probability, normal_probability};
+use slipgrid_statistics::{box_probability, normal_probability, normal_quantile};
 
 use crate::mixture::Member;
 use crate::residual::Place;
@@ -10,6 +10,11 @@ use slipgrid_statistics::cholesky::{covariance_factor, dot};
 
 /// Members of less weight change no digit that is reported.
 const LEAST_WEIGHT: f64 = 1e-7;
+
+/// Steps towards a quantile at most; those that suffice are shorter, or lie at probabilities nearer, than these.
+const MOST_STEPS: usize = 60;
+const LEAST_STEP: f64 = 1e-13;
+const LEAST_OFF: f64 = 1e-12;
 
 /// Pressure, speed and humidity at which friction is asked for.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -71,6 +76,8 @@ pub struct Component {
     pub covariance: Vec<f64>,
     /// Mean without that of the modulus: the part that is proportional to the form.
     pub of_form: Vec<f64>,
+    /// The part of the covariance that is left where the discrepancy of the texture is known: modulus, dimensions, the sample's own scatter.
+    pub without_form: Vec<f64>,
 }
 
 /// Draws from a prediction: all loads at once.
@@ -178,6 +185,7 @@ impl Predictor {
             let times = 1.0 + of_shifts.iter().map(|(log_form, _)| log_form * log_form).sum::<f64>();
             // v_l = h B_l + g_l E + R_l, covariance v_l v_m
             let mut covariance = vec![0.0; n * n];
+            let mut without_form = vec![0.0; n * n];
             for l in 0..n {
                 for m in 0..=l {
                     let [rb, br] = [(l, m), (m, l)].map(|(l, m)| dot(&r[l], &member.b[m][first..]));
@@ -192,8 +200,11 @@ impl Predictor {
                         + g[l] * re[m];
                     let of_dimensions: f64 = of_shifts.iter().map(|(_, moved)| moved[l] * moved[m]).sum();
                     let entry = times * unknown_form + of_modulus + of_dimensions + own;
-                    covariance[l * n + m] = entry;
-                    covariance[m * n + l] = entry;
+                    let left = g[l] * g[m] * member.ee + of_dimensions + own;
+                    for (all, entry) in [(&mut covariance, entry), (&mut without_form, left)] {
+                        all[l * n + m] = entry;
+                        all[m * n + l] = entry;
+                    }
                 }
             }
             Component {
@@ -202,6 +213,7 @@ impl Predictor {
                 mean: (0..n).map(|l| of_form[l] + g[l] * member.mean_of_modulus).collect(),
                 covariance,
                 of_form,
+                without_form,
             }
         };
         Prediction { components: self.members.iter().map(component).collect() }
@@ -271,8 +283,18 @@ impl Prediction {
     pub fn with(mut self, covariance: &[f64]) -> Self {
         for component in &mut self.components {
             component.covariance.iter_mut().zip(covariance).for_each(|(own, further)| *own += further);
+            component.without_form.iter_mut().zip(covariance).for_each(|(own, further)| *own += further);
         }
         self
+    }
+
+    /// The same where the discrepancy of the texture is known to be its median: what modulus, dimensions and the sample's own scatter leave.
+    #[must_use]
+    pub fn with_form_known(&self) -> Self {
+        let medians = self.medians();
+        let known =
+            |of: &Component| Component { mean: medians.clone(), covariance: of.without_form.clone(), ..of.clone() };
+        Self { components: self.components.iter().map(known).collect() }
     }
 
     /// Mean and standard deviation at `load`.
@@ -306,31 +328,49 @@ impl Prediction {
     #[must_use]
     pub fn quantile(&self, load: usize, p: f64) -> f64 {
         let n = self.loads();
-        let std = |of: &Component| of.covariance[load * n + load].max(0.0).sqrt();
-        let end = |side: f64| self.components.iter().map(move |of| of.mean[load] + side * 40.0 * std(of));
-        let (mut low, mut high) = (end(-1.0).fold(f64::INFINITY, f64::min), end(1.0).fold(f64::NEG_INFINITY, f64::max));
-        for _ in 0..100 {
-            let middle = f64::midpoint(low, high);
-            if self.probability_below(load, middle) < p { low = middle } else { high = middle }
+        let z = normal_quantile(p);
+        // It lies between the least and the greatest of the forms' own.
+        let own =
+            || self.components.iter().map(|of| of.mean[load] + z * of.covariance[load * n + load].max(0.0).sqrt());
+        let (mut low, mut high) = (own().fold(f64::INFINITY, f64::min), own().fold(f64::NEG_INFINITY, f64::max));
+        let off = |value: f64| self.probability_below(load, value) - p;
+        let (mut off_low, mut off_high) = (off(low), off(high));
+        // Regula falsi with halved ends (Dowell and Jarratt 1971, the Illinois method): P grows with the value.
+        let mut side = 0;
+        for _ in 0..MOST_STEPS {
+            if high - low <= LEAST_STEP || off_high <= off_low {
+                break;
+            }
+            let middle = (low * off_high - high * off_low) / (off_high - off_low);
+            let found = off(middle);
+            if found < 0.0 {
+                (low, off_low) = (middle, found);
+                off_high *= if side < 0 { 0.5 } else { 1.0 };
+                side = -1;
+            } else {
+                (high, off_high) = (middle, found);
+                off_low *= if side > 0 { 0.5 } else { 1.0 };
+                side = 1;
+            }
+            if found.abs() < LEAST_OFF {
+                return middle;
+            }
         }
         f64::midpoint(low, high)
+    }
+
+    /// Whether half of all samples or more lie on the accepted side of every end of `lower` and `upper`: the median lies between them.
+    #[must_use]
+    pub fn has_medians_within(&self, lower: &[f64], upper: &[f64]) -> bool {
+        (0..self.loads()).all(|load| {
+            self.probability_below(load, lower[load]) <= 0.5 && self.probability_below(load, upper[load]) >= 0.5
+        })
     }
 
     /// The value below which half lies at each load.
     #[must_use]
     pub fn medians(&self) -> Vec<f64> {
-        (0..self.loads()).map(|load| self.median(load)).collect()
-    }
-
-    fn median(&self, load: usize) -> f64 {
-        // It lies between the least and the greatest of the forms' own.
-        let own = || self.components.iter().map(|of| of.mean[load]);
-        let (mut low, mut high) = (own().fold(f64::INFINITY, f64::min), own().fold(f64::NEG_INFINITY, f64::max));
-        while high - low > 1e-12 {
-            let middle = f64::midpoint(low, high);
-            if self.probability_below(load, middle) < 0.5 { low = middle } else { high = middle }
-        }
-        f64::midpoint(low, high)
+        (0..self.loads()).map(|load| self.quantile(load, 0.5)).collect()
     }
 
     /// Draws from this prediction.

@@ -80,8 +80,7 @@ fn before_any_trial_the_prior_is_what_is_believed() {
     let q: f64 = 0.65 / 1.5 - 0.5;
     let mean_square = |all: &[(f64, f64)]| all.iter().map(|(size, weight)| weight * size * size).sum::<f64>();
     let of_form = 0.2_f64.powi(2) * (1.0 + mean_square(&hyper.residuals)) + (0.08 * q).powi(2) + 0.1_f64.powi(2);
-    // Of scatters those above 0.2 are left out.
-    let scatter = (0.9 + 0.06 * 9.0 + 0.03 * 100.0 + 0.01 * 900.0) * 0.005_f64.powi(2);
+    let scatter = (0.7 + 0.2 * 0.0625 + 0.07 * 9.0 + 0.03 * 100.0) * 0.02_f64.powi(2);
     let variance = mean_square(&hyper.scales) * of_form + (0.2 * 0.3_f64).powi(2) + scatter;
     assert!(mean.abs() < 1e-15 && (std * std / variance - 1.0).abs() < 1e-12, "{mean} {std}");
     // Scales of several sizes: more in the middle and farther out than one normal distribution.
@@ -224,7 +223,9 @@ fn a_flat_sample_measured_once_is_off_alike_in_all_trials() {
         let first = load(1.3, 2.0, 40.0);
         let textures = [groove(100.0, 300.0, 10.0), groove(100.0, 300.0, 10.0)];
         let all = textures.iter().zip([first, second]).map(|(of, at)| trial("", *of, &[at], 0.03, &mut |_| -0.2));
-        discrepancy(all.collect()).at(&[first]).predict(&textures[0], &[0.1]).moments(0).1
+        let hyper = Hyperparameters { sample_std: 0.005, ..Hyperparameters::default() };
+        let known = Discrepancy::new(hyper, Conditions::default(), 0.2, all.collect()).unwrap();
+        known.at(&[first]).predict(&textures[0], &[0.1]).moments(0).1
     };
     let (same, other) = (shared(load(1.3, 2.0, 40.0)), shared(load(1.3, 2.000_1, 40.0)));
     assert!(same > 1.1 * other, "{same} {other}");
@@ -280,7 +281,7 @@ fn two_trials_of_one_disc_tell_less_of_the_mean_and_more_of_their_difference() {
 
 #[test]
 fn an_unmeasured_humidity_lies_between_what_is_known_and_the_prior() {
-    let hyper = Hyperparameters { scatters: vec![(1.0, 1.0)], ..Hyperparameters::default() };
+    let hyper = Hyperparameters { sample_std: 0.005, scatters: vec![(1.0, 1.0)], ..Hyperparameters::default() };
     let trials = vec![trial("", groove(100.0, 300.0, 10.0), &loads(), 0.002, &mut |_| -0.2)];
     let known = Discrepancy::new(hyper, Conditions::default(), 0.2, trials).unwrap();
     let std = |humidity_pct: f64| {
