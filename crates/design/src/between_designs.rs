@@ -8,7 +8,7 @@ use slipgrid_statistics::{Kriging, distance};
 const RANGE: f64 = 3.0;
 /// Nearer than this, quantities differ by where cavities end within blocks and by the errors of runs: their slope would say nothing of designs
 /// further off.
-pub const LEAST_APART: f64 = 0.3;
+const LEAST_APART: f64 = 0.3;
 /// Cavities as shallow as one or two blocks differ most: a factor in depth counts as much as this power of it in width or spacing.
 const OF_DEPTH: f64 = 2.0;
 
@@ -37,23 +37,6 @@ impl BetweenDesigns {
         let count = self.known.first().map_or(0, |(_, quantities)| quantities.len());
         let of = |number: usize| self.known.iter().map(|(_, quantities)| quantities[number]).collect();
         self.kriging = Kriging::new(RANGE, places, (0..count).map(of).collect());
-    }
-
-    /// Those of `designs` that are at least `least` from what is known and from those before them.
-    pub fn unlike(&self, designs: impl IntoIterator<Item = Pattern>, least: f64) -> Vec<Pattern> {
-        let known = self.known.iter().map(|(known, _)| *known).collect();
-        designs.into_iter().filter(unlike_those_before(known, least)).collect()
-    }
-}
-
-/// Whether one design after the other is at least `least` from those `before` and from those of which this was so.
-pub fn unlike_those_before(before: Vec<Pattern>, least: f64) -> impl FnMut(&Pattern) -> bool {
-    let mut places: Vec<[f64; 3]> = before.iter().map(place).collect();
-    move |design| {
-        let own = place(design);
-        let is_far = places.iter().all(|known| distance(known, &own) >= least);
-        places.extend(is_far.then_some(own));
-        is_far
     }
 }
 
@@ -93,8 +76,5 @@ mod tests {
         found.learn([(nearly, vec![0.4])]);
         assert_eq!(found.at(&groove(800.0, 40.0)), Some(vec![0.4]));
         found.learn([(groove(100.0, 10.0), vec![0.0])]);
-        // A factor e^0.3 in width is nearer than in depth.
-        let (wider, deeper) = (groove(135.0, 10.0), groove(100.0, 13.5));
-        assert_eq!(found.unlike([wider, deeper, deeper, groove(400.0, 10.0)], 0.5), [deeper, groove(400.0, 10.0)]);
     }
 }

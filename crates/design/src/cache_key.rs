@@ -1,23 +1,16 @@
 //! What the answers of the search's model depend on: the key of a cache of them.
 
 use serde_json::{Map, Value, json};
-use slipgrid_export::Specimen;
 use slipgrid_pattern::Texture;
-use slipgrid_results::{RimReport, SpecimenReport};
+use slipgrid_results::RimReport;
 use slipgrid_springblock::{Dimension, Scene};
 
 use slipgrid_units::{LENGTH_MM, LENGTH_UM, MODULUS_GPA, PRESSURE_MPA};
 
 /// Everything that the steady cells of a search are made of, but for width, spacing and depth. A texture may slide in
-/// `further_deg` directions, too. Where answers have their slopes along Young's modulus, `slopes` says whether that moves anything and on
-/// which specimen.
+/// `further_deg` directions, too.
 #[must_use]
-pub fn cache_key(
-    scene: &Scene,
-    texture: &Texture,
-    further_deg: &[f64],
-    slopes: Option<(bool, &Specimen)>,
-) -> Map<String, Value> {
+pub fn cache_key(scene: &Scene, texture: &Texture, further_deg: &[f64]) -> Map<String, Value> {
     let um = |length_m: f64| LENGTH_UM.from_si(length_m);
     let area_law = scene.area_law.as_ref().map(|law| {
         let pressure_mpa: Vec<f64> =
@@ -64,32 +57,5 @@ pub fn cache_key(
         // Last but one, by its name.
         entries[4].1["rim"] = json!(rim);
     }
-    let slopes = slopes.map(|(moves, specimen)| {
-        ("modulus_sensitivity", json!({ "moves": moves, "specimen": SpecimenReport::from(specimen) }))
-    });
-    entries.into_iter().chain(slopes).map(|(name, value)| (name.to_owned(), value)).collect()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::next_trial::tests::task;
-    use slipgrid_export::Outline;
-    use slipgrid_pattern::Planform;
-    use slipgrid_springblock::RunOptions;
-
-    #[test]
-    fn slopes_along_the_modulus_are_those_of_a_specimen_and_of_an_error_that_is_known() {
-        let task = task(Planform::Groove);
-        let material = task.material.clone().unwrap().material;
-        let scene = task.flat_scene(&material, task.loads(&material).unwrap().0, RunOptions::default());
-        let disc = |diameter_m: f64| Specimen { outline: Outline::Disc { diameter_m }, ..task.specimen };
-        let discs = [disc(10e-3), disc(6e-3)];
-        let key = |slopes| cache_key(&scene, task.space.texture(), &[], slopes);
-        let all = [None, Some((true, &discs[0])), Some((false, &discs[0])), Some((true, &discs[1]))].map(key);
-        for (place, own) in all.iter().enumerate() {
-            assert!(all[..place].iter().all(|other| other != own), "{own:?}");
-        }
-        assert_eq!(key(Some((true, &discs[0]))), all[1]);
-    }
+    entries.into_iter().map(|(name, value)| (name.to_owned(), value)).collect()
 }

@@ -5,7 +5,6 @@ use slipgrid_optimize::ModelFailure;
 use slipgrid_pattern::Pattern;
 
 use crate::evaluation_cache::Answer;
-use crate::steady_model::SteadyModel;
 use crate::task::DesignTask;
 use slipgrid_export::Specimen;
 
@@ -40,36 +39,13 @@ pub struct Limited {
     measures: Vec<ConstraintQuantity>,
     laser: Laser,
     outline: Option<Specimen>,
-    /// Largest pressure of confirming runs over that of the cell; absent before one was beyond its limit.
-    peak_factor: Option<f64>,
 }
 
 impl Limited {
-    /// The quantities that `design` limits, whose values `model` gives.
-    pub fn of(design: &DesignTask, model: &SteadyModel) -> Self {
-        Self {
-            measures: design.quantities.clone(),
-            laser: design.laser,
-            outline: Some(design.specimen),
-            peak_factor: model.peak_factor(),
-        }
-    }
-
-    /// Largest pressure of confirming runs over that of the cell, as it was learned.
+    /// The quantities that `design` limits.
     #[must_use]
-    pub const fn peak_factor(&self) -> Option<f64> {
-        self.peak_factor
-    }
-
-    /// Largest pressures are compared with their limit times `factor` from here on.
-    pub const fn learn_peak_factor(&mut self, factor: f64) {
-        self.peak_factor = Some(factor);
-    }
-
-    /// Whether the largest pressure is limited.
-    #[must_use]
-    pub fn judges_peak(&self) -> bool {
-        self.measures.contains(&ConstraintQuantity::PeakPressure)
+    pub fn of(design: &DesignTask) -> Self {
+        Self { measures: design.quantities.clone(), laser: design.laser, outline: Some(design.specimen) }
     }
 
     /// Whether the specimen takes `pattern`: what cannot be drawn for the laser is no answer.
@@ -81,11 +57,6 @@ impl Limited {
         laid.map_err(|error| ModelFailure::Trial { reason: error.to_string() })
     }
 
-    /// Whether a closed cavity breaks a limit, and so needs no other refusal.
-    pub fn judges_clearance(&self) -> bool {
-        self.measures.contains(&ConstraintQuantity::Clearance)
-    }
-
     /// The quantities of `pattern`, of which the model says `answer`, in the order of the limits, SI units.
     ///
     /// # Errors
@@ -95,7 +66,7 @@ impl Limited {
             .iter()
             .map(|measure| {
                 Ok(match measure {
-                    ConstraintQuantity::PeakPressure => answer.peak_pressure_pa() * self.peak_factor.unwrap_or(1.0),
+                    ConstraintQuantity::PeakPressure => answer.peak_pressure_pa(),
                     ConstraintQuantity::BearingArea => 1.0 - self.areal_density(pattern)?,
                     ConstraintQuantity::ArealDensity => self.areal_density(pattern)?,
                     ConstraintQuantity::LaserTime => self.laser_time_s(pattern)?,

@@ -28,9 +28,6 @@ pub struct Answer {
     pub least_pressure: f64,
     /// Least height of a ceiling above the counterface; absent where nothing could sag.
     pub clearance_um: Option<f64>,
-    /// d ln R / d ln E, E Young's modulus, at each pressure; empty where designs do not aim with the discrepancy.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub modulus_sensitivity: Vec<f64>,
 }
 
 /// Largest size of a number in an answer: far above anything the model gives, far below where sums overflow.
@@ -58,13 +55,7 @@ impl Answer {
             let reason = format!("answer.ratio: {:e} is no ratio of two frictions", self.ratio[place]);
             return Err(Fault { reason, expected: "positive numbers".to_owned() });
         }
-        let sensitivities = &self.modulus_sensitivity;
-        if ![0, loads].contains(&sensitivities.len()) {
-            let reason = format!("answer.modulus_sensitivity: has {} entries", sensitivities.len());
-            return Err(Fault { reason, expected: format!("none, or {loads}, one for each load of each condition") });
-        }
         let sizes = [("least_pressure", self.least_pressure), ("clearance_um", self.clearance_um.unwrap_or(0.0))];
-        let sizes = sizes.into_iter().chain(sensitivities.iter().map(|own| ("modulus_sensitivity", *own)));
         let beyond = sizes.into_iter().find(|(_, value)| value.is_nan() || value.abs() > LARGEST);
         let beyond =
             beyond.or(Some(("peak_pressure_mpa", self.peak_pressure_mpa)).filter(|&(_, value)| !positive(value)));

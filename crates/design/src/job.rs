@@ -1,36 +1,41 @@
-//! The job, from a task to a design: search, confirm, explain.
+//! The job of `optimize`, from a task to a design: the texture that a cut sample of is likeliest on target, confirmed in time.
 
-use slipgrid_export::{Removal, burst_warnings};
+use slipgrid_export::{Removal, burst_warnings, laser_time_s};
 use slipgrid_monitor::{Monitor, Remembering};
-use slipgrid_optimize::{Candidate, ModelFailure, Status, TradeOffs};
 use slipgrid_pattern::Pattern;
-use slipgrid_results::{MaterialReport, PatternReport, SCHEMA, VERSION, load_reports, measured_range, model_notes};
-use slipgrid_springblock::{Load, Scene, Simulation, Statements};
+use slipgrid_results::{MaterialReport, VERSION, load_reports, measured_range, model_notes};
+use slipgrid_springblock::{Load, Scene, Simulation};
 use slipgrid_units::tidy;
 
-use crate::assessment::Assessment;
-use crate::best_round::BestDesign;
-use crate::chance::Chances;
-use crate::design_report::{DesignReport, MisfitReport, patterns};
-use crate::discrepancy_correction::DiscrepancyReport;
+use crate::DesignError;
+use crate::advice::Advice;
+use crate::blocked::blocked_by;
+use crate::confirmation::{Confirmed, confirm};
+use crate::design_report::{DesignReport, GoalReport, SCHEMA};
 use crate::evaluation_cache::EvaluationCache;
 use crate::explorer::Explorer;
-use crate::learned_discrepancy::LearnedDiscrepancy;
-use crate::multi_fidelity::{MultiFidelityLoop, time_statement};
+use crate::lattice_table::Lattice;
+use crate::operating_conditions::statements;
+use crate::prediction::Prediction;
 use crate::prepared_task::PreparedTask;
-use crate::target_report::GoalReport;
-use crate::task::{DesignTask, KnownMaterial, TradeOffsWanted};
+use crate::search::{Found, Search};
+use crate::session::with_table;
+use crate::slopes::slopes;
+use crate::task::{DesignTask, KnownMaterial};
 use crate::time_budget::TimeBudget;
 use crate::timings::Timings;
-use crate::{DesignError, flat_is_best, selection, trade_offs};
+use crate::trade_offs::{self, Compared};
+
+/// Other textures that are listed.
+const OTHERS: usize = 3;
 
 /// What a job found.
 #[derive(Clone, Debug)]
 pub struct DesignOutcome {
     /// Everything that is reported, as result.json holds it.
     pub report: DesignReport,
-    /// How the search ended.
-    pub status: Status,
+    /// What to do.
+    pub advice: Advice,
     /// The design.
     pub pattern: Pattern,
     /// The task with its conditions known.
@@ -47,31 +52,13 @@ pub struct DesignOutcome {
     pub lattice: Option<Lattice>,
     /// Designs compared by goals, where the task asks for that.
     pub compared: Option<Compared>,
-    /// What any design within the bounds does, where the task asks for it and it could be computed in time.
+    /// What any design within the bounds does, where the task asks for it.
     pub explorer: Option<Explorer>,
 }
 
-/// Every design of a lattice with what the model says of it.
-#[derive(Clone, Debug)]
-pub struct Lattice {
-    /// The designs.
-    pub patterns: Vec<Pattern>,
-    /// What the model says of each.
-    pub answers: Vec<Result<Candidate, ModelFailure>>,
-}
-
-/// Designs compared by goals.
-#[derive(Clone, Debug)]
-pub struct Compared {
-    /// The goals.
-    pub wanted: TradeOffsWanted,
-    /// Those that no other beats in every goal, and the others; none where no design can be compared.
-    pub found: TradeOffs,
-}
-
-/// The pattern that does what `task` asks for, confirmed in time, with the chance that a cut sample is on target, what
-/// limits it, and what else could be had. `cache` keeps the answers of the search's model beyond this run; `monitor` is told
-/// of every stage, and ends any of them. Same task and seed give the same outcome but for times.
+/// The texture that does what `task` asks for with the greatest chance, confirmed in time, with what limits the chance and what else could
+/// be had. `cache` keeps the answers of the model beyond this run; `monitor` is told of every stage, and ends any of them. Same task and seed
+/// give the same outcome but for times.
 ///
 /// # Errors
 /// [`DesignError`] for a task that is refused, that the monitor cancels, or whose time is spent before there is a design.
@@ -97,170 +84,134 @@ fn every_step(
 ) -> Result<DesignOutcome, DesignError> {
     let started_s = monitor.seconds();
     let budget = TimeBudget::new(monitor, task.max_seconds);
+    let prepared = &PreparedTask::new(task)?;
     let mut timings = Timings::default();
-    let prepared = PreparedTask::new(task)?;
-    let design = &prepared.task;
-
-    let mut found = search_and_confirm(&prepared, cache, budget, monitor, &mut timings)?;
-    let explanation = found.explain(design, &mut timings)?;
-    let (table, lattice) = if design.table { found.compare(design, &mut timings)? } else { None }.unzip();
-    let best = found.round.best_design()?;
-    let mut cut_short = found.cut_short.clone();
-
-    let probing = budget.stage("slopes and tolerances");
-    let assessed = Assessment::new(&prepared, &found, best, &probing)?;
-    cut_short.extend(probing.is_out_of_time().then_some("slopes and tolerances"));
-    timings.uncertainty = probing.finish();
-    monitor.heed()?;
-
-    let comparing = budget.stage("trade-offs");
-    let selection = found.round.selection.as_ref();
-    let traded = trade_offs::report(design, &found.model, (&best.pattern(), best.value()), selection, &comparing)?;
-    cut_short.extend(
-        (design.trade_offs.is_some() && comparing.is_out_of_time() && traded.is_none()).then_some("trade-offs"),
-    );
-    timings.trade_offs = comparing.finish();
-    monitor.heed()?;
-    let (trade_offs, compared) = traded.unzip();
-
-    let exploring = budget.stage("explorer");
-    let (explorer, unexplored) = assessed.explore(design, &found, best, &exploring);
-    cut_short.extend((exploring.is_out_of_time() && explorer.is_none()).then_some("explorer"));
-    timings.explorer = exploring.finish();
-    monitor.heed()?;
-
-    let scene = assessed.confirming.clone();
-    let measured_mpa = prepared.task.measured_mpa(&prepared.material, &prepared.outside);
-    let said = statements(&prepared, &found, best, measured_mpa, (&cut_short, unexplored));
-    let report = DesignReport {
-        trade_offs,
-        explanation,
-        table,
-        model: said.model,
-        method: said.method,
-        measured_mpa,
-        cut_short: cut_short.into_iter().map(Into::into).collect(),
-        timings_s: timings,
-        wall_s: monitor.seconds() - started_s,
-        threads: rayon::current_num_threads(),
-        ..report_of(&prepared, &found, best, assessed)?
-    };
-    let (status, pattern, confirmed) = (found.status, best.pattern(), best.confirmed.clone());
-    let PreparedTask { task, material, uncertainty, loads, .. } = prepared.clone();
-    let material = KnownMaterial { material, uncertainty };
-    Ok(DesignOutcome { report, status, pattern, loads, scene, confirmed, lattice, compared, explorer, material, task })
+    let mut outcome = with_table(prepared, None, Some(cache), (budget, monitor), &mut timings, |search, timings| {
+        let searching_s = monitor.seconds();
+        let found = search.best(&|_| true, 1);
+        timings.search += monitor.seconds() - searching_s;
+        monitor.heed()?;
+        reported(prepared, search, &found, (budget, monitor), timings)
+    })?;
+    outcome.report.timings_s = timings;
+    outcome.report.wall_s = monitor.seconds() - started_s;
+    outcome.report.threads = rayon::current_num_threads();
+    Ok(outcome)
 }
 
-/// Rounds of searches and confirming runs, ended, and what the chance of designs rests on.
-fn search_and_confirm<'a>(
-    prepared: &'a PreparedTask,
-    cache: &'a mut dyn EvaluationCache,
-    budget: TimeBudget<'a>,
-    monitor: &'a dyn Monitor,
-    timings: &mut Timings,
-) -> Result<MultiFidelityLoop<'a>, DesignError> {
-    let PreparedTask { task: design, material, uncertainty, loads, further, .. } = prepared;
-    let mut found = MultiFidelityLoop::new(design, material, loads.clone(), further.clone(), budget, monitor, timings)?;
-    if design.discrepancy {
-        let learned = LearnedDiscrepancy::new(design, uncertainty, &found.further, &found.model)?;
-        found.model.aim_with(learned);
-    }
-    found.chances = Some(Chances::new(design, uncertainty, &found.model, &found.further)?);
-    let conditions = std::iter::once(design.condition).chain(further.iter().map(|further| further.at.condition));
-    let excess = conditions.map(|condition| uncertainty.excess(&design.pressures_pa(), condition.as_ref()));
-    found.excess = excess.collect();
-    found.keep_answers(design, cache)?;
-    found.announce(design)?;
-    found.run(design, timings)?;
-    Ok(found)
-}
-
-/// What was modelled of the design that was found, what was not, and how it was computed.
-fn statements(
+/// What is reported of what was `found`, with its confirming run.
+fn reported(
     prepared: &PreparedTask,
-    found: &MultiFidelityLoop<'_>,
-    best: BestDesign<'_>,
-    measured_mpa: Option<[f64; 2]>,
-    (cut_short, unexplored): (&[&str], Option<&'static str>),
-) -> Statements {
-    let mut said = best.confirmed.statements.clone();
-    said.model.extend(found.condition_statements(&prepared.task));
-    found.describe(&mut said);
-    said.model.extend(time_statement(cut_short));
-    said.model.extend(unexplored.map(Into::into));
+    search: &Search<'_>,
+    found: &Found,
+    (budget, monitor): (TimeBudget<'_>, &dyn Monitor),
+    timings: &mut Timings,
+) -> Result<DesignOutcome, DesignError> {
+    let (task, asked) = (&prepared.task, search.asked);
+    let mut cut_short: Vec<&'static str> = Vec::new();
+    if search.stage.cancelled() {
+        cut_short.push("search");
+    }
+    let Some(best) = found.solved.first() else {
+        return Err(match cut_short[..] {
+            [] => DesignError::Failed("no design within the bounds can be computed".to_owned()),
+            _ => DesignError::OutOfTime("the seconds allowed were spent before a design was found".to_owned()),
+        });
+    };
+    let pattern = best.texture.pattern;
+    let stage = budget.stage("confirmation");
+    let Confirmed { scene, run: confirmed } =
+        confirm(prepared, search.models.own, (&pattern, best.texture.run.as_deref()), &stage)?;
+    cut_short.extend(stage.is_out_of_time().then_some("confirmation"));
+    timings.confirm = stage.finish();
+    monitor.heed()?;
+
+    let modulus_std = prepared.uncertainty.modulus_std(prepared.material.area_law.as_ref()).unwrap_or(0.0);
+    let advice = Advice::of(search, best, found.is_within_reach);
+    let beside_s = monitor.seconds();
+    let is_out_of_reach = asked.has_demands() && !found.is_within_reach && advice != Advice::DoNotTexture;
+    let blocked = if is_out_of_reach { blocked_by(search, best) } else { Vec::new() };
+    let slopes = slopes(search, best);
+    let (trade_offs, compared) = trade_offs::of(search, best).unzip();
+    let sample = |of: &Prediction| of.report(asked, modulus_std, seconds(task, &of.texture.pattern));
+    let limited_by = best.limited_by(asked, &search.predictor, modulus_std);
+    let own = crate::prediction::SampleReport { limited_by, ..sample(best) };
+    let others = search.unlike(&found.solved, 1, 1 + OTHERS).iter().skip(1).map(sample).collect();
+    timings.trade_offs = monitor.seconds() - beside_s;
+    monitor.heed()?;
+    let lattice = task.table.then(|| Lattice::new(search));
+    monitor.heed()?;
+    let exploring_s = monitor.seconds();
+    let explorer = task.explorer.then(|| Explorer::new(search, best)).flatten();
+    timings.explorer = monitor.seconds() - exploring_s;
+    monitor.heed()?;
+    if search.stage.cancelled() && cut_short.is_empty() {
+        cut_short.push("trade-offs and explorer");
+    }
+
+    let laid = task.specimen.layout(pattern).map_err(|error| DesignError::refused(error.to_string()))?;
+    let removal = Removal::new(&laid, &task.laser);
+    let section = search.models.own.dimension().section_of(&pattern);
+    let measured_mpa = task.measured_mpa(&prepared.material, &prepared.outside);
+    let mut said = confirmed.statements.clone();
+    said.model.extend(statements(task, prepared.further.len()));
+    search.models.own.describe(&mut said);
+    if !cut_short.is_empty() {
+        said.model(format!("cut short by max_seconds: {}", cut_short.join(", ")));
+    }
     if let Some(range) = measured_mpa {
         said.model(format!("{}; beyond that the nearest measurement's coefficients were taken", measured_range(range)));
     }
-    said.model.extend(model_notes(found.model.dimension().section_of(&best.pattern()), &prepared.material.provenance));
-    said
-}
-
-/// The record of the design itself, without what was found beside it and without times.
-fn report_of(
-    prepared: &PreparedTask,
-    found: &MultiFidelityLoop<'_>,
-    best: BestDesign<'_>,
-    assessed: Assessment,
-) -> Result<DesignReport, DesignError> {
-    let (design, pattern, value) = (&prepared.task, best.pattern(), best.value());
-    let flat = found.flat_is_best(design);
-    let suffices = flat.as_ref().is_some_and(|flat| flat.suffices);
-    let laid = design.specimen.layout(pattern).map_err(|error| DesignError::refused(error.to_string()))?;
-    let removal = Removal::new(&laid, &design.laser);
-    let section = found.model.dimension().section_of(&pattern);
-    let Assessment { slopes, spread, errors, lacking, chance, advice, conditions, reachable, .. } = assessed;
-    let learned = found.model.learned().zip(lacking.as_ref()).zip(errors.physics.as_ref());
-    Ok(DesignReport {
+    said.model.extend(model_notes(section, &prepared.material.provenance));
+    let answer = search.models.own.steady(&pattern);
+    let broken = answer.and_then(|answer| search.violations(&pattern, &answer)).unwrap_or_default();
+    let report = DesignReport {
         program: "slipgrid".into(),
         version: VERSION.into(),
         schema: SCHEMA,
-        name: design.name.clone(),
-        date: design.date.clone(),
-        status: if suffices { flat_is_best::FLAT_IS_BEST } else { found.status.name() }.into(),
-        flat,
-        chance,
-        advice,
-        selection: found.round.selection.as_ref().and_then(selection::Chosen::report),
-        design: PatternReport::from(&pattern),
+        name: task.name.clone(),
+        date: task.date.clone(),
+        advice: advice.name().into(),
+        words: advice.words(best.chance(), asked.has_demands(), found.is_within_reach),
+        trials: asked.learned.trials().len(),
+        sample: own,
+        goal: GoalReport::of(search, best),
+        others,
+        blocked_by: blocked,
+        slopes,
+        trade_offs,
+        compared: found.compared,
+        table: search.table.report.clone(),
         specimen_areal_density: tidy(laid.areal_density()),
-        bursts: design.laser.bursts(pattern.depth_m()),
+        bursts: task.laser.bursts(pattern.depth_m()),
         passes: removal.as_ref().map(|removal| removal.passes),
-        laser_warnings: burst_warnings(&laid, &design.laser),
+        laser_warnings: burst_warnings(&laid, &task.laser),
         removal,
-        block_um: tidy(design.block_um()),
-        dimensions: found.model.dimension().number(),
+        block_um: tidy(task.block_um()),
+        dimensions: search.models.own.dimension().number(),
         section_model: section.is_some(),
-        fidelity: found.round.confirming.fidelity.name().into(),
-        extent: found.round.confirming.extent.name().into(),
-        target: (&design.target).into(),
-        predicted: load_reports(best.predicted, section, &prepared.outside),
-        predicted_value: value[..prepared.loads.len()].to_vec(),
-        confirmed: load_reports(best.confirmed, section, &prepared.outside),
-        discrepancy: learned
-            .map(|((learned, lacking), physics)| DiscrepancyReport::new(design, learned.trials(), lacking, physics)),
-        goal: GoalReport::new(&design.target, value, found.confirmed_values().as_deref(), &errors.report),
-        errors: errors.report,
-        conditions,
-        misfit: MisfitReport { predicted: best.found.misfit.max, confirmed: found.confirmed_misfit(design) },
-        violations: found.broken(design).iter().map(ToString::to_string).collect(),
-        sensitivities: slopes,
-        robustness: spread,
-        reachable_among: Some(found.round.searched)
-            .filter(|_| !found.model.is_cheap_per_design() && !reachable.is_empty()),
-        reachable,
-        alternatives: patterns(&found.round.alternatives),
-        evaluations: found.evaluations,
-        solid_evaluations: found.solid_evaluations,
-        out_of_time: found.out_of_time,
-        failed_trials: found.failed_trials,
-        rounds: found.rounds,
-        runs: found.runs,
-        history: found.history.clone(),
+        fidelity: scene.run.fidelity.name().into(),
+        extent: scene.run.extent.name().into(),
+        target: (&task.target).into(),
+        confirmed: load_reports(&confirmed, section, &prepared.outside),
+        violations: broken.iter().map(ToString::to_string).collect(),
+        cut_short: cut_short.into_iter().map(Into::into).collect(),
+        model: said.model,
+        method: said.method,
+        measured_mpa,
         material: MaterialReport::from(&prepared.material.provenance),
-        specimen: (&design.specimen).into(),
-        laser: design.laser,
-        tolerances: design.assumed_tolerances(),
-        seed: design.seed,
+        specimen: (&task.specimen).into(),
+        laser: task.laser,
+        tolerances: task.assumed_tolerances(),
+        seed: task.seed,
         ..DesignReport::default()
-    })
+    };
+    let PreparedTask { task, material, uncertainty, loads, .. } = prepared.clone();
+    let material = KnownMaterial { material, uncertainty };
+    Ok(DesignOutcome { report, advice, pattern, task, material, loads, scene, confirmed, lattice, compared, explorer })
+}
+
+/// Seconds under the laser, where its speed is known.
+pub fn seconds(task: &DesignTask, pattern: &Pattern) -> Option<f64> {
+    laser_time_s(&task.specimen.layout(*pattern).ok()?, &task.laser)
 }

@@ -2,7 +2,7 @@
 
 use slipgrid_material::{Condition, Material};
 use slipgrid_pattern::Pattern;
-use slipgrid_springblock::{Load, Simulation};
+use slipgrid_springblock::Load;
 
 use crate::DesignError;
 use crate::task::DesignTask;
@@ -26,8 +26,6 @@ pub struct Further {
     pub loads: Vec<Load>,
     /// Whether each pressure lies outside the measured range.
     pub outside: Vec<bool>,
-    /// The confirming run of the best design here, where it was run in time.
-    pub confirmed: Option<Simulation>,
 }
 
 impl Setting {
@@ -77,13 +75,51 @@ pub fn further(design: &DesignTask, material: &Material) -> Result<Vec<Further>,
         let at = Setting { sliding_angle_deg: sliding_angle_deg.or(first.sliding_angle_deg), ..first };
         if sliding_angle_deg.is_some() {
             let (loads, outside) = design.loads(material)?;
-            all.push(Further { at, loads, outside, confirmed: None });
+            all.push(Further { at, loads, outside });
         }
         for condition in &design.also_at {
             let (loads, outside) = design.loads_at(material, condition)?;
             let at = Setting { condition: Some(*condition), ..at };
-            all.push(Further { at, loads, outside, confirmed: None });
+            all.push(Further { at, loads, outside });
         }
     }
     Ok(all)
+}
+
+/// What is said of the conditions and sliding directions of `design`, of which there are `further` beside the first.
+#[must_use]
+pub fn statements(design: &DesignTask, further: usize) -> Vec<String> {
+    let mut statements = Vec::new();
+    let alike: Vec<String> = design.directions.alike_deg.iter().map(|angle_deg| tidy(*angle_deg).to_string()).collect();
+    if !alike.is_empty() {
+        let other = if design.directions.different_deg.is_empty() {
+            format!("{} deg", tidy(design.space.texture().sliding_angle_deg()))
+        } else {
+            "another direction".to_owned()
+        };
+        statements.push(format!(
+            "sliding at {} deg is by symmetry what sliding at {other} is: solved once",
+            alike.join(", ")
+        ));
+    }
+    if let Some(range) = design.range() {
+        let ends = |[lowest, highest]: [f64; 2]| {
+            if lowest < highest { format!("{} to {}", tidy(lowest), tidy(highest)) } else { tidy(lowest).to_string() }
+        };
+        statements.push(format!(
+            "{} mm/s and {} % of humidity: friction is lowest and highest at its ends and at measured conditions inside, since \
+             coefficients are linear in between",
+            ends(range.speed_m_s().map(|speed| SPEED_MM_S.from_si(speed))),
+            ends(range.humidity().map(|humidity| HUMIDITY_PCT.from_si(humidity))),
+        ));
+    }
+    if further > 0 {
+        statements.push(format!(
+            "the target holds at {} conditions or sliding directions at once, each with its own coefficients; ends, tilt and time are \
+             those of the first, at {}",
+            1 + further,
+            Setting::first(design).in_words()
+        ));
+    }
+    statements
 }

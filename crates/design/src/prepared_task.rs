@@ -40,7 +40,6 @@ impl PreparedTask {
         material.provenance.notes.extend(interpolated);
         let (loads, outside) = task.loads(&material)?;
         let further = operating_conditions::further(&task, &material)?;
-        task.target = task.target.at_conditions(1 + further.len());
         if task.table {
             lattice_table::check(&task)?;
         }

@@ -12,7 +12,7 @@ use slipgrid_results::{CorrectedAt, CorrectedReport, ErrorsReport};
 use slipgrid_springblock::{Fidelity, Load, LoadOutcome, Scene, Simulation, SurfaceOutcome};
 use slipgrid_units::{PRESSURE_MPA, tidy};
 
-use crate::learned_discrepancy::usual_humidity;
+use crate::modulus_slopes::usual_humidity;
 use slipgrid_calibrate::uncertainty::MaterialUncertainty;
 
 /// Name of the one error of a flat surface.

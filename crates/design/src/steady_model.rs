@@ -1,26 +1,19 @@
 //! The model that the search asks: the steady cell, in the plane or in space as the design needs.
 
-mod coarse;
-mod confirming_runs;
-
 use std::fmt::Debug;
-use std::sync::Arc;
 
 use slipgrid_export::ExportError;
 use slipgrid_material::AreaLaw;
-use slipgrid_monitor::{Monitor, Part, Unwatched};
-use slipgrid_optimize::{DesignSpace, ForwardModel, ModelFailure, Response};
+use slipgrid_monitor::{Monitor, Unwatched};
+use slipgrid_optimize::{DesignSpace, ModelFailure};
 use slipgrid_pattern::{Pattern, Texture};
-use slipgrid_springblock::{Dimension, Extent, Fidelity, Load, RunOptions, Scene, Simulation, Status, simulate};
+use slipgrid_springblock::{Dimension, Extent, Fidelity, Load, RunOptions, Scene, Statements, Status};
 
-pub use self::coarse::{Endless, LowFidelity};
-use crate::between_designs::BetweenDesigns;
-use crate::constraint_quantities::Limited;
 use crate::directional_cells::Solver;
 use crate::evaluation_cache::{Answer, Evaluations};
-use crate::learned_discrepancy::LearnedDiscrepancy;
 use slipgrid_export::Specimen;
-use slipgrid_specimen::{Laid, SpecimenError, onto};
+use slipgrid_specimen::Laid;
+use slipgrid_units::{LENGTH_UM, tidy};
 
 /// Blocks of the guide over those of the layer, the first that serves: cells of four times the block cost a hundredth
 /// and differ by at most 0.02 of the ratio, of twice the block a tenth and 0.013.
@@ -29,7 +22,7 @@ const GUIDE_FACTORS: [usize; 4] = [4, 2, 3, 5];
 const LEAST_GUIDE_ROWS: usize = 4;
 const LEAST_GUIDE_PITCH: f64 = 2.0;
 
-/// Friction of a design by the steady cell, with what specimens of earlier designs, steady or in time, found the model to miss.
+/// Friction of a design by the steady cell, on the specimen in proportion to the share of cavities.
 pub struct SteadyModel<'a> {
     /// With the loads of the condition designed for.
     scene: Scene,
@@ -43,14 +36,6 @@ pub struct SteadyModel<'a> {
     solver: Solver,
     /// The same in larger blocks, where space makes it worth while.
     guide: Option<(Scene, Solver)>,
-    /// Dynamic friction of the flat sample at each load of each condition, where the target is dynamic friction itself:
-    /// the ratio hardly depends on time, friction itself lies above steady sliding.
-    flat_mu: Option<Vec<f64>>,
-    /// What trials say that the model lacks, where designs aim with it.
-    learned: Option<Arc<LearnedDiscrepancy<'a>>>,
-    /// Differences of specimens of earlier designs from their cells over [`texture_effect`], at each load of each condition.
-    correction: BetweenDesigns,
-    limited: Limited,
     evaluations: Evaluations<'a>,
     /// Ends a search.
     monitor: &'a dyn Monitor,
@@ -61,17 +46,9 @@ pub struct SteadyModel<'a> {
 impl<'a> SteadyModel<'a> {
     /// A model of the material, layer, loads and dimensions of `scene`, for the designs of `space`, and at the same
     /// pressures of `further` conditions, of which the last are those of each of `directions_deg`, as many as of the
-    /// designs' own direction. With `flat_mu`, the dynamic friction of the flat sample at each load of the
-    /// scene, it gives dynamic friction, without it the ratio; flat friction elsewhere is that times the ratio of the
-    /// coefficients.
+    /// designs' own direction.
     #[must_use]
-    pub fn new(
-        scene: &Scene,
-        further: &[&[Load]],
-        directions_deg: &[f64],
-        space: &DesignSpace,
-        flat_mu: Option<Vec<f64>>,
-    ) -> Self {
+    pub fn new(scene: &Scene, further: &[&[Load]], directions_deg: &[f64], space: &DesignSpace) -> Self {
         let run = RunOptions {
             fidelity: Fidelity::Steady,
             extent: Extent::Cell,
@@ -81,14 +58,6 @@ impl<'a> SteadyModel<'a> {
         let scene = Scene { pattern: None, run, ..scene.clone() };
         let loads: Vec<Load> =
             scene.loads.iter().chain(further.iter().flat_map(|loads| loads.iter())).copied().collect();
-        let flat_mu = flat_mu.map(|flat_mu| {
-            // mu_flat = mu_d f(P): at one pressure it goes as mu_d
-            let at = |(place, load): (usize, &Load)| {
-                let first = place % scene.loads.len();
-                flat_mu[first] * load.friction.dynamic_mean() / scene.loads[first].friction.dynamic_mean()
-            };
-            loads.iter().enumerate().map(at).collect()
-        });
         let asked = Scene { loads, ..scene.clone() };
         let rows = scene.layer.rows();
         let shortest_pitch_m = space.width_m()[0] + space.spacing_m()[0];
@@ -113,12 +82,8 @@ impl<'a> SteadyModel<'a> {
             texture,
             directions_deg: directions_deg.to_vec(),
             guide,
-            flat_mu,
-            learned: None,
-            correction: BetweenDesigns::default(),
             scene,
             asked,
-            limited: Limited::default(),
             evaluations: Evaluations::default(),
             monitor: &Unwatched,
             specimen: None,
@@ -159,26 +124,15 @@ impl<'a> SteadyModel<'a> {
         &self.asked
     }
 
-    /// Values are multiplied by the medians of `learned` from here on: those of the model and those of confirming runs.
-    pub fn aim_with(&mut self, learned: LearnedDiscrepancy<'a>) {
-        self.learned = Some(Arc::new(learned));
+    /// Takes over what has been answered so far.
+    pub fn keep(&mut self, evaluations: Evaluations<'a>) {
+        self.evaluations = evaluations;
     }
 
-    /// What designs aim with beside the physics.
-    #[must_use]
-    pub const fn learned(&self) -> Option<&Arc<LearnedDiscrepancy<'a>>> {
-        self.learned.as_ref()
-    }
-
-    /// Takes over the quantities that limits hold, and what has been answered so far.
-    pub fn keep(&mut self, limited: Limited, evaluations: Evaluations<'a>) {
-        (self.limited, self.evaluations) = (limited, evaluations);
-    }
-
-    /// Everything that answers about a texture follow from where designs do not aim with a discrepancy, but for its lengths.
+    /// Everything that answers about a texture follow from but for its lengths.
     pub(crate) fn content(&self) -> impl Debug + '_ {
         let guide = self.guide.as_ref().map(|(scene, _)| scene);
-        (&self.asked, self.scene.loads.len(), &self.directions_deg, &self.texture, guide, &self.flat_mu, &self.specimen)
+        (&self.asked, self.scene.loads.len(), &self.directions_deg, &self.texture, guide, &self.specimen)
     }
 
     /// Whether designs slide in more than one direction.
@@ -199,26 +153,16 @@ impl<'a> SteadyModel<'a> {
         self.dimension().is_cheap_per_design()
     }
 
-    /// The cheap guide of a search in space, corrected alike, with the size of its blocks in metres; `None` in the
-    /// vertical plane, and where the layer or the shortest pitch takes no larger blocks.
+    /// Whether larger blocks serve, where space makes them worth while.
     #[must_use]
-    pub fn guide(&self) -> Option<(LowFidelity<'_>, f64)> {
-        let (scene, solver) = self.guide.as_ref()?;
-        Some((LowFidelity { model: self, scene, solver }, scene.layer.block_m))
+    pub const fn has_guide(&self) -> bool {
+        self.guide.is_some()
     }
 
     /// The cell of a design with the loads of every condition, in the guide's blocks where there is a guide and `coarse` asks for it.
     pub(crate) fn cell(&self, design: &Pattern, coarse: bool) -> Scene {
         let guide = self.guide.as_ref().filter(|_| coarse).map(|(scene, _)| scene);
         Scene { pattern: Some(*design), ..guide.unwrap_or(&self.asked).clone() }
-    }
-
-    /// Designs that were solved so far, by the model and by its guide.
-    #[cfg(test)]
-    pub(crate) fn solved(&self) -> [usize; 2] {
-        let guide = self.guide.as_ref().map(|(_, solver)| solver);
-        [Some(&self.solver), guide]
-            .map(|solver| solver.map_or(0, |solver| solver.asked.load(std::sync::atomic::Ordering::Relaxed)))
     }
 
     /// Draws of the local coefficients with which a cell of `design` has at least `contacts` contact blocks in all, as
@@ -232,28 +176,6 @@ impl<'a> SteadyModel<'a> {
     #[must_use]
     pub fn scene(&self, design: &Pattern) -> Scene {
         Scene { pattern: Some(*design), ..self.scene.clone() }
-    }
-
-    /// The cell of a design, solved, and laid on the specimen.
-    ///
-    /// # Errors
-    /// [`SpecimenError`] if the design has no lattice or does not fit on the specimen.
-    pub fn simulate(&self, design: &Pattern) -> Result<Simulation, SpecimenError> {
-        let mut simulation = simulate(&self.scene(design), &Part::new(self.monitor, 0.0))?;
-        if self.specimen.is_some() {
-            onto(&mut simulation, self.share(design)?, &[]);
-        }
-        Ok(simulation)
-    }
-
-    /// Ratios of `made`, a sample of what was `laid`, in `scene`, one of this model's with other coefficients and
-    /// another area law.
-    ///
-    /// # Errors
-    /// [`ModelFailure::Trial`] where the design cannot be computed.
-    pub fn ratios_of(&self, scene: &Scene, made: &Pattern, laid: &Laid) -> Result<Vec<f64>, ModelFailure> {
-        let solver = Solver::new(scene, &self.texture, &self.directions_deg);
-        Ok(open(self.answer(scene, &solver, made)?)?.on(laid, made).ratio)
     }
 
     /// Ratios of `made`, a sample of what was `laid`, at every condition.
@@ -272,15 +194,41 @@ impl<'a> SteadyModel<'a> {
         Ok(self.answer(&self.asked, &self.solver, made)?.on(laid, made))
     }
 
-    /// As [`Self::ratios_made`], kept for the next who asks.
+    /// What it says of `design` at every condition, whether or not its cavities close, kept for the next who asks; by the guide where `coarse`
+    /// and there is one.
     ///
     /// # Errors
-    /// As there.
-    pub fn ratios_kept(&self, made: &Pattern, laid: &Laid) -> Result<Vec<f64>, ModelFailure> {
-        Ok(open(self.kept(&self.asked, &self.solver, made)?)?.on(laid, made).ratio)
+    /// [`ModelFailure`] where the design cannot be computed.
+    pub fn tabulated(&self, design: &Pattern, coarse: bool) -> Result<Answer, ModelFailure> {
+        let (scene, solver) = match self.guide.as_ref().filter(|_| coarse) {
+            Some((scene, solver)) => (scene, solver),
+            None => (&self.asked, &self.solver),
+        };
+        let laid = self.lay(design)?;
+        let answer = self.evaluations.answer(scene.layer.block_m, design, || self.answer(scene, solver, design))?;
+        Ok(answer.on(&laid, design))
     }
 
-    /// What the model alone says of `design` at every condition: not corrected, not kept.
+    /// How designs were solved in space, beside what the confirming run says of itself.
+    pub fn describe(&self, said: &mut Statements) {
+        if self.dimension().takes_strips() {
+            return;
+        }
+        let um = |length_m: f64| tidy(LENGTH_UM.from_si(length_m));
+        let block_um = um(self.scene.layer.block_m);
+        said.method(match &self.guide {
+            Some((scene, _)) => format!(
+                "tabulated in space: steady cells in blocks of {} um, lifted by cells in blocks of {block_um} um",
+                um(scene.layer.block_m),
+            ),
+            None => format!("tabulated in space: steady cells in blocks of {block_um} um"),
+        });
+        if !self.is_cheap_per_design() {
+            said.model("in space what sliding in time adds is not in the chance; it moves ratios by some thousandths");
+        }
+    }
+
+    /// What it says of `design` at every condition: not kept.
     ///
     /// # Errors
     /// [`ModelFailure::Trial`] where the design cannot be computed.
@@ -288,39 +236,13 @@ impl<'a> SteadyModel<'a> {
         open(self.answer_made(design, &self.lay(design)?)?)
     }
 
-    /// Largest local pressure of `design` at each load of each condition, in pascals.
-    ///
-    /// # Errors
-    /// [`ModelFailure`] where the design cannot be computed.
-    pub fn peak_pressures_pa(&self, design: &Pattern) -> Result<Vec<f64>, ModelFailure> {
-        Ok(self.solver.solve(design, self.monitor)?.iter().map(|outcome| outcome.surface.peak_pressure_pa).collect())
-    }
-
-    /// The same material and loads in the vertical plane, without limits.
-    #[must_use]
-    pub fn in_plane(&self) -> Self {
-        let (mut scene, mut asked) = (self.scene.clone(), self.asked.clone());
-        (scene.run.dimensions, asked.run.dimensions) = (Some(2), Some(2));
-        self.of_scenes(scene, asked)
-    }
-
-    /// The same without a guide: [`Self::beside`] it, designs are solved in the blocks asked for. `None` where it has none.
-    #[must_use]
-    pub fn without_guide(&self) -> Option<Self> {
-        self.guide.as_ref().map(|_| self.of_scenes(self.scene.clone(), self.asked.clone()))
-    }
-
-    /// The model of `scene` and of `asked`, the same with the loads of every condition, without guide, correction and limits.
+    /// The model of `scene` and of `asked`, the same with the loads of every condition, without a guide.
     fn of_scenes(&self, scene: Scene, asked: Scene) -> Self {
         Self {
             solver: Solver::new(&asked, &self.texture, &self.directions_deg),
             texture: self.texture,
             directions_deg: self.directions_deg.clone(),
             guide: None,
-            flat_mu: self.flat_mu.clone(),
-            learned: self.learned.clone(),
-            correction: BetweenDesigns::default(),
-            limited: Limited::default(),
             evaluations: Evaluations::default(),
             monitor: self.monitor,
             specimen: self.specimen,
@@ -330,13 +252,13 @@ impl<'a> SteadyModel<'a> {
     }
 
     /// The model that slopes are taken of, of the scene that `change` makes of this one's with the loads of every condition:
-    /// in space in the guide's blocks, by which slopes are a fifth off, unless rims are narrower. Its values are ratios.
+    /// in space in the guide's blocks, by which slopes are a fifth off, unless rims are narrower.
     ///
     /// # Errors
     /// Those of `change`.
     pub fn beside<E>(&self, change: impl FnOnce(&Scene) -> Result<Scene, E>) -> Result<Self, E> {
         let asked = change(self.serving_guide().unwrap_or(&self.asked))?;
-        Ok(Self { flat_mu: None, learned: None, ..self.of_scenes(asked.clone(), asked) })
+        Ok(self.of_scenes(asked.clone(), asked))
     }
 
     /// The guide's scene where there is one and its blocks serve the rims, too: these need blocks of at most half their width.
@@ -345,92 +267,10 @@ impl<'a> SteadyModel<'a> {
         self.guide.as_ref().map(|(scene, _)| scene).filter(serves)
     }
 
-    /// What a ratio is multiplied by at `load`, of all conditions one after the other, before it is compared with the target: the
-    /// flat sample's dynamic friction where that is wanted. Beside it stands the discrepancy's factor.
-    #[must_use]
-    pub fn scale(&self, load: usize) -> f64 {
-        self.flat_mu.as_ref().map_or(1.0, |flat_mu| flat_mu[load])
-    }
-
-    /// What values of `design` are multiplied by at every load of every condition: the discrepancy's median where designs aim with
-    /// it and the model has an answer, 1 otherwise.
-    #[must_use]
-    pub fn factors(&self, design: &Pattern) -> Vec<f64> {
-        self.known_factors(design).unwrap_or_else(|_| vec![1.0; self.asked.loads.len()])
-    }
-
-    fn known_factors(&self, design: &Pattern) -> Result<Vec<f64>, ModelFailure> {
-        Ok(self.factors_of(design, &self.kept(&self.asked, &self.solver, design)?))
-    }
-
-    /// What ratios of `design` are multiplied by before they are compared with the target: scales times factors.
-    #[must_use]
-    pub fn scales(&self, design: &Pattern) -> Vec<f64> {
-        self.factors(design).iter().enumerate().map(|(load, factor)| factor * self.scale(load)).collect()
-    }
-
-    /// The discrepancy's medians at `design`, of which the model says `answer`; 1 where designs do not aim with it.
-    fn factors_of(&self, design: &Pattern, answer: &Answer) -> Vec<f64> {
-        let ones = || vec![1.0; self.asked.loads.len()];
-        self.learned.as_ref().map_or_else(ones, |learned| learned.factors(design, &answer.modulus_sensitivity))
-    }
-
     /// The area law that designs are solved with.
     #[must_use]
     pub const fn area_law(&self) -> Option<&AreaLaw> {
         self.scene.area_law.as_ref()
-    }
-
-    /// The response of `made`, a sample of what was `designed`: as many cavities lie on it.
-    ///
-    /// # Errors
-    /// As [`ForwardModel::respond`].
-    pub fn respond_made(&self, made: &Pattern, designed: &Pattern) -> Result<Response, ModelFailure> {
-        self.ask(&self.asked, &self.solver, (made, designed))
-    }
-
-    /// What `solver`, made of `scene`, says of `design`, corrected, with the cavities that lie on a sample of what was `designed`.
-    fn ask(
-        &self,
-        scene: &Scene,
-        solver: &Solver,
-        (design, designed): (&Pattern, &Pattern),
-    ) -> Result<Response, ModelFailure> {
-        if self.monitor.cancelled() {
-            return Err(ModelFailure::Cancelled);
-        }
-        self.limited.check(design)?;
-        let answer = self.kept(scene, solver, design)?.on(&self.lay(designed)?, design);
-        if answer.clearance_m().is_some_and(|clearance_m| clearance_m <= 0.0) && !self.limited.judges_clearance() {
-            return Err(ModelFailure::Trial { reason: "the cavity closes under load".to_owned() });
-        }
-        let correction = self.correction_of(designed);
-        let corrected =
-            |((load, ratio), share): ((usize, &f64), f64)| (ratio + share * texture_effect(*ratio)) * self.scale(load);
-        let physics: Vec<f64> = answer.ratio.iter().enumerate().zip(correction).map(corrected).collect();
-        let limited = self.limited.values(design, &answer)?;
-        let value =
-            physics.iter().zip(self.factors_of(design, &answer)).map(|(value, factor)| value * factor).collect();
-        Ok(Response { value, limited })
-    }
-
-    /// Difference of the specimen of `design` from its cell over [`texture_effect`], interpolated between earlier designs, at each load of
-    /// each condition.
-    fn correction_of(&self, design: &Pattern) -> Vec<f64> {
-        self.correction.at(design).unwrap_or_else(|| vec![0.0; self.asked.loads.len()])
-    }
-
-    /// What `solver`, made of `scene`, says of `design`, kept for the next who asks; with slopes along the modulus where designs aim
-    /// with the discrepancy.
-    fn kept(&self, scene: &Scene, solver: &Solver, design: &Pattern) -> Result<Answer, ModelFailure> {
-        let solve = || {
-            let answer = self.answer(scene, solver, design)?;
-            let Some(learned) = &self.learned else { return Ok(answer) };
-            Ok(Answer { modulus_sensitivity: learned.modulus_sensitivity(design)?, ..answer })
-        };
-        // What is kept goes by the lengths alone: samples whose rims are of another height are not.
-        let has_own_rims = design.texture().rim() == self.texture.rim();
-        if has_own_rims { self.evaluations.answer(scene.layer.block_m, design, solve) } else { solve() }
     }
 
     /// What `solver`, made of `scene`, says of `design`.
@@ -456,18 +296,8 @@ impl<'a> SteadyModel<'a> {
             clearance_m = [clearance_m, surface.clearance_m].into_iter().flatten().reduce(f64::min);
         }
         let (peak_pressure_mpa, clearance_um) = (peak_pressure_pa / 1e6, clearance_m.map(|least_m| least_m * 1e6));
-        Ok(Answer { ratio, peak_pressure_mpa, least_pressure, clearance_um, modulus_sensitivity: Vec::new() })
+        Ok(Answer { ratio, peak_pressure_mpa, least_pressure, clearance_um })
     }
-}
-
-/// Least effect of a texture on the ratio that corrections are taken to grow with: below it a run's own error would be blown up.
-const LEAST_EFFECT: f64 = 0.02;
-
-/// 1 - R, and at least [`LEAST_EFFECT`] either way. Ends, tilt and time act on what the texture does: a specimen without cavities has a ratio of 1
-/// in time, too, so a sparse texture differs less from its cell than a dense one.
-fn texture_effect(ratio: f64) -> f64 {
-    let effect = 1.0 - ratio;
-    effect.abs().max(LEAST_EFFECT).copysign(effect)
 }
 
 /// The answer of a design whose cavities stay open.
@@ -476,12 +306,6 @@ fn open(answer: Answer) -> Result<Answer, ModelFailure> {
         return Err(ModelFailure::Trial { reason: "the cavity closes under load".to_owned() });
     }
     Ok(answer)
-}
-
-impl ForwardModel for SteadyModel<'_> {
-    fn respond(&self, design: &Pattern) -> Result<Response, ModelFailure> {
-        self.ask(&self.asked, &self.solver, (design, design))
-    }
 }
 
 #[cfg(test)]

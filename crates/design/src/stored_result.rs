@@ -5,7 +5,7 @@ use serde::de::IgnoredAny;
 use slipgrid_export::{Laser, Tolerances};
 use slipgrid_results::{MaterialReport, PatternReport, SpecimenReport};
 
-use crate::next_trial::NextReport;
+use crate::next_report::NextReport;
 
 /// The part of result.json of `optimize` that `export` needs.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
@@ -65,7 +65,7 @@ pub enum StoredError {
 #[derive(Deserialize)]
 struct Kind {
     design: Option<IgnoredAny>,
-    next: Option<IgnoredAny>,
+    samples: Option<IgnoredAny>,
 }
 
 impl StoredDesign {
@@ -74,7 +74,8 @@ impl StoredDesign {
     /// # Errors
     /// [`StoredError`].
     pub fn read(text: &str, sample: Option<usize>) -> Result<Self, StoredError> {
-        let is_next = serde_json::from_str(text).is_ok_and(|kind: Kind| kind.design.is_none() && kind.next.is_some());
+        let is_next =
+            serde_json::from_str(text).is_ok_and(|kind: Kind| kind.design.is_none() && kind.samples.is_some());
         if !is_next {
             let stored = serde_json::from_str(text).map_err(StoredError::Optimize)?;
             return if sample.is_none() { Ok(stored) } else { Err(StoredError::OneDesign) };

@@ -1,13 +1,11 @@
-//! A target as result.json holds it, and what became of its goal.
+//! A target as result.json holds it.
 
 use std::borrow::Cow;
 
 use serde::{Deserialize, Serialize};
-use slipgrid_optimize::{Demand, Goal, Quantity, Target, Wanted};
-
-use slipgrid_results::{ErrorsReport, PressureErrors};
-use slipgrid_results::{fixed, with_error};
-use slipgrid_units::{PRESSURE_MPA, tidy};
+use slipgrid_optimize::{Demand, Target, Wanted};
+use slipgrid_results::fixed;
+use slipgrid_units::PRESSURE_MPA;
 
 /// A target as result.json holds it.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -97,83 +95,5 @@ impl TargetReport {
     #[must_use]
     pub fn has_demands(&self) -> bool {
         self.lowest.iter().chain(&self.highest).any(Option::is_some)
-    }
-}
-
-/// What became of a goal.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct GoalReport {
-    /// `lowest`, `highest` or `even`.
-    pub goal: Cow<'static, str>,
-    /// What was made as low, as high or as even as possible, in words.
-    pub of: String,
-    /// By the search's model.
-    pub predicted: Option<f64>,
-    /// Standard deviation of a mean: the mean of those at the pressures, which are off together; null of an even one.
-    pub predicted_std: Option<f64>,
-    /// By the confirming run; null where it has no value at some pressure.
-    pub confirmed: Option<f64>,
-    /// Its standard deviation, likewise.
-    pub confirmed_std: Option<f64>,
-    /// Highest less lowest value over the pressures, at the condition where that is most, by the search's model.
-    pub range_predicted: Option<f64>,
-    /// The same by the confirming run.
-    pub range_confirmed: Option<f64>,
-}
-
-impl GoalReport {
-    /// The goal of `target`, where it has one, with what the search and the confirming run say, and their `errors`.
-    #[must_use]
-    pub fn new(target: &Target, predicted: &[f64], confirmed: Option<&[f64]>, errors: &ErrorsReport) -> Option<Self> {
-        let goal = target.goal()?;
-        let std_of = |of: &dyn Fn(&PressureErrors) -> Option<f64>| {
-            let all: Option<Vec<f64>> = errors.by_pressure.iter().map(of).collect();
-            all.and_then(|all| target.at_conditions(1).goal_value(&all)).filter(|_| goal != Goal::Even).map(tidy)
-        };
-        let is_ratio = target.quantity() == Quantity::Ratio;
-        let quantity = match target.quantity() {
-            Quantity::Ratio => "ratio",
-            Quantity::DynamicFriction => "friction coefficient",
-        };
-        let weighted = target.points().windows(2).any(|pair| pair[0].weight != pair[1].weight);
-        let by = if weighted { ", by weight" } else { "" };
-        let at = if target.conditions() > 1 { ", at the worst condition" } else { "" };
-        let range = |values: &[f64]| {
-            let of = |own: &[f64]| {
-                let (lowest, highest) = (own.iter().copied().reduce(f64::min)?, own.iter().copied().reduce(f64::max)?);
-                Some(highest - lowest)
-            };
-            values.chunks(target.points().len()).filter_map(of).reduce(f64::max)
-        };
-        Some(Self {
-            goal: goal.name().into(),
-            of: match goal {
-                Goal::Lowest | Goal::Highest => format!("mean {quantity} over the pressures{by}{at}"),
-                Goal::Even => format!("standard deviation of the {quantity} over its mean{by}{at}"),
-            },
-            predicted: target.goal_value(predicted),
-            predicted_std: std_of(&|at| at.predicted.as_ref()?.std),
-            confirmed: confirmed.and_then(|values| target.goal_value(values)),
-            confirmed_std: std_of(&|at| if is_ratio { at.ratio.as_ref()?.std } else { at.mu.std }),
-            range_predicted: range(predicted),
-            range_confirmed: confirmed.and_then(range),
-        })
-    }
-
-    /// The goal in one line.
-    #[must_use]
-    pub fn words(&self) -> String {
-        let (what, digits) = if self.goal == "even" { ("least", 5) } else { (self.goal.as_ref(), 4) };
-        let value = |value: Option<f64>, std: Option<f64>| {
-            value.map_or_else(|| fixed(None, digits), |value| with_error(value, std, digits))
-        };
-        format!(
-            "{what} {}: {} predicted, {} confirmed (highest less lowest: {}, {})",
-            self.of,
-            value(self.predicted, self.predicted_std),
-            value(self.confirmed, self.confirmed_std),
-            fixed(self.range_predicted, 4),
-            fixed(self.range_confirmed, 4),
-        )
     }
 }

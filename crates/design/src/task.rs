@@ -33,8 +33,6 @@ pub struct DesignTask {
     pub target: Target,
     /// Texture and bounds of the patterns that may be tried.
     pub space: DesignSpace,
-    /// The search aims with what trials say that the model lacks.
-    pub discrepancy: bool,
     /// What a pattern must respect beside its bounds.
     pub constraints: Constraints,
     /// What the constraints' quantities are, in their order.
@@ -49,8 +47,6 @@ pub struct DesignTask {
     pub speed_m_s: f64,
     /// Seed of search and local coefficients.
     pub seed: u64,
-    /// Most evaluations of the model.
-    pub max_evaluations: usize,
     /// Seconds that the job may take; no limit when absent.
     pub max_seconds: Option<f64>,
     /// Every design of a lattice is computed, too.
@@ -61,12 +57,10 @@ pub struct DesignTask {
     pub from_rest: bool,
     /// Designs in space are confirmed on a strip of the specimen, in place of a cell.
     pub strip: bool,
-    /// Of the designs that meet the target, the one whose samples miss it least is wanted; with tolerances only.
-    pub robust: bool,
     /// Dimensions of the model, 2 or 3; what the texture needs when absent.
     pub dimensions: Option<u8>,
-    /// How samples scatter about the design; nothing is said of it when absent.
-    pub tolerances: Option<SampleScatter>,
+    /// How the mean dimensions of samples scatter about the design; taken as exact when absent.
+    pub tolerances: Option<Tolerances>,
     /// By what designs are compared beside the search; nothing when absent.
     pub trade_offs: Option<TradeOffsWanted>,
 }
@@ -96,20 +90,10 @@ pub struct FurtherDirections {
     pub alike_deg: Vec<f64>,
 }
 
-/// How samples scatter about the design, and how finely that is sampled.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SampleScatter {
-    /// Standard deviations of a sample's mean dimensions.
-    pub tolerances: Tolerances,
-    /// Draws.
-    pub draws: usize,
-}
-
 /// Something that should be as small as possible.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TradeOffGoal {
-    /// Chance that a cut sample is on target: the greater the better, and alike within the error of the choice. Designs on
-    /// target alone are compared.
+    /// Chance that a cut sample is on target: the greater the better.
     Chance,
     /// Largest distance from the target, in tolerances.
     Misfit,
@@ -177,8 +161,6 @@ pub struct TradeOffsWanted {
     pub designs: usize,
 }
 
-/// Most model evaluations where a task names no limit.
-pub const DEFAULT_MAX_EVALUATIONS: usize = 2000;
 /// Sliding speed of the confirming run where neither condition nor target names one, in m/s: the paper's.
 pub const DEFAULT_SPEED_M_S: f64 = 2e-3;
 
@@ -189,7 +171,7 @@ impl DesignTask {
     /// What the design assumes of how exactly it is cut, as files for the laser say it.
     #[must_use]
     pub fn assumed_tolerances(&self) -> Option<SheetTolerances> {
-        let std_m = self.tolerances?.tolerances.std_m;
+        let std_m = self.tolerances?.std_m;
         let [width_um, spacing_um, depth_um] = std_m.map(|std_m| (std_m > 0.0).then(|| tidy(LENGTH_UM.from_si(std_m))));
         let basis = SCATTER_BASIS.to_owned();
         [width_um, spacing_um, depth_um].iter().any(Option::is_some).then_some(SheetTolerances {
@@ -226,7 +208,6 @@ impl DesignTask {
             directions: FurtherDirections::default(),
             target,
             space,
-            discrepancy: false,
             constraints: Constraints::default(),
             quantities: Vec::new(),
             laser: Laser::default(),
@@ -234,13 +215,11 @@ impl DesignTask {
             layer,
             speed_m_s: DEFAULT_SPEED_M_S,
             seed: 1,
-            max_evaluations: DEFAULT_MAX_EVALUATIONS,
             max_seconds: None,
             table: false,
             explorer: false,
             from_rest: false,
             strip: false,
-            robust: false,
             dimensions: None,
             tolerances: None,
             trade_offs: None,

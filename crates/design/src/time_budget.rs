@@ -29,11 +29,6 @@ impl<'a> TimeBudget<'a> {
         let until_s = self.until_s.map(|until_s| now_s + (until_s - now_s).max(0.0) * share);
         Stage::new(self.monitor, name, until_s)
     }
-
-    /// Nothing is left.
-    pub fn is_spent(&self) -> bool {
-        self.until_s.is_some_and(|until_s| self.monitor.seconds() >= until_s)
-    }
 }
 
 #[cfg(test)]
@@ -57,12 +52,12 @@ mod tests {
         clock.0.store(1600, Ordering::Relaxed);
         let half = hour.stage_of_share("search", 0.5);
         clock.0.store(2599, Ordering::Relaxed);
-        assert!(!hour.is_spent() && !half.is_out_of_time() && TimeBudget::new(&clock, Some(0.0)).is_spent());
+        assert!(!half.is_out_of_time() && TimeBudget::new(&clock, Some(0.0)).stage("search").is_out_of_time());
         clock.0.store(2600, Ordering::Relaxed);
-        assert!(!hour.is_spent() && half.is_out_of_time() && !hour.stage("confirmation").is_out_of_time());
+        assert!(half.is_out_of_time() && !hour.stage("confirmation").is_out_of_time());
         for unlimited in [None, Some(1e300)] {
             let all = TimeBudget::new(&clock, unlimited);
-            assert!(!all.is_spent() && !all.stage("search").is_out_of_time());
+            assert!(!all.stage("search").is_out_of_time());
         }
     }
 }

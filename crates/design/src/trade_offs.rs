@@ -1,36 +1,43 @@
-//! Trade-offs: the designs that no other beats in every goal of `[trade_offs]`.
+//! Trade-offs: the textures that no other beats in every goal of `[trade_offs]`, by the table.
+//!
+//! A texture dominates another where it is at least as good by every goal and better by one (V. Pareto).
 
 use std::borrow::Cow;
-use std::sync::Arc;
 
+use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
-use slipgrid_optimize::{
-    Choice, Linearization, ModelFailure, Response, SearchError, Target, TradeOff, TradeOffOptions, TradeOffs,
-    Uncertainty, compare, trade_offs,
-};
 use slipgrid_pattern::Pattern;
-
-use crate::DesignError;
-use crate::chance_report::percent;
-use crate::constraint_quantities::Limited;
-use crate::evaluation_cache::Answer;
-use crate::job::Compared;
-use crate::learned_discrepancy::LearnedDiscrepancy;
-use crate::selection::{Chosen, Effort};
-use crate::steady_model::SteadyModel;
-use crate::task::DesignTask;
-use crate::task::{TradeOffGoal, TradeOffsWanted};
-use slipgrid_monitor::{Monitor, Stage};
 use slipgrid_results::PatternReport;
 use slipgrid_units::{PRESSURE_MPA, tidy};
 
-/// What the chances of trade-offs are.
-pub const BEFORE: &str = "chances by the steady model, before any confirming run, are to be compared with one another, not with the chance \
-                          above; but for those that come first they are interpolated between designs, to about 1 %; designs whose chances \
-                          differ by less than the error of the choice count as equal, and the one with less effort is listed";
+use crate::job::seconds;
+use crate::prediction::{Prediction, percent};
+use crate::search::Search;
+use crate::steps::Steps;
+use crate::task::{TradeOffGoal, TradeOffsWanted};
 
 /// Designs of the front that a report lists; the table beside it has all.
 const LISTED: usize = 12;
+
+/// A design with what it does by each goal.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TradeOff {
+    /// The design.
+    pub design: Pattern,
+    /// By each goal.
+    pub goals: Vec<f64>,
+}
+
+/// Designs compared by goals.
+#[derive(Clone, Debug)]
+pub struct Compared {
+    /// The goals.
+    pub wanted: TradeOffsWanted,
+    /// Designs that no other one dominates, by the first goal.
+    pub front: Vec<TradeOff>,
+    /// All others.
+    pub dominated: Vec<TradeOff>,
+}
 
 /// The trade-offs as result.json holds them.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -41,25 +48,14 @@ pub struct TradeOffsReport {
     pub words: Vec<Cow<'static, str>>,
     /// Designs compared.
     pub designs: usize,
-    /// Designs left out: not computable, or beyond a limit.
-    pub left_out: usize,
     /// Designs that no other one dominates.
     pub front: usize,
-    /// What the chosen design does by each goal; null where it cannot be compared.
-    pub chosen: Option<Vec<f64>>,
-    /// Whether none of the others is at least as good by every goal and better by one.
-    pub chosen_is_on_front: bool,
-    /// `listed` and `best` are of designs that meet the target alone; otherwise there are none, or misfit is no goal.
-    pub on_target: bool,
+    /// What the design found does by each goal.
+    pub chosen: Vec<f64>,
     /// Some of the front, from one end by the first goal to the other.
     pub listed: Vec<ListedDesign>,
     /// The best of the front by each goal.
     pub best: Vec<ListedDesign>,
-    /// The model by which designs were compared.
-    pub model: String,
-    /// Why no design could be compared; absent where some were.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub none_because: Option<String>,
 }
 
 /// A design of the front.
@@ -78,322 +74,110 @@ impl ListedDesign {
     }
 }
 
-/// Designs by their vertical section, calibrated at the chosen one.
-struct Plane<'a> {
-    cell: SteadyModel<'a>,
-    /// The search's model sees what lies between rows of cavities; one of a section takes its target for grooves.
-    sees_face: bool,
-    /// What ratios are multiplied by at each load.
-    scale: Vec<f64>,
-    /// Lowering of friction by the search's model over that by the section's strip estimate, at the chosen design.
-    lowering: Vec<f64>,
-    /// Added to values after that.
-    offset: Vec<f64>,
-    /// What designs aim with beside the physics, and slopes along the modulus at the chosen design, taken for those of all.
-    learned: Option<(Arc<LearnedDiscrepancy<'a>>, Vec<f64>)>,
-}
-
-impl<'a> Plane<'a> {
-    fn new(model: &SteadyModel<'a>, chosen: &Pattern, value: &[f64]) -> Result<Self, ModelFailure> {
-        let cell = model.in_plane();
-        let scale = (0..value.len()).map(|load| model.scale(load)).collect();
-        let sees_face = model.dimension().sees_face();
-        let learned = match model.learned() {
-            Some(learned) => Some((Arc::clone(learned), learned.modulus_sensitivity(chosen)?)),
-            None => None,
-        };
-        let (lowering, offset) = (vec![1.0; value.len()], vec![0.0; value.len()]);
-        let mut plane = Self { cell, sees_face, lowering, offset, scale, learned };
-        let (own, _) = plane.answer(chosen)?;
-        let physics = value.iter().zip(plane.factors(chosen)).map(|(value, factor)| value / factor);
-        for (load, (value, own)) in physics.zip(&own).enumerate() {
-            let scale = plane.scale[load];
-            // In space 1 - ratio is corrected by a factor: no cavities, no lowering.
-            let factor = (1.0 - value / scale) / (1.0 - own / scale);
-            if sees_face && factor.is_finite() && factor > 0.0 {
-                plane.lowering[load] = factor;
-            } else {
-                plane.offset[load] = value - own;
-            }
-        }
-        Ok(plane)
-    }
-
-    /// The discrepancy's medians at `design`, one a load: 1 where designs do not aim with it.
-    fn factors(&self, design: &Pattern) -> Vec<f64> {
-        let ones = || vec![1.0; self.scale.len()];
-        self.learned.as_ref().map_or_else(ones, |(learned, slopes)| learned.factors(design, slopes))
-    }
-
-    /// The target's quantity at each load, as it is compared with the target.
-    fn value(&self, design: &Pattern) -> Result<Vec<f64>, ModelFailure> {
-        let (physics, _) = self.answer(design)?;
-        Ok(physics.iter().zip(self.factors(design)).map(|(value, factor)| value * factor).collect())
-    }
-
-    /// The target's quantity at each load by the physics alone, and what it was made of.
-    fn answer(&self, design: &Pattern) -> Result<(Vec<f64>, Answer), ModelFailure> {
-        let answer = self.cell.steady(&design.as_groove())?;
-        let value: Vec<f64> = answer
-            .ratio
-            .iter()
-            .enumerate()
-            .map(|(load, ratio)| {
-                let own = if self.sees_face { design.strip_estimate(*ratio) } else { *ratio };
-                let ratio = 1.0 - self.lowering[load] * (1.0 - own);
-                ratio * self.scale[load] + self.offset[load]
-            })
-            .collect();
-        Ok((value, answer))
-    }
-}
-
-/// Compares the designs of `design` by its goals, the chosen one among them, and adds a table and a picture. `value` is
-/// what the search's model says of `chosen`. Where the chance is a goal, what it was chosen from, `selection`, is what is
-/// compared. `None` where nothing is to be compared, and where `bar` ends before that.
-///
-/// Where no design respects every limit the report says so, and the table is empty.
-///
-/// # Errors
-/// [`DesignError`] where the model is broken, or the picture cannot be drawn.
-pub fn report(
-    design: &DesignTask,
-    model: &SteadyModel,
-    (chosen, value): (&Pattern, &[f64]),
-    selection: Option<&Chosen>,
-    bar: &Stage<'_>,
-) -> Result<Option<(TradeOffsReport, Compared)>, DesignError> {
-    let Some(input) = &design.trade_offs else { return Ok(None) };
-    let chance_at = input.goals.iter().position(|goal| *goal == TradeOffGoal::Chance);
-    let pool = match (chance_at, selection) {
-        (None, _) => None,
-        (Some(_), Some(selection)) => Some(Pool::new(selection)),
-        // No design on target was compared by its chance.
-        (Some(_), None) => return Ok(None),
+/// Compares textures within the bounds and limits of `search` by the goals of its task, `best` among them; `None` where nothing is to be compared.
+pub fn of(search: &Search<'_>, best: &Prediction) -> Option<(TradeOffsReport, Compared)> {
+    let wanted = search.task.trade_offs.clone()?;
+    let own = best.texture.pattern;
+    let patterns = Steps::new(search.task).spread(wanted.designs);
+    let off = search.off_at(best);
+    let one = |pattern: &Pattern| {
+        let found = search.roughly_with(pattern, &off, &best.texture.covariance);
+        let found = found.filter(|found| found.texture.excess == 0.0 && !search.stage.cancelled())?;
+        let goals = wanted.goals.iter().map(|goal| value(search, &found, *goal)).collect::<Option<Vec<f64>>>()?;
+        Some(TradeOff { design: *pattern, goals })
     };
-    let failed = |reason: String| DesignError::Failed(format!("trade-offs: {reason}"));
-    let plane = match Plane::new(model, chosen, value) {
-        Ok(plane) => plane,
-        Err(ModelFailure::Trial { reason }) => {
-            let reason = format!("the design found cannot be computed in the vertical plane: {reason}");
-            return Ok(Some(nothing(input, model, 0, &reason)));
-        }
-        Err(failure) => return Err(failed(failure.to_string())),
-    };
-    let spread = input.goals.contains(&TradeOffGoal::Spread);
-    let tolerances = design.tolerances.filter(|_| spread).map(|input| input.tolerances);
-    let uncertainty = tolerances
-        .map(|tolerances| Uncertainty::new(&tolerances, &[]))
-        .transpose()
-        .map_err(|error| failed(error.to_string()))?;
-    let limited = Limited::of(design, model);
-    let by =
-        By { design, input, plane: &plane, limited: &limited, uncertainty: uncertainty.as_ref(), pool: pool.as_ref() };
-    let goals = |at: &Pattern| {
-        if bar.cancelled() {
-            return Err(ModelFailure::Cancelled);
-        }
-        bar.advance(0.5 / input.designs as f64);
-        by.goals(at)
-    };
-    let options = TradeOffOptions { lattice: input.designs, ..TradeOffOptions::default() };
-    let found = match &pool {
-        Some(pool) => compare(&design.constraints, &pool.designs(), &goals),
-        None => trade_offs(&design.space, &design.constraints, &[*chosen], &options, &goals),
-    };
-    let mut found = match found {
-        Ok(found) => found,
-        Err(_) if bar.cancelled() => return Ok(None),
-        Err(SearchError::EveryTrialFailed { trials, reason }) => {
-            let reason = format!("no design respects every limit; of the first, {reason}");
-            return Ok(Some(nothing(input, model, trials, &reason)));
-        }
-        Err(error) => return Err(failed(error.to_string())),
-    };
-    let order = found.front.clone();
-    if let (Some(place), Some(pool)) = (chance_at, &pool) {
-        for known in found.front.iter_mut().chain(&mut found.dominated) {
-            known.goals[place] = pool.place(&known.design).map_or(0.0, |own| pool.choices[own].chance.share);
-        }
+    let mut all: Vec<TradeOff> = patterns.par_iter().filter(|pattern| **pattern != own).filter_map(one).collect();
+    let chosen: Vec<f64> = wanted.goals.iter().map(|goal| value(search, best, *goal).unwrap_or(f64::NAN)).collect();
+    if chosen.iter().all(|goal| goal.is_finite()) {
+        all.push(TradeOff { design: own, goals: chosen.clone() });
     }
-    let found = found;
-    let own = found.front.iter().chain(&found.dominated).find(|known| known.design == *chosen);
-    let chosen_goals = own.map(|known| known.goals.clone());
-    let misfit = input.goals.iter().position(|goal| *goal == TradeOffGoal::Misfit);
-    let is_met = |known: &&TradeOff| pool.is_some() || misfit.is_some_and(|place| known.goals[place] <= 1.0);
-    let met: Vec<&TradeOff> = found.front.iter().filter(is_met).collect();
-    let shown = if met.is_empty() { found.front.iter().collect() } else { met.clone() };
+    let less: Vec<Vec<f64>> = all.iter().map(|known| lesser(&wanted.goals, &known.goals)).collect();
+    let is_on_front = on_front(&less);
+    let (mut front, mut dominated) = (Vec::new(), Vec::new());
+    for (known, is_on_front) in all.into_iter().zip(is_on_front) {
+        if is_on_front { front.push(known) } else { dominated.push(known) }
+    }
+    // Stable: of equal goals the earlier first.
+    front.sort_by(|a, b| in_order(&lesser(&wanted.goals, &a.goals), &lesser(&wanted.goals, &b.goals)));
+    let best_by = |goal: usize| {
+        let by = |known: &&TradeOff| lesser(&wanted.goals, &known.goals)[goal];
+        front.iter().min_by(|a, b| by(a).total_cmp(&by(b))).map(ListedDesign::new)
+    };
+    let stride = front.len().saturating_sub(1).div_ceil(LISTED - 1).max(1);
+    let listed = front.iter().step_by(stride).chain(front.last().filter(|_| (front.len() - 1) % stride != 0));
     let report = TradeOffsReport {
-        goals: input.goals.iter().map(|goal| goal.column().into()).collect(),
-        words: input.goals.iter().map(|goal| goal.words().into()).collect(),
-        designs: found.front.len() + found.dominated.len(),
-        left_out: found.left_out,
-        front: found.front.len(),
-        chosen: chosen_goals.map(|goals| goals.into_iter().map(tidy).collect()),
-        chosen_is_on_front: found.front.iter().any(|known| known.design == *chosen),
-        on_target: !met.is_empty(),
-        listed: listed(&shown),
-        best: (0..input.goals.len()).filter_map(|goal| best(&shown, &order, goal, chance_at)).collect(),
-        model: model_words(model),
-        none_because: None,
+        goals: wanted.goals.iter().map(|goal| goal.column().into()).collect(),
+        words: wanted.goals.iter().map(|goal| goal.words().into()).collect(),
+        designs: front.len() + dominated.len(),
+        front: front.len(),
+        chosen: chosen.into_iter().map(tidy).collect(),
+        listed: listed.map(ListedDesign::new).collect(),
+        best: (0..wanted.goals.len()).filter_map(best_by).collect(),
     };
-    Ok(Some((report, Compared { wanted: input.clone(), found })))
+    Some((report, Compared { wanted, front, dominated }))
 }
 
-/// By what model designs are compared.
-fn model_words(model: &SteadyModel) -> String {
-    if model.dimension().sees_face() {
-        "steady cells of the vertical section in the plane, strips between rows of cavities counted as flat, corrected to \
-         the model in space at the chosen design; peak pressures are those of the section"
-            .to_owned()
-    } else {
-        "steady cells in the vertical plane".to_owned()
-    }
-}
-
-/// The report where no design can be compared, and a table without rows.
-fn nothing(input: &TradeOffsWanted, model: &SteadyModel, left_out: usize, reason: &str) -> (TradeOffsReport, Compared) {
-    let found = TradeOffs { front: Vec::new(), dominated: Vec::new(), left_out };
-    let report = TradeOffsReport {
-        goals: input.goals.iter().map(|goal| goal.column().into()).collect(),
-        words: input.goals.iter().map(|goal| goal.words().into()).collect(),
-        designs: 0,
-        left_out,
-        front: 0,
-        chosen: None,
-        chosen_is_on_front: false,
-        on_target: false,
-        listed: Vec::new(),
-        best: Vec::new(),
-        model: model_words(model),
-        none_because: Some(reason.to_owned()),
-    };
-    (report, Compared { wanted: input.clone(), found })
-}
-
-/// The designs on target, with their chances.
-struct Pool<'a> {
-    choices: &'a [Choice],
-    /// What each is ranked by.
-    merits: Vec<f64>,
-    /// Those from here on are alike.
-    alike_from: f64,
-}
-
-impl<'a> Pool<'a> {
-    fn new(chosen: &'a Chosen) -> Self {
-        let merits = chosen.selection.merits();
-        let alike_from = merits.iter().copied().fold(0.0, f64::max) - chosen.selection.alike;
-        Self { choices: &chosen.selection.pool, merits, alike_from }
-    }
-
-    fn designs(&self) -> Vec<Pattern> {
-        self.choices.iter().map(|choice| choice.candidate.design).collect()
-    }
-
-    fn place(&self, design: &Pattern) -> Option<usize> {
-        self.choices.iter().position(|choice| choice.candidate.design == *design)
-    }
-}
-
-/// What designs are compared by.
-struct By<'a> {
-    design: &'a DesignTask,
-    input: &'a TradeOffsWanted,
-    plane: &'a Plane<'a>,
-    limited: &'a Limited,
-    uncertainty: Option<&'a Uncertainty>,
-    pool: Option<&'a Pool<'a>>,
-}
-
-impl By<'_> {
-    /// What a design does by each goal.
-    fn goals(&self, at: &Pattern) -> Result<Vec<f64>, ModelFailure> {
-        let trial = |reason: &str| ModelFailure::Trial { reason: reason.to_owned() };
-        let (physics, answer) = self.plane.answer(at)?;
-        let limited = self.limited.values(at, &answer)?;
-        let value = physics.iter().zip(self.plane.factors(at)).map(|(value, factor)| value * factor).collect();
-        let response = Response { value, limited };
-        // Those of the pool respect every limit by the search's own model.
-        let broken = self.design.constraints.violations(at, &response);
-        if let Some(broken) = broken.first().filter(|_| self.pool.is_none()) {
-            return Err(trial(&broken.to_string()));
+/// What `found` does by `goal`; `None` where that is not known.
+fn value(search: &Search<'_>, found: &Prediction, goal: TradeOffGoal) -> Option<f64> {
+    let pattern = &found.texture.pattern;
+    match goal {
+        TradeOffGoal::Chance => Some(found.chance()),
+        TradeOffGoal::Misfit => Some(search.asked.misfit(&found.medians())),
+        TradeOffGoal::LaserTime => seconds(search.task, pattern),
+        TradeOffGoal::Volume => Some(1e9 * search.task.specimen.layout(*pattern).ok()?.cavity_volume_m3()),
+        TradeOffGoal::PeakPressure => Some(PRESSURE_MPA.from_si(search.table.at(pattern)?.1.peak_pressure_pa())),
+        TradeOffGoal::Spread => {
+            let (medians, stds) = (found.medians(), found.log_stds());
+            let each = medians.iter().zip(stds).zip(&search.asked.bands);
+            let squares = each.map(|((median, std), band)| {
+                (band.flat * median * std / band.tolerance.unwrap_or_else(|| search.task.target.tolerance())).powi(2)
+            });
+            Some((squares.sum::<f64>() / medians.len() as f64).sqrt())
         }
-        self.input
-            .goals
-            .iter()
-            .map(|goal| match goal {
-                TradeOffGoal::Chance => {
-                    let pool = self.pool.ok_or_else(|| trial("there are no chances"))?;
-                    let place = pool.place(at).ok_or_else(|| trial("its chance is not known"))?;
-                    Ok((pool.alike_from - pool.merits[place]).max(0.0))
-                }
-                TradeOffGoal::Misfit => Ok(self.design.target.misfit(&response.value).max),
-                TradeOffGoal::LaserTime => Effort::LaserTime.of(self.design, at),
-                TradeOffGoal::Volume => Effort::Volume.of(self.design, at),
-                TradeOffGoal::PeakPressure => Ok(PRESSURE_MPA.from_si(answer.peak_pressure_pa())),
-                TradeOffGoal::Spread => match self.uncertainty {
-                    Some(uncertainty) => spread(&self.design.target, self.plane, uncertainty, at),
-                    None => Err(ModelFailure::Broken { reason: "there are no tolerances".to_owned() }),
-                },
-            })
-            .collect()
     }
 }
 
-/// Root mean square over pressures of the standard deviation over samples, to first order, in tolerances.
-fn spread(target: &Target, plane: &Plane, uncertainty: &Uncertainty, at: &Pattern) -> Result<f64, ModelFailure> {
-    let model = |made: &Pattern, _: &[f64]| plane.value(made);
-    let std = Linearization::new(&model, at, uncertainty)?.std(uncertainty);
-    let mean_square = std.iter().map(|std| (std / target.tolerance()).powi(2)).sum::<f64>() / std.len() as f64;
-    Ok(mean_square.sqrt())
+/// The same, the less the better.
+fn lesser(of: &[TradeOffGoal], goals: &[f64]) -> Vec<f64> {
+    of.iter().zip(goals).map(|(of, goal)| if *of == TradeOffGoal::Chance { -goal } else { *goal }).collect()
 }
 
-/// Some of `front`, evenly by place, both ends among them.
-fn listed(front: &[&TradeOff]) -> Vec<ListedDesign> {
-    let most = LISTED.min(front.len());
-    let place = |step: usize| if most > 1 { step * (front.len() - 1) / (most - 1) } else { 0 };
-    (0..most).map(|step| ListedDesign::new(front[place(step)])).collect()
+/// Lexicographic.
+fn in_order(left: &[f64], right: &[f64]) -> std::cmp::Ordering {
+    let differing = left.iter().zip(right).map(|(l, r)| l.total_cmp(r)).find(|order| order.is_ne());
+    differing.unwrap_or(std::cmp::Ordering::Equal)
 }
 
-/// The best by one goal as it was compared in `order`; the earliest of equals. Chances alike were compared as one: of these, by goal number
-/// `chance_at`, the greatest itself.
-fn best(front: &[&TradeOff], order: &[TradeOff], goal: usize, chance_at: Option<usize>) -> Option<ListedDesign> {
-    if chance_at == Some(goal) {
-        let greatest =
-            front.iter().reduce(|best, next| if next.goals[goal] > best.goals[goal] { next } else { best })?;
-        return Some(ListedDesign::new(greatest));
+/// Whether each of `goals` is dominated by no other. Equal ones do not dominate each other.
+fn on_front(goals: &[Vec<f64>]) -> Vec<bool> {
+    // In lexicographic order whatever dominates comes first, and what a dominated one dominates something on the front dominates too.
+    let mut order: Vec<usize> = (0..goals.len()).collect();
+    order.sort_by(|&a, &b| in_order(&goals[a], &goals[b]));
+    let (mut front, mut is_on_front): (Vec<usize>, Vec<bool>) = (Vec::new(), vec![false; goals.len()]);
+    for index in order {
+        if !front.iter().any(|&other| dominates(&goals[other], &goals[index])) {
+            front.push(index);
+            is_on_front[index] = true;
+        }
     }
-    let shown = |compared: &&TradeOff| front.iter().any(|known| known.design == compared.design);
-    let best = order.iter().filter(shown).min_by(|a, b| a.goals[goal].total_cmp(&b.goals[goal]))?;
-    front.iter().find(|known| known.design == best.design).map(|known| ListedDesign::new(known))
+    is_on_front
 }
 
-/// A goal's name in files as words, and its unit.
-fn words(name: &str) -> [&str; 2] {
-    let (goal, unit) = name.rsplit_once('_').unwrap_or((name, ""));
-    let goal = match goal {
-        "laser_time" => "laser time",
-        "peak_pressure" => "peak pressure",
-        other => other,
-    };
-    [goal, if unit == "mpa" { "MPa" } else { unit }]
+/// At least as good by every goal, and better by one.
+fn dominates(left: &[f64], right: &[f64]) -> bool {
+    left.iter().zip(right).all(|(l, r)| l <= r) && left.iter().zip(right).any(|(l, r)| l < r)
 }
 
 impl TradeOffsReport {
-    /// A line or two for people.
+    /// Some lines for people.
     #[must_use]
     pub fn text(&self) -> String {
-        if let Some(reason) = &self.none_because {
-            return format!("  trade-offs: none: {reason}\n");
-        }
         let numbers = |goals: &[f64]| {
-            let told = self.goals.iter().zip(goals).map(|(name, goal)| {
-                let [goal_name, unit] = words(name);
-                if *name == "chance" {
-                    format!("chance by the steady model {}", percent(*goal))
-                } else {
-                    format!("{goal_name} {goal:.3} {unit}")
+            let told = self.goals.iter().zip(goals).map(|(name, goal)| match name.as_ref() {
+                "chance" => format!("chance {}", percent(*goal)),
+                name => {
+                    let [name, unit] = words(name);
+                    format!("{name} {goal:.3} {unit}")
                 }
             });
             told.collect::<Vec<_>>().join(", ")
@@ -402,30 +186,43 @@ impl TradeOffsReport {
             "  trade-offs: of {} designs {} are not beaten by another in every goal (trade-offs.csv, trade-offs.svg)\n",
             self.designs, self.front
         );
-        let among = if self.on_target { " on target" } else { "" };
         for (found, name) in self.best.iter().zip(&self.goals) {
-            let design = &found.design;
-            let told = numbers(&found.goals);
-            text += &format!(
-                "    {}{among}: {} um: {told}\n",
-                if *name == "chance" {
-                    "greatest chance of these".to_owned()
-                } else {
-                    format!("least {}", words(name)[0])
-                },
-                design.lengths_in_words(),
-            );
+            let best =
+                if name == "chance" { "greatest chance".to_owned() } else { format!("least {}", words(name)[0]) };
+            text += &format!("    {best}: {} um: {}\n", found.design.lengths_in_words(), numbers(&found.goals));
         }
-        if let Some(chosen) = &self.chosen {
-            text += &format!(
-                "    chosen{}: {}\n",
-                if self.chosen_is_on_front { "" } else { ", beaten by others in these goals" },
-                numbers(chosen)
-            );
+        text + &format!("    the design: {}\n", numbers(&self.chosen))
+    }
+}
+
+/// The name of a goal and its unit, by its column.
+fn words(column: &str) -> [&str; 2] {
+    match column {
+        "laser_time_s" => ["laser time", "s"],
+        "volume_mm3" => ["volume", "mm3"],
+        "peak_pressure_mpa" => ["peak pressure", "MPa"],
+        "misfit_tolerances" => ["distance from the target", "tolerances"],
+        "spread_tolerances" => ["spread", "tolerances"],
+        other => [other, ""],
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_front_agrees_with_the_definition_on_random_sets() {
+        let mut normals = slipgrid_statistics::Normals::new(11);
+        for count in [1, 2, 30, 200] {
+            for dimensions in [2, 3] {
+                // Rounded, so that equal goals occur.
+                let goals: Vec<Vec<f64>> =
+                    (0..count).map(|_| (0..dimensions).map(|_| (3.0 * normals.draw()).round()).collect()).collect();
+                let expected: Vec<bool> =
+                    goals.iter().map(|own| !goals.iter().any(|other| dominates(other, own))).collect();
+                assert_eq!(on_front(&goals), expected);
+            }
         }
-        if self.goals.iter().any(|name| name == "chance") {
-            text += &format!("    {BEFORE}\n");
-        }
-        text
     }
 }

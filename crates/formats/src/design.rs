@@ -7,7 +7,7 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
-use slipgrid_design::{DEFAULT_MAX_EVALUATIONS, DesignTask, Refusal, TaskPart};
+use slipgrid_design::{DesignTask, Refusal, TaskPart};
 use slipgrid_material::ConditionRange;
 use slipgrid_optimize::{Constraints, DesignSpace};
 use slipgrid_pattern::{Pattern, Texture};
@@ -15,9 +15,7 @@ use slipgrid_springblock::Dimension;
 use slipgrid_units::{LENGTH_UM, MODULUS_GPA, PRESSURE_MPA, TIME_S};
 use toml::Spanned;
 
-use read::{
-    read_date, read_dimensions, read_limits, read_material_input, read_range, read_ranges, read_robust, whole_steps,
-};
+use read::{read_date, read_dimensions, read_limits, read_material_input, read_range, read_ranges, whole_steps};
 
 use super::condition_ranges::ConditionRangeFile;
 use super::document::Document;
@@ -67,7 +65,7 @@ struct DesignFile {
     /// The modelled layer.
     #[serde(default = "default_sample")]
     sample: Spanned<SampleFile>,
-    /// How to search, and for how long.
+    /// How to solve, and for how long.
     #[serde(default)]
     search: SearchFile,
     /// How the mean dimensions of samples scatter; without this table the chance leaves them out.
@@ -95,21 +93,17 @@ struct BoundsFile {
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct SearchFile {
-    /// Seed of the search, of the local coefficients and of all draws; 1 when absent.
+    /// Seed of the local coefficients; 1 when absent.
     seed: Option<u64>,
-    /// Most evaluations of the search's model; 2000 when absent.
-    max_evaluations: Option<Spanned<u64>>,
     /// Most seconds of the whole job; no limit when absent.
     max_seconds: Option<Number>,
-    /// Also compute every design of whole blocks and bursts, for `table.csv`; false when absent.
+    /// Also write what is expected of every design of whole blocks and bursts: `table.csv`; false when absent.
     table: Option<bool>,
     /// Confirm from an unloaded layer at rest, with static friction; false when absent.
     from_rest: Option<bool>,
     /// Confirm designs in space on a strip of the specimen with its own ends and margins, the row of cavities through its middle, in place of one
     /// cell: minutes in place of seconds; false when absent.
     strip: Option<Spanned<bool>>,
-    /// Choose the design with the least mean squared misfit of its samples; needs `[tolerances]`; false when absent.
-    robust: Option<Spanned<bool>>,
     /// 2 solves in the vertical plane, 3 in space; the planform decides when absent.
     dimensions: Option<Spanned<u64>>,
 }
@@ -233,14 +227,6 @@ impl Design {
             unusual::of_shares(&document, file.condition.iter().chain(file.also_at.iter().flat_map(Spanned::get_ref)));
         told.extend(unmeasured_fluence(&document, file.laser.as_ref(), &laser));
         let (known, calibration) = read_material_input(&document, &file.material, &mut told)?;
-        let max_evaluations = match &file.search.max_evaluations {
-            None => DEFAULT_MAX_EVALUATIONS,
-            Some(most) => {
-                usize::try_from(*most.get_ref()).ok().filter(|most| (1..=10_000_000).contains(most)).ok_or_else(
-                    || document.refuse(most.span(), "is out of range").expected("a whole number from 1 to 10000000"),
-                )?
-            }
-        };
         let given = Given {
             laser: &laser,
             target: &target,
@@ -259,17 +245,14 @@ impl Design {
             material: known,
             ranges,
             directions,
-            discrepancy: file.target.get_ref().discrepancy.unwrap_or(false),
             constraints: Constraints { limits, quantities },
             quantities: measures,
             laser,
             seed: file.search.seed.unwrap_or(1),
-            max_evaluations,
             max_seconds: document.optional(file.search.max_seconds.as_ref(), TIME_S)?,
             table: file.search.table.unwrap_or(false),
             from_rest: file.search.from_rest.unwrap_or(false),
             strip: read_strip(&document, &file, &each, dimensions)?,
-            robust: read_robust(&document, &file)?,
             dimensions,
             tolerances,
             trade_offs,

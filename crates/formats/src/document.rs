@@ -20,6 +20,14 @@ use slipgrid_units::{
     DENSITY_G_CM3, HUMIDITY_PCT, LENGTH_MM, LENGTH_UM, MODULUS_GPA, PRESSURE_MPA, Quantity, SPEED_MM_S,
 };
 
+/// Keys that earlier versions took, and what holds in their place.
+const GONE: [(&str, &str); 4] = [
+    ("target.discrepancy", "chances and expected values always have what trials say that the model lacks"),
+    ("search.robust", "textures are chosen by the chance that a sample is on target, which counts how samples scatter"),
+    ("search.max_evaluations", "every texture within the bounds is tabulated; max_seconds limits the time"),
+    ("tolerances.draws", "what is expected of samples is computed without draws"),
+];
+
 /// Letters of a refused value that a message repeats.
 const LONGEST_VALUE: usize = 60;
 
@@ -311,6 +319,11 @@ impl Document {
             let written = quoted[0];
             let mut refused = self.refuse(span, "is not a known key");
             refused.value = None;
+            let gone = GONE.iter().find(|(key, _)| refused.key.as_deref() == Some(key));
+            if let Some((_, instead)) = gone {
+                refused.reason = "is no longer a key".to_owned();
+                return refused.expected(format!("no such line: {instead}"));
+            }
             refused.suggestion = nearest(written, quoted[1..].iter().copied()).map(Into::into);
             return refused.expected(format!("one of {}", quoted[1..].join(", ")));
         }

@@ -30,8 +30,6 @@ pub struct TargetFile {
     goal: Option<Spanned<String>>,
     /// How much each pressure counts in means; all alike when absent.
     weights: Option<Spanned<Numbers>>,
-    /// Aim with what trials say that the model lacks: modelled values are multiplied by its median factor; false when absent.
-    pub discrepancy: Option<bool>,
 }
 
 /// Share of a one-sided limit that is aimed at beyond it where no tolerance says otherwise.

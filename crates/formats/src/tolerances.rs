@@ -1,17 +1,12 @@
 //! `[tolerances]` of a design: how what is made scatters about what is designed.
 
 use serde::Deserialize;
-use slipgrid_design::SampleScatter;
 use slipgrid_optimize::Tolerances;
-use toml::Spanned;
 
 use super::document::Document;
 use super::values::Number;
 use crate::diagnostic::Diagnostic;
 use slipgrid_units::{CORRELATION, LENGTH_STD_UM, LENGTH_UM, RIM_HEIGHT_UM};
-
-/// Draws where a file names none: a probability of one half is known to 2.2 %.
-const DEFAULT_DRAWS: usize = 500;
 
 /// The table as a design writes it.
 #[derive(Clone, Debug, Deserialize)]
@@ -27,8 +22,6 @@ pub struct TolerancesFile {
     pub(crate) rim_height_std_um: Option<Number>,
     /// Correlation of width and spacing, -1 where the pitch is exact; 0 when absent.
     width_spacing_correlation: Option<Number>,
-    /// Samples drawn of the steady model; 500 when absent.
-    draws: Option<Spanned<u64>>,
 }
 
 /// Reads the table.
@@ -41,7 +34,7 @@ pub fn read_tolerances(
     document: &Document,
     file: &TolerancesFile,
     largest_m: [f64; 3],
-) -> Result<SampleScatter, Diagnostic> {
+) -> Result<Tolerances, Diagnostic> {
     // Draws are normal, and one that is not positive is drawn again: Phi(-1) = 16 % where a dimension scatters by as much as it measures.
     // Beyond, that is more of any design, and the others are cells many times as large as any within the bounds.
     let std_m = |std: &Option<Number>, name: &str, largest_m: f64| {
@@ -63,15 +56,6 @@ pub fn read_tolerances(
         std_m(&file.depth_std_um, "depth", largest_m[2])?,
     ];
     let correlation = document.optional(file.width_spacing_correlation.as_ref(), CORRELATION)?.unwrap_or(0.0);
-    let draws = match &file.draws {
-        None => DEFAULT_DRAWS,
-        Some(draws) => {
-            usize::try_from(*draws.get_ref()).ok().filter(|draws| (100..=1_000_000).contains(draws)).ok_or_else(
-                || document.refuse(draws.span(), "is out of range").expected("a whole number from 100 to 1000000"),
-            )?
-        }
-    };
     let rim_height_std_m = document.optional(file.rim_height_std_um.as_ref(), RIM_HEIGHT_UM)?.unwrap_or(0.0);
-    let tolerances = Tolerances { std_m, width_spacing_correlation: correlation, rim_height_std_m };
-    Ok(SampleScatter { tolerances, draws })
+    Ok(Tolerances { std_m, width_spacing_correlation: correlation, rim_height_std_m })
 }

@@ -51,7 +51,7 @@ pub struct TrialFile {
     spacing_std_um: Option<Number>,
     /// Standard error of its measured mean depth, at most a third of it; 0 when absent.
     depth_std_um: Option<Number>,
-    /// Scatter of ln(ratio) from one such sample to the next, which no trial changes; 0.005 when absent.
+    /// Scatter of ln(ratio) from one such sample to the next, which no trial changes; 0.02 when absent.
     sample_std: Option<Number>,
     /// The disc of which the sample is a sector: trials with one disc name share what differs from disc to disc.
     disc: Option<Spanned<String>>,
@@ -85,7 +85,7 @@ pub struct PriorFile {
     speed_std: Option<f64>,
     /// Change from one humidity to another; 0.1 when absent.
     humidity_std: Option<f64>,
-    /// Scatter from one sample of a texture to the next, until trials refute it; 0.005 when absent.
+    /// Scatter from one sample of a texture to the next, until trials say otherwise; 0.02 when absent.
     sample_std: Option<f64>,
     /// Least relative standard error of a measurement; 0.005 when absent.
     least_measured_std: Option<f64>,

@@ -1,7 +1,5 @@
 //! What a design must respect beside its bounds.
 
-use crate::error::positive;
-use crate::{Response, SearchError};
 use slipgrid_pattern::{LimitViolation, ManufacturingLimits, Pattern};
 use std::fmt;
 
@@ -85,32 +83,19 @@ fn significant(value: f64) -> String {
 pub struct Constraints {
     /// What the laser can make.
     pub limits: ManufacturingLimits,
-    /// Quantities that the model gives, in the order of [`Response::limited`].
+    /// Quantities that the model gives.
     pub quantities: Vec<Limit>,
 }
 
 impl Constraints {
-    /// What `design` breaks, with the quantities of `response`.
+    /// What `design` breaks, whose limited quantities are `limited`, in the order of [`Self::quantities`], SI units.
     #[must_use]
-    pub fn violations(&self, design: &Pattern, response: &Response) -> Vec<Violation> {
+    pub fn violations(&self, design: &Pattern, limited: &[f64]) -> Vec<Violation> {
         let makeable = self.limits.violations(design).into_iter().map(Violation::Limit);
         let exceeded = |(limit, &value): (&Limit, &f64)| {
             (limit.excess(value) > 0.0).then_some(Violation::Quantity { limit: *limit, value })
         };
-        makeable.chain(self.quantities.iter().zip(&response.limited).filter_map(exceeded)).collect()
-    }
-
-    /// # Errors
-    /// [`SearchError::OutOfRange`] for a limit that is no number, or a scale that is not positive.
-    pub(crate) fn validate(&self) -> Result<(), SearchError> {
-        for limit in &self.quantities {
-            if limit.bound.limit().is_nan() {
-                let value = limit.bound.limit();
-                return Err(SearchError::OutOfRange { quantity: limit.name, value, expected: "a number" });
-            }
-            positive(limit.name, limit.scale)?;
-        }
-        Ok(())
+        makeable.chain(self.quantities.iter().zip(limited).filter_map(exceeded)).collect()
     }
 }
 
@@ -180,15 +165,12 @@ mod tests {
         };
         let design = Pattern::new(Planform::Groove, 1e-4, 3e-4, 1e-5).unwrap();
         let constraints = Constraints { quantities: vec![peak, land], ..Constraints::default() };
-        let broken = |limited: Vec<f64>| constraints.violations(&design, &Response { value: vec![0.9], limited });
+        let broken = |limited: Vec<f64>| constraints.violations(&design, &limited);
         assert!(broken(vec![10e6, 0.6]).is_empty());
         let both = broken(vec![12.345_67e6, 0.3]);
         assert_eq!(both[0].to_string(), "peak pressure is 12.35 MPa: allowed is at most 10 MPa");
         assert_eq!(both[1].to_string(), "bearing area is 0.3: allowed is at least 0.6");
         assert!((both[0].excess() - 0.234_567).abs() < 1e-9 && (both[1].excess() - 0.5).abs() < 1e-12);
         assert!(land.relaxed().excess(0.0) <= 0.0 && peak.relaxed().excess(1e9) < 0.0);
-        assert!(constraints.validate().is_ok());
-        let nonsense = Constraints { quantities: vec![Limit { scale: 0.0, ..land }], ..Constraints::default() };
-        assert!(matches!(nonsense.validate(), Err(SearchError::OutOfRange { .. })));
     }
 }

@@ -1,7 +1,11 @@
 //! What is not known exactly of a design and of the model's parameters.
 
+use slipgrid_pattern::Pattern;
+
 use crate::SearchError;
-use crate::sensitivity::AXES;
+
+/// Width, spacing, depth.
+const AXES: usize = 3;
 
 /// A pivot below this share of the largest variance is zero: inputs that depend on one another.
 const VANISHING: f64 = 1e-12;
@@ -39,8 +43,6 @@ impl Tolerances {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Uncertainty {
     covariance: Vec<Vec<f64>>,
-    /// Lower triangle L with L L' = covariance.
-    factor: Vec<Vec<f64>>,
     /// The height of the rims is the last input.
     has_rim: bool,
 }
@@ -82,19 +84,14 @@ impl Uncertainty {
         if has_rim {
             covariance[inputs - 1][inputs - 1] = tolerances.rim_height_std_m.powi(2);
         }
-        let factor = factorized(&covariance)?;
-        Ok(Self { covariance, factor, has_rim })
+        factorized(&covariance)?;
+        Ok(Self { covariance, has_rim })
     }
 
     /// Place of the rims' height among the inputs, the last; `None` where it is exact.
     #[must_use]
     pub fn rim(&self) -> Option<usize> {
         self.has_rim.then(|| self.inputs() - 1)
-    }
-
-    /// Places of the parameters among the inputs.
-    pub(crate) fn parameters(&self) -> std::ops::Range<usize> {
-        AXES..self.inputs() - usize::from(self.has_rim)
     }
 
     /// Dimensions, parameters and the height of the rims together.
@@ -109,14 +106,30 @@ impl Uncertainty {
         self.covariance[input][input].sqrt()
     }
 
-    pub(crate) fn covariance(&self) -> &[Vec<f64>] {
-        &self.covariance
+    /// Covariance of values from the inputs that `of` names alone, one row a value: G' C G, G the `slopes` of the values along every input and C
+    /// the covariance of these.
+    #[must_use]
+    pub fn covariance_of(&self, slopes: &[Vec<f64>], of: &dyn Fn(usize) -> bool) -> Vec<Vec<f64>> {
+        let count = slopes.first().map_or(0, Vec::len);
+        let mut covariance = vec![vec![0.0; count]; count];
+        for (i, row) in self.covariance.iter().enumerate().filter(|(i, _)| of(*i)) {
+            for (j, entry) in row.iter().enumerate().filter(|(j, entry)| of(*j) && **entry != 0.0) {
+                for (value, sums) in covariance.iter_mut().enumerate() {
+                    let left = slopes[i][value] * entry;
+                    sums.iter_mut().zip(&slopes[j]).for_each(|(sum, right)| *sum += left * right);
+                }
+            }
+        }
+        covariance
     }
+}
 
-    /// L z: deviations of the inputs from independent standard normal `z`.
-    pub(crate) fn deviations(&self, z: &[f64]) -> Vec<f64> {
-        self.factor.iter().map(|row| row.iter().zip(z).map(|(l, z)| l * z).sum()).collect()
-    }
+/// The design with the mean height of its rims off by `by_m`: |h + by|, as far above the land as it would be below.
+#[must_use]
+pub fn with_rim_off(design: &Pattern, by_m: f64) -> Pattern {
+    let height_m = design.rim_height_m();
+    let raised = design.texture().rim().map(|rim| rim.raised((height_m + by_m).abs() - height_m));
+    design.to_owned().with_rim(raised)
 }
 
 /// Cholesky's factor of a covariance that may be singular. Inputs of different units are compared by their own
@@ -176,26 +189,27 @@ mod tests {
             assert_eq!(known.inputs(), 3 + parameters.len());
             for i in 0..known.inputs() {
                 for j in 0..known.inputs() {
-                    let product: f64 = (0..known.inputs()).map(|k| known.factor[i][k] * known.factor[j][k]).sum();
+                    let factor = factorized(&known.covariance).unwrap();
+                    let product: f64 = (0..known.inputs()).map(|k| factor[i][k] * factor[j][k]).sum();
                     let size = known.std(i) * known.std(j);
                     assert!((product - known.covariance[i][j]).abs() <= 1e-9 * size, "{i} {j}");
                 }
             }
         }
+        // Where the pitch is exact, a width that comes out wide takes from the spacing: their sum does not move.
         let exact_pitch = Uncertainty::new(&tolerances([8.0, 8.0, 0.0], -1.0), &[]).unwrap();
-        let moved = exact_pitch.deviations(&[1.3, 0.4, 2.0]);
-        assert!((moved[0] + moved[1]).abs() < 1e-15 && moved[2] == 0.0);
+        let of_pitch = exact_pitch.covariance_of(&[vec![1.0], vec![1.0], vec![0.0]], &|_| true);
+        assert!(of_pitch[0][0].abs() < 1e-24, "{of_pitch:?}");
     }
 
     #[test]
     fn the_height_of_rims_is_the_last_input_and_independent_of_the_others() {
         let made = Tolerances { rim_height_std_m: 5e-8, ..tolerances([8.0, 13.0, 1.3], -1.0) };
         let known = Uncertainty::new(&made, &[vec![4e-4]]).unwrap();
-        assert_eq!((known.inputs(), known.rim(), known.parameters()), (5, Some(4), 3..4));
+        assert_eq!((known.inputs(), known.rim()), (5, Some(4)));
         assert!((known.std(4) - 5e-8).abs() < 1e-22 && (0..4).all(|other| known.covariance[4][other] == 0.0));
-        assert!((known.deviations(&[0.3, 1.0, 0.0, -2.0, 1.5])[4] - 7.5e-8).abs() < 1e-22);
         let exact = Uncertainty::new(&tolerances([8.0, 13.0, 1.3], -1.0), &[vec![4e-4]]).unwrap();
-        assert_eq!((exact.inputs(), exact.rim(), exact.parameters()), (4, None, 3..4));
+        assert_eq!((exact.inputs(), exact.rim()), (4, None));
         let bad = Tolerances { rim_height_std_m: -1e-8, ..Tolerances::default() };
         assert!(matches!(Uncertainty::new(&bad, &[]), Err(SearchError::OutOfRange { .. })));
     }

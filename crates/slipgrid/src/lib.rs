@@ -11,8 +11,8 @@
 //! | [`specimen`] | the same on the specimen that a pattern is cut into |
 //! | [`calibrate`] | measurements on samples to a material, with errors |
 //! | [`discrepancy`] | what the model lacks on textured samples, learned from trials |
-//! | [`optimize`] | searches among patterns |
-//! | [`design`] | **the main job**: search, confirm in time, explain |
+//! | [`optimize`] | targets, bounds, limits and tolerances |
+//! | [`design`] | **the main job**: predict a cut sample, search, confirm in time |
 //! | [`export`] | layouts on a specimen and the files of a laser |
 //! | [`formats`] | scene, design, calibration and material files |
 //! | [`results`], [`report`] | records of what was found; text, charts and pages drawn from them |

@@ -1,38 +1,27 @@
-//! What was found, as text for people: the verdict, friction at each pressure, what limits it, and what is doubtful.
+//! What was found, as text for people: what to do, the texture, what is expected of a sample, what limits it, and what is doubtful.
 
 use std::fmt::Write as _;
 
 use super::DesignReport;
-use crate::conditions_report::ConditionsReport;
-use crate::infeasibility::ExplanationReport;
-use crate::robustness_report::MEANING;
+use crate::prediction::{Expected, LimitedBy, SampleReport, percent};
 use slipgrid_results::{
-    PressureErrors, Table, beyond_measured, beyond_measured_range, fixed, length_in_words, notes, with_error,
+    Table, believed_interval, beyond_measured, beyond_measured_range, duration_in_words, fixed, length_in_words, notes,
 };
 
 impl DesignReport {
     /// The report for people.
     #[must_use]
     pub fn summary(&self) -> String {
-        [
-            self.verdict_text(),
-            self.friction_text(),
-            self.found_beside(),
-            self.out_of_reach(),
-            self.notes_text(),
-            self.cost(),
-        ]
-        .concat()
+        [self.texture_text(), self.expected_text(), self.found_beside(), self.notes_text(), self.cost()].concat()
     }
 
-    /// The verdict, the design, and the chance that a cut sample is on target.
-    fn verdict_text(&self) -> String {
-        let design = &self.design;
-        let verdict = self.verdict();
-        let nearest = if verdict.shows_nearest { "; nearest design:" } else { "" };
-        let mut text = format!("{}: {}{}{nearest}\n\n", self.name, self.chance_words(), verdict.words);
-        text += &format!(
-            "  {} {} um wide, {} um apart, {} um deep{}{}\n  {:.1} % of the specimen's face, {:.1} % of a period\n",
+    /// What to do, and the texture.
+    fn texture_text(&self) -> String {
+        let design = &self.sample.design;
+        let mut text = format!(
+            "{}: {}\n\n  {} {} um wide, {} um apart, {} um deep{}{}\n  {:.1} % of the specimen's face, {:.1} % of a period\n",
+            self.name,
+            self.words,
             design.planform,
             length_in_words(design.width_um),
             length_in_words(design.spacing_um),
@@ -42,120 +31,86 @@ impl DesignReport {
             100.0 * self.specimen_areal_density,
             100.0 * design.areal_density,
         );
-        let removal = self.removal.as_ref().map(|removal| removal.words());
-        let selection = self.selection.as_ref().map(|selection| selection.words.clone());
-        let chance = self.chance.iter().flat_map(|chance| chance.lines(self.advice.as_ref()));
-        for line in removal.into_iter().chain(selection).chain(chance) {
-            let _ = writeln!(text, "  {line}");
+        if let Some(removal) = &self.removal {
+            let _ = writeln!(text, "  {}", removal.words());
         }
         // Loads beyond what was measured make the chance itself doubtful.
         if let Some(line) = self.beyond_range() {
             let _ = writeln!(text, "! {line}");
         }
-        text += &self.advice.as_ref().map_or_else(String::new, |advice| advice.text());
         text + "\n"
     }
 
-    /// Friction at every pressure, predicted and confirmed, with its errors.
-    fn friction_text(&self) -> String {
-        let mut table = Table::new([
-            "P MPa",
-            "target",
-            "predicted",
-            "+-",
-            "confirmed",
-            "+-",
-            "mu",
-            "+-",
-            "mu flat",
-            "+-",
-            "peak MPa",
-        ]);
-        for (row, pressure_mpa) in self.target.pressure_mpa.iter().enumerate() {
-            let at = self.errors.at(row);
-            let value = [
-                at.and_then(|at| at.predicted.as_ref()),
-                self.confirmed_at(row),
-                at.map(|at| &at.mu),
-                at.and_then(|at| at.mu_flat.as_ref()),
-            ];
-            let cells = value.into_iter().flat_map(|of| [of.and_then(|of| of.value), of.and_then(|of| of.std)]);
-            let first = [pressure_mpa.to_string(), self.target.wanted(row)];
-            let peak = fixed(self.predicted.get(row).map(|load| load.peak_pressure_mpa), 2);
-            table.row(first.into_iter().chain(cells.map(|cell| fixed(cell, 4))).chain([peak]));
+    /// What is expected of a sample at every load, and what the model alone says.
+    fn expected_text(&self) -> String {
+        let expected = &self.sample.expected;
+        let has_several = expected.iter().any(|at| !at.is_at_condition_of(&expected[0]));
+        let mut columns = vec!["P MPa"];
+        columns.extend(has_several.then_some("at"));
+        columns.extend(["target", "expected", "95 % of samples", "model alone", "+-"]);
+        let mut table = Table::new(columns);
+        for (at, modelled) in expected.iter().zip(&self.sample.modelled) {
+            let mut row = vec![at.pressure_mpa.to_string()];
+            row.extend(has_several.then(|| at.condition_in_words()));
+            row.extend([
+                at.target_in_words(),
+                fixed(Some(at.median), 3),
+                believed_interval([at.low_95, at.high_95]),
+                fixed(Some(modelled.ratio), 3),
+                fixed(Some(modelled.std), 3),
+            ]);
+            table.row(row);
         }
-        let mut text = format!(
-            "  {}{} (predicted: steady cell{}{}; confirmed: {})\n{table}  predicted counts the specimen's share of cavities, \
-             and its +- how far confirmed is from it; peak is the steady cell's largest pressure, over a block\n",
-            self.target.quantity,
-            if self.discrepancy.is_some() { ", aimed with what trials say that the model lacks" } else { "" },
-            self.in_space(),
-            if self.rounds > 1 { ", corrected before the last search" } else { "" },
-            self.confirmation()
-        );
-        let _ = writeln!(text, "  {}", self.errors.meaning);
-        let confirmed = |row: &PressureErrors| if self.is_ratio() { row.ratio.clone() } else { Some(row.mu.clone()) };
-        if let Some(line) = self.errors.intervals("confirmed", confirmed) {
-            let _ = writeln!(text, "  {line}");
+        let friction =
+            if self.is_ratio() { "ratio to the flat surface" } else { "dynamic friction; model alone: ratio" };
+        let mut text = format!("  {friction}\n{table}");
+        if let Some(limit) = self.limit() {
+            let _ = writeln!(
+                text,
+                "  limited by {} ({}): without it the chance would be {}",
+                limit.input,
+                limit.known_to,
+                percent(limit.chance_if_known)
+            );
         }
-        text += &self.discrepancy.as_ref().map_or_else(String::new, |found| found.text());
-        for line in self.conditions.iter().flat_map(ConditionsReport::lines) {
-            let _ = writeln!(text, "  {line}");
+        if let Some(goal) = &self.goal {
+            let interval =
+                goal.interval_95.map_or_else(String::new, |ends| format!(" (95 %: {})", believed_interval(ends)));
+            let (goal, of, expected, modelled) = (&goal.goal, &goal.of, goal.expected, goal.modelled);
+            let _ = writeln!(text, "  {goal} {of}: {expected:.4} expected{interval}, {modelled:.4} by the model alone");
         }
         text
     }
 
-    /// The goal, the misfit, slopes, tolerances and trade-offs.
+    /// What limits the chance most, where that is worth a word.
+    #[must_use]
+    pub fn limit(&self) -> Option<&LimitedBy> {
+        let chance = self.sample.chance?;
+        self.sample.limited_by.first().filter(|limit| limit.chance_if_known > chance + 0.02)
+    }
+
+    /// Other textures, what blocks the target, and trade-offs.
     fn found_beside(&self) -> String {
         let mut text = String::new();
-        if let Some(goal) = &self.goal {
-            let _ = writeln!(text, "\n  {}", goal.words());
+        if !self.others.is_empty() {
+            let mut table = Table::new(SampleReport::COLUMNS);
+            self.others.iter().for_each(|other| {
+                table.row(other.row("also"));
+            });
+            let _ = write!(text, "\n  other textures within the bounds\n{table}");
         }
-        if self.target.has_demands() {
+        for lifted in &self.blocked_by {
+            let reach = if lifted.is_within_reach { "" } else { ", still out of reach" };
             let _ = writeln!(
                 text,
-                "\n  misfit {} of {} predicted, {} confirmed",
-                fixed(Some(self.misfit.predicted), 2),
-                self.target.tolerance_words(),
-                fixed(self.misfit.confirmed, 2),
+                "  without {}: {} for {} um{reach}",
+                lifted.what,
+                percent(lifted.chance),
+                lifted.design.lengths_in_words()
             );
-        }
-        if let Some(sensitivities) = &self.sensitivities {
-            let _ = writeln!(text, "\n{}", sensitivities.text());
-        }
-        if let Some(robustness) = &self.robustness {
-            let _ = writeln!(text, "{}", robustness.text());
         }
         if let Some(trade_offs) = &self.trade_offs {
-            let _ = writeln!(text, "{}", trade_offs.text());
-        }
-        text
-    }
-
-    /// Why a target is not met, what designs reach, and the table of all of them.
-    fn out_of_reach(&self) -> String {
-        let mut text = String::new();
-        let who = match self.reachable_among {
-            Some(count) => format!("among the {count} designs solved in space those within bounds and limits"),
-            None => "designs within bounds and limits".to_owned(),
-        };
-        for range in self.reachable.iter().filter(|_| self.status != "met") {
-            let _ = writeln!(
-                text,
-                "  at {} MPa {who} reach {} to {}{}",
-                range.pressure_mpa,
-                with_error(range.lowest, range.lowest_std, 4),
-                with_error(range.highest, range.highest_std, 4),
-                if self.conditions.is_some() { ", at the condition designed for" } else { "" },
-            );
-        }
-        let conflicts = self.conditions.iter().filter_map(|conditions| conditions.conflict.as_ref());
-        let reasons = self.explanation.iter().flat_map(ExplanationReport::lines);
-        for reason in conflicts.map(|conflict| conflict.words.clone()).chain(reasons) {
-            let _ = writeln!(text, "  why: {reason}");
-        }
-        for line in self.table.iter().flat_map(|table| table.lines(self.timings_s.table)) {
-            let _ = writeln!(text, "  {line}");
+            let _ = write!(text, "\n{}", trade_offs.text());
         }
         text
     }
@@ -182,40 +137,97 @@ impl DesignReport {
 
     /// Doubts, marked `!`; what was modelled and what was not.
     fn notes_text(&self) -> String {
-        let mut text = String::new();
+        let mut text = "\n".to_owned();
         for doubt in self.other_doubts() {
             let _ = writeln!(text, "! {doubt}");
         }
         let stated = self.model.iter().map(String::as_str);
-        let discrepancy = self.discrepancy.as_ref().map(|found| found.meaning().to_owned());
-        let spread = self.robustness.as_ref().map(|_| MEANING);
-        let of_lasering = if self.design.rim.is_some() { "roughening by the laser" } else { "recast rims" };
+        let of_lasering = if self.sample.design.rim.is_some() { "roughening by the laser" } else { "recast rims" };
         let lacking = format!("not modelled: {of_lasering}, plasticity, viscoelasticity, heating, wear");
-        text + &notes(stated.chain(discrepancy.as_deref()).chain(spread).chain([lacking.as_str()]), &self.method)
+        text + &notes(stated.chain([lacking.as_str()]), &self.method)
     }
 
     /// How much was computed.
     fn cost(&self) -> String {
         format!(
-            "\ndesigns tried: {}{}, searches: {}; {}\n",
-            self.evaluations,
-            match self.solid_evaluations {
-                0 => String::new(),
-                solid => format!(" ({solid} in space)"),
-            },
-            self.rounds,
+            "\n{} designs compared by a table of {} nodes, off by {:.4} in the median and {:.4} at most of {}; {}\n",
+            self.compared,
+            self.table.nodes,
+            self.table.median_error,
+            self.table.worst_error,
+            self.table.checked,
             self.timings_s.words(),
         )
     }
 
-    /// Whether blocks resolve the pattern, as the confirming run says, or else the steady model.
+    /// Whether blocks resolve the pattern, as the confirming run says.
     pub fn unresolved(&self) -> Option<String> {
         slipgrid_results::unresolved(&self.confirmed, self.block_um)
-            .or_else(|| slipgrid_results::unresolved(&self.predicted, self.block_um))
     }
 
     /// Pressures beyond those at which friction was measured.
     fn beyond_mpa(&self) -> Vec<f64> {
         self.confirmed.iter().filter(|load| load.friction_extrapolated).map(|load| load.pressure_mpa).collect()
+    }
+}
+
+impl Expected {
+    /// Whether speed, humidity and direction are those of `other`.
+    #[must_use]
+    pub fn is_at_condition_of(&self, other: &Self) -> bool {
+        let condition = |of: &Self| (of.speed_mm_s, of.humidity_pct, of.sliding_angle_deg);
+        condition(self) == condition(other)
+    }
+
+    /// Speed, humidity and direction.
+    #[must_use]
+    pub fn condition_in_words(&self) -> String {
+        let direction = self.sliding_angle_deg.map_or_else(String::new, |angle| format!(", at {angle} deg"));
+        format!("{} mm/s, {} %{direction}", self.speed_mm_s, self.humidity_pct)
+    }
+
+    /// What is accepted.
+    #[must_use]
+    pub fn target_in_words(&self) -> String {
+        match (self.target_low, self.target_high) {
+            (Some(low), Some(high)) => format!("{low:.3} to {high:.3}"),
+            (Some(low), None) => format!(">= {low:.3}"),
+            (None, Some(high)) => format!("<= {high:.3}"),
+            (None, None) => "-".to_owned(),
+        }
+    }
+}
+
+impl SampleReport {
+    /// What [`Self::row`] has.
+    pub const COLUMNS: [&str; 8] = [
+        "",
+        "width / spacing / depth um",
+        "planform",
+        "chance",
+        "tells bits",
+        "laser",
+        "expected at the first load (95 %)",
+        "at the last",
+    ];
+
+    /// A row of a table, called `name`.
+    #[must_use]
+    pub fn row(&self, name: &str) -> [String; 8] {
+        let at = |of: Option<&Expected>| {
+            of.map_or_else(String::new, |at| {
+                format!("{:.3} ({})", at.median, believed_interval([at.low_95, at.high_95]))
+            })
+        };
+        [
+            name.to_owned(),
+            self.design.lengths_in_words(),
+            self.design.planform.clone(),
+            self.chance.map_or_else(|| "-".to_owned(), percent),
+            fixed(Some(self.information_bits), 2),
+            self.laser_s.map_or_else(|| "-".to_owned(), duration_in_words),
+            at(self.expected.first()),
+            at(self.expected.last()),
+        ]
     }
 }

@@ -3,7 +3,7 @@ use crate::operating_conditions::turned;
 use slipgrid_export::{Outline, Specimen};
 use slipgrid_material::{Elastic, LocalFriction};
 use slipgrid_pattern::{Planform, Rim, RimProfile, Texture};
-use slipgrid_springblock::{Dimension, Layer};
+use slipgrid_springblock::{Dimension, Layer, simulate};
 
 fn scene() -> Scene {
     let friction = LocalFriction::new(0.30, 0.27, 0.05).unwrap();
@@ -36,118 +36,46 @@ const LOOSE_PRESSURE: f64 = 1e-5;
 
 #[test]
 fn the_search_sees_what_simulate_reports() {
-    let flat_mu = [0.28, 0.25];
     for (planform, dimensions, expected) in
         [(Planform::Groove, None, 2), (Planform::Square, None, 3), (Planform::Square, Some(2), 2)]
     {
         let design = Pattern::new(planform, 130.3e-6, 171e-6, 13e-6).unwrap();
-        for flat in [None, Some(flat_mu.to_vec())] {
-            let run = RunOptions { dimensions, ..RunOptions::default() };
-            let model = SteadyModel::new(&Scene { run, ..scene() }, &[], &[], &space(planform), flat.clone());
-            assert_eq!([model.dimension(), model.scene(&design).dimension()].map(Dimension::number), [expected; 2]);
-            let response = model.respond(&design).unwrap();
-            let simulation = model.simulate(&design).unwrap();
-            let [ratio, pressure] = if expected == 3 { [LOOSE, LOOSE_PRESSURE] } else { [1e-9; 2] };
-            for (load, outcome) in simulation.loads.iter().enumerate() {
-                let expected = outcome.ratio.unwrap() * if flat.is_some() { flat_mu[load] } else { 1.0 };
-                assert!((response.value[load] - expected).abs() < ratio, "{load}");
-            }
-            let peak = simulation.loads.iter().map(|load| load.surface.peak_pressure_pa).fold(0.0, f64::max);
-            let answer = model.answer(&model.asked, &model.solver, &design).unwrap();
-            assert!((answer.peak_pressure_pa() / peak - 1.0).abs() < pressure && response.limited.is_empty());
-            let points = simulation
-                .loads
-                .iter()
-                .flat_map(|load| load.surface.interface.iter().map(|point| point.pressure_pa / load.pressure_pa));
-            assert!((answer.least_pressure - points.fold(f64::INFINITY, f64::min)).abs() < pressure);
-            assert!(answer.clearance_m().is_some_and(|least_m| least_m > 0.0 && least_m < design.depth_m()));
+        let run = RunOptions { dimensions, ..RunOptions::default() };
+        let model = SteadyModel::new(&Scene { run, ..scene() }, &[], &[], &space(planform));
+        assert_eq!([model.dimension(), model.scene(&design).dimension()].map(Dimension::number), [expected; 2]);
+        let simulation = simulate(&model.scene(&design), &Unwatched).unwrap();
+        let [ratio, pressure] = if expected == 3 { [LOOSE, LOOSE_PRESSURE] } else { [1e-9; 2] };
+        let answer = model.steady(&design).unwrap();
+        for (found, outcome) in answer.ratio.iter().zip(&simulation.loads) {
+            assert!((found - outcome.ratio.unwrap()).abs() < ratio);
         }
+        let peak = simulation.loads.iter().map(|load| load.surface.peak_pressure_pa).fold(0.0, f64::max);
+        assert!((answer.peak_pressure_pa() / peak - 1.0).abs() < pressure);
+        let points = simulation
+            .loads
+            .iter()
+            .flat_map(|load| load.surface.interface.iter().map(|point| point.pressure_pa / load.pressure_pa));
+        assert!((answer.least_pressure - points.fold(f64::INFINITY, f64::min)).abs() < pressure);
+        assert!(answer.clearance_m().is_some_and(|least_m| least_m > 0.0 && least_m < design.depth_m()));
     }
     let deep = Pattern::new(Planform::Groove, 130e-6, 370e-6, 250e-6).unwrap();
-    let model = SteadyModel::new(&scene(), &[], &[], &space(Planform::Groove), None);
-    assert!(matches!(model.respond(&deep), Err(ModelFailure::Trial { .. })));
+    let model = SteadyModel::new(&scene(), &[], &[], &space(Planform::Groove));
+    assert!(matches!(model.steady(&deep), Err(ModelFailure::Trial { .. })));
 }
 
 #[test]
-fn a_guide_in_larger_blocks_is_near_and_goes_along_with_corrections() {
+fn a_guide_in_larger_blocks_is_near() {
     let design = Pattern::new(Planform::Square, 130e-6, 170e-6, 20e-6).unwrap();
-    let mut model = SteadyModel::new(&scene(), &[], &[], &space(Planform::Square), None);
-    let own = model.respond(&design).unwrap().value;
-    let guided = |model: &SteadyModel| {
-        let (guide, block_m) = model.guide().unwrap();
-        assert!((block_m - 40e-6).abs() < 1e-12);
-        guide.respond(&design).unwrap().value
-    };
-    let before = guided(&model);
-    assert!(own.iter().zip(&before).all(|(own, guide)| own != guide && (own - guide).abs() < 0.01));
-    let mut confirmed = model.simulate(&design).unwrap();
-    for load in &mut confirmed.loads {
-        load.ratio = load.ratio.map(|ratio| ratio - 0.002);
-    }
-    let confirmed = model.confirmed(&design, 0, &confirmed);
-    model.correct(&design, &own, &confirmed);
-    // In proportion to the effect of the texture in the guide's blocks.
-    let share = |(own, before): (&f64, &f64)| before - 0.002 * texture_effect(*before) / texture_effect(*own);
-    let expected = own.iter().zip(&before).map(share);
-    assert!(guided(&model).iter().zip(expected).all(|(after, expected)| (after - expected).abs() < LOOSE));
+    let model = SteadyModel::new(&scene(), &[], &[], &space(Planform::Square));
+    let [own, guided] = [false, true].map(|coarse| model.tabulated(&design, coarse).unwrap().ratio);
+    assert_eq!(own, model.steady(&design).unwrap().ratio);
+    assert!(own.iter().zip(&guided).all(|(own, guide)| own != guide && (own - guide).abs() < 0.01));
+    let block_m = |model: &SteadyModel<'_>, design: &Pattern| model.cell(design, true).layer.block_m;
+    assert!((block_m(&model, &design) - 40e-6).abs() < 1e-12);
     // Nothing is gained in the plane, and a pitch of 60 um takes no blocks of 40 um.
-    assert!(SteadyModel::new(&scene(), &[], &[], &space(Planform::Groove), None).guide().is_none());
+    assert!(!SteadyModel::new(&scene(), &[], &[], &space(Planform::Groove)).has_guide());
     let narrow = DesignSpace::new(Planform::Square, [20e-6, 400e-6], [40e-6; 2], [5e-6; 2]).unwrap();
-    let blocks_m = SteadyModel::new(&scene(), &[], &[], &narrow, None).guide().map(|(_, block_m)| block_m);
-    assert!((blocks_m.unwrap() - 20e-6).abs() < 1e-12);
-}
-
-#[test]
-fn a_corrected_model_gives_what_was_confirmed() {
-    let design = Pattern::new(Planform::Groove, 130e-6, 370e-6, 20e-6).unwrap();
-    let mut model = SteadyModel::new(&scene(), &[], &[], &space(Planform::Groove), None);
-    let before = model.respond(&design).unwrap().value;
-    let mut confirmed = model.simulate(&design).unwrap();
-    for load in &mut confirmed.loads {
-        load.ratio = load.ratio.map(|ratio| ratio + 0.003);
-    }
-    let confirmed = model.confirmed(&design, 0, &confirmed);
-    assert!((model.correct(&design, &before, &confirmed) - 0.003).abs() < 1e-9);
-    let after = model.respond(&design).unwrap().value;
-    assert!(after.iter().zip(&before).all(|(after, before)| (after - before - 0.003).abs() < 1e-9));
-    assert!(model.correct(&design, &after, &confirmed) < 1e-9);
-}
-
-/// Aims with what one trial says; returns the medians at `design`, by way of their quantiles and of slopes solved here.
-fn aim(model: &mut SteadyModel<'_>, design: &Pattern) -> Vec<f64> {
-    use slipgrid_calibrate::uncertainty::{MaterialUncertainty, ScaleShift, moved};
-    use slipgrid_discrepancy::{Conditions, Discrepancy, Features, Hyperparameters, Load, Measured, Trial};
-    let at = |pressure_pa: f64, humidity: f64| Load { pressure_pa, speed_m_s: 2e-3, humidity };
-    let loads = [at(0.65e6, 0.15), at(2.6e6, 0.15), at(0.65e6, 0.8), at(2.6e6, 0.8)];
-    let measured = |load: Load, measured: f64| Measured {
-        load,
-        measured,
-        modelled: 0.95,
-        patterned_std: 0.01,
-        flat_std: 0.01,
-        modulus_sensitivity: 0.1,
-    };
-    let cut = Pattern::new(Planform::Groove, 100e-6, 300e-6, 10e-6).unwrap();
-    let trial = Trial {
-        name: "first".to_owned(),
-        features: Features::from(&cut),
-        sample_std: None,
-        disc: None,
-        measured: vec![measured(loads[0], 0.85), measured(loads[3], 0.75)],
-        dimensions_std_m: [0.0; 3],
-        dimension_shifts: Vec::new(),
-    };
-    let learned = Discrepancy::new(Hyperparameters::default(), Conditions::default(), 0.2, vec![trial]).unwrap();
-    let known = MaterialUncertainty { modulus_relative_std: Some(0.2), ..MaterialUncertainty::default() };
-    model.aim_with(LearnedDiscrepancy::at(&loads, &learned, &known, model).unwrap());
-    let ratios = |log: f64| {
-        let scale = ScaleShift { log, is_fitted: false };
-        model.beside(|scene: &Scene| moved(scene, &[0.0; 4], scale, 0.0)).unwrap().steady(design).unwrap().ratio
-    };
-    let (stiffer, softer) = (ratios(0.05), ratios(-0.05));
-    let slopes: Vec<f64> = stiffer.iter().zip(&softer).map(|(above, below)| (above / below).ln() / 0.1).collect();
-    let found = learned.at(&loads).predict(&Features::from(design), &slopes);
-    (0..4).map(|load| found.quantile(load, 0.5).exp()).collect()
+    assert!((block_m(&SteadyModel::new(&scene(), &[], &[], &narrow), &design) - 20e-6).abs() < 1e-12);
 }
 
 #[test]
@@ -155,12 +83,9 @@ fn further_conditions_are_solved_with_their_own_coefficients_and_limits_are_the_
     let scene = scene();
     let louder = louder(&scene);
     let design = Pattern::new(Planform::Groove, 130e-6, 170e-6, 20e-6).unwrap();
-    let flat_mu = vec![0.28, 0.25];
-    let mut model = SteadyModel::new(&scene, &[&louder], &[], &space(Planform::Groove), Some(flat_mu.clone()));
-    let factors = aim(&mut model, &design);
-    assert!(factors.iter().all(|factor| (0.5..0.98).contains(factor)) && factors[0] != factors[2], "{factors:?}");
+    let model = SteadyModel::new(&scene, &[&louder], &[], &space(Planform::Groove));
     let there = Scene { loads: louder, ..scene.clone() };
-    let alone = |scene: &Scene| SteadyModel::new(scene, &[], &[], &space(Planform::Groove), None);
+    let alone = |scene: &Scene| SteadyModel::new(scene, &[], &[], &space(Planform::Groove));
     let own = [alone(&scene), alone(&there)].map(|model| model.steady(&design).unwrap());
     let both = model.steady(&design).unwrap();
     assert_eq!(both.ratio, [&own[0].ratio[..], &own[1].ratio[..]].concat());
@@ -168,23 +93,6 @@ fn further_conditions_are_solved_with_their_own_coefficients_and_limits_are_the_
     let worst = own[0].peak_pressure_mpa.max(own[1].peak_pressure_mpa);
     assert_eq!((both.peak_pressure_mpa, own[1].peak_pressure_mpa), (worst, worst));
     assert_eq!(both.least_pressure, own[0].least_pressure.min(own[1].least_pressure));
-    let value = model.respond(&design).unwrap().value;
-    for (place, factor) in factors[2..].iter().enumerate() {
-        let expected = own[1].ratio[place] * flat_mu[place] * 0.36 / 0.27 * factor;
-        assert!((value[2 + place] - expected).abs() < 1e-11, "{value:?}");
-    }
-    // What the first condition's ratio is off, the second's is off too.
-    let first: Vec<Option<f64>> = (0..2).map(|load| Some(value[load] + 0.01 * flat_mu[load] * factors[load])).collect();
-    let about = model.about(&design, 1, &value, &first);
-    for (place, factor) in factors[2..].iter().enumerate() {
-        let expected = value[2 + place] + 0.01 * flat_mu[place] * 0.36 / 0.27 * factor;
-        assert!((about[place].unwrap() - expected).abs() < 1e-11, "{about:?}");
-    }
-    assert_eq!(model.about(&design, 1, &value, &[None, Some(0.3)])[0], None);
-    let all = [first, about].concat();
-    model.correct(&design, &value, &all);
-    let after = model.respond(&design).unwrap().value;
-    assert!(after.iter().zip(&all).all(|(after, wanted)| (after - wanted.unwrap()).abs() < 1e-11));
 }
 
 #[test]
@@ -197,11 +105,11 @@ fn further_directions_are_those_of_the_turned_design_solved_alone() {
     let coarse = Scene { layer: Layer { block_m: 20e-6, ..scene.layer }, ..scene };
     // Two conditions in each of two directions.
     let further = [&louder[..], &coarse.loads[..], &louder[..]];
-    let model = SteadyModel::new(&coarse, &further, &[90.0], &space, None);
+    let model = SteadyModel::new(&coarse, &further, &[90.0], &space);
     let found = model.steady(&design).unwrap();
     let alone = |angle_deg: f64, loads: &[Load]| {
         let scene = Scene { loads: loads.to_vec(), ..coarse.clone() };
-        SteadyModel::new(&scene, &[], &[], &space, None).steady(&turned(&design, Some(angle_deg))).unwrap()
+        SteadyModel::new(&scene, &[], &[], &space).steady(&turned(&design, Some(angle_deg))).unwrap()
     };
     let each = [(0.0, &coarse.loads), (0.0, &louder), (90.0, &coarse.loads), (90.0, &louder)]
         .map(|(angle_deg, loads)| alone(angle_deg, loads));
@@ -212,9 +120,7 @@ fn further_directions_are_those_of_the_turned_design_solved_alone() {
     assert!((found.peak_pressure_mpa / worst - 1.0).abs() < LOOSE_PRESSURE);
     let beside = model.beside(|scene| Ok::<_, ()>(scene.clone())).unwrap();
     assert_eq!(beside.steady(&design).unwrap().ratio.len(), 8);
-    // Slopes for a comparison are those of the guide's blocks, those that are announced of the blocks asked for.
-    let fine = model.without_guide().unwrap().beside(|scene| Ok::<_, ()>(scene.clone())).unwrap();
-    assert_eq!(fine.steady(&design).unwrap().ratio, found.ratio);
+    // Slopes are those of the guide's blocks.
     assert!((beside.steady(&design).unwrap().ratio[0] - found.ratio[0]).abs() > 1e-4);
 }
 
@@ -225,17 +131,17 @@ fn samples_whose_rims_are_of_another_height_have_answers_of_their_own() {
         Texture::new(Planform::Groove).with_rim(rim)
     };
     let space = DesignSpace::new(rimmed(0.1), [40e-6, 400e-6], [40e-6, 1000e-6], [2e-6, 50e-6]).unwrap();
-    let model = SteadyModel::new(&scene(), &[], &[], &space, None);
+    let model = SteadyModel::new(&scene(), &[], &[], &space);
     let ratio = |height_um: f64| {
         let design = Pattern::new(rimmed(height_um), 130e-6, 370e-6, 13e-6).unwrap();
-        model.respond(&design).unwrap().value[0]
+        model.steady(&design).unwrap().ratio[0]
     };
     let (own, higher, again) = (ratio(0.1), ratio(0.2), ratio(0.1));
     assert!(own == again && higher < own - 0.01, "{own} {higher}");
     assert_eq!(ratio(0.2), higher);
     // A design without rims is what one of no height is.
-    let plain = SteadyModel::new(&scene(), &[], &[], &self::space(Planform::Groove), None);
-    let bare = plain.respond(&Pattern::new(Planform::Groove, 130e-6, 370e-6, 13e-6).unwrap()).unwrap().value[0];
+    let plain = SteadyModel::new(&scene(), &[], &[], &self::space(Planform::Groove));
+    let bare = plain.steady(&Pattern::new(Planform::Groove, 130e-6, 370e-6, 13e-6).unwrap()).unwrap().ratio[0];
     assert_eq!(ratio(0.0), bare);
     assert!(own < bare);
 }
@@ -246,17 +152,17 @@ fn a_sample_made_of_a_design_has_as_many_cavities_as_it() {
     let design = Pattern::new(texture, 188e-6, 76e-6, 12e-6).unwrap();
     let coarse = Scene { layer: Layer { block_m: 20e-6, ..scene().layer }, ..scene() };
     let specimen = Specimen { outline: Outline::Disc { diameter_m: 2e-3 }, is_clipped: false };
-    let cell = SteadyModel::new(&coarse, &[], &[], &space(Planform::Disc), None);
-    let laid = SteadyModel::new(&coarse, &[], &[], &space(Planform::Disc), None).on(specimen);
+    let cell = SteadyModel::new(&coarse, &[], &[], &space(Planform::Disc));
+    let laid = SteadyModel::new(&coarse, &[], &[], &space(Planform::Disc)).on(specimen);
     let wider = |by_m: f64| Pattern::new(texture, 188e-6 + by_m, 76e-6, 12e-6).unwrap();
     let (thin, wide) = (wider(-8e-6), wider(8e-6));
     let change = |of: &dyn Fn(&Pattern) -> f64| of(&wide) - of(&thin);
-    let of_cell = change(&|at| cell.respond(at).unwrap().value[1]);
-    let made = change(&|at| laid.respond_made(at, &design).unwrap().value[1]);
-    let designed = change(&|at| laid.respond(at).unwrap().value[1]);
+    let of_cell = change(&|at| cell.steady(at).unwrap().ratio[1]);
+    let made = change(&|at| laid.ratios_made(at, &laid.lay(&design).unwrap()).unwrap()[1]);
+    let designed = change(&|at| laid.steady(at).unwrap().ratio[1]);
     // As many cavities on the same face: what takes 264 um of it as designed takes its own period's part of it.
     let share = laid.share(&design).unwrap();
-    let on = |at: &Pattern| 1.0 - share * (at.pitch_m() / 264e-6).powi(2) * (1.0 - cell.respond(at).unwrap().value[1]);
+    let on = |at: &Pattern| 1.0 - share * (at.pitch_m() / 264e-6).powi(2) * (1.0 - cell.steady(at).unwrap().ratio[1]);
     assert!((made - change(&on)).abs() < 1e-9 && made / of_cell > 1.0, "{made} of {of_cell}, share {share}");
     // Laid anew, as many fit.
     assert!((designed - made).abs() < 1e-9, "{designed}");
@@ -265,7 +171,7 @@ fn a_sample_made_of_a_design_has_as_many_cavities_as_it() {
 #[test]
 fn spacing_that_is_off_moves_cavities_and_makes_none() {
     let specimen = Specimen { outline: Outline::Rectangle { length_m: 8e-3, width_m: 4e-3 }, is_clipped: false };
-    let model = SteadyModel::new(&scene(), &[], &[], &space(Planform::Groove), None).on(specimen);
+    let model = SteadyModel::new(&scene(), &[], &[], &space(Planform::Groove)).on(specimen);
     let grooves = |spacing_um: f64| Pattern::new(Planform::Groove, 200e-6, spacing_um * 1e-6, 20e-6).unwrap();
     let ratio = |made_um: f64, designed_um: f64| {
         model.ratios_made(&grooves(made_um), &model.lay(&grooves(designed_um)).unwrap()).unwrap().iter().sum::<f64>()

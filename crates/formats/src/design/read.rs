@@ -35,15 +35,6 @@ pub(super) fn read_ranges(
     file.condition.iter().chain(further).map(read).collect()
 }
 
-pub(super) fn read_robust(document: &Document, file: &DesignFile) -> Result<bool, Diagnostic> {
-    match &file.search.robust {
-        Some(robust) if *robust.get_ref() && file.tolerances.is_none() => Err(document
-            .refuse(robust.span(), "needs to know how samples scatter")
-            .expected("a table [tolerances] with width_std_um, spacing_std_um, depth_std_um or rim_height_std_um")),
-        robust => Ok(robust.as_ref().is_some_and(|robust| *robust.get_ref())),
-    }
-}
-
 pub(super) fn read_dimensions(
     document: &Document,
     dimensions: Option<&Spanned<u64>>,

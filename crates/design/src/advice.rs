@@ -1,0 +1,95 @@
+//! What to do with the texture that was found.
+
+use slipgrid_discrepancy::{Features, Trial};
+use slipgrid_optimize::Goal;
+
+use crate::prediction::{Prediction, percent};
+use crate::search::Search;
+
+/// The least chance that is worth a series.
+const SERIES: f64 = 0.9;
+/// A trial is nearby where no length differs by more than this factor.
+const NEARBY: f64 = 1.5;
+
+/// What to do.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Advice {
+    /// A series: it is nearly certain, and a trial nearby says so.
+    Series,
+    /// A trial, which says more.
+    Trial,
+    /// Nothing new: the trial of this name is on target.
+    TrialMeetsIt(String),
+    /// Nothing: no texture's median lies within what is accepted.
+    CannotBeMet,
+    /// Nothing: the flat surface is on target, or the best by the goal.
+    DoNotTexture,
+}
+
+impl Advice {
+    /// Of `best`, the best that was found; `is_within_reach`: the median of some texture lies within what is accepted.
+    pub fn of(search: &Search<'_>, best: &Prediction, is_within_reach: bool) -> Self {
+        let asked = search.asked;
+        let flat = vec![1.0; asked.loads.len()];
+        let is_flat_best = match asked.goal {
+            None => asked.accepts(&flat),
+            Some(Goal::Even) => false,
+            Some(_) => asked.accepts(&flat) && asked.goal_gain(&flat) >= asked.goal_gain(&best.medians()),
+        };
+        if is_flat_best {
+            return Self::DoNotTexture;
+        }
+        if let Some(trial) = asked.met_by() {
+            return Self::TrialMeetsIt(trial.name.clone());
+        }
+        // Before any trial only a trial says how far the model is off.
+        let has_trials = !asked.learned.trials().is_empty();
+        if !is_within_reach && asked.has_demands() && has_trials {
+            return Self::CannotBeMet;
+        }
+        let is_nearby = asked.learned.trials().iter().any(|trial| is_near(trial, &best.texture.features));
+        if best.chance() >= SERIES && is_nearby { Self::Series } else { Self::Trial }
+    }
+
+    /// The name used in files.
+    #[must_use]
+    pub const fn name(&self) -> &'static str {
+        match self {
+            Self::Series => "series",
+            Self::Trial => "trial",
+            Self::TrialMeetsIt(_) => "trial_meets_it",
+            Self::CannotBeMet => "cannot_be_met",
+            Self::DoNotTexture => "do_not_texture",
+        }
+    }
+
+    /// In one sentence, with the `chance` of the texture; `is_within_reach`: the median of some texture lies within what is accepted.
+    #[must_use]
+    pub fn words(&self, chance: f64, has_demands: bool, is_within_reach: bool) -> String {
+        let chance = percent(chance);
+        let of_sample = format!("{chance} chance that a cut sample is on target");
+        match self {
+            Self::Series => format!("make a series: {of_sample}"),
+            Self::Trial if has_demands && !is_within_reach => format!(
+                "cut a trial: {of_sample}; no texture is expected to lie within it, but before any trial nothing says how far the model is off"
+            ),
+            Self::Trial if has_demands => format!("cut a trial: {of_sample}"),
+            Self::Trial => "cut a trial: the best texture found for the goal".to_owned(),
+            Self::TrialMeetsIt(name) => {
+                format!(
+                    "trial {name} already meets the target; a sample of the texture below would with a chance of {chance}"
+                )
+            }
+            Self::CannotBeMet => format!(
+                "this target cannot be met within the bounds and limits: no texture is expected to lie within it; the likeliest has a chance of {chance}"
+            ),
+            Self::DoNotTexture => "do not texture: the flat surface is what is asked for".to_owned(),
+        }
+    }
+}
+
+/// Whether `trial` was cut of a texture like the one with the features `of`.
+fn is_near(trial: &Trial, of: &Features) -> bool {
+    let near = |own: fn(&Features) -> f64| (own(&trial.features) / own(of)).ln().abs() <= NEARBY.ln();
+    near(|of| of.width_m) && near(|of| of.pitch_m) && near(|of| of.depth_m)
+}

@@ -1,0 +1,186 @@
+//! What a task asks of a cut sample: one [`Band`] a load.
+
+use slipgrid_calibrate::uncertainty::MaterialUncertainty;
+use slipgrid_discrepancy::{Discrepancy, Load, Trial, Wanted};
+use slipgrid_material::AreaLaw;
+use slipgrid_optimize::{Goal, Quantity};
+
+use crate::DesignError;
+use crate::modulus_slopes::loads_of;
+use crate::operating_conditions::{Further, Setting};
+use crate::steady_model::SteadyModel;
+use crate::task::DesignTask;
+
+/// By how much a load of a trial may differ from one asked for, relative, and a humidity, absolute, to be the same.
+const SAME_LOAD: f64 = 0.02;
+const SAME_HUMIDITY: f64 = 0.02;
+
+/// What is accepted at one load of one condition.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Band {
+    /// Pressure, speed and humidity.
+    pub load: Load,
+    /// Sliding direction, where there are several.
+    pub sliding_angle_deg: Option<f64>,
+    /// What a ratio is multiplied by to be the target's quantity: 1, or the flat surface's dynamic friction.
+    pub flat: f64,
+    /// Least and greatest accepted value of the quantity, where there are such.
+    pub accepted: [Option<f64>; 2],
+    /// Half the width of what is accepted, of a limit alone its margin; `None` where nothing is demanded.
+    pub tolerance: Option<f64>,
+    /// How much this pressure counts in the mean of a goal.
+    pub weight: f64,
+}
+
+/// What is asked, and what trials say.
+pub struct Asked {
+    /// One a load of every condition.
+    pub bands: Vec<Band>,
+    /// Their loads.
+    pub loads: Vec<Load>,
+    /// The same as ends of the ratio.
+    pub wanted: Wanted,
+    /// What is to be as good as possible beside that.
+    pub goal: Option<Goal>,
+    /// Loads of one condition.
+    pub count: usize,
+    pub learned: Discrepancy,
+}
+
+impl Asked {
+    /// What `task` asks at the loads of `model`.
+    ///
+    /// # Errors
+    /// [`DesignError`] for trials that mean nothing.
+    pub fn new(
+        task: &DesignTask,
+        material: &MaterialUncertainty,
+        further: &[Further],
+        model: &SteadyModel<'_>,
+    ) -> Result<Self, DesignError> {
+        let learned = material.discrepancy().map_err(|error| DesignError::Failed(error.to_string()))?;
+        let loads = loads_of(task, &learned, further, model);
+        let count = task.target.points().len();
+        let settings = std::iter::once(Setting::first(task)).chain(further.iter().map(|further| further.at));
+        let pressures_pa = task.pressures_pa();
+        let mut bands = Vec::new();
+        for (place, setting) in settings.enumerate() {
+            let excess = material.excess(&pressures_pa, setting.condition.as_ref());
+            for (row, demand) in task.target.points().iter().enumerate() {
+                let at = &model.asked().loads[place * count + row];
+                // Of friction itself: over that of the flat sample, mu_d f(P) times dynamic over steady friction.
+                let law = |law: &AreaLaw| law.factor(at.pressure_pa);
+                let flat = match task.target.quantity() {
+                    Quantity::Ratio => 1.0,
+                    Quantity::DynamicFriction => {
+                        at.friction.dynamic_mean()
+                            * model.area_law().map_or(1.0, law)
+                            * excess.as_ref().map_or(1.0, |excess| excess[row])
+                    }
+                };
+                bands.push(Band {
+                    load: loads[place * count + row],
+                    sliding_angle_deg: setting.sliding_angle_deg,
+                    flat,
+                    accepted: demand.wanted.band(),
+                    tolerance: demand.wanted.tolerance(),
+                    weight: demand.weight,
+                });
+            }
+        }
+        let end = |side: usize, open: f64| {
+            bands.iter().map(|band| band.accepted[side].map_or(open, |end| end / band.flat)).collect()
+        };
+        let wanted = Wanted { lower: end(0, 0.0), upper: end(1, f64::INFINITY) };
+        Ok(Self { loads, wanted, goal: task.target.goal(), count, learned, bands })
+    }
+
+    /// Whether anything is demanded at some load.
+    pub fn has_demands(&self) -> bool {
+        self.bands.iter().any(|band| band.accepted.iter().any(Option::is_some))
+    }
+
+    /// Whether every one of `ratios` is accepted.
+    pub fn accepts(&self, ratios: &[f64]) -> bool {
+        let Wanted { lower, upper } = &self.wanted;
+        ratios.iter().zip(lower.iter().zip(upper)).all(|(ratio, (lower, upper))| (lower..=upper).contains(&ratio))
+    }
+
+    /// The largest distance of `ratios` from the middle of what is accepted, in tolerances; from a limit alone as far as it lies beyond it.
+    pub fn misfit(&self, ratios: &[f64]) -> f64 {
+        let off = |(band, ratio): (&Band, &f64)| {
+            let (Some(tolerance), value) = (band.tolerance, ratio * band.flat) else { return 0.0 };
+            match band.accepted {
+                [Some(low), Some(high)] => (value - f64::midpoint(low, high)).abs() / tolerance,
+                [Some(low), None] => 1.0 + (low - value).max(-tolerance) / tolerance,
+                [None, Some(high)] => 1.0 + (value - high).max(-tolerance) / tolerance,
+                [None, None] => 0.0,
+            }
+        };
+        self.bands.iter().zip(ratios).map(off).fold(0.0, f64::max)
+    }
+
+    /// What the goal is about of `ratios`: the mean value over the pressures, or for an even one standard deviation over mean; at the
+    /// condition where that is worst. `None` without a goal.
+    pub fn goal_value(&self, ratios: &[f64]) -> Option<f64> {
+        let goal = self.goal?;
+        let mean = |of: &dyn Fn(usize) -> f64, places: std::ops::Range<usize>| {
+            let weight: f64 = places.clone().map(|place| self.bands[place].weight).sum();
+            places.map(|place| self.bands[place].weight * of(place)).sum::<f64>() / weight
+        };
+        let value = |place: usize| ratios[place] * self.bands[place].flat;
+        let of = |first: usize| {
+            let places = first..first + self.count;
+            let own = mean(&value, places.clone());
+            match goal {
+                Goal::Lowest | Goal::Highest => own,
+                // s / m = sqrt( sum w_i (v_i - m)^2 / sum w_i ) / m
+                Goal::Even => mean(&|place| (value(place) - own).powi(2), places).sqrt() / own,
+            }
+        };
+        let worst = if goal == Goal::Highest { f64::min } else { f64::max };
+        (0..ratios.len()).step_by(self.count).map(of).reduce(worst)
+    }
+
+    /// How good `ratios` are by the goal, on the scale of chances; 0 without one.
+    pub fn goal_gain(&self, ratios: &[f64]) -> f64 {
+        let flat = self.bands.first().map_or(1.0, |band| band.flat);
+        match (self.goal, self.goal_value(ratios)) {
+            (Some(Goal::Lowest), Some(value)) => -value / flat,
+            (Some(Goal::Highest), Some(value)) => value / flat,
+            (Some(Goal::Even), Some(value)) => -value,
+            _ => 0.0,
+        }
+    }
+
+    /// The trial that was measured on target at every load, where there is one: at the load itself, or linear between two of its loads.
+    pub fn met_by(&self) -> Option<&Trial> {
+        if !self.has_demands() || self.goal.is_some() {
+            return None;
+        }
+        let is_met = |trial: &&Trial| {
+            let ratios: Option<Vec<f64>> = self.loads.iter().map(|load| measured_at(trial, load)).collect();
+            ratios.is_some_and(|ratios| self.accepts(&ratios))
+        };
+        // A target in several directions is not measured in one.
+        let is_of_one = self.bands.iter().all(|band| band.sliding_angle_deg == self.bands[0].sliding_angle_deg);
+        self.learned.trials().iter().find(|trial| is_of_one && is_met(trial))
+    }
+}
+
+/// What was measured of `trial` at `load`; `None` where nothing was.
+fn measured_at(trial: &Trial, load: &Load) -> Option<f64> {
+    let is_same = |a: f64, b: f64| (a / b - 1.0).abs() <= SAME_LOAD;
+    let here = trial.measured.iter().filter(|at| {
+        is_same(at.load.speed_m_s, load.speed_m_s) && (at.load.humidity - load.humidity).abs() <= SAME_HUMIDITY
+    });
+    let mut known: Vec<(f64, f64)> = here.map(|at| (at.load.pressure_pa, at.measured)).collect();
+    known.sort_by(|a, b| a.0.total_cmp(&b.0));
+    if let Some((_, ratio)) = known.iter().find(|(pressure_pa, _)| is_same(*pressure_pa, load.pressure_pa)) {
+        return Some(*ratio);
+    }
+    known.windows(2).find_map(|pair| {
+        let ([from, to], p) = ([pair[0], pair[1]], load.pressure_pa);
+        (from.0..=to.0).contains(&p).then(|| from.1 + (to.1 - from.1) * (p - from.0) / (to.0 - from.0))
+    })
+}

@@ -1,0 +1,417 @@
+//! What is not known exactly beside what trials tell of: dimensions as made, rims, bursts, flat friction, the area law, and how exactly
+//! ratios are computed.
+//!
+//! Each moves ln R to first order, Young's modulus and the area law's scale to second. What all samples share is a covariance of ln R; what each
+//! sample has of its own is a [`DimensionShift`], which moves the discrepancy, too.
+
+use std::ops::Range;
+
+use slipgrid_calibrate::uncertainty::{Covariance, MaterialUncertainty, ScaleShift, moved, with_scale};
+use slipgrid_discrepancy::{DimensionShift, Features};
+use slipgrid_material::{Condition, MaterialError};
+use slipgrid_optimize::{ModelFailure, Quantity, SearchError, Tolerances, Uncertainty, with_rim_off};
+use slipgrid_pattern::Pattern;
+use slipgrid_springblock::Scene;
+use slipgrid_units::{LENGTH_UM, tidy};
+
+use crate::DesignError;
+use crate::evaluation_cache::Answer;
+use crate::operating_conditions::Further;
+use crate::steady_model::SteadyModel;
+use crate::task::DesignTask;
+
+/// Width, spacing, depth: the inputs before the others.
+const DIMENSIONS: usize = 3;
+const DEPTH: usize = 2;
+/// Widest difference along a dimension over the dimension itself.
+const WIDEST_SHARE: f64 = 0.5;
+/// What runs of one specimen in time differ by, at another speed or from another moment of stick-slip: by that much in
+/// `ratios_that_are_predicted_are_those_of_the_specimen`; in space, where time is not modelled, runs differ by 0.001 to 0.004.
+const RUN_STD: [f64; 2] = [0.0015, 0.003];
+
+/// Something that is not known exactly.
+#[derive(Clone, Debug, PartialEq)]
+struct Input {
+    /// The input, in words.
+    name: &'static str,
+    /// How well it is known, in words after the name.
+    known_to: String,
+    /// Its places among the inputs.
+    places: Range<usize>,
+}
+
+/// What one input leaves open of a texture.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Part {
+    /// The input, in words.
+    pub name: &'static str,
+    /// How well it is known, in words after the name.
+    pub known_to: String,
+    /// What it does.
+    pub effect: Effect,
+}
+
+/// What an input does.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Effect {
+    /// A covariance of ln R that all samples share, loads x loads.
+    Shared(Vec<f64>),
+    /// An error that each sample has of its own.
+    OfSample(DimensionShift),
+}
+
+/// The model with everything that is not known exactly, at every condition.
+pub struct Inputs<'a> {
+    is_ratio: bool,
+    loads: usize,
+    /// Loads with inputs of their own: those of one sliding direction, which all have in common.
+    inputs_of_loads: usize,
+    tolerances: Tolerances,
+    uncertainty: Uncertainty,
+    /// The model that inputs are moved in.
+    still: SteadyModel<'a>,
+    /// The same in blocks half as large, in the vertical plane.
+    fine: Option<SteadyModel<'a>>,
+    /// Along flat friction, the area law's scale and its factors: models to both sides, and the way to each.
+    along: Vec<Along<'a>>,
+    /// Place of the depth per burst, where that was fitted against fluence: the depths of all samples are off by this factor.
+    burst: Option<usize>,
+    inputs: Vec<Input>,
+}
+
+/// Two models to both sides of the one that is used.
+struct Along<'a> {
+    above: SteadyModel<'a>,
+    below: SteadyModel<'a>,
+    /// Distance of either, one per value.
+    step: Vec<f64>,
+    first: usize,
+    is_friction: bool,
+    /// Its first order is counted by the discrepancy, whose trials say something of Young's modulus, too.
+    is_modulus: bool,
+}
+
+/// Covariances under construction.
+#[derive(Default)]
+struct Blocks {
+    inputs: Vec<Input>,
+    blocks: Vec<Covariance>,
+    count: usize,
+}
+
+impl Blocks {
+    /// Adds a block and returns the place of its first input.
+    fn add(&mut self, block: Covariance) -> usize {
+        let first = self.count;
+        self.count += block.len();
+        self.blocks.push(block);
+        first
+    }
+
+    fn name(&mut self, name: &'static str, known_to: String, places: Range<usize>) {
+        self.inputs.push(Input { name, known_to, places });
+    }
+}
+
+impl<'a> Inputs<'a> {
+    /// Of `task` with its `material`, by `model` at every condition, the one designed for first.
+    ///
+    /// # Errors
+    /// [`DesignError`] for errors of a material that mean nothing.
+    pub fn new(
+        task: &DesignTask,
+        material: &MaterialUncertainty,
+        model: &SteadyModel<'a>,
+        further: &[Further],
+    ) -> Result<Self, DesignError> {
+        let values = model.asked().loads.len();
+        // The same material in every direction: the loads of the first stand for those of the others.
+        let directions = 1 + task.directions.different_deg.len();
+        let count = values / directions;
+        let loads = &model.asked().loads[..count];
+        let conditions: Vec<Option<Condition>> =
+            std::iter::once(task.condition).chain(further.iter().map(|further| further.at.condition)).collect();
+        let conditions = &conditions[..conditions.len() / directions];
+        let of_material = |error: MaterialError| DesignError::Failed(format!("errors of the material: {error}"));
+        let tolerances = task.tolerances.unwrap_or_default();
+        let mut parts = Blocks { count: DIMENSIONS, ..Blocks::default() };
+
+        let law = model.area_law();
+        let (mut friction_at, mut scale_at) = (None, None);
+        if let (Some(known), Some(law)) = (&material.scale_covariance, law) {
+            let joint = with_scale(known, law, loads).map_err(of_material)?;
+            let first = parts.add(joint.clone());
+            parts.name("flat friction", percent(rms(&joint[..count])), first..first + count);
+            parts.name("scale of the area law", percent(joint[count][count].sqrt()), first + count..first + count + 1);
+            (friction_at, scale_at) = (Some(first), Some(first + count));
+        } else {
+            if let Some(covariance) = material.friction_covariance(&task.pressures_pa(), conditions) {
+                let known_to = percent(rms(&covariance));
+                let first = parts.add(covariance);
+                parts.name("flat friction", known_to, first..first + count);
+                friction_at = Some(first);
+            }
+            if let Some(std) = material.modulus_std(law) {
+                let first = parts.add(vec![vec![std * std]]);
+                parts.name(MODULUS, percent(std), first..first + 1);
+                scale_at = Some(first);
+            }
+        }
+        let mut law_at = None;
+        if law.is_some_and(|law| law.factor_std().is_some()) {
+            let first = parts.add(vec![vec![1.0]]);
+            parts.name("area law", "known to the scatter of its map's windows".to_owned(), first..first + 1);
+            law_at = Some(first);
+        }
+        let burst = task.laser.depth_per_burst_std().map(|std| parts.add(vec![vec![std * std]]));
+        let refused = |error: SearchError| DesignError::Failed(format!("errors of the material: {error}"));
+        let uncertainty = Uncertainty::new(&tolerances, &diagonal(&parts.blocks)).map_err(refused)?;
+
+        let is_fitted = material.scale_covariance.is_some();
+        let along = |first: Option<usize>, inputs: usize, friction: bool, scale: f64, law: f64| {
+            let Some(first) = first else { return Ok(None) };
+            let step: Vec<f64> = (0..values).map(|place| uncertainty.std(first + place % inputs)).collect();
+            let own = |side: f64| {
+                let by: Vec<f64> = step.iter().map(|step| if friction { side * step } else { 0.0 }).collect();
+                let one = side * step[0];
+                let scale = ScaleShift::off_by(scale * one, is_fitted);
+                model.beside(|scene: &Scene| moved(scene, &by, scale, law * one)).map_err(of_material)
+            };
+            let is_modulus = scale > 0.0 && !is_fitted;
+            Ok::<_, DesignError>(Some(Along {
+                above: own(1.0)?,
+                below: own(-1.0)?,
+                step,
+                first,
+                is_friction: friction,
+                is_modulus,
+            }))
+        };
+        let all = [
+            along(friction_at, count, true, 0.0, 0.0)?,
+            along(scale_at, 1, false, 1.0, 0.0)?,
+            along(law_at, 1, false, 0.0, 1.0)?,
+        ];
+        Ok(Self {
+            is_ratio: task.target.quantity() == Quantity::Ratio,
+            loads: values,
+            inputs_of_loads: count,
+            tolerances,
+            still: model.beside(|scene: &Scene| Ok::<_, DesignError>(scene.clone()))?,
+            fine: fine(model)?,
+            along: all.into_iter().flatten().collect(),
+            burst,
+            uncertainty,
+            inputs: parts.inputs,
+        })
+    }
+
+    /// What every input leaves open of `design`, whose ratios are `ratio`; `of_blocks` is what the size of blocks leaves open of each where
+    /// that is known, and is found in smaller ones otherwise.
+    ///
+    /// # Errors
+    /// [`ModelFailure`] where the design or one beside it cannot be computed.
+    pub fn parts(
+        &self,
+        design: &Pattern,
+        ratio: &[f64],
+        of_blocks: Option<Vec<f64>>,
+    ) -> Result<Vec<Part>, ModelFailure> {
+        let still = self.still.steady(design)?.ratio;
+        let mut parts = self.of_samples(design, &still)?;
+        let laid = self.still.lay(design)?;
+        // cov(ln R_l, ln R_m) of slopes dR per input
+        let log = |covariance: &dyn Fn(usize, usize) -> f64| -> Vec<f64> {
+            let n = self.loads;
+            (0..n * n).map(|e| covariance(e / n, e % n) / (ratio[e / n] * ratio[e % n])).collect()
+        };
+        let mut slopes = vec![vec![0.0; self.loads]; self.uncertainty.inputs()];
+        let mut bends: Vec<(usize, Vec<f64>)> = Vec::new();
+        let mut known_elsewhere = Vec::new();
+        for along in &self.along {
+            // All of them lie on one specimen: laying out crossing grooves takes as long as solving them.
+            let at = |model: &SteadyModel| model.ratios_made(design, &laid);
+            let (above, below) = rayon::join(|| at(&along.above), || at(&along.below));
+            let (above, below) = (above?, below?);
+            let mut bend = vec![0.0; self.loads];
+            for (load, bend) in bend.iter_mut().enumerate() {
+                let (above, below, own, step) = (above[load], below[load], still[load], along.step[load]);
+                // (r(x + s) - r(x - s)) / 2s and (r(x + s) - 2 r(x) + r(x - s)) / 2
+                let of_friction = if along.is_friction && !self.is_ratio { ratio[load] } else { 0.0 };
+                let place = along.first + if along.is_friction { load % self.inputs_of_loads } else { 0 };
+                // mu = r mu_flat (1 + x)
+                slopes[place][load] = (above - below) / (2.0 * step) + of_friction;
+                *bend = 0.5 * (above - 2.0 * own + below);
+            }
+            if !along.is_friction {
+                bends.push((along.first, bend));
+            }
+            if along.is_modulus {
+                known_elsewhere.push(along.first);
+            }
+        }
+        for input in &self.inputs {
+            let is_own = |place: usize| input.places.contains(&place) && !known_elsewhere.contains(&place);
+            let of_input = self.uncertainty.covariance_of(&slopes, &is_own);
+            // x^2 of a standard deviate x has the variance 2.
+            let bent = |l: usize, m: usize| -> f64 {
+                let own = bends.iter().filter(|(place, _)| input.places.contains(place));
+                own.map(|(_, bend)| 2.0 * bend[l] * bend[m]).sum()
+            };
+            let covariance = log(&|l, m| of_input[l][m] + bent(l, m));
+            let (name, known_to) = (input.name, input.known_to.clone());
+            parts.push(Part { name, known_to, effect: Effect::Shared(covariance) });
+        }
+        let of_blocks = match of_blocks {
+            Some(std) => std,
+            None => vec![self.block_std(design, &still)?; self.loads],
+        };
+        let run_std = RUN_STD[usize::from(!self.still.is_cheap_per_design())];
+        // Smaller blocks move the ratios at all loads to the same side.
+        let numerical = log(&|l, m| of_blocks[l] * of_blocks[m] + if l == m { run_std * run_std } else { 0.0 });
+        let most = of_blocks.iter().map(|std| std.hypot(run_std)).fold(0.0, f64::max);
+        let known_to = format!("up to {most:.4}");
+        parts.push(Part { name: "numerical error", known_to, effect: Effect::Shared(numerical) });
+        Ok(parts)
+    }
+
+    /// What blocks leave open of the ratios of `design`, `still` in the blocks asked for; 0 in space, where smaller ones are dear.
+    fn block_std(&self, design: &Pattern, still: &[f64]) -> Result<f64, ModelFailure> {
+        let Some(fine) = &self.fine else { return Ok(0.0) };
+        let fine = fine.steady(design)?.ratio;
+        Ok(block_std(still.iter().zip(&fine).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)))
+    }
+
+    /// What each sample of `design` has of its own: errors of its dimensions, the height of its rims, the depth of its bursts.
+    fn of_samples(&self, design: &Pattern, still: &[f64]) -> Result<Vec<Part>, ModelFailure> {
+        let mut parts = Vec::new();
+        let part = |name: &'static str, known_to: String, by_m: [f64; DIMENSIONS], log_ratio: Vec<f64>| Part {
+            name,
+            known_to,
+            effect: Effect::OfSample(shift(design, &by_m, log_ratio)),
+        };
+        let made_to = |std_m: f64| format!("made to {} um", tidy(LENGTH_UM.from_si(std_m)));
+        for (name, by_m) in of_dimensions(&self.tolerances) {
+            let own_m = by_m.iter().copied().find(|by_m| *by_m != 0.0).unwrap_or(0.0);
+            parts.push(part(name, made_to(own_m), by_m, self.by_lengths(design, &by_m)?));
+        }
+        let per = |step: &Answers, std: f64| -> Vec<f64> {
+            let each = step.above.ratio.iter().zip(&step.below.ratio).zip(still);
+            each.map(|((above, below), own)| std * (above - below) / (step.step * own)).collect()
+        };
+        if self.uncertainty.rim().is_some() {
+            let std_m = self.tolerances.rim_height_std_m;
+            let laid = self.still.lay(design)?;
+            let at = |by_m: f64| self.still.answer_made(&with_rim_off(design, by_m), &laid);
+            // Upwards alone where the rims are lower than that.
+            let below_m = if design.rim_height_m() < std_m { 0.0 } else { -std_m };
+            let log = per(&Answers { above: at(std_m)?, below: at(below_m)?, step: std_m - below_m }, std_m);
+            parts.push(part("rim height", made_to(std_m), [0.0; DIMENSIONS], log));
+        }
+        if let Some(place) = self.burst {
+            let std = self.uncertainty.std(place);
+            let by_m = std::array::from_fn(|axis| if axis == DEPTH { std * design.depth_m() } else { 0.0 });
+            parts.push(part("depth per burst", percent(std), by_m, self.by_lengths(design, &by_m)?));
+        }
+        Ok(parts)
+    }
+
+    /// Change of ln R of `design` by one standard deviation `by_m` of its lengths.
+    fn by_lengths(&self, design: &Pattern, by_m: &[f64; DIMENSIONS]) -> Result<Vec<f64>, ModelFailure> {
+        let laid = self.still.lay(design)?;
+        let lengths_m = design.lengths_m();
+        // Not so far that a length vanishes.
+        let widest = lengths_m.iter().zip(by_m).map(|(own, by)| WIDEST_SHARE * own / by.abs()).fold(1.0, f64::min);
+        let at = |side: f64| {
+            let [width_m, spacing_m, depth_m] =
+                std::array::from_fn(|axis| lengths_m[axis] + side * widest * by_m[axis]);
+            let made = Pattern::new(*design.texture(), width_m, spacing_m, depth_m);
+            let made = made.map_err(|error| ModelFailure::Trial { reason: error.to_string() })?;
+            Ok(self.still.answer_made(&made, &laid)?.ratio)
+        };
+        let log = |above: &[f64], below: &[f64], sides: f64| -> Vec<f64> {
+            above.iter().zip(below).map(|(above, below)| (above / below).ln() / (sides * widest)).collect()
+        };
+        match rayon::join(|| at(1.0), || at(-1.0)) {
+            (Ok(above), Ok(below)) => Ok(log(&above, &below, 2.0)),
+            // One-sided beside designs that cannot be computed.
+            (Ok(above), Err(ModelFailure::Trial { .. })) => Ok(log(&above, &at(0.0)?, 1.0)),
+            (Err(ModelFailure::Trial { .. }), Ok(below)) => Ok(log(&at(0.0)?, &below, 1.0)),
+            (Err(failure), _) | (_, Err(failure)) => Err(failure),
+        }
+    }
+}
+
+/// What Young's modulus is called.
+pub const MODULUS: &str = "Young's modulus";
+
+struct Answers {
+    above: Answer,
+    below: Answer,
+    step: f64,
+}
+
+/// Independent errors of the lengths by one standard deviation each, in metres, with the length that each is called after.
+pub fn of_dimensions(tolerances: &Tolerances) -> Vec<(&'static str, [f64; DIMENSIONS])> {
+    let name = |by_m: &[f64; DIMENSIONS]| {
+        by_m.iter().position(|by_m| *by_m != 0.0).map_or("", |axis| ["width", "spacing", "depth"][axis])
+    };
+    tolerances.independent_m().into_iter().map(|by_m| (name(&by_m), by_m)).collect()
+}
+
+/// The error of a sample of `design` whose lengths are off by `by_m`, which changes ln R by `log_ratio`.
+pub fn shift(design: &Pattern, by_m: &[f64; DIMENSIONS], log_ratio: Vec<f64>) -> DimensionShift {
+    let [above, below] = [1.0, -1.0].map(|side| Features::from(&made(design, by_m, side)));
+    DimensionShift { log_ratio, above, below: Some(below) }
+}
+
+/// `design` with its lengths off by `side` times `by_m`, at most by nine tenths of each.
+pub fn made(design: &Pattern, by_m: &[f64; DIMENSIONS], side: f64) -> Pattern {
+    let lengths_m = design.lengths_m();
+    let [width_m, spacing_m, depth_m] =
+        std::array::from_fn(|axis| (lengths_m[axis] + side * by_m[axis]).max(0.1 * lengths_m[axis]));
+    Pattern::new(*design.texture(), width_m, spacing_m, depth_m).unwrap_or(*design)
+}
+
+/// Standard deviation of a number in blocks of l that differs by `difference` from the same in blocks of l/2: half of its distance
+/// to that of vanishing blocks, if the order of convergence is one half.
+fn block_std(difference: f64) -> f64 {
+    // |r_l - r_(l/2)| (1 + 1 / (2^(1/2) - 1)), as two standard deviations
+    0.5 * difference.abs() * (1.0 + 1.0 / (std::f64::consts::SQRT_2 - 1.0))
+}
+
+/// Blocks along the diagonal.
+fn diagonal(blocks: &[Covariance]) -> Covariance {
+    let count = blocks.iter().map(Vec::len).sum();
+    let mut all = vec![vec![0.0; count]; count];
+    let mut first = 0;
+    for block in blocks {
+        for (row, entries) in block.iter().enumerate() {
+            all[first + row][first..first + block.len()].copy_from_slice(entries);
+        }
+        first += block.len();
+    }
+    all
+}
+
+/// Root mean square of the standard deviations on the diagonal.
+fn rms(covariance: &[Vec<f64>]) -> f64 {
+    let sum: f64 = covariance.iter().enumerate().map(|(place, row)| row[place]).sum();
+    (sum / covariance.len().max(1) as f64).sqrt()
+}
+
+/// A relative standard deviation in words.
+pub fn percent(std: f64) -> String {
+    let percent = 100.0 * std;
+    if percent < 9.95 { format!("known to {percent:.1} %") } else { format!("known to {percent:.0} %") }
+}
+
+/// `model` in blocks half as large; `None` in space, where they are dear.
+fn fine<'a>(model: &SteadyModel<'a>) -> Result<Option<SteadyModel<'a>>, DesignError> {
+    let change = |scene: &Scene| {
+        let mut fine = scene.clone();
+        fine.layer.block_m *= 0.5;
+        Ok::<_, DesignError>(fine)
+    };
+    if model.is_cheap_per_design() { model.beside(change).map(Some) } else { Ok(None) }
+}

@@ -1,0 +1,235 @@
+//! The samples to cut next, as JSON and in words.
+
+use serde::{Deserialize, Serialize};
+use slipgrid_discrepancy::{Load, Prediction};
+use slipgrid_results::{MaterialReport, SYNTHETIC_SURFACE, SpecimenReport, Table};
+use slipgrid_units::{HUMIDITY_PCT, PRESSURE_MPA, SPEED_MM_S, tidy};
+
+use slipgrid_export::{Laser, MEASURE_EACH_ALONE, Outline, Sector, Tolerances};
+
+use crate::prediction::{SampleReport, percent};
+use crate::search::ALIKE;
+
+/// The samples to cut next.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct NextReport {
+    /// The program.
+    pub program: String,
+    /// Its version.
+    pub version: String,
+    /// Version of the record's fields.
+    pub schema: u32,
+    /// Name of the design.
+    pub name: String,
+    /// Trials that were measured, and that are pending.
+    pub trials: usize,
+    /// Samples that were cut and are not measured yet.
+    pub pending: usize,
+    /// Designs that were compared.
+    pub compared: usize,
+    /// What to do: `series`, `trial`, `trial_meets_it`, `cannot_be_met` or `do_not_texture`.
+    pub advice: String,
+    /// The same in one sentence.
+    pub words: String,
+    /// The samples to cut.
+    pub samples: Vec<SampleReport>,
+    /// Chance that one of them, or of the pending ones, is on target.
+    pub one_on_target: f64,
+    /// The one specimen on which they are sectors, where that was asked for.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub one_disc: Option<OneDiscReport>,
+    /// Other samples, the greatest chance first.
+    pub others: Vec<SampleReport>,
+    /// Those that were asked for.
+    pub own: Vec<SampleReport>,
+    /// What the laser will not cut as it is designed, each with the number of the sample that it is about.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub warnings: Vec<String>,
+    /// Which of the target's pressures lie outside those at which friction was measured, in words.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub beyond_measured: Option<String>,
+    /// The material and where it came from.
+    pub material: MaterialReport,
+    /// The specimen.
+    pub specimen: SpecimenReport,
+    /// The laser.
+    pub laser: Laser,
+    /// How exactly samples are assumed to be cut; absent where the design file does not say.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub tolerances: Option<Tolerances>,
+    /// Seed of the design.
+    pub seed: u64,
+}
+
+/// The one specimen on which the samples are sectors.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct OneDiscReport {
+    /// Its name: what `disc` of its trials says.
+    pub name: String,
+    /// Width of the untextured lands between the sectors.
+    pub land_mm: f64,
+    /// Area of the smallest sector without its lands.
+    pub area_mm2: f64,
+    /// Diameter of the largest circle on the smallest sector: a pin or a counter-body has to be smaller.
+    pub circle_mm: f64,
+    /// What sectors are good for, and what not.
+    pub measuring: String,
+    /// The sectors, in the order of the samples.
+    pub sectors: Vec<SectorReport>,
+}
+
+/// What is said of the sectors of a rectangle.
+const OF_A_RECTANGLE: &str = "the specimen is a rectangle: its sectors meet in its middle at equal angles, differ in area, and their textures all \
+                              lie as that of a whole specimen";
+
+/// A sample as a sector.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SectorReport {
+    /// Direction of its middle on the specimen, anticlockwise from x.
+    pub middle_deg: f64,
+    /// By how much its texture is turned with it.
+    pub turn_deg: f64,
+    /// Share of the sector that is cavity, as cut.
+    pub areal_density: f64,
+}
+
+impl OneDiscReport {
+    /// What is said of `sectors`; `None` without any.
+    pub(super) fn of(name: String, sectors: &[Sector]) -> Option<Self> {
+        let division = sectors.first()?.division();
+        let areas_mm2 = sectors.iter().map(|sector| 1e6 * division.area_m2(sector.number()));
+        let sector = |of: &Sector| SectorReport {
+            middle_deg: tidy(division.middle_deg(of.number())),
+            turn_deg: tidy(division.turn_deg(of.number())),
+            areal_density: tidy(of.areal_density()),
+        };
+        Some(Self {
+            name,
+            land_mm: tidy(1e3 * division.land_m()),
+            area_mm2: tidy(areas_mm2.fold(f64::INFINITY, f64::min)),
+            circle_mm: tidy(1e3 * division.least_circle_m()),
+            measuring: match division.specimen().outline {
+                Outline::Rectangle { .. } => format!("{MEASURE_EACH_ALONE}; {OF_A_RECTANGLE}"),
+                _ => MEASURE_EACH_ALONE.to_owned(),
+            },
+            sectors: sectors.iter().map(sector).collect(),
+        })
+    }
+
+    fn text(&self) -> String {
+        let densities: Vec<String> =
+            self.sectors.iter().map(|of| format!("{:.2} %", 100.0 * of.areal_density)).collect();
+        format!(
+            "{}: {} sectors of {:.2} mm2 or more with lands of {:.2} mm between them, areal density as cut {}\n\
+             {}; the pin or counter-body has to be smaller than {:.2} mm\n",
+            self.name,
+            self.sectors.len(),
+            self.area_mm2,
+            self.land_mm,
+            densities.join(", "),
+            self.measuring,
+            self.circle_mm
+        )
+    }
+}
+
+/// What the model and trials say of a sample's ratio at one load.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct RatioPrediction {
+    /// Nominal pressure.
+    pub pressure_mpa: f64,
+    /// Speed.
+    pub speed_mm_s: f64,
+    /// Relative humidity.
+    pub humidity_pct: f64,
+    /// By the model alone.
+    pub modelled: f64,
+    /// Median, with what trials say.
+    pub ratio: f64,
+    /// Ends of the interval of 95 % of samples.
+    pub interval_95: [f64; 2],
+}
+
+impl RatioPrediction {
+    /// What `prediction` says at its load number `row`, which is `at`, of a sample whose ratio is `modelled` there.
+    #[must_use]
+    pub fn new(at: &Load, modelled: f64, prediction: &Prediction, row: usize) -> Self {
+        let quantile = |p: f64| tidy(modelled * prediction.quantile(row, p).exp());
+        Self {
+            pressure_mpa: tidy(PRESSURE_MPA.from_si(at.pressure_pa)),
+            speed_mm_s: tidy(SPEED_MM_S.from_si(at.speed_m_s)),
+            humidity_pct: tidy(HUMIDITY_PCT.from_si(at.humidity)),
+            modelled: tidy(modelled),
+            ratio: quantile(0.5),
+            interval_95: [quantile(0.025), quantile(0.975)],
+        }
+    }
+}
+
+impl NextReport {
+    /// Everything that is listed, in its order: the samples to cut, those that were asked for, and the others, each with its name.
+    #[must_use]
+    pub fn rows(&self) -> Vec<(String, &SampleReport)> {
+        let numbered =
+            |place: usize| if self.samples.len() == 1 { "next".to_owned() } else { format!("next {}", place + 1) };
+        let next = self.samples.iter().enumerate().map(|(place, of)| (numbered(place), of));
+        let own = self.own.iter().map(|of| ("yours".to_owned(), of));
+        let others = self.others.iter().map(|of| ("also".to_owned(), of));
+        next.chain(own).chain(others).collect()
+    }
+
+    /// The likeliest of those that were asked for, where it is clearly likelier than all that were found.
+    #[must_use]
+    pub fn likelier_own(&self) -> Option<&SampleReport> {
+        let found = self.samples.iter().chain(&self.others).filter_map(|of| of.chance).fold(0.0, f64::max);
+        let own = self.own.iter().reduce(|best, next| if next.chance > best.chance { next } else { best })?;
+        (own.chance? > found + ALIKE).then_some(own)
+    }
+
+    /// What makes the samples doubtful, one sentence each: the lines that the text marks with `!`.
+    #[must_use]
+    pub fn doubts(&self) -> Vec<String> {
+        self.material_doubts().chain(self.laser_doubts()).collect()
+    }
+
+    fn material_doubts(&self) -> impl Iterator<Item = String> {
+        self.beyond_measured.clone().into_iter().chain(self.material.doubts())
+    }
+
+    fn laser_doubts(&self) -> impl Iterator<Item = String> {
+        self.warnings.iter().map(|warning| format!("laser: {warning}"))
+    }
+
+    /// The samples in words.
+    #[must_use]
+    pub fn text(&self) -> String {
+        let plural = |count: usize, what: &str| format!("{count} {what}{}", if count == 1 { "" } else { "s" });
+        let mut text = format!(
+            "{}: {}\n  {} measured, {} pending; {} compared\n",
+            self.name,
+            self.words,
+            plural(self.trials, "trial"),
+            self.pending,
+            plural(self.compared, "design"),
+        );
+        self.material_doubts().for_each(|doubt| text += &format!("! {doubt}\n"));
+        if self.material.synthetic_surface {
+            text += &format!("{SYNTHETIC_SURFACE}\n");
+        }
+        if let Some(own) = self.likelier_own() {
+            let chance = percent(own.chance.unwrap_or(0.0));
+            text += &format!("yours, {} um, is likelier: {chance}\n", own.design.lengths_in_words());
+        }
+        if self.samples.len() > 1 || self.pending > 0 {
+            text += &format!("{} chance that one of those cut is on target\n", percent(self.one_on_target));
+        }
+        let mut table = Table::new(SampleReport::COLUMNS);
+        for (name, of) in self.rows() {
+            table.row(of.row(&name));
+        }
+        text += &table.to_string();
+        text += "tells bits: how much measuring this sample would tell about the form of the discrepancy, in bits\n";
+        self.laser_doubts().for_each(|doubt| text += &format!("! {doubt}\n"));
+        text + &self.one_disc.as_ref().map_or_else(String::new, OneDiscReport::text)
+    }
+}

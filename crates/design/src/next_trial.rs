@@ -1,0 +1,240 @@
+//! The samples to cut next: those likeliest to be on target by the model and by what trials say that it lacks.
+
+use rayon::prelude::*;
+use slipgrid_discrepancy::{Features, Scenarios};
+use slipgrid_export::{Division, LEAST_PERIODS, Outline, Sector};
+use slipgrid_monitor::Monitor;
+use slipgrid_pattern::Pattern;
+use slipgrid_results::{MaterialReport, VERSION};
+use slipgrid_units::tidy;
+
+use crate::DesignError;
+use crate::advice::Advice;
+use crate::band::Asked;
+use crate::design_report::SCHEMA;
+use crate::job::seconds;
+use crate::next_report::{NextReport, OneDiscReport};
+use crate::prediction::{Prediction, SampleReport};
+use crate::prepared_task::PreparedTask;
+use crate::search::{Search, is_same};
+use crate::session::with_table;
+use crate::task::DesignTask;
+use crate::time_budget::TimeBudget;
+use crate::timings::Timings;
+
+/// Designs that a report lists.
+const LISTED: usize = 6;
+/// Truths in which several samples are judged together.
+const SCENARIOS: usize = 2000;
+/// Seed of what one disc is off by in them.
+const DISC_SEED: u64 = 2;
+
+/// What is asked.
+#[derive(Clone, Debug, Default)]
+pub struct NextOptions {
+    /// Samples to cut at once.
+    pub count: usize,
+    /// Patterns that were cut and are not measured yet.
+    pub pending: Vec<Pattern>,
+    /// Patterns whose chance is asked for.
+    pub own: Vec<Pattern>,
+    /// The samples are to be sectors of one specimen.
+    pub one_disc: bool,
+    /// Names of the specimens that were cut into sectors already; those of measured trials are known without them.
+    pub discs: Vec<String>,
+}
+
+/// The samples to cut next, as a report and as patterns.
+#[derive(Clone, Debug)]
+pub struct NextTrials {
+    /// The report.
+    pub report: NextReport,
+    /// Its samples.
+    pub patterns: Vec<Pattern>,
+    /// The same as sectors of one specimen, where that was asked for.
+    pub sectors: Vec<Sector>,
+    /// The material and where it came from.
+    pub material: MaterialReport,
+}
+
+/// The samples of `task` to cut next. Stages of the monitor: "table", "search".
+///
+/// # Errors
+/// [`DesignError`] for a task that is refused, that the monitor cancels, or of which nothing can be computed.
+pub fn next_trials(task: &DesignTask, options: &NextOptions, monitor: &dyn Monitor) -> Result<NextTrials, DesignError> {
+    let prepared = &PreparedTask::new(task)?;
+    let task = &prepared.task;
+    if !task.target.has_demands() && options.count > 1 {
+        let reason = "demands nothing that one of several samples could meet: expected one sample at a time";
+        return Err(DesignError::refused(reason));
+    }
+    let division = options.one_disc.then(|| Division::new(task.specimen, options.count)).transpose();
+    let division = division.map_err(|error| DesignError::refused(error.to_string()))?;
+    let budget = TimeBudget::new(monitor, None);
+    let timings = &mut Timings::default();
+    let (mut report, patterns) =
+        with_table(prepared, division.as_ref(), None, (budget, monitor), timings, |search, _| {
+            choose(prepared, search, options, division.as_ref())
+        })?;
+    let sectors = match &division {
+        Some(division) => division.lay(&patterns).map_err(|error| DesignError::refused(error.to_string()))?,
+        None => Vec::new(),
+    };
+    let learned = prepared.uncertainty.learned.iter().flat_map(|learned| learned.trials());
+    let cut: Vec<&str> =
+        learned.filter_map(|trial| trial.disc.as_deref()).chain(options.discs.iter().map(String::as_str)).collect();
+    report.one_disc = OneDiscReport::of(new_name(&report.name, task, &cut), &sectors);
+    // Those that were asked for are numbered after the samples, as they are listed.
+    report.warnings = laser_warnings(task, patterns.iter().chain(&options.own));
+    let material = report.material.clone();
+    Ok(NextTrials { report, patterns, sectors, material })
+}
+
+/// A name for a specimen of `design` that none of those `cut` has.
+fn new_name(design: &str, task: &DesignTask, cut: &[&str]) -> String {
+    let what = if matches!(task.specimen.outline, Outline::Rectangle { .. }) { "rectangle" } else { "disc" };
+    let mut names = (1..).map(|number| format!("{design}, {what} {number}"));
+    names.find(|name| !cut.contains(&name.as_str())).unwrap_or_default()
+}
+
+/// The samples of `search` to cut next, as `options` ask, on sectors of `division` where there is one.
+fn choose(
+    prepared: &PreparedTask,
+    search: &Search<'_>,
+    options: &NextOptions,
+    division: Option<&Division>,
+) -> Result<(NextReport, Vec<Pattern>), DesignError> {
+    let Search { task, asked, .. } = *search;
+    let pending: Vec<Features> = options.pending.iter().map(Features::from).collect();
+    let is_open = |pattern: &Pattern| {
+        let own = Features::from(pattern);
+        !pending.iter().any(|cut| is_same(cut, &own)) && division.is_none_or(|division| division.holds(pattern))
+    };
+    let found = search.best(&is_open, options.count);
+    search.stage.heed()?;
+    let Some(best) = found.solved.first() else {
+        let reason = match division {
+            Some(division) => coarse(division),
+            None => "no design within the bounds can be computed".to_owned(),
+        };
+        return Err(DesignError::Failed(reason));
+    };
+    if division.is_some() && found.solved.len() < options.count {
+        let reason =
+            format!("{} designs that fit on a sector were found: expected as many as sectors", found.solved.len());
+        return Err(DesignError::Failed(reason));
+    }
+    let own = |pattern: &Pattern| {
+        search.stage.heed()?;
+        let refused = |failure| DesignError::refused(format!("the candidate cannot be computed: {failure}"));
+        search.solved(pattern).map(|found| search.as_cut(&found)).map_err(refused)
+    };
+    let own: Vec<Prediction> = options.own.iter().map(own).collect::<Result<_, _>>()?;
+    let pending: Vec<Prediction> = options.pending.iter().filter_map(|pattern| search.solved(pattern).ok()).collect();
+    search.stage.heed()?;
+    let advice = Advice::of(search, best, found.is_within_reach);
+    let listed = search.unlike(&found.solved, options.count, LISTED.max(options.count));
+    let (chosen, together) = several(&listed, &pending, options, asked);
+    // Each as it is cut: the first is already.
+    let chosen: Vec<Prediction> = chosen.into_iter().map(|of| search.as_cut(of)).collect();
+    let modulus_std = prepared.uncertainty.modulus_std(prepared.material.area_law.as_ref()).unwrap_or(0.0);
+    let report = |of: &Prediction| of.report(asked, modulus_std, seconds(task, &of.texture.pattern));
+    let with_limits = |of: &Prediction| SampleReport {
+        limited_by: of.limited_by(asked, &search.predictor, modulus_std),
+        ..report(of)
+    };
+    let is_chosen = |of: &&Prediction| !chosen.iter().any(|own| own.texture.pattern == of.texture.pattern);
+    let next = NextReport {
+        program: "slipgrid".to_owned(),
+        version: VERSION.to_owned(),
+        schema: SCHEMA,
+        name: task.name.clone(),
+        trials: asked.learned.trials().len(),
+        pending: options.pending.len(),
+        compared: found.compared,
+        advice: advice.name().to_owned(),
+        words: advice.words(best.chance(), asked.has_demands(), found.is_within_reach),
+        samples: chosen.iter().map(with_limits).collect(),
+        one_on_target: tidy(together),
+        one_disc: None,
+        others: listed.iter().filter(is_chosen).map(report).collect(),
+        own: own.iter().map(report).collect(),
+        warnings: Vec::new(),
+        beyond_measured: task.beyond_measured(&prepared.material, &prepared.outside),
+        material: MaterialReport::from(&prepared.material.provenance),
+        specimen: (&task.specimen).into(),
+        laser: task.laser,
+        tolerances: task.assumed_tolerances(),
+        seed: task.seed,
+    };
+    Ok((next, chosen.iter().map(|of| of.texture.pattern).collect()))
+}
+
+/// `count` designs of `pool`, the first the best and each further one where those before and those `pending` miss the target, with
+/// the chance that one of them is on it.
+///
+/// Samples on one disc share what differs from disc to disc: they are off together, and further apart from each other are better.
+fn several<'a>(
+    pool: &'a [Prediction],
+    pending: &[Prediction],
+    options: &NextOptions,
+    asked: &Asked,
+) -> (Vec<&'a Prediction>, f64) {
+    let count = options.count.max(1).min(pool.len());
+    if count == 1 && pending.is_empty() {
+        return (vec![&pool[0]], pool[0].chance());
+    }
+    let scenarios = Scenarios::new(&asked.learned, SCENARIOS, 1);
+    // Each another sample.
+    let on = |scenarios: &Scenarios, (number, of): (usize, &Prediction)| {
+        scenarios.on_target(&of.texture.candidate(), &asked.loads, &asked.wanted, number)
+    };
+    let disc = if options.one_disc { scenarios.clone().on_one_disc(DISC_SEED) } else { scenarios.clone() };
+    let hits: Vec<Vec<bool>> = pool.par_iter().enumerate().map(|of| on(&disc, of)).collect();
+    let mut hit = vec![false; SCENARIOS];
+    let mark = |hit: &mut Vec<bool>, by: &[bool]| hit.iter_mut().zip(by).for_each(|(hit, on)| *hit |= on);
+    (pool.len()..).zip(pending).for_each(|of| mark(&mut hit, &on(&scenarios, of)));
+    let mut of_pending = hit.clone();
+    let mut chosen: Vec<usize> = Vec::new();
+    for _ in 0..count {
+        let gain = |place: &usize| hits[*place].iter().zip(&hit).filter(|(on, hit)| **on && !**hit).count();
+        let open = (0..pool.len()).filter(|place| !chosen.contains(place));
+        // The first of nothing before it is the best by its score; of equal gains the better by that.
+        let best = if chosen.is_empty() && pending.is_empty() {
+            Some(0)
+        } else {
+            open.max_by(|a, b| gain(a).cmp(&gain(b)).then(b.cmp(a)))
+        };
+        let Some(best) = best else { break };
+        mark(&mut hit, &hits[best]);
+        chosen.push(best);
+    }
+    let chosen: Vec<&Prediction> = chosen.into_iter().map(|place| &pool[place]).collect();
+    // Others of the same designs: those that were chosen were lucky in their own draws.
+    let others = (pool.len() + pending.len()..).zip(chosen.iter().copied());
+    others.for_each(|of| mark(&mut of_pending, &on(&disc, of)));
+    let together = of_pending.iter().filter(|hit| **hit).count() as f64 / SCENARIOS as f64;
+    (chosen, together)
+}
+
+/// What the laser of `task` will not cut of `patterns` as they are designed, each with the number of its sample.
+pub fn laser_warnings<'a>(task: &DesignTask, patterns: impl Iterator<Item = &'a Pattern>) -> Vec<String> {
+    let of = |(number, pattern): (usize, &'a Pattern)| {
+        let broken = task.constraints.limits.violations(pattern);
+        let mut warnings: Vec<String> = broken.iter().map(ToString::to_string).collect();
+        warnings.extend(task.laser.check_depth(pattern.depth_m()).err().map(|error| error.to_string()));
+        let layout = task.specimen.layout(*pattern).ok();
+        warnings.extend(layout.into_iter().flat_map(|layout| slipgrid_export::laser_warnings(&layout, &task.laser)));
+        warnings.into_iter().map(move |warning| format!("sample {}: {warning}", number + 1))
+    };
+    patterns.enumerate().flat_map(of).collect()
+}
+
+/// Why no design fits on a sector.
+fn coarse(division: &Division) -> String {
+    format!(
+        "no design within the bounds can be computed whose period fits {LEAST_PERIODS} times on the {:.2} mm wide circle of a sector: \
+         expected fewer sectors, or finer textures within the bounds",
+        1e3 * division.least_circle_m()
+    )
+}

@@ -1,0 +1,287 @@
+//! What is predicted of a cut sample: the one distribution that every chance, interval and share comes from.
+
+use serde::{Deserialize, Serialize};
+use slipgrid_discrepancy::{Prediction as Distribution, Predictor, Score, information};
+use slipgrid_results::PatternReport;
+use slipgrid_units::{HUMIDITY_PCT, PRESSURE_MPA, SPEED_MM_S, tidy};
+
+use crate::as_cut::{CutTexture, Known, sums};
+use crate::band::Asked;
+use crate::inputs::{Effect, MODULUS};
+
+/// Relative error of a measurement, for what a trial would teach.
+const MEASURED_STD: f64 = 0.01;
+/// Chance from which what is demanded beside a goal counts as kept: a sample keeps it more likely than not.
+const KEPT: f64 = 0.5;
+
+/// What is predicted of a cut sample of one texture: the joint distribution of its ratio at all loads and conditions, given everything that is
+/// known of the model, the material, trials, and how samples are made.
+#[derive(Clone, Debug)]
+pub struct Prediction {
+    /// The texture.
+    pub texture: CutTexture,
+    /// ln(true ratio / modelled ratio) at every load: a mixture of normal distributions.
+    distribution: Distribution,
+    score: Score,
+    /// What textures are ranked by.
+    value: f64,
+}
+
+impl Prediction {
+    /// Of `texture`, by what trials say at the loads of `asked`.
+    pub fn new(texture: CutTexture, predictor: &Predictor, asked: &Asked) -> Self {
+        let distribution = predictor.of(&texture.candidate());
+        let score = match texture.known {
+            Known::Interpolated => asked.wanted.rough_score(&distribution, &texture.ratio),
+            Known::Solved | Known::AsCut => asked.wanted.score(&distribution, &texture.ratio),
+        };
+        let mut new = Self { texture, distribution, score, value: 0.0 };
+        new.value = if new.texture.excess > 0.0 {
+            -new.texture.excess
+        } else if asked.goal.is_none() {
+            new.score.value()
+        } else if new.score.chance < KEPT {
+            new.score.chance - 1.0
+        } else {
+            // Greater than any that is likelier to miss.
+            2.0 + asked.goal_gain(&new.medians())
+        };
+        new
+    }
+
+    /// The probability that a cut sample is on target at all loads and conditions at once; 1 where nothing is demanded.
+    pub fn chance(&self) -> f64 {
+        self.score.chance
+    }
+
+    /// What textures are ranked by: the chance and a little of the closeness; of a goal its expected value where demands are kept; below 0 beyond
+    /// limits.
+    pub fn value(&self) -> f64 {
+        self.value
+    }
+
+    /// Whether the median lies within what is accepted at every load.
+    pub fn is_within(&self, asked: &Asked) -> bool {
+        let [lower, upper] = asked.wanted.over(&self.texture.ratio);
+        self.distribution.has_medians_within(&lower, &upper)
+    }
+
+    /// The ratio at `load` below which a share `p` of samples lies.
+    pub fn quantile(&self, load: usize, p: f64) -> f64 {
+        self.texture.ratio[load] * self.distribution.quantile(load, p).exp()
+    }
+
+    /// The same at the first `count` loads.
+    pub fn ratios(&self, count: usize, p: f64) -> Vec<f64> {
+        (0..count).map(|load| self.quantile(load, p)).collect()
+    }
+
+    /// Medians of the ratio at all loads.
+    pub fn medians(&self) -> Vec<f64> {
+        self.texture.ratio.iter().zip(self.distribution.medians()).map(|(ratio, median)| ratio * median.exp()).collect()
+    }
+
+    /// Standard deviations of ln R at all loads.
+    pub fn log_stds(&self) -> Vec<f64> {
+        (0..self.texture.ratio.len()).map(|load| self.distribution.moments(load).1).collect()
+    }
+
+    /// How much measuring a sample would tell about the form of the discrepancy, in bits.
+    pub fn information_bits(&self) -> f64 {
+        information(&self.distribution, MEASURED_STD) / std::f64::consts::LN_2
+    }
+
+    /// What is predicted of a sample in the quantity of the target, one a load.
+    pub fn expected(&self, asked: &Asked) -> Vec<Expected> {
+        let of = |(load, band): (usize, &crate::band::Band)| {
+            let quantile = |p: f64| tidy(band.flat * self.quantile(load, p));
+            let [target_low, target_high] = band.accepted.map(|end| end.map(tidy));
+            Expected {
+                pressure_mpa: tidy(PRESSURE_MPA.from_si(band.load.pressure_pa)),
+                speed_mm_s: tidy(SPEED_MM_S.from_si(band.load.speed_m_s)),
+                humidity_pct: tidy(HUMIDITY_PCT.from_si(band.load.humidity)),
+                sliding_angle_deg: band.sliding_angle_deg,
+                median: quantile(0.5),
+                low_95: quantile(0.025),
+                high_95: quantile(0.975),
+                target_low,
+                target_high,
+            }
+        };
+        asked.bands.iter().enumerate().map(of).collect()
+    }
+
+    /// What the model alone says, one a load, with the standard deviation that its material and its numbers leave.
+    pub fn modelled(&self, asked: &Asked, modulus_std: f64) -> Vec<ModelledRatio> {
+        let n = self.texture.ratio.len();
+        let of = |(load, ratio): (usize, &f64)| {
+            let own = self.texture.covariance.get(load * n + load).copied().unwrap_or(0.0);
+            let of_modulus = self.texture.sensitivity.get(load).map_or(0.0, |slope| slope * modulus_std);
+            let pressure_mpa = tidy(PRESSURE_MPA.from_si(asked.loads[load].pressure_pa));
+            ModelledRatio {
+                pressure_mpa,
+                ratio: tidy(*ratio),
+                std: tidy(ratio * own.max(0.0).sqrt().hypot(of_modulus)),
+            }
+        };
+        self.texture.ratio.iter().enumerate().map(of).collect()
+    }
+
+    /// What limits the chance, the input first without which it would be greatest: of each the standard deviation that it gives the ratio, and
+    /// the chance if it were known exactly to be what is taken now.
+    pub fn limited_by(&self, asked: &Asked, predictor: &Predictor, modulus_std: f64) -> Vec<LimitedBy> {
+        let n = self.texture.ratio.len();
+        let medians = self.medians();
+        let ratio_std = |log: &dyn Fn(usize) -> f64| (0..n).map(|load| tidy(medians[load] * log(load))).collect();
+        let chance_of = |distribution: &Distribution| asked.wanted.score(distribution, &self.texture.ratio).chance;
+        let mut all = Vec::new();
+        let mut add = |input: &str, known_to: String, std: Vec<f64>, distribution: &Distribution| {
+            let chance_if_known = tidy(chance_of(distribution).max(self.score.chance));
+            all.push(LimitedBy { input: input.to_owned(), known_to, std, chance_if_known });
+        };
+        let trials = match asked.learned.trials().len() {
+            0 => "as it is believed before any trial".to_owned(),
+            1 => "known by one trial".to_owned(),
+            trials => format!("known by {trials} trials"),
+        };
+        let known = self.distribution.with_form_known();
+        let of_form = |load: usize| {
+            let [all, rest] = [&self.distribution, &known].map(|of| of.moments(load).1);
+            (all * all - rest * rest).max(0.0).sqrt()
+        };
+        add("what the model lacks", trials, ratio_std(&of_form), &known);
+        if modulus_std > 0.0 {
+            // Where a texture is chosen for a slope of none, what scatters is the second order.
+            let second = self.texture.parts.iter().position(|part| part.name == MODULUS);
+            let (covariance, dimension_shifts) = sums(&self.texture.parts, second);
+            let still = CutTexture { sensitivity: vec![0.0; n], covariance, dimension_shifts, ..self.texture.clone() };
+            let of_modulus = |load: usize| {
+                let curved = match second.map(|place| &self.texture.parts[place].effect) {
+                    Some(Effect::Shared(own)) => own[load * n + load].max(0.0).sqrt(),
+                    _ => 0.0,
+                };
+                (self.texture.sensitivity[load] * modulus_std).hypot(curved)
+            };
+            let known_to = crate::inputs::percent(modulus_std);
+            add(MODULUS, known_to, ratio_std(&of_modulus), &predictor.of(&still.candidate()));
+        }
+        for (place, part) in self.texture.parts.iter().enumerate() {
+            let (covariance, dimension_shifts) = sums(&self.texture.parts, Some(place));
+            let still = CutTexture { covariance, dimension_shifts, ..self.texture.clone() };
+            let std = match &part.effect {
+                Effect::Shared(own) => ratio_std(&|load| own[load * n + load].max(0.0).sqrt()),
+                Effect::OfSample(shift) => ratio_std(&|load| shift.log_ratio[load].abs()),
+            };
+            // Its first and second order are one input.
+            if part.name != MODULUS {
+                add(part.name, part.known_to.clone(), std, &predictor.of(&still.candidate()));
+            }
+        }
+        // Of equal ones that which scatters the ratio most.
+        let most = |of: &LimitedBy| of.std.iter().copied().fold(0.0, f64::max);
+        all.sort_by(|a, b| b.chance_if_known.total_cmp(&a.chance_if_known).then(most(b).total_cmp(&most(a))));
+        all
+    }
+
+    /// The sample as it is reported; `laser_s` are seconds under the laser.
+    pub fn report(&self, asked: &Asked, modulus_std: f64, laser_s: Option<f64>) -> SampleReport {
+        SampleReport {
+            design: PatternReport::from(&self.texture.pattern),
+            chance: asked.has_demands().then(|| tidy(self.chance())),
+            expected: self.expected(asked),
+            modelled: self.modelled(asked, modulus_std),
+            limited_by: Vec::new(),
+            information_bits: tidy(self.information_bits()),
+            laser_s: laser_s.map(tidy),
+            is_as_cut: self.texture.known == Known::AsCut,
+        }
+    }
+}
+
+/// A sample that could be cut, with what is predicted of it: what `optimize` and `next` say of each, by the same names.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct SampleReport {
+    /// Its texture.
+    pub design: PatternReport,
+    /// The probability that a cut sample is on target at all loads and conditions at once; null where nothing is demanded.
+    pub chance: Option<f64>,
+    /// What is predicted of a sample, one a load of each condition, in the quantity of the target.
+    pub expected: Vec<Expected>,
+    /// What the model alone says there.
+    pub modelled: Vec<ModelledRatio>,
+    /// What limits the chance, the greatest limit first; empty where it was not asked for.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub limited_by: Vec<LimitedBy>,
+    /// How much measuring it would tell about the form of the discrepancy, in bits.
+    pub information_bits: f64,
+    /// Time under the laser; null where the laser's speed is not given.
+    pub laser_s: Option<f64>,
+    /// Ends, tilt and, in the plane, time are its own; otherwise interpolated between textures.
+    pub is_as_cut: bool,
+}
+
+/// What is predicted of a cut sample at one load, in the quantity of the target, and what is accepted there.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Expected {
+    /// Nominal pressure.
+    pub pressure_mpa: f64,
+    /// Speed.
+    pub speed_mm_s: f64,
+    /// Relative humidity.
+    pub humidity_pct: f64,
+    /// Sliding direction, from the specimen's x axis; absent where there is one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sliding_angle_deg: Option<f64>,
+    /// Half of all samples lie below.
+    pub median: f64,
+    /// 2.5 % of all samples lie below.
+    pub low_95: f64,
+    /// 2.5 % of all samples lie above.
+    pub high_95: f64,
+    /// Lowest accepted value; null where there is none.
+    pub target_low: Option<f64>,
+    /// Highest.
+    pub target_high: Option<f64>,
+}
+
+impl Expected {
+    /// Whether half of all samples or more lie on the accepted side of each end.
+    #[must_use]
+    pub fn is_within(&self) -> bool {
+        self.target_low.is_none_or(|low| self.median >= low) && self.target_high.is_none_or(|high| self.median <= high)
+    }
+}
+
+/// What the model alone says of a texture as it is cut, at one load.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct ModelledRatio {
+    /// Nominal pressure.
+    pub pressure_mpa: f64,
+    /// Dynamic friction over that of the flat surface.
+    pub ratio: f64,
+    /// Standard deviation by what is not known of the material and by the numbers alone.
+    pub std: f64,
+}
+
+/// Something that is not known exactly.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct LimitedBy {
+    /// The input, in words.
+    pub input: String,
+    /// How well it is known, in words.
+    pub known_to: String,
+    /// Standard deviation of the ratio by it alone, one a load.
+    pub std: Vec<f64>,
+    /// The chance if it were known exactly.
+    pub chance_if_known: f64,
+}
+
+/// A chance in per cent, as one says it.
+#[must_use]
+pub fn percent(chance: f64) -> String {
+    match 100.0 * chance {
+        percent if percent < 0.5 => "less than 1 %".to_owned(),
+        percent if percent > 99.5 => "more than 99 %".to_owned(),
+        percent => format!("{percent:.0} %"),
+    }
+}

@@ -1,0 +1,91 @@
+//! What `optimize` and `next` have in common: the table of the bounds and the search in it.
+
+use slipgrid_export::Division;
+use slipgrid_monitor::Monitor;
+use slipgrid_springblock::{Fidelity, Load, RunOptions};
+
+use crate::DesignError;
+use crate::as_cut::BeyondCells;
+use crate::band::Asked;
+use crate::cache_key::cache_key;
+use crate::constraint_quantities::Limited;
+use crate::cost_estimate::announce;
+use crate::evaluation_cache::{EvaluationCache, Evaluations};
+use crate::inputs::Inputs;
+use crate::prepared_task::PreparedTask;
+use crate::search::Search;
+use crate::steady_model::SteadyModel;
+use crate::table::{Models, Table};
+use crate::time_budget::{SEARCH_SHARE, TimeBudget};
+use crate::timings::Timings;
+
+/// What is told of a table that time did not suffice for.
+const NO_TABLE: &str = "the seconds allowed were spent before the designs within the bounds were known";
+
+/// Tabulates the bounds of `prepared` and lets `then` search in the table; on sectors of `division` where there is one. Answers of the
+/// model are kept in `cache` where one is given.
+///
+/// # Errors
+/// [`DesignError`] for a task that is refused or that the monitor cancels, where no design can be computed, and those of `then`.
+pub fn with_table<T>(
+    prepared: &PreparedTask,
+    division: Option<&Division>,
+    cache: Option<&mut dyn EvaluationCache>,
+    (budget, monitor): (TimeBudget<'_>, &dyn Monitor),
+    timings: &mut Timings,
+    then: impl FnOnce(&Search<'_>, &mut Timings) -> Result<T, DesignError>,
+) -> Result<T, DesignError> {
+    let PreparedTask { task, material, uncertainty, loads, further, .. } = prepared;
+    let began_s = monitor.seconds();
+    let run = RunOptions { fidelity: Fidelity::Steady, dimensions: task.dimensions, ..RunOptions::default() };
+    let scene = task.flat_scene(material, loads.clone(), run);
+    let elsewhere: Vec<&[Load]> = further.iter().map(|at| &at.loads[..]).collect();
+    let model = SteadyModel::new(&scene, &elsewhere, &task.directions.different_deg, &task.space);
+    let model = model.watched_by(monitor);
+    // A sector is a trial of an endless pattern: what presses on it has no rim of its own.
+    let mut model = if division.is_none() { model.on(task.specimen) } else { model };
+    announce(prepared, &model, cache.is_some(), monitor)?;
+    if let Some(cache) = cache {
+        let place = cache.place();
+        let key = cache_key(model.asked(), task.space.texture(), &task.directions.different_deg);
+        let (evaluations, known) = Evaluations::cached(cache, &key, model.asked().loads.len())?;
+        if known > 0 {
+            monitor.note(&format!("took over {known} answers from {place}"));
+        }
+        model.keep(evaluations);
+    }
+    let limited = Limited::of(task);
+    let asked = Asked::new(task, uncertainty, further, &model)?;
+    let models = Models::new(&model, uncertainty)?;
+    let inputs = Inputs::new(task, uncertainty, &model, further)?;
+    let face = Some(task.specimen).filter(|_| division.is_none());
+    let beyond = BeyondCells { model: &model, face, count: asked.count, seed: task.seed };
+
+    let before_s = monitor.seconds() - began_s;
+    let stage = budget.stage_of_share("table", SEARCH_SHARE);
+    let table = Table::new(task, &models, &beyond, &stage);
+    let is_out_of_time = stage.is_out_of_time();
+    timings.table = before_s + stage.finish();
+    monitor.heed()?;
+    let table = match table {
+        Some(table) => table,
+        None if is_out_of_time => return Err(DesignError::OutOfTime(NO_TABLE.to_owned())),
+        None => return Err(DesignError::Failed("no design within the bounds can be computed".to_owned())),
+    };
+    let searching_s = monitor.seconds();
+    let stage = budget.stage_of_share("search", SEARCH_SHARE);
+    let search = Search {
+        prepared,
+        task,
+        predictor: asked.learned.at(&asked.loads),
+        asked: &asked,
+        models: &models,
+        beyond: &beyond,
+        table: &table,
+        inputs: &inputs,
+        limited: &limited,
+        stage: &stage,
+    };
+    timings.search = monitor.seconds() - searching_s;
+    then(&search, timings)
+}

@@ -1,0 +1,217 @@
+//! From the best of a coarse look to the best of every whole block and burst about it.
+//!
+//! A step goes to the best of the neighbours of a design, `s` blocks and bursts away along one, two or three lengths, while that is
+//! better; then `s` is halved. Costs: 26 designs a step at most, those known before aside.
+
+use std::collections::BTreeMap;
+
+use rayon::prelude::*;
+use slipgrid_monitor::Monitor;
+use slipgrid_pattern::Pattern;
+
+use crate::lattice_table::axes;
+use crate::task::DesignTask;
+
+/// Steps in blocks and bursts, the longest first.
+const STEPS: [usize; 3] = [4, 2, 1];
+
+/// A place on the lattice: whole steps of width, spacing and depth.
+pub type Place = [usize; 3];
+
+/// All designs of whole blocks and bursts within the bounds.
+pub struct Steps<'a> {
+    task: &'a DesignTask,
+    axes: [Vec<f64>; 3],
+}
+
+impl<'a> Steps<'a> {
+    /// Those of `task`.
+    pub fn new(task: &'a DesignTask) -> Self {
+        Self { task, axes: axes(task).0 }
+    }
+
+    /// About `most` of the designs that the laser can cut, spread over all bounds.
+    pub fn spread(&self, most: usize) -> Vec<Pattern> {
+        let [widths, spacings, depths] = [0, 1, 2].map(|axis: usize| self.axes[axis].len());
+        let all = widths.saturating_mul(spacings).saturating_mul(depths);
+        let least = all.div_ceil(most).max(1);
+        // A stride that has no divisor with an axis in common spreads what is left out.
+        let is_apart = |stride: &usize| common_divisor(*stride, spacings) == 1 && common_divisor(*stride, depths) == 1;
+        let stride = (least..).find(is_apart).unwrap_or(least);
+        let place = |number: usize| [number / (spacings * depths), number / depths % spacings, number % depths];
+        (0..all).step_by(stride).filter_map(|number| self.design(place(number))).collect()
+    }
+
+    /// The place of `design`, where it is one of them.
+    pub fn place(&self, design: &Pattern) -> Option<Place> {
+        let lengths_m = design.lengths_m();
+        let along = |axis: usize| self.axes[axis].binary_search_by(|node| node.total_cmp(&lengths_m[axis])).ok();
+        Some([along(0)?, along(1)?, along(2)?])
+    }
+
+    /// The design at `place`, where the laser can cut it.
+    fn design(&self, place: Place) -> Option<Pattern> {
+        let design = self.task.space.pattern(std::array::from_fn(|axis| self.axes[axis][place[axis]])).ok()?;
+        self.task.constraints.limits.violations(&design).is_empty().then_some(design)
+    }
+
+    /// The places `step` away from `place` along some lengths.
+    fn about(&self, place: Place, step: usize) -> Vec<Place> {
+        let mut all = Vec::new();
+        for corner in 0..27_usize {
+            let moved = |axis: usize| -> Option<usize> {
+                match corner / 3_usize.pow(axis as u32) % 3 {
+                    0 => place[axis].checked_sub(step),
+                    1 => Some(place[axis]),
+                    _ => Some(place[axis] + step).filter(|moved| *moved < self.axes[axis].len()),
+                }
+            };
+            if let (Some(width), Some(spacing), Some(depth)) = (moved(0), moved(1), moved(2)) {
+                all.push([width, spacing, depth]);
+            }
+        }
+        all.retain(|other| *other != place);
+        all
+    }
+}
+
+/// The greatest common divisor.
+const fn common_divisor(mut a: usize, mut b: usize) -> usize {
+    while b > 0 {
+        (a, b) = (b, a % b);
+    }
+    a
+}
+
+/// What designs are worth, by their places; `None` where one may not be asked for.
+pub type Values = BTreeMap<Place, Option<f64>>;
+
+/// How far is climbed.
+#[derive(Clone, Copy, Debug)]
+pub struct Climb {
+    /// Longest step.
+    pub step: usize,
+    /// Designs asked for at most.
+    pub most: usize,
+}
+
+/// Which designs may be asked for, and what one is worth.
+pub type Asking<'a> = (&'a (dyn Fn(&Pattern) -> bool + Sync), &'a (dyn Fn(&Pattern) -> Option<f64> + Sync));
+
+/// Climbs from `starts` over designs that are `open`, until none about them is better or the designs allowed are spent, or until `monitor`
+/// cancels. `known` is what is known before. Returns the designs where the climbs ended, each once.
+pub fn climb(
+    steps: &Steps<'_>,
+    starts: &[Place],
+    climb: Climb,
+    mut known: Values,
+    (open, value): Asking<'_>,
+    monitor: &dyn Monitor,
+) -> Vec<Pattern> {
+    let ask = |known: &mut Values, asked: &[Place]| {
+        let one = |place: &Place| {
+            let design = steps.design(*place).filter(|design| !monitor.cancelled() && open(design));
+            design.and_then(|design| value(&design))
+        };
+        let found: Vec<Option<f64>> = asked.par_iter().map(one).collect();
+        known.extend(asked.iter().copied().zip(found));
+    };
+    let mut at: Vec<Place> = starts.to_vec();
+    at.sort_unstable();
+    at.dedup();
+    let unknown: Vec<Place> = at.iter().filter(|place| !known.contains_key(*place)).copied().collect();
+    ask(&mut known, &unknown);
+    let mut left = climb.most;
+    for step in STEPS.into_iter().filter(|step| *step <= climb.step) {
+        let mut moving = at.clone();
+        while !moving.is_empty() && left > 0 && !monitor.cancelled() {
+            let mut asked: Vec<Place> = moving.iter().flat_map(|place| steps.about(*place, step)).collect();
+            asked.sort_unstable();
+            asked.dedup();
+            asked.retain(|place| !known.contains_key(place));
+            asked.truncate(left);
+            left -= asked.len();
+            ask(&mut known, &asked);
+            let of = |place: &Place| known.get(place).copied().flatten();
+            let mut next = Vec::new();
+            for place in &mut at {
+                if !moving.contains(place) {
+                    continue;
+                }
+                let mut best = (*place, of(place).unwrap_or(f64::NEG_INFINITY));
+                // Of equals the first.
+                for other in steps.about(*place, step) {
+                    if let Some(value) = of(&other).filter(|value| *value > best.1) {
+                        best = (other, value);
+                    }
+                }
+                if best.0 != *place {
+                    *place = best.0;
+                    next.push(best.0);
+                }
+            }
+            at.sort_unstable();
+            at.dedup();
+            next.sort_unstable();
+            next.dedup();
+            moving = next;
+        }
+    }
+    at.into_iter().filter_map(|place| steps.design(place)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::tests::task;
+    use slipgrid_monitor::Unwatched;
+    use slipgrid_pattern::Planform;
+
+    #[test]
+    fn a_climb_ends_where_nothing_about_it_is_better() {
+        let task = task(Planform::Groove);
+        let steps = Steps::new(&task);
+        // A ridge across the axes.
+        let value = |design: &Pattern| {
+            let [width, spacing, depth] = design.lengths_m().map(|m| 1e6 * m);
+            -((width - 140.0) / 20.0).powi(2)
+                - ((spacing - 2.0 * width) / 10.0).powi(2)
+                - ((depth - 16.0) / 2.0).powi(2)
+        };
+        let ended = |most: usize| {
+            // The widest and deepest of the narrowest gaps.
+            let start = [steps.axes[0].len() - 1, 1, steps.axes[2].len() - 1];
+            assert_eq!(steps.place(&steps.design(start).unwrap()), Some(start));
+            let asked = std::sync::atomic::AtomicUsize::default();
+            let value = |design: &Pattern| {
+                asked.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
+                Some(value(design))
+            };
+            let climbed = Climb { step: 4, most };
+            let found = climb(&steps, &[start], climbed, Values::new(), (&|_| true, &value), &Unwatched);
+            assert_eq!(found.len(), 1);
+            (found[0], asked.into_inner())
+        };
+        let (design, asked) = ended(1000);
+        assert!((design.width_m() - 140e-6).abs() < 1e-9 && (design.spacing_m() - 280e-6).abs() < 1e-9, "{design:?}");
+        assert!((design.depth_m() - 16e-6).abs() < 1e-9 && asked < 400, "{asked}");
+        assert_eq!(ended(26).1, 27);
+    }
+
+    #[test]
+    fn a_part_of_very_many_designs_reaches_all_bounds() {
+        let mut task = task(Planform::Groove);
+        let um = |bounds: [f64; 2]| bounds.map(|um| um * 1e-6);
+        let [width, spacing] = [um([60.0, 1060.0]), um([100.0, 1100.0])];
+        task.space = slipgrid_optimize::DesignSpace::new(Planform::Groove, width, spacing, um([5.0, 30.0])).unwrap();
+        task.layer.block_m = 1e-6;
+        let found = Steps::new(&task).spread(5000);
+        assert!((2500..=5000).contains(&found.len()), "{}", found.len());
+        for axis in 0..3 {
+            let [low, high] = task.space.lengths_m()[axis];
+            let least = found.iter().map(|of| of.lengths_m()[axis]).fold(f64::INFINITY, f64::min);
+            let most = found.iter().map(|of| of.lengths_m()[axis]).fold(0.0, f64::max);
+            assert!(least < low + 0.05 * (high - low) && most > high - 0.05 * (high - low), "{axis}: {least} {most}");
+        }
+    }
+}

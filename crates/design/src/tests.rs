@@ -1,0 +1,562 @@
+//! Tests of the whole: one prediction, one search, whoever asks.
+
+use slipgrid_calibrate::uncertainty::MaterialUncertainty;
+use slipgrid_discrepancy::{Conditions, Discrepancy, Features, Hyperparameters, Load as At, Measured, Trial};
+use slipgrid_material::{AreaLaw, Elastic, Friction, LocalFriction, Material, Provenance};
+use slipgrid_monitor::{Monitor, Unwatched};
+use slipgrid_optimize::{
+    Bound, Demand, DesignSpace, Goal, Limit, Quantity, Target, TargetPoint, Tolerances, Wanted as Accepted,
+};
+use slipgrid_pattern::{ManufacturingLimits, Pattern, Planform};
+use slipgrid_specimen::simulate_on;
+use slipgrid_springblock::{Extent, Layer, LoadOutcome, RunOptions, Scene, even_speed_m_s};
+use slipgrid_statistics::cholesky::covariance_factor;
+use slipgrid_statistics::{Normals, normal_probability};
+use std::sync::Mutex;
+
+use crate::next_trial::laser_warnings;
+use crate::prepared_task::PreparedTask;
+use crate::search::{Search, is_same};
+use crate::session::with_table;
+use crate::steady_model::SteadyModel;
+use crate::time_budget::TimeBudget;
+use crate::timings::Timings;
+use crate::{ConstraintQuantity, DesignError, DesignTask, KnownMaterial, NextOptions, NoCache, next_trials, run};
+
+pub fn task(planform: Planform) -> DesignTask {
+    let material = Material {
+        elastic: Elastic::new(0.38e9, 900.0).unwrap(),
+        friction: Friction::Single(LocalFriction::new(0.30, 0.27, 0.05).unwrap()),
+        area_law: Some(AreaLaw::new(vec![0.7e6, 10e6], vec![1.0, 0.6]).unwrap()),
+        provenance: Provenance::default(),
+    };
+    let points = [0.65e6, 2.6e6].map(|pressure_pa| TargetPoint { pressure_pa, value: 0.9 });
+    let target = Target::new(Quantity::Ratio, points.to_vec(), 0.02).unwrap();
+    let space = DesignSpace::new(planform, [60e-6, 300e-6], [100e-6, 700e-6], [5e-6, 30e-6]).unwrap();
+    let specimen =
+        slipgrid_export::Specimen { outline: slipgrid_export::Outline::Disc { diameter_m: 10e-3 }, is_clipped: false };
+    let layer = Layer { length_m: 10e-3, height_m: 100e-6, block_m: 20e-6, thickness_m: None };
+    DesignTask::new(material, target, space, specimen, layer)
+}
+
+/// What the model says of a texture at the loads of `task`.
+fn steady(task: &DesignTask, lengths_m: [f64; 3]) -> Vec<f64> {
+    let known = task.material.clone().unwrap();
+    let scene = task.flat_scene(&known.material, task.loads(&known.material).unwrap().0, RunOptions::default());
+    let pattern = task.space.pattern(lengths_m).unwrap();
+    SteadyModel::new(&scene, &[], &[], &task.space).on(task.specimen).steady(&pattern).unwrap().ratio
+}
+
+/// A target that grooves like these reach, where the model lacks nothing.
+fn reached_by(task: &mut DesignTask, lengths_m: [f64; 3], tolerance: f64) {
+    let points = [0.65e6, 2.6e6].into_iter().zip(steady(task, lengths_m));
+    let points = points.map(|(pressure_pa, value)| TargetPoint { pressure_pa, value }).collect();
+    task.target = Target::new(Quantity::Ratio, points, tolerance).unwrap();
+}
+
+/// A trial of grooves of these lengths that was measured at `ratios` at the loads of `task`.
+fn trial(task: &DesignTask, lengths_m: [f64; 3], ratios: [f64; 2]) -> Trial {
+    let measured = |((pressure_pa, modelled), measured): ((f64, f64), f64)| Measured {
+        load: At { pressure_pa, speed_m_s: task.speed_m_s, humidity: 0.4 },
+        measured,
+        modelled,
+        patterned_std: 0.005,
+        flat_std: 0.005,
+        modulus_sensitivity: 0.0,
+    };
+    let modelled = task.pressures_pa().into_iter().zip(steady(task, lengths_m));
+    Trial {
+        name: "cut".to_owned(),
+        features: Features::from(&task.space.pattern(lengths_m).unwrap()),
+        sample_std: None,
+        disc: None,
+        measured: modelled.zip(ratios).map(measured).collect(),
+        dimensions_std_m: [0.0; 3],
+        dimension_shifts: Vec::new(),
+    }
+}
+
+/// `task` with what these trials teach.
+fn taught(task: &DesignTask, trials: Vec<Trial>) -> DesignTask {
+    let learned = Discrepancy::new(Hyperparameters::default(), Conditions::default(), 0.0, trials).unwrap();
+    let uncertainty = MaterialUncertainty {
+        learned: Some(learned),
+        modulus_relative_std: Some(0.1),
+        ..MaterialUncertainty::default()
+    };
+    let material = task.material.clone().unwrap().material;
+    DesignTask { material: Some(KnownMaterial { material, uncertainty }), ..task.clone() }
+}
+
+/// Lets `then` ask the search of `task`.
+fn searched<T>(task: &DesignTask, then: impl FnOnce(&Search<'_>) -> T) -> T {
+    let prepared = PreparedTask::new(task).unwrap();
+    let budget = TimeBudget::new(&Unwatched, None);
+    let timings = &mut Timings::default();
+    with_table(&prepared, None, None, (budget, &Unwatched), timings, |search, _| Ok(then(search))).unwrap()
+}
+
+/// Tasks of grooves with no, one and three trials.
+fn three_tasks() -> [DesignTask; 3] {
+    let mut task = task(Planform::Groove);
+    let scatter = Tolerances { std_m: [4e-6, 6e-6, 0.8e-6], ..Tolerances::default() };
+    task.tolerances = Some(scatter);
+    let points = [0.65e6, 2.6e6].map(|pressure_pa| TargetPoint { pressure_pa, value: 0.87 });
+    task.target = Target::new(Quantity::Ratio, points.to_vec(), 0.03).unwrap();
+    let trials = vec![
+        trial(&task, [100e-6, 300e-6, 10e-6], [0.85, 0.83]),
+        trial(&task, [200e-6, 600e-6, 20e-6], [0.80, 0.77]),
+        trial(&task, [80e-6, 600e-6, 10e-6], [0.91, 0.90]),
+    ];
+    [taught(&task, Vec::new()), taught(&task, trials[..1].to_vec()), taught(&task, trials)]
+}
+
+#[test]
+fn optimize_and_next_find_one_texture_with_one_chance() {
+    for task in three_tasks() {
+        let next = next_trials(&task, &NextOptions::default(), &Unwatched).unwrap();
+        let found = run(&task, &mut NoCache, &Unwatched).unwrap();
+        assert_eq!(found.pattern, next.patterns[0]);
+        assert_eq!(found.report.sample, next.report.samples[0]);
+        assert_eq!((&*found.report.advice, &found.report.words), (&*next.report.advice, &next.report.words));
+        // The same texture asked for by itself.
+        let own = NextOptions { own: vec![found.pattern], ..NextOptions::default() };
+        let own = next_trials(&task, &own, &Unwatched).unwrap().report.own;
+        assert_eq!((own[0].chance, &own[0].expected), (found.report.sample.chance, &found.report.sample.expected));
+        assert!(found.report.sample.is_as_cut && found.report.sample.chance.is_some());
+        // The confirming run is what the model alone says.
+        for (confirmed, modelled) in found.report.confirmed.iter().zip(&found.report.sample.modelled) {
+            assert!((confirmed.ratio.unwrap() - modelled.ratio).abs() < 1e-9, "{confirmed:?} {modelled:?}");
+        }
+    }
+}
+
+#[test]
+fn no_random_texture_has_a_clearly_greater_chance() {
+    for task in three_tasks() {
+        searched(&task, |search| {
+            let best = search.best(&|_| true, 1).solved.remove(0);
+            let mut normals = Normals::new(7);
+            let mut greatest: f64 = 0.0;
+            for _ in 0..60 {
+                let lengths_m = task
+                    .space
+                    .lengths_m()
+                    .map(|[low, high]: [f64; 2]| low * (high / low).powf(normal_probability(normals.draw())));
+                let pattern = task.space.pattern(lengths_m).unwrap();
+                let rough = search.roughly(&pattern).map_or(0.0, |found| found.chance());
+                if rough > 0.5 * best.chance() {
+                    greatest = greatest.max(search.solved(&pattern).map_or(0.0, |found| found.chance()));
+                }
+            }
+            assert!(greatest < best.chance() + 0.01, "{greatest} {}", best.chance());
+        });
+    }
+}
+
+#[test]
+fn the_table_is_near_the_model_and_says_how_near() {
+    searched(&three_tasks()[1], |search| {
+        let report = &search.table.report;
+        assert!(report.checked > 40 && report.median_error < 2e-3 && report.worst_error < 0.03, "{report:?}");
+        assert!(report.holes == 0 && report.bytes > 8 * 4 * report.nodes);
+        // Chances by the table are near those by the model itself.
+        for lengths_um in [[80.0, 200.0, 8.0], [150.0, 420.0, 14.0], [240.0, 660.0, 26.0]] {
+            let pattern = search.task.space.pattern(lengths_um.map(|um: f64| um * 1e-6)).unwrap();
+            let (rough, exact) = (search.roughly(&pattern).unwrap(), search.solved(&pattern).unwrap());
+            assert!((rough.chance() - exact.chance()).abs() < 0.03, "{} {}", rough.chance(), exact.chance());
+        }
+    });
+}
+
+/// The share of `count` samples of a texture that are on target, each drawn and solved by itself, beside the chance that is said of it.
+fn drawn(search: &Search<'_>, lengths_m: [f64; 3], count: u32) -> (f64, f64) {
+    let pattern = search.task.space.pattern(lengths_m).unwrap();
+    let found = search.solved(&pattern).unwrap();
+    let (model, n) = (search.models.own, search.asked.loads.len());
+    let laid = model.lay(&pattern).unwrap();
+    let designed = model.steady(&pattern).unwrap().ratio;
+    let std_m = search.task.tolerances.unwrap_or_default().std_m;
+    let factor = covariance_factor(&found.texture.covariance, n);
+    let mut normals = Normals::new(3);
+    let mut hits = 0;
+    for _ in 0..count {
+        let [w, s, d] = pattern.lengths_m();
+        let [width, spacing, depth] = std_m.map(|std_m| std_m * normals.draw());
+        let made = Pattern::new(*pattern.texture(), w + width, s + spacing, d + depth).unwrap();
+        // The model of the sample as it is made, and the discrepancy of that texture.
+        let ratio = model.ratios_made(&made, &laid).unwrap();
+        let lacking = search.predictor.predict(&Features::from(&made), &found.texture.sensitivity);
+        let which = normals.draw();
+        let mut deviates = || -> Vec<f64> { (0..n).map(|_| normals.draw()).collect() };
+        let (z, shared) = (deviates(), deviates());
+        let lacks = lacking.sampler().draw(which, &z, &|_| 0.0);
+        let value = |load: usize| {
+            let off: f64 = factor[load * n..=load * n + load].iter().zip(&shared).map(|(l, z)| l * z).sum();
+            found.texture.ratio[load] * ratio[load] / designed[load] * (lacks[load] + off).exp()
+        };
+        hits += u32::from(search.asked.accepts(&(0..n).map(value).collect::<Vec<f64>>()));
+    }
+    (f64::from(hits) / f64::from(count), found.chance())
+}
+
+#[test]
+fn a_chance_is_the_share_of_samples_that_are_drawn_and_solved_one_by_one() {
+    searched(&three_tasks()[1], |search| {
+        let (share, chance) = drawn(search, [100e-6, 300e-6, 12e-6], 500);
+        let stderr = (chance * (1.0 - chance) / 500.0).sqrt();
+        assert!((share - chance).abs() < 2.5 * stderr, "{share} {chance} +- {stderr}");
+    });
+}
+
+/// Grooves and squares, without and with trials, near and far from them: what is left of the difference is that errors of dimensions move
+/// the discrepancy to first order alone.
+#[test]
+#[expect(clippy::print_stdout, reason = "a table for people")]
+#[ignore = "some minutes: twelve textures, 4000 samples of each solved one by one"]
+fn chances_of_many_textures_are_the_shares_of_samples() {
+    let mut squares = three_tasks()[1].clone();
+    squares.space = DesignSpace::new(Planform::Square, [60e-6, 300e-6], [100e-6, 700e-6], [5e-6, 30e-6]).unwrap();
+    squares.layer = Layer { height_m: 40e-6, ..squares.layer };
+    let mut worst: f64 = 0.0;
+    for (task, count) in three_tasks().into_iter().map(|task| (task, 4000)).chain([(squares, 800)]) {
+        searched(&task, |search| {
+            for lengths_m in [[100e-6, 300e-6, 12e-6], [80e-6, 500e-6, 8e-6], [200e-6, 650e-6, 20e-6]] {
+                let (share, chance) = drawn(search, lengths_m, count);
+                let stderr = (chance * (1.0 - chance) / f64::from(count)).sqrt().max(1e-3);
+                println!("{:?} {lengths_m:?}: {chance:.3} said, {share:.3} drawn", search.task.space.planform());
+                worst = worst.max((share - chance).abs() - 2.0 * stderr);
+            }
+        });
+    }
+    assert!(worst < 0.01, "{worst}");
+}
+
+#[test]
+#[expect(clippy::print_stdout, reason = "a table for people")]
+#[ignore = "some minutes: ten targets, each beside 3000 random textures"]
+fn no_texture_of_thousands_has_a_clearly_greater_chance() {
+    let base = three_tasks();
+    let mut normals = Normals::new(11);
+    let mut better = Vec::new();
+    for number in 0..10 {
+        let mut task = base[number % 3].clone();
+        let value = 0.75 + 0.2 * normal_probability(normals.draw());
+        let points = [0.65e6, 2.6e6].map(|pressure_pa| TargetPoint { pressure_pa, value });
+        task.target = Target::new(Quantity::Ratio, points.to_vec(), 0.02 + 0.01 * (number % 4) as f64).unwrap();
+        searched(&task, |search| {
+            let best = search.best(&|_| true, 1).solved.remove(0);
+            let mut greatest: f64 = 0.0;
+            for _ in 0..3000 {
+                let lengths_m = task
+                    .space
+                    .lengths_m()
+                    .map(|[low, high]: [f64; 2]| low * (high / low).powf(normal_probability(normals.draw())));
+                let pattern = task.space.pattern(lengths_m).unwrap();
+                if search.roughly(&pattern).is_some_and(|found| found.chance() > best.chance() - 0.01) {
+                    greatest = greatest.max(search.solved(&pattern).map_or(0.0, |found| found.chance()));
+                }
+            }
+            println!("{value:.3}: {:.3} found, {greatest:.3} the best of 3000", best.chance());
+            if greatest > best.chance() + 0.01 {
+                better.push((value, best.chance(), greatest));
+            }
+        });
+    }
+    assert!(better.is_empty(), "{better:?}");
+}
+
+#[test]
+fn what_limits_a_chance_is_what_raises_it_where_it_is_known() {
+    let report = run(&three_tasks()[2], &mut NoCache, &Unwatched).unwrap().report;
+    let (limits, chance) = (&report.sample.limited_by, report.sample.chance.unwrap());
+    let names: Vec<&str> = limits.iter().map(|limit| &*limit.input).collect();
+    for name in ["what the model lacks", "width", "spacing", "depth", "Young's modulus", "numerical error"] {
+        assert!(names.contains(&name), "{names:?}");
+    }
+    assert!(limits.iter().all(|limit| limit.chance_if_known >= chance && limit.std.len() == 2));
+    assert!(limits.windows(2).all(|pair| pair[0].chance_if_known >= pair[1].chance_if_known));
+    assert_eq!(limits[0].input, "what the model lacks");
+    assert!(limits[0].std[0] > 0.003 && limits[0].chance_if_known > chance + 0.02, "{limits:?} {chance}");
+}
+
+#[test]
+fn a_trial_on_target_is_said_and_its_texture_is_the_likeliest() {
+    let task = three_tasks()[0].clone();
+    let cut = trial(&task, [100e-6, 300e-6, 10e-6], [0.87, 0.87]);
+    let task = taught(&task, vec![cut.clone()]);
+    let report = run(&task, &mut NoCache, &Unwatched).unwrap().report;
+    assert_eq!(report.advice, "trial_meets_it");
+    assert!(report.words.starts_with("trial cut already meets the target"), "{}", report.words);
+    assert!(report.sample.chance.unwrap() > 0.6, "{:?}", report.sample.chance);
+    // Off target at one load it is not.
+    let mut off = cut;
+    off.measured[1].measured = 0.80;
+    assert_ne!(run(&taught(&task, vec![off]), &mut NoCache, &Unwatched).unwrap().report.advice, "trial_meets_it");
+}
+
+#[test]
+fn what_to_do_follows_from_the_chance_and_from_what_is_within_reach() {
+    let base = task(Planform::Groove);
+    let advised = |task: &DesignTask| run(task, &mut NoCache, &Unwatched).unwrap().report;
+    let wanting = |value: f64, tolerance: f64| {
+        let points = [0.65e6, 2.6e6].map(|pressure_pa| TargetPoint { pressure_pa, value });
+        DesignTask { target: Target::new(Quantity::Ratio, points.to_vec(), tolerance).unwrap(), ..base.clone() }
+    };
+    // Before any trial the advice is a trial, however wide or far the band.
+    for (value, tolerance) in [(0.8, 0.15), (0.05, 0.02)] {
+        let trial = advised(&wanting(value, tolerance));
+        assert_eq!(trial.advice, "trial");
+        assert!(trial.words.starts_with("cut a trial: "), "{}", trial.words);
+    }
+    let flat = advised(&wanting(0.97, 0.05));
+    assert_eq!(flat.advice, "do_not_texture");
+    // More than the flat surface has, and less than any texture is expected to have, by what a trial says.
+    let cut = trial(&base, [100e-6, 300e-6, 10e-6], [0.9, 0.88]);
+    for value in [1.4, 0.05] {
+        let report = advised(&taught(&wanting(value, 0.02), vec![cut.clone()]));
+        assert_eq!(report.advice, "cannot_be_met", "{value} {}", report.words);
+        assert!(report.sample.expected.iter().any(|at| !at.is_within()));
+    }
+    // A limit that keeps it out of reach is named.
+    let limit = Limit {
+        name: "largest local pressure",
+        unit: "MPa",
+        unit_si: 1e6,
+        bound: Bound::AtMost(3.0e6),
+        scale: 3.0e6,
+        loosest: f64::INFINITY,
+    };
+    let mut limited = taught(&wanting(0.85, 0.03), vec![cut]);
+    limited.quantities.push(ConstraintQuantity::PeakPressure);
+    limited.constraints.quantities.push(limit);
+    let report = advised(&limited);
+    assert_eq!(report.advice, "cannot_be_met", "{}", report.words);
+    let lifted = &report.blocked_by[0];
+    assert!(lifted.what.contains("largest local pressure") && lifted.is_within_reach, "{lifted:?}");
+    assert!(lifted.chance > report.sample.chance.unwrap() + 0.01, "{lifted:?}");
+}
+
+#[test]
+fn a_goal_is_the_best_expected_value_that_keeps_the_demands() {
+    let base = task(Planform::Groove);
+    let demand = |pressure_pa, wanted| Demand { pressure_pa, wanted, weight: 1.0 };
+    let aimed = |goal, wanted: Accepted| {
+        let demands = [0.65e6, 2.6e6].map(|pressure_pa| demand(pressure_pa, wanted)).to_vec();
+        let target = Target::of(Quantity::Ratio, demands, Some(goal)).unwrap();
+        run(&DesignTask { target, ..base.clone() }, &mut NoCache, &Unwatched).unwrap().report
+    };
+    let lowest = aimed(Goal::Lowest, Accepted::Anything);
+    assert!(lowest.sample.chance.is_none() && lowest.advice == "trial");
+    let goal = lowest.goal.as_ref().unwrap();
+    let ends = goal.interval_95.unwrap();
+    assert!(ends[0] < goal.expected && goal.expected < ends[1], "{goal:?}");
+    // Where no ratio may be below a value it is kept more likely than not.
+    let kept = aimed(Goal::Lowest, Accepted::AtLeast { lowest: 0.8, margin: 0.01 });
+    let value = kept.goal.as_ref().unwrap().expected;
+    assert!(kept.sample.chance.unwrap() >= 0.5 && value > goal.expected && value < 0.95, "{value}");
+    // The flat surface has the highest friction where the model, and what it is believed to lack, lower it.
+    assert_eq!(aimed(Goal::Highest, Accepted::Anything).advice, "do_not_texture");
+}
+
+/// A design is chosen by what its trial will be modelled as, on the specimen that it is cut into.
+#[test]
+fn ratios_that_are_predicted_are_those_of_the_specimen() {
+    let mut task = task(Planform::Groove);
+    task.layer.thickness_m = Some(7e-3);
+    // A surface whose friction falls faster, on which the rim tells.
+    let law = AreaLaw::new(vec![0.7e6, 2.6e6, 10e6], vec![1.0, 0.6, 0.2]).unwrap();
+    task.material.as_mut().unwrap().material.area_law = Some(law);
+    let found = next_trials(&task, &NextOptions { count: 1, ..NextOptions::default() }, &Unwatched).unwrap();
+    let material = &task.material.as_ref().unwrap().material;
+    let pattern = Some(found.patterns[0]);
+    let ratios = |extent, specimen: Option<&slipgrid_export::Specimen>| {
+        let run = RunOptions { extent, refine: true, seed: task.seed, ..RunOptions::default() };
+        let run = if specimen.is_some() { run.from_sliding() } else { run };
+        let scene = Scene { pattern, ..task.flat_scene(material, task.loads(material).unwrap().0, run) };
+        // What time adds is that of even sliding, at whatever speed.
+        let speed_m_s = even_speed_m_s(&scene.elastic, scene.loads[0].pressure_pa);
+        let scene = if specimen.is_some() { Scene { speed_m_s, ..scene }.in_time() } else { scene };
+        simulate_on(&scene, specimen, &Unwatched).unwrap().loads
+    };
+    let specimen = ratios(Extent::Sample, Some(&task.specimen));
+    let by_time: Vec<f64> = specimen.iter().map(|load| load.ratio_time_change.unwrap()).collect();
+    assert!(by_time[0] > 2e-3, "{by_time:?}");
+    let ratio = |load: &LoadOutcome| load.ratio.unwrap();
+    let off: Vec<[f64; 2]> = found.report.samples[0]
+        .modelled
+        .iter()
+        .zip(specimen.iter().zip(&ratios(Extent::Cell, None)))
+        .map(|(at, (specimen, cell))| [at.ratio - ratio(specimen), ratio(cell) - ratio(specimen)])
+        .collect();
+    assert!(off.iter().all(|[own, _]| own.abs() < 2e-3) && off.iter().any(|[_, cell]| cell.abs() > 3e-3), "{off:?}");
+}
+
+#[test]
+fn squares_are_chosen_in_space() {
+    let mut task = task(Planform::Square);
+    // A thin layer: cells in space take milliseconds.
+    task.layer = Layer { height_m: 40e-6, block_m: 20e-6, ..task.layer };
+    let found = next_trials(&task, &NextOptions::default(), &Unwatched).unwrap();
+    assert_eq!(found.patterns.len(), 1);
+    assert_eq!(found.report.samples[0].design.planform, "square");
+}
+
+#[test]
+fn several_samples_are_apart_and_the_same_each_time() {
+    let mut task = task(Planform::Groove);
+    reached_by(&mut task, [120e-6, 300e-6, 15e-6], 0.02);
+    let options = NextOptions { count: 4, ..NextOptions::default() };
+    let on = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| next_trials(&task, &options, &Unwatched)).unwrap()
+    };
+    let found = on(2);
+    assert_eq!((found.report.trials, &*found.report.advice, found.patterns.len()), (0, "trial", 4));
+    for (place, pattern) in found.patterns.iter().enumerate() {
+        let is_other = |other: &Pattern| !is_same(&Features::from(other), &Features::from(pattern));
+        assert!(found.patterns[..place].iter().all(is_other));
+    }
+    let first = &found.report.samples[0];
+    let chance = first.chance.unwrap();
+    assert!(chance > 0.0 && chance < 0.3 && found.report.one_on_target >= chance - 0.03, "{chance}");
+    assert!(first.expected.iter().all(|at| at.low_95 < at.median && at.median < at.high_95));
+    assert_eq!(on(1).report, found.report);
+    let text = found.report.text();
+    assert!(text.contains("next 4") && text.contains("\ntells bits: how much measuring this sample"), "{text}");
+}
+
+#[test]
+fn sectors_of_one_disc_hold_what_is_chosen_for_them() {
+    let task = task(Planform::Groove);
+    let asked = |count, one_disc| {
+        let options = NextOptions { count, one_disc, ..NextOptions::default() };
+        next_trials(&task, &options, &Unwatched)
+    };
+    let (disc, apart) = (asked(7, true).unwrap(), asked(7, false).unwrap());
+    assert_eq!((disc.patterns.len(), disc.sectors.len(), apart.sectors.len()), (7, 7, 0));
+    let (of, report) = (disc.sectors[0].division(), disc.report.one_disc.as_ref().unwrap());
+    assert!(apart.report.one_disc.is_none());
+    // Seven sectors of a disc of 10 mm hold circles of 2.7 mm: periods of 0.68 mm at most, where bounds reach to 1 mm.
+    assert!(of.least_circle_m() > 2.6e-3 && of.least_circle_m() < 2.8e-3);
+    assert!(disc.patterns.iter().all(|pattern| 4.0 * pattern.pitch_m() <= of.least_circle_m()));
+    assert!(disc.report.compared < apart.report.compared, "{} {}", disc.report.compared, apart.report.compared);
+    for (sector, own) in disc.sectors.iter().zip(&report.sectors) {
+        assert!((own.areal_density / sector.pattern().areal_density() - 1.0).abs() < 0.1, "{own:?}");
+    }
+    let text = disc.report.text();
+    assert!(text.contains("disc 1: 7 sectors") && text.contains("a mean of all sectors"), "{text}");
+    assert_eq!(asked(7, true).unwrap().report, disc.report);
+    for (count, says) in [(1, "expected 2 to 12"), (13, "expected 2 to 12")] {
+        assert!(asked(count, true).unwrap_err().to_string().contains(says));
+    }
+    let mut small = task.clone();
+    small.specimen.outline = slipgrid_export::Outline::Disc { diameter_m: 1e-3 };
+    let options = NextOptions { count: 4, one_disc: true, ..NextOptions::default() };
+    let refused = next_trials(&small, &options, &Unwatched).unwrap_err().to_string();
+    assert!(refused.contains("expected fewer sectors"), "{refused}");
+    // Sectors of a rectangle are said to be such; the names of specimens that were cut are not given again.
+    small.specimen.outline = slipgrid_export::Outline::Rectangle { length_m: 12e-3, width_m: 12e-3 };
+    let options = NextOptions { discs: vec![format!("{}, rectangle 1", disc.report.name)], ..options };
+    let rectangle = next_trials(&small, &options, &Unwatched).unwrap().report.text();
+    assert!(
+        rectangle.contains("rectangle 2: 4 sectors") && rectangle.contains("the specimen is a rectangle"),
+        "{rectangle}"
+    );
+}
+
+/// On one disc all are off together: the more a disc is off by, the less a further sector helps.
+#[test]
+fn the_chance_of_one_of_several_counts_what_one_disc_is_off_by() {
+    let mut task = task(Planform::Groove);
+    // What the model says of some grooves is reached by them.
+    reached_by(&mut task, [120e-6, 300e-6, 15e-6], 0.02);
+    let together = |task: &DesignTask, one_disc| {
+        let options = NextOptions { count: 3, one_disc, ..NextOptions::default() };
+        next_trials(task, &options, &Unwatched).unwrap().report.one_on_target
+    };
+    // Without the model's shortcomings a texture on target is found, and the disc alone may miss it.
+    let prior = Hyperparameters {
+        amplitude_std: 0.0,
+        pressure_std: 0.0,
+        inverse_pressure_std: 0.0,
+        ..Hyperparameters::default()
+    };
+    let with = |sample_std: f64| {
+        let prior = Hyperparameters { speed_std: 0.0, humidity_std: 0.0, sample_std, ..prior.clone() };
+        Discrepancy::new(prior, Conditions::default(), 0.0, Vec::new()).unwrap()
+    };
+    let mut chance = |sample_std: f64, one_disc| {
+        let known = MaterialUncertainty { learned: Some(with(sample_std)), ..MaterialUncertainty::default() };
+        task.material = Some(crate::task::KnownMaterial { uncertainty: known, ..task.material.clone().unwrap() });
+        together(&task, one_disc)
+    };
+    assert_eq!(chance(0.0, true).to_bits(), chance(0.0, false).to_bits());
+    let (little, much) = (chance(0.002, true), chance(0.04, true));
+    assert!(little > 0.9 && much < 0.8, "{little} {much}");
+}
+
+/// The stages that began, with the shares of their work that were done.
+#[derive(Default)]
+struct Shares(Mutex<Vec<(String, f64)>>);
+
+impl Monitor for Shares {
+    fn stage(&self, name: &str) {
+        self.0.lock().unwrap().push((name.to_owned(), 0.0));
+    }
+
+    fn advance(&self, share: f64) {
+        self.0.lock().unwrap().last_mut().unwrap().1 += share;
+    }
+}
+
+/// Where nothing may be asked any more.
+struct Over;
+
+impl Monitor for Over {
+    fn cancelled(&self) -> bool {
+        true
+    }
+}
+
+#[test]
+fn every_stage_comes_to_its_whole_and_a_search_that_is_over_asks_nothing() {
+    let task = task(Planform::Groove);
+    let shares = Shares::default();
+    next_trials(&task, &NextOptions::default(), &shares).unwrap();
+    let all = shares.0.into_inner().unwrap();
+    assert_eq!(all.iter().map(|(name, _)| name.as_str()).collect::<Vec<_>>(), ["table", "search"]);
+    assert!(all.iter().all(|(_, share)| (share - 1.0).abs() < 0.2), "{all:?}");
+    assert!(matches!(next_trials(&task, &NextOptions::default(), &Over), Err(DesignError::Cancelled)));
+    assert!(matches!(run(&task, &mut NoCache, &Over), Err(DesignError::Cancelled)));
+}
+
+#[test]
+fn what_the_laser_cannot_cut_is_said_with_the_number_of_the_sample() {
+    let mut task = task(Planform::Groove);
+    task.constraints.limits = ManufacturingLimits { spot_m: Some(20e-6), ..ManufacturingLimits::default() };
+    // 20 um spots every 2 um on lines 10 um apart: one pass removes 3.1416 um.
+    task.laser = slipgrid_export::Laser {
+        spot_um: Some(20.0),
+        repetition_hz: Some(50e3),
+        speed_mm_s: Some(100.0),
+        hatch_um: Some(10.0),
+        depth_per_burst_um: Some(0.2),
+        ..slipgrid_export::Laser::default()
+    };
+    let said = |width_um: f64, depth_um: f64| -> Vec<String> {
+        let whole = Pattern::new(Planform::Groove, 120e-6, 300e-6, 4e-6 * std::f64::consts::PI).unwrap();
+        let own = Pattern::new(Planform::Groove, width_um * 1e-6, 300e-6, depth_um * 1e-6).unwrap();
+        let all = laser_warnings(&task, [whole, own].iter());
+        all.into_iter().filter(|said| !said.contains("mean depth")).collect()
+    };
+    // Written to a hundredth of a micrometre, four passes remove 12.57 um.
+    assert_eq!(said(120.0, 12.57), Vec::<String>::new());
+    let off = said(120.0, 12.6);
+    assert!(
+        off.len() == 1 && off[0].starts_with("sample 2: the depth of 12.6 um is no whole number of passes"),
+        "{off:?}"
+    );
+    let narrow = said(15.0, 12.57);
+    assert!(narrow[0].contains("laser spot") && narrow.iter().all(|said| said.starts_with("sample 2: ")), "{narrow:?}");
+}
