@@ -3,8 +3,6 @@
 use std::collections::BTreeMap;
 
 use serde_json::Value as Json;
-use slipgrid_design::AdviceReport;
-use slipgrid_design::records::ChanceReport;
 use slipgrid_results::guard_formula;
 use slipgrid_studies::laboratories::{LaboratoriesReport, Way};
 use slipgrid_units::tidy;
@@ -23,15 +21,13 @@ const OF_SCENE: [&str; 8] = [
     "peak_pressure_mpa",
     "cavity_closed",
 ];
-/// What a design's row has: columns with the places of their values. The chances are added to its record.
-const OF_DESIGN: [(&str, &str); 8] = [
-    ("found", "/status"),
-    ("chance_announced", "/chance_announced"),
-    ("chance_if_model_lacked_nothing", "/chance_if_model_lacked_nothing"),
+/// What a design's row has: columns with the places of their values.
+const OF_DESIGN: [(&str, &str); 6] = [
+    ("found", "/advice"),
+    ("chance", "/chance"),
     ("width_um", "/design/width_um"),
     ("spacing_um", "/design/spacing_um"),
     ("depth_um", "/design/depth_um"),
-    ("misfit", "/misfit/confirmed"),
     ("areal_density", "/specimen_areal_density"),
 ];
 /// What a laboratory's row has.
@@ -165,7 +161,7 @@ impl<'a> Results<'a> {
             _ => return empty("failed", reason),
         };
         let cells = match self.campaign.kind {
-            Kind::Design => vec![own(&with_chances(record), &OF_DESIGN)],
+            Kind::Design => vec![own(record, &OF_DESIGN)],
             Kind::Laboratory => vec![own(record, &OF_LABORATORY)],
             Kind::Scene => {
                 let loads = record.get("results").and_then(Json::as_array).map_or(&[][..], Vec::as_slice);
@@ -174,21 +170,6 @@ impl<'a> Results<'a> {
         };
         cells.into_iter().map(|cells| [vec!["done".to_owned()], cells, vec![String::new()]].concat()).collect()
     }
-}
-
-/// The record of a design with the chance that is announced and the one if the model lacked nothing.
-fn with_chances(record: &Json) -> Json {
-    let of = |name: &str| record.get(name).cloned().unwrap_or_default();
-    let chance: Option<ChanceReport> = serde_json::from_value(of("chance")).unwrap_or_default();
-    let advice: Option<AdviceReport> = serde_json::from_value(of("advice")).unwrap_or_default();
-    let announced = chance.as_ref().and_then(|chance| chance.announced_value(advice.as_ref()));
-    let alone = chance.as_ref().and_then(ChanceReport::if_model_lacked_nothing);
-    let mut record = record.clone();
-    if let Some(fields) = record.as_object_mut() {
-        fields.insert("chance_announced".to_owned(), announced.into());
-        fields.insert("chance_if_model_lacked_nothing".to_owned(), alone.into());
-    }
-    record
 }
 
 /// A value as a cell; nothing where there is none.
@@ -218,31 +199,7 @@ mod tests {
     /// A field of another name would leave its column empty.
     #[test]
     fn columns_have_the_names_of_the_records_they_are_taken_from() {
-        let chance = ChanceReport {
-            value: Some(0.5),
-            stderr: None,
-            words: String::new(),
-            included: Vec::new(),
-            not_known: vec!["how far the model itself is off".to_owned()],
-            limited_by: None,
-            parts: Vec::new(),
-            draws: 1,
-            draws_of_the_model: 1,
-        };
-        let advice = AdviceReport {
-            advice: String::new(),
-            chance: 0.2,
-            trials: 0,
-            words: String::new(),
-            predicted: Vec::new(),
-            rather: Vec::new(),
-        };
-        let design = DesignReport { chance: Some(chance), advice: Some(advice), ..DesignReport::default() };
-        let design = with_chances(&serde_json::to_value(design).unwrap());
-        assert_eq!(
-            (&design["chance_announced"], &design["chance_if_model_lacked_nothing"]),
-            (&0.2.into(), &0.5.into())
-        );
+        let design = serde_json::to_value(DesignReport::default()).unwrap();
         assert_eq!(OF_DESIGN.into_iter().find(|(_, place)| design.pointer(place).is_none()), None);
         let load = serde_json::to_value(LoadReport::default()).unwrap();
         assert_eq!(OF_SCENE.into_iter().find(|name| load.get(name).is_none()), None);

@@ -29,8 +29,8 @@ pub use trials::{NextArgs, TrialsArgs};
     about = "Designs laser-textured surfaces for a target dry friction",
     arg_required_else_help = true,
     after_help = "Units stand in the keys of all files (width_um, pressure_mpa, speed_mm_s).\n\n\
-        Exit codes: 0 done (optimize: target met); 2 input refused, nothing written; 3 target unreachable and \
-        4 budget spent (both only from optimize); 1 anything else.\n\n\
+        Exit codes: 0 done; 2 input refused, nothing written; 3 target cannot be met, or needs no texture, and \
+        4 seconds spent (both only from optimize); 1 anything else.\n\n\
         Examples:\n  \
         slipgrid optimize designs/ldpe-lower-friction.toml\n  \
         slipgrid simulate scene.toml --fidelity dynamic --extent sample -o out/scene\n  \
@@ -126,8 +126,9 @@ pub struct SimulateArgs {
     slipgrid optimize designs/ldpe-lower-friction.toml --table --resume\n\n\
     Writes result.json, timings.json, scene.toml (a scene for `simulate`), pattern.dxf, pattern.svg, pattern.csv, \
     process.toml, report.html and pictures. A file that slipgrid did not write is not replaced. Exit codes: \
-    0 target met, 3 no design within bounds and limits reaches it, 4 budget of evaluations or seconds spent; \
-    the best design is written in all three cases.\n\n\
+    0 a sample or a series is worth cutting, or a trial meets the target; 3 no design within bounds and limits is expected \
+    to meet it, or the flat surface does; 4 seconds spent. The report is written wherever \
+    there is a design.\n\n\
     Every answer of the search's model is appended to out/NAME.study.jsonl at once. A run that was killed goes on \
     from there with --resume, and ends with the same results. A study of another material, layer, load or texture \
     is refused; other targets, limits and bounds share it. While a run works for a folder, out/NAME.lock keeps others out.\n\n\
@@ -140,7 +141,7 @@ pub struct OptimizeArgs {
     /// Folder for the results; out/NAME for designs/NAME.toml by default
     #[arg(long, short, value_name = "DIR")]
     pub output: Option<PathBuf>,
-    /// Also compute every design of whole blocks and bursts within the bounds, write table.csv, and say if any is better
+    /// Also write table.csv: what is expected of every design of whole blocks and bursts within the bounds
     #[arg(long)]
     pub table: bool,
     /// Leave the explorer out of report.html, which saves some seconds and a hundred kilobytes

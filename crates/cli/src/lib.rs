@@ -39,15 +39,15 @@ use slipgrid_report::Outputs;
 
 /// Exit codes of the program.
 pub mod exit_code {
-    /// Done; `optimize`: the target is met.
+    /// Done; `optimize`: a sample or a series is worth cutting, or a trial meets the target.
     pub const DONE: u8 = 0;
     /// Anything that has no code of its own.
     pub const FAILURE: u8 = 1;
     /// Input was refused; nothing was written.
     pub const BAD_INPUT: u8 = 2;
-    /// `optimize`: no design within bounds and limits reaches the target.
+    /// `optimize`: no design within bounds and limits is expected to meet the target, or the flat surface does.
     pub const UNREACHABLE: u8 = 3;
-    /// `optimize`: the budget was spent before the target was met.
+    /// `optimize`: the seconds allowed were not enough for every stage.
     pub const BUDGET: u8 = 4;
     /// Ctrl-C was pressed: no result was written.
     pub const INTERRUPTED: u8 = 130;

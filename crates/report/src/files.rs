@@ -36,10 +36,10 @@ pub fn of_design(found: &DesignOutcome) -> Result<Outputs, ReportError> {
     if let Some(trace) = csv::friction_trace(&found.confirmed) {
         outputs.add("friction.csv", trace);
     }
-    pictures::simulation(&found.scene, &found.confirmed, &report.errors, &mut outputs)?;
+    pictures::simulation(&found.scene, &found.confirmed, &[], &mut outputs)?;
     if let Some(compared) = &found.compared {
         outputs.add("trade-offs.csv", trade_offs::csv(compared, &found.pattern));
-        if !compared.found.front.is_empty() {
+        if !compared.front.is_empty() {
             outputs.add("trade-offs.svg", trade_offs::picture(&task.name, compared, &found.pattern)?);
         }
     }
@@ -85,6 +85,6 @@ pub fn of_scene(scene: &Scene, simulation: &Simulation, report: &SimulationRepor
     if let Some(trace) = csv::friction_trace(simulation) {
         outputs.add("friction.csv", trace);
     }
-    pictures::simulation(scene, simulation, &report.errors, &mut outputs)?;
+    pictures::simulation(scene, simulation, &report.errors.by_pressure, &mut outputs)?;
     Ok(outputs)
 }

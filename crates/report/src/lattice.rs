@@ -26,25 +26,23 @@ pub fn csv(design: &DesignTask, lattice: &Lattice) -> String {
         let unit = if limit.unit.is_empty() { String::new() } else { format!("_{}", limit.unit.to_lowercase()) };
         text += &format!(",{}{unit}", limit.name.replace(' ', "_"));
     }
-    text += ",misfit,cost,feasible\n";
-    for (pattern, answer) in lattice.patterns.iter().zip(&lattice.answers) {
+    // All of the header but the three lengths, and the chance.
+    let columns = text.matches(',').count() - 1;
+    text += ",chance,keeps_limits\n";
+    for (pattern, predicted) in lattice.patterns.iter().zip(&lattice.predicted) {
         let um = |length_m: f64| LENGTH_UM.from_si(length_m);
         text += &format!("{},{},{}", um(pattern.width_m()), um(pattern.spacing_m()), um(pattern.depth_m()));
-        match answer {
-            Ok(node) => {
-                for value in &node.response.value {
-                    text += &format!(",{value:.6}");
+        match predicted {
+            Some(found) => {
+                for median in &found.medians {
+                    text += &format!(",{median:.6}");
                 }
-                for (limit, value) in design.constraints.quantities.iter().zip(&node.response.limited) {
+                for (limit, value) in design.constraints.quantities.iter().zip(&found.limited) {
                     text += &format!(",{}", tidy(value / limit.unit_si));
                 }
-                let feasible = node.violations.is_empty();
-                text += &format!(",{:.4},{:.4},{feasible}\n", node.misfit.max, node.misfit.merit);
+                text += &format!(",{:.4},{}\n", found.chance, found.keeps_limits);
             }
-            Err(_) => {
-                let columns = design.target.values() + design.constraints.quantities.len() + 2;
-                text += &format!("{},false\n", ",".repeat(columns));
-            }
+            None => text += &format!("{},false\n", ",".repeat(columns + 1)),
         }
     }
     text

@@ -12,7 +12,7 @@ use crate::charts::{
     self, Estimate, FrictionTraceChart, InterfacePressureChart, Series, SlidingMark, SurfaceMapChart, Trace,
     friction_trace, interface_pressure,
 };
-use slipgrid_results::{ErrorsReport, PressureErrors};
+use slipgrid_results::PressureErrors;
 use slipgrid_units::{LENGTH_UM, PRESSURE_MPA, tidy};
 
 /// Shares of a cavity's pitch by which two contact blocks are one land: gaps wider than this many
@@ -45,19 +45,19 @@ fn surfaces(load: &LoadOutcome) -> Vec<(&'static str, &SurfaceOutcome)> {
     }
 }
 
-/// Adds a picture of mu against time (dynamic runs), with the means' `errors`, and one of the pressure along the interface
-/// for every load.
+/// Adds a picture of mu against time (dynamic runs), with the means' `errors` at each load where they are known, and one of the pressure
+/// along the interface for every load.
 ///
 /// # Errors
 /// [`ChartError`] if a picture cannot be drawn.
 pub fn simulation(
     scene: &Scene,
     simulation: &Simulation,
-    errors: &ErrorsReport,
+    errors: &[PressureErrors],
     outputs: &mut Outputs,
 ) -> Result<(), ChartError> {
-    let each = simulation.loads.par_iter().zip(&errors.by_pressure);
-    let pictures = each.map(|(load, at)| of_load(scene, load, at)).collect::<Result<Vec<_>, _>>()?;
+    let each = simulation.loads.par_iter().enumerate();
+    let pictures = each.map(|(row, load)| of_load(scene, load, errors.get(row))).collect::<Result<Vec<_>, _>>()?;
     for (name, picture) in pictures.into_iter().flatten() {
         outputs.add(name, picture);
     }
@@ -70,7 +70,11 @@ pub(crate) fn name_part(number: f64) -> String {
 }
 
 /// Names and pictures of one load.
-fn of_load(scene: &Scene, load: &LoadOutcome, at: &PressureErrors) -> Result<Vec<(String, String)>, ChartError> {
+fn of_load(
+    scene: &Scene,
+    load: &LoadOutcome,
+    at: Option<&PressureErrors>,
+) -> Result<Vec<(String, String)>, ChartError> {
     let mut pictures = Vec::new();
     let load_mpa = PRESSURE_MPA.from_si(load.pressure_pa);
     let surfaces = surfaces(load);
@@ -82,9 +86,9 @@ fn of_load(scene: &Scene, load: &LoadOutcome, at: &PressureErrors) -> Result<Vec
         .map(|(_, surface)| finite(surface.trace.iter().map(|point| [point.time_s * 1e3, point.mu]).collect()))
         .collect();
     if traces.iter().any(|trace| !trace.is_empty()) {
-        let std = |label: &str| match (&at.mu_flat, label) {
+        let std = |label: &str| match (&at?.mu_flat, label) {
             (Some(flat), FLAT) => flat.std,
-            _ => at.mu.std,
+            _ => at?.mu.std,
         };
         let [patterned, means] = run_words(scene, load);
         let traces: Vec<Trace<'_>> = surfaces

@@ -1,19 +1,18 @@
-//! The picture of a target and of what a design makes of it.
+//! The picture of a target and of what is expected of a cut sample.
 
 use crate::ChartError;
-use crate::charts::{self, Estimate, TargetChart, TargetPoint};
+use crate::charts::{self, SamplePoint, TargetChart, TargetPoint};
 use slipgrid_design::DesignReport;
-use slipgrid_results::ErrorReport;
 
-/// Target, prediction and confirmation against pressure.
+/// Target and expected friction against pressure.
 ///
 /// # Errors
-/// [`crate::ReportError`] if the picture cannot be drawn.
+/// [`ChartError`] if the picture cannot be drawn.
 pub fn target(report: &DesignReport) -> Result<String, ChartError> {
-    drawn(report, &format!("{}: friction against pressure", report.name), charts::target)
+    drawn(report, &format!("{}: friction of a cut sample", report.name), charts::target)
 }
 
-/// The same for a phone, whose page has the title already.
+/// The same for a narrow column of a page, which has the title already.
 ///
 /// # Errors
 /// As [`target`].
@@ -39,48 +38,33 @@ fn drawn(
         })
         .collect();
     points.sort_by(|a, b| a.pressure_mpa.total_cmp(&b.pressure_mpa));
-    let estimates = |of: &dyn Fn(usize) -> Option<Estimate>| {
-        let at = |(row, pressure_mpa): (usize, &f64)| Some((*pressure_mpa, of(row)?));
-        let mut all: Vec<(f64, Estimate)> = wanted.pressure_mpa.iter().enumerate().filter_map(at).collect();
-        all.sort_by(|a, b| a.0.total_cmp(&b.0));
-        all
+    let flat = wanted.pressure_mpa.iter().enumerate().filter_map(|(row, p)| Some([*p, flat_of(report, row)?]));
+    let mut flat: Vec<[f64; 2]> = flat.collect();
+    flat.sort_by(|a, b| a[0].total_cmp(&b[0]));
+    let count = wanted.pressure_mpa.len().max(1);
+    let sample = |(row, at): (usize, &slipgrid_design::Expected)| SamplePoint {
+        pressure_mpa: at.pressure_mpa,
+        condition: row / count,
+        median: at.median,
+        interval_95: [at.low_95, at.high_95],
+        model: model_alone(report, row),
     };
-    let estimate = |found: &ErrorReport| Some(Estimate { value: found.value?, error: found.std });
-    let predicted = estimates(&|row| estimate(report.errors.at(row)?.predicted.as_ref()?));
-    let confirmed = estimates(&|row| estimate(report.confirmed_at(row)?));
-    let flat = estimates(&|row| {
-        if report.is_ratio() {
-            Some(Estimate { value: 1.0, error: None })
-        } else {
-            estimate(report.errors.at(row)?.mu_flat.as_ref()?)
-        }
-    });
     draw(&TargetChart {
         title,
-        quantity: if report.is_ratio() {
-            "Dynamic friction, patterned over flat"
-        } else {
-            "Dynamic friction coefficient"
-        },
+        quantity: if report.is_ratio() { "Dynamic friction over flat" } else { "Dynamic friction coefficient" },
         target: &points,
-        predicted: &predicted,
-        confirmed: &confirmed,
+        samples: &report.sample.expected.iter().enumerate().map(sample).collect::<Vec<_>>(),
         flat: &flat,
-        spread: &spread(report),
     })
 }
 
-/// Lowest and highest value at each pressure over all conditions; empty where there is one.
-fn spread(report: &DesignReport) -> Vec<[f64; 3]> {
-    let at = report.conditions.iter().flat_map(|conditions| &conditions.at);
-    let mut spread: Vec<[f64; 3]> = Vec::new();
-    for value in at.flat_map(|condition| &condition.by_pressure) {
-        let own = if report.is_ratio() { value.ratio } else { value.mu };
-        match spread.iter_mut().find(|known| known[0] == value.pressure_mpa) {
-            Some(known) => *known = [known[0], known[1].min(own), known[2].max(own)],
-            None => spread.push([value.pressure_mpa, own, own]),
-        }
-    }
-    spread.sort_by(|a, b| a[0].total_cmp(&b[0]));
-    spread
+/// Friction of the flat surface at a load, in the quantity of the target: 1 for a ratio, else as it was confirmed, which it was at the
+/// condition designed for.
+pub(crate) fn flat_of(report: &DesignReport, row: usize) -> Option<f64> {
+    if report.is_ratio() { Some(1.0) } else { report.confirmed.get(row)?.mu_flat }
+}
+
+/// What the model alone says of the design at a load, in the quantity of the target.
+pub(crate) fn model_alone(report: &DesignReport, row: usize) -> Option<f64> {
+    Some(report.sample.modelled.get(row)?.ratio * flat_of(report, row)?)
 }

@@ -1,7 +1,6 @@
 //! Designs compared by goals, as a table and as a picture.
 
-use slipgrid_design::{Compared, TradeOffGoal};
-use slipgrid_optimize::TradeOff;
+use slipgrid_design::{Compared, TradeOff, TradeOffGoal};
 use slipgrid_pattern::Pattern;
 use slipgrid_results::PatternReport;
 use slipgrid_units::significant;
@@ -11,20 +10,20 @@ use crate::charts::{ChartError, TradeOffsChart, trade_offs as draw};
 /// The front as a table, the chosen design with it and marked.
 #[must_use]
 pub fn csv(compared: &Compared, chosen: &Pattern) -> String {
-    let (input, found) = (&compared.wanted, &compared.found);
-    let columns: Vec<&str> = input.goals.iter().map(|goal| goal.column()).collect();
+    let goals = &compared.wanted.goals;
+    let columns: Vec<&str> = goals.iter().map(|goal| goal.column()).collect();
     let mut text = format!("width_um,spacing_um,depth_um,areal_density,{},on_front,chosen\n", columns.join(","));
-    let own = found.dominated.iter().filter(|known| known.design == *chosen).map(|known| (known, false));
-    for (known, is_on_front) in found.front.iter().map(|known| (known, true)).chain(own) {
+    let own = compared.dominated.iter().filter(|known| known.design == *chosen).map(|known| (known, false));
+    for (known, is_on_front) in compared.front.iter().map(|known| (known, true)).chain(own) {
         let design = PatternReport::from(&known.design);
-        let goals: Vec<String> = known.goals.iter().map(|goal| rounded(*goal)).collect();
+        let values: Vec<String> = known.goals.iter().map(|goal| rounded(*goal)).collect();
         text += &format!(
             "{},{},{},{},{},{},{}\n",
             design.width_um,
             design.spacing_um,
             design.depth_um,
             rounded(design.areal_density),
-            goals.join(","),
+            values.join(","),
             u8::from(is_on_front),
             u8::from(known.design == *chosen),
         );
@@ -43,16 +42,16 @@ fn rounded(value: f64) -> String {
 /// # Errors
 /// [`ChartError`] if the picture cannot be drawn.
 pub fn picture(name: &str, compared: &Compared, chosen: &Pattern) -> Result<String, ChartError> {
-    let (input, found) = (&compared.wanted, &compared.found);
-    let own = found.front.iter().chain(&found.dominated).find(|known| known.design == *chosen);
-    let titles: Vec<&str> = input.goals.iter().map(|goal| goal.words()).collect();
+    let goals = &compared.wanted.goals;
+    let own = compared.front.iter().chain(&compared.dominated).find(|known| known.design == *chosen);
+    let titles: Vec<&str> = goals.iter().map(|goal| goal.words()).collect();
     draw(&TradeOffsChart {
         title: &format!("{name}: trade-offs"),
         titles: &titles,
-        front: &points(&found.front),
-        others: &points(&found.dominated),
+        front: &points(&compared.front),
+        others: &points(&compared.dominated),
         chosen: own.map(|known| &known.goals[..]),
-        limit: Some((1.0, "missed beyond")).filter(|_| input.goals[0] == TradeOffGoal::Misfit),
+        limit: Some((1.0, "missed beyond")).filter(|_| goals[0] == TradeOffGoal::Misfit),
     })
 }
 

@@ -5,6 +5,7 @@ use std::path::Path;
 use crate::args::ExportArgs;
 use crate::output::{Place, ResultFolder, add};
 use crate::{CliError, Console, exit_code};
+use slipgrid_design::records::SCHEMA;
 use slipgrid_design::{StoredDesign, StoredError};
 use slipgrid_disk::disk;
 use slipgrid_formats::Diagnostic;
@@ -13,7 +14,6 @@ use slipgrid_formats::source::read_text;
 use slipgrid_formats::stored_pattern::stored_pattern;
 use slipgrid_report::Outputs;
 use slipgrid_report::{DrawingInput, draw_with};
-use slipgrid_results::SCHEMA;
 use slipgrid_units::LENGTH_UM;
 
 /// Name of a result in its folder.

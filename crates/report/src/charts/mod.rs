@@ -4,7 +4,7 @@
 //! |---|---|
 //! | [`friction_trace`] | friction coefficient against time, averaging window and mean |
 //! | [`interface_pressure`] | pressure along the interface |
-//! | [`target`] | target, its tolerance, prediction and confirmation against pressure |
+//! | [`target`] | target, what is expected of a cut sample, and the model alone against pressure |
 //! | [`area_law`] | real contact area and the factor f against pressure |
 //! | [`flat_friction`] | friction of flat samples against pressure, measured and by the fitted model |
 //! | [`residuals`] | model minus measurement |
@@ -52,7 +52,7 @@ pub use ratios::{RatioSeries, RatiosChart, ratios};
 pub use residuals::{ResidualsChart, residuals};
 pub use section::{SectionChart, SpectrumChart, section, spectrum};
 pub use surface_map::{SlidingMark, SurfaceMapChart, surface_map};
-pub use target::{TargetChart, TargetPoint, target, target_narrow};
+pub use target::{SamplePoint, TargetChart, TargetPoint, target, target_narrow};
 pub use trade_offs::{TradeOffsChart, trade_offs};
 pub use trials::{Prediction, TrialsChart, trials};
 pub use tribometer::{RepeatTrace, TribometerChart, tribometer};

@@ -1,26 +1,10 @@
-//! What a design's numbers come from: the search's improvements and the material's coefficients.
+//! What a design's numbers come from: the material's coefficients.
 
-use slipgrid_design::records::ImprovementReport;
 use slipgrid_material::AreaLaw;
 use slipgrid_springblock::Load;
 use slipgrid_units::PRESSURE_MPA;
 
-use super::page::{Page, number, percent, plain, with_error, yes_or_no};
-
-/// Improvements of the best design.
-pub(super) fn history(page: &mut Page, history: &[ImprovementReport]) {
-    page.records(
-        "Improvements during the search: misfit is the largest distance from the target in tolerances, by the search's model; \
-         up to 1 is met.",
-        history,
-        &[
-            ("search", |entry| entry.round.to_string()),
-            ("evaluation", |entry| entry.evaluation.to_string()),
-            ("misfit", |entry| number(entry.misfit, 3)),
-            ("respects every limit", |entry| yes_or_no(entry.feasible)),
-        ],
-    );
-}
+use super::page::{Page, number, percent, plain, with_error};
 
 /// Local coefficients at `loads`, in the order of their pressures; one row where all share them.
 pub(super) fn coefficients(page: &mut Page, loads: &[Load]) {

@@ -1,16 +1,17 @@
 //! What `optimize` found.
 
-use slipgrid_design::records::{ChanceReport, ExplanationReport, GoalReport, TableReport, TargetReport, Tolerance};
-use slipgrid_design::{AdviceReport, DesignOutcome, DesignReport, PredictedRatio};
+use slipgrid_design::records::{GoalReport, TradeOffsReport};
+use slipgrid_design::{DesignOutcome, DesignReport, Expected, SampleReport, percent as chance_words};
 use slipgrid_export::{Exposure, Laser};
 use slipgrid_material::AreaLaw;
-use slipgrid_results::{PatternReport, believed_interval, duration_in_words, length_in_words};
+use slipgrid_results::{LoadReport, PatternReport, believed_interval, duration_in_words, length_in_words};
 use slipgrid_springblock::Load;
 
+use super::background;
 use super::first_screen::first_screen;
-use super::page::{Page, estimate, known, number, percent, plain, sentence, with_error};
-use super::{background, conditions, uncertainty};
+use super::page::{Column, Page, micrometres, number, percent, plain, sentence, with_error};
 use crate::Outputs;
+use crate::target::model_alone;
 
 /// The page of a design: from its `report`, the coefficients behind it, which are those of `loads` and of `area_law`, and the
 /// pictures and files in `outputs`; with an explorer where `found`, of which `report` is, has one.
@@ -31,23 +32,11 @@ pub fn design(
     if let Some(found) = found {
         super::explorer::explorer(&mut page, found, outputs);
     }
-    page.part("Why this design", |page| chosen(page, report, outputs));
-    page.part("What samples will do", |page| {
-        if let Some(found) = &report.robustness {
-            uncertainty::robustness(page, found);
-        }
-        if let Some(chance) = &report.chance {
-            page.fold("What the chance includes, and what limits it", |page| {
-                chance_parts(page, chance, report.advice.as_ref());
-            });
-        }
-        if let Some(found) = &report.sensitivities {
-            page.fold("What a micrometre changes", |page| uncertainty::sensitivities(page, found));
-        }
-    });
-    page.part("Evidence", |page| {
-        target(page, report);
-        page.fold("The section", |page| page.section(&report.design));
+    page.part("What is expected of a sample", |page| expected(page, report));
+    page.part("Other textures", |page| others(page, report, outputs));
+    page.part("The run that confirmed the design", |page| {
+        confirmed(page, report);
+        page.fold("The section", |page| page.section(&report.sample.design));
         let interface = if report.sees_face() {
             "one period of the patterned surface seen from above; a flat one carries the nominal pressure everywhere"
         } else {
@@ -58,7 +47,7 @@ pub fn design(
                        that of the whole specimen, as in the tables";
         pictures(page, outputs, "Friction in time", "friction-", in_time);
     });
-    page.model([&report.model, &report.method], report.design.rim.is_some());
+    page.model([&report.model, &report.method], report.sample.design.rim.is_some());
     page.fold("Material and calibration", |page| material(page, report, outputs, (area_law, loads)));
     page.part("Files", |page| {
         page.fold("pattern.svg: the pattern, with two periods enlarged", |page| {
@@ -69,162 +58,191 @@ pub fn design(
     page.finish(&report.name, &report.version)
 }
 
-/// What became of the search: what it chose, what it could not have, what else there is.
-fn chosen(page: &mut Page, report: &DesignReport, outputs: &Outputs) {
-    if let Some(selection) = &report.selection {
-        page.paragraph(&format!("The design was {}.", selection.words));
-    }
-    if let Some(advice) = &report.advice {
-        rather(page, advice);
-    }
-    if let Some(explanation) = &report.explanation {
-        why(page, explanation);
-    }
-    if let Some(found) = &report.trade_offs {
-        uncertainty::trade_offs(page, found, outputs);
-    }
-    page.fold("The search", |page| search(page, report));
-}
-
-/// Textures that are likelier on target.
-fn rather(page: &mut Page, advice: &AdviceReport) {
-    page.records(
-        "Likelier on target, by what trials say of their own texture. Ratios are medians, with what 95 % of samples lie between.",
-        &advice.rather,
-        &[
-            ("width in µm", |of| length_in_words(of.design.width_um)),
-            ("spacing in µm", |of| length_in_words(of.design.spacing_um)),
-            ("depth in µm", |of| length_in_words(of.design.depth_um)),
-            ("chance in %", |of| percent(of.chance, 1)),
-            ("laser", |of| of.laser_s.map_or_else(|| "-".to_owned(), duration_in_words)),
-            ("ratio at the first load", |of| predicted(of.predicted.first())),
-            ("at the last", |of| predicted(of.predicted.last())),
-        ],
-    );
-}
-
-/// What is predicted of a sample at a load.
-fn predicted(at: Option<&PredictedRatio>) -> String {
-    at.map_or_else(String::new, |at| format!("{} ({})", number(at.of.ratio, 3), believed_interval(at.of.interval_95)))
-}
-
-/// What the chance rests on.
-fn chance_parts(page: &mut Page, chance: &ChanceReport, advice: Option<&AdviceReport>) {
-    page.paragraph("The chance is one of all pressures and conditions at once.");
-    for line in chance.lines(advice) {
-        page.paragraph(&sentence(&line));
-    }
-    page.records(
-        "What limits the chance: the chance in % if one of these were known, or made, exactly.",
-        &chance.parts,
-        &[
-            ("what", |part| part.input.clone()),
-            ("how well it is known", |part| part.known_to.clone()),
-            ("chance in %", |part| percent(part.chance_without, 1)),
-        ],
-    );
-}
-
-fn target(page: &mut Page, report: &DesignReport) {
-    let wanted = &report.target;
-    let rows: Vec<Vec<String>> = wanted
-        .pressure_mpa
-        .iter()
-        .enumerate()
-        .map(|(row, pressure_mpa)| {
-            let (predicted, at) = (report.predicted.get(row), report.errors.at(row));
-            vec![
-                plain(*pressure_mpa),
-                accepted(wanted, row),
-                estimate(at.and_then(|at| at.predicted.as_ref()), 4),
-                number(predicted.and_then(|load| load.ratio_discretization_error), 4),
-                estimate(report.confirmed_at(row), 4),
-                number(report.confirmed.get(row).and_then(|load| load.ratio_discretization_error), 4),
-                estimate(at.map(|at| &at.mu), 4),
-                estimate(at.and_then(|at| at.mu_flat.as_ref()), 4),
-                estimate(at.and_then(|at| at.mu_static.as_ref()), 4),
-                number(predicted.map(|load| load.peak_pressure_mpa), 2),
-                report.confirmed.get(row).map_or("-", |load| &load.status).to_owned(),
-            ]
-        })
-        .collect();
-    let header = "P in MPa,target,predicted,change of predicted for vanishing blocks,confirmed,change of confirmed for vanishing \
-                  blocks,mu,mu flat,mu static,peak in MPa,status";
-    let (header, rows, status) = told(&header.split(',').collect::<Vec<_>>(), &rows);
+/// What is expected at every load, what limits it, and how it changes with the dimensions.
+fn expected(page: &mut Page, report: &DesignReport) {
+    let all = &report.sample.expected;
+    let has_several = all.iter().any(|at| !at.is_at_condition_of(&all[0]));
+    let has_tolerance = report.target.has_demands();
+    let mut header = vec!["P in MPa"];
+    header.extend(has_several.then_some("speed, humidity, direction"));
+    header.extend(has_tolerance.then_some("accepted"));
+    header.extend(["expected", "95 % of samples", "model alone"]);
     let quantity = if report.is_ratio() { "ratio patterned over flat" } else { "dynamic friction coefficient" };
+    let row = |(row, at): (usize, &Expected)| {
+        let mut cells = vec![plain(at.pressure_mpa)];
+        cells.extend(has_several.then(|| at.condition_in_words()));
+        cells.extend(has_tolerance.then(|| at.target_in_words()));
+        let std = report.sample.modelled.get(row).map(|modelled| modelled.std / modelled.ratio);
+        let alone = model_alone(report, row);
+        cells.extend([
+            number(at.median, 3),
+            believed_interval([at.low_95, at.high_95]),
+            with_error(alone, alone.zip(std).map(|(alone, std)| alone * std), 3),
+        ]);
+        cells
+    };
     page.table(
         &format!(
-            "Target (or the band accepted), predicted and confirmed: {quantity}, dimensionless{}. After ±: of the target its \
-             tolerance; else {}. Changes for vanishing blocks: estimated, of the ratio. The peak is the \
-             largest local pressure of the steady cell, which grows as blocks shrink.{status}",
-            if report.discrepancy.is_some() { ", times what trials say that the model lacks" } else { "" },
-            report.errors.meaning.trim_start_matches("+-: "),
+            "{}, dimensionless. Expected: median of cut samples. Model alone: without what trials say, ± one standard deviation of what is \
+             not known of the material and of the computation.",
+            sentence(quantity).trim_end_matches('.')
+        ),
+        &header,
+        &all.iter().enumerate().map(row).collect::<Vec<_>>(),
+    );
+    if let Some(found) = &report.goal {
+        goal(page, found);
+    }
+    limited_by(page, report);
+    slopes(page, report);
+}
+
+/// What is reached of the goal.
+fn goal(page: &mut Page, goal: &GoalReport) {
+    let interval = goal.interval_95.map_or_else(String::new, |ends| format!(" (95 %: {})", believed_interval(ends)));
+    page.paragraph(&format!(
+        "Goal: the {} {}. Expected {}{interval}, model alone {}.",
+        if goal.goal == "even" { "least" } else { &goal.goal },
+        goal.of,
+        number(goal.expected, 4),
+        number(goal.modelled, 4)
+    ));
+}
+
+fn limited_by(page: &mut Page, report: &DesignReport) {
+    let last = report.target.pressure_mpa.len().saturating_sub(1);
+    let has_chance = report.sample.chance.is_some();
+    let mut header = vec!["input", "how well it is known", "standard deviation"];
+    header.extend(has_chance.then_some("chance if it were known exactly"));
+    let rows: Vec<Vec<String>> = report
+        .sample
+        .limited_by
+        .iter()
+        .map(|limit| {
+            let mut cells =
+                vec![limit.input.clone(), micrometres(&limit.known_to), number(limit.std.get(last).copied(), 4)];
+            cells.extend(has_chance.then(|| chance_words(limit.chance_if_known)));
+            cells
+        })
+        .collect();
+    page.table(
+        &format!(
+            "What limits the prediction: the standard deviation of the ratio that each input alone gives at {} MPa.",
+            plain(report.target.pressure_mpa.get(last).copied())
         ),
         &header,
         &rows,
     );
-    page.fold("What the errors are made of", |page| uncertainty::errors(page, &report.errors));
-    if let Some(found) = &report.discrepancy {
-        uncertainty::discrepancy(page, found);
+}
+
+/// How what is expected changes with each dimension.
+fn slopes(page: &mut Page, report: &DesignReport) {
+    let mut header = vec!["P in MPa"];
+    header.extend(report.slopes.iter().map(|slope| slope.dimension.trim_end_matches("_um")));
+    let row = |(row, pressure_mpa): (usize, &f64)| {
+        let slopes = report.slopes.iter().map(|slope| number(slope.per_um.get(row).map(|per_um| 1e4 * per_um), 2));
+        std::iter::once(plain(*pressure_mpa)).chain(slopes).collect()
+    };
+    if !report.slopes.is_empty() {
+        page.table(
+            "Change of what is expected, in units of 0.0001, where one dimension grows by 1 µm and the others stay.",
+            &header,
+            &report.target.pressure_mpa.iter().enumerate().map(row).collect::<Vec<Vec<String>>>(),
+        );
     }
-    if let Some(found) = &report.conditions {
-        conditions::conditions(page, found);
+}
+
+/// Other samples worth cutting, and the trade-offs.
+fn others(page: &mut Page, report: &DesignReport, outputs: &Outputs) {
+    let ends = |at: Option<&Expected>| {
+        at.map_or_else(String::new, |at| {
+            format!("{} ({})", number(at.median, 3), believed_interval([at.low_95, at.high_95]))
+        })
+    };
+    let columns: [Column<SampleReport>; 6] = [
+        ("width / spacing / depth in µm", |of| of.design.lengths_in_words()),
+        ("planform", |of| of.design.planform.clone()),
+        ("chance", |of| of.chance.map_or_else(|| "-".to_owned(), chance_words)),
+        ("laser", |of| of.laser_s.map_or_else(|| "-".to_owned(), duration_in_words)),
+        ("learns (bits)", |of| number(of.information_bits, 2)),
+        ("share in %", |of| percent(of.design.areal_density, 1)),
+    ];
+    let mut header: Vec<&str> = columns.iter().map(|(name, _)| *name).collect();
+    header.extend(["expected at the first load (95 %)", "at the last"]);
+    let own = std::iter::once(&report.sample).filter(|_| !report.others.is_empty());
+    let row = |of: &SampleReport| {
+        let cells = columns.iter().map(|(_, cell)| cell(of));
+        cells.chain([ends(of.expected.first()), ends(of.expected.last())]).collect()
+    };
+    page.table(
+        "The design, and textures of other regions of the bounds that are worth cutting. Learns: how much measuring a sample would tell \
+         about how the model's error depends on the texture.",
+        &header,
+        &own.chain(&report.others).map(row).collect::<Vec<Vec<String>>>(),
+    );
+    if let Some(found) = &report.trade_offs {
+        trade_offs(page, found, outputs);
     }
-    if let Some(found) = &report.goal {
-        goal(page, found);
-    }
-    // A goal alone has no distance.
-    if wanted.has_demands() {
+    let table = &report.table;
+    if table.nodes > 0 {
         page.paragraph(&format!(
-            "Largest distance from the target in tolerances: {} predicted, {} confirmed; up to 1 is met.",
-            number(report.misfit.predicted, 2),
-            number(report.misfit.confirmed, 2)
+            "{} designs were compared by a table of the model over the bounds, seed {}. It has {} nodes, {} of them without an answer; at {} random \
+             designs its ratios are off by {} in the median and {} at most.",
+            report.compared,
+            report.seed,
+            table.nodes,
+            table.holes,
+            table.checked,
+            number(table.median_error, 4),
+            number(table.worst_error, 4),
         ));
     }
 }
 
-/// What became of the goal.
-fn goal(page: &mut Page, goal: &GoalReport) {
-    page.paragraph(&format!(
-        "Goal: the {} {}. Predicted {}, confirmed {}; highest less lowest value {} and {}.",
-        if goal.goal == "even" { "least" } else { &goal.goal },
-        goal.of,
-        with_error(goal.predicted, goal.predicted_std, 5),
-        with_error(goal.confirmed, goal.confirmed_std, 5),
-        number(goal.range_predicted, 4),
-        number(goal.range_confirmed, 4)
-    ));
+/// Designs that no other beats in every goal.
+fn trade_offs(page: &mut Page, found: &TradeOffsReport, outputs: &Outputs) {
+    page.subheading("Trade-offs");
+    page.picture_of(
+        outputs,
+        "trade-offs.svg",
+        "Designs by the goals that were compared; no other design beats one on the front in every goal",
+    );
+    page.paragraph(&format!("Of {} designs {} are not beaten by another in every goal.", found.designs, found.front));
+    let header: Vec<&str> = ["width in µm", "spacing in µm", "depth in µm"]
+        .into_iter()
+        .chain(found.words.iter().map(AsRef::as_ref))
+        .collect();
+    let row = |design: &PatternReport, goals: &[f64]| {
+        let lengths = [design.width_um, design.spacing_um, design.depth_um].map(length_in_words);
+        lengths.into_iter().chain(goals.iter().map(|goal| number(*goal, 2))).collect()
+    };
+    let rows: Vec<Vec<String>> = found.listed.iter().map(|listed| row(&listed.design, &listed.goals)).collect();
+    page.table("Some of the front, from one end to the other; trade-offs.csv has all.", &header, &rows);
 }
 
-/// Header and rows without the columns that say nothing at any pressure; the last, the status, in words where it
-/// is one.
-fn told<'a>(header: &[&'a str], rows: &[Vec<String>]) -> (Vec<&'a str>, Vec<Vec<String>>, String) {
-    let status = rows.first().and_then(|row| row.last()).filter(|&status| status != "-");
-    let status = status.filter(|&status| rows.iter().all(|row| row.last() == Some(status)));
-    let words = status.map_or_else(String::new, |status| format!(" Status at every pressure: {status}."));
-    let says = |&column: &usize| rows.iter().any(|row| row.get(column).is_some_and(|cell| cell != "-"));
-    let columns: Vec<usize> = (0..header.len() - usize::from(status.is_some())).filter(says).collect();
-    let rows = rows.iter().map(|row| columns.iter().filter_map(|&column| row.get(column).cloned()).collect());
-    (columns.iter().map(|&column| header[column]).collect(), rows.collect(), words)
-}
-
-/// What is accepted at a pressure.
-fn accepted(wanted: &TargetReport, row: usize) -> String {
-    if let Some(value) = &wanted.value {
-        let tolerance = match &wanted.tolerance {
-            Some(Tolerance::One(one)) => Some(*one),
-            Some(Tolerance::Each(each)) => each.get(row).copied(),
-            None => None,
-        };
-        return format!("{} ± {}", plain(value.get(row).copied()), plain(tolerance));
-    }
-    let edge = |edges: &[Option<f64>]| known(edges.get(row).copied().flatten());
-    match (edge(&wanted.lowest), edge(&wanted.highest)) {
-        (Some(lowest), Some(highest)) => format!("{} to {}", number(lowest, 4), number(highest, 4)),
-        (Some(lowest), None) => format!("at least {}", number(lowest, 4)),
-        (None, Some(highest)) => format!("at most {}", number(highest, 4)),
-        (None, None) => "-".to_owned(),
-    }
+/// What the confirming run found at the target's pressures.
+fn confirmed(page: &mut Page, report: &DesignReport) {
+    let columns: [Column<LoadReport>; 9] = [
+        ("P in MPa", |load| plain(load.pressure_mpa)),
+        ("ratio", |load| with_error(load.ratio, load.ratio_stderr, 4)),
+        ("change for vanishing blocks", |load| number(load.ratio_discretization_error, 4)),
+        ("mu", |load| with_error(load.mu_dynamic, load.mu_dynamic_stderr, 4)),
+        ("mu flat", |load| with_error(load.mu_flat, load.mu_flat_stderr, 4)),
+        ("mu static", |load| number(load.mu_static, 4)),
+        ("mu static, flat", |load| number(load.mu_flat_static, 4)),
+        ("peak in MPa", |load| number(load.peak_pressure_mpa, 2)),
+        ("status", |load| load.status.to_string()),
+    ];
+    let says = |column: &&Column<LoadReport>| report.confirmed.iter().any(|load| column.1(load) != "-");
+    let columns: Vec<Column<LoadReport>> = columns.iter().filter(says).copied().collect();
+    page.records(
+        &format!(
+            "The model alone, {}: dimensionless, ± one standard error. The peak is the largest local pressure, which grows as blocks shrink.",
+            report.confirmation()
+        ),
+        &report.confirmed,
+        &columns,
+    );
 }
 
 /// The pictures whose names begin with `prefix`, by load.
@@ -242,108 +260,6 @@ fn pictures(page: &mut Page, outputs: &Outputs, heading: &str, prefix: &str, wha
         return;
     }
     page.fold(heading, |page| page.pictures(named.iter().map(|(svg, caption)| (svg.as_str(), caption.as_str()))));
-}
-
-fn search(page: &mut Page, report: &DesignReport) {
-    page.paragraph(&format!(
-        "{} designs evaluated in {}, {} that could not be computed, seed {}.",
-        report.evaluations,
-        match report.rounds {
-            1 => "one search".to_owned(),
-            rounds => format!("{rounds} searches, each corrected by what was solved of the design before it"),
-        },
-        report.failed_trials,
-        report.seed
-    ));
-    let tried = report
-        .reachable_among
-        .map_or_else(|| "designs tried".to_owned(), |count| format!("{count} designs solved in space"));
-    page.records(
-        &format!("Lowest and highest value among the {tried} that respect every constraint."),
-        &report.reachable,
-        &[
-            ("P in MPa", |range| plain(range.pressure_mpa)),
-            ("lowest", |range| with_error(range.lowest, range.lowest_std, 4)),
-            ("highest", |range| with_error(range.highest, range.highest_std, 4)),
-        ],
-    );
-    page.records(
-        "Other designs that meet the target by the search's model.",
-        &report.alternatives,
-        &[
-            ("width in µm", |other| length_in_words(other.width_um)),
-            ("spacing in µm", |other| length_in_words(other.spacing_um)),
-            ("depth in µm", |other| length_in_words(other.depth_um)),
-            ("share in %", |other| percent(other.areal_density, 2)),
-        ],
-    );
-    if let Some(found) = &report.table {
-        table(page, found, report.laser.bursts_per_pass().is_some());
-    }
-    background::history(page, &report.history);
-}
-
-/// Which limits and bounds keep designs from the target, where it is out of reach.
-fn why(page: &mut Page, explanation: &ExplanationReport) {
-    page.subheading("Why the target is out of reach");
-    page.records(
-        "Limits and bounds that bind, by the search's model: each relaxed alone, and what the target is then.",
-        &explanation.binding,
-        &[
-            ("limit or bound", |relief| relief.what.clone()),
-            ("now", |relief| plain(relief.limit)),
-            ("relaxed to", |relief| if relief.suffices { plain(relief.relaxed) } else { number(relief.relaxed, 3) }),
-            ("unit", |relief| relief.unit.to_string()),
-            ("target", |relief| {
-                if relief.suffices {
-                    return "met".to_owned();
-                }
-                format!("missed by {} tolerances", number(relief.nearest.misfit, 2))
-            }),
-            ("design (width / spacing / depth in µm)", |relief| lengths(&relief.nearest.design)),
-        ],
-    );
-    if explanation.binding.is_empty() {
-        page.paragraph("No single limit or bound is the reason: relaxing each alone brings no design nearer.");
-    }
-    if let Some(together) = &explanation.together {
-        page.paragraph(&format!(
-            "With all of them relaxed together the nearest design, {} µm, misses by {} tolerances.",
-            lengths(&together.design),
-            number(together.misfit, 2)
-        ));
-    }
-}
-
-/// Width, spacing and depth of a design, in micrometres.
-pub(super) fn three_lengths(design: &PatternReport) -> [String; 3] {
-    [design.width_um, design.spacing_um, design.depth_um].map(length_in_words)
-}
-
-/// The same in one cell.
-pub(super) fn lengths(design: &PatternReport) -> String {
-    three_lengths(design).join(" / ")
-}
-
-/// What a table of designs says of the one found.
-fn table(page: &mut Page, table: &TableReport, has_passes: bool) {
-    let verdict = match (table.by_chance, table.confirms_search) {
-        (true, _) => "The design found was not chosen by its misfit alone",
-        (false, true) => "None is better than the design found",
-        (false, false) => "One is better than the design found",
-    };
-    page.paragraph(&format!(
-        "Table of {} designs (table.csv; whole blocks and {}): {} respect every limit, {} of them do what is demanded. {verdict}. \
-         The design found has a cost of {}; the best of the table, {} µm, has {}. Cost is the largest misfit in \
-         tolerances, or the goal in per cent.",
-        table.designs,
-        if has_passes { "passes" } else { "bursts" },
-        table.feasible,
-        table.meeting,
-        number(table.found_cost, 3),
-        lengths(&table.best.design),
-        number(table.best.cost, 3),
-    ));
 }
 
 fn material(page: &mut Page, report: &DesignReport, outputs: &Outputs, (area_law, loads): (Option<&AreaLaw>, &[Load])) {

@@ -6,10 +6,13 @@
   const all = name => [...root.querySelectorAll(`[data-${name}]`)];
 
   // Response surfaces: tensor products of cubic B-splines in the logarithms of width, spacing and depth.
-  const unpack = packed => {
-    const bytes = Uint8Array.from(atob(packed.codes), letter => letter.charCodeAt(0));
-    const codes = new DataView(bytes.buffer), found = new Float64Array(bytes.length / 2);
-    for (let k = 0; k < found.length; k++) found[k] = packed.from + (packed.to - packed.from) * codes.getUint16(2 * k, true) / 65535;
+  const unpack = ({ outputs }) => {
+    let found = null;
+    outputs.forEach(({ from, to, codes }, place) => {
+      const bytes = Uint8Array.from(atob(codes), letter => letter.charCodeAt(0)), view = new DataView(bytes.buffer), length = bytes.length / 2;
+      found = found || new Float64Array(length * outputs.length);
+      for (let k = 0; k < length; k++) found[k * outputs.length + place] = from + (to - from) * view.getUint16(2 * k, true) / 65535;
+    });
     return found;
   };
   const count = nodes => nodes === 1 ? 1 : nodes + 2;
@@ -19,7 +22,8 @@
     const first = Math.min(Math.floor(place), axis.nodes - 2), t = place - first, s = 1 - t;
     return [first, [s * s * s / 6, (3 * t * t * t - 6 * t * t + 4) / 6, (-3 * t * t * t + 3 * t * t + 3 * t + 1) / 6, t * t * t / 6]];
   };
-  const surface = (coefficients, axes, outputs) => {
+  const surface = (packed, axes) => {
+    const coefficients = unpack(packed), outputs = packed.outputs.length;
     const rows = count(axes[1].nodes), columns = count(axes[2].nodes);
     const at = lengths => {
       const [[a, u], [b, v], [c, w]] = axes.map((axis, k) => weights(axis, lengths[k]));
@@ -52,111 +56,42 @@
     return { at, plane };
   };
   const axes = data.axes, loads = data.pressure_mpa.length;
-  const endless = surface(unpack(data.values), axes, loads), peakAndSag = surface(unpack(data.peak_and_sag), axes, 2);
-  const density = surface(unpack(data.areal_density), [axes[0], axes[1], { nodes: 1 }], 1);
-
-  // Rims of other heights: what they change is the polynomial through the heights that were solved (Lagrange), of every coefficient.
-  const rims = (() => {
-    if (!data.rim) return null;
-    const { factors, heights_um } = data.rim, nodes = [...factors, 1];
-    const made = (packed, outputs) => {
-      const all = packed.map(unpack), mixed = new Float64Array(all[0].length);
-      const mix = factor => {
-        mixed.fill(0);
-        all.forEach((own, n) => {
-          const weight = nodes.reduce((product, other, k) => k === n ? product : product * (factor - other) / (factors[n] - other), 1);
-          for (let k = 0; k < mixed.length; k++) mixed[k] += weight * own[k];
-        });
-      };
-      return { mix, ...surface(mixed, data.rim.axes, outputs) };
-    };
-    const values = made(data.rim.values, loads), peakAndSag = made(data.rim.peak_and_sag, 2);
-    const height = depth => {
-      const after = heights_um.findIndex(([at]) => at > depth);
-      if (after === 0) return heights_um[0][1];
-      if (after < 0) return heights_um[heights_um.length - 1][1];
-      const [[d0, h0], [d1, h1]] = heights_um.slice(after - 1, after + 1);
-      return h0 + (h1 - h0) * (depth - d0) / (d1 - d0);
-    };
-    return { factor: 1, least: factors[0], most: factors[factors.length - 1], values, peakAndSag, height };
-  })();
+  // Medians at every load of every condition; the ends of 95 % of samples at the loads of the first; ln(p / (1 - p)) of the chance p; ln of the
+  // largest pressure, least height of a ceiling, share of the face, and seconds under the laser.
+  const medians = surface(data.medians, axes), lower = surface(data.lower, axes), upper = surface(data.upper, axes);
+  const logOdds = surface(data.log_odds, axes), beside = surface(data.beside, axes);
+  const all_loads = data.medians.outputs.length, BESIDE = data.beside.outputs.length;
   // Nodes without an answer are corners of cells without one; lengths of nodes are rounded.
-  const unanswered = new Set(data.unanswered);
+  const holes = new Uint8Array(axes.reduce((product, axis) => product * axis.nodes, 1));
+  for (const place of data.holes) holes[place] = 1;
   const around = (axis, length) => {
     if (axis.nodes === 1) return [0, 0];
     const place = Math.min(Math.max(Math.log(length / axis.from) / Math.log(axis.to / axis.from), 0), 1) * (axis.nodes - 1);
     return [Math.floor(place + 1e-9), Math.ceil(place - 1e-9)];
   };
-  const isUnanswered = at => {
-    if (unanswered.size === 0) return false;
-    const [a, b, c] = axes.map((axis, k) => around(axis, at[k]));
+  const isBesideHole = ([a, b, c]) => {
     for (let i = a[0]; i <= a[1]; i++) for (let j = b[0]; j <= b[1]; j++) for (let k = c[0]; k <= c[1]; k++)
-      if (unanswered.has((i * axes[1].nodes + j) * axes[2].nodes + k)) return true;
+      if (holes[(i * axes[1].nodes + j) * axes[2].nodes + k]) return true;
     return false;
   };
-  // Why a design whose ceilings come down by `sag` has no answer, in words; null where it has one.
-  const gapOf = (at, sag) => isUnanswered(at) ? data.unanswered_words : sag >= at[2] ? data.closed : null;
-  const sum = (one, other) => { for (let k = 0; k < one.length; k++) one[k] += other[k]; return one; };
-  const valuesAt = at => rims ? sum(endless.at(at), rims.values.at(at)) : endless.at(at);
-  // The logarithm of the largest pressure, and how far ceilings come down: where that is the depth, the cavity closes.
-  const besideAt = at => rims ? sum(peakAndSag.at(at), rims.peakAndSag.at(at)) : peakAndSag.at(at);
-
-  // The chance: draws of the errors of the design found, the same for every design.
-  const draws = (() => {
-    if (!data.covariance.length) return [];
-    const lower = data.covariance.map(() => new Array(loads).fill(0));
-    for (let i = 0; i < loads; i++) for (let j = 0; j <= i; j++) {
-      let sum = data.covariance[i][j];
-      for (let k = 0; k < j; k++) sum -= lower[i][k] * lower[j][k];
-      lower[i][j] = i === j ? Math.sqrt(Math.max(sum, 0)) : lower[j][j] > 0 ? sum / lower[j][j] : 0;
-    }
-    let state = 1;
-    const uniform = () => {
-      state = state + 0x6D2B79F5 | 0;
-      let mixed = Math.imul(state ^ state >>> 15, 1 | state);
-      mixed = mixed + Math.imul(mixed ^ mixed >>> 7, 61 | mixed) ^ mixed;
-      return ((mixed ^ mixed >>> 14) >>> 0) / 4294967296;
-    };
-    const normal = () => Math.sqrt(-2 * Math.log(1 - uniform())) * Math.cos(2 * Math.PI * uniform());
-    return Array.from({ length: 2000 }, () => {
-      const z = Array.from({ length: loads }, normal);
-      return lower.map(row => row.reduce((sum, entry, k) => sum + entry * z[k], 0));
-    });
-  })();
-  const isWithin = (value, load) => (data.lowest[load] === null || value >= data.lowest[load]) && (data.highest[load] === null || value <= data.highest[load]);
-  const chance = values => draws.length ? draws.filter(off => values.every((value, load) => isWithin(value + off[load], load))).length / draws.length : null;
+  // Why a design between these nodes with a ceiling of this height has no answer, in words; null where it has one.
+  const gapOf = (nodes, height) => isBesideHole(nodes) ? "the model finds no answer near this design" : height <= 0 ? "the cavity closes under the load: no answer" : null;
+  const isWithin = (value, load) => (data.lowest[load % loads] === null || value >= data.lowest[load % loads]) && (data.highest[load % loads] === null || value <= data.highest[load % loads]);
+  const chanceOf = odds => 1 / (1 + Math.exp(-odds));
 
   const round = (value, step) => Math.round(value / step) * step;
   const bursts = depth => data.burst_um ? Math.max(1, Math.round(depth / data.burst_um)) : null;
-  const steps = depth => data.burst_um ? bursts(depth) : depth;
-  // Seconds of a step in depth over the share of the face, straight between the widths of the table.
-  const stepSeconds = width => {
-    const { width_um, step_s } = data.laser;
-    const above = width_um.findIndex(own => own >= width), k = above < 0 ? width_um.length - 1 : Math.max(above, 1);
-    if (width_um.length === 1) return step_s[0];
-    const t = Math.min(Math.max((width - width_um[k - 1]) / (width_um[k] - width_um[k - 1]), 0), 1);
-    return step_s[k - 1] + t * (step_s[k] - step_s[k - 1]);
-  };
-  // What limits are about, of a design of which cavities are this share of a period.
-  const limited = (at, share, logPeak) => {
-    const face = share * data.face_over_period;
-    return { at, face, peak: Math.exp(logPeak), minutes: data.laser ? stepSeconds(at[0]) / 60 * face * steps(at[2]) : null };
-  };
   const describe = at => {
-    const values = valuesAt(at).map((value, load) => value + data.offset[load]), [logPeak, sag] = besideAt(at), gap = gapOf(at, sag);
-    const found = limited(at, density.at(at)[0], logPeak);
-    return { ...found, values, gap, peak: gap ? null : found.peak, chance: gap ? null : chance(values), bursts: bursts(at[2]) };
+    const [logPeak, height, face, seconds] = beside.at(at), values = medians.at(at);
+    return {
+      at, values, face, seconds, gap: gapOf(axes.map((axis, k) => around(axis, at[k])), height), peak: Math.exp(logPeak), chance: chanceOf(logOdds.at(at)[0]),
+      lower: lower.at(at), upper: upper.at(at), isOn: values.every(isWithin), bursts: bursts(at[2]),
+    };
   };
-  const broken = state => data.limits.filter(limit => {
-    const value = { peak: state.peak, land: state.at[1], spot: state.at[0], density: state.face, bearing: 1 - state.face, laser: state.minutes }[limit.kind];
-    return value !== null && (limit.is_most ? value > limit.bound * (1 + 1e-9) : value < limit.bound * (1 - 1e-9));
-  });
+  const LIMITED = { peak: own => own.peak, land: own => own.at[1], spot: own => own.at[0], density: own => own.face, bearing: own => 1 - own.face, laser: own => own.seconds };
+  const limits = data.limits.map(({ kind, words, bound, is_most }) => ({ words, of: LIMITED[kind], bound: bound * (is_most ? 1 + 1e-9 : 1 - 1e-9), is_most }));
+  const isBroken = (limit, state) => limit.is_most ? limit.of(state) > limit.bound : limit.of(state) < limit.bound;
   const hasTarget = [...data.lowest, ...data.highest].some(bound => bound !== null);
-  const misfit = values => Math.max(...values.map((value, load) => {
-    const low = data.lowest[load], high = data.highest[load];
-    if (low !== null && high !== null) return Math.abs(value - (low + high) / 2) / Math.max((high - low) / 2, 1e-12);
-    return low !== null ? (value >= low ? 0 : 2) : high !== null ? (value <= high ? 0 : 2) : 0;
-  }));
 
   // Controls.
   const STEPS = 1000;
@@ -177,20 +112,10 @@
     });
   }
   for (const field of all("number")) field.addEventListener("change", () => set(+field.dataset.number, parseFloat(field.value)));
-  const raise = factor => {
-    if (!Number.isFinite(factor)) return;
-    rims.factor = Math.min(Math.max(factor, rims.least), rims.most);
-    rims.values.mix(rims.factor);
-    rims.peakAndSag.mix(rims.factor);
-  };
-  if (rims) {
-    find("rim").addEventListener("input", event => { raise(+event.target.value); draw(); });
-    find("rim-height").addEventListener("change", event => { raise(parseFloat(event.target.value) / rims.height(state[2])); draw(); });
-  }
   const pressing = find("pressure");
   if (pressing) pressing.addEventListener("input", () => { pressure = +pressing.value; draw(); });
   for (const button of all("go")) button.addEventListener("click", () => { state = button.dataset.go.split(",").map(Number); draw(); });
-  find("reset").addEventListener("click", () => { state = data.design.slice(); if (rims) raise(1); draw(); });
+  find("reset").addEventListener("click", () => { state = data.design.slice(); draw(); });
 
   // A value at any pressure between those of the target, straight between them.
   const between = (values, at) => {
@@ -200,7 +125,7 @@
     const [from, to] = [data.pressure_mpa[k], data.pressure_mpa[k + 1]];
     return values[k] + (values[k + 1] - values[k]) * (at - from) / (to - from);
   };
-  const other = values => data.flat_mu ? values.map((value, load) => data.is_ratio ? value * data.flat_mu[load] : value / data.flat_mu[load]) : null;
+  const other = values => data.flat_mu.map((flat, load) => data.is_ratio ? values[load] * flat : values[load] / flat);
 
   // Pictures.
   const svg = (name, attributes, text) => {
@@ -218,9 +143,8 @@
   };
   const curve = shown => {
     const chart = find("curve"), [width, height, left, right, top, bottom] = [460, 300, 58, 14, 12, 44];
-    const std = data.covariance.map((row, load) => Math.sqrt(row[load]));
     const bounds = [...data.lowest, ...data.highest].filter(value => value !== null);
-    const values = [...shown.values.flatMap((value, load) => [Math.max(value - (std[load] || 0), 0), value + (std[load] || 0)]), ...bounds];
+    const values = [...shown.lower, ...shown.upper, ...shown.values.slice(0, loads), ...bounds];
     let [low, high] = [Math.min(...values), Math.max(...values)];
     const room = Math.max(0.08 * (high - low), 0.005);
     [low, high] = [low - room, high + room];
@@ -238,19 +162,19 @@
       const [from, to] = [data.lowest[load] ?? low, data.highest[load] ?? high];
       if (data.lowest[load] === null && data.highest[load] === null) return;
       const half = loads > 1 ? 9 : x(p + wide) - x(p);
-      parts.push(svg("rect", { x: x(p) - half, y: y(to), width: 2 * half, height: Math.max(y(from) - y(to), 1), fill: "#0072b2", opacity: 0.25 }));
+      parts.push(svg("rect", { x: x(p) - half, y: y(to), width: 2 * half, height: Math.max(y(from) - y(to), 1), fill: "#009e73", opacity: 0.45 }));
     });
-    const points = sign => data.pressure_mpa.map((p, load) => [p, Math.max(shown.values[load] + sign * (std[load] || 0), 0)]);
+    const points = values => data.pressure_mpa.map((p, load) => [p, values[load]]);
     // One pressure has a bar where several have a band.
-    if (std.length && loads === 1 && !shown.gap) parts.push(svg("path", { "data-band": "", d: `M${x(data.pressure_mpa[0])} ${y(Math.max(shown.values[0] - std[0], 0))}V${y(shown.values[0] + std[0])}`, stroke: "#d55e00", "stroke-width": 6, opacity: 0.4 }));
-    if (std.length && loads > 1 && !shown.gap) parts.push(svg("path", { d: line(points(1)) + line(points(-1).reverse()).replace("M", "L") + "z", fill: "#d55e00", opacity: 0.15 }));
+    if (loads === 1 && !shown.gap) parts.push(svg("path", { "data-band": "", d: `M${x(data.pressure_mpa[0])} ${y(shown.lower[0])}V${y(shown.upper[0])}`, stroke: "#d55e00", "stroke-width": 6, opacity: 0.4 }));
+    if (loads > 1 && !shown.gap) parts.push(svg("path", { "data-band": "", d: line(points(shown.upper)) + line(points(shown.lower).reverse()).replace("M", "L") + "z", fill: "#d55e00", opacity: 0.15 }));
     if (shown.gap) {
       parts.push(svg("text", { x: (left + width - right) / 2, y: (top + height - bottom) / 2, "text-anchor": "middle" }, shown.gap));
       chart.replaceChildren(...parts);
       return;
     }
-    parts.push(svg("path", { d: line(points(0)), fill: "none", stroke: "#b34700", "stroke-width": 2 }));
-    for (const [p, v] of points(0)) parts.push(svg("circle", { cx: x(p), cy: y(v), r: 4, fill: "#b34700" }));
+    parts.push(svg("path", { d: line(points(shown.values)), fill: "none", stroke: "#b34700", "stroke-width": 2 }));
+    for (const [p, v] of points(shown.values)) parts.push(svg("circle", { cx: x(p), cy: y(v), r: 4, fill: "#b34700" }));
     if (loads > 1) parts.push(svg("path", { d: `M${x(pressure)} ${top}V${height - bottom}`, stroke: "#444", "stroke-dasharray": "4 3" }));
     chart.replaceChildren(...parts);
   };
@@ -274,47 +198,58 @@
   let plane = free.slice(0, 2), mapped = "";
   const lengthAt = (k, share) => axes[k].from * (axes[k].to / axes[k].from) ** share;
   const shareAt = (k, length) => Math.log(length / axes[k].from) / Math.log(axes[k].to / axes[k].from);
-  const colours = new Map();
-  const colour = (off, isBroken) => {
-    const level = off <= 1 ? 0 : 1 + Math.round(24 * Math.min(Math.log2(off) / 5, 1)), key = 2 * level + isBroken;
-    if (!colours.has(key)) {
-      const light = (level - 1) / 24, grey = isBroken ? 0.35 : 1;
-      const rgb = level === 0 ? (isBroken ? [159, 197, 180] : [0, 158, 115]) : [120, 150, 190].map(own => 245 - (245 - own) * (1 - light) * grey);
-      // Red first in memory, the least byte of a number.
-      const packed = dark => rgb.reduce((sum, own, place) => sum | Math.round(own * dark) << 8 * place, 0xff000000) >>> 0;
-      colours.set(key, [packed(1), packed(isBroken ? 0.6 : 1)]);
-    }
-    return colours.get(key);
-  };
+  // Shades of what is expected on target, and of all else; red first in memory, the least byte of a number.
+  const LEVELS = 24, DARK = { on: [0, 105, 72], off: [96, 124, 160] }, LIGHT = { on: [196, 232, 216], off: [245, 246, 247] };
+  const shade = (rgb, dark) => rgb.reduce((sum, own, place) => sum | Math.round(own * dark) << 8 * place, 0xff000000) >>> 0;
+  const shades = kind => Array.from({ length: LEVELS + 1 }, (_, level) => {
+    const rgb = LIGHT[kind].map((light, place) => light + (DARK[kind][place] - light) * level / LEVELS);
+    return [shade(rgb, 1), shade(rgb, 0.6)];
+  });
+  const colours = { on: shades("on"), off: shades("off") };
+  const chanceInWords = chance => chance < 0.005 ? "less than 1 %" : chance > 0.995 ? "more than 99 %" : `${fixed(100 * chance, 0)} %`;
   let image = null;
   const drawMap = () => {
     const [h, v] = plane, hidden = free.find(k => k !== h && k !== v);
-    const key = `${plane} ${hidden === undefined ? "" : state[hidden]} ${hasTarget ? "" : pressure} ${rims ? rims.factor : ""}`;
+    const key = `${plane} ${hidden === undefined ? "" : state[hidden]} ${hasTarget ? "" : pressure}`;
     if (key !== mapped) {
       mapped = key;
+      const cells = COLUMNS * ROWS;
       const hs = Array.from({ length: COLUMNS }, (_, column) => lengthAt(h, (column + 0.5) / COLUMNS));
       const vs = Array.from({ length: ROWS }, (_, row) => lengthAt(v, 1 - (row + 0.5) / ROWS));
-      const values = endless.plane(state, h, v, hs, vs), beside = peakAndSag.plane(state, h, v, hs, vs);
-      if (rims && rims.factor !== 1) {
-        sum(values, rims.values.plane(state, h, v, hs, vs));
-        sum(beside, rims.peakAndSag.plane(state, h, v, hs, vs));
-      }
-      const side = [h, v].includes(2) ? null : density.plane(state, h, v, hs, vs);
+      const [values, sides] = [medians, beside].map(own => own.plane(state, h, v, hs, vs));
+      const odds = hasTarget ? logOdds.plane(state, h, v, hs, vs) : null;
       image = context.createImageData(map.width, map.height);
-      // Without a target: how low the value is at the pressure chosen, among those of the map.
-      const rank = [];
-      const at = state.slice(), to = cell => { [at[h], at[v]] = [hs[cell % COLUMNS], vs[Math.floor(cell / COLUMNS)]]; return at; };
-      const gaps = Array.from({ length: COLUMNS * ROWS }, (_, cell) => gapOf(to(cell), beside[2 * cell + 1])), told = new Set(gaps.filter(gap => gap));
+      const at = state.slice(), nodes = axes.map((axis, k) => around(axis, state[k])), told = new Set();
+      const [columns, rows] = [[h, hs], [v, vs]].map(([k, lengths]) => lengths.map(length => around(axes[k], length)));
+      const gaps = Array.from({ length: cells }, (_, cell) => {
+        [nodes[h], nodes[v]] = [columns[cell % COLUMNS], rows[Math.floor(cell / COLUMNS)]];
+        return gapOf(nodes, sides[BESIDE * cell + 1]);
+      });
+      for (const gap of gaps) if (gap) told.add(gap);
       find("closed-words").textContent = told.size ? `. White: ${[...told].join("; ")}` : "";
-      if (!hasTarget) for (let cell = 0; cell < COLUMNS * ROWS; cell++) rank.push(gaps[cell] ? NaN : between(Array.from({ length: loads }, (_, load) => values[cell * loads + load]), pressure));
-      const [least, most] = rank.reduce(([a, b], own) => Number.isNaN(own) ? [a, b] : [Math.min(a, own), Math.max(b, own)], [Infinity, -Infinity]);
-      const pixels = new Uint32Array(image.data.buffer), own = new Array(loads), wide = map.width / COLUMNS;
+      // The chance, or without a target how low the value is at the pressure chosen.
+      const own = new Array(loads), rank = new Float64Array(cells);
+      let [least, most] = [Infinity, -Infinity];
+      for (let cell = 0; cell < cells; cell++) {
+        if (gaps[cell]) continue;
+        if (hasTarget) rank[cell] = odds[cell]; else {
+          for (let load = 0; load < loads; load++) own[load] = values[cell * all_loads + load];
+          rank[cell] = -between(own, pressure);
+        }
+        least = Math.min(least, rank[cell]);
+        most = Math.max(most, rank[cell]);
+      }
+      const scale = find("scale");
+      if (scale) scale.textContent = most >= least ? `from ${chanceInWords(chanceOf(least))} to ${chanceInWords(chanceOf(most))}` : "no design here has an answer";
+      const pixels = new Uint32Array(image.data.buffer), wide = map.width / COLUMNS, side = { at };
       for (let row = 0; row < ROWS; row++) for (let column = 0; column < COLUMNS; column++) {
-        const cell = row * COLUMNS + column;
-        to(cell);
-        for (let load = 0; load < loads; load++) own[load] = values[cell * loads + load] + data.offset[load];
-        const isBroken = broken(limited(at, side ? side[cell] : density.at(at)[0], beside[2 * cell])).length > 0;
-        const [plain, hatch] = gaps[cell] ? [0xffffffff, 0xffffffff] : colour(hasTarget ? misfit(own) : 2 ** (0.1 + 4.9 * (rank[cell] - least) / Math.max(most - least, 1e-9)), isBroken);
+        const cell = row * COLUMNS + column, from = BESIDE * cell;
+        [at[h], at[v]] = [hs[column], vs[row]];
+        [side.peak, side.face, side.seconds] = [Math.exp(sides[from]), sides[from + 2], sides[from + 3]];
+        let isOn = hasTarget;
+        for (let load = 0; isOn && load < all_loads; load++) isOn = isWithin(values[cell * all_loads + load], load);
+        const tones = colours[isOn ? "on" : "off"][Math.round(LEVELS * (rank[cell] - least) / Math.max(most - least, 1e-9))];
+        const [plain, dark] = gaps[cell] ? [0xffffffff, 0xffffffff] : tones, hatch = limits.some(limit => isBroken(limit, side)) ? dark : plain;
         for (let y = row * wide; y < (row + 1) * wide; y++) for (let x = column * wide; x < (column + 1) * wide; x++) {
           pixels[y * map.width + x] = (x + y) % 8 === 0 ? hatch : plain;
         }
@@ -349,38 +284,29 @@
   // Readings.
   const fixed = (value, digits) => value === null || value === undefined || !Number.isFinite(value) ? "-" : value.toFixed(digits);
   // Seconds, from ten minutes on minutes, as on the rest of the page.
-  const duration = minutes => {
-    if (minutes === null || !Number.isFinite(minutes)) return "-";
-    const seconds = 60 * minutes;
-    if (seconds >= 599.5) return `${fixed(minutes, 1)} min`;
-    return `${fixed(seconds, seconds < 0.995 ? 2 : seconds < 99.95 ? 1 : 0)} s`;
-  };
+  const duration = seconds => seconds >= 599.5 ? `${fixed(seconds / 60, 1)} min` : `${fixed(seconds, seconds < 0.995 ? 2 : seconds < 99.95 ? 1 : 0)} s`;
   const draw = () => {
-    const shown = describe(state), second = other(shown.values), limits = broken(shown), known = shown.gap ? null : shown;
+    const shown = describe(state), isKnown = shown.gap === null;
     for (const slider of all("slider")) slider.value = toStep(axes[+slider.dataset.slider], state[+slider.dataset.slider]);
     for (const field of all("number")) field.value = fixed(state[+field.dataset.number], 1);
     if (pressing) pressing.value = pressure;
-    if (rims) {
-      find("rim").value = rims.factor;
-      find("rim-height").value = fixed(rims.factor * rims.height(state[2]), 3);
-    }
     const say = (name, text) => { const place = find(name); if (place) place.textContent = text; };
-    say("rim-words", rims ? `${fixed(rims.factor, 2)} times as high as modelled at this depth` : "");
+    const value = (name, text) => say(name, isKnown ? text() : "-");
     say("at", `${fixed(pressure, 2)} MPa`);
-    say("first", fixed(known && between(shown.values, pressure), 4));
-    say("second", fixed(known && second && between(second, pressure), 4));
-    say("chance", shown.gap ? "-" : shown.chance === null ? data.no_chance : `${fixed(100 * shown.chance, 0)} %`);
-    say("peak", fixed(shown.peak, 1));
+    value("first", () => fixed(between(shown.values, pressure), 3));
+    value("interval", () => `${fixed(between(shown.lower, pressure), 3)} to ${fixed(between(shown.upper, pressure), 3)}`);
+    value("second", () => fixed(between(other(shown.values), pressure), 3));
+    value("chance", () => chanceInWords(shown.chance));
+    value("peak", () => fixed(shown.peak, 1));
     say("density", fixed(100 * shown.face, 1));
     const cut = shown.bursts === null ? "-" : `${fixed(shown.bursts * data.burst_um, 1)} µm`;
     say("bursts", data.has_passes || shown.bursts === null ? cut : `${shown.bursts} (${cut})`);
-    say("laser-time", duration(shown.minutes));
-    const on = misfit(shown.values) <= 1;
-    const words = limits.map(limit => limit.words);
-    const aimed = shown.gap ? [shown.gap.replace(/^t/, "T")] : hasTarget ? [on ? "On target by the model" : "Off target"] : [], breaks = words.length ? [`breaks ${words.join(", ")}`] : [];
+    say("laser-time", duration(shown.seconds));
+    const words = isKnown ? limits.filter(limit => isBroken(limit, shown)).map(limit => limit.words) : [];
+    const aimed = shown.gap ? [shown.gap.replace(/^t/, "T")] : hasTarget ? [shown.isOn ? "Expected on target" : "Not expected on target"] : [], breaks = words.length ? [`breaks ${words.join(", ")}`] : [];
     say("verdict", [...aimed, ...breaks].join("; "));
-    root.dataset.values = JSON.stringify(shown.values);
-    root.dataset.closed = shown.gap !== null;
+    root.dataset.values = JSON.stringify(shown.values.slice(0, loads));
+    root.dataset.chance = shown.chance;
     curve(shown);
     section(state);
     if (free.length > 1) drawMap();
@@ -392,10 +318,6 @@
     let place = "";
     copied.value = data.toml.split("\n").map(line => {
       if (line.startsWith("[")) place = line;
-      if (rims && place === "[pattern]" && /^rim_heights?_um = /.test(line)) {
-        const pairs = data.rim.heights_um.map(([depth, height]) => `[${depth}, ${fixed(rims.factor * height, 4)}]`);
-        return line.startsWith("rim_height_um") ? `rim_height_um = ${fixed(rims.factor * data.rim.heights_um[0][1], 4)}` : `rim_heights_um = [${pairs.join(", ")}]`;
-      }
       const k = ["width_um", "spacing_um", "depth_um"].findIndex(key => place === "[pattern]" && line.startsWith(`${key} = `));
       return k < 0 ? line : `${line.split(" = ")[0]} = ${fixed(state[k], 3)}`;
     }).join("\n");
@@ -405,7 +327,7 @@
     if (navigator.clipboard) navigator.clipboard.writeText(copied.value).catch(() => {});
   });
   const named = find("limits");
-  if (named && data.limits.length) named.textContent = `: ${data.limits.map(limit => limit.words).join("; ")}`;
+  if (named && limits.length) named.textContent = `: ${limits.map(limit => limit.words).join("; ")}`;
   root.hidden = false;
   draw();
 })();

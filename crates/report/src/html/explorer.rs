@@ -1,4 +1,4 @@
-//! The explorer: sliders that ask a response surface for what any design within the bounds does.
+//! The explorer: sliders that interpolate what is expected of a sample of any design within the bounds.
 
 mod surfaces;
 
@@ -7,21 +7,19 @@ use serde::Serialize;
 use slipgrid_design::optimize::{Bound, Quantity};
 use slipgrid_design::records::TargetReport;
 use slipgrid_design::{ConstraintQuantity, DesignOutcome, DesignReport, DesignTask, Explored, Explorer, KnownMaterial};
-use slipgrid_export::laser_time_s;
 use slipgrid_pattern::Pattern;
 use slipgrid_results::{PatternReport, VERSION};
-use slipgrid_statistics::Axis;
 use slipgrid_units::LENGTH_UM;
 
-use self::surfaces::{AxisData, LENGTHS, Packed, RimData, axes_data};
+use self::surfaces::{AxisData, LENGTHS, Packed, axes_data};
 use super::page::{Page, number, sentence};
 use super::points::{Among, Point};
 use crate::Outputs;
 
 const SCRIPT: &str = include_str!("explorer.js");
-/// What is said of a design whose cavities close, and of one near designs that the steady model cannot solve.
-const CLOSED: &str = "the cavity closes under the load: no answer";
-const UNANSWERED: &str = "the steady model finds no answer near this design";
+/// Outputs of what stands beside what is expected: the last are seconds under the laser.
+const BESIDE: usize = 4;
+
 /// A limit that the page can check.
 #[derive(Serialize)]
 struct LimitData {
@@ -31,72 +29,31 @@ struct LimitData {
     is_most: bool,
 }
 
-/// Widths at which the laser's time is computed, where the width is not fixed. Spots and lines are whole numbers: time has steps along the
-/// width, which lie where they are to one part in forty over a range of ten.
-const LASER_WIDTHS: usize = 96;
-
-/// The laser's time: that of a width times the share of the face times the steps in depth.
-#[derive(Serialize)]
-struct LaserData {
-    width_um: Vec<f64>,
-    /// At each width, the time that a step in depth takes over the share of the face that is cavity, in seconds.
-    step_s: Vec<f64>,
-}
-
-impl LaserData {
-    /// The time of cavities at the spacing and the depth of `pattern` on the task's specimen, where the task's laser has one.
-    fn new(task: &DesignTask, explorer: &Explorer, pattern: &Pattern) -> Option<Self> {
-        let [width_m, spacing_m, depth_m] = pattern.lengths_m();
-        let steps = match task.constraints.limits.depth_per_burst_m {
-            Some(burst_m) => (depth_m / burst_m).round().max(1.0),
-            None => LENGTH_UM.from_si(depth_m),
-        };
-        let Axis { from, to, nodes } = explorer.values.axes()[0];
-        let along = Axis { from, to, nodes: if nodes == 1 { 1 } else { LASER_WIDTHS } };
-        let mut widths: Vec<f64> = (0..along.nodes).map(|node| along.at(node)).collect();
-        // The time of the pattern itself is met exactly.
-        widths.push(LENGTH_UM.from_si(width_m));
-        widths.sort_by(f64::total_cmp);
-        widths.dedup();
-        let of_width = |width_um: f64| {
-            let made = Pattern::new(*pattern.texture(), LENGTH_UM.to_si(width_um), spacing_m, depth_m).ok()?;
-            let laid = task.specimen.layout(made).ok()?;
-            let step_s = laser_time_s(&laid, &task.laser)? / (laid.areal_density() * steps);
-            step_s.is_finite().then_some((width_um, step_s))
-        };
-        let (width_um, step_s): (Vec<f64>, Vec<f64>) = widths.into_iter().filter_map(of_width).unzip();
-        (!step_s.is_empty()).then_some(Self { width_um, step_s })
-    }
-}
-
 #[derive(Serialize)]
 struct Data {
     is_ratio: bool,
     axes: Vec<AxisData>,
     pressure_mpa: Vec<f64>,
+    /// What is accepted at each pressure.
     lowest: Vec<Option<f64>>,
     highest: Vec<Option<f64>>,
-    flat_mu: Option<Vec<f64>>,
-    values: Packed,
-    peak_and_sag: Packed,
-    rim: Option<RimData>,
-    areal_density: Packed,
-    /// Share of the specimen's face that is cavity over that of a period, by the design of the page: limits are about the
-    /// face.
-    face_over_period: f64,
-    offset: Vec<f64>,
-    covariance: Vec<Vec<f64>>,
-    /// Why there is neither a chance nor a band of errors, where there is none.
-    no_chance: Option<String>,
+    flat_mu: Vec<f64>,
+    /// At each load of each condition the median, the one designed for first.
+    medians: Packed,
+    /// At each load of the condition designed for the lower, then the upper ends of 95 % of samples.
+    lower: Packed,
+    upper: Packed,
+    /// ln(p / (1 - p)) of the chance p.
+    log_odds: Packed,
+    /// ln of the largest pressure in MPa, least height of a ceiling in micrometres, share of the face, seconds under the laser.
+    beside: Packed,
+    /// Nodes of the lattice without an answer.
+    holes: Vec<usize>,
     limits: Vec<LimitData>,
     burst_um: Option<f64>,
     /// Depths are whole passes over a hatch, and not bursts on a spot.
     has_passes: bool,
-    laser: Option<LaserData>,
-    closed: &'static str,
-    /// Nodes of the lattice without an answer.
-    unanswered: Vec<usize>,
-    unanswered_words: &'static str,
+    has_laser_time: bool,
     design: [f64; 3],
     points: Vec<Point>,
     toml: String,
@@ -121,8 +78,8 @@ struct Subject<'a> {
     explorer: &'a Explorer,
     /// The design found, where one was searched.
     report: Option<&'a DesignReport>,
-    /// Friction of the flat surface at each of the target's pressures, where nothing was confirmed.
-    flat_mu: Option<&'a [f64]>,
+    /// Friction of the flat surface at each of the target's pressures.
+    flat_mu: &'a [f64],
     /// A scene of the pattern.
     toml: String,
 }
@@ -144,7 +101,7 @@ impl Subject<'_> {
                 ConstraintQuantity::PeakPressure => ("peak", 1e6),
                 ConstraintQuantity::ArealDensity => ("density", 1.0),
                 ConstraintQuantity::BearingArea => ("bearing", 1.0),
-                ConstraintQuantity::LaserTime => ("laser", 60.0),
+                ConstraintQuantity::LaserTime => ("laser", 1.0),
                 _ => continue,
             };
             let bound = limit.bound.limit();
@@ -157,156 +114,71 @@ impl Subject<'_> {
         all
     }
 
-    /// Share of the specimen's face that is cavity over that of a period, of the pattern that the page is about.
-    fn face_over_period(&self) -> f64 {
-        let period = self.pattern.areal_density();
-        let face = match self.report {
-            Some(report) => Some(report.specimen_areal_density),
-            None => self.task.specimen.layout(*self.pattern).ok().map(|laid| laid.areal_density()),
-        };
-        face.map(|face| face / period).filter(|factor| factor.is_finite() && *factor > 0.0).unwrap_or(1.0)
-    }
-
-    /// Why no chance is known of the designs, where none is.
-    fn no_chance(&self) -> Option<String> {
-        if !self.explorer.covariance.is_empty() {
-            return None;
-        }
-        let Some(report) = self.report else {
-            return Some("not known: errors are drawn about a design that was found, by slipgrid optimize".to_owned());
-        };
-        let unknown = report.chance.as_ref().filter(|chance| chance.value.is_none());
-        let words = unknown.and_then(|chance| chance.words.strip_prefix("chance "));
-        Some(words.unwrap_or("not known: errors about the design found could not be drawn").to_owned())
-    }
-
     fn data(&self) -> Data {
-        let (task, explorer, pattern) = (self.task, self.explorer, self.pattern);
+        let (task, explorer) = (self.task, self.explorer);
         let target: TargetReport = (&task.target).into();
-        let count = target.pressure_mpa.len();
-        let edge = |edges: &[Option<f64>]| (0..count).map(|row| edges.get(row).copied().flatten()).collect();
-        let confirmed = self.report.map_or(&[][..], |report| &report.confirmed);
-        let flat_mu: Option<Vec<f64>> = confirmed.iter().map(|load| load.mu_flat).collect();
-        let face_over_period = self.face_over_period();
-        let flat_mu = self.flat_mu.map(<[f64]>::to_vec).or(flat_mu).filter(|all| all.len() == count);
+        let (count, loads) = (target.pressure_mpa.len(), explorer.expected.outputs() / 3);
         let among = Among {
             task,
             material: self.material,
             explorer,
-            flat_mu: flat_mu.as_deref(),
+            flat_mu: self.flat_mu,
             pressure_mpa: &target.pressure_mpa,
         };
         let points = among.points(self.report);
-        let own = PatternReport::from(pattern);
+        let own = PatternReport::from(self.pattern);
+        let design = [own.width_um, own.spacing_um, own.depth_um];
+        let of = |from: usize, count: usize| Packed::new(&explorer.expected, from..from + count);
         Data {
             is_ratio: task.target.quantity() == Quantity::Ratio,
-            axes: axes_data(&explorer.values),
-            lowest: edge(&target.lowest),
-            highest: edge(&target.highest),
+            axes: axes_data(&explorer.expected),
+            lowest: target.lowest,
+            highest: target.highest,
             pressure_mpa: target.pressure_mpa,
-            flat_mu,
-            values: Packed::new(&explorer.values),
-            peak_and_sag: Packed::new(&explorer.peak_and_sag),
-            rim: RimData::new(explorer, pattern),
-            areal_density: Packed::new(&explorer.areal_density),
-            face_over_period,
-            offset: explorer.offset.clone(),
-            covariance: explorer
-                .covariance
-                .iter()
-                .take(count)
-                .map(|row| row[..count.min(row.len())].to_vec())
-                .collect(),
-            no_chance: self.no_chance(),
+            flat_mu: self.flat_mu.to_vec(),
+            medians: of(0, loads),
+            lower: of(loads, count),
+            upper: of(2 * loads, count),
+            log_odds: Packed::new(&explorer.log_odds, 0..1),
+            beside: Packed::new(&explorer.beside, 0..BESIDE),
+            holes: explorer.holes.clone(),
             limits: self.limits(),
             burst_um: task.constraints.limits.depth_per_burst_m.map(|m| LENGTH_UM.from_si(m)),
             has_passes: task.laser.bursts_per_pass().is_some(),
-            laser: LaserData::new(task, explorer, pattern),
-            closed: CLOSED,
-            unanswered: explorer.unanswered.clone(),
-            unanswered_words: UNANSWERED,
-            design: [own.width_um, own.spacing_um, own.depth_um],
+            has_laser_time: explorer.beside.at(&design).last().is_some_and(|seconds| *seconds > 0.0),
+            design,
             points,
             toml: self.toml.clone(),
         }
     }
 
-    /// How far the surface is off, what it is compared with, and what is left out of that.
-    fn errors(&self, data: &Data) -> String {
-        let error = self.explorer.error;
-        let quantity = if data.is_ratio { "ratio" } else { "dynamic friction" };
-        let rims = data.rim.as_ref().map_or_else(String::new, |rim| {
-            format!(", their rims from {} to {} times as high as modelled", rim.ends()[0], rim.ends()[1])
-        });
-        if error.points == 0 {
-            return "No design drawn at random has an answer to compare it with.".to_owned();
-        }
-        let mut words = format!(
-            "At the pressures of the table its {quantity} is off that of the steady solver in the same blocks by {} in the median and {} at worst over {} \
-             designs drawn at random{rims}.",
-            number(error.median, 4),
-            number(error.worst, 4),
-            error.points,
-        );
-        if let Some(between) = error.between {
-            words += &format!(
-                " Between these pressures it draws straight lines, from which the solver's ratio is off by up to {} more.",
-                number(between, 4)
-            );
-        }
-        let confirmed = self.report.map_or(&[][..], |report| &report.confirmed);
-        let of_blocks =
-            confirmed.iter().filter_map(|load| load.ratio_discretization_error).map(f64::abs).reduce(f64::max);
-        let blocks = of_blocks.map_or_else(String::new, |blocks| {
-            format!(" (of the design found, blocks that vanish change the ratio by up to {})", number(blocks, 4))
-        });
-        words
-            + &format!(
-                " The size of blocks{blocks} and how cavities are laid on the specimen are not in these numbers."
+    /// What the page interpolates, and how far that is from what is predicted there.
+    fn words(&self) -> String {
+        let explorer = self.explorer;
+        let quantity = if self.task.target.quantity() == Quantity::Ratio { "ratio" } else { "friction" };
+        let several = !self.task.also_at.is_empty() || !self.task.directions.different_deg.is_empty();
+        let conditions =
+            if several { " The chance is one of all conditions; values are those of the first." } else { "" };
+        let error = if explorer.checked == 0 {
+            "No random design has an answer to compare the interpolation with.".to_owned()
+        } else {
+            format!(
+                "The expected {quantity} is interpolated; it is off by {} in the median and {} at most at {} random designs.",
+                number(explorer.median_error, 4),
+                number(explorer.worst_error, 4),
+                explorer.checked,
             )
+        };
+        format!("What is expected of a cut sample of any design within the bounds. {error}{conditions}")
     }
 
-    /// Adds what asks the surface.
+    /// Adds the sliders and what they show.
     fn add(&self, page: &mut Page) {
         let data = self.data();
         let Ok(json) = serde_json::to_string(&data) else { return };
         // Nothing in it may end the element that holds it.
         let json = json.replace("</", "<\\/").replace("<!--", "<\\u0021--");
-        let corrected = match (self.report.is_some(), &data.no_chance) {
-            (true, None) => {
-                "The pattern is taken as endless, corrected so that the design found has what was predicted of it. Error band and chance \
-                 take the errors of the design found: compare chances here with one another, not with the chance above."
-                    .to_owned()
-            }
-            (true, Some(reason)) => format!(
-                "The pattern is taken as endless, corrected so that the design found has what was predicted of it. There is neither a band \
-                 of errors nor a chance, which is {reason}."
-            ),
-            (false, _) => {
-                "The pattern is taken as endless; nothing was searched or confirmed in time, and no error of the material is drawn."
-                    .to_owned()
-            }
-        };
-        let which =
-            if self.report.is_some() || data.has_target() { "within the bounds" } else { "that the sliders reach" };
-        let errors = self.errors(&data);
-        let times = if self.task.discrepancy { ", times the median factor that trials add" } else { "" };
-        let words =
-            format!("What any design {which} would do, by a table of steady solutions{times}. {errors} {corrected}");
-        let words = if data.limits.iter().any(|limit| ["density", "bearing"].contains(&limit.kind)) {
-            let of = if self.report.is_some() { "the design found" } else { "the design in the middle of the bounds" };
-            let factor = number(data.face_over_period, 4);
-            words
-                + &format!(
-                    " Limits on shares are about the face of the specimen: they are judged by the share of a period times {factor}, which {of} has."
-                )
-        } else {
-            words
-        };
-        let is_all = self.task.also_at.is_empty() && self.task.directions.different_deg.is_empty();
-        let words =
-            if is_all { words } else { words + " Values and chance are those of the condition designed for alone." };
-        page.add(&html! { div class="screen" { h2 { "Explore" } p { (words) } (controls(&data)) } });
+        page.add(&html! { div class="screen" { h2 { "Explore" } p { (self.words()) } (controls(&data)) } });
         page.script(&format!(
             "<script type=\"application/json\" id=\"explorer-data\">{json}</script>\n<script>\n{SCRIPT}</script>"
         ));
@@ -318,13 +190,15 @@ pub(super) fn explorer(page: &mut Page, found: &DesignOutcome, outputs: &Outputs
     let Some(explorer) = &found.explorer else { return };
     let toml = outputs.text("scene.toml").unwrap_or_default();
     let (task, material, pattern) = (&found.task, &found.material, &found.pattern);
-    Subject { task, material, pattern, explorer, report: Some(&found.report), flat_mu: None, toml }.add(page);
+    let law = material.material.area_law.as_ref();
+    let flat_mu: Vec<f64> = found.loads.iter().map(|load| load.flat_mu(law)).collect();
+    Subject { task, material, pattern, explorer, report: Some(&found.report), flat_mu: &flat_mu, toml }.add(page);
 }
 
-/// The page of what a task's designs do, before any is searched; `toml` is a scene of the design in the middle.
+/// The page of what a task's designs do, before any is searched; `toml` is a scene of the design that the page begins with.
 #[must_use]
 pub fn exploration(found: &Explored, toml: String) -> String {
-    let Explored { task, material, pattern, explorer, flat_mu, .. } = found;
+    let Explored { task, material, pattern, explorer, flat_mu, trials, .. } = found;
     let mut page = Page::alone();
     page.title(&task.name);
     if let Some(date) = &task.date {
@@ -334,7 +208,12 @@ pub fn exploration(found: &Explored, toml: String) -> String {
         page.warning("The area law behind these numbers rests on a synthetic surface, not on a measured one.");
     }
     page.doubts(found.doubts().iter().map(|doubt| sentence(doubt)).collect());
-    Subject { task, material, pattern, explorer, report: None, flat_mu: Some(flat_mu), toml }.add(&mut page);
+    if *trials == 0 {
+        page.paragraph(
+            "No trial was measured: what is expected rests on the model and on what is believed of its error.",
+        );
+    }
+    Subject { task, material, pattern, explorer, report: None, flat_mu, toml }.add(&mut page);
     page.finish(&task.name, VERSION)
 }
 
@@ -347,7 +226,7 @@ fn listed(data: &Data) -> Markup {
             div class="scroll" {
                 table {
                     caption {
-                        "Lengths in µm." @if has_measured { " Measured: ratio patterned over flat; in brackets what this page draws there, or what was modelled of the sample." }
+                        "Lengths in µm." @if has_measured { " Measured: ratio patterned over flat; in brackets what is expected here, or what was modelled of the sample." }
                     }
                     thead {
                         tr { th scope="col" { "point" } @for name in LENGTHS { th scope="col" { (name) } } th scope="col" { "choose" } @if has_measured { th scope="col" class="words" { "measured" } } }
@@ -371,25 +250,20 @@ fn listed(data: &Data) -> Markup {
 fn controls(data: &Data) -> Markup {
     let free: Vec<usize> = (0..3).filter(|axis| data.axes[*axis].nodes > 1).collect();
     let pressures = &data.pressure_mpa;
-    let (first, second) = if data.is_ratio { ("ratio", "mu") } else { ("mu", "ratio") };
+    let (first, second) =
+        if data.is_ratio { ("expected ratio", "expected mu") } else { ("expected mu", "expected ratio") };
     let reading = |name: &str, place: &str, unit: &str| {
         html! { div { dt { (name) } dd { (PreEscaped(format!("<span data-{place}></span>"))) @if !unit.is_empty() { " " (unit) } } } }
     };
-    let (curve, of_curve, of_map) = if data.has_target() {
+    let (curve, of_map) = if data.has_target() {
         (
-            "Values against pressure with the target's band",
-            if data.no_chance.is_none() {
-                "Values against pressure: this design with one standard deviation, and the target's band"
-            } else {
-                "Values against pressure: this design, and the target's band"
-            },
-            "Where designs are on target; the sliders choose the same",
+            "Expected of a cut sample of this design against pressure, with 95 % of samples, and what is accepted",
+            "Chance that a sample is on target",
         )
     } else {
         (
-            "Values against pressure",
-            "Values against pressure of this design",
-            "How low values of designs are; the sliders choose the same",
+            "Expected of a cut sample of this design against pressure, with 95 % of samples",
+            "How low the expected values of designs are",
         )
     };
     let pairs = [(0, 1), (0, 2), (1, 2)].into_iter().filter(|(a, b)| free.contains(a) && free.contains(b));
@@ -404,14 +278,6 @@ fn controls(data: &Data) -> Markup {
                             aria-label=(format!("{} in µm, as a number", data.axes[*axis].name)) data-number=(axis);
                     }
                 }
-                @if let Some(rim) = &data.rim {
-                    div class="knob" {
-                        label for="x-rim" { "rim height in µm" }
-                        input id="x-rim" type="range" min=(rim.ends()[0]) max=(rim.ends()[1]) step="0.01" value="1" data-rim;
-                        input type="number" inputmode="decimal" step="0.01" min="0" aria-label="rim height in µm, as a number" data-rim-height;
-                        span data-rim-words {}
-                    }
-                }
                 @if pressures.len() > 1 {
                     div class="knob" {
                         label for="x-p" { "pressure in MPa" }
@@ -420,11 +286,11 @@ fn controls(data: &Data) -> Markup {
                     }
                 }
                 dl class="readings" {
-                    (reading(first, "first", "")) @if data.flat_mu.is_some() { (reading(second, "second", "")) }
-                    @if data.has_target() { (reading("chance on target by the steady model", "chance", "")) }
-                    (reading("peak pressure", "peak", "MPa")) (reading("cavities' share of the face", "density", "%"))
+                    @if data.has_target() { (reading("chance on target", "chance", "")) }
+                    (reading(first, "first", "")) (reading("95 % of samples", "interval", "")) (reading(second, "second", ""))
+                    (reading("largest pressure", "peak", "MPa")) (reading("cavities' share of the face", "density", "%"))
                     @if data.burst_um.is_some() { (reading(if data.has_passes { "depth, in whole passes" } else { "bursts (depth)" }, "bursts", "")) }
-                    @if data.laser.is_some() { (reading("laser time", "laser-time", "")) }
+                    @if data.has_laser_time { (reading("laser time", "laser-time", "")) }
                 }
                 p data-verdict aria-live="polite" {}
                 p { button type="button" data-reset { "Back to the start" } " " button type="button" data-copy { "Copy as a scene file" } }
@@ -433,7 +299,7 @@ fn controls(data: &Data) -> Markup {
             div class="views" {
                 div {
                     figure { div class="card" { svg data-curve viewBox="0 0 460 300" role="img" aria-label=(curve) font-family="sans-serif" font-size="15" fill="#333" {} }
-                        figcaption { (of_curve) } }
+                        figcaption { (curve) } }
                     figure { div class="card" { svg data-section viewBox="0 0 460 120" role="img" aria-label="Vertical section of two periods to scale" font-family="sans-serif" font-size="15" fill="#333" {} }
                         figcaption { "Vertical section of two periods of this design, both axes at one scale" } }
                 }
@@ -447,7 +313,9 @@ fn controls(data: &Data) -> Markup {
                                 }
                                 " "
                             }
-                            span data-across {} "; " span data-up {} @if data.has_target() { ". Green: on target" } @else { ". The darker, the lower" } @if !data.limits.is_empty() { ". Hatched: breaks a limit" span data-limits {} }
+                            span data-across {} "; " span data-up {}
+                            @if data.has_target() { ". The darker, the greater the chance: " span data-scale {} ". Green: expected on target" } @else { ". The darker, the lower" }
+                            @if !data.limits.is_empty() { ". Hatched: breaks a limit" span data-limits {} }
                             span data-closed-words {}
                             ". Diamond: where it started; orange: chosen here" @if data.shows("trade-off") { "; grey: trade-offs" } @if data.shows("trial") { "; purple squares: trials, cut and measured" } ". Click to choose."
                         }

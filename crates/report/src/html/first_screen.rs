@@ -1,32 +1,41 @@
-//! What is seen first: the chance, what to cut, what to know, the target and the pattern.
+//! What is seen first: what to do, what to cut, what is expected of a sample, what limits it, and what this rests on.
 
-use slipgrid_design::records::ChanceReport;
-use slipgrid_design::{AdviceReport, DesignOutcome, DesignReport};
-use slipgrid_export::laser_time_s;
-use slipgrid_results::{duration_in_words, length_in_words};
-use slipgrid_units::LENGTH_MM;
+use maud::html;
+use slipgrid_design::{DesignOutcome, DesignReport, LimitedBy, percent};
+use slipgrid_export::not_modelled;
+use slipgrid_results::{LoadReport, believed_interval, duration_in_words, length_in_words};
 
-use super::page::{Page, known, length_um, percent, plain, sentence};
+use super::page::{Page, Text, known, length_um, micrometres, number, percent as share, plain, sentence};
 use crate::Outputs;
-use crate::target::target_narrow;
+use crate::target::{flat_of, target_narrow};
 
-/// Class of a verdict that is no success.
-const MISSED: &str = "verdict missed";
+/// Limits that are drawn; the table below the first screen has all.
+const MAX_BARS: usize = 5;
+/// Standard deviation over the largest from which a limit is drawn.
+const MIN_BAR: f64 = 0.02;
+/// Rise of the chance from which it is worth saying.
+const MIN_GAIN: f64 = 0.02;
+/// Files that a person at the laser needs.
+const LASER_FILES: [&str; 4] = ["pattern.dxf", "pattern.svg", "pattern.csv", "process.toml"];
 
 /// The words of the page that a reader from another field may not know.
-const TERMS: [(&str, &str); 10] = [
+const TERMS: [(&str, &str); 11] = [
     (
         "chance",
-        "How likely a sample that is cut and measured lies within the tolerance at every pressure and condition.",
+        "The probability that a sample that is cut and measured lies within what is accepted, at all pressures and conditions at once.",
     ),
+    (
+        "expected",
+        "The median of cut samples: the model, corrected by what trials say, with everything that is not known exactly.",
+    ),
+    ("95 % of samples", "95 of 100 cut samples lie between these two values, 2 or 3 below and 2 or 3 above."),
+    ("model alone", "The physical model without anything learned from trials."),
     (
         "ratio",
         "Dynamic friction of the patterned surface over that of the flat one, both at the same nominal pressure.",
     ),
-    ("mu", "Dynamic coefficient of friction: friction force over normal force while sliding."),
     ("nominal pressure", "Normal force over the whole face of the specimen, cavities included."),
-    ("predicted", "By the steady model that the search asks: the equilibrium of sliding, without time."),
-    ("confirmed", "By a run in time of the design on its specimen."),
+    ("confirmed", "By a run of the model alone in time, of the design on its specimen."),
     ("areal density", "Share of the face that is cavity."),
     ("burst", "What the laser gives a spot at once: it removes a fixed depth."),
     ("pass", "One run of the laser over every line of a hatch."),
@@ -35,54 +44,69 @@ const TERMS: [(&str, &str); 10] = [
 
 /// The screen, of `report` and, where it is known, of what was `found`.
 pub(super) fn first_screen(page: &mut Page, report: &DesignReport, outputs: &Outputs, found: Option<&DesignOutcome>) {
-    page.side_by_side(
-        |page| {
-            verdict(page, report);
-            dimensions(page, report, found);
-            caveat(page, report);
-            page.terms(&TERMS);
-        },
-        |page| {
-            page.picture_of_both(outputs, "target.svg", target_narrow(report).ok(), target_caption(report));
-            let extents_mm = found.map(|found| found.task.specimen.outline.extents_m().map(|m| LENGTH_MM.from_si(m)));
-            let [along, across] = extents_mm.unwrap_or([0.0; 2]);
-            let words = format!("The specimen seen from above, {} mm by {} mm", plain(along), plain(across));
-            page.face_of(outputs, "pattern.svg", [along, across], &words);
-        },
-    );
+    page.block(if is_worth_cutting(report) { "decision" } else { "decision missed" }, |page| {
+        page.marked("headline", &sentence(&report.words));
+        if let Some(words) = expected_words(report) {
+            page.paragraph(&words);
+        }
+        if let Some(chance) = known(report.sample.chance) {
+            page.bar(chance);
+        }
+    });
+    page.block("first three", |page| {
+        page.block("cut", |page| to_cut(page, report, outputs, found));
+        page.block("plot", |page| {
+            if let Ok(svg) = target_narrow(report) {
+                page.picture(&svg, &plot_caption(report));
+            }
+        });
+        page.block("limits", |page| limits(page, report));
+    });
+    basis(page, report);
 }
 
-fn verdict(page: &mut Page, report: &DesignReport) {
-    if let Some(found) = &report.chance {
-        chance(page, found, report.advice.as_ref());
-    }
-    if let Some(advice) = &report.advice {
-        page.paragraph(&sentence(&advice.words));
-    }
-    let verdict = report.verdict();
-    let nearest = if verdict.shows_nearest { "; nearest design below" } else { "" };
-    page.marked(if verdict.is_met { "verdict" } else { MISSED }, &sentence(&format!("{}{nearest}", verdict.words)));
+/// Whether the advice is to cut something, or that something cut is on target.
+fn is_worth_cutting(report: &DesignReport) -> bool {
+    matches!(&*report.advice, "series" | "trial" | "trial_meets_it")
 }
 
-/// The chance that a cut sample is on target, first of all.
-fn chance(page: &mut Page, chance: &ChanceReport, advice: Option<&AdviceReport>) {
-    page.marked("chance", &sentence(&chance.announced(advice)));
-    if let Some(share) = known(chance.announced_value(advice)) {
-        page.bar(share);
-    }
-    if let Some(both) = chance.with_and_without_trials(advice) {
-        page.paragraph(&sentence(&both));
-    }
+/// What is expected at the last load of the target, in one sentence.
+fn expected_words(report: &DesignReport) -> Option<String> {
+    let at = report.sample.expected.get(last(report))?;
+    let quantity = if report.is_ratio() { "a ratio of" } else { "a friction coefficient of" };
+    let asked = match at.target_in_words().as_str() {
+        "-" => String::new(),
+        words => format!("; accepted: {words}"),
+    };
+    Some(format!(
+        "At {} MPa a cut sample is expected to have {quantity} {}; 95 % of samples: {}{asked}.",
+        plain(at.pressure_mpa),
+        number(at.median, 3),
+        believed_interval([at.low_95, at.high_95]),
+    ))
 }
 
-/// What to cut.
-fn dimensions(page: &mut Page, report: &DesignReport, found: Option<&DesignOutcome>) {
-    let design = &report.design;
+/// The last load at the condition designed for.
+fn last(report: &DesignReport) -> usize {
+    report.target.pressure_mpa.len().saturating_sub(1)
+}
+
+fn plot_caption(report: &DesignReport) -> String {
+    let several = report.sample.expected.len() > report.target.pressure_mpa.len();
+    let conditions = if several { "; conditions side by side, in the order of the table below" } else { "" };
+    format!("Friction of a cut sample against pressure{conditions}")
+}
+
+/// The texture, the exposure and the files.
+fn to_cut(page: &mut Page, report: &DesignReport, outputs: &Outputs, found: Option<&DesignOutcome>) {
+    let design = &report.sample.design;
     let mut rows: Vec<(&str, String)> = vec![("planform", design.planform.clone())];
     rows.extend(design.arrangement.iter().map(|arrangement| ("arrangement", arrangement.clone())));
     let sizes =
         [("width", design.width_um), ("spacing (gap between cavities)", design.spacing_um), ("depth", design.depth_um)];
-    rows.extend(sizes.into_iter().filter_map(|(name, um)| Some((name, format!("{} µm", length_in_words(known(um)?))))));
+    rows.extend(
+        sizes.into_iter().filter_map(|(name, um)| Some((name, format!("{}\u{a0}µm", length_in_words(known(um)?))))),
+    );
     let lengths = [
         ("length", "µm", design.length_um),
         ("spacing across", "µm", design.spacing_across_um),
@@ -100,48 +124,113 @@ fn dimensions(page: &mut Page, report: &DesignReport, found: Option<&DesignOutco
             .filter_map(|(name, unit, value)| Some((name, format!("{} {unit}", length_um(known(value)?))))),
     );
     rows.extend(design.rim.iter().map(|rim| ("rims, as assumed", rim.words())));
-    rows.push(("cavities' share of a period", format!("{} %", percent(design.areal_density, 2))));
-    rows.push(("of the specimen's face", format!("{} %", percent(report.specimen_areal_density, 2))));
+    rows.push(("cavities' share of the face", format!("{} %", share(report.specimen_areal_density, 1))));
+    let laid = found.and_then(|found| found.task.specimen.layout(found.pattern).ok());
+    rows.extend(laid.map(|laid| ("cavities on the specimen", laid.iter().count().to_string())));
     rows.extend(report.passes.map(|passes| ("passes over every line", passes.to_string())));
     if let Some(removal) = &report.removal {
-        let um = |depth_um: f64| format!("{} µm", length_in_words(depth_um));
-        rows.push(("one pass removes, in the middle of a cavity", um(removal.depth_per_pass_um)));
-        rows.push(("depth of all passes in the middle", um(removal.depth_um)));
-        rows.push(("on average, with the edges", um(removal.mean_depth_um)));
+        rows.push(("depth of all passes, on average", format!("{} µm", length_in_words(removal.mean_depth_um))));
     }
     let where_burst = if report.laser.is_mask() { "bursts per cavity" } else { "bursts per spot" };
     rows.extend(report.bursts.map(|bursts| (where_burst, bursts.to_string())));
-    if let Some(laid) = found.and_then(|found| found.task.specimen.layout(found.pattern).ok()) {
-        rows.push(("cavities on the specimen", laid.iter().count().to_string()));
-        let time_s = laser_time_s(&laid, &report.laser);
-        rows.extend(time_s.map(|seconds| ("time under the laser", duration_in_words(seconds))));
+    rows.extend(report.sample.laser_s.map(|seconds| ("time under the laser", duration_in_words(seconds))));
+    page.subheading(if is_worth_cutting(report) { "What to cut" } else { "The likeliest texture" });
+    page.outline(design);
+    page.facts("", &rows);
+    let files: Vec<&str> = outputs.names().into_iter().filter(|name| LASER_FILES.contains(name)).collect();
+    if !files.is_empty() {
+        page.add(&html! {
+            p class="files" { @for (place, file) in files.iter().enumerate() { @if place > 0 { " · " } a href=(file) { (file) } } }
+        });
     }
-    page.facts("What to cut", &rows);
 }
 
-/// What a reader should know of the numbers before anything is cut: what matters most, the rest folded.
-fn caveat(page: &mut Page, report: &DesignReport) {
-    let mut all: Vec<String> = Vec::new();
-    if report.material.synthetic_surface {
-        all.push("The area law behind these numbers rests on a synthetic surface, not on a measured one.".to_owned());
+/// What limits the chance as bars, what keeps a target out of reach, and what to do next.
+fn limits(page: &mut Page, report: &DesignReport) {
+    let row = last(report);
+    let std = |limit: &LimitedBy| limit.std.get(row).copied().filter(|std| std.is_finite()).unwrap_or(0.0);
+    let tolerance = report.sample.expected.get(row).and_then(|at| {
+        let half = 0.5 * (at.target_high? - at.target_low?);
+        Some(half / flat_of(report, row)?)
+    });
+    let largest = report.sample.limited_by.iter().map(std).fold(tolerance.unwrap_or(0.0), f64::max);
+    let mut shown: Vec<&LimitedBy> =
+        report.sample.limited_by.iter().filter(|limit| std(limit) >= MIN_BAR * largest).collect();
+    shown.sort_by(|a, b| std(b).total_cmp(&std(a)));
+    shown.truncate(MAX_BARS);
+    if largest > 0.0 && !shown.is_empty() {
+        let at = plain(report.target.pressure_mpa.get(row).copied());
+        let accepted = if tolerance.is_some() { ", against what is accepted" } else { "" };
+        let bar = |value: f64| format!("width:{:.1}%", 100.0 * value / largest);
+        let raises = |limit: &LimitedBy| report.sample.chance.is_some_and(|own| limit.chance_if_known > own + MIN_GAIN);
+        page.subheading("What limits it");
+        page.add(&html! {
+            div class="bars" {
+                p { "One standard deviation of the ratio at " (at) " MPa" (accepted) "." }
+                @for limit in shown {
+                    div class="input" {
+                        span { (Text(&limit.input)) small { " " (Text(&micrometres(&limit.known_to))) } }
+                        div { div style=(bar(std(limit))) {} } b { (number(std(limit), 3)) }
+                        @if raises(limit) { small { "if it were known: " (percent(limit.chance_if_known)) " chance" } }
+                    }
+                }
+                @if let Some(tolerance) = tolerance {
+                    div class="input accepted" { span { "accepted: half the width of the target" } div { div style=(bar(tolerance)) {} } b { (number(tolerance, 3)) } }
+                }
+            }
+        });
     }
-    let doubts = |load: &slipgrid_results::LoadReport| {
+    let lifted = report.blocked_by.iter().map(|lifted| {
+        let reach = if lifted.is_within_reach { "" } else { ", still out of reach" };
+        let (chance, lengths) = (percent(lifted.chance), lifted.design.lengths_in_words());
+        format!("Without {}: {chance} chance, {lengths} µm{reach}.", micrometres(&lifted.what))
+    });
+    page.named_list("What keeps the target out of reach", &lifted.collect::<Vec<_>>());
+    if &*report.advice == "trial" {
+        page.named_list(
+            "What to do next",
+            &["Cut one sample and measure it at these loads. Add it to the trials of the calibration, and design again.".to_owned()],
+        );
+    }
+}
+
+/// What the numbers rest on, and what makes them doubtful.
+fn basis(page: &mut Page, report: &DesignReport) {
+    let mut known = vec![match report.trials {
+        0 => "no trial yet".to_owned(),
+        1 => "1 trial".to_owned(),
+        trials => format!("{trials} trials"),
+    }];
+    if !report.material.name.is_empty() {
+        known.push(format!("material: {}", report.material.name));
+    }
+    let inputs = report.sample.limited_by.iter().filter(|limit| limit.known_to.ends_with('%'));
+    known.extend(inputs.map(|limit| format!("{} {}", limit.input, limit.known_to)));
+    if !report.confirmed.is_empty() {
+        known.push(format!("confirmed by a run of the model alone: {}", report.confirmation()));
+    }
+    let has_rim = report.sample.design.rim.is_some();
+    let lacking = not_modelled(has_rim).map(|what| what.split(':').next().unwrap_or_default());
+    known.push(format!("not modelled: {}", lacking.join(", ")));
+    let synthetic = report.material.synthetic_surface;
+    page.add(&html! {
+        div class="basis" {
+            h3 { "What this rests on" }
+            ul {
+                @if synthetic { li class="doubtful" { "surface map: synthetic, not measured" } }
+                @for words in &known { li { (Text(words)) } }
+            }
+        }
+    });
+    let doubts = |load: &LoadReport| {
         let at = plain(load.pressure_mpa);
         load.doubts().map(|doubt| format!("At {at} MPa {doubt}.")).collect::<Vec<_>>()
     };
+    let mut all: Vec<String> = report.material.doubts().map(|doubt| sentence(&doubt)).collect();
     all.extend(report.confirmed.iter().flat_map(doubts));
-    all.extend(report.material.doubts().map(|doubt| sentence(&doubt)));
     all.extend(report.violations.iter().cloned());
     all.extend(report.of_laser().map(|warning| format!("Laser: {warning}.")));
     all.extend(report.unresolved().map(|doubt| sentence(&doubt)));
     page.doubts(all);
-}
-
-const fn target_caption(report: &DesignReport) -> &'static str {
-    if report.conditions.is_some() {
-        "Target band, predicted, confirmed and flat values against pressure at the condition designed for; from the lowest to the \
-         highest value over all conditions"
-    } else {
-        "Target band, predicted, confirmed and flat values against pressure"
-    }
+    page.terms(&TERMS);
 }

@@ -14,7 +14,6 @@
 
 mod background;
 mod calibration;
-mod conditions;
 mod design;
 mod explorer;
 mod first_screen;
@@ -23,7 +22,6 @@ mod points;
 mod section;
 mod surface;
 mod trials;
-mod uncertainty;
 
 pub use calibration::{Fitted, calibration};
 pub use design::design;

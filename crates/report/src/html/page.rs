@@ -2,7 +2,7 @@
 
 use maud::{DOCTYPE, Markup, PreEscaped, Render, html};
 use slipgrid_export::{is_xml_letter, not_modelled};
-use slipgrid_results::{ErrorReport, PatternReport, fixed};
+use slipgrid_results::{PatternReport, fixed};
 
 use super::section::section;
 use crate::Outputs;
@@ -23,7 +23,7 @@ const LEAST_TEXT_PX: f64 = 9.0;
 const LONGEST_NUMBER: usize = 24;
 
 /// Text without control characters other than line ends, escaped as it is written.
-struct Text<'a>(&'a str);
+pub(super) struct Text<'a>(pub(super) &'a str);
 
 impl Render for Text<'_> {
     fn render_to(&self, buffer: &mut String) {
@@ -124,22 +124,19 @@ impl Page {
         }
     }
 
-    /// Two parts side by side where there is room, the pictures at the right low enough for two of them.
-    pub fn side_by_side(&mut self, left: impl FnOnce(&mut Self), right: impl FnOnce(&mut Self)) {
-        self.beside("first", left, right);
-    }
-
-    /// The same with one picture at the right, which may be higher.
+    /// Two parts side by side where there is room, with one picture at the right.
     pub fn beside_picture(&mut self, left: impl FnOnce(&mut Self), right: impl FnOnce(&mut Self)) {
-        self.beside("first tall", left, right);
+        self.block("first tall", |page| {
+            page.block("", left);
+            page.block("", right);
+        });
     }
 
-    fn beside(&mut self, class: &str, left: impl FnOnce(&mut Self), right: impl FnOnce(&mut Self)) {
-        self.body.push_str(&format!("<div class=\"{class}\">\n<div>\n"));
-        left(self);
-        self.body.push_str("</div>\n<div>\n");
-        right(self);
-        self.body.push_str("</div>\n</div>\n");
+    /// What `write` adds, in a block of a class of the style sheet.
+    pub(super) fn block(&mut self, class: &str, write: impl FnOnce(&mut Self)) {
+        self.body.push_str(&format!("<div class=\"{class}\">\n"));
+        write(self);
+        self.body.push_str("</div>\n");
     }
 
     /// Names with their values; nothing where there are none.
@@ -149,7 +146,7 @@ impl Page {
         }
         self.add(&html! {
             table class="facts" { (NL)
-                caption { (Text(caption)) } (NL)
+                @if !caption.is_empty() { caption { (Text(caption)) } (NL) }
                 tbody { (NL) @for (name, value) in rows { tr { th scope="row" { (Text(name)) } td { (Text(value)) } } (NL) } }
             }
         });
@@ -300,31 +297,19 @@ impl Page {
         });
     }
 
-    /// The specimen's face, `extents_mm` wide and high, with the sliding direction and the scale below, of the drawing `name` of
-    /// `outputs`, whose legend stands elsewhere.
-    pub fn face_of(&mut self, outputs: &Outputs, name: &str, extents_mm: [f64; 2], caption: &str) {
-        let Some(svg) = outputs.text(name) else { return };
-        let centre =
-            svg.split("<g id=\"specimen\" transform=\"translate(").nth(1).and_then(|rest| rest.split(')').next());
-        let centre: Vec<f64> = centre.unwrap_or_default().split(' ').filter_map(|number| number.parse().ok()).collect();
-        let (Some(start), Some(end), &[x, y]) = (svg.find("<svg "), svg.find('>'), &centre[..]) else { return };
-        // Arrow and scale lie within an eighth of the larger extent below the face, and are as wide as that.
-        let larger_mm = extents_mm[0].max(extents_mm[1]);
-        let [width, above] = [1.04 * larger_mm, 0.5 * extents_mm[1] + 0.02 * larger_mm];
-        let height = 2.0 * above + 0.095 * larger_mm;
-        let [left, top] = [x - 0.5 * width, y - above].map(|corner| number(corner, 4));
-        let open = format!(
-            "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"{left} {top} {} {}\"",
-            number(width, 4),
-            number(height, 4)
-        );
-        self.picture(&format!("{}{open}{}", &svg[..start], &svg[end..]), caption);
+    /// Two periods of a pattern in vertical section without words; nothing where a length is not positive.
+    pub(super) fn outline(&mut self, pattern: &PatternReport) {
+        let rim = pattern.rim.as_ref().and_then(|rim| rim.rim().ok());
+        let svg = section(pattern.width_um, pattern.spacing_um, pattern.depth_um, rim.as_ref(), false);
+        if !svg.is_empty() {
+            self.picture(&svg, "Section of two periods, to scale");
+        }
     }
 
     /// Two periods of a pattern in vertical section; nothing where a length is not positive.
     pub fn section(&mut self, pattern: &PatternReport) {
         let rim = pattern.rim.as_ref().and_then(|rim| rim.rim().ok());
-        let svg = section(pattern.width_um, pattern.spacing_um, pattern.depth_um, rim.as_ref());
+        let svg = section(pattern.width_um, pattern.spacing_um, pattern.depth_um, rim.as_ref(), true);
         if !svg.is_empty() {
             let words = pattern.rim.as_ref().map_or_else(String::new, |rim| format!("; {}", rim.words()));
             self.picture(&svg, &format!("Vertical section through the centres of cavities, along their row{words}"));
@@ -390,6 +375,15 @@ pub fn plain(value: impl Into<Option<f64>>) -> String {
     known(value).map_or_else(|| "-".to_owned(), |value| value.to_string())
 }
 
+/// Words with micrometres as a page writes them.
+pub fn micrometres(words: &str) -> String {
+    let one = |word: &str| match word.trim_end_matches([',', '.', ';']) {
+        "um" => word.replacen("um", "µm", 1),
+        _ => word.to_owned(),
+    };
+    words.split(' ').map(one).collect::<Vec<_>>().join(" ")
+}
+
 /// A length in micrometres, to a tenth of a nanometre.
 pub fn length_um(value: f64) -> String {
     plain((value * 1e4).round() / 1e4)
@@ -407,11 +401,6 @@ pub fn with_error(value: impl Into<Option<f64>>, error: impl Into<Option<f64>>, 
         Some(error) => format!("{} ± {}", number(value, digits), number(error.abs(), digits)),
         None => number(value, digits),
     }
-}
-
-/// The value of `of` with its standard deviation, or a dash.
-pub fn estimate(of: Option<&ErrorReport>, digits: usize) -> String {
-    of.map_or_else(|| "-".to_owned(), |of| with_error(of.value, of.std, digits))
 }
 
 /// Both ends of an interval, or a dash.

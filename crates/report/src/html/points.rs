@@ -35,8 +35,8 @@ pub(super) struct Among<'a> {
     pub task: &'a DesignTask,
     pub material: &'a KnownMaterial,
     pub explorer: &'a Explorer,
-    /// Dynamic friction of the flat surface at each of the target's pressures, where it is known.
-    pub flat_mu: Option<&'a [f64]>,
+    /// Dynamic friction of the flat surface at each of the target's pressures.
+    pub flat_mu: &'a [f64],
     /// The target's pressures.
     pub pressure_mpa: &'a [f64],
 }
@@ -46,7 +46,7 @@ impl Among<'_> {
     pub fn points(&self, report: Option<&DesignReport>) -> Vec<Point> {
         let lengths = |of: &PatternReport| [of.width_um, of.spacing_um, of.depth_um];
         let point = |kind, at, name: String| Point { kind, at, on_map: self.holds(&at), name, measured: String::new() };
-        let found = report.map(|report| point("found", lengths(&report.design), "the design found".to_owned()));
+        let found = report.map(|report| point("found", lengths(&report.sample.design), "the design found".to_owned()));
         let listed = report.and_then(|report| report.trade_offs.as_ref()).map_or(&[][..], |found| &found.listed);
         let traded = listed
             .iter()
@@ -58,7 +58,7 @@ impl Among<'_> {
 
     /// Whether a design lies within the bounds.
     fn holds(&self, at: &[f64; 3]) -> bool {
-        let mut axes = self.explorer.values.axes().iter().zip(at);
+        let mut axes = self.explorer.expected.axes().iter().zip(at);
         axes.all(|(axis, length)| (axis.from * (1.0 - ROOM)..=axis.to * (1.0 + ROOM)).contains(length))
     }
 
@@ -85,7 +85,7 @@ impl Among<'_> {
             let here = on_map.then(|| self.ratio(&at, of.load.pressure_pa)).flatten();
             let beside = here.map_or_else(
                 || format!("modelled {}", number(of.modelled, 3)),
-                |ratio| format!("here {}", number(ratio, 3)),
+                |ratio| format!("expected {}", number(ratio, 3)),
             );
             format!("{} at {condition} ({beside})", number(of.measured, 3))
         };
@@ -105,17 +105,13 @@ impl Among<'_> {
         }
     }
 
-    /// The ratio of a design at a pressure between those of the target, as the page draws it.
+    /// The expected ratio of a design at a pressure between those of the target, as the page draws it.
     fn ratio(&self, at: &[f64; 3], pressure_pa: f64) -> Option<f64> {
-        let values = self.explorer.values.at(at);
+        let values = self.explorer.expected.at(at);
         let (pressures, pressure_mpa) = (self.pressure_mpa, PRESSURE_MPA.from_si(pressure_pa));
-        let offset = |load: usize| self.explorer.offset.get(load).copied().unwrap_or(0.0);
-        let ratio = |load: usize| {
-            let value = values.get(load)? + offset(load);
-            match self.task.target.quantity() {
-                Quantity::Ratio => Some(value),
-                _ => Some(value / self.flat_mu?.get(load)?),
-            }
+        let ratio = |load: usize| match self.task.target.quantity() {
+            Quantity::Ratio => values.get(load).copied(),
+            Quantity::DynamicFriction => Some(values.get(load)? / self.flat_mu.get(load)?),
         };
         let same = |load: &usize| (pressures[*load] / pressure_mpa - 1.0).abs() < 1e-3;
         if let Some(load) = (0..pressures.len()).find(same) {

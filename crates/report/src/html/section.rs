@@ -70,8 +70,8 @@ impl Drawn {
 }
 
 /// The section through the centres of cavities along their row, the counterface below; lengths in micrometres.
-/// Empty where a length is not positive.
-pub fn section(width_um: f64, spacing_um: f64, depth_um: f64, rim: Option<&Rim>) -> String {
+/// Without words unless `is_labelled`. Empty where a length is not positive.
+pub fn section(width_um: f64, spacing_um: f64, depth_um: f64, rim: Option<&Rim>, is_labelled: bool) -> String {
     let pitch_um = width_um + spacing_um;
     let positive = [width_um, spacing_um, depth_um].iter().all(|length_um| length_um.is_finite() && *length_um > 0.0);
     if !positive {
@@ -99,6 +99,19 @@ pub fn section(width_um: f64, spacing_um: f64, depth_um: f64, rim: Option<&Rim>)
         outline += &format!("H{}V{}H{}V{}", unit(start + width), unit(face - depth), unit(*start), unit(face));
     }
     outline += &format!("H{}z", unit(LEFT));
+    if !is_labelled {
+        return format!(
+            "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"{} {} {} {}\">\n\
+             <path d=\"{outline}\" fill=\"#cfe3f0\" stroke=\"#333\" stroke-width=\"2.5\"/>\n\
+             <path d=\"M{LEFT} {}H{}\" stroke=\"#333\" stroke-width=\"6\"/>\n</svg>\n",
+            unit(LEFT - 2.0),
+            unit(top - 4.0),
+            unit(DRAWN + 4.0),
+            unit(counterface - top + 14.0),
+            unit(counterface + 4.0),
+            unit(LEFT + DRAWN),
+        );
+    }
     let mut svg = format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{WIDTH}\" height=\"{}\" viewBox=\"0 0 {WIDTH} {}\" \
          font-family=\"sans-serif\" font-size=\"15\" fill=\"#333\">\n<rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>\n\

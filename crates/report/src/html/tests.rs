@@ -1,11 +1,11 @@
-use slipgrid_design::DesignReport;
-use slipgrid_design::records::{RimSensitivityReport, RimSlopeReport};
+use slipgrid_design::records::TableReport;
+use slipgrid_design::{DesignReport, SampleReport};
 use slipgrid_material::{AreaLaw, LocalFriction};
 use slipgrid_pattern::{Rim, RimProfile};
 use slipgrid_results::RimReport;
 use slipgrid_springblock::Load;
 
-use super::fixture::{goal, number, report};
+use super::fixture::{goal, lifted, report};
 use super::*;
 use crate::Outputs;
 
@@ -21,7 +21,7 @@ fn page_of(report: &DesignReport, outputs: &Outputs) -> String {
 fn grooves_that_cross_are_given_by_both_directions() {
     let said = |angle_deg, crossing_angle_deg| {
         let mut report = report();
-        (report.design.angle_deg, report.design.crossing_angle_deg) = (angle_deg, crossing_angle_deg);
+        (report.sample.design.angle_deg, report.sample.design.crossing_angle_deg) = (angle_deg, crossing_angle_deg);
         page_of(&report, &Outputs::default())
     };
     let turned = "<th scope=\"row\">grooves turned by</th><td>";
@@ -79,77 +79,71 @@ fn a_page_holds_every_number_with_its_error_and_asks_the_network_for_nothing() {
     for said in [
         "<h1>a &lt;b&gt; &amp; &quot;c&quot;</h1>",
         "<p class=\"date\">2026-11-22</p>",
-        "<div class=\"narrow\"><div class=\"card\"",
-        "<p class=\"chance\">16 % chance that a cut sample is on target (limited by Young's modulus).</p>",
+        "<p class=\"headline\">Cut a trial: 16 % chance that a cut sample is on target.</p>",
         "<div style=\"width:16.0%\">",
-        "It does not include the following, for which no error is given: how far the model itself is off.",
-        "The design was chosen of 3.",
-        "Target met by the model.",
-        "<td>0.97 ± 0.01</td>",
-        "Status at every pressure: converged.",
-        "0.9616 ± 0.0012",
-        "0.8355 ± 0.0008",
-        "one standard deviation of time",
-        "<td>0.0007</td>",
-        "0.829 ± 0.041",
-        "<td>0.750 to 0.910</td>",
-        "-3.50 ± 0.02",
-        "with the material as calibrated: 62.0 ± 1.5 %, by",
-        "<td>0.0100</td>",
-        "<td>0.1000 ± 0.0200</td>",
+        "At 2.6 MPa a cut sample is expected to have a ratio of 0.791; 95 % of samples: 0.702 to 0.880; accepted: 0.820 to 0.840.",
+        "<a href=\"process.toml\">process.toml</a>",
+        "<th scope=\"row\">time under the laser</th><td>13.0 s</td>",
+        "what the model lacks<small> known by one trial</small>",
+        "<div style=\"width:100.0%\"></div></div><b>0.040</b>",
+        "if it were known: 40 % chance",
+        "accepted: half the width of the target",
+        "<li class=\"doubtful\">surface map: synthetic, not measured</li>",
+        "<li>1 trial</li>",
+        "<li>Young's modulus known to 8.0 %</li>",
+        "not modelled: recast rims, plasticity",
+        ">expected</button>",
+        ">model alone</button>",
+        "<td>0.832 ± 0.012</td>",
+        "<td>0.702 to 0.880</td>",
+        "<td>0.820 to 0.840</td>",
+        "<td>-3.50</td>",
+        "<td>40 %</td>",
+        "0.791 (0.702 to 0.880)",
+        "4321 designs were compared",
+        "1820 nodes, 3 of them without an answer",
+        "Of 40 designs 7 are not beaten",
+        "<td>0.9637 ± 0.0002</td>",
+        "<td>no_onset</td>",
         "<td>0.3100</td>",
         "standard deviation of 5.0 %",
-        "one search",
-        "0.9400 to 0.9800",
-        "synthetic surface",
         "The material is doubtful: spikes: 5 points stand alone.",
         "At 2.6 MPa cavities close",
         "name = &quot;x &lt; y&quot;",
         "name = &quot;m &amp; n&quot;",
         "prefers-color-scheme:dark",
         "@media print",
-        "Improvements during the search",
     ] {
         assert!(page.contains(said), "{said}");
     }
+    // The smallest input is not drawn, but stands in the table.
+    assert!(page.contains("<td class=\"words\">numerical error") || page.contains("<td>numerical error</td>"));
+    assert!(!page.contains("numerical error<small>"));
     // Columns without a value take no room.
     assert!(page.contains(">mu flat</button>") && !page.contains(">mu static</button>"));
-    assert!(!page.contains(">status</button>"));
-    let mut differing = report();
-    differing.errors.by_pressure[0].mu_static = Some(number(0.27, Some(0.003)));
-    differing.confirmed[1].status = "no_onset".into();
-    differing.goal = Some(goal());
-    let differing = page_of(&differing, &outputs);
-    assert!(differing.contains(">mu static</button>") && differing.contains("<td>no_onset</td>"));
-    assert!(!differing.contains("Status at every"));
-    assert!(
-        differing.contains("Goal: the least difference of ratios. Predicted 0.10000, confirmed 0.11000 ± 0.00200;")
-    );
     // Names of different pictures do not meet, and nothing is fetched.
-    assert!(page.contains("id=\"p1-frame\"") && page.contains("url(#p4-frame)") && !page.contains("\"frame\""));
+    assert_eq!(page.matches("-frame\"/><g clip-path").count(), 3);
+    assert!(!page.contains("\"frame\"") && !page.contains("url(#frame)"));
     let bare = page.replace("http://www.w3.org/2000/svg", "");
     assert!(!bare.contains("http") && !bare.contains("src=") && !bare.contains("@import"));
     assert_eq!(page, page_of(&report(), &outputs));
 }
 
 #[test]
-fn the_page_says_what_the_text_says_of_the_verdict_and_of_shares() {
-    let outputs = Outputs::default();
-    let mut found = report();
-    let robustness = found.robustness.as_mut().unwrap();
-    (robustness.samples.probability, robustness.samples.probability_stderr) = (Some(0.0), Some(0.0));
-    // The search for a goal was cut short, and its design confirmed.
-    (found.status, found.goal, found.misfit.confirmed) = ("budget".into(), Some(goal()), Some(0.9));
-    let (page, text) = (page_of(&found, &outputs), found.summary());
-    assert!(page.contains("with the material as calibrated: none, by") && text.contains("none of "), "{text}");
-    let verdict = found.verdict();
-    assert!(verdict.is_met && verdict.words.starts_with("best so far"), "{verdict:?}");
-    assert!(text.contains(&verdict.words) && page.contains(&verdict.words[1..]), "{text}");
-    assert!(!page.contains("not confirmed") && !page.contains("verdict missed"));
+fn the_page_says_what_the_text_says() {
+    let found = report();
+    let (page, text) = (page_of(&found, &Outputs::default()), found.summary());
+    assert!(text.contains(&found.words) && page.contains(&found.words[1..]), "{text}");
+    for doubt in found.doubts() {
+        assert!(text.contains(&doubt), "{doubt}");
+        // A sentence on the page, with its unit and its first letter written otherwise.
+        let words = doubt.trim_start_matches("laser: ")[1..].trim_end_matches('.');
+        assert!(page.contains(words) || doubt.contains("at 2.6 MPa"), "{doubt}");
+    }
 }
 
 #[test]
-fn a_load_beyond_those_measured_stands_where_the_chance_is() {
+fn a_load_beyond_those_measured_stands_before_what_is_expected() {
     let mut found = report();
     assert!(!found.summary().contains("outside the measured range"));
     found.confirmed[1].friction_extrapolated = true;
@@ -157,46 +151,66 @@ fn a_load_beyond_those_measured_stands_where_the_chance_is() {
     let text = found.summary();
     let said = "\n! at 2.6 MPa outside the measured range: the nearest measurement's coefficients were taken (friction was measured from \
                 0.7 to 1.4 MPa)\n";
-    let (place, table) = (text.find(said).unwrap_or_else(|| panic!("{text}")), text.find("peak MPa").unwrap());
+    let (place, table) = (text.find(said).unwrap_or_else(|| panic!("{text}")), text.find("95 % of samples").unwrap());
     assert!(place < table && text.matches("outside the measured range").count() == 1, "{text}");
-    // What is doubtful of the material stands on the screen as on the page.
-    assert!(text.contains("\n! the material is doubtful: spikes: 5 points stand alone\n"), "{text}");
-    // The peaks beside what was confirmed are those of the steady cell, and said to be.
-    assert!(text.contains("peak is the steady cell's largest pressure, over a block\n"), "{text}");
+    assert!(page_of(&found, &Outputs::default()).contains("outside the measured range"));
 }
 
 #[test]
-fn what_is_estimated_beyond_the_blocks_stands_beside_the_value_that_it_is_of() {
-    let mut report = report();
-    for (loads, change) in [(&mut report.predicted, 0.0281), (&mut report.confirmed, 0.0068)] {
-        loads.iter_mut().for_each(|load| load.ratio_discretization_error = Some(change));
-    }
-    let page = page_of(&report, &Outputs::default());
-    let row = page.split(">change of confirmed for vanishing blocks<").nth(1).unwrap().split("<tbody>").nth(1).unwrap();
-    let row = row.split("</tr>").next().unwrap();
-    let cells: Vec<&str> = row.split("</td>").map(|cell| cell.rsplit('>').next().unwrap()).collect();
-    assert_eq!((cells[3], cells[5]), ("0.0281", "0.0068"), "{row}");
-}
-
-#[test]
-fn a_goal_alone_has_no_tolerance_and_no_distance() {
+fn a_goal_alone_has_neither_chance_nor_tolerance() {
     let mut report = report();
     report.goal = Some(goal());
+    let count = report.target.pressure_mpa.len();
     report.target = slipgrid_design::records::TargetReport {
         value: None,
         tolerance: None,
-        lowest: vec![None; report.target.pressure_mpa.len()],
-        highest: vec![None; report.target.pressure_mpa.len()],
+        lowest: vec![None; count],
+        highest: vec![None; count],
         ..report.target
     };
-    let robustness = report.robustness.as_mut().unwrap();
-    for found in [Some(&mut robustness.samples), robustness.with_material.as_mut()].into_iter().flatten() {
-        (found.probability, found.probability_stderr) = (None, None);
+    report.sample.chance = None;
+    for at in &mut report.sample.expected {
+        (at.target_low, at.target_high) = (None, None);
     }
-    assert!(!robustness.text().contains("tolerances alone"), "{}", robustness.text());
     let page = page_of(&report, &Outputs::default());
-    assert!(!page.contains("Largest distance from the target") && !page.contains("tolerances alone"));
-    assert!(page.contains("Goal: ") && !page.contains("- ±"));
+    assert!(page.contains(
+        "Goal: the least standard deviation of the ratio over its mean. Expected 0.1000, model alone 0.1100."
+    ));
+    for absent in [">accepted<", "against what is accepted", "if it were known", "class=\"bar\"", "; accepted:"] {
+        assert!(!page.contains(absent), "{absent}");
+    }
+    assert!(page.contains("What limits it"));
+}
+
+#[test]
+fn a_target_out_of_reach_is_marked_and_says_what_keeps_it_there() {
+    let mut report = report();
+    (report.advice, report.blocked_by) = ("cannot_be_met".into(), vec![lifted()]);
+    let page = page_of(&report, &Outputs::default());
+    assert!(page.contains("class=\"decision missed\""));
+    assert!(page.contains("<li>Without the smallest land, 80 µm: 35 % chance, 40 / 60 / 10 µm.</li>"), "{page}");
+    assert!(
+        !page.contains("What to do next") && !page.contains("What to cut") && page.contains("The likeliest texture")
+    );
+    report.blocked_by[0].is_within_reach = false;
+    assert!(page_of(&report, &Outputs::default()).contains("40 / 60 / 10 µm, still out of reach."));
+}
+
+#[test]
+fn further_conditions_have_rows_of_their_own() {
+    let mut report = report();
+    assert!(!page_of(&report, &Outputs::default()).contains(">speed, humidity, direction<"));
+    let further: Vec<_> =
+        report.sample.expected.iter().map(|at| slipgrid_design::Expected { humidity_pct: 80.0, ..*at }).collect();
+    report.sample.expected.extend(further);
+    report.sample.modelled.extend(report.sample.modelled.clone());
+    let page = page_of(&report, &Outputs::default());
+    assert!(page.contains(">speed, humidity, direction<") && page.contains("<td>2 mm/s, 80 %</td>"));
+    assert!(page.contains("conditions side by side"));
+    // Of friction the flat surface, and with it the model alone, is known at the condition designed for.
+    report.target.quantity = "mu_dynamic".into();
+    let page = page_of(&report, &Outputs::default());
+    assert!(page.contains("<td>0.240 ± 0.003</td>"), "{page}");
 }
 
 #[test]
@@ -210,32 +224,24 @@ fn a_report_is_read_back_as_it_was_written() {
 #[test]
 fn a_record_without_its_optional_parts_still_makes_a_page() {
     let without = DesignReport {
-        chance: None,
-        selection: None,
-        discrepancy: None,
-        conditions: None,
+        sample: SampleReport { chance: None, limited_by: Vec::new(), ..report().sample },
         goal: None,
-        sensitivities: None,
-        robustness: None,
+        others: Vec::new(),
+        slopes: Vec::new(),
         trade_offs: None,
-        explanation: None,
-        table: None,
+        table: TableReport::default(),
         ..report()
     };
     for report in [without, DesignReport::default()] {
         let page = design(&report, None, &[], &Outputs::default(), None);
         assert_eq!(unbalanced(&page), Vec::<String>::new());
         for absent in [
-            "class=\"chance\"",
-            "The design was",
-            "degrees of freedom",
-            "At every condition",
+            "class=\"bar\"",
+            "What limits",
+            "Other textures",
             "Goal:",
-            "What a micrometre changes",
-            "What samples will do",
             "Trade-offs",
-            "out of reach</h2>",
-            "Table of",
+            "where one dimension grows",
             "local friction coefficients",
             "The area law: ",
             ">NaN",
@@ -264,17 +270,19 @@ fn text_is_escaped_and_loses_its_control_characters_wherever_it_stands() {
 
 #[test]
 fn the_section_is_to_scale() {
-    let svg = super::section::section(130.0, 370.0, 20.0, None);
+    let svg = super::section::section(130.0, 370.0, 20.0, None, true);
     // 1000 um over 760 units: the first cavity from 185 to 315 um, 15.2 units deep.
     assert!(svg.contains("H309.40V86.00H210.60V101.20") || svg.contains("H309.40V76.40H210.60V91.60"), "{svg}");
-    assert!(super::section::section(130.0, 370.0, f64::NAN, None).is_empty());
+    assert!(super::section::section(130.0, 370.0, f64::NAN, None, true).is_empty());
+    let bare = super::section::section(130.0, 370.0, 20.0, None, false);
+    assert!(!bare.contains("<text") && bare.contains("H309.40"), "{bare}");
 }
 
 #[test]
 fn rims_are_drawn_to_scale_where_that_can_be_seen_and_stretched_by_a_number_that_is_said() {
     let drawn = |height_um: f64, profile: RimProfile| {
         let rim = Rim::new(height_um * 1e-6, 100e-6, profile).unwrap();
-        super::section::section(130.0, 370.0, 20.0, Some(&rim))
+        super::section::section(130.0, 370.0, 20.0, Some(&rim), true)
     };
     // 10 um are 7.6 units below the land, 100 um 76 units from the edge at 309.40.
     let flat = drawn(10.0, RimProfile::Flat);
@@ -293,19 +301,8 @@ fn rims_are_drawn_to_scale_where_that_can_be_seen_and_stretched_by_a_number_that
     let low = drawn(0.1, RimProfile::Flat);
     assert!(low.contains("rims 100 times as high") && low.contains("H385.40V99.20L309.40 99.20"), "{low}");
     let mut report = report();
-    report.design.rim = RimReport::of(&Rim::new(1e-7, 1e-5, RimProfile::Round).unwrap());
-    let slope = RimSlopeReport { pressure_mpa: 0.65, per_um: -0.9, error_per_um: Some(2e-3), change: None };
-    report.sensitivities.as_mut().unwrap().rim = Some(RimSensitivityReport {
-        step_um: 0.02,
-        block_um: 5.0,
-        by_pressure: vec![slope],
-        words: "rims are <high>".to_owned(),
-        ..RimSensitivityReport::default()
-    });
+    report.sample.design.rim = RimReport::of(&Rim::new(1e-7, 1e-5, RimProfile::Round).unwrap());
     let page = page_of(&report, &Outputs::default());
-    for said in ["-9000.00 ± 20.00", "over 0.02 µm in blocks of 5 µm", "Rims are &lt;high&gt;."] {
-        assert!(page.contains(said), "{said}");
-    }
     for said in
         ["round rims 0.1 um high, 10 um wide", "rims 100 times as high", "Not modelled: roughening of the surface"]
     {

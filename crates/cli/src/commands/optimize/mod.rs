@@ -4,9 +4,8 @@ mod places;
 
 use std::time::Instant;
 
-use slipgrid_design::DesignError;
+use slipgrid_design::{Advice, DesignError};
 use slipgrid_formats::design::Design;
-use slipgrid_optimize::Status;
 use slipgrid_report::{ReportError, files};
 
 use super::complete;
@@ -72,12 +71,10 @@ pub fn run(args: &OptimizeArgs, console: &mut Console<'_>) -> Result<u8, CliErro
     replace(&outputs, &results)?;
     console.report(args.json, report, || report.summary())?;
     console.kept(&outputs, &folder);
-    Ok(match found.status {
-        Status::Met if found.report.flat.as_ref().is_some_and(|flat| flat.suffices) => exit_code::UNREACHABLE,
-        Status::Met => exit_code::DONE,
-        Status::Unreachable => exit_code::UNREACHABLE,
-        Status::Budget => exit_code::BUDGET,
-        Status::Cancelled => exit_code::FAILURE,
+    Ok(match found.advice {
+        _ if !report.cut_short.is_empty() => exit_code::BUDGET,
+        Advice::Series | Advice::Trial | Advice::TrialMeetsIt(_) => exit_code::DONE,
+        Advice::CannotBeMet | Advice::DoNotTexture => exit_code::UNREACHABLE,
     })
 }
 
