@@ -152,7 +152,7 @@ def test_a_calibration_and_a_design_are_those_of_the_folder_in_which_they_were_r
     assert material.save(folder / "material.toml").read_text() == saved
     found = design.optimize()
     assert pickle.loads(pickle.dumps(taken)).optimize().to_dict() == found.to_dict()
-    assert design.next(1).to_dict()["next"]
+    assert design.next(1).to_dict()["samples"]
     # Inputs are guarded where they stand, and nothing of the same name elsewhere.
     with pytest.raises(InputError, match="is an input of this run"):
         material.save(folder / "calibration.toml")

@@ -262,4 +262,4 @@ def test_dictionaries_become_toml() -> None:
 def test_the_headline_is_the_first_line_of_the_command_line() -> None:
     found = slipgrid.Design(**DESIGN).optimize()
     assert str(found).startswith(found.headline) and "\n" not in found.headline
-    assert "chance that a cut sample is on target" in found.headline
+    assert found.headline == f"{found.name}: {found.words}" and "chance" in found.words

@@ -421,7 +421,7 @@ class Design:
 
 
 class DesignResult(Record):
-    """A design that was found; fields as in result.json of ``slipgrid optimize``: ``status``, ``chance``, ``advice``, ``design``."""
+    """A design that was found; fields as in result.json of ``slipgrid optimize``: ``advice``, ``chance``, ``expected``, ``design``."""
 
     def __init__(self, designed: _slipgrid.Designed | Kept) -> None:
         self._designed = designed
@@ -434,8 +434,7 @@ class DesignResult(Record):
 
     @property
     def headline(self) -> str:
-        """The first line of what ``slipgrid optimize`` prints: the chance that a cut sample is on target, counting what the model
-        may lack, and whether the target is met by the model. ``chance`` is what it would be if the model lacked nothing."""
+        """The first line of what ``slipgrid optimize`` prints: what to do, and the chance that a cut sample is on target."""
         return self._designed.text().splitlines()[0]
 
     @property
@@ -449,18 +448,12 @@ class DesignResult(Record):
         return Record(self._times)
 
     def frame(self) -> _pandas.DataFrame:
-        """One row a pressure: what is wanted, predicted and confirmed."""
-        of = "ratio" if self["target"]["quantity"] == "ratio" else "mu_dynamic"
-        found: _pandas.DataFrame = pandas().DataFrame(
-            {
-                "pressure_mpa": self["target"]["pressure_mpa"],
-                "predicted": self["predicted_value"],
-                f"confirmed_{of}": array(self["confirmed"], of),
-                "mu_dynamic": array(self["confirmed"], "mu_dynamic"),
-                "peak_pressure_mpa": array(self["predicted"], "peak_pressure_mpa"),
-            }
-        )
-        return found
+        """One row a load: what is accepted, what is expected of a cut sample, and what the model alone says."""
+        rows = [
+            {**expected, "model_alone": modelled["ratio"], "model_alone_std": modelled["std"]}
+            for expected, modelled in zip(self["expected"], self["modelled"], strict=True)
+        ]
+        return frame(rows)
 
     def export(self, folder: PathLike) -> list[Path]:
         """Writes what ``slipgrid optimize -o`` writes: the files of the laser, tables, pictures and report.html.
@@ -497,9 +490,9 @@ class NextSamples(Record):
         return list(self._warnings)
 
     def frame(self) -> _pandas.DataFrame:
-        """One row a sample: those to cut, those asked for, and the next best."""
+        """One row a sample: those to cut, those asked for, and others."""
         rows = [
-            {"which": which, **of["design"], **of} for which in ("next", "own", "best") for of in self[which]
+            {"which": which, **of["design"], **of} for which in ("samples", "own", "others") for of in self[which]
         ]
         return frame(rows)
 
