@@ -67,9 +67,10 @@ diameter_mm = 10.0
 [tolerances]
 width_std_um = 4.0
 depth_std_um = 1.0
-[search]
-max_evaluations = 200
 "#;
+
+/// How far a sample as it is cut may be from one interpolated between textures: ends, tilt and time are its own.
+const AS_CUT: f64 = 0.01;
 
 fn slipgrid(args: &[&str]) -> (u8, String) {
     let (mut out, mut err) = (Vec::new(), Vec::new());
@@ -81,36 +82,30 @@ fn number(value: &Value) -> f64 {
     value.as_f64().unwrap_or_else(|| panic!("{value} is no number"))
 }
 
-/// What the page shows: the design, and its values less what corrects them.
+/// What the explorer shows: the design, and what is expected of it.
 fn shown(page: &mut dyn Page) -> ([f64; 3], Vec<f64>) {
     let lengths = page.ask("[...document.querySelectorAll('[data-number]')].map(field => parseFloat(field.value))");
     let values = page.ask("JSON.parse(document.getElementById('explorer').dataset.values)");
-    let offset = page.ask("JSON.parse(document.getElementById('explorer-data').textContent).offset");
-    let values = values.as_array().unwrap().iter().zip(offset.as_array().unwrap());
-    let lengths: Vec<f64> = lengths.as_array().unwrap().iter().map(number).collect();
-    (lengths.try_into().unwrap(), values.map(|(value, offset)| number(value) - number(offset)).collect())
+    let numbers = |of: &Value| -> Vec<f64> { of.as_array().unwrap().iter().map(number).collect() };
+    (numbers(&lengths).try_into().unwrap(), numbers(&values))
 }
 
-/// Ratios that `simulate` finds for an endless pattern of the material of scene.toml.
-fn simulated(folder: &Path, [width_um, spacing_um, depth_um]: [f64; 3]) -> Vec<f64> {
-    let mut scene: toml::Table = fs::read_to_string(folder.join("scene.toml")).unwrap().parse().unwrap();
-    scene.remove("specimen");
-    let pattern = scene["pattern"].as_table_mut().unwrap();
-    for (key, length_um) in [("width_um", width_um), ("spacing_um", spacing_um), ("depth_um", depth_um)] {
-        pattern.insert(key.to_owned(), length_um.into());
-    }
-    let path = folder.join("endless.toml");
-    fs::write(&path, toml::to_string(&scene).unwrap()).unwrap();
-    let flags = ["--fidelity", "steady", "--extent", "cell", "--json"];
-    let (code, told) = slipgrid(&[&["simulate", path.to_str().unwrap()][..], &flags].concat());
+/// Medians of samples of each of `designs`, as `next` computes them from the model itself.
+fn predicted(folder: &Path, designs: &[[f64; 3]]) -> Vec<Vec<f64>> {
+    let named = designs.iter().map(|lengths| format!("--candidate={}", lengths.map(|um| um.to_string()).join(",")));
+    let design = folder.join("design-task.toml").to_str().unwrap().to_owned();
+    let args: Vec<String> = ["next".to_owned(), design, "--json".to_owned()].into_iter().chain(named).collect();
+    let (code, told) = slipgrid(&args.iter().map(String::as_str).collect::<Vec<_>>());
     assert_eq!(code, 0, "{told}");
     let found: Value = serde_json::from_str(&told).unwrap();
-    found["results"].as_array().unwrap().iter().map(|load| number(&load["ratio"])).collect()
+    let medians =
+        |of: &Value| of["expected"].as_array().unwrap().iter().map(|at| number(&at["median"])).collect::<Vec<f64>>();
+    found["own"].as_array().unwrap().iter().map(medians).collect()
 }
 
 #[test]
 #[ignore = "needs Chromium or Firefox; a minute"]
-fn the_explorer_says_what_the_solver_does_and_needs_no_mouse() {
+fn the_explorer_says_what_is_predicted_and_needs_no_mouse() {
     let folder = tempfile::tempdir().unwrap();
     let (design, out) = (folder.path().join("design-task.toml"), folder.path().join("out"));
     fs::write(&design, DESIGN).unwrap();
@@ -129,10 +124,15 @@ fn the_explorer_says_what_the_solver_does_and_needs_no_mouse() {
     let Some(mut page) = chromium else { return };
     println!("Chromium:");
     explores(&mut page, folder.path());
-    for scheme in ["light", "dark"] {
-        page.scheme(scheme);
-        let poor = page.ask(pages::CONTRAST);
-        assert_eq!(poor, json!([]), "{scheme}");
+    page.ask("document.querySelectorAll('details').forEach(own => { own.open = true; })");
+    for window in pages::WINDOWS {
+        page.resize(window);
+        assert_eq!(page.ask(pages::CUT_OFF), json!([]), "{window:?}");
+        assert_eq!(page.ask(pages::SMALL_TEXT), json!([]), "{window:?}");
+        for scheme in ["light", "dark"] {
+            page.scheme(scheme);
+            assert_eq!(page.ask(pages::CONTRAST), json!([]), "{scheme} {window:?}");
+        }
     }
 }
 
@@ -144,14 +144,19 @@ fn explores(page: &mut dyn Page, folder: &Path) {
     let stated: Vec<f64> = words.as_str().unwrap().split_whitespace().filter_map(|word| word.parse().ok()).collect();
     let (median, worst) = (stated[0], stated[1]);
     println!("{}", words.as_str().unwrap());
-    // Where blocks are cut in part the solver itself has steps of some thousandths, which no smooth surface follows.
-    assert!(median < 0.001 && worst < 0.005, "{words}");
+    assert!(median < 0.001 && worst < 0.03, "{words}");
+
+    // It begins with the design found, and with what is expected of that.
+    let result: Value = serde_json::from_str(&fs::read_to_string(out.join("result.json")).unwrap()).unwrap();
+    let (start, first) = shown(page);
+    for (value, at) in first.iter().zip(result["expected"].as_array().unwrap()) {
+        assert!((value - number(&at["median"])).abs() <= worst + AS_CUT, "{value} {at}");
+    }
+    let chance = number(&page.ask("parseFloat(document.getElementById('explorer').dataset.chance)"));
+    assert!((chance - number(&result["chance"])).abs() < 0.1, "{chance} {}", result["chance"]);
 
     // Sliders move by the keyboard, and the curve with them.
-    let (start, first) = shown(page);
-    // The page adds to all designs what the one found has beside its endless cell.
-    let found = simulated(&out, start);
-    let mut last = start;
+    let (mut last, mut seen) = (start, Vec::new());
     for (axis, key, times) in [(0, "ArrowRight", 60), (1, "ArrowLeft", 90), (2, "ArrowLeft", 120)] {
         page.ask(&format!("document.querySelector('[data-slider=\"{axis}\"]').focus()"));
         for _ in 0..times {
@@ -160,9 +165,12 @@ fn explores(page: &mut dyn Page, folder: &Path) {
         let (lengths, values) = shown(page);
         assert!(lengths[axis] != last[axis] && lengths[(axis + 1) % 3] == last[(axis + 1) % 3], "{lengths:?}");
         last = lengths;
-        for (load, (value, exact)) in values.iter().zip(simulated(&out, lengths)).enumerate() {
-            let (by_page, by_solver) = (value - first[load], exact - found[load]);
-            assert!((by_page - by_solver).abs() <= worst, "{lengths:?}: {by_page} {by_solver}");
+        seen.push((lengths, values));
+    }
+    let designs: Vec<[f64; 3]> = seen.iter().map(|(lengths, _)| *lengths).collect();
+    for ((lengths, values), medians) in seen.iter().zip(predicted(folder, &designs)) {
+        for (value, median) in values.iter().zip(medians) {
+            assert!((value - median).abs() <= worst + AS_CUT, "{lengths:?}: {value} {median}");
         }
     }
     // Numbers that are typed, also beyond the bounds.
@@ -171,9 +179,11 @@ fn explores(page: &mut dyn Page, folder: &Path) {
     let took = page.ask(
         "(() => { const slider = document.querySelector('[data-slider=\"2\"]'), took = []; for (let k = 0; k < 50; k++) { slider.value = 300 + 8 * k; \
          const start = performance.now(); slider.dispatchEvent(new Event('input')); took.push(performance.now() - start); } \
-         took.sort((a, b) => a - b); return [took[25], took[49]]; })()",
+         took.sort((a, b) => a - b); return [took[5], took[25], took[49]]; })()",
     );
-    println!("a step of a slider takes {took} ms (median, longest)");
+    println!("a step of a slider takes {took} ms (fastest tenth, median, longest)");
+    // Other programs may have the processor meanwhile: the fastest tenth is what the page itself takes.
+    assert!(number(&took[0]) < 16.0, "{took}");
 
     // The map chooses by a click; the copied scene is accepted.
     page.ask("document.querySelector('[data-map]').scrollIntoView({ block: 'center' })");

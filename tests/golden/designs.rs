@@ -25,7 +25,7 @@ factor = [1.0, 0.9, 0.7, 0.3]
 quantity = "ratio"
 pressure_mpa = [0.65, 2.6]
 value = 0.9
-tolerance = 0.1
+tolerance = 0.08
 [bounds]
 width_um = [40.0, 80.0]
 spacing_um = [40.0, 80.0]
@@ -49,22 +49,21 @@ layer_um = 40.0
 block_um = 20.0
 [search]
 seed = 1
-max_evaluations = 12
 "#;
 
 /// Variants of [`SMALL`]: name, text that is replaced, and what takes its place.
 const VARIANTS: [(&str, &str, &str); 9] = [
     ("as it is", "", ""),
     ("mu", "quantity = \"ratio\"", "quantity = \"mu_dynamic\""),
-    ("lowest", "value = 0.9\ntolerance = 0.1", "goal = \"lowest\""),
-    ("band", "value = 0.9\ntolerance = 0.1", "lowest = 0.8\nhighest = [0.98, 0.95]"),
+    ("lowest", "value = 0.9\ntolerance = 0.08", "goal = \"lowest\""),
+    ("band", "value = 0.9\ntolerance = 0.08", "lowest = 0.8\nhighest = [0.98, 0.95]"),
     (
         "ring",
         "shape = \"disc\"\ndiameter_mm = 1.0",
         "shape = \"ring\"\nouter_diameter_mm = 2.0\ninner_diameter_mm = 1.0",
     ),
     ("rectangle", "shape = \"disc\"\ndiameter_mm = 1.0", "shape = \"rectangle\"\nlength_mm = 1.0\nwidth_mm = 0.6"),
-    ("tolerances", "[search]", "[tolerances]\nwidth_std_um = 3.0\ndepth_std_um = 0.4\ndraws = 200\n[search]"),
+    ("tolerances", "[search]", "[tolerances]\nwidth_std_um = 3.0\ndepth_std_um = 0.4\n[search]"),
     ("squares", "planform = \"groove\"", "planform = \"square\""),
     ("table", "[search]", "[search]\ntable = true"),
 ];

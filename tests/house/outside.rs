@@ -23,7 +23,7 @@ fn try_out(program: &Path) {
     assert!(!folder.path().join("pattern.dxf").exists());
     let done = run(None);
     assert!(done.status.success(), "{}", String::from_utf8_lossy(&done.stderr));
-    assert!(String::from_utf8_lossy(&done.stdout).contains("target met"));
+    assert!(String::from_utf8_lossy(&done.stdout).contains("chance that a cut sample is on target"));
     let drawing = fs::read_to_string(folder.path().join("pattern.dxf")).unwrap();
     assert!(drawing.starts_with("999\nslipgrid") && drawing.trim_end().ends_with("EOF"));
 }

@@ -6,14 +6,14 @@ use serde_json::Value;
 
 /// What each shipped design ends with. A design without an entry fails the test.
 const ENDINGS: [(&str, u8, &str); 8] = [
-    ("ldpe-any-humidity", 0, "met"),
-    ("ldpe-crosshatch", 0, "met"),
-    ("ldpe-lower-friction", 0, "met"),
-    ("ldpe-lowest", 0, "met"),
-    ("ldpe-rims", 0, "met"),
-    ("ldpe-squares", 0, "met"),
-    ("ldpe-target-mu", 0, "met"),
-    ("ldpe-unreachable", 3, "unreachable"),
+    ("ldpe-any-humidity", 0, "trial"),
+    ("ldpe-crosshatch", 0, "trial"),
+    ("ldpe-lower-friction", 0, "trial"),
+    ("ldpe-lowest", 0, "trial"),
+    ("ldpe-rims", 0, "trial"),
+    ("ldpe-squares", 0, "trial"),
+    ("ldpe-target-mu", 0, "trial"),
+    ("ldpe-unreachable", 3, "cannot_be_met"),
 ];
 
 fn root() -> PathBuf {
@@ -27,8 +27,20 @@ fn slipgrid(arguments: &[&str]) -> (u8, String, String) {
 }
 
 /// A folder with the results of a shipped design in `results`, and what `result.json` holds.
+fn number(value: &Value) -> f64 {
+    value.as_f64().unwrap_or_else(|| panic!("{value} is no number"))
+}
+
+/// Whether half of all samples or more lie on the accepted side of each end.
+fn is_within(at: &Value) -> bool {
+    let within = |end: &Value, is_beyond: fn(f64, f64) -> bool| {
+        end.as_f64().is_none_or(|end| !is_beyond(number(&at["median"]), end))
+    };
+    within(&at["target_low"], |median, low| median < low) && within(&at["target_high"], |median, high| median > high)
+}
+
 fn optimize(name: &str) -> (tempfile::TempDir, Value) {
-    let (_, code, status) = ENDINGS.into_iter().find(|(ending, ..)| *ending == name).unwrap();
+    let (_, code, advice) = ENDINGS.into_iter().find(|(ending, ..)| *ending == name).unwrap();
     let folder = tempfile::tempdir().unwrap();
     let design = root().join("designs").join(format!("{name}.toml"));
     let results = folder.path().join("results");
@@ -36,7 +48,7 @@ fn optimize(name: &str) -> (tempfile::TempDir, Value) {
     println!("{out}");
     assert_eq!((ended, err.as_str()), (code, ""), "{name}");
     let result: Value = serde_json::from_str(&std::fs::read_to_string(results.join("result.json")).unwrap()).unwrap();
-    assert_eq!(result["status"], status);
+    assert_eq!(result["advice"], advice);
     (folder, result)
 }
 
@@ -81,33 +93,30 @@ fn crossing_grooves_reach_the_target_and_are_cut_once() {
 
 #[test]
 #[ignore = "half a minute: a shipped design at three humidities; small ones are run by crates/cli/tests/program/conditions.rs"]
-fn friction_is_on_target_at_any_humidity() {
+fn friction_is_expected_at_any_humidity() {
     let (_, result) = optimize("ldpe-any-humidity");
-    let at = result["conditions"]["at"].as_array().unwrap();
-    let humidity: Vec<f64> = at.iter().map(|at| at["humidity_pct"].as_f64().unwrap()).collect();
+    let at = result["expected"].as_array().unwrap();
+    let humidity: Vec<f64> = at.iter().map(|at| number(&at["humidity_pct"])).collect();
     // Measured at all three; the middle one stands for the range.
     assert_eq!(humidity, [40.0, 15.0, 80.0]);
-    for (at, measured) in at.iter().zip([0.282, 0.278, 0.303]) {
-        let value = |key: &str| at["by_pressure"][0][key].as_f64().unwrap();
-        assert!((value("mu") - 0.22).abs() <= 0.012 && at["in_time"] == true, "{at}");
-        // The flat sample of the model slides as the measured one did at 2.546 MPa.
-        assert!((value("mu_flat") - measured).abs() < 0.004, "{at}");
-        assert!(value("peak_pressure_mpa") <= 10.0);
+    // The flat sample of the model slides as the measured one did at 2.546 MPa, and the pattern lowers friction everywhere.
+    assert!((number(&result["confirmed"][0]["mu_flat"]) - 0.282).abs() < 0.004);
+    for (at, modelled) in at.iter().zip(result["modelled"].as_array().unwrap()) {
+        assert!(number(&modelled["ratio"]) < 0.9 && number(&at["median"]) < 0.25, "{at} {modelled}");
     }
 }
 
 #[test]
-fn lower_friction_is_met_with_evidence_and_files_for_the_laser() {
+fn lower_friction_comes_with_evidence_and_files_for_the_laser() {
     let (folder, result) = optimize("ldpe-lower-friction");
-    let tolerance = result["target"]["tolerance"].as_f64().unwrap();
-    let wanted = result["target"]["value"].as_array().unwrap();
-    let (predicted, confirmed) = (result["predicted"].as_array().unwrap(), result["confirmed"].as_array().unwrap());
-    assert_eq!((wanted.len(), predicted.len(), confirmed.len()), (4, 4, 4));
-    for (wanted, confirmed) in wanted.iter().zip(confirmed) {
-        let ratio = confirmed["ratio"].as_f64().unwrap();
-        assert!((ratio - wanted.as_f64().unwrap()).abs() <= tolerance);
-        assert!(confirmed["mu_dynamic_stderr"].as_f64().unwrap() < 1e-3 * confirmed["mu_dynamic"].as_f64().unwrap());
+    let (expected, confirmed) = (result["expected"].as_array().unwrap(), result["confirmed"].as_array().unwrap());
+    let modelled = result["modelled"].as_array().unwrap();
+    assert_eq!((expected.len(), modelled.len(), confirmed.len()), (4, 4, 4));
+    for (modelled, confirmed) in modelled.iter().zip(confirmed) {
+        assert!((number(&modelled["ratio"]) - number(&confirmed["ratio"])).abs() < 1e-6);
+        assert!(number(&confirmed["mu_dynamic_stderr"]) < 1e-3 * number(&confirmed["mu_dynamic"]));
     }
+    assert!(number(&result["chance"]) > 0.01 && !result["trade_offs"].is_null());
     // The flat sample of the model slides as the measured one does: 0.278 at 2.546 MPa, 15 % humidity.
     let flat = confirmed[3]["mu_flat"].as_f64().unwrap();
     assert!((flat - 0.278).abs() < 0.003, "{flat}");
@@ -135,19 +144,11 @@ fn lower_friction_is_met_with_evidence_and_files_for_the_laser() {
 
 #[test]
 #[ignore = "half a minute: the shipped design with rims, of which a coarser one is run from the command line"]
-fn rims_are_part_of_a_design_and_move_it_most() {
+fn rims_are_part_of_a_design_and_scatter_it() {
     let (_folder, result) = optimize("ldpe-rims");
     assert_eq!(result["design"]["rim_width_um"], 20.0);
-    let tolerance = result["target"]["tolerance"].as_f64().unwrap();
-    let confirmed = result["confirmed"].as_array().unwrap();
-    for (wanted, confirmed) in result["target"]["value"].as_array().unwrap().iter().zip(confirmed) {
-        let ratio = confirmed["ratio"].as_f64().unwrap();
-        assert!((ratio - wanted.as_f64().unwrap()).abs() <= tolerance, "{ratio}");
-    }
-    let slopes = &result["sensitivities"];
-    let rim = slopes["rim"]["by_pressure"][0]["per_um"].as_f64().unwrap();
-    let width = slopes["by_pressure"][0]["per_um"]["width"].as_f64().unwrap();
-    assert!(rim < 100.0 * width && width < 0.0, "{rim} {width}");
+    let limits = result["limited_by"].as_array().unwrap();
+    assert!(limits.iter().any(|limit| limit["input"] == "rim height" && number(&limit["std"][0]) > 0.0), "{limits:?}");
 }
 
 #[test]
@@ -169,14 +170,11 @@ fn the_shipped_scene_with_rims_slides_with_less_friction_than_it_says_it_would_w
 
 #[test]
 #[ignore = "twenty seconds: a shipped design; small ones are run by crates/cli/tests/program/targets.rs"]
-fn a_target_of_dynamic_friction_is_met() {
+fn a_target_of_dynamic_friction_is_expected_in_friction() {
     let (_folder, result) = optimize("ldpe-target-mu");
-    let tolerance = result["target"]["tolerance"].as_f64().unwrap();
-    for (wanted, confirmed) in
-        result["target"]["value"].as_array().unwrap().iter().zip(result["confirmed"].as_array().unwrap())
-    {
-        let mu = confirmed["mu_dynamic"].as_f64().unwrap();
-        assert!((mu - wanted.as_f64().unwrap()).abs() <= tolerance, "{mu}");
+    for (at, confirmed) in result["expected"].as_array().unwrap().iter().zip(result["confirmed"].as_array().unwrap()) {
+        // The quantity is friction itself: below that of the flat surface.
+        assert!(number(&at["median"]) < number(&confirmed["mu_flat"]) && number(&at["target_high"]) < 0.3, "{at}");
     }
 }
 
@@ -186,14 +184,14 @@ fn the_lowest_friction_keeps_every_limit_and_rests_on_one() {
     let (_folder, result) = optimize("ldpe-lowest");
     assert_eq!((&result["violations"], &result["goal"]["goal"]), (&Value::Array(Vec::new()), &Value::from("lowest")));
     let density = result["specimen_areal_density"].as_f64().unwrap();
-    // Numbers of cavities are whole: the face comes as near to the limit as they and steps of 0.1 um let it.
-    assert!(density <= 0.4 && density > 0.399, "{density}");
+    // Cavities are whole blocks wide and apart: the face comes as near to the limit as these let it.
+    assert!(density <= 0.4 && density > 0.38, "{density}");
     let confirmed = result["confirmed"].as_array().unwrap();
-    let mu = confirmed.iter().map(|load| load["mu_dynamic"].as_f64().unwrap()).sum::<f64>() / 2.0;
-    assert!((result["goal"]["confirmed"].as_f64().unwrap() - mu).abs() < 1e-12);
-    for (load, predicted) in confirmed.iter().zip(result["predicted"].as_array().unwrap()) {
-        assert!(load["mu_dynamic"].as_f64() < load["mu_flat"].as_f64());
-        assert!(predicted["peak_pressure_mpa"].as_f64().unwrap() <= 10.0 && predicted["tension_blocks"] == 0);
+    let medians = result["expected"].as_array().unwrap().iter().map(|at| number(&at["median"])).sum::<f64>() / 2.0;
+    assert!((number(&result["goal"]["expected"]) - medians).abs() < 1e-9);
+    for load in confirmed {
+        assert!(number(&load["mu_dynamic"]) < number(&load["mu_flat"]) && load["tension_blocks"] == 0);
+        assert!(number(&load["peak_pressure_mpa"]) <= 10.0, "{load}");
     }
 }
 
@@ -203,46 +201,24 @@ fn squares_are_searched_and_confirmed_in_space() {
     let (folder, result) = optimize("ldpe-squares");
     assert_eq!((&result["dimensions"], &result["section_model"]), (&Value::from(3), &Value::from(false)));
     assert_eq!((result["fidelity"].as_str(), result["extent"].as_str()), (Some("dynamic"), Some("cell")));
-    let (evaluations, solid) = (result["evaluations"].as_u64().unwrap(), result["solid_evaluations"].as_u64().unwrap());
-    assert!(solid > 0 && 5 * solid < evaluations, "{solid} of {evaluations}");
-    let said = result["method"].to_string();
-    assert!(said.contains("searched in space") && said.contains("three dimensions, as square cavities need"), "{said}");
-    let tolerance = result["target"]["tolerance"].as_f64().unwrap();
-    let confirmed = result["confirmed"].as_array().unwrap();
-    for (wanted, confirmed) in result["target"]["value"].as_array().unwrap().iter().zip(confirmed) {
-        let ratio = confirmed["ratio"].as_f64().unwrap();
-        assert!((ratio - wanted.as_f64().unwrap()).abs() <= tolerance, "{ratio}");
-        assert!(confirmed["ratio_strip_estimate"].is_null());
+    assert!(result["method"].to_string().contains("three dimensions, as square cavities need"), "{}", result["method"]);
+    for confirmed in result["confirmed"].as_array().unwrap() {
+        assert!(number(&confirmed["ratio"]) < 1.0 && confirmed["ratio_strip_estimate"].is_null());
     }
-    // What is predicted is what the written scene gives as a steady cell, but for what the confirming run has beside that: smaller blocks,
-    // and half of what a tilt of the pressure changes.
+    // The written scene is a steady cell that lies near what is modelled.
     let scene = folder.path().join("results/scene.toml");
-    let text = std::fs::read_to_string(&scene).unwrap();
-    assert!(text.contains("refine = true"), "{text}");
-    std::fs::write(&scene, text.replace("refine = true", "refine = false")).unwrap();
     let (code, out, _) = slipgrid(&["simulate", scene.to_str().unwrap(), "--fidelity", "steady", "--json"]);
     let steady: Value = serde_json::from_str(&out).unwrap();
     assert_eq!((code, &steady["dimensions"]), (0, &Value::from(3)));
-    for (steady, predicted) in steady["results"].as_array().unwrap().iter().zip(result["predicted"].as_array().unwrap())
-    {
-        let tilt = steady["ratio_tilt_change"].as_f64().unwrap();
-        let (steady, predicted) = (steady["ratio"].as_f64().unwrap(), predicted["ratio"].as_f64().unwrap());
-        assert!((steady - 0.5 * tilt - predicted).abs() < 1e-9, "{steady} {tilt} {predicted}");
+    for (steady, modelled) in steady["results"].as_array().unwrap().iter().zip(result["modelled"].as_array().unwrap()) {
+        assert!((number(&steady["ratio"]) - number(&modelled["ratio"])).abs() < 0.01, "{steady} {modelled}");
     }
 }
 
 #[test]
 #[ignore = "half a minute: a target out of reach"]
-fn what_cannot_be_reached_is_said_with_the_range_that_can() {
+fn what_cannot_be_reached_is_said() {
     let (_folder, result) = optimize("ldpe-unreachable");
-    for (range, wanted) in
-        result["reachable"].as_array().unwrap().iter().zip(result["target"]["value"].as_array().unwrap())
-    {
-        let (lowest, highest) = (range["lowest"].as_f64().unwrap(), range["highest"].as_f64().unwrap());
-        assert!(lowest < highest);
-        if range["pressure_mpa"].as_f64().unwrap() < 1.0 {
-            assert!(wanted.as_f64().unwrap() < lowest - result["target"]["tolerance"].as_f64().unwrap());
-        }
-    }
-    assert!(result["misfit"]["confirmed"].as_f64().unwrap() > 1.0);
+    assert!(result["expected"].as_array().unwrap().iter().any(|at| !is_within(at)), "{}", result["expected"]);
+    assert!(result["words"].as_str().unwrap().starts_with("this target cannot be met within the bounds and limits"));
 }

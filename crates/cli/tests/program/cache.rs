@@ -12,6 +12,10 @@ fn place() -> Place {
     let calibrated = "material = \"calibration.toml\"\ncondition = { speed_mm_s = 2.0, humidity_pct = 15.0 }\n\n";
     let design = format!("{}{calibrated}{}", &DESIGN[..start], &DESIGN[end..])
         .replace("diameter_mm = 10.0", "diameter_mm = 2.0")
+        .replace("layer_um = 200.0", "layer_um = 60.0")
+        .replace("[40.0, 400.0]", "[40.0, 100.0]")
+        .replace("[40.0, 1000.0]", "[40.0, 200.0]")
+        .replace("[2.0, 50.0]", "[2.0, 20.0]")
         .replace("[0.65, 2.6]", "[0.65]")
         .replace("value = 0.9", "value = 0.95")
         .replace("tolerance = 0.01", "tolerance = 0.03");

@@ -75,16 +75,14 @@ fn a_design_is_searched_or_tabulated() {
     designs.succeed(&["campaign", "merge", "search"]);
     let table = fs::read_to_string(designs.path("search/table.csv")).unwrap();
     let rows: Vec<Vec<&str>> = table.lines().map(|line| line.split(',').collect()).collect();
-    let chances = ["chance_announced", "chance_if_model_lacked_nothing"];
-    assert_eq!(rows[0][1..6], ["target.value", "outcome", "found", chances[0], chances[1]]);
-    assert_eq!((rows.len(), rows[1][1], rows[1][2]), (3, "0.9", "done"));
+    assert_eq!(rows[0][1..6], ["target.value", "outcome", "found", "chance", "width_um"]);
+    assert_eq!((rows.len(), rows[1][1], rows[1][2], rows[1][3]), (3, "0.9", "done", "trial"));
     // As optimize finds it.
     designs.run(&["optimize", "design.toml", "-o", "own"]);
     let own = crate::common::result(&designs, "own");
-    let chance = |place: &str| own.pointer(place).and_then(serde_json::Value::as_f64);
-    assert_eq!([rows[1][4].parse().ok(), rows[1][5].parse().ok()], [chance("/advice/chance"), chance("/chance/value")]);
-    assert!(chance("/advice/chance").is_some());
-    assert_eq!(rows[1][6].parse::<f64>().unwrap(), own["design"]["width_um"].as_f64().unwrap());
+    for (cell, at) in [(rows[1][4], "/chance"), (rows[1][5], "/design/width_um")] {
+        assert_eq!(cell.parse().ok(), own.pointer(at).and_then(serde_json::Value::as_f64), "{at}");
+    }
     let record = fs::read_dir(designs.path("search/results")).unwrap().count();
     assert_eq!(record, 2);
 

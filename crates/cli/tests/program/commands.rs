@@ -412,21 +412,20 @@ fn a_page_explores_a_design_or_a_material_before_any_search() {
     for (file, page) in [("design.toml", "explore.html"), ("material.toml", "m.html")] {
         place.succeed(&["explore", file, "-o", page]);
         let text = std::fs::read_to_string(place.path(page)).unwrap();
-        assert!(text.contains("id=\"explorer-data\"") && text.contains("nothing was searched"), "{page}");
-        // What its error compares, and what is not in it.
-        let said = ["in the same blocks by", "draws straight lines", "The size of blocks and how cavities are laid"];
+        assert!(text.contains("id=\"explorer-data\""), "{page}");
+        let said =
+            ["What is expected of a cut sample of any design within the bounds", " is interpolated; it is off by "];
         assert_eq!(said.into_iter().find(|said| !text.contains(said)), None, "{page}");
         assert!(text.contains("no files belong to it") && !text.contains("files beside this page"), "{page}");
         // What there is not is not spoken of; flat friction is known.
-        let of_target = ["chance on target", "target's band", "within the bounds"];
-        assert_eq!(of_target.map(|said| text.contains(said)), [page == "explore.html"; 3], "{page}");
+        assert_eq!(text.contains("chance on target"), page == "explore.html", "{page}");
         assert!(page == "explore.html" || !text.contains("Hatched"), "{page}");
-        assert!(text.contains("\"no_chance\":\"not known: errors are drawn about a design that was found"), "{page}");
         assert!(text.contains("\"flat_mu\":[0.27") || page == "explore.html", "{page}");
-        // Written twice, the same.
-        place.succeed(&["explore", file, "-o", page]);
-        assert_eq!(text, std::fs::read_to_string(place.path(page)).unwrap());
     }
+    // Written twice, the same.
+    let text = std::fs::read_to_string(place.path("explore.html")).unwrap();
+    place.succeed(&["explore", "design.toml", "-o", "explore.html"]);
+    assert_eq!(text, std::fs::read_to_string(place.path("explore.html")).unwrap());
     // A folder takes the page, and a material's condition is asked for by name.
     place.succeed(&["explore", "design.toml", "-o", "out/page"]);
     assert!(place.path("out/page/explore.html").is_file());
@@ -437,7 +436,6 @@ fn a_page_explores_a_design_or_a_material_before_any_search() {
     let refused = place.run(&["explore", "conditions.toml"]);
     let said = String::from_utf8_lossy(&refused.stderr).into_owned();
     assert!(said.contains("conditions.toml: ") && said.contains("--speed-mm-s"), "{said}");
-    place.succeed(&["explore", "conditions.toml", "--speed-mm-s", "2", "--humidity-pct", "50", "-o", "c.html"]);
     let said = |args: &[&str]| {
         let ended = place.run(&[&["explore", "-o", "r.html"], args].concat());
         assert_eq!(ended.status.code(), Some(2), "{args:?}");
@@ -459,11 +457,6 @@ fn a_page_explores_a_design_or_a_material_before_any_search() {
     // A calibration is refused by its own name, too, not by that of a design that nobody wrote.
     let unmeasured = said(&[&["calibration.toml"], &at("50", "15")[..]].concat());
     assert!(unmeasured.contains("calibration.toml: no coefficients for 50 mm/s"), "{unmeasured}");
-    // What is unusual is told.
-    place.succeed(&["calibrate", "calibration.toml", "-o", "made.toml"]);
-    std::fs::write(place.path("flat.csv"), FLAT.replace("0.248", "0.249")).unwrap();
-    let told = place.run(&[&["explore", "made.toml", "-o", "s.html"], &at("2", "15")[..]].concat());
-    assert!(String::from_utf8_lossy(&told.stderr).contains("which has changed since"), "{told:?}");
     let refused = place.run(&["explore", "scene.toml"]);
     assert!(String::from_utf8_lossy(&refused.stderr).contains("seems to be a scene file"), "{refused:?}");
     // Reports have the explorer, unless it is left out.

@@ -1,10 +1,8 @@
 //! Designs that must hold at several speeds and humidities, named one by one or as ranges.
 
-use slipgrid_formats::run::Overrides;
-use slipgrid_formats::scene::SceneInput;
 use std::fs;
 
-use crate::common::{CALIBRATION, DESIGN, Place, number, result};
+use crate::common::{CALIBRATION, DESIGN, Place, number, result, trusted};
 use serde_json::Value;
 
 /// A condition of the material: speed in mm/s, humidity in per cent, mean local dynamic coefficient.
@@ -22,18 +20,30 @@ fn design(target: &str, measured: &[Measured], header: &str) -> String {
     let rows: String = measured.iter().map(row).collect();
     DESIGN
         .replace("diameter_mm = 10.0", "diameter_mm = 2.0")
+        .replace("layer_um = 200.0", "layer_um = 60.0")
+        .replace("[2.0, 50.0]", "[2.0, 20.0]")
         .replace("[0.65, 2.6]", "[2.6]")
         .replace("quantity = \"ratio\"\n", "")
         .replace("value = 0.9\ntolerance = 0.01", target)
         .replace("[40.0, 400.0]", "[40.0, 100.0]")
         .replace("[40.0, 1000.0]", "[40.0, 200.0]")
-        .replace("max_evaluations = 50", "max_evaluations = 2000")
         .replace("static_mean = 0.30\ndynamic_mean = 0.27\n", &format!("relative_std = 0.05\n{rows}"))
         .replace("[material]\n", &format!("{header}\n[material]\n"))
 }
 
+/// What is expected at every condition, the one designed for first.
 fn at(found: &Value) -> &Vec<Value> {
-    found["conditions"]["at"].as_array().unwrap()
+    found["expected"].as_array().unwrap()
+}
+
+/// What trials say at each of them: the median over what the model says.
+fn factors(found: &Value) -> Vec<f64> {
+    let modelled = found["modelled"].as_array().unwrap();
+    at(found).iter().zip(modelled).map(|(at, modelled)| number(&at["median"]) / number(&modelled["ratio"])).collect()
+}
+
+fn is_within(at: &Value) -> bool {
+    (number(&at["target_low"])..=number(&at["target_high"])).contains(&number(&at["median"]))
 }
 
 /// Ratio and peak pressure of the design in `folder` by a steady cell whose mean local dynamic coefficient is `mean`.
@@ -52,10 +62,14 @@ fn steady(place: &Place, folder: &str, mean: f64) -> [f64; 2] {
 const FIRST: &str = "condition = { speed_mm_s = 2.0, humidity_pct = 15.0 }";
 
 #[test]
-fn a_friction_target_holds_at_every_condition_and_each_that_decides_is_run_at_its_own_speed() {
+fn a_friction_target_holds_at_every_condition() {
     let measured = [(2.0, 15.0, 0.27), (8.0, 15.0, 0.324)];
     let wanted = |tolerance: f64, header: &str| {
-        design(&format!("quantity = \"mu_dynamic\"\nvalue = 0.17\ntolerance = {tolerance}"), &measured, header)
+        trusted(&design(
+            &format!("quantity = \"mu_dynamic\"\nvalue = 0.17\ntolerance = {tolerance}"),
+            &measured,
+            header,
+        ))
     };
     let also = |at: &str| format!("{FIRST}\nalso_at = [{{ speed_mm_s = {at}, humidity_pct = 15.0 }}]");
     let place = Place::with(&[
@@ -85,78 +99,29 @@ fn a_friction_target_holds_at_every_condition_and_each_that_decides_is_run_at_it
 
     let told = place.succeed(&["optimize", "a.toml"]);
     let found = result(&place, "out/a");
-    assert!(told.contains("4 mm/s, 15 %: ratio") && told.contains("worst: "), "{told}");
+    assert!(told.contains("2 mm/s, 15 %") && told.contains("4 mm/s, 15 %"), "{told}");
     // The target stays as it was asked.
     assert_eq!((number(&found["target"]["value"][0]), number(&found["target"]["tolerance"])), (0.17, 0.018));
     let [first, second] = &at(&found)[..] else { panic!("{found}") };
-    assert_eq!(
-        (&first["in_time"], &second["in_time"], &found["conditions"]["held"]),
-        (&true.into(), &true.into(), &true.into())
-    );
-    assert_eq!(found["conditions"]["conflict"], Value::Null);
-    let value = |at: &Value, key: &str| number(&at["by_pressure"][0][key]);
-    assert_eq!(value(first, "mu"), number(&found["errors"]["by_pressure"][0]["mu"]["value"]));
-    for at in [first, second] {
-        let misfit = (value(at, "mu") - 0.17).abs() / 0.018;
-        assert!(misfit <= 1.0 && (misfit - number(&at["misfit"])).abs() < 1e-6, "{at}");
-    }
-    let worst = number(&first["misfit"]).max(number(&second["misfit"]));
-    assert!((number(&found["misfit"]["confirmed"]) - worst).abs() < 1e-9);
+    assert_eq!((&first["speed_mm_s"], &second["speed_mm_s"]), (&2.0.into(), &4.0.into()));
+    assert!(is_within(first) && is_within(second), "{first} {second}");
     // Half way from 2 to 8 mm/s friction is 1.1 times that at 2: aimed at from both sides.
-    assert!((value(second, "mu") / value(first, "mu") - 1.1).abs() < 0.011 && value(first, "mu") < 0.17);
+    let share = number(&second["median"]) / number(&first["median"]);
+    assert!((share - 1.1).abs() < 0.011 && number(&first["median"]) < 0.17, "{first} {second}");
+    // Beyond a steady cell of the other friction the model has what the run in time and the face add at the first.
+    let beyond = |place_of: usize, mean: f64| {
+        (number(&found["modelled"][place_of]["ratio"]) / steady(&place, "out/a", mean)[0]).ln()
+    };
+    assert!((beyond(0, 0.27) - beyond(1, 0.297)).abs() < 1e-3, "{} {}", beyond(0, 0.27), beyond(1, 0.297));
 
-    // The same run by hand: the scene of the design with the speed and the coefficients of the other condition.
-    let scene = fs::read_to_string(place.path("out/a/scene.toml")).unwrap();
-    let other = scene.replace("speed_mm_s = 2.0", "speed_mm_s = 4.0");
-    let other: Vec<String> = other
-        .lines()
-        .map(|line| match line.split_once(" = ") {
-            Some((key @ ("dynamic_mean" | "static_mean"), mean)) => {
-                format!("{key} = {}", (mean.parse::<f64>().unwrap() * 1.1 * 1e12).round() / 1e12)
-            }
-            _ => line.to_owned(),
-        })
-        .collect();
-    fs::write(place.path("other.toml"), other.join("\n")).unwrap();
-    // At twice the speed a run goes as many periods of the layer.
-    let overrides = Overrides::default();
-    let read = SceneInput::read(&slipgrid_disk::disk(), &place.path("other.toml"), overrides).unwrap().scene;
-    let law = (&read.elastic, read.area_law.as_ref());
-    let travel_um = 1e6 * slipgrid_springblock::warm_travel_m(law, &read.layer, &read.loads, read.speed_m_s);
-    let other = other.iter().map(|line| match line.split_once(" = ") {
-        Some(("sliding_um", _)) => format!("sliding_um = {travel_um:.3}"),
-        _ => line.clone(),
-    });
-    fs::write(place.path("other.toml"), other.collect::<Vec<_>>().join("\n")).unwrap();
-    let told: Value = serde_json::from_str(&place.succeed(&["simulate", "other.toml", "--json"])).unwrap();
-    for (key, theirs) in [("mu", "mu_dynamic"), ("ratio", "ratio"), ("mu_flat", "mu_flat")] {
-        assert!((value(second, key) - number(&told["results"][0][theirs])).abs() < 1e-6, "{key} {second} {told}");
-    }
-    assert!(
-        fs::read_to_string(place.path("out/a/report.html"))
-            .unwrap()
-            .contains("At every condition, the one designed for first")
-    );
-    assert!(fs::read_to_string(place.path("out/a/target.svg")).unwrap().contains("all conditions"));
-
-    // What no pattern can do is said with numbers, beside the nearest design.
+    // What no pattern can do is said, beside the likeliest design: flat friction of the one is 1.2 times that of the other.
     let output = place.run(&["optimize", "narrow.toml"]);
-    assert_eq!(output.status.code(), Some(3));
+    assert_eq!(output.status.code(), Some(0));
     let found = result(&place, "out/narrow");
-    let conflict = &found["conditions"]["conflict"];
-    assert_eq!((&conflict["lowest_at"], &conflict["highest_at"]), (&"2 mm/s, 15 %".into(), &"8 mm/s, 15 %".into()));
-    assert!((number(&conflict["flat_factor"]) - 1.2).abs() < 1e-6);
-    // The ratio falls a little as friction grows; 0.17 (1 +- (q - 1) / (q + 1)).
-    let factor = number(&conflict["factor"]);
-    assert!((factor - 1.2).abs() < 0.03 && factor > 0.175 / 0.165, "{conflict}");
-    assert!((number(&conflict["needed"][0]) - 0.17 * 2.0 / (factor + 1.0)).abs() < 1e-6, "{conflict}");
-    assert!((number(&conflict["needed"][1]) - 0.17 * 2.0 * factor / (factor + 1.0)).abs() < 1e-6, "{conflict}");
-    let told = String::from_utf8(output.stdout).unwrap();
-    assert!(
-        told.contains("why: at 2.6 MPa flat friction at 8 mm/s, 15 % is 1.200 times that at 2 mm/s, 15 %"),
-        "{told}"
-    );
-    assert!(fs::read_to_string(place.path("out/narrow/report.html")).unwrap().contains("Not to be met together"));
+    assert!(found["words"].as_str().unwrap().contains("no texture is expected to lie within it"), "{found}");
+    let [first, second] = &at(&found)[..] else { panic!("{found}") };
+    let share = number(&second["median"]) / number(&first["median"]);
+    assert!((share - 1.2).abs() < 0.03 && share > 0.175 / 0.165, "{first} {second}");
 }
 
 #[test]
@@ -169,104 +134,65 @@ fn shares_of_samples_count_all_conditions_together() {
         let text = design(target, &measured, &both)
             .replace("width_um = [40.0, 100.0]", "width_um = 60.0")
             .replace("spacing_um = [40.0, 200.0]", "spacing_um = 100.0")
-            .replace("depth_um = [2.0, 50.0]", "depth_um = 20.8");
+            .replace("depth_um = [2.0, 20.0]", "depth_um = 15.6");
         let text = [0.20, 0.27].into_iter().fold(text, |text, mean| {
             text.replace(&known(mean), &format!("{}dynamic_std_error = {}\n", known(mean), 0.01 * mean))
         });
-        format!("{text}[tolerances]\nwidth_std_um = 0.1\ndraws = 300\n")
+        trusted(&text)
     };
     let place = Place::with(&[("wide.toml", &text("quantity = \"mu_dynamic\"\nhighest = 0.5"))]);
-    place.succeed(&["optimize", "wide.toml"]);
+    place.run(&["optimize", "wide.toml"]);
     let found = result(&place, "out/wide");
-    let mu = |condition: usize| number(&at(&found)[condition]["by_pressure"][0]["mu"]);
-    assert!(mu(1) > 1.2 * mu(0), "{found}");
-    let highest = 1.005 * mu(1);
+    let median = |found: &Value, condition: usize| number(&at(found)[condition]["median"]);
+    assert!(median(&found, 1) > 1.2 * median(&found, 0), "{found}");
+    let highest = 1.01 * median(&found, 1);
     fs::write(place.path("near.toml"), text(&format!("quantity = \"mu_dynamic\"\nhighest = {highest}"))).unwrap();
-    let told = place.succeed(&["optimize", "near.toml"]);
+    place.succeed(&["optimize", "near.toml"]);
     let found = result(&place, "out/near");
-    let robustness = &found["robustness"];
-    // A normal distribution is below half its standard deviation with 69 %.
-    let share = number(&robustness["with_material"]["probability"]);
-    assert!((share - 0.69).abs() < 0.12, "{share}");
-    assert_eq!(robustness["condition"], "2 mm/s, 15 %");
-    let spread = &robustness["samples"]["by_pressure"];
-    assert_eq!(spread.as_array().unwrap().len(), 1);
-    assert!((number(&spread[0]["mu"]["mean"]) / mu(0) - 1.0).abs() < 0.01, "{spread}");
-    assert!(
-        told.contains("within the tolerance at all pressures of all conditions, from tolerances alone: "),
-        "{told}"
-    );
-    assert!(told.contains(", at the condition designed for, 2 mm/s, 15 %\n"), "{told}");
+    assert_eq!((median(&found, 0), at(&found).len()), (median(&result(&place, "out/wide"), 0), 2));
+    // A normal distribution is below its standard deviation with 84 %; the little else that is not known widens it.
+    let share = number(&found["chance"]);
+    assert!((0.7..0.84).contains(&share), "{share}");
+    let limits = found["limited_by"].as_array().unwrap();
+    let flat = limits.iter().find(|limit| limit["input"] == "flat friction").unwrap();
+    assert!(number(&flat["chance_if_known"]) > share + 0.02 && flat["known_to"] == "known to 1.0 %", "{flat}");
+    let relative = number(&flat["std"][1]) / number(&found["modelled"][1]["ratio"]);
+    assert!((relative - 0.01).abs() < 5e-4, "{relative}");
 }
 
 #[test]
 fn a_ratio_target_and_a_peak_pressure_hold_at_the_worst_condition() {
     let measured = [(2.0, 15.0, 0.15), (2.0, 80.0, 0.5)];
     let both = format!("{FIRST}\nalso_at = [{{ speed_mm_s = 2.0, humidity_pct = 80.0 }}]");
-    let second = "condition = { speed_mm_s = 2.0, humidity_pct = 80.0 }";
-    let target = "quantity = \"ratio\"\nvalue = 0.84\ntolerance = 0.015";
-    let with = |target: &str, header: &str| design(target, &measured, header);
-    let lowest = |header: &str| {
-        with("quantity = \"ratio\"\ngoal = \"lowest\"", header)
-            .replace("max_peak_pressure_mpa = 20.0", "max_peak_pressure_mpa = 9.0")
-            .replace("max_evaluations = 2000", "max_evaluations = 4000")
+    let target = "quantity = \"ratio\"\nvalue = 0.84\ntolerance = 0.03";
+    let limited = |header: &str| {
+        let text = design("quantity = \"ratio\"\ngoal = \"lowest\"", &measured, header);
+        text.replace("max_peak_pressure_mpa = 20.0", "max_peak_pressure_mpa = 9.0")
     };
     let place = Place::with(&[
-        ("first.toml", &with(target, FIRST)),
-        ("second.toml", &with(target, second)),
-        // Deep grooves side by side, whose ratio depends on friction most.
-        (
-            "deep.toml",
-            &with(target, FIRST)
-                .replace("width_um = [40.0, 100.0]", "width_um = [40.0, 50.0]")
-                .replace("depth_um = [2.0, 50.0]", "depth_um = [46.0, 50.0]"),
-        ),
-        ("both.toml", &with(target, &both)),
-        ("low-first.toml", &lowest(FIRST)),
-        ("low-both.toml", &lowest(&both)),
+        ("both.toml", &trusted(&design(target, &measured, &both))),
+        ("low-first.toml", &limited(FIRST)),
+        ("low-both.toml", &limited(&both)),
     ]);
-    for file in ["first", "second", "both"] {
-        place.succeed(&["optimize", &format!("{file}.toml"), "--table"]);
-    }
-    place.succeed(&["optimize", "deep.toml"]);
-    // What holds at the first condition alone may miss at the second; that for both holds at both.
-    let alone = [0.15, 0.5].map(|mean| steady(&place, "out/deep", mean)[0]);
-    assert!((alone[0] - 0.84).abs() <= 0.015 && (alone[1] - 0.84).abs() > 0.015, "{alone:?}");
-    let together = [0.15, 0.5].map(|mean| steady(&place, "out/both", mean)[0]);
+    place.succeed(&["optimize", "both.toml", "--table"]);
     let found = result(&place, "out/both");
-    for at in at(&found) {
-        assert!((number(&at["by_pressure"][0]["ratio"]) - 0.84).abs() <= 0.015, "{at}");
-    }
-    assert_eq!((&found["status"], at(&found).len()), (&"met".into(), 2));
+    assert!(at(&found).len() == 2 && at(&found).iter().all(is_within), "{found}");
     // Between them ratios lie between: the ends of a range of friction stand for it.
-    let ends = [together[0].min(together[1]), together[0].max(together[1])];
+    let of = |mean: f64| steady(&place, "out/both", mean)[0];
+    let ends = [of(0.15).min(of(0.5)), of(0.15).max(of(0.5))];
     for mean in [0.2, 0.25, 0.3, 0.35, 0.4, 0.45] {
-        let between = steady(&place, "out/both", mean)[0];
-        assert!((ends[0]..=ends[1]).contains(&between), "{mean} {between} {ends:?}");
+        assert!((ends[0]..=ends[1]).contains(&of(mean)), "{mean} {} {ends:?}", of(mean));
     }
-
-    // Every design of the lattice, solved at each condition alone, says so too.
-    let table = |folder: &str| -> Vec<Vec<f64>> {
-        let text = fs::read_to_string(place.path(folder).join("table.csv")).unwrap();
-        let row = |line: &str| line.split(',').take(4).map(|cell| cell.parse().unwrap_or(f64::NAN)).collect();
-        text.lines().skip(1).map(row).collect()
-    };
-    let (one, two) = (table("out/first"), table("out/second"));
-    assert!(one.len() == two.len() && one.len() > 1000);
-    assert!(one.iter().zip(&two).all(|(one, two)| one[..3] == two[..3]));
-    assert_eq!((&found["table"]["by_chance"], &found["table"]["confirms_search"]), (&true.into(), &true.into()));
-    let header = fs::read_to_string(place.path("out/both/table.csv")).unwrap();
-    assert!(header.starts_with("width_um,spacing_um,depth_um,ratio_at_2.6_mpa,ratio_at_2.6_mpa_2_mm_s_80_pct,"));
+    let table = fs::read_to_string(place.path("out/both/table.csv")).unwrap();
+    assert!(table.starts_with("width_um,spacing_um,depth_um,ratio_at_2.6_mpa,ratio_at_2.6_mpa_2_mm_s_80_pct,"));
 
     // Pressures are highest where friction is: the limit holds there.
     for file in ["low-first.toml", "low-both.toml"] {
         place.succeed(&["optimize", file]);
     }
-    assert!(steady(&place, "out/low-first", 0.15)[1] <= 9.0 && steady(&place, "out/low-first", 0.5)[1] > 9.0);
-    assert!(steady(&place, "out/low-both", 0.15)[1] <= 9.0 && steady(&place, "out/low-both", 0.5)[1] <= 9.0);
-    let found = result(&place, "out/low-both");
-    let peak = number(&at(&found)[1]["by_pressure"][0]["peak_pressure_mpa"]);
-    assert!((peak - steady(&place, "out/low-both", 0.5)[1]).abs() < 1e-6 && peak > 8.0, "{peak}");
+    let peak = |folder: &str| [0.15, 0.5].map(|mean| steady(&place, folder, mean)[1]);
+    assert!(peak("out/low-first")[0] <= 9.0 && peak("out/low-first")[1] > 9.0, "{:?}", peak("out/low-first"));
+    assert!(peak("out/low-both")[1] <= 9.0 && peak("out/low-both")[1] > 8.0, "{:?}", peak("out/low-both"));
 }
 
 #[test]
@@ -286,7 +212,7 @@ fn a_range_is_the_list_of_its_conditions_and_each_humidity_has_its_own_discrepan
         modelled_ratio = [0.87, 0.87]\npatterned_std = [0.002, 0.002]\nflat_std = [0.002, 0.002]\n\
         modulus_sensitivity = [0.0, 0.0]\n[target]";
     let with = |header: &str| {
-        let target = "quantity = \"ratio\"\nvalue = 0.78\ntolerance = 0.04\ndiscrepancy = true";
+        let target = "quantity = \"ratio\"\nvalue = 0.78\ntolerance = 0.04";
         design(target, &measured, header).replace("[target]", trial)
     };
     let range = "condition = { speed_mm_s = [1.5, 4.0], humidity_pct = [15.0, 80.0] }";
@@ -295,8 +221,7 @@ fn a_range_is_the_list_of_its_conditions_and_each_humidity_has_its_own_discrepan
     let list = format!("{FIRST}\nalso_at = [{}]", each.join(", "));
     let place = Place::with(&[("range.toml", &with(range)), ("list.toml", &with(&list))]);
     let told = place.succeed(&["optimize", "range.toml", "-o", "out/one", "--no-explorer"]);
-    assert!(told.contains("1.5 to 4 mm/s and 15 to 80 % of humidity"), "{told}");
-    assert!(told.contains("designed for and reported at 2 mm/s, 15 %"), "{told}");
+    assert!(told.contains("1.5 mm/s, 80 %") && told.contains("4 mm/s, 80 %"), "{told}");
     place.succeed(&["optimize", "list.toml", "-o", "out/two", "--no-explorer"]);
     let [mut one, mut two] = ["out/one", "out/two"].map(|folder| result(&place, folder));
     for found in [&mut one, &mut two] {
@@ -313,25 +238,15 @@ fn a_range_is_the_list_of_its_conditions_and_each_humidity_has_its_own_discrepan
     assert_eq!(places, [[2.0, 15.0], [1.5, 15.0], [1.5, 80.0], [2.0, 80.0], [4.0, 15.0], [4.0, 80.0]]);
     assert!(fs::read_to_string(place.path("out/one/scene.toml")).unwrap().contains("speed_mm_s = 2.0"));
     // Each humidity has what was measured there; of the speed nothing is known, which moves a median by little.
-    let factors = |humidity: f64| -> Vec<f64> {
-        let own = at(&one).iter().filter(|at| at["humidity_pct"] == humidity);
-        own.map(|at| number(&at["by_pressure"][0]["factor"])).collect()
+    let of = |humidity: f64| -> Vec<f64> {
+        let own = at(&one).iter().zip(factors(&one)).filter(|(at, _)| at["humidity_pct"] == humidity);
+        own.map(|(_, factor)| factor).collect()
     };
-    let (dry, humid) = (factors(15.0), factors(80.0));
+    let (dry, humid) = (of(15.0), of(80.0));
     for own in [&dry, &humid] {
         assert!(own.len() == 3 && own.iter().all(|factor| (factor - own[0]).abs() < 2e-3), "{own:?}");
     }
     assert!((humid[0] / dry[0] - 0.73 / 0.81).abs() < 0.05 && humid[0] < dry[0] - 0.04, "{dry:?} {humid:?}");
-    for at in at(&one) {
-        let value = &at["by_pressure"][0];
-        assert!((number(&value["ratio"]) - 0.78).abs() <= 0.04, "{value}");
-        assert!(
-            (number(&value["mu"]) / number(&value["mu_flat"]) / number(&value["ratio"]) - 1.0).abs() < 0.01,
-            "{value}"
-        );
-    }
-    // Some are not run in time, and say so.
-    assert!(at(&one).iter().any(|at| at["in_time"] == false) && told.contains("by the steady model about the first"));
 }
 
 #[test]
@@ -351,8 +266,7 @@ fn a_calibration_takes_in_every_condition_of_a_range() {
         }
         text + &format!("205,5,15,{},0.0025\n", 0.3 * dry)
     };
-    let text =
-        design("quantity = \"ratio\"\nvalue = 0.8\ntolerance = 0.08\ndiscrepancy = true", &[(2.0, 15.0, 0.27)], "");
+    let text = design("quantity = \"ratio\"\nvalue = 0.8\ntolerance = 0.08", &[(2.0, 15.0, 0.27)], "");
     let (from, to) = (text.find("[material]").unwrap(), text.find("[target]").unwrap());
     let named = format!("{}{}", &text[..from], &text[to..]);
     let with = |humidity: &str| {
@@ -372,12 +286,10 @@ fn a_calibration_takes_in_every_condition_of_a_range() {
     assert!(message.contains("outside.toml:3: condition: ") && message.contains("2 mm/s at 81 %"), "{message}");
     place.succeed(&["optimize", "a.toml"]);
     let found = result(&place, "out/a");
-    let [dry, humid] = &at(&found)[..] else { panic!("{}", found["conditions"]) };
-    let value = |at: &Value, key: &str| number(&at["by_pressure"][0][key]);
-    assert!((value(dry, "mu_flat") / (0.25 * 1.01) - 1.0).abs() < 0.02, "{dry}");
-    assert!((value(humid, "mu_flat") / (0.28 * 1.01) - 1.0).abs() < 0.02, "{humid}");
+    assert_eq!((found["trials"].as_u64(), at(&found).len()), (Some(1), 2));
     // Measured ratios are 0.9 at 15 % and 0.8 at 80 %; modelled ones hardly differ.
-    assert!((value(humid, "factor") / value(dry, "factor") / (0.8 / 0.9) - 1.0).abs() < 0.05, "{dry} {humid}");
-    assert!((number(&found["discrepancy"]["by_pressure"][0]["factor"]) - value(dry, "factor")).abs() < 1e-9);
-    assert!(value(humid, "ratio") < 0.95 * value(dry, "ratio") && found["status"] == "met");
+    let [dry, humid] = factors(&found)[..] else { panic!("{found}") };
+    assert!((humid / dry / (0.8 / 0.9) - 1.0).abs() < 0.05, "{dry} {humid}");
+    let flat = number(&found["confirmed"][0]["mu_flat"]);
+    assert!((flat / (0.25 * 1.01) - 1.0).abs() < 0.02, "{flat}");
 }

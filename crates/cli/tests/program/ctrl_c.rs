@@ -103,7 +103,7 @@ fn every_command_ends_and_writes_nothing() {
 
 /// A disc whose target is out of reach: searched, confirmed and explained in space.
 fn discs() -> String {
-    let asked = DESIGN.replace("value = 0.9", "value = 0.5").replace("max_evaluations = 50", "max_evaluations = 2000");
+    let asked = DESIGN.replace("value = 0.9", "value = 0.5");
     let bounded = asked.replace("\"groove\"", "\"disc\"");
     bounded.replace("[40.0, 1000.0]", "[60.0, 150.0]").replace("[40.0, 400.0]", "[40.0, 100.0]")
 }
@@ -139,9 +139,9 @@ fn the_command_that_is_named_goes_on() {
         let answers = message.split(' ').find_map(|word| word.parse::<usize>().ok()).unwrap();
         let again = place.run(&["optimize", "design.toml", "-o", "out", "--resume"]);
         let said = String::from_utf8_lossy(&again.stderr).into_owned();
-        // Fifty evaluations need not suffice.
+        // No design lies within the one per cent that is asked for.
         assert!(
-            matches!(again.status.code(), Some(0 | 4)) && said.contains(&format!("took over {answers} answers")),
+            matches!(again.status.code(), Some(0 | 3)) && said.contains(&format!("took over {answers} answers")),
             "{message}{said}"
         );
     }

@@ -1,19 +1,20 @@
-//! Designs that aim with the discrepancy of patterned samples, and one error beside every value.
+//! What trials say that the model lacks, in designs and in scenes, and one error beside every value of a scene.
 
 use std::fs;
 
-use crate::common::{CALIBRATION, DESIGN, Place, number, result};
+use crate::common::{CALIBRATION, DESIGN, Place, json, number, result, trusted};
 use serde_json::Value;
 
 /// A short sample and one pressure.
 fn design(target: &str, material: &str) -> String {
     DESIGN
         .replace("diameter_mm = 10.0", "diameter_mm = 2.0")
+        .replace("layer_um = 200.0", "layer_um = 60.0")
+        .replace("[2.0, 50.0]", "[2.0, 20.0]")
         .replace("[0.65, 2.6]", "[2.6]")
         .replace("value = 0.9\ntolerance = 0.01", target)
         .replace("[40.0, 400.0]", "[40.0, 100.0]")
         .replace("[40.0, 1000.0]", "[40.0, 200.0]")
-        .replace("max_evaluations = 50", "max_evaluations = 600")
         .replace("[target]", &format!("{material}[target]"))
 }
 
@@ -29,105 +30,80 @@ const ERRORS: [(&str, &str); 2] = [
     ("dynamic_mean = 0.27\n", "dynamic_mean = 0.27\ndynamic_std_error = 0.0027\n"),
 ];
 
+/// What is expected at the first load over what the model says.
+fn factor(sample: &Value) -> f64 {
+    number(&sample["expected"][0]["median"]) / number(&sample["modelled"][0]["ratio"])
+}
+
 fn part(value: &Value, input: &str) -> f64 {
     let parts = value["parts"].as_array().unwrap();
     parts.iter().find(|part| part["input"] == input).map_or(0.0, |part| number(&part["std"]))
 }
 
 #[test]
-fn values_count_times_what_trials_say_and_the_chance_has_all_of_it() {
-    let known = |text: String| ERRORS.iter().fold(text, |text, (from, to)| text.replace(from, to));
-    let tolerances = "[tolerances]\nwidth_std_um = 1.0\n";
-    let of = |aims: &str| known(design(&format!("value = 0.75\ntolerance = 0.02\n{aims}"), TRIAL)) + tolerances;
-    let place = Place::with(&[("plain.toml", &of("")), ("aimed.toml", &of("discrepancy = true"))]);
-    place.run(&["optimize", "plain.toml", "-o", "out/plain"]);
-    let told = place.succeed(&["optimize", "aimed.toml", "-o", "out/aimed"]);
-    assert!(told.contains("aimed with what trials say that the model lacks"), "{told}");
-    assert!(told.contains("by the physics alone, which the values above are times the factor of"), "{told}");
-    let (aimed, plain) = (result(&place, "out/aimed"), result(&place, "out/plain"));
-    assert!(plain["discrepancy"].is_null());
-
-    // What is compared with the target is the run's ratio times the factor; the run itself is reported as it is.
-    let found = &aimed["discrepancy"];
-    let (at, errors) = (&found["by_pressure"][0], &aimed["errors"]["by_pressure"][0]);
-    let (factor, ratio) = (number(&at["factor"]), number(&aimed["confirmed"][0]["ratio"]));
-    assert!(found["trials"] == 1 && (0.85..0.97).contains(&factor), "{found}");
-    assert!((number(&errors["ratio"]["value"]) - factor * ratio).abs() < 1e-6, "{errors}");
-    assert!((factor * ratio - 0.75).abs() <= 0.02 && (number(&at["confirmed"]["physics"]) - ratio).abs() < 1e-9);
-    assert!(number(&found["physics_misfit"]) > 1.0);
-
-    // One error beside each value; its parts are independent of one another.
-    for found in [&aimed, &plain] {
-        let at = &found["errors"]["by_pressure"][0];
-        for key in ["predicted", "ratio", "mu"] {
-            let parts = at[key]["parts"].as_array().unwrap();
-            let sum = parts.iter().map(|part| number(&part["std"]).powi(2)).sum::<f64>().sqrt();
-            assert!((number(&at[key]["std"]) / sum - 1.0).abs() < 0.02, "{key}: {}", at[key]);
-        }
-        let (ratio, mu) = (&at["ratio"], &at["mu"]);
-        // Flat friction is known to 1 %: friction takes that over, the ratio hardly.
-        assert!((part(mu, "flat friction") / number(&mu["value"]) - 0.01).abs() < 1e-3, "{mu}");
-        assert!(part(ratio, "flat friction") < 0.003 * number(&ratio["value"]), "{ratio}");
-        assert!(part(ratio, "time average") > 0.0, "{ratio}");
-        // What was predicted is known by the run, and by how far that is from it.
-        assert_eq!(part(&at["predicted"], "time average"), part(ratio, "time average"));
-        let distance = (number(&ratio["value"]) - number(&at["predicted"]["value"])).abs();
-        assert!((part(&at["predicted"], "distance from the confirming run") - distance).abs() < 1e-9, "{at}");
-        assert_eq!(found["errors"]["unknown"], serde_json::json!(["area law"]));
-    }
-    let of = |found: &Value| found["errors"]["by_pressure"][0]["ratio"].clone();
-    let (with, without) = (of(&aimed), of(&plain));
-    let expected = number(&at["relative_std"]) * number(&with["value"]);
-    assert!((part(&with, "discrepancy") / expected - 1.0).abs() < 1e-3, "{with} {expected}");
-    assert_eq!(part(&without, "discrepancy"), 0.0);
-    // What is not known of the modulus is in the discrepancy.
-    assert!(part(&with, "Young's modulus") == 0.0 && part(&without, "Young's modulus") > 0.0);
-    let ends = with["interval_95"].as_array().unwrap();
-    let value = number(&with["value"]);
-    assert!(number(&ends[0]) < value - 1.5 * expected && number(&ends[1]) > value + 1.5 * expected, "{with}");
-
-    // Its distribution drawn, and integrated exactly: but for flat friction, blocks and time the same chance.
-    let [drawn, exact] = [&aimed["chance"]["value"], &aimed["advice"]["chance"]].map(number);
-    assert!((drawn - exact).abs() < 0.05 && (0.05..0.9).contains(&exact), "{drawn} {exact}");
-    // What is listed beside a trial is likelier than it.
-    let plain = &plain["advice"];
-    let rather = plain["rather"].as_array().unwrap();
-    assert!(plain["advice"] == "trial" && !rather.is_empty(), "{plain}");
-    assert!(rather.iter().all(|of| number(&of["chance"]) > number(&plain["chance"])), "{plain}");
-    let names: Vec<&str> =
-        aimed["chance"]["parts"].as_array().unwrap().iter().map(|part| part["input"].as_str().unwrap()).collect();
-    assert!(names.contains(&"discrepancy") && !names.contains(&"Young's modulus"), "{names:?}");
-    assert!(aimed["chance"]["limited_by"]["known_to"].as_str().unwrap().contains("one trial"));
-    let page = fs::read_to_string(place.path("out/aimed/report.html")).unwrap();
-    assert!(
-        page.contains("The search aimed with the discrepancy") && page.contains("What the error of a confirmed value")
+fn a_trial_moves_what_is_expected_and_says_what_to_do() {
+    let of = |target: &str, material: &str| design(target, material) + "[tolerances]\nwidth_std_um = 1.0\n";
+    let near = "value = 0.75\ntolerance = 0.02";
+    let place = Place::with(&[
+        ("without.toml", &of(near, "")),
+        ("with.toml", &of(near, TRIAL)),
+        ("met.toml", &of("value = 0.78\ntolerance = 0.02", TRIAL)),
+        // Measured at another pressure, it is no sample on target, and speaks for those nearby.
+        (
+            "series.toml",
+            &trusted(&of("value = 0.86\ntolerance = 0.06", ""))
+                .replace("[target]", &format!("{}[target]", TRIAL.split_once("[material.learned.prior]\n").unwrap().1))
+                .replace("pressure_mpa = [2.6]\nspeed_mm_s", "pressure_mpa = [1.3]\nspeed_mm_s")
+                .replace("[0.783]", "[0.87]"),
+        ),
+    ]);
+    let [without, with] = ["without", "with"].map(|name| {
+        place.run(&["optimize", &format!("{name}.toml")]);
+        result(&place, &format!("out/{name}"))
+    });
+    // Before any trial half of all samples are believed to lie below what the model says.
+    assert!((factor(&without) - 1.0).abs() < 1e-6 && without["trials"] == 0, "{without}");
+    assert!((0.85..0.97).contains(&factor(&with)) && with["trials"] == 1, "{}", with["expected"]);
+    let width = |found: &Value| number(&found["expected"][0]["high_95"]) / number(&found["expected"][0]["low_95"]);
+    assert!(width(&with) < 0.5 * width(&without) && number(&with["chance"]) > 2.0 * number(&without["chance"]));
+    let limit = |found: &Value| {
+        let limits = found["limited_by"].as_array().unwrap();
+        limits.iter().find(|limit| limit["input"] == "what the model lacks").unwrap()["known_to"].clone()
+    };
+    assert_eq!(
+        (limit(&with), limit(&without)),
+        ("known by one trial".into(), "as it is believed before any trial".into())
     );
-    let svg = fs::read_to_string(place.path("out/aimed/target.svg")).unwrap();
-    assert!(svg.contains("confirmed ± one standard deviation"));
+    // The run in time is the model alone.
+    let [modelled, confirmed] = ["/modelled/0/ratio", "/confirmed/0/ratio"].map(|at| number(with.pointer(at).unwrap()));
+    assert!((modelled - confirmed).abs() < 1e-6, "{modelled} {confirmed}");
+
+    let told = place.succeed(&["optimize", "met.toml"]);
+    let found = result(&place, "out/met");
+    let words = "trial first already meets the target; a sample of the texture below would with a chance of ";
+    assert!(found["advice"] == "trial_meets_it" && told.contains(words), "{told}");
+    assert!(fs::read_to_string(place.path("out/met/report.html")).unwrap().contains("rial first already meets"));
+    let next = json(&place.succeed(&["next", "met.toml", "--json"]));
+    assert_eq!((&next["advice"], &next["words"]), (&found["advice"], &found["words"]));
+
+    let told = place.succeed(&["optimize", "series.toml"]);
+    let found = result(&place, "out/series");
+    assert!(found["advice"] == "series" && number(&found["chance"]) >= 0.9, "{told}");
+    assert!(told.starts_with("test design: make a series: "), "{told}");
 }
 
 #[test]
-fn a_material_without_errors_shows_those_of_the_run_alone_and_says_so() {
+fn a_scene_without_errors_shows_those_of_its_run_alone_and_says_so() {
     let place = Place::with(&[("a.toml", &design("value = 0.88\ntolerance = 0.02", ""))]);
-    let told = place.succeed(&["optimize", "a.toml"]);
-    assert!(
-        told.contains("+-: one standard deviation of time average, layout on the specimen, size of blocks, local coefficients drawn;"),
-        "{told}"
-    );
+    place.succeed(&["optimize", "a.toml"]);
+    let told = place.succeed(&["simulate", "out/a/scene.toml"]);
     assert!(told.contains("not known of this material: flat friction, Young's modulus, area law"), "{told}");
-    let found = result(&place, "out/a");
-    let at = &found["errors"]["by_pressure"][0];
-    assert_eq!(found["discrepancy"], Value::Null);
-    let distance = (number(&at["ratio"]["value"]) - number(&at["predicted"]["value"])).abs();
-    assert!((number(&at["predicted"]["std"]) / number(&at["ratio"]["std"]).hypot(distance) - 1.0).abs() < 1e-6, "{at}");
-    let own = number(&found["confirmed"][0]["ratio_stderr"]);
+    let found = json(&place.succeed(&["simulate", "out/a/scene.toml", "--json"]));
+    let (at, run) = (&found["errors"]["by_pressure"][0], &found["results"][0]);
+    let own = number(&run["ratio_stderr"]);
     let own = own.hypot(part(&at["ratio"], "layout on the specimen")).hypot(part(&at["ratio"], "size of blocks"));
-    assert!(
-        (2.0 * part(&at["ratio"], "size of blocks") / number(&found["confirmed"][0]["ratio_discretization_error"])
-            - 1.0)
-            .abs()
-            < 1e-6
-    );
+    let of_blocks = number(&run["ratio_discretization_error"]);
+    assert!((2.0 * part(&at["ratio"], "size of blocks") / of_blocks - 1.0).abs() < 1e-6);
     assert!((number(&at["ratio"]["std"]) / own - 1.0).abs() < 1e-6, "{at}");
     // 5 % over the blocks in contact and of about equal friction; it is taken out of the ratio.
     let mu = &at["mu"];
@@ -141,29 +117,20 @@ fn a_material_without_errors_shows_those_of_the_run_alone_and_says_so() {
 }
 
 #[test]
-fn a_simulated_design_has_the_errors_it_was_found_with() {
+fn a_simulated_design_has_what_trials_say_and_the_errors_of_what_is_solved() {
     let known = |text: String| ERRORS.iter().fold(text, |text, (from, to)| text.replace(from, to));
     let place = Place::with(&[("a.toml", &known(design("value = 0.88\ntolerance = 0.02", TRIAL)))]);
     place.succeed(&["optimize", "a.toml"]);
     let (found, scene) = (result(&place, "out/a"), "out/a/scene.toml");
     let simulate = |more: &[&str]| -> Value {
         let arguments: Vec<&str> = ["simulate", scene, "--json"].into_iter().chain(more.iter().copied()).collect();
-        serde_json::from_str(&place.succeed(&arguments)).unwrap()
+        json(&place.succeed(&arguments))
     };
     let again = simulate(&[]);
-    let (designed, simulated) = (&found["errors"]["by_pressure"][0], &again["errors"]["by_pressure"][0]);
-    for key in ["ratio", "mu", "mu_flat"] {
-        assert_eq!(designed[key]["value"], simulated[key]["value"], "{key}");
-        let share = number(&designed[key]["std"]) / number(&simulated[key]["std"]);
-        assert!((share - 1.0).abs() < 1e-6, "{key}: {} {}", designed[key], simulated[key]);
-    }
-    assert_eq!((&found["errors"]["includes"], &found["errors"]["unknown"]), {
-        let errors = &again["errors"];
-        (&errors["includes"], &errors["unknown"])
-    });
+    let simulated = &again["errors"]["by_pressure"][0];
+    assert_eq!(again["results"][0]["ratio"], found["confirmed"][0]["ratio"]);
     let corrected = &again["discrepancy"]["by_pressure"][0];
-    let predicted = &found["advice"]["predicted"][0];
-    let expected = number(&predicted["ratio"]) / number(&predicted["modelled"]);
+    let expected = factor(&found);
     assert!((number(&corrected["factor"]) - expected).abs() < 1e-3 && expected < 0.97, "{corrected} {expected}");
     let share = number(&corrected["ratio"]["value"]) / number(&simulated["ratio"]["value"]);
     assert!((share - number(&corrected["factor"])).abs() < 1e-9);
@@ -183,9 +150,7 @@ fn a_simulated_design_has_the_errors_it_was_found_with() {
         Some(("sliding_um", _)) => Some("sliding_um = 1.0\n".to_owned()),
         _ => Some(format!("{line}\n")),
     };
-    // A lower layer is sheared sooner.
-    let flat: String = text.replace("layer_um = 200", "layer_um = 60").lines().filter_map(from_rest).collect();
-    assert!(flat.contains("layer_um = 60"), "{flat}");
+    let flat: String = text.lines().filter_map(from_rest).collect();
     let (from, to) = (flat.find("[pattern]").unwrap(), flat.find("[sample]").unwrap());
     let with_static = flat.replace("dynamic_std_error", "static_std_error = 0.003\ndynamic_std_error");
     fs::write(place.path("flat.toml"), format!("{}{}", &flat[..from], &flat[to..])).unwrap();
@@ -203,42 +168,19 @@ fn a_simulated_design_has_the_errors_it_was_found_with() {
     assert_eq!(open["errors"]["unknown"], serde_json::json!(["static coefficient"]));
 }
 
+/// One factor for every texture, as earlier versions wrote it, is read over.
 #[test]
-fn the_discrepancy_never_stands_in_place_of_a_pattern() {
-    // Next to no texture did nearly all: the target is about the factor itself, and the flat surface has 1.
-    let trial = TRIAL
-        .replace("areal_density = 0.4", "areal_density = 0.0014")
-        .replace("edge_per_mm = 10.0", "edge_per_mm = 0.04");
-    let trial = trial.replace("[0.783]", "[0.83]").replace("[0.87]", "[0.9996]");
-    let text =
-        design("value = 0.83\ntolerance = 0.03\ndiscrepancy = true", &trial).replace("[40.0, 200.0]", "[40.0, 2000.0]");
-    let place = Place::with(&[("a.toml", &text)]);
-    place.run(&["optimize", "a.toml"]);
-    let found = result(&place, "out/a");
-    let by_physics = number(&found["discrepancy"]["by_pressure"][0]["predicted"]["physics"]);
-    assert!(by_physics < 0.97 + 1e-6, "{}", found["discrepancy"]);
-}
-
-#[test]
-fn before_any_trial_designs_aim_with_what_is_believed() {
-    let text = design("value = 0.88\ntolerance = 0.02\ndiscrepancy = true", "");
-    // One factor for every texture, as earlier versions wrote it, is read over.
+fn a_factor_of_earlier_versions_is_not_used() {
     let old = design("value = 0.88\ntolerance = 0.02", "[material.discrepancy]\npattern = \"groove\"\n");
-    let place = Place::with(&[("a.toml", &text), ("old.toml", &old)]);
-    let told = place.succeed(&["optimize", "a.toml"]);
-    assert!(told.contains("what is believed before any trial"), "{told}");
-    let found = result(&place, "out/a");
-    let at = &found["discrepancy"]["by_pressure"][0];
-    assert!((number(&at["factor"]) - 1.0).abs() < 1e-9 && number(&at["relative_std"]) > 0.1, "{at}");
-    assert!(number(&found["chance"]["value"]) < 0.3, "{}", found["chance"]);
+    let place = Place::with(&[("old.toml", &old)]);
     place.succeed(&["optimize", "old.toml"]);
     let old = result(&place, "out/old");
     assert!(old["material"]["notes"].to_string().contains("[discrepancy] of the material file is not used"));
-    assert!(old["discrepancy"].is_null());
+    assert!((factor(&old) - 1.0).abs() < 1e-6 && old["trials"] == 0, "{}", old["expected"]);
 }
 
 #[test]
-fn a_calibration_is_interpolated_between_its_speeds_and_aimed_with_where_asked() {
+fn a_calibration_is_interpolated_between_its_speeds() {
     let calibration =
         CALIBRATION.replace("flat = \"flat.csv\"", "flat = \"flat.csv\"\npatterned = \"patterned.csv\"").replace(
             "[fit]",
@@ -250,7 +192,7 @@ fn a_calibration_is_interpolated_between_its_speeds_and_aimed_with_where_asked()
         let rows = [(1, 0.9), (4, 1.1)].map(|(speed, of)| format!("205,{speed},15,{},0.0025\n", 0.25 * of * factor));
         header + &rows.concat()
     };
-    let text = design("value = 0.8\ntolerance = 0.02\ndiscrepancy = true", "");
+    let text = design("value = 0.8\ntolerance = 0.02", "");
     let (from, to) = (text.find("[material]").unwrap(), text.find("[target]").unwrap());
     let named = format!("{}{}", &text[..from], &text[to..]);
     let header =
@@ -267,31 +209,26 @@ fn a_calibration_is_interpolated_between_its_speeds_and_aimed_with_where_asked()
     let message = place.refuse(&["optimize", "outside.toml"]);
     assert!(message.contains("not between measured ones") && message.contains("1 mm/s at 15 %"), "{message}");
 
-    let told = place.succeed(&["optimize", "a.toml"]);
+    place.succeed(&["optimize", "a.toml"]);
     let found = result(&place, "out/a");
-    let confirmed = &found["confirmed"][0];
-    let flat = number(&confirmed["mu_flat"]);
+    let flat = number(&found["confirmed"][0]["mu_flat"]);
     assert!((flat / 0.25 - 1.0).abs() < 0.01, "{flat}");
     let notes = found["material"]["notes"].as_array().unwrap();
     assert!(notes.iter().any(|note| note.as_str().unwrap().contains("1 mm/s at 15 % (0.50), 4 mm/s at 15 % (0.50)")));
-    let known = &found["discrepancy"];
-    assert!(known["trials"] == 1 && told.contains("what one trial says"), "{told}");
-    // Measured ratios are 0.9 of what the model gives those grooves.
-    let factor = number(&known["by_pressure"][0]["factor"]);
+    assert_eq!(found["trials"], 1);
+    // Measured ratios are 0.9 of those of a flat sample: what is expected of another sample of those grooves.
     let trial = fs::read_to_string(place.path("out/a/scene.toml")).unwrap();
     let (from, to) = (trial.find("[pattern]").unwrap(), trial.find("[sample]").unwrap());
     let pattern = "[pattern]\nplanform = \"groove\"\nwidth_um = 80.0\nspacing_um = 160.0\ndepth_um = 20.0\n\n";
     fs::write(place.path("trial.toml"), format!("{}{pattern}{}", &trial[..from], &trial[to..])).unwrap();
-    let steady = place.succeed(&["simulate", "trial.toml", "--fidelity", "steady", "--extent", "cell", "--json"]);
-    let steady: Value = serde_json::from_str(&steady).unwrap();
-    let (at, corrected) = (&steady["errors"]["by_pressure"][0]["ratio"], &steady["discrepancy"]["by_pressure"][0]);
+    let steady =
+        json(&place.succeed(&["simulate", "trial.toml", "--fidelity", "steady", "--extent", "cell", "--json"]));
+    let (at, corrected) = (&steady["errors"]["by_pressure"][0], &steady["discrepancy"]["by_pressure"][0]);
     // Two measurements, each known to 1.4 %, on a sample of which little was believed.
     assert!((number(&corrected["ratio"]["value"]) / 0.9 - 1.0).abs() < 0.02, "{corrected} {at}");
-    let at = &found["errors"]["by_pressure"][0];
-    let aimed = number(&confirmed["ratio"]) * factor;
-    assert!((number(&at["ratio"]["value"]) - aimed).abs() < 1e-6 && (aimed - 0.8).abs() <= 0.02);
     // Each of two coefficients is known to 1 %, and what lies between them no better.
     let share = part(&at["mu"], "flat friction") / number(&at["mu"]["value"]);
     assert!((share / 0.01 - 1.0).abs() < 0.1, "{share}");
-    assert!(part(&at["ratio"], "discrepancy") > 0.0 && part(&at["ratio"], "Young's modulus") == 0.0);
+    let own = json(&place.succeed(&["next", "a.toml", "--candidate", "80,160,18.2", "--json"]));
+    assert!((number(&own["own"][0]["expected"][0]["median"]) / 0.9 - 1.0).abs() < 0.03, "{}", own["own"]);
 }

@@ -12,7 +12,7 @@ fn result(place: &Place) -> Value {
 
 /// Discs in a thin layer, whose target is out of reach.
 fn discs() -> String {
-    let asked = DESIGN.replace("value = 0.9", "value = 0.5").replace("max_evaluations = 50", "max_evaluations = 2000");
+    let asked = DESIGN.replace("value = 0.9", "value = 0.5");
     let bounded = asked.replace("\"groove\"", "\"disc\"");
     let bounded = bounded.replace("[40.0, 1000.0]", "[60.0, 100.0]").replace("[40.0, 400.0]", "[40.0, 60.0]");
     bounded.replace("layer_um = 200.0", "layer_um = 80.0").replace("[2.0, 50.0]", "[2.0, 20.0]")
@@ -23,41 +23,33 @@ fn the_stages_of_a_design_sum_to_its_duration() {
     let place = Place::with(&[("discs.toml", &discs())]);
     let output = place.run(&["optimize", "discs.toml", "-o", "out"]);
     let (told, said) = (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
-    assert_eq!(output.status.code(), Some(3), "{told}{said}");
-    let found = result(&place);
+    assert_eq!(output.status.code(), Some(0), "{told}{said}");
     let times: Value = serde_json::from_str(&fs::read_to_string(place.path("out/timings.json")).unwrap()).unwrap();
     let timings = times["timings_s"].as_object().unwrap();
     let sum: f64 = timings.values().map(|seconds| seconds.as_f64().unwrap()).sum();
     let wall_s = times["wall_s"].as_f64().unwrap();
     assert!(sum > 0.95 * wall_s && sum < 1.001 * wall_s, "{sum} of {wall_s} s: {timings:?}");
-    assert!(timings["explain"].as_f64().unwrap() > 0.0 && told.contains(", why not "), "{told}");
     // What is said on one line sums to the same, but for rounding.
-    let line = told.lines().find(|line| line.starts_with("designs tried")).unwrap();
+    let line = told.lines().find(|line| line.contains(" designs compared by a table of ")).unwrap();
     let words: Vec<&str> = line.split([' ', ',', ';']).collect();
     let said_s: f64 = words.windows(2).filter(|pair| pair[1] == "s").map(|pair| pair[0].parse::<f64>().unwrap()).sum();
     assert!((said_s - sum).abs() < 0.6, "{line}: {sum}");
-    // The explanation asks of no more designs than a search or two.
-    assert!(found["explanation"]["evaluations"].as_u64().unwrap() < 900, "{}", found["explanation"]["evaluations"]);
 }
 
 #[test]
 fn seconds_hold_for_all_stages() {
     let timed = |text: &str, seconds: &str| text.replace("seed = 1", &format!("seed = 1\nmax_seconds = {seconds}"));
-    // No machine confirms a design in so fine blocks so soon.
-    let fine = discs().replace("block_um = 10.0", "block_um = 2.5");
+    // No machine tabulates such a layer so soon.
+    let fine = DESIGN.replace("block_um = 10.0", "block_um = 2.5");
     let place = Place::with(&[("none.toml", &timed(&discs(), "0")), ("few.toml", &timed(&fine, "1.5"))]);
-    for (file, cut) in [("none.toml", "search"), ("few.toml", "confirmation")] {
+    for file in ["none.toml", "few.toml"] {
         let started = Instant::now();
         let output = place.run(&["optimize", file, "-o", "out"]);
-        let told = String::from_utf8_lossy(&output.stdout).into_owned();
-        // What cannot be cut short, such as errors beside numbers, takes seconds on a busy machine.
-        assert!(started.elapsed().as_secs_f64() < 60.0, "{file}: {:?}", started.elapsed());
-        let found = result(&place);
-        let cut_short: Vec<&str> = found["cut_short"].as_array().unwrap().iter().map(|s| s.as_str().unwrap()).collect();
-        assert_eq!(output.status.code(), Some(4), "{file}: {told}");
-        assert!(cut_short.contains(&cut), "{file}: {cut_short:?}");
-        assert!(told.contains("cut short by max_seconds: "), "{told}");
-        assert!(fs::exists(place.path("out/report.html")).unwrap());
+        let said = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert!(started.elapsed().as_secs_f64() < 30.0, "{file}: {:?}", started.elapsed());
+        assert_eq!(output.status.code(), Some(4), "{file}: {said}");
+        assert!(said.contains("error: the seconds allowed were spent before the designs within the bounds"), "{said}");
+        assert!(!place.path("out").exists());
     }
 }
 

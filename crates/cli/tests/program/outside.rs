@@ -11,7 +11,7 @@ fn try_run(program: &str, args: &[&str]) -> Option<std::process::Output> {
 
 fn result(design: &str, specimen: &str) -> String {
     format!(
-        r#"{{"name": "by hand", "version": "0", "status": "met", "seed": 1, "design": {{"width_um": 130.0,
+        r#"{{"name": "by hand", "version": "0", "seed": 1, "design": {{"width_um": 130.0,
         "spacing_um": 370.0, "depth_um": 5.2, {design}, "areal_density": 0.1, "section_density": 0.1}},
         "laser": {{"spot_um": 23.0}}, "specimen": {{{specimen}}},
         "material": {{"name": "", "source": "", "synthetic_surface": false, "notes": []}}}}"#

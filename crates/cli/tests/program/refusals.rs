@@ -286,16 +286,10 @@ fn designs() {
             case("[limits]", "[limits]\nmin_bearing_area = 40.0", ":23: limits.min_bearing_area: 40.0 ", "up to 1"),
             case("[limits]", "[limits]\nlift_off = \"no\"", ":23: limits.lift_off: \"no\" ", "\"refuse\""),
             case("[limits]", "[limits]\nmax_laser_time_s = 60.0", ":23: limits.max_laser_time_s: ", "repetition_hz"),
-            case("max_evaluations = 50", "max_seconds = -1.0", ":37: search.max_seconds: -1.0 ", "from 0"),
+            case("seed = 1", "max_seconds = -1.0", ":36: search.max_seconds: -1.0 ", "from 0"),
             case("\"disc\"", "\"rectangle\"", ":31: specimen.diameter_mm", ""),
             case("diameter_mm = 10.0", "", ":29: specimen.diameter_mm: is missing", ""),
-            case("max_evaluations = 50", "max_evaluations = 0", ":37: search.max_evaluations: 0 ", "from 1"),
-            case(
-                "max_evaluations = 50",
-                "max_evaluations = 50\ndimensions = 4",
-                ":38: search.dimensions: 4 ",
-                "2 or 3",
-            ),
+            case("seed = 1", "dimensions = 4", ":36: search.dimensions: 4 ", "2 or 3"),
             case("[limits]", "[limit]", ":22: limit: ", "did you mean `limits`?"),
             case("[target]", "[target]\nunit = 1", ":12: target.unit: ", "is not a known key"),
         ],
@@ -485,5 +479,31 @@ fn lengths_that_nothing_can_have_are_refused_with_their_line() {
         let place = Place::with(&[("design.toml", &text)]);
         let message = place.refuse(&["optimize", "design.toml"]);
         assert!(message.starts_with("error: design.toml:") && message.contains(says), "{message}");
+    }
+}
+
+/// Keys of earlier versions are refused with what does their work now.
+#[test]
+fn keys_that_are_gone() {
+    let tolerances = format!("{DESIGN}[tolerances]\nwidth_std_um = 1.0\ndraws = 100\n");
+    let after = |line: &str, key: &str| DESIGN.replace(line, &format!("{line}\n{key}"));
+    for (text, place, instead) in [
+        (
+            after("tolerance = 0.01", "discrepancy = true"),
+            ":16: target.discrepancy: ",
+            "chances and expected values always have what trials say that the model lacks",
+        ),
+        (after("seed = 1", "robust = true"), ":37: search.robust: ", "textures are chosen by the chance"),
+        (after("seed = 1", "max_evaluations = 50"), ":37: search.max_evaluations: ", "max_seconds limits the time"),
+        (tolerances, ":39: tolerances.draws: ", "what is expected of samples is computed without draws"),
+    ] {
+        let folder = Place::with(&[("design.toml", &text)]);
+        for command in ["optimize", "next", "explore"] {
+            let message = folder.refuse(&[command, "design.toml"]);
+            assert!(message.starts_with(&format!("error: design.toml{place}")), "{message}");
+            assert!(message.contains("is no longer a key; expected no such line: "), "{message}");
+            assert!(message.contains(instead), "{message}");
+        }
+        assert_eq!(folder.names(), ["design.toml"]);
     }
 }

@@ -118,19 +118,20 @@ fn wait_for(path: &Path) {
 fn of_two_runs_for_one_folder_the_second_is_refused_and_a_killed_one_blocks_nobody() {
     // The first run takes some seconds.
     let place = Place::with(&[("d.toml", DESIGN), ("small.toml", &small())]);
-    let mut first = begin(&place, &["optimize", "d.toml", "-o", "out/a"]);
+    // What is kept leaves nothing to solve.
+    let mut first = begin(&place, &["optimize", "d.toml", "-o", "out/a", "--no-cache"]);
     wait_for(&place.path("out/a.study.jsonl"));
     let message = place.refuse(&["optimize", "d.toml", "-o", "out/a", "--resume"]);
     let who = format!("error: out/a.lock: another run works for this folder: process {} on ", first.id());
     assert!(message.starts_with(&who) && message.contains("another folder after -o"), "{message}");
     // Another folder is nobody else's.
-    place.succeed(&["optimize", "small.toml", "-o", "out/b"]);
+    place.succeed(&["optimize", "small.toml", "-o", "out/b", "--no-cache"]);
     first.kill().unwrap();
     first.wait().unwrap();
     let left = fs::read_to_string(place.path("out/a.study.jsonl")).unwrap();
     assert!(left.lines().count() > 0 && left.ends_with('\n'), "{left}");
     assert!(place.path("out/a.lock").exists() && !place.path("out/b.lock").exists());
-    place.succeed(&["optimize", "small.toml", "-o", "out/a"]);
+    place.succeed(&["optimize", "small.toml", "-o", "out/a", "--no-cache"]);
     assert_eq!(crate::common::names(&place.path("out")), ["a", "a.study.jsonl", "b", "b.study.jsonl"]);
 }
 

@@ -21,13 +21,7 @@ fn answer(width_um: f64) -> Answer {
     // Numbers with all their digits.
     let ratio = vec![1.0 / width_um, 1.0 + (width_um / 3.0).sin()];
     let (peak_pressure_mpa, clearance_um) = (width_um / 7.0, Some(0.1 + 0.2));
-    Answer {
-        ratio,
-        peak_pressure_mpa,
-        least_pressure: -1.0 / 3.0,
-        clearance_um,
-        modulus_sensitivity: vec![0.1 / 3.0, -1.0 / width_um],
-    }
+    Answer { ratio, peak_pressure_mpa, least_pressure: -1.0 / 3.0, clearance_um }
 }
 
 fn depends_on(modulus: f64) -> Map<String, Value> {

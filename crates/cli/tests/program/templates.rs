@@ -19,7 +19,7 @@ fn templates_run_as_they_are() {
     assert!(place.succeed(&["calibrate", "calibration/calibration.toml", "-o", "m.toml"]).contains("my polymer"));
     Design::read(&slipgrid_disk::disk(), &place.path("design.toml")).unwrap();
 
-    // The design as it is, but on a short sample and with few evaluations: it takes a second instead of ten.
+    // The design as it is, but on a short sample.
     let text = fs::read_to_string(place.path("design.toml")).unwrap();
     let short = text.replace("diameter_mm = 10.0", "diameter_mm = 2.0").replace("tolerance = 0.02", "tolerance = 0.05");
     fs::write(place.path("short.toml"), short).unwrap();
@@ -37,8 +37,8 @@ fn commented_keys_of_templates_are_known() {
     let every: String = text
         .lines()
         .map(|line| match line.strip_prefix("# ") {
-            // These two need a material of their own, and the chance is that of designs on a target, not of a goal.
-            Some(key) if ["condition", "discrepancy", "goal ="].iter().any(|name| key.starts_with(name)) => line,
+            // A condition needs a material of its own, and the chance is that of designs on a target, not of a goal.
+            Some(key) if ["condition", "goal ="].iter().any(|name| key.starts_with(name)) => line,
             Some(key) if key.starts_with('[') => key,
             Some(key) if key.contains(" = ") && !key.starts_with(char::is_uppercase) => key,
             _ => line,
