@@ -102,11 +102,12 @@ fn the_chapter_of_columns_is_generated_from_what_reads_them() {
     keep(&book().join("reference/trace-columns.md"), &chapter);
 }
 
-/// The records of `optimize` and of `simulate`: name, structure, what wrote it.
-const RECORDS: [(&str, [&str; 2], &str); 2] = [
-    ("result", ["design/src/design_report.rs", "DesignReport"], "result.json of `optimize`"),
+/// The records of `optimize` and of `simulate`: name, number of the schema, structure, what wrote it.
+const RECORDS: [(&str, u32, [&str; 2], &str); 2] = [
+    ("result", 2, ["design/src/design_report.rs", "DesignReport"], "result.json of `optimize`"),
     (
         "simulation",
+        VERSION,
         ["results/src/simulation.rs", "SimulationReport"],
         "result.json of `simulate`, and what `simulate --json` prints",
     ),
@@ -118,18 +119,18 @@ fn the_chapter_of_results_is_generated_from_the_types_that_are_written() {
     let mut chapter = "# Keys of result.json\n\nThis chapter is generated from the types that are written. A key that is **bold** is always \
                        there; others are left out, or null, where they do not apply. Numbers that are not known are null.\n"
         .to_owned();
-    for (name, [file, structure], title) in RECORDS {
+    for (name, version, [file, structure], title) in RECORDS {
         let root = (file.to_owned(), structure.to_owned());
         let _ = write!(
             chapter,
-            "\n## {}\n\nSchema: [{name}-{VERSION}.json](../schemas/{name}-{VERSION}.json).\n",
+            "\n## {}\n\nSchema: [{name}-{version}.json](../schemas/{name}-{version}.json).\n",
             capital(title)
         );
         let mut described = BTreeMap::new();
         record(&types, (&root, ""), &mut described, &mut chapter);
-        let now = schema(&types, &root, (name, VERSION), &Accepted::new()).unwrap();
+        let now = schema(&types, &root, (name, version), &Accepted::new()).unwrap();
         keep(
-            &book().join(format!("schemas/{name}-{VERSION}.json")),
+            &book().join(format!("schemas/{name}-{version}.json")),
             &(serde_json::to_string_pretty(&now).unwrap() + "\n"),
         );
     }
@@ -254,8 +255,9 @@ fn small_design(wanted: &str) -> String {
 fn obeys(folder: &Path, name: &str, arguments: &[&str], out: &str) {
     let output = program().current_dir(folder).args(arguments).args(["-o", out]).output().unwrap();
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let version = RECORDS.iter().find(|(record, ..)| *record == name).unwrap().1;
     let known: serde_json::Value =
-        serde_json::from_str(&text(&book().join(format!("schemas/{name}-{VERSION}.json")))).unwrap();
+        serde_json::from_str(&text(&book().join(format!("schemas/{name}-{version}.json")))).unwrap();
     let written = text(&folder.join(out).join("result.json"));
     let found = violations(&known, &serde_json::from_str(&written).unwrap());
     assert!(found.is_empty(), "{name}: {arguments:?}: {found:?}");
