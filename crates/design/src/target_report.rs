@@ -82,15 +82,6 @@ impl TargetReport {
         }
     }
 
-    /// The tolerance, in words.
-    #[must_use]
-    pub fn tolerance_words(&self) -> String {
-        match &self.tolerance {
-            Some(Tolerance::One(one)) => format!("the tolerance {one}"),
-            _ => "what is accepted".to_owned(),
-        }
-    }
-
     /// Whether anything is demanded at some pressure.
     #[must_use]
     pub fn has_demands(&self) -> bool {

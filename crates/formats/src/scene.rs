@@ -332,12 +332,6 @@ impl SceneInput {
         let report = SimulationReport::new(scene, provenance, outside, &simulation, errors, wall_s, threads);
         Ok((simulation, report))
     }
-
-    /// The vertical plane models a section of this planform, not the planform itself.
-    #[must_use]
-    pub fn is_section_model(&self) -> bool {
-        self.scene.section().is_some()
-    }
 }
 
 /// Blocks that the face of a specimen is wide at least, wherever it is measured: fewer are no strip of it.
