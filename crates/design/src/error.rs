@@ -73,6 +73,12 @@ impl Refusal {
 }
 
 impl DesignError {
+    /// The model has no answer for any design within the bounds.
+    #[must_use]
+    pub fn nothing_computed() -> Self {
+        Self::Failed("no design within the bounds can be computed".to_owned())
+    }
+
     /// The task as a whole is refused, for a reason that only a solver or the search finds.
     #[must_use]
     pub fn refused(reason: impl Into<String>) -> Self {

@@ -5,7 +5,7 @@ use slipgrid_monitor::Monitor;
 use slipgrid_pattern::Pattern;
 use slipgrid_results::MaterialReport;
 use slipgrid_springblock::Load;
-use slipgrid_statistics::{Axis, Normals, ResponseSurface, median, normal_probability};
+use slipgrid_statistics::{ResponseSurface, median};
 use slipgrid_units::{LENGTH_UM, PRESSURE_MPA, tidy};
 
 use crate::DesignError;
@@ -14,6 +14,7 @@ use crate::prediction::Prediction;
 use crate::prepared_task::PreparedTask;
 use crate::search::Search;
 use crate::session::with_table;
+use crate::table::{axes_between, filled, random_places};
 use crate::task::{DesignTask, KnownMaterial};
 use crate::time_budget::TimeBudget;
 use crate::timings::Timings;
@@ -86,13 +87,11 @@ pub fn explore_bounds(task: &DesignTask, monitor: &dyn Monitor) -> Result<Explor
     let found = with_table(prepared, None, None, (budget, monitor), &mut Timings::default(), |search, _| {
         let (best, _) = search.greatest();
         monitor.heed()?;
-        let best = best.ok_or_else(|| DesignError::Failed("no design within the bounds can be computed".to_owned()))?;
+        let best = best.ok_or_else(DesignError::nothing_computed)?;
         let pattern = best.texture.pattern;
         let explorer = Explorer::new(search, &search.solved(&pattern).unwrap_or(best));
         monitor.heed()?;
-        let explorer =
-            explorer.ok_or_else(|| DesignError::Failed("no design within the bounds can be computed".to_owned()))?;
-        Ok((pattern, explorer, search.asked.learned.trials().len()))
+        Ok((pattern, explorer.ok_or_else(DesignError::nothing_computed)?, search.asked.learned.trials().len()))
     });
     let (pattern, explorer, trials) = found?;
     let PreparedTask { task, material, uncertainty, loads, outside, .. } = prepared.clone();
@@ -108,7 +107,8 @@ impl Explorer {
     pub fn new(search: &Search<'_>, about: &Prediction) -> Option<Self> {
         let (task, loads) = (search.task, search.asked.loads.len());
         let off = search.off_at(about);
-        let axes = axes(task);
+        let bounds_um = task.space.lengths_m().map(|bounds| bounds.map(|m| LENGTH_UM.from_si(m)));
+        let axes = axes_between(bounds_um, NODES);
         let predicted = |lengths_um: &[f64; 3]| {
             let pattern = task.space.pattern(lengths_um.map(|um| LENGTH_UM.to_si(um))).ok()?;
             if search.stage.cancelled() {
@@ -142,16 +142,14 @@ impl Explorer {
             return None;
         }
         let holes: Vec<usize> = (0..nodes.len()).filter(|place| answers[*place].is_none()).collect();
-        let all = crate::table::filled(answers, &axes)?;
+        let all = filled(answers, &axes)?;
         let surface = |from: usize, count: usize| {
             let numbers = all.iter().flat_map(|numbers| numbers[from..from + count].iter().copied()).collect();
             ResponseSurface::through(axes, count, numbers)
         };
         let (expected, log_odds) = (surface(0, 3 * loads), surface(3 * loads, 1));
         let beside = surface(3 * loads + 1, 4);
-        let mut normals = Normals::new(2);
-        let mut at = |axis: &Axis| axis.from * (axis.to / axis.from).powf(normal_probability(normals.draw()));
-        let checks: Vec<[f64; 3]> = (0..CHECKS).map(|_| axes.each_ref().map(&mut at)).collect();
+        let checks = random_places(&axes, CHECKS, 2);
         let off = |lengths_um: &[f64; 3]| {
             if expected.is_beside(&holes, lengths_um) {
                 return None;
@@ -166,14 +164,4 @@ impl Explorer {
         let (checked, median_error) = (off.len(), tidy(median(&mut off).unwrap_or(0.0)));
         Some(Self { expected, log_odds, beside, holes, checked, median_error, worst_error })
     }
-}
-
-fn axes(task: &DesignTask) -> [Axis; 3] {
-    let bounds = task.space.lengths_m().map(|bounds| bounds.map(|m| LENGTH_UM.from_si(m)));
-    std::array::from_fn(|axis| {
-        let [from, to] = bounds[axis];
-        // At most some dozens: the cast is exact.
-        let wanted = 1 + (NODES.0[axis] * (to / from).ln()).ceil() as usize;
-        Axis::new(bounds[axis], wanted.min(NODES.1[axis]))
-    })
 }

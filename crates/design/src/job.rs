@@ -114,7 +114,7 @@ fn reported(
     }
     let Some(best) = found.solved.first() else {
         return Err(match cut_short[..] {
-            [] => DesignError::Failed("no design within the bounds can be computed".to_owned()),
+            [] => DesignError::nothing_computed(),
             _ => DesignError::OutOfTime("the seconds allowed were spent before a design was found".to_owned()),
         });
     };

@@ -113,11 +113,10 @@ fn choose(
     let found = search.best(&is_open, options.count);
     search.stage.heed()?;
     let Some(best) = found.solved.first() else {
-        let reason = match division {
-            Some(division) => coarse(division),
-            None => "no design within the bounds can be computed".to_owned(),
-        };
-        return Err(DesignError::Failed(reason));
+        return Err(match division {
+            Some(division) => DesignError::Failed(coarse(division)),
+            None => DesignError::nothing_computed(),
+        });
     };
     if division.is_some() && found.solved.len() < options.count {
         let reason =

@@ -165,17 +165,15 @@ impl Prediction {
             let known_to = crate::inputs::percent(modulus_std);
             add(MODULUS, known_to, ratio_std(&of_modulus), &predictor.of(&still.candidate()));
         }
-        for (place, part) in self.texture.parts.iter().enumerate() {
+        // The first and second order of the modulus are one input, which stands above.
+        for (place, part) in self.texture.parts.iter().enumerate().filter(|(_, part)| part.name != MODULUS) {
             let (covariance, dimension_shifts) = sums(&self.texture.parts, Some(place));
             let still = CutTexture { covariance, dimension_shifts, ..self.texture.clone() };
             let std = match &part.effect {
                 Effect::Shared(own) => ratio_std(&|load| own[load * n + load].max(0.0).sqrt()),
                 Effect::OfSample(shift) => ratio_std(&|load| shift.log_ratio[load].abs()),
             };
-            // Its first and second order are one input.
-            if part.name != MODULUS {
-                add(part.name, part.known_to.clone(), std, &predictor.of(&still.candidate()));
-            }
+            add(part.name, part.known_to.clone(), std, &predictor.of(&still.candidate()));
         }
         // Of equal ones that which scatters the ratio most.
         let most = |of: &LimitedBy| of.std.iter().copied().fold(0.0, f64::max);

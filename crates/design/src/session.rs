@@ -70,7 +70,7 @@ pub fn with_table<T>(
     let table = match table {
         Some(table) => table,
         None if is_out_of_time => return Err(DesignError::OutOfTime(NO_TABLE.to_owned())),
-        None => return Err(DesignError::Failed("no design within the bounds can be computed".to_owned())),
+        None => return Err(DesignError::nothing_computed()),
     };
     let searching_s = monitor.seconds();
     let stage = budget.stage_of_share("search", SEARCH_SHARE);

@@ -216,9 +216,7 @@ impl Table {
 
     /// Compares it with the model at random textures, their logarithms evenly spread.
     fn measure(&mut self, task: &DesignTask, models: &Models<'_>, count: usize, stage: &dyn Monitor) -> Option<()> {
-        let mut normals = Normals::new(1);
-        let mut at = |axis: &Axis| axis.from * (axis.to / axis.from).powf(normal_probability(normals.draw()));
-        let all: Vec<[f64; 3]> = (0..count).map(|_| self.surface.axes().each_ref().map(&mut at)).collect();
+        let all = random_places(self.surface.axes(), count, 1);
         let exact = solved(task, models, &all, false, &Part::new(stage, 0.0))?;
         let off = |(lengths_m, exact): (&[f64; 3], Option<Vec<f64>>)| {
             let design = task.space.pattern(*lengths_m).ok()?;
@@ -280,14 +278,25 @@ impl Table {
 }
 
 /// Nodes over the space of `task`: so many for each factor e along each length, and at most.
-fn axes(task: &DesignTask, (each, most): ([f64; 3], [usize; 3])) -> [Axis; 3] {
-    let bounds_m = task.space.lengths_m();
+fn axes(task: &DesignTask, nodes: ([f64; 3], [usize; 3])) -> [Axis; 3] {
+    axes_between(task.space.lengths_m(), nodes)
+}
+
+/// Nodes between `bounds` in any unit: so many for each factor e along each length, and at most.
+pub fn axes_between(bounds: [[f64; 2]; 3], (each, most): ([f64; 3], [usize; 3])) -> [Axis; 3] {
     std::array::from_fn(|axis| {
-        let [from, to] = bounds_m[axis];
+        let [from, to] = bounds[axis];
         // At most some dozens: the cast is exact.
         let wanted = 1 + (each[axis] * (to / from).ln()).ceil() as usize;
-        Axis::new(bounds_m[axis], wanted.min(most[axis]))
+        Axis::new(bounds[axis], wanted.min(most[axis]))
     })
+}
+
+/// `count` random places between the ends of `axes`, their logarithms evenly spread.
+pub fn random_places(axes: &[Axis; 3], count: usize, seed: u64) -> Vec<[f64; 3]> {
+    let mut normals = Normals::new(seed);
+    let mut at = |axis: &Axis| axis.from * (axis.to / axis.from).powf(normal_probability(normals.draw()));
+    (0..count).map(|_| axes.each_ref().map(&mut at)).collect()
 }
 
 /// Nodes of the table of `task` by `model`, and of them or beside them those in the blocks asked for that lift the others; 0 where none are.
