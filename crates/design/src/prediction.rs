@@ -145,11 +145,12 @@ impl Prediction {
             trials => format!("known by {trials} trials"),
         };
         let known = self.distribution.with_form_known();
-        let of_form = |load: usize| {
-            let [all, rest] = [&self.distribution, &known].map(|of| of.moments(load).1);
+        // What it adds to all that scatters: sqrt(s^2 - s_without^2).
+        let added = |without: &Distribution, load: usize| {
+            let [all, rest] = [&self.distribution, without].map(|of| of.moments(load).1);
             (all * all - rest * rest).max(0.0).sqrt()
         };
-        add("what the model lacks", trials, ratio_std(&of_form), &known);
+        add("what the model lacks", trials, ratio_std(&|load| added(&known, load)), &known);
         if modulus_std > 0.0 {
             // Where a texture is chosen for a slope of none, what scatters is the second order.
             let second = self.texture.parts.iter().position(|part| part.name == MODULUS);
@@ -169,11 +170,8 @@ impl Prediction {
         for (place, part) in self.texture.parts.iter().enumerate().filter(|(_, part)| part.name != MODULUS) {
             let (covariance, dimension_shifts) = sums(&self.texture.parts, Some(place));
             let still = CutTexture { covariance, dimension_shifts, ..self.texture.clone() };
-            let std = match &part.effect {
-                Effect::Shared(own) => ratio_std(&|load| own[load * n + load].max(0.0).sqrt()),
-                Effect::OfSample(shift) => ratio_std(&|load| shift.log_ratio[load].abs()),
-            };
-            add(part.name, part.known_to.clone(), std, &predictor.of(&still.candidate()));
+            let without = predictor.of(&still.candidate());
+            add(part.name, part.known_to.clone(), ratio_std(&|load| added(&without, load)), &without);
         }
         // Of equal ones that which scatters the ratio most.
         let most = |of: &LimitedBy| of.std.iter().copied().fold(0.0, f64::max);

@@ -187,7 +187,9 @@ impl Search<'_> {
         let [made_ratio, designed] =
             [made, &found.texture.pattern].map(|pattern| model.ratios_made(pattern, &laid).ok());
         let by: Vec<f64> = made_ratio?.iter().zip(designed?).map(|(made, designed)| (made / designed).ln()).collect();
-        let texture = CutTexture { features: Features::from(made), ..found.texture.clone() };
+        let (designed, features) = (&found.texture.features, Features::from(made));
+        let shifts = found.texture.dimension_shifts.iter().map(|shift| shift.about(designed, &features));
+        let texture = CutTexture { features, dimension_shifts: shifts.collect(), ..found.texture.clone() };
         Some(self.predicted(texture.moved(&by)))
     }
 

@@ -10,9 +10,10 @@ use slipgrid_optimize::{
 use slipgrid_pattern::{ManufacturingLimits, Pattern, Planform};
 use slipgrid_specimen::simulate_on;
 use slipgrid_springblock::{Extent, Layer, LoadOutcome, RunOptions, Scene, even_speed_m_s};
-use slipgrid_statistics::cholesky::covariance_factor;
 use slipgrid_statistics::{Normals, normal_probability};
 use std::sync::Mutex;
+
+mod brute_force;
 
 use crate::next_trial::laser_warnings;
 use crate::prepared_task::PreparedTask;
@@ -167,103 +168,6 @@ fn the_table_is_near_the_model_and_says_how_near() {
             assert!((rough.chance() - exact.chance()).abs() < 0.03, "{} {}", rough.chance(), exact.chance());
         }
     });
-}
-
-/// The share of `count` samples of a texture that are on target, each drawn and solved by itself, beside the chance that is said of it.
-fn drawn(search: &Search<'_>, lengths_m: [f64; 3], count: u32) -> (f64, f64) {
-    let pattern = search.task.space.pattern(lengths_m).unwrap();
-    let found = search.solved(&pattern).unwrap();
-    let (model, n) = (search.models.own, search.asked.loads.len());
-    let laid = model.lay(&pattern).unwrap();
-    let designed = model.steady(&pattern).unwrap().ratio;
-    let std_m = search.task.tolerances.unwrap_or_default().std_m;
-    let factor = covariance_factor(&found.texture.covariance, n);
-    let mut normals = Normals::new(3);
-    let mut hits = 0;
-    for _ in 0..count {
-        let [w, s, d] = pattern.lengths_m();
-        let [width, spacing, depth] = std_m.map(|std_m| std_m * normals.draw());
-        let made = Pattern::new(*pattern.texture(), w + width, s + spacing, d + depth).unwrap();
-        // The model of the sample as it is made, and the discrepancy of that texture.
-        let ratio = model.ratios_made(&made, &laid).unwrap();
-        let lacking = search.predictor.predict(&Features::from(&made), &found.texture.sensitivity);
-        let which = normals.draw();
-        let mut deviates = || -> Vec<f64> { (0..n).map(|_| normals.draw()).collect() };
-        let (z, shared) = (deviates(), deviates());
-        let lacks = lacking.sampler().draw(which, &z, &|_| 0.0);
-        let value = |load: usize| {
-            let off: f64 = factor[load * n..=load * n + load].iter().zip(&shared).map(|(l, z)| l * z).sum();
-            found.texture.ratio[load] * ratio[load] / designed[load] * (lacks[load] + off).exp()
-        };
-        hits += u32::from(search.asked.accepts(&(0..n).map(value).collect::<Vec<f64>>()));
-    }
-    (f64::from(hits) / f64::from(count), found.chance())
-}
-
-#[test]
-fn a_chance_is_the_share_of_samples_that_are_drawn_and_solved_one_by_one() {
-    searched(&three_tasks()[1], |search| {
-        let (share, chance) = drawn(search, [100e-6, 300e-6, 12e-6], 500);
-        let stderr = (chance * (1.0 - chance) / 500.0).sqrt();
-        assert!((share - chance).abs() < 2.5 * stderr, "{share} {chance} +- {stderr}");
-    });
-}
-
-/// Grooves and squares, without and with trials, near and far from them: what is left of the difference is that errors of dimensions move
-/// the discrepancy to first order alone.
-#[test]
-#[expect(clippy::print_stdout, reason = "a table for people")]
-#[ignore = "some minutes: twelve textures, 4000 samples of each solved one by one"]
-fn chances_of_many_textures_are_the_shares_of_samples() {
-    let mut squares = three_tasks()[1].clone();
-    squares.space = DesignSpace::new(Planform::Square, [60e-6, 300e-6], [100e-6, 700e-6], [5e-6, 30e-6]).unwrap();
-    squares.layer = Layer { height_m: 40e-6, ..squares.layer };
-    let mut worst: f64 = 0.0;
-    for (task, count) in three_tasks().into_iter().map(|task| (task, 4000)).chain([(squares, 800)]) {
-        searched(&task, |search| {
-            for lengths_m in [[100e-6, 300e-6, 12e-6], [80e-6, 500e-6, 8e-6], [200e-6, 650e-6, 20e-6]] {
-                let (share, chance) = drawn(search, lengths_m, count);
-                let stderr = (chance * (1.0 - chance) / f64::from(count)).sqrt().max(1e-3);
-                println!("{:?} {lengths_m:?}: {chance:.3} said, {share:.3} drawn", search.task.space.planform());
-                worst = worst.max((share - chance).abs() - 2.0 * stderr);
-            }
-        });
-    }
-    assert!(worst < 0.01, "{worst}");
-}
-
-#[test]
-#[expect(clippy::print_stdout, reason = "a table for people")]
-#[ignore = "some minutes: ten targets, each beside 3000 random textures"]
-fn no_texture_of_thousands_has_a_clearly_greater_chance() {
-    let base = three_tasks();
-    let mut normals = Normals::new(11);
-    let mut better = Vec::new();
-    for number in 0..10 {
-        let mut task = base[number % 3].clone();
-        let value = 0.75 + 0.2 * normal_probability(normals.draw());
-        let points = [0.65e6, 2.6e6].map(|pressure_pa| TargetPoint { pressure_pa, value });
-        task.target = Target::new(Quantity::Ratio, points.to_vec(), 0.02 + 0.01 * (number % 4) as f64).unwrap();
-        searched(&task, |search| {
-            let best = search.best(&|_| true, 1).solved.remove(0);
-            let mut greatest: f64 = 0.0;
-            for _ in 0..3000 {
-                let lengths_m = task
-                    .space
-                    .lengths_m()
-                    .map(|[low, high]: [f64; 2]| low * (high / low).powf(normal_probability(normals.draw())));
-                let pattern = task.space.pattern(lengths_m).unwrap();
-                if search.roughly(&pattern).is_some_and(|found| found.chance() > best.chance() - 0.01) {
-                    greatest = greatest.max(search.solved(&pattern).map_or(0.0, |found| found.chance()));
-                }
-            }
-            println!("{value:.3}: {:.3} found, {greatest:.3} the best of 3000", best.chance());
-            if greatest > best.chance() + 0.01 {
-                better.push((value, best.chance(), greatest));
-            }
-        });
-    }
-    assert!(better.is_empty(), "{better:?}");
 }
 
 #[test]

@@ -33,6 +33,19 @@ pub struct DimensionShift {
 }
 
 impl DimensionShift {
+    /// The same error of a sample with the features `to`, which are near `from`, in their place.
+    #[must_use]
+    pub fn about(&self, from: &Features, to: &Features) -> Self {
+        let moved = |own: &Features| Features {
+            areal_density: own.areal_density + to.areal_density - from.areal_density,
+            edge_1_m: own.edge_1_m + to.edge_1_m - from.edge_1_m,
+            width_m: own.width_m + to.width_m - from.width_m,
+            pitch_m: own.pitch_m + to.pitch_m - from.pitch_m,
+            depth_m: own.depth_m + to.depth_m - from.depth_m,
+        };
+        Self { log_ratio: self.log_ratio.clone(), above: moved(&self.above), below: self.below.as_ref().map(moved) }
+    }
+
     /// Change of ln h for a texture with the features `own`; 0 for a texture without cavities.
     #[must_use]
     pub fn log_form(&self, form: &Form, own: &Features) -> f64 {
