@@ -158,7 +158,7 @@ const STEPS: [Step; 10] = [
 const PIXELS: usize = 512;
 const LARGE: usize = 4096;
 /// Questions after the one that was answered with yes: callers ask again on their way out.
-const MOST_AFTER: usize = 64;
+const MAX_AFTER: usize = 64;
 /// Questions of one step on a large map from which on it has shown what it does: the iterations of a contact repeat themselves.
 const ENOUGH: usize = 250_000;
 
@@ -174,7 +174,7 @@ fn a_step_over_a_map_asks_all_along_and_ends_wherever_it_is_cancelled() {
             let polls = Polls::new(cancels_at);
             assert!(!step(&made, &polls), "{name}: went on after question {cancels_at} of {asked}");
             let after = polls.asked() - cancels_at;
-            assert!(after <= MOST_AFTER, "{name}: asked {after} times after question {cancels_at} of {asked}");
+            assert!(after <= MAX_AFTER, "{name}: asked {after} times after question {cancels_at} of {asked}");
         }
     }
 }

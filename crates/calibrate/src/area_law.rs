@@ -2,14 +2,12 @@
 
 use slipgrid_contact::closed_form::persson_area_fraction;
 use slipgrid_contact::{AreaCurve, AreaPoint, ContactError, Convergence, SolveOptions};
-use slipgrid_material::{AreaLaw, MOST_FACTOR, MaterialError};
+use slipgrid_material::{AreaLaw, MAX_FACTOR, MaterialError};
 use slipgrid_monitor::{Monitor, Stage};
 use slipgrid_topography::{HeightMap, MapWarning, PreparedMap, limits};
 use slipgrid_units::{LENGTH_UM, PRESSURE_MPA, significant};
 
-use crate::area_law_sampling::{
-    DEFAULT_WINDOWS, LEAST_DEFAULT_SIDE, WindowSpread, takes_default_windows, window_spread,
-};
+use crate::area_law_sampling::{DEFAULT_WINDOWS, MIN_DEFAULT_SIDE, WindowSpread, takes_default_windows, window_spread};
 
 /// Error at which the contact computation of a calibration ends: on the reference maps no pixel changes after it.
 pub const CONTACT_TOLERANCE: f64 = 1e-6;
@@ -101,7 +99,7 @@ impl std::fmt::Display for SurfaceWarning {
                 f,
                 "small map: it measures {} x {} um in {along_x} x {along_y} points, too little to tell how far another place differs: the \
                  area law has no error, and counts as if it were known; take {ADVISED_SIDE_MM} mm a side or more, in at \
-                 least {LEAST_DEFAULT_SIDE} x {LEAST_DEFAULT_SIDE} points",
+                 least {MIN_DEFAULT_SIDE} x {MIN_DEFAULT_SIDE} points",
                 significant(LENGTH_UM.from_si(*x_m), 4),
                 significant(LENGTH_UM.from_si(*y_m), 4)
             ),
@@ -188,7 +186,7 @@ pub fn surface_area_law(
     let mut law = area_law(&curve.points, request.threshold_pa);
     let mut warnings: Vec<SurfaceWarning> = surface.warnings.iter().cloned().map(SurfaceWarning::Map).collect();
     if let Some((pressure_pa, factor)) = law.as_ref().ok().and_then(AreaLaw::above_one) {
-        if factor > MOST_FACTOR {
+        if factor > MAX_FACTOR {
             return Err(AreaLawError::FactorsAboveOne { pressure_pa, factor, warnings: surface.warnings.clone() });
         }
         warnings.push(SurfaceWarning::FactorAboveOne { pressure_pa, factor });

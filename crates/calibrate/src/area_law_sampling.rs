@@ -15,10 +15,10 @@ pub const DEFAULT_WINDOWS: usize = 2;
 /// windows differ by.
 pub const STATISTICS_TOLERANCE: f64 = 1e-5;
 /// Fewest points along a side of a window that is asked for by default.
-const LEAST_DEFAULT_PIXELS: usize = 32;
+const MIN_DEFAULT_PIXELS: usize = 32;
 
 /// Fewest points along a side of a map that is cut into windows where nobody asks for them.
-pub const LEAST_DEFAULT_SIDE: usize = DEFAULT_WINDOWS * LEAST_DEFAULT_PIXELS;
+pub const MIN_DEFAULT_SIDE: usize = DEFAULT_WINDOWS * MIN_DEFAULT_PIXELS;
 
 /// How a window becomes the period that the contact computation takes.
 pub const WINDOW_STATEMENT: &str =
@@ -83,7 +83,7 @@ impl WindowSpread {
 /// Whether `map` is large enough to be cut into the default windows.
 #[must_use]
 pub fn takes_default_windows(map: &HeightMap) -> bool {
-    map.rows().min(map.cols()) >= LEAST_DEFAULT_SIDE
+    map.rows().min(map.cols()) >= MIN_DEFAULT_SIDE
 }
 
 /// The spread of f among `per_side` x `per_side` windows of `map`, `per_side` at least 2; `None` where a window gives

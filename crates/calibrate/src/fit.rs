@@ -18,7 +18,7 @@ use dynamic_corrections::{Corrections, average_slopes, borrow_slopes, confirm, c
 
 /// Rounds of fit and dynamic runs at most. delta hardly depends on the coefficients: where no static peaks are fitted one
 /// round is enough.
-const MOST_ROUNDS: usize = 6;
+const MAX_ROUNDS: usize = 6;
 /// Change of the coefficients between rounds below which they are settled, relative; three standard
 /// errors of the dynamic runs where those are larger.
 const SETTLED: f64 = 5e-4;
@@ -234,12 +234,12 @@ fn attempt(problem: &Problem, monitor: &dyn Monitor) -> Result<Attempt, FitError
     let rounds = if problem.has_peaks() { 2.0 } else { 1.0 };
     let portion = Part::new(monitor, 1.0 / rounds);
     let mut slopes = vec![Vec::new(); problem.measurements.len()];
-    for round in 0..MOST_ROUNDS {
+    for round in 0..MAX_ROUNDS {
         let mut found = correct(problem, &layout, &parameters, &portion)?;
         feasibility::check_deltas(&found.delta)?;
         average_slopes(&mut found.peaks, &mut slopes);
         let flat = flat_peaks(&found.peaks);
-        if !flat.is_empty() && (flat.len() == found.peaks.iter().flatten().count() || round + 1 == MOST_ROUNDS) {
+        if !flat.is_empty() && (flat.len() == found.peaks.iter().flatten().count() || round + 1 == MAX_ROUNDS) {
             return Ok(Attempt::LeftOut(flat, FLAT));
         }
         borrow_slopes(&mut found.peaks);

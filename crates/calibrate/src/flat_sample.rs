@@ -13,7 +13,7 @@ use crate::{FitError, Measurement, Problem};
 const COLD_TRAVEL_M: f64 = 2e-6;
 /// Periods of the layer's first shear mode that a run from rest is planned to last at least: an average must hold ten, of a
 /// record of which at most half is left out. At high speeds the travel above is over sooner.
-const LEAST_PERIODS: f64 = 40.0;
+const MIN_PERIODS: f64 = 40.0;
 /// Travel from rest over what shears the layer to the onset of sliding above which it is long enough: what comes before the
 /// onset may be half of it, and the block that holds longest has a sixth more friction than the mean of a thousand.
 const ENOUGH: f64 = 1.9;
@@ -42,8 +42,8 @@ fn travel_m(problem: &Problem, measured: &Measurement, pair: &LocalFriction) -> 
     // u = mu_s f P h / G
     let onset_m = pair.static_mean() * factor * problem.pressure_pa(measured) / shear_modulus_pa(elastic)
         * problem.layer.height_m;
-    let travel_m = COLD_TRAVEL_M
-        .max(LEAST_PERIODS * shear_period_s(elastic, problem.layer.height_m) * speed_m_s(problem, measured));
+    let travel_m =
+        COLD_TRAVEL_M.max(MIN_PERIODS * shear_period_s(elastic, problem.layer.height_m) * speed_m_s(problem, measured));
     if travel_m > ENOUGH * onset_m { travel_m } else { COLD_ONSETS * onset_m }
 }
 

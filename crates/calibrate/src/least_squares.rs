@@ -10,14 +10,14 @@ const DIFFERENCE: f64 = 1e-5;
 /// Relative change of the parameters at which the fit has converged.
 const TOLERANCE: f64 = 1e-9;
 /// Iterations at most: the model is nearly linear in its coefficients, three or four do.
-const MOST_ITERATIONS: usize = 100;
+const MAX_ITERATIONS: usize = 100;
 /// First damping, and what it is multiplied or divided by.
 const DAMPING: (f64, f64) = (1e-3, 10.0);
 /// Damping at which no step helps any more.
-const MOST_DAMPING: f64 = 1e12;
+const MAX_DAMPING: f64 = 1e12;
 
 /// Least eigenvalue of J^T J, its columns of length one, with which data determine the parameters.
-const LEAST_CURVATURE: f64 = 1e-10;
+const MIN_CURVATURE: f64 = 1e-10;
 
 /// Residuals in standard deviations, as a function of the parameters.
 pub struct LeastSquares<F> {
@@ -74,7 +74,7 @@ impl<E, F: Fn(&[f64]) -> Result<Vec<f64>, E>> LeastSquares<F> {
         let mut at: Vec<f64> = start.iter().enumerate().map(|(i, &p)| within(p, i)).collect();
         let mut residuals = (self.residuals)(&at)?;
         let mut damping = DAMPING.0;
-        for _ in 0..MOST_ITERATIONS {
+        for _ in 0..MAX_ITERATIONS {
             let jacobian = self.jacobian(&at, &residuals)?;
             let gradient: Vec<f64> = jacobian.iter().map(|column| dot(column, &residuals)).collect();
             let free: Vec<usize> = (0..at.len())
@@ -85,7 +85,7 @@ impl<E, F: Fn(&[f64]) -> Result<Vec<f64>, E>> LeastSquares<F> {
                 })
                 .collect();
             let mut moved = 0.0_f64;
-            while !free.is_empty() && damping < MOST_DAMPING {
+            while !free.is_empty() && damping < MAX_DAMPING {
                 let Some(step) = step(&jacobian, &gradient, &free, damping) else {
                     damping *= DAMPING.1;
                     continue;
@@ -161,7 +161,7 @@ fn curvature(jacobian: &[Vec<f64>], chosen: &[usize], scale: impl Fn(usize, usiz
 }
 
 /// The rows of the inverse of a curvature with ones on its diagonal, unless its least eigenvalue, whose inverse the trace of the
-/// inverse exceeds, may be below [`LEAST_CURVATURE`].
+/// inverse exceeds, may be below [`MIN_CURVATURE`].
 fn inverse(curvature: &[f64]) -> Option<Vec<Vec<f64>>> {
     let n = curvature.len().isqrt();
     let factor = cholesky(curvature, n).filter(|factor| is_regular(factor, n))?;
@@ -172,7 +172,7 @@ fn inverse(curvature: &[f64]) -> Option<Vec<Vec<f64>>> {
     };
     let rows: Vec<Vec<f64>> = (0..n).map(row).collect();
     let trace: f64 = rows.iter().enumerate().map(|(p, row)| row[p]).sum();
-    (trace * LEAST_CURVATURE < 1.0).then_some(rows)
+    (trace * MIN_CURVATURE < 1.0).then_some(rows)
 }
 
 /// (J^T J + damping diag(J^T J)) step = gradient over the free parameters.

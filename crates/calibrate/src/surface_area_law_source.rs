@@ -113,7 +113,7 @@ impl SurfaceFindings {
 }
 
 /// Fall of A / P between the lightest measured load and a stated threshold from which on that is named.
-const MOST_CLAMPED: f64 = 0.02;
+const MAX_CLAMPED: f64 = 0.02;
 
 /// A stated threshold that takes friction as proportional to load where the computed contact area is not.
 fn clamped(task: &CalibrationTask, curve: &[AreaPoint]) -> Option<SurfaceWarning> {
@@ -128,7 +128,7 @@ fn clamped(task: &CalibrationTask, curve: &[AreaPoint]) -> Option<SurfaceWarning
         Some((1.0 - place) * share(lower) + place * share(upper))
     };
     let share = per_load(threshold_pa)? / per_load(lightest_pa)?;
-    (lightest_pa < threshold_pa && share < 1.0 - MOST_CLAMPED).then_some(SurfaceWarning::Threshold {
+    (lightest_pa < threshold_pa && share < 1.0 - MAX_CLAMPED).then_some(SurfaceWarning::Threshold {
         threshold_pa,
         lightest_pa,
         share,

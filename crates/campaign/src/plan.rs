@@ -27,11 +27,11 @@ use toml::{Spanned, Table, Value};
 
 use crate::campaign::{Campaign, Kind, Task};
 use crate::inputs::{Contents, Noted, ReadOnce};
-use crate::varied::{MOST_TASKS, Row, Varied, crossed};
+use crate::varied::{MAX_TASKS, Row, Varied, crossed};
 use crate::{CampaignError, worker};
 
 /// Most trials of a simulated laboratory, and most widths that it chooses from.
-const MOST_CHOICES: usize = 1000;
+const MAX_CHOICES: usize = 1000;
 /// The base of a campaign of simulated laboratories, which is no file.
 const LABORATORIES: &str = "laboratories";
 /// Options of simulated laboratories.
@@ -98,7 +98,7 @@ pub fn plan(files: &Source, path: &Path, monitor: &dyn Monitor) -> Result<Planne
     let (kind, text, of_base) = base(files, &document, &file, &base_path, monitor)?;
     check_keys(&varied, kind, &text, &of_base)?;
     let rows = crossed(varied.rows.clone(), &of_base);
-    if rows.len() > MOST_TASKS {
+    if rows.len() > MAX_TASKS {
         return Err(document.refuse(file.base.span(), "has more than a million tasks").expected("fewer values").into());
     }
     let mut keys = varied.keys.clone();
@@ -184,9 +184,9 @@ fn base(
         let options = file.laboratories.as_ref().map_or_else(laboratories::Options::default, |own| *own.get_ref());
         let own = file.laboratories.as_ref().map_or_else(|| file.base.span(), Spanned::span);
         for (key, number, most) in [
-            ("laboratories", options.laboratories, MOST_TASKS),
-            ("most_trials", options.most_trials, MOST_CHOICES),
-            ("steps", options.steps, MOST_CHOICES),
+            ("laboratories", options.laboratories, MAX_TASKS),
+            ("most_trials", options.most_trials, MAX_CHOICES),
+            ("steps", options.steps, MAX_CHOICES),
         ] {
             if !(1..=most).contains(&number) {
                 let refused = document.refuse(own, "is out of range");

@@ -11,7 +11,7 @@ use toml::{Spanned, Value};
 use crate::plan::GridFile;
 
 /// Most tasks of one campaign: each result is a file.
-pub(crate) const MOST_TASKS: usize = 1_000_000;
+pub(crate) const MAX_TASKS: usize = 1_000_000;
 
 /// One combination: keys with their values.
 pub(crate) type Row = BTreeMap<String, Json>;
@@ -57,7 +57,7 @@ impl<'a> Varied<'a> {
                 return Err(refused.expected("a key of its own with one value or more"));
             }
             varied.keys.push(key.clone());
-            if varied.rows.len().saturating_mul(values.len()) > MOST_TASKS {
+            if varied.rows.len().saturating_mul(values.len()) > MAX_TASKS {
                 return Err(document.refuse(grid.span(), "makes more than a million tasks").expected("fewer values"));
             }
             let one = |value| Ok(Row::from([(key.clone(), varied.take(key, value)?)]));

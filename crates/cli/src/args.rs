@@ -13,8 +13,8 @@ use std::num::{NonZeroU64, NonZeroUsize};
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
-use slipgrid_disk::MOST_THREADS;
-use slipgrid_formats::traces::MOST_SPECIMENS;
+use slipgrid_disk::MAX_THREADS;
+use slipgrid_formats::traces::MAX_SPECIMENS;
 
 pub use campaign::{CampaignArgs, CampaignStep, MergeArgs, PlanArgs, WorkArgs};
 pub use export::ExportArgs;
@@ -160,7 +160,7 @@ pub struct OptimizeArgs {
 #[command(after_help = "Examples:\n  \
     slipgrid explore designs/ldpe-lower-friction.toml\n  \
     slipgrid explore ldpe.toml --speed-mm-s 2 --humidity-pct 15 -o ldpe.html\n\n\
-    The page interpolates steady solutions of a lattice of designs, and says how far this is from the solver. It needs \
+    The page interpolates steady solutions of a lattice of designs, and says how far this is from the table of the model. It needs \
     neither the network nor slipgrid. For a material it shows grooves at 0.65 to 2.6 MPa; for all else give a design.")]
 pub struct ExploreArgs {
     /// Design, material or calibration file
@@ -221,7 +221,7 @@ pub struct TracesArgs {
     #[arg(long, value_name = "PCT")]
     pub humidity_pct: Option<f64>,
     /// Specimens that share the recorded normal force
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(MOST_SPECIMENS)))]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_SPECIMENS)))]
     pub specimens: Option<u32>,
     /// Averaging window, seconds since the first row; 10,40 by default
     #[arg(long, value_name = "FROM,TO", value_delimiter = ',', num_args = 1)]
@@ -474,17 +474,17 @@ impl From<ExtentName> for slipgrid_springblock::Extent {
 }
 
 /// Most draws behind a row.
-const MOST_SEEDS: u64 = 1000;
+const MAX_SEEDS: u64 = 1000;
 
 fn parse_threads(text: &str) -> Result<NonZeroUsize, String> {
-    let expected = || format!("expected a whole number from 1 to {MOST_THREADS}");
-    text.parse().ok().filter(|threads: &NonZeroUsize| threads.get() <= MOST_THREADS).ok_or_else(expected)
+    let expected = || format!("expected a whole number from 1 to {MAX_THREADS}");
+    text.parse().ok().filter(|threads: &NonZeroUsize| threads.get() <= MAX_THREADS).ok_or_else(expected)
 }
 
 fn parse_seeds(text: &str) -> Result<NonZeroU64, String> {
     match text.parse::<NonZeroU64>() {
-        Ok(seeds) if seeds.get() <= MOST_SEEDS => Ok(seeds),
-        _ => Err(format!("expected a whole number from 1 to {MOST_SEEDS}")),
+        Ok(seeds) if seeds.get() <= MAX_SEEDS => Ok(seeds),
+        _ => Err(format!("expected a whole number from 1 to {MAX_SEEDS}")),
     }
 }
 

@@ -62,7 +62,7 @@ const MODULUS_RANGE_PA: std::ops::RangeInclusive<f64> = 1e-3..=1e15;
 const PRESSURE_RANGE_PA: std::ops::RangeInclusive<f64> = 0.0..=1e15;
 
 /// Newton's steps to the level of pressures that a solve begins with; a dozen do.
-const MOST_LOWERINGS: usize = 50;
+const MAX_LOWERINGS: usize = 50;
 /// The level is found on one in so many points first.
 const SAMPLED_OF: usize = 16;
 /// Share of the load that is no longer lowered by: scaling brings it there.
@@ -169,7 +169,7 @@ impl RoughContact {
         let mut level = nominal;
         // m(c) = mean max(c + f, 0) is convex: Newton's steps come down to m(c) = P from above, after one from below.
         for every in [SAMPLED_OF, 1] {
-            for _ in 0..MOST_LOWERINGS {
+            for _ in 0..MAX_LOWERINGS {
                 let pressed = kernels::pressed(fluctuation, level, every);
                 // (m - P) / m'
                 let lowering = (pressed.sum - nominal * pressed.points) / pressed.count;

@@ -31,13 +31,13 @@ pub fn windows(map: &HeightMap, per_side: usize, monitor: &dyn Monitor) -> Resul
 pub fn window_pixels(map: &HeightMap, per_side: usize) -> Result<[usize; 2], ContactError> {
     map.require_complete()?;
     let shortest = map.rows().min(map.cols());
-    let most = (shortest / LEAST_PIXELS) as f64;
+    let most = (shortest / MIN_PIXELS) as f64;
     within("number of windows per side", per_side as f64, 1.0..=most, "from 1 to a sixteenth of the pixels per side")?;
     Ok([map.rows() / per_side, map.cols() / per_side])
 }
 
 /// Fewest points along the side of a window or of a coarser map.
-const LEAST_PIXELS: usize = 16;
+const MIN_PIXELS: usize = 16;
 
 /// `map` as an instrument of `factor` times coarser pixels would see it: means over `factor` x `factor` points.
 /// What the sides leave over is dropped, so that a period stays one only where `factor` divides both sides.
@@ -46,7 +46,7 @@ const LEAST_PIXELS: usize = 16;
 /// [`ContactError`] if points are missing, or fewer than 16 points a side would be left.
 pub fn coarser(map: &HeightMap, factor: usize) -> Result<HeightMap, ContactError> {
     map.require_complete()?;
-    let most = (map.rows().min(map.cols()) / LEAST_PIXELS) as f64;
+    let most = (map.rows().min(map.cols()) / MIN_PIXELS) as f64;
     within("factor of coarser pixels", factor as f64, 1.0..=most, "from 1 to a sixteenth of the pixels per side")?;
     let (rows, cols) = (map.rows() / factor, map.cols() / factor);
     let mut height = vec![0.0; rows * cols];

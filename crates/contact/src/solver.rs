@@ -85,7 +85,7 @@ fn zeros<T: Copy + Default>(spare: &mut Vec<Vec<T>>, points: usize) -> Vec<T> {
 /// How far before the end the area is noted, for the estimate of its error.
 pub(crate) const AREA_DECADE: f64 = 10.0;
 /// Share of the sum of pressures down to which the load is restored by lowering them.
-const LEAST_SHARE: f64 = 1e-9;
+const MIN_SHARE: f64 = 1e-9;
 /// Share of the load that a step may leave to the next one.
 const NEGLIGIBLE_SHARE: f64 = 1e-2;
 /// Share of a step that was best, below which it is taken back to that.
@@ -248,7 +248,7 @@ impl<'a> State<'a> {
         let (mut sum, load) = (moved.sum, *load);
         if (sum - load).abs() > NEGLIGIBLE_SHARE * load {
             // Differences of pressures know a load that is too small a share of them no longer.
-            if load > LEAST_SHARE * sum {
+            if load > MIN_SHARE * sum {
                 sum = kernels::lower(pressure, preconditioned, (sum - load) / moved.count);
             } else {
                 kernels::scale(pressure, preconditioned, load / sum);

@@ -14,7 +14,7 @@ use crate::steady_model::SteadyModel;
 use crate::table::Modelled;
 
 /// Blocks that lands and cavities keep where larger ones serve.
-const LEAST_BLOCKS: f64 = 2.0;
+const MIN_BLOCKS: f64 = 2.0;
 
 /// How a texture is known, each better than the one before.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -144,7 +144,7 @@ impl BeyondCells<'_> {
         // What ends and tilt add hardly depends on the blocks, as long as lands and cavities have two of them.
         let (coarse_m, rows) = (2.0 * scene.layer.block_m, scene.layer.rows());
         let least_m = pattern.width_m().min(pattern.spacing_m());
-        if is_rough && rows.is_multiple_of(2) && least_m >= LEAST_BLOCKS * coarse_m {
+        if is_rough && rows.is_multiple_of(2) && least_m >= MIN_BLOCKS * coarse_m {
             scene.layer.block_m = coarse_m;
         }
         let on_face = self.face.as_ref().and_then(|face| solve(&scene, pattern, face, &part).ok());

@@ -1,7 +1,7 @@
 //! What a task asks of a cut sample: one [`Band`] a load.
 
 use slipgrid_calibrate::uncertainty::MaterialUncertainty;
-use slipgrid_discrepancy::{Discrepancy, Load, Trial, Wanted};
+use slipgrid_discrepancy::{Discrepancy, Load, Prediction as Distribution, Trial, Wanted};
 use slipgrid_material::AreaLaw;
 use slipgrid_optimize::{Goal, Quantity};
 
@@ -104,6 +104,12 @@ impl Asked {
     pub fn accepts(&self, ratios: &[f64]) -> bool {
         let Wanted { lower, upper } = &self.wanted;
         ratios.iter().zip(lower.iter().zip(upper)).all(|(ratio, (lower, upper))| (lower..=upper).contains(&ratio))
+    }
+
+    /// Whether the median of samples lies within what is accepted at every load, whose modelled `ratios` are off by `distribution`.
+    pub fn has_medians_within(&self, ratios: &[f64], distribution: &Distribution) -> bool {
+        let [lower, upper] = self.wanted.over(ratios);
+        distribution.has_medians_within(&lower, &upper)
     }
 
     /// The largest distance of `ratios` from the middle of what is accepted, in tolerances; from a limit alone as far as it lies beyond it.

@@ -8,7 +8,7 @@ use slipgrid_statistics::{Kriging, distance};
 const RANGE: f64 = 3.0;
 /// Nearer than this, quantities differ by where cavities end within blocks and by the errors of runs: their slope would say nothing of designs
 /// further off.
-const LEAST_APART: f64 = 0.3;
+const MIN_APART: f64 = 0.3;
 /// Cavities as shallow as one or two blocks differ most: a factor in depth counts as much as this power of it in width or spacing.
 const OF_DEPTH: f64 = 2.0;
 
@@ -30,7 +30,7 @@ impl BetweenDesigns {
     pub fn learn(&mut self, learnt: impl IntoIterator<Item = (Pattern, Vec<f64>)>) {
         for (design, quantities) in learnt {
             let own = place(&design);
-            self.known.retain(|(known, _)| distance(&place(known), &own) >= LEAST_APART);
+            self.known.retain(|(known, _)| distance(&place(known), &own) >= MIN_APART);
             self.known.push((design, quantities));
         }
         let places = self.known.iter().map(|(known, _)| place(known)).collect();

@@ -12,7 +12,7 @@ use crate::steady_model::SteadyModel;
 
 /// Contact blocks with coefficients of their own that a confirming run in space has at least, over all its draws: with what they drew taken out,
 /// so few scatter the ratio by a twentieth of the usual tolerance.
-const LEAST_CONTACTS: f64 = 100.0;
+const MIN_CONTACTS: f64 = 100.0;
 
 /// A confirming run.
 pub struct Confirmed {
@@ -38,7 +38,7 @@ pub fn confirming_scene(prepared: &PreparedTask, model: &SteadyModel<'_>, patter
     run.draws = match run.extent {
         // Dozens of cells have blocks enough.
         Extent::Strip => 1,
-        Extent::Cell | Extent::Sample => model.draws(pattern, LEAST_CONTACTS),
+        Extent::Cell | Extent::Sample => model.draws(pattern, MIN_CONTACTS),
     };
     let flat = task.flat_scene(&prepared.material, prepared.loads.clone(), run);
     let scene = Scene { pattern: Some(*pattern), ..flat };

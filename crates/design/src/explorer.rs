@@ -24,7 +24,7 @@ const NODES: ([f64; 3], [usize; 3]) = ([4.0, 3.5, 2.2], [11, 12, 8]);
 /// Random textures at which the error is measured.
 const CHECKS: usize = 60;
 /// Chances beyond these are as good as 0 and 1: their logit is interpolated.
-const LEAST_CHANCE: f64 = 1e-4;
+const MIN_CHANCE: f64 = 1e-4;
 
 /// What is predicted of a sample of any texture within the bounds.
 #[derive(Clone, Debug, PartialEq)]
@@ -125,7 +125,7 @@ impl Explorer {
                 .into_iter()
                 .flat_map(|p| (0..loads).map(|load| band(load) * found.quantile(load, p)).collect::<Vec<f64>>())
                 .collect();
-            let chance = found.chance().clamp(LEAST_CHANCE, 1.0 - LEAST_CHANCE);
+            let chance = found.chance().clamp(MIN_CHANCE, 1.0 - MIN_CHANCE);
             numbers.push((chance / (1.0 - chance)).ln());
             let laid = task.specimen.layout(pattern).ok()?;
             numbers.extend([

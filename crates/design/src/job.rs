@@ -126,7 +126,7 @@ fn reported(
     timings.confirm = stage.finish();
     monitor.heed()?;
 
-    let modulus_std = prepared.uncertainty.modulus_std(prepared.material.area_law.as_ref()).unwrap_or(0.0);
+    let modulus_std = prepared.modulus_std();
     let advice = Advice::of(search, best, found.is_within_reach);
     let beside_s = monitor.seconds();
     let is_out_of_reach = asked.has_demands() && !found.is_within_reach && advice != Advice::DoNotTexture;

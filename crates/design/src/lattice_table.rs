@@ -11,7 +11,7 @@ use crate::task::DesignTask;
 /// Step of the depth where no burst gives one, in metres.
 const DEPTH_STEP_M: f64 = 2e-6;
 /// Most designs of a table.
-const MOST_NODES: usize = 1_000_000;
+const MAX_NODES: usize = 1_000_000;
 /// Bounds that are whole steps but for rounding belong to the table.
 const WHOLE: f64 = 1e-6;
 
@@ -88,7 +88,7 @@ pub fn lattice(design: &DesignTask) -> (Vec<Pattern>, [f64; 3]) {
         .flat_map(|(width_m, spacing_m)| depths.iter().map(move |depth_m| (width_m, spacing_m, *depth_m)))
         .filter_map(|(width_m, spacing_m, depth_m)| space.pattern([width_m, spacing_m, depth_m]).ok())
         .filter(makeable)
-        .take(MOST_NODES + 1)
+        .take(MAX_NODES + 1)
         .collect();
     (patterns, steps_m)
 }
@@ -105,8 +105,8 @@ pub fn check(design: &DesignTask) -> Result<(), DesignError> {
     }
     match lattice(design).0.len() {
         0 => Err(DesignError::refused("no whole blocks and bursts lie within bounds and limits: the table is empty")),
-        nodes if nodes > MOST_NODES => {
-            Err(DesignError::refused(format!("the table has more than {MOST_NODES} designs: narrow the bounds")))
+        nodes if nodes > MAX_NODES => {
+            Err(DesignError::refused(format!("the table has more than {MAX_NODES} designs: narrow the bounds")))
         }
         _ => Ok(()),
     }

@@ -122,7 +122,7 @@ pub use slipgrid_specimen::{SpecimenError, simulate_on};
 pub use slipgrid_springblock::Expense;
 pub use stored_result::{StoredDesign, StoredError};
 pub use task::{
-    DEFAULT_SPEED_M_S, DesignTask, FurtherDirections, KnownMaterial, MOST_STRAIN, TradeOffGoal, TradeOffsWanted,
+    DEFAULT_SPEED_M_S, DesignTask, FurtherDirections, KnownMaterial, MAX_STRAIN, TradeOffGoal, TradeOffsWanted,
     check_pressures, loads,
 };
 pub use trade_offs::{Compared, TradeOff};

@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 use slipgrid_discrepancy::{Features, Scenarios};
-use slipgrid_export::{Division, LEAST_PERIODS, Outline, Sector};
+use slipgrid_export::{Division, MIN_PERIODS, Outline, Sector};
 use slipgrid_monitor::Monitor;
 use slipgrid_pattern::Pattern;
 use slipgrid_results::{MaterialReport, VERSION};
@@ -136,7 +136,7 @@ fn choose(
     let (chosen, together) = several(&listed, &pending, options, asked);
     // Each as it is cut: the first is already.
     let chosen: Vec<Prediction> = chosen.into_iter().map(|of| search.as_cut(of)).collect();
-    let modulus_std = prepared.uncertainty.modulus_std(prepared.material.area_law.as_ref()).unwrap_or(0.0);
+    let modulus_std = prepared.modulus_std();
     let report = |of: &Prediction| of.report(asked, modulus_std, seconds(task, &of.texture.pattern));
     let with_limits = |of: &Prediction| SampleReport {
         limited_by: of.limited_by(asked, &search.predictor, modulus_std),
@@ -232,7 +232,7 @@ pub fn laser_warnings<'a>(task: &DesignTask, patterns: impl Iterator<Item = &'a 
 /// Why no design fits on a sector.
 fn coarse(division: &Division) -> String {
     format!(
-        "no design within the bounds can be computed whose period fits {LEAST_PERIODS} times on the {:.2} mm wide circle of a sector: \
+        "no design within the bounds can be computed whose period fits {MIN_PERIODS} times on the {:.2} mm wide circle of a sector: \
          expected fewer sectors, or finer textures within the bounds",
         1e3 * division.least_circle_m()
     )

@@ -62,8 +62,7 @@ impl Prediction {
 
     /// Whether the median lies within what is accepted at every load.
     pub fn is_within(&self, asked: &Asked) -> bool {
-        let [lower, upper] = asked.wanted.over(&self.texture.ratio);
-        self.distribution.has_medians_within(&lower, &upper)
+        asked.has_medians_within(&self.texture.ratio, &self.distribution)
     }
 
     /// The ratio at `load` below which a share `p` of samples lies.

@@ -45,4 +45,10 @@ impl PreparedTask {
         }
         Ok(Self { task, material, uncertainty, loads, outside, further })
     }
+
+    /// Relative standard deviation of Young's modulus; 0 where it moves nothing.
+    #[must_use]
+    pub fn modulus_std(&self) -> f64 {
+        self.uncertainty.modulus_std(self.material.area_law.as_ref()).unwrap_or(0.0)
+    }
 }

@@ -25,7 +25,7 @@ use crate::evaluation_cache::Answer;
 use crate::inputs::{Effect, Inputs, Part};
 use crate::prediction::Prediction;
 use crate::prepared_task::PreparedTask;
-use crate::steps::{Climb, Place, Steps, climb};
+use crate::steps::{Place, Steps, climb};
 use crate::table::{Models, Table};
 use crate::task::DesignTask;
 
@@ -40,8 +40,8 @@ const CLIMBED: usize = 1500;
 /// The best by the table that are solved beside the ends of climbs: what several samples are chosen among.
 const POOL: usize = 12;
 /// Rounds of climbs by the corrected table at most, and textures solved as they are cut.
-const MOST_ROUNDS: usize = 16;
-const MOST_AS_CUT: usize = 4;
+const MAX_ROUNDS: usize = 16;
+const MAX_AS_CUT: usize = 4;
 /// Share of the greatest chance that the best of a region must have by the table to be looked at: where that is off by a tolerance it may rank a
 /// whole region too low.
 const OF_CHANCE: f64 = 0.25;
@@ -309,8 +309,7 @@ impl Search<'_> {
             sorted(places.into_par_iter().map(|place| self.predicted(left[place].clone())).collect())
         };
         let is_within = |texture: &CutTexture| {
-            let [lower, upper] = self.asked.wanted.over(&texture.ratio);
-            self.predictor.of(&texture.candidate()).has_medians_within(&lower, &upper)
+            self.asked.has_medians_within(&texture.ratio, &self.predictor.of(&texture.candidate()))
         };
         // Of one that is likelier on target than not there is no need to look.
         let is_within_reach = best.iter().any(|of| of.chance() > 0.5 || of.is_within(self.asked))
@@ -346,9 +345,9 @@ impl Search<'_> {
         self.solve(ends.into_iter().chain(cut).chain(pool).collect(), &mut known);
         self.stage.advance(0.3);
         let mut solved = self.ordered(&known);
-        for _ in 0..MOST_AS_CUT {
+        for _ in 0..MAX_AS_CUT {
             // Until the best by the corrected table is one that was solved.
-            for _ in 0..MOST_ROUNDS {
+            for _ in 0..MAX_ROUNDS {
                 let from = solved.iter().take(STARTS / 2).map(|of| of.texture.pattern).collect();
                 let mut ends = self.climbed(&steps, from, (&known, &solved), open);
                 ends.retain(|end| !known.is_known(end));
@@ -415,7 +414,7 @@ impl Search<'_> {
         let value = |pattern: &Pattern| Some(self.predicted(self.corrected(pattern, known)?).value());
         let starts: Vec<Place> = starts.iter().filter_map(|pattern| steps.place(pattern)).collect();
         let part = Share::new(self.stage, 0.0);
-        climb(steps, &starts, Climb { step: 4, most: CLIMBED }, values, (open, &value), &part)
+        climb(steps, &starts, CLIMBED, values, (open, &value), &part)
     }
 
     /// Solves those of `designs` that are not known by the model itself.
@@ -430,17 +429,16 @@ impl Search<'_> {
         }
         let one = |design: &Pattern| if self.stage.cancelled() { None } else { self.solved(design).ok() };
         let answers: Vec<Option<Prediction>> = fresh.par_iter().map(one).collect();
+        let mut off = Vec::new();
         for (design, found) in fresh.into_iter().zip(answers) {
             let Some(found) = found else {
                 known.refused.push(design);
                 continue;
             };
-            let off = self.off_at(&found);
-            if !off.is_empty() {
-                known.off.learn([(design, off)]);
-            }
+            off.push((design, self.off_at(&found)));
             known.solved.push(found);
         }
+        known.off.learn(off.into_iter().filter(|(_, off)| !off.is_empty()));
     }
 
     /// The first `most` of `solved`, but of those that are alike the best alone; where these are not `least`, others after them.

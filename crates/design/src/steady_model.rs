@@ -19,8 +19,8 @@ use slipgrid_units::{LENGTH_UM, tidy};
 /// and differ by at most 0.02 of the ratio, of twice the block a tenth and 0.013.
 const GUIDE_FACTORS: [usize; 4] = [4, 2, 3, 5];
 /// Rows that the guide's layer keeps, and blocks that the shortest pitch keeps.
-const LEAST_GUIDE_ROWS: usize = 4;
-const LEAST_GUIDE_PITCH: f64 = 2.0;
+const MIN_GUIDE_ROWS: usize = 4;
+const MIN_GUIDE_PITCH: f64 = 2.0;
 
 /// Friction of a design by the steady cell, on the specimen in proportion to the share of cavities.
 pub struct SteadyModel<'a> {
@@ -63,8 +63,8 @@ impl<'a> SteadyModel<'a> {
         let shortest_pitch_m = space.width_m()[0] + space.spacing_m()[0];
         let serves = |factor: &usize| {
             rows.is_multiple_of(*factor)
-                && rows / factor >= LEAST_GUIDE_ROWS
-                && shortest_pitch_m >= LEAST_GUIDE_PITCH * scene.layer.block_m * *factor as f64
+                && rows / factor >= MIN_GUIDE_ROWS
+                && shortest_pitch_m >= MIN_GUIDE_PITCH * scene.layer.block_m * *factor as f64
         };
         let texture = *space.texture();
         let solver = Solver::new(&asked, &texture, directions_deg);

@@ -86,24 +86,15 @@ const fn common_divisor(mut a: usize, mut b: usize) -> usize {
 /// What designs are worth, by their places; `None` where one may not be asked for.
 pub type Values = BTreeMap<Place, Option<f64>>;
 
-/// How far is climbed.
-#[derive(Clone, Copy, Debug)]
-pub struct Climb {
-    /// Longest step.
-    pub step: usize,
-    /// Designs asked for at most.
-    pub most: usize,
-}
-
 /// Which designs may be asked for, and what one is worth.
 pub type Asking<'a> = (&'a (dyn Fn(&Pattern) -> bool + Sync), &'a (dyn Fn(&Pattern) -> Option<f64> + Sync));
 
-/// Climbs from `starts` over designs that are `open`, until none about them is better or the designs allowed are spent, or until `monitor`
+/// Climbs from `starts` over designs that are `open`, until none about them is better or `most` designs were asked for, or until `monitor`
 /// cancels. `known` is what is known before. Returns the designs where the climbs ended, each once.
 pub fn climb(
     steps: &Steps<'_>,
     starts: &[Place],
-    climb: Climb,
+    most: usize,
     mut known: Values,
     (open, value): Asking<'_>,
     monitor: &dyn Monitor,
@@ -121,8 +112,8 @@ pub fn climb(
     at.dedup();
     let unknown: Vec<Place> = at.iter().filter(|place| !known.contains_key(*place)).copied().collect();
     ask(&mut known, &unknown);
-    let mut left = climb.most;
-    for step in STEPS.into_iter().filter(|step| *step <= climb.step) {
+    let mut left = most;
+    for step in STEPS {
         let mut moving = at.clone();
         while !moving.is_empty() && left > 0 && !monitor.cancelled() {
             let mut asked: Vec<Place> = moving.iter().flat_map(|place| steps.about(*place, step)).collect();
@@ -187,8 +178,7 @@ mod tests {
                 asked.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
                 Some(value(design))
             };
-            let climbed = Climb { step: 4, most };
-            let found = climb(&steps, &[start], climbed, Values::new(), (&|_| true, &value), &Unwatched);
+            let found = climb(&steps, &[start], most, Values::new(), (&|_| true, &value), &Unwatched);
             assert_eq!(found.len(), 1);
             (found[0], asked.into_inner())
         };

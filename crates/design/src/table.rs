@@ -28,7 +28,7 @@ use crate::steady_model::SteadyModel;
 use crate::task::DesignTask;
 
 /// Most multiplications of a cell that is refined: some hundredths of a second.
-const MOST_REFINED: f64 = 2e8;
+const MAX_REFINED: f64 = 2e8;
 /// Beside ln R: logarithm of the largest pressure in pascals, least pressure over the nominal one, sag in metres.
 const BESIDE: usize = 3;
 
@@ -129,7 +129,7 @@ impl<'a> Models<'a> {
         let ratios = self.own.steady(design).ok()?.ratio;
         // Of the cell: 1 - r = (1 - r_cell) D / D_period
         let own: Vec<Option<f64>> = ratios.iter().map(|ratio| Some(1.0 - (1.0 - ratio) / share)).collect();
-        let refined = block_refinement(&scene, &own, MOST_REFINED)?;
+        let refined = block_refinement(&scene, &own, MAX_REFINED)?;
         // What errors hardly exceed, as two standard deviations.
         let open = refined.errors.iter().map(|error| 0.5 * share * error).collect();
         Some((refined.shifts.iter().map(|shift| share * shift).collect(), open))

@@ -369,21 +369,21 @@ impl DesignTask {
 }
 
 /// Nominal pressure over Young's modulus above which nothing is measured, nor designed for.
-pub const MOST_STRAIN: f64 = 0.5;
+pub const MAX_STRAIN: f64 = 0.5;
 
 /// Whether every nominal pressure, in pascals, is one that a specimen of `material` bears.
 ///
 /// # Errors
-/// [`Refusal`] of the first that is above [`MOST_STRAIN`] of Young's modulus.
+/// [`Refusal`] of the first that is above [`MAX_STRAIN`] of Young's modulus.
 pub fn check_pressures(pressures_pa: &[f64], material: &Material) -> Result<(), Refusal> {
     let modulus_pa = material.elastic.youngs_modulus_pa();
-    let Some(place) = pressures_pa.iter().position(|&pressure_pa| pressure_pa > MOST_STRAIN * modulus_pa) else {
+    let Some(place) = pressures_pa.iter().position(|&pressure_pa| pressure_pa > MAX_STRAIN * modulus_pa) else {
         return Ok(());
     };
     let in_mpa = |pa: f64| in_digits(tidy(PRESSURE_MPA.from_si(pa)));
-    let [modulus_mpa, most_mpa] = [modulus_pa, MOST_STRAIN * modulus_pa].map(in_mpa);
+    let [modulus_mpa, most_mpa] = [modulus_pa, MAX_STRAIN * modulus_pa].map(in_mpa);
     let reason = format!(
-        "MPa is above {MOST_STRAIN} of Young's modulus, {modulus_mpa} MPa, where no solid is linear elastic and no friction is measured"
+        "MPa is above {MAX_STRAIN} of Young's modulus, {modulus_mpa} MPa, where no solid is linear elastic and no friction is measured"
     );
     Err(Refusal::new(TaskPart::Pressure(place), reason).expected(format!("at most {most_mpa} MPa")))
 }

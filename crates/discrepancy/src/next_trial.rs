@@ -13,15 +13,15 @@ const OF_CLOSENESS: f64 = 0.05;
 /// Draws of each form behind the closeness of a texture and behind [`information`].
 const DRAWS: usize = 16;
 /// Forms of less weight change no choice.
-const LEAST_WEIGHT: f64 = 1e-4;
+const MIN_WEIGHT: f64 = 1e-4;
 /// A form that can add no more than this to a chance is not asked.
-const LEAST_CHANCE: f64 = 1e-5;
+const MIN_CHANCE: f64 = 1e-5;
 /// By how much the draws behind a closeness may lie above its expectation.
 const SCATTER_OF_CLOSENESS: f64 = 1.25;
 /// Textures whose scores are computed at a time, so that the choice does not depend on the number of threads: at first at least so many, and
 /// of every further batch twice as many, up to the most. What is found early spares what comes later.
-const LEAST_BATCH: usize = 4;
-const MOST_BATCH: usize = 64;
+const MIN_BATCH: usize = 4;
+const MAX_BATCH: usize = 64;
 
 /// What a cut sample should do: its ratio at each load.
 #[derive(Clone, Debug, PartialEq)]
@@ -148,10 +148,10 @@ type Within = fn(&[f64], &[f64], &[f64], &[f64], f64) -> f64;
 /// add most tell before the others are asked.
 fn chance(prediction: &Prediction, [lower, upper]: &[Vec<f64>; 2], least: f64, within: Within) -> Option<f64> {
     let n = lower.len();
-    let forms = prediction.components.iter().enumerate().filter(|(_, of)| of.weight > LEAST_WEIGHT);
+    let forms = prediction.components.iter().enumerate().filter(|(_, of)| of.weight > MIN_WEIGHT);
     let mut most: Vec<(usize, f64)> =
         forms.map(|(place, of)| (place, of.weight * of.most_within(lower, upper))).collect();
-    most.retain(|(_, most)| *most > LEAST_CHANCE);
+    most.retain(|(_, most)| *most > MIN_CHANCE);
     most.sort_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));
     let mut left: f64 = most.iter().map(|(_, most)| most).sum();
     let mut found = vec![0.0; prediction.components.len()];
@@ -177,7 +177,7 @@ fn closeness(prediction: &Prediction, [lower, upper]: &[Vec<f64>; 2]) -> f64 {
     let mut normals = Normals::new(1);
     let deviates: Vec<f64> = (0..DRAWS * n).map(|_| normals.draw()).collect();
     let mut sum = 0.0;
-    for of in prediction.components.iter().filter(|of| of.weight > LEAST_WEIGHT) {
+    for of in prediction.components.iter().filter(|of| of.weight > MIN_WEIGHT) {
         let factor = covariance_factor(&of.covariance, n);
         let close = |z: &[f64], side: f64| {
             let misfit = |load: usize| {
@@ -248,7 +248,7 @@ impl<'r, 'a> Ranking<'r, 'a> {
         let open: Vec<(usize, Score)> = bounds.iter().filter(may_do).copied().collect();
         let mut best: Vec<Chosen> = Vec::new();
         let mut too_low = BTreeSet::new();
-        let (mut left, mut size) = (&open[..], most.clamp(LEAST_BATCH, MOST_BATCH));
+        let (mut left, mut size) = (&open[..], most.clamp(MIN_BATCH, MAX_BATCH));
         while let Some((_, first)) = left.first() {
             // What enters must not be below the least of those that are kept.
             let least_value = if best.len() < most { 0.0 } else { best.last().map_or(0.0, |last| last.score.value()) };
@@ -257,7 +257,7 @@ impl<'r, 'a> Ranking<'r, 'a> {
             }
             let batch;
             (batch, left) = left.split_at(size.min(left.len()));
-            size = (2 * size).min(MOST_BATCH);
+            size = (2 * size).min(MAX_BATCH);
             let least = [least_chance, least_value];
             let score = |(place, bound): &(usize, Score)| {
                 let candidate = of(*place)?;
@@ -297,7 +297,7 @@ pub fn information(prediction: &Prediction, measured_std: f64) -> f64 {
     let members: Vec<_> = prediction
         .components
         .iter()
-        .filter(|of| of.weight > LEAST_WEIGHT)
+        .filter(|of| of.weight > MIN_WEIGHT)
         .filter_map(|of| {
             let mut covariance = of.covariance.clone();
             (0..n).for_each(|load| covariance[load * n + load] += measured_std * measured_std);

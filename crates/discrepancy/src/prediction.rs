@@ -9,12 +9,12 @@ use crate::{DimensionShift, Features, Form};
 use slipgrid_statistics::cholesky::{covariance_factor, dot};
 
 /// Members of less weight change no digit that is reported.
-const LEAST_WEIGHT: f64 = 1e-7;
+const MIN_WEIGHT: f64 = 1e-7;
 
 /// Steps towards a quantile at most; those that suffice are shorter, or lie at probabilities nearer, than these.
-const MOST_STEPS: usize = 60;
-const LEAST_STEP: f64 = 1e-13;
-const LEAST_OFF: f64 = 1e-12;
+const MAX_STEPS: usize = 60;
+const MIN_STEP: f64 = 1e-13;
+const MIN_OFF: f64 = 1e-12;
 
 /// Pressure, speed and humidity at which friction is asked for.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -125,7 +125,7 @@ impl Predictor {
         Self {
             loads: loads.to_vec(),
             humidity_left: loads.iter().flat_map(|a| loads.iter().map(|b| basis.humidity_left(a, b))).collect(),
-            members: members.iter().filter(|member| member.weight > LEAST_WEIGHT).map(prepared).collect(),
+            members: members.iter().filter(|member| member.weight > MIN_WEIGHT).map(prepared).collect(),
             basis: basis.clone(),
         }
     }
@@ -337,8 +337,8 @@ impl Prediction {
         let (mut off_low, mut off_high) = (off(low), off(high));
         // Regula falsi with halved ends (Dowell and Jarratt 1971, the Illinois method): P grows with the value.
         let mut side = 0;
-        for _ in 0..MOST_STEPS {
-            if high - low <= LEAST_STEP || off_high <= off_low {
+        for _ in 0..MAX_STEPS {
+            if high - low <= MIN_STEP || off_high <= off_low {
                 break;
             }
             let middle = (low * off_high - high * off_low) / (off_high - off_low);
@@ -352,7 +352,7 @@ impl Prediction {
                 off_low *= if side > 0 { 0.5 } else { 1.0 };
                 side = 1;
             }
-            if found.abs() < LEAST_OFF {
+            if found.abs() < MIN_OFF {
                 return middle;
             }
         }

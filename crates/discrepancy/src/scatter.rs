@@ -6,13 +6,13 @@ use slipgrid_statistics::chi_square_beyond;
 use slipgrid_statistics::cholesky::{cholesky, dot, is_regular, solve_lower};
 
 /// No sample scatters by more than this, unless more is stated.
-const MOST_SCATTER: f64 = 0.2;
+const MAX_SCATTER: f64 = 0.2;
 /// Lengths that differ by no more than this share are one: a microscope tells no less.
 const SAME_LENGTH: f64 = 0.02;
 /// Standard errors of a difference within which two lengths may be one.
 const WITHIN_ERRORS: f64 = 2.0;
 /// Probability below which samples contradict each other, of all compared pairs together.
-const LEAST_PROBABILITY: f64 = 0.01;
+const MIN_PROBABILITY: f64 = 0.01;
 
 /// A scatter with its weight.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -58,7 +58,7 @@ impl Discrepancy {
         }
         let all = hyper.scatters.iter().map(|(times, weight)| (times * stated, *weight));
         let all: Vec<(f64, f64)> =
-            all.filter(|(std, weight)| *weight > 0.0 && *std <= stated.max(MOST_SCATTER)).collect();
+            all.filter(|(std, weight)| *weight > 0.0 && *std <= stated.max(MAX_SCATTER)).collect();
         let sum: f64 = all.iter().map(|(_, weight)| weight).sum();
         all.into_iter().map(|(std, weight)| (std, weight / sum)).collect()
     }
@@ -87,7 +87,7 @@ impl Discrepancy {
         // Errors of their dimensions move the discrepancy, too: `compared` bounds that by its own rule.
         let noise = self.noise(self.hyperparameters().sample_std, &|_, _| 0.0);
         let compared: Vec<Contradiction> = pairs.filter_map(|pair| self.compared(pair, &noise)).collect();
-        let least = LEAST_PROBABILITY / compared.len().max(1) as f64;
+        let least = MIN_PROBABILITY / compared.len().max(1) as f64;
         let mut found: Vec<Contradiction> = compared.into_iter().filter(|pair| pair.probability < least).collect();
         found.sort_by(|a, b| a.probability.total_cmp(&b.probability).then(b.chi_square.total_cmp(&a.chi_square)));
         found

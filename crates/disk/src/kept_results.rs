@@ -18,7 +18,7 @@ const HASH_BYTES: usize = 32;
 /// Share of the bound to which a folder that has grown beyond it is brought back.
 const AFTER_CLEARING: f64 = 0.75;
 /// Bytes that a user's folder holds at most, about: some thousand runs.
-const MOST_BYTES: u64 = 256 << 20;
+const MAX_BYTES: u64 = 256 << 20;
 /// How names of kept results end.
 const EXTENSION: &str = "kept";
 
@@ -56,7 +56,7 @@ impl KeptResults {
         };
         let program = fs::metadata(std::env::current_exe().ok()?).ok()?;
         let build = format!("{} {:?}", program.len(), program.modified().ok()?);
-        Some(Self::new(folder?, &build, MOST_BYTES))
+        Some(Self::new(folder?, &build, MAX_BYTES))
     }
 
     fn path(&self, key: &Key) -> PathBuf {

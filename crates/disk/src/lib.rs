@@ -38,21 +38,21 @@ use std::path::Path;
 use slipgrid_formats::Diagnostic;
 
 /// Most threads of a pool: more than one machine has cores, and few enough to be made in an instant.
-pub const MOST_THREADS: usize = 1024;
+pub const MAX_THREADS: usize = 1024;
 
 /// Threads of a pool for which nobody asked by a number: those that the environment names in `RAYON_NUM_THREADS`, else as many as cores.
 ///
 /// # Errors
-/// [`Diagnostic`] where the environment names more than [`MOST_THREADS`].
+/// [`Diagnostic`] where the environment names more than [`MAX_THREADS`].
 pub fn default_threads() -> Result<usize, Diagnostic> {
     const VARIABLE: &str = "RAYON_NUM_THREADS";
-    let cores = std::thread::available_parallelism().map_or(1, usize::from).min(MOST_THREADS);
+    let cores = std::thread::available_parallelism().map_or(1, usize::from).min(MAX_THREADS);
     let Some(named) = std::env::var(VARIABLE).ok().filter(|text| !text.is_empty()) else { return Ok(cores) };
     match named.parse() {
         Ok(0) => Ok(cores),
-        Ok(threads) if threads <= MOST_THREADS => Ok(threads),
+        Ok(threads) if threads <= MAX_THREADS => Ok(threads),
         _ => Err(Diagnostic::flag(VARIABLE, named, "is no number of threads")
-            .expected(format!("a whole number up to {MOST_THREADS}, or no such variable"))),
+            .expected(format!("a whole number up to {MAX_THREADS}, or no such variable"))),
     }
 }
 

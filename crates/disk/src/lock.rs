@@ -16,7 +16,7 @@ use crate::places::{PlaceError, WriteError};
 /// Times that a file which its holder has just removed is made again.
 const ATTEMPTS: usize = 20;
 /// Longest content of a lock file, in bytes.
-const MOST_BYTES: u64 = 1000;
+const MAX_BYTES: u64 = 1000;
 
 /// Files of the locks that this process holds.
 static HELD: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
@@ -155,7 +155,7 @@ impl Holder {
     fn read(file: &mut File) -> Option<Self> {
         let mut text = String::new();
         file.rewind().ok()?;
-        file.take(MOST_BYTES).read_to_string(&mut text).ok()?;
+        file.take(MAX_BYTES).read_to_string(&mut text).ok()?;
         let ["slipgrid", process, host, since_s] = text.split_whitespace().collect::<Vec<_>>()[..] else { return None };
         Some(Self { process: process.parse().ok()?, host: host.to_owned(), since_s: since_s.parse().ok()? })
     }

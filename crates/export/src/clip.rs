@@ -10,7 +10,7 @@ use crate::Outline;
 pub(crate) const ARC_SAGITTA_M: f64 = 1e-8;
 
 /// Pieces with less area than this are rounding, in square metres: a square nanometre.
-const LEAST_AREA_M2: f64 = 1e-18;
+const MIN_AREA_M2: f64 = 1e-18;
 
 type Polygon = Vec<[f64; 2]>;
 
@@ -32,7 +32,7 @@ pub(crate) fn clip(polygon: Polygon, outline: &Outline) -> Vec<Polygon> {
 
 /// Those parts that are more than rounding.
 pub(crate) fn kept(mut parts: Vec<Polygon>) -> Vec<Polygon> {
-    parts.retain(|part| area_m2(part) > LEAST_AREA_M2);
+    parts.retain(|part| area_m2(part) > MIN_AREA_M2);
     parts
 }
 

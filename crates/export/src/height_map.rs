@@ -9,7 +9,7 @@ use crate::ascii::ascii;
 use crate::{Cavity, ExportError, Heading, Laser, Layout};
 
 /// Most pixels along a side.
-pub const MOST_PIXELS: u32 = 32_768;
+pub const MAX_PIXELS: u32 = 32_768;
 /// Pixels along the longer side, and across a cavity, where no size is given.
 const USUAL_PIXELS: f64 = 4096.0;
 const PIXELS_PER_CAVITY: f64 = 16.0;
@@ -30,17 +30,17 @@ impl HeightMap {
     /// smallest extent of a cavity, and at least a 4096th of the specimen's.
     ///
     /// # Errors
-    /// [`ExportError::NoHeightMap`] for fewer pixels than one or more than [`MOST_PIXELS`] along a side.
+    /// [`ExportError::NoHeightMap`] for fewer pixels than one or more than [`MAX_PIXELS`] along a side.
     pub fn new(layout: &Layout, laser: &Laser, pixel_um: Option<f64>) -> Result<Self, ExportError> {
         let extents_m = layout.outline().extents_m();
         let longer_m = extents_m[0].max(extents_m[1]);
         let usual_m = (longer_m / USUAL_PIXELS).max(layout.pattern().least_extent_m() / PIXELS_PER_CAVITY);
         let pixel_m = pixel_um.map_or(usual_m, |pixel_um| pixel_um * 1e-6);
         let pixels = (longer_m / pixel_m - 1e-6).ceil();
-        if !(1.0..=f64::from(MOST_PIXELS)).contains(&pixels) {
-            return Err(ExportError::NoHeightMap { pixel_um: pixel_m * 1e6, pixels, most: MOST_PIXELS });
+        if !(1.0..=f64::from(MAX_PIXELS)).contains(&pixels) {
+            return Err(ExportError::NoHeightMap { pixel_um: pixel_m * 1e6, pixels, most: MAX_PIXELS });
         }
-        // At most MOST_PIXELS: the casts are exact.
+        // At most MAX_PIXELS: the casts are exact.
         let size = extents_m.map(|extent_m| (extent_m / pixel_m - 1e-6).ceil().max(1.0) as u32);
         Ok(Self { pixel_m, size, slope: laser.slope() })
     }
@@ -74,7 +74,7 @@ impl HeightMap {
         let y_m = self.y_m(row);
         let mut column = 0;
         while column < heights.len() {
-            // At most MOST_PIXELS: the cast is exact.
+            // At most MAX_PIXELS: the cast is exact.
             let cell = layout.cell([self.x_m(column as u32), y_m]);
             for cavity in cell.cavities.iter().flatten() {
                 self.cut(layout, cavity, y_m, heights);
@@ -126,7 +126,7 @@ impl HeightMap {
     /// The first column whose middle lies beyond `x_m`, but for rounding; at most one more than there are.
     fn after(&self, x_m: f64) -> usize {
         let columns = f64::from(self.size[0]);
-        // At most MOST_PIXELS: the cast is exact.
+        // At most MAX_PIXELS: the cast is exact.
         (x_m / self.pixel_m + columns / 2.0 + 0.5).floor().clamp(0.0, columns + 1.0) as usize
     }
 }

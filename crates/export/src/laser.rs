@@ -60,7 +60,7 @@ pub struct Laser {
 }
 
 /// Walls that lean more than this meet before they have depth worth the name.
-const MOST_TAPER_DEG: f64 = 80.0;
+const MAX_TAPER_DEG: f64 = 80.0;
 
 /// By how much, in um, a depth may miss a whole number of passes or bursts: people are told depths to a hundredth of a micrometre.
 const STEP_TOLERANCE_UM: f64 = 0.005 + 1e-9;
@@ -86,9 +86,9 @@ impl Laser {
             value.map_or(Ok(0.0), |value| positive(quantity, value))?;
         }
         if let Some(taper_deg) = self.wall_taper_deg
-            && !(0.0..=MOST_TAPER_DEG).contains(&taper_deg)
+            && !(0.0..=MAX_TAPER_DEG).contains(&taper_deg)
         {
-            return Err(ExportError::TaperOutOfRange { taper_deg, most_deg: MOST_TAPER_DEG });
+            return Err(ExportError::TaperOutOfRange { taper_deg, most_deg: MAX_TAPER_DEG });
         }
         let Some(spot_um) = self.spot_um else { return Ok(()) };
         let beyond = |what, value_um: f64| {

@@ -5,7 +5,7 @@ use crate::face::Face;
 use crate::{Boundary, Cavity, ExportError, Outline};
 
 /// Largest number of cavities accepted: a DXF file of them takes about 2.5 GB.
-pub const MOST_CAVITIES: usize = 10_000_000;
+pub const MAX_CAVITIES: usize = 10_000_000;
 
 /// Part of a pitch by which a cavity may pass the outline and still count as inside: what rounding
 /// leaves where dimensions are whole, and far below what a laser can place.
@@ -59,7 +59,7 @@ impl Layout {
     /// # Errors
     /// [`ExportError::NotPositive`] if the outline has no extent, [`ExportError::NoRing`] if its hole leaves
     /// nothing, [`ExportError::NoCavityFits`] if it is smaller than a cavity, [`ExportError::TooManyCavities`]
-    /// beyond [`MOST_CAVITIES`].
+    /// beyond [`MAX_CAVITIES`].
     pub fn new(pattern: Pattern, outline: Outline) -> Result<Self, ExportError> {
         Self::laid(pattern, outline, false)
     }
@@ -139,10 +139,10 @@ impl Layout {
             Some(_) => extent_x_m / pattern.pitch_m() + 1.0,
         };
         let rows = pattern.pitch_across_m().map_or(1.0, |pitch_m| extent_y_m / pitch_m + 1.0);
-        if columns * rows > MOST_CAVITIES as f64 {
-            return Err(ExportError::TooManyCavities { cavities: columns * rows, most: MOST_CAVITIES });
+        if columns * rows > MAX_CAVITIES as f64 {
+            return Err(ExportError::TooManyCavities { cavities: columns * rows, most: MAX_CAVITIES });
         }
-        // Half the places, and one more on either side that may still reach in; bounded by MOST_CAVITIES.
+        // Half the places, and one more on either side that may still reach in; bounded by MAX_CAVITIES.
         let reach = [columns, rows].map(|places| (places / 2.0).ceil() as i64 + 1);
         Ok(Self { pattern, outline, is_clipped, reach, cavities: 0, cavity_area_m2: 0.0 })
     }

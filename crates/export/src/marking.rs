@@ -27,7 +27,7 @@ pub struct Marking {
 /// Share of a line's distance that is forgiven as rounding.
 const ROUNDING: f64 = 1e-6;
 /// Length over that of the polygon from which an edge is a straight side, and not a piece of an arc.
-const LEAST_EDGE: f64 = 0.25;
+const MIN_EDGE: f64 = 0.25;
 
 impl Marking {
     /// The marking by `laser`.
@@ -183,7 +183,7 @@ impl Marking {
             let next = turned.iter().skip(1).chain(turned.first());
             let is_edge = |([u0, v0], [u1, v1]): (&[f64; 2], &[f64; 2])| {
                 let is_at_end = (v0 - end_m).abs() <= rounding_m && (v1 - end_m).abs() <= rounding_m;
-                is_at_end && (u1 - u0).abs() >= LEAST_EDGE * (right_m - left_m)
+                is_at_end && (u1 - u0).abs() >= MIN_EDGE * (right_m - left_m)
             };
             if turned.iter().zip(next).any(is_edge) { 0.0 } else { 0.5 }
         };

@@ -31,7 +31,7 @@ pub(crate) const OFF: f64 = 0.05;
 /// A line that is longer by less, relative to it, is as long.
 const LONGER: f64 = 1e-9;
 /// Most passes.
-const MOST_PASSES: f64 = 1e9;
+const MAX_PASSES: f64 = 1e9;
 
 /// What passes over the lines of a hatch remove, and how many a depth needs.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -193,14 +193,14 @@ impl Hatched {
         let middle_m = self.section.as_ref().map(|section| self.mean_reach_m(section, MIDDLE));
         let Some(reach_m) = middle_m.filter(|mean_m| *mean_m > 0.0) else {
             // Lines of no length: the hatch of an endless face is all that is known.
-            let passes = (design_um / laser.depth_step_um()?).round().clamp(1.0, MOST_PASSES) as u32;
+            let passes = (design_um / laser.depth_step_um()?).round().clamp(1.0, MAX_PASSES) as u32;
             let warnings = vec![NO_LINES.to_owned()];
             return Some(Removal { passes, edge_ramp_um: laser.spot_um?, warnings, ..Removal::default() });
         };
         // z / N = (d / p) <length of lines within s/2>
         let per_pass_um = burst_um / pulse_um * reach_m * 1e6;
         // At most a billion: the cast cannot overflow.
-        let passes = (design_um / per_pass_um).round().clamp(1.0, MOST_PASSES) as u32;
+        let passes = (design_um / per_pass_um).round().clamp(1.0, MAX_PASSES) as u32;
         let made_um = f64::from(passes) * per_pass_um;
         let area_m2 = layout.cavity_area_m2();
         let mean_um = self.volume_m3(laser, passes)? / area_m2 * 1e6;

@@ -105,7 +105,7 @@ impl SectorsSheet {
         let ProcessInput { name, version, schema, seed, laser, material, .. } = input;
         laser.validate()?;
         let Some(first) = sectors.first() else {
-            return Err(ExportError::Sectors { count: 0, most: crate::MOST_SECTORS });
+            return Err(ExportError::Sectors { count: 0, most: crate::MAX_SECTORS });
         };
         let division = first.division();
         let has_rim = sectors.iter().any(|of| of.pattern().texture().rim().is_some_and(|rim| rim.stands()));

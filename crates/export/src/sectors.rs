@@ -6,11 +6,11 @@ use crate::clip::{area_m2, clip, kept, within_side};
 use crate::{Boundary, Cavity, ExportError, Layout, Outline, Specimen};
 
 /// Most sectors of a specimen.
-pub const MOST_SECTORS: usize = 12;
+pub const MAX_SECTORS: usize = 12;
 /// Width of a land over the lesser extent of the specimen.
 const LAND_SHARE: f64 = 0.05;
 /// Periods of a pattern that the largest circle on a sector must hold, along each of its axes.
-pub const LEAST_PERIODS: f64 = 4.0;
+pub const MIN_PERIODS: f64 = 4.0;
 /// Where the mark lies along its land, from centre to rim.
 const MARK_SPAN: [f64; 2] = [0.8, 0.95];
 /// Width of the mark over that of the land.
@@ -47,12 +47,12 @@ impl Division {
     /// `specimen` in `count` sectors.
     ///
     /// # Errors
-    /// [`ExportError::Sectors`] for fewer than two or more than [`MOST_SECTORS`]; [`ExportError::NotPositive`] and
+    /// [`ExportError::Sectors`] for fewer than two or more than [`MAX_SECTORS`]; [`ExportError::NotPositive`] and
     /// [`ExportError::NoRing`] for an outline that is none.
     pub fn new(specimen: Specimen, count: usize) -> Result<Self, ExportError> {
         specimen.outline.validate()?;
-        if !(2..=MOST_SECTORS).contains(&count) {
-            return Err(ExportError::Sectors { count, most: MOST_SECTORS });
+        if !(2..=MAX_SECTORS).contains(&count) {
+            return Err(ExportError::Sectors { count, most: MAX_SECTORS });
         }
         let [extent_x_m, extent_y_m] = specimen.outline.extents_m();
         Ok(Self { specimen, count, land_m: LAND_SHARE * extent_x_m.min(extent_y_m) })
@@ -148,10 +148,10 @@ impl Division {
         2.0 * radius_m(f64::midpoint(low, high)).max(0.0)
     }
 
-    /// Whether every sector is large enough for `pattern`: the largest circle holds [`LEAST_PERIODS`] periods along each axis.
+    /// Whether every sector is large enough for `pattern`: the largest circle holds [`MIN_PERIODS`] periods along each axis.
     #[must_use]
     pub fn holds(&self, pattern: &Pattern) -> bool {
-        self.least_circle_m() >= LEAST_PERIODS * period_m(pattern)
+        self.least_circle_m() >= MIN_PERIODS * period_m(pattern)
     }
 
     /// The least of [`Self::circle_m`] of all sectors, in metres.
@@ -192,7 +192,7 @@ impl Sector {
     fn new(division: Division, number: usize, pattern: Pattern) -> Result<Self, ExportError> {
         if !division.holds(&pattern) {
             let circle_m = division.least_circle_m();
-            return Err(ExportError::SectorTooSmall { pitch_m: period_m(&pattern), circle_m, periods: LEAST_PERIODS });
+            return Err(ExportError::SectorTooSmall { pitch_m: period_m(&pattern), circle_m, periods: MIN_PERIODS });
         }
         let layout = division.specimen.layout(pattern)?;
         let mut sector = Self { division, number, layout, cavities: 0, cavity_area_m2: 0.0 };

@@ -14,7 +14,7 @@ use crate::{Cavity, Layout, Line};
 /// Points along either extent of a cavity at which it is looked at.
 const POINTS: u32 = 60;
 /// A cavity of which less is swept is warned of. A spot a third as wide sweeps 97 % of a square and all of a disc.
-const LEAST_SWEPT: f64 = 0.9;
+const MIN_SWEPT: f64 = 0.9;
 
 /// What a spot does not get into of the cavities of `layout`, for people: of those without a line, which are `bare`, number and area in square
 /// metres, and of one whose `lines` are the longest.
@@ -37,7 +37,7 @@ pub(crate) fn warnings(
         ));
     }
     let swept = swept_share(one, lines, half_spot_m);
-    if swept < LEAST_SWEPT {
+    if swept < MIN_SWEPT {
         warnings.push(format!(
             "lines sweep {} of the area of a cavity, whose corners the spot, {spot} um, does not get into; friction was computed with all of \
              it: a smaller spot or wider cavities come nearer",

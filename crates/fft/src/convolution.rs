@@ -35,7 +35,7 @@ const WIDEST: usize = 128;
 /// Numbers of the rows between two questions whether to go on.
 const ROWS_TOGETHER: usize = 1 << 15;
 /// Fewest rows.
-const LEAST_ROWS: usize = 8;
+const MIN_ROWS: usize = 8;
 
 /// Filters of maps of one size; see the module.
 #[derive(Clone, Debug)]
@@ -66,7 +66,7 @@ impl<T: Number> Convolution<T> {
     /// Filters of maps of `rows` x `cols`; `None` unless both are powers of two, of 8 rows and 256 columns or more.
     #[must_use]
     pub fn new(rows: usize, cols: usize) -> Option<Self> {
-        if !rows.is_power_of_two() || !cols.is_power_of_two() || rows < LEAST_ROWS || cols < TILE {
+        if !rows.is_power_of_two() || !cols.is_power_of_two() || rows < MIN_ROWS || cols < TILE {
             return None;
         }
         let tiles = (0..cols / TILE).flat_map(|tile| {

@@ -4,7 +4,7 @@ use std::io::BufReader;
 use std::path::Path;
 
 use slipgrid_calibrate::area_law::{AreaLawError, SurfaceWarning};
-use slipgrid_material::MOST_FACTOR;
+use slipgrid_material::MAX_FACTOR;
 use slipgrid_monitor::{Heeding, Monitor};
 use slipgrid_topography::{
     MapOption, MapWarning, Preparation, PreparationError, PreparedMap, ReadError, ReadMap, ReadOptions, limits,
@@ -62,7 +62,7 @@ pub fn refuse(path: &Path, error: &PreparationError) -> Diagnostic {
     match error {
         PreparationError::Map(_) => refused,
         PreparationError::MostlyMissing { .. } => {
-            refused.expected(format!("at most {:.0} %; crop the map", 100.0 * limits::MOST_MISSING_SHARE))
+            refused.expected(format!("at most {:.0} %; crop the map", 100.0 * limits::MAX_MISSING_SHARE))
         }
         PreparationError::ImpossibleSlope { warnings, .. } => {
             let [least, most] = limits::POSSIBLE_SLOPE;
@@ -161,7 +161,7 @@ pub fn refuse_law(path: &Path, error: &AreaLawError) -> Option<Diagnostic> {
         AreaLawError::FactorsAboveOne { warnings, .. } => {
             refused.reason += &listed(warnings);
             refused = refused.expected(format!(
-                "contact area that grows no faster than pressure, f at most {MOST_FACTOR}: {}",
+                "contact area that grows no faster than pressure, f at most {MAX_FACTOR}: {}",
                 cure(warnings)
             ));
         }

@@ -6,7 +6,7 @@ use crate::diagnostic::Diagnostic;
 use slipgrid_units::{LENGTH_STD_UM, LENGTH_UM, tidy};
 
 /// Largest standard error of a dimension of a trial over the dimension: beyond, it is known that there is a cavity and hardly more.
-const MOST_RELATIVE_STD: f64 = 1.0 / 3.0;
+const MAX_RELATIVE_STD: f64 = 1.0 / 3.0;
 
 /// The standard error of the dimension `name` of a trial, which measures `length_m`, in metres; 0 where the file does not say it.
 ///
@@ -15,12 +15,12 @@ const MOST_RELATIVE_STD: f64 = 1.0 / 3.0;
 pub fn read(document: &Document, written: Option<&Number>, name: &str, length_m: f64) -> Result<f64, Diagnostic> {
     let Some(written) = written else { return Ok(0.0) };
     let std_m = document.number(written, LENGTH_STD_UM)?;
-    if std_m <= MOST_RELATIVE_STD * length_m * (1.0 + 1e-9) {
+    if std_m <= MAX_RELATIVE_STD * length_m * (1.0 + 1e-9) {
         return Ok(std_m);
     }
     let length_um = LENGTH_UM.from_si(length_m);
     let reason = format!("is more than a third of the measured {name}, {} um", tidy(length_um));
-    let most_um = (1e3 * MOST_RELATIVE_STD * length_um).floor() / 1e3;
+    let most_um = (1e3 * MAX_RELATIVE_STD * length_um).floor() / 1e3;
     Err(document.refuse(written.span(), reason).expected(format!("a standard error of at most {most_um} um")))
 }
 

@@ -53,7 +53,7 @@ const LOW_PRESSURE_MPA: f64 = 0.01;
 const LOW_SPEED_MM_S: f64 = 0.02;
 
 /// Conditions that a message names.
-const MOST_NAMED: usize = 4;
+const MAX_NAMED: usize = 4;
 
 /// What the measurements are judged by.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -204,8 +204,8 @@ pub fn check_partners(rows: &[Placed], written: &[Placed], flat: &[Placed]) -> R
     if alone.is_empty() {
         return Ok(Vec::new());
     }
-    let measured = flat.iter().take(MOST_NAMED).map(Placed::condition).collect::<Vec<_>>().join("; ");
-    let more = if flat.len() > MOST_NAMED { format!("; {} more", flat.len() - MOST_NAMED) } else { String::new() };
+    let measured = flat.iter().take(MAX_NAMED).map(Placed::condition).collect::<Vec<_>>().join("; ");
+    let more = if flat.len() > MAX_NAMED { format!("; {} more", flat.len() - MAX_NAMED) } else { String::new() };
     let named = |(row, written): &(&Placed, &Placed), so: &str| {
         let (force_n, own_n) = (row.measurement.force_n, written.measurement.force_n);
         let (as_much, there) = if row.is_at_condition_of(written) {

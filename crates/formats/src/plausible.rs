@@ -87,7 +87,7 @@ pub const GIVEN_PRESSURE: Plausible = Plausible { slips: &[("in kPa, that", 1e-3
 pub const STRAIN: Plausible = Plausible {
     what: "nominal pressures over Young's modulus",
     unit: "",
-    measurable: [0.0, slipgrid_design::MOST_STRAIN],
+    measurable: [0.0, slipgrid_design::MAX_STRAIN],
     usual: [0.0, 0.05],
     why: "polymers yield at 0.05 and below, and the model is linear",
     slips: &[],

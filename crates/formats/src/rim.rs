@@ -58,7 +58,7 @@ pub fn read_rim(document: &Document, file: &TextureFile) -> Result<Option<Rim>, 
 
 /// Pairs of depth and height, in metres.
 fn read_pairs(document: &Document, pairs: &Spanned<Vec<NumberList>>) -> Result<Vec<[f64; 2]>, Diagnostic> {
-    let most = Rim::MOST_HEIGHTS;
+    let most = Rim::MAX_HEIGHTS;
     if pairs.get_ref().is_empty() || pairs.get_ref().len() > most {
         let reason = format!("has {} pairs", pairs.get_ref().len());
         return Err(document

@@ -1,7 +1,7 @@
 //! The table `[run]` of scenes: how they are solved.
 
 use serde::{Deserialize, Serialize};
-use slipgrid_springblock::{Extent, Fidelity, MOST_DRAWS, RunOptions, Springs};
+use slipgrid_springblock::{Extent, Fidelity, MAX_DRAWS, RunOptions, Springs};
 use toml::Spanned;
 
 use super::document::Document;
@@ -95,10 +95,10 @@ pub fn read_run(
             _ => return Err(document.refuse(dimensions.span(), "dimensions do not exist here").expected("2 or 3")),
         }
     }
-    if let Some(draws) = file.draws.as_ref().filter(|draws| !(1..=MOST_DRAWS).contains(draws.get_ref())) {
+    if let Some(draws) = file.draws.as_ref().filter(|draws| !(1..=MAX_DRAWS).contains(draws.get_ref())) {
         return Err(document
             .refuse(draws.span(), "is no number of draws")
-            .expected(format!("a whole number from 1 to {MOST_DRAWS}")));
+            .expected(format!("a whole number from 1 to {MAX_DRAWS}")));
     }
     Ok(RunOptions {
         fidelity,

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use serde::{Deserialize, Serialize};
 use slipgrid_material::{Condition, Material, MaterialError};
-use slipgrid_springblock::{Layer, MOST_BLOCKS, MOST_ROWS, Scene, SceneError, Simulation};
+use slipgrid_springblock::{Layer, MAX_BLOCKS, MAX_ROWS, Scene, SceneError, Simulation};
 use toml::Spanned;
 
 use super::document::Document;
@@ -335,7 +335,7 @@ impl SceneInput {
 }
 
 /// Blocks that the face of a specimen is wide at least, wherever it is measured: fewer are no strip of it.
-const LEAST_FACE_BLOCKS: f64 = 2.0;
+const MIN_FACE_BLOCKS: f64 = 2.0;
 
 /// Refuses a specimen whose face is narrower than the blocks of `layer` can show.
 ///
@@ -354,13 +354,13 @@ pub fn check_face(
             ("width from inner to outer edge", 0.5 * (outer_diameter_m - inner_diameter_m))
         }
     };
-    if narrowest_m >= LEAST_FACE_BLOCKS * layer.block_m {
+    if narrowest_m >= MIN_FACE_BLOCKS * layer.block_m {
         return Ok(());
     }
     let [narrowest_um, block_um] = [narrowest_m, layer.block_m].map(|length_m| LENGTH_UM.from_si(length_m));
     Err(document
         .refuse(table.span(), format!("has a {what} of {narrowest_um} um, of blocks of {block_um} um"))
-        .expected(format!("a {what} of at least {LEAST_FACE_BLOCKS} blocks, or a smaller sample.block_um")))
+        .expected(format!("a {what} of at least {MIN_FACE_BLOCKS} blocks, or a smaller sample.block_um")))
 }
 
 /// Reads the modelled layer, as long as `specimen` where there is one, and checks that it is made of whole blocks.
@@ -401,10 +401,10 @@ pub fn read_layer(
     let lowest_m = thickness_m.map_or(DEFAULT_LAYER.height_m, |thickness_m| thickness_m.min(DEFAULT_LAYER.height_m));
     let layer = Layer { length_m, height_m: or(sample.layer_um.as_ref(), lowest_m)?, block_m, thickness_m };
     let blocks = layer.blocks();
-    if let (Some(given), true) = (&sample.block_um, blocks > MOST_BLOCKS) {
+    if let (Some(given), true) = (&sample.block_um, blocks > MAX_BLOCKS) {
         return Err(document
             .refuse(given.span(), format!("divides the layer into {blocks:.1e} blocks"))
-            .expected(format!("a size that gives at most {MOST_BLOCKS:.0e}")));
+            .expected(format!("a size that gives at most {MAX_BLOCKS:.0e}")));
     }
     if let (Some(thickness), Some(thickness_m)) = (&sample.thickness_mm, thickness_m)
         && thickness_m < layer.height_m
@@ -414,11 +414,11 @@ pub fn read_layer(
             .refuse(thickness.span(), format!("mm is thinner than the layer of {layer_um} um, which is part of it"))
             .expected(format!("at least {}, or a lower layer_um", LENGTH_MM.from_si(layer.height_m))));
     }
-    if let Some(thickness_m) = thickness_m.filter(|thickness_m| *thickness_m > MOST_ROWS * block_m) {
+    if let Some(thickness_m) = thickness_m.filter(|thickness_m| *thickness_m > MAX_ROWS * block_m) {
         let given = sample.thickness_mm.as_ref().or(sample.block_um.as_ref()).map_or(file.span(), Spanned::span);
         let thick_mm = LENGTH_MM.from_si(thickness_m);
         return Err(document
-            .refuse(given, format!("makes more than {MOST_ROWS:.0e} rows of blocks of a specimen {thick_mm} mm thick"))
+            .refuse(given, format!("makes more than {MAX_ROWS:.0e} rows of blocks of a specimen {thick_mm} mm thick"))
             .expected("larger blocks, a thinner specimen, or a layer_um alone"));
     }
     let block_um = LENGTH_UM.from_si(layer.block_m);

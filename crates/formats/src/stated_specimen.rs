@@ -2,7 +2,7 @@
 
 use slipgrid_calibrate::CutSpecimen;
 use slipgrid_export::{Outline, Specimen};
-use slipgrid_springblock::MOST_ROWS;
+use slipgrid_springblock::MAX_ROWS;
 use toml::Spanned;
 
 use super::calibration_file::FaceFile;
@@ -15,7 +15,7 @@ use crate::plausible::SPECIMEN;
 use slipgrid_units::LENGTH_MM;
 
 /// Least and greatest thickness of a specimen that a calibration may state, in metres: the layer's, and as many blocks as a solver takes.
-const THICKNESS_M: [f64; 2] = [DEFAULT_LAYER.height_m, MOST_ROWS * DEFAULT_LAYER.block_m];
+const THICKNESS_M: [f64; 2] = [DEFAULT_LAYER.height_m, MAX_ROWS * DEFAULT_LAYER.block_m];
 
 /// A specimen as a table of a calibration states it.
 #[derive(Clone, Copy, Debug)]

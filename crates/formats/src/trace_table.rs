@@ -10,7 +10,7 @@ use toml::Spanned;
 
 use super::document::Document;
 use super::traces::{
-    ConditionTraces, Export, MOST_SPECIMENS, OfTrial, Seen, SurfaceKind, TraceCondition, TraceSetup, analyse_among,
+    ConditionTraces, Export, MAX_SPECIMENS, OfTrial, Seen, SurfaceKind, TraceCondition, TraceSetup, analyse_among,
 };
 use super::values::{Number, NumberList};
 use crate::diagnostic::Diagnostic;
@@ -163,10 +163,10 @@ impl<'d> TraceReader<'d> {
     ) -> Result<Self, Diagnostic> {
         let window_s = read_window(document, file.and_then(|file| file.window_s.as_ref()))?;
         let specimens = file.and_then(|file| file.specimens.as_ref()).map_or(Ok(1), |count| {
-            u32::try_from(*count.get_ref()).ok().filter(|count| (1..=MOST_SPECIMENS).contains(count)).ok_or_else(|| {
+            u32::try_from(*count.get_ref()).ok().filter(|count| (1..=MAX_SPECIMENS).contains(count)).ok_or_else(|| {
                 document
                     .refuse(count.span(), "specimens are not held")
-                    .expected(format!("a whole number from 1 to {MOST_SPECIMENS}"))
+                    .expected(format!("a whole number from 1 to {MAX_SPECIMENS}"))
             })
         })?;
         let zero_s = read_zero(document, file.and_then(|file| file.zero_s.as_ref()))?;

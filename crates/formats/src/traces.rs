@@ -20,7 +20,7 @@ use crate::trace_departures::{departures, stands_still};
 use crate::unused_columns::near_titles;
 
 /// Number of specimens in a holder, at most.
-pub const MOST_SPECIMENS: u32 = 100;
+pub const MAX_SPECIMENS: u32 = 100;
 
 /// The surface of a specimen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -43,7 +43,7 @@ impl Piece {
 
 /// f exceeds 1 by counting where few points of a map touch: by 0.07 where some hundred do (a slope of 0.5 on 128 x 128
 /// points). More than this comes of a few points that carry the load of the rest, and is no area law.
-pub const MOST_FACTOR: f64 = 1.1;
+pub const MAX_FACTOR: f64 = 1.1;
 /// Up to here f exceeds 1 by the error of the contact computation.
 const ROUNDED_FACTOR: f64 = 1.002;
 

@@ -38,7 +38,7 @@ mod friction;
 mod measured_law;
 mod modulus;
 
-pub use area_law::{AreaLaw, MOST_FACTOR, Piece, THRESHOLD_PRESSURE_PA};
+pub use area_law::{AreaLaw, MAX_FACTOR, Piece, THRESHOLD_PRESSURE_PA};
 pub use condition::{Condition, between};
 pub use condition_range::ConditionRange;
 pub use elastic::Elastic;

@@ -31,7 +31,7 @@ impl Extrapolation {
 }
 
 /// Largest local pressure that a law is tabulated for, in pascals: beyond that no polymer is meant.
-const MOST_PRESSURE_PA: f64 = 1e9;
+const MAX_PRESSURE_PA: f64 = 1e9;
 /// Tabulated pressures of a law above its last one, each larger by the same factor.
 const POINTS: u32 = 64;
 
@@ -65,7 +65,7 @@ impl AreaLaw {
         };
         let (mut pressures, mut factors) =
             (pressure_pa.to_vec(), mu_flat.iter().map(|mu| mu / first).collect::<Vec<_>>());
-        let reach = (MOST_PRESSURE_PA / last_pa).ln();
+        let reach = (MAX_PRESSURE_PA / last_pa).ln();
         for point in 1..=POINTS {
             let log = reach * f64::from(point) / f64::from(POINTS);
             if log > 0.0 {

@@ -6,7 +6,7 @@ use crate::{AreaLaw, MaterialError};
 const STEP: f64 = 1e-2;
 
 /// Largest pressure over the threshold that says how g bends below it.
-const MOST_BEND: f64 = 3.0;
+const MAX_BEND: f64 = 3.0;
 
 /// g below the threshold: value there, slope and curvature.
 struct Below {
@@ -23,7 +23,7 @@ impl Below {
             (1..p.len()).min_by(|&a, &b| (p[a] - wanted * p[0]).abs().total_cmp(&(p[b] - wanted * p[0]).abs()))
         };
         let (Some(a), Some(b)) = (nearest(1.5), nearest(2.0)) else { return straight };
-        if a == b || p[b] > MOST_BEND * p[0] {
+        if a == b || p[b] > MAX_BEND * p[0] {
             return straight;
         }
         // Divided differences.

@@ -85,17 +85,17 @@ static KNOWN: Mutex<Vec<Polygon>> = Mutex::new(Vec::new());
 
 impl Polygon {
     /// Most corners of an outline.
-    pub const MOST_VERTICES: usize = 2000;
+    pub const MAX_VERTICES: usize = 2000;
 
     /// The outline through `vertices` as `[x, y]`, in any unit, either way round; the last is joined to the first. A vertex
     /// equal to the one before is left out, to 2^-44 of the larger extent.
     ///
     /// # Errors
-    /// [`OutlineError`] for fewer than three vertices or more than [`Self::MOST_VERTICES`], for numbers that are not finite,
+    /// [`OutlineError`] for fewer than three vertices or more than [`Self::MAX_VERTICES`], for numbers that are not finite,
     /// for vertices that enclose no area, and for edges that meet.
     pub fn new(vertices: &[[f64; 2]]) -> Result<Self, OutlineError> {
-        if vertices.len() > Self::MOST_VERTICES {
-            return Err(OutlineError::TooManyVertices { count: vertices.len(), most: Self::MOST_VERTICES });
+        if vertices.len() > Self::MAX_VERTICES {
+            return Err(OutlineError::TooManyVertices { count: vertices.len(), most: Self::MAX_VERTICES });
         }
         if let Some(corner) = vertices.iter().position(|at| !at.iter().all(|c| c.is_finite())) {
             return Err(OutlineError::NotFinite { corner: corner + 1, at: vertices[corner] });
@@ -115,14 +115,14 @@ impl Polygon {
             let corners = pair.map(|edge| corners[edge]);
             let (numbers, at) = (corners.map(|corner| corner + 1), corners.map(|corner| vertices[corner]));
             // Where all lie on one line every edge meets its neighbour.
-            return Err(if doubled_area(&normal).abs() < LEAST_AREA * length {
+            return Err(if doubled_area(&normal).abs() < MIN_AREA * length {
                 OutlineError::NoArea
             } else {
                 OutlineError::MeetsItself { corners: numbers, at }
             });
         }
         let doubled = doubled_area(&normal);
-        if doubled.abs() < LEAST_AREA * length {
+        if doubled.abs() < MIN_AREA * length {
             return Err(OutlineError::NoArea);
         }
         if doubled < 0.0 {
@@ -216,7 +216,7 @@ impl Polygon {
 /// Bits of the grid below the larger extent.
 const GRID_BITS: i32 = 44;
 /// Twice the least area over that of the bounding box.
-const LEAST_AREA: f64 = 1e-9;
+const MIN_AREA: f64 = 1e-9;
 
 /// Vertices moved and scaled to a bounding box about the origin that is 1 wide, on the grid, and its extent along y; `None`
 /// where they have no extent.

@@ -6,9 +6,9 @@ use crate::{Pattern, PatternError};
 /// it, which instruments and means of many periods blend with it, are no lower than the land beyond them.
 const WALL_DEPTH: f64 = 0.1;
 /// Largest departure of the sides of a map from those of the pattern's cell, over them.
-const MOST_MISFIT: f64 = 0.02;
+const MAX_MISFIT: f64 = 0.02;
 /// Least share of the cavity of a map that lies in the pattern's, and of the pattern's that lies in the map's.
-const LEAST_OVERLAP: f64 = 0.5;
+const MIN_OVERLAP: f64 = 0.5;
 
 /// Share of a map in which it may differ from the pattern's cavity before width and spacing are taken for exchanged.
 const EXCHANGED_MISFIT: f64 = 0.1;
@@ -27,7 +27,7 @@ struct Overlap {
 impl Overlap {
     /// They hold each other's greater part.
     fn is_one_cavity(self) -> bool {
-        self.both >= LEAST_OVERLAP * self.own && self.both >= LEAST_OVERLAP * self.asked
+        self.both >= MIN_OVERLAP * self.own && self.both >= MIN_OVERLAP * self.asked
     }
 
     /// What one of the two is, and the other not.
@@ -166,7 +166,7 @@ impl ReliefMap {
         if pattern.is_uniform_along_y() {
             cell_m[1] = self.sides_m[1];
         }
-        if (0..2).any(|axis| (self.sides_m[axis] / cell_m[axis] - 1.0).abs() > MOST_MISFIT) {
+        if (0..2).any(|axis| (self.sides_m[axis] / cell_m[axis] - 1.0).abs() > MAX_MISFIT) {
             return Err(PatternError::ReliefMisfit { relief_m: self.sides_m, cell_m });
         }
         let [nx, ny] = self.pixels;

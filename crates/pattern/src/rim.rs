@@ -16,7 +16,7 @@ use crate::error::length;
 use crate::{Pattern, PatternError, Planform};
 
 /// Highest rim that is accepted, in metres.
-const MOST_HEIGHT_M: f64 = 1e-3;
+const MAX_HEIGHT_M: f64 = 1e-3;
 /// Nodes and weights on [0, 1] of Gauss and Legendre's rule of 8 points, the first half; the others mirror them.
 const GAUSS: [[f64; 2]; 4] = [
     [0.019_855_071_751_231_9, 0.050_614_268_145_188_1],
@@ -124,7 +124,7 @@ impl FromStr for RimProfile {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rim {
     /// Depth of a cavity and height of its rim, ascending in depth; the first `known` count.
-    heights_m: [[f64; 2]; Self::MOST_HEIGHTS],
+    heights_m: [[f64; 2]; Self::MAX_HEIGHTS],
     known: usize,
     width_m: f64,
     profile: RimProfile,
@@ -133,7 +133,7 @@ pub struct Rim {
 
 impl Rim {
     /// Most depths for which heights may be given.
-    pub const MOST_HEIGHTS: usize = 8;
+    pub const MAX_HEIGHTS: usize = 8;
 
     /// A rim `height_m` above the land at the edge of the cavity and `width_m` wide, whatever the cavity's depth.
     ///
@@ -151,13 +151,13 @@ impl Rim {
     pub fn following_depth(heights_m: &[[f64; 2]], width_m: f64, profile: RimProfile) -> Result<Self, PatternError> {
         let ascends = heights_m.windows(2).all(|pair| pair[0][0] < pair[1][0]);
         let is_depth = heights_m.iter().all(|[depth_m, _]| depth_m.is_finite() && *depth_m >= 0.0);
-        if heights_m.is_empty() || heights_m.len() > Self::MOST_HEIGHTS || !ascends || !is_depth {
-            return Err(PatternError::RimHeights { count: heights_m.len(), most: Self::MOST_HEIGHTS });
+        if heights_m.is_empty() || heights_m.len() > Self::MAX_HEIGHTS || !ascends || !is_depth {
+            return Err(PatternError::RimHeights { count: heights_m.len(), most: Self::MAX_HEIGHTS });
         }
         for [_, height_m] in heights_m {
             height("rim height", *height_m)?;
         }
-        let mut known = [[0.0; 2]; Self::MOST_HEIGHTS];
+        let mut known = [[0.0; 2]; Self::MAX_HEIGHTS];
         known[..heights_m.len()].copy_from_slice(heights_m);
         let width_m = length("rim width", width_m)?;
         Ok(Self { heights_m: known, known: heights_m.len(), width_m, profile, height_std_m: 0.0 })
@@ -176,7 +176,7 @@ impl Rim {
     #[must_use]
     pub fn raised(mut self, by_m: f64) -> Self {
         for [_, height_m] in &mut self.heights_m[..self.known] {
-            *height_m = (*height_m + by_m).clamp(0.0, MOST_HEIGHT_M);
+            *height_m = (*height_m + by_m).clamp(0.0, MAX_HEIGHT_M);
         }
         self
     }
@@ -185,7 +185,7 @@ impl Rim {
     #[must_use]
     pub fn times(mut self, factor: f64) -> Self {
         for [_, height_m] in &mut self.heights_m[..self.known] {
-            *height_m = (*height_m * factor).clamp(0.0, MOST_HEIGHT_M);
+            *height_m = (*height_m * factor).clamp(0.0, MAX_HEIGHT_M);
         }
         self
     }
@@ -328,7 +328,7 @@ impl Pattern {
 }
 
 fn height(quantity: &'static str, value_m: f64) -> Result<f64, PatternError> {
-    if (0.0..=MOST_HEIGHT_M).contains(&value_m) {
+    if (0.0..=MAX_HEIGHT_M).contains(&value_m) {
         // A negative zero would print as one.
         Ok(value_m + 0.0)
     } else {

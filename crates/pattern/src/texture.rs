@@ -22,11 +22,11 @@ pub struct Texture {
 }
 
 /// Nearer to parallel, two families of grooves have a cell of more than eleven pitches.
-const LEAST_CROSSING_ANGLE_DEG: f64 = 10.0;
+const MIN_CROSSING_ANGLE_DEG: f64 = 10.0;
 const RIGHT_ANGLE_DEG: f64 = 90.0;
 /// Grooves at 90 degrees and at -90 are the same.
-const MOST_GROOVE_ANGLE_DEG: f64 = 90.0;
-const MOST_SLIDING_ANGLE_DEG: f64 = 180.0;
+const MAX_GROOVE_ANGLE_DEG: f64 = 90.0;
+const MAX_SLIDING_ANGLE_DEG: f64 = 180.0;
 
 /// Component of a sliding direction below which it lies along the other axis.
 const ALIGNED: f64 = 1e-9;
@@ -83,7 +83,7 @@ impl Texture {
         if self.planform != Planform::Crosshatch {
             return self.no("a crossing angle", "planform \"crosshatch\", or no crossing angle");
         }
-        let (least_deg, most_deg) = (LEAST_CROSSING_ANGLE_DEG, RIGHT_ANGLE_DEG);
+        let (least_deg, most_deg) = (MIN_CROSSING_ANGLE_DEG, RIGHT_ANGLE_DEG);
         if !(least_deg..=most_deg).contains(&angle_deg) {
             return Err(PatternError::CrossingAngle { value_deg: angle_deg, least_deg, most_deg });
         }
@@ -138,7 +138,7 @@ impl Texture {
         if !self.planform.is_grooves() {
             return self.no("a groove angle", "planform \"groove\" or \"crosshatch\", or a sliding angle instead");
         }
-        self.groove_angle_deg = angle("groove angle", angle_deg, MOST_GROOVE_ANGLE_DEG)?;
+        self.groove_angle_deg = angle("groove angle", angle_deg, MAX_GROOVE_ANGLE_DEG)?;
         Ok(self)
     }
 
@@ -147,7 +147,7 @@ impl Texture {
     /// # Errors
     /// [`PatternError::AngleOutOfRange`] beyond 180 degrees either way.
     pub fn with_sliding_angle_deg(mut self, angle_deg: f64) -> Result<Self, PatternError> {
-        self.sliding_angle_deg = angle("sliding angle", angle_deg, MOST_SLIDING_ANGLE_DEG)?;
+        self.sliding_angle_deg = angle("sliding angle", angle_deg, MAX_SLIDING_ANGLE_DEG)?;
         Ok(self)
     }
 
@@ -224,7 +224,7 @@ impl Texture {
     /// Grooves alone whose widths lie at `angle_deg` from X, from -90 to 180, sliding as this texture does.
     pub(crate) fn family(&self, angle_deg: f64) -> Self {
         // Turned by half a turn grooves are the same.
-        let groove_angle_deg = if angle_deg > MOST_GROOVE_ANGLE_DEG { angle_deg - 180.0 } else { angle_deg };
+        let groove_angle_deg = if angle_deg > MAX_GROOVE_ANGLE_DEG { angle_deg - 180.0 } else { angle_deg };
         Self { groove_angle_deg, sliding_angle_deg: self.sliding_angle_deg, ..Self::new(Planform::Groove) }
     }
 

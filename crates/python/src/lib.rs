@@ -56,7 +56,7 @@ mod _slipgrid {
 
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
-        module.add("MAX_MAP_POINTS", slipgrid::topography::MOST_POINTS)?;
+        module.add("MAX_MAP_POINTS", slipgrid::topography::MAX_POINTS)?;
         module.add("__version__", slipgrid::results::VERSION)
     }
 }

@@ -14,7 +14,7 @@ use slipgrid::monitor::Cancelled;
 use slipgrid::report::area_law::{AreaLawOptions, AreaLawReport};
 use slipgrid::report::surface::SurfaceReport;
 use slipgrid::topography::{
-    CORRELATION_THRESHOLD, Form, HeightMap, MOST_POINTS, MapError, MapFormat, MaterialRatioCurve, Missing, Preparation,
+    CORRELATION_THRESHOLD, Form, HeightMap, MAX_POINTS, MapError, MapFormat, MaterialRatioCurve, Missing, Preparation,
     PreparedMap, ReadMap, ReadOptions, Sides, SpectrumWindow,
 };
 use slipgrid::units::{MODULUS_GPA, PIXEL_UM, POISSON, PRESSURE_MPA, TOLERANCE};
@@ -97,7 +97,7 @@ impl NoMap {
         let of_heights = |reason: String| Diagnostic { key: Some("heights_m".into()), reason, ..Diagnostic::default() };
         match self {
             Self::TooLarge(points) => {
-                let expected = format!("at most {MOST_POINTS}, and room for them");
+                let expected = format!("at most {MAX_POINTS}, and room for them");
                 refused::too_large(py, &of_heights(format!("has {points} points")).expected(expected))
             }
             Self::Refused(error) => refused::input(py, &of_heights(error.to_string())),
@@ -111,7 +111,7 @@ fn height_map(lines_m: &PyReadonlyArray2<'_, f64>, [dx_m, dy_m]: [f64; 2]) -> Re
     let (count, length) = lines.dim();
     let points = count.saturating_mul(length);
     let mut heights: Vec<f64> = Vec::new();
-    if points > MOST_POINTS || heights.try_reserve_exact(points).is_err() {
+    if points > MAX_POINTS || heights.try_reserve_exact(points).is_err() {
         return Err(NoMap::TooLarge(points));
     }
     heights.resize(points, 0.0);

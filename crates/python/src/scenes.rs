@@ -201,7 +201,7 @@ impl Solved {
 const ROWS_BETWEEN_SIGNALS: usize = 4096;
 
 /// Most patterns of one call: with their ratios, a few gigabytes.
-const MOST_ROWS: usize = 10_000_000;
+const MAX_ROWS: usize = 10_000_000;
 
 /// A steady cell: equilibrium of one period with every contact block sliding.
 #[pyclass(frozen, module = "slipgrid")]
@@ -241,10 +241,10 @@ impl SteadyCell {
     fn ratios_of<'py>(&self, py: Python<'py>, patterns_um: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyArray2<f64>>> {
         let rows = numbers(patterns_um)?;
         let mut patterns: Vec<Pattern> = Vec::new();
-        if rows.shape()[0] > MOST_ROWS || patterns.try_reserve_exact(rows.shape()[0]).is_err() {
+        if rows.shape()[0] > MAX_ROWS || patterns.try_reserve_exact(rows.shape()[0]).is_err() {
             let reason = format!("has {} rows", rows.shape()[0]);
             let refused = Diagnostic { key: Some("patterns_um".into()), reason, ..Diagnostic::default() };
-            return Err(refused::too_large(py, &refused.expected(format!("at most {MOST_ROWS}, and room for them"))));
+            return Err(refused::too_large(py, &refused.expected(format!("at most {MAX_ROWS}, and room for them"))));
         }
         for (row, own) in rows.as_array().rows().into_iter().enumerate() {
             if row % ROWS_BETWEEN_SIGNALS == 0 {

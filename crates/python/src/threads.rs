@@ -10,7 +10,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use pyo3::exceptions::{PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
 use rayon::{ThreadPool, ThreadPoolBuilder};
-use slipgrid_disk::MOST_THREADS;
+use slipgrid_disk::MAX_THREADS;
 
 use crate::given::{counted, shown};
 
@@ -93,8 +93,8 @@ pub fn pool(_busy: &Busy) -> PyResult<Arc<ThreadPool>> {
 #[pyo3(signature = (count=None))]
 pub fn set_threads(py: Python<'_>, count: Option<&Bound<'_, PyAny>>) -> PyResult<()> {
     let accepted = |given: &Bound<'_, PyAny>| {
-        let count = counted("count", given)?.filter(|count| (1..=MOST_THREADS).contains(count));
-        let expected = format!("expected 1 to {MOST_THREADS}, or None for all cores");
+        let count = counted("count", given)?.filter(|count| (1..=MAX_THREADS).contains(count));
+        let expected = format!("expected 1 to {MAX_THREADS}, or None for all cores");
         count.ok_or_else(|| PyValueError::new_err(format!("count is {}: {expected}", shown(given))))
     };
     let count = count.map(accepted).transpose()?;

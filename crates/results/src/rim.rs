@@ -55,7 +55,7 @@ impl RimReport {
                 ("rim_heights_um", Rim::following_depth(&pairs, width_m, profile))
             }
             (Some(_), Some(pairs)) => {
-                ("rim_heights_um", Err(PatternError::RimHeights { count: pairs.len() + 1, most: Rim::MOST_HEIGHTS }))
+                ("rim_heights_um", Err(PatternError::RimHeights { count: pairs.len() + 1, most: Rim::MAX_HEIGHTS }))
             }
         };
         let keyed = |error: PatternError| match error {

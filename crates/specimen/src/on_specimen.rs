@@ -21,7 +21,7 @@ const ROWS_OVER_GROOVES: f64 = 1.7;
 /// Share of that error that a strip through the middle leaves open for the other rows, in the root mean square of the same textures.
 const OTHER_ROWS: f64 = 0.3;
 /// Shortest strip that is solved, in blocks: less has no inside, and next to no share of the face.
-const LEAST_STRIP_BLOCKS: f64 = 2.0;
+const MIN_STRIP_BLOCKS: f64 = 2.0;
 
 /// Why a pattern on a specimen was not solved.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -127,7 +127,7 @@ fn face_by(bands: usize, layout: &Layout, block_m: f64) -> Result<Face, SceneErr
 fn face_of(layout: &Layout, strips: Vec<LaidStrip>, block_m: f64) -> Result<Face, SceneError> {
     let is_groove = layout.pattern().texture().is_one_section();
     let share = if is_groove { layout.areal_density() } else { share_of(&strips) };
-    let kept = strips.into_iter().filter(|strip| strip.length_m >= LEAST_STRIP_BLOCKS * block_m);
+    let kept = strips.into_iter().filter(|strip| strip.length_m >= MIN_STRIP_BLOCKS * block_m);
     let strip = |LaidStrip { band, width_m, length_m, cavities_m }| Strip { band, width_m, length_m, cavities_m };
     Face::new(kept.map(strip).collect(), share)
 }

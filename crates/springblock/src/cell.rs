@@ -12,7 +12,7 @@ use crate::dimension::Dimension;
 use crate::lattice::Lattice;
 use crate::outcome::{Status, SurfaceOutcome};
 use crate::rims::Rims;
-use crate::scene::{Layer, Load, MOST_DRAWS, Scene};
+use crate::scene::{Layer, Load, MAX_DRAWS, Scene};
 use crate::space::{SpaceLattice, SpaceLoad, SpaceSteadyModel, TOLERANCE};
 use crate::steady::{
     CondensedModel, FaceHistory, RaisedModel, SteadyLoad, SteadyModel, ThickModel, band_products, condensing,
@@ -26,8 +26,8 @@ const WHOLE: f64 = 1e-9;
 /// condensed matrices, and the share of a cavity's unknowns in the directions kept.
 const BYTES_PER_BLOCK: f64 = 1200.0;
 /// Most memory of a cell in space, and of one in the plane, whose equations may be those of all blocks, in bytes.
-const MOST_SPACE_BYTES: f64 = (1_u64 << 30) as f64;
-const MOST_PLANE_BYTES: f64 = 4.0 * MOST_SPACE_BYTES;
+const MAX_SPACE_BYTES: f64 = (1_u64 << 30) as f64;
+const MAX_PLANE_BYTES: f64 = 4.0 * MAX_SPACE_BYTES;
 
 /// Steady sliding of one periodic cell with mean coefficients, for any pattern, in the vertical plane along the sliding
 /// direction or in space.
@@ -130,8 +130,8 @@ impl SteadyCell {
         let [nx, ny] = self.columns(pattern);
         // A groove is as long as its period.
         let columns = nx * if pattern.is_uniform_along_y() { nx } else { ny };
-        // Between 1 and MOST_DRAWS: the cast is exact.
-        (contacts / (columns * (1.0 - pattern.areal_density()))).ceil().clamp(1.0, MOST_DRAWS as f64) as u64
+        // Between 1 and MAX_DRAWS: the cast is exact.
+        (contacts / (columns * (1.0 - pattern.areal_density()))).ceil().clamp(1.0, MAX_DRAWS as f64) as u64
     }
 
     /// Columns of the cell of `pattern` along x and y: whole numbers, one along grooves and in the plane.
@@ -159,7 +159,7 @@ impl SteadyCell {
     /// Memory, in bytes, that a cell solved beside several others should not take more than.
     #[must_use]
     pub const fn most_bytes(&self) -> f64 {
-        if self.is_spatial() { MOST_SPACE_BYTES } else { MOST_PLANE_BYTES }
+        if self.is_spatial() { MAX_SPACE_BYTES } else { MAX_PLANE_BYTES }
     }
 
     /// Multiplications that [`Self::solve`] takes in the plane, roughly and at most.

@@ -106,9 +106,9 @@ pub fn flat(count: usize) -> Vec<Column> {
 
 /// Cells of fewer columns that are no whole blocks are repeated: stretching takes at most 1/2 column, and a
 /// quarter in each direction still leaves every spring pulling.
-const LEAST_STRETCHED_COLUMNS: f64 = 8.0;
+const MIN_STRETCHED_COLUMNS: f64 = 8.0;
 /// A smaller share of a column is none: nothing would hold it.
-const LEAST_COVERAGE: f64 = 1e-6;
+const MIN_COVERAGE: f64 = 1e-6;
 
 /// Periods, columns and their width of a cell `blocks` lattice spacings long.
 pub fn divide(blocks: f64) -> (usize, usize, f64) {
@@ -116,16 +116,16 @@ pub fn divide(blocks: f64) -> (usize, usize, f64) {
     if is_whole {
         return (1, blocks.round() as usize, 1.0);
     }
-    let periods = (LEAST_STRETCHED_COLUMNS / blocks).ceil().max(1.0);
+    let periods = (MIN_STRETCHED_COLUMNS / blocks).ceil().max(1.0);
     let columns = (periods * blocks).round();
     (periods as usize, columns as usize, periods * blocks / columns)
 }
 
 /// A share of a column, 0 or 1 where it is so to rounding.
 pub fn settled(share: f64) -> f64 {
-    if share > 1.0 - LEAST_COVERAGE {
+    if share > 1.0 - MIN_COVERAGE {
         1.0
-    } else if share < LEAST_COVERAGE {
+    } else if share < MIN_COVERAGE {
         0.0
     } else {
         share

@@ -31,14 +31,14 @@ pub struct Lattice {
 const CEILING_COMPLIANCE: f64 = 3.0;
 
 /// Springs of a smaller share are left out: what they would do to the ratio is as small.
-const LEAST_SHARE: f64 = 1e-4;
+const MIN_SHARE: f64 = 1e-4;
 
 /// Stiffness of the springs of a block of which the share `presence` is there: 0 and 1 at the ends, so
 /// that whole rows are plain, and c y / (1 + c - y) between them, because a strip of stiffness s moves
 /// its surroundings of compliance 1/c by s / (s + c), which is to be linear in y.
 pub fn stiffness_share(presence: f64) -> f64 {
     let share = CEILING_COMPLIANCE * presence / (1.0 + CEILING_COMPLIANCE - presence);
-    if share < LEAST_SHARE { 0.0 } else { share }
+    if share < MIN_SHARE { 0.0 } else { share }
 }
 
 /// Share that is there of what joins two blocks of which cavities take the rectangles `covered` x `deep`: all but

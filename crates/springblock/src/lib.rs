@@ -76,7 +76,7 @@ mod steady;
 pub use cell::{CellOutcome, SteadyCell};
 pub use dimension::Dimension;
 pub use dynamics::{
-    MOST_EXTENSION_FOR_STDERR, MOST_STEPS, WAVE_DEFICIT, even_speed_m_s, max_run_speed_m_s, run_speed_m_s,
+    MAX_EXTENSION_FOR_STDERR, MAX_STEPS, WAVE_DEFICIT, even_speed_m_s, max_run_speed_m_s, run_speed_m_s,
     shear_modulus_pa, shear_period_s, warm_travel_m,
 };
 pub use error::SceneError;
@@ -84,7 +84,7 @@ pub use face::{Face, Strip};
 pub use outcome::{
     DynamicCost, InterfacePoint, LoadOutcome, Simulation, Statements, Status, SurfaceOutcome, TracePoint,
 };
-pub use scene::{Extent, Fidelity, Layer, Load, MOST_BLOCKS, MOST_DRAWS, MOST_ROWS, RunOptions, Scene, Springs};
+pub use scene::{Extent, Fidelity, Layer, Load, MAX_BLOCKS, MAX_DRAWS, MAX_ROWS, RunOptions, Scene, Springs};
 pub use simulate::{
     BlockRefinement, Expense, SteadySpecimen, TILT_MEAN, TILT_STD, add_tilt, block_refinement, bounded, can_refine,
     cell_expense, expense, planned_steps, simulate, simulate_specimen, simulate_strip, steady_face_bytes,

@@ -19,7 +19,7 @@ pub enum Status {
     NoLoad,
     /// The area law leaves no friction on any contact block: mu is 0, a ratio to it 0/0.
     NoFriction,
-    /// A dynamic run was not begun: it would take more steps than [`crate::MOST_STEPS`].
+    /// A dynamic run was not begun: it would take more steps than [`crate::MAX_STEPS`].
     TooManySteps,
     /// Dynamic mu had not become stationary when the run ended, or was averaged over too few periods of the layer's first
     /// shear mode to be a mean.

@@ -296,14 +296,14 @@ fn whole(ratio: f64) -> usize {
 }
 
 /// Most blocks of a layer: memory for a whole lattice stays within 24 GiB.
-pub const MOST_BLOCKS: f64 = 4e7;
+pub const MAX_BLOCKS: f64 = 4e7;
 /// Most rows of blocks over the thickness of a specimen: rounding of what shears them all grows with their square.
-pub const MOST_ROWS: f64 = 1e5;
+pub const MAX_ROWS: f64 = 1e5;
 /// Most surfaces of one scene: its standard error falls with the root of their number.
-pub const MOST_DRAWS: u64 = 64;
+pub const MAX_DRAWS: u64 = 64;
 /// Shortest pitch over the block: springs between columns nearer than l/sqrt(3) would push where they should
 /// pull.
-const LEAST_PITCH: f64 = 1.2;
+const MIN_PITCH: f64 = 1.2;
 /// Ratio that counts as a whole number of blocks.
 const WHOLE_BLOCKS_TOLERANCE: f64 = 1e-6;
 
@@ -367,7 +367,7 @@ impl Scene {
         }
         if let Some(thickness_m) = self.layer.thickness_m {
             positive("thickness_m", thickness_m)?;
-            if thickness_m < self.layer.height_m || thickness_m > MOST_ROWS * self.layer.block_m {
+            if thickness_m < self.layer.height_m || thickness_m > MAX_ROWS * self.layer.block_m {
                 return Err(SceneError::OutOfRange {
                     quantity: "thickness_m",
                     value: thickness_m,
@@ -376,8 +376,8 @@ impl Scene {
             }
         }
         let blocks = self.layer.blocks();
-        if blocks > MOST_BLOCKS {
-            return Err(SceneError::TooManyBlocks { blocks, most: MOST_BLOCKS });
+        if blocks > MAX_BLOCKS {
+            return Err(SceneError::TooManyBlocks { blocks, most: MAX_BLOCKS });
         }
         if self.loads.is_empty() {
             return Err(SceneError::NoLoads);
@@ -394,7 +394,7 @@ impl Scene {
         if let Some(mu_stderr) = self.run.mu_stderr {
             positive("mu_stderr", mu_stderr)?;
         }
-        if !(1..=MOST_DRAWS).contains(&self.run.draws) {
+        if !(1..=MAX_DRAWS).contains(&self.run.draws) {
             let value = self.run.draws as f64;
             return Err(SceneError::OutOfRange { quantity: "draws", value, expected: "a whole number from 1 to 64" });
         }
@@ -422,14 +422,14 @@ impl Scene {
                     height_m: self.layer.height_m,
                 });
             }
-            if pattern.pitch_m() < LEAST_PITCH * self.layer.block_m {
+            if pattern.pitch_m() < MIN_PITCH * self.layer.block_m {
                 return Err(SceneError::OutOfRange {
                     quantity: "pitch_m",
                     value: pattern.pitch_m(),
                     expected: "a pitch of at least 1.2 blocks: smaller blocks resolve it",
                 });
             }
-            let most_m = MOST_BLOCKS / (self.layer.height_m / self.layer.block_m) * self.layer.block_m;
+            let most_m = MAX_BLOCKS / (self.layer.height_m / self.layer.block_m) * self.layer.block_m;
             if pattern.pitch_m() > most_m {
                 return Err(SceneError::OutOfRange {
                     quantity: "pitch_m",

@@ -53,7 +53,7 @@ pub use pressure_tilt::{MEAN as TILT_MEAN, STD as TILT_STD, add_tilt, tilt_chang
 const FLAT_CELL_COLUMNS: usize = 100;
 
 /// Most memory that the equations of one lattice may take, in bytes: two may stand side by side.
-const MOST_FACTOR_BYTES: f64 = 8.0 * (1_u64 << 30) as f64;
+const MAX_FACTOR_BYTES: f64 = 8.0 * (1_u64 << 30) as f64;
 
 /// Columns that stand for a uniform periodic layer.
 const UNIFORM_COLUMNS: usize = 3;
@@ -138,7 +138,7 @@ pub fn steady_ratios(scene: &Scene, monitor: &dyn Monitor) -> Result<Vec<Option<
     rim_difference::add_yielding(scene, pattern, &mut loads, &mut Statements::default());
     let own: Vec<Option<f64>> = loads.iter().map(|load| load.ratio).collect();
     let refined =
-        if scene.run.refine { blocks::finer(scene, pattern, &own, blocks::MOST_PRODUCTS, monitor).ok() } else { None };
+        if scene.run.refine { blocks::finer(scene, pattern, &own, blocks::MAX_PRODUCTS, monitor).ok() } else { None };
     let shifts = refined.map_or_else(|| vec![0.0; loads.len()], |refined| refined.shifts);
     let converged = |load: LoadOutcome| load.ratio.filter(|_| load.surface.status == Status::Converged);
     Ok(loads.into_iter().zip(shifts).map(|(load, shift)| Some(converged(load)? + shift)).collect())
@@ -174,7 +174,7 @@ fn over_layer(scene: &Scene, strip: Option<&Strip>, monitor: &dyn Monitor) -> Re
 }
 
 /// Time steps that one dynamic run of `scene` is planned to take at the scheme's own step: what it costs is known before
-/// it begins, unless it must go on until its mean is stationary. More than [`crate::MOST_STEPS`] are not begun.
+/// it begins, unless it must go on until its mean is stationary. More than [`crate::MAX_STEPS`] are not begun.
 #[must_use]
 pub fn planned_steps(scene: &Scene) -> u64 {
     Plan::new(scene, scene.run.step_s.unwrap_or(Scheme::own_step_s(scene))).total()
@@ -206,7 +206,7 @@ fn lattice(scene: &Scene, columns: Vec<Column>) -> Lattice {
 /// Refuses equations of steady sliding that do not fit in memory.
 fn affordable(scene: &Scene, columns: usize, periodic: bool) -> Result<(), SceneError> {
     let bytes = factor_bytes(columns, scene.layer.rows(), periodic);
-    let most_bytes = MOST_FACTOR_BYTES;
+    let most_bytes = MAX_FACTOR_BYTES;
     if bytes > most_bytes { Err(SceneError::TooLarge { bytes, most_bytes }) } else { Ok(()) }
 }
 
@@ -264,7 +264,7 @@ fn steady(scene: &Scene, monitor: &dyn Monitor) -> Result<Simulation, SceneError
             lattice(scene, own)
         }
         Some(pattern) => {
-            let (bytes, most_bytes) = (condensing_cell(pattern, scene.layer.block_m).1, MOST_FACTOR_BYTES);
+            let (bytes, most_bytes) = (condensing_cell(pattern, scene.layer.block_m).1, MAX_FACTOR_BYTES);
             if bytes > most_bytes {
                 return Err(SceneError::TooLarge { bytes, most_bytes });
             }
@@ -394,7 +394,7 @@ fn differences(exact: &[Option<f64>], whole: &[Option<f64>]) -> Vec<f64> {
 
 /// How far ratios `own` of steady cells in the plane are from those of vanishing blocks ([`blocks::block_error`]).
 fn discretization_error(scene: &Scene, pattern: &Pattern, own: &[Option<f64>]) -> Option<Vec<f64>> {
-    blocks::block_error(scene, own, |scene| blocks::plane_ratios(scene, pattern, blocks::MOST_PRODUCTS))
+    blocks::block_error(scene, own, |scene| blocks::plane_ratios(scene, pattern, blocks::MAX_PRODUCTS))
 }
 
 fn compare(load: &Load, surface: SurfaceOutcome, flat: Option<SurfaceOutcome>) -> LoadOutcome {

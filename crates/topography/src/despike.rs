@@ -11,23 +11,23 @@ use std::fmt;
 use slipgrid_monitor::{Cancelled, Monitor};
 
 use crate::HeightMap;
-use crate::plausibility::limits::{LEAST_SPIKE_NEIGHBOURS, MOST_SPIKE_POINTS, SPIKE_DEVIATIONS, SPIKE_REACH};
+use crate::plausibility::limits::{MAX_SPIKE_POINTS, MIN_SPIKE_NEIGHBOURS, SPIKE_DEVIATIONS, SPIKE_REACH};
 use slipgrid_statistics::upper_median;
 
 use crate::plausibility::ROBUST_DEVIATION;
 
 /// Most points whose distance from the median about them is found for T, evenly over the map: they tell it to 1 %.
-const MOST_SAMPLED: usize = 1 << 14;
+const MAX_SAMPLED: usize = 1 << 14;
 /// Fewest differences that have a scale.
-const LEAST_SAMPLED: usize = 64;
+const MIN_SAMPLED: usize = 64;
 /// Differences below this share of the range of heights are rounding.
 const ROUNDING: f64 = 1e-9;
 /// Share of differences that must not vanish for a median of their own, where most do.
-const LEAST_UNEQUAL_SHARE: f64 = 0.01;
+const MIN_UNEQUAL_SHARE: f64 = 0.01;
 /// Points between two questions whether to go on.
 const ASKED_EVERY: usize = 1 << 12;
 /// Times that a map is gone through: a spike may hide behind a larger one.
-const MOST_PASSES: usize = 4;
+const MAX_PASSES: usize = 4;
 /// Spikes that are described one by one.
 const DESCRIBED: usize = 3;
 
@@ -97,7 +97,7 @@ impl HeightMap {
     /// [`Cancelled`] once `monitor` cancels.
     pub fn despike(&mut self, monitor: &dyn Monitor) -> Result<Spikes, Cancelled> {
         let mut found = Spikes::default();
-        for _ in 0..MOST_PASSES {
+        for _ in 0..MAX_PASSES {
             let Some(threshold_m) = self.spike_threshold_m(monitor)? else { break };
             let clusters = self.spike_clusters(threshold_m, monitor)?;
             if clusters.is_empty() {
@@ -156,7 +156,7 @@ impl HeightMap {
     fn spike_threshold_m(&self, monitor: &dyn Monitor) -> Result<Option<f64>, Cancelled> {
         let heights = self.heights_m();
         let mut differences = Vec::new();
-        for (n, node) in self.sampled(MOST_SAMPLED).enumerate() {
+        for (n, node) in self.sampled(MAX_SAMPLED).enumerate() {
             if n % ASKED_EVERY == 0 {
                 monitor.heed()?;
             }
@@ -186,7 +186,7 @@ impl HeightMap {
             }
         }
         // The point itself is present.
-        present > LEAST_SPIKE_NEIGHBOURS && 2 * below.max(above) > present - 1
+        present > MIN_SPIKE_NEIGHBOURS && 2 * below.max(above) > present - 1
     }
 
     /// The spikes of the map as it is.
@@ -228,7 +228,7 @@ impl HeightMap {
 
     /// The cluster `nodes` if it is a spike.
     fn spike(&self, nodes: Vec<usize>, threshold_m: f64) -> Option<Cluster> {
-        if nodes.len() > MOST_SPIKE_POINTS {
+        if nodes.len() > MAX_SPIKE_POINTS {
             return None;
         }
         let heights = self.heights_m();
@@ -254,7 +254,7 @@ impl HeightMap {
 
 /// T of the `differences` of heights from the medians about them, of which those up to `rounding_m` are rounding.
 fn threshold_m(differences: &mut [f64], rounding_m: f64) -> Option<f64> {
-    if differences.len() < LEAST_SAMPLED {
+    if differences.len() < MIN_SAMPLED {
         return None;
     }
     let middle_m = upper_median(differences)?;
@@ -262,7 +262,7 @@ fn threshold_m(differences: &mut [f64], rounding_m: f64) -> Option<f64> {
     let mut unequal: Vec<f64> = differences.iter().copied().filter(|difference| *difference > rounding_m).collect();
     let deviation_m = if middle_m > rounding_m {
         middle_m
-    } else if unequal.len() as f64 > LEAST_UNEQUAL_SHARE * differences.len() as f64 {
+    } else if unequal.len() as f64 > MIN_UNEQUAL_SHARE * differences.len() as f64 {
         upper_median(&mut unequal)?
     } else {
         rounding_m

@@ -65,7 +65,7 @@ pub use error::{MapError, MapOption, NotGiven, ReadError};
 pub use fill::Filling;
 pub use form::Form;
 pub use level::Plane;
-pub use map::{HeightMap, MOST_POINTS};
+pub use map::{HeightMap, MAX_POINTS};
 pub use parameters::{
     CORRELATION_THRESHOLD, CoreParameters, CorrelationLengths, HeightParameters, LIMITED_BY_PIXELS, MaterialRatioCurve,
     ShortWaves, Sides, SpectrumBin, SpectrumWindow,

@@ -3,12 +3,12 @@ use std::fmt;
 use crate::MapError;
 
 /// Most points of a map: 8192 x 8192, for which the contact solver takes 5.5 GB at one pressure, and 3.2 GB more for each beside it.
-pub const MOST_POINTS: usize = 1 << 26;
+pub const MAX_POINTS: usize = 1 << 26;
 /// Range of a pixel's sides, in metres: wide enough for any surface, narrow enough that squares of
 /// slopes stay finite.
 const PIXEL_RANGE_M: std::ops::RangeInclusive<f64> = 1e-13..=1e3;
 /// Largest height, in metres.
-const MOST_HEIGHT_M: f64 = 1e3;
+const MAX_HEIGHT_M: f64 = 1e3;
 
 /// Altitudes on a regular grid: `rows` along x, `cols` along y, row by row, NaN where missing.
 ///
@@ -42,8 +42,8 @@ pub(crate) fn check_grid(rows: usize, cols: usize) -> Result<(), MapError> {
         return Err(MapError::TooFewPoints { rows, cols });
     }
     let points = rows as f64 * cols as f64;
-    if points > MOST_POINTS as f64 {
-        return Err(MapError::TooManyPoints { points, most: MOST_POINTS });
+    if points > MAX_POINTS as f64 {
+        return Err(MapError::TooManyPoints { points, most: MAX_POINTS });
     }
     Ok(())
 }
@@ -62,7 +62,7 @@ impl HeightMap {
     /// between rows, `dy_m` the one between columns.
     ///
     /// # Errors
-    /// [`MapError`] unless there are 2 to [`MOST_POINTS`] points, as many as the grid has, at least one is
+    /// [`MapError`] unless there are 2 to [`MAX_POINTS`] points, as many as the grid has, at least one is
     /// present, heights lie within 1 km and pixel sides between 1e-13 and 1e3 m.
     pub fn new(rows: usize, cols: usize, dx_m: f64, dy_m: f64, height_m: Vec<f64>) -> Result<Self, MapError> {
         check_grid(rows, cols)?;
@@ -71,7 +71,7 @@ impl HeightMap {
         if height_m.len() != rows * cols {
             return Err(MapError::WrongLength { rows, cols, found: height_m.len() });
         }
-        if let Some(&value) = height_m.iter().find(|height| height.abs() > MOST_HEIGHT_M) {
+        if let Some(&value) = height_m.iter().find(|height| height.abs() > MAX_HEIGHT_M) {
             return Err(MapError::OutOfRange { quantity: "height", value, expected: "a height within 1e3 m, or NaN" });
         }
         if height_m.iter().all(|height| height.is_nan()) {

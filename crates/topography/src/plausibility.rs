@@ -18,14 +18,14 @@ pub mod limits {
     /// bad points lose the vote of the median.
     pub const SPIKE_REACH: usize = 2;
     /// Most points of one spike: the largest minority of 5 x 5. What is larger is a feature of the surface, or debris.
-    pub const MOST_SPIKE_POINTS: usize = 12;
+    pub const MAX_SPIKE_POINTS: usize = 12;
     /// Fewest points present about a point, without itself, for a judgement on it: those about a corner of the map.
-    pub const LEAST_SPIKE_NEIGHBOURS: usize = 8;
+    pub const MIN_SPIKE_NEIGHBOURS: usize = 8;
     /// Debris stands above the median height by more than this many standard deviations (1.4826 times the median
     /// absolute deviation): heights of a worn or machined surface go to 4 or 5, of a normal one of 67 million points to 5.7.
     pub const RAISED_DEVIATIONS: f64 = 12.0;
     /// Largest share of the map that is debris: more is what was measured (the land between wide cavities).
-    pub const MOST_RAISED_SHARE: f64 = 0.05;
+    pub const MAX_RAISED_SHARE: f64 = 0.05;
     /// A hole lies below the median height by more than this many standard deviations, as debris stands above it ...
     pub const LOWERED_DEVIATIONS: f64 = 12.0;
     /// ... on this share of the map: less are scratches and pits of the surface, more is what was measured.
@@ -40,7 +40,7 @@ pub mod limits {
     /// their share. Instruments advise to measure again from 5 to 10 %.
     pub const WARNED_MISSING_SHARE: f64 = 0.1;
     /// Share of missing points above which the surface is an invention.
-    pub const MOST_MISSING_SHARE: f64 = 0.9;
+    pub const MAX_MISSING_SHARE: f64 = 0.9;
     /// Rms slopes of surfaces that slide: polished metal has 1e-3 to 1e-2, ground or lasered 0.1 to 0.5. Below the first
     /// a wafer, or heights in too large a unit; above the second elastic contact of gentle slopes no longer holds.
     pub const WARNED_SLOPE: [f64; 2] = [1e-4, 1.0];
@@ -352,18 +352,18 @@ impl HeightMap {
         let above = self.heights_m().iter().map(|height| height - median_m).filter(|&above_m| above_m > least_m);
         let (points, highest_m) = above.fold((0, 0.0_f64), |(n, most), above_m| (n + 1, most.max(above_m)));
         let present = self.heights_m().len() - self.missing();
-        let few = points > 0 && points as f64 <= limits::MOST_RAISED_SHARE * present as f64;
+        let few = points > 0 && points as f64 <= limits::MAX_RAISED_SHARE * present as f64;
         few.then_some(MapWarning::Raised { points, highest_m, deviation_m })
     }
 }
 
 /// Points from which medians are taken; larger maps give one in several.
-const MOST_SAMPLED: usize = 1 << 18;
+const MAX_SAMPLED: usize = 1 << 18;
 
 impl HeightMap {
     /// The heights from which medians over the map are taken.
     fn sampled_heights_m(&self) -> Vec<f64> {
-        self.sampled(MOST_SAMPLED).map(|node| self.heights_m()[node]).filter(|height| !height.is_nan()).collect()
+        self.sampled(MAX_SAMPLED).map(|node| self.heights_m()[node]).filter(|height| !height.is_nan()).collect()
     }
 
     /// Nodes from which medians over the map are taken, `most` of them, evenly over it.

@@ -131,7 +131,7 @@ impl PreparedMap {
             map.require_complete()?;
         }
         let (missing, points) = (map.missing(), map.rows() * map.cols());
-        if missing as f64 > limits::MOST_MISSING_SHARE * points as f64 {
+        if missing as f64 > limits::MAX_MISSING_SHARE * points as f64 {
             return Err(PreparationError::MostlyMissing { missing, points });
         }
         let zeros = map.zeros_warning();

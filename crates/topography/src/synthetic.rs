@@ -31,7 +31,7 @@ pub struct SelfAffine {
 }
 
 /// The largest wave number that the key of a phase has room for.
-const MOST_WAVES: u32 = 32_767;
+const MAX_WAVES: u32 = 32_767;
 
 impl SelfAffine {
     /// The map that stands in for an unpublished measurement: 1 mm square, 512 x 512, Hurst exponent 0.8
@@ -130,7 +130,7 @@ impl SelfAffine {
         if self.min_wave == 0 || self.min_wave > self.max_wave {
             return refuse("longest wave per side", f64::from(self.min_wave), "at least 1 and at most the shortest");
         }
-        if self.max_wave > MOST_WAVES || 2 * self.max_wave as usize >= self.pixels {
+        if self.max_wave > MAX_WAVES || 2 * self.max_wave as usize >= self.pixels {
             return refuse(
                 "shortest wave per side",
                 f64::from(self.max_wave),

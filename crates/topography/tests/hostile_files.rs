@@ -13,7 +13,7 @@ static PEAK: PeakAlloc = PeakAlloc;
 
 /// Most memory that reading a file of a few kilobytes may take, whatever it claims: pieces of numbers, the
 /// state of an unpacker, and what a few kilobytes can unpack to.
-const MOST_BYTES: usize = 8 << 20;
+const MAX_BYTES: usize = 8 << 20;
 /// Damaged files of each sample.
 const ROUNDS: usize = 3000;
 
@@ -132,7 +132,7 @@ fn damaged_files_are_read_or_refused_within_bounded_memory() {
                 PEAK.reset_peak_usage();
                 let outcome = read_map(&bytes[..], &options);
                 let used = PEAK.peak_usage().saturating_sub(before);
-                assert!(used < MOST_BYTES, "{name}: {used} bytes for {:?}", outcome.map(|read| read.map.rows()));
+                assert!(used < MAX_BYTES, "{name}: {used} bytes for {:?}", outcome.map(|read| read.map.rows()));
                 most = most.max(used);
                 match outcome {
                     Ok(found) => {
@@ -150,14 +150,14 @@ fn damaged_files_are_read_or_refused_within_bounded_memory() {
     }
     // Damage is neither harmless nor always fatal; and the bound is one that is nearly used.
     assert!(read > 5_000 && refused > 20_000, "{read} read, {refused} refused");
-    assert!(most > MOST_BYTES / 100, "{most} bytes at most");
+    assert!(most > MAX_BYTES / 100, "{most} bytes at most");
     no_height_at_all();
     claims_are_never_reserved();
     small_files_never_swell();
 }
 
 /// Most memory for a byte of a packed file: 8 heights of 8 bytes, three times while they grow.
-const MOST_PER_BYTE: usize = 3 * 64;
+const MAX_PER_BYTE: usize = 3 * 64;
 
 /// Files that pack zeros, honestly or with lengths that lie, take no more memory than measured heights of their size.
 fn small_files_never_swell() {
@@ -166,7 +166,7 @@ fn small_files_never_swell() {
         PEAK.reset_peak_usage();
         let error = read_map(bytes, &ReadOptions::default()).map(|read| read.map.rows()).unwrap_err();
         let used = PEAK.peak_usage() - before;
-        assert!(used < MOST_BYTES.max(MOST_PER_BYTE * bytes.len()), "{name}: {used} bytes of {}", bytes.len());
+        assert!(used < MAX_BYTES.max(MAX_PER_BYTE * bytes.len()), "{name}: {used} bytes of {}", bytes.len());
         assert!(error.to_string().contains("unpacks to"), "{name}: {error}");
     };
     // 9 million heights of 2 bytes in 17 kB, 25 million in 49 kB.

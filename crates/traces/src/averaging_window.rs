@@ -4,7 +4,7 @@ use super::correlated_noise::{LineErrors, line_errors};
 use super::time_series::{line_through, mean_between};
 
 /// Batches into which the window is cut, at most: more tell more of what friction remembers.
-const MOST_BATCHES: usize = 20;
+const MAX_BATCHES: usize = 20;
 /// Batches at least.
 const FEWEST_BATCHES: usize = 10;
 /// Samples in a batch, at least.
@@ -37,7 +37,7 @@ pub fn window_mean(time_s: &[f64], mu: &[f64], window_s: [f64; 2]) -> WindowMean
     let [from, to] = window_s;
     let length = to - from;
     let inside = time_s.partition_point(|&t| t <= to) - time_s.partition_point(|&t| t < from);
-    let batches = (inside / FEWEST_IN_BATCH).clamp(FEWEST_BATCHES, MOST_BATCHES);
+    let batches = (inside / FEWEST_IN_BATCH).clamp(FEWEST_BATCHES, MAX_BATCHES);
     let edge = |i: usize| from + length * i as f64 / batches as f64;
     let means: Vec<f64> = (0..batches).map(|i| mean_between(time_s, mu, edge(i), edge(i + 1))).collect();
     let line = line_through(&means);

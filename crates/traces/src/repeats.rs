@@ -145,7 +145,7 @@ pub fn average(repeats: &[TraceFindings]) -> Option<Repeats> {
 }
 
 /// Degrees of freedom that the scatter of other conditions counts for at most.
-const MOST_FROM_OTHERS: usize = 4;
+const MAX_FROM_OTHERS: usize = 4;
 
 /// Draws the deviation of dynamic friction at each condition toward that of the others, relative to friction, and likewise that of static friction:
 ///
@@ -171,7 +171,7 @@ fn draw_together(mut all: Vec<&mut MeanStd>) {
         if freedom == 0 {
             continue;
         }
-        let (prior, own) = (freedom.min(MOST_FROM_OTHERS), known[place].0);
+        let (prior, own) = (freedom.min(MAX_FROM_OTHERS), known[place].0);
         let of_others = squares / freedom as f64 * of.mean * of.mean;
         let moderated = ((prior as f64 * of_others + own as f64 * of.std * of.std) / (prior + own) as f64).sqrt();
         of.std = if own > 0 { moderated } else { moderated.max(of.std) };

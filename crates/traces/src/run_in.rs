@@ -17,7 +17,7 @@ const FEWEST_PAUSES: f64 = 3.0;
 /// All of them together are taken for run-in, where there is none, in less than 5 % of traces.
 const CONFIDENCE: Confidence = Confidence::PERCENT_99_5;
 /// Least change, relative to friction.
-const LEAST_RELATIVE: f64 = 0.01;
+const MIN_RELATIVE: f64 = 0.01;
 
 /// A slow change of friction before the window.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -65,7 +65,7 @@ pub fn find_run_in(time_s: &[f64], mu: &[f64], from_s: f64, window_s: [f64; 2], 
     let part_s = shortest_s?;
     let means = parts(from_s, window_s[0], part_s);
     let change = settled - means.first()?;
-    if change.abs() < LEAST_RELATIVE * settled.abs() {
+    if change.abs() < MIN_RELATIVE * settled.abs() {
         return None;
     }
     // Parts by what is left of the change, from 1.

@@ -14,7 +14,7 @@ use super::time_series::{highest, median, median_of_three, sample_noise};
 /// The peak stands out by this multiple of the noise, or it is none.
 const STANDS_OUT: f64 = 5.0;
 /// ... and by this part of what follows.
-const LEAST_RELATIVE: f64 = 0.01;
+const MIN_RELATIVE: f64 = 0.01;
 /// Share of the time up to the window behind the peak in which friction must have fallen.
 const AFTERMATH: f64 = 0.5;
 /// Slip within which a static peak is over, in metres: several times the memory distances of dry friction.
@@ -34,10 +34,10 @@ const FEWEST_AT_TOP: usize = 3;
 const SLIDES: f64 = 0.5;
 const RESTS: f64 = 0.1;
 /// Slips, and samples at least, within which friction rises on while the drive still loads what yields. Less than
-/// [`LEAST_RISE`] of steady friction in that time is no loading: it would take more than a centimetre of the drive.
+/// [`MIN_RISE`] of steady friction in that time is no loading: it would take more than a centimetre of the drive.
 const SLIPS_A_RISE: f64 = 2.0;
 const FEWEST_A_RISE: usize = 5;
-const LEAST_RISE: f64 = 0.02;
+const MIN_RISE: f64 = 0.02;
 
 /// Friction at the onset of sliding.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -153,7 +153,7 @@ impl UpToWindow<'_> {
         let mut end = first;
         loop {
             let next = highest(&self.smooth, end..ahead(end) + 1);
-            if self.smooth[next] - self.smooth[end] < LEAST_RISE * self.steady || next == end {
+            if self.smooth[next] - self.smooth[end] < MIN_RISE * self.steady || next == end {
                 return Some(Onset { rest, first, end });
             }
             end = next;
@@ -161,7 +161,7 @@ impl UpToWindow<'_> {
     }
 
     fn stands_out(&self, fall: f64, over: f64) -> bool {
-        fall >= (STANDS_OUT * self.noise).max(LEAST_RELATIVE * over.abs())
+        fall >= (STANDS_OUT * self.noise).max(MIN_RELATIVE * over.abs())
     }
 
     /// The highest sample of all, where it ends the rise rather than being an outlier.

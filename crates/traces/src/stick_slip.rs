@@ -11,14 +11,14 @@ use super::time_series::{median, median_of_three, sample_noise};
 /// white noise is seven.
 const NOISE_FACTOR: f64 = 8.0;
 /// ... and from this part of the mean on: smaller ones are of no interest.
-const LEAST_RELATIVE: f64 = 0.01;
+const MIN_RELATIVE: f64 = 0.01;
 /// Slips in the window that make a regime.
 const FEWEST_SLIPS: usize = 4;
 /// A slip takes less than this part of a stick.
-const MOST_FALL_OVER_RISE: f64 = 0.5;
+const MAX_FALL_OVER_RISE: f64 = 0.5;
 /// Falls are shorter than rises by this many standard deviations of their rank sum, which are 1 % by chance; four falls shorter than
 /// four rises just reach it.
-const LEAST_ARROW: f64 = 2.3;
+const MIN_ARROW: f64 = 2.3;
 /// Periods of an oscillation that is no stick-slip spread by less than this part of their median; those of noise spread by half.
 const REGULAR: f64 = 0.15;
 /// Periods that are enough to say so.
@@ -47,7 +47,7 @@ impl StickSlip {
     /// Falls are much faster than rises, and not by chance: relaxation, not a swing.
     #[must_use]
     pub fn is_relaxation(&self) -> bool {
-        self.fall_over_rise < MOST_FALL_OVER_RISE && self.arrow > LEAST_ARROW
+        self.fall_over_rise < MAX_FALL_OVER_RISE && self.arrow > MIN_ARROW
     }
 
     /// Periods are alike, and enough of them to say so.
@@ -59,7 +59,7 @@ impl StickSlip {
 
 /// Oscillation in a window, if there is one: of relaxation or not. `mean` is the mean of `mu`.
 pub fn oscillation(time_s: &[f64], mu: &[f64], mean: f64) -> Option<StickSlip> {
-    let threshold = (NOISE_FACTOR * sample_noise(mu)).max(LEAST_RELATIVE * mean.abs());
+    let threshold = (NOISE_FACTOR * sample_noise(mu)).max(MIN_RELATIVE * mean.abs());
     // Along a slope of the whole window every rise is longer than a fall, or shorter.
     let smooth = without_slope(time_s, median_of_three(mu));
     let turns = reversals(&smooth, threshold);

@@ -14,7 +14,7 @@ const FOLLOWS: f64 = 0.5;
 pub const STANDING_FOR: f64 = 0.2;
 
 /// Slope of the static peak against mu_s below which it does not follow it: the noise of the two runs behind it.
-const LEAST_SLOPE: f64 = 0.05;
+const MIN_SLOPE: f64 = 0.05;
 /// Relative step of mu_s that finds how the static peak follows it: large against the noise of a
 /// peak (1e-3), small against the range in which the peak is nearly linear.
 const STATIC_STEP: f64 = 0.05;
@@ -39,7 +39,7 @@ pub struct PeakLine {
 
 /// Peaks that do not follow mu_s, by measurement.
 pub fn flat_peaks(peaks: &[Option<PeakLine>]) -> Vec<usize> {
-    (0..peaks.len()).filter(|&i| peaks[i].is_some_and(|line| line.slope < LEAST_SLOPE)).collect()
+    (0..peaks.len()).filter(|&i| peaks[i].is_some_and(|line| line.slope < MIN_SLOPE)).collect()
 }
 
 /// Gives every peak the mean of its slopes in all rounds, which `slopes` keep by measurement: the two peaks of one draw behind
@@ -55,10 +55,9 @@ pub fn average_slopes(peaks: &mut [Option<PeakLine>], slopes: &mut [Vec<f64>]) {
 /// Gives peaks that do not follow mu_s the mean slope of the others: away from the solution a peak of one draw may fall where
 /// mu_s rises, which says nothing of it there.
 pub fn borrow_slopes(peaks: &mut [Option<PeakLine>]) {
-    let slopes: Vec<f64> =
-        peaks.iter().flatten().map(|line| line.slope).filter(|slope| *slope >= LEAST_SLOPE).collect();
+    let slopes: Vec<f64> = peaks.iter().flatten().map(|line| line.slope).filter(|slope| *slope >= MIN_SLOPE).collect();
     let mean = slopes.iter().sum::<f64>() / slopes.len().max(1) as f64;
-    for line in peaks.iter_mut().flatten().filter(|line| line.slope < LEAST_SLOPE) {
+    for line in peaks.iter_mut().flatten().filter(|line| line.slope < MIN_SLOPE) {
         line.slope = mean;
     }
 }

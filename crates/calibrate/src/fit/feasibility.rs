@@ -1,29 +1,29 @@
 //! What can be known before the first dynamic run: peaks that say nothing, coefficients out of reach, time it takes.
 
 use slipgrid_material::Elastic;
-use slipgrid_springblock::{MOST_EXTENSION_FOR_STDERR, MOST_STEPS, max_run_speed_m_s};
+use slipgrid_springblock::{MAX_EXTENSION_FOR_STDERR, MAX_STEPS, max_run_speed_m_s};
 
 use super::{FRICTION_BOUNDS, Layout, first_guess};
 use crate::{FitError, Measurement, Problem, flat_sample};
 
 /// Static peak over dynamic friction beyond which the model of the flat sample has none: at 0.64 MPa on the usual layer
 /// it is 1.03 for mu_s / mu_d of 1.2, 1.4 for 2, 1.83 for 3, and falls again beyond.
-const MOST_PEAK: f64 = 2.0;
+const MAX_PEAK: f64 = 2.0;
 /// Static peak over dynamic friction, less one, below which it says next to nothing of mu_s: at 0.64 MPa on the usual layer
 /// the model shows 0.0016 where mu_s / mu_d is 1 and 0.004 where it is 1.1, so that mu_s follows with ten times the peak's
 /// own error or more.
-const LEAST_EXCESS: f64 = 5e-3;
+const MIN_EXCESS: f64 = 5e-3;
 /// Static peak over dynamic friction, less one, and the `mu_s` / `mu_d` of blocks with which the model shows it there.
 const PEAKS: [[f64; 2]; 4] = [[0.004, 1.1], [0.03, 1.2], [0.4, 2.0], [0.83, 3.0]];
 /// Time steps that the run of a measurement without a static peak is planned for at most: it goes on for up to so many times as long
 /// until its mean is known, and would be broken off before.
-const MOST_PLANNED: u64 = MOST_STEPS / MOST_EXTENSION_FOR_STDERR;
+const MAX_PLANNED: u64 = MAX_STEPS / MAX_EXTENSION_FOR_STDERR;
 /// Time steps of one round of dynamic runs at most: ten runs of the longest kind, some ten hours.
-const MOST_WORK: u64 = 10 * MOST_STEPS;
+const MAX_WORK: u64 = 10 * MAX_STEPS;
 
 /// Coefficients at most: time and memory of their covariance and profiles grow with the fourth and the second power of
 /// their number, and reach half an hour here.
-const MOST_COEFFICIENTS: usize = 250;
+const MAX_COEFFICIENTS: usize = 250;
 /// Dynamic over steady friction beyond which the two have little to do with one another: at 10 Pa and 2 mm/s, where
 /// the inertia of the layer exceeds friction, it is 0.46.
 const DELTAS: [f64; 2] = [0.5, 1.5];
@@ -38,7 +38,7 @@ pub fn local_static_over_dynamic(peak_over_dynamic: f64) -> Option<f64> {
         (excess <= to).then(|| low + (excess - from) / (to - from) * (high - low))
     };
     let [.., [_, highest]] = PEAKS;
-    (excess >= LEAST_EXCESS).then(|| PEAKS.windows(2).find_map(between).unwrap_or(highest))
+    (excess >= MIN_EXCESS).then(|| PEAKS.windows(2).find_map(between).unwrap_or(highest))
 }
 
 /// Refuses dynamic runs that say nothing of steady friction.
@@ -56,7 +56,7 @@ pub fn without_hidden_peaks(problem: &Problem) -> (Problem, Vec<String>) {
     for number in 0..problem.measurements.len() {
         let measured = problem.measurements[number];
         let Some(peak) = measured.static_peak else { continue };
-        if peak.mu < (1.0 + LEAST_EXCESS) * measured.mu_dynamic {
+        if peak.mu < (1.0 + MIN_EXCESS) * measured.mu_dynamic {
             notes.push(left_out(&problem, number, "hardly exceeds dynamic friction"));
             problem.measurements[number].static_peak = None;
         }
@@ -78,7 +78,7 @@ pub fn left_out(problem: &Problem, number: usize, why: &str) -> String {
 
 /// Refuses what no run would bring nearer; time steps of the first round's run of every measurement otherwise.
 pub fn check(problem: &Problem) -> Result<Vec<u64>, FitError> {
-    let (count, most) = (Layout::new(problem).count, MOST_COEFFICIENTS);
+    let (count, most) = (Layout::new(problem).count, MAX_COEFFICIENTS);
     if count > most {
         return Err(FitError::TooManyCoefficients { count, most });
     }
@@ -87,8 +87,8 @@ pub fn check(problem: &Problem) -> Result<Vec<u64>, FitError> {
     for (measured, number) in problem.measurements.iter().zip(1..) {
         if let Some(peak) = measured.static_peak {
             let ratio = peak.mu / measured.mu_dynamic;
-            if ratio > MOST_PEAK {
-                return Err(FitError::PeakTooHigh { number, ratio, most: MOST_PEAK });
+            if ratio > MAX_PEAK {
+                return Err(FitError::PeakTooHigh { number, ratio, most: MAX_PEAK });
             }
         }
         if let Some(law) = &problem.area_law {
@@ -103,7 +103,7 @@ pub fn check(problem: &Problem) -> Result<Vec<u64>, FitError> {
     let guess = first_guess(problem, &layout);
     let steps = flat_sample::planned_steps(problem, &layout.pairs(problem, &guess)?);
     for ((measured, &steps), number) in problem.measurements.iter().zip(&steps).zip(1..) {
-        let most = if measured.static_peak.is_some() { MOST_STEPS } else { MOST_PLANNED };
+        let most = if measured.static_peak.is_some() { MAX_STEPS } else { MAX_PLANNED };
         if steps > most {
             let (steps, most) = (steps as f64, most as f64);
             // Travel is of slips, and slow sliding takes the same travel: steps go with 1/speed.
@@ -113,8 +113,8 @@ pub fn check(problem: &Problem) -> Result<Vec<u64>, FitError> {
         }
     }
     let all = steps.iter().fold(0_u64, |sum, steps| sum.saturating_add(*steps));
-    if all > MOST_WORK {
-        return Err(FitError::TooMuchWork { steps: all as f64, most: MOST_WORK as f64 });
+    if all > MAX_WORK {
+        return Err(FitError::TooMuchWork { steps: all as f64, most: MAX_WORK as f64 });
     }
     Ok(steps)
 }

@@ -1,6 +1,6 @@
 //! What a fit says in words: how values were found, what the data leave open, and what would settle it.
 
-use super::{Fit, FittedPair, MOST_ROUNDS, Model, SETTLED};
+use super::{Fit, FittedPair, MAX_ROUNDS, Model, SETTLED};
 use crate::flat_sample::speed_m_s;
 
 /// An interval of the area law's scale wider than this factor leaves the law open.
@@ -44,7 +44,7 @@ pub fn warnings(fit: &Fit) -> Vec<String> {
     let mut warnings = Vec::new();
     if !fit.settled {
         warnings.push(format!(
-            "the fit did not settle: coefficients still changed by more than {SETTLED} of themselves after {MOST_ROUNDS} rounds, and \
+            "the fit did not settle: coefficients still changed by more than {SETTLED} of themselves after {MAX_ROUNDS} rounds, and \
              friction of the flat sample in time may miss what was measured"
         ));
     }

@@ -215,7 +215,7 @@ impl Slopes {
 /// The steady cell of `scene`: in space in blocks twice as large where that can be had, which slopes do not see.
 fn steady_cell(scene: &Scene, pattern: &Pattern) -> Scene {
     const COARSER: usize = 2;
-    const LEAST_BLOCKS: f64 = 4.0;
+    const MIN_BLOCKS: f64 = 4.0;
     let run = RunOptions {
         fidelity: Fidelity::Steady,
         extent: Extent::Cell,
@@ -225,7 +225,7 @@ fn steady_cell(scene: &Scene, pattern: &Pattern) -> Scene {
     };
     let mut cell = Scene { run, ..scene.clone() };
     let block_m = COARSER as f64 * scene.layer.block_m;
-    let is_wide = pattern.cell_m().iter().chain([&pattern.width_m()]).all(|side_m| *side_m >= LEAST_BLOCKS * block_m);
+    let is_wide = pattern.cell_m().iter().chain([&pattern.width_m()]).all(|side_m| *side_m >= MIN_BLOCKS * block_m);
     if !cell.dimension().is_cheap_per_design() && scene.layer.rows().is_multiple_of(COARSER) && is_wide {
         cell.layer.block_m = block_m;
         // A cell knows no specimen: any whole number of blocks does.

@@ -12,8 +12,8 @@ use clap::Args;
     slipgrid next designs/ldpe-lower-friction.toml --count 3 --one-disc -o out/disc\n  \
     slipgrid next designs/ldpe-lower-friction.toml --candidate 100,300,10\n  \
     slipgrid export out/next --sample 2 --format plt -o out/next/next-2\n\n\
-    Compares about 6,000 designs within the bounds by the chance that a cut sample is on target: by the steady model, \
-    for grooves with what sliding in time adds, and by what the trials of the calibration say that it lacks. Several samples are chosen to complement each other \
+    Compares about 3,000 designs within the bounds by the chance that a cut sample is on target, by the table of the model and what \
+    the trials of the calibration say that it lacks, and goes on from the best of them by the model itself, for grooves in time. Several samples are chosen to complement each other \
     and those that are pending. A [[trial]] without measurements is pending.\n\n\
     --one-disc serves where each sector is measured alone: with a pin or a counter-body that fits on it, or by friction \
     resolved by the angle of a turning disc. A tribometer that presses the whole disc measures a mean of all sectors, which \

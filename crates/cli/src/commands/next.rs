@@ -1,6 +1,6 @@
 //! `next`: the samples to cut next, by the model and by what trials say that it lacks.
 
-use slipgrid_design::export::MOST_SECTORS;
+use slipgrid_design::export::MAX_SECTORS;
 use slipgrid_design::{NextOptions, next_trials};
 use slipgrid_formats::Diagnostic;
 use slipgrid_formats::design::Design;
@@ -20,10 +20,10 @@ const FILES_OF_DISC: [&str; 5] = ["result.json", "timings.json", "trials.toml", 
 
 /// Chooses, writes and reports.
 pub fn run(args: &NextArgs, console: &mut Console<'_>) -> Result<u8, CliError> {
-    if args.one_disc && !(2..=MOST_SECTORS).contains(&args.count.into()) {
+    if args.one_disc && !(2..=MAX_SECTORS).contains(&args.count.into()) {
         let reason = "cannot be the number of sectors of one specimen, which --one-disc asks for";
         let refused = Diagnostic::flag("--count", args.count.to_string(), reason);
-        return Err(refused.expected(format!("2 to {MOST_SECTORS}")).into());
+        return Err(refused.expected(format!("2 to {MAX_SECTORS}")).into());
     }
     let mut design = Design::read(&disk(), &args.design)?;
     console.warn(&design.told);

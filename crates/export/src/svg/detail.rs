@@ -9,7 +9,7 @@ use crate::Layout;
 use crate::number::decimal;
 
 /// Most rows drawn: more could not be told apart.
-const MOST_ROWS: usize = 100;
+const MAX_ROWS: usize = 100;
 
 impl Page {
     /// Two periods along the pattern's own x axis and as much across, with dimension lines.
@@ -68,7 +68,7 @@ impl Page {
             self.rectangle([left, top], [DETAIL_SIDE; 2], "");
             self.out.push_str("</clipPath>\n<g clip-path=\"url(#detail-frame)\">\n");
         }
-        let rows: Vec<f64> = (0..MOST_ROWS)
+        let rows: Vec<f64> = (0..MAX_ROWS)
             .map(|row| (pitch_across - length) / 2.0 + row as f64 * pitch_across)
             .take_while(|&y| y < DETAIL_SIDE * (1.0 - 1e-9))
             .collect();

@@ -5,7 +5,7 @@ use std::f64::consts::{PI, TAU};
 use super::{Corners, FLATTENING};
 
 /// Most chords of one curve: what the tolerance asks for is some hundreds.
-const MOST_CHORDS: f64 = 1000.0;
+const MAX_CHORDS: f64 = 1000.0;
 
 fn extent(points: &[[f64; 2]]) -> f64 {
     let along = |axis: usize| {
@@ -24,8 +24,8 @@ pub(super) fn push_bezier(out: &mut Corners, points: &[[f64; 2]]) {
     let degree = points.len() as f64 - 1.0;
     let most = points.windows(3).map(bend).fold(0.0, f64::max);
     let count = (degree * (degree - 1.0) * most / (8.0 * FLATTENING * extent(points))).sqrt().ceil();
-    // At most MOST_CHORDS: the cast is exact. Points that are all one have a count of NaN, which clamps to itself and casts to 0.
-    let count = count.clamp(1.0, MOST_CHORDS) as u32;
+    // At most MAX_CHORDS: the cast is exact. Points that are all one have a count of NaN, which clamps to itself and casts to 0.
+    let count = count.clamp(1.0, MAX_CHORDS) as u32;
     for step in 1..=count.max(1) {
         let t = f64::from(step) / f64::from(count.max(1));
         let mut left = points.to_vec();
@@ -47,8 +47,8 @@ pub(super) fn push_bezier(out: &mut Corners, points: &[[f64; 2]]) {
 fn chords(angle: f64) -> u32 {
     // s = r (1 - cos(a/2)) = FLATTENING 2 r, a the angle of one chord.
     let one = 2.0 * libm::acos(1.0 - 2.0 * FLATTENING);
-    // At most MOST_CHORDS: the cast is exact.
-    (angle.abs() / one).ceil().clamp(1.0, MOST_CHORDS) as u32
+    // At most MAX_CHORDS: the cast is exact.
+    (angle.abs() / one).ceil().clamp(1.0, MAX_CHORDS) as u32
 }
 
 /// The corners of a circle or an ellipse, all on it, from its largest x.

@@ -78,11 +78,11 @@ impl Axis {
     /// every few, as 1e-9.
     pub(super) fn powers(title: &str, values: impl IntoIterator<Item = f64>) -> Self {
         const ROOM: f64 = 0.3;
-        const MOST_NUMBERS: i32 = 10;
+        const MAX_NUMBERS: i32 = 10;
         let [low, high] = extremes(values);
         let range = [low - ROOM, high + ROOM];
         let (first, last) = (range[0].ceil() as i32, range[1].floor() as i32);
-        let step = ((last - first) / MOST_NUMBERS + 1).max(1);
+        let step = ((last - first) / MAX_NUMBERS + 1).max(1);
         let ticks = (first..=last)
             .filter(|power| power.rem_euclid(step) == 0)
             .map(|power| (f64::from(power), format!("1e{power}")))

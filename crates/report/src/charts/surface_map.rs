@@ -39,8 +39,8 @@ pub struct SlidingMark<'a> {
 }
 
 /// Page height at most, and the least side of the drawn map.
-const MOST_HEIGHT: f64 = 760.0;
-const LEAST_SIDE: f64 = 90.0;
+const MAX_HEIGHT: f64 = 760.0;
+const MIN_SIDE: f64 = 90.0;
 /// Space right of the map for the colour scale.
 const SCALE_SPACE: f64 = 130.0;
 const SCALE_WIDTH: f64 = 22.0;
@@ -103,9 +103,9 @@ pub fn surface_map<'a>(chart: &SurfaceMapChart<'a>) -> Result<String, ChartError
 
     let top = TOP + if chart.sliding.is_some() { SLIDING_HEIGHT } else { 0.0 };
     let wide = WIDTH - LEFT - SCALE_SPACE;
-    let tall = MOST_HEIGHT - top - BOTTOM;
+    let tall = MAX_HEIGHT - top - BOTTOM;
     let per_um = (wide / chart.side_um[0]).min(tall / chart.side_um[1]);
-    let [width, height] = chart.side_um.map(|side| (side * per_um).max(LEAST_SIDE));
+    let [width, height] = chart.side_um.map(|side| (side * per_um).max(MIN_SIDE));
     let frame = [LEFT, top, LEFT + width, top + height];
     let scale_frame = [frame[2] + 34.0, top, frame[2] + 34.0 + SCALE_WIDTH, top + height];
     let svg = picture(height + top + BOTTOM, |canvas| {
@@ -164,7 +164,7 @@ mod tests {
         assert_eq!(lines(&along), lines(&without) + 2);
         assert!(along != drawn([0.0, 1.0]) && drawn([0.0, 1.0]) != drawn([0.0, -1.0]));
         let height: f64 = along.split("height=\"").nth(1).unwrap().split('"').next().unwrap().parse().unwrap();
-        assert!(height <= MOST_HEIGHT, "{height}");
+        assert!(height <= MAX_HEIGHT, "{height}");
         let sliding = Some(SlidingMark { direction: [f64::NAN, 0.0], label: "l" });
         assert!(surface_map(&SurfaceMapChart { sliding, ..plain }).is_err());
     }
@@ -175,7 +175,7 @@ mod tests {
         for side_um in [[1e4, 1.0], [1.0, 1e4], [1e3, 1e3]] {
             let svg = surface_map(&chart(&heights, 20, side_um)).unwrap();
             let height: f64 = svg.split("height=\"").nth(1).unwrap().split('"').next().unwrap().parse().unwrap();
-            assert!((200.0 - 1.0..=MOST_HEIGHT).contains(&height), "{height}");
+            assert!((200.0 - 1.0..=MAX_HEIGHT).contains(&height), "{height}");
         }
     }
 

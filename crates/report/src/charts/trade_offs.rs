@@ -28,7 +28,7 @@ const HEADING: f64 = 76.0;
 const SMALL: f64 = 1.4;
 const LARGE: f64 = 2.6;
 /// Most designs drawn beside the front: more hide each other.
-const MOST_OTHERS: usize = 4000;
+const MAX_OTHERS: usize = 4000;
 /// Greatest over least value from which an axis is logarithmic.
 const WIDE: f64 = 20.0;
 
@@ -73,7 +73,7 @@ pub fn trade_offs(chart: &TradeOffsChart<'_>) -> Result<String, ChartError> {
                 let [x, y] = plot.at(place(goals));
                 canvas.rectangle([[x - half, y - half], [x + half, y + half]], color, 1.0)
             };
-            let every = chart.others.len().div_ceil(MOST_OTHERS).max(1);
+            let every = chart.others.len().div_ceil(MAX_OTHERS).max(1);
             for goals in chart.others.iter().step_by(every) {
                 dot(goals, SMALL, PALE)?;
             }

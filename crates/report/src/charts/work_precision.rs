@@ -55,9 +55,9 @@ const PANEL_HEIGHT: f64 = 470.0;
 /// Height of the title and the legend.
 const HEADING: f64 = 100.0;
 /// Errors below this, in per cent, are drawn there: a logarithm needs some number.
-const LEAST_ERROR_PCT: f64 = 1e-3;
+const MIN_ERROR_PCT: f64 = 1e-3;
 /// Times below this, in seconds, likewise.
-const LEAST_TIME_S: f64 = 1e-6;
+const MIN_TIME_S: f64 = 1e-6;
 /// Room around a mark.
 const MARK_ROOM: f64 = 7.0;
 /// Room around the ring of a default.
@@ -112,13 +112,13 @@ fn style(family: usize) -> (Mark, RGBColor) {
 }
 
 fn logarithms(point: &WorkPoint<'_>) -> [f64; 2] {
-    [point.wall_s.max(LEAST_TIME_S).log10(), point.error_pct.max(LEAST_ERROR_PCT).log10()]
+    [point.wall_s.max(MIN_TIME_S).log10(), point.error_pct.max(MIN_ERROR_PCT).log10()]
 }
 
 fn draw(canvas: &Canvas<'_>, frame: Frame, panel: &WorkPrecisionPanel<'_>, reference_s: f64) -> Result<(), ChartError> {
     let places: Vec<[f64; 2]> = panel.points.iter().map(logarithms).collect();
-    let reference = reference_s.max(LEAST_TIME_S).log10();
-    let resolution = panel.resolution_pct.max(LEAST_ERROR_PCT).log10();
+    let reference = reference_s.max(MIN_TIME_S).log10();
+    let resolution = panel.resolution_pct.max(MIN_ERROR_PCT).log10();
     let x_axis =
         Axis::logarithmic("wall time of one run on one thread (s)", places.iter().map(|at| at[0]).chain([reference]));
     let y_axis = Axis::logarithmic(panel.error_title, places.iter().map(|at| at[1]).chain([resolution]));

@@ -17,7 +17,7 @@ const NL: PreEscaped<&str> = PreEscaped("\n");
 const LARGEST_PICTURE: usize = 3_000_000;
 
 /// Height of the smallest text of a drawing as it is shown, in pixels of the page.
-const LEAST_TEXT_PX: f64 = 9.0;
+const MIN_TEXT_PX: f64 = 9.0;
 
 /// Characters of a number with its error and unit; longer cells are sentences.
 const LONGEST_NUMBER: usize = 24;
@@ -341,12 +341,12 @@ impl Page {
     }
 }
 
-/// Width of a drawing at which its smallest text is as high as [`LEAST_TEXT_PX`]; `None` without text.
+/// Width of a drawing at which its smallest text is as high as [`MIN_TEXT_PX`]; `None` without text.
 fn least_width_px(svg: &str) -> Option<f64> {
     let after = |text: &'static str| svg.split(text).skip(1).filter_map(|rest| rest.split('"').next());
     let width: f64 = after("viewBox=\"").next()?.split_whitespace().nth(2)?.parse().ok()?;
     let smallest = after("font-size=\"").filter_map(|size| size.parse::<f64>().ok()).fold(f64::INFINITY, f64::min);
-    (smallest > 0.0 && smallest.is_finite()).then(|| (LEAST_TEXT_PX * width / smallest).ceil())
+    (smallest > 0.0 && smallest.is_finite()).then(|| (MIN_TEXT_PX * width / smallest).ceil())
 }
 
 /// A number that is one: infinities, and what is no number, say nothing.

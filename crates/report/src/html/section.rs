@@ -9,10 +9,10 @@ const WIDTH: f64 = 900.0;
 const DRAWN: f64 = 760.0;
 const LEFT: f64 = 70.0;
 /// Material drawn above a cavity's ceiling, and the most, in picture units.
-const MOST_HEIGHT: f64 = 420.0;
+const MAX_HEIGHT: f64 = 420.0;
 
 /// Height below which a rim is drawn stretched, and the one to which it is, in picture units.
-const LEAST_RIM: f64 = 1.5;
+const MIN_RIM: f64 = 1.5;
 const STRETCHED_RIM: f64 = 8.0;
 
 /// Straight pieces of which a half-sine rim is drawn.
@@ -38,7 +38,7 @@ impl Drawn {
         }
         // One digit, so that it can be said.
         let wanted = STRETCHED_RIM / to_scale;
-        let stretch = if to_scale < LEAST_RIM { format!("{wanted:.0e}").parse().unwrap_or(wanted) } else { 1.0 };
+        let stretch = if to_scale < MIN_RIM { format!("{wanted:.0e}").parse().unwrap_or(wanted) } else { 1.0 };
         let end = width.min(0.5 * spacing_um * scale);
         Some(Self { profile: rim.profile(), height: stretch * to_scale, width, end, stretch })
     }
@@ -79,7 +79,7 @@ pub fn section(width_um: f64, spacing_um: f64, depth_um: f64, rim: Option<&Rim>,
     }
     let scale = DRAWN / (2.0 * pitch_um);
     let (width, pitch, depth) = (width_um * scale, pitch_um * scale, depth_um * scale);
-    let body = (3.0 * depth).clamp(40.0, MOST_HEIGHT);
+    let body = (3.0 * depth).clamp(40.0, MAX_HEIGHT);
     let depth = depth.min(body);
     let (top, face) = (46.0, 46.0 + body);
     let rim = rim.and_then(|rim| Drawn::new(rim, [spacing_um, depth_um], scale));

@@ -16,12 +16,12 @@ use crate::html::page::sentence;
 const RIM_POINTS: u32 = 240;
 
 /// Standard deviation of spacings over their mean above which they are no pattern's.
-const MOST_SCATTER: f64 = 0.5;
+const MAX_SCATTER: f64 = 0.5;
 
 /// Depth of cavities over their width below which none are cut: a pulse removes some 0.1 um from spots of 20 um and more, 1/200, and the
 /// shallowest textures have 1/1000. Heights that are taken for nanometres and are micrometres make of cavities half as deep as they are
 /// wide 1/2000.
-const LEAST_ASPECT: f64 = 1.0 / 2000.0;
+const MIN_ASPECT: f64 = 1.0 / 2000.0;
 
 /// What the widths of round cavities are.
 const ROUND: &str = "the cavities are round: a width is the diameter of the disc with a cavity's area at half depth, a spacing what \
@@ -200,12 +200,12 @@ impl CavityReport {
     fn unit_warning(&self) -> Option<String> {
         let width_um = [&self.width_x, &self.width_y].into_iter().flatten().map(|width| width.mean_um);
         let (width_um, depth_um) = (width_um.fold(f64::INFINITY, f64::min), self.depth.as_ref()?.mean_um);
-        (width_um.is_finite() && depth_um < LEAST_ASPECT * width_um).then(|| {
+        (width_um.is_finite() && depth_um < MIN_ASPECT * width_um).then(|| {
             let [width, nm] = [width_um, 1e3 * depth_um].map(|length| significant(length, 3));
             format!(
                 "unit of heights: cavities {width} um wide are {nm} nm deep, less than 1/{:.0} of their width, which is shallower than any \
                  laser cuts: the heights may be in another unit than was taken; 1000 times as large, the depth would be {nm} um",
-                1.0 / LEAST_ASPECT
+                1.0 / MIN_ASPECT
             )
         })
     }
@@ -226,7 +226,7 @@ impl CavityReport {
         });
         let scattered = [("x", &self.spacing_x), ("y", &self.spacing_y)].into_iter().filter_map(|(axis, spacing)| {
             let spacing = spacing.as_ref()?;
-            (spacing.std_um > MOST_SCATTER * spacing.mean_um).then(|| {
+            (spacing.std_um > MAX_SCATTER * spacing.mean_um).then(|| {
                 format!(
                     "the spacings along {axis} scatter by more than half of their mean: not every cavity faces the next of a row, \
                      and their mean is not the spacing of a pattern"

@@ -8,7 +8,7 @@ use crate::charts::{self, HeightHistogramChart, SectionChart, SpectrumChart, Sur
 use crate::{Outputs, ReportError};
 
 /// Most pixels of the drawn map along a side.
-const MOST_PIXELS: usize = 700;
+const MAX_PIXELS: usize = 700;
 /// Classes of the histogram.
 const CLASSES: usize = 80;
 /// Points of the bearing curve.
@@ -95,7 +95,7 @@ pub(super) fn add(outputs: &mut Outputs, of: Measured<'_>, monitor: &dyn Monitor
 /// The map as it is drawn: coarse enough, with missing points missing.
 fn drawn(surface: &PreparedMap, monitor: &dyn Monitor) -> Result<HeightMap, Cancelled> {
     let map = &surface.map;
-    let factor = map.rows().max(map.cols()).div_ceil(MOST_PIXELS);
+    let factor = map.rows().max(map.cols()).div_ceil(MAX_PIXELS);
     // A long, narrow map keeps two pixels across.
     let factor = factor.min(map.rows().min(map.cols()) / 2).max(1);
     let mut heights = map.heights_m().to_vec();

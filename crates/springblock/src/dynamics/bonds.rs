@@ -38,7 +38,7 @@ pub struct Bonds {
 /// Share of the load below which the bulk's vertical imbalance counts as rounding.
 const BALANCE_TOLERANCE: f64 = 1e-15;
 /// Newton steps on the bulk's height; two or three do, as the springs are nearly linear.
-const MOST_NEWTON_STEPS: usize = 20;
+const MAX_NEWTON_STEPS: usize = 20;
 
 impl Bonds {
     /// The springs of `lattice` under the force law `law`.
@@ -121,7 +121,7 @@ impl Bonds {
     /// Newton's method for the bulk's height H: sum of the vertical forces of its springs = -load.
     fn balance_bulk(&mut self, u: &[Vec<f64>; 2], bulk_x: f64, load: f64) {
         let slope = self.slope;
-        for _ in 0..MOST_NEWTON_STEPS {
+        for _ in 0..MAX_NEWTON_STEPS {
             let others = self.to_bulk.iter();
             let others: f64 =
                 others.map(|s| force(self.law, s, [bulk_x - u[0][s.a], self.height - u[1][s.a]])[1]).sum();

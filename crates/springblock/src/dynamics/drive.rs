@@ -18,9 +18,9 @@ const STEPS_PER_LOOK: u64 = 64;
 /// Share of the planned travel after which the interface is sampled.
 const INTERFACE_FROM: f64 = 0.6;
 /// A run whose mu is not stationary goes on, up to so many times the planned travel.
-const MOST_EXTENSION: u64 = 4;
+const MAX_EXTENSION: u64 = 4;
 /// The same of a run that goes on until its standard error is small enough.
-pub const MOST_EXTENSION_FOR_STDERR: u64 = 20;
+pub const MAX_EXTENSION_FOR_STDERR: u64 = 20;
 /// Share of sliding friction beyond which what waves take away is no error any more, but makes a run
 /// [`Status::SlidingWaves`].
 pub const WAVE_DEFICIT: f64 = 0.01;
@@ -28,10 +28,10 @@ pub const WAVE_DEFICIT: f64 = 0.01;
 const WATCH_AT_REST_S: f64 = 20e-6;
 /// Most time steps of one run: a whole sample of 20,000 blocks takes about an hour for them, the paper's
 /// run a quarter of a million. What would take more is not begun and says so.
-pub const MOST_STEPS: u64 = 100_000_000;
+pub const MAX_STEPS: u64 = 100_000_000;
 /// Periods of the layer's first shear mode that an average must hold: one mode alone swings mu by a
 /// tenth, and its mean over n periods departs by up to 1/(pi n) of that.
-const LEAST_PERIODS: f64 = 10.0;
+const MIN_PERIODS: f64 = 10.0;
 
 /// Periods of the layer's first shear mode, and slips of a block, that a warm run is planned for at least: with the usual
 /// layer the mean is then known to 0.1 %, and the ratio of two surfaces with the same coefficients off by 0.03 %
@@ -55,7 +55,7 @@ pub fn shear_period_s(elastic: &Elastic, height_m: f64) -> f64 {
 /// Of P / sqrt(E rho): how fast a layer slides evenly.
 const EVEN_SLIDING: f64 = 0.01;
 /// How many times faster than that a speed may be that a run at that speed still stands for.
-const MOST_SLOWED: f64 = 10.0;
+const MAX_SLOWED: f64 = 10.0;
 
 /// Speed of a run in time that stands for sliding at `speed_m_s` under the pressure `pressure_pa`, in m/s: that speed, or the fastest at
 /// which the layer slides evenly,
@@ -87,7 +87,7 @@ pub fn is_too_fast(elastic: &Elastic, pressure_pa: f64, speed_m_s: f64) -> bool 
 /// The fastest speed that a run in time under `pressure_pa` stands for, in m/s: ten times that of even sliding.
 #[must_use]
 pub fn max_run_speed_m_s(elastic: &Elastic, pressure_pa: f64) -> f64 {
-    MOST_SLOWED * even_speed_m_s(elastic, pressure_pa)
+    MAX_SLOWED * even_speed_m_s(elastic, pressure_pa)
 }
 
 /// The fastest speed at which the layer slides evenly under `pressure_pa`: v = 0.01 P / sqrt(E rho), in m/s.
@@ -215,11 +215,11 @@ impl Drive<'_> {
         let Plan { preparation, travel: planned } = plan;
         let steps_per_bin = planned.div_ceil(BINS).max(1);
         let interface_from = (INTERFACE_FROM * planned as f64 / steps_per_bin as f64).ceil() as usize;
-        let least_time = LEAST_PERIODS * self.shear_period;
+        let least_time = MIN_PERIODS * self.shear_period;
         let mut recorder =
             Recorder::new(engine.contacts(), steps_per_bin, engine.time_step(), least_time, interface_from);
-        let extension = if self.stderr_share.is_some() { MOST_EXTENSION_FOR_STDERR } else { MOST_EXTENSION };
-        let most = planned.saturating_mul(extension).min(MOST_STEPS.max(planned));
+        let extension = if self.stderr_share.is_some() { MAX_EXTENSION_FOR_STDERR } else { MAX_EXTENSION };
+        let most = planned.saturating_mul(extension).min(MAX_STEPS.max(planned));
 
         let mut status;
         let mut steps: u64 = 0;

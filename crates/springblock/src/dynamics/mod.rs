@@ -49,7 +49,7 @@ mod strip_workers;
 mod sweep;
 
 pub use drive::{
-    MOST_EXTENSION_FOR_STDERR, MOST_STEPS, Plan, WAVE_DEFICIT, even_speed_m_s, max_run_speed_m_s, run_speed_m_s,
+    MAX_EXTENSION_FOR_STDERR, MAX_STEPS, Plan, WAVE_DEFICIT, even_speed_m_s, max_run_speed_m_s, run_speed_m_s,
     shear_modulus_pa, shear_period_s, warm_travel_m,
 };
 pub use remembered::{remembered, settings};

@@ -3,7 +3,7 @@
 use std::sync::OnceLock;
 
 use super::contact::{ContactRow, LocalLaw};
-use super::drive::{Drive, MOST_STEPS, Plan, not_begun};
+use super::drive::{Drive, MAX_STEPS, Plan, not_begun};
 use super::engine::{PlaneEngine, Setup};
 use super::leapfrog::BondLeapfrog;
 use super::protocol::Protocol;
@@ -130,7 +130,7 @@ impl DynamicRun<'_> {
             monitor.advance(self.share);
             return not_begun(Status::NoLoad, self.scheme.step_s, self.centres_m());
         }
-        if Plan::new(scene, self.scheme.step_s).total() > MOST_STEPS {
+        if Plan::new(scene, self.scheme.step_s).total() > MAX_STEPS {
             monitor.advance(self.share);
             return not_begun(Status::TooManySteps, self.scheme.step_s, self.centres_m());
         }

@@ -13,7 +13,7 @@
 /// Values of a group.
 const GROUP: usize = 5;
 /// Groups that stay at least, and half of those that are needed to tell.
-const LEAST_GROUPS: usize = 8;
+const MIN_GROUPS: usize = 8;
 /// Changes below this share of the mean are noise: a record that only creeps on by rounding is stationary.
 const RESOLVED: f64 = 1e-4;
 
@@ -22,8 +22,8 @@ const RESOLVED: f64 = 1e-4;
 #[must_use]
 pub fn stationary_from(record: &[f64], least: usize) -> Option<usize> {
     let groups: Vec<f64> = record.chunks_exact(GROUP).map(|group| group.iter().sum::<f64>() / GROUP as f64).collect();
-    let least = least.div_ceil(GROUP).max(LEAST_GROUPS);
-    if groups.len() < least.max(2 * LEAST_GROUPS) {
+    let least = least.div_ceil(GROUP).max(MIN_GROUPS);
+    if groups.len() < least.max(2 * MIN_GROUPS) {
         return None;
     }
     // From the end: mean and sum of squares about it (Welford).

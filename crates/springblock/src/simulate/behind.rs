@@ -14,7 +14,7 @@ use slipgrid_pattern::Pattern;
 
 use super::pressure_tilt::PressureTilt;
 use super::rim_difference::without_rim;
-use super::{MOST_FACTOR_BYTES, load_sharing, widest};
+use super::{MAX_FACTOR_BYTES, load_sharing, widest};
 use crate::Monitor;
 use crate::cell::{CellOutcome, SteadyCell};
 use crate::dimension::Dimension;
@@ -189,7 +189,7 @@ impl Behind {
 /// Steady cells of `pattern` by load; none where they do not fit in memory.
 fn cells(scene: &Scene, pattern: &Pattern, monitor: &dyn Monitor) -> Vec<CellOutcome> {
     let model = SteadyCell::solved(scene, scene.dimension());
-    if model.bytes(pattern) > MOST_FACTOR_BYTES { Vec::new() } else { model.solve_heeding(pattern, monitor) }
+    if model.bytes(pattern) > MAX_FACTOR_BYTES { Vec::new() } else { model.solve_heeding(pattern, monitor) }
 }
 
 fn difference(thick: &CellOutcome, alone: &CellOutcome) -> Option<Difference> {

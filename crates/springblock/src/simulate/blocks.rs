@@ -44,15 +44,15 @@ const RAISED_REST: f64 = 1.5;
 /// is not below the error in 95 % of cases.
 const OF_FINEST: f64 = 2.0;
 /// Finest blocks in the depth of a cavity from which their differences tell what is left.
-const LEAST_DEPTH_BLOCKS: f64 = 2.0;
+const MIN_DEPTH_BLOCKS: f64 = 2.0;
 /// Sizes of blocks over the layer's.
 const FACTORS: [f64; 6] = [1.0, 0.5, 0.25, 0.125, 0.0625, 0.03125];
-/// Of these as many for cavities that are [`LEAST_DEPTH_BLOCKS`] deep in the last.
+/// Of these as many for cavities that are [`MIN_DEPTH_BLOCKS`] deep in the last.
 const DEEP_LEVELS: usize = 4;
 /// Most multiplications of one steady cell in the plane that tells of the size of blocks: half a second.
-pub const MOST_PRODUCTS: f64 = 2e9;
+pub const MAX_PRODUCTS: f64 = 2e9;
 /// The same of one that ratios are refined by: some seconds.
-pub const MOST_REFINED: f64 = 2e10;
+pub const MAX_REFINED: f64 = 2e10;
 
 /// What smaller blocks change of a steady cell.
 #[derive(Clone, Debug, PartialEq)]
@@ -175,7 +175,7 @@ pub fn edge_groove_error(scene: &Scene, pattern: &Pattern) -> Option<Vec<f64>> {
     let groove = edge_groove(pattern)?;
     let mut plane = Scene { pattern: Some(groove), ..scene.clone() };
     plane.run.dimensions = Some(Dimension::Plane.number());
-    let ratios = |scene: &Scene| plane_ratios(scene, &groove, MOST_PRODUCTS);
+    let ratios = |scene: &Scene| plane_ratios(scene, &groove, MAX_PRODUCTS);
     block_error(&plane, &ratios(&plane)?, ratios)
 }
 
@@ -243,7 +243,7 @@ pub fn refine(scene: &Scene, pattern: &Pattern, share: f64, simulation: &mut Sim
         return;
     }
     let own: Vec<Option<f64>> = simulation.loads.iter().map(|load| load.ratio).collect();
-    let found = finer(scene, pattern, &own, MOST_REFINED, monitor);
+    let found = finer(scene, pattern, &own, MAX_REFINED, monitor);
     if monitor.cancelled() {
         *simulation = super::cancelled(scene);
         return;
@@ -310,7 +310,7 @@ pub fn refined(
         let ratios = plane_ratios(&finer, pattern, most).ok_or(Unrefined::Dear(block_m))?;
         ratios.into_iter().collect::<Option<Vec<f64>>>().ok_or(Unrefined::Unsolved(block_m))
     };
-    let is_deep = |factor: f64| pattern.depth_m() >= LEAST_DEPTH_BLOCKS * factor * scene.layer.block_m;
+    let is_deep = |factor: f64| pattern.depth_m() >= MIN_DEPTH_BLOCKS * factor * scene.layer.block_m;
     let mut levels: Vec<Vec<f64>> = Vec::new();
     let mut ended = None;
     for factor in FACTORS {

@@ -15,8 +15,8 @@
 
 use slipgrid_pattern::{Pattern, Planform};
 
-use super::blocks::{BlockRefinement, MOST_PRODUCTS, Unrefined, refined, sized};
-use super::space::MOST_ESTIMATED_BYTES;
+use super::blocks::{BlockRefinement, MAX_PRODUCTS, Unrefined, refined, sized};
+use super::space::MAX_ESTIMATED_BYTES;
 use crate::Monitor;
 use crate::cell::SteadyCell;
 use crate::dimension::Dimension;
@@ -30,7 +30,7 @@ const COLUMN_PRODUCTS: f64 = 2e6;
 /// Sizes over the layer's of the blocks of smaller cells in space, the smallest first.
 const SIZES: [f64; 2] = [0.25, 0.5];
 /// Friction that a groove takes off, over the flat surface's, below which nothing is told by it.
-const LEAST_LOWERING: f64 = 1e-5;
+const MIN_LOWERING: f64 = 1e-5;
 
 /// Whether `pattern` lies flat, and nothing is measured.
 pub fn are_like_grooves(scene: &Scene, pattern: &Pattern) -> bool {
@@ -62,7 +62,7 @@ pub fn refined_by_grooves(
     for size in SIZES {
         let Some(finer) = sized(scene, size).filter(|finer| is_cheap(finer, pattern, most)) else { continue };
         // Before the cell in space, which is dearer and serves with it alone.
-        let Ok(of_groove) = of_groove(&finer, &groove, most.min(MOST_PRODUCTS), monitor) else { continue };
+        let Ok(of_groove) = of_groove(&finer, &groove, most.min(MAX_PRODUCTS), monitor) else { continue };
         let Some(nearer) = by_cells(scene, &finer, pattern, own, monitor) else { continue };
         monitor.heed().map_err(|_| Unrefined::Cancelled)?;
         let added =
@@ -78,7 +78,7 @@ pub fn refined_by_grooves(
 fn is_cheap(scene: &Scene, pattern: &Pattern, most: f64) -> bool {
     let cell = SteadyCell::solved(scene, Dimension::Space);
     let [nx, ny] = cell.columns(pattern);
-    nx * ny * COLUMN_PRODUCTS < most && cell.bytes(pattern) < MOST_ESTIMATED_BYTES
+    nx * ny * COLUMN_PRODUCTS < most && cell.bytes(pattern) < MAX_ESTIMATED_BYTES
 }
 
 /// Ratios `own` with what steady cells in the blocks of `finer` change of those of `scene`; `None` where one has no ratio.
@@ -118,7 +118,7 @@ fn in_proportion((found, of_groove): (BlockRefinement, Vec<f64>), own: &[Option<
         .zip(&of_groove)
         .map(|(own, groove)| {
             let lowering = 1.0 - groove;
-            own.filter(|_| lowering > LEAST_LOWERING).map_or(0.0, |own| (1.0 - own) / lowering)
+            own.filter(|_| lowering > MIN_LOWERING).map_or(0.0, |own| (1.0 - own) / lowering)
         })
         .collect();
     let shifts: Vec<f64> = found.shifts.iter().zip(&scale).map(|(shift, scale)| shift * scale).collect();

@@ -8,15 +8,15 @@ use slipgrid_pattern::Pattern;
 
 use super::behind::Behind;
 use super::blocks;
-use super::space::MOST_ESTIMATED_BYTES;
+use super::space::MAX_ESTIMATED_BYTES;
 use super::space_strip::BYTES_PER_BLOCK as STRIP_BYTES_PER_BLOCK;
-use super::{FLAT_CELL_COLUMNS, MOST_FACTOR_BYTES, UNIFORM_COLUMNS};
+use super::{FLAT_CELL_COLUMNS, MAX_FACTOR_BYTES, UNIFORM_COLUMNS};
 use crate::cell::{SteadyCell, condensing_cell};
 use crate::dimension::Dimension;
-use crate::dynamics::{MOST_STEPS, Plan, usual_step_s};
+use crate::dynamics::{MAX_STEPS, Plan, usual_step_s};
 use crate::error::SceneError;
 use crate::scene::{Extent, Fidelity, Scene, Springs};
-use crate::space::{MOST_DIRECTIONS, MOST_KEPT, SpaceLattice};
+use crate::space::{MAX_DIRECTIONS, MAX_KEPT, SpaceLattice};
 use crate::steady::{band_products, factor_bytes};
 
 /// Seconds a block and force evaluation, by linear and by exact springs in the plane, and in space.
@@ -54,7 +54,7 @@ const NUMBERS_PER_CAVITY: f64 = 6.0;
 /// and condensed matrices.
 const CELL_BYTES_PER_BLOCK: f64 = 500.0;
 /// Longest time of one core that is begun, in seconds: a month.
-const MOST_CORE_S: f64 = 30.0 * 86_400.0;
+const MAX_CORE_S: f64 = 30.0 * 86_400.0;
 /// Bytes a block of a run in time, and of one in space with its warm start.
 const BYTES_PER_BLOCK: f64 = 200.0;
 const SPACE_BYTES_PER_BLOCK: f64 = 900.0;
@@ -105,11 +105,11 @@ pub fn cell_expense(scene: &Scene) -> Expense {
 /// [`SceneError::TooLarge`], [`SceneError::TooLong`].
 pub fn bounded(scene: &Scene) -> Result<(), SceneError> {
     let Expense { core_s, bytes, .. } = of_threads(scene, 1.0);
-    if bytes > MOST_FACTOR_BYTES {
-        return Err(SceneError::TooLarge { bytes, most_bytes: MOST_FACTOR_BYTES });
+    if bytes > MAX_FACTOR_BYTES {
+        return Err(SceneError::TooLarge { bytes, most_bytes: MAX_FACTOR_BYTES });
     }
-    if core_s > MOST_CORE_S {
-        return Err(SceneError::TooLong { core_s, most_s: MOST_CORE_S });
+    if core_s > MAX_CORE_S {
+        return Err(SceneError::TooLong { core_s, most_s: MAX_CORE_S });
     }
     Ok(())
 }
@@ -169,7 +169,7 @@ fn beside_in_plane(scene: &Scene, threads: f64) -> Expense {
     };
     let by = |factor: f64| {
         let (products, core_s) = cell(&blocks::sized(scene, factor)?);
-        (products < blocks::MOST_PRODUCTS).then_some(core_s)
+        (products < blocks::MAX_PRODUCTS).then_some(core_s)
     };
     let half = by(0.5);
     let quarter = half.and_then(|_| by(0.25));
@@ -208,8 +208,8 @@ fn directions(scene: &Scene, pattern: &Pattern, factor: f64) -> Vec<f64> {
     let narrowest_m = pattern.length_m().map_or_else(|| pattern.width_m(), |length_m| length_m.min(pattern.width_m()));
     let blocks = narrowest_m / (factor * scene.layer.block_m);
     let [least, by_root] = DIRECTIONS;
-    let first = (least + by_root * blocks.sqrt()).min(MOST_DIRECTIONS as f64);
-    let later = if first * (1.0 + LATER) < MOST_KEPT as f64 { LATER * first } else { first };
+    let first = (least + by_root * blocks.sqrt()).min(MAX_DIRECTIONS as f64);
+    let later = if first * (1.0 + LATER) < MAX_KEPT as f64 { LATER * first } else { first };
     (0..scene.loads.len()).map(|load| if load == 0 { first } else { later }).collect()
 }
 
@@ -219,7 +219,7 @@ fn space_cell(scene: &Scene, pattern: &Pattern) -> Expense {
     let (columns, each) = (nx * ny, directions(scene, pattern, 1.0));
     let explicit = (pattern.depth_m() / scene.layer.block_m).ceil() + 1.0;
     let all: f64 = each.iter().sum();
-    let kept = all.min(MOST_KEPT as f64);
+    let kept = all.min(MAX_KEPT as f64);
     // A direction, its image and its normal forces.
     let numbers = columns * (NUMBERS_PER_COLUMN + NUMBERS_PER_CAVITY * pattern.areal_density());
     let thin = if nx.min(ny) < THIN { THIN_TIMES } else { 1.0 };
@@ -232,7 +232,7 @@ fn space_cell(scene: &Scene, pattern: &Pattern) -> Expense {
 
 /// Cells in space in other blocks, and over the whole thickness and the layer alone, that tell how far off a ratio is.
 fn beside(scene: &Scene, pattern: &Pattern, threads: f64) -> Expense {
-    let is_told = |sized: &Scene| SteadyCell::solved(sized, Dimension::Space).bytes(pattern) < MOST_ESTIMATED_BYTES;
+    let is_told = |sized: &Scene| SteadyCell::solved(sized, Dimension::Space).bytes(pattern) < MAX_ESTIMATED_BYTES;
     let by = |factor: f64| blocks::sized(scene, factor).filter(is_told).map(|sized| space_cell(&sized, pattern));
     let half = by(0.5);
     let other = match half {
@@ -259,7 +259,7 @@ fn in_time(scene: &Scene, is_spatial: bool, threads: f64) -> Expense {
     };
     let steps = Plan::new(scene, scene.run.step_s.unwrap_or_else(|| usual_step_s(scene, is_spatial))).total();
     // Longer ones are not begun, and say so.
-    let steps = if steps > MOST_STEPS { 0.0 } else { steps as f64 };
+    let steps = if steps > MAX_STEPS { 0.0 } else { steps as f64 };
     let is_exact = match scene.run.springs {
         Some(springs) => springs == Springs::Exact,
         None => scene.run.fidelity == Fidelity::Reference,

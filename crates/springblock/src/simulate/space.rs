@@ -10,7 +10,7 @@ use super::statements::{
     PERIODIC_CELL, SPEED_ZERO, STRETCHED_CELL, describe_draws, describe_law, describe_protocol, describe_start,
     describe_steady, why_space,
 };
-use super::{MOST_FACTOR_BYTES, blocks, collect, compare, differences, seed_of, stderr_share};
+use super::{MAX_FACTOR_BYTES, blocks, collect, compare, differences, seed_of, stderr_share};
 use crate::Monitor;
 use crate::cell::SteadyCell;
 use crate::dimension::Dimension;
@@ -22,9 +22,9 @@ use crate::scene::{Extent, Scene};
 use crate::space::SpaceLattice;
 
 /// Most blocks of a cell: its springs, which set the limit of the time step, take up to 4 GiB then.
-const MOST_BLOCKS: f64 = 1e7;
+const MAX_BLOCKS: f64 = 1e7;
 /// Most memory of a steady cell that tells of the size of blocks, in bytes: a second.
-pub const MOST_ESTIMATED_BYTES: f64 = 1e8;
+pub const MAX_ESTIMATED_BYTES: f64 = 1e8;
 /// Columns along each axis of the flat layer whose largest eigenfrequency stands for that of any: even, so that they
 /// hold the shortest waves.
 const FLAT_COLUMNS: usize = 8;
@@ -101,7 +101,7 @@ pub fn steady(scene: &Scene, laid: Laid, monitor: &dyn Monitor) -> Result<Simula
 /// What every load finds, but for how far blocks are off.
 pub fn steady_loads(scene: &Scene, pattern: &Pattern, monitor: &dyn Monitor) -> Result<Vec<LoadOutcome>, SceneError> {
     let model = SteadyCell::solved(scene, Dimension::Space);
-    let (bytes, most_bytes) = (model.bytes(pattern), MOST_FACTOR_BYTES);
+    let (bytes, most_bytes) = (model.bytes(pattern), MAX_FACTOR_BYTES);
     if bytes > most_bytes {
         return Err(SceneError::TooLarge { bytes, most_bytes });
     }
@@ -141,7 +141,7 @@ fn discretization_error(
     let estimate = || {
         blocks::block_error(scene, own, |scene| {
             let model = SteadyCell::solved(scene, Dimension::Space);
-            (model.bytes(pattern) < MOST_ESTIMATED_BYTES && !monitor.cancelled())
+            (model.bytes(pattern) < MAX_ESTIMATED_BYTES && !monitor.cancelled())
                 .then(|| model.ratios_heeding(pattern, monitor))
         })
     };
@@ -166,10 +166,10 @@ pub fn dynamic(scene: &Scene, laid: Laid, monitor: &dyn Monitor) -> Result<Simul
         Extent::Cell | Extent::Sample => nx * along * rows as f64,
         Extent::Strip => scene.layer.columns() as f64 * nx.max(ny) * rows as f64,
     };
-    if blocks > MOST_BLOCKS {
-        return Err(SceneError::TooManyBlocks { blocks, most: MOST_BLOCKS });
+    if blocks > MAX_BLOCKS {
+        return Err(SceneError::TooManyBlocks { blocks, most: MAX_BLOCKS });
     }
-    let (bytes, most_bytes) = (blocks * WARM_BYTES_PER_BLOCK, MOST_FACTOR_BYTES);
+    let (bytes, most_bytes) = (blocks * WARM_BYTES_PER_BLOCK, MAX_FACTOR_BYTES);
     if scene.run.warm_start && bytes > most_bytes {
         return Err(SceneError::TooLarge { bytes, most_bytes });
     }

@@ -8,7 +8,7 @@ use slipgrid_pattern::Pattern;
 use super::drawn_ratios::{model_of, solve_drawn};
 use super::specimen::least_wall_m;
 use super::statements::few_periods;
-use super::{MOST_FACTOR_BYTES, compare, steady_coefficients};
+use super::{MAX_FACTOR_BYTES, compare, steady_coefficients};
 use crate::Monitor;
 use crate::error::SceneError;
 use crate::face::Strip;
@@ -190,8 +190,8 @@ pub fn gap_after(lines: usize) -> usize {
 /// [`SceneError::TooLarge`].
 pub fn steady_loads(scene: &Scene, strip: &SpaceStrip, monitor: &dyn Monitor) -> Result<Vec<LoadOutcome>, SceneError> {
     let bytes: f64 = strip.lattices.iter().map(steady_bytes).sum();
-    if bytes > MOST_FACTOR_BYTES {
-        return Err(SceneError::TooLarge { bytes, most_bytes: MOST_FACTOR_BYTES });
+    if bytes > MAX_FACTOR_BYTES {
+        return Err(SceneError::TooLarge { bytes, most_bytes: MAX_FACTOR_BYTES });
     }
     let solved: Vec<Vec<SurfaceOutcome>> =
         strip.lattices.par_iter().map(|lattice| solve(scene, lattice, strip.direction, monitor)).collect();

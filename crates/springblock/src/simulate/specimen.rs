@@ -110,7 +110,7 @@ impl SteadySpecimen {
             Behind::under_face(&Scene { run, ..scene.clone() }, &pattern, face, monitor)
         };
         let tilt = || PressureTilt::of_strips(scene, &pattern, face, face.share_of(&pattern), monitor);
-        let refined = || scene.run.refine.then(|| blocks::finer(scene, &pattern, &[], blocks::MOST_REFINED, monitor));
+        let refined = || scene.run.refine.then(|| blocks::finer(scene, &pattern, &[], blocks::MAX_REFINED, monitor));
         let (strips, ((block_errors, refined), (behind, tilt))) =
             rayon::join(strips, || rayon::join(|| rayon::join(block_errors, refined), || rayon::join(behind, tilt)));
         let Some(SteadyFace { loads, shortened }) = strips? else { return Ok(None) };

@@ -3,7 +3,7 @@
 use slipgrid_pattern::Pattern;
 
 use crate::columns::{self, Column};
-use crate::dynamics::{MOST_STEPS, Plan, Scheme};
+use crate::dynamics::{MAX_STEPS, Plan, Scheme};
 use crate::outcome::Statements;
 use crate::scene::{Extent, Scene};
 
@@ -52,9 +52,9 @@ pub fn describe_scheme(scene: &Scene, scheme: &Scheme) -> String {
 /// What is said of runs that are not begun, and of a bulk at rest.
 pub fn describe_protocol(scene: &Scene, step_s: f64, said: &mut Statements) {
     let steps = Plan::new(scene, step_s).total();
-    if steps > MOST_STEPS {
+    if steps > MAX_STEPS {
         said.model(format!(
-            "not run: {:.3e} m of travel at {:.3e} m/s would take {steps:.1e} steps, more than {MOST_STEPS:.0e}; travel less, slide faster, or ask for steady",
+            "not run: {:.3e} m of travel at {:.3e} m/s would take {steps:.1e} steps, more than {MAX_STEPS:.0e}; travel less, slide faster, or ask for steady",
             scene.run.sliding_m, scene.speed_m_s,
         ));
     }

@@ -40,7 +40,7 @@ struct Link {
 }
 
 /// Least share of a block's stiffness that counts: what hangs on less is no part of the solid.
-const LEAST_LEFT: f64 = 1e-4;
+const MIN_LEFT: f64 = 1e-4;
 
 /// Number in the support of a block that has none.
 const ABSENT: usize = usize::MAX;
@@ -245,7 +245,7 @@ impl Interface {
             }
         }
         let all = self.support.iter().flat_map(|place| whole.map(|whole| whole[usize::from(*place < plane)]));
-        self.softness = all.zip(missing).map(|(all, missing)| 1.0 / (1.0 - missing / all).max(LEAST_LEFT)).collect();
+        self.softness = all.zip(missing).map(|(all, missing)| 1.0 / (1.0 - missing / all).max(MIN_LEFT)).collect();
     }
 
     /// Multiplies `residual` by what nearly inverts the response to each unknown alone.

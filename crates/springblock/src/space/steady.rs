@@ -26,15 +26,15 @@ const LINEAR_TOLERANCE: f64 = 0.03;
 /// Reduction of the residual below which a chord is replaced by a tangent.
 const CONTRACTION: f64 = 0.5;
 /// Directions of one load after which the solve gives up.
-pub(crate) const MOST_DIRECTIONS: usize = 600;
+pub(crate) const MAX_DIRECTIONS: usize = 600;
 /// Evaluations of friction after which it does.
-const MOST_EVALUATIONS: usize = 100;
+const MAX_EVALUATIONS: usize = 100;
 /// Directions kept: more cost memory and time, fewer lose what was learnt.
-pub(crate) const MOST_KEPT: usize = 160;
+pub(crate) const MAX_KEPT: usize = 160;
 /// Relative step of the slope of friction.
 const SLOPE_STEP: f64 = 1e-6;
 /// Rounds of lifting and landing blocks after which unilateral contact gives up.
-const MOST_CONTACT_ROUNDS: usize = 60;
+const MAX_CONTACT_ROUNDS: usize = 60;
 
 /// One load on a [`SpaceSteadyModel`].
 #[derive(Clone, Copy, Debug)]
@@ -327,7 +327,7 @@ impl<'a> Solver<'a> {
         }
         let mut lifted = vec![false; self.interface.contacts()];
         let mut latest: Option<Self> = None;
-        for _ in 0..MOST_CONTACT_ROUNDS {
+        for _ in 0..MAX_CONTACT_ROUNDS {
             let solver = latest.as_ref().unwrap_or(self);
             let heights = solver.interface.lifted(&solver.state.unknowns);
             let next: Vec<bool> = heights
@@ -365,7 +365,7 @@ impl<'a> Solver<'a> {
         let mut last = f64::INFINITY;
         let mut best: Option<(f64, State)> = None;
         let mut verified = false;
-        for _ in 0..MOST_EVALUATIONS {
+        for _ in 0..MAX_EVALUATIONS {
             let (mut residual, size) = self.residual(load);
             if size <= self.tolerance {
                 if verified {
@@ -377,7 +377,7 @@ impl<'a> Solver<'a> {
                 continue;
             }
             verified = false;
-            if !size.is_finite() || applied >= MOST_DIRECTIONS {
+            if !size.is_finite() || applied >= MAX_DIRECTIONS {
                 break;
             }
             if best.as_ref().is_none_or(|(least, _)| size < *least) {
@@ -389,12 +389,12 @@ impl<'a> Solver<'a> {
             last = size;
             let target = LINEAR_TOLERANCE * norm(&residual);
             let mut shares = self.directions.take(&mut residual);
-            while norm(&residual) > target && applied < MOST_DIRECTIONS {
+            while norm(&residual) > target && applied < MAX_DIRECTIONS {
                 if self.monitor.cancelled() {
                     self.advance(&shares, &residual);
                     return End { status: Status::Cancelled, residual: size, directions: applied };
                 }
-                if self.directions.count() >= MOST_KEPT {
+                if self.directions.count() >= MAX_KEPT {
                     self.advance(&shares, &residual);
                     shares.clear();
                     self.directions.clear();

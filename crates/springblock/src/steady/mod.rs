@@ -49,9 +49,9 @@ pub use thick::ThickModel;
 /// error of mu is about as large. The requirement on mu is 1e-8.
 const TOLERANCE: f64 = 1e-11;
 /// Evaluations of the fixed-point map after which the solve gives up.
-const MOST_ITERATIONS: usize = 300;
+const MAX_ITERATIONS: usize = 300;
 /// Rounds of lifting and landing blocks after which unilateral contact gives up.
-const MOST_CONTACT_ROUNDS: usize = 60;
+const MAX_CONTACT_ROUNDS: usize = 60;
 
 /// One load on a [`SteadyModel`].
 #[derive(Clone, Copy, Debug)]
@@ -192,7 +192,7 @@ impl SteadyModel {
             if next == lifted {
                 return state;
             }
-            if rounds == MOST_CONTACT_ROUNDS || next.len() == system.contacts().len() {
+            if rounds == MAX_CONTACT_ROUNDS || next.len() == system.contacts().len() {
                 state.status = Status::NotConverged;
                 return state;
             }
@@ -355,7 +355,7 @@ impl<'a> Iteration<'a> {
     }
 
     fn is_open(&self) -> bool {
-        !self.has_ended && self.count < MOST_ITERATIONS
+        !self.has_ended && self.count < MAX_ITERATIONS
     }
 
     fn response(&mut self) -> Response<'_> {
@@ -389,7 +389,7 @@ impl<'a> Iteration<'a> {
     fn end(mut self, system: &impl LinearResponse) -> Equilibrium {
         let mut iterations = self.count;
         if !(self.has_ended && self.residual <= TOLERANCE) {
-            iterations = MOST_ITERATIONS;
+            iterations = MAX_ITERATIONS;
             if let Some((_, state)) = self.best.take() {
                 self.friction = state;
                 iterations += newton::improve(system, self.load, &mut self.friction, 0.5 * TOLERANCE);

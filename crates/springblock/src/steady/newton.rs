@@ -15,11 +15,11 @@ use super::LinearResponse;
 use super::SteadyLoad;
 
 /// Newton steps.
-const MOST_STEPS: usize = 60;
+const MAX_STEPS: usize = 60;
 /// Halvings of a step.
-const MOST_HALVINGS: usize = 12;
+const MAX_HALVINGS: usize = 12;
 /// Contacts beyond which the dense Jacobian is too large to be worth its cost.
-pub const MOST_CONTACTS: usize = 1500;
+pub const MAX_CONTACTS: usize = 1500;
 /// Relative step of the slope of g: far below the width of a law's steps.
 const SLOPE_STEP: f64 = 1e-7;
 
@@ -43,7 +43,7 @@ pub fn friction_slope(system: &impl LinearResponse, load: &SteadyLoad, number: u
 /// Returns the Newton steps taken.
 pub fn improve(system: &impl LinearResponse, load: &SteadyLoad, friction: &mut Vec<f64>, tolerance: f64) -> usize {
     let n = friction.len();
-    if n == 0 || n > MOST_CONTACTS {
+    if n == 0 || n > MAX_CONTACTS {
         return 0;
     }
     let equations = Equations { system, load, influence: Influence::new(system, n), tolerance };
@@ -94,25 +94,25 @@ impl<S: LinearResponse> Equations<'_, S> {
     fn solve(&self, at: &mut Vec<f64>) -> (bool, usize) {
         let mut normal = self.influence.normal(at);
         let (mut r, mut norm) = self.residual(at, &normal);
-        for step in 0..MOST_STEPS {
+        for step in 0..MAX_STEPS {
             if norm <= self.tolerance {
                 return (true, step);
             }
             let Some(direction) = self.direction(&r, &normal) else { return (false, step) };
             let mut part = 1.0;
-            for halving in 0..=MOST_HALVINGS {
+            for halving in 0..=MAX_HALVINGS {
                 let trial: Vec<f64> = at.iter().zip(&direction).map(|(at, d)| at + part * d).collect();
                 let trial_normal = self.influence.normal(&trial);
                 let (trial_r, trial_norm) = self.residual(&trial, &trial_normal);
                 // A step that nowhere decreases |R| crosses a kink: the shortest one is taken all the same.
-                if trial_norm < norm || halving == MOST_HALVINGS {
+                if trial_norm < norm || halving == MAX_HALVINGS {
                     (*at, normal, r, norm) = (trial, trial_normal, trial_r, trial_norm);
                     break;
                 }
                 part *= 0.5;
             }
         }
-        (norm <= self.tolerance, MOST_STEPS)
+        (norm <= self.tolerance, MAX_STEPS)
     }
 }
 
@@ -257,7 +257,7 @@ mod tests {
                     let load = SteadyLoad { pressure_pa: 1e6, dynamic_mu: &dynamic_mu, area_law: Some(&law) };
                     let outcome = model.solve(&load);
                     assert_ne!(outcome.status, Status::NotConverged, "{mu} {width} {after} {at_pa}");
-                    rescued += usize::from(outcome.iterations > super::super::MOST_ITERATIONS);
+                    rescued += usize::from(outcome.iterations > super::super::MAX_ITERATIONS);
                 }
             }
         }

@@ -23,11 +23,11 @@ use crate::lattice::Lattice;
 use crate::outcome::{Status, SurfaceOutcome};
 
 /// Steps in which every contact that breaks its condition moves.
-const MOST_STEPS: usize = 40;
+const MAX_STEPS: usize = 40;
 /// Steps for each contact in which only the worst one does.
-const MOST_SINGLE_STEPS: usize = 4;
+const MAX_SINGLE_STEPS: usize = 4;
 /// Halvings of a step that does not lessen the residual.
-const MOST_HALVINGS: usize = 10;
+const MAX_HALVINGS: usize = 10;
 /// A force over the mean one, or a gap over the largest height, that counts as none.
 const ROUNDING: f64 = 1e-12;
 
@@ -142,14 +142,14 @@ impl Contacts<'_> {
     fn solve(&self, state: &mut State) -> (Status, usize, f64) {
         let m = state.touch.len();
         let mut residual = self.residual(state);
-        let most = MOST_STEPS + MOST_SINGLE_STEPS * m;
+        let most = MAX_STEPS + MAX_SINGLE_STEPS * m;
         for step in 0..most {
             let Some(direction) = self.direction(state, &residual) else {
                 return (Status::NotConverged, step, f64::NAN);
             };
             let before = size(&residual);
             self.advance(state, &direction, 1.0);
-            let changed = self.switch(state, step >= MOST_STEPS);
+            let changed = self.switch(state, step >= MAX_STEPS);
             residual = self.residual(state);
             let after = size(&residual) / self.model.response().load;
             if !changed {
@@ -158,7 +158,7 @@ impl Contacts<'_> {
                 }
                 // With the same contacts only the law is not linear: a step that leads away is shortened.
                 let mut part = 1.0;
-                for _ in 0..MOST_HALVINGS {
+                for _ in 0..MAX_HALVINGS {
                     if size(&residual) < before {
                         break;
                     }

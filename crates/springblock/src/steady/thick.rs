@@ -5,7 +5,7 @@
 //! leave the counterface, which a thin layer leaves to the equations of all blocks, are unknowns here.
 
 use super::condensed::CondensedModel;
-use super::{Equilibrium, MOST_CONTACT_ROUNDS, SteadyLoad, unloaded};
+use super::{Equilibrium, MAX_CONTACT_ROUNDS, SteadyLoad, unloaded};
 use crate::lattice::Lattice;
 use crate::outcome::{Status, SurfaceOutcome};
 
@@ -57,7 +57,7 @@ impl ThickModel {
     fn solve_unilateral(&self, model: &CondensedModel, mut state: Equilibrium, load: &SteadyLoad) -> SurfaceOutcome {
         let mut model = model.clone();
         let mut lifted: Vec<usize> = Vec::new();
-        for _ in 0..MOST_CONTACT_ROUNDS {
+        for _ in 0..MAX_CONTACT_ROUNDS {
             let heights = model.heights(&state);
             let leaves = |normal: f64, height: Option<f64>| height.map_or(normal < 0.0, |height| height >= 0.0);
             let off = model.contacts().iter().zip(state.normal.iter().zip(&heights));

@@ -13,7 +13,7 @@ use slipgrid_monitor::{Part, Stage};
 /// Runs shorter than this are timed again, and the shortest time counts.
 const SHORT_S: f64 = 0.05;
 /// Most times that a short run is timed.
-const MOST_TIMINGS: usize = 5;
+const MAX_TIMINGS: usize = 5;
 
 /// What one run of a row gave.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -166,7 +166,7 @@ pub fn measure_all(rows: &[Row], base: &Scene, side_by_side: bool, progress: &St
 /// Measures `scene`, again while that is cheap: the shortest time counts.
 fn timed(scene: &Scene, monitor: &dyn Monitor) -> Run {
     let mut run = measure(scene, monitor);
-    for _ in 1..MOST_TIMINGS {
+    for _ in 1..MAX_TIMINGS {
         if run.wall_s > SHORT_S || !run.converged {
             break;
         }

@@ -24,7 +24,7 @@ const ROWS_ABOVE_CAVITY: usize = 2;
 const TRAVEL_OVER_ONSET: f64 = 2.0;
 /// Periods of the layer's first shear mode that a reduced run lasts at least: fast drives reach the onset
 /// within a few, which are no mean.
-const LEAST_PERIODS: f64 = 100.0;
+const MIN_PERIODS: f64 = 100.0;
 
 /// The polymer sample of Balestra et al., J. Tribol. 144, 031704, with the stand-in map's area law.
 ///
@@ -76,7 +76,7 @@ pub fn reduced(scene: &Scene) -> Scene {
         Layer { length_m: columns as f64 * block_m, height_m: rows as f64 * block_m, block_m, thickness_m: None };
     let onset_m = scene.loads.first().map_or(0.0, |load| onset_travel_m(scene, &layer, load));
     let wanted_m = (TRAVEL_OVER_ONSET * onset_m)
-        .max(LEAST_PERIODS * shear_period_s(&scene.elastic, layer.height_m) * scene.speed_m_s);
+        .max(MIN_PERIODS * shear_period_s(&scene.elastic, layer.height_m) * scene.speed_m_s);
     let sliding_m = if wanted_m > 0.0 { wanted_m.min(scene.run.sliding_m) } else { scene.run.sliding_m };
     Scene { layer, run: RunOptions { sliding_m, ..scene.run }, ..scene.clone() }
 }

@@ -13,7 +13,7 @@ use slipgrid_statistics::cholesky::{cholesky, dot, solve_lower, solve_upper};
 use super::draws::{Draw, Draws};
 use super::physics::{LOADS, Physics, Solved};
 use super::truth::{
-    DIMENSIONS_STD, FLAT_SHARE, MODULUS_STD, MOST_LOG_MODULUS, Mechanism, SAMPLE_STD, SLOPE_SHARE, amplitude,
+    DIMENSIONS_STD, FLAT_SHARE, MAX_LOG_MODULUS, MODULUS_STD, Mechanism, SAMPLE_STD, SLOPE_SHARE, amplitude,
 };
 
 /// Gaussians that cover the size of a mechanism, and the modulus.
@@ -190,7 +190,7 @@ impl Generator {
             log += -0.5 * square * (own.powi(-2) - node.powi(-2)) - 2.0 * (own.abs() / node).ln();
         }
         if of.modulus.std > 0.0 {
-            if log_modulus.abs() > MOST_LOG_MODULUS {
+            if log_modulus.abs() > MAX_LOG_MODULUS {
                 return None;
             }
             let prior = Node { at: 0.0, std: MODULUS_STD, share: 1.0 };
@@ -421,11 +421,11 @@ fn sizes(mechanism: Mechanism, of_sizes: Sizes) -> Vec<(Node, [f64; 2])> {
 
 /// Between the least and the most modulus, and what lies beyond at these.
 fn moduli() -> Vec<Node> {
-    let beyond = slipgrid_statistics::normal_probability(-MOST_LOG_MODULUS / MODULUS_STD);
-    let step = 2.0 * MOST_LOG_MODULUS / MODULI as f64;
+    let beyond = slipgrid_statistics::normal_probability(-MAX_LOG_MODULUS / MODULUS_STD);
+    let step = 2.0 * MAX_LOG_MODULUS / MODULI as f64;
     let prior = Node { at: 0.0, std: MODULUS_STD, share: 1.0 };
-    let mut nodes = cover(-MOST_LOG_MODULUS, MOST_LOG_MODULUS, MODULI, &|at| step * prior.density(at));
-    nodes.extend([-MOST_LOG_MODULUS, MOST_LOG_MODULUS].map(|at| Node { at, std: 0.0, share: beyond }));
+    let mut nodes = cover(-MAX_LOG_MODULUS, MAX_LOG_MODULUS, MODULI, &|at| step * prior.density(at));
+    nodes.extend([-MAX_LOG_MODULUS, MAX_LOG_MODULUS].map(|at| Node { at, std: 0.0, share: beyond }));
     nodes
 }
 

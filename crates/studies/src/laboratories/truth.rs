@@ -14,7 +14,7 @@ pub const DIMENSIONS_STD: f64 = 0.03;
 /// Error of the flat sample's measurement over that of a patterned one.
 pub const FLAT_SHARE: f64 = 0.5;
 /// Young's modulus is off by no more than this: what the textures were solved for is not stretched further.
-pub const MOST_LOG_MODULUS: f64 = 0.5;
+pub const MAX_LOG_MODULUS: f64 = 0.5;
 /// Standard deviation of a mechanism's change with pressure over its size.
 pub const SLOPE_SHARE: f64 = 0.3;
 /// Half the band of ratios that a target accepts.
@@ -154,7 +154,7 @@ impl Laboratory {
         let (beta, gamma) = (SLOPE_SHARE * size * normals.draw(), SLOPE_SHARE * size * normals.draw());
         let amplitude = amplitude(size, beta, gamma);
         let noise = 0.005 * 4_f64.powf(uniform(&mut normals));
-        let log_modulus = (MODULUS_STD * normals.draw()).clamp(-MOST_LOG_MODULUS, MOST_LOG_MODULUS);
+        let log_modulus = (MODULUS_STD * normals.draw()).clamp(-MAX_LOG_MODULUS, MAX_LOG_MODULUS);
         let flat = [0; LOADS].map(|_| FLAT_SHARE * noise * normals.draw());
         // One of the family's four scales.
         let place = ((4.0 * uniform(&mut normals)) as usize).min(3);

@@ -9,13 +9,13 @@ use super::components::Regions;
 use super::found::Found;
 
 /// Patches of land from which on a region that reaches all sides of the map is grooves that cross: one crossing leaves four.
-const LEAST_PATCHES: usize = 4;
+const MIN_PATCHES: usize = 4;
 /// Share of a line in a groove along it that the region takes at least.
 const IN_GROOVE: f64 = 0.9;
 /// Part of a strip that is left out on either side of it, for walls.
 const WALL: f64 = 0.1;
 /// Fewest lines of a strip that is worth naming.
-const LEAST_LINES: usize = 8;
+const MIN_LINES: usize = 8;
 
 /// Grooves that cross on a map.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -68,7 +68,7 @@ impl Crossing {
         let of_cols: Result<Vec<f64>, _> =
             (0..cols).map(|j| share(&mut (j..label.len()).step_by(cols), rows)).collect();
         let strips = [strip(&of_rows?), strip(&of_cols?)];
-        Ok((patches >= LEAST_PATCHES).then_some(Self { patches, strips }))
+        Ok((patches >= MIN_PATCHES).then_some(Self { patches, strips }))
     }
 }
 
@@ -80,7 +80,7 @@ fn strip(share: &[f64]) -> Option<[usize; 2]> {
         in_groove.windows(2).map(|pair| [pair[0], pair[1]]).max_by_key(|[before, behind]| behind - before)?;
     let margin = (WALL * (behind - before) as f64).ceil() as usize;
     let (first, last) = (before + margin, behind - margin);
-    (last >= first + LEAST_LINES).then_some([first, last])
+    (last >= first + MIN_LINES).then_some([first, last])
 }
 
 #[cfg(test)]

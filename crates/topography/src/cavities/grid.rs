@@ -11,24 +11,24 @@ use super::found::Found;
 use super::{Estimate, Spread};
 
 /// Least share of pairs of neighbouring rows' cavities that are shifted by half a pitch, and how far off that may be, in pitches.
-const MOST_PAIRS: f64 = 0.8;
-const MOST_OFF_HALF: f64 = 0.15;
+const MAX_PAIRS: f64 = 0.8;
+const MAX_OFF_HALF: f64 = 0.15;
 /// Most that a row may run away from its axis, in its pitch.
-const MOST_DRIFT: f64 = 0.1;
+const MAX_DRIFT: f64 = 0.1;
 /// Greatest shift of a cavity against one of the next row that is beside it, in pitches.
 const BESIDE: f64 = 0.75;
 /// Most that the distance of two rows may differ from the typical one, over that.
-const MOST_ROW_OFF: f64 = 0.25;
+const MAX_ROW_OFF: f64 = 0.25;
 /// Distance of hexagonal rows over their pitch, sqrt(3)/2, and how far a measured one may be off it, over that.
 const HEXAGONAL: f64 = 0.866_025_4;
-const MOST_OFF_HEXAGONAL: f64 = 0.02;
+const MAX_OFF_HEXAGONAL: f64 = 0.02;
 /// Least turn that is told: it changes a length by 0.02 %.
-const LEAST_TURN_DEG: f64 = 1.0;
+const MIN_TURN_DEG: f64 = 1.0;
 /// The turn in its standard errors, at least; and the difference of the turns along x and along y over their mean, at most.
-const LEAST_ERRORS: f64 = 4.0;
-const MOST_SHEAR: f64 = 0.25;
+const MIN_ERRORS: f64 = 4.0;
+const MAX_SHEAR: f64 = 0.25;
 /// Area between neighbours over that of the map for each cavity, at most: two where they are next but one.
-const MOST_CELL: f64 = 1.5;
+const MAX_CELL: f64 = 1.5;
 
 /// Rows of which every other one is shifted by half a pitch.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -114,7 +114,7 @@ impl Grid {
         let apart_m = |axis: usize| move |[one, other]: &[Whole; 2]| other.center_m[axis] - one.center_m[axis];
         let of_pairs = |axis: usize| median(&mut self.pairs[along].iter().map(apart_m(axis)).collect::<Vec<f64>>());
         let pitch_m = of_pairs(along)?.abs();
-        if of_pairs(across)?.abs() > MOST_DRIFT * pitch_m {
+        if of_pairs(across)?.abs() > MAX_DRIFT * pitch_m {
             return None;
         }
         let mut sorted: Vec<Whole> = self.whole.values().copied().collect();
@@ -130,19 +130,19 @@ impl Grid {
         let row_m = median(&mut rows_m)?;
         let next_row: Vec<[Whole; 2]> = (0..sorted.len())
             .flat_map(|number| {
-                let before = |pair: &[Whole; 2]| apart_m(across)(pair) < (1.0 + MOST_ROW_OFF) * row_m;
+                let before = |pair: &[Whole; 2]| apart_m(across)(pair) < (1.0 + MAX_ROW_OFF) * row_m;
                 beside(number).take_while(before)
             })
-            .filter(|pair| apart_m(across)(pair) > (1.0 - MOST_ROW_OFF) * row_m)
+            .filter(|pair| apart_m(across)(pair) > (1.0 - MAX_ROW_OFF) * row_m)
             .collect();
-        let is_half = |pair: &&[Whole; 2]| (apart_m(along)(pair).abs() / pitch_m - 0.5).abs() < MOST_OFF_HALF;
-        if (next_row.iter().filter(is_half).count() as f64) < MOST_PAIRS * next_row.len() as f64 {
+        let is_half = |pair: &&[Whole; 2]| (apart_m(along)(pair).abs() / pitch_m - 0.5).abs() < MAX_OFF_HALF;
+        if (next_row.iter().filter(is_half).count() as f64) < MAX_PAIRS * next_row.len() as f64 {
             return None;
         }
         let land_m =
             |pair: &[Whole; 2]| apart_m(across)(pair) - 0.5 * (pair[0].width_m[across] + pair[1].width_m[across]);
         let spacing = Spread::of(&next_row.iter().map(land_m).collect::<Vec<f64>>())?;
-        let is_hexagonal = (row_m / (HEXAGONAL * pitch_m) - 1.0).abs() < MOST_OFF_HEXAGONAL;
+        let is_hexagonal = (row_m / (HEXAGONAL * pitch_m) - 1.0).abs() < MAX_OFF_HEXAGONAL;
         let arrangement = if is_hexagonal { Arrangement::Hexagonal } else { Arrangement::Staggered };
         Some((StaggeredRows { along_y: along == 1, arrangement }, spacing))
     }
@@ -166,9 +166,9 @@ impl Grid {
         let [(x_deg, x_error), (y_deg, y_error)] = turns;
         let (value, error) = (0.5 * (x_deg + y_deg), 0.5 * x_error.hypot(y_error));
         let [[ax, ay], [bx, by]] = mean_m;
-        let faces_next = (ax * by - ay * bx).abs() < MOST_CELL * self.cell_m2;
-        let is_turn = value.abs() >= LEAST_TURN_DEG.max(LEAST_ERRORS * error);
-        let is_rigid = (x_deg - y_deg).abs() <= MOST_SHEAR * value.abs();
+        let faces_next = (ax * by - ay * bx).abs() < MAX_CELL * self.cell_m2;
+        let is_turn = value.abs() >= MIN_TURN_DEG.max(MIN_ERRORS * error);
+        let is_rigid = (x_deg - y_deg).abs() <= MAX_SHEAR * value.abs();
         (faces_next && is_turn && is_rigid).then_some(Estimate { value, error: Some(error) })
     }
 }

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::Estimate;
-use super::rims::{LEAST_STRETCHES, Stretch};
+use super::rims::{MIN_STRETCHES, Stretch};
 
 /// Rim heights of all stretches for one profile and width.
 pub(super) struct Heights {
@@ -67,7 +67,7 @@ impl Heights {
         let count = cavities.len() as f64;
         let square: f64 =
             cavities.values().map(|(weight, mean_m, _)| (weight / total * (mean_m - self.mean_m)).powi(2)).sum();
-        let between = if count >= LEAST_STRETCHES as f64 { square * count / (count - 1.0) } else { 0.0 };
+        let between = if count >= MIN_STRETCHES as f64 { square * count / (count - 1.0) } else { 0.0 };
         within.max(between).sqrt()
     }
 
@@ -102,7 +102,7 @@ impl Heights {
             let (_, mean_m, _) = sides[&(region, side)];
             noise_square += weight * (value - mean_m).powi(2);
         }
-        if self.stretches.len() < LEAST_STRETCHES * sides.len() {
+        if self.stretches.len() < MIN_STRETCHES * sides.len() {
             return None;
         }
         let unit_variance = self.inflation * noise_square / (self.stretches.len() - sides.len()) as f64;

@@ -1,7 +1,7 @@
 //! Least squares for profiles with rough noise: what two heights of a profile differ by grows with their distance.
 
 /// Share of the greatest semivariance that single heights scatter by at least: keeps the equations well conditioned.
-const LEAST_NUGGET: f64 = 1e-3;
+const MIN_NUGGET: f64 = 1e-3;
 /// Variance of the profiles' common level over the greatest semivariance: large, since every fit has its own level.
 const LEVEL: f64 = 10.0;
 
@@ -86,7 +86,7 @@ impl Kriging {
     pub(super) fn new(variogram: Variogram, bins: &[usize], extra: f64) -> Option<Self> {
         let span = bins.last()? - bins.first()?;
         let greatest = variogram.at(span.max(1)) + extra;
-        let nugget = (variogram.nugget + extra).max(LEAST_NUGGET * greatest) - variogram.nugget;
+        let nugget = (variogram.nugget + extra).max(MIN_NUGGET * greatest) - variogram.nugget;
         let sill = LEVEL * (greatest + nugget);
         let covariance = |one: usize, other: usize| match bins[one].abs_diff(bins[other]) {
             0 => sill,

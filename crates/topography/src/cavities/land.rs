@@ -13,9 +13,9 @@ const SPIKES: f64 = 1e-3;
 /// Heights between two questions whether to go on.
 const ASKED_EVERY: usize = 1 << 16;
 /// Least distance of the two means, in standard deviations within: a uniform ramp has 3.5, a Gaussian 2.7.
-const LEAST_SEPARATION: f64 = 4.0;
+const MIN_SEPARATION: f64 = 4.0;
 /// Rounds of fitting the form to the land and finding the land anew.
-const MOST_ROUNDS: usize = 20;
+const MAX_ROUNDS: usize = 20;
 
 /// Heights above the land, and which of them are cavities.
 pub(super) struct Land {
@@ -41,7 +41,7 @@ impl Land {
         let mut height_m = map.fit_form(form, all, monitor)?.above_m(map, monitor)?;
         let mut groups = groups(&height_m, monitor)?;
         let mut land: Vec<bool> = Vec::new();
-        for _ in 0..MOST_ROUNDS {
+        for _ in 0..MAX_ROUNDS {
             let found: Vec<bool> = height_m.iter().map(|&height| height > groups.threshold_m).collect();
             if found == land {
                 break;
@@ -51,7 +51,7 @@ impl Land {
             height_m = map.fit_form(form, |n| land[n], monitor)?.above_m(map, monitor)?;
             groups = self::groups(&height_m, monitor)?;
         }
-        if groups.separation < LEAST_SEPARATION {
+        if groups.separation < MIN_SEPARATION {
             return Err(MapError::NoCavities { reason: "heights do not part into land and floors" });
         }
         monitor.heed()?;
@@ -107,7 +107,7 @@ impl Land {
 }
 
 /// Heights that differ by less, a tenth of a picometre, are equal: what is left of a plane is rounding.
-const LEAST_RANGE_M: f64 = 1e-13;
+const MIN_RANGE_M: f64 = 1e-13;
 
 /// The threshold that parts heights into two groups with the least variance within (Otsu).
 fn groups(height_m: &[f64], monitor: &dyn Monitor) -> Result<Groups, MapError> {
@@ -115,7 +115,7 @@ fn groups(height_m: &[f64], monitor: &dyn Monitor) -> Result<Groups, MapError> {
     let spikes = (present.len() as f64 * SPIKES) as usize;
     let low = nth(&present, spikes, monitor)?;
     let high = nth(&present, present.len().saturating_sub(1 + spikes), monitor)?;
-    let Some((low, high)) = low.zip(high).filter(|(low, high)| high - low > LEAST_RANGE_M) else {
+    let Some((low, high)) = low.zip(high).filter(|(low, high)| high - low > MIN_RANGE_M) else {
         return Err(MapError::NoCavities { reason: "all heights are equal" });
     };
     let mut counts = vec![0.0; CLASSES];

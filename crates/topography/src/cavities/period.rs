@@ -15,9 +15,9 @@ use crate::{HeightMap, MapError};
 /// Least whole cavities.
 const LEAST: usize = 2;
 /// Most that a centre may lie off its place, in pitches: half as far it would belong to another.
-const MOST_STRAY: f64 = 0.2;
+const MAX_STRAY: f64 = 0.2;
 /// Most by which the rows in between may lie off half a pitch in the mean, in pitches.
-const MOST_SHIFT: f64 = 0.05;
+const MAX_SHIFT: f64 = 0.05;
 /// Share of a cell's weight that must be land for the cell to be land.
 const ALL_LAND: f64 = 0.999;
 
@@ -236,7 +236,7 @@ fn of_grooves(
         places.push((index, pair[1]));
     }
     let [first_m, pitch_m] = line(&places);
-    if places.iter().any(|(index, at_m)| (at_m - first_m - index * pitch_m).abs() > MOST_STRAY * pitch_m) {
+    if places.iter().any(|(index, at_m)| (at_m - first_m - index * pitch_m).abs() > MAX_STRAY * pitch_m) {
         return refuse("grooves stray from even distances by more than a fifth of their pitch");
     }
     let (count, pixel_m) = pixels(pitch_m, found.pixel_m[axis]);
@@ -282,7 +282,7 @@ fn of_cells(found: &Found, is_land: &[bool], whole: &[usize], monitor: &dyn Moni
             (first_m, pitch_m[axis]) = (a, 2.0 * b);
         }
         let stray = |(place, at_m): &(f64, f64)| (at_m - first_m - 0.5 * pitch_m[axis] * place).abs();
-        if places.iter().any(|place| stray(place) > MOST_STRAY * pitch_m[axis]) {
+        if places.iter().any(|place| stray(place) > MAX_STRAY * pitch_m[axis]) {
             return refuse("they stray from a rectangular and from a staggered grid by more than a fifth of a pitch");
         }
     }
@@ -301,7 +301,7 @@ fn of_cells(found: &Found, is_land: &[bool], whole: &[usize], monitor: &dyn Moni
                 let strays: Vec<f64> = own.map(|((place, at_m), _)| at_m - 0.5 * pitch_m[axis] * place).collect();
                 strays.iter().sum::<f64>() / strays.len() as f64
             };
-            (stray_m(true) - stray_m(false)).abs() > MOST_SHIFT * pitch_m[axis]
+            (stray_m(true) - stray_m(false)).abs() > MAX_SHIFT * pitch_m[axis]
         };
         if is_off(0) || is_off(1) {
             return refuse(

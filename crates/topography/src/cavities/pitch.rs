@@ -5,7 +5,7 @@ use slipgrid_statistics::median;
 use super::found::Found;
 
 /// Most by which neighbours in staggered rows may be shifted from half a pitch, in pitches.
-const MOST_OFF_HALF: f64 = 0.1;
+const MAX_OFF_HALF: f64 = 0.1;
 
 /// Pitches along both axes, in metres, of the cavities `whole` with these centres; `None` where no neighbours tell one.
 ///
@@ -27,7 +27,7 @@ pub(super) fn pitches_m(found: &Found, centers_m: &[Vec<f64>; 2], whole: &[usize
         faced_m[axis].or_else(|| {
             let hidden_m: Vec<f64> = match faced_m[1 - axis] {
                 Some(pitch_m) => {
-                    let is_shifted = |apart_m: &[f64; 2]| (apart_m[1 - axis] / pitch_m - 0.5).abs() <= MOST_OFF_HALF;
+                    let is_shifted = |apart_m: &[f64; 2]| (apart_m[1 - axis] / pitch_m - 0.5).abs() <= MAX_OFF_HALF;
                     let pairs = found.gaps(axis).into_keys().filter_map(apart_m).filter(is_shifted);
                     pairs.map(|apart_m| apart_m[axis]).collect()
                 }

@@ -20,23 +20,23 @@ use crate::synthetic::splitmix64;
 /// Points between two questions whether to go on.
 const ASKED_EVERY: usize = 1 << 14;
 /// Most bins of a profile.
-const MOST_BINS: usize = 160;
+const MAX_BINS: usize = 160;
 /// Least bins and stretches from which a rim can be sought.
-const LEAST_BINS: usize = 5;
-pub(super) const LEAST_STRETCHES: usize = 4;
+const MIN_BINS: usize = 5;
+pub(super) const MIN_STRETCHES: usize = 4;
 /// Parts of a bin by which it is known where in it points lie: edges cross pixels where they happen to.
 const PARTS: usize = 8;
 /// Share of the edges that a bin of the mean profile stands for at least.
-const LEAST_COVERED: f64 = 0.3;
+const MIN_COVERED: f64 = 0.3;
 /// Height over its standard error from which a rim is one: the best of a hundred profiles and widths without a rim
 /// seldom reaches 3.5.
-const LEAST_SIGNIFICANCE: f64 = 4.0;
+const MIN_SIGNIFICANCE: f64 = 4.0;
 /// Least width of a rim that is sought, and of one whose height is told, in bins: the product of height and width is all
 /// that narrower ones show.
-const LEAST_WIDTH: f64 = 2.0;
-const LEAST_TOLD_WIDTH: f64 = 4.0;
+const MIN_WIDTH: f64 = 2.0;
+const MIN_TOLD_WIDTH: f64 = 4.0;
 /// Greatest width over the profile's reach: what goes on to its end is land.
-const MOST_WIDTH: f64 = 0.75;
+const MAX_WIDTH: f64 = 0.75;
 /// Widths that are tried, in bins.
 const WIDTH_STEP: f64 = 0.25;
 /// What profiles, as edges and pixels blur them, differ by from the fitted family, over the range of heights.
@@ -127,7 +127,7 @@ impl Scene<'_> {
 
     /// How far profiles reach from the edge: half way to the next cavity, at most two widths.
     pub(super) fn reach_m(&self) -> f64 {
-        let beyond_m = self.start_m + self.bin_m() + MOST_BINS as f64 * self.bin_m();
+        let beyond_m = self.start_m + self.bin_m() + MAX_BINS as f64 * self.bin_m();
         self.spacing_m.map_or(f64::INFINITY, |spacing_m| 0.5 * spacing_m).min(2.0 * self.width_m).min(beyond_m)
     }
 
@@ -180,7 +180,7 @@ impl Profile {
         let (bin_m, reach_m) = (scene.bin_m(), scene.reach_m());
         let first_m = scene.start_m + bin_m;
         // The cast saturates at none.
-        let count = (((reach_m - first_m) / bin_m) as usize).min(MOST_BINS);
+        let count = (((reach_m - first_m) / bin_m) as usize).min(MAX_BINS);
         let mut numbers: BTreeMap<(u32, usize, bool, usize), usize> = BTreeMap::new();
         let of_point: Vec<usize> = scene
             .edges
@@ -225,7 +225,7 @@ impl Profile {
                 }
             }
             // Neighbours that are nearer than others cut profiles short.
-            if weighted[0] > LEAST_COVERED * total_m {
+            if weighted[0] > MIN_COVERED * total_m {
                 bins.push(bin);
                 distance_m.push(weighted[1] / weighted[0]);
                 mean_m.push(weighted[2] / weighted[0]);
@@ -310,7 +310,7 @@ pub(super) fn measure(
         start_m: scene.start_m,
         edge_profile: edge_profile(profile.mean_m.last().copied().unwrap_or(0.0)),
     };
-    if profile.bins.len() < LEAST_BINS || profile.stretches.len() < LEAST_STRETCHES {
+    if profile.bins.len() < MIN_BINS || profile.stretches.len() < MIN_STRETCHES {
         return Ok((nothing, BTreeMap::new()));
     }
     let Some(fit) = Fit::new(scene, &profile) else { return Ok((nothing, BTreeMap::new())) };
@@ -321,9 +321,9 @@ pub(super) fn measure(
         let land: Vec<f64> = profile.mean_m.iter().zip(shape).map(|(mean, shape)| mean - height_m * shape).collect();
         fit.kriging.level(&land)
     };
-    if height_m < LEAST_SIGNIFICANCE * heights.error_m() {
+    if height_m < MIN_SIGNIFICANCE * heights.error_m() {
         // A width chosen by the noise would exaggerate it: one that is chosen beforehand does not.
-        let width_m = (NOMINAL_WIDTH * scene.width_m).clamp(LEAST_WIDTH * scene.bin_m(), fit.most_width_m);
+        let width_m = (NOMINAL_WIDTH * scene.width_m).clamp(MIN_WIDTH * scene.bin_m(), fit.most_width_m);
         let values = fit.values(scene, &profile, RimProfile::Round, width_m);
         let shape = fit.kriging.shape(&values);
         if !shape.is_determined() {
@@ -341,7 +341,7 @@ pub(super) fn measure(
     }
     let values = fit.values(scene, &profile, best.profile, best.width_m);
     let edge_profile = edge_profile(level_m(&values, height_m));
-    if best.width_m < (LEAST_TOLD_WIDTH - 0.5 * WIDTH_STEP) * scene.bin_m() {
+    if best.width_m < (MIN_TOLD_WIDTH - 0.5 * WIDTH_STEP) * scene.bin_m() {
         return Ok((RimMetrology { edge_profile, ..nothing }, BTreeMap::new()));
     }
     let [height_error_m, width_error_m] = bootstrap(&profile, &fit, monitor)?;
@@ -370,8 +370,8 @@ impl Fit {
     fn new(scene: &Scene<'_>, profile: &Profile) -> Option<Self> {
         let last_m = *profile.distance_m.last()?;
         let bin_m = scene.bin_m();
-        let most_width_m = MOST_WIDTH * (last_m - scene.start_m);
-        if most_width_m <= LEAST_WIDTH * bin_m {
+        let most_width_m = MAX_WIDTH * (last_m - scene.start_m);
+        if most_width_m <= MIN_WIDTH * bin_m {
             return None;
         }
         // The covariance is that of one stretch; the mean's is smaller by their number, the model's error is not.
@@ -381,10 +381,10 @@ impl Fit {
         let variogram = Variogram::fit(&profile.semivariances());
         let kriging = Kriging::new(variogram, &profile.bins, extra)?;
         let mut fit = Self { kriging, candidates: Vec::new(), most_width_m };
-        let widths = ((most_width_m / bin_m - LEAST_WIDTH) / WIDTH_STEP) as usize;
+        let widths = ((most_width_m / bin_m - MIN_WIDTH) / WIDTH_STEP) as usize;
         for shape in RimProfile::MEASURED {
             for step in 0..=widths {
-                let width_m = (LEAST_WIDTH + step as f64 * WIDTH_STEP) * bin_m;
+                let width_m = (MIN_WIDTH + step as f64 * WIDTH_STEP) * bin_m;
                 let candidate = fit.kriging.shape(&fit.values(scene, profile, shape, width_m));
                 if candidate.is_determined() {
                     fit.candidates.push(Candidate { profile: shape, width_m, shape: candidate });

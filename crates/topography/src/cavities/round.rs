@@ -13,11 +13,11 @@ use super::found::Found;
 /// sqrt(1 - 1/4) over sqrt(1 - 1/100).
 const ROUND_RATIO: f64 = 0.870_388;
 /// Largest departure from it: half the way to a square.
-const MOST_DEPARTURE: f64 = 0.06;
+const MAX_DEPARTURE: f64 = 0.06;
 /// Share of chords that are shorter than the one that stands for the extent.
 const QUANTILE: f64 = 0.9;
 /// Least chords along an axis that show a shape.
-const LEAST_CHORDS: usize = 8;
+const MIN_CHORDS: usize = 8;
 
 /// The diameters of a region along both axes if it is round, in metres: those of the ellipse with its area and with its
 /// ratio of median chords.
@@ -29,7 +29,7 @@ fn diameters_m(found: &Found, region: usize) -> Option<[f64; 2]> {
             return None;
         }
         let mut lengths = found.along[axis][region].lengths.clone();
-        if lengths.len() < LEAST_CHORDS {
+        if lengths.len() < MIN_CHORDS {
             return None;
         }
         lengths.sort_by(f64::total_cmp);
@@ -38,7 +38,7 @@ fn diameters_m(found: &Found, region: usize) -> Option<[f64; 2]> {
         // Below their number: the cast is exact.
         let long = lengths[(QUANTILE * lengths.len() as f64) as usize];
         let middle = median(&mut lengths)?;
-        if (middle / long - ROUND_RATIO).abs() > MOST_DEPARTURE {
+        if (middle / long - ROUND_RATIO).abs() > MAX_DEPARTURE {
             return None;
         }
         medians_m[axis] = middle * found.pixel_m[axis];

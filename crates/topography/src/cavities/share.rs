@@ -8,9 +8,9 @@ use super::{Estimate, RimProfile};
 /// Height over the greatest above which a place belongs to the core of a rim.
 const CORE: f64 = 0.5;
 /// Least length of a piece of edge, in bins.
-const LEAST_PIECE: f64 = 8.0;
+const MIN_PIECE: f64 = 8.0;
 /// Greatest standard error of a share that is told.
-const MOST_ERROR: f64 = 0.25;
+const MAX_ERROR: f64 = 0.25;
 /// Shares that are tried.
 const STEPS: u32 = 200;
 
@@ -77,7 +77,7 @@ fn bands_m(scene: &Scene<'_>, profile: RimProfile, width_m: f64) -> Option<([[f6
 /// The share by the sums of heights in each band before every edge point.
 fn share_of(scene: &Scene<'_>, sums: &[[Band; 4]], mean: f64, width_m: f64) -> Option<Estimate> {
     // Pieces of edge as long as the rim is wide.
-    let piece_m = width_m.max(LEAST_PIECE * scene.bin_m());
+    let piece_m = width_m.max(MIN_PIECE * scene.bin_m());
     let mut pieces: Vec<(f64, f64)> = Vec::new();
     let mut land: Vec<f64> = Vec::new();
     let key = |number: usize| {
@@ -132,5 +132,5 @@ fn share_of(scene: &Scene<'_>, sums: &[[Band; 4]], mean: f64, width_m: f64) -> O
     let low = shares().find(|&p| balance(p).0 > stray).unwrap_or(0.0);
     let high = shares().find(|&p| balance(p).0 >= -stray).unwrap_or(1.0);
     let error = (value - low).max(high - value);
-    (error <= MOST_ERROR).then_some(Estimate { value, error: Some(error) })
+    (error <= MAX_ERROR).then_some(Estimate { value, error: Some(error) })
 }

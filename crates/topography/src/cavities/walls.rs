@@ -12,7 +12,7 @@ const BINS_PER_PIXEL: f64 = 2.0;
 /// Pixels from the edge at half depth outward that profiles of walls take in.
 const OUTWARD_PIXELS: f64 = 3.0;
 /// Least points of a floor, for a plane through them.
-const LEAST_FLOOR: f64 = 12.0;
+const MIN_FLOOR: f64 = 12.0;
 
 /// What was measured on walls and floors, by region.
 pub(super) struct Walls {
@@ -146,7 +146,7 @@ fn floors_sq_m(found: &Found, monitor: &dyn Monitor) -> Result<Vec<Option<f64>>,
     }
     let sq_m = |([.., count], [ii, ij, jj, ih, jh, hh]): ([f64; 4], [f64; 6])| {
         let determinant = ii * jj - ij * ij;
-        if count < LEAST_FLOOR || determinant <= 1e-9 * ii * jj {
+        if count < MIN_FLOOR || determinant <= 1e-9 * ii * jj {
             return None;
         }
         // [ii ij; ij jj] [a; b] = [ih; jh], residual hh - a ih - b jh over what three terms leave free

@@ -26,7 +26,7 @@ pub struct Filling {
 /// Residual, relative to the start, at which heights are as good as the measurement's digits.
 const TOLERANCE: f64 = 1e-10;
 /// Iterations allowed: a dozen or two suffice whatever the map's size, more where holes are ragged.
-const MOST_ITERATIONS: usize = 300;
+const MAX_ITERATIONS: usize = 300;
 
 /// The missing points as unknowns of a linear system.
 struct Holes {
@@ -133,7 +133,7 @@ fn solve(holes: &mut Holes, height: &[f64], mean_m: f64, monitor: &dyn Monitor) 
     let mut previous = f64::INFINITY;
     let mut iterations = 0;
     let mut relative = if start > 0.0 { 1.0 } else { 0.0 };
-    while relative > TOLERANCE && iterations < MOST_ITERATIONS && !monitor.cancelled() {
+    while relative > TOLERANCE && iterations < MAX_ITERATIONS && !monitor.cancelled() {
         // z = B r, B one cycle of multigrid on numbers about 1;  d = z + (r.z / previous r.z) d
         let scale = start * relative;
         let finest = &mut holes.multigrid.levels[0];

@@ -12,7 +12,7 @@ const DIRECTIONS: usize = 720;
 /// Steps along a direction within a pixel.
 const STEPS_PER_PIXEL: f64 = 4.0;
 /// Most points of which the autocorrelation is computed as they are; larger maps are averaged in blocks first.
-const MOST_CORRELATED: usize = 1 << 23;
+const MAX_CORRELATED: usize = 1 << 23;
 
 /// How far the surface resembles itself.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -64,7 +64,7 @@ impl HeightMap {
                 expected: "a number between 0 and 1",
             });
         }
-        let block = (1..).find(|block| self.heights_m().len() / (block * block) <= MOST_CORRELATED).unwrap_or(1);
+        let block = (1..).find(|block| self.heights_m().len() / (block * block) <= MAX_CORRELATED).unwrap_or(1);
         if block == 1 {
             return lengths(self, (threshold, sides), 1, monitor);
         }

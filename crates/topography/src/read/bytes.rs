@@ -61,8 +61,8 @@ pub(crate) fn array<const N: usize>(bytes: &[u8]) -> [u8; N] {
 
 /// Refuses what a source, or a library that unpacks, could not read; what it says may quote a hostile file.
 pub(super) fn unreadable(format: &'static str, error: &dyn std::fmt::Display) -> ReadError {
-    const MOST_CHARS: usize = 160;
-    let reason = error.to_string().chars().map(|c| if c.is_control() { ' ' } else { c }).take(MOST_CHARS).collect();
+    const MAX_CHARS: usize = 160;
+    let reason = error.to_string().chars().map(|c| if c.is_control() { ' ' } else { c }).take(MAX_CHARS).collect();
     ReadError::Unreadable { format, reason }
 }
 

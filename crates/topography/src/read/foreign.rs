@@ -97,11 +97,11 @@ pub(super) fn archive_of(names: impl Iterator<Item = impl AsRef<str>>) -> Option
 
 /// A `.plu` file has no mark; it begins with a date and time, as `Thu May 10 10:17:24 2007`, and zeros to 128 bytes.
 fn is_plu(start: &[u8]) -> bool {
-    const LEAST_DATE: usize = 14;
+    const MIN_DATE: usize = 14;
     let length = start.iter().position(|&byte| byte == 0).unwrap_or(start.len());
     let (date, padding) = start.split_at(length);
     let count = |wanted: fn(&u8) -> bool| date.iter().filter(|byte| wanted(byte)).count();
-    length >= LEAST_DATE
+    length >= MIN_DATE
         && !padding.is_empty()
         && padding.iter().all(|&byte| byte == 0)
         && date.iter().all(|byte| byte.is_ascii_graphic() || byte.is_ascii_whitespace())

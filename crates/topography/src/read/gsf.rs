@@ -16,7 +16,7 @@ use crate::{LengthUnit, MapOption, NotGiven, ReadError};
 pub(super) const MAGIC: &[u8] = b"Gwyddion Simple Field 1.0\n";
 const FORMAT: &str = MapFormat::Gsf.name();
 /// Longest header: titles and notes of a few lines.
-const MOST_HEADER_BYTES: usize = 1 << 16;
+const MAX_HEADER_BYTES: usize = 1 << 16;
 
 #[derive(Default)]
 struct Header {
@@ -115,8 +115,8 @@ fn header_text(source: &mut impl Read) -> Result<String, ReadError> {
         if text < 4 {
             return Ok(String::from_utf8_lossy(&bytes).into_owned());
         }
-        if bytes.len() > MOST_HEADER_BYTES {
-            return Err(ReadError::HeaderTooLong { format: FORMAT, most_bytes: MOST_HEADER_BYTES });
+        if bytes.len() > MAX_HEADER_BYTES {
+            return Err(ReadError::HeaderTooLong { format: FORMAT, most_bytes: MAX_HEADER_BYTES });
         }
     }
 }

@@ -5,7 +5,7 @@ use std::io::{BufRead, Read};
 use crate::ReadError;
 
 /// Longest line: a row of the largest map with 30 characters a height fits.
-const MOST_LINE_BYTES: usize = 1 << 24;
+const MAX_LINE_BYTES: usize = 1 << 24;
 
 /// Numbered lines without their ends.
 pub(crate) struct Lines<R> {
@@ -46,7 +46,7 @@ impl<R: BufRead> Lines<R> {
     fn read(&mut self) -> Result<Option<&str>, ReadError> {
         self.bytes.clear();
         self.line += 1;
-        let mut bounded = (&mut self.source).take(MOST_LINE_BYTES as u64 + 1);
+        let mut bounded = (&mut self.source).take(MAX_LINE_BYTES as u64 + 1);
         let read = bounded
             .read_until(b'\n', &mut self.bytes)
             .map_err(|error| ReadError::Source { line: self.line, reason: error.to_string() })?;
@@ -54,8 +54,8 @@ impl<R: BufRead> Lines<R> {
             self.line -= 1;
             return Ok(None);
         }
-        if read > MOST_LINE_BYTES {
-            return Err(ReadError::LineTooLong { line: self.line, most_bytes: MOST_LINE_BYTES });
+        if read > MAX_LINE_BYTES {
+            return Err(ReadError::LineTooLong { line: self.line, most_bytes: MAX_LINE_BYTES });
         }
         self.text.clear();
         match std::str::from_utf8(&self.bytes) {

@@ -16,7 +16,7 @@ use crate::{HeightMap, MapOption, NotGiven, ReadError};
 /// distances between pixels instead of pixels ...
 const NOT_SQUARE: f64 = 0.01;
 /// ... and at most, however coarsely the sides are rounded.
-const MOST_NOT_SQUARE: f64 = 0.06;
+const MAX_NOT_SQUARE: f64 = 0.06;
 
 /// What the marks at the ends of lines say of a last column.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -239,7 +239,7 @@ impl MatrixReader {
         let grid_m = header.grid_m(rows, self.cols);
         // Where the header tells the counts, they have been compared.
         let is_told = header.pixels[0].is_some() || header.pixel_m.iter().any(Option::is_some);
-        let allowed = (NOT_SQUARE + header.rounding.iter().sum::<f64>()).min(MOST_NOT_SQUARE);
+        let allowed = (NOT_SQUARE + header.rounding.iter().sum::<f64>()).min(MAX_NOT_SQUARE);
         match (header.height_m.zip(header.width_m), grid_m) {
             (Some((height_m, width_m)), [Some(along_y_m), Some(along_x_m)])
                 if !is_told && off_square([along_y_m, along_x_m]) > allowed =>

@@ -61,14 +61,14 @@ pub use window::{Crop, Decimation, DecimationMethod};
 use crate::{HeightMap, LengthUnit, ReadError};
 
 /// Comments kept for the reader of a report.
-const MOST_COMMENTS: usize = 100;
+const MAX_COMMENTS: usize = 100;
 /// Characters kept of each.
-const MOST_COMMENT_CHARS: usize = 300;
+const MAX_COMMENT_CHARS: usize = 300;
 /// Bytes by which a format is told.
 const START: usize = 64;
 /// Packed data that hold more heights than this for each of their bytes, and more than [`HARMLESS_HEIGHTS`], are a
 /// bomb: measured heights keep at least a bit of noise each. So a map takes at most 64 times its file, or 8 MiB.
-const MOST_HEIGHTS_PER_BYTE: u64 = 8;
+const MAX_HEIGHTS_PER_BYTE: u64 = 8;
 const HARMLESS_HEIGHTS: u64 = 1 << 20;
 
 /// How a file holds a map.
@@ -227,15 +227,15 @@ fn format_of(start: &[u8]) -> Result<Option<MapFormat>, ReadError> {
 
 /// Keeps a comment, within bounds.
 fn keep_comment(comments: &mut Vec<String>, comment: &str) {
-    if comments.len() < MOST_COMMENTS && !comment.is_empty() {
-        comments.push(comment.chars().take(MOST_COMMENT_CHARS).collect());
+    if comments.len() < MAX_COMMENTS && !comment.is_empty() {
+        comments.push(comment.chars().take(MAX_COMMENT_CHARS).collect());
     }
 }
 
 /// Refuses `packed` bytes that unpack to far more heights, of `bytes_each`, than measured ones ever do.
 fn check_expansion(format: &'static str, heights: u64, bytes_each: u64, packed: u64) -> Result<(), ReadError> {
-    if heights > HARMLESS_HEIGHTS && heights / MOST_HEIGHTS_PER_BYTE > packed {
-        let (unpacked, most_expansion) = (heights.saturating_mul(bytes_each), MOST_HEIGHTS_PER_BYTE * bytes_each);
+    if heights > HARMLESS_HEIGHTS && heights / MAX_HEIGHTS_PER_BYTE > packed {
+        let (unpacked, most_expansion) = (heights.saturating_mul(bytes_each), MAX_HEIGHTS_PER_BYTE * bytes_each);
         return Err(ReadError::Bomb { format, unpacked, packed, most_expansion });
     }
     Ok(())

@@ -16,7 +16,7 @@ use crate::ReadError;
 pub(super) const MAGIC: &[u8] = b"\x93NUMPY";
 const FORMAT: &str = MapFormat::Npy.name();
 /// Longest header: the writer pads to 64 or 128 bytes.
-const MOST_HEADER_BYTES: usize = 1 << 16;
+const MAX_HEADER_BYTES: usize = 1 << 16;
 
 pub(super) fn read(mut source: impl Read, options: &ReadOptions) -> Result<ReadMap, ReadError> {
     let start: [u8; 8] = exact(&mut source, FORMAT, "header")?;
@@ -25,8 +25,8 @@ pub(super) fn read(mut source: impl Read, options: &ReadOptions) -> Result<ReadM
         2 | 3 => u32::from_le_bytes(exact(&mut source, FORMAT, "header")?),
         version => return Err(refused("version", version.to_string(), "1, 2 or 3")),
     } as usize;
-    if length > MOST_HEADER_BYTES {
-        return Err(ReadError::HeaderTooLong { format: FORMAT, most_bytes: MOST_HEADER_BYTES });
+    if length > MAX_HEADER_BYTES {
+        return Err(ReadError::HeaderTooLong { format: FORMAT, most_bytes: MAX_HEADER_BYTES });
     }
     let mut header = String::new();
     (&mut source).take(length as u64).read_to_string(&mut header).map_err(|error| unreadable(FORMAT, &error))?;

@@ -34,7 +34,7 @@ pub(super) const MAGIC_PLAIN: &[u8] = b"DIGITAL SURF";
 pub(super) const MAGIC_COMPRESSED: &[u8] = b"DSCOMPRESSED";
 const FORMAT: &str = MapFormat::Sur.name();
 /// Most zlib streams: writers use one.
-const MOST_STREAMS: u32 = 4096;
+const MAX_STREAMS: u32 = 4096;
 
 struct Header([u8; 512]);
 
@@ -187,7 +187,7 @@ impl Streams<Cursor<Vec<u8>>> {
     fn new(mut source: impl Read, heights: u64, bytes_each: u64) -> Result<Self, ReadError> {
         let needed = heights * bytes_each;
         let count = u32::from_le_bytes(exact(&mut source, FORMAT, "streams")?);
-        if !(1..=MOST_STREAMS).contains(&count) {
+        if !(1..=MAX_STREAMS).contains(&count) {
             return Err(refused("number of streams", count.to_string(), "1 to 4096"));
         }
         let (mut packed, mut unpacked) = (Vec::new(), 0);

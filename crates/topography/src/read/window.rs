@@ -1,6 +1,6 @@
 //! The part of a file's grid that is kept: a rectangle of it, and of that every pixel or blocks of pixels.
 
-use crate::map::MOST_POINTS;
+use crate::map::MAX_POINTS;
 use crate::{HeightMap, MapError, ReadError};
 
 /// A rectangle of pixels of the file's grid; rows and columns count from 0.
@@ -271,8 +271,8 @@ impl Window {
 }
 
 fn check_points(points: f64) -> Result<(), MapError> {
-    if points > MOST_POINTS as f64 {
-        return Err(MapError::TooManyPoints { points, most: MOST_POINTS });
+    if points > MAX_POINTS as f64 {
+        return Err(MapError::TooManyPoints { points, most: MAX_POINTS });
     }
     Ok(())
 }

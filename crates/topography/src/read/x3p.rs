@@ -20,22 +20,22 @@ use crate::{LengthUnit, ReadError};
 pub(super) const MAGIC: &[u8] = b"PK\x03\x04";
 pub(super) const FORMAT: &str = MapFormat::X3p.name();
 /// Largest archive: it is held in memory, for its directory stands at the end.
-const MOST_ARCHIVE_BYTES: u64 = 1 << 29;
+const MAX_ARCHIVE_BYTES: u64 = 1 << 29;
 /// Largest index: heights of a few hundred thousand points fit as text; more stand in a binary file.
-const MOST_INDEX_BYTES: u64 = 1 << 24;
+const MAX_INDEX_BYTES: u64 = 1 << 24;
 /// An index that unpacks to more than this many times its size, and more bytes than these, is a bomb: digits of heights
 /// pack to a third, the marks about them to a twentieth.
-const MOST_INDEX_EXPANSION: u64 = 60;
+const MAX_INDEX_EXPANSION: u64 = 60;
 const HARMLESS_INDEX_BYTES: u64 = 1 << 20;
 
 pub(super) fn read(mut source: impl Read, options: &ReadOptions) -> Result<ReadMap, ReadError> {
     let mut bytes = Vec::new();
     let read = (&mut source)
-        .take(MOST_ARCHIVE_BYTES + 1)
+        .take(MAX_ARCHIVE_BYTES + 1)
         .read_to_end(&mut bytes)
         .map_err(|error| unreadable(FORMAT, &error))?;
-    if read as u64 > MOST_ARCHIVE_BYTES {
-        return Err(refused("archive", format!("over {MOST_ARCHIVE_BYTES} bytes"), "at most 512 MiB"));
+    if read as u64 > MAX_ARCHIVE_BYTES {
+        return Err(refused("archive", format!("over {MAX_ARCHIVE_BYTES} bytes"), "at most 512 MiB"));
     }
     let mut archive = ZipArchive::new(Cursor::new(bytes.as_slice())).map_err(|error| broken(&error))?;
     let places = Places::of(&archive);
@@ -48,14 +48,14 @@ pub(super) fn read(mut source: impl Read, options: &ReadOptions) -> Result<ReadM
         let place =
             places.index.ok_or_else(|| refused("archive", "no main.xml".to_owned(), "the files of an X3P surface"))?;
         let file = archive.by_index(place).map_err(|error| broken(&error))?;
-        if file.size() > MOST_INDEX_BYTES {
+        if file.size() > MAX_INDEX_BYTES {
             return Err(refused("main.xml", format!("{} bytes", file.size()), "at most 16 MiB"));
         }
-        if file.size() > HARMLESS_INDEX_BYTES && file.size() / MOST_INDEX_EXPANSION > file.compressed_size() {
+        if file.size() > HARMLESS_INDEX_BYTES && file.size() / MAX_INDEX_EXPANSION > file.compressed_size() {
             let (unpacked, packed) = (file.size(), file.compressed_size());
-            return Err(ReadError::Bomb { format: FORMAT, unpacked, packed, most_expansion: MOST_INDEX_EXPANSION });
+            return Err(ReadError::Bomb { format: FORMAT, unpacked, packed, most_expansion: MAX_INDEX_EXPANSION });
         }
-        Index::read(BufReader::new(file.take(MOST_INDEX_BYTES)))?
+        Index::read(BufReader::new(file.take(MAX_INDEX_BYTES)))?
     };
     let mut window = Window::new(Some(index.rows), index.cols, options.crop, options.decimation)?;
     match &index.heights {
@@ -377,7 +377,7 @@ mod tests {
         drop(zeros);
         let message = read_map(&bomb[..], &ReadOptions::default()).unwrap_err().to_string();
         assert!(message.contains("unpacks to 24000000 bytes"), "{message}");
-        let xml = index("D", LINK) + &" ".repeat(MOST_INDEX_BYTES as usize);
+        let xml = index("D", LINK) + &" ".repeat(MAX_INDEX_BYTES as usize);
         let message = read_map(&archive(&xml, &[])[..], &ReadOptions::default()).unwrap_err().to_string();
         assert!(message.contains("main.xml"), "{message}");
     }

@@ -12,7 +12,7 @@ use super::x3p::{FORMAT, refused};
 use crate::ReadError;
 
 /// Deepest nesting of elements: the schema has six levels.
-const MOST_LEVELS: usize = 32;
+const MAX_LEVELS: usize = 32;
 
 /// Where the heights are.
 #[derive(Debug)]
@@ -51,8 +51,8 @@ impl Index {
             buffer.clear();
             match reader.read_event_into(&mut buffer).map_err(|error| broken(error.to_string()))? {
                 Event::Start(start) => {
-                    if path.len() == MOST_LEVELS {
-                        return Err(broken(format!("elements within elements more than {MOST_LEVELS} deep")));
+                    if path.len() == MAX_LEVELS {
+                        return Err(broken(format!("elements within elements more than {MAX_LEVELS} deep")));
                     }
                     path.push(excerpt(start.local_name().as_ref()));
                     text.clear();

@@ -6,7 +6,7 @@ use super::lines::{Delimiter, excerpt, expected_coordinate, expected_height, hei
 use super::matrix::NO_HEIGHT_UNIT;
 use super::scale::Scale;
 use super::scan::Scan;
-use crate::map::MOST_POINTS;
+use crate::map::MAX_POINTS;
 use crate::{HeightMap, LengthUnit, MapError, MapOption, NotGiven, ReadError};
 
 /// Coordinates closer than this share of their range count as equal: well below the pixel of the largest
@@ -15,8 +15,8 @@ const SAME_COORDINATE: f64 = 1e-7;
 /// Largest distance of a point from its grid line, in steps: files round their coordinates.
 const OFF_GRID: f64 = 0.2;
 /// Most grid nodes for each point present. Sparser grids come from coordinates that are on no grid, and a map of which more is
-/// missing (`limits::MOST_MISSING_SHARE`) would be refused.
-const MOST_NODES_PER_POINT: usize = 10;
+/// missing (`limits::MAX_MISSING_SHARE`) would be refused.
+const MAX_NODES_PER_POINT: usize = 10;
 
 /// A point in the text's units, and the line that it stands on.
 #[derive(Clone, Copy, Debug)]
@@ -89,9 +89,9 @@ impl XyzReader {
         let coordinate =
             |column, field| number(field).ok_or_else(|| refused(column, field, expected_coordinate(field)));
         let z = height(z).ok_or_else(|| refused(3, z, expected_height(z)))?;
-        if self.points.len() == MOST_POINTS {
+        if self.points.len() == MAX_POINTS {
             let points = self.points.len() as f64 + 1.0;
-            return Err(MapError::TooManyPoints { points, most: MOST_POINTS }.into());
+            return Err(MapError::TooManyPoints { points, most: MAX_POINTS }.into());
         }
         let point = Point { x: coordinate(1, x)?, y: coordinate(2, y)?, z: z.unwrap_or(f64::NAN), line };
         match &mut self.points {
@@ -167,16 +167,16 @@ fn from_points(points: &[Point], unit: Scale) -> Result<([GridLines; 2], Vec<f64
     let along_x = GridLines::find("x", points.iter().map(|point| point.x))?;
     let along_y = GridLines::find("y", points.iter().map(|point| point.y))?;
     let nodes = along_x.count * along_y.count;
-    if nodes > (MOST_NODES_PER_POINT * points.len()) as f64 {
+    if nodes > (MAX_NODES_PER_POINT * points.len()) as f64 {
         return Err(ReadError::Sparse {
             points: points.len(),
             rows: along_x.count,
             cols: along_y.count,
-            most_nodes_per_point: MOST_NODES_PER_POINT,
+            most_nodes_per_point: MAX_NODES_PER_POINT,
         });
     }
-    if nodes > MOST_POINTS as f64 {
-        return Err(MapError::TooManyPoints { points: nodes, most: MOST_POINTS }.into());
+    if nodes > MAX_POINTS as f64 {
+        return Err(MapError::TooManyPoints { points: nodes, most: MAX_POINTS }.into());
     }
     let (rows, cols) = (along_x.count as usize, along_y.count as usize);
     let mut height_m = vec![f64::NAN; rows * cols];

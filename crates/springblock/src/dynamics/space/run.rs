@@ -1,7 +1,7 @@
 //! One dynamic run of one cell in space.
 
 use super::super::contact::LocalLaw;
-use super::super::drive::{Drive, MOST_STEPS, Plan, not_begun};
+use super::super::drive::{Drive, MAX_STEPS, Plan, not_begun};
 use super::super::protocol::Protocol;
 use super::super::real::Real;
 use super::super::scales::Scales;
@@ -108,7 +108,7 @@ impl SpaceRun<'_> {
             monitor.advance(self.share);
             return not_begun(Status::NoLoad, self.scheme.step_s, self.centres_m());
         }
-        if Plan::new(scene, self.scheme.step_s).total() > MOST_STEPS {
+        if Plan::new(scene, self.scheme.step_s).total() > MAX_STEPS {
             monitor.advance(self.share);
             return not_begun(Status::TooManySteps, self.scheme.step_s, self.centres_m());
         }

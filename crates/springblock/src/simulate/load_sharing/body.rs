@@ -17,12 +17,12 @@ const POISSON_RATIO: f64 = 1.0 / 3.0;
 const FINE: f64 = 1.0 / 350.0;
 const COARSE: f64 = 1.0 / 7.0;
 /// Fewest elements in a piece.
-const LEAST_ELEMENTS: f64 = 4.0;
+const MIN_ELEMENTS: f64 = 4.0;
 /// An element's size over that of its neighbour nearer to an end.
 const GROWTH: f64 = 1.4;
 /// Change of a displacement, over the descent of the back, below which friction has settled, and rounds after which it never does.
 const SETTLED: f64 = 1e-9;
-const MOST_ROUNDS: usize = 100;
+const MAX_ROUNDS: usize = 100;
 
 /// A part of the face whose foundation is the same everywhere.
 #[derive(Clone, Copy, Debug)]
@@ -81,7 +81,7 @@ impl Body {
         if pieces.is_empty() || !is_solid(height_m) || !lengths.clone().all(is_solid) {
             return None;
         }
-        let fine_of = |length_m: f64| size * (FINE * height_m).min(length_m / LEAST_ELEMENTS);
+        let fine_of = |length_m: f64| size * (FINE * height_m).min(length_m / MIN_ELEMENTS);
         let most = size * COARSE * height_m;
         let elements = |(piece, foundation): (usize, &Foundation)| {
             let Foundation { length_m, compliance_m } = *foundation;
@@ -112,7 +112,7 @@ impl Body {
     pub fn pressure(&self, mu: f64) -> Option<FacePressure> {
         // The face sees the counterface rise by 1: a node bears k (1 - u_z), and friction mu k (1 - u_z).
         let mut risen = vec![0.0; self.face.len()];
-        let settled = (0..MOST_ROUNDS).any(|_| {
+        let settled = (0..MAX_ROUNDS).any(|_| {
             let mut displacement = vec![0.0; self.unknowns];
             for ((node, spring), risen) in self.face.iter().zip(&risen) {
                 displacement[*node] = mu * spring * (1.0 - risen);

@@ -4,7 +4,7 @@ use rayon::prelude::*;
 use slipgrid_pattern::Pattern;
 
 use super::super::rim_difference::{RimDifference, without_rim};
-use super::super::{MOST_FACTOR_BYTES, UNIFORM_COLUMNS, compare};
+use super::super::{MAX_FACTOR_BYTES, UNIFORM_COLUMNS, compare};
 use crate::Monitor;
 use crate::columns;
 use crate::error::SceneError;
@@ -21,7 +21,7 @@ use crate::steady::{SteadyLoad, SteadyModel, factor_bytes};
 /// (`cells_between_ends_take_strips_to_smaller_blocks`).
 pub const STRIP_HEIGHTS: f64 = 15.0;
 /// Narrowest land at the end of a strip that a lattice resolves, in blocks.
-const LEAST_END_BLOCKS: f64 = 2.0;
+const MIN_END_BLOCKS: f64 = 2.0;
 
 /// A part of the face that is solved on one lattice.
 pub struct Piece {
@@ -72,7 +72,7 @@ pub fn shortened(strip: &Strip, layer: &Layer) -> (Strip, f64) {
 
 /// Narrowest land between a cavity and an end of a strip that is one.
 pub fn least_wall_m(depth_m: f64, block_m: f64) -> f64 {
-    depth_m.max(LEAST_END_BLOCKS * block_m)
+    depth_m.max(MIN_END_BLOCKS * block_m)
 }
 
 /// `strip` without land between a cavity and its ends that is narrower than [`least_wall_m`]: on so slender a wall friction raises
@@ -129,8 +129,8 @@ fn bytes_of(planned: &[Planned]) -> f64 {
 /// Refuses parts of a face whose equations, all together, do not fit in memory.
 fn affordable(planned: &[Planned]) -> Result<f64, SceneError> {
     let bytes = bytes_of(planned);
-    if bytes > MOST_FACTOR_BYTES {
-        return Err(SceneError::TooLarge { bytes, most_bytes: MOST_FACTOR_BYTES });
+    if bytes > MAX_FACTOR_BYTES {
+        return Err(SceneError::TooLarge { bytes, most_bytes: MAX_FACTOR_BYTES });
     }
     Ok(bytes)
 }

@@ -21,7 +21,7 @@ use crate::scene::{Load, Scene};
 use crate::steady::SteadyModel;
 
 /// Columns of the strip that is run in time: the published specimen has 996.
-const MOST_TIMED_COLUMNS: f64 = 1200.0;
+const MAX_TIMED_COLUMNS: f64 = 1200.0;
 /// Share of what time adds to steady sliding on one strip that is left open for the others: that of strips of other lengths
 /// and cavities departs from it by no more (`strips_follow_the_longest_in_time`).
 pub const TIME_SHARE: f64 = 0.5;
@@ -125,7 +125,7 @@ impl TimedStrip {
 
 /// The part of `strip` that is run in time: up to the middle of a land where it is too long.
 fn timed_strip(strip: &Strip, block_m: f64) -> Strip {
-    let most_m = MOST_TIMED_COLUMNS * block_m;
+    let most_m = MAX_TIMED_COLUMNS * block_m;
     if strip.length_m <= most_m {
         return strip.clone();
     }

@@ -3,7 +3,7 @@
 use super::*;
 
 /// Rounds of switching contacts on a face with heights after which it gives up.
-const MOST_RAISED_ROUNDS: usize = 200;
+const MAX_RAISED_ROUNDS: usize = 200;
 /// Forces out of balance, as in [`TOLERANCE`], with which contacts are told on and off there.
 const ROUGH_TOLERANCE: f64 = 1e-4;
 
@@ -35,7 +35,7 @@ impl Solver<'_> {
         }
         let mut directions = 0;
         self.tolerance = self.model.tolerance.max(ROUGH_TOLERANCE);
-        for _ in 0..MOST_RAISED_ROUNDS {
+        for _ in 0..MAX_RAISED_ROUNDS {
             let mut end = self.iterate(load);
             directions += end.directions;
             end.directions = directions;

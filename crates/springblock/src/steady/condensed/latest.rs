@@ -9,7 +9,7 @@ use crate::lattice::Lattice;
 /// Multiplications from which a cell is worth remembering: some milliseconds.
 pub const WORTH_REMEMBERING: f64 = 1e7;
 /// Numbers that remembered cells hold at most: 64 MB.
-const MOST_NUMBERS: usize = 8 << 20;
+const MAX_NUMBERS: usize = 8 << 20;
 
 thread_local! {
     /// The last cell that this thread has condensed, with its lattice. Small ones are not worth a place that all threads share, and one by one
@@ -44,7 +44,7 @@ pub struct Latest {
 }
 
 /// Those of this process.
-pub static LATEST: Latest = Latest::of(MOST_NUMBERS);
+pub static LATEST: Latest = Latest::of(MAX_NUMBERS);
 
 impl Latest {
     const fn of(most_numbers: usize) -> Self {
