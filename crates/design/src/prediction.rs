@@ -143,7 +143,7 @@ impl Prediction {
             1 => "known by one trial".to_owned(),
             trials => format!("known by {trials} trials"),
         };
-        let known = self.distribution.with_form_known();
+        let known = predictor.of_known_form(&self.texture.candidate());
         // What it adds to all that scatters: sqrt(s^2 - s_without^2).
         let added = |without: &Distribution, load: usize| {
             let [all, rest] = [&self.distribution, without].map(|of| of.moments(load).1);

@@ -9,7 +9,7 @@
 use std::sync::Arc;
 
 use rayon::prelude::*;
-use slipgrid_discrepancy::{DimensionShift, Features, Predictor, Ranking};
+use slipgrid_discrepancy::{DimensionShift, Features, Predictor};
 use slipgrid_monitor::{Monitor, Part as Share};
 use slipgrid_optimize::{ModelFailure, Tolerances, Violation};
 use slipgrid_pattern::Pattern;
@@ -88,6 +88,8 @@ pub struct Found {
 struct Progress {
     /// Textures that the model itself was asked of.
     solved: Vec<Prediction>,
+    /// The first of these with what cutting adds to others, as far as that was asked for.
+    with_cutting: Vec<Prediction>,
     /// Textures that it has no answer for.
     refused: Vec<Pattern>,
     /// What the table is off by of ln R at every load, by those that were solved.
@@ -149,12 +151,14 @@ impl Search<'_> {
     }
 
     /// The textures that were solved, the greatest value first; those that were not solved as they are cut with what cutting adds to others.
-    fn ordered(&self, known: &Progress) -> Vec<Prediction> {
+    fn ordered(&self, known: &mut Progress) -> Vec<Prediction> {
         let one = |of: &Prediction| match known.by_cutting.at(&of.texture.pattern) {
             Some(by) if of.texture.known < Known::AsCut => self.predicted(of.texture.clone().moved(&by)),
             _ => of.clone(),
         };
-        sorted(known.solved.par_iter().map(one).collect())
+        let fresh: Vec<Prediction> = known.solved[known.with_cutting.len()..].par_iter().map(one).collect();
+        known.with_cutting.extend(fresh);
+        sorted(known.with_cutting.clone())
     }
 
     fn predicted(&self, texture: CutTexture) -> Prediction {
@@ -287,35 +291,29 @@ impl Search<'_> {
         let compared = drafts.len();
         let least = drafts.iter().map(|texture| texture.excess).fold(f64::INFINITY, f64::min);
         let left: Vec<CutTexture> = drafts.into_iter().filter(|texture| texture.excess <= least).collect();
-        let regions: Vec<usize> = left.iter().map(|texture| self.region(&texture.pattern)).collect();
-        let mut best: Vec<Prediction> = if self.asked.goal.is_some() || least > 0.0 {
-            let all: Vec<Prediction> = left.par_iter().map(|texture| self.predicted(texture.clone())).collect();
-            sorted(all)
-        } else {
-            let candidate = |place: usize| (!self.stage.cancelled()).then(|| left[place].candidate());
-            let mut ranking = Ranking::new(&self.predictor, &self.asked.wanted, 0.0, left.len(), &candidate);
-            let first = ranking.best(most, 0.0, &|_| true);
-            let enough = first.first().map_or(0.0, |of| OF_CHANCE * of.score.chance);
-            let mut places: Vec<usize> = first.into_iter().map(|of| of.place).collect();
-            let mut seen: Vec<usize> = places.iter().map(|place| regions[*place]).collect();
-            for region in 0..REGIONS.pow(3) {
-                if !seen.contains(&region) {
-                    seen.push(region);
-                    places.extend(
-                        ranking.best(1, enough, &|place| regions[place] == region).into_iter().map(|of| of.place),
-                    );
-                }
-            }
-            sorted(places.into_par_iter().map(|place| self.predicted(left[place].clone())).collect())
+        // Distributions of thousands of textures would fill the memory: those of the best are computed again.
+        let one = |(place, texture): (usize, &CutTexture)| {
+            let found = (!self.stage.cancelled()).then(|| self.predicted(texture.clone()))?;
+            Some((place, found.value(), found.chance()))
         };
+        let mut scored: Vec<(usize, f64, f64)> = left.par_iter().enumerate().filter_map(one).collect();
+        scored.sort_by(|a, b| b.1.total_cmp(&a.1));
+        let greatest = scored.first().map_or(0.0, |(.., chance)| *chance);
+        let has_chances = self.asked.goal.is_none() && least <= 0.0;
+        let enough = if has_chances { OF_CHANCE * greatest } else { f64::NEG_INFINITY };
+        let (mut seen, mut rank) = ([false; REGIONS.pow(3)], 0);
+        scored.retain(|(place, _, chance)| {
+            rank += 1;
+            let is_first = !std::mem::replace(&mut seen[self.region(&left[*place].pattern)], true);
+            rank <= most || is_first && *chance >= enough
+        });
         let is_within = |texture: &CutTexture| {
             self.asked.has_medians_within(&texture.ratio, &self.predictor.of(&texture.candidate()))
         };
         // Of one that is likelier on target than not there is no need to look.
-        let is_within_reach = best.iter().any(|of| of.chance() > 0.5 || of.is_within(self.asked))
-            || left.par_iter().any(|texture| !self.stage.cancelled() && is_within(texture));
-        // Of those that were all compared many are alike.
-        best.truncate(most + REGIONS.pow(3));
+        let is_within_reach =
+            greatest > 0.5 || left.par_iter().any(|texture| !self.stage.cancelled() && is_within(texture));
+        let best = scored.par_iter().map(|(place, ..)| self.predicted(left[*place].clone())).collect();
         (best, compared, is_within_reach && least == 0.0)
     }
 
@@ -344,7 +342,7 @@ impl Search<'_> {
         let pool = ranked.iter().take(POOL.max(count)).map(|of| of.texture.pattern);
         self.solve(ends.into_iter().chain(cut).chain(pool).collect(), &mut known);
         self.stage.advance(0.3);
-        let mut solved = self.ordered(&known);
+        let mut solved = self.ordered(&mut known);
         for _ in 0..MAX_AS_CUT {
             // Until the best by the corrected table is one that was solved.
             for _ in 0..MAX_ROUNDS {
@@ -355,7 +353,7 @@ impl Search<'_> {
                     break;
                 }
                 self.solve(ends, &mut known);
-                solved = self.ordered(&known);
+                solved = self.ordered(&mut known);
             }
             let first = solved.first().filter(|first| first.texture.known < Known::AsCut && !self.stage.cancelled());
             let Some(pattern) = first.map(|first| first.texture.pattern) else { break };
@@ -364,7 +362,8 @@ impl Search<'_> {
             let by = found.texture.ratio.iter().zip(&own.texture.ratio).map(|(cut, solved)| (cut / solved).ln());
             known.by_cutting.learn([(pattern, by.collect())]);
             *own = found;
-            solved = self.ordered(&known);
+            known.with_cutting.clear();
+            solved = self.ordered(&mut known);
             self.stage.advance(0.05);
         }
         // The best of those solved as they are cut, should others still promise more.

@@ -139,8 +139,6 @@ fn conditional(
             weight: member.prior,
             mean: columns.iter().map(|column| dot(column, &y)).collect(),
             covariance: (0..m * m).map(entry).collect(),
-            of_form: wanted.iter().map(|row| member.at_trials[*row]).collect(),
-            without_form: vec![0.0; m * m],
         });
     }
     let most = evidences.iter().copied().fold(f64::NEG_INFINITY, f64::max);

@@ -68,7 +68,7 @@ pub use form::Form;
 pub use hyperparameters::{Conditions, Hyperparameters};
 pub use leave_out::{LeftOut, Surprise, leave_out};
 pub use mixture::{Discrepancy, FormWeight};
-pub use next_trial::{Candidate, Chosen, Ranking, Score, Wanted, choose, information};
+pub use next_trial::{Candidate, Chosen, Score, Wanted, choose, information};
 pub use prediction::{Component, Load, Prediction, Predictor, Sampler};
 pub use scatter::{Contradiction, ScatterWeight};
 pub use scenarios::Scenarios;

@@ -1,20 +1,17 @@
 //! What the mixture says of a texture.
 
-use slipgrid_statistics::{box_probability, normal_probability, normal_quantile};
+#[cfg(test)]
+use slipgrid_statistics::box_probability;
+use slipgrid_statistics::{mixture_quantile, normal_probability};
 
 use crate::mixture::Member;
 use crate::residual::Place;
 use crate::rows::Basis;
-use crate::{DimensionShift, Features, Form};
+use crate::{Candidate, DimensionShift, Features, Form};
 use slipgrid_statistics::cholesky::{covariance_factor, dot};
 
 /// Members of less weight change no digit that is reported.
 const MIN_WEIGHT: f64 = 1e-7;
-
-/// Steps towards a quantile at most; those that suffice are shorter, or lie at probabilities nearer, than these.
-const MAX_STEPS: usize = 60;
-const MIN_STEP: f64 = 1e-13;
-const MIN_OFF: f64 = 1e-12;
 
 /// Pressure, speed and humidity at which friction is asked for.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -34,6 +31,8 @@ pub struct Predictor {
     loads: Vec<Load>,
     /// What the measured humidities leave open of eta, loads x loads.
     humidity_left: Vec<f64>,
+    /// The forms of the members, each once.
+    forms: Vec<Form>,
     members: Vec<Prepared>,
 }
 
@@ -42,6 +41,8 @@ pub struct Predictor {
 #[derive(Clone, Debug)]
 struct Prepared {
     member: Member,
+    /// Place of its form among the predictor's.
+    form: usize,
     /// b_l times the mean coefficients, and e.
     mean_of_form: Vec<f64>,
     mean_of_modulus: f64,
@@ -74,10 +75,6 @@ pub struct Component {
     pub mean: Vec<f64>,
     /// Covariance, loads x loads.
     pub covariance: Vec<f64>,
-    /// Mean without that of the modulus: the part that is proportional to the form.
-    pub of_form: Vec<f64>,
-    /// The part of the covariance that is left where the discrepancy of the texture is known: modulus, dimensions, the sample's own scatter.
-    pub without_form: Vec<f64>,
 }
 
 /// Draws from a prediction: all loads at once.
@@ -90,17 +87,32 @@ pub struct Sampler {
 struct FormSampler {
     /// Sum of the weights up to this form.
     cumulated_weight: f64,
-    form: Form,
     mean: Vec<f64>,
     /// L of the covariance L L^T.
     factor: Vec<f64>,
-    of_form: Vec<f64>,
+}
+
+/// A form at one texture.
+struct FormAt {
+    /// h over the scale.
+    value: f64,
+    /// Change of ln h by one standard deviation of each error of the dimensions.
+    log_shifts: Vec<f64>,
+    /// Mean of h over h as designed.
+    mean: f64,
 }
 
 impl Predictor {
     pub(crate) fn new(basis: &Basis, members: &[Member], loads: &[Load]) -> Self {
         let (p, of_form, modulus) = (basis.count(), basis.of_form(), basis.modulus());
         let rows: Vec<Vec<f64>> = loads.iter().map(|load| basis.at_load(load)).collect();
+        let mut forms: Vec<Form> = Vec::new();
+        let mut place_of = |form: Form| {
+            forms.iter().position(|own| *own == form).unwrap_or_else(|| {
+                forms.push(form);
+                forms.len() - 1
+            })
+        };
         let prepared = |member: &Member| {
             let column = |c: usize| -> Vec<f64> { (0..p).map(|row| member.inverse[row * p + c]).collect() };
             let times = |row: &[f64]| -> Vec<f64> {
@@ -119,13 +131,16 @@ impl Predictor {
                 b,
                 e,
                 residual: (modulus + 1..p).map(column).collect(),
+                form: place_of(member.form),
                 member: Member { mean: Vec::new(), inverse: Vec::new(), ..member.clone() },
             }
         };
+        let members = members.iter().filter(|member| member.weight > MIN_WEIGHT).map(prepared).collect();
         Self {
             loads: loads.to_vec(),
             humidity_left: loads.iter().flat_map(|a| loads.iter().map(|b| basis.humidity_left(a, b))).collect(),
-            members: members.iter().filter(|member| member.weight > MIN_WEIGHT).map(prepared).collect(),
+            forms,
+            members,
             basis: basis.clone(),
         }
     }
@@ -141,6 +156,12 @@ impl Predictor {
     /// modelled ratio and the discrepancy. To first order in the shifts, form by form.
     #[must_use]
     pub fn predict_made(&self, of: &Features, modulus_sensitivity: &[f64], shifts: &[DimensionShift]) -> Prediction {
+        self.predicted(of, modulus_sensitivity, shifts, false)
+    }
+
+    /// [`Predictor::predict_made`], where `has_known_form` without what is not known of the discrepancy: modulus, dimensions and the sample's
+    /// own scatter are left of the covariances.
+    fn predicted(&self, of: &Features, g: &[f64], shifts: &[DimensionShift], has_known_form: bool) -> Prediction {
         let places: Vec<Place> = self.loads.iter().map(|load| self.basis.place(of, load)).collect();
         let features: Vec<Vec<f64>> = places.iter().map(|place| self.basis.residual(place)).collect();
         let n = self.loads.len();
@@ -150,61 +171,64 @@ impl Predictor {
                 self.basis.residual_left([&places[l], &places[m]], [&features[l], &features[m]])
             })
             .collect();
-        let g = modulus_sensitivity;
+        let form_at = |form: &Form| FormAt {
+            value: form.value(of),
+            log_shifts: shifts.iter().map(|shift| shift.log_form(form, of)).collect(),
+            mean: shifts.iter().map(|shift| shift.mean_form(form, of)).product(),
+        };
+        let forms: Vec<FormAt> = self.forms.iter().map(form_at).collect();
+        // Scratch of one member: R_l, R_l E, D_l, and what errors of dimensions move.
+        let count = self.members.first().map_or(0, |member| member.residual.len());
+        let (mut r, mut re, mut of_form) = (vec![0.0; n * count], vec![0.0; n], vec![0.0; n]);
+        let mut moved = vec![0.0; shifts.len() * n];
         let component = |member: &Prepared| {
-            let h = member.member.value(of);
+            let form = &forms[member.form];
+            let h = member.member.scale * form.value / member.member.at_reference;
             let own = member.member.scatter.powi(2);
             // What multiplies the residual's coefficients at load l, and R_l = L^-1 of that, below form and modulus.
             let size = h * member.member.residual;
-            let first = member.e.len() - member.residual.len();
-            let r: Vec<Vec<f64>> = features
-                .iter()
-                .map(|features| {
-                    let mut r = vec![0.0; member.residual.len()];
-                    for (place, (column, feature)) in member.residual.iter().zip(features).enumerate() {
-                        for (sum, entry) in r[place..].iter_mut().zip(&column[first + place..]) {
-                            *sum += size * feature * entry;
-                        }
+            let first = member.e.len() - count;
+            r.fill(0.0);
+            for (l, features) in features.iter().enumerate() {
+                let r = &mut r[l * count..][..count];
+                for (place, (column, feature)) in member.residual.iter().zip(features).enumerate() {
+                    for (sum, entry) in r[place..].iter_mut().zip(&column[first + place..]) {
+                        *sum += size * feature * entry;
                     }
-                    r
-                })
-                .collect();
-            let re: Vec<f64> = r.iter().map(|r| dot(r, &member.e[first..])).collect();
-            let mean_form: f64 = shifts.iter().map(|shift| shift.mean_form(&member.member.form, of)).product();
-            let of_form: Vec<f64> = (0..n)
-                .map(|l| mean_form * (h * member.mean_of_form[l] + size * dot(&features[l], &member.mean_of_residual)))
-                .collect();
-            // d ln h and d ln R + D d ln h by one standard deviation of each shift, D the mean discrepancy
-            let of_shift = |shift: &DimensionShift| {
-                let log_form = shift.log_form(&member.member.form, of);
-                let moved = shift.log_ratio.iter().zip(&of_form).map(|(by, mean)| by + mean * log_form);
-                (log_form, moved.collect::<Vec<f64>>())
-            };
-            let of_shifts: Vec<(f64, Vec<f64>)> = shifts.iter().map(of_shift).collect();
+                }
+                re[l] = dot(r, &member.e[first..]);
+                of_form[l] = form.mean * (h * member.mean_of_form[l] + size * dot(features, &member.mean_of_residual));
+            }
+            // d ln R + D d ln h by one standard deviation of each shift, D the mean discrepancy
+            for (shift, (moved, log_form)) in shifts.iter().zip(moved.chunks_exact_mut(n.max(1)).zip(&form.log_shifts))
+            {
+                for (l, moved) in moved.iter_mut().enumerate() {
+                    *moved = shift.log_ratio[l] + of_form[l] * log_form;
+                }
+            }
             // E (1 + d ln h)^2 of the part that is not known
-            let times = 1.0 + of_shifts.iter().map(|(log_form, _)| log_form * log_form).sum::<f64>();
+            let times = 1.0 + form.log_shifts.iter().map(|log_form| log_form * log_form).sum::<f64>();
             // v_l = h B_l + g_l E + R_l, covariance v_l v_m
             let mut covariance = vec![0.0; n * n];
-            let mut without_form = vec![0.0; n * n];
             for l in 0..n {
                 for m in 0..=l {
-                    let [rb, br] = [(l, m), (m, l)].map(|(l, m)| dot(&r[l], &member.b[m][first..]));
-                    let left = self.humidity_left[l * n + m];
-                    let unknown_form = h * h * (member.bb[l * n + m] + left)
-                        + h * (rb + br)
-                        + dot(&r[l], &r[m])
-                        + size * size * residual_left[l * n + m];
-                    let of_modulus = h * (g[m] * member.be[l] + g[l] * member.be[m])
-                        + g[l] * g[m] * member.ee
-                        + g[m] * re[l]
-                        + g[l] * re[m];
-                    let of_dimensions: f64 = of_shifts.iter().map(|(_, moved)| moved[l] * moved[m]).sum();
-                    let entry = times * unknown_form + of_modulus + of_dimensions + own;
-                    let left = g[l] * g[m] * member.ee + of_dimensions + own;
-                    for (all, entry) in [(&mut covariance, entry), (&mut without_form, left)] {
-                        all[l * n + m] = entry;
-                        all[m * n + l] = entry;
+                    let of_dimensions: f64 = moved.chunks_exact(n).map(|moved| moved[l] * moved[m]).sum();
+                    let mut entry = g[l] * g[m] * member.ee + of_dimensions + own;
+                    if !has_known_form {
+                        let [r_l, r_m] = [l, m].map(|load| &r[load * count..][..count]);
+                        let [rb, br] = [dot(r_l, &member.b[m][first..]), dot(r_m, &member.b[l][first..])];
+                        let left = self.humidity_left[l * n + m];
+                        let unknown_form = h * h * (member.bb[l * n + m] + left)
+                            + h * (rb + br)
+                            + dot(r_l, r_m)
+                            + size * size * residual_left[l * n + m];
+                        entry += times * unknown_form
+                            + h * (g[m] * member.be[l] + g[l] * member.be[m])
+                            + g[m] * re[l]
+                            + g[l] * re[m];
                     }
+                    covariance[l * n + m] = entry;
+                    covariance[m * n + l] = entry;
                 }
             }
             Component {
@@ -212,62 +236,54 @@ impl Predictor {
                 weight: member.member.weight,
                 mean: (0..n).map(|l| of_form[l] + g[l] * member.mean_of_modulus).collect(),
                 covariance,
-                of_form,
-                without_form,
             }
         };
         Prediction { components: self.members.iter().map(component).collect() }
     }
+
+    /// What is predicted of a sample of `candidate`.
+    #[must_use]
+    pub fn of(&self, candidate: &Candidate<'_>) -> Prediction {
+        self.of_candidate(candidate, false)
+    }
+
+    /// The same where the discrepancy of the texture is known to be its median: what modulus, dimensions and the sample's own scatter leave.
+    #[must_use]
+    pub fn of_known_form(&self, candidate: &Candidate<'_>) -> Prediction {
+        let medians = self.of(candidate).medians();
+        let mut found = self.of_candidate(candidate, true);
+        found.components.iter_mut().for_each(|component| component.mean.clone_from(&medians));
+        found
+    }
+
+    fn of_candidate(&self, candidate: &Candidate<'_>, has_known_form: bool) -> Prediction {
+        let Candidate { features, modulus_sensitivity, covariance, dimension_shifts, .. } = candidate;
+        self.predicted(features, modulus_sensitivity, dimension_shifts, has_known_form).with(covariance)
+    }
 }
 
 impl Sampler {
-    /// The draw of the form that the normal deviate `which` picks, with normal deviates `z`, one a load. `log_form` gives ln(h as made / h as
-    /// designed) of a form.
+    /// The draw of the form that the normal deviate `which` picks, with normal deviates `z`, one a load.
     #[must_use]
-    pub fn draw(&self, which: f64, z: &[f64], log_form: &dyn Fn(&Form) -> f64) -> Vec<f64> {
+    pub fn draw(&self, which: f64, z: &[f64]) -> Vec<f64> {
         let share = normal_probability(which);
         let picked = self.forms.iter().find(|form| share <= form.cumulated_weight).or(self.forms.last());
-        let Some(FormSampler { form, mean, factor, of_form, .. }) = picked else { return Vec::new() };
+        let Some(FormSampler { mean, factor, .. }) = picked else { return Vec::new() };
         let n = mean.len();
-        // D (h' / h - 1)
-        let grown = libm::expm1(log_form(form));
-        (0..n).map(|load| mean[load] + grown * of_form[load] + dot(&factor[load * n..][..=load], z)).collect()
-    }
-
-    /// The forms that draws come from.
-    pub fn forms(&self) -> impl Iterator<Item = &Form> {
-        self.forms.iter().map(|sampler| &sampler.form)
+        (0..n).map(|load| mean[load] + dot(&factor[load * n..][..=load], z)).collect()
     }
 }
 
 impl Component {
-    /// No less than the probability of lying between `lower` and `upper` at all loads: the least of those of each load, and of the
-    /// difference of any two,
-    ///
-    /// ```text
-    /// lower_l - upper_m <= y_l - y_m <= upper_l - lower_m
-    /// ```
-    ///
-    /// Loads go together, so that it is their differences that tell most textures from what is wanted.
+    /// Probability of lying between `lower` and `upper` at the load where that is least: no less than that of all loads at once.
     pub(crate) fn most_within(&self, lower: &[f64], upper: &[f64]) -> f64 {
         let n = self.mean.len();
-        let within = |mean: f64, variance: f64, [from, to]: [f64; 2]| {
-            let std = variance.max(1e-300).sqrt();
-            let below = |end: f64| normal_probability((end - mean) / std);
-            below(to) - below(from)
+        let within = |load: usize| {
+            let std = self.covariance[load * n + load].max(1e-300).sqrt();
+            let below = |end: f64| normal_probability((end - self.mean[load]) / std);
+            below(upper[load]) - below(lower[load])
         };
-        let mut most: f64 = 1.0;
-        for l in 0..n {
-            most = most.min(within(self.mean[l], self.covariance[l * n + l], [lower[l], upper[l]]));
-        }
-        for l in 0..n {
-            for m in 0..l {
-                let [ll, mm, lm] = [(l, l), (m, m), (l, m)].map(|(l, m)| self.covariance[l * n + m]);
-                let ends = [lower[l] - upper[m], upper[l] - lower[m]];
-                most = most.min(within(self.mean[l] - self.mean[m], ll + mm - 2.0 * lm, ends));
-            }
-        }
-        most
+        (0..n).map(within).fold(1.0, f64::min)
     }
 }
 
@@ -283,18 +299,8 @@ impl Prediction {
     pub fn with(mut self, covariance: &[f64]) -> Self {
         for component in &mut self.components {
             component.covariance.iter_mut().zip(covariance).for_each(|(own, further)| *own += further);
-            component.without_form.iter_mut().zip(covariance).for_each(|(own, further)| *own += further);
         }
         self
-    }
-
-    /// The same where the discrepancy of the texture is known to be its median: what modulus, dimensions and the sample's own scatter leave.
-    #[must_use]
-    pub fn with_form_known(&self) -> Self {
-        let medians = self.medians();
-        let known =
-            |of: &Component| Component { mean: medians.clone(), covariance: of.without_form.clone(), ..of.clone() };
-        Self { components: self.components.iter().map(known).collect() }
     }
 
     /// Mean and standard deviation at `load`.
@@ -309,54 +315,30 @@ impl Prediction {
     /// Probability of less than `value` at `load`.
     #[must_use]
     pub fn probability_below(&self, load: usize, value: f64) -> f64 {
-        let n = self.loads();
-        let of = |of: &Component| {
-            let std = of.covariance[load * n + load].max(0.0).sqrt();
+        let below = |[weight, mean, std]: [f64; 3]| {
             let below = if std > 0.0 {
-                normal_probability((value - of.mean[load]) / std)
-            } else if of.mean[load] < value {
+                normal_probability((value - mean) / std)
+            } else if mean < value {
                 1.0
             } else {
                 0.0
             };
-            of.weight * below
+            weight * below
         };
-        self.components.iter().map(of).sum()
+        self.at_load(load).into_iter().map(below).sum()
     }
 
     /// The value below which a share `p` lies at `load`.
     #[must_use]
     pub fn quantile(&self, load: usize, p: f64) -> f64 {
+        mixture_quantile(&self.at_load(load), p)
+    }
+
+    /// Weight, mean and standard deviation of each component at `load`.
+    fn at_load(&self, load: usize) -> Vec<[f64; 3]> {
         let n = self.loads();
-        let z = normal_quantile(p);
-        // It lies between the least and the greatest of the forms' own.
-        let own =
-            || self.components.iter().map(|of| of.mean[load] + z * of.covariance[load * n + load].max(0.0).sqrt());
-        let (mut low, mut high) = (own().fold(f64::INFINITY, f64::min), own().fold(f64::NEG_INFINITY, f64::max));
-        let off = |value: f64| self.probability_below(load, value) - p;
-        let (mut off_low, mut off_high) = (off(low), off(high));
-        // Regula falsi with halved ends (Dowell and Jarratt 1971, the Illinois method): P grows with the value.
-        let mut side = 0;
-        for _ in 0..MAX_STEPS {
-            if high - low <= MIN_STEP || off_high <= off_low {
-                break;
-            }
-            let middle = (low * off_high - high * off_low) / (off_high - off_low);
-            let found = off(middle);
-            if found < 0.0 {
-                (low, off_low) = (middle, found);
-                off_high *= if side < 0 { 0.5 } else { 1.0 };
-                side = -1;
-            } else {
-                (high, off_high) = (middle, found);
-                off_low *= if side > 0 { 0.5 } else { 1.0 };
-                side = 1;
-            }
-            if found.abs() < MIN_OFF {
-                return middle;
-            }
-        }
-        f64::midpoint(low, high)
+        let of = |of: &Component| [of.weight, of.mean[load], of.covariance[load * n + load].max(0.0).sqrt()];
+        self.components.iter().map(of).collect()
     }
 
     /// Whether half of all samples or more lie on the accepted side of every end of `lower` and `upper`: the median lies between them.
@@ -380,32 +362,21 @@ impl Prediction {
         let mut reached = 0.0;
         let form = |of: &Component| {
             reached += of.weight;
-            FormSampler {
-                cumulated_weight: reached,
-                form: of.form,
-                mean: of.mean.clone(),
-                factor: covariance_factor(&of.covariance, n),
-                of_form: of.of_form.clone(),
-            }
+            let factor = covariance_factor(&of.covariance, n);
+            FormSampler { cumulated_weight: reached, mean: of.mean.clone(), factor }
         };
         Sampler { forms: self.components.iter().map(form).collect() }
     }
 
-    /// Probability that all loads lie between `lower` and `upper`.
-    #[must_use]
-    pub fn probability_within(&self, lower: &[f64], upper: &[f64]) -> f64 {
+    /// Probability that all loads lie between `lower` and `upper`, component by component.
+    #[cfg(test)]
+    pub(crate) fn probability_within(&self, lower: &[f64], upper: &[f64]) -> f64 {
         let n = self.loads();
         let of = |of: &Component| {
             let factor = covariance_factor(&of.covariance, n);
             of.weight * box_probability(&of.mean, &factor, lower, upper)
         };
         self.components.iter().map(of).sum()
-    }
-
-    /// No less than [`Prediction::probability_within`], and cheaper: form by form the least of what each load, and each two loads, allow.
-    #[must_use]
-    pub fn most_probability_within(&self, lower: &[f64], upper: &[f64]) -> f64 {
-        self.components.iter().map(|of| of.weight * of.most_within(lower, upper)).sum()
     }
 
     /// Mean and covariance of the whole mixture.

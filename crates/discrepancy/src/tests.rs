@@ -469,7 +469,7 @@ fn more_loads_are_never_likelier_within_their_bounds_than_fewer() {
             let within = (0..draws).filter(|_| {
                 let which = normals.draw();
                 let z: Vec<f64> = (0..n).map(|_| normals.draw()).collect();
-                sampler.draw(which, &z, &|_| 0.0).iter().all(|y| (-0.06..=0.02).contains(y))
+                sampler.draw(which, &z).iter().all(|y| (-0.06..=0.02).contains(y))
             });
             let drawn = within.count() as f64 / f64::from(draws);
             let share = prediction.probability_within(&lower, &upper);
@@ -493,5 +493,39 @@ fn leaving_out_ends_when_the_monitor_cancels() {
     let known = discrepancy(vec![trial("A", groove(100.0, 300.0, 10.0), &loads(), 0.01, &mut |_| -0.2)]);
     for by in [LeftOut::Trial, LeftOut::Condition, LeftOut::TrialAndLater] {
         assert_eq!(leave_out(&known, by, &Pressed), Err(Cancelled));
+    }
+}
+
+/// Chances of the mixture against the integral of each component on many points, from narrow bands to wide ones, before trials and after one.
+#[test]
+fn points_shared_by_all_components_leave_little_of_a_chance_open() {
+    use slipgrid_statistics::{BoxRule, cholesky::covariance_factor};
+    let after = discrepancy(vec![trial("A", groove(100.0, 300.0, 10.0), &loads(), 0.01, &mut |_| -0.1)]);
+    let both: Vec<Load> =
+        [2.0, 5.0].into_iter().flat_map(|speed| [2.0, 4.0, 8.0].map(|pressure| load(pressure, speed, 45.0))).collect();
+    for (known, loads) in [(discrepancy(vec![]), loads().to_vec()), (after.clone(), loads().to_vec()), (after, both)] {
+        let (n, predictor) = (loads.len(), known.at(&loads));
+        let (mut exact, mut rough, mut count) = (0.0, 0.0, 0.0);
+        for width_um in [40.0, 110.0, 300.0] {
+            for half in [0.02, 0.05, 0.1] {
+                let prediction = predictor.predict(&groove(width_um, 300.0, 10.0), &vec![0.1; n]);
+                let modelled: Vec<f64> = (0..n).map(|load| 0.95 - 0.02 * load as f64).collect();
+                let wanted = Wanted { lower: vec![0.87 - half; n], upper: vec![0.87 + half; n] };
+                let [lower, upper] = wanted.over(&modelled);
+                let rule = BoxRule::new(n);
+                let part = |of: &crate::Component| {
+                    let factor = covariance_factor(&of.covariance, n);
+                    of.weight * rule.probability(&of.mean, &factor, [&lower, &upper], 0..1 << 13)
+                };
+                let integral: f64 = prediction.components.iter().map(part).sum();
+                let off = |score: crate::Score| score.chance - integral;
+                exact += off(wanted.score(&prediction, &modelled)).powi(2);
+                rough += off(wanted.rough_score(&prediction, &modelled)).powi(2);
+                count += 1.0;
+            }
+        }
+        let [exact, rough] = [exact / count, rough / count].map(f64::sqrt);
+        // 0.0003 and 0.0013 before trials; 0.0012 and 0.0063, 0.0008 and 0.0082 after one, when few components are left.
+        assert!(exact < 0.0015 && rough < 0.01, "{n}: {exact} {rough}");
     }
 }

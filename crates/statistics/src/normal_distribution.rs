@@ -1,5 +1,8 @@
 //! The normal distribution of one number and of several: probabilities and quantiles, the same on every platform.
 
+use std::ops::Range;
+use std::sync::LazyLock;
+
 /// Shares of p about one half that the central approximation of the quantile holds for.
 const CENTRAL: f64 = 0.425;
 /// Where the approximation of the far tail begins.
@@ -10,6 +13,14 @@ const FAR: f64 = 5.0;
 pub fn normal_probability(x: f64) -> f64 {
     // Phi(x) = erfc(-x / sqrt(2)) / 2
     0.5 * libm::erfc(-x * std::f64::consts::FRAC_1_SQRT_2)
+}
+
+/// Density of a standard normal deviate at `x`.
+#[must_use]
+pub fn normal_density(x: f64) -> f64 {
+    // exp(-x^2 / 2) / sqrt(2 pi)
+    const AT_ZERO: f64 = 0.398_942_280_401_432_7;
+    AT_ZERO * libm::exp(-0.5 * x * x)
 }
 
 /// The deviate below which a standard normal one lies with probability `p`: to 16 digits, by algorithm AS 241 (M. J. Wichura,
@@ -104,93 +115,203 @@ const FAR_BOTTOM: [f64; 8] = [
     2.044_263_103_389_939_8e-15,
 ];
 
-/// Points of the rule behind [`box_probability`].
-const POINTS: usize = 512;
-/// The same where boxes of up to four components, and of more, are ranked.
-const ROUGH_POINTS: [usize; 2] = [64, 128];
-/// A part of a sum that can be no more than this is little: 64 points of 512 leave 1 % of it open.
-const LITTLE: f64 = 0.01;
-/// What is little of a sum that is ranked, and the points that it then takes one in so many of.
-const ROUGH_LITTLE: f64 = 0.05;
-const FEWER: usize = 4;
+/// Newton steps towards a quantile of a mixture at most, and the error of its probability that ends them, which is that of the tables.
+const MAX_STEPS: usize = 100;
+const MAX_OFF: f64 = 5e-9;
 
-/// Probability that a normal vector of this `mean` lies between `lower` and `upper` in every component. `factor` is the lower
-/// triangular factor L of its covariance L L^T, row by row, n x n; rows of zeros are exact components. By separation of
-/// variables (A. Genz, J. Comput. Graph. Stat. 1, 141) on 512 points of a lattice: exact for one component, to some 5e-4 root mean square for
-/// two to six that have most of what scatters in common.
+/// The value below which a share `p` of a mixture of normal distributions lies; each has a weight, a mean and a standard deviation, and all
+/// weights sum to 1. The probability of less is `p` to 1e-8; no number without a part.
 #[must_use]
-pub fn box_probability(mean: &[f64], factor: &[f64], lower: &[f64], upper: &[f64]) -> f64 {
-    by_points(mean, factor, lower, upper, POINTS)
-}
-
-/// The same of a part of a sum, whose share of it is at most `most`: where that is little, fewer points leave no more of the sum open.
-#[must_use]
-pub fn part_box_probability(mean: &[f64], factor: &[f64], lower: &[f64], upper: &[f64], most: f64) -> f64 {
-    let points = if most < LITTLE { rough_points(mean) } else { POINTS };
-    by_points(mean, factor, lower, upper, points)
-}
-
-/// The same to rank by: on 64 points, which depart from the integral by 0.003 root mean square, and on 128 from five components on, up to 24 of
-/// which it departs from [`box_probability`] by 0.01 root mean square (`few_points_serve_to_rank_by`).
-#[must_use]
-pub fn rough_part_box_probability(mean: &[f64], factor: &[f64], lower: &[f64], upper: &[f64], most: f64) -> f64 {
-    let of = if most < ROUGH_LITTLE { FEWER } else { 1 };
-    by_points(mean, factor, lower, upper, rough_points(mean) / of)
-}
-
-fn rough_points(mean: &[f64]) -> usize {
-    ROUGH_POINTS[usize::from(mean.len() > 4)]
-}
-
-/// The primes, whose square roots are those of the lattice: another one for every component, as two of the same would move together.
-fn primes() -> impl Iterator<Item = u32> {
-    (2..).filter(|number| (2..).take_while(|divisor| divisor * divisor <= *number).all(|divisor| number % divisor > 0))
-}
-
-fn by_points(mean: &[f64], factor: &[f64], lower: &[f64], upper: &[f64], points: usize) -> f64 {
-    let n = mean.len();
-    let ends = |row: usize, drawn: &[f64]| {
-        let known: f64 = mean[row] + drawn.iter().zip(&factor[row * n..]).map(|(y, l)| y * l).sum::<f64>();
-        let std = factor[row * n + row];
-        [lower[row], upper[row]].map(|end| {
-            if std > 0.0 {
-                normal_probability((end - known) / std)
-            } else if end >= known {
-                1.0
-            } else {
-                0.0
-            }
-        })
-    };
-    if n == 0 {
-        return 1.0;
+pub fn mixture_quantile(parts: &[[f64; 3]], p: f64) -> f64 {
+    let tables: &Tables = &TABLES;
+    let z = normal_quantile(p);
+    // It lies between the least and the greatest of the parts' own, and about the mean of them.
+    let (mut low, mut high, mut value) = (f64::INFINITY, f64::NEG_INFINITY, 0.0);
+    for [weight, mean, std] in parts {
+        let own = mean + z * std;
+        (low, high) = (low.min(own), high.max(own));
+        value += weight * own;
     }
-    let [first, last] = ends(0, &[]);
-    // The lower end of an exact component counts as within.
-    let share = last - first;
-    if n == 1 || share <= 0.0 {
-        return share.max(0.0);
-    }
-    let roots: Vec<f64> = primes().take(n - 1).map(|prime| f64::from(prime).sqrt()).collect();
-    let mut sum = 0.0;
-    let mut drawn = vec![0.0; n];
-    for point in 0..points {
-        let mut product = share;
-        let [mut from, mut to] = [first, last];
-        for row in 1..n {
-            // The baker's transform of frac(k sqrt(p) + 1/2) makes the integrand periodic.
-            let x = ((point + 1) as f64 * roots[row - 1] + 0.5).fract();
-            let x = (2.0 * x - 1.0).abs();
-            drawn[row - 1] = normal_quantile((from + x * (to - from)).clamp(1e-300, 1.0 - 1e-16));
-            [from, to] = ends(row, &drawn[..row]);
-            product *= (to - from).max(0.0);
-            if product == 0.0 {
-                break;
+    for _ in 0..MAX_STEPS {
+        let (mut off, mut density) = (-p, 0.0);
+        for [weight, mean, std] in parts {
+            if *std > 0.0 {
+                let [below, slope] = tables.probability_and_density((value - mean) / std);
+                off += weight * below;
+                density += weight * slope / std;
+            } else if *mean < value {
+                off += weight;
             }
         }
-        sum += product;
+        if off.abs() < MAX_OFF {
+            break;
+        }
+        if off < 0.0 {
+            low = value
+        } else {
+            high = value
+        }
+        // Newton's step; half the interval where it leads out of that.
+        let next = value - off / density;
+        let next = if low < next && next < high { next } else { f64::midpoint(low, high) };
+        if next == value {
+            break;
+        }
+        value = next;
     }
-    sum / points as f64
+    if parts.is_empty() { f64::NAN } else { value }
+}
+
+/// Nodes of the table of probabilities per unit of x, from -END to END: beyond it lies less than 1e-15.
+const PER_UNIT: f64 = 32.0;
+const END: f64 = 8.0;
+/// Nodes of the table of quantiles, and the least probability that it serves: a node more and a nearer end cost memory for digits that
+/// no chance shows.
+const QUANTILES: usize = 1024;
+const MIN_TABULATED: f64 = 0.02;
+
+/// Probabilities and quantiles between nodes, for [`BoxRule`], which asks for millions: a sixth of the time of the functions above.
+struct Tables {
+    /// Probability and its change to the next node by the slopes at both.
+    probability: Vec<[f64; 2]>,
+    quantile: Vec<[f64; 2]>,
+}
+
+static TABLES: LazyLock<Tables> = LazyLock::new(|| {
+    // Some hundred nodes: the casts are exact.
+    let probability = |place: usize| {
+        let x = place as f64 / PER_UNIT - END;
+        [normal_probability(x), normal_density(x) / PER_UNIT]
+    };
+    let quantile = |place: usize| {
+        let x =
+            normal_quantile((place as f64 / QUANTILES as f64).clamp(MIN_TABULATED / 2.0, 1.0 - MIN_TABULATED / 2.0));
+        [x, 1.0 / (normal_density(x) * QUANTILES as f64)]
+    };
+    Tables {
+        probability: (0..=(2.0 * END * PER_UNIT) as usize).map(probability).collect(),
+        quantile: (0..=QUANTILES).map(quantile).collect(),
+    }
+});
+
+/// Coefficients of the cubic between the nodes about `along`, in nodes from the first, by the values and slopes of `nodes`, and the place
+/// between them.
+fn cubic(nodes: &[[f64; 2]], along: f64) -> ([f64; 4], f64) {
+    // Within the nodes: the cast is exact.
+    let place = (along as usize).min(nodes.len() - 2);
+    let [[from, slope_from], [to, slope_to]] = [nodes[place], nodes[place + 1]];
+    let rise = to - from;
+    // p0 + t (m0 + t ((3 d - 2 m0 - m1) + t (m0 + m1 - 2 d)))
+    let third = slope_from + slope_to - 2.0 * rise;
+    ([from, slope_from, rise - slope_from - third, third], along - place as f64)
+}
+
+/// Cubic Hermite interpolation at `along`, in nodes from the first, between the values and slopes of `nodes`.
+fn interpolate(nodes: &[[f64; 2]], along: f64) -> f64 {
+    let ([c0, c1, c2, c3], t) = cubic(nodes, along);
+    c0 + t * (c1 + t * (c2 + t * c3))
+}
+
+impl Tables {
+    /// [`normal_probability`] to 4e-9.
+    fn probability(&self, x: f64) -> f64 {
+        interpolate(&self.probability, (x.clamp(-END, END) + END) * PER_UNIT)
+    }
+
+    /// The same with its slope, which is the density to 2e-6.
+    fn probability_and_density(&self, x: f64) -> [f64; 2] {
+        let ([c0, c1, c2, c3], t) = cubic(&self.probability, (x.clamp(-END, END) + END) * PER_UNIT);
+        [c0 + t * (c1 + t * (c2 + t * c3)), PER_UNIT * (c1 + t * (2.0 * c2 + 3.0 * t * c3))]
+    }
+
+    /// [`normal_quantile`] to 1e-7.
+    fn quantile(&self, p: f64) -> f64 {
+        if (MIN_TABULATED..=1.0 - MIN_TABULATED).contains(&p) {
+            interpolate(&self.quantile, p * QUANTILES as f64)
+        } else {
+            normal_quantile(p.clamp(1e-300, 1.0 - 1e-16))
+        }
+    }
+}
+
+/// Points of the rule behind [`box_probability`].
+const POINTS: usize = 512;
+
+/// Probability that a normal vector of this `mean` lies between `lower` and `upper` in every component, by [`BoxRule`] on 512 points: exact
+/// for one component, to some 5e-4 root mean square for two to six that have most of what scatters in common.
+#[must_use]
+pub fn box_probability(mean: &[f64], factor: &[f64], lower: &[f64], upper: &[f64]) -> f64 {
+    BoxRule::new(mean.len()).probability(mean, factor, [lower, upper], 0..POINTS)
+}
+
+/// Quasi-Monte Carlo rule for the probability that a normal vector lies in a box: separation of variables (A. Genz, J. Comput. Graph. Stat. 1,
+/// 141) on the points frac(k sqrt(p)) of a Richtmyer lattice.
+#[derive(Clone, Debug)]
+pub struct BoxRule {
+    /// Square roots of primes, one for each component but the first: two alike would move together.
+    roots: Vec<f64>,
+}
+
+impl BoxRule {
+    /// The rule for vectors of `n` components.
+    #[must_use]
+    pub fn new(n: usize) -> Self {
+        let is_prime = |number: &u32| (2..).take_while(|d| d * d <= *number).all(|divisor| number % divisor > 0);
+        let primes = (2..).filter(is_prime);
+        Self { roots: primes.take(n.saturating_sub(1)).map(|prime| f64::from(prime).sqrt()).collect() }
+    }
+
+    /// Mean over `points` of the lattice. `factor` is the lower triangular factor L of the covariance L L^T, row by row, n x n; rows of zeros
+    /// are exact components. The terms of a mixture take consecutive `points`: their errors are independent, as if the sum were one integral.
+    #[must_use]
+    pub fn probability(&self, mean: &[f64], factor: &[f64], [lower, upper]: [&[f64]; 2], points: Range<usize>) -> f64 {
+        let n = mean.len();
+        let tables: &Tables = &TABLES;
+        // Ends of component `row` in standard deviations from its mean given those `drawn`; of an exact one whether they lie above it.
+        let ends = |row: usize, drawn: &[f64]| {
+            let known: f64 = mean[row] + drawn.iter().zip(&factor[row * n..]).map(|(y, l)| y * l).sum::<f64>();
+            let std = factor[row * n + row];
+            let end = |end: f64| {
+                if std > 0.0 {
+                    (end - known) / std
+                } else if end >= known {
+                    f64::INFINITY
+                } else {
+                    f64::NEG_INFINITY
+                }
+            };
+            [end(lower[row]), end(upper[row])]
+        };
+        if n == 0 {
+            return 1.0;
+        }
+        let [first, last] = ends(0, &[]).map(normal_probability);
+        // The lower end of an exact component counts as within.
+        let share = last - first;
+        if n == 1 || share <= 0.0 || points.is_empty() {
+            return share.max(0.0);
+        }
+        let count = points.len() as f64;
+        let mut sum = 0.0;
+        let mut drawn = vec![0.0; n];
+        for point in points {
+            let mut product = share;
+            let [mut from, mut to] = [first, last];
+            for row in 1..n {
+                // The baker's transform of frac(k sqrt(p) + 1/2) makes the integrand periodic. At most some 1e9: the casts are exact.
+                let x = (point + 1) as f64 * self.roots[row - 1] + 0.5;
+                let x = (2.0 * (x - (x as i64) as f64) - 1.0).abs();
+                drawn[row - 1] = tables.quantile(from + x * (to - from));
+                [from, to] = ends(row, &drawn[..row]).map(|x| tables.probability(x));
+                product *= (to - from).max(0.0);
+                if product == 0.0 {
+                    break;
+                }
+            }
+            sum += product;
+        }
+        sum / count
+    }
 }
 
 #[cfg(test)]
@@ -209,6 +330,43 @@ mod tests {
         }
         assert!(normal_quantile(0.0) == f64::NEG_INFINITY && normal_quantile(1.0) == f64::INFINITY);
         assert!(normal_quantile(-0.1).is_nan());
+    }
+
+    #[test]
+    fn tables_are_the_functions() {
+        for place in -9_999..=9_999 {
+            let x = f64::from(place) * 1e-3;
+            let off = TABLES.probability(x) - normal_probability(x);
+            assert!(off.abs() < 4e-9, "{x} {off}");
+            let p = 0.5 + f64::from(place) * 5e-5;
+            let off = TABLES.quantile(p) - normal_quantile(p);
+            assert!(off.abs() < 1e-7, "{p} {off}");
+        }
+        for end in [f64::NEG_INFINITY, f64::INFINITY] {
+            assert!((TABLES.probability(end) - normal_probability(end)).abs() < 1e-14);
+        }
+    }
+
+    #[test]
+    fn quantiles_of_mixtures_undo_their_probabilities() {
+        let mut normals = Normals::new(17);
+        for count in [1, 2, 5, 190] {
+            let mut parts: Vec<[f64; 3]> =
+                (0..count).map(|_| [normals.draw().abs(), normals.draw(), normals.draw().exp()]).collect();
+            let sum: f64 = parts.iter().map(|part| part[0]).sum();
+            parts.iter_mut().for_each(|part| part[0] /= sum);
+            for p in [1e-4, 0.025, 0.3, 0.5, 0.975, 0.9999] {
+                let value = mixture_quantile(&parts, p);
+                let below: f64 = parts.iter().map(|[w, mean, std]| w * normal_probability((value - mean) / std)).sum();
+                assert!((below - p).abs() < 1e-8, "{count} {p}: {below}");
+            }
+        }
+        // Exact parts are steps: the quantile lies on the one that crosses p.
+        let steps = [[0.3, 1.0, 0.0], [0.7, 2.0, 0.0]];
+        assert!(
+            (mixture_quantile(&steps, 0.2) - 1.0).abs() < 1e-9 && (mixture_quantile(&steps, 0.5) - 2.0).abs() < 1e-9
+        );
+        assert!(mixture_quantile(&[], 0.5).is_nan());
     }
 
     #[test]
@@ -288,39 +446,6 @@ mod tests {
         let mean: Vec<f64> = (0..n).map(|_| 0.5 * normals.draw()).collect();
         let half = 0.5 + 3.0 * normals.draw().abs();
         [factor, mean, vec![-half; n], vec![half; n]]
-    }
-
-    #[test]
-    fn few_points_serve_to_rank_by() {
-        let mut normals = Normals::new(11);
-        let (mut squares, mut farthest) = (0.0, 0.0_f64);
-        for case in 0..2000 {
-            let [factor, mean, lower, upper] = of_conditions(5 + case % 20, &mut normals);
-            let [rough, fine] =
-                [rough_part_box_probability, part_box_probability].map(|of| of(&mean, &factor, &lower, &upper, 1.0));
-            squares += (rough - fine).powi(2) / 2000.0;
-            farthest = farthest.max((rough - fine).abs());
-        }
-        assert!(squares.sqrt() < 0.011 && farthest < 0.06, "{} {farthest}", squares.sqrt());
-    }
-
-    #[test]
-    fn parts_of_little_weight_leave_no_more_of_a_sum_open() {
-        let mut normals = Normals::new(13);
-        let (mut exact, mut rough) = (0.0, 0.0);
-        for case in 0..600 {
-            let [factor, mean, lower, upper] = of_conditions(2 + case % 6, &mut normals);
-            let by = |points: usize| by_points(&mean, &factor, &lower, &upper, points);
-            let integral = by(1 << 13);
-            let little = 0.99 * LITTLE;
-            let of = |weight: f64, part: f64| (weight * (part - integral)).powi(2) / 600.0;
-            exact += of(little, part_box_probability(&mean, &factor, &lower, &upper, little));
-            let little = 0.99 * ROUGH_LITTLE;
-            rough += of(little, rough_part_box_probability(&mean, &factor, &lower, &upper, little));
-        }
-        // What 512 points leave open of a probability, and 64.
-        assert!(exact.sqrt() < 5e-4 && rough.sqrt() < 3e-3, "{} {}", exact.sqrt(), rough.sqrt());
-        assert!(exact.sqrt() > 1e-6 && rough.sqrt() > 1e-5, "{} {}", exact.sqrt(), rough.sqrt());
     }
 
     /// Of which every component needs points of its own.

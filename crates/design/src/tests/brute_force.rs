@@ -32,7 +32,7 @@ fn drawn(search: &Search<'_>, lengths_m: [f64; 3], count: u32) -> (f64, f64) {
         let which = normals.draw();
         let mut deviates = || -> Vec<f64> { (0..n).map(|_| normals.draw()).collect() };
         let (z, shared) = (deviates(), deviates());
-        let lacks = lacking.sampler().draw(which, &z, &|_| 0.0);
+        let lacks = lacking.sampler().draw(which, &z);
         let value = |load: usize| {
             let off: f64 = factor[load * n..=load * n + load].iter().zip(&shared).map(|(l, z)| l * z).sum();
             found.texture.ratio[load] * ratio[load] / designed[load] * (lacks[load] + off).exp()
