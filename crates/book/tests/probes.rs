@@ -92,7 +92,6 @@ pub const KINDS: [Kind; 5] = [
 pub fn types() -> Types {
     let mut sources = files(&root().join("crates/formats/src"), ".rs");
     sources.push(root().join("crates/campaign/src/plan.rs"));
-    sources.push(root().join("crates/studies/src/laboratories/mod.rs"));
     let named = |path: &PathBuf| (path.file_name().unwrap().to_str().unwrap().to_owned(), text(path));
     let read: Vec<(String, String)> = sources.iter().map(named).collect();
     Types::new(read.iter().map(|(name, text)| (name.as_str(), text.as_str())))
@@ -226,8 +225,7 @@ fn materials() -> Vec<String> {
 }
 
 fn campaigns() -> Vec<String> {
-    let rims = text(&root().join("designs/campaign-rims.toml"));
-    vec![rims, "base = \"laboratories\"\n[laboratories]\nlaboratories = 9\n".to_owned()]
+    vec![text(&root().join("designs/campaign-rims.toml"))]
 }
 
 /// Puts `value` behind the key at `path`, in the first of each list of tables.

@@ -26,8 +26,6 @@ pub enum Kind {
     Scene,
     /// A design, to be searched and confirmed.
     Design,
-    /// A simulated laboratory, on its way to a target.
-    Laboratory,
 }
 
 /// What all tasks of a campaign share.

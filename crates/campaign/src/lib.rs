@@ -1,5 +1,4 @@
-//! Campaigns: many scenes, designs or simulated laboratories as tasks that any machine can do, in any order, and one table of what
-//! came of them.
+//! Campaigns: many scenes or designs as tasks that any machine can do, in any order, and one table of what came of them.
 //!
 //! A campaign file names a scene or a design and which of its keys vary. [`plan`] makes a task of every combination. The id of a
 //! task is a hash of what it says and of the files that it reads, so that the same task is done once. Those files travel with the

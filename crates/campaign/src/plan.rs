@@ -21,21 +21,14 @@ use slipgrid_formats::{Diagnostic, Document};
 use slipgrid_monitor::{Monitor, Stage};
 use slipgrid_pattern::Pattern;
 use slipgrid_results::{SCHEMA, VERSION};
-use slipgrid_studies::laboratories::{self, Job, Policy};
 use slipgrid_units::LENGTH_UM;
 use toml::{Spanned, Table, Value};
 
+use crate::CampaignError;
 use crate::campaign::{Campaign, Kind, Task};
 use crate::inputs::{Contents, Noted, ReadOnce};
 use crate::varied::{MAX_TASKS, Row, Varied, crossed};
-use crate::{CampaignError, worker};
 
-/// Most trials of a simulated laboratory, and most widths that it chooses from.
-const MAX_CHOICES: usize = 1000;
-/// The base of a campaign of simulated laboratories, which is no file.
-const LABORATORIES: &str = "laboratories";
-/// Options of simulated laboratories.
-const LABORATORY_KEYS: [&str; 4] = ["laboratories", "most_trials", "steps", "seed"];
 /// Tables of a scene.
 const SCENE_TABLES: [&str; 6] = ["material", "pattern", "sample", "load", "condition", "run"];
 /// What can be done with a design.
@@ -57,12 +50,10 @@ pub struct Planned {
 struct CampaignFile {
     /// Name of the campaign; the file's name when absent.
     name: Option<String>,
-    /// Path of a scene or a design, or `laboratories` for the simulated laboratories.
+    /// Path of a scene or a design.
     base: Spanned<String>,
     /// What is done with a design: `search`, or `table` for every design of its table as a steady scene; `search` when absent.
     work: Option<Spanned<String>>,
-    /// Options of simulated laboratories, with `base = "laboratories"`.
-    laboratories: Option<Spanned<laboratories::Options>>,
     /// One table for each key that is varied by itself; every combination of all grids is a task.
     #[serde(default)]
     grid: Vec<Spanned<GridFile>>,
@@ -180,34 +171,8 @@ fn base(
     monitor: &dyn Monitor,
 ) -> Result<(Kind, String, Vec<Row>), CampaignError> {
     let failed = |error: &dyn std::fmt::Display| CampaignError::Failed(error.to_string());
-    if file.base.get_ref() == LABORATORIES {
-        let options = file.laboratories.as_ref().map_or_else(laboratories::Options::default, |own| *own.get_ref());
-        let own = file.laboratories.as_ref().map_or_else(|| file.base.span(), Spanned::span);
-        for (key, number, most) in [
-            ("laboratories", options.laboratories, MAX_TASKS),
-            ("most_trials", options.most_trials, MAX_CHOICES),
-            ("steps", options.steps, MAX_CHOICES),
-        ] {
-            if !(1..=most).contains(&number) {
-                let refused = document.refuse(own, "is out of range");
-                let (key, value) = (format!("laboratories.{key}"), number.to_string());
-                let refused = Diagnostic { key: Some(key.into()), value: Some(value.into()), ..refused };
-                return Err(refused.expected(format!("a whole number from 1 to {most}")).into());
-            }
-        }
-        let row = |job: Job| {
-            let named = [("start", job.start.name()), ("policy", job.policy.name()), ("target", job.target.name())];
-            let named = named.map(|(key, name)| (key.to_owned(), Json::from(name)));
-            named.into_iter().chain([("number".to_owned(), Json::from(job.number))]).collect()
-        };
-        let rows = Job::all(&options, &Policy::ALL).into_iter().map(row).collect();
-        return Ok((Kind::Laboratory, toml::to_string(&options).map_err(|error| failed(&error))?, rows));
-    }
-    if let Some(own) = &file.laboratories {
-        return Err(document.refuse(own.span(), "is for base = \"laboratories\"").into());
-    }
     let text = read_text(files, path, "a scene or a design").map_err(|refused| {
-        document.refuse(file.base.span(), refused.reason).expected("a scene file, a design file, or \"laboratories\"")
+        document.refuse(file.base.span(), refused.reason).expected("a scene file or a design file")
     })?;
     let kind = FileKind::of(&text);
     let work = file.work.as_ref().map_or(WORK[0], |work| work.get_ref());
@@ -240,7 +205,7 @@ fn base(
         (Some(FileKind::Design), _) => Ok((Kind::Design, text, Vec::new())),
         _ => {
             let refused = document.refuse(file.base.span(), "is no scene and no design");
-            Err(refused.expected("a scene file, a design file, or \"laboratories\"").into())
+            Err(refused.expected("a scene file or a design file").into())
         }
     }
 }
@@ -273,9 +238,6 @@ fn check(kind: Kind, source: &Source, path: &Path, text: &str, monitor: &dyn Mon
                 calibration.task(source, (task.layer, task.seed), Selection::default(), monitor)?;
             }
         }
-        Kind::Laboratory => {
-            worker::laboratory(text).map_err(|reason| Diagnostic::file(path, reason))?;
-        }
     }
     Ok(())
 }
@@ -286,10 +248,6 @@ fn check_keys(varied: &Varied<'_>, kind: Kind, text: &str, of_base: &[Row]) -> R
     for key in &varied.keys {
         let first = key.split('.').next().unwrap_or(key);
         match kind {
-            Kind::Laboratory if !LABORATORY_KEYS.contains(&key.as_str()) => {
-                let expected = format!("one of {}", LABORATORY_KEYS.join(", "));
-                return refuse(key, "is no option of simulated laboratories", &expected);
-            }
             Kind::Scene if of_base.first().is_some_and(|row| row.contains_key(key)) => {
                 let expected = "another key, or bounds of the design that give these values";
                 return refuse(key, "is what the rows of the design's table vary already", expected);

@@ -4,11 +4,10 @@ use std::collections::BTreeMap;
 
 use serde_json::Value as Json;
 use slipgrid_results::guard_formula;
-use slipgrid_studies::laboratories::{LaboratoriesReport, Way};
 use slipgrid_units::tidy;
 
 use crate::campaign::{Campaign, Kind, Task};
-use crate::worker::{Done, Outcome, laboratory};
+use crate::worker::{Done, Outcome};
 
 /// What a scene's row has, by load.
 const OF_SCENE: [&str; 8] = [
@@ -30,8 +29,6 @@ const OF_DESIGN: [(&str, &str); 6] = [
     ("depth_um", "/design/depth_um"),
     ("areal_density", "/specimen_areal_density"),
 ];
-/// What a laboratory's row has.
-const OF_LABORATORY: [(&str, &str); 2] = [("mechanism", "/mechanism"), ("trials", "/way/trials")];
 
 /// How many tasks ended how.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -70,15 +67,14 @@ impl Counts {
     }
 }
 
-/// Results, put together task by task in the order of the campaign: a row for each load of a scene, for each design, and for each
-/// laboratory. A task without a result has a row that says so. The same bytes whoever did what.
+/// Results, put together task by task in the order of the campaign: a row for each load of a scene and for each design.
+/// A task without a result has a row that says so. The same bytes whoever did what.
 pub struct Results<'a> {
     campaign: &'a Campaign,
     text: String,
     /// Columns of the kind of task, between outcome and reason.
     columns: usize,
     counts: Counts,
-    ways: Vec<(Task, usize, Way)>,
 }
 
 impl<'a> Results<'a> {
@@ -88,14 +84,13 @@ impl<'a> Results<'a> {
         let own: Vec<&str> = match campaign.kind {
             Kind::Scene => OF_SCENE.to_vec(),
             Kind::Design => OF_DESIGN.map(|(name, _)| name).to_vec(),
-            Kind::Laboratory => OF_LABORATORY.map(|(name, _)| name).to_vec(),
         };
         let columns = own.len();
         let keys = campaign.keys.iter().map(|key| quoted(key));
         let header = ["task".to_owned()].into_iter().chain(keys).chain(["outcome".to_owned()]);
         let header = header.chain(own.iter().map(|name| (*name).to_owned())).chain(["reason".to_owned()]);
         let text = header.collect::<Vec<_>>().join(",") + "\n";
-        Self { campaign, text, columns, counts: Counts::default(), ways: Vec::new() }
+        Self { campaign, text, columns, counts: Counts::default() }
     }
 
     /// Adds what came of `task`; `None` where nobody has done it.
@@ -109,11 +104,6 @@ impl<'a> Results<'a> {
             let row = [task.id.clone()].into_iter().chain(values).chain(cells);
             self.text += &(row.collect::<Vec<_>>().join(",") + "\n");
         }
-        let Some(record) = done.and_then(|done| done.record.as_ref()) else { return };
-        let of_way = record.get("way").and_then(|way| serde_json::from_value(way.clone()).ok());
-        if let (Some(way), Some(textures)) = (of_way, record.get("textures").and_then(Json::as_u64)) {
-            self.ways.push((task.clone(), textures as usize, way));
-        }
     }
 
     /// The table as CSV.
@@ -126,20 +116,6 @@ impl<'a> Results<'a> {
     #[must_use]
     pub const fn counts(&self) -> Counts {
         self.counts
-    }
-
-    /// What laboratories say, where it is they and all of them ended.
-    #[must_use]
-    pub fn laboratories(&self) -> Option<LaboratoriesReport> {
-        let is_whole = self.counts.done > 0 && self.counts == Counts { done: self.counts.done, ..Counts::default() };
-        if self.campaign.kind != Kind::Laboratory || !is_whole {
-            return None;
-        }
-        let of = |values: &BTreeMap<String, Json>| laboratory(&self.campaign.text_of(values).ok()?).ok();
-        let known: Option<Vec<_>> = self.ways.iter().map(|(task, ..)| of(&task.values)).collect();
-        let (options, jobs): (Vec<_>, Vec<_>) = known?.into_iter().unzip();
-        let ways: Vec<Way> = self.ways.iter().map(|(.., way)| way.clone()).collect();
-        Some(LaboratoriesReport::new(options.first()?, self.ways.first()?.1, &jobs, &ways))
     }
 
     /// Outcome, own columns and reason: a row each.
@@ -162,7 +138,6 @@ impl<'a> Results<'a> {
         };
         let cells = match self.campaign.kind {
             Kind::Design => vec![own(record, &OF_DESIGN)],
-            Kind::Laboratory => vec![own(record, &OF_LABORATORY)],
             Kind::Scene => {
                 let loads = record.get("results").and_then(Json::as_array).map_or(&[][..], Vec::as_slice);
                 loads.iter().map(|load| OF_SCENE.iter().map(|name| at(load.get(*name))).collect()).collect()

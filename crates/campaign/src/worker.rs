@@ -1,10 +1,10 @@
 //! Doing a task.
 
 use std::path::Path;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
-use serde_json::{Value as Json, json};
+use serde_json::Value as Json;
 use slipgrid_design::{DesignError, DesignReport, NoCache, simulate_on};
 use slipgrid_formats::calibrated::{Uncalibrated, complete};
 use slipgrid_formats::design::Design;
@@ -14,8 +14,6 @@ use slipgrid_formats::source::Source;
 use slipgrid_formats::{Diagnostic, Document};
 use slipgrid_monitor::{Memory, Monitor};
 use slipgrid_results::{SCHEMA, SimulationReport, json_and_timings};
-use slipgrid_studies::StudyError;
-use slipgrid_studies::laboratories::{Bench, Job, Options, Policy, Start, TargetOf};
 
 use crate::campaign::{Campaign, Kind, Task};
 use crate::inputs::{Contents, Given, InMemory, Noted, ReadOnce};
@@ -43,7 +41,7 @@ pub struct Done {
     pub outcome: Outcome,
     /// Why there is no record.
     pub reason: Option<String>,
-    /// What result.json of its command holds; of a laboratory its way to the target.
+    /// What result.json of its command holds.
     pub record: Option<Json>,
 }
 
@@ -74,21 +72,10 @@ impl From<Diagnostic> for Undone {
     }
 }
 
-impl From<StudyError> for Undone {
-    fn from(error: StudyError) -> Self {
-        match error {
-            StudyError::Cancelled => Self::Cancelled,
-            error => Self::Failed(error.to_string()),
-        }
-    }
-}
-
 /// Does tasks of one campaign, as many at a time as threads call it.
 pub struct Worker<'a> {
     campaign: &'a Campaign,
     files: Arc<ReadOnce>,
-    /// What laboratories choose from, once it was solved.
-    bench: Mutex<Option<(Options, Arc<Bench>)>>,
 }
 
 impl<'a> Worker<'a> {
@@ -102,7 +89,7 @@ impl<'a> Worker<'a> {
     #[must_use]
     pub fn with(campaign: &'a Campaign, store: Source) -> Self {
         let given = Given::new(&campaign.inputs, store);
-        Self { campaign, files: ReadOnce::new(Arc::new(given)), bench: Mutex::default() }
+        Self { campaign, files: ReadOnce::new(Arc::new(given)) }
     }
 
     /// Does `task`; `None` where `monitor` cancels.
@@ -125,27 +112,12 @@ impl<'a> Worker<'a> {
         let whole = match self.campaign.kind {
             Kind::Scene => json_and_timings(&solved(document(), monitor)?),
             Kind::Design => json_and_timings(&designed(document(), &source, monitor)?),
-            Kind::Laboratory => json_and_timings(&self.simulated(&text, monitor)?),
         };
         if self.campaign.id(&text, &noted.seen()) != task.id {
             return Err(Undone::Refused("the task is not what it was when the campaign was planned".to_owned()));
         }
         let [whole, _] = whole.map_err(|error| Undone::Failed(error.to_string()))?;
         serde_json::from_str(&whole).map_err(|error| Undone::Failed(error.to_string()))
-    }
-
-    fn simulated(&self, text: &str, monitor: &dyn Monitor) -> Result<Json, Undone> {
-        let (options, job) = laboratory(text).map_err(Undone::Refused)?;
-        // Others wait for the textures: they need them, too.
-        let mut known = self.bench.lock().unwrap_or_else(PoisonError::into_inner);
-        let bench = match &*known {
-            Some((of, bench)) if *of == options => Arc::clone(bench),
-            _ => Arc::new(Bench::new(&options, monitor)?),
-        };
-        *known = Some((options, Arc::clone(&bench)));
-        drop(known);
-        let way = bench.way(job)?;
-        Ok(json!({ "mechanism": job.mechanism().name(), "textures": bench.textures(), "way": way }))
     }
 }
 
@@ -163,25 +135,6 @@ impl Monitor for Quiet<'_> {
 
     fn memory(&self) -> Option<&dyn Memory> {
         self.0.memory()
-    }
-}
-
-/// The laboratory of a task's text.
-///
-/// # Errors
-/// What is wrong with it, in words.
-pub fn laboratory(text: &str) -> Result<(Options, Job), String> {
-    let mut table: toml::Table = toml::from_str(text).map_err(|error| error.message().to_owned())?;
-    let mut take = |key: &str| table.remove(key).ok_or_else(|| format!("{key} is missing"));
-    let (start, policy, target, number) = (take("start")?, take("policy")?, take("target")?, take("number")?);
-    let start = Start::ALL.into_iter().find(|own| start.as_str() == Some(own.name()));
-    let policy = Policy::ALL.into_iter().find(|own| policy.as_str() == Some(own.name()));
-    let target = TargetOf::ALL.into_iter().find(|own| target.as_str() == Some(own.name()));
-    let number = number.as_integer().and_then(|number| usize::try_from(number).ok());
-    let options = table.try_into().map_err(|error: toml::de::Error| error.message().to_owned())?;
-    match (start, policy, number, target) {
-        (Some(start), Some(policy), Some(number), Some(target)) => Ok((options, Job { start, policy, number, target })),
-        _ => Err("start, policy, target and number name no laboratory".to_owned()),
     }
 }
 

@@ -234,14 +234,6 @@ fn what_cannot_be_is_refused_with_its_place() {
             "base = \"scene.toml\"\n[[grid]]\nkey = \"\"\nvalues = [1]\n",
             "d/campaign.toml:3: grid.key: \"\" is no key: \"\"; expected a dotted key of the base",
         ),
-        (
-            "base = \"laboratories\"\n[laboratories]\nlaboratories = 0\n",
-            "d/campaign.toml:2: laboratories.laboratories: 0 is out of range; expected a whole number from 1 to",
-        ),
-        (
-            "base = \"laboratories\"\n[[grid]]\nkey = \"pattern.width_um\"\nvalues = [1]\n",
-            "d/campaign.toml:4: pattern.width_um: 1 is no option of simulated laboratories; expected one of laboratories, most",
-        ),
     ] {
         let refused = planned(&given(SCENE, campaign)).unwrap_err().to_string();
         assert!(refused.contains(says), "{campaign}: {refused}");
@@ -386,18 +378,4 @@ fn every_damaged_result_is_named_and_done_again() {
         assert!(notes.iter().all(|note| note.starts_with("warning: out/results/")), "{notes:?}");
     }
     assert_eq!(store.all(), whole);
-}
-
-#[test]
-fn laboratories_are_a_campaign_and_give_the_same_report() {
-    use slipgrid_studies::laboratories::{Options, Policy, run};
-    let options = "[laboratories]\nlaboratories = 2\nmost_trials = 3\nsteps = 3\nseed = 5\n";
-    let files = given(SCENE, &format!("base = \"laboratories\"\n{options}"));
-    let planned = planned(&files).unwrap();
-    let store = Memory::of(&[]);
-    folder(&store).keep(&planned).unwrap();
-    folder(&store).work(Share::ALL, 2, None, 5, &Unwatched).unwrap();
-    let report = folder(&store).merge(|results| results.laboratories()).unwrap().unwrap();
-    let options = Options { laboratories: 2, most_trials: 3, steps: 3, seed: 5 };
-    assert_eq!(report, run(&options, &Policy::ALL, &Unwatched).unwrap());
 }

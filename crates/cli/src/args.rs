@@ -370,9 +370,6 @@ pub struct AccuracyArgs {
     /// Run the scene as it is, with all its rows of blocks, which takes hours
     #[arg(long)]
     pub full: bool,
-    /// Run simulated laboratories instead: how many samples each way of choosing needs to a target; ten minutes on two cores
-    #[arg(long, conflicts_with_all = ["full", "scene"])]
-    pub laboratories: bool,
     /// Draws of the local coefficients behind each row
     #[arg(long, default_value = "3", value_name = "N", value_parser = parse_seeds)]
     pub seeds: NonZeroU64,

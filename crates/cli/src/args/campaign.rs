@@ -13,7 +13,7 @@ use slipgrid_campaign::{Engine, Share};
     slipgrid campaign work out/rims\n  \
     slipgrid campaign merge out/rims\n\n\
     A campaign file names a scene or a design and what varies:\n  \
-    base = \"scene.toml\"              # or a design, or \"laboratories\"\n  \
+    base = \"scene.toml\"              # or a design\n  \
     work = \"table\"                   # every design of whole blocks and bursts\n  \
     [[grid]]                         # every combination of all grids\n  \
     key = \"pattern.width_um\"\n  \

@@ -9,11 +9,10 @@ use slipgrid_report::Outputs;
 use slipgrid_results::json;
 use slipgrid_springblock::{Expense, Fidelity, Scene};
 use slipgrid_studies::accuracy::{self, Machine, Size};
-use slipgrid_studies::laboratories;
 
 use super::date;
 use crate::args::AccuracyArgs;
-use crate::output::{ResultFolder, open};
+use crate::output::open;
 use crate::progress::Job;
 use crate::{CliError, Console, exit_code};
 use slipgrid_disk::disk;
@@ -22,9 +21,6 @@ use slipgrid_disk::disk;
 pub fn run(args: &AccuracyArgs, console: &mut Console<'_>) -> Result<u8, CliError> {
     let inputs: Vec<PathBuf> = args.scene.iter().cloned().collect();
     let folder = open(args.output.as_ref(), &["report.html", "accuracy.*", "result.json"], &inputs)?;
-    if args.laboratories {
-        return of_laboratories(args, folder.as_ref(), console);
-    }
     let (scene, input) = match &args.scene {
         Some(path) => {
             let input =
@@ -71,23 +67,6 @@ pub fn run(args: &AccuracyArgs, console: &mut Console<'_>) -> Result<u8, CliErro
     } else if args.output.is_none() {
         console.answer(&accuracy::markdown(&report))?;
     }
-    Ok(exit_code::DONE)
-}
-
-/// Runs every policy in simulated laboratories and reports.
-fn of_laboratories(
-    args: &AccuracyArgs,
-    folder: Option<&ResultFolder>,
-    console: &mut Console<'_>,
-) -> Result<u8, CliError> {
-    let report = laboratories::run(&laboratories::Options::default(), &laboratories::Policy::ALL, &Job::new(console))?;
-    if let Some(folder) = folder {
-        let mut outputs = Outputs::default();
-        outputs.add("accuracy.md", format!("# Simulated laboratories\n\n{}\n", report.lines().join("\n")));
-        outputs.add("result.json", json(&report)?);
-        console.keep(&outputs, folder)?;
-    }
-    console.report(args.json, &report, || report.lines().join("\n") + "\n")?;
     Ok(exit_code::DONE)
 }
 

@@ -69,11 +69,9 @@ fn work(args: &WorkArgs, console: &mut Console<'_>) -> Result<u8, CliError> {
 fn merge(args: &MergeArgs, console: &mut Console<'_>) -> Result<u8, CliError> {
     let path = args.output.clone().unwrap_or_else(|| args.folder.join("table.csv"));
     check_file(Place::output(&path), &[])?;
-    let (table, counts, laboratories) =
-        at(&args.folder).merge(|results| (results.csv().to_owned(), results.counts(), results.laboratories()))?;
+    let (table, counts) = at(&args.folder).merge(|results| (results.csv().to_owned(), results.counts()))?;
     write_file(&path, table.as_bytes())?;
-    let laboratories = laboratories.map_or_else(String::new, |report| report.lines().join("\n") + "\n");
-    console.answer(&format!("{laboratories}{}, in {}\n", counts.words(), path.display()))?;
+    console.answer(&format!("{}, in {}\n", counts.words(), path.display()))?;
     Ok(if counts.missing == 0 { exit_code::DONE } else { exit_code::FAILURE })
 }
 

@@ -7,8 +7,8 @@ use slipgrid_monitor::Monitor;
 use slipgrid_pattern::{Pattern, Planform, Rim, RimProfile, Texture};
 use slipgrid_springblock::{Scene, SteadyCell};
 
-use crate::StudyError;
-use crate::accuracy::paper_scene;
+use slipgrid_studies::StudyError;
+use slipgrid_studies::accuracy::paper_scene;
 
 /// Nominal pressures, in pascals.
 pub const PRESSURES_PA: [f64; 4] = [0.65e6, 1.3e6, 1.95e6, 2.6e6];

@@ -9,7 +9,7 @@ use super::draws::{Draws, around, between};
 use super::generator::{Generator, Seen, logs};
 use super::physics::{LOADS, Solved, loads};
 use super::truth::{MODULUS_STD, TOLERANCE, dimension_shifts};
-use crate::StudyError;
+use slipgrid_studies::StudyError;
 
 /// Its standard deviation.
 const PROCESS_STD: f64 = 0.2;

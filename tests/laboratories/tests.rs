@@ -1,6 +1,20 @@
 use super::*;
 use slipgrid_monitor::Unwatched;
 
+/// The page that the book quotes.
+#[test]
+#[ignore = "ten minutes of two cores"]
+fn the_kept_page_is_what_laboratories_do() {
+    let report = run(&Options::default(), &Policy::ALL, &Unwatched).unwrap();
+    let now = format!("# Simulated laboratories\n\n{}\n", report.lines().join("\n"));
+    let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("accuracy/laboratories.md");
+    if std::env::var_os("SLIPGRID_UPDATE_GUIDE").is_some() {
+        std::fs::write(&path, now).unwrap();
+    } else {
+        assert_eq!(std::fs::read_to_string(&path).unwrap(), now);
+    }
+}
+
 mod ahead;
 
 /// A few laboratories: the same tables at every run, the mixture sooner on target than the physics alone, and never sooner than

@@ -2,7 +2,10 @@
 //!
 //! A laboratory has a truth that no model knows: the steady ratio at its polymer's own Young's modulus, times a mechanism that
 //! is one of the discrepancy's forms or none of them, times each sample's own scatter. It cuts what a policy chooses, measures
-//! it with errors, and goes on until a sample is truly on target.
+//! it with errors, and goes on until a sample is truly on target. The page that the book quotes is kept by
+//! `SLIPGRID_UPDATE_GUIDE=1 cargo test --release -p slipgrid-tests --test laboratories -- --ignored the_kept_page`.
+
+#![allow(clippy::unwrap_used, reason = "a test that unwraps in vain fails, as it should")]
 
 mod draws;
 mod generator;
@@ -12,16 +15,16 @@ mod report;
 mod truth;
 
 use rayon::prelude::*;
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 use slipgrid_discrepancy::{DimensionShift, Trial};
 use slipgrid_monitor::{Monitor, Stage};
 use slipgrid_statistics::{Normals, normal_probability};
 
-use crate::StudyError;
 use draws::{around, is_within};
 use generator::{Generator, Sizes};
 use physics::{LOADS, Solved};
 use policy::{Informed, Known, Told, all_dimension_shifts, candidate, learned, wanted};
+use slipgrid_studies::StudyError;
 use truth::Laboratory;
 
 pub use policy::Policy;
