@@ -1,7 +1,5 @@
 //! All results of a campaign as one table.
 
-use std::collections::BTreeMap;
-
 use serde_json::Value as Json;
 use slipgrid_results::guard_formula;
 use slipgrid_units::tidy;

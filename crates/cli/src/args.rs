@@ -150,6 +150,9 @@ pub struct OptimizeArgs {
     /// Take over the answers that an earlier run of the same design left in out/NAME.study.jsonl
     #[arg(long)]
     pub resume: bool,
+    /// Print all that is in the report: every doubt, other textures, trade-offs, how it was computed
+    #[arg(long, conflicts_with = "json")]
+    pub details: bool,
     /// Print result.json instead of a summary
     #[arg(long)]
     pub json: bool,

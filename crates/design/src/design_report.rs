@@ -1,6 +1,9 @@
 //! What `optimize` found, as JSON and as text.
 
+mod brief;
 mod summary;
+
+pub(crate) use summary::samples_table;
 
 use std::borrow::Cow;
 

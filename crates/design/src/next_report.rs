@@ -2,11 +2,12 @@
 
 use serde::{Deserialize, Serialize};
 use slipgrid_discrepancy::{Load, Prediction};
-use slipgrid_results::{MaterialReport, SYNTHETIC_SURFACE, SpecimenReport, Table};
+use slipgrid_results::{MaterialReport, SYNTHETIC_SURFACE, SpecimenReport};
 use slipgrid_units::{HUMIDITY_PCT, PRESSURE_MPA, SPEED_MM_S, tidy};
 
 use slipgrid_export::{Laser, MEASURE_EACH_ALONE, Outline, Sector, Tolerances};
 
+use crate::design_report::samples_table;
 use crate::prediction::{SampleReport, percent};
 use crate::search::ALIKE;
 
@@ -223,12 +224,8 @@ impl NextReport {
         if self.samples.len() > 1 || self.pending > 0 {
             text += &format!("{} chance that one of those cut is on target\n", percent(self.one_on_target));
         }
-        let mut table = Table::new(SampleReport::COLUMNS);
-        for (name, of) in self.rows() {
-            table.row(of.row(&name));
-        }
-        text += &table.to_string();
-        text += "tells bits: how much measuring this sample would tell about the form of the discrepancy, in bits\n";
+        text += &samples_table(self.rows().into_iter()).to_string();
+        text += "learns: how much a measured sample would teach of how the model's error depends on the texture\n";
         self.laser_doubts().for_each(|doubt| text += &format!("! {doubt}\n"));
         text + &self.one_disc.as_ref().map_or_else(String::new, OneDiscReport::text)
     }

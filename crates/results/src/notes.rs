@@ -10,9 +10,41 @@ pub fn notes<'a>(model: impl IntoIterator<Item = &'a str>, method: &[String]) ->
     text
 }
 
+/// `text` in lines of at most `width` characters, those after the first indented by `indent`, and cut after `most` lines. Longer words stand
+/// alone.
+#[must_use]
+pub fn wrapped(text: &str, width: usize, indent: &str, most: usize) -> String {
+    let start = text.len() - text.trim_start().len();
+    let mut lines = vec![text[..start].to_owned()];
+    let mut is_first = true;
+    for word in text.split_whitespace() {
+        let line = lines.last_mut().map_or(0, |line| line.chars().count());
+        if !is_first && line + 1 + word.chars().count() > width {
+            if lines.len() == most {
+                lines.iter_mut().last().into_iter().for_each(|line| line.push_str(" ..."));
+                break;
+            }
+            lines.push(indent.to_owned() + word);
+        } else if let Some(line) = lines.last_mut() {
+            line.push_str(if is_first { "" } else { " " });
+            line.push_str(word);
+        }
+        is_first = false;
+    }
+    lines.join("\n")
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn long_lines_are_broken_between_words() {
+        assert_eq!(wrapped("  one two three", 10, "    ", 3), "  one two\n    three");
+        assert_eq!(wrapped("a bb ccc dddd", 4, "", 2), "a bb\nccc ...");
+        assert_eq!(wrapped("incomprehensible words", 5, " ", 9), "incomprehensible\n words");
+        assert_eq!(wrapped("", 5, " ", 1), "");
+    }
 
     #[test]
     fn how_it_was_computed_is_the_last_note() {

@@ -3,6 +3,7 @@
 use std::fmt::Write as _;
 
 use super::DesignReport;
+use crate::blocked::LiftedReport;
 use crate::prediction::{Expected, LimitedBy, SampleReport, percent};
 use slipgrid_results::{
     Table, believed_interval, beyond_measured, beyond_measured_range, duration_in_words, fixed, length_in_words, notes,
@@ -64,22 +65,41 @@ impl DesignReport {
         let friction =
             if self.is_ratio() { "ratio to the flat surface" } else { "dynamic friction; model alone: ratio" };
         let mut text = format!("  {friction}\n{table}");
-        if let Some(limit) = self.limit() {
-            let _ = writeln!(
-                text,
-                "  limited by {} ({}): without it the chance would be {}",
-                limit.input,
-                limit.known_to,
-                percent(limit.chance_if_known)
-            );
-        }
-        if let Some(goal) = &self.goal {
-            let interval =
-                goal.interval_95.map_or_else(String::new, |ends| format!(" (95 %: {})", believed_interval(ends)));
-            let (goal, of, expected, modelled) = (&goal.goal, &goal.of, goal.expected, goal.modelled);
-            let _ = writeln!(text, "  {goal} {of}: {expected:.4} expected{interval}, {modelled:.4} by the model alone");
+        for line in self.limit_in_words().into_iter().chain(self.goal_in_words()) {
+            let _ = writeln!(text, "  {line}");
         }
         text
+    }
+
+    /// What limits the chance most.
+    pub(super) fn limit_in_words(&self) -> Option<String> {
+        let LimitedBy { input, known_to, chance_if_known, .. } = self.limit()?;
+        Some(format!("limited by {input} ({known_to}): without it the chance would be {}", percent(*chance_if_known)))
+    }
+
+    /// What is expected of the goal.
+    pub(super) fn goal_in_words(&self) -> Option<String> {
+        let goal = self.goal.as_ref()?;
+        let interval =
+            goal.interval_95.map_or_else(String::new, |ends| format!(" (95 %: {})", believed_interval(ends)));
+        let (goal, of, expected, modelled) = (&goal.goal, &goal.of, goal.expected, goal.modelled);
+        Some(format!("{goal} {of}: {expected:.4} expected{interval}, {modelled:.4} by the model alone"))
+    }
+
+    /// What the chance would be without each limit or bound.
+    pub(super) fn blocked_in_words(&self) -> Vec<String> {
+        let one = |lifted: &LiftedReport| {
+            let reach = if lifted.is_within_reach { "" } else { ", still out of reach" };
+            let (what, chance) = (&lifted.what, percent(lifted.chance));
+            format!("without {what}: {chance} for {} um{reach}", lifted.design.lengths_in_words())
+        };
+        self.blocked_by.iter().map(one).collect()
+    }
+
+    /// What the model lacks.
+    pub(super) fn lacking(&self) -> String {
+        let of_lasering = if self.sample.design.rim.is_some() { "roughening by the laser" } else { "recast rims" };
+        format!("not modelled: {of_lasering}, plasticity, viscoelasticity, heating, wear")
     }
 
     /// What limits the chance most, where that is worth a word.
@@ -93,21 +113,11 @@ impl DesignReport {
     fn found_beside(&self) -> String {
         let mut text = String::new();
         if !self.others.is_empty() {
-            let mut table = Table::new(SampleReport::COLUMNS);
-            self.others.iter().for_each(|other| {
-                table.row(other.row("also"));
-            });
+            let table = samples_table(self.others.iter().map(|other| ("also".to_owned(), other)));
             let _ = write!(text, "\n  other textures within the bounds\n{table}");
         }
-        for lifted in &self.blocked_by {
-            let reach = if lifted.is_within_reach { "" } else { ", still out of reach" };
-            let _ = writeln!(
-                text,
-                "  without {}: {} for {} um{reach}",
-                lifted.what,
-                percent(lifted.chance),
-                lifted.design.lengths_in_words()
-            );
+        for line in self.blocked_in_words() {
+            let _ = writeln!(text, "  {line}");
         }
         if let Some(trade_offs) = &self.trade_offs {
             let _ = write!(text, "\n{}", trade_offs.text());
@@ -142,9 +152,7 @@ impl DesignReport {
             let _ = writeln!(text, "! {doubt}");
         }
         let stated = self.model.iter().map(String::as_str);
-        let of_lasering = if self.sample.design.rim.is_some() { "roughening by the laser" } else { "recast rims" };
-        let lacking = format!("not modelled: {of_lasering}, plasticity, viscoelasticity, heating, wear");
-        text + &notes(stated.chain([lacking.as_str()]), &self.method)
+        text + &notes(stated.chain([self.lacking().as_str()]), &self.method)
     }
 
     /// How much was computed.
@@ -198,36 +206,50 @@ impl Expected {
     }
 }
 
-impl SampleReport {
-    /// What [`Self::row`] has.
-    pub const COLUMNS: [&str; 8] = [
-        "",
-        "width / spacing / depth um",
-        "planform",
-        "chance",
-        "tells bits",
-        "laser",
-        "expected at the first load (95 %)",
-        "at the last",
-    ];
+/// Bits from which on a trial teaches some and much: a tenth and a third of what tells two equally likely forms of the model's error apart.
+const LEARNS_SOME: f64 = 0.1;
+const LEARNS_MUCH: f64 = 0.33;
 
-    /// A row of a table, called `name`.
+impl SampleReport {
+    /// How much measuring the sample would teach, in words.
     #[must_use]
-    pub fn row(&self, name: &str) -> [String; 8] {
+    pub fn learns(&self) -> &'static str {
+        match self.information_bits {
+            bits if bits < LEARNS_SOME => "little",
+            bits if bits < LEARNS_MUCH => "some",
+            _ => "much",
+        }
+    }
+
+    /// A row of [`samples_table`], called `name`.
+    fn row(&self, name: String) -> [String; 7] {
         let at = |of: Option<&Expected>| {
             of.map_or_else(String::new, |at| {
                 format!("{:.3} ({})", at.median, believed_interval([at.low_95, at.high_95]))
             })
         };
         [
-            name.to_owned(),
+            name,
             self.design.lengths_in_words(),
-            self.design.planform.clone(),
             self.chance.map_or_else(|| "-".to_owned(), percent),
-            fixed(Some(self.information_bits), 2),
+            self.learns().to_owned(),
             self.laser_s.map_or_else(|| "-".to_owned(), duration_in_words),
             at(self.expected.first()),
             at(self.expected.last()),
         ]
     }
+}
+
+/// Samples side by side, each with its name: texture, chance, what measuring it would teach, and what is expected at the first and the last load.
+pub fn samples_table<'a>(samples: impl Iterator<Item = (String, &'a SampleReport)>) -> Table {
+    let samples: Vec<_> = samples.collect();
+    let at = |of: fn(&[Expected]) -> Option<&Expected>| {
+        let load = samples.first().and_then(|(_, sample)| of(&sample.expected));
+        load.map_or_else(String::new, |load| format!("at {} MPa", load.pressure_mpa))
+    };
+    let [first, last] = [at(|all| all.first()), at(|all| all.last())];
+    let first = format!("{first} (95 %)");
+    let mut table = Table::new(["", "width / spacing / depth um", "chance", "learns", "laser time", &first, &last]);
+    samples.into_iter().for_each(|(name, sample)| table.row(sample.row(name)));
+    table
 }

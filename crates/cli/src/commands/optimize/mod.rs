@@ -69,8 +69,13 @@ pub fn run(args: &OptimizeArgs, console: &mut Console<'_>) -> Result<u8, CliErro
     files::add_report(&found, &mut outputs)?;
     let report = &found.report;
     replace(&outputs, &results)?;
-    console.report(args.json, report, || report.summary())?;
-    console.kept(&outputs, &folder);
+    console.report(args.json, report, || if args.details { report.summary() } else { report.brief() })?;
+    if args.details || args.json {
+        console.kept(&outputs, &folder);
+    } else {
+        let calibration = design.calibration.as_deref();
+        console.answer(&places::written(&args.design, calibration, &folder, &found.advice))?;
+    }
     Ok(match found.advice {
         _ if !report.cut_short.is_empty() => exit_code::BUDGET,
         Advice::Series | Advice::Trial | Advice::TrialMeetsIt(_) => exit_code::DONE,

@@ -2,6 +2,10 @@
 
 use std::path::{Path, PathBuf};
 
+use slipgrid_design::Advice;
+
+use crate::output::quoted;
+
 /// out/NAME for designs/NAME.toml; out/design where NAME has nothing but dots.
 #[must_use]
 pub fn default_folder(design: &Path) -> PathBuf {
@@ -17,6 +21,30 @@ pub fn study_path(folder: &Path) -> PathBuf {
     beside(folder, ".study.jsonl")
 }
 
+/// Where the report and the laser's files of a design are, and what to do next.
+#[must_use]
+pub fn written(design: &Path, calibration: Option<&Path>, folder: &Path, advice: &Advice) -> String {
+    let at = |name: &str| quoted(&folder.join(name));
+    let mut text = format!("\nreport  {}\n", at("report.html"));
+    if *advice != Advice::DoNotTexture {
+        text += &format!("laser   {}, {}\n", at("pattern.dxf"), at("process.toml"));
+    }
+    if *advice == Advice::Trial {
+        let ledger = calibration.map_or_else(|| "a calibration".to_owned(), |path| quoted(&shortened(path)));
+        text += &format!(
+            "next    cut it, measure it, add it as [[trial]] to {ledger},\n        then: slipgrid optimize {}\n",
+            quoted(design)
+        );
+    }
+    text
+}
+
+/// The file at `path` from the current folder, where it lies below that: designs/../materials/a.toml as materials/a.toml.
+fn shortened(path: &Path) -> PathBuf {
+    let below = || Some(path.canonicalize().ok()?.strip_prefix(std::env::current_dir().ok()?).ok()?.to_owned());
+    below().unwrap_or_else(|| path.to_owned())
+}
+
 fn beside(folder: &Path, ending: &str) -> PathBuf {
     let mut name = folder.file_name().map_or_else(|| "design".into(), std::ffi::OsStr::to_os_string);
     name.push(ending);
@@ -30,6 +58,18 @@ fn beside(folder: &Path, ending: &str) -> PathBuf {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_trial_goes_on_with_its_calibration() {
+        let of =
+            |advice: &Advice| written(Path::new("a b.toml"), Some(Path::new("c.toml")), Path::new("out/a"), advice);
+        assert_eq!(
+            of(&Advice::Trial),
+            "\nreport  out/a/report.html\nlaser   out/a/pattern.dxf, out/a/process.toml\n\
+             next    cut it, measure it, add it as [[trial]] to c.toml,\n        then: slipgrid optimize 'a b.toml'\n"
+        );
+        assert_eq!(of(&Advice::DoNotTexture), "\nreport  out/a/report.html\n");
+    }
 
     #[test]
     fn results_never_go_to_the_current_folder_by_themselves() {

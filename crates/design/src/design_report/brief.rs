@@ -1,0 +1,134 @@
+//! The screen after a job: what to do, the texture, what is expected of it and what limits it, on some twenty lines of 100 characters.
+
+use std::fmt::Write as _;
+
+use super::DesignReport;
+use crate::prediction::percent;
+use slipgrid_results::{Table, believed_interval, fixed, length_in_words, wrapped};
+
+/// Characters of a line.
+const WIDTH: usize = 100;
+/// Loads, doubts and lifted limits that are listed; the others are counted.
+const MAX_LOADS: usize = 8;
+const MAX_DOUBTS: usize = 3;
+const MAX_LIFTED: usize = 2;
+
+impl DesignReport {
+    /// The report for the screen: everything else is in [`DesignReport::summary`].
+    #[must_use]
+    pub fn brief(&self) -> String {
+        let mut text = wrapped(&format!("{}: {}", self.name, self.words), WIDTH, "  ", 3) + "\n\n";
+        let design = &self.sample.design;
+        let texture = format!(
+            "  {} {} um wide, {} um apart, {} um deep{}{}; {:.1} % of the face",
+            design.planform,
+            length_in_words(design.width_um),
+            length_in_words(design.spacing_um),
+            length_in_words(design.depth_um),
+            design.texture_words(),
+            self.exposure_words(),
+            100.0 * self.specimen_areal_density,
+        );
+        let _ = writeln!(text, "{}", wrapped(&texture, WIDTH, "  ", 2));
+        text += &self.loads_in_brief();
+        self.below_the_table().iter().for_each(|line| {
+            let _ = writeln!(text, "{}", wrapped(&format!("  {line}"), WIDTH, "    ", 2));
+        });
+        text.push('\n');
+        let doubts = self.doubts();
+        for doubt in doubts.iter().take(MAX_DOUBTS) {
+            // What follows a semicolon explains it.
+            let first = doubt.split("; ").next().unwrap_or(doubt);
+            let _ = writeln!(text, "{}", wrapped(&format!("! {first}"), WIDTH, "  ", 3));
+        }
+        if doubts.len() > MAX_DOUBTS {
+            let _ = writeln!(text, "! {} more doubts: in the report, or with --details", doubts.len() - MAX_DOUBTS);
+        }
+        let _ = writeln!(text, "- {}", self.lacking());
+        text
+    }
+
+    /// The table of loads.
+    fn loads_in_brief(&self) -> String {
+        let expected = &self.sample.expected;
+        let has_several = expected.iter().any(|at| !at.is_at_condition_of(&expected[0]));
+        let mut columns = vec!["P MPa"];
+        columns.extend(has_several.then_some("at"));
+        columns.extend(["target", "expected", "95 % of samples", "model alone"]);
+        let mut table = Table::new(columns);
+        for (at, modelled) in expected.iter().zip(&self.sample.modelled).take(MAX_LOADS) {
+            let mut row = vec![at.pressure_mpa.to_string()];
+            row.extend(has_several.then(|| at.condition_in_words()));
+            row.extend([
+                at.target_in_words(),
+                fixed(Some(at.median), 3),
+                believed_interval([at.low_95, at.high_95]),
+                format!("{:.3} +- {:.3}", modelled.ratio, modelled.std),
+            ]);
+            table.row(row);
+        }
+        let quantity =
+            if self.is_ratio() { "ratio to the flat surface" } else { "dynamic friction; model alone: ratio" };
+        let mut text = format!("\n  {quantity}\n{table}");
+        if expected.len() > MAX_LOADS {
+            let _ = writeln!(text, "  {} more loads: in the report, or with --details", expected.len() - MAX_LOADS);
+        }
+        text
+    }
+
+    /// What is expected of the goal, what limits the chance, what else could be cut, and what blocks the target.
+    fn below_the_table(&self) -> Vec<String> {
+        let trials = match self.trials {
+            0 => "no trial so far: before one the model's error is believed to be large".to_owned(),
+            1 => "expected: the model corrected by one trial".to_owned(),
+            count => format!("expected: the model corrected by {count} trials"),
+        };
+        let mut lines: Vec<String> = self.goal_in_words().into_iter().chain([trials]).collect();
+        lines.extend(self.limit_in_words());
+        if !self.others.is_empty() {
+            let other = |of: &crate::prediction::SampleReport| {
+                let chance = of.chance.map_or_else(String::new, |chance| format!(" ({})", percent(chance)));
+                of.design.lengths_in_words().replace(' ', "") + &chance
+            };
+            let others: Vec<String> = self.others.iter().map(other).collect();
+            lines.push(format!("also worth cutting: {}", others.join(", ")));
+        }
+        lines.extend(self.blocked_in_words().into_iter().take(MAX_LIFTED));
+        lines
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::prediction::{Expected, ModelledRatio, SampleReport};
+    use slipgrid_results::MaterialReport;
+
+    /// Twelve loads, six doubts of a paragraph each, and three other textures.
+    #[test]
+    fn a_long_report_fits_on_the_screen() {
+        let expected = |load: u32| Expected { pressure_mpa: f64::from(load), median: 0.85, ..Expected::default() };
+        let sample = SampleReport {
+            chance: Some(0.5),
+            expected: (1..=12).map(expected).collect(),
+            modelled: vec![ModelledRatio::default(); 12],
+            ..SampleReport::default()
+        };
+        let doubt =
+            |number: u32| format!("doubt {number} {}; and {}", "of many words".repeat(9), "its reason ".repeat(40));
+        let report = DesignReport {
+            name: "a name".into(),
+            words: "cut a trial: 50 % chance that a cut sample is on target".into(),
+            others: vec![sample.clone(); 3],
+            material: MaterialReport { warnings: (1..=6).map(doubt).collect(), ..MaterialReport::default() },
+            sample,
+            ..DesignReport::default()
+        };
+        let text = report.brief();
+        assert!(text.lines().count() <= 26 && text.lines().all(|line| line.chars().count() <= 100), "{text}");
+        for said in ["50 % chance", "4 more loads", "3 more doubts", "doubt 3", "also worth cutting", "not modelled"] {
+            assert!(text.contains(said), "{said}: {text}");
+        }
+        assert!(!text.contains("its reason") && report.summary().contains("its reason"), "{text}");
+    }
+}
