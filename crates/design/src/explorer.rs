@@ -117,16 +117,19 @@ impl Explorer {
             let found = search.roughly_with(&pattern, &off, &about.texture.covariance)?;
             Some((pattern, found))
         };
+        // Medians and ends of 95 % of samples in the quantity of the target, and the logarithm of the odds.
+        let numbers_of = |found: &Prediction| {
+            let at = |load: usize, p: f64| search.asked.bands[load].flat * found.quantile(load, p);
+            let quantiles = [0.5, 0.025, 0.975].into_iter().flat_map(|p| (0..loads).map(move |load| (load, p)));
+            let mut numbers: Vec<f64> = quantiles.map(|(load, p)| at(load, p)).collect();
+            let chance = found.chance().clamp(MIN_CHANCE, 1.0 - MIN_CHANCE);
+            numbers.push((chance / (1.0 - chance)).ln());
+            numbers
+        };
         let node = |lengths_um: &[f64; 3]| {
             let (pattern, found) = predicted(lengths_um)?;
             let answer = search.table.at(&pattern)?.1;
-            let band = |load: usize| search.asked.bands[load].flat;
-            let mut numbers: Vec<f64> = [0.5, 0.025, 0.975]
-                .into_iter()
-                .flat_map(|p| (0..loads).map(|load| band(load) * found.quantile(load, p)).collect::<Vec<f64>>())
-                .collect();
-            let chance = found.chance().clamp(MIN_CHANCE, 1.0 - MIN_CHANCE);
-            numbers.push((chance / (1.0 - chance)).ln());
+            let mut numbers = numbers_of(&found);
             let laid = task.specimen.layout(pattern).ok()?;
             numbers.extend([
                 PRESSURE_MPA.from_si(answer.peak_pressure_pa()).ln(),
@@ -143,12 +146,28 @@ impl Explorer {
         }
         let holes: Vec<usize> = (0..nodes.len()).filter(|place| answers[*place].is_none()).collect();
         let all = filled(answers, &axes)?;
-        let surface = |from: usize, count: usize| {
+        let surface = |all: &[Vec<f64>], from: usize, count: usize| {
             let numbers = all.iter().flat_map(|numbers| numbers[from..from + count].iter().copied()).collect();
             ResponseSurface::through(axes, count, numbers)
         };
-        let (expected, log_odds) = (surface(0, 3 * loads), surface(3 * loads, 1));
-        let beside = surface(3 * loads + 1, 4);
+        // At the design itself the page says what is reported of it: shifts everywhere by what is off there.
+        let about_um = about.texture.pattern.lengths_m().map(|m| LENGTH_UM.from_si(m));
+        let reported = numbers_of(about);
+        let off_there = surface(&all, 0, 3 * loads + 1)
+            .at(&about_um)
+            .into_iter()
+            .zip(&reported)
+            .map(|(own, reported)| reported - own);
+        let off_there: Vec<f64> = off_there.collect();
+        let all: Vec<Vec<f64>> = all
+            .into_iter()
+            .map(|mut numbers| {
+                numbers.iter_mut().zip(&off_there).for_each(|(number, off)| *number += off);
+                numbers
+            })
+            .collect();
+        let (expected, log_odds) = (surface(&all, 0, 3 * loads), surface(&all, 3 * loads, 1));
+        let beside = surface(&all, 3 * loads + 1, 4);
         let checks = random_places(&axes, CHECKS, 2);
         let off = |lengths_um: &[f64; 3]| {
             if expected.is_beside(&holes, lengths_um) {

@@ -15,6 +15,7 @@ use std::sync::Mutex;
 
 mod brute_force;
 
+use crate::explorer::Explorer;
 use crate::next_trial::laser_warnings;
 use crate::prepared_task::PreparedTask;
 use crate::search::{Search, is_same};
@@ -130,6 +131,19 @@ fn optimize_and_next_find_one_texture_with_one_chance() {
             assert!((confirmed.ratio.unwrap() - modelled.ratio).abs() < 1e-9, "{confirmed:?} {modelled:?}");
         }
     }
+}
+
+#[test]
+fn a_page_begins_with_what_is_reported_of_its_design() {
+    searched(&three_tasks()[1], |search| {
+        let best = search.best(&|_| true, 1).solved.remove(0);
+        let explorer = Explorer::new(search, &best).unwrap();
+        let about_um = best.texture.pattern.lengths_m().map(|m| 1e6 * m);
+        let log_odds = explorer.log_odds.at(&about_um)[0];
+        assert!((1.0 / (1.0 + (-log_odds).exp()) - best.chance()).abs() < 1e-9, "{log_odds} {}", best.chance());
+        let medians = explorer.expected.at(&about_um);
+        assert!(medians.iter().zip(best.medians()).all(|(own, median)| (own - median).abs() < 1e-9), "{medians:?}");
+    });
 }
 
 #[test]
