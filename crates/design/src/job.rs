@@ -145,7 +145,7 @@ fn reported(
     let explorer = task.explorer.then(|| Explorer::new(search, best)).flatten();
     timings.explorer = monitor.seconds() - exploring_s;
     monitor.heed()?;
-    if search.stage.cancelled() && cut_short.is_empty() {
+    if search.stage.cancelled() && !cut_short.contains(&"search") {
         cut_short.push("trade-offs and explorer");
     }
 

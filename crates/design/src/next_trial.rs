@@ -1,5 +1,7 @@
 //! The samples to cut next: those likeliest to be on target by the model and by what trials say that it lacks.
 
+use std::borrow::Cow;
+
 use rayon::prelude::*;
 use slipgrid_discrepancy::{Features, Scenarios};
 use slipgrid_export::{Division, MIN_PERIODS, Outline, Sector};
@@ -133,9 +135,16 @@ fn choose(
     search.stage.heed()?;
     let advice = Advice::of(search, best, found.is_within_reach);
     let listed = search.unlike(&found.solved, options.count, LISTED.max(options.count));
-    let (chosen, together) = several(&listed, &pending, options, asked);
-    // Each as it is cut: the first is already.
-    let chosen: Vec<Prediction> = chosen.into_iter().map(|of| search.as_cut(of)).collect();
+    let (chosen, together) = if options.count <= 1 && pending.is_empty() {
+        (vec![best.clone()], best.chance())
+    } else {
+        let scenarios = Scenarios::new(&asked.learned, SCENARIOS, 1);
+        let chosen = several(&listed, &pending, options, (asked, &scenarios));
+        // Each as it is cut: the first is already.
+        let chosen: Vec<Prediction> = chosen.into_iter().map(|of| search.as_cut(of)).collect();
+        let together = one_on_target(&chosen, &pending, options, (asked, &scenarios));
+        (chosen, together)
+    };
     let modulus_std = prepared.modulus_std();
     let report = |of: &Prediction| of.report(asked, modulus_std, seconds(task, &of.texture.pattern));
     let with_limits = |of: &Prediction| SampleReport {
@@ -169,34 +178,38 @@ fn choose(
     Ok((next, chosen.iter().map(|of| of.texture.pattern).collect()))
 }
 
-/// `count` designs of `pool`, the first the best and each further one where those before and those `pending` miss the target, with
-/// the chance that one of them is on it.
+/// In which of `scenarios` sample `number` of the texture of `of` is on target.
+fn hits(scenarios: &Scenarios, (number, of): (usize, &Prediction), asked: &Asked) -> Vec<bool> {
+    scenarios.on_target(&of.texture.candidate(), &asked.loads, &asked.wanted, number)
+}
+
+/// Adds the scenarios that are hit `by` a sample.
+fn mark(hit: &mut [bool], by: &[bool]) {
+    hit.iter_mut().zip(by).for_each(|(hit, on)| *hit |= on);
+}
+
+/// `scenarios` as samples of one disc see them, where `options` ask for that.
+fn of_disc<'a>(scenarios: &'a Scenarios, options: &NextOptions) -> Cow<'a, Scenarios> {
+    if options.one_disc { Cow::Owned(scenarios.clone().on_one_disc(DISC_SEED)) } else { Cow::Borrowed(scenarios) }
+}
+
+/// `count` designs of `pool`, the first the best and each further one where those before and those `pending` miss the target.
 ///
 /// Samples on one disc share what differs from disc to disc: they are off together, and further apart from each other are better.
 fn several<'a>(
     pool: &'a [Prediction],
     pending: &[Prediction],
     options: &NextOptions,
-    asked: &Asked,
-) -> (Vec<&'a Prediction>, f64) {
+    (asked, scenarios): (&Asked, &Scenarios),
+) -> Vec<&'a Prediction> {
     let count = options.count.max(1).min(pool.len());
-    if count == 1 && pending.is_empty() {
-        return (vec![&pool[0]], pool[0].chance());
-    }
-    let scenarios = Scenarios::new(&asked.learned, SCENARIOS, 1);
-    // Each another sample.
-    let on = |scenarios: &Scenarios, (number, of): (usize, &Prediction)| {
-        scenarios.on_target(&of.texture.candidate(), &asked.loads, &asked.wanted, number)
-    };
-    let disc = if options.one_disc { scenarios.clone().on_one_disc(DISC_SEED) } else { scenarios.clone() };
-    let hits: Vec<Vec<bool>> = pool.par_iter().enumerate().map(|of| on(&disc, of)).collect();
+    let disc = of_disc(scenarios, options);
+    let each: Vec<Vec<bool>> = pool.par_iter().enumerate().map(|of| hits(&disc, of, asked)).collect();
     let mut hit = vec![false; SCENARIOS];
-    let mark = |hit: &mut Vec<bool>, by: &[bool]| hit.iter_mut().zip(by).for_each(|(hit, on)| *hit |= on);
-    (pool.len()..).zip(pending).for_each(|of| mark(&mut hit, &on(&scenarios, of)));
-    let mut of_pending = hit.clone();
+    (pool.len()..).zip(pending).for_each(|of| mark(&mut hit, &hits(scenarios, of, asked)));
     let mut chosen: Vec<usize> = Vec::new();
     for _ in 0..count {
-        let gain = |place: &usize| hits[*place].iter().zip(&hit).filter(|(on, hit)| **on && !**hit).count();
+        let gain = |place: &usize| each[*place].iter().zip(&hit).filter(|(on, hit)| **on && !**hit).count();
         let open = (0..pool.len()).filter(|place| !chosen.contains(place));
         // The first of nothing before it is the best by its score; of equal gains the better by that.
         let best = if chosen.is_empty() && pending.is_empty() {
@@ -205,15 +218,26 @@ fn several<'a>(
             open.max_by(|a, b| gain(a).cmp(&gain(b)).then(b.cmp(a)))
         };
         let Some(best) = best else { break };
-        mark(&mut hit, &hits[best]);
+        mark(&mut hit, &each[best]);
         chosen.push(best);
     }
-    let chosen: Vec<&Prediction> = chosen.into_iter().map(|place| &pool[place]).collect();
-    // Others of the same designs: those that were chosen were lucky in their own draws.
-    let others = (pool.len() + pending.len()..).zip(chosen.iter().copied());
-    others.for_each(|of| mark(&mut of_pending, &on(&disc, of)));
-    let together = of_pending.iter().filter(|hit| **hit).count() as f64 / SCENARIOS as f64;
-    (chosen, together)
+    chosen.into_iter().map(|place| &pool[place]).collect()
+}
+
+/// The chance that one of the `chosen`, or of those `pending`, is on target.
+fn one_on_target(
+    chosen: &[Prediction],
+    pending: &[Prediction],
+    options: &NextOptions,
+    (asked, scenarios): (&Asked, &Scenarios),
+) -> f64 {
+    let mut hit = vec![false; SCENARIOS];
+    // Other samples than those by which designs were chosen, which were lucky in their own draws.
+    let numbers = LISTED.max(options.count)..;
+    let disc = of_disc(scenarios, options);
+    numbers.clone().zip(pending).for_each(|of| mark(&mut hit, &hits(scenarios, of, asked)));
+    numbers.skip(pending.len()).zip(chosen).for_each(|of| mark(&mut hit, &hits(&disc, of, asked)));
+    hit.iter().filter(|hit| **hit).count() as f64 / SCENARIOS as f64
 }
 
 /// What the laser of `task` will not cut of `patterns` as they are designed, each with the number of its sample.

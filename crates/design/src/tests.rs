@@ -341,7 +341,7 @@ fn several_samples_are_apart_and_the_same_each_time() {
     assert!(first.expected.iter().all(|at| at.low_95 < at.median && at.median < at.high_95));
     assert_eq!(on(1).report, found.report);
     let text = found.report.text();
-    assert!(text.contains("next 4") && text.contains("\ntells bits: how much measuring this sample"), "{text}");
+    assert!(text.contains("next 4") && text.contains("\nlearns: how much a measured sample"), "{text}");
 }
 
 #[test]

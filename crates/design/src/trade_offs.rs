@@ -8,6 +8,7 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use slipgrid_pattern::Pattern;
 use slipgrid_results::PatternReport;
+use slipgrid_springblock::Simulation;
 use slipgrid_units::{PRESSURE_MPA, tidy};
 
 use crate::job::seconds;
@@ -125,7 +126,16 @@ fn value(search: &Search<'_>, found: &Prediction, goal: TradeOffGoal) -> Option<
         TradeOffGoal::Misfit => Some(search.asked.misfit(&found.medians())),
         TradeOffGoal::LaserTime => seconds(search.task, pattern),
         TradeOffGoal::Volume => Some(1e9 * search.task.specimen.layout(*pattern).ok()?.cavity_volume_m3()),
-        TradeOffGoal::PeakPressure => Some(PRESSURE_MPA.from_si(search.table.at(pattern)?.1.peak_pressure_pa())),
+        TradeOffGoal::PeakPressure => {
+            // Of a specimen that was run its own.
+            let of_run =
+                |run: &Simulation| run.loads.iter().map(|load| load.surface.peak_pressure_pa).fold(0.0, f64::max);
+            let peak_pa = match &found.texture.run {
+                Some(run) => of_run(run),
+                None => search.table.at(pattern)?.1.peak_pressure_pa(),
+            };
+            Some(PRESSURE_MPA.from_si(peak_pa))
+        }
         TradeOffGoal::Spread => {
             let (medians, stds) = (found.medians(), found.log_stds());
             let each = medians.iter().zip(stds).zip(&search.asked.bands);
