@@ -58,8 +58,8 @@ impl Start {
 }
 
 /// How many laboratories, and what they may choose from.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+
 pub struct Options {
     /// Laboratories of each start, the mechanisms in turn; 207 when absent.
     pub laboratories: usize,
@@ -135,7 +135,7 @@ impl TargetOf {
 }
 
 /// What one laboratory's way to the target was.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Way {
     /// Trials until a sample was on target; `None` where none was.
     pub trials: Option<usize>,

@@ -256,7 +256,8 @@ impl BoxRule {
     /// The rule for vectors of `n` components.
     #[must_use]
     pub fn new(n: usize) -> Self {
-        let is_prime = |number: &u32| (2..).take_while(|d| d * d <= *number).all(|divisor| number % divisor > 0);
+        let is_prime =
+            |number: &u32| (2..).take_while(|d| d * d <= *number).all(|divisor| !number.is_multiple_of(divisor));
         let primes = (2..).filter(is_prime);
         Self { roots: primes.take(n.saturating_sub(1)).map(|prime| f64::from(prime).sqrt()).collect() }
     }

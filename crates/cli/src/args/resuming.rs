@@ -35,6 +35,7 @@ mod tests {
             table: true,
             no_explorer: true,
             resume: false,
+            details: false,
             json: true,
         };
         assert_eq!(
