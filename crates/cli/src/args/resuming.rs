@@ -8,7 +8,12 @@ impl OptimizeArgs {
     #[must_use]
     pub fn resuming(&self, no_cache: bool) -> String {
         let output = self.output.as_ref().map(|folder| format!(" -o {}", quoted(folder))).unwrap_or_default();
-        let given = [(self.table, " --table"), (self.no_explorer, " --no-explorer"), (no_cache, " --no-cache")];
+        let given = [
+            (self.table, " --table"),
+            (self.no_explorer, " --no-explorer"),
+            (self.details, " --details"),
+            (no_cache, " --no-cache"),
+        ];
         let flags: String = given.into_iter().filter_map(|(is_given, flag)| is_given.then_some(flag)).collect();
         format!("slipgrid optimize {}{output}{flags} --resume", quoted(&self.design))
     }
