@@ -48,6 +48,12 @@ fn scenes() {
             case("width_um = 130.0", "width_um = inf", ":12: pattern.width_um: inf ", "from 0.000001"),
             case("width_um = 130.0", "width_um = \"wide\"", ":12: pattern.width_um: \"wide\" ", "expected a number"),
             case("width_um = 130.0", "", ":11: pattern.width_um: is missing", ""),
+            case(
+                "depth_um = 20.0",
+                "depth_um = 20.0\ndepth_std_um = 1.0",
+                ":15: pattern.depth_std_um: 1.0 has no meaning in a scene",
+                "[tolerances] of a design",
+            ),
             case("depth_um = 20.0", "depth_um = 200.0", ":14: pattern.depth_um: 200.0 ", "below 200 um"),
             case("\"groove\"", "\"grove\"", ":15: pattern.planform: \"grove\" ", "did you mean `groove`?"),
             case("\"groove\"", "\"rectangle\"", ":11: pattern.length_um: is missing", ""),
