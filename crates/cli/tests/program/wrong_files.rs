@@ -82,3 +82,13 @@ fn an_empty_file_and_a_missing_table_are_said_with_the_command_that_writes_one()
         assert!(message.starts_with(&format!("error: {file}")) && message.contains(writes), "{message}");
     }
 }
+
+#[test]
+#[cfg(unix)]
+fn a_file_without_an_end_is_refused() {
+    let place = Place::with(&[]);
+    for command in ["simulate", "optimize", "calibrate", "export"] {
+        let message = place.refuse(&[command, "/dev/zero"]);
+        assert!(message.starts_with("error: /dev/zero: cannot be read: it has more than 64 MiB"), "{message}");
+    }
+}
