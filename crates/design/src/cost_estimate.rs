@@ -17,9 +17,11 @@ const SMALL_BYTES: f64 = (1_u64 << 30) as f64;
 const CONDENSED_SHARE: f64 = 0.03;
 /// Tables solve cells in space to a looser balance than runs do, which costs this share.
 const LOOSE_SHARE: f64 = 0.3;
-/// Cells that are solved after the table for each one that it has in the blocks asked for: slopes, neighbours, cells in smaller blocks, trade-offs
-/// and the explorer. Squares of designs/ldpe-squares.toml took 1.5 times the table's time.
-const AFTER_TABLE: f64 = 1.5;
+/// Cells that are solved for each one of the table in the blocks asked for, in the plane: slopes, neighbours, and cells in smaller blocks.
+const AFTER_TABLE: f64 = 1.0;
+/// As many in space, where the table has some 100 cells in the blocks asked for, and beside them 150 for slopes along the modulus and 108 in half
+/// the blocks, which cost eight times as much; trade-offs and the explorer take as much as 200.
+const AFTER_TABLE_IN_SPACE: f64 = 12.0;
 /// Confirming runs go on until their standard error is small enough: they are usually this much longer.
 const CONFIRMED_TIMES: f64 = 1.5;
 
@@ -53,10 +55,11 @@ pub fn announce(
         f64::midpoint(own_s, largest.map_or(own_s, |scene| cell_expense(&scene).core_s))
     };
     let [nodes, lifting] = nodes(&prepared.task, model);
-    let share = if model.is_cheap_per_design() { CONDENSED_SHARE } else { LOOSE_SHARE };
+    let (share, after) =
+        if model.is_cheap_per_design() { (CONDENSED_SHARE, AFTER_TABLE) } else { (LOOSE_SHARE, AFTER_TABLE_IN_SPACE) };
     let asked = if lifting > 0.0 { lifting } else { nodes };
     let of_guide = if lifting > 0.0 { nodes * spread_s(true) } else { 0.0 };
-    let search_s = share * (of_guide + asked * (1.0 + AFTER_TABLE) * spread_s(false));
+    let search_s = share * (of_guide + asked * (1.0 + after) * spread_s(false));
     let threads = rayon::current_num_threads() as f64;
     let largest = widest.as_ref().map(|widest| model.cell(widest, false)).filter(|scene| scene.validate().is_ok());
     let bytes = cell_expense(largest.as_ref().unwrap_or(&cell)).bytes * threads;
