@@ -7,6 +7,7 @@
 )]
 
 mod cancelling;
+mod debug_texts;
 mod first_pages;
 mod outside;
 mod rooms;

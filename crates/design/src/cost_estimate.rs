@@ -17,13 +17,16 @@ const SMALL_BYTES: f64 = (1_u64 << 30) as f64;
 const CONDENSED_SHARE: f64 = 0.03;
 /// Tables solve cells in space to a looser balance than runs do, which costs this share.
 const LOOSE_SHARE: f64 = 0.3;
-/// Cells that are solved after the table for each one that it has in the blocks asked for: slopes, neighbours, and cells in smaller blocks.
+/// Cells that are solved for each one of the table in the blocks asked for, in the plane: slopes, neighbours, and cells in smaller blocks.
 const AFTER_TABLE: f64 = 1.0;
+/// As many in space, where the table has some 100 cells in the blocks asked for, and beside them 150 for slopes along the modulus and 108 in half
+/// the blocks, which cost eight times as much; trade-offs and the explorer take as much as 200.
+const AFTER_TABLE_IN_SPACE: f64 = 12.0;
 /// Confirming runs go on until their standard error is small enough: they are usually this much longer.
 const CONFIRMED_TIMES: f64 = 1.5;
 
-/// Says what the table of the bounds and the search in it take, and the confirming run where there is one, where that is much: at the middle of
-/// the bounds.
+/// Says what the table of the bounds and the search in it take, and the confirming run where there is one, where that is much: between the middle
+/// of the bounds and the largest cells within them.
 ///
 /// # Errors
 /// [`DesignError`] where the confirming run takes more memory or time than anybody means to give it.
@@ -52,13 +55,19 @@ pub fn announce(
         f64::midpoint(own_s, largest.map_or(own_s, |scene| cell_expense(&scene).core_s))
     };
     let [nodes, lifting] = nodes(&prepared.task, model);
-    let share = if model.is_cheap_per_design() { CONDENSED_SHARE } else { LOOSE_SHARE };
+    let (share, after) =
+        if model.is_cheap_per_design() { (CONDENSED_SHARE, AFTER_TABLE) } else { (LOOSE_SHARE, AFTER_TABLE_IN_SPACE) };
     let asked = if lifting > 0.0 { lifting } else { nodes };
     let of_guide = if lifting > 0.0 { nodes * spread_s(true) } else { 0.0 };
-    let search_s = share * (of_guide + asked * (1.0 + AFTER_TABLE) * spread_s(false));
+    let search_s = share * (of_guide + asked * (1.0 + after) * spread_s(false));
     let threads = rayon::current_num_threads() as f64;
-    let bytes = cell_expense(&cell).bytes * threads;
+    let largest = widest.as_ref().map(|widest| model.cell(widest, false)).filter(|scene| scene.validate().is_ok());
+    let bytes = cell_expense(largest.as_ref().unwrap_or(&cell)).bytes * threads;
+    let longest = widest.map(|widest| confirming_scene(prepared, model, &widest, prepared.task.from_rest));
     let run = expense(&confirmed);
+    // Cells grow with the square of the pitch: the texture that is found is as likely on either side of the geometric mean.
+    let run =
+        longest.filter(|scene| scene.validate().is_ok()).map_or(run, |longest| geometric_mean(run, expense(&longest)));
     let (of_run, bytes) = if is_confirmed { (CONFIRMED_TIMES, run.bytes.max(bytes)) } else { (0.0, bytes) };
     let all =
         Expense { core_s: search_s + of_run * run.core_s, wall_s: search_s / threads + of_run * run.wall_s, bytes };
@@ -67,6 +76,16 @@ pub fn announce(
         monitor.note(&line);
     }
     Ok(())
+}
+
+/// The geometric mean of what two runs take.
+fn geometric_mean(one: Expense, other: Expense) -> Expense {
+    let mean = |a: f64, b: f64| (a * b).sqrt();
+    Expense {
+        core_s: mean(one.core_s, other.core_s),
+        wall_s: mean(one.wall_s, other.wall_s),
+        bytes: mean(one.bytes, other.bytes),
+    }
 }
 
 /// Step of the reference integration where a scene names none, in seconds; that of dynamic runs is always stable.

@@ -4,12 +4,13 @@ use std::path::Path;
 
 use slipgrid_calibrate::area_law::AreaLawError;
 use slipgrid_calibrate::{
-    CalibrationError, CalibrationOutcome, CalibrationTask, LearnedSamples, Selection, measured_friction, sample_bytes,
+    CalibrationError, CalibrationOutcome, CalibrationTask, FitError, LearnedSamples, Selection, measured_friction,
+    sample_bytes,
 };
 use slipgrid_design::KnownMaterial;
 use slipgrid_material::{Material, Provenance};
 use slipgrid_monitor::{Cancelled, Key, Monitor};
-use slipgrid_springblock::Layer;
+use slipgrid_springblock::{Layer, SceneError};
 
 use crate::altitude_map::law_warnings;
 use crate::calibration::Calibration;
@@ -87,23 +88,26 @@ pub fn complete_by(
     if let Err(CalibrationError::Scene(error)) = sample_bytes(&asked) {
         return Err(design.refuse(&task.refuse_samples(&error)).into());
     }
-    design.task.material = Some(known_material(&asked, calibration, &path, monitor)?);
+    let material = known_material(&asked, monitor).map_err(|error| match &error {
+        // Nor are those of the flat sample.
+        CalibrationError::Fit {
+            error: FitError::Scene(error @ (SceneError::TooLarge { .. } | SceneError::TooLong { .. })),
+            ..
+        } => design.refuse(&task.refuse_samples(error)).into(),
+        _ => failed(&error, &path, calibration),
+    })?;
+    design.task.material = Some(material);
     Ok(())
 }
 
-/// The material that `calibration` gives: recalled as the file that it was written to, or calibrated now.
-fn known_material(
-    task: &CalibrationTask,
-    calibration: &Calibration,
-    path: &Path,
-    monitor: &dyn Monitor,
-) -> Result<KnownMaterial, Uncalibrated> {
+/// The material of `task`: read from the file that is kept of it, or calibrated now.
+fn known_material(task: &CalibrationTask, monitor: &dyn Monitor) -> Result<KnownMaterial, CalibrationError> {
     let memory = monitor.memory().map(|memory| (memory, Key::of("material", task)));
     let recalled = memory.as_ref().and_then(|(memory, key)| memory.recall(key));
     if let Some(known) = recalled.and_then(|bytes| read_kept(String::from_utf8(bytes).ok()?)) {
         return Ok(known);
     }
-    let found = outcome(task, calibration, path, monitor)?;
+    let found = outcome(task, monitor)?;
     let file = memory.and_then(|(memory, key)| Some((memory, key, material_toml(task, &found, None).ok()?)));
     let known = KnownMaterial { material: found.material, uncertainty: found.uncertainty };
     // Only what reads back as it was written is kept.
@@ -143,19 +147,13 @@ pub fn calibrate(
     monitor: &dyn Monitor,
 ) -> Result<(CalibrationTask, CalibrationOutcome), Uncalibrated> {
     let task = calibration.task(files, sample, selection, monitor)?;
-    let outcome = outcome(&task, calibration, path, monitor)?;
+    let outcome = outcome(&task, monitor).map_err(|error| failed(&error, path, calibration))?;
     Ok((task, outcome))
 }
 
-/// What comes of `task`, which is that of `calibration`.
-fn outcome(
-    task: &CalibrationTask,
-    calibration: &Calibration,
-    path: &Path,
-    monitor: &dyn Monitor,
-) -> Result<CalibrationOutcome, Uncalibrated> {
-    let mut outcome = slipgrid_calibrate::run(task, monitor).map_err(|error| failed(&error, path, calibration))?;
-    // What can be done about a doubtful map is said as well.
+/// Runs `task`, and adds to warnings of a doubtful map what can be done about it.
+fn outcome(task: &CalibrationTask, monitor: &dyn Monitor) -> Result<CalibrationOutcome, CalibrationError> {
+    let mut outcome = slipgrid_calibrate::run(task, monitor)?;
     let warnings = &mut outcome.material.provenance.warnings;
     warnings.splice(..outcome.surface.warnings.len(), law_warnings(&outcome.surface.warnings));
     Ok(outcome)

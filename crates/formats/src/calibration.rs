@@ -31,6 +31,7 @@ use super::traces::{self, ConditionTraces, SurfaceKind};
 use super::trials::{self, FlatSamples};
 use crate::altitude_map::read_period;
 use crate::diagnostic::Diagnostic;
+use crate::dimension_error;
 use crate::plausible::{DENSITY, MODULUS, stiff_for_its_density};
 use crate::source::Source;
 use slipgrid_units::{DENSITY_G_CM3, LENGTH_MM, MODULUS_GPA, MODULUS_STD_GPA, POISSON, PRESSURE_MPA, RELATIVE_STD};
@@ -177,8 +178,14 @@ impl Calibration {
             Some((table, pattern)) => read_relief(document, table, pattern)?,
             None => None,
         };
-        let first = pattern.filter(|_| !patterned.is_empty());
-        let first = first.map(|pattern| trials::of_tables(pattern, relief, stated.cut(), &patterned));
+        let dimensions_std_m = match file.pattern.as_ref().zip(pattern.as_ref()) {
+            Some((table, pattern)) => dimension_error::read(document, table.get_ref().dimensions_std(), pattern)?,
+            None => [0.0; 3],
+        };
+        let first = pattern.filter(|_| !patterned.is_empty()).map(|pattern| CutSample {
+            dimensions_std_m,
+            ..trials::of_tables(pattern, relief, stated.cut(), &patterned)
+        });
         let flat = FlatSamples { stated, specimens: &specimens, measured: &placed };
         let prior = file.trial_prior.as_ref();
         let (trials, of_trials) =

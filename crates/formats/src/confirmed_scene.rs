@@ -6,10 +6,10 @@ use slipgrid_pattern::Pattern;
 use slipgrid_springblock::{Extent, Layer, Load, RunOptions};
 use toml::Spanned;
 
+use crate::learned::LearnedFile;
 use crate::material::{AreaLawFile, ConditionFile, FrictionFile, MaterialFile};
 use crate::run::RunFile;
 use crate::scene::{LoadFile, SampleFile, SceneFile};
-use crate::trials::LearnedFile;
 use crate::values::{Numbers, PathOr, number, number_list};
 use slipgrid_calibrate::uncertainty::MaterialUncertainty;
 use slipgrid_design::{DesignTask, KnownMaterial};

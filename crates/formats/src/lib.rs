@@ -45,6 +45,7 @@ mod exchanged;
 pub mod explored;
 pub mod file_kind;
 pub mod laser;
+pub mod learned;
 pub mod limits;
 pub mod made_from;
 pub mod material;

@@ -9,8 +9,8 @@ use toml::Spanned;
 
 use super::document::Document;
 use super::file_kind::FileKind;
+use super::learned::LearnedFile;
 use super::made_from::MadeFrom;
-use super::trials::LearnedFile;
 use super::values::{Number, NumberList, Numbers, for_each, increasing, list};
 use crate::diagnostic::Diagnostic;
 use crate::source::Entry;

@@ -7,8 +7,8 @@ use toml::Spanned;
 
 use super::document::Document;
 use super::file_kind::FileKind;
+use super::learned::LearnedFile;
 use super::material::{ConditionTable, FrictionFile, MaterialFile, existing, read_material};
-use super::trials::LearnedFile;
 use super::values::{NumberList, Numbers, PathOr, for_each, increasing};
 use crate::diagnostic::Diagnostic;
 use slipgrid_units::{

@@ -28,6 +28,12 @@ pub struct PatternFile {
     pub spacing_um: Number,
     /// Depth of a cavity.
     pub depth_um: Number,
+    /// Standard error of the measured mean width of a cut sample, at most a third of it; 0 when absent. No key of a scene.
+    pub width_std_um: Option<Number>,
+    /// Standard error of the measured mean spacing of a cut sample, at most a third of it; 0 when absent. No key of a scene.
+    pub spacing_std_um: Option<Number>,
+    /// Standard error of the measured mean depth of a cut sample, at most a third of it; 0 when absent. No key of a scene.
+    pub depth_std_um: Option<Number>,
     /// As in [`TextureFile`].
     pub planform: Option<Spanned<String>>,
     /// As in [`TextureFile`].
@@ -100,6 +106,11 @@ pub struct TextureFile {
 }
 
 impl PatternFile {
+    /// Standard errors of width, spacing and depth.
+    pub(crate) const fn dimensions_std(&self) -> [&Option<Number>; 3] {
+        [&self.width_std_um, &self.spacing_std_um, &self.depth_std_um]
+    }
+
     /// The texture's part.
     #[must_use]
     pub fn texture(&self) -> TextureFile {
@@ -136,6 +147,9 @@ impl From<&Pattern> for PatternFile {
             width_um: number(written.width_um),
             spacing_um: number(written.spacing_um),
             depth_um: number(written.depth_um),
+            width_std_um: None,
+            spacing_std_um: None,
+            depth_std_um: None,
             planform: Some(named(written.planform)),
             length_um: written.length_um.map(number),
             vertices_um: written.vertices_um.map(|vertices| Spanned::new(0..0, vertices)),

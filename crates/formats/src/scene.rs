@@ -147,6 +147,12 @@ impl SceneInput {
         material.provenance.notes.extend(material.friction.interpolation(condition.as_ref()));
         let specimen = file.specimen.as_ref().map(|table| read_specimen(&document, table)).transpose()?;
         let pattern = file.pattern.as_ref().map(|pattern| read_pattern(&document, pattern)).transpose()?;
+        let stds = file.pattern.iter().flat_map(|table| table.get_ref().dimensions_std());
+        if let Some(std) = stds.flatten().next() {
+            return Err(document
+                .refuse(std.span(), "has no meaning in a scene, which has one pattern")
+                .expected("no such line; the standard errors of samples to be cut stand in [tolerances] of a design"));
+        }
         let sliding = pattern.map_or([1.0, 0.0], |pattern| pattern.texture().sliding_direction_on_specimen());
         let layer = read_layer(&document, &file.sample, specimen.as_ref().map(|specimen| (specimen, sliding)))?;
         if let Some((table, specimen)) = file.specimen.as_ref().zip(specimen.as_ref()) {

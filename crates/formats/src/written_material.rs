@@ -6,9 +6,9 @@ use slipgrid_calibrate::{
 use slipgrid_material::Condition;
 use toml::Spanned;
 
+use crate::learned::LearnedFile;
 use crate::made_from::MadeFrom;
 use crate::material::{AreaLawFile, ConditionTable, FrictionFile, MaterialFile};
-use crate::trials::LearnedFile;
 use crate::values::{Numbers, number, number_list};
 use slipgrid_results::{SCHEMA, VERSION};
 use slipgrid_units::{DENSITY_G_CM3, HUMIDITY_PCT, LENGTH_UM, MODULUS_GPA, PRESSURE_MPA, SPEED_MM_S, tidy};

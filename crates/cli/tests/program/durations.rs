@@ -3,7 +3,7 @@
 use std::fs;
 use std::time::Instant;
 
-use crate::common::{DESIGN, Place, SCENE};
+use crate::common::{CALIBRATION, DESIGN, FLAT, Place, SCENE};
 use serde_json::Value;
 
 fn result(place: &Place) -> Value {
@@ -79,6 +79,15 @@ fn what_takes_more_than_memory_or_a_month_is_refused_by_name() {
         "{message}"
     );
     assert!(!place.path("out").exists() && !place.path("out.study.jsonl").exists());
+    // Blocks are the design's, also those in which the samples of its calibration are modelled.
+    let head = "material = \"c.toml\"\ncondition = { speed_mm_s = 2.0, humidity_pct = 15.0 }\n";
+    let calibrated = format!("name = \"d\"\n{head}{}", &fine[fine.find("[target]").unwrap()..]);
+    let place = Place::with(&[("d.toml", calibrated.as_str()), ("c.toml", CALIBRATION), ("flat.csv", FLAT)]);
+    for command in ["optimize", "next", "explore"] {
+        let message = place.refuse(&[command, "d.toml"]);
+        let says = "sample.block_um: 1.0 um makes samples of the calibration that take about 12 GiB of memory";
+        assert!(message.starts_with("error: d.toml:") && message.contains(says), "{message}");
+    }
 }
 
 #[test]

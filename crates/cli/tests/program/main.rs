@@ -36,3 +36,4 @@ mod thickness;
 mod tolerances;
 mod trials;
 mod unusual;
+mod wrong_files;

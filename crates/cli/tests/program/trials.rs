@@ -5,6 +5,9 @@ use std::fs;
 
 use crate::common::{CALIBRATION, DESIGN, Place, SCENE};
 use serde_json::Value;
+use slipgrid_disk::disk;
+use slipgrid_formats::calibration::Calibration;
+use slipgrid_units::LENGTH_STD_UM;
 
 /// Forces whose pressures on the disc are 0.64 to 2.55 MPa, with the flat sample's friction.
 const FORCES_N: [f64; 3] = [50.0, 100.0, 200.0];
@@ -422,6 +425,26 @@ fn sectors_of_one_disc_are_drawn_and_become_trials() {
     .unwrap();
     let said = place.refuse(&["trials", "c.toml"]);
     assert!(said.contains("c.toml:") && said.contains("names no disc"), "{said}");
+}
+
+#[test]
+fn a_pattern_states_the_errors_of_its_dimensions() {
+    let place = Place::with(&[("flat.csv", &table([1.0; 3])), ("patterned.csv", &table([0.95, 0.94, 0.93]))]);
+    let named = CALIBRATION.replace("flat = \"flat.csv\"", "flat = \"flat.csv\"\npatterned = \"patterned.csv\"");
+    let lengths = "planform = \"groove\"\nwidth_um = 130.0\nspacing_um = 370.0\ndepth_um = 5.2\n";
+    let read = |keys: &str| {
+        fs::write(place.path("c.toml"), format!("{named}[pattern]\n{lengths}{keys}")).unwrap();
+        Calibration::read(&disk(), &place.path("c.toml"))
+    };
+    let stds_m = |keys: &str| read(keys).unwrap().trials.samples[0].dimensions_std_m;
+    assert_eq!(stds_m(""), [0.0; 3]);
+    let expected = [8.0, 13.0, 1.3].map(|um| LENGTH_STD_UM.to_si(um));
+    assert_eq!(stds_m("width_std_um = 8.0\nspacing_std_um = 13.0\ndepth_std_um = 1.3\n"), expected);
+    let refused = read("depth_std_um = 5.0\n").unwrap_err().to_string();
+    assert!(
+        refused.contains("pattern.depth_std_um: 5.0 is more than a third of the measured depth, 5.2 um"),
+        "{refused}"
+    );
 }
 
 #[test]

@@ -1,0 +1,36 @@
+//! Keys of kept results are hashes of `Debug` texts: a text that leaves a field out would give two contents one key.
+
+use std::fs;
+
+use crate::rooms::{root, sources};
+
+/// Files that write `Debug` by hand, and why their keys stay right.
+const BY_HAND: [(&str, &str); 4] = [
+    ("report/src/outputs.rs", "is written after all is computed, and is in no key"),
+    ("springblock/src/space/layer.rs", "is a solver's work space, and is in no key"),
+    ("topography/src/fourier.rs", "is a plan of transforms, and is in no key"),
+    ("topography/src/map.rs", "names every field: heights as their bits"),
+];
+
+#[test]
+fn debug_is_derived_but_where_no_key_can_miss_a_field() {
+    let crates = root().join("crates");
+    let mut files = Vec::new();
+    sources(&crates, &mut files);
+    let is_by_hand = |text: &str| {
+        text.lines().any(|line| {
+            let line = line.trim_start();
+            line.starts_with("impl") && (line.contains(" Debug for ") || line.contains("::Debug for "))
+        })
+    };
+    let mut found: Vec<String> = files
+        .iter()
+        .filter(|path| is_by_hand(&fs::read_to_string(path).unwrap()))
+        .map(|path| path.strip_prefix(&crates).unwrap().to_string_lossy().replace('\\', "/"))
+        .collect();
+    found.sort();
+    assert_eq!(found, BY_HAND.map(|(path, _)| path));
+    // The one that is in keys is taken apart field by field, so that a new field does not compile without its text.
+    let map = fs::read_to_string(crates.join("topography/src/map.rs")).unwrap();
+    assert!(map.contains("let Self { rows, cols, dx_m, dy_m, height_m } = self;"));
+}
