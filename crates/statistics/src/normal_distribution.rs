@@ -1,9 +1,9 @@
-//! The normal distribution of one number and of several: probabilities and quantiles, the same on every platform.
+//! Univariate and multivariate normal distribution: probabilities and quantiles, identical on all platforms.
 
-/// Shares of p about one half that the central approximation of the quantile holds for.
-const CENTRAL: f64 = 0.425;
-/// Where the approximation of the far tail begins.
-const FAR: f64 = 5.0;
+/// Range of |p - 1/2| of the central approximation of the quantile.
+const CENTRAL_RANGE: f64 = 0.425;
+/// Start of the approximation of the far tail.
+const FAR_START: f64 = 5.0;
 
 /// Probability that a standard normal deviate is below `x`.
 #[must_use]
@@ -12,15 +12,15 @@ pub fn normal_probability(x: f64) -> f64 {
     0.5 * libm::erfc(-x * std::f64::consts::FRAC_1_SQRT_2)
 }
 
-/// The deviate below which a standard normal one lies with probability `p`: to 16 digits, by algorithm AS 241 (M. J. Wichura,
-/// Appl. Stat. 37, 477). Infinite at 0 and 1, and no number outside.
+/// Quantile of the standard normal distribution for the probability `p`, to 16 digits, by algorithm AS 241 (M. J.
+/// Wichura, Appl. Stat. 37, 477). Infinite at 0 and 1, and NaN outside.
 #[must_use]
 pub fn normal_quantile(p: f64) -> f64 {
     if !(0.0..=1.0).contains(&p) {
         return f64::NAN;
     }
     let q = p - 0.5;
-    if q.abs() <= CENTRAL {
+    if q.abs() <= CENTRAL_RANGE {
         // q P(r) / Q(r), r = 0.425^2 - q^2
         return q * rational(&CENTRAL_TOP, &CENTRAL_BOTTOM, 0.180_625 - q * q);
     }
@@ -29,17 +29,17 @@ pub fn normal_quantile(p: f64) -> f64 {
         return if q < 0.0 { f64::NEG_INFINITY } else { f64::INFINITY };
     }
     let r = (-libm::log(tail)).sqrt();
-    let size = if r <= FAR {
+    let size = if r <= FAR_START {
         rational(&MIDDLE_TOP, &MIDDLE_BOTTOM, r - 1.6)
     } else {
-        rational(&FAR_TOP, &FAR_BOTTOM, r - FAR)
+        rational(&FAR_TOP, &FAR_BOTTOM, r - FAR_START)
     };
     if q < 0.0 { -size } else { size }
 }
 
-/// Two polynomials, the highest power last, one over the other.
+/// Ratio of two polynomials with coefficients in ascending order.
 fn rational(top: &[f64; 8], bottom: &[f64; 8], x: f64) -> f64 {
-    let value = |of: &[f64; 8]| of.iter().rev().fold(0.0, |sum, c| sum * x + c);
+    let value = |coefficients: &[f64; 8]| coefficients.iter().rev().fold(0.0, |sum, c| sum * x + c);
     value(top) / value(bottom)
 }
 
@@ -104,50 +104,52 @@ const FAR_BOTTOM: [f64; 8] = [
     2.044_263_103_389_939_8e-15,
 ];
 
-/// Points of the rule behind [`box_probability`].
-const POINTS: usize = 512;
-/// The same where boxes of up to four components, and of more, are ranked.
-const ROUGH_POINTS: [usize; 2] = [64, 128];
-/// A part of a sum that can be no more than this is little: 64 points of 512 leave 1 % of it open.
-const LITTLE: f64 = 0.01;
-/// What is little of a sum that is ranked, and the points that it then takes one in so many of.
-const ROUGH_LITTLE: f64 = 0.05;
-const FEWER: usize = 4;
+/// Number of lattice points for [`box_probability`].
+const LATTICE_POINTS: usize = 512;
+/// Number of lattice points for ranking boxes of up to four components, and of more.
+const ROUGH_LATTICE_POINTS: [usize; 2] = [64, 128];
+/// Weight of a term below which fewer points are used: 64 points instead of 512 then change the sum by at most 1 %.
+const SMALL_WEIGHT: f64 = 0.01;
+/// Weight of a term for ranking below which fewer points are used, and the factor by which their number is reduced.
+const ROUGH_SMALL_WEIGHT: f64 = 0.05;
+const ROUGH_REDUCTION: usize = 4;
 
-/// Probability that a normal vector of this `mean` lies between `lower` and `upper` in every component. `factor` is the lower
-/// triangular factor L of its covariance L L^T, row by row, n x n; rows of zeros are exact components. By separation of
-/// variables (A. Genz, J. Comput. Graph. Stat. 1, 141) on 512 points of a lattice: exact for one component, to some 5e-4 root mean square for
-/// two to six that have most of what scatters in common.
+/// Probability that a normal vector with this `mean` lies between `lower` and `upper` in all components. `factor` is
+/// the lower triangular factor L of its covariance L L^T, row by row, n x n; rows of zeros are exact components. Uses
+/// separation of variables (A. Genz, J. Comput. Graph. Stat. 1, 141) on 512 points of a lattice: exact for one
+/// component, and accurate to about 5e-4 root mean square for two to six components that are strongly correlated.
 #[must_use]
 pub fn box_probability(mean: &[f64], factor: &[f64], lower: &[f64], upper: &[f64]) -> f64 {
-    by_points(mean, factor, lower, upper, POINTS)
+    integrate_box(mean, factor, lower, upper, LATTICE_POINTS)
 }
 
-/// The same of a part of a sum, whose share of it is at most `most`: where that is little, fewer points leave no more of the sum open.
+/// [`box_probability`] for a term of a sum whose weight is at most `max_weight`: uses fewer points for small weights,
+/// which leaves the accuracy of the sum unchanged.
 #[must_use]
-pub fn part_box_probability(mean: &[f64], factor: &[f64], lower: &[f64], upper: &[f64], most: f64) -> f64 {
-    let points = if most < LITTLE { rough_points(mean) } else { POINTS };
-    by_points(mean, factor, lower, upper, points)
+pub fn part_box_probability(mean: &[f64], factor: &[f64], lower: &[f64], upper: &[f64], max_weight: f64) -> f64 {
+    let points = if max_weight < SMALL_WEIGHT { rough_points(mean) } else { LATTICE_POINTS };
+    integrate_box(mean, factor, lower, upper, points)
 }
 
-/// The same to rank by: on 64 points, which depart from the integral by 0.003 root mean square, and on 128 from five components on, up to 24 of
-/// which it departs from [`box_probability`] by 0.01 root mean square (`few_points_serve_to_rank_by`).
+/// [`box_probability`] for ranking: uses 64 points, with an error of 0.003 root mean square, and 128 points from five
+/// components on, with an error of 0.01 root mean square for up to 24 components (`few_points_serve_to_rank_by`).
 #[must_use]
-pub fn rough_part_box_probability(mean: &[f64], factor: &[f64], lower: &[f64], upper: &[f64], most: f64) -> f64 {
-    let of = if most < ROUGH_LITTLE { FEWER } else { 1 };
-    by_points(mean, factor, lower, upper, rough_points(mean) / of)
+pub fn rough_part_box_probability(mean: &[f64], factor: &[f64], lower: &[f64], upper: &[f64], max_weight: f64) -> f64 {
+    let reduction = if max_weight < ROUGH_SMALL_WEIGHT { ROUGH_REDUCTION } else { 1 };
+    integrate_box(mean, factor, lower, upper, rough_points(mean) / reduction)
 }
 
 fn rough_points(mean: &[f64]) -> usize {
-    ROUGH_POINTS[usize::from(mean.len() > 4)]
+    ROUGH_LATTICE_POINTS[usize::from(mean.len() > 4)]
 }
 
-/// The primes, whose square roots are those of the lattice: another one for every component, as two of the same would move together.
+/// Primes, whose square roots generate the lattice: a different one per component, because components with equal
+/// generators would be correlated.
 fn primes() -> impl Iterator<Item = u32> {
     (2..).filter(|number| (2..).take_while(|divisor| divisor * divisor <= *number).all(|divisor| number % divisor > 0))
 }
 
-fn by_points(mean: &[f64], factor: &[f64], lower: &[f64], upper: &[f64], points: usize) -> f64 {
+fn integrate_box(mean: &[f64], factor: &[f64], lower: &[f64], upper: &[f64], points: usize) -> f64 {
     let n = mean.len();
     let ends = |row: usize, drawn: &[f64]| {
         let known: f64 = mean[row] + drawn.iter().zip(&factor[row * n..]).map(|(y, l)| y * l).sum::<f64>();
@@ -166,7 +168,7 @@ fn by_points(mean: &[f64], factor: &[f64], lower: &[f64], upper: &[f64], points:
         return 1.0;
     }
     let [first, last] = ends(0, &[]);
-    // The lower end of an exact component counts as within.
+    // The lower end of an exact component counts as inside.
     let share = last - first;
     if n == 1 || share <= 0.0 {
         return share.max(0.0);
@@ -238,13 +240,13 @@ mod tests {
                 })
                 .count();
             let share = inside as f64 / f64::from(draws);
-            // Draws: 0.0011 at most; the rule's own error.
+            // The error of the draws is at most 0.0011; the rest is the error of the rule.
             assert!((found - share).abs() < 0.004, "{case}: {found} {share}");
         }
     }
 
-    /// Loads that have a factor in common, as an uncertain modulus gives them: narrow boxes, in which most draws of one component lie within
-    /// together.
+    /// Loads with a common factor, such as an uncertain modulus: narrow boxes, in which most draws of one component lie
+    /// inside together.
     #[test]
     fn boxes_of_components_with_a_common_factor_are_those_of_an_integral_over_it() {
         let mut normals = Normals::new(3);
@@ -274,7 +276,7 @@ mod tests {
         assert!(squares.sqrt() < 1e-3, "{}", squares.sqrt());
     }
 
-    /// Factor, mean and ends of a box of loads that have some inputs in common, as conditions have: from narrow to wide.
+    /// Factor, mean and limits of a box of loads with common inputs, such as conditions: from narrow to wide.
     fn of_conditions(n: usize, normals: &mut Normals) -> [Vec<f64>; 4] {
         let common = 1.0 + normals.draw().abs();
         let mut factor = vec![0.0; n * n];
@@ -310,20 +312,20 @@ mod tests {
         let (mut exact, mut rough) = (0.0, 0.0);
         for case in 0..600 {
             let [factor, mean, lower, upper] = of_conditions(2 + case % 6, &mut normals);
-            let by = |points: usize| by_points(&mean, &factor, &lower, &upper, points);
+            let by = |points: usize| integrate_box(&mean, &factor, &lower, &upper, points);
             let integral = by(1 << 13);
-            let little = 0.99 * LITTLE;
+            let little = 0.99 * SMALL_WEIGHT;
             let of = |weight: f64, part: f64| (weight * (part - integral)).powi(2) / 600.0;
             exact += of(little, part_box_probability(&mean, &factor, &lower, &upper, little));
-            let little = 0.99 * ROUGH_LITTLE;
+            let little = 0.99 * ROUGH_SMALL_WEIGHT;
             rough += of(little, rough_part_box_probability(&mean, &factor, &lower, &upper, little));
         }
-        // What 512 points leave open of a probability, and 64.
+        // Errors of a probability with 512 points, and with 64.
         assert!(exact.sqrt() < 5e-4 && rough.sqrt() < 3e-3, "{} {}", exact.sqrt(), rough.sqrt());
         assert!(exact.sqrt() > 1e-6 && rough.sqrt() > 1e-5, "{} {}", exact.sqrt(), rough.sqrt());
     }
 
-    /// Of which every component needs points of its own.
+    /// A case in which every component needs its own generator.
     #[test]
     fn boxes_of_many_conditions_hold_the_share_of_draws_too() {
         let mut normals = Normals::new(5);
@@ -345,7 +347,7 @@ mod tests {
             between += usize::from(share > 0.05 && share < 0.95);
             squares += (found - share).powi(2) / cases as f64;
         }
-        // Draws: 0.005 at most. With twelve roots for all components it was 0.02.
+        // The error of the draws is at most 0.005. With twelve generators for all components the error was 0.02.
         assert!(squares.sqrt() < 0.01 && between > cases / 2, "{} {between}", squares.sqrt());
     }
 
@@ -353,7 +355,7 @@ mod tests {
     fn one_component_and_exact_ones_are_exact() {
         let one = box_probability(&[0.3], &[2.0], &[-1.0], &[1.0]);
         assert!((one - (normal_probability(0.35) - normal_probability(-0.65))).abs() < 1e-15);
-        // y_2 = y_1: the smaller box decides.
+        // y_2 = y_1: the smaller box determines the probability.
         let same = box_probability(&[0.0, 0.0], &[1.0, 0.0, 1.0, 0.0], &[-1.0, -1.0], &[1.0, 1.0]);
         assert!((same - 0.682_689_492_137_086).abs() < 1e-12);
         assert_eq!(box_probability(&[], &[], &[], &[]), 1.0);
