@@ -1,4 +1,4 @@
-//! All results of a campaign as one table.
+//! Results of a campaign as one table.
 
 use std::collections::BTreeMap;
 
@@ -10,8 +10,8 @@ use slipgrid_units::tidy;
 use crate::campaign::{Campaign, Kind, Task};
 use crate::worker::{Done, Outcome, laboratory};
 
-/// What a scene's row has, by load.
-const OF_SCENE: [&str; 8] = [
+/// Columns of a scene, by load.
+const SCENE_COLUMNS: [&str; 8] = [
     "pressure_mpa",
     "mu_dynamic",
     "mu_dynamic_stderr",
@@ -21,8 +21,8 @@ const OF_SCENE: [&str; 8] = [
     "peak_pressure_mpa",
     "cavity_closed",
 ];
-/// What a design's row has: columns with the places of their values.
-const OF_DESIGN: [(&str, &str); 6] = [
+/// Columns of a design, with JSON pointers to their values.
+const DESIGN_COLUMNS: [(&str, &str); 6] = [
     ("found", "/advice"),
     ("chance", "/chance"),
     ("width_um", "/design/width_um"),
@@ -30,24 +30,24 @@ const OF_DESIGN: [(&str, &str); 6] = [
     ("depth_um", "/design/depth_um"),
     ("areal_density", "/specimen_areal_density"),
 ];
-/// What a laboratory's row has.
-const OF_LABORATORY: [(&str, &str); 2] = [("mechanism", "/mechanism"), ("trials", "/way/trials")];
+/// Columns of a laboratory, with JSON pointers to their values.
+const LABORATORY_COLUMNS: [(&str, &str); 2] = [("mechanism", "/mechanism"), ("trials", "/way/trials")];
 
-/// How many tasks ended how.
+/// Number of tasks by outcome.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Counts {
-    /// Those with a record.
+    /// Tasks with a record.
     pub done: usize,
-    /// Those that were refused.
+    /// Tasks that were refused.
     pub refused: usize,
-    /// Those that were computed in vain.
+    /// Tasks that failed.
     pub failed: usize,
-    /// Those that nobody has done.
+    /// Tasks that have not been done.
     pub missing: usize,
 }
 
 impl Counts {
-    /// In words.
+    /// Describes the counts.
     #[must_use]
     pub fn words(&self) -> String {
         let Self { done, refused, failed, missing } = self;
@@ -55,12 +55,12 @@ impl Counts {
         format!("{tasks} tasks: {done} done, {refused} refused, {failed} failed, {missing} missing")
     }
 
-    /// Those that have ended, however.
+    /// Number of tasks with any outcome.
     pub(crate) const fn ended(self) -> usize {
         self.done + self.refused + self.failed
     }
 
-    /// Counts one more.
+    /// Counts one more task.
     pub(crate) fn add(&mut self, outcome: Outcome) {
         match outcome {
             Outcome::Done => self.done += 1,
@@ -70,25 +70,25 @@ impl Counts {
     }
 }
 
-/// Results, put together task by task in the order of the campaign: a row for each load of a scene, for each design, and for each
-/// laboratory. A task without a result has a row that says so. The same bytes whoever did what.
+/// Results in the order of the campaign: one row for each load of a scene, for each design, and for each laboratory. A
+/// task without a result has a row as well. The table does not depend on who did which task.
 pub struct Results<'a> {
     campaign: &'a Campaign,
     text: String,
-    /// Columns of the kind of task, between outcome and reason.
+    /// Number of columns of the kind of task, between outcome and reason.
     columns: usize,
     counts: Counts,
     ways: Vec<(Task, usize, Way)>,
 }
 
 impl<'a> Results<'a> {
-    /// None as yet.
+    /// Creates an empty table.
     #[must_use]
     pub fn new(campaign: &'a Campaign) -> Self {
         let own: Vec<&str> = match campaign.kind {
-            Kind::Scene => OF_SCENE.to_vec(),
-            Kind::Design => OF_DESIGN.map(|(name, _)| name).to_vec(),
-            Kind::Laboratory => OF_LABORATORY.map(|(name, _)| name).to_vec(),
+            Kind::Scene => SCENE_COLUMNS.to_vec(),
+            Kind::Design => DESIGN_COLUMNS.map(|(name, _)| name).to_vec(),
+            Kind::Laboratory => LABORATORY_COLUMNS.map(|(name, _)| name).to_vec(),
         };
         let columns = own.len();
         let keys = campaign.keys.iter().map(|key| quoted(key));
@@ -98,14 +98,14 @@ impl<'a> Results<'a> {
         Self { campaign, text, columns, counts: Counts::default(), ways: Vec::new() }
     }
 
-    /// Adds what came of `task`; `None` where nobody has done it.
+    /// Adds the result of `task`; `None` if it has not been done.
     pub fn add(&mut self, task: &Task, done: Option<&Done>) {
         match done {
             Some(done) => self.counts.add(done.outcome),
             None => self.counts.missing += 1,
         }
         for cells in self.rows(done) {
-            let values = self.campaign.keys.iter().map(|key| at(task.values.get(key)));
+            let values = self.campaign.keys.iter().map(|key| cell(task.values.get(key)));
             let row = [task.id.clone()].into_iter().chain(values).chain(cells);
             self.text += &(row.collect::<Vec<_>>().join(",") + "\n");
         }
@@ -122,30 +122,30 @@ impl<'a> Results<'a> {
         &self.text
     }
 
-    /// How many tasks ended how.
+    /// Number of tasks by outcome.
     #[must_use]
     pub const fn counts(&self) -> Counts {
         self.counts
     }
 
-    /// What laboratories say, where it is they and all of them ended.
+    /// Report of the laboratories, if the campaign is of this kind and all tasks are done.
     #[must_use]
     pub fn laboratories(&self) -> Option<LaboratoriesReport> {
         let is_whole = self.counts.done > 0 && self.counts == Counts { done: self.counts.done, ..Counts::default() };
         if self.campaign.kind != Kind::Laboratory || !is_whole {
             return None;
         }
-        let of = |values: &BTreeMap<String, Json>| laboratory(&self.campaign.text_of(values).ok()?).ok();
-        let known: Option<Vec<_>> = self.ways.iter().map(|(task, ..)| of(&task.values)).collect();
+        let parse = |values: &BTreeMap<String, Json>| laboratory(&self.campaign.text_with(values).ok()?).ok();
+        let known: Option<Vec<_>> = self.ways.iter().map(|(task, ..)| parse(&task.values)).collect();
         let (options, jobs): (Vec<_>, Vec<_>) = known?.into_iter().unzip();
         let ways: Vec<Way> = self.ways.iter().map(|(.., way)| way.clone()).collect();
         Some(LaboratoriesReport::new(options.first()?, self.ways.first()?.1, &jobs, &ways))
     }
 
-    /// Outcome, own columns and reason: a row each.
+    /// Rows with outcome, columns of the kind, and reason.
     fn rows(&self, done: Option<&Done>) -> Vec<Vec<String>> {
         let own = |record: &Json, places: &[(&str, &str)]| -> Vec<String> {
-            places.iter().map(|(_, place)| at(record.pointer(place))).collect()
+            places.iter().map(|(_, place)| cell(record.pointer(place))).collect()
         };
         let empty = |outcome: &str, reason: &str| {
             let mut row = vec![outcome.to_owned()];
@@ -161,19 +161,19 @@ impl<'a> Results<'a> {
             _ => return empty("failed", reason),
         };
         let cells = match self.campaign.kind {
-            Kind::Design => vec![own(record, &OF_DESIGN)],
-            Kind::Laboratory => vec![own(record, &OF_LABORATORY)],
+            Kind::Design => vec![own(record, &DESIGN_COLUMNS)],
+            Kind::Laboratory => vec![own(record, &LABORATORY_COLUMNS)],
             Kind::Scene => {
                 let loads = record.get("results").and_then(Json::as_array).map_or(&[][..], Vec::as_slice);
-                loads.iter().map(|load| OF_SCENE.iter().map(|name| at(load.get(*name))).collect()).collect()
+                loads.iter().map(|load| SCENE_COLUMNS.iter().map(|name| cell(load.get(*name))).collect()).collect()
             }
         };
         cells.into_iter().map(|cells| [vec!["done".to_owned()], cells, vec![String::new()]].concat()).collect()
     }
 }
 
-/// A value as a cell; nothing where there is none.
-fn at(value: Option<&Json>) -> String {
+/// Formats a value as a cell; empty if it is absent.
+fn cell(value: Option<&Json>) -> String {
     match value {
         None | Some(Json::Null) => String::new(),
         Some(Json::Number(number)) => {
@@ -184,7 +184,7 @@ fn at(value: Option<&Json>) -> String {
     }
 }
 
-/// Text as a cell: no formula, and quoted where it must be.
+/// Formats text as a cell: guarded against formulas, and quoted if necessary.
 fn quoted(text: &str) -> String {
     let text = guard_formula(text);
     if text.contains([',', '"', '\n', '\r']) { format!("\"{}\"", text.replace('"', "\"\"")) } else { text }
@@ -196,12 +196,12 @@ mod tests {
     use slipgrid_design::DesignReport;
     use slipgrid_results::LoadReport;
 
-    /// A field of another name would leave its column empty.
+    /// A renamed field would leave its column empty.
     #[test]
     fn columns_have_the_names_of_the_records_they_are_taken_from() {
         let design = serde_json::to_value(DesignReport::default()).unwrap();
-        assert_eq!(OF_DESIGN.into_iter().find(|(_, place)| design.pointer(place).is_none()), None);
+        assert_eq!(DESIGN_COLUMNS.into_iter().find(|(_, place)| design.pointer(place).is_none()), None);
         let load = serde_json::to_value(LoadReport::default()).unwrap();
-        assert_eq!(OF_SCENE.into_iter().find(|name| load.get(name).is_none()), None);
+        assert_eq!(SCENE_COLUMNS.into_iter().find(|name| load.get(name).is_none()), None);
     }
 }
