@@ -127,7 +127,8 @@ fn rows_in_space_depart_from_the_rule_as_far_as_is_stated() {
             }
         }
         // The strips sample the face.
-        let sampled = layout.areal_density() / pattern.areal_density() * pattern.section_density() / cavity_fraction(&strips);
+        let sampled =
+            layout.areal_density() / pattern.areal_density() * pattern.section_density() / cavity_fraction(&strips);
         let middle = simulate_on(&scene, Some(&specimen), &Unwatched).unwrap();
         let run = RunOptions { extent: Extent::Cell, ..scene.run };
         let rule = simulate_on(&Scene { run, ..scene.clone() }, Some(&specimen), &Unwatched).unwrap();
