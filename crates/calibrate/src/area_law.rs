@@ -1,4 +1,4 @@
-//! Real contact area of a surface against nominal pressure, and the area law f that it implies.
+//! Real contact area of a surface as a function of nominal pressure, and the area law f that follows from it.
 
 use slipgrid_contact::closed_form::persson_area_fraction;
 use slipgrid_contact::{AreaCurve, AreaPoint, ContactError, Convergence, SolveOptions};
@@ -9,67 +9,68 @@ use slipgrid_units::{LENGTH_UM, PRESSURE_MPA, significant};
 
 use crate::area_law_sampling::{DEFAULT_WINDOWS, MIN_DEFAULT_SIDE, WindowSpread, takes_default_windows, window_spread};
 
-/// Error at which the contact computation of a calibration ends: on the reference maps no pixel changes after it.
+/// Tolerance of the contact computation in a calibration; on the reference maps no pixel changes at smaller tolerances.
 pub const CONTACT_TOLERANCE: f64 = 1e-6;
 
-/// Pressures of an area law where none are given, in MPa: dense where f bends, up to what edges of cavities see.
-/// From full contact on a pressure costs nothing.
+/// Default pressures of an area law, in MPa: dense where f bends, and up to the pressures at edges of cavities.
+/// Pressures beyond full contact cost no time.
 pub const DEFAULT_PRESSURES_MPA: [f64; 28] = [
     0.1, 0.15, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.85, 1.0, 1.3, 1.6, 2.0, 2.6, 3.2, 4.0, 5.0, 6.5, 8.0, 10.0, 13.0, 17.0,
     22.0, 30.0, 40.0, 55.0, 75.0, 100.0,
 ];
 
-/// Side of a map that how-to/measure.md asks for, in millimetres.
+/// Side of a map recommended in how-to/measure.md, in millimetres.
 const ADVISED_SIDE_MM: f64 = 0.5;
 
-/// What a closed form takes.
+/// Convergence record of a closed form, which has no iterations.
 const CLOSED_FORM: Convergence = Convergence { iterations: 0, fourier_pairs: 0, residual: 0.0 };
 
-/// What an area law is computed for.
+/// Options for computing an area law.
 #[derive(Clone, Copy, Debug)]
 pub struct AreaLawRequest<'a> {
     /// Contact modulus E* = E / (1 - nu^2), in pascals.
     pub contact_modulus_pa: f64,
-    /// Nominal pressures solved for, increasing, in pascals.
+    /// Nominal pressures to solve for, increasing, in pascals.
     pub pressures_pa: &'a [f64],
     /// Pressure P0 up to which friction is proportional to load, in pascals.
     pub threshold_pa: f64,
-    /// Error at which the contact computation of the whole map ends.
+    /// Tolerance of the contact computation for the whole map.
     pub tolerance: f64,
-    /// Windows along either side of the map whose spread gives the law's standard errors; fewer than 2 for none, `None` for
-    /// [`DEFAULT_WINDOWS`] where the map is large enough.
+    /// Number of windows along each side of the map; their spread gives the standard errors of the law. Fewer than 2
+    /// for no errors, `None` for [`DEFAULT_WINDOWS`] if the map is large enough.
     pub windows: Option<usize>,
 }
 
-/// What makes an area law doubtful. Its text begins with its name.
+/// Reason to doubt an area law. Each message begins with the name of the warning.
 #[derive(Clone, Debug, PartialEq)]
 pub enum SurfaceWarning {
-    /// Something about the map.
+    /// A warning about the map.
     Map(MapWarning),
-    /// f exceeds 1.
+    /// The factor f exceeds 1.
     FactorAboveOne {
         /// Pressure at which f is largest, in pascals.
         pressure_pa: f64,
-        /// f there.
+        /// f at this pressure.
         factor: f64,
     },
-    /// The map is too small to be cut into windows, whose spread would give the error of its law.
+    /// The map is too small to be split into windows, so that the law has no standard errors.
     NoError {
         /// Sides of the map along x and y, in metres.
         sides_m: [f64; 2],
-        /// Points along them.
+        /// Number of points along x and y.
         points: [usize; 2],
     },
-    /// Contact area grows by less than in proportion within the measured loads that lie below a stated threshold.
+    /// Between the lightest measured load and the stated threshold, contact area grows less than in proportion to
+    /// pressure.
     Threshold {
         /// The stated threshold, in pascals.
         threshold_pa: f64,
         /// The lightest measured load, in pascals.
         lightest_pa: f64,
-        /// A / P at the threshold over that at the lightest load.
+        /// A / P at the threshold over A / P at the lightest load.
         share: f64,
     },
-    /// A given rms slope that no surface that slides has.
+    /// The given rms slope is outside the range of sliding surfaces.
     GivenSlope {
         /// The rms slope.
         rms_slope: f64,
@@ -77,9 +78,9 @@ pub enum SurfaceWarning {
 }
 
 impl SurfaceWarning {
-    /// What is doubtful about an rms slope that stands for a surface: what is of the slope of a map.
+    /// Checks a given rms slope against the range that maps are checked against.
     #[must_use]
-    pub fn of_slope(rms_slope: f64) -> Option<Self> {
+    pub fn check_slope(rms_slope: f64) -> Option<Self> {
         let [least, most] = limits::WARNED_SLOPE;
         (!(least..=most).contains(&rms_slope)).then_some(Self::GivenSlope { rms_slope })
     }
@@ -120,23 +121,23 @@ impl std::fmt::Display for SurfaceWarning {
     }
 }
 
-/// Why a surface has no area law.
+/// Reason why a surface has no area law.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum AreaLawError {
     /// The contact solver refused the map or a number.
     #[error(transparent)]
     Contact(#[from] ContactError),
-    /// The map cannot be cut into so many windows.
+    /// The map cannot be split into the requested number of windows.
     #[error(transparent)]
     Windows(ContactError),
-    /// f exceeds 1 by more than a count of points scatters.
+    /// f exceeds 1 by more than the counting error of contact points.
     #[error("f reaches {factor:.3} at {} MPa: the area law means nothing", PRESSURE_MPA.from_si(*pressure_pa))]
     FactorsAboveOne {
         /// Pressure at which f is largest, in pascals.
         pressure_pa: f64,
-        /// f there.
+        /// f at this pressure.
         factor: f64,
-        /// What is known to be wrong with the map.
+        /// Warnings about the map.
         warnings: Vec<MapWarning>,
     },
     /// The monitor asked to stop.
@@ -147,41 +148,41 @@ pub enum AreaLawError {
 /// Contact area and area law of a map.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SurfaceAreaLaw {
-    /// Contact area at the pressures solved for.
+    /// Contact area at the requested pressures.
     pub curve: AreaCurve,
-    /// The law, with standard errors of its factors where windows give them; an error where the curve does not bracket the
+    /// Area law, with standard errors of its factors if windows were solved; an error if the curve does not bracket the
     /// threshold pressure.
     pub law: Result<AreaLaw, MaterialError>,
-    /// The law of windows of the map, where they were solved.
+    /// Laws of the windows of the map, if windows were solved.
     pub windows: Option<WindowSpread>,
-    /// What makes the law doubtful.
+    /// Reasons to doubt the law.
     pub warnings: Vec<SurfaceWarning>,
-    /// Seconds that the whole map took, on the monitor's clock.
+    /// Time for the whole map, in seconds of the monitor's clock.
     pub curve_s: f64,
-    /// Seconds that its windows took.
+    /// Time for the windows, in seconds of the monitor's clock.
     pub windows_s: f64,
 }
 
-/// Contact area of `surface` at every pressure, the area law that it implies, and how windows of the map scatter about it.
-/// Stages of the monitor: "area law", "windows".
+/// Computes the contact area of `surface` at every pressure, the area law, and the spread of the law over windows of
+/// the map. Stages of the monitor: "area law", "windows".
 ///
 /// # Errors
-/// [`AreaLawError`] if a number means nothing to the contact solver, a pressure does not converge, the map is too small for the windows
-/// asked for, the factors exceed 1 by more than counts scatter, or the monitor asks to stop.
+/// [`AreaLawError`] if the contact solver refuses a number, a pressure does not converge, the map is too small for the
+/// requested windows, the factors exceed 1 by more than the counting error, or the monitor cancels.
 pub fn surface_area_law(
     surface: &PreparedMap,
     request: &AreaLawRequest<'_>,
     monitor: &dyn Monitor,
 ) -> Result<SurfaceAreaLaw, AreaLawError> {
-    let heed = || if monitor.cancelled() { Err(AreaLawError::Cancelled) } else { Ok(()) };
-    // Whether the map can be cut so is known before its contact is computed.
+    let check_cancelled = || if monitor.cancelled() { Err(AreaLawError::Cancelled) } else { Ok(()) };
+    // Check the windows before the contact computation, which takes long.
     if let Some(per_side) = request.windows.filter(|per_side| *per_side > 1) {
         slipgrid_contact::window_pixels(&surface.map, per_side).map_err(AreaLawError::Windows)?;
     }
     let stage = Stage::new(monitor, "area law", None);
     let curve = area_curve(&surface.map, request.contact_modulus_pa, request.pressures_pa, request.tolerance, &stage);
     let curve_s = stage.finish();
-    heed()?;
+    check_cancelled()?;
     let curve = curve?;
     let mut law = area_law(&curve.points, request.threshold_pa);
     let mut warnings: Vec<SurfaceWarning> = surface.warnings.iter().cloned().map(SurfaceWarning::Map).collect();
@@ -197,7 +198,7 @@ pub fn surface_area_law(
         let stage = Stage::new(monitor, "windows", None);
         let spread = window_spread(&surface.map, per_side, request, &stage);
         windows_s = stage.finish();
-        heed()?;
+        check_cancelled()?;
         windows = spread?;
     }
     if windows.is_none() && request.windows.is_none() && !takes_default_windows(&surface.map) {
@@ -212,7 +213,7 @@ pub fn surface_area_law(
     Ok(SurfaceAreaLaw { curve, law, windows, warnings, curve_s, windows_s })
 }
 
-/// The law with the standard errors of its factors, one per point of the curve.
+/// Adds the standard errors `factor_std`, one per point of `curve`, to the factors of the law.
 fn with_errors(law: AreaLaw, curve: &[AreaPoint], factor_std: &[f64]) -> Result<AreaLaw, MaterialError> {
     let at = |pressure_pa: &f64| curve.iter().position(|point| point.pressure_pa == *pressure_pa);
     let errors: Option<Vec<f64>> = law.pressures_pa().iter().map(|p| at(p).map(|n| factor_std[n])).collect();
@@ -222,10 +223,10 @@ fn with_errors(law: AreaLaw, curve: &[AreaPoint], factor_std: &[f64]) -> Result<
     }
 }
 
-/// Computes the contact area of `map` at every pressure to `tolerance`.
+/// Computes the contact area of `map` at every pressure with the given tolerance.
 ///
 /// # Errors
-/// [`ContactError`] if a number means nothing to the contact solver, or a pressure does not converge.
+/// [`ContactError`] if the contact solver refuses a number, or a pressure does not converge.
 pub fn area_curve(
     map: &HeightMap,
     contact_modulus_pa: f64,
@@ -237,7 +238,7 @@ pub fn area_curve(
     slipgrid_contact::area_curve(map, contact_modulus_pa, pressures_pa, &options, monitor)
 }
 
-/// The area law that `curve` implies, proportional up to `threshold_pa`.
+/// Computes the area law from a contact area curve, with friction proportional to load up to `threshold_pa`.
 ///
 /// # Errors
 /// [`MaterialError`] if the curve does not bracket the threshold pressure.
@@ -247,10 +248,10 @@ pub fn area_law(curve: &[AreaPoint], threshold_pa: f64) -> Result<AreaLaw, Mater
     AreaLaw::from_area_curve(&pressure_pa, &area, threshold_pa)
 }
 
-/// The contact area of a surface of which only the rms slope is known, by Persson's theory.
+/// Contact area by Persson's theory, for a surface with a known rms slope only.
 ///
 /// # Errors
-/// [`ContactError`] if a number means nothing to the theory.
+/// [`ContactError`] if the theory refuses a number.
 pub fn persson_curve(
     rms_slope: f64,
     contact_modulus_pa: f64,
@@ -269,7 +270,7 @@ pub fn persson_curve(
     pressures_pa.iter().map(point).collect()
 }
 
-/// What is odd about the table of a law of contact area, one sentence each; each begins with its name.
+/// Warnings about the table of an area law, one sentence each; each begins with the name of the warning.
 #[must_use]
 pub fn table_warnings(law: &AreaLaw) -> Vec<String> {
     let step = law.step().map(|(pressure_pa, factor)| {
@@ -294,7 +295,7 @@ mod tests {
     use slipgrid_monitor::Unwatched;
     use slipgrid_topography::{Form, MapFormat, Preparation, ReadMap, SelfAffine};
 
-    /// The law of the first `side` x `side` points of a synthetic map.
+    /// Area law of the first `side` x `side` points of a synthetic map.
     fn law_of(side: usize, windows: Option<usize>) -> SurfaceAreaLaw {
         let whole = SelfAffine { pixels: 64, max_wave: 8, ..SelfAffine::STAND_IN }.map().unwrap();
         let height_m = (0..side * side).map(|n| whole.heights_m()[n / side * 64 + n % side]).collect();
@@ -327,7 +328,7 @@ mod tests {
             );
             assert!(!said.contains("  "), "{said}");
         }
-        // A map with room for windows has an error, and who asks for none knows.
+        // A map that is large enough for windows has errors, and a request for no windows causes no warning.
         let whole = law_of(64, None);
         assert!(told(&whole).is_none() && whole.windows.is_some());
         assert_eq!(told(&law_of(40, Some(0))), None);
@@ -336,10 +337,10 @@ mod tests {
     #[test]
     fn a_given_slope_is_doubted_as_that_of_a_map() {
         for usual in [1e-4, 0.1, 1.0] {
-            assert_eq!(SurfaceWarning::of_slope(usual), None);
+            assert_eq!(SurfaceWarning::check_slope(usual), None);
         }
         for doubtful in [1e-5, 1.5] {
-            let said = SurfaceWarning::of_slope(doubtful).unwrap().to_string();
+            let said = SurfaceWarning::check_slope(doubtful).unwrap().to_string();
             assert!(said.starts_with("slope: the rms slope given is") && said.contains("1e-4 to 1e0"), "{said}");
         }
         let [least, most] = limits::POSSIBLE_SLOPE;

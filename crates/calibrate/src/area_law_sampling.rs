@@ -1,4 +1,4 @@
-//! How well a map determines its area law: windows of it, and coarser pixels.
+//! Sampling errors of an area law: windows of the map, and coarser pixels.
 
 use slipgrid_contact::{ContactError, coarser, windows};
 use slipgrid_monitor::Monitor;
@@ -9,35 +9,35 @@ use crate::area_law::{AreaLawRequest, area_curve, area_law};
 use crate::uncertainty::NORMAL_95;
 use slipgrid_monitor::Part;
 
-/// Windows along either side where nobody asks for another number.
+/// Default number of windows along each side.
 pub const DEFAULT_WINDOWS: usize = 2;
-/// Error at which the contact computation of a window or a coarser map ends: areas to about 3e-5, far below what
-/// windows differ by.
+/// Tolerance of the contact computation for windows and coarser maps. Areas are accurate to about 3e-5, far below the
+/// differences between windows.
 pub const STATISTICS_TOLERANCE: f64 = 1e-5;
-/// Fewest points along a side of a window that is asked for by default.
+/// Minimum number of points along a side of a default window.
 const MIN_DEFAULT_PIXELS: usize = 32;
 
-/// Fewest points along a side of a map that is cut into windows where nobody asks for them.
+/// Minimum number of points along a side of a map that is split into windows by default.
 pub const MIN_DEFAULT_SIDE: usize = DEFAULT_WINDOWS * MIN_DEFAULT_PIXELS;
 
-/// How a window becomes the period that the contact computation takes.
+/// How a window is made periodic for the contact computation.
 pub const WINDOW_STATEMENT: &str =
     "each window is levelled and taken as its periodic component (Moisan), which continues itself across its sides";
 
-/// The area law of windows of a map, each alone.
+/// Area laws of the windows of a map, each computed separately.
 #[derive(Clone, Debug, PartialEq)]
 pub struct WindowSpread {
-    /// Windows along either side.
+    /// Number of windows along each side.
     pub per_side: usize,
-    /// Points of a window along x and y.
+    /// Number of points of a window along x and y.
     pub pixels: [usize; 2],
-    /// Mean of f over the windows, one per pressure solved for.
+    /// Mean of f over the windows, one per requested pressure.
     pub factor_mean: Vec<f64>,
-    /// Standard deviation of f among the windows.
+    /// Standard deviation of f over the windows.
     pub factor_spread: Vec<f64>,
     /// Mean rms slope of the windows.
     pub rms_slope_mean: f64,
-    /// Its standard deviation among them.
+    /// Standard deviation of the rms slope over the windows.
     pub rms_slope_spread: f64,
 }
 
@@ -48,19 +48,20 @@ impl WindowSpread {
         self.per_side * self.per_side
     }
 
-    /// Number of independent windows that would tell as much: as many as lie along one side. Windows of one map share the waves
-    /// that are as long as the map, and levelling takes some of these from the map itself. Found on maps whose longest waves are
-    /// as long as they are, solved with 2 x 2 windows: 95 % intervals held the law of the surface in 95 to 96 % of 128 maps with a Hurst exponent
-    /// of 0.8, and in 93 to 99 % of 80 maps with 1 (`intervals_of_windows_hold_the_law_of_many_surfaces`). Without this and Student's factor
-    /// it was 66 to 79 %.
+    /// Effective number of independent windows: the number along one side. Windows of a map share waves as long as the
+    /// map, and levelling removes part of these from the map itself. Tested with 2 x 2 windows on maps whose longest
+    /// waves are as long as the map: 95 % intervals covered the law of the surface for 95 to 96 % of 128 maps with a
+    /// Hurst exponent of 0.8, and for 93 to 99 % of 80 maps with 1
+    /// (`intervals_of_windows_hold_the_law_of_many_surfaces`). Without this reduction and Student's factor, coverage
+    /// was 66 to 79 %.
     #[must_use]
     pub const fn independent(&self) -> usize {
         self.per_side
     }
 
-    /// Standard errors of the factors of the whole map: the windows' standard deviation over the root of the number of
-    /// [independent](Self::independent) ones, as many times larger as Student's t for so few windows is than the normal deviate, so that
-    /// 1.96 of them hold 95 %.
+    /// Standard errors of the factors of the whole map: the standard deviation over the windows, divided by the root of
+    /// the number of [independent](Self::independent) windows, times the ratio of Student's t to the normal quantile,
+    /// so that +- 1.96 standard errors have 95 % coverage.
     #[must_use]
     pub fn factor_std(&self) -> Vec<f64> {
         let student = Confidence::PERCENT_95.student_t(self.count() - 1) / NORMAL_95;
@@ -68,7 +69,7 @@ impl WindowSpread {
         self.factor_spread.iter().map(|spread| spread * scale).collect()
     }
 
-    /// How [`Self::factor_std`] follows from the windows.
+    /// Describes how [`Self::factor_std`] follows from the windows.
     #[must_use]
     pub fn statement(&self) -> String {
         format!(
@@ -80,17 +81,17 @@ impl WindowSpread {
     }
 }
 
-/// Whether `map` is large enough to be cut into the default windows.
+/// Whether `map` is large enough for the default windows.
 #[must_use]
 pub fn takes_default_windows(map: &HeightMap) -> bool {
     map.rows().min(map.cols()) >= MIN_DEFAULT_SIDE
 }
 
-/// The spread of f among `per_side` x `per_side` windows of `map`, `per_side` at least 2; `None` where a window gives
-/// no law.
+/// Computes the spread of f over `per_side` x `per_side` windows of `map`; `per_side` is at least 2. `None` if a window
+/// has no area law.
 ///
 /// # Errors
-/// [`ContactError`] if the map cannot be cut so, or a number means nothing to the contact solver.
+/// [`ContactError`] if the map cannot be split into so many windows, or the contact solver refuses a number.
 pub fn window_spread(
     map: &HeightMap,
     per_side: usize,
@@ -109,7 +110,7 @@ pub fn window_spread(
     }
     let at = |n: usize| factors.iter().map(move |factor| factor[n]);
     let mean_and_spread = |values: &mut dyn Iterator<Item = f64>| {
-        // Of at least four windows.
+        // There are at least four windows.
         let found = mean_and_std(values.collect::<Vec<f64>>());
         found.map_or([f64::NAN; 2], |(mean, std)| [mean, std.unwrap_or(f64::NAN)])
     };
@@ -125,23 +126,23 @@ pub fn window_spread(
     }))
 }
 
-/// The area law at another lateral resolution.
+/// Area law at a coarser lateral resolution.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Resolution {
-    /// Points of the map that one point of this one averages, along either side.
+    /// Number of points of the original map averaged into one point, along each side.
     pub coarser: usize,
     /// Pixel along the sliding direction, in metres.
     pub pixel_m: f64,
-    /// Rms slope that is left.
+    /// Rms slope at this resolution.
     pub rms_slope: f64,
-    /// f, one per pressure solved for; `None` where the curve gives no law.
+    /// f, one per requested pressure; `None` if the curve has no area law.
     pub factor: Option<Vec<f64>>,
 }
 
-/// The area law of `map` seen by `factor` times coarser pixels.
+/// Computes the area law of `map` with pixels that are `factor` times larger.
 ///
 /// # Errors
-/// As [`window_spread`].
+/// See [`window_spread`].
 pub fn resolution(
     map: &HeightMap,
     factor: usize,
@@ -157,7 +158,7 @@ pub fn resolution(
     })
 }
 
-/// f of `map` at the pressures solved for.
+/// f of `map` at the requested pressures.
 fn factors_of(
     map: &HeightMap,
     request: &AreaLawRequest<'_>,
@@ -176,7 +177,7 @@ mod tests {
 
     use crate::area_law::surface_area_law;
 
-    /// Points along a side of a map, and maps along a side of the surface that they are cut from.
+    /// Number of points along a side of a map, and number of maps along a side of the surface from which they are cut.
     const SIDE: usize = 64;
     const MAPS: usize = 4;
     const PRESSURES_PA: [f64; 4] = [0.5e6, 0.7e6, 2.0e6, 5.0e6];
@@ -191,14 +192,14 @@ mod tests {
         }
     }
 
-    /// One surface of many with one spectrum; the longest waves are as long as a map, the shortest five points.
+    /// A random surface; its longest waves are as long as a map, the shortest five points.
     fn surface(hurst: f64, seed: u32) -> HeightMap {
         let (pixels, min_wave) = (SIDE * MAPS, MAPS as u32);
         let shape = SelfAffine { pixels, min_wave, max_wave: 51, hurst, seed, ..SelfAffine::STAND_IN };
         shape.with_rms_slope(0.012).unwrap().map().unwrap()
     }
 
-    /// Map number `number` of `surface`, prepared as a measured one is.
+    /// Map number `number` of `surface`, prepared like a measured one.
     fn map(surface: &HeightMap, number: usize) -> PreparedMap {
         let (row, col) = (number / MAPS * SIDE, number % MAPS * SIDE);
         let lines = surface.heights_m().chunks_exact(surface.cols()).skip(row).take(SIDE);
@@ -209,7 +210,7 @@ mod tests {
         PreparedMap::one_period(read, how, &Unwatched).unwrap()
     }
 
-    /// Shares of maps whose 95 % intervals hold f of the surfaces, at the two pressures above the threshold.
+    /// Coverage of the 95 % intervals for f of the surfaces, at the two pressures above the threshold.
     fn held(hurst: f64, per_side: usize, surfaces: u32, maps: usize) -> [f64; 2] {
         let all: Vec<HeightMap> = (0..surfaces).map(|seed| surface(hurst, seed)).collect();
         let truths: Vec<Vec<f64>> =

@@ -1,4 +1,4 @@
-//! The job of a calibration: from measurements and a surface to a material and what is known of its errors.
+//! Calibration job: from measurements and a surface to a material and its uncertainty.
 
 use slipgrid_contact::ContactError;
 use slipgrid_material::{AreaLaw, Condition, Elastic, Extrapolation, Material, MaterialError};
@@ -15,107 +15,109 @@ use crate::trial_discrepancy::{TrialsTask, learn, sample_bytes};
 use crate::uncertainty::MaterialUncertainty;
 use crate::{Coefficients, Fit, FitError, Measurement, Problem, fit_coefficients, fitted_material, planned_steps};
 
-/// Measurements, the surface they were made on, and what is to be made of them.
+/// Input of a calibration: measurements, the surface of the samples, and options.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CalibrationTask {
     /// Name of the pair of materials.
     pub name: String,
-    /// Publication or laboratory.
+    /// Publication or laboratory that the measurements come from.
     pub source: String,
     /// Young's modulus and density.
     pub elastic: Elastic,
-    /// Standard deviation of Young's modulus, in pascals, where it is known.
+    /// Standard deviation of Young's modulus, in pascals, if known.
     pub youngs_modulus_std_pa: Option<f64>,
-    /// Poisson's ratio of the contact computation.
+    /// Poisson's ratio for the contact computation.
     pub poisson_ratio: f64,
-    /// Where the area law comes from.
+    /// Source of the area law.
     pub surface: Surface,
-    /// Stated pressure P0 up to which friction is proportional to load, in pascals; `None` for the limit of small loads.
+    /// Stated pressure P0 up to which friction is proportional to load, in pascals; `None` for the limit of small
+    /// loads.
     pub threshold_pa: Option<f64>,
     /// Area of one specimen's face, in square metres.
     pub specimen_area_m2: f64,
     /// Measurements on flat samples.
     pub flat: Vec<Measurement>,
-    /// Samples that were cut and measured, and what is believed before.
+    /// Samples that were cut and measured, and the prior of the discrepancy.
     pub trials: TrialsTask,
-    /// What is fitted.
+    /// Kind of coefficients to fit.
     pub coefficients: Coefficients,
-    /// Scatter of the local coefficients relative to their means: no mean identifies it.
+    /// Relative scatter of the local coefficients; mean friction does not determine it.
     pub relative_std: f64,
-    /// mu_s / mu_d where no static peak was measured.
+    /// Assumed mu_s / mu_d where no static peak was measured.
     pub static_over_dynamic: f64,
-    /// The flat sample as modelled.
+    /// Modelled layer of the flat sample.
     pub layer: Layer,
-    /// Seed of its local coefficients.
+    /// Seed of the local coefficients.
     pub seed: u64,
-    /// The conditions and pressures for which coefficients are wanted; all where it is empty.
+    /// Conditions and pressures for which coefficients are needed; all if empty.
     pub selection: Selection,
-    /// What is known of the measurements beforehand, one sentence each, for the material's notes.
+    /// Notes about the measurements, one sentence each, which are added to the notes of the material.
     pub notes: Vec<String>,
-    /// What of the measurements is hardly meant, one sentence each, for the material's warnings.
+    /// Doubts about the measurements, one sentence each, which are added to the warnings of the material.
     pub doubts: Vec<String>,
 }
 
-/// Where the area law of a calibration comes from.
+/// Source of the area law of a calibration.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Surface {
-    /// Nowhere: friction is proportional to load (Amontons-Coulomb).
+    /// No area law: friction is proportional to load (Amontons-Coulomb).
     None,
-    /// Persson's contact area, of which the pressure scale E* h'rms is fitted together with the coefficients.
+    /// Persson's contact area; its pressure scale E* h'rms is fitted together with the coefficients.
     FittedScale {
-        /// Least and greatest scale, in pascals.
+        /// Lower and upper bound of the scale, in pascals.
         bounds_pa: [f64; 2],
     },
-    /// Measured flat friction is the law of local pressure.
+    /// Measured flat friction is used as the law of local pressure.
     FlatFriction {
-        /// The law, as [`crate::flat_friction_law`] finds it.
+        /// The law, from [`crate::flat_friction_law`].
         law: AreaLaw,
-        /// How it goes on above the last measured pressure.
+        /// Extrapolation above the highest measured pressure.
         extrapolation: Extrapolation,
     },
-    /// Persson's theory for a surface of which only the rms slope is known.
+    /// Persson's theory for a surface with a known rms slope only.
     RmsSlope(f64),
-    /// Rough contact of an altitude map.
+    /// Rough contact of a height map.
     Map(Box<MapSurface>),
 }
 
-/// An altitude map behind an area law.
+/// Height map from which an area law is computed.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MapSurface {
     /// The map, prepared as one period.
     pub map: PreparedMap,
-    /// The map is known to be synthetic, whatever its file says.
+    /// Whether the map is known to be synthetic, whatever its file says.
     pub synthetic: bool,
-    /// Windows along either side whose spread gives the law's standard errors; fewer than 2 for none, `None` for the default.
+    /// Number of windows along each side; their spread gives the standard errors of the law. Fewer than 2 for no
+    /// errors, `None` for the default.
     pub windows: Option<usize>,
-    /// A map of the same kind of sample after the test, prepared alike: only compared with the first.
+    /// Map of an equal sample after the test, prepared alike; only compared with `map`.
     pub after: Option<PreparedMap>,
 }
 
-/// A calibration made.
+/// Result of a calibration.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CalibrationOutcome {
-    /// The material, its numbers to the digits that a material file holds.
+    /// The material, with its numbers rounded as in a material file.
     pub material: Material,
-    /// What is known of its errors.
+    /// Uncertainty of the material's numbers.
     pub uncertainty: MaterialUncertainty,
-    /// The measurements on flat samples that were selected and fitted.
+    /// Measurements on flat samples that were selected for the fit.
     pub measurements: Vec<Measurement>,
-    /// The fit to them.
+    /// The fit to these measurements.
     pub fit: Fit,
-    /// The same by speed and humidity, in the order in which these were measured, pressures increasing; empty where one pair of
-    /// coefficients holds for all.
+    /// Fitted rows by speed and humidity, in the order of the measurements, with increasing pressures; empty if one
+    /// pair of coefficients is fitted to all measurements.
     pub by_condition: Vec<(Condition, Vec<FittedRow>)>,
     /// The surface and its contact area.
     pub surface: SurfaceFindings,
 }
 
-/// A measured pressure with what was fitted there.
+/// Fitted values at one measured pressure.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FittedRow {
     /// Nominal pressure, in pascals.
     pub pressure_pa: f64,
-    /// Coefficients.
+    /// Fitted coefficients.
     pub pair: crate::FittedPair,
     /// Model minus measurement of dynamic friction.
     pub residual: f64,
@@ -123,49 +125,49 @@ pub struct FittedRow {
     pub dynamic_over_steady: f64,
 }
 
-/// Why a calibration was refused.
+/// Reason why a calibration was refused.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum CalibrationError {
-    /// The map has no contact area.
+    /// The contact area of the map cannot be computed.
     #[error(transparent)]
     AreaLaw(AreaLawError),
-    /// The map after the test has no contact area, or one that gives no law.
+    /// The map after the test has no contact area or no area law.
     #[error("{0}")]
     MapAfter(String),
-    /// The contact area gives no area law.
+    /// The contact area has no area law.
     #[error("the contact area gives no area law: {0}")]
     NoAreaLaw(MaterialError),
-    /// A theory of contact refused a number.
+    /// A contact theory refused a number.
     #[error(transparent)]
     Contact(#[from] ContactError),
     /// The fit was refused.
     #[error("{error}")]
     Fit {
-        /// Why.
+        /// The error of the fit.
         error: FitError,
-        /// The measurement that it is about.
+        /// Measurement that caused the error.
         measurement: Option<Measurement>,
     },
-    /// The numbers of the trials make no discrepancy.
+    /// The trials have numbers from which no discrepancy can be computed.
     #[error("trials: {0}")]
     Trials(slipgrid_discrepancy::DiscrepancyError),
-    /// The model of the patterned samples was refused.
+    /// The spring-block model refused a patterned sample.
     #[error(transparent)]
     Scene(#[from] SceneError),
     /// The model of a patterned sample on its specimen was refused.
     #[error(transparent)]
     Specimen(#[from] SpecimenError),
-    /// A number of the material has no meaning.
+    /// A number of the material is invalid.
     #[error(transparent)]
     Material(#[from] MaterialError),
-    /// A number that was fitted lies beyond what a material may have.
+    /// A fitted number is outside the range allowed for a material.
     #[error("the fit leads to {field} {value}: expected {expected}")]
     OutOfRange {
-        /// Which number.
+        /// Key of the number.
         field: &'static str,
-        /// The number found, in the unit of a material file.
+        /// Value, in the unit of a material file.
         value: f64,
-        /// What would be accepted.
+        /// Description of what is accepted.
         expected: String,
     },
     /// The monitor asked to stop.
@@ -174,7 +176,7 @@ pub enum CalibrationError {
 }
 
 impl CalibrationError {
-    /// The part of the task that it is about, named as in a calibration file, where it is one.
+    /// Key of the calibration file that the error is about, if there is one.
     #[must_use]
     pub const fn field(&self) -> Option<&'static str> {
         match self {
@@ -206,37 +208,37 @@ impl CalibrationTask {
         measured.force_n / self.specimen_area_m2
     }
 
-    /// `mu_s` / `mu_d` of blocks, before anything is fitted: the mean of those of which measured peaks tell, or what is assumed without any.
+    /// Mean local `mu_s` / `mu_d` before the fit, from the measured static peaks that determine it; the assumed ratio
+    /// if there are none.
     #[must_use]
     pub fn local_static_over_dynamic(&self) -> f64 {
-        let told = |flat: &Measurement| local_static_over_dynamic(flat.static_peak?.mu / flat.mu_dynamic);
-        let shares: Vec<f64> = self.flat.iter().filter_map(told).collect();
+        let local = |flat: &Measurement| local_static_over_dynamic(flat.static_peak?.mu / flat.mu_dynamic);
+        let shares: Vec<f64> = self.flat.iter().filter_map(local).collect();
         if shares.is_empty() {
             return self.static_over_dynamic;
         }
         shares.iter().sum::<f64>() / shares.len() as f64
     }
 
-    /// Standard deviation of Young's modulus over itself, where it is known.
+    /// Relative standard deviation of Young's modulus, if known.
     #[must_use]
     pub fn modulus_relative_std(&self) -> Option<f64> {
         Some(self.youngs_modulus_std_pa? / self.elastic.youngs_modulus_pa())
     }
 }
 
-/// Selects the measurements that `task` needs, computes the area law, fits local coefficients and learns from
-/// trials. Stages of the monitor: "area law", "windows", "area law after the test", "calibration", and "trials" where the fit finds
-/// the area law; it is told where the fit will take long.
+/// Runs a calibration: selects the required measurements, computes the area law, fits local coefficients and learns
+/// from trials. Stages of the monitor: "area law", "windows", "area law after the test", "calibration", and "trials" if
+/// the area law is fitted. The monitor gets a note if the fit will take long.
 ///
 /// # Errors
-/// [`CalibrationError`] for numbers without meaning, measurements that the model cannot follow, or when the monitor asks to
-/// stop.
+/// [`CalibrationError`] if a number is invalid, the model cannot reproduce a measurement, or the monitor cancels.
 pub fn run(task: &CalibrationTask, monitor: &dyn Monitor) -> Result<CalibrationOutcome, CalibrationError> {
-    let heed = || if monitor.cancelled() { Err(CalibrationError::Cancelled) } else { Ok(()) };
-    // Before minutes of the rest, which do not need it.
+    let check_cancelled = || if monitor.cancelled() { Err(CalibrationError::Cancelled) } else { Ok(()) };
+    // Estimated first, so that a run that needs too much memory fails at once.
     note_memory(sample_bytes(task)?, monitor);
     let measurements = task.selection.flat(task);
-    // A modulus in the wrong unit is found before the contact of a map is computed.
+    // Finds a modulus in the wrong unit before the contact of a map is computed.
     check_speeds(&task.elastic, task.specimen_area_m2, &measurements).map_err(|error| refused(error, &measurements))?;
     let mut surface = surface_findings(task, monitor)?;
     let problem = Problem {
@@ -251,22 +253,22 @@ pub fn run(task: &CalibrationTask, monitor: &dyn Monitor) -> Result<CalibrationO
         static_over_dynamic: task.static_over_dynamic,
         seed: task.seed,
     };
-    if let Some(text) = long_fit(&problem) {
+    if let Some(text) = long_fit_note(&problem) {
         monitor.note(&text);
     }
     let stage = Stage::new(monitor, "calibration", None);
-    // Trials wait for the fit only where that finds the area law.
+    // Trials run in parallel with the fit, except if they need the fitted area law.
     let is_known = problem.area_law_scale.is_none();
-    let of_trials =
+    let trials_share =
         if is_known && task.trials.samples.iter().any(|sample| !sample.measured.is_empty()) { 0.2 } else { 0.0 };
     let (fit, early) = rayon::join(
-        || fit_coefficients(&problem, &Part::new(&stage, 1.0 - of_trials)),
-        || is_known.then(|| learn(task, surface.law_and_curve(), &Part::new(&stage, of_trials))),
+        || fit_coefficients(&problem, &Part::new(&stage, 1.0 - trials_share)),
+        || is_known.then(|| learn(task, surface.law_and_curve(), &Part::new(&stage, trials_share))),
     );
     stage.finish();
     let mut fit = fit.map_err(|error| refused(error, &problem.measurements))?;
-    surface.take_fitted_scale(&fit)?;
-    fit.free_of_the_law(&problem, task.modulus_relative_std().filter(|_| surface.moves_with_the_modulus()))?;
+    surface.set_fitted_scale(&fit)?;
+    fit.include_law_errors(&problem, task.modulus_relative_std().filter(|_| surface.depends_on_modulus()))?;
     let learned = match early {
         Some(learned) => learned,
         None => {
@@ -276,7 +278,7 @@ pub fn run(task: &CalibrationTask, monitor: &dyn Monitor) -> Result<CalibrationO
             learned
         }
     };
-    heed()?;
+    check_cancelled()?;
     fitted_material::outcome(task, problem.measurements, fit, surface, learned?)
 }
 
@@ -290,28 +292,28 @@ fn refused(error: FitError, measurements: &[Measurement]) -> CalibrationError {
     }
 }
 
-/// Memory from which it is told, in bytes.
-const LARGE_BYTES: f64 = (1_u64 << 30) as f64;
+/// Memory, in bytes, above which a note is given.
+const NOTED_BYTES: f64 = (1_u64 << 30) as f64;
 
-/// Says how much memory the samples take, where that is much.
+/// Notes the memory that the samples take, if it is large.
 fn note_memory(bytes: f64, monitor: &dyn Monitor) {
-    if bytes > LARGE_BYTES {
-        let gib = bytes / LARGE_BYTES;
+    if bytes > NOTED_BYTES {
+        let gib = bytes / NOTED_BYTES;
         monitor.note(&format!("the strips of a measured sample take about {gib:.1} GiB of memory"));
     }
 }
 
-/// A fit that is estimated to take longer says so before it begins, in minutes.
-const LONG_MIN: f64 = 0.5;
+/// Estimated minutes of a fit above which a note is given.
+const NOTED_MINUTES: f64 = 0.5;
 
-/// Says how long the fit will take, where that is long.
-fn long_fit(problem: &Problem) -> Option<String> {
+/// Notes the estimated time of the fit, if it is long.
+fn long_fit_note(problem: &Problem) -> Option<String> {
     let steps: u64 = planned_steps(problem).ok()?.iter().fold(0, |sum, steps| sum.saturating_add(*steps));
     let runs = if problem.has_peaks() { 4.0 } else { 1.0 };
-    // Each run has one thread.
+    // Each run uses one thread.
     let threads = rayon::current_num_threads().min(problem.measurements.len()) as f64;
     let minutes = runs * seconds(problem, steps as f64) / threads / 60.0;
-    (minutes > LONG_MIN).then(|| {
+    (minutes > NOTED_MINUTES).then(|| {
         format!("the runs of the flat sample take {steps} time steps a round, roughly {minutes:.1} minutes in all, and up to twenty times as long where means have to be taken for longer; steps grow with 1/speed, and heavy loads take more")
     })
 }

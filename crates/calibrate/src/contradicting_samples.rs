@@ -1,19 +1,20 @@
-//! Samples of one texture that contradict each other, in words.
+//! Warnings about samples of one texture that contradict each other.
 
 use slipgrid_discrepancy::{Contradiction, Discrepancy};
 use slipgrid_units::{HUMIDITY_PCT, PRESSURE_MPA, SPEED_MM_S, tidy};
 
-/// The name of the warning.
+/// Name of the warning.
 const NAME: &str = "contradicting samples";
-/// Pairs that are named one by one.
-const NAMED: usize = 3;
+/// Maximum number of pairs that are listed.
+const MAX_LISTED_PAIRS: usize = 3;
 
-/// Warnings of samples of one texture whose ratios differ by more than the scatter that is stated of samples, the least probable first.
+/// Warns of samples of one texture whose ratios differ by more than the stated scatter between samples, least probable
+/// first.
 #[must_use]
 pub fn contradicting_samples(learned: &Discrepancy) -> Vec<String> {
     let found = learned.contradictions();
-    let mut all: Vec<String> = found.iter().take(NAMED).map(|pair| warning(learned, pair)).collect();
-    match found.len().saturating_sub(NAMED) {
+    let mut all: Vec<String> = found.iter().take(MAX_LISTED_PAIRS).map(|pair| warning(learned, pair)).collect();
+    match found.len().saturating_sub(MAX_LISTED_PAIRS) {
         0 => {}
         1 => all.push(format!("{NAME}: and one further pair")),
         more => all.push(format!("{NAME}: and {more} further pairs")),
@@ -21,7 +22,7 @@ pub fn contradicting_samples(learned: &Discrepancy) -> Vec<String> {
     all
 }
 
-/// Whether a warning is one of contradicting samples.
+/// Whether a warning was made by [`contradicting_samples`].
 #[must_use]
 pub fn is_of_contradicting_samples(warning: &str) -> bool {
     warning.starts_with(NAME)
@@ -56,7 +57,7 @@ fn warning(learned: &Discrepancy, pair: &Contradiction) -> String {
     )
 }
 
-/// A difference of logarithms as a share: two digits.
+/// Formats a difference of logarithms as a percentage with two digits.
 fn percent(log: f64) -> String {
     let percent = 100.0 * log;
     if percent < 0.995 {

@@ -1,4 +1,4 @@
-//! The fit itself.
+//! Fit of local coefficients to measurements on flat samples.
 
 mod dynamic_corrections;
 mod feasibility;
@@ -16,118 +16,121 @@ use crate::least_squares::{LeastSquares, Solution};
 use crate::{Coefficients, FitError, Measurement, Problem};
 use dynamic_corrections::{Corrections, average_slopes, borrow_slopes, confirm, correct, flat_peaks};
 
-/// Rounds of fit and dynamic runs at most. delta hardly depends on the coefficients: where no static peaks are fitted one
-/// round is enough.
+/// Maximum number of rounds of fit and dynamic runs. delta hardly depends on the coefficients, so that one round is
+/// enough if no static peaks are fitted.
 const MAX_ROUNDS: usize = 6;
-/// Change of the coefficients between rounds below which they are settled, relative; three standard
-/// errors of the dynamic runs where those are larger.
-const SETTLED: f64 = 5e-4;
-/// Fitted coefficients: of one measurement, or of all.
+/// Relative change of the coefficients between rounds at which the fit has settled; three standard errors of the
+/// dynamic runs if these are larger.
+const SETTLED_CHANGE: f64 = 5e-4;
+/// Fitted coefficients for one measurement, or for all.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FittedPair {
     /// Mean local static coefficient.
     pub static_mean: f64,
-    /// Its standard error; `None` where it was assumed, not fitted, and where the data do not determine it.
+    /// Standard error of `static_mean`; `None` if the ratio to `dynamic_mean` was assumed, or the data do not determine
+    /// it.
     pub static_std_error: Option<f64>,
     /// Mean local dynamic coefficient.
     pub dynamic_mean: f64,
-    /// Its standard error, from the measurements' standard deviations and those of the dynamic runs; `None` where the data
-    /// do not determine it.
+    /// Standard error of `dynamic_mean`, from the standard deviations of the measurements and of the dynamic runs;
+    /// `None` if the data do not determine it.
     pub dynamic_std_error: Option<f64>,
-    /// That at the given area law, that of flat friction, where `dynamic_std_error` is one whatever Young's modulus and the
-    /// area law are ([`Fit::free_of_the_law`]).
+    /// Standard error of `dynamic_mean` for a given area law, as it applies to flat friction. Given if
+    /// `dynamic_std_error` includes the errors of Young's modulus and of the area law ([`Fit::include_law_errors`]).
     pub dynamic_std_error_given_law: Option<f64>,
 }
 
-/// What was fitted to one measurement.
+/// Fitted values for one measurement.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Prediction {
-    /// Dynamic mu of the flat sample by the model at the fitted coefficients.
+    /// Modelled dynamic friction of the flat sample with the fitted coefficients.
     pub mu_dynamic: f64,
     /// Model minus measurement.
     pub residual: f64,
-    /// delta: dynamic over steady friction.
+    /// delta: dynamic friction over friction in steady sliding.
     pub dynamic_over_steady: f64,
-    /// Dynamic friction over mu_d f(P), that of an endless sample in steady sliding.
+    /// Dynamic friction over mu_d f(P), which is steady friction of an infinite sample.
     pub over_local_law: f64,
-    /// Standard error of the dynamic run behind delta, relative.
+    /// Relative standard error of the dynamic run from which delta is computed.
     pub relative_stderr: f64,
-    /// Static friction of the flat sample in the last run in time; `None` where no static peak was fitted.
+    /// Static friction of the flat sample in the last dynamic run; `None` if no static peak was fitted.
     pub mu_static: Option<f64>,
 }
 
-/// One fitted number.
+/// A fitted parameter.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Parameter {
-    /// What it is: `dynamic_mean`, `static_mean`, `area_law_scale_pa`; with the measurement's number where
-    /// there are several.
+    /// `dynamic_mean`, `static_mean` or `area_law_scale_pa`, followed by the index of the measurement if there are
+    /// several.
     pub name: String,
-    /// Its value.
+    /// Fitted value.
     pub value: f64,
-    /// Standard error from the curvature; infinite where the data do not determine it.
+    /// Standard error from the curvature of chi-square; infinite if the data do not determine the parameter.
     pub std_error: f64,
-    /// Least and greatest value allowed.
+    /// Lower and upper bound.
     pub bounds: [f64; 2],
-    /// The value ended at a bound: the data ask for one beyond it.
+    /// Whether the value ended at a bound, so that the best value lies beyond it.
     pub at_bound: bool,
-    /// Least chi-square, over all other parameters, above the fit's own: value and increase.
+    /// Profile likelihood: values of the parameter with the increase of chi-square, minimized over all other
+    /// parameters.
     pub profile: Vec<[f64; 2]>,
-    /// Ends of the 95 % interval by the profile (an increase of 3.84); `None` where it reaches a bound.
+    /// Ends of the 95 % interval from the profile (an increase of 3.84); `None` for an end beyond the bounds.
     pub interval: [Option<f64>; 2],
 }
 
-/// What a fit found.
+/// Result of a fit.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Fit {
-    /// One pair for all measurements, or one each.
+    /// One pair for all measurements, or one per measurement.
     pub pairs: Vec<FittedPair>,
-    /// One per measurement.
+    /// One prediction per measurement.
     pub predictions: Vec<Prediction>,
     /// All fitted numbers.
     pub parameters: Vec<Parameter>,
-    /// Their covariance, from the measurements' standard deviations alone.
+    /// Covariance of the parameters, from the standard deviations of the measurements only.
     pub covariance: Vec<Vec<f64>>,
-    /// The area law of the predictions; `None` is Amontons-Coulomb.
+    /// Area law of the predictions; `None` for Amontons-Coulomb.
     pub area_law: Option<AreaLaw>,
     /// Sum of squared residuals in standard deviations.
     pub chi_square: f64,
-    /// Measured numbers less fitted ones.
+    /// Number of measured values minus number of parameters.
     pub degrees_of_freedom: usize,
-    /// delta settled within the rounds allowed.
+    /// Whether delta settled within [`MAX_ROUNDS`].
     pub settled: bool,
-    /// How values were obtained, what was assumed, what stays undetermined; one sentence each.
+    /// Notes on methods, assumptions and undetermined values, one sentence each.
     pub notes: Vec<String>,
-    /// What makes fitted values doubtful, one sentence each.
+    /// Reasons to doubt fitted values, one sentence each.
     pub warnings: Vec<String>,
 }
 
 impl Fit {
-    /// Chi-square over its degrees of freedom from which on the model does not describe the measurements.
-    const POOR: f64 = 3.0;
+    /// Reduced chi-square from which on the fit is poor.
+    const POOR_REDUCED_CHI_SQUARE: f64 = 3.0;
 
     /// Whether the model does not describe the measurements.
     #[must_use]
     pub fn is_poor(&self) -> bool {
-        self.degrees_of_freedom > 0 && self.chi_square > Self::POOR * self.degrees_of_freedom as f64
+        self.degrees_of_freedom > 0 && self.chi_square > Self::POOR_REDUCED_CHI_SQUARE * self.degrees_of_freedom as f64
     }
 }
 
-/// How parameters map to measurements: parameter numbers of mu_d and, where fitted, mu_s.
+/// Indices of the parameters: mu_d and, if fitted, mu_s of each measurement, and the scale.
 struct Layout {
     dynamic: Vec<usize>,
     fixed_static: Vec<Option<usize>>,
-    /// Number of the logarithm of the area law's scale, where that is fitted.
+    /// Index of the logarithm of the area law's scale, if it is fitted.
     log_scale: Option<usize>,
     count: usize,
 }
 
-/// Bounds of mean local coefficients: beyond them no dry contact is meant.
+/// Bounds of mean local coefficients; values outside are not those of dry contact.
 const FRICTION_BOUNDS: [f64; 2] = [1e-3, 5.0];
-/// Bounds of mu_s over the first guess of mu_d. Below, sliding would take more than rest; above, a larger mu_s gives
-/// the model's sample no larger peak, because the ends slip long before its middle does.
+/// Bounds of mu_s over the first guess of mu_d. Below the lower bound sliding would take more force than rest. Above
+/// the upper bound a larger mu_s does not raise the peak of the modelled sample, because its ends slip long before its
+/// middle.
 pub const STATIC_OVER_DYNAMIC: [f64; 2] = [0.9, 3.5];
-/// Scales of the area law from which a fit starts: chi-square may have more than one valley.
-const STARTS: usize = 7;
+/// Number of start values for the area law's scale, because chi-square may have several minima.
+const SCALE_STARTS: usize = 7;
 
 impl Layout {
     fn new(problem: &Problem) -> Self {
@@ -138,16 +141,16 @@ impl Layout {
         };
         let group_of = |i: usize| if groups == 1 { 0 } else { i };
         let mut count = groups;
-        let mut of_group = vec![None; groups];
+        let mut group_static = vec![None; groups];
         for (i, measured) in measured.iter().enumerate() {
-            if measured.static_peak.is_some() && of_group[group_of(i)].is_none() {
-                of_group[group_of(i)] = Some(count);
+            if measured.static_peak.is_some() && group_static[group_of(i)].is_none() {
+                group_static[group_of(i)] = Some(count);
                 count += 1;
             }
         }
         Self {
             dynamic: (0..measured.len()).map(group_of).collect(),
-            fixed_static: (0..measured.len()).map(|i| of_group[group_of(i)]).collect(),
+            fixed_static: (0..measured.len()).map(|i| group_static[group_of(i)]).collect(),
             log_scale: problem.area_law_scale.as_ref().map(|_| count),
             count: count + usize::from(problem.area_law_scale.is_some()),
         }
@@ -167,13 +170,13 @@ impl Layout {
         bounds
     }
 
-    /// The area law at the parameters, and the logarithm of its scale.
+    /// Area law for the parameters, and the logarithm of its scale.
     fn law(&self, problem: &Problem, parameters: &[f64]) -> Result<(Option<AreaLaw>, f64), FitError> {
         let log_scale = self.log_scale.map_or(0.0, |number| parameters[number]);
         Ok((problem.law_at(log_scale.exp())?, log_scale))
     }
 
-    /// Local coefficients at measurement `i`.
+    /// Local coefficients of measurement `i`.
     fn pair(&self, problem: &Problem, parameters: &[f64], i: usize) -> Result<LocalFriction, FitError> {
         let dynamic_mean = parameters[self.dynamic[i]];
         let static_mean =
@@ -186,14 +189,15 @@ impl Layout {
     }
 }
 
-/// Fits local coefficients to `problem`. A static peak that says nothing of mu_s is left out, and named in the warnings.
+/// Fits local coefficients to the measurements of `problem`. A static peak that does not determine mu_s is left out,
+/// with a warning.
 ///
 /// # Errors
-/// [`FitError`] if a number has no meaning, the flat sample does not slide in the model, or the
-/// monitor asks to stop. What can be known before the first run is.
+/// [`FitError`] if a number is invalid, the flat sample does not slide in the model, or the monitor cancels. Errors
+/// that can be known in advance are found before the first dynamic run.
 pub fn fit_coefficients(problem: &Problem, monitor: &dyn Monitor) -> Result<Fit, FitError> {
     problem.validate()?;
-    let (mut problem, mut left_out) = feasibility::without_hidden_peaks(problem);
+    let (mut problem, mut left_out) = feasibility::drop_hidden_peaks(problem);
     feasibility::check(&problem)?;
     loop {
         match attempt(&problem, monitor)? {
@@ -203,7 +207,7 @@ pub fn fit_coefficients(problem: &Problem, monitor: &dyn Monitor) -> Result<Fit,
             }
             Attempt::LeftOut(numbers, why) => {
                 for number in numbers {
-                    left_out.push(feasibility::left_out(&problem, number, why));
+                    left_out.push(feasibility::left_out_warning(&problem, number, why));
                     problem.measurements[number].static_peak = None;
                 }
             }
@@ -211,15 +215,15 @@ pub fn fit_coefficients(problem: &Problem, monitor: &dyn Monitor) -> Result<Fit,
     }
 }
 
-/// Why static peaks are left out.
-const FLAT: &str = "hardly depends on mu_s in the model";
-const UNMET: &str = "is not met by the model together with dynamic friction";
+/// Reasons for leaving out a static peak.
+const PEAK_INDEPENDENT_OF_MU_S: &str = "hardly depends on mu_s in the model";
+const PEAK_NOT_REPRODUCED: &str = "is not met by the model together with dynamic friction";
 
-/// How a fit ended.
+/// Outcome of one attempt to fit all peaks.
 enum Attempt {
-    /// With coefficients.
+    /// Fitted coefficients.
     Fitted(Box<Fit>),
-    /// The static peaks of these measurements say nothing of mu_s, and why.
+    /// Indices of the measurements whose static peaks do not determine mu_s, and the reason.
     LeftOut(Vec<usize>, &'static str),
 }
 
@@ -230,7 +234,7 @@ fn attempt(problem: &Problem, monitor: &dyn Monitor) -> Result<Attempt, FitError
     let mut corrections: Option<Corrections> = None;
     let mut settled = false;
     let mut solution: Option<Solution> = None;
-    // Progress counts on one round of dynamic runs, on two where peaks are fitted.
+    // One round of dynamic runs is typical, two with static peaks.
     let rounds = if problem.has_peaks() { 2.0 } else { 1.0 };
     let portion = Part::new(monitor, 1.0 / rounds);
     let mut slopes = vec![Vec::new(); problem.measurements.len()];
@@ -240,7 +244,7 @@ fn attempt(problem: &Problem, monitor: &dyn Monitor) -> Result<Attempt, FitError
         average_slopes(&mut found.peaks, &mut slopes);
         let flat = flat_peaks(&found.peaks);
         if !flat.is_empty() && (flat.len() == found.peaks.iter().flatten().count() || round + 1 == MAX_ROUNDS) {
-            return Ok(Attempt::LeftOut(flat, FLAT));
+            return Ok(Attempt::LeftOut(flat, PEAK_INDEPENDENT_OF_MU_S));
         }
         borrow_slopes(&mut found.peaks);
         let means: Vec<f64> = layout.dynamic.iter().map(|&number| parameters[number]).collect();
@@ -250,21 +254,21 @@ fn attempt(problem: &Problem, monitor: &dyn Monitor) -> Result<Attempt, FitError
         emulator = Some(about);
         let noise = found.relative_stderr.iter().copied().fold(0.0, f64::max);
         let size = |i: usize| if layout.log_scale == Some(i) { 1.0 } else { fitted.parameters[i].abs() };
-        // The scale is a logarithm: its change is relative as it is.
+        // The scale is a logarithm, so that its change is already relative.
         let same = |before: &Solution| {
             (0..layout.count).all(|i| {
                 let change = (before.parameters[i] - fitted.parameters[i]).abs();
-                change < (SETTLED.max(3.0 * noise) * size(i)).max(0.1 * fitted.standard_error(i).min(size(i)))
+                change < (SETTLED_CHANGE.max(3.0 * noise) * size(i)).max(0.1 * fitted.standard_error(i).min(size(i)))
             })
         };
         settled = solution.as_ref().is_some_and(same)
             || found.peaks.iter().all(Option::is_none)
-                && found.moved(problem, &layout, [&parameters, &fitted.parameters])? < SETTLED;
+                && found.moved(problem, &layout, [&parameters, &fitted.parameters])? < SETTLED_CHANGE;
         parameters.clone_from(&fitted.parameters);
         solution = Some(fitted);
         corrections = Some(found);
         if settled && !flat.is_empty() {
-            return Ok(Attempt::LeftOut(flat, FLAT));
+            return Ok(Attempt::LeftOut(flat, PEAK_INDEPENDENT_OF_MU_S));
         }
         if settled {
             break;
@@ -274,37 +278,38 @@ fn attempt(problem: &Problem, monitor: &dyn Monitor) -> Result<Attempt, FitError
         return Err(FitError::NoMeasurement);
     };
     let confirmed = confirm(problem, &layout, &solution.parameters, &corrections, &portion)?;
-    let unmet = unmet_peaks(problem, &layout, [&corrections, &confirmed], &solution, settled);
+    let unmet = unreproduced_peaks(problem, &layout, [&corrections, &confirmed], &solution, settled);
     if !unmet.is_empty() {
-        return Ok(Attempt::LeftOut(unmet, UNMET));
+        return Ok(Attempt::LeftOut(unmet, PEAK_NOT_REPRODUCED));
     }
     let model = Model { problem, layout: &layout, corrections: &corrections, emulator: &emulator };
     Ok(Attempt::Fitted(Box::new(report(&model, &confirmed, &solution, settled)?)))
 }
 
-/// Measurements whose static peaks the model does not meet together with dynamic friction, for which that must not pay: where the fit did
-/// not settle those whose mu_s ended at a bound; otherwise those whose dynamic friction in time, at the coefficients found, is further from
-/// that of the fit than its standard error.
-fn unmet_peaks(
+/// Measurements whose static peak and dynamic friction the model cannot reproduce together; such peaks must not distort
+/// dynamic friction. If the fit did not settle, these are the measurements with mu_s at a bound. Otherwise they are the
+/// measurements whose dynamic friction, in runs with the fitted coefficients, differs from the fit by more than the
+/// standard error.
+fn unreproduced_peaks(
     problem: &Problem,
     layout: &Layout,
-    [of_the_fit, confirmed]: [&Corrections; 2],
+    [fitted, confirmed]: [&Corrections; 2],
     found: &Solution,
     settled: bool,
 ) -> Vec<usize> {
-    let with_peak = || (0..layout.fixed_static.len()).filter(|&i| of_the_fit.peaks[i].is_some());
+    let with_peak = || (0..layout.fixed_static.len()).filter(|&i| fitted.peaks[i].is_some());
     let at_bound = |i: &usize| !settled && layout.fixed_static[*i].is_some_and(|number| found.at_bound[number]);
     let held: Vec<usize> = with_peak().filter(at_bound).collect();
     let off = |i: &usize| {
         let measured = &problem.measurements[*i];
-        let change = (confirmed.delta[*i] / of_the_fit.delta[*i] - 1.0).abs();
-        let noise = confirmed.relative_stderr[*i].hypot(of_the_fit.relative_stderr[*i]);
+        let change = (confirmed.delta[*i] / fitted.delta[*i] - 1.0).abs();
+        let noise = confirmed.relative_stderr[*i].hypot(fitted.relative_stderr[*i]);
         change * measured.mu_dynamic > measured.mu_dynamic_std.max(3.0 * noise * measured.mu_dynamic)
     };
     if held.is_empty() { with_peak().filter(off).collect() } else { held }
 }
 
-/// The model as the fit sees it: steady sliding by the emulator, dynamic runs by their corrections.
+/// The model used in the fit: steady sliding from the emulator, times the corrections from dynamic runs.
 struct Model<'a> {
     problem: &'a Problem,
     layout: &'a Layout,
@@ -341,7 +346,7 @@ impl Model<'_> {
         Ok(residuals)
     }
 
-    /// The best fit from `start`; with `everywhere` from scales over all their range as well.
+    /// Best fit from `start`; with `everywhere` also from start values over the whole range of the scale.
     fn fit(&self, start: &[f64], everywhere: bool) -> Result<Solution, FitError> {
         let problem = self.least_squares();
         let mut best = problem.solve(start)?;
@@ -350,9 +355,9 @@ impl Model<'_> {
             return Ok(best);
         };
         let [from, to] = unknown.bounds_pa.map(f64::ln);
-        for i in 0..STARTS {
+        for i in 0..SCALE_STARTS {
             let mut start = start.to_vec();
-            start[number] = from + (to - from) * (i as f64 + 0.5) / STARTS as f64;
+            start[number] = from + (to - from) * (i as f64 + 0.5) / SCALE_STARTS as f64;
             let found = problem.solve(&start)?;
             if found.chi_square() < best.chi_square() * (1.0 - 1e-12) {
                 best = found;
@@ -362,10 +367,10 @@ impl Model<'_> {
     }
 }
 
-/// mu_d = measured / f(P), averaged over what shares a parameter.
+/// Initial parameters: mu_d = measured / f(P), averaged over the measurements that share a parameter.
 fn first_guess(problem: &Problem, layout: &Layout) -> Vec<f64> {
     let mut sums = vec![(0.0, 0.0); layout.count];
-    // An unknown law begins in the middle of its scales.
+    // The scale of an unknown law starts in the middle of its range.
     let middle =
         problem.area_law_scale.as_ref().map_or(0.0, |unknown| unknown.bounds_pa.map(f64::ln).iter().sum::<f64>() / 2.0);
     let law = problem.law_at(middle.exp()).ok().flatten();
@@ -386,11 +391,11 @@ fn first_guess(problem: &Problem, layout: &Layout) -> Vec<f64> {
     sums.into_iter().map(|(sum, count): (f64, f64)| sum / count.max(1.0)).collect()
 }
 
-/// Relative standard deviation of friction about the one pair that is fitted to several measurements, beyond what they are known to: flat
-/// friction at one of them is not the pair's. It is 0 where each has a pair of its own.
+/// Relative scatter of friction about a pair that is fitted to several measurements, in excess of their standard
+/// deviations: flat friction at one measurement differs from that of the pair. 0 if each measurement has its own pair.
 fn scatter_beyond(problem: &Problem, layout: &Layout, solution: &Solution) -> f64 {
     let count = problem.measurements.len();
-    // Static coefficients fit no dynamic friction.
+    // Static coefficients do not take part in the fit of dynamic friction.
     let parameters = 1 + usize::from(layout.log_scale.is_some());
     if problem.coefficients != Coefficients::Single || count <= parameters {
         return 0.0;
@@ -403,7 +408,7 @@ fn scatter_beyond(problem: &Problem, layout: &Layout, solution: &Solution) -> f6
     (about / (count - parameters) as f64 - known / count as f64).max(0.0).sqrt()
 }
 
-/// What was found, with what `confirmed` says of dynamic friction and of peaks at it.
+/// Assembles the fit; `confirmed` holds dynamic friction and peaks from runs with the fitted coefficients.
 fn report(model: &Model<'_>, confirmed: &Corrections, solution: &Solution, settled: bool) -> Result<Fit, FitError> {
     let Model { problem, layout, corrections, .. } = *model;
     let count = problem.measurements.len();
@@ -415,15 +420,16 @@ fn report(model: &Model<'_>, confirmed: &Corrections, solution: &Solution, settl
     let pairs = (0..pairs_per_fit)
         .map(|i| {
             let pair = layout.pair(problem, &solution.parameters, i)?;
-            // One draw of coefficients serves all runs: their errors are not averaged away.
-            let of_runs = pair.dynamic_mean() * corrections.relative_stderr[i].hypot(beyond);
+            // One draw of local coefficients is used in all runs, so that averaging over runs does not reduce their
+            // errors.
+            let run_error = pair.dynamic_mean() * corrections.relative_stderr[i].hypot(beyond);
             Ok(FittedPair {
                 static_mean: pair.static_mean(),
                 static_std_error: layout.fixed_static[i]
                     .map(|number| solution.standard_error(number))
                     .filter(|error| error.is_finite()),
                 dynamic_mean: pair.dynamic_mean(),
-                dynamic_std_error: Some(solution.standard_error(layout.dynamic[i]).hypot(of_runs))
+                dynamic_std_error: Some(solution.standard_error(layout.dynamic[i]).hypot(run_error))
                     .filter(|error| error.is_finite()),
                 dynamic_std_error_given_law: None,
             })
@@ -433,15 +439,15 @@ fn report(model: &Model<'_>, confirmed: &Corrections, solution: &Solution, settl
     let predictions = (0..count)
         .map(|i| {
             let measured = &problem.measurements[i];
-            let of_the_fit = solution.residuals[i] * measured.mu_dynamic_std;
-            let moved = (measured.mu_dynamic + of_the_fit) * (confirmed.delta[i] / corrections.delta[i] - 1.0);
-            let mu_dynamic = measured.mu_dynamic + of_the_fit + moved;
+            let fitted = solution.residuals[i] * measured.mu_dynamic_std;
+            let moved = (measured.mu_dynamic + fitted) * (confirmed.delta[i] / corrections.delta[i] - 1.0);
+            let mu_dynamic = measured.mu_dynamic + fitted + moved;
             let pair = pairs.get(i).unwrap_or(&pairs[0]);
             let factor = area_law.as_ref().map_or(1.0, |law| law.factor(problem.pressure_pa(measured)));
             Prediction {
                 mu_dynamic,
                 over_local_law: mu_dynamic / (pair.dynamic_mean * factor),
-                residual: of_the_fit + moved,
+                residual: fitted + moved,
                 dynamic_over_steady: confirmed.delta[i],
                 relative_stderr: confirmed.relative_stderr[i],
                 mu_static: confirmed.peaks[i].map(|line| line.at_current),

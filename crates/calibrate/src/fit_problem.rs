@@ -1,4 +1,4 @@
-//! What is fitted: measurements of flat samples, and what is known of the solid.
+//! Input of a fit: measurements on flat samples and known properties of the material.
 
 use crate::AreaLawScale;
 use slipgrid_material::{AreaLaw, Condition, Elastic, MaterialError};
@@ -10,7 +10,7 @@ use slipgrid_units::{HUMIDITY_PCT, MODULUS_GPA, PRESSURE_MPA, SPEED_MM_S, signif
 pub struct StaticPeak {
     /// Static friction coefficient.
     pub mu: f64,
-    /// Its standard deviation.
+    /// Standard deviation of `mu`.
     pub std: f64,
 }
 
@@ -25,7 +25,7 @@ pub struct Measurement {
     pub humidity: f64,
     /// Dynamic friction coefficient.
     pub mu_dynamic: f64,
-    /// How far that of another sample may be, as a standard deviation.
+    /// Standard deviation for the friction of another sample.
     pub mu_dynamic_std: f64,
     /// Static peak, where measured.
     pub static_peak: Option<StaticPeak>,
@@ -38,7 +38,7 @@ impl Measurement {
         Condition { speed_m_s: self.speed_m_s, humidity: self.humidity }
     }
 
-    /// Whether `other` was measured at the same force, speed and humidity.
+    /// Whether `other` was measured at equal force, speed and humidity.
     #[must_use]
     pub fn is_at(&self, other: &Self) -> bool {
         let same = |a: f64, b: f64| (a - b).abs() <= 1e-6 * a.abs().max(b.abs());
@@ -47,7 +47,7 @@ impl Measurement {
             && same(self.humidity, other.humidity)
     }
 
-    /// Force, speed and humidity in words.
+    /// Describes force, speed and humidity.
     #[must_use]
     pub fn condition_in_words(&self) -> String {
         let [speed_mm_s, humidity_pct] = [SPEED_MM_S.from_si(self.speed_m_s), HUMIDITY_PCT.from_si(self.humidity)];
@@ -55,15 +55,15 @@ impl Measurement {
     }
 }
 
-/// What a fitted number is of, and the one of `measurements` that its name ends with the number of: `dynamic_mean` and the fourth for
-/// `dynamic_mean 4`.
+/// Splits the name of a parameter into quantity and measurement: `dynamic_mean 4` into `dynamic_mean` and the fourth of
+/// `measurements`. `None` if the name has no index.
 #[must_use]
-pub fn numbered<'a>(name: &'a str, measurements: &'a [Measurement]) -> Option<(&'a str, &'a Measurement)> {
+pub fn split_parameter_name<'a>(name: &'a str, measurements: &'a [Measurement]) -> Option<(&'a str, &'a Measurement)> {
     let (what, number) = name.rsplit_once(' ')?;
     Some((what, measurements.get(number.parse::<usize>().ok()?.checked_sub(1)?)?))
 }
 
-/// What is fitted.
+/// Kind of fit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Coefficients {
     /// One pair for all measurements.
@@ -86,15 +86,15 @@ impl Coefficients {
     }
 }
 
-/// Measurements and what is known of the material.
+/// Input of a fit.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Problem {
     /// Elastic constants.
     pub elastic: Elastic,
     /// Area law; `None` is Amontons-Coulomb.
     pub area_law: Option<AreaLaw>,
-    /// An area law of which the scale is fitted, in place of `area_law`. It takes one pair of coefficients
-    /// for several loads: a pair for each load absorbs any law.
+    /// Area law with an unknown scale that is fitted, instead of `area_law`. Requires one pair of coefficients for
+    /// several loads, because one pair per load could absorb any law.
     pub area_law_scale: Option<AreaLawScale>,
     /// The modelled layer of the specimen.
     pub layer: Layer,
@@ -102,46 +102,46 @@ pub struct Problem {
     pub specimen_area_m2: f64,
     /// Measurements on flat samples.
     pub measurements: Vec<Measurement>,
-    /// What is fitted.
+    /// Kind of coefficients to fit.
     pub coefficients: Coefficients,
-    /// Scatter of the local coefficients relative to their means; no mean identifies it.
+    /// Relative scatter of the local coefficients; mean friction does not determine it.
     pub relative_std: f64,
-    /// mu_s / mu_d where no static peak was measured.
+    /// Assumed mu_s / mu_d where no static peak was measured.
     pub static_over_dynamic: f64,
     /// Seed of the local coefficients.
     pub seed: u64,
 }
 
-/// Why a fit was refused.
+/// Reason why a fit was refused.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum FitError {
-    /// There is nothing to fit.
+    /// There is no measurement.
     #[error("there is no measurement: expected at least one")]
     NoMeasurement,
-    /// A number of a measurement that has no meaning.
+    /// A number of a measurement is invalid.
     #[error("measurement {number}: {quantity} is {value}: expected a positive number")]
     Measurement {
-        /// Its number, from 1.
+        /// Index of the measurement, from 1.
         number: usize,
-        /// Which number.
+        /// Key of the number.
         quantity: &'static str,
         /// The number given.
         value: f64,
     },
-    /// A number of the problem that has no meaning.
+    /// A number of the problem is invalid.
     #[error("{quantity} is {value}: expected {expected}")]
     OutOfRange {
-        /// Which number.
+        /// Name of the number.
         quantity: &'static str,
         /// The number given.
         value: f64,
-        /// What would be accepted.
+        /// Description of what is accepted.
         expected: &'static str,
     },
     /// The spring-block model refused the layer or the material.
     #[error(transparent)]
     Scene(#[from] SceneError),
-    /// The fit led to coefficients without meaning.
+    /// The fit led to invalid coefficients.
     #[error("the measurements lead to a friction coefficient without meaning: {0}")]
     Material(#[from] MaterialError),
     /// The flat sample did not slide in the model.
@@ -150,42 +150,42 @@ pub enum FitError {
         pressure_pa / 1e6
     )]
     NoSliding {
-        /// The measurement's number, from 1.
+        /// Index of the measurement, from 1.
         number: usize,
         /// Nominal pressure, in pascals.
         pressure_pa: f64,
-        /// How the run ended.
+        /// Final status of the run.
         status: &'static str,
     },
-    /// A static peak that the model of the flat sample does not reach.
+    /// The modelled flat sample cannot show such a high static peak.
     #[error(
         "measurement {number}: the static peak is {ratio:.2} times dynamic friction: expected at most {most}, beyond \
          which the model's sample does not slide at once"
     )]
     PeakTooHigh {
-        /// The measurement's number, from 1.
+        /// Index of the measurement, from 1.
         number: usize,
         /// Static peak over dynamic friction.
         ratio: f64,
-        /// The largest that is fitted.
+        /// Maximum ratio.
         most: f64,
     },
-    /// Local coefficients would have to be larger than any.
+    /// The local coefficient would exceed the allowed maximum.
     #[error(
         "measurement {number}: friction over the area law's factor {factor:.2e} is {mean:.2e}: expected a local \
          coefficient of at most {most}"
     )]
     BeyondLaw {
-        /// The measurement's number, from 1.
+        /// Index of the measurement, from 1.
         number: usize,
-        /// f at its pressure.
+        /// f at the pressure of the measurement.
         factor: f64,
-        /// The coefficient that it would take.
+        /// Required local coefficient.
         mean: f64,
-        /// The largest that is fitted.
+        /// Maximum coefficient.
         most: f64,
     },
-    /// Sliding so fast that waves rule, whatever a run would show.
+    /// Sliding is so fast that it proceeds in waves.
     #[error(
         "measurement {number}: {} mm/s is too fast at {} MPa with E = {} GPa: expected at most {} mm/s",
         tidy(SPEED_MM_S.from_si(*speed_m_s)),
@@ -194,26 +194,26 @@ pub enum FitError {
         significant_to(SPEED_MM_S.from_si(*most_m_s), 2, f64::floor)
     )]
     TooFast {
-        /// The measurement's number, from 1.
+        /// Index of the measurement, from 1.
         number: usize,
-        /// Its speed, in m/s.
+        /// Sliding speed, in m/s.
         speed_m_s: f64,
-        /// Its nominal pressure, in pascals.
+        /// Nominal pressure, in pascals.
         pressure_pa: f64,
         /// Young's modulus, in pascals.
         modulus_pa: f64,
-        /// The fastest speed at this pressure and modulus, in m/s.
+        /// Maximum speed for this pressure and modulus, in m/s.
         most_m_s: f64,
-        /// The largest modulus at this pressure and speed, in pascals.
+        /// Maximum modulus for this pressure and speed, in pascals.
         most_modulus_pa: f64,
     },
-    /// Dynamic runs have little to do with steady sliding.
+    /// Dynamic runs are unrelated to steady sliding.
     #[error(
         "measurement {number}: in the model the sample slides with {:.0} % of its steady friction at this load and \
          speed: expected 50 to 150 %, as where friction exceeds the inertia of the layer", 100.0 * delta
     )]
     NotQuasiStatic {
-        /// The measurement's number, from 1.
+        /// Index of the measurement, from 1.
         number: usize,
         /// Dynamic over steady friction.
         delta: f64,
@@ -225,23 +225,23 @@ pub enum FitError {
         least_m_s
     )]
     TooManySteps {
-        /// The measurement's number, from 1.
+        /// Index of the measurement, from 1.
         number: usize,
         /// Time steps planned.
         steps: f64,
-        /// Most that are begun.
+        /// Maximum number of time steps.
         most: f64,
-        /// What they take of one core, about.
+        /// Approximate time on one core, in hours.
         hours: f64,
-        /// Speed from which on they are begun, in m/s.
+        /// Minimum speed, in m/s.
         least_m_s: f64,
     },
-    /// More coefficients than the profiles of their errors can be computed for.
+    /// There are too many coefficients to compute their profiles.
     #[error("{count} coefficients are to be fitted: expected at most {most}")]
     TooManyCoefficients {
-        /// Coefficients of all conditions.
+        /// Number of coefficients.
         count: usize,
-        /// The most that are fitted.
+        /// Maximum number of coefficients.
         most: usize,
     },
     /// All runs together would take too long.
@@ -249,13 +249,13 @@ pub enum FitError {
     TooMuchWork {
         /// Time steps planned for one round.
         steps: f64,
-        /// Most that are begun.
+        /// Maximum number of time steps.
         most: f64,
     },
-    /// The data cannot tell the area law from the coefficients.
+    /// The data cannot separate the area law from the coefficients.
     #[error("the scale of the area law cannot be fitted: {reason}")]
     AreaLawNotIdentifiable {
-        /// Why, and what would do.
+        /// Reason, and what would be accepted.
         reason: &'static str,
     },
     /// The monitor asked to stop.
@@ -264,7 +264,7 @@ pub enum FitError {
 }
 
 impl FitError {
-    /// Number of the measurement that it is about, from 1.
+    /// Index of the measurement that caused the error, from 1.
     #[must_use]
     pub const fn measurement(&self) -> Option<usize> {
         match self {
@@ -279,8 +279,8 @@ impl FitError {
         }
     }
 
-    /// The same about measurement `place`, from 0.
-    pub(crate) fn at(self, place: usize) -> Self {
+    /// Sets the index of the measurement, given from 0.
+    pub(crate) fn with_place(self, place: usize) -> Self {
         match self {
             Self::NoSliding { pressure_pa, status, .. } => Self::NoSliding { number: place + 1, pressure_pa, status },
             other => other,
@@ -296,16 +296,16 @@ impl Problem {
         measured.force_n / self.specimen_area_m2
     }
 
-    /// Whether a static peak was measured, which takes a second round of runs, each with one more at larger mu_s.
+    /// Whether a static peak was measured. Peaks require a second round, and one more run per peak with larger mu_s.
     #[must_use]
     pub fn has_peaks(&self) -> bool {
         self.measurements.iter().any(|measured| measured.static_peak.is_some())
     }
 
-    /// Checks every number for a meaning.
+    /// Checks all numbers.
     ///
     /// # Errors
-    /// [`FitError`] names the first that has none.
+    /// [`FitError`] for the first number that is invalid.
     pub fn validate(&self) -> Result<(), FitError> {
         if self.measurements.is_empty() {
             return Err(FitError::NoMeasurement);
@@ -374,7 +374,7 @@ impl Problem {
         Ok(())
     }
 
-    /// The area law at a scale, where the scale is fitted; the given one otherwise.
+    /// Area law at a scale if the scale is fitted, otherwise the given law.
     pub(crate) fn law_at(&self, scale_pa: f64) -> Result<Option<AreaLaw>, FitError> {
         match &self.area_law_scale {
             Some(unknown) => Ok(Some(unknown.law(scale_pa)?)),

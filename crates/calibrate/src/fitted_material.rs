@@ -1,5 +1,5 @@
-//! The material that a fit gives, its numbers to the digits that a material file holds: what is kept in a file and what is
-//! used at once are the same.
+//! The material from a fit, with its numbers rounded as in a material file, so that results from a file and from memory
+//! are equal.
 
 use slipgrid_material::{
     AreaLaw, Condition, ConditionFriction, Elastic, Friction, LocalFriction, Material, Provenance,
@@ -12,14 +12,14 @@ use slipgrid_units::{
 use crate::area_law::table_warnings;
 use crate::calibration_task::{CalibrationError, CalibrationOutcome, CalibrationTask, FittedRow};
 use crate::contradicting_samples::contradicting_samples;
-use crate::load_dependence::follows_load;
+use crate::load_dependence::load_dependence_warning;
 use crate::surface_area_law_source::{AreaLawOrigin, SurfaceFindings};
 use crate::trial_discrepancy::{Learned, note};
 use crate::uncertainty::{CoefficientEstimate, MaterialUncertainty};
-use crate::{Coefficients, Fit, FittedPair, Measurement, numbered};
+use crate::{Coefficients, Fit, FittedPair, Measurement, split_parameter_name};
 
-/// A number of the material as a file holds it.
-fn written(field: &'static str, quantity: Quantity, si: f64) -> Result<f64, CalibrationError> {
+/// Rounds a number of the material as in a file.
+fn rounded(field: &'static str, quantity: Quantity, si: f64) -> Result<f64, CalibrationError> {
     let value = quantity.from_si(si);
     if quantity.accepts(value) {
         return Ok(quantity.to_si(value));
@@ -27,17 +27,17 @@ fn written(field: &'static str, quantity: Quantity, si: f64) -> Result<f64, Cali
     Err(CalibrationError::OutOfRange { field, value, expected: quantity.to_string() })
 }
 
-fn all_written(field: &'static str, quantity: Quantity, si: &[f64]) -> Result<Vec<f64>, CalibrationError> {
-    si.iter().map(|&si| written(field, quantity, si)).collect()
+fn all_rounded(field: &'static str, quantity: Quantity, si: &[f64]) -> Result<Vec<f64>, CalibrationError> {
+    si.iter().map(|&si| rounded(field, quantity, si)).collect()
 }
 
-/// The outcome of `task`, from what was fitted to `measurements`, found of the surface and learned from trials.
+/// Assembles the outcome of `task` from the fit to `measurements`, the surface and the trials.
 pub(crate) fn outcome(
     task: &CalibrationTask,
     measurements: Vec<Measurement>,
     fit: Fit,
     surface: SurfaceFindings,
-    Learned { discrepancy: learned, warnings: of_trials }: Learned,
+    Learned { discrepancy: learned, warnings: trial_warnings }: Learned,
 ) -> Result<CalibrationOutcome, CalibrationError> {
     let by_condition = match task.coefficients {
         Coefficients::Single => Vec::new(),
@@ -67,33 +67,37 @@ pub(crate) fn outcome(
     if surface.synthetic {
         notes.push("the area law rests on a synthetic surface, not on a measured one".to_owned());
     }
-    let of_the_fit = fit.warnings.iter().map(|warning| with_condition(warning, &measurements)).collect();
+    let fit_warnings = fit.warnings.iter().map(|warning| with_condition(warning, &measurements)).collect();
     let provenance = Provenance {
         name: task.name.clone(),
         source: task.source.clone(),
         synthetic_surface: surface.synthetic,
         notes,
-        warnings: [warnings(task, &surface, area_law.as_ref(), &by_condition, of_the_fit), contradicting, of_trials]
-            .concat(),
+        warnings: [
+            warnings(task, &surface, area_law.as_ref(), &by_condition, fit_warnings),
+            contradicting,
+            trial_warnings,
+        ]
+        .concat(),
     };
     let material = Material { elastic, friction, area_law, provenance };
     Ok(CalibrationOutcome { material, uncertainty, measurements, fit, by_condition, surface })
 }
 
-/// What makes the law doubtful, what of the measurements is, and what is odd about the law's table beside.
+/// Warnings about the surface, the fit, the measurements and the table of the law.
 fn warnings(
     task: &CalibrationTask,
     surface: &SurfaceFindings,
     law: Option<&AreaLaw>,
     by_condition: &[(Condition, Vec<FittedRow>)],
-    of_the_fit: Vec<String>,
+    fit_warnings: Vec<String>,
 ) -> Vec<String> {
-    // Those of the surface stand first: where a map was read from a file they are told in its words.
+    // Warnings of the surface come first, because a caller may replace them by the messages for the map's file.
     let mut warnings: Vec<String> = surface.warnings.iter().map(ToString::to_string).collect();
-    warnings.extend(of_the_fit);
+    warnings.extend(fit_warnings);
     warnings.extend(task.doubts.iter().cloned());
-    warnings.extend(law.and_then(|_| follows_load(surface, task.elastic.youngs_modulus_pa(), by_condition)));
-    // A measured law may rise: it is none of contact area.
+    warnings.extend(law.and_then(|_| load_dependence_warning(surface, task.elastic.youngs_modulus_pa(), by_condition)));
+    // A measured law may rise, because it is not computed from contact area.
     let of_area = law.filter(|_| surface.origin != Some(AreaLawOrigin::Measured));
     let name = |warning: &str| warning.split(':').next().map(str::to_owned);
     let known: Vec<Option<String>> = warnings.iter().map(|warning| name(warning)).collect();
@@ -102,9 +106,10 @@ fn warnings(
     warnings
 }
 
-/// `static_mean 2: ...` with the condition of the measurement in place of its number.
+/// Replaces the index in `static_mean 2: ...` by the condition of the measurement.
 fn with_condition(warning: &str, measurements: &[Measurement]) -> String {
-    let placed = warning.split_once(':').and_then(|(name, rest)| Some((numbered(name, measurements)?, rest)));
+    let placed =
+        warning.split_once(':').and_then(|(name, rest)| Some((split_parameter_name(name, measurements)?, rest)));
     placed.map_or_else(
         || warning.to_owned(),
         |((what, at), rest)| format!("{what} at {}:{rest}", at.condition_in_words()),
@@ -112,31 +117,31 @@ fn with_condition(warning: &str, measurements: &[Measurement]) -> String {
 }
 
 fn law(found: &AreaLaw) -> Result<AreaLaw, CalibrationError> {
-    let pressures_pa = all_written("area_law.pressure_mpa", PRESSURE_MPA, found.pressures_pa())?;
-    let law = AreaLaw::new(pressures_pa, all_written("area_law.factor", FACTOR, found.factors())?)?;
+    let pressures_pa = all_rounded("area_law.pressure_mpa", PRESSURE_MPA, found.pressures_pa())?;
+    let law = AreaLaw::new(pressures_pa, all_rounded("area_law.factor", FACTOR, found.factors())?)?;
     match found.factor_std() {
-        Some(std) => Ok(law.with_factor_std(all_written("area_law.factor_std", FACTOR_STD, std)?)?),
+        Some(std) => Ok(law.with_factor_std(all_rounded("area_law.factor_std", FACTOR_STD, std)?)?),
         None => Ok(law),
     }
 }
 
 fn pair(found: &FittedPair, relative_std: f64) -> Result<LocalFriction, CalibrationError> {
-    let static_mean = written("friction.static_mean", FRICTION, found.static_mean)?;
-    let dynamic_mean = written("friction.dynamic_mean", FRICTION, found.dynamic_mean)?;
+    let static_mean = rounded("friction.static_mean", FRICTION, found.static_mean)?;
+    let dynamic_mean = rounded("friction.dynamic_mean", FRICTION, found.dynamic_mean)?;
     Ok(LocalFriction::new(static_mean, dynamic_mean, relative_std)?)
 }
 
-/// Standard errors of coefficients at one condition; nothing where one of them has none.
+/// Standard errors of coefficients at one condition; empty if any of them has none.
 fn standard_errors(
     field: &'static str,
     estimates: impl Iterator<Item = (CoefficientEstimate, Option<f64>)>,
 ) -> Result<Vec<CoefficientEstimate>, CalibrationError> {
     let known: Option<Vec<(CoefficientEstimate, f64)>> = estimates.map(|(at, error)| Some((at, error?))).collect();
     let each = known.unwrap_or_default().into_iter();
-    each.map(|(at, error)| Ok(CoefficientEstimate { std_error: written(field, FRICTION_STD, error)?, ..at })).collect()
+    each.map(|(at, error)| Ok(CoefficientEstimate { std_error: rounded(field, FRICTION_STD, error)?, ..at })).collect()
 }
 
-/// What is known of the errors of `rows`, which are at one condition, or hold at any.
+/// Adds the uncertainties of `rows`, which hold for one condition, or for all.
 fn row_uncertainty(
     rows: &[(Option<f64>, FittedPair, LocalFriction, Option<f64>)],
     condition: Option<Condition>,
@@ -144,28 +149,30 @@ fn row_uncertainty(
 ) -> Result<(), CalibrationError> {
     let at =
         |pressure_pa: Option<f64>, value: f64| CoefficientEstimate { pressure_pa, condition, value, std_error: 0.0 };
-    let of = |mean: fn(&LocalFriction) -> f64, error: fn(&FittedPair) -> Option<f64>| {
+    let estimates = |mean: fn(&LocalFriction) -> f64, error: fn(&FittedPair) -> Option<f64>| {
         rows.iter().map(move |(pressure_pa, pair, friction, _)| (at(*pressure_pa, mean(friction)), error(pair)))
     };
-    let static_errors = of(LocalFriction::static_mean, |pair| pair.static_std_error);
+    let static_errors = estimates(LocalFriction::static_mean, |pair| pair.static_std_error);
     into.static_friction.extend(standard_errors("friction.static_std_error", static_errors)?);
-    let in_all =
-        standard_errors("friction.dynamic_std_error", of(LocalFriction::dynamic_mean, |pair| pair.dynamic_std_error))?;
+    let in_all = standard_errors(
+        "friction.dynamic_std_error",
+        estimates(LocalFriction::dynamic_mean, |pair| pair.dynamic_std_error),
+    )?;
     let given_law = standard_errors(
         "friction.dynamic_std_error_given_law",
-        of(LocalFriction::dynamic_mean, |pair| pair.dynamic_std_error_given_law),
+        estimates(LocalFriction::dynamic_mean, |pair| pair.dynamic_std_error_given_law),
     )?;
     into.has_marginal_errors |= !given_law.is_empty();
     into.friction.extend(if given_law.is_empty() { in_all } else { given_law });
     for (pressure_pa, _, _, excess) in rows {
-        let excess = excess.map(|excess| written("friction.dynamic_over_steady", EXCESS, excess)).transpose()?;
+        let excess = excess.map(|excess| rounded("friction.dynamic_over_steady", EXCESS, excess)).transpose()?;
         into.dynamic_over_steady.extend(excess.map(|excess| at(*pressure_pa, excess)));
     }
     Ok(())
 }
 
 fn single_pair(task: &CalibrationTask, fit: &Fit) -> Result<(Friction, MaterialUncertainty), CalibrationError> {
-    let Some(found) = fit.pairs.first() else { return Err(no_pair()) };
+    let Some(found) = fit.pairs.first() else { return Err(no_measurement()) };
     let friction = pair(found, task.relative_std)?;
     let mut uncertainty = MaterialUncertainty::default();
     row_uncertainty(&[(None, *found, friction, fit.mean_over_local_law())], None, &mut uncertainty)?;
@@ -180,7 +187,7 @@ fn single_pair(task: &CalibrationTask, fit: &Fit) -> Result<(Friction, MaterialU
     Ok((Friction::Single(friction), uncertainty))
 }
 
-fn no_pair() -> CalibrationError {
+fn no_measurement() -> CalibrationError {
     CalibrationError::Fit { error: crate::FitError::NoMeasurement, measurement: None }
 }
 
@@ -196,7 +203,7 @@ fn pairs_by_condition(
         };
         let mut known = Vec::new();
         for row in rows {
-            let pressure_pa = written("friction.pressure_mpa", PRESSURE_MPA, row.pressure_pa)?;
+            let pressure_pa = rounded("friction.pressure_mpa", PRESSURE_MPA, row.pressure_pa)?;
             let friction = pair(&row.pair, task.relative_std)?;
             table.push(ConditionFriction { pressure_pa, condition: Some(condition), friction });
             known.push((Some(pressure_pa), row.pair, friction, Some(row.dynamic_over_steady)));
@@ -206,7 +213,7 @@ fn pairs_by_condition(
     Ok((Friction::PerCondition(table), uncertainty))
 }
 
-/// Rows by speed and humidity in the order of the measurements, each by pressure.
+/// Groups the fitted rows by speed and humidity, in the order of the measurements, sorted by pressure.
 fn by_condition(task: &CalibrationTask, measurements: &[Measurement], fit: &Fit) -> Vec<(Condition, Vec<FittedRow>)> {
     let mut conditions: Vec<(Condition, Vec<FittedRow>)> = Vec::new();
     for (measured, (&pair, predicted)) in measurements.iter().zip(fit.pairs.iter().zip(&fit.predictions)) {
@@ -228,21 +235,21 @@ fn by_condition(task: &CalibrationTask, measurements: &[Measurement], fit: &Fit)
     conditions
 }
 
-/// To five digits: runs are known to a thousandth.
+/// Rounds to five decimals; runs are accurate to a thousandth.
 fn five_digits(excess: f64) -> f64 {
     (excess * 1e5).round() / 1e5
 }
 
 impl Fit {
-    /// Mean over all measurements of dynamic friction over mu_d f(P), to five digits; `None` without any.
+    /// Mean over all measurements of dynamic friction over mu_d f(P), to five decimals; `None` without measurements.
     #[must_use]
     pub fn mean_over_local_law(&self) -> Option<f64> {
         let sum: f64 = self.predictions.iter().map(|predicted| predicted.over_local_law).sum();
         (!self.predictions.is_empty()).then(|| five_digits(sum / self.predictions.len() as f64))
     }
 
-    /// Covariance of the one fitted `dynamic_mean` and of the logarithm of the area law's scale; `None` where the scale was not
-    /// fitted or the data do not determine it.
+    /// Covariance of the single fitted `dynamic_mean` and the logarithm of the area law's scale; `None` if the scale
+    /// was not fitted or is undetermined.
     #[must_use]
     pub fn scale_covariance(&self) -> Option<[[f64; 2]; 2]> {
         let place = |name: &str| self.parameters.iter().position(|parameter| parameter.name == name);
@@ -252,7 +259,8 @@ impl Fit {
         };
         let std_error = self.pairs.first()?.dynamic_std_error;
         let variance = std_error.map_or(entry(mean, mean)?, |std_error| std_error * std_error);
-        // Where the model does not describe the measurements, these scatter by more than they are known to (Birge, Phys. Rev. 40, 207, 1932).
+        // In a poor fit, measurements scatter more than their standard deviations say (Birge, Phys. Rev. 40, 207,
+        // 1932).
         let excess = (self.chi_square / self.degrees_of_freedom.max(1) as f64).max(1.0);
         let [shared, of_scale] = [entry(mean, scale)?, entry(scale, scale)?].map(|entry| tidy(excess * entry));
         Some([[tidy(variance).max(tidy(excess * entry(mean, mean)?)), shared], [shared, of_scale]])

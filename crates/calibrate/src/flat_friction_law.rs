@@ -1,15 +1,15 @@
-//! Measured flat friction taken for the law of local pressure.
+//! Measured flat friction as the law of local pressure.
 
 use slipgrid_material::{AreaLaw, Extrapolation, MaterialError};
 
 use crate::Measurement;
 
-/// The law that measurements on `flat` samples of `specimen_area_m2` say of local pressure: the mean over conditions of
-/// friction over that at the pressure that all begin with. `None` where no condition has friction at several pressures, the
-/// least of all among them.
+/// Builds the law of local pressure from measurements on `flat` samples of `specimen_area_m2`: friction relative to
+/// that at the lowest pressure, averaged over conditions. `None` if no condition was measured at the lowest pressure
+/// and another one.
 ///
 /// # Errors
-/// [`MaterialError`] if the means are no law.
+/// [`MaterialError`] if the means are not a valid law.
 pub fn flat_friction_law(
     flat: &[Measurement],
     specimen_area_m2: f64,
@@ -20,19 +20,20 @@ pub fn flat_friction_law(
     let mut forces: Vec<f64> = flat.iter().map(|row| row.force_n).collect();
     forces.sort_by(f64::total_cmp);
     forces.dedup_by(|a, b| same(*a, *b));
-    let at = |of: &Measurement, force_n: f64| {
-        let own = flat.iter().find(|other| alike(other, of) && same(other.force_n, force_n));
+    let friction_at = |row: &Measurement, force_n: f64| {
+        let own = flat.iter().find(|other| alike(other, row) && same(other.force_n, force_n));
         own.map(|other| other.mu_dynamic)
     };
     let Some(&lightest) = forces.first() else { return Ok(None) };
-    // Conditions with the lightest load and another.
-    let of: Vec<(&Measurement, f64)> = flat
+    // Conditions measured at the lowest load and another one.
+    let conditions: Vec<(&Measurement, f64)> = flat
         .iter()
         .filter(|row| same(row.force_n, lightest) && flat.iter().filter(|other| alike(other, row)).count() > 1)
         .map(|row| (row, row.mu_dynamic))
         .collect();
     let mean = |force_n: f64| {
-        let all: Vec<f64> = of.iter().filter_map(|(row, first)| Some(at(row, force_n)? / first)).collect();
+        let all: Vec<f64> =
+            conditions.iter().filter_map(|(row, first)| Some(friction_at(row, force_n)? / first)).collect();
         (!all.is_empty()).then(|| [force_n / specimen_area_m2, all.iter().sum::<f64>() / all.len() as f64])
     };
     let (pressures_pa, shape): (Vec<f64>, Vec<f64>) =

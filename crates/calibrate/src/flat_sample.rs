@@ -1,4 +1,4 @@
-//! The flat sample in the spring-block model, for many loads at once.
+//! Flat sample in the spring-block model, for many loads at once.
 
 use slipgrid_material::LocalFriction;
 use slipgrid_monitor::Part;
@@ -9,29 +9,29 @@ use slipgrid_springblock::{
 
 use crate::{FitError, Measurement, Problem};
 
-/// Travel of a run from rest, which finds the static peak, in metres.
-const COLD_TRAVEL_M: f64 = 2e-6;
-/// Periods of the layer's first shear mode that a run from rest is planned to last at least: an average must hold ten, of a
-/// record of which at most half is left out. At high speeds the travel above is over sooner.
+/// Travel of a run from rest, which determines the static peak, in metres.
+const MIN_COLD_TRAVEL_M: f64 = 2e-6;
+/// Minimum planned duration of a run from rest, in periods of the layer's first shear mode. The average must cover ten
+/// periods, and up to half of the record is discarded. At high speeds [`MIN_COLD_TRAVEL_M`] would be over sooner.
 const MIN_PERIODS: f64 = 40.0;
-/// Travel from rest over what shears the layer to the onset of sliding above which it is long enough: what comes before the
-/// onset may be half of it, and the block that holds longest has a sixth more friction than the mean of a thousand.
-const ENOUGH: f64 = 1.9;
-/// Travel of a run from rest that would be too short, over what shears the layer to the onset: at most half of it is left out
-/// of the average.
-const COLD_ONSETS: f64 = 2.5;
+/// Travel from rest, relative to the shear displacement at the onset of sliding, that is long enough: the part before
+/// the onset may be half of it, and the strongest of a thousand blocks exceeds the mean by a sixth.
+const MIN_TRAVEL_OVER_ONSET: f64 = 1.9;
+/// Travel of a run from rest that would be too short, relative to the shear displacement at the onset: at most half of
+/// it is discarded before averaging.
+const TRAVEL_OVER_ONSET: f64 = 2.5;
 
-/// Standard error of a run from the sheared layer over the standard deviation of its measurement.
-const OF_MEASURED: f64 = 0.1;
-/// Least and greatest standard error that is asked of such a run, over dynamic friction.
-const STDERR: [f64; 2] = [2e-4, 1e-3];
+/// Requested standard error of a run from the sheared layer, relative to the standard deviation of the measurement.
+const STDERR_OVER_MEASURED: f64 = 0.1;
+/// Limits of the requested standard error, relative to dynamic friction.
+const STDERR_RANGE: [f64; 2] = [2e-4, 1e-3];
 
-/// Speed of the dynamic run that stands for `measured`, in m/s.
+/// Speed of the dynamic run for `measured`, in m/s.
 pub fn speed_m_s(problem: &Problem, measured: &Measurement) -> f64 {
     run_speed_m_s(&problem.elastic, problem.pressure_pa(measured), measured.speed_m_s)
 }
 
-/// Travel that a dynamic run of `measured` with the coefficients `pair` is planned for, in metres.
+/// Planned travel of a dynamic run of `measured` with the coefficients `pair`, in metres.
 fn travel_m(problem: &Problem, measured: &Measurement, pair: &LocalFriction) -> f64 {
     let (elastic, area_law) = (&problem.elastic, problem.area_law.as_ref());
     if measured.static_peak.is_none() {
@@ -42,14 +42,14 @@ fn travel_m(problem: &Problem, measured: &Measurement, pair: &LocalFriction) -> 
     // u = mu_s f P h / G
     let onset_m = pair.static_mean() * factor * problem.pressure_pa(measured) / shear_modulus_pa(elastic)
         * problem.layer.height_m;
-    let travel_m =
-        COLD_TRAVEL_M.max(MIN_PERIODS * shear_period_s(elastic, problem.layer.height_m) * speed_m_s(problem, measured));
-    if travel_m > ENOUGH * onset_m { travel_m } else { COLD_ONSETS * onset_m }
+    let travel_m = MIN_COLD_TRAVEL_M
+        .max(MIN_PERIODS * shear_period_s(elastic, problem.layer.height_m) * speed_m_s(problem, measured));
+    if travel_m > MIN_TRAVEL_OVER_ONSET * onset_m { travel_m } else { TRAVEL_OVER_ONSET * onset_m }
 }
 
 fn run_options(problem: &Problem, measured: &Measurement, pair: &LocalFriction) -> RunOptions {
-    let [least, most] = STDERR;
-    let wanted = (OF_MEASURED * measured.mu_dynamic_std / measured.mu_dynamic).clamp(least, most);
+    let [least, most] = STDERR_RANGE;
+    let wanted = (STDERR_OVER_MEASURED * measured.mu_dynamic_std / measured.mu_dynamic).clamp(least, most);
     RunOptions {
         fidelity: Fidelity::Dynamic,
         warm_start: measured.static_peak.is_none(),
@@ -59,41 +59,41 @@ fn run_options(problem: &Problem, measured: &Measurement, pair: &LocalFriction) 
     }
 }
 
-/// The measurement whose run stands for each: of those at the same load and speed, without a peak, the one of the median
-/// coefficient. What time adds to steady sliding follows load and speed; at the same ones it moves by parts in ten thousand
-/// over a quarter of friction (`one_run_stands_for_all_at_its_load_and_speed`).
+/// Index of the measurement whose run is used for each measurement. Measurements without a peak at equal load and speed
+/// share the run of the one with the median coefficient: the excess over steady sliding depends on load and speed, and
+/// changes by less than 0.001 over a quarter of friction (`one_run_stands_for_all_at_its_load_and_speed`).
 pub fn representatives(problem: &Problem, pairs: &Pairs) -> Vec<usize> {
     let setting = |i: usize| {
         let measured = &problem.measurements[i];
         (measured.static_peak.is_none(), problem.pressure_pa(measured), speed_m_s(problem, measured))
     };
-    let of = |i: usize| {
+    let for_measurement = |i: usize| {
         if problem.measurements[i].static_peak.is_some() {
-            // A peak takes its own run, but for the same coefficients.
+            // A measurement with a peak has its own run, except if the coefficients are equal.
             return (0..i).find(|&j| setting(j) == setting(i) && pairs[j] == pairs[i]).unwrap_or(i);
         }
         let mut alike: Vec<usize> = (0..pairs.len()).filter(|&j| setting(j) == setting(i)).collect();
         alike.sort_by(|&a, &b| pairs[a].dynamic_mean().total_cmp(&pairs[b].dynamic_mean()));
         let median = alike[(alike.len() - 1) / 2];
-        // Of equals the first.
+        // Of equal coefficients the first one.
         alike.into_iter().filter(|&j| pairs[j] == pairs[median]).min().unwrap_or(median)
     };
-    (0..pairs.len()).map(of).collect()
+    (0..pairs.len()).map(for_measurement).collect()
 }
 
-/// Time steps of the dynamic run of each measurement; 0 where another's stands for it.
+/// Time steps of the dynamic run of each measurement; 0 if it uses the run of another.
 pub fn planned_steps(problem: &Problem, pairs: &Pairs) -> Vec<u64> {
     let representatives = representatives(problem, pairs);
-    let of = |i: usize| {
+    let for_measurement = |i: usize| {
         let (measured, pair) = (&problem.measurements[i], &pairs[i]);
         let run = run_options(problem, measured, pair);
         let scene = scene(problem, speed_m_s(problem, measured), vec![load(problem, measured, *pair)], run);
         if representatives[i] == i { slipgrid_springblock::planned_steps(&scene) } else { 0 }
     };
-    (0..pairs.len()).map(of).collect()
+    (0..pairs.len()).map(for_measurement).collect()
 }
 
-/// Coefficients at each measurement.
+/// Local coefficients, one per measurement.
 pub type Pairs = Vec<LocalFriction>;
 
 fn scene(problem: &Problem, speed_m_s: f64, loads: Vec<Load>, run: RunOptions) -> Scene {
@@ -113,39 +113,40 @@ fn load(problem: &Problem, measured: &Measurement, friction: LocalFriction) -> L
     Load { pressure_pa: problem.pressure_pa(measured), friction }
 }
 
-/// mu of the flat sample in steady sliding, one per measurement.
+/// Friction of the flat sample in steady sliding, one per measurement.
 pub fn steady(problem: &Problem, pairs: &Pairs) -> Result<Vec<f64>, FitError> {
     let loads = problem.measurements.iter().zip(pairs).map(|(measured, pair)| load(problem, measured, *pair)).collect();
-    // Speed plays no part in steady sliding.
+    // Steady sliding does not depend on speed.
     let scene = scene(problem, problem.measurements[0].speed_m_s, loads, RunOptions::default());
     let simulation = simulate(&scene, &slipgrid_springblock::Unwatched)?;
-    let slid =
-        |(i, outcome): (usize, &LoadOutcome)| slid(outcome.pressure_pa, &outcome.surface).map_err(|error| error.at(i));
-    simulation.loads.iter().enumerate().map(slid).collect()
+    let friction = |(i, outcome): (usize, &LoadOutcome)| {
+        dynamic_friction(outcome.pressure_pa, &outcome.surface).map_err(|error| error.with_place(i))
+    };
+    simulation.loads.iter().enumerate().map(friction).collect()
 }
 
-fn slid(pressure_pa: f64, surface: &SurfaceOutcome) -> Result<f64, FitError> {
+fn dynamic_friction(pressure_pa: f64, surface: &SurfaceOutcome) -> Result<f64, FitError> {
     match (surface.status, surface.mu_dynamic) {
-        // A standard error that is larger than asked for is booked as it is.
+        // A standard error above the requested one is accepted, and propagated as it is.
         (Status::Converged | Status::StderrNotReached, Some(mu)) => Ok(mu),
         (Status::Cancelled, _) => Err(FitError::Cancelled),
         (status, _) => Err(FitError::NoSliding { number: 1, pressure_pa, status: status.name() }),
     }
 }
 
-/// What dynamic runs say of one measurement.
+/// Result of a dynamic run for one measurement.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct DynamicFlat {
     /// Dynamic friction coefficient.
     pub mu_dynamic: f64,
-    /// Its standard error.
+    /// Standard error of `mu_dynamic`.
     pub stderr: f64,
-    /// Static friction coefficient; only where a static peak was measured.
+    /// Static friction coefficient, if a static peak was measured.
     pub mu_static: Option<f64>,
 }
 
-/// Dynamic runs of the flat sample at the measurements that stand for themselves in `representatives`; the others have those
-/// of their representative. Runs start from a sheared layer, but from rest where a static peak was measured.
+/// Runs the flat sample for the measurements that represent themselves in `representatives`; the others get the result
+/// of their representative. Runs start from a sheared layer, or from rest if a static peak was measured.
 pub fn dynamic(
     problem: &Problem,
     pairs: &Pairs,
@@ -157,7 +158,7 @@ pub fn dynamic(
     let mut left: Vec<usize> = (0..count).filter(|&i| representatives[i] == i).collect();
     let runs = left.len() as f64;
     while let Some(&first) = left.first() {
-        // One scene for all measurements of the same speed and kind of start.
+        // One scene for all measurements of equal speed and start.
         let kind =
             |i: usize| (speed_m_s(problem, &problem.measurements[i]), problem.measurements[i].static_peak.is_some());
         let (group, others): (Vec<usize>, Vec<usize>) = left.iter().partition(|&&i| kind(i) == kind(first));
@@ -175,7 +176,8 @@ pub fn dynamic(
         let simulation = simulate(&scene(problem, speed_m_s, loads, run), &portion)?;
         for (&i, outcome) in group.iter().zip(&simulation.loads) {
             found[i] = DynamicFlat {
-                mu_dynamic: slid(outcome.pressure_pa, &outcome.surface).map_err(|error| error.at(i))?,
+                mu_dynamic: dynamic_friction(outcome.pressure_pa, &outcome.surface)
+                    .map_err(|error| error.with_place(i))?,
                 stderr: outcome.surface.mu_dynamic_stderr.unwrap_or(0.0),
                 mu_static: outcome.surface.mu_static,
             };

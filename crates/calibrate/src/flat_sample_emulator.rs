@@ -1,27 +1,27 @@
-//! Steady friction of the flat sample at any coefficient and scale of the area law, from a few solves.
+//! Emulator of steady friction of the flat sample for any coefficient and scale of the area law, from a few solves.
 
 use slipgrid_material::{AreaLaw, LocalFriction};
 
 use crate::{FitError, Problem, flat_sample};
 
-/// Coefficients at which the sample is solved, relative to the present ones.
+/// Nodes of the emulator: coefficients relative to the current ones.
 const NODES: [f64; 3] = [0.8, 1.0, 1.25];
-/// Scales at which it is solved: the end effect follows the law slowly.
+/// Number of nodes along the scale, on which the end effect depends slowly.
 const SCALES: usize = 13;
 
-/// mu_i = mu_d f(P_i) c_i: c is what free ends change. It departs from 1 by parts in a thousand and is
-/// interpolated, quadratically in mu_d and linearly in the logarithm of the scale; the rest is exact.
+/// Interpolates the end effect c in mu_i = mu_d f(P_i) c_i. c differs from 1 by some thousandths; it is interpolated
+/// quadratically in mu_d and linearly in the logarithm of the scale. The other factors are exact.
 pub struct Emulator<'a> {
     problem: &'a Problem,
     dynamic_means: Vec<f64>,
-    /// Logarithms of the scales; one, of no meaning, where the law is given.
+    /// Logarithms of the scales; a single dummy value if the law is given.
     log_scales: Vec<f64>,
     /// c by scale, measurement and node.
     ends: Vec<Vec<[f64; 3]>>,
 }
 
 impl<'a> Emulator<'a> {
-    /// Solves the sample about the coefficients `dynamic_means`, one a measurement.
+    /// Solves the sample around the coefficients `dynamic_means`, one per measurement.
     pub fn new(problem: &'a Problem, dynamic_means: &[f64]) -> Result<Self, FitError> {
         let log_scales: Vec<f64> = problem.area_law_scale.as_ref().map_or(vec![0.0], |unknown| {
             let [from, to] = unknown.bounds_pa.map(f64::ln);
@@ -46,12 +46,12 @@ impl<'a> Emulator<'a> {
         Ok(Self { problem, dynamic_means: dynamic_means.to_vec(), log_scales, ends })
     }
 
-    /// Steady friction at measurement `i`.
+    /// Steady friction of measurement `i`.
     pub fn steady(&self, i: usize, dynamic_mean: f64, law: Option<&AreaLaw>, log_scale: f64) -> f64 {
         let end = |scale: usize| {
             let x = (dynamic_mean / self.dynamic_means[i]).clamp(NODES[0], NODES[2]);
             let c = &self.ends[scale][i];
-            // Lagrange's polynomial through the nodes
+            // Lagrange polynomial through the nodes
             (0..3)
                 .map(|j| {
                     let others = (0..3).filter(|&k| k != j);

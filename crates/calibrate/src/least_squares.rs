@@ -1,43 +1,43 @@
-//! Weighted least squares within bounds: Levenberg and Marquardt's method, Jacobian by forward differences.
+//! Weighted least squares within bounds by the Levenberg-Marquardt method, with the Jacobian from forward differences.
 //!
-//! A parameter at a bound is held there while the gradient pushes it outward; steps that leave the box are
-//! cut back to it. argmin has neither bounds nor this method.
+//! A parameter at a bound is fixed while the gradient pushes it outward; steps beyond a bound are clamped. argmin
+//! offers neither bounds nor this method.
 
 use slipgrid_statistics::cholesky::{cholesky, dot, is_regular, solve};
 
 /// Relative step of the forward differences. The model is smooth and converged to 1e-11.
-const DIFFERENCE: f64 = 1e-5;
+const DIFFERENCE_STEP: f64 = 1e-5;
 /// Relative change of the parameters at which the fit has converged.
 const TOLERANCE: f64 = 1e-9;
-/// Iterations at most: the model is nearly linear in its coefficients, three or four do.
+/// Maximum number of iterations. The model is nearly linear in its coefficients, so that three or four are typical.
 const MAX_ITERATIONS: usize = 100;
-/// First damping, and what it is multiplied or divided by.
+/// Initial damping, and the factor by which it is changed.
 const DAMPING: (f64, f64) = (1e-3, 10.0);
-/// Damping at which no step helps any more.
+/// Maximum damping; larger values make steps too small to help.
 const MAX_DAMPING: f64 = 1e12;
 
-/// Least eigenvalue of J^T J, its columns of length one, with which data determine the parameters.
+/// Minimum eigenvalue of J^T J, with columns scaled to unit length, for which the data determine the parameters.
 const MIN_CURVATURE: f64 = 1e-10;
 
-/// Residuals in standard deviations, as a function of the parameters.
+/// A least-squares problem: residuals in standard deviations, as a function of the parameters.
 pub struct LeastSquares<F> {
     residuals: F,
-    /// Least and greatest value of every parameter.
+    /// Lower and upper bound of every parameter.
     bounds: Vec<[f64; 2]>,
-    /// Parameters that keep their start.
+    /// Parameters that are fixed at their start value.
     held: Vec<bool>,
 }
 
-/// A solution with its curvature.
+/// Solution of a least-squares problem with its covariance.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Solution {
     /// Best parameters.
     pub parameters: Vec<f64>,
-    /// Residuals there, in standard deviations.
+    /// Residuals at the solution, in standard deviations.
     pub residuals: Vec<f64>,
-    /// (J^T J)^-1; infinite on the diagonal where the data do not determine a parameter.
+    /// (J^T J)^-1; infinite on the diagonal if the data do not determine a parameter.
     pub covariance: Vec<Vec<f64>>,
-    /// The parameter ended at a bound.
+    /// Whether a parameter ended at a bound.
     pub at_bound: Vec<bool>,
 }
 
@@ -59,7 +59,7 @@ impl<E, F: Fn(&[f64]) -> Result<Vec<f64>, E>> LeastSquares<F> {
         Self { residuals, held: vec![false; bounds.len()], bounds }
     }
 
-    /// The same with one parameter kept at its start.
+    /// Fixes a parameter at its start value.
     pub fn hold(mut self, parameter: usize) -> Self {
         self.held[parameter] = true;
         self
@@ -68,7 +68,7 @@ impl<E, F: Fn(&[f64]) -> Result<Vec<f64>, E>> LeastSquares<F> {
     /// Minimizes the sum of squares from `start`.
     ///
     /// # Errors
-    /// Whatever the residuals return.
+    /// Errors of the residual function.
     pub fn solve(&self, start: &[f64]) -> Result<Solution, E> {
         let within = |p: f64, i: usize| p.clamp(self.bounds[i][0], self.bounds[i][1]);
         let mut at: Vec<f64> = start.iter().enumerate().map(|(i, &p)| within(p, i)).collect();
@@ -118,15 +118,15 @@ impl<E, F: Fn(&[f64]) -> Result<Vec<f64>, E>> LeastSquares<F> {
         })
     }
 
-    /// The derivatives of all residuals by each parameter; zero by those that are held.
+    /// Derivatives of all residuals with respect to each parameter; zero for fixed parameters.
     fn jacobian(&self, at: &[f64], residuals: &[f64]) -> Result<Vec<Vec<f64>>, E> {
         let column = |p: usize| {
             if self.held[p] {
                 return Ok(vec![0.0; residuals.len()]);
             }
             let mut moved = at.to_vec();
-            let step = DIFFERENCE * at[p].abs().max(1e-3);
-            // Backwards at the upper bound.
+            let step = DIFFERENCE_STEP * at[p].abs().max(1e-3);
+            // Step backwards at the upper bound.
             moved[p] += if at[p] + step > self.bounds[p][1] { -step } else { step };
             let changed = (self.residuals)(&moved)?;
             Ok(changed.iter().zip(residuals).map(|(changed, here)| (changed - here) / (moved[p] - at[p])).collect())
@@ -136,7 +136,7 @@ impl<E, F: Fn(&[f64]) -> Result<Vec<f64>, E>> LeastSquares<F> {
 
     fn covariance(&self, jacobian: &[Vec<f64>]) -> Vec<Vec<f64>> {
         let count = jacobian.len();
-        // Columns of length one: parameters differ in size by more than the digits of a number.
+        // Columns are scaled to unit length, because parameters may differ by many orders of magnitude.
         let norms: Vec<f64> = jacobian.iter().map(|column| dot(column, column).sqrt()).collect();
         let seen: Vec<usize> = (0..count).filter(|&p| norms[p] > 1e-9 && !self.held[p]).collect();
         let mut covariance = vec![vec![0.0; count]; count];
@@ -154,14 +154,14 @@ impl<E, F: Fn(&[f64]) -> Result<Vec<f64>, E>> LeastSquares<F> {
     }
 }
 
-/// J^T J of the `chosen` columns over `scale`, row by row.
+/// J^T J of the `chosen` columns divided by `scale`, row by row.
 fn curvature(jacobian: &[Vec<f64>], chosen: &[usize], scale: impl Fn(usize, usize) -> f64) -> Vec<f64> {
-    let of = |p: usize, q: usize| dot(&jacobian[p], &jacobian[q]) / scale(p, q);
-    chosen.iter().flat_map(|&p| chosen.iter().map(move |&q| (p, q))).map(|(p, q)| of(p, q)).collect()
+    let entry = |p: usize, q: usize| dot(&jacobian[p], &jacobian[q]) / scale(p, q);
+    chosen.iter().flat_map(|&p| chosen.iter().map(move |&q| (p, q))).map(|(p, q)| entry(p, q)).collect()
 }
 
-/// The rows of the inverse of a curvature with ones on its diagonal, unless its least eigenvalue, whose inverse the trace of the
-/// inverse exceeds, may be below [`MIN_CURVATURE`].
+/// Inverse of a matrix with unit diagonal, as rows; `None` if its smallest eigenvalue may be below [`MIN_CURVATURE`].
+/// The trace of the inverse exceeds the inverse of this eigenvalue.
 fn inverse(curvature: &[f64]) -> Option<Vec<Vec<f64>>> {
     let n = curvature.len().isqrt();
     let factor = cholesky(curvature, n).filter(|factor| is_regular(factor, n))?;
@@ -175,7 +175,7 @@ fn inverse(curvature: &[f64]) -> Option<Vec<Vec<f64>>> {
     (trace * MIN_CURVATURE < 1.0).then_some(rows)
 }
 
-/// (J^T J + damping diag(J^T J)) step = gradient over the free parameters.
+/// Solves (J^T J + damping diag(J^T J)) step = gradient for the free parameters.
 fn step(jacobian: &[Vec<f64>], gradient: &[f64], free: &[usize], damping: f64) -> Option<Vec<f64>> {
     let n = free.len();
     let mut curvature = curvature(jacobian, free, |_, _| 1.0);
@@ -212,7 +212,7 @@ mod tests {
     #[test]
     fn bounds_hold_and_the_rest_is_best_within_them() {
         let fit = LeastSquares::new(line, vec![[-10.0, 10.0], [0.0, 1.0]]).solve(&[0.5, 0.5]).unwrap();
-        // With the slope at most 1 the best height is 4 - 1.5.
+        // With a slope of at most 1 the best intercept is 4 - 1.5.
         assert!((fit.parameters[0] - 2.5).abs() < 1e-8 && fit.parameters[1] == 1.0, "{fit:?}");
         assert_eq!(fit.at_bound, [false, true]);
         let held = LeastSquares::new(line, vec![[-10.0, 10.0]; 2]).hold(1).solve(&[0.5, 0.0]).unwrap();

@@ -1,36 +1,35 @@
 //! Local friction coefficients from measurements on flat samples.
 //!
-//! The model of the flat sample is the spring-block one, with its area law f(P) and its free ends. For
-//! every measurement i at nominal pressure P_i and speed v_i it predicts
+//! The flat sample is modelled by the spring-block model with its area law f(P) and free ends. For measurement i at
+//! nominal pressure P_i and speed v_i the model predicts
 //!
 //! ```text
 //! mu_i = delta_i steady(mu_d, P_i),     chi^2 = sum [(mu_i - measured_i) / std_i]^2
 //! ```
 //!
-//! `steady` is the flat sample in steady sliding, `delta_i` the ratio of a dynamic run to it: at a few
-//! mm/s sliding is micro-stick-slip and friction one to two per cent above steady sliding. delta is
-//! found at the fitted coefficients, so that the dynamic mu that the program predicts for the flat
-//! sample is the measured one.
+//! `steady` is friction of the flat sample in steady sliding, and `delta_i` the ratio of dynamic to steady friction. At
+//! a few mm/s sliding is micro-stick-slip, and friction is one to two per cent above steady sliding. delta is computed
+//! at the fitted coefficients, so that modelled dynamic friction of the flat sample equals the measured one.
 //!
 //! | item | role |
 //! |---|---|
-//! | [`run`], [`CalibrationTask`] | the whole job: from measurements and a surface to a material and what is known of its errors |
-//! | [`CalibrationOutcome`] | the material, its [`uncertainty::MaterialUncertainty`], the fit and the contact area behind it |
-//! | [`Selection`] | the measurements that coefficients for some conditions and pressures rest on |
-//! | [`area_law`], [`area_law_sampling`] | contact area and area law of a map, and how windows of it scatter about them |
+//! | [`run`], [`CalibrationTask`] | the whole job: from measurements and a surface to a material with its uncertainty |
+//! | [`CalibrationOutcome`] | the material, its [`uncertainty::MaterialUncertainty`], the fit and the contact area |
+//! | [`Selection`] | measurements required for given conditions and pressures |
+//! | [`area_law`], [`area_law_sampling`] | contact area and area law of a map, and their spread over windows |
 //! | [`fit_coefficients`], [`Problem`] | the fit alone |
 //! | [`Fit`], [`FittedPair`], [`Parameter`] | coefficients, covariance, profile likelihood, residuals, what stays undetermined |
-//! | [`learn`], [`CutSample`] | what samples that were cut and measured say of any texture |
-//! | [`uncertainty`] | what all that leaves open of the friction of a scene, to first order |
+//! | [`learn`], [`CutSample`] | discrepancy of the model, learned from samples that were cut and measured |
+//! | [`uncertainty`] | first-order uncertainty of the friction of a scene |
 //!
-//! The mean dynamic friction of a flat sample says nothing of mu_s: without a measured static peak
-//! its ratio to mu_d is an assumption ([`Problem::static_over_dynamic`]) and the fit says so.
+//! Mean dynamic friction of a flat sample does not determine mu_s. Without a measured static peak the ratio to mu_d is
+//! an assumption ([`Problem::static_over_dynamic`]), which the notes of the fit state.
 //!
-//! Where no map is given, the pressure scale of the area law can be fitted as well ([`AreaLawScale`]).
+//! Without a map, the pressure scale of the area law can be fitted as well ([`AreaLawScale`]).
 //!
-//! This crate fits no coefficient to patterned samples, opens no files, prints nothing and reads no clock.
+//! This crate does not fit coefficients to patterned samples, opens no files, prints nothing and reads no clock.
 //!
-//! A calibration from two measurements on flat samples, with a surface of which only the rms slope is known:
+//! A calibration from two measurements on flat samples, for a surface with a known rms slope only:
 //!
 //! ```no_run
 //! use slipgrid_calibrate::{CalibrationTask, Coefficients, Measurement, Selection, Surface, TrialsTask, run};
@@ -97,7 +96,7 @@ pub use calibration_task::{
 };
 pub use contradicting_samples::{contradicting_samples, is_of_contradicting_samples};
 pub use fit::{Fit, FittedPair, Parameter, Prediction, STATIC_OVER_DYNAMIC, fit_coefficients, planned_steps};
-pub use fit_problem::{Coefficients, FitError, Measurement, Problem, StaticPeak, numbered};
+pub use fit_problem::{Coefficients, FitError, Measurement, Problem, StaticPeak, split_parameter_name};
 pub use flat_friction_law::flat_friction_law;
 pub use law_pressures::{LawPressures, light_pressure_pa};
 pub use marginal_uncertainty::{FlatLoad, marginal_relative_std};

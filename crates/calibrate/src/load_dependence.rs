@@ -1,4 +1,4 @@
-//! Whether local coefficients follow load, which a law of contact area that fits would leave constant.
+//! Check whether local coefficients depend on load; with a correct law of contact area they are constant.
 
 use slipgrid_contact::AreaPoint;
 use slipgrid_material::Condition;
@@ -7,27 +7,28 @@ use slipgrid_units::{HUMIDITY_PCT, MODULUS_GPA, PRESSURE_MPA, SPEED_MM_S, in_dig
 use crate::FittedRow;
 use crate::surface_area_law_source::{AreaLawOrigin, SurfaceFindings};
 
-/// Standard errors from which on a change is no scatter.
-const SURE: f64 = 3.0;
-/// Part of a coefficient by which it must change to matter.
-const LEAST: f64 = 0.05;
+/// Number of standard errors from which on a change is significant.
+const MIN_SIGNIFICANCE: f64 = 3.0;
+/// Relative change of a coefficient that matters.
+const MIN_CHANGE: f64 = 0.05;
 
-/// What contradicts the law: the local coefficient of a speed and humidity changes from the lowest to the highest load by more than 5 %, and
-/// by more than three times the standard error of that change. The condition where it does so by most standard errors is named.
+/// Warning if the local coefficient of a condition (speed and humidity) changes from the lowest to the highest load by
+/// more than 5 % and by more than three standard errors. Names the condition with the most significant change.
 ///
-/// Flat friction is mu_d f(P), so that mu_d is constant where f is the measured fall of friction. Errors of f are those of a larger load
-/// alone, or shared: taken as independent, they make the change less sure than it is.
-pub(crate) fn follows_load(
+/// Flat friction is mu_d f(P), so that mu_d is constant if f reproduces the measured dependence on load. Errors of f at
+/// different loads are correlated; treating them as independent underestimates the significance.
+pub(crate) fn load_dependence_warning(
     surface: &SurfaceFindings,
     modulus_pa: f64,
     by_condition: &[(Condition, Vec<FittedRow>)],
 ) -> Option<String> {
-    // A measured law is flat friction itself, and a fitted one has one coefficient.
+    // A measured law is flat friction itself, and a fitted law has a single coefficient.
     if !matches!(surface.origin, Some(AreaLawOrigin::Map | AreaLawOrigin::Persson)) {
         return None;
     }
-    let changes = by_condition.iter().filter_map(|(condition, rows)| Some((condition, Change::of(rows)?)));
-    let changes = changes.filter(|(_, change)| change.part.abs() > LEAST && change.errors.abs() > SURE);
+    let changes = by_condition.iter().filter_map(|(condition, rows)| Some((condition, Change::from_rows(rows)?)));
+    let changes =
+        changes.filter(|(_, change)| change.part.abs() > MIN_CHANGE && change.errors.abs() > MIN_SIGNIFICANCE);
     let (condition, change) = changes.max_by(|(_, a), (_, b)| a.errors.abs().total_cmp(&b.errors.abs()))?;
     let (moves, falls) =
         if change.part > 0.0 { ("rises", "rises with load or falls less") } else { ("falls", "falls more with load") };
@@ -48,20 +49,21 @@ pub(crate) fn follows_load(
     ))
 }
 
-/// Factors on Young's modulus that are tried: from gigapascals written for pascals to the reverse of megapascals.
-const FACTORS: [f64; 2] = [1e-9, 1e4];
-/// Factors tried; two neighbours differ by 6 %.
-const TRIED: usize = 501;
-/// Share of chi-square that may be left at a modulus that fits.
-const LEFT: f64 = 0.1;
+/// Range of tested factors on Young's modulus: covers pascals given as gigapascals, and the reverse for megapascals.
+const MODULUS_FACTORS: [f64; 2] = [1e-9, 1e4];
+/// Number of tested factors; neighbours differ by 6 %.
+const FACTOR_COUNT: usize = 501;
+/// Maximum fraction of chi-square that may remain for a modulus that fits.
+const MAX_REMAINING_CHI_SQUARE: f64 = 0.1;
 
-/// The factor on Young's modulus at which flat friction falls with load as contact area does: A(P; c E) = A(P / c; E), and friction
-/// is a_k A(P / c) / P with a coefficient a_k for each condition. `None` where no modulus explains most of the change.
+/// Factor on Young's modulus for which the contact area explains the dependence of flat friction on load: A(P; c E) =
+/// A(P / c; E), and friction is a_k A(P / c) / P with one coefficient a_k per condition. `None` if no modulus explains
+/// most of the dependence.
 fn fitting_modulus(surface: &SurfaceFindings, by_condition: &[(Condition, Vec<FittedRow>)]) -> Option<f64> {
     let (curve, law) = (&surface.curve, surface.law.as_ref()?);
     let (first, last) = (curve.first()?, curve.last()?);
     let log_share = |point: &AreaPoint| (point.area_fraction_corrected / point.pressure_pa).ln();
-    // ln (A / P), its limits beyond the ends of the curve.
+    // ln (A / P), extrapolated by its limits beyond the ends of the curve.
     let at = |pressure_pa: f64| {
         if pressure_pa <= first.pressure_pa {
             return log_share(first);
@@ -81,33 +83,34 @@ fn fitting_modulus(surface: &SurfaceFindings, by_condition: &[(Condition, Vec<Fi
     let conditions: Vec<Vec<(f64, f64, f64)>> =
         by_condition.iter().map(|(_, rows)| rows.iter().filter_map(log_friction).collect()).collect();
     let chi_square = |factor: f64| -> f64 {
-        let of = |rows: &Vec<(f64, f64, f64)>| -> f64 {
+        let condition_chi_square = |rows: &Vec<(f64, f64, f64)>| -> f64 {
             let off = || rows.iter().map(|&(pressure_pa, log, std)| (log - at(pressure_pa / factor), std.powi(-2)));
             let mean =
                 off().map(|(off, weight)| off * weight).sum::<f64>() / off().map(|(_, weight)| weight).sum::<f64>();
             off().map(|(off, weight)| weight * (off - mean).powi(2)).sum()
         };
-        conditions.iter().filter(|rows| rows.len() > 1).map(of).sum()
+        conditions.iter().filter(|rows| rows.len() > 1).map(condition_chi_square).sum()
     };
-    let [from, to] = FACTORS;
-    let tried = (0..TRIED).map(|i| from * (to / from).powf(i as f64 / (TRIED - 1) as f64));
+    let [from, to] = MODULUS_FACTORS;
+    let tried = (0..FACTOR_COUNT).map(|i| from * (to / from).powf(i as f64 / (FACTOR_COUNT - 1) as f64));
     let best = tried.min_by(|a, b| chi_square(*a).total_cmp(&chi_square(*b)))?;
-    // All much harder solids have one law, f = 1, and all much softer ones another: then no modulus was found.
+    // Far harder solids all have the law f = 1, and far softer ones share another; a minimum there determines no
+    // modulus.
     let is_found = best > from && [0.5, 2.0].iter().any(|by| chi_square(best * by) > chi_square(best) + 1.0);
-    (is_found && chi_square(best) < LEFT * chi_square(1.0)).then_some(best)
+    (is_found && chi_square(best) < MAX_REMAINING_CHI_SQUARE * chi_square(1.0)).then_some(best)
 }
 
-/// How a coefficient changes from the lowest to the highest load.
+/// Change of a coefficient from the lowest to the highest load.
 struct Change {
     pressures_pa: [f64; 2],
-    /// Over the coefficient at the lowest load, and over its standard error.
+    /// Change relative to the coefficient at the lowest load, and relative to the standard error.
     part: f64,
     errors: f64,
 }
 
 impl Change {
-    /// Nothing at one load, or where an error is not known.
-    fn of(rows: &[FittedRow]) -> Option<Self> {
+    /// `None` for a single load, or if a standard error is unknown.
+    fn from_rows(rows: &[FittedRow]) -> Option<Self> {
         let (first, last) = (rows.first()?, rows.last().filter(|_| rows.len() > 1)?);
         let [from, to] = [first, last].map(|row| row.pair.dynamic_mean);
         // s^2 = s_1^2 + s_2^2
@@ -145,7 +148,7 @@ mod tests {
         let of = |origin: AreaLawOrigin, last: f64, std_error: f64| {
             let rows = |last: f64| vec![row(0.4e6, 0.28, 0.001), row(1e6, 0.29, 0.004), row(4e6, last, std_error)];
             let surface = SurfaceFindings { origin: Some(origin), ..SurfaceFindings::default() };
-            follows_load(&surface, 0.38e9, &[(at(2e-3), rows(0.281)), (at(1e-2), rows(last))])
+            load_dependence_warning(&surface, 0.38e9, &[(at(2e-3), rows(0.281)), (at(1e-2), rows(last))])
         };
         let said = of(map, 0.336, 0.018).unwrap();
         assert!(
@@ -154,7 +157,7 @@ mod tests {
         );
         assert!(said.contains("rises with load or falls less than this area law says"), "{said}");
         assert!(of(map, 0.23, 0.01).unwrap().contains("mu_d falls by 18 %"));
-        // Within its error, too small to matter, or the law that was measured.
+        // A change within its error, one too small to matter, and a measured law.
         assert_eq!(of(map, 0.336, 0.02), None);
         assert_eq!(of(map, 0.29, 0.001), None);
         assert_eq!(of(AreaLawOrigin::Measured, 0.336, 0.001), None);
@@ -162,7 +165,8 @@ mod tests {
 
     #[test]
     fn the_modulus_that_fits_is_named() {
-        // Friction of a solid of 0.048 GPa, calibrated with other moduli: by a factor of 1000, as MPa taken for GPa, and by less.
+        // Friction of a solid of 0.048 GPa, calibrated with wrong moduli: by a factor of 1000 (MPa given as GPa), and
+        // by less.
         let rms_slope = 0.0358;
         let law_at = |modulus_pa: f64| {
             let of = LawPressures::new(None, 1.125 * modulus_pa, rms_slope, None);
@@ -183,7 +187,7 @@ mod tests {
                 curve,
                 ..SurfaceFindings::default()
             };
-            follows_load(&surface, taken_pa, &[(condition, rows.to_vec())])
+            load_dependence_warning(&surface, taken_pa, &[(condition, rows.to_vec())])
         };
         for (taken_pa, taken) in [(48e9, "48"), (0.48e9, "0.48"), (0.012e9, "0.012")] {
             let said = told(0.048e9, taken_pa, 0.0).unwrap();
@@ -193,7 +197,7 @@ mod tests {
             assert!(said.contains(&format!("GPa in place of {taken} GPa would fit; local_law")), "{said}");
         }
         assert_eq!(told(0.048e9, 0.048e9, 0.0), None);
-        // Friction that rises with load is that of no modulus.
+        // No modulus explains friction that rises with load.
         let said = told(0.048e9, 48e9, 0.6).unwrap();
         assert!(said.contains("does not fit; local_law"), "{said}");
     }

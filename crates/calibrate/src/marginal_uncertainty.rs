@@ -1,27 +1,27 @@
-//! Errors of local coefficients that do not take the area law for known.
+//! Standard errors of local coefficients that include the errors of the area law.
 //!
-//! Measured is flat friction mu_flat = mu_d f(P): the coefficient mu_d is off by what the measurement is off, and by what f
-//! is off at its pressure, because Young's modulus or the law's own factors are.
+//! The measured quantity is flat friction mu_flat = mu_d f(P). The error of mu_d therefore includes the error of the
+//! measurement, and that of f at its pressure, which comes from Young's modulus and from the law's own factors.
 
 use slipgrid_material::{AreaLaw, MaterialError};
 
 use crate::{Fit, Problem};
 
-/// A measured load behind a coefficient.
+/// Load of a measurement from which a coefficient was fitted.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FlatLoad {
     /// Nominal pressure, in pascals.
     pub pressure_pa: f64,
-    /// How much it counts in the coefficient: 1 where it is the only one.
+    /// Weight of the measurement in the coefficient; 1 for a single measurement.
     pub weight: f64,
 }
 
-/// Standard deviation of mu_d over itself, where it is `conditional` at a given `law`, the logarithm of Young's modulus has
-/// the standard deviation `log_modulus_std`, and the law carries its own errors. `loads` are those that the coefficient was
-/// fitted to.
+/// Relative standard deviation of mu_d, including the errors of the area law. `conditional` is the relative standard
+/// deviation for a given `law`, `log_modulus_std` the standard deviation of the logarithm of Young's modulus, and
+/// `loads` are the measurements from which the coefficient was fitted.
 ///
 /// # Errors
-/// [`MaterialError`] where the law cannot be moved.
+/// [`MaterialError`] if the law cannot be shifted.
 pub fn marginal_relative_std(
     conditional: f64,
     law: &AreaLaw,
@@ -29,23 +29,24 @@ pub fn marginal_relative_std(
     loads: &[FlatLoad],
 ) -> Result<f64, MaterialError> {
     let (softer, stiffer) = (law.at_modulus((-log_modulus_std).exp())?, law.at_modulus(log_modulus_std.exp())?);
-    let off = law.with_factors_off_by(1.0);
+    let shifted = law.with_factors_off_by(1.0);
     let total: f64 = loads.iter().map(|load| load.weight).sum();
-    let mean =
-        |of: &dyn Fn(f64) -> f64| loads.iter().map(|load| load.weight * of(load.pressure_pa)).sum::<f64>() / total;
+    let mean = |value: &dyn Fn(f64) -> f64| {
+        loads.iter().map(|load| load.weight * value(load.pressure_pa)).sum::<f64>() / total
+    };
     // d ln mu_d = -d ln f
-    let of_modulus = mean(&|at_pa| 0.5 * (softer.factor(at_pa) / stiffer.factor(at_pa)).ln());
-    let of_law = mean(&|at_pa| (off.factor(at_pa) / law.factor(at_pa)).ln());
-    Ok(conditional.hypot(of_modulus).hypot(of_law))
+    let from_modulus = mean(&|at_pa| 0.5 * (softer.factor(at_pa) / stiffer.factor(at_pa)).ln());
+    let from_law = mean(&|at_pa| (shifted.factor(at_pa) / law.factor(at_pa)).ln());
+    Ok(conditional.hypot(from_modulus).hypot(from_law))
 }
 
 impl Fit {
-    /// Adds to the errors of the coefficients, which take the area law of `problem` for known, what Young's modulus, with this
-    /// relative standard deviation, and the law's own errors leave open. A law whose scale was fitted is in them already.
+    /// Adds the errors of Young's modulus (given as a relative standard deviation) and of the area law to the errors of
+    /// the coefficients. The errors of a fitted scale are already included.
     ///
     /// # Errors
-    /// [`MaterialError`] where the law cannot be moved.
-    pub fn free_of_the_law(
+    /// [`MaterialError`] if the law cannot be shifted.
+    pub fn include_law_errors(
         &mut self,
         problem: &Problem,
         modulus_relative_std: Option<f64>,
@@ -60,7 +61,7 @@ impl Fit {
             .iter()
             .map(|measured| {
                 let pressure_pa = problem.pressure_pa(measured);
-                // Of sum [(mu_d f_i - mu_i) / s_i]^2.
+                // Weights in sum [(mu_d f_i - mu_i) / s_i]^2.
                 FlatLoad { pressure_pa, weight: (law.factor(pressure_pa) / measured.mu_dynamic_std).powi(2) }
             })
             .collect();
@@ -87,7 +88,8 @@ mod tests {
 
     #[test]
     fn a_coefficient_is_off_by_what_the_factor_at_its_pressure_is() {
-        // A = 1 - exp(-P / S), S as Young's modulus: d ln f / d ln E = g(P0) - g(P), g = -x e^-x / (1 - e^-x) at x = P / S.
+        // A = 1 - exp(-P / S), S proportional to Young's modulus: d ln f / d ln E = g(P0) - g(P), g = -x e^-x / (1 -
+        // e^-x) at x = P / S.
         let pressure_pa: Vec<f64> = (1..600).map(|i| 0.05e6 * f64::from(i)).collect();
         let area: Vec<f64> = pressure_pa.iter().map(|p| 1.0 - (-p / 4e6_f64).exp()).collect();
         let law = AreaLaw::from_area_curve(&pressure_pa, &area, 0.7e6).unwrap();

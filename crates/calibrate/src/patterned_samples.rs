@@ -1,5 +1,5 @@
-//! What the model says of patterned samples at the conditions at which they were measured: steady cells, on the specimen that was cut
-//! where that is known, and what sliding in time adds.
+//! Modelled friction of patterned samples at the measured conditions: steady cells, the correction for the specimen if
+//! it is known, and the correction for sliding in time.
 
 use std::sync::Arc;
 
@@ -17,56 +17,58 @@ use crate::area_law::area_law;
 use crate::{CalibrationError, CalibrationTask, Measurement};
 use slipgrid_monitor::Part;
 
-/// Step of ln E behind the sensitivity: small against the modulus's own error, large against rounding.
+/// Step of ln E for the sensitivity: small against the error of the modulus, large against rounding errors.
 const LOG_MODULUS_STEP: f64 = 0.02;
 
-/// A measurement on a flat sample and that on a patterned one at the same condition.
+/// Measurements on a flat and on a patterned sample at the same condition.
 pub(crate) type Pair = [Measurement; 2];
 
-/// A modelled ratio, and d ln(modelled) / d ln(E); `None` where a load did not converge.
+/// Modelled ratio and d ln(ratio) / d ln(E); `None` if a load did not converge.
 pub(crate) type Sensitive = Option<[f64; 2]>;
 
-/// Conditions of `patterned` that were measured on a flat sample as well.
-pub(crate) fn pairs(task: &CalibrationTask, patterned: &[Measurement]) -> Vec<Pair> {
+/// Pairs each measurement in `patterned` with the measurement on a flat sample at the same condition, if there is one.
+pub(crate) fn pair_measurements(task: &CalibrationTask, patterned: &[Measurement]) -> Vec<Pair> {
     let pair = |patterned: &Measurement| Some([*task.flat.iter().find(|flat| flat.is_at(patterned))?, *patterned]);
     patterned.iter().filter_map(pair).collect()
 }
 
-/// What is said of a sample without what time adds, and of one that does not slide to a mean.
-const NOTHING_ADDED: &str = "its modelled ratios lack what sliding in time adds, some thousandths";
-const NO_MEAN: &str = "in time the sample does not slide to a mean";
+/// Warnings for samples without the correction for time, and for runs without a mean.
+const TIME_CHANGE_UNKNOWN: &str = "its modelled ratios lack what sliding in time adds, some thousandths";
+const NO_MEAN_IN_TIME: &str = "in time the sample does not slide to a mean";
 
-/// What sliding in time adds to the ratios of a sample: 0 where that is not known of it, as in space.
-pub(crate) struct AddedByTime {
-    /// At each pair.
+/// Change of the ratios of a sample by sliding in time; 0 where it is not known, for example in three dimensions.
+pub(crate) struct TimeChanges {
+    /// Change for each pair.
     pub at: Vec<f64>,
-    /// What is not known of it in the vertical plane, in words.
+    /// Warning if the change is not known.
     pub unknown: Option<String>,
 }
 
-/// What the model says of a sample.
+/// Model of a patterned sample.
 pub(crate) struct Model<'a> {
     pub task: &'a CalibrationTask,
-    /// The law, and the contact area that it follows from where it moves with the modulus.
+    /// The area law, and the contact area from which it is computed if it depends on the modulus (empty otherwise).
     pub law: (Option<&'a AreaLaw>, &'a [AreaPoint]),
     pub pattern: Pattern,
     pub relief: Option<Arc<ReliefMap>>,
-    /// Thickness of the specimen, in metres, where it is not that of the task.
+    /// Thickness of the specimen, in metres, if it differs from that of the task.
     pub thickness_m: Option<f64>,
 }
 
 impl Model<'_> {
-    /// Modelled ratio of each pair on the specimen that `on_face` is of, or of an endless pattern; `None` where a load did not converge.
+    /// Modelled ratio of each pair, on the specimen of `on_face` or for an infinite pattern; `None` if a load did not
+    /// converge.
     pub fn ratios(
         &self,
         pairs: &[Pair],
         on_face: Option<&SteadyOnFace>,
         monitor: &dyn Monitor,
     ) -> Result<Vec<Option<f64>>, CalibrationError> {
-        Ok(self.on_face(&self.cells(0.0, pairs, monitor)?, on_face))
+        Ok(self.apply_face(&self.cells(0.0, pairs, monitor)?, on_face))
     }
 
-    /// The same with d ln(modelled) / d ln(E), on the face `cut` where there is one, and what that makes of ratios.
+    /// Modelled ratios with d ln(ratio) / d ln(E), on the face `cut` if given. Also returns the correction for the
+    /// face.
     pub fn sensitive_ratios(
         &self,
         pairs: &[Pair],
@@ -76,11 +78,11 @@ impl Model<'_> {
         let third = Part::new(monitor, 1.0 / 3.0);
         let steps = [-LOG_MODULUS_STEP, 0.0, LOG_MODULUS_STEP];
         let (on_face, cells) = rayon::join(
-            || cut.map_or(Ok(None), |cut| self.on(cut, pairs, &Part::new(monitor, 0.0))),
+            || cut.map_or(Ok(None), |cut| self.face_correction(cut, pairs, &Part::new(monitor, 0.0))),
             || steps.par_iter().map(|&step| self.cells(step, pairs, &third)).collect::<Result<Vec<_>, _>>(),
         );
         let on_face = on_face?;
-        let all: Vec<Vec<Option<f64>>> = cells?.iter().map(|cells| self.on_face(cells, on_face.as_ref())).collect();
+        let all: Vec<Vec<Option<f64>>> = cells?.iter().map(|cells| self.apply_face(cells, on_face.as_ref())).collect();
         let at = |i: usize| {
             let sensitivity = (all[2][i]?.ln() - all[0][i]?.ln()) / (2.0 * LOG_MODULUS_STEP);
             Some([all[1][i]?, sensitivity])
@@ -88,7 +90,7 @@ impl Model<'_> {
         Ok(((0..pairs.len()).map(at).collect(), on_face))
     }
 
-    /// Ratios of endless patterns, with the modulus larger by the factor exp(log_modulus).
+    /// Ratios of infinite patterns, with the modulus multiplied by exp(log_modulus).
     fn cells(
         &self,
         log_modulus: f64,
@@ -98,37 +100,37 @@ impl Model<'_> {
         let (law, curve) = self.law;
         let law = match law {
             None => None,
-            // A measured law is moved by no modulus.
+            // A measured law does not depend on the modulus.
             Some(law) if curve.is_empty() => Some(law.clone()),
-            Some(law) => Some(stiffer(curve, log_modulus, self.task.threshold_pa, law.pressures_pa()[0])?),
+            Some(law) => Some(law_at_modulus(curve, log_modulus, self.task.threshold_pa, law.pressures_pa()[0])?),
         };
         let elastic = self.task.elastic.at_modulus(log_modulus.exp())?;
         let Some(scene) = self.scene(elastic, law, pairs)? else { return Ok(Vec::new()) };
         Ok(steady_ratios(&scene, monitor)?)
     }
 
-    /// What the specimen makes of the ratios `cells`.
-    fn on_face(&self, cells: &[Option<f64>], on_face: Option<&SteadyOnFace>) -> Vec<Option<f64>> {
+    /// Applies the correction for the specimen to the ratios `cells`.
+    fn apply_face(&self, cells: &[Option<f64>], on_face: Option<&SteadyOnFace>) -> Vec<Option<f64>> {
         let Some(on_face) = on_face else { return cells.to_vec() };
         cells.iter().enumerate().map(|(place, cell)| on_face.ratio((*cell)?, &self.pattern, place)).collect()
     }
 
-    /// What `cut` makes of ratios of an endless pattern at `pairs`.
-    fn on(
+    /// Computes the correction of `cut` for infinite patterns at `pairs`.
+    fn face_correction(
         &self,
         cut: &Specimen,
         pairs: &[Pair],
         monitor: &dyn Monitor,
     ) -> Result<Option<SteadyOnFace>, CalibrationError> {
-        let flat = self.lying_flat();
+        let flat = self.without_rims();
         let own = if self.pattern.texture().is_one_section() { &flat } else { self };
         let Some(scene) = own.face_scene(pairs)? else { return Ok(None) };
         Ok(Some(SteadyOnFace::new(&scene, &own.pattern, cut, monitor)?))
     }
 
-    /// Memory, in bytes, that [`Self::on`] takes.
-    pub fn bytes_on(&self, cut: &Specimen, pairs: &[Pair]) -> Result<f64, CalibrationError> {
-        let flat = self.lying_flat();
+    /// Memory, in bytes, that [`Self::face_correction`] takes.
+    pub fn face_bytes(&self, cut: &Specimen, pairs: &[Pair]) -> Result<f64, CalibrationError> {
+        let flat = self.without_rims();
         let own = if self.pattern.texture().is_one_section() { &flat } else { self };
         let Some(scene) = own.face_scene(pairs)? else { return Ok(0.0) };
         SteadyOnFace::bytes(&scene, &own.pattern, cut).map_err(|error| match error {
@@ -137,26 +139,28 @@ impl Model<'_> {
         })
     }
 
-    /// The same without rims, as strips are solved: what rims add is that of the cell.
-    fn lying_flat(&self) -> Self {
+    /// The pattern without rims, for which strips can be solved; the effect of rims is that in the cell.
+    fn without_rims(&self) -> Self {
         Self { pattern: self.pattern.with_rim(None), relief: None, ..*self }
     }
 
-    /// What a face is solved in: neither its tilt nor time needs blocks as small as rims do. `None` without any pair.
+    /// Scene for the face, in normal blocks: neither tilt nor dynamics needs blocks as small as rims do. `None` without
+    /// pairs.
     fn face_scene(&self, pairs: &[Pair]) -> Result<Option<Scene>, CalibrationError> {
         let mut scene = self.scene(self.task.elastic, self.law.0.cloned(), pairs)?;
         scene.iter_mut().for_each(|scene| scene.layer.block_m = self.task.layer.block_m);
         Ok(scene)
     }
 
-    /// What sliding in time adds to the ratio of each pair on the face `cut`, or of an endless pattern: at each force by one run, at the mean of
-    /// flat friction there, as it depends on friction by less than the run's own error. That of rims is taken for that of the pattern without.
-    pub fn added_by_time(
+    /// Change of the ratio of each pair by sliding in time, on the face `cut` or for an infinite pattern. One run per
+    /// force, at the mean of flat friction, because the dependence on friction is below the error of the run. The
+    /// pattern is run without rims.
+    pub fn time_changes(
         &self,
         pairs: &[Pair],
         cut: Option<&Specimen>,
         monitor: &dyn Monitor,
-    ) -> Result<AddedByTime, CalibrationError> {
+    ) -> Result<TimeChanges, CalibrationError> {
         let task = self.task;
         let mut forces_n: Vec<f64> = pairs.iter().map(|[flat, _]| flat.force_n).collect();
         forces_n.sort_by(f64::total_cmp);
@@ -169,8 +173,8 @@ impl Model<'_> {
             [mean, mean]
         };
         let means: Vec<Pair> = forces_n.iter().map(at_mean).collect();
-        let nothing = |unknown| AddedByTime { at: vec![0.0; pairs.len()], unknown };
-        let Some(mut scene) = self.lying_flat().face_scene(&means)? else { return Ok(nothing(None)) };
+        let nothing = |unknown| TimeChanges { at: vec![0.0; pairs.len()], unknown };
+        let Some(mut scene) = self.without_rims().face_scene(&means)? else { return Ok(nothing(None)) };
         scene.run = RunOptions { seed: task.seed, ..RunOptions::default() };
         let static_share = task.local_static_over_dynamic();
         for load in &mut scene.loads {
@@ -182,26 +186,26 @@ impl Model<'_> {
         }
         let added = match time_changes_on(&scene, cut, monitor) {
             Ok(added) => added,
-            Err(error) => return Ok(nothing(Some(format!("{NOTHING_ADDED}: {error}")))),
+            Err(error) => return Ok(nothing(Some(format!("{TIME_CHANGE_UNKNOWN}: {error}")))),
         };
         let Some(known) = nearest_known(&added, &scene.loads) else {
-            return Ok(nothing(Some(format!("{NOTHING_ADDED}: {NO_MEAN} at any pressure"))));
+            return Ok(nothing(Some(format!("{TIME_CHANGE_UNKNOWN}: {NO_MEAN_IN_TIME} at any pressure"))));
         };
         let without = scene.loads.iter().zip(&added).filter(|(_, added)| added.is_none());
         let without: Vec<String> =
             without.map(|(load, _)| format!("{:.3}", PRESSURE_MPA.from_si(load.pressure_pa))).collect();
         let unknown = (!without.is_empty()).then(|| {
             let at = without.join(" and ");
-            format!("{NO_MEAN} at {at} MPa: what sliding in time adds there is taken from the nearest other pressure")
+            format!("{NO_MEAN_IN_TIME} at {at} MPa: what sliding in time adds there is taken from the nearest other pressure")
         });
         let at = |[flat, _]: &Pair| {
             let place = forces_n.iter().position(|force_n| *force_n == flat.force_n);
             place.map_or(0.0, |place| known[place])
         };
-        Ok(AddedByTime { at: pairs.iter().map(at).collect(), unknown })
+        Ok(TimeChanges { at: pairs.iter().map(at).collect(), unknown })
     }
 
-    /// Steady cells of the sample, the flat surface at its measured friction; `None` without any pair.
+    /// Steady cells of the sample, with the flat surface at its measured friction; `None` without pairs.
     fn scene(
         &self,
         elastic: Elastic,
@@ -232,17 +236,18 @@ impl Model<'_> {
             relief: self.relief.clone(),
             layer: Layer { block_m, thickness_m, ..layer },
             loads,
-            // Steady sliding does not depend on it.
+            // Steady sliding does not depend on speed.
             speed_m_s: first.speed_m_s,
-            // As the run that confirms a design has them: what trials say must not have the blocks' error in it.
+            // Same refinement as in the run that confirms a design, so that the discrepancy does not include the
+            // discretization error.
             run: RunOptions { refine: true, ..RunOptions::default() },
         }))
     }
 }
 
-/// The law of a surface whose modulus is larger by the factor exp(log_modulus): A(P; c E) = A(P / c; E). A stated threshold
-/// stays; the reference pressure `light_pa` of small loads moves with the modulus.
-fn stiffer(
+/// Area law for a modulus multiplied by exp(log_modulus): A(P; c E) = A(P / c; E). A stated threshold is kept; the
+/// reference pressure `light_pa` scales with the modulus.
+fn law_at_modulus(
     curve: &[AreaPoint],
     log_modulus: f64,
     stated_pa: Option<f64>,

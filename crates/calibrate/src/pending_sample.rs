@@ -1,17 +1,17 @@
-//! Samples that were cut and are not yet measured, as they are modelled.
+//! Modelled ratios of samples that were cut and not yet measured.
 
 use slipgrid_discrepancy::{DimensionShift, Features, Load, Trial};
 
-/// A sample that was cut and not yet measured, as it is modelled at the flat sample's conditions.
+/// Modelled ratios of a sample that was cut and not yet measured, at the conditions of the flat sample.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PendingSample {
-    /// Its name.
+    /// Name of the sample.
     pub name: String,
-    /// Its texture.
+    /// Features of the texture.
     pub features: Features,
-    /// What is modelled, one a condition.
+    /// Modelled ratios, one per condition.
     pub modelled: Vec<ModelledRatio>,
-    /// Errors of its dimensions.
+    /// Changes of the ratios for one standard error of each dimension.
     pub dimension_shifts: Vec<DimensionShift>,
 }
 
@@ -27,7 +27,7 @@ pub struct ModelledRatio {
 }
 
 impl From<Trial> for PendingSample {
-    /// Without what stands for measurements.
+    /// Keeps the modelled values and drops the placeholders for measurements.
     fn from(trial: Trial) -> Self {
         let Trial { name, features, measured, dimension_shifts, .. } = trial;
         let modelled = measured.iter().map(|at| ModelledRatio {

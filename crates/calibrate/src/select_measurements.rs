@@ -1,25 +1,24 @@
-//! Which measurements a design needs: each on a flat sample takes a run of that sample in time.
+//! Selection of the measurements that a design needs, because each measurement on a flat sample requires a dynamic run.
 
 use slipgrid_material::{Condition, ConditionFriction, Friction, LocalFriction, MaterialError, between};
 
 use crate::{CalibrationTask, Coefficients, Measurement};
 
-/// A force within a part in a million of another is the same.
-const SAME_PRESSURE: f64 = 1e-6;
+/// Relative tolerance for equal pressures.
+const PRESSURE_TOLERANCE: f64 = 1e-6;
 
-/// The conditions and pressures at which friction is wanted.
+/// Conditions and pressures at which friction is needed.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Selection {
-    /// Speeds and humidities; where there are none, all measurements are taken.
+    /// Speeds and humidities; all measurements are selected if empty.
     pub conditions: Vec<Condition>,
-    /// Nominal pressures, in pascals; where there are conditions, only measurements at or about these pressures are taken.
+    /// Nominal pressures, in pascals. With conditions, only measurements at or next to these pressures are selected.
     pub pressures_pa: Vec<f64>,
 }
 
 impl Selection {
-    /// The measurements of `task` on flat samples that the coefficients are made of: where they depend on the condition those
-    /// at the selected conditions, or about them, and of these the ones about each of the pressures; all where one pair of
-    /// coefficients holds for all.
+    /// Selects the measurements of `task` on flat samples. If coefficients depend on the condition, these are the
+    /// measurements at the selected conditions or next to them, and next to each pressure; otherwise all.
     #[must_use]
     pub fn flat(&self, task: &CalibrationTask) -> Vec<Measurement> {
         if task.coefficients != Coefficients::PerCondition || self.conditions.is_empty() {
@@ -44,11 +43,11 @@ impl Selection {
     }
 }
 
-/// Friction as measured at nominal pressures on specimens of an area, before anything is fitted: enough to find out whether
-/// pressures and conditions are among those measured.
+/// Friction as measured, before any fit, at the nominal pressures for a specimen area. It is used to find out whether
+/// pressures and conditions are within the measured range.
 ///
 /// # Errors
-/// [`MaterialError`] if a measured number is no coefficient.
+/// [`MaterialError`] if a measured number is not a valid coefficient.
 pub fn measured_friction(
     flat: &[Measurement],
     specimen_area_m2: f64,
@@ -66,9 +65,9 @@ pub fn measured_friction(
     Ok(Friction::PerCondition(flat.iter().map(row).collect::<Result<_, MaterialError>>()?))
 }
 
-/// Whether `one` of the measured pressures is `wanted`, or the nearest of them on either side.
+/// Whether the measured pressure `one` equals `wanted`, or is its nearest neighbour on either side.
 fn is_beside(measured: &[f64], one: f64, wanted: f64) -> bool {
-    let slack = SAME_PRESSURE * wanted;
+    let slack = PRESSURE_TOLERANCE * wanted;
     let below = measured.iter().copied().filter(|own| *own <= wanted + slack).reduce(f64::max);
     let above = measured.iter().copied().filter(|own| *own >= wanted - slack).reduce(f64::min);
     below.is_some_and(|below| one >= below - slack) && above.is_none_or(|above| one <= above + slack)

@@ -1,4 +1,4 @@
-//! The surface behind a calibration's area law: its contact area by rough contact of a map or by theory.
+//! Surface from which the area law of a calibration is computed: contact area from a map or from theory.
 
 use slipgrid_contact::AreaPoint;
 use slipgrid_material::AreaLaw;
@@ -12,25 +12,25 @@ use crate::area_law::{
 use crate::calibration_task::{CalibrationError, CalibrationTask, MapSurface, Surface};
 use crate::{AreaLawScale, Fit, LawPressures};
 
-/// Local pressures at which maps before and after a test are compared.
-const AFTER_MPA: [f64; 3] = [1.3, 2.6, 8.0];
+/// Local pressures, in MPa, at which maps before and after a test are compared.
+const COMPARED_MPA: [f64; 3] = [1.3, 2.6, 8.0];
 /// Name of the fitted scale among the parameters of a fit.
 const SCALE_PARAMETER: &str = "area_law_scale_pa";
-/// Tabulated pressures of a law that is fitted: dense, so that it bends smoothly.
+/// Number of tabulated pressures of a fitted law: many, so that the law is smooth.
 const SCALED_POINTS: usize = 241;
-/// First and last of them over E* h'rms: from where A / P is its limit at small loads to 1e-8, to full contact.
+/// Range of the table, in P / (E* h'rms): from where A / P equals its limit for small loads to 1e-8, to full contact.
 const SCALED_RANGE: [f64; 2] = [1e-4, 10.0];
 
-/// Where an area law came from.
+/// Origin of an area law.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum AreaLawOrigin {
     /// Rough contact of a map.
     Map,
     /// Persson's theory for a given rms slope.
     Persson,
-    /// The same with a scale that was fitted to friction.
+    /// Persson's theory with a scale that was fitted to friction.
     Fit,
-    /// Flat friction itself.
+    /// Measured flat friction.
     Measured,
 }
 
@@ -47,47 +47,46 @@ impl AreaLawOrigin {
     }
 }
 
-/// The surface behind an area law, as far as there is one.
+/// Surface from which an area law was computed.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SurfaceFindings {
-    /// Where the law came from; `None` without a law.
+    /// Origin of the law; `None` without a law.
     pub origin: Option<AreaLawOrigin>,
-    /// The map is synthetic.
+    /// Whether the map is synthetic.
     pub synthetic: bool,
     /// Rms slope of the surface.
     pub rms_slope: Option<f64>,
     /// Arithmetic mean height of the map, in metres.
     pub sa_m: Option<f64>,
-    /// Its pixel along the sliding direction, in metres.
+    /// Pixel of the map along the sliding direction, in metres.
     pub pixel_m: Option<f64>,
-    /// Its pixel across the sliding direction, in metres, where that is another.
+    /// Pixel of the map across the sliding direction, in metres, if it differs.
     pub pixel_y_m: Option<f64>,
-    /// Contact area behind the law; empty where no contact area is.
+    /// Contact area from which the law was computed; empty if it was not computed from contact area.
     pub curve: Vec<AreaPoint>,
-    /// The law, with standard errors where windows of the map give them.
+    /// Area law, with standard errors if windows of the map were solved.
     pub law: Option<AreaLaw>,
-    /// How it was obtained, one sentence each.
+    /// Notes on the method, one sentence each.
     pub notes: Vec<String>,
-    /// What makes the law doubtful.
+    /// Reasons to doubt the law.
     pub warnings: Vec<SurfaceWarning>,
-    /// Bounds of the scale where that is fitted, in pascals.
+    /// Bounds of a fitted scale, in pascals.
     pub(crate) scale_bounds_pa: Option<[f64; 2]>,
 }
 
 impl SurfaceFindings {
-    /// The law, and the contact area that it follows from where it moves with the modulus.
+    /// The law, and the contact area from which it is computed if it depends on the modulus (empty otherwise).
     pub(crate) fn law_and_curve(&self) -> (Option<&AreaLaw>, &[AreaPoint]) {
-        (self.law.as_ref(), if self.moves_with_the_modulus() { &self.curve } else { &[] })
+        (self.law.as_ref(), if self.depends_on_modulus() { &self.curve } else { &[] })
     }
 
-    /// Whether another Young's modulus makes it another law: not where it is measured friction itself, or its scale was fitted to that.
+    /// Whether the law depends on Young's modulus. A measured law does not, nor one whose scale was fitted to friction.
     #[must_use]
-    pub fn moves_with_the_modulus(&self) -> bool {
+    pub fn depends_on_modulus(&self) -> bool {
         !matches!(self.origin, Some(AreaLawOrigin::Measured | AreaLawOrigin::Fit))
     }
 
-    /// The law of which the scale is fitted: Persson's contact area against P / (E* h'rms), from small loads to
-    /// full contact.
+    /// Law with a scale to fit: Persson's contact area against P / (E* h'rms), from small loads to full contact.
     pub(crate) fn scale(&self) -> Result<Option<AreaLawScale>, CalibrationError> {
         let Some(bounds_pa) = self.scale_bounds_pa else { return Ok(None) };
         let [from, to] = SCALED_RANGE;
@@ -98,28 +97,28 @@ impl SurfaceFindings {
         Ok(Some(AreaLawScale { area_fraction, pressure_over_scale, bounds_pa }))
     }
 
-    /// Takes law and contact area at the scale that `fit` found, where the scale was fitted.
-    pub(crate) fn take_fitted_scale(&mut self, fit: &Fit) -> Result<(), CalibrationError> {
+    /// Sets law and contact area to those at the fitted scale, if the scale was fitted.
+    pub(crate) fn set_fitted_scale(&mut self, fit: &Fit) -> Result<(), CalibrationError> {
         let Some(scale) = self.scale()? else { return Ok(()) };
         self.origin = Some(AreaLawOrigin::Fit);
         self.law.clone_from(&fit.area_law);
         if let Some(found) = fit.parameters.iter().find(|parameter| parameter.name == SCALE_PARAMETER) {
             let pressures_pa: Vec<f64> = scale.pressure_over_scale.iter().map(|x| x * found.value).collect();
-            // The numbers were accepted by the fit.
+            // The fit has already accepted these numbers.
             self.curve = persson_curve(1.0, found.value, &pressures_pa).unwrap_or_default();
         }
         Ok(())
     }
 }
 
-/// Fall of A / P between the lightest measured load and a stated threshold from which on that is named.
-const MAX_CLAMPED: f64 = 0.02;
+/// Decrease of A / P between the lightest measured load and a stated threshold from which on a warning is given.
+const MAX_AREA_DECREASE: f64 = 0.02;
 
-/// A stated threshold that takes friction as proportional to load where the computed contact area is not.
-fn clamped(task: &CalibrationTask, curve: &[AreaPoint]) -> Option<SurfaceWarning> {
+/// Warning if contact area grows less than in proportion to load below the stated threshold.
+fn threshold_warning(task: &CalibrationTask, curve: &[AreaPoint]) -> Option<SurfaceWarning> {
     let threshold_pa = task.threshold_pa?;
     let lightest_pa = task.flat.iter().map(|measured| task.pressure_pa(measured)).reduce(f64::min)?;
-    // A / P, straight between the points of the curve.
+    // A / P, interpolated linearly between the points of the curve.
     let per_load = |pressure_pa: f64| {
         let above = curve.partition_point(|point| point.pressure_pa < pressure_pa);
         let share = |point: &AreaPoint| point.area_fraction_corrected / point.pressure_pa;
@@ -128,20 +127,20 @@ fn clamped(task: &CalibrationTask, curve: &[AreaPoint]) -> Option<SurfaceWarning
         Some((1.0 - place) * share(lower) + place * share(upper))
     };
     let share = per_load(threshold_pa)? / per_load(lightest_pa)?;
-    (lightest_pa < threshold_pa && share < 1.0 - MAX_CLAMPED).then_some(SurfaceWarning::Threshold {
+    (lightest_pa < threshold_pa && share < 1.0 - MAX_AREA_DECREASE).then_some(SurfaceWarning::Threshold {
         threshold_pa,
         lightest_pa,
         share,
     })
 }
 
-/// Contact area and area law of the surface of `task`, before anything is fitted.
+/// Computes contact area and area law of the surface of `task`, before the fit.
 pub(crate) fn surface_findings(
     task: &CalibrationTask,
     monitor: &dyn Monitor,
 ) -> Result<SurfaceFindings, CalibrationError> {
     let mut found = findings(task, monitor)?;
-    found.warnings.extend(clamped(task, &found.curve));
+    found.warnings.extend(threshold_warning(task, &found.curve));
     Ok(found)
 }
 
@@ -166,35 +165,35 @@ fn findings(task: &CalibrationTask, monitor: &dyn Monitor) -> Result<SurfaceFind
             ..SurfaceFindings::default()
         }),
         Surface::RmsSlope(rms_slope) => {
-            let of = LawPressures::new(task.threshold_pa, contact_modulus_pa, *rms_slope, None);
-            let curve = persson_curve(*rms_slope, contact_modulus_pa, &of.pressures_pa)?;
+            let table = LawPressures::new(task.threshold_pa, contact_modulus_pa, *rms_slope, None);
+            let curve = persson_curve(*rms_slope, contact_modulus_pa, &table.pressures_pa)?;
             Ok(SurfaceFindings {
                 origin: Some(AreaLawOrigin::Persson),
                 rms_slope: Some(*rms_slope),
-                law: Some(area_law(&curve, of.threshold_pa).map_err(CalibrationError::NoAreaLaw)?),
+                law: Some(area_law(&curve, table.threshold_pa).map_err(CalibrationError::NoAreaLaw)?),
                 curve,
                 notes: vec!["area law by Persson's theory from the rms slope: no substitute for a map".to_owned()],
-                warnings: SurfaceWarning::of_slope(*rms_slope).into_iter().collect(),
+                warnings: SurfaceWarning::check_slope(*rms_slope).into_iter().collect(),
                 ..SurfaceFindings::default()
             })
         }
         Surface::Map(surface) => {
             let map = &surface.map;
             let points = map.map.rows() * map.map.cols();
-            let of = LawPressures::new(task.threshold_pa, contact_modulus_pa, map.rms_slope, Some(points));
+            let table = LawPressures::new(task.threshold_pa, contact_modulus_pa, map.rms_slope, Some(points));
             let request = AreaLawRequest {
                 contact_modulus_pa,
-                pressures_pa: &of.pressures_pa,
-                threshold_pa: of.threshold_pa,
+                pressures_pa: &table.pressures_pa,
+                threshold_pa: table.threshold_pa,
                 tolerance: CONTACT_TOLERANCE,
                 windows: surface.windows,
             };
-            of_map(surface, &request, monitor)
+            findings_from_map(surface, &request, monitor)
         }
     }
 }
 
-fn of_map(
+fn findings_from_map(
     surface: &MapSurface,
     request: &AreaLawRequest<'_>,
     monitor: &dyn Monitor,
@@ -228,7 +227,7 @@ fn of_map(
     })
 }
 
-/// Says that finer pixels would find a higher slope, and so another law.
+/// Note that finer pixels would give a higher slope and therefore another law.
 fn limited_by_pixels(map: &PreparedMap, monitor: &dyn Monitor) -> Option<String> {
     let short = map.map.short_waves(monitor).ok().filter(|short| short.slope_share > LIMITED_BY_PIXELS)?;
     Some(format!(
@@ -239,7 +238,7 @@ fn limited_by_pixels(map: &PreparedMap, monitor: &dyn Monitor) -> Option<String>
     ))
 }
 
-/// How the map `after` the test differs from the one before, on which the law rests.
+/// Compares the map `after` the test with the map before, from which the law is computed.
 fn after_test(
     after: &PreparedMap,
     (before, own): (&PreparedMap, &AreaLaw),
@@ -255,7 +254,7 @@ fn after_test(
     let refuse = |error: &dyn std::fmt::Display| CalibrationError::MapAfter(error.to_string());
     let curve = curve.map_err(|error| refuse(&error))?;
     let other = area_law(&curve.points, request.threshold_pa).map_err(|error| refuse(&error))?;
-    let at: Vec<String> = AFTER_MPA
+    let at: Vec<String> = COMPARED_MPA
         .iter()
         .map(|mpa| {
             let [own, other] = [own, &other].map(|law| law.factor(PRESSURE_MPA.to_si(*mpa)));
@@ -313,7 +312,8 @@ mod tests {
 
     #[test]
     fn without_a_threshold_the_law_follows_the_area_within_the_measured_loads() {
-        // Loads of 0.15 to 1 MPa on a soft solid, E* h'rms = 1.93 MPa; what the published polyethylene states lies among them.
+        // Loads of 0.15 to 1 MPa on a soft solid, E* h'rms = 1.93 MPa; the threshold published for polyethylene is
+        // within this range.
         let measured = |force_n: f64| crate::Measurement {
             force_n,
             speed_m_s: 1e-2,
@@ -335,7 +335,7 @@ mod tests {
         assert_eq!(free.warnings, []);
         let said = stated.warnings[0].to_string();
         assert!(said.contains("up to 0.7 MPa, where contact area per load is 0.92 times that at 0.15 MPa"), "{said}");
-        // A threshold below the loads, or above loads at which area still grows in proportion, is not told of.
+        // There is no warning for a threshold below the loads, nor if area is proportional to load.
         assert_eq!(of(Some(0.1e6)).warnings, []);
         let stiff = CalibrationTask { threshold_pa: Some(0.7e6), flat: vec![measured(30.0)], ..task(0.38e9, 0.0137) };
         assert_eq!(surface_findings(&stiff, &Unwatched).unwrap().warnings, []);

@@ -1,4 +1,4 @@
-//! Trials: samples that were cut and measured, and the discrepancy that they say.
+//! Trials: samples that were cut and measured, and the discrepancy learned from them.
 
 use std::sync::Arc;
 
@@ -11,68 +11,68 @@ use slipgrid_pattern::{Pattern, ReliefMap};
 use slipgrid_springblock::Dimension;
 use slipgrid_units::{HUMIDITY_PCT, PRESSURE_MPA, SPEED_MM_S, tidy};
 
-use crate::patterned_samples::{Model, Pair, pairs};
+use crate::patterned_samples::{Model, Pair, pair_measurements};
 use crate::surface_area_law_source::surface_findings;
 use crate::{CalibrationError, CalibrationTask, Measurement, PendingSample, Surface};
 use slipgrid_monitor::Part;
 
-/// A sample that was cut, and measured unless it is pending.
+/// A sample that was cut; it is pending if it has no measurements.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CutSample {
-    /// Its name.
+    /// Name of the sample.
     pub name: String,
-    /// When it was measured, as written; empty where that is not said.
+    /// Date of the measurement as written in the file, or empty.
     pub date: String,
-    /// Whatever else is known of it.
+    /// Free text from the file.
     pub notes: String,
-    /// Its pattern, as measured or as designed.
+    /// Pattern, as measured or as designed.
     pub pattern: Pattern,
-    /// Measured heights of its face over one period, in place of rims.
+    /// Measured heights of the face over one period, instead of rims.
     pub relief: Option<Arc<ReliefMap>>,
-    /// Standard errors of width, spacing and depth, in metres; 0 where they are taken as exact.
+    /// Standard errors of width, spacing and depth, in metres; 0 for exact dimensions.
     pub dimensions_std_m: [f64; 3],
-    /// Scatter from one sample of the texture to the next, where it is known: of the ratio's logarithm.
+    /// Standard deviation of the logarithm of the ratio between samples of one texture, if known.
     pub sample_std: Option<f64>,
-    /// The disc that it shares with other samples of this name, as a sector of it; `None` where it has its own.
+    /// Name of the disc if the sample is one of several sectors of it; `None` if it has its own disc.
     pub disc: Option<String>,
-    /// The specimen that it was cut into.
+    /// Specimen into which the sample was cut.
     pub specimen: CutSpecimen,
-    /// Measurements on it; none while it is pending.
+    /// Measurements; empty while the sample is pending.
     pub measured: Vec<Measurement>,
 }
 
-/// The specimen that a sample was cut into.
+/// Specimen into which a sample was cut.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct CutSpecimen {
-    /// Its face, and what became of cavities that pass its rim; `None` where the pattern is taken as endless, as on a sector of a disc.
+    /// Face, and treatment of cavities that cross its border; `None` for an infinite pattern, as on a sector of a disc.
     pub face: Option<Specimen>,
-    /// Its thickness, in metres, where it is not that of the task's layer.
+    /// Thickness, in metres, if it differs from that of the task's layer.
     pub thickness_m: Option<f64>,
 }
 
-/// What is wanted of trials: the samples, and what is believed before.
+/// Input for learning from trials.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct TrialsTask {
-    /// The samples, the earliest first.
+    /// Samples, earliest first.
     pub samples: Vec<CutSample>,
-    /// What is believed before anything was measured.
+    /// Prior of the discrepancy.
     pub prior: Hyperparameters,
 }
 
-/// What the samples of a calibration say.
+/// Result of learning from trials.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Learned {
-    /// The discrepancy.
+    /// Posterior of the discrepancy.
     pub discrepancy: Discrepancy,
-    /// What is not modelled of a sample as it is of designs, one sentence each.
+    /// Warnings about samples that are not modelled like designs, one sentence each.
     pub warnings: Vec<String>,
 }
 
-/// The discrepancy that the samples of `task` say, by an area law that follows from a contact area `curve`, or by `law` itself where
-/// there is no curve. Before any sample it is the prior.
+/// Learns the discrepancy from the samples of `task`, with the area law from the contact area `curve`, or `law` itself
+/// if `curve` is empty. Without samples the result is the prior.
 ///
 /// # Errors
-/// [`CalibrationError`] if the numbers make no scene or no discrepancy, or the monitor asks to stop.
+/// [`CalibrationError`] if a scene or the discrepancy is invalid, or the monitor cancels.
 pub fn learn(
     task: &CalibrationTask,
     law: (Option<&AreaLaw>, &[AreaPoint]),
@@ -83,7 +83,7 @@ pub fn learn(
     let trials = measured.into_iter().map(|sample| trial(task, sample, law, &monitor));
     let (trials, warnings): (Vec<Trial>, Vec<Option<String>>) =
         trials.collect::<Result<Vec<_>, CalibrationError>>()?.into_iter().unzip();
-    // As designs have it: ratios follow the modulus through the area law, where that moves with it.
+    // As for designs: ratios depend on the modulus through the area law only.
     let (_, curve) = law;
     let modulus = if curve.is_empty() { 0.0 } else { tidy(task.modulus_relative_std().unwrap_or(0.0)) };
     let discrepancy = Discrepancy::new(task.trials.prior.clone(), conditions(task), modulus, trials);
@@ -93,10 +93,10 @@ pub fn learn(
     })
 }
 
-/// Memory, in bytes, that modelling the strips of the largest measured sample of `task` takes: samples follow one another.
+/// Memory, in bytes, for the strips of the largest measured sample of `task`; samples are modelled one after the other.
 ///
 /// # Errors
-/// [`CalibrationError`] where one takes more than there is, or means nothing.
+/// [`CalibrationError`] if a sample is invalid or needs more memory than available.
 pub fn sample_bytes(task: &CalibrationTask) -> Result<f64, CalibrationError> {
     let law = (None, &[][..]);
     let mut most = 0.0_f64;
@@ -104,25 +104,25 @@ pub fn sample_bytes(task: &CalibrationTask) -> Result<f64, CalibrationError> {
         let CutSpecimen { face, thickness_m } = cut.specimen;
         let Some(face) = &face else { continue };
         let model = Model { task, law, pattern: cut.pattern, relief: cut.relief.clone(), thickness_m };
-        most = most.max(model.bytes_on(face, &pairs(task, &cut.measured))?);
+        most = most.max(model.face_bytes(face, &pair_measurements(task, &cut.measured))?);
     }
     Ok(most)
 }
 
-/// What a calibration's samples say, and what is modelled of those that were cut and not yet measured.
+/// Discrepancy learned from a calibration's samples, and modelled ratios of pending samples.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LearnedSamples {
-    /// The discrepancy.
+    /// Posterior of the discrepancy.
     pub discrepancy: Discrepancy,
-    /// What is modelled of the pending samples.
+    /// Modelled ratios of the pending samples.
     pub pending: Vec<PendingSample>,
 }
 
-/// The same without fitting anything to flat samples, but where the area law is fitted to them. Stages of the monitor: those of the
-/// area law, "calibration" where there is one, and "trials".
+/// Learns from trials without a fit to flat samples, unless the area law is fitted to them. Stages of the monitor:
+/// those of the area law, "calibration" if a fit is made, and "trials".
 ///
 /// # Errors
-/// As [`crate::run`].
+/// See [`crate::run`].
 pub fn learn_alone(task: &CalibrationTask, monitor: &dyn Monitor) -> Result<LearnedSamples, CalibrationError> {
     let (surface, learned) = if matches!(task.surface, Surface::FittedScale { .. }) {
         let found = crate::run(task, monitor)?;
@@ -135,7 +135,7 @@ pub fn learn_alone(task: &CalibrationTask, monitor: &dyn Monitor) -> Result<Lear
     let learned = learned.map_or_else(|| learn(task, law, &stage).map(|learned| learned.discrepancy), Ok);
     let pending = task.trials.samples.iter().filter(|sample| sample.measured.is_empty());
     let pending = pending.map(|sample| {
-        // Each flat measurement beside itself: what is modelled there.
+        // Flat measurements stand in for patterned ones; only the modelled values are used.
         let sample = CutSample { measured: task.flat.clone(), ..sample.clone() };
         trial(task, &sample, law, &Part::new(&stage, 0.0)).map(|(trial, _)| PendingSample::from(trial))
     });
@@ -147,7 +147,7 @@ pub fn learn_alone(task: &CalibrationTask, monitor: &dyn Monitor) -> Result<Lear
     Ok(LearnedSamples { discrepancy: learned?, pending: pending? })
 }
 
-/// What pressures and speeds count from: the measurements on flat samples.
+/// Reference pressure and speed of the discrepancy, from the measurements on flat samples.
 fn conditions(task: &CalibrationTask) -> Conditions {
     let usual = Conditions::default();
     let count = task.flat.len();
@@ -163,13 +163,15 @@ fn conditions(task: &CalibrationTask) -> Conditions {
     }
 }
 
-/// A sample beside the model, its numbers to the digits that a material file holds, and what is not modelled of it as it is of designs.
+/// Models a measured sample. Returns its measured and modelled ratios, rounded as in a material file, and a warning if
+/// it is not modelled like designs.
 ///
-/// A modelled ratio depends on local friction by a thousandth at most, and in space linearly but for 5e-5: there it is solved at each
-/// force for the least and the greatest, as a load takes a tenth of a second. In the plane it is solved for every friction.
+/// A modelled ratio depends on local friction by a thousandth at most. In three dimensions, where one load takes a
+/// tenth of a second, it is solved for the lowest and highest friction at each force and interpolated, with an error of
+/// 5e-5. In the plane it is solved for every friction.
 ///
-/// A run in time adds what designs, too, have in their confirmed ratios: without it, it would count among what the model lacks, and designs
-/// that aim with that would have it twice.
+/// The correction for sliding in time is included, as in the confirmed ratios of designs. Otherwise it would become
+/// part of the discrepancy and would be counted twice in designs.
 fn trial(
     task: &CalibrationTask,
     cut: &CutSample,
@@ -180,28 +182,29 @@ fn trial(
     let monitor = Part::new(monitor, 1.0 / (1 + axes.len()) as f64);
     let CutSpecimen { face, thickness_m } = cut.specimen;
     let model = |pattern: Pattern| Model { task, law, pattern, relief: cut.relief.clone(), thickness_m };
-    let pairs = pairs(task, &cut.measured);
+    let pairs = pair_measurements(task, &cut.measured);
     let is_cheap = Dimension::of(None, cut.pattern.texture()).is_cheap_per_design();
-    let ends = if is_cheap { Ends { solved: pairs.clone() } } else { Ends::new(&pairs) };
+    let solved_pairs = if is_cheap { SolvedPairs { solved: pairs.clone() } } else { SolvedPairs::new(&pairs) };
     let (steady, added) = rayon::join(
-        || model(cut.pattern).sensitive_ratios(&ends.solved, face.as_ref(), &monitor),
-        || model(cut.pattern).added_by_time(&pairs, face.as_ref(), &Part::new(&monitor, 0.0)),
+        || model(cut.pattern).sensitive_ratios(&solved_pairs.solved, face.as_ref(), &monitor),
+        || model(cut.pattern).time_changes(&pairs, face.as_ref(), &Part::new(&monitor, 0.0)),
     );
     let ((steady, on_face), added) = (steady?, added?);
     let known = pairs.iter().zip(&added.at);
-    let known = known.filter_map(|(pair, added)| Some((pair, ends.between(pair, |place| steady[place])?, *added)));
+    let known =
+        known.filter_map(|(pair, added)| Some((pair, solved_pairs.between(pair, |place| steady[place])?, *added)));
     let known: Vec<(&Pair, [f64; 2], f64)> = known.collect();
     let mut dimension_shifts = Vec::new();
     for axis in axes {
         let lengths_m = cut.pattern.lengths_m();
-        // One standard error upwards: a cavity of a rough edge is rather too large than too small.
+        // One standard error upwards: a cavity with a rough edge is more likely too large than too small.
         let [width_m, spacing_m, depth_m] = std::array::from_fn(|other| {
             lengths_m[other] + if other == axis { cut.dimensions_std_m[axis] } else { 0.0 }
         });
         let Ok(moved) = Pattern::new(*cut.pattern.texture(), width_m, spacing_m, depth_m) else { continue };
-        let others = model(moved).ratios(&ends.solved, on_face.as_ref(), &monitor)?;
+        let others = model(moved).ratios(&solved_pairs.solved, on_face.as_ref(), &monitor)?;
         let change = |(pair, [own, _], added): &(&Pair, [f64; 2], f64)| {
-            let [other] = ends.between(pair, |place| Some([others[place]?]))?;
+            let [other] = solved_pairs.between(pair, |place| Some([others[place]?]))?;
             Some(tidy(((other + added) / (own + added)).ln()))
         };
         let log_ratio = known.iter().map(change).collect::<Option<Vec<f64>>>();
@@ -234,7 +237,7 @@ fn trial(
     Ok((trial, warning))
 }
 
-/// Features of `pattern` to the digits that a material file holds.
+/// Features of `pattern`, rounded as in a material file.
 fn tidy_features(pattern: &Pattern) -> Features {
     let features = Features::from(pattern);
     Features {
@@ -246,7 +249,7 @@ fn tidy_features(pattern: &Pattern) -> Features {
     }
 }
 
-/// What trials say, for the material's notes; `None` without any that was measured.
+/// Note on the trials for the material; `None` without measured trials.
 pub(crate) fn note(learned: &Discrepancy) -> Option<String> {
     let trial = learned.trials().iter().rfind(|trial| !trial.measured.is_empty())?;
     let ratios: usize = learned.trials().iter().map(|trial| trial.measured.len()).sum();
@@ -269,13 +272,13 @@ pub(crate) fn note(learned: &Discrepancy) -> Option<String> {
     ))
 }
 
-/// The pairs that are solved, and what lies between them.
-struct Ends {
-    /// All, or at each force that of the least and that of the greatest flat friction, where they differ.
+/// Pairs that are solved; others are interpolated.
+struct SolvedPairs {
+    /// All pairs, or those with the lowest and highest flat friction at each force.
     solved: Vec<Pair>,
 }
 
-impl Ends {
+impl SolvedPairs {
     fn new(pairs: &[Pair]) -> Self {
         let mut solved: Vec<Pair> = Vec::new();
         for [flat, _] in pairs {
@@ -291,7 +294,7 @@ impl Ends {
         Self { solved }
     }
 
-    /// What `at` says of the solved pairs, linear in flat friction between those at the force of `pair`.
+    /// Value of `at` for `pair`, interpolated linearly in flat friction between the solved pairs at its force.
     fn between<const N: usize>(&self, pair: &Pair, at: impl Fn(usize) -> Option<[f64; N]>) -> Option<[f64; N]> {
         if let Some(place) = self.solved.iter().position(|own| own == pair) {
             return at(place);
@@ -358,7 +361,7 @@ mod tests {
         }
     }
 
-    /// Friction between that of two other measurements at its force, in the plane and in space.
+    /// Friction between that of two other measurements at one force, in two and in three dimensions.
     #[test]
     fn between_two_frictions_the_modelled_ratio_is_linear() {
         for planform in [Planform::Groove, Planform::Square] {
@@ -368,7 +371,8 @@ mod tests {
                 measured(100.0, 0.15, 0.24),
                 measured(200.0, 0.4, 0.3),
             ];
-            // What time adds is known in the plane alone, at the mean friction of a force, within the error of a run.
+            // The correction for time is known in two dimensions only, at the mean friction for a force, within the
+            // error of a run.
             let of_time = if planform == Planform::Groove { 1.5e-3 } else { 0.0 };
             let task = |flat| {
                 let own = task(flat, planform);
@@ -431,12 +435,13 @@ mod tests {
         assert!(light > 4e-3 && heavy > 4e-3, "{light} {heavy}");
         let found = modelled(&scattered).into_iter().zip(modelled(&alike));
         for ((scattered, alike), added) in found.zip([light, light, heavy]) {
-            // To blocks that are all alike it adds less.
+            // For equal blocks the correction is smaller.
             assert!((scattered - alike - added).abs() < 1e-3, "{scattered} {alike} {added}");
         }
     }
 
-    /// Designs take a fitted law and a measured one as they are, whatever the modulus: what a trial laid to the modulus would be lost to them.
+    /// Designs treat fitted and measured laws as independent of the modulus. A trial must do so as well, or part of its
+    /// effect would be lost.
     #[test]
     fn a_law_that_the_modulus_does_not_move_lays_nothing_to_it() {
         let flat = vec![measured(100.0, 0.4, 0.27), measured(200.0, 0.4, 0.25), measured(300.0, 0.4, 0.24)];
@@ -448,7 +453,7 @@ mod tests {
         assert!((of(Surface::RmsSlope(0.0137)).modulus_relative_std() - 0.08 / 0.38).abs() < 1e-6);
         let fitted = of(Surface::FittedScale { bounds_pa: [0.5e6, 50e6] });
         assert_eq!((fitted.modulus_relative_std(), of(Surface::None).modulus_relative_std()), (0.0, 0.0));
-        // What is measured of a texture is predicted of it, whatever slope along the modulus is asked with.
+        // A measured texture is predicted as measured, whatever modulus sensitivity is given.
         let trial = &fitted.trials()[0];
         let at: Vec<Load> = trial.measured.iter().map(|at| at.load).collect();
         let of_slope = |g: f64| fitted.at(&at).predict(&trial.features, &vec![g; at.len()]).medians();

@@ -1,4 +1,4 @@
-//! A campaign and its tasks, as they are kept.
+//! Records of a campaign and its tasks.
 
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -12,60 +12,60 @@ use slipgrid_formats::Diagnostic;
 use slipgrid_results::{SCHEMA, VERSION};
 use toml::{Table, Value};
 
-/// Digits of an id: among a million tasks two are alike by chance once in 10^12 campaigns.
+/// Digits of a task id: in a campaign of a million tasks two ids coincide with a probability of 10^-12.
 const ID_DIGITS: usize = 20;
 
-/// Digits of a SHA-256.
+/// Digits of a SHA-256 hash.
 const HASH_DIGITS: usize = 64;
 
-/// What a task is.
+/// Kind of task.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Kind {
-    /// A scene, to be solved.
+    /// A scene that is solved.
     Scene,
-    /// A design, to be searched and confirmed.
+    /// A design that is searched and confirmed.
     Design,
 }
 
-/// What all tasks of a campaign share.
+/// Data common to all tasks of a campaign.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Campaign {
-    /// The program.
+    /// Name of the program.
     pub program: String,
-    /// Its version: another one might find other results.
+    /// Version of the program; another version might give other results.
     pub version: String,
-    /// Version of these fields.
+    /// Schema version of this record.
     pub schema: u32,
     /// Name of the campaign.
     pub name: String,
-    /// What every task is.
+    /// Kind of all tasks.
     pub kind: Kind,
     /// Name of the file that tasks vary.
     pub base: String,
-    /// What it says, as TOML.
+    /// Content of this file, as TOML.
     pub text: String,
-    /// Keys that vary, in the order of the campaign file.
+    /// Varied keys, in the order of the campaign file.
     pub keys: Vec<String>,
-    /// SHA-256 of the files that tasks read, by the paths that lead to them from the base's folder.
+    /// SHA-256 of the files that tasks read, by path relative to the folder of the base.
     pub inputs: BTreeMap<String, String>,
 }
 
-/// One of the tasks.
+/// A task of a campaign.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Task {
-    /// A hash of what the task says, of the files that it reads and of the program's version.
+    /// Hash of the task's text, of the files that it reads and of the program's version.
     #[serde(deserialize_with = "read_id")]
     pub id: String,
-    /// What its keys are.
+    /// Values of the varied keys.
     pub values: BTreeMap<String, Json>,
 }
 
 impl Campaign {
-    /// The campaign file of a folder.
+    /// Reads a campaign record.
     ///
     /// # Errors
-    /// [`Diagnostic`] for what is none, for one of another version, and for names in it that no plan gives.
+    /// [`Diagnostic`] for a file that is no campaign record, for another version, and for invalid names in it.
     pub fn read(path: &Path, text: &str) -> Result<Self, Diagnostic> {
         let refuse = |reason: String| Diagnostic::file(path, reason);
         let read: Self = serde_json::from_str(text).map_err(|error| {
@@ -90,11 +90,11 @@ impl Campaign {
         Ok(read)
     }
 
-    /// What `values` make of the base, as TOML.
+    /// The base with `values`, as TOML.
     ///
     /// # Errors
-    /// The key, where it cannot be set, and why.
-    pub fn text_of(&self, values: &BTreeMap<String, Json>) -> Result<String, (String, String)> {
+    /// The key that cannot be set, and the reason.
+    pub fn text_with(&self, values: &BTreeMap<String, Json>) -> Result<String, (String, String)> {
         let whole = |reason: String| (self.base.clone(), reason);
         let mut table: Table = toml::from_str(&self.text).map_err(|error| whole(error.message().to_owned()))?;
         for (key, value) in values {
@@ -105,7 +105,7 @@ impl Campaign {
         toml::to_string(&table).map_err(|error| whole(error.to_string()))
     }
 
-    /// The id of a task of this text that reads `inputs`, whose hashes stand beside their paths.
+    /// Id of a task with this text that reads `inputs`, given as paths with hashes.
     #[must_use]
     pub fn id(&self, text: &str, inputs: &BTreeMap<String, String>) -> String {
         let content = serde_json::json!([self.version, self.schema, self.kind, text, inputs]);
@@ -113,7 +113,7 @@ impl Campaign {
     }
 }
 
-/// Reads the id of a task, which becomes the name of a file.
+/// Deserializes the id of a task, which becomes a file name and is therefore checked.
 fn read_id<'de, D: Deserializer<'de>>(deserializer: D) -> Result<String, D::Error> {
     let id = String::deserialize(deserializer)?;
     let expected = format!("an id of {ID_DIGITS} hexadecimal digits");
@@ -124,12 +124,12 @@ fn read_id<'de, D: Deserializer<'de>>(deserializer: D) -> Result<String, D::Erro
     }
 }
 
-/// Whether `text` is `digits` hexadecimal digits in small letters, as hashes are written here.
+/// Whether `text` consists of `digits` lower-case hexadecimal digits.
 fn is_hexadecimal(text: &str, digits: usize) -> bool {
     text.len() == digits && text.bytes().all(|byte| matches!(byte, b'0'..=b'9' | b'a'..=b'f'))
 }
 
-/// Sets the key with the tables that it stands in.
+/// Sets a dotted key, and creates its tables if needed.
 fn set(table: &mut Table, key: &str, value: Value) -> Result<(), String> {
     match key.split_once('.') {
         None => {
@@ -146,7 +146,7 @@ fn set(table: &mut Table, key: &str, value: Value) -> Result<(), String> {
 /// SHA-256 in hexadecimal digits.
 pub fn hash(bytes: &[u8]) -> String {
     Sha256::digest(bytes).iter().fold(String::new(), |mut text, byte| {
-        // Writing to a string never fails.
+        // Writing to a string cannot fail.
         let _ = write!(text, "{byte:02x}");
         text
     })

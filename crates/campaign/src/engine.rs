@@ -1,10 +1,10 @@
-//! Job scripts: the engine of a cluster runs workers, each of which does its share.
+//! Job scripts that run the workers of a campaign on a cluster.
 
 use std::path::Path;
 
 use slipgrid_formats::Diagnostic;
 
-/// An engine that runs jobs.
+/// A cluster engine.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Engine {
     /// Slurm: a job array.
@@ -14,10 +14,10 @@ pub enum Engine {
 }
 
 impl Engine {
-    /// All of them.
+    /// All engines.
     pub const EACH: [Self; 2] = [Self::Slurm, Self::HyperQueue];
 
-    /// Its name.
+    /// Name of the engine.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -26,11 +26,11 @@ impl Engine {
         }
     }
 
-    /// The script that has it run `workers` workers of `threads` threads on the campaign in `folder`, at most `at_once` of them at
-    /// a time. The program is `slipgrid`, or what the variable SLIPGRID names.
+    /// Script that runs `workers` workers with `threads` threads each on the campaign in `folder`, with at most
+    /// `at_once` of them at a time. The program is `slipgrid`, or the one in the variable SLIPGRID.
     ///
     /// # Errors
-    /// As [`check_folder_name`](Self::check_folder_name).
+    /// See [`check_folder_name`](Self::check_folder_name).
     pub fn script(
         self,
         folder: &Path,
@@ -56,7 +56,8 @@ impl Engine {
                  {}",
                 run(&format!("\"${{SLURM_CPUS_PER_TASK:-{threads}}}\""), "$SLURM_ARRAY_TASK_ID")
             ),
-            // HyperQueue reads the lines of its own as flags of submit, and bounds what runs at once by the resource.
+            // HyperQueue reads these lines as options of submit; the number of concurrent workers is limited by the
+            // resources.
             Self::HyperQueue => format!(
                 "#!/bin/bash\n\
                  # By slipgrid: hq submit {engine}.sh, and in the end slipgrid campaign merge {folder}\n\
@@ -69,10 +70,10 @@ impl Engine {
         })
     }
 
-    /// The name of a `folder` that scripts can hold: a line break in it would begin a line of the script.
+    /// Checks that the name of `folder` can be part of a script; a line break in it would begin a line of the script.
     ///
     /// # Errors
-    /// [`Diagnostic`] for a name with control characters, or that is not UTF-8.
+    /// [`Diagnostic`] for a name with control characters, or one that is not UTF-8.
     pub fn check_folder_name(folder: &Path) -> Result<&str, Diagnostic> {
         folder.to_str().filter(|name| !name.contains(char::is_control)).ok_or_else(|| {
             let reason = "cannot stand in a job script";

@@ -1,17 +1,17 @@
-//! Why a campaign could not be planned, done or merged.
+//! Errors of planning, working on or merging a campaign.
 
 use std::io;
 use std::path::PathBuf;
 
 use slipgrid_formats::Diagnostic;
 
-/// Why a campaign could not be planned, done or merged.
+/// Reason why a campaign could not be planned, worked on or merged.
 #[derive(Debug, thiserror::Error)]
 pub enum CampaignError {
     /// A file was refused.
     #[error(transparent)]
     Refused(#[from] Diagnostic),
-    /// Results in the campaign's folder are damaged: each of them.
+    /// Results in the campaign's folder are damaged.
     #[error("{} damaged {}; `slipgrid campaign work` on the same folder does their tasks again:{}",
         .0.len(), if .0.len() == 1 { "result" } else { "results" }, lines(.0))]
     Damaged(Vec<Diagnostic>),
@@ -20,18 +20,18 @@ pub enum CampaignError {
     Unwritable {
         /// The file.
         path: PathBuf,
-        /// What the system said.
+        /// Error of the operating system.
         source: io::Error,
     },
     /// The monitor asked to stop.
     #[error("stopped")]
     Cancelled,
-    /// Anything else.
+    /// Another error.
     #[error("{0}")]
     Failed(String),
 }
 
-/// Each on a line of its own.
+/// One line per diagnostic.
 fn lines(damaged: &[Diagnostic]) -> String {
     damaged.iter().map(|one| format!("\n  {one}")).collect()
 }

@@ -1,15 +1,15 @@
-//! A campaign in a folder that many machines see.
+//! A campaign in a folder that several machines share.
 //!
 //! ```text
-//! campaign.json           what all tasks share
-//! tasks.jsonl             a task a line: its id, and what its keys are
-//! inputs/HASH             the files that tasks read
-//! results/00/ID.json      what came of a task, below the first two digits of its id
+//! campaign.json           data common to all tasks
+//! tasks.jsonl             one task per line: its id and the values of its keys
+//! inputs/HASH             files that tasks read
+//! results/00/ID.json      result of a task, in a folder named by the first two digits of its id
 //! ```
 //!
-//! Nothing is ever changed or appended to, but for a result that is damaged: a file appears whole, by a rename, and two workers that do
-//! the same task write the same bytes. So no locks are needed, and a network file system that shows a file late costs some work done
-//! twice, nothing else.
+//! Files are never changed or appended to, except for damaged results: a file appears atomically by a rename, and two
+//! workers that do one task write equal bytes. Therefore no locks are needed; on a network file system that shows files
+//! late, some tasks may be done twice.
 
 use std::collections::BTreeSet;
 use std::io;
@@ -29,19 +29,19 @@ use crate::worker::{Done, Worker};
 
 /// Files that can be written.
 pub trait Store: Files {
-    /// Has the file at `path` appear with these `bytes`, whole or not at all, and its folder where there is none.
+    /// Writes the file at `path` with these `bytes` atomically, and creates its folder if needed.
     ///
     /// # Errors
-    /// What the system said.
+    /// Error of the operating system.
     fn put(&self, path: &Path, bytes: &[u8]) -> io::Result<()>;
 }
 
-/// What a worker does of all tasks: those whose places, counted from 0, leave `number` - 1 when divided by `of`.
+/// Share of a worker: the tasks whose index, from 0, has the remainder `number` - 1 modulo `of`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Share {
-    /// From 1 to `of`.
+    /// Index of the share, from 1 to `of`.
     pub number: usize,
-    /// How many shares there are.
+    /// Number of shares.
     pub of: usize,
 }
 
@@ -50,14 +50,14 @@ impl Share {
     pub const ALL: Self = Self { number: 1, of: 1 };
 }
 
-/// What a worker did.
+/// Summary of a worker's run.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Worked {
-    /// By itself; what is missing is what it left.
+    /// Results of this worker; `missing` counts the tasks that it left.
     pub counts: Counts,
-    /// Tasks of its share that others, or it before, had done.
+    /// Number of tasks of its share that had results already.
     pub known: usize,
-    /// Results of its share that were damaged, so that their tasks were missing.
+    /// Number of damaged results in its share, which were computed again.
     pub damaged: usize,
 }
 
@@ -68,7 +68,7 @@ pub struct Folder {
 }
 
 impl Folder {
-    /// The campaign in the folder `path` of `store`.
+    /// Opens the campaign in the folder `path` of `store`.
     #[must_use]
     pub fn new(store: Arc<dyn Store>, path: &Path) -> Self {
         Self { store, path: path.to_owned() }
@@ -78,15 +78,15 @@ impl Folder {
         self.store.put(path, bytes).map_err(|source| CampaignError::Unwritable { path: path.to_owned(), source })
     }
 
-    /// The record of a campaign as campaign.json holds it.
+    /// Content of campaign.json.
     fn json(campaign: &Campaign) -> Result<String, CampaignError> {
         slipgrid_results::json(campaign).map_err(|error| CampaignError::Failed(error.to_string()))
     }
 
-    /// Keeps what was planned. A campaign that is there stays, with its results, where it is the same.
+    /// Writes a planned campaign. An existing campaign with its results is kept if it is equal.
     ///
     /// # Errors
-    /// [`CampaignError`] where another campaign is there, or nothing can be written.
+    /// [`CampaignError`] if another campaign is in the folder, or it is not writable.
     pub fn keep(&self, planned: &Planned) -> Result<(), CampaignError> {
         let (path, record) = (self.path.join("campaign.json"), Self::json(&planned.campaign)?);
         let mut lines = String::new();
@@ -109,7 +109,7 @@ impl Folder {
             }
         }
         self.put(&tasks, lines.as_bytes())?;
-        // Last: who sees it sees a whole campaign.
+        // Written last, so that a visible campaign is complete.
         self.put(&path, record.as_bytes())
     }
 
@@ -142,7 +142,7 @@ impl Folder {
         names.filter_map(|name| name.strip_suffix(".json").map(str::to_owned)).collect()
     }
 
-    /// What came of a task that has a result.
+    /// Reads the result of a task.
     fn done(&self, task: &Task) -> Result<Done, Diagnostic> {
         let path = self.result(&task.id);
         let refuse = |reason: String| Diagnostic::file(&path, reason);
@@ -151,17 +151,17 @@ impl Folder {
         if done.id == task.id { Ok(done) } else { Err(refuse("is the result of another task".to_owned())) }
     }
 
-    /// Does what is missing or damaged of `share`, `threads` tasks at a time, and starts none after `most_s` seconds. `seed` sets the order:
-    /// workers of the same share and different seeds seldom have the same task in hand.
+    /// Does the missing or damaged tasks of `share`, `threads` at a time, and starts none after `max_s` seconds. `seed`
+    /// sets the order, so that workers with equal shares and different seeds rarely do the same task.
     ///
     /// # Errors
-    /// [`CampaignError`] for a folder without a campaign, a result that cannot be written, and once `monitor` cancels; results up to
-    /// then are kept.
+    /// [`CampaignError`] for a folder without a campaign, a result that cannot be written, and once `monitor` cancels;
+    /// results up to then are kept.
     pub fn work(
         &self,
         share: Share,
         threads: usize,
-        most_s: Option<f64>,
+        max_s: Option<f64>,
         seed: u64,
         monitor: &dyn Monitor,
     ) -> Result<Worked, CampaignError> {
@@ -189,17 +189,17 @@ impl Folder {
         let results = self.path.join("results");
         monitor.kept(&results, worked.known);
         let inputs = Inputs { store: Arc::clone(&self.store), folder: self.path.join("inputs") };
-        let worker = Worker::with(&campaign, Arc::new(inputs));
-        let stage = Stage::new(monitor, "tasks", most_s.map(|seconds| monitor.seconds() + seconds));
+        let worker = Worker::with_store(&campaign, Arc::new(inputs));
+        let stage = Stage::new(monitor, "tasks", max_s.map(|seconds| monitor.seconds() + seconds));
         let (next, ended) = (AtomicUsize::new(0), Mutex::new((worked, None::<CampaignError>)));
         let lane = || {
             loop {
                 let place = next.fetch_add(1, Ordering::Relaxed);
                 let Some(task) = missing.get(place).filter(|_| !stage.cancelled()) else { break };
                 let path = self.result(&task.id);
-                // Another worker may have been here since.
+                // Another worker may have done this task meanwhile.
                 let is_there = !damaged.contains(task.id.as_str()) && self.store.entry(&path).is_ok();
-                let found = if is_there { Ok(None) } else { self.one(&worker, task, monitor) };
+                let found = if is_there { Ok(None) } else { self.do_task(&worker, task, monitor) };
                 let mut ended = ended.lock().unwrap_or_else(PoisonError::into_inner);
                 match found {
                     Ok(Some(done)) => ended.0.counts.add(done.outcome),
@@ -213,7 +213,7 @@ impl Folder {
                 stage.advance(1.0 / missing.len() as f64);
             }
         };
-        // Tasks side by side share nothing: where there are fewer of them than threads, each takes several.
+        // Parallel tasks share nothing; with fewer tasks than threads, each task uses several threads.
         let lanes = threads.clamp(1, missing.len());
         let each = (threads / lanes).max(1);
         std::thread::scope(|scope| -> Result<(), CampaignError> {
@@ -235,18 +235,18 @@ impl Folder {
         Ok(worked)
     }
 
-    /// Does one task and keeps what came of it.
-    fn one(&self, worker: &Worker<'_>, task: &Task, monitor: &dyn Monitor) -> Result<Option<Done>, CampaignError> {
+    /// Does one task and writes its result.
+    fn do_task(&self, worker: &Worker<'_>, task: &Task, monitor: &dyn Monitor) -> Result<Option<Done>, CampaignError> {
         let done = worker.work(task, monitor).ok_or(CampaignError::Cancelled)?;
         let text = serde_json::to_string(&done).map_err(|error| CampaignError::Failed(error.to_string()))?;
         self.put(&self.result(&task.id), (text + "\n").as_bytes())?;
         Ok(Some(done))
     }
 
-    /// Puts all results together and hands them to `then`.
+    /// Collects all results and passes them to `then`.
     ///
     /// # Errors
-    /// [`CampaignError`] for a folder without a campaign, and for results that are none, with all of them.
+    /// [`CampaignError`] for a folder without a campaign, and for damaged results, listing all of them.
     pub fn merge<T>(&self, then: impl FnOnce(&Results<'_>) -> T) -> Result<T, CampaignError> {
         let (campaign, tasks) = self.read()?;
         let known = self.known();
@@ -265,7 +265,7 @@ impl Folder {
     }
 }
 
-/// Puts `items` into an order that depends on `seed` alone (Fisher and Yates; Steele, Lea and Flood 2014, SplitMix64).
+/// Shuffles `items` in an order that depends on `seed` only (Fisher and Yates; Steele, Lea and Flood 2014, SplitMix64).
 fn shuffle<T>(items: &mut [T], seed: u64) {
     let mut state = seed;
     for last in (1..items.len()).rev() {
@@ -276,7 +276,7 @@ fn shuffle<T>(items: &mut [T], seed: u64) {
     }
 }
 
-/// The inputs of a campaign, by their hashes.
+/// Inputs of a campaign, by hash.
 #[derive(Debug)]
 struct Inputs {
     store: Arc<dyn Store>,

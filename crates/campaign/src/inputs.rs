@@ -1,4 +1,4 @@
-//! The files that tasks read: what is noted of them when a campaign is planned, and what is given to its workers.
+//! Files that tasks read: recorded when a campaign is planned, and provided to its workers.
 
 use std::collections::BTreeMap;
 use std::io;
@@ -9,21 +9,21 @@ use slipgrid_formats::source::{Entry, Files, Source};
 
 use crate::campaign::hash;
 
-/// Contents of files, by their hashes.
+/// Contents of files, by hash.
 pub type Contents = BTreeMap<String, Arc<Vec<u8>>>;
 
-/// What a file holds, after its hash.
+/// Hash and content of a file.
 type Hashed = (String, Arc<Vec<u8>>);
 
-/// Files, each read once.
+/// A file source that reads each file once.
 #[derive(Debug)]
 pub struct ReadOnce {
     inner: Source,
     known: Mutex<BTreeMap<PathBuf, Hashed>>,
 }
 
-fn locked<T>(of: &Mutex<T>) -> MutexGuard<'_, T> {
-    of.lock().unwrap_or_else(PoisonError::into_inner)
+fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 impl ReadOnce {
@@ -31,7 +31,7 @@ impl ReadOnce {
         Arc::new(Self { inner, known: Mutex::default() })
     }
 
-    /// Everything that was read, by hashes.
+    /// All contents that were read, by hash.
     pub fn contents(&self) -> Contents {
         locked(&self.known).values().map(|(hash, bytes)| (hash.clone(), Arc::clone(bytes))).collect()
     }
@@ -47,27 +47,27 @@ impl ReadOnce {
     }
 }
 
-/// The same files, with a list of those that one task reads.
+/// A file source that records the files read by one task.
 #[derive(Debug)]
-pub struct Noted {
+pub struct RecordedFiles {
     files: Arc<ReadOnce>,
-    /// The paths of the list lead from here.
+    /// Folder to which recorded paths are relative.
     folder: PathBuf,
     seen: Mutex<BTreeMap<String, String>>,
 }
 
-impl Noted {
+impl RecordedFiles {
     pub fn new(files: &Arc<ReadOnce>, folder: &Path) -> Arc<Self> {
         Arc::new(Self { files: Arc::clone(files), folder: folder.to_owned(), seen: Mutex::default() })
     }
 
-    /// What was read: paths with hashes.
+    /// Files that were read: paths with hashes.
     pub fn seen(&self) -> BTreeMap<String, String> {
         locked(&self.seen).clone()
     }
 }
 
-impl Files for Noted {
+impl Files for RecordedFiles {
     fn read(&self, path: &Path) -> io::Result<Vec<u8>> {
         let (hash, bytes) = self.files.get(path)?;
         let name = path.strip_prefix(&self.folder).unwrap_or(path).display().to_string();
@@ -84,22 +84,22 @@ impl Files for Noted {
     }
 }
 
-/// The inputs of a campaign, as its workers see them.
+/// Inputs of a campaign, as a file source for workers.
 #[derive(Debug)]
-pub struct Given {
-    /// Hashes by paths.
+pub struct HashedFiles {
+    /// Hashes by path.
     hashes: BTreeMap<PathBuf, String>,
-    /// Has the contents, each at its hash.
+    /// Contents by hash.
     store: Source,
 }
 
-impl Given {
+impl HashedFiles {
     pub fn new(inputs: &BTreeMap<String, String>, store: Source) -> Self {
         Self { hashes: inputs.iter().map(|(path, hash)| (path.into(), hash.clone())).collect(), store }
     }
 }
 
-impl Files for Given {
+impl Files for HashedFiles {
     fn read(&self, path: &Path) -> io::Result<Vec<u8>> {
         let wanted = self.hashes.get(path).ok_or(io::ErrorKind::NotFound)?;
         let bytes = self.store.read(Path::new(wanted))?;
@@ -119,7 +119,7 @@ impl Files for Given {
     }
 }
 
-/// Contents in memory, each at its hash.
+/// Contents in memory, by hash.
 #[derive(Debug)]
 pub struct InMemory(pub Contents);
 

@@ -1,9 +1,9 @@
-//! Campaigns: many scenes or designs as tasks that any machine can do, in any order, and one table of what came of them.
+//! Campaigns: many scenes or designs as tasks that any machine can do in any order, with one table of results.
 //!
-//! A campaign file names a scene or a design and which of its keys vary. [`plan`] makes a task of every combination. The id of a
-//! task is a hash of what it says and of the files that it reads, so that the same task is done once. Those files travel with the
-//! campaign: a task needs nothing else of the machine that planned it. [`Worker`] does tasks, and [`Results`] puts together what
-//! came of them: the same bytes whoever did what.
+//! A campaign file names a scene or a design and the keys that vary. [`plan`] makes a task of every combination. The id
+//! of a task is a hash of its text and of the files that it reads, so that equal tasks are done once. The files are
+//! stored with the campaign, so that a task needs nothing else from the machine where it was planned. [`Worker`] does
+//! tasks, and [`Results`] collects them into a table that does not depend on who did which task.
 //!
 //! ```text
 //! name = "widths"
@@ -21,14 +21,14 @@
 //!
 //! | item | role |
 //! |---|---|
-//! | [`plan`], [`Campaign`], [`Task`] | what is to be done |
-//! | [`Worker`], [`Done`] | doing it: a record, or why there is none |
-//! | [`Results`] | all results as CSV, and how many ended how |
-//! | [`Folder`], [`Store`] | a campaign that many machines see: tasks, workers, results |
-//! | [`Engine`] | the job script of a cluster |
+//! | [`plan`], [`Campaign`], [`Task`] | campaign with its tasks |
+//! | [`Worker`], [`Done`] | doing a task, and its result |
+//! | [`Results`] | all results as CSV, with counts |
+//! | [`Folder`], [`Store`] | a campaign in a folder that several machines share |
+//! | [`Engine`] | job script for a cluster |
 //!
-//! This crate opens no files, reads no clock, prints nothing, and does not touch the environment: files come and go through
-//! [`Store`], which is [`slipgrid_formats::source::Files`] with a way to write.
+//! This crate opens no files, reads no clock, prints nothing, and does not use the environment: files are accessed
+//! through [`Store`], which adds writing to [`slipgrid_formats::source::Files`].
 
 mod campaign;
 mod engine;

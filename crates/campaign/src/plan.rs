@@ -1,4 +1,4 @@
-//! From a campaign file to its tasks.
+//! Planning: from a campaign file to its tasks.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
@@ -26,22 +26,22 @@ use toml::{Spanned, Table, Value};
 
 use crate::CampaignError;
 use crate::campaign::{Campaign, Kind, Task};
-use crate::inputs::{Contents, Noted, ReadOnce};
-use crate::varied::{MAX_TASKS, Row, Varied, crossed};
+use crate::inputs::{Contents, ReadOnce, RecordedFiles};
+use crate::varied::{MAX_TASKS, Row, Varied, combinations};
 
 /// Tables of a scene.
 const SCENE_TABLES: [&str; 6] = ["material", "pattern", "sample", "load", "condition", "run"];
-/// What can be done with a design.
+/// Kinds of work on a design.
 const WORK: [&str; 2] = ["search", "table"];
 
-/// A campaign with its tasks and all that they read.
+/// A campaign with its tasks and input files.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Planned {
-    /// What all tasks share.
+    /// Data common to all tasks.
     pub campaign: Campaign,
-    /// The tasks, no two alike.
+    /// Distinct tasks.
     pub tasks: Vec<Task>,
-    /// What they read, by its hash.
+    /// Contents of the input files, by hash.
     pub contents: Contents,
 }
 
@@ -52,12 +52,12 @@ struct CampaignFile {
     name: Option<String>,
     /// Path of a scene or a design.
     base: Spanned<String>,
-    /// What is done with a design: `search`, or `table` for every design of its table as a steady scene; `search` when absent.
+    /// Work on a design: `search`, or `table` for every design of its table as a steady scene; `search` when absent.
     work: Option<Spanned<String>>,
-    /// One table for each key that is varied by itself; every combination of all grids is a task.
+    /// One table for each key that varies independently; every combination of all grids is a task.
     #[serde(default)]
     grid: Vec<Spanned<GridFile>>,
-    /// Rows of keys that go together, each with every combination of the grids.
+    /// Rows of keys that vary together, each combined with all grids.
     #[serde(default)]
     list: Vec<Spanned<BTreeMap<String, Spanned<Value>>>>,
 }
@@ -67,15 +67,15 @@ struct CampaignFile {
 pub(crate) struct GridFile {
     /// Dotted key of the base, present there or not.
     pub(crate) key: Spanned<String>,
-    /// The values that it takes.
+    /// Values of the key.
     pub(crate) values: Vec<Spanned<Value>>,
 }
 
-/// The tasks of the campaign file at `path`. Every task is read as its command would, so that what is refused is refused now;
-/// `monitor` is told of it.
+/// Plans the campaign file at `path`. Every task is read as its command would read it, so that errors are found now.
+/// `monitor` receives progress.
 ///
 /// # Errors
-/// [`CampaignError`] for anything refused in the campaign or in one of its tasks.
+/// [`CampaignError`] for any error in the campaign or in one of its tasks.
 pub fn plan(files: &Source, path: &Path, monitor: &dyn Monitor) -> Result<Planned, CampaignError> {
     let text = read_text(files, path, FileKind::Campaign.expected())?;
     FileKind::Campaign.require(path, &text)?;
@@ -86,14 +86,14 @@ pub fn plan(files: &Source, path: &Path, monitor: &dyn Monitor) -> Result<Planne
     let base_path = document.resolve(file.base.get_ref());
     let folder = base_path.parent().unwrap_or(Path::new(""));
     let base_name = base_path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-    let (kind, text, of_base) = base(files, &document, &file, &base_path, monitor)?;
-    check_keys(&varied, kind, &text, &of_base)?;
-    let rows = crossed(varied.rows.clone(), &of_base);
+    let (kind, text, base_rows) = base(files, &document, &file, &base_path, monitor)?;
+    check_keys(&varied, kind, &text, &base_rows)?;
+    let rows = combinations(varied.rows.clone(), &base_rows);
     if rows.len() > MAX_TASKS {
         return Err(document.refuse(file.base.span(), "has more than a million tasks").expected("fewer values").into());
     }
     let mut keys = varied.keys.clone();
-    keys.extend(of_base.iter().flat_map(Row::keys).cloned().collect::<BTreeSet<_>>());
+    keys.extend(base_rows.iter().flat_map(Row::keys).cloned().collect::<BTreeSet<_>>());
     let (program, inputs) = ("slipgrid".to_owned(), BTreeMap::new());
     let version = VERSION.to_owned();
     let mut campaign = Campaign { program, version, schema: SCHEMA, name, kind, base: base_name, text, keys, inputs };
@@ -104,17 +104,17 @@ pub fn plan(files: &Source, path: &Path, monitor: &dyn Monitor) -> Result<Planne
     let share = 1.0 / (rows.len() + probes).max(1) as f64;
     let one = |values: &Row| {
         stage.heed().map_err(|_| CampaignError::Cancelled)?;
-        let noted = Noted::new(&read_once, folder);
+        let noted = RecordedFiles::new(&read_once, folder);
         let source: Source = Arc::clone(&noted) as Source;
         let placed = |refused: Diagnostic| {
-            // The base may be refused whatever varies: then its own line is the place.
+            // If the base is refused without any values as well, the error refers to the base.
             let alone = check(kind, &source, &base_path, &campaign.text, monitor).err();
             let is_base =
-                |own: &Diagnostic| of_base.is_empty() && own.key == refused.key && own.reason == refused.reason;
-            let of_value = || varied.placed(&refused, values, &base_path);
-            alone.filter(is_base).or_else(of_value).unwrap_or_else(|| unplaced(refused.clone(), values))
+                |own: &Diagnostic| base_rows.is_empty() && own.key == refused.key && own.reason == refused.reason;
+            let of_value = || varied.locate(&refused, values, &base_path);
+            alone.filter(is_base).or_else(of_value).unwrap_or_else(|| without_line(refused.clone(), values))
         };
-        let text = campaign.text_of(values).map_err(|(key, reason)| {
+        let text = campaign.text_with(values).map_err(|(key, reason)| {
             let at = Diagnostic::file(&base_path, reason).expected("a key that stands in a table of the base");
             placed(Diagnostic { key: Some(key.into()), ..at })
         })?;
@@ -123,14 +123,14 @@ pub fn plan(files: &Source, path: &Path, monitor: &dyn Monitor) -> Result<Planne
         stage.advance(share);
         Ok((Task { id: campaign.id(&text, &inputs), values: values.clone() }, inputs))
     };
-    // From everywhere, as some take longer than others.
+    // Samples over the whole range, because some tasks take longer than others.
     let started_s = monitor.seconds();
     (0..probes).try_for_each(|probe| one(&rows[probe * (rows.len() / PROBES)]).map(|_| ()))?;
     if probes > 0 {
         note_cost(rows.len(), (monitor.seconds() - started_s) / PROBES as f64, monitor);
     }
     let planned = rows.par_iter().map(one).collect::<Result<Vec<_>, CampaignError>>();
-    // Threads refuse any of the tasks that are wrong; the first is named.
+    // Threads may find any of the invalid tasks; report the first one.
     let first_refused = || rows.par_iter().map(one).find_first(Result::is_err).and_then(Result::err);
     let planned = planned.map_err(|refused| first_refused().unwrap_or(refused))?;
     stage.finish();
@@ -139,7 +139,7 @@ pub fn plan(files: &Source, path: &Path, monitor: &dyn Monitor) -> Result<Planne
     let mut tasks = Vec::with_capacity(planned.len());
     for (task, inputs) in planned {
         campaign.inputs.extend(inputs);
-        // Rows that say the same are one task.
+        // Rows that give equal tasks are merged.
         if known.insert(task.id.clone()) {
             tasks.push(task);
         }
@@ -149,20 +149,20 @@ pub fn plan(files: &Source, path: &Path, monitor: &dyn Monitor) -> Result<Planne
     Ok(Planned { campaign, tasks, contents })
 }
 
-/// Tasks that are read before all, to know how long each takes.
+/// Number of tasks that are read first to estimate the planning time.
 const PROBES: usize = 20;
-/// Bytes that a planned task takes, with its values and its place in the list: 10,000 and 50,000 tasks of two keys took 2.8 and 2.1 kB
-/// each.
+/// Memory of a planned task with its values and its place in the list, in bytes: 10,000 and 50,000 tasks of two keys
+/// took 2.8 and 2.1 kB each.
 const BYTES_PER_TASK: f64 = 2400.0;
 
-/// Says what planning `count` tasks takes, each of which takes `each_s` seconds, where that is much.
+/// Notes the cost of planning `count` tasks that take `each_s` seconds each, if it is large.
 fn note_cost(count: usize, each_s: f64, monitor: &dyn Monitor) {
     let (core_s, threads) = (each_s * count as f64, rayon::current_num_threads());
     let expense = Expense { core_s, wall_s: core_s / threads as f64, bytes: BYTES_PER_TASK * count as f64 };
     cost_line(&format!("planning {count} tasks"), expense, false, threads).iter().for_each(|line| monitor.note(line));
 }
 
-/// What tasks vary: its kind, what it says, and the rows that it has of itself.
+/// The base of the tasks: kind, text, and rows that it defines itself.
 fn base(
     files: &Source,
     document: &Document,
@@ -210,20 +210,20 @@ fn base(
     }
 }
 
-/// The steady scene of a period of `pattern`, at the loads of `task`.
+/// Steady scene of one period of `pattern`, at the loads of `task`.
 fn scene(task: &DesignTask, pattern: &Pattern) -> Result<String, DesignError> {
     let known = task.material.as_ref().ok_or_else(|| DesignError::Failed("the design has no material".to_owned()))?;
     let (loads, _) = task.loads(&known.material)?;
     steady_scene(task, known, &loads, pattern).map_err(|error| DesignError::Failed(error.to_string()))
 }
 
-/// The row of a pattern of a table.
+/// Row for a pattern of a table.
 fn dimensions(pattern: &Pattern) -> Row {
     let lengths = [("width", pattern.width_m()), ("spacing", pattern.spacing_m()), ("depth", pattern.depth_m())];
     lengths.map(|(name, m)| (format!("pattern.{name}_um"), Json::from(LENGTH_UM.from_si(m)))).into_iter().collect()
 }
 
-/// Reads what the command of a task would read before it computes anything.
+/// Reads everything that the command of a task would read before computing.
 fn check(kind: Kind, source: &Source, path: &Path, text: &str, monitor: &dyn Monitor) -> Result<(), Diagnostic> {
     let document = Document::within(source, path, text);
     match kind {
@@ -242,17 +242,17 @@ fn check(kind: Kind, source: &Source, path: &Path, text: &str, monitor: &dyn Mon
     Ok(())
 }
 
-/// Refuses keys that tasks of this kind cannot have, or that do not vary in them.
-fn check_keys(varied: &Varied<'_>, kind: Kind, text: &str, of_base: &[Row]) -> Result<(), Diagnostic> {
+/// Refuses keys that tasks of this kind do not have, or that cannot vary.
+fn check_keys(varied: &Varied<'_>, kind: Kind, text: &str, base_rows: &[Row]) -> Result<(), Diagnostic> {
     let refuse = |key: &str, reason: &str, expected: &str| Err(varied.refuse_key(key, reason, expected));
     for key in &varied.keys {
         let first = key.split('.').next().unwrap_or(key);
         match kind {
-            Kind::Scene if of_base.first().is_some_and(|row| row.contains_key(key)) => {
+            Kind::Scene if base_rows.first().is_some_and(|row| row.contains_key(key)) => {
                 let expected = "another key, or bounds of the design that give these values";
                 return refuse(key, "is what the rows of the design's table vary already", expected);
             }
-            Kind::Scene if !of_base.is_empty() && !is_of_scene(text, first) => {
+            Kind::Scene if !base_rows.is_empty() && !may_have_table(text, first) => {
                 let reason = "is no key of the scenes that work = \"table\" makes of the design";
                 let expected = format!("a key of {}, or work = \"search\"", SCENE_TABLES.join(", "));
                 return refuse(key, reason, &expected);
@@ -263,13 +263,14 @@ fn check_keys(varied: &Varied<'_>, kind: Kind, text: &str, of_base: &[Row]) -> R
     Ok(())
 }
 
-/// Whether a scene that says `text` has, or may have, the table `first`.
-fn is_of_scene(text: &str, first: &str) -> bool {
+/// Whether a scene with `text` has, or may have, the table `first`.
+fn may_have_table(text: &str, first: &str) -> bool {
     SCENE_TABLES.contains(&first) || text.parse::<Table>().is_ok_and(|table| table.contains_key(first))
 }
 
-/// What was refused and is about none of the values: the line is one of the task's text, which nobody has seen.
-fn unplaced(mut refused: Diagnostic, values: &Row) -> Diagnostic {
+/// An error that concerns none of the values: the line number refers to the task's text, which the user has not seen,
+/// and is removed.
+fn without_line(mut refused: Diagnostic, values: &Row) -> Diagnostic {
     refused.line = None;
     let at: Vec<String> = values.iter().map(|(key, value)| format!("{key} = {value}")).collect();
     if !at.is_empty() {

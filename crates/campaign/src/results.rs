@@ -1,4 +1,4 @@
-//! All results of a campaign as one table.
+//! Results of a campaign as one table.
 
 use serde_json::Value as Json;
 use slipgrid_results::guard_formula;
@@ -7,8 +7,8 @@ use slipgrid_units::tidy;
 use crate::campaign::{Campaign, Kind, Task};
 use crate::worker::{Done, Outcome};
 
-/// What a scene's row has, by load.
-const OF_SCENE: [&str; 8] = [
+/// Columns of a scene, by load.
+const SCENE_COLUMNS: [&str; 8] = [
     "pressure_mpa",
     "mu_dynamic",
     "mu_dynamic_stderr",
@@ -18,8 +18,8 @@ const OF_SCENE: [&str; 8] = [
     "peak_pressure_mpa",
     "cavity_closed",
 ];
-/// What a design's row has: columns with the places of their values.
-const OF_DESIGN: [(&str, &str); 6] = [
+/// Columns of a design, with JSON pointers to their values.
+const DESIGN_COLUMNS: [(&str, &str); 6] = [
     ("found", "/advice"),
     ("chance", "/chance"),
     ("width_um", "/design/width_um"),
@@ -28,21 +28,21 @@ const OF_DESIGN: [(&str, &str); 6] = [
     ("areal_density", "/specimen_areal_density"),
 ];
 
-/// How many tasks ended how.
+/// Number of tasks by outcome.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Counts {
-    /// Those with a record.
+    /// Tasks with a record.
     pub done: usize,
-    /// Those that were refused.
+    /// Tasks that were refused.
     pub refused: usize,
-    /// Those that were computed in vain.
+    /// Tasks that failed.
     pub failed: usize,
-    /// Those that nobody has done.
+    /// Tasks that have not been done.
     pub missing: usize,
 }
 
 impl Counts {
-    /// In words.
+    /// Describes the counts.
     #[must_use]
     pub fn words(&self) -> String {
         let Self { done, refused, failed, missing } = self;
@@ -50,12 +50,12 @@ impl Counts {
         format!("{tasks} tasks: {done} done, {refused} refused, {failed} failed, {missing} missing")
     }
 
-    /// Those that have ended, however.
+    /// Number of tasks with any outcome.
     pub(crate) const fn ended(self) -> usize {
         self.done + self.refused + self.failed
     }
 
-    /// Counts one more.
+    /// Counts one more task.
     pub(crate) fn add(&mut self, outcome: Outcome) {
         match outcome {
             Outcome::Done => self.done += 1,
@@ -65,23 +65,23 @@ impl Counts {
     }
 }
 
-/// Results, put together task by task in the order of the campaign: a row for each load of a scene and for each design.
-/// A task without a result has a row that says so. The same bytes whoever did what.
+/// Results in the order of the campaign: one row for each load of a scene and for each design. A
+/// task without a result has a row as well. The table does not depend on who did which task.
 pub struct Results<'a> {
     campaign: &'a Campaign,
     text: String,
-    /// Columns of the kind of task, between outcome and reason.
+    /// Number of columns of the kind of task, between outcome and reason.
     columns: usize,
     counts: Counts,
 }
 
 impl<'a> Results<'a> {
-    /// None as yet.
+    /// Creates an empty table.
     #[must_use]
     pub fn new(campaign: &'a Campaign) -> Self {
         let own: Vec<&str> = match campaign.kind {
-            Kind::Scene => OF_SCENE.to_vec(),
-            Kind::Design => OF_DESIGN.map(|(name, _)| name).to_vec(),
+            Kind::Scene => SCENE_COLUMNS.to_vec(),
+            Kind::Design => DESIGN_COLUMNS.map(|(name, _)| name).to_vec(),
         };
         let columns = own.len();
         let keys = campaign.keys.iter().map(|key| quoted(key));
@@ -91,14 +91,14 @@ impl<'a> Results<'a> {
         Self { campaign, text, columns, counts: Counts::default() }
     }
 
-    /// Adds what came of `task`; `None` where nobody has done it.
+    /// Adds the result of `task`; `None` if it has not been done.
     pub fn add(&mut self, task: &Task, done: Option<&Done>) {
         match done {
             Some(done) => self.counts.add(done.outcome),
             None => self.counts.missing += 1,
         }
         for cells in self.rows(done) {
-            let values = self.campaign.keys.iter().map(|key| at(task.values.get(key)));
+            let values = self.campaign.keys.iter().map(|key| cell(task.values.get(key)));
             let row = [task.id.clone()].into_iter().chain(values).chain(cells);
             self.text += &(row.collect::<Vec<_>>().join(",") + "\n");
         }
@@ -110,16 +110,16 @@ impl<'a> Results<'a> {
         &self.text
     }
 
-    /// How many tasks ended how.
+    /// Number of tasks by outcome.
     #[must_use]
     pub const fn counts(&self) -> Counts {
         self.counts
     }
 
-    /// Outcome, own columns and reason: a row each.
+    /// Rows with outcome, columns of the kind, and reason.
     fn rows(&self, done: Option<&Done>) -> Vec<Vec<String>> {
         let own = |record: &Json, places: &[(&str, &str)]| -> Vec<String> {
-            places.iter().map(|(_, place)| at(record.pointer(place))).collect()
+            places.iter().map(|(_, place)| cell(record.pointer(place))).collect()
         };
         let empty = |outcome: &str, reason: &str| {
             let mut row = vec![outcome.to_owned()];
@@ -135,18 +135,18 @@ impl<'a> Results<'a> {
             _ => return empty("failed", reason),
         };
         let cells = match self.campaign.kind {
-            Kind::Design => vec![own(record, &OF_DESIGN)],
+            Kind::Design => vec![own(record, &DESIGN_COLUMNS)],
             Kind::Scene => {
                 let loads = record.get("results").and_then(Json::as_array).map_or(&[][..], Vec::as_slice);
-                loads.iter().map(|load| OF_SCENE.iter().map(|name| at(load.get(*name))).collect()).collect()
+                loads.iter().map(|load| SCENE_COLUMNS.iter().map(|name| cell(load.get(*name))).collect()).collect()
             }
         };
         cells.into_iter().map(|cells| [vec!["done".to_owned()], cells, vec![String::new()]].concat()).collect()
     }
 }
 
-/// A value as a cell; nothing where there is none.
-fn at(value: Option<&Json>) -> String {
+/// Formats a value as a cell; empty if it is absent.
+fn cell(value: Option<&Json>) -> String {
     match value {
         None | Some(Json::Null) => String::new(),
         Some(Json::Number(number)) => {
@@ -157,7 +157,7 @@ fn at(value: Option<&Json>) -> String {
     }
 }
 
-/// Text as a cell: no formula, and quoted where it must be.
+/// Formats text as a cell: guarded against formulas, and quoted if necessary.
 fn quoted(text: &str) -> String {
     let text = guard_formula(text);
     if text.contains([',', '"', '\n', '\r']) { format!("\"{}\"", text.replace('"', "\"\"")) } else { text }
@@ -169,12 +169,12 @@ mod tests {
     use slipgrid_design::DesignReport;
     use slipgrid_results::LoadReport;
 
-    /// A field of another name would leave its column empty.
+    /// A renamed field would leave its column empty.
     #[test]
     fn columns_have_the_names_of_the_records_they_are_taken_from() {
         let design = serde_json::to_value(DesignReport::default()).unwrap();
-        assert_eq!(OF_DESIGN.into_iter().find(|(_, place)| design.pointer(place).is_none()), None);
+        assert_eq!(DESIGN_COLUMNS.into_iter().find(|(_, place)| design.pointer(place).is_none()), None);
         let load = serde_json::to_value(LoadReport::default()).unwrap();
-        assert_eq!(OF_SCENE.into_iter().find(|name| load.get(name).is_none()), None);
+        assert_eq!(SCENE_COLUMNS.into_iter().find(|name| load.get(name).is_none()), None);
     }
 }

@@ -1,4 +1,4 @@
-//! What varies in a campaign: keys with their values, and where they stand in its file.
+//! Varied keys of a campaign with their values, and their positions in its file.
 
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -10,37 +10,37 @@ use toml::{Spanned, Value};
 
 use crate::plan::GridFile;
 
-/// Most tasks of one campaign: each result is a file.
+/// Maximum number of tasks of a campaign; each result is a file.
 pub(crate) const MAX_TASKS: usize = 1_000_000;
 
-/// One combination: keys with their values.
+/// One combination of values, by key.
 pub(crate) type Row = BTreeMap<String, Json>;
 
-/// A row of `[[list]]`: keys that go together.
+/// A row of `[[list]]`: keys that vary together.
 type ListRow = BTreeMap<String, Spanned<Value>>;
 
-/// A value, and where it stands.
+/// A value and its position in the file.
 struct Place {
     key: String,
     value: Json,
     span: Range<usize>,
 }
 
-/// All combinations, and where their values stand.
+/// All combinations, and the positions of their values.
 pub(crate) struct Varied<'a> {
     document: &'a Document,
-    /// Keys that vary, in the order of the file.
+    /// Varied keys, in the order of the file.
     pub(crate) keys: Vec<String>,
-    /// Every combination of the grids with every row of the list, grids slowest first.
+    /// Every combination of the grids with every row of the list, grids slowest.
     pub(crate) rows: Vec<Row>,
     places: Vec<Place>,
 }
 
 impl<'a> Varied<'a> {
-    /// What `grids` and `list` of `document` vary.
+    /// Combines `grids` and `list` of `document`.
     ///
     /// # Errors
-    /// [`Diagnostic`] for keys and values that no base could have, and for too many of them.
+    /// [`Diagnostic`] for keys and values that are invalid in any base, and for too many of them.
     pub(crate) fn new(
         document: &'a Document,
         grids: &[Spanned<GridFile>],
@@ -62,11 +62,11 @@ impl<'a> Varied<'a> {
             }
             let one = |value| Ok(Row::from([(key.clone(), varied.take(key, value)?)]));
             let each: Vec<Row> = values.iter().map(one).collect::<Result<_, Diagnostic>>()?;
-            varied.rows = crossed(varied.rows, &each);
+            varied.rows = combinations(varied.rows, &each);
         }
         let mut each = Vec::new();
         for row in list {
-            let mut of_row = Row::new();
+            let mut values = Row::new();
             for (key, value) in row.get_ref() {
                 varied.check_key(key, value.span())?;
                 if grids.iter().any(|grid| grid.get_ref().key.get_ref() == key) {
@@ -76,11 +76,11 @@ impl<'a> Varied<'a> {
                 if !varied.keys.contains(key) {
                     varied.keys.push(key.clone());
                 }
-                of_row.insert(key.clone(), varied.take(key, value)?);
+                values.insert(key.clone(), varied.take(key, value)?);
             }
-            each.push(of_row);
+            each.push(values);
         }
-        varied.rows = crossed(varied.rows, &each);
+        varied.rows = combinations(varied.rows, &each);
         Ok(varied)
     }
 
@@ -92,7 +92,7 @@ impl<'a> Varied<'a> {
         Ok(())
     }
 
-    /// A value as it travels; notes where it stands.
+    /// Converts a value to JSON and records its position.
     fn take(&mut self, key: &str, value: &Spanned<Value>) -> Result<Json, Diagnostic> {
         let taken = json(value.get_ref()).map_err(|reason| {
             let refused = self.document.refuse(value.span(), reason);
@@ -104,7 +104,7 @@ impl<'a> Varied<'a> {
         Ok(taken)
     }
 
-    /// Refuses the key `key`, where it stands first.
+    /// Refuses `key` at its first position.
     pub(crate) fn refuse_key(&self, key: &str, reason: &str, expected: &str) -> Diagnostic {
         let place = self.places.iter().find(|place| place.key == key);
         let refused = self.document.refuse(place.map_or(0..0, |place| place.span.clone()), reason);
@@ -112,8 +112,9 @@ impl<'a> Varied<'a> {
         Diagnostic { key: Some(key.into()), value, ..refused }.expected(expected)
     }
 
-    /// What the base `base` refused with `values`, said of the value of this file that it is about; `None` where it is about none.
-    pub(crate) fn placed(&self, refused: &Diagnostic, values: &Row, base: &Path) -> Option<Diagnostic> {
+    /// Converts an error of the base `base` with `values` to one about the value in this file that caused it; `None` if
+    /// no value caused it.
+    pub(crate) fn locate(&self, refused: &Diagnostic, values: &Row, base: &Path) -> Option<Diagnostic> {
         let named = refused.key.as_deref().unwrap_or_default();
         let within = |inner: &str, outer: &str| {
             inner == outer || inner.strip_prefix(outer).is_some_and(|rest| rest.starts_with('.'))
@@ -144,8 +145,8 @@ impl<'a> Varied<'a> {
     }
 }
 
-/// Every one of `rows` with every one of `more`; as they are where there are no more.
-pub(crate) fn crossed(rows: Vec<Row>, more: &[Row]) -> Vec<Row> {
+/// All combinations of `rows` and `more`; `rows` if `more` is empty.
+pub(crate) fn combinations(rows: Vec<Row>, more: &[Row]) -> Vec<Row> {
     if more.is_empty() {
         return rows;
     }
@@ -154,10 +155,10 @@ pub(crate) fn crossed(rows: Vec<Row>, more: &[Row]) -> Vec<Row> {
     rows.into_iter().flat_map(with).collect()
 }
 
-/// A value as JSON.
+/// Converts a value to JSON.
 ///
 /// # Errors
-/// Why it has none.
+/// Reason why it cannot be converted.
 fn json(value: &Value) -> Result<Json, &'static str> {
     match value {
         Value::Float(number) => {

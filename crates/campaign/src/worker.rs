@@ -1,4 +1,4 @@
-//! Doing a task.
+//! Execution of a task.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -16,40 +16,40 @@ use slipgrid_monitor::{Memory, Monitor};
 use slipgrid_results::{SCHEMA, SimulationReport, json_and_timings};
 
 use crate::campaign::{Campaign, Kind, Task};
-use crate::inputs::{Contents, Given, InMemory, Noted, ReadOnce};
+use crate::inputs::{Contents, HashedFiles, InMemory, ReadOnce, RecordedFiles};
 
-/// How a task ended.
+/// Outcome of a task.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Outcome {
-    /// There is a record.
+    /// The task has a record.
     Done,
-    /// Its input was refused, or is not what it was when the task was planned.
+    /// The input was refused, or has changed since the task was planned.
     Refused,
-    /// It was computed in vain.
+    /// The computation failed.
     Failed,
 }
 
-/// What came of a task: the same whoever did it, and when.
+/// Result of a task, independent of who did it and when.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Done {
-    /// Version of these fields.
+    /// Schema version of this record.
     pub schema: u32,
-    /// The task's.
+    /// Id of the task.
     pub id: String,
-    /// How it ended.
+    /// Outcome of the task.
     pub outcome: Outcome,
-    /// Why there is no record.
+    /// Reason why there is no record.
     pub reason: Option<String>,
-    /// What result.json of its command holds.
+    /// Content of result.json of the task's command.
     pub record: Option<Json>,
 }
 
 impl Done {
-    /// A result from its JSON.
+    /// Parses a result.
     ///
     /// # Errors
-    /// What is wrong with it, to be said of it.
+    /// Description of the error.
     pub fn read(json: &[u8]) -> Result<Self, String> {
         let done: Self = serde_json::from_slice(json).map_err(|error| format!("is no result: {error}"))?;
         if done.outcome == Outcome::Done && !done.record.as_ref().is_some_and(Json::is_object) {
@@ -59,54 +59,54 @@ impl Done {
     }
 }
 
-/// Why a task has no record.
-enum Undone {
+/// Reason why a task has no record.
+enum TaskFailure {
     Refused(String),
     Failed(String),
     Cancelled,
 }
 
-impl From<Diagnostic> for Undone {
+impl From<Diagnostic> for TaskFailure {
     fn from(refused: Diagnostic) -> Self {
         Self::Refused(refused.to_string())
     }
 }
 
-/// Does tasks of one campaign, as many at a time as threads call it.
+/// Does tasks of one campaign, in as many threads as call it.
 pub struct Worker<'a> {
     campaign: &'a Campaign,
     files: Arc<ReadOnce>,
 }
 
 impl<'a> Worker<'a> {
-    /// A worker that has the contents of files in memory.
+    /// Creates a worker with the contents of files in memory.
     #[must_use]
     pub fn new(campaign: &'a Campaign, contents: Contents) -> Self {
-        Self::with(campaign, Arc::new(InMemory(contents)))
+        Self::with_store(campaign, Arc::new(InMemory(contents)))
     }
 
-    /// A worker to which `store` gives the contents of files by their hashes.
+    /// Creates a worker that reads the contents of files from `store` by hash.
     #[must_use]
-    pub fn with(campaign: &'a Campaign, store: Source) -> Self {
-        let given = Given::new(&campaign.inputs, store);
+    pub fn with_store(campaign: &'a Campaign, store: Source) -> Self {
+        let given = HashedFiles::new(&campaign.inputs, store);
         Self { campaign, files: ReadOnce::new(Arc::new(given)) }
     }
 
-    /// Does `task`; `None` where `monitor` cancels.
+    /// Does `task`; `None` if `monitor` cancels.
     pub fn work(&self, task: &Task, monitor: &dyn Monitor) -> Option<Done> {
         let (outcome, reason, record) = match self.record(task, &Quiet(monitor)) {
             Ok(record) => (Outcome::Done, None, Some(record)),
-            Err(Undone::Refused(reason)) => (Outcome::Refused, Some(reason), None),
-            Err(Undone::Failed(reason)) => (Outcome::Failed, Some(reason), None),
-            Err(Undone::Cancelled) => return None,
+            Err(TaskFailure::Refused(reason)) => (Outcome::Refused, Some(reason), None),
+            Err(TaskFailure::Failed(reason)) => (Outcome::Failed, Some(reason), None),
+            Err(TaskFailure::Cancelled) => return None,
         };
         Some(Done { schema: SCHEMA, id: task.id.clone(), outcome, reason, record })
     }
 
-    fn record(&self, task: &Task, monitor: &dyn Monitor) -> Result<Json, Undone> {
-        let said = |(key, reason): (String, String)| Undone::Refused(format!("{key}: {reason}"));
-        let text = self.campaign.text_of(&task.values).map_err(said)?;
-        let noted = Noted::new(&self.files, Path::new(""));
+    fn record(&self, task: &Task, monitor: &dyn Monitor) -> Result<Json, TaskFailure> {
+        let said = |(key, reason): (String, String)| TaskFailure::Refused(format!("{key}: {reason}"));
+        let text = self.campaign.text_with(&task.values).map_err(said)?;
+        let noted = RecordedFiles::new(&self.files, Path::new(""));
         let source: Source = Arc::clone(&noted) as Source;
         let document = || Document::within(&source, &self.campaign.base, text.clone());
         let whole = match self.campaign.kind {
@@ -114,14 +114,14 @@ impl<'a> Worker<'a> {
             Kind::Design => json_and_timings(&designed(document(), &source, monitor)?),
         };
         if self.campaign.id(&text, &noted.seen()) != task.id {
-            return Err(Undone::Refused("the task is not what it was when the campaign was planned".to_owned()));
+            return Err(TaskFailure::Refused("the task is not what it was when the campaign was planned".to_owned()));
         }
-        let [whole, _] = whole.map_err(|error| Undone::Failed(error.to_string()))?;
-        serde_json::from_str(&whole).map_err(|error| Undone::Failed(error.to_string()))
+        let [whole, _] = whole.map_err(|error| TaskFailure::Failed(error.to_string()))?;
+        serde_json::from_str(&whole).map_err(|error| TaskFailure::Failed(error.to_string()))
     }
 }
 
-/// A task under way says nothing of its stages: there are many.
+/// Forwards cancellation, time and cache only; the stages of many concurrent tasks are not shown.
 struct Quiet<'a>(&'a dyn Monitor);
 
 impl Monitor for Quiet<'_> {
@@ -138,29 +138,29 @@ impl Monitor for Quiet<'_> {
     }
 }
 
-fn solved(document: Document, monitor: &dyn Monitor) -> Result<SimulationReport, Undone> {
+fn solved(document: Document, monitor: &dyn Monitor) -> Result<SimulationReport, TaskFailure> {
     let file = document.parse()?;
     let input = SceneInput::from_file(document, &file, Overrides::default())?;
     let solved = simulate_on(&input.scene, input.specimen.as_ref(), monitor);
     if monitor.cancelled() {
-        return Err(Undone::Cancelled);
+        return Err(TaskFailure::Cancelled);
     }
     let simulation = solved.map_err(|error| input.refuse_on_specimen(&error))?;
-    let (_, report) = input.report(simulation, 0.0, 1).map_err(|error| Undone::Failed(error.to_string()))?;
+    let (_, report) = input.report(simulation, 0.0, 1).map_err(|error| TaskFailure::Failed(error.to_string()))?;
     Ok(report)
 }
 
-fn designed(document: Document, source: &Source, monitor: &dyn Monitor) -> Result<DesignReport, Undone> {
+fn designed(document: Document, source: &Source, monitor: &dyn Monitor) -> Result<DesignReport, TaskFailure> {
     let mut design = Design::from_document(document)?;
     complete(&mut design, source, monitor).map_err(|error| match error {
         Uncalibrated::Refused(refused) => refused.into(),
-        Uncalibrated::Cancelled => Undone::Cancelled,
-        Uncalibrated::Failed(reason) => Undone::Failed(reason),
+        Uncalibrated::Cancelled => TaskFailure::Cancelled,
+        Uncalibrated::Failed(reason) => TaskFailure::Failed(reason),
     })?;
     let found = slipgrid_design::run(&design.task, &mut NoCache, monitor).map_err(|error| match error {
         DesignError::Refused(refused) => design.refuse(&refused).into(),
-        DesignError::Cancelled => Undone::Cancelled,
-        error => Undone::Failed(error.to_string()),
+        DesignError::Cancelled => TaskFailure::Cancelled,
+        error => TaskFailure::Failed(error.to_string()),
     })?;
     Ok(found.report)
 }

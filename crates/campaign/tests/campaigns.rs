@@ -1,4 +1,4 @@
-//! Campaigns in memory: the same table whoever does what, and what is refused.
+//! Campaigns in memory: tables that do not depend on who does which task, and errors.
 
 #![allow(clippy::unwrap_used, reason = "a test that unwraps in vain fails, as it should")]
 
@@ -98,18 +98,18 @@ fn the_table_is_the_same_whoever_does_what() {
     assert_eq!(alone.all(), shared.all());
     let table = table(&alone);
     let rows: Vec<&str> = table.lines().collect();
-    // A row for each load, in the order of the file: the grid slowest.
+    // One row per load, in the order of the file, with the grid slowest.
     assert_eq!(rows.len(), 1 + 6 * 2);
     let expected = "task,pattern.width_um,pattern.depth_um,pattern.spacing_um,outcome,pressure_mpa,mu_dynamic,";
     assert!(rows[0].starts_with(expected), "{}", rows[0]);
     assert!(rows[1].contains(",40,10,200,done,0.7,") && rows[12].contains(",80,20,400,done,2.6,"), "{table}");
 
-    // Nobody does anything twice, and the same campaign may be planned again.
+    // No task is done twice, and an equal campaign may be planned again.
     folder(&shared).keep(&planned).unwrap();
     let again = folder(&shared).work(Share::ALL, 1, None, 0, &Unwatched).unwrap();
     assert_eq!((again.counts.done, again.known), (0, 6));
 
-    // In memory alone, as other programs do it.
+    // In memory only, as other programs do it.
     let worker = Worker::new(&planned.campaign, planned.contents.clone());
     let done = worker.work(&planned.tasks[0], &Unwatched).unwrap();
     let kept = alone.read(&PathBuf::from(format!("out/results/{0}/{1}.json", &done.id[..2], done.id))).unwrap();
@@ -123,7 +123,7 @@ fn an_id_stands_for_what_a_task_says_and_reads() {
     };
     let first = ids(&given(SCENE, CAMPAIGN));
     assert_eq!(first, ids(&given(SCENE, CAMPAIGN)));
-    // A comment says nothing; another material does, and so does another value.
+    // A comment does not change the id; another material or value does.
     assert_eq!(first, ids(&given(&format!("# twice\n{SCENE}"), CAMPAIGN)));
     let other = given(SCENE, CAMPAIGN);
     other.put(Path::new("d/m/material.toml"), MATERIAL.replace("0.27", "0.28").as_bytes()).unwrap();
@@ -170,7 +170,7 @@ fn what_fails_is_a_result() {
 
 #[test]
 fn a_worker_stops_when_told_and_goes_on_later() {
-    /// Cancels, or lets a minute pass, at every question from the third on.
+    /// Cancels, or lets a minute pass, at every call from the third on.
     struct Told {
         asked: AtomicUsize,
         cancels: bool,
@@ -296,7 +296,7 @@ fn names_in_a_folder_lead_nowhere_else_and_shift_no_columns() {
         assert!(worked.contains(says) && merged.contains(says), "{to}: {worked}");
         assert!(store.all() == before, "{to}");
     }
-    // Cells have as many columns as the header, whatever a key or a text holds.
+    // All rows have as many columns as the header, whatever a key or a text holds.
     let mut campaign = planned.campaign;
     campaign.keys = vec!["a,b".to_owned(), "=c".to_owned()];
     let mut results = Results::new(&campaign);
@@ -337,7 +337,7 @@ fn result_path(id: &str) -> PathBuf {
     PathBuf::from(format!("out/results/{}/{id}.json", &id[..2]))
 }
 
-/// Keeps what it is told.
+/// Records notes.
 #[derive(Default)]
 struct Notes(Mutex<Vec<String>>);
 
@@ -368,7 +368,7 @@ fn every_damaged_result_is_named_and_done_again() {
         assert!(line.contains(ids[place]) && line.contains(says), "{line}");
     }
 
-    // A worker names those of its own share and does them again.
+    // A worker reports the damaged results of its share and does these tasks again.
     for (share, damaged, known) in [(Share { number: 2, of: 3 }, 2, 0), (Share::ALL, 1, 5), (Share::ALL, 0, 6)] {
         let notes = Notes::default();
         let worked = folder(&store).work(share, 2, None, 0, &notes).unwrap();

@@ -10,18 +10,18 @@ use slipgrid_formats::source::{Entry, Files, Source};
 
 use crate::put;
 
-/// Maximum size of a file that is read at once, in bytes: a tribometer that writes 100 rows a second fills it in weeks. Maps are read as
-/// streams.
+/// Maximum size, in bytes, of a file that is read at once: a tribometer with 100 rows per second takes weeks to fill
+/// it. Maps are read as streams.
 const MAX_BYTES: u64 = 1 << 30;
 
-/// The same of a pipe or a device, which may have no end.
+/// Maximum size, in bytes, read from a pipe or device, which may have no end.
 const MAX_STREAM_BYTES: u64 = 1 << 26;
 
-/// Files as the system has them.
+/// Files of the operating system.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Disk;
 
-/// The disk, for readers of files.
+/// File source for readers.
 #[must_use]
 pub fn disk() -> Source {
     Arc::new(Disk)

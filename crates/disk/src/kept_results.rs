@@ -1,4 +1,4 @@
-//! A folder of results by their content.
+//! Cache of results in a folder.
 
 use std::fs::{self, File, OpenOptions};
 use std::io::Read;
@@ -11,41 +11,42 @@ use slipgrid_monitor::{Key, Memory};
 
 use crate::put;
 
-/// Of which form files are: the hash of another form differs.
+/// Version of the file format, which is part of the hash.
 const FORMAT: &[u8] = b"slipgrid kept 2";
-/// Bytes of the hash that a file begins with.
+/// Length of the hash at the beginning of a file, in bytes.
 const HASH_BYTES: usize = 32;
-/// Share of the bound to which a folder that has grown beyond it is brought back.
-const AFTER_CLEARING: f64 = 0.75;
-/// Bytes that a user's folder holds at most, about: some thousand runs.
+/// Fraction of the size limit to which a folder that exceeds it is reduced.
+const CLEARED_FRACTION: f64 = 0.75;
+/// Approximate size limit of a user's folder, in bytes: some thousand runs.
 const MAX_BYTES: u64 = 256 << 20;
-/// How names of kept results end.
+/// File name extension of cached results.
 const EXTENSION: &str = "kept";
 
-/// A folder that holds one file a result, named by its key and the build of the program that computed it. Any number of
-/// processes may use it at once: a file appears whole and begins with a hash of its name and its content, and one that is broken, gone or
-/// another's is as if it had never been. Beyond the bound those go first that were not asked for the longest.
+/// A folder with one file per result, named by its key and the build of the program. Any number of processes may use it
+/// concurrently: files appear atomically and begin with a hash of name and content; damaged, missing or foreign files
+/// count as absent. Above the size limit the least recently used files are removed.
 #[derive(Debug)]
 pub struct KeptResults {
     folder: PathBuf,
     build: String,
-    most_bytes: u64,
+    max_bytes: u64,
     is_cleared: AtomicBool,
 }
 
 impl KeptResults {
-    /// The results of `build` in `folder`, which is made when the first is kept and holds `most_bytes` at most, about.
+    /// Creates a cache of results of `build` in `folder`, with an approximate limit of `max_bytes`. The folder is
+    /// created with the first result.
     #[must_use]
-    pub fn new(folder: PathBuf, build: &str, most_bytes: u64) -> Self {
+    pub fn new(folder: PathBuf, build: &str, max_bytes: u64) -> Self {
         let build: String = Sha256::digest(build.as_bytes()).iter().take(4).map(|byte| format!("{byte:02x}")).collect();
-        Self { folder, build, most_bytes, is_cleared: AtomicBool::new(false) }
+        Self { folder, build, max_bytes, is_cleared: AtomicBool::new(false) }
     }
 
-    /// The results of the running program in the user's folder for such files: the one that the environment names in
-    /// `SLIPGRID_CACHE`, else `slipgrid` in the system's. `None` where `SLIPGRID_CACHE` is empty, or nothing names a folder.
-    /// The build is told by the size and the time of the program's file.
+    /// The cache of the running program in the user's cache folder: the one in the environment variable
+    /// `SLIPGRID_CACHE`, otherwise `slipgrid` in the system's cache folder. `None` if `SLIPGRID_CACHE` is empty, or no
+    /// folder is known. The build is identified by size and modification time of the program's file.
     #[must_use]
-    pub fn of_this_program() -> Option<Self> {
+    pub fn for_this_program() -> Option<Self> {
         let named = |name: &str| std::env::var_os(name).filter(|value| !value.is_empty()).map(PathBuf::from);
         let folder = match std::env::var_os("SLIPGRID_CACHE") {
             Some(folder) => Some(PathBuf::from(folder)).filter(|folder| !folder.as_os_str().is_empty()),
@@ -63,7 +64,7 @@ impl KeptResults {
         self.folder.join(format!("{}-{}.{EXTENSION}", key.name(), self.build))
     }
 
-    /// What a file at `path` that holds `value` begins with: it is bound to its key and build.
+    /// Hash at the beginning of the file at `path` with `value`; it depends on key and build.
     fn hash(path: &Path, value: &[u8]) -> [u8; HASH_BYTES] {
         let name = path.file_name().unwrap_or_default().as_encoded_bytes();
         let mut hash = Sha256::new();
@@ -73,7 +74,7 @@ impl KeptResults {
         hash.finalize().into()
     }
 
-    /// Removes what was not asked for the longest, where there is too much.
+    /// Removes the least recently used files if the size limit is exceeded.
     fn clear(&self) {
         let mut kept: Vec<(SystemTime, u64, PathBuf)> = fs::read_dir(&self.folder)
             .into_iter()
@@ -86,22 +87,22 @@ impl KeptResults {
             })
             .collect();
         let mut bytes: u64 = kept.iter().map(|(_, length, _)| length).sum();
-        if bytes <= self.most_bytes {
+        if bytes <= self.max_bytes {
             return;
         }
         kept.sort();
         for (_, length, path) in kept {
-            if bytes as f64 <= AFTER_CLEARING * self.most_bytes as f64 {
+            if bytes as f64 <= CLEARED_FRACTION * self.max_bytes as f64 {
                 return;
             }
-            // Another process may have been faster.
+            // Another process may have removed the file.
             let _ = fs::remove_file(path);
             bytes -= length;
         }
     }
 }
 
-/// Options to open a file that may be a pipe, which would wait for its other end.
+/// Options to open a file that may be a pipe, without waiting for its other end.
 fn unblocking() -> OpenOptions {
     let mut options = File::options();
     #[cfg(unix)]
@@ -109,12 +110,12 @@ fn unblocking() -> OpenOptions {
     options
 }
 
-/// The content of the file at `path`; `None` of what is no regular file, or has more than `most_bytes`.
-fn read_regular(path: &Path, most_bytes: u64) -> Option<Vec<u8>> {
+/// Content of the file at `path`; `None` if it is no regular file, or larger than `max_bytes`.
+fn read_regular(path: &Path, max_bytes: u64) -> Option<Vec<u8>> {
     let file = unblocking().read(true).open(path).ok()?;
-    let found = file.metadata().ok().filter(|found| found.is_file() && found.len() <= most_bytes)?;
+    let found = file.metadata().ok().filter(|found| found.is_file() && found.len() <= max_bytes)?;
     let mut bytes = Vec::new();
-    // It may grow while it is read.
+    // The file may grow while it is read.
     file.take(found.len()).read_to_end(&mut bytes).ok()?;
     Some(bytes)
 }
@@ -122,21 +123,21 @@ fn read_regular(path: &Path, most_bytes: u64) -> Option<Vec<u8>> {
 impl Memory for KeptResults {
     fn recall(&self, key: &Key) -> Option<Vec<u8>> {
         let path = self.path(key);
-        let mut bytes = read_regular(&path, self.most_bytes)?;
+        let mut bytes = read_regular(&path, self.max_bytes)?;
         let value = bytes.split_off(HASH_BYTES.min(bytes.len()));
         if Self::hash(&path, &value)[..] != bytes[..] {
             return None;
         }
-        // Asked for now: what is not written stays a little older.
+        // Marks the file as used; a failure only makes it look older.
         let _ = unblocking().append(true).open(&path).and_then(|file| file.set_modified(SystemTime::now()));
         Some(value)
     }
 
     fn keep(&self, key: &Key, value: &[u8]) {
         let path = self.path(key);
-        // A full or read-only disk keeps nothing: the next run computes it again.
+        // A full or read-only disk stores nothing, and the next run computes the result again.
         let _ = put(&path, &[&Self::hash(&path, value)[..], value].concat());
-        // Once a process: results come by the dozen.
+        // Once per process, because results come by the dozen.
         if !self.is_cleared.swap(true, Ordering::Relaxed) {
             self.clear();
         }
@@ -160,7 +161,7 @@ mod tests {
             fs::write(&path, broken).unwrap();
             assert_eq!(kept.recall(&key), None);
         }
-        // The file of another key is whole, and another's.
+        // The file of another key is complete, but does not match.
         let other = Key::of("run", &2.5);
         kept.keep(&other, b"value");
         fs::copy(kept.path(&other), &path).unwrap();
@@ -169,7 +170,7 @@ mod tests {
         assert_eq!(kept.recall(&key).as_deref(), Some(&b"value"[..]));
         #[cfg(unix)]
         {
-            // A pipe that nobody writes to.
+            // A pipe without a writer.
             fs::remove_file(&path).unwrap();
             assert!(std::process::Command::new("mkfifo").arg(&path).status().unwrap().success());
             assert_eq!(kept.recall(&key), None);
@@ -195,7 +196,7 @@ mod tests {
             File::options().append(true).open(kept.path(key)).unwrap().set_modified(at).unwrap();
         }
         let kept = KeptResults::new(place.path().to_owned(), "a", 800);
-        // The first is asked for again, and so is the youngest.
+        // The first one is used again, and so is the youngest.
         assert!(kept.recall(&keys[0]).is_some());
         kept.keep(&Key::of("run", &"new"), &[0; 68]);
         let left: Vec<usize> = (0..10).filter(|&number| kept.recall(&keys[number]).is_some()).collect();

@@ -1,8 +1,9 @@
-//! What front doors share of the system: [`Disk`] reads and writes files for libraries that know none, [`Place`] is where results
-//! go without anything being lost, [`ResultFolder`] a folder of them that is replaced as a whole, and [`KeptResults`] is a folder of results by their content, so that nothing is computed twice.
+//! File access for front ends: [`Disk`] reads and writes files for libraries without file access, [`Place`] checks
+//! where results may be written without loss, [`ResultFolder`] replaces a folder of results as a whole, and
+//! [`KeptResults`] is a cache of results in a folder.
 //!
-//! Only this crate and the front doors themselves touch files. A kept result is the one that would be computed, to the last
-//! bit; a run with an empty folder, or without one, gives the same bytes:
+//! Only this crate and the front ends access files. A cached result is bit-identical to the computed one, and runs with
+//! an empty cache, or without one, give the same bytes:
 //!
 //! ```
 //! use slipgrid_disk::KeptResults;
@@ -37,13 +38,13 @@ use std::path::Path;
 
 use slipgrid_formats::Diagnostic;
 
-/// Most threads of a pool: more than one machine has cores, and few enough to be made in an instant.
+/// Maximum number of threads of a pool: more than the cores of a machine, and few enough to be created at once.
 pub const MAX_THREADS: usize = 1024;
 
-/// Threads of a pool for which nobody asked by a number: those that the environment names in `RAYON_NUM_THREADS`, else as many as cores.
+/// Default number of threads: that in the environment variable `RAYON_NUM_THREADS`, otherwise the number of cores.
 ///
 /// # Errors
-/// [`Diagnostic`] where the environment names more than [`MAX_THREADS`].
+/// [`Diagnostic`] if the environment variable is invalid or above [`MAX_THREADS`].
 pub fn default_threads() -> Result<usize, Diagnostic> {
     const VARIABLE: &str = "RAYON_NUM_THREADS";
     let cores = std::thread::available_parallelism().map_or(1, usize::from).min(MAX_THREADS);
@@ -56,14 +57,14 @@ pub fn default_threads() -> Result<usize, Diagnostic> {
     }
 }
 
-/// Name of a file that is not finished, at its beginning and end.
+/// Prefix and suffix of the name of an unfinished file.
 pub const UNFINISHED: (&str, &str) = (".slipgrid-", ".part");
 
-/// Has a file appear whole, making its folder if needed, without a look at what stands there: it is written under another name
-/// beside its place, then renamed.
+/// Writes a file atomically and creates its folder if needed: the file is written under another name in the same folder
+/// and then renamed. An existing file is replaced without a check.
 ///
 /// # Errors
-/// What the system said.
+/// Error of the operating system.
 pub fn put(path: &Path, bytes: &[u8]) -> io::Result<()> {
     let folder = parent(path);
     fs::create_dir_all(folder)?;
@@ -73,14 +74,14 @@ pub fn put(path: &Path, bytes: &[u8]) -> io::Result<()> {
     file.persist(path).map(drop).map_err(|error| error.error)
 }
 
-/// The folder that holds `path`.
+/// Parent folder of `path`.
 #[must_use]
 pub fn parent(path: &Path) -> &Path {
     path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 
-/// A maker of files and folders of unfinished names, with permissions `mode` before the user's mask: temporary ones are
-/// otherwise private.
+/// Builder of temporary files and folders with unfinished names and the permissions `mode` before the user's mask;
+/// without `mode` they would be private.
 #[must_use]
 pub fn unfinished(mode: u32) -> tempfile::Builder<'static, 'static> {
     let mut builder = tempfile::Builder::new();

@@ -1,7 +1,7 @@
-//! One run at a time for one folder of results: a file beside it that the run holds locked.
+//! Lock file next to a folder of results, so that one run at a time writes it.
 //!
-//! The operating system releases the lock with the process that held it, however that ended: a file that a killed run
-//! left is taken over. Where a file system has no locks, the process id in the file decides.
+//! The operating system releases the lock when the process ends in any way, so that the lock file of a killed run is
+//! taken over. On file systems without locks, the process id in the file is checked.
 
 use std::fs::{self, File, TryLockError};
 use std::io::{self, Read, Seek, Write};
@@ -13,42 +13,42 @@ use slipgrid_formats::Diagnostic;
 
 use crate::places::{PlaceError, WriteError};
 
-/// Times that a file which its holder has just removed is made again.
+/// Number of attempts to create a lock file that its holder has just removed.
 const ATTEMPTS: usize = 20;
-/// Longest content of a lock file, in bytes.
+/// Maximum size of a lock file, in bytes.
 const MAX_BYTES: u64 = 1000;
 
-/// Files of the locks that this process holds.
+/// Lock files that this process holds.
 static HELD: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
 
 fn held() -> MutexGuard<'static, Vec<PathBuf>> {
-    // Paths are whole when they enter: those of a panicking thread are as good as any.
+    // Paths are complete when they are inserted, so that a poisoned lock is harmless.
     HELD.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Removes the files of all locks that this process holds: for a program that is about to end.
+/// Removes all lock files of this process, before the program ends.
 pub fn remove_all() {
     for path in held().drain(..) {
         let _ = fs::remove_file(path);
     }
 }
 
-/// Held from its making to its end; then the file is removed, with the folders that were made for it if nothing else
-/// came into them.
+/// A lock, held until it is dropped. Dropping removes the lock file, and the folders that were created for it if they
+/// are empty.
 #[derive(Debug)]
 pub struct Lock {
     path: PathBuf,
     file: Option<File>,
-    /// Folders that did not exist, the innermost first.
+    /// Folders that were created, innermost first.
     made: Vec<PathBuf>,
 }
 
-/// Who holds a lock, and since when.
+/// Holder of a lock.
 #[derive(Clone, Debug, PartialEq, Eq)]
 struct Holder {
     process: u32,
     host: String,
-    /// Seconds since the first of January 1970.
+    /// Start of the run, in seconds since 1 January 1970.
     since_s: u64,
 }
 
@@ -56,7 +56,7 @@ impl Lock {
     /// Locks the file at `path` for this process.
     ///
     /// # Errors
-    /// [`Diagnostic`] if another run holds it, by who and since when; [`WriteError`] if the system refuses.
+    /// [`Diagnostic`] if another run holds the lock; [`WriteError`] for an error of the operating system.
     pub fn new(path: &Path) -> Result<Self, PlaceError> {
         let failed = |source: io::Error| WriteError { path: path.to_owned(), source };
         if path.is_dir() {
@@ -76,7 +76,7 @@ impl Lock {
                 Err(TryLockError::WouldBlock) => return Err(lock.refuse(Holder::read(&mut file).as_ref()).into()),
                 Err(TryLockError::Error(_)) => false,
             };
-            // Between opening and locking its last holder may have removed it.
+            // The last holder may have removed the file between opening and locking.
             if !is_there(&file, path) {
                 continue;
             }
@@ -92,7 +92,7 @@ impl Lock {
                 _ => {}
             }
             if let Err(error) = own.write(&mut file) {
-                // A full disk: an empty file would stay.
+                // On a full disk an empty file would remain.
                 let _ = fs::remove_file(path);
                 return Err(failed(error).into());
             }
@@ -121,7 +121,8 @@ impl Drop for Lock {
     fn drop(&mut self) {
         let Some(file) = self.file.take() else { return self.remove_made() };
         held().retain(|held| *held != self.path);
-        // While it is locked, so that nobody else's goes. What cannot be removed is taken over by the next run.
+        // Removed while locked, so that no other run's file is removed. A file that cannot be removed is taken over by
+        // the next run.
         if cfg!(unix) {
             let _ = fs::remove_file(&self.path);
             drop(file);
@@ -134,7 +135,7 @@ impl Drop for Lock {
 }
 
 impl Lock {
-    /// Removes the folders made, as far as they are empty.
+    /// Removes the created folders, as far as they are empty.
     fn remove_made(&self) {
         for folder in &self.made {
             if fs::remove_dir(folder).is_err() {
@@ -151,7 +152,7 @@ impl Holder {
         Self { process: std::process::id(), host, since_s: now_s() }
     }
 
-    /// The holder that a lock file names; `None` where it names none.
+    /// Holder named in a lock file; `None` if it names none.
     fn read(file: &mut File) -> Option<Self> {
         let mut text = String::new();
         file.rewind().ok()?;
@@ -166,7 +167,7 @@ impl Holder {
         file.write_all(format!("slipgrid {} {} {}\n", self.process, self.host, self.since_s).as_bytes())
     }
 
-    /// Whether its process runs on this host, as far as can be told.
+    /// Whether the holder's process still runs on this host, as far as can be determined.
     fn lives(&self) -> bool {
         let processes = Path::new("/proc");
         !processes.join("self").exists() || processes.join(self.process.to_string()).exists()
@@ -185,7 +186,7 @@ fn now_s() -> u64 {
     SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |since| since.as_secs())
 }
 
-/// Whether `path` still leads to `file`.
+/// Whether `path` still refers to `file`.
 #[cfg(unix)]
 fn is_there(file: &File, path: &Path) -> bool {
     use std::os::unix::fs::MetadataExt;
@@ -212,7 +213,7 @@ mod tests {
         assert!(refused.contains(&who) && refused.contains("another folder after -o"), "{refused}");
         drop(first);
         assert!(!place.path().join("new").exists());
-        // What a run put beside it keeps the folders.
+        // A file that a run wrote next to the lock keeps the folders.
         let second = Lock::new(&path).unwrap();
         fs::write(place.path().join("new/out/result"), "").unwrap();
         drop(second);

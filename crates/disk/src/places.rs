@@ -1,4 +1,4 @@
-//! Where results may go: nothing is replaced that a run reads or that slipgrid did not write, whichever front door writes.
+//! Checks where results may be written: inputs of a run and files not written by slipgrid are never replaced.
 
 use std::fs;
 use std::io::{self, Read};
@@ -12,30 +12,30 @@ use crate::result_folder::ResultFolder;
 use crate::written_list::Written;
 use crate::{parent, put, unfinished};
 
-/// An output that could not be written.
+/// An output could not be written.
 #[derive(Debug, thiserror::Error)]
 #[error("{path}: cannot be written: {source}", path = path.display())]
 pub struct WriteError {
     /// The file or folder.
     pub path: PathBuf,
-    /// What the system said.
+    /// Error of the operating system.
     pub source: std::io::Error,
 }
 
 impl WriteError {
-    /// What the system said of `path`.
+    /// Converts errors of the operating system for `path`.
     pub fn at(path: &Path) -> impl Fn(std::io::Error) -> Self + '_ {
         move |source| Self { path: path.to_owned(), source }
     }
 }
 
-/// Why results cannot go to a place.
+/// Reason why results cannot be written to a place.
 #[derive(Debug, thiserror::Error)]
 pub enum PlaceError {
-    /// Something would be lost there, or it is no place for them.
+    /// Something would be lost there, or the place is invalid.
     #[error(transparent)]
     Refused(#[from] Diagnostic),
-    /// The system lets nothing be written there.
+    /// The operating system refuses to write there.
     #[error(transparent)]
     Unwritable(#[from] WriteError),
 }
@@ -43,14 +43,14 @@ pub enum PlaceError {
 /// A place for results, as a front door names it.
 #[derive(Clone, Copy, Debug)]
 pub struct Place<'a> {
-    /// The flag or argument.
+    /// Flag or argument that names the place.
     pub flag: &'a str,
-    /// What stands after it.
+    /// Path of the place.
     pub path: &'a Path,
 }
 
 impl<'a> Place<'a> {
-    /// The place after `--output`.
+    /// The place given by `--output`.
     #[must_use]
     pub const fn output(path: &'a Path) -> Self {
         Self { flag: "--output", path }
@@ -68,7 +68,7 @@ impl<'a> Place<'a> {
         Ok(())
     }
 
-    /// Refuses to replace the file at `path` of `folder` if it is one of `inputs`, or not slipgrid's.
+    /// Refuses to replace the file at `path` in `folder` if it is one of `inputs`, or was not written by slipgrid.
     fn check_replaced(&self, folder: &Path, path: &Path, inputs: &[PathBuf]) -> Result<(), Diagnostic> {
         let file = &folder.join(path);
         let reason = if inputs.iter().any(|input| is_same(input, file)) {
@@ -86,12 +86,12 @@ impl<'a> Place<'a> {
     }
 }
 
-/// Checks, before long work starts, that results can go to a folder. `names` are those of the files that will be
-/// written there, with one `*` for any letters and `/` below folders; `inputs` are files that this run reads.
+/// Checks, before long work starts, that results can be written to a folder. `names` are the files that will be
+/// written, where one `*` stands for any letters and `/` for subfolders; `inputs` are files that the run reads.
 ///
 /// # Errors
-/// [`PlaceError`] if something else than a folder has that name, nothing can be written there, or a file would be
-/// replaced that is an input or that slipgrid did not write.
+/// [`PlaceError`] if the place is not a folder, is not writable, or holds a file to be replaced that is an input or was
+/// not written by slipgrid.
 pub fn check_folder(place: Place<'_>, names: &[&str], inputs: &[PathBuf]) -> Result<(), PlaceError> {
     let folder = place.path;
     place.check_link()?;
@@ -105,7 +105,7 @@ pub fn check_folder(place: Place<'_>, names: &[&str], inputs: &[PathBuf]) -> Res
     Ok(())
 }
 
-/// Paths in `folder` of what fits `pattern`.
+/// Paths in `folder` that match `pattern`.
 pub(crate) fn matching(folder: &Path, pattern: &str) -> Vec<PathBuf> {
     let (first, rest) = pattern.split_once('/').map_or((pattern, None), |(first, rest)| (first, Some(rest)));
     let entries = fs::read_dir(folder).into_iter().flatten().flatten();
@@ -114,18 +114,18 @@ pub(crate) fn matching(folder: &Path, pattern: &str) -> Vec<PathBuf> {
     let Some(rest) = rest else { return named.collect() };
     let below = |name: PathBuf| {
         let inside = folder.join(&name);
-        // A file stands in the way of the folder.
+        // A file with the name of the required folder.
         let found = if inside.is_dir() { matching(&inside, rest) } else { vec![PathBuf::new()] };
         found.into_iter().map(move |path| if path.as_os_str().is_empty() { name.clone() } else { name.join(path) })
     };
     named.flat_map(below).collect()
 }
 
-/// Checks, before long work starts, that a result can go to a file; `inputs` are files that this run reads.
+/// Checks, before long work starts, that a result can be written to a file; `inputs` are files that the run reads.
 ///
 /// # Errors
-/// [`PlaceError`] if a folder has that name, nothing can be written there, or the file there is an input or was not
-/// written by slipgrid.
+/// [`PlaceError`] if the place is a folder, is not writable, or holds a file that is an input or was not written by
+/// slipgrid.
 pub fn check_file(place: Place<'_>, inputs: &[PathBuf]) -> Result<(), PlaceError> {
     place.check_link()?;
     if place.path.is_dir() {
@@ -139,11 +139,11 @@ pub fn check_file(place: Place<'_>, inputs: &[PathBuf]) -> Result<(), PlaceError
     Ok(())
 }
 
-/// Writes `files`, by name, into the folder at `place`, which is made where there is none; all places are looked at first.
-/// `inputs` are files that the results were made from.
+/// Writes `files`, by name, into the folder at `place` after checking all of them; the folder is created if needed.
+/// `inputs` are files from which the results were made.
 ///
 /// # Errors
-/// [`PlaceError`] as of [`check_folder`], or if the system refuses.
+/// [`PlaceError`], as in [`check_folder`], or for an error of the operating system.
 pub fn write_folder(place: Place<'_>, files: &[(String, Vec<u8>)], inputs: &[PathBuf]) -> Result<(), PlaceError> {
     let names: Vec<&str> = files.iter().map(|(name, _)| name.as_str()).collect();
     let mut outputs = Outputs::default();
@@ -151,10 +151,10 @@ pub fn write_folder(place: Place<'_>, files: &[(String, Vec<u8>)], inputs: &[Pat
     Ok(ResultFolder::open(place, &names, inputs)?.replace(&outputs, &|| false)?)
 }
 
-/// Writes one file at `place`; `inputs` are files that it was made from.
+/// Writes one file at `place`; `inputs` are files from which it was made.
 ///
 /// # Errors
-/// [`PlaceError`] as of [`check_file`], or if the system refuses.
+/// [`PlaceError`], as in [`check_file`], or for an error of the operating system.
 pub fn write_file(place: Place<'_>, bytes: &[u8], inputs: &[PathBuf]) -> Result<(), PlaceError> {
     check_file(place, inputs)?;
     Ok(write_at(place.path, bytes)?)
@@ -165,22 +165,22 @@ fn write_at(path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
     if is_device(path) {
         return fs::write(path, bytes).map_err(&failed);
     }
-    // What a link leads to is replaced, not the link.
+    // Replace the target of a link, not the link.
     let leads_to = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
     put(&leads_to, bytes).map_err(failed)
 }
 
-/// Whether a device or a pipe is there: it holds nothing that could be lost, and a file in its place would take it away.
+/// Whether the path is a device or a pipe, which holds nothing to lose, and must not be replaced by a file.
 fn is_device(path: &Path) -> bool {
     path.metadata().is_ok_and(|metadata| !metadata.is_file() && !metadata.is_dir())
 }
 
-/// Whether both paths lead to one file.
+/// Whether both paths refer to the same file.
 fn is_same(left: &Path, right: &Path) -> bool {
     matches!((fs::canonicalize(left), fs::canonicalize(right)), (Ok(left), Ok(right)) if left == right)
 }
 
-/// Whether `name` is `pattern`, which may hold one `*` for any letters.
+/// Whether `name` matches `pattern`, which may hold one `*` for any letters.
 fn fits(name: &str, pattern: &str) -> bool {
     match pattern.split_once('*') {
         None => name == pattern,
@@ -188,8 +188,8 @@ fn fits(name: &str, pattern: &str) -> bool {
     }
 }
 
-/// Whether the file at `path` of `folder` is one that slipgrid wrote, by its mark or the folder's list, or is empty. Devices and pipes
-/// hold nothing that could be lost.
+/// Whether the file at `path` in `folder` was written by slipgrid, by its mark or the folder's list, or is empty.
+/// Devices and pipes hold nothing to lose.
 fn is_ours(folder: &Path, path: &Path) -> bool {
     let file = &folder.join(path);
     if is_device(file) {
@@ -203,18 +203,18 @@ fn is_ours(folder: &Path, path: &Path) -> bool {
     head.is_empty() || has_mark(&name, &head) || Written::read(folder).holds(folder, path)
 }
 
-/// Refuses to replace what slipgrid did not write.
+/// Refuses to replace a file not written by slipgrid.
 ///
 /// # Errors
-/// [`WriteError`] if the file at `path` is there and not slipgrid's.
+/// [`WriteError`] if the file at `path` exists and was not written by slipgrid.
 pub fn refuse_foreign(path: &Path) -> Result<(), WriteError> {
     refuse_foreign_in(parent(path), path.file_name().map_or(path, Path::new))
 }
 
-/// Refuses to replace what slipgrid did not write into `folder`.
+/// Refuses to replace a file in `folder` that slipgrid did not write.
 ///
 /// # Errors
-/// [`WriteError`] if the file at `path` of it is there and not slipgrid's.
+/// [`WriteError`] if the file at `path` in the folder exists and was not written by slipgrid.
 pub(crate) fn refuse_foreign_in(folder: &Path, path: &Path) -> Result<(), WriteError> {
     let file = folder.join(path);
     if !file.exists() || is_ours(folder, path) {
@@ -235,7 +235,7 @@ fn check_parents(place: Place<'_>) -> Result<(), PlaceError> {
     }
 }
 
-/// Checks that a file can be made where `path` would appear: hours of work should not end at a closed door.
+/// Checks that a file can be created at `path`, so that hours of work are not lost at the end.
 fn check_writable(path: &Path) -> Result<(), WriteError> {
     if is_device(path) {
         return Ok(());
@@ -243,7 +243,7 @@ fn check_writable(path: &Path) -> Result<(), WriteError> {
     let folders = path.ancestors().skip(usize::from(!path.is_dir()));
     let named = folders.map(|above| if above.as_os_str().is_empty() { Path::new(".") } else { above });
     let Some(folder) = named.into_iter().find(|above| above.is_dir()) else { return Ok(()) };
-    // It goes away at once.
+    // The temporary file is removed at once.
     unfinished(0o666).tempfile_in(folder).map(drop).map_err(WriteError::at(path))
 }
 
@@ -285,7 +285,7 @@ mod tests {
         fs::write(at("b.stl"), "mine").unwrap();
         let refused = write_folder(folder, &files(&["a.stl", "b.stl"]), &[]).unwrap_err().to_string();
         assert!(refused.starts_with("folder: ") && refused.contains("holds b.stl, which was not written"), "{refused}");
-        // Of a foreign file not even its neighbours are written.
+        // If one file is foreign, no other file is written either.
         assert!(!at("a.stl").exists() && fs::read(at("b.stl")).unwrap() == b"mine");
         write_folder(folder, &files(&["a.stl"]), &[]).unwrap();
         write_folder(folder, &files(&["a.stl"]), &[]).unwrap();

@@ -1,9 +1,9 @@
-//! A folder of results: one run at a time writes it, and its files are replaced together.
+//! A folder of results that one run at a time writes, and whose files are replaced together.
 //!
-//! New files are first written whole under another name. Where the folder holds files alone, a folder with the new files and with links
-//! to those that stay then takes its place in one step (renameat2 of Linux, renamex_np of macOS), so that a run killed at any moment
-//! leaves the old result or the new one. Elsewhere files are renamed one by one while `result.json` is away: a folder with this file
-//! never holds files of two results.
+//! New files are first written under another name. If the folder holds only files, a new folder with the new files and
+//! links to the remaining ones then replaces it atomically (renameat2 of Linux, renamex_np of macOS), so that a killed
+//! run leaves either the old or the new result. Otherwise files are renamed one by one while `result.json` is absent,
+//! so that a folder with this file never holds files of two results.
 
 use std::collections::BTreeSet;
 use std::ffi::OsString;
@@ -22,22 +22,22 @@ use crate::places::{Place, PlaceError, WriteError, check_folder, matching, refus
 use crate::written_list::{LIST, Written, hexadecimal};
 use crate::{UNFINISHED, parent, put, unfinished};
 
-/// Age at which an unfinished file belongs to a run that was killed: writing takes milliseconds.
+/// Age from which on an unfinished file belongs to a killed run: writing takes milliseconds.
 const ABANDONED: Duration = Duration::from_secs(600);
 /// The file without which a folder holds no result.
 const RECORD: &str = "result.json";
-/// The file of what differs from run to run.
+/// The file with values that differ between runs.
 const TIMINGS: &str = "timings.json";
 
-/// Held while files change their names.
+/// Locked while files are renamed.
 static RENAMING: Mutex<()> = Mutex::new(());
 
-/// Waits until no result is half renamed, and keeps it so: for a program that is about to end.
+/// Waits until no result is partially renamed and blocks further renames, before the program ends.
 pub fn hold_renaming() -> MutexGuard<'static, ()> {
     RENAMING.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// A folder of results that this run alone writes until it is dropped.
+/// A folder of results that only this run writes until it is dropped.
 #[derive(Debug)]
 pub struct ResultFolder {
     path: PathBuf,
@@ -46,11 +46,11 @@ pub struct ResultFolder {
 }
 
 impl ResultFolder {
-    /// Checks that results can go to `place`, as [`check_folder`] does, and locks it for this run. `patterns` are those of the files that
-    /// a result consists of.
+    /// Checks with [`check_folder`] that results can be written to `place`, and locks it for this run. `patterns` are
+    /// the names of the files of a result.
     ///
     /// # Errors
-    /// [`PlaceError`] as of [`check_folder`], and where another run works for this folder.
+    /// [`PlaceError`], as in [`check_folder`], and if another run holds the lock.
     pub fn open(place: Place<'_>, patterns: &[&str], inputs: &[PathBuf]) -> Result<Self, PlaceError> {
         check_folder(place, patterns, inputs)?;
         let lock = Lock::new(&lock_path(place.path))?;
@@ -60,33 +60,33 @@ impl ResultFolder {
         Ok(Self { path: place.path.to_owned(), patterns, _lock: lock })
     }
 
-    /// The folder as it was named.
+    /// The folder as given by the user.
     #[must_use]
     pub fn path(&self) -> &Path {
         &self.path
     }
 
-    /// Writes all of `outputs`, and removes what is left of an earlier result: files of its names that slipgrid wrote and nobody changed.
-    /// Other files stay. Ends early once `is_cancelled`.
+    /// Writes all of `outputs`, and removes unchanged files of an earlier result with matching names. Other files stay.
+    /// Ends early once `is_cancelled`.
     ///
     /// # Errors
-    /// [`WriteError`] if the system refuses, or a file of one of the names is not slipgrid's; then the folder holds what it held
-    /// before, unless a rename failed.
+    /// [`WriteError`] for an error of the operating system, or if a file to be replaced was not written by slipgrid;
+    /// the folder is then unchanged, unless a rename failed.
     pub fn replace(&self, outputs: &Outputs, is_cancelled: &dyn Fn() -> bool) -> Result<(), WriteError> {
         self.write(outputs, &self.patterns, is_cancelled)
     }
 
-    /// Writes all of `outputs` beside what the folder holds.
+    /// Writes all of `outputs` in addition to the files in the folder.
     ///
     /// # Errors
-    /// As [`replace`](Self::replace).
+    /// See [`replace`](Self::replace).
     pub fn add(&self, outputs: &Outputs, is_cancelled: &dyn Fn() -> bool) -> Result<(), WriteError> {
         self.write(outputs, &[], is_cancelled)
     }
 
     fn write(&self, outputs: &Outputs, stale: &[String], is_cancelled: &dyn Fn() -> bool) -> Result<(), WriteError> {
         let failed = WriteError::at(&self.path);
-        // What a link leads to is replaced, not the link.
+        // Replace the target of a link, not the link.
         let folder = &fs::canonicalize(&self.path).unwrap_or_else(|_| self.path.clone());
         let mut names = BTreeSet::new();
         if let Some((name, _)) = outputs.iter().find(|(name, _)| !names.insert(*name)) {
@@ -98,12 +98,12 @@ impl ResultFolder {
             let staged = Staged::new(outputs, parent(folder), Written::default(), is_cancelled).map_err(&failed)?;
             let _whole = hold_renaming();
             fs::rename(staged.folder.path(), folder).map_err(&failed)?;
-            // Renamed away: nothing is left to remove.
+            // The folder was renamed, so that nothing is left to remove.
             let _ = staged.folder.keep();
             return Ok(());
         }
         remove_abandoned(folder);
-        // Looked at before the work; since then others may have come.
+        // Checked before the work; other files may have been added since.
         names.iter().try_for_each(|name| refuse_foreign_in(folder, Path::new(name)))?;
         let mut written = Written::read(folder);
         let stale: Vec<PathBuf> = stale
@@ -119,7 +119,7 @@ impl ResultFolder {
         rename_each(&staged, folder, &names, &stale).map_err(failed)
     }
 
-    /// Has a folder with `outputs` and with what stays take the place of `folder`; `false` where the system cannot.
+    /// Replaces `folder` atomically by a folder with `outputs` and the remaining files; `false` if the system cannot.
     fn swap(
         &self,
         folder: &Path,
@@ -140,7 +140,7 @@ impl ResultFolder {
         if is_cancelled() || !exchange(staged.folder.path(), folder) {
             return Ok(false);
         }
-        // What came into the folder meanwhile goes on into the new one.
+        // Files that were added meanwhile are moved to the new folder.
         for name in names_in(staged.folder.path())?.difference(&known) {
             let _ = fs::rename(staged.folder.path().join(name), folder.join(name));
         }
@@ -148,20 +148,20 @@ impl ResultFolder {
     }
 }
 
-/// Files ready to be renamed, in a folder that disappears with this.
+/// Files ready to be renamed, in a temporary folder.
 struct Staged {
     folder: TempDir,
 }
 
 impl Staged {
-    /// `outputs` in a new folder in `place`, with the list of what is `written` there and of them.
+    /// Writes `outputs` to a temporary folder in `place`, with the list `written` extended by them.
     fn new(outputs: &Outputs, place: &Path, mut written: Written, is_cancelled: &dyn Fn() -> bool) -> io::Result<Self> {
         let folder = unfinished(0o777).tempdir_in(place)?;
         for (name, content) in outputs.iter() {
             let path = folder.path().join(name);
             fs::create_dir_all(parent(&path))?;
             let hash = write_through(File::create_new(path)?, content, is_cancelled)?;
-            // What differs from run to run has a mark of its own.
+            // Timings differ between runs and have their own mark.
             if name != TIMINGS {
                 written.insert(name, hash);
             }
@@ -171,11 +171,11 @@ impl Staged {
     }
 }
 
-/// Renames what is `staged` into `folder` one by one, the record last, and removes what is `stale`.
+/// Renames the `staged` files into `folder` one by one, the record last, and removes `stale` files.
 fn rename_each(staged: &Staged, folder: &Path, names: &BTreeSet<&str>, stale: &[PathBuf]) -> io::Result<()> {
     let _whole = hold_renaming();
     let is_record = names.contains(RECORD);
-    // First both what was and what will be written counts as slipgrid's: a run that is killed leaves files of both.
+    // First list both the old and the new files as slipgrid's, because a killed run leaves files of both.
     let both = Written::read(folder).to_text() + &fs::read_to_string(staged.folder.path().join(LIST))?;
     put(&folder.join(LIST), both.as_bytes())?;
     if is_record && folder.join(RECORD).is_file() {
@@ -195,7 +195,8 @@ fn rename_each(staged: &Staged, folder: &Path, names: &BTreeSet<&str>, stale: &[
     rename(LIST)
 }
 
-/// Whether the folder holds no folders, and is not where the user stands: a shell would stay in the one that goes.
+/// Whether the folder holds no subfolders and is not the current folder, in which a shell would stay after the
+/// exchange.
 fn holds_files_alone(folder: &Path) -> bool {
     let is_plain =
         |entry: io::Result<fs::DirEntry>| entry.and_then(|entry| entry.file_type()).is_ok_and(|kind| !kind.is_dir());
@@ -207,7 +208,7 @@ fn names_in(folder: &Path) -> io::Result<BTreeSet<OsString>> {
     fs::read_dir(folder)?.map(|entry| Ok(entry?.file_name())).collect()
 }
 
-/// Exchanges two folders in one step; `false` where the system cannot.
+/// Exchanges two folders atomically; `false` if the system cannot.
 #[cfg(any(target_os = "linux", target_os = "macos"))]
 fn exchange(one: &Path, other: &Path) -> bool {
     use rustix::fs::{CWD, RenameFlags, renameat_with};
@@ -219,7 +220,7 @@ fn exchange(_: &Path, _: &Path) -> bool {
     false
 }
 
-/// Writes everything, waits until it is stored, and returns its hash: only then may a file take its name.
+/// Writes the content, waits until it is stored, and returns its hash; the file may be renamed only afterwards.
 fn write_through(file: File, content: &Content, is_cancelled: &dyn Fn() -> bool) -> io::Result<String> {
     let mut buffered = BufWriter::new(Hashing { file, hash: Sha256::new(), is_cancelled });
     content.write(&mut buffered)?;
@@ -228,7 +229,7 @@ fn write_through(file: File, content: &Content, is_cancelled: &dyn Fn() -> bool)
     Ok(hexadecimal(&hash.finalize()))
 }
 
-/// A file with a hash of what it was given, that takes nothing more once the run is cancelled.
+/// A file that hashes its content and refuses further data once the run is cancelled.
 struct Hashing<'a> {
     file: File,
     hash: Sha256,
@@ -237,7 +238,7 @@ struct Hashing<'a> {
 
 impl Write for Hashing<'_> {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        // Writers try again after errors of the kind `Interrupted`.
+        // Writers retry after errors of the kind `Interrupted`.
         if (self.is_cancelled)() {
             return Err(io::Error::other("interrupted"));
         }
@@ -251,8 +252,8 @@ impl Write for Hashing<'_> {
     }
 }
 
-/// Removes what killed runs left in `folder`: entries of our unfinished names, old enough that no
-/// living run owns them. Failing to do so harms nobody.
+/// Removes files of killed runs in `folder`: unfinished names, old enough that no running process owns them. Errors are
+/// harmless.
 pub(crate) fn remove_abandoned(folder: &Path) {
     let Ok(entries) = fs::read_dir(folder) else { return };
     for entry in entries.flatten() {
@@ -270,7 +271,7 @@ pub(crate) fn remove_abandoned(folder: &Path) {
     }
 }
 
-/// The file that a run for `folder` holds locked: beside it, out/NAME.lock, or in it where nothing can be written beside it.
+/// Lock file of a run for `folder`: next to it, as NAME.lock, or inside if nothing can be written next to it.
 fn lock_path(folder: &Path) -> PathBuf {
     let folder = fs::canonicalize(folder).unwrap_or_else(|_| folder.to_owned());
     let mut name = folder.file_name().map_or_else(OsString::new, OsString::from);

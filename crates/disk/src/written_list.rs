@@ -1,5 +1,5 @@
-//! The list of what slipgrid wrote into a folder: names with hashes, as `sha256sum` writes them. Tables and pictures have no room for a
-//! mark of their own. What was changed since is the user's.
+//! List of the files that slipgrid wrote into a folder: names with hashes in the format of `sha256sum`. It identifies
+//! tables and pictures, which hold no mark. Files that were changed since belong to the user.
 
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -9,15 +9,15 @@ use std::path::Path;
 
 use sha2::{Digest, Sha256};
 
-/// The name of the list in its folder.
+/// Name of the list in its folder.
 pub(crate) const LIST: &str = ".slipgrid-written";
 
-/// Hashes of the files that slipgrid wrote into a folder, by their names; several where a run was killed while it replaced them.
+/// Hashes of the files that slipgrid wrote into a folder, by name; several if a run was killed while it replaced files.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Written(BTreeMap<String, Vec<String>>);
 
 impl Written {
-    /// The list of `folder`, empty where there is none.
+    /// Reads the list of `folder`; empty if there is none.
     pub(crate) fn read(folder: &Path) -> Self {
         let mut written = Self::default();
         for line in fs::read_to_string(folder.join(LIST)).unwrap_or_default().lines() {
@@ -28,7 +28,7 @@ impl Written {
         written
     }
 
-    /// Whether the file at `path` of `folder` is in the list, with the content that it has.
+    /// Whether the list holds the file at `path` in `folder` with its current content.
     pub(crate) fn holds(&self, folder: &Path, path: &Path) -> bool {
         let Some(hashes) = path.to_str().and_then(|name| self.0.get(name)) else { return false };
         hash_file(&folder.join(path)).is_ok_and(|hash| hashes.contains(&hash))
@@ -67,10 +67,10 @@ impl io::Write for HashWriter {
     }
 }
 
-/// `bytes` as hexadecimal digits.
+/// Formats `bytes` as hexadecimal digits.
 pub(crate) fn hexadecimal(bytes: &[u8]) -> String {
     bytes.iter().fold(String::new(), |mut text, byte| {
-        // Writing to a string never fails.
+        // Writing to a string cannot fail.
         let _ = write!(text, "{byte:02x}");
         text
     })

@@ -1,7 +1,7 @@
-//! Depth that one burst removes against fluence: d = delta ln(F / F_th).
+//! Depth removed by one burst as a function of fluence: d = delta ln(F / F_th).
 //!
-//! Beer-Lambert absorption with a threshold: light fades as exp(-z / delta), and material goes where more
-//! than F_th is left. A straight line in ln F, fitted by least squares.
+//! Beer-Lambert absorption with a threshold: fluence decays as exp(-z / delta), and material is removed where it
+//! exceeds F_th. The straight line in ln F is fitted by least squares.
 
 use serde::{Deserialize, Serialize};
 
@@ -13,47 +13,47 @@ use crate::{ExportError, number::round_digits};
 pub struct AblationPoint {
     /// Peak fluence of a burst, in J/cm^2.
     pub fluence_j_cm2: f64,
-    /// Depth that one burst removed, in um.
+    /// Depth removed by one burst, in um.
     pub depth_um: f64,
-    /// Its standard deviation, in um.
+    /// Standard deviation of the depth, in um.
     pub depth_std_um: Option<f64>,
 }
 
-/// Digits kept of fitted numbers.
+/// Significant digits of fitted numbers.
 const DIGITS: usize = 6;
 
-/// The fitted law, and what it gives at the fluence used.
+/// Fitted ablation law, and the depth per burst at the fluence used.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Ablation {
-    /// delta, the depth at e times the threshold, in um.
+    /// delta, the depth removed at e times the threshold fluence, in um.
     pub delta_um: f64,
-    /// Its standard error, in um.
+    /// Standard error of delta, in um.
     pub delta_stderr_um: f64,
     /// F_th, the fluence below which nothing is removed, in J/cm^2.
     pub threshold_j_cm2: f64,
-    /// Its standard error, in J/cm^2.
+    /// Standard error of F_th, in J/cm^2.
     pub threshold_stderr_j_cm2: f64,
     /// Fluence used, in J/cm^2.
     pub fluence_j_cm2: f64,
-    /// Depth per burst there, in um.
+    /// Depth per burst at the fluence used, in um.
     pub depth_per_burst_um: f64,
-    /// Its standard error, in um.
+    /// Standard error of the depth per burst, in um.
     pub depth_per_burst_stderr_um: f64,
-    /// Fluences fitted.
+    /// Number of fitted measurements.
     pub points: usize,
 }
 
 impl Ablation {
-    /// Fits the law to `points` and takes it at `fluence_j_cm2`.
+    /// Fits the law to `points` and evaluates it at `fluence_j_cm2`.
     ///
-    /// Where every point has a standard deviation, errors follow from these, otherwise from the scatter
-    /// about the line.
+    /// If all points have standard deviations, standard errors follow from these, otherwise from the scatter about the
+    /// line.
     ///
     /// # Errors
-    /// [`ExportError::NotPositive`] for numbers that are not positive, [`ExportError::TooFewFluences`] below
-    /// three different fluences, [`ExportError::NoAblation`] where depth does not grow with fluence or the
-    /// fluence used lies below the threshold.
+    /// [`ExportError::NotPositive`] for numbers that are not positive, [`ExportError::TooFewFluences`] for fewer than
+    /// three different fluences, [`ExportError::NoAblation`] if depth does not increase with fluence or the fluence
+    /// used is below the threshold.
     pub fn fit(points: &[AblationPoint], fluence_j_cm2: f64) -> Result<Self, ExportError> {
         positive("fluence_j_cm2", fluence_j_cm2)?;
         let mut fluences = Vec::with_capacity(points.len());
@@ -74,13 +74,13 @@ impl Ablation {
         let sum = |value: &dyn Fn(&AblationPoint) -> f64| -> f64 {
             points.iter().zip(&weights).map(|(point, weight)| weight * value(point)).sum()
         };
-        // About the mean of x = ln F, slope delta and mean depth are uncorrelated.
+        // Relative to the mean of x = ln F, slope delta and mean depth are uncorrelated.
         let x = |point: &AblationPoint| libm::log(point.fluence_j_cm2);
         let weight = sum(&|_| 1.0);
         let (mean_x, mean_d) = (sum(&x) / weight, sum(&|point| point.depth_um) / weight);
         let square = sum(&|point| (x(point) - mean_x) * (x(point) - mean_x));
         let delta = sum(&|point| (x(point) - mean_x) * (point.depth_um - mean_d)) / square;
-        // Not a number where a weight overflows: refused as well.
+        // NaN if a weight overflows; refused as well.
         if delta.is_nan() || delta <= 0.0 {
             return Err(ExportError::NoAblation {
                 quantity: "delta_um",
@@ -141,9 +141,9 @@ mod tests {
         // x = ln F evenly spaced by ln 2: sum (x - <x>)^2 = 5 ln(2)^2, four weights 1/s^2.
         let law = Ablation::fit(&points(|f| 0.8 * (f / 0.5).ln(), Some(0.1)), 8_f64.sqrt()).unwrap();
         assert!((law.delta_stderr_um - 0.1 / (5_f64.sqrt() * 2_f64.ln())).abs() < 1e-6);
-        // At the mean of ln F the depth is as sure as the mean of four.
+        // At the mean of ln F the depth has the standard error of the mean of four.
         assert!((law.depth_per_burst_stderr_um - 0.05).abs() < 1e-6);
-        // Monte Carlo would give the same for the threshold: ln F_th = <x> - <d>/delta.
+        // Standard error of the threshold: ln F_th = <x> - <d>/delta.
         let (mean, delta): (f64, f64) = (0.8 * (8_f64.sqrt() / 0.5).ln(), 0.8);
         let var = 0.0025 / (delta * delta) + mean * mean * law.delta_stderr_um.powi(2) / delta.powi(4);
         assert!((law.threshold_stderr_j_cm2 - 0.5 * var.sqrt()).abs() < 1e-5);

@@ -1,15 +1,15 @@
-//! Text for formats that hold ASCII alone: letters with accents, Greek letters and signs in plain letters.
+//! Transliteration to ASCII for formats that allow no other characters: accents, Greek letters and signs.
 //!
-//! Latin letters become what passports print in their place (ICAO Doc 9303, part 3): ä is ae, ß is ss, å is aa. No AutoCAD R12
-//! drawing has other characters; only text of later releases knows escapes for them.
+//! Latin letters are replaced as in passports (ICAO Doc 9303, part 3): ä by ae, ß by ss, å by aa. AutoCAD R12 drawings
+//! hold no other characters; escapes for them exist only in text of later releases.
 
-/// Two dots above, as a character of its own behind its letter.
+/// Combining diaeresis, which follows its letter.
 const DIAERESIS: char = '\u{308}';
-/// Other accents behind their letters.
+/// Other combining accents, which follow their letters.
 const ACCENTS: std::ops::RangeInclusive<char> = '\u{300}'..='\u{36f}';
 
-/// Letters that an accent alone sets apart from a plain one.
-const PLAIN: [(char, &str); 23] = [
+/// Letters that differ from a plain letter by an accent.
+const ACCENTED: [(char, &str); 23] = [
     ('a', "àáâãāăą"),
     ('c', "çćĉċč"),
     ('d', "ďđð"),
@@ -34,8 +34,8 @@ const PLAIN: [(char, &str); 23] = [
     ('\'', "‘’‚′"),
     ('"', "“”„″«»"),
 ];
-/// What takes more than one character, or another one; capitals of letters begin with a capital.
-const SPELT: [(char, &str); 61] = [
+/// Letters and signs with other replacements; capitals are replaced accordingly.
+const REPLACEMENTS: [(char, &str); 61] = [
     ('ä', "ae"),
     ('ö', "oe"),
     ('ü', "ue"),
@@ -99,7 +99,7 @@ const SPELT: [(char, &str); 61] = [
     ('†', "+"),
 ];
 
-/// `text` in printable ASCII, of one line: what has no plain letters becomes a question mark.
+/// Transliterates one line of text to printable ASCII; letters without a replacement become question marks.
 pub(crate) fn ascii(text: &str) -> String {
     let mut plain = String::new();
     for letter in text.chars() {
@@ -116,7 +116,7 @@ pub(crate) fn ascii(text: &str) -> String {
     plain
 }
 
-/// Appends what stands for a letter that ASCII lacks.
+/// Appends the replacement of a letter that is not ASCII.
 fn push(letter: char, plain: &mut String) {
     let digit = match letter {
         '²' => Some('2'),
@@ -126,9 +126,9 @@ fn push(letter: char, plain: &mut String) {
         '\u{2080}'..='\u{2089}' => char::from_digit(u32::from(letter) - 0x2080, 10),
         _ => None,
     };
-    let spelt = |wanted: char| SPELT.iter().find(|(of, _)| *of == wanted).map(|(_, spelt)| (*spelt).to_owned());
+    let spelt = |wanted: char| REPLACEMENTS.iter().find(|(of, _)| *of == wanted).map(|(_, spelt)| (*spelt).to_owned());
     let of = |wanted: char| {
-        let accented = || PLAIN.iter().find(|(_, all)| all.contains(wanted)).map(|(own, _)| own.to_string());
+        let accented = || ACCENTED.iter().find(|(_, all)| all.contains(wanted)).map(|(own, _)| own.to_string());
         spelt(wanted).or_else(accented)
     };
     let small = letter.to_lowercase().next().filter(|small| *small != letter);
@@ -157,7 +157,7 @@ mod tests {
             ("20 µm, 20 μm at 45°", "20 um, 20 um at 45 deg"),
             ("130 ± 8 µm × 2 – “wide” … m², 10³, H₂O", "130 +- 8 um x 2 - \"wide\" ... m2, 103, H2O"),
             ("φ = 30°, Δ, Ω", "phi = 30 deg, Delta, Ohm"),
-            // As file systems that take accents apart write it.
+            // As written by file systems that decompose accents.
             ("Mu\u{308}hle, Sche\u{301}ma, nai\u{308}f", "Muehle, Schema, naif"),
             ("plain (1) \"text\"", "plain (1) \"text\""),
             ("表面\n\t\u{7f}", "?????"),
@@ -172,7 +172,7 @@ mod tests {
             let plain = ascii(&letter.to_string());
             assert!(plain.bytes().all(|byte| (b' '..=b'~').contains(&byte)), "{letter:?}: {plain:?}");
         }
-        // Every letter of Latin-1 and of Latin Extended-A has plain ones.
+        // All letters of Latin-1 and Latin Extended-A have replacements.
         for letter in ('\u{c0}'..='\u{17f}').filter(|letter| letter.is_alphabetic()) {
             let plain = ascii(&letter.to_string());
             assert!(!plain.is_empty() && plain.chars().all(|plain| plain.is_ascii_alphabetic()), "{letter}: {plain}");

@@ -7,31 +7,30 @@ use crate::crossing::Crossing;
 use crate::face::Face;
 use crate::outline::left_of;
 
-/// One cavity seen from above, on the specimen's axes x and y.
+/// A cavity seen from above, in the specimen's axes x and y.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cavity {
-    /// Position of its centre along x, from the specimen's centre, in metres.
+    /// Position of the centre along x, from the specimen's centre, in metres.
     pub centre_x_m: f64,
-    /// Position of its centre along y, in metres.
+    /// Position of the centre along y, in metres.
     pub centre_y_m: f64,
-    /// Extent along x, or along the pattern's own x axis where that is turned; of a disc its
-    /// diameter. In metres.
+    /// Extent along the pattern's x axis, in metres; the diameter of a disc.
     pub width_m: f64,
-    /// Extent at right angles to the width, in metres; of squares and discs the width.
+    /// Extent at right angles to the width, in metres; equal to the width for squares and discs.
     pub length_m: f64,
-    /// Unit vector of the width's direction: the pattern's own x axis.
+    /// Unit vector of the pattern's x axis, along the width.
     pub orientation: [f64; 2],
-    /// Disc, polygon or rectangle: a groove laid on a specimen is a rectangle.
+    /// Disc, polygon or rectangle; a groove laid on a specimen is a rectangle.
     pub planform: Planform,
-    /// What cuts it, where it passes the specimen's rim.
+    /// Outline that cuts the cavity, if the cavity crosses the border of the specimen.
     pub cut_by: Option<Outline>,
-    /// Its outline, of a polygon: width and length are those of its bounding box.
+    /// Outline of a polygon, whose bounding box has the extents `width_m` and `length_m`.
     pub(crate) face: Option<Face>,
-    /// The grooves that cross it, of a groove of the second family: it is what they leave of it.
+    /// For a groove of the second family, the crossing grooves that are cut out of it.
     pub(crate) crossed_by: Option<Crossing>,
 }
 
-/// The outline of a cavity, or of one part of it where the specimen's rim cuts it.
+/// Outline of a cavity, or of a part of it if the border of the specimen cuts it.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Boundary {
     /// A circle.
@@ -41,20 +40,21 @@ pub enum Boundary {
         /// Radius, in metres.
         radius_m: f64,
     },
-    /// A rectangle: its corners as `[x, y]`, anticlockwise from the least along both own axes, in metres.
+    /// A rectangle.
     Rectangle {
-        /// The corners.
+        /// Corners as `[x, y]`, in metres, anticlockwise from the lower left one in the cavity's axes.
         corners_m: [[f64; 2]; 4],
     },
-    /// A polygon: what the rim leaves of a cavity. Arcs are chords that depart from them by at most 10 nm.
+    /// A polygon: the remaining part of a cavity that is cut. Arcs are replaced by chords that deviate by at most 10
+    /// nm.
     Polygon {
-        /// The corners as `[x, y]`, anticlockwise, in metres.
+        /// Corners as `[x, y]`, anticlockwise, in metres.
         corners_m: Vec<[f64; 2]>,
     },
 }
 
 impl Boundary {
-    /// Its corners as `[x, y]`, anticlockwise, in metres; of a circle those of a polygon on it.
+    /// Corners as `[x, y]`, anticlockwise, in metres; a circle is approximated by a polygon.
     #[must_use]
     pub fn polygon_m(&self) -> Vec<[f64; 2]> {
         match self {
@@ -64,7 +64,7 @@ impl Boundary {
         }
     }
 
-    /// Its area, in square metres.
+    /// Area, in square metres.
     #[must_use]
     pub fn area_m2(&self) -> f64 {
         match self {
@@ -75,7 +75,7 @@ impl Boundary {
 }
 
 impl Cavity {
-    /// Its outline: one boundary, or one for each part where the rim or other grooves cut it.
+    /// Outline of the cavity: one boundary, or one per part if the border or other grooves cut it.
     #[must_use]
     pub fn boundaries(&self) -> Vec<Boundary> {
         let polygons =
@@ -109,12 +109,12 @@ impl Cavity {
         }
     }
 
-    /// The points at least `wall_m` from its walls and `rim_m` from the rim that cuts it; `None` where there
-    /// are none. A wall shrunk to nothing stays as a line.
+    /// Shrinks the cavity to the points at least `wall_m` from its walls and `rim_m` from the border that cuts it;
+    /// `None` if there are none. A width of zero is kept as a line.
     #[must_use]
     pub fn inset(&self, wall_m: f64, rim_m: f64) -> Option<Self> {
         let less = |extent_m: f64| {
-            // Rounding forgiven: a cavity as wide as what is taken off has a middle line.
+            // Within rounding, a cavity as wide as the inset keeps its middle line.
             let left_m = extent_m - 2.0 * wall_m;
             (left_m >= -1e-9 * extent_m).then_some(left_m.max(0.0))
         };
@@ -123,12 +123,13 @@ impl Cavity {
             Some(outline) => Some(outline.inset(rim_m)?),
         };
         let face = self.face.map(|face| Face { inset_m: face.inset_m + wall_m, ..face });
-        // The walls of all families move alike.
+        // The walls of all families move by the same amount.
         let crossed_by = self.crossed_by.map(|crossing| Crossing { grown_m: crossing.grown_m - wall_m, ..crossing });
         Some(Self { width_m: less(self.width_m)?, length_m: less(self.length_m)?, cut_by, face, crossed_by, ..*self })
     }
 
-    /// Distance of a point inside to the nearest wall, in metres; negative outside. The rim is no wall.
+    /// Distance of a point inside to the nearest wall, in metres; negative outside. The border of the specimen is not a
+    /// wall.
     #[must_use]
     pub fn wall_distance_m(&self, [x_m, y_m]: [f64; 2]) -> f64 {
         let at_m = [x_m, y_m];
@@ -149,8 +150,9 @@ impl Cavity {
         }
     }
 
-    /// Where the line along the unit vector `along`, `at_m` to its left from the specimen's centre, first enters and last leaves its walls: along
-    /// it, in metres; the rim is no wall. `None` where it passes by.
+    /// Points at which a line first enters and last leaves the walls of the cavity, measured along the line in metres.
+    /// The line runs along the unit vector `along`, `at_m` to its left from the specimen's centre; the border of the
+    /// specimen is not a wall. `None` if the line misses the cavity.
     pub(crate) fn chord_m(&self, along: [f64; 2], at_m: f64) -> Option<[f64; 2]> {
         if let Some(face) = &self.face {
             let spans_m = face.spans_m(along, at_m);
@@ -160,7 +162,7 @@ impl Cavity {
             Planform::Disc => Outline::Disc { diameter_m: self.width_m },
             _ => Outline::Rectangle { length_m: self.width_m, width_m: self.length_m },
         };
-        // The line's normal on the cavity's own axes; turned anticlockwise it is the direction back.
+        // The line's normal in the cavity's axes; turned anticlockwise it points backwards.
         let ([nx, ny], [cosine, sine]) = (left_of(along), self.orientation);
         let normal = [nx * cosine + ny * sine, ny * cosine - nx * sine];
         let of_centre = |[x, y]: [f64; 2]| self.centre_x_m * x + self.centre_y_m * y;
@@ -168,8 +170,8 @@ impl Cavity {
         Some([of_centre(along) - high_m, of_centre(along) - low_m])
     }
 
-    /// Corners of the rectangle that it is, or of the square around a disc, as `[x, y]`, anticlockwise
-    /// from the least along both own axes, in metres.
+    /// Corners of the rectangle, or of the square around a disc, as `[x, y]` in metres, anticlockwise from the lower
+    /// left one in the cavity's axes.
     #[must_use]
     pub fn corners_m(&self) -> [[f64; 2]; 4] {
         let (half_width_m, half_length_m) = (self.width_m / 2.0, self.length_m / 2.0);
@@ -183,20 +185,21 @@ impl Cavity {
         })
     }
 
-    /// The nearest and the farthest of a polygon's points from the specimen's centre, in metres; `None` for others.
+    /// Smallest and largest distance of a polygon's points from the specimen's centre, in metres; `None` for other
+    /// planforms.
     pub(crate) fn polygon_reach_m(&self) -> Option<[f64; 2]> {
         let corners = self.face?.corners_m();
         let far_m = corners.iter().map(|[x_m, y_m]| x_m.hypot(*y_m)).fold(0.0, f64::max);
-        let near_m = -self.face?.wall_distance_m([0.0; 2]);
-        Some([near_m.max(0.0), far_m])
+        let interval_near_m = -self.face?.wall_distance_m([0.0; 2]);
+        Some([interval_near_m.max(0.0), far_m])
     }
 
-    /// Whether every line along x meets it once at most, and it is nothing but floor between its walls there.
+    /// Whether every line along x crosses the cavity at most once, with floor everywhere between its walls.
     pub(crate) fn is_plain(&self) -> bool {
         self.cut_by.is_none() && self.face.is_none()
     }
 
-    /// Area, in square metres; where walls lean and the rim cuts a polygon, that within walls that are planes.
+    /// Area, in square metres. If walls slope and the border cuts a polygon, the walls are treated as planes.
     #[must_use]
     pub fn area_m2(&self) -> f64 {
         if let (Some(face), None) = (&self.face, &self.cut_by) {
@@ -211,7 +214,7 @@ impl Cavity {
         }
     }
 
-    /// Whether its sides lie along x and y.
+    /// Whether the sides lie along x and y.
     #[must_use]
     pub fn is_aligned(&self) -> bool {
         self.orientation == [1.0, 0.0]

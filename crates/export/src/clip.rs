@@ -1,20 +1,20 @@
-//! A cavity cut by the specimen's outline: polygons and discs about the origin, in closed form.
+//! Clipping of convex cavities to the specimen's outline: polygons and discs about the origin, in closed form.
 //!
-//! Polygons run anticlockwise. What is left of one within a disc is bounded by its own edges and by arcs of
-//! the circle, anticlockwise; what is left outside a disc by arcs clockwise. Arcs become chords that depart
-//! from the circle by at most [`ARC_SAGITTA_M`].
+//! Polygons run anticlockwise. The part of a polygon inside a disc is bounded by its edges and by anticlockwise arcs;
+//! the part outside by its edges and by clockwise arcs. Arcs are replaced by chords that deviate by at most
+//! [`ARC_SAGITTA_M`].
 
 use crate::Outline;
 
-/// Departure of a chord from its arc, in metres: a hundredth of what a laser can place.
+/// Maximum deviation of a chord from its arc, in metres: a hundredth of the positioning accuracy of a laser.
 pub(crate) const ARC_SAGITTA_M: f64 = 1e-8;
 
-/// Pieces with less area than this are rounding, in square metres: a square nanometre.
+/// Pieces with a smaller area are rounding errors, in square metres: a square nanometre.
 const MIN_AREA_M2: f64 = 1e-18;
 
 type Polygon = Vec<[f64; 2]>;
 
-/// The parts of a convex polygon that lie on the specimen.
+/// Parts of a convex polygon that lie on the specimen.
 pub(crate) fn clip(polygon: Polygon, outline: &Outline) -> Vec<Polygon> {
     let parts = match *outline {
         Outline::Disc { diameter_m } => vec![within_disc(&polygon, diameter_m / 2.0)],
@@ -27,29 +27,30 @@ pub(crate) fn clip(polygon: Polygon, outline: &Outline) -> Vec<Polygon> {
             outside_disc(&within_disc(&polygon, outer_diameter_m / 2.0), inner_diameter_m / 2.0)
         }
     };
-    kept(parts)
+    without_slivers(parts)
 }
 
-/// Those parts that are more than rounding.
-pub(crate) fn kept(mut parts: Vec<Polygon>) -> Vec<Polygon> {
+/// Removes parts that are rounding errors.
+pub(crate) fn without_slivers(mut parts: Vec<Polygon>) -> Vec<Polygon> {
     parts.retain(|part| area_m2(part) > MIN_AREA_M2);
     parts
 }
 
-/// The parts of a convex polygon outside a convex one that `sides` bound: points x with n x <= d for each (n, d). They are convex
-/// and do not overlap.
+/// Parts of a convex polygon outside another convex polygon, which is given by `sides`: points x with n x <= d for each
+/// (n, d). The parts are convex and do not overlap.
 pub(crate) fn outside_sides(polygon: Polygon, sides: &[([f64; 2], f64)]) -> Vec<Polygon> {
     let (mut parts, mut left) = (Vec::new(), polygon);
     for &([nx, ny], limit_m) in sides {
         parts.push(within_side(&left, [-nx, -ny], -limit_m));
         left = within_side(&left, [nx, ny], limit_m);
     }
-    kept(parts)
+    without_slivers(parts)
 }
 
-/// Area of a polygon, positive where it runs anticlockwise, in square metres.
+/// Area of a polygon, in square metres, positive if it runs anticlockwise.
 pub(crate) fn area_m2(polygon: &[[f64; 2]]) -> f64 {
-    // A = 1/2 sum (x_i y_i+1 - x_i+1 y_i), from the first corner, so that a small one far out keeps its digits.
+    // A = 1/2 sum (x_i y_i+1 - x_i+1 y_i), relative to the first corner, which preserves digits for small polygons far
+    // from the origin.
     let Some(&[x0, y0]) = polygon.first() else { return 0.0 };
     let moved = |[x, y]: [f64; 2]| [x - x0, y - y0];
     edges(polygon)
@@ -60,7 +61,7 @@ pub(crate) fn area_m2(polygon: &[[f64; 2]]) -> f64 {
         .sum()
 }
 
-/// A circle as a polygon, its corners on the circle.
+/// Approximates a circle by a polygon with its corners on the circle.
 pub(crate) fn circle([x_m, y_m]: [f64; 2], radius_m: f64) -> Polygon {
     let count = chords(std::f64::consts::TAU, radius_m);
     (0..count)
@@ -71,7 +72,7 @@ pub(crate) fn circle([x_m, y_m]: [f64; 2], radius_m: f64) -> Polygon {
         .collect()
 }
 
-/// Chords for an arc of `angle`, at least one.
+/// Number of chords for an arc of `angle`, at least one.
 fn chords(angle: f64, radius_m: f64) -> usize {
     // s = R (1 - cos(a/2)), a the angle of one chord.
     let one = 2.0 * libm::acos((1.0 - ARC_SAGITTA_M / radius_m).clamp(-0.5, 1.0));
@@ -88,7 +89,7 @@ pub(crate) fn at([xa, ya]: [f64; 2], [xb, yb]: [f64; 2], t: f64) -> [f64; 2] {
     [xa + t * (xb - xa), ya + t * (yb - ya)]
 }
 
-/// The part of the edge from `a` to `b` within the disc of `radius_m`, as shares of the edge.
+/// Part of the edge from `a` to `b` inside the disc of `radius_m`, as fractions of the edge.
 pub(crate) fn chord_in_disc(a: [f64; 2], b: [f64; 2], radius_m: f64) -> Option<[f64; 2]> {
     // |a + t (b - a)|^2 = R^2
     let along = [b[0] - a[0], b[1] - a[1]];
@@ -101,7 +102,7 @@ pub(crate) fn chord_in_disc(a: [f64; 2], b: [f64; 2], radius_m: f64) -> Option<[
         return None;
     }
     let root = discriminant.sqrt();
-    // Without cancellation: one root by the quotient, the other by the product.
+    // To avoid cancellation, one root is a quotient and the other a product.
     let (t0, t1) = if half > 0.0 {
         (-(half + root) / square, -rest / (half + root))
     } else {
@@ -115,7 +116,7 @@ fn contains_origin(polygon: &[[f64; 2]]) -> bool {
     !polygon.is_empty() && edges(polygon).all(|([xa, ya], [xb, yb])| xa * yb - xb * ya > 0.0)
 }
 
-/// The part of a segment within a convex polygon bounded by `sides`, as shares of it; `None` where there is none.
+/// Part of a segment inside a convex polygon given by `sides`, as fractions of the segment; `None` if there is none.
 pub(crate) fn within_sides([a, b]: [[f64; 2]; 2], sides: &[([f64; 2], f64)]) -> Option<[f64; 2]> {
     let (mut from, mut to) = (0.0_f64, 1.0_f64);
     for &([nx, ny], limit_m) in sides {
@@ -131,7 +132,7 @@ pub(crate) fn within_sides([a, b]: [[f64; 2]; 2], sides: &[([f64; 2], f64)]) -> 
     (from < to).then_some([from, to])
 }
 
-/// Whether a point lies within a simple polygon; on its edge either answer may come.
+/// Whether a point lies inside a simple polygon; the result is arbitrary for points on an edge.
 pub(crate) fn surrounds(polygon: &[[f64; 2]], [x, y]: [f64; 2]) -> bool {
     let crosses = |([xa, ya], [xb, yb]): &([f64; 2], [f64; 2])| {
         (*ya <= y) != (*yb <= y) && xa + (y - ya) / (yb - ya) * (xb - xa) > x
@@ -139,11 +140,12 @@ pub(crate) fn surrounds(polygon: &[[f64; 2]], [x, y]: [f64; 2]) -> bool {
     edges(polygon).filter(crosses).count() % 2 == 1
 }
 
-/// Points of a circle nearer than this share of its radius are one: between them lies no arc, and not a whole turn.
-const ONE_POINT: f64 = 1e-9;
+/// Points of a circle closer than this fraction of its radius are equal: between them there is no arc, rather than a
+/// full turn.
+const EQUAL_POINT_TOLERANCE: f64 = 1e-9;
 
 fn is_one_point(a: [f64; 2], b: [f64; 2], radius_m: f64) -> bool {
-    (a[0] - b[0]).hypot(a[1] - b[1]) <= ONE_POINT * radius_m
+    (a[0] - b[0]).hypot(a[1] - b[1]) <= EQUAL_POINT_TOLERANCE * radius_m
 }
 
 /// Appends the points of the arc between `from` and `to`, without these two.
@@ -161,7 +163,7 @@ pub(crate) fn push_arc(out: &mut Polygon, from: [f64; 2], to: [f64; 2], radius_m
     }
 }
 
-/// The part of a polygon at most `limit_m` along the unit vector `normal`.
+/// Part of a polygon at most `limit_m` along the unit vector `normal`.
 pub(crate) fn within_side(polygon: &[[f64; 2]], [nx, ny]: [f64; 2], limit_m: f64) -> Polygon {
     let beyond = |[x, y]: [f64; 2]| x * nx + y * ny - limit_m;
     let mut kept = Vec::with_capacity(polygon.len() + 1);
@@ -177,11 +179,11 @@ pub(crate) fn within_side(polygon: &[[f64; 2]], [nx, ny]: [f64; 2], limit_m: f64
     kept
 }
 
-/// The part of a convex polygon within the disc.
+/// Part of a convex polygon inside the disc.
 fn within_disc(polygon: &[[f64; 2]], radius_m: f64) -> Polygon {
     let mut kept: Polygon = Vec::with_capacity(polygon.len() + 8);
-    // Where the boundary left the disc, and the corner within it that the edge before ended at: on the rim it may be the
-    // last point within, which no edge after it tells.
+    // Point where the boundary left the disc, and the corner inside at which the previous edge ended. If this corner
+    // lies on the circle, it may be the last point inside, which the next edge does not show.
     let (mut exit, mut corner): (Option<[f64; 2]>, Option<[f64; 2]>) = (None, None);
     for (a, b) in edges(polygon) {
         let chord = chord_in_disc(a, b, radius_m);
@@ -216,7 +218,7 @@ fn within_disc(polygon: &[[f64; 2]], radius_m: f64) -> Polygon {
     kept
 }
 
-/// The parts of a polygon outside the disc.
+/// Parts of a polygon outside the disc.
 pub(crate) fn outside_disc(polygon: &[[f64; 2]], radius_m: f64) -> Vec<Polygon> {
     // Runs of the boundary outside the disc: each starts where it leaves the disc and ends where it enters.
     let mut runs: Vec<Polygon> = Vec::new();
@@ -238,7 +240,7 @@ pub(crate) fn outside_disc(polygon: &[[f64; 2]], radius_m: f64) -> Vec<Polygon> 
     }
     if runs.is_empty() {
         if starts_outside && (contains_origin(polygon) || surrounds(polygon, [0.0; 2])) {
-            // The hole lies within: two halves have no hole.
+            // The disc lies inside the polygon: two halves have no hole.
             let half = |side: f64| outside_disc(&within_side(polygon, [side, 0.0], 0.0), radius_m);
             return [half(1.0), half(-1.0)].concat();
         }
@@ -255,8 +257,8 @@ pub(crate) fn outside_disc(polygon: &[[f64; 2]], radius_m: f64) -> Vec<Polygon> 
     join_runs(&runs, clockwise, |part, from, to| push_arc(part, from, to, radius_m, false))
 }
 
-/// Joins runs end to start along a rim into closed polygons: from the end of each to the start that is the least `away` from it,
-/// which may be its own, with what `push_between` puts between the two.
+/// Joins runs along a border into closed polygons: from the end of each run to the start with the smallest distance
+/// `away`, which may be its own start. `push_between` appends the border between the two.
 pub(crate) fn join_runs(
     runs: &[Polygon],
     away: impl Fn([f64; 2], [f64; 2]) -> f64,
@@ -302,7 +304,8 @@ mod tests {
     const DISC: Outline = Outline::Disc { diameter_m: 2.0 };
     const RING: Outline = Outline::Ring { outer_diameter_m: 2.0, inner_diameter_m: 1.0 };
 
-    /// Areas of the parts of a rectangle on `outline`, against their closed forms; chords cost a few 1e-8.
+    /// Areas of the parts of a rectangle on `outline`, compared with closed forms; chords cause a relative error of a
+    /// few 1e-8.
     fn close(x: [f64; 2], y: [f64; 2], outline: Outline, expected: &[f64]) {
         let mut areas: Vec<f64> = clip(rectangle(x, y), &outline).iter().map(|part| area_m2(part)).collect();
         areas.sort_by(f64::total_cmp);
@@ -312,7 +315,7 @@ mod tests {
         }
     }
 
-    /// The segment of a disc of radius r beyond the distance d from its centre: r^2 acos(d/r) - d sqrt(r^2 - d^2).
+    /// Segment of a disc of radius r beyond the distance d from its centre: r^2 acos(d/r) - d sqrt(r^2 - d^2).
     fn segment(r: f64, d: f64) -> f64 {
         r * r * (d / r).acos() - d * (r * r - d * d).sqrt()
     }
@@ -323,7 +326,7 @@ mod tests {
         close([0.5, 2.0], [-2.0, 2.0], DISC, &[segment(1.0, 0.5)]);
         close([-0.25, 0.25], [-2.0, 2.0], DISC, &[PI - 2.0 * segment(1.0, 0.25)]);
         close([0.0, 2.0], [0.0, 2.0], DISC, &[PI / 4.0]);
-        // Wholly inside, wholly outside.
+        // Completely inside, completely outside.
         close([0.1, 0.2], [0.1, 0.3], DISC, &[0.02]);
         close([0.9, 1.2], [0.9, 1.2], DISC, &[]);
     }

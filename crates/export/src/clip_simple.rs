@@ -1,23 +1,23 @@
-//! What a specimen's outline leaves of a polygon that need not be convex.
+//! Clipping of polygons that need not be convex to the specimen's outline.
 //!
-//! As in [`crate::clip`]: the parts of the polygon's boundary within the outline are joined along it, anticlockwise, each end to
-//! the next start, whatever their order on the polygon.
+//! As in [`crate::clip`], the parts of the polygon's boundary inside the outline are joined along the outline
+//! anticlockwise, each end to the next start, in any order.
 
 use std::f64::consts::TAU;
 
 use crate::Outline;
-use crate::clip::{at, chord_in_disc, circle, edges, join_runs, kept, outside_disc, push_arc, surrounds};
+use crate::clip::{at, chord_in_disc, circle, edges, join_runs, outside_disc, push_arc, surrounds, without_slivers};
 
 type Polygon = Vec<[f64; 2]>;
 
-/// The convex part of an outline: its rim.
+/// Outer border of an outline, which is convex.
 #[derive(Clone, Copy)]
 enum Rim {
     Disc { radius_m: f64 },
     Rectangle { half_m: [f64; 2] },
 }
 
-/// The parts of a simple polygon, anticlockwise, that lie on the specimen.
+/// Parts of a simple anticlockwise polygon that lie on the specimen.
 pub(crate) fn clip_simple(polygon: &[[f64; 2]], outline: &Outline) -> Vec<Polygon> {
     let parts = match *outline {
         Outline::Disc { diameter_m } => within(polygon, Rim::Disc { radius_m: diameter_m / 2.0 }),
@@ -29,11 +29,11 @@ pub(crate) fn clip_simple(polygon: &[[f64; 2]], outline: &Outline) -> Vec<Polygo
             parts.iter().flat_map(|part| outside_disc(part, inner_diameter_m / 2.0)).collect()
         }
     };
-    kept(parts)
+    without_slivers(parts)
 }
 
 impl Rim {
-    /// The part of the edge from `a` to `b` within it, as shares of the edge.
+    /// Part of the edge from `a` to `b` inside the border, as fractions of the edge.
     fn chord(self, a: [f64; 2], b: [f64; 2]) -> Option<[f64; 2]> {
         match self {
             Self::Disc { radius_m } => chord_in_disc(a, b, radius_m),
@@ -56,7 +56,7 @@ impl Rim {
         }
     }
 
-    /// Appends what lies on it between two of its points, anticlockwise, without these.
+    /// Appends the corners of the border between two of its points, anticlockwise, without these points.
     fn push_between(self, out: &mut Polygon, from: [f64; 2], to: [f64; 2]) {
         match self {
             Self::Disc { radius_m } => push_arc(out, from, to, radius_m, true),
@@ -78,14 +78,14 @@ impl Rim {
     }
 }
 
-/// Angle about the origin from one point to another; a full turn but for rounding is none.
+/// Angle about the origin from one point to another; a full turn within rounding is zero.
 fn anticlockwise(from: [f64; 2], to: [f64; 2]) -> f64 {
     let turn = (libm::atan2(to[1], to[0]) - libm::atan2(from[1], from[0])).rem_euclid(TAU);
     if turn > TAU - 1e-12 { 0.0 } else { turn }
 }
 
 fn within(polygon: &[[f64; 2]], rim: Rim) -> Vec<Polygon> {
-    // Runs of the boundary within the rim: each starts where it enters and ends where it leaves.
+    // Runs of the boundary inside the border: each starts where it enters and ends where it leaves.
     let mut runs: Vec<Polygon> = Vec::new();
     let mut current: Polygon = Vec::new();
     let mut starts_within = None;
@@ -93,7 +93,7 @@ fn within(polygon: &[[f64; 2]], rim: Rim) -> Vec<Polygon> {
         let chord = rim.chord(a, b);
         starts_within.get_or_insert(chord.is_some_and(|[from, _]| from <= 0.0));
         if chord.is_none_or(|[from, _]| from > 0.0) && !current.is_empty() {
-            // The edge before ended on the rim.
+            // The previous edge ended on the border.
             current.push(a);
             runs.push(std::mem::take(&mut current));
         }
@@ -147,7 +147,7 @@ mod tests {
                 assert!(simple.iter().zip(&convex).all(|(a, b)| (a - b).abs() < 1e-12), "{dx} {dy} {outline:?}");
             }
         }
-        // What covers the whole specimen leaves the specimen.
+        // A polygon that covers the whole specimen gives the specimen.
         let all = vec![[-9.0, -9.0], [9.0, -9.0], [9.0, 9.0], [-9.0, 9.0]];
         assert_eq!(areas(&clip_simple(&all, &PLATE)), [2.0]);
         assert!(
@@ -180,7 +180,7 @@ mod tests {
         let expected = [under(0.5) - under(0.3), under(0.5) - under(0.3), 2.0 * under(0.1)];
         assert!(areas(&round).iter().zip(expected).all(|(area, expected)| (area - expected).abs() < 1e-7), "{round:?}");
         assert!(round.iter().flatten().all(|[x, y]| x.hypot(*y) < 1.0 + 1e-12));
-        // From inside out: a comb whose back lies within is one part.
+        // Reversed: a comb whose back lies inside is one part.
         let inner: Polygon = comb.iter().rev().map(|[x, y]| [2.9 - x, *y]).collect();
         assert_eq!(clip_simple(&inner, &DISC).len(), 1);
     }

@@ -1,23 +1,23 @@
-//! Grooves of one family where those of another cross them.
+//! Crossing of two families of grooves.
 //!
-//! What both families take is taken once: by the first. The second is what is left of its grooves between those of the first, so
-//! that areas add up, contours do not overlap, and nothing is marked twice.
+//! The intersection belongs to the first family. The second family consists of the remaining parts of its grooves
+//! between those of the first, so that areas add up, contours do not overlap, and nothing is marked twice.
 
 use crate::clip::{outside_sides, within_sides};
-use crate::face::without;
+use crate::face::interval_outside;
 use crate::{Cavity, Layout, Line};
 
-/// The grooves of the first family as a groove of the second meets them.
+/// Grooves of the first family, as they cut a groove of the second.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Crossing {
-    /// The first family on the same specimen.
+    /// The first family on this specimen.
     pub(crate) grooves: Layout,
-    /// By how much more than they are their walls are kept off, in metres; below zero by how much less.
+    /// Additional distance kept from the walls of the first family, in metres; may be negative.
     pub(crate) grown_m: f64,
 }
 
 impl Crossing {
-    /// What is left of a convex polygon between the grooves, in convex parts.
+    /// Parts of a convex polygon between the grooves, as convex polygons.
     pub(crate) fn outside(&self, polygon: Vec<[f64; 2]>) -> Vec<Vec<[f64; 2]>> {
         let grooves = self.reaching(&polygon);
         let mut parts = vec![polygon];
@@ -25,7 +25,7 @@ impl Crossing {
             let sides = self.sides(groove);
             let mut left = Vec::with_capacity(parts.len() + 1);
             for part in parts {
-                // A part that lies wholly beyond one side is left as it is: nearly all are.
+                // Most parts lie completely beyond one side and are not cut.
                 let is_beyond =
                     |&([nx, ny], limit_m): &([f64; 2], f64)| part.iter().all(|[x, y]| x * nx + y * ny >= limit_m);
                 if sides[..2].iter().any(is_beyond) {
@@ -39,19 +39,19 @@ impl Crossing {
         parts
     }
 
-    /// What is left of a line between the grooves.
+    /// Parts of a line between the grooves.
     pub(crate) fn parts_of(&self, line: Line) -> Vec<Line> {
         let [from, to] = line;
         let at = |share: f64| [0, 1].map(|axis| from[axis] + share * (to[axis] - from[axis]));
         let grooves = self.reaching(&line);
         let shares = grooves.iter().fold(vec![[0.0, 1.0]], |shares, groove| {
             let Some(taken) = within_sides(line, &self.sides(groove)) else { return shares };
-            shares.into_iter().flat_map(|share| without(share, taken)).collect()
+            shares.into_iter().flat_map(|share| interval_outside(share, taken)).collect()
         });
         shares.into_iter().map(|share: [f64; 2]| share.map(at)).collect()
     }
 
-    /// The grooves that may reach the points.
+    /// Grooves that may contain some of the points.
     fn reaching(&self, points: &[[f64; 2]]) -> Vec<Cavity> {
         let pattern = self.grooves.pattern();
         let [cosine, sine] = pattern.texture().orientation();
@@ -59,13 +59,13 @@ impl Crossing {
         let (low_m, high_m) =
             offsets_m.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), at| (low.min(at), high.max(at)));
         let half_m = pattern.width_m() / 2.0 + self.grown_m;
-        // Points lie on the specimen or a little beside it, whose places are bounded: the casts are exact.
+        // Points lie on the specimen or close to it, which bounds the indices, so that the casts are exact.
         let first = ((low_m - half_m) / pattern.pitch_m()).ceil() as i64;
         let last = ((high_m + half_m) / pattern.pitch_m()).floor() as i64;
         (first..=last).flat_map(|column| self.grooves.uncut_grooves(column)).flatten().collect()
     }
 
-    /// The sides of a groove with what is kept off it: unit normals and their distances from the origin.
+    /// Sides of a groove including the additional distance: unit normals and distances from the origin.
     fn sides(&self, groove: &Cavity) -> [([f64; 2], f64); 4] {
         let [cosine, sine] = groove.orientation;
         let side = |normal: [f64; 2], half_m: f64| {

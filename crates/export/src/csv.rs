@@ -1,4 +1,4 @@
-//! CSV of the cavities, their corners, and the lines that mark them.
+//! CSV files of the cavities, their corners, and the lines that mark them.
 
 use std::fmt::Write as _;
 use std::io::{self, Write};
@@ -6,12 +6,11 @@ use std::io::{self, Write};
 use slipgrid_pattern::Planform;
 
 use crate::number::{COORDINATE_DECIMALS, MICROMETRE_DECIMALS, decimal, push_decimal};
-use crate::stream::{finish, hand_on};
+use crate::stream::{flush_full, flush_rest};
 use crate::words::degrees;
 use crate::{Layout, Marking};
 
-/// The first line of the file: what a line says of a cavity. Cavities turned from x and y have an
-/// angle, discs a diameter.
+/// Header line of the cavity table. Cavities turned from x and y have an angle, discs a diameter.
 #[must_use]
 pub fn csv_header(layout: &Layout) -> &'static str {
     let texture = layout.pattern().texture();
@@ -23,13 +22,13 @@ pub fn csv_header(layout: &Layout) -> &'static str {
     }
 }
 
-/// Writes one line per cavity in the layout's order, counted from 1: width along x, length along y, or both
-/// turned by the angle, anticlockwise; millimetres from the specimen's centre rounded to one
-/// nanometre. `bursts` per cavity; the field is empty where it is unknown. Lengths are those before the rim
-/// cuts, of a polygon those of its bounding box: [`corners_csv`] has its corners.
+/// Writes one line per cavity in the order of the layout, counted from 1: width along x and length along y, both turned
+/// by the angle, anticlockwise; in millimetres from the specimen's centre, rounded to one nanometre. `bursts` is per
+/// cavity, and empty if unknown. Lengths are those before the border cuts the cavity, and those of the bounding box for
+/// a polygon; see [`corners_csv`] for corners.
 ///
 /// # Errors
-/// Those of `to`.
+/// Errors of the writer `to`.
 pub fn csv(layout: &Layout, bursts: Option<u32>, to: &mut dyn Write) -> io::Result<()> {
     let texture = layout.pattern().texture();
     let angle = match texture.groove_angle_deg() {
@@ -54,16 +53,16 @@ pub fn csv(layout: &Layout, bursts: Option<u32>, to: &mut dyn Write) -> io::Resu
             out.push_str(&degrees(libm::atan2(sine, cosine).to_degrees()));
         }
         out.push_str(&rest);
-        hand_on(&mut out, to)?;
+        flush_full(&mut out, to)?;
     }
-    finish(&mut out, to)
+    flush_rest(&mut out, to)
 }
 
-/// Writes one line per corner: `index` of the cavity as in [`csv`], `part` where the rim cuts it into several,
-/// corners anticlockwise. Of round cavities, whole, the corners of a polygon on the circle.
+/// Writes one line per corner, anticlockwise: `index` of the cavity as in [`csv`], and `part` if the border cuts it
+/// into several. Complete round cavities are written as polygons.
 ///
 /// # Errors
-/// Those of `to`.
+/// Errors of the writer `to`.
 pub fn corners_csv(layout: &Layout, to: &mut dyn Write) -> io::Result<()> {
     let mut out = "index,part,corner,x_mm,y_mm\n".to_owned();
     for (index, cavity) in layout.iter().enumerate() {
@@ -73,15 +72,15 @@ pub fn corners_csv(layout: &Layout, to: &mut dyn Write) -> io::Result<()> {
                 out.push('\n');
             }
         }
-        hand_on(&mut out, to)?;
+        flush_full(&mut out, to)?;
     }
-    finish(&mut out, to)
+    flush_rest(&mut out, to)
 }
 
-/// Writes one line per marked line of `marking`, in marking order: where the spot's centre starts and ends.
+/// Writes one line per line of `marking`, in marking order: start and end of the path of the spot's centre.
 ///
 /// # Errors
-/// Those of `to`.
+/// Errors of the writer `to`.
 pub fn hatch_csv(layout: &Layout, marking: &Marking, to: &mut dyn Write) -> io::Result<()> {
     let mut out = "index,line,from_x_mm,from_y_mm,to_x_mm,to_y_mm\n".to_owned();
     for (index, cavity) in layout.iter().enumerate() {
@@ -89,9 +88,9 @@ pub fn hatch_csv(layout: &Layout, marking: &Marking, to: &mut dyn Write) -> io::
             push_row(&mut out, &[index + 1, line + 1], &[from_m[0], from_m[1], to_m[0], to_m[1]]);
             out.push('\n');
         }
-        hand_on(&mut out, to)?;
+        flush_full(&mut out, to)?;
     }
-    finish(&mut out, to)
+    flush_rest(&mut out, to)
 }
 
 /// Appends counts and lengths in millimetres, without an end of line.

@@ -1,8 +1,8 @@
-//! AutoCAD R12 (AC1009) drawings, ASCII: the dialect that every laser controller reads.
+//! AutoCAD R12 (AC1009) drawings in ASCII, the dialect that all laser controllers read.
 //!
-//! Autodesk, "Drawing Interchange and File Formats", Release 12: group codes in a field of three,
-//! one value a line, sections HEADER, TABLES, BLOCKS, ENTITIES. R12 has no variable for units, so
-//! comments (group 999) state them.
+//! Autodesk, "Drawing Interchange and File Formats", Release 12: group codes in a field of three, one value per line,
+//! sections HEADER, TABLES, BLOCKS, ENTITIES. R12 has no variable for units, which are therefore stated in comments
+//! (group 999).
 
 mod of_sectors;
 
@@ -12,7 +12,7 @@ use slipgrid_pattern::{Arrangement, Pattern};
 
 use crate::ascii::ascii;
 use crate::number::{COORDINATE_DECIMALS, push_decimal};
-use crate::stream::{finish, hand_on};
+use crate::stream::{flush_full, flush_rest};
 use crate::words::{groove_direction, sliding_direction};
 use crate::{Boundary, Heading, Layout, Outline};
 
@@ -20,27 +20,26 @@ pub use of_sectors::{LAYER_MARK, dxf_of_sectors, sector_layer};
 
 /// Layer of the specimen's outline.
 pub const LAYER_OUTLINE: &str = "OUTLINE";
-/// Layer of the cavities, the only one to be lasered.
+/// Layer of the cavities, the only one for the laser.
 pub const LAYER_CAVITIES: &str = "CAVITIES";
-/// Layer of the arrow that shows the sliding direction; it lies outside the specimen.
+/// Layer of the arrow that shows the sliding direction, outside the specimen.
 pub const LAYER_SLIDING_DIRECTION: &str = "SLIDING_DIRECTION";
 
-/// Layer of a small cross on the origin, the specimen's centre.
+/// Layer of a small cross at the origin, the specimen's centre.
 pub const LAYER_ORIGIN: &str = "ORIGIN";
 
 /// Layers with their AutoCAD colour numbers.
 const LAYERS: [(&str, &str); 4] =
     [(LAYER_OUTLINE, "7"), (LAYER_CAVITIES, "1"), (LAYER_SLIDING_DIRECTION, "5"), (LAYER_ORIGIN, "3")];
 
-/// Characters of a comment: R12 lines hold 255, and some readers fewer.
-const LONGEST_COMMENT: usize = 200;
+/// Maximum length of a comment: R12 lines hold 255 characters, and some readers fewer.
+const MAX_COMMENT_LENGTH: usize = 200;
 
-/// Writes the layout as an R12 drawing in millimetres, rounded to one nanometre; the origin is the
-/// specimen's centre, x the sliding direction unless the texture turns that. Cavities are circles or
-/// closed polylines.
+/// Writes the layout as an R12 drawing in millimetres, rounded to one nanometre. The origin is the specimen's centre,
+/// and x the sliding direction unless the texture has a sliding angle. Cavities are circles or closed polylines.
 ///
 /// # Errors
-/// Those of `to`.
+/// Errors of the writer `to`.
 pub fn dxf(layout: &Layout, heading: &Heading, to: &mut dyn Write) -> io::Result<()> {
     let mut file = Writer { out: String::new() };
     let pattern = layout.pattern();
@@ -81,10 +80,10 @@ pub fn dxf(layout: &Layout, heading: &Heading, to: &mut dyn Write) -> io::Result
     file.face(layout.outline());
     for boundary in layout.iter().flat_map(|cavity| cavity.boundaries()) {
         file.boundary(LAYER_CAVITIES, boundary);
-        hand_on(&mut file.out, to)?;
+        flush_full(&mut file.out, to)?;
     }
     file.end(&arrow);
-    finish(&mut file.out, to)
+    flush_rest(&mut file.out, to)
 }
 
 fn half_extents_mm(outline: &Outline) -> (f64, f64) {
@@ -92,7 +91,7 @@ fn half_extents_mm(outline: &Outline) -> (f64, f64) {
     (extent_x_m * 500.0, extent_y_m * 500.0)
 }
 
-/// What the planform's name leaves open, where it does; each part begins with a comma.
+/// Properties of the texture other than the planform, if they are not the default; each part begins with a comma.
 fn texture_words(pattern: &Pattern) -> String {
     let texture = pattern.texture();
     let mut words = String::new();
@@ -115,7 +114,7 @@ fn texture_words(pattern: &Pattern) -> String {
     words
 }
 
-/// An arrow along the sliding direction under the specimen, in millimetres.
+/// An arrow along the sliding direction below the specimen, in millimetres.
 struct Arrow {
     half_length_mm: f64,
     height_mm: f64,
@@ -125,7 +124,7 @@ struct Arrow {
 impl Arrow {
     fn below(half_x_mm: f64, half_y_mm: f64, direction: [f64; 2]) -> Self {
         let half_length_mm = half_x_mm / 4.0;
-        // Turned, it reaches up: as far from the specimen as it was.
+        // A turned arrow reaches up, so that it is placed lower by this amount.
         let up_mm = half_length_mm * direction[1].abs();
         Self { half_length_mm, height_mm: -half_y_mm - half_length_mm / 2.0 - up_mm, direction }
     }
@@ -151,13 +150,13 @@ impl Arrow {
     }
 }
 
-/// Group codes and values.
+/// Writes group codes and values.
 struct Writer {
     out: String,
 }
 
 impl Writer {
-    /// Header, tables and blocks of a drawing of a face with an arrow, and the beginning of its entities.
+    /// Writes header, tables and blocks of a drawing with an arrow, and begins its entities.
     fn head(&mut self, [half_x_mm, half_y_mm]: [f64; 2], arrow: &Arrow, layers: &[(&str, &str)]) {
         self.section("HEADER");
         self.variable("$ACADVER", 1, "AC1009");
@@ -166,7 +165,7 @@ impl Writer {
         self.variable_point("$EXTMAX", &[half_x_mm, half_y_mm, 0.0]);
         self.variable_point("$LIMMIN", &[-half_x_mm, arrow.lowest_mm()]);
         self.variable_point("$LIMMAX", &[half_x_mm, half_y_mm]);
-        // Decimal numbers, six decimals shown.
+        // Decimal numbers with six decimals.
         self.variable("$LUNITS", 70, "2");
         self.variable("$LUPREC", 70, "6");
         self.pair(0, "ENDSEC");
@@ -193,7 +192,7 @@ impl Writer {
         self.section("ENTITIES");
     }
 
-    /// The outline of the specimen, and a cross on the origin, so that whoever moves the drawing can move it back.
+    /// Writes the outline of the specimen and a cross at the origin, so that a moved drawing can be moved back.
     fn face(&mut self, outline: &Outline) {
         let (half_x_mm, half_y_mm) = half_extents_mm(outline);
         match *outline {
@@ -212,7 +211,7 @@ impl Writer {
         self.line(LAYER_ORIGIN, [0.0, -cross_mm], [0.0, cross_mm]);
     }
 
-    /// The outline of a cavity, or of a part of one.
+    /// Writes the outline of a cavity, or of a part of it.
     fn boundary(&mut self, layer: &str, boundary: Boundary) {
         let millimetres = |[x_m, y_m]: [f64; 2]| [x_m * 1e3, y_m * 1e3];
         match boundary {
@@ -224,7 +223,7 @@ impl Writer {
         }
     }
 
-    /// The arrow, and the end of the drawing.
+    /// Writes the arrow and the end of the drawing.
     fn end(&mut self, arrow: &Arrow) {
         for [from_mm, to_mm] in arrow.lines_mm() {
             self.line(LAYER_SLIDING_DIRECTION, from_mm, to_mm);
@@ -248,7 +247,7 @@ impl Writer {
         self.out.push('\n');
     }
 
-    /// A real number; it always has a decimal point.
+    /// Writes a real number, always with a decimal point.
     fn real(&mut self, code: u16, value: f64) {
         self.code(code);
         let start = self.out.len();
@@ -259,16 +258,16 @@ impl Writer {
         self.out.push('\n');
     }
 
-    /// Coordinates under `code`, `code` + 10, `code` + 20.
+    /// Writes coordinates with the codes `code`, `code` + 10, `code` + 20.
     fn point(&mut self, code: u16, coordinates: &[f64]) {
         for (group, &value) in (code..).step_by(10).zip(coordinates) {
             self.real(group, value);
         }
     }
 
-    /// A comment of printable ASCII.
+    /// Writes a comment of printable ASCII.
     fn comment(&mut self, text: &str) {
-        let ascii: String = ascii(text).chars().take(LONGEST_COMMENT).collect();
+        let ascii: String = ascii(text).chars().take(MAX_COMMENT_LENGTH).collect();
         self.pair(999, &ascii);
     }
 

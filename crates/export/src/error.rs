@@ -1,23 +1,23 @@
-/// Why nothing can be exported.
+/// Reason why nothing can be exported.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum ExportError {
-    /// A number that is not positive and finite.
+    /// A number is not positive and finite.
     #[error("{quantity} is {}: expected a positive number", tidy(*value))]
     NotPositive {
-        /// The quantity, its unit in its name.
+        /// Name of the quantity, with its unit.
         quantity: &'static str,
-        /// The value given, in that unit.
+        /// The value given, in this unit.
         value: f64,
     },
-    /// A ring whose hole leaves nothing of it.
+    /// The hole of a ring is not smaller than the ring.
     #[error("a ring of {} mm has a hole of {} mm: expected a smaller hole", mm(*outer_diameter_m), mm(*inner_diameter_m))]
     NoRing {
-        /// Diameter of the rim, in metres.
+        /// Outer diameter, in metres.
         outer_diameter_m: f64,
         /// Diameter of the hole, in metres.
         inner_diameter_m: f64,
     },
-    /// The specimen is too small for a single cavity.
+    /// The specimen is too small for a cavity.
     #[error(
         "no cavity {} um wide fits whole on the specimen: expected an extent of at least {} mm, but it is {} mm",
         mm(1e3 * width_m), mm(*needed_m), mm(*extent_m)
@@ -25,20 +25,20 @@ pub enum ExportError {
     NoCavityFits {
         /// Width of a cavity, in metres.
         width_m: f64,
-        /// Extent of the specimen that falls short, in metres.
+        /// Extent of the specimen that is too small, in metres.
         extent_m: f64,
-        /// Extent on which one cavity fits, in metres.
+        /// Minimum extent for one cavity, in metres.
         needed_m: f64,
     },
-    /// A number of sectors that no specimen is divided into.
+    /// The number of sectors is out of range.
     #[error("{count} textures on sectors of one specimen: expected 2 to {most}, one for each sector")]
     Sectors {
         /// The number given.
         count: usize,
-        /// The most accepted.
+        /// Maximum number of sectors.
         most: usize,
     },
-    /// A sector that does not hold enough of a pattern to be measured by itself.
+    /// A sector is too small for its pattern to be measured separately.
     #[error(
         "sectors hold circles of {} mm, fewer than {periods} periods of {} um: expected fewer sectors or a finer pattern",
         mm(*circle_m), mm(1e3 * pitch_m)
@@ -48,106 +48,106 @@ pub enum ExportError {
         pitch_m: f64,
         /// Diameter of the largest circle on the smallest sector, in metres.
         circle_m: f64,
-        /// Periods that it must hold.
+        /// Minimum number of periods in the circle.
         periods: f64,
     },
-    /// More cavities than any file of them could be used for.
+    /// There are too many cavities for a usable file.
     #[error("about {cavities:.0} cavities fit on the specimen: expected at most {most}")]
     TooManyCavities {
-        /// Estimate of their number.
+        /// Estimated number of cavities.
         cavities: f64,
-        /// The limit.
+        /// Maximum number.
         most: usize,
     },
-    /// A pattern or a setting that the laser cannot make.
+    /// The laser cannot make a pattern, or a setting is out of range.
     #[error("{what} of {} um is {relation} {limit}, {} um", tidy(*value_um), tidy(*limit_um))]
     BeyondLaser {
-        /// What is too fine, or too far apart.
+        /// Quantity that is out of range.
         what: &'static str,
-        /// Its value, in um.
+        /// Value of the quantity, in um.
         value_um: f64,
         /// `above` or `below`.
         relation: &'static str,
-        /// The limit's name.
+        /// Name of the limit.
         limit: &'static str,
         /// The limit, in um.
         limit_um: f64,
     },
-    /// Pulses along a line that do not meet.
+    /// Pulses along a line do not touch.
     #[error(
         "pulses lie {} um apart, speed_mm_s = {speed_mm_s} over repetition_hz = {repetition_hz}, and do not meet: expected at most spot_um, {} um",
         tidy(*pulse_um), tidy(*spot_um)
     )]
     PulsesApart {
-        /// Distance of pulses, in um.
+        /// Distance between pulses, in um.
         pulse_um: f64,
         /// Speed of the spot, in mm/s.
         speed_mm_s: f64,
-        /// Pulses a second.
+        /// Pulse repetition rate, in Hz.
         repetition_hz: f64,
         /// Diameter of the spot, in um.
         spot_um: f64,
     },
-    /// Walls that lean backwards, or hardly rise.
+    /// The taper of walls is out of range.
     #[error("wall_taper_deg is {taper_deg}: expected 0 to {most_deg} degrees from upright")]
     TaperOutOfRange {
         /// The value given, in degrees.
         taper_deg: f64,
-        /// The largest accepted, in degrees.
+        /// Maximum taper, in degrees.
         most_deg: f64,
     },
-    /// A format that needs what the design does not give.
+    /// A format requires a key that the design does not have.
     #[error("{what} needs {key}")]
     Needs {
-        /// The format, or a part of it.
+        /// Name of the format, or of a part of it.
         what: &'static str,
-        /// The key of a design.
+        /// The key that is required.
         key: &'static str,
     },
-    /// Lines of a laser that follows none.
+    /// A file of lines is requested for a mask.
     #[error(
         "{what} holds the lines of a spot, but a mask exposes whole cavities and follows none (laser.exposure = \"mask\"): \
          expected --format dxf, plt or corners for the contours, or csv for the places of cavities"
     )]
     NoLines {
-        /// The format.
+        /// Name of the format.
         what: &'static str,
     },
-    /// A solid whose leaning walls the rim would cut.
+    /// The border of the specimen would cut the sloping walls of a solid.
     #[error("STL holds no leaning walls that the rim cuts: expected whole cavities, or wall_taper_deg = 0")]
     TaperAndCut,
-    /// A solid of which a leaning wall does not reach the floor.
+    /// A sloping wall of a solid does not reach the floor.
     #[error(
         "STL holds no cavity of which a leaning wall ends above the floor: expected longer edges of the outline, or a smaller wall_taper_deg"
     )]
     TaperToNothing,
-    /// A height map of too many or too few pixels.
+    /// The number of pixels of a height map is out of range.
     #[error("pixels of {} um make a height map {pixels:.0} wide: expected 1 to {most}", tidy(*pixel_um))]
     NoHeightMap {
         /// Side of a pixel, in um.
         pixel_um: f64,
         /// Pixels along the longer side.
         pixels: f64,
-        /// The most accepted.
+        /// Maximum number of pixels.
         most: u32,
     },
-    /// Too few measurements for a law of two coefficients and its error.
+    /// There are too few fluences to fit a law with two coefficients and errors.
     #[error("depth per burst is given at {fluences} different fluences: expected at least three")]
     TooFewFluences {
-        /// Different fluences.
+        /// Number of different fluences.
         fluences: usize,
     },
-    /// Measurements or a fluence at which nothing is removed.
+    /// Measurements, or a fluence, at which nothing is removed.
     #[error("{quantity} is {value}: expected {expected}")]
     NoAblation {
-        /// What was found, its unit in its name.
+        /// Name of the quantity, with its unit.
         quantity: &'static str,
-        /// Its value.
+        /// Value of the quantity.
         value: f64,
-        /// What would be accepted.
+        /// Description of what is accepted.
         expected: &'static str,
     },
-    /// A depth between those that whole passes or bursts give.
+    /// The depth is not a multiple of the depth per pass or burst.
     #[error(
         "the depth of {} um is no whole number of {of} of {} um: expected for instance {} um",
         tidy(*depth_um), tidy(*step_um), tidy(*nearest_um)
@@ -157,25 +157,25 @@ pub enum ExportError {
         depth_um: f64,
         /// `passes` or `bursts`.
         of: &'static str,
-        /// Depth that one of them gives, in um.
+        /// Depth per pass or burst, in um.
         step_um: f64,
-        /// The nearest depth that can be cut, in um.
+        /// Nearest possible depth, in um.
         nearest_um: f64,
     },
     /// The process sheet could not be written as TOML.
     #[error("the process sheet cannot be written as TOML: {reason}")]
     Unwritable {
-        /// What the TOML writer said.
+        /// Message of the TOML writer.
         reason: String,
     },
 }
 
-/// `value` if it is finite and positive.
+/// Checks that `value` is finite and positive.
 pub(crate) fn positive(quantity: &'static str, value: f64) -> Result<f64, ExportError> {
     if value.is_finite() && value > 0.0 { Ok(value) } else { Err(ExportError::NotPositive { quantity, value }) }
 }
 
-/// `value` to 6 digits, which is as much as a reader can use: lengths that follow from others have no end of digits.
+/// Rounds to 6 digits for messages, because derived lengths have many digits.
 fn tidy(value: f64) -> f64 {
     format!("{value:.5e}").parse().unwrap_or(value)
 }

@@ -1,34 +1,34 @@
-//! The face of a cavity whose outline is a polygon.
+//! Face of a cavity whose outline is a polygon.
 
 use slipgrid_pattern::Polygon;
 
 use crate::clip::{edges, surrounds};
 
-/// An outline at its size and place, and the points of it at least some way from its walls.
+/// An outline with size and position, restricted to points at a minimum distance from its walls.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Face {
     pub(crate) outline: Polygon,
     pub(crate) centre_m: [f64; 2],
-    /// Extent of the whole outline along x.
+    /// Extent of the complete outline along x, in metres.
     pub(crate) width_m: f64,
-    /// How far from its walls.
+    /// Minimum distance from the walls, in metres.
     pub(crate) inset_m: f64,
 }
 
-/// Lines between two heights at which lines begin to meet other walls, by which the area of what is left within them is summed up.
-const LINES: u32 = 24;
-/// Share of an inset that is forgiven as rounding.
+/// Number of lines, between two heights at which the walls met by a line change, that are used to integrate the area.
+const INTEGRATION_LINES: u32 = 24;
+/// Rounding tolerance of an inset, as a fraction.
 const ROUNDING: f64 = 1e-9;
 
 impl Face {
-    /// Corners of the whole outline, in metres.
+    /// Corners of the complete outline, in metres.
     pub(crate) fn corners_m(&self) -> Vec<[f64; 2]> {
         let [x_m, y_m] = self.centre_m;
         self.outline.vertices().iter().map(|[x, y]| [x_m + x * self.width_m, y_m + y * self.width_m]).collect()
     }
 
-    /// Corners of what is left within walls that are moved inwards as planes, one for each of the outline; `None` where a
-    /// wall does not reach down to it.
+    /// Corners of the face whose walls are shifted inwards as planes, one for each corner of the outline; `None` if a
+    /// wall vanishes.
     pub(crate) fn inner_corners_m(&self) -> Option<Vec<[f64; 2]>> {
         let corners = self.corners_m();
         if self.inset_m == 0.0 {
@@ -48,46 +48,46 @@ impl Face {
                 [0, 1].map(|axis| corners[k][axis] + share * (before[axis] + after[axis]))
             })
             .collect();
-        let keeps_its_way = |k: usize| {
+        let keeps_direction = |k: usize| {
             let next = (k + 1) % count;
             (0..2)
                 .map(|axis| (corners[next][axis] - corners[k][axis]) * (moved[next][axis] - moved[k][axis]))
                 .sum::<f64>()
                 > 0.0
         };
-        ((0..count).all(keeps_its_way) && Polygon::new(&moved).is_ok()).then_some(moved)
+        ((0..count).all(keeps_direction) && Polygon::new(&moved).is_ok()).then_some(moved)
     }
 
-    /// Area of what is left within its walls, in square metres.
+    /// Area at the minimum distance from the walls, in square metres.
     pub(crate) fn area_m2(&self) -> f64 {
         if self.inset_m == 0.0 {
             return self.outline.area() * self.width_m * self.width_m;
         }
-        // By the lengths of lines in the middles of equal strips, between the heights at which those lengths may jump.
+        // Midpoint rule over the lengths of lines, between the heights at which these lengths may jump.
         let around = |y_m: f64| [y_m - self.inset_m, y_m, y_m + self.inset_m];
         let mut heights_m: Vec<f64> = self.corners_m().iter().flat_map(|[_, y_m]| around(*y_m)).collect();
         heights_m.sort_by(f64::total_cmp);
         let length_m =
             |at_m: f64| self.spans_m([1.0, 0.0], at_m).iter().map(|[from_m, to_m]| to_m - from_m).sum::<f64>();
         let between = |ends: &[f64]| {
-            let height_m = (ends[1] - ends[0]) / f64::from(LINES);
+            let height_m = (ends[1] - ends[0]) / f64::from(INTEGRATION_LINES);
             if height_m <= ROUNDING * self.inset_m {
                 return 0.0;
             }
-            (0..LINES).map(|k| length_m(ends[0] + (f64::from(k) + 0.5) * height_m)).sum::<f64>() * height_m
+            (0..INTEGRATION_LINES).map(|k| length_m(ends[0] + (f64::from(k) + 0.5) * height_m)).sum::<f64>() * height_m
         };
         heights_m.windows(2).map(between).sum()
     }
 
-    /// Distance of a point inside to the nearest of the walls that are left, in metres; negative outside.
+    /// Distance of a point to the nearest shifted wall, in metres; negative outside.
     pub(crate) fn wall_distance_m(&self, at_m: [f64; 2]) -> f64 {
         let corners = self.corners_m();
         let nearest_m = edges(&corners).map(|(a, b)| distance_m(at_m, a, b)).fold(f64::INFINITY, f64::min);
         (if surrounds(&corners, at_m) { nearest_m } else { -nearest_m }) - self.inset_m
     }
 
-    /// The parts of the line along the unit vector `along`, `at_m` to its left from the origin, that lie in what is left within
-    /// its walls: their ends along it, ascending.
+    /// Intervals of a line inside the shifted walls, in metres along the line and ascending. The line runs along the
+    /// unit vector `along`, `at_m` to its left from the origin.
     pub(crate) fn spans_m(&self, [dx, dy]: [f64; 2], at_m: f64) -> Vec<[f64; 2]> {
         let turned: Vec<[f64; 2]> =
             self.corners_m().iter().map(|[x, y]| [x * dx + y * dy, y * dx - x * dy - at_m]).collect();
@@ -96,27 +96,28 @@ impl Face {
         let mut spans_m: Vec<[f64; 2]> = ends_m.chunks_exact(2).map(|ends| [ends[0], ends[1]]).collect();
         let inset_m = self.inset_m * (1.0 - ROUNDING);
         if inset_m > 0.0 {
-            for taken_m in edges(&turned).filter_map(|(a, b)| near_m(a, b, inset_m)) {
-                spans_m = spans_m.into_iter().flat_map(|span_m| without(span_m, taken_m)).collect();
+            for taken_m in edges(&turned).filter_map(|(a, b)| interval_near_m(a, b, inset_m)) {
+                spans_m = spans_m.into_iter().flat_map(|span_m| interval_outside(span_m, taken_m)).collect();
             }
         }
         spans_m
     }
 }
 
-/// What is left of one span where another is taken away.
-pub(crate) fn without([from, to]: [f64; 2], [low, high]: [f64; 2]) -> impl Iterator<Item = [f64; 2]> {
+/// Parts of one interval outside another.
+pub(crate) fn interval_outside([from, to]: [f64; 2], [low, high]: [f64; 2]) -> impl Iterator<Item = [f64; 2]> {
     let parts = if high <= from || low >= to { [[from, to], [0.0, 0.0]] } else { [[from, low], [high, to]] };
     parts.into_iter().filter(|[from, to]| to > from)
 }
 
-/// Where the edge crosses the axis v = 0.
+/// Position at which the edge crosses the axis v = 0.
 fn crossing_m([ua, va]: [f64; 2], [ub, vb]: [f64; 2]) -> Option<f64> {
     ((va <= 0.0) != (vb <= 0.0)).then(|| ua - va / (vb - va) * (ub - ua))
 }
 
-/// The part of the axis v = 0 nearer than `reach` to the edge: that in the discs about its ends and in the rectangle along it.
-fn near_m(a: [f64; 2], b: [f64; 2], reach: f64) -> Option<[f64; 2]> {
+/// Interval of the axis v = 0 closer than `reach` to the edge: inside the discs about its ends or the rectangle along
+/// it.
+fn interval_near_m(a: [f64; 2], b: [f64; 2], reach: f64) -> Option<[f64; 2]> {
     if a[1].min(b[1]) >= reach || a[1].max(b[1]) <= -reach {
         return None;
     }
@@ -141,7 +142,7 @@ fn near_m(a: [f64; 2], b: [f64; 2], reach: f64) -> Option<[f64; 2]> {
     (span[0] < span[1]).then_some(span)
 }
 
-/// Distance of a point from the straight line between two others, which may be one.
+/// Distance of a point from the segment between two others, which may coincide.
 pub(crate) fn distance_m(at: [f64; 2], a: [f64; 2], b: [f64; 2]) -> f64 {
     let (along, from) = ([b[0] - a[0], b[1] - a[1]], [at[0] - a[0], at[1] - a[1]]);
     let square = along[0] * along[0] + along[1] * along[1];
@@ -164,8 +165,8 @@ mod tests {
     #[test]
     fn what_is_left_within_walls() {
         assert!((face(0.0).area_m2() - 64.0).abs() < 1e-9);
-        // By planes: 8 x 8 less 6 x 6. By distance, a quarter of a disc of radius 1 at the concave corner is kept out instead of
-        // a square.
+        // By planes: 8 x 8 minus 6 x 6. By distance, a quarter disc of radius 1 is excluded at the concave corner
+        // instead of a square.
         let planes = face(1.0).inner_corners_m().unwrap();
         assert!((area_m2(&planes) - 28.0).abs() < 1e-9, "{planes:?}");
         let kept = 28.0 + 1.0 - std::f64::consts::FRAC_PI_4;
@@ -191,7 +192,7 @@ mod tests {
         close(face(1.0).spans_m([1.0, 0.0], -48.0), &[[101.0, 109.0]]);
         // At y = -46.5, within 1 of the upper side of the arm: up to where the concave corner at (104, -46) is 1 away.
         close(face(1.0).spans_m([1.0, 0.0], -46.5), &[[101.0, 104.0 - 0.75_f64.sqrt()]]);
-        // Along y at x = 102, to the left of which -102 lies.
+        // Along y at x = 102: the offset to the left is -102.
         close(face(1.0).spans_m([0.0, 1.0], -102.0), &[[-49.0, -41.0]]);
         close(face(1.0).spans_m([0.0, 1.0], -120.0), &[]);
     }

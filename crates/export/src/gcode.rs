@@ -1,20 +1,20 @@
 //! G-code for controllers with a laser mode: G1 marks, G0 jumps with the laser off.
 //!
-//! NIST RS274/NGC version 3 words; `M4 S` is the power that follows speed, as Grbl 1.1's laser mode has it.
-//! Millimetres, absolute, origin at the specimen's centre.
+//! NIST RS274/NGC version 3 words; `M4 S` is power that follows speed, as in the laser mode of Grbl 1.1. Millimetres,
+//! absolute, origin at the specimen's centre.
 
 use std::io::{self, Write};
 
 use crate::ascii::ascii;
 use crate::number::{COORDINATE_DECIMALS, decimal, push_decimal};
-use crate::stream::{finish, hand_on};
+use crate::stream::{flush_full, flush_rest};
 use crate::words::sliding_direction;
 use crate::{ExportError, Heading, Laser, Layout, Marking};
 
-/// Full power, by Grbl's default.
+/// Full power in Grbl's default configuration.
 const FULL_POWER: u32 = 1000;
 
-/// What a program is made of.
+/// Settings of a program.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GcodePlan {
     marking: Marking,
@@ -23,10 +23,10 @@ pub struct GcodePlan {
 }
 
 impl GcodePlan {
-    /// A program for `laser`: every line of a cavity `passes` times before the next cavity.
+    /// Creates the settings for `laser`: all lines of a cavity are marked `passes` times before the next cavity.
     ///
     /// # Errors
-    /// [`ExportError::Needs`] without a speed; as [`Marking::of_lines`].
+    /// [`ExportError::Needs`] without a speed; errors of [`Marking::of_lines`].
     pub fn new(laser: &Laser, passes: u32) -> Result<Self, ExportError> {
         let marking = Marking::of_lines(laser, "G-code")?;
         let needs = ExportError::Needs { what: "G-code", key: "laser.speed_mm_s" };
@@ -34,10 +34,10 @@ impl GcodePlan {
     }
 }
 
-/// Writes the program of `layout`.
+/// Writes the program for `layout`.
 ///
 /// # Errors
-/// Those of `to`.
+/// Errors of the writer `to`.
 pub fn gcode(layout: &Layout, plan: &GcodePlan, heading: &Heading, to: &mut dyn Write) -> io::Result<()> {
     let mut out = String::new();
     comment(&mut out, &format!("slipgrid {}: {}", heading.version, heading.name));
@@ -61,14 +61,14 @@ pub fn gcode(layout: &Layout, plan: &GcodePlan, heading: &Heading, to: &mut dyn 
                 word(&mut out, "G1", end);
                 at = Some(end);
             }
-            hand_on(&mut out, to)?;
+            flush_full(&mut out, to)?;
         }
     }
     out.push_str("M5\nG0 X0 Y0\nM2\n");
-    finish(&mut out, to)
+    flush_rest(&mut out, to)
 }
 
-/// Comments stand in parentheses, of printable ASCII; those within become brackets.
+/// Comments are enclosed in parentheses, and hold printable ASCII; inner parentheses become brackets.
 fn comment(out: &mut String, text: &str) {
     out.push('(');
     out.push_str(&ascii(text).replace('(', "[").replace(')', "]"));
@@ -84,7 +84,7 @@ fn word(out: &mut String, command: &str, [x_m, y_m]: [f64; 2]) {
     out.push('\n');
 }
 
-/// The marked lines of a program with their passes, read back: for tests.
+/// Reads the marked lines of a program, with their passes, for tests.
 #[cfg(test)]
 pub(crate) fn read(text: &str) -> Vec<crate::Line> {
     let mut at = [f64::NAN; 2];

@@ -1,23 +1,23 @@
-//! The surface as a picture: 16-bit grey PNG, white at the face, black on the floor.
+//! Height map of the surface as 16-bit grey PNG, white at the face and black at the floor.
 //!
-//! PNG, third edition (W3C): the pixel's size stands in the chunk pHYs, what black and white mean in tEXt.
-//! The first row is the one of the largest y. Each pixel is the depth at its middle.
+//! PNG, third edition (W3C): the chunk pHYs states the pixel size, and tEXt the meaning of black and white. The first
+//! row has the largest y. Each pixel holds the depth at its middle.
 
 use std::io::{self, Write};
 
 use crate::ascii::ascii;
 use crate::{Cavity, ExportError, Heading, Laser, Layout};
 
-/// Most pixels along a side.
+/// Maximum number of pixels along a side.
 pub const MAX_PIXELS: u32 = 32_768;
-/// Pixels along the longer side, and across a cavity, where no size is given.
-const USUAL_PIXELS: f64 = 4096.0;
+/// Default number of pixels along the longer side, and across a cavity.
+const DEFAULT_PIXELS: f64 = 4096.0;
 const PIXELS_PER_CAVITY: f64 = 16.0;
-/// White is the face, black the cavities' depth.
+/// White is the face, black the depth of the cavities.
 const FACE: u16 = u16::MAX;
 const FLOOR: u16 = 0;
 
-/// The raster of a height map.
+/// Raster of a height map.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HeightMap {
     pixel_m: f64,
@@ -26,26 +26,26 @@ pub struct HeightMap {
 }
 
 impl HeightMap {
-    /// A raster over the specimen of `layout` with pixels of `pixel_um`: where absent a sixteenth of the
-    /// smallest extent of a cavity, and at least a 4096th of the specimen's.
+    /// Creates a raster over the specimen of `layout`. The default pixel is a sixteenth of the smallest extent of a
+    /// cavity, and at least a 4096th of the extent of the specimen.
     ///
     /// # Errors
-    /// [`ExportError::NoHeightMap`] for fewer pixels than one or more than [`MAX_PIXELS`] along a side.
+    /// [`ExportError::NoHeightMap`] for fewer than 1 or more than [`MAX_PIXELS`] pixels along a side.
     pub fn new(layout: &Layout, laser: &Laser, pixel_um: Option<f64>) -> Result<Self, ExportError> {
         let extents_m = layout.outline().extents_m();
         let longer_m = extents_m[0].max(extents_m[1]);
-        let usual_m = (longer_m / USUAL_PIXELS).max(layout.pattern().least_extent_m() / PIXELS_PER_CAVITY);
+        let usual_m = (longer_m / DEFAULT_PIXELS).max(layout.pattern().least_extent_m() / PIXELS_PER_CAVITY);
         let pixel_m = pixel_um.map_or(usual_m, |pixel_um| pixel_um * 1e-6);
         let pixels = (longer_m / pixel_m - 1e-6).ceil();
         if !(1.0..=f64::from(MAX_PIXELS)).contains(&pixels) {
             return Err(ExportError::NoHeightMap { pixel_um: pixel_m * 1e6, pixels, most: MAX_PIXELS });
         }
-        // At most MAX_PIXELS: the casts are exact.
+        // At most MAX_PIXELS, so that the casts are exact.
         let size = extents_m.map(|extent_m| (extent_m / pixel_m - 1e-6).ceil().max(1.0) as u32);
         Ok(Self { pixel_m, size, slope: laser.slope() })
     }
 
-    /// Columns and rows.
+    /// Number of columns and rows.
     #[must_use]
     pub const fn size(&self) -> [u32; 2] {
         self.size
@@ -57,24 +57,24 @@ impl HeightMap {
         self.pixel_m
     }
 
-    /// Depth at the middle of a pixel over the cavities' depth, 0 to 1; row 0 has the largest y.
+    /// Depth at the middle of a pixel relative to that of the cavities, 0 to 1; row 0 has the largest y.
     #[must_use]
     pub fn depth(&self, layout: &Layout, column: u32, row: u32) -> f64 {
         let (x_m, y_m) = (self.x_m(column), self.y_m(row));
-        // Where grooves cross the deeper one counts.
+        // Where grooves cross, the larger depth counts.
         let inside_m = layout.cell([x_m, y_m]).cavities.into_iter().flatten();
         let inside_m = inside_m.map(|cavity| cavity.wall_distance_m([x_m, y_m])).fold(f64::NEG_INFINITY, f64::max);
         if inside_m >= 0.0 { self.depth_inside(layout, inside_m) } else { 0.0 }
     }
 
-    /// The heights of a row's pixels as the file has them: what [`HeightMap::depth`] says of each, but a lattice
-    /// cell is looked up once and its walls are asked about where the row meets them.
+    /// Pixels of a row as written to the file. Equal to [`HeightMap::depth`] for each pixel, but each cell of the
+    /// lattice is looked up once, and walls are tested only where the row meets them.
     fn row(&self, layout: &Layout, row: u32, heights: &mut [u16]) {
         heights.fill(FACE);
         let y_m = self.y_m(row);
         let mut column = 0;
         while column < heights.len() {
-            // At most MAX_PIXELS: the cast is exact.
+            // At most MAX_PIXELS, so that the cast is exact.
             let cell = layout.cell([self.x_m(column as u32), y_m]);
             for cavity in cell.cavities.iter().flatten() {
                 self.cut(layout, cavity, y_m, heights);
@@ -86,12 +86,12 @@ impl HeightMap {
     /// Lowers the pixels of the row at `y_m` that lie in a cavity.
     fn cut(&self, layout: &Layout, cavity: &Cavity, y_m: f64, heights: &mut [u16]) {
         let Some([from_m, to_m]) = cavity.chord_m([1.0, 0.0], y_m) else { return };
-        // One more on either side: whether the outermost lie inside is for the distance to say.
+        // One more pixel on either side; the wall distance decides whether these lie inside.
         let (first, end) = (self.after(from_m).saturating_sub(1), (self.after(to_m) + 1).min(heights.len()));
         let wall_distance_m = |column: usize| cavity.wall_distance_m([self.x_m(column as u32), y_m]);
         let mut columns = first..end;
         if self.slope == 0.0 && cavity.is_plain() {
-            // Upright walls all round, and nothing but floor between the first and the last inside.
+            // Vertical walls on all sides, with floor everywhere between the first and the last pixel inside.
             let inside = |&column: &usize| wall_distance_m(column) >= 0.0;
             if let Some((first, last)) = columns.clone().find(inside).zip(columns.rfind(inside)) {
                 heights[first..=last].fill(FLOOR);
@@ -106,10 +106,10 @@ impl HeightMap {
         }
     }
 
-    /// Depth `inside_m` from the nearest wall, 0 to 1.
+    /// Relative depth, 0 to 1, at the distance `inside_m` from the nearest wall.
     fn depth_inside(&self, layout: &Layout, inside_m: f64) -> f64 {
         let slope_m = self.slope * layout.pattern().depth_m();
-        // The wall falls by d over d tan(taper).
+        // The wall falls by d over the distance d tan(taper).
         if slope_m > 0.0 { (inside_m / slope_m).min(1.0) } else { 1.0 }
     }
 
@@ -123,30 +123,30 @@ impl HeightMap {
         (f64::from(self.size[1]) / 2.0 - f64::from(row) - 0.5) * self.pixel_m
     }
 
-    /// The first column whose middle lies beyond `x_m`, but for rounding; at most one more than there are.
+    /// First column whose middle lies beyond `x_m`, within rounding; at most one more than the number of columns.
     fn after(&self, x_m: f64) -> usize {
         let columns = f64::from(self.size[0]);
-        // At most MAX_PIXELS: the cast is exact.
+        // At most MAX_PIXELS, so that the cast is exact.
         (x_m / self.pixel_m + columns / 2.0 + 0.5).floor().clamp(0.0, columns + 1.0) as usize
     }
 }
 
-/// Height in the file of a depth from 0 to 1.
+/// Pixel value of a relative depth from 0 to 1.
 fn height(depth: f64) -> u16 {
-    // 0 to 65535: the cast is exact.
+    // 0 to 65535, so that the cast is exact.
     ((1.0 - depth) * f64::from(FACE)).round() as u16
 }
 
-/// Writes the height map of `layout`: white (65535) is the face, black (0) the cavities' depth.
+/// Writes the height map of `layout`: white (65535) is the face, black (0) the depth of the cavities.
 ///
 /// # Errors
-/// Those of `to`.
+/// Errors of the writer `to`.
 pub fn height_map(layout: &Layout, map: &HeightMap, heading: &Heading, to: &mut dyn Write) -> io::Result<()> {
     let [columns, rows] = map.size;
     let mut encoder = png::Encoder::new(to, columns, rows);
     encoder.set_color(png::ColorType::Grayscale);
     encoder.set_depth(png::BitDepth::Sixteen);
-    // Pixels per metre; a whole number by the format.
+    // Pixels per metre, an integer in this format.
     let per_metre = (1.0 / map.pixel_m).round().clamp(1.0, f64::from(u32::MAX)) as u32;
     let dimensions = png::PixelDimensions { xppu: per_metre, yppu: per_metre, unit: png::Unit::Meter };
     encoder.set_pixel_dims(Some(dimensions));
@@ -183,7 +183,7 @@ mod tests {
     use crate::Outline;
     use crate::layout::every_kind;
 
-    /// Every pixel of `layout` as its row has it and as it is alone: how many are not face.
+    /// Compares every pixel of `layout` from its row with the separately computed one; returns how many are not face.
     fn compared(layout: &Layout, taper_deg: Option<f64>, pixel_um: f64) -> usize {
         let laser = Laser { wall_taper_deg: taper_deg, ..Laser::default() };
         let map = HeightMap::new(layout, &laser, Some(pixel_um)).unwrap();
@@ -209,11 +209,11 @@ mod tests {
             Outline::Ring { outer_diameter_m: 3e-3, inner_diameter_m: 1.1e-3 },
         ];
         for (texture, outline) in every_kind().into_iter().flat_map(|kind| outlines.map(|outline| (kind, outline))) {
-            // Edges anywhere, and edges and centres on the middles of pixels.
+            // Edges at arbitrary places, and edges and centres on the middles of pixels.
             for (width_m, spacing_m) in [(131.2347e-6, 369.9999e-6), (120e-6, 40e-6)] {
                 let pattern = Pattern::new(texture, width_m, spacing_m, 5.2e-6).unwrap();
                 for layout in [Layout::new(pattern, outline).unwrap(), Layout::clipped(pattern, outline).unwrap()] {
-                    // Pixels below, about and beyond cavity and pitch.
+                    // Pixels smaller than, similar to and larger than cavity and pitch.
                     for pixel_um in [10.0, 16.1, 190.0, 777.0] {
                         let cut = [None, Some(60.0)].map(|taper_deg| compared(&layout, taper_deg, pixel_um));
                         assert!(pixel_um > 100.0 || cut.iter().all(|&cut| cut > 100), "{layout:?}: {cut:?}");

@@ -1,27 +1,26 @@
 //! HP-GL/2 plots (PLT), which marking software imports.
 //!
 //! Hewlett-Packard, "HP-GL/2 and HP RTL Reference Guide": a plotter unit is 0.025 mm, and coordinates may have
-//! decimals. They do here: a reader that keeps whole plotter units alone moves edges by up to 12.5 um. Pen 1
-//! draws the specimen, pen 2 the contours of the cavities, pen 3 the lines that fill them.
+//! decimals. They do here; a reader that keeps only integers moves edges by up to 12.5 um. Pen 1 draws the specimen,
+//! pen 2 the contours of the cavities, pen 3 the lines that fill them.
 
 use std::io::{self, Write};
 
 use crate::ascii::ascii;
 use crate::number::push_decimal;
 use crate::outline::rims;
-use crate::stream::{finish, hand_on};
+use crate::stream::{flush_full, flush_rest};
 use crate::{Heading, Layout, Marking};
 
-/// Plotter units in a metre.
+/// Plotter units per metre.
 const UNITS_PER_M: f64 = 40_000.0;
-/// A quarter of a nanometre.
+/// Decimals of a plotter unit: a quarter of a nanometre.
 const DECIMALS: usize = 5;
 
-/// Writes the layout as a plot whose origin is the specimen's centre, with the lines of `marking` where it is
-/// given.
+/// Writes the layout as a plot whose origin is the specimen's centre, including the lines of `marking` if given.
 ///
 /// # Errors
-/// Those of `to`.
+/// Errors of the writer `to`.
 pub fn hpgl(layout: &Layout, marking: Option<&Marking>, heading: &Heading, to: &mut dyn Write) -> io::Result<()> {
     let mut out = String::new();
     comment(&mut out, &format!("slipgrid {}: {}", heading.version, heading.name));
@@ -39,7 +38,7 @@ pub fn hpgl(layout: &Layout, marking: Option<&Marking>, heading: &Heading, to: &
         for boundary in cavity.boundaries() {
             path(&mut out, &boundary.polygon_m(), true);
         }
-        hand_on(&mut out, to)?;
+        flush_full(&mut out, to)?;
     }
     if let Some(marking) = marking {
         out.push_str("SP3;\n");
@@ -47,14 +46,14 @@ pub fn hpgl(layout: &Layout, marking: Option<&Marking>, heading: &Heading, to: &
             for line in marking.lines(&cavity) {
                 path(&mut out, &line, false);
             }
-            hand_on(&mut out, to)?;
+            flush_full(&mut out, to)?;
         }
     }
     out.push_str("PU;SP0;\n");
-    finish(&mut out, to)
+    flush_rest(&mut out, to)
 }
 
-/// A comment: printable ASCII without its own delimiter.
+/// Writes a comment: printable ASCII without quotation marks.
 fn comment(out: &mut String, text: &str) {
     out.push_str("CO \"");
     out.push_str(&ascii(text).replace('"', "'"));

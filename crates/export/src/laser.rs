@@ -1,4 +1,4 @@
-//! The laser: what a design says of it, and what it can make.
+//! Laser parameters of a design, and the limits of the laser.
 
 use serde::{Deserialize, Serialize};
 use slipgrid_pattern::{ManufacturingLimits, Pattern};
@@ -6,18 +6,18 @@ use slipgrid_pattern::{ManufacturingLimits, Pattern};
 use crate::error::positive;
 use crate::{Ablation, ExportError};
 
-/// How a cavity is exposed.
+/// Exposure of a cavity.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Exposure {
     /// The spot fills the cavity line by line.
     #[default]
     Hatch,
-    /// A mask has the cavity's shape: its contour is all that the laser needs.
+    /// A mask has the shape of the cavity, so that the laser needs only its contour.
     Mask,
 }
 
-/// Laser parameters as the design gives them; absent ones are left out.
+/// Laser parameters as given in the design; absent ones are omitted.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Laser {
@@ -42,35 +42,36 @@ pub struct Laser {
     /// Speed of the spot along a line, in mm/s.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub speed_mm_s: Option<f64>,
-    /// Distance of lines, in um; the spot's diameter where absent.
+    /// Distance between lines, in um; the diameter of the spot where absent.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub hatch_um: Option<f64>,
-    /// How far walls lean from upright, in degrees: cavities narrow downwards.
+    /// Angle of walls from vertical, in degrees; cavities narrow downwards.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub wall_taper_deg: Option<f64>,
     /// Hatch or mask; hatch where absent.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub exposure: Option<Exposure>,
-    /// Smallest gap between two cavities, in um.
+    /// Minimum gap between two cavities, in um.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub min_land_um: Option<f64>,
-    /// Depth per burst against fluence, where it was fitted.
+    /// Fitted depth per burst against fluence, if it was fitted.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub ablation: Option<Ablation>,
 }
 
-/// Walls that lean more than this meet before they have depth worth the name.
+/// Maximum taper: walls with a larger one meet at a very small depth.
 const MAX_TAPER_DEG: f64 = 80.0;
 
-/// By how much, in um, a depth may miss a whole number of passes or bursts: people are told depths to a hundredth of a micrometre.
+/// Tolerance, in um, of a depth against a multiple of passes or bursts. Depths are printed to a hundredth of a
+/// micrometre.
 const STEP_TOLERANCE_UM: f64 = 0.005 + 1e-9;
 
 impl Laser {
-    /// Checks each number by itself, and lines and pulses against the spot.
+    /// Checks each parameter, and the distances of lines and pulses against the spot.
     ///
     /// # Errors
-    /// [`ExportError::NotPositive`], [`ExportError::BeyondLaser`] where lines lie farther apart than the spot is wide,
-    /// [`ExportError::PulsesApart`] where pulses do, [`ExportError::TaperOutOfRange`].
+    /// [`ExportError::NotPositive`]; [`ExportError::BeyondLaser`] if lines are farther apart than the spot is wide;
+    /// [`ExportError::PulsesApart`] if pulses are; [`ExportError::TaperOutOfRange`].
     pub fn validate(&self) -> Result<(), ExportError> {
         for (quantity, value) in [
             ("wavelength_nm", self.wavelength_nm),
@@ -95,7 +96,7 @@ impl Laser {
             let limit = "spot_um";
             Err(ExportError::BeyondLaser { what, value_um, relation: "above", limit, limit_um: spot_um })
         };
-        // One part in a million forgiven as rounding.
+        // Rounding tolerance of one part in a million.
         match (self.hatch_um, self.pulse_distance_um()) {
             (Some(hatch_um), _) if hatch_um > spot_um * (1.0 + 1e-6) => beyond("hatch_um", hatch_um),
             (_, Some(pulse_um)) if pulse_um > spot_um * (1.0 + 1e-6) => Err(ExportError::PulsesApart {
@@ -108,7 +109,7 @@ impl Laser {
         }
     }
 
-    /// A laser of which nothing is known.
+    /// A laser without known parameters.
     #[cfg(test)]
     pub(crate) const UNKNOWN: Self = Self {
         wavelength_nm: None,
@@ -125,15 +126,15 @@ impl Laser {
         ablation: None,
     };
 
-    /// Refuses a pattern finer than what the laser makes, and names the limit.
+    /// Refuses a pattern that is too fine for the laser; the error names the limit.
     ///
     /// # Errors
-    /// [`ExportError::BeyondLaser`]; as [`Laser::validate`].
+    /// [`ExportError::BeyondLaser`]; errors of [`Laser::validate`].
     pub fn check(&self, pattern: &Pattern) -> Result<(), ExportError> {
         self.validate()?;
         let extent_um = pattern.least_extent_m() * 1e6;
         let below = |what, value_um: f64, limit, limit_um: f64| {
-            // One part in a million forgiven as rounding.
+            // Rounding tolerance of one part in a million.
             if value_um < limit_um * (1.0 - 1e-6) {
                 Err(ExportError::BeyondLaser { what, value_um, relation: "below", limit, limit_um })
             } else {
@@ -159,7 +160,7 @@ impl Laser {
         self.exposure == Some(Exposure::Mask)
     }
 
-    /// Names of the numbers without which the time under the laser cannot be estimated. A mask needs no spot.
+    /// Names of the missing parameters without which the marking time cannot be estimated. A mask needs no spot.
     #[must_use]
     pub fn missing_for_time(&self) -> Vec<&'static str> {
         let spot_um = ("spot_um", self.spot_um.is_some() || self.is_mask());
@@ -168,8 +169,8 @@ impl Laser {
         given.into_iter().filter_map(|(name, is_given)| (!is_given).then_some(name)).collect()
     }
 
-    /// Bursts that reach a point in one pass over the lines of an endless hatch, on average; `None` for a mask, and where spot, speed
-    /// or repetition rate are not given: cavities are then made spot by spot.
+    /// Mean number of bursts that reach a point in one pass over an infinite hatch. `None` for a mask, and if spot,
+    /// speed or repetition rate are missing: cavities are then made spot by spot.
     #[must_use]
     pub fn bursts_per_pass(&self) -> Option<f64> {
         let spot_um = self.spot_um.filter(|_| !self.is_mask())?;
@@ -177,22 +178,22 @@ impl Laser {
         Some(std::f64::consts::FRAC_PI_4 * spot_um * spot_um / (self.pulse_distance_um()? * self.line_distance_um()?))
     }
 
-    /// Depth that the least exposure gives, in um: one pass over the lines of an endless hatch where they are hatched, otherwise
-    /// one burst. Depths of designs are whole numbers of these; passes over the lines within a cavity are planned by
-    /// [`crate::Removal`]. `None` without a depth per burst.
+    /// Depth of the smallest exposure, in um: one pass over an infinite hatch if cavities are hatched, otherwise one
+    /// burst. Depths of designs are multiples of it; [`crate::Removal`] plans the passes inside a cavity. `None`
+    /// without a depth per burst.
     #[must_use]
     pub fn depth_step_um(&self) -> Option<f64> {
         Some(self.depth_per_burst_um? * self.bursts_per_pass().unwrap_or(1.0))
     }
 
-    /// Standard deviation of the depth per burst as a share of it, where it was fitted against fluence.
+    /// Relative standard error of the depth per burst, if it was fitted against fluence.
     #[must_use]
     pub fn depth_per_burst_std(&self) -> Option<f64> {
         let std = self.ablation.map(|law| law.depth_per_burst_stderr_um / law.depth_per_burst_um);
         std.filter(|std| *std > 0.0)
     }
 
-    /// Refuses a depth that no whole number of passes or bursts gives.
+    /// Refuses a depth that is not a multiple of passes or bursts.
     ///
     /// # Errors
     /// [`ExportError::NoWholeSteps`].
@@ -206,8 +207,8 @@ impl Laser {
         Err(ExportError::NoWholeSteps { depth_um, of, step_um, nearest_um: steps * step_um })
     }
 
-    /// Bursts on each spot for a depth of `depth_m`, at least one; `None` without a depth per burst, and where passes over
-    /// lines give the depth.
+    /// Number of bursts per spot for a depth of `depth_m`, at least one; `None` without a depth per burst, and if
+    /// passes over lines give the depth.
     #[must_use]
     pub fn bursts(&self, depth_m: f64) -> Option<u32> {
         if self.bursts_per_pass().is_some() {
@@ -217,20 +218,20 @@ impl Laser {
         ManufacturingLimits { depth_per_burst_m, ..Default::default() }.bursts(depth_m)
     }
 
-    /// Distance of pulses along a line, in um.
+    /// Distance between pulses along a line, in um.
     #[must_use]
     pub fn pulse_distance_um(&self) -> Option<f64> {
         // p = v / f
         self.speed_mm_s.zip(self.repetition_hz).map(|(speed_mm_s, repetition_hz)| speed_mm_s * 1e3 / repetition_hz)
     }
 
-    /// Distance of lines, in um.
+    /// Distance between lines, in um.
     #[must_use]
     pub fn line_distance_um(&self) -> Option<f64> {
         self.hatch_um.or(self.spot_um)
     }
 
-    /// How far the floor's edge lies inside the cavity's, in metres.
+    /// Distance of the floor's edge from the cavity's edge, in metres.
     #[must_use]
     pub fn floor_inset_m(&self, depth_m: f64) -> f64 {
         depth_m * self.slope()

@@ -1,9 +1,9 @@
-//! Files that a laser takes: from a pattern and a specimen's outline to bytes.
+//! Files for a laser, from a pattern and the outline of a specimen.
 //!
-//! A [`Layout`] puts cavities on the specimen, whole or cut at the rim, one of them on its centre, at
-//! x = i pitch and y = j pitch across, odd rows half a pitch aside where staggered, grooves at any angle. x is
-//! the sliding direction unless the texture turns that. With N cavities of area a and depth d on a face
-//! of area A,
+//! A [`Layout`] places cavities on the specimen, complete or cut at the border: one at its centre, the others at x = i
+//! pitch and y = j pitch across, with odd rows shifted by half a pitch in staggered arrangements, and grooves at any
+//! angle. x is the sliding direction unless the texture has a sliding angle. With N cavities of area a and depth d on a
+//! face of area A,
 //!
 //! ```text
 //! areal density = sum a / A        volume = d sum a
@@ -11,32 +11,33 @@
 //!
 //! | type or function | role |
 //! |---|---|
-//! | [`Outline`] | the specimen's face: disc, rectangle or ring |
-//! | [`Specimen`] | the face, with what becomes of cavities that pass its rim |
-//! | [`Layout`], [`Cavity`], [`Boundary`] | the cavities on it, made one by one in a fixed order |
-//! | [`Division`], [`Sector`] | several patterns on one specimen, each on a sector of its own |
-//! | [`LaidStrip`] | a strip of it along the sliding direction, for solvers |
-//! | [`Heading`] | name, version and notes that drawings carry |
+//! | [`Outline`] | face of the specimen: disc, rectangle or ring |
+//! | [`Specimen`] | the face, and treatment of cavities that cross its border |
+//! | [`Layout`], [`Cavity`], [`Boundary`] | cavities on the face, computed one by one in a fixed order |
+//! | [`Division`], [`Sector`] | several patterns on one specimen, one per sector |
+//! | [`LaidStrip`] | a strip of the layout along the sliding direction, for solvers |
+//! | [`Heading`] | name, version and notes of a drawing |
 //! | [`Laser`], [`Ablation`], [`Exposure`] | the laser, its depth per burst against fluence, hatch or mask |
-//! | [`Marking`], [`Line`] | the lines that the spot follows |
-//! | [`Removal`] | what passes over them remove, and how many a depth needs |
-//! | [`laser_warnings`], [`burst_warnings`] | what the laser does other than the design says |
+//! | [`Marking`], [`Line`] | lines that the spot follows |
+//! | [`Removal`] | depth removed by passes over the lines, and the number of passes for a depth |
+//! | [`laser_warnings`], [`burst_warnings`] | deviations of the made cavities from the design |
 //! | [`dxf`], [`dxf_of_sectors`] | drawing for the laser, AutoCAD R12 |
-//! | [`svg`], [`svg_of_sectors`] | drawing for people, at scale |
+//! | [`svg`], [`svg_of_sectors`] | drawing to scale, for people |
 //! | [`hpgl`] | plot for marking software, HP-GL/2 |
 //! | [`gcode`], [`GcodePlan`] | program for controllers with a laser mode |
 //! | [`csv`], [`corners_csv`], [`hatch_csv`] | tables of the cavities, their corners, the lines |
-//! | [`height_map`], [`HeightMap`] | the surface as a 16-bit PNG |
-//! | [`stl`], [`check_stl`] | what is removed, as closed solids |
-//! | [`ProcessSheet`], [`ProcessInput`], [`WorkSheet`], [`Tolerances`], [`MaterialNote`] | what the person at the laser needs, as TOML |
-//! | [`SectorsSheet`], [`SectorSheet`], [`DividedSheet`], [`MEASURE_EACH_ALONE`] | the same of sectors |
-//! | [`ExportError`] | why nothing can be exported |
+//! | [`height_map`], [`HeightMap`] | surface as a 16-bit PNG |
+//! | [`stl`], [`check_stl`] | removed volume as closed solids |
+//! | [`ProcessSheet`], [`ProcessInput`], [`WorkSheet`], [`Tolerances`], [`MaterialNote`] | process sheet for the
+//! operator of the laser, as TOML |
+//! | [`SectorsSheet`], [`SectorSheet`], [`DividedSheet`], [`MEASURE_EACH_ALONE`] | process sheet of sectors |
+//! | [`ExportError`] | reasons why nothing can be exported |
 //!
-//! Coordinates in files are millimetres from the specimen's centre, rounded to
-//! [`COORDINATE_DECIMALS`] decimals, one nanometre. The same layout gives the same bytes. Files are written
-//! piece by piece to any [`std::io::Write`]: memory does not grow with the number of cavities.
+//! Coordinates in files are millimetres from the specimen's centre, rounded to [`COORDINATE_DECIMALS`] decimals, one
+//! nanometre. Equal layouts give equal bytes. Files are streamed to any [`std::io::Write`], so that memory does not
+//! grow with the number of cavities.
 //!
-//! This crate knows no solver and opens no files.
+//! This crate does not depend on a solver and opens no files.
 //!
 //! ```
 //! use slipgrid_export::{Layout, Outline};
@@ -110,13 +111,13 @@ pub use strips::LaidStrip;
 pub use svg::{is_xml_letter, svg, svg_of_sectors};
 pub use work::{WorkSheet, laser_time_s};
 
-/// What drawings say about themselves.
+/// Title block of drawings.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Heading<'a> {
     /// Name of the design.
     pub name: &'a str,
-    /// Version of the program that made it.
+    /// Version of the program that made the design.
     pub version: &'a str,
-    /// Remarks, one line each: for instance that the surface behind the design is synthetic.
+    /// Notes, one line each, for example that the surface is synthetic.
     pub notes: &'a [&'a str],
 }

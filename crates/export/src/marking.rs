@@ -1,9 +1,9 @@
-//! The lines that the spot follows.
+//! Lines that the spot follows.
 //!
-//! Hatching fills a cavity with lines along its longer side (along x where both are alike), every second line
-//! backwards. The spot's edge, not its centre, ends on the cavity's edge: lines lie half a spot inside it. A
-//! mask needs the contour alone. Where grooves cross, lines of the second family end before the walls of the first, so near to them that
-//! the round ends of neighbouring lines meet there and no wall stays between:
+//! A hatch fills a cavity with lines along its longer side (along x for equal sides), in alternating directions. The
+//! spot's edge, not its centre, ends on the cavity's edge, so that lines lie half a spot inside. A mask needs only the
+//! contour. Where grooves cross, lines of the second family end before the walls of the first, at the distance at which
+//! the round ends of neighbouring lines meet and no wall remains between them:
 //!
 //! ```text
 //! d = sqrt((s/2)^2 - (h / (2 sin a))^2)      s the spot, h the distance of lines, a the angle of the families
@@ -12,28 +12,28 @@
 use crate::crossing::Crossing;
 use crate::{Boundary, Cavity, ExportError, Exposure, Laser};
 
-/// A straight line of the spot's centre, from one end to the other, in metres.
+/// A straight path of the spot's centre, from start to end, in metres.
 pub type Line = [[f64; 2]; 2];
 
-/// How cavities are marked.
+/// Method for marking cavities.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Marking {
     exposure: Exposure,
-    /// Half the spot, in metres.
+    /// Radius of the spot, in metres.
     inset_m: f64,
     distance_m: f64,
 }
 
-/// Share of a line's distance that is forgiven as rounding.
+/// Rounding tolerance of the line distance, as a fraction.
 const ROUNDING: f64 = 1e-6;
-/// Length over that of the polygon from which an edge is a straight side, and not a piece of an arc.
-const MIN_EDGE: f64 = 0.25;
+/// Length relative to that of the polygon from which on an edge is a straight side, and not a chord of an arc.
+const MIN_SIDE_RATIO: f64 = 0.25;
 
 impl Marking {
-    /// The marking by `laser`.
+    /// Creates the marking for `laser`.
     ///
     /// # Errors
-    /// [`ExportError::Needs`] where hatching lacks the spot; as [`Laser::validate`].
+    /// [`ExportError::Needs`] if a hatch lacks the spot; errors of [`Laser::validate`].
     pub fn new(laser: &Laser) -> Result<Self, ExportError> {
         laser.validate()?;
         let exposure = laser.exposure.unwrap_or_default();
@@ -45,36 +45,36 @@ impl Marking {
         Ok(Self { exposure, inset_m, distance_m })
     }
 
-    /// The marking for `what`, a file of the lines that a spot follows.
+    /// Creates the marking for `what`, a file of lines that a spot follows.
     ///
     /// # Errors
-    /// [`ExportError::NoLines`] for a mask, whose contours would be burnt as lines; as [`Self::new`].
+    /// [`ExportError::NoLines`] for a mask, whose contours would be marked as lines; errors of [`Self::new`].
     pub fn of_lines(laser: &Laser, what: &'static str) -> Result<Self, ExportError> {
         let marking = Self::new(laser)?;
         if laser.is_mask() { Err(ExportError::NoLines { what }) } else { Ok(marking) }
     }
 
-    /// How far the spot's centre stays inside a cavity's edge, in metres.
+    /// Distance of the spot's centre from a cavity's edge, in metres.
     #[must_use]
     pub const fn spot_compensation_m(&self) -> f64 {
         self.inset_m
     }
 
-    /// The direction of the lines in a cavity: a unit vector in the specimen's axes.
+    /// Direction of the lines in a cavity, as a unit vector in the specimen's axes.
     #[must_use]
     pub fn direction(&self, cavity: &Cavity) -> [f64; 2] {
         let [cosine, sine] = cavity.orientation;
         if cavity.length_m > cavity.width_m { [-sine, cosine] } else { [cosine, sine] }
     }
 
-    /// The lines of a cavity in marking order; none where less than a spot is left of it.
+    /// Lines of a cavity in marking order; empty if the cavity is smaller than the spot.
     #[must_use]
     pub fn lines(&self, cavity: &Cavity) -> Vec<Line> {
         self.fill(cavity).0
     }
 
-    /// The same lines, and the distances of neighbouring ones, in metres: one for each part of the cavity that more than one
-    /// line fills, at most the distance that was asked for. A mask has none.
+    /// Lines of a cavity, and the distances between neighbouring lines, in metres: one for each part of the cavity with
+    /// several lines, at most the requested distance. A mask has no distances.
     pub(crate) fn fill(&self, cavity: &Cavity) -> (Vec<Line>, Vec<f64>) {
         if self.exposure == Exposure::Mask {
             return (cavity.boundaries().iter().flat_map(contour).collect(), Vec::new());
@@ -101,7 +101,7 @@ impl Marking {
         (lines, apart_m)
     }
 
-    /// How far before the walls of the grooves that cross it the lines of `cavity` end, in metres.
+    /// Distance before the walls of the crossing grooves at which the lines of `cavity` end, in metres.
     fn end_before_m(&self, cavity: &Cavity, crossing: &Crossing) -> f64 {
         let [[cosine, sine], [x, y]] = [cavity.orientation, crossing.grooves.pattern().texture().orientation()];
         let half_apart_m = 0.5 * self.distance_m / (cosine * y - sine * x).abs();
@@ -109,7 +109,7 @@ impl Marking {
         ((self.inset_m - half_apart_m) * (self.inset_m + half_apart_m)).max(0.0).sqrt()
     }
 
-    /// Fills the parts of a cavity that is no polygon; the distances of lines in them.
+    /// Fills the parts of a cavity that is not a polygon; returns the distances between lines.
     fn hatch_parts(&self, inner: &Cavity, direction: [f64; 2], lines: &mut Vec<Line>) -> Vec<f64> {
         let mut apart_m = Vec::new();
         for boundary in inner.boundaries() {
@@ -123,8 +123,8 @@ impl Marking {
         apart_m
     }
 
-    /// Lines from one edge of a polygon to the other, both included, evenly and at most the distance apart: where the spot has
-    /// room within its walls and on the specimen. The distance is given where there is more than one.
+    /// Fills a polygon with evenly spaced lines from one edge to the other, including both, where the spot fits inside
+    /// the walls and on the specimen. Returns the distance between lines if there are several.
     fn hatch_face(&self, inner: &Cavity, [dx, dy]: [f64; 2], lines: &mut Vec<Line>) -> Option<f64> {
         let face = inner.face.as_ref()?;
         let across = face.corners_m().into_iter().map(|[x, y]| y * dx - x * dy);
@@ -132,7 +132,7 @@ impl Marking {
             across.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), at| (low.min(at), high.max(at)));
         let (low_m, across_m) = (low_m + face.inset_m, high_m - low_m - 2.0 * face.inset_m);
         let gaps = (across_m / self.distance_m - ROUNDING).ceil().max(0.0);
-        // Bounded by the cavity over the distance of lines: the cast is exact.
+        // Bounded by the size of the cavity over the line distance, so that the cast is exact.
         for line in 0..=gaps as u64 {
             let at_m = low_m + across_m * if gaps > 0.0 { line as f64 / gaps } else { 0.5 };
             let mut spans_m = face.spans_m([dx, dy], at_m);
@@ -148,12 +148,12 @@ impl Marking {
         (gaps > 0.0).then(|| across_m / gaps)
     }
 
-    /// Lines from one edge to the other, both included, evenly and at most the distance apart, which is given where there is
-    /// more than one.
+    /// Fills a rectangle with evenly spaced lines from one edge to the other, including both. Returns the distance
+    /// between lines if there are several.
     fn hatch_rectangle(&self, inner: &Cavity, [dx, dy]: [f64; 2], lines: &mut Vec<Line>) -> Option<f64> {
         let (along_m, across_m) = (inner.length_m.max(inner.width_m), inner.length_m.min(inner.width_m));
         let gaps = (across_m / self.distance_m - ROUNDING).ceil().max(0.0);
-        // Bounded by the cavity over the distance of lines: the cast is exact.
+        // Bounded by the size of the cavity over the line distance, so that the cast is exact.
         for line in 0..=gaps as u64 {
             let offset_m = if gaps > 0.0 { across_m * (line as f64 / gaps - 0.5) } else { 0.0 };
             let end = |half_m: f64| {
@@ -164,8 +164,9 @@ impl Marking {
         (gaps > 0.0).then(|| across_m / gaps)
     }
 
-    /// Lines evenly and at most the distance apart, which is given where there is more than one: on an outermost edge along them, as
-    /// clipped grooves have, and otherwise half a distance from the outermost point, where a line would have no length.
+    /// Fills a polygon with evenly spaced lines. The first line lies on the outermost edge if this edge runs along the
+    /// lines, as in clipped grooves, and otherwise half a distance from the outermost point, where a line would have no
+    /// length. Returns the distance between lines if there are several.
     fn hatch_polygon(&self, polygon: &[[f64; 2]], [dx, dy]: [f64; 2], lines: &mut Vec<Line>) -> Option<f64> {
         let turned: Vec<[f64; 2]> = polygon.iter().map(|[x, y]| [x * dx + y * dy, y * dx - x * dy]).collect();
         let extent = |axis: usize| {
@@ -178,17 +179,17 @@ impl Marking {
             return None;
         }
         let rounding_m = range_m * 1e-9;
-        // Half a distance where the polygon ends in a point or an arc.
+        // Half a distance if the polygon ends in a point or an arc.
         let short_of = |end_m: f64| {
             let next = turned.iter().skip(1).chain(turned.first());
             let is_edge = |([u0, v0], [u1, v1]): (&[f64; 2], &[f64; 2])| {
                 let is_at_end = (v0 - end_m).abs() <= rounding_m && (v1 - end_m).abs() <= rounding_m;
-                is_at_end && (u1 - u0).abs() >= MIN_EDGE * (right_m - left_m)
+                is_at_end && (u1 - u0).abs() >= MIN_SIDE_RATIO * (right_m - left_m)
             };
             if turned.iter().zip(next).any(is_edge) { 0.0 } else { 0.5 }
         };
         let (below, above) = (short_of(low_m), short_of(high_m));
-        // n - 1 distances between n lines, and what the first and the last are short of the ends.
+        // n - 1 distances between n lines, plus the distances of the first and last line from the ends.
         let between = (range_m / self.distance_m - below - above - ROUNDING).ceil().max(0.0);
         let distances = between + below + above;
         for line in 0..=between as u64 {
@@ -208,7 +209,7 @@ impl Marking {
     }
 }
 
-/// The edges of a boundary in turn.
+/// Edges of a boundary, in order.
 fn contour(boundary: &Boundary) -> Vec<Line> {
     let corners = boundary.polygon_m();
     let next = corners.iter().skip(1).chain(corners.first());
@@ -244,7 +245,7 @@ mod tests {
         assert_eq!(lines.len(), 9);
         assert!(lines.iter().all(|line| (length_m(line) - 107e-6).abs() < 1e-12));
         assert!(lines.windows(2).all(|pair| (pair[1][0][1] - pair[0][0][1] - 13.375e-6).abs() < 1e-12));
-        // Forth and back: the next line starts where this one ends.
+        // Alternating directions: the next line starts where this one ends.
         assert!(lines.windows(2).all(|pair| (pair[1][0][0] - pair[0][1][0]).abs() < 1e-12));
         let wide = Marking::new(&Laser { spot_um: Some(130.0), hatch_um: None, ..LASER }).unwrap();
         assert_eq!(wide.lines(&first(Planform::Square)).len(), 1);
@@ -252,7 +253,7 @@ mod tests {
         assert!(wider.lines(&first(Planform::Square)).is_empty());
     }
 
-    /// A groove that ends at the rim of a disc is as wide as one that is whole.
+    /// A groove that ends at the border of a disc is as wide as a complete one.
     #[test]
     fn a_clipped_groove_is_filled_from_edge_to_edge() {
         let marking = Marking::new(&LASER).unwrap();
@@ -292,7 +293,7 @@ mod tests {
                         let inner = outline.inset(half_m - 1.1e-8).unwrap();
                         assert!(lines.iter().flatten().all(|point| inner.contains(*point)), "{cavity:?}");
                     }
-                    // What lines sweep is the area within half a spot, but for the ends of strips.
+                    // The area swept by the lines is the area within half a spot, except for the ends of strips.
                     let swept: f64 = lines.iter().map(length_m).sum::<f64>();
                     assert!(swept * 15e-6 < 1.3 * cavity.area_m2());
                 }
@@ -333,8 +334,8 @@ mod tests {
                 let (first, second): (Vec<Cavity>, Vec<Cavity>) =
                     layout.iter().partition(|cavity| cavity.crossed_by.is_none());
                 assert!(first.len() > 3 && second.len() > 3);
-                // The ends and the middle of each line of the second lie off every groove of the first, where the ends of lines 15 um
-                // apart meet.
+                // The ends and the middle of each line of the second family lie off all grooves of the first, at the
+                // distance where the ends of lines 15 um apart meet.
                 let end_before_m = (11.5_f64.powi(2) - (7.5 / crossing_deg.to_radians().sin()).powi(2)).sqrt() * 1e-6;
                 let points = second
                     .iter()
@@ -344,7 +345,8 @@ mod tests {
                     let inside_m = first.iter().map(|groove| Cavity { cut_by: None, ..*groove }.wall_distance_m(point));
                     assert!(inside_m.fold(f64::NEG_INFINITY, f64::max) < -end_before_m + 1e-10, "{point:?}");
                 }
-                // No wall stays at a mouth: of whole grooves all but their corners is swept by one family or the other.
+                // No wall remains at a crossing: one family or the other sweeps all of complete grooves except their
+                // corners.
                 for groove in second.iter().filter(|_| !layout.is_clipped()).take(3) {
                     let lines = marking.lines(groove);
                     let alone = Cavity { crossed_by: None, ..*groove };
@@ -358,13 +360,14 @@ mod tests {
                         ];
                         let is_swept = |[from, to]: &Line| distance_m(point, *from, *to) < 11.5e-6 + 1e-10;
                         let is_of_first = || first.iter().any(|groove| groove.wall_distance_m(point) > -1e-10);
-                        // Off the groove's own corners, and off the ends of grooves at the rim and at the hole.
+                        // Off the groove's corners, and off the ends of grooves at border and hole.
                         let is_between_ends = (0.9e-3..1.6e-3).contains(&point[0].hypot(point[1]));
                         let is_inner = is_between_ends && alone.wall_distance_m(point) > 11.5e-6;
                         assert!(!is_inner || is_of_first() || lines.iter().any(is_swept), "{groove:?}: {point:?}");
                     }
                 }
-                // The areas add up to what points say, and near the pattern's own where nothing is left out.
+                // The areas add up to the area from sampled points, and are close to that of the pattern if nothing is
+                // left out.
                 let grooves = [first.as_slice(), &second].concat();
                 let inside = |point: [f64; 2]| grooves.iter().any(|groove| groove.wall_distance_m(point) >= 0.0);
                 let [extent_x_m, extent_y_m] = outline.extents_m();
@@ -387,7 +390,7 @@ mod tests {
         let lines = marking.lines(&first(Planform::Square));
         assert_eq!(lines.len(), 4);
         assert!(lines.iter().all(|line| (length_m(line) - 130e-6).abs() < 1e-12));
-        // Burnt as lines, contours would be walls: no file of lines holds them.
+        // Marked as lines, contours would be walls, so that no file of lines holds them.
         let mask = Laser { exposure: Some(Exposure::Mask), ..LASER };
         let refused = Marking::of_lines(&mask, "hatch.csv").unwrap_err();
         assert_eq!(refused, ExportError::NoLines { what: "hatch.csv" });

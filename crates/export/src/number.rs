@@ -1,11 +1,11 @@
-//! Rounding: what is written is what a person would have typed.
+//! Rounding of written numbers.
 
 use std::fmt::Write as _;
 
 /// Decimals of a coordinate in millimetres, in DXF, SVG and CSV: one nanometre.
 pub const COORDINATE_DECIMALS: usize = 6;
 
-/// Decimals of a length in micrometres: one nanometre as well.
+/// Decimals of a length in micrometres: one nanometre.
 pub(crate) const MICROMETRE_DECIMALS: usize = 3;
 
 /// Significant digits of derived quantities: areas, volumes, times.
@@ -25,29 +25,29 @@ pub(crate) fn push_decimal(out: &mut String, value: f64, decimals: usize) {
     }
 }
 
-/// `value` with at most `decimals` decimals, without trailing zeros or a negative zero.
+/// Formats `value` with at most `decimals` decimals, without trailing zeros or a negative zero.
 pub(crate) fn decimal(value: f64, decimals: usize) -> String {
     let mut out = String::new();
     push_decimal(&mut out, value, decimals);
     out
 }
 
-/// The double nearest to `value` rounded to `decimals` decimals: it prints without a tail of nines.
+/// Rounds `value` to `decimals` decimals, to the nearest double, which prints without a tail of nines.
 pub(crate) fn round_decimals(value: f64, decimals: usize) -> f64 {
     decimal(value, decimals).parse().unwrap_or(value)
 }
 
-/// The double nearest to `value` rounded to `digits` significant digits.
+/// Rounds `value` to `digits` significant digits.
 pub(crate) fn round_digits(value: f64, digits: usize) -> f64 {
     format!("{value:.*e}", digits.saturating_sub(1)).parse().unwrap_or(value)
 }
 
-/// A length in metres as micrometres, rounded to one nanometre.
+/// Converts metres to micrometres, rounded to one nanometre.
 pub(crate) fn micrometres(length_m: f64) -> f64 {
     round_decimals(length_m * 1e6, MICROMETRE_DECIMALS)
 }
 
-/// A length in metres as millimetres, rounded to one nanometre.
+/// Converts metres to millimetres, rounded to one nanometre.
 pub(crate) fn millimetres(length_m: f64) -> f64 {
     round_decimals(length_m * 1e3, COORDINATE_DECIMALS)
 }

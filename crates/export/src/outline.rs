@@ -2,8 +2,8 @@ use crate::ExportError;
 use crate::clip::circle;
 use crate::error::positive;
 
-/// The specimen's sliding face, centred on the origin of its axes x and y. x is the sliding direction
-/// unless the pattern's texture turns that.
+/// Sliding face of the specimen, centred on the origin of its axes x and y. x is the sliding direction unless the
+/// texture has a sliding angle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Outline {
     /// A round face.
@@ -11,7 +11,7 @@ pub enum Outline {
         /// Diameter, in metres.
         diameter_m: f64,
     },
-    /// A rectangular face, sides along x and y.
+    /// A rectangular face with sides along x and y.
     Rectangle {
         /// Extent along x, in metres.
         length_m: f64,
@@ -20,7 +20,7 @@ pub enum Outline {
     },
     /// A round face with a round hole about its centre.
     Ring {
-        /// Diameter of the rim, in metres.
+        /// Outer diameter, in metres.
         outer_diameter_m: f64,
         /// Diameter of the hole, in metres.
         inner_diameter_m: f64,
@@ -28,7 +28,7 @@ pub enum Outline {
 }
 
 impl Outline {
-    /// Checks that its lengths are positive and finite, and a ring's hole smaller than its rim.
+    /// Checks that lengths are positive and finite, and that the hole of a ring is smaller than the ring.
     pub(crate) fn validate(&self) -> Result<(), ExportError> {
         match *self {
             Self::Disc { diameter_m } => positive("diameter_m", diameter_m).map(|_| ()),
@@ -72,7 +72,7 @@ impl Outline {
         }
     }
 
-    /// Diameter of the hole in metres, 0 where there is none.
+    /// Diameter of the hole, in metres; 0 without a hole.
     pub(crate) const fn hole_m(&self) -> f64 {
         match *self {
             Self::Ring { inner_diameter_m, .. } => inner_diameter_m,
@@ -80,7 +80,7 @@ impl Outline {
         }
     }
 
-    /// Distance of its outer rim from its centre along the unit vector `direction`, in metres.
+    /// Distance of the outer border from the centre along the unit vector `direction`, in metres.
     pub(crate) fn rim_m(&self, direction: [f64; 2]) -> f64 {
         let [half_x_m, half_y_m] = self.extents_m().map(|extent_m| extent_m / 2.0);
         match self {
@@ -89,7 +89,7 @@ impl Outline {
         }
     }
 
-    /// The points at least `inset_m` from its rim and hole; `None` where there are none.
+    /// Shrinks the outline to the points at least `inset_m` from border and hole; `None` if there are none.
     pub(crate) fn inset(&self, inset_m: f64) -> Option<Self> {
         let less = |extent_m: f64| Some(extent_m - 2.0 * inset_m).filter(|&extent_m| extent_m > 0.0);
         match *self {
@@ -116,7 +116,7 @@ impl Outline {
         }
     }
 
-    /// Extent along the direction of the unit vector `along`, in metres.
+    /// Extent along the unit vector `along`, in metres.
     pub(crate) fn extent_along_m(&self, along: [f64; 2]) -> f64 {
         match *self {
             Self::Disc { diameter_m } | Self::Ring { outer_diameter_m: diameter_m, .. } => diameter_m,
@@ -124,8 +124,8 @@ impl Outline {
         }
     }
 
-    /// The chord on the line at the distance `offset_m` along the unit vector `normal`: its ends,
-    /// in metres along `normal` turned by a right angle anticlockwise; a hole does not end it. `None` outside the face.
+    /// Chord of the line at the distance `offset_m` along the unit vector `normal`: its ends, in metres along `normal`
+    /// turned by 90 degrees anticlockwise, ignoring a hole. `None` outside the face.
     pub(crate) fn chord_m(&self, [cosine, sine]: [f64; 2], offset_m: f64) -> Option<[f64; 2]> {
         match *self {
             Self::Disc { diameter_m } | Self::Ring { outer_diameter_m: diameter_m, .. } => {
@@ -135,7 +135,7 @@ impl Outline {
                 (square >= 0.0).then(|| [-square.sqrt(), square.sqrt()])
             }
             Self::Rectangle { length_m, width_m } => {
-                // Points (u c - t s, u s + t c) of the line, u the offset, within both pairs of sides.
+                // Points (u c - t s, u s + t c) of the line, with the offset u, within both pairs of sides.
                 let [low_m, high_m] = between_sides(length_m / 2.0, offset_m * cosine, -sine)?;
                 let [low_y_m, high_y_m] = between_sides(width_m / 2.0, offset_m * sine, cosine)?;
                 let chord_m = [low_m.max(low_y_m), high_m.min(high_y_m)];
@@ -144,10 +144,10 @@ impl Outline {
         }
     }
 
-    /// The parts of the line along the unit vector `along`, `at_m` to its left from the centre, that lie on the face: their ends along it,
-    /// in metres, ascending; one, two beside a hole, or none.
+    /// Intervals of a line on the face, in metres along the line and ascending: one, two next to a hole, or none. The
+    /// line runs along the unit vector `along`, `at_m` to its left from the centre.
     pub(crate) fn chords_along_m(&self, along: [f64; 2], at_m: f64) -> Vec<[f64; 2]> {
-        // The normal turned anticlockwise is the direction back.
+        // The normal turned anticlockwise points backwards.
         let Some([low_m, high_m]) = self.chord_m(left_of(along), at_m) else { return Vec::new() };
         let (from_m, to_m) = (-high_m, -low_m);
         let hole_m = self.hole_m() / 2.0;
@@ -158,7 +158,7 @@ impl Outline {
         vec![[from_m, -half_m], [half_m, to_m]]
     }
 
-    /// Length of the line along the unit vector `along` through its centre, from rim to rim, in metres.
+    /// Length of the line through the centre along the unit vector `along`, from border to border, in metres.
     #[must_use]
     pub fn length_along_m(&self, along: [f64; 2]) -> f64 {
         2.0 * self.rim_m(along)
@@ -175,13 +175,13 @@ impl Outline {
     }
 }
 
-/// The unit vector `along` turned by a right angle anticlockwise.
+/// Turns the unit vector `along` by 90 degrees anticlockwise.
 pub(crate) fn left_of([dx, dy]: [f64; 2]) -> [f64; 2] {
-    // Not the negative zero.
+    // Avoids a negative zero.
     [0.0 - dy, dx]
 }
 
-/// The rim and, of a ring, the hole as polygons, in metres; arcs as chords.
+/// The border and the hole of a ring as polygons, in metres.
 pub(crate) fn rims(outline: &Outline) -> Vec<Vec<[f64; 2]>> {
     match *outline {
         Outline::Disc { diameter_m } => vec![circle([0.0; 2], diameter_m / 2.0)],
@@ -195,10 +195,10 @@ pub(crate) fn rims(outline: &Outline) -> Vec<Vec<[f64; 2]>> {
     }
 }
 
-/// The t for which `at_m + t slope` lies within `half_m` either way; `None` if there are none.
+/// Range of t for which `at_m + t slope` lies within +-`half_m`; `None` if it is empty.
 fn between_sides(half_m: f64, at_m: f64, slope: f64) -> Option<[f64; 2]> {
     if slope == 0.0 {
-        // An edge that lies on the outline but for rounding counts as inside.
+        // An edge on the outline, within rounding, counts as inside.
         return (at_m.abs() <= half_m * (1.0 + 1e-12)).then_some([f64::NEG_INFINITY, f64::INFINITY]);
     }
     let (from, to) = ((-half_m - at_m) / slope, (half_m - at_m) / slope);
@@ -218,7 +218,7 @@ mod tests {
         let diagonal = [std::f64::consts::FRAC_1_SQRT_2; 2];
         let [low, high] = rectangle.chord_m(diagonal, 0.0).unwrap();
         assert!((high - 2_f64.sqrt()).abs() < 1e-15 && low == -high);
-        // Along the normal 3/sqrt 2 lies the corner.
+        // Along the normal the corner lies at 3/sqrt 2.
         assert!(rectangle.chord_m(diagonal, 3.0 / 2_f64.sqrt() - 1e-9).is_some_and(|[low, high]| high - low < 1e-8));
         assert_eq!(rectangle.chord_m(diagonal, 3.0 / 2_f64.sqrt() + 1e-9), None);
         assert!((rectangle.extent_along_m(diagonal) - 6.0 / 2_f64.sqrt()).abs() < 1e-15);

@@ -1,7 +1,7 @@
-//! What bursts on spots make where the lines of the spot overlap.
+//! Depth of bursts where the lines of the spot overlap.
 //!
-//! Without a speed, n bursts of the depth d are planned on each spot, and make n d where each spot is burnt by itself, edge to edge.
-//! Lines within a cavity lie evenly from edge to edge, and nearer to each other than the spot is wide:
+//! Without a speed, n bursts of the depth d are planned per spot, which remove n d if each spot is exposed separately,
+//! edge to edge. Lines inside a cavity are spaced evenly from edge to edge, closer than the spot is wide:
 //!
 //! ```text
 //! E = <lines within s/2>        exposures of a point, s the spot: the mean over the middle third of a cavity
@@ -9,15 +9,15 @@
 //! ```
 
 use crate::number::{MICROMETRE_DECIMALS, decimal, round_decimals};
-use crate::removal::{Hatched, OFF};
+use crate::removal::{Hatched, WARNED_DEVIATION};
 use crate::{Laser, Layout, Marking, Removal};
 
-/// Depth of bursts on the spots of overlapping lines.
+/// Depth of bursts on overlapping lines.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Overlap {
-    /// How often a point in the middle of a cavity is exposed.
+    /// Mean number of exposures of a point in the middle of a cavity.
     pub(crate) exposures: f64,
-    /// Depth that the bursts of the sheet then make, in um.
+    /// Resulting depth of the planned bursts, in um.
     pub(crate) depth_um: f64,
     line_distance_um: f64,
     spot_um: f64,
@@ -27,15 +27,15 @@ pub(crate) struct Overlap {
 }
 
 impl Overlap {
-    /// Of bursts on spots; `None` where passes over lines give the depth, where a mask exposes whole cavities, and where lines overlap
-    /// by less than what a difference of depths is warned of.
-    pub(crate) fn of(layout: &Layout, laser: &Laser, hatched: &Hatched) -> Option<Self> {
+    /// Computes the overlap of bursts on spots; `None` if passes over lines give the depth, if a mask exposes whole
+    /// cavities, and if lines overlap by less than the difference in depth that causes a warning.
+    pub(crate) fn from_hatch(layout: &Layout, laser: &Laser, hatched: &Hatched) -> Option<Self> {
         let design_m = layout.pattern().depth_m();
         let (bursts, burst_um) = laser.bursts(design_m).zip(laser.depth_per_burst_um)?;
         let (spot_um, apart_m) = laser.spot_um.filter(|_| !laser.is_mask()).zip(hatched.one_apart_m)?;
         let line_distance_um = apart_m * 1e6;
         let exposures = hatched.exposures()?;
-        (exposures > 1.0 + OFF).then(|| Self {
+        (exposures > 1.0 + WARNED_DEVIATION).then(|| Self {
             exposures,
             depth_um: round_decimals(f64::from(bursts) * burst_um * exposures, MICROMETRE_DECIMALS),
             line_distance_um,
@@ -46,12 +46,12 @@ impl Overlap {
         })
     }
 
-    /// What happens, and what to do.
+    /// Warning with the resulting depth and a remedy.
     pub(crate) fn warning(&self) -> String {
         let plural = |bursts: u32| if bursts == 1 { "1 burst".to_owned() } else { format!("{bursts} bursts") };
         let makes = |bursts: u32| if bursts == 1 { "makes" } else { "make" };
         let each_um = self.burst_um * self.exposures;
-        // Fewer than the bursts that are planned: the cast cannot overflow.
+        // Fewer than the planned bursts, so that the cast cannot overflow.
         let nearest = (self.design_um / each_um).round().max(1.0) as u32;
         let fewer = if nearest < self.bursts {
             let come = if nearest == 1 { "comes" } else { "come" };
@@ -75,8 +75,8 @@ impl Overlap {
     }
 }
 
-/// What bursts on the spots of lines make of all cavities of `layout` other than the design says, and what to do: where lines overlap, and where
-/// the spot does not get in. Nothing where passes over lines give the depth, of which [`Removal`] warns.
+/// Warnings about cavities of `layout` that are made by bursts on spots: where lines overlap, and where the spot does
+/// not fit. Empty if passes over lines give the depth, for which [`Removal`] has warnings.
 #[must_use]
 pub fn burst_warnings(layout: &Layout, laser: &Laser) -> Vec<String> {
     if laser.is_mask() || laser.bursts(layout.pattern().depth_m()).is_none() {
@@ -84,12 +84,12 @@ pub fn burst_warnings(layout: &Layout, laser: &Laser) -> Vec<String> {
     }
     let Ok(marking) = Marking::new(laser) else { return Vec::new() };
     let hatched = Hatched::new(layout, &marking);
-    let overlap = Overlap::of(layout, laser, &hatched);
+    let overlap = Overlap::from_hatch(layout, laser, &hatched);
     hatched.unreached_warnings(layout).into_iter().chain(overlap.iter().map(Overlap::warning)).collect()
 }
 
-/// What the laser does to all cavities of `layout` other than the design says, and what to do: of passes over lines, or of bursts on the
-/// spots of lines that overlap.
+/// Warnings about cavities of `layout` that deviate from the design, for passes over lines or for bursts on overlapping
+/// lines.
 #[must_use]
 pub fn laser_warnings(layout: &Layout, laser: &Laser) -> Vec<String> {
     Removal::new(layout, laser).map_or_else(|| burst_warnings(layout, laser), |removal| removal.warnings)
@@ -110,7 +110,7 @@ mod tests {
 
     #[test]
     fn bursts_on_the_spots_of_overlapping_lines_are_warned_of_with_the_depth_that_they_make() {
-        // Three lines 11.6 um apart in 46.2 um: every point is exposed by two of them.
+        // Three lines 11.6 um apart in 46.2 um: two of them expose every point.
         let sheet = WorkSheet::new(&grooves(46.2), &LASER);
         assert_eq!((sheet.bursts_per_cavity, sheet.depth_of_bursts_um), (Some(6), Some(15.6)));
         let exposures = sheet.exposures_of_a_point.unwrap();
@@ -126,11 +126,11 @@ mod tests {
             assert!(warning.contains(said), "{warning}");
         }
         assert_eq!(laser_warnings(&grooves(46.2), &LASER), sheet.warnings);
-        // Two lines 1 um apart, of which no point is exposed by more than both.
+        // Two lines 1 um apart: no point is exposed by more than both.
         let narrow = WorkSheet::new(&grooves(24.0), &LASER);
         assert_eq!(narrow.exposures_of_a_point, Some(2.0));
         assert!(narrow.warnings[0].contains("3 bursts on each come nearest"), "{:?}", narrow.warnings);
-        // With a speed of one burst per pass over an endless hatch, passes say nearly the same.
+        // With a speed of one burst per pass over an infinite hatch, passes give nearly the same depth.
         let moving = Laser { repetition_hz: Some(1000.0), speed_mm_s: Some(18.064), ..LASER };
         let sheet = WorkSheet::new(&grooves(46.2), &moving);
         assert_eq!((sheet.exposures_of_a_point, sheet.removal.map(|removal| removal.passes)), (None, Some(3)));
@@ -138,7 +138,7 @@ mod tests {
 
     #[test]
     fn bursts_are_not_warned_of_where_lines_do_not_overlap_or_nothing_is_hatched() {
-        // Two lines side by side, one line, a mask, and no depth of a burst.
+        // Two lines side by side, one line, a mask, and no depth per burst.
         for (width_um, laser) in [
             (46.0, LASER),
             (23.0, LASER),

@@ -1,4 +1,4 @@
-//! The process sheet: what the person at the laser needs to know, as TOML.
+//! Process sheet for the operator of the laser, as TOML.
 
 use serde::{Deserialize, Serialize};
 use slipgrid_pattern::{Arrangement, Pattern, Planform};
@@ -9,7 +9,7 @@ use crate::words::{ANGLE_DECIMALS, groove_direction, lattice};
 use crate::work::WorkSheet;
 use crate::{Cavity, ExportError, Laser, Layout, Outline};
 
-/// What no model of slipgrid contains, of a pattern with rims and of one without; it stands on every process sheet.
+/// Effects that no model of slipgrid contains, for a pattern with or without rims; listed on every process sheet.
 #[must_use]
 pub const fn not_modelled(has_rim: bool) -> [&'static str; 5] {
     let of_lasering = if has_rim {
@@ -20,24 +20,24 @@ pub const fn not_modelled(has_rim: bool) -> [&'static str; 5] {
     [of_lasering, "plasticity", "viscoelasticity", "heating", "wear"]
 }
 
-/// How rims come onto a process sheet.
+/// Origin of the rims on a process sheet.
 const RIM_BASIS: &str = "what the design assumes: the laser's real rims have to be measured";
 
-/// Standard deviations of a cut sample's mean dimensions that the design assumes; absent ones are left out.
+/// Standard deviations of the mean dimensions of a cut sample that the design assumes; absent ones are omitted.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Tolerances {
-    /// Of the width, in um.
+    /// Standard deviation of the width, in um.
     pub width_um: Option<f64>,
-    /// Of the spacing, in um.
+    /// Standard deviation of the spacing, in um.
     pub spacing_um: Option<f64>,
-    /// Of the depth, in um.
+    /// Standard deviation of the depth, in um.
     pub depth_um: Option<f64>,
-    /// Where the numbers come from, in words.
+    /// Origin of the numbers.
     pub basis: String,
 }
 
-/// The material and where its numbers come from.
+/// The material and the origin of its numbers.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct MaterialNote {
@@ -45,11 +45,11 @@ pub struct MaterialNote {
     pub name: String,
     /// Source of the measurements.
     pub source: String,
-    /// The altitude map behind the area law is synthetic, not measured.
+    /// Whether the height map of the area law is synthetic.
     pub synthetic_surface: bool,
 }
 
-/// What goes onto a process sheet beside the layout.
+/// Input of a process sheet other than the layout.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ProcessInput {
     /// Name of the design.
@@ -62,7 +62,7 @@ pub struct ProcessInput {
     pub seed: u64,
     /// The laser.
     pub laser: Laser,
-    /// What the design assumes of how exactly it is cut, where it does.
+    /// Tolerances that the design assumes, if it does.
     pub tolerances: Option<Tolerances>,
     /// The material.
     pub material: MaterialNote,
@@ -76,23 +76,23 @@ pub struct ProcessSheet {
     pub name: String,
     /// Program that made the sheet.
     pub program: String,
-    /// Its version.
+    /// Version of the program.
     pub version: String,
     /// Schema of the file.
     pub schema: u32,
     /// Seed of the design.
     pub seed: u64,
-    /// What the prediction leaves out.
+    /// Effects that the prediction leaves out.
     pub not_modelled: Vec<String>,
     /// The pattern.
     pub pattern: PatternSheet,
-    /// What the design assumes of how exactly it is cut, where it does.
+    /// Tolerances that the design assumes, if it does.
     pub tolerances: Option<Tolerances>,
     /// The specimen and the cavities on it.
     pub specimen: SpecimenSheet,
     /// The laser, as given.
     pub laser: Laser,
-    /// What follows for the work.
+    /// Bursts, lines, passes and time.
     pub work: WorkSheet,
     /// The material.
     pub material: MaterialNote,
@@ -104,8 +104,8 @@ pub struct ProcessSheet {
 pub struct PatternSheet {
     /// `groove`, `square`, `rectangle`, `disc`, `polygon` or `crosshatch`.
     pub planform: String,
-    /// Width of a cavity along a row, in um; of a disc its diameter. Rows run along the sliding
-    /// direction unless an angle says otherwise.
+    /// Width of a cavity along a row, in um; the diameter of a disc. Rows run along the sliding direction unless an
+    /// angle is given.
     pub width_um: f64,
     /// Gap between the cavities of a row, in um.
     pub spacing_um: f64,
@@ -115,31 +115,31 @@ pub struct PatternSheet {
     pub length_um: Option<f64>,
     /// Corners of a polygon as `[x, y]` from the middle of its bounding box, anticlockwise, in um.
     pub vertices_um: Option<Vec<[f64; 2]>>,
-    /// Gap between rows, in um, where rows are not a pitch apart.
+    /// Gap between rows, in um, if the distance of rows is not the pitch.
     pub spacing_across_um: Option<f64>,
-    /// Distance of rows, in um, where it is not the pitch.
+    /// Distance of rows, in um, if it is not the pitch.
     pub pitch_across_um: Option<f64>,
-    /// `staggered` or `hexagonal`, where rows are.
+    /// `staggered` or `hexagonal`, if rows are shifted.
     pub arrangement: Option<String>,
-    /// Grooves turned on the specimen from lying across x, anticlockwise, in degrees.
+    /// Orientation of grooves on the specimen, from lying across x, anticlockwise, in degrees.
     pub angle_deg: Option<f64>,
-    /// The second family of crossing grooves turned from the first, anticlockwise, in degrees.
+    /// Angle from the first to the second family of crossing grooves, anticlockwise, in degrees.
     pub crossing_angle_deg: Option<f64>,
-    /// Sliding direction turned from x, anticlockwise, in degrees.
+    /// Sliding direction from x, anticlockwise, in degrees.
     pub sliding_angle_deg: Option<f64>,
     /// Depth, in um.
     pub depth_um: f64,
-    /// Height of the rims at the edges of cavities as deep, in um, where there are rims.
+    /// Height of the rims at the edges of cavities of this depth, in um, if there are rims.
     pub rim_height_um: Option<f64>,
-    /// Standard deviation of heights from rim to rim, in um, where they scatter.
+    /// Standard deviation of heights from rim to rim, in um, if they scatter.
     pub rim_height_std_um: Option<f64>,
     /// Width of the rims, in um.
     pub rim_width_um: Option<f64>,
-    /// How rims fall outward: `round`, `flat` or `ramp`.
+    /// Profile of rims from the edge outward: `round`, `flat` or `ramp`.
     pub rim_profile: Option<String>,
-    /// Where these come from, in words.
+    /// Origin of the rim dimensions.
     pub rim_basis: Option<String>,
-    /// Share of an unbounded surface that is cavity.
+    /// Areal density of the infinite pattern.
     pub areal_density: f64,
 }
 
@@ -155,21 +155,21 @@ pub struct SpecimenSheet {
     pub length_mm: Option<f64>,
     /// Width of a rectangle along y, in mm.
     pub width_mm: Option<f64>,
-    /// Diameter of a ring's rim, in mm.
+    /// Outer diameter of a ring, in mm.
     pub outer_diameter_mm: Option<f64>,
-    /// Diameter of a ring's hole, in mm.
+    /// Diameter of the hole of a ring, in mm.
     pub inner_diameter_mm: Option<f64>,
-    /// What becomes of cavities that pass the rim, in words.
+    /// Treatment of cavities that cross the border.
     pub at_the_rim: String,
-    /// How cavities are arranged, in words.
+    /// Arrangement of the cavities.
     pub arrangement: String,
     /// Number of cavities.
     pub cavities: usize,
-    /// Share of the specimen's face that is cavity.
+    /// Fraction of the specimen's face that is cavity.
     pub areal_density: f64,
     /// Area of all cavities, in mm^2.
     pub cavity_area_mm2: f64,
-    /// Volume of all cavities with the walls of the laser, in mm^3.
+    /// Volume of all cavities, with walls as made by the laser, in mm^3.
     pub cavity_volume_mm3: f64,
 }
 
@@ -208,11 +208,10 @@ impl From<&Pattern> for PatternSheet {
 }
 
 impl ProcessSheet {
-    /// The sheet of `layout`.
+    /// Creates the sheet for `layout`.
     ///
     /// # Errors
-    /// [`ExportError::NotPositive`] if a laser parameter or tolerance that is given is not a
-    /// positive number.
+    /// [`ExportError::NotPositive`] if a given laser parameter or tolerance is not positive.
     pub fn new(layout: &Layout, input: ProcessInput) -> Result<Self, ExportError> {
         let ProcessInput { name, version, schema, seed, laser, tolerances, material } = input;
         laser.validate()?;
@@ -258,7 +257,7 @@ impl ProcessSheet {
         })
     }
 
-    /// The sheet as TOML text.
+    /// Formats the sheet as TOML.
     ///
     /// # Errors
     /// [`ExportError::Unwritable`] if TOML cannot hold a value.
@@ -282,7 +281,7 @@ impl Tolerances {
     }
 }
 
-/// Checks that the numbers which are given are positive.
+/// Checks that the given numbers are positive.
 fn given<const N: usize>(numbers: [(&'static str, Option<f64>); N]) -> Result<(), ExportError> {
     for (quantity, value) in numbers {
         if let Some(value) = value {
@@ -308,17 +307,17 @@ fn arrangement(layout: &Layout) -> String {
     }
 }
 
-/// Volume of all cavities with leaning walls, in cubic metres.
+/// Volume of all cavities with sloping walls, in cubic metres.
 pub(crate) fn removed_volume_m3(layout: &Layout, laser: &Laser) -> f64 {
     let depth_m = layout.pattern().depth_m();
     let inset_m = laser.floor_inset_m(depth_m);
     if inset_m == 0.0 {
         return layout.cavity_volume_m3();
     }
-    // Areas go quadratically with depth, where walls lean evenly: d/6 (A_0 + 4 A_1/2 + A_1) is exact.
+    // Area is quadratic in depth for walls of constant slope, so that d/6 (A_0 + 4 A_1/2 + A_1) is exact.
     let area_m2 = |cavity: &Cavity, share: f64| cavity.inset(share * inset_m, 0.0).map_or(0.0, |at| at.area_m2());
     let six_m2 = |cavity: Cavity| cavity.area_m2() + 4.0 * area_m2(&cavity, 0.5) + area_m2(&cavity, 1.0);
-    // Whole polygons are all alike, and what is left within their walls takes time to sum up.
+    // All complete polygons are equal, and the area inside their walls takes time to integrate.
     let mut whole_m2 = None;
     let each_m2 = |cavity: Cavity| {
         if cavity.face.is_some() && cavity.cut_by.is_none() {

@@ -1,4 +1,4 @@
-//! The process sheet of several patterns on sectors of one specimen, as TOML.
+//! Process sheet of several patterns on sectors of one specimen, as TOML.
 
 use serde::{Deserialize, Serialize};
 
@@ -11,7 +11,7 @@ use crate::{
     not_modelled,
 };
 
-/// What sectors are good for, and what not.
+/// Advice for measuring sectors.
 pub const MEASURE_EACH_ALONE: &str = "measure each sector alone: with a counter-body or a pin that fits on one sector, or by friction resolved by the \
      angle of a turning disc; a tribometer that presses the whole face measures a mean of all sectors, which is a trial of none";
 
@@ -23,19 +23,19 @@ pub struct SectorsSheet {
     pub name: String,
     /// Program that made the sheet.
     pub program: String,
-    /// Its version.
+    /// Version of the program.
     pub version: String,
     /// Schema of the file.
     pub schema: u32,
     /// Seed of the design.
     pub seed: u64,
-    /// What sectors are good for, and what not.
+    /// Advice for measuring sectors.
     pub measuring: String,
-    /// What the prediction leaves out.
+    /// Effects that the prediction leaves out.
     pub not_modelled: Vec<String>,
     /// The specimen.
     pub specimen: DividedSheet,
-    /// The sectors, the first first.
+    /// The sectors, in order.
     pub sector: Vec<SectorSheet>,
     /// The laser, as given.
     pub laser: Laser,
@@ -43,7 +43,7 @@ pub struct SectorsSheet {
     pub material: MaterialNote,
 }
 
-/// A specimen in sectors.
+/// A specimen divided into sectors.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct DividedSheet {
@@ -55,11 +55,11 @@ pub struct DividedSheet {
     pub hole_mm: Option<f64>,
     /// Number of sectors.
     pub sectors: usize,
-    /// Width of the untextured lands between them, in mm.
+    /// Width of the untextured lands between sectors, in mm.
     pub land_mm: f64,
-    /// Where the mark is, in words.
+    /// Position of the mark.
     pub mark: String,
-    /// What becomes of cavities at rim and lands, in words.
+    /// Treatment of cavities at the border and at lands.
     pub at_the_rim: String,
 }
 
@@ -67,40 +67,40 @@ pub struct DividedSheet {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SectorSheet {
-    /// Its number, from 1, anticlockwise.
+    /// Number of the sector, from 1, anticlockwise.
     pub number: usize,
-    /// Its layer in the drawing.
+    /// Layer of the sector in the drawing.
     pub layer: String,
-    /// Direction of its middle from x, anticlockwise, in degrees.
+    /// Direction of the sector's middle from x, anticlockwise, in degrees.
     pub middle_deg: f64,
-    /// By how much its pattern is turned with it, anticlockwise, in degrees.
+    /// Angle by which the pattern is turned with the sector, anticlockwise, in degrees.
     pub turn_deg: f64,
-    /// Its area without lands, in mm^2.
+    /// Area of the sector without lands, in mm^2.
     pub area_mm2: f64,
-    /// Diameter of the largest circle on it, in mm: a pin or a counter-body has to be smaller.
+    /// Diameter of the largest circle on the sector, in mm; a pin or a counter-body must be smaller.
     pub circle_mm: f64,
-    /// Cavities, parts of one that is cut counted each.
+    /// Number of cavities; each part of a cut cavity counts.
     pub cavities: usize,
-    /// Share of the sector that is cavity, as cut.
+    /// Fraction of the sector that is cavity.
     pub areal_density: f64,
     /// Bursts per cavity (on each of its spots).
     pub bursts_per_cavity: Option<u32>,
-    /// Time under the laser, in s: that of the pattern on the whole specimen times the sector's share of its cavities' area.
+    /// Marking time, in s: that of the pattern on the whole specimen times the sector's fraction of the cavity area.
     pub estimated_time_s: Option<f64>,
-    /// What is off the design's depth by more than 5 %, and what to do, where no passes are planned.
+    /// Deviations by more than 5 % from the depth of the design if no passes are planned, with remedies.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub warnings: Vec<String>,
-    /// Its pattern.
+    /// Pattern of the sector.
     pub pattern: PatternSheet,
-    /// Passes over its lines, and what they remove.
+    /// Passes over the lines, and the depth that they remove.
     pub removal: Option<Removal>,
 }
 
 impl SectorsSheet {
-    /// The sheet of `sectors`.
+    /// Creates the sheet for `sectors`.
     ///
     /// # Errors
-    /// [`ExportError`] for a laser that is refused, and where there is no sector.
+    /// [`ExportError`] for an invalid laser, and without sectors.
     pub fn new(sectors: &[Sector], input: ProcessInput) -> Result<Self, ExportError> {
         let ProcessInput { name, version, schema, seed, laser, material, .. } = input;
         laser.validate()?;
@@ -124,7 +124,7 @@ impl SectorsSheet {
         })
     }
 
-    /// The sheet as TOML text.
+    /// Formats the sheet as TOML.
     ///
     /// # Errors
     /// [`ExportError::Unwritable`] if TOML cannot hold a value.
@@ -214,7 +214,7 @@ mod tests {
         assert!(sheet.measuring.contains("a mean of all sectors"));
         let bursts: Vec<_> = sheet.sector.iter().map(|of| (of.bursts_per_cavity, of.layer.as_str())).collect();
         assert_eq!(bursts, [(Some(4), "CAVITIES_1"), (Some(2), "CAVITIES_2")]);
-        // Half a disc without half a land of 0.5 mm, and grooves over a quarter and three eighths of it.
+        // Half a disc without half a land of 0.5 mm, with grooves over a quarter and three eighths of it.
         let area_mm2 = (std::f64::consts::PI * 25.0 / 2.0) - 0.25 * 10.0;
         for (of, density) in sheet.sector.iter().zip([0.25, 0.375]) {
             assert!((of.area_mm2 / area_mm2 - 1.0).abs() < 1e-3, "{}", of.area_mm2);

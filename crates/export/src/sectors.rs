@@ -1,30 +1,30 @@
-//! Several patterns on one specimen, each on a sector of its own.
+//! Several patterns on sectors of one specimen.
 
 use slipgrid_pattern::{Pattern, Planform};
 
-use crate::clip::{area_m2, clip, kept, within_side};
+use crate::clip::{area_m2, clip, within_side, without_slivers};
 use crate::{Boundary, Cavity, ExportError, Layout, Outline, Specimen};
 
-/// Most sectors of a specimen.
+/// Maximum number of sectors of a specimen.
 pub const MAX_SECTORS: usize = 12;
-/// Width of a land over the lesser extent of the specimen.
+/// Width of a land over the smaller extent of the specimen.
 const LAND_SHARE: f64 = 0.05;
-/// Periods of a pattern that the largest circle on a sector must hold, along each of its axes.
+/// Minimum number of periods of a pattern, along each of its axes, in the largest circle on a sector.
 pub const MIN_PERIODS: f64 = 4.0;
-/// Where the mark lies along its land, from centre to rim.
+/// Range of the mark along its land, from centre to border, as fractions.
 const MARK_SPAN: [f64; 2] = [0.8, 0.95];
 /// Width of the mark over that of the land.
 const MARK_SHARE: f64 = 0.2;
-/// Part of a pitch by which a cavity may reach into a land, as rounding.
+/// Fraction of a pitch by which a cavity may reach into a land, to allow for rounding.
 const FIT_TOLERANCE: f64 = 1e-9;
-/// Steps of a search that leaves a third of its interval less each.
+/// Number of steps of a ternary search.
 const STEPS: usize = 120;
 
-/// A specimen's face divided into sectors of equal angles by straight lands that run from its centre to its rim.
+/// Face of a specimen divided into sectors of equal angles by straight lands from its centre to its border.
 ///
-/// Sectors count from 1, anticlockwise; the middle of the first lies at 90 degrees from x. Sectors of discs and of rings are
-/// turned copies of the first: a specimen that is turned back by the sector's angle shows it where the first was. Those of a
-/// rectangle are not turned.
+/// Sectors are numbered from 1, anticlockwise; the middle of the first is at 90 degrees from x. Sectors of discs and
+/// rings are rotated copies of the first: if the specimen is turned back by the sector's angle, the sector is where the
+/// first was. Sectors of a rectangle are not rotated.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Division {
     specimen: Specimen,
@@ -36,7 +36,7 @@ pub struct Division {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sector {
     division: Division,
-    /// Number, from 1.
+    /// Number of the sector, from 1.
     number: usize,
     layout: Layout,
     cavities: usize,
@@ -44,11 +44,11 @@ pub struct Sector {
 }
 
 impl Division {
-    /// `specimen` in `count` sectors.
+    /// Divides `specimen` into `count` sectors.
     ///
     /// # Errors
     /// [`ExportError::Sectors`] for fewer than two or more than [`MAX_SECTORS`]; [`ExportError::NotPositive`] and
-    /// [`ExportError::NoRing`] for an outline that is none.
+    /// [`ExportError::NoRing`] for an invalid outline.
     pub fn new(specimen: Specimen, count: usize) -> Result<Self, ExportError> {
         specimen.outline.validate()?;
         if !(2..=MAX_SECTORS).contains(&count) {
@@ -58,7 +58,7 @@ impl Division {
         Ok(Self { specimen, count, land_m: LAND_SHARE * extent_x_m.min(extent_y_m) })
     }
 
-    /// Sectors.
+    /// Number of sectors.
     #[must_use]
     pub const fn count(&self) -> usize {
         self.count
@@ -76,7 +76,7 @@ impl Division {
         self.land_m
     }
 
-    /// Angle of a sector with the halves of its lands, in degrees.
+    /// Angle of a sector including half of the adjacent lands, in degrees.
     #[must_use]
     pub fn angle_deg(&self) -> f64 {
         360.0 / self.count as f64
@@ -88,7 +88,7 @@ impl Division {
         (90.0 + self.angle_deg() * number.saturating_sub(1) as f64).rem_euclid(360.0)
     }
 
-    /// By how much the pattern of sector `number` is turned with it, anticlockwise, in degrees: 0 on a rectangle.
+    /// Angle by which the pattern of sector `number` is turned with it, anticlockwise, in degrees: 0 on a rectangle.
     #[must_use]
     pub fn turn_deg(&self, number: usize) -> f64 {
         match self.specimen.outline {
@@ -97,12 +97,13 @@ impl Division {
         }
     }
 
-    /// Direction of the middle of sector `number` in the frame of its pattern, in degrees.
+    /// Direction of the middle of sector `number` in the axes of its pattern, in degrees.
     fn own_middle_deg(&self, number: usize) -> f64 {
         self.middle_deg(number) - self.turn_deg(number)
     }
 
-    /// The two lands of sector `number` in the frame of its pattern: its points x have n x <= d for each (n, d).
+    /// Lands on both sides of sector `number` in the axes of its pattern: points of the sector have n x <= d for each
+    /// (n, d).
     fn sides(&self, number: usize) -> [([f64; 2], f64); 2] {
         let at = |deg: f64| [libm::cos(deg.to_radians()), libm::sin(deg.to_radians())];
         let (middle_deg, half_deg) = (self.own_middle_deg(number), self.angle_deg() / 2.0);
@@ -120,14 +121,16 @@ impl Division {
         clip(wedge, &self.specimen.outline).iter().map(|part| area_m2(part)).sum()
     }
 
-    /// Diameter of the largest circle on sector `number` whose centre lies on its middle line, in metres: what a pin may press.
+    /// Diameter of the largest circle on sector `number` with its centre on the middle line, in metres: the limit for a
+    /// pin.
     #[must_use]
     pub fn circle_m(&self, number: usize) -> f64 {
         let half_angle = (self.angle_deg() / 2.0).to_radians();
         let middle = self.own_middle_deg(number).to_radians();
         let [x, y] = [libm::cos(middle).abs(), libm::sin(middle).abs()];
         let [extent_x_m, extent_y_m] = self.specimen.outline.extents_m();
-        // The radius of the largest circle about a point of the middle line at r: its least distance to lands, rim and hole.
+        // Radius of the largest circle about a point of the middle line at r: its smallest distance to lands, border
+        // and hole.
         let radius_m = |r: f64| {
             let of_lands = r * libm::sin(half_angle) - self.land_m / 2.0;
             let of_rim = match self.specimen.outline {
@@ -139,7 +142,7 @@ impl Division {
             let hole_m = self.specimen.outline.hole_m() / 2.0;
             of_lands.min(of_rim).min(if hole_m > 0.0 { r - hole_m } else { f64::INFINITY })
         };
-        // Concave in r: of two thirds the better holds the greatest.
+        // Concave in r, so that a ternary search finds the maximum.
         let (mut low, mut high) = (0.0, extent_x_m.hypot(extent_y_m) / 2.0);
         for _ in 0..STEPS {
             let (a, b) = (low + (high - low) / 3.0, high - (high - low) / 3.0);
@@ -148,13 +151,14 @@ impl Division {
         2.0 * radius_m(f64::midpoint(low, high)).max(0.0)
     }
 
-    /// Whether every sector is large enough for `pattern`: the largest circle holds [`MIN_PERIODS`] periods along each axis.
+    /// Whether all sectors are large enough for `pattern`: the largest circle holds [`MIN_PERIODS`] periods along each
+    /// axis.
     #[must_use]
     pub fn holds(&self, pattern: &Pattern) -> bool {
         self.least_circle_m() >= MIN_PERIODS * period_m(pattern)
     }
 
-    /// The least of [`Self::circle_m`] of all sectors, in metres.
+    /// Smallest [`Self::circle_m`] of all sectors, in metres.
     #[must_use]
     pub fn least_circle_m(&self) -> f64 {
         (1..=self.count).map(|number| self.circle_m(number)).fold(f64::INFINITY, f64::min)
@@ -175,11 +179,11 @@ impl Division {
         })
     }
 
-    /// `patterns` on its sectors, the first on the first.
+    /// Lays out `patterns` on the sectors, in order.
     ///
     /// # Errors
-    /// [`ExportError::Sectors`] unless there are as many as sectors; [`ExportError::SectorTooSmall`] for one too coarse;
-    /// [`ExportError`] where a pattern cannot be laid on the specimen.
+    /// [`ExportError::Sectors`] if the number of patterns differs from that of sectors; [`ExportError::SectorTooSmall`]
+    /// for a pattern that is too coarse; [`ExportError`] if a pattern cannot be laid out on the specimen.
     pub fn lay(&self, patterns: &[Pattern]) -> Result<Vec<Sector>, ExportError> {
         if patterns.len() != self.count {
             return Err(ExportError::Sectors { count: patterns.len(), most: self.count });
@@ -205,31 +209,31 @@ impl Sector {
         Ok(sector)
     }
 
-    /// Its number, from 1.
+    /// Number of the sector, from 1.
     #[must_use]
     pub const fn number(&self) -> usize {
         self.number
     }
 
-    /// The division that it is of.
+    /// Division that the sector belongs to.
     #[must_use]
     pub const fn division(&self) -> &Division {
         &self.division
     }
 
-    /// Its pattern.
+    /// Pattern of the sector.
     #[must_use]
     pub const fn pattern(&self) -> &Pattern {
         self.layout.pattern()
     }
 
-    /// Its pattern on the whole specimen.
+    /// Layout of the pattern on the whole specimen.
     #[must_use]
     pub const fn whole(&self) -> &Layout {
         &self.layout
     }
 
-    /// Cavities, those that the rim or a land cuts into parts once for each.
+    /// Number of cavities; each part of a cavity that is cut by border or land counts.
     #[must_use]
     pub const fn cavities(&self) -> usize {
         self.cavities
@@ -241,14 +245,14 @@ impl Sector {
         self.cavity_area_m2
     }
 
-    /// Share of the sector without its lands that is cavity, as cut.
+    /// Fraction of the sector without its lands that is cavity.
     #[must_use]
     pub fn areal_density(&self) -> f64 {
         self.cavity_area_m2 / self.division.area_m2(self.number)
     }
 
-    /// Outlines of its cavities on the specimen. Grooves end at the lands; other cavities that reach into a land are left out. At
-    /// the rim they are as the specimen says.
+    /// Outlines of the cavities on the specimen. Grooves end at the lands; other cavities that reach into a land are
+    /// left out. At the border, cavities are treated as for the whole specimen.
     pub fn boundaries(&self) -> impl Iterator<Item = Boundary> + '_ {
         let turn = self.division.turn_deg(self.number).to_radians();
         let [cosine, sine] = if turn == 0.0 { [1.0, 0.0] } else { [libm::cos(turn), libm::sin(turn)] };
@@ -262,12 +266,16 @@ impl Sector {
         })
     }
 
-    /// The same in the frame of its pattern.
+    /// Outlines of the cavities in the axes of the pattern.
     fn own_boundaries(&self) -> impl Iterator<Item = Boundary> + '_ {
         let sides = self.division.sides(self.number);
         let slack_m = FIT_TOLERANCE * self.pattern().pitch_m();
         self.layout.iter().flat_map(move |cavity| {
-            if cavity.planform == Planform::Groove { ended(&cavity, &sides) } else { whole(&cavity, &sides, slack_m) }
+            if cavity.planform == Planform::Groove {
+                cut_boundaries(&cavity, &sides)
+            } else {
+                uncut_boundaries(&cavity, &sides, slack_m)
+            }
         })
     }
 }
@@ -277,13 +285,13 @@ fn period_m(pattern: &Pattern) -> f64 {
     pattern.pitch_across_m().unwrap_or(0.0).max(pattern.pitch_m())
 }
 
-/// What two lands leave of a convex polygon.
+/// Part of a convex polygon between two lands.
 fn within(sides: &[([f64; 2], f64); 2], polygon: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
     sides.iter().fold(polygon, |left, &(normal, limit_m)| within_side(&left, normal, limit_m))
 }
 
-/// What two lands leave of a groove: parts smaller than a square of its width are left out.
-fn ended(cavity: &Cavity, sides: &[([f64; 2], f64); 2]) -> Vec<Boundary> {
+/// Parts of a groove between two lands; parts smaller than a square of its width are left out.
+fn cut_boundaries(cavity: &Cavity, sides: &[([f64; 2], f64); 2]) -> Vec<Boundary> {
     let corners = cavity.corners_m().to_vec();
     let parts = match &cavity.crossed_by {
         Some(crossing) => crossing.outside(corners),
@@ -294,15 +302,15 @@ fn ended(cavity: &Cavity, sides: &[([f64; 2], f64); 2]) -> Vec<Boundary> {
         let left = within(sides, part);
         match &cavity.cut_by {
             Some(outline) => clip(left, outline),
-            None => kept(vec![left]),
+            None => without_slivers(vec![left]),
         }
     };
     let left = parts.into_iter().flat_map(cut).filter(|part| area_m2(part) >= least_m2);
     left.map(|corners_m| Boundary::Polygon { corners_m }).collect()
 }
 
-/// A cavity that reaches into neither land, as it is laid; nothing of another.
-fn whole(cavity: &Cavity, sides: &[([f64; 2], f64); 2], slack_m: f64) -> Vec<Boundary> {
+/// The outlines of a cavity that reaches into neither land, as laid out; otherwise empty.
+fn uncut_boundaries(cavity: &Cavity, sides: &[([f64; 2], f64); 2], slack_m: f64) -> Vec<Boundary> {
     let boundaries = cavity.boundaries();
     let is_beside = |&([nx, ny], limit_m): &([f64; 2], f64)| {
         let reach_m = |[x, y]: &[f64; 2]| x * nx + y * ny - limit_m;

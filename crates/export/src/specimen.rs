@@ -1,56 +1,59 @@
-//! A specimen: its face, and what becomes of cavities at the rim.
+//! A specimen: its face, and the treatment of cavities at its border.
 
 use slipgrid_pattern::{Pattern, Texture, folded_deg};
 
 use crate::{ExportError, Layout, Outline};
 
-/// The specimen's face, and what becomes of cavities that pass its rim.
+/// Face of the specimen, and treatment of cavities that cross its border.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Specimen {
     /// The face.
     pub outline: Outline,
-    /// Cavities that pass the rim are cut there instead of left out.
+    /// Whether cavities that cross the border are cut there instead of left out.
     pub is_clipped: bool,
 }
 
 impl Specimen {
-    /// `pattern` on it.
+    /// Lays out `pattern` on the specimen.
     ///
     /// # Errors
-    /// [`ExportError`] if no cavity fits, or far too many.
+    /// [`ExportError`] if no cavity fits, or there are far too many.
     pub fn layout(&self, pattern: Pattern) -> Result<Layout, ExportError> {
         if self.is_clipped { Layout::clipped(pattern, self.outline) } else { Layout::new(pattern, self.outline) }
     }
 
-    /// Length through its middle along the unit vector `sliding`, to the nearest whole number of blocks of `block_m`, at least one, in metres.
+    /// Length through the middle along the unit vector `sliding`, in metres, rounded to an integer number of blocks of
+    /// `block_m`, at least one.
     #[must_use]
     pub fn whole_length_m(&self, sliding: [f64; 2], block_m: f64) -> f64 {
         (self.outline.length_along_m(sliding) / block_m).round().max(1.0) * block_m
     }
 
-    /// Whether `texture` on it slides at `other_deg` from X as it does itself, by the symmetry of both.
+    /// Whether sliding at `other_deg` from X is equivalent to the sliding direction of `texture`, by the symmetry of
+    /// specimen and texture.
     #[must_use]
     pub fn slides_alike(&self, texture: &Texture, other_deg: f64) -> bool {
         let Outline::Rectangle { length_m, width_m } = self.outline else { return texture.slides_alike(other_deg) };
         let own_deg = texture.sliding_angle_deg();
         let is_back_or_forth = (own_deg - other_deg).rem_euclid(180.0) == 0.0;
-        // What a rectangle has in common with a texture that lies along its sides: mirrors at these, and at its diagonal where it is a square.
+        // Common symmetries of a rectangle and a texture along its sides: reflections at the axes, and at the diagonals
+        // of a square.
         let shares_axes = texture.outline().is_none() && texture.orientation_deg().rem_euclid(90.0) == 0.0;
         let folded_deg = |angle_deg: f64| folded_deg(angle_deg, length_m == width_m);
         let is_alike = is_back_or_forth || shares_axes && (folded_deg(own_deg) - folded_deg(other_deg)).abs() < 1e-9;
         is_alike && texture.slides_alike(other_deg)
     }
 
-    /// Whether it takes `pattern`.
+    /// Checks whether `pattern` fits on the specimen.
     ///
     /// # Errors
-    /// As [`Specimen::layout`].
+    /// See [`Specimen::layout`].
     pub fn check(&self, pattern: Pattern) -> Result<(), ExportError> {
         Layout::check(pattern, self.outline, self.is_clipped)
     }
 }
 
-/// Names of what becomes of cavities that pass the rim: left out, or cut.
+/// Names of the treatments of cavities that cross the border: left out, or cut.
 pub const AT_THE_RIM: [&str; 2] = ["whole", "clipped"];
 
 #[cfg(test)]
@@ -73,7 +76,7 @@ mod tests {
             (squares.with_sliding_angle_deg(20.0).unwrap(), -20.0, [true, true, true]),
             (squares.with_sliding_angle_deg(20.0).unwrap(), 70.0, [true, false, true]),
             (grooves, -150.0, [true, true, true]),
-            // Mirrored at the grooves, which no plate is.
+            // Reflected at the grooves, which is no symmetry of a plate.
             (grooves.with_sliding_angle_deg(50.0).unwrap(), 10.0, [true, false, false]),
             (grooves.with_sliding_angle_deg(50.0).unwrap(), -50.0, [false, false, false]),
         ] {

@@ -1,8 +1,8 @@
-//! What the laser removes, as closed solids: binary STL, millimetres, the face at z = 0.
+//! Removed volume as closed solids: binary STL, millimetres, the face at z = 0.
 //!
-//! 3D Systems' format: 80 bytes of text, the number of triangles, and for each its normal and corners as
-//! single-precision numbers, anticlockwise seen from outside. One shell per cavity (or per part of one that the
-//! rim cuts): lid, floor and walls. Round cavities are polygons of [`CHORDS`] corners.
+//! 3D Systems' format: 80 bytes of text, the number of triangles, and for each triangle its normal and corners as
+//! single-precision numbers, anticlockwise seen from outside. One shell per cavity (or per part of a cut cavity): lid,
+//! floor and walls. Round cavities are polygons with [`CHORDS`] corners.
 
 use std::io::{self, Write};
 
@@ -10,15 +10,15 @@ use slipgrid_pattern::Planform;
 
 use crate::{Cavity, ExportError, Heading, Laser, Layout};
 
-/// Corners of a round cavity: its area falls short by 0.16 %.
+/// Number of corners of a round cavity: its area is 0.16 % too small.
 pub const CHORDS: u32 = 64;
-/// Bytes gathered before they are handed on.
+/// Buffer size, in bytes, at which data is written.
 const BLOCK: usize = 1 << 16;
 
-/// Writes the solids of `layout`, walls leaning as `laser` has it.
+/// Writes the solids of `layout`, with the wall taper of `laser`.
 ///
 /// # Errors
-/// Those of `to`; [`check`] tells beforehand what cannot be written.
+/// Errors of the writer `to`; [`check`] finds layouts that cannot be written.
 pub fn stl(layout: &Layout, laser: &Laser, heading: &Heading, to: &mut dyn Write) -> io::Result<()> {
     let inset_m = laser.floor_inset_m(layout.pattern().depth_m());
     let depth_m = layout.pattern().depth_m();
@@ -52,11 +52,11 @@ pub fn stl(layout: &Layout, laser: &Laser, heading: &Heading, to: &mut dyn Write
     to.write_all(&bytes)
 }
 
-/// Refuses leaning walls that the rim cuts, and walls that meet above the floor.
+/// Refuses sloping walls that the border cuts, and walls that meet above the floor.
 ///
 /// # Errors
-/// [`ExportError::TaperAndCut`], [`ExportError::TaperToNothing`] for polygons and crossing grooves of which a wall ends above
-/// the floor; as [`Laser::check`].
+/// [`ExportError::TaperAndCut`]; [`ExportError::TaperToNothing`] for polygons and crossing grooves with a wall that
+/// ends above the floor; errors of [`Laser::check`].
 pub fn check(layout: &Layout, laser: &Laser) -> Result<(), ExportError> {
     laser.check(layout.pattern())?;
     let inset_m = laser.floor_inset_m(layout.pattern().depth_m());
@@ -69,7 +69,7 @@ pub fn check(layout: &Layout, laser: &Laser) -> Result<(), ExportError> {
     if inset_m > 0.0 && !is_plain && !layout.iter().all(has_floor) { Err(ExportError::TaperToNothing) } else { Ok(()) }
 }
 
-/// Whether each part has a floor of as many corners.
+/// Whether each part has a floor with the same number of corners.
 fn matches(lids: &[Polygon], floors: &[Polygon]) -> bool {
     lids.len() == floors.len() && lids.iter().zip(floors).all(|(lid, floor)| lid.len() == floor.len())
 }
@@ -77,7 +77,7 @@ fn matches(lids: &[Polygon], floors: &[Polygon]) -> bool {
 /// Corners of a face, anticlockwise, in metres.
 type Polygon = Vec<[f64; 2]>;
 
-/// The faces of a cavity's parts.
+/// Faces of the parts of a cavity.
 fn faces(cavity: &Cavity) -> Vec<Polygon> {
     if cavity.planform == Planform::Disc && cavity.cut_by.is_none() {
         let corner = |k: u32| {
@@ -90,7 +90,7 @@ fn faces(cavity: &Cavity) -> Vec<Polygon> {
     cavity.boundaries().iter().map(|boundary| boundary.polygon_m()).collect()
 }
 
-/// Lid and floor of a cavity's parts, corner by corner.
+/// Lid and floor of the parts of a cavity, with corresponding corners.
 fn solids(cavity: &Cavity, inset_m: f64) -> Vec<(Polygon, Polygon)> {
     let lids = faces(cavity);
     let floors = match cavity.inset(inset_m, 0.0) {
@@ -100,7 +100,7 @@ fn solids(cavity: &Cavity, inset_m: f64) -> Vec<(Polygon, Polygon)> {
     lids.into_iter().zip(floors).collect()
 }
 
-/// Ears cut off one by one (Meisters, Am. Math. Monthly 82, 648): corners of each triangle, anticlockwise.
+/// Triangulation by ear clipping (Meisters, Am. Math. Monthly 82, 648): corners of each triangle, anticlockwise.
 fn triangulate(polygon: &[[f64; 2]]) -> Vec<[usize; 3]> {
     let cross = |a: usize, b: usize, c: usize| {
         let ([xa, ya], [xb, yb], [xc, yc]) = (polygon[a], polygon[b], polygon[c]);
@@ -116,7 +116,7 @@ fn triangulate(polygon: &[[f64; 2]]) -> Vec<[usize; 3]> {
             let holds = |p: usize| cross(a, b, p) >= 0.0 && cross(b, c, p) >= 0.0 && cross(c, a, p) >= 0.0;
             cross(a, b, c) > 0.0 && !left.iter().any(|&p| p != a && p != b && p != c && holds(p))
         };
-        // Rounding may leave no ear among corners on one line: any corner then does.
+        // Rounding may leave no ear among collinear corners; then any corner is valid.
         let ear = (start..start + count).find(|&k| is_ear(corner(k))).unwrap_or(start);
         triangles.push(corner(ear));
         left.remove(ear % count);

@@ -1,4 +1,4 @@
-//! A layout as strips along the sliding direction: what a solver takes of it.
+//! A layout as strips along the sliding direction, for solvers.
 
 use slipgrid_pattern::Planform;
 
@@ -8,23 +8,23 @@ use crate::{Cavity, Layout};
 /// A strip of the specimen's face along the sliding direction.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LaidStrip {
-    /// Number of the band of the face that it is the middle of, from the rim inwards.
+    /// Index of the band of which the strip is the middle, from the border inwards.
     pub band: usize,
-    /// Width that it stands for, in metres: its band's area over its length, and that of all bands alike.
+    /// Width that the strip represents, in metres: area of its band over its length, summed over all equal bands.
     pub width_m: f64,
     /// Length along the sliding direction, in metres.
     pub length_m: f64,
-    /// Where cavities begin and end, from the strip's trailing end, in metres; ascending and apart.
+    /// Beginning and end of cavities, from the strip's trailing end, in metres; ascending and disjoint.
     pub cavities_m: Vec<[f64; 2]>,
 }
 
-/// Strips whose ends and edges agree to this are one, in metres: twice what they are rounded to.
-const ALIKE_M: f64 = 2e-12;
+/// Tolerance for equal strips, in metres: twice the rounding of lengths.
+const STRIP_TOLERANCE_M: f64 = 2e-12;
 
 impl Layout {
-    /// The face cut into `bands` of equal height across the sliding direction, each represented by the strip, or beside a hole the strips, in
-    /// its middle. Bands that are alike are one strip of their widths together; the widths make up the area of the face.
-    /// Cavities are those of the layout, cut at the rim where it cuts them.
+    /// Divides the face into `bands` of equal height across the sliding direction, each represented by the strip in its
+    /// middle (or two strips next to a hole). Equal bands are merged into one strip with their total width; the widths
+    /// add up to the area of the face. Cavities are those of the layout, cut at the border if it cuts them.
     #[must_use]
     pub fn strips(&self, bands: usize) -> Vec<LaidStrip> {
         let sliding = self.sliding();
@@ -49,7 +49,7 @@ impl Layout {
                 }
             }
         }
-        // sum w_s L_s = A: chords in the middle of bands sample a round face.
+        // sum w_s L_s = A: normalizes chords in the middle of bands of a round face.
         let sampled_m2: f64 = strips.iter().map(|strip| strip.width_m * strip.length_m).sum();
         let scale = self.outline().area_m2() / sampled_m2;
         for strip in &mut strips {
@@ -58,7 +58,8 @@ impl Layout {
         strips
     }
 
-    /// The strip through the middle of the cavities in the row through the specimen's centre, the whole of the face's width.
+    /// The strip through the middle of the cavities in the row through the specimen's centre, representing the whole
+    /// face.
     #[must_use]
     pub fn central_strip(&self) -> Vec<LaidStrip> {
         let cavities: Vec<Cavity> = self.iter().collect();
@@ -78,8 +79,8 @@ impl Layout {
         self.pattern().texture().sliding_direction_on_specimen()
     }
 
-    /// Where `cavities` lie on the chord from one of these places to the other of the line `at_m` to the left of the sliding direction, from
-    /// the first.
+    /// Intervals of `cavities` on a chord of the line `at_m` to the left of the sliding direction, measured from the
+    /// beginning of the chord.
     fn along(&self, cavities: &[Cavity], at_m: f64, [chord_from_m, chord_to_m]: [f64; 2]) -> Vec<[f64; 2]> {
         let sliding = self.sliding();
         let mut found: Vec<[f64; 2]> = cavities
@@ -95,7 +96,7 @@ impl Layout {
         if !matches!(self.pattern().planform(), Planform::Crosshatch | Planform::Polygon) {
             return found;
         }
-        // Grooves that cross are one where they do, and so are parts of a polygon on either side of a concave corner.
+        // Merge grooves where they cross, and parts of a polygon on either side of a concave corner.
         let mut apart: Vec<[f64; 2]> = Vec::with_capacity(found.len());
         for [from_m, to_m] in found {
             match apart.last_mut() {
@@ -108,19 +109,19 @@ impl Layout {
 }
 
 fn alike(a: &LaidStrip, b: &LaidStrip) -> bool {
-    let near = |a_m: f64, b_m: f64| (a_m - b_m).abs() <= ALIKE_M;
+    let near = |a_m: f64, b_m: f64| (a_m - b_m).abs() <= STRIP_TOLERANCE_M;
     near(a.length_m, b.length_m)
         && a.cavities_m.len() == b.cavities_m.len()
         && a.cavities_m.iter().zip(&b.cavities_m).all(|(a, b)| near(a[0], b[0]) && near(a[1], b[1]))
 }
 
-/// A length to the picometre, in metres: what decimals in files leave behind is gone, so that a pattern read back has the
-/// same strips to the last bit.
+/// Rounds a length in metres to the picometre, which removes rounding errors of file formats, so that a pattern that is
+/// read back has bit-identical strips.
 fn rounded(length_m: f64) -> f64 {
     (length_m * 1e12).round() * 1e-12
 }
 
-/// What a cavity takes of the line along the unit vector `along`, `at_m` to its left: where it begins and ends, in metres.
+/// Intervals of a cavity on the line along the unit vector `along`, `at_m` to its left, in metres.
 fn spans_m(cavity: &Cavity, along: [f64; 2], at_m: f64) -> Vec<[f64; 2]> {
     if let Some(face) = &cavity.face {
         return face.spans_m(along, at_m);
@@ -132,7 +133,8 @@ fn spans_m(cavity: &Cavity, along: [f64; 2], at_m: f64) -> Vec<[f64; 2]> {
     half_m.map(|half_m| [cavity.centre_x_m - half_m, cavity.centre_x_m + half_m]).into_iter().collect()
 }
 
-/// Half of what a cavity whose sides lie along x and y takes of the line at `y_m`, in metres; `None` where it misses it.
+/// Half the interval of a cavity with sides along x and y on the line at `y_m`, in metres; `None` if the line misses
+/// it.
 fn half_width_m(cavity: &Cavity, y_m: f64) -> Option<f64> {
     let across_m = (y_m - cavity.centre_y_m).abs();
     if cavity.planform == Planform::Disc {
@@ -154,7 +156,7 @@ mod tests {
         Pattern::new(Planform::Groove, width_um * 1e-6, spacing_um * 1e-6, 20e-6).unwrap()
     }
 
-    /// Area of the face and share of cavities by the strips.
+    /// Area of the face and fraction of cavities from the strips.
     fn sums(strips: &[LaidStrip]) -> [f64; 2] {
         let cavity_m = |strip: &LaidStrip| strip.cavities_m.iter().map(|[from, to]| to - from).sum::<f64>();
         let area_m2: f64 = strips.iter().map(|strip| strip.width_m * strip.length_m).sum();
@@ -201,12 +203,12 @@ mod tests {
 
     #[test]
     fn bands_alike_are_one_strip() {
-        // Both halves of a disc are alike, and all of a plate with grooves across it.
+        // Both halves of a disc are equal, and all bands of a plate with transversal grooves.
         let disc = Layout::new(grooves(400.0, 824.5), DISC).unwrap();
         assert_eq!(disc.strips(16).len(), 8);
         let plate = Layout::new(grooves(400.0, 824.5), Outline::Rectangle { length_m: 10e-3, width_m: 6e-3 }).unwrap();
         let strips = plate.strips(16);
-        // Grooves at -3 to 3 pitches of 1224.5 um; the next would pass the edge.
+        // Grooves at -3 to 3 pitches of 1224.5 um; the next one would cross the edge.
         assert!(strips.len() == 1 && strips[0].cavities_m.len() == 7, "{strips:?}");
         assert!((strips[0].width_m - 6e-3).abs() < 1e-12 && (strips[0].cavities_m[3][0] - 4.8e-3).abs() < 1e-12);
         assert_eq!(plate.central_strip(), strips);
@@ -218,7 +220,7 @@ mod tests {
         let layout = Layout::new(grooves(130.0, 370.0), ring).unwrap();
         let strips = layout.strips(10);
         assert!((sums(&strips)[0] / ring.area_m2() - 1.0).abs() < 1e-12);
-        // Bands at 0.5 and 1.5 mm meet the hole: two strips each, mirrored, not alike.
+        // Bands at 0.5 and 1.5 mm meet the hole: two strips each, mirrored and not equal.
         assert_eq!(strips.iter().filter(|strip| strip.band == 4).count(), 2);
         let squares = Pattern::new(Planform::Square, 130e-6, 370e-6, 20e-6).unwrap();
         let layout = Layout::new(squares, Outline::Rectangle { length_m: 2.13e-3, width_m: 2.13e-3 }).unwrap();
@@ -267,7 +269,7 @@ mod tests {
                 }
             }
         }
-        // Backwards strips are mirrored.
+        // Strips are mirrored for the opposite direction.
         let slid = |angle_deg: f64| {
             let texture = Texture::new(Planform::Groove).with_sliding_angle_deg(angle_deg).unwrap();
             Layout::new(Pattern::new(texture, 130e-6, 370e-6, 20e-6).unwrap(), DISC).unwrap().strips(16)

@@ -1,4 +1,4 @@
-//! A drawing of the textured specimen at scale.
+//! Drawing of the textured specimen to scale.
 
 mod detail;
 mod of_sectors;
@@ -11,19 +11,18 @@ use std::io;
 use slipgrid_pattern::{Pattern, Planform, Texture};
 
 use crate::number::{COORDINATE_DECIMALS, MICROMETRE_DECIMALS, decimal, push_decimal};
-use crate::stream::{finish, hand_on};
+use crate::stream::{flush_full, flush_rest};
 use crate::words::{cavities, degrees, groove_direction, lattice};
 use crate::{Boundary, Cavity, Heading, Layout, Outline};
 
-/// Blue of the cavities, dark grey of lines and text, light grey of the specimen: told apart in
-/// any colour vision and in print.
+/// Blue cavities, dark grey lines and text, light grey specimen: distinguishable with any colour vision and in print.
 const CAVITY_COLOUR: &str = "#0072b2";
 const INK_COLOUR: &str = "#333333";
 const FACE_COLOUR: &str = "#f4f4f2";
 
-/// Width in pixels as it opens.
+/// Initial width in pixels.
 const SHOWN_WIDTH: f64 = 900.0;
-/// Page measures in hundredths of the specimen's larger extent, so that every specimen reads alike.
+/// Page measures in hundredths of the specimen's larger extent, so that the layout does not depend on its size.
 const MARGIN: f64 = 4.0;
 const CONTENT: f64 = 100.0;
 const TITLE_SIZE: f64 = 3.2;
@@ -32,18 +31,17 @@ const LINE_HEIGHT: f64 = 3.4;
 const DETAIL_SIDE: f64 = 34.0;
 const TEXT_LEFT: f64 = 42.0;
 const VALUE_LEFT: f64 = 20.0;
-/// Characters that fit a line of the title, of the caption, and of its bold head.
+/// Maximum number of characters per line of the title, of the caption, and of its bold head.
 const TITLE_CHARACTERS: usize = 58;
 const CAPTION_CHARACTERS: usize = 48;
 const BOLD_CHARACTERS: usize = 40;
 
-/// Writes the layout as an SVG picture that opens large enough to be read: one unit of the view box is a millimetre, coordinates are
-/// rounded to one nanometre. A laser takes the DXF, which says its unit. The outline, the cavities (one
-/// path) and the sliding direction are groups of their own in a frame whose origin is the
-/// specimen's centre; as everywhere in SVG, y points down.
+/// Writes the layout as an SVG picture. One unit of the view box is a millimetre; coordinates are rounded to one
+/// nanometre. A laser uses the DXF, which states its unit. The outline, the cavities (one path) and the sliding
+/// direction are separate groups in a frame whose origin is the specimen's centre; as usual in SVG, y points down.
 ///
 /// # Errors
-/// Those of `to`.
+/// Errors of the writer `to`.
 pub fn svg(layout: &Layout, heading: &Heading, to: &mut dyn io::Write) -> io::Result<()> {
     let [extent_x_m, extent_y_m] = layout.outline().extents_m();
     let (extent_x_mm, extent_y_mm) = (extent_x_m * 1e3, extent_y_m * 1e3);
@@ -89,15 +87,15 @@ pub fn svg(layout: &Layout, heading: &Heading, to: &mut dyn io::Write) -> io::Re
         page.text([text_left, baseline], "start", TEXT_SIZE, "", text);
     }
     page.out.push_str("</svg>\n");
-    finish(&mut page.out, to)
+    flush_rest(&mut page.out, to)
 }
 
-/// What is drawn, in the lines of a title.
+/// Lines of the title.
 fn title(heading: &Heading) -> Vec<String> {
     wrap(&format!("{}: textured specimen from above", heading.name), TITLE_CHARACTERS)
 }
 
-/// What lies where, in a sentence without a full stop.
+/// Describes the arrangement of cavities, without a full stop.
 fn arrangement(pattern: &Pattern) -> String {
     let what = cavities(pattern.planform());
     let words = match pattern.planform() {
@@ -109,7 +107,7 @@ fn arrangement(pattern: &Pattern) -> String {
     letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
 }
 
-/// The dimensions, a name and a value a line.
+/// Dimensions, as pairs of name and value.
 fn dimensions(layout: &Layout) -> Vec<(&'static str, String)> {
     let pattern = layout.pattern();
     let um = |length_m: f64| format!("{} µm", decimal(length_m * 1e6, MICROMETRE_DECIMALS));
@@ -151,14 +149,14 @@ fn dimensions(layout: &Layout) -> Vec<(&'static str, String)> {
     lines
 }
 
-/// Notes and version, one string a line.
+/// Notes and version, one string per line.
 fn remarks(heading: &Heading) -> Vec<String> {
     let mut lines: Vec<String> = heading.notes.iter().flat_map(|note| wrap(note, CAPTION_CHARACTERS)).collect();
     lines.push(format!("slipgrid {}", heading.version));
     lines
 }
 
-/// `text` broken between words into lines of at most `characters`; a longer word stays whole.
+/// Breaks `text` between words into lines of at most `characters`; longer words are not broken.
 fn wrap(text: &str, characters: usize) -> Vec<String> {
     let mut lines: Vec<String> = Vec::new();
     for word in text.split_whitespace() {
@@ -173,13 +171,13 @@ fn wrap(text: &str, characters: usize) -> Vec<String> {
     lines
 }
 
-/// Whether a one-line text in XML may hold `letter`: XML 1.0 forbids control characters and U+FFFE and U+FFFF ("Char").
+/// Whether XML allows `letter` in a line of text: XML 1.0 forbids control characters and U+FFFE and U+FFFF ("Char").
 #[must_use]
 pub fn is_xml_letter(letter: char) -> bool {
     !letter.is_control() && !matches!(letter, '\u{fffe}' | '\u{ffff}')
 }
 
-/// `text` as XML character data, without the letters that XML forbids.
+/// Escapes `text` as XML character data, without forbidden characters.
 fn escape(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     for c in text.chars().filter(|c| is_xml_letter(*c)) {
@@ -200,14 +198,14 @@ fn round_length(limit: f64) -> f64 {
     [5.0, 2.0].into_iter().map(|step| step * power).find(|&length| length <= limit).unwrap_or(power)
 }
 
-/// A picture under construction. Positions are in page units, written in millimetres.
+/// A picture under construction. Positions are in page units, and are written in millimetres.
 struct Page {
     out: String,
     unit_mm: f64,
 }
 
 impl Page {
-    /// A page length in millimetres. Decoration needs no nanometres.
+    /// Formats a page length in millimetres; decoration does not need nanometres.
     fn mm(&self, length: f64) -> String {
         decimal(length * self.unit_mm, 4)
     }
@@ -251,7 +249,7 @@ impl Page {
         let _ = writeln!(self.out, "<path d=\"M{}L{}L{}z\"/>", points[0], points[1], points[2]);
     }
 
-    /// The frame that starts at the specimen's centre, and its outline in it; the width of lines.
+    /// Opens the frame at the specimen's centre and draws the outline; returns the stroke width.
     fn begin_specimen(&mut self, outline: &Outline, centre: [f64; 2]) -> String {
         let (x, y, stroke) = (self.mm(centre[0]), self.mm(centre[1]), self.mm(0.25));
         let _ = writeln!(self.out, "<g id=\"specimen\" transform=\"translate({x} {y})\">");
@@ -260,7 +258,7 @@ impl Page {
         let _ = match *outline {
             Outline::Disc { diameter_m } => writeln!(self.out, "<circle {face} r=\"{}\"/>", mm(diameter_m / 2.0)),
             Outline::Ring { outer_diameter_m, inner_diameter_m } => {
-                // The hole turns the other way round and stays open.
+                // The hole has the opposite orientation, so that it stays open.
                 let circle = |diameter_m: f64, sweep: u8| {
                     let (radius, diameter) = (mm(diameter_m / 2.0), mm(diameter_m));
                     let half = |way: &str| format!("a{radius} {radius} 0 0 {sweep} {way}{diameter} 0");
@@ -281,7 +279,7 @@ impl Page {
         stroke
     }
 
-    /// Outline and cavities, in a frame that starts at the specimen's centre.
+    /// Draws outline and cavities, in a frame at the specimen's centre.
     fn specimen(&mut self, layout: &Layout, centre: [f64; 2], to: &mut dyn io::Write) -> io::Result<()> {
         let stroke = self.begin_specimen(layout.outline(), centre);
         let _ = write!(self.out, "<path id=\"cavities\" fill=\"{CAVITY_COLOUR}\" d=\"");
@@ -290,14 +288,14 @@ impl Page {
                 self.outline_of(Some(&cavity), &boundary);
                 self.out.push('z');
             }
-            hand_on(&mut self.out, to)?;
+            flush_full(&mut self.out, to)?;
         }
         self.out.push_str("\"/>\n");
         self.end_specimen(&stroke);
         Ok(())
     }
 
-    /// The origin, and the end of the specimen's frame.
+    /// Draws the origin and closes the specimen's frame.
     fn end_specimen(&mut self, stroke: &str) {
         let arm = self.mm(1.0);
         let _ = writeln!(
@@ -307,7 +305,7 @@ impl Page {
         );
     }
 
-    /// The commands of a path round a cavity, but for its end; y points down.
+    /// Path commands for a cavity without the closing one; y points down.
     fn outline_of(&mut self, cavity: Option<&Cavity>, boundary: &Boundary) {
         let mut commands = |steps: &[(&str, f64)]| {
             for &(command, length_m) in steps {
@@ -346,14 +344,14 @@ impl Page {
             self.arrowhead([left + 13.0, y], [1.0, 0.0], 2.4);
             left + 15.0
         } else {
-            // Turned about its middle, short enough to stay off what is above and below.
+            // Turned about its middle, short enough to stay clear of the content above and below.
             let [cosine, sine] = texture.sliding_direction_on_specimen();
             let at = |along: f64| [left + 5.0 + along * cosine, y - along * sine];
             self.line(at(-5.0), at(4.0));
             self.arrowhead(at(5.0), [cosine, -sine], 2.4);
             left + 12.0
         };
-        // The arrow shows which way the angle goes.
+        // The arrow shows the orientation of the angle.
         let label = match texture.sliding_angle_deg() {
             0.0 => "sliding direction x".to_owned(),
             angle_deg => format!("sliding direction, {}° from x", degrees(angle_deg)),

@@ -1,4 +1,4 @@
-//! What is written read back, by readers written from the formats' descriptions.
+//! Exported files read back, with readers written from the formats' descriptions.
 
 use std::collections::BTreeMap;
 use std::io::{self, Write};
@@ -29,7 +29,7 @@ fn laser() -> Laser {
     }
 }
 
-/// Layouts of every kind of texture on every outline, whole and cut.
+/// Layouts of every kind of texture on every outline, complete and cut.
 fn layouts() -> Vec<Layout> {
     let mut all = Vec::new();
     for texture in every_kind() {
@@ -84,7 +84,7 @@ fn programs_read_back_to_the_lines_of_every_pass() {
     let laser = laser();
     let marking = Marking::new(&laser).unwrap();
     for layout in layouts() {
-        // 13 bursts, of which a pass over an endless hatch gives (pi/4) 23^2/(10 20) = 2.08.
+        // 13 bursts; a pass over an infinite hatch gives (pi/4) 23^2/(10 20) = 2.08.
         let passes = Removal::new(&layout, &laser).unwrap().passes;
         assert!((5..=7).contains(&passes), "{passes}");
         let program = text(|to| gcode(&layout, &GcodePlan::new(&laser, passes).unwrap(), &HEADING, to));
@@ -134,7 +134,7 @@ fn tables_of_corners_and_lines_read_back() {
     }
 }
 
-/// The distances of lines that the process sheet states are those between the lines of `hatch.csv`.
+/// The line distances on the process sheet are those between the lines of `hatch.csv`.
 #[test]
 fn the_sheet_states_the_distances_that_lines_have() {
     let laser = laser();
@@ -163,7 +163,7 @@ fn the_sheet_states_the_distances_that_lines_have() {
         let is_cut_in_parts = layout.iter().any(|cavity| cavity.boundaries().len() > 1);
         let mut apart_um = Vec::new();
         for lines in cavities.values() {
-            // Across the longest line, whose direction the decimals of the file tell best.
+            // Across the longest line, whose direction is most accurate in the decimals of the file.
             let length_mm = |line: &[f64; 4]| (line[2] - line[0]).hypot(line[3] - line[1]);
             let longest = lines.iter().max_by(|a, b| length_mm(a).total_cmp(&length_mm(b))).unwrap();
             let [x0, y0, x1, y1] = *longest;
@@ -212,8 +212,8 @@ fn height_maps_hold_the_area_and_the_volume_of_the_cavities() {
             let (columns, rows, heights, per_metre) = read_png(&bytes);
             assert_eq!(([columns, rows], per_metre), (map.size(), 250_000));
             let removed = heights.iter().map(|height| 1.0 - height).sum::<f64>() * 16e-12;
-            // Where walls stand upright it is the area, otherwise the volume over the depth. Edges of round and
-            // turned cavities are met at random, those on the raster's own axes are one pixel off at most.
+            // With vertical walls it is the area, otherwise the volume over the depth. Edges of round and turned
+            // cavities are sampled randomly, those along the raster's axes are off by at most one pixel.
             let expected = match taper_deg {
                 None => layout.cavity_area_m2(),
                 Some(_) => {
@@ -225,7 +225,7 @@ fn height_maps_hold_the_area_and_the_volume_of_the_cavities() {
             assert!((removed / expected - 1.0).abs() < 0.035, "{layout:?}: {removed:e} for {expected:e}");
         }
     }
-    // A millimetre of known squares: lattice points at -0.25, 0 and 0.25 mm, y up.
+    // A millimetre with known squares: lattice points at -0.25, 0 and 0.25 mm, y up.
     let pattern = Pattern::new(Planform::Square, 100e-6, 150e-6, 5e-6).unwrap();
     let layout = Layout::new(pattern, Outline::Rectangle { length_m: 0.6e-3, width_m: 0.3e-3 }).unwrap();
     let mut bytes = Vec::new();
@@ -258,7 +258,7 @@ fn solids_are_closed_and_hold_the_cavities_volume() {
         check_stl(&layout, &laser()).unwrap();
         stl(&layout, &laser(), &HEADING, &mut bytes).unwrap();
         let triangles = read_stl(&bytes);
-        // Every edge is met once each way.
+        // Every edge occurs once in each direction.
         let mut edges: Vec<[[u32; 3]; 2]> = Vec::new();
         let bits = |corner: [f64; 3]| corner.map(|value| (value as f32 + 0.0).to_bits());
         for [_, a, b, c] in &triangles {
@@ -268,7 +268,7 @@ fn solids_are_closed_and_hold_the_cavities_volume() {
         edges.sort_unstable();
         back.sort_unstable();
         assert_eq!(edges, back);
-        // Divergence: V = 1/6 sum a . (b x c); single precision on a specimen of 4 mm.
+        // Divergence theorem: V = 1/6 sum a . (b x c); single precision on a specimen of 4 mm.
         let volume_mm3: f64 = triangles
             .iter()
             .map(|[_, a, b, c]| {
@@ -277,7 +277,7 @@ fn solids_are_closed_and_hold_the_cavities_volume() {
             })
             .sum();
         let round = layout.pattern().planform() == Planform::Disc;
-        // sin(x)/x of a polygon of 64 corners, x = 2 pi / 64
+        // sin(x)/x for a polygon of 64 corners, x = 2 pi / 64
         let share = if round && !layout.is_clipped() { 0.998_394 } else { 1.0 };
         let expected = layout.cavity_volume_m3() * 1e9 * share;
         let slack = if round { 2e-3 } else { 1e-4 };
@@ -319,7 +319,7 @@ fn a_pattern_finer_than_the_laser_is_refused_with_the_limit() {
     assert_eq!(Laser { spot_um: Some(20.0), min_land_um: Some(30.0), ..Laser::default() }.check(&pattern), Ok(()));
 }
 
-/// Counts bytes and the largest piece handed over.
+/// Counts bytes and the largest piece written.
 #[derive(Default)]
 struct Meter {
     bytes: usize,
@@ -369,7 +369,7 @@ fn a_hundred_thousand_cavities_are_handed_on_piece_by_piece() {
     }
 }
 
-/// A floor of 2 um in passes of 3.142 um cannot be cut, whatever bursts would give.
+/// A floor of 2 um cannot be cut in passes of 3.142 um, whatever bursts would give.
 #[test]
 fn depths_are_whole_passes_or_whole_bursts() {
     // 20 um spots every 2 um on lines 10 um apart: (pi / 4) 20^2 / (2 x 10) = 15.7 bursts of 0.2 um.
@@ -387,7 +387,7 @@ fn depths_are_whole_passes_or_whole_bursts() {
     assert!(refused.contains("whole number of passes of 3.14159") && refused.contains("instance 3.14159"), "{refused}");
     assert_eq!(hatched.check_depth(2e-6 * step_um), Ok(()));
     assert_eq!(hatched.bursts(2e-6 * step_um), None, "bursts on a spot do not give the depth");
-    // A mask opens on the whole cavity, and a spot that does not move stays for whole bursts.
+    // A mask exposes the whole cavity, and a spot that does not move stays for whole bursts.
     let mask = Laser { exposure: Some(Exposure::Mask), ..hatched };
     let still = Laser { speed_mm_s: None, ..hatched };
     for laser in [mask, still] {

@@ -1,7 +1,7 @@
-//! What of the cavities a spot does not get into.
+//! Areas of cavities that the spot does not reach.
 //!
-//! The spot stays within walls and rim. A cavity that the rim cuts to less than the spot has no line, and of a corner the spot leaves what
-//! its edge does not reach:
+//! The spot stays inside walls and border. A cavity that the border cuts to less than the spot has no line, and in a
+//! corner the area beyond the spot's edge is not reached:
 //!
 //! ```text
 //! swept share = area(points within s/2 of a line) / area(cavity)        s the spot
@@ -11,13 +11,14 @@ use crate::face::distance_m;
 use crate::number::decimal;
 use crate::{Cavity, Layout, Line};
 
-/// Points along either extent of a cavity at which it is looked at.
+/// Number of sample points along either extent of a cavity.
 const POINTS: u32 = 60;
-/// A cavity of which less is swept is warned of. A spot a third as wide sweeps 97 % of a square and all of a disc.
+/// Swept fraction of a cavity below which a warning is given. A spot a third as wide as the cavity sweeps 97 % of a
+/// square and all of a disc.
 const MIN_SWEPT: f64 = 0.9;
 
-/// What a spot does not get into of the cavities of `layout`, for people: of those without a line, which are `bare`, number and area in square
-/// metres, and of one whose `lines` are the longest.
+/// Warnings about areas of the cavities of `layout` that the spot does not reach: for cavities without a line, which
+/// are `bare` (number, and area in square metres), and for the cavity `one` with the longest `lines`.
 pub(crate) fn warnings(
     layout: &Layout,
     half_spot_m: f64,
@@ -47,7 +48,7 @@ pub(crate) fn warnings(
     warnings
 }
 
-/// Share of `cavity` within `half_spot_m` of one of `lines`.
+/// Fraction of `cavity` within `half_spot_m` of one of `lines`.
 fn swept_share(cavity: &Cavity, lines: &[Line], half_spot_m: f64) -> f64 {
     let [cosine, sine] = cavity.orientation;
     let place = |k: u32| (f64::from(k) + 0.5) / f64::from(POINTS) - 0.5;
@@ -79,11 +80,12 @@ mod tests {
 
     #[test]
     fn a_spot_sweeps_what_its_edge_reaches() {
-        // Two lines side by side in a square leave its corners, and as much between their ends: 1 - 2 (4 - pi) (s/2w)^2.
+        // Two lines side by side in a square miss its corners, and as much between their ends: 1 - 2 (4 - pi) (s/2w)^2.
         let square = swept(Texture::new(Planform::Square), 60.0, 30.0);
         assert!((square - (1.0 - 2.0 * (4.0 - std::f64::consts::PI) * 0.0625)).abs() < 6e-3, "{square}");
         assert!(swept(Texture::new(Planform::Groove), 75.0, 23.0) > 0.98);
-        // Of an equilateral triangle at most what a disc in it sweeps: 1 - (3 sqrt(3) - pi) r^2 / A, r the spot's radius.
+        // For an equilateral triangle at most the part swept by a disc: 1 - (3 sqrt(3) - pi) r^2 / A, with the spot's
+        // radius r.
         let corners = [[0.0, 0.0], [1.0, 0.0], [0.5, 0.75_f64.sqrt()]];
         let triangle = Texture::new(Planform::Polygon).with_outline(Polygon::new(&corners).unwrap()).unwrap();
         let (found, area_um2) = (swept(triangle, 80.0, 15.0), 0.25 * 3_f64.sqrt() * 6400.0);
@@ -100,7 +102,7 @@ mod tests {
         let layout = Layout::new(pattern(triangle, 60.0), DISC).unwrap();
         let said = laser_warnings(&layout, &laser);
         assert!(said.iter().any(|said| said.starts_with("lines sweep ") && said.contains("30 um")), "{said:?}");
-        // Grooves 160 um wide every 260 um on a plate 920 um long, whose outer ones are cut to 20 um.
+        // Grooves 160 um wide every 260 um on a plate 920 um long, whose outer grooves are cut to 20 um.
         let plate = Outline::Rectangle { length_m: 920e-6, width_m: 1e-3 };
         let clipped = Layout::clipped(pattern(Texture::new(Planform::Groove), 160.0), plate).unwrap();
         let said = laser_warnings(&clipped, &laser);

@@ -1,4 +1,4 @@
-//! A texture in words, as drawings and process sheets put it.
+//! Descriptions of a texture for drawings and process sheets.
 
 use slipgrid_pattern::{Arrangement, Pattern, Planform, Texture};
 
@@ -12,7 +12,7 @@ pub(crate) fn degrees(angle_deg: f64) -> String {
     decimal(angle_deg, ANGLE_DECIMALS)
 }
 
-/// Where the sliding direction lies on the specimen; "x" where nothing is turned.
+/// Sliding direction on the specimen; "x" without a sliding angle.
 pub(crate) fn sliding_direction(texture: &Texture) -> String {
     match texture.sliding_angle_deg() {
         0.0 => "x".to_owned(),
@@ -20,7 +20,7 @@ pub(crate) fn sliding_direction(texture: &Texture) -> String {
     }
 }
 
-/// Where grooves lie on the specimen: across the sliding direction, or where.
+/// Direction of grooves on the specimen.
 pub(crate) fn groove_direction(texture: &Texture) -> String {
     if let Some(crossing_deg) = texture.crossing_angle_deg() {
         let (first_deg, second_deg) = (texture.groove_angle_deg(), texture.groove_angle_deg() + crossing_deg);
@@ -37,7 +37,7 @@ pub(crate) fn groove_direction(texture: &Texture) -> String {
     }
 }
 
-/// Several cavities of this planform.
+/// Plural name of the cavities of a planform.
 pub(crate) const fn cavities(planform: Planform) -> &'static str {
     match planform {
         Planform::Groove => "grooves",
@@ -49,7 +49,7 @@ pub(crate) const fn cavities(planform: Planform) -> &'static str {
     }
 }
 
-/// The lattice on which cavities lie; grooves lie on none.
+/// Lattice of the cavities; not for grooves.
 pub(crate) fn lattice(pattern: &Pattern) -> &'static str {
     let square = pattern.pitch_across_m() == Some(pattern.pitch_m());
     match (pattern.texture().arrangement(), square) {

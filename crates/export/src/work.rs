@@ -1,4 +1,4 @@
-//! What follows from a layout and a laser for the work: bursts, lines, passes and time.
+//! Bursts, lines, passes and time for a layout and a laser.
 
 use serde::{Deserialize, Serialize};
 use slipgrid_pattern::Planform;
@@ -42,88 +42,90 @@ const OVERLAP_FORMULA: &str = "lines within half a spot of a point, as a mean ov
 pub struct WorkSheet {
     /// `hatch` or `mask`.
     pub exposure: Exposure,
-    /// Depth that the least exposure gives, in um: one pass over an endless hatch, otherwise one burst. Depths of designs are
-    /// whole multiples of it.
+    /// Depth of the smallest exposure, in um: one pass over an infinite hatch, otherwise one burst. Depths of designs
+    /// are multiples of it.
     pub depth_step_um: Option<f64>,
-    /// How it follows.
+    /// Formula for the depth step.
     pub depth_step_formula: Option<String>,
-    /// Bursts per cavity (on each of its spots, or on the whole cavity with a mask): depth over depth per burst, to the nearest
-    /// whole; absent where passes over lines give the depth.
+    /// Bursts per cavity (on each of its spots, or on the whole cavity with a mask): depth over depth per burst,
+    /// rounded to an integer; absent if passes over lines give the depth.
     pub bursts_per_cavity: Option<u32>,
-    /// Depth that those bursts give, in um.
+    /// Depth of these bursts, in um.
     pub depth_of_bursts_um: Option<f64>,
-    /// Its standard error, where depth per burst was fitted against fluence, in um.
+    /// Standard error of this depth, in um, if the depth per burst was fitted against fluence.
     pub depth_of_bursts_stderr_um: Option<f64>,
-    /// How often a point in the middle of a cavity is exposed, where bursts are planned on spots and the spot follows the lines of
-    /// `hatch.csv`; absent where lines do not overlap, where passes over lines give the depth, and for a mask.
+    /// Mean number of exposures of a point in the middle of a cavity, if bursts are planned on spots and the spot
+    /// follows the lines of `hatch.csv`; absent if lines do not overlap, if passes over lines give the depth, and for a
+    /// mask.
     pub exposures_of_a_point: Option<f64>,
-    /// How that follows.
+    /// Formula for the exposures of a point.
     pub exposures_of_a_point_formula: Option<String>,
-    /// Depth that those bursts then make, in um.
+    /// Depth of these bursts where lines overlap, in um.
     pub depth_where_lines_overlap_um: Option<f64>,
-    /// Width of a cavity on its floor, where walls lean, in um.
+    /// Width of a cavity at its floor, if walls slope, in um.
     pub floor_width_um: Option<f64>,
-    /// Spots that tile a cavity; of grooves on a disc the longest. Absent for a mask, which exposes cavities as wholes.
+    /// Spots that tile a cavity; for grooves on a disc the longest one. Absent for a mask, which exposes whole
+    /// cavities.
     pub spots_per_cavity: Option<u64>,
     /// Spots that tile all cavities; absent for a mask.
     pub spots_on_specimen: Option<u64>,
-    /// How spots are counted.
+    /// Formula for the number of spots.
     pub spots_formula: String,
-    /// The spot's centre stays this far inside a cavity's edge, in um.
+    /// Distance of the spot's centre from a cavity's edge, in um.
     pub spot_compensation_um: Option<f64>,
-    /// Where lines run; absent for a mask.
+    /// Direction of the lines; absent for a mask.
     pub marking_direction: Option<String>,
-    /// Distance of lines that the laser is set to, `laser.hatch_um`, in um: nominal, and that of an endless hatch. Within a cavity
-    /// lines lie evenly from edge to edge, at this distance or nearer.
+    /// Line distance setting of the laser, `laser.hatch_um`, in um: nominal, and that of an infinite hatch. Inside a
+    /// cavity lines are spaced evenly from edge to edge, at this distance or closer.
     pub line_distance_um: Option<f64>,
-    /// The least distance of neighbouring lines within a cavity, in um, as in `hatch.csv`; absent where one line fills each
-    /// cavity.
+    /// Smallest distance between neighbouring lines inside a cavity, in um, as in `hatch.csv`; absent if one line fills
+    /// each cavity.
     pub least_line_distance_um: Option<f64>,
-    /// The greatest distance of neighbouring lines within a cavity, in um, as in `hatch.csv`; the same as the least where all
-    /// cavities are as wide.
+    /// Largest distance between neighbouring lines inside a cavity, in um, as in `hatch.csv`; equal to the smallest if
+    /// all cavities are equally wide.
     pub greatest_line_distance_um: Option<f64>,
-    /// How these three belong together.
+    /// Relation between the three line distances.
     pub line_distance_formula: Option<String>,
-    /// Share of the spot by which lines overlap at the nominal distance.
+    /// Overlap of lines at the nominal distance, as a fraction of the spot.
     pub line_overlap: Option<f64>,
-    /// Lines on the specimen; absent for a mask, which marks none.
+    /// Number of lines on the specimen; absent for a mask.
     pub lines_on_specimen: Option<u64>,
-    /// Length of all lines, in mm; absent for a mask.
+    /// Total length of the lines, in mm; absent for a mask.
     pub marked_length_mm: Option<f64>,
-    /// Distance of bursts along a line: speed over repetition rate, in um.
+    /// Distance between bursts along a line: speed over repetition rate, in um.
     pub pulse_distance_um: Option<f64>,
-    /// Share of the spot by which bursts overlap.
+    /// Overlap of bursts, as a fraction of the spot.
     pub pulse_overlap: Option<f64>,
-    /// Bursts that reach a point in one pass, on average.
+    /// Mean number of bursts that reach a point in one pass.
     pub bursts_per_pass: Option<f64>,
-    /// How those are counted.
+    /// Formula for the bursts per pass.
     pub bursts_per_pass_formula: Option<String>,
-    /// Volume that the passes over all lines remove, in mm^3.
+    /// Volume removed by all passes, in mm^3.
     pub removed_volume_mm3: Option<f64>,
-    /// Depths that all passes make between the edge of a cavity and its middle, in eight equally wide bins: pairs of the distance
-    /// from the edge at which a bin ends, and the mean depth over the bin, both in um.
+    /// Depth profile of all passes between the edge of a cavity and its middle, in eight equally wide bins: pairs of
+    /// the distance from the edge at which a bin ends, and the mean depth in the bin, both in um.
     pub depths_across_um: Option<Vec<[f64; 2]>>,
-    /// What those pairs are.
+    /// Explanation of these pairs.
     pub depths_across_formula: Option<String>,
-    /// How depths follow from the lines.
+    /// Formula for depths from the lines.
     pub removal_formula: Option<String>,
-    /// Time under the laser, in s.
+    /// Estimated marking time, in s.
     pub estimated_time_s: Option<f64>,
-    /// Why there is no estimate.
+    /// Reason for a missing estimate.
     pub no_estimate_because: Option<String>,
-    /// How time is estimated.
+    /// Formula for the marking time.
     pub estimated_time_formula: String,
-    /// What the estimate takes for granted.
+    /// Assumptions of the estimate.
     pub estimated_time_assumptions: String,
-    /// What is off the design's depth by more than 5 % where the spot follows lines that overlap, and what to do.
+    /// Deviations by more than 5 % from the depth of the design where lines overlap, with remedies.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub warnings: Vec<String>,
-    /// Passes over the lines, and what they remove.
+    /// Passes over the lines, and the depth that they remove.
     pub removal: Option<Removal>,
 }
 
-/// Time under the laser for all cavities of `layout`, in seconds, as the process sheet estimates it; `None` where the
-/// laser is not known well enough.
+/// Estimated marking time for all cavities of `layout`, in seconds, as on the process sheet; `None` if laser parameters
+/// are missing.
 #[must_use]
 pub fn laser_time_s(layout: &Layout, laser: &Laser) -> Option<f64> {
     WorkSheet::new(layout, laser).estimated_time_s
@@ -170,9 +172,9 @@ impl WorkSheet {
         sheet
     }
 
-    /// Lines, overlaps and passes.
+    /// Fills in lines, overlaps and passes.
     fn mark(&mut self, layout: &Layout, laser: &Laser) {
-        // A mask exposes cavities as wholes: nothing is marked line by line.
+        // A mask exposes whole cavities, so that there are no lines.
         let Some(marking) = Marking::new(laser).ok().filter(|_| !laser.is_mask()) else { return };
         let rounded = |value: f64| round_digits(value, DERIVED_DIGITS);
         let hatched = Hatched::new(layout, &marking);
@@ -194,7 +196,7 @@ impl WorkSheet {
         (self.least_line_distance_um, self.greatest_line_distance_um) = (least_um, greatest_um);
         self.line_distance_formula = Some(LINES_FORMULA.to_owned());
         self.line_overlap = overlap(laser.line_distance_um());
-        if let Some(overlap) = Overlap::of(layout, laser, &hatched) {
+        if let Some(overlap) = Overlap::from_hatch(layout, laser, &hatched) {
             self.exposures_of_a_point = Some(rounded(overlap.exposures));
             self.exposures_of_a_point_formula = Some(OVERLAP_FORMULA.to_owned());
             self.depth_where_lines_overlap_um = Some(overlap.depth_um);
@@ -216,7 +218,7 @@ impl WorkSheet {
     fn estimate(&mut self, layout: &Layout, laser: &Laser) {
         let passes = self.removal.as_ref().map(|removal| removal.passes);
         let lines = passes.zip(self.marked_length_mm).zip(laser.speed_mm_s);
-        // Places that are burnt one by one: whole cavities through a mask, otherwise spots.
+        // Places that are exposed one by one: whole cavities for a mask, otherwise spots.
         let exposed = if laser.is_mask() { Some(layout.cavities() as u64) } else { self.spots_on_specimen };
         let burnt = exposed.zip(self.bursts_per_cavity).zip(laser.repetition_hz);
         let time_s = match (lines, burnt) {
@@ -243,7 +245,7 @@ impl WorkSheet {
     }
 }
 
-/// ceil(length / spot), one part in a million of a spot forgiven as rounding.
+/// ceil(length / spot), with a rounding tolerance of one part in a million of a spot.
 pub(crate) fn spots_along(length_m: f64, spot_um: f64) -> u64 {
     // Lengths are finite and positive; the cast saturates.
     (length_m * 1e6 / spot_um - 1e-6).ceil().max(1.0) as u64

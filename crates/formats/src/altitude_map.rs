@@ -5,7 +5,7 @@ use std::path::Path;
 
 use slipgrid_calibrate::area_law::{AreaLawError, SurfaceWarning};
 use slipgrid_material::MAX_FACTOR;
-use slipgrid_monitor::{Heeding, Monitor};
+use slipgrid_monitor::{CancellableReader, Monitor};
 use slipgrid_topography::{
     MapOption, MapWarning, Preparation, PreparationError, PreparedMap, ReadError, ReadMap, ReadOptions, limits,
     read_map,
@@ -110,7 +110,7 @@ pub fn told(warning: &MapWarning) -> String {
 /// [`Diagnostic`] if the file cannot be read or is no map, or `monitor` has cancelled.
 pub fn open(source: &Source, path: &Path, options: &ReadOptions, monitor: &dyn Monitor) -> Result<ReadMap, Diagnostic> {
     let file = stream(source, path, EXPECTED)?;
-    read_map(BufReader::new(Heeding::new(file, monitor)), options).map_err(|error| {
+    read_map(BufReader::new(CancellableReader::new(file, monitor)), options).map_err(|error| {
         // A file of settings in place of a map is told by its name: maps may be large.
         let text = path.extension().filter(|&extension| extension == "toml").map(|_| read_text(source, path, EXPECTED));
         let found = text.and_then(Result::ok).and_then(|text| FileKind::of(&text));

@@ -5,7 +5,7 @@
 //! only told.
 
 use crate::diagnostic::Diagnostic;
-use slipgrid_units::{LARGEST_DENSITY_G_CM3, LARGEST_MODULUS_GPA, Quantity, significant, tidy};
+use slipgrid_units::{MAX_DENSITY_G_CM3, MAX_MODULUS_GPA, Quantity, significant, tidy};
 
 /// A quantity of an experiment, in the unit of its key.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -40,7 +40,7 @@ pub const FRICTION: Plausible = Plausible {
 pub const MODULUS: Plausible = Plausible {
     what: "Young's moduli",
     unit: "GPa",
-    measurable: [1e-6, LARGEST_MODULUS_GPA],
+    measurable: [1e-6, MAX_MODULUS_GPA],
     usual: [5e-4, 250.0],
     why: "rubber has 0.001, polymers 0.1 to 5, steel 210, diamond 1220 GPa",
     slips: &[("in MPa, that", 1e-3), ("in Pa, that", 1e-9)],
@@ -49,7 +49,7 @@ pub const MODULUS: Plausible = Plausible {
 pub const DENSITY: Plausible = Plausible {
     what: "densities",
     unit: "g/cm3",
-    measurable: [1e-3, LARGEST_DENSITY_G_CM3],
+    measurable: [1e-3, MAX_DENSITY_G_CM3],
     usual: [0.1, 20.0],
     why: "foams have 0.1, polymers 0.9 to 2.2, steel 7.9, osmium 22.6 g/cm3",
     slips: &[("in kg/m3, that", 1e-3)],

@@ -170,10 +170,10 @@ impl ConditionTraces {
             speed_m_s: condition.speed_m_s,
             humidity: condition.humidity,
             mu_dynamic: mean.mu_dynamic.mean,
-            mu_dynamic_std: mean.mu_dynamic_of_another(),
+            mu_dynamic_std: mean.mu_dynamic_predictive_std(),
             static_peak: mean
                 .mu_static
-                .zip(mean.mu_static_of_another())
+                .zip(mean.mu_static_predictive_std())
                 .map(|(peak, std)| StaticPeak { mu: peak.mean, std }),
         }
     }

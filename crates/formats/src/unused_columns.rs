@@ -10,7 +10,7 @@ const FEWEST_LETTERS: usize = 4;
 /// Says of each unused column of `file` whose title is near to one that is known, of a quantity that no column is, which that is.
 #[must_use]
 pub(crate) fn near_titles(file: &TraceFile, titles: &Titles) -> Vec<String> {
-    let is_free = |channel: &Channel| !file.used.contains(channel) && !titles.has_own(*channel);
+    let is_free = |channel: &Channel| !file.used.contains(channel) && !titles.has_title(*channel);
     let free: Vec<Channel> = Channel::ALL.into_iter().filter(is_free).collect();
     let is_of_another = |title: &str| {
         let letters = Titles::letters_of(title);

@@ -1,31 +1,32 @@
 use crate::MaterialError;
 use crate::error::{increasing, not_negative, positive};
 
-/// Pressure P0 up to which friction is proportional to load, in pascals (the paper's 0.7 MPa).
+/// Pressure P0 up to which friction is proportional to load, in pascals: 0.7 MPa as in Balestra et al., J. Tribol. 144,
+/// 031704.
 pub const THRESHOLD_PRESSURE_PA: f64 = 0.7e6;
 
-/// The factor f(p) by which friction falls short of proportionality to pressure:
-/// f = [A(p)/A(P0)] / [p/P0] above P0, A the real contact area fraction, and 1 up to P0.
+/// Factor f(p) by which friction falls short of proportionality to pressure: f = [A(p)/A(P0)] / [p/P0] above P0, with
+/// the real contact area fraction A, and 1 up to P0.
 ///
-/// "Linear from 0.7 MPa" is read as the line through the origin, not as the tangent at P0.
-/// f is linear between tabulated pressures, 1 below the first; past the last the area stays
-/// constant, so f falls as 1/p ([`AreaLaw::is_extrapolated`]).
+/// The published "linear from 0.7 MPa" is interpreted as the line through the origin, not as the tangent at P0. f is
+/// interpolated linearly between tabulated pressures, and is 1 below the first. Above the last, the area stays
+/// constant, so that f falls as 1/p ([`AreaLaw::is_extrapolated`]).
 #[derive(Clone, Debug, PartialEq)]
 pub struct AreaLaw {
     pressure_pa: Vec<f64>,
     factor: Vec<f64>,
-    /// df/dp between one tabulated pressure and the next, per pascal.
+    /// df/dp in each interval of the table, per pascal.
     slope: Vec<f64>,
-    /// Standard errors of the factors, where they are known.
+    /// Standard errors of the factors, if known.
     factor_std: Option<Vec<f64>>,
 }
 
-/// p f(p) = constant + linear p + quadratic p^2 for pressures from `from_pa` up to `to_pa`, in pascals.
+/// p f(p) = constant + linear p + quadratic p^2 for pressures from `from_pa` to `to_pa`, in pascals.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Piece {
     /// First pressure of the interval.
     pub from_pa: f64,
-    /// Its end, not included.
+    /// End of the interval, not included.
     pub to_pa: f64,
     /// Constant term.
     pub constant_pa: f64,
@@ -36,30 +37,31 @@ pub struct Piece {
 }
 
 impl Piece {
-    /// No law: f = 1 at any pressure.
+    /// Friction proportional to pressure: f = 1.
     pub const PROPORTIONAL: Self =
         Self { from_pa: 0.0, to_pa: f64::INFINITY, constant_pa: 0.0, linear: 1.0, quadratic_per_pa: 0.0 };
 }
 
-/// f exceeds 1 by counting where few points of a map touch: by 0.07 where some hundred do (a slope of 0.5 on 128 x 128
-/// points). More than this comes of a few points that carry the load of the rest, and is no area law.
+/// Maximum factor of a valid law. The counting error of contact points lets f exceed 1 by 0.07 if only some hundred
+/// points touch (a slope of 0.5 on 128 x 128 points). A larger excess comes from a few points that carry the load of
+/// the others.
 pub const MAX_FACTOR: f64 = 1.1;
-/// Up to here f exceeds 1 by the error of the contact computation.
+/// Excess of f over 1 that is attributed to the error of the contact computation.
 const ROUNDED_FACTOR: f64 = 1.002;
 
-/// A step is taken over this part of the pressure where it stands: f stays continuous, so that a block
-/// pushed across the step has an equilibrium on it.
+/// Relative width of the ramp that replaces a step, so that f is continuous and a block pushed across the step has an
+/// equilibrium on it.
 const STEP_WIDTH: f64 = 1e-3;
-/// A first factor this close to 1 is no step.
+/// Deviation of the first factor from 1 that does not count as a step.
 const STEP_TOLERANCE: f64 = 1e-6;
 
 impl AreaLaw {
-    /// A law from a table of factors. The value below the first pressure is 1; a first factor other
-    /// than 1 is a step, taken over the last part in a thousand below the first pressure.
+    /// Creates a law from a table of factors. f is 1 below the first pressure; a first factor other than 1 is a step,
+    /// which is replaced by a ramp of 0.1 % of the first pressure below it.
     ///
     /// # Errors
-    /// [`MaterialError`] if the table is empty, its columns differ in length, pressures do not
-    /// increase from a positive first one, or a factor is negative.
+    /// [`MaterialError`] if the table is empty, its columns differ in length, pressures do not increase from a positive
+    /// first one, or a factor is negative.
     pub fn new(mut pressure_pa: Vec<f64>, mut factor: Vec<f64>) -> Result<Self, MaterialError> {
         const TABLE: &str = "area law";
         increasing(TABLE, &pressure_pa)?;
@@ -82,12 +84,12 @@ impl AreaLaw {
         Ok(Self { pressure_pa, factor, slope, factor_std: None })
     }
 
-    /// The law with the standard errors of its factors, one per tabulated pressure; without effect on f.
+    /// Sets the standard errors of the factors, one per tabulated pressure; f is not changed.
     ///
-    /// A step at the first pressure, which [`AreaLaw::new`] tabulates as a point of its own, is exact there.
+    /// The point that [`AreaLaw::new`] inserts for a step is exact.
     ///
     /// # Errors
-    /// [`MaterialError`] if their number is another or one is negative.
+    /// [`MaterialError`] if the number of standard errors differs from that of the pressures, or one is negative.
     pub fn with_factor_std(mut self, mut factor_std: Vec<f64>) -> Result<Self, MaterialError> {
         const QUANTITY: &str = "standard error of a factor of the area law";
         let stepped = match self.pressure_pa[..] {
@@ -111,13 +113,13 @@ impl AreaLaw {
         Ok(self)
     }
 
-    /// The law that a curve of real contact area fraction against pressure implies, with the
-    /// threshold `threshold_pa`, at the curve's own pressures above it.
+    /// Computes the law from a curve of real contact area fraction against pressure, with the threshold `threshold_pa`,
+    /// at the pressures of the curve above it.
     ///
-    /// A(P0) is interpolated linearly where `threshold_pa` is not listed.
+    /// A(P0) is interpolated linearly if `threshold_pa` is not tabulated.
     ///
     /// # Errors
-    /// [`MaterialError`] if the curve does not bracket the threshold, or is no valid table.
+    /// [`MaterialError`] if the curve does not bracket the threshold, or is not a valid table.
     pub fn from_area_curve(
         pressure_pa: &[f64],
         area_fraction: &[f64],
@@ -164,8 +166,8 @@ impl AreaLaw {
         self.factor_near(pressure_pa, &mut 0)
     }
 
-    /// f at `pressure_pa`, looking first in the interval `near` where the last call ended: the value of
-    /// [`AreaLaw::factor`] at a fraction of its cost while pressures change slowly.
+    /// f at `pressure_pa`, like [`AreaLaw::factor`], but starts with the interval `near` of the previous call. This is
+    /// much faster if pressures change slowly.
     #[inline]
     #[must_use]
     pub fn factor_near(&self, pressure_pa: f64, near: &mut usize) -> f64 {
@@ -184,12 +186,12 @@ impl AreaLaw {
         f[*near] + self.slope[*near] * (pressure_pa - p[*near])
     }
 
-    /// The interval of the table around `pressure_pa`, which lies within it; the first for what is no number, as in a run that has blown up.
+    /// Index of the interval that contains `pressure_pa`; 0 for NaN, which occurs in diverging runs.
     fn interval(&self, pressure_pa: f64) -> usize {
         self.pressure_pa.partition_point(|&tabulated| tabulated <= pressure_pa).max(1) - 1
     }
 
-    /// The interval of the law around `pressure_pa` as a polynomial of what it limits, p f(p).
+    /// The interval of the law that contains `pressure_pa`, as a polynomial of the limiting traction p f(p).
     #[must_use]
     pub fn piece(&self, pressure_pa: f64) -> Piece {
         let (p, f) = (&self.pressure_pa, &self.factor);
@@ -198,7 +200,7 @@ impl AreaLaw {
             return Piece { from_pa: 0.0, to_pa: p[0], ..Piece::PROPORTIONAL };
         }
         if pressure_pa >= p[last] {
-            // The area stays what it is: f p is constant.
+            // The area is constant: so is f p.
             return Piece {
                 from_pa: p[last],
                 to_pa: f64::INFINITY,
@@ -218,14 +220,14 @@ impl AreaLaw {
         }
     }
 
-    /// Whether `pressure_pa` lies past the last tabulated pressure.
+    /// Whether `pressure_pa` is above the last tabulated pressure.
     #[must_use]
     pub fn is_extrapolated(&self, pressure_pa: f64) -> bool {
         pressure_pa > self.pressure_pa[self.pressure_pa.len() - 1]
     }
 
-    /// Where f is largest and what it is there, if it exceeds 1 by more than rounding: more friction per load than at
-    /// light loads, which no growth of contact area gives.
+    /// Pressure and value of the largest f, if it exceeds 1 by more than rounding. Such a law has more friction per
+    /// load than at light loads, which contact area cannot explain.
     #[must_use]
     pub fn above_one(&self) -> Option<(f64, f64)> {
         let largest =
@@ -233,8 +235,8 @@ impl AreaLaw {
         largest.filter(|&(_, factor)| factor > ROUNDED_FACTOR)
     }
 
-    /// The first tabulated pressure and the factor to which f jumps there from 1, if it does: the step that
-    /// [`AreaLaw::new`] makes of a first factor other than 1.
+    /// First tabulated pressure and factor of a step from 1, if the law has one ([`AreaLaw::new`] makes a step of a
+    /// first factor other than 1).
     #[must_use]
     pub fn step(&self) -> Option<(f64, f64)> {
         match (&self.pressure_pa[..], &self.factor[..]) {
@@ -257,7 +259,7 @@ impl AreaLaw {
         &self.factor
     }
 
-    /// Standard errors of the tabulated factors, where they are known.
+    /// Standard errors of the tabulated factors, if known.
     #[must_use]
     pub fn factor_std(&self) -> Option<&[f64]> {
         self.factor_std.as_deref()
@@ -276,7 +278,7 @@ mod tests {
 
     #[test]
     fn factor_follows_the_line_through_the_origin() {
-        // Area proportional to pressure up to 1.4 MPa, constant after: f = 1, then falling as 1/p.
+        // Area proportional to pressure up to 1.4 MPa and constant above: f = 1, then falling as 1/p.
         let law = AreaLaw::from_area_curve(&[0.35e6, 1.05e6, 1.4e6, 2.8e6], &[0.1, 0.3, 0.4, 0.4], 0.7e6).unwrap();
         assert_eq!(law.pressures_pa()[0], 0.7e6);
         for (p, f) in [(0.1e6, 1.0), (0.7e6, 1.0), (1.4e6, 1.0), (2.8e6, 0.5), (5.6e6, 0.25), (2.1e6, 0.75)] {

@@ -1,6 +1,6 @@
-//! Conditions of a measurement beside its load, and what lies between measured ones.
+//! Conditions of a measurement other than its load, and interpolation between them.
 
-/// Sliding speed and humidity: what else than pressure a measurement depends on.
+/// Sliding speed and humidity: the conditions of a measurement other than pressure.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Condition {
     /// Sliding speed, in m/s.
@@ -10,7 +10,7 @@ pub struct Condition {
 }
 
 impl Condition {
-    /// Two conditions are the same when both numbers agree to one part in a million.
+    /// Whether both numbers agree to one part in a million.
     #[must_use]
     pub fn matches(&self, other: &Self) -> bool {
         close(self.speed_m_s, other.speed_m_s) && close(self.humidity, other.humidity)
@@ -25,20 +25,21 @@ pub(crate) fn close(a: f64, b: f64) -> bool {
     (a - b).abs() <= 1e-6 * a.abs().max(b.abs())
 }
 
-/// Rounds away what unit conversion left behind, for messages.
+/// Removes rounding errors of unit conversions, for messages.
 pub(crate) fn round(value: f64) -> f64 {
     (value * 1e9).round() / 1e9
 }
 
-/// The measured conditions about `wanted` and their shares, which sum to 1: itself alone where it was measured; else linear
-/// in ln(speed) between the nearest speeds below and above at one humidity, and linear in humidity between the nearest
-/// humidities below and above where that can be had. `None` outside: nothing is extrapolated.
+/// Measured conditions around `wanted` with their weights, which sum to 1. A measured condition has the weight 1.
+/// Otherwise interpolation is linear in ln(speed) between the nearest speeds at one humidity, and linear in humidity
+/// between the nearest humidities at which this is possible. `None` outside the measured range: there is no
+/// extrapolation.
 #[must_use]
 pub fn between(measured: &[Condition], wanted: &Condition) -> Option<Vec<(Condition, f64)>> {
     let mut humidities: Vec<f64> = measured.iter().map(|condition| condition.humidity).collect();
     humidities.sort_by(f64::total_cmp);
     humidities.dedup_by(|a, b| close(*a, *b));
-    // At each humidity that has speeds about the wanted one.
+    // Humidities with measured speeds around the wanted one.
     let levels: Vec<(f64, Vec<(Condition, f64)>)> = humidities
         .into_iter()
         .filter_map(|humidity| {
@@ -52,12 +53,13 @@ pub fn between(measured: &[Condition], wanted: &Condition) -> Option<Vec<(Condit
         .collect();
     let places: Vec<f64> = levels.iter().map(|(humidity, _)| *humidity).collect();
     let shares = bracket(&places, wanted.humidity)?;
-    let all =
-        shares.into_iter().flat_map(|(place, of)| levels[place].1.iter().map(move |(own, share)| (*own, of * share)));
+    let all = shares
+        .into_iter()
+        .flat_map(|(place, weight)| levels[place].1.iter().map(move |(own, share)| (*own, weight * share)));
     Some(all.collect())
 }
 
-/// Places about `wanted` among increasing ones, with their shares.
+/// Indices of the neighbours of `wanted` among increasing values, with their weights.
 fn bracket(places: &[f64], wanted: f64) -> Option<Vec<(usize, f64)>> {
     if let Some(place) = places.iter().position(|place| close(*place, wanted)) {
         return Some(vec![(place, 1.0)]);

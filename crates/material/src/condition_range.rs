@@ -1,19 +1,20 @@
-//! Ranges of speed and humidity, and the conditions in them at which friction can be lowest or highest.
+//! Ranges of speed and humidity, and the conditions within them at which friction can be extreme.
 //!
-//! Between measured conditions coefficients are linear in ln(v) and in humidity ([`between`]): at any pressure their
-//! least and greatest value over a box lies at one of its corners, or at measured speeds and humidities inside it.
+//! Coefficients are linear in ln(v) and in humidity between measured conditions ([`between`]). At any pressure their
+//! minimum and maximum over a range are therefore at one of its corners, or at measured speeds and humidities inside
+//! it.
 
 use crate::condition::{Condition, between, close};
 use crate::friction::unknown_condition;
 use crate::{Friction, MaterialError};
 
-/// Share of a speed by which a condition is moved off the speed where one humidity's measurements end: far beyond what
-/// counts as the same speed, and too little for friction to change by it.
-const ASIDE: f64 = 1e-4;
-/// Shares of measured conditions that differ by less are the same.
-const SAME_SHARE: f64 = 1e-9;
+/// Relative shift of a speed off the end of the measurements at one humidity: far more than the tolerance of equal
+/// speeds, and too small to change friction.
+const SPEED_SHIFT: f64 = 1e-4;
+/// Tolerance for equal weights of measured conditions.
+const WEIGHT_TOLERANCE: f64 = 1e-9;
 
-/// Sliding speeds and humidities, each from a lowest to a highest.
+/// A range of sliding speeds and a range of humidities.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ConditionRange {
     speed_m_s: [f64; 2],
@@ -21,10 +22,11 @@ pub struct ConditionRange {
 }
 
 impl ConditionRange {
-    /// Everything from the lowest to the highest speed, in m/s, and humidity, from 0 to 1.
+    /// Creates a range of speeds, in m/s, and of humidities, from 0 to 1.
     ///
     /// # Errors
-    /// [`MaterialError::OutOfRange`] unless speeds are positive, humidities not negative, all finite and the lowest first.
+    /// [`MaterialError::OutOfRange`] unless speeds are positive, humidities not negative, all are finite, and the
+    /// minimum comes first.
     pub fn new(speed_m_s: [f64; 2], humidity: [f64; 2]) -> Result<Self, MaterialError> {
         crate::error::positive("sliding speed", speed_m_s[0])?;
         crate::error::not_negative("relative humidity", humidity[0])?;
@@ -36,45 +38,45 @@ impl ConditionRange {
         Ok(Self { speed_m_s, humidity })
     }
 
-    /// Whether it is more than one condition.
+    /// Whether the range is more than a single condition.
     #[must_use]
     pub fn is_wide(&self) -> bool {
         !(close(self.speed_m_s[0], self.speed_m_s[1]) && close(self.humidity[0], self.humidity[1]))
     }
 
-    /// Lowest and highest speed, in m/s.
+    /// Minimum and maximum speed, in m/s.
     #[must_use]
     pub const fn speed_m_s(&self) -> [f64; 2] {
         self.speed_m_s
     }
 
-    /// Lowest and highest humidity, from 0 to 1.
+    /// Minimum and maximum humidity, from 0 to 1.
     #[must_use]
     pub const fn humidity(&self) -> [f64; 2] {
         self.humidity
     }
 
-    /// The corners, each once: lowest speed and humidity first.
+    /// Distinct corners of the range: minimum speed and humidity first.
     #[must_use]
     pub fn corners(&self) -> Vec<Condition> {
         let (speeds, humidities) = (places(self.speed_m_s, &[]), places(self.humidity, &[]));
         lattice(&speeds, &humidities).into_iter().flatten().collect()
     }
 
-    /// The conditions among which coefficients interpolated between `measured` ones are lowest and highest over the range,
-    /// at whatever pressure: its corners, and what was measured inside it or stands out there. Where one humidity's
-    /// measured speeds end inside the range, coefficients at other humidities jump: both sides are asked, the open one
-    /// `ASIDE` of the speed away. Speeds slowest, each once.
+    /// Conditions among which coefficients, interpolated between `measured` ones, are minimum and maximum over the
+    /// range at any pressure: the corners, and measured speeds and humidities inside the range. Where the measured
+    /// speeds of one humidity end inside the range, coefficients at other humidities jump; both sides are included,
+    /// with the open side shifted by the fraction `SPEED_SHIFT`. Distinct, with the speed varying slowest.
     ///
     /// # Errors
-    /// A condition of the range that is not between measured ones: a corner where one is not.
+    /// A corner of the range that is not between measured conditions.
     pub fn extremes(&self, measured: &[Condition]) -> Result<Vec<Condition>, Condition> {
         if let Some(outside) = self.corners().into_iter().find(|corner| between(measured, corner).is_none()) {
             return Err(outside);
         }
         let mut known: Vec<f64> = measured.iter().map(|condition| condition.speed_m_s).collect();
-        for end in ends(measured) {
-            known.extend([end * (1.0 - ASIDE), end * (1.0 + ASIDE)]);
+        for end in speed_ends(measured) {
+            known.extend([end * (1.0 - SPEED_SHIFT), end * (1.0 + SPEED_SHIFT)]);
         }
         let speeds = places(self.speed_m_s, &known);
         let humidities =
@@ -83,10 +85,11 @@ impl ConditionRange {
         let mut shares: Vec<Vec<Vec<f64>>> = Vec::new();
         for at_speed in &conditions {
             let row: Result<Vec<Vec<f64>>, Condition> =
-                at_speed.iter().map(|wanted| shares_of(measured, wanted).ok_or(*wanted)).collect();
+                at_speed.iter().map(|wanted| weights_in(measured, wanted).ok_or(*wanted)).collect();
             shares.push(row?);
         }
-        // A condition whose shares are the mean of its neighbours' along one direction is between them at any pressure.
+        // A condition whose weights are interpolated from its neighbours along one direction cannot be extreme at any
+        // pressure.
         let logs: Vec<f64> = speeds.iter().map(|speed| speed.ln()).collect();
         let along_speed = |i: usize, j: usize| {
             i > 0
@@ -117,8 +120,8 @@ impl ConditionRange {
 }
 
 impl Friction {
-    /// The conditions of `range` among which these coefficients are lowest and highest at whatever pressure
-    /// ([`ConditionRange::extremes`]); its corners where they depend on neither speed nor humidity.
+    /// Conditions of `range` among which the coefficients are minimum and maximum at any pressure
+    /// ([`ConditionRange::extremes`]); the corners if coefficients do not depend on the condition.
     ///
     /// # Errors
     /// [`MaterialError::UnknownCondition`] with a condition of the range that is not between measured ones.
@@ -130,8 +133,8 @@ impl Friction {
         range.extremes(&measured).map_err(|outside| unknown_condition(self.table(), Some(&outside)))
     }
 
-    /// Which of `conditions`, those of `range`, stands for it: a measured one, with the most pressures measured, nearest to
-    /// the range's middle in ln(v) and humidity; the first of equals. `None` without any.
+    /// Selects the one of `conditions` that represents `range`: the measured one with the most pressures, then the one
+    /// nearest to the middle of the range in ln(v) and humidity, then the first. `None` if there are none.
     #[must_use]
     pub fn primary(&self, range: &ConditionRange, conditions: &[Condition]) -> Option<Condition> {
         let measured = self.measured();
@@ -140,7 +143,7 @@ impl Friction {
             if highest > lowest { ((place - f64::midpoint(lowest, highest)) / (highest - lowest)).powi(2) } else { 0.0 }
         };
         let from_middle = |condition: &Condition| {
-            // Rounded: places as far on either side are equals.
+            // Rounded, so that conditions at equal distances on both sides are equivalent.
             let square =
                 off(condition.speed_m_s.ln(), range.speed_m_s.map(f64::ln)) + off(condition.humidity, range.humidity);
             (square * 1e6).round()
@@ -151,14 +154,14 @@ impl Friction {
         conditions.iter().min_by(rank).copied()
     }
 
-    /// Conditions of the coefficients, once for each pressure.
+    /// Conditions of the coefficients, once per pressure.
     fn measured(&self) -> Vec<Condition> {
         self.table().iter().filter_map(|row| row.condition).collect()
     }
 }
 
-/// Speeds at which the measurements at some humidity begin or end.
-fn ends(measured: &[Condition]) -> Vec<f64> {
+/// Speeds at which the measurements at a humidity begin or end.
+fn speed_ends(measured: &[Condition]) -> Vec<f64> {
     let at = |humidity: f64| {
         measured.iter().filter(move |other| close(other.humidity, humidity)).map(|other| other.speed_m_s)
     };
@@ -168,7 +171,7 @@ fn ends(measured: &[Condition]) -> Vec<f64> {
         .collect()
 }
 
-/// Both ends of a range and what is `known` strictly inside, increasing, each once.
+/// Distinct values: both ends of a range and the `known` values strictly inside, increasing.
 fn places([lowest, highest]: [f64; 2], known: &[f64]) -> Vec<f64> {
     let is_inside =
         |place: &f64| *place > lowest && *place < highest && !close(*place, lowest) && !close(*place, highest);
@@ -179,17 +182,17 @@ fn places([lowest, highest]: [f64; 2], known: &[f64]) -> Vec<f64> {
     places
 }
 
-/// Every condition of `speeds` and `humidities`, by speed.
+/// All combinations of `speeds` and `humidities`, by speed.
 fn lattice(speeds: &[f64], humidities: &[f64]) -> Vec<Vec<Condition>> {
     let at = |speed_m_s: f64| humidities.iter().map(move |&humidity| Condition { speed_m_s, humidity }).collect();
     speeds.iter().map(|&speed_m_s| at(speed_m_s)).collect()
 }
 
-/// Shares of the measured conditions in `wanted`, one for each; `None` outside.
-fn shares_of(measured: &[Condition], wanted: &Condition) -> Option<Vec<f64>> {
+/// Weights of all measured conditions in `wanted`; `None` outside the measured range.
+fn weights_in(measured: &[Condition], wanted: &Condition) -> Option<Vec<f64>> {
     let mut shares = vec![0.0; measured.len()];
     for (own, share) in between(measured, wanted)? {
-        // What was measured several times at other pressures counts once.
+        // A condition that was measured at several pressures counts once.
         if let Some(place) = measured.iter().position(|other| other.matches(&own)) {
             shares[place] += share;
         }
@@ -197,11 +200,11 @@ fn shares_of(measured: &[Condition], wanted: &Condition) -> Option<Vec<f64>> {
     Some(shares)
 }
 
-/// Whether the second of three shares is that of a line between the others.
+/// Whether the second of three weights lies on the line between the others.
 fn is_between([before, here, after]: [&Vec<f64>; 3], [from, at, to]: [f64; 3]) -> bool {
     let t = (at - from) / (to - from);
     let is_on_line =
-        |((before, here), after): ((&f64, &f64), &f64)| (before + t * (after - before) - here).abs() < SAME_SHARE;
+        |((before, here), after): ((&f64, &f64), &f64)| (before + t * (after - before) - here).abs() < WEIGHT_TOLERANCE;
     before.iter().zip(here).zip(after).all(is_on_line)
 }
 
@@ -218,7 +221,7 @@ mod tests {
         ConditionRange::new(speed_mm_s.map(|v| v * 1e-3), humidity_pct.map(|h| h * 1e-2)).unwrap()
     }
 
-    /// Coefficients without order: three pressures at some conditions, one at others.
+    /// Random coefficients: three pressures at some conditions, one at others.
     fn friction(measured: &[Condition], salt: u64) -> Friction {
         let mut state = salt;
         let mut next = || {
@@ -236,7 +239,7 @@ mod tests {
         Friction::PerCondition(rows)
     }
 
-    /// Least and greatest coefficient over `conditions`.
+    /// Minimum and maximum coefficient over `conditions`.
     fn ends_of(friction: &Friction, conditions: &[Condition], pressure_pa: f64) -> [f64; 2] {
         let mu = |condition: &Condition| friction.at(pressure_pa, Some(condition)).unwrap().friction.dynamic_mean();
         conditions.iter().map(mu).fold([f64::INFINITY, 0.0], |[low, high], mu| [low.min(mu), high.max(mu)])
@@ -245,7 +248,7 @@ mod tests {
     #[test]
     fn no_condition_of_the_box_has_lower_or_higher_friction_at_any_pressure() {
         let whole = vec![at(0.4, 15.0), at(2.0, 15.0), at(4.0, 15.0), at(0.4, 80.0), at(2.0, 80.0), at(4.0, 80.0)];
-        // Speeds that differ from humidity to humidity, and end inside.
+        // Speeds that differ between humidities, and end inside the range.
         let ragged = vec![
             at(0.4, 15.0),
             at(4.0, 15.0),
@@ -278,7 +281,7 @@ mod tests {
                     for pressure_pa in [0.4e6, 0.5e6, 1.0e6, 1.2e6, 1.5e6, 2.2e6, 3e6] {
                         let ours = ends_of(&friction, &extremes, pressure_pa);
                         let all = ends_of(&friction, &dense, pressure_pa);
-                        // What a jump leaves by standing a ten thousandth aside.
+                        // Error from the relative shift of 1e-4 at a jump.
                         assert!(all[0] > ours[0] - 1e-4 && all[1] < ours[1] + 1e-4, "{wide:?} {ours:?} {all:?}");
                     }
                 }
@@ -315,7 +318,7 @@ mod tests {
         let primary = |wide: ConditionRange| friction.primary(&wide, &friction.extremes(&wide).unwrap()).unwrap();
         assert_eq!(primary(range([0.4, 4.0], [15.0, 60.0])), at(2.0, 15.0));
         assert_eq!(primary(range([0.4, 4.0], [40.0, 80.0])), at(2.0, 80.0));
-        // Nothing measured inside: of four corners the first.
+        // Nothing was measured inside: the first of four corners.
         assert_eq!(primary(range([0.5, 1.0], [20.0, 30.0])), at(0.5, 20.0));
         let outside = friction.extremes(&range([0.4, 5.0], [15.0, 80.0])).unwrap_err().to_string();
         assert!(outside.contains("5 mm/s at 15 %"), "{outside}");
@@ -325,7 +328,7 @@ mod tests {
 
     #[test]
     fn where_one_humidity_ends_both_sides_of_the_jump_are_asked() {
-        // At 40 % nothing is known beyond 2 mm/s: at 30 % friction jumps there.
+        // At 40 % nothing is known beyond 2 mm/s, so that friction at 30 % jumps there.
         let measured = [at(0.4, 15.0), at(4.0, 15.0), at(0.4, 40.0), at(2.0, 40.0), at(0.4, 80.0), at(4.0, 80.0)];
         let extremes = range([1.0, 4.0], [30.0, 30.0]).extremes(&measured).unwrap();
         let speeds: Vec<f64> = extremes.iter().map(|condition| condition.speed_m_s * 1e3).collect();

@@ -1,8 +1,8 @@
 use crate::MaterialError;
 use crate::error::positive;
 
-/// Young's modulus and density of an isotropic solid. Poisson's ratio belongs to the model: the
-/// lattice fixes it, the half-space takes it as an argument.
+/// Elastic constants and density of an isotropic solid. Poisson's ratio belongs to the model: it is fixed by the
+/// lattice, and is an argument for the half-space.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Elastic {
     youngs_modulus_pa: f64,
@@ -11,7 +11,7 @@ pub struct Elastic {
 }
 
 impl Elastic {
-    /// A solid of `youngs_modulus_pa` and `density_kg_m3`.
+    /// Creates a solid with Young's modulus `youngs_modulus_pa` and density `density_kg_m3`.
     ///
     /// # Errors
     /// [`MaterialError::OutOfRange`] unless both are positive and finite.
@@ -35,10 +35,10 @@ impl Elastic {
         self.density_kg_m3
     }
 
-    /// The same solid `factor` times as stiff.
+    /// A solid with Young's modulus multiplied by `factor`.
     ///
     /// # Errors
-    /// As [`Self::new`].
+    /// See [`Self::new`].
     pub fn at_modulus(&self, factor: f64) -> Result<Self, MaterialError> {
         Ok(Self {
             yield_pressure_pa: self.yield_pressure_pa,
@@ -46,7 +46,7 @@ impl Elastic {
         })
     }
 
-    /// The same solid whose rims flatten for good where they are pressed with `yield_pressure_pa`, or never do.
+    /// Sets the pressure at which rims are flattened permanently; `None` for elastic rims.
     ///
     /// # Errors
     /// [`MaterialError::OutOfRange`] unless it is positive and finite.
@@ -55,8 +55,8 @@ impl Elastic {
         Ok(Self { yield_pressure_pa: checked, ..self })
     }
 
-    /// Contact pressure at which the face's heights flatten for good, in pascals, some three times the yield stress; `None`
-    /// where the solid is elastic.
+    /// Contact pressure at which heights of the face are flattened permanently, in pascals: about three times the yield
+    /// stress. `None` for an elastic solid.
     #[must_use]
     pub const fn yield_pressure_pa(&self) -> Option<f64> {
         self.yield_pressure_pa

@@ -1,63 +1,63 @@
-/// Why material data were refused.
+/// Reason why material data were refused.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum MaterialError {
-    /// A number outside its meaning.
+    /// A number is out of range.
     #[error("{quantity} is {value}: expected {expected}")]
     OutOfRange {
-        /// What the number is.
+        /// Name of the number.
         quantity: &'static str,
-        /// The number given, SI units.
+        /// Number given, in SI units.
         value: f64,
-        /// What would be accepted.
+        /// Description of what is accepted.
         expected: &'static str,
     },
-    /// Two columns of a table that should have equal lengths.
+    /// Two columns of a table have different lengths.
     #[error("{quantity}: {left} pressures but {right} values")]
     LengthMismatch {
-        /// Which table.
+        /// Name of the table.
         quantity: &'static str,
         /// Number of pressures.
         left: usize,
         /// Number of values.
         right: usize,
     },
-    /// A table without rows.
+    /// A table is empty.
     #[error("{quantity}: the table is empty")]
     Empty {
-        /// Which table.
+        /// Name of the table.
         quantity: &'static str,
     },
-    /// Pressures that do not increase.
+    /// Pressures do not increase.
     #[error("{quantity}: pressures must increase, but {next} Pa follows {previous} Pa")]
     NotIncreasing {
-        /// Which table.
+        /// Name of the table.
         quantity: &'static str,
-        /// The earlier pressure.
+        /// Earlier pressure, in pascals.
         previous: f64,
-        /// The later one.
+        /// Later pressure, in pascals.
         next: f64,
     },
-    /// The condition asked for lies outside those measured.
+    /// The requested condition is outside the measured ones.
     #[error(
         "no coefficients for {speed_mm_s} mm/s at {humidity_pct} % humidity, which is not between measured ones: the material has {available}"
     )]
     UnknownCondition {
-        /// Speed asked for, mm/s.
+        /// Requested speed, in mm/s.
         speed_mm_s: f64,
-        /// Relative humidity asked for, per cent.
+        /// Requested relative humidity, in per cent.
         humidity_pct: f64,
-        /// The conditions there are, in words.
+        /// List of the measured conditions.
         available: String,
     },
-    /// The material has coefficients per condition and none was named.
+    /// The material has coefficients per condition, and none was requested.
     #[error("the material has coefficients per condition: name one, for instance condition = {{ {example} }}")]
     ConditionMissing {
-        /// A condition that would be accepted.
+        /// Example of a condition.
         example: String,
     },
 }
 
-/// `value` if it is finite and positive.
+/// Checks that `value` is finite and positive.
 pub(crate) fn positive(quantity: &'static str, value: f64) -> Result<f64, MaterialError> {
     if value.is_finite() && value > 0.0 {
         Ok(value)
@@ -66,7 +66,7 @@ pub(crate) fn positive(quantity: &'static str, value: f64) -> Result<f64, Materi
     }
 }
 
-/// `value` if it is finite and not negative.
+/// Checks that `value` is finite and not negative.
 pub(crate) fn not_negative(quantity: &'static str, value: f64) -> Result<f64, MaterialError> {
     if value.is_finite() && value >= 0.0 {
         Ok(value)
@@ -75,7 +75,7 @@ pub(crate) fn not_negative(quantity: &'static str, value: f64) -> Result<f64, Ma
     }
 }
 
-/// Checks that `pressures` increase strictly and are finite and not negative.
+/// Checks that `pressures_pa` are finite, not negative and strictly increasing.
 pub(crate) fn increasing(quantity: &'static str, pressures_pa: &[f64]) -> Result<(), MaterialError> {
     if pressures_pa.is_empty() {
         return Err(MaterialError::Empty { quantity });

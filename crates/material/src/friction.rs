@@ -2,8 +2,8 @@ use crate::MaterialError;
 use crate::condition::{Condition, between, round};
 use crate::error::{not_negative, positive};
 
-/// Means and scatter of the local friction coefficients: each contact block draws
-/// mu_s = static_mean (1 + s g1) and mu_d = dynamic_mean (1 + s g2), g1 and g2 standard normal.
+/// Means and scatter of the local friction coefficients. Each contact block draws mu_s = static_mean (1 + s g1) and
+/// mu_d = dynamic_mean (1 + s g2), with standard normal g1 and g2.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LocalFriction {
     static_mean: f64,
@@ -12,7 +12,7 @@ pub struct LocalFriction {
 }
 
 impl LocalFriction {
-    /// Local coefficients with the given means and relative standard deviation.
+    /// Creates local coefficients with the given means and relative standard deviation.
     ///
     /// # Errors
     /// [`MaterialError::OutOfRange`] unless the means are positive and the scatter is not negative.
@@ -42,7 +42,7 @@ impl LocalFriction {
         self.relative_std
     }
 
-    /// Linear interpolation between two sets of coefficients, `t` from 0 to 1.
+    /// Interpolates linearly to `other`, with `t` from 0 to 1.
     #[must_use]
     fn interpolate(&self, other: &Self, t: f64) -> Self {
         let mix = |a: f64, b: f64| a + t * (b - a);
@@ -59,7 +59,7 @@ impl LocalFriction {
 pub struct ConditionFriction {
     /// Nominal pressure of the measurement, in pascals.
     pub pressure_pa: f64,
-    /// Speed and humidity; `None` where the coefficients hold for any.
+    /// Speed and humidity; `None` if the coefficients hold for all conditions.
     pub condition: Option<Condition>,
     /// The coefficients.
     pub friction: LocalFriction,
@@ -70,8 +70,8 @@ pub struct ConditionFriction {
 pub enum Friction {
     /// One pair of coefficients for all loads, speeds and humidities.
     Single(LocalFriction),
-    /// Coefficients per condition, linear in nominal pressure, in the logarithm of speed and in humidity between
-    /// measurements.
+    /// Coefficients per condition, interpolated linearly in nominal pressure, in the logarithm of speed and in
+    /// humidity.
     PerCondition(Vec<ConditionFriction>),
 }
 
@@ -80,23 +80,23 @@ pub enum Friction {
 pub struct FrictionAt {
     /// The coefficients.
     pub friction: LocalFriction,
-    /// The pressure lies outside the measured range: the nearest measurement was taken.
+    /// Whether the pressure is outside the measured range, so that the nearest measurement was used.
     pub outside_measured_range: bool,
 }
 
 impl Friction {
-    /// The coefficients at `pressure_pa` under `condition` (ignored by [`Friction::Single`]).
+    /// Coefficients at `pressure_pa` under `condition` (ignored by [`Friction::Single`]).
     ///
     /// # Errors
-    /// [`MaterialError::ConditionMissing`] or [`MaterialError::UnknownCondition`] where the
-    /// coefficients depend on the condition and it is absent or lies outside those measured.
+    /// [`MaterialError::ConditionMissing`] or [`MaterialError::UnknownCondition`] if the coefficients depend on the
+    /// condition and it is missing or outside the measured ones.
     pub fn at(&self, pressure_pa: f64, condition: Option<&Condition>) -> Result<FrictionAt, MaterialError> {
         let table = match self {
             Self::Single(friction) => return Ok(FrictionAt { friction: *friction, outside_measured_range: false }),
             Self::PerCondition(table) => table,
         };
         let measured: Vec<Condition> = table.iter().filter_map(|row| row.condition).collect();
-        // Rows without a condition hold for any; they stand alone.
+        // Rows without a condition hold for all conditions; a table has only such rows or none.
         if measured.is_empty() {
             let rows: Vec<&ConditionFriction> = table.iter().collect();
             return at_pressure(&rows, pressure_pa).ok_or_else(|| unknown_condition(table, condition));
@@ -119,7 +119,7 @@ impl Friction {
         mixed.ok_or_else(|| unknown_condition(table, condition))
     }
 
-    /// Coefficients by condition and pressure; none where one pair holds for all.
+    /// Coefficients by condition and pressure; empty for a single pair.
     pub(crate) fn table(&self) -> &[ConditionFriction] {
         match self {
             Self::Single(_) => &[],
@@ -127,9 +127,9 @@ impl Friction {
         }
     }
 
-    /// Lowest and highest pressure at which coefficients were measured under `condition`; between measured conditions those at which
-    /// all of them were. `None` where one pair holds for all, where nothing is known of the condition, and where no pressure is common to
-    /// the conditions about it.
+    /// Minimum and maximum pressure at which coefficients were measured under `condition`; between measured conditions,
+    /// the pressures that all of them cover. `None` for a single pair, for unknown conditions, and if the conditions
+    /// have no pressure in common.
     #[must_use]
     pub fn measured_pressures_pa(&self, condition: Option<&Condition>) -> Option<[f64; 2]> {
         let measured: Vec<Condition> = self.table().iter().filter_map(|row| row.condition).collect();
@@ -150,8 +150,8 @@ impl Friction {
         (common[0] <= common[1]).then_some(common)
     }
 
-    /// What coefficients under `condition` are made of where it was not measured itself: measured conditions about it, in
-    /// words; `None` where nothing is interpolated.
+    /// Describes the measured conditions from which coefficients under `condition` are interpolated; `None` without
+    /// interpolation.
     #[must_use]
     pub fn interpolation(&self, condition: Option<&Condition>) -> Option<String> {
         let Self::PerCondition(table) = self else { return None };
@@ -166,12 +166,12 @@ impl Friction {
     }
 }
 
-/// Coefficients at a pressure from `rows` of one condition; `None` without any.
+/// Coefficients at a pressure, from the `rows` of one condition; `None` without rows.
 fn at_pressure(rows: &[&ConditionFriction], pressure_pa: f64) -> Option<FrictionAt> {
     let mut rows = rows.to_vec();
     rows.sort_by(|a, b| a.pressure_pa.total_cmp(&b.pressure_pa));
     let (first, last) = (rows.first()?, rows.last()?);
-    // A pressure within a hundredth of an end counts as that end, as in trials: no tribometer holds it more exactly.
+    // A pressure within 1 % of an end counts as that end, as in trials, because no tribometer holds it more exactly.
     let margin_pa = 1e-2 * pressure_pa.abs();
     if pressure_pa <= first.pressure_pa {
         let outside = pressure_pa < first.pressure_pa - margin_pa;
@@ -244,9 +244,9 @@ mod tests {
         // Half of 0.25 and half of 0.35.
         assert!((middle.friction.dynamic_mean() - 0.3).abs() < 1e-12 && !middle.outside_measured_range);
         assert!((middle.friction.static_mean() - 0.33).abs() < 1e-12 && middle.friction.relative_std() == 0.05);
-        // A pressure beyond those of one of the two is outside.
+        // A pressure beyond those of one of the two conditions is outside.
         assert!(at(2e-3, 2.5e6).unwrap().outside_measured_range && !at(4e-3, 2.5e6).unwrap().outside_measured_range);
-        // The range that is named is that of the condition: between two of them what both have.
+        // The range is that of the condition; between two conditions, the common range.
         let range = |speed_m_s| friction.measured_pressures_pa(Some(&Condition { speed_m_s, humidity: 0.15 }));
         assert_eq!((range(1e-3), range(4e-3)), (Some([1e6, 2e6]), Some([1e6, 3e6])));
         assert_eq!((range(2e-3), range(9e-3)), (Some([1e6, 2e6]), None));
@@ -264,7 +264,7 @@ mod tests {
         let wanted = Condition { speed_m_s: 3e-3, humidity: 0.15 };
         let unknown = friction.at(1e6, Some(&wanted)).unwrap_err().to_string();
         assert!(unknown.contains("3 mm/s") && unknown.contains("2 mm/s at 15 %"), "{unknown}");
-        // Each once, however many loads it was measured at.
+        // Distinct conditions, however many loads were measured.
         let loads = vec![row(1e6, 2.0, 0.2), row(1e6, 5.0, 0.2), row(2e6, 2.0, 0.2), row(2e6, 5.0, 0.2)];
         let unknown = Friction::PerCondition(loads).at(1e6, Some(&Condition { humidity: 0.9, ..wanted }));
         let unknown = unknown.unwrap_err().to_string();

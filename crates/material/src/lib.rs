@@ -1,24 +1,24 @@
-//! What a material brings to a friction model: elastic constants, local friction coefficients, the
-//! area law, and where each came from.
+//! Material data for a friction model: elastic constants, local friction coefficients, the area law, and their
+//! provenance.
 //!
-//! A block that carries the local pressure `p` and slides resists with
+//! The friction traction of a sliding block with the local pressure `p` is
 //!
 //! ```text
 //! friction traction = mu_d f(p) p
 //! ```
 //!
-//! `f` is the [`AreaLaw`]: the real contact area relative to what proportional growth would give
-//! (Balestra et al., J. Tribol. 144, 031704). Without one, `f = 1`: Amontons-Coulomb.
+//! `f` is the [`AreaLaw`]: real contact area relative to proportional growth (Balestra et al., J. Tribol. 144, 031704).
+//! Without an area law `f = 1`: Amontons-Coulomb.
 //!
 //! | type | role |
 //! |---|---|
 //! | [`Elastic`] | Young's modulus and density |
 //! | [`LocalFriction`] | means and scatter of the local coefficients |
 //! | [`Friction`] | one pair for all loads, or coefficients per condition |
-//! | [`AreaLaw`] | the factor f(p) |
-//! | [`Provenance`] | where values came from, and whether the surface is synthetic |
+//! | [`AreaLaw`] | factor f(p) |
+//! | [`Provenance`] | origin of the values, and whether the surface is synthetic |
 //!
-//! This crate knows no lattice and opens no files.
+//! This crate does not depend on a lattice and opens no files.
 //!
 //! ```
 //! use slipgrid_material::AreaLaw;
@@ -46,30 +46,30 @@ pub use error::MaterialError;
 pub use friction::{ConditionFriction, Friction, FrictionAt, LocalFriction};
 pub use measured_law::Extrapolation;
 
-/// Where a material's values came from.
+/// Origin of a material's values.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Provenance {
-    /// The material's name.
+    /// Name of the material.
     pub name: String,
     /// Publication or laboratory.
     pub source: String,
-    /// The altitude map behind the area law is synthetic, not measured.
+    /// Whether the height map of the area law is synthetic.
     pub synthetic_surface: bool,
-    /// One line per value: how it was obtained, what was assumed.
+    /// Notes on how values were obtained and what was assumed, one sentence each.
     pub notes: Vec<String>,
-    /// What makes results that rest on it doubtful; each begins with its name.
+    /// Reasons to doubt results; each begins with the name of the warning.
     pub warnings: Vec<String>,
 }
 
-/// A material as the models take it.
+/// Material of the specimen.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Material {
     /// Elastic constants and density.
     pub elastic: Elastic,
     /// Local friction coefficients.
     pub friction: Friction,
-    /// Area law; absent for Amontons-Coulomb friction.
+    /// Area law; `None` for Amontons-Coulomb friction.
     pub area_law: Option<AreaLaw>,
-    /// Where the values came from.
+    /// Origin of the values.
     pub provenance: Provenance,
 }

@@ -1,23 +1,23 @@
-//! Measured flat friction taken for the law of local friction: mu(p) = mu_flat(P = p).
+//! Measured flat friction as the law of local friction: mu(p) = mu_flat(P = p).
 //!
-//! The area law says that friction of a contact grows less than its load, because real contact area does; where flat friction
-//! nevertheless rises with the nominal pressure, the coefficients mu_d of each load rise. The other reading of the same
-//! measurements is that friction depends on the local pressure as it was seen to depend on the nominal one. Under edges of
-//! cavities friction is then higher, not lower. Flat samples alone do not tell the two apart.
+//! In the area law, friction of a contact grows less than its load, because real contact area does. If flat friction
+//! nevertheless rises with nominal pressure, the fitted mu_d rises with load. The alternative interpretation of these
+//! measurements is that friction depends on local pressure as it does on nominal pressure. Under the edges of cavities
+//! friction is then higher instead of lower. Flat samples alone cannot distinguish the two interpretations.
 
 use crate::{AreaLaw, MaterialError};
 
-/// How a measured law goes on above its last pressure. Below its first it is constant.
+/// Extrapolation of a measured law above its last pressure; below the first pressure it is constant.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Extrapolation {
-    /// As at the last pressure.
+    /// Constant, as at the last pressure.
     Constant,
-    /// Linear in the logarithm of pressure, from the first measured point through the last, and not below zero.
+    /// Linear in the logarithm of pressure, through the first and last measured points, and not below zero.
     Logarithmic,
 }
 
 impl Extrapolation {
-    /// Both, in the order in which help texts list them.
+    /// All kinds, in the order in which help texts list them.
     pub const ALL: [Self; 2] = [Self::Constant, Self::Logarithmic];
 
     /// The name used in files.
@@ -30,14 +30,14 @@ impl Extrapolation {
     }
 }
 
-/// Largest local pressure that a law is tabulated for, in pascals: beyond that no polymer is meant.
+/// Maximum tabulated local pressure, in pascals; no polymer carries more.
 const MAX_PRESSURE_PA: f64 = 1e9;
-/// Tabulated pressures of a law above its last one, each larger by the same factor.
-const POINTS: u32 = 64;
+/// Number of tabulated pressures above the last measured one, in geometric progression.
+const EXTRAPOLATED_POINTS: u32 = 64;
 
 impl AreaLaw {
-    /// The factors f(p) = mu(p) / mu(P1) of flat friction `mu_flat` measured at `pressure_pa`, increasing: linear between
-    /// measurements, 1 below the first, by `extrapolation` above the last.
+    /// Computes the factors f(p) = mu(p) / mu(P1) from flat friction `mu_flat` measured at the increasing pressures
+    /// `pressure_pa`: linear between measurements, 1 below the first, and by `extrapolation` above the last.
     ///
     /// # Errors
     /// [`MaterialError`] if pressures do not increase from a positive one, or a coefficient is not positive.
@@ -66,8 +66,8 @@ impl AreaLaw {
         let (mut pressures, mut factors) =
             (pressure_pa.to_vec(), mu_flat.iter().map(|mu| mu / first).collect::<Vec<_>>());
         let reach = (MAX_PRESSURE_PA / last_pa).ln();
-        for point in 1..=POINTS {
-            let log = reach * f64::from(point) / f64::from(POINTS);
+        for point in 1..=EXTRAPOLATED_POINTS {
+            let log = reach * f64::from(point) / f64::from(EXTRAPOLATED_POINTS);
             if log > 0.0 {
                 pressures.push(last_pa * log.exp());
                 factors.push(((last + slope * log) / first).max(0.0));

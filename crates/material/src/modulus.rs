@@ -1,29 +1,30 @@
-//! An area law where Young's modulus, or its own factors, are other than was taken.
+//! Area laws for another Young's modulus, or with shifted factors.
 
 use crate::{AreaLaw, MaterialError};
 
-/// A first interval narrower than this share of its pressure is a step, and says nothing of how the area bends.
-const STEP: f64 = 1e-2;
+/// A first interval narrower than this fraction of its pressure is a step, which does not show the curvature of the
+/// area.
+const MAX_STEP_WIDTH: f64 = 1e-2;
 
-/// Largest pressure over the threshold that says how g bends below it.
-const MAX_BEND: f64 = 3.0;
+/// Maximum pressure, relative to the threshold, that is used to extrapolate g below the threshold.
+const MAX_CURVATURE_RATIO: f64 = 3.0;
 
-/// g below the threshold: value there, slope and curvature.
-struct Below {
+/// Extrapolation of g below the threshold: value at the threshold, slope and curvature.
+struct ThresholdExtrapolation {
     value: f64,
     slope: f64,
     curvature: f64,
 }
 
-impl Below {
-    /// Of a table with two pressures or more.
-    fn of(p: &[f64], f: &[f64]) -> Self {
+impl ThresholdExtrapolation {
+    /// Fits the extrapolation to a table with at least two pressures.
+    fn fit(p: &[f64], f: &[f64]) -> Self {
         let straight = Self { value: f[0], slope: (f[1] - f[0]) / (p[1] - p[0]), curvature: 0.0 };
         let nearest = |wanted: f64| {
             (1..p.len()).min_by(|&a, &b| (p[a] - wanted * p[0]).abs().total_cmp(&(p[b] - wanted * p[0]).abs()))
         };
         let (Some(a), Some(b)) = (nearest(1.5), nearest(2.0)) else { return straight };
-        if a == b || p[b] > MAX_BEND * p[0] {
+        if a == b || p[b] > MAX_CURVATURE_RATIO * p[0] {
             return straight;
         }
         // Divided differences.
@@ -32,8 +33,9 @@ impl Below {
         Self { value: f[0], slope: first - curvature * (p[a] - p[0]), curvature }
     }
 
-    /// g at `by` from the threshold, negative below it: where the parabola would turn, contact area is proportional to load.
-    fn at(&self, by: f64) -> f64 {
+    /// g at the distance `by` from the threshold, negative below it. Beyond the vertex of the parabola contact area is
+    /// proportional to load.
+    fn value_at(&self, by: f64) -> f64 {
         let turns = -self.slope / (2.0 * self.curvature);
         let by = if turns.is_finite() && turns < 0.0 && self.curvature < 0.0 { by.max(turns) } else { by };
         self.value + self.slope * by + self.curvature * by * by
@@ -41,14 +43,14 @@ impl Below {
 }
 
 impl AreaLaw {
-    /// The law of the same surface where Young's modulus is larger by `factor`, with the same threshold P0: contact
-    /// area depends on P / E alone, A(P; c E) = A(P / c; E), so that
+    /// Area law of the same surface with Young's modulus multiplied by `factor`, and the same threshold P0. Contact
+    /// area depends on P / E only, A(P; c E) = A(P / c; E), so that
     ///
     /// f(P; c E) = [A(P / c) / A(P0 / c)] / [P / P0] = g(P / c) / g(P0 / c),   g(P) = A(P) / P.
     ///
-    /// g is f above the threshold; below it, of which a law knows nothing, it goes on as the parabola through the threshold and
-    /// the tabulated pressures nearest to one and a half and to twice it, or straight from the first two where a table is
-    /// too coarse for that. A law that begins with a step is moved along P by c as it is.
+    /// g equals f above the threshold. ThresholdExtrapolation it, where a law has no data, g is extrapolated by the parabola through the
+    /// threshold and the tabulated pressures nearest to 1.5 and 2 times it, or linearly from the first two if the table
+    /// is too coarse. A law that begins with a step is scaled along P by c.
     ///
     /// # Errors
     /// [`MaterialError::OutOfRange`] unless `factor` is positive and finite.
@@ -59,19 +61,23 @@ impl AreaLaw {
         }
         let (p, f) = (self.pressures_pa(), self.factors());
         let moved = |pressure_pa: &f64| pressure_pa * factor;
-        let is_step = p.len() > 1 && p[1] < p[0] * (1.0 + STEP);
+        let is_step = p.len() > 1 && p[1] < p[0] * (1.0 + MAX_STEP_WIDTH);
         if is_step || p.len() < 2 {
             return Self::new(p.iter().map(moved).collect(), f.to_vec());
         }
         let threshold_pa = p[0];
-        let below = Below::of(p, f);
+        let below = ThresholdExtrapolation::fit(p, f);
         let g = |pressure_pa: f64| {
-            if pressure_pa < threshold_pa { below.at(pressure_pa - threshold_pa) } else { self.factor(pressure_pa) }
+            if pressure_pa < threshold_pa {
+                below.value_at(pressure_pa - threshold_pa)
+            } else {
+                self.factor(pressure_pa)
+            }
         };
         let at_threshold = g(threshold_pa / factor);
         let (mut pressure_pa, mut factors) = (vec![threshold_pa], vec![1.0]);
         for (tabulated_pa, own) in p.iter().zip(f) {
-            // A tabulated pressure that comes to lie on the threshold but for rounding is the threshold.
+            // A pressure that is scaled to the threshold, up to rounding, is the threshold.
             if moved(tabulated_pa) > threshold_pa * (1.0 + 1e-9) {
                 pressure_pa.push(moved(tabulated_pa));
                 factors.push(own / at_threshold);
@@ -80,13 +86,13 @@ impl AreaLaw {
         Self::new(pressure_pa, factors)
     }
 
-    /// The law with `deviates` standard errors added to every factor at once, none below 0; itself where they are not
-    /// known. That all are off to the same side is the least favourable they can be.
+    /// Adds `deviates` standard errors to all factors, limited to 0; returns the law itself if they are not known.
+    /// Shifting all factors to the same side is the worst case.
     #[must_use]
     pub fn with_factors_off_by(&self, deviates: f64) -> Self {
         let Some(std) = self.factor_std() else { return self.clone() };
         let factors = self.factors().iter().zip(std).map(|(f, std)| (f + deviates * std).max(0.0)).collect();
-        // The pressures are those of a law already, and factors that are not negative make one of them.
+        // Pressures and non-negative factors of a valid law form a valid table.
         Self::new(self.pressures_pa().to_vec(), factors).unwrap_or_else(|_| self.clone())
     }
 }
@@ -115,7 +121,7 @@ mod tests {
             for i in 1..200 {
                 let p = 0.05e6 * f64::from(i);
                 let off = (moved.factor(p) - exact.factor(p)).abs();
-                // Exact above the threshold, and by what a parabola misses of A / P below it for a stiffer one.
+                // Exact above the threshold; for a stiffer solid, with the error of the parabola for A / P below it.
                 let most = if factor <= 1.0 { 3e-5 } else { 2.5e-4 };
                 assert!(off < most, "{factor} {p}: {off}");
             }

@@ -1,8 +1,8 @@
-//! How a long computation reports to whoever started it, and is stopped.
+//! Progress and cancellation of long computations.
 //!
-//! No library of slipgrid reads a clock, prints, or knows of signals: a [`Monitor`] does all of it, and the same one
-//! goes from the command line, a page or a Python package through every stage of a job. A [`Stage`] is one part of the
-//! job that may have a time limit of its own. A caller that lends a [`Memory`] has nothing computed twice.
+//! Libraries of slipgrid do not read clocks, print, or handle signals: a [`Monitor`] does all this, and the command
+//! line, a page or a Python package passes it through every stage of a job. A [`Stage`] is a part of a job that may
+//! have its own time limit. With a [`Memory`], results are not computed twice.
 //!
 //! ```
 //! use slipgrid_monitor::{Monitor, Stage};
@@ -22,53 +22,59 @@
 //! assert!(stage.cancelled() && !stage.is_out_of_time());
 //! ```
 
-mod heeding;
+mod cancellable_reader;
 pub mod memory;
 
 use std::path::Path;
 
-pub use heeding::Heeding;
-pub use memory::{InMemory, Key, Memory, recalled};
+pub use cancellable_reader::CancellableReader;
+pub use memory::{InMemory, Key, Memory, cached};
 
-/// Progress, cancelling and time. Every method has a default: a monitor answers what it cares for.
+// Former names, which crates/design still uses.
+#[doc(hidden)]
+pub use CachingMonitor as Remembering;
+#[doc(hidden)]
+pub use memory::cached as recalled;
+
+/// Progress, cancellation and time. All methods have defaults, so that a monitor implements only what it needs.
 pub trait Monitor: Sync {
-    /// A stage called `name` begins; shares of [`Monitor::advance`] count from 0 again.
+    /// The stage `name` begins; [`Monitor::advance`] counts from 0 again.
     fn stage(&self, _name: &str) {}
 
-    /// What is being done within the stage.
+    /// Describes the current work within the stage.
     fn detail(&self, _text: &str) {}
 
-    /// The stage that began last is over.
+    /// The current stage has ended.
     fn stage_ended(&self) {}
 
-    /// `share` of the stage's work, 0 to 1, has been done since the last call.
+    /// The fraction `share` of the stage's work, 0 to 1, was done since the last call.
     fn advance(&self, _share: f64) {}
 
-    /// Whether to stop: polled many times a second, by any thread.
+    /// Whether to stop; called many times per second by any thread.
     fn cancelled(&self) -> bool {
         false
     }
 
-    /// Ends work between two stages, and after one that ended early.
+    /// Checks for cancellation between two stages, and after a stage that ended early.
     ///
     /// # Errors
-    /// [`Cancelled`] once the monitor has cancelled.
+    /// [`Cancelled`] if the monitor has cancelled.
     fn heed(&self) -> Result<(), Cancelled> {
         if self.cancelled() { Err(Cancelled) } else { Ok(()) }
     }
 
-    /// Seconds from an arbitrary start; only differences count. Where it stands still no time limit is ever reached.
+    /// Seconds from an arbitrary start; only differences matter. With a constant clock no time limit is reached.
     fn seconds(&self) -> f64 {
         0.0
     }
 
-    /// Something worth a line to a person while the work goes on.
+    /// A message for the user while the work continues.
     fn note(&self, _text: &str) {}
 
-    /// So many results stand at a place, whole, whatever happens to the work.
+    /// `results` complete results are stored at `place`, and are safe from later failures.
     fn kept(&self, _place: &Path, _results: usize) {}
 
-    /// What the caller remembers of earlier computations; the results are the same without.
+    /// Cache of earlier results; results do not depend on it.
     fn memory(&self) -> Option<&dyn Memory> {
         None
     }
@@ -78,13 +84,13 @@ pub trait Monitor: Sync {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Cancelled;
 
-/// A monitor that watches nothing.
+/// A monitor without any effect.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Unwatched;
 
 impl Monitor for Unwatched {}
 
-/// One stage of a job: it is cancelled with the job, or when its own time is over.
+/// One stage of a job; cancelled with the job, or when its time limit is reached.
 pub struct Stage<'a> {
     job: &'a dyn Monitor,
     started_s: f64,
@@ -92,28 +98,28 @@ pub struct Stage<'a> {
 }
 
 impl<'a> Stage<'a> {
-    /// Begins the stage `name` of `job`, to end at `until_s` on the job's clock.
+    /// Begins the stage `name` of `job`, with the time limit `until_s` on the job's clock.
     #[must_use]
     pub fn new(job: &'a dyn Monitor, name: &str, until_s: Option<f64>) -> Self {
         job.stage(name);
         Self { job, started_s: job.seconds(), until_s }
     }
 
-    /// Whether the stage has no time left.
+    /// Whether the time limit is reached.
     #[must_use]
     pub fn is_out_of_time(&self) -> bool {
         self.until_s.is_some_and(|until_s| self.job.seconds() >= until_s)
     }
 
-    /// Ends the stage and returns the seconds that it took.
+    /// Ends the stage and returns its duration, in seconds.
     pub fn finish(self) -> f64 {
         self.job.stage_ended();
         self.job.seconds() - self.started_s
     }
 }
 
-/// What a part of the work passes on to the whole as it is.
-macro_rules! passed_on {
+/// Methods that a part of a job forwards unchanged.
+macro_rules! forwarded {
     ($to:ident) => {
         fn stage(&self, name: &str) {
             self.$to.stage(name);
@@ -146,7 +152,7 @@ macro_rules! passed_on {
 }
 
 impl Monitor for Stage<'_> {
-    passed_on!(job);
+    forwarded!(job);
 
     fn advance(&self, share: f64) {
         self.job.advance(share);
@@ -157,14 +163,14 @@ impl Monitor for Stage<'_> {
     }
 }
 
-/// A part of a stage: its whole is `share` of the stage's work. Everything else goes through as it is.
+/// A part of a stage, with the fraction `share` of the stage's work. Other calls are forwarded unchanged.
 pub struct Part<'a> {
     stage: &'a dyn Monitor,
     share: f64,
 }
 
 impl<'a> Part<'a> {
-    /// The part of `stage` that is `share` of its work, 0 to 1.
+    /// Creates a part of `stage` with the fraction `share`, 0 to 1, of its work.
     #[must_use]
     pub const fn new(stage: &'a dyn Monitor, share: f64) -> Self {
         Self { stage, share }
@@ -172,7 +178,7 @@ impl<'a> Part<'a> {
 }
 
 impl Monitor for Part<'_> {
-    passed_on!(stage);
+    forwarded!(stage);
 
     fn advance(&self, share: f64) {
         self.stage.advance(share * self.share);
@@ -183,55 +189,55 @@ impl Monitor for Part<'_> {
     }
 }
 
-/// A monitor that remembers what the one behind it does not, for as long as it lives.
-pub struct Remembering<'a> {
-    behind: &'a dyn Monitor,
+/// A monitor that adds a cache to another monitor without one.
+pub struct CachingMonitor<'a> {
+    inner: &'a dyn Monitor,
     own: InMemory,
 }
 
-impl<'a> Remembering<'a> {
-    /// `behind` with a memory of its own, where that has none.
+impl<'a> CachingMonitor<'a> {
+    /// Wraps `inner` and adds a cache in memory if it has none.
     #[must_use]
-    pub fn new(behind: &'a dyn Monitor) -> Self {
-        Self { behind, own: InMemory::default() }
+    pub fn new(inner: &'a dyn Monitor) -> Self {
+        Self { inner, own: InMemory::default() }
     }
 }
 
-impl Monitor for Remembering<'_> {
+impl Monitor for CachingMonitor<'_> {
     fn stage(&self, name: &str) {
-        self.behind.stage(name);
+        self.inner.stage(name);
     }
 
     fn detail(&self, text: &str) {
-        self.behind.detail(text);
+        self.inner.detail(text);
     }
 
     fn stage_ended(&self) {
-        self.behind.stage_ended();
+        self.inner.stage_ended();
     }
 
     fn advance(&self, share: f64) {
-        self.behind.advance(share);
+        self.inner.advance(share);
     }
 
     fn cancelled(&self) -> bool {
-        self.behind.cancelled()
+        self.inner.cancelled()
     }
 
     fn seconds(&self) -> f64 {
-        self.behind.seconds()
+        self.inner.seconds()
     }
 
     fn note(&self, text: &str) {
-        self.behind.note(text);
+        self.inner.note(text);
     }
 
     fn kept(&self, place: &Path, results: usize) {
-        self.behind.kept(place, results);
+        self.inner.kept(place, results);
     }
 
     fn memory(&self) -> Option<&dyn Memory> {
-        Some(self.behind.memory().unwrap_or(&self.own))
+        Some(self.inner.memory().unwrap_or(&self.own))
     }
 }
 
@@ -241,7 +247,7 @@ mod tests {
     use std::sync::Mutex;
     use std::sync::atomic::{AtomicU64, Ordering};
 
-    /// A clock that is turned by hand, and what it was told.
+    /// A manual clock that records calls.
     #[derive(Default)]
     struct Watch {
         seconds: AtomicU64,

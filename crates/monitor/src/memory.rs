@@ -1,4 +1,4 @@
-//! What a caller remembers from one computation to the next.
+//! Cache of results between computations.
 
 use std::collections::{BTreeMap, VecDeque};
 use std::fmt::{self, Debug, Write};
@@ -8,12 +8,12 @@ use sha2::{Digest, Sha256};
 
 use crate::Monitor;
 
-/// Results by the content that they follow from: what is recalled is what would be computed, to the last bit.
+/// Cache of results by the content from which they follow. A cached result is bit-identical to the computed one.
 pub trait Memory: Sync {
-    /// What was kept under `key`.
+    /// Returns the value stored under `key`.
     fn recall(&self, key: &Key) -> Option<Vec<u8>>;
 
-    /// Keeps `value` under `key`. What cannot be kept is computed again another time.
+    /// Stores `value` under `key`. A value that cannot be stored is computed again later.
     fn keep(&self, key: &Key, value: &[u8]);
 }
 
@@ -21,21 +21,21 @@ pub trait Memory: Sync {
 /// under other versions are then computed again.
 const SCHEMA: &[u8] = b"slipgrid key 1";
 
-/// The name of a result: its kind, and a hash of all content that it follows from.
+/// Key of a result: its kind, and a hash of everything from which it follows.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Key(String);
 
 impl Key {
-    /// The key of a result of `kind`, a word, that follows from `content`: numbers are told apart to their last bit.
+    /// Creates the key of a result of `kind` that follows from `content`; numbers are distinguished to the last bit.
     ///
-    /// The hash is of the schema's version and of the `Debug` text of `content`. Derived `Debug` names every type and field, quotes texts and
+    /// The hash covers the schema's version and the `Debug` text of `content`. Derived `Debug` names every type and field, quotes texts and
     /// writes the shortest digits that read back as the same number, so that different contents have different texts: a renamed or a new field is
     /// a new key. `Debug` by hand could leave a field out; the tests of the house list the types that have one. Serialization would need serde in
     /// ten crates that compute and do not read or write, and JSON writes one `null` for every number that is not finite.
     #[must_use]
     pub fn of(kind: &str, content: &dyn Debug) -> Self {
         let mut hashed = Hashed(Sha256::new_with_prefix(SCHEMA));
-        // A hash takes everything that is written to it.
+        // Writing to a hash cannot fail.
         let _ = write!(hashed, "{content:?}");
         let digest = hashed.0.finalize();
         let hex = digest.iter().fold(String::new(), |mut hex, byte| {
@@ -45,14 +45,14 @@ impl Key {
         Self(format!("{kind}-{hex}"))
     }
 
-    /// Letters, digits and a hyphen: fit for the name of a file.
+    /// Letters, digits and a hyphen, suitable as a file name.
     #[must_use]
     pub fn name(&self) -> &str {
         &self.0
     }
 }
 
-/// What is written is hashed.
+/// Writer that hashes text.
 struct Hashed(Sha256);
 
 impl Write for Hashed {
@@ -62,30 +62,30 @@ impl Write for Hashed {
     }
 }
 
-/// A memory that ends with the process, and forgets what it has kept longest where it would have more bytes than it may.
+/// A cache in memory that drops the oldest values if it would exceed its size limit.
 #[derive(Debug)]
 pub struct InMemory {
-    kept: Mutex<Kept>,
-    most_bytes: usize,
+    kept: Mutex<Entries>,
+    max_bytes: usize,
 }
 
 #[derive(Debug)]
-struct Kept {
+struct Entries {
     values: BTreeMap<Key, Vec<u8>>,
     oldest_first: VecDeque<Key>,
     bytes: usize,
 }
 
 impl InMemory {
-    /// Nothing yet, and `most_bytes` of values at most.
+    /// Creates an empty cache for at most `max_bytes` of values.
     #[must_use]
-    pub const fn new(most_bytes: usize) -> Self {
-        let kept = Kept { values: BTreeMap::new(), oldest_first: VecDeque::new(), bytes: 0 };
-        Self { kept: Mutex::new(kept), most_bytes }
+    pub const fn new(max_bytes: usize) -> Self {
+        let kept = Entries { values: BTreeMap::new(), oldest_first: VecDeque::new(), bytes: 0 };
+        Self { kept: Mutex::new(kept), max_bytes }
     }
 
-    fn kept(&self) -> MutexGuard<'_, Kept> {
-        // A value is whole when it enters: those of a panicking thread are as good as any.
+    fn kept(&self) -> MutexGuard<'_, Entries> {
+        // Values are complete when they are inserted, so that a poisoned lock is harmless.
         self.kept.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
@@ -103,10 +103,10 @@ impl Memory for InMemory {
 
     fn keep(&self, key: &Key, value: &[u8]) {
         let mut kept = self.kept();
-        if value.len() > self.most_bytes || kept.values.contains_key(key) {
+        if value.len() > self.max_bytes || kept.values.contains_key(key) {
             return;
         }
-        while kept.bytes > self.most_bytes - value.len() {
+        while kept.bytes > self.max_bytes - value.len() {
             let Some(oldest) = kept.oldest_first.pop_front() else { break };
             kept.bytes -= kept.values.remove(&oldest).map_or(0, |value| value.len());
         }
@@ -116,9 +116,10 @@ impl Memory for InMemory {
     }
 }
 
-/// What `compute` gives, a result of `kind` that follows from `content` alone: recalled by `from_bytes` where the monitor's caller
-/// remembers it, and otherwise remembered as `to_bytes` has it, which is nothing of what is not to be kept.
-pub fn recalled<T>(
+/// Returns the result of `compute`, of the given `kind`, which follows from `content` only. The result is read from the
+/// monitor's cache with `from_bytes` if possible; otherwise it is computed, and stored with `to_bytes`, which returns
+/// `None` for results that must not be stored.
+pub fn cached<T>(
     monitor: &dyn Monitor,
     (kind, content): (&str, &dyn Debug),
     (from_bytes, to_bytes): (impl FnOnce(&[u8]) -> Option<T>, impl FnOnce(&T) -> Option<Vec<u8>>),
@@ -136,12 +137,12 @@ pub fn recalled<T>(
     result
 }
 
-/// `numbers` as they are kept, to the last bit.
+/// Serializes `numbers` without loss.
 pub fn to_bytes<'a>(numbers: impl IntoIterator<Item = &'a f64>) -> Vec<u8> {
     numbers.into_iter().flat_map(|number| number.to_le_bytes()).collect()
 }
 
-/// The numbers that [`to_bytes`] made `bytes` of.
+/// Deserializes the output of [`to_bytes`].
 #[must_use]
 pub fn from_bytes(bytes: &[u8]) -> Vec<f64> {
     bytes.as_chunks::<8>().0.iter().map(|bytes| f64::from_le_bytes(*bytes)).collect()
@@ -177,7 +178,7 @@ mod tests {
         for (number, length) in [(1, 4), (2, 4), (2, 4), (3, 4), (4, 11)] {
             memory.keep(&key(number), &vec![7; length]);
         }
-        // Eight bytes and four are too many, eleven alone as well.
+        // Eight bytes plus four are too many, and eleven alone as well.
         assert_eq!([1, 2, 3, 4].map(|number| memory.recall(&key(number)).is_some()), [false, true, true, false]);
         memory.keep(&key(5), &[7; 10]);
         assert_eq!([2, 3, 5].map(|number| memory.recall(&key(number)).is_some()), [false, false, true]);

@@ -1,33 +1,33 @@
-//! The area of a rectangle that a periodic array of shapes covers, in closed form.
+//! Area of a rectangle that is covered by a periodic array of shapes, in closed form.
 //!
-//! Whole periods are counted, what is left is the sum over the few shapes that reach into it. Areas
-//! are sums of terms that are not negative, so nothing cancels where rectangles are small.
+//! Whole periods are counted; the remainder is the sum over the few shapes that reach into it. All terms of a sum are
+//! non-negative, so that nothing cancels for small rectangles.
 
 use crate::geometry::edges;
 
-/// A cavity seen from above, its centre at the origin.
+/// A cavity seen from above, with its centre at the origin.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Shape<'a> {
-    /// Without ends along y.
+    /// A strip that is infinite along y.
     Strip { width_m: f64 },
-    /// `width_m` along x and `length_m` along y, its corners quarter discs of `corner_m`.
+    /// `width_m` along x and `length_m` along y, with quarter discs of radius `corner_m` at its corners.
     Rectangle { width_m: f64, length_m: f64, corner_m: f64 },
     /// A disc.
     Disc { diameter_m: f64 },
-    /// A simple polygon: `scale_m` times its vertices, anticlockwise, within `extents_m` about the origin.
+    /// A simple anticlockwise polygon: `scale_m` times its vertices, within `extents_m` about the origin.
     Polygon { vertices: &'a [[f64; 2]], scale_m: f64, extents_m: [f64; 2] },
-    /// The same by the pieces of its boundary, in any order, what is within on their left.
+    /// A region given by the pieces of its boundary, in any order, with the inside on their left.
     Pieces { pieces: &'a [[[f64; 2]; 2]], scale_m: f64, extents_m: [f64; 2] },
 }
 
-/// Equal shapes at `centre_m` plus whole multiples of `cell_m`.
+/// Equal shapes at `centre_m` plus integer multiples of `cell_m`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Sublattice {
     pub(crate) centre_m: [f64; 2],
     pub(crate) cell_m: [f64; 2],
 }
 
-/// The area of the rectangle `x_m` by `y_m` covered by the shapes of `sublattice`, which do not overlap.
+/// Area of the rectangle `x_m` by `y_m` that is covered by the shapes of `sublattice`, which do not overlap.
 pub(crate) fn covered_area(shape: Shape<'_>, sublattice: &Sublattice, x_m: [f64; 2], y_m: [f64; 2]) -> f64 {
     let [cell_x_m, cell_y_m] = sublattice.cell_m;
     let [centre_x_m, centre_y_m] = sublattice.centre_m;
@@ -70,7 +70,7 @@ pub(crate) fn covered_area(shape: Shape<'_>, sublattice: &Sublattice, x_m: [f64;
     area_m2
 }
 
-/// `interval_m` as whole periods, each counted as the first, and the rest.
+/// Splits `interval_m` into whole periods (a count and the first period) and the remainder.
 fn pieces(interval_m: [f64; 2], period_m: f64) -> impl Iterator<Item = (f64, [f64; 2])> {
     let [low_m, high_m] = interval_m;
     let periods = ((high_m - low_m) / period_m).floor();
@@ -78,26 +78,27 @@ fn pieces(interval_m: [f64; 2], period_m: f64) -> impl Iterator<Item = (f64, [f6
     (periods > 0.0).then_some((periods, [low_m, low_m + period_m])).into_iter().chain([rest])
 }
 
-/// `interval_m`, at most a period long, as seen from the centre of each shape of extent `extent_m` that
-/// may reach into it.
+/// `interval_m`, at most a period long, relative to the centre of each shape of extent `extent_m` that may reach into
+/// it.
 fn near(interval_m: [f64; 2], centre_m: f64, period_m: f64, extent_m: f64) -> impl Iterator<Item = [f64; 2]> {
     let [low_m, high_m] = interval_m.map(|end_m| end_m - centre_m);
     let first = ((low_m - extent_m / 2.0) / period_m).ceil();
-    // Shapes are shorter than twice the period: at most four can reach into one.
+    // Shapes are shorter than two periods, so that at most four can reach into one.
     (0..4).map(move |k| (first + f64::from(k)) * period_m).filter_map(move |shift_m| {
         let seen_m = [low_m - shift_m, high_m - shift_m];
         (seen_m[0] < extent_m / 2.0 && seen_m[1] > -extent_m / 2.0).then_some(seen_m)
     })
 }
 
-/// Length that the interval shares with [-extent/2, extent/2].
+/// Length of the intersection of the interval with [-extent/2, extent/2].
 fn overlap([low_m, high_m]: [f64; 2], extent_m: f64) -> f64 {
     let half_m = extent_m / 2.0;
     (high_m.min(half_m) - low_m.max(-half_m)).max(0.0)
 }
 
-/// Area that the rectangle `x` by `y` shares with what `scale` times `boundary`, edges with their inside on the left, encloses:
-/// the sum over them of what lies in the rectangle below, counted positive towards lower x. Each is at most the rectangle.
+/// Area of the intersection of the rectangle `x` by `y` with the region enclosed by `scale` times `boundary`, whose
+/// edges have the inside on their left: the sum over the edges of the area below each edge within the rectangle,
+/// positive towards lower x. No term exceeds the rectangle.
 fn area_within(
     boundary: impl Iterator<Item = ([f64; 2], [f64; 2])>,
     scale: f64,
@@ -117,25 +118,25 @@ fn area_within(
     boundary.map(below).sum::<f64>().max(0.0)
 }
 
-/// Mean of a height that goes evenly from one end to the other, where it is held to [0, most].
-fn mean_clamped([one, other]: [f64; 2], most: f64) -> f64 {
+/// Mean of a linearly varying height, clamped to [0, max].
+fn mean_clamped([one, other]: [f64; 2], max: f64) -> f64 {
     let (low, high) = (one.min(other), one.max(other));
     if high <= 0.0 {
         return 0.0;
     }
-    if low >= most {
-        return most;
+    if low >= max {
+        return max;
     }
-    let (from, to) = (low.max(0.0), high.min(most));
+    let (from, to) = (low.max(0.0), high.min(max));
     if high == low {
         return from;
     }
-    // 1/(high - low) times the integral of h from `from` to `to`, and of `most` from there to high.
-    ((to - from) * (to + from) / 2.0 + most * (high - to)) / (high - low)
+    // 1/(high - low) times the integral of h from `from` to `to`, and of `max` from there to high.
+    ((to - from) * (to + from) / 2.0 + max * (high - to)) / (high - low)
 }
 
-/// Area that the rectangle `x` by `y` shares with one of `sides` about the origin whose corners are quarter discs of `radius`:
-/// two rectangles that leave out the corners, and the quarter discs.
+/// Area of the intersection of the rectangle `x` by `y` with a rectangle about the origin whose corners are quarter
+/// discs of `radius`: two rectangles without the corners, plus the quarter discs.
 fn round_rectangle_area([width, length]: [f64; 2], radius: f64, x: [f64; 2], y: [f64; 2]) -> f64 {
     let (straight_x, straight_y) = (width - 2.0 * radius, length - 2.0 * radius);
     let ends = (overlap(y, length) - overlap(y, straight_y)).max(0.0);
@@ -149,7 +150,7 @@ fn round_rectangle_area([width, length]: [f64; 2], radius: f64, x: [f64; 2], y: 
     area
 }
 
-/// Area that the rectangle `x` by `y` shares with a disc about the origin.
+/// Area of the intersection of the rectangle `x` by `y` with a disc about the origin.
 fn disc_area(radius: f64, x: [f64; 2], y: [f64; 2]) -> f64 {
     let mut area = 0.0;
     for x in quadrant_sides(x) {
@@ -160,19 +161,19 @@ fn disc_area(radius: f64, x: [f64; 2], y: [f64; 2]) -> f64 {
     area
 }
 
-/// The parts of an interval on either side of zero, both mirrored to the positive side.
+/// Splits an interval at zero; both parts are mirrored to the positive side.
 fn quadrant_sides([low, high]: [f64; 2]) -> [[f64; 2]; 2] {
     [[low.max(0.0), high.max(0.0)], [(-high).max(0.0), (-low).max(0.0)]]
 }
 
-/// Area of the part of the disc in the rectangle `x` by `y`, whose ends are not negative.
+/// Area of the disc within the rectangle `x` by `y`, whose ends are not negative.
 fn quarter_disc_area(radius: f64, [x0, x1]: [f64; 2], [y0, y1]: [f64; 2]) -> f64 {
     if y0 >= radius || x0 >= radius || x1 <= x0 || y1 <= y0 {
         return 0.0;
     }
-    // h(x) = sqrt((R - x)(R + x)): the disc's edge; 0 outside.
+    // h(x) = sqrt((R - x)(R + x)): the arc; 0 outside.
     let edge = |x: f64| if x < radius { ((radius - x) * (radius + x)).sqrt() } else { 0.0 };
-    // The edge lies above y1 up to x = h(y1) and above y0 up to x = h(y0).
+    // The arc is above y1 up to x = h(y1) and above y0 up to x = h(y0).
     let full = edge(y1).max(x0).min(x1);
     let end = edge(y0).max(full).min(x1);
     let under_top = (full - x0) * (y1 - y0);
@@ -186,12 +187,12 @@ fn quarter_disc_area(radius: f64, [x0, x1]: [f64; 2], [y0, y1]: [f64; 2]) -> f64
     under_top + trapezoid + segment
 }
 
-/// theta - sin(theta), to a few units in the last place for small angles as well.
+/// theta - sin(theta), accurate to a few units in the last place for small angles as well.
 fn angle_less_sine(theta: f64) -> f64 {
     if theta > 0.5 {
         return theta - libm::sin(theta);
     }
-    // theta^3/3! - theta^5/5! + ...: eight terms leave less than rounding.
+    // theta^3/3! - theta^5/5! + ...: after eight terms the remainder is below rounding.
     let square = theta * theta;
     let mut term = theta * square / 6.0;
     let mut sum = term;
@@ -220,7 +221,7 @@ mod tests {
         close([-0.5, 0.5], [-0.5, 0.5], 1.0);
         // Half the disc beyond x = 1/2: segment of 120 degrees, (2 pi / 3 - sin 120) / 2.
         close([0.5, 2.0], [-2.0, 2.0], (2.0 * PI / 3.0 - 0.75_f64.sqrt()) / 2.0);
-        // The part of the quadrant beyond x = y = 1/2: pi/12 - (sqrt 3 - 1)/4.
+        // Part of the quadrant beyond x = y = 1/2: pi/12 - (sqrt 3 - 1)/4.
         close([0.5, 1.0], [0.5, 1.0], PI / 12.0 - (3_f64.sqrt() - 1.0) / 4.0);
         close([0.8, 1.0], [0.8, 1.0], 0.0);
         close([1.0, 2.0], [0.0, 1.0], 0.0);
@@ -228,14 +229,14 @@ mod tests {
 
     #[test]
     fn a_disc_in_thin_slices_keeps_its_area() {
-        // As fine as blocks ever are: a disc of a thousand by a thousand.
+        // Finest blocks in use: a disc of a thousand by a thousand.
         let side = 2e-3;
         let rows = |x: [f64; 2]| -> f64 {
             (-500..500).map(|j| disc_area(1.0, x, [f64::from(j) * side, f64::from(j + 1) * side])).sum()
         };
         let area: f64 = (-500..500).map(|i| rows([f64::from(i) * side, f64::from(i + 1) * side])).sum();
         assert!((area - PI).abs() < 1e-12, "{}", area - PI);
-        // One block on the edge by the midpoint rule, to a billionth of the block.
+        // A block on the edge, compared with the midpoint rule, to a billionth of the block.
         let (x, y) = ([0.6, 0.6 + side], [0.799, 0.799 + side]);
         let steps = 20_000;
         let midpoints = (0..steps).map(|i| x[0] + side * (f64::from(i) + 0.5) / f64::from(steps));

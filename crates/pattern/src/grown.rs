@@ -1,38 +1,40 @@
-//! Outlines grown outwards: all points within some distance of a polygon.
+//! Outlines offset outwards: all points within a given distance of a polygon.
 
 use std::f64::consts::TAU;
 
 use crate::Polygon;
 use crate::geometry::{contains, edges, point_to_segment};
 
-/// The points within some distance of an outline: its edges moved outwards, joined by arcs about its convex corners.
+/// All points within a given distance of an outline: its edges shifted outwards, joined by arcs about its convex
+/// corners.
 ///
-/// What is left of these where they come nearer to another part of the outline than that bounds it, with all that a concave
-/// outline does: hollows that close, and holes that they leave. Arcs become chords that depart from them by 1e-4 of the distance;
-/// nothing else is approximate.
+/// Parts of the shifted boundary that come closer than the distance to another part of the outline are removed, so that
+/// concave outlines are handled correctly, including closing gaps and remaining holes. Arcs are replaced by chords that
+/// deviate by at most 1e-4 of the distance; everything else is exact.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Grown {
-    /// Directed pieces of the boundary, the points within on their left, over the outline's extent along x.
+    /// Directed pieces of the boundary, with the inside on their left, divided by the outline's extent along x.
     pieces: Vec<[[f64; 2]; 2]>,
     distance: f64,
     length: f64,
 }
 
-/// Departure of a chord from its arc over the radius.
-const SAGITTA: f64 = 1e-4;
-/// A share of the distance by which a boundary may come too near to the outline: rounding.
+/// Deviation of a chord from its arc, divided by the radius.
+const MAX_SAGITTA: f64 = 1e-4;
+/// Tolerance for rounding, as a fraction of the distance, when a boundary is tested for its distance from the outline.
 const ROUNDING: f64 = 1e-9;
 
-/// A piece of the moved boundary before it is known what is left of it.
-struct Moved {
+/// A piece of the shifted boundary, before parts too close to the outline are removed.
+struct ShiftedPiece {
     ends: [[f64; 2]; 2],
-    /// The corner that it is an arc about.
-    about: Option<[f64; 2]>,
+    /// Centre of the arc, if the piece belongs to one.
+    arc_centre: Option<[f64; 2]>,
 }
 
 impl Polygon {
-    /// The points within `distance` of it, over its extent along x, as the distance is. Time goes with the square of the
-    /// number of corners: two milliseconds for a hundred. A distance that is not positive leaves the outline as it is.
+    /// Computes all points within `distance` of the polygon; the distance is divided by the extent along x. Time is
+    /// proportional to the square of the number of corners: two milliseconds for a hundred. A distance that is not
+    /// positive returns the outline itself.
     #[must_use]
     pub fn grown(&self, distance: f64) -> Grown {
         let vertices = self.vertices();
@@ -40,8 +42,8 @@ impl Polygon {
             let pieces = edges(vertices).map(|(a, b)| [a, b]).collect();
             return Grown { pieces, distance: 0.0, length: self.length() };
         }
-        let moved = moved(vertices, distance);
-        let is_left = |at: [f64; 2]| {
+        let moved = shifted_boundary(vertices, distance);
+        let is_boundary = |at: [f64; 2]| {
             let away = edges(vertices).map(|(a, b)| point_to_segment(at, a, b)).fold(f64::INFINITY, f64::min);
             away >= distance * (1.0 - ROUNDING) && !contains(vertices, at)
         };
@@ -56,7 +58,8 @@ impl Polygon {
             };
             for ends in shares.windows(2).filter(|ends| ends[1] > ends[0]) {
                 let middle = at(f64::midpoint(ends[0], ends[1]));
-                if is_left(piece.about.map_or(middle, |about| onto_circle(about, distance, middle))) {
+                if is_boundary(piece.arc_centre.map_or(middle, |arc_centre| onto_circle(arc_centre, distance, middle)))
+                {
                     pieces.push([at(ends[0]), at(ends[1])]);
                 }
             }
@@ -66,51 +69,51 @@ impl Polygon {
 }
 
 impl Grown {
-    /// The distance, over the outline's extent along x.
+    /// Offset distance, divided by the outline's extent along x.
     #[must_use]
     pub const fn distance(&self) -> f64 {
         self.distance
     }
 
-    /// Area over the square of the outline's extent along x.
+    /// Area, divided by the square of the outline's extent along x.
     #[must_use]
     pub fn area(&self) -> f64 {
         // A = 1/2 sum (x_a y_b - x_b y_a)
         self.pieces.iter().map(|[[xa, ya], [xb, yb]]| (xa * yb - xb * ya) / 2.0).sum()
     }
 
-    /// Directed pieces of its boundary, what is within on their left.
+    /// Directed pieces of the boundary, with the inside on their left.
     pub(crate) fn pieces(&self) -> &[[[f64; 2]; 2]] {
         &self.pieces
     }
 
-    /// Extents of its bounding box.
+    /// Extents of the bounding box.
     pub(crate) fn extents(&self) -> [f64; 2] {
         [1.0 + 2.0 * self.distance, self.length + 2.0 * self.distance]
     }
 }
 
-/// Edges moved outwards and arcs about convex corners, in chords.
-fn moved(vertices: &[[f64; 2]], distance: f64) -> Vec<Moved> {
+/// Edges shifted outwards, and arcs about convex corners as chords.
+fn shifted_boundary(vertices: &[[f64; 2]], distance: f64) -> Vec<ShiftedPiece> {
     let normals: Vec<[f64; 2]> = edges(vertices)
         .map(|(a, b)| {
             let size = (b[0] - a[0]).hypot(b[1] - a[1]);
-            // To the right of an anticlockwise edge.
+            // Normals point to the right of an anticlockwise edge.
             [(b[1] - a[1]) / size, (a[0] - b[0]) / size]
         })
         .collect();
     let beside = |at: [f64; 2], normal: [f64; 2]| [at[0] + distance * normal[0], at[1] + distance * normal[1]];
-    let chord = 2.0 * libm::acos(1.0 - SAGITTA);
+    let chord = 2.0 * libm::acos(1.0 - MAX_SAGITTA);
     let mut found = Vec::new();
     for (k, (a, b)) in edges(vertices).enumerate() {
         let (own, next) = (normals[k], normals[(k + 1) % normals.len()]);
-        found.push(Moved { ends: [beside(a, own), beside(b, own)], about: None });
+        found.push(ShiftedPiece { ends: [beside(a, own), beside(b, own)], arc_centre: None });
         let start = libm::atan2(own[1], own[0]);
         let turn = (libm::atan2(next[1], next[0]) - start).rem_euclid(TAU);
         if turn >= TAU / 2.0 {
             continue;
         }
-        // At most some hundreds: the cast is exact.
+        // There are at most some hundred chords, so that the cast is exact.
         let count = (turn / chord).ceil().max(1.0) as u32;
         let at = |step: u32| match step {
             0 => beside(b, own),
@@ -120,12 +123,12 @@ fn moved(vertices: &[[f64; 2]], distance: f64) -> Vec<Moved> {
                 beside(b, [libm::cos(angle), libm::sin(angle)])
             }
         };
-        found.extend((0..count).map(|step| Moved { ends: [at(step), at(step + 1)], about: Some(b) }));
+        found.extend((0..count).map(|step| ShiftedPiece { ends: [at(step), at(step + 1)], arc_centre: Some(b) }));
     }
     found
 }
 
-/// Where along the first segment, as a share of it, the other crosses it.
+/// Position along the first segment, from 0 to 1, at which the second segment crosses it.
 fn crossing([a, b]: [[f64; 2]; 2], [c, d]: [[f64; 2]; 2]) -> Option<f64> {
     let (along, across) = ([b[0] - a[0], b[1] - a[1]], [d[0] - c[0], d[1] - c[1]]);
     let from = [c[0] - a[0], c[1] - a[1]];
@@ -153,10 +156,10 @@ mod tests {
         let triangle = Polygon::new(&[[0.0, 0.0], [4.0, 0.0], [0.0, 3.0]]).unwrap();
         for (outline, perimeter, area) in [(square, 4.0, 1.0), (triangle, 3.0, 6.0 / 16.0)] {
             for distance in [1e-3, 0.1, 2.0] {
-                // Chords take 2/3 of the sagitta off the disc's radius on average.
+                // Chords reduce the disc's radius by 2/3 of the sagitta on average.
                 let expected = area + perimeter * distance + PI * distance * distance;
                 let short = expected - outline.grown(distance).area();
-                assert!((-1e-12..2.0 * SAGITTA * PI * distance * distance).contains(&short), "{distance}: {short}");
+                assert!((-1e-12..2.0 * MAX_SAGITTA * PI * distance * distance).contains(&short), "{distance}: {short}");
             }
             assert!((outline.grown(0.0).area() - area).abs() < 1e-12);
         }
@@ -164,12 +167,13 @@ mod tests {
 
     #[test]
     fn hollows_close_and_leave_holes() {
-        // A U of a 10 by 10 square with a slot 2 wide from y = 3 up; then a slot that widens to 4 by 4 at its bottom.
+        // A U: a 10 by 10 square with a slot 2 wide from y = 3 up; then a slot that widens to 4 by 4 at its bottom.
         let slot =
             [[0.0, 0.0], [10.0, 0.0], [10.0, 10.0], [6.0, 10.0], [6.0, 3.0], [4.0, 3.0], [4.0, 10.0], [0.0, 10.0]];
         let outline = Polygon::new(&slot).unwrap();
         let grown = |distance: f64| outline.grown(distance / 10.0).area() * 100.0;
-        // Narrower by 2 d; at d = 1 it is closed but for the hollow between the arcs at its mouth, 2 x 1 less half a disc.
+        // Narrower by 2 d; at d = 1 it is closed except for the gap between the arcs at its mouth, 2 x 1 minus half a
+        // disc.
         let around = |d: f64| 100.0 + 40.0 * d + PI * d * d;
         let mouth = |d: f64| (2.0 - 2.0 * d) * (7.0 - d) + (2.0 - PI / 2.0) * d * d + (2.0 - 2.0 * d) * d;
         for d in [0.3, 0.9] {
@@ -191,7 +195,8 @@ mod tests {
             [0.0, 10.0],
         ];
         let bottle = Polygon::new(&bottle).unwrap().grown(0.08);
-        // Its neck, 1 wide, closes at 0.5; of the chamber 4 x 4 a square of 4 - 1.6 is left, less what the neck's arcs leave open.
+        // The neck, 1 wide, closes at 0.5; a square of 4 - 1.6 remains of the 4 x 4 chamber, minus the part covered by
+        // the neck's arcs.
         let hole = 2.4 * 2.4;
         let around = 100.0 + 40.0 * 0.8 + PI * 0.64;
         let open = around - bottle.area() * 100.0 - hole;
@@ -210,7 +215,7 @@ mod tests {
             let whole = pattern.coverage_grown(&grown, 0.0, x_m, 0.0, y_m);
             let cavities = pattern.centres_m().count() as f64;
             assert!((whole - cavities * grown.area() * 1e-8 / (x_m * y_m)).abs() < 1e-12);
-            // Nothing grown is the cavity itself.
+            // A distance of zero returns the cavity itself.
             let own = pattern.coverage_grown(&outline.grown(0.0), 3e-6, 50e-6, -7e-6, 31e-6);
             assert!((own - pattern.coverage(3e-6, 50e-6, -7e-6, 31e-6)).abs() < 1e-12);
             let rectangle = [-30e-6, 41e-6, 5e-6, 77e-6];

@@ -1,9 +1,8 @@
 //! Texture patterns: a periodic array of equal cavities.
 //!
-//! Along a row `pitch = width + spacing`; `spacing` is the gap between two cavities. Across the rows
-//! `pitch across = length + spacing across`, where the spacing across is the spacing unless told
-//! otherwise, and every second row may be shifted by half a pitch (staggered). The share of the
-//! surface that is cavity is
+//! Along a row `pitch = width + spacing`, where `spacing` is the gap between two cavities. Across the rows `pitch
+//! across = length + spacing across`, where the spacing across equals the spacing by default. In staggered arrangements
+//! every second row is shifted by half a pitch. The fraction of the surface covered by cavities is
 //!
 //! | planform | areal density |
 //! |---|---|
@@ -13,24 +12,23 @@
 //! | polygon | area / (pitch pitch across) |
 //! | crosshatch | 1 - (1 - width / pitch)^2 |
 //!
-//! Three sets of axes meet: the specimen's, X and Y; the pattern's own, x along a row and y across,
-//! turned from them where grooves are; and the sliding direction, at any angle. The periodic cell is
-//! a rectangle in the pattern's own axes, whose origin is the centre of a cavity; the sliding
-//! direction turns in them.
+//! There are three sets of axes: X and Y of the specimen; x (along a row) and y (across) of the pattern, which are
+//! turned against them for grooves; and the sliding direction, at any angle. The periodic cell is a rectangle in the
+//! pattern's axes, whose origin is the centre of a cavity. The sliding direction is given in these axes.
 //!
 //! | type | role |
 //! |---|---|
-//! | [`Texture`] | shape, extent across, arrangement, directions and rims: all but width, spacing and depth |
-//! | [`Planform`], [`Arrangement`] | what a cavity looks like from above, how rows follow each other |
-//! | [`Rim`], [`RimProfile`] | what stands up along the edge of a cavity |
-//! | [`ReliefMap`], [`LandRelief`] | measured heights of a face over one period, and of the lands of a pattern on it |
-//! | [`Polygon`] | the outline of a cavity that is neither of the plain ones |
-//! | [`Grown`] | all points within some distance of an outline |
-//! | [`Pattern`] | a texture with width, spacing and depth, SI units: cell, coverage, densities |
-//! | [`ManufacturingLimits`] | what a laser can make, and the [`LimitViolation`]s of a pattern |
-//! | [`PatternError`] | why a texture or a pattern was refused |
+//! | [`Texture`] | shape, extent across, arrangement, directions and rims: everything except width, spacing and depth |
+//! | [`Planform`], [`Arrangement`] | shape of a cavity seen from above, and arrangement of rows |
+//! | [`Rim`], [`RimProfile`] | recast material along the edge of a cavity |
+//! | [`ReliefMap`], [`LandRelief`] | measured heights of a face over one period, and of the lands between cavities |
+//! | [`Polygon`] | outline of a cavity of arbitrary shape |
+//! | [`Grown`] | all points within a given distance of an outline |
+//! | [`Pattern`] | a texture with width, spacing and depth in SI units: cell, coverage, densities |
+//! | [`ManufacturingLimits`] | limits of the laser, and the [`LimitViolation`]s of a pattern |
+//! | [`PatternError`] | reasons why a texture or a pattern is refused |
 //!
-//! This crate knows no solver and opens no files.
+//! This crate does not depend on a solver and opens no files.
 //!
 //! ```
 //! use slipgrid_pattern::{Arrangement, Pattern, Planform, Texture};

@@ -1,53 +1,53 @@
 use crate::Pattern;
 use crate::error::um;
 
-/// Share of a depth that is forgiven as rounding.
+/// Rounding tolerance of a depth, as a fraction.
 const ROUNDING: f64 = 1e-9;
 
-/// What the laser can make. Absent limits do not bind.
+/// Limits of the laser; absent limits are not applied.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ManufacturingLimits {
-    /// Smallest gap between two cavities, in metres.
+    /// Minimum gap between two cavities, in metres.
     pub min_land_m: Option<f64>,
-    /// Diameter of the laser spot, in metres: no cavity can be narrower.
+    /// Diameter of the laser spot, in metres, which is the minimum width of a cavity.
     pub spot_m: Option<f64>,
-    /// Depth that the least exposure removes, in metres, a burst or a pass over lines: depths are whole multiples of it.
+    /// Depth removed by the smallest exposure (a burst, or a pass over lines), in metres; depths are multiples of it.
     pub depth_per_burst_m: Option<f64>,
-    /// Horizontal extent of a wall over its height: walls that lean must not meet above the floor.
+    /// Horizontal extent of a sloping wall over its height; opposite walls must not meet above the floor.
     pub wall_slope: Option<f64>,
 }
 
-/// A limit that a pattern breaks. `excess` is dimensionless: 0 at the limit.
+/// A limit that a pattern violates.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum LimitViolation {
-    /// The land between two cavities is narrower than allowed.
+    /// The land between two cavities is too narrow.
     #[error("land of {} um is narrower than the smallest allowed, {} um", um(*land_m), um(*min_land_m))]
     LandTooNarrow {
-        /// Smallest distance between two cavities, in metres.
+        /// Minimum distance between two cavities of the pattern, in metres.
         land_m: f64,
-        /// The limit, in metres.
+        /// Minimum land, in metres.
         min_land_m: f64,
     },
     /// The cavity is narrower than the laser spot.
     #[error("cavity of {} um is narrower than the laser spot, {} um", um(*width_m), um(*spot_m))]
     NarrowerThanSpot {
-        /// The cavity's smallest extent seen from above, in metres.
+        /// Smallest extent of the cavity seen from above, in metres.
         width_m: f64,
-        /// The spot's diameter, in metres.
+        /// Diameter of the spot, in metres.
         spot_m: f64,
     },
-    /// The cavity's walls, which lean, meet above its floor.
+    /// The sloping walls of the cavity meet above its floor.
     #[error("cavity of {} um is narrower than what two walls that lean take at its depth, {} um", um(*extent_m), um(*walls_m))]
     WallsMeet {
-        /// The cavity's smallest extent seen from above, in metres.
+        /// Smallest extent of the cavity seen from above, in metres.
         extent_m: f64,
-        /// What two walls take of it, in metres.
+        /// Horizontal extent of two walls at the depth of the cavity, in metres.
         walls_m: f64,
     },
 }
 
 impl LimitViolation {
-    /// How far beyond the limit, relative to the limit.
+    /// Amount by which the limit is violated, relative to the limit.
     #[must_use]
     pub fn excess(&self) -> f64 {
         match *self {
@@ -59,7 +59,7 @@ impl LimitViolation {
 }
 
 impl ManufacturingLimits {
-    /// The limits that `pattern` breaks; empty if the laser can make it.
+    /// Limits that `pattern` violates; empty if the laser can make it.
     #[must_use]
     pub fn violations(&self, pattern: &Pattern) -> Vec<LimitViolation> {
         let mut broken = Vec::new();
@@ -80,24 +80,23 @@ impl ManufacturingLimits {
         broken
     }
 
-    /// Whether the walls of `pattern` lean so far that they meet above its floor.
+    /// Whether the sloping walls of `pattern` meet above its floor.
     #[must_use]
     pub fn walls_meet(&self, pattern: &Pattern) -> bool {
         self.deepest_m(pattern).is_some_and(|deepest_m| pattern.depth_m() > deepest_m * (1.0 + ROUNDING))
     }
 
-    /// Depth at which the walls of cavities as wide as those of `pattern` meet, in metres; `None` where they do not lean.
+    /// Depth at which the walls of cavities as wide as those of `pattern` meet, in metres; `None` for vertical walls.
     #[must_use]
     pub fn deepest_m(&self, pattern: &Pattern) -> Option<f64> {
         // w = 2 d tan(taper)
         self.wall_slope.filter(|slope| *slope > 0.0).map(|slope| pattern.least_extent_m() / (2.0 * slope))
     }
 
-    /// Bursts for a depth, rounded to the nearest whole number and at least one; `None` without a
-    /// depth per burst.
+    /// Number of bursts for a depth, rounded to the nearest integer and at least one; `None` without a depth per burst.
     #[must_use]
     pub fn bursts(&self, depth_m: f64) -> Option<u32> {
-        // A depth is finite and positive, a burst count far below 2^32: the cast cannot overflow.
+        // A depth is finite and positive, and the count far below 2^32, so that the cast cannot overflow.
         self.depth_per_burst_m.map(|per_burst_m| (depth_m / per_burst_m).round().clamp(1.0, 1e9) as u32)
     }
 }

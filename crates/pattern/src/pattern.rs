@@ -3,11 +3,10 @@ use crate::error::length;
 use crate::{Arrangement, Grown, PatternError, Planform, Polygon, Rim, Texture};
 use libm::{cos, sin};
 
-/// Distance of hexagonal rows over the pitch, sqrt(3)/2.
-const HEXAGONAL: f64 = 0.866_025_403_784_438_6;
+/// Distance between hexagonal rows over the pitch, sqrt(3)/2.
+const HEXAGONAL_ROW_RATIO: f64 = 0.866_025_403_784_438_6;
 
-/// A periodic array of equal cavities: a [`Texture`] with its width, spacing and depth. Lengths in
-/// metres, all positive.
+/// A periodic array of equal cavities: a [`Texture`] with width, spacing and depth. Lengths are in metres and positive.
 ///
 /// The origin of the pattern's axes is the centre of a cavity. Rows of cavities run along x.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -19,13 +18,13 @@ pub struct Pattern {
 }
 
 impl Pattern {
-    /// A pattern of cavities `width_m` wide, `spacing_m` apart and `depth_m` deep. A [`Planform`]
-    /// alone stands for its plainest [`Texture`].
+    /// Creates a pattern of cavities with the given width, spacing and depth. A [`Planform`] is converted to its
+    /// default [`Texture`].
     ///
     /// # Errors
-    /// [`PatternError::NotALength`] if one of the lengths is not positive and finite, [`PatternError::RowsOverlap`] where
-    /// hexagonal rows of squares or rectangles are nearer than these are long, or polygons of such rows run into each other or
-    /// reach past two rows.
+    /// [`PatternError::NotALength`] if a length is not positive and finite; [`PatternError::RowsOverlap`] if hexagonal
+    /// rows of squares or rectangles are closer than the length of these, or if polygons in hexagonal rows overlap or
+    /// extend over two rows.
     pub fn new(texture: impl Into<Texture>, width_m: f64, spacing_m: f64, depth_m: f64) -> Result<Self, PatternError> {
         let pattern = Self {
             texture: texture.into(),
@@ -34,14 +33,14 @@ impl Pattern {
             depth_m: length("depth", depth_m)?,
         };
         if let (Arrangement::Hexagonal, Some(outline)) = (pattern.texture.arrangement(), pattern.texture.outline()) {
-            // Rows of polygons may reach between each other.
-            let (length_m, pitch_across_m) = (outline.length() * width_m, HEXAGONAL * pattern.pitch_m());
+            // Rows of polygons may interlock.
+            let (length_m, pitch_across_m) = (outline.length() * width_m, HEXAGONAL_ROW_RATIO * pattern.pitch_m());
             let is_apart = length_m < 2.0 * pitch_across_m && pattern.least_land_m() > 0.0;
             return is_apart.then_some(pattern).ok_or(PatternError::RowsOverlap { pitch_across_m, length_m });
         }
         let across = pattern.length_m().zip(pattern.pitch_across_m());
         match (pattern.texture.arrangement(), pattern.planform(), across) {
-            // Rows of discs reach between each other.
+            // Rows of discs may interlock.
             (_, Planform::Disc, _) | (Arrangement::Square | Arrangement::Staggered, ..) => Ok(pattern),
             (_, _, Some((length_m, pitch_across_m))) if pitch_across_m <= length_m => {
                 Err(PatternError::RowsOverlap { pitch_across_m, length_m })
@@ -50,19 +49,19 @@ impl Pattern {
         }
     }
 
-    /// Everything but width, spacing and depth.
+    /// Texture: all properties except width, spacing and depth.
     #[must_use]
     pub const fn texture(&self) -> &Texture {
         &self.texture
     }
 
-    /// The shape seen from above.
+    /// Shape seen from above.
     #[must_use]
     pub const fn planform(&self) -> Planform {
         self.texture.planform()
     }
 
-    /// Width of a cavity along x, in metres; of a disc its diameter.
+    /// Width of a cavity along x, in metres; the diameter of a disc.
     #[must_use]
     pub const fn width_m(&self) -> f64 {
         self.width_m
@@ -92,7 +91,7 @@ impl Pattern {
         self.width_m + self.spacing_m
     }
 
-    /// Extent of a cavity along y, in metres; `None` for grooves, which do not end.
+    /// Extent of a cavity along y, in metres; `None` for grooves, which are infinite.
     #[must_use]
     pub fn length_m(&self) -> Option<f64> {
         match self.planform() {
@@ -103,36 +102,36 @@ impl Pattern {
         }
     }
 
-    /// Gap between two neighbouring rows, along y, in metres; `None` for grooves. Below zero where hexagonal rows of discs
-    /// reach between each other.
+    /// Gap between two neighbouring rows, along y, in metres; `None` for grooves. Negative if hexagonal rows of discs
+    /// interlock.
     #[must_use]
     pub fn spacing_across_m(&self) -> Option<f64> {
         if self.texture.arrangement() == Arrangement::Hexagonal {
-            return Some(HEXAGONAL * self.pitch_m() - self.length_m()?);
+            return Some(HEXAGONAL_ROW_RATIO * self.pitch_m() - self.length_m()?);
         }
         let spacing_across_m = self.texture.spacing_across_m().unwrap_or(self.spacing_m);
         (!self.planform().is_grooves()).then_some(spacing_across_m)
     }
 
-    /// Distance of neighbouring rows along y, length + spacing across, in metres; `None` for grooves.
+    /// Distance between neighbouring rows along y, length + spacing across, in metres; `None` for grooves.
     #[must_use]
     pub fn pitch_across_m(&self) -> Option<f64> {
         if self.texture.arrangement() == Arrangement::Hexagonal {
-            return self.length_m().map(|_| HEXAGONAL * self.pitch_m());
+            return self.length_m().map(|_| HEXAGONAL_ROW_RATIO * self.pitch_m());
         }
         Some(self.length_m()? + self.spacing_across_m()?)
     }
 
-    /// Whether it is the same everywhere along y: grooves that none crosses.
+    /// Whether the pattern does not vary along y: grooves without crossing ones.
     #[must_use]
     pub fn is_uniform_along_y(&self) -> bool {
         self.planform() == Planform::Groove
     }
 
-    /// Sides along x and y of the smallest rectangular periodic cell, in metres. A staggered or hexagonal cell
-    /// holds two rows. Grooves are the same everywhere along y: their cell is given as a square, and
-    /// any other length along y would do. Grooves that cross at an angle c have the cell p / cos(c/2) by p / sin(c/2), in
-    /// which they cross twice, at right angles p by p.
+    /// Sides along x and y of the smallest rectangular periodic cell, in metres. A staggered or hexagonal cell holds
+    /// two rows. Grooves do not vary along y: their cell is given as a square, although any length along y is valid.
+    /// Grooves that cross at an angle c have the cell p / cos(c/2) by p / sin(c/2), in which they cross twice, or p by
+    /// p for a right angle.
     #[must_use]
     pub fn cell_m(&self) -> [f64; 2] {
         let pitch_m = self.pitch_m();
@@ -146,12 +145,12 @@ impl Pattern {
         [pitch_m, self.pitch_across_m().map_or(pitch_m, |pitch_across_m| rows * pitch_across_m)]
     }
 
-    /// Half the angle between crossing grooves that have no cell along them, in radians.
+    /// Half the angle between obliquely crossing grooves, in radians.
     fn oblique_half_angle(&self) -> Option<f64> {
         self.texture.oblique_half_angle_deg().map(f64::to_radians)
     }
 
-    /// Centres of the cavities of one cell, of crossing grooves their crossings, in metres from the first, the origin.
+    /// Centres of the cavities (or crossings of grooves) in one cell, in metres from the first, the origin.
     pub fn centres_m(&self) -> impl Iterator<Item = [f64; 2]> + use<> {
         let second = match (self.texture.arrangement(), self.pitch_across_m()) {
             (arrangement, Some(pitch_across_m)) if arrangement.shifts_rows() => {
@@ -163,42 +162,41 @@ impl Pattern {
         std::iter::once([0.0, 0.0]).chain(second)
     }
 
-    /// The same pattern, sliding at `angle_deg` from the specimen's X axis.
+    /// Sets the sliding direction, `angle_deg` from the specimen's X axis.
     ///
     /// # Errors
-    /// [`PatternError::AngleOutOfRange`] beyond 180 degrees either way.
+    /// [`PatternError::AngleOutOfRange`] outside -180 to 180 degrees.
     pub fn with_sliding_angle_deg(mut self, angle_deg: f64) -> Result<Self, PatternError> {
         self.texture = self.texture.with_sliding_angle_deg(angle_deg)?;
         Ok(self)
     }
 
-    /// The same pattern with `rim` about every cavity, or with none.
+    /// Sets the rim of every cavity, or removes rims.
     #[must_use]
     pub fn with_rim(mut self, rim: impl Into<Option<Rim>>) -> Self {
         self.texture = self.texture.with_rim(rim);
         self
     }
 
-    /// Unit vector of the sliding direction in the pattern's own axes.
+    /// Unit vector of the sliding direction in the pattern's axes.
     #[must_use]
     pub fn sliding_direction(&self) -> [f64; 2] {
         self.texture.sliding_direction()
     }
 
-    /// Share, from 0 to 1, of the rectangle `[x0_m, x1_m] x [y0_m, y1_m]` that is cavity.
+    /// Fraction, from 0 to 1, of the rectangle `[x0_m, x1_m] x [y0_m, y1_m]` that is covered by cavities.
     ///
-    /// The rectangle lies anywhere in the pattern's axes, whose origin is the centre of a cavity, and
-    /// may be of any size. A cell whose first cavity is centred at (a, b) asks for its rectangles less
-    /// (a, b); so a model decides itself how its blocks lie about a cavity. The share is closed form and
-    /// continuous in the rectangle and in every dimension of the pattern. Within 1e-12 of 0 or 1 it is 0
-    /// or 1: blocks that the edges of cavities do not cut are whole to the last bit. An empty rectangle,
-    /// or one that is not finite, has no cavity: 0.
+    /// The rectangle is given in the pattern's axes, whose origin is the centre of a cavity, and may have any position
+    /// and size. A solver whose first cavity is centred at (a, b) passes its rectangles shifted by (-a, -b), and
+    /// therefore chooses the position of its blocks. The fraction is computed in closed form and is continuous in the
+    /// rectangle and in every dimension of the pattern. Values within 1e-12 of 0 or 1 are rounded, so that blocks
+    /// without an edge are exactly 0 or 1. An empty or non-finite rectangle has the fraction 0.
     #[must_use]
     pub fn coverage(&self, x0_m: f64, x1_m: f64, y0_m: f64, y1_m: f64) -> f64 {
-        rounded(self.coverage_within(0.0, [x0_m, x1_m], [y0_m, y1_m]))
+        snap_fraction(self.coverage_within(0.0, [x0_m, x1_m], [y0_m, y1_m]))
     }
 
-    /// Share of a rectangle that lies in a cavity or within the Euclidean distance `distance_m` of one, at most half of the
+    /// Fraction of a rectangle that is within the Euclidean distance `distance_m` of a cavity, at most half of the
     /// narrowest land.
     pub(crate) fn coverage_within(&self, distance_m: f64, x_m: [f64; 2], y_m: [f64; 2]) -> f64 {
         let Some(area_m2) = proper_area_m2(x_m, y_m) else { return 0.0 };
@@ -214,7 +212,7 @@ impl Pattern {
             }
             (Planform::Disc, ..) => cavities_m2(Shape::Disc { diameter_m: width_m }) / area_m2,
             (_, Some(outline), Some(_)) if distance_m > 0.0 => {
-                self.share_grown(&outline.grown(distance_m / self.width_m), area_m2, covered_m2)
+                self.grown_fraction(&outline.grown(distance_m / self.width_m), area_m2, covered_m2)
             }
             (_, Some(outline), Some(length_m)) => {
                 let (vertices, extents_m) = (outline.vertices(), [width_m, length_m]);
@@ -228,28 +226,29 @@ impl Pattern {
         }
     }
 
-    /// Share of a rectangle of the area `area_m2`, of which shapes cover what `covered_m2` says, that lies within `grown`, the
-    /// outline of this pattern's polygons grown outwards.
-    fn share_grown(&self, grown: &Grown, area_m2: f64, covered_m2: impl Fn(Shape<'_>, [f64; 2]) -> f64) -> f64 {
+    /// Fraction of a rectangle of area `area_m2` that lies within `grown`, the offset outline of this pattern's
+    /// polygons. `covered_m2` computes the area covered by shapes.
+    fn grown_fraction(&self, grown: &Grown, area_m2: f64, covered_m2: impl Fn(Shape<'_>, [f64; 2]) -> f64) -> f64 {
         let scale_m = self.width_m;
         let extents_m = grown.extents().map(|extent| extent * scale_m);
         let shape = Shape::Pieces { pieces: grown.pieces(), scale_m, extents_m };
         self.centres_m().map(|centre_m| covered_m2(shape, centre_m)).sum::<f64>() / area_m2
     }
 
-    /// Share, from 0 to 1, of the rectangle `[x0_m, x1_m] x [y0_m, y1_m]` that lies within `grown`, the outline of this
-    /// pattern's polygons grown outwards, about any cavity: as [`Self::coverage`]. What two of them share counts twice, at
-    /// most as all: nothing is shared up to half of the narrowest land.
+    /// Fraction, from 0 to 1, of the rectangle `[x0_m, x1_m] x [y0_m, y1_m]` that lies within `grown`, the offset
+    /// outline of this pattern's polygons, around any cavity; see [`Self::coverage`]. Overlaps are counted twice and
+    /// the total is limited to 1; there are no overlaps up to half of the narrowest land.
     #[must_use]
     pub fn coverage_grown(&self, grown: &Grown, x0_m: f64, x1_m: f64, y0_m: f64, y1_m: f64) -> f64 {
         let Some(area_m2) = proper_area_m2([x0_m, x1_m], [y0_m, y1_m]) else { return 0.0 };
         let cell_m = self.cell_m();
-        rounded(self.share_grown(grown, area_m2, |shape, centre_m| {
+        snap_fraction(self.grown_fraction(grown, area_m2, |shape, centre_m| {
             covered_area(shape, &Sublattice { centre_m, cell_m }, [x0_m, x1_m], [y0_m, y1_m])
         }))
     }
 
-    /// Area by `covered_m2` of the land that crossing grooves `spacing_m` apart leave: rhombi, disjoint, half a cell from the crossings.
+    /// Area, computed by `covered_m2`, of the land between crossing grooves `spacing_m` apart: disjoint rhombi, half a
+    /// cell from the crossings.
     fn land_m2(&self, spacing_m: f64, covered_m2: impl Fn(Shape<'_>, [f64; 2]) -> f64) -> f64 {
         let [cell_x_m, cell_y_m] = self.cell_m();
         let Some(half) = self.oblique_half_angle() else {
@@ -263,28 +262,31 @@ impl Pattern {
         covered_m2(rhombus, [cell_x_m / 2.0, 0.0]) + covered_m2(rhombus, [0.0, cell_y_m / 2.0])
     }
 
-    /// Share of a vertical section along x through the cavities' centres that is cavity, width / pitch; of a polygon a section
-    /// as wide as it is anywhere, of crossing grooves one across one family between two of the other.
+    /// Fraction of a vertical section along x through the cavities' centres that is cavity, width / pitch. For a
+    /// polygon this is the section at its largest width, for crossing grooves a section across one family between two
+    /// grooves of the other.
     #[must_use]
     pub fn section_density(&self) -> f64 {
         self.width_m / self.pitch_m()
     }
 
-    /// Share of the surface that is cavity.
+    /// Fraction of the surface that is cavity.
     #[must_use]
     pub fn areal_density(&self) -> f64 {
-        // (w / p) times the share of the rows across, weighed by the mean chord; of crossing grooves 1 - (1 - w/p)^2
+        // (w / p) times the fraction of the rows across, weighted by the mean chord; for crossing grooves 1 - (1 -
+        // w/p)^2
         self.section_density() * self.share_across()
     }
 
-    /// Length of the cavities' edges over the area of the face, in 1/m. Grooves that cross have none inside each other.
+    /// Length of the cavities' edges over the area of the face, in 1/m. Edges of crossing grooves end where the grooves
+    /// cross.
     #[must_use]
     pub fn edge_per_area_1_m(&self) -> f64 {
         let width_m = self.width_m;
         // Perimeter over area of one cavity.
-        let of_cavity = match self.planform() {
+        let perimeter_over_area = match self.planform() {
             Planform::Groove => return 2.0 / self.pitch_m(),
-            // Two families of edges 2 / p, of which the other covers w / p.
+            // Two families of edges 2 / p, of which the other family removes w / p.
             Planform::Crosshatch => return 4.0 / self.pitch_m() * (1.0 - width_m / self.pitch_m()),
             Planform::Square | Planform::Disc => 4.0 / width_m,
             Planform::Rectangle => {
@@ -295,13 +297,13 @@ impl Pattern {
                 self.texture.outline().map_or(4.0 / width_m, |outline| outline.perimeter() / (outline.area() * width_m))
             }
         };
-        of_cavity * self.areal_density()
+        perimeter_over_area * self.areal_density()
     }
 
-    /// The strip estimate of the friction ratio of a pattern whose vertical section along x, taken
-    /// as a transversal groove, has the ratio `ratio_groove`: strips between the rows of cavities
-    /// count as flat, a disc or a polygon as a rectangle of its width and its area; crossing grooves take away as much more
-    /// friction as they take more of the surface, at most all.
+    /// Strip estimate of the friction ratio of a pattern, from the ratio `ratio_groove` of a transversal groove with
+    /// the same vertical section along x. Strips between the rows count as flat; a disc or polygon counts as a
+    /// rectangle of equal width and area. The reduction by crossing grooves is scaled with their larger area, and
+    /// limited to 1.
     #[must_use]
     pub fn strip_estimate(&self, ratio_groove: f64) -> f64 {
         match self.planform() {
@@ -312,8 +314,8 @@ impl Pattern {
         }
     }
 
-    /// Mean length of a cavity along y over the distance of its rows; 1 for grooves, and for crossing ones
-    /// (1 - (1 - w/p)^2) / (w/p).
+    /// Mean length of a cavity along y over the distance between rows; 1 for grooves, and (1 - (1 - w/p)^2) / (w/p) for
+    /// crossing grooves.
     fn share_across(&self) -> f64 {
         if self.planform() == Planform::Crosshatch {
             return 2.0 - self.section_density();
@@ -327,8 +329,8 @@ impl Pattern {
         mean * (length_m / pitch_across_m)
     }
 
-    /// Smallest distance between two cavities, in metres: the narrowest land. That of polygons is exact, whichever of the
-    /// neighbours is the nearest; between crossing grooves it is the spacing.
+    /// Smallest distance between two cavities, in metres: the narrowest land. It is exact for polygons, whichever
+    /// neighbour is nearest, and equals the spacing for crossing grooves.
     #[must_use]
     pub fn least_land_m(&self) -> f64 {
         let (Some(length_m), Some(spacing_across_m)) = (self.length_m(), self.spacing_across_m()) else {
@@ -339,10 +341,10 @@ impl Pattern {
         }
         match self.texture.arrangement() {
             Arrangement::Square => self.spacing_m.min(spacing_across_m),
-            // All six neighbours are as near as those of the row.
+            // All six neighbours have the distance of those in the row.
             Arrangement::Hexagonal if self.planform() == Planform::Disc => self.spacing_m,
             Arrangement::Staggered | Arrangement::Hexagonal => {
-                // The next row lies half a pitch aside, the next but one straight ahead.
+                // The next row is shifted by half a pitch, the one after it is not.
                 let half_pitch_m = self.pitch_m() / 2.0;
                 let aside_m = match self.planform() {
                     Planform::Disc => half_pitch_m.hypot(length_m + spacing_across_m) - self.width_m,
@@ -353,9 +355,9 @@ impl Pattern {
         }
     }
 
-    /// Smallest distance between two polygons of the pattern whose rows are `pitch_across_m` apart, in metres.
+    /// Smallest distance between two polygons of the pattern with rows `pitch_across_m` apart, in metres.
     fn least_distance_m(&self, outline: Polygon, pitch_across_m: f64) -> f64 {
-        // Over the width, as outlines are; steps along x in half pitches.
+        // Lengths are divided by the width, as in outlines; steps along x are half pitches.
         let [half_pitch, pitch_across] = [self.pitch_m() / 2.0, pitch_across_m].map(|pitch_m| pitch_m / self.width_m);
         let shifts_rows = self.texture.arrangement().shifts_rows();
         let mut neighbours: Vec<(f64, [f64; 2])> = Vec::new();
@@ -364,7 +366,7 @@ impl Pattern {
             for step in -6..=6_i32 {
                 let is_neighbour = (step.rem_euclid(2) == 1) == is_shifted && (row, step) > (0, 0);
                 let shift = [f64::from(step) * half_pitch, f64::from(row) * pitch_across];
-                // The distance of the bounding boxes, which that of the outlines is not below.
+                // Distance between the bounding boxes, a lower bound of that between the outlines.
                 let apart = (shift[0].abs() - 1.0).max(0.0).hypot((shift[1] - outline.length()).max(0.0));
                 if is_neighbour {
                     neighbours.push((apart, shift));
@@ -378,8 +380,7 @@ impl Pattern {
         nearest * self.width_m
     }
 
-    /// Smallest extent of a cavity seen from above, in metres; of a polygon its narrowest width, as
-    /// [`Polygon::least_extent`] has it.
+    /// Smallest extent of a cavity seen from above, in metres; for a polygon [`Polygon::least_extent`].
     #[must_use]
     pub fn least_extent_m(&self) -> f64 {
         if let Some(outline) = self.texture.outline() {
@@ -388,8 +389,8 @@ impl Pattern {
         self.length_m().map_or(self.width_m, |length_m| length_m.min(self.width_m))
     }
 
-    /// The families of grooves that it is made of, each as a pattern of its own on the same specimen: one, of crossing grooves
-    /// two; empty for other planforms.
+    /// Families of grooves as separate patterns on the same specimen: one for grooves, two for crossing grooves, none
+    /// for other planforms.
     pub fn families(&self) -> impl Iterator<Item = Self> + use<> {
         let pattern = *self;
         pattern
@@ -398,7 +399,7 @@ impl Pattern {
             .map(move |angle_deg| Self { texture: pattern.texture.family(angle_deg), ..pattern })
     }
 
-    /// The same section, rims included, as grooves across the sliding direction.
+    /// Grooves across the sliding direction with this section and these rims.
     #[must_use]
     pub fn as_groove(mut self) -> Self {
         self.texture = Texture::new(Planform::Groove).with_rim(self.texture.rim().copied());
@@ -406,15 +407,15 @@ impl Pattern {
     }
 }
 
-/// Area of a rectangle; `None` where it is empty or not finite.
+/// Area of a rectangle; `None` if it is empty or not finite.
 fn proper_area_m2([x0_m, x1_m]: [f64; 2], [y0_m, y1_m]: [f64; 2]) -> Option<f64> {
-    // Products and quotients of lengths below 1e-150 m would underflow: none is meant.
+    // Products and quotients of lengths below 1e-150 m would underflow.
     let area_m2 = (x1_m - x0_m) * (y1_m - y0_m);
     (x1_m > x0_m && y1_m > y0_m && area_m2.is_finite() && area_m2 > 0.0).then_some(area_m2)
 }
 
-/// A share that is 0 or 1 where it is so to 1e-12.
-fn rounded(share: f64) -> f64 {
+/// Rounds a fraction within 1e-12 of 0 or 1.
+fn snap_fraction(share: f64) -> f64 {
     const ROUNDING: f64 = 1e-12;
     if share < ROUNDING {
         0.0

@@ -3,21 +3,22 @@ use std::str::FromStr;
 
 use crate::PatternError;
 
-/// What a cavity looks like from above. Its sides lie along the pattern's own axes.
+/// Shape of a cavity seen from above. Its sides lie along the pattern's axes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Planform {
-    /// A groove along the pattern's y axis, as long as the surface. Across the sliding direction it
-    /// is what the vertical plane models.
+    /// A groove along the pattern's y axis, as long as the surface. Across the sliding direction, it corresponds to the
+    /// two-dimensional model.
     Groove,
     /// A square.
     Square,
     /// A rectangle, `width` along x and `length` along y.
     Rectangle,
-    /// A disc; its width is its diameter.
+    /// A disc; the width is the diameter.
     Disc,
-    /// A [`Polygon`](crate::Polygon); its width is its extent along x.
+    /// A [`Polygon`](crate::Polygon); the width is the extent along x.
     Polygon,
-    /// Two families of equal grooves that cross, each `width` wide and `spacing` apart; where they cross they are no deeper.
+    /// Two families of equal grooves that cross, each `width` wide and `spacing` apart. Crossings are as deep as the
+    /// grooves.
     Crosshatch,
 }
 
@@ -39,7 +40,7 @@ impl Planform {
         }
     }
 
-    /// Whether cavities are grooves, which do not end.
+    /// Whether cavities are grooves, which have no ends.
     #[must_use]
     pub const fn is_grooves(self) -> bool {
         matches!(self, Self::Groove | Self::Crosshatch)
@@ -63,15 +64,15 @@ impl FromStr for Planform {
     }
 }
 
-/// How the rows of cavities follow each other. A row runs along the pattern's x axis.
+/// Arrangement of the rows of cavities. Rows run along the pattern's x axis.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Arrangement {
-    /// Every row like the one before.
+    /// All rows are equal.
     #[default]
     Square,
-    /// Every second row shifted along x by half a pitch.
+    /// Every second row is shifted along x by half a pitch.
     Staggered,
-    /// The same with rows sqrt(3)/2 of a pitch apart: each cavity has six neighbours at the distance of one pitch.
+    /// Staggered rows sqrt(3)/2 of a pitch apart, so that each cavity has six neighbours at the distance of one pitch.
     Hexagonal,
 }
 

@@ -1,23 +1,24 @@
-//! The outline of a cavity as a closed simple polygon.
+//! Outline of a cavity as a closed simple polygon.
 
 use std::sync::{Mutex, PoisonError};
 
 use crate::geometry::{contains, cross, doubled_area, edges, meet, point_to_segment};
 
-/// The outline of a cavity seen from above: a closed polygon that does not meet itself, without holes, concave or convex.
+/// Outline of a cavity seen from above: a closed simple polygon without holes, convex or concave.
 ///
-/// It has a shape and no size: its vertices run anticlockwise from that of the least x, of these of the least y, its bounding box is centred at the origin and 1 wide
-/// along x, so that a pattern scales it by its width. Coordinates are whole multiples of a fine grid (2^-44 of the larger
-/// extent), so that an outline written at any scale and read again is the same to the last bit.
+/// An outline has a shape and no size. Its vertices run anticlockwise from the vertex with the smallest x (and among
+/// these the smallest y). Its bounding box is centred at the origin and 1 wide along x, so that a pattern scales it by
+/// its width. Coordinates are multiples of a fine grid (2^-44 of the larger extent), so that an outline written at any
+/// scale and read again is bit-identical.
 ///
-/// Outlines are kept for as long as the program runs, equal ones once: patterns, which a search copies by the thousand,
-/// refer to them. A program reads a few, of some kilobytes at most.
+/// Outlines are interned for the lifetime of the program, because a search copies patterns by the thousand. A program
+/// reads a few outlines of some kilobytes at most.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Polygon(&'static Kept);
+pub struct Polygon(&'static InternedOutline);
 
-/// What is known of an outline.
+/// Data of an interned outline.
 #[derive(Debug, PartialEq)]
-struct Kept {
+struct InternedOutline {
     vertices: Vec<[f64; 2]>,
     length: f64,
     area: f64,
@@ -25,74 +26,74 @@ struct Kept {
     symmetries: Symmetries,
 }
 
-/// Which turns and mirrors about the centre of the bounding box map an outline onto itself.
+/// Rotations and reflections about the centre of the bounding box that map an outline onto itself.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Symmetries {
-    /// A turn by 180 degrees.
+    /// Rotation by 180 degrees.
     pub(crate) half_turn: bool,
-    /// The mirror at x: y becomes -y.
+    /// Reflection across the x axis: y becomes -y.
     pub(crate) across: bool,
-    /// The mirror at y: x becomes -x.
+    /// Reflection across the y axis: x becomes -x.
     pub(crate) along: bool,
-    /// A turn by 90 degrees.
+    /// Rotation by 90 degrees.
     pub(crate) quarter_turn: bool,
-    /// The mirrors at y = x and at y = -x.
+    /// Reflections across the lines y = x and y = -x.
     pub(crate) diagonals: [bool; 2],
 }
 
-/// Why points are no outline of a cavity.
+/// Reason why points are not a valid outline.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum OutlineError {
-    /// Fewer than three corners.
+    /// There are fewer than three corners.
     #[error("an outline of {count} corners encloses nothing: expected at least 3")]
     TooFewVertices {
-        /// Corners that differ from the one before.
+        /// Number of distinct corners.
         count: usize,
     },
-    /// More corners than are handled.
+    /// There are too many corners.
     #[error("an outline of {count} corners: expected at most {most}")]
     TooManyVertices {
-        /// Corners given.
+        /// Number of corners given.
         count: usize,
-        /// The most accepted.
+        /// Maximum number.
         most: usize,
     },
-    /// A coordinate that is no finite number.
+    /// A coordinate is not finite.
     #[error("corner {corner} of the outline is ({}, {}): expected finite numbers", at[0], at[1])]
     NotFinite {
-        /// Its number, from 1.
+        /// Index of the corner, from 1.
         corner: usize,
-        /// The corner.
+        /// The corner as given.
         at: [f64; 2],
     },
-    /// All corners on one line, or nearly so.
+    /// All corners lie on one line, or nearly so.
     #[error("the outline encloses no area: expected corners that do not lie on one line")]
     NoArea,
-    /// Two edges that cross or touch.
+    /// Two edges cross or touch.
     #[error(
         "the edges of the outline from corner {} ({}, {}) and from corner {} ({}, {}) meet: expected a closed outline that does not cross or touch itself",
         corners[0], at[0][0], at[0][1], corners[1], at[1][0], at[1][1]
     )]
     MeetsItself {
-        /// Numbers of the corners from which the edges start, from 1.
+        /// Indices, from 1, of the corners at which the edges start.
         corners: [usize; 2],
         /// The corners as given.
         at: [[f64; 2]; 2],
     },
 }
 
-static KNOWN: Mutex<Vec<Polygon>> = Mutex::new(Vec::new());
+static INTERNED: Mutex<Vec<Polygon>> = Mutex::new(Vec::new());
 
 impl Polygon {
-    /// Most corners of an outline.
+    /// Maximum number of corners of an outline.
     pub const MAX_VERTICES: usize = 2000;
 
-    /// The outline through `vertices` as `[x, y]`, in any unit, either way round; the last is joined to the first. A vertex
-    /// equal to the one before is left out, to 2^-44 of the larger extent.
+    /// Creates the outline through `vertices` as `[x, y]`, in any unit and orientation; the last vertex is joined to
+    /// the first. Consecutive vertices that are equal, to 2^-44 of the larger extent, are merged.
     ///
     /// # Errors
-    /// [`OutlineError`] for fewer than three vertices or more than [`Self::MAX_VERTICES`], for numbers that are not finite,
-    /// for vertices that enclose no area, and for edges that meet.
+    /// [`OutlineError`] for fewer than three vertices or more than [`Self::MAX_VERTICES`], non-finite numbers, vertices
+    /// that enclose no area, and edges that meet.
     pub fn new(vertices: &[[f64; 2]]) -> Result<Self, OutlineError> {
         if vertices.len() > Self::MAX_VERTICES {
             return Err(OutlineError::TooManyVertices { count: vertices.len(), most: Self::MAX_VERTICES });
@@ -104,7 +105,7 @@ impl Polygon {
             return Err(OutlineError::TooFewVertices { count: vertices.len() });
         }
         let (mut normal, length) = normalized(vertices).ok_or(OutlineError::NoArea)?;
-        // With each the number that it was given under.
+        // Keep the original index of each vertex for messages.
         let mut corners: Vec<usize> = (0..normal.len()).collect();
         corners.retain(|&k| normal[k] != normal[(k + normal.len() - 1) % normal.len()]);
         normal = corners.iter().map(|&k| normal[k]).collect();
@@ -114,7 +115,7 @@ impl Polygon {
         if let Some(pair) = meeting_edges(&normal) {
             let corners = pair.map(|edge| corners[edge]);
             let (numbers, at) = (corners.map(|corner| corner + 1), corners.map(|corner| vertices[corner]));
-            // Where all lie on one line every edge meets its neighbour.
+            // If all vertices lie on one line, every edge meets its neighbour.
             return Err(if doubled_area(&normal).abs() < MIN_AREA * length {
                 OutlineError::NoArea
             } else {
@@ -128,20 +129,20 @@ impl Polygon {
         if doubled < 0.0 {
             normal.reverse();
         }
-        // The same outline from whichever corner it is told.
+        // Normalize the start, so that the outline does not depend on the first corner given.
         let first = (0..normal.len())
             .min_by(|&a, &b| normal[a][0].total_cmp(&normal[b][0]).then(normal[a][1].total_cmp(&normal[b][1])));
         normal.rotate_left(first.unwrap_or(0));
-        Ok(Self::kept(normal, length))
+        Ok(Self::interned(normal, length))
     }
 
-    /// The one outline of these vertices.
-    fn kept(vertices: Vec<[f64; 2]>, length: f64) -> Self {
-        let mut known = KNOWN.lock().unwrap_or_else(PoisonError::into_inner);
+    /// Interns the outline with these vertices.
+    fn interned(vertices: Vec<[f64; 2]>, length: f64) -> Self {
+        let mut known = INTERNED.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(found) = known.iter().find(|known| known.0.vertices == vertices) {
             return *found;
         }
-        let kept = Kept {
+        let kept = InternedOutline {
             length,
             area: doubled_area(&vertices) / 2.0,
             least_extent: least_extent(&vertices),
@@ -153,39 +154,40 @@ impl Polygon {
         outline
     }
 
-    /// Its corners as `[x, y]`, anticlockwise, over its extent along x; the bounding box is centred at the origin.
+    /// Corners as `[x, y]`, anticlockwise, divided by the extent along x; the bounding box is centred at the origin.
     #[must_use]
     pub fn vertices(&self) -> &'static [[f64; 2]] {
         &self.0.vertices
     }
 
-    /// Extent along y over that along x.
+    /// Extent along y over extent along x.
     #[must_use]
     pub fn length(&self) -> f64 {
         self.0.length
     }
 
-    /// Area over the square of its extent along x.
+    /// Area divided by the square of the extent along x.
     #[must_use]
     pub fn area(&self) -> f64 {
         self.0.area
     }
 
-    /// Length of the outline over its extent along x.
+    /// Perimeter divided by the extent along x.
     #[must_use]
     pub fn perimeter(&self) -> f64 {
         edges(self.vertices()).map(|([xa, ya], [xb, yb])| (xb - xa).hypot(yb - ya)).sum()
     }
 
-    /// Its narrowest width over its extent along x: the smaller of the least distance of two parallel lines that hold it
-    /// between them, and, of a concave outline, of its narrowest neck, a straight line inside it from a concave corner to
-    /// the opposite side, shorter than all beside it. That a corner tapers to nothing counts for nothing, as everywhere.
+    /// Narrowest width divided by the extent along x: the smaller of the smallest distance between two parallel
+    /// supporting lines, and, for a concave outline, of its narrowest neck. A neck is a straight line inside the
+    /// outline from a concave corner to the opposite side that is shorter than all lines next to it. Tapering corners
+    /// are not counted as narrow.
     #[must_use]
     pub fn least_extent(&self) -> f64 {
         self.0.least_extent
     }
 
-    /// Whether a point, over its extent along x, lies inside.
+    /// Whether a point, divided by the extent along x, lies inside.
     #[must_use]
     pub fn contains(&self, at: [f64; 2]) -> bool {
         contains(self.vertices(), at)
@@ -195,7 +197,8 @@ impl Polygon {
         self.0.symmetries
     }
 
-    /// Least distance between the outline and itself moved by `shift`, over its extent along x; 0 where they overlap or touch.
+    /// Smallest distance between the outline and its copy shifted by `shift`, divided by the extent along x; 0 if they
+    /// overlap or touch.
     pub(crate) fn distance(&self, shift: [f64; 2]) -> f64 {
         let vertices = self.vertices();
         let moved: Vec<[f64; 2]> = vertices.iter().map(|[x, y]| [x + shift[0], y + shift[1]]).collect();
@@ -213,13 +216,13 @@ impl Polygon {
     }
 }
 
-/// Bits of the grid below the larger extent.
+/// Number of grid bits below the larger extent.
 const GRID_BITS: i32 = 44;
-/// Twice the least area over that of the bounding box.
+/// Minimum of twice the area over the area of the bounding box.
 const MIN_AREA: f64 = 1e-9;
 
-/// Vertices moved and scaled to a bounding box about the origin that is 1 wide, on the grid, and its extent along y; `None`
-/// where they have no extent.
+/// Scales vertices to a bounding box about the origin that is 1 wide, and rounds them to the grid. Returns the vertices
+/// and the extent along y; `None` if they have no extent.
 fn normalized(vertices: &[[f64; 2]]) -> Option<(Vec<[f64; 2]>, f64)> {
     let range = |axis: usize| {
         vertices
@@ -229,12 +232,12 @@ fn normalized(vertices: &[[f64; 2]]) -> Option<(Vec<[f64; 2]>, f64)> {
     };
     let [[left, right], [low, high]] = [range(0), range(1)];
     let (width, length) = (right - left, (high - low) / (right - left));
-    // Needles of a million to one are no cavity.
+    // Aspect ratios beyond a million are refused.
     if !(width > 0.0 && width.is_finite() && (1e-6..=1e6).contains(&length)) {
         return None;
     }
     let grid = 2_f64.powi(libm::ceil(libm::log2(length.max(1.0))) as i32 - GRID_BITS);
-    // Half the length is on the grid, so that the box stays centred.
+    // Half the length is rounded to the grid, so that the box stays centred.
     let half = (length / 2.0 / grid).round() * grid;
     let snapped = |share: f64, half: f64| ((share / grid).round() * grid).clamp(-half, half);
     let normal = |[x, y]: &[f64; 2]| {
@@ -246,13 +249,13 @@ fn normalized(vertices: &[[f64; 2]]) -> Option<(Vec<[f64; 2]>, f64)> {
     Some((vertices.iter().map(normal).collect(), 2.0 * half))
 }
 
-/// Two edges that meet other than in a common corner, by their numbers.
+/// Indices of two edges that meet other than in a common corner.
 fn meeting_edges(vertices: &[[f64; 2]]) -> Option<[usize; 2]> {
     let count = vertices.len();
     let corner = |k: usize| vertices[k % count];
     for first in 0..count {
         let (a, b, c) = (corner(first), corner(first + 1), corner(first + 2));
-        // Back along itself.
+        // The edge runs back along the previous one.
         let forth = (b[0] - a[0]) * (c[0] - b[0]) + (b[1] - a[1]) * (c[1] - b[1]);
         if cross(a, b, c) == 0.0 && forth < 0.0 {
             return Some([first, (first + 1) % count]);
@@ -266,10 +269,10 @@ fn meeting_edges(vertices: &[[f64; 2]]) -> Option<[usize; 2]> {
     None
 }
 
-/// As [`Polygon::least_extent`].
+/// See [`Polygon::least_extent`].
 fn least_extent(vertices: &[[f64; 2]]) -> f64 {
-    // A least strip that holds the outline has an edge of its convex hull on one side: any other pair of vertices with all
-    // on one side does no harm.
+    // The narrowest supporting strip has an edge of the convex hull on one side. Other vertex pairs with all vertices
+    // on one side are harmless.
     let mut least = f64::INFINITY;
     for (k, a) in vertices.iter().enumerate() {
         for b in &vertices[k + 1..] {
@@ -286,7 +289,7 @@ fn least_extent(vertices: &[[f64; 2]]) -> f64 {
     let count = vertices.len();
     let corner = |k: usize| vertices[k % count];
     let is_concave = |k: usize| cross(corner(k + count - 1), corner(k), corner(k + 1)) < 0.0;
-    // Whether a way from corner k along `way` leaves both its edges behind.
+    // Whether a line from corner k in the direction `way` leaves both edges of the corner behind.
     let leaves = |k: usize, way: [f64; 2]| {
         [k + count - 1, k + 1].into_iter().all(|next| {
             let ([x, y], [nx, ny]) = (corner(k), corner(next));
@@ -333,7 +336,7 @@ fn symmetries(vertices: &[[f64; 2]], length: f64) -> Symmetries {
         let near = |a: [f64; 2], b: [f64; 2]| (a[0] - b[0]).abs() <= tolerance && (a[1] - b[1]).abs() <= tolerance;
         let count = vertices.len();
         let images: Vec<[f64; 2]> = vertices.iter().copied().map(image).collect();
-        // The images follow the corners either way round, from any of them.
+        // The images may follow the corners in either orientation, starting at any corner.
         (0..count).any(|start| {
             (0..count).all(|k| near(images[k], vertices[(start + k) % count]))
                 || (0..count).all(|k| near(images[k], vertices[(start + count - k) % count]))
@@ -349,9 +352,15 @@ fn symmetries(vertices: &[[f64; 2]], length: f64) -> Symmetries {
 }
 
 impl Symmetries {
-    /// Whether sliding at `other_deg` from x is sliding at `angle_deg` under one of these, on a lattice that the mirrors at
-    /// x and y map onto itself, and one that turns by 90 degrees do where `is_square_lattice`.
-    pub(crate) fn alike(&self, angle_deg: f64, other_deg: f64, is_square_lattice: bool, tolerance_deg: f64) -> bool {
+    /// Whether sliding at `other_deg` from x is equivalent to sliding at `angle_deg` by one of these symmetries. The
+    /// lattice has reflections across x and y, and rotations by 90 degrees if `is_square_lattice`.
+    pub(crate) fn maps_direction(
+        &self,
+        angle_deg: f64,
+        other_deg: f64,
+        is_square_lattice: bool,
+        tolerance_deg: f64,
+    ) -> bool {
         let images = [
             (true, angle_deg),
             (self.half_turn, angle_deg + 180.0),

@@ -1,43 +1,45 @@
-//! The measured relief of a face: heights over one period of its pattern.
+//! Measured relief of a face: heights over one period of its pattern.
 
 use crate::{Pattern, PatternError};
 
-/// Depth over that of the cavity from which a point belongs to its wall: it bears nothing, and lowers no mean. The points next to
-/// it, which instruments and means of many periods blend with it, are no lower than the land beyond them.
+/// Points deeper than this fraction of the cavity's depth belong to its wall: they carry no load and are excluded from
+/// means. Points next to a wall, where instruments and averaging blend heights, are raised to at least the height of
+/// the land beyond.
 const WALL_DEPTH: f64 = 0.1;
-/// Largest departure of the sides of a map from those of the pattern's cell, over them.
+/// Maximum relative deviation of the sides of a map from those of the pattern's cell.
 const MAX_MISFIT: f64 = 0.02;
-/// Least share of the cavity of a map that lies in the pattern's, and of the pattern's that lies in the map's.
+/// Minimum fraction of the map's cavity that lies in the pattern's, and vice versa.
 const MIN_OVERLAP: f64 = 0.5;
 
-/// Share of a map in which it may differ from the pattern's cavity before width and spacing are taken for exchanged.
+/// Mismatch between the cavities of map and pattern, as a fraction of the map, from which on width and spacing may be
+/// exchanged.
 const EXCHANGED_MISFIT: f64 = 0.1;
 
-/// How the cavity of a map lies on that of a pattern, as shares of the map.
+/// Overlap of the cavities of a map and of a pattern, as fractions of the map.
 #[derive(Clone, Copy, Debug)]
 struct Overlap {
-    /// The map's cavity.
-    own: f64,
-    /// The pattern's.
-    asked: f64,
-    /// Both.
+    /// Fraction of the map's cavity.
+    map: f64,
+    /// Fraction of the pattern's cavity.
+    pattern: f64,
+    /// Fraction that belongs to both.
     both: f64,
 }
 
 impl Overlap {
-    /// They hold each other's greater part.
+    /// Whether each cavity covers the greater part of the other.
     fn is_one_cavity(self) -> bool {
-        self.both >= MIN_OVERLAP * self.own && self.both >= MIN_OVERLAP * self.asked
+        self.both >= MIN_OVERLAP * self.map && self.both >= MIN_OVERLAP * self.pattern
     }
 
-    /// What one of the two is, and the other not.
+    /// Fraction that belongs to one cavity only.
     fn misfit(self) -> f64 {
-        self.own + self.asked - 2.0 * self.both
+        self.map + self.pattern - 2.0 * self.both
     }
 }
 
-/// Heights of a textured face over one period, the centre of a cavity at the centre of the map. What lies in cavities is there
-/// as well, and is left out where lands are asked for.
+/// Heights of a textured face over one period, with the centre of a cavity at the centre of the map. Heights inside
+/// cavities are included, but excluded from the relief of lands.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ReliefMap {
     sides_m: [f64; 2],
@@ -46,10 +48,11 @@ pub struct ReliefMap {
 }
 
 impl ReliefMap {
-    /// `heights_m`, x fastest, of `pixels` along x and y over a period of `sides_m`, positive towards the counterface.
+    /// Creates a map of `heights_m`, x fastest, with `pixels` along x and y over a period of `sides_m`; heights are
+    /// positive towards the counterface.
     ///
     /// # Errors
-    /// [`PatternError::NotALength`] for sides that are none, [`PatternError::ReliefHeights`] unless there is a finite height
+    /// [`PatternError::NotALength`] for invalid sides, [`PatternError::ReliefHeights`] unless there is a finite height
     /// for every pixel.
     pub fn new(sides_m: [f64; 2], pixels: [usize; 2], heights_m: Vec<f64>) -> Result<Self, PatternError> {
         for side_m in sides_m {
@@ -69,7 +72,7 @@ impl ReliefMap {
         self.sides_m
     }
 
-    /// The same heights with x and y exchanged.
+    /// Transposes the map: x and y are exchanged.
     #[must_use]
     pub fn turned(&self) -> Self {
         let ([nx, ny], [x_m, y_m]) = (self.pixels, self.sides_m);
@@ -77,12 +80,12 @@ impl ReliefMap {
         Self { sides_m: [y_m, x_m], pixels: [ny, nx], heights_m }
     }
 
-    /// The map as the cavities of `pattern` lie: that of grooves is turned where its grooves run along x.
+    /// Aligns the map with `pattern`: a map of grooves is transposed if its grooves run along x.
     ///
     /// # Errors
-    /// [`PatternError::ReliefElsewhere`] where the map has a cavity that is not where the pattern has its own. A map without
-    /// one, as of rims alone, passes. [`PatternError::ReliefExchanged`] where its cavity is that of the pattern with width and spacing
-    /// exchanged.
+    /// [`PatternError::ReliefElsewhere`] if the map has a cavity that is not where the pattern has one; a map without
+    /// cavities, for example of rims only, is accepted. [`PatternError::ReliefExchanged`] if the map's cavity matches
+    /// the pattern with width and spacing exchanged.
     pub fn along(self, pattern: &Pattern) -> Result<Self, PatternError> {
         if pattern.is_uniform_along_y() {
             let own = if self.variation(1) > self.variation(0) { self.turned() } else { self };
@@ -98,8 +101,8 @@ impl ReliefMap {
         Err(PatternError::ReliefElsewhere { across: self.turned().has_cavity_of(pattern) })
     }
 
-    /// Whether the map's cavity, if it has one, is that of `pattern`; refused where it is rather that of the pattern with its width and its
-    /// spacing exchanged.
+    /// Whether the map's cavity, if it has one, matches that of `pattern`; an error if it matches the pattern with
+    /// width and spacing exchanged.
     fn is_accepted(&self, pattern: &Pattern) -> Result<bool, PatternError> {
         let Some(own) = self.overlap(pattern) else { return Ok(true) };
         let [width_m, spacing_m] = [pattern.width_m(), pattern.spacing_m()];
@@ -114,7 +117,7 @@ impl ReliefMap {
         Ok(own.is_one_cavity())
     }
 
-    /// Mean square of what the mean heights of lines across `axis` differ by from the mean height, in square metres.
+    /// Variance, in square metres, of the mean heights of the lines across `axis`.
     fn variation(&self, axis: usize) -> f64 {
         let [nx, ny] = self.pixels;
         let count = self.pixels[axis];
@@ -126,12 +129,12 @@ impl ReliefMap {
         means.iter().map(|own| (own - mean).powi(2)).sum::<f64>() / count as f64
     }
 
-    /// Whether the map's cavity, if it has one, and that of `pattern` hold each other's greater part.
+    /// Whether the map has no cavity, or one that matches that of `pattern`.
     fn has_cavity_of(&self, pattern: &Pattern) -> bool {
         self.overlap(pattern).is_none_or(Overlap::is_one_cavity)
     }
 
-    /// How the map's cavity lies on that of `pattern`; `None` where it has none.
+    /// Overlap of the cavities of the map and of `pattern`; `None` if the map has no cavity.
     fn overlap(&self, pattern: &Pattern) -> Option<Overlap> {
         let lowest_m = self.heights_m.iter().copied().fold(f64::INFINITY, f64::min);
         if lowest_m > -WALL_DEPTH * pattern.depth_m() {
@@ -143,24 +146,24 @@ impl ReliefMap {
             cell_m[1] = self.sides_m[1];
         }
         let edge = |axis: usize, at: usize| (at as f64 / self.pixels[axis] as f64 - 0.5) * cell_m[axis];
-        let mut sums = Overlap { own: 0.0, asked: 0.0, both: 0.0 };
+        let mut sums = Overlap { map: 0.0, pattern: 0.0, both: 0.0 };
         let share = 1.0 / self.heights_m.len() as f64;
         for (n, height_m) in self.heights_m.iter().enumerate() {
             let (i, j) = (n % nx, n / nx);
             let covered = pattern.coverage(edge(0, i), edge(0, i + 1), edge(1, j), edge(1, j + 1));
             let taken = if *height_m < 0.5 * lowest_m { 1.0 } else { 0.0 };
-            sums.own += share * taken;
-            sums.asked += share * covered;
+            sums.map += share * taken;
+            sums.pattern += share * covered;
             sums.both += share * taken * covered;
         }
         Some(sums)
     }
 
-    /// The relief of the lands between the cavities of `pattern`, over whose cell the map is stretched.
+    /// Computes the relief of the lands between the cavities of `pattern`; the map is stretched to its cell.
     ///
     /// # Errors
-    /// [`PatternError::ReliefMisfit`] where its sides depart from those of the cell by more than 2 %, along y where cavities
-    /// end there.
+    /// [`PatternError::ReliefMisfit`] if the sides of map and cell differ by more than 2 %; along y only if cavities
+    /// have ends there.
     pub fn lands(&self, pattern: &Pattern) -> Result<LandRelief, PatternError> {
         let mut cell_m = pattern.cell_m();
         if pattern.is_uniform_along_y() {
@@ -181,19 +184,19 @@ impl ReliefMap {
         };
         let is_beside_wall = |i: usize, j: usize| around(i, j, 1).any(|n| is_wall[n]);
         let beside_wall: Vec<bool> = (0..nx * ny).map(|n| is_beside_wall(n % nx, n / nx)).collect();
-        // Height of a point beside a wall: at least the mean of the land within two points.
+        // Height of a point next to a wall: at least the mean of the land within two points.
         let raised = |i: usize, j: usize| {
             let clear = around(i, j, 2).filter(|n| !beside_wall[*n]);
             let (sum_m, count) = clear.fold((0.0, 0), |(sum, count), n| (sum + self.heights_m[n], count + 1));
             let own_m = self.heights_m[j * nx + i];
             if count > 0 { own_m.max(sum_m / f64::from(count)) } else { own_m }
         };
-        // Sums over the pixels below and to the left: of the lands' area without walls and of their height times it, then of
-        // both with them.
-        let mut sums = vec![[0.0; SUMS]; (nx + 1) * (ny + 1)];
+        // Cumulative sums over the pixels below and to the left: area and height times area of the lands without walls,
+        // then of the lands with walls.
+        let mut sums = vec![[0.0; SUM_COUNT]; (nx + 1) * (ny + 1)];
         for j in 0..ny {
             let y_m = [0, 1].map(|end| from_m[1] + (j + end) as f64 * pixel_m[1]);
-            let mut row = [0.0; SUMS];
+            let mut row = [0.0; SUM_COUNT];
             for i in 0..nx {
                 let x_m = [0, 1].map(|end| from_m[0] + (i + end) as f64 * pixel_m[0]);
                 let land = 1.0 - pattern.coverage(x_m[0], x_m[1], y_m[0], y_m[1]);
@@ -206,7 +209,7 @@ impl ReliefMap {
                 let top = if is_wall[place] { 0.0 } else { land };
                 let own = [top, top * height_m, land, land * height_m];
                 let below = sums[j * (nx + 1) + i + 1];
-                for n in 0..SUMS {
+                for n in 0..SUM_COUNT {
                     row[n] += own[n];
                     sums[(j + 1) * (nx + 1) + i + 1][n] = below[n] + row[n];
                 }
@@ -216,30 +219,31 @@ impl ReliefMap {
     }
 }
 
-/// Sums that a point of [`LandRelief`] keeps.
-const SUMS: usize = 4;
+/// Number of cumulative sums per point of [`LandRelief`].
+const SUM_COUNT: usize = 4;
 
-/// The relief of the lands of one pattern.
+/// Relief of the lands of a pattern.
 #[derive(Clone, Debug)]
 pub struct LandRelief {
     pixels: [usize; 2],
     pixel_m: [f64; 2],
     /// Corner of the map in the pattern's axes.
     from_m: [f64; 2],
-    sums: Vec<[f64; SUMS]>,
+    sums: Vec<[f64; SUM_COUNT]>,
 }
 
 impl LandRelief {
-    /// Mean height, in metres, of the land in the rectangle `x_m` by `y_m` in the pattern's axes, of any size, without the walls
-    /// of cavities; 0 without land.
+    /// Mean height, in metres, of the land in the rectangle `x_m` by `y_m` in the pattern's axes, of any size, without
+    /// the walls of cavities; 0 without land.
     #[must_use]
     pub fn mean_m(&self, x_m: [f64; 2], y_m: [f64; 2]) -> f64 {
         let [x, y] = [(x_m, 0), (y_m, 1)]
             .map(|(ends_m, axis)| ends_m.map(|at_m| (at_m - self.from_m[axis]) / self.pixel_m[axis]));
         let corner = |x: f64, y: f64| self.sum_to(x, y);
         let [high, left, below, low] = [corner(x[1], y[1]), corner(x[0], y[1]), corner(x[1], y[0]), corner(x[0], y[0])];
-        let sums: [f64; SUMS] = std::array::from_fn(|n| high[n] - left[n] - below[n] + low[n]);
-        // In pixels, of which a block holds some: less than this is rounding. Where all is wall, its mean is what there is.
+        let sums: [f64; SUM_COUNT] = std::array::from_fn(|n| high[n] - left[n] - below[n] + low[n]);
+        // Areas are in pixels, and a block holds several: smaller values are rounding. If all land is wall, the mean of
+        // the wall is returned.
         let [top, top_height, land, height] = sums;
         match (top > 1e-9, land > 1e-9) {
             (true, _) => top_height / top,
@@ -248,8 +252,8 @@ impl LandRelief {
         }
     }
 
-    /// Sums from the map's corner to (x, y), in pixels, the map being repeated.
-    fn sum_to(&self, x: f64, y: f64) -> [f64; SUMS] {
+    /// Cumulative sums from the map's corner to (x, y), in pixels, of the periodically repeated map.
+    fn sum_to(&self, x: f64, y: f64) -> [f64; SUM_COUNT] {
         let [nx, ny] = self.pixels.map(|count| count as f64);
         let (a, b) = ((x / nx).floor(), (y / ny).floor());
         let (x, y) = (x - a * nx, y - b * ny);
@@ -259,10 +263,10 @@ impl LandRelief {
         std::array::from_fn(|n| a * b * whole[n] + a * column[n] + b * row[n] + part[n])
     }
 
-    /// The same within the map: pixels are of one height each.
-    fn within(&self, x: f64, y: f64) -> [f64; SUMS] {
+    /// Cumulative sums within the map; heights are constant in each pixel.
+    fn within(&self, x: f64, y: f64) -> [f64; SUM_COUNT] {
         let [nx, ny] = self.pixels;
-        // Both lie within the map: the casts are exact.
+        // Both are within the map, so that the casts are exact.
         let (i, j) = ((x as usize).min(nx - 1), (y as usize).min(ny - 1));
         let (s, t) = (x - i as f64, y - j as f64);
         let at = |i: usize, j: usize| self.sums[j * (nx + 1) + i];
@@ -283,7 +287,7 @@ mod tests {
         let height = |i: usize, j: usize| ((i * 7 + j * 13) as f64).sin() * 1e-6;
         let map = ReliefMap::new([100e-6; 2], [50, 50], (0..2500).map(|n| height(n % 50, n / 50)).collect()).unwrap();
         let lands = map.lands(&pattern).unwrap();
-        // Pixels of 2 um: the square takes 15 to 34.
+        // Pixels of 2 um: the square covers 15 to 34.
         let is_land = |i: usize, j: usize| !((15..35).contains(&i) && (15..35).contains(&j));
         for (x, y) in
             [([-50, -30], [-50, -40]), ([-24, 24], [-30, 10]), ([30, 70], [-10, 130]), ([-250, 170], [-70, 90])]
@@ -358,17 +362,17 @@ mod tests {
         );
         let wide = Pattern::new(rectangle(40e-6, 160e-6), 160e-6, 40e-6, 10e-6);
         assert!(refused(of([200.0; 2], &|x, y| x.abs() < 20.0 && y.abs() < 80.0), &wide.unwrap()).contains("turned"));
-        // Width and spacing in each other's place, of cavities that hold each other's greater part and of others.
+        // Width and spacing exchanged, for cavities that overlap by more than half and for others.
         for (width, spacing) in [(140.0, 60.0), (120.0, 80.0)] {
             let turned = Pattern::new(Planform::Groove, width * 1e-6, spacing * 1e-6, 10e-6).unwrap();
             let map = of([200.0, 80.0], &|x, _| x.abs() < 0.5 * spacing);
             assert!(refused(map.clone(), &turned).contains("exchanged"), "{width}");
             assert!(map.along(&Pattern::new(Planform::Groove, spacing * 1e-6, width * 1e-6, 10e-6).unwrap()).is_ok());
         }
-        // A width that differs a little is not.
+        // A slightly different width is accepted.
         let near = Pattern::new(Planform::Groove, 104e-6, 96e-6, 10e-6).unwrap();
         assert!(of([200.0, 80.0], &|x, _| x.abs() < 48.0).along(&near).is_ok());
-        // Rims alone have no cavity.
+        // A map of rims only has no cavity.
         assert!(of([200.0; 2], &|_, _| false).along(&long).is_ok());
     }
 

@@ -1,11 +1,11 @@
-//! Patterns against closed forms, and against the obvious slow way.
+//! Patterns compared with closed forms and with brute force.
 
 use super::*;
 use proptest::prelude::*;
 use proptest::test_runner::{Config, RngAlgorithm, TestRng, TestRunner};
 use std::f64::consts::PI;
 
-/// Every kind of pattern with these dimensions, in micrometres.
+/// All kinds of patterns with these dimensions, in micrometres.
 fn kinds(width: f64, spacing: f64, length: f64, spacing_across: f64) -> Vec<Pattern> {
     let pattern = |texture: Texture| Pattern::new(texture, width * 1e-6, spacing * 1e-6, 20e-6).unwrap();
     let mut patterns = vec![pattern(Planform::Groove.into())];
@@ -13,7 +13,7 @@ fn kinds(width: f64, spacing: f64, length: f64, spacing_across: f64) -> Vec<Patt
         for arrangement in Arrangement::ALL {
             let texture = Texture::new(planform).with_arrangement(arrangement).unwrap();
             if arrangement == Arrangement::Hexagonal {
-                // Rows have a distance of their own; where squares would run into the next, there is no pattern.
+                // Hexagonal rows determine their distance; there is no pattern if squares would overlap.
                 patterns.extend(Pattern::new(texture, width * 1e-6, spacing * 1e-6, 20e-6));
                 continue;
             }
@@ -30,7 +30,7 @@ fn kinds(width: f64, spacing: f64, length: f64, spacing_across: f64) -> Vec<Patt
 /// An L, concave and without symmetry, 100 by 70.
 const L: [[f64; 2]; 6] = [[0.0, 0.0], [100.0, 10.0], [90.0, 40.0], [45.0, 35.0], [40.0, 70.0], [5.0, 65.0]];
 
-/// The same of outlines that are none of the plain ones: polygons and crossing grooves.
+/// Patterns of polygons and of crossing grooves.
 fn further_kinds(width: f64, spacing: f64, spacing_across: f64) -> Vec<Pattern> {
     let pattern = |texture: Texture| Pattern::new(texture, width * 1e-6, spacing * 1e-6, 20e-6).unwrap();
     let bent = Texture::new(Planform::Polygon).with_outline(Polygon::new(&L).unwrap()).unwrap();
@@ -47,15 +47,15 @@ fn further_kinds(width: f64, spacing: f64, spacing_across: f64) -> Vec<Pattern> 
     textures.map(pattern).to_vec()
 }
 
-/// All of these.
+/// All of these patterns.
 fn all_kinds(width: f64, spacing: f64, length: f64, spacing_across: f64) -> Vec<Pattern> {
     [kinds(width, spacing, length, spacing_across), further_kinds(width, spacing, spacing_across)].concat()
 }
 
-/// Whether a point lies in a cavity: every cavity near it is tried.
+/// Whether a point lies in a cavity, by testing all cavities near it.
 fn contains(pattern: &Pattern, point_m: [f64; 2]) -> bool {
     if pattern.planform() == Planform::Crosshatch {
-        // In one of the families, whose widths lie at angles to the specimen's X.
+        // Inside one of the families, whose width directions are at angles to the specimen's X.
         return pattern.texture().families_deg().any(|angle_deg| {
             let turned = (angle_deg - pattern.texture().orientation_deg()).to_radians();
             let away = (point_m[0] * turned.cos() + point_m[1] * turned.sin()) / pattern.pitch_m();
@@ -137,13 +137,13 @@ fn crossing_grooves_cover_what_either_family_covers() {
         let cell_m = pattern.cell_m();
         assert!((0..2).all(|axis| (cell_m[axis] / 250e-6 - sides[axis]).abs() < 1e-12), "{cell_m:?}");
         assert_eq!(pattern.centres_m().count(), if crossing_deg == 90.0 { 1 } else { 2 });
-        // The own axes: halfway between the families, at right angles along them.
+        // The pattern's axes: halfway between the families, or along them for a right angle.
         assert_eq!(texture.orientation_deg(), if crossing_deg == 90.0 { -30.0 } else { 0.0 });
         assert_eq!(texture.families_deg().collect::<Vec<_>>(), [-30.0, crossing_deg - 30.0]);
         // Far inside a groove of one family, along it.
         assert_eq!(pattern.coverage(-1e-6, 1e-6, -1e-6, 1e-6), 1.0);
     }
-    // In between, the share of families that do not feel each other: a small square on the middle of a groove of the first.
+    // Between crossings, families are independent: a small square on the middle of a groove of the first.
     let texture = Texture::new(Planform::Crosshatch);
     let pattern = Pattern::new(texture, 100e-6, 150e-6, 5e-6).unwrap();
     let groove = Pattern::new(Planform::Groove, 100e-6, 150e-6, 5e-6).unwrap();
@@ -157,7 +157,7 @@ fn crossing_grooves_cover_what_either_family_covers() {
     let square = Texture::new(Planform::Crosshatch).with_sliding_angle_deg(20.0).unwrap();
     assert!(alike(square, 70.0) && alike(square, -20.0) && alike(square, -160.0) && !alike(square, 45.0));
     let rhombic = square.with_crossing_angle_deg(60.0).unwrap();
-    // Mirrored at the axis halfway between the families, at 30 degrees.
+    // Reflected at the axis halfway between the families, at 30 degrees.
     assert!(alike(rhombic, 40.0) && alike(rhombic, -160.0) && !alike(rhombic, -20.0) && !alike(rhombic, 70.0));
     for bad in [0.0, 9.9, 90.1, f64::NAN] {
         let refused = Texture::new(Planform::Crosshatch).with_crossing_angle_deg(bad).unwrap_err().to_string();
@@ -178,8 +178,8 @@ fn lengths_that_mean_nothing_are_refused() {
 
 #[test]
 fn whole_blocks_are_covered_wholly_or_not_at_all() {
-    // Cells of 50 columns of 10 um with a cavity of 13, and odd numbers of both; at the plane's
-    // place, floor((m - c) / 2) columns before the cavity.
+    // Cells of 50 columns of 10 um with a cavity of 13, and odd numbers of both; positioned as in the two-dimensional
+    // model, floor((m - c) / 2) columns before the cavity.
     for (columns, cavity) in [(50_u32, 13_u32), (51, 13), (50, 12), (7, 3), (200, 199)] {
         let side_m = 10e-6;
         let [width_m, spacing_m] = [cavity, columns - cavity].map(|blocks| f64::from(blocks) * side_m);
@@ -233,7 +233,7 @@ fn hexagonal_cavities_have_six_neighbours_at_one_pitch() {
             near += usize::from((away_m / pitch_m - 1.0).abs() < 1e-9);
         }
         assert_eq!(near, 6, "{planform}");
-        // The share of one cell, in pieces as of a lattice whose rows are interlocked.
+        // Coverage of one cell, in pieces as for a lattice with interlocked rows.
         let pieces = 40;
         let side_m = [cell_m[0] / f64::from(pieces), cell_m[1] / f64::from(pieces)];
         let mut share = 0.0;
@@ -246,11 +246,11 @@ fn hexagonal_cavities_have_six_neighbours_at_one_pitch() {
         let least_m = pattern.least_land_m();
         assert!((sampled_land_m(&pattern, 400) / least_m - 1.0).abs() < 2e-3, "{planform} {least_m}");
     }
-    // A disc's land is its spacing to the last bit: a limit of the same length is kept.
+    // The land of a disc equals its spacing bit by bit, so that a limit of this length is satisfied.
     let disc = Pattern::new(hexagonal(Planform::Disc), 100e-6, 40e-6, 20e-6).unwrap();
     assert_eq!(disc.least_land_m(), 40e-6);
     assert!((disc.areal_density() - PI * 1e4 / (2.0 * 3.0_f64.sqrt() * 140.0 * 140.0)).abs() < 1e-12);
-    // Squares that near would run into the next row.
+    // Squares this close would overlap with the next row.
     let refused = Pattern::new(hexagonal(Planform::Square), 100e-6, 10e-6, 20e-6).unwrap_err().to_string();
     assert!(refused.contains("95.26") && refused.contains("cavities 100 um long"), "{refused}");
     for refused in [
@@ -265,7 +265,7 @@ fn hexagonal_cavities_have_six_neighbours_at_one_pitch() {
 #[test]
 fn coverage_of_long_and_of_empty_rectangles() {
     for pattern in all_kinds(130.0, 370.0, 90.0, 60.0) {
-        // A metre by a metre costs what a block costs, and tends to the areal density.
+        // A square metre takes no longer than a block, and approaches the areal density.
         let share = pattern.coverage(-0.3, 0.7, -0.4, 0.6);
         assert!((share / pattern.areal_density() - 1.0).abs() < 2e-3, "{pattern:?}: {share}");
         for empty in [[0.0, 0.0, 0.0, 1e-5], [1e-5, 0.0, 0.0, 1e-5], [0.0, f64::NAN, 0.0, 1.0]] {
@@ -286,13 +286,13 @@ fn staggered_lands_by_hand() {
     assert!((staggered(Planform::Square, 20.0, 80.0, 40.0) - 50.0).abs() < 1e-9);
     // Wider than half a pitch: side to side.
     assert!((staggered(Planform::Square, 60.0, 40.0, 25.0) - 25.0).abs() < 1e-9);
-    // Rows so near that the next but one, straight ahead, is the nearest: 20 + 2 x 1.
+    // Rows so close that the second next one is nearest: 20 + 2 x 1.
     assert!((staggered(Planform::Square, 20.0, 200.0, 1.0) - 22.0).abs() < 1e-9);
     // Centres 30 along and 40 across, diameter 20.
     assert!((staggered(Planform::Disc, 20.0, 40.0, 20.0) - 30.0).abs() < 1e-9);
 }
 
-/// The least distance of two cavities, their outlines taken as `steps` points.
+/// Smallest distance between two cavities, with their outlines sampled at `steps` points.
 fn sampled_land_m(pattern: &Pattern, steps: u32) -> f64 {
     let half_m = [pattern.width_m() / 2.0, pattern.length_m().unwrap() / 2.0];
     let outline: Vec<[f64; 2]> = (0..steps)
@@ -333,14 +333,14 @@ fn the_narrowest_land_is_the_least_distance_of_outlines() {
         for pattern in kinds(width, spacing, length, spacing_across).into_iter().skip(1) {
             let sampled_m = sampled_land_m(&pattern, 256);
             let least_m = pattern.least_land_m();
-            // Corners are sampled and sides face each other in a sample; discs lose less than R (pi/256)^2.
+            // Corners are sampled and opposite sides face each other in a sample; discs lose less than R (pi/256)^2.
             let extent_m = pattern.width_m().max(pattern.length_m().unwrap());
             assert!((-1e-12..2e-4 * extent_m).contains(&(sampled_m - least_m)), "{pattern:?}: {sampled_m} {least_m}");
         }
     }
 }
 
-/// A runner whose cases are the same on every run.
+/// A runner with the same cases on every run.
 fn runner() -> TestRunner {
     let config = Config { cases: 64, failure_persistence: None, ..Config::default() };
     TestRunner::new_with_rng(config, TestRng::from_seed(RngAlgorithm::ChaCha, &[7; 32]))

@@ -1,13 +1,12 @@
 use crate::error::length;
 use crate::{Arrangement, PatternError, Planform, Polygon, Rim};
 
-/// Everything about a pattern but its width, spacing and depth: shape, extent across, arrangement,
-/// directions and rims.
+/// All properties of a pattern except width, spacing and depth: shape, extent across, arrangement, directions and rims.
 ///
-/// A texture lies on a specimen with axes X and Y. Its own axes x and y are turned from them by
-/// `orientation_deg`, anticlockwise: that of grooves is free, cavities of other planforms keep
-/// their sides along X and Y. The own axes of crossing grooves lie halfway between the families, or, where these are at
-/// right angles, along them: so they have a rectangular cell. The specimen slides along a direction `sliding_angle_deg` from X.
+/// A texture lies on a specimen with axes X and Y. The texture's axes x and y are turned against them by
+/// `orientation_deg`, anticlockwise. Grooves may have any orientation; cavities of other planforms have their sides
+/// along X and Y. The axes of crossing grooves lie halfway between the families, or along them if they cross at right
+/// angles, so that the cell is rectangular. The specimen slides along a direction `sliding_angle_deg` from X.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Texture {
     planform: Planform,
@@ -21,19 +20,19 @@ pub struct Texture {
     rim: Option<Rim>,
 }
 
-/// Nearer to parallel, two families of grooves have a cell of more than eleven pitches.
+/// At smaller angles the cell of two families of grooves is longer than eleven pitches.
 const MIN_CROSSING_ANGLE_DEG: f64 = 10.0;
 const RIGHT_ANGLE_DEG: f64 = 90.0;
-/// Grooves at 90 degrees and at -90 are the same.
+/// Grooves at 90 and -90 degrees are equal.
 const MAX_GROOVE_ANGLE_DEG: f64 = 90.0;
 const MAX_SLIDING_ANGLE_DEG: f64 = 180.0;
 
-/// Component of a sliding direction below which it lies along the other axis.
-const ALIGNED: f64 = 1e-9;
+/// A component of the sliding direction below this value counts as zero.
+const MIN_COMPONENT: f64 = 1e-9;
 
 impl Texture {
-    /// Cavities of `planform`, as long as wide and as far apart along y as along x, every row like
-    /// the one before, sliding along x. A polygon is a square until it has an outline; grooves cross at right angles.
+    /// Creates a texture of `planform` with length equal to width, equal spacing along x and y, a square arrangement,
+    /// and sliding along x. A polygon is a square until an outline is set; grooves cross at right angles.
     #[must_use]
     pub const fn new(planform: Planform) -> Self {
         Self {
@@ -49,39 +48,38 @@ impl Texture {
         }
     }
 
-    /// Rectangles `length_m` long along y, in metres.
+    /// Sets the length of rectangles along y, in metres.
     ///
     /// # Errors
     /// [`PatternError::NoSuchProperty`] for other planforms, [`PatternError::NotALength`] unless positive.
     pub fn with_length_m(mut self, length_m: f64) -> Result<Self, PatternError> {
         if self.planform != Planform::Rectangle {
-            return self.no("a length", "planform \"rectangle\", or no length");
+            return self.refuse("a length", "planform \"rectangle\", or no length");
         }
         self.length_m = Some(length("length", length_m)?);
         Ok(self)
     }
 
-    /// Polygons of this outline, scaled by the width.
+    /// Sets the outline of polygons, which is scaled by the width.
     ///
     /// # Errors
     /// [`PatternError::NoSuchProperty`] for other planforms.
     pub fn with_outline(mut self, outline: Polygon) -> Result<Self, PatternError> {
         if self.planform != Planform::Polygon {
-            return self.no("an outline", "planform \"polygon\", or no outline");
+            return self.refuse("an outline", "planform \"polygon\", or no outline");
         }
         self.outline = Some(outline);
         Ok(self)
     }
 
-    /// A second family of grooves that crosses the first at `angle_deg`, its direction turned from the first's
-    /// anticlockwise.
+    /// Sets the angle of the second family of crossing grooves, anticlockwise from the first.
     ///
     /// # Errors
-    /// [`PatternError::NoSuchProperty`] for other planforms than crossing grooves, [`PatternError::CrossingAngle`] outside 10
-    /// to 90 degrees: any two directions are so if the right one is called the first.
+    /// [`PatternError::NoSuchProperty`] for other planforms, [`PatternError::CrossingAngle`] outside 10 to 90 degrees;
+    /// any two directions are within this range if the families are numbered accordingly.
     pub fn with_crossing_angle_deg(mut self, angle_deg: f64) -> Result<Self, PatternError> {
         if self.planform != Planform::Crosshatch {
-            return self.no("a crossing angle", "planform \"crosshatch\", or no crossing angle");
+            return self.refuse("a crossing angle", "planform \"crosshatch\", or no crossing angle");
         }
         let (least_deg, most_deg) = (MIN_CROSSING_ANGLE_DEG, RIGHT_ANGLE_DEG);
         if !(least_deg..=most_deg).contains(&angle_deg) {
@@ -91,14 +89,14 @@ impl Texture {
         Ok(self)
     }
 
-    /// A gap of `spacing_across_m` between neighbouring rows, along y, in metres.
+    /// Sets the gap between neighbouring rows along y, in metres.
     ///
     /// # Errors
-    /// [`PatternError::NoSuchProperty`] for grooves, [`PatternError::HexagonalRows`] where rows have a distance of their
-    /// own, [`PatternError::NotALength`] unless positive.
+    /// [`PatternError::NoSuchProperty`] for grooves, [`PatternError::HexagonalRows`] for a hexagonal arrangement,
+    /// [`PatternError::NotALength`] unless positive.
     pub fn with_spacing_across_m(mut self, spacing_across_m: f64) -> Result<Self, PatternError> {
         if self.planform.is_grooves() {
-            return self.no("a spacing across", "another planform, or no spacing across");
+            return self.refuse("a spacing across", "another planform, or no spacing across");
         }
         if self.arrangement == Arrangement::Hexagonal {
             return Err(PatternError::HexagonalRows);
@@ -107,11 +105,11 @@ impl Texture {
         Ok(self)
     }
 
-    /// The rows in `arrangement`.
+    /// Sets the arrangement of rows.
     ///
     /// # Errors
-    /// [`PatternError::NoSuchProperty`] for grooves, which have no rows; [`PatternError::HexagonalRows`] where a spacing
-    /// across says how far apart they are.
+    /// [`PatternError::NoSuchProperty`] for grooves, which have no rows; [`PatternError::HexagonalRows`] if a spacing
+    /// across was set.
     pub fn with_arrangement(mut self, arrangement: Arrangement) -> Result<Self, PatternError> {
         if self.planform.is_grooves() && arrangement != Arrangement::Square {
             let property = if arrangement == Arrangement::Staggered {
@@ -119,7 +117,7 @@ impl Texture {
             } else {
                 "a hexagonal arrangement"
             };
-            return self.no(property, "another planform, or arrangement \"square\"");
+            return self.refuse(property, "another planform, or arrangement \"square\"");
         }
         if arrangement == Arrangement::Hexagonal && self.spacing_across_m.is_some() {
             return Err(PatternError::HexagonalRows);
@@ -128,78 +126,78 @@ impl Texture {
         Ok(self)
     }
 
-    /// Grooves turned on the specimen by `angle_deg`, anticlockwise from lying across X: at 0 and
-    /// sliding along X they are transversal, at 90 longitudinal. Of crossing grooves the first family.
+    /// Sets the orientation of grooves (of the first family for crossing grooves), anticlockwise from lying across X:
+    /// for sliding along X they are transversal at 0 and longitudinal at 90 degrees.
     ///
     /// # Errors
-    /// [`PatternError::NoSuchProperty`] for other planforms, [`PatternError::AngleOutOfRange`] beyond
-    /// 90 degrees either way.
+    /// [`PatternError::NoSuchProperty`] for other planforms, [`PatternError::AngleOutOfRange`] outside -90 to 90
+    /// degrees.
     pub fn with_groove_angle_deg(mut self, angle_deg: f64) -> Result<Self, PatternError> {
         if !self.planform.is_grooves() {
-            return self.no("a groove angle", "planform \"groove\" or \"crosshatch\", or a sliding angle instead");
+            return self.refuse("a groove angle", "planform \"groove\" or \"crosshatch\", or a sliding angle instead");
         }
         self.groove_angle_deg = angle("groove angle", angle_deg, MAX_GROOVE_ANGLE_DEG)?;
         Ok(self)
     }
 
-    /// Sliding along a direction turned by `angle_deg` from the specimen's X axis, anticlockwise.
+    /// Sets the sliding direction, anticlockwise from the specimen's X axis.
     ///
     /// # Errors
-    /// [`PatternError::AngleOutOfRange`] beyond 180 degrees either way.
+    /// [`PatternError::AngleOutOfRange`] outside -180 to 180 degrees.
     pub fn with_sliding_angle_deg(mut self, angle_deg: f64) -> Result<Self, PatternError> {
         self.sliding_angle_deg = angle("sliding angle", angle_deg, MAX_SLIDING_ANGLE_DEG)?;
         Ok(self)
     }
 
-    /// Cavities whose edges are raised by `rim`, or are not.
+    /// Sets the rim of every cavity, or removes rims.
     #[must_use]
     pub fn with_rim(mut self, rim: impl Into<Option<Rim>>) -> Self {
         self.rim = rim.into();
         self
     }
 
-    /// The rim of every cavity, where it has one.
+    /// Rim of every cavity, if there is one.
     #[must_use]
     pub const fn rim(&self) -> Option<&Rim> {
         self.rim.as_ref()
     }
 
-    fn no(self, property: &'static str, expected: &'static str) -> Result<Self, PatternError> {
+    fn refuse(self, property: &'static str, expected: &'static str) -> Result<Self, PatternError> {
         Err(PatternError::NoSuchProperty { property, planform: self.planform, expected })
     }
 
-    /// The shape seen from above.
+    /// Shape seen from above.
     #[must_use]
     pub const fn planform(&self) -> Planform {
         self.planform
     }
 
-    /// Length of a rectangle along y, in metres, where it is not its width.
+    /// Length of a rectangle along y, in metres, if it differs from the width.
     #[must_use]
     pub const fn length_m(&self) -> Option<f64> {
         self.length_m
     }
 
-    /// The outline of polygons; `None` for other planforms, and for polygons that are squares.
+    /// Outline of polygons; `None` for other planforms, and for polygons that are squares.
     #[must_use]
     pub const fn outline(&self) -> Option<Polygon> {
         self.outline
     }
 
-    /// Gap between neighbouring rows along y, in metres, where it is not the spacing along x.
+    /// Gap between neighbouring rows along y, in metres, if it differs from the spacing along x.
     #[must_use]
     pub const fn spacing_across_m(&self) -> Option<f64> {
         self.spacing_across_m
     }
 
-    /// How rows follow each other.
+    /// Arrangement of rows.
     #[must_use]
     pub const fn arrangement(&self) -> Arrangement {
         self.arrangement
     }
 
-    /// How far grooves, of crossing ones the first family, are turned from lying across the specimen's X axis, in degrees;
-    /// 0 for other planforms.
+    /// Angle of the grooves (of the first family for crossing grooves) from lying across the specimen's X axis, in
+    /// degrees; 0 for other planforms.
     #[must_use]
     pub const fn groove_angle_deg(&self) -> f64 {
         self.groove_angle_deg
@@ -214,29 +212,30 @@ impl Texture {
         }
     }
 
-    /// Angles from the specimen's X axis to the widths of the families of grooves, in degrees: one, of crossing grooves two;
-    /// empty for other planforms.
+    /// Angles from the specimen's X axis to the width directions of the families of grooves, in degrees: one for
+    /// grooves, two for crossing grooves, none for other planforms.
     pub fn families_deg(&self) -> impl Iterator<Item = f64> + use<> {
         let first = self.planform.is_grooves().then_some(self.groove_angle_deg);
         first.into_iter().chain(self.crossing_angle_deg().map(|crossing_deg| self.groove_angle_deg + crossing_deg))
     }
 
-    /// Grooves alone whose widths lie at `angle_deg` from X, from -90 to 180, sliding as this texture does.
+    /// A single family of grooves with the width direction at `angle_deg` from X, -90 to 180, and the sliding direction
+    /// of this texture.
     pub(crate) fn family(&self, angle_deg: f64) -> Self {
-        // Turned by half a turn grooves are the same.
+        // Grooves are equal after a rotation by 180 degrees.
         let groove_angle_deg = if angle_deg > MAX_GROOVE_ANGLE_DEG { angle_deg - 180.0 } else { angle_deg };
         Self { groove_angle_deg, sliding_angle_deg: self.sliding_angle_deg, ..Self::new(Planform::Groove) }
     }
 
-    /// Half the angle between the families of crossing grooves where the own axes lie halfway between them, in degrees.
+    /// Half the angle between the families of crossing grooves if the axes lie halfway between them, in degrees.
     pub(crate) fn oblique_half_angle_deg(&self) -> Option<f64> {
         self.crossing_angle_deg()
             .filter(|&crossing_deg| crossing_deg != RIGHT_ANGLE_DEG)
             .map(|crossing_deg| crossing_deg / 2.0)
     }
 
-    /// Angle from the specimen's X axis to the texture's x axis, in degrees: the groove angle, of crossing grooves that
-    /// between the families unless they are at right angles, and 0 for other planforms.
+    /// Angle from the specimen's X axis to the texture's x axis, in degrees: the groove angle, the angle halfway
+    /// between the families for obliquely crossing grooves, and 0 for other planforms.
     #[must_use]
     pub fn orientation_deg(&self) -> f64 {
         self.groove_angle_deg + self.oblique_half_angle_deg().unwrap_or(0.0)
@@ -254,23 +253,24 @@ impl Texture {
         unit_vector(self.orientation_deg())
     }
 
-    /// Unit vector of the sliding direction in the texture's own axes x and y.
+    /// Unit vector of the sliding direction in the texture's axes x and y.
     #[must_use]
     pub fn sliding_direction(&self) -> [f64; 2] {
         unit_vector(self.sliding_angle_deg - self.orientation_deg())
     }
 
-    /// Whether the sliding direction is along the texture's own x rather than across it.
+    /// Whether the sliding direction is closer to the texture's x axis than to its y axis.
     #[must_use]
     pub fn slides_along_rows(&self) -> bool {
         let [along_x, along_y] = self.sliding_direction();
         along_x.abs() > along_y.abs()
     }
 
-    /// Whether the sliding direction is neither along rows nor across them, so that the pattern repeats at no distance across it.
+    /// Whether the sliding direction is neither along rows nor across them, so that the pattern is not periodic across
+    /// it.
     #[must_use]
     pub fn slides_aslant(&self) -> bool {
-        self.sliding_direction().iter().all(|part| part.abs() > ALIGNED)
+        self.sliding_direction().iter().all(|part| part.abs() > MIN_COMPONENT)
     }
 
     /// Unit vector of the sliding direction in the specimen's axes X and Y.
@@ -279,18 +279,18 @@ impl Texture {
         unit_vector(self.sliding_angle_deg)
     }
 
-    /// Whether friction when sliding at `other_deg` from X is that of sliding as this texture does, by symmetry: back and
-    /// forth are alike, as cavities are their own image when turned by 180 degrees; so are directions that are mirrored
-    /// at a texture's axes, and at the diagonal of squares and discs that lie as far apart across as along. A polygon has
-    /// what symmetry its outline has, and of a turn by 180 degrees, too, only then one.
+    /// Whether friction for sliding at `other_deg` from X equals that for this texture's direction by symmetry.
+    /// Cavities are symmetric under rotation by 180 degrees, so that both directions along a line are equivalent.
+    /// Directions reflected at the texture's axes are equivalent as well, and those reflected at the diagonal for
+    /// squares and discs with equal spacings. For a polygon only the symmetries of its outline count.
     #[must_use]
     pub fn slides_alike(&self, other_deg: f64) -> bool {
         const SAME_DEG: f64 = 1e-9;
         let is_square_lattice = self.arrangement == Arrangement::Square && self.spacing_across_m.is_none();
         if let Some(outline) = self.outline {
-            // A texture's own axes are the specimen's.
+            // The axes of polygons are those of the specimen.
             let is_square_lattice = is_square_lattice && outline.length() == 1.0;
-            return outline.symmetries().alike(self.sliding_angle_deg, other_deg, is_square_lattice, SAME_DEG);
+            return outline.symmetries().maps_direction(self.sliding_angle_deg, other_deg, is_square_lattice, SAME_DEG);
         }
         let is_square =
             matches!(self.planform, Planform::Square | Planform::Disc | Planform::Polygon) && is_square_lattice;
@@ -299,7 +299,7 @@ impl Texture {
         (folded_deg(self.sliding_angle_deg) - folded_deg(other_deg)).abs() < SAME_DEG
     }
 
-    /// Whether every vertical section along the sliding direction is the same, which is so for grooves across it alone.
+    /// Whether all vertical sections along the sliding direction are equal: true only for grooves across it.
     #[must_use]
     pub fn is_one_section(&self) -> bool {
         self.planform == Planform::Groove && self.sliding_direction()[1] == 0.0
@@ -312,9 +312,9 @@ impl From<Planform> for Texture {
     }
 }
 
-/// `value_deg` if it is finite and at most `most_deg` either way.
+/// Checks that `value_deg` is within -`most_deg` to `most_deg`.
 fn angle(quantity: &'static str, value_deg: f64, most_deg: f64) -> Result<f64, PatternError> {
-    // A negative zero would print as one.
+    // Adding zero removes the sign of a negative zero, which would be printed.
     let value_deg = value_deg + 0.0;
     if value_deg.abs() <= most_deg {
         Ok(value_deg)
@@ -323,7 +323,8 @@ fn angle(quantity: &'static str, value_deg: f64, most_deg: f64) -> Result<f64, P
     }
 }
 
-/// The angle between a direction and the nearest x or -x, of 0 to 90 degrees; or where x and y are alike, the nearest of both, of 0 to 45.
+/// Angle between a direction and the x axis, from 0 to 90 degrees; or, if x and y are equivalent, to the nearest axis,
+/// from 0 to 45 degrees.
 #[must_use]
 pub fn folded_deg(angle_deg: f64, has_square_symmetry: bool) -> f64 {
     let turned_deg = angle_deg.rem_euclid(180.0);
@@ -331,12 +332,12 @@ pub fn folded_deg(angle_deg: f64, has_square_symmetry: bool) -> f64 {
     if has_square_symmetry { acute_deg.min(90.0 - acute_deg) } else { acute_deg }
 }
 
-/// (cos a, sin a), exact at multiples of a right angle and the same on every platform.
+/// (cos a, sin a), exact at multiples of a right angle and equal on all platforms.
 fn unit_vector(angle_deg: f64) -> [f64; 2] {
     let quarters = (angle_deg / 90.0).round();
     let rest = (angle_deg - 90.0 * quarters).to_radians();
     let (sine, cosine) = (libm::sin(rest), libm::cos(rest));
-    // Angles are at most 270 degrees either way: the cast is exact. Adding zero drops its sign.
+    // Angles are within -270 to 270 degrees, so that the cast is exact. Adding zero removes the sign of zero.
     match (quarters as i32).rem_euclid(4) {
         0 => [cosine, sine + 0.0],
         1 => [-sine + 0.0, cosine],

@@ -67,8 +67,8 @@ fn static_parts<'a>(conditions: impl IntoIterator<Item = &'a ConditionTraces>) -
         Some(format!(
             "\n# {force} N, {speed} mm/s, {humidity} %: mu_static_std is {:.4}, the root of the sum of the squares of {:.4}, by {}, and \
              {missed:.4}, what sampling may have missed of the peak",
-            traces.mean.mu_static_of_another()?,
-            peak.of_another_sample(traces.mean.count),
+            traces.mean.mu_static_predictive_std()?,
+            peak.predictive_std(traces.mean.count),
             if traces.mean.count > 1 { "the standard deviation of repeats" } else { "the noise of the one trace" },
         ))
     };
@@ -201,7 +201,7 @@ pub fn summary(conditions: &[ConditionTraces]) -> String {
             fixed(Some(mean.mu_dynamic.mean), 4),
             String::new(),
             fixed(Some(mean.mu_dynamic.std), 4),
-            fixed(Some(mean.mu_dynamic_of_another()), 4),
+            fixed(Some(mean.mu_dynamic_predictive_std()), 4),
             String::new(),
             fixed(mean.mu_static.map(|peak| peak.mean), 4),
             String::new(),

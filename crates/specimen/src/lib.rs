@@ -1,22 +1,24 @@
-//! Friction of a pattern on the specimen that it is cut into: what is exported is what is solved.
+//! Friction of a pattern on the specimen that it is cut into, with the layout that is exported.
 //!
-//! Grooves across the sliding direction are solved strip by strip ([`slipgrid_springblock::simulate_specimen`]). A specimen of any other
-//! planform is a cell and what its rim leaves untextured: cavities lower friction in proportion to their share D of the face,
+//! Grooves across the sliding direction are solved strip by strip ([`slipgrid_springblock::simulate_specimen`]). For
+//! other planforms a cell is solved, and friction is reduced in proportion to the areal density D of the face, which
+//! includes untextured parts along the border:
 //!
 //! ```text
 //! 1 - r = (1 - r_cell) D / D_period
 //! ```
 //!
-//! The same is what a search takes for every design. What the ends of strips do beside that is known from grooves of
-//! the same section in the plane, and is the error of the formula.
+//! The search uses this formula for all designs. The error of the formula comes from the ends of strips, and is
+//! estimated from grooves of the same section in two dimensions.
 //!
 //! | type | role |
 //! |---|---|
-//! | [`simulate_on`], [`strips_on`] | solves a scene on a specimen, in time or steady, or both in turn |
-//! | [`SteadyOnFace`], [`time_changes_on`] | what a specimen, and time, make of steady ratios, cheaply: how trials are modelled |
-//! | [`Laid`], [`on_face`] | the share of cavities of a design, of samples of it, and what follows for the ratio |
+//! | [`simulate_on`], [`strips_on`] | solves a scene on a specimen, dynamic or steady, or steady followed by dynamic |
+//! | [`SteadyOnFace`], [`time_changes_on`] | corrects steady ratios for a specimen and for sliding in time at low cost,
+//! for trials |
+//! | [`Laid`], [`on_face`] | areal density of a design and its samples on a face, and the ratio that follows |
 //!
-//! Of squares on a disc as wide as eleven periods, the rim leaves some untextured, and friction is lowered that much less:
+//! On a disc as wide as eleven periods, the border leaves some squares out, and friction is reduced less:
 //!
 //! ```
 //! use slipgrid_export::{Outline, Specimen};
@@ -24,12 +26,12 @@
 //! use slipgrid_specimen::{Laid, on_face};
 //! use slipgrid_springblock::Dimension;
 //! let squares = Pattern::new(Planform::Square, 130e-6, 370e-6, 5.2e-6)?;
-//! // A face that eleven periods fill along both sides has as many cavities as the endless pattern.
+//! // A face of eleven periods along both sides has the density of the infinite pattern.
 //! let side_m = 11.0 * squares.pitch_m();
 //! let square = Specimen { outline: Outline::Rectangle { length_m: side_m, width_m: side_m }, is_clipped: false };
 //! let share = Laid::new(Some(&square), &squares, Dimension::of(None, squares.texture()))?.share(&squares);
 //! assert!((share - 1.0).abs() < 1e-9);
-//! // The rim of a disc leaves some out.
+//! // The border of a disc leaves some out.
 //! let disc = Specimen { outline: Outline::Disc { diameter_m: side_m }, is_clipped: false };
 //! let share = Laid::new(Some(&disc), &squares, Dimension::of(None, squares.texture()))?.share(&squares);
 //! assert!(share > 0.85 && share < 1.0 && on_face(0.9, share) > 0.9);
@@ -40,4 +42,4 @@ mod laid;
 mod on_specimen;
 
 pub use laid::{Laid, on_face};
-pub use on_specimen::{SpecimenError, SteadyOnFace, nearest_known, onto, simulate_on, strips_on, time_changes_on};
+pub use on_specimen::{SpecimenError, SteadyOnFace, nearest_known, simulate_on, strips_on, time_changes_on};

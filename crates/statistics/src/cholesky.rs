@@ -1,8 +1,8 @@
-//! Small dense symmetric systems by Cholesky's factors (Golub and Van Loan, Matrix Computations, 4.2). A matrix of n x n
-//! numbers stands row by row in n^2 places.
+//! Cholesky decomposition of small dense symmetric matrices (Golub and Van Loan, Matrix Computations, 4.2). An n x n
+//! matrix is stored row by row in a slice of n^2 numbers.
 
-/// The lower triangular factor L of `matrix` = L L^T, n x n. A pivot that is zero but for rounding makes a column of zeros,
-/// and `None` stands for one that is below that.
+/// Computes the lower triangular factor L of `matrix` = L L^T, n x n. A pivot that is zero within rounding gives a
+/// column of zeros; `None` for a negative pivot.
 #[must_use]
 pub fn cholesky(matrix: &[f64], n: usize) -> Option<Vec<f64>> {
     let mut is_definite = true;
@@ -14,17 +14,19 @@ pub fn cholesky(matrix: &[f64], n: usize) -> Option<Vec<f64>> {
     is_definite.then_some(factor)
 }
 
-/// Share of a variance below which what is left of it beside earlier components is the rounding of a covariance that was summed up.
-const ROUNDING_OF_COVARIANCES: f64 = 1e-10;
+/// Fraction of a variance below which the remaining pivot is attributed to rounding of the covariance.
+const COVARIANCE_ROUNDING: f64 = 1e-10;
 
-/// The lower triangular factor of a covariance, n x n, that may be singular: a component that earlier ones tell but for rounding gets a
-/// pivot of zero. Of a matrix that is no covariance it is the factor of one near it.
+/// Computes the lower triangular factor of a covariance, n x n, which may be singular: a component that earlier
+/// components determine, within rounding, gets a pivot of zero. For a matrix that is not a covariance, the result is
+/// the factor of a nearby covariance.
 #[must_use]
 pub fn covariance_factor(covariance: &[f64], n: usize) -> Vec<f64> {
-    factor(covariance, n, |left, variance| left > ROUNDING_OF_COVARIANCES * variance)
+    factor(covariance, n, |left, variance| left > COVARIANCE_ROUNDING * variance)
 }
 
-/// The factor of `matrix`, with a column of zeros where `is_pivot` does not hold of what is left of a diagonal entry, and of the entry.
+/// Factor of `matrix`, with a column of zeros where `is_pivot` is false for the remaining pivot and the original
+/// diagonal entry.
 fn factor(matrix: &[f64], n: usize, mut is_pivot: impl FnMut(f64, f64) -> bool) -> Vec<f64> {
     let mut factor = vec![0.0; n * n];
     for row in 0..n {
@@ -44,7 +46,7 @@ fn factor(matrix: &[f64], n: usize, mut is_pivot: impl FnMut(f64, f64) -> bool) 
     factor
 }
 
-/// L^-1 b in the place of b.
+/// Replaces b by L^-1 b.
 pub fn solve_lower(factor: &[f64], n: usize, values: &mut [f64]) {
     for row in 0..n {
         let known: f64 = (0..row).map(|k| factor[row * n + k] * values[k]).sum();
@@ -52,7 +54,7 @@ pub fn solve_lower(factor: &[f64], n: usize, values: &mut [f64]) {
     }
 }
 
-/// L^-T b in the place of b.
+/// Replaces b by L^-T b.
 pub fn solve_upper(factor: &[f64], n: usize, values: &mut [f64]) {
     for row in (0..n).rev() {
         let known: f64 = (row + 1..n).map(|k| factor[k * n + row] * values[k]).sum();
@@ -66,19 +68,19 @@ pub fn log_determinant(factor: &[f64], n: usize) -> f64 {
     (0..n).map(|row| 2.0 * libm::log(factor[row * n + row])).sum()
 }
 
-/// (L L^T)^-1 b in the place of b.
+/// Replaces b by (L L^T)^-1 b.
 pub fn solve(factor: &[f64], n: usize, values: &mut [f64]) {
     solve_lower(factor, n, values);
     solve_upper(factor, n, values);
 }
 
-/// Whether a factor has no column of zeros.
+/// Whether a factor is regular, which means that it has no column of zeros.
 #[must_use]
 pub fn is_regular(factor: &[f64], n: usize) -> bool {
     (0..n).all(|row| factor[row * n + row] > 0.0)
 }
 
-/// The product of two vectors, summed from the first entry on.
+/// Dot product of two vectors, summed from the first entry on.
 #[must_use]
 pub fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
@@ -107,7 +109,8 @@ mod tests {
         assert_eq!(factor, [1.0, 0.0, 1.0, 0.0]);
         assert!(!is_regular(&factor, 2));
         assert_eq!(cholesky(&[1.0, 2.0, 2.0, 1.0], 2), None);
-        // Two components that are one but for rounding: no factor by the strict rule, and the first decides by the other.
+        // Two components that are equal within rounding: the strict rule gives no factor, the other rule uses the first
+        // one.
         let summed = [1.0, 1.0, 1.0, 1.0 - 1e-12];
         assert_eq!((cholesky(&summed, 2), covariance_factor(&summed, 2)), (None, vec![1.0, 0.0, 1.0, 0.0]));
     }

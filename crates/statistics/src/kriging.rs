@@ -1,11 +1,12 @@
-//! Ordinary kriging (Matheron, Econ. Geol. 58, 1246, 1963): what is known at some places, and what that says of those in between.
+//! Ordinary kriging (Matheron, Econ. Geol. 58, 1246, 1963): interpolation of quantities that are known at some places.
 
 use crate::cholesky::{cholesky, is_regular, solve};
 
-/// Added to the covariance of a place with itself: keeps neighbours apart.
+/// Added to the diagonal of the covariance matrix, so that close neighbours leave it regular.
 const NUGGET: f64 = 1e-12;
 
-/// Quantities that are known at the same places: exact there, their mean far from all.
+/// Interpolator of quantities that are known at common places: exact at these places, and their mean far from all of
+/// them.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Kriging<const D: usize> {
     range: f64,
@@ -20,14 +21,14 @@ struct Quantity {
 }
 
 impl<const D: usize> Kriging<D> {
-    /// Of `quantities`, each known at all `places`, that resemble each other over the distance `range`; zero without places.
+    /// Interpolates `quantities`, each known at all `places`, with the correlation length `range`; zero without places.
     #[must_use]
     pub fn new(range: f64, places: Vec<[f64; D]>, quantities: Vec<Vec<f64>>) -> Self {
         let n = places.len();
         let nugget = |i: usize, j: usize| if i == j { NUGGET } else { 0.0 };
         let covariances: Vec<f64> =
             (0..n * n).map(|e| covariance(&places[e / n], &places[e % n], range) + nugget(e / n, e % n)).collect();
-        // Two quantities at one place are left to their mean.
+        // If two places coincide, the quantities are replaced by their mean.
         let factor = cholesky(&covariances, n).filter(|factor| n > 0 && is_regular(factor, n));
         let solved = |factor: &[f64], mut right: Vec<f64>| {
             solve(factor, n, &mut right);
@@ -39,26 +40,26 @@ impl<const D: usize> Kriging<D> {
                 return Quantity { mean: known.iter().sum::<f64>() / n.max(1) as f64, weights: vec![0.0; n] };
             };
             // m = 1' C^-1 d / 1' C^-1 1,   w = C^-1 (d - m 1)
-            let by = solved(factor, known);
-            let mean = by.iter().sum::<f64>() / ones.iter().sum::<f64>();
-            Quantity { mean, weights: by.iter().zip(ones).map(|(by, one)| by - mean * one).collect() }
+            let weights = solved(factor, known);
+            let mean = weights.iter().sum::<f64>() / ones.iter().sum::<f64>();
+            Quantity { mean, weights: weights.iter().zip(ones).map(|(weight, one)| weight - mean * one).collect() }
         };
         let quantities = quantities.into_iter().map(quantity).collect();
         Self { range, places, quantities }
     }
 
-    /// The quantities at `place`: d(t) = m + sum `w_i` C(t, `t_i`).
+    /// Quantities at `place`: d(t) = m + sum `w_i` C(t, `t_i`).
     #[must_use]
     pub fn at(&self, place: &[f64; D]) -> Vec<f64> {
         let near: Vec<f64> = self.places.iter().map(|known| covariance(known, place, self.range)).collect();
-        let of = |quantity: &Quantity| {
+        let interpolate = |quantity: &Quantity| {
             quantity.mean + quantity.weights.iter().zip(&near).map(|(weight, c)| weight * c).sum::<f64>()
         };
-        self.quantities.iter().map(of).collect()
+        self.quantities.iter().map(interpolate).collect()
     }
 }
 
-/// Distance of two places.
+/// Euclidean distance between two places.
 #[must_use]
 pub fn distance<const D: usize>(left: &[f64; D], right: &[f64; D]) -> f64 {
     square(left, right).sqrt()
@@ -68,7 +69,7 @@ fn square<const D: usize>(left: &[f64; D], right: &[f64; D]) -> f64 {
     left.iter().zip(right).map(|(left, right)| (left - right).powi(2)).sum()
 }
 
-/// Matern's covariance of smoothness 3/2: (1 + sqrt(3) r / L) exp(-sqrt(3) r / L).
+/// Matern covariance of smoothness 3/2: (1 + sqrt(3) r / L) exp(-sqrt(3) r / L).
 fn covariance<const D: usize>(left: &[f64; D], right: &[f64; D], range: f64) -> f64 {
     let r = (3.0 * square(left, right)).sqrt() / range;
     (1.0 + r) * libm::exp(-r)
@@ -87,15 +88,15 @@ mod tests {
             let at = found.at(place);
             assert!((at[0] - known[0][row]).abs() < 1e-9 && (at[1] + 2.0).abs() < 1e-9, "{at:?}");
         }
-        // Between two places between what is known there; far from all what is in common to all.
+        // Between two places the result is between their values; far from all places it is the common mean.
         let between = found.at(&[0.5, 0.0])[0];
         assert!(between > 1.0 && between < 3.0, "{between}");
         let far = [[90.0, 0.0], [0.0, -90.0]].map(|place| found.at(&place));
         assert!(far[0] == far[1] && far[0][0] > 0.5 && far[0][0] < 3.0, "{far:?}");
-        // The same without one of two that agree, and none without any.
+        // With one of two equal quantities only, and without any.
         assert_eq!(Kriging::new(1.0, vec![[0.0]], vec![vec![4.0]]).at(&[7.0]), [4.0]);
         assert_eq!(Kriging::<1>::new(1.0, Vec::new(), vec![Vec::new()]).at(&[7.0]), [0.0]);
-        // Of two numbers at one place the mean.
+        // For two values at one place the mean.
         assert_eq!(Kriging::new(1.0, vec![[0.0]; 2], vec![vec![4.0, 6.0]]).at(&[0.0]).len(), 1);
     }
 }

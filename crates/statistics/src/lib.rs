@@ -1,5 +1,5 @@
-//! Statistics that several crates need: normal deviates and their distribution, that of chi-square, medians, standard deviations and Student's t,
-//! response surfaces of three lengths, kriging, and the small dense systems that these lead to.
+//! Statistics for several crates: normal deviates and their distribution, chi-square, medians, standard deviations,
+//! Student's t, response surfaces of three lengths, kriging, and small dense linear systems.
 //!
 //! ```
 //! use slipgrid_statistics::{Confidence, mean_and_std, median, upper_median};

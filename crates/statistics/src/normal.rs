@@ -1,9 +1,9 @@
-//! Standard normal deviates, the same on every platform: for what scatters in a model and in what is made of a design.
+//! Standard normal deviates, identical on all platforms, for scatter in the model and in manufactured samples.
 
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{RngCore, SeedableRng};
 
-/// A seeded stream of independent standard normal deviates, by Box and Muller's transform (Ann. Math. Stat. 29, 610).
+/// A seeded stream of independent standard normal deviates, by the Box-Muller transform (Ann. Math. Stat. 29, 610).
 #[derive(Clone, Debug)]
 pub struct Normals {
     generator: ChaCha8Rng,
@@ -11,25 +11,25 @@ pub struct Normals {
 }
 
 impl Normals {
-    /// The stream of `seed`.
+    /// Starts the stream with `seed`.
     #[must_use]
     pub fn new(seed: u64) -> Self {
         Self { generator: ChaCha8Rng::seed_from_u64(seed), second: None }
     }
 
-    /// The next deviate.
+    /// Returns the next deviate.
     pub fn draw(&mut self) -> f64 {
         if let Some(second) = self.second.take() {
             return second;
         }
-        // r = sqrt(-2 ln u1), (g1, g2) = r (cos, sin)(2 pi u2); elementary functions of a portable library.
+        // r = sqrt(-2 ln u1), (g1, g2) = r (cos, sin)(2 pi u2); elementary functions from a portable library.
         let radius = (-2.0 * libm::log(self.uniform())).sqrt();
         let angle = std::f64::consts::TAU * self.uniform();
         self.second = Some(radius * libm::sin(angle));
         radius * libm::cos(angle)
     }
 
-    /// Uniform in (0, 1]: 53 random bits.
+    /// Uniform deviate in (0, 1] from 53 random bits.
     fn uniform(&mut self) -> f64 {
         ((self.generator.next_u64() >> 11) + 1) as f64 / (1_u64 << 53) as f64
     }

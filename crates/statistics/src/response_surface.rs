@@ -1,31 +1,32 @@
-//! A response surface: what a model says of three lengths, from its answers on a lattice.
+//! Response surface of a model as a function of three lengths, from its values on a lattice.
 //!
-//! Between the nodes it is the tensor product of cubic B-splines in the logarithms of the lengths (de Boor, A Practical Guide to
-//! Splines, 2001, chapters IX and XVII), with the third derivative continuous at the second and last but one node of every axis, so that cubic
-//! polynomials are met exactly and the error falls with the fourth power of the nodes' distance where the model is smooth.
+//! The surface is the tensor product of cubic B-splines in the logarithms of the lengths (de Boor, A Practical Guide to
+//! Splines, 2001, chapters IX and XVII). The third derivative is continuous at the second and second last node of every
+//! axis, so that cubic polynomials are reproduced exactly, and the error decreases with the fourth power of the node
+//! distance for smooth models.
 
-/// Positive lengths from one end to the other, their logarithms equally far apart.
+/// Nodes of one length: positive and evenly spaced in the logarithm.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Axis {
-    /// The least.
+    /// Minimum length.
     pub from: f64,
-    /// The greatest.
+    /// Maximum length.
     pub to: f64,
-    /// How many: one where the length is fixed, else at least [`Axis::FEWEST`].
+    /// Number of nodes: one for a fixed length, otherwise at least [`Axis::MIN_NODES`].
     pub nodes: usize,
 }
 
 impl Axis {
-    /// Fewest nodes of a length that is not fixed.
-    pub const FEWEST: usize = 4;
+    /// Minimum number of nodes of a length that is not fixed.
+    pub const MIN_NODES: usize = 4;
 
-    /// An axis of `nodes` nodes, or of one where both ends are the same.
+    /// Creates an axis with `nodes` nodes, or with one if both ends are equal.
     #[must_use]
     pub fn new([from, to]: [f64; 2], nodes: usize) -> Self {
-        Self { from, to, nodes: if to > from { nodes.max(Self::FEWEST) } else { 1 } }
+        Self { from, to, nodes: if to > from { nodes.max(Self::MIN_NODES) } else { 1 } }
     }
 
-    /// The length at a node.
+    /// Length at a node.
     #[must_use]
     pub fn at(&self, node: usize) -> f64 {
         if self.nodes == 1 {
@@ -35,13 +36,13 @@ impl Axis {
         }
     }
 
-    /// Coefficients along it: two more than nodes, or one.
+    /// Number of coefficients along the axis: two more than nodes, or one.
     #[must_use]
     pub const fn coefficients(&self) -> usize {
         if self.nodes == 1 { 1 } else { self.nodes + 2 }
     }
 
-    /// The first and the last of the nodes around `length`: the same one at a node; beyond the ends those at the ends.
+    /// First and last node around `length`: equal at a node; those at the end outside the axis.
     fn around(&self, length: f64) -> [usize; 2] {
         if self.nodes == 1 {
             return [0; 2];
@@ -52,7 +53,8 @@ impl Axis {
         [(place + 1e-9).floor() as usize, (place - 1e-9).ceil() as usize]
     }
 
-    /// The first of four coefficients that count at `length`, and their weights; beyond the ends as at the ends.
+    /// Index of the first of the four coefficients that contribute at `length`, and their weights; constant outside the
+    /// axis.
     fn weights(&self, length: f64) -> (usize, [f64; 4]) {
         if self.nodes == 1 {
             return (0, [1.0, 0.0, 0.0, 0.0]);
@@ -71,20 +73,20 @@ impl Axis {
         (first, weights.map(|weight| weight / 6.0))
     }
 
-    /// What turns values at the nodes into coefficients: the inverse of the splines at the nodes, row by row.
+    /// Matrix that converts values at the nodes into coefficients, as rows: the inverse of the splines at the nodes.
     fn inverse(&self) -> Vec<Vec<f64>> {
         let count = self.coefficients();
         let mut left = vec![vec![0.0; count]; count];
         for (node, row) in left[1..=self.nodes].iter_mut().enumerate() {
             row[node..node + 3].copy_from_slice(&[1.0 / 6.0, 4.0 / 6.0, 1.0 / 6.0]);
         }
-        // The jump of the third derivative at the second and the last but one node.
+        // Jump of the third derivative at the second and second last node.
         const JUMP: [f64; 5] = [-1.0, 4.0, -6.0, 4.0, -1.0];
         left[0][..5].copy_from_slice(&JUMP);
         left[count - 1][count - 5..].copy_from_slice(&JUMP);
         let mut right: Vec<Vec<f64>> =
             (0..count).map(|row| (0..count).map(|column| f64::from(u8::from(row == column))).collect()).collect();
-        // Gauss and Jordan with pivots.
+        // Gauss-Jordan elimination with pivoting.
         for column in 0..count {
             let pivot = (column..count).max_by(|a, b| left[*a][column].abs().total_cmp(&left[*b][column].abs()));
             let pivot = pivot.unwrap_or(column);
@@ -106,21 +108,21 @@ impl Axis {
     }
 }
 
-/// A response surface of three lengths with any number of outputs.
+/// Response surface of three lengths with any number of outputs.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ResponseSurface {
     axes: [Axis; 3],
     outputs: usize,
-    /// The first axis slowest, outputs fastest.
+    /// First axis slowest, outputs fastest.
     coefficients: Vec<f64>,
 }
 
 impl ResponseSurface {
-    /// Through `values` at the nodes of `axes`, the first axis slowest, the `outputs` of a node side by side.
+    /// Interpolates `values` at the nodes of `axes`: first axis slowest, the `outputs` of a node side by side.
     #[must_use]
     pub fn through(axes: [Axis; 3], outputs: usize, values: Vec<f64>) -> Self {
         let mut coefficients = values;
-        // One axis after the other: before it lies what is slower, after it what is faster.
+        // One axis after the other; `before` counts the slower indices, `after` the faster ones.
         let mut before = 1;
         for (place, axis) in axes.iter().enumerate() {
             let after = axes[place + 1..].iter().map(|axis| axis.nodes).product::<usize>() * outputs;
@@ -128,12 +130,12 @@ impl ResponseSurface {
                 let (inverse, count) = (axis.inverse(), axis.coefficients());
                 let mut found = vec![0.0; before * count * after];
                 for outer in 0..before {
-                    for (row, of) in inverse.iter().enumerate() {
+                    for (row, weights) in inverse.iter().enumerate() {
                         let into = &mut found[(outer * count + row) * after..][..after];
                         for node in 0..axis.nodes {
                             let from = &coefficients[(outer * axis.nodes + node) * after..][..after];
-                            // The first and last column stand for the jumps, which are zero.
-                            into.iter_mut().zip(from).for_each(|(into, value)| *into += of[node + 1] * value);
+                            // The first and last column belong to the jumps, which are zero.
+                            into.iter_mut().zip(from).for_each(|(into, value)| *into += weights[node + 1] * value);
                         }
                     }
                 }
@@ -144,33 +146,33 @@ impl ResponseSurface {
         Self { axes, outputs, coefficients }
     }
 
-    /// The axes.
+    /// Axes of the three lengths.
     #[must_use]
     pub const fn axes(&self) -> &[Axis; 3] {
         &self.axes
     }
 
-    /// Outputs of a node.
+    /// Number of outputs per node.
     #[must_use]
     pub const fn outputs(&self) -> usize {
         self.outputs
     }
 
-    /// All coefficients, the first axis slowest, outputs fastest.
+    /// All coefficients, first axis slowest, outputs fastest.
     #[must_use]
     pub fn coefficients(&self) -> &[f64] {
         &self.coefficients
     }
 
-    /// The nodes' lengths, the first axis slowest.
+    /// Lengths of the nodes, first axis slowest.
     #[must_use]
     pub fn nodes(axes: &[Axis; 3]) -> Vec<[f64; 3]> {
         let [first, second, third] = axes;
-        let of = |a: usize| (0..second.nodes).flat_map(move |b| (0..third.nodes).map(move |c| [a, b, c]));
-        (0..first.nodes).flat_map(of).map(|[a, b, c]| [first.at(a), second.at(b), third.at(c)]).collect()
+        let for_first = |a: usize| (0..second.nodes).flat_map(move |b| (0..third.nodes).map(move |c| [a, b, c]));
+        (0..first.nodes).flat_map(for_first).map(|[a, b, c]| [first.at(a), second.at(b), third.at(c)]).collect()
     }
 
-    /// Whether one of `nodes`, by their places, is a corner of the lattice cell that holds three lengths.
+    /// Whether one of `nodes`, given by index, is a corner of the lattice cell that contains three lengths.
     #[must_use]
     pub fn is_beside(&self, nodes: &[usize], lengths: &[f64; 3]) -> bool {
         let [_, rows, columns] = self.axes.map(|axis| axis.nodes);
@@ -181,7 +183,7 @@ impl ResponseSurface {
         })
     }
 
-    /// The outputs at three lengths; beyond an axis what they are at its end.
+    /// Outputs at three lengths; constant beyond the ends of an axis.
     #[must_use]
     pub fn at(&self, lengths: &[f64; 3]) -> Vec<f64> {
         let [(a, u), (b, v), (c, w)] = std::array::from_fn(|axis| self.axes[axis].weights(lengths[axis]));

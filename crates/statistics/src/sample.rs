@@ -1,7 +1,6 @@
-//! Middle, mean and scatter of a sample.
+//! Median, mean and standard deviation of a sample.
 
-/// The middle one of `values`, the upper of the two middle ones of an even count; `None` of none. The order of `values`
-/// changes.
+/// Median of `values`, the upper one for an even count; `None` for an empty slice. Reorders `values`.
 pub fn upper_median(values: &mut [f64]) -> Option<f64> {
     let middle = values.len() / 2;
     if values.is_empty() {
@@ -10,8 +9,7 @@ pub fn upper_median(values: &mut [f64]) -> Option<f64> {
     Some(*values.select_nth_unstable_by(middle, f64::total_cmp).1)
 }
 
-/// The middle one of `values`, the mean of the two middle ones of an even count; `None` of none. The order of `values`
-/// changes.
+/// Median of `values`, the mean of the two middle ones for an even count; `None` for an empty slice. Reorders `values`.
 pub fn median(values: &mut [f64]) -> Option<f64> {
     let upper = upper_median(values)?;
     if !values.len().is_multiple_of(2) {
@@ -21,7 +19,7 @@ pub fn median(values: &mut [f64]) -> Option<f64> {
     Some(0.5 * (lower + upper))
 }
 
-/// Mean and, of two values or more, standard deviation (n - 1) of a sample; `None` of none.
+/// Mean and, for two or more values, standard deviation (n - 1) of a sample; `None` for an empty sample.
 pub fn mean_and_std<I>(values: I) -> Option<(f64, Option<f64>)>
 where
     I: IntoIterator<Item = f64>,

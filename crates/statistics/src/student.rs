@@ -1,11 +1,11 @@
 //! Student's t.
 
-/// How much is left to chance.
+/// A two-sided confidence level.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Confidence {
-    /// The normal deviate that leaves as much on both sides together.
+    /// Normal quantile of the level.
     normal: f64,
-    /// The quantiles of Student's t of few degrees of freedom, from 1.
+    /// Quantiles of Student's t for few degrees of freedom, from 1.
     few: &'static [f64],
 }
 
@@ -18,8 +18,8 @@ impl Confidence {
     pub const PERCENT_99_5: Self =
         Self { normal: 2.807_034, few: &[127.321_34, 14.089_05, 7.453_319, 5.597_568, 4.773_341, 4.316_827] };
 
-    /// The quantile of Student's t that leaves as much to chance on both sides: tabulated for few degrees of freedom, by
-    /// Fisher's expansion beyond. None at all count as one: nothing is known of the scatter.
+    /// Two-sided quantile of Student's t: tabulated for few degrees of freedom, Fisher's expansion for more. Zero
+    /// degrees of freedom count as one.
     #[must_use]
     pub fn student_t(self, degrees_of_freedom: usize) -> f64 {
         let degrees_of_freedom = degrees_of_freedom.max(1);

@@ -1,4 +1,4 @@
-//! Seeded Gaussian noise for synthetic data: splitmix64 and Box-Muller, the same everywhere.
+//! Seeded Gaussian noise for synthetic data: SplitMix64 and Box-Muller, identical on all platforms.
 
 /// A stream of random numbers.
 #[derive(Clone, Copy, Debug)]
@@ -7,13 +7,13 @@ pub struct Noise {
 }
 
 impl Noise {
-    /// The stream of `seed`.
+    /// Starts the stream with `seed`.
     #[must_use]
     pub const fn new(seed: u64) -> Self {
         Self { state: seed }
     }
 
-    /// Uniform in (0, 1).
+    /// Uniform deviate in (0, 1).
     pub fn uniform(&mut self) -> f64 {
         self.state = self.state.wrapping_add(0x9E37_79B9_7F4A_7C15);
         let mut z = self.state;
@@ -23,7 +23,7 @@ impl Noise {
         ((z >> 11) as f64 + 0.5) / 9_007_199_254_740_992.0
     }
 
-    /// Standard normal: sqrt(-2 ln u) cos(2 pi v).
+    /// Standard normal deviate: sqrt(-2 ln u) cos(2 pi v).
     pub fn normal(&mut self) -> f64 {
         let (u, v) = (self.uniform(), self.uniform());
         (-2.0 * u.ln()).sqrt() * (std::f64::consts::TAU * v).cos()

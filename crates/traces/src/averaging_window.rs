@@ -3,41 +3,44 @@
 use super::correlated_noise::{LineErrors, line_errors};
 use super::time_series::{line_through, mean_between};
 
-/// Batches into which the window is cut, at most: more tell more of what friction remembers.
+/// Largest number of batches into which the window is cut. More batches resolve the correlation of the noise better.
 const MAX_BATCHES: usize = 20;
-/// Batches at least.
-const FEWEST_BATCHES: usize = 10;
-/// Samples in a batch, at least.
-const FEWEST_IN_BATCH: usize = 2;
+const MIN_BATCHES: usize = 10;
+/// Minimum number of samples in a batch.
+const MIN_SAMPLES_PER_BATCH: usize = 2;
 
-/// Friction over the window.
+/// Mean, standard errors and drift of friction over the window.
 ///
-/// Both errors take the noise of friction for one whose correlation falls exponentially, with a time that the window itself must tell. They
-/// are roots of mean variances over what it may be, so that a normal interval holds the truth about as often as it says: the mean is within
-/// 1.96 stated errors of the truth in 97 % of windows with white noise, and in 95 % or more with correlation times up to a tenth of
-/// the window. The root mean square of the stated errors is then 1.4 to 1.7 times the true spread, as some windows let a longer time seem
-/// possible. Still longer correlation times look like a drift: at a sixth of the window 91 % of intervals hold the truth, at a third 77 %. Of
-/// two processes at once, one of a hundredth of the window with four times the variance of one of a sixth, 86 % do. An
-/// oscillation whose period is within some per cent of a batch, a twentieth of the window, or of a whole fraction of one, averages out in every
-/// batch: what its last, incomplete period does to the mean, at most a hundredth of the amplitude, is then known to half of it only.
+/// The errors assume noise whose correlation falls exponentially, with a correlation time that is estimated from the
+/// window itself ([`line_errors`]). Each stated variance is a mean over the possible correlation times, so that a
+/// normal interval has about its nominal coverage: the mean is within 1.96 standard errors of the truth in 97 % of
+/// windows with white noise, and in 95 % or more with correlation times up to a tenth of the window. The root mean
+/// square of the stated errors is then 1.4 to 1.7 times the true spread, because some windows admit a longer
+/// correlation time. Still longer correlation times look like a drift: coverage is 91 % at a sixth of the window and 77
+/// % at a third. Coverage is 86 % for two processes at once, one with a hundredth of the window as its correlation time
+/// and four times the variance of another with a sixth.
+///
+/// An oscillation averages out in every batch if its period is within some per cent of a batch (a twentieth of the
+/// window) or of a whole fraction of one. The incomplete last period then shifts the mean by at most a hundredth of the
+/// amplitude, and the stated error may be half of this shift.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WindowMean {
-    /// Mean over time.
+    /// Mean over time of the friction coefficient.
     pub mu: f64,
-    /// Standard error of the mean, from batch means about their line.
+    /// Standard error of the mean, from the batch means about their line.
     pub stderr: f64,
-    /// Change of mu over the window by the line through the batch means.
+    /// Change of mu over the window, from the line through the batch means.
     pub drift: f64,
-    /// Its standard error.
+    /// Standard error of `drift`.
     pub drift_stderr: f64,
 }
 
-/// Mean and drift of `mu` over `window_s`. Samples weigh by the time they stand for.
+/// Computes mean and drift of `mu` over `window_s`. Samples are weighted by the time that they cover.
 pub fn window_mean(time_s: &[f64], mu: &[f64], window_s: [f64; 2]) -> WindowMean {
     let [from, to] = window_s;
     let length = to - from;
     let inside = time_s.partition_point(|&t| t <= to) - time_s.partition_point(|&t| t < from);
-    let batches = (inside / FEWEST_IN_BATCH).clamp(FEWEST_BATCHES, MAX_BATCHES);
+    let batches = (inside / MIN_SAMPLES_PER_BATCH).clamp(MIN_BATCHES, MAX_BATCHES);
     let edge = |i: usize| from + length * i as f64 / batches as f64;
     let means: Vec<f64> = (0..batches).map(|i| mean_between(time_s, mu, edge(i), edge(i + 1))).collect();
     let line = line_through(&means);
@@ -52,7 +55,7 @@ mod tests {
 
     #[test]
     fn a_line_has_its_mean_its_drift_and_no_error() {
-        // Uneven samples: weights by time, not by number.
+        // Samples are uneven, so that weighting by time and by count differ.
         let time: Vec<f64> = (0..500).map(|i| f64::from(i).powf(1.2) * 0.03).collect();
         let mu: Vec<f64> = time.iter().map(|t| 0.2 + 0.001 * t).collect();
         let found = window_mean(&time, &mu, [10.0, 40.0]);
@@ -60,17 +63,17 @@ mod tests {
         assert!(found.stderr < 1e-12 && found.drift_stderr < 1e-12);
     }
 
-    /// What the errors of windows from 10 to 40 s say, and what is true.
+    /// Errors stated for windows from 10 to 40 s, compared with the truth.
     struct Judged {
-        /// Root mean square of stated errors over the true spread, of the mean and of the drift.
+        /// Root mean square of the stated errors over the true spread, for the mean and for the drift.
         stated_over_true: [f64; 2],
-        /// Share of windows in which the mean is within 1.96 stated errors of the truth.
+        /// Share of windows in which the mean is within 1.96 standard errors of the truth.
         held: f64,
-        /// Share of windows whose drift exceeds as many of its errors as are told.
+        /// Share of windows in which the drift is flagged as significant.
         told: f64,
     }
 
-    /// Windows of noise with samples every `step_s`: `noise` makes as many samples as it is given.
+    /// Judges windows of noise with a sample every `step_s`; `noise` makes the given number of samples.
     fn judge(runs: u32, step_s: f64, mut noise: impl FnMut(usize) -> Vec<f64>) -> Judged {
         let samples = (30.0 / step_s).round() as usize + 1;
         let time: Vec<f64> = (0..samples).map(|i| 10.0 + step_s * i as f64).collect();
@@ -84,14 +87,14 @@ mod tests {
                 stated[place] += error * error;
             }
             held += u32::from(off[0].abs() < 1.96 * found.stderr);
-            told += u32::from(off[1].abs() > crate::DRIFT_ERRORS * found.drift_stderr);
+            told += u32::from(off[1].abs() > crate::FLAGGED_DRIFT_STDERRS * found.drift_stderr);
         }
         let [mean, drift] = [0, 1].map(|place: usize| (stated[place] / spread[place]).sqrt());
         let share = |count: u32| f64::from(count) / f64::from(runs);
         Judged { stated_over_true: [mean, drift], held: share(held), told: share(told) }
     }
 
-    /// Noise whose correlation falls as exp(-t / `memory_s`), at steps of `step_s`; white at 0.
+    /// Noise whose correlation falls as exp(-t / `memory_s`), sampled every `step_s`; white for `memory_s` = 0.
     fn red(noise: &mut Noise, samples: usize, step_s: f64, memory_s: f64) -> Vec<f64> {
         let kept = if memory_s > 0.0 { (-step_s / memory_s).exp() } else { 0.0 };
         let mut value = noise.normal();
@@ -104,11 +107,12 @@ mod tests {
             .collect()
     }
 
-    /// Ten batches about their line stated 0.65 of the true spread at 2 s and 0.41 at 5 s, and held the mean in 75 and 55 % of windows.
+    /// Errors from ten batches about their line were 0.65 of the true spread at 2 s and 0.41 at 5 s, with a coverage of
+    /// 75 and 55 %.
     #[test]
     fn errors_of_noise_that_remembers_are_about_what_they_say() {
         let mut noise = Noise::new(5);
-        // Of 1000 windows a share of 0.95 is known to 0.007, and a ratio to 3 %.
+        // With 1000 windows a coverage of 0.95 is known to 0.007, and a ratio to 3 %.
         for (memory_s, mean, drift, held) in [
             (0.0, [1.25, 1.6], [1.1, 1.45], 0.945),
             (0.05, [1.25, 1.6], [1.1, 1.45], 0.945),
@@ -116,7 +120,7 @@ mod tests {
             (2.0, [1.5, 2.0], [1.25, 1.6], 0.93),
             (3.0, [1.3, 1.65], [1.1, 1.4], 0.92),
             (5.0, [0.95, 1.25], [0.85, 1.15], 0.88),
-            // What remains.
+            // Known limit of the method.
             (10.0, [0.58, 0.76], [0.65, 0.84], 0.73),
         ] {
             let found = judge(1000, 0.1, |samples| red(&mut noise, samples, 0.1, memory_s));

@@ -1,15 +1,15 @@
-//! Cells of tables as instruments and spreadsheets of any country write them.
+//! Cells of tables, as instruments and spreadsheets of different locales write them.
 
-/// Separators that a table may use; the first that occurs in its header.
+/// Separators that a table may use, in the order in which they are looked for in its header.
 pub const SEPARATORS: [char; 3] = ['\t', ';', ','];
 
-/// The separator of a table with this header.
+/// Returns the separator of a table with this header line.
 #[must_use]
 pub fn separator(header: &str) -> Option<char> {
     SEPARATORS.into_iter().find(|&separator| header.contains(separator))
 }
 
-/// The cells of a line; separators in quotes do not cut.
+/// Splits a line into cells; separators within quotes do not split.
 #[must_use]
 pub fn cut(line: &str, separator: char) -> Vec<&str> {
     let (mut cells, mut start, mut quoted) = (Vec::new(), 0, false);
@@ -25,18 +25,19 @@ pub fn cut(line: &str, separator: char) -> Vec<&str> {
     cells
 }
 
-/// A cell without quotes.
+/// Removes the quotes around a cell.
 #[must_use]
 pub fn unquoted(cell: &str) -> &str {
     cell.trim_matches('"').trim()
 }
 
-/// The number in a cell, with a decimal point, or a decimal comma where commas do not separate or the cell is quoted.
+/// Parses the number in a cell. A decimal comma is accepted where commas are not the separator, or where the cell is
+/// quoted.
 #[must_use]
 pub fn number_in(cell: &str, separator: char) -> Option<f64> {
     let bare = unquoted(cell);
     if let Ok(value) = bare.parse::<f64>() {
-        // "inf" and "nan" are words, not measurements.
+        // "inf" and "nan" parse as numbers, but are no measurements.
         return value.is_finite().then_some(value).filter(|_| bare.ends_with(|c: char| c.is_ascii_digit() || c == '.'));
     }
     let may_be_comma = separator != ',' || cell.starts_with('"');
@@ -45,18 +46,19 @@ pub fn number_in(cell: &str, separator: char) -> Option<f64> {
         .flatten()
 }
 
-/// A number as it was written, and where.
+/// A number as written in the file, with its position.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Written {
-    /// Its line, from 1.
+    /// Line, from 1.
     pub line: u32,
-    /// Its column, counted by the caller.
+    /// Column, in the numbering of the caller.
     pub column: usize,
-    /// The number itself, without quotes.
+    /// The number, without quotes.
     pub number: String,
 }
 
-/// The decimal signs that the numbers of a table were written with: beside decimal commas a point may part thousands.
+/// The first decimal comma and the first decimal point of a table. In a table with decimal commas a point may separate
+/// thousands.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct DecimalSigns {
     comma: Option<Written>,
@@ -64,8 +66,8 @@ pub struct DecimalSigns {
 }
 
 impl DecimalSigns {
-    /// Takes a cell that is a number. Returns the first number with a point and, in words, why its value is not known, once numbers with
-    /// decimal commas stand in the same table.
+    /// Records a cell that holds a number. Returns the first number with a point and the reason why it is ambiguous, as
+    /// soon as the table also has a number with a decimal comma.
     pub fn take(&mut self, cell: &str, [line, column]: [u32; 2]) -> Option<(&Written, String)> {
         let bare = unquoted(cell);
         let first = if bare.contains(',') {
@@ -84,7 +86,7 @@ impl DecimalSigns {
         Some((point, reason))
     }
 
-    /// What would be accepted of a table with both.
+    /// Describes the decimal signs that are accepted.
     pub const EXPECTED: &'static str = "one decimal sign in all numbers of the table, and no sign between thousands";
 }
 

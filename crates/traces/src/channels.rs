@@ -1,6 +1,6 @@
-//! Quantities that columns of an export hold: their titles and units, one table for all instruments.
+//! Quantities of export columns: one table of titles and units for all instruments.
 
-/// What a column holds.
+/// Quantity that a column holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Channel {
     /// Time.
@@ -9,7 +9,8 @@ pub enum Channel {
     Torque,
     /// Friction force.
     FrictionForce,
-    /// Friction coefficient, as the instrument computed it; beside a torque or friction force it only checks them.
+    /// Friction coefficient as computed by the instrument; next to a torque or friction force it is only used as a
+    /// check.
     Coefficient,
     /// Normal force on the sample holder.
     NormalForce,
@@ -23,20 +24,20 @@ pub enum Channel {
     Repeat,
     /// Number of the step of the test.
     Step,
-    /// Position along the way of sliding, or the way itself; not used without a known unit.
+    /// Position along the sliding path, or sliding distance; ignored if its unit is not known.
     Position,
 }
 
 /// The titles and units of a channel.
-struct Words {
+struct ChannelData {
     title: &'static str,
-    /// Titles, small letters and digits alone.
+    /// Titles, reduced to lower-case letters and digits.
     names: &'static [&'static str],
-    /// Titles that count only where no column has one of `names`: set points, and the path beside the position.
+    /// Titles that count only if no column has one of `names`: set points, and the distance next to the position.
     secondary: &'static [&'static str],
-    /// Units and the factors that turn them into SI; the first is taken where none is given.
+    /// Units with their factors to SI; the first is assumed where no unit is given.
     units: &'static [(&'static str, f64)],
-    /// The units as people write them.
+    /// List of the units for messages.
     unit_words: &'static str,
 }
 
@@ -64,9 +65,9 @@ const FORCE: &[(&str, f64)] = &[
 ];
 const FORCE_WORDS: &str = "N, mN, uN, kN, daN, gf or g, kgf or kg, kp or lbf";
 
-/// By the order of [`Channel`].
-const WORDS: [Words; Channel::COUNT] = [
-    Words {
+/// Titles and units in the order of [`Channel`].
+const CHANNELS: [ChannelData; Channel::COUNT] = [
+    ChannelData {
         title: "time",
         names: &["time", "t", "elapsedtime", "testtime", "zeit", "temps", "tempo", "czas", "tiempo"],
         secondary: &["steptime", "timestamp"],
@@ -87,7 +88,7 @@ const WORDS: [Words; Channel::COUNT] = [
         ],
         unit_words: "s, ms, us, min or h",
     },
-    Words {
+    ChannelData {
         title: "torque",
         names: &["torque", "tz", "mz", "frictiontorque", "moment", "drehmoment", "reibmoment", "coppia", "daqtz"],
         secondary: &[],
@@ -111,7 +112,7 @@ const WORDS: [Words; Channel::COUNT] = [
         ],
         unit_words: "N m, mN m, uN m, kN m, N cm, N mm, kgf m, kgf cm, gf cm, lbf in or lbf ft",
     },
-    Words {
+    ChannelData {
         title: "friction force",
         names: &[
             "frictionforce",
@@ -133,7 +134,7 @@ const WORDS: [Words; Channel::COUNT] = [
         units: FORCE,
         unit_words: FORCE_WORDS,
     },
-    Words {
+    ChannelData {
         title: "friction coefficient",
         names: &[
             "cof",
@@ -153,11 +154,11 @@ const WORDS: [Words; Channel::COUNT] = [
             "coefficientdefrottement",
         ],
         secondary: &[],
-        // Rtec names the force in brackets that it divided.
+        // Rtec gives in brackets the force that was divided.
         units: &[("", 1.0), ("1", 1.0), ("fx", 1.0), ("ff", 1.0)],
         unit_words: "a column without a unit",
     },
-    Words {
+    ChannelData {
         title: "normal force",
         names: &[
             "normalforce",
@@ -176,7 +177,7 @@ const WORDS: [Words; Channel::COUNT] = [
         units: FORCE,
         unit_words: FORCE_WORDS,
     },
-    Words {
+    ChannelData {
         title: "speed",
         names: &["speed", "velocity", "slidingspeed", "slidingvelocity", "linearvelocity", "v", "geschwindigkeit"],
         secondary: &[],
@@ -193,7 +194,7 @@ const WORDS: [Words; Channel::COUNT] = [
         ],
         unit_words: "mm/s, m/s, cm/s, um/s, mm/min, cm/min, m/min, um/min, km/h or those of revolutions",
     },
-    Words {
+    ChannelData {
         title: "revolutions",
         names: &[
             "rpm",
@@ -221,7 +222,7 @@ const WORDS: [Words; Channel::COUNT] = [
         ],
         unit_words: "rpm, 1/min, r/min, rev/min, U/min, 1/s, rps, rev/s, Hz or rad/s",
     },
-    Words {
+    ChannelData {
         title: "humidity",
         names: &["humidity", "rh", "relativehumidity", "luftfeuchte", "feuchte"],
         secondary: &[],
@@ -237,21 +238,21 @@ const WORDS: [Words; Channel::COUNT] = [
         ],
         unit_words: "%, %RH, %rF, pct or percent",
     },
-    Words {
+    ChannelData {
         title: "number of the repeat",
         names: &["repeat", "repetition", "run", "test", "wiederholung"],
         secondary: &[],
         units: &[("", 1.0)],
         unit_words: "a column without a unit",
     },
-    Words {
+    ChannelData {
         title: "number of the step",
         names: &["step", "stepno", "stepnumber", "recipestep", "sequenceid", "schritt"],
         secondary: &[],
         units: &[("", 1.0)],
         unit_words: "a column without a unit",
     },
-    Words {
+    ChannelData {
         title: "position",
         names: &["position", "pos", "x", "displacement", "linearposition", "stroke", "hub", "deplacement"],
         secondary: &["distance", "slidingdistance", "weg", "gleitweg"],
@@ -261,10 +262,10 @@ const WORDS: [Words; Channel::COUNT] = [
 ];
 
 impl Channel {
-    /// How many there are.
+    /// Number of channels.
     pub const COUNT: usize = 11;
 
-    /// All of them.
+    /// All channels.
     pub const ALL: [Self; Self::COUNT] = [
         Self::Time,
         Self::Torque,
@@ -279,32 +280,32 @@ impl Channel {
         Self::Position,
     ];
 
-    /// What stands for friction; messages propose the first.
+    /// Channels that can give friction; messages propose the first.
     pub(crate) const FRICTION: [Self; 3] = [Self::FrictionForce, Self::Torque, Self::Coefficient];
 
-    const fn words(self) -> &'static Words {
-        &WORDS[self as usize]
+    const fn data(self) -> &'static ChannelData {
+        &CHANNELS[self as usize]
     }
 
-    /// A trace cannot be read without some of these columns.
+    /// Whether a trace can need this column: time, friction and normal force.
     #[must_use]
     pub const fn is_needed(self) -> bool {
         matches!(self, Self::Time | Self::Torque | Self::FrictionForce | Self::Coefficient | Self::NormalForce)
     }
 
-    /// Titles of such a column, small letters and digits alone.
+    /// Titles of such a column, reduced to lower-case letters and digits.
     #[must_use]
     pub const fn names(self) -> &'static [&'static str] {
-        self.words().names
+        self.data().names
     }
 
-    /// Titles that are used where no column has one of [`Channel::names`], as of set points.
+    /// Titles that are used where no column has one of [`Channel::names`], for example set points.
     #[must_use]
     pub const fn secondary_names(self) -> &'static [&'static str] {
-        self.words().secondary
+        self.data().secondary
     }
 
-    /// The key of `columns` that gives it a title of one's own.
+    /// The key in `columns` that gives this channel a custom title.
     #[must_use]
     pub fn key(self) -> String {
         match self {
@@ -314,32 +315,32 @@ impl Channel {
         }
     }
 
-    /// Its name in messages.
+    /// Name of the channel in messages.
     #[must_use]
     pub const fn title(self) -> &'static str {
-        self.words().title
+        self.data().title
     }
 
-    /// Its units, as people write them.
+    /// Units of the channel, as messages list them.
     #[must_use]
     pub const fn unit_words(self) -> &'static str {
-        self.words().unit_words
+        self.data().unit_words
     }
 
-    /// Units and the factors that turn them into SI; the first is taken where none is given.
+    /// Units with their factors to SI; the first is assumed where no unit is given.
     pub(crate) const fn units(self) -> &'static [(&'static str, f64)] {
-        self.words().units
+        self.data().units
     }
 
-    /// The factor that turns a number in `unit`, its letters alone, into SI.
+    /// Factor from `unit`, reduced to its letters, to SI.
     pub(crate) fn factor(self, unit: &str) -> Option<f64> {
-        // mm/sec is mm/s.
+        // `mm/sec` means `mm/s`.
         let short = unit.strip_suffix("sec").map(|start| format!("{start}s"));
         let unit = short.as_deref().unwrap_or(unit);
         self.units().iter().find(|(name, _)| *name == unit).map(|(_, factor)| *factor)
     }
 
-    /// The factor of numbers without a unit; of a position no number, as a title like `x` may be of anything.
+    /// Factor for numbers without a unit. NaN for a position, because a title such as `x` may mean any quantity.
     pub(crate) const fn usual_factor(self) -> f64 {
         if matches!(self, Self::Position) { f64::NAN } else { self.units()[0].1 }
     }

@@ -1,21 +1,21 @@
-//! Columns of a tribometer export: the meaning of a title, and its unit.
+//! Columns of a tribometer export: recognition of titles and units.
 
 use crate::cells::unquoted;
 pub use crate::channels::Channel;
 
-/// A unit that a column's quantity does not have.
+/// A unit that does not belong to the quantity of its column.
 #[derive(Clone, Debug, PartialEq)]
 pub struct UnknownUnit {
-    /// The column, as the file writes it.
+    /// Column name, as in the file.
     pub name: String,
-    /// The quantity of the column.
+    /// Quantity of the column.
     pub channel: Channel,
-    /// The unit, as the file writes it.
+    /// Unit, as in the file.
     unit: String,
 }
 
 impl UnknownUnit {
-    /// What is wrong, and what would be accepted.
+    /// Reason for the refusal, and the units that are accepted.
     #[must_use]
     pub fn words(&self) -> [String; 2] {
         let (unit, title) = (&self.unit, self.channel.title());
@@ -30,21 +30,21 @@ impl UnknownUnit {
     }
 }
 
-/// Which of several columns of one channel is used: the first kind that there is.
+/// Priority of a column; of several columns of a channel the one with the first priority is used.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Priority {
-    /// Its title is given in `columns`.
-    Own,
-    /// Its title is one of [`Channel::names`].
+    /// Title given in `columns`.
+    Custom,
+    /// Title listed in [`Channel::names`].
     Primary,
-    /// Its title is one of [`Channel::secondary_names`].
+    /// Title listed in [`Channel::secondary_names`].
     Secondary,
 }
 
 /// A column that is used.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Column {
-    /// What it holds.
+    /// Quantity that the column holds.
     pub channel: Channel,
     pub(crate) priority: Priority,
     name: String,
@@ -52,22 +52,22 @@ pub struct Column {
 }
 
 impl Column {
-    /// Its name, as the file writes it.
+    /// Column name, as in the file.
     #[must_use]
     pub fn name(&self) -> &str {
         &self.name
     }
 
-    /// A number of the column in SI units; the sign of a zero or of a conversion is not its concern.
+    /// Converts a number of the column to SI units.
     #[must_use]
     pub fn to_si(&self, value: f64) -> f64 {
         value * self.factor
     }
 
-    /// Takes a unit from a line below the names; nothing where the cell is empty.
+    /// Sets the unit from a cell below the titles. An empty cell changes nothing.
     ///
     /// # Errors
-    /// The unit, where it is not known.
+    /// [`UnknownUnit`] if the unit does not belong to the quantity.
     pub fn set_unit(&mut self, cell: &str) -> Result<(), UnknownUnit> {
         let unit = unit_letters(cell);
         if unit.is_empty() {
@@ -82,7 +82,7 @@ impl Column {
     }
 
     fn factor_of(&mut self, unit: &str) -> Option<f64> {
-        // A speed in revolutions is of the axis.
+        // A speed given in revolutions is that of the axis.
         if self.channel == Channel::Speed
             && let Some(factor) = Channel::Revolutions.factor(unit)
         {
@@ -93,36 +93,35 @@ impl Column {
     }
 }
 
-/// The unit stands in brackets, behind a slash, or behind an underscore.
+/// Characters in front of a unit: brackets, slash and underscore.
 const UNIT_MARKS: [char; 5] = ['[', '(', '{', '/', '_'];
 
-/// The title that says that no column holds a channel.
+/// Title which says that no column holds a channel.
 pub const NO_COLUMN: &str = "none";
 
-/// Titles of one's own for what columns hold, beside those that are known.
+/// Custom titles of columns, in addition to the known ones.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Titles(Vec<Title>);
 
-/// A title of one's own.
 #[derive(Clone, Debug, PartialEq)]
 struct Title {
     channel: Channel,
-    /// Letters of the whole title, its unit among them.
+    /// Letters of the whole title including the unit.
     whole: String,
-    /// Letters of the title without the unit in brackets or behind a slash.
+    /// Letters of the title without a unit in brackets or after a slash.
     letters: String,
     factor: f64,
-    /// Which of several columns with this title, from 1.
+    /// Index, from 1, among several columns with this title.
     number: Option<usize>,
 }
 
 impl Titles {
-    /// Takes `title` for columns of `channel`, which no other title means from now on. Its unit, written as in an export, is that of columns
-    /// which name none; without it the first of [`Channel::unit_words`]. `#2` at its end means the second column with this title, and
-    /// [`NO_COLUMN`] alone that no column holds the channel.
+    /// Adds `title` as the custom title of `channel`; the known titles of the channel are ignored from then on. A unit
+    /// in the title applies to columns without a unit; without it the first of [`Channel::unit_words`] is assumed. `#2`
+    /// at the end means the second column with this title. [`NO_COLUMN`] says that no column holds the channel.
     ///
     /// # Errors
-    /// [`UnknownUnit`] in its brackets.
+    /// [`UnknownUnit`] if the unit in brackets is not known.
     pub fn name(&mut self, channel: Channel, title: &str) -> Result<(), UnknownUnit> {
         let written = unquoted(title);
         if written.eq_ignore_ascii_case(NO_COLUMN) {
@@ -133,11 +132,11 @@ impl Titles {
             written.rsplit_once('#').and_then(|(start, end)| Some((start.trim_end(), end.trim().parse().ok()?)));
         let (written, number) = numbered.map_or((written, None), |(start, number)| (start, Some(number)));
         let (name, unit) = written.find(['[', '(', '{']).map_or((written, ""), |at| written.split_at(at));
-        let priority = Priority::Own;
+        let priority = Priority::Custom;
         let mut column = Column { channel, priority, name: written.to_owned(), factor: channel.usual_factor() };
         column.set_unit(unit)?;
         let mut letters_of_name = letters(name);
-        // A suffix is the unit where it is one, as in `load_kg` or `time/ms`; the title is then sought as a whole, too.
+        // In `load_kg` or `time/ms` the suffix is a unit. The title as a whole is looked for as well.
         if unit.is_empty()
             && let Some((start, end)) = name.rsplit_once(['/', '_'])
             && column.set_unit(end).is_ok()
@@ -150,18 +149,19 @@ impl Titles {
         Ok(())
     }
 
-    /// Whether columns of a channel have a title of one's own.
+    /// Whether `channel` has a custom title.
     #[must_use]
-    pub fn has_own(&self, channel: Channel) -> bool {
+    pub fn has_title(&self, channel: Channel) -> bool {
         self.0.iter().any(|title| title.channel == channel)
     }
 
-    /// Whether a column of `channel` is named by its own title.
+    /// Whether `channel` has a custom title other than [`NO_COLUMN`].
     pub(crate) fn expects(&self, channel: Channel) -> bool {
         self.0.iter().any(|title| title.channel == channel && !title.whole.is_empty())
     }
 
-    /// What may be the name in a title: the whole, and what stands before a bracket, a slash or an underscore; letters and digits alone.
+    /// Candidate names within a title: the whole, and the text before each bracket, slash or underscore; letters and
+    /// digits only.
     #[must_use]
     pub fn letters_of(title: &str) -> Vec<String> {
         let written = unquoted(title);
@@ -169,9 +169,9 @@ impl Titles {
         cuts.chain([written.len()]).map(|at| letters(&written[..at])).collect()
     }
 
-    /// The titles of a channel as messages list them.
+    /// Lists the titles of a channel for messages.
     #[must_use]
-    pub fn of(&self, channel: Channel) -> String {
+    pub fn list(&self, channel: Channel) -> String {
         let own: Vec<&str> =
             self.0.iter().filter(|title| title.channel == channel).map(|title| &title.whole[..]).collect();
         let own: Vec<&str> = own.into_iter().map(|title| if title.is_empty() { NO_COLUMN } else { title }).collect();
@@ -182,7 +182,7 @@ impl Titles {
         }
     }
 
-    /// The meaning of a name: its channel, the factor of the unit that it has where none stands beside it, and its priority.
+    /// Recognizes a name: its channel, the factor of its default unit, and its priority.
     fn meaning(&self, name: &str) -> Option<(Channel, f64, Priority)> {
         let letters = letters(name);
         if letters.is_empty() {
@@ -190,7 +190,7 @@ impl Titles {
         }
         let own = |title: &&Title| title.whole == letters || title.letters == letters;
         if let Some(own) = self.0.iter().find(own) {
-            return Some((own.channel, own.factor, Priority::Own));
+            return Some((own.channel, own.factor, Priority::Custom));
         }
         let is_in = |names: &[&str]| names.contains(&&letters[..]);
         let known = |channel: Channel| match channel {
@@ -199,19 +199,20 @@ impl Titles {
             _ => None,
         };
         let (known, priority) = Channel::ALL.into_iter().find_map(known)?;
-        (!self.has_own(known)).then(|| (known, known.usual_factor(), priority))
+        (!self.has_title(known)).then(|| (known, known.usual_factor(), priority))
     }
 
-    /// Which of several columns with an own title of `channel` is meant, from 1.
+    /// Index, from 1, of the column that is meant among several with the custom title of `channel`.
     fn number(&self, channel: Channel) -> Option<usize> {
         self.0.iter().find(|title| title.channel == channel)?.number
     }
 }
 
-/// The meaning of each name of a header; `None` where it is not used. A column that a trace does not need is not used if its unit is unknown.
+/// Recognizes each title of a header; `None` for columns that are not used. An optional column with an unknown unit is
+/// not used.
 ///
 /// # Errors
-/// [`UnknownUnit`] of a column that is needed and whose unit is not known.
+/// [`UnknownUnit`] if a column that is needed has an unknown unit.
 pub(crate) fn columns(cells: &[&str], titles: &Titles) -> Result<Vec<Option<Column>>, UnknownUnit> {
     let mut counts = [0; Channel::COUNT];
     let of_cell = |cell: &&str| {
@@ -222,13 +223,13 @@ pub(crate) fn columns(cells: &[&str], titles: &Titles) -> Result<Vec<Option<Colu
         Ok(column.filter(|column| {
             let count = &mut counts[column.channel as usize];
             *count += 1;
-            column.priority != Priority::Own || titles.number(column.channel).is_none_or(|number| number == *count)
+            column.priority != Priority::Custom || titles.number(column.channel).is_none_or(|number| number == *count)
         }))
     };
     cells.iter().map(of_cell).collect()
 }
 
-/// How many columns of kinds that a trace needs a header names, known or unknown in their units.
+/// Counts the columns of a header that a trace may need, including those with unknown units.
 pub(crate) fn needed_columns(cells: &[&str], titles: &Titles) -> usize {
     let is_needed = |cell: &str| match column(cell, titles) {
         Ok(found) => found.is_some_and(|column| column.channel.is_needed()),
@@ -239,7 +240,7 @@ pub(crate) fn needed_columns(cells: &[&str], titles: &Titles) -> usize {
 
 fn column(cell: &str, titles: &Titles) -> Result<Option<Column>, UnknownUnit> {
     let written = unquoted(cell);
-    // The whole as a name comes first: `normal_force` has no unit.
+    // The whole title is tried first, because the suffix of `normal_force` is no unit.
     if let Some((channel, factor, priority)) = titles.meaning(written) {
         return Ok(Some(Column { channel, priority, name: written.to_owned(), factor }));
     }
@@ -255,14 +256,14 @@ fn column(cell: &str, titles: &Titles) -> Result<Option<Column>, UnknownUnit> {
     unknown.map_or(Ok(None), Err)
 }
 
-/// Whether a title that is not known has the unit of a force, so that it may be the normal force.
+/// Whether an unknown title has the unit of a force and might therefore be the normal force.
 pub(crate) fn may_be_force(title: &str) -> bool {
     let Some(at) = title.rfind(UNIT_MARKS) else { return false };
     let unit = unit_letters(&title[at + 1..]);
     !unit.is_empty() && Channel::NormalForce.factor(&unit).is_some()
 }
 
-/// The letters and digits of a title, small; the letter mu, as such or as the micro sign, is a name of its own.
+/// Reduces a title to lower-case letters and digits; the micro sign becomes the letter mu.
 fn letters(name: &str) -> String {
     let plain = |letter: char| match letter {
         '\u{b5}' => '\u{3bc}',
@@ -271,7 +272,7 @@ fn letters(name: &str) -> String {
     name.chars().filter(|letter| letter.is_alphanumeric()).map(plain).flat_map(char::to_lowercase).collect()
 }
 
-/// A unit without brackets, dots, spaces and signs: `[N·m]` is `nm`, `mm/s` is `mms`.
+/// Reduces a unit to its letters, digits and `%`: `[N·m]` becomes `nm`, `mm/s` becomes `mms`.
 fn unit_letters(cell: &str) -> String {
     let kept = cell.chars().filter(|c| c.is_alphanumeric() || *c == '%');
     let plain = |letter| match letter {

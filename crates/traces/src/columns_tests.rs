@@ -13,7 +13,7 @@ fn the_units_that_are_listed_are_known_and_none_is_left_out() {
                 column.factor
             })
             .collect();
-        // The first is what is meant without a unit, and none of another size is left out.
+        // The first column counts without a unit; none with another length is skipped.
         assert_eq!(listed[0], channel.units()[0].1, "{words}");
         for (name, factor) in channel.units() {
             assert!(listed.contains(factor), "{name} is not in {words}");
@@ -107,7 +107,7 @@ fn a_title_of_ones_own_stands_for_those_that_are_known() {
         let found = column(written, &titles).unwrap().unwrap_or_else(|| panic!("{written}"));
         assert_eq!((found.channel, found.factor), (channel, factor), "{written}");
     }
-    // Units stand in titles of one's own as in an export, in brackets or behind a slash or an underscore.
+    // Custom titles give units as exports do: in brackets, after a slash or after an underscore.
     for (title, written, factor) in [
         ("Nominal Load [N]", "Nominal Load [N]", 1.0),
         ("Last/mN", "Last/mN", 1e-3),
@@ -121,7 +121,7 @@ fn a_title_of_ones_own_stands_for_those_that_are_known() {
         let found = column(written, &titles).unwrap().unwrap_or_else(|| panic!("{title} {written}"));
         assert_eq!((found.channel, found.factor), (Channel::NormalForce, factor), "{title} {written}");
     }
-    // A known title is no second column of the same quantity.
+    // A known title is not used as a second column of a channel with a custom title.
     assert_eq!(column("Fz [N]", &titles), Ok(None));
     assert!(column("F_tan [bananas]", &titles).is_err() && titles.name(Channel::Time, "t [N]").is_err());
 }

@@ -1,52 +1,59 @@
-//! Errors of the mean and of the slope of values whose noise remembers.
+//! Standard errors of the mean and of the slope of values with correlated noise.
 //!
-//! Means over the parts of a window are taken for a line and noise whose correlation falls with the time t as exp(-|t| / tau). tau is
-//! not known, and a window of a few tens of tau tells it badly: each of some correlation times counts by how likely the values are at it,
-//! whatever the line and the strength of the noise (restricted likelihood; D. A. Harville, J. Am. Stat. Assoc. 72, 320, 1977).
+//! The means over the parts of a window are modelled as a line plus noise with the covariance exp(-|t| / tau). A window
+//! of a few tens of tau determines tau badly. Therefore the variances are averaged over a set of correlation times,
+//! each weighted by its restricted likelihood, which does not depend on the line and on the noise amplitude (D. A.
+//! Harville, J. Am. Stat. Assoc. 72, 320, 1977).
 //!
 //! ```text
 //! e^2 = sum_tau w_tau v_tau R_tau / (n - 2),     w_tau ~ prior_tau |C|^-1/2 |X^T C^-1 X|^-1/2 R_tau^-(n-2)/2
 //! ```
 //!
-//! with the covariance C of the n means at unit strength, the line X, the squares R that generalized least squares leave, and the variance v
-//! of the plain mean, or of the plain slope, at unit strength.
+//! with the covariance C of the n means for unit noise strength, the design matrix X of the line, the residual sum of
+//! squares R of generalized least squares, and the variance v of the plain mean, or of the plain slope, for unit noise
+//! strength.
 
 use slipgrid_statistics::cholesky::{cholesky, log_determinant, solve_lower};
 
-/// Correlation times over the window beside 0, which is white noise: beyond the last of them noise is a drift.
+/// Correlation times as a fraction of the window, in addition to 0 (white noise). Beyond the last, noise cannot be told
+/// from a drift.
 const CORRELATION_TIMES: [f64; 6] = [0.01, 0.02, 0.04, 0.08, 0.16, 0.32];
-/// How much each of them counts before anything was measured, where white noise counts 1: as much as all of them together.
-const PRIOR: f64 = 1.0 / 6.0;
+/// Prior weight of each correlation time relative to white noise, so that all of them together weigh as much as white
+/// noise.
+const CORRELATED_PRIOR: f64 = 1.0 / 6.0;
 
-/// Standard errors of the mean of values at even steps and of their change over as many steps as there are values, by their line.
+/// Standard errors of the mean of evenly spaced values, and of their change over `values.len()` steps.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LineErrors {
-    /// Of the mean.
+    /// Standard error of the mean.
     pub mean: f64,
-    /// Of the change.
+    /// Standard error of the change.
     pub change: f64,
 }
 
-/// What one correlation time says.
+/// Weight and errors for one correlation time.
 struct Hypothesis {
-    /// ln of its weight, but for a constant.
+    /// Log of the weight, up to a constant.
     log_weight: f64,
-    /// Squares of both errors.
+    /// Squared standard errors of mean and change.
     squares: [f64; 2],
 }
 
-/// Errors of `values`, each the mean over its part of a window; of fewer than three they are no numbers.
+/// Computes the standard errors for `values`, each the mean over one part of a window. NaN for fewer than three values.
 pub fn line_errors(values: &[f64]) -> LineErrors {
     if values.len() < 3 {
         return LineErrors { mean: f64::NAN, change: f64::NAN };
     }
-    let alike = std::iter::once((0.0, 0.0)).chain(CORRELATION_TIMES.map(|time| (time, PRIOR.ln())));
-    let found: Vec<Hypothesis> = alike.filter_map(|(time, log_prior)| hypothesis(values, time, log_prior)).collect();
-    let most = found.iter().map(|of| of.log_weight).fold(f64::NEG_INFINITY, f64::max);
-    // Without any noise there is nothing to weigh.
-    let weight = |of: &Hypothesis| if most.is_finite() { (of.log_weight - most).exp() } else { 1.0 };
+    let priors = std::iter::once((0.0, 0.0)).chain(CORRELATION_TIMES.map(|time| (time, CORRELATED_PRIOR.ln())));
+    let found: Vec<Hypothesis> = priors.filter_map(|(time, log_prior)| hypothesis(values, time, log_prior)).collect();
+    let largest = found.iter().map(|hypothesis| hypothesis.log_weight).fold(f64::NEG_INFINITY, f64::max);
+    // Without any noise all weights are equal.
+    let weight =
+        |hypothesis: &Hypothesis| if largest.is_finite() { (hypothesis.log_weight - largest).exp() } else { 1.0 };
     let total: f64 = found.iter().map(weight).sum();
-    let error = |place: usize| (found.iter().map(|of| weight(of) * of.squares[place]).sum::<f64>() / total).sqrt();
+    let error = |place: usize| {
+        (found.iter().map(|hypothesis| weight(hypothesis) * hypothesis.squares[place]).sum::<f64>() / total).sqrt()
+    };
     LineErrors { mean: error(0), change: error(1) }
 }
 
@@ -56,8 +63,8 @@ fn hypothesis(values: &[f64], correlation_time: f64, log_prior: f64) -> Option<H
     let covariances = covariances(n, correlation_time);
     let matrix: Vec<f64> = (0..n * n).map(|at| covariances[(at / n).abs_diff(at % n)]).collect();
     let factor = cholesky(&matrix, n)?;
-    let whitened = |of: &dyn Fn(usize) -> f64| {
-        let mut all: Vec<f64> = (0..n).map(of).collect();
+    let whitened = |component: &dyn Fn(usize) -> f64| {
+        let mut all: Vec<f64> = (0..n).map(component).collect();
         solve_lower(&factor, n, &mut all);
         all
     };
@@ -65,15 +72,14 @@ fn hypothesis(values: &[f64], correlation_time: f64, log_prior: f64) -> Option<H
     let middle = values[n / 2];
     let (ones, slope, left) = (whitened(&|_| 1.0), whitened(&x), whitened(&|i| values[i] - middle));
     let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
-    let less = |of: &[f64], times: f64, other: &[f64]| -> Vec<f64> {
-        of.iter().zip(other).map(|(of, other)| of - times * other).collect()
-    };
-    // Gram and Schmidt: the slope beside the mean, and what both leave.
+    let subtract =
+        |a: &[f64], factor: f64, b: &[f64]| -> Vec<f64> { a.iter().zip(b).map(|(a, b)| a - factor * b).collect() };
+    // Gram-Schmidt: make the slope orthogonal to the mean, and the residuals orthogonal to both.
     let ones_squared = dot(&ones, &ones);
-    let slope = less(&slope, dot(&slope, &ones) / ones_squared, &ones);
+    let slope = subtract(&slope, dot(&slope, &ones) / ones_squared, &ones);
     let slope_squared = dot(&slope, &slope);
-    let left = less(&left, dot(&left, &ones) / ones_squared, &ones);
-    let left = less(&left, dot(&left, &slope) / slope_squared, &slope);
+    let left = subtract(&left, dot(&left, &ones) / ones_squared, &ones);
+    let left = subtract(&left, dot(&left, &slope) / slope_squared, &slope);
     let squares = dot(&left, &left);
     let freedom = count - 2.0;
     let variance = |weight: &dyn Fn(usize) -> f64| {
@@ -87,8 +93,8 @@ fn hypothesis(values: &[f64], correlation_time: f64, log_prior: f64) -> Option<H
     })
 }
 
-/// Covariances of the means over `n` equal parts of the time from 0 to 1, from a part with itself to the first with the last, of noise whose
-/// covariance exp(-|t| / tau) / (2 tau) has the integral 1.
+/// Covariances of the means over `n` equal parts of the unit interval, by the distance between the parts, for noise
+/// with the covariance exp(-|t| / tau) / (2 tau), whose integral is 1.
 fn covariances(n: usize, tau: f64) -> Vec<f64> {
     let count = n as f64;
     if tau == 0.0 {
@@ -96,11 +102,11 @@ fn covariances(n: usize, tau: f64) -> Vec<f64> {
     }
     let step = 1.0 / (count * tau);
     let lost = -(-step).exp_m1();
-    let of = |apart: usize| match apart {
+    let covariance = |apart: usize| match apart {
         0 => count * count * tau * (step - lost),
         _ => 0.5 * count * count * tau * lost * lost * (-step * (apart - 1) as f64).exp(),
     };
-    (0..n).map(of).collect()
+    (0..n).map(covariance).collect()
 }
 
 #[cfg(test)]
@@ -110,7 +116,7 @@ mod tests {
     #[test]
     fn covariances_of_parts_sum_to_that_of_the_whole() {
         for tau in [0.01_f64, 0.1, 0.3] {
-            // 1/n^2 sum_ij C_ij = 1 - tau (1 - exp(-1 / tau)), in any number of parts.
+            // 1/n^2 sum_ij C_ij = 1 - tau (1 - exp(-1 / tau)) for any number of parts.
             for n in [4, 20] {
                 let found = covariances(n, tau);
                 let sum: f64 = (0..n * n).map(|at| found[(at / n).abs_diff(at % n)]).sum::<f64>() / (n * n) as f64;

@@ -1,8 +1,9 @@
-//! Tribometer exports: tables with the instrument's own names, units, separators and decimal sign.
+//! Tribometer exports: tables with the names, units, separators and decimal signs of the instrument.
 //!
-//! A file holds one table or several. A table begins below a line of titles; what stands around the tables is the instrument's. Each table is
-//! a repeat, as is what follows a new number in a column of repeats, a line such as `Run # 2`, or a clock that begins anew. Steps are numbered by
-//! a column or by lines such as `Step No. 2`: one of them is read where [`ExportOptions::step`] says which.
+//! A file holds one or several tables, each below a line of titles; other lines of the instrument may surround them. A
+//! new repeat begins with each table, with a new number in a column of repeats, with a line such as `Run # 2`, and
+//! where the clock restarts. Steps are numbered by a column or by lines such as `Step No. 2`; [`ExportOptions::step`]
+//! selects one of them.
 
 use crate::cells::{DecimalSigns, cut, number_in, unquoted};
 use crate::columns::{Channel, Column, Titles, UnknownUnit};
@@ -12,52 +13,55 @@ use crate::missing_numbers::Longest;
 pub use crate::recorded::Recorded;
 use crate::recorded::{Row, Table};
 
-/// A file of one repeat or several.
+/// Repeats of one file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TraceFile {
-    /// Its repeats.
+    /// Repeats in the order of the file.
     pub repeats: Vec<Recorded>,
-    /// Names of columns that were not used.
+    /// Titles of columns that were not used.
     pub unused: Vec<String>,
-    /// What the columns hold that were used.
+    /// Channels of the columns that were used.
     pub used: Vec<Channel>,
 }
 
-/// How exports are read.
+/// Options for reading exports.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct ExportOptions<'a> {
-    /// Distance from the axis to a specimen's centre, in metres: it turns revolutions into speed, and a torque needs it.
+    /// Distance from the axis to the centre of a specimen, in metres; needed for a torque, and to convert revolutions
+    /// to a speed.
     pub effective_radius_m: Option<f64>,
-    /// Titles of columns beside those that are known; `None` for these alone.
+    /// Custom titles of columns; `None` for the known titles only.
     pub titles: Option<&'a Titles>,
-    /// The step that is read, by the number the instrument gave it, or counted from 1 where it gave none; `None` for the whole file.
+    /// Step to read, by its number in the file, or counted from 1 where the file has no numbers; `None` reads the whole
+    /// file.
     pub step: Option<u32>,
 }
 
-/// Marks at the beginning of a comment.
+/// Prefixes of comment lines.
 const COMMENTS: [&str; 4] = ["#", "%", "//", "\"#"];
-/// A clock has begun anew where it is back within this part of its span.
+/// The clock has restarted if it falls back to the first 1 % of its span.
 const CLOCK_ANEW: f64 = 0.01;
-/// Rows in which the clock must have run before it can begin anew: numbers that are no times go back sooner.
+/// Rows that must precede a restart of the clock. Columns that are not times fall back sooner.
 const MIN_ROWS_OF_CLOCK: usize = 20;
-/// Lines as long as a row, but with words for the time, that may stand below the last row: sums and means.
+/// Largest number of summary lines (sums, means) below the last row: lines as long as a row, with words instead of a
+/// time.
 const MAX_SUMMARY_LINES: usize = 10;
-/// Steps that a message lists.
+/// Largest number of steps that a message lists.
 const MAX_LISTED_STEPS: usize = 12;
 
-/// Why an export was refused.
+/// Reason why an export was refused.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("{}{reason}; expected {expected}", .line.map_or_else(String::new, |line| format!("line {line}: ")))]
 pub struct ExportError {
     /// Line in the file, from 1; `None` for the file as a whole.
     pub line: Option<u32>,
-    /// Name of the column, as the file writes it.
+    /// Column name, as in the file.
     pub column: Option<String>,
-    /// What stood there.
+    /// Text of the cell.
     pub value: Option<String>,
-    /// Why it was refused.
+    /// Reason for the refusal.
     pub reason: String,
-    /// What would be accepted.
+    /// Description of what is accepted.
     pub expected: String,
 }
 
@@ -66,13 +70,13 @@ impl ExportError {
         Self { line, column: None, value: None, reason: reason.into(), expected: expected.into() }
     }
 
-    /// A column whose unit is not known.
+    /// A column with an unknown unit.
     pub(crate) fn unit(line: u32, unknown: &UnknownUnit) -> Self {
         let [reason, expected] = unknown.words();
         Self { column: Some(unknown.name.clone()), ..Self::at(Some(line), reason, expected) }
     }
 
-    /// A cell that is no number.
+    /// A cell that is not a number.
     fn cell(line: u32, column: &str, cell: &str) -> Self {
         Self {
             column: Some(column.to_owned()),
@@ -82,15 +86,15 @@ impl ExportError {
     }
 }
 
-/// Reads an export from its text.
+/// Parses the text of an export.
 ///
 /// # Errors
-/// [`ExportError`] with line and column of what was refused.
+/// [`ExportError`] with line and column of the text that was refused.
 pub fn parse(text: &str, options: &ExportOptions<'_>) -> Result<TraceFile, ExportError> {
     let known = Titles::default();
     let titles = options.titles.unwrap_or(&known);
     let text = text.trim_start_matches('\u{feff}');
-    // A tab at the end of a line stands before an empty cell.
+    // Lines are not trimmed at their end, because a tab there separates an empty cell.
     let lines = text.lines().zip(1..).map(|(line, number)| (number, line));
     let lines: Vec<Line<'_>> = lines
         .filter(|(_, line)| {
@@ -102,12 +106,12 @@ pub fn parse(text: &str, options: &ExportOptions<'_>) -> Result<TraceFile, Expor
     let mut at = 0;
     while let Some(&(number, line)) = lines.get(at) {
         at += 1;
-        if reader.take_row(number, line)? {
+        if reader.read_row(number, line)? {
             continue;
         }
         match header(line, titles) {
             Some(cells) => at += reader.begin_table(number, cells, &lines[at..], titles)?,
-            None => reader.take_text(number, line)?,
+            None => reader.read_text(number, line)?,
         }
     }
     if !reader.has_table {
@@ -116,7 +120,7 @@ pub fn parse(text: &str, options: &ExportOptions<'_>) -> Result<TraceFile, Expor
     reader.finish()
 }
 
-/// The trace that is being read: where its clock stands, and its numbers.
+/// State of the trace that is being read.
 #[derive(Clone, Copy)]
 struct Current {
     run: Option<f64>,
@@ -124,11 +128,11 @@ struct Current {
     start_s: f64,
     last_s: f64,
     rows: usize,
-    /// The clock has never gone back.
+    /// Whether the clock has never gone back.
     is_ordered: bool,
 }
 
-/// A step that the file numbers, and the line of its first row.
+/// Number of a step, and the line of its first row.
 type NumberedStep = (f64, u32);
 
 /// Reads a file line by line.
@@ -138,21 +142,21 @@ struct Reader<'a, 'o> {
     has_table: bool,
     unused: Vec<String>,
     used: Vec<Channel>,
-    /// Numbers of run and step by the last lines that give them.
+    /// Numbers of run and step from the last marker lines.
     run: Option<f64>,
     step: Option<f64>,
-    /// A header or a line with a number came since the last row.
+    /// Whether a header or a marker line came since the last row.
     is_apart: bool,
     current: Option<Current>,
-    /// Traces begun so far, read or not.
-    begun: u32,
+    /// Number of traces traces_begun so far, including those that are skipped.
+    traces_begun: u32,
     tables: Vec<Table>,
     signs: DecimalSigns,
-    /// The first line since the last header that is neither row nor header, and whether it is as long as a row.
+    /// The first text line since the last header, and whether it is as long as a row.
     words: Option<(Line<'a>, bool)>,
     summary_lines: usize,
     steps: Vec<NumberedStep>,
-    /// One run has several steps, each with its own clock.
+    /// Whether a run has several steps, each with its own clock.
     has_several_steps: bool,
 }
 
@@ -168,7 +172,7 @@ impl<'a, 'o> Reader<'a, 'o> {
             step: None,
             is_apart: false,
             current: None,
-            begun: 0,
+            traces_begun: 0,
             tables: Vec::new(),
             signs: DecimalSigns::default(),
             words: None,
@@ -178,7 +182,8 @@ impl<'a, 'o> Reader<'a, 'o> {
         }
     }
 
-    /// Begins a table below the titles `cells` in line `number`; returns how many lines `below` were part of its head.
+    /// Begins a table with the titles `cells` in line `number`. Returns how many of the lines `below` belong to the
+    /// head.
     fn begin_table(
         &mut self,
         number: u32,
@@ -203,7 +208,7 @@ impl<'a, 'o> Reader<'a, 'o> {
                 self.layout = Some(layout);
                 Ok(head)
             }
-            // Steps of other kinds may have other columns.
+            // Steps that are not read may have other columns.
             Err(_) if is_other_step => {
                 self.layout = None;
                 Ok(0)
@@ -212,8 +217,8 @@ impl<'a, 'o> Reader<'a, 'o> {
         }
     }
 
-    /// Takes `line` if it is a row of the current table; says whether it is.
-    fn take_row(&mut self, number: u32, line: &'a str) -> Result<bool, ExportError> {
+    /// Reads `line` if it is a row of the current table; returns whether it was.
+    fn read_row(&mut self, number: u32, line: &'a str) -> Result<bool, ExportError> {
         let Some(layout) = &self.layout else { return Ok(false) };
         let (separator, width) = (layout.separator, layout.titles.len());
         let cells = cut(line, separator);
@@ -222,24 +227,24 @@ impl<'a, 'o> Reader<'a, 'o> {
         let is_numbers = !line.contains(|letter: char| letter.is_alphabetic() || letter == ':')
             && cells.iter().any(|cell| number_in(cell, separator).is_some());
         let lacks_time = cells.len() >= width && cells.get(layout.time).is_some_and(|cell| is_missing(cell));
-        if !(has_time || is_numbers || (lacks_time && !self.has_words_in_needed(&cells))) {
+        if !(has_time || is_numbers || (lacks_time && !self.has_words_for_numbers(&cells))) {
             return Ok(false);
         }
         if let Some((line, is_long)) = self.words.take() {
-            // Below words such as `Test completed` the clock of the next run begins anew.
-            let begins_anew =
-                time_s.zip(self.current).is_some_and(|(time_s, current)| current.begins_anew(time_s, false));
-            if is_long || !begins_anew {
-                return Err(self.refuse_words(line, is_long));
+            // After words such as `Test completed` the next run may begin, with a restarted clock.
+            let restarts_clock =
+                time_s.zip(self.current).is_some_and(|(time_s, current)| current.restarts_clock(time_s, false));
+            if is_long || !restarts_clock {
+                return Err(self.text_error(line, is_long));
             }
         }
         let marked = |channel: Channel| layout.find(channel).and_then(|at| number_at(layout, at, &cells));
         let [run, step] = [marked(Channel::Repeat).or(self.run), marked(Channel::Step).or(self.step)];
-        self.place(number, time_s, run, step);
+        self.assign_row(number, time_s, run, step);
         let is_read = match (self.options.step, step) {
             (None, _) => true,
             (Some(one), Some(step)) => f64::from(one) == step,
-            (Some(one), None) => one == self.begun,
+            (Some(one), None) => one == self.traces_begun,
         };
         if is_read {
             self.read(number, &cells)?;
@@ -247,8 +252,8 @@ impl<'a, 'o> Reader<'a, 'o> {
         Ok(true)
     }
 
-    /// Whether words stand where a number is needed.
-    fn has_words_in_needed(&self, cells: &[&str]) -> bool {
+    /// Whether a column that is needed holds words.
+    fn has_words_for_numbers(&self, cells: &[&str]) -> bool {
         let Some(layout) = &self.layout else { return false };
         let is_word = |cell: &str| number_in(cell, layout.separator).is_none() && !is_missing(cell);
         let needed =
@@ -256,8 +261,8 @@ impl<'a, 'o> Reader<'a, 'o> {
         needed.into_iter().any(|(_, cell)| is_word(cell))
     }
 
-    /// Finds whether the row in line `number` goes on with the current trace or begins another one.
-    fn place(&mut self, number: u32, time_s: Option<f64>, run: Option<f64>, step: Option<f64>) {
+    /// Finds whether the row in line `number` continues the current trace or begins another one.
+    fn assign_row(&mut self, number: u32, time_s: Option<f64>, run: Option<f64>, step: Option<f64>) {
         if let Some(step) = step.filter(|step| !self.steps.iter().any(|(known, _)| known == step)) {
             self.steps.push((step, number));
         }
@@ -267,20 +272,20 @@ impl<'a, 'o> Reader<'a, 'o> {
             Some(current) => {
                 let changes_step = step != current.step;
                 let changes_run = run.is_some() && run != current.run;
-                let begins_anew = time_s.is_some_and(|time_s| current.begins_anew(time_s, changes_step));
-                if changes_step && !changes_run && (is_apart || begins_anew) {
+                let restarts_clock = time_s.is_some_and(|time_s| current.restarts_clock(time_s, changes_step));
+                if changes_step && !changes_run && (is_apart || restarts_clock) {
                     self.has_several_steps = true;
                 }
-                let by_clock = begins_anew && !is_apart && !changes_run && !changes_step;
-                let begins = is_apart || changes_run || begins_anew || (changes_step && self.options.step.is_some());
+                let by_clock = restarts_clock && !is_apart && !changes_run && !changes_step;
+                let begins = is_apart || changes_run || restarts_clock || (changes_step && self.options.step.is_some());
                 if begins {
-                    self.tables.push(Table::begun_by_clock(by_clock.then_some(number)));
+                    self.tables.push(Table::restarted_by_clock(by_clock.then_some(number)));
                 }
                 begins
             }
         };
         if begins {
-            self.begun += 1;
+            self.traces_begun += 1;
             let start_s = time_s.unwrap_or(f64::NAN);
             self.current = Some(Current { run, step, start_s, last_s: start_s, rows: 0, is_ordered: true });
         }
@@ -314,8 +319,8 @@ impl<'a, 'o> Reader<'a, 'o> {
                 None => return Err(ExportError::cell(number, column.name(), cell)),
             }
         }
-        let lacks = |column: &&Column| layout.requires(column) && row.get(column.channel).is_none();
-        let without = layout.columns.iter().flatten().filter(lacks).map(Column::name);
+        let describe_missing = |column: &&Column| layout.requires(column) && row.get(column.channel).is_none();
+        let without = layout.columns.iter().flatten().filter(describe_missing).map(Column::name);
         if self.tables.is_empty() {
             self.tables.push(Table::default());
         }
@@ -325,8 +330,8 @@ impl<'a, 'o> Reader<'a, 'o> {
         Ok(())
     }
 
-    /// Takes a line that is neither row nor header.
-    fn take_text(&mut self, number: u32, line: &'a str) -> Result<(), ExportError> {
+    /// Handles a line that is neither a row nor a header.
+    fn read_text(&mut self, number: u32, line: &'a str) -> Result<(), ExportError> {
         match marker(line) {
             Some(Marker::Run(run)) => self.run = Some(run),
             Some(Marker::Step(step)) => self.step = Some(step),
@@ -336,7 +341,7 @@ impl<'a, 'o> Reader<'a, 'o> {
                 let words = *self.words.get_or_insert(((number, line), is_long));
                 self.summary_lines += usize::from(is_long);
                 if self.summary_lines > MAX_SUMMARY_LINES {
-                    return Err(self.refuse_words(words.0, words.1));
+                    return Err(self.text_error(words.0, words.1));
                 }
                 return Ok(());
             }
@@ -346,8 +351,8 @@ impl<'a, 'o> Reader<'a, 'o> {
         Ok(())
     }
 
-    /// The refusal of a line of words between rows, or in place of rows.
-    fn refuse_words(&self, (number, line): Line<'_>, is_long: bool) -> ExportError {
+    /// The error for a text line between or instead of rows.
+    fn text_error(&self, (number, line): Line<'_>, is_long: bool) -> ExportError {
         let Some(layout) = &self.layout else { return ExportError::at(Some(number), "is no row", "numbers") };
         let cells = cut(line, layout.separator);
         let is_word = |cell: &str| number_in(cell, layout.separator).is_none() && !is_missing(cell);
@@ -359,13 +364,13 @@ impl<'a, 'o> Reader<'a, 'o> {
         }
     }
 
-    /// The traces that were read.
+    /// Returns the traces that were read.
     fn finish(self) -> Result<TraceFile, ExportError> {
         if self.options.step.is_none() && self.has_several_steps {
             return Err(self.several_steps());
         }
         let radius_m = self.options.effective_radius_m.unwrap_or(f64::NAN);
-        let words = self.words.map(|(line, is_long)| self.refuse_words(line, is_long)).filter(|_| self.begun == 0);
+        let words = self.words.map(|(line, is_long)| self.text_error(line, is_long)).filter(|_| self.traces_begun == 0);
         let no_such_step = self.options.step.map(|step| self.no_such_step(step));
         let tables: Vec<Table> = self.tables;
         let is_read = |table: &Table| self.options.step.is_none() || table.has_rows();
@@ -379,7 +384,7 @@ impl<'a, 'o> Reader<'a, 'o> {
         Ok(TraceFile { repeats, unused: self.unused, used: self.used })
     }
 
-    /// The steps of the file in words.
+    /// Lists the steps of the file for messages.
     fn listed_steps(&self) -> String {
         let shown = self.steps.iter().take(MAX_LISTED_STEPS);
         let mut listed: Vec<String> = shown.map(|(step, line)| format!("{step} (from line {line})")).collect();
@@ -398,24 +403,26 @@ impl<'a, 'o> Reader<'a, 'o> {
 
     fn no_such_step(&self, step: u32) -> ExportError {
         if self.steps.is_empty() {
-            let reason =
-                format!("has no step {step}: it numbers no steps, and the count of its tables is {}", self.begun);
-            return ExportError::at(None, reason, format!("a `step` from 1 to {}, or none", self.begun));
+            let reason = format!(
+                "has no step {step}: it numbers no steps, and the count of its tables is {}",
+                self.traces_begun
+            );
+            return ExportError::at(None, reason, format!("a `step` from 1 to {}, or none", self.traces_begun));
         }
         ExportError::at(None, format!("has no step {step}"), format!("one of its steps: {}", self.listed_steps()))
     }
 }
 
 impl Current {
-    /// Whether a clock at `time_s` has begun anew.
-    fn begins_anew(&self, time_s: f64, changes_step: bool) -> bool {
+    /// Whether a row at `time_s` restarts the clock.
+    fn restarts_clock(&self, time_s: f64, changes_step: bool) -> bool {
         let is_back = time_s <= self.start_s + CLOCK_ANEW * (self.last_s - self.start_s);
         let has_run = self.is_ordered && self.rows >= MIN_ROWS_OF_CLOCK;
         time_s < self.last_s && (changes_step || (is_back && has_run))
     }
 }
 
-/// The number of a row in column `at`, in SI units.
+/// The number in column `at` of a row, in SI units.
 fn number_at(layout: &Layout<'_>, at: usize, cells: &[&str]) -> Option<f64> {
     let number = number_in(cells.get(at)?, layout.separator)?;
     layout.columns[at].as_ref().map(|column| column.to_si(number))
@@ -425,7 +432,7 @@ fn short_line(number: u32, found: usize, expected: usize) -> ExportError {
     ExportError::at(Some(number), format!("has {found} values"), format!("{expected}, as the header line"))
 }
 
-/// The refusal of a table without a sample; `rows` are those in which a number is missing.
+/// The error for a table without a sample; `rows` are the rows with missing numbers.
 fn no_sample(rows: Option<Longest>) -> ExportError {
     let Some(Longest { rows, columns, lines: [first, _], .. }) = rows else {
         return ExportError::at(None, "has no rows", "samples below the header");
@@ -435,7 +442,7 @@ fn no_sample(rows: Option<Longest>) -> ExportError {
     ExportError { column: Some(columns.join(", ")), ..ExportError::at(Some(first), reason, expected) }
 }
 
-/// Refuses numbers with decimal commas and numbers with points in one table; `line` is that of the `cells`.
+/// Refuses a table that mixes decimal commas and points; `line` is the line of `cells`.
 fn check_signs(layout: &Layout<'_>, cells: &[&str], line: u32, signs: &mut DecimalSigns) -> Result<(), ExportError> {
     for ((column, cell), at) in layout.columns.iter().zip(cells).zip(0..) {
         let is_read = column.as_ref().is_some_and(|column| !layout.may_hold_words(column));

@@ -41,7 +41,7 @@ fn repeats_speed_and_humidity() {
     assert_eq!(second.channels.tangential, Tangential::ForceN(vec![0.5, 0.5]));
     let labelled = parsed("run;time;Tz;Fz;Drehzahl [1/min]\n1;0;1;2;30\n1;1;1;2;30\n2;0;1;2;30\n").unwrap();
     assert_eq!(labelled.repeats.iter().map(|r| r.channels.time_s.len()).collect::<Vec<_>>(), [2, 1]);
-    // 30 revolutions a minute at 40 mm: pi / s x 0.04 m
+    // 30 revolutions per minute at 40 mm: pi / s x 0.04 m.
     assert!((labelled.repeats[0].speed_m_s.unwrap() - std::f64::consts::PI * 0.04).abs() < 1e-12);
 }
 
@@ -57,7 +57,8 @@ fn what_was_not_measured_is_left_out_and_counted() {
 
 #[test]
 fn time_is_counted_from_the_first_row_even_where_it_lacks_a_number() {
-    // 0.25 with a drift of 0.001 a second, of a clock that begins at 7 s; the force is recorded from `from_s` on.
+    // Friction of 0.25 with a drift of 0.001 per second; the clock begins at 7 s, and the force is recorded from
+    // `from_s` on.
     let table = |from_s: f64| {
         let mut text = String::from("time,Fx,Fz,x [mm]\n");
         for t in (0..=1000).map(|row| f64::from(row) * 0.05) {
@@ -88,7 +89,7 @@ fn time_is_counted_from_the_first_row_even_where_it_lacks_a_number() {
         crate::speed_of_position(&repeat.channels.time_s, repeat.channels.start_s, &repeat.position_m, span_s, false)
     };
     assert!(speed(&late, [13.0, 45.0]).is_some() && speed(&late, [0.0, 11.0]).is_none());
-    // The file ends at 50 s, and what a window misses of it is refused.
+    // The file ends at 50 s; a window beyond its end is refused.
     let longer = crate::TraceOptions { window_s: [15.0, 55.0], ..options };
     assert!(
         matches!(analysed(&late, &longer), Err(crate::TraceError::TooShort { end_s, .. }) if (end_s - 50.0).abs() < 1e-9)
@@ -98,7 +99,7 @@ fn time_is_counted_from_the_first_row_even_where_it_lacks_a_number() {
     assert!(matches!(error, crate::TraceError::Gap { from_s: 0.0, .. }), "{error:?}");
     let [reason, _] = late.missing.as_ref().unwrap().explains(&error, early.window_s).unwrap();
     assert!(reason.contains("from 0.00 to 11.95 s"), "{reason}");
-    // A span of the zero in which nothing was recorded is none.
+    // A zero span without any record is refused.
     let zeroed = crate::TraceOptions { zero_s: Some([0.0, 4.0]), ..options };
     assert!(matches!(analysed(&late, &zeroed), Err(crate::TraceError::ZeroTooShort { found: 0, .. })));
 }
@@ -110,7 +111,7 @@ fn a_point_beside_decimal_commas_is_refused() {
     let said = refused.to_string();
     assert!(refused.value.as_deref() == Some("\"1.000\"") && said.contains("\"0,0\" in line 2"), "{said}");
     assert!(said.ends_with("expected one decimal sign in all numbers of the table, and no sign between thousands"));
-    // A column that is not used, here a temperature, may be written as it likes.
+    // The cells of an unused column, here a temperature, may hold anything.
     assert!(parsed("time;Fx;Fz;Temp\n0,0;15,2;500;20.5\n").is_ok());
 }
 
@@ -124,7 +125,7 @@ fn empty_cells_at_the_end_of_a_line_are_cells_whatever_separates_them() {
             (channels.time_s.as_slice(), unused.as_slice()),
             (&[0.0, 1.0, 2.0][..], &["Kommentar".to_owned()][..])
         );
-        // Every line closed by a separator, or those of the header alone, which comes twice.
+        // All lines, or only the repeated header, end with a separator.
         for table in ["Time,Fx,Fz,\n0,1.5,50,\n1,1.6,50,\n", "Time,Fx,Fz,,\n0,1.5,50\nTime,Fx,Fz,,\n0,1.6,50\n"] {
             let found = parsed(&table.replace(',', mark)).unwrap();
             let samples: usize = found.repeats.iter().map(|repeat| repeat.channels.time_s.len()).sum();
@@ -187,7 +188,7 @@ fn rows_that_repeat_the_row_before_are_left_out_and_counted() {
     let found = parsed("time,Tz,Fz\n0,1,2\n0,1,2\n1,1,2\n1,1,2\n1,1,2\n2,1,2\n").unwrap();
     let repeat = &found.repeats[0];
     assert_eq!((repeat.channels.time_s.as_slice(), repeat.repeated_rows), (&[0.0, 1.0, 2.0][..], 3));
-    // Another value at the same time is another sample.
+    // Rows with different values at the same time are different samples.
     let found = parsed("time,Tz,Fz\n0,1,2\n0,1.5,2\n1,1,2\n").unwrap();
     assert_eq!((found.repeats[0].channels.time_s.len(), found.repeats[0].repeated_rows), (3, 0));
 }
@@ -202,7 +203,7 @@ fn a_coefficient_is_used_where_nothing_else_says_what_friction_was() {
     let missing = loaded.repeats[0].missing.as_ref().unwrap();
     assert_eq!((&loaded.repeats[0].channels.normal_force_n[..], missing.rows), (&[50.0][..], 1));
     assert_eq!(missing.longest.columns, ["Fz"]);
-    // Beside a force it is not needed, nor what stands in it.
+    // Next to a force the coefficient is optional, and its cells may hold anything.
     let beside = parsed("time,Fx,COF,Fz\n0,12.5,x,50\n1,13,,50\n").unwrap();
     assert_eq!(beside.repeats[0].channels.tangential, Tangential::ForceN(vec![12.5, 13.0]));
     assert!(beside.unused.is_empty() && beside.repeats[0].coefficient.is_empty());
@@ -231,7 +232,7 @@ fn titles_that_are_not_known_are_shown_with_those_that_are_and_can_be_given() {
     let channels = &read.repeats[0].channels;
     assert_eq!(channels.tangential, Tangential::ForceN(vec![1.0622, 3.1797]));
     assert_eq!((&channels.time_s[..], &channels.normal_force_n[..]), (&[0.0, 0.01][..], &[29.98, 29.984][..]));
-    // A title that the file does not have is asked for by its name.
+    // A custom title that the file does not have is named in the message.
     titles.name(Channel::Time, "Uhr").unwrap();
     let told =
         parse(text, &ExportOptions { titles: Some(&titles), ..ExportOptions::default() }).unwrap_err().to_string();

@@ -1,15 +1,15 @@
-//! Exports of instruments as they come, made up in the layout of each.
+//! Synthetic exports in the layout of real instruments.
 
 use crate::columns::{Channel, Titles};
 use crate::export::{ExportError, ExportOptions, TraceFile, parse};
 use crate::{Tangential, TraceError, TraceFlag, TraceOptions, analyse};
 
-/// `rows` lines, each from the time of a row at 10 Hz.
+/// `rows` lines at 10 Hz, each made from its time.
 fn lines(rows: u32, line: impl Fn(f64) -> String) -> String {
     (0..rows).map(|row| line(f64::from(row) * 0.1) + "\n").collect()
 }
 
-/// A ripple, so that no sensor stands still.
+/// A small ripple, so that no sensor looks stuck.
 fn ripple(t: f64) -> f64 {
     1.0 + 0.01 * (7.0 * t).sin()
 }
@@ -20,7 +20,7 @@ fn read(text: &str, step: Option<u32>, titles: &[(Channel, &str)]) -> Result<Tra
     parse(text, &ExportOptions { effective_radius_m: None, titles: Some(&own), step })
 }
 
-/// From 1 to 9 s, under a stated force of 10 N.
+/// Window from 1 to 9 s under a stated force of 10 N.
 const OPTIONS: TraceOptions = TraceOptions {
     window_s: [1.0, 9.0],
     effective_radius_m: f64::NAN,
@@ -31,7 +31,7 @@ const OPTIONS: TraceOptions = TraceOptions {
     zero_s: None,
 };
 
-/// Friction of every trace, and the flags of the first.
+/// Mean friction of every trace, and the flags of the first one.
 fn friction(file: &TraceFile) -> (Vec<f64>, Vec<TraceFlag>) {
     let found: Vec<_> = file.repeats.iter().map(|repeat| analyse(&repeat.channels, &OPTIONS).unwrap()).collect();
     (found.iter().map(|found| found.window.mu).collect(), found[0].flags.clone())
@@ -43,7 +43,7 @@ fn assert_friction(file: &TraceFile, expected: &[f64]) {
     assert!(close, "{found:?}, not {expected:?}");
 }
 
-/// A step as CETR and UMT write it, at 1 kgf.
+/// A step in the format of CETR and UMT, at 1 kgf.
 fn umt_step(number: u32, mu: f64) -> String {
     let head = format!(
         "Step No. {number}\n\nStep Type Code: 0\nSet Force    = -1019.7\n\nFx,Fz,Z,X,V1,T,Ff,COF\ng,g,mm,mm,mm/sec,sec,g,\n\n"
@@ -72,7 +72,7 @@ fn umt_with_grams_steps_and_two_columns_of_one_force() {
     assert!(refused.contains("`step = 1`") && refused.contains("--step 1"), "{refused}");
     let refused = read(&text, Some(3), &[]).unwrap_err().to_string();
     assert!(refused.contains("has no step 3") && refused.contains("one of its steps: 1 (from"), "{refused}");
-    // Two runs of one step are repeats.
+    // Two runs of a step are repeats.
     let runs = format!("{head}{}Run # 2\n{}", umt_step(1, 0.7), umt_step(1, 0.6));
     assert_friction(&read(&runs, None, &[]).unwrap(), &[0.7, 0.6]);
 }
@@ -120,10 +120,10 @@ fn rtec_with_steps_in_a_column_and_a_foot() {
         assert_friction(&read(&text, Some(number), &[]).unwrap(), &[mu]);
     }
     assert!(read(&text, None, &[]).unwrap_err().reason.ends_with("4 (from line 3), 7 (from line 104)"));
-    // Steps that `columns` calls repeats are such.
+    // Steps are repeats if `columns` names their column as `repeat`.
     let repeats = read(&text, None, &[(Channel::Repeat, "Step"), (Channel::FrictionForce, "DAQ.Fx (N)")]).unwrap();
     assert_friction(&repeats, &[0.14, 0.16]);
-    // Steps on one clock need no number: the window picks.
+    // Steps on a common clock need no step number: the window selects the step.
     let through = format!(
         "Step,Time [s],Fx [N],Fz [N]\n{}",
         lines(201, |t| format!("{},{t:.1},{:.4},10", if t < 10.0 { 1 } else { 2 }, 2.0 * ripple(t)))
@@ -174,12 +174,12 @@ fn without_a_load_the_stated_force_counts_and_is_told() {
     assert_eq!(analyse(channels, &unstated), Err(TraceError::NoStatedLoad { channel: "friction force" }));
     let zeroed = TraceOptions { zero_s: Some([0.0, 0.5]), ..OPTIONS };
     assert_eq!(analyse(channels, &zeroed), Err(TraceError::ZeroOfStatedLoad));
-    // A column with the unit of a force may be the load.
+    // An unknown column with the unit of a force may be the load.
     let hidden = t11.replace("Temperature2 [C]", "Auflast [N]");
     let refused = read(&hidden, None, &[]).unwrap_err().to_string();
     assert!(refused.contains("not known are `Auflast [N]`, `Number of revolutions`"), "{refused}");
     assert_friction(&read(&hidden, None, &[(Channel::NormalForce, "none")]).unwrap(), &[0.21]);
-    // A title that is given is needed.
+    // A custom title must exist in the file.
     assert!(
         read(&t11, None, &[(Channel::NormalForce, "Last")])
             .unwrap_err()
@@ -203,9 +203,9 @@ fn words_below_the_last_row_are_left_out_and_words_between_rows_are_not() {
         let between = read(&format!("{header}{rows}{foot}99;10;2.1\n"), None, &[]);
         assert_eq!(between.is_ok(), foot.is_empty(), "{foot}: {between:?}");
     }
-    // Below words the next run may begin.
+    // After text lines the next run may begin.
     assert_friction(&read(&format!("{header}{rows}Test completed\n{rows}"), None, &[]).unwrap(), &[0.21, 0.21]);
-    // A second table with titles of its own that are no header is not read as rows.
+    // The rows of a second table with unknown titles are not read.
     let second = read(&format!("{header}{rows}Cycle;Max;Mean\n1;0.2;0.2\n"), None, &[]).unwrap_err();
     assert_eq!((second.line, second.value.as_deref()), (Some(103), Some("\"Cycle\"")));
     for (text, line) in [("x;10;2\n", 2), ("0;10\n", 2), ("0;10;2\n1.000,5;10;2\n", 3)] {
@@ -228,7 +228,7 @@ fn several_columns_of_one_kind_are_one_or_are_named() {
     let file = read(&other, None, &[(Channel::Time, "Time (s) #2"), (Channel::FrictionForce, "Ff (N)")]).unwrap();
     assert_friction(&file, &[0.31]);
     assert_eq!(file.repeats[0].channels.time_s[1], 0.2);
-    // A torque and a force: one is named.
+    // Torque and force are both present; `columns` selects one.
     let both = same.replace("COF", "Tz [N m]").replace("Time (s);Load", "Fx [N];Load");
     let refused = read(&both, None, &[]).unwrap_err().to_string();
     assert!(
@@ -247,7 +247,7 @@ fn a_clock_that_begins_anew_begins_a_repeat() {
     assert_eq!(file.repeats.iter().map(|run| run.clock_restarts_in_line).collect::<Vec<_>>(), [None, Some(103)]);
     assert_friction(&read(&text, Some(2), &[]).unwrap(), &[0.22]);
     assert!(read(&text, Some(3), &[]).unwrap_err().to_string().contains("a `step` from 1 to 2"));
-    // Time and friction in each other's place.
+    // Time and friction are swapped.
     let swapped = "Fx;time;Fz\n".to_owned() + &lines(101, |t| format!("{t:.1};{:.4};10", 2.1 * ripple(t)));
     let file = read(&swapped, None, &[]).unwrap();
     let said = analyse(&file.repeats[0].channels, &OPTIONS).unwrap_err().to_string();

@@ -1,24 +1,24 @@
-//! Friction that turns after the position does, of a sample that slides back and forth.
+//! Delay between the turns of the position and the sign changes of friction in reciprocating sliding.
 
 use super::time_series::median;
-use super::{TraceChannels, between, usual_pause};
+use super::{TraceChannels, samples_between, sampling_interval};
 
-/// Fewest turns of which a lag is taken.
+/// Minimum number of turns for a lag.
 const MIN_TURNS: usize = 5;
-/// A turn of the position is where it is within this part of the stroke from its end.
-const AT_THE_END: f64 = 0.01;
+/// The position is at its end while it is within this fraction of the stroke from its extreme.
+const STROKE_END_FRACTION: f64 = 0.01;
 
-/// The time by which friction changes its sign later than the position turns.
+/// Delay of friction behind the position.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Lag {
-    /// The lag, in seconds; negative where friction turns first.
+    /// Lag in seconds; negative if friction changes its sign before the position turns.
     pub lag_s: f64,
-    /// Usual duration of a stroke, in seconds.
+    /// Median duration of a stroke, in seconds.
     pub stroke_s: f64,
 }
 
-/// The usual lag of friction behind `position_m` within `window_s`, in seconds since the trace begins; `None` of too few turns, of a position that
-/// was not recorded, and where it is below two pauses between samples.
+/// Median lag of friction behind `position_m` within `window_s` (seconds since the trace begins). `None` if there are
+/// too few turns, if the position was not recorded, or if the lag is below two sampling intervals.
 #[must_use]
 pub fn lag_of_friction(channels: &TraceChannels, position_m: &[f64], window_s: [f64; 2]) -> Option<Lag> {
     let friction = channels.tangential.values();
@@ -26,13 +26,13 @@ pub fn lag_of_friction(channels: &TraceChannels, position_m: &[f64], window_s: [
         return None;
     }
     let time_s: Vec<f64> = channels.time_s.iter().map(|t| t - channels.start_s).collect();
-    let inside = between(&time_s, window_s);
+    let inside = samples_between(&time_s, window_s);
     let (time_s, friction, position) = (&time_s[inside.clone()], &friction[inside.clone()], &position_m[inside]);
     if !position.iter().all(|x| x.is_finite()) || time_s.is_empty() {
         return None;
     }
     let turns: Vec<f64> =
-        crossings(time_s, position).windows(2).map(|pair| turn(time_s, position, pair[0], pair[1])).collect();
+        crossings(time_s, position).windows(2).map(|pair| turning_time(time_s, position, pair[0], pair[1])).collect();
     let changes: Vec<f64> =
         crossings(time_s, friction).into_iter().map(|at| (time_s[at - 1] + time_s[at]) / 2.0).collect();
     if turns.len() < MIN_TURNS || changes.len() < MIN_TURNS {
@@ -45,10 +45,10 @@ pub fn lag_of_friction(channels: &TraceChannels, position_m: &[f64], window_s: [
         around.map(|change| change - turn_s).min_by(|a, b| a.abs().total_cmp(&b.abs()))
     };
     let lag_s = median(turns.iter().filter_map(nearest).collect());
-    (lag_s.abs() > 2.0 * usual_pause(time_s)).then_some(Lag { lag_s, stroke_s })
+    (lag_s.abs() > 2.0 * sampling_interval(time_s)).then_some(Lag { lag_s, stroke_s })
 }
 
-/// The samples at which `values` have come to the other side of their middle, by a quarter of their range.
+/// Indices at which `values` cross the middle of their range and then exceed it by a quarter of the range.
 fn crossings(time_s: &[f64], values: &[f64]) -> Vec<usize> {
     let mut sorted = values.to_vec();
     sorted.sort_by(f64::total_cmp);
@@ -71,12 +71,12 @@ fn crossings(time_s: &[f64], values: &[f64]) -> Vec<usize> {
     found
 }
 
-/// When the position is at its end between two crossings of its middle.
-fn turn(time_s: &[f64], position: &[f64], from: usize, to: usize) -> f64 {
+/// Time at which the position is at its end between two crossings of its middle.
+fn turning_time(time_s: &[f64], position: &[f64], from: usize, to: usize) -> f64 {
     let middle = (position[from] + position[to]) / 2.0;
     let distance = |at: &usize| (position[*at] - middle).abs();
     let farthest = (from..to).map(|at| distance(&at)).fold(0.0, f64::max);
-    let mut at_the_end = (from..to).filter(|at| distance(at) >= (1.0 - 2.0 * AT_THE_END) * farthest);
+    let mut at_the_end = (from..to).filter(|at| distance(at) >= (1.0 - 2.0 * STROKE_END_FRACTION) * farthest);
     let first = at_the_end.next().unwrap_or(from);
     let last = at_the_end.next_back().unwrap_or(first);
     (time_s[first] + time_s[last]) / 2.0
@@ -87,7 +87,7 @@ mod tests {
     use super::*;
     use crate::Tangential;
 
-    /// Strokes of half a second at 200 Hz by a crank or at even speed, friction `lag_s` behind them.
+    /// Strokes of half a second at 200 Hz by a crank or at constant speed; friction lags by `lag_s`.
     fn found(lag_s: f64, is_crank: bool) -> Option<Lag> {
         let time_s: Vec<f64> = (0..4000).map(|i| 3.0 + 0.005 * f64::from(i)).collect();
         let triangle = |t: f64| if t.rem_euclid(1.0) < 0.5 { t.rem_euclid(1.0) } else { 1.0 - t.rem_euclid(1.0) };

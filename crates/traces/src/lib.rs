@@ -1,29 +1,30 @@
-//! Tribometer traces: from torque or friction force and normal force against time to what a fit takes.
+//! Tribometer traces: from recorded torque or friction force and normal force to dynamic friction, static peak and
+//! stick-slip.
 //!
 //! | item | role |
 //! |---|---|
-//! | [`export::parse`], [`export::TraceFile`] | the text of an instrument's export, and the repeats in it |
-//! | [`columns`], [`columns::Titles`] | names and units of columns, and titles of one's own |
-//! | [`cells`] | cells of a table, with any separator and decimal sign |
-//! | [`TraceChannels`], [`TraceOptions`] | what was recorded, and how it is read |
-//! | [`analyse`], [`TraceFindings`] | friction against time, its mean, static peak, stick-slip, flags |
-//! | [`TraceError`], [`TraceFlag`] | why a trace was refused, what is odd about one that was not |
-//! | [`TraceOptions::stroke_share`] | sliding back and forth: friction of the middle of every stroke |
-//! | [`TraceOptions::zero_s`] | the sensors' zero, from what they read before touchdown |
-//! | [`speed_of_position`], [`lag_of_friction`] | speed from a recorded position, and friction that turns after it |
-//! | [`average`], [`Repeats`] | repeats of one condition |
-//! | [`moderate`] | their scatter, with that of other conditions |
-//! | [`odd_repeats`], [`OddRepeat`] | repeats that are not like the others |
+//! | [`export::parse`], [`export::TraceFile`] | parse the text of an instrument's export into repeats |
+//! | [`columns`], [`columns::Titles`] | titles and units of columns, and custom titles |
+//! | [`cells`] | cells of a table with any separator and decimal sign |
+//! | [`TraceChannels`], [`TraceOptions`] | recorded channels, and options for the analysis |
+//! | [`analyse`], [`TraceFindings`] | friction against time with mean, static peak, stick-slip and flags |
+//! | [`TraceError`], [`TraceFlag`] | reasons for refusing a trace, and warnings about an accepted one |
+//! | [`TraceOptions::stroke_share`] | reciprocating sliding: friction in the middle of every stroke |
+//! | [`TraceOptions::zero_s`] | zero of the sensors, read before touchdown |
+//! | [`speed_of_position`], [`lag_of_friction`] | speed from a recorded position, and lag of friction behind it |
+//! | [`average`], [`Repeats`] | means over the repeats of a condition |
+//! | [`moderate`] | scatter of repeats, pooled over conditions |
+//! | [`odd_repeats`], [`OddRepeat`] | outliers among repeats |
 //!
 //! ```text
-//! mu(t) = M(t) / (N(t) r_eff)   of a torque M,     mu(t) = F(t) / N(t)   of a friction force F
+//! mu(t) = M(t) / (N(t) r_eff)   for a torque M,     mu(t) = F(t) / N(t)   for a friction force F
 //! ```
 //!
-//! The mean over the window is the dynamic friction, taken over time as samples need not be even. This crate opens no files
-//! and knows no calibration.
+//! The mean over the window is the dynamic friction. It is taken over time, because samples need not be even. This
+//! crate opens no files and knows nothing of calibrations.
 //!
-//! A sample sticks for a second while the drive loads it to 0.3, then slides at 0.25, with a ripple of which nothing is left over
-//! whole periods:
+//! In the example, a sample sticks for a second while the drive loads it to 0.3, then slides at 0.25 with a ripple that
+//! averages out over whole periods:
 //!
 //! ```
 //! use slipgrid_traces::{TraceOptions, analyse, export};
@@ -47,7 +48,7 @@
 //! let found = analyse(&file.repeats[0].channels, &options)?;
 //! assert!((found.window.mu - 0.25).abs() < 1e-9);
 //! let peak = found.static_peak.ok_or("no static peak")?;
-//! // The highest sample, 0.297, ends the rise: what sampling may have missed of 0.3 is in its deviation.
+//! // The highest sample is 0.297; the standard deviation includes what sampling may have missed of the peak at 0.3.
 //! assert!((peak.mu - 0.297).abs() < 1e-12 && peak.std >= 0.003);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
@@ -76,7 +77,7 @@ mod zero;
 
 pub use averaging_window::WindowMean;
 pub use lag::{Lag, lag_of_friction};
-pub use load::LoadSlip;
+pub use load::LoadMistake;
 pub use position::speed_of_position;
 pub use repeats::{MeanStd, OddRepeat, Repeats, average, moderate, odd_repeats};
 pub use run_in::RunIn;
@@ -89,42 +90,42 @@ pub use zero::SensorZero;
 use static_peak::before_window;
 use time_series::median;
 
-/// Samples in the window below which no mean is taken: two in each batch of its error.
-const FEWEST_SAMPLES: usize = 20;
-/// A pause between samples this many times the usual one is a gap ...
+/// Minimum number of samples in the window for a mean: two in each batch that its error is estimated from.
+const MIN_SAMPLES: usize = 20;
+/// A pause between samples longer than this many sampling intervals is a gap.
 const GAP_FACTOR: f64 = 10.0;
-/// ... and one of this part of the window is too long to be bridged by a line.
-const GAP_IN_WINDOW: f64 = 0.02;
-/// Normal force over its median in the window below which a sample carries no load.
-const UNLOADED: f64 = 0.5;
-/// Share of samples in the window against the mean's sign that is taken for noise.
-const OTHER_SIGN: f64 = 0.05;
-/// Friction coefficient below which nothing slides dry: a hundredth of the least that solids have.
-const NO_FRICTION: f64 = 1e-4;
-/// Change of friction over the window, relative to its mean, from which there is no sliding to speak of: a sample that
-/// sticks from the first sample on is loaded by 2 (t2 - t1) / (t2 + t1), 1.2 over the usual window.
-const UNSETTLED: f64 = 0.6;
-/// A sensor is at its end where this many samples in a row are exactly its greatest value ...
-const SATURATED_RUN: usize = 5;
-/// ... unless rounding leaves so few different values that this happens by chance.
-const COARSE_LEVELS: usize = 10;
-/// Longest way, in metres, that a drive goes from one slip to the next: what an arm and a specimen yield until they slip. Tribometers
-/// yield by 1 um to 1 mm, sleds on a cord by some millimetres.
-const LONGEST_SLIP_M: f64 = 0.01;
-/// Drift over the window that is flagged, relative to the mean ...
-const DRIFT: f64 = 0.02;
-/// ... if it also exceeds this many of its standard errors: noise with correlation times up to a fifteenth of the window does so in less
-/// than 2 of 100 traces, at a sixth in 3.
-const DRIFT_ERRORS: f64 = 3.0;
+/// A gap longer than this fraction of the window cannot be interpolated.
+const MAX_GAP_OVER_WINDOW: f64 = 0.02;
+/// A sample carries no load if its normal force is below this fraction of the median in the window.
+const UNLOADED_FRACTION: f64 = 0.5;
+/// Up to this fraction of samples with the opposite sign is attributed to noise.
+const MAX_OPPOSITE_SIGN: f64 = 0.05;
+/// A friction coefficient below this value means that nothing slides: a hundredth of the lowest dry friction of solids.
+const MIN_FRICTION: f64 = 1e-4;
+/// Change of friction over the window, relative to the mean, from which the sample does not slide steadily. A sample
+/// that sticks throughout is loaded linearly, which gives 2 (t2 - t1) / (t2 + t1), or 1.2 over the default window.
+const MAX_DRIFT: f64 = 0.6;
+/// A sensor is saturated if this many samples in a row equal its extreme value,
+const MIN_SATURATED_RUN: usize = 5;
+/// unless the values are rounded to so few levels that this happens by chance.
+const MAX_COARSE_LEVELS: usize = 10;
+/// Largest distance, in metres, that a drive moves between two slips: the elastic deformation of arm and specimen
+/// before they slip. Tribometers deform by 1 um to 1 mm, sleds on a cord by some millimetres.
+const MAX_SLIP_M: f64 = 0.01;
+/// Drift over the window that is flagged, relative to the mean,
+const FLAGGED_DRIFT: f64 = 0.02;
+/// if it also exceeds this many standard errors. Noise does so in less than 2 % of traces with correlation times up to
+/// a fifteenth of the window, and in 3 % at a sixth.
+const FLAGGED_DRIFT_STDERRS: f64 = 3.0;
 
-/// What the tribometer recorded of friction.
+/// Recorded friction signal.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Tangential {
     /// Torque about the axis, in newton metres.
     TorqueNm(Vec<f64>),
     /// Friction force, in newtons.
     ForceN(Vec<f64>),
-    /// Friction coefficient, as the instrument divided it.
+    /// Friction coefficient, computed by the instrument.
     Coefficient(Vec<f64>),
 }
 
@@ -144,22 +145,23 @@ impl Tangential {
     }
 }
 
-/// A trace as recorded.
+/// A recorded trace.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TraceChannels {
     /// Time of every sample, in seconds.
     pub time_s: Vec<f64>,
-    /// When the trace begins on that clock, in seconds: at its first row, which may lack other numbers than the time and be no sample.
+    /// Time at which the trace begins on the clock of `time_s`, in seconds: the first row, even if this row describe_missing other
+    /// numbers and is no sample.
     pub start_s: f64,
-    /// Friction.
+    /// Friction signal.
     pub tangential: Tangential,
-    /// Normal force on the whole sample holder, in newtons; empty where it was not recorded.
+    /// Normal force on the whole sample holder, in newtons; empty if it was not recorded.
     pub normal_force_n: Vec<f64>,
 }
 
 impl TraceChannels {
-    /// The sums of squares of its channels, to the bit: nearly unique, so that a trace given twice is found. Of the clock's own
-    /// start nothing is left but in the first.
+    /// Sums of squares of the channels, bit by bit: nearly unique, to detect a trace that is given twice. Only the
+    /// first number depends on the start of the clock.
     #[must_use]
     pub fn fingerprint(&self) -> [u64; 3] {
         [&self.time_s, self.tangential.values(), &self.normal_force_n]
@@ -167,57 +169,57 @@ impl TraceChannels {
     }
 }
 
-/// How a trace is read.
+/// Options for the analysis of a trace.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TraceOptions {
     /// Averaging window, in seconds since the trace begins.
     pub window_s: [f64; 2],
     /// Distance r_eff from the axis to the centre of a specimen, in metres; needed for a torque.
     pub effective_radius_m: f64,
-    /// Nominal normal force on the whole sample holder, in newtons, where known.
+    /// Nominal normal force on the whole sample holder, in newtons, if known.
     pub nominal_force_n: Option<f64>,
-    /// Sliding speed, in m/s: it tells a peak at the onset of sliding from run-in.
+    /// Sliding speed, in m/s; it distinguishes a static peak from run-in.
     pub speed_m_s: f64,
-    /// Look for a static peak; run-in is not looked for either where this is off.
+    /// Whether to look for a static peak and for run-in.
     pub static_peak: bool,
-    /// The sample slides back and forth, and this part in the middle of every stroke counts, above 0 up to 1; `None` for sliding in
-    /// one direction. Neither static peak nor stick-slip is looked for in strokes.
+    /// Central fraction of every stroke that is used in reciprocating sliding, above 0 up to 1; `None` for sliding in
+    /// one direction. In strokes neither static peak nor stick-slip is looked for.
     pub stroke_share: Option<f64>,
-    /// Span before touchdown, in seconds since the trace begins, whose mean normal force and friction force (or torque) are subtracted as
-    /// the sensors' zero; `None` takes them as recorded.
+    /// Span before touchdown, in seconds since the trace begins. The mean normal force and friction force (or torque)
+    /// over the span are subtracted as the zero of the sensors; `None` subtracts nothing.
     pub zero_s: Option<[f64; 2]>,
 }
 
-/// The averaging window of Balestra et al., J. Tribol. 144, 031704: 10 to 40 s.
+/// Default averaging window in seconds, 10 to 40 s, as in Balestra et al., J. Tribol. 144, 031704.
 pub const DEFAULT_WINDOW_S: [f64; 2] = [10.0, 40.0];
 
-/// What a trace says.
+/// Results of the analysis of a trace.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TraceFindings {
     /// Time of every loaded sample, in seconds since the trace begins.
     pub time_s: Vec<f64>,
-    /// Friction coefficient there, positive against the motion.
+    /// Friction coefficient at these times, positive against the motion.
     pub mu: Vec<f64>,
     /// Averaging window, in seconds since the trace begins.
     pub window_s: [f64; 2],
     /// Mean, error and drift over the window.
     pub window: WindowMean,
-    /// Static peak, where friction stands out at the onset of sliding.
+    /// Static peak, if friction stands out at the onset of sliding.
     pub static_peak: Option<TracePeak>,
     /// Stick-slip in the window.
     pub stick_slip: Option<StickSlip>,
-    /// Mean normal force in the window, in newtons.
+    /// Median normal force in the window, in newtons.
     pub normal_force_n: f64,
-    /// Samples in the window.
+    /// Number of samples in the window.
     pub samples: usize,
-    /// What is odd.
+    /// Warnings.
     pub flags: Vec<TraceFlag>,
 }
 
-/// Reads dynamic friction, static peak and stick-slip from a trace.
+/// Computes dynamic friction, static peak and stick-slip of a trace.
 ///
 /// # Errors
-/// [`TraceError`] names what makes the trace unusable.
+/// [`TraceError`] if the trace is unusable.
 pub fn analyse(channels: &TraceChannels, options: &TraceOptions) -> Result<TraceFindings, TraceError> {
     check_channels(channels, options)?;
     if channels.normal_force_n.is_empty() {
@@ -225,8 +227,8 @@ pub fn analyse(channels: &TraceChannels, options: &TraceOptions) -> Result<Trace
         if options.zero_s.is_some() {
             return Err(if is_divided { TraceError::ZeroOfCoefficient } else { TraceError::ZeroOfStatedLoad });
         }
-        // A coefficient needs no force: the nominal one stands for what was not recorded, and nothing is judged by it. A friction force is
-        // divided by it, as of a dead weight.
+        // A coefficient needs no force: the nominal force stands in for the missing channel, and is not used for
+        // checks. A friction force is divided by the nominal force, like that of a dead weight.
         let nominal_n = match options.nominal_force_n {
             Some(nominal_n) => nominal_n,
             None if is_divided => 1.0,
@@ -248,16 +250,16 @@ pub fn analyse(channels: &TraceChannels, options: &TraceOptions) -> Result<Trace
             found
         });
     }
-    let mut flags = gaps(&time_s, options.window_s)?;
-    let (usual_n, load_turned) = load::load(channels, &time_s, &inside, options, &mut flags)?;
-    saturation(channels, &inside, &mut flags)?;
-    flags.extend(zero::offset(channels, &time_s, &inside).map(TraceFlag::ZeroOff));
+    let mut flags = find_gaps(&time_s, options.window_s)?;
+    let (median_n, load_turned) = load::check_load(channels, &time_s, &inside, options, &mut flags)?;
+    check_saturation(channels, &inside, &mut flags)?;
+    flags.extend(zero::find_offset(channels, &time_s, &inside).map(TraceFlag::ZeroOff));
 
     let load_sign = if load_turned { -1.0 } else { 1.0 };
-    // Loaded samples alone: before the load is there, torque over force means nothing.
+    // Unloaded samples are dropped: torque over force is meaningless before the load acts.
     let loaded: Vec<usize> =
-        (0..time_s.len()).filter(|&i| load_sign * channels.normal_force_n[i] >= UNLOADED * usual_n).collect();
-    // mu = T / (F r_eff), equation (1) of the paper
+        (0..time_s.len()).filter(|&i| load_sign * channels.normal_force_n[i] >= UNLOADED_FRACTION * median_n).collect();
+    // mu = T / (F r_eff), equation (1) of Balestra et al.
     let divisor = |i: usize| match channels.tangential {
         Tangential::TorqueNm(_) => load_sign * channels.normal_force_n[i] * options.effective_radius_m,
         Tangential::ForceN(_) => load_sign * channels.normal_force_n[i],
@@ -268,18 +270,18 @@ pub fn analyse(channels: &TraceChannels, options: &TraceOptions) -> Result<Trace
     let mut time_s: Vec<f64> = loaded.iter().map(|&i| time_s[i]).collect();
     if let Some(share) = options.stroke_share {
         (time_s, mu) = strokes::friction_of_strokes(&time_s, &mu, options.window_s, share, &mut flags)?;
-    } else if turn(&time_s, &mut mu, options.window_s)? {
+    } else if correct_sign(&time_s, &mut mu, options.window_s)? {
         flags.push(TraceFlag::FrictionTurned);
     }
 
     let window = averaging_window::window_mean(&time_s, &mu, options.window_s);
-    if window.mu.abs() < NO_FRICTION {
+    if window.mu.abs() < MIN_FRICTION {
         return Err(TraceError::NoFriction { mu: window.mu });
     }
-    if window.drift.abs() > (UNSETTLED * window.mu).max(DRIFT_ERRORS * window.drift_stderr) {
+    if window.drift.abs() > (MAX_DRIFT * window.mu).max(FLAGGED_DRIFT_STDERRS * window.drift_stderr) {
         return Err(TraceError::Unsettled { relative: window.drift / window.mu });
     }
-    if window.drift.abs() > (DRIFT * window.mu).max(DRIFT_ERRORS * window.drift_stderr) {
+    if window.drift.abs() > (FLAGGED_DRIFT * window.mu).max(FLAGGED_DRIFT_STDERRS * window.drift_stderr) {
         flags.push(TraceFlag::Drift { relative: window.drift / window.mu, stderr: window.drift_stderr / window.mu });
     }
     let one_way = options.stroke_share.is_none();
@@ -287,7 +289,7 @@ pub fn analyse(channels: &TraceChannels, options: &TraceOptions) -> Result<Trace
     let is_sought = one_way && options.static_peak && !saturated;
     let before = is_sought.then(|| {
         let window = (options.window_s, window.mu);
-        before_window(&time_s, &mu, window, options.speed_m_s, usual_pause(&time_s))
+        before_window(&time_s, &mu, window, options.speed_m_s, sampling_interval(&time_s))
     });
     let static_peak = before.and_then(|found| found.peak);
     if let Some(run_in) = before.and_then(|found| found.run_in) {
@@ -296,17 +298,17 @@ pub fn analyse(channels: &TraceChannels, options: &TraceOptions) -> Result<Trace
     if let Some(peak) = static_peak.filter(TracePeak::is_coarse) {
         flags.push(TraceFlag::PeakCoarse { samples: peak.samples_at_top, missed: peak.missed });
     }
-    let in_window = between(&time_s, options.window_s);
+    let in_window = samples_between(&time_s, options.window_s);
     let swing = stick_slip::oscillation(&time_s[in_window.clone()], &mu[in_window], window.mu).filter(|_| one_way);
-    let way_m = |swing: &StickSlip| swing.period_s * options.speed_m_s;
-    let can_be = |swing: &StickSlip| way_m(swing) <= LONGEST_SLIP_M;
+    let travel_m = |swing: &StickSlip| swing.period_s * options.speed_m_s;
+    let is_elastic = |swing: &StickSlip| travel_m(swing) <= MAX_SLIP_M;
     let slips = swing.filter(StickSlip::is_relaxation);
     match swing {
-        Some(swing) if slips.is_some() && !can_be(&swing) => flags.push(TraceFlag::SlipTooLong {
+        Some(swing) if slips.is_some() && !is_elastic(&swing) => flags.push(TraceFlag::SlipTooLong {
             amplitude: swing.amplitude,
             period_s: swing.period_s,
-            way_m: way_m(&swing),
-            longest_m: LONGEST_SLIP_M,
+            travel_m: travel_m(&swing),
+            max_travel_m: MAX_SLIP_M,
         }),
         Some(swing) if slips.is_none() && swing.is_regular() => {
             flags.push(TraceFlag::Oscillation { amplitude: swing.amplitude, period_s: swing.period_s });
@@ -319,8 +321,8 @@ pub fn analyse(channels: &TraceChannels, options: &TraceOptions) -> Result<Trace
         window_s: options.window_s,
         window,
         static_peak,
-        stick_slip: slips.filter(can_be),
-        normal_force_n: usual_n,
+        stick_slip: slips.filter(is_elastic),
+        normal_force_n: median_n,
         samples: inside.len(),
         flags,
     })
@@ -340,11 +342,11 @@ fn check_channels(channels: &TraceChannels, options: &TraceOptions) -> Result<()
             return Err(TraceError::NotFinite { sample: i + 1, channel, value: values[i] });
         }
     }
-    if time_s.len() < FEWEST_SAMPLES {
+    if time_s.len() < MIN_SAMPLES {
         return Err(TraceError::TooFewSamples {
             found: time_s.len(),
-            expected: FEWEST_SAMPLES,
-            pause_s: usual_pause(time_s),
+            expected: MIN_SAMPLES,
+            pause_s: sampling_interval(time_s),
         });
     }
     if let Some(i) = time_s.windows(2).position(|pair| pair[1] < pair[0]) {
@@ -369,44 +371,44 @@ fn check_channels(channels: &TraceChannels, options: &TraceOptions) -> Result<()
     Ok(())
 }
 
-/// Samples from one time to another.
-fn between(time_s: &[f64], [from, to]: [f64; 2]) -> std::ops::Range<usize> {
+/// Indices of the samples within a time span.
+fn samples_between(time_s: &[f64], [from, to]: [f64; 2]) -> std::ops::Range<usize> {
     time_s.partition_point(|&t| t < from)..time_s.partition_point(|&t| t <= to)
 }
 
 fn window_samples(time_s: &[f64], window_s: [f64; 2]) -> Result<std::ops::Range<usize>, TraceError> {
     let end_s = time_s[time_s.len() - 1];
-    // One usual pause short of the window's end is still at its end.
-    if end_s + usual_pause(time_s) < window_s[1] {
-        return Err(TraceError::TooShort { end_s, window_end_s: window_s[1], pause_s: usual_pause(time_s) });
+    // A trace may end one sampling interval before the end of the window.
+    if end_s + sampling_interval(time_s) < window_s[1] {
+        return Err(TraceError::TooShort { end_s, window_end_s: window_s[1], pause_s: sampling_interval(time_s) });
     }
-    let inside = between(time_s, window_s);
-    if inside.len() < FEWEST_SAMPLES {
+    let inside = samples_between(time_s, window_s);
+    if inside.len() < MIN_SAMPLES {
         return Err(TraceError::TooFewSamples {
             found: inside.len(),
-            expected: FEWEST_SAMPLES,
-            pause_s: usual_pause(time_s),
+            expected: MIN_SAMPLES,
+            pause_s: sampling_interval(time_s),
         });
     }
     Ok(inside)
 }
 
-/// The usual time between samples; where the clock is coarse, between its ticks.
-fn usual_pause(time_s: &[f64]) -> f64 {
+/// Median sampling interval; for a coarse clock, the interval between its ticks.
+fn sampling_interval(time_s: &[f64]) -> f64 {
     median(time_s.windows(2).map(|pair| pair[1] - pair[0]).filter(|pause| *pause > 0.0).collect())
 }
 
-fn gaps(time_s: &[f64], window_s: [f64; 2]) -> Result<Vec<TraceFlag>, TraceError> {
-    let usual = usual_pause(time_s);
+fn find_gaps(time_s: &[f64], window_s: [f64; 2]) -> Result<Vec<TraceFlag>, TraceError> {
+    let usual = sampling_interval(time_s);
     let (mut longest, mut count) = ([0.0, 0.0], 0);
-    // Before the first sample there may be rows that lack numbers.
+    // Rows before the first sample may lack numbers.
     let before = (0.0, time_s[0]);
     for (from_s, to_s) in [before].into_iter().chain(time_s.windows(2).map(|pair| (pair[0], pair[1]))) {
         if to_s - from_s <= GAP_FACTOR * usual || from_s >= window_s[1] {
             continue;
         }
         let missing = to_s.min(window_s[1]) - from_s.max(window_s[0]);
-        if missing > GAP_IN_WINDOW * (window_s[1] - window_s[0]) {
+        if missing > MAX_GAP_OVER_WINDOW * (window_s[1] - window_s[0]) {
             return Err(TraceError::Gap { from_s, to_s });
         }
         count += 1;
@@ -419,8 +421,8 @@ fn gaps(time_s: &[f64], window_s: [f64; 2]) -> Result<Vec<TraceFlag>, TraceError
     Ok(flags)
 }
 
-/// Refuses a friction sensor at the end of its range in the window; flags one that was there before.
-fn saturation(
+/// Refuses a friction sensor that is saturated in the window; flags one that was saturated before it.
+fn check_saturation(
     channels: &TraceChannels,
     inside: &std::ops::Range<usize>,
     flags: &mut Vec<TraceFlag>,
@@ -431,15 +433,15 @@ fn saturation(
     distinct.sort_by(f64::total_cmp);
     distinct.dedup();
     let levels = distinct.len();
-    // A sensor that never moves is at the end of its range, or is none.
+    // A sensor that never changes is saturated or disconnected.
     let stuck = levels == 1;
-    if let Some((value, samples)) = run_at_extreme(window).filter(|_| stuck || levels > COARSE_LEVELS) {
+    if let Some((value, samples)) = run_at_extreme(window).filter(|_| stuck || levels > MAX_COARSE_LEVELS) {
         return Err(TraceError::Saturated { channel: channels.tangential.name(), value, samples });
     }
-    if levels <= COARSE_LEVELS {
+    if levels <= MAX_COARSE_LEVELS {
         flags.push(TraceFlag::Coarse { levels });
     } else if let Some((value, _)) = run_at_extreme(&values[..inside.start]).filter(|(value, _)| {
-        // At rest a sensor shows the same small value for long; only the largest friction is an end.
+        // At rest a sensor shows the same small value for long; only the largest friction means saturation.
         let largest = |values: &[f64]| values.iter().fold(0.0_f64, |most, value| most.max(value.abs()));
         value.abs() >= largest(window)
     }) {
@@ -448,24 +450,24 @@ fn saturation(
     Ok(())
 }
 
-/// The greatest or the least value, where it comes many times in a row, and how often it occurs.
+/// The extreme value that occurs many times in a row, and how often it occurs in total.
 fn run_at_extreme(values: &[f64]) -> Option<(f64, usize)> {
     let extremes = [f64::max as fn(f64, f64) -> f64, f64::min]
         .map(|extreme| values.iter().copied().reduce(extreme).unwrap_or(f64::NAN));
     extremes.into_iter().find_map(|end| {
         let longest = values.chunk_by(|a, b| a == b).filter(|run| run[0] == end).map(<[f64]>::len).max();
         let all = values.iter().filter(|&&value| value == end).count();
-        longest.filter(|&run| run >= SATURATED_RUN).map(|_| (end, all))
+        longest.filter(|&run| run >= MIN_SATURATED_RUN).map(|_| (end, all))
     })
 }
 
-/// Turns friction that is recorded as negative; says whether it was.
-fn turn(time_s: &[f64], mu: &mut [f64], window_s: [f64; 2]) -> Result<bool, TraceError> {
-    let inside = between(time_s, window_s);
+/// Changes the sign of friction that is recorded as negative; returns whether it was.
+fn correct_sign(time_s: &[f64], mu: &mut [f64], window_s: [f64; 2]) -> Result<bool, TraceError> {
+    let inside = samples_between(time_s, window_s);
     let window = &mu[inside];
     let negative = window.iter().filter(|&&value| value < 0.0).count();
     let opposite = negative.min(window.len() - negative);
-    if opposite as f64 > OTHER_SIGN * window.len() as f64 {
+    if opposite as f64 > MAX_OPPOSITE_SIGN * window.len() as f64 {
         return Err(TraceError::WrongSign { opposite, samples: window.len() });
     }
     let turned = 2 * negative > window.len();

@@ -1,40 +1,40 @@
-//! The load of a trace: whether it is there, and whether it is the one that was meant.
+//! Load of a trace: whether it acts, and whether it agrees with the nominal one.
 
 use std::fmt;
 use std::ops::Range;
 
 use super::time_series::median;
-use super::{Tangential, TraceChannels, TraceError, TraceFlag, TraceOptions, UNLOADED};
+use super::{Tangential, TraceChannels, TraceError, TraceFlag, TraceOptions, UNLOADED_FRACTION};
 
-/// Departure of the mean normal force from the nominal one that is flagged, and that is refused.
-const LOAD_OFF: (f64, f64) = (0.05, 0.5);
-/// Standard deviation of the normal force over its mean that is flagged.
-const LOAD_UNSTEADY: f64 = 0.05;
-/// Departure from the nominal force up to which a force in another column or unit is taken for it.
-const MEANT: f64 = 0.1;
-/// Units that are taken for newtons, in newtons.
+/// Relative deviation of the mean normal force from the nominal one that is flagged, and that is refused.
+const LOAD_TOLERANCES: (f64, f64) = (0.05, 0.5);
+/// Relative standard deviation of the normal force that is flagged.
+const MAX_LOAD_VARIATION: f64 = 0.05;
+/// A column counts as the normal force if its mean is within 10 % of the nominal force.
+const FORCE_MATCH_TOLERANCE: f64 = 0.1;
+/// Units that are mistaken for newtons, in newtons.
 const UNITS: [(&str, f64); 5] = [("kN", 1e3), ("mN", 1e-3), ("kgf", 9.806_65), ("gf", 9.806_65e-3), ("uN", 1e-6)];
 
-/// What likely made a load another one than was meant.
+/// Likely cause of a wrong load.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum LoadSlip {
-    /// The torque or friction force is what the normal force was meant to be: the two stand in each other's place.
+pub enum LoadMistake {
+    /// Torque or friction force has the nominal value of the normal force: the two columns are swapped.
     Exchanged {
         /// `torque` or `friction force`.
         channel: &'static str,
-        /// Its number in the window.
+        /// Median amount of the friction signal in the window.
         friction_n: f64,
     },
-    /// The force was recorded in another unit than its title says.
+    /// The force was recorded in another unit than the title says.
     Unit {
-        /// Which.
+        /// Likely unit.
         unit: &'static str,
-        /// What it would be then, in newtons.
+        /// Force in newtons if this is the unit.
         force_n: f64,
     },
 }
 
-impl fmt::Display for LoadSlip {
+impl fmt::Display for LoadMistake {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Exchanged { channel, friction_n } => write!(
@@ -53,11 +53,11 @@ impl fmt::Display for LoadSlip {
     }
 }
 
-/// Median normal force in the window, and whether it is recorded as negative.
+/// Checks the load. Returns the median normal force in the window, and whether it is recorded as negative.
 ///
 /// # Errors
-/// [`TraceError`] for a load that is lost within the window, and for one far from the nominal one.
-pub fn load(
+/// [`TraceError`] if the load is lost within the window, or is far from the nominal one.
+pub fn check_load(
     channels: &TraceChannels,
     time_s: &[f64],
     inside: &Range<usize>,
@@ -67,11 +67,11 @@ pub fn load(
     let recorded = &channels.normal_force_n[inside.clone()];
     let middle = median(recorded.to_vec());
     let turned = middle < 0.0;
-    let usual_n = middle.abs();
+    let median_n = middle.abs();
     let sign = if turned { -1.0 } else { 1.0 };
-    let lost = recorded.iter().position(|force| sign * force < UNLOADED * usual_n || usual_n == 0.0);
+    let lost = recorded.iter().position(|force| sign * force < UNLOADED_FRACTION * median_n || median_n == 0.0);
     if let Some(i) = lost {
-        return Err(TraceError::NoLoad { time_s: time_s[inside.start + i], force_n: recorded[i], usual_n });
+        return Err(TraceError::NoLoad { time_s: time_s[inside.start + i], force_n: recorded[i], median_n });
     }
     if turned {
         flags.push(TraceFlag::LoadTurned);
@@ -80,38 +80,38 @@ pub fn load(
     let mean = recorded.iter().map(|force| sign * force).sum::<f64>() / count;
     if let Some(nominal_n) = options.nominal_force_n {
         let off = (mean / nominal_n - 1.0).abs();
-        let likely = likely_slip(&channels.tangential, inside, mean, nominal_n);
-        if off > LOAD_OFF.1 {
+        let likely = likely_cause(&channels.tangential, inside, mean, nominal_n);
+        if off > LOAD_TOLERANCES.1 {
             return Err(TraceError::WrongLoad { found_n: mean, nominal_n, likely });
         }
-        if off > LOAD_OFF.0 {
+        if off > LOAD_TOLERANCES.0 {
             flags.push(TraceFlag::LoadOff { found_n: mean, nominal_n, likely });
         }
     }
     let variance = recorded.iter().map(|force| (sign * force - mean).powi(2)).sum::<f64>() / count;
     let relative_std = variance.sqrt() / mean;
-    if relative_std > LOAD_UNSTEADY {
+    if relative_std > MAX_LOAD_VARIATION {
         flags.push(TraceFlag::LoadUnsteady { relative_std });
     }
-    Ok((usual_n, turned))
+    Ok((median_n, turned))
 }
 
-/// What likely makes the normal force `found_n` in place of `nominal_n`.
-fn likely_slip(tangential: &Tangential, inside: &Range<usize>, found_n: f64, nominal_n: f64) -> Option<LoadSlip> {
-    let is_meant = |force_n: f64| (force_n / nominal_n - 1.0).abs() <= MEANT;
-    if is_meant(found_n) {
+/// Likely cause of a normal force `found_n` instead of `nominal_n`.
+fn likely_cause(tangential: &Tangential, inside: &Range<usize>, found_n: f64, nominal_n: f64) -> Option<LoadMistake> {
+    let matches_nominal = |force_n: f64| (force_n / nominal_n - 1.0).abs() <= FORCE_MATCH_TOLERANCE;
+    if matches_nominal(found_n) {
         return None;
     }
     if let Tangential::ForceN(values) | Tangential::TorqueNm(values) = tangential {
         let friction_n = median(values[inside.clone()].iter().map(|force| force.abs()).collect());
-        // Nothing dry has a friction force above the normal force, and a holder's radius is below 1 m.
-        let is_above = friction_n > found_n && (friction_n / nominal_n - 1.0).abs() <= LOAD_OFF.1;
-        if is_meant(friction_n) || is_above {
-            return Some(LoadSlip::Exchanged { channel: tangential.name(), friction_n });
+        // Dry friction is below the normal force, and the radius of a holder is below 1 m.
+        let is_above = friction_n > found_n && (friction_n / nominal_n - 1.0).abs() <= LOAD_TOLERANCES.1;
+        if matches_nominal(friction_n) || is_above {
+            return Some(LoadMistake::Exchanged { channel: tangential.name(), friction_n });
         }
     }
-    let units = UNITS.into_iter().map(|(unit, newtons)| LoadSlip::Unit { unit, force_n: found_n * newtons });
-    units.into_iter().find(|slip| matches!(slip, LoadSlip::Unit { force_n, .. } if is_meant(*force_n)))
+    let units = UNITS.into_iter().map(|(unit, newtons)| LoadMistake::Unit { unit, force_n: found_n * newtons });
+    units.into_iter().find(|slip| matches!(slip, LoadMistake::Unit { force_n, .. } if matches_nominal(*force_n)))
 }
 
 #[cfg(test)]
@@ -156,10 +156,10 @@ mod tests {
             assert!(said.contains(says) && said.contains("expected about 60 N"), "{said}");
         }
         assert!(matches!(refused(15.0, 25.0), TraceError::WrongLoad { likely: None, .. }));
-        // Friction of 0.6 the other way round is only told.
+        // A friction coefficient of 0.6 with swapped columns is only flagged.
         let flags = analyse(&recorded(60.0, 36.0), &OPTIONS).unwrap().flags;
         assert!(
-            matches!(flags[..], [TraceFlag::LoadOff { likely: Some(LoadSlip::Exchanged { .. }), .. }]),
+            matches!(flags[..], [TraceFlag::LoadOff { likely: Some(LoadMistake::Exchanged { .. }), .. }]),
             "{flags:?}"
         );
         let flags = analyse(&recorded(15.0, 65.0), &OPTIONS).unwrap().flags;

@@ -1,23 +1,23 @@
-//! Lines of an export that number the table below them, as `Step No. 2` or `Run # 1`.
+//! Lines of an export that number the table below them, for example `Step No. 2` or `Run # 1`.
 
-/// What a line numbers.
+/// Number given by a marker line.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Marker {
-    /// A run, repeated under the same conditions.
+    /// A run, repeated under equal conditions.
     Run(f64),
     /// A step of a test.
     Step(f64),
 }
 
-/// The words that begin the line of a step.
+/// First words of a line that numbers a step.
 const STEP_WORDS: [&str; 4] = ["step", "schritt", "segment", "sequence"];
-/// The word that begins the line of a run.
+/// First word of a line that numbers a run.
 const RUN_WORD: &str = "run";
 
-/// Words that may stand between the word and the number.
+/// Words that may stand between the first word and the number.
 const NUMBER_WORDS: [&str; 3] = ["number", "no", "nr"];
 
-/// The number that `line` gives to the table below it.
+/// Parses a line that numbers the table below it.
 pub(crate) fn marker(line: &str) -> Option<Marker> {
     let is_sign = |letter: char| letter.is_whitespace() || ".:#=;,\"".contains(letter);
     let line = line.trim_start_matches(is_sign).to_lowercase();

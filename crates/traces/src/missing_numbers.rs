@@ -1,33 +1,33 @@
-//! Rows of an export without a number in a column that is needed: which, and whether they are what a trace lacks.
+//! Rows of an export without a number in a needed column, and whether they explain why a trace was refused.
 
 use crate::TraceError;
 
-/// Rows without a number in a needed column, one behind another.
+/// Consecutive rows without a number in a needed column.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Longest {
-    /// How many.
+    /// Number of rows.
     pub rows: usize,
-    /// Columns in which one of them has no number, as the file writes their names.
+    /// Titles of the columns in which numbers are missing.
     pub columns: Vec<String>,
-    /// First and last of their lines, from 1.
+    /// First and last line, from 1.
     pub lines: [u32; 2],
-    /// First and last of their times, in seconds, where they have any.
+    /// First and last time, in seconds, if times are known.
     pub time_s: Option<[f64; 2]>,
 }
 
-/// What a repeat lacks.
+/// Rows of a repeat that were skipped because of missing numbers.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Missing {
-    /// Rows without a number in a needed column: left out.
+    /// Number of rows without a number in a needed column.
     pub rows: usize,
-    /// Of how many.
+    /// Number of rows in all.
     pub of: usize,
-    /// Most of them one behind another; times are seconds since the trace begins.
+    /// The longest run of such rows; times are seconds since the trace begins.
     pub longest: Longest,
 }
 
 impl Missing {
-    /// The longest of its stretches in words; `of_column` says as well in which columns numbers are missing.
+    /// Describes the missing numbers; `of_column` adds the columns in which they are missing.
     #[must_use]
     pub fn words(&self, of_column: bool) -> String {
         let Longest { rows, columns, lines: [first, last], time_s } = &self.longest;
@@ -39,8 +39,8 @@ impl Missing {
         format!("{count} of {} rows {are} no number{columns}{all}{times} ({lines})", self.of)
     }
 
-    /// Says that a trace was refused with `error` because these rows were left out, and what would be accepted; nothing where it would
-    /// have been refused with them too.
+    /// Explains that a trace was refused with `error` because of the missing rows, and says what would be accepted.
+    /// `None` if the rows do not explain the error.
     #[must_use]
     pub fn explains(&self, error: &TraceError, [from_s, to_s]: [f64; 2]) -> Option<[String; 2]> {
         let reaches =
@@ -60,16 +60,16 @@ impl Missing {
     }
 }
 
-/// The rows that a repeat lacks, one after another.
+/// Collects rows with missing numbers.
 #[derive(Default)]
-pub(crate) struct Stretch {
+pub(crate) struct MissingRows {
     rows: usize,
     longest: Option<Longest>,
     current: Option<Longest>,
 }
 
-impl Stretch {
-    /// The row in line `number`, `without` a number in these columns.
+impl MissingRows {
+    /// Adds the row in line `number`, which is `without` a number in these columns.
     pub(crate) fn add<'a>(&mut self, number: u32, time_s: Option<f64>, without: impl Iterator<Item = &'a str>) {
         self.rows += 1;
         let current = self.current.get_or_insert_with(|| Longest {
@@ -90,7 +90,7 @@ impl Stretch {
         }
     }
 
-    /// A row with every number follows.
+    /// Ends a run of rows with missing numbers.
     pub(crate) fn end(&mut self) {
         let last = self.current.take();
         if last.as_ref().map_or(0, |last| last.rows) > self.longest.as_ref().map_or(0, |longest| longest.rows) {
@@ -98,13 +98,13 @@ impl Stretch {
         }
     }
 
-    /// Most rows one behind another, with the times of the file's own clock.
+    /// The longest run of rows, with times on the clock of the file.
     pub(crate) fn longest(mut self) -> Option<Longest> {
         self.end();
         self.longest
     }
 
-    /// What was missing of a repeat whose clock begins at `start_s` and that has so many `whole` rows.
+    /// The result for a repeat whose clock begins at `start_s` and which has `whole` complete rows.
     pub(crate) fn found(self, start_s: f64, whole: usize) -> Option<Missing> {
         let rows = self.rows;
         let mut longest = self.longest()?;

@@ -2,16 +2,17 @@
 
 use super::time_series::{median, sample_noise};
 
-/// A way between two samples is known where it is this many times the grain of the position ...
-const GRAINS: f64 = 5.0;
-/// ... and samples are compared over at most this part of the window, so that strokes are not bridged.
-const LONGEST_STEP: usize = 50;
-/// Of a sample that slides back and forth, rates above this part of the fastest are of the middle of a stroke.
-const IN_THE_MIDDLE: f64 = 0.5;
+/// Travel between two samples is trusted from 5 quantization steps of the position on.
+const MIN_QUANTIZATION_STEPS: f64 = 5.0;
+/// Samples are compared over at most a fiftieth of the window, so that the comparison does not span a turn.
+const MIN_STEPS_PER_WINDOW: usize = 50;
+/// In reciprocating sliding, rates above this fraction of the fastest belong to the middle of a stroke.
+const MID_STROKE_SPEED: f64 = 0.5;
 
-/// Speed at which a position changes, in m/s: the median of |dx/dt| over the samples from `from_s` to `to_s`, in seconds since `start_s`
-/// on the clock of `time_s`. Of a sample that slides back and forth only rates of the middle of strokes count. `None` where the position says nothing: it was
-/// not recorded, stands still, or is too coarse. Numbers that are not finite are left out; the shorter of the two lists counts.
+/// Estimates the speed from a recorded position, in m/s: the median of |dx/dt| over the samples from `from_s` to
+/// `to_s`, in seconds since `start_s` on the clock of `time_s`. In reciprocating sliding only rates in the middle of
+/// the strokes count. Returns `None` if the position was not recorded, does not change, or is too coarse. Values that
+/// are not finite are skipped; surplus elements of the longer slice are ignored.
 #[must_use]
 pub fn speed_of_position(
     time_s: &[f64],
@@ -31,15 +32,15 @@ pub fn speed_of_position(
     let finest = steps.filter(|step| *step > 0.0).fold(f64::INFINITY, f64::min);
     let grain = finest.max(sample_noise(&positions));
     let mut step = 1;
-    while step * LONGEST_STEP <= samples.len() {
+    while step * MIN_STEPS_PER_WINDOW <= samples.len() {
         let pairs = || samples.iter().zip(&samples[step..]).filter(|((t, _), (later, _))| later > t);
         let ways: Vec<f64> = pairs().map(|((_, x), (_, later))| (later - x).abs()).collect();
-        if median(ways) >= GRAINS * grain {
+        if median(ways) >= MIN_QUANTIZATION_STEPS * grain {
             let mut rates: Vec<f64> = pairs().map(|((t, x), (later, y))| ((y - x) / (later - t)).abs()).collect();
             if reciprocating {
                 rates.sort_by(f64::total_cmp);
                 let fastest = rates.get(rates.len().saturating_sub(1) * 98 / 100).copied().unwrap_or(0.0);
-                rates.retain(|rate| *rate > IN_THE_MIDDLE * fastest);
+                rates.retain(|rate| *rate > MID_STROKE_SPEED * fastest);
             }
             return Some(median(rates)).filter(|speed| *speed > 0.0);
         }
@@ -55,7 +56,7 @@ mod tests {
 
     const WINDOW_S: [f64; 2] = [10.0, 40.0];
 
-    /// The speed that is found of `position` at 50 Hz over 45 s, of a clock that begins at 7 s.
+    /// Speed found for `position` at 50 Hz over 45 s, on a clock that begins at 7 s.
     fn found(reciprocating: bool, position: impl FnMut(f64) -> f64) -> Option<f64> {
         let time_s: Vec<f64> = (0..=2250).map(|i| 0.02 * f64::from(i)).collect();
         let position_m: Vec<f64> = time_s.iter().copied().map(position).collect();
@@ -69,16 +70,18 @@ mod tests {
             assert!(speed.is_some_and(|speed| (speed / expected - 1.0).abs() < within), "{speed:?}, not {expected}");
         };
         close(found(false, |t| 2e-3 * t), 2e-3, 1e-9);
-        // The sample stands outside the window.
+        // The sample is at rest outside the window.
         close(found(false, |t| 2e-3 * t.clamp(9.0, 41.0)), 2e-3, 1e-9);
         let triangle = |t: f64| 2e-3 * (t % 2.0 - 1.0).abs();
         close(found(true, triangle), 2e-3, 1e-9);
-        // 1 s a turn, 1 mm about the middle: 6.3 mm/s there, of which the middle half of a stroke has nine tenths on average.
+        // 1 s per turn, amplitude 1 mm: 6.3 mm/s in the middle; the mean over the middle half of a stroke is nine
+        // tenths of it.
         let crank = |t: f64| 1e-3 * (std::f64::consts::TAU * t).sin();
         close(found(true, crank), 0.9 * 1e-3 * std::f64::consts::TAU, 0.1);
         let mut noise = Noise::new(4);
         close(found(false, |t| 2e-3 * t + 1e-5 * noise.normal()), 2e-3, 0.05);
-        // Rounded to 0.1 mm, a step of the position takes 2.5 samples: known to half a step in five.
+        // Positions rounded to 0.1 mm: 2.5 samples per quantization step, so that travel is known to half a step in
+        // five.
         close(found(false, |t| (2e-3 * t / 1e-4).round() * 1e-4), 2e-3, 0.1);
     }
 

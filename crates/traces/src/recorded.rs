@@ -1,36 +1,37 @@
-//! One trace of an export: its samples in SI units.
+//! One trace of an export: samples in SI units.
 
 use crate::columns::Channel;
-use crate::missing_numbers::{Longest, Missing, Stretch};
+use crate::missing_numbers::{Longest, Missing, MissingRows};
 use crate::time_series::median;
 use crate::{Tangential, TraceChannels};
 
-/// One repeat as recorded.
+/// One recorded repeat.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Recorded {
-    /// Its number in the file, from 1.
+    /// Index of the repeat in the file, from 1.
     pub number: usize,
     /// Time, friction and normal force.
     pub channels: TraceChannels,
-    /// The friction coefficient that the instrument computed, of every sample, beside a torque or friction force; no number where it is
-    /// missing, empty where there is no such column.
+    /// Friction coefficient computed by the instrument at every sample, next to a torque or friction force; NaN where
+    /// it is missing, empty without such a column.
     pub coefficient: Vec<f64>,
-    /// Mean amount of the recorded sliding speed, in m/s, where there is such a column.
+    /// Mean amount of the recorded sliding speed, in m/s, if there is such a column.
     pub speed_m_s: Option<f64>,
-    /// Mean recorded humidity, 0 to 1, where there is such a column.
+    /// Mean recorded humidity, 0 to 1, if there is such a column.
     pub humidity: Option<f64>,
-    /// Recorded position of every sample, in metres, no number where it was not recorded; empty where there is no such column with a unit.
+    /// Recorded position at every sample, in metres; NaN where it is missing, empty without such a column with a unit.
     pub position_m: Vec<f64>,
-    /// Rows without a number in a needed column, where there are any: left out.
+    /// Rows that were skipped because a needed number is missing.
     pub missing: Option<Missing>,
-    /// Rows that repeat the row before them: left out.
+    /// Number of rows that were skipped because they equal the row before.
     pub repeated_rows: usize,
-    /// The line from which on the clock begins anew, where only this tells the trace from the one before it.
+    /// Line at which the clock restarts, if only this separates the trace from the one before.
     pub clock_restarts_in_line: Option<u32>,
 }
 
 impl Recorded {
-    /// Median amount of the instrument's own friction coefficient from `from_s` to `to_s`, in seconds since the trace begins.
+    /// Median amount of the instrument's friction coefficient from `from_s` to `to_s`, in seconds since the trace
+    /// begins.
     #[must_use]
     pub fn usual_coefficient(&self, [from_s, to_s]: [f64; 2]) -> Option<f64> {
         let times = self.channels.time_s.iter().map(|t| t - self.channels.start_s);
@@ -40,7 +41,7 @@ impl Recorded {
     }
 }
 
-/// Values of one row by channel, SI units.
+/// Values of a row by channel, in SI units.
 #[derive(Clone, Default, PartialEq)]
 pub(crate) struct Row([Option<f64>; Channel::COUNT]);
 
@@ -54,7 +55,7 @@ impl Row {
     }
 }
 
-/// Samples of one repeat.
+/// Samples of a repeat while it is read.
 #[derive(Default)]
 pub(crate) struct Table {
     time_s: Vec<f64>,
@@ -66,9 +67,9 @@ pub(crate) struct Table {
     turns_per_s: Vec<f64>,
     humidity: Vec<f64>,
     position_m: Vec<f64>,
-    /// Time of its first row, on the file's own clock; one that lacks other numbers counts too.
+    /// Time of the first row on the clock of the file, even if the row describe_missing other numbers.
     start_s: Option<f64>,
-    missing: Stretch,
+    missing: MissingRows,
     repeated: usize,
     last: Option<Row>,
     has_rows: bool,
@@ -76,8 +77,8 @@ pub(crate) struct Table {
 }
 
 impl Table {
-    /// A table that begins because the clock begins anew in this line, where it does.
-    pub(crate) fn begun_by_clock(clock_restarts_in_line: Option<u32>) -> Self {
+    /// A new table; `clock_restarts_in_line` is given if it begins because the clock restarts.
+    pub(crate) fn restarted_by_clock(clock_restarts_in_line: Option<u32>) -> Self {
         Self { clock_restarts_in_line, ..Self::default() }
     }
 
@@ -85,17 +86,17 @@ impl Table {
         self.time_s.is_empty()
     }
 
-    /// Whether any row was taken, with all its numbers or without.
+    /// Whether any row was added, complete or not.
     pub(crate) const fn has_rows(&self) -> bool {
         self.has_rows
     }
 
-    /// The longest stretch of rows without a number.
+    /// The longest run of rows without a number.
     pub(crate) fn longest_missing(self) -> Option<Longest> {
         self.missing.longest()
     }
 
-    /// Takes the row in line `number`, unless it is `without` a number in columns that are needed.
+    /// Adds the row in line `number`, or counts it as missing if it is `without` a number in needed columns.
     pub(crate) fn push<'a>(&mut self, number: u32, row: &Row, without: impl Iterator<Item = &'a str>) {
         let mut without = without.peekable();
         self.has_rows = true;
@@ -121,7 +122,7 @@ impl Table {
         self.humidity.extend(row.get(Channel::Humidity));
     }
 
-    /// The trace with its `number` in the file; `radius_m` turns revolutions into speed.
+    /// Converts the table into a trace with this `number` in the file; `radius_m` converts revolutions to a speed.
     pub(crate) fn recorded(self, number: usize, radius_m: f64) -> Recorded {
         let mean = |values: &[f64]| {
             let mean = values.iter().sum::<f64>() / values.len() as f64;

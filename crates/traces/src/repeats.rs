@@ -1,36 +1,38 @@
-//! Repeats of one condition: means with their spread.
+//! Repeats of a condition: means and standard deviations.
 
 use slipgrid_statistics::{Confidence, mean_and_std};
 
 use super::{TraceFindings, TracePeak};
 
-/// Departure of a repeat from the mean of the others, relative to it, below which nothing is said: friction scatters by some per cent.
-const ODD: f64 = 0.05;
-/// Difference of two repeats, relative to their mean, from which it is told: neither says which of them is odd.
-const PAIR_DIFFERS: f64 = 0.1;
-/// A difference is no noise from this many standard errors on.
-const BEYOND_NOISE: f64 = 4.0;
-/// The interval that another sample is expected in as often as a normal one says.
-const PREDICTED: Confidence = Confidence::PERCENT_95;
+/// Deviation of a repeat from the mean of the others, relative to the mean, below which it is not odd. Friction
+/// scatters by some per cent.
+const MIN_ODD_DEVIATION: f64 = 0.05;
+/// Relative difference of two repeats that is reported. Two repeats do not show which of them is odd.
+const MIN_PAIR_DIFFERENCE: f64 = 0.1;
+/// A difference of this many standard errors is not noise.
+const NOISE_STDERRS: f64 = 4.0;
+/// Confidence of the prediction interval for another sample.
+const PREDICTION_CONFIDENCE: Confidence = Confidence::PERCENT_95;
 
-/// A repeat that is not like the others of its condition.
+/// A repeat that differs from the others of its condition.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OddRepeat {
-    /// Which, from 0.
+    /// Index of the repeat, from 0.
     pub index: usize,
-    /// Mean dynamic friction of the others.
+    /// Mean dynamic friction of the other repeats.
     pub others: f64,
-    /// Its departure from that mean, relative to the mean.
+    /// Deviation from `others`, relative to `others`.
     pub relative: f64,
-    /// Largest difference among the others, relative to their mean; `None` of a single other one.
+    /// Range of the other repeats, relative to their mean; `None` if there is only one other.
     pub others_differ: Option<f64>,
 }
 
-/// Repeats whose dynamic friction is not like that of the others, from its values and their standard errors.
+/// Finds repeats whose dynamic friction differs from that of the others. `values` are pairs of dynamic friction and its
+/// standard error.
 ///
-/// Of three or more a repeat is odd that lies outside the interval in which the others, by their own scatter, expect one more in 95 of 100 cases
-/// (Student's t), and that also departs from their mean by more than 5 % and by more than noise. Of two, which are odd to each other, the
-/// second is returned, where they differ by more than 10 % of their mean and by more than noise. Of one there is none.
+/// Among three or more repeats, one is odd if it lies outside the 95 % prediction interval of the others (Student's t),
+/// and also differs from their mean by more than 5 % and by more than noise. Of two repeats the second is returned if
+/// they differ by more than 10 % of their mean and by more than noise. A single repeat is never odd.
 #[must_use]
 pub fn odd_repeats(values: &[(f64, f64)]) -> Vec<OddRepeat> {
     let odd = |index: usize| {
@@ -43,88 +45,93 @@ pub fn odd_repeats(values: &[(f64, f64)]) -> Vec<OddRepeat> {
             (error * error + others.iter().map(|(_, error)| error * error).sum::<f64>() / (count * count)).sqrt();
         let distance = (mu - mean).abs();
         let allowed = match std {
-            None => PAIR_DIFFERS * (mu + mean).abs() / 2.0,
+            None => MIN_PAIR_DIFFERENCE * (mu + mean).abs() / 2.0,
             Some(std) => {
                 let expected = Confidence::PERCENT_95.student_t(others.len() - 1) * std * (1.0 + 1.0 / count).sqrt();
-                expected.max(ODD * mean.abs())
+                expected.max(MIN_ODD_DEVIATION * mean.abs())
             }
         };
-        let [least, most] = [f64::min as fn(f64, f64) -> f64, f64::max]
-            .map(|of| others.iter().map(|(mu, _)| *mu).reduce(of).unwrap_or(mean));
-        (distance > allowed.max(BEYOND_NOISE * noise)).then(|| OddRepeat {
+        let [lowest, highest] = [f64::min as fn(f64, f64) -> f64, f64::max]
+            .map(|extreme| others.iter().map(|(mu, _)| *mu).reduce(extreme).unwrap_or(mean));
+        (distance > allowed.max(NOISE_STDERRS * noise)).then(|| OddRepeat {
             index,
             others: mean,
             relative: mu / mean - 1.0,
-            others_differ: std.map(|_| (most - least) / mean),
+            others_differ: std.map(|_| (highest - lowest) / mean),
         })
     };
     let first = usize::from(values.len() == 2);
     (first..values.len()).filter_map(odd).collect()
 }
 
-/// A mean with what spreads about it.
+/// Mean and standard deviation of repeats.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MeanStd {
     /// Mean of the repeats.
     pub mean: f64,
-    /// Standard deviation between repeats, n - 1 in the denominator; at least the error within one.
+    /// Standard deviation between repeats (n - 1 in the denominator), at least the standard error within a repeat.
     pub std: f64,
-    /// Degrees of freedom of that deviation: n - 1, and those that [`moderate`] adds. None of a single repeat, of whose scatter nothing
-    /// is known.
+    /// Degrees of freedom of `std`: n - 1, plus those that [`moderate`] adds. 0 for a single repeat, whose scatter is
+    /// not known.
     pub freedom: usize,
 }
 
 impl MeanStd {
-    /// How far another sample may be from the mean of `count` repeats, as the standard deviation of the normal distribution whose 95 % are
-    /// those of Student's t:
+    /// Standard deviation for the prediction of another sample from `count` repeats: that of the normal distribution
+    /// whose 95 % interval equals that of Student's t:
     ///
     /// ```text
     /// s sqrt(1 + 1/n) t_95(nu) / 1.96
     /// ```
     ///
-    /// Without degrees of freedom nothing is known of t, and the factor is left out: then it is the least that it can be.
+    /// Without degrees of freedom t is undefined, and the factor is left out; the result is then a lower bound.
     #[must_use]
-    pub fn of_another_sample(&self, count: usize) -> f64 {
-        let student =
-            if self.freedom == 0 { 1.0 } else { PREDICTED.student_t(self.freedom) / PREDICTED.student_t(usize::MAX) };
+    pub fn predictive_std(&self, count: usize) -> f64 {
+        let student = if self.freedom == 0 {
+            1.0
+        } else {
+            PREDICTION_CONFIDENCE.student_t(self.freedom) / PREDICTION_CONFIDENCE.student_t(usize::MAX)
+        };
         self.std * (1.0 + 1.0 / count as f64).sqrt() * student
     }
 }
 
-/// Repeats of one condition taken together.
+/// Results of the repeats of one condition.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Repeats {
-    /// How many.
+    /// Number of repeats.
     pub count: usize,
     /// Dynamic friction.
     pub mu_dynamic: MeanStd,
-    /// Static friction, with the scatter of repeats alone; `None` unless every repeat shows a peak.
+    /// Static friction, with the scatter of repeats only; `None` unless every repeat shows a peak.
     pub mu_static: Option<MeanStd>,
-    /// What sampling may have missed of their peaks beside that, as a standard deviation.
+    /// Standard deviation of what sampling may have missed of the peaks, in addition to the scatter.
     pub mu_static_missed: Option<f64>,
-    /// Repeats that show a static peak.
+    /// Number of repeats that show a static peak.
     pub peaks: usize,
-    /// Repeats that show stick-slip.
+    /// Number of repeats that show stick-slip.
     pub stick_slips: usize,
     /// Mean normal force in the window, in newtons.
     pub normal_force_n: f64,
 }
 
 impl Repeats {
-    /// How far dynamic friction of another sample may be from the mean, as [`MeanStd::of_another_sample`].
+    /// Standard deviation for the dynamic friction of another sample; see [`MeanStd::predictive_std`].
     #[must_use]
-    pub fn mu_dynamic_of_another(&self) -> f64 {
-        self.mu_dynamic.of_another_sample(self.count)
+    pub fn mu_dynamic_predictive_std(&self) -> f64 {
+        self.mu_dynamic.predictive_std(self.count)
     }
 
-    /// The same of static friction, with what sampling may have missed of the peaks; `None` unless every repeat shows one.
+    /// Standard deviation for the static friction of another sample, including what sampling may have missed; `None`
+    /// unless every repeat shows a peak.
     #[must_use]
-    pub fn mu_static_of_another(&self) -> Option<f64> {
-        Some(self.mu_static?.of_another_sample(self.count).hypot(self.mu_static_missed?))
+    pub fn mu_static_predictive_std(&self) -> Option<f64> {
+        Some(self.mu_static?.predictive_std(self.count).hypot(self.mu_static_missed?))
     }
 }
 
-/// Averages repeats; `None` of none. One repeat has the error of its own mean for a deviation.
+/// Averages repeats; `None` for an empty slice. For a single repeat the standard deviation is the standard error of its
+/// mean.
 pub fn average(repeats: &[TraceFindings]) -> Option<Repeats> {
     let count = repeats.len();
     if count == 0 {
@@ -144,42 +151,44 @@ pub fn average(repeats: &[TraceFindings]) -> Option<Repeats> {
     })
 }
 
-/// Degrees of freedom that the scatter of other conditions counts for at most.
-const MAX_FROM_OTHERS: usize = 4;
+/// Largest number of degrees of freedom that the scatter of other conditions adds.
+const MAX_PRIOR_FREEDOM: usize = 4;
 
-/// Draws the deviation of dynamic friction at each condition toward that of the others, relative to friction, and likewise that of static friction:
+/// Shrinks the standard deviation at each condition toward the relative scatter of the other conditions, for dynamic
+/// and for static friction:
 ///
 /// ```text
 /// s^2 = (nu_0 (s_0 mu)^2 + nu s_own^2) / (nu_0 + nu),   nu = n - 1,   s_0^2 = sum nu_j (s_j/mu_j)^2 / sum nu_j over the others
 /// ```
 ///
-/// with nu_0 = sum nu_j, four at most (as variances are moderated by G. K. Smyth, Stat. Appl. Genet. Mol. Biol. 3, 3, 2004). Two or three repeats may
-/// agree by chance: a fit that weighs by 1/s^2 would take such a condition for nearly exact. Deviations of single repeats, which know
-/// nothing of their scatter, are not lowered. The degrees of freedom of each are nu_0 + nu from then on.
+/// with nu_0 = sum nu_j, at most four (moderated variances as in G. K. Smyth, Stat. Appl. Genet. Mol. Biol. 3, 3,
+/// 2004). Two or three repeats may agree by chance, and a fit weighted by 1/s^2 would then treat such a condition as
+/// nearly exact. The standard deviation of a single repeat, which says nothing about scatter, is never lowered. The
+/// degrees of freedom become nu_0 + nu.
 pub fn moderate(conditions: &mut [&mut Repeats]) {
-    draw_together(conditions.iter_mut().map(|of| &mut of.mu_dynamic).collect());
-    draw_together(conditions.iter_mut().filter_map(|of| of.mu_static.as_mut()).collect());
+    shrink_deviations(conditions.iter_mut().map(|repeats| &mut repeats.mu_dynamic).collect());
+    shrink_deviations(conditions.iter_mut().filter_map(|repeats| repeats.mu_static.as_mut()).collect());
 }
 
-fn draw_together(mut all: Vec<&mut MeanStd>) {
+fn shrink_deviations(mut all: Vec<&mut MeanStd>) {
     let known: Vec<(usize, f64)> =
-        all.iter().map(|of| (of.freedom, of.freedom as f64 * (of.std / of.mean).powi(2))).collect();
-    for (place, of) in all.iter_mut().enumerate() {
+        all.iter().map(|one| (one.freedom, one.freedom as f64 * (one.std / one.mean).powi(2))).collect();
+    for (place, one) in all.iter_mut().enumerate() {
         let others = known.iter().enumerate().filter(|(other, _)| *other != place);
         let (freedom, squares) =
             others.fold((0, 0.0), |(freedom, squares), (_, known)| (freedom + known.0, squares + known.1));
         if freedom == 0 {
             continue;
         }
-        let (prior, own) = (freedom.min(MAX_FROM_OTHERS), known[place].0);
-        let of_others = squares / freedom as f64 * of.mean * of.mean;
-        let moderated = ((prior as f64 * of_others + own as f64 * of.std * of.std) / (prior + own) as f64).sqrt();
-        of.std = if own > 0 { moderated } else { moderated.max(of.std) };
-        of.freedom = prior + own;
+        let (prior, own) = (freedom.min(MAX_PRIOR_FREEDOM), known[place].0);
+        let pooled = squares / freedom as f64 * one.mean * one.mean;
+        let moderated = ((prior as f64 * pooled + own as f64 * one.std * one.std) / (prior + own) as f64).sqrt();
+        one.std = if own > 0 { moderated } else { moderated.max(one.std) };
+        one.freedom = prior + own;
     }
 }
 
-/// Mean of values with their errors, and what spreads about it.
+/// Mean and standard deviation of values with standard errors.
 fn mean_std(values: &[(f64, f64)]) -> MeanStd {
     let count = values.len() as f64;
     let mean = values.iter().map(|(value, _)| value).sum::<f64>() / count;
@@ -189,14 +198,15 @@ fn mean_std(values: &[(f64, f64)]) -> MeanStd {
     MeanStd { mean, std: between.max(within), freedom: values.len().saturating_sub(1) }
 }
 
-/// What sampling may have missed of `peaks`, as a standard deviation. Sampling reads every peak too low, in recordings that a trigger starts
-/// by the same part of what it may have missed each time: their scatter does not hold it. Of several repeats it is a part which may be any.
+/// Standard deviation of what sampling may have missed of `peaks`. Sampling reads every peak too low; with a triggered
+/// recording it misses an equal amount in each repeat, so that the scatter does not show it. The missed amount of
+/// several repeats is taken as uniformly distributed.
 fn missed(peaks: &[TracePeak]) -> f64 {
     if let [peak] = peaks {
         return peak.missed;
     }
     let missed = peaks.iter().map(|peak| peak.missed).sum::<f64>() / peaks.len() as f64;
-    // Evenly spread from 0 to `missed`.
+    // Uniform distribution from 0 to `missed`.
     missed / 12.0_f64.sqrt()
 }
 
@@ -224,21 +234,21 @@ mod tests {
             moderate(&mut all.iter_mut().collect::<Vec<_>>());
             all.into_iter().map(|repeats| repeats.mu_dynamic.std).collect::<Vec<f64>>()
         };
-        // nu_0 = 2 of the others, with 0.01 of friction both; nu = 1.
+        // nu_0 = 2 from the others, both with 1 % of friction; nu = 1.
         let found = moderated(vec![of(2, 0.3, 0.0), of(2, 0.3, 0.003), of(2, 0.2, 0.002)]);
         assert!((found[0] - (2.0 * 0.003_f64.powi(2) / 3.0).sqrt()).abs() < 1e-15, "{found:?}");
-        // nu_0 is four of nine.
+        // nu_0 is limited to four of nine.
         let found = moderated(vec![of(3, 0.3, 0.006), of(10, 0.3, 0.003)]);
         assert!((found[0] - ((4.0 * 0.003_f64.powi(2) + 2.0 * 0.006_f64.powi(2)) / 6.0).sqrt()).abs() < 1e-15);
-        // A single repeat knows no scatter, and nothing is known of a single condition.
+        // A single repeat has no scatter, and a single condition has no other to learn from.
         let found = moderated(vec![of(1, 0.3, 0.001), of(3, 0.3, 0.003), of(1, 0.3, 0.004)]);
         assert!((found[0] - 0.003).abs() < 1e-15 && found[2] == 0.004, "{found:?}");
         assert_eq!(moderated(vec![of(2, 0.3, 0.0)]), [0.0]);
         assert_eq!(moderated(vec![of(1, 0.3, 0.001), of(1, 0.2, 0.002)]), [0.001, 0.002]);
     }
 
-    /// Means by 1/s^2 of five conditions whose truth is the same: without the others' scatter two repeats gave errors that held
-    /// the truth in half of the cases.
+    /// Means weighted by 1/s^2 over five conditions with an equal truth. Without pooling, the stated errors from two
+    /// repeats had a coverage of one half.
     #[test]
     fn means_of_few_repeats_are_as_uncertain_as_they_say() {
         let mut noise = Noise::new(3);
@@ -268,7 +278,8 @@ mod tests {
         }
     }
 
-    /// Of deviations of repeats alone, those of two hold another sample in 64 of 100 cases instead of 95, of three in 76, of five in 86.
+    /// Without Student's t and pooling, coverage for another sample is 64 % with two repeats instead of 95 %, 76 % with
+    /// three and 86 % with five.
     #[test]
     fn another_sample_is_as_far_from_the_mean_as_it_may_be() {
         let mut noise = Noise::new(17);
@@ -290,16 +301,17 @@ mod tests {
                 held[0] += plain.count();
                 moderate(&mut all.iter_mut().collect::<Vec<_>>());
                 let told =
-                    all.iter().zip(&others).filter(|(of, other)| within(of, of.mu_dynamic_of_another(), **other));
+                    all.iter().zip(&others).filter(|(of, other)| within(of, of.mu_dynamic_predictive_std(), **other));
                 held[1] += told.count();
             }
             held.map(|count| count as f64 / (runs * conditions) as f64)
         };
         for (count, plain) in [(2, 0.64), (3, 0.769), (5, 0.854)] {
-            // The share of 12 000 is known to 0.002, that of moderated ones to 0.003; a single condition has Student's t itself.
+            // 12 000 samples determine the coverage to 0.002, or to 0.003 after pooling; for a single condition
+            // Student's t is exact.
             let alone = held(1, count);
             assert!((alone[0] - plain).abs() < 0.012 && (alone[1] - 0.95).abs() < 0.008, "{count} repeats: {alone:?}");
-            // The others may count for more than the four degrees that they are taken for.
+            // The other conditions may count for more than the four degrees of freedom that they add.
             let beside = held(5, count);
             assert!(beside[1] > 0.945 && beside[1] < 0.97, "{count} repeats: {beside:?}");
         }
@@ -308,9 +320,9 @@ mod tests {
     #[test]
     fn another_sample_needs_the_means_own_error_and_students_t() {
         let two = of(2, 0.3, 0.003);
-        assert!((two.mu_dynamic_of_another() - 0.003 * 1.5_f64.sqrt() * 12.706_205 / 1.959_964).abs() < 1e-9);
-        // Nothing is known of the scatter of one, and nothing is made up.
-        assert!((of(1, 0.3, 0.001).mu_dynamic_of_another() - 0.001 * 2.0_f64.sqrt()).abs() < 1e-12);
+        assert!((two.mu_dynamic_predictive_std() - 0.003 * 1.5_f64.sqrt() * 12.706_205 / 1.959_964).abs() < 1e-9);
+        // The scatter of a single repeat is not known.
+        assert!((of(1, 0.3, 0.001).mu_dynamic_predictive_std() - 0.001 * 2.0_f64.sqrt()).abs() < 1e-12);
         let mut all = [of(2, 0.3, 0.003), of(3, 0.3, 0.003), of(1, 0.3, 0.001)];
         moderate(&mut all.iter_mut().collect::<Vec<_>>());
         assert_eq!(all.map(|of| of.mu_dynamic.freedom), [2 + 1, 1 + 2, 3]);
@@ -328,7 +340,7 @@ mod tests {
         let student = 4.302_653 / 1.959_964 * 1.5_f64.sqrt();
         for (of, missed) in all.iter().zip([0.01, 0.0]) {
             assert!((of.mu_static.unwrap().std - own).abs() < 1e-12 && of.mu_static.unwrap().freedom == 2);
-            assert!((of.mu_static_of_another().unwrap() - (own * student).hypot(missed)).abs() < 1e-9);
+            assert!((of.mu_static_predictive_std().unwrap() - (own * student).hypot(missed)).abs() < 1e-9);
         }
     }
 
@@ -341,7 +353,7 @@ mod tests {
     fn a_spoilt_repeat_is_named_and_none_of_like_ones() {
         assert_eq!(odd(&[0.305, 0.308, 0.416]), [2]);
         assert_eq!(odd(&[0.2, 0.305, 0.3, 0.302]), [0]);
-        // Others that differ as much themselves, and what is no more than repeats scatter.
+        // The others differ by as much among themselves; and a deviation within the scatter of repeats.
         for like in [&[0.30, 0.36, 0.42][..], &[0.3050, 0.3051, 0.3150], &[0.30], &[0.30, 0.32], &[]] {
             assert!(odd(like).is_empty(), "{like:?}");
         }
@@ -349,7 +361,7 @@ mod tests {
         let found = odd_repeats(&[(0.305, 1e-4), (0.308, 1e-4), (0.416, 1e-4)])[0];
         assert!((found.others - 0.3065).abs() < 1e-12 && (found.relative - 0.357_259).abs() < 1e-6, "{found:?}");
         assert!((found.others_differ.unwrap() - 0.009_788).abs() < 1e-6);
-        // Noise explains it.
+        // The deviation is within noise.
         assert!(odd_repeats(&[(0.305, 0.05), (0.308, 0.05), (0.416, 0.05)]).is_empty());
     }
 

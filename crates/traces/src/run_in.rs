@@ -1,41 +1,42 @@
-//! Run-in: what friction changes between the onset of sliding and the window.
+//! Run-in: the change of friction between the onset of sliding and the window.
 //!
-//! Friction that wanders differs between any two times. The mean of its first part behind the onset is run-in only where it departs
-//! from what friction settles at, its mean over the second half of the time before the window, by more than means over parts as long do
-//! within the window, which hold whatever friction remembers.
+//! Friction with correlated noise differs between any two times. A change counts as run-in only if the mean over a
+//! first part after the onset differs from the settled friction (the mean over the second half of the time before the
+//! window) by more than means over parts of equal length scatter within the window. The scatter of such means includes
+//! the correlation of the noise.
 
 use slipgrid_statistics::Confidence;
 
 use super::time_series::{line_through, mean_between};
 
-/// The longest first part: this share of the time before the window, and of the window.
-const LONGEST_PART: [f64; 2] = [1.0 / 4.0, 1.0 / 8.0];
-/// Halvings of the first part that are tried: run-in may be over soon.
+/// Length of the longest first part, as a fraction of the time before the window, and of the window.
+const MAX_PART: [f64; 2] = [1.0 / 4.0, 1.0 / 8.0];
+/// Number of halvings of the first part that are tried, because run-in may be over soon.
 const HALVINGS: i32 = 4;
-/// Pauses between samples that the shortest part takes.
-const FEWEST_PAUSES: f64 = 3.0;
-/// All of them together are taken for run-in, where there is none, in less than 5 % of traces.
+/// Minimum number of sampling intervals in a part.
+const MIN_INTERVALS: f64 = 3.0;
+/// Confidence of each test. With all parts tested, fewer than 5 % of traces without run-in are reported to have it.
 const CONFIDENCE: Confidence = Confidence::PERCENT_99_5;
-/// Least change, relative to friction.
+/// Minimum change, relative to friction.
 const MIN_RELATIVE: f64 = 0.01;
 
 /// A slow change of friction before the window.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RunIn {
-    /// Change from the first part behind the onset to what friction settles at; below zero where it falls.
+    /// Change from the first part after the onset to the settled friction; negative if friction falls.
     pub change: f64,
-    /// The same over what friction settles at.
+    /// `change` over the settled friction.
     pub relative: f64,
-    /// The middle of that first part, in seconds since the trace begins.
+    /// Middle of the first part, in seconds since the trace begins.
     pub from_s: f64,
-    /// When half of the change was over, in seconds since the trace begins.
+    /// Time at which half of the change is over, in seconds since the trace begins.
     pub half_s: f64,
 }
 
-/// Run-in from `from_s` to the window. What friction settles at is its mean over the second half of that time.
+/// Finds run-in between `from_s` and the window. The settled friction is the mean over the second half of this time.
 pub fn find_run_in(time_s: &[f64], mu: &[f64], from_s: f64, window_s: [f64; 2], pause_s: f64) -> Option<RunIn> {
     let (before_s, length_s) = (window_s[0] - from_s, window_s[1] - window_s[0]);
-    let longest_s = (LONGEST_PART[0] * before_s).min(LONGEST_PART[1] * length_s);
+    let longest_s = (MAX_PART[0] * before_s).min(MAX_PART[1] * length_s);
     let mean = |from: f64, to: f64| mean_between(time_s, mu, from, to);
     let parts = |from: f64, to: f64, part_s: f64| -> Vec<f64> {
         let count = ((to - from) / part_s * (1.0 + 1e-9)).floor() as u32;
@@ -45,7 +46,7 @@ pub fn find_run_in(time_s: &[f64], mu: &[f64], from_s: f64, window_s: [f64; 2], 
     let (mut settled_variance, mut shortest_s) = (0.0, None);
     for halving in 0..HALVINGS {
         let part_s = longest_s * 0.5_f64.powi(halving);
-        if part_s.is_nan() || part_s < FEWEST_PAUSES * pause_s {
+        if part_s.is_nan() || part_s < MIN_INTERVALS * pause_s {
             break;
         }
         let steady = parts(window_s[0], window_s[1], part_s);
@@ -68,7 +69,7 @@ pub fn find_run_in(time_s: &[f64], mu: &[f64], from_s: f64, window_s: [f64; 2], 
     if change.abs() < MIN_RELATIVE * settled.abs() {
         return None;
     }
-    // Parts by what is left of the change, from 1.
+    // Remaining fraction of the change, from 1 on.
     let left: Vec<f64> = means.iter().map(|mean| (settled - mean) / change).collect();
     let passed = left.iter().position(|left| *left <= 0.5).filter(|passed| *passed > 0)?;
     let share = ((left[passed - 1] - 0.5) / (left[passed - 1] - left[passed])).clamp(0.0, 1.0);

@@ -1,75 +1,77 @@
-//! The static peak: what friction reached at the onset of sliding.
+//! The static peak: the highest friction at the onset of sliding.
 //!
-//! A peak at the onset of sliding is over once the junctions that held it have slipped: within the memory distance of
-//! dry friction, a few to some tens of micrometres (Rabinowicz, Proc. Phys. Soc. 71, 668; Dieterich, J. Geophys. Res.
-//! 84, 2161). Run-in changes friction as well, but over millimetres to metres of sliding. The two are told apart by what
-//! friction loses within [`ONSET_SLIP_M`] behind its highest value, against what it loses within the same slip after that.
+//! A static peak is over once the junctions that held it have slipped: within the memory distance of dry friction, a
+//! few to some tens of micrometres (Rabinowicz, Proc. Phys. Soc. 71, 668; Dieterich, J. Geophys. Res. 84, 2161). Run-in
+//! changes friction as well, but over millimetres to metres of sliding. To distinguish the two, the fall of friction
+//! within [`ONSET_SLIP_M`] after its highest value is compared with the fall within the next slip of equal length.
 //!
-//! A peak is looked for where friction rises to that of sliding, and within the same slip behind it. Higher values later are
-//! noise, of which the highest in seconds of sliding always stands out.
+//! A peak is looked for where friction rises to the level of sliding, and within one slip after this rise. Higher
+//! values later are noise: the highest value in seconds of sliding always stands out.
 
 use super::run_in::{RunIn, find_run_in};
 use super::time_series::{highest, median, median_of_three, sample_noise};
 
-/// The peak stands out by this multiple of the noise, or it is none.
-const STANDS_OUT: f64 = 5.0;
-/// ... and by this part of what follows.
+/// The peak stands out by at least this multiple of the noise
+const MIN_SIGNAL_TO_NOISE: f64 = 5.0;
+/// and by at least this fraction of the friction after it.
 const MIN_RELATIVE: f64 = 0.01;
-/// Share of the time up to the window behind the peak in which friction must have fallen.
-const AFTERMATH: f64 = 0.5;
-/// Slip within which a static peak is over, in metres: several times the memory distances of dry friction.
+/// Friction must have fallen within this fraction of the time between the peak and the window.
+const SETTLING_FRACTION: f64 = 0.5;
+/// Slip within which a static peak is over, in metres: several times the memory distance of dry friction.
 const ONSET_SLIP_M: f64 = 100e-6;
-/// Pauses between samples that the same takes at least: a coarser trace cannot resolve it.
-const FEWEST_PAUSES: f64 = 3.0;
-/// Fall within that slip over the fall within the next one. A steady fall, as of run-in, has 1 to 1.5; an exponential
-/// one has 4 where it takes 80 % of the slip to fall to 1/e.
-const PROMPT: f64 = 4.0;
-/// Height over that of the highest peak of the same kind while friction slides steadily: noise that wanders, too, falls promptly.
-const OVER_LATER: f64 = 1.25;
-/// Slips in which the highest value of steady sliding is looked for at a time.
-const SLIPS_A_PEAK: f64 = 3.0;
-/// Samples near the top below which a peak may be blunted by the sampling.
-const FEWEST_AT_TOP: usize = 3;
-/// Share of steady friction from which a sample counts as sliding, and below which it rests.
-const SLIDES: f64 = 0.5;
-const RESTS: f64 = 0.1;
-/// Slips, and samples at least, within which friction rises on while the drive still loads what yields. Less than
-/// [`MIN_RISE`] of steady friction in that time is no loading: it would take more than a centimetre of the drive.
-const SLIPS_A_RISE: f64 = 2.0;
-const FEWEST_A_RISE: usize = 5;
+/// The slip takes at least this many sampling intervals; a coarser trace cannot resolve it.
+const MIN_INTERVALS: f64 = 3.0;
+/// Minimum ratio of the fall within this slip to the fall within the next one. A steady fall, as in run-in, has 1 to
+/// 1.5; an exponential fall has 4 if it reaches 1/e after 80 % of the slip.
+const MIN_FALL_RATIO: f64 = 4.0;
+/// Minimum ratio of the peak's height to that of the highest similar peak during steady sliding, because correlated
+/// noise falls as promptly.
+const MIN_HEIGHT_RATIO: f64 = 1.25;
+/// Slips per interval in which the highest value of steady sliding is looked for.
+const SLIPS_PER_PEAK: f64 = 3.0;
+/// Fewer samples near the top mean that sampling may have blunted the peak.
+const MIN_SAMPLES_AT_TOP: usize = 3;
+/// A sample slides above the first fraction of steady friction, and rests below the second.
+const SLIDING_FRACTION: f64 = 0.5;
+const RESTING_FRACTION: f64 = 0.1;
+/// Friction still rises while the drive loads elastic parts: at least by [`MIN_RISE`] of steady friction within this
+/// many slips, and within at least [`MIN_SAMPLES_PER_RISE`] samples. A slower rise is not elastic loading, because it
+/// would need more than a centimetre of the drive.
+const SLIPS_PER_RISE: f64 = 2.0;
+const MIN_SAMPLES_PER_RISE: usize = 5;
 const MIN_RISE: f64 = 0.02;
 
 /// Friction at the onset of sliding.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TracePeak {
-    /// Highest friction at the onset, single outliers apart.
+    /// Highest friction at the onset, without single outliers.
     pub mu: f64,
-    /// Its deviation: the sample noise, and what sampling may have missed.
+    /// Standard deviation of `mu`: `noise` and `missed` combined.
     pub std: f64,
-    /// The sample noise alone.
+    /// Standard deviation of the sample noise.
     pub noise: f64,
-    /// What sampling may have missed: the smaller change to the next samples, where there are some on both sides.
+    /// Amount that sampling may have missed: the smaller change to the neighbouring samples, or the only one.
     pub missed: f64,
-    /// When, in seconds since the trace begins.
+    /// Time of the peak, in seconds since the trace begins.
     pub time_s: f64,
-    /// Samples in the upper quarter of its height over what follows.
+    /// Number of samples in the upper quarter of the height above the friction that follows.
     pub samples_at_top: usize,
 }
 
 impl TracePeak {
-    /// So few samples at the top that it may have been higher.
+    /// Whether so few samples are near the top that the peak may have been higher.
     #[must_use]
     pub const fn is_coarse(&self) -> bool {
-        self.samples_at_top < FEWEST_AT_TOP
+        self.samples_at_top < MIN_SAMPLES_AT_TOP
     }
 }
 
-/// What friction does before the window.
+/// Behaviour of friction before the window.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct BeforeWindow {
-    /// A peak at the onset of sliding.
+    /// Static peak at the onset of sliding.
     pub peak: Option<TracePeak>,
-    /// Run-in behind the onset.
+    /// Run-in after the onset.
     pub run_in: Option<RunIn>,
 }
 
@@ -77,29 +79,29 @@ pub struct BeforeWindow {
 struct UpToWindow<'a> {
     time_s: &'a [f64],
     mu: &'a [f64],
-    /// Medians of three.
+    /// Running medians of three.
     smooth: Vec<f64>,
-    /// Samples before the window.
+    /// Number of samples before the window.
     before: usize,
-    /// Deviation from sample to sample while the sample slides.
+    /// Standard deviation of the sample noise while the sample slides.
     noise: f64,
-    /// Friction in the window.
+    /// Mean friction in the window.
     steady: f64,
     window_start_s: f64,
 }
 
-/// The rise of friction to that of sliding, by its samples.
+/// Rise of friction to the level of sliding, as sample indices.
 #[derive(Clone, Copy)]
 struct Onset {
-    /// The last one at rest, or the first of all.
+    /// Last sample at rest, or 0.
     rest: usize,
-    /// The first one that slides.
+    /// First sample that slides.
     first: usize,
-    /// The end of the rise.
+    /// End of the rise.
     end: usize,
 }
 
-/// What friction does before the window over whose seconds it has the mean `steady`; `pause_s` is the usual time between samples.
+/// Finds static peak and run-in before a window whose mean friction is `steady`; `pause_s` is the sampling interval.
 pub fn before_window(
     time_s: &[f64],
     mu: &[f64],
@@ -118,16 +120,16 @@ pub fn before_window(
         steady,
         window_start_s: window_s[0],
     };
-    let slip_s = (ONSET_SLIP_M / speed_m_s).max(FEWEST_PAUSES * pause_s);
+    let slip_s = (ONSET_SLIP_M / speed_m_s).max(MIN_INTERVALS * pause_s);
     let Some(onset) = trace.onset(slip_s) else { return BeforeWindow::default() };
-    // At rest a sensor may be still.
+    // At rest the sensor may show no noise.
     trace.noise = sample_noise(&mu[onset.first..]);
     let peak = trace.peak(onset, slip_s);
     let end_s = time_s[onset.end];
     let found_from = |from_s: f64| find_run_in(time_s, mu, from_s, window_s, pause_s);
     let run_in = match peak {
         Some(peak) => found_from(peak.time_s + 3.0 * slip_s),
-        // What yields is loaded while friction rises; that this goes on for as long again is no run-in.
+        // Elastic parts are loaded while friction rises. A rise that continues for as long again is not run-in.
         None => found_from(end_s)
             .filter(|found| found.change < 0.0)
             .or_else(|| found_from(2.0 * end_s - time_s[onset.rest])),
@@ -136,20 +138,20 @@ pub fn before_window(
 }
 
 impl UpToWindow<'_> {
-    /// The last sample before the window that is at most `seconds` behind `sample`; a few at least.
+    /// The last sample before the window within `seconds` after `sample`, but at least `fewest` samples later.
     fn within(&self, sample: usize, seconds: f64, fewest: usize) -> usize {
         let to = self.time_s.partition_point(|&t| t <= self.time_s[sample] + seconds);
         (to - 1).max(sample + fewest).min(self.before - 1)
     }
 
-    /// The onset of sliding; a trace that begins while the sample slides has it at its first sample.
+    /// The onset of sliding; the first sample if the trace begins while the sample slides.
     fn onset(&self, slip_s: f64) -> Option<Onset> {
-        let ahead = |sample: usize| self.within(sample, SLIPS_A_RISE * slip_s, FEWEST_A_RISE);
-        let slides = SLIDES * self.steady;
-        // A knock while the load is set down is over at once.
+        let ahead = |sample: usize| self.within(sample, SLIPS_PER_RISE * slip_s, MIN_SAMPLES_PER_RISE);
+        let slides = SLIDING_FRACTION * self.steady;
+        // A knock when the load is set down is over at once.
         let stays = |&i: &usize| self.smooth[i] >= slides && median(self.mu[i..=ahead(i)].to_vec()) >= slides;
         let first = (0..self.before).find(stays)?;
-        let rest = (0..first).rev().find(|&i| self.smooth[i] < RESTS * self.steady).unwrap_or(0);
+        let rest = (0..first).rev().find(|&i| self.smooth[i] < RESTING_FRACTION * self.steady).unwrap_or(0);
         let mut end = first;
         loop {
             let next = highest(&self.smooth, end..ahead(end) + 1);
@@ -161,34 +163,34 @@ impl UpToWindow<'_> {
     }
 
     fn stands_out(&self, fall: f64, over: f64) -> bool {
-        fall >= (STANDS_OUT * self.noise).max(MIN_RELATIVE * over.abs())
+        fall >= (MIN_SIGNAL_TO_NOISE * self.noise).max(MIN_RELATIVE * over.abs())
     }
 
-    /// The highest sample of all, where it ends the rise rather than being an outlier.
+    /// The highest sample, if it is the end of the rise and no outlier.
     fn end_of_rise(&self, onset: Onset, to: usize, smooth: f64) -> Option<usize> {
         let mu = self.mu;
         let top = highest(mu, onset.first.saturating_sub(1)..to + 1);
         let (&last, &own) = (mu.get(top.checked_sub(1)?)?, mu.get(top)?);
         let rise = top.checked_sub(2).map_or(0.0, |i| last - mu[i]).max(0.0);
-        let noise = STANDS_OUT * self.noise;
-        let ends = last < SLIDES * self.steady || own <= last + rise + noise;
+        let noise = MIN_SIGNAL_TO_NOISE * self.noise;
+        let ends = last < SLIDING_FRACTION * self.steady || own <= last + rise + noise;
         (ends && own > smooth + noise).then_some(top)
     }
 
     /// The static peak at the onset.
     fn peak(&self, onset: Onset, slip_s: f64) -> Option<TracePeak> {
         let Self { time_s, mu, before, noise, .. } = *self;
-        let to = self.within(onset.end, slip_s, FEWEST_PAUSES as usize);
+        let to = self.within(onset.end, slip_s, MIN_INTERVALS as usize);
         let flat = highest(&self.smooth, onset.first..to + 1);
-        // The median of three flattens a top that is a single sample.
+        // The median of three removes a top that is a single sample.
         let sharp = self.end_of_rise(onset, to, self.smooth[flat]);
         let (top, values) = sharp.map_or((flat, &self.smooth[..]), |top| (top, mu));
         let value = values[top];
         let left_s = self.window_start_s - time_s[top];
-        // What friction settles at: behind the peak, before the window.
-        let after = time_s.partition_point(|&t| t < time_s[top] + AFTERMATH * left_s).min(before - 1);
+        // Settled friction after the peak and before the window.
+        let after = time_s.partition_point(|&t| t < time_s[top] + SETTLING_FRACTION * left_s).min(before - 1);
         let settled = median(mu[after..before].to_vec());
-        // Friction within one slip behind the top, from one to two, from two to three.
+        // Friction in the slip interval that begins `slips` after the top.
         let slip_s = slip_s.min(left_s / 3.0);
         let level = |slips: f64| {
             let at = |slips: f64| time_s.partition_point(|&t| t < time_s[top] + slips * slip_s).min(before - 1);
@@ -197,17 +199,17 @@ impl UpToWindow<'_> {
         let (next, later) = (level(1.0), level(2.0));
         let height = value - next;
         let lowest = height.min(value - settled).min(value - self.steady);
-        if !self.stands_out(lowest, settled) || height < PROMPT * (next - later) {
+        if !self.stands_out(lowest, settled) || height < MIN_FALL_RATIO * (next - later) {
             return None;
         }
-        if height < OVER_LATER * self.highest_later(slip_s) {
+        if height < MIN_HEIGHT_RATIO * self.highest_later(slip_s) {
             return None;
         }
         let is_near = |value: &&f64| **value > next + 0.75 * height;
         let near = values[top..before].iter().take_while(is_near).count()
             + values[..top].iter().rev().take_while(is_near).count();
-        // The median of three flattens the top: the change to the samples beyond its neighbours counts. A trace that begins at its peak
-        // has them on one side alone.
+        // The median of three flattens the top, so that the change to the samples beyond its neighbours counts. A trace
+        // that begins at its peak has neighbours on one side only.
         let far = if sharp.is_some() { 1 } else { 2 };
         let beside = [top.checked_sub(far), Some(top + far).filter(|i| *i < before)];
         let steps = beside.into_iter().flatten().map(|i| (value - values[i]).abs());
@@ -222,12 +224,12 @@ impl UpToWindow<'_> {
         })
     }
 
-    /// The most that friction is, in the window, above what follows from one to two slips of `slip_s` seconds later.
+    /// The largest height, in the window, of friction above its level one to two slips (of `slip_s` seconds) later.
     fn highest_later(&self, slip_s: f64) -> f64 {
         let at = |time: f64| self.time_s.partition_point(|&t| t < time);
         let (mut most, mut from) = (0.0_f64, self.before);
         while let Some(&start_s) = self.time_s.get(from) {
-            let to = at(start_s + SLIPS_A_PEAK * slip_s).max(from + 1);
+            let to = at(start_s + SLIPS_PER_PEAK * slip_s).max(from + 1);
             let top = highest(&self.smooth, from..to);
             let top_s = self.time_s[top];
             let behind = at(top_s + slip_s)..(at(top_s + 2.0 * slip_s) + 1).min(self.mu.len());
@@ -260,13 +262,13 @@ mod tests {
         (time, mu)
     }
 
-    /// With the window from `window_start_s` to the end.
+    /// Peak found with the window from `window_start_s` to the end.
     fn before(time: &[f64], mu: &[f64], window_start_s: f64, speed_m_s: f64, pause_s: f64) -> BeforeWindow {
         let window_s = [window_start_s, time[time.len() - 1]];
         before_window(time, mu, (window_s, window_mean(time, mu, window_s).mu), speed_m_s, pause_s)
     }
 
-    /// The static peak at 50 um/s, at which a fall within 0.4 s is one within 20 um.
+    /// Static peak at 50 um/s, where a fall within 0.4 s is one within 20 um.
     fn static_peak(time: &[f64], mu: &[f64], window_start_s: f64) -> Option<TracePeak> {
         before(time, mu, window_start_s, 50e-6, 0.05).peak
     }
@@ -292,7 +294,7 @@ mod tests {
 
     #[test]
     fn noise_that_wanders_has_no_static_peak_and_hides_none_that_is_higher() {
-        // 20 mm/s, 100 samples a second: noise that remembers itself over 0.05 to 0.5 s.
+        // 20 mm/s, 100 samples per second, noise with correlation times of 0.05 to 0.5 s.
         let time: Vec<f64> = (0..3000).map(|i| f64::from(i) * 0.01).collect();
         let (mut false_ones, mut found) = (0, 0);
         for seed in 0..200 {
@@ -316,7 +318,7 @@ mod tests {
         assert!(false_ones <= 4 && found >= 196, "{false_ones} {found}");
     }
 
-    /// Noise that remembers itself for `memory_s`, of deviation `std`.
+    /// Noise with the correlation time `memory_s` and the standard deviation `std`.
     fn red_noise(time: &[f64], std: f64, memory_s: f64, seed: u64) -> Vec<f64> {
         let mut deviates = Noise::new(seed);
         let memory = (-(time[1] - time[0]) / memory_s).exp();
@@ -334,7 +336,7 @@ mod tests {
 
     #[test]
     fn steady_noise_has_neither_peak_nor_run_in_and_hides_neither() {
-        // 50 samples a second for 60 s at 2 mm/s: friction of 0.28 that wanders by 0.0048.
+        // 50 samples per second for 60 s at 2 mm/s: friction of 0.28 with correlated noise of 0.0048.
         let time: Vec<f64> = (0..=3000).map(|i| f64::from(i) * 0.02).collect();
         for (memory_s, start_s) in [(0.4, 10.0), (0.4, 20.0), (0.1, 10.0), (2.0, 10.0)] {
             let [mut peaks, mut run_ins, mut found_peaks, mut rises, mut falls] = [0; 5];
@@ -352,7 +354,8 @@ mod tests {
                 let steady = read(&|_| 0.28);
                 peaks += usize::from(steady.peak.is_some());
                 run_ins += usize::from(steady.run_in.is_some());
-                // At rest for a second, then a peak of 0.36 that is over within 40 um, whose first sample alone has most of it.
+                // At rest for a second, then a peak of 0.36 that is over within 40 um; its first sample alone has most
+                // of the height.
                 let peak = read(&|t| if t < 1.0 { -0.28 } else { 0.08 * (-(t - 1.0) / 0.02).exp() } + 0.28).peak;
                 found_peaks += usize::from(
                     peak.is_some_and(|peak| (peak.mu - 0.36).abs() < 0.02 && (peak.time_s - 1.0).abs() < 0.03),
@@ -379,7 +382,7 @@ mod tests {
             let peak = before(&time, &mu, 10.0, 2e-3, 0.02).peak.unwrap();
             assert!((peak.mu - 0.37).abs() < 0.004 && peak.samples_at_top == 1, "{peak:?}");
             assert!((peak.missed - 0.07).abs() < 0.01 && peak.std >= peak.missed && peak.noise < 0.0015, "{peak:?}");
-            // A spike of the electronics soon after the onset, or seconds later.
+            // An electronic spike soon after the onset, or seconds later.
             for spike in [155, 200, 400] {
                 let mut mu = add(&time, &noise, |t| if t < 3.01 { 0.0 } else { 0.28 });
                 mu[spike] += 0.1;
@@ -409,7 +412,7 @@ mod tests {
 
     #[test]
     fn run_in_over_seconds_of_sliding_is_no_static_peak() {
-        // 2 mm/s, 100 samples a second: friction rises within 0.2 s, and falls from 0.31 within 4 s, which is 8 mm.
+        // 2 mm/s, 100 samples per second: friction rises within 0.2 s and falls from 0.31 within 4 s, or 8 mm.
         let time: Vec<f64> = (0..4500).map(|i| f64::from(i) * 0.01).collect();
         let run_in = |t: f64| 0.25 + 0.06 * (-t / 4.0).exp();
         for (noise, seed) in [(0.0, 0), (0.001, 1), (0.003, 2), (0.006, 3)] {
@@ -422,13 +425,13 @@ mod tests {
             let found = before(&time, &slow, 10.0, 2e-3, 0.01);
             let BeforeWindow { peak: None, run_in: Some(slow) } = found else { panic!("{noise}: {found:?}") };
             assert!((slow.half_s - slow.from_s - 1.8).abs() < 0.6 && (-slow.change - 0.05).abs() < 0.015, "{slow:?}");
-            // A static peak on top of the same run-in falls within 20 um.
+            // A static peak on top of this run-in falls within 20 um.
             let both = sample(&|t| rise(t) * (run_in(t) + 0.08 * (-(t - 0.2).max(0.0) / 0.01).exp()));
             let found = before(&time, &both, 10.0, 2e-3, 0.01);
             let BeforeWindow { peak: Some(peak), run_in: Some(_) } = found else { panic!("{noise}: {found:?}") };
             assert!((peak.mu - 0.38).abs() < 0.02 && (peak.time_s - 0.2).abs() < 0.06, "{peak:?}");
         }
-        // At 2 um/s the same fall takes 8 um: it is a static peak.
+        // At 2 um/s the same fall takes 8 um and is a static peak.
         let slow: Vec<f64> = time.iter().map(|&t| run_in(t)).collect();
         assert!(before(&time, &slow, 20.0, 2e-6, 0.01).peak.is_some());
     }

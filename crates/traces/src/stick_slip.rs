@@ -1,66 +1,68 @@
 //! Stick-slip: friction rises slowly while the sample sticks and falls fast when it slips.
 //!
-//! Friction that wanders by itself turns up and down as well, and among a few turns its falls may happen to be short. But it
-//! looks alike forwards and backwards in time, as every stationary Gaussian noise does: which of its swings are falls is then a
-//! toss of coins, and the rank sum of their durations among all swings has a known distribution. Stick-slip is what
-//! this excludes. A swing without such an arrow of time is an oscillation if its periods are alike, and noise otherwise.
+//! Correlated noise turns up and down as well, and among a few turns its falls may be short by chance. But every
+//! stationary Gaussian noise is statistically equal forwards and backwards in time: falls and rises then have equal
+//! distributions of durations, and the rank sum of the falls has a known distribution. Stick-slip is an oscillation for
+//! which this hypothesis is rejected. Other oscillations are reported if their periods are regular, and are taken for
+//! noise otherwise.
 
 use super::time_series::{median, median_of_three, sample_noise};
 
-/// A reversal counts from this multiple of the sample noise on. The range of three thousand samples of
-/// white noise is seven.
+/// A reversal must exceed this multiple of the sample noise (the range of three thousand samples of white noise is
+/// about seven)
 const NOISE_FACTOR: f64 = 8.0;
-/// ... and from this part of the mean on: smaller ones are of no interest.
+/// and this fraction of the mean, because smaller ones do not matter.
 const MIN_RELATIVE: f64 = 0.01;
-/// Slips in the window that make a regime.
-const FEWEST_SLIPS: usize = 4;
-/// A slip takes less than this part of a stick.
+/// Minimum number of slips in the window.
+const MIN_SLIPS: usize = 4;
+/// Maximum ratio of the durations of a fall and a rise in stick-slip.
 const MAX_FALL_OVER_RISE: f64 = 0.5;
-/// Falls are shorter than rises by this many standard deviations of their rank sum, which are 1 % by chance; four falls shorter than
-/// four rises just reach it.
-const MIN_ARROW: f64 = 2.3;
-/// Periods of an oscillation that is no stick-slip spread by less than this part of their median; those of noise spread by half.
-const REGULAR: f64 = 0.15;
-/// Periods that are enough to say so.
-const FEWEST_PERIODS: usize = 7;
+/// Falls must be shorter than rises by this many standard deviations of their rank sum, which happens by chance in 1 %
+/// of cases; four falls that are all shorter than four rises just reach it.
+const MIN_RANK_DEVIATION: f64 = 2.3;
+/// Maximum spread of the periods of a regular oscillation, relative to the median. Periods of noise spread by half.
+const MAX_PERIOD_SPREAD: f64 = 0.15;
+/// Periods needed to call an oscillation regular.
+const MIN_PERIODS: usize = 7;
 
-/// Repeated slips.
+/// Repeated slips, or another oscillation of friction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StickSlip {
     /// Median drop of mu in a slip.
     pub amplitude: f64,
-    /// Spread of the drops: half of what holds the middle two thirds.
+    /// Spread of the drops: half the range of the middle two thirds.
     pub amplitude_spread: f64,
     /// Median time from slip to slip, in seconds.
     pub period_s: f64,
-    /// Spread of the periods.
+    /// Spread of the periods, in seconds.
     pub period_spread_s: f64,
-    /// Slips in the window.
+    /// Number of slips in the window.
     pub slips: usize,
-    /// Median duration of a fall over that of a rise.
+    /// Ratio of the median durations of falls and rises.
     pub fall_over_rise: f64,
-    /// By how much falls are shorter than rises, in standard deviations of their rank sum if neither were.
+    /// Number of standard deviations by which the rank sum of the falls is below the one expected for equal falls and
+    /// rises.
     pub arrow: f64,
 }
 
 impl StickSlip {
-    /// Falls are much faster than rises, and not by chance: relaxation, not a swing.
+    /// Whether falls are significantly faster than rises: a relaxation oscillation, or stick-slip.
     #[must_use]
     pub fn is_relaxation(&self) -> bool {
-        self.fall_over_rise < MAX_FALL_OVER_RISE && self.arrow > MIN_ARROW
+        self.fall_over_rise < MAX_FALL_OVER_RISE && self.arrow > MIN_RANK_DEVIATION
     }
 
-    /// Periods are alike, and enough of them to say so.
+    /// Whether periods are regular, and enough of them were seen.
     #[must_use]
     pub fn is_regular(&self) -> bool {
-        self.slips > FEWEST_PERIODS && self.period_spread_s < REGULAR * self.period_s
+        self.slips > MIN_PERIODS && self.period_spread_s < MAX_PERIOD_SPREAD * self.period_s
     }
 }
 
-/// Oscillation in a window, if there is one: of relaxation or not. `mean` is the mean of `mu`.
+/// Finds the oscillation in a window, if there is one. `mean` is the mean of `mu`.
 pub fn oscillation(time_s: &[f64], mu: &[f64], mean: f64) -> Option<StickSlip> {
     let threshold = (NOISE_FACTOR * sample_noise(mu)).max(MIN_RELATIVE * mean.abs());
-    // Along a slope of the whole window every rise is longer than a fall, or shorter.
+    // A slope over the window would lengthen all rises, or all falls.
     let smooth = without_slope(time_s, median_of_three(mu));
     let turns = reversals(&smooth, threshold);
     let (mut drops, mut falls, mut rises, mut crests) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
@@ -75,7 +77,7 @@ pub fn oscillation(time_s: &[f64], mu: &[f64], mean: f64) -> Option<StickSlip> {
             rises.push(lasted);
         }
     }
-    if drops.len() < FEWEST_SLIPS {
+    if drops.len() < MIN_SLIPS {
         return None;
     }
     let periods: Vec<f64> = crests.windows(2).map(|pair| pair[1] - pair[0]).collect();
@@ -92,7 +94,7 @@ pub fn oscillation(time_s: &[f64], mu: &[f64], mean: f64) -> Option<StickSlip> {
     })
 }
 
-/// The values less their least-squares line, about their mean time.
+/// Subtracts the least-squares slope, about the mean time.
 fn without_slope(time_s: &[f64], mut values: Vec<f64>) -> Vec<f64> {
     let count = values.len().max(1) as f64;
     let middle_s = time_s.iter().sum::<f64>() / count;
@@ -103,12 +105,12 @@ fn without_slope(time_s: &[f64], mut values: Vec<f64>) -> Vec<f64> {
     values
 }
 
-/// By how many standard deviations the rank sum of `falls` among all durations lies below what it is on average if falls and
-/// rises last alike (Mann and Whitney).
+/// Number of standard deviations by which the rank sum of `falls` is below the one expected if falls and rises have
+/// equal durations (Mann and Whitney).
 fn arrow(falls: &[f64], rises: &[f64]) -> f64 {
     let mut sorted = rises.to_vec();
     sorted.sort_by(f64::total_cmp);
-    // Pairs of which the fall is the longer one; equal ones count half.
+    // Number of pairs in which the fall is longer; ties count half.
     let longer: f64 = falls
         .iter()
         .map(|fall| {
@@ -127,7 +129,7 @@ fn spread(values: &[f64]) -> f64 {
     (at(5.0 / 6.0).unwrap_or(0.0) - at(1.0 / 6.0).unwrap_or(0.0)) / 2.0
 }
 
-/// Samples where the values turn by at least `threshold`, crests and troughs in turn.
+/// Indices of crests and troughs, alternating, that are at least `threshold` apart.
 fn reversals(values: &[f64], threshold: f64) -> Vec<usize> {
     let mut turns = Vec::new();
     let (mut low, mut high) = (0, 0);
@@ -164,7 +166,7 @@ mod tests {
 
     #[test]
     fn a_sawtooth_has_its_amplitude_and_period() {
-        // Rises for 0.72 s, falls within 0.03 s; the period is not a whole number of samples.
+        // Rises for 0.72 s and falls within 0.03 s; the period is no whole number of samples.
         let saw = |t: f64| {
             let phase = (t / 0.753).fract();
             0.3 + 0.04 * if phase < 0.96 { phase / 0.96 } else { (1.0 - phase) / 0.04 }
@@ -186,7 +188,7 @@ mod tests {
         }
     }
 
-    /// Red noise: AR(1) of unit deviation and a correlation time, in seconds, every `step_s`.
+    /// Red noise: AR(1) of unit standard deviation with a correlation time, in seconds, sampled every `step_s`.
     fn red(deviates: &mut Noise, count: u32, step_s: f64, correlation_s: f64) -> Vec<f64> {
         let kept = (-step_s / correlation_s).exp();
         let mut value = deviates.normal();
@@ -197,7 +199,7 @@ mod tests {
         (0..count).map(next).collect()
     }
 
-    /// Steps and correlation times of red noise, in seconds.
+    /// Sampling intervals and correlation times of red noise, in seconds.
     const RED: [[f64; 2]; 12] = [
         [0.01, 0.05],
         [0.01, 0.2],
@@ -215,7 +217,8 @@ mod tests {
 
     #[test]
     fn red_noise_is_neither_stick_slip_nor_an_oscillation() {
-        // Half a minute of friction about 0.3. The fourth fall that is shorter by half was enough in up to a tenth of these.
+        // Half a minute of friction of about 0.3. A test of four falls shorter by half was wrong in up to a tenth of
+        // these.
         for [step_s, correlation_s] in RED {
             let seeds = if step_s < 0.01 { 100 } else { 400 };
             let (mut slips, mut swings) = (0, 0);
@@ -243,7 +246,7 @@ mod tests {
         for seed in 0..200_u64 {
             let mut deviates = Noise::new(seed);
             let mut next = |from: f64, to: f64| from + (to - from) * deviates.uniform();
-            // Four slips and more in half a minute; sticks and drops differ by a fifth from one to the next.
+            // Four or more slips in half a minute; durations and drops vary by a fifth.
             let (period_s, drop, fall, step_s) = (next(0.2, 6.0), next(0.02, 0.08), next(0.03, 0.15), 0.01);
             let (mut since_s, mut lasts_s, mut from, mut top) = (0.0, period_s, 0.3, 0.3 + drop);
             let mut mu = Vec::new();

@@ -1,36 +1,37 @@
-//! Reciprocating sliding: friction of every stroke back and forth, with its ends left out.
+//! Reciprocating sliding: friction of every stroke without its ends.
 //!
-//! At the ends of a stroke the sample stops, and the drive loads what is elastic in it before it slides again. Friction is therefore
-//! taken in the middle of every stroke, and from two strokes that follow each other as half the width of the friction loop,
+//! At the ends of a stroke the sample stops, and the drive loads its elastic parts before it slides again. Therefore
+//! friction is taken in the middle of every stroke, as half the width of the friction loop of two successive strokes,
 //!
 //! ```text
 //! mu_k = |m_k - m_(k+1)| / 2,     m_k = mean of F / N over the middle of stroke k, with its sign
 //! ```
 //!
-//! so that an offset of the force sensor, and a slope of the sample along the stroke, are not part of it.
+//! so that an offset of the force sensor and a tilt of the sample along the stroke cancel.
 
 use super::time_series::{mean_between, median};
-use super::{FEWEST_SAMPLES, NO_FRICTION, OTHER_SIGN, TraceError, TraceFlag, between};
+use super::{MAX_OPPOSITE_SIGN, MIN_FRICTION, MIN_SAMPLES, TraceError, TraceFlag, samples_between};
 
-/// The part in the middle of every stroke that is taken where none is given.
+/// Default central fraction of every stroke that is used.
 pub const DEFAULT_STROKE_SHARE: f64 = 0.5;
-/// A stroke has begun where friction passes this part of its usual amount on the new side.
-const BEGUN: f64 = 0.5;
-/// Fewest samples in the middle of a stroke.
-const FEWEST_IN_STROKE: usize = 4;
-/// Departure of a stroke's duration from the usual one that is told.
-const UNEVEN: f64 = 0.3;
-/// Offset between strokes there and back, relative to friction, that is told.
-const OFFSET: f64 = 0.05;
+/// A stroke begins where friction exceeds this fraction of its usual amount with the new sign.
+const STROKE_START_FRACTION: f64 = 0.5;
+/// Minimum number of samples in the middle of a stroke.
+const MIN_SAMPLES_PER_STROKE: usize = 4;
+/// Relative deviation of a stroke's duration from the median that is flagged.
+const MAX_DURATION_DEVIATION: f64 = 0.3;
+/// Offset between the two directions, relative to friction, that is flagged.
+const MAX_STROKE_OFFSET: f64 = 0.05;
 
-/// A stroke: when it began and ended, in seconds, and its mean with its sign.
+/// A stroke: beginning and end, in seconds, and mean friction with its sign.
 struct Stroke {
     from_s: f64,
     to_s: f64,
     mu: f64,
 }
 
-/// Friction against time, one value for two strokes that follow each other, or one a stroke where the sign was not recorded.
+/// Returns times and friction: one value per pair of successive strokes, or one per stroke if the sign was not
+/// recorded.
 pub(super) fn friction_of_strokes(
     time_s: &[f64],
     mu: &[f64],
@@ -38,18 +39,18 @@ pub(super) fn friction_of_strokes(
     share: f64,
     flags: &mut Vec<TraceFlag>,
 ) -> Result<(Vec<f64>, Vec<f64>), TraceError> {
-    let mut sorted = mu[between(time_s, window_s)].to_vec();
+    let mut sorted = mu[samples_between(time_s, window_s)].to_vec();
     sorted.sort_by(f64::total_cmp);
     let quantile = |part: f64| sorted[((sorted.len() - 1) as f64 * part).round() as usize];
     let negative = sorted.partition_point(|&value| value < 0.0);
     let opposite = negative.min(sorted.len() - negative);
-    let signed = opposite as f64 > OTHER_SIGN * sorted.len() as f64;
+    let signed = opposite as f64 > MAX_OPPOSITE_SIGN * sorted.len() as f64;
     let (middle, usual) = if signed {
         ((quantile(0.1) + quantile(0.9)) / 2.0, (quantile(0.9) - quantile(0.1)) / 2.0)
     } else {
         (0.0, quantile(0.5))
     };
-    if usual.abs() < NO_FRICTION {
+    if usual.abs() < MIN_FRICTION {
         return Err(TraceError::NoFriction { mu: usual });
     }
     let strokes = strokes(time_s, mu, [middle, usual], signed, share)?;
@@ -59,15 +60,16 @@ pub(super) fn friction_of_strokes(
         flags.push(TraceFlag::SignNotRecorded);
         strokes.iter().map(|stroke| ((stroke.from_s + stroke.to_s) / 2.0, stroke.mu.abs())).unzip()
     };
-    let inside = between(&times, window_s);
-    if inside.len() < FEWEST_SAMPLES {
-        return Err(TraceError::TooFewStrokes { found: inside.len(), expected: FEWEST_SAMPLES });
+    let inside = samples_between(&times, window_s);
+    if inside.len() < MIN_SAMPLES {
+        return Err(TraceError::TooFewStrokes { found: inside.len(), expected: MIN_SAMPLES });
     }
     let in_window: Vec<&Stroke> =
         strokes.iter().filter(|stroke| stroke.to_s > window_s[0] && stroke.from_s < window_s[1]).collect();
     let durations: Vec<f64> = in_window.iter().map(|stroke| stroke.to_s - stroke.from_s).collect();
     let usual_s = median(durations.clone());
-    let uneven = durations.iter().filter(|duration| (**duration / usual_s - 1.0).abs() > UNEVEN).count();
+    let uneven =
+        durations.iter().filter(|duration| (**duration / usual_s - 1.0).abs() > MAX_DURATION_DEVIATION).count();
     if uneven > 0 {
         flags.push(TraceFlag::StrokesUneven { count: uneven, of: durations.len(), usual_s });
     }
@@ -75,14 +77,14 @@ pub(super) fn friction_of_strokes(
         let mean = friction[inside.clone()].iter().sum::<f64>() / inside.len() as f64;
         let offset = in_window.windows(2).map(|pair| (pair[0].mu + pair[1].mu) / 2.0).sum::<f64>()
             / (in_window.len() - 1) as f64;
-        if offset.abs() > OFFSET * mean {
+        if offset.abs() > MAX_STROKE_OFFSET * mean {
             flags.push(TraceFlag::StrokesDiffer { offset, relative: offset / mean });
         }
     }
     Ok((times, friction))
 }
 
-/// The whole strokes of a trace: what begins before its first sample or ends after its last is left out.
+/// Finds the complete strokes of a trace; a stroke that is cut off by an end of the trace is left out.
 fn strokes(
     time_s: &[f64],
     mu: &[f64],
@@ -90,14 +92,14 @@ fn strokes(
     signed: bool,
     share: f64,
 ) -> Result<Vec<Stroke>, TraceError> {
-    // Runs of samples on one side: first, last, and the side.
+    // Runs of samples with one sign: first, last, and whether the sign is positive.
     let mut runs: Vec<(usize, usize, bool)> = Vec::new();
     let mut ended = false;
     for (i, value) in mu.iter().enumerate() {
         let over = (value - middle) / usual;
-        if over.abs() < BEGUN || (!signed && over < 0.0) {
-            // Friction without a sign ends a stroke by falling; with a sign only the other side ends it.
-            ended |= !signed && over < BEGUN / 2.0;
+        if over.abs() < STROKE_START_FRACTION || (!signed && over < 0.0) {
+            // Unsigned friction ends a stroke by falling; signed friction only by changing its sign.
+            ended |= !signed && over < STROKE_START_FRACTION / 2.0;
             continue;
         }
         match runs.last_mut() {
@@ -114,9 +116,9 @@ fn strokes(
         let (from_s, to_s) = (turned_s(before, own), turned_s(own, after));
         let cut_s = (1.0 - share) / 2.0 * (to_s - from_s);
         let [a, b] = [from_s + cut_s, to_s - cut_s];
-        let samples = between(time_s, [a, b]).len();
-        if samples < FEWEST_IN_STROKE {
-            return Err(TraceError::StrokeTooCoarse { at_s: from_s, samples, expected: FEWEST_IN_STROKE });
+        let samples = samples_between(time_s, [a, b]).len();
+        if samples < MIN_SAMPLES_PER_STROKE {
+            return Err(TraceError::StrokeTooCoarse { at_s: from_s, samples, expected: MIN_SAMPLES_PER_STROKE });
         }
         found.push(Stroke { from_s, to_s, mu: mean_between(time_s, mu, a, b) });
     }
@@ -129,7 +131,8 @@ mod tests {
     use crate::{Tangential, TraceChannels, TraceOptions, analyse};
     use slipgrid_statistics::Noise;
 
-    /// Friction 0.25 under 20 N, strokes of half a second at 200 Hz; after a turn it loads for 0.05 s. `seen` is what the sensor shows.
+    /// Friction of 0.25 under 20 N, strokes of half a second at 200 Hz, loaded for 0.05 s after a turn. `seen` maps
+    /// friction to the sensor's reading.
     fn recorded(noise: f64, seen: impl Fn(f64) -> f64) -> TraceChannels {
         let mut random = Noise::new(8);
         let time_s: Vec<f64> = (0..=9000).map(|i| f64::from(i) * 0.005).collect();
@@ -172,7 +175,7 @@ mod tests {
         let smooth = |mu: f64| mu * (1.0 + 1e-9 * mu);
         let found = analyse(&recorded(1e-9, smooth), &OPTIONS).unwrap();
         assert!((found.window.mu - 0.25).abs() < 1e-8, "{:?}", found.window);
-        // The whole stroke holds the turn, 0.05 s of 0.5 s in which friction is half of what it is later, on average none.
+        // The whole stroke includes the turn: 0.05 s of 0.5 s with a mean friction of zero.
         let whole = analyse(&recorded(1e-9, smooth), &TraceOptions { stroke_share: Some(1.0), ..OPTIONS }).unwrap();
         assert!((0.22..0.245).contains(&whole.window.mu), "{:?}", whole.window);
     }
@@ -196,7 +199,7 @@ mod tests {
         steady.tangential = Tangential::ForceN(steady.time_s.iter().map(|_| 5.0 + 0.02 * random.normal()).collect());
         let refused = analyse(&steady, &OPTIONS);
         assert!(matches!(refused, Err(TraceError::TooFewStrokes { found: 0, .. })), "{refused:?}");
-        // Ten samples a second: one in a stroke's middle quarter of a second is no mean.
+        // Ten samples per second: one sample in the middle quarter of a second is not enough for a mean.
         let coarse = |values: &[f64]| values.iter().copied().step_by(20).collect::<Vec<_>>();
         let sparse = TraceChannels {
             time_s: coarse(&both.time_s),

@@ -3,7 +3,7 @@ use slipgrid_statistics::Noise;
 
 const RADIUS_M: f64 = 0.0381;
 
-/// 45 s at 20 Hz under 150 N: a peak of 0.31 at half a second, 0.25 after it, 1 % of noise.
+/// 45 s at 20 Hz under 150 N: a peak of 0.31 at half a second, then 0.25, with 1 % of noise.
 fn good() -> TraceChannels {
     let mut noise = Noise::new(42);
     let time_s: Vec<f64> = (0..=900).map(|i| 100.0 + f64::from(i) * 0.05).collect();
@@ -46,12 +46,12 @@ fn torque_over_force_and_radius_is_friction() {
     assert_eq!((found.stick_slip, found.flags.as_slice()), (None, &[][..]));
     assert_eq!(found.samples, 601);
     assert!((found.normal_force_n - 150.0).abs() < 0.2);
-    // The same as a friction force.
+    // Recorded as a friction force.
     let mut force = good();
     force.tangential = Tangential::ForceN(torque(&mut force).iter().map(|t| t / RADIUS_M).collect());
     let force = analyse(&force, &TraceOptions { effective_radius_m: f64::NAN, ..OPTIONS }).unwrap();
     assert!((force.window.mu - found.window.mu).abs() < 1e-12);
-    // And as the instrument's own coefficient, with and without the load.
+    // Recorded as the instrument's coefficient, with and without the load.
     let mut divided = good();
     let loads = divided.normal_force_n.clone();
     divided.tangential =
@@ -133,7 +133,7 @@ fn odd_traces_are_read_and_flagged() {
         let time = c.time_s.clone();
         torque(c).iter_mut().zip(time).for_each(|(t, clock)| *t *= 1.0 + 0.003 * (clock - 100.0));
     });
-    // 0.003 per second of 30 s over the mean factor 1.075.
+    // 0.003 per second over 30 s, divided by the mean factor 1.075.
     assert!(
         matches!(drifting[..], [TraceFlag::Drift { relative, .. }] if (relative - 0.09 / 1.075).abs() < 0.01),
         "{drifting:?}"
@@ -189,8 +189,8 @@ fn slips_farther_apart_than_anything_yields_are_no_stick_slip() {
     assert!(slow.stick_slip.is_some() && slow.flags.is_empty(), "{:?}", slow.flags);
     let fast = at(20e-3);
     assert_eq!(fast.stick_slip, None);
-    let [TraceFlag::SlipTooLong { way_m, .. }] = fast.flags[..] else { panic!("{:?}", fast.flags) };
-    assert!((way_m - 38e-3).abs() < 1e-3);
+    let [TraceFlag::SlipTooLong { travel_m, .. }] = fast.flags[..] else { panic!("{:?}", fast.flags) };
+    assert!((travel_m - 38e-3).abs() < 1e-3);
     let said = fast.flags[0].to_string();
     assert!(said.contains("no stick-slip") && said.contains("10 mm at most"), "{said}");
 }
@@ -219,12 +219,13 @@ fn repeats_have_their_mean_and_deviation() {
     let three = average(&[with(0.24), with(0.25), with(0.26)]).unwrap();
     assert!((three.mu_dynamic.mean - 0.25).abs() < 1e-15 && (three.mu_dynamic.std - 0.01).abs() < 1e-12);
     assert_eq!((three.count, three.peaks, three.stick_slips), (3, 3, 0));
-    // Equal repeats still have the error of each; a single one has it alone.
+    // Equal repeats, and a single one, keep the standard error within a repeat.
     let equal = average(&[one.clone(), one.clone()]).unwrap();
     let single = average(std::slice::from_ref(&one)).unwrap();
     assert!((equal.mu_dynamic.std - one.window.stderr).abs() < 1e-15);
     assert!((single.mu_dynamic.std - one.window.stderr).abs() < 1e-15);
-    // What sampling missed of a peak may be the same in all repeats: it is added to their scatter; of one repeat it is all that is known.
+    // Sampling may miss an equal amount of the peak in all repeats: it is added to the scatter. For one repeat it is
+    // the only known error.
     let peaks = [0.3695, 0.3681, 0.3721].map(|mu| {
         let mut found = one.clone();
         found.static_peak =
@@ -234,11 +235,11 @@ fn repeats_have_their_mean_and_deviation() {
     let of_peaks = average(&peaks).unwrap();
     assert!((of_peaks.mu_static.unwrap().std - 0.00203).abs() < 1e-5);
     let scatter = 0.00203 * (4.0_f64 / 3.0).sqrt() * 4.302_653 / 1.959_964;
-    assert!((of_peaks.mu_static_of_another().unwrap() - scatter.hypot(0.05 / 12.0_f64.sqrt())).abs() < 1e-5);
-    // Both parts are known alone.
+    assert!((of_peaks.mu_static_predictive_std().unwrap() - scatter.hypot(0.05 / 12.0_f64.sqrt())).abs() < 1e-5);
+    // Scatter and missed amount are reported separately.
     assert!((average(&peaks).unwrap().mu_static_missed.unwrap() - 0.05 / 12.0_f64.sqrt()).abs() < 1e-12);
     assert_eq!(average(&peaks[..1]).unwrap().mu_static_missed, Some(0.05));
-    let of_one = average(&peaks[..1]).unwrap().mu_static_of_another().unwrap();
+    let of_one = average(&peaks[..1]).unwrap().mu_static_predictive_std().unwrap();
     assert!((of_one - (0.0005 * 2.0_f64.sqrt()).hypot(0.05)).abs() < 1e-9);
     let mut without = one.clone();
     without.static_peak = None;
@@ -272,7 +273,7 @@ fn a_sample_that_does_not_slide_is_refused() {
         analyse(&channels, &OPTIONS).unwrap_err()
     };
     assert!(matches!(with(&|_| 2e-5), TraceError::NoFriction { mu } if (mu - 2e-5).abs() < 1e-6));
-    // Loaded from the first sample on: the mean at 25 s, the rise over 30 s.
+    // Loaded from the first sample on: mean at 25 s, rise over 30 s.
     let sticks = with(&|t| 0.004 * t);
     assert!(matches!(sticks, TraceError::Unsettled { relative } if (relative - 1.2).abs() < 0.01), "{sticks}");
 }
@@ -281,14 +282,14 @@ fn a_sample_that_does_not_slide_is_refused() {
 fn a_clock_that_stands_still_between_samples_has_no_gaps() {
     let mut channels = good();
     let times = channels.time_s.clone();
-    // Every sample twice, as some exports write them: half of the pauses are nil.
+    // Every sample is written twice, as some exports do: half of the pauses are zero.
     let twice = |values: &[f64]| values.iter().flat_map(|value| [*value; 2]).collect::<Vec<f64>>();
     channels.time_s = twice(&times);
     channels.normal_force_n = twice(&channels.normal_force_n);
     *torque(&mut channels) = twice(&torque(&mut channels).clone());
     let found = analyse(&channels, &OPTIONS).unwrap();
     assert!(!found.flags.iter().any(|flag| matches!(flag, TraceFlag::Gap { .. })), "{:?}", found.flags);
-    // Several short gaps are told once.
+    // Several short gaps give one flag.
     let mut gaps = good();
     for from in [60, 100, 140] {
         gaps.time_s[from..].iter_mut().for_each(|t| *t += 0.6);

@@ -1,11 +1,11 @@
-//! Values against time, at samples that need not be even.
+//! Time series with uneven samples.
 
 use std::ops::Range;
 
 use slipgrid_statistics::upper_median;
 
-/// Mean over time of the line through the samples, from `from` to `to`. Beyond the samples the nearest
-/// one holds.
+/// Mean over the time from `from` to `to` of the linear interpolation of the samples. Outside the samples the nearest
+/// value is used.
 pub fn mean_between(time_s: &[f64], values: &[f64], from: f64, to: f64) -> f64 {
     let at = |t: f64| {
         let next = time_s.partition_point(|&sample| sample <= t);
@@ -28,21 +28,21 @@ pub fn mean_between(time_s: &[f64], values: &[f64], from: f64, to: f64) -> f64 {
     area / (to - from)
 }
 
-/// The line through values at even steps.
+/// Least-squares line through evenly spaced values.
 pub struct Line {
     /// Mean of the values.
     pub mean: f64,
-    /// Change over as many steps as there are values.
+    /// Change over `values.len()` steps.
     pub change: f64,
-    /// Variance of the values about the line.
+    /// Residual variance about the line.
     pub variance: f64,
 }
 
-/// The line through `values` by least squares; of fewer than three the variance is no number.
+/// Fits a least-squares line to `values`; the variance is NaN for fewer than three values.
 pub fn line_through(values: &[f64]) -> Line {
     let count = values.len() as f64;
     let mean = values.iter().sum::<f64>() / count;
-    // x from -1/2 to 1/2 over all: change = sum(x y) / sum(x^2).
+    // x from -1/2 to 1/2 over the whole interval: change = sum(x y) / sum(x^2).
     let x = |i: usize| (i as f64 + 0.5) / count - 0.5;
     let sum_xx: f64 = (0..values.len()).map(|i| x(i) * x(i)).sum();
     let change = values.iter().enumerate().map(|(i, y)| x(i) * (y - mean)).sum::<f64>() / sum_xx;
@@ -51,17 +51,17 @@ pub fn line_through(values: &[f64]) -> Line {
     Line { mean, change, variance }
 }
 
-/// Where `values` are highest within `range`, the first of equal ones; `range` lies within them and is not empty.
+/// Index of the first maximum of `values` within `range`, which must be within `values` and not empty.
 pub fn highest(values: &[f64], range: Range<usize>) -> usize {
     range.clone().fold(range.start, |best, i| if values[i] > values[best] { i } else { best })
 }
 
-/// The middle of some values, the upper one of an even count; zero of none.
+/// Median, the upper one for an even count; zero for no values.
 pub fn median(mut values: Vec<f64>) -> f64 {
     upper_median(&mut values).unwrap_or(0.0)
 }
 
-/// Each value replaced by the median of itself and its neighbours: single outliers go, edges stay.
+/// Running median of three: removes single outliers and keeps edges.
 pub fn median_of_three(values: &[f64]) -> Vec<f64> {
     let last = values.len().saturating_sub(1);
     (0..values.len())
@@ -72,11 +72,11 @@ pub fn median_of_three(values: &[f64]) -> Vec<f64> {
         .collect()
 }
 
-/// Standard deviation of what changes from sample to sample, by the median of second differences: slow
-/// changes and rare jumps do not count.
+/// Standard deviation of the noise from sample to sample, from the median of second differences; slow changes and rare
+/// jumps have no influence.
 pub fn sample_noise(values: &[f64]) -> f64 {
-    // y[i-1] - 2 y[i] + y[i+1] of white noise s has the deviation sqrt(6) s; the median of its size is
-    // 0.67449 of that.
+    // y[i-1] - 2 y[i] + y[i+1] of white noise s has the standard deviation sqrt(6) s, and the median of its amount is
+    // 0.67449 times that.
     let second = values.windows(3).map(|w| (w[0] - 2.0 * w[1] + w[2]).abs()).collect();
     median(second) / (0.674_489_75 * 6.0_f64.sqrt())
 }

@@ -1,32 +1,32 @@
-//! Why a trace was refused, and what is odd about one that was not.
+//! Reasons for refusing a trace, and warnings about an accepted one.
 
 use std::fmt;
 
-use super::load::LoadSlip;
+use super::load::LoadMistake;
 use super::run_in::RunIn;
 use super::zero::SensorZero;
 
-/// Why nothing can be read from a trace. Times are seconds since the trace begins.
+/// Reason why a trace was refused. Times are seconds since the trace begins.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum TraceError {
-    /// A number that was not measured.
+    /// A value is not finite.
     #[error("sample {sample}: {channel} is {value}: expected a finite number")]
     NotFinite {
-        /// Its number, from 1.
+        /// Index of the sample, from 1.
         sample: usize,
-        /// Which channel.
+        /// Channel of the value.
         channel: &'static str,
-        /// The number.
+        /// The value.
         value: f64,
     },
-    /// Channels of unequal lengths.
+    /// Channels have different lengths.
     #[error("{channel} has {found} samples: expected {expected}, as time")]
     LengthMismatch {
-        /// Which channel.
+        /// Channel with another length than time.
         channel: &'static str,
-        /// Its samples.
+        /// Number of its samples.
         found: usize,
-        /// Samples of time.
+        /// Number of time samples.
         expected: usize,
     },
     /// The clock goes back.
@@ -43,15 +43,15 @@ pub enum TraceError {
         from_s: f64,
         /// Time after.
         to_s: f64,
-        /// The channel that rises throughout as time would.
+        /// Channel that rises throughout, as time would.
         likely: Option<&'static str>,
     },
     /// The averaging window has no length or begins before the trace.
     #[error("the window from {from_s} to {to_s} s has no meaning: expected two increasing times from 0 on")]
     Window {
-        /// Its beginning.
+        /// Beginning of the window.
         from_s: f64,
-        /// Its end.
+        /// End of the window.
         to_s: f64,
     },
     /// The trace ends before the averaging window does.
@@ -65,76 +65,76 @@ pub enum TraceError {
         end_s: f64,
         /// End of the window.
         window_end_s: f64,
-        /// Usual time between samples.
+        /// Sampling interval.
         pause_s: f64,
     },
-    /// Too few samples in the window for a mean with an error.
+    /// The window has too few samples for a mean with an error.
     #[error(
         "the window holds {found} samples, one every {} s: expected at least {expected}; if they were recorded faster, time \
          is in another unit than its title says, as `Time [s]`",
         short(*pause_s)
     )]
     TooFewSamples {
-        /// Samples there are.
+        /// Samples in the window.
         found: usize,
         /// Samples needed.
         expected: usize,
-        /// Usual time between samples.
+        /// Sampling interval.
         pause_s: f64,
     },
     /// Samples are missing inside the window.
     #[error("no samples from {from_s:.2} to {to_s:.2} s, inside the averaging window")]
     Gap {
-        /// Last sample before.
+        /// Last sample before the gap.
         from_s: f64,
-        /// First sample after.
+        /// First sample after the gap.
         to_s: f64,
     },
-    /// No load in the window.
-    #[error("the normal force falls to {force_n} N at {time_s:.2} s, of {usual_n:.2} N: expected a sample under load")]
+    /// The load is lost in the window.
+    #[error("the normal force falls to {force_n} N at {time_s:.2} s, of {median_n:.2} N: expected a sample under load")]
     NoLoad {
-        /// When.
+        /// Time of the first unloaded sample.
         time_s: f64,
-        /// The force there.
+        /// Normal force there.
         force_n: f64,
-        /// Median force in the window.
-        usual_n: f64,
+        /// Median normal force in the window.
+        median_n: f64,
     },
-    /// The load is not the one that was meant.
+    /// The load is far from the nominal one.
     #[error(
         "the normal force is {} N in the window: expected about {nominal_n} N, as the condition says{}", short(*found_n),
         likely.map_or_else(String::new, |likely| format!("; {likely}"))
     )]
     WrongLoad {
-        /// Mean force in the window.
+        /// Mean normal force in the window.
         found_n: f64,
-        /// Nominal force.
+        /// Nominal normal force.
         nominal_n: f64,
-        /// What has likely gone wrong.
-        likely: Option<LoadSlip>,
+        /// Likely cause.
+        likely: Option<LoadMistake>,
     },
-    /// Friction along the motion in part of the window.
+    /// Friction changes its sign in the window.
     #[error(
         "friction changes its sign in the window ({opposite} of {samples} samples are against the mean): expected \
          sliding in one direction; of a sample that slides back and forth, `reciprocating = true` in [traces] or --reciprocating"
     )]
     WrongSign {
-        /// Samples of the other sign.
+        /// Samples of the opposite sign.
         opposite: usize,
         /// Samples in the window.
         samples: usize,
     },
-    /// The sensor stands at the end of its range.
+    /// The sensor is saturated.
     #[error("the {channel} stands at {value} in {samples} samples of the window: expected a sensor within its range")]
     Saturated {
-        /// Which channel.
+        /// Saturated channel.
         channel: &'static str,
-        /// The value, in the channel's SI unit.
+        /// Value, in the channel's SI unit.
         value: f64,
         /// Samples with exactly this value.
         samples: usize,
     },
-    /// Nothing rubs.
+    /// There is no friction.
     #[error(
         "friction is {mu:.6} in the window, as of a sample that does not slide: expected torque or friction force \
          while the sample slides, and its unit in the header"
@@ -143,7 +143,7 @@ pub enum TraceError {
         /// Mean friction coefficient in the window.
         mu: f64,
     },
-    /// Friction changes as of a sample that is only loaded, or that has hardly begun to slide.
+    /// Friction changes as in a sample that is only loaded, or that has hardly traces_begun to slide.
     #[error(
         "friction changes by {:+.0} % of its mean over the window: the sample sticks or has not settled; expected \
          steady sliding, or a window_s that holds it", 100.0 * relative
@@ -152,104 +152,104 @@ pub enum TraceError {
         /// Change of mu over the window, relative to the mean.
         relative: f64,
     },
-    /// Sliding back and forth that turns too seldom.
+    /// The window holds too few strokes.
     #[error(
         "the window holds {found} strokes back and forth: expected at least {expected}, in a longer window; of a sample \
          that slides in one direction, no `reciprocating`"
     )]
     TooFewStrokes {
-        /// Strokes there are.
+        /// Strokes in the window.
         found: usize,
         /// Strokes needed.
         expected: usize,
     },
-    /// Strokes of which too little was recorded.
+    /// A stroke has too few samples.
     #[error(
         "the stroke from {at_s:.3} s on has {samples} samples in its middle: expected at least {expected}, recorded at \
          a higher rate or with a larger `stroke_share`"
     )]
     StrokeTooCoarse {
-        /// Its beginning.
+        /// Beginning of the stroke.
         at_s: f64,
-        /// Samples in its middle.
+        /// Samples in the middle of the stroke.
         samples: usize,
         /// Samples needed.
         expected: usize,
     },
-    /// A part of a stroke that is none.
+    /// The fraction of a stroke is out of range.
     #[error("the part of a stroke is {value}: expected a number above 0 up to 1")]
     StrokeShare {
-        /// What was given.
+        /// The fraction given.
         value: f64,
     },
-    /// A span of the sensors' zero that has no length or begins before the trace.
+    /// The span for the zero of the sensors has no length or begins before the trace.
     #[error("the zero from {from_s} to {to_s} s has no meaning: expected two increasing times from 0 on in zero_s")]
     Zero {
-        /// Its beginning.
+        /// Beginning of the span.
         from_s: f64,
-        /// Its end.
+        /// End of the span.
         to_s: f64,
     },
-    /// The same that reaches into the averaging window.
+    /// The span for the zero reaches into the averaging window.
     #[error("the zero ends at {to_s} s: expected a zero_s that ends before the window begins, at {window_from_s} s")]
     ZeroInWindow {
-        /// Its end.
+        /// End of the span.
         to_s: f64,
         /// Beginning of the window.
         window_from_s: f64,
     },
-    /// The same with too few samples for a mean.
+    /// The span for the zero has too few samples for a mean.
     #[error(
         "the zero from {from_s} to {to_s} s holds {found} samples, one every {} s: expected a zero_s with at least {expected} of them before \
          touchdown", short(*pause_s)
     )]
     ZeroTooShort {
-        /// Its beginning.
+        /// Beginning of the span.
         from_s: f64,
-        /// Its end.
+        /// End of the span.
         to_s: f64,
-        /// Samples there are.
+        /// Samples in the span.
         found: usize,
         /// Samples needed.
         expected: usize,
-        /// Usual time between samples.
+        /// Sampling interval.
         pause_s: f64,
     },
-    /// The same while the sample is loaded.
+    /// The sample is loaded during the span for the zero.
     #[error(
-        "the normal force is {force_n} N at {at_s:.2} s, within the zero from {from_s} to {to_s} s, of {usual_n:.2} N in the window: expected \
+        "the normal force is {force_n} N at {at_s:.2} s, within the zero from {from_s} to {to_s} s, of {median_n:.2} N in the window: expected \
          a zero_s before touchdown, while the head hangs free"
     )]
     ZeroUnderLoad {
-        /// Its beginning.
+        /// Beginning of the span.
         from_s: f64,
-        /// Its end.
+        /// End of the span.
         to_s: f64,
-        /// When.
+        /// Time of the first loaded sample.
         at_s: f64,
-        /// The force there.
+        /// Normal force there.
         force_n: f64,
-        /// Median force in the window.
-        usual_n: f64,
+        /// Median normal force in the window.
+        median_n: f64,
     },
-    /// A zero is asked for of what the instrument divided.
+    /// A zero is requested, but only the instrument's coefficient was recorded.
     #[error(
         "the export has a friction coefficient and neither torque nor friction force, so no zero can be subtracted: expected one of \
          these with the normal force, or no zero_s"
     )]
     ZeroOfCoefficient,
-    /// A zero is asked for where no load says when the sample touches down.
+    /// A zero is requested, but no load was recorded that shows touchdown.
     #[error(
         "no normal force is recorded, so that touchdown is not known and no zero can be subtracted: expected no zero_s"
     )]
     ZeroOfStatedLoad,
-    /// A torque or friction force alone, and no force is stated.
+    /// Only a torque or friction force was recorded, and no force is stated.
     #[error("no normal force is recorded and none is stated: expected one of the two to divide the {channel} by")]
     NoStatedLoad {
         /// `torque` or `friction force`.
         channel: &'static str,
     },
-    /// A torque without the radius at which it acts.
+    /// A torque was recorded, and the radius is missing or invalid.
     #[error(
         "the effective radius is {value_m} m: expected a positive length, torque / (normal force x radius) is friction"
     )]
@@ -259,24 +259,24 @@ pub enum TraceError {
     },
 }
 
-/// A number with three digits.
+/// Rounds a number to three digits.
 fn short(value: f64) -> f64 {
     format!("{value:.2e}").parse().unwrap_or(value)
 }
 
-/// What is odd about a trace from which something was read all the same.
+/// Warning about a trace that was accepted.
 #[derive(Clone, Debug, PartialEq)]
 pub enum TraceFlag {
     /// Friction drifts through the window.
     Drift {
         /// Change of mu over the window, relative to the mean.
         relative: f64,
-        /// Its standard error.
+        /// Standard error of `relative`.
         stderr: f64,
     },
-    /// Friction is recorded with a negative sign; it has been turned.
+    /// Friction is recorded as negative; its sign was changed.
     FrictionTurned,
-    /// The normal force is recorded as negative; it has been turned.
+    /// The normal force is recorded as negative; its sign was changed.
     LoadTurned,
     /// The normal force departs from the nominal one.
     LoadOff {
@@ -284,93 +284,94 @@ pub enum TraceFlag {
         found_n: f64,
         /// Nominal force, in newtons.
         nominal_n: f64,
-        /// What has likely gone wrong.
-        likely: Option<LoadSlip>,
+        /// Likely cause.
+        likely: Option<LoadMistake>,
     },
-    /// No normal force was recorded beside the coefficient.
+    /// Only the coefficient was recorded, and no normal force.
     LoadNotRecorded,
-    /// No normal force was recorded beside a torque or friction force: it was divided by the stated one.
+    /// Only a torque or friction force was recorded; it was divided by the stated normal force.
     LoadStated {
         /// Stated force on the whole sample holder, in newtons.
         nominal_n: f64,
     },
     /// The normal force is unsteady.
     LoadUnsteady {
-        /// Its standard deviation in the window over its mean.
+        /// Standard deviation in the window over the mean.
         relative_std: f64,
     },
-    /// Samples are missing where the mean hardly notices.
+    /// Samples are missing, but so few that the mean hardly changes.
     Gap {
         /// Last sample before the longest gap.
         from_s: f64,
         /// First sample after it.
         to_s: f64,
-        /// Gaps in all.
+        /// Number of gaps.
         count: usize,
     },
     /// Friction changes slowly before the window.
     RunIn {
-        /// By how much, and when.
+        /// Amount and time of the change.
         run_in: RunIn,
-        /// A static peak stands before it.
+        /// Whether a static peak precedes it.
         peak: bool,
     },
-    /// The sensor was at the end of its range before the window: no static peak is taken.
+    /// The sensor was saturated before the window, so that no static peak is reported.
     PeakSaturated {
-        /// The value, in the channel's SI unit.
+        /// Value, in the channel's SI unit.
         value: f64,
     },
-    /// The static peak rests on few samples: it may have been higher.
+    /// The static peak has few samples and may have been higher.
     PeakCoarse {
-        /// Samples in its upper quarter.
+        /// Samples in the upper quarter of the peak.
         samples: usize,
-        /// What sampling may have missed.
+        /// Amount that sampling may have missed.
         missed: f64,
     },
-    /// The sensors do not read nil before touchdown.
+    /// The sensors do not read zero before touchdown.
     ZeroOff(SensorZero),
-    /// What they read there was subtracted.
+    /// The readings of the sensors before touchdown were subtracted.
     ZeroTaken(SensorZero),
-    /// The recorded numbers are rounded so much that few different ones occur.
+    /// The recorded numbers are so coarse that few different values occur.
     Coarse {
-        /// Different values in the window.
+        /// Number of different values in the window.
         levels: usize,
     },
-    /// Strokes there and back differ: the sensor has an offset, or the sample is tilted.
+    /// The two directions of strokes differ: the sensor has an offset, or the sample is tilted.
     StrokesDiffer {
-        /// Mean of friction there and back with their signs, which would be zero.
+        /// Mean of signed friction over both directions, which should be zero.
         offset: f64,
-        /// The same over friction.
+        /// `offset` over friction.
         relative: f64,
     },
-    /// Strokes of unequal durations.
+    /// Strokes have unequal durations.
     StrokesUneven {
-        /// How many.
+        /// Number of unusual strokes.
         count: usize,
-        /// Of how many.
+        /// Number of strokes.
         of: usize,
-        /// The usual duration.
+        /// Median duration of a stroke, in seconds.
         usual_s: f64,
     },
-    /// Friction of strokes there and back is recorded alike.
+    /// Friction is recorded with an equal sign in both directions.
     SignNotRecorded,
-    /// A regular oscillation that is no stick-slip: it falls as slowly as it rises.
+    /// A regular oscillation that falls as slowly as it rises, so that it is no stick-slip.
     Oscillation {
-        /// Peak to peak.
+        /// Amplitude, peak to peak.
         amplitude: f64,
         /// Period.
         period_s: f64,
     },
-    /// Falls and rises as of stick-slip, farther apart than anything yields: not taken for stick-slip.
+    /// An oscillation with the shape of stick-slip, but with slips farther apart than elastic deformation allows; not
+    /// counted as stick-slip.
     SlipTooLong {
         /// Median drop of mu.
         amplitude: f64,
         /// Period.
         period_s: f64,
-        /// Way of the drive in it, in metres.
-        way_m: f64,
-        /// Longest way from slip to slip.
-        longest_m: f64,
+        /// Travel of the drive in a period, in metres.
+        travel_m: f64,
+        /// Largest possible travel between slips, in metres.
+        max_travel_m: f64,
     },
 }
 
@@ -451,12 +452,12 @@ impl fmt::Display for TraceFlag {
                 f,
                 "an oscillation of {amplitude:.4} with a period of {period_s:.2} s that rises as fast as it falls: no stick-slip"
             ),
-            Self::SlipTooLong { amplitude, period_s, way_m, longest_m } => write!(
+            Self::SlipTooLong { amplitude, period_s, travel_m, max_travel_m } => write!(
                 f,
                 "friction falls by {amplitude:.4} every {period_s:.2} s, on a way of {:.1} mm: no stick-slip, between slips of which a drive goes \
                  {} mm at most, as far as arm and specimen yield",
-                1e3 * way_m,
-                1e3 * longest_m
+                1e3 * travel_m,
+                1e3 * max_travel_m
             ),
         }
     }

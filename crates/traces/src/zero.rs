@@ -1,36 +1,38 @@
-//! The zero of the sensors: what they read before the sample touches down, while the head hangs free.
+//! Zero of the sensors: their readings before touchdown, while the sample hangs free.
 //!
-//! An offset of the normal force counts in every friction coefficient, the more the smaller the load; it makes friction seem to depend on load.
+//! An offset of the normal force enters every friction coefficient, more so at small loads, and makes friction seem to
+//! depend on load.
 
 use std::fmt;
 use std::ops::Range;
 
 use super::time_series::{median, sample_noise};
-use super::{Tangential, TraceChannels, TraceError, UNLOADED, between, usual_pause};
+use super::{Tangential, TraceChannels, TraceError, UNLOADED_FRACTION, samples_between, sampling_interval};
 
-/// Samples of which a zero is taken, at least.
-const FEWEST: usize = 5;
-/// Departure of a sample from the zero, over the load in the window, from which it is no longer before touchdown.
-const TOUCHES: f64 = 0.1;
-/// Offset of a sensor over what it reads in the window that is told: half of what friction is known to at best ...
-const OFF: f64 = 0.002;
-/// ... if it is also beyond this many standard errors of its mean.
-const BEYOND_NOISE: f64 = 4.0;
-/// Difference of the two halves of the span, over the mean, up to which it is an offset: of a slow loading it is 1.
-const STEADY: f64 = 0.25;
+/// Minimum number of samples for a zero.
+const MIN_ZERO_SAMPLES: usize = 5;
+/// A sample is after touchdown if its normal force differs from the zero by this fraction of the load in the window.
+const TOUCHDOWN_FRACTION: f64 = 0.1;
+/// Sensor offset that is reported, relative to the reading in the window: half of the best accuracy of friction,
+const MIN_OFFSET: f64 = 0.002;
+/// if it also exceeds this many standard errors.
+const NOISE_STDERRS: f64 = 4.0;
+/// Maximum difference between the two halves of the span, relative to the mean, for a constant offset. A slow loading
+/// has 1.
+const MAX_HALF_DIFFERENCE: f64 = 0.25;
 
-/// What the sensors read before touchdown.
+/// Readings of the sensors before touchdown.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SensorZero {
-    /// From when to when, in seconds since the trace begins.
+    /// Beginning and end of the span, in seconds since the trace begins.
     pub span_s: [f64; 2],
-    /// Normal force, in newtons.
+    /// Mean normal force, in newtons.
     pub force_n: f64,
-    /// What friction was read from: `torque` or `friction force`.
+    /// Friction channel: `torque` or `friction force`.
     pub channel: &'static str,
-    /// Its mean, in `unit`.
+    /// Mean of the friction channel, in `unit`.
     pub tangential: f64,
-    /// `N m` of a torque, `N` of a force.
+    /// `N m` for a torque, `N` for a force.
     pub unit: &'static str,
 }
 
@@ -41,10 +43,11 @@ impl fmt::Display for SensorZero {
     }
 }
 
-/// `channels` less what they read from `from_s` to `to_s`; `inside` are the samples of the window, and `time_s` counts from the beginning of the trace.
+/// Subtracts the mean readings over `span_s` from `channels`. `inside` are the samples of the window; `time_s` counts
+/// from the beginning of the trace.
 ///
 /// # Errors
-/// [`TraceError`] for a span that is none, that has too few samples, in which the sample is loaded, and for friction without a zero.
+/// [`TraceError`] if the span is invalid, has too few samples or is under load, or if friction is a coefficient.
 pub fn subtract(
     channels: &TraceChannels,
     time_s: &[f64],
@@ -59,52 +62,53 @@ pub fn subtract(
     if to_s > window_from_s {
         return Err(TraceError::ZeroInWindow { to_s, window_from_s });
     }
-    let Some(kind) = kind(&channels.tangential) else { return Err(TraceError::ZeroOfCoefficient) };
-    let span = between(time_s, span_s);
-    if span.len() < FEWEST {
-        let pause_s = usual_pause(time_s);
-        return Err(TraceError::ZeroTooShort { from_s, to_s, found: span.len(), expected: FEWEST, pause_s });
+    let Some(channel) = zero_channel(&channels.tangential) else { return Err(TraceError::ZeroOfCoefficient) };
+    let span = samples_between(time_s, span_s);
+    if span.len() < MIN_ZERO_SAMPLES {
+        let pause_s = sampling_interval(time_s);
+        return Err(TraceError::ZeroTooShort { from_s, to_s, found: span.len(), expected: MIN_ZERO_SAMPLES, pause_s });
     }
-    let zero = read(channels, &span, span_s, kind);
-    let usual_n = median(channels.normal_force_n[inside.clone()].to_vec());
-    let is_loaded = |force_n: f64| (force_n - zero.force_n).abs() >= TOUCHES * (usual_n - zero.force_n).abs();
+    let zero = mean_readings(channels, &span, span_s, channel);
+    let median_n = median(channels.normal_force_n[inside.clone()].to_vec());
+    let is_loaded =
+        |force_n: f64| (force_n - zero.force_n).abs() >= TOUCHDOWN_FRACTION * (median_n - zero.force_n).abs();
     let loaded = span.clone().find(|&i| is_loaded(channels.normal_force_n[i]));
-    // A span that is under load throughout is as even as one before touchdown.
-    let loaded = loaded.or((zero.force_n.abs() >= UNLOADED * usual_n.abs()).then_some(span.start));
+    // A span that is under load throughout is as constant as one before touchdown.
+    let loaded = loaded.or((zero.force_n.abs() >= UNLOADED_FRACTION * median_n.abs()).then_some(span.start));
     if let Some(at) = loaded {
         let (at_s, force_n) = (time_s[at], channels.normal_force_n[at]);
-        return Err(TraceError::ZeroUnderLoad { from_s, to_s, at_s, force_n, usual_n });
+        return Err(TraceError::ZeroUnderLoad { from_s, to_s, at_s, force_n, median_n });
     }
-    let less = |values: &[f64], zero: f64| values.iter().map(|value| value - zero).collect::<Vec<f64>>();
+    let subtract_from = |values: &[f64], zero: f64| values.iter().map(|value| value - zero).collect::<Vec<f64>>();
     let zeroed = TraceChannels {
         time_s: channels.time_s.clone(),
         start_s: channels.start_s,
         tangential: match &channels.tangential {
-            Tangential::TorqueNm(values) => Tangential::TorqueNm(less(values, zero.tangential)),
-            Tangential::ForceN(values) => Tangential::ForceN(less(values, zero.tangential)),
+            Tangential::TorqueNm(values) => Tangential::TorqueNm(subtract_from(values, zero.tangential)),
+            Tangential::ForceN(values) => Tangential::ForceN(subtract_from(values, zero.tangential)),
             Tangential::Coefficient(values) => Tangential::Coefficient(values.clone()),
         },
-        normal_force_n: less(&channels.normal_force_n, zero.force_n),
+        normal_force_n: subtract_from(&channels.normal_force_n, zero.force_n),
     };
     Ok((zeroed, zero))
 }
 
-/// The zero of a trace that begins before touchdown, where a sensor's is not nil: told at every load by the same rule. The first half of the time
-/// before the force first reaches half of the load counts, or of a slow loading as much less as leaves it out. Of a coefficient alone there
-/// is none.
-pub fn offset(channels: &TraceChannels, time_s: &[f64], inside: &Range<usize>) -> Option<SensorZero> {
-    let kind = kind(&channels.tangential)?;
+/// Finds a significant sensor offset in a trace that begins before touchdown, by one rule for all loads. The first half
+/// of the time before the force reaches half of the load is used; it is halved until it holds no part of a slow
+/// loading. `None` if only a coefficient was recorded.
+pub fn find_offset(channels: &TraceChannels, time_s: &[f64], inside: &Range<usize>) -> Option<SensorZero> {
+    let channel = zero_channel(&channels.tangential)?;
     let usual = |values: &[f64]| median(values[inside.clone()].to_vec());
-    let usual_n = usual(&channels.normal_force_n);
-    let touchdown = channels.normal_force_n.iter().position(|force| force / usual_n >= UNLOADED)?;
+    let median_n = usual(&channels.normal_force_n);
+    let touchdown = channels.normal_force_n.iter().position(|force| force / median_n >= UNLOADED_FRACTION)?;
     let (mut end, mut found) = (touchdown / 2, None);
-    while end >= FEWEST && found.is_none() {
-        // To the hundredth of a second before its end, so that the span may be written as it is told.
+    while end >= MIN_ZERO_SAMPLES && found.is_none() {
+        // Round the end down to 0.01 s, so that the span can be copied from the message.
         let span_s = [0.0, (100.0 * time_s[end - 1]).floor() / 100.0];
-        let free = between(time_s, span_s);
-        let zero = read(channels, &free, span_s, kind);
-        let is_free = |force_n: &f64| (force_n - zero.force_n).abs() < TOUCHES * usual_n.abs();
-        let is_all_free = free.len() >= FEWEST && channels.normal_force_n[free.clone()].iter().all(is_free);
+        let free = samples_between(time_s, span_s);
+        let zero = mean_readings(channels, &free, span_s, channel);
+        let is_free = |force_n: &f64| (force_n - zero.force_n).abs() < TOUCHDOWN_FRACTION * median_n.abs();
+        let is_all_free = free.len() >= MIN_ZERO_SAMPLES && channels.normal_force_n[free.clone()].iter().all(is_free);
         found = is_all_free.then_some((free, zero));
         end /= 2;
     }
@@ -114,28 +118,31 @@ pub fn offset(channels: &TraceChannels, time_s: &[f64], inside: &Range<usize>) -
     (is_off(&channels.normal_force_n, zero.force_n) || is_off(tangential, zero.tangential)).then_some(zero)
 }
 
-/// Whether `values` with this `mean` are those of a sensor that is off, where `usual` is what it reads in the window; not of one that rises.
+/// Whether `values` with this `mean` show a constant offset, compared with the `usual` reading in the window, and not a
+/// rise.
 fn is_offset(values: &[f64], mean: f64, usual: f64) -> bool {
     let count = values.len() as f64;
     let stderr = (values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / (count - 1.0) / count).sqrt();
     let (first, second) = values.split_at(values.len() / 2);
-    let of = |part: &[f64]| part.iter().sum::<f64>() / part.len() as f64;
-    // The difference of halves has twice the error of the mean, that of noise from sample to sample: a rise is none.
+    let mean_of = |part: &[f64]| part.iter().sum::<f64>() / part.len() as f64;
+    // For white noise the difference of the halves has twice the standard error of the mean; a larger difference is a
+    // rise.
     let noise = 2.0 * sample_noise(values) / count.sqrt();
-    let is_steady = (of(second) - of(first)).abs() <= (STEADY * mean.abs()).max(BEYOND_NOISE * noise);
-    is_steady && mean.abs() > (OFF * usual.abs()).max(BEYOND_NOISE * stderr)
+    let is_steady =
+        (mean_of(second) - mean_of(first)).abs() <= (MAX_HALF_DIFFERENCE * mean.abs()).max(NOISE_STDERRS * noise);
+    is_steady && mean.abs() > (MIN_OFFSET * usual.abs()).max(NOISE_STDERRS * stderr)
 }
 
-/// Name and unit of what friction is read from, where it has a zero.
-const fn kind(of: &Tangential) -> Option<(&'static str, &'static str)> {
-    match of {
-        Tangential::TorqueNm(_) => Some((of.name(), "N m")),
-        Tangential::ForceN(_) => Some((of.name(), "N")),
+/// Name and unit of the friction channel, if it has a zero.
+const fn zero_channel(tangential: &Tangential) -> Option<(&'static str, &'static str)> {
+    match tangential {
+        Tangential::TorqueNm(_) => Some((tangential.name(), "N m")),
+        Tangential::ForceN(_) => Some((tangential.name(), "N")),
         Tangential::Coefficient(_) => None,
     }
 }
 
-fn read(
+fn mean_readings(
     channels: &TraceChannels,
     samples: &Range<usize>,
     span_s: [f64; 2],
@@ -168,7 +175,8 @@ mod tests {
         zero_s: None,
     };
 
-    /// The head hangs free for 4 s, loads within one, and slides at 0.25 under `load_n`; sensors with these offsets.
+    /// The sample hangs free for 4 s, is loaded within 1 s, and slides at 0.25 under `load_n`; the sensors have these
+    /// offsets.
     fn recorded(load_n: f64, [force_n, friction_n]: [f64; 2]) -> TraceChannels {
         let mut noise = Noise::new(7);
         let time_s: Vec<f64> = (0..=800).map(|i| f64::from(i) * 0.05).collect();
@@ -192,13 +200,13 @@ mod tests {
                 // mu = (0.25 N + offset) / (N + offset)
                 let biased = (0.25 * load_n + offsets[1]) / (load_n + offsets[0]);
                 assert!((raw.window.mu - biased).abs() < 3e-4, "{load_n} {offsets:?}: {}", raw.window.mu);
-                // An offset may make run-in of the loading, which stands beside it.
+                // An offset may turn the loading into apparent run-in, which is another flag.
                 let [TraceFlag::ZeroOff(zero), ..] = raw.flags[..] else { panic!("{load_n}: {:?}", raw.flags) };
                 assert!((zero.force_n - offsets[0]).abs() < 0.03 && (zero.tangential - offsets[1]).abs() < 0.03);
                 let said = raw.flags[0].to_string();
                 assert!(said.contains("`zero_s = [0, ") && zero.span_s[1] > 1.9 && zero.span_s[1] < FREE_S, "{said}");
-                // As the note says it, and as one who knows the trace does. Four standard errors of 0.05 N of noise in both channels, over the
-                // 40 samples of the former span and the 600 of the window.
+                // The span from the message, and a span chosen by hand. Four standard errors of 0.05 N of noise in both
+                // channels, over the 40 samples of the longer span and the 600 of the window.
                 let known = 4.0 * 0.05 * (1.0 / 40.0 + 1.0_f64 / 600.0).sqrt() * 1.0_f64.hypot(0.25) / load_n;
                 for span_s in [zero.span_s, [0.5, 3.9]] {
                     let found = with(&channels, span_s).unwrap();
@@ -229,7 +237,7 @@ mod tests {
     fn nothing_is_told_of_sensors_at_nil_and_of_traces_that_begin_under_load() {
         let flags = |channels: &TraceChannels| analyse(channels, &OPTIONS).unwrap().flags;
         assert_eq!(flags(&recorded(30.0, [0.0, 0.0])), []);
-        // The load rises slowly from nil: its beginning is no offset. With one behind a second at rest, the offset is told.
+        // A load that rises slowly from zero is no offset. An offset before the rise is reported.
         let mut slow = recorded(150.0, [0.0, 0.0]);
         let rising = |t: f64, from_s: f64| 150.0 * ((t - from_s) / 8.0).clamp(0.0, 1.0);
         let times = slow.time_s.clone();
@@ -237,7 +245,7 @@ mod tests {
         assert!(!flags(&slow).iter().any(|flag| matches!(flag, TraceFlag::ZeroOff(_))), "{:?}", flags(&slow));
         slow.normal_force_n.iter_mut().zip(&times).for_each(|(force, t)| *force = 2.4 + rising(*t, 1.0));
         assert!(flags(&slow).iter().any(|flag| matches!(flag, TraceFlag::ZeroOff(zero) if zero.force_n < 4.0)));
-        // 0.1 % of the load is less than what is told.
+        // An offset of 0.1 % of the load is below the limit.
         assert_eq!(flags(&recorded(1000.0, [1.0, 0.0])), []);
         let mut late = recorded(150.0, [2.4, 0.0]);
         late.time_s.iter_mut().for_each(|t| *t -= 8.0);
@@ -261,7 +269,7 @@ mod tests {
         assert_eq!(refused([0.0, 12.0]), TraceError::ZeroInWindow { to_s: 12.0, window_from_s: 10.0 });
         assert_eq!(refused([50.0, 60.0]), TraceError::ZeroInWindow { to_s: 60.0, window_from_s: 10.0 });
         assert!(matches!(refused([1.0, 1.1]), TraceError::ZeroTooShort { found: 3, expected: 5, .. }));
-        // Into the loading, and under load throughout.
+        // A span that reaches into the loading, and one that is under load throughout.
         assert!(matches!(refused([0.0, 4.5]), TraceError::ZeroUnderLoad { at_s, .. } if at_s > 4.0 && at_s < 4.3));
         assert!(matches!(refused([6.0, 9.0]), TraceError::ZeroUnderLoad { .. }));
         assert!(refused([6.0, 9.0]).to_string().contains("expected a zero_s before touchdown"));

@@ -1,16 +1,16 @@
-//! Units of the files, SI inside: conversion, and the range in which a number means something.
+//! Units of files and their conversion to SI, with the ranges of accepted numbers.
 //!
 //! ```text
-//! SI = number x factor,     least (<) number <= most
+//! SI = number x factor,     min (<) number <= max
 //! ```
 //!
 //! | item | role |
 //! |---|---|
-//! | [`Quantity`] | a unit with its factor and its range; its text is what a refusal says |
-//! | [`LENGTH_UM`], [`PRESSURE_MPA`] and others | one for each kind of key |
-//! | [`tidy`] | a number without what unit conversion left behind |
+//! | [`Quantity`] | a unit with its factor and range; formatted for error messages |
+//! | [`LENGTH_UM`], [`PRESSURE_MPA`] and others | one quantity for each kind of key |
+//! | [`tidy`] | removes rounding errors of unit conversions |
 //!
-//! This crate knows no keys and no files.
+//! This crate does not depend on keys or files.
 //!
 //! ```
 //! use slipgrid_units::{LENGTH_UM, PRESSURE_MPA};
@@ -23,38 +23,38 @@
 
 use std::fmt;
 
-/// How a file's unit becomes SI.
+/// Conversion of a file's unit to SI.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Scale {
     /// SI = number x factor.
     Times(f64),
-    /// SI = number / divisor: exact where the factor (1e-6) has no exact binary form.
+    /// SI = number / divisor: exact where the factor (for example 1e-6) has no exact binary representation.
     Over(f64),
 }
 
-/// A quantity as a file writes it: its unit and the range that is accepted.
+/// A quantity in files: its unit and the accepted range.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Quantity {
     scale: Scale,
     unit: &'static str,
-    least: f64,
-    /// The least value itself is refused.
+    min: f64,
+    /// Whether the minimum itself is refused.
     above: bool,
-    most: f64,
+    max: f64,
 }
 
 impl Quantity {
-    const fn new(scale: Scale, unit: &'static str, least: f64, above: bool, most: f64) -> Self {
-        Self { scale, unit, least, above, most }
+    const fn new(scale: Scale, unit: &'static str, min: f64, above: bool, max: f64) -> Self {
+        Self { scale, unit, min, above, max }
     }
 
-    /// Whether `value`, in the file's unit, lies in the range.
+    /// Whether `value`, in the file's unit, is within the range.
     #[must_use]
     pub fn accepts(&self, value: f64) -> bool {
-        value.is_finite() && value <= self.most && if self.above { value > self.least } else { value >= self.least }
+        value.is_finite() && value <= self.max && if self.above { value > self.min } else { value >= self.min }
     }
 
-    /// `value` in SI units.
+    /// Converts `value` to SI units.
     #[must_use]
     pub fn to_si(&self, value: f64) -> f64 {
         match self.scale {
@@ -63,7 +63,7 @@ impl Quantity {
         }
     }
 
-    /// `si` in the file's unit, to 12 digits: conversion there and back gives the number written.
+    /// Converts `si` to the file's unit, rounded to 12 digits, so that conversion and back gives the number written.
     #[must_use]
     pub fn from_si(&self, si: f64) -> f64 {
         tidy(match self.scale {
@@ -72,23 +72,23 @@ impl Quantity {
         })
     }
 
-    /// `si` as it is read back from a file that holds it to 12 digits.
+    /// Rounds `si` as it is read back from a file with 12 digits.
     #[must_use]
     pub fn as_written(&self, si: f64) -> f64 {
         self.to_si(self.from_si(si))
     }
 
-    /// The same quantity from zero on, where that has a meaning.
+    /// This quantity with zero as the minimum.
     #[must_use]
     pub const fn or_zero(mut self) -> Self {
-        (self.least, self.above) = (0.0, false);
+        (self.min, self.above) = (0.0, false);
         self
     }
 
-    /// The same quantity with another upper end.
+    /// This quantity with another maximum.
     #[must_use]
-    pub const fn at_most(mut self, most: f64) -> Self {
-        self.most = most;
+    pub const fn at_most(mut self, max: f64) -> Self {
+        self.max = max;
         self
     }
 }
@@ -96,15 +96,16 @@ impl Quantity {
 impl fmt::Display for Quantity {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let from = if self.above { "above" } else { "from" };
-        write!(f, "a number {from} {} up to {}", self.least, self.most)?;
+        write!(f, "a number {from} {} up to {}", self.min, self.max)?;
         if self.unit.is_empty() { Ok(()) } else { write!(f, " {}", self.unit) }
     }
 }
 
-/// Lengths of patterns and layers: from a picometre, far below an atom, up to 10 m, where a metre was meant to be a micrometre.
+/// Lengths of patterns and layers: from a picometre, far below an atom, to 10 m, which detects metres given instead of
+/// micrometres.
 pub const LENGTH_UM: Quantity = Quantity::new(Scale::Over(1e6), "um", 1e-6, false, 1e7);
-/// Sides of pixels: a map has none below a ten-thousandth of a nanometre.
-pub const PIXEL_UM: Quantity = Quantity { least: 1e-7, above: false, ..LENGTH_UM };
+/// Sides of pixels: no map has pixels below a ten-thousandth of a nanometre.
+pub const PIXEL_UM: Quantity = Quantity { min: 1e-7, above: false, ..LENGTH_UM };
 /// Standard deviations of lengths.
 pub const LENGTH_STD_UM: Quantity = LENGTH_UM.or_zero();
 /// Heights of rims, and their scatter.
@@ -113,18 +114,18 @@ pub const RIM_HEIGHT_UM: Quantity = LENGTH_UM.or_zero().at_most(1000.0);
 pub const CORRELATION: Quantity = Quantity::new(Scale::Times(1.0), "", -1.0, false, 1.0);
 /// Lengths of specimens, from a nanometre.
 pub const LENGTH_MM: Quantity = Quantity::new(Scale::Over(1e3), "mm", 1e-6, false, 1e4);
-/// Nominal pressures: diamond yields at 100 GPa.
+/// Nominal pressures, up to the yield pressure of diamond, 100 GPa.
 pub const PRESSURE_MPA: Quantity = Quantity::new(Scale::Times(1e6), "MPa", 0.0, true, 1e5);
-/// Largest Young's modulus that any file may hold: diamond has 1220 GPa.
-pub const LARGEST_MODULUS_GPA: f64 = 1250.0;
+/// Maximum Young's modulus in files: diamond has 1220 GPa.
+pub const MAX_MODULUS_GPA: f64 = 1250.0;
 /// Young's moduli.
-pub const MODULUS_GPA: Quantity = Quantity::new(Scale::Times(1e9), "GPa", 0.0, true, LARGEST_MODULUS_GPA);
+pub const MODULUS_GPA: Quantity = Quantity::new(Scale::Times(1e9), "GPa", 0.0, true, MAX_MODULUS_GPA);
 /// Standard deviations of Young's modulus.
 pub const MODULUS_STD_GPA: Quantity = MODULUS_GPA.or_zero();
-/// Largest density that any file may hold: osmium has 22.6 g/cm3.
-pub const LARGEST_DENSITY_G_CM3: f64 = 23.0;
+/// Maximum density in files: osmium has 22.6 g/cm3.
+pub const MAX_DENSITY_G_CM3: f64 = 23.0;
 /// Densities.
-pub const DENSITY_G_CM3: Quantity = Quantity::new(Scale::Times(1e3), "g/cm3", 0.0, true, LARGEST_DENSITY_G_CM3);
+pub const DENSITY_G_CM3: Quantity = Quantity::new(Scale::Times(1e3), "g/cm3", 0.0, true, MAX_DENSITY_G_CM3);
 /// Sliding speeds.
 pub const SPEED_MM_S: Quantity = Quantity::new(Scale::Over(1e3), "mm/s", 0.0, true, 1e5);
 /// Relative humidity.
@@ -135,7 +136,7 @@ pub const FORCE_N: Quantity = Quantity::new(Scale::Times(1.0), "N", 0.0, true, 1
 pub const FRICTION: Quantity = Quantity::new(Scale::Times(1.0), "", 0.0, true, 10.0);
 /// Standard deviations of friction coefficients.
 pub const FRICTION_STD: Quantity = Quantity::new(Scale::Times(1.0), "", 0.0, false, 10.0);
-/// Scatter of the local coefficients relative to their means: beyond a half the Gaussian's negative tail counts.
+/// Relative scatter of the local coefficients; above one half the negative tail of the Gaussian matters.
 pub const RELATIVE_STD: Quantity = Quantity::new(Scale::Times(1.0), "", 0.0, false, 0.5);
 /// Factors of the area law.
 pub const FACTOR: Quantity = Quantity::new(Scale::Times(1.0), "", 0.0, false, 10.0);
@@ -147,13 +148,14 @@ pub const FRACTION: Quantity = Quantity::new(Scale::Times(1.0), "", 0.0, false, 
 pub const EXCESS: Quantity = Quantity::new(Scale::Times(1.0), "", 0.1, true, 10.0);
 /// Friction ratios, patterned over flat.
 pub const RATIO: Quantity = Quantity::new(Scale::Times(1.0), "", 0.0, true, 5.0);
-/// Half-widths of the target, and standard errors wanted.
+/// Half-widths of targets, and requested standard errors.
 pub const TOLERANCE: Quantity = Quantity::new(Scale::Times(1.0), "", 0.0, true, 1.0);
-/// A part that is not nothing.
+/// Fractions of a stroke, above zero.
 pub const STROKE_SHARE: Quantity = Quantity::new(Scale::Times(1.0), "", 0.0, true, 1.0);
 /// Weights in means.
 pub const WEIGHT: Quantity = Quantity::new(Scale::Times(1.0), "", 0.0, true, 1e6);
-/// Rms slopes of surfaces: below the least every surface is in full contact, above the most none is measured.
+/// Rms slopes of surfaces: below the minimum all surfaces are in full contact, above the maximum none has been
+/// measured.
 pub const SLOPE: Quantity = Quantity::new(Scale::Times(1.0), "", 1e-7, false, 10.0);
 /// Damping frequency over sqrt(k/m).
 pub const DAMPING: Quantity = Quantity::new(Scale::Times(1.0), "", 0.0, false, 2.0);
@@ -163,37 +165,37 @@ pub const TIME_S: Quantity = Quantity::new(Scale::Times(1.0), "s", 0.0, false, 1
 pub const STEP_NS: Quantity = Quantity::new(Scale::Over(1e9), "ns", 0.0, true, 1e6);
 /// Poisson's ratios of an isotropic solid.
 pub const POISSON: Quantity = Quantity::new(Scale::Times(1.0), "", -1.0, true, 0.5);
-/// Angles of grooves: turned by half a turn they are the same.
+/// Angles of grooves, which are equal after a rotation by 180 degrees.
 pub const GROOVE_ANGLE_DEG: Quantity = Quantity::new(Scale::Times(1.0), "degrees", -90.0, false, 90.0);
 /// Angles between two families of grooves.
 pub const CROSSING_ANGLE_DEG: Quantity = Quantity::new(Scale::Times(1.0), "degrees", 10.0, false, 90.0);
 /// Angles of the sliding direction.
 pub const SLIDING_ANGLE_DEG: Quantity = Quantity::new(Scale::Times(1.0), "degrees", -180.0, false, 180.0);
-/// How far walls lean from upright.
+/// Angles of walls from vertical.
 pub const WALL_TAPER_DEG: Quantity = Quantity::new(Scale::Times(1.0), "degrees", 0.0, false, 80.0);
-/// Numbers of the laser in units of their own; below a millionth of these nothing is made.
+/// Positive numbers of the laser in their units; below a millionth there is no effect.
 pub const POSITIVE: Quantity = Quantity::new(Scale::Times(1.0), "", 1e-6, false, 1e12);
 
-/// `value` to 12 significant digits: what unit conversion left behind is gone.
+/// Rounds `value` to 12 significant digits, which removes rounding errors of unit conversions.
 #[must_use]
 pub fn tidy(value: f64) -> f64 {
     significant(value, 12)
 }
 
-/// `value` to so many significant digits.
+/// Rounds `value` to `digits` significant digits.
 #[must_use]
 pub fn significant(value: f64, digits: usize) -> f64 {
     if value.is_finite() { format!("{value:.*e}", digits.saturating_sub(1)).parse().unwrap_or(value) } else { value }
 }
 
-/// `value` as one writes it: with an exponent where its digits would fill a line.
+/// Formats `value`, with an exponent if it would have too many digits.
 #[must_use]
 pub fn in_digits(value: f64) -> String {
     let is_plain = value == 0.0 || (1e-9..1e16).contains(&value.abs());
     if is_plain { value.to_string() } else { format!("{value:e}") }
 }
 
-/// A positive `value` to so many significant digits, up with `to` = `f64::ceil`, down with `f64::floor`.
+/// Rounds a positive `value` to `digits` significant digits with `to`: `f64::ceil` rounds up, `f64::floor` down.
 #[must_use]
 pub fn significant_to(value: f64, digits: usize, to: fn(f64) -> f64) -> f64 {
     let unit = 10_f64.powf(value.log10().floor() + 1.0 - digits as f64);

@@ -1,4 +1,4 @@
-//! What runs in time add to steady sliding, beside which a fit is made.
+//! Corrections from dynamic runs to steady sliding, for use in the fit.
 
 use slipgrid_material::LocalFriction;
 use slipgrid_springblock::{Monitor, Unwatched};
@@ -7,25 +7,26 @@ use super::Layout;
 use crate::flat_sample::{self, DynamicFlat, Pairs};
 use crate::{FitError, Problem};
 
-/// |d ln delta / d ln(mu_d f)| over delta - 1 at most: what time adds to steady sliding follows friction no faster than the
-/// root of it (0.2 where it is largest, `one_run_stands_for_all_at_its_load_and_speed`).
-const FOLLOWS: f64 = 0.5;
-/// The same as a standard deviation, for measurements that another's run stands for.
-pub const STANDING_FOR: f64 = 0.2;
+/// Upper bound of |d ln delta / d ln(mu_d f)| / |delta - 1|: the excess over steady sliding grows no faster than the
+/// square root of friction (0.2 at most in `one_run_stands_for_all_at_its_load_and_speed`).
+const MAX_EXCESS_SENSITIVITY: f64 = 0.5;
+/// Standard deviation of this ratio, for measurements that use the run of another measurement.
+pub const EXCESS_SENSITIVITY_STD: f64 = 0.2;
 
-/// Slope of the static peak against mu_s below which it does not follow it: the noise of the two runs behind it.
+/// Slope of the static peak against mu_s below which the peak is considered independent of mu_s: the noise of the two
+/// runs from which the slope is computed.
 const MIN_SLOPE: f64 = 0.05;
-/// Relative step of mu_s that finds how the static peak follows it: large against the noise of a
-/// peak (1e-3), small against the range in which the peak is nearly linear.
+/// Relative step of mu_s for the slope of the static peak: large against the noise of a peak (1e-3), small against the
+/// range in which the peak is nearly linear.
 const STATIC_STEP: f64 = 0.05;
 
-/// Dynamic runs relative to what the fit can compute at once.
+/// Results of dynamic runs, relative to the steady model.
 #[derive(Clone, Debug)]
 pub struct Corrections {
     /// Dynamic over steady friction.
     pub delta: Vec<f64>,
     pub relative_stderr: Vec<f64>,
-    /// How the static peak follows the local coefficient, where a peak was measured.
+    /// Dependence of the static peak on mu_s, if a peak was measured.
     pub peaks: Vec<Option<PeakLine>>,
 }
 
@@ -37,13 +38,13 @@ pub struct PeakLine {
     pub current: f64,
 }
 
-/// Peaks that do not follow mu_s, by measurement.
+/// Measurements whose peaks do not depend on mu_s.
 pub fn flat_peaks(peaks: &[Option<PeakLine>]) -> Vec<usize> {
     (0..peaks.len()).filter(|&i| peaks[i].is_some_and(|line| line.slope < MIN_SLOPE)).collect()
 }
 
-/// Gives every peak the mean of its slopes in all rounds, which `slopes` keep by measurement: the two peaks of one draw behind
-/// a slope scatter by as much as they differ.
+/// Replaces the slope of every peak by its mean over all rounds, which `slopes` accumulates by measurement. A slope
+/// from two peaks of one draw has an error as large as itself.
 pub fn average_slopes(peaks: &mut [Option<PeakLine>], slopes: &mut [Vec<f64>]) {
     for (line, slopes) in peaks.iter_mut().zip(slopes) {
         let Some(line) = line else { continue };
@@ -52,8 +53,8 @@ pub fn average_slopes(peaks: &mut [Option<PeakLine>], slopes: &mut [Vec<f64>]) {
     }
 }
 
-/// Gives peaks that do not follow mu_s the mean slope of the others: away from the solution a peak of one draw may fall where
-/// mu_s rises, which says nothing of it there.
+/// Gives peaks that do not depend on mu_s the mean slope of the others. Far from the solution, the peak of one draw may
+/// fall while mu_s rises, which is not typical.
 pub fn borrow_slopes(peaks: &mut [Option<PeakLine>]) {
     let slopes: Vec<f64> = peaks.iter().flatten().map(|line| line.slope).filter(|slope| *slope >= MIN_SLOPE).collect();
     let mean = slopes.iter().sum::<f64>() / slopes.len().max(1) as f64;
@@ -63,7 +64,7 @@ pub fn borrow_slopes(peaks: &mut [Option<PeakLine>]) {
 }
 
 impl Corrections {
-    /// Most that delta can move, relative, as the parameters go from those of the runs to others.
+    /// Upper bound of the relative change of delta, from the parameters of the runs to other parameters.
     pub fn moved(&self, problem: &Problem, layout: &Layout, parameters: [&[f64]; 2]) -> Result<f64, FitError> {
         let laws = [layout.law(problem, parameters[0])?.0, layout.law(problem, parameters[1])?.0];
         let moved = (0..problem.measurements.len()).map(|i| {
@@ -73,13 +74,13 @@ impl Corrections {
                 parameters[side][layout.dynamic[i]] * factor
             };
             // |d delta| <= 0.5 |delta - 1| |d ln(mu_d f)|
-            FOLLOWS * (self.delta[i] - 1.0).abs() * (friction(1) / friction(0)).ln().abs()
+            MAX_EXCESS_SENSITIVITY * (self.delta[i] - 1.0).abs() * (friction(1) / friction(0)).ln().abs()
         });
         Ok(moved.fold(0.0, f64::max))
     }
 }
 
-/// Runs in time at `parameters`, and at slightly larger mu_s where peaks were measured.
+/// Dynamic runs at `parameters`, and with slightly larger mu_s if peaks were measured.
 pub fn correct(
     problem: &Problem,
     layout: &Layout,
@@ -91,20 +92,20 @@ pub fn correct(
     Ok(runs.corrections(peaks))
 }
 
-/// Runs in time at the `parameters` of a fit that was made with the corrections `of_the_fit`, where any peaks were fitted: delta depends on
-/// mu_s, and that of the fit is the one before its last step. The slopes of peaks stay those of the fit.
+/// Dynamic runs at the fitted `parameters`, if any peaks were fitted: delta depends on mu_s, and the fit used the delta
+/// before its last step. The slopes of the peaks are kept.
 pub fn confirm(
     problem: &Problem,
     layout: &Layout,
     parameters: &[f64],
-    of_the_fit: &Corrections,
+    fitted: &Corrections,
     monitor: &dyn Monitor,
 ) -> Result<Corrections, FitError> {
-    if of_the_fit.peaks.iter().all(Option::is_none) {
-        return Ok(of_the_fit.clone());
+    if fitted.peaks.iter().all(Option::is_none) {
+        return Ok(fitted.clone());
     }
     let runs = Runs::new(problem, layout, parameters, monitor)?;
-    let found = runs.dynamic.iter().zip(&runs.pairs).zip(&of_the_fit.peaks);
+    let found = runs.dynamic.iter().zip(&runs.pairs).zip(&fitted.peaks);
     let peak = |((found, pair), line): ((&DynamicFlat, &LocalFriction), &Option<PeakLine>)| {
         let (line, at_current) = ((*line)?, found.mu_static?);
         Some(PeakLine { at_current, current: pair.static_mean(), ..line })
@@ -113,7 +114,7 @@ pub fn confirm(
     Ok(runs.corrections(peaks))
 }
 
-/// Flat samples in time at some parameters.
+/// Dynamic runs of the flat sample at given parameters.
 struct Runs {
     problem: Problem,
     pairs: Pairs,
@@ -130,7 +131,7 @@ impl Runs {
         let steady = flat_sample::steady(&problem, &pairs)?;
         let representatives = flat_sample::representatives(&problem, &pairs);
         let dynamic = flat_sample::dynamic(&problem, &pairs, &representatives, monitor)?;
-        let delta = dynamic.iter().zip(&representatives).map(|(d, &of)| d.mu_dynamic / steady[of]).collect();
+        let delta = dynamic.iter().zip(&representatives).map(|(d, &place)| d.mu_dynamic / steady[place]).collect();
         Ok(Self { problem, pairs, representatives, dynamic, delta })
     }
 
@@ -138,13 +139,13 @@ impl Runs {
         let Self { pairs, representatives, dynamic, delta, .. } = self;
         let relative_stderr = |i: usize| {
             let away = (pairs[i].dynamic_mean() / pairs[representatives[i]].dynamic_mean()).ln();
-            (dynamic[i].stderr / dynamic[i].mu_dynamic).hypot(STANDING_FOR * (delta[i] - 1.0) * away)
+            (dynamic[i].stderr / dynamic[i].mu_dynamic).hypot(EXCESS_SENSITIVITY_STD * (delta[i] - 1.0) * away)
         };
         Corrections { relative_stderr: (0..delta.len()).map(relative_stderr).collect(), delta, peaks }
     }
 }
 
-/// The slope of every measured static peak, by runs at slightly larger mu_s.
+/// Slopes of all measured static peaks, from runs with slightly larger mu_s.
 fn peak_lines(runs: &Runs) -> Result<Vec<Option<PeakLine>>, FitError> {
     let Runs { problem, pairs, representatives, dynamic, .. } = runs;
     if dynamic.iter().all(|d| d.mu_static.is_none()) {

@@ -1,16 +1,16 @@
-//! What a fit says in words: how values were found, what the data leave open, and what would settle it.
+//! Notes and warnings of a fit: methods, undetermined values, and measurements that would determine them.
 
-use super::{Fit, FittedPair, MAX_ROUNDS, Model, SETTLED};
+use super::{Fit, FittedPair, MAX_ROUNDS, Model, SETTLED_CHANGE};
 use crate::flat_sample::speed_m_s;
 
-/// An interval of the area law's scale wider than this factor leaves the law open.
-const OPEN_SCALE: f64 = 3.0;
+/// The area law counts as undetermined if the ends of the interval of its scale differ by more than this factor.
+const MAX_SCALE_RATIO: f64 = 3.0;
 
 pub fn notes(model: &Model<'_>, fit: &Fit) -> Vec<String> {
     let Model { problem, layout, corrections, .. } = *model;
-    let above_pct = |of: &mut dyn Iterator<Item = f64>| {
+    let above_pct = |values: &mut dyn Iterator<Item = f64>| {
         let [least, most] =
-            of.fold([f64::INFINITY, f64::NEG_INFINITY], |[least, most], at| [least.min(at), most.max(at)]);
+            values.fold([f64::INFINITY, f64::NEG_INFINITY], |[least, most], at| [least.min(at), most.max(at)]);
         format!("{:.2} to {:.2} %", (least - 1.0) * 100.0, (most - 1.0) * 100.0)
     };
     let over_steady = above_pct(&mut corrections.delta.iter().copied());
@@ -20,15 +20,15 @@ pub fn notes(model: &Model<'_>, fit: &Fit) -> Vec<String> {
          sliding, and the fit corrects for it. Above mu_d f(P), the steady sliding of an endless sample, it lies {over_law}: that is \
          dynamic_over_steady in the material file, or its mean where that is one number"
     )];
-    notes.extend(slowed(model));
+    notes.extend(speed_note(model));
     if layout.fixed_static.iter().any(Option::is_none) {
         notes.push(format!(
             "static_mean: not determined by the data where no static peak was measured; static_mean / dynamic_mean = {:.4} is assumed. A measured peak of friction at the onset of sliding would settle it",
             problem.static_over_dynamic
         ));
     }
-    notes.push(relative_std(model));
-    notes.extend(scale(fit));
+    notes.push(scatter_note(model));
+    notes.extend(scale_note(fit));
     for parameter in fit.parameters.iter().filter(|parameter| !parameter.std_error.is_finite()) {
         notes.push(format!("{}: not determined by the data; it has no standard error", parameter.name));
     }
@@ -39,12 +39,12 @@ pub fn notes(model: &Model<'_>, fit: &Fit) -> Vec<String> {
     notes
 }
 
-/// What makes fitted values doubtful.
+/// Reasons to doubt fitted values.
 pub fn warnings(fit: &Fit) -> Vec<String> {
     let mut warnings = Vec::new();
     if !fit.settled {
         warnings.push(format!(
-            "the fit did not settle: coefficients still changed by more than {SETTLED} of themselves after {MAX_ROUNDS} rounds, and \
+            "the fit did not settle: coefficients still changed by more than {SETTLED_CHANGE} of themselves after {MAX_ROUNDS} rounds, and \
              friction of the flat sample in time may miss what was measured"
         ));
     }
@@ -69,8 +69,8 @@ pub fn warnings(fit: &Fit) -> Vec<String> {
     warnings
 }
 
-/// Measurements whose runs are slower than they are.
-fn slowed(Model { problem, .. }: &Model<'_>) -> Option<String> {
+/// Note on measurements whose runs are slower than the measured speed.
+fn speed_note(Model { problem, .. }: &Model<'_>) -> Option<String> {
     let speeds = problem.measurements.iter().map(|measured| (measured.speed_m_s, speed_m_s(problem, measured)));
     let slowed: Vec<(f64, f64)> = speeds.filter(|(measured, run)| run < measured).collect();
     let slowest = slowed.iter().map(|(_, run)| *run).fold(f64::INFINITY, f64::min);
@@ -85,8 +85,9 @@ fn slowed(Model { problem, .. }: &Model<'_>) -> Option<String> {
     })
 }
 
-/// Repeats bound the scatter from above: N independent blocks spread the mean by s / sqrt N.
-fn relative_std(model: &Model<'_>) -> String {
+/// Note on the scatter of local coefficients. Repeats give an upper bound: N independent blocks reduce the scatter of
+/// the mean to s / sqrt(N).
+fn scatter_note(model: &Model<'_>) -> String {
     let problem = model.problem;
     let blocks = problem.layer.columns() as f64;
     let spread = problem.measurements.iter().map(|measured| measured.mu_dynamic_std / measured.mu_dynamic);
@@ -97,12 +98,12 @@ fn relative_std(model: &Model<'_>) -> String {
     )
 }
 
-fn scale(fit: &Fit) -> Option<String> {
+fn scale_note(fit: &Fit) -> Option<String> {
     let parameter = fit.parameters.iter().find(|parameter| parameter.name == "area_law_scale_pa")?;
     let mpa = |pa: f64| format!("{:.3} MPa", pa * 1e-6);
     let open = "friction over a wider range of loads, or an altitude map of a flat sample, would settle it";
     Some(match parameter.interval {
-        [Some(from), Some(to)] if to / from < OPEN_SCALE => format!(
+        [Some(from), Some(to)] if to / from < MAX_SCALE_RATIO => format!(
             "area law: its pressure scale E* h'rms = {} (95 %: {} to {}) is fitted to the fall of flat friction with load, not measured; an altitude map would confirm it",
             mpa(parameter.value),
             mpa(from),

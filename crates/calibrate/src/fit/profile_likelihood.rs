@@ -1,4 +1,4 @@
-//! Profile likelihood: the least chi-square at each value of one parameter, all others free.
+//! Profile likelihood: chi-square as a function of one parameter, minimized over all others.
 
 use super::{Model, Parameter};
 use crate::least_squares::Solution;
@@ -6,12 +6,12 @@ use crate::{Coefficients, FitError};
 
 /// Increase of chi-square at the ends of a 95 % interval of one parameter.
 const LEVEL: f64 = 3.841_458_8;
-/// Points on each side of the fit.
+/// Number of points on each side of the fit.
 const POINTS: usize = 12;
-/// Reach on each side, in standard errors.
+/// Range on each side, in standard errors.
 const REACH: f64 = 3.5;
 
-/// Every parameter with its profile.
+/// Computes all parameters with their profiles.
 pub fn parameters(model: &Model<'_>, solution: &Solution) -> Result<Vec<Parameter>, FitError> {
     (0..solution.parameters.len()).map(|number| parameter(model, solution, number)).collect()
 }
@@ -21,7 +21,7 @@ fn parameter(model: &Model<'_>, solution: &Solution, number: usize) -> Result<Pa
     let bounds = layout.bounds(model.problem)[number];
     let value = solution.parameters[number];
     let error = solution.standard_error(number);
-    // Down from the fit and up, each beginning where the last ended: the others follow smoothly.
+    // Each point starts from the solution at the previous one, because the other parameters change smoothly.
     let side = |end: f64| -> Result<Vec<[f64; 2]>, FitError> {
         let reach = (REACH * error).min((end - value).abs());
         let mut start = solution.parameters.clone();
@@ -41,21 +41,21 @@ fn parameter(model: &Model<'_>, solution: &Solution, number: usize) -> Result<Pa
     profile.push([value, 0.0]);
     profile.extend(above);
     let is_scale = layout.log_scale == Some(number);
-    // The scale is fitted by its logarithm and told as it is.
-    let told = |x: f64| if is_scale { x.exp() } else { x };
+    // The scale is fitted as a logarithm, but reported as a pressure.
+    let reported = |x: f64| if is_scale { x.exp() } else { x };
     Ok(Parameter {
         name: name(model, number),
-        value: told(value),
-        std_error: if is_scale { told(value) * error } else { error },
-        bounds: bounds.map(told),
+        value: reported(value),
+        std_error: if is_scale { reported(value) * error } else { error },
+        bounds: bounds.map(reported),
         at_bound: solution.at_bound[number],
-        profile: profile.into_iter().map(|[x, rise]| [told(x), rise]).collect(),
-        interval: interval.map(|end| end.map(told)),
+        profile: profile.into_iter().map(|[x, rise]| [reported(x), rise]).collect(),
+        interval: interval.map(|end| end.map(reported)),
     })
 }
 
-/// Where the profile first reaches the level; between points the root of the increase is linear, as it is
-/// for a parabola.
+/// Parameter at which the profile first reaches the level. Between points the root of the increase is interpolated
+/// linearly, which is exact for a parabola.
 fn crossing(value: f64, points: &[[f64; 2]]) -> Option<f64> {
     let mut last = [value, 0.0];
     for &[x, rise] in points {

@@ -31,7 +31,7 @@ fn problem(coefficients: Coefficients) -> Problem {
     }
 }
 
-/// What the model itself gives for known coefficients, as measurements.
+/// Measurements computed from the model with known coefficients.
 fn measured_by_the_model(problem: &mut Problem, dynamic_mean: f64, with_peaks: bool) {
     let pair = LocalFriction::new(1.1 * dynamic_mean, dynamic_mean, problem.relative_std).unwrap();
     if with_peaks {
@@ -48,7 +48,7 @@ fn measured_by_the_model(problem: &mut Problem, dynamic_mean: f64, with_peaks: b
     }
 }
 
-/// Travel that holds 25 periods of this layer at 2 mm/s holds two and a half at 20 mm/s.
+/// A travel of 25 periods of this layer at 2 mm/s is one of 2.5 periods at 20 mm/s.
 #[test]
 fn fast_measurements_are_averaged_as_long_as_slow_ones() {
     for with_peaks in [false, true] {
@@ -59,7 +59,7 @@ fn fast_measurements_are_averaged_as_long_as_slow_ones() {
             measured_by_the_model(&mut problem, 0.25, with_peaks);
             problem.measurements.iter().map(|measured| measured.mu_dynamic).collect::<Vec<f64>>()
         });
-        // Sliding is more even at high speed: mu comes down by up to the 2 % that stick-slip adds.
+        // Sliding is smoother at high speed: mu falls by up to the 2 % that stick-slip adds.
         for (slow, fast) in found[0].iter().zip(&found[1]) {
             assert!((fast / slow - 1.0).abs() < 0.02, "{slow} {fast}");
         }
@@ -74,13 +74,14 @@ fn coefficients_behind_the_models_own_data_are_recovered() {
         let fit = fit_coefficients(&problem, &Unwatched).unwrap();
         assert_eq!(fit.pairs.len(), if coefficients == Coefficients::Single { 1 } else { 3 });
         for pair in &fit.pairs {
-            // A short specimen gives delta to about 1e-3.
+            // A short specimen determines delta to about 1e-3.
             let noise = fit.predictions.iter().map(|p| p.relative_stderr).fold(0.0, f64::max);
             assert!((pair.dynamic_mean / 0.25 - 1.0).abs() < 4.0 * noise && noise < 2e-3, "{pair:?} {noise}");
             assert!(pair.static_std_error.is_none());
         }
         assert!(fit.settled && fit.notes.iter().any(|note| note.contains("static_mean: not determined")));
-        // The excess over steady sliding and what the material file holds are two numbers, and said as such.
+        // The excess over steady sliding and the value in the material file are two numbers, and the note distinguishes
+        // them.
         let percent = |of: f64| format!("{:.2}", 100.0 * (of - 1.0));
         let over_law: Vec<f64> = fit.predictions.iter().map(|predicted| predicted.over_local_law).collect();
         let least = percent(over_law.iter().copied().fold(f64::INFINITY, f64::min));
@@ -96,7 +97,7 @@ fn standard_errors_follow_from_the_measured_ones() {
     measured_by_the_model(&mut problem, 0.25, false);
     let fit = fit_coefficients(&problem, &Unwatched).unwrap();
     for (pair, measured) in fit.pairs.iter().zip(&problem.measurements) {
-        // mu is nearly proportional to mu_d: equal relative errors.
+        // mu is nearly proportional to mu_d, so that relative errors are equal.
         let relative =
             pair.dynamic_std_error.unwrap() / pair.dynamic_mean / (measured.mu_dynamic_std / measured.mu_dynamic);
         assert!((relative - 1.0).abs() < 0.05, "{relative}");
@@ -111,14 +112,14 @@ fn a_measured_static_peak_determines_the_static_coefficient() {
     problem.static_over_dynamic = 2.0; // not used: every measurement has its peak
     let fit = fit_coefficients(&problem, &Unwatched).unwrap();
     let pair = fit.pairs[0];
-    // The peak follows mu_s with a slope well below one: its error is larger than the peak's own.
+    // The slope of the peak against mu_s is well below one, so that the error of mu_s exceeds that of the peak.
     let error = pair.static_std_error.unwrap();
     assert!(error > 0.005 / 3.0_f64.sqrt() && error < 0.03, "{pair:?}");
     assert!((pair.static_mean - 0.275).abs() < 2.0 * error, "{pair:?}");
     assert!((pair.dynamic_mean / 0.25 - 1.0).abs() < 0.01, "{pair:?}");
 }
 
-/// Peaks far below or above those of the model: friction of the flat sample in time is that measured all the same.
+/// With peaks far below or above those of the model, modelled dynamic friction must still equal the measured one.
 #[test]
 fn flat_friction_does_not_pay_for_a_static_peak_that_the_model_does_not_have() {
     for factor in [0.93, 0.96, 1.2, 1.4] {
@@ -138,15 +139,15 @@ fn flat_friction_does_not_pay_for_a_static_peak_that_the_model_does_not_have() {
     }
 }
 
-/// At the heavier of two loads the peak is far above dynamic friction, where the coefficients that explain that friction give 1.01 times
-/// it. Fitted together, the coefficients of a peak so high have the sample slide some thousandths, three to five standard deviations,
-/// above what was measured, whether the fit settles or not.
-/// A peak of `above` times dynamic friction.
+/// At the heavier of two loads the peak is far above dynamic friction, while the coefficients that explain dynamic
+/// friction give a peak of 1.01 times dynamic friction. Fitting such a peak would raise modelled friction by three to
+/// five standard deviations above the measured one, whether the fit settles or not. `above` is the ratio of the peak to
+/// dynamic friction.
 fn is_named_and_left_out(above: f64) {
     let mut problem = problem(Coefficients::PerCondition);
     problem.layer = Layer { length_m: 2e-3, height_m: 100e-6, ..problem.layer };
     problem.measurements.truncate(2);
-    // A run from rest, as that of the fit is.
+    // Starts from rest, like the run in the fit.
     problem.measurements[1].static_peak = Some(StaticPeak { mu: 1.0, std: 0.0005 });
     let behind = LocalFriction::new(1.1 * 0.25, 0.25, problem.relative_std).unwrap();
     let found = flat_sample::dynamic(&problem, &vec![behind; 2], &[0, 1], &Unwatched).unwrap();
@@ -190,11 +191,11 @@ fn loads_that_one_pair_cannot_describe_show_in_chi_square() {
     let fit = fit_coefficients(&problem, &Unwatched).unwrap();
     assert!(fit.chi_square > 50.0 && fit.degrees_of_freedom == 2);
     let warned = fit.warnings.iter().find(|warning| warning.contains("one pair of coefficients does not describe"));
-    // Friction scatters by 0.1 about the one pair, which each measurement is far better known than.
+    // Friction scatters by 0.1 about the fitted pair, far more than the errors of single measurements.
     let relative = fit.pairs[0].dynamic_std_error.unwrap() / fit.pairs[0].dynamic_mean;
     assert!((relative - 0.1).abs() < 0.02, "{relative}");
     assert!(warned.unwrap().contains(&format!("its standard error, {:.1} %", 100.0 * relative)), "{warned:?}");
-    // A static coefficient that is fitted to peaks explains no scatter of dynamic friction.
+    // Static coefficients fitted to peaks do not explain scatter of dynamic friction.
     measured_by_the_model(&mut problem, 0.25, true);
     problem.measurements.truncate(2);
     for (measured, factor) in problem.measurements.iter_mut().zip([0.9, 1.1]) {
@@ -213,7 +214,7 @@ fn measurements_without_meaning_are_refused() {
     assert!(refused.contains("measurement 2") && refused.contains("mu_dynamic_std"), "{refused}");
 }
 
-/// A contact area curve that saturates: a(x) = 1 - exp(-x), nearly Persson's.
+/// A saturating contact area curve: a(x) = 1 - exp(-x), close to Persson's.
 fn unknown_law() -> AreaLawScale {
     let pressure_over_scale: Vec<f64> = (0..160).map(|i| 1e-3 * 1.07_f64.powi(i)).collect();
     AreaLawScale {
@@ -223,7 +224,7 @@ fn unknown_law() -> AreaLawScale {
     }
 }
 
-/// Six loads of a short specimen whose law is unknown, with static peaks.
+/// Six loads on a short specimen with an unknown law and static peaks.
 fn scaled_problem() -> Problem {
     let mut problem = problem(Coefficients::Single);
     problem.area_law = None;
@@ -248,7 +249,7 @@ fn intervals_cover_the_truth_as_often_as_they_say() {
     let mut problem = scaled_problem();
     let layout = Layout::new(&problem);
     let count = problem.measurements.len();
-    // Dynamic runs enter as fixed corrections; a peak follows mu_s with the slope of one half.
+    // Dynamic runs are replaced by constant corrections; peaks have a slope of one half against mu_s.
     let line = |i: usize| PeakLine { at_current: 0.22 - 0.01 * i as f64, slope: 0.5, current: 0.275 };
     let corrections = Corrections {
         delta: vec![1.015; count],
@@ -288,7 +289,7 @@ fn intervals_cover_the_truth_as_often_as_they_say() {
         assert!((181..=199).contains(&parameter[0]), "{covered:?}");
     }
     assert!((178..=199).contains(&covered[0][1]) && (181..=199).contains(&covered[1][1]), "{covered:?}");
-    // Twelve numbers less three: chi-square is 9 +- 4.2 / sqrt(200).
+    // Twelve values minus three parameters: chi-square is 9 +- 4.2 / sqrt(200).
     assert!((chi_square / REPLICATES as f64 - 9.0).abs() < 1.2, "{}", chi_square / REPLICATES as f64);
 }
 
@@ -302,7 +303,7 @@ fn the_emulator_is_the_steady_sample() {
         let solved = flat_sample::steady(&exact, &vec![LocalFriction::new(0.3, mean, 0.05).unwrap(); 6]).unwrap();
         for (i, mu) in solved.iter().enumerate() {
             let emulated = emulator.steady(i, mean, law.as_ref(), scale_pa.ln());
-            // A tenth of the best measured standard deviation, in a specimen whose ends are a tenth of it.
+            // A tenth of the smallest measured standard deviation, on a specimen whose ends make up a tenth.
             assert!((emulated / mu - 1.0).abs() < 5e-4, "{mean} {scale_pa} {i}: {emulated} {mu}");
         }
     }
@@ -310,7 +311,7 @@ fn the_emulator_is_the_steady_sample() {
 
 #[test]
 fn a_law_that_the_loads_do_not_show_is_left_open_and_said() {
-    // Two light loads: f is 1 at both but for a per cent.
+    // At two light loads, f is 1 within one per cent.
     let mut problem = scaled_problem();
     problem.measurements.truncate(2);
     for measured in &mut problem.measurements {
@@ -321,7 +322,7 @@ fn a_law_that_the_loads_do_not_show_is_left_open_and_said() {
     assert_eq!(scale.name, "area_law_scale_pa");
     assert!(scale.interval.contains(&None), "{scale:?}");
     assert!(fit.notes.iter().any(|note| note.contains("area law: not determined by the data")), "{:?}", fit.notes);
-    // A pair a load, or one load, cannot tell a law at all.
+    // One pair per load, or a single load, cannot determine a law.
     let each = Problem { coefficients: Coefficients::PerCondition, ..problem.clone() };
     assert!(matches!(fit_coefficients(&each, &Unwatched), Err(FitError::AreaLawNotIdentifiable { .. })));
     problem.measurements.truncate(1);
@@ -341,7 +342,7 @@ fn a_peak_that_does_not_stand_out_is_left_out_by_name() {
         assert!(fit.pairs.iter().all(|pair| pair.static_std_error.is_none()), "{:?}", fit.pairs);
         assert!(fit.warnings.iter().any(|note| note.starts_with("static_mean 2: not determined")));
     }
-    // A peak that stands out, and to which mu_s hardly matters: whatever is found has a finite error or none.
+    // A distinct peak that hardly depends on mu_s: the standard error is finite or absent.
     let fit = fit_coefficients(&with_peak(0.2011, 1e-5), &Unwatched);
     let fit = fit.unwrap_or_else(|error| panic!("{error}"));
     assert!(fit.pairs.iter().all(|pair| pair.static_std_error.is_none_or(f64::is_finite)), "{:?}", fit.pairs);
@@ -365,7 +366,7 @@ fn what_no_run_would_bring_nearer_is_refused_before_the_first() {
     let slow = refused(&|p| p.measurements[1].speed_m_s = 1e-8);
     let FitError::TooManySteps { number: 2, least_m_s, hours, .. } = slow else { panic!("{slow}") };
     assert!(hours > 0.1 && (1e-7..1e-5).contains(&least_m_s), "{slow}");
-    // A little faster than that a run is begun.
+    // Slightly faster, the run is accepted.
     let mut at_least = problem(Coefficients::PerCondition);
     at_least.measurements[1].speed_m_s = 1.01 * least_m_s;
     assert!(super::planned_steps(&at_least).is_ok());
@@ -382,7 +383,7 @@ fn what_no_run_would_bring_nearer_is_refused_before_the_first() {
     assert!(matches!(wide, FitError::TooManyCoefficients { count: 251, .. }), "{wide}");
 }
 
-/// At 60 mm/s the layer would slide in waves: all are run at the speed of even sliding.
+/// At 60 mm/s the layer would slide in waves, so that all runs use the speed limit of even sliding.
 #[test]
 fn measurements_faster_than_even_sliding_are_run_more_slowly() {
     let fitted = |speed_m_s: f64| {
@@ -402,7 +403,7 @@ fn measurements_faster_than_even_sliding_are_run_more_slowly() {
     let run = |speed_m_s: f64| flat_sample::speed_m_s(&problem, &Measurement { speed_m_s, ..*measured });
     assert!(even > measured.speed_m_s && run(measured.speed_m_s) == measured.speed_m_s);
     assert!((run(9.9 * even) / even - 1.0).abs() < 1e-12);
-    // So much faster that nothing slower stands for it.
+    // Far above the limit no slower run can replace it.
     assert_eq!(run(10.1 * even), 10.1 * even);
 }
 
@@ -467,7 +468,7 @@ fn planned_steps_are_those_that_a_run_takes() {
 fn one_run_stands_for_all_at_its_load_and_speed() {
     let mut problem = problem(Coefficients::PerCondition);
     problem.layer = Layer { length_m: 2e-3, height_m: 100e-6, ..problem.layer };
-    // Runs are to be as exact as they can be.
+    // The requested standard error has a lower limit.
     problem.measurements.iter_mut().for_each(|measured| measured.mu_dynamic_std = 1e-4);
     let of = |factor: f64| vec![LocalFriction::new(0.3 * factor, 0.27 * factor, 0.05).unwrap(); 3];
     let deltas = |pairs: &Pairs| -> Vec<[f64; 2]> {
@@ -478,13 +479,13 @@ fn one_run_stands_for_all_at_its_load_and_speed() {
     let own = deltas(&of(1.0));
     for factor in [0.88_f64, 1.13] {
         for ([at, stderr], [own, own_stderr]) in deltas(&of(factor)).iter().zip(&own) {
-            let allowed =
-                dynamic_corrections::STANDING_FOR * (own - 1.0) * factor.ln().abs() + stderr.hypot(*own_stderr);
+            let allowed = dynamic_corrections::EXCESS_SENSITIVITY_STD * (own - 1.0) * factor.ln().abs()
+                + stderr.hypot(*own_stderr);
             assert!((own - 1.0) > 5e-3 && (at - own).abs() < 3.0 * allowed, "{at} {own} {allowed:e}");
             assert!(allowed < 1e-3, "{allowed:e}");
         }
     }
-    // Of three humidities the middle one is run; a peak takes its own run.
+    // Of three humidities the middle one is run; a measurement with a peak has its own run.
     problem.measurements = vec![problem.measurements[0]; 3];
     let pairs: Pairs = [1.0, 1.2, 1.1].iter().flat_map(|&factor| of(factor).pop()).collect();
     assert_eq!(flat_sample::representatives(&problem, &pairs), [2, 2, 2]);

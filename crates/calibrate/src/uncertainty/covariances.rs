@@ -1,16 +1,16 @@
-//! Covariances of what is not known exactly of a material and of the model.
+//! Covariances of uncertain numbers of a material and of the model.
 
 use slipgrid_material::{AreaLaw, MaterialError};
 use slipgrid_springblock::Load;
 
-/// Row by row.
+/// Covariance matrix as rows.
 pub type Covariance = Vec<Vec<f64>>;
 
-/// Covariance of the relative errors of flat friction mu_d f at `loads` and of the logarithm of the law's scale, from that
-/// of mu_d and the scale: d ln(mu_d f) = d ln(mu_d) + (d ln f / d ln s) d ln s.
+/// Covariance of the relative errors of flat friction mu_d f at `loads` and of the logarithm of the law's scale, from
+/// the covariance `known` of mu_d and the scale: d ln(mu_d f) = d ln(mu_d) + (d ln f / d ln s) d ln s.
 ///
 /// # Errors
-/// [`MaterialError`] where the law cannot be moved.
+/// [`MaterialError`] if the law cannot be shifted.
 pub fn with_scale(known: &[[f64; 2]; 2], law: &AreaLaw, loads: &[Load]) -> Result<Covariance, MaterialError> {
     const STEP: f64 = 0.02;
     let at = |log_scale: f64| law.at_modulus(log_scale.exp());
@@ -53,7 +53,8 @@ mod tests {
             for (j, right) in rows.iter().enumerate() {
                 let of = |a: usize, b: usize| left[a] * known[a][b] * right[b];
                 let expected = of(0, 0) + of(0, 1) + of(1, 0) + of(1, 1);
-                // Below its first pressure a law goes on as its first chord: its slope is off by half a hundredth.
+                // Below its first pressure the law continues along its first chord, so that its slope deviates by half
+                // a hundredth.
                 assert!((covariance[i][j] - expected).abs() < 4e-6, "{i} {j}: {} {expected}", covariance[i][j]);
             }
         }

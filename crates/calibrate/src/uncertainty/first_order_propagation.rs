@@ -1,6 +1,6 @@
-//! Standard deviations to first order: slopes of the steady ratio, times what is known of each number. Along Young's
-//! modulus, which is known to a fifth, the ratio bends: intervals rest on solves at one and at 1.96 standard deviations
-//! of it each way, and reach farther to one side than to the other.
+//! First-order propagation of standard deviations: slopes of the steady ratio times the errors of the inputs. The ratio
+//! is nonlinear in Young's modulus, which has errors of up to a fifth; therefore intervals are computed from solves at
+//! 1 and 1.96 standard deviations on both sides, and are asymmetric.
 
 use slipgrid_material::{AreaLaw, LocalFriction, MaterialError};
 use slipgrid_pattern::Pattern;
@@ -8,51 +8,53 @@ use slipgrid_springblock::{Extent, Fidelity, RunOptions, Scene, SteadyCell};
 
 use super::{InputUncertainty, Source};
 
-/// Slopes of the steady ratio at one load; zero along what nothing is known of.
+/// Slopes of the steady ratio at one load; zero for inputs without known errors.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct Slope {
-    /// Along the relative error of flat friction.
+    /// Slope against the relative error of flat friction.
     friction: f64,
-    /// Along the logarithm of Young's modulus, or of the fitted scale.
+    /// Slope against the logarithm of Young's modulus, or of the fitted scale.
     scale: f64,
-    /// Along the area law's factors, all off by so many standard errors.
+    /// Slope against the area law's factors, all shifted by one standard error.
     law: f64,
 }
 
-/// How the ratio of a scene's pattern follows what is not known exactly: central differences over a standard deviation
-/// each way, by the steady cell.
+/// Sensitivity of the ratio of a pattern to uncertain inputs: central differences over one standard deviation, with the
+/// steady cell.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Slopes {
-    /// One per load; `None` where a neighbour cannot be computed.
+    /// One per load; `None` if a neighbour cannot be computed.
     by_load: Vec<Option<Slope>>,
     has_law_errors: bool,
-    /// Changes of the ratio where Young's modulus is off by [`REACHES`], one list per load; empty where nothing is known of it
-    /// or a neighbour cannot be computed.
+    /// Changes of the ratio for deviations [`BENT_DEVIATIONS`] of Young's modulus, one list per load; empty if its error is not
+    /// known or a neighbour cannot be computed.
     bends: Vec<[f64; 4]>,
 }
 
-/// Standard deviations of the modulus at which intervals are solved: those of 68 and of 95 % each way.
-const REACHES: [f64; 4] = [-NORMAL_95, -1.0, 1.0, NORMAL_95];
-/// The 97.5 % point of the normal distribution.
+/// Deviations of the modulus, in standard deviations, at which intervals are solved: the ends of the 68 % and 95 %
+/// intervals.
+const BENT_DEVIATIONS: [f64; 4] = [-NORMAL_95, -1.0, 1.0, NORMAL_95];
+/// The 97.5 % quantile of the normal distribution.
 pub const NORMAL_95: f64 = 1.959_964;
-/// The relative error of Young's modulus below which the logarithm goes on straight: a modulus stays positive.
-const LOWEST_MODULUS_ERROR: f64 = -0.5;
+/// Relative error of Young's modulus below which the logarithm is extrapolated linearly, so that the modulus stays
+/// positive.
+const MIN_LOG_MODULUS_ERROR: f64 = -0.5;
 
-/// A standard deviation with the parts that make it.
+/// A standard deviation with its contributions.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Deviation {
-    /// All parts together, with what they share.
+    /// Total standard deviation including correlations.
     pub std: f64,
-    /// What each source alone would make of it.
+    /// Standard deviation from each source alone.
     pub parts: Vec<(Source, f64)>,
-    /// How far the 68 % interval reaches below and above the value; 0 where nothing is known.
+    /// Distances from the value to the lower and upper end of the 68 % interval; 0 if nothing is known.
     pub reach_68: [f64; 2],
-    /// The same of the 95 % interval.
+    /// Distances from the value to the ends of the 95 % interval.
     pub reach_95: [f64; 2],
 }
 
 impl Deviation {
-    /// What is not known of the flat surface's friction `mu_flat` at load number `load`, whatever a pattern does.
+    /// Deviation of the flat surface's friction `mu_flat` at load number `load`.
     #[must_use]
     pub fn of_flat(load: usize, mu_flat: f64, knowledge: &InputUncertainty) -> Self {
         let friction = knowledge.flat_friction.as_ref().and_then(|all| all.get(load));
@@ -64,19 +66,20 @@ impl Deviation {
     }
 }
 
-/// What the material leaves open at one load.
+/// Deviations at one load from the errors of the material.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Deviations {
-    /// Of the ratio.
+    /// Deviation of the ratio.
     pub ratio: Deviation,
-    /// Of dynamic friction.
+    /// Deviation of dynamic friction.
     pub mu: Deviation,
-    /// Of the flat surface's dynamic friction.
+    /// Deviation of the flat surface's dynamic friction.
     pub flat: Deviation,
 }
 
 impl Slopes {
-    /// The slopes of `scene` along what `knowledge` has errors of. A flat scene has a ratio of 1 whatever happens.
+    /// Computes the slopes of `scene` along the inputs with errors in `knowledge`. The ratio of a flat scene is always
+    /// 1.
     #[must_use]
     pub fn new(scene: &Scene, knowledge: &InputUncertainty) -> Self {
         let has_law_errors = scene.area_law.as_ref().is_some_and(|law| law.factor_std().is_some());
@@ -85,11 +88,11 @@ impl Slopes {
             return Self { by_load: vec![Some(Slope::default()); count], has_law_errors, bends: Vec::new() };
         };
         let cell = steady_cell(scene, pattern);
-        let still = vec![0.0; count];
+        let zeros = vec![0.0; count];
         let friction_step: Vec<f64> = knowledge
             .flat_friction
             .as_ref()
-            .map_or_else(|| still.clone(), |all| all.iter().map(|v| v.sqrt()).collect());
+            .map_or_else(|| zeros.clone(), |all| all.iter().map(|v| v.sqrt()).collect());
         let scale_step = knowledge.scale.as_ref().map_or(0.0, |scale| scale.variance.sqrt());
         let law_step = if has_law_errors { 1.0 } else { 0.0 };
         let is_fitted = knowledge.scale.as_ref().is_some_and(|scale| scale.is_fitted);
@@ -110,7 +113,7 @@ impl Slopes {
         let over = |difference: Option<f64>, step: f64| Some(if step == 0.0 { 0.0 } else { difference? / step });
         let (friction, (scale, law)) = rayon::join(
             || along(&friction_step, 0.0, 0.0),
-            || rayon::join(|| along(&still, scale_step, 0.0), || along(&still, 0.0, law_step)),
+            || rayon::join(|| along(&zeros, scale_step, 0.0), || along(&zeros, 0.0, law_step)),
         );
         let slope = |load: usize| {
             Some(Slope {
@@ -124,7 +127,8 @@ impl Slopes {
         Self { by_load: (0..count).map(slope).collect(), has_law_errors, bends }
     }
 
-    /// g = d ln r / d ln E of modelled `ratios`, one a load: 0 where nothing is known of the modulus, or it moves nothing.
+    /// g = d ln r / d ln E for modelled `ratios`, one per load; 0 if the error of the modulus is not known, or the law
+    /// does not depend on it.
     #[must_use]
     pub fn modulus_sensitivity(&self, ratios: &[f64], knowledge: &InputUncertainty) -> Vec<f64> {
         let moves = knowledge.scale.as_ref().is_some_and(|scale| !scale.is_fitted);
@@ -132,9 +136,8 @@ impl Slopes {
         slopes.zip(ratios).map(|(slope, ratio)| slope / ratio).collect()
     }
 
-    /// Standard deviations at load number `load`, where the model gives `ratio` to a flat surface that slides at
-    /// `mu_flat`; `None` where the slopes are not known. With a discrepancy in `knowledge`, those of ratio and friction
-    /// times its factor.
+    /// Deviations at load number `load`, for a modelled `ratio` on a flat surface that slides at `mu_flat`; `None` if
+    /// the slopes are not known. With a discrepancy in `knowledge`, ratio and friction are multiplied by its factor.
     #[must_use]
     pub fn deviations(
         &self,
@@ -144,13 +147,13 @@ impl Slopes {
         knowledge: &InputUncertainty,
     ) -> Option<Deviations> {
         let slope = (*self.by_load.get(load)?)?;
-        let known = |of: &Option<Vec<f64>>| of.as_ref().and_then(|all| all.get(load)).copied();
+        let known = |values: &Option<Vec<f64>>| values.as_ref().and_then(|all| all.get(load)).copied();
         let friction = known(&knowledge.flat_friction);
         let discrepancy = knowledge.discrepancy.as_ref().and_then(|all| all.get(load));
         let factor = discrepancy.map_or(1.0, |found| found.factor);
-        // What is not known of the modulus is in the discrepancy.
+        // The discrepancy includes the error of the modulus.
         let scale = knowledge.scale.as_ref().filter(|scale| scale.is_fitted || discrepancy.is_none());
-        // c = r F exp(d): F the factor, d its own error
+        // c = r F exp(d): F the factor of the discrepancy, d its error
         let ratio_slope = [
             factor * slope.friction,
             factor * slope.scale,
@@ -160,7 +163,7 @@ impl Slopes {
         // mu = c mu_flat (1 + x), x the relative error of flat friction
         let [x, m, a, d] = ratio_slope;
         let mu_slope = [mu_flat * (x + factor * ratio), mu_flat * m, mu_flat * a, mu_flat * d];
-        // Changes of c where the discrepancy lies at the ends of its intervals, or where the modulus is off by REACHES.
+        // Changes of c at the interval ends of the discrepancy, or at the deviations BENT_DEVIATIONS of the modulus.
         let bent = match discrepancy {
             Some(found) => {
                 let ([low, high], [lowest, highest]) = (found.log_reach_68, found.log_reach_95);
@@ -190,13 +193,13 @@ impl Slopes {
             let shared = scale.filter(|_| friction.is_some());
             let shared = shared.and_then(|scale| scale.with_friction.get(load)).copied().unwrap_or(0.0);
             let variance = (variance + 2.0 * x * m * shared).max(0.0);
-            let of_bent = match discrepancy {
+            let bent_variance = match discrepancy {
                 Some(found) => (d * found.log_std).powi(2),
                 None => scale.map_or(0.0, |scale| m * m * scale.variance),
             };
             let reach = |bent: Option<[f64; 2]>, normal: f64| {
                 let Some(bent) = bent else { return [normal * variance.sqrt(); 2] };
-                let others = normal * normal * (variance - of_bent).max(0.0);
+                let others = normal * normal * (variance - bent_variance).max(0.0);
                 let side = |sign: f64| bent.iter().map(|change| sign * times * change).fold(0.0, f64::max);
                 [-1.0, 1.0].map(|sign| side(sign).powi(2)).map(|square| (square + others).sqrt())
             };
@@ -212,7 +215,7 @@ impl Slopes {
     }
 }
 
-/// The steady cell of `scene`: in space in blocks twice as large where that can be had, which slopes do not see.
+/// Steady cell of `scene`; in three dimensions with blocks twice as large if possible, to which slopes are insensitive.
 fn steady_cell(scene: &Scene, pattern: &Pattern) -> Scene {
     const COARSER: usize = 2;
     const MIN_BLOCKS: f64 = 4.0;
@@ -228,44 +231,44 @@ fn steady_cell(scene: &Scene, pattern: &Pattern) -> Scene {
     let is_wide = pattern.cell_m().iter().chain([&pattern.width_m()]).all(|side_m| *side_m >= MIN_BLOCKS * block_m);
     if !cell.dimension().is_cheap_per_design() && scene.layer.rows().is_multiple_of(COARSER) && is_wide {
         cell.layer.block_m = block_m;
-        // A cell knows no specimen: any whole number of blocks does.
+        // A cell does not depend on the specimen, so that any whole number of blocks is valid.
         cell.layer.length_m = cell.layer.height_m;
     }
     cell
 }
 
-/// By how much the pressures of an area law are larger.
+/// Factor on the pressures of an area law.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ScaleShift {
-    /// Its logarithm.
+    /// Logarithm of the factor.
     pub log: f64,
-    /// The scale was fitted; otherwise it is Young's modulus, which resists rims as well.
+    /// Whether the factor is that of a fitted scale; otherwise it is that of Young's modulus, which also affects rims.
     pub is_fitted: bool,
 }
 
 impl ScaleShift {
-    /// Where what is known is off by `deviation`, which has a normal distribution about 0: the logarithm of a scale that
-    /// `is_fitted`, or Young's modulus over itself. What is measured of the modulus is the modulus, not its logarithm:
-    /// E = E_0 (1 + x), and below half of E_0 the tangent of ln E there, so that no draw is negative.
+    /// Shift for a normally distributed `deviation` with mean 0: the logarithm of the scale if it `is_fitted`,
+    /// otherwise the relative error of Young's modulus. The modulus itself is normally distributed, E = E_0 (1 + x);
+    /// below half of E_0 its logarithm is replaced by the tangent, so that no draw is negative.
     #[must_use]
     pub fn off_by(deviation: f64, is_fitted: bool) -> Self {
         let log = if is_fitted {
             deviation
-        } else if deviation > LOWEST_MODULUS_ERROR {
+        } else if deviation > MIN_LOG_MODULUS_ERROR {
             deviation.ln_1p()
         } else {
             // ln(1 + a) + (x - a)/(1 + a)
-            LOWEST_MODULUS_ERROR.ln_1p() + (deviation - LOWEST_MODULUS_ERROR) / (1.0 + LOWEST_MODULUS_ERROR)
+            MIN_LOG_MODULUS_ERROR.ln_1p() + (deviation - MIN_LOG_MODULUS_ERROR) / (1.0 + MIN_LOG_MODULUS_ERROR)
         };
         Self { log, is_fitted }
     }
 }
 
-/// `scene` where flat friction is larger by the shares `friction`, one per load, the law's pressures by `scale` and its factors
-/// by `law` standard errors. Flat friction was measured: mu_d = mu_flat / f(P), whatever the law says.
+/// Shifts the inputs of `scene`: flat friction by the relative amounts `friction`, one per load, the pressures of the
+/// law by `scale`, and its factors by `law` standard errors. The measured flat friction is kept: mu_d = mu_flat / f(P).
 ///
 /// # Errors
-/// [`MaterialError`] where that leaves no area law or no coefficients.
+/// [`MaterialError`] if the shifted area law or coefficients are invalid.
 pub fn moved(scene: &Scene, friction: &[f64], scale: ScaleShift, law: f64) -> Result<Scene, MaterialError> {
     let area_law =
         scene.area_law.as_ref().map(|own| own.with_factors_off_by(law).at_modulus(scale.log.exp())).transpose()?;
@@ -280,22 +283,22 @@ pub fn moved(scene: &Scene, friction: &[f64], scale: ScaleShift, law: f64) -> Re
     Ok(moved)
 }
 
-/// Changes of the steady ratios of `pattern` where Young's modulus, known to `relative_std`, is off by [`REACHES`]; `None` where
-/// one cannot be computed.
+/// Changes of the steady ratios of `pattern` for deviations [`BENT_DEVIATIONS`] of Young's modulus with the relative error
+/// `relative_std`; `None` if one cannot be computed.
 fn bends(cell: &Scene, pattern: &Pattern, relative_std: f64) -> Option<Vec<[f64; 4]>> {
-    let still = vec![0.0; cell.loads.len()];
+    let zeros = vec![0.0; cell.loads.len()];
     let at = |reach: f64| -> Option<Vec<f64>> {
         let scale = ScaleShift::off_by(reach * relative_std, false);
-        ratios(cell, pattern, &still, scale, 0.0).ok()?.into_iter().collect()
+        ratios(cell, pattern, &zeros, scale, 0.0).ok()?.into_iter().collect()
     };
-    let [low, lower, higher, high] = REACHES;
+    let [low, lower, higher, high] = BENT_DEVIATIONS;
     let ((own, (far_below, below)), (above, far_above)) =
         rayon::join(|| (at(0.0), (at(low), at(lower))), || (at(higher), at(high)));
     let (own, all) = (own?, [far_below?, below?, above?, far_above?]);
     Some((0..own.len()).map(|load| [0, 1, 2, 3].map(|place| all[place][load] - own[load])).collect())
 }
 
-/// Steady ratios of `pattern` in the cell that is moved so.
+/// Steady ratios of `pattern` in the shifted cell.
 fn ratios(
     cell: &Scene,
     pattern: &Pattern,

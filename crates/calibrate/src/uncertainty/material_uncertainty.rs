@@ -1,5 +1,5 @@
-//! How well the numbers of a material are known: standard errors of its coefficients, of Young's modulus, of the area law's
-//! scale, and the model's error on patterned samples.
+//! Uncertainty of a material's numbers: standard errors of its coefficients, of Young's modulus, of the area law's
+//! scale, and the error of the model for patterned samples.
 
 use slipgrid_material::{AreaLaw, Condition, MaterialError, between};
 use slipgrid_springblock::Load;
@@ -7,47 +7,47 @@ use slipgrid_springblock::Load;
 use super::{Covariance, InputUncertainty, ScaleError, with_scale};
 use slipgrid_discrepancy::{Conditions, Discrepancy, DiscrepancyError, Hyperparameters};
 
-/// Errors of a material's numbers, as far as its file has them.
+/// Errors of a material's numbers, as far as its file states them.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct MaterialUncertainty {
-    /// Fitted dynamic coefficients with their standard errors; empty where a file gives none.
+    /// Fitted dynamic coefficients with standard errors; empty if the file has none.
     pub friction: Vec<CoefficientEstimate>,
-    /// Fitted static coefficients likewise.
+    /// Fitted static coefficients with standard errors; empty if the file has none.
     pub static_friction: Vec<CoefficientEstimate>,
-    /// Dynamic over steady friction of the flat sample beside the coefficients; empty where a file gives none.
+    /// Dynamic over steady friction of the flat sample; empty if the file has none.
     pub dynamic_over_steady: Vec<CoefficientEstimate>,
-    /// The file has errors of the coefficients at the given area law beside those whatever it is.
+    /// Whether the file has standard errors at the given area law in addition to those that include its errors.
     pub has_marginal_errors: bool,
-    /// Standard deviation of Young's modulus over itself.
+    /// Relative standard deviation of Young's modulus.
     pub modulus_relative_std: Option<f64>,
-    /// The area law's scale was fitted to friction: the modulus does not move it.
+    /// Whether the area law's scale was fitted to friction, so that the law does not depend on the modulus.
     pub law_is_fitted: bool,
-    /// The law is measured flat friction itself: the modulus does not move it either.
+    /// Whether the law is measured flat friction, so that it does not depend on the modulus.
     pub law_is_measured: bool,
-    /// Covariance of the one relative error of mu_d and of the logarithm of that scale, where both are known.
+    /// Covariance of the relative error of mu_d and of the logarithm of the fitted scale, if both are known.
     pub scale_covariance: Option<[[f64; 2]; 2]>,
-    /// What trials say of any texture, the prior where there are none; `None` where the file says nothing of it.
+    /// Discrepancy learned from trials, or the prior if there are none; `None` if the file says nothing about it.
     pub learned: Option<Discrepancy>,
 }
 
 /// A number of a material at one pressure and condition, with its standard error.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CoefficientEstimate {
-    /// Nominal pressure, in pascals; `None` where it holds for any.
+    /// Nominal pressure, in pascals; `None` if the number holds for all pressures.
     pub pressure_pa: Option<f64>,
-    /// Speed and humidity; `None` where it holds for any.
+    /// Speed and humidity; `None` if the number holds for all conditions.
     pub condition: Option<Condition>,
-    /// The number.
+    /// Estimated value.
     pub value: f64,
-    /// Its standard error; zero where none is known.
+    /// Standard error of `value`; zero if it is not known.
     pub std_error: f64,
 }
 
 impl MaterialUncertainty {
-    /// What trials say that the model lacks: what is believed before any, where the file says nothing of them.
+    /// The learned discrepancy, or the default prior if the file says nothing about it.
     ///
     /// # Errors
-    /// [`DiscrepancyError`] for an error of Young's modulus that means nothing.
+    /// [`DiscrepancyError`] if the error of Young's modulus is invalid.
     pub fn discrepancy(&self) -> Result<Discrepancy, DiscrepancyError> {
         match &self.learned {
             Some(learned) => Ok(learned.clone()),
@@ -58,26 +58,27 @@ impl MaterialUncertainty {
         }
     }
 
-    /// Covariance of the relative errors of mu_d at `pressures_pa` under each of `conditions`, one condition after the other: fitted coefficients
-    /// are independent of one another, what stands between two of them shares both and is known no better than they are, and one pair for all
-    /// loads, or for all conditions, is off alike at all. `None` where the file has no standard errors for a condition.
+    /// Covariance of the relative errors of mu_d at `pressures_pa` for each of `conditions`, one condition after the
+    /// other. Fitted coefficients are independent. A value interpolated between two of them shares their errors and is
+    /// no more accurate than they are. If one pair holds for all loads, or for all conditions, errors are fully
+    /// correlated. `None` if the file has no standard errors for a condition.
     #[must_use]
     pub fn friction_covariance(&self, pressures_pa: &[f64], conditions: &[Option<Condition>]) -> Option<Covariance> {
         covariance(&self.friction, pressures_pa, conditions)
     }
 
-    /// Dynamic friction of the flat sample over that in steady sliding at `pressures_pa`, as the calibration found it: linear
-    /// between measurements. `None` where the file does not say it for the condition.
+    /// Dynamic friction of the flat sample over steady friction at `pressures_pa`, interpolated linearly between
+    /// measurements. `None` if the file has no values for the condition.
     #[must_use]
     pub fn excess(&self, pressures_pa: &[f64], condition: Option<&Condition>) -> Option<Vec<f64>> {
         let known = &self.dynamic_over_steady;
         Some(shares(known, pressures_pa, condition)?.iter().map(|row| mean(row, known)).collect())
     }
 
-    /// What is known at `loads` under `condition` of a material with this `area_law`.
+    /// Uncertainty at `loads` under `condition`, for a material with this `area_law`.
     ///
     /// # Errors
-    /// [`MaterialError`] where the law cannot be moved by its scale's error.
+    /// [`MaterialError`] if the law cannot be shifted by the error of its scale.
     pub fn at_loads(
         &self,
         area_law: Option<&AreaLaw>,
@@ -90,7 +91,7 @@ impl MaterialUncertainty {
         let count = loads.len();
         let static_friction = covariance(&self.static_friction, &pressures_pa, &[condition.copied()]).map(variance);
         if let (Some(known), Some(law)) = (&self.scale_covariance, area_law) {
-            // Fitted together: flat friction and the law's scale are off together.
+            // Flat friction and the scale were fitted together, so that their errors are correlated.
             let joint = with_scale(known, law, loads)?;
             let scale = ScaleError {
                 is_fitted: true,
@@ -108,14 +109,15 @@ impl MaterialUncertainty {
         })
     }
 
-    /// Standard deviation of Young's modulus over itself, which to first order is that of its logarithm, where that moves `area_law`.
+    /// Relative standard deviation of Young's modulus (to first order that of its logarithm), if `area_law` depends on
+    /// the modulus.
     #[must_use]
     pub fn modulus_std(&self, area_law: Option<&AreaLaw>) -> Option<f64> {
         self.modulus_relative_std
             .filter(|std| *std > 0.0 && !self.law_is_fitted && !self.law_is_measured && area_law.is_some())
     }
 
-    /// What a material with this `area_law` does not say of its own errors, of which `knowledge` is what it says.
+    /// Lists the errors that a material with this `area_law` does not state; `knowledge` holds the stated ones.
     #[must_use]
     pub fn unknown(&self, knowledge: &InputUncertainty, area_law: Option<&AreaLaw>) -> Vec<&'static str> {
         let mut unknown = Vec::new();
@@ -137,7 +139,8 @@ impl MaterialUncertainty {
     }
 }
 
-/// The share that each of `known` coefficients has in the one at each of `pressures_pa` under `condition`, one row a pressure.
+/// Weights of the `known` coefficients in the coefficient at each of `pressures_pa` under `condition`, one row per
+/// pressure.
 fn shares(known: &[CoefficientEstimate], pressures_pa: &[f64], condition: Option<&Condition>) -> Option<Vec<Vec<f64>>> {
     let measured: Vec<Condition> = known.iter().filter_map(|row| row.condition).collect();
     let conditions: Vec<(Option<Condition>, f64)> = if measured.is_empty() {
@@ -153,20 +156,21 @@ fn shares(known: &[CoefficientEstimate], pressures_pa: &[f64], condition: Option
         let mut row = vec![0.0; known.len()];
         for (own, share) in &conditions {
             let places: Vec<usize> = (0..known.len()).filter(|place| is_of(&known[*place], own)).collect();
-            let of: Vec<&CoefficientEstimate> = places.iter().map(|place| &known[*place]).collect();
-            places.iter().zip(weights(&of, at_pa)?).for_each(|(place, weight)| row[*place] += share * weight);
+            let estimates: Vec<&CoefficientEstimate> = places.iter().map(|place| &known[*place]).collect();
+            places.iter().zip(weights(&estimates, at_pa)?).for_each(|(place, weight)| row[*place] += share * weight);
         }
         Some(row)
     };
     pressures_pa.iter().map(at).collect()
 }
 
-/// The coefficient of which each of `known` has its share in `row`.
+/// Weighted mean of the `known` coefficients.
 fn mean(row: &[f64], known: &[CoefficientEstimate]) -> f64 {
     row.iter().zip(known).map(|(share, known)| share * known.value).sum()
 }
 
-/// Covariance of the relative errors of `known` coefficients at `pressures_pa` under each of `conditions`, one condition after the other.
+/// Covariance of the relative errors of the `known` coefficients at `pressures_pa` for each of `conditions`, one
+/// condition after the other.
 fn covariance(
     known: &[CoefficientEstimate],
     pressures_pa: &[f64],
@@ -174,14 +178,16 @@ fn covariance(
 ) -> Option<Covariance> {
     let each = conditions.iter().map(|condition| shares(known, pressures_pa, condition.as_ref()));
     let rows = each.collect::<Option<Vec<Vec<Vec<f64>>>>>()?.concat();
-    // How far another sample may be off between measurements is no less than at them: errors do not average away,
-    // s_i = sum_k w_ik s_k,   cov(mu_i, mu_j) = rho_ij s_i s_j / (mu_i mu_j),   rho_ij that of independent errors w_ik s_k
+    // The standard error for another sample between two measurements is no smaller than at them, because errors do not
+    // average out:
+    // s_i = sum_k w_ik s_k,   cov(mu_i, mu_j) = rho_ij s_i s_j / (mu_i mu_j),   rho_ij that of independent errors w_ik
+    // s_k
     let each = |row: &[f64]| -> Vec<f64> { row.iter().zip(known).map(|(w, known)| w * known.std_error).collect() };
     let size = |errors: &[f64]| errors.iter().map(|error| error * error).sum::<f64>().sqrt();
     let scaled = |row: &Vec<f64>| {
         let errors = each(row);
-        let (of_all, independent) = (errors.iter().sum::<f64>(), size(&errors));
-        let scale = if independent > 0.0 { of_all / (independent * mean(row, known)) } else { 0.0 };
+        let (correlated, independent) = (errors.iter().sum::<f64>(), size(&errors));
+        let scale = if independent > 0.0 { correlated / (independent * mean(row, known)) } else { 0.0 };
         errors.into_iter().map(|error| scale * error).collect::<Vec<f64>>()
     };
     let rows: Vec<Vec<f64>> = rows.iter().map(scaled).collect();
@@ -189,7 +195,7 @@ fn covariance(
     Some(rows.iter().map(|left| rows.iter().map(|right| covariance(left, right)).collect()).collect())
 }
 
-/// The share of each of `known` in the coefficient at a pressure: linear between measurements, the nearest beyond.
+/// Weights of the `known` coefficients at a pressure: linear between measurements, the nearest one outside.
 fn weights(known: &[&CoefficientEstimate], at_pa: f64) -> Option<Vec<f64>> {
     let mut weights = vec![0.0; known.len()];
     let pressure = |place: usize| known[place].pressure_pa;

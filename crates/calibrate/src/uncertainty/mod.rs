@@ -1,14 +1,14 @@
-//! What a calibration leaves open of the friction of a scene, to first order.
+//! First-order uncertainty of the friction of a scene, from the errors of a calibration.
 //!
 //! | type | role |
 //! |---|---|
-//! | [`MaterialUncertainty`] | how well the numbers of a material are known |
-//! | [`InputUncertainty`] | how well a material is known at the loads of a scene |
-//! | [`Slopes`] | how the ratio follows each number that is not known exactly |
-//! | [`Deviations`] | standard deviations of ratio, friction and flat friction at one load, with their parts |
+//! | [`MaterialUncertainty`] | errors of a material's numbers |
+//! | [`InputUncertainty`] | errors of a material at the loads of a scene |
+//! | [`Slopes`] | sensitivity of the ratio to each uncertain number |
+//! | [`Deviations`] | standard deviations of ratio, friction and flat friction at one load, with their contributions |
 //!
-//! Flat friction mu_flat = mu_d f(P) is what was measured: where the area law is another, because Young's modulus is, the
-//! local coefficient mu_d follows and mu_flat stays. What is left of a ratio's error is what the cavities' edges make of it.
+//! Flat friction mu_flat = mu_d f(P) is the measured quantity. If the area law changes, for example with Young's
+//! modulus, mu_d changes and mu_flat stays. The remaining error of a ratio comes from the edges of cavities.
 
 mod covariances;
 mod first_order_propagation;
@@ -23,55 +23,55 @@ pub use sampling_scatter::{SamplingScatter, sampling_scatter};
 
 use slipgrid_discrepancy::Prediction;
 
-/// How well a material is known at the loads of a scene; the area law carries its own errors.
+/// Errors of a material at the loads of a scene; the area law carries its own errors.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct InputUncertainty {
-    /// Variance of the relative error of flat dynamic friction, one per load; `None` where it is not known.
+    /// Variance of the relative error of flat dynamic friction, one per load; `None` if not known.
     pub flat_friction: Option<Vec<f64>>,
-    /// The same of the static coefficient.
+    /// Variance of the relative error of the static coefficient, one per load; `None` if not known.
     pub static_friction: Option<Vec<f64>>,
-    /// What moves the area law along the pressure; `None` where nothing does or it is not known.
+    /// Error of the pressure scale of the area law; `None` if the scale is exact or its error is not known.
     pub scale: Option<ScaleError>,
-    /// Of values that the discrepancy corrects, one a load; `None` where values are the model's own.
+    /// Discrepancy at each load; `None` for uncorrected values of the model.
     pub discrepancy: Option<Vec<DiscrepancyAt>>,
 }
 
-/// The error of Young's modulus, or of the fitted pressure scale of the area law, which moves the law alike.
+/// Error of Young's modulus or of the fitted pressure scale; both shift the area law along the pressure.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ScaleError {
-    /// The scale was fitted to flat friction; otherwise it is the modulus.
+    /// Whether the scale was fitted to flat friction; otherwise this is the error of the modulus.
     pub is_fitted: bool,
-    /// Variance of its logarithm.
+    /// Variance of the logarithm of the scale.
     pub variance: f64,
-    /// Covariance with the relative error of flat friction, one per load: zero unless fitted together.
+    /// Covariance with the relative error of flat friction, one per load; zero unless fitted together.
     pub with_friction: Vec<f64>,
 }
 
 impl ScaleError {
-    /// Of Young's modulus with a standard deviation of its logarithm, at so many loads: flat friction, which was measured,
-    /// does not go with it.
+    /// Error of Young's modulus with the standard deviation `log_std` of its logarithm. Flat friction, which is
+    /// measured, is independent of it.
     #[must_use]
     pub fn of_modulus(log_std: f64, loads: usize) -> Self {
         Self { is_fitted: false, variance: log_std * log_std, with_friction: vec![0.0; loads] }
     }
 }
 
-/// What trials say that the model lacks at one load. What Young's modulus leaves open of the ratio is in it: trials were modelled
-/// with the same one.
+/// Discrepancy of the model at one load. It includes the effect of the error of Young's modulus, because trials were
+/// modelled with the same modulus.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DiscrepancyAt {
-    /// Median of a sample's true ratio over the modelled one.
+    /// Median of the true ratio of a sample over the modelled one.
     pub factor: f64,
-    /// Standard deviation of its logarithm.
+    /// Standard deviation of the logarithm of this factor.
     pub log_std: f64,
-    /// How far the 68 % interval of its logarithm reaches below and above the median.
+    /// Distances from the median to the lower and upper end of the 68 % interval, of the logarithm.
     pub log_reach_68: [f64; 2],
-    /// The same of the 95 % interval.
+    /// Distances from the median to the ends of the 95 % interval, of the logarithm.
     pub log_reach_95: [f64; 2],
 }
 
 impl DiscrepancyAt {
-    /// What `prediction` says at each load.
+    /// Converts `prediction` at each load.
     #[must_use]
     pub fn each(prediction: &Prediction) -> Vec<Self> {
         let at = |(load, median): (usize, f64)| {
@@ -79,30 +79,30 @@ impl DiscrepancyAt {
                 [median - prediction.quantile(load, outside), prediction.quantile(load, 1.0 - outside) - median]
             };
             let (_, log_std) = prediction.moments(load);
-            // The shares beyond one and beyond 1.96 standard deviations of a normal one.
+            // Tail probabilities beyond 1 and 1.96 standard deviations of a normal distribution.
             Self { factor: median.exp(), log_std, log_reach_68: reach(0.158_655_254), log_reach_95: reach(0.025) }
         };
         prediction.medians().into_iter().enumerate().map(at).collect()
     }
 }
 
-/// A number that is not known exactly.
+/// Source of uncertainty.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Source {
     /// Dynamic friction of the flat sample.
     FlatFriction,
-    /// Young's modulus, which moves the area law along the pressure.
+    /// Young's modulus, which shifts the area law along the pressure.
     Modulus,
     /// The pressure scale of the area law, fitted to flat friction.
     FittedScale,
-    /// The area law's own factors, all off to the same side.
+    /// Factors of the area law, all shifted to the same side.
     AreaLaw,
-    /// What the model lacks on patterned samples, Young's modulus among it.
+    /// Discrepancy of the model for patterned samples, including Young's modulus.
     Discrepancy,
 }
 
 impl Source {
-    /// Its name in reports.
+    /// Name in reports.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {

@@ -1,26 +1,27 @@
-//! How far the local coefficients that a run happened to draw move its friction.
+//! Sampling scatter of friction from the random draw of local coefficients.
 
 use slipgrid_springblock::{LoadOutcome, SurfaceOutcome};
 
-/// Standard deviations over the values themselves among runs with other draws; `None` where a run has no friction.
+/// Relative standard deviations between runs with different draws; `None` if a run has no friction.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SamplingScatter {
-    /// Of the ratio.
+    /// Scatter of the ratio.
     pub ratio: Option<f64>,
-    /// Of friction, dynamic or static: each block's share of it follows one deviate of its own.
+    /// Scatter of dynamic or static friction; each block contributes in proportion to its own deviate.
     pub mu: Option<f64>,
-    /// Of the flat surface's friction.
+    /// Scatter of the flat surface's friction.
     pub flat: Option<f64>,
 }
 
-/// What one draw of local coefficients with relative standard deviation `scatter` leaves open of `load`.
+/// Computes the sampling scatter of `load` for local coefficients with the relative standard deviation `scatter`.
 ///
 /// ```text
 /// d ln(mu) = sum_i w_i s g_i,  w_i = F_i / sum F:  std = s sqrt(sum w_i^2)
 /// d ln(ratio) = sum_i (w_i - 1/n) s g_i:           std = s sqrt(sum w_i^2 - 1/n)
 /// ```
 ///
-/// F friction of a block, g its deviate, n the blocks of the flat surface, which has the same deviates.
+/// with the friction F of a block, its deviate g, and the number n of blocks of the flat surface, which has the same
+/// deviates.
 #[must_use]
 pub fn sampling_scatter(load: &LoadOutcome, scatter: f64) -> SamplingScatter {
     let own = concentration(&load.surface);
@@ -29,14 +30,14 @@ pub fn sampling_scatter(load: &LoadOutcome, scatter: f64) -> SamplingScatter {
     SamplingScatter { ratio: own.zip(flat).map(|(own, flat)| std(own - flat)), mu: own.map(std), flat: flat.map(std) }
 }
 
-/// sum w_i^2: one over the number of blocks that carry friction, were it shared alike.
+/// sum w_i^2: the inverse of the effective number of blocks that carry friction.
 fn concentration(surface: &SurfaceOutcome) -> Option<f64> {
     let total: f64 = surface.interface.iter().map(|point| point.friction_pa).sum();
     let square: f64 = surface.interface.iter().map(|point| (point.friction_pa / total).powi(2)).sum();
     (square.is_finite() && square > 0.0).then_some(square)
 }
 
-/// The same of a uniform surface.
+/// sum w_i^2 of a uniform surface.
 fn concentration_of_flat(surface: &SurfaceOutcome) -> Option<f64> {
     (!surface.interface.is_empty()).then(|| 1.0 / surface.interface.len() as f64)
 }
@@ -61,7 +62,7 @@ mod tests {
         }
     }
 
-    /// Relative standard deviation, and that of the estimate itself.
+    /// Relative standard deviation, and the relative standard error of this estimate.
     fn spread(values: &[f64]) -> f64 {
         let mean = values.iter().sum::<f64>() / values.len() as f64;
         (values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / (values.len() - 1) as f64).sqrt() / mean
@@ -81,7 +82,7 @@ mod tests {
             (expected.flat, column(|load| load.flat.as_ref().unwrap().mu_dynamic.unwrap())),
         ];
         for (expected, found) in cases {
-            // A standard deviation of 200 values is known to 5 %; pressures follow the draws a little.
+            // A standard deviation of 200 values is known to 5 %; pressures depend slightly on the draws.
             let share = found / expected.unwrap();
             assert!((0.85..1.15).contains(&share), "{share}: {cases:?}");
         }
@@ -105,7 +106,7 @@ mod tests {
         let found: Vec<LoadOutcome> = (0..SEEDS).map(of).collect();
         let peaks: Vec<f64> = found.iter().map(|load| load.surface.mu_static.unwrap()).collect();
         let share = spread(&peaks) / sampling_scatter(&found[0], 0.05).mu.unwrap();
-        // Of 40 values it is known to 11 %.
+        // With 40 values it is known to 11 %.
         assert!((0.5..1.3).contains(&share), "{share}");
     }
 

@@ -14,7 +14,7 @@ fn replace(folder: &Path, files: &[(&str, &str)]) -> Result<(), WriteError> {
     open(folder).unwrap().replace(&outputs(files), &|| false)
 }
 
-/// Names with contents, but for the list.
+/// Names with contents, without the list.
 fn content(folder: &Path) -> Vec<(String, String)> {
     let mut all = Vec::new();
     for entry in fs::read_dir(folder).unwrap().map(Result::unwrap) {
@@ -37,7 +37,7 @@ fn of(files: &[(&str, &str)]) -> Vec<(String, String)> {
 
 #[test]
 fn a_result_is_replaced_as_a_whole_and_files_of_others_stay() {
-    // Beside a folder of the user files are renamed one by one.
+    // Next to a user's folder, files are renamed one by one.
     for has_folder in [false, true] {
         let place = tempfile::tempdir().unwrap();
         let folder = place.path().join("deep/out");
@@ -52,7 +52,7 @@ fn a_result_is_replaced_as_a_whole_and_files_of_others_stay() {
         let second = [("result.json", "2"), ("friction-2mpa.svg", "2")];
         replace(&folder, &second).unwrap();
         assert_eq!(content(&folder), of(&[&second[..], &kept].concat()), "pictures of the first result are gone");
-        // What the user changed is the user's.
+        // A file changed by the user belongs to the user.
         fs::write(folder.join("friction-2mpa.svg"), "changed").unwrap();
         let refused = open(&folder).unwrap_err().to_string();
         assert!(
@@ -94,7 +94,7 @@ fn nothing_changes_where_a_result_is_refused_cancelled_or_has_a_name_twice() {
     assert!(other.contains("another run works for this folder"), "{other}");
 }
 
-/// A run that was killed leaves files of two results, and the list of both.
+/// A killed run leaves files of two results, and a list of both.
 #[test]
 fn what_a_killed_run_left_is_replaced_and_old_unfinished_files_go() {
     let place = tempfile::tempdir().unwrap();

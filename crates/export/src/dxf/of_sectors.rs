@@ -1,15 +1,15 @@
-//! The drawing of several patterns on sectors of one specimen: a layer for each, as each has a depth of its own.
+//! Drawing of several patterns on sectors of one specimen: one layer per sector, because depths differ.
 
 use std::io::{self, Write};
 
 use super::{Arrow, LAYER_ORIGIN, LAYER_OUTLINE, LAYER_SLIDING_DIRECTION, Writer, half_extents_mm, texture_words};
 use crate::sectors::Sector;
-use crate::stream::{finish, hand_on};
+use crate::stream::{flush_full, flush_rest};
 use crate::{Heading, Laser, Removal};
 
-/// Layer of the mark on a land that tells the sectors apart; it is lasered.
+/// Layer of the mark on a land that identifies the sectors; it is made by the laser.
 pub const LAYER_MARK: &str = "MARK";
-/// AutoCAD colours of sectors in turn.
+/// AutoCAD colours of the sectors, cyclic.
 const COLOURS: [&str; 4] = ["1", "4", "6", "2"];
 
 /// Layer of the cavities of sector `number`.
@@ -18,11 +18,11 @@ pub fn sector_layer(number: usize) -> String {
     format!("CAVITIES_{number}")
 }
 
-/// Writes `sectors` of one specimen as an R12 drawing as [`super::dxf`] writes one pattern. Each has a layer of its own, whose
-/// depth and bursts stand in the comments; so has the mark.
+/// Writes `sectors` of one specimen as an R12 drawing like [`super::dxf`]. Each sector has its own layer, whose depth
+/// and bursts are stated in comments; the mark has one as well.
 ///
 /// # Errors
-/// Those of `to`.
+/// Errors of the writer `to`.
 pub fn dxf_of_sectors(sectors: &[Sector], laser: &Laser, heading: &Heading, to: &mut dyn Write) -> io::Result<()> {
     let Some(first) = sectors.first() else { return Ok(()) };
     let division = first.division();
@@ -65,9 +65,9 @@ pub fn dxf_of_sectors(sectors: &[Sector], laser: &Laser, heading: &Heading, to: 
     for (sector, layer) in sectors.iter().zip(&names) {
         for boundary in sector.boundaries() {
             file.boundary(layer, boundary);
-            hand_on(&mut file.out, to)?;
+            flush_full(&mut file.out, to)?;
         }
     }
     file.end(&arrow);
-    finish(&mut file.out, to)
+    flush_rest(&mut file.out, to)
 }

@@ -1,10 +1,10 @@
-//! A reader of R12 written from the format's description, and the drawings read back with it.
+//! A reader of R12 written from the description of the format, and drawings read with it.
 
 use super::*;
 use crate::layout::every_kind;
 use slipgrid_pattern::{Pattern, Planform, Texture};
 
-/// What the reader finds.
+/// Content of a drawing.
 #[derive(Default)]
 struct Drawing {
     variables: Vec<(String, Vec<String>)>,
@@ -12,7 +12,7 @@ struct Drawing {
     entities: Vec<Entity>,
 }
 
-/// An entity: kind, layer, its groups, and the vertices of a polyline.
+/// An entity: kind, layer, groups, and the vertices of a polyline.
 struct Entity {
     kind: String,
     layer: String,

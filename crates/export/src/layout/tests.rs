@@ -1,4 +1,4 @@
-//! Cavities against the obvious way of laying them.
+//! Layouts compared with brute force.
 
 use super::*;
 use crate::Boundary;
@@ -13,7 +13,7 @@ const DISC: Outline = Outline::Disc { diameter_m: 10e-3 };
 #[test]
 fn squares_on_the_published_disc_are_those_whose_corners_lie_inside() {
     let layout = Layout::new(squares(130.0, 370.0), DISC).unwrap();
-    // The obvious way: every lattice point, in whole micrometres, corners inside the circle.
+    // Brute force: all lattice points, in whole micrometres, with corners inside the circle.
     let inside = |i: i64, j: i64| {
         let (x, y) = (500 * i.abs() + 65, 500 * j.abs() + 65);
         x * x + y * y <= 5000 * 5000
@@ -64,7 +64,7 @@ fn the_density_on_large_specimens_tends_to_the_patterns_own() {
             let layout = Layout::new(pattern, Outline::Disc { diameter_m }).unwrap();
             (layout.areal_density() / pattern.areal_density() - 1.0).abs()
         };
-        // Rim over area: the error falls at least as 1/diameter.
+        // Perimeter over area: the error decreases at least as 1/diameter.
         assert!(error(0.4) < 3e-3, "{}", error(0.4));
         assert!(error(0.04) < 3e-2, "{}", error(0.04));
     }
@@ -107,7 +107,7 @@ fn patterns(width_um: f64, spacing_um: f64) -> Vec<Pattern> {
 
 const OUTLINES: [Outline; 2] = [DISC, Outline::Rectangle { length_m: 6e-3, width_m: 3.1e-3 }];
 
-/// How far a cavity passes the outline, in metres; negative inside.
+/// Distance by which a cavity crosses the outline, in metres; negative inside.
 fn excess_m(cavity: &Cavity, outline: &Outline) -> f64 {
     let reach_m = |boundary: Boundary| match boundary {
         Boundary::Circle { centre_m: [x, y], radius_m } => vec![[x, y, radius_m]],
@@ -131,7 +131,7 @@ fn every_cavity_that_fits_whole_is_laid_and_no_other() {
         let area_m2: f64 = layout.iter().map(|cavity| cavity.area_m2()).sum();
         assert!((layout.cavity_area_m2() / area_m2 - 1.0).abs() < 1e-12);
         let Some(length_m) = pattern.length_m() else { continue };
-        // The obvious way: every cavity of every cell about the specimen.
+        // Brute force: all cavities of all cells around the specimen.
         let [cell_x_m, cell_y_m] = pattern.cell_m();
         let mut fitting = 0;
         for (i, j) in (-60..=60).flat_map(|i| (-60..=60).map(move |j| (f64::from(i), f64::from(j)))) {
@@ -165,7 +165,7 @@ fn turned_grooves_are_as_long_as_the_outline_lets_them() {
     for angle_deg in [-90.0, -33.3, 10.0, 45.0, 90.0] {
         let turned = groove.with_groove_angle_deg(angle_deg).unwrap();
         let pattern = Pattern::new(turned, 130e-6, 370e-6, 5.2e-6).unwrap();
-        // A disc takes the same grooves at any angle.
+        // A disc holds equal grooves at any angle.
         let layout = Layout::new(pattern, DISC).unwrap();
         let across = Layout::new(pattern.as_groove(), DISC).unwrap();
         assert_eq!(layout.cavities(), across.cavities());
@@ -175,7 +175,7 @@ fn turned_grooves_are_as_long_as_the_outline_lets_them() {
             assert!(layout.cavities() >= 5);
             for groove in layout.iter() {
                 assert!(excess_m(&groove, &outline).abs() < 1e-12, "{angle_deg}: {groove:?}");
-                // Both ends lie on the outline: a groove longer at one end alone passes it.
+                // Both ends lie on the outline: a groove extended at one end crosses it.
                 for end in [-1.0, 1.0] {
                     let [cosine, sine] = groove.orientation;
                     let longer = Cavity {
@@ -189,7 +189,7 @@ fn turned_grooves_are_as_long_as_the_outline_lets_them() {
             }
         }
     }
-    // Longitudinal on a rectangle: along its length.
+    // Longitudinal grooves on a rectangle run along its length.
     let along = groove.with_groove_angle_deg(90.0).unwrap();
     let along = Pattern::new(along, 100e-6, 200e-6, 5.2e-6).unwrap();
     let layout = Layout::new(along, Outline::Rectangle { length_m: 5e-3, width_m: 0.7e-3 }).unwrap();
@@ -223,7 +223,7 @@ fn one_disc_fits_on_a_disc_of_its_size_and_none_on_a_smaller_one() {
     assert!(matches!(refused, Err(ExportError::NoCavityFits { needed_m: 400e-6, extent_m: 0.39e-3, .. })));
 }
 
-/// Distances of the nearest and the farthest point of a cavity from the specimen's centre, in metres.
+/// Smallest and largest distance of a cavity's points from the specimen's centre, in metres.
 fn span_m(cavity: &Cavity) -> [f64; 2] {
     let [cosine, sine] = cavity.orientation;
     let (x_m, y_m) = (cavity.centre_x_m, cavity.centre_y_m);
@@ -234,7 +234,7 @@ fn span_m(cavity: &Cavity) -> [f64; 2] {
         let (distance_m, radius_m) = (x_m.hypot(y_m), cavity.width_m / 2.0);
         return [(distance_m - radius_m).max(0.0), distance_m + radius_m];
     }
-    // In the cavity's own axes: the point of the rectangle nearest to the centre, and the farthest corner.
+    // In the cavity's axes: the point of the rectangle closest to the centre, and the farthest corner.
     let own = [(x_m * cosine + y_m * sine, cavity.width_m), (y_m * cosine - x_m * sine, cavity.length_m)];
     let [near, far] = [-1.0, 1.0].map(|side| own.map(|(at_m, extent_m)| (at_m.abs() + side * extent_m / 2.0).max(0.0)));
     [near[0].hypot(near[1]), far[0].hypot(far[1])]
@@ -244,21 +244,21 @@ fn span_m(cavity: &Cavity) -> [f64; 2] {
 fn rings_take_what_is_clear_of_hole_and_rim() {
     let outline = Outline::Ring { outer_diameter_m: 6e-3, inner_diameter_m: 2.1e-3 };
     let clear = |cavity: &Cavity| {
-        let [near_m, far_m] = span_m(cavity);
-        near_m > 1.05e-3 - 1e-12 && far_m < 3e-3 + 1e-12
+        let [interval_near_m, far_m] = span_m(cavity);
+        interval_near_m > 1.05e-3 - 1e-12 && far_m < 3e-3 + 1e-12
     };
     for pattern in patterns(131.2, 97.0) {
         let (layout, disc) = (Layout::new(pattern, outline).unwrap(), Layout::new(pattern, DISC).unwrap());
         assert!(layout.iter().all(|cavity| clear(&cavity)), "{pattern:?}");
         if pattern.length_m().is_some() {
-            // Of those on a larger disc, which are checked against the obvious way, the clear ones.
+            // The clear cases among the cavities on a larger disc, which are compared with brute force.
             assert_eq!(layout.cavities(), disc.iter().filter(clear).count(), "{pattern:?}");
             let touching = |cavity: &Cavity| span_m(cavity)[0] < 3e-3 && span_m(cavity)[1] > 1.05e-3;
             let clipped = Layout::clipped(pattern, outline).unwrap();
             assert_eq!(clipped.cavities(), disc.iter().filter(touching).count(), "{pattern:?}");
             continue;
         }
-        // Two on each strip that meets the hole, each as long as it can be.
+        // Two on each strip that meets the hole, each of maximum length.
         assert!(layout.cavities() > Layout::new(pattern, Outline::Disc { diameter_m: 6e-3 }).unwrap().cavities());
         for groove in layout.iter() {
             let longer = Cavity { length_m: groove.length_m + 1e-9, ..groove };
@@ -267,7 +267,7 @@ fn rings_take_what_is_clear_of_hole_and_rim() {
     }
 }
 
-/// What the rim leaves of a groove whose corners lie on it is neither a whole turn of the rim nor nothing.
+/// A groove whose corners lie on the border is cut neither to the whole border nor to nothing.
 #[test]
 fn clipped_grooves_have_the_area_of_the_slices_they_are() {
     for (width_um, spacing_um) in [(400.0, 824.5), (130.0, 370.0), (40.0, 92.4), (250.0, 250.0), (400.0, 600.0)] {
@@ -284,7 +284,7 @@ fn clipped_grooves_have_the_area_of_the_slices_they_are() {
                 let half_m = cavity.width_m / 2.0;
                 let slice_m2 = up_to(cavity.centre_x_m + half_m) - up_to(cavity.centre_x_m - half_m);
                 let error = (cavity.area_m2() - slice_m2).abs();
-                // Arcs are chords 10 nm away at most.
+                // Chords deviate from arcs by at most 10 nm.
                 assert!(error < 1e-8 * 2.0 * diameter_m, "{width_um} {diameter_m} {} {slice_m2}", cavity.area_m2());
             }
         }

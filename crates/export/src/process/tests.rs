@@ -1,10 +1,11 @@
-//! The sheet of the paper's pattern, and of every other kind.
+//! Process sheets of the published pattern, and of every other kind.
 
 use super::*;
 use crate::work::spots_along;
 use slipgrid_pattern::{Rim, RimProfile, Texture};
 
-/// Laser and pattern of the paper, Sec. "Laser patterning"; the repetition rate is ours.
+/// Laser and pattern of Balestra et al., J. Tribol. 144, 031704, Sec. "Laser patterning"; the repetition rate is an
+/// assumption.
 fn input(repetition_hz: Option<f64>) -> ProcessInput {
     ProcessInput {
         name: "LDPE, lower friction".to_owned(),
@@ -134,7 +135,7 @@ fn a_moving_spot_counts_lines_overlaps_and_passes() {
     let work = ProcessSheet::new(&layout, input).unwrap().work;
     // 4.6 mm/s at 1 kHz: a burst every 4.6 um, a fifth of the spot.
     assert_eq!((work.pulse_distance_um, work.pulse_overlap, work.line_overlap), (Some(4.6), Some(0.8), Some(0.5)));
-    // (pi/4) 23^2 / (4.6 11.5) = 2.5 pi; two bursts make 5.2 um, of which one pass over lines 10.7 um apart gives more.
+    // (pi/4) 23^2 / (4.6 11.5) = 2.5 pi; two bursts make 5.2 um, and one pass over lines 10.7 um apart makes more.
     let removal = work.removal.unwrap();
     assert_eq!((work.bursts_per_pass, removal.passes), (Some(7.85398), 1));
     assert!((removal.depth_um / (20.42 * 11.5 / 10.7) - 1.0).abs() < 0.02, "{}", removal.depth_um);
@@ -150,7 +151,7 @@ fn a_moving_spot_counts_lines_overlaps_and_passes() {
 fn leaning_walls_leave_less_volume() {
     let outline = Outline::Rectangle { length_m: 0.2e-3, width_m: 0.2e-3 };
     for (planform, expected_mm3) in [
-        // A pyramid's frustum, d/3 (A + sqrt(A B) + B), d = 5.2 um, sides 130 and 119.6 um; a cone's likewise.
+        // Frustum of a pyramid, d/3 (A + sqrt(A B) + B), d = 5.2 um, sides 130 and 119.6 um; likewise for a cone.
         (Planform::Square, 5.2e-3 / 3.0 * (0.0169 + 0.13 * 0.1196 + 0.1196 * 0.1196)),
         (Planform::Disc, 5.2e-3 / 3.0 * (0.0169 + 0.13 * 0.1196 + 0.1196 * 0.1196) * std::f64::consts::FRAC_PI_4),
     ] {
@@ -191,7 +192,7 @@ fn a_mask_takes_one_burst_of_a_whole_cavity_at_a_time() {
     assert_eq!((work.spots_per_cavity, work.spots_on_specimen, &work.no_estimate_because), (None, None, &None));
     assert_eq!(work.estimated_time_s, Some(57.0 * 4.0 / 20e3));
     assert_eq!(work.estimated_time_formula, "cavities * bursts_per_cavity / repetition_hz");
-    // Nothing follows contours: neither their edges nor their length stand on the sheet.
+    // No line follows a contour: the sheet states neither the edges nor their length.
     assert_eq!((work.lines_on_specimen, work.marked_length_mm), (None, None));
     assert_eq!((work.marking_direction, work.spot_compensation_um), (None, None));
     assert!(work.spots_formula.starts_with("none are counted: a mask exposes each cavity as a whole"));

@@ -35,8 +35,8 @@ fn sectors_and_lands_make_up_the_face() {
         let of = division(outline, count);
         let areas: Vec<f64> = (1..=count).map(|number| of.area_m2(number)).collect();
         let sum: f64 = areas.iter().sum();
-        // The lands are strips from the centre to the rim, which overlap about the centre by less than their width squared
-        // for each; on a ring they lie between hole and rim.
+        // The lands are strips from the centre to the border, which overlap at the centre by less than the square of
+        // their width each; on a ring they lie between hole and border.
         let [x, y] = outline.extents_m();
         let half = |deg: f64| {
             let (sine, cosine) = deg.to_radians().sin_cos();
@@ -58,7 +58,7 @@ fn sectors_and_lands_make_up_the_face() {
     let (of, radius) = (division(DISC, 2), 5e-3_f64);
     let half = of.land_m() / 2.0;
     let expected = radius * radius * (half / radius).acos() - half * (radius * radius - half * half).sqrt();
-    // Chords of the rim take less than 4e-6 of it.
+    // Chords of the border reduce the area by less than 4e-6.
     assert!((of.area_m2(1) / expected - 1.0).abs() < 4e-6);
 }
 
@@ -72,7 +72,7 @@ fn the_largest_circle_touches_both_lands_and_the_rim() {
         assert!((of.circle_m(1) - 2.0 * (radius - r)).abs() < 1e-12, "{count}");
         assert!((of.circle_m(count) - of.circle_m(1)).abs() < 1e-12);
     }
-    // Between the hole and the rim of a ring.
+    // Between the hole and the border of a ring.
     assert!((division(RING, 2).circle_m(1) - 5e-3).abs() < 1e-12);
 }
 
@@ -92,14 +92,14 @@ fn every_cavity_lies_on_its_own_sector_and_none_on_a_land() {
                         area += area_m2(&corners);
                         for [x, y] in corners {
                             assert!(outline.contains([x * (1.0 - 1e-9), y * (1.0 - 1e-9)]) || outline.hole_m() > 0.0);
-                            // In the frame of the sector's middle line, upwards: both lands are away.
+                            // In axes with the sector's middle line upwards: both lands are cleared.
                             let own = turned(&[[x, y]], 90.0 - of.middle_deg(sector.number()))[0];
                             let (sine, cosine) = (60.0_f64).to_radians().sin_cos();
                             let away = own[1] * sine - own[0].abs() * cosine;
                             assert!(away >= of.land_m() / 2.0 - 1e-12, "{texture:?} {turn_deg} {away}");
                         }
                     }
-                    // Chords of a circle of 25 um take 5e-4 of it.
+                    // Chords of a circle of 25 um reduce its area by 5e-4.
                     assert!((area / sector.cavity_area_m2() - 1.0).abs() < 1e-3 && sector.cavities() > 0);
                     assert!(sector.areal_density() < 1.05 * sector.pattern().areal_density(), "{texture:?}");
                 }
@@ -108,7 +108,7 @@ fn every_cavity_lies_on_its_own_sector_and_none_on_a_land() {
     }
 }
 
-/// What is cut on a sector is what the pattern says: the finer it is the nearer.
+/// The areal density on a sector approaches that of the pattern for finer patterns.
 #[test]
 fn the_areal_density_as_cut_is_near_the_pattern_s() {
     for (texture, near) in [
@@ -192,7 +192,7 @@ fn drawings_have_a_layer_for_every_sector_and_a_mark() {
         let away = turned(&[[x, y]], -(of.middle_deg(1) - 60.0))[0];
         assert!(away[1].abs() < of.land_m() / 2.0 && away[0] > 0.0 && away[0] < 5e-3);
     }
-    // What one pattern is drawn as has the same frame.
+    // The drawing of a single pattern has equal axes.
     let layout = sectors[0].whole();
     assert!(text(|to| dxf(layout, &heading, to)).contains("$EXTMIN"));
 }

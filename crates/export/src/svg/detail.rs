@@ -1,4 +1,4 @@
-//! Two periods of the pattern, enlarged.
+//! Enlarged detail of two periods of the pattern.
 
 use std::fmt::Write as _;
 
@@ -8,11 +8,11 @@ use super::{CAVITY_COLOUR, DETAIL_SIDE, FACE_COLOUR, INK_COLOUR, Page, TEXT_SIZE
 use crate::Layout;
 use crate::number::decimal;
 
-/// Most rows drawn: more could not be told apart.
+/// Maximum number of rows; more would be indistinguishable.
 const MAX_ROWS: usize = 100;
 
 impl Page {
-    /// Two periods along the pattern's own x axis and as much across, with dimension lines.
+    /// Draws two periods along the pattern's x axis and the same length across, with dimension lines.
     pub(super) fn detail(&mut self, layout: &Layout, [left, top]: [f64; 2]) {
         let pattern = layout.pattern();
         let pitch = DETAIL_SIDE / 2.0;
@@ -23,7 +23,7 @@ impl Page {
         self.rectangle([left, top], [DETAIL_SIDE; 2], &frame);
         let starts = [(pitch - width) / 2.0, (pitch - width) / 2.0 + pitch];
         self.detail_cavities(pattern, [left, top], pitch, width);
-        // Width and spacing on one line, the pitch below it.
+        // Width and spacing on one line, the pitch below.
         let [first, second] = starts.map(|start| left + start);
         let y = top + DETAIL_SIDE + 3.0;
         for x in [first, first + width, second] {
@@ -42,7 +42,7 @@ impl Page {
         self.out.push_str("</g>\n");
     }
 
-    /// The cavities in the frame at `left` and `top`; `pitch` and `width` in page units.
+    /// Draws the cavities in the frame at `left` and `top`; `pitch` and `width` in page units.
     fn detail_cavities(&mut self, pattern: &Pattern, [left, top]: [f64; 2], pitch: f64, width: f64) {
         let cavity = format!("fill=\"{CAVITY_COLOUR}\"");
         let starts = [(pitch - width) / 2.0, (pitch - width) / 2.0 + pitch];
@@ -60,7 +60,7 @@ impl Page {
         let outline = pattern.texture().outline();
         let square = pattern.texture().length_m().is_none() && outline.is_none();
         let (pitch_across, length) = (scale * pitch_across_m, if square { width } else { scale * length_m });
-        // Two whole periods need no clipping.
+        // Two complete periods need no clipping.
         let staggered = pattern.texture().arrangement().shifts_rows();
         let clipped = staggered || outline.is_some() || pitch_across_m != pattern.pitch_m();
         if clipped {
@@ -73,7 +73,7 @@ impl Page {
             .take_while(|&y| y < DETAIL_SIDE * (1.0 - 1e-9))
             .collect();
         let shifted = [-pitch / 2.0, pitch / 2.0, 1.5 * pitch].map(|shift| starts[0] + shift);
-        // Column by column, the shifted rows after the others.
+        // By columns, with the shifted rows last.
         for (columns, parity) in [(starts.as_slice(), 0), (shifted.as_slice(), 1)] {
             let is_drawn = |row: usize| if staggered { row % 2 == parity } else { parity == 0 };
             for &x in columns {
@@ -96,14 +96,14 @@ impl Page {
         }
     }
 
-    /// Two families of grooves, the first upright, that cross in the middle of the first of these.
+    /// Draws two families of grooves that cross in the middle of the first groove, which is vertical.
     fn detail_crossing(&mut self, crossing_deg: f64, [left, top]: [f64; 2], pitch: f64, width: f64) {
         let cavity = format!("fill=\"{CAVITY_COLOUR}\"");
         self.out.push_str("<clipPath id=\"detail-frame\">\n");
         self.rectangle([left, top], [DETAIL_SIDE; 2], "");
         self.out.push_str("</clipPath>\n<g clip-path=\"url(#detail-frame)\">\n");
         let [x, y] = [left + pitch / 2.0, top + DETAIL_SIDE / 2.0];
-        // y points down: anticlockwise angles count backwards.
+        // y points down, so that anticlockwise angles are negative.
         for angle in [0.0, -crossing_deg.to_radians()] {
             let (cosine, sine) = (libm::cos(angle), libm::sin(angle));
             for place in -3..=3 {

@@ -1,4 +1,4 @@
-//! The picture of several patterns on sectors of one specimen.
+//! Picture of several patterns on sectors of one specimen.
 
 use std::fmt::Write as _;
 use std::io;
@@ -7,42 +7,43 @@ use super::{CAVITY_COLOUR, CONTENT, INK_COLOUR, LINE_HEIGHT, MARGIN, Page, TEXT_
 use crate::number::{MICROMETRE_DECIMALS, decimal};
 use crate::sector_sheet::MEASURE_EACH_ALONE;
 use crate::sectors::Sector;
-use crate::stream::{finish, hand_on};
+use crate::stream::{flush_full, flush_rest};
 use crate::words::cavities;
 use crate::{Boundary, Heading, Laser, Removal};
 
-/// Room for the sectors' numbers about the specimen, in page units.
-const ROOM: f64 = 6.0;
-/// Characters that fit a line of text.
-const CHARACTERS: usize = 78;
+/// Space for the sectors' numbers around the specimen, in page units.
+const NUMBER_SPACE: f64 = 6.0;
+/// Maximum number of characters per line of text.
+const LINE_CHARACTERS: usize = 78;
 
-/// What is said of sectors that are turned.
+/// Note for sectors that are turned.
 const TURNED: &str = "the arrow is the sliding direction on sector 1; the others slide along it when the specimen is turned back by their angle";
 
-/// Writes `sectors` of one specimen as an SVG picture as [`super::svg`] writes one pattern: each a group of its own with its number
-/// beside it, and the mark.
+/// Writes `sectors` of one specimen as an SVG picture like [`super::svg`]: a separate group for each sector, with its
+/// number next to it, and the mark.
 ///
 /// # Errors
-/// Those of `to`.
+/// Errors of the writer `to`.
 pub fn svg_of_sectors(sectors: &[Sector], laser: &Laser, heading: &Heading, to: &mut dyn io::Write) -> io::Result<()> {
     let Some(first) = sectors.first() else { return Ok(()) };
     let division = first.division();
     let outline = &division.specimen().outline;
     let [extent_x_mm, extent_y_mm] = outline.extents_m().map(|extent_m| extent_m * 1e3);
-    let unit_mm = extent_x_mm.max(extent_y_mm) / (CONTENT - 2.0 * ROOM);
+    let unit_mm = extent_x_mm.max(extent_y_mm) / (CONTENT - 2.0 * NUMBER_SPACE);
     let title = title(heading);
-    let mut lines: Vec<String> = sectors.iter().flat_map(|sector| wrap(&words(sector, laser), CHARACTERS)).collect();
+    let mut lines: Vec<String> =
+        sectors.iter().flat_map(|sector| wrap(&words(sector, laser), LINE_CHARACTERS)).collect();
     if division.turn_deg(2) != 0.0 {
-        lines.extend(wrap(TURNED, CHARACTERS));
+        lines.extend(wrap(TURNED, LINE_CHARACTERS));
     }
     for note in std::iter::once(&MEASURE_EACH_ALONE).chain(heading.notes) {
-        lines.extend(wrap(note, CHARACTERS));
+        lines.extend(wrap(note, LINE_CHARACTERS));
     }
     lines.push(format!("slipgrid {}", heading.version));
 
-    let top = MARGIN + title.len() as f64 * 1.4 * TITLE_SIZE + 2.0 + ROOM;
+    let top = MARGIN + title.len() as f64 * 1.4 * TITLE_SIZE + 2.0 + NUMBER_SPACE;
     let height = extent_y_mm / unit_mm;
-    let bar_top = top + height + ROOM + 1.0;
+    let bar_top = top + height + NUMBER_SPACE + 1.0;
     let text_top = bar_top + 9.0;
     let mut page = Page { out: String::new(), unit_mm };
     page.open(2.0 * MARGIN + CONTENT, text_top + lines.len() as f64 * LINE_HEIGHT + MARGIN);
@@ -57,7 +58,7 @@ pub fn svg_of_sectors(sectors: &[Sector], laser: &Laser, heading: &Heading, to: 
         for boundary in sector.boundaries() {
             page.outline_of(None, &boundary);
             page.out.push('z');
-            hand_on(&mut page.out, to)?;
+            flush_full(&mut page.out, to)?;
         }
         page.out.push_str("\"/>\n");
     }
@@ -66,10 +67,10 @@ pub fn svg_of_sectors(sectors: &[Sector], laser: &Laser, heading: &Heading, to: 
     page.out.push_str("z\"/>\n");
     page.end_specimen(&stroke);
     for sector in sectors {
-        // Beside the rim, on the sector's middle line.
+        // Next to the border, on the sector's middle line.
         let angle = division.middle_deg(sector.number()).to_radians();
         let [cosine, sine] = [libm::cos(angle), libm::sin(angle)];
-        let away = outline.rim_m([cosine, sine]) * 1e3 / unit_mm + ROOM / 2.0;
+        let away = outline.rim_m([cosine, sine]) * 1e3 / unit_mm + NUMBER_SPACE / 2.0;
         let at = [centre[0] + away * cosine, centre[1] - away * sine + 0.35 * TITLE_SIZE];
         page.text(at, "middle", TITLE_SIZE, " font-weight=\"bold\"", &sector.number().to_string());
     }
@@ -79,10 +80,10 @@ pub fn svg_of_sectors(sectors: &[Sector], laser: &Laser, heading: &Heading, to: 
         page.text([MARGIN, text_top + (line as f64 + 0.7) * LINE_HEIGHT], "start", TEXT_SIZE, "", text);
     }
     page.out.push_str("</svg>\n");
-    finish(&mut page.out, to)
+    flush_rest(&mut page.out, to)
 }
 
-/// A sector in a line.
+/// Describes a sector in one line.
 fn words(sector: &Sector, laser: &Laser) -> String {
     let pattern = sector.pattern();
     let um = |length_m: f64| decimal(length_m * 1e6, MICROMETRE_DECIMALS);

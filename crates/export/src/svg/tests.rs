@@ -1,4 +1,4 @@
-//! The picture read back.
+//! Pictures read back.
 
 use super::*;
 use crate::layout::every_kind;
@@ -14,7 +14,7 @@ fn drawn(layout: &Layout, heading: &Heading) -> String {
     crate::stream::text(|to| svg(layout, heading, to))
 }
 
-/// The value of attribute `name` in the element that contains `marker`.
+/// Value of the attribute `name` in the element that contains `marker`.
 fn attribute<'a>(svg: &'a str, marker: &str, name: &str) -> &'a str {
     let at = svg.find(marker).unwrap();
     let start = svg[..=at].rfind('<').unwrap();
@@ -23,7 +23,7 @@ fn attribute<'a>(svg: &'a str, marker: &str, name: &str) -> &'a str {
     &element[from..from + element[from..].find('"').unwrap()]
 }
 
-/// What a path of the cavities says: corners, or leftmost point and radius, y turned up again.
+/// Content of a path of cavities: corners, or leftmost point and radius, with y pointing up.
 enum Read {
     Corners(Vec<[f64; 2]>),
     Circle([f64; 3]),
@@ -35,7 +35,7 @@ fn read(path: &str) -> Read {
     };
     let values = numbers(path);
     match (path.contains('a'), path.contains('L'), &values[..]) {
-        // Two arcs of radius r, a diameter over and back.
+        // Two arcs of radius r, a diameter forth and back.
         (true, false, &[x, y, r, r1, 0.0, 0.0, 0.0, over, 0.0, r2, r3, 0.0, 0.0, 0.0, back, 0.0]) => {
             assert!(r1 == r && r2 == r && r3 == r && back == -over && (over - 2.0 * r).abs() < 1.1e-6, "{path}");
             Read::Circle([x, -y, r])
@@ -107,7 +107,7 @@ fn the_caption_says_what_lies_where() {
 #[test]
 fn the_picture_is_at_scale() {
     let picture = drawn(&layout(Planform::Square, Outline::Disc { diameter_m: 10e-3 }), &HEADING);
-    // One unit is a millimetre, and it opens large enough to be read, both ways at one scale.
+    // One unit is a millimetre, and the picture is shown large enough, with equal scales.
     let number = |text: &str| text.parse::<f64>().unwrap();
     let shown = ["width", "height"].map(|side| number(attribute(&picture, "viewBox", side)));
     let view_box: Vec<f64> = attribute(&picture, "viewBox", "viewBox").split(' ').map(number).collect();

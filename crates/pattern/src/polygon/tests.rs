@@ -1,7 +1,7 @@
 use super::*;
 use crate::{Arrangement, Pattern, Planform, Texture};
 
-/// An L whose arms are 4 and 3 wide, 10 by 12.
+/// An L with arms 4 and 3 wide, 10 by 12.
 const L: [[f64; 2]; 6] = [[0.0, 0.0], [10.0, 0.0], [10.0, 3.0], [4.0, 3.0], [4.0, 12.0], [0.0, 12.0]];
 
 fn regular(corners: u32, start_deg: f64) -> Vec<[f64; 2]> {
@@ -46,7 +46,7 @@ fn what_is_no_outline_is_refused_with_the_corner() {
     assert!(matches!(refused(&[[0.0; 2], [1.0, f64::NAN], [3.0, 1.0]]), OutlineError::NotFinite { corner: 2, .. }));
     let bow = refused(&[[0.0, 0.0], [2.0, 2.0], [2.0, 0.0], [0.0, 1.0]]);
     assert!(bow.to_string().contains("from corner 1 (0, 0) and from corner 3 (2, 0) meet"), "{bow}");
-    // Touching is meeting: a corner on another edge, an edge back along itself.
+    // Touching counts as meeting: a corner on another edge, and an edge back along the previous one.
     let touching = [[0.0, 0.0], [4.0, 0.0], [4.0, 4.0], [2.0, 0.0], [0.0, 4.0]];
     assert!(matches!(refused(&touching), OutlineError::MeetsItself { .. }));
     let back = [[0.0, 0.0], [4.0, 0.0], [4.0, 4.0], [4.0, 2.0], [0.0, 4.0]];
@@ -67,7 +67,7 @@ fn the_narrowest_width_is_that_of_the_hull_or_of_a_neck() {
     // An equilateral triangle: its height.
     close(least(&regular(3, 20.0)), 1.5);
     close(least(&regular(6, 0.0)), 3_f64.sqrt());
-    // A dumbbell of two squares and a bar 0.5 wide, aslant.
+    // An inclined dumbbell of two squares and a bar 0.5 wide.
     let turn = |[x, y]: [f64; 2]| [0.8 * x - 0.6 * y, 0.6 * x + 0.8 * y];
     let dumbbell = [
         [0.0, 0.0],
@@ -84,7 +84,8 @@ fn the_narrowest_width_is_that_of_the_hull_or_of_a_neck() {
         [0.0, 3.0],
     ];
     close(least(&dumbbell.map(turn)), 0.5);
-    // A smooth waist: circles of radius 1 cut into a plate at x = 0 from y = 1.25 and -1.25 leave 0.5; chords a little more.
+    // A smooth waist: circles of radius 1 cut into a plate at x = 0 from y = 1.25 and -1.25 leave 0.5; chords leave a
+    // little more.
     let arc = |centre: f64, from: f64| {
         (0..=40).map(move |k| {
             let angle = from - std::f64::consts::PI * f64::from(k) / 40.0;
@@ -105,19 +106,20 @@ fn only_what_symmetry_gives_slides_alike() {
     };
     let alike =
         |texture: Texture, others: &[f64]| others.iter().map(|deg| texture.slides_alike(*deg)).collect::<Vec<_>>();
-    // An L has none: there and back differ.
+    // An L has no symmetry, so that both directions differ.
     assert_eq!(alike(at(&L, 30.0), &[30.0, -150.0, -30.0, 150.0, 60.0]), [true, false, false, false, false]);
-    // A triangle that points along x has the mirror at x.
+    // A triangle that points along x is symmetric across the x axis.
     assert_eq!(alike(at(&regular(3, 0.0), 30.0), &[-30.0, -150.0, 150.0]), [true, false, false]);
     assert_eq!(alike(at(&regular(3, 0.0), 0.0), &[180.0, -180.0, 90.0]), [false, false, false]);
-    // A hexagon is its own image turned by 180 degrees, and mirrored at both axes, but not along the diagonal.
+    // A hexagon is symmetric under rotation by 180 degrees and reflection across both axes, but not across the
+    // diagonal.
     assert_eq!(alike(at(&regular(6, 0.0), 30.0), &[-30.0, -150.0, 150.0, 60.0]), [true, true, true, false]);
-    // An octagon on a square lattice has the diagonals, on any other not.
+    // An octagon is symmetric across the diagonals on a square lattice only.
     let octagon = at(&regular(8, 22.5), 30.0);
     assert_eq!(alike(octagon, &[60.0, 120.0, -60.0, 45.0]), [true, true, true, false]);
     let staggered = octagon.with_arrangement(Arrangement::Staggered).unwrap();
     assert_eq!(alike(staggered, &[60.0, 120.0, -60.0, 150.0]), [false, false, false, true]);
-    // A parallelogram: half a turn alone.
+    // A parallelogram is symmetric under rotation by 180 degrees only.
     let leaning = [[0.0, 0.0], [4.0, 0.0], [5.0, 3.0], [1.0, 3.0]];
     assert_eq!(alike(at(&leaning, 30.0), &[-150.0, -30.0, 150.0]), [true, false, false]);
     assert!((0..360).all(|deg| at(&L, 0.0).slides_alike(f64::from(deg) - 180.0) == (deg == 180)));
@@ -133,18 +135,18 @@ fn the_narrowest_land_is_exact() {
         let plain = Pattern::new(plain, 100e-6, 60e-6, 5e-6).unwrap();
         close(pattern(&square, arrangement, 100.0, 60.0).least_land_m(), plain.least_land_m() * 1e6);
     }
-    // Diamonds 100 um wide at 120: facing sides of diagonal neighbours are (240 - 100) / sqrt 2 - ... apart: the sides
-    // x + y = 50 and x + y = 240 - 50.
+    // Diamonds 100 um wide at a pitch of 120: distance between facing sides of diagonal neighbours, the lines x + y =
+    // 50 and x + y = 240 - 50.
     let diamond = [[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]];
     close(pattern(&diamond, Arrangement::Square, 100.0, 20.0).least_land_m(), 20.0);
     // Staggered at pitches of 120 by 120: x + y = 50 and x + y = 180 - 50.
     close(pattern(&diamond, Arrangement::Staggered, 100.0, 60.0).least_land_m(), 60.0_f64.min(140.0 / 2_f64.sqrt()));
-    // Hexagons with a corner up, flat to flat 100, nested in hexagonal rows: 20 um of land all round.
+    // Hexagons with a corner at the top, 100 across flats, nested in hexagonal rows: 20 um of land on all sides.
     let hexagons = pattern(&regular(6, 30.0), Arrangement::Hexagonal, 100.0, 20.0);
     close(hexagons.least_land_m(), 20.0);
     assert!((hexagons.areal_density() - (100.0_f64 / 120.0).powi(2)).abs() < 1e-12);
     assert!(hexagons.spacing_across_m().unwrap() < 0.0);
-    // Rows reach between each other, and run into each other where they do not fit.
+    // Rows may interlock, and overlap if they do not fit.
     let texture = *pattern(&square, Arrangement::Hexagonal, 100.0, 60.0).texture();
     let refused = Pattern::new(texture, 100e-6, 5e-6, 5e-6).unwrap_err().to_string();
     assert!(refused.contains("they run into each other"), "{refused}");

@@ -26,7 +26,7 @@ fn integrals_are_those_of_heights() {
         let crest = (0..=1000).map(|n| profile.height(f64::from(n) / 1000.0)).fold(0.0, f64::max);
         assert!((crest - 1.0).abs() < 1e-12 && profile.height(1.001) == 0.0 && profile.height(-0.001) == 0.0);
     }
-    // A flat rim of 4 um covers half of the pixel from 3 to 5 um, a quarter of that from -1.5 to 0.5 um.
+    // A flat rim of 4 um covers half of the pixel from 3 to 5 um, and a quarter of the one from -1.5 to 0.5 um.
     assert!((RimProfile::Flat.mean(4e-6, 3e-6, 5e-6) - 0.5).abs() < 1e-12);
     assert!((RimProfile::Flat.mean(4e-6, -1.5e-6, 0.5e-6) - 0.25).abs() < 1e-12);
 }
@@ -57,12 +57,12 @@ fn blocks_are_at_most_half_a_rim_and_a_whole_number_of_times_smaller() {
 
 #[test]
 fn blocks_that_fill_a_cell_hold_the_volume_of_the_rims() {
-    // Areas of what lies within d of the cavity: 2 d per length, a square ring with round corners, an annulus.
+    // Areas within d of the cavity: 2 d per length, a square ring with round corners, an annulus.
     let ring = |d: f64| 4.0 * d * 130e-6 + std::f64::consts::PI * d * d;
     let annulus = |d: f64| std::f64::consts::PI * d * (130e-6 + d);
     let w = 20e-6;
     for profile in RimProfile::ALL {
-        // integral of phi dA by many thin rings
+        // Integral of phi dA over many thin rings.
         let volume = |area: &dyn Fn(f64) -> f64| -> f64 {
             let thin = |n: i32| (f64::from(n) / 20_000.0, (f64::from(n) + 0.5) / 20_000.0, f64::from(n + 1) / 20_000.0);
             (0..20_000).map(thin).map(|(a, m, b)| profile.height(m) * (area(b * w) - area(a * w))).sum()
@@ -96,7 +96,7 @@ fn shares_of_small_blocks_are_those_of_points() {
             for (x, y) in [(63.0, 3.0), (71.5, -12.0), (64.0, 62.0), (80.0, 50.0), (40.0, 45.0), (47.0, 47.0)] {
                 let [x, y] = [x, y].map(|from: f64| [from * 1e-6, (from + 4.0) * 1e-6]);
                 let whole = pattern.rim_share(x[0], x[1], y[0], y[1]);
-                // The same from 16 x 16 parts, by their lands.
+                // Compared with 16 x 16 parts, weighted by their lands.
                 let part =
                     |ends: [f64; 2], n: i32| [0, 1].map(|k| ends[0] + (ends[1] - ends[0]) * f64::from(n + k) / 16.0);
                 let (mut sum, mut land) = (0.0, 0.0);
@@ -113,7 +113,7 @@ fn shares_of_small_blocks_are_those_of_points() {
     }
 }
 
-/// The share by counting points: a rim reaches as far as its width from the nearest point of a cavity, whatever its shape.
+/// Fraction by counting points: a rim extends by its width from the nearest point of a cavity of any shape.
 #[test]
 fn rims_are_as_wide_around_corners_as_along_edges() {
     let square = Polygon::new(&[[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]).unwrap();
@@ -131,7 +131,7 @@ fn rims_are_as_wide_around_corners_as_along_edges() {
             let rim = Rim::new(0.5e-6, 20e-6, profile).unwrap();
             let pattern = Pattern::new(texture.with_rim(rim), 130e-6, 70e-6, 20e-6).unwrap();
             let cell_um = pattern.cell_m().map(|m| m * 1e6);
-            // Distance to the nearest box, folded to the period.
+            // Distance to the nearest rectangle, folded to the period.
             let height = |x: f64, y: f64| {
                 let away = |[cx, cy]: [f64; 2]| {
                     let from = |at: f64, centre_m: f64, axis: usize, half: f64| {
@@ -170,7 +170,7 @@ fn a_square_and_its_outline_have_one_rim() {
         for (i, j) in [(5, 5), (4, 4), (3, 5), (4, 0), (5, 4)] {
             let [x, y] = [i, j].map(|n: i32| [f64::from(n) * 5e-6, f64::from(n + 1) * 5e-6]);
             let [one, other] = [plain, outlined].map(|pattern| pattern.rim_share(x[0], x[1], y[0], y[1]));
-            // Chords of the outline's arcs take off 1e-4 of the width.
+            // Chords of the outline's arcs deviate by 1e-4 of the width.
             assert!((one - other).abs() < 4e-4, "{profile} {i} {j}: {one} {other}");
         }
     }
@@ -180,7 +180,7 @@ fn a_square_and_its_outline_have_one_rim() {
 fn the_rims_of_outlines_and_of_crossing_grooves_are_those_of_the_plain_shapes() {
     let rim = Rim::new(0.5e-6, 20e-6, RimProfile::Ramp).unwrap();
     let of = |texture: Texture| Pattern::new(texture.with_rim(rim), 130e-6, 70e-6, 20e-6).unwrap();
-    // A disc against a polygon of 360 corners, whose rim is the same but for flattened arcs.
+    // A disc compared with a polygon of 360 corners, whose rim is equal except for flattened arcs.
     let corners: Vec<[f64; 2]> = (0..360).map(|n| f64::from(n).to_radians()).map(|a| [a.cos(), a.sin()]).collect();
     let outline = Polygon::new(&corners).unwrap();
     let polygon = of(Texture::new(Planform::Polygon).with_outline(outline).unwrap());
@@ -192,7 +192,8 @@ fn the_rims_of_outlines_and_of_crossing_grooves_are_those_of_the_plain_shapes() 
         let share = |pattern: &Pattern| pattern.rim_share(x[0], x[1], y[0], y[1]);
         assert!((share(&polygon) - share(&disc)).abs() < 2e-3, "{x:?}: {} {}", share(&polygon), share(&disc));
     }
-    // Far from the other family a land beside one groove is that of grooves: its middle lies half a pitch away.
+    // Far from the other family, the land next to a groove equals that of parallel grooves: its middle is half a pitch
+    // away.
     let share = |pattern: &Pattern| pattern.rim_share(66e-6, 73e-6, 97e-6, 103e-6);
     assert!((share(&crossing) - share(&groove)).abs() < 1e-12);
 }
@@ -201,7 +202,7 @@ fn the_rims_of_outlines_and_of_crossing_grooves_are_those_of_the_plain_shapes() 
 fn rims_that_meet_end_half_way() {
     let rim = Rim::new(0.5e-6, 20e-6, RimProfile::Ramp).unwrap();
     let pattern = Pattern::new(Texture::new(Planform::Groove).with_rim(rim), 100e-6, 20e-6, 20e-6).unwrap();
-    // 1 - s from the edge to half a width: 3/4 in the mean.
+    // The mean of 1 - s from the edge to half a width is 3/4.
     assert!((pattern.rim_share(50e-6, 70e-6, 0.0, 1e-6) - 0.75).abs() < 1e-12);
     assert_eq!(pattern.rim_share(-10e-6, 10e-6, 0.0, 1e-6), 0.0);
 }

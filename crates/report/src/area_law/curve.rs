@@ -145,7 +145,7 @@ impl AreaLawCurve {
                 .to_owned(),
             FACTOR_STATEMENT.to_owned(),
         ];
-        let of_slope: Vec<SurfaceWarning> = SurfaceWarning::of_slope(rms_slope).into_iter().collect();
+        let of_slope: Vec<SurfaceWarning> = SurfaceWarning::check_slope(rms_slope).into_iter().collect();
         let warnings = self.warnings(&of_slope);
         Ok(AreaLawReport { model, warnings, ..self.report(&curve, rms_slope) })
     }

@@ -1,7 +1,7 @@
 //! Everything a fit found, for its report.
 
 use serde::Serialize;
-use slipgrid_calibrate::{CalibrationOutcome, CalibrationTask, Fit, Parameter, numbered};
+use slipgrid_calibrate::{CalibrationOutcome, CalibrationTask, Fit, Parameter, split_parameter_name};
 
 use super::static_friction::{StaticRow, rows};
 use crate::ReportError;
@@ -91,7 +91,7 @@ pub fn json(task: &CalibrationTask, outcome: &CalibrationOutcome) -> Result<Stri
 
 /// A fitted number's name with the measurement that it belongs to: `dynamic_mean 200 N, 2 mm/s, 50 %` for the name `dynamic_mean 4`.
 pub fn in_words(outcome: &CalibrationOutcome, name: &str) -> String {
-    let placed = numbered(name, &outcome.measurements);
+    let placed = split_parameter_name(name, &outcome.measurements);
     placed.map_or_else(|| name.to_owned(), |(what, at)| format!("{what} {}", at.condition_in_words()))
 }
 

@@ -2,7 +2,7 @@
 
 use std::fmt::Debug;
 
-use slipgrid_monitor::{Monitor, recalled};
+use slipgrid_monitor::{Monitor, cached};
 
 use crate::outcome::SurfaceOutcome;
 use crate::scene::Scene;
@@ -20,7 +20,7 @@ pub fn remembered(
         monitor.advance(share);
         Some(outcome)
     };
-    recalled(monitor, ("run", content), (known, SurfaceOutcome::to_bytes), run)
+    cached(monitor, ("run", content), (known, SurfaceOutcome::to_bytes), run)
 }
 
 /// What a run of `scene` follows from beside its load and its lattice.

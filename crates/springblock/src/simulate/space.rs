@@ -1,7 +1,7 @@
 //! A cell or a strip in space, in steady sliding and in time: which lattices, what runs on them, what is said.
 
 use rayon::prelude::*;
-use slipgrid_monitor::{memory, recalled};
+use slipgrid_monitor::{cached, memory};
 use slipgrid_pattern::Pattern;
 
 use super::drawn_ratios::SteadyRatios;
@@ -151,7 +151,7 @@ fn discretization_error(
         (errors.len() == own.len()).then_some(Some(errors))
     };
     let kept = |errors: &Option<Vec<f64>>| Some(memory::to_bytes(errors.as_ref().filter(|_| !monitor.cancelled())?));
-    recalled(monitor, ("blocks", &content), (known, kept), estimate)
+    cached(monitor, ("blocks", &content), (known, kept), estimate)
 }
 
 /// Dynamic runs of the cell of `pattern`, or of a strip of the sample, and of a flat one.

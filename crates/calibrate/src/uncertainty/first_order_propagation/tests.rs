@@ -26,7 +26,7 @@ fn scene(planform: Planform, area_law: Option<AreaLaw>) -> Scene {
     }
 }
 
-/// Ratio and flat friction at each load by the steady cell itself.
+/// Ratio and flat friction at each load, from the steady cell itself.
 fn solved(scene: &Scene) -> Vec<[f64; 2]> {
     let found = simulate(scene, &Unwatched).unwrap();
     found.loads.iter().map(|load| [load.ratio.unwrap(), load.flat.as_ref().unwrap().mu_dynamic.unwrap()]).collect()
@@ -38,8 +38,9 @@ fn modulus(std: f64) -> Option<ScaleError> {
 
 #[test]
 fn a_stiffer_surface_is_a_lighter_load() {
-    // With the threshold below every local pressure mu_d f(p) = mu_flat g(p / E) / g(P / E) depends on p / P and P / E
-    // alone: dr / d ln E = -dr / d ln P at a given mu_flat. So do rims, which P / E presses down.
+    // With the threshold below all local pressures, mu_d f(p) = mu_flat g(p / E) / g(P / E) depends on p / P and P / E
+    // only: dr / d ln E = -dr / d ln P for a given mu_flat. Rims, which are compressed in proportion to P / E, follow
+    // the same rule.
     let area_law = law(0.02e6);
     let rim = |um: f64| Some(Rim::new(um * 1e-6, 20e-6, RimProfile::Round).unwrap());
     for rim in [None, rim(0.1), rim(0.5)] {
@@ -77,7 +78,7 @@ fn what_is_drawn_of_the_modulus_is_the_modulus_itself() {
         assert!((ScaleShift::off_by(x, false).log.exp() - (1.0 + x)).abs() < 1e-12);
         assert_eq!(ScaleShift::off_by(x, true).log, x);
     }
-    // Smooth where the logarithm ends, and never negative.
+    // Smooth at the transition to the tangent, and never negative.
     let [below, at, above] = [-0.501, -0.5, -0.499].map(|x| ScaleShift::off_by(x, false).log);
     assert!(((above - at) - (at - below)).abs() < 3e-6 && at == 0.5_f64.ln());
     assert!(ScaleShift::off_by(-3.0, false).log.exp() > 0.0);
@@ -101,7 +102,7 @@ fn first_order_is_what_samples_scatter() {
     let factor_std: Vec<f64> = law(0.7e6).factors().iter().map(|f| 0.02 * (1.0 - f)).collect();
     let area_law = law(0.7e6).with_factor_std(factor_std).unwrap();
     let scene = scene(Planform::Groove, Some(area_law.clone()));
-    // Coefficient and scale off together, as a fit leaves them.
+    // Coefficient and scale shifted together, with the correlation of a fit.
     let known = [[4e-4, 9e-4], [9e-4, 4e-3]];
     let joint = with_scale(&known, &area_law, &scene.loads).unwrap();
     let discrepancy = DiscrepancyAt { factor: 0.9, log_std: 0.01, log_reach_68: [0.01; 2], log_reach_95: [0.0196; 2] };
@@ -130,14 +131,14 @@ fn first_order_is_what_samples_scatter() {
     const DRAWS: usize = 400;
     let mut drawn = vec![Vec::new(); 3];
     for _ in 0..DRAWS {
-        // Cholesky of the covariance of mu_d and ln s.
+        // Cholesky factor of the covariance of mu_d and ln s.
         let (z, w) = (normal(), normal());
         let coefficient = known[0][0].sqrt() * z;
         let share = known[0][1] / known[0][0].sqrt();
         let log_scale = share * z + (known[1][1] - share * share).sqrt() * w;
         let [law_off, own] = [normal(), discrepancy.log_std * normal()];
         let moved = area_law.at_modulus(log_scale.exp()).unwrap();
-        // Flat friction goes with both.
+        // Flat friction depends on both.
         let friction: Vec<f64> = scene
             .loads
             .iter()
@@ -159,7 +160,7 @@ fn first_order_is_what_samples_scatter() {
             let share = (square / (DRAWS - 1) as f64).sqrt() / deviation.std;
             // A standard deviation of 400 values is known to 3.5 %.
             assert!((0.88..1.12).contains(&share), "{load} {column}: {share} {deviation:?}");
-            // The least is flat friction's part of the ratio: it hardly moves it.
+            // The smallest contribution is that of flat friction, on which the ratio hardly depends.
             assert_eq!(deviation.parts.len(), 4);
         }
         assert!((found.flat.std / flat - joint[load][load].sqrt()).abs() < 1e-12);
@@ -173,7 +174,7 @@ fn slopes_in_space_do_not_see_the_size_of_blocks() {
         InputUncertainty { flat_friction: Some(vec![1e-4; 3]), scale: modulus(0.1), ..InputUncertainty::default() };
     let coarse = Slopes::new(&scene, &knowledge);
     assert_eq!(steady_cell(&scene, &scene.pattern.unwrap()).layer.block_m, 20e-6);
-    // 13 rows have no half.
+    // 13 rows cannot be halved.
     let layer = Layer { height_m: 130e-6, ..scene.layer };
     let fine = Slopes::new(&Scene { layer, ..scene.clone() }, &knowledge);
     for (coarse, fine) in coarse.by_load.iter().zip(&fine.by_load) {

@@ -2,7 +2,7 @@
 
 use std::sync::OnceLock;
 
-use slipgrid_monitor::memory::{from_bytes, recalled, to_bytes};
+use slipgrid_monitor::memory::{cached, from_bytes, to_bytes};
 use slipgrid_pattern::Pattern;
 
 use super::super::{
@@ -163,7 +163,7 @@ pub fn drawn_ratios(
         let known = |bytes: &[u8]| Some(from_bytes(bytes)).filter(|all| all.len() == count * scene.run.draws as usize);
         // No number stands for friction that was not found.
         let kept = |friction: &Vec<f64>| Some(to_bytes(friction));
-        recalled(monitor, ("flat", &content), (known, kept), || friction(flat, of_flat))
+        cached(monitor, ("flat", &content), (known, kept), || friction(flat, of_flat))
     };
     let (own, flat) = rayon::join(|| friction(own, of_own), of_flat);
     let ratio = |load: usize| {

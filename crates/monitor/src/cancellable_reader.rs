@@ -1,26 +1,26 @@
-//! A source of bytes that ends when a monitor cancels.
+//! A reader that fails once a monitor cancels.
 
 use std::io::{self, Read};
 
 use crate::Monitor;
 
-/// Reads from a source until a monitor cancels: then reading fails, so that whatever reads a long file ends.
-pub struct Heeding<'a, R> {
+/// Reads from a source until a monitor cancels; reading then fails, so that parsing of a long file ends.
+pub struct CancellableReader<'a, R> {
     source: R,
     monitor: &'a dyn Monitor,
 }
 
-impl<'a, R: Read> Heeding<'a, R> {
-    /// `source` until `monitor` cancels.
+impl<'a, R: Read> CancellableReader<'a, R> {
+    /// Creates a reader of `source` that fails once `monitor` cancels.
     #[must_use]
     pub const fn new(source: R, monitor: &'a dyn Monitor) -> Self {
         Self { source, monitor }
     }
 }
 
-impl<R: Read> Read for Heeding<'_, R> {
+impl<R: Read> Read for CancellableReader<'_, R> {
     fn read(&mut self, into: &mut [u8]) -> io::Result<usize> {
-        // Readers try again after errors of the kind `Interrupted`.
+        // Readers retry after errors of the kind `Interrupted`.
         self.monitor.heed().map_err(|_| io::Error::other("cancelled"))?;
         self.source.read(into)
     }
@@ -44,7 +44,7 @@ mod tests {
     #[test]
     fn a_source_fails_once_its_monitor_cancels() {
         let button = Button::default();
-        let mut source = Heeding::new(&b"0123456789"[..], &button);
+        let mut source = CancellableReader::new(&b"0123456789"[..], &button);
         let mut four = [0; 4];
         source.read_exact(&mut four).unwrap();
         assert_eq!(&four, b"0123");
