@@ -39,13 +39,13 @@ pub(crate) fn load_dependence_warning(
         format!("; Young's modulus of about {fitting_gpa} GPa in place of {} GPa would fit", tidy(modulus_gpa))
     });
     Some(format!(
-        "local coefficient: mu_d {moves} by {:.0} % from {from:.3} to {to:.3} MPa at {} mm/s and {} %, {:.1} standard errors with those of \
-         the law: measured flat friction {falls} than this area law says. The law, the map or the modulus does not fit{fitting}; \
-         local_law = \"measured\" in [surface] takes flat friction as measured",
+        "flat friction {falls} than the area law says ({:.1} standard errors); mu_d {moves} by {:.0} % from {from:.3} to {to:.3} MPa \
+         at {} mm/s and {} %; check the map, Young's modulus and threshold_mpa{fitting}; local_law = \"measured\" in [surface] takes \
+         flat friction as measured",
+        change.errors.abs(),
         100.0 * change.part.abs(),
         tidy(SPEED_MM_S.from_si(condition.speed_m_s)),
         tidy(HUMIDITY_PCT.from_si(condition.humidity)),
-        change.errors.abs()
     ))
 }
 
@@ -151,11 +151,9 @@ mod tests {
             load_dependence_warning(&surface, 0.38e9, &[(at(2e-3), rows(0.281)), (at(1e-2), rows(last))])
         };
         let said = of(map, 0.336, 0.018).unwrap();
-        assert!(
-            said.starts_with("local coefficient: mu_d rises by 20 % from 0.400 to 4.000 MPa at 10 mm/s and 50 %, 3.1"),
-            "{said}"
-        );
-        assert!(said.contains("rises with load or falls less than this area law says"), "{said}");
+        let first = "flat friction rises with load or falls less than the area law says (3.1 standard errors); mu_d";
+        assert!(said.starts_with(first), "{said}");
+        assert!(said.contains("mu_d rises by 20 % from 0.400 to 4.000 MPa at 10 mm/s and 50 %;"), "{said}");
         assert!(of(map, 0.23, 0.01).unwrap().contains("mu_d falls by 18 %"));
         // A change within its error, one too small to matter, and a measured law.
         assert_eq!(of(map, 0.336, 0.02), None);
@@ -199,6 +197,6 @@ mod tests {
         assert_eq!(told(0.048e9, 0.048e9, 0.0), None);
         // No modulus explains friction that rises with load.
         let said = told(0.048e9, 48e9, 0.6).unwrap();
-        assert!(said.contains("does not fit; local_law"), "{said}");
+        assert!(said.contains("threshold_mpa; local_law"), "{said}");
     }
 }

@@ -61,16 +61,16 @@ impl Overlap {
             "a lower fluence makes bursts finer".to_owned()
         };
         format!(
-            "lines lie {} um apart in a cavity and the spot is {} um wide: where the spot follows them, bursts edge to edge, a point in the middle is \
-             exposed {} times, and {} on each spot {} {} um, not the design's {} um: {fewer}; speed_mm_s and repetition_hz in [laser] let the \
-             sheet plan passes; depth_of_bursts_um holds only where each spot is burnt by itself or a mask exposes whole cavities",
-            decimal(self.line_distance_um, 1),
-            decimal(self.spot_um, 1),
-            decimal(self.exposures, 2),
+            "{} on each spot {} {} um, not the design's {} um: {fewer}; where the spot follows lines, bursts edge to edge, a point in the \
+             middle is exposed {} times, as lines lie {} um apart in a cavity and the spot is {} um wide; speed_mm_s and repetition_hz in \
+             [laser] let the sheet plan passes; depth_of_bursts_um holds where each spot is burnt by itself or a mask exposes whole cavities",
             plural(self.bursts),
             makes(self.bursts),
             decimal(self.depth_um, 1),
-            decimal(self.design_um, 1)
+            decimal(self.design_um, 1),
+            decimal(self.exposures, 2),
+            decimal(self.line_distance_um, 1),
+            decimal(self.spot_um, 1)
         )
     }
 }
@@ -117,12 +117,9 @@ mod tests {
         assert!((exposures - 1.98).abs() < 0.02, "{exposures}");
         assert!((sheet.depth_where_lines_overlap_um.unwrap() - 15.6 * exposures).abs() < 0.01);
         let [warning] = &sheet.warnings[..] else { panic!("{:?}", sheet.warnings) };
-        for said in [
-            "11.6 um apart",
-            "in the middle is exposed",
-            "6 bursts on each spot make 3",
-            "3 bursts on each come nearest",
-        ] {
+        for said in
+            ["11.6 um apart", "middle is exposed", "6 bursts on each spot make 3", "3 bursts on each come nearest"]
+        {
             assert!(warning.contains(said), "{warning}");
         }
         assert_eq!(laser_warnings(&grooves(46.2), &LASER), sheet.warnings);
