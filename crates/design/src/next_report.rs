@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 use slipgrid_discrepancy::{Load, Prediction};
-use slipgrid_results::{MaterialReport, SYNTHETIC_SURFACE, SpecimenReport};
+use slipgrid_results::{MaterialReport, SCREEN_WIDTH, SYNTHETIC_SURFACE, SpecimenReport, doubt_in_brief, wrapped};
 use slipgrid_units::{HUMIDITY_PCT, PRESSURE_MPA, SPEED_MM_S, tidy};
 
 use slipgrid_export::{Laser, MEASURE_EACH_ALONE, Outline, Sector, Tolerances};
@@ -205,15 +205,10 @@ impl NextReport {
     #[must_use]
     pub fn text(&self) -> String {
         let plural = |count: usize, what: &str| format!("{count} {what}{}", if count == 1 { "" } else { "s" });
-        let mut text = format!(
-            "{}: {}\n  {} measured, {} pending; {} compared\n",
-            self.name,
-            self.words,
-            plural(self.trials, "trial"),
-            self.pending,
-            plural(self.compared, "design"),
-        );
-        self.material_doubts().for_each(|doubt| text += &format!("! {doubt}\n"));
+        let mut text = wrapped(&format!("{}: {}", self.name, self.words), SCREEN_WIDTH, "  ", 3);
+        let (trials, designs) = (plural(self.trials, "trial"), plural(self.compared, "design"));
+        text += &format!("\n  {trials} measured, {} pending; {designs} compared\n", self.pending);
+        self.material_doubts().for_each(|doubt| text += &doubt_in_brief(&doubt));
         if self.material.synthetic_surface {
             text += &format!("{SYNTHETIC_SURFACE}\n");
         }
@@ -226,7 +221,7 @@ impl NextReport {
         }
         text += &samples_table(self.rows().into_iter()).to_string();
         text += "learns: how much a measured sample would teach of how the model's error depends on the texture\n";
-        self.laser_doubts().for_each(|doubt| text += &format!("! {doubt}\n"));
+        self.laser_doubts().for_each(|doubt| text += &doubt_in_brief(&doubt));
         text + &self.one_disc.as_ref().map_or_else(String::new, OneDiscReport::text)
     }
 }

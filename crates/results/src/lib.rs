@@ -39,7 +39,7 @@ pub use believed::{believed, believed_interval, believed_std};
 pub use corrected::{CorrectedAt, CorrectedReport};
 pub use csv::guard_formula;
 pub use errors::{ErrorReport, ErrorsReport, PartsReport, PressureErrors};
-pub use notes::{notes, wrapped};
+pub use notes::{SCREEN_WIDTH, doubt_in_brief, notes, wrapped};
 pub use pattern::{PatternReport, duration_in_words, length_in_words};
 pub use rim::RimReport;
 pub use simulation::{

@@ -34,6 +34,16 @@ pub fn wrapped(text: &str, width: usize, indent: &str, most: usize) -> String {
     lines.join("\n")
 }
 
+/// Width of the screen, in characters.
+pub const SCREEN_WIDTH: usize = 100;
+
+/// A line of the screen about a doubt: what follows a semicolon explains it and is left to reports.
+#[must_use]
+pub fn doubt_in_brief(doubt: &str) -> String {
+    let first = doubt.split("; ").next().unwrap_or(doubt);
+    wrapped(&format!("! {first}"), SCREEN_WIDTH, "  ", 3) + "\n"
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

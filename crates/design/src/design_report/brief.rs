@@ -4,10 +4,8 @@ use std::fmt::Write as _;
 
 use super::DesignReport;
 use crate::prediction::percent;
-use slipgrid_results::{Table, believed_interval, fixed, length_in_words, wrapped};
+use slipgrid_results::{SCREEN_WIDTH, Table, believed_interval, doubt_in_brief, fixed, length_in_words, wrapped};
 
-/// Characters of a line.
-const WIDTH: usize = 100;
 /// Loads, doubts and lifted limits that are listed; the others are counted.
 const MAX_LOADS: usize = 8;
 const MAX_DOUBTS: usize = 3;
@@ -17,7 +15,7 @@ impl DesignReport {
     /// The report for the screen: everything else is in [`DesignReport::summary`].
     #[must_use]
     pub fn brief(&self) -> String {
-        let mut text = wrapped(&format!("{}: {}", self.name, self.words), WIDTH, "  ", 3) + "\n\n";
+        let mut text = wrapped(&format!("{}: {}", self.name, self.words), SCREEN_WIDTH, "  ", 3) + "\n\n";
         let design = &self.sample.design;
         let texture = format!(
             "  {} {} um wide, {} um apart, {} um deep{}{}; {:.1} % of the face",
@@ -29,17 +27,15 @@ impl DesignReport {
             self.exposure_words(),
             100.0 * self.specimen_areal_density,
         );
-        let _ = writeln!(text, "{}", wrapped(&texture, WIDTH, "  ", 2));
+        let _ = writeln!(text, "{}", wrapped(&texture, SCREEN_WIDTH, "  ", 2));
         text += &self.loads_in_brief();
         self.below_the_table().iter().for_each(|line| {
-            let _ = writeln!(text, "{}", wrapped(&format!("  {line}"), WIDTH, "    ", 2));
+            let _ = writeln!(text, "{}", wrapped(&format!("  {line}"), SCREEN_WIDTH, "    ", 2));
         });
         text.push('\n');
         let doubts = self.doubts();
         for doubt in doubts.iter().take(MAX_DOUBTS) {
-            // What follows a semicolon explains it.
-            let first = doubt.split("; ").next().unwrap_or(doubt);
-            let _ = writeln!(text, "{}", wrapped(&format!("! {first}"), WIDTH, "  ", 3));
+            text += &doubt_in_brief(doubt);
         }
         if doubts.len() > MAX_DOUBTS {
             let _ = writeln!(text, "! {} more doubts: in the report, or with --details", doubts.len() - MAX_DOUBTS);
