@@ -1,11 +1,11 @@
-//! Sweeps judged with vectors of every width that this machine has.
+//! Tests of sweeps with every vector width of the machine.
 
 use pulp::{Simd, WithSimd};
 
 use super::real::Real;
 use super::rows::Plane;
 
-/// Fills the first `size` values of each plane with numbers of both signs, the same on every machine and in every
+/// Fills the first `size` values of each plane with numbers of both signs, independent of the machine and the
 /// allocation.
 pub fn fill<'a, R: Real>(planes: impl IntoIterator<Item = &'a mut Plane<R>>, size: usize) {
     let mut number = 1_u32;
@@ -17,7 +17,7 @@ pub fn fill<'a, R: Real>(planes: impl IntoIterator<Item = &'a mut Plane<R>>, siz
     }
 }
 
-/// Asserts that `sweep` writes the same bits, not all of them zero, with vectors of any width as one by one.
+/// Asserts that `sweep` writes the same nonzero bits with vectors of every width as with scalars.
 pub fn assert_same_bits<W: WithSimd<Output = Vec<f64>>>(what: &str, sweep: impl Fn() -> W) {
     let bits = |values: Vec<f64>| values.into_iter().map(f64::to_bits).collect::<Vec<_>>();
     let scalar = bits(Simd::vectorize(pulp::Scalar::new(), sweep()));

@@ -1,8 +1,8 @@
-//! Friction on contact blocks, in vectors.
+//! Vectorized friction on contact blocks.
 //!
-//! Nearly all blocks go on as they were: at rest below their threshold, or sliding without a reversal, on
-//! the same interval of the area law. One pass does these; the few others, whose law, state or direction
-//! changes, take [`ContactBlock::kick`] one by one.
+//! Nearly all blocks continue as before: at rest below their threshold, or sliding without a reversal, on the same
+//! interval of the area law. One vectorized pass handles these; the few blocks whose law, state or direction changes go
+//! through [`ContactBlock::kick`] one by one.
 
 use pulp::{Simd, WithSimd};
 
@@ -12,15 +12,14 @@ use super::stencil::fixed_sum;
 use super::sweep::Kick;
 use slipgrid_fft::vectorized;
 
-/// Contact blocks that move along `H` axes, with their velocities: of a strip in the plane, or of a cell in space, whose arrays
-/// hold row by row, each padded to whole cache lines.
+/// Contact blocks with `H` horizontal degrees of freedom and their velocities: of a strip in the plane, or of a cell in
+/// space, whose arrays are stored row by row, each row padded to whole cache lines.
 #[derive(Clone, Debug)]
 pub struct ContactVectors<'a, const H: usize> {
     blocks: Vec<ContactBlock<H>>,
     law: LocalLaw<'a>,
-    /// Direction of the drive.
     drive: [f64; H],
-    /// Position in `blocks` by column; only contact columns are looked up.
+    /// Index into `blocks` by column; meaningful for contact columns only.
     number: Vec<usize>,
     columns: ContactColumns,
     /// Horizontal velocities times the step, by column.
@@ -29,14 +28,14 @@ pub struct ContactVectors<'a, const H: usize> {
     friction: [Vec<f64>; H],
     /// mu_d f(p) F_n.
     sliding: Vec<f64>,
-    /// 1 for a block that the pass has left to the scalar law, 0 for others.
+    /// 1 for a block that the pass leaves to the scalar law, otherwise 0.
     left: Vec<f64>,
-    /// Blocks that have not slipped since the drive began.
+    /// Number of blocks that have not slipped since the drive began.
     holding: usize,
 }
 
 impl<'a, const H: usize> ContactVectors<'a, H> {
-    /// `blocks` at rest, with columns among those of `inverse_mass`, which fill whole cache lines.
+    /// Creates contacts from `blocks` at rest; their columns index `inverse_mass`, which fills whole cache lines.
     #[must_use]
     pub fn new(
         blocks: Vec<ContactBlock<H>>,
@@ -71,13 +70,13 @@ impl<'a, const H: usize> ContactVectors<'a, H> {
         }
     }
 
-    /// Number of contact blocks.
     #[must_use]
     pub const fn len(&self) -> usize {
         self.blocks.len()
     }
 
-    /// Gives every block its face and its vertical displacement, by column; before the first step.
+    /// Sets the face height and the vertical displacement of every block, given by column; call it before the first
+    /// step.
     pub fn place(&mut self, face_and_height: impl Fn(usize) -> [f64; 2]) {
         for block in &mut self.blocks {
             let [face, height] = face_and_height(block.column);
@@ -85,11 +84,11 @@ impl<'a, const H: usize> ContactVectors<'a, H> {
         }
     }
 
-    /// Starts the account of which blocks have slipped: the bulk begins to move.
+    /// Resets the record of slipped blocks, since the bulk begins to move.
     pub fn begin_drive(&mut self) {
         for block in &mut self.blocks {
             block.has_slipped = false;
-            // Whatever slides must pass the scalar law to be counted.
+            // Sliding blocks are counted by the scalar law only.
             self.columns.from[block.column] = f64::INFINITY;
         }
         self.holding = self.blocks.len();
@@ -101,7 +100,7 @@ impl<'a, const H: usize> ContactVectors<'a, H> {
         self.holding == 0
     }
 
-    /// Normal force, negative under tension, and friction along each axis of every block at the last force evaluation.
+    /// Normal force (negative under tension) and friction along each axis of every block at the last force evaluation.
     pub fn vectors(&self) -> impl Iterator<Item = (f64, [f64; H])> + '_ {
         self.blocks.iter().map(|block| {
             let i = block.column;
@@ -124,14 +123,14 @@ impl<'a, const H: usize> ContactVectors<'a, H> {
         self.velocity.each_ref().map(Vec::as_slice)
     }
 
-    /// Blocks that may be in the air or under tension: those that the pass leaves alone.
+    /// Blocks excluded from the pass, which include all that are lifted or under tension.
     pub fn unsettled(&mut self) -> impl Iterator<Item = &mut ContactBlock<H>> {
         let from = &self.columns.from;
         self.blocks.iter_mut().filter(|block| from[block.column] == f64::INFINITY)
     }
 }
 
-/// The part of `vector` along `drive`.
+/// Component of `vector` along `drive`.
 #[inline]
 fn along<const H: usize>(drive: [f64; H], vector: [f64; H]) -> f64 {
     drive.into_iter().zip(vector).map(|(drive, part)| drive * part).reduce(|sum, part| sum + part).unwrap_or(0.0)
@@ -142,7 +141,8 @@ where
     ContactBlock<H>: Slide<H>,
     for<'p> Pass<'p, H>: WithSimd<Output = bool>,
 {
-    /// One leapfrog kick by the spring forces, horizontal and vertical, by column; the sums over all blocks.
+    /// Applies one leapfrog kick for the spring forces `force` and `lift`, given by column; returns the sums over all
+    /// blocks.
     #[inline(never)]
     pub fn kick(&mut self, force: [&[f64]; H], lift: &[f64], kept: f64) -> ContactSums {
         let left = vectorized(Pass {
@@ -176,11 +176,11 @@ where
         }
     }
 
-    /// What the pass has left: seldom, and out of its way.
+    /// Applies the scalar law to a block that the pass left. Kept out of line because it is rare.
     #[inline(never)]
     fn kick_block(&mut self, i: usize, force: [f64; H], lift: f64, kept: f64) {
         let Self { blocks, law, columns, .. } = self;
-        // What is no block has no friction, even where displacements are no longer finite.
+        // Columns without a block have no friction, even if displacements are no longer finite.
         let Some(block) = blocks.get_mut(self.number[i]) else { return };
         let had_slipped = block.has_slipped;
         let mut piece = columns.piece(i);
@@ -196,13 +196,12 @@ where
             self.velocity[axis][i] = v;
             self.friction[axis][i] = friction;
         }
-        // The sum of normal forces counts compressive blocks only.
         self.normal[i] = block.normal.max(0.0);
         self.sliding[i] = block.sliding;
         let goes_on = match block.motion {
-            // What it has left to go is no velocity.
+            // A block at rest that still has a stopping distance in `v` is not sliding.
             Motion::Rest => v == [0.0; H],
-            // Without velocity the pass would take it for a block at rest.
+            // The pass would treat a sliding block without velocity as at rest.
             Motion::Slip => v != [0.0; H] && block.normal > 0.0,
             Motion::Lifted => false,
         };
@@ -214,7 +213,7 @@ where
     }
 }
 
-/// The pass over blocks that go on as they were; whether it left any.
+/// The pass over blocks that continue as before. Its output tells whether blocks were left to the scalar law.
 pub struct Pass<'a, const H: usize> {
     pub columns: &'a ContactColumns,
     pub velocity: &'a mut [Vec<f64>; H],
@@ -260,7 +259,7 @@ impl WithSimd for Pass<'_, 1> {
             let slowed = simd.sub_f64s(free, mul(kick[i], resistance));
             let held = simd.less_than_or_equal_f64s(simd.abs_f64s(force), mul(starting_mu[i], grip));
             let slides_on = simd.less_than_f64s(zero, mul(slowed, v));
-            // At rest v is 0 and it cannot slide on.
+            // A block at rest has v = 0, so that `slides_on` is false.
             let goes_on = simd.and_m64s(known, simd.or_m64s(simd.and_m64s(at_rest, held), slides_on));
             velocity[i] = simd.select_f64s(simd.and_m64s(goes_on, slides_on), slowed, v);
             friction[i] = simd.select_f64s(at_rest, force, resistance);

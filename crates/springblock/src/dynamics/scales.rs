@@ -2,7 +2,7 @@
 
 use slipgrid_material::Elastic;
 
-/// What one unit is in SI.
+/// SI values of the units.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Scales {
     /// l, in metres.
@@ -28,7 +28,7 @@ impl Scales {
         Self::of(0.4 * elastic.youngs_modulus_pa(), elastic, block_m)
     }
 
-    /// `pressure_pa` is k/l.
+    /// Creates the units for k/l = `pressure_pa`.
     fn of(pressure_pa: f64, elastic: &Elastic, block_m: f64) -> Self {
         // m = rho l^3: m/k = rho l^2 / (k/l)
         Self { length_m: block_m, time_s: block_m * (elastic.density_kg_m3() / pressure_pa).sqrt(), pressure_pa }

@@ -1,15 +1,15 @@
-//! The stability limit of a time step, from the lattice's largest eigenfrequency.
+//! Stability limit of the time step, from the largest eigenfrequency of the lattice.
 
 use super::bonds::Bonds;
 use crate::lattice::Lattice;
 use crate::scene::Springs;
 
-/// Steps of the Lanczos recursion. The largest eigenvalue of a lattice, well separated at free edges,
-/// is found to better than 1e-4.
+/// Number of steps of the Lanczos recursion. The largest eigenvalue, which free edges separate well from the others, is
+/// found to better than 1e-4.
 const LANCZOS_STEPS: usize = 80;
 
-/// Largest eigenfrequency of the lattice over sqrt(k/m); blocks on the counterface move vertically only
-/// if `liftoff`.
+/// Largest eigenfrequency of the lattice in units of sqrt(k/m); blocks on the counterface move vertically only if
+/// `liftoff`.
 #[must_use]
 pub fn largest_frequency(lattice: &Lattice, liftoff: bool) -> f64 {
     let mut bonds = Bonds::new(lattice, Springs::Linear);
@@ -33,15 +33,15 @@ pub fn largest_frequency(lattice: &Lattice, liftoff: bool) -> f64 {
     })
 }
 
-/// Largest eigenfrequency of unknowns with the inverse root masses `weight`, 0 for removed blocks and pinned
-/// directions; `forces` gives the spring forces at displacements.
+/// Largest eigenfrequency of a system with the inverse root masses `weight`, which are 0 for removed blocks and pinned
+/// directions. `forces` computes the spring forces at given displacements.
 ///
-/// Lanczos recursion on M^-1/2 K M^-1/2, the largest eigenvalue of its tridiagonal matrix by
-/// bisection on Sturm counts.
+/// Lanczos recursion on M^-1/2 K M^-1/2; the largest eigenvalue of its tridiagonal matrix is found by bisection on
+/// Sturm counts.
 #[must_use]
 pub fn largest_of(weight: &[f64], mut forces: impl FnMut(&[f64], &mut [f64])) -> f64 {
     let unknowns = weight.len();
-    // A fixed start without symmetry, so that no mode is missed.
+    // A fixed start vector without symmetry has a component along every mode.
     let mut q: Vec<f64> = (0..unknowns)
         .map(|n| if weight[n] > 0.0 { (n as f64 * 2.399_963).sin() + if n % 2 == 0 { 1.0 } else { -1.0 } } else { 0.0 })
         .collect();
@@ -91,7 +91,7 @@ fn largest_eigenvalue(diagonal: &[f64], beside: &[f64]) -> f64 {
     };
     let mut high = (0..diagonal.len()).map(bound).fold(0.0, f64::max);
     let mut low = -high;
-    // Number of eigenvalues below x: negative pivots of T - x.
+    // All eigenvalues are below x if all pivots of T - x are negative.
     let all_below = |x: f64| {
         let mut pivot = 1.0;
         (0..diagonal.len()).all(|i| {

@@ -1,4 +1,4 @@
-//! A strip of columns with its state: what one thread advances by one step.
+//! A strip of columns with its state, the part of a lattice that one thread advances.
 
 use std::ops::Range;
 
@@ -10,57 +10,57 @@ use super::stencil::StripStencil;
 use super::sweep::{ContactRowForces, InsideRows, Kick, MoveRow, RowForces, side};
 use slipgrid_fft::vectorized;
 
-/// What a step needs from outside the strip.
+/// Position of the bulk and of the moving frame in a step.
 #[derive(Clone, Copy, Debug)]
 pub struct BulkPlace {
     /// Horizontal displacement of the bulk.
     pub x: f64,
-    /// Its vertical displacement.
+    /// Vertical displacement of the bulk.
     pub height: f64,
-    /// How far the frame of displacements has been carried after the step.
+    /// Displacement of the moving frame after the step.
     pub carried: f64,
 }
 
-/// What displacements deviate from: a state in equilibrium but for the contact row, in a frame that slides with the bulk.
+/// Base state from which displacements deviate: in equilibrium except for the contact row, in a frame that moves with
+/// the bulk.
 #[derive(Clone, Debug)]
 pub struct Base {
     /// Spring forces on the contact row, horizontal and vertical, by column.
     pub force: [Vec<f64>; 2],
     /// Vertical displacements of the contact row, by column.
     pub height: Vec<f64>,
-    /// How far the frame is carried in a step.
+    /// Displacement of the frame per step.
     pub carried: f64,
 }
 
-/// One side of a strip.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Side {
     Left,
     Right,
 }
 
-/// A strip of the lattice.
+/// A strip of the lattice with its state.
 #[derive(Clone, Debug)]
 pub struct Strip<'a, R> {
     stencil: StripStencil<R>,
     field: Field<R>,
     contact: ContactVectors<'a, 1>,
     kick: Kick,
-    /// What damping takes from the velocity of the frame.
+    /// Decrease of the frame's velocity by damping.
     drag: f64,
     liftoff: bool,
-    /// Vertical displacements of the last step of contact blocks in the air, by column.
+    /// Vertical displacements of lifted contact blocks in the last step, by column.
     fall: Vec<f64>,
     force: [Vec<R>; 2],
     at_sides: Vec<[f64; 2]>,
-    /// The contact row in double precision and, but for its frame, as the field has it: displacements, and forces on it.
+    /// Displacements of the contact row in the frame at rest, and spring forces on it, in double precision.
     contact_place: [Vec<f64>; 2],
     contact_force: [Vec<f64>; 2],
     base: Base,
 }
 
 impl<'a, R: Real> Strip<'a, R> {
-    /// A strip of `rows` rows at rest; `blocks`: the contact blocks of the whole lattice.
+    /// Creates a strip of `rows` rows at rest; `blocks` are the contact blocks of the whole lattice.
     #[must_use]
     pub fn new(
         stencil: StripStencil<R>,
@@ -101,24 +101,23 @@ impl<'a, R: Real> Strip<'a, R> {
         }
     }
 
-    /// Its columns in the lattice.
+    /// Columns of the strip in the lattice.
     #[must_use]
     pub const fn columns(&self) -> &Range<usize> {
         &self.stencil.columns
     }
 
-    /// The contact blocks.
     #[must_use]
     pub const fn contact(&self) -> &ContactVectors<'a, 1> {
         &self.contact
     }
 
-    /// The bulk begins to move.
+    /// Resets the record of slipped blocks, since the bulk begins to move.
     pub fn begin_drive(&mut self) {
         self.contact.begin_drive();
     }
 
-    /// Starts from given displacements, by column of the lattice and row, at rest.
+    /// Sets the initial displacements, by column of the lattice and row, with every block at rest.
     pub fn start(&mut self, displacement: &dyn Fn(usize, usize) -> [f64; 2]) {
         for j in 0..self.field.ny {
             for i in 0..self.field.nx {
@@ -135,7 +134,8 @@ impl<'a, R: Real> Strip<'a, R> {
         }
     }
 
-    /// Takes displacements from now on as deviations from a state at rest, which is `base` by column of the lattice, in a frame that moves.
+    /// Switches to displacements that are deviations from the state `base`, given by column of the lattice, in a moving
+    /// frame.
     pub fn deviate(&mut self, base: &Base) {
         let (columns, padded) = (self.stencil.columns.clone(), whole_lines::<R>(self.field.nx));
         let own = |values: &[f64]| {
@@ -149,31 +149,31 @@ impl<'a, R: Real> Strip<'a, R> {
             carried: base.carried,
         };
         self.drag = self.kick.drag(base.carried);
-        // One step before, the frame was that much behind.
+        // Offset of the frame one step earlier.
         let (first, stride, nx) = (self.field.at(0, 0), self.field.stride, self.field.nx);
         for row in self.field.other[0].rows_mut()[first..].chunks_mut(stride).take(self.field.ny) {
             row[..nx].fill(R::of(base.carried));
         }
     }
 
-    /// What the top row takes of the balance of the bulk.
+    /// Vertical force of the top row on the bulk at zero displacement of the bulk.
     #[must_use]
     pub fn held(&self) -> f64 {
         self.stencil.held(&self.field)
     }
 
-    /// Displacements of block (i, j), i within the strip.
+    /// Displacements of block (i, j); i counts within the strip.
     #[must_use]
     pub fn displacement(&self, i: usize, j: usize) -> [f64; 2] {
         let at = self.field.at(i, j);
         [0, 1].map(|component: usize| self.field.now[component].rows()[at].widened())
     }
 
-    /// Joins the left side to the right side: a strip that is a whole period.
+    /// Makes the strip periodic, if it is a whole period.
     pub fn join_sides(&mut self) {
         let (first, nx, stride) = (self.field.at(0, 0), self.field.nx, self.field.stride);
         for plane in &mut self.field.now {
-            // The image of the last column, then the columns, then the image of the first.
+            // Each row has the image of the last column, then the columns, then the image of the first column.
             for row in plane.rows_mut()[first - 1..].chunks_exact_mut(stride).take(self.field.ny) {
                 row[0] = row[nx];
                 row[nx + 1] = row[1];
@@ -181,13 +181,13 @@ impl<'a, R: Real> Strip<'a, R> {
         }
     }
 
-    /// Values that a neighbour needs: both displacements of every row, one side's column.
+    /// Number of values that a neighbour needs: both displacements of one side's column.
     #[must_use]
     pub const fn edge_len(&self) -> usize {
         2 * self.field.ny
     }
 
-    /// Hands the values of the column at `from` to `give`, row by row.
+    /// Calls `give` with the index and the value of each displacement in the column at the side `from`.
     pub fn edge(&self, from: Side, mut give: impl FnMut(usize, f64)) {
         let column = match from {
             Side::Left => 0,
@@ -201,7 +201,8 @@ impl<'a, R: Real> Strip<'a, R> {
         }
     }
 
-    /// Takes the values of the column beyond `beyond`, as [`Strip::edge`] numbers them.
+    /// Sets the image of the column beyond the side `beyond`; `take` returns values with the indices of
+    /// [`Strip::edge`].
     pub fn set_image(&mut self, beyond: Side, mut take: impl FnMut(usize) -> f64) {
         let at = match beyond {
             Side::Left => self.field.at(0, 0) - 1,
@@ -215,8 +216,8 @@ impl<'a, R: Real> Strip<'a, R> {
         }
     }
 
-    /// Advances by one step; the sums over the strip's contact blocks at its beginning. The images of the
-    /// neighbours' columns must be those of this instant.
+    /// Takes one step; returns the sums over the strip's contact blocks at its beginning. The images of the neighbours'
+    /// columns must be up to date.
     pub fn step(&mut self, bulk: BulkPlace) -> ContactSums {
         self.place_bulk(bulk);
         let Self { stencil, field, contact, kick, drag, force: [force_x, force_y], .. } = self;

@@ -1,9 +1,10 @@
 //! Several threads on one lattice: each advances its own strips, in lockstep.
 //!
-//! The leader computes the bulk's place, posts it with the columns at its strips' sides and calls a turn;
-//! the others read it, do the turn's work, post theirs and report. One exchange a step, over a board of
-//! atomic words: no locks, nothing shared but what strips need of each other. Sums are posted strip by
-//! strip and added in their order, so that results are those of one thread to the last bit.
+//! For each command the leader computes the bulk's position, posts it together with the columns at its strips' sides,
+//! and increments the command counter. The other threads read it, execute the command, post their results, and report.
+//! There is one exchange per step, through a board of atomic words without locks; strips share only what their
+//! neighbours need. Sums are posted strip by strip and added in the order of the strips, so that results equal those of
+//! one thread to the last bit.
 
 use std::hint::spin_loop;
 use std::panic::resume_unwind;
@@ -15,7 +16,7 @@ use super::contact::{ContactForce, ContactSums};
 use super::real::Real;
 use super::strip::{BulkPlace, Side, Strip};
 
-/// What a turn asks for.
+/// Command to all threads.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Turn {
     Step,
@@ -28,10 +29,10 @@ impl Turn {
     const ALL: [Self; 4] = [Self::Step, Self::BeginDrive, Self::PostForces, Self::Finish];
 }
 
-/// What a thread that panicked has done last: every turn, so that the leader does not wait for it.
+/// Value of `done` of a thread that panicked: beyond every command, so that the leader does not wait for the thread.
 const PANICKED: u64 = u64::MAX;
 
-/// Looks at a word before the thread offers its core to others.
+/// Number of polls of a word before the thread yields its core.
 const SPINS: u32 = 4000;
 
 fn wait_until(condition: impl Fn() -> bool) {
@@ -42,7 +43,7 @@ fn wait_until(condition: impl Fn() -> bool) {
     }
 }
 
-/// A number in an atomic word; the turn's hand-over orders it.
+/// An f64 in an atomic word; the acquire and release of the command counter order accesses to it.
 #[derive(Debug, Default)]
 struct Number(AtomicU64);
 
@@ -56,11 +57,11 @@ impl Number {
     }
 }
 
-/// What a strip posts.
+/// Data that a strip posts.
 #[derive(Debug)]
 struct StripBoard {
-    /// Columns at the left and right sides, after even and after odd steps: a thread may already post the
-    /// next while another still reads the last.
+    /// Columns at the left and right sides, after even and after odd steps: a thread may post the next step while
+    /// another still reads the last.
     edges: [[Vec<Number>; 2]; 2],
     held: Number,
     friction: Number,
@@ -78,11 +79,11 @@ struct Board {
     bulk_x: Number,
     bulk_height: Number,
     carried: Number,
-    /// What the current turn asks for, an index into [`Turn::ALL`].
+    /// Current command, an index into [`Command::ALL`].
     wanted: AtomicU64,
-    /// Number of the current turn.
+    /// Number of the current command.
     turn: AtomicU64,
-    /// Last turn that each of the others has done.
+    /// Number of the last command that each other thread has completed.
     done: Vec<AtomicU64>,
 }
 
@@ -113,7 +114,7 @@ impl Board {
         }
     }
 
-    /// Posts what the others need of strip `number` after step `step`.
+    /// Posts the data of strip `number` that other threads need after step `step`.
     fn post<R: Real>(&self, number: usize, strip: &Strip<R>, step: u64) {
         let board = &self.strips[number];
         board.held.post(strip.held());
@@ -125,7 +126,7 @@ impl Board {
         strip.edge(Side::Right, |at, value| right[at].post(value));
     }
 
-    /// Gives strip `number` the columns beside it as they were after step `step`.
+    /// Sets the images of the columns next to strip `number` to their state after step `step`.
     fn join<R: Real>(&self, number: usize, strip: &mut Strip<R>, step: u64) {
         let count = self.strips.len();
         if count == 1 && self.periodic {
@@ -135,13 +136,13 @@ impl Board {
         let before = number.checked_sub(1).or(self.periodic.then_some(count - 1));
         let after = if number + 1 < count { Some(number + 1) } else { self.periodic.then_some(0) };
         let edge = |of: usize, side: usize| &self.strips[of].edges[(step % 2) as usize][side];
-        // Nothing stands beyond a free side; zeros keep what vectors write there in bounds.
+        // There is no block beyond a free side; zeros keep the values that vectors write there bounded.
         let (left, right) = (before.map(|of| edge(of, 1)), after.map(|of| edge(of, 0)));
         strip.set_image(Side::Left, |at| left.map_or(0.0, |edge| edge[at].read()));
         strip.set_image(Side::Right, |at| right.map_or(0.0, |edge| edge[at].read()));
     }
 
-    /// Advances strip `number` by step `step` and posts it.
+    /// Takes step `step` of strip `number` and posts the results.
     fn step<R: Real>(&self, number: usize, strip: &mut Strip<R>, step: u64) {
         self.join(number, strip, step - 1);
         let [x, height, carried] = [&self.bulk_x, &self.bulk_height, &self.carried].map(Number::read);
@@ -161,7 +162,7 @@ impl Board {
         }
     }
 
-    /// Does what a turn asks for on `strips`, the first of which is `first`; `step` counts steps.
+    /// Executes a command on `strips`, of which the first has the number `first`; `step` counts steps.
     fn work<R: Real>(&self, wanted: Turn, first: usize, strips: &mut [Strip<R>], step: &mut u64) {
         *step += u64::from(wanted == Turn::Step);
         for (number, strip) in (first..).zip(strips) {
@@ -175,7 +176,7 @@ impl Board {
     }
 }
 
-/// The leader's own strips and the threads that have the others.
+/// The leader's own strips, and the threads that own the others.
 #[derive(Debug)]
 pub struct StripWorkers<'scope, 'a, R> {
     board: Arc<Board>,
@@ -186,7 +187,7 @@ pub struct StripWorkers<'scope, 'a, R> {
 }
 
 impl<'scope, 'a: 'scope, R: Real> StripWorkers<'scope, 'a, R> {
-    /// Shares `strips` among the caller's thread and, with `threads`, others of that scope, up to that many.
+    /// Distributes `strips` over the caller's thread and, if `threads` is given, up to that many threads in total.
     pub fn new(
         mut strips: Vec<Strip<'a, R>>,
         periodic: bool,
@@ -210,7 +211,7 @@ impl<'scope, 'a: 'scope, R: Real> StripWorkers<'scope, 'a, R> {
         Self { board, own: strips, others, turn: 0, step: 0 }
     }
 
-    /// Calls a turn, does the leader's part and waits for the others'.
+    /// Issues a command, executes the leader's part, and waits for the other threads.
     fn call(&mut self, wanted: Turn) {
         self.turn += 1;
         let number = Turn::ALL.iter().position(|turn| *turn == wanted).unwrap_or(0);
@@ -220,10 +221,10 @@ impl<'scope, 'a: 'scope, R: Real> StripWorkers<'scope, 'a, R> {
         self.wait_for_others();
     }
 
-    /// Waits until the others have done the present turn.
+    /// Waits until all threads have completed the current command.
     ///
     /// # Panics
-    /// As a thread has that did not.
+    /// With the panic of another thread, if one panicked.
     fn wait_for_others(&mut self) {
         for done in &self.board.done {
             wait_until(|| done.load(Ordering::Acquire) >= self.turn);
@@ -233,7 +234,7 @@ impl<'scope, 'a: 'scope, R: Real> StripWorkers<'scope, 'a, R> {
         }
     }
 
-    /// Ends all threads, of which one has panicked, and panics as that one did.
+    /// Stops all threads after one has panicked, and resumes its panic.
     fn pass_panic_on(&mut self) {
         self.end();
         for other in self.others.drain(..) {
@@ -243,13 +244,13 @@ impl<'scope, 'a: 'scope, R: Real> StripWorkers<'scope, 'a, R> {
         }
     }
 
-    /// Sum over all strips of what their top rows take of the balance of the bulk.
+    /// Vertical force of all top rows on the bulk at zero displacement of the bulk.
     #[must_use]
     pub fn held(&self) -> f64 {
         self.board.strips.iter().map(|strip| strip.held.read()).sum()
     }
 
-    /// Advances by one step; the sums over the contact row at its beginning.
+    /// Takes one step; returns the sums over the contact row at its beginning.
     pub fn step(&mut self, bulk: BulkPlace) -> ContactSums {
         self.board.bulk_x.post(bulk.x);
         self.board.bulk_height.post(bulk.height);
@@ -263,7 +264,6 @@ impl<'scope, 'a: 'scope, R: Real> StripWorkers<'scope, 'a, R> {
         sums
     }
 
-    /// The bulk begins to move.
     pub fn begin_drive(&mut self) {
         self.call(Turn::BeginDrive);
     }
@@ -282,7 +282,7 @@ impl<'scope, 'a: 'scope, R: Real> StripWorkers<'scope, 'a, R> {
         forces.map(read).collect()
     }
 
-    /// Ends the threads; all strips are the leader's again.
+    /// Stops the threads; the leader then owns all strips.
     pub fn finish(&mut self) {
         if !self.others.is_empty() {
             self.call(Turn::Finish);
@@ -292,7 +292,7 @@ impl<'scope, 'a: 'scope, R: Real> StripWorkers<'scope, 'a, R> {
         }
     }
 
-    /// The leader's strips: all of them after [`StripWorkers::finish`].
+    /// Strips of the leader: all strips after [`StripWorkers::finish`].
     #[must_use]
     pub fn own(&self) -> &[Strip<'a, R>] {
         &self.own
@@ -300,7 +300,7 @@ impl<'scope, 'a: 'scope, R: Real> StripWorkers<'scope, 'a, R> {
 }
 
 impl<R> StripWorkers<'_, '_, R> {
-    /// Calls the last turn, and waits for nobody.
+    /// Issues the last command without waiting.
     fn end(&self) {
         let number = Turn::ALL.len() - 1;
         self.board.wanted.store(number as u64, Ordering::Relaxed);
@@ -316,7 +316,7 @@ impl<R> Drop for StripWorkers<'_, '_, R> {
     }
 }
 
-/// Tells the leader, however the thread that has it ends, which turn that has done last.
+/// Reports completed commands to the leader, and a panic when it is dropped unfinished.
 struct Done<'a> {
     last: &'a AtomicU64,
     has_finished: bool,
@@ -330,7 +330,7 @@ impl Drop for Done<'_> {
     }
 }
 
-/// What the other threads do: turn by turn, until told to finish.
+/// Main loop of the other threads: executes commands until the last one.
 fn follow<'a, R: Real>(board: &Board, thread: usize, first: usize, mut strips: Vec<Strip<'a, R>>) -> Vec<Strip<'a, R>> {
     let (mut turn, mut step) = (0, 0);
     let mut done = Done { last: &board.done[thread], has_finished: false };
@@ -368,7 +368,7 @@ mod tests {
                     });
                     let others = others.collect();
                     let mut workers = StripWorkers { board, own: Vec::new(), others, turn: 1, step: 0 };
-                    // No turn: the threads panic where they look it up.
+                    // An invalid command: the threads panic when they look it up.
                     workers.board.wanted.store(Turn::ALL.len() as u64, Ordering::Relaxed);
                     workers.board.turn.store(1, Ordering::Release);
                     workers.wait_for_others();

@@ -1,6 +1,7 @@
-//! Leapfrog on a plain cell in space, linear springs, damping implicit.
+//! Leapfrog on a cell of whole cubes in space, with linear springs and implicit damping.
 //!
-//! As in the plane, a run that starts from sliding in equilibrium keeps what it deviates from it in single precision.
+//! As in the plane, a run that starts from sliding in equilibrium stores deviations from that state in single
+//! precision.
 
 use std::ops::Range;
 
@@ -20,12 +21,11 @@ use crate::draws::Coefficients;
 use crate::space::SpaceLattice;
 use slipgrid_fft::vectorized;
 
-/// What the leapfrog starts from, beside the lattice. Units: k = 1, l = 1, m = 1.
+/// Initial data of the leapfrog besides the lattice. Units: k = 1, l = 1, m = 1.
 #[derive(Clone, Debug)]
 pub struct SpaceSetup<'a> {
     /// Coefficients of all columns, x fastest.
     pub coefficients: &'a [Coefficients],
-    /// Friction law.
     pub law: LocalLaw<'a>,
     /// Load and motion of the bulk.
     pub protocol: Protocol,
@@ -35,27 +35,28 @@ pub struct SpaceSetup<'a> {
     pub time_step: f64,
     /// Damping frequency gamma.
     pub damping: f64,
-    /// Contact is unilateral.
+    /// Whether contact is unilateral, so that blocks may lift.
     pub liftoff: bool,
 }
 
-/// Rows of a tile, which is swept from layer to layer: fewer sweep more rows twice, with more the lines of one column
-/// of vectors leave the first-level cache before the next column needs them.
+/// Number of rows of a tile, which is swept layer by layer. Smaller tiles sweep more rows twice; larger tiles lose the
+/// cache lines of one vector column from the first-level cache before the next column needs them.
 const TILE: usize = 10;
 
-/// Layers that a step moves before the next step follows, at least two. With fewer, a larger share of layers is read twice from the
-/// second-level cache, as neighbours; with more they leave that cache before the next step needs them.
+/// Number of layers that a step moves before the next step follows, at least two. Fewer layers increase the share of
+/// layers that are read twice from the second-level cache as neighbours; more layers leave that cache before the next
+/// step needs them.
 const SLAB: usize = 4;
 
-/// Forces of a row, or of the whole contact layer.
+/// Forces on a row or on the whole contact layer.
 type Forces<R> = [Vec<R>; 3];
 
-/// The integrator with its state.
+/// Leapfrog integrator with its state.
 #[derive(Clone, Debug)]
 pub struct SpaceLeapfrog<'a, R> {
     stencil: Stencil<R>,
     field: Field<R>,
-    /// Lines along y that are there, and whether they end.
+    /// Number of lines along y that belong to the face, and whether the cell has free ends along y.
     lines: usize,
     has_ends: bool,
     contact: ContactVectors<'a, 2>,
@@ -65,22 +66,23 @@ pub struct SpaceLeapfrog<'a, R> {
     time_step: f64,
     steps: u64,
     liftoff: bool,
-    /// Vertical displacements of the last step of contact blocks in the air, by place.
+    /// Vertical displacements of lifted contact blocks in the last step.
     fall: Vec<f64>,
     row_force: Forces<R>,
-    /// The contact layer in double precision and, but for its frame, as the field has it: displacements, and forces on it.
+    /// Displacements of the contact layer in the frame at rest, and spring forces on it, in double precision.
     contact_place: Forces<f64>,
     contact_force: Forces<f64>,
-    /// Spring forces on it in the state that displacements deviate from.
+    /// Spring forces on the contact layer in the base state.
     base_force: Forces<f64>,
-    /// That state, x fastest, then y, then upward; nothing where displacements are those of the cell at rest.
+    /// Base state from which displacements deviate, x fastest, then y, then upward; empty if displacements start at
+    /// zero.
     base: Vec<[f64; 3]>,
-    /// What damping takes from the velocity of the frame.
+    /// Decrease of the frame's velocity by damping.
     drag: [f64; 2],
 }
 
 impl<'a> SpaceLeapfrog<'a, f64> {
-    /// A plain lattice at rest.
+    /// Creates the integrator with a lattice of whole cubes at rest.
     #[must_use]
     pub fn new(lattice: &SpaceLattice, setup: SpaceSetup<'a>) -> Self {
         let kick = Kick::new(setup.time_step, setup.damping);
@@ -89,8 +91,11 @@ impl<'a> SpaceLeapfrog<'a, f64> {
 }
 
 impl<'a> SpaceLeapfrog<'a, f32> {
-    /// A plain lattice that starts at rest from `base`, displacements over l, x fastest, then y, then upward, in equilibrium with a motion of
-    /// the bulk at the speed and under the load of `setup`, from the first step on; `None` where forces are left above the contact layer.
+    /// Creates the integrator with a lattice of whole cubes in the sliding state `base`.
+    ///
+    /// `base` has displacements in units of l, x fastest, then y, then upward, in equilibrium under the load of
+    /// `setup`. The bulk moves at the speed of `setup` from the first step on. Returns `None` if unbalanced forces
+    /// remain above the contact layer.
     #[must_use]
     pub fn from_sliding(lattice: &SpaceLattice, setup: SpaceSetup<'a>, base: &[[f64; 3]]) -> Option<Self> {
         let SpaceSetup { protocol, time_step, damping, direction, .. } = setup;
@@ -113,7 +118,7 @@ impl<'a> SpaceLeapfrog<'a, f32> {
                 base[place] = *force;
             }
         }
-        // One step before, the frame was that much behind.
+        // Offset of the frame one step earlier.
         let carried = direction.map(|part| part * protocol.speed * time_step);
         sliding.field.carry(carried);
         sliding.drag = carried.map(|carried| sliding.kick.drag(carried));
@@ -157,7 +162,7 @@ impl<'a, R: Real> SpaceLeapfrog<'a, R> {
         }
     }
 
-    /// Starts from given displacements over l, by (i, j, k), every block at rest.
+    /// Sets the initial displacements in units of l, by (i, j, k), with every block at rest.
     pub fn start_sheared(&mut self, displacement: &dyn Fn([usize; 3]) -> [f64; 3]) {
         let Field { nx, ny, nz, .. } = self.field;
         for (k, j, i) in (0..nz).flat_map(|k| (0..ny).flat_map(move |j| (0..nx).map(move |i| (k, j, i)))) {
@@ -173,8 +178,8 @@ impl<'a, R: Real> SpaceLeapfrog<'a, R> {
         self.field.join_sides();
     }
 
-    /// Raises the faces of the contact blocks as those of `lattice` are; what stands higher begins off the counterface. After
-    /// [`Self::start_sheared`].
+    /// Sets the face heights of the contact blocks from `lattice`; blocks above their face height start lifted. Call it
+    /// after [`Self::start_sheared`].
     pub fn raise(&mut self, lattice: &SpaceLattice) {
         let (nx, padded) = (self.field.nx, whole_lines::<R>(self.field.nx));
         let Self { contact, contact_place, base, .. } = self;
@@ -195,20 +200,20 @@ impl<'a, R: Real> SpaceLeapfrog<'a, R> {
         std::array::from_fn(|c| base[c] + deviation[c] + carried[c])
     }
 
-    /// How far the frame of displacements has been carried after `steps` steps: as far as the bulk where they deviate from sliding.
+    /// Displacement of the moving frame after `steps` steps: that of the bulk if displacements deviate from sliding,
+    /// otherwise zero.
     fn carried(&self, steps: u64) -> [f64; 2] {
         let travel = if self.base.is_empty() { 0.0 } else { self.protocol.bulk_x(steps as f64 * self.time_step) };
         self.direction.map(|part| part * travel)
     }
 
-    /// The contact layer.
     #[cfg(test)]
     #[must_use]
     pub const fn contact(&self) -> &ContactVectors<'a, 2> {
         &self.contact
     }
 
-    /// Displacements of the bulk that balance the load, at the beginning of step number `step`.
+    /// Displacements of the bulk that balance the load at the beginning of step number `step`.
     fn bulk(&self, step: u64) -> [f64; 3] {
         let time = step as f64 * self.time_step;
         let Field { nx, nz, .. } = self.field;
@@ -217,22 +222,22 @@ impl<'a, R: Real> SpaceLeapfrog<'a, R> {
         let top: f64 = (0..lines).map(|j| line(z, j)).sum();
         let (travel, carried) = (self.protocol.bulk_x(time), self.carried(step));
         let [x, own_y] = [0, 1].map(|axis: usize| self.direction[axis] * travel - carried[axis]);
-        // The load is in balance in the state that displacements deviate from.
+        // The base state already balances the load.
         let load = if self.base.is_empty() { self.protocol.load(time) } else { 0.0 };
         let blocks = (nx * lines) as f64;
-        // 3 sum (H - u_z) = -load: one vertical spring and four diagonals a block; sideways they cancel.
+        // 3 sum (H - u_z) = -load: each block has one vertical and four diagonal springs; horizontal forces cancel.
         let height = top / blocks - load / (3.0 * blocks);
         if !self.has_ends {
             return [x, own_y, height];
         }
-        // At either end one diagonal a block is missing, and the one that is left pulls sideways:
+        // At either end each block lacks one diagonal, and the remaining one pulls sideways:
         // (3 n - n_x) H = 3 sum u_z - (u_z,first + u_z,last)/2 + (u_y,first - u_y,last)/2 - load
         let [first, last] = [0, lines - 1];
         let ends = line(y, first) - line(y, last) - line(z, first) - line(z, last);
         [x, own_y, (3.0 * top + 0.5 * ends - load) / (3.0 * blocks - nx as f64)]
     }
 
-    /// Forces on the contact layer, friction, and its motion in step number `step`.
+    /// Computes the forces on the contact layer, applies friction, and moves the layer in step number `step`.
     fn step_contact(&mut self, step: u64) -> ContactSums {
         let carried = self.carried(step + 1);
         let Self { stencil, field, contact, kick, contact_force, row_force, base_force, contact_place, .. } = self;
@@ -263,7 +268,7 @@ impl<'a, R: Real> SpaceLeapfrog<'a, R> {
         sums
     }
 
-    /// Vertical motion of contact blocks under unilateral contact.
+    /// Moves contact blocks vertically under unilateral contact.
     fn move_vertically(&mut self) {
         let Self { stencil, field, contact, kick, contact_force: [_, _, force], fall, base, .. } = self;
         let [_, _, rises] = &mut self.contact_place;
@@ -285,7 +290,7 @@ impl<'a, R: Real> SpaceLeapfrog<'a, R> {
         }
     }
 
-    /// Moves `layers`, the contact layer apart.
+    /// Moves `layers` except the contact layer.
     fn step_inside(&mut self, layers: Range<usize>) {
         let Self { stencil, field, kick, row_force: force, drag, .. } = self;
         let [drag_x, drag_y] = *drag;
@@ -295,7 +300,7 @@ impl<'a, R: Real> SpaceLeapfrog<'a, R> {
                 let forces = force.each_mut().map(Vec::as_mut_slice);
                 vectorized(RowForces { coefficients, field, layer, row: *row, force: forces });
                 let (inverse_mass, force) = (&coefficients.inverse_mass, force.each_ref().map(Vec::as_slice));
-                // What lanes beyond the last column write is restored when sides are joined.
+                // Vector lanes beyond the last column overwrite images, which `join_rows` restores.
                 let (columns, start) = (field.nx, field.at(0, *row, layer));
                 let (now, other) = (&field.now, &mut field.other);
                 let drag = [drag_x, drag_y, 0.0];
@@ -316,8 +321,9 @@ impl<'a, R: Real> SpaceLeapfrog<'a, R> {
         }
     }
 
-    /// Takes step number `step` in `layers`; the sums over the contact layer, zero where it is not among them. What a step needs of
-    /// the bulk is known once the top layer is where the step before has moved it.
+    /// Takes step number `step` in `layers`; returns the sums over the contact layer, or zero if `layers` does not
+    /// include it. The top layer comes first, because the bulk's position follows from the top layer of the previous
+    /// step.
     fn move_layers(&mut self, layers: Range<usize>, step: u64) -> ContactSums {
         if layers.end == self.field.nz {
             let bulk = self.bulk(step);
@@ -331,7 +337,7 @@ impl<'a, R: Real> SpaceLeapfrog<'a, R> {
     }
 }
 
-/// Vertical displacement of contact column `column` in the state that displacements deviate from.
+/// Vertical displacement of contact column `column` in the base state.
 fn base_height(base: &[[f64; 3]], column: usize) -> f64 {
     base.get(column).map_or(0.0, |base| base[2])
 }
@@ -347,8 +353,9 @@ impl<R: Real> Engine for SpaceLeapfrog<'_, R> {
         sums
     }
 
-    /// The second step follows the first from the top down, one layer behind it: the layers that it needs are still in the
-    /// second-level cache, which cells of 40 x 40 columns and more do not fit into, and those that it replaces nobody needs any more.
+    /// The second step follows the first from the top down, one layer behind it. The layers that it reads are then
+    /// still in the second-level cache, into which cells of 40 x 40 columns and more do not fit, and those that it
+    /// overwrites are no longer needed.
     fn one_or_two_steps(&mut self) -> (ContactSums, Option<ContactSums>) {
         let (top, step) = (self.field.nz, self.steps);
         let mut upper = top;

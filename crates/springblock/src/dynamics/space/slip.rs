@@ -1,17 +1,17 @@
 //! Friction on one contact block that moves in the plane of contact.
 //!
-//! At rest friction balances the horizontal force vector until its magnitude exceeds max(mu_s, mu_d) f(p) F_n; sliding
-//! its magnitude is mu_d f(p) F_n. Over one leapfrog step, with the velocities v before and v' after it (times the
-//! step) and the spring force F,
+//! At rest friction balances the horizontal force vector until its magnitude exceeds max(mu_s, mu_d) f(p) F_n; in
+//! sliding its magnitude is mu_d f(p) F_n. Over one leapfrog step with the velocities v before and v' after it (times
+//! the step) and the spring force F,
 //!
 //! ```text
 //! v' = free - kick R d,   free = kept v + kick F,   d = (v + v') / |v + v'| = (v + free) / |v + free|,
 //! ```
 //!
-//! friction R d points against the mean of the two velocities, of second order in the step, and takes the work R |v +
-//! v'|/2 of every step. A step whose v' would have no part along v ends at rest: friction could stop the block within
-//! it. Starts and stops lie where those of the plane do, and along one axis these are the formulas of the plane. The pass in
-//! vectors does the same for all blocks that go on as they were.
+//! Friction R d is opposite to the mean of the two velocities, of second order in the step, and dissipates R |v + v'|/2
+//! in every step. A step ends at rest if v' would have no component along v, since friction could stop the block within
+//! the step. Starts and stops occur as in the plane; for motion along one axis these formulas are those of the plane.
+//! The vectorized pass computes the same for all blocks that continue as before.
 
 use pulp::{Simd, WithSimd};
 
@@ -42,13 +42,13 @@ impl Slide<2> for ContactBlock<2> {
         let per_length = resistance / dot(along, along).sqrt();
         let friction = [per_length * along[0], per_length * along[1]];
         let slowed = [free[0] - push.kick * friction[0], free[1] - push.kick * friction[1]];
-        // A block that starts has no velocity yet: it moves along the force.
+        // A block that starts has no velocity yet and moves along the force.
         let before = if v == [0.0; 2] { push.force } else { v };
         if dot(free, before) > 0.0 && dot(slowed, before) > 0.0 {
             self.friction = friction;
             slowed
         } else {
-            // The step ends at rest: friction is what it took to stop the block.
+            // The step ends at rest; friction is the force that stopped the block.
             self.motion = Motion::Rest;
             let speed = dot(v, v).sqrt();
             let after = dot(free, v) / speed - push.kick * resistance;
@@ -107,7 +107,7 @@ impl WithSimd for Pass<'_, 2> {
                 simd.less_than_f64s(zero, dots(simd, [free_x, free_y], v)),
                 simd.less_than_f64s(zero, dots(simd, [slowed_x, slowed_y], v)),
             );
-            // At rest v is 0 and it cannot slide on.
+            // A block at rest has v = 0, so that `slides_on` is false.
             let goes_on = simd.and_m64s(known, simd.or_m64s(simd.and_m64s(at_rest, held), slides_on));
             let moves = simd.and_m64s(goes_on, slides_on);
             vx[i] = simd.select_f64s(moves, slowed_x, v[0]);
@@ -139,7 +139,7 @@ mod tests {
         block.kick(v, push, |normal| UNIT.grip(normal))
     }
 
-    /// Angles in a fixed sequence.
+    /// A fixed sequence of angles.
     fn angles() -> impl Iterator<Item = f64> {
         (0..48).map(|step| f64::from(step) * 0.1309 + 0.003)
     }
@@ -165,9 +165,9 @@ mod tests {
             let (sin, cos) = angle.sin_cos();
             let mut own = block(0.3, 0.27);
             own.motion = Motion::Slip;
-            // Deceleration a = mu_d N / m: kick = dt^2/m. From v the block goes v^2/(2 a), within a step.
+            // Deceleration a = mu_d N / m: kick = dt^2/m. From v the block slides v^2/(2 a), to within a step.
             let (speed, kick, dt) = (0.8, 1e-4, 1e-2);
-            // Velocities lie half a step before forces.
+            // Velocities are half a step before forces.
             let half = speed * dt + 0.5 * kick * 0.27;
             let mut v = [half * cos, half * sin];
             let mut at = [0.0; 2];
@@ -202,7 +202,7 @@ mod tests {
                     assert!((own.friction[0].hypot(own.friction[1]) - 0.27).abs() < 1e-14);
                     assert!(work > 0.0, "{angle} {pull}");
                 }
-                // The same along x alone, against the plane's law.
+                // Motion along x only, compared with the law of the plane.
                 let (v, f) = (v[0], pull * if number % 2 == 0 { 1.0 } else { -1.0 });
                 let coefficients = [Coefficients { static_mu: 0.3, dynamic_mu: 0.27 }];
                 let mut row = ContactRow::new([0].into_iter(), &coefficients, LocalLaw::new(None, 1.0));

@@ -1,14 +1,14 @@
-//! One step of the leapfrog for the rows of a cell in space, from displacements now and one step before.
+//! One leapfrog step for the rows of a cell in space, from the displacements now and one step before.
 //!
-//! Springs of stiffness k lead to the 6 nearest and the 12 face-diagonal neighbours. In each coordinate plane the
-//! diagonals come in two pairs, rising and falling: what they pull is shared by the two components of that plane,
+//! Springs of stiffness k connect a block with its 6 nearest and 12 face-diagonal neighbours. In each coordinate plane
+//! the diagonals form two pairs, rising and falling, whose forces are shared by the two components of that plane:
 //!
 //! ```text
 //! rising = (a + b)_NE + (a + b)_SW,  falling = (a - b)_NW + (a - b)_SE
 //! F_a = (rising + falling)/2 - 2 a,  F_b = (rising - falling)/2 - 2 b
 //! ```
 //!
-//! and a block feels 6 k of its own in every component.
+//! The own displacement of a block contributes -6 k in every component.
 
 use std::ops::Range;
 
@@ -19,38 +19,40 @@ use super::super::sweep::{Kick, Views};
 use super::field::Field;
 use super::stencil::{RowCoefficients, SPRINGS};
 
-/// Moves rows that are inside blocks alone: those of `layer`, which is not the lowest. Lanes beyond the last column
-/// write into the images, which the caller restores.
+/// Moves rows that consist of inside blocks, in a `layer` other than the lowest. Vector lanes beyond the last column
+/// overwrite images, which the caller restores.
 pub struct InsideRows<'a, R> {
     pub field: &'a mut Field<R>,
     pub layer: usize,
     pub rows: Range<usize>,
     pub kick: Kick,
-    /// What damping takes from the velocity of the frame, along x and y.
+    /// Decrease of the frame's velocity by damping, along x and y.
     pub drag: [f64; 2],
 }
 
-/// What a row leaves for the two rows after it: a sweep along y meets it as north, as own and as south.
+/// Contributions of a row to the forces on the next two rows. A sweep along y meets each row as north, centre and
+/// south.
 #[derive(Clone, Copy)]
 struct Row<V> {
-    /// x + y to the south west and x - y to the south east, seen from the row after it.
+    /// x + y at the south west and x - y at the south east, seen from the next row.
     south_west: V,
     south_east: V,
     /// x_E + x_W
     along: V,
-    /// y - z above and y + z below, seen from the row after it.
+    /// y - z above and y + z below, seen from the next row.
     above: V,
     below: V,
-    /// z above and z below.
+    /// z above and below.
     z_above: V,
     z_below: V,
     y: V,
 }
 
-/// What a row pulls in the row before it, towards the north east, the north west, above and below; and what it leaves.
+/// Contributions of a row to the row before it, towards the north east, the north west, above and below; and to the
+/// rows after it.
 type Met<V> = ([V; 4], Row<V>);
 
-/// The row at `at`, with those above and below it: what it pulls in the row before it, and what it leaves.
+/// Computes the contributions of the row at `at` and of its neighbours above and below.
 #[inline(always)]
 fn meet<S: Simd, R: Real>(
     simd: S,
@@ -80,7 +82,7 @@ fn meet<S: Simd, R: Real>(
     (pulls, left)
 }
 
-/// What a rising and a falling pair of diagonals pull: their sum and their difference.
+/// Sum and difference of the forces of a rising and a falling pair of diagonals.
 #[inline(always)]
 fn share<S: Simd, R: Real>(simd: S, rising: [R::Vector<S>; 2], falling: [R::Vector<S>; 2]) -> [R::Vector<S>; 2] {
     let rising = R::add(simd, rising[0], rising[1]);
@@ -88,7 +90,7 @@ fn share<S: Simd, R: Real>(simd: S, rising: [R::Vector<S>; 2], falling: [R::Vect
     [R::add(simd, rising, falling), R::sub(simd, rising, falling)]
 }
 
-/// Coefficients of a step: what is left of u, of u_before, and what a pull adds; and one half.
+/// Coefficients of a step: factors of u, of u_before and of the force, and one half.
 #[derive(Clone, Copy)]
 struct Step<V> {
     stay: V,
@@ -98,7 +100,7 @@ struct Step<V> {
 }
 
 impl<V: Copy> Step<V> {
-    /// stay u - kept u_before + kick (straight + diagonals/2), and the drag along an axis that has one
+    /// stay u - kept u_before + kick (straight + diagonals/2), plus the drag along an axis that has one.
     #[inline(always)]
     fn after<S: Simd, R: Real<Vector<S> = V>>(
         &self,
@@ -145,7 +147,8 @@ impl<R: Real> WithSimd for InsideRows<'_, R> {
             let (_, mut south) = meet::<S, R>(simd, &views, [next - row - up, next - row, next - row + up]);
             let (_, mut own) = meet::<S, R>(simd, &views, [next - up, next, next + up]);
             for _ in rows.clone() {
-                // Seen as one number: otherwise the compiler keeps a pointer for each of two dozen streams, in memory.
+                // The black box makes the compiler see one index; otherwise it keeps a pointer in memory for each of
+                // two dozen streams.
                 let at = std::hint::black_box(next);
                 let (below, above) = (at - up, at + up);
                 let ([north_east, north_west, rising_above, falling_below], north) =
@@ -190,13 +193,13 @@ fn stretch<S: Simd, R: Real>(simd: S, k: R::Vector<S>, value: R::Vector<S>, own:
     R::mul(simd, k, R::sub(simd, value, own))
 }
 
-/// k times the sum of the differences of two components to their own values, along a rising diagonal.
+/// k times the sum of the elongations of two components, along a rising diagonal.
 #[inline(always)]
 fn rise<S: Simd, R: Real>(simd: S, k: R::Vector<S>, values: [R::Vector<S>; 2], own: [R::Vector<S>; 2]) -> R::Vector<S> {
     R::mul(simd, k, R::add(simd, R::sub(simd, values[0], own[0]), R::sub(simd, values[1], own[1])))
 }
 
-/// k times the difference of those differences, along a falling diagonal.
+/// k times the difference of the elongations of two components, along a falling diagonal.
 #[inline(always)]
 fn fall<S: Simd, R: Real>(simd: S, k: R::Vector<S>, values: [R::Vector<S>; 2], own: [R::Vector<S>; 2]) -> R::Vector<S> {
     R::mul(simd, k, R::sub(simd, R::sub(simd, values[0], own[0]), R::sub(simd, values[1], own[1])))
@@ -215,7 +218,7 @@ impl<R: Real> WithSimd for RowForces<'_, R> {
         let (x, y, z) =
             (Views::new(simd, now_x, count), Views::new(simd, now_y, count), Views::new(simd, now_z, count));
         let own = layer * up + (row + 1) * row_step;
-        // The lowest layer has no springs downwards: whatever stands for what is below is multiplied by zero.
+        // The lowest layer has no springs downwards: the values read for them are multiplied by zero.
         let down = if layer == 0 { 0 } else { up };
         let [force_x, force_y, force_z] = force;
         let force_x = &mut R::vectors_mut::<S>(force_x)[..vectors];
@@ -229,7 +232,7 @@ impl<R: Real> WithSimd for RowForces<'_, R> {
             let (above, below, north, south) = (at + up, at - down, at + row_step, at - row_step);
             let k = |spring: usize| springs[spring * padded + i];
             let (u, v, w) = (x.centre[at], y.centre[at], z.centre[at]);
-            // Half the stiffness times the elongation along each diagonal: e e^T has entries 1/2.
+            // Half the stiffness times the elongation along each diagonal: the entries of e e^T are 1/2.
             let [xy_x, xy_y] = share::<S, R>(
                 simd,
                 [
@@ -293,7 +296,7 @@ mod tests {
     use crate::space::SpaceLattice;
     use slipgrid_pattern::{Pattern, Planform};
 
-    /// Everything that the sweeps write, on a cell of `nx` columns along both axes.
+    /// All results of the sweeps on a cell with `nx` columns along both axes.
     struct Swept<R> {
         nx: usize,
         precision: PhantomData<R>,
