@@ -1,4 +1,5 @@
-//! Cells that were condensed last: one texture slides under several moduli, area laws and measurements, of which its equations know nothing.
+//! Cache of condensed cells. One texture is solved for several moduli, area laws and measurements, on which its
+//! equations do not depend.
 
 use std::cell::RefCell;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
@@ -6,18 +7,18 @@ use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use super::CondensedCell;
 use crate::lattice::Lattice;
 
-/// Multiplications from which a cell is worth remembering: some milliseconds.
+/// Minimum multiplications for an entry in the shared cache: some milliseconds.
 pub const WORTH_REMEMBERING: f64 = 1e7;
-/// Numbers that remembered cells hold at most: 64 MB.
+/// Maximum number of numbers in the shared cache: 64 MB.
 const MAX_NUMBERS: usize = 8 << 20;
 
 thread_local! {
-    /// The last cell that this thread has condensed, with its lattice. Small ones are not worth a place that all threads share, and one by one
-    /// they take the same memory.
+    /// The last cell that this thread has condensed, with its lattice. Small cells are not worth an entry in the shared
+    /// cache; with one entry the memory is reused.
     static OWN: RefCell<Option<(Lattice, Arc<CondensedCell>)>> = const { RefCell::new(None) };
 }
 
-/// The cell of `lattice`, as `condense` makes it or as this thread has just made it.
+/// Returns the cell of `lattice` from this thread's cache, or condenses it.
 pub fn recall_own(
     lattice: &Lattice,
     condense: impl FnOnce() -> Option<Arc<CondensedCell>>,
@@ -27,23 +28,23 @@ pub fn recall_own(
     if known.is_some() {
         return known;
     }
-    // What is put out gives its memory to what comes.
+    // Free the memory of the old cell before the new one is created.
     OWN.set(None);
     let cell = condense()?;
     OWN.set(Some((lattice.clone(), Arc::clone(&cell))));
     Some(cell)
 }
 
-/// What came of a cell, once it has been condensed.
+/// Result of condensing a cell, empty while it is being condensed.
 type Made = Arc<OnceLock<Option<Arc<CondensedCell>>>>;
 
-/// Cells that were made, the latest last, and how many numbers they hold at most.
+/// Cache of condensed cells, the most recently used last, with the maximum number of numbers.
 pub struct Latest {
     made: Mutex<Vec<(Lattice, Made)>>,
     most_numbers: usize,
 }
 
-/// Those of this process.
+/// Cache of this process.
 pub static LATEST: Latest = Latest::of(MAX_NUMBERS);
 
 impl Latest {
@@ -51,7 +52,8 @@ impl Latest {
         Self { made: Mutex::new(Vec::new()), most_numbers }
     }
 
-    /// The cell of `lattice`, as `condense` makes it or has made it before; one that another thread is condensing is waited for.
+    /// Returns the cell of `lattice` from the cache, or condenses it. Waits if another thread is condensing the same
+    /// cell.
     pub fn recall(
         &self,
         lattice: &Lattice,
@@ -74,7 +76,6 @@ impl Latest {
     }
 }
 
-/// Numbers that a cell holds.
 fn numbers(made: &Made) -> usize {
     let size = |cell: &Arc<CondensedCell>| cell.response.influence.len() + cell.unknowns.len();
     made.get().and_then(Option::as_ref).map_or(0, size)
@@ -124,7 +125,7 @@ mod tests {
                 is_new
             })
             .collect();
-        // The third one of 82 um has put out that of 81 um, which was asked for before the other.
+        // The third request for 82 um evicted 81 um, which was used before the other.
         assert_eq!(anew, [true, true, false, true, false, true]);
     }
 }
