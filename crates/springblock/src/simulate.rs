@@ -1,4 +1,4 @@
-//! From a scene to its results: which lattices are needed, what runs on them, what is compared.
+//! Simulation of a scene: choice of lattices and solvers, comparison with the flat surface.
 
 mod averaging;
 mod behind;
@@ -48,38 +48,40 @@ pub use expense::{Expense, bounded, cell_expense, expense};
 use pressure_tilt::PressureTilt;
 pub use pressure_tilt::{MEAN as TILT_MEAN, STD as TILT_STD, add_tilt, tilt_changes};
 
-/// Most columns of a flat surface that a dynamic `cell` takes: without a pattern there is no period,
-/// and this many blocks average the scatter of the coefficients.
+/// Maximum number of columns of a flat surface in a dynamic `cell`: without a pattern there is no period, and this many
+/// blocks average out the scatter of the coefficients.
 const FLAT_CELL_COLUMNS: usize = 100;
 
-/// Most memory that the equations of one lattice may take, in bytes: two may stand side by side.
+/// Maximum memory for the equations of one lattice, in bytes; two lattices may be in memory at the same time.
 const MAX_FACTOR_BYTES: f64 = 8.0 * (1_u64 << 30) as f64;
 
-/// Columns that stand for a uniform periodic layer.
+/// Number of columns that represent a uniform periodic layer.
 const UNIFORM_COLUMNS: usize = 3;
 
-/// The value of the largest magnitude, the first of equals; 0 without any.
+/// Value of the largest magnitude, the first among equals; 0 for no values.
 fn widest(values: impl Iterator<Item = f64>) -> f64 {
     values.fold(0.0, |widest: f64, value| if value.abs() > widest.abs() { value } else { widest })
 }
 
-/// Solves `scene` at every load, beside the flat surface where it has a pattern.
+/// Solves `scene` at every load, together with the flat surface if it has a pattern.
 ///
 /// Loads and surfaces run in parallel on rayon's current pool; the result does not depend on the
 /// number of threads.
 ///
 /// # Errors
-/// [`SceneError`] if the scene means nothing; everything else is a [`crate::Status`].
+/// [`SceneError`] if the scene is invalid; every other failure is a [`crate::Status`].
 pub fn simulate(scene: &Scene, monitor: &dyn Monitor) -> Result<Simulation, SceneError> {
     let tilt = |pattern: &Pattern| PressureTilt::of_sample(scene, pattern, monitor);
     simulate_laid(scene, None, tilt, monitor).map(|(simulation, _)| simulation)
 }
 
-/// The same of a strip of a specimen in space ([`Extent::Strip`]), as long as `strip`, with cavities as that has them and nothing of a tilt of
-/// the pressure, which is one of the whole specimen; and its share of cavities over that of a period.
+/// Like [`simulate`] for a strip of a specimen in space ([`Extent::Strip`]), with the length and the cavities of
+/// `strip`. Also returns the cavity fraction of the strip over that of a period.
+///
+/// The tilt of the pressure is not included, because it depends on the whole specimen.
 ///
 /// # Errors
-/// As [`simulate`].
+/// Those of [`simulate`].
 pub fn simulate_strip(scene: &Scene, strip: &Strip, monitor: &dyn Monitor) -> Result<(Simulation, f64), SceneError> {
     let run = RunOptions { extent: Extent::Strip, dimensions: Some(Dimension::Space.number()), ..scene.run };
     let blocks = (strip.length_m / scene.layer.block_m).round().max(1.0);
@@ -88,7 +90,8 @@ pub fn simulate_strip(scene: &Scene, strip: &Strip, monitor: &dyn Monitor) -> Re
     simulate_laid(scene, Some(strip), |_| PressureTilt::default(), monitor)
 }
 
-/// Of a strip as it is laid its share of cavities over that of a period beside it; 1 without.
+/// Simulates `scene`, with the cavities of `strip` if given. Also returns the cavity fraction of the strip over that of
+/// a period, or 1 without a strip.
 fn simulate_laid(
     scene: &Scene,
     strip: Option<&Strip>,
@@ -110,19 +113,19 @@ fn simulate_laid(
     Ok((simulation, share))
 }
 
-/// What is said of `scene` once the monitor has cancelled: nothing at any load.
+/// Result for a cancelled simulation: no outcome at any load.
 fn cancelled(scene: &Scene) -> Simulation {
     let unsolved = || SurfaceOutcome::unsolved(Status::Cancelled, std::iter::empty());
     let loads = scene.loads.iter().map(|load| compare(load, unsolved(), Some(unsolved()))).collect();
     Simulation { statements: Statements::default(), loads }
 }
 
-/// Ratios of the steady cell of `scene` at every load, as [`simulate`] finds them, without what tells how far off they are: that
-/// takes several cells more. They are taken to smaller blocks where [`crate::RunOptions::refine`] asks for it and cells of half a second in the
-/// vertical plane can. `None` where a load did not converge.
+/// Ratios of the steady cell of `scene` at every load as in [`simulate`], without error estimates, which take several
+/// more cells. With [`crate::RunOptions::refine`] they are extrapolated to vanishing blocks if this takes cells of at
+/// most half a second in the vertical plane. `None` for a load that did not converge.
 ///
 /// # Errors
-/// [`SceneError`] if the scene means nothing.
+/// [`SceneError`] if the scene is invalid.
 pub fn steady_ratios(scene: &Scene, monitor: &dyn Monitor) -> Result<Vec<Option<f64>>, SceneError> {
     scene.validate()?;
     bounded(scene)?;
@@ -144,7 +147,7 @@ pub fn steady_ratios(scene: &Scene, monitor: &dyn Monitor) -> Result<Vec<Option<
     Ok(loads.into_iter().zip(shifts).map(|(load, shift)| Some(converged(load)? + shift)).collect())
 }
 
-/// The same as [`simulate`] without what is behind the layer where blocks stand for the layer alone.
+/// Like [`simulate`] for the layer only, without the thickness correction.
 fn over_layer(scene: &Scene, strip: Option<&Strip>, monitor: &dyn Monitor) -> Result<Simulation, SceneError> {
     let solved = &behind::solved(scene);
     if let Some(pattern) = scene.pattern.as_ref().filter(|_| scene.dimension() == Dimension::Space) {
@@ -158,7 +161,7 @@ fn over_layer(scene: &Scene, strip: Option<&Strip>, monitor: &dyn Monitor) -> Re
         Fidelity::Steady => steady(solved, monitor)?,
         Fidelity::Dynamic | Fidelity::Reference => dynamic(solved, monitor)?,
     };
-    // An estimate that does not fit in memory is left out.
+    // The error estimate is left out if it does not fit in memory.
     let estimated = scene
         .pattern
         .as_ref()
@@ -173,14 +176,14 @@ fn over_layer(scene: &Scene, strip: Option<&Strip>, monitor: &dyn Monitor) -> Re
     Ok(simulation)
 }
 
-/// Time steps that one dynamic run of `scene` is planned to take at the scheme's own step: what it costs is known before
-/// it begins, unless it must go on until its mean is stationary. More than [`crate::MAX_STEPS`] are not begun.
+/// Planned number of time steps of one dynamic run of `scene`, at its default step unless the scene gives one. A run
+/// may continue beyond the plan until its mean is stationary. Runs of more than [`crate::MAX_STEPS`] are refused.
 #[must_use]
 pub fn planned_steps(scene: &Scene) -> u64 {
     Plan::new(scene, scene.run.step_s.unwrap_or(Scheme::own_step_s(scene))).total()
 }
 
-/// Columns of the scene's own surface and of its flat companion.
+/// Columns of the scene's own surface and of the flat surface for comparison.
 fn surfaces(scene: &Scene, pattern: Option<&Pattern>) -> (Vec<Column>, Option<Vec<Column>>) {
     let (block_m, whole) = (scene.layer.block_m, scene.layer.columns());
     let map = scene.relief.as_deref();
@@ -192,7 +195,7 @@ fn surfaces(scene: &Scene, pattern: Option<&Pattern>) -> (Vec<Column>, Option<Ve
         }
         (Some(pattern), Extent::Cell) => {
             let cell = columns::cell_on(pattern, block_m, map);
-            // Steady sliding on a flat periodic layer is uniform: any number of columns gives it.
+            // Steady sliding on a flat periodic layer is uniform, so that any number of columns gives the same result.
             let flat = if scene.run.fidelity == Fidelity::Steady { UNIFORM_COLUMNS } else { cell.len() };
             (cell, Some(columns::flat(flat)))
         }
@@ -210,18 +213,18 @@ fn affordable(scene: &Scene, columns: usize, periodic: bool) -> Result<(), Scene
     if bytes > most_bytes { Err(SceneError::TooLarge { bytes, most_bytes }) } else { Ok(()) }
 }
 
-/// The same of each of `lattices`.
+/// Applies [`affordable`] to each of `lattices`.
 fn all_affordable(scene: &Scene, lattices: &[Lattice]) -> Result<(), SceneError> {
     lattices.iter().try_for_each(|lattice| affordable(scene, lattice.nx(), lattice.is_periodic()))
 }
 
-/// Steady sliding of one surface.
+/// Model of steady sliding of one surface.
 enum Steady {
-    /// By the equations of all blocks.
+    /// Equations of all blocks.
     Blocks(SteadyModel),
-    /// Of a cell of a thick specimen.
+    /// Cell of a thick specimen.
     Thick(ThickModel),
-    /// Of a cell whose face has heights.
+    /// Cell whose face has height variations.
     Raised(Lattice, RaisedModel),
 }
 
@@ -256,7 +259,7 @@ impl Steady {
 
 fn steady(scene: &Scene, monitor: &dyn Monitor) -> Result<Simulation, SceneError> {
     let (own, flat) = surfaces(scene, scene.pattern.as_ref());
-    // A flat layer is uniform however thick it is.
+    // A flat layer is uniform whatever its thickness.
     let cell = scene.pattern.as_ref().filter(|_| scene.run.extent == Extent::Cell && scene.layer.is_backed());
     let own = match cell {
         None => {
@@ -278,7 +281,7 @@ fn steady(scene: &Scene, monitor: &dyn Monitor) -> Result<Simulation, SceneError
         let area_law = scene.area_law.as_ref();
         by(&SteadyLoad { pressure_pa: load.pressure_pa, dynamic_mu: &dynamic_mu, area_law })
     };
-    // What one load has flattened stays flat for the next.
+    // Points that one load has flattened remain flat for the next load, so loads are solved in sequence.
     let in_turn: Option<Vec<SurfaceOutcome>> = match &own {
         Steady::Raised(lattice, model) => {
             let mut history = FaceHistory::default();
@@ -325,7 +328,7 @@ fn steady(scene: &Scene, monitor: &dyn Monitor) -> Result<Simulation, SceneError
     Ok(Simulation { statements: said, loads })
 }
 
-/// Local dynamic coefficients of a steady solve, one a column: the means in a cell, draws in a sample.
+/// Local dynamic coefficients of a steady solve by column: the mean in a cell, random draws in a sample.
 fn steady_coefficients(scene: &Scene, load: &Load, columns: usize) -> Vec<f64> {
     match scene.run.extent {
         Extent::Cell => vec![load.friction.dynamic_mean(); columns],
@@ -337,7 +340,7 @@ fn steady_coefficients(scene: &Scene, load: &Load, columns: usize) -> Vec<f64> {
 
 fn dynamic(scene: &Scene, monitor: &dyn Monitor) -> Result<Simulation, SceneError> {
     let rows = scene.layer.rows();
-    // Time integration runs on whole blocks; what that changes is taken from the steady model.
+    // Time integration runs on whole blocks; the steady model gives the correction to the exact dimensions.
     let nearest = match &scene.pattern {
         Some(pattern) => Some(columns::nearest_whole(pattern, scene.layer.block_m, rows).map_err(|_| {
             SceneError::Unsupported { what: "a pattern without whole blocks", instead: "give positive dimensions" }
@@ -370,7 +373,7 @@ fn dynamic(scene: &Scene, monitor: &dyn Monitor) -> Result<Simulation, SceneErro
     Ok(Simulation { statements: said, loads })
 }
 
-/// Steady ratio of the pattern itself less that of its nearest whole blocks, by load.
+/// Steady ratio of the pattern minus that of its nearest whole blocks, by load.
 fn off_lattice_corrections(scene: &Scene, nearest: Option<&Pattern>) -> Result<Vec<f64>, SceneError> {
     let none = vec![0.0; scene.loads.len()];
     let (Some(pattern), Some(nearest)) = (&scene.pattern, nearest) else { return Ok(none) };
@@ -387,25 +390,26 @@ fn off_lattice_corrections(scene: &Scene, nearest: Option<&Pattern>) -> Result<V
     Ok(differences(&exact, &whole))
 }
 
-/// By load; 0 without a steady ratio on one side, where there is nothing to correct by.
+/// Differences by load; 0 if a steady ratio is missing and no correction is possible.
 fn differences(exact: &[Option<f64>], whole: &[Option<f64>]) -> Vec<f64> {
     exact.iter().zip(whole).map(|(exact, whole)| exact.zip(*whole).map_or(0.0, |(e, w)| e - w)).collect()
 }
 
-/// How far ratios `own` of steady cells in the plane are from those of vanishing blocks ([`blocks::block_error`]).
+/// Estimated difference of the ratios `own` of steady plane cells from the limit of vanishing blocks
+/// ([`blocks::block_error`]).
 fn discretization_error(scene: &Scene, pattern: &Pattern, own: &[Option<f64>]) -> Option<Vec<f64>> {
     blocks::block_error(scene, own, |scene| blocks::plane_ratios(scene, pattern, blocks::MAX_PRODUCTS))
 }
 
 fn compare(load: &Load, surface: SurfaceOutcome, flat: Option<SurfaceOutcome>) -> LoadOutcome {
-    // Two states that are no equilibria have no ratio.
+    // States out of equilibrium have no ratio.
     let found = |surface: &SurfaceOutcome| surface.status != Status::NotConverged;
     let ratio = flat.as_ref().filter(|flat| found(&surface) && found(flat)).and_then(|flat| {
         let (own, flat) = (surface.mu_dynamic?, flat.mu_dynamic?);
         (flat != 0.0).then(|| own / flat)
     });
     let ratio_stderr = flat.as_ref().zip(ratio).and_then(|(flat, ratio)| {
-        // d(a/b) = (da - (a/b) db) / b: also where the patterned surface has no friction
+        // d(a/b) = (da - (a/b) db) / b, which also holds if the patterned surface has no friction.
         let (own, of_flat) = (surface.mu_dynamic_stderr?, flat.mu_dynamic_stderr?);
         Some(own.hypot(ratio * of_flat) / flat.mu_dynamic?.abs())
     });

@@ -1,26 +1,27 @@
-//! What friction changes of the ratio by tilting the pressure of a specimen.
+//! Change of the ratio by friction that tilts the pressure of a specimen.
 //!
-//! Friction at the face and the pull of the holder at the back, the thickness H above it, make a couple mu P A H. Where the
-//! holder does not let the specimen turn, face and back bear half of it each. On a rectangle the pressure is that under an elastic body
-//! as long and as high ([`Body`]), on a foundation as soft as the pattern makes the face: straight across a specimen much higher than
-//! long, and else in rising peaks at the ends, about as wide as the specimen is high. On strips of any length L, across a face of area A
-//! and second moment I about its middle across the sliding direction, it is
+//! Friction at the face and the pull of the holder at the back, at the distance of the thickness H, form a couple mu P
+//! A H. If the holder prevents rotation, face and back each carry half of it. On a rectangle the pressure is that under
+//! an elastic body of the same length and height ([`Body`]), on a foundation with the compliance of the patterned face:
+//! linear if the specimen is much higher than long, otherwise with peaks at the ends that are about as wide as the
+//! specimen is high. On strips of any length L, on a face of area A and second moment I about its middle across the
+//! sliding direction, the pressure is
 //!
 //! ```text
 //! p(x) = P (p_0(2 x / L) + s f(2 x / L) L / L_longest),     s: so that int (p - P) x dA = mu P A H / 2
 //! ```
 //!
-//! with the pressure p_0 without friction of a rectangle of the length sqrt(12 I / A), and the departure f from it with friction. What is
-//! below 0 has left the counterface; what remains is scaled to the load. Coefficients that change with pressure change the ratio with
-//! it:
+//! where p_0 is the pressure without friction of a rectangle of length sqrt(12 I / A), and f the deviation from p_0 due
+//! to friction. Negative pressures are set to zero, because the face lifts there, and the rest is scaled to the load.
+//! Friction coefficients that depend on pressure change the ratio:
 //!
 //! ```text
 //! r = int p mu_cell(p) dA / int p mu_flat(p) dA,     change: r(p) - r(p_0)
 //! ```
 //!
-//! A holder that lets the specimen align itself, or a face that has been run in, takes the tilt away. As nobody says which,
-//! anything from none to all of the change is equally likely: the ratio has [`MEAN`] of it, and an error of [`STD`] of it,
-//! with the sign that the change has at each load.
+//! A holder that lets the specimen align itself, or a run-in face, removes the tilt. Since this is usually unknown, any
+//! fraction of the change from none to all is taken as equally likely: the ratio includes [`MEAN`] times the change and
+//! has a standard error of [`STD`] times the change, fully correlated between loads.
 
 use slipgrid_pattern::Pattern;
 
@@ -35,36 +36,37 @@ use crate::face::Face;
 use crate::outcome::{LoadOutcome, Simulation, Statements};
 use crate::scene::{Extent, Scene};
 
-/// Share of the change that a ratio has: anything from 0 to 1 of it is equally likely.
+/// Mean fraction of the change that is present, for a uniform distribution from 0 to 1.
 pub const MEAN: f64 = 0.5;
-/// How well the change is known, as a share of it, where a specimen is some tens of periods long
+/// Relative standard error of the computed change, for specimens some tens of periods long
 /// (`it_changes_ratios_as_all_blocks_of_a_specimen_say`).
 #[cfg(test)]
 const KNOWN: f64 = 0.3;
-/// Standard error of the ratio over the change: sqrt((1 + KNOWN^2) / 3 - [`MEAN`]^2).
+/// Standard error of the ratio over the change: sqrt((1 + RELATIVE_ERROR^2) / 3 - [`MEAN`]^2).
 pub const STD: f64 = 0.34;
-/// Parts of a strip, each of which bears one pressure.
+/// Number of parts of a strip with one pressure each.
 const PARTS: usize = 16;
-/// Tilt below which nothing is said.
+/// Relative change of pressure below which no statement is made.
 const SMALL: f64 = 0.01;
 
-/// A rectangular part of the face, about whose middle the pressure tilts: width across and length along the sliding direction, in metres.
+/// Rectangular part of the face: width across and length along the sliding direction, in metres. The pressure tilts
+/// about its middle.
 pub type Rectangle = [f64; 2];
 
-/// What a tilt of the pressure changes.
+/// Effect of a tilt of the pressure.
 #[derive(Clone, Debug, Default)]
 pub struct PressureTilt {
-    /// The largest change of the pressure of a flat specimen, over the nominal one, on a part of the face.
+    /// Largest change of the pressure of a flat specimen on a part of the face, relative to the nominal pressure.
     most: f64,
-    /// It is larger than the pressure itself.
+    /// Whether the change exceeds the pressure, so that a part of the face lifts.
     is_lifted: bool,
     /// Change of the ratio of the cell, by load.
     changes: Vec<Option<f64>>,
 }
 
 impl PressureTilt {
-    /// Of a specimen whose face is made of `rectangles`, with the cells of `scene` over `pattern` everywhere; nothing where the scene does
-    /// not say how thick the specimen is, or once `monitor` has cancelled.
+    /// Computes the effect for a specimen whose face consists of `rectangles`, covered with cells of `scene` with
+    /// `pattern`. There is no effect if the scene does not give the thickness, or once `monitor` has cancelled.
     pub fn new(scene: &Scene, pattern: &Pattern, rectangles: &[Rectangle], monitor: &dyn Monitor) -> Self {
         Self::of_held(scene, pattern, rectangles, monitor).unwrap_or_default()
     }
@@ -78,7 +80,7 @@ impl PressureTilt {
         let flat_specimen = HeldSpecimen::new(rectangles, height_m, solid_m)?;
         let cells = SteadyCell::solved(scene, dimension).solve_heeding(pattern, monitor);
         monitor.heed().ok()?;
-        // Without friction at first, then at each load.
+        // Without friction first, then at each load.
         let pressed = |specimen: &HeldSpecimen, mu: Vec<Option<f64>>| -> Vec<Option<Pressed>> {
             std::iter::once(Some(0.0)).chain(mu).map(|mu| specimen.pressed(mu?)).collect()
         };
@@ -103,7 +105,8 @@ impl PressureTilt {
         })
     }
 
-    /// The same of the sample of `scene`, one strip as long as its layer; nothing of a cell, which has no ends.
+    /// Like [`Self::new`] for the sample of `scene`, one strip as long as its layer; no effect for a cell, which has no
+    /// ends.
     pub fn of_sample(scene: &Scene, pattern: &Pattern, monitor: &dyn Monitor) -> Self {
         match scene.run.extent {
             Extent::Cell => Self::default(),
@@ -111,7 +114,7 @@ impl PressureTilt {
         }
     }
 
-    /// The same of `face`, of whose cavities a period's ratio takes `share`.
+    /// Like [`Self::new`] for `face`, whose cavity fraction is `share` times that of a period.
     pub fn of_face(scene: &Scene, pattern: &Pattern, face: &Face, share: f64, monitor: &dyn Monitor) -> Self {
         let rectangles: Vec<Rectangle> = face.strips().iter().map(|strip| [strip.width_m, strip.length_m]).collect();
         let mut found = Self::new(scene, pattern, &rectangles, monitor);
@@ -119,13 +122,13 @@ impl PressureTilt {
         found
     }
 
-    /// The same of `face` solved strip by strip: strips lie flat.
+    /// Like [`Self::of_face`] for a face that is solved strip by strip, with flat lands.
     pub fn of_strips(scene: &Scene, pattern: &Pattern, face: &Face, share: f64, monitor: &dyn Monitor) -> Self {
         let flat = Scene { relief: None, ..scene.clone() };
         Self::of_face(&flat, &without_rim(pattern), face, share, monitor)
     }
 
-    /// Adds [`MEAN`] of the change to the ratios of `loads`; `said` tells of it.
+    /// Adds [`MEAN`] times the change to the ratios of `loads`, and a statement to `said`.
     pub fn add(&self, loads: &mut [LoadOutcome], said: &mut Statements) {
         for (load, change) in loads.iter_mut().zip(&self.changes) {
             let Some(change) = change.filter(|_| load.ratio.is_some()) else { continue };
@@ -135,7 +138,7 @@ impl PressureTilt {
         said.model.extend(self.statement());
     }
 
-    /// What is to be said of it.
+    /// Statement on the tilt; `None` if the tilt is small.
     fn statement(&self) -> Option<String> {
         let what = if self.is_lifted {
             "lifts one end off the counterface".to_owned()
@@ -149,8 +152,8 @@ impl PressureTilt {
     }
 }
 
-/// Adds to `simulation` what a tilt of the pressure changes of the ratios of cells of `scene` over `pattern`, on the specimen with the
-/// face `face`, of whose cavities a period's ratio takes `share`.
+/// Adds the effect of a tilt of the pressure to the ratios of `simulation`, which has cells of `scene` with `pattern`.
+/// `face` is that of the specimen, with a cavity fraction of `share` times that of a period.
 pub fn add_tilt(
     simulation: &mut Simulation,
     scene: &Scene,
@@ -163,9 +166,11 @@ pub fn add_tilt(
     tilt.add(&mut simulation.loads, &mut simulation.statements);
 }
 
-/// What a tilt of the pressure changes of the ratios of cells of `scene` over `pattern`, on the specimen with the face `face`, of whose
-/// cavities a period's ratio takes `share`, by load: a ratio has [`MEAN`] of it. `None` where a cell has no equilibrium, where the scene
-/// does not say how thick the specimen is, or once `monitor` has cancelled.
+/// Changes of the ratios of cells of `scene` with `pattern` by a tilt of the pressure, by load; a ratio includes
+/// [`MEAN`] times the change.
+///
+/// `face` is that of the specimen, with a cavity fraction of `share` times that of a period. A load is `None` if a cell
+/// has no equilibrium, if the scene does not give the thickness, or once `monitor` has cancelled.
 #[must_use]
 pub fn tilt_changes(
     scene: &Scene,
@@ -176,7 +181,7 @@ pub fn tilt_changes(
 ) -> Vec<Option<f64>> {
     let mut changes = match scene.dimension().takes_strips() {
         false => PressureTilt::of_face(scene, pattern, face, share, monitor).changes,
-        // Strips of a layer alone have no tilt added.
+        // No tilt is added to strips of a layer alone.
         true if !scene.layer.is_backed() => Vec::new(),
         true => PressureTilt::of_strips(scene, pattern, face, share, monitor).changes,
     };
@@ -184,19 +189,19 @@ pub fn tilt_changes(
     changes
 }
 
-/// A specimen that its holder keeps from turning.
+/// A specimen whose holder prevents rotation.
 struct HeldSpecimen<'a> {
     rectangles: &'a [Rectangle],
     height_m: f64,
     area_m2: f64,
-    /// A strip of it in the plane, as long as a rectangle of the same second moment.
+    /// Body in the plane, as long as a rectangle with the same second moment.
     body: Body,
-    /// Its pressures without friction.
+    /// Pressures without friction.
     still: [f64; PARTS],
 }
 
 impl<'a> HeldSpecimen<'a> {
-    /// Of `height_m`, on a foundation of `compliance_m`; `None` without a face or a height.
+    /// Creates a specimen `height_m` thick on a foundation of `compliance_m`; `None` without a face or a height.
     fn new(rectangles: &'a [Rectangle], height_m: f64, compliance_m: f64) -> Option<Self> {
         let sum =
             |of: &dyn Fn(f64) -> f64| rectangles.iter().map(|[width_m, length_m]| width_m * of(*length_m)).sum::<f64>();
@@ -208,11 +213,11 @@ impl<'a> HeldSpecimen<'a> {
         Some(Self { rectangles, height_m, area_m2, body, still })
     }
 
-    /// Its pressures at the friction coefficient `mu`; `None` where that leaves no equilibrium.
+    /// Pressures at the friction coefficient `mu`; `None` if there is no equilibrium.
     fn pressed(&self, mu: f64) -> Option<Pressed> {
         let (still, dragged) = (&self.still, on_parts(&self.body.pressure(mu)?.patches));
         let longest_m = self.rectangles.iter().map(|[_, length_m]| *length_m).fold(0.0, f64::max);
-        // Area, place, p without friction and f.
+        // Area, position, pressure without friction, and f.
         let on = |[width_m, length_m]: &Rectangle| -> Vec<[f64; 4]> {
             let part = |number: usize| {
                 let x_m = length_m * ((number as f64 + 0.5) / PARTS as f64 - 0.5);
@@ -236,15 +241,15 @@ impl<'a> HeldSpecimen<'a> {
     }
 }
 
-/// Pressures on a specimen over the nominal one.
+/// Pressures on a specimen relative to the nominal pressure.
 struct Pressed {
     parts: Vec<Borne>,
-    /// By how much friction changes them at most, before any part is lifted, and whether one is.
+    /// Largest change of pressure by friction before lifting, and whether a part lifts.
     most: f64,
     is_lifted: bool,
 }
 
-/// Pressures over the nominal one on [`PARTS`] equal parts of the face that `patches` fill.
+/// Averages the pressures of `patches` over [`PARTS`] equal parts of the face.
 fn on_parts(patches: &[Patch]) -> [f64; PARTS] {
     let length_m: f64 = patches.iter().map(|patch| patch.length_m).sum();
     let part_m = length_m / PARTS as f64;
@@ -270,7 +275,7 @@ mod tests {
     use crate::scene::{Layer, Load, RunOptions};
     use crate::{Unwatched, steady_face_ratios};
 
-    /// Strips across a disc of the radius 1.
+    /// Strips across a disc of radius 1.
     fn disc() -> Vec<Rectangle> {
         let middle = |band: i32| (f64::from(band) + 0.5) / 32.0 - 1.0;
         (0..64).map(|band| [1.0 / 32.0, 2.0 * (1.0 - middle(band).powi(2)).sqrt()]).collect()
@@ -292,11 +297,12 @@ mod tests {
         }
     }
 
-    /// Cylinders of the radius 5 mm whose back is held, under uniform friction tau on their face, which does not turn: mode 1 of Fourier's
-    /// series around the axis in bilinear finite elements (64 x 56, graded towards the rim, Poisson's ratio 1/3).
+    /// Reference: cylinders of radius 5 mm with a fixed back under uniform friction tau on their face, which does not
+    /// rotate. Mode 1 of the Fourier series around the axis in bilinear finite elements (64 x 56, graded towards the
+    /// rim, Poisson's ratio 1/3).
     #[test]
     fn discs_bear_what_finite_elements_say() {
-        // Height over radius; root mean square and mean magnitude of the departure over tau.
+        // Height over radius; root mean square and mean magnitude of the deviation over tau.
         for (height, rms, magnitude) in
             [(2.4, 2.466, 1.897), (1.4, 1.545, 1.060), (0.6, 0.892, 0.429), (0.3, 0.618, 0.220)]
         {
@@ -310,7 +316,7 @@ mod tests {
                 sum / still.iter().map(Borne::area_m2).sum::<f64>()
             };
             let (own_rms, own_magnitude) = (mean(|off| off * off).sqrt(), mean(f64::abs));
-            // The rim of a thin disc bears more than parts of a sixteenth resolve.
+            // The rim of a thin disc carries more than parts of a sixteenth can resolve.
             let most = if height > 1.0 { 0.03 } else { 0.25 };
             assert!((own_rms / rms - 1.0).abs() < most, "{height}: {own_rms} {rms}");
             assert!(
@@ -320,8 +326,9 @@ mod tests {
         }
     }
 
-    /// All blocks of a whole specimen, whose back does not turn, against strips of its layer, to which the rest is added: what friction
-    /// changes of the distance between both is the tilt. Cells stand for periods, which those at the ends are not quite.
+    /// Compares all blocks of a whole specimen, whose back does not rotate, with strips of its layer plus corrections:
+    /// the change of the difference by friction is the tilt. Cells represent periods, which does not hold exactly at
+    /// the ends.
     #[test]
     fn it_changes_ratios_as_all_blocks_of_a_specimen_say() {
         const LENGTH_M: f64 = 4e-3;
@@ -354,7 +361,7 @@ mod tests {
             let by_blocks: Vec<f64> = off(0.27).iter().zip(off(0.01)).map(|(all, little)| all - little).collect();
             let found = PressureTilt::of_face(&of(200e-6, Some(HEIGHT_M), 0.27), &groove, &face, 1.0, &Unwatched);
             let changes: Vec<f64> = found.changes.iter().copied().map(Option::unwrap).collect();
-            // It lowers the ratio at low pressures and raises it at high ones.
+            // The tilt lowers the ratio at low pressures and raises it at high pressures.
             assert!(changes[0] < -0.005 && changes[2] > 0.007 && by_blocks[0] < -0.002 && by_blocks[2] > 0.007);
             let squares: f64 = changes.iter().zip(&by_blocks).map(|(found, all)| (found - all).powi(2)).sum();
             (squares / 3.0).sqrt() / widest(changes.into_iter()).abs()
@@ -368,7 +375,7 @@ mod tests {
 
     #[test]
     fn half_of_it_is_added_and_the_error_is_that_of_a_share_that_nobody_knows() {
-        // Shares from 0 to 1 of a change that is off by KNOWN.
+        // Fractions from 0 to 1 of a change with the relative error RELATIVE_ERROR.
         let mean = MEAN;
         let variance = (1.0 + KNOWN * KNOWN) / 3.0 - mean * mean;
         assert!((STD - variance.sqrt()).abs() < 5e-3, "{}", variance.sqrt());
@@ -387,7 +394,7 @@ mod tests {
             assert_eq!(before.tilt_error(), Some(STD * change));
         }
         assert!(plain.statements.model.iter().any(|said| said.contains("half of that is in the ratio")));
-        // Coefficients that do not change with pressure do not see it.
+        // Friction coefficients independent of pressure are not affected.
         let amontons = Scene { area_law: None, ..scene };
         let tilt = PressureTilt::of_sample(&amontons, &pattern, &Unwatched);
         assert!(

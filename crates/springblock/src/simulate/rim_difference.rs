@@ -1,7 +1,7 @@
-//! What rims add to the strips of a specimen: what they add to the steady cell, in proportion to the share of cavities.
+//! Effect of rims on the strips of a specimen: the effect on the steady cell in proportion to the cavity fraction.
 //!
-//! Contact that opens and closes makes the equations of a strip nonlinear, and those of a whole face dear. Rims act about
-//! their own cavities, so that the cell knows what they do:
+//! Contact that opens and closes makes the equations of a strip nonlinear, which is expensive for a whole face. Rims
+//! act near their own cavities only, so that the cell gives their effect:
 //!
 //! ```text
 //! r = r_strips + (r_cell,rims - r_cell) D / D_cell
@@ -14,11 +14,11 @@ use crate::dimension::Dimension;
 use crate::outcome::{LoadOutcome, Statements};
 use crate::scene::{Extent, Fidelity, Scene};
 
-/// Share of what rims add that is left open: ends bear more than the cell, and on a few cavities rims weigh differently
-/// (`rims_add_to_a_strip_what_they_add_to_the_cell`).
+/// Relative standard error of the effect of rims: ends carry more load than the cell, and with few cavities rims have a
+/// different weight (`rims_add_to_a_strip_what_they_add_to_the_cell`).
 const OPEN_SHARE: f64 = 0.02;
 
-/// With rims less without, by load.
+/// Differences with rims minus without, by load.
 pub struct RimDifference {
     each: Vec<Option<Difference>>,
 }
@@ -31,13 +31,13 @@ struct Difference {
     is_extrapolated: bool,
 }
 
-/// `pattern` with lands that lie flat.
+/// Returns `pattern` with flat lands.
 pub fn without_rim(pattern: &Pattern) -> Pattern {
     pattern.with_rim(None)
 }
 
 impl RimDifference {
-    /// Of the cell of `scene` under `pattern`; nothing where it has no rims.
+    /// Computes the differences for the cell of `scene` with `pattern`; empty without rims.
     pub fn new(scene: &Scene, pattern: &Pattern) -> Self {
         if !scene.is_raised() {
             return Self { each: Vec::new() };
@@ -48,7 +48,7 @@ impl RimDifference {
         Self { each: with.iter().zip(&without).map(|(with, without)| difference(with, without)).collect() }
     }
 
-    /// Adds it to `loads`, whose cavities take `share` of what a period's take.
+    /// Adds the differences to `loads`, whose cavity fraction is `share` times that of a period.
     pub fn add(&self, share: f64, loads: &mut [LoadOutcome]) {
         for (load, difference) in loads.iter_mut().zip(&self.each) {
             let Some(difference) = difference else {
@@ -66,7 +66,7 @@ impl RimDifference {
         }
     }
 
-    /// How strips take them.
+    /// Statement on the rims of strips.
     pub fn statement() -> String {
         format!(
             "rims add to the strips what they add to the steady cell, known to {:.0} %; the interface is that of the cavities alone",
@@ -75,8 +75,9 @@ impl RimDifference {
     }
 }
 
-/// Adds to `loads` of a sample, or of a run in time, whose rims are elastic, what yielding changes of the steady cell; `said`
-/// tells of it. Nothing where the solid of `scene` does not yield, and of steady cells, which have it.
+/// Adds the effect of plastic yielding on the steady cell to `loads` of a sample or of a dynamic run, whose rims are
+/// elastic, and a statement to `said`. Does nothing if the solid of `scene` does not yield; steady cells already
+/// include yielding.
 pub fn add_yielding(scene: &Scene, pattern: &Pattern, loads: &mut [LoadOutcome], said: &mut Statements) {
     let Some(yield_pa) = scene.elastic.yield_pressure_pa().filter(|_| scene.is_raised()) else { return };
     let yields = format!(

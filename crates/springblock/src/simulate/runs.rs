@@ -1,4 +1,4 @@
-//! Runs in time of a surface and its flat companion, of every draw and load, and what they come to.
+//! Dynamic runs of a surface and its flat counterpart for every draw and load.
 
 use std::sync::OnceLock;
 
@@ -13,14 +13,16 @@ use crate::outcome::{LoadOutcome, SurfaceOutcome};
 use crate::scene::Scene;
 use crate::steady::SteadyModel;
 
-/// What runs in time found.
+/// Result of dynamic runs.
 pub struct Integrated {
     pub loads: Vec<LoadOutcome>,
     pub scheme: Scheme,
 }
 
-/// Runs `lattices`, a surface and its flat companion where it has one, in time at every load; `corrections` of the ratio by
-/// load. Equations of `steady` sliding, by lattice, are made where a run begins from them and nobody has made them.
+/// Runs `lattices`, a surface and its flat counterpart if there is one, at every load.
+///
+/// `steady` caches the equations of steady sliding by lattice; runs that start from sliding create them. `corrections`
+/// are added to the ratio, by load.
 pub fn integrate(
     scene: &Scene,
     lattices: &[Lattice],
@@ -33,7 +35,7 @@ pub fn integrate(
     let draws = scene.run.draws as usize;
     let runs = surfaces * draws * scene.loads.len();
     let share = 1.0 / runs as f64;
-    // Threads that find no run of their own help with another's.
+    // Threads without a run of their own help with another run.
     let threads = rayon::current_num_threads() / runs;
     let outcomes: Vec<SurfaceOutcome> = (0..runs)
         .into_par_iter()
@@ -51,7 +53,7 @@ pub fn integrate(
     Ok(Integrated { loads: collect(scene, surfaces, outcomes, corrected), scheme: schemes[0] })
 }
 
-/// All of `schemes`, or the refusal of the one whose step must be the smallest: what it names is stable on all.
+/// Returns all `schemes`, or the error of the one with the smallest stability limit, which is stable on all lattices.
 fn stable(schemes: Vec<Result<Scheme, SceneError>>) -> Result<Vec<Scheme>, SceneError> {
     let limit_s = |refused: &SceneError| match refused {
         SceneError::UnstableStep { limit_s, .. } => *limit_s,
@@ -62,17 +64,18 @@ fn stable(schemes: Vec<Result<Scheme, SceneError>>) -> Result<Vec<Scheme>, Scene
     least.map_or_else(|| schemes.into_iter().collect(), Err)
 }
 
-/// Seed of the local coefficients of draw number `draw`.
 pub const fn seed_of(scene: &Scene, draw: usize) -> u64 {
     scene.run.seed.wrapping_add(draw as u64)
 }
 
-/// Standard error over dynamic mu at which the run of one draw may end: that of their mean is the one asked for.
+/// Relative standard error of dynamic mu at which the run of one draw may end, such that the mean of all draws has the
+/// requested error.
 pub fn stderr_share(scene: &Scene) -> Option<f64> {
     scene.run.mu_stderr.map(|wanted| wanted * (scene.run.draws as f64).sqrt())
 }
 
-/// One record per load from runs by load, draw and surface, the patterned one first; `correct` corrects that of each load and draw.
+/// Combines runs, ordered by load, draw and surface with the patterned one first, to one record per load. `correct`
+/// corrects the outcome of each load and draw.
 pub fn collect(
     scene: &Scene,
     surfaces: usize,

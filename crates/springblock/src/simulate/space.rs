@@ -1,4 +1,4 @@
-//! A cell or a strip in space, in steady sliding and in time: which lattices, what runs on them, what is said.
+//! Steady and dynamic simulation of a cell or a strip in space: lattices, runs and statements.
 
 use rayon::prelude::*;
 use slipgrid_monitor::{memory, recalled};
@@ -21,17 +21,17 @@ use crate::outcome::{LoadOutcome, Simulation, Statements, Status, SurfaceOutcome
 use crate::scene::{Extent, Scene};
 use crate::space::SpaceLattice;
 
-/// Most blocks of a cell: its springs, which set the limit of the time step, take up to 4 GiB then.
+/// Maximum number of blocks of a cell: the springs, from which the step limit is computed, then take up to 4 GiB.
 const MAX_BLOCKS: f64 = 1e7;
-/// Most memory of a steady cell that tells of the size of blocks, in bytes: a second.
+/// Maximum memory of a steady cell for error estimates, in bytes; such a cell takes a second.
 pub const MAX_ESTIMATED_BYTES: f64 = 1e8;
-/// Columns along each axis of the flat layer whose largest eigenfrequency stands for that of any: even, so that they
-/// hold the shortest waves.
+/// Columns along each axis of the flat layer whose largest eigenfrequency represents every flat layer: even, so that
+/// the shortest waves fit.
 const FLAT_COLUMNS: usize = 8;
-/// Bytes a block of a warm start, which knows the displacements of all rows, as unknowns and as spectra.
+/// Memory per block of a warm start, in bytes: displacements of all rows, as unknowns and as spectra.
 const WARM_BYTES_PER_BLOCK: f64 = 500.0;
 
-/// A pattern in space, and its cavities as they are `laid` on a strip of a specimen, where it is one.
+/// A pattern in space, and the strip of a specimen with its cavities if there is one.
 #[derive(Clone, Copy)]
 pub struct Laid<'a> {
     pub pattern: &'a Pattern,
@@ -39,24 +39,24 @@ pub struct Laid<'a> {
 }
 
 impl Laid<'_> {
-    /// The strip that `scene` asks for, of the cells `cell`; `None` where it asks for one cell.
+    /// Returns the strip that `scene` requests, made of the cells `cell`; `None` if it requests one cell.
     fn on(self, scene: &Scene, cell: impl FnOnce() -> SpaceLattice) -> Option<SpaceStrip> {
         (scene.run.extent == Extent::Strip).then(|| SpaceStrip::new(scene, self.pattern, &cell(), self.strip))
     }
 }
 
-/// Cavities' share of the face over that of a cell.
+/// Cavity fraction of a strip over that of a cell; 1 without a strip.
 fn share_of_cells(strip: Option<&SpaceStrip>) -> f64 {
     strip.map_or(1.0, |strip| strip.of_cells)
 }
 
-/// The same of the strip that `laid` is on.
+/// Cavity fraction of the strip of `layout` over that of a cell; 1 without a strip.
 pub fn laid_share(scene: &Scene, laid: Laid) -> f64 {
     let cell = || SteadyCell::solved(scene, Dimension::Space).space_lattice(laid.pattern, scene.layer.rows());
     share_of_cells(laid.on(scene, cell).as_ref())
 }
 
-/// Steady sliding of the cell of `pattern`, or of a strip of the sample.
+/// Simulates steady sliding of the cell of the pattern, or of a strip of the sample.
 pub fn steady(scene: &Scene, laid: Laid, monitor: &dyn Monitor) -> Result<Simulation, SceneError> {
     let pattern = laid.pattern;
     let model = SteadyCell::solved(scene, Dimension::Space);
@@ -98,7 +98,7 @@ pub fn steady(scene: &Scene, laid: Laid, monitor: &dyn Monitor) -> Result<Simula
     Ok(Simulation { statements: said, loads })
 }
 
-/// What every load finds, but for how far blocks are off.
+/// Outcomes of steady sliding by load, without discretization errors.
 pub fn steady_loads(scene: &Scene, pattern: &Pattern, monitor: &dyn Monitor) -> Result<Vec<LoadOutcome>, SceneError> {
     let model = SteadyCell::solved(scene, Dimension::Space);
     let (bytes, most_bytes) = (model.bytes(pattern), MAX_FACTOR_BYTES);
@@ -107,7 +107,7 @@ pub fn steady_loads(scene: &Scene, pattern: &Pattern, monitor: &dyn Monitor) -> 
     }
     let outcomes = scene.loads.iter().zip(model.solve_heeding(pattern, monitor));
     let compared = outcomes.map(|(load, outcome)| {
-        // A flat layer is uniform: it needs no solve.
+        // A flat layer is uniform and needs no solve.
         let flat = SurfaceOutcome {
             mu_dynamic: outcome.mu_flat.or((load.pressure_pa > 0.0).then_some(0.0)),
             peak_pressure_pa: load.pressure_pa,
@@ -127,8 +127,9 @@ pub fn steady_loads(scene: &Scene, pattern: &Pattern, monitor: &dyn Monitor) -> 
     Ok(compared.collect())
 }
 
-/// How far ratios `own` of steady cells in space are from those of vanishing blocks ([`blocks::block_error`]); nothing once
-/// `monitor` has cancelled. What a prediction has computed the run that confirms it recalls.
+/// Estimated differences of the ratios `own` of steady cells in space from the limit of vanishing blocks
+/// ([`blocks::block_error`]); `None` once `monitor` has cancelled. Results are cached, so that a run that confirms a
+/// prediction does not repeat them.
 fn discretization_error(
     scene: &Scene,
     pattern: &Pattern,
@@ -154,12 +155,13 @@ fn discretization_error(
     recalled(monitor, ("blocks", &content), (known, kept), estimate)
 }
 
-/// Dynamic runs of the cell of `pattern`, or of a strip of the sample, and of a flat one.
+/// Dynamic runs of the cell of the pattern, or of a strip of the sample, and of a flat surface.
 pub fn dynamic(scene: &Scene, laid: Laid, monitor: &dyn Monitor) -> Result<Simulation, SceneError> {
     let pattern = laid.pattern;
     let rows = scene.layer.rows();
     let [nx, ny] = SpaceLattice::columns_of(pattern, scene.layer.block_m);
-    // Grooves have no period along themselves: as many columns as across hold as many draws as squares do.
+    // Grooves have no period along their length: with as many columns along as across, a cell contains as many draws as
+    // a square cell.
     let along = if pattern.is_uniform_along_y() { nx } else { ny };
     let cell = SteadyCell::solved(scene, Dimension::Space);
     let blocks = match scene.run.extent {
@@ -234,7 +236,7 @@ pub fn dynamic(scene: &Scene, laid: Laid, monitor: &dyn Monitor) -> Result<Simul
     Ok(Simulation { statements, loads })
 }
 
-/// Steady ratio of the pattern itself less that of its nearest whole blocks, by load.
+/// Steady ratio of the pattern minus that of its nearest whole blocks, by load.
 fn corrections(
     cell: &SteadyCell,
     pattern: &Pattern,
@@ -303,7 +305,7 @@ mod tests {
     use crate::scene::{Fidelity, Layer, Load, RunOptions};
     use crate::simulate;
 
-    /// A warm dynamic run of squares `width_um` wide, 120 um apart from centre to centre, in a layer of 60 um.
+    /// A warm dynamic run of squares `width_um` wide with a pitch of 120 um in a layer of 60 um.
     fn scene(width_um: f64, friction: LocalFriction) -> Scene {
         let run =
             RunOptions { fidelity: Fidelity::Dynamic, sliding_m: 0.3e-6, warm_start: true, ..RunOptions::default() };
@@ -335,7 +337,7 @@ mod tests {
         let (ratio, expected) = (load.ratio.unwrap(), steady.ratio.unwrap());
         assert!((ratio - expected).abs() < 0.006, "{ratio} {expected}");
         assert_eq!(load.ratio_discretization_error, steady.ratio_discretization_error);
-        // Micro-stick-slip lies above steady sliding.
+        // Micro-stick-slip raises friction above steady sliding.
         let excess = flat.mu_dynamic.unwrap() / steady.flat.unwrap().mu_dynamic.unwrap() - 1.0;
         assert!(excess > 0.0 && excess < 0.05, "{excess}");
     }
@@ -378,7 +380,7 @@ mod tests {
             .collect();
         let load = &both.loads[0];
         assert!((load.ratio.unwrap() - (ratios[0] + ratios[1]) / 2.0).abs() < 1e-15);
-        // The standard error of two is half their difference, or more.
+        // The standard error of two runs is at least half their difference.
         assert!(load.ratio_stderr.unwrap() >= (ratios[0] - ratios[1]).abs() / 2.0 - 1e-15);
     }
 

@@ -1,20 +1,22 @@
 //! A specimen as it is cut: the sum of the strips of its face along the sliding direction.
 //!
-//! All strips hang from one rigid bulk and come down alike. With k_s the force per length that a unit descent takes of strip
-//! s, w_s its width and L_s its length, their pressures P_s and the friction of the face under the nominal pressure P are
+//! All strips are attached to one rigid bulk and descend by the same distance. With the width w_s, the length L_s and
+//! the stiffness per length k_s of strip s, the pressures P_s and the friction of the face under the nominal pressure P
+//! are
 //!
 //! ```text
 //! P_s = k_s d,     sum w_s L_s P_s = P sum w_s L_s,     mu = sum w_s L_s P_s mu_s / (P sum w_s L_s)
 //! ```
 //!
-//! That bulk stands on the modelled layer. How the parts of the face share the load where the specimen behind the layer is elastic
-//! is added ([`load_sharing`](super::load_sharing)).
+//! This bulk is directly above the modelled layer. The effect of the elastic specimen beyond the layer on the
+//! distribution of the load is added ([`load_sharing`](super::load_sharing)).
 //!
-//! The strips sample the face. Its share of cavities D is known exactly, and what cavities take off friction goes very
-//! nearly as their share, so that the ratio to the flat face is taken as 1 - (1 - r) D / D_strips. What strips depart from
-//! that proportion is the error of the sampling.
+//! The strips only sample the face. The cavity fraction D of the face is known exactly, and the friction reduction is
+//! very nearly proportional to it, so that the ratio to the flat face is taken as 1 - (1 - r) D / D_strips. The
+//! deviation of the strips from this proportion is the sampling error.
 //!
-//! In time one strip is run, the longest, on whole blocks. The others take from it what time adds to steady sliding:
+//! Only one strip, the longest, is run dynamically, on whole blocks. Its change from steady to dynamic sliding is
+//! applied to the others:
 //!
 //! ```text
 //! r = r_steady + (r_dynamic,1 - r_steady,1) D / D_1
@@ -41,11 +43,11 @@ use strips::{STRIP_HEIGHTS, SteadyFace};
 pub use strips::{least_wall_m, without_slivers};
 use timed_strip::TimedStrip;
 
-/// Solves `scene`, whose pattern lies on `face` as its strips say, beside the flat face. Loads and strips run in parallel on
-/// rayon's current pool; the result does not depend on the number of threads.
+/// Simulates `scene` with its pattern laid out on `face`, together with the flat face. Loads and strips run in parallel
+/// on rayon's current pool; the result does not depend on the number of threads.
 ///
 /// # Errors
-/// [`SceneError`] if the scene means nothing, without a pattern, and where the strips do not fit in memory.
+/// [`SceneError`] if the scene is invalid or has no pattern, or if the strips do not fit in memory.
 pub fn simulate_specimen(scene: &Scene, face: &Face, monitor: &dyn Monitor) -> Result<Simulation, SceneError> {
     let pattern = pattern_of(scene)?;
     let in_time = || match scene.run.fidelity {
@@ -57,7 +59,7 @@ pub fn simulate_specimen(scene: &Scene, face: &Face, monitor: &dyn Monitor) -> R
     Ok(steady.with(in_time?.as_ref(), monitor))
 }
 
-/// The pattern of `scene`, which means something.
+/// Validates `scene` and returns its pattern.
 fn pattern_of(scene: &Scene) -> Result<Pattern, SceneError> {
     scene.validate()?;
     if !scene.dimension().takes_strips() {
@@ -72,19 +74,19 @@ fn pattern_of(scene: &Scene) -> Result<Pattern, SceneError> {
     })
 }
 
-/// `scene` as strips are solved: blocks stand for the layer alone.
+/// Returns `scene` for strips: the layer without the thickness.
 fn layer_of(scene: &Scene) -> Scene {
     Scene { layer: scene.layer.alone(), ..scene.clone() }
 }
 
-/// A specimen in steady sliding, with all that a run in time has beside what time adds.
+/// Steady sliding of a specimen, with all corrections except the change by time.
 #[derive(Debug)]
 pub struct SteadySpecimen {
     scene: Scene,
     face: Face,
     pattern: Pattern,
     loads: Vec<LoadOutcome>,
-    /// Strips that were shortened by whole periods.
+    /// Number of strips that were shortened by whole periods.
     shortened: usize,
     block_errors: Option<Vec<f64>>,
     behind: Behind,
@@ -93,10 +95,10 @@ pub struct SteadySpecimen {
 }
 
 impl SteadySpecimen {
-    /// That of `scene`, whose pattern lies on `face` as its strips say; `None` once `monitor` has cancelled.
+    /// Solves `scene` with its pattern laid out on `face`; `None` once `monitor` has cancelled.
     ///
     /// # Errors
-    /// As [`simulate_specimen`].
+    /// Those of [`simulate_specimen`].
     pub fn new(scene: &Scene, face: &Face, monitor: &dyn Monitor) -> Result<Option<Self>, SceneError> {
         let pattern = pattern_of(scene)?;
         let strips =
@@ -119,22 +121,22 @@ impl SteadySpecimen {
         Ok((!monitor.cancelled()).then_some(found))
     }
 
-    /// The specimen without time.
+    /// Returns the result in steady sliding.
     #[must_use]
     pub fn steady(&self) -> Simulation {
         self.with(None, &Unwatched)
     }
 
-    /// The specimen in time.
+    /// Returns the result in dynamic sliding.
     ///
     /// # Errors
-    /// [`SceneError`] where the scene cannot be run in time.
+    /// [`SceneError`] if the scene cannot be run dynamically.
     pub fn in_time(&self, monitor: &dyn Monitor) -> Result<Simulation, SceneError> {
         let timed = TimedStrip::new(&layer_of(&self.scene), &self.face, &self.pattern, monitor)?;
         Ok(self.with(Some(&timed), monitor))
     }
 
-    /// The specimen with what `timed` adds.
+    /// Returns the result with the change of the dynamic run `timed`.
     fn with(&self, timed: Option<&TimedStrip>, monitor: &dyn Monitor) -> Simulation {
         let Self { scene, face, pattern, .. } = self;
         let (mut loads, mut said) = timed.map_or_else(
@@ -145,7 +147,7 @@ impl SteadySpecimen {
             },
             |timed| timed.on(face, &self.loads),
         );
-        // What cavities take off the face is that of the cell, in proportion to their share.
+        // The friction reduction of the face is that of the cell, in proportion to the cavity fraction.
         let share = face.share_of(pattern);
         blocks::state(&mut loads, self.block_errors.as_deref(), share);
         self.describe(&mut said);
@@ -196,19 +198,19 @@ impl SteadySpecimen {
     }
 }
 
-/// Memory, in bytes, that [`steady_face_ratios`] takes for the equations of `face`.
+/// Memory that [`steady_face_ratios`] needs for the equations of `face`, in bytes.
 ///
 /// # Errors
-/// [`SceneError::TooLarge`] where it refuses them.
+/// [`SceneError::TooLarge`] if the equations are refused.
 pub fn steady_face_bytes(scene: &Scene, pattern: &Pattern, face: &Face) -> Result<f64, SceneError> {
     strips::face_bytes(&layer_of(scene).layer, pattern, face)
 }
 
-/// Steady ratios of the face by load, over the thickness that `scene` says, without what tells how far off they are; all `None` once
+/// Steady ratios of the face by load, including the thickness of the scene, without error estimates; all `None` once
 /// `monitor` has cancelled.
 ///
 /// # Errors
-/// [`SceneError`] where the strips do not fit in memory.
+/// [`SceneError`] if the strips do not fit in memory.
 pub fn steady_face_ratios(
     scene: &Scene,
     pattern: &Pattern,
@@ -228,11 +230,11 @@ pub fn steady_face_ratios(
     Ok(loads.iter().map(|load| load.ratio).collect())
 }
 
-/// What sliding in time adds to the steady ratio of `face` at each load of `scene`, which says how the longest strip is run; `None` where that
-/// does not slide to a mean.
+/// Change of the ratio of `face` from steady to dynamic sliding at each load of `scene`, which defines the run of the
+/// longest strip; `None` if that run has no mean.
 ///
 /// # Errors
-/// As [`simulate_specimen`].
+/// Those of [`simulate_specimen`].
 pub fn time_changes(scene: &Scene, face: &Face, monitor: &dyn Monitor) -> Result<Vec<Option<f64>>, SceneError> {
     Ok(TimedStrip::new(&layer_of(scene), face, &pattern_of(scene)?, monitor)?.added_on(face))
 }

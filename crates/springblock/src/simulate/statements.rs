@@ -1,4 +1,4 @@
-//! What is said of a simulation: what was modelled and why, one statement each.
+//! Statements on a simulation: what was modelled and why.
 
 use slipgrid_pattern::Pattern;
 
@@ -7,15 +7,16 @@ use crate::dynamics::{MAX_STEPS, Plan, Scheme};
 use crate::outcome::Statements;
 use crate::scene::{Extent, Scene};
 
-/// What time adds to a steady ratio at mm/s over the share of cavities, about: 0.7 to 2.2 % on eight grooves at three loads,
-/// most at light loads and in shallow cavities (`what_time_adds_to_ratios` of the validation tests).
+/// Typical change of the ratio from steady to dynamic sliding at mm/s over the cavity fraction: 0.7 to 2.2 % on eight
+/// grooves at three loads, largest at light loads and in shallow cavities (`what_time_adds_to_ratios` of the validation
+/// tests).
 const ADDED_BY_TIME: f64 = 0.015;
 
-/// Said of cells.
+/// Statement on cells.
 pub const PERIODIC_CELL: &str = "cell: one period with periodic sides, as nothing asked for depends on the ends";
-/// Said of steady runs at no speed.
+/// Statement on steady runs at zero speed.
 pub const SPEED_ZERO: &str = "speed 0: the limit of vanishing speed, in which every contact block still slides";
-/// Said of cells off the lattice.
+/// Statement on cells that are not whole blocks.
 pub const STRETCHED_CELL: &str = "dimensions that are no whole blocks: the cell in whole columns stretched to fit, edges and depth blended between blocks";
 
 pub fn describe_steady(scene: &Scene) -> String {
@@ -28,7 +29,7 @@ pub fn describe_steady(scene: &Scene) -> String {
     )
 }
 
-/// Why `pattern` is solved in space.
+/// Reason why `pattern` is solved in space.
 pub fn why_space(scene: &Scene, pattern: &Pattern) -> String {
     if scene.run.dimensions == Some(3) {
         return "as asked for".to_owned();
@@ -49,7 +50,7 @@ pub fn describe_scheme(scene: &Scene, scheme: &Scheme) -> String {
     )
 }
 
-/// What is said of runs that are not begun, and of a bulk at rest.
+/// Adds statements on refused runs and on a bulk at rest.
 pub fn describe_protocol(scene: &Scene, step_s: f64, said: &mut Statements) {
     let steps = Plan::new(scene, step_s).total();
     if steps > MAX_STEPS {
@@ -63,7 +64,7 @@ pub fn describe_protocol(scene: &Scene, step_s: f64, said: &mut Statements) {
     }
 }
 
-/// How a run that does not begin at rest begins: `body` is what is sheared.
+/// Adds a statement on the start of a warm run; `body` names the sheared body.
 pub fn describe_start(scene: &Scene, body: &str, said: &mut Statements) {
     if scene.run.warm_start {
         said.method(format!(
@@ -99,15 +100,16 @@ pub fn describe_extent(scene: &Scene, said: &mut Statements) {
     ));
 }
 
-/// By which modulus heights of the face press in the plane; nothing where it has none.
+/// Statement on the modulus for face heights in the plane; empty for a flat face.
 pub fn modulus_of_heights(scene: &Scene) -> &'static str {
     if scene.is_raised() { "; rims and heights press as in plane strain, E / (1 - nu^2) at nu = 1/4" } else { "" }
 }
 
-/// Difference between the shares of cavities of specimen and pattern from which it is said: a ratio moves by about as much.
+/// Minimum difference between the cavity fractions of specimen and pattern for a statement: the ratio changes by about
+/// as much.
 const SHARE_TO_TELL: f64 = 0.01;
 
-/// That a specimen of few periods is not the pattern, where its cavities take another share.
+/// Statement on a specimen of few periods whose cavity fraction differs from that of the pattern.
 fn describe_periods(scene: &Scene) -> Option<String> {
     let pattern = scene.pattern.as_ref().filter(|_| scene.run.extent.has_ends())?;
     let columns = columns::sample(pattern, scene.layer.block_m, scene.layer.columns());
@@ -116,7 +118,7 @@ fn describe_periods(scene: &Scene) -> Option<String> {
     few_periods(scene.layer.length_m / pattern.pitch_m(), share, pattern.section_density())
 }
 
-/// That a specimen of `periods` whose cavities take `share` of it is not the pattern, whose period's take `own`.
+/// Statement on a specimen of `periods` periods with the cavity fraction `share`, if that of a period, `own`, differs.
 pub fn few_periods(periods: f64, share: f64, own: f64) -> Option<String> {
     ((share - own).abs() > SHARE_TO_TELL).then(|| {
         format!(

@@ -39,7 +39,7 @@ fn largest_distance(a: &[f64], b: &[f64]) -> f64 {
 
 #[test]
 fn one_strip_laid_like_a_sample_is_the_sample() {
-    // A sample begins with 18 columns of land; coefficients that do not scatter.
+    // A sample begins with 18 columns of land; coefficients do not scatter.
     let mut scene = scene(RunOptions::default());
     for load in &mut scene.loads {
         load.friction = LocalFriction::new(0.30, 0.27, 0.0).unwrap();
@@ -60,7 +60,7 @@ fn without_an_area_law_no_layout_changes_friction() {
 fn strips_carry_the_load_as_one_rigid_bulk_presses_them() {
     let scene = scene(RunOptions::default());
     let pattern = scene.pattern.unwrap();
-    // A textured strip and a flat one of the same area: the mean of both at their own pressures.
+    // A textured and a flat strip of the same area: the mean of both at their own pressures.
     let strips = face(vec![strip(0, 2e-3, 180e-6), Strip { band: 1, cavities_m: Vec::new(), ..strip(1, 2e-3, 0.0) }]);
     let found = simulate_specimen(&scene, &strips, &Unwatched).unwrap();
     let model = |cavities: &[[f64; 2]]| {
@@ -97,7 +97,7 @@ fn of_a_long_strip_whole_periods_are_left_out() {
     assert!((end(&long) - end(&short)).abs() < 1e-12);
 }
 
-/// Half a disc of `diameter_um` in `bands`, whose middle is the middle of a cavity of `pattern`.
+/// Half a disc of `diameter_um` in `bands`, centred on a cavity of `pattern`.
 fn half_disc(pattern: &Pattern, diameter_um: f64, bands: usize) -> Face {
     let (width_m, pitch_m) = (pattern.width_m(), pattern.pitch_m());
     let of_disc = |band: usize| {
@@ -110,7 +110,7 @@ fn half_disc(pattern: &Pattern, diameter_um: f64, bands: usize) -> Face {
     face((0..bands).map(of_disc).collect())
 }
 
-/// Ratio at each load of `strips`, every one of which is solved whole on one lattice of the blocks of `scene`.
+/// Ratio at each load of `strips`, each solved whole on one lattice in the blocks of `scene`.
 fn whole_strips(scene: &Scene, strips: &Face) -> Vec<f64> {
     let (block_m, rows, depth_m) = (scene.layer.block_m, scene.layer.rows(), scene.pattern.unwrap().depth_m());
     let model = |strip: &Strip| {
@@ -164,8 +164,8 @@ fn strips_are_their_ends_and_cells_between_them() {
     }
 }
 
-/// Cavities that are no whole blocks: with what blocks of a quarter change of the cell, the ratio is nearer to that of whole strips in
-/// such blocks than the whole strips' own in large ones is.
+/// Cavities that are not whole blocks: with the effect of quarter blocks on the cell, the ratio is closer to that of
+/// whole strips in quarter blocks than that of whole strips in large blocks.
 #[test]
 fn cells_between_ends_take_strips_to_smaller_blocks() {
     let (mut own, mut whole) = (0.0, 0.0);
@@ -209,7 +209,7 @@ fn strips_that_sample_a_face_are_corrected_to_its_share_of_cavities() {
 fn slender_walls_at_the_rim_bear_nothing() {
     let mut scene = scene(RunOptions::default());
     scene.pattern = Some(samples::groove(130.0, 370.0, 60.0));
-    // 12 um of land, 60 um high, stand before the first cavity and 8 um behind the last.
+    // 12 um of land, 60 um high, before the first cavity, and 8 um after the last.
     let slender =
         Strip { length_m: 2e-3, cavities_m: vec![[12e-6, 142e-6], [1.862e-3, 1.992e-3]], ..strip(0, 2e-3, 1.0) };
     let bare = Strip { cavities_m: vec![[0.0, 142e-6], [1.862e-3, 2e-3]], ..slender.clone() };
@@ -217,7 +217,7 @@ fn slender_walls_at_the_rim_bear_nothing() {
     let share = 0.13;
     let ratios = |strip: Strip| ratios(&scene, &Face::new(vec![strip], share).unwrap());
     let (own, without) = (ratios(slender), ratios(bare));
-    // The same friction, counted as the face's share of cavities.
+    // Friction is unchanged; only the cavity fraction of the face differs.
     for (own, without) in own.iter().zip(&without) {
         assert!(((1.0 - own) * 260.0 / ((1.0 - without) * 280.0) - 1.0).abs() < 1e-9);
     }
@@ -225,8 +225,8 @@ fn slender_walls_at_the_rim_bear_nothing() {
     assert_eq!(without_slivers(wide.clone(), 60e-6, 10e-6), wide);
 }
 
-/// What time adds to steady sliding, over the share of cavities, is the same on strips of other lengths and shares to
-/// [`TIME_SHARE`], so that one strip in time serves all within the error stated.
+/// The change from steady to dynamic sliding over the cavity fraction is the same on strips of other lengths and cavity
+/// fractions within [`TIME_CHANGE_ERROR`], so that one dynamic strip represents all.
 #[test]
 fn strips_follow_the_longest_in_time() {
     let run = RunOptions {
@@ -275,7 +275,7 @@ fn a_run_in_time_is_the_steady_specimen_and_what_it_says_that_time_adds() {
     let at_once = simulate_specimen(&scene, &whole, &Unwatched).unwrap();
     let solved = SteadySpecimen::new(&scene, &whole, &Unwatched).unwrap().unwrap();
     let (steady, mut in_time) = (solved.steady(), solved.in_time(&Unwatched).unwrap());
-    // Times are another each time.
+    // The elapsed times differ.
     for (load, of) in in_time.loads.iter_mut().zip(&at_once.loads) {
         let surfaces = [Some(&mut load.surface), load.flat.as_mut()].into_iter().flatten();
         for (surface, of) in surfaces.zip([Some(&of.surface), of.flat.as_ref()].into_iter().flatten()) {
@@ -299,7 +299,7 @@ fn lands_that_the_border_cuts_are_said_to_be_pressed_harder() {
     scene.loads.truncate(1);
     let found = |strips: Vec<Strip>| simulate_specimen(&scene, &face(strips), &Unwatched).unwrap();
     let said = |found: &Simulation| found.statements.model.iter().any(|said| said.contains("times as hard"));
-    // The land between two cavities of a shorter strip is a fifth as wide.
+    // The land between the two cavities of the shorter strip is a fifth as wide.
     let longest = strip(0, 2e-3, 180e-6);
     let cavities_m = vec![[300e-6, 430e-6], [470e-6, 600e-6]];
     let narrow = Strip { band: 1, length_m: 1.2e-3, cavities_m, ..longest.clone() };

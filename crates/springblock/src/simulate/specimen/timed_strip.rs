@@ -1,4 +1,4 @@
-//! What time adds to steady sliding, by the longest strip of a face.
+//! Change from steady to dynamic sliding, from the longest strip of a face.
 
 use std::sync::OnceLock;
 
@@ -20,28 +20,28 @@ use crate::outcome::{LoadOutcome, Statements, Status, SurfaceOutcome};
 use crate::scene::{Load, Scene};
 use crate::steady::SteadyModel;
 
-/// Columns of the strip that is run in time: the published specimen has 996.
+/// Maximum number of columns of the dynamic strip: the published specimen has 996.
 const MAX_TIMED_COLUMNS: f64 = 1200.0;
-/// Share of what time adds to steady sliding on one strip that is left open for the others: that of strips of other lengths
-/// and cavities departs from it by no more (`strips_follow_the_longest_in_time`).
+/// Relative standard error of applying the change by time of one strip to strips with other lengths and cavities, which
+/// deviate by no more (`strips_follow_the_longest_in_time`).
 pub const TIME_SHARE: f64 = 0.5;
 
-/// The longest strip of a face, run in time.
+/// Dynamic run of the longest strip of a face.
 pub struct TimedStrip {
-    /// It and its flat companion, by load.
+    /// Outcomes of the strip and its flat counterpart, by load.
     loads: Vec<LoadOutcome>,
-    /// What time adds to its steady ratio, by load.
+    /// Change of the ratio from steady to dynamic sliding, by load.
     added: Vec<Option<f64>>,
-    /// Share of its columns that is cavity.
+    /// Fraction of the strip's columns that are cavity.
     share: f64,
     said: Statements,
 }
 
 impl TimedStrip {
-    /// That of `face` with cavities of `pattern`, at every load of `scene`.
+    /// Runs the longest strip of `face` with cavities of `pattern` at every load of `scene`.
     ///
     /// # Errors
-    /// As [`super::super::simulate`].
+    /// Those of [`super::super::simulate`].
     pub fn new(scene: &Scene, face: &Face, pattern: &Pattern, monitor: &dyn Monitor) -> Result<Self, SceneError> {
         let strip = timed_strip(face.longest(), scene.layer.block_m);
         let part =
@@ -51,7 +51,7 @@ impl TimedStrip {
         let none = vec![0.0; scene.loads.len()];
         all_affordable(scene, &lattices)?;
         let models = vec![OnceLock::new(); lattices.len()];
-        // The steady ratios are found while no run has begun, or the last one ends.
+        // The steady ratios are computed while no run has begun, or while the last one ends.
         let (integrated, steady) = rayon::join(
             || integrate(scene, &lattices, &models, &none, monitor),
             || drawn_ratios(scene, &lattices, &models, monitor),
@@ -78,17 +78,17 @@ impl TimedStrip {
         if self.share > 0.0 { face.cavity_share() / self.share } else { 0.0 }
     }
 
-    /// What it adds to the ratio of `face`, by load.
+    /// Change of the ratio of `face`, by load.
     pub fn added_on(&self, face: &Face) -> Vec<Option<f64>> {
         let share = self.share_on(face);
         let each = self.added.iter().zip(&self.loads);
         each.map(|(added, load)| added.filter(|_| load.is_trusted()).map(|added| added * share)).collect()
     }
 
-    /// The `steady` ratios of `face` with what time adds, and how that was found.
+    /// Adds the change by time to the `steady` outcomes of `face`; also returns the statements.
     pub fn on(&self, face: &Face, steady: &[LoadOutcome]) -> (Vec<LoadOutcome>, Statements) {
         let share = self.share_on(face);
-        // One strip has nothing to follow it.
+        // With a single strip there is no other strip to apply the change to.
         let followed = if face.strips().len() > 1 { TIME_SHARE } else { 0.0 };
         let of_load = |((strip, added), steady): ((&LoadOutcome, &Option<f64>), &LoadOutcome)| {
             let mut load = strip.clone();
@@ -107,11 +107,11 @@ impl TimedStrip {
         (loads, said)
     }
 
-    /// What lands at the border of the `steady` face bear beyond the strip, where that is more than 2 %: the narrowest of them are pressed the
-    /// hardest, so that a limit of the largest pressure is held to the strip.
+    /// Statement on lands at the border of the face that carry more than 2 % more pressure than the strip. The
+    /// narrowest lands carry the highest pressure, so a limit of the peak pressure must not rely on the strip alone.
     fn pressed_harder(&self, steady: &[LoadOutcome]) -> Option<String> {
         let peak_pa = |load: &LoadOutcome| load.surface.peak_pressure_pa;
-        // A strip that does not slide to a mean bears nothing that could be compared.
+        // A strip without a mean has no pressures to compare.
         let each = self.loads.iter().zip(steady).filter(|(strip, _)| peak_pa(strip) > 0.0);
         let most = each.map(|(strip, face)| peak_pa(face) / peak_pa(strip)).fold(1.0, f64::max);
         (most > 1.02).then(|| {
@@ -123,7 +123,7 @@ impl TimedStrip {
     }
 }
 
-/// The part of `strip` that is run in time: up to the middle of a land where it is too long.
+/// Part of `strip` that is run dynamically: a strip that is too long ends in the middle of a land.
 fn timed_strip(strip: &Strip, block_m: f64) -> Strip {
     let most_m = MAX_TIMED_COLUMNS * block_m;
     if strip.length_m <= most_m {
@@ -135,7 +135,7 @@ fn timed_strip(strip: &Strip, block_m: f64) -> Strip {
     Strip { length_m, cavities_m, ..strip.clone() }
 }
 
-/// The strip and its flat companion on whole blocks.
+/// Lattices of the strip and its flat counterpart on whole blocks.
 pub fn timed_lattices(scene: &Scene, pattern: &Pattern, strip: &Strip) -> Vec<Lattice> {
     let (block_m, rows) = (scene.layer.block_m, scene.layer.rows());
     let cavities: Vec<[f64; 2]> = strip.cavities_m.iter().map(|ends_m| ends_m.map(|at_m| at_m / block_m)).collect();
@@ -145,8 +145,9 @@ pub fn timed_lattices(scene: &Scene, pattern: &Pattern, strip: &Strip) -> Vec<La
     [own, flat].into_iter().map(|columns| Lattice::new(columns, rows, false)).collect()
 }
 
-/// Steady ratio of the first of `lattices`, a strip, over the second, its flat companion, with the coefficients that the runs in time draw, by
-/// load; of `models` those are made that are not. What the flat one has is recalled where the monitor's caller remembers it.
+/// Steady ratio of the first lattice, a strip, over the second, its flat counterpart, with the coefficients drawn by
+/// the dynamic runs, by load. `models` caches the equations; missing ones are created. The friction of the flat lattice
+/// is stored in the monitor's cache.
 pub fn drawn_ratios(
     scene: &Scene,
     lattices: &[Lattice],
@@ -161,7 +162,7 @@ pub fn drawn_ratios(
     let of_flat = || {
         let content = (settings(scene), &scene.loads, flat);
         let known = |bytes: &[u8]| Some(from_bytes(bytes)).filter(|all| all.len() == count * scene.run.draws as usize);
-        // No number stands for friction that was not found.
+        // Missing friction is stored as NaN.
         let kept = |friction: &Vec<f64>| Some(to_bytes(friction));
         recalled(monitor, ("flat", &content), (known, kept), || friction(flat, of_flat))
     };
@@ -174,7 +175,7 @@ pub fn drawn_ratios(
     (0..count).map(ratio).collect()
 }
 
-/// Steady friction of `model` by draw, and by load in each; no number where none is found, or none is there.
+/// Steady friction of `model` by draw and load; NaN if there is none.
 fn drawn_friction(scene: &Scene, model: &SteadyModel) -> Vec<f64> {
     let of_draw = |draw: usize| {
         let of_load = |load: &Load| {
