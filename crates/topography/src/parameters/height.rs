@@ -4,14 +4,14 @@ use slipgrid_monitor::{Cancelled, Monitor};
 
 use crate::HeightMap;
 
-/// Height parameters, about the mean height.
+/// Height parameters, relative to the mean height.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HeightParameters {
     /// Sa, arithmetical mean height, in metres.
     pub sa_m: f64,
     /// Sq, root mean square height, in metres.
     pub sq_m: f64,
-    /// Ssk, skewness: below zero where pits prevail. Zero for a flat map.
+    /// Ssk, skewness: negative where pits prevail. Zero for a flat map.
     pub ssk: f64,
     /// Sku, kurtosis: 3 for Gaussian heights. Zero for a flat map.
     pub sku: f64,
@@ -24,7 +24,7 @@ pub struct HeightParameters {
 }
 
 impl HeightMap {
-    /// Height parameters over the points present, of the map as it is: remove its form first.
+    /// Height parameters over the points present. The form is not removed here; remove it first.
     ///
     /// # Errors
     /// [`Cancelled`] once `monitor` cancels.
@@ -38,7 +38,7 @@ impl HeightMap {
         }
         monitor.heed()?;
         let sq_m = self.sq_m();
-        // Powers of heights over Sq stay within range.
+        // Powers of heights divided by Sq stay within the range of f64.
         let moment = |power: i32| {
             monitor.heed()?;
             Ok(if sq_m > 0.0 { self.mean_deviation(|deviation| (deviation / sq_m).powi(power)) } else { 0.0 })
@@ -67,7 +67,7 @@ mod tests {
     use super::*;
     use slipgrid_monitor::Unwatched;
 
-    /// shape(x) over one period of 720 rows, times a micrometre.
+    /// shape(x) over one period of 720 rows, in micrometres.
     fn profile(shape: impl Fn(f64) -> f64) -> HeightMap {
         let heights = (0..720 * 3).map(|n| 1e-6 * shape((n / 3) as f64 / 720.0)).collect();
         HeightMap::new(720, 3, 1e-6, 1e-6, heights).unwrap()
@@ -80,7 +80,8 @@ mod tests {
     #[test]
     fn a_sinusoid() {
         let p = profile(|t| (TAU * t).sin()).height_parameters(&Unwatched).unwrap();
-        // Moments of the sine are sums over whole periods: exact up to rounding. Sa in the limit.
+        // The moments of the sine are sums over whole periods and exact up to rounding; Sa is exact in the limit of
+        // many points.
         near(p.sa_m, 2e-6 / PI, 1e-5);
         near(p.sq_m, 1e-6 / 2f64.sqrt(), 1e-13);
         assert!(p.ssk.abs() < 1e-12);

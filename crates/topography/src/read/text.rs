@@ -1,4 +1,4 @@
-//! Texts: what stands above the heights, and matrices or points, told apart.
+//! Reads texts: separates the header from the heights, and distinguishes matrices from points.
 
 use std::io::{BufRead, Cursor, Read};
 
@@ -14,9 +14,9 @@ use super::{MapFormat, ReadMap, ReadOptions, wyko, zygo};
 use crate::ReadError;
 use crate::error::significant;
 
-/// Bytes at the beginning of a text in which the name of its format stands.
+/// Bytes at the beginning of a text that are searched for the name of its format.
 const MAX_SIGNATURE_BYTES: u64 = 2048;
-/// What Keyence's programs write above the heights, in every language.
+/// First words of a CSV export of Keyence software, the same in every language.
 const KEYENCE: &str = "ImageDataCsv";
 
 enum Data {
@@ -29,22 +29,23 @@ struct Text<'o> {
     options: &'o ReadOptions,
     header: Header,
     data: Option<Data>,
-    /// The first line that an instrument may have written above the titles of its columns.
+    /// First line of a preamble that an instrument may have written above the column titles.
     preamble: Option<(usize, String)>,
-    /// Lines of so many tabs alone that stand above all data, and their number.
+    /// First of the lines of equally many tabs above all data, and their number of tabs.
     tabs_above: Option<(usize, usize)>,
-    /// Whether lines without a mark stand above the data: programs that write tables part them with such lines.
+    /// Whether lines without comment mark stand above the data; programs that write tables then also separate them by
+    /// lines of tabs.
     has_unmarked: bool,
-    /// The first rows, as long as the first row and the first column may be axes.
+    /// The first rows, while the first row and the first column may be axes.
     held: Option<HeldRows>,
     axes: Option<Axes>,
-    /// Another map begins behind the one that is read.
+    /// Whether another map follows the one that is read.
     has_another: bool,
     has_decimal_commas: bool,
 }
 
 impl Text<'_> {
-    /// Takes a line; says whether more are wanted.
+    /// Reads a line; returns whether more are needed.
     fn take(&mut self, row: &str, line: usize) -> Result<bool, ReadError> {
         let (text, before_data) = (row.trim(), self.data.is_none() && self.held.is_none());
         if text.is_empty() && !row.is_empty() {
@@ -73,12 +74,12 @@ impl Text<'_> {
             self.preamble.get_or_insert_with(|| (line, text.to_owned()));
             return Ok(true);
         }
-        // Data without titles: what stands above them is no preamble, and is refused as what it is.
+        // The data have no titles, so the lines above them are not a preamble; the first of them is refused.
         self.push_preamble()?;
         self.push(row, line)
     }
 
-    /// Takes a line of tabs alone: a row of missing points where rows have as many fields, and otherwise nothing.
+    /// Reads a line of tabs only: a row of missing points if rows have that many fields, otherwise ignored.
     fn take_tabs(&mut self, row: &str, line: usize) -> Result<bool, ReadError> {
         if self.held.is_some() {
             return self.push(row, line);
@@ -99,7 +100,7 @@ impl Text<'_> {
         }
     }
 
-    /// Refuses what stands above data without titles.
+    /// Refuses lines above data without titles.
     fn push_preamble(&mut self) -> Result<(), ReadError> {
         let Some((line, text)) = self.preamble.take() else { return Ok(()) };
         self.push(&text, line).map(|_| ()).map_err(|error| match error {
@@ -110,7 +111,7 @@ impl Text<'_> {
         })
     }
 
-    /// A refused decimal comma with what would be refused next.
+    /// Adds the errors that would follow to a refused decimal comma.
     fn with_all_that_is_missing(&self, error: ReadError) -> ReadError {
         match &self.data {
             Some(Data::Matrix(_)) => error.with_missing(MatrixReader::missing(&self.header, self.options)),
@@ -132,7 +133,7 @@ impl Text<'_> {
         self.push_data(text, line)
     }
 
-    /// Decides whether the rows held back have axes, and takes them.
+    /// Decides whether the rows held back have axes, and reads the rows.
     fn release(&mut self) -> Result<bool, ReadError> {
         let Some(held) = self.held.take() else { return Ok(true) };
         self.axes = if held.is_full() { held.axes() } else { None };
@@ -177,7 +178,7 @@ impl Text<'_> {
         }
     }
 
-    /// What is to be told of how the text was understood.
+    /// Notes on how the text was interpreted.
     fn notes(&self) -> Vec<String> {
         let axes = self.axes.map(|axes| {
             let [along, across] = axes.steps.map(|step| significant(step, 5));
@@ -191,7 +192,7 @@ impl Text<'_> {
     }
 }
 
-/// Reads a text in the dialect that its beginning tells.
+/// Reads a text in the dialect recognised from its beginning.
 pub(super) fn read_text(mut source: impl BufRead, options: &ReadOptions) -> Result<ReadMap, ReadError> {
     let mut start = Vec::new();
     let read = (&mut source).take(MAX_SIGNATURE_BYTES).read_to_end(&mut start);
@@ -207,7 +208,7 @@ pub(super) fn read_text(mut source: impl BufRead, options: &ReadOptions) -> Resu
     }
 }
 
-/// Reads a matrix or points below lines of a header.
+/// Reads a matrix or points below header lines.
 fn read_table(source: impl BufRead, is_keyence: bool, options: &ReadOptions) -> Result<ReadMap, ReadError> {
     let mut lines = Lines::new(source);
     let mut sign = DecimalSign::new(options.decimal_comma);
@@ -243,7 +244,8 @@ fn read_table(source: impl BufRead, is_keyence: bool, options: &ReadOptions) -> 
     let (map, whole, format, said) = match data {
         None => return Err(ReadError::NoData { lines: lines.line() }),
         Some(Data::Matrix(mut matrix)) => {
-            // The rows behind a crop say how large a pixel is, where the header gives only the sides.
+            // If the header gives only the sides, the pixel size depends on the number of rows, including those behind
+            // a crop.
             let rows = if has_another {
                 matrix.count_rest(&mut Lines::new(std::io::empty()), options, &header)?
             } else {
@@ -259,13 +261,13 @@ fn read_table(source: impl BufRead, is_keyence: bool, options: &ReadOptions) -> 
             (map, whole, MapFormat::Xyz, said)
         }
     };
-    // Of axes the unit of x and y is that of their steps.
+    // If a matrix has axes, the unit of x and y is that of their steps.
     let given = if axes.is_some() { ReadOptions { lateral_unit: None, ..*options } } else { *options };
     notes.splice(..0, said.notes(&given, format));
     Ok(ReadMap { map, whole, format, comments: header.comments, notes })
 }
 
-/// The form of a text, from its header and its first line of data.
+/// Format of a text, from its header and its first line of data.
 fn detect(header: &Header, text: &str) -> MapFormat {
     if header.titled || !header.is_sized() && !header.keyence && is_point(text) {
         MapFormat::Xyz
@@ -284,7 +286,7 @@ mod tests {
         read_map(text.as_bytes(), options).map(|read| format!("{:?} {}", read.map, read.whole))
     }
 
-    /// A map of five columns with holes at its rims, with `NaN` in each, by its rows.
+    /// The rows of a map of five columns with missing points at its sides, written as `NaN`.
     const HOLED: [&str; 6] = [
         "NaN\t2\tNaN\t4\t5",
         "NaN\tNaN\tNaN\tNaN\tNaN",
@@ -304,7 +306,7 @@ mod tests {
             ReadOptions { crop: Some(Crop { first_col: 1, cols: 2, ..crop }), ..GIVEN },
             ReadOptions { decimation: Some(blocks), ..GIVEN },
         ];
-        // Any of the rows may be the first and the last.
+        // Each row in turn is the first and the last.
         for first in 0..HOLED.len() {
             let rows: Vec<&str> = HOLED.iter().cycle().skip(first).take(HOLED.len()).copied().collect();
             for options in &all {
@@ -314,7 +316,7 @@ mod tests {
                 for (text, ending) in [(&empty, "\n"), (&closed, "\n"), (&empty, "\r\n")] {
                     let text = text.replace('\n', ending);
                     assert_eq!(read(&text, options).unwrap(), expected, "{text:?} {options:?}");
-                    // Below a header whose lines are marked, too.
+                    // Also below a header whose lines are marked.
                     assert_eq!(read(&format!("# a map{ending}{ending}{text}"), options).unwrap(), expected, "{text:?}");
                 }
             }
@@ -342,20 +344,20 @@ mod tests {
                     assert_eq!(read(&text, &options).unwrap(), expected, "{text:?}");
                 }
             }
-            // Programs that write tables part what stands above the data with lines of as many tabs.
+            // Programs that write tables separate the lines above the data by lines of as many tabs.
             let table = format!("Operator: Anna\t\t\t\n\t\t\t\n{plain}");
             assert_eq!(read(&table, &options).unwrap(), expected);
         }
-        // A column that only an indentation leaves out is none to crop.
+        // A column skipped by an indentation does not exist and cannot be cropped.
         let crop = Some(Crop { first_row: 0, first_col: 0, rows: 2, cols: 3 });
         let cropped = |text: &str| read(text, &ReadOptions { crop, ..GIVEN });
         assert!(matches!(cropped("\t2\t3\n\t5\t6\n"), Err(ReadError::CropOutside { .. })));
         assert!(cropped("\t2\t3\n4\t5\t6\n").is_ok());
-        // The header's count of columns decides.
+        // A column count in the header decides.
         let told = |count: usize| format!("# File Format = ASCII\n# x-pixels = {count}\n\t2\t3\n\t5\t6\n");
         let missing = [2, 3].map(|count| read_map(told(count).as_bytes(), &GIVEN).unwrap().map.missing());
         assert_eq!(missing, [0, 2]);
-        // A row that is short stays so.
+        // A short row stays short.
         for (text, said) in
             [("1\t2\t3\n1\t2\n", "line 2: 2 values: expected 3"), ("\t2\t3\n4\t5\n", "line 2: 2 values")]
         {
