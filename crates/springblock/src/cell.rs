@@ -15,13 +15,13 @@ use crate::rims::Rims;
 use crate::scene::{Layer, Load, MAX_DRAWS, Scene};
 use crate::space::{SpaceLattice, SpaceLoad, SpaceSteadyModel, TOLERANCE};
 use crate::steady::{
-    CondensedModel, FaceHistory, RaisedModel, SteadyLoad, SteadyModel, ThickModel, band_products, condensing,
+    CondensedModel, FaceHistory, RaisedModel, SteadyLoad, SteadyModel, ThickModel, band_products, condensing_cost,
     factor_bytes,
 };
 use crate::{Cancelled, Monitor, Unwatched};
 
 /// Tolerance within which a length counts as a whole number of blocks, for rounding errors of divisions.
-const WHOLE: f64 = 1e-9;
+const WHOLE_TOLERANCE: f64 = 1e-9;
 /// Memory per column and explicit row of a cell in space, in bytes: three displacement fields, their spectra, condensed
 /// matrices, and a share of the stored search directions.
 const BYTES_PER_BLOCK: f64 = 1200.0;
@@ -79,19 +79,19 @@ impl SteadyCell {
     #[must_use]
     pub fn new(scene: &Scene) -> Self {
         let asked = scene.run.dimensions;
-        let of_flat = || asked.map_or(Dimension::Plane, Dimension::numbered);
-        let of_pattern = |pattern: &Pattern| Dimension::of(asked, pattern.texture());
-        Self::solved(scene, scene.pattern.as_ref().map_or_else(of_flat, of_pattern))
+        let flat_dimension = || asked.map_or(Dimension::Plane, Dimension::numbered);
+        let pattern_dimension = |pattern: &Pattern| Dimension::of(asked, pattern.texture());
+        Self::with_dimension(scene, scene.pattern.as_ref().map_or_else(flat_dimension, pattern_dimension))
     }
 
     /// Like [`Self::new`], for patterns of `texture` instead of the scene's pattern.
     #[must_use]
     pub fn of_texture(scene: &Scene, texture: &Texture) -> Self {
-        Self::solved(scene, Dimension::of(scene.run.dimensions, texture))
+        Self::with_dimension(scene, Dimension::of(scene.run.dimensions, texture))
     }
 
     /// Creates the cell of `scene` for the given dimension.
-    pub(crate) fn solved(scene: &Scene, dimension: Dimension) -> Self {
+    pub(crate) fn with_dimension(scene: &Scene, dimension: Dimension) -> Self {
         Self {
             dimension,
             elastic: scene.elastic,
@@ -153,9 +153,9 @@ impl SteadyCell {
             return nx * ny * ((pattern.depth_m() / self.layer.block_m).ceil() + 1.0).max(2.0) * BYTES_PER_BLOCK;
         }
         if self.layer.is_backed() {
-            return condensing_cell(pattern, self.layer.block_m).1;
+            return cell_condensing_cost(pattern, self.layer.block_m).1;
         }
-        factor_bytes(self.most_columns(pattern), self.layer.rows(), true)
+        factor_bytes(self.max_columns(pattern), self.layer.rows(), true)
     }
 
     /// Maximum memory that a cell should take if several are solved at the same time, in bytes.
@@ -166,15 +166,15 @@ impl SteadyCell {
 
     /// Estimated upper bound of the multiplications that [`Self::solve`] needs in the plane.
     pub(crate) fn products(&self, pattern: &Pattern) -> f64 {
-        let (condensed, _) = condensing_cell(pattern, self.layer.block_m);
+        let (condensed, _) = cell_condensing_cost(pattern, self.layer.block_m);
         if self.layer.is_backed() {
             return condensed;
         }
-        band_products(self.most_columns(pattern), self.layer.rows()).min(condensed)
+        band_products(self.max_columns(pattern), self.layer.rows()).min(condensed)
     }
 
     /// Upper bound of the number of columns of the cell in the plane.
-    fn most_columns(&self, pattern: &Pattern) -> usize {
+    fn max_columns(&self, pattern: &Pattern) -> usize {
         // The cast saturates: a number beyond 2^64 exceeds every limit.
         (pattern.pitch_m() / self.layer.block_m).ceil() as usize * Rims::periods(pattern)
     }
@@ -231,13 +231,13 @@ impl SteadyCell {
     }
 
     fn lattice(&self, pattern: &Pattern) -> Lattice {
-        let columns = columns::cell_on(pattern, self.layer.block_m, self.relief.as_deref());
+        let columns = columns::cell_with_map(pattern, self.layer.block_m, self.relief.as_deref());
         Lattice::new(columns, self.layer.thick_rows(), true)
     }
 
     /// Returns the cell of `pattern` in space with `rows` rows.
     pub(crate) fn space_lattice(&self, pattern: &Pattern, rows: usize) -> SpaceLattice {
-        SpaceLattice::cell_on(pattern, self.layer.block_m, rows, self.relief.as_deref())
+        SpaceLattice::cell_with_map(pattern, self.layer.block_m, rows, self.relief.as_deref())
     }
 
     fn steady_model(&self, lattice: Lattice) -> SteadyModel {
@@ -265,8 +265,11 @@ impl SteadyCell {
         let model = SpaceSteadyModel::new(lattice, self.layer.block_m, self.elastic.youngs_modulus_pa(), self.liftoff)
             .yielding_at(self.elastic.yield_pressure_pa())
             .balanced_to(self.tolerance);
-        let loads: Vec<SpaceLoad<'_>> =
-            self.loads.iter().map(|load| SpaceLoad::of_mean(load, area_law, pattern.sliding_direction())).collect();
+        let loads: Vec<SpaceLoad<'_>> = self
+            .loads
+            .iter()
+            .map(|load| SpaceLoad::with_mean_friction(load, area_law, pattern.sliding_direction()))
+            .collect();
         let outcomes = model.solve_all(&loads, monitor).into_iter().zip(&self.loads);
         outcomes.map(|(outcome, load)| CellOutcome::new(load, area_law, outcome)).collect()
     }
@@ -315,8 +318,8 @@ impl SteadyCell {
         let block_m = self.layer.block_m;
         // Bounds that equal whole blocks up to rounding are included.
         let blocks = |bounds: [f64; 2], most: f64| {
-            let first = (bounds[0] / block_m - WHOLE).ceil().max(1.0);
-            let last = (bounds[1] / block_m + WHOLE).floor().min(most);
+            let first = (bounds[0] / block_m - WHOLE_TOLERANCE).ceil().max(1.0);
+            let last = (bounds[1] / block_m + WHOLE_TOLERANCE).floor().min(most);
             (0..).map(move |step| first + f64::from(step)).take_while(move |at| *at <= last)
         };
         let deepest = self.layer.rows() as f64 - 1.0;
@@ -338,10 +341,10 @@ pub fn raised_model(lattice: &Lattice, block_m: f64, elastic: Elastic) -> Option
 
 /// Estimated number of multiply-adds, and memory in bytes, for the cell of `pattern` on a thick specimen with blocks of
 /// `block_m`.
-pub fn condensing_cell(pattern: &Pattern, block_m: f64) -> (f64, f64) {
+pub fn cell_condensing_cost(pattern: &Pattern, block_m: f64) -> (f64, f64) {
     let blocks = |length_m: f64| (length_m / block_m).ceil();
     let periods = Rims::periods(pattern) as f64;
-    condensing(periods * blocks(pattern.pitch_m()), periods * blocks(pattern.width_m()), blocks(pattern.depth_m()))
+    condensing_cost(periods * blocks(pattern.pitch_m()), periods * blocks(pattern.width_m()), blocks(pattern.depth_m()))
 }
 
 #[cfg(test)]

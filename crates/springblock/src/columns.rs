@@ -54,11 +54,11 @@ impl Column {
 
 /// Tolerance within which a length counts as a whole number of blocks, so that the regular lattice is reproduced to the
 /// last bit.
-const WHOLE: f64 = 1e-9;
+const WHOLE_TOLERANCE: f64 = 1e-9;
 
 /// Rounds `blocks` to a whole number if it differs from it by rounding only.
-fn snapped(blocks: f64) -> f64 {
-    if (blocks - blocks.round()).abs() < WHOLE * blocks.max(1.0) { blocks.round() } else { blocks }
+fn round_if_whole(blocks: f64) -> f64 {
+    if (blocks - blocks.round()).abs() < WHOLE_TOLERANCE * blocks.max(1.0) { blocks.round() } else { blocks }
 }
 
 /// Number of columns into which a length of `blocks` lattice spacings is divided.
@@ -78,9 +78,9 @@ struct Period {
 impl Period {
     fn new(pattern: &Pattern, block_m: f64) -> Self {
         Self {
-            width: snapped(pattern.width_m() / block_m),
-            spacing: snapped(pattern.spacing_m() / block_m),
-            depth: snapped(pattern.depth_m() / block_m),
+            width: round_if_whole(pattern.width_m() / block_m),
+            spacing: round_if_whole(pattern.spacing_m() / block_m),
+            depth: round_if_whole(pattern.depth_m() / block_m),
         }
     }
 
@@ -114,7 +114,7 @@ const MIN_COVERAGE: f64 = 1e-6;
 
 /// Returns the number of periods, the number of columns and the column width of a cell `blocks` lattice spacings long.
 pub fn divide(blocks: f64) -> (usize, usize, f64) {
-    let is_whole = (blocks - blocks.round()).abs() < WHOLE * blocks.max(1.0) && blocks > 0.5;
+    let is_whole = (blocks - blocks.round()).abs() < WHOLE_TOLERANCE * blocks.max(1.0) && blocks > 0.5;
     if is_whole {
         return (1, blocks.round() as usize, 1.0);
     }
@@ -124,7 +124,7 @@ pub fn divide(blocks: f64) -> (usize, usize, f64) {
 }
 
 /// Rounds a fraction of a column to 0 or 1 if it is closer than [`MIN_COVERAGE`].
-pub fn settled(share: f64) -> f64 {
+pub fn round_share(share: f64) -> f64 {
     if share > 1.0 - MIN_COVERAGE {
         1.0
     } else if share < MIN_COVERAGE {
@@ -140,12 +140,12 @@ pub fn settled(share: f64) -> f64 {
 /// have different heights. A first cavity of c columns in m columns has floor((m - c)/2) columns before it.
 #[must_use]
 pub fn cell(pattern: &Pattern, block_m: f64) -> Vec<Column> {
-    cell_on(pattern, block_m, None)
+    cell_with_map(pattern, block_m, None)
 }
 
 /// Like [`cell`], with the measured relief `map` of the lands.
 #[must_use]
-pub fn cell_on(pattern: &Pattern, block_m: f64, map: Option<&ReliefMap>) -> Vec<Column> {
+pub fn cell_with_map(pattern: &Pattern, block_m: f64, map: Option<&ReliefMap>) -> Vec<Column> {
     let period = Period::new(pattern, block_m);
     let pitch = period.width + period.spacing;
     let repeated = Rims::periods(pattern);
@@ -160,18 +160,18 @@ pub fn cell_on(pattern: &Pattern, block_m: f64, map: Option<&ReliefMap>) -> Vec<
             // Cavities m pitches from the first one, also beyond the ends of the cell.
             let overlap = |m: f64| (right.min(m * pitch + period.width) - left.max(m * pitch)).max(0.0);
             let first = (left / pitch).floor();
-            let coverage = settled((overlap(first) + overlap(first + 1.0)) / width);
+            let coverage = round_share((overlap(first) + overlap(first + 1.0)) / width);
             let cavity_rows = if coverage > 0.0 { period.depth } else { 0.0 };
             let relief = rims.as_ref().map_or(0.0, |rims| rims.mean([left, right], [period.width, pitch]));
             Column { width, coverage, cavity_rows, relief }
         })
         .collect();
-    measured(columns, pattern, block_m, map, edge)
+    with_measured_relief(columns, pattern, block_m, map, edge)
 }
 
 /// Sets the relief of `columns` from the map `map` of the lands of `pattern`, if there is one. The left edge of a
 /// cavity lies at `edge` lattice spacings.
-fn measured(
+fn with_measured_relief(
     mut columns: Vec<Column>,
     pattern: &Pattern,
     block_m: f64,
@@ -199,20 +199,20 @@ fn measured(
 /// the last piece is divided like the others; a sliver is added to the piece before it.
 #[must_use]
 pub fn sample(pattern: &Pattern, block_m: f64, length: usize) -> Vec<Column> {
-    sample_on(pattern, block_m, length, None)
+    sample_with_map(pattern, block_m, length, None)
 }
 
 /// Like [`sample`], with the measured relief `map` of the lands.
 #[must_use]
-pub fn sample_on(pattern: &Pattern, block_m: f64, length: usize, map: Option<&ReliefMap>) -> Vec<Column> {
+pub fn sample_with_map(pattern: &Pattern, block_m: f64, length: usize, map: Option<&ReliefMap>) -> Vec<Column> {
     let period = Period::new(pattern, block_m);
     let length = length as f64;
     let mut columns: Vec<Column> = Vec::new();
     let mut filled = 0.0;
     let mut piece = (period.land(), period.land_columns() / 2);
-    while filled < length - WHOLE * length {
+    while filled < length - WHOLE_TOLERANCE * length {
         let (column, count) = piece;
-        let left = snapped(length - filled);
+        let left = round_if_whole(length - filled);
         let whole_width = column.width * count as f64;
         if whole_width <= left {
             columns.extend(std::iter::repeat_n(column, count));
@@ -227,7 +227,7 @@ pub fn sample_on(pattern: &Pattern, block_m: f64, length: usize, map: Option<&Re
             (period.land(), period.land_columns())
         };
     }
-    raised(columns, pattern, block_m, map)
+    with_relief(columns, pattern, block_m, map)
 }
 
 /// Divides a strip of the specimen's face, `length` lattice spacings long, into columns.
@@ -237,12 +237,12 @@ pub fn sample_on(pattern: &Pattern, block_m: f64, length: usize, map: Option<&Re
 /// a narrower cavity with the land.
 #[must_use]
 pub fn strip(length: f64, cavities: &[[f64; 2]], depth: f64) -> Vec<Column> {
-    let cavity = Column::cavity(1.0, snapped(depth));
+    let cavity = Column::cavity(1.0, round_if_whole(depth));
     let mut columns: Vec<Column> = Vec::new();
     let mut filled = 0.0;
     let mut fill = |to: f64, piece: Column| {
-        let blocks = snapped(to - filled);
-        if blocks >= THINNEST {
+        let blocks = round_if_whole(to - filled);
+        if blocks >= MIN_PIECE_WIDTH {
             let count = columns_in(blocks);
             columns.extend(std::iter::repeat_n(Column { width: blocks / count as f64, ..piece }, count));
             filled = to;
@@ -252,7 +252,7 @@ pub fn strip(length: f64, cavities: &[[f64; 2]], depth: f64) -> Vec<Column> {
         fill(start, Column::land(1.0));
         // The cavity ends at the strip's end or at the next cavity if the land between would be too narrow.
         let next = cavities.get(number + 1).map_or(length, |next| next[0]);
-        fill(if next - end < THINNEST { next } else { end }, cavity);
+        fill(if next - end < MIN_PIECE_WIDTH { next } else { end }, cavity);
     }
     fill(length, Column::land(1.0));
     columns
@@ -262,14 +262,14 @@ pub fn strip(length: f64, cavities: &[[f64; 2]], depth: f64) -> Vec<Column> {
 /// least one block wide and one row deep, and leaves at least one of the `rows` rows above it.
 #[must_use]
 pub fn whole_strip(length: f64, cavities: &[[f64; 2]], depth: f64, rows: usize) -> Vec<Column> {
-    let columns = columns_in(snapped(length));
+    let columns = columns_in(round_if_whole(length));
     let deepest = (rows.max(2) - 1) as f64;
-    let cavity = Column::cavity(1.0, snapped(depth).round().clamp(1.0, deepest));
+    let cavity = Column::cavity(1.0, round_if_whole(depth).round().clamp(1.0, deepest));
     let mut whole = flat(columns);
     for &[start, end] in cavities {
         // Both are bounded by the strip's length: the casts are exact.
-        let from = (snapped(start).round() as usize).min(columns);
-        let to = (snapped(end).round() as usize).max(from + 1).min(columns);
+        let from = (round_if_whole(start).round() as usize).min(columns);
+        let to = (round_if_whole(end).round() as usize).max(from + 1).min(columns);
         whole[from..to].fill(cavity);
     }
     whole
@@ -278,10 +278,10 @@ pub fn whole_strip(length: f64, cavities: &[[f64; 2]], depth: f64, rows: usize) 
 /// Sets the relief of `columns`, each entirely land or entirely cavity, from the map `map` of `pattern`, or from the
 /// rims of its cavities if there is no map.
 #[must_use]
-pub fn raised(mut columns: Vec<Column>, pattern: &Pattern, block_m: f64, map: Option<&ReliefMap>) -> Vec<Column> {
+pub fn with_relief(mut columns: Vec<Column>, pattern: &Pattern, block_m: f64, map: Option<&ReliefMap>) -> Vec<Column> {
     if map.is_some() {
         let edge = columns.iter().take_while(|column| column.is_land()).map(|column| column.width).sum();
-        return measured(columns, pattern, block_m, map, edge);
+        return with_measured_relief(columns, pattern, block_m, map, edge);
     }
     let cavities = columns.chunk_by(|a, b| a.is_land() == b.is_land()).filter(|run| !run[0].is_land()).count();
     let Some(rims) = Rims::new(pattern, block_m, cavities) else { return columns };
@@ -308,11 +308,11 @@ pub fn raised(mut columns: Vec<Column>, pattern: &Pattern, block_m: f64, map: Op
 
 /// Minimum width of a piece in lattice spacings. Springs along the axes have positive stiffness for widths between
 /// 1/sqrt(3) and sqrt(3) lattice spacings.
-const THINNEST: f64 = 0.6;
+const MIN_PIECE_WIDTH: f64 = 0.6;
 
 /// Appends a piece, cut off at `left` lattice spacings.
 fn clip(columns: &mut Vec<Column>, column: Column, left: f64) {
-    if left >= THINNEST || columns.is_empty() {
+    if left >= MIN_PIECE_WIDTH || columns.is_empty() {
         let count = columns_in(left);
         columns.extend(std::iter::repeat_n(Column { width: left / count as f64, ..column }, count));
         return;
@@ -332,7 +332,7 @@ fn clip(columns: &mut Vec<Column>, column: Column, left: f64) {
 /// # Errors
 /// Those of [`Pattern::new`]; none occur for a positive block size.
 pub fn nearest_whole(pattern: &Pattern, block_m: f64, rows: usize) -> Result<Pattern, slipgrid_pattern::PatternError> {
-    let whole = |length_m: f64| columns_in(snapped(length_m / block_m)) as f64 * block_m;
+    let whole = |length_m: f64| columns_in(round_if_whole(length_m / block_m)) as f64 * block_m;
     let deepest_m = (rows.max(2) - 1) as f64 * block_m;
     Pattern::new(
         Texture::new(pattern.planform()).with_rim(pattern.texture().rim().copied()),

@@ -17,12 +17,12 @@ impl Dimension {
     /// texture are the same.
     #[must_use]
     pub fn of(asked: Option<u8>, texture: &Texture) -> Self {
-        asked.map_or_else(|| Self::serving([texture]), Self::numbered)
+        asked.map_or_else(|| Self::required_for([texture]), Self::numbered)
     }
 
     /// Returns the lowest dimension that represents all of `textures`.
     #[must_use]
-    pub fn serving<'t>(textures: impl IntoIterator<Item = &'t Texture>) -> Self {
+    pub fn required_for<'t>(textures: impl IntoIterator<Item = &'t Texture>) -> Self {
         if textures.into_iter().all(Texture::is_one_section) { Self::Plane } else { Self::Space }
     }
 

@@ -59,7 +59,7 @@ pub fn draw(friction: &LocalFriction, seed: u64, count: usize) -> Vec<Coefficien
 ///
 /// If all blocks started at mu_d, they would slip together and make the layer oscillate over a tenth of a micrometre.
 #[must_use]
-pub fn caught(coefficients: &[Coefficients], seed: u64) -> Vec<f64> {
+pub fn random_phase_friction(coefficients: &[Coefficients], seed: u64) -> Vec<f64> {
     let mut normals = Normals::new(seed ^ OTHER_NUMBERS);
     let [from, to] = PHASES;
     coefficients
@@ -74,10 +74,10 @@ pub fn caught(coefficients: &[Coefficients], seed: u64) -> Vec<f64> {
 /// Like [`random_phase_friction`] for `count` blocks with mean coefficients; returns friction over the mean dynamic
 /// coefficient.
 #[must_use]
-pub fn caught_in_mean(friction: &LocalFriction, seed: u64, count: usize) -> Vec<f64> {
+pub fn random_phase_mean_friction(friction: &LocalFriction, seed: u64, count: usize) -> Vec<f64> {
     let (static_mu, dynamic_mu) = (friction.static_mean(), friction.dynamic_mean());
-    let caught = caught(&vec![Coefficients { static_mu, dynamic_mu }; count], seed);
-    caught.into_iter().map(|mu| mu / dynamic_mu).collect()
+    let random_phase_friction = random_phase_friction(&vec![Coefficients { static_mu, dynamic_mu }; count], seed);
+    random_phase_friction.into_iter().map(|mu| mu / dynamic_mu).collect()
 }
 
 #[cfg(test)]
@@ -104,18 +104,18 @@ mod tests {
     #[test]
     fn blocks_are_caught_anywhere_between_where_they_stop_and_where_they_start() {
         let friction = LocalFriction::new(0.3, 0.27, 0.0).unwrap();
-        let caught = caught(&draw(&friction, 7, 100_000), 7);
-        let phases: Vec<f64> = caught.iter().map(|mu| (mu - 0.27) / 0.03).collect();
+        let random_phase_friction = random_phase_friction(&draw(&friction, 7, 100_000), 7);
+        let phases: Vec<f64> = random_phase_friction.iter().map(|mu| (mu - 0.27) / 0.03).collect();
         assert!(phases.iter().all(|phase| (-0.75..=1.0).contains(phase)));
         let mean = phases.iter().sum::<f64>() / 1e5;
         // 1.75 / sqrt 12 / sqrt(1e5) = 0.0016; four of them.
         assert!((mean - 0.125).abs() < 7e-3, "{mean}");
         // Without a drop of friction there is no stick-slip.
         let even = LocalFriction::new(0.27, 0.27, 0.0).unwrap();
-        assert!(super::caught(&draw(&even, 7, 10), 7).iter().all(|mu| (mu - 0.27).abs() < 1e-15));
+        assert!(super::random_phase_friction(&draw(&even, 7, 10), 7).iter().all(|mu| (mu - 0.27).abs() < 1e-15));
         // Friction never becomes negative, even if the drop is large.
         let deep = LocalFriction::new(0.9, 0.2, 0.0).unwrap();
-        assert!(super::caught(&draw(&deep, 7, 1000), 7).iter().all(|mu| *mu >= 0.0));
+        assert!(super::random_phase_friction(&draw(&deep, 7, 1000), 7).iter().all(|mu| *mu >= 0.0));
     }
 
     #[test]

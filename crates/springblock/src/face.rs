@@ -72,6 +72,7 @@ impl Face {
         Ok(Self { strips, cavity_share: (cavity_share * 1e12).round() * 1e-12 })
     }
 
+    /// Strips of the face, in order.
     #[must_use]
     pub fn strips(&self) -> &[Strip] {
         &self.strips

@@ -168,7 +168,7 @@ impl SurfaceOutcome {
     /// `normal` and `friction` are forces on the contact blocks in any unit, `status` is that of the solve, `interface`
     /// has the pressures, of which `peak_pressure_pa` is the largest over a whole block, and `clearance_m` is the
     /// minimum height of a ceiling.
-    pub(crate) fn sliding(
+    pub(crate) fn from_steady_forces(
         status: Status,
         [normal, friction]: [&[f64]; 2],
         (interface, peak_pressure_pa): (Vec<InterfacePoint>, f64),
@@ -205,25 +205,25 @@ impl SurfaceOutcome {
 pub(crate) fn peak_over_whole_blocks<I: IntoIterator<Item = usize>>(
     interface: &[InterfacePoint],
     share: &[f64],
-    beside: impl Fn(usize) -> I,
+    neighbours: impl Fn(usize) -> I,
 ) -> f64 {
-    let over_a_block = |number: usize| {
+    let pressure_over_block = |number: usize| {
         let (own_pa, own) = (interface[number].pressure_pa, share[number]);
-        if own >= WHOLE {
+        if own >= WHOLE_SHARE {
             return own_pa;
         }
-        let Some(next) = beside(number).into_iter().max_by(|&a, &b| share[a].total_cmp(&share[b])) else {
+        let Some(next) = neighbours(number).into_iter().max_by(|&a, &b| share[a].total_cmp(&share[b])) else {
             return own_pa;
         };
         // The rest of a block, as far as the neighbour is land.
         let rest = (1.0 - own).min(share[next]);
         (own * own_pa + rest * interface[next].pressure_pa) / (own + rest)
     };
-    (0..interface.len()).map(over_a_block).fold(0.0, f64::max)
+    (0..interface.len()).map(pressure_over_block).fold(0.0, f64::max)
 }
 
 /// Share from which a block counts as whole, except for rounding.
-const WHOLE: f64 = 1.0 - 1e-9;
+const WHOLE_SHARE: f64 = 1.0 - 1e-9;
 
 /// Result of a scene under one load.
 #[derive(Clone, Debug, PartialEq)]

@@ -145,7 +145,7 @@ fn normal_quantile(p: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::columns::{cell, raised, sample};
+    use crate::columns::{cell, sample, with_relief};
     use slipgrid_pattern::{Planform, RimProfile, Texture};
 
     fn pattern(width_um: f64, spacing_um: f64, rim_um: f64, std_um: f64) -> Pattern {
@@ -183,7 +183,7 @@ mod tests {
     fn the_rims_of_a_free_face_are_those_of_its_cavities_alone() {
         let pattern = pattern(130.0, 370.0, 10.0, 0.0);
         let columns = sample(&pattern, 10e-6, 996);
-        assert_eq!(columns, raised(columns.clone(), &pattern, 10e-6, None));
+        assert_eq!(columns, with_relief(columns.clone(), &pattern, 10e-6, None));
         let raised: Vec<usize> = (0..996).filter(|&i| columns[i].relief > 0.0).collect();
         let expected: Vec<usize> = (0..20).flat_map(|m| [17 + 50 * m, 31 + 50 * m]).filter(|i| *i < 996).collect();
         assert_eq!(raised, expected);

@@ -1,7 +1,6 @@
 //! Simulation of a scene: choice of lattices and solvers, comparison with the flat surface.
 
 mod averaging;
-mod behind;
 mod blocks;
 mod cavities_in_space;
 mod drawn_ratios;
@@ -14,6 +13,7 @@ mod space;
 mod space_strip;
 mod specimen;
 mod statements;
+mod thick_layer;
 
 pub use specimen::{SteadySpecimen, simulate_specimen, steady_face_bytes, steady_face_ratios, time_changes};
 
@@ -23,7 +23,7 @@ use rayon::prelude::*;
 use slipgrid_pattern::Pattern;
 
 use crate::Monitor;
-use crate::cell::{SteadyCell, condensing_cell, raised_model};
+use crate::cell::{SteadyCell, cell_condensing_cost, raised_model};
 use crate::columns::{self, Column};
 use crate::dimension::Dimension;
 use crate::draws;
@@ -35,13 +35,13 @@ use crate::outcome::{LoadOutcome, Simulation, Statements, Status, SurfaceOutcome
 use crate::scene::{Extent, Fidelity, Layer, Load, RunOptions, Scene};
 use crate::steady::{FaceHistory, RaisedModel, SteadyLoad, SteadyModel, ThickModel, factor_bytes};
 
-use behind::Behind;
-use runs::{Integrated, collect, integrate, seed_of, stderr_share};
-use space::{Laid, laid_share};
+use runs::{RunResults, collect, run_all, seed_of, stderr_share};
+use space::{StripLayout, layout_share};
 use statements::{
     SPEED_ZERO, STRETCHED_CELL, describe_draws, describe_extent, describe_law, describe_protocol, describe_scheme,
     describe_start, describe_steady,
 };
+use thick_layer::ThickLayerCorrection;
 
 pub use blocks::{BlockRefinement, block_refinement, can_refine};
 pub use expense::{Expense, bounded, cell_expense, expense};
@@ -71,7 +71,7 @@ fn widest(values: impl Iterator<Item = f64>) -> f64 {
 /// # Errors
 /// [`SceneError`] if the scene is invalid; every other failure is a [`crate::Status`].
 pub fn simulate(scene: &Scene, monitor: &dyn Monitor) -> Result<Simulation, SceneError> {
-    let tilt = |pattern: &Pattern| PressureTilt::of_sample(scene, pattern, monitor);
+    let tilt = |pattern: &Pattern| PressureTilt::for_sample(scene, pattern, monitor);
     simulate_laid(scene, None, tilt, monitor).map(|(simulation, _)| simulation)
 }
 
@@ -101,13 +101,13 @@ fn simulate_laid(
     scene.validate()?;
     bounded(scene)?;
     let mut simulation = over_layer(scene, strip, monitor)?;
-    let laid = strip.zip(scene.pattern.as_ref());
-    let share = laid.map_or(1.0, |(strip, pattern)| laid_share(scene, Laid { pattern, strip: Some(strip) }));
+    let layout = strip.zip(scene.pattern.as_ref());
+    let share = layout.map_or(1.0, |(strip, pattern)| layout_share(scene, StripLayout { pattern, strip: Some(strip) }));
     if let Some(pattern) = &scene.pattern {
         rim_difference::add_yielding(scene, pattern, &mut simulation.loads, &mut simulation.statements);
         let is_in_time = scene.run.fidelity != Fidelity::Steady;
-        let behind = Behind::new(scene, pattern, monitor).times(share);
-        behind.tell(is_in_time, &tilt(pattern), &mut simulation.loads, &mut simulation.statements);
+        let correction = ThickLayerCorrection::new(scene, pattern, monitor).scaled(share);
+        correction.apply(is_in_time, &tilt(pattern), &mut simulation.loads, &mut simulation.statements);
         blocks::refine(scene, pattern, share, &mut simulation, monitor);
     }
     Ok((simulation, share))
@@ -129,7 +129,7 @@ fn cancelled(scene: &Scene) -> Simulation {
 pub fn steady_ratios(scene: &Scene, monitor: &dyn Monitor) -> Result<Vec<Option<f64>>, SceneError> {
     scene.validate()?;
     bounded(scene)?;
-    let solved = &behind::solved(scene);
+    let solved = &thick_layer::solver_scene(scene);
     let Some(pattern) = &scene.pattern else { return Ok(vec![None; scene.loads.len()]) };
     let mut loads = if scene.dimension() == Dimension::Space {
         let loads = space::steady_loads(solved, pattern, monitor)?;
@@ -140,8 +140,11 @@ pub fn steady_ratios(scene: &Scene, monitor: &dyn Monitor) -> Result<Vec<Option<
     };
     rim_difference::add_yielding(scene, pattern, &mut loads, &mut Statements::default());
     let own: Vec<Option<f64>> = loads.iter().map(|load| load.ratio).collect();
-    let refined =
-        if scene.run.refine { blocks::finer(scene, pattern, &own, blocks::MAX_PRODUCTS, monitor).ok() } else { None };
+    let refined = if scene.run.refine {
+        blocks::refinement(scene, pattern, &own, blocks::MAX_PRODUCTS, monitor).ok()
+    } else {
+        None
+    };
     let shifts = refined.map_or_else(|| vec![0.0; loads.len()], |refined| refined.shifts);
     let converged = |load: LoadOutcome| load.ratio.filter(|_| load.surface.status == Status::Converged);
     Ok(loads.into_iter().zip(shifts).map(|(load, shift)| Some(converged(load)? + shift)).collect())
@@ -149,12 +152,12 @@ pub fn steady_ratios(scene: &Scene, monitor: &dyn Monitor) -> Result<Vec<Option<
 
 /// Like [`simulate`] for the layer only, without the thickness correction.
 fn over_layer(scene: &Scene, strip: Option<&Strip>, monitor: &dyn Monitor) -> Result<Simulation, SceneError> {
-    let solved = &behind::solved(scene);
+    let solved = &thick_layer::solver_scene(scene);
     if let Some(pattern) = scene.pattern.as_ref().filter(|_| scene.dimension() == Dimension::Space) {
-        let laid = Laid { pattern, strip };
+        let layout = StripLayout { pattern, strip };
         return match scene.run.fidelity {
-            Fidelity::Steady => space::steady(solved, laid, monitor),
-            Fidelity::Dynamic | Fidelity::Reference => space::dynamic(solved, laid, monitor),
+            Fidelity::Steady => space::steady(solved, layout, monitor),
+            Fidelity::Dynamic | Fidelity::Reference => space::dynamic(solved, layout, monitor),
         };
     }
     let mut simulation = match scene.run.fidelity {
@@ -169,9 +172,9 @@ fn over_layer(scene: &Scene, strip: Option<&Strip>, monitor: &dyn Monitor) -> Re
     if let Some(pattern) = estimated {
         let own: Vec<Option<f64>> = match (scene.run.fidelity, scene.run.extent) {
             (Fidelity::Steady, Extent::Cell) => simulation.loads.iter().map(|load| load.ratio).collect(),
-            _ => SteadyCell::solved(scene, Dimension::Plane).ratios(pattern),
+            _ => SteadyCell::with_dimension(scene, Dimension::Plane).ratios(pattern),
         };
-        blocks::state(&mut simulation.loads, discretization_error(scene, pattern, &own).as_deref(), 1.0);
+        blocks::set_errors(&mut simulation.loads, discretization_error(scene, pattern, &own).as_deref(), 1.0);
     }
     Ok(simulation)
 }
@@ -180,7 +183,7 @@ fn over_layer(scene: &Scene, strip: Option<&Strip>, monitor: &dyn Monitor) -> Re
 /// may continue beyond the plan until its mean is stationary. Runs of more than [`crate::MAX_STEPS`] are refused.
 #[must_use]
 pub fn planned_steps(scene: &Scene) -> u64 {
-    Plan::new(scene, scene.run.step_s.unwrap_or(Scheme::own_step_s(scene))).total()
+    Plan::new(scene, scene.run.step_s.unwrap_or(Scheme::default_step_s(scene))).total()
 }
 
 /// Columns of the scene's own surface and of the flat surface for comparison.
@@ -191,10 +194,10 @@ fn surfaces(scene: &Scene, pattern: Option<&Pattern>) -> (Vec<Column>, Option<Ve
         (None, Extent::Sample | Extent::Strip) => (columns::flat(whole), None),
         (None, Extent::Cell) => (columns::flat(whole.min(FLAT_CELL_COLUMNS)), None),
         (Some(pattern), Extent::Sample | Extent::Strip) => {
-            (columns::sample_on(pattern, block_m, whole, map), Some(columns::flat(whole)))
+            (columns::sample_with_map(pattern, block_m, whole, map), Some(columns::flat(whole)))
         }
         (Some(pattern), Extent::Cell) => {
-            let cell = columns::cell_on(pattern, block_m, map);
+            let cell = columns::cell_with_map(pattern, block_m, map);
             // Steady sliding on a flat periodic layer is uniform, so that any number of columns gives the same result.
             let flat = if scene.run.fidelity == Fidelity::Steady { UNIFORM_COLUMNS } else { cell.len() };
             (cell, Some(columns::flat(flat)))
@@ -236,7 +239,7 @@ impl Steady {
         } else if lattice.ny() > scene.layer.rows() {
             Self::Thick(ThickModel::new(lattice, block_m, stiffness, liftoff))
         } else {
-            Self::Blocks(SteadyModel::of(scene, lattice))
+            Self::Blocks(SteadyModel::for_scene(scene, lattice))
         }
     }
 
@@ -267,7 +270,7 @@ fn steady(scene: &Scene, monitor: &dyn Monitor) -> Result<Simulation, SceneError
             lattice(scene, own)
         }
         Some(pattern) => {
-            let (bytes, most_bytes) = (condensing_cell(pattern, scene.layer.block_m).1, MAX_FACTOR_BYTES);
+            let (bytes, most_bytes) = (cell_condensing_cost(pattern, scene.layer.block_m).1, MAX_FACTOR_BYTES);
             if bytes > most_bytes {
                 return Err(SceneError::TooLarge { bytes, most_bytes });
             }
@@ -302,30 +305,30 @@ fn steady(scene: &Scene, monitor: &dyn Monitor) -> Result<Simulation, SceneError
             outcome
         })
         .collect();
-    let mut said = Statements::default();
-    said.model(describe_steady(scene));
-    describe_extent(scene, &mut said);
+    let mut statements = Statements::default();
+    statements.model(describe_steady(scene));
+    describe_extent(scene, &mut statements);
     if scene.run.extent == Extent::Cell {
-        said.method("mean local coefficients: a periodic cell has no scatter to average");
+        statements.method("mean local coefficients: a periodic cell has no scatter to average");
     }
     if scene.speed_m_s == 0.0 {
-        said.model(SPEED_ZERO);
+        statements.model(SPEED_ZERO);
     }
     if scene.loads.iter().any(|load| load.friction.dynamic_mean() > 1.0) {
-        said.model(
+        statements.model(
             "mu above 1: this equilibrium is unstable, as steady sliding of an elastic body on a rigid plane is",
         );
     }
     if !own.lattice().is_plain() {
-        said.method(match scene.run.extent {
+        statements.method(match scene.run.extent {
             Extent::Cell => STRETCHED_CELL,
             Extent::Sample | Extent::Strip => {
                 "dimensions that are no whole blocks: columns fitted to the cavity's edges, depth blended between rows"
             }
         });
     }
-    describe_law(scene, &mut said);
-    Ok(Simulation { statements: said, loads })
+    describe_law(scene, &mut statements);
+    Ok(Simulation { statements, loads })
 }
 
 /// Local dynamic coefficients of a steady solve by column: the mean in a cell, random draws in a sample.
@@ -354,23 +357,23 @@ fn dynamic(scene: &Scene, monitor: &dyn Monitor) -> Result<Simulation, SceneErro
         all_affordable(scene, &lattices)?;
     }
     let steady = vec![OnceLock::new(); lattices.len()];
-    let Integrated { loads, scheme } = integrate(scene, &lattices, &steady, &corrections, monitor)?;
-    let mut said = Statements::default();
-    said.method(describe_scheme(scene, &scheme));
-    describe_protocol(scene, scheme.step_s, &mut said);
-    describe_extent(scene, &mut said);
-    describe_draws(scene, &mut said);
-    describe_start(scene, "layer", &mut said);
+    let RunResults { loads, scheme } = run_all(scene, &lattices, &steady, &corrections, monitor)?;
+    let mut statements = Statements::default();
+    statements.method(describe_scheme(scene, &scheme));
+    describe_protocol(scene, scheme.step_s, &mut statements);
+    describe_extent(scene, &mut statements);
+    describe_draws(scene, &mut statements);
+    describe_start(scene, "layer", &mut statements);
     if let Some(nearest) = nearest.filter(|_| corrections.iter().any(|c| *c != 0.0)) {
-        said.method(format!(
+        statements.method(format!(
             "nearest whole blocks ({:.0} / {:.0} / {:.0} um) plus the steady difference of the ratio to the pattern itself; mu_static and the interface are those of the whole blocks",
             nearest.width_m() * 1e6,
             nearest.spacing_m() * 1e6,
             nearest.depth_m() * 1e6,
         ));
     }
-    describe_law(scene, &mut said);
-    Ok(Simulation { statements: said, loads })
+    describe_law(scene, &mut statements);
+    Ok(Simulation { statements, loads })
 }
 
 /// Steady ratio of the pattern minus that of its nearest whole blocks, by load.
@@ -385,7 +388,7 @@ fn off_lattice_corrections(scene: &Scene, nearest: Option<&Pattern>) -> Result<V
         return Ok(none);
     }
     affordable(scene, columns::cell(pattern, scene.layer.block_m).len(), true)?;
-    let model = SteadyCell::solved(scene, Dimension::Plane);
+    let model = SteadyCell::with_dimension(scene, Dimension::Plane);
     let (exact, whole) = (model.ratios(pattern), model.ratios(nearest));
     Ok(differences(&exact, &whole))
 }

@@ -12,7 +12,7 @@ pub fn fill<'a, R: Real>(planes: impl IntoIterator<Item = &'a mut Plane<R>>, siz
     for plane in planes {
         for value in plane.rows_mut().iter_mut().take(size) {
             number = number.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-            *value = R::of((f64::from(number) / f64::from(u32::MAX) - 0.5) * 1e-3);
+            *value = R::round_from((f64::from(number) / f64::from(u32::MAX) - 0.5) * 1e-3);
         }
     }
 }

@@ -104,7 +104,7 @@ pub struct ContactBlock<const H: usize> {
 
 /// Coefficients and forces of a leapfrog step of one contact block.
 #[derive(Clone, Copy, Debug)]
-pub struct Push<const H: usize> {
+pub struct StepFactors<const H: usize> {
     /// Fraction of the velocity that remains after damping.
     pub kept: f64,
     /// Displacement per step caused by a unit force.
@@ -124,15 +124,15 @@ pub trait Slide<const H: usize> {
 
     /// Velocity times the step after a full step that starts at rest and slides against `resistance`, which is below
     /// the force.
-    fn start(&mut self, push: &Push<H>, resistance: f64) -> [f64; H];
+    fn start(&mut self, factors: &StepFactors<H>, resistance: f64) -> [f64; H];
 
     /// Velocity times the step after a step of sliding against `resistance`. `v` is the velocity before the step,
     /// `free` the velocity after a step without resistance.
-    fn slide(&mut self, v: [f64; H], free: [f64; H], push: &Push<H>, resistance: f64) -> [f64; H];
+    fn slide(&mut self, v: [f64; H], free: [f64; H], factors: &StepFactors<H>, resistance: f64) -> [f64; H];
 }
 
 /// State of a contact block that results from the current spring forces.
-enum Meeting {
+enum ContactState {
     /// No normal pressure, hence no friction.
     Free,
     /// At rest; friction balances the horizontal force.
@@ -167,13 +167,13 @@ impl<const H: usize> ContactBlock<H> {
         }
     }
 
-    fn let_go(&mut self) -> Meeting {
+    fn release(&mut self) -> ContactState {
         (self.friction, self.sliding) = ([0.0; H], 0.0);
         self.has_slipped = true;
         if self.motion == Motion::Rest {
             self.motion = Motion::Slip;
         }
-        Meeting::Free
+        ContactState::Free
     }
 
     /// Moves a block vertically under unilateral contact: lifts blocks under tension, moves lifted blocks, and stops
@@ -181,7 +181,14 @@ impl<const H: usize> ContactBlock<H> {
     ///
     /// `fall` is the vertical displacement of the last step, `force` the vertical spring force. Returns the height
     /// after the step if the block was lifted at `height`.
-    pub fn fly(&mut self, height: f64, fall: &mut f64, kick: Kick, inverse_mass: f64, force: f64) -> Option<f64> {
+    pub fn move_detached(
+        &mut self,
+        height: f64,
+        fall: &mut f64,
+        kick: Kick,
+        inverse_mass: f64,
+        force: f64,
+    ) -> Option<f64> {
         if self.motion != Motion::Lifted && self.normal < 0.0 {
             self.motion = Motion::Lifted;
         }
@@ -207,51 +214,51 @@ where
     /// Updates the block for the current spring forces: normal force, friction at rest, and whether the block starts to
     /// slide. `grip_at` computes f(p) F_n for a positive normal force.
     #[inline]
-    fn meet(&mut self, force: [f64; H], lift: f64, grip_at: impl FnOnce(f64) -> f64) -> Meeting {
+    fn update_state(&mut self, force: [f64; H], lift: f64, grip_at: impl FnOnce(f64) -> f64) -> ContactState {
         // F_n = -(vertical force of the springs)
         self.normal = if self.motion == Motion::Lifted { 0.0 } else { -lift };
         if self.normal <= 0.0 {
-            return self.let_go();
+            return self.release();
         }
         let grip = grip_at(self.normal);
         let threshold = self.coefficients.starting_mu() * grip;
         if threshold == 0.0 {
             // Where the law reaches zero no friction acts, and a reversal of the velocity does not stop the block.
-            return self.let_go();
+            return self.release();
         }
         self.sliding = self.coefficients.dynamic_mu * grip;
         if self.motion == Motion::Rest {
             if Self::is_held(force, threshold) {
                 self.friction = force;
-                return Meeting::Held;
+                return ContactState::Held;
             }
             self.motion = Motion::Slip;
-            return Meeting::Starting { resistance: self.sliding };
+            return ContactState::Starting { resistance: self.sliding };
         }
-        Meeting::Sliding { resistance: self.sliding }
+        ContactState::Sliding { resistance: self.sliding }
     }
 
     /// Returns the velocity times the step after one leapfrog kick from `v`; `grip_at` computes f(p) F_n for a positive
     /// normal force.
     #[inline]
-    pub fn kick(&mut self, v: [f64; H], push: Push<H>, grip_at: impl FnOnce(f64) -> f64) -> [f64; H] {
-        let free = std::array::from_fn(|axis| push.kept * v[axis] + push.kick * push.force[axis]);
-        let after = match self.meet(push.force, push.lift, grip_at) {
-            Meeting::Free => return free,
-            Meeting::Sliding { resistance } => return self.slide(v, free, &push, resistance),
-            Meeting::Held if v == [0.0; H] => return v,
-            Meeting::Held => [0.0; H],
+    pub fn kick(&mut self, v: [f64; H], factors: StepFactors<H>, grip_at: impl FnOnce(f64) -> f64) -> [f64; H] {
+        let free = std::array::from_fn(|axis| factors.kept * v[axis] + factors.kick * factors.force[axis]);
+        let after = match self.update_state(factors.force, factors.lift, grip_at) {
+            ContactState::Free => return free,
+            ContactState::Sliding { resistance } => return self.slide(v, free, &factors, resistance),
+            ContactState::Held if v == [0.0; H] => return v,
+            ContactState::Held => [0.0; H],
             // The block was at rest until now, so half a step later it has half a kick.
-            Meeting::Starting { resistance } => self.start(&push, resistance).map(|v| 0.5 * v),
+            ContactState::Starting { resistance } => self.start(&factors, resistance).map(|v| 0.5 * v),
         };
-        self.friction = std::array::from_fn(|axis| (free[axis] - after[axis]) / push.kick);
+        self.friction = std::array::from_fn(|axis| (free[axis] - after[axis]) / factors.kick);
         after
     }
 }
 
 impl ContactBlock<1> {
     /// Records a slip in `direction`. Slips against the drive, caused by the load or by waves, do not count.
-    fn slips(&mut self, direction: f64) {
+    fn record_slip(&mut self, direction: f64) {
         self.has_slipped |= direction > 0.0;
     }
 }
@@ -263,25 +270,25 @@ impl Slide<1> for ContactBlock<1> {
     }
 
     #[inline]
-    fn start(&mut self, push: &Push<1>, resistance: f64) -> [f64; 1] {
-        let direction = slip_direction(0.0, push.force[0]);
-        self.slips(direction);
-        [push.kick * (push.force[0] - direction * resistance)]
+    fn start(&mut self, factors: &StepFactors<1>, resistance: f64) -> [f64; 1] {
+        let direction = slip_direction(0.0, factors.force[0]);
+        self.record_slip(direction);
+        [factors.kick * (factors.force[0] - direction * resistance)]
     }
 
     #[inline]
-    fn slide(&mut self, [v]: [f64; 1], [free]: [f64; 1], push: &Push<1>, resistance: f64) -> [f64; 1] {
-        let direction = slip_direction(v, push.force[0]);
-        self.slips(direction);
-        let slowed = free - direction * push.kick * resistance;
+    fn slide(&mut self, [v]: [f64; 1], [free]: [f64; 1], factors: &StepFactors<1>, resistance: f64) -> [f64; 1] {
+        let direction = slip_direction(v, factors.force[0]);
+        self.record_slip(direction);
+        let slowed = free - direction * factors.kick * resistance;
         if slowed * direction > 0.0 {
             self.friction = [direction * resistance];
             [slowed]
         } else {
             // The step ends at rest; friction is the force that stopped the block.
             self.motion = Motion::Rest;
-            let rest = direction * left_to_go(v * direction, slowed * direction);
-            self.friction = [(free - rest) / push.kick];
+            let rest = direction * stopping_distance(v * direction, slowed * direction);
+            self.friction = [(free - rest) / factors.kick];
             [rest]
         }
     }
@@ -407,8 +414,8 @@ impl<'a> ContactRow<'a> {
         let law = self.law;
         for (block, near) in self.blocks.iter_mut().zip(&mut self.near) {
             let i = block.column;
-            let push = Push { kept, kick: kick[i], force: [force_x[i]], lift: force_y[i], drive: [1.0] };
-            [velocity[i]] = block.kick([velocity[i]], push, |normal| law.grip(normal, near));
+            let factors = StepFactors { kept, kick: kick[i], force: [force_x[i]], lift: force_y[i], drive: [1.0] };
+            [velocity[i]] = block.kick([velocity[i]], factors, |normal| law.grip(normal, near));
             sums.add_block(block);
         }
         sums
@@ -421,10 +428,10 @@ impl<'a> ContactRow<'a> {
         let law = self.law;
         for (block, near) in self.blocks.iter_mut().zip(&mut self.near) {
             let i = block.column;
-            let met = block.meet([force_x[i]], force_y[i], |normal| law.grip(normal, near));
-            if let Meeting::Starting { resistance } | Meeting::Sliding { resistance } = met {
+            let state = block.update_state([force_x[i]], force_y[i], |normal| law.grip(normal, near));
+            if let ContactState::Starting { resistance } | ContactState::Sliding { resistance } = state {
                 let direction = slip_direction(velocity[i], force_x[i]);
-                block.slips(direction);
+                block.record_slip(direction);
                 block.friction = [direction * resistance];
             }
             sums.add_block(block);
@@ -450,7 +457,7 @@ impl<'a> ContactRow<'a> {
 /// The velocity times the step falls from `before` to `after`, which is not positive, around the instant: v = (before +
 /// after) / 2 and a = before - after.
 #[must_use]
-pub fn left_to_go(before: f64, after: f64) -> f64 {
+pub fn stopping_distance(before: f64, after: f64) -> f64 {
     if before > 0.0 && after <= 0.0 { (before + after).powi(2) / (8.0 * (before - after)) } else { 0.0 }
 }
 

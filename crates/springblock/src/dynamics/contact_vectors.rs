@@ -6,7 +6,7 @@
 
 use pulp::{Simd, WithSimd};
 
-use super::contact::{ContactBlock, ContactForce, ContactSums, LocalLaw, Motion, Push, Slide};
+use super::contact::{ContactBlock, ContactForce, ContactSums, LocalLaw, Motion, Slide, StepFactors};
 use super::contact_columns::ContactColumns;
 use super::stencil::fixed_sum;
 use super::sweep::Kick;
@@ -29,9 +29,9 @@ pub struct ContactVectors<'a, const H: usize> {
     /// mu_d f(p) F_n.
     sliding: Vec<f64>,
     /// 1 for a block that the pass leaves to the scalar law, otherwise 0.
-    left: Vec<f64>,
+    unhandled: Vec<f64>,
     /// Number of blocks that have not slipped since the drive began.
-    holding: usize,
+    not_slipped: usize,
 }
 
 impl<'a, const H: usize> ContactVectors<'a, H> {
@@ -51,7 +51,7 @@ impl<'a, const H: usize> ContactVectors<'a, H> {
             number[block.column] = n;
             columns.set_block(block.column, block.coefficients.starting_mu(), block.coefficients.dynamic_mu);
         }
-        let holding = blocks.iter().filter(|block| !block.has_slipped).count();
+        let not_slipped = blocks.iter().filter(|block| !block.has_slipped).count();
         let zero = || vec![0.0; count];
         let zeros = || std::array::from_fn(|_| zero());
         let (velocity, friction) = (zeros(), zeros());
@@ -65,8 +65,8 @@ impl<'a, const H: usize> ContactVectors<'a, H> {
             normal: zero(),
             friction,
             sliding: zero(),
-            left: zero(),
-            holding,
+            unhandled: zero(),
+            not_slipped,
         }
     }
 
@@ -91,13 +91,13 @@ impl<'a, const H: usize> ContactVectors<'a, H> {
             // Sliding blocks are counted by the scalar law only.
             self.columns.from[block.column] = f64::INFINITY;
         }
-        self.holding = self.blocks.len();
+        self.not_slipped = self.blocks.len();
     }
 
     /// Whether every block has slipped since the drive began.
     #[must_use]
     pub const fn all_have_slipped(&self) -> bool {
-        self.holding == 0
+        self.not_slipped == 0
     }
 
     /// Normal force (negative under tension) and friction along each axis of every block at the last force evaluation.
@@ -124,7 +124,7 @@ impl<'a, const H: usize> ContactVectors<'a, H> {
     }
 
     /// Blocks excluded from the pass, which include all that are lifted or under tension.
-    pub fn unsettled(&mut self) -> impl Iterator<Item = &mut ContactBlock<H>> {
+    pub fn scalar_blocks(&mut self) -> impl Iterator<Item = &mut ContactBlock<H>> {
         let from = &self.columns.from;
         self.blocks.iter_mut().filter(|block| from[block.column] == f64::INFINITY)
     }
@@ -145,20 +145,20 @@ where
     /// blocks.
     #[inline(never)]
     pub fn kick(&mut self, force: [&[f64]; H], lift: &[f64], kept: f64) -> ContactSums {
-        let left = vectorized(Pass {
+        let unhandled = vectorized(Pass {
             columns: &self.columns,
             velocity: &mut self.velocity,
             normal: &mut self.normal,
             friction: &mut self.friction,
             sliding: &mut self.sliding,
-            left: &mut self.left,
+            unhandled: &mut self.unhandled,
             force,
             lift,
             kept,
         });
-        if left {
-            for i in 0..self.left.len() {
-                if self.left[i] != 0.0 {
+        if unhandled {
+            for i in 0..self.unhandled.len() {
+                if self.unhandled[i] != 0.0 {
                     self.kick_block(i, force.map(|force| force[i]), lift[i], kept);
                 }
             }
@@ -184,28 +184,28 @@ where
         let Some(block) = blocks.get_mut(self.number[i]) else { return };
         let had_slipped = block.has_slipped;
         let mut piece = columns.piece(i);
-        let push = Push { kept, kick: columns.kick[i], force, lift, drive: self.drive };
-        let v = block.kick(self.velocity.each_ref().map(|velocity| velocity[i]), push, |normal| {
+        let factors = StepFactors { kept, kick: columns.kick[i], force, lift, drive: self.drive };
+        let v = block.kick(self.velocity.each_ref().map(|velocity| velocity[i]), factors, |normal| {
             if !(piece.from <= normal && normal < piece.to) {
                 piece = law.piece(normal);
             }
             piece.grip(normal)
         });
-        self.holding -= usize::from(block.has_slipped && !had_slipped);
+        self.not_slipped -= usize::from(block.has_slipped && !had_slipped);
         for (axis, (v, friction)) in v.into_iter().zip(block.friction).enumerate() {
             self.velocity[axis][i] = v;
             self.friction[axis][i] = friction;
         }
         self.normal[i] = block.normal.max(0.0);
         self.sliding[i] = block.sliding;
-        let goes_on = match block.motion {
+        let continues = match block.motion {
             // A block at rest that still has a stopping distance in `v` is not sliding.
             Motion::Rest => v == [0.0; H],
             // The pass would treat a sliding block without velocity as at rest.
             Motion::Slip => v != [0.0; H] && block.normal > 0.0,
             Motion::Lifted => false,
         };
-        if goes_on {
+        if continues {
             columns.set_piece(i, piece);
         } else {
             columns.from[i] = f64::INFINITY;
@@ -220,7 +220,7 @@ pub struct Pass<'a, const H: usize> {
     pub normal: &'a mut [f64],
     pub friction: &'a mut [Vec<f64>; H],
     pub sliding: &'a mut [f64],
-    pub left: &'a mut [f64],
+    pub unhandled: &'a mut [f64],
     pub force: [&'a [f64]; H],
     pub lift: &'a [f64],
     pub kept: f64,
@@ -232,12 +232,12 @@ impl WithSimd for Pass<'_, 1> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> bool {
         let Self { columns: c, velocity: [velocity], normal, friction: [friction], .. } = self;
-        let Self { sliding, left, force: [force_x], lift, kept, .. } = self;
+        let Self { sliding, unhandled, force: [force_x], lift, kept, .. } = self;
         let vectors = normal.len() / S::F64_LANES;
         let column = |values| &S::as_simd_f64s(values).0[..vectors];
         let column_mut = |values| &mut S::as_mut_simd_f64s(values).0[..vectors];
         let (velocity, normal) = (column_mut(velocity), column_mut(normal));
-        let (friction, sliding, left) = (column_mut(friction), column_mut(sliding), column_mut(left));
+        let (friction, sliding, unhandled) = (column_mut(friction), column_mut(sliding), column_mut(unhandled));
         let (force_x, lift, kick) = (column(force_x), column(lift), column(&c.kick));
         let (constant, linear, quadratic) = (column(&c.constant), column(&c.linear), column(&c.quadratic));
         let (from, to) = (column(&c.from), column(&c.to));
@@ -257,15 +257,15 @@ impl WithSimd for Pass<'_, 1> {
             let resistance = simd.or_f64s(sliding[i], simd.and_f64s(v, sign));
             let free = add(mul(kept, v), mul(kick[i], force));
             let slowed = simd.sub_f64s(free, mul(kick[i], resistance));
-            let held = simd.less_than_or_equal_f64s(simd.abs_f64s(force), mul(starting_mu[i], grip));
-            let slides_on = simd.less_than_f64s(zero, mul(slowed, v));
-            // A block at rest has v = 0, so that `slides_on` is false.
-            let goes_on = simd.and_m64s(known, simd.or_m64s(simd.and_m64s(at_rest, held), slides_on));
-            velocity[i] = simd.select_f64s(simd.and_m64s(goes_on, slides_on), slowed, v);
+            let top_row_force = simd.less_than_or_equal_f64s(simd.abs_f64s(force), mul(starting_mu[i], grip));
+            let keeps_sliding = simd.less_than_f64s(zero, mul(slowed, v));
+            // A block at rest has v = 0, so that `keeps_sliding` is false.
+            let continues = simd.and_m64s(known, simd.or_m64s(simd.and_m64s(at_rest, top_row_force), keeps_sliding));
+            velocity[i] = simd.select_f64s(simd.and_m64s(continues, keeps_sliding), slowed, v);
             friction[i] = simd.select_f64s(at_rest, force, resistance);
             normal[i] = pressing;
-            left[i] = simd.select_f64s(goes_on, zero, one);
-            any = add(any, left[i]);
+            unhandled[i] = simd.select_f64s(continues, zero, one);
+            any = add(any, unhandled[i]);
         }
         simd.reduce_sum_f64s(any) > 0.0
     }

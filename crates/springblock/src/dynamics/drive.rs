@@ -14,7 +14,7 @@ use slipgrid_material::{AreaLaw, Elastic};
 /// Number of recording intervals of the planned run.
 const BINS: u64 = 2000;
 /// Number of steps between two checks of the monitor.
-const STEPS_PER_LOOK: u64 = 64;
+const STEPS_PER_MONITOR_CHECK: u64 = 64;
 /// Fraction of the planned travel after which the interface is sampled.
 const INTERFACE_FROM: f64 = 0.6;
 /// Maximum length of a run over the planned travel, for runs whose mu is not yet stationary.
@@ -25,7 +25,7 @@ pub const MAX_EXTENSION_FOR_STDERR: u64 = 20;
 /// greater loss is [`Status::SlidingWaves`].
 pub const WAVE_DEFICIT: f64 = 0.01;
 /// Time after the rest for which a run without motion is observed, in seconds.
-const WATCH_AT_REST_S: f64 = 20e-6;
+const REST_OBSERVATION_S: f64 = 20e-6;
 /// Maximum number of time steps of one run; longer runs are refused. A whole sample of 20,000 blocks takes about an
 /// hour for that number; the paper's run has a quarter of a million steps.
 pub const MAX_STEPS: u64 = 100_000_000;
@@ -54,9 +54,9 @@ pub fn shear_period_s(elastic: &Elastic, height_m: f64) -> f64 {
 }
 
 /// Maximum speed of even sliding in units of P / sqrt(E rho); found as described at [`run_speed_m_s`].
-const EVEN_SLIDING: f64 = 0.01;
+const EVEN_SLIDING_SPEED: f64 = 0.01;
 /// Maximum ratio between a sliding speed and the speed of the run that represents it.
-const MAX_SLOWED: f64 = 10.0;
+const MAX_SPEED_RATIO: f64 = 10.0;
 
 /// Speed of a dynamic run that represents sliding at `speed_m_s` under the pressure `pressure_pa`, in m/s.
 ///
@@ -91,13 +91,13 @@ pub fn is_too_fast(elastic: &Elastic, pressure_pa: f64, speed_m_s: f64) -> bool 
 /// Maximum sliding speed that a dynamic run under `pressure_pa` represents, in m/s: ten times that of even sliding.
 #[must_use]
 pub fn max_run_speed_m_s(elastic: &Elastic, pressure_pa: f64) -> f64 {
-    MAX_SLOWED * even_speed_m_s(elastic, pressure_pa)
+    MAX_SPEED_RATIO * even_speed_m_s(elastic, pressure_pa)
 }
 
 /// Maximum speed of even sliding under `pressure_pa`, v = 0.01 P / sqrt(E rho), in m/s.
 #[must_use]
 pub fn even_speed_m_s(elastic: &Elastic, pressure_pa: f64) -> f64 {
-    EVEN_SLIDING * pressure_pa / (elastic.youngs_modulus_pa() * elastic.density_kg_m3()).sqrt()
+    EVEN_SLIDING_SPEED * pressure_pa / (elastic.youngs_modulus_pa() * elastic.density_kg_m3()).sqrt()
 }
 
 /// Travel of the bulk that a run from the sheared layer needs for its mean, in metres, rounded up to nanometres:
@@ -141,7 +141,7 @@ impl Plan {
     pub fn new(scene: &Scene, step_s: f64) -> Self {
         // The cast saturates: a number beyond 2^64 exceeds every limit.
         let steps_in = |time_s: f64| (time_s / step_s).ceil() as u64;
-        let travel_s = if scene.speed_m_s > 0.0 { scene.run.sliding_m / scene.speed_m_s } else { WATCH_AT_REST_S };
+        let travel_s = if scene.speed_m_s > 0.0 { scene.run.sliding_m / scene.speed_m_s } else { REST_OBSERVATION_S };
         let preparation_s = if scene.run.warm_start { 0.0 } else { RAMP_S + REST_S };
         Self { preparation: steps_in(preparation_s), travel: steps_in(travel_s).max(1) }
     }
@@ -152,13 +152,13 @@ impl Plan {
     }
 
     /// Steps from step `steps` until the monitor is checked, the bulk begins to move, or the run is judged.
-    fn steps_to_next_turn(&self, steps: u64) -> u64 {
+    fn steps_to_next_event(&self, steps: u64) -> u64 {
         let to_turn = match steps.checked_sub(self.preparation) {
             None => self.preparation - steps,
             Some(driven) if driven < self.travel => self.travel - driven,
             Some(driven) => self.tenth() - driven % self.tenth(),
         };
-        to_turn.min(STEPS_PER_LOOK - steps % STEPS_PER_LOOK)
+        to_turn.min(STEPS_PER_MONITOR_CHECK - steps % STEPS_PER_MONITOR_CHECK)
     }
 
     #[must_use]
@@ -189,7 +189,7 @@ pub struct Drive<'a> {
 
 /// Result of a run.
 #[derive(Clone, Debug)]
-pub struct Driven {
+pub struct RunResult {
     pub status: Status,
     pub recorder: Recorder,
     /// Mean of mu over the stationary window, if there is one.
@@ -200,7 +200,7 @@ pub struct Driven {
 }
 
 /// Outcome of a run with contact blocks at `centres_m` that was refused with `status` before its first step.
-pub fn not_begun(status: Status, step_s: f64, centres_m: impl Iterator<Item = [f64; 2]>) -> SurfaceOutcome {
+pub fn refused_outcome(status: Status, step_s: f64, centres_m: impl Iterator<Item = [f64; 2]>) -> SurfaceOutcome {
     let cost = DynamicCost { steps: 0, dt_s: step_s, site_updates: 0, wall_s: 0.0 };
     let at = |[x_m, y_m]: [f64; 2]| InterfacePoint { x_m, y_m, pressure_pa: 0.0, friction_pa: 0.0 };
     let interface = centres_m.map(at).collect();
@@ -209,24 +209,24 @@ pub fn not_begun(status: Status, step_s: f64, centres_m: impl Iterator<Item = [f
 
 impl Drive<'_> {
     /// Runs `engine` from the start to the end.
-    pub fn run(&self, engine: &mut impl Engine, monitor: &dyn Monitor) -> Driven {
+    pub fn run(&self, engine: &mut impl Engine, monitor: &dyn Monitor) -> RunResult {
         let plan = Plan::new(self.scene, self.step_s);
         let Plan { preparation, travel: planned } = plan;
         let steps_per_bin = planned.div_ceil(BINS).max(1);
         let interface_from = (INTERFACE_FROM * planned as f64 / steps_per_bin as f64).ceil() as usize;
-        let least_time = MIN_PERIODS * self.shear_period;
+        let min_time = MIN_PERIODS * self.shear_period;
         let mut recorder =
-            Recorder::new(engine.contacts(), steps_per_bin, engine.time_step(), least_time, interface_from);
+            Recorder::new(engine.contacts(), steps_per_bin, engine.time_step(), min_time, interface_from);
         let extension = if self.stderr_share.is_some() { MAX_EXTENSION_FOR_STDERR } else { MAX_EXTENSION };
-        let most = planned.saturating_mul(extension).min(MAX_STEPS.max(planned));
+        let max_steps = planned.saturating_mul(extension).min(MAX_STEPS.max(planned));
 
         let mut status;
         let mut steps: u64 = 0;
         let share_per_step = self.share / (preparation + planned) as f64;
         'run: loop {
-            if steps.is_multiple_of(STEPS_PER_LOOK) {
+            if steps.is_multiple_of(STEPS_PER_MONITOR_CHECK) {
                 if steps > 0 && steps <= preparation + planned {
-                    monitor.advance(share_per_step * STEPS_PER_LOOK as f64);
+                    monitor.advance(share_per_step * STEPS_PER_MONITOR_CHECK as f64);
                 }
                 if monitor.cancelled() {
                     status = Status::Cancelled;
@@ -236,22 +236,23 @@ impl Drive<'_> {
             if steps >= preparation + planned {
                 let driven = steps - preparation;
                 if driven == planned || driven.is_multiple_of(plan.tenth()) {
-                    let said = self.judge(recorder.window_mean().as_ref());
-                    if said == Status::Converged || driven >= most || self.is_at_rest() {
-                        status = said;
+                    let verdict = self.judge(recorder.window_mean().as_ref());
+                    if verdict == Status::Converged || driven >= max_steps || self.is_at_rest() {
+                        status = verdict;
                         break;
                     }
-                    if said != Status::StderrNotReached {
-                        recorder.forget_interface();
+                    if verdict != Status::StderrNotReached {
+                        recorder.restart_interface();
                     }
                 }
             }
             if steps == preparation && !self.scene.run.warm_start {
                 engine.begin_drive();
             }
-            let alone = plan.steps_to_next_turn(steps);
-            let alone = if steps < preparation { alone } else { alone.min(recorder.steps_to_next_question()) };
-            let (first, second) = if alone > 1 { engine.one_or_two_steps() } else { (engine.step(), None) };
+            let free_steps = plan.steps_to_next_event(steps);
+            let free_steps =
+                if steps < preparation { free_steps } else { free_steps.min(recorder.steps_to_next_query()) };
+            let (first, second) = if free_steps > 1 { engine.one_or_two_steps() } else { (engine.step(), None) };
             for sums in std::iter::once(first).chain(second) {
                 steps += 1;
                 if !sums.is_finite() {
@@ -281,7 +282,7 @@ impl Drive<'_> {
             }
         }
         let last = engine.contact_forces();
-        Driven { status, recorder, mean, cost, last }
+        RunResult { status, recorder, mean, cost, last }
     }
 
     /// Whether the speed is too high for even sliding. Damping above the default may suppress waves, so the limit does
@@ -310,7 +311,7 @@ impl Drive<'_> {
     }
 }
 
-impl Driven {
+impl RunResult {
     /// Converts the run to an outcome; `centres_m` are the positions of the contact blocks along x and y.
     #[must_use]
     pub fn outcome(

@@ -27,7 +27,7 @@ fn move_vertically(
     for block in &mut contact.blocks {
         let i = block.column;
         // A block that has landed stays at its face.
-        if block.fly(uy[i], &mut wy[i], coefficients, inverse_mass[i], force_y[i]) == Some(block.face) {
+        if block.move_detached(uy[i], &mut wy[i], coefficients, inverse_mass[i], force_y[i]) == Some(block.face) {
             uy[i] = block.face;
         }
     }

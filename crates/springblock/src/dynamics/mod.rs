@@ -34,9 +34,9 @@ mod leapfrog;
 mod protocol;
 mod real;
 mod recorder;
-mod remembered;
 mod rows;
 mod run;
+mod run_cache;
 mod runge_kutta;
 mod scales;
 mod space;
@@ -52,8 +52,8 @@ pub use drive::{
     MAX_EXTENSION_FOR_STDERR, MAX_STEPS, Plan, WAVE_DEFICIT, even_speed_m_s, max_run_speed_m_s, run_speed_m_s,
     shear_modulus_pa, shear_period_s, warm_travel_m,
 };
-pub use remembered::{remembered, settings};
-pub use run::{DynamicRun, Scheme, usual_step_s};
+pub use run::{DynamicRun, Scheme, default_step_s};
+pub use run_cache::{cache_key_settings, cached_run};
 pub use space::{SpaceRun, SpaceScheme};
 
 #[cfg(test)]

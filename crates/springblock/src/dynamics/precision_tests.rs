@@ -38,8 +38,8 @@ fn grooves(periodic: bool) -> Lattice {
 fn sliding<'a>(lattice: &Lattice, law: &'a AreaLaw, liftoff: bool, seed: u64) -> (Setup<'a>, Vec<[f64; 2]>) {
     let drawn = coefficients(seed, lattice.nx());
     let model = SteadyModel::new(lattice.clone(), BLOCK_M, YOUNGS_MODULUS_PA, liftoff);
-    let caught = draws::caught(&drawn, seed);
-    let load = SteadyLoad { pressure_pa: PRESSURE_PA, dynamic_mu: &caught, area_law: Some(law) };
+    let random_phase_friction = draws::random_phase_friction(&drawn, seed);
+    let load = SteadyLoad { pressure_pa: PRESSURE_PA, dynamic_mu: &random_phase_friction, area_law: Some(law) };
     let unit_pa = Scales::new(&elastic(), BLOCK_M).pressure_pa;
     let setup = Setup {
         contact: ContactRow::new(lattice.contacts(), &drawn, LocalLaw::new(Some(law), unit_pa)),
@@ -99,7 +99,7 @@ fn assert_alike_in_space(pattern: &Pattern) {
     let drawn: Vec<Coefficients> = coefficients(SEED, nx * ny);
     let unit_pa = Scales::space(&elastic(), BLOCK_M).pressure_pa;
     for (direction, liftoff) in [([1.0, 0.0], false), ([0.6, 0.8], true)] {
-        let phases = draws::caught_in_mean(&friction(), SEED, nx * ny);
+        let phases = draws::random_phase_mean_friction(&friction(), SEED, nx * ny);
         let model = SpaceSteadyModel::new(lattice.clone(), BLOCK_M, YOUNGS_MODULUS_PA, liftoff);
         let base = model.displacements(&SpaceLoad {
             pressure_pa: PRESSURE_PA,

@@ -25,7 +25,7 @@ impl Protocol {
     /// Creates the protocol of `scene` for the full load `load` in units of k l. A warm start skips the ramp and the
     /// rest.
     #[must_use]
-    pub fn of(scene: &Scene, scales: &Scales, load: f64) -> Self {
+    pub fn new(scene: &Scene, scales: &Scales, load: f64) -> Self {
         let (ramp, start) =
             if scene.run.warm_start { (0.0, 0.0) } else { (RAMP_S / scales.time_s, (RAMP_S + REST_S) / scales.time_s) };
         Self { ramp, start, load, speed: scene.speed_m_s * scales.time_s / scales.length_m }

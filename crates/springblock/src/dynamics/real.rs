@@ -18,9 +18,9 @@ pub trait Real: Pod + Default + PartialEq + Debug + Send + Sync {
     type Vector<S: Simd>: Pod;
 
     /// Rounds `value` to this type.
-    fn of(value: f64) -> Self;
+    fn round_from(value: f64) -> Self;
     /// Converts to double precision.
-    fn widened(self) -> f64;
+    fn to_f64(self) -> f64;
 
     /// Vector with `value`, rounded, in every lane.
     fn splat<S: Simd>(simd: S, value: f64) -> Self::Vector<S>;
@@ -55,12 +55,12 @@ macro_rules! real {
             type Vector<S: Simd> = S::$vector;
 
             #[inline(always)]
-            fn of(value: f64) -> Self {
+            fn round_from(value: f64) -> Self {
                 value as Self
             }
 
             #[inline(always)]
-            fn widened(self) -> f64 {
+            fn to_f64(self) -> f64 {
                 f64::from(self)
             }
 
@@ -130,7 +130,7 @@ pub struct AddForces<'a, R> {
     /// Forces due to the deviations.
     pub force: &'a [R],
     /// Forces in the base state.
-    pub of_base: &'a [f64],
+    pub base_force: &'a [f64],
     /// Their sum.
     pub total: &'a mut [f64],
 }
@@ -140,8 +140,8 @@ impl<R: Real> WithSimd for AddForces<'_, R> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
-        for ((total, force), of_base) in self.total.iter_mut().zip(self.force).zip(self.of_base) {
-            *total = of_base + force.widened();
+        for ((total, force), base_force) in self.total.iter_mut().zip(self.force).zip(self.base_force) {
+            *total = base_force + force.to_f64();
         }
     }
 }
@@ -166,7 +166,7 @@ impl<R: Real> WithSimd for PlaceContacts<'_, R> {
     fn with_simd<S: Simd>(self, _: S) {
         for ((place, velocity), row) in self.place.iter_mut().zip(self.velocity).zip(self.row) {
             *place += velocity;
-            *row = R::of(*place - self.carried);
+            *row = R::round_from(*place - self.carried);
         }
     }
 }

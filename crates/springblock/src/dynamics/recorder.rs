@@ -51,10 +51,10 @@ pub struct Recorder {
     steps_per_bin: u64,
     time_step: f64,
     bins: Vec<Bin>,
-    open: Bin,
+    current_bin: Bin,
     steps: u64,
     /// Minimum averaging time, in units of sqrt(m/k).
-    least_time: f64,
+    min_time: f64,
     /// Bin in which the last contact block slipped for the first time.
     onset_bin: Option<usize>,
     peak_mu: f64,
@@ -65,22 +65,16 @@ pub struct Recorder {
 
 impl Recorder {
     /// Creates a record of `contacts` blocks with `steps_per_bin` steps per interval. Averages cover at least
-    /// `least_time`, in units of sqrt(m/k). The interface is sampled from interval `interface_from_bin` on.
+    /// `min_time`, in units of sqrt(m/k). The interface is sampled from interval `interface_from_bin` on.
     #[must_use]
-    pub fn new(
-        contacts: usize,
-        steps_per_bin: u64,
-        time_step: f64,
-        least_time: f64,
-        interface_from_bin: usize,
-    ) -> Self {
+    pub fn new(contacts: usize, steps_per_bin: u64, time_step: f64, min_time: f64, interface_from_bin: usize) -> Self {
         Self {
             steps_per_bin,
             time_step,
             bins: Vec::new(),
-            open: Bin::default(),
+            current_bin: Bin::default(),
             steps: 0,
-            least_time,
+            min_time,
             onset_bin: None,
             peak_mu: f64::NEG_INFINITY,
             interface: vec![ContactForce::default(); contacts],
@@ -91,10 +85,10 @@ impl Recorder {
 
     /// Records one step.
     pub fn record(&mut self, sums: ContactSums, engine: &mut impl Engine) {
-        self.open.friction += sums.friction;
-        self.open.across += sums.across;
-        self.open.normal += sums.normal;
-        self.open.sliding += sums.sliding;
+        self.current_bin.friction += sums.friction;
+        self.current_bin.across += sums.across;
+        self.current_bin.normal += sums.normal;
+        self.current_bin.sliding += sums.sliding;
         self.steps += 1;
         if self.onset_bin.is_none() {
             if sums.normal > 0.0 {
@@ -109,13 +103,13 @@ impl Recorder {
             self.sample_interface(engine);
         }
         if self.steps.is_multiple_of(self.steps_per_bin) {
-            self.bins.push(std::mem::take(&mut self.open));
+            self.bins.push(std::mem::take(&mut self.current_bin));
         }
     }
 
     /// Number of steps until the record next queries the engine, that step included.
     #[must_use]
-    pub fn steps_to_next_question(&self) -> u64 {
+    pub fn steps_to_next_query(&self) -> u64 {
         if self.has_onset() { INTERFACE_EVERY - self.steps % INTERFACE_EVERY } else { 1 }
     }
 
@@ -130,7 +124,7 @@ impl Recorder {
     }
 
     /// Restarts the mean interface, because the samples so far were not stationary.
-    pub fn forget_interface(&mut self) {
+    pub fn restart_interface(&mut self) {
         self.interface.fill(ContactForce::default());
         self.interface_samples = 0;
         self.interface_from_bin = self.bins.len();
@@ -159,7 +153,7 @@ impl Recorder {
             return None;
         }
         let mu: Vec<f64> = sliding.iter().map(|bin| bin.mu().unwrap_or(0.0)).collect();
-        let least = (self.least_time / self.bin_time()).ceil() as usize;
+        let least = (self.min_time / self.bin_time()).ceil() as usize;
         let left_out = stationary_from(&mu, least);
         let start = left_out.unwrap_or(0).min(sliding.len() - 2 * BATCHES);
         let before = self.bins.len() - sliding.len() + start;

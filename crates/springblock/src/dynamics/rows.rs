@@ -53,7 +53,7 @@ impl<R: Real> RowCoefficients<R> {
     /// Transposes the blocks of a row.
     pub fn new(sites: &[Site]) -> Self {
         let column = |f: fn(&Site) -> f64| {
-            let mut values: Vec<R> = sites.iter().map(f).map(R::of).collect();
+            let mut values: Vec<R> = sites.iter().map(f).map(R::round_from).collect();
             values.resize(whole_lines::<R>(sites.len()), R::default());
             values
         };
@@ -126,12 +126,12 @@ impl<R: Real> Field<R> {
     /// Index of block (i, j) in [`Plane::rows`].
     #[inline(always)]
     #[must_use]
-    pub const fn at(&self, i: usize, j: usize) -> usize {
+    pub const fn index(&self, i: usize, j: usize) -> usize {
         R::LINE + j * self.stride + i
     }
 
     /// Makes the displacements that a sweep has written the current ones.
-    pub fn turn(&mut self) {
+    pub fn swap(&mut self) {
         std::mem::swap(&mut self.now, &mut self.other);
     }
 }

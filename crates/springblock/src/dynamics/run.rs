@@ -3,7 +3,7 @@
 use std::sync::OnceLock;
 
 use super::contact::{ContactRow, LocalLaw};
-use super::drive::{Drive, MAX_STEPS, Plan, not_begun};
+use super::drive::{Drive, MAX_STEPS, Plan, refused_outcome};
 use super::engine::{PlaneEngine, Setup};
 use super::leapfrog::BondLeapfrog;
 use super::protocol::Protocol;
@@ -51,7 +51,7 @@ pub struct Scheme {
 impl Scheme {
     /// Default time step of `scene`, in seconds.
     #[must_use]
-    pub fn own_step_s(scene: &Scene) -> f64 {
+    pub fn default_step_s(scene: &Scene) -> f64 {
         match scene.run.fidelity {
             Fidelity::Reference => REFERENCE_STEP_S,
             _ => LEAPFROG_STEP * Scales::new(&scene.elastic, scene.layer.block_m).time_s,
@@ -71,7 +71,7 @@ impl Scheme {
             (Springs::Linear, LEAPFROG_LIMIT, "leapfrog")
         };
         let limit_s = limit / largest_frequency(lattice, is_unilateral(scene, lattice)) * scales.time_s;
-        let step_s = scene.run.step_s.unwrap_or_else(|| Self::own_step_s(scene));
+        let step_s = scene.run.step_s.unwrap_or_else(|| Self::default_step_s(scene));
         if step_s > limit_s {
             return Err(SceneError::UnstableStep { step_s, limit_s, scheme: name });
         }
@@ -86,11 +86,11 @@ fn is_unilateral(scene: &Scene, lattice: &Lattice) -> bool {
 
 /// Default step of a dynamic run of `scene`, in seconds.
 #[must_use]
-pub fn usual_step_s(scene: &Scene, is_spatial: bool) -> f64 {
+pub fn default_step_s(scene: &Scene, is_spatial: bool) -> f64 {
     if is_spatial {
         SPACE_STEP * Scales::space(&scene.elastic, scene.layer.block_m).time_s
     } else {
-        Scheme::own_step_s(scene)
+        Scheme::default_step_s(scene)
     }
 }
 
@@ -115,7 +115,7 @@ pub struct DynamicRun<'a> {
 }
 
 /// Initial displacements, start time and units of a run.
-struct Prepared<'a> {
+struct RunStart<'a> {
     start: Option<Vec<[f64; 2]>>,
     started_s: f64,
     scales: &'a Scales,
@@ -127,11 +127,11 @@ impl DynamicRun<'_> {
         let scene = self.scene;
         if self.load.pressure_pa == 0.0 {
             monitor.advance(self.share);
-            return not_begun(Status::NoLoad, self.scheme.step_s, self.centres_m());
+            return refused_outcome(Status::NoLoad, self.scheme.step_s, self.centres_m());
         }
         if Plan::new(scene, self.scheme.step_s).total() > MAX_STEPS {
             monitor.advance(self.share);
-            return not_begun(Status::TooManySteps, self.scheme.step_s, self.centres_m());
+            return refused_outcome(Status::TooManySteps, self.scheme.step_s, self.centres_m());
         }
         let scales = Scales::new(&scene.elastic, scene.layer.block_m);
         let coefficients = draws::draw(&self.load.friction, self.seed, self.lattice.nx());
@@ -145,12 +145,12 @@ impl DynamicRun<'_> {
         let setup = Setup {
             contact,
             // load over k l = P L l / (k l), L in lattice spacings
-            protocol: Protocol::of(scene, &scales, self.load.pressure_pa / scales.pressure_pa * self.lattice.length()),
+            protocol: Protocol::new(scene, &scales, self.load.pressure_pa / scales.pressure_pa * self.lattice.length()),
             time_step: self.scheme.step_s / scales.time_s,
             damping: scene.run.damping,
             liftoff: is_unilateral(scene, self.lattice),
         };
-        let mut run = Prepared { start, started_s, scales: &scales };
+        let mut run = RunStart { start, started_s, scales: &scales };
         if self.scheme.runge_kutta {
             self.drive(RungeKutta::new(self.lattice, self.scheme.springs, setup), &run, monitor)
         } else if self.scheme.springs == Springs::Exact {
@@ -180,11 +180,11 @@ impl DynamicRun<'_> {
     /// Displacements in units of l, by row and column, of the layer in equilibrium with sliding friction, every block
     /// at a random phase of its stick-slip cycle.
     fn sheared_displacements(&self) -> Vec<[f64; 2]> {
-        let model = self.steady.get_or_init(|| SteadyModel::of(self.scene, self.lattice.clone()));
+        let model = self.steady.get_or_init(|| SteadyModel::for_scene(self.scene, self.lattice.clone()));
         let drawn = draws::draw(&self.load.friction, self.seed, self.lattice.nx());
         model.displacements(&SteadyLoad {
             pressure_pa: self.load.pressure_pa,
-            dynamic_mu: &draws::caught(&drawn, self.seed),
+            dynamic_mu: &draws::random_phase_friction(&drawn, self.seed),
             area_law: self.scene.area_law.as_ref(),
         })
     }
@@ -200,8 +200,8 @@ impl DynamicRun<'_> {
         self.lattice.is_raised().then(|| vec![[0.0, highest]; self.lattice.nx() * self.lattice.ny()])
     }
 
-    fn drive(&self, mut engine: impl PlaneEngine, run: &Prepared, monitor: &dyn Monitor) -> SurfaceOutcome {
-        let Prepared { start, started_s, scales } = run;
+    fn drive(&self, mut engine: impl PlaneEngine, run: &RunStart, monitor: &dyn Monitor) -> SurfaceOutcome {
+        let RunStart { start, started_s, scales } = run;
         if let Some(start) = start {
             let nx = self.lattice.nx();
             engine.start_sheared(&|i, j| start[j * nx + i]);

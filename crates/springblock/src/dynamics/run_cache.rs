@@ -10,7 +10,7 @@ use crate::scene::Scene;
 /// Returns the outcome of `run` from the monitor's cache or by running it.
 ///
 /// `content` must determine the outcome; it is the cache key. `share` is the share of the run in all work.
-pub fn remembered(
+pub fn cached_run(
     monitor: &dyn Monitor,
     content: &dyn Debug,
     share: f64,
@@ -25,6 +25,6 @@ pub fn remembered(
 }
 
 /// Settings of `scene` that a run depends on besides its load and its lattice, as part of a cache key.
-pub fn settings(scene: &Scene) -> impl Debug + '_ {
+pub fn cache_key_settings(scene: &Scene) -> impl Debug + '_ {
     (&scene.elastic, &scene.area_law, &scene.layer, scene.speed_m_s, &scene.run, scene.dimension().number())
 }

@@ -15,15 +15,15 @@ const GROUP: usize = 5;
 /// Minimum number of groups kept; a decision needs twice as many.
 const MIN_GROUPS: usize = 8;
 /// Relative noise level below which changes are ignored, so that a record that only drifts by rounding is stationary.
-const RESOLVED: f64 = 1e-4;
+const NOISE_LEVEL: f64 = 1e-4;
 
-/// Returns how many leading values of `record` to leave out, or `None` if the record is too short. At least `least`
+/// Returns how many leading values of `record` to leave out, or `None` if the record is too short. At least `min_values`
 /// values remain, since a few values around the turning point of an oscillation hardly differ.
 #[must_use]
-pub fn stationary_from(record: &[f64], least: usize) -> Option<usize> {
+pub fn stationary_from(record: &[f64], min_values: usize) -> Option<usize> {
     let groups: Vec<f64> = record.chunks_exact(GROUP).map(|group| group.iter().sum::<f64>() / GROUP as f64).collect();
-    let least = least.div_ceil(GROUP).max(MIN_GROUPS);
-    if groups.len() < least.max(2 * MIN_GROUPS) {
+    let min_values = min_values.div_ceil(GROUP).max(MIN_GROUPS);
+    if groups.len() < min_values.max(2 * MIN_GROUPS) {
         return None;
     }
     // From the end: mean and sum of squared deviations (Welford).
@@ -34,10 +34,10 @@ pub fn stationary_from(record: &[f64], least: usize) -> Option<usize> {
         let step = value - mean;
         mean += step / n;
         squares += step * (value - mean);
-        let noise = RESOLVED * mean;
+        let noise = NOISE_LEVEL * mean;
         let marginal = (squares + n * noise * noise) / (n * n);
         // Among equal errors take the one that keeps most values.
-        if kept as usize >= least && best.is_none_or(|(least, _)| marginal <= least) {
+        if kept as usize >= min_values && best.is_none_or(|(min_values, _)| marginal <= min_values) {
             best = Some((marginal, first));
         }
     }

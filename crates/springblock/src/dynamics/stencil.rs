@@ -25,11 +25,11 @@ pub struct BulkBalance {
 }
 
 impl BulkBalance {
-    /// Height of the bulk at the horizontal displacement `bulk_x` under `load`; `held` is the sum of
+    /// Height of the bulk at the horizontal displacement `bulk_x` under `load`; `top_row_force` is the sum of
     /// [`StripStencil::top_row_force`] over the strips.
     #[must_use]
-    pub fn height(&self, held: f64, bulk_x: f64, load: f64) -> f64 {
-        (held - self.xy * bulk_x - load) / self.yy
+    pub fn height(&self, top_row_force: f64, bulk_x: f64, load: f64) -> f64 {
+        (top_row_force - self.xy * bulk_x - load) / self.yy
     }
 }
 
@@ -50,10 +50,10 @@ pub struct StripStencil<R> {
 impl<R: Real> StripStencil<R> {
     /// Vertical force of the top row on the bulk at zero displacement of the bulk.
     #[must_use]
-    pub fn held(&self, field: &Field<R>) -> f64 {
-        let top = field.at(0, field.ny - 1);
+    pub fn top_row_force(&self, field: &Field<R>) -> f64 {
+        let top = field.index(0, field.ny - 1);
         let row = |component: usize| &field.now[component].rows()[top..][..field.nx];
-        let sideways: f64 = self.to_bulk_xy.iter().map(|(i, xy)| xy * row(0)[*i].widened()).sum();
+        let sideways: f64 = self.to_bulk_xy.iter().map(|(i, xy)| xy * row(0)[*i].to_f64()).sum();
         weighted_sum(&self.to_bulk_yy, row(1)) + sideways
     }
 }
@@ -142,11 +142,11 @@ impl<R: Real> WithSimd for WeightedSum<'_, R> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) -> f64 {
         let (a, b) = (self.0.chunks_exact(PARTS), self.1.chunks_exact(PARTS));
-        let rest: f64 = a.remainder().iter().zip(b.remainder()).map(|(a, b)| a * b.widened()).sum();
+        let rest: f64 = a.remainder().iter().zip(b.remainder()).map(|(a, b)| a * b.to_f64()).sum();
         let mut parts = [0.0; PARTS];
         for (a, b) in a.zip(b) {
             for ((part, a), b) in parts.iter_mut().zip(a).zip(b) {
-                *part += a * b.widened();
+                *part += a * b.to_f64();
             }
         }
         parts.iter().sum::<f64>() + rest
@@ -166,11 +166,11 @@ impl<R: Real> WithSimd for FixedSum<'_, R> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) -> f64 {
         let chunks = self.0.chunks_exact(PARTS);
-        let rest: f64 = chunks.remainder().iter().map(|value| value.widened()).sum();
+        let rest: f64 = chunks.remainder().iter().map(|value| value.to_f64()).sum();
         let mut parts = [0.0; PARTS];
         for chunk in chunks {
             for (part, value) in parts.iter_mut().zip(chunk) {
-                *part += value.widened();
+                *part += value.to_f64();
             }
         }
         parts.iter().sum::<f64>() + rest

@@ -21,7 +21,7 @@ use super::engine::{Engine, PlaneEngine, Setup};
 use super::protocol::Protocol;
 use super::real::{Real, is_in_equilibrium};
 use super::stencil::{BulkBalance, strips};
-use super::strip::{Base, BulkPlace, Strip};
+use super::strip::{Base, BulkPosition, Strip};
 use super::strip_workers::StripWorkers;
 use super::sweep::Kick;
 use crate::lattice::Lattice;
@@ -51,7 +51,7 @@ impl<'scope, 'a: 'scope> StripLeapfrog<'scope, '_, 'a, f64> {
     #[must_use]
     pub fn new(lattice: &Lattice, setup: Setup<'a>) -> Self {
         let kick = Kick::new(setup.time_step, setup.damping);
-        Self::of(lattice, setup, kick)
+        Self::with_kick(lattice, setup, kick)
     }
 }
 
@@ -63,7 +63,7 @@ impl<'scope, 'a: 'scope> StripLeapfrog<'scope, '_, 'a, f32> {
     #[must_use]
     pub fn from_sliding(lattice: &Lattice, setup: Setup<'a>, base: &[[f64; 2]]) -> Option<Self> {
         let Setup { protocol, time_step, damping, .. } = setup;
-        let mut sliding = Self::of(lattice, setup, Kick::new(time_step, damping).rounded::<f32>());
+        let mut sliding = Self::with_kick(lattice, setup, Kick::new(time_step, damping).rounded::<f32>());
         let mut bonds = Bonds::new(lattice, Springs::Linear);
         let u = [0, 1].map(|c: usize| base.iter().map(|u| u[c]).collect::<Vec<f64>>());
         bonds.evaluate(&u, 0.0, protocol.load(0.0));
@@ -79,14 +79,14 @@ impl<'scope, 'a: 'scope> StripLeapfrog<'scope, '_, 'a, f32> {
         let height = base[..nx].iter().map(|u| u[1]).collect();
         let deviates_from = Base { force, height, carried: protocol.speed * time_step };
         for strip in &mut sliding.strips {
-            strip.deviate(&deviates_from);
+            strip.set_base(&deviates_from);
         }
         Some(Self { base: base.to_vec(), ..sliding })
     }
 }
 
 impl<'scope, 'env, 'a: 'scope, R: Real> StripLeapfrog<'scope, 'env, 'a, R> {
-    fn of(lattice: &Lattice, setup: Setup<'a>, kick: Kick) -> Self {
+    fn with_kick(lattice: &Lattice, setup: Setup<'a>, kick: Kick) -> Self {
         let Setup { contact, protocol, time_step, liftoff, .. } = setup;
         let (stencils, balance) = strips(lattice);
         let (blocks, law) = contact.into_parts();
@@ -159,8 +159,8 @@ impl<'scope, 'a: 'scope, R: Real> Engine for StripLeapfrog<'scope, '_, 'a, R> {
         let load = if self.base.is_empty() { self.protocol.load(time) } else { 0.0 };
         let balance = self.balance;
         let strip_workers = self.strip_workers();
-        let height = balance.height(strip_workers.held(), x, load);
-        strip_workers.step(BulkPlace { x, height, carried })
+        let height = balance.height(strip_workers.top_row_force(), x, load);
+        strip_workers.step(BulkPosition { x, height, carried })
     }
 
     fn all_have_slipped(&self) -> bool {

@@ -279,13 +279,13 @@ impl<R: Real, const D: usize> WithSimd for MoveRow<'_, R, D> {
 
 /// Returns the displacements one step later of the block (i, j) at a free side. `field` must still have the earlier
 /// displacements of the block.
-pub fn side<R: Real>(site: &Site, field: &Field<R>, [i, j]: [usize; 2], kick: Kick, drag: f64) -> [f64; 2] {
+pub fn move_side_block<R: Real>(site: &Site, field: &Field<R>, [i, j]: [usize; 2], kick: Kick, drag: f64) -> [f64; 2] {
     let Kick { kept, kick } = kick;
     let k: &Springs8 = &site.springs;
     let block = |east: usize, north: usize| {
         // Indices are one more than the offset, so that the lower left neighbour is (0, 0).
-        let at = field.at(i + east, j + north - 1) - 1;
-        [0, 1].map(|component: usize| field.now[component].rows()[at].widened())
+        let at = field.index(i + east, j + north - 1) - 1;
+        [0, 1].map(|component: usize| field.now[component].rows()[at].to_f64())
     };
     let ([x, y], [xe, _], [xw, _], [_, yn], [_, ys]) =
         (block(1, 1), block(2, 1), block(0, 1), block(1, 2), block(1, 0));
@@ -295,8 +295,8 @@ pub fn side<R: Real>(site: &Site, field: &Field<R>, [i, j]: [usize; 2], kick: Ki
     let (nw, se) = (0.5 * k.north_west * across(block(0, 2)), 0.5 * k.south_east * across(block(2, 0)));
     let force_x = k.east * (xe - x) + k.west * (xw - x) + ((ne + sw) + (nw + se));
     let force_y = k.north * (yn - y) + k.south * (ys - y) + ((ne + sw) - (nw + se));
-    let (at, scale) = (field.at(i, j), kick * site.inverse_mass);
-    let before = [0, 1].map(|component: usize| field.other[component].rows()[at].widened());
+    let (at, scale) = (field.index(i, j), kick * site.inverse_mass);
+    let before = [0, 1].map(|component: usize| field.other[component].rows()[at].to_f64());
     [x + (kept * (x - before[0]) + drag) + scale * force_x, y + kept * (y - before[1]) + scale * force_y]
 }
 
@@ -335,7 +335,7 @@ mod tests {
             let padded = coefficients.east.len();
             let (mut force_x, mut force_y) = (vec![R::default(); padded], vec![R::default(); padded]);
             let mut written = Vec::new();
-            let mut write = |values: &[R]| written.extend(values[..nx].iter().map(|value| value.widened()));
+            let mut write = |values: &[R]| written.extend(values[..nx].iter().map(|value| value.to_f64()));
             for row in 0..2 {
                 let forces =
                     |force_x, force_y| RowForces { coefficients: &coefficients, field: &field, row, force_x, force_y };
@@ -346,14 +346,15 @@ mod tests {
                 |force_x, force_y| ContactRowForces { coefficients: &coefficients, field: &field, force_x, force_y };
             simd.vectorize(contact(&mut force_x, &mut force_y));
             [&force_x, &force_y].into_iter().for_each(|force| write(force));
-            let (inverse_mass, start, force) = (&coefficients.inverse_mass, field.at(0, 1), [&force_x[..], &force_y]);
+            let (inverse_mass, start, force) =
+                (&coefficients.inverse_mass, field.index(0, 1), [&force_x[..], &force_y]);
             let (now, other) = (&field.now, &mut field.other);
             let drag = [-1e-5, 0.0];
             simd.vectorize(MoveRow { inverse_mass, now, other, columns: nx, start, kick, drag, force });
             simd.vectorize(InsideRows { field: &mut field, from: 2, kick, drag: -1e-5 });
             for plane in &field.other {
                 for j in 1..field.ny {
-                    write(&plane.rows()[field.at(0, j)..]);
+                    write(&plane.rows()[field.index(0, j)..]);
                 }
             }
             written

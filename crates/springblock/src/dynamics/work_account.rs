@@ -33,7 +33,7 @@ struct Entry<const D: usize> {
 #[derive(Clone, Copy, Default)]
 struct Sums {
     drive_work: f64,
-    lost: f64,
+    losses: f64,
     energy: f64,
 }
 
@@ -50,12 +50,12 @@ pub struct Account<'a, const D: usize> {
 impl<'a, const D: usize> Account<'a, D> {
     /// Creates an empty account for blocks of masses `mass`.
     pub const fn new(mass: &'a [f64], damping: f64, time_step: f64) -> Self {
-        let sums = Sums { drive_work: 0.0, lost: 0.0, energy: 0.0 };
+        let sums = Sums { drive_work: 0.0, losses: 0.0, energy: 0.0 };
         Self { mass, damping, time_step, sums, opening: None, last: None }
     }
 
     /// Adds an instant, with the displacements of the blocks one step later.
-    pub fn enter(&mut self, now: Instant<D>, next: &[[f64; D]]) {
+    pub fn add(&mut self, now: Instant<D>, next: &[[f64; D]]) {
         let Self { mass, damping, time_step, sums, .. } = self;
         let later: Vec<[f64; D]> =
             next.iter().zip(&now.u).map(|(b, a)| from_fn(|c| (b[c] - a[c]) / *time_step)).collect();
@@ -64,7 +64,7 @@ impl<'a, const D: usize> Account<'a, D> {
             for c in 0..D {
                 sums.drive_work += 0.5 * (earlier.drive[c] + now.drive[c]) * (now.bulk[c] - earlier.bulk[c]);
                 for ((n, before), (_, after)) in earlier.friction.iter().zip(&now.friction) {
-                    sums.lost += 0.5 * (before[c] + after[c]) * (now.u[*n][c] - earlier.u[*n][c]);
+                    sums.losses += 0.5 * (before[c] + after[c]) * (now.u[*n][c] - earlier.u[*n][c]);
                 }
             }
             sums.energy = now.potential;
@@ -75,7 +75,7 @@ impl<'a, const D: usize> Account<'a, D> {
                     // gamma m times the mean velocity at either end, over the displacement between.
                     mean_velocity[n][c] = 0.5 * (v + w);
                     let mean = 0.5 * (earlier_velocity[n][c] + mean_velocity[n][c]);
-                    sums.lost += *damping * mass * mean * v * *time_step;
+                    sums.losses += *damping * mass * mean * v * *time_step;
                 }
             }
             self.opening.get_or_insert(*sums);
@@ -84,9 +84,9 @@ impl<'a, const D: usize> Account<'a, D> {
     }
 
     /// Error of the balance over the work of the drive.
-    pub fn lack(&self) -> f64 {
+    pub fn relative_error(&self) -> f64 {
         let opening = self.opening.unwrap_or_default();
         let drive_work = self.sums.drive_work - opening.drive_work;
-        (drive_work - (self.sums.lost - opening.lost) - (self.sums.energy - opening.energy)) / drive_work
+        (drive_work - (self.sums.losses - opening.losses) - (self.sums.energy - opening.energy)) / drive_work
     }
 }

@@ -3,7 +3,7 @@
 use super::{DynamicCost, InterfacePoint, Status, SurfaceOutcome, TracePoint};
 
 /// Statuses of runs that are worth caching.
-const KEPT: [Status; 6] = [
+const CACHED_STATUSES: [Status; 6] = [
     Status::Converged,
     Status::NoOnset,
     Status::NoFriction,
@@ -35,7 +35,7 @@ impl SurfaceOutcome {
             interface,
             trace,
         } = self;
-        let place = KEPT.iter().position(|kept| kept == status)?;
+        let place = CACHED_STATUSES.iter().position(|cached| cached == status)?;
         let DynamicCost { steps, dt_s, site_updates, wall_s } = (*cost)?;
         let counts = [
             place as u64,
@@ -115,7 +115,7 @@ impl SurfaceOutcome {
         let point =
             |&[x_m, y_m, pressure_pa, friction_pa]: &[f64; 4]| InterfacePoint { x_m, y_m, pressure_pa, friction_pa };
         Some(Self {
-            status: *KEPT.get(usize::try_from(place).ok()?)?,
+            status: *CACHED_STATUSES.get(usize::try_from(place).ok()?)?,
             mu_dynamic,
             mu_dynamic_stderr,
             stick_slip_excess,

@@ -25,7 +25,7 @@
 
 use slipgrid_pattern::{Pattern, Planform, Texture};
 
-use super::cavities_in_space::{are_like_grooves, refined_by_grooves};
+use super::cavities_in_space::{has_flat_face, refined_by_grooves};
 use super::widest;
 use crate::cell::SteadyCell;
 use crate::dimension::Dimension;
@@ -36,15 +36,15 @@ use crate::{Monitor, Unwatched};
 /// Range of plausible orders of convergence.
 const ORDERS: [f64; 2] = [0.5, 2.0];
 /// Number of tails in the estimate.
-const TAILS: f64 = 1.5;
+const TAIL_FACTOR: f64 = 1.5;
 /// Remainder after the finest blocks in units of the last difference, if lands are raised.
 ///
 /// With this value the error over its standard error has a root mean square of 1.15, 1.02, 0.87 and 0.69 at 0.3, 0.65,
 /// 1.3 and 2.6 MPa on 28 random grooves with rims 10 to 60 um wide and 0.05 to 1 um high, in blocks of 20, 10 and 5 um.
-const RAISED_REST: f64 = 1.5;
+const RAISED_REMAINDER: f64 = 1.5;
 /// Factor of the last difference plus tail if the ratio is that of the finest blocks: on 40 random patterns the
 /// estimate is not below the error in 95 % of cases.
-const OF_FINEST: f64 = 2.0;
+const FINEST_FACTOR: f64 = 2.0;
 /// Minimum depth of a cavity in finest blocks for an estimate of the remainder.
 const MIN_DEPTH_BLOCKS: f64 = 2.0;
 /// Block sizes relative to the layer's blocks.
@@ -54,7 +54,7 @@ const DEEP_LEVELS: usize = 4;
 /// Maximum multiplications of one steady plane cell for error estimates: half a second.
 pub const MAX_PRODUCTS: f64 = 2e9;
 /// Maximum multiplications of one steady plane cell for refined ratios: some seconds.
-pub const MAX_REFINED: f64 = 2e10;
+pub const MAX_REFINEMENT_PRODUCTS: f64 = 2e10;
 
 /// Effect of smaller blocks on a steady cell.
 #[derive(Clone, Debug, PartialEq)]
@@ -74,18 +74,18 @@ pub struct BlockRefinement {
 /// pattern, if fewer than two finer sizes are possible, and in space with rims.
 #[must_use]
 pub fn block_refinement(scene: &Scene, own: &[Option<f64>], most: f64) -> Option<BlockRefinement> {
-    finer(scene, scene.pattern.as_ref()?, own, most, &Unwatched).ok()
+    refinement(scene, scene.pattern.as_ref()?, own, most, &Unwatched).ok()
 }
 
 /// Whether smaller blocks can refine the ratios of `scene` with `pattern`.
 #[must_use]
 pub fn can_refine(scene: &Scene, pattern: &Pattern) -> bool {
-    scene.dimension() == Dimension::Plane || are_like_grooves(scene, pattern)
+    scene.dimension() == Dimension::Plane || has_flat_face(scene, pattern)
 }
 
 /// Effect of smaller blocks on `scene` with `pattern`, by cells of at most `most` multiplications; `own` are the
 /// scene's ratios, needed for cells in space.
-pub fn finer(
+pub fn refinement(
     scene: &Scene,
     pattern: &Pattern,
     own: &[Option<f64>],
@@ -93,7 +93,7 @@ pub fn finer(
     monitor: &dyn Monitor,
 ) -> Result<BlockRefinement, Unrefined> {
     match scene.dimension() {
-        Dimension::Plane => refined(scene, pattern, most, monitor).map(|(found, _)| found),
+        Dimension::Plane => refine_in_plane(scene, pattern, most, monitor).map(|(found, _)| found),
         Dimension::Space => refined_by_grooves(scene, pattern, own, most, monitor),
     }
 }
@@ -106,9 +106,9 @@ pub enum Unrefined {
     /// The monitor cancelled.
     Cancelled,
     /// The layer cannot be divided into blocks of this size, in metres.
-    Uncut(f64),
+    Indivisible(f64),
     /// Cells in blocks of this size, in metres, are too expensive.
-    Dear(f64),
+    TooExpensive(f64),
     /// Cells in blocks of this size, in metres, have no ratio at some load.
     Unsolved(f64),
     /// The cavities, of the first depth, are shallower than two of the finest blocks, of the second size; in metres.
@@ -126,8 +126,8 @@ impl Unrefined {
         let reason = match self {
             Self::Space => "cells in space with rims or measured heights are like no grooves in the plane".to_owned(),
             Self::Cancelled => "the run was cancelled".to_owned(),
-            Self::Uncut(block_m) => format!("the layer cannot be cut into blocks of {} um", um(block_m)),
-            Self::Dear(block_m) => format!("steady cells in blocks of {} um are too dear", um(block_m)),
+            Self::Indivisible(block_m) => format!("the layer cannot be cut into blocks of {} um", um(block_m)),
+            Self::TooExpensive(block_m) => format!("steady cells in blocks of {} um are too dear", um(block_m)),
             Self::Unsolved(block_m) => {
                 format!("the steady cell in blocks of {} um has no ratio at some load", um(block_m))
             }
@@ -156,7 +156,7 @@ pub type Ratios = Option<Vec<Option<f64>>>;
 /// `own` are the ratios in the scene's own blocks; `ratios` computes them in other blocks, or returns `None` if that is
 /// too expensive. Returns `None` if two other sizes are not possible.
 pub fn block_error(scene: &Scene, own: &[Option<f64>], ratios: impl Fn(&Scene) -> Ratios) -> Option<Vec<f64>> {
-    let by = |factor: f64| sized(scene, factor).and_then(|scene| ratios(&scene));
+    let by = |factor: f64| with_block_factor(scene, factor).and_then(|scene| ratios(&scene));
     let own = Some(own.to_vec());
     let half = by(0.5);
     let quarter = if half.is_some() { by(0.25) } else { None };
@@ -194,7 +194,7 @@ fn edge_groove(pattern: &Pattern) -> Option<Pattern> {
 
 /// Sets the discretization errors of `loads`, whose cavity fraction is `share` times that of a period, from those of a
 /// steady cell.
-pub fn state(loads: &mut [LoadOutcome], errors: Option<&[f64]>, share: f64) {
+pub fn set_errors(loads: &mut [LoadOutcome], errors: Option<&[f64]>, share: f64) {
     for (place, load) in loads.iter_mut().enumerate() {
         load.ratio_discretization_error = errors.filter(|_| load.ratio.is_some()).map(|errors| errors[place] * share);
     }
@@ -206,7 +206,7 @@ fn error(differences: [f64; 2], first: usize) -> f64 {
     if last == 0.0 {
         return if first == 0 { before } else { 0.0 };
     }
-    [before, last][first.min(2)..].iter().sum::<f64>() + TAILS * tail(differences)
+    [before, last][first.min(2)..].iter().sum::<f64>() + TAIL_FACTOR * tail(differences)
 }
 
 /// Like [`error`], for raised lands.
@@ -216,7 +216,7 @@ fn raised_error([before, last]: [f64; 2], first: usize) -> f64 {
         1 => last,
         _ => 0.0,
     };
-    2.0 * to_finest.hypot(RAISED_REST * last)
+    2.0 * to_finest.hypot(RAISED_REMAINDER * last)
 }
 
 /// Largest estimate of each load and of `reach` loads on either side. Between two loads where the differences change
@@ -237,7 +237,7 @@ fn tail([before, last]: [f64; 2]) -> f64 {
 
 /// Ratios of steady plane cells of `pattern`; `None` if a cell takes more than `most` multiplications.
 pub fn plane_ratios(scene: &Scene, pattern: &Pattern, most: f64) -> Ratios {
-    let model = SteadyCell::solved(scene, Dimension::Plane);
+    let model = SteadyCell::with_dimension(scene, Dimension::Plane);
     (model.products(pattern) < most).then(|| model.ratios(pattern))
 }
 
@@ -249,22 +249,27 @@ pub fn refine(scene: &Scene, pattern: &Pattern, share: f64, simulation: &mut Sim
         return;
     }
     let own: Vec<Option<f64>> = simulation.loads.iter().map(|load| load.ratio).collect();
-    let found = finer(scene, pattern, &own, MAX_REFINED, monitor);
+    let found = refinement(scene, pattern, &own, MAX_REFINEMENT_PRODUCTS, monitor);
     if monitor.cancelled() {
         *simulation = super::cancelled(scene);
         return;
     }
-    take(scene, found, share, simulation);
+    apply_refinement(scene, found, share, simulation);
 }
 
 /// Applies the refinement `found` to `simulation`, as in [`refine`].
-pub fn take(scene: &Scene, found: Result<BlockRefinement, Unrefined>, share: f64, simulation: &mut Simulation) {
+pub fn apply_refinement(
+    scene: &Scene,
+    found: Result<BlockRefinement, Unrefined>,
+    share: f64,
+    simulation: &mut Simulation,
+) {
     let Simulation { loads, statements } = simulation;
     let block_m = scene.layer.block_m;
-    match found.and_then(|found| better(loads, found, share, block_m)) {
+    match found.and_then(|found| require_improvement(loads, found, share, block_m)) {
         Ok(BlockRefinement { factor, shifts, errors }) => {
             loads.iter_mut().zip(&shifts).for_each(|(load, shift)| load.shift_ratio(shift * share));
-            state(loads, Some(&errors), share);
+            set_errors(loads, Some(&errors), share);
             let cell = match scene.dimension() {
                 Dimension::Plane => "the steady cell",
                 Dimension::Space => {
@@ -285,7 +290,7 @@ pub fn take(scene: &Scene, found: Result<BlockRefinement, Unrefined>, share: f64
 }
 
 /// Returns the refinement `found` if it reduces the error of `loads`, whose blocks are `block_m`.
-fn better(
+fn require_improvement(
     loads: &[LoadOutcome],
     found: BlockRefinement,
     share: f64,
@@ -303,7 +308,7 @@ fn micrometres(length_m: f64) -> f64 {
 
 /// Effect of the finest possible blocks in the vertical plane, and the ratios in the blocks of `scene`; or the reason
 /// why there is none.
-pub fn refined(
+pub fn refine_in_plane(
     scene: &Scene,
     pattern: &Pattern,
     most: f64,
@@ -312,8 +317,8 @@ pub fn refined(
     let at = |factor: f64| -> Result<Vec<f64>, Unrefined> {
         let block_m = factor * scene.layer.block_m;
         monitor.heed().map_err(|_| Unrefined::Cancelled)?;
-        let finer = sized(scene, factor).ok_or(Unrefined::Uncut(block_m))?;
-        let ratios = plane_ratios(&finer, pattern, most).ok_or(Unrefined::Dear(block_m))?;
+        let finer = with_block_factor(scene, factor).ok_or(Unrefined::Indivisible(block_m))?;
+        let ratios = plane_ratios(&finer, pattern, most).ok_or(Unrefined::TooExpensive(block_m))?;
         ratios.into_iter().collect::<Option<Vec<f64>>>().ok_or(Unrefined::Unsolved(block_m))
     };
     let is_deep = |factor: f64| pattern.depth_m() >= MIN_DEPTH_BLOCKS * factor * scene.layer.block_m;
@@ -335,7 +340,7 @@ pub fn refined(
     let [.., coarse, middle, fine] = &levels[..] else { return Err(ended.unwrap_or(Unrefined::Unknown)) };
     let left = |load: usize| {
         let differences = [middle[load] - coarse[load], fine[load] - middle[load]];
-        OF_FINEST * (differences[1].abs() + tail(differences))
+        FINEST_FACTOR * (differences[1].abs() + tail(differences))
     };
     let shifts = fine.iter().zip(&levels[0]).map(|(fine, own)| fine - own).collect();
     let factor = FACTORS[levels.len() - 1];
@@ -349,7 +354,7 @@ pub fn refined(
 }
 
 /// Returns `scene` in blocks `factor` times as large; `None` if they do not divide the layer or the thickness.
-pub fn sized(scene: &Scene, factor: f64) -> Option<Scene> {
+pub fn with_block_factor(scene: &Scene, factor: f64) -> Option<Scene> {
     let mut other = scene.clone();
     other.layer.block_m *= factor;
     // A cell does not depend on the specimen's length, which must only be a whole number of blocks.
@@ -416,7 +421,7 @@ mod tests {
     #[test]
     fn ratios_that_are_not_taken_to_smaller_blocks_say_why() {
         use crate::{RunOptions, samples, simulate};
-        let said = |pattern: Pattern, refine: bool| {
+        let statements = |pattern: Pattern, refine: bool| {
             let mut scene = samples::scene(pattern, &[2.6], RunOptions { refine, ..RunOptions::default() });
             scene.layer.height_m = 40e-6;
             let model = simulate(&scene, &Unwatched).unwrap().statements.model;
@@ -426,25 +431,31 @@ mod tests {
         let unrefined = "refine: ratios are those of blocks of 10 um and not taken to smaller blocks, since ";
         let of_space = "cells in space with rims or measured heights are like no grooves in the plane";
         let rim = slipgrid_pattern::Rim::new(0.2e-6, 20e-6, slipgrid_pattern::RimProfile::Flat).unwrap();
-        assert_eq!(said(crossing.with_rim(rim), true), [format!("{unrefined}{of_space}")]);
+        assert_eq!(statements(crossing.with_rim(rim), true), [format!("{unrefined}{of_space}")]);
         let shallow = "cavities 0.5 um deep are shallower than two of the finest blocks, of 0.313 um";
-        assert_eq!(said(samples::groove(60.0, 60.0, 0.5), true), [format!("{unrefined}{shallow}")]);
+        assert_eq!(statements(samples::groove(60.0, 60.0, 0.5), true), [format!("{unrefined}{shallow}")]);
         assert!(
-            [crossing, samples::groove(60.0, 60.0, 2.0)].into_iter().all(|pattern| said(pattern, false).is_empty())
+            [crossing, samples::groove(60.0, 60.0, 2.0)]
+                .into_iter()
+                .all(|pattern| statements(pattern, false).is_empty())
         );
         // Grooves of sufficient depth are refined, without such a statement.
-        assert!(said(samples::groove(60.0, 60.0, 20.0), true).iter().all(|said| !said.contains("not taken")));
+        assert!(
+            statements(samples::groove(60.0, 60.0, 20.0), true)
+                .iter()
+                .all(|statements| !statements.contains("not taken"))
+        );
         let groove = samples::groove(60.0, 60.0, 20.0);
         let scene = samples::scene(groove, &[2.6], RunOptions::default());
-        assert_eq!(refined(&scene, &groove, 1.0, &Unwatched), Err(Unrefined::Dear(10e-6)));
+        assert_eq!(refine_in_plane(&scene, &groove, 1.0, &Unwatched), Err(Unrefined::TooExpensive(10e-6)));
         let found = BlockRefinement { factor: 0.125, shifts: vec![0.0], errors: vec![0.002] };
-        assert_eq!(better(&[], found.clone(), 1.0, 10e-6), Err(Unrefined::Unknown));
+        assert_eq!(require_improvement(&[], found.clone(), 1.0, 10e-6), Err(Unrefined::Unknown));
         let simulation = simulate(&scene, &Unwatched).unwrap();
         let own = simulation.loads[0].ratio_discretization_error.unwrap();
         let not_better = BlockRefinement { errors: vec![2.0 * own], ..found.clone() };
-        let refused = better(&simulation.loads, not_better, 1.0, 10e-6).unwrap_err();
+        let refused = require_improvement(&simulation.loads, not_better, 1.0, 10e-6).unwrap_err();
         assert!(refused.statement(10e-6).contains("blocks of 1.25 um would leave them open by"), "{refused:?}");
         let good = BlockRefinement { errors: vec![0.5 * own], ..found };
-        assert!(better(&simulation.loads, good, 1.0, 10e-6).is_ok());
+        assert!(require_improvement(&simulation.loads, good, 1.0, 10e-6).is_ok());
     }
 }

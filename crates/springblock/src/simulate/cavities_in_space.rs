@@ -16,7 +16,7 @@
 
 use slipgrid_pattern::{Pattern, Planform};
 
-use super::blocks::{BlockRefinement, MAX_PRODUCTS, Unrefined, refined, sized};
+use super::blocks::{BlockRefinement, MAX_PRODUCTS, Unrefined, refine_in_plane, with_block_factor};
 use super::space::MAX_ESTIMATED_BYTES;
 use crate::Monitor;
 use crate::cell::SteadyCell;
@@ -25,7 +25,7 @@ use crate::scene::Scene;
 
 /// Standard error of the formula as a fraction of the largest shift
 /// (`grooves_tell_what_smaller_blocks_change_of_cavities_in_space`); rarely exceeded.
-const OPEN_SHARE: f64 = 0.5;
+const RELATIVE_ERROR: f64 = 0.5;
 /// Multiplications in the plane that take as long as one column of a cell in space.
 const COLUMN_PRODUCTS: f64 = 2e6;
 /// Block sizes of smaller cells in space relative to the layer's blocks, smallest first.
@@ -34,12 +34,12 @@ const SIZES: [f64; 2] = [0.25, 0.5];
 const MIN_LOWERING: f64 = 1e-5;
 
 /// Whether the face of `pattern` is flat, without rims and measured relief.
-pub fn are_like_grooves(scene: &Scene, pattern: &Pattern) -> bool {
+pub fn has_flat_face(scene: &Scene, pattern: &Pattern) -> bool {
     pattern.texture().rim().is_none() && scene.relief.is_none()
 }
 
 /// Returns the groove across the sliding direction that is similar to `pattern`.
-fn like(pattern: &Pattern) -> Option<Pattern> {
+fn similar_groove(pattern: &Pattern) -> Option<Pattern> {
     let width_m = pattern.width_m();
     let spacing_m = match pattern.planform() {
         Planform::Groove => pattern.spacing_m(),
@@ -58,41 +58,43 @@ pub fn refined_by_grooves(
     most: f64,
     monitor: &dyn Monitor,
 ) -> Result<BlockRefinement, Unrefined> {
-    let alike = Some(pattern).filter(|pattern| are_like_grooves(scene, pattern)).and_then(like);
+    let alike = Some(pattern).filter(|pattern| has_flat_face(scene, pattern)).and_then(similar_groove);
     let groove = alike.ok_or(Unrefined::Space)?;
     for size in SIZES {
-        let Some(finer) = sized(scene, size).filter(|finer| is_cheap(finer, pattern, most)) else { continue };
+        let Some(finer) = with_block_factor(scene, size).filter(|finer| is_cheap(finer, pattern, most)) else {
+            continue;
+        };
         // The groove is solved first, because the cell in space is more expensive and useless without it.
-        let Ok(of_groove) = of_groove(&finer, &groove, most.min(MAX_PRODUCTS), monitor) else { continue };
-        let Some(nearer) = by_cells(scene, &finer, pattern, own, monitor) else { continue };
+        let Ok(of_groove) = refine_groove(&finer, &groove, most.min(MAX_PRODUCTS), monitor) else { continue };
+        let Some(nearer) = refine_by_cells(scene, &finer, pattern, own, monitor) else { continue };
         monitor.heed().map_err(|_| Unrefined::Cancelled)?;
         let added =
             nearer.iter().zip(own).map(|(nearer, own)| nearer.zip(*own).map_or(0.0, |(nearer, own)| nearer - own));
-        let found = in_proportion(of_groove, &nearer);
+        let found = scale_refinement(of_groove, &nearer);
         let shifts = found.shifts.iter().zip(added).map(|(shift, added)| shift + added).collect();
         return Ok(BlockRefinement { factor: size * found.factor, shifts, ..found });
     }
-    Ok(in_proportion(of_groove(scene, &groove, most, monitor)?, own))
+    Ok(scale_refinement(refine_groove(scene, &groove, most, monitor)?, own))
 }
 
 /// Whether a cell in space of `scene` with `pattern` takes no longer than `most` multiplications in the plane, and
 /// little memory.
 fn is_cheap(scene: &Scene, pattern: &Pattern, most: f64) -> bool {
-    let cell = SteadyCell::solved(scene, Dimension::Space);
+    let cell = SteadyCell::with_dimension(scene, Dimension::Space);
     let [nx, ny] = cell.columns(pattern);
     nx * ny * COLUMN_PRODUCTS < most && cell.bytes(pattern) < MAX_ESTIMATED_BYTES
 }
 
 /// Returns the ratios `own` plus the change from the steady cells of `scene` to those of `finer`; `None` if a cell has
 /// no ratio.
-fn by_cells(
+fn refine_by_cells(
     scene: &Scene,
     finer: &Scene,
     pattern: &Pattern,
     own: &[Option<f64>],
     monitor: &dyn Monitor,
 ) -> Option<Vec<Option<f64>>> {
-    let ratios = |scene: &Scene| SteadyCell::solved(scene, Dimension::Space).ratios_heeding(pattern, monitor);
+    let ratios = |scene: &Scene| SteadyCell::with_dimension(scene, Dimension::Space).ratios_heeding(pattern, monitor);
     let (finer, coarse) = rayon::join(|| ratios(finer), || ratios(scene));
     let moved = |(own, (finer, coarse)): (&Option<f64>, (Option<f64>, Option<f64>))| match own {
         Some(own) => Some(Some(own + finer? - coarse?)),
@@ -103,7 +105,7 @@ fn by_cells(
 
 /// Effect of smaller blocks on `groove`, by steady cells of at most `most` multiplications, and its ratios in the
 /// blocks of `scene`.
-fn of_groove(
+fn refine_groove(
     scene: &Scene,
     groove: &Pattern,
     most: f64,
@@ -111,11 +113,11 @@ fn of_groove(
 ) -> Result<(BlockRefinement, Vec<f64>), Unrefined> {
     let mut plane = Scene { pattern: Some(*groove), ..scene.clone() };
     plane.run.dimensions = Some(Dimension::Plane.number());
-    refined(&plane, groove, most, monitor)
+    refine_in_plane(&plane, groove, most, monitor)
 }
 
 /// Scales the refinement `found` of a groove to the ratios `own`, in proportion to the friction reductions.
-fn in_proportion((found, of_groove): (BlockRefinement, Vec<f64>), own: &[Option<f64>]) -> BlockRefinement {
+fn scale_refinement((found, of_groove): (BlockRefinement, Vec<f64>), own: &[Option<f64>]) -> BlockRefinement {
     // (1 - r) / (1 - r_groove) in blocks of this size
     let scale: Vec<f64> = own
         .iter()
@@ -128,7 +130,7 @@ fn in_proportion((found, of_groove): (BlockRefinement, Vec<f64>), own: &[Option<
     let shifts: Vec<f64> = found.shifts.iter().zip(&scale).map(|(shift, scale)| shift * scale).collect();
     let widest = shifts.iter().fold(0.0, |widest: f64, shift| widest.max(shift.abs()));
     let errors = found.errors.iter().zip(&scale);
-    let errors = errors.map(|(error, scale)| (error * scale.abs()).hypot(OPEN_SHARE * widest)).collect();
+    let errors = errors.map(|(error, scale)| (error * scale.abs()).hypot(RELATIVE_ERROR * widest)).collect();
     BlockRefinement { shifts, errors, ..found }
 }
 

@@ -35,7 +35,7 @@ pub fn solve_drawn(
     let relative: Vec<Vec<f64>> = scene.loads.iter().zip(drawn).map(relative).collect();
     let mut loads = Vec::with_capacity(relative.len());
     for (load, relative) in scene.loads.iter().zip(&relative) {
-        let mean = SpaceLoad::of_mean(load, scene.area_law.as_ref(), direction);
+        let mean = SpaceLoad::with_mean_friction(load, scene.area_law.as_ref(), direction);
         loads.push(SpaceLoad { relative_mu: Some(relative), ..mean });
     }
     model.solve_all(&loads, monitor)
@@ -93,7 +93,7 @@ impl SteadyRatios {
 
     /// Ratios at the load `load` with mean coefficients and with draw number `draw`; `None` if one of the draws has no
     /// ratio.
-    pub fn at(&self, load: usize, draw: usize) -> Option<(f64, f64)> {
+    pub fn get(&self, load: usize, draw: usize) -> Option<(f64, f64)> {
         let all: Option<Vec<f64>> = self.drawn.iter().map(|drawn| drawn.get(load).copied().flatten()).collect();
         Some((self.mean.get(load).copied().flatten()?, *all?.get(draw)?))
     }

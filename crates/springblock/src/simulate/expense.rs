@@ -6,17 +6,17 @@
 
 use slipgrid_pattern::Pattern;
 
-use super::behind::Behind;
 use super::blocks;
 use super::space::MAX_ESTIMATED_BYTES;
 use super::space_strip::BYTES_PER_BLOCK as STRIP_BYTES_PER_BLOCK;
+use super::thick_layer::ThickLayerCorrection;
 use super::{FLAT_CELL_COLUMNS, MAX_FACTOR_BYTES, UNIFORM_COLUMNS};
-use crate::cell::{SteadyCell, condensing_cell};
+use crate::cell::{SteadyCell, cell_condensing_cost};
 use crate::dimension::Dimension;
-use crate::dynamics::{MAX_STEPS, Plan, usual_step_s};
+use crate::dynamics::{MAX_STEPS, Plan, default_step_s};
 use crate::error::SceneError;
 use crate::scene::{Extent, Fidelity, Scene, Springs};
-use crate::space::{MAX_DIRECTIONS, MAX_KEPT, SpaceLattice};
+use crate::space::{MAX_DIRECTIONS, MAX_STORED_DIRECTIONS, SpaceLattice};
 use crate::steady::{band_products, factor_bytes};
 
 /// Seconds per block and force evaluation: linear and exact springs in the plane, and springs in space.
@@ -34,19 +34,19 @@ const SOLUTIONS: f64 = 15.0;
 /// and crossing grooves of 4 to 200 columns per side is 1.3e-6.
 const SEARCHED_COLUMN_S: f64 = 2e-6;
 /// Seconds per direction, column and explicit row of the solver in space, and the factor for cells with a side of fewer
-/// than `THIN` columns, whose short and long transforms are slower per number. Fitted to squares and discs of 50 to 400
+/// than `THIN_SIDE` columns, whose short and long transforms are slower per number. Fitted to squares and discs of 50 to 400
 /// columns per side, and to cells of 1 to 15 by 50 to 5000.
 const SPACE_COLUMN_S: f64 = 4.5e-8;
-const THIN: f64 = 24.0;
-const THIN_TIMES: f64 = 2.9;
+const THIN_SIDE: f64 = 24.0;
+const THIN_FACTOR: f64 = 2.9;
 /// Factor for faces with rims or other height variations.
-const RAISED_TIMES: f64 = 2.0;
+const RAISED_FACTOR: f64 = 2.0;
 /// Seconds per number for the orthogonalization of a new image against an older one.
 const ORTHOGONAL_S: f64 = 6e-10;
 /// Number of directions for the first load, a + b sqrt(n) for a cavity whose narrowest width is n blocks: cavities of 3
-/// to 2000 blocks take 13 to 143. Later loads take the fraction `LATER` of it while all directions are kept.
+/// to 2000 blocks take 13 to 143. Later loads take the fraction `LATER_LOADS` of it while all directions are kept.
 const DIRECTIONS: [f64; 2] = [10.0, 3.0];
-const LATER: f64 = 0.4;
+const LATER_LOADS: f64 = 0.4;
 /// Numbers per column for each stored direction: unknowns, image and normal force of the column, and those of a cavity
 /// above it.
 const NUMBERS_PER_COLUMN: f64 = 3.0;
@@ -83,7 +83,7 @@ impl Expense {
 /// Estimates the cost of a valid `scene` on rayon's current pool.
 #[must_use]
 pub fn expense(scene: &Scene) -> Expense {
-    of_threads(scene, rayon::current_num_threads() as f64)
+    expense_on_threads(scene, rayon::current_num_threads() as f64)
 }
 
 /// Estimates the cost of one steady cell of a search, on the slow side, without error estimates.
@@ -92,10 +92,10 @@ pub fn cell_expense(scene: &Scene) -> Expense {
     let Some(pattern) = scene.pattern.as_ref().filter(|_| scene.dimension() == Dimension::Space) else {
         return plane(scene, 1.0);
     };
-    let model = SteadyCell::solved(scene, Dimension::Space);
+    let model = SteadyCell::with_dimension(scene, Dimension::Space);
     let [nx, ny] = model.columns(pattern);
     let explicit = (pattern.depth_m() / scene.layer.block_m).ceil() + 1.0;
-    let raised = if scene.is_raised() { RAISED_TIMES } else { 1.0 };
+    let raised = if scene.is_raised() { RAISED_FACTOR } else { 1.0 };
     let core_s = nx * ny * explicit * scene.loads.len() as f64 * SEARCHED_COLUMN_S * raised;
     Expense { core_s, wall_s: core_s, bytes: model.bytes(pattern) }
 }
@@ -105,7 +105,7 @@ pub fn cell_expense(scene: &Scene) -> Expense {
 /// # Errors
 /// [`SceneError::TooLarge`] or [`SceneError::TooLong`].
 pub fn bounded(scene: &Scene) -> Result<(), SceneError> {
-    let Expense { core_s, bytes, .. } = of_threads(scene, 1.0);
+    let Expense { core_s, bytes, .. } = expense_on_threads(scene, 1.0);
     if bytes > MAX_FACTOR_BYTES {
         return Err(SceneError::TooLarge { bytes, most_bytes: MAX_FACTOR_BYTES });
     }
@@ -115,10 +115,10 @@ pub fn bounded(scene: &Scene) -> Result<(), SceneError> {
     Ok(())
 }
 
-fn of_threads(scene: &Scene, threads: f64) -> Expense {
+fn expense_on_threads(scene: &Scene, threads: f64) -> Expense {
     match (scene.run.fidelity, scene.dimension()) {
         (Fidelity::Steady, Dimension::Space) => space(scene, threads),
-        (Fidelity::Steady, Dimension::Plane) => plane(scene, threads).then(beside_in_plane(scene, threads)),
+        (Fidelity::Steady, Dimension::Plane) => plane(scene, threads).then(plane_error_estimate_cells(scene, threads)),
         (_, dimension) => in_time(scene, dimension == Dimension::Space, threads),
     }
 }
@@ -143,7 +143,7 @@ fn plane(scene: &Scene, threads: f64) -> Expense {
     let (rows, is_cell, loads) = (scene.layer.rows(), scene.run.extent == Extent::Cell, scene.loads.len() as f64);
     let (mut core_s, mut bytes) = (0.0, 0.0);
     if let Some(pattern) = scene.pattern.as_ref().filter(|_| is_cell && scene.layer.is_backed()) {
-        let (products, bytes) = condensing_cell(pattern, scene.layer.block_m);
+        let (products, bytes) = cell_condensing_cost(pattern, scene.layer.block_m);
         let columns = pattern.pitch_m() / scene.layer.block_m;
         let core_s = products * PRODUCT_S + loads * SOLUTIONS * columns * columns * ENTRY_S;
         return Expense { core_s, wall_s: core_s, bytes: bytes + loads * columns * BYTES_PER_POINT };
@@ -160,24 +160,24 @@ fn plane(scene: &Scene, threads: f64) -> Expense {
 }
 
 /// Plane cells for error estimates: in other block sizes, and over the whole thickness and the layer alone.
-fn beside_in_plane(scene: &Scene, threads: f64) -> Expense {
+fn plane_error_estimate_cells(scene: &Scene, threads: f64) -> Expense {
     let Some(pattern) = &scene.pattern else { return Expense::default() };
     let cell = |sized: &Scene| {
         let columns = pattern.pitch_m() / sized.layer.block_m;
-        let products = SteadyCell::solved(sized, Dimension::Plane).products(pattern);
+        let products = SteadyCell::with_dimension(sized, Dimension::Plane).products(pattern);
         let solutions = sized.loads.len() as f64 * SOLUTIONS * columns * columns;
         (products, products * PRODUCT_S + solutions * ENTRY_S)
     };
     let by = |factor: f64| {
-        let (products, core_s) = cell(&blocks::sized(scene, factor)?);
+        let (products, core_s) = cell(&blocks::with_block_factor(scene, factor)?);
         (products < blocks::MAX_PRODUCTS).then_some(core_s)
     };
     let half = by(0.5);
     let quarter = half.and_then(|_| by(0.25));
     let larger = if quarter.is_some() { None } else { by(2.0) };
     let sizes_s = [half, quarter, larger].into_iter().flatten().sum::<f64>();
-    let behind_s = 2.0 * cell(scene).1;
-    Expense { core_s: sizes_s + behind_s, wall_s: sizes_s + behind_s / threads.min(2.0), bytes: 0.0 }
+    let correction_s = 2.0 * cell(scene).1;
+    Expense { core_s: sizes_s + correction_s, wall_s: sizes_s + correction_s / threads.min(2.0), bytes: 0.0 }
 }
 
 /// Number of columns of a strip in space, one period of `pattern` wide.
@@ -189,19 +189,20 @@ fn strip_columns(scene: &Scene, pattern: &Pattern) -> f64 {
 /// Steady sliding in space: a cell or a strip with its loads one after the other, and the cells for error estimates.
 fn space(scene: &Scene, threads: f64) -> Expense {
     let Some(pattern) = &scene.pattern else { return Expense::default() };
-    let (cell, beside) = (space_cell(scene, pattern), beside(scene, pattern, threads));
+    let (cell, error_estimate_cells) = (space_cell(scene, pattern), error_estimate_cells(scene, pattern, threads));
     if scene.run.extent == Extent::Strip {
         // Ends lack springs in all rows from the face to the bulk; the flat strip is solved too.
         let (columns, rows) = (strip_columns(scene, pattern), (scene.layer.rows() + 1) as f64);
-        let each_s = directions(scene, pattern, 1.0).iter().sum::<f64>() * columns * rows * SPACE_COLUMN_S * THIN_TIMES;
+        let each_s =
+            directions(scene, pattern, 1.0).iter().sum::<f64>() * columns * rows * SPACE_COLUMN_S * THIN_FACTOR;
         let strips = Expense {
             core_s: 2.0 * each_s,
             wall_s: 2.0 * each_s / threads.min(2.0),
             bytes: 2.0 * columns * rows * STRIP_BYTES_PER_BLOCK,
         };
-        return strips.then(cell).then(beside);
+        return strips.then(cell).then(error_estimate_cells);
     }
-    cell.then(beside)
+    cell.then(error_estimate_cells)
 }
 
 /// Number of directions of the solver in space for each load of `scene`, in blocks of `factor` times its own.
@@ -210,7 +211,7 @@ fn directions(scene: &Scene, pattern: &Pattern, factor: f64) -> Vec<f64> {
     let blocks = narrowest_m / (factor * scene.layer.block_m);
     let [least, by_root] = DIRECTIONS;
     let first = (least + by_root * blocks.sqrt()).min(MAX_DIRECTIONS as f64);
-    let later = if first * (1.0 + LATER) < MAX_KEPT as f64 { LATER * first } else { first };
+    let later = if first * (1.0 + LATER_LOADS) < MAX_STORED_DIRECTIONS as f64 { LATER_LOADS * first } else { first };
     (0..scene.loads.len()).map(|load| if load == 0 { first } else { later }).collect()
 }
 
@@ -220,11 +221,11 @@ fn space_cell(scene: &Scene, pattern: &Pattern) -> Expense {
     let (columns, each) = (nx * ny, directions(scene, pattern, 1.0));
     let explicit = (pattern.depth_m() / scene.layer.block_m).ceil() + 1.0;
     let all: f64 = each.iter().sum();
-    let kept = all.min(MAX_KEPT as f64);
+    let kept = all.min(MAX_STORED_DIRECTIONS as f64);
     // A direction, its image and its normal forces.
     let numbers = columns * (NUMBERS_PER_COLUMN + NUMBERS_PER_CAVITY * pattern.areal_density());
-    let thin = if nx.min(ny) < THIN { THIN_TIMES } else { 1.0 };
-    let raised = if scene.is_raised() { RAISED_TIMES } else { 1.0 };
+    let thin = if nx.min(ny) < THIN_SIDE { THIN_FACTOR } else { 1.0 };
+    let raised = if scene.is_raised() { RAISED_FACTOR } else { 1.0 };
     let transforms_s = columns * explicit * SPACE_COLUMN_S * thin;
     let core_s = all * raised * (transforms_s + numbers / 2.0 * kept / 2.0 * ORTHOGONAL_S);
     let bytes = columns * explicit * CELL_BYTES_PER_BLOCK + numbers * kept * size_of::<f64>() as f64;
@@ -232,19 +233,21 @@ fn space_cell(scene: &Scene, pattern: &Pattern) -> Expense {
 }
 
 /// Cells in space for error estimates: in other block sizes, and over the whole thickness and the layer alone.
-fn beside(scene: &Scene, pattern: &Pattern, threads: f64) -> Expense {
-    let is_told = |sized: &Scene| SteadyCell::solved(sized, Dimension::Space).bytes(pattern) < MAX_ESTIMATED_BYTES;
-    let by = |factor: f64| blocks::sized(scene, factor).filter(is_told).map(|sized| space_cell(&sized, pattern));
+fn error_estimate_cells(scene: &Scene, pattern: &Pattern, threads: f64) -> Expense {
+    let is_told =
+        |sized: &Scene| SteadyCell::with_dimension(sized, Dimension::Space).bytes(pattern) < MAX_ESTIMATED_BYTES;
+    let by =
+        |factor: f64| blocks::with_block_factor(scene, factor).filter(is_told).map(|sized| space_cell(&sized, pattern));
     let half = by(0.5);
     let other = match half {
         None => [by(2.0), by(4.0)],
         Some(_) => [half, by(0.25).or_else(|| by(2.0))],
     };
     let sizes = other.into_iter().flatten().fold(Expense::default(), Expense::then);
-    let each = space_cell(&Behind::cell_of(scene, pattern), pattern);
+    let each = space_cell(&ThickLayerCorrection::comparison_scene(scene, pattern), pattern);
     let both = if threads >= 2.0 { 2.0 } else { 1.0 };
-    let behind = Expense { core_s: 2.0 * each.core_s, wall_s: 2.0 * each.core_s / both, bytes: both * each.bytes };
-    sizes.then(behind)
+    let correction = Expense { core_s: 2.0 * each.core_s, wall_s: 2.0 * each.core_s / both, bytes: both * each.bytes };
+    sizes.then(correction)
 }
 
 /// Dynamic runs: one for each surface, load and draw.
@@ -258,7 +261,7 @@ fn in_time(scene: &Scene, is_spatial: bool, threads: f64) -> Expense {
         }
         _ => surfaces(scene).into_iter().flatten().map(|columns| columns as f64).collect(),
     };
-    let steps = Plan::new(scene, scene.run.step_s.unwrap_or_else(|| usual_step_s(scene, is_spatial))).total();
+    let steps = Plan::new(scene, scene.run.step_s.unwrap_or_else(|| default_step_s(scene, is_spatial))).total();
     // Longer runs are refused.
     let steps = if steps > MAX_STEPS { 0.0 } else { steps as f64 };
     let is_exact = match scene.run.springs {
@@ -293,7 +296,7 @@ fn in_time(scene: &Scene, is_spatial: bool, threads: f64) -> Expense {
     let runs = Expense { core_s, wall_s: core_s / at_once.max(1.0), bytes };
     // Steady cells are solved before the runs, for error estimates.
     let cells = scene.pattern.as_ref().filter(|_| is_spatial);
-    let cells = cells.map(|pattern| space_cell(scene, pattern).then(beside(scene, pattern, threads)));
+    let cells = cells.map(|pattern| space_cell(scene, pattern).then(error_estimate_cells(scene, pattern, threads)));
     cells.unwrap_or_default().then(runs)
 }
 

@@ -16,7 +16,7 @@ use crate::scene::{Extent, Fidelity, Scene};
 
 /// Relative standard error of the effect of rims: ends carry more load than the cell, and with few cavities rims have a
 /// different weight (`rims_add_to_a_strip_what_they_add_to_the_cell`).
-const OPEN_SHARE: f64 = 0.02;
+const RELATIVE_ERROR: f64 = 0.02;
 
 /// Differences with rims minus without, by load.
 pub struct RimDifference {
@@ -42,7 +42,8 @@ impl RimDifference {
         if !scene.is_raised() {
             return Self { each: Vec::new() };
         }
-        let solve = |scene: &Scene, pattern: &Pattern| SteadyCell::solved(scene, Dimension::Plane).solve(pattern);
+        let solve =
+            |scene: &Scene, pattern: &Pattern| SteadyCell::with_dimension(scene, Dimension::Plane).solve(pattern);
         let flat = Scene { relief: None, ..scene.clone() };
         let (with, without) = rayon::join(|| solve(scene, pattern), || solve(&flat, &without_rim(pattern)));
         Self { each: with.iter().zip(&without).map(|(with, without)| difference(with, without)).collect() }
@@ -56,7 +57,7 @@ impl RimDifference {
                 continue;
             };
             load.shift_ratio(difference.ratio * share);
-            let open = OPEN_SHARE * (difference.ratio * share).abs();
+            let open = RELATIVE_ERROR * (difference.ratio * share).abs();
             load.ratio_layout_error = load.ratio.map(|_| load.ratio_layout_error.unwrap_or(0.0).hypot(open));
             let surface = &mut load.surface;
             surface.peak_pressure_pa *= difference.peak;
@@ -70,31 +71,32 @@ impl RimDifference {
     pub fn statement() -> String {
         format!(
             "rims add to the strips what they add to the steady cell, known to {:.0} %; the interface is that of the cavities alone",
-            100.0 * OPEN_SHARE
+            100.0 * RELATIVE_ERROR
         )
     }
 }
 
 /// Adds the effect of plastic yielding on the steady cell to `loads` of a sample or of a dynamic run, whose rims are
-/// elastic, and a statement to `said`. Does nothing if the solid of `scene` does not yield; steady cells already
+/// elastic, and a statement to `statements`. Does nothing if the solid of `scene` does not yield; steady cells already
 /// include yielding.
-pub fn add_yielding(scene: &Scene, pattern: &Pattern, loads: &mut [LoadOutcome], said: &mut Statements) {
+pub fn add_yielding(scene: &Scene, pattern: &Pattern, loads: &mut [LoadOutcome], statements: &mut Statements) {
     let Some(yield_pa) = scene.elastic.yield_pressure_pa().filter(|_| scene.is_raised()) else { return };
     let yields = format!(
         "heights of the face flatten for good at {} MPa, in the order of the loads",
         (yield_pa * 1e-3).round() * 1e-3
     );
     if scene.run.fidelity == Fidelity::Steady && scene.run.extent == Extent::Cell {
-        said.model(yields);
+        statements.model(yields);
         return;
     }
     let Ok(elastic) = scene.elastic.with_yield_pressure_pa(None) else { return };
-    let solve = |scene: &Scene| SteadyCell::solved(scene, scene.dimension()).solve(pattern);
+    let solve = |scene: &Scene| SteadyCell::with_dimension(scene, scene.dimension()).solve(pattern);
     let rigid = Scene { elastic, ..scene.clone() };
     let (with, without) = rayon::join(|| solve(scene), || solve(&rigid));
     let each = with.iter().zip(&without).map(|(with, without)| difference(with, without)).collect();
     RimDifference { each }.add(1.0, loads);
-    said.model(format!("{yields}: by what that changes of the steady cell, known to {:.0} %", 100.0 * OPEN_SHARE));
+    statements
+        .model(format!("{yields}: by what that changes of the steady cell, known to {:.0} %", 100.0 * RELATIVE_ERROR));
 }
 
 fn difference(with: &CellOutcome, without: &CellOutcome) -> Option<Difference> {
@@ -110,7 +112,7 @@ fn difference(with: &CellOutcome, without: &CellOutcome) -> Option<Difference> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::columns::{raised, sample};
+    use crate::columns::{sample, with_relief};
     use crate::lattice::Lattice;
     use crate::outcome::Status;
     use crate::samples;
@@ -141,11 +143,11 @@ mod tests {
             };
             for (load, difference) in scene.loads.iter().zip(&difference.each) {
                 let found = difference.as_ref().unwrap().ratio * share;
-                let expected = solve(raised(flat.clone(), &pattern, 10e-6, None), load.pressure_pa)
+                let expected = solve(with_relief(flat.clone(), &pattern, 10e-6, None), load.pressure_pa)
                     - solve(flat.clone(), load.pressure_pa);
                 worst = worst.max((found / expected - 1.0).abs());
             }
         }
-        assert!(worst < 2.0 * OPEN_SHARE, "{worst}");
+        assert!(worst < 2.0 * RELATIVE_ERROR, "{worst}");
     }
 }

@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 use super::{averaging, compare};
 use crate::Monitor;
-use crate::dynamics::{DynamicRun, Scheme, remembered, settings};
+use crate::dynamics::{DynamicRun, Scheme, cache_key_settings, cached_run};
 use crate::error::SceneError;
 use crate::lattice::Lattice;
 use crate::outcome::{LoadOutcome, SurfaceOutcome};
@@ -14,7 +14,7 @@ use crate::scene::Scene;
 use crate::steady::SteadyModel;
 
 /// Result of dynamic runs.
-pub struct Integrated {
+pub struct RunResults {
     pub loads: Vec<LoadOutcome>,
     pub scheme: Scheme,
 }
@@ -23,14 +23,14 @@ pub struct Integrated {
 ///
 /// `steady` caches the equations of steady sliding by lattice; runs that start from sliding create them. `corrections`
 /// are added to the ratio, by load.
-pub fn integrate(
+pub fn run_all(
     scene: &Scene,
     lattices: &[Lattice],
     steady: &[OnceLock<SteadyModel>],
     corrections: &[f64],
     monitor: &dyn Monitor,
-) -> Result<Integrated, SceneError> {
-    let schemes = stable(lattices.par_iter().map(|lattice| Scheme::choose(scene, lattice)).collect())?;
+) -> Result<RunResults, SceneError> {
+    let schemes = require_stable(lattices.par_iter().map(|lattice| Scheme::choose(scene, lattice)).collect())?;
     let surfaces = lattices.len();
     let draws = scene.run.draws as usize;
     let runs = surfaces * draws * scene.loads.len();
@@ -45,16 +45,16 @@ pub fn integrate(
             let (lattice, steady, scheme) = (&lattices[surface], &steady[surface], schemes[surface]);
             let (seed, stderr_share) = (seed_of(scene, draw), stderr_share(scene));
             let run = DynamicRun { scene, load, lattice, steady, scheme, threads, share, seed, stderr_share };
-            let content = (settings(scene), load, lattice, scheme, seed, stderr_share);
-            remembered(monitor, &content, share, || run.run(monitor))
+            let content = (cache_key_settings(scene), load, lattice, scheme, seed, stderr_share);
+            cached_run(monitor, &content, share, || run.run(monitor))
         })
         .collect();
     let corrected = |load: usize, _: usize, outcome: &mut LoadOutcome| outcome.shift_ratio(corrections[load]);
-    Ok(Integrated { loads: collect(scene, surfaces, outcomes, corrected), scheme: schemes[0] })
+    Ok(RunResults { loads: collect(scene, surfaces, outcomes, corrected), scheme: schemes[0] })
 }
 
 /// Returns all `schemes`, or the error of the one with the smallest stability limit, which is stable on all lattices.
-fn stable(schemes: Vec<Result<Scheme, SceneError>>) -> Result<Vec<Scheme>, SceneError> {
+fn require_stable(schemes: Vec<Result<Scheme, SceneError>>) -> Result<Vec<Scheme>, SceneError> {
     let limit_s = |refused: &SceneError| match refused {
         SceneError::UnstableStep { limit_s, .. } => *limit_s,
         _ => 0.0,

@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use slipgrid_pattern::Pattern;
 
 use super::drawn_ratios::{model_of, solve_drawn};
-use super::specimen::least_wall_m;
+use super::specimen::min_wall_m;
 use super::statements::few_periods;
 use super::{MAX_FACTOR_BYTES, compare, steady_coefficients};
 use crate::Monitor;
@@ -19,7 +19,7 @@ use crate::space::SpaceLattice;
 /// Prime factors for which Fourier transforms are fast; the number of lines including the gap has no others.
 const FACTORS: [usize; 6] = [2, 3, 5, 7, 11, 13];
 /// Minimum width of a whole cavity relative to the widest one.
-const WHOLE: f64 = 1.0 - 1e-6;
+const WHOLE_CAVITY: f64 = 1.0 - 1e-6;
 /// Memory per block of a steady solution, in bytes: displacements of all rows, spectra, and stored directions.
 pub const BYTES_PER_BLOCK: f64 = 800.0;
 
@@ -30,58 +30,58 @@ pub struct SpaceStrip {
     /// Unit vector of the sliding direction in the axes of the lattices.
     pub direction: [f64; 2],
     /// Whether y of the lattices is x of the pattern.
-    is_turned: bool,
+    is_transposed: bool,
     /// Length in periods, if the strip has cavities from end to end.
     periods: Option<f64>,
     /// Cavity fraction of the strip over that of its cells.
-    pub of_cells: f64,
+    pub relative_cavity_share: f64,
 }
 
 impl SpaceStrip {
     /// Creates the strip of `scene` with `pattern`, which repeats `cell` over the length of the cavities of `layout`.
     /// Without a layout the strip begins with a cell like its lattice, and the last cell is cut off.
     #[must_use]
-    pub fn new(scene: &Scene, pattern: &Pattern, cell: &SpaceLattice, laid: Option<&Strip>) -> Self {
+    pub fn new(scene: &Scene, pattern: &Pattern, cell: &SpaceLattice, layout: Option<&Strip>) -> Self {
         let [along_x, along_y] = pattern.sliding_direction();
-        let is_turned = pattern.texture().slides_along_rows();
-        let direction = [0.0, if is_turned { along_x.signum() } else { along_y.signum() }];
-        let cell = if is_turned { cell.transposed() } else { cell.clone() };
+        let is_transposed = pattern.texture().slides_along_rows();
+        let direction = [0.0, if is_transposed { along_x.signum() } else { along_y.signum() }];
+        let cell = if is_transposed { cell.transposed() } else { cell.clone() };
         let [_, period] = cell.columns();
         // Validated to be at least one block; the cast is exact.
         let spacing = cell.spacing()[1];
         let lines = (scene.layer.columns() as f64 / spacing).round().max(1.0) as usize;
         let gap = gap_after(lines);
-        let own = match laid {
+        let own = match layout {
             None => cell.strip_along_y(lines, gap, |line| Some(line % period)),
-            Some(laid) => {
+            Some(layout) => {
                 let line_m = spacing * scene.layer.block_m;
-                let textured = Textured::new(laid, line_m, &cell);
+                let cell_lines = CellLines::new(layout, line_m, &cell);
                 // If a wall at an end is too slender, the adjacent cavity replaces it.
-                let slender = (least_wall_m(pattern.depth_m(), scene.layer.block_m) / line_m).ceil() as usize;
-                let walls = textured.walls(lines).map(|wall| wall.filter(|wall| *wall < slender).unwrap_or(0));
+                let slender = (min_wall_m(pattern.depth_m(), scene.layer.block_m) / line_m).ceil() as usize;
+                let walls = cell_lines.walls(lines).map(|wall| wall.filter(|wall| *wall < slender).unwrap_or(0));
                 // A strip that consists of walls only is kept.
                 let [first, last] = if walls[0] + walls[1] < lines { walls } else { [0; 2] };
-                cell.strip_along_y(lines, gap, |line| textured.line_of_cell(line.clamp(first, lines - 1 - last)))
+                cell.strip_along_y(lines, gap, |line| cell_lines.line_of_cell(line.clamp(first, lines - 1 - last)))
             }
         };
         // In whole blocks, cavities narrower than half a block vanish.
         let of_cell = cavity_share(&cell);
-        let of_cells = if of_cell > 0.0 { cavity_share(&own) / of_cell } else { 1.0 };
+        let relative_cavity_share = if of_cell > 0.0 { cavity_share(&own) / of_cell } else { 1.0 };
         let flat = cell.strip_along_y(lines, gap, |_| None);
         // The cell may contain several periods.
-        let cell_m = pattern.cell_m()[usize::from(!is_turned)];
+        let cell_m = pattern.cell_m()[usize::from(!is_transposed)];
         Self {
             lattices: [own, flat],
             direction,
-            is_turned,
-            periods: laid.is_none().then_some(scene.layer.length_m / cell_m),
-            of_cells,
+            is_transposed,
+            periods: layout.is_none().then_some(scene.layer.length_m / cell_m),
+            relative_cavity_share,
         }
     }
 
     /// Converts an outcome on a lattice to the axes of the pattern.
-    pub fn turn_back(&self, outcome: &mut SurfaceOutcome) {
-        if !self.is_turned {
+    pub fn to_pattern_axes(&self, outcome: &mut SurfaceOutcome) {
+        if !self.is_transposed {
             return;
         }
         for point in &mut outcome.interface {
@@ -93,7 +93,7 @@ impl SpaceStrip {
     }
 
     /// Statement that the cavity fraction differs from that of a period of `pattern`, if it does.
-    pub fn of_few_periods(&self, pattern: &Pattern) -> Option<String> {
+    pub fn few_periods_statement(&self, pattern: &Pattern) -> Option<String> {
         few_periods(self.periods?, cavity_share(&self.lattices[0]), pattern.areal_density())
     }
 
@@ -120,7 +120,7 @@ fn cavity_share(lattice: &SpaceLattice) -> f64 {
 }
 
 /// Assignment of the lines of a strip to lines of cells.
-struct Textured {
+struct CellLines {
     /// First line of a cell.
     first: isize,
     /// Lines that belong to cells.
@@ -131,26 +131,26 @@ struct Textured {
     lands: [isize; 2],
 }
 
-impl Textured {
+impl CellLines {
     /// Assigns the lines of the strip `layout`, with lines of `line_m`: as many cells as the strip has whole cavities,
     /// centred on these, so that a cell whose length differs from the period loses no cavity. Cells continue up to an
     /// end that cuts a cavity. There are none without cavities.
-    fn new(laid: &Strip, line_m: f64, cell: &SpaceLattice) -> Self {
+    fn new(layout: &Strip, line_m: f64, cell: &SpaceLattice) -> Self {
         let [nx, ny] = cell.columns();
         let mut of_cavities = (0..ny).filter(|j| (0..nx).any(|i| cell.is_cavity(i, *j)));
         let ends = of_cavities.next().map(|before| (before, of_cavities.next_back().unwrap_or(before)));
         // Strips have at most 1e7 lines: the casts are exact.
         let period = ny as isize;
         let lands = ends.map_or([0; 2], |(first, last)| [first as isize, (ny - 1 - last) as isize]);
-        let widest_m = laid.cavities_m.iter().map(|[start_m, end_m]| end_m - start_m).fold(0.0, f64::max);
-        let mut whole = laid.cavities_m.iter().filter(|[start_m, end_m]| end_m - start_m > WHOLE * widest_m);
+        let widest_m = layout.cavities_m.iter().map(|[start_m, end_m]| end_m - start_m).fold(0.0, f64::max);
+        let mut whole = layout.cavities_m.iter().filter(|[start_m, end_m]| end_m - start_m > WHOLE_CAVITY * widest_m);
         let count = whole.clone().count() as isize;
-        let (Some(start), Some(end)) = (whole.clone().next(), whole.next_back().or(laid.cavities_m.first())) else {
+        let (Some(start), Some(end)) = (whole.clone().next(), whole.next_back().or(layout.cavities_m.first())) else {
             return Self { first: 0, lines: 0..0, period, lands };
         };
         let middle = f64::midpoint(start[0], end[1]) / line_m;
         let first = (middle - 0.5 * (count * period) as f64).round() as isize;
-        let is_cut = [laid.cavities_m.first() != Some(start), laid.cavities_m.last() != Some(end)];
+        let is_cut = [layout.cavities_m.first() != Some(start), layout.cavities_m.last() != Some(end)];
         let from = if is_cut[0] { isize::MIN } else { first };
         let to = if is_cut[1] { isize::MAX } else { first + count * period };
         Self { first, lines: from..to, period, lands }
@@ -161,9 +161,9 @@ impl Textured {
     fn walls(&self, lines: usize) -> [Option<usize>; 2] {
         let Range { start, end } = self.lines;
         let before = (start > isize::MIN).then(|| start + self.lands[0]);
-        let behind = (end < isize::MAX).then(|| lines as isize - end + self.lands[1]);
+        let after = (end < isize::MAX).then(|| lines as isize - end + self.lands[1]);
         // A negative number counts as no wall.
-        [before, behind].map(|wall| wall.and_then(|wall| usize::try_from(wall).ok()))
+        [before, after].map(|wall| wall.and_then(|wall| usize::try_from(wall).ok()))
     }
 
     /// Returns the line of the cell to which `line` belongs; `None` for land beyond the cells.
@@ -199,8 +199,8 @@ pub fn steady_loads(scene: &Scene, strip: &SpaceStrip, monitor: &dyn Monitor) ->
         strip.lattices.par_iter().map(|lattice| solve(scene, lattice, strip.direction, monitor)).collect();
     let [own, flat] = <[_; 2]>::try_from(solved).unwrap_or_default();
     let each = scene.loads.iter().zip(own.into_iter().zip(flat)).map(|(load, (mut own, mut flat))| {
-        strip.turn_back(&mut own);
-        strip.turn_back(&mut flat);
+        strip.to_pattern_axes(&mut own);
+        strip.to_pattern_axes(&mut flat);
         compare(load, own, Some(flat))
     });
     Ok(each.collect())
@@ -373,7 +373,7 @@ mod tests {
         let scene = scene(samples::pattern(Planform::Square, 60.0, 60.0, 20.0), 3, Fidelity::Steady);
         let pattern = scene.pattern.unwrap();
         let cell = SpaceLattice::cell(&pattern, 10e-6, 6);
-        let laid = |lines: usize, cavities_um: &[[f64; 2]]| {
+        let layout = |lines: usize, cavities_um: &[[f64; 2]]| {
             let cavities_m = cavities_um.iter().map(|ends| ends.map(|at| at * 1e-6)).collect();
             let length_m = lines as f64 * 10e-6;
             let strip = Strip { band: 0, width_m: 1e-3, length_m, cavities_m };
@@ -382,23 +382,23 @@ mod tests {
             let lattice = &found.lattices[0];
             // Lines with cavities.
             let lines: Vec<usize> = (0..lines).filter(|j| (0..12).any(|i| lattice.is_cavity(i, *j))).collect();
-            (lines, found.of_cells)
+            (lines, found.relative_cavity_share)
         };
         let whole = |from: usize, to: usize| (from..to).collect::<Vec<usize>>();
         // Margins of 50 and 70 um.
-        let (lines, of_cells) = laid(30, &[[50.0, 110.0], [170.0, 230.0]]);
+        let (lines, relative_cavity_share) = layout(30, &[[50.0, 110.0], [170.0, 230.0]]);
         assert_eq!(lines, [whole(5, 11), whole(17, 23)].concat());
-        assert!((of_cells - 24.0 / 30.0).abs() < 1e-12);
+        assert!((relative_cavity_share - 24.0 / 30.0).abs() < 1e-12);
         // A wall of one block in front of a cavity two blocks deep is removed, at either end.
-        assert_eq!(laid(30, &[[10.0, 70.0], [130.0, 190.0]]).0, [whole(0, 7), whole(13, 19)].concat());
-        assert_eq!(laid(20, &[[10.0, 70.0], [130.0, 190.0]]).0, [whole(0, 7), whole(13, 20)].concat());
+        assert_eq!(layout(30, &[[10.0, 70.0], [130.0, 190.0]]).0, [whole(0, 7), whole(13, 19)].concat());
+        assert_eq!(layout(20, &[[10.0, 70.0], [130.0, 190.0]]).0, [whole(0, 7), whole(13, 20)].concat());
         // The border cuts the first cavity; a strip of two blocks has nothing between its ends.
         assert_eq!(
-            laid(30, &[[0.0, 30.0], [90.0, 150.0], [210.0, 270.0]]).0,
+            layout(30, &[[0.0, 30.0], [90.0, 150.0], [210.0, 270.0]]).0,
             [whole(0, 3), whole(9, 15), whole(21, 27)].concat()
         );
-        assert_eq!(laid(2, &[[10.0, 20.0]]), (whole(0, 2), 2.0));
-        assert_eq!(laid(5, &[]), (Vec::new(), 0.0));
+        assert_eq!(layout(2, &[[10.0, 20.0]]), (whole(0, 2), 2.0));
+        assert_eq!(layout(5, &[]), (Vec::new(), 0.0));
     }
 
     #[test]

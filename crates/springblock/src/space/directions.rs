@@ -40,11 +40,11 @@ pub struct Direction {
 
 /// Images that retain less than this fraction of their length after orthogonalization are linearly dependent to
 /// rounding.
-const DEPENDENT: f64 = 1e-13;
+const DEPENDENCE_TOLERANCE: f64 = 1e-13;
 /// Fraction of its length that an image must retain for one pass of orthogonalization to leave it orthogonal to 1e-14.
-const ENOUGH: f64 = 0.1;
+const MIN_RETAINED_SHARE: f64 = 0.1;
 /// Number of vectors subtracted in one pass, which reads the target vector once.
-const AT_ONCE: usize = 4;
+const BATCH: usize = 4;
 
 impl Directions {
     #[must_use]
@@ -59,15 +59,15 @@ impl Directions {
     /// Adds `direction`; returns false if its image is linearly dependent on the others.
     pub fn add(&mut self, mut direction: Direction) -> bool {
         let before = norm(&direction.image);
-        let mut shares = self.take(&mut direction.image);
+        let mut shares = self.project_out(&mut direction.image);
         let mut after = norm(&direction.image);
         // The rest of an image that lost most of its length contains rounding errors; a second pass is enough.
-        if after < ENOUGH * before {
-            let more = self.take(&mut direction.image);
+        if after < MIN_RETAINED_SHARE * before {
+            let more = self.project_out(&mut direction.image);
             shares.iter_mut().zip(more).for_each(|(share, more)| *share += more);
             after = norm(&direction.image);
         }
-        if after.is_nan() || after <= DEPENDENT * before {
+        if after.is_nan() || after <= DEPENDENCE_TOLERANCE * before {
             return false;
         }
         shares.push(after);
@@ -87,9 +87,9 @@ impl Directions {
     }
 
     /// Subtracts the projection of `values` on each image; returns the coefficients c.
-    pub fn take(&self, values: &mut [f64]) -> Vec<f64> {
+    pub fn project_out(&self, values: &mut [f64]) -> Vec<f64> {
         let mut shares = Vec::with_capacity(self.images.len());
-        for images in self.images.chunks(AT_ONCE) {
+        for images in self.images.chunks(BATCH) {
             if let [p, q, r, s] = images {
                 let of = dot_four([p, q, r, s], values);
                 subtract_four(values, of, [p, q, r, s]);
@@ -106,7 +106,7 @@ impl Directions {
     }
 
     /// Like [`Self::project_out`] for the last direction only.
-    pub fn take_last(&self, values: &mut [f64]) -> Option<f64> {
+    pub fn project_out_last(&self, values: &mut [f64]) -> Option<f64> {
         let image = self.images.last()?;
         let share = dot(image, values);
         subtract(values, share, image);
@@ -125,7 +125,7 @@ impl Directions {
             }
         }
         for (values, each) in [(unknowns, &self.steps), (normal, &self.normals)] {
-            for (y, each) in y.chunks(AT_ONCE).zip(each.chunks(AT_ONCE)) {
+            for (y, each) in y.chunks(BATCH).zip(each.chunks(BATCH)) {
                 if let ([a, b, c, d], [p, q, r, s]) = (y, each) {
                     subtract_four(values, [-a, -b, -c, -d], [p, q, r, s]);
                 } else {
@@ -140,7 +140,7 @@ impl Directions {
 
 /// Computes a -= sum of shares b, in the order of the shares.
 #[multiversion(targets("x86_64+avx512f", "x86_64+avx2"))]
-fn subtract_four(a: &mut [f64], shares: [f64; AT_ONCE], b: [&[f64]; AT_ONCE]) {
+fn subtract_four(a: &mut [f64], shares: [f64; BATCH], b: [&[f64]; BATCH]) {
     let [p, q, r, s] = b;
     for ((((a, p), q), r), s) in a.iter_mut().zip(p).zip(q).zip(r).zip(s) {
         *a = *a - shares[0] * p - shares[1] * q - shares[2] * r - shares[3] * s;
@@ -156,8 +156,8 @@ fn total(sums: &[f64; LANES]) -> f64 {
 
 /// Scalar products of each of `a` with b, identical to [`dot`].
 #[multiversion(targets("x86_64+avx512f", "x86_64+avx2"))]
-fn dot_four(a: [&[f64]; AT_ONCE], b: &[f64]) -> [f64; AT_ONCE] {
-    let mut sums = [[0.0; LANES]; AT_ONCE];
+fn dot_four(a: [&[f64]; BATCH], b: &[f64]) -> [f64; BATCH] {
+    let mut sums = [[0.0; LANES]; BATCH];
     let (chunks, rest) = b.as_chunks::<LANES>();
     let of = a.map(|a| a.as_chunks::<LANES>());
     for (place, b) in chunks.iter().enumerate() {
@@ -226,7 +226,7 @@ mod tests {
         for seed in [1.0, 2.7] {
             let right: Vec<f64> = (0..count).map(|i| (seed * i as f64).cos()).collect();
             let (mut x, mut normal, mut residual) = (vec![0.0; count], vec![0.0; 2], right.clone());
-            let shares = directions.take(&mut residual);
+            let shares = directions.project_out(&mut residual);
             directions.advance(&shares, &mut x, &mut normal);
             let found = apply(&x);
             assert!(found.iter().zip(&right).all(|(found, right)| (found - right).abs() < 1e-14), "{found:?}");

@@ -341,20 +341,20 @@ impl Interface {
 
     /// Converts the `unknowns` of `other`, which differs in its lifted contacts, to those of this interface, on a face
     /// with heights times `raise`.
-    pub fn continued(&self, other: &Self, unknowns: &[f64], raise: f64) -> Vec<f64> {
+    pub fn convert_unknowns(&self, other: &Self, unknowns: &[f64], raise: f64) -> Vec<f64> {
         let (forces, rest) = unknowns.split_at(3 * self.support.len());
         let (heights, friction) = rest.split_at(other.free.len());
-        let mut continued = forces.to_vec();
+        let mut convert_unknowns = forces.to_vec();
         for (own, before) in self.surface.iter().zip(&other.surface).filter(|(own, _)| own.free.is_some()) {
-            continued.push(before.free.map_or(raise * own.relief, |(number, _)| heights[number]));
+            convert_unknowns.push(before.free.map_or(raise * own.relief, |(number, _)| heights[number]));
         }
         let lifted = self.surface.iter().filter(|surface| surface.contact.is_some()).map(|surface| surface.lifted);
-        continued.extend(lifted.zip(friction).map(|(lifted, friction)| if lifted { 0.0 } else { *friction }));
-        continued
+        convert_unknowns.extend(lifted.zip(friction).map(|(lifted, friction)| if lifted { 0.0 } else { *friction }));
+        convert_unknowns
     }
 
     /// Copies the heights of the face from `other`, which has the same contacts.
-    pub fn take_heights(&mut self, other: &Self) {
+    pub fn copy_heights(&mut self, other: &Self) {
         for (own, other) in self.surface.iter_mut().zip(&other.surface) {
             own.relief = other.relief;
         }

@@ -11,7 +11,7 @@
 use slipgrid_pattern::{Pattern, ReliefMap};
 
 use super::springs::{LEVEL, Spring, springs};
-use crate::columns::{divide, settled};
+use crate::columns::{divide, round_share};
 use crate::lattice::{joint_presence, stiffness_share};
 use crate::rims;
 
@@ -47,7 +47,7 @@ pub struct SpaceBond {
 }
 
 /// Tolerance within which a depth counts as a whole number of blocks, for rounding errors of divisions.
-const WHOLE: f64 = 1e-9;
+const WHOLE_TOLERANCE: f64 = 1e-9;
 impl SpaceLattice {
     /// Number of columns along x and y of a cell of `pattern` in blocks of `block_m`.
     #[must_use]
@@ -72,12 +72,12 @@ impl SpaceLattice {
     /// Creates one period of `pattern` in blocks of `block_m` with `rows` rows. Grooves take one column along y.
     #[must_use]
     pub fn cell(pattern: &Pattern, block_m: f64, rows: usize) -> Self {
-        Self::cell_on(pattern, block_m, rows, None)
+        Self::cell_with_map(pattern, block_m, rows, None)
     }
 
     /// Like [`Self::cell`], with the measured relief `map` of the lands.
     #[must_use]
-    pub fn cell_on(pattern: &Pattern, block_m: f64, rows: usize, map: Option<&ReliefMap>) -> Self {
+    pub fn cell_with_map(pattern: &Pattern, block_m: f64, rows: usize, map: Option<&ReliefMap>) -> Self {
         let cell_m = repeated_cell_m(pattern);
         // Oblique crossing grooves cut columns at any position: a crossing lies on a corner of columns, which gives the
         // lattice the mirror symmetries of the pattern.
@@ -107,7 +107,7 @@ impl SpaceLattice {
         };
         let count = columns[0] * columns[1];
         let coverage =
-            (0..count).map(sides).map(|[x0, x1, y0, y1]| pattern.coverage(x0, x1, y0, y1)).map(settled).collect();
+            (0..count).map(sides).map(|[x0, x1, y0, y1]| pattern.coverage(x0, x1, y0, y1)).map(round_share).collect();
         let periods = [0, 1].map(|axis| if extents_m[axis].is_none() { 1 } else { axes[axis].4 });
         // The scene already refuses a map that does not fit its pattern.
         let relief = match map.and_then(|map| map.lands(pattern).ok()) {
@@ -117,7 +117,8 @@ impl SpaceLattice {
             }
         };
         let depth = pattern.depth_m() / block_m;
-        let depth = if (depth - depth.round()).abs() < WHOLE * depth.max(1.0) { depth.round() } else { depth };
+        let depth =
+            if (depth - depth.round()).abs() < WHOLE_TOLERANCE * depth.max(1.0) { depth.round() } else { depth };
         Self { columns, rows, spacing, coverage, depth, relief, gap: 0 }
     }
 
@@ -145,10 +146,11 @@ impl SpaceLattice {
     /// removed from the face to the bulk. Line n of the strip is line `cell_line(n)` of the cell, or land if that is
     /// `None`.
     #[must_use]
-    pub fn strip_along_y(&self, lines: usize, gap: usize, of: impl Fn(usize) -> Option<usize>) -> Self {
+    pub fn strip_along_y(&self, lines: usize, gap: usize, cell_line: impl Fn(usize) -> Option<usize>) -> Self {
         let nx = self.columns[0];
         let laid = |values: &[f64], elsewhere: f64, beyond: f64| -> Vec<f64> {
-            let line = |n: usize| of(n).map_or_else(|| vec![elsewhere; nx], |j| values[j * nx..(j + 1) * nx].to_vec());
+            let line =
+                |n: usize| cell_line(n).map_or_else(|| vec![elsewhere; nx], |j| values[j * nx..(j + 1) * nx].to_vec());
             (0..lines).flat_map(line).chain(std::iter::repeat_n(beyond, gap * nx)).collect()
         };
         let coverage = laid(&self.coverage, 0.0, 1.0);

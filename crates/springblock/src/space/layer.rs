@@ -33,7 +33,7 @@ use slipgrid_fft::{Complex, ComplexToReal, Fft, Precision, RealToComplex};
 use super::springs::{LEVEL, springs};
 
 /// Relative change of S_k^-1 from row to row below which it equals that of a half-space: a few rounding errors.
-const SETTLED: f64 = 1e-15;
+const HALF_SPACE_TOLERANCE: f64 = 1e-15;
 
 /// Symmetric 3 x 3 matrix: xx, xy, xz, yy, yz, zz.
 type Symmetric = [f64; 6];
@@ -72,7 +72,7 @@ impl std::fmt::Debug for FlatLayer {
 }
 
 /// Number of lines transformed along x before the results are stored, so that the values of a wave fill cache lines.
-const TOGETHER: usize = 16;
+const BATCH: usize = 16;
 
 /// Work space of [`FlatLayer::respond`].
 pub struct Workspace {
@@ -170,7 +170,7 @@ impl FlatLayer {
                     let above = std::mem::replace(&mut inverse, invert(&reduced));
                     // The wave does not reach farther up, so that all rows down to the explicit ones have the same
                     // inverse.
-                    if k > self.explicit && settled(&above, &inverse) {
+                    if k > self.explicit && is_half_space(&above, &inverse) {
                         k = self.explicit;
                     }
                 }
@@ -206,7 +206,7 @@ impl FlatLayer {
             starts,
             spectra: vec![Complex::default(); half * kept],
             column: vec![Complex::default(); 3 * self.explicit * ny],
-            transformed: vec![Complex::default(); TOGETHER * half],
+            transformed: vec![Complex::default(); BATCH * half],
             scratch: vec![Complex::default(); scratch.into_iter().max().unwrap_or(0)],
             real: vec![0.0; nx],
         }
@@ -267,8 +267,8 @@ impl FlatLayer {
             if !loaded[field] {
                 continue;
             }
-            for first in lines.clone().step_by(TOGETHER) {
-                let count = TOGETHER.min(lines.end - first);
+            for first in lines.clone().step_by(BATCH) {
+                let count = BATCH.min(lines.end - first);
                 let together = of_field[first * nx..][..count * nx].chunks_exact(nx);
                 for (values, line) in together.zip(transformed.chunks_exact_mut(half)) {
                     if values.iter().all(|value| *value == 0.0) {
@@ -299,8 +299,8 @@ impl FlatLayer {
         for (field, lines) in lines.iter().enumerate().filter(|(field, _)| *field != 2) {
             let of_field = &mut fields[field * ny * nx..][..ny * nx];
             let wanted = &wanted[field * ny..][..ny];
-            for first in lines.clone().step_by(TOGETHER) {
-                let count = TOGETHER.min(lines.end - first);
+            for first in lines.clone().step_by(BATCH) {
+                let count = BATCH.min(lines.end - first);
                 let start = starts[field] + first - lines.start;
                 if wanted[first..first + count].contains(&true) {
                     for q in 0..half {
@@ -467,9 +467,9 @@ fn symmetric_times(m: &Symmetric, u: &[Pair; 3]) -> [Pair; 3] {
 }
 
 /// Whether the inverses of two rows are equal to rounding.
-fn settled(above: &Symmetric, below: &Symmetric) -> bool {
+fn is_half_space(above: &Symmetric, below: &Symmetric) -> bool {
     let largest = below[0].abs().max(below[3].abs()).max(below[5].abs());
-    above.iter().zip(below).all(|(a, b)| (a - b).abs() <= SETTLED * largest)
+    above.iter().zip(below).all(|(a, b)| (a - b).abs() <= HALF_SPACE_TOLERANCE * largest)
 }
 
 fn invert(m: &Symmetric) -> Symmetric {

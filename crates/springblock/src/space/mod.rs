@@ -22,7 +22,7 @@ mod steady;
 
 pub use lattice::{SpaceBond, SpaceLattice};
 pub use springs::Spring as SpaceSpring;
-pub(crate) use steady::{MAX_DIRECTIONS, MAX_KEPT, TOLERANCE};
+pub(crate) use steady::{MAX_DIRECTIONS, MAX_STORED_DIRECTIONS, TOLERANCE};
 pub use steady::{SpaceLoad, SpaceSteadyModel};
 
 #[cfg(test)]

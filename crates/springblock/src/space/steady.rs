@@ -30,7 +30,7 @@ pub(crate) const MAX_DIRECTIONS: usize = 600;
 /// Maximum number of evaluations of friction for one load.
 const MAX_EVALUATIONS: usize = 100;
 /// Maximum number of stored directions: more cost memory and time, fewer lose information.
-pub(crate) const MAX_KEPT: usize = 160;
+pub(crate) const MAX_STORED_DIRECTIONS: usize = 160;
 /// Relative step of the finite difference for the slope of friction.
 const SLOPE_STEP: f64 = 1e-6;
 /// Maximum number of rounds of lifting and landing blocks in unilateral contact.
@@ -53,7 +53,7 @@ pub struct SpaceLoad<'a> {
 
 impl<'a> SpaceLoad<'a> {
     /// Creates `load` with its mean dynamic coefficient, sliding along `direction`.
-    pub(crate) fn of_mean(load: &Load, area_law: Option<&'a AreaLaw>, direction: [f64; 2]) -> Self {
+    pub(crate) fn with_mean_friction(load: &Load, area_law: Option<&'a AreaLaw>, direction: [f64; 2]) -> Self {
         let dynamic_mu = load.friction.dynamic_mean();
         Self { pressure_pa: load.pressure_pa, dynamic_mu, relative_mu: None, area_law, direction }
     }
@@ -133,6 +133,7 @@ impl SpaceSteadyModel {
         Self { tolerance, ..self }
     }
 
+    /// Lattice of this configuration.
     #[must_use]
     pub const fn lattice(&self) -> &SpaceLattice {
         &self.lattice
@@ -170,7 +171,7 @@ impl SpaceSteadyModel {
         let (_, lifted) = solver.equilibrate(load);
         let solver = lifted.as_ref().unwrap_or(&solver);
         let mut whole = Interface::uncondensed(&self.lattice).with_contacts(&solver.lifted(), &solver.yielding());
-        whole.take_heights(&solver.interface);
+        whole.copy_heights(&solver.interface);
         let mut moved = whole.response();
         whole.respond_loaded(&solver.state.unknowns, solver.along, solver.face, &mut moved);
         let unit = self.displacement_unit(load.pressure_pa);
@@ -216,10 +217,10 @@ impl SpaceSteadyModel {
 
 impl<'a> Solver<'a> {
     fn new(model: &'a SpaceSteadyModel) -> Self {
-        Self::on(model, Cow::Borrowed(&model.interface))
+        Self::with_interface(model, Cow::Borrowed(&model.interface))
     }
 
-    fn on(model: &'a SpaceSteadyModel, interface: Cow<'a, Interface>) -> Self {
+    fn with_interface(model: &'a SpaceSteadyModel, interface: Cow<'a, Interface>) -> Self {
         let elastic = interface.elastic_unknowns();
         let mut solver = Self {
             model,
@@ -343,7 +344,7 @@ impl<'a> Solver<'a> {
             }
             lifted = next;
             let interface = Cow::Owned(self.model.interface.with_lifted(&lifted));
-            let mut solver = Self { monitor: self.monitor, ..Self::on(self.model, interface) };
+            let mut solver = Self { monitor: self.monitor, ..Self::with_interface(self.model, interface) };
             let latest_end = solver.iterate(load);
             end = End { directions: end.directions + latest_end.directions, ..latest_end };
             latest = Some(solver);
@@ -390,13 +391,13 @@ impl<'a> Solver<'a> {
             }
             last = size;
             let target = LINEAR_TOLERANCE * norm(&residual);
-            let mut shares = self.directions.take(&mut residual);
+            let mut shares = self.directions.project_out(&mut residual);
             while norm(&residual) > target && applied < MAX_DIRECTIONS {
                 if self.monitor.cancelled() {
                     self.advance(&shares, &residual);
                     return End { status: Status::Cancelled, residual: size, directions: applied };
                 }
-                if self.directions.count() >= MAX_KEPT {
+                if self.directions.count() >= MAX_STORED_DIRECTIONS {
                     self.advance(&shares, &residual);
                     shares.clear();
                     self.directions.clear();
@@ -408,7 +409,7 @@ impl<'a> Solver<'a> {
                 if !self.directions.add(direction) {
                     break;
                 }
-                shares.extend(self.directions.take_last(&mut residual));
+                shares.extend(self.directions.project_out_last(&mut residual));
             }
             self.advance(&shares, &residual);
         }
@@ -476,7 +477,7 @@ impl<'a> Solver<'a> {
         let clearance_m = clearance.map(|clearance| clearance * self.model.block_m);
         let forces = [&self.state.normal[..], friction];
         let interface = (interface, peak_pressure_pa);
-        let found = SurfaceOutcome::sliding(end.status, forces, interface, clearance_m, load.area_law);
+        let found = SurfaceOutcome::from_steady_forces(end.status, forces, interface, clearance_m, load.area_law);
         let residual = Some(end.residual).filter(|_| found.status != Status::NoLoad);
         SurfaceOutcome { residual, iterations: end.directions, ..found }
     }

@@ -60,14 +60,14 @@ impl BandFactor {
     }
 
     /// Solves A x = b for several b at once, with results identical to [`Self::solve`].
-    pub fn solve_together(&self, x: &mut [[f64; TOGETHER]]) {
-        substitute_together(&self.upper.rows, self.upper.half_bandwidth, x);
+    pub fn solve_batch(&self, x: &mut [[f64; BATCH]]) {
+        substitute_batch(&self.upper.rows, self.upper.half_bandwidth, x);
     }
 }
 
 /// Number of right-hand sides that are solved together: the factor, which exceeds the caches near the processor, is
 /// read once for all of them.
-pub const TOGETHER: usize = 4;
+pub const BATCH: usize = 4;
 
 /// Right-looking elimination; returns false if a pivot is not positive.
 #[multiversion(targets("x86_64+avx512f", "x86_64+avx2"))]
@@ -137,7 +137,7 @@ fn substitute(rows: &[f64], half_bandwidth: usize, x: &mut [f64]) {
 
 /// Like [`substitute`] for several right-hand sides, in the same order of operations.
 #[multiversion(targets("x86_64+avx512f", "x86_64+avx2"))]
-fn substitute_together(rows: &[f64], half_bandwidth: usize, x: &mut [[f64; TOGETHER]]) {
+fn substitute_batch(rows: &[f64], half_bandwidth: usize, x: &mut [[f64; BATCH]]) {
     let stride = half_bandwidth + 1;
     let order = x.len();
     for k in 0..order {
@@ -145,7 +145,7 @@ fn substitute_together(rows: &[f64], half_bandwidth: usize, x: &mut [[f64; TOGET
         let value = x[k];
         let row = &rows[k * stride + 1..k * stride + 1 + reach];
         for (t, u) in x[k + 1..=k + reach].iter_mut().zip(row) {
-            for side in 0..TOGETHER {
+            for side in 0..BATCH {
                 t[side] -= u * value[side];
             }
         }
@@ -154,23 +154,23 @@ fn substitute_together(rows: &[f64], half_bandwidth: usize, x: &mut [[f64; TOGET
         let reach = half_bandwidth.min(order - 1 - k);
         let row = &rows[k * stride + 1..k * stride + 1 + reach];
         let known = &x[k + 1..=k + reach];
-        let mut sums = [[0.0; TOGETHER]; LANES];
+        let mut sums = [[0.0; BATCH]; LANES];
         let (row_chunks, row_rest) = row.as_chunks::<LANES>();
         let (known_chunks, known_rest) = known.as_chunks::<LANES>();
-        let mut rest = [0.0; TOGETHER];
+        let mut rest = [0.0; BATCH];
         for (u, v) in row_rest.iter().zip(known_rest) {
-            for side in 0..TOGETHER {
+            for side in 0..BATCH {
                 rest[side] += u * v[side];
             }
         }
         for (u, v) in row_chunks.iter().zip(known_chunks) {
             for lane in 0..LANES {
-                for side in 0..TOGETHER {
+                for side in 0..BATCH {
                     sums[lane][side] += u[lane] * v[lane][side];
                 }
             }
         }
-        for side in 0..TOGETHER {
+        for side in 0..BATCH {
             let sum = |lane: usize| sums[lane][side];
             let total = ((sum(0) + sum(4)) + (sum(1) + sum(5))) + ((sum(2) + sum(6)) + (sum(3) + sum(7))) + rest[side];
             x[k][side] = x[k][side] * rows[k * stride] - total;
@@ -225,10 +225,10 @@ mod tests {
         for (order, half_bandwidth) in [(1, 0), (5, 4), (60, 1), (200, 37), (90, 43)] {
             let factor = example(order, half_bandwidth).factor().unwrap();
             let right = |side: usize| move |i: usize| ((i * (side + 1)) as f64 * 0.7).sin();
-            let mut together: Vec<[f64; TOGETHER]> =
+            let mut together: Vec<[f64; BATCH]> =
                 (0..order).map(|i| std::array::from_fn(|side| right(side)(i))).collect();
-            factor.solve_together(&mut together);
-            for side in 0..TOGETHER {
+            factor.solve_batch(&mut together);
+            for side in 0..BATCH {
                 let mut alone: Vec<f64> = (0..order).map(right(side)).collect();
                 factor.solve(&mut alone);
                 assert!(alone.iter().zip(&together).all(|(alone, each)| alone.to_bits() == each[side].to_bits()));

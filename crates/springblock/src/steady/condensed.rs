@@ -54,7 +54,7 @@ struct Ceiling {
 
 /// Estimated upper bounds of the multiplications and additions, and of the memory in bytes, for condensing a cell of
 /// `columns` columns, of which cavities `depth` rows deep cover `covered`.
-pub fn condensing(columns: f64, covered: f64, depth: f64) -> (f64, f64) {
+pub fn condensing_cost(columns: f64, covered: f64, depth: f64) -> (f64, f64) {
     let (half, fields, m) = (columns / 2.0 + 1.0, 2.0 * (depth + 2.0), columns);
     // Blocks of the ceiling, twice if it exists in part, and of the walls.
     let n = 5.0 * (covered + 2.0) + 4.0 * depth;
@@ -99,30 +99,35 @@ impl CondensedModel {
     /// columns, if cavities reach the top row, or if the band matrix of all blocks takes fewer operations.
     #[must_use]
     pub fn new(lattice: &Lattice, block_m: f64, youngs_modulus_pa: f64, liftoff: bool) -> Option<Self> {
-        let equations = Equations::of(lattice, &[], false)?;
+        let equations = Equations::for_lattice(lattice, &[], false)?;
         let products = equations.products(lattice);
         if products > band_products(lattice.nx(), lattice.ny()) {
             return None;
         }
-        let cell = equations.condense_or_recall(lattice, products)?;
+        let cell = equations.condense_cached(lattice, products)?;
         Some(Self { block_m, youngs_modulus_pa, liftoff, cell })
     }
 
     /// Like [`Self::new`] at any cost, with the contact blocks of the columns `lifted` off the counterface.
-    pub(super) fn lifted(lattice: &Lattice, block_m: f64, youngs_modulus_pa: f64, lifted: &[usize]) -> Option<Self> {
-        let (equations, liftoff) = (Equations::of(lattice, lifted, false)?, !lifted.is_empty());
+    pub(super) fn with_lifted(
+        lattice: &Lattice,
+        block_m: f64,
+        youngs_modulus_pa: f64,
+        lifted: &[usize],
+    ) -> Option<Self> {
+        let (equations, liftoff) = (Equations::for_lattice(lattice, lifted, false)?, !lifted.is_empty());
         let cell = if liftoff {
             Arc::new(equations.condense(lattice)?)
         } else {
             let products = equations.products(lattice);
-            equations.condense_or_recall(lattice, products)?
+            equations.condense_cached(lattice, products)?
         };
         Some(Self { block_m, youngs_modulus_pa, liftoff, cell })
     }
 
     /// Like [`Self::new`] at any cost, with the heights of the face as inputs, as needed by [`super::raised`].
-    pub(super) fn raised(lattice: &Lattice, block_m: f64, youngs_modulus_pa: f64) -> Option<Self> {
-        let cell = Arc::new(Equations::of(lattice, &[], true)?.condense(lattice)?);
+    pub(super) fn with_raised_face(lattice: &Lattice, block_m: f64, youngs_modulus_pa: f64) -> Option<Self> {
+        let cell = Arc::new(Equations::for_lattice(lattice, &[], true)?.condense(lattice)?);
         Some(Self { block_m, youngs_modulus_pa, liftoff: true, cell })
     }
 
@@ -198,8 +203,8 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
+mod cell_cache;
 mod equations;
-mod latest;
 
 #[cfg(test)]
 mod tests;

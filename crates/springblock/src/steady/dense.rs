@@ -3,7 +3,7 @@
 use multiversion::multiversion;
 
 /// Number of rows processed together, so that each target entry is loaded once for four products.
-const TOGETHER: usize = 4;
+const BATCH: usize = 4;
 
 /// Gauss-Jordan elimination with partial pivoting; returns false if a pivot vanishes.
 ///
@@ -14,7 +14,7 @@ const TOGETHER: usize = 4;
 pub fn solve_many(rows: &mut [f64], order: usize, width: usize) -> bool {
     let mut first = 0;
     while first < order {
-        let end = (first + TOGETHER).min(order);
+        let end = (first + BATCH).min(order);
         for k in first..end {
             // Below the pivot only the columns of this panel are up to date.
             let largest = (k..order)
@@ -88,8 +88,8 @@ pub fn elongation(target: &mut [f64], e: [f64; 2], [ax, az]: [&[f64]; 2], [bx, b
 fn subtract_rows(target: &mut [f64], factors: &[f64], rows: &[f64], width: usize, skip: usize) {
     let length = target.len();
     let row = |number: usize| &rows[number * width + skip..][..length];
-    let whole = factors.len() - factors.len() % TOGETHER;
-    for number in (0..whole).step_by(TOGETHER) {
+    let whole = factors.len() - factors.len() % BATCH;
+    for number in (0..whole).step_by(BATCH) {
         let [f0, f1, f2, f3] = [0, 1, 2, 3].map(|at| factors[number + at]);
         let [r0, r1, r2, r3] = [0, 1, 2, 3].map(|at| row(number + at));
         for at in 0..length {

@@ -21,11 +21,11 @@ use super::dense::subtract_products;
 use crate::lattice::springs;
 
 /// Relative change of S_k^-1 from row to row below which it equals that of a half-space: twice the rounding error.
-const SETTLED: f64 = 4e-16;
+const HALF_SPACE_TOLERANCE: f64 = 4e-16;
 
 /// Number of rows above the explicit rows from which their uniform shear, which does not decay, is computed in closed
 /// form.
-const MANY_ROWS: usize = 100;
+const MIN_SERIES_ROWS: usize = 100;
 
 /// Symmetric 2 x 2 matrix: xx, xz, zz.
 type Symmetric = [f64; 3];
@@ -48,7 +48,7 @@ struct Elimination {
     /// S_k^-1 by row; rows from 1 are used.
     inverses: Vec<Symmetric>,
     /// T_k by row; rows from 1 are used.
-    carried: Vec<Square>,
+    transfer: Vec<Square>,
     /// S_0
     lowest: Symmetric,
 }
@@ -65,7 +65,7 @@ impl FlatLayer {
         let pairs = explicit * (explicit + 1) / 2;
         let mut spectra = vec![0.0; 4 * pairs * half];
         let mut work =
-            Elimination { inverses: vec![[0.0; 3]; explicit], carried: vec![[0.0; 4]; explicit], lowest: [0.0; 3] };
+            Elimination { inverses: vec![[0.0; 3]; explicit], transfer: vec![[0.0; 4]; explicit], lowest: [0.0; 3] };
         for number in 0..half {
             work.eliminate(angles[number], number == 0, w, rows, explicit);
             // The weight combines both signs of a wave number.
@@ -151,7 +151,7 @@ impl Elimination {
         // The bulk balances the load in the uniform mode and is rigid otherwise.
         let mut inverse = [0.0, 0.0, if uniform { 1.0 / upward[1] } else { 0.0 }];
         let mut k = rows;
-        if uniform && rows > explicit + MANY_ROWS {
+        if uniform && rows > explicit + MIN_SERIES_ROWS {
             // n rows above in series: S^-1 = n / ((n + 1) s); the bulk follows the downward force.
             k = explicit;
             let above = (rows - k) as f64;
@@ -173,14 +173,14 @@ impl Elimination {
             let scale = 1.0 / (xx * zz - xz * xz);
             let above = std::mem::replace(&mut inverse, [zz * scale, -xz * scale, xx * scale]);
             // The wave does not reach farther up, so that all rows down to the explicit ones have the same inverse.
-            if k > explicit && settled(above, inverse) {
+            if k > explicit && is_half_space(above, inverse) {
                 k = explicit;
             }
             if k < explicit {
                 let [a, b, d] = inverse;
                 self.inverses[k] = inverse;
                 // T = -S^-1 C^T, C^T = [[cx, -cxz], [cxz, cz]]
-                self.carried[k] = [-(a * cx + b * cxz), a * cxz - b * cz, -(b * cx + d * cxz), b * cxz - d * cz];
+                self.transfer[k] = [-(a * cx + b * cxz), a * cxz - b * cz, -(b * cx + d * cxz), b * cxz - d * cz];
             }
         }
     }
@@ -194,27 +194,27 @@ impl Elimination {
         let mut pair = 1;
         let mut up = [inverse, -xz * inverse, 0.0, 1.0];
         for k in 1..explicit {
-            up = product(&self.carried[k], &up);
+            up = product(&self.transfer[k], &up);
             put(pair, up);
             pair += 1;
         }
         let mut own = [inverse, 0.0, 0.0, 0.0];
         for l in 1..explicit {
-            let t = &self.carried[l];
-            let carried = product(t, &own);
+            let t = &self.transfer[l];
+            let transfer = product(t, &own);
             let [a, b, d] = self.inverses[l];
             // T G T^T
             own = [
-                a + carried[0] * t[0] + carried[1] * t[1],
-                b + carried[0] * t[2] + carried[1] * t[3],
-                b + carried[2] * t[0] + carried[3] * t[1],
-                d + carried[2] * t[2] + carried[3] * t[3],
+                a + transfer[0] * t[0] + transfer[1] * t[1],
+                b + transfer[0] * t[2] + transfer[1] * t[3],
+                b + transfer[2] * t[0] + transfer[3] * t[1],
+                d + transfer[2] * t[2] + transfer[3] * t[3],
             ];
             put(pair, own);
             pair += 1;
             let mut up = own;
             for k in l + 1..explicit {
-                up = product(&self.carried[k], &up);
+                up = product(&self.transfer[k], &up);
                 put(pair, up);
                 pair += 1;
             }
@@ -223,9 +223,9 @@ impl Elimination {
 }
 
 /// Whether the inverses of two rows are equal to rounding.
-fn settled(above: Symmetric, below: Symmetric) -> bool {
+fn is_half_space(above: Symmetric, below: Symmetric) -> bool {
     let largest = below[0].abs().max(below[2].abs());
-    above.iter().zip(&below).all(|(a, b)| (a - b).abs() <= SETTLED * largest)
+    above.iter().zip(&below).all(|(a, b)| (a - b).abs() <= HALF_SPACE_TOLERANCE * largest)
 }
 
 fn product(a: &Square, b: &Square) -> Square {

@@ -38,7 +38,7 @@ use crate::outcome::{InterfacePoint, Status, SurfaceOutcome, peak_over_whole_blo
 use crate::scene::Scene;
 use anderson::Anderson;
 pub use band::{BandFactor, BandMatrix};
-pub use condensed::{CondensedModel, condensing};
+pub use condensed::{CondensedModel, condensing_cost};
 pub use raised::{FaceHistory, RaisedModel};
 use system::{Contact, Raised, System};
 pub use system::{band_products, factor_bytes};
@@ -123,7 +123,7 @@ impl SteadyModel {
 
     /// Creates the model with the blocks and the material of `scene`.
     #[must_use]
-    pub fn of(scene: &Scene, lattice: Lattice) -> Self {
+    pub fn for_scene(scene: &Scene, lattice: Lattice) -> Self {
         Self::new(lattice, scene.layer.block_m, scene.elastic.youngs_modulus_pa(), scene.run.liftoff)
     }
 
@@ -275,19 +275,25 @@ fn observe(
         })
         .collect();
     let share: Vec<f64> = contacts.iter().map(|contact| contact.width).collect();
-    let beside = |number: usize| {
-        let is_beside = move |other: &usize| {
+    let neighbours = |number: usize| {
+        let is_neighbour = move |other: &usize| {
             contacts.get(*other).is_some_and(|other| other.column.abs_diff(contacts[number].column) == 1)
         };
-        [number.wrapping_sub(1), number + 1].into_iter().filter(is_beside)
+        [number.wrapping_sub(1), number + 1].into_iter().filter(is_neighbour)
     };
-    let peak_pressure_pa = peak_over_whole_blocks(&interface, &share, beside);
+    let peak_pressure_pa = peak_over_whole_blocks(&interface, &share, neighbours);
     let clearance_m = clearance.map(|clearance| clearance * block_m);
     let forces = [&state.normal[..], &state.friction];
     SurfaceOutcome {
         residual: Some(state.residual),
         iterations: state.iterations,
-        ..SurfaceOutcome::sliding(state.status, forces, (interface, peak_pressure_pa), clearance_m, load.area_law)
+        ..SurfaceOutcome::from_steady_forces(
+            state.status,
+            forces,
+            (interface, peak_pressure_pa),
+            clearance_m,
+            load.area_law,
+        )
     }
 }
 

@@ -45,7 +45,7 @@ pub struct RaisedModel {
 
 /// State of a contact.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Touch {
+pub enum ContactStatus {
     /// In contact at the height of its face.
     On,
     /// Off the counterface without force.
@@ -57,13 +57,13 @@ pub enum Touch {
 /// State of a face after previous loads: contact states, and heights in lattice spacings. Empty before the first load.
 #[derive(Clone, Debug, Default)]
 pub struct FaceHistory {
-    touch: Vec<Touch>,
+    touch: Vec<ContactStatus>,
     relief: Vec<f64>,
 }
 
 /// States of the contacts, and the unknowns.
 struct State {
-    touch: Vec<Touch>,
+    touch: Vec<ContactStatus>,
     normal: Vec<f64>,
     height: Vec<f64>,
 }
@@ -87,7 +87,7 @@ impl RaisedModel {
     /// if its cavities reach the top row, or if the equations are singular.
     #[must_use]
     pub fn new(lattice: &Lattice, block_m: f64, elastic: Elastic) -> Option<Self> {
-        let condensed = CondensedModel::raised(lattice, block_m, elastic.youngs_modulus_pa())?;
+        let condensed = CondensedModel::with_raised_face(lattice, block_m, elastic.youngs_modulus_pa())?;
         let relief = condensed.contacts().iter().map(|contact| lattice.columns()[contact.column].relief).collect();
         Some(Self { block_m, elastic, condensed, relief })
     }
@@ -101,7 +101,7 @@ impl RaisedModel {
         }
         let m = self.relief.len();
         if history.relief.len() != m {
-            *history = FaceHistory { touch: vec![Touch::On; m], relief: self.relief.clone() };
+            *history = FaceHistory { touch: vec![ContactStatus::On; m], relief: self.relief.clone() };
         }
         let unit = displacement_unit(load.pressure_pa, self.elastic.youngs_modulus_pa());
         let relief: Vec<f64> = history.relief.iter().map(|r| r / unit).collect();
@@ -122,14 +122,15 @@ impl RaisedModel {
         let (status, iterations, residual) = contacts.solve(&mut state);
         // An unconverged state must not change the face.
         if status == Status::Converged {
-            for (c, touch) in state.touch.iter_mut().enumerate().filter(|(_, touch)| **touch == Touch::Yielding) {
+            for (c, touch) in state.touch.iter_mut().enumerate().filter(|(_, touch)| **touch == ContactStatus::Yielding)
+            {
                 // Yielded contacts keep the height to which they were pressed and are elastic again.
                 history.relief[c] = state.height[c] * unit;
-                *touch = Touch::On;
+                *touch = ContactStatus::On;
             }
             history.touch = state.touch;
         } else {
-            history.touch = vec![Touch::On; m];
+            history.touch = vec![ContactStatus::On; m];
         }
         let friction = (0..m).map(|c| friction_at(model.response(), load, c, state.normal[c])).collect();
         let equilibrium =
@@ -195,7 +196,7 @@ impl Contacts<'_> {
         let mut equations = vec![0.0; m * width];
         for c in 0..m {
             let slope = friction_slope(response, self.load, c, state.normal[c]);
-            let is_on = state.touch[c] == Touch::On;
+            let is_on = state.touch[c] == ContactStatus::On;
             let (column, scale) =
                 if is_on { (&by_friction[c * m..][..m], slope) } else { (&by_height[c * m..][..m], 1.0) };
             for (row, entry) in column.iter().enumerate() {
@@ -213,7 +214,7 @@ impl Contacts<'_> {
 
     fn advance(&self, state: &mut State, direction: &[f64], part: f64) {
         for (c, by) in direction.iter().enumerate() {
-            let is_on = state.touch[c] == Touch::On;
+            let is_on = state.touch[c] == ContactStatus::On;
             *(if is_on { &mut state.normal[c] } else { &mut state.height[c] }) += part * by;
         }
     }
@@ -227,13 +228,13 @@ impl Contacts<'_> {
             let below = (self.relief[c] - state.height[c]) / self.height_scale;
             let beyond = (state.normal[c] - self.cap[c]) / self.force_scale;
             match state.touch[c] {
-                Touch::On if beyond > 0.0 => (beyond, Touch::Yielding),
-                Touch::On => (-state.normal[c] / self.force_scale, Touch::Off),
-                Touch::Off => (below, Touch::On),
-                Touch::Yielding => (-below, Touch::On),
+                ContactStatus::On if beyond > 0.0 => (beyond, ContactStatus::Yielding),
+                ContactStatus::On => (-state.normal[c] / self.force_scale, ContactStatus::Off),
+                ContactStatus::Off => (below, ContactStatus::On),
+                ContactStatus::Yielding => (-below, ContactStatus::On),
             }
         };
-        let mut moved: Vec<(usize, (f64, Touch))> =
+        let mut moved: Vec<(usize, (f64, ContactStatus))> =
             (0..state.touch.len()).map(|c| (c, broken(c))).filter(|(_, (by, _))| *by > ROUNDING).collect();
         if single {
             moved = moved.into_iter().max_by(|a, b| a.1.0.total_cmp(&b.1.0)).into_iter().collect();
@@ -241,11 +242,11 @@ impl Contacts<'_> {
         for (c, (_, touch)) in &moved {
             state.touch[*c] = *touch;
             state.height[*c] = self.relief[*c];
-            state.normal[*c] = if *touch == Touch::Yielding { self.cap[*c] } else { 0.0 };
+            state.normal[*c] = if *touch == ContactStatus::Yielding { self.cap[*c] } else { 0.0 };
         }
         // The remaining tension is a rounding error.
         for (c, normal) in state.normal.iter_mut().enumerate() {
-            if state.touch[c] == Touch::On && !single {
+            if state.touch[c] == ContactStatus::On && !single {
                 *normal = normal.max(0.0);
             }
         }

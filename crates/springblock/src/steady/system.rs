@@ -1,6 +1,6 @@
 //! Linear part of steady sliding: stiffness, its factorization, and the response to friction and to the bulk.
 
-use super::band::{BandFactor, BandMatrix, TOGETHER};
+use super::band::{BATCH, BandFactor, BandMatrix};
 use super::{LinearResponse, Response};
 use crate::lattice::{Bond, Lattice, tie};
 
@@ -320,15 +320,15 @@ impl LinearResponse for System {
             }
             return;
         };
-        let mut together = vec![[0.0; TOGETHER]; self.coupling.len()];
-        for each in each.chunks_mut(TOGETHER) {
-            together.fill([0.0; TOGETHER]);
+        let mut together = vec![[0.0; BATCH]; self.coupling.len()];
+        for each in each.chunks_mut(BATCH) {
+            together.fill([0.0; BATCH]);
             for (side, response) in each.iter().enumerate() {
                 for (contact, force) in self.contacts.iter().zip(response.friction) {
                     together[contact.dof][side] = -force;
                 }
             }
-            factor.solve_together(&mut together);
+            factor.solve_batch(&mut together);
             for (side, Response { displacement, normal, .. }) in each.iter_mut().enumerate() {
                 displacement.iter_mut().zip(&together).for_each(|(own, each)| *own = each[side]);
                 self.complete(0.0, displacement, normal);

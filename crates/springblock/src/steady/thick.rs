@@ -27,7 +27,7 @@ impl ThickModel {
     /// With `liftoff` contact is unilateral and blocks under tension leave the counterface.
     #[must_use]
     pub fn new(lattice: Lattice, block_m: f64, youngs_modulus_pa: f64, liftoff: bool) -> Self {
-        let condensed = CondensedModel::lifted(&lattice, block_m, youngs_modulus_pa, &[]);
+        let condensed = CondensedModel::with_lifted(&lattice, block_m, youngs_modulus_pa, &[]);
         Self { lattice, block_m, youngs_modulus_pa, liftoff, condensed }
     }
 
@@ -70,7 +70,7 @@ impl ThickModel {
             if next.len() == model.contacts().len() {
                 break;
             }
-            let Some(latest) = CondensedModel::lifted(&self.lattice, self.block_m, self.youngs_modulus_pa, &next)
+            let Some(latest) = CondensedModel::with_lifted(&self.lattice, self.block_m, self.youngs_modulus_pa, &next)
             else {
                 break;
             };

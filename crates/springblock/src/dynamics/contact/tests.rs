@@ -60,9 +60,9 @@ fn slip(step: f64) -> f64 {
     let mut row = row(2.0, 1.0);
     let (mut x, mut v) = (0.0, 0.0);
     loop {
-        let push = [2.0 + 1e-12 - x];
+        let factors = [2.0 + 1e-12 - x];
         let mut velocity = [v];
-        row.kick(&mut velocity, &push, &[-1.0], 1.0, &[step * step]);
+        row.kick(&mut velocity, &factors, &[-1.0], 1.0, &[step * step]);
         v = velocity[0];
         x += v;
         if row.blocks[0].motion == Motion::Rest {

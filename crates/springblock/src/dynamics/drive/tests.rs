@@ -8,7 +8,7 @@ use crate::{Fidelity, Unwatched, simulate};
 
 /// Test engine whose sums and forces encode the step number.
 #[derive(Default)]
-struct Told {
+struct StepEncodingEngine {
     steps: u64,
     /// Number of steps after which every block has slipped.
     slipped: u64,
@@ -20,7 +20,7 @@ struct Told {
     pairs: u64,
 }
 
-impl Engine for Told {
+impl Engine for StepEncodingEngine {
     fn begin_drive(&mut self) {
         self.begun = Some(self.steps);
     }
@@ -70,7 +70,8 @@ fn steps_two_at_once_are_asked_the_same_as_steps_one_by_one() {
         let preparation = Plan::new(&scene, drive.step_s).preparation;
         for (slipped, finite) in [(0, u64::MAX), (preparation + 333, u64::MAX), (0, 4000), (0, 4001), (u64::MAX, 5000)]
         {
-            let [mut one, mut two] = [false, true].map(|two| Told { slipped, finite, two, ..Told::default() });
+            let [mut one, mut two] =
+                [false, true].map(|two| StepEncodingEngine { slipped, finite, two, ..StepEncodingEngine::default() });
             let (single, paired) = (drive.run(&mut one, &Unwatched), drive.run(&mut two, &Unwatched));
             assert_eq!((one.steps, one.begun, one.pairs), (two.steps, two.begun, 0));
             assert!(two.pairs > 0 || (warm_start && slipped == u64::MAX), "{slipped} {finite}");

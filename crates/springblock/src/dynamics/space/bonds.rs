@@ -60,14 +60,14 @@ impl SpaceBonds {
     /// Sets the height of the bulk in `displacement` such that its springs carry `load`; the bulk's x and y are given.
     pub fn balance(&self, displacement: &mut [[f64; 3]], load: f64) {
         // sum over springs to the bulk of e_z (e . (u_bulk - u_a)) = -load, linear in the height
-        let (mut held, mut stiffness) = (0.0, 0.0);
+        let (mut top_row_force, mut stiffness) = (0.0, 0.0);
         let bulk = displacement[self.bulk];
         for Link { ends: [a, _], direction: e } in &self.to_bulk {
             let u = displacement[*a as usize];
-            held += e[2] * (e[0] * (u[0] - bulk[0]) + e[1] * (u[1] - bulk[1]) + e[2] * u[2]);
+            top_row_force += e[2] * (e[0] * (u[0] - bulk[0]) + e[1] * (u[1] - bulk[1]) + e[2] * u[2]);
             stiffness += e[2] * e[2];
         }
-        displacement[self.bulk][2] = (held - load) / stiffness;
+        displacement[self.bulk][2] = (top_row_force - load) / stiffness;
     }
 
     #[cfg(test)]

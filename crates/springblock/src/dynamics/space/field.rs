@@ -52,47 +52,47 @@ impl<R: Real> Field<R> {
     /// Index of block (i, j, k) in [`Plane::rows`].
     #[inline(always)]
     #[must_use]
-    pub const fn at(&self, i: usize, j: usize, k: usize) -> usize {
+    pub const fn index(&self, i: usize, j: usize, k: usize) -> usize {
         R::LINE + k * self.layer + (j + 1) * self.stride + i
     }
 
     /// Displacements of block (i, j, k).
     #[must_use]
     pub fn displacement(&self, [i, j, k]: [usize; 3]) -> [f64; 3] {
-        let at = self.at(i, j, k);
-        [0, 1, 2].map(|component: usize| self.now[component].rows()[at].widened())
+        let at = self.index(i, j, k);
+        [0, 1, 2].map(|component: usize| self.now[component].rows()[at].to_f64())
     }
 
     /// Places block (i, j, k) at rest.
     pub fn place(&mut self, [i, j, k]: [usize; 3], displacement: [f64; 3]) {
-        let at = self.at(i, j, k);
+        let at = self.index(i, j, k);
         for (component, u) in displacement.into_iter().enumerate() {
-            self.now[component].rows_mut()[at] = R::of(u);
-            self.other[component].rows_mut()[at] = R::of(u);
+            self.now[component].rows_mut()[at] = R::round_from(u);
+            self.other[component].rows_mut()[at] = R::round_from(u);
         }
     }
 
     /// Sets the positions one step earlier to `back` behind the base state, so that every block moves with the frame.
-    pub fn carry(&mut self, back: [f64; 2]) {
+    pub fn offset_previous(&mut self, back: [f64; 2]) {
         for (plane, back) in self.other.iter_mut().zip(back) {
-            plane.rows_mut().fill(R::of(back));
+            plane.rows_mut().fill(R::round_from(back));
         }
     }
 
     /// Places the bulk.
     pub fn place_bulk(&mut self, displacement: [f64; 3]) {
-        let from = self.at(0, 0, self.nz) - self.stride - 1;
+        let from = self.index(0, 0, self.nz) - self.stride - 1;
         for (plane, u) in self.now.iter_mut().zip(displacement) {
-            plane.rows_mut()[from..from + self.layer + 2].fill(R::of(u));
+            plane.rows_mut()[from..from + self.layer + 2].fill(R::round_from(u));
         }
     }
 
     /// Fills the images of all layers at both instants.
-    pub fn join_sides(&mut self) {
+    pub fn fill_all_images(&mut self) {
         self.join_layers(0..self.nz);
-        self.turn();
+        self.swap();
         self.join_layers(0..self.nz);
-        self.turn();
+        self.swap();
     }
 
     /// Fills all images of `layers` in the displacements that sweeps have written.
@@ -108,7 +108,7 @@ impl<R: Real> Field<R> {
     /// Call it soon after the sweep, while the rows are in the first-level cache. Vector lanes beyond the last column
     /// may have overwritten images of the next row, which may have been swept before; these are filled again.
     pub fn join_rows(&mut self, k: usize, rows: Range<usize>) {
-        let (start, nx) = (self.at(0, rows.start, k) - 1, self.nx);
+        let (start, nx) = (self.index(0, rows.start, k) - 1, self.nx);
         for values in self.other.iter_mut().map(Plane::rows_mut) {
             for row in values[start..].chunks_mut(self.stride).take(rows.len() + 1) {
                 row[0] = row[nx];
@@ -131,7 +131,7 @@ impl<R: Real> Field<R> {
     }
 
     /// Makes the displacements that a sweep has written the current ones.
-    pub fn turn(&mut self) {
+    pub fn swap(&mut self) {
         std::mem::swap(&mut self.now, &mut self.other);
     }
 }

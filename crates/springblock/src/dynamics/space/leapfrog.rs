@@ -86,7 +86,7 @@ impl<'a> SpaceLeapfrog<'a, f64> {
     #[must_use]
     pub fn new(lattice: &SpaceLattice, setup: SpaceSetup<'a>) -> Self {
         let kick = Kick::new(setup.time_step, setup.damping);
-        Self::of(lattice, setup, kick)
+        Self::with_kick(lattice, setup, kick)
     }
 }
 
@@ -99,7 +99,7 @@ impl<'a> SpaceLeapfrog<'a, f32> {
     #[must_use]
     pub fn from_sliding(lattice: &SpaceLattice, setup: SpaceSetup<'a>, base: &[[f64; 3]]) -> Option<Self> {
         let SpaceSetup { protocol, time_step, damping, direction, .. } = setup;
-        let mut sliding = Self::of(lattice, setup, Kick::new(time_step, damping).rounded::<f32>());
+        let mut sliding = Self::with_kick(lattice, setup, Kick::new(time_step, damping).rounded::<f32>());
         let bonds = SpaceBonds::new(lattice);
         let mut u = base.to_vec();
         u.push([0.0; 3]);
@@ -120,14 +120,14 @@ impl<'a> SpaceLeapfrog<'a, f32> {
         }
         // Offset of the frame one step earlier.
         let carried = direction.map(|part| part * protocol.speed * time_step);
-        sliding.field.carry(carried);
+        sliding.field.offset_previous(carried);
         sliding.drag = carried.map(|carried| sliding.kick.drag(carried));
         Some(Self { base: base.to_vec(), ..sliding })
     }
 }
 
 impl<'a, R: Real> SpaceLeapfrog<'a, R> {
-    fn of(lattice: &SpaceLattice, setup: SpaceSetup<'a>, kick: Kick) -> Self {
+    fn with_kick(lattice: &SpaceLattice, setup: SpaceSetup<'a>, kick: Kick) -> Self {
         let SpaceSetup { coefficients, law, protocol, direction, time_step, liftoff, .. } = setup;
         let [nx, ny] = lattice.columns();
         let padded = whole_lines::<R>(nx);
@@ -137,7 +137,7 @@ impl<'a, R: Real> SpaceLeapfrog<'a, R> {
             .map(|column| ContactBlock::new(column / nx * padded + column % nx, coefficients[column]))
             .collect();
         let inverse_mass = stencil.general[0].iter().flat_map(|row| &row.coefficients.inverse_mass);
-        let inverse_mass = inverse_mass.map(|inverse| inverse.widened());
+        let inverse_mass = inverse_mass.map(|inverse| inverse.to_f64());
         let contact = ContactVectors::new(blocks, law, direction, inverse_mass, kick);
         let zeros = || [0; 3].map(|_| vec![0.0; padded * ny]);
         Self {
@@ -175,7 +175,7 @@ impl<'a, R: Real> SpaceLeapfrog<'a, R> {
                 }
             }
         }
-        self.field.join_sides();
+        self.field.fill_all_images();
     }
 
     /// Sets the face heights of the contact blocks from `lattice`; blocks above their face height start lifted. Call it
@@ -218,7 +218,7 @@ impl<'a, R: Real> SpaceLeapfrog<'a, R> {
         let time = step as f64 * self.time_step;
         let Field { nx, nz, .. } = self.field;
         let (lines, [_, y, z]) = (self.lines, &self.field.now);
-        let line = |values: &Plane<R>, j: usize| fixed_sum(&values.rows()[self.field.at(0, j, nz - 1)..][..nx]);
+        let line = |values: &Plane<R>, j: usize| fixed_sum(&values.rows()[self.field.index(0, j, nz - 1)..][..nx]);
         let top: f64 = (0..lines).map(|j| line(z, j)).sum();
         let (travel, carried) = (self.protocol.bulk_x(time), self.carried(step));
         let [x, own_y] = [0, 1].map(|axis: usize| self.direction[axis] * travel - carried[axis]);
@@ -248,13 +248,13 @@ impl<'a, R: Real> SpaceLeapfrog<'a, R> {
             vectorized(RowForces { coefficients, field, layer: 0, row, force });
             let own = row * padded..(row + 1) * padded;
             for ((force, base), total) in row_force.iter().zip(&*base_force).zip(&mut *contact_force) {
-                vectorized(AddForces { force, of_base: &base[own.clone()], total: &mut total[own.clone()] });
+                vectorized(AddForces { force, base_force: &base[own.clone()], total: &mut total[own.clone()] });
             }
         }
         let [x, y, lift] = contact_force.each_ref().map(Vec::as_slice);
         let sums = contact.kick([x, y], lift, kick.kept);
         for j in 0..field.ny {
-            let (start, columns) = (field.at(0, j, 0), field.nx);
+            let (start, columns) = (field.index(0, j, 0), field.nx);
             for (c, velocity) in contact.velocity().into_iter().enumerate() {
                 let (place, velocity) = (&mut contact_place[c][j * padded..], &velocity[j * padded..][..columns]);
                 let row = &mut field.other[c].rows_mut()[start..][..columns];
@@ -273,19 +273,21 @@ impl<'a, R: Real> SpaceLeapfrog<'a, R> {
         let Self { stencil, field, contact, kick, contact_force: [_, _, force], fall, base, .. } = self;
         let [_, _, rises] = &mut self.contact_place;
         let (nx, padded) = (field.nx, whole_lines::<R>(field.nx));
-        for block in contact.unsettled() {
+        for block in contact.scalar_blocks() {
             let (place, i, j) = (block.column, block.column % padded, block.column / padded);
-            let inverse_mass = stencil.general[0][j].coefficients.inverse_mass[i].widened();
+            let inverse_mass = stencil.general[0][j].coefficients.inverse_mass[i].to_f64();
             let base = base_height(base, j * nx + i);
-            if let Some(height) = block.fly(base + rises[place], &mut fall[place], *kick, inverse_mass, force[place]) {
+            if let Some(height) =
+                block.move_detached(base + rises[place], &mut fall[place], *kick, inverse_mass, force[place])
+            {
                 rises[place] = height - base;
             }
         }
         for j in 0..field.ny {
-            let start = field.at(0, j, 0);
+            let start = field.index(0, j, 0);
             let row = &mut field.other[2].rows_mut()[start..][..nx];
             for (row, rise) in row.iter_mut().zip(&rises[j * padded..]) {
-                *row = R::of(*rise);
+                *row = R::round_from(*rise);
             }
         }
     }
@@ -301,7 +303,7 @@ impl<'a, R: Real> SpaceLeapfrog<'a, R> {
                 vectorized(RowForces { coefficients, field, layer, row: *row, force: forces });
                 let (inverse_mass, force) = (&coefficients.inverse_mass, force.each_ref().map(Vec::as_slice));
                 // Vector lanes beyond the last column overwrite images, which `join_rows` restores.
-                let (columns, start) = (field.nx, field.at(0, *row, layer));
+                let (columns, start) = (field.nx, field.index(0, *row, layer));
                 let (now, other) = (&field.now, &mut field.other);
                 let drag = [drag_x, drag_y, 0.0];
                 vectorized(MoveRow { inverse_mass, now, other, columns, start, kick: *kick, drag, force });
@@ -332,7 +334,7 @@ impl<'a, R: Real> SpaceLeapfrog<'a, R> {
         self.step_inside(layers.clone());
         let sums = if layers.start == 0 { self.step_contact(step) } else { ContactSums::default() };
         self.field.join_ends(layers);
-        self.field.turn();
+        self.field.swap();
         sums
     }
 }

@@ -1,11 +1,11 @@
 //! One dynamic run of one cell in space.
 
 use super::super::contact::LocalLaw;
-use super::super::drive::{Drive, MAX_STEPS, Plan, not_begun};
+use super::super::drive::{Drive, MAX_STEPS, Plan, refused_outcome};
 use super::super::protocol::Protocol;
 use super::super::real::Real;
 use super::super::scales::Scales;
-use super::super::stability::largest_of;
+use super::super::stability::largest_eigenfrequency;
 use super::bonds::SpaceBonds;
 use super::leapfrog::{SpaceLeapfrog, SpaceSetup};
 use crate::Monitor;
@@ -59,16 +59,16 @@ pub fn largest_frequency(lattice: &SpaceLattice, liftoff: bool) -> f64 {
     let blocks = bonds.mass().len();
     let mut weight = vec![0.0; 3 * blocks];
     for (number, mass) in bonds.mass().iter().enumerate() {
-        let held = number < nx * ny && lattice.contact_share(number % nx, number / nx) > 0.0 && !liftoff;
+        let top_row_force = number < nx * ny && lattice.contact_share(number % nx, number / nx) > 0.0 && !liftoff;
         if *mass > 0.0 {
             weight[3 * number..][..3].fill(1.0 / mass.sqrt());
-            if held {
+            if top_row_force {
                 weight[3 * number + 2] = 0.0;
             }
         }
     }
     let (mut u, mut f) = (vec![[0.0; 3]; blocks + 1], vec![[0.0; 3]; blocks + 1]);
-    largest_of(&weight, |displacement, force| {
+    largest_eigenfrequency(&weight, |displacement, force| {
         for (u, displacement) in u.iter_mut().zip(displacement.chunks_exact(3)) {
             u.copy_from_slice(displacement);
         }
@@ -105,11 +105,11 @@ impl SpaceRun<'_> {
         let Self { scene, lattice, .. } = self;
         if self.load.pressure_pa == 0.0 || self.centres_m().next().is_none() {
             monitor.advance(self.share);
-            return not_begun(Status::NoLoad, self.scheme.step_s, self.centres_m());
+            return refused_outcome(Status::NoLoad, self.scheme.step_s, self.centres_m());
         }
         if Plan::new(scene, self.scheme.step_s).total() > MAX_STEPS {
             monitor.advance(self.share);
-            return not_begun(Status::TooManySteps, self.scheme.step_s, self.centres_m());
+            return refused_outcome(Status::TooManySteps, self.scheme.step_s, self.centres_m());
         }
         let started_s = monitor.seconds();
         let scales = Scales::space(&scene.elastic, scene.layer.block_m);
@@ -120,7 +120,7 @@ impl SpaceRun<'_> {
             coefficients: &coefficients,
             law: LocalLaw::new(scene.area_law.as_ref(), scales.pressure_pa),
             // The load is P l^2 per column of the face.
-            protocol: Protocol::of(
+            protocol: Protocol::new(
                 scene,
                 &scales,
                 self.load.pressure_pa / scales.pressure_pa * lattice.face_columns() as f64,
@@ -172,9 +172,9 @@ impl SpaceRun<'_> {
     /// its stick-slip cycle: x fastest, then y, then upward.
     fn sheared(&self) -> Vec<[f64; 3]> {
         let Self { scene, load, lattice, .. } = *self;
-        let mean = SpaceLoad::of_mean(load, scene.area_law.as_ref(), self.direction);
+        let mean = SpaceLoad::with_mean_friction(load, scene.area_law.as_ref(), self.direction);
         let [nx, ny] = lattice.columns();
-        let phases = draws::caught_in_mean(&load.friction, self.seed, nx * ny);
+        let phases = draws::random_phase_mean_friction(&load.friction, self.seed, nx * ny);
         let stiffness_pa = scene.elastic.youngs_modulus_pa();
         let model = SpaceSteadyModel::new(lattice.clone(), scene.layer.block_m, stiffness_pa, scene.run.liftoff);
         model.displacements(&SpaceLoad { relative_mu: Some(&phases), ..mean })

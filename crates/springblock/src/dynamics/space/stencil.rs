@@ -59,12 +59,12 @@ impl<R: Real> RowCoefficients<R> {
         for (number, step) in STEPS.into_iter().enumerate() {
             let scale = if number < 6 { 1.0 } else { 0.5 };
             for i in 0..nx {
-                springs[number * padded + i] = R::of(scale * spring(lattice, [i, j, k], step));
+                springs[number * padded + i] = R::round_from(scale * spring(lattice, [i, j, k], step));
             }
         }
         let inverse = |i: usize| if i < nx { lattice.mass(i, j, k) } else { 0.0 };
         let inverse_mass =
-            (0..padded).map(inverse).map(|mass| R::of(if mass > 0.0 { 1.0 / mass } else { 0.0 })).collect();
+            (0..padded).map(inverse).map(|mass| R::round_from(if mass > 0.0 { 1.0 / mass } else { 0.0 })).collect();
         Self { springs, inverse_mass }
     }
 

@@ -50,15 +50,15 @@ struct Row<V> {
 
 /// Contributions of a row to the row before it, towards the north east, the north west, above and below; and to the
 /// rows after it.
-type Met<V> = ([V; 4], Row<V>);
+type RowContributions<V> = ([V; 4], Row<V>);
 
 /// Computes the contributions of the row at `at` and of its neighbours above and below.
 #[inline(always)]
-fn meet<S: Simd, R: Real>(
+fn row_contributions<S: Simd, R: Real>(
     simd: S,
     [x, y, z]: &[Views<'_, R::Vector<S>>; 3],
     [below, at, above]: [usize; 3],
-) -> Met<R::Vector<S>> {
+) -> RowContributions<R::Vector<S>> {
     let (east, west) = (x.east[at], x.west[at]);
     let (y_east, y_west) = (y.east[at], y.west[at]);
     let (y_above, z_above) = (y.centre[above], z.centre[above]);
@@ -84,7 +84,11 @@ fn meet<S: Simd, R: Real>(
 
 /// Sum and difference of the forces of a rising and a falling pair of diagonals.
 #[inline(always)]
-fn share<S: Simd, R: Real>(simd: S, rising: [R::Vector<S>; 2], falling: [R::Vector<S>; 2]) -> [R::Vector<S>; 2] {
+fn sum_and_difference<S: Simd, R: Real>(
+    simd: S,
+    rising: [R::Vector<S>; 2],
+    falling: [R::Vector<S>; 2],
+) -> [R::Vector<S>; 2] {
     let rising = R::add(simd, rising[0], rising[1]);
     let falling = R::add(simd, falling[0], falling[1]);
     [R::add(simd, rising, falling), R::sub(simd, rising, falling)]
@@ -144,18 +148,21 @@ impl<R: Real> WithSimd for InsideRows<'_, R> {
         let start = layer * up + (rows.start + 1) * row;
         for column in 0..vectors {
             let mut next = start + column;
-            let (_, mut south) = meet::<S, R>(simd, &views, [next - row - up, next - row, next - row + up]);
-            let (_, mut own) = meet::<S, R>(simd, &views, [next - up, next, next + up]);
+            let (_, mut south) =
+                row_contributions::<S, R>(simd, &views, [next - row - up, next - row, next - row + up]);
+            let (_, mut own) = row_contributions::<S, R>(simd, &views, [next - up, next, next + up]);
             for _ in rows.clone() {
                 // The black box makes the compiler see one index; otherwise it keeps a pointer in memory for each of
                 // two dozen streams.
                 let at = std::hint::black_box(next);
                 let (below, above) = (at - up, at + up);
                 let ([north_east, north_west, rising_above, falling_below], north) =
-                    meet::<S, R>(simd, &views, [below + row, at + row, above + row]);
-                let [xy_x, xy_y] = share::<S, R>(simd, [north_east, south.south_west], [north_west, south.south_east]);
-                let [yz_y, yz_z] = share::<S, R>(simd, [rising_above, south.below], [falling_below, south.above]);
-                let [xz_x, xz_z] = share::<S, R>(
+                    row_contributions::<S, R>(simd, &views, [below + row, at + row, above + row]);
+                let [xy_x, xy_y] =
+                    sum_and_difference::<S, R>(simd, [north_east, south.south_west], [north_west, south.south_east]);
+                let [yz_y, yz_z] =
+                    sum_and_difference::<S, R>(simd, [rising_above, south.below], [falling_below, south.above]);
+                let [xz_x, xz_z] = sum_and_difference::<S, R>(
                     simd,
                     [R::add(simd, x.east[above], z.east[above]), R::add(simd, x.west[below], z.west[below])],
                     [R::sub(simd, x.west[above], z.west[above]), R::sub(simd, x.east[below], z.east[below])],
@@ -233,7 +240,7 @@ impl<R: Real> WithSimd for RowForces<'_, R> {
             let k = |spring: usize| springs[spring * padded + i];
             let (u, v, w) = (x.centre[at], y.centre[at], z.centre[at]);
             // Half the stiffness times the elongation along each diagonal: the entries of e e^T are 1/2.
-            let [xy_x, xy_y] = share::<S, R>(
+            let [xy_x, xy_y] = sum_and_difference::<S, R>(
                 simd,
                 [
                     rise::<S, R>(simd, k(6), [x.east[north], y.east[north]], [u, v]),
@@ -244,7 +251,7 @@ impl<R: Real> WithSimd for RowForces<'_, R> {
                     fall::<S, R>(simd, k(9), [x.east[south], y.east[south]], [u, v]),
                 ],
             );
-            let [xz_x, xz_z] = share::<S, R>(
+            let [xz_x, xz_z] = sum_and_difference::<S, R>(
                 simd,
                 [
                     rise::<S, R>(simd, k(10), [x.east[above], z.east[above]], [u, w]),
@@ -255,7 +262,7 @@ impl<R: Real> WithSimd for RowForces<'_, R> {
                     fall::<S, R>(simd, k(13), [x.east[below], z.east[below]], [u, w]),
                 ],
             );
-            let [yz_y, yz_z] = share::<S, R>(
+            let [yz_y, yz_z] = sum_and_difference::<S, R>(
                 simd,
                 [
                     rise::<S, R>(simd, k(14), [y.centre[above + row_step], z.centre[above + row_step]], [v, w]),
@@ -319,7 +326,7 @@ mod tests {
             let padded = stencil.general[0][0].coefficients.inverse_mass.len();
             let mut force = [vec![R::default(); padded], vec![R::default(); padded], vec![R::default(); padded]];
             let mut written = Vec::new();
-            let mut write = |values: &[R]| written.extend(values[..nx].iter().map(|value| value.widened()));
+            let mut write = |values: &[R]| written.extend(values[..nx].iter().map(|value| value.to_f64()));
             let general = stencil.general.iter().enumerate();
             for (layer, GeneralRow { row, coefficients }) in
                 general.flat_map(|(layer, rows)| rows.iter().map(move |row| (layer, row)))
@@ -329,7 +336,7 @@ mod tests {
                 simd.vectorize(RowForces { coefficients, field: &field, layer, row, force: forces });
                 force.iter().for_each(|force| write(force));
                 let (inverse_mass, force) = (&coefficients.inverse_mass, force.each_ref().map(Vec::as_slice));
-                let (columns, start) = (nx, field.at(0, row, layer));
+                let (columns, start) = (nx, field.index(0, row, layer));
                 let (now, other) = (&field.now, &mut field.other);
                 let drag = [-1e-5, 2e-5, 0.0];
                 simd.vectorize(MoveRow { inverse_mass, now, other, columns, start, kick, drag, force });
@@ -342,7 +349,7 @@ mod tests {
             }
             for plane in &field.other {
                 for (j, k) in (0..nx).flat_map(|j| (0..4).map(move |k| (j, k))) {
-                    write(&plane.rows()[field.at(0, j, k)..]);
+                    write(&plane.rows()[field.index(0, j, k)..]);
                 }
             }
             written

@@ -472,18 +472,18 @@ fn friction_never_gives_work_and_never_exceeds_its_law() {
             let way: [f64; 2] = [0, 1].map(|c: usize| after[c] - earlier[number][c]);
             let magnitude = friction[0].hypot(friction[1]);
             // A block that slides before and after this instant has the friction of the law.
-            let slides_on =
+            let keeps_sliding =
                 magnitude > 0.0 && (magnitude - drawn[*n].dynamic_mu * normal).abs() < 1e-12 * normal.max(1.0);
-            if slides_on && slid[number] {
+            if keeps_sliding && slid[number] {
                 assert!(friction[0] * way[0] + friction[1] * way[1] > 0.0, "{friction:?} {way:?}");
                 slides += 1;
             } else {
                 // A block that rests, starts or stops within the step: stopping takes hardly more force than holding.
-                let held = drawn[*n].starting_mu() * normal.max(0.0);
-                assert!(magnitude <= 1.2 * held, "{magnitude} {held}");
+                let top_row_force = drawn[*n].starting_mu() * normal.max(0.0);
+                assert!(magnitude <= 1.2 * top_row_force, "{magnitude} {top_row_force}");
                 stops += usize::from(slid[number]);
             }
-            slid[number] = slides_on;
+            slid[number] = keeps_sliding;
             (earlier[number], before[number]) = (before[number], after);
         }
     }

@@ -74,14 +74,14 @@ pub fn shortened(strip: &Strip, layer: &Layer) -> (Strip, f64) {
 }
 
 /// Minimum width of land between a cavity and an end of a strip; narrower land is removed.
-pub fn least_wall_m(depth_m: f64, block_m: f64) -> f64 {
+pub fn min_wall_m(depth_m: f64, block_m: f64) -> f64 {
     depth_m.max(MIN_END_BLOCKS * block_m)
 }
 
 /// Removes land between a cavity and the ends of `strip` that is narrower than [`min_wall_m`]. On such a slender wall
 /// friction raises the pressure, which raises friction, and there is no equilibrium.
 pub fn without_slivers(mut strip: Strip, depth_m: f64, block_m: f64) -> Strip {
-    let least_m = least_wall_m(depth_m, block_m);
+    let least_m = min_wall_m(depth_m, block_m);
     let length_m = strip.length_m;
     if let Some(first) = strip.cavities_m.first_mut().filter(|first| first[0] < least_m) {
         first[0] = 0.0;
@@ -163,7 +163,7 @@ impl SteadyFace {
             .into_par_iter()
             .map(|(band, area_m2, cavity_area_m2, lattice)| {
                 monitor.heed().ok()?;
-                let model = SteadyModel::of(scene, lattice);
+                let model = SteadyModel::for_scene(scene, lattice);
                 Some(Piece { band, area_m2, cavity_area_m2, pressure_share: model.stiffness_per_length(), model })
             })
             .collect();
@@ -228,7 +228,7 @@ impl FlatFace {
         let length_m = face.longest().length_m.min(STRIP_HEIGHTS * scene.layer.height_m);
         let columns = columns::strip(length_m / block_m, &[], 0.0);
         let lattice = Lattice::new(columns, scene.layer.rows(), false);
-        let model = SteadyModel::of(scene, lattice);
+        let model = SteadyModel::for_scene(scene, lattice);
         let sum = |of: fn(&Strip) -> f64| face.strips().iter().map(of).sum::<f64>();
         Self { model, length_m, ends_per_m: sum(|strip| strip.width_m) / sum(Strip::area_m2) }
     }

@@ -1,10 +1,10 @@
 use std::sync::OnceLock;
 
 use super::strips::{shortened, solve};
-use super::timed_strip::{TIME_SHARE, drawn_ratios, timed_lattices};
+use super::timed_strip::{TIME_CHANGE_ERROR, drawn_ratios, timed_lattices};
 use super::*;
 use crate::lattice::Lattice;
-use crate::simulate::integrate;
+use crate::simulate::run_all;
 use crate::steady::SteadyModel;
 use crate::{Layer, Strip, columns, samples, simulate};
 use slipgrid_material::{AreaLaw, LocalFriction};
@@ -68,8 +68,8 @@ fn strips_carry_the_load_as_one_rigid_bulk_presses_them() {
         SteadyModel::new(lattice, 10e-6, 0.38e9, false)
     };
     let cavities: Vec<[f64; 2]> = strips.strips()[0].cavities_m.iter().map(|ends| ends.map(|at| at / 10e-6)).collect();
-    let (textured, flat) = (model(&cavities), model(&[]));
-    let [k_t, k_f] = [textured.stiffness_per_length(), flat.stiffness_per_length()];
+    let (cell_lines, flat) = (model(&cavities), model(&[]));
+    let [k_t, k_f] = [cell_lines.stiffness_per_length(), flat.stiffness_per_length()];
     assert!(k_t < 0.98 * k_f, "cavities make a strip softer: {k_t} {k_f}");
     for (load, found) in scene.loads.iter().zip(&found.loads) {
         let one = Scene { loads: vec![*load], ..scene.clone() };
@@ -77,12 +77,12 @@ fn strips_carry_the_load_as_one_rigid_bulk_presses_them() {
             let share = 2.0 * k / (k_t + k_f);
             load.pressure_pa * share * solve(&one, model, share)[0].mu_dynamic.unwrap()
         };
-        let mu = (at(&textured, k_t) + at(&flat, k_f)) / (2.0 * load.pressure_pa);
+        let mu = (at(&cell_lines, k_t) + at(&flat, k_f)) / (2.0 * load.pressure_pa);
         assert!((found.surface.mu_dynamic.unwrap() / mu - 1.0).abs() < 1e-9);
     }
     assert!(found.loads[1].ratio.unwrap() > ratios(&scene, &face(vec![strip(0, 2e-3, 180e-6)]))[1]);
     assert!(
-        found.statements.model.iter().any(|said| said.contains("13.00 % of its face")),
+        found.statements.model.iter().any(|statements| statements.contains("13.00 % of its face")),
         "{:?} {pattern:?}",
         found.statements
     );
@@ -117,7 +117,7 @@ fn whole_strips(scene: &Scene, strips: &Face) -> Vec<f64> {
         let strip = without_slivers(strip.clone(), depth_m, block_m);
         let cavities: Vec<[f64; 2]> = strip.cavities_m.iter().map(|ends_m| ends_m.map(|at_m| at_m / block_m)).collect();
         let columns = columns::strip(strip.length_m / block_m, &cavities, depth_m / block_m);
-        SteadyModel::of(scene, Lattice::new(columns, rows, false))
+        SteadyModel::for_scene(scene, Lattice::new(columns, rows, false))
     };
     // mu = sum k_s A_s mu_s / sum k_s A_s
     let friction = |models: &[SteadyModel]| -> Vec<f64> {
@@ -177,7 +177,7 @@ fn cells_between_ends_take_strips_to_smaller_blocks() {
         let mut fine = scene.clone();
         fine.layer.block_m *= 0.25;
         let strips = half_disc(&pattern, 5e3, 3);
-        let cells = [&scene, &fine].map(|scene| SteadyCell::solved(scene, Dimension::Plane).ratios(&pattern));
+        let cells = [&scene, &fine].map(|scene| SteadyCell::with_dimension(scene, Dimension::Plane).ratios(&pattern));
         let found = steady_face_ratios(&scene, &pattern, &strips, &Unwatched).unwrap();
         let (large, small) = (whole_strips(&scene, &strips), whole_strips(&fine, &strips));
         for load in 0..scene.loads.len() {
@@ -201,8 +201,10 @@ fn strips_that_sample_a_face_are_corrected_to_its_share_of_cavities() {
     for (own, found) in own.iter().zip(&found) {
         assert!(((1.0 - found) / (1.0 - own) - 1.1).abs() < 1e-9);
     }
-    let said = simulate_specimen(&scene, &sampled, &Unwatched).unwrap();
-    assert!(said.loads.iter().all(|load| load.ratio_layout_error.is_some_and(|error| error > 0.0 && error < 0.01)));
+    let statements = simulate_specimen(&scene, &sampled, &Unwatched).unwrap();
+    assert!(
+        statements.loads.iter().all(|load| load.ratio_layout_error.is_some_and(|error| error > 0.0 && error < 0.01))
+    );
 }
 
 #[test]
@@ -244,14 +246,14 @@ fn strips_follow_the_longest_in_time() {
     let alone = |strip: &Strip| {
         let lattices = timed_lattices(&scene, &scene.pattern.unwrap(), strip);
         let models = [OnceLock::new(), OnceLock::new()];
-        let loads = integrate(&scene, &lattices, &models, &[0.0], &Unwatched).unwrap().loads;
+        let loads = run_all(&scene, &lattices, &models, &[0.0], &Unwatched).unwrap().loads;
         let steady = drawn_ratios(&scene, &lattices, &models, &Unwatched);
         loads[0].ratio.unwrap() - steady[0].unwrap()
     };
     let added: Vec<f64> = strips.iter().map(alone).collect();
     let over_share: Vec<f64> =
         added.iter().zip(&strips).map(|(added, strip)| added * strip.length_m / strip.cavity_length_m()).collect();
-    assert!(over_share.iter().all(|own| (own / over_share[0] - 1.0).abs() < TIME_SHARE), "{over_share:?}");
+    assert!(over_share.iter().all(|own| (own / over_share[0] - 1.0).abs() < TIME_CHANGE_ERROR), "{over_share:?}");
     let area_m2: f64 = strips.iter().map(Strip::area_m2).sum();
     let all = added.iter().zip(&strips).map(|(added, strip)| added * strip.area_m2()).sum::<f64>() / area_m2;
     let steady =
@@ -298,12 +300,13 @@ fn lands_that_the_border_cuts_are_said_to_be_pressed_harder() {
     let mut scene = scene(run);
     scene.loads.truncate(1);
     let found = |strips: Vec<Strip>| simulate_specimen(&scene, &face(strips), &Unwatched).unwrap();
-    let said = |found: &Simulation| found.statements.model.iter().any(|said| said.contains("times as hard"));
+    let statements =
+        |found: &Simulation| found.statements.model.iter().any(|statements| statements.contains("times as hard"));
     // The land between the two cavities of the shorter strip is a fifth as wide.
     let longest = strip(0, 2e-3, 180e-6);
     let cavities_m = vec![[300e-6, 430e-6], [470e-6, 600e-6]];
     let narrow = Strip { band: 1, length_m: 1.2e-3, cavities_m, ..longest.clone() };
     let (both, alone) = (found(vec![longest.clone(), narrow]), found(vec![longest]));
-    assert!(said(&both) && !said(&alone), "{:?}", both.statements.model);
+    assert!(statements(&both) && !statements(&alone), "{:?}", both.statements.model);
     assert_eq!(both.loads[0].surface.peak_pressure_pa, alone.loads[0].surface.peak_pressure_pa);
 }

@@ -5,14 +5,12 @@ use std::sync::OnceLock;
 use slipgrid_monitor::memory::{from_bytes, recalled, to_bytes};
 use slipgrid_pattern::Pattern;
 
-use super::super::{
-    Integrated, all_affordable, describe_protocol, describe_scheme, describe_start, integrate, seed_of,
-};
+use super::super::{RunResults, all_affordable, describe_protocol, describe_scheme, describe_start, run_all, seed_of};
 use super::strips::{solve_drawn, without_slivers};
 use crate::Monitor;
 use crate::columns;
 use crate::draws;
-use crate::dynamics::settings;
+use crate::dynamics::cache_key_settings;
 use crate::error::SceneError;
 use crate::face::{Face, Strip};
 use crate::lattice::Lattice;
@@ -24,7 +22,7 @@ use crate::steady::SteadyModel;
 const MAX_TIMED_COLUMNS: f64 = 1200.0;
 /// Relative standard error of applying the change by time of one strip to strips with other lengths and cavities, which
 /// deviate by no more (`strips_follow_the_longest_in_time`).
-pub const TIME_SHARE: f64 = 0.5;
+pub const TIME_CHANGE_ERROR: f64 = 0.5;
 
 /// Dynamic run of the longest strip of a face.
 pub struct TimedStrip {
@@ -34,7 +32,7 @@ pub struct TimedStrip {
     added: Vec<Option<f64>>,
     /// Fraction of the strip's columns that are cavity.
     share: f64,
-    said: Statements,
+    statements: Statements,
 }
 
 impl TimedStrip {
@@ -53,43 +51,43 @@ impl TimedStrip {
         let models = vec![OnceLock::new(); lattices.len()];
         // The steady ratios are computed while no run has begun, or while the last one ends.
         let (integrated, steady) = rayon::join(
-            || integrate(scene, &lattices, &models, &none, monitor),
+            || run_all(scene, &lattices, &models, &none, monitor),
             || drawn_ratios(scene, &lattices, &models, monitor),
         );
-        let Integrated { loads, scheme } = integrated?;
-        let mut said = Statements::default();
-        said.method(describe_scheme(scene, &scheme));
-        describe_protocol(scene, scheme.step_s, &mut said);
-        said.method(format!(
+        let RunResults { loads, scheme } = integrated?;
+        let mut statements = Statements::default();
+        statements.method(describe_scheme(scene, &scheme));
+        describe_protocol(scene, scheme.step_s, &mut statements);
+        statements.method(format!(
             "in time: {part} of the specimen, {:.2} mm with {} cavities on whole blocks of {:.0} um; the other strips take from it what time adds to steady sliding",
             strip.length_m * 1e3,
             strip.cavities_m.len(),
             scene.layer.block_m * 1e6,
         ));
-        describe_start(scene, "layer", &mut said);
+        describe_start(scene, "layer", &mut statements);
         let columns = lattices[0].columns();
         let share = columns.iter().filter(|column| !column.is_land()).count() as f64 / columns.len() as f64;
         let added = loads.iter().zip(steady).map(|(load, steady)| Some(load.ratio? - steady?)).collect();
-        Ok(Self { loads, added, share, said })
+        Ok(Self { loads, added, share, statements })
     }
 
     /// D / `D_1`
-    fn share_on(&self, face: &Face) -> f64 {
+    fn relative_share(&self, face: &Face) -> f64 {
         if self.share > 0.0 { face.cavity_share() / self.share } else { 0.0 }
     }
 
     /// Change of the ratio of `face`, by load.
-    pub fn added_on(&self, face: &Face) -> Vec<Option<f64>> {
-        let share = self.share_on(face);
+    pub fn change_on(&self, face: &Face) -> Vec<Option<f64>> {
+        let share = self.relative_share(face);
         let each = self.added.iter().zip(&self.loads);
         each.map(|(added, load)| added.filter(|_| load.is_trusted()).map(|added| added * share)).collect()
     }
 
     /// Adds the change by time to the `steady` outcomes of `face`; also returns the statements.
-    pub fn on(&self, face: &Face, steady: &[LoadOutcome]) -> (Vec<LoadOutcome>, Statements) {
-        let share = self.share_on(face);
+    pub fn apply(&self, face: &Face, steady: &[LoadOutcome]) -> (Vec<LoadOutcome>, Statements) {
+        let share = self.relative_share(face);
         // With a single strip there is no other strip to apply the change to.
-        let followed = if face.strips().len() > 1 { TIME_SHARE } else { 0.0 };
+        let followed = if face.strips().len() > 1 { TIME_CHANGE_ERROR } else { 0.0 };
         let of_load = |((strip, added), steady): ((&LoadOutcome, &Option<f64>), &LoadOutcome)| {
             let mut load = strip.clone();
             load.ratio_time_change = steady.ratio.and(*added).map(|added| added * share);
@@ -102,9 +100,9 @@ impl TimedStrip {
             load
         };
         let loads = self.loads.iter().zip(&self.added).zip(steady).map(of_load).collect();
-        let mut said = self.said.clone();
-        said.model.extend(self.pressed_harder(steady));
-        (loads, said)
+        let mut statements = self.statements.clone();
+        statements.model.extend(self.pressed_harder(steady));
+        (loads, statements)
     }
 
     /// Statement on lands at the border of the face that carry more than 2 % more pressure than the strip. The
@@ -140,7 +138,7 @@ pub fn timed_lattices(scene: &Scene, pattern: &Pattern, strip: &Strip) -> Vec<La
     let (block_m, rows) = (scene.layer.block_m, scene.layer.rows());
     let cavities: Vec<[f64; 2]> = strip.cavities_m.iter().map(|ends_m| ends_m.map(|at_m| at_m / block_m)).collect();
     let own = columns::whole_strip(strip.length_m / block_m, &cavities, pattern.depth_m() / block_m, rows);
-    let own = columns::raised(own, pattern, block_m, scene.relief.as_deref());
+    let own = columns::with_relief(own, pattern, block_m, scene.relief.as_deref());
     let flat = columns::flat(own.len());
     [own, flat].into_iter().map(|columns| Lattice::new(columns, rows, false)).collect()
 }
@@ -156,11 +154,11 @@ pub fn drawn_ratios(
 ) -> Vec<Option<f64>> {
     let ([own, flat], [of_own, of_flat]) = (lattices, models) else { return Vec::new() };
     let friction = |lattice: &Lattice, made: &OnceLock<SteadyModel>| {
-        drawn_friction(scene, made.get_or_init(|| SteadyModel::of(scene, lattice.clone())))
+        drawn_friction(scene, made.get_or_init(|| SteadyModel::for_scene(scene, lattice.clone())))
     };
     let count = scene.loads.len();
     let of_flat = || {
-        let content = (settings(scene), &scene.loads, flat);
+        let content = (cache_key_settings(scene), &scene.loads, flat);
         let known = |bytes: &[u8]| Some(from_bytes(bytes)).filter(|all| all.len() == count * scene.run.draws as usize);
         // Missing friction is stored as NaN.
         let kept = |friction: &Vec<f64>| Some(to_bytes(friction));

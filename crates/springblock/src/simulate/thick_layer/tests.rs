@@ -82,7 +82,7 @@ fn off(run: RunOptions, length_m: f64, relative_std: f64) -> Vec<f64> {
 fn a_thick_layer_in_time_is_a_thin_one_and_the_steady_difference() {
     let run = RunOptions { fidelity: Fidelity::Dynamic, warm_start: true, ..RunOptions::default() };
     let [rms, largest] = sizes(&off(run, 9960e-6, 0.05));
-    assert!(rms < OPEN_IN_TIME && largest < 0.003, "{rms} {largest}");
+    assert!(rms < DYNAMIC_ERROR && largest < 0.003, "{rms} {largest}");
 }
 
 #[test]
@@ -91,7 +91,7 @@ fn ends_hardly_change_what_is_behind_the_layer() {
     let run = RunOptions { extent: Extent::Sample, ..RunOptions::default() };
     for length_m in [9960e-6, 6000e-6] {
         let [rms, _] = sizes(&off(run, length_m, 0.0));
-        let stated = OPEN_BY_ENDS * KNOWN_LENGTH_M / length_m;
+        let stated = END_ERROR * REFERENCE_LENGTH_M / length_m;
         assert!(rms < 1.1 * stated, "{length_m}: {rms} {stated}");
     }
 }
@@ -110,12 +110,12 @@ fn steady_cells_are_solved_over_the_whole_thickness_and_say_what_that_changes() 
             close(thin.ratio_layer_difference.unwrap(), tolerance.max(1e-6));
             assert_eq!((thin.ratio_layer_error, thick.ratio_layer_error), (None, None));
         }
-        let said = |thickness_m: Option<f64>| {
+        let statements = |thickness_m: Option<f64>| {
             let layer = Layer { thickness_m, ..scene.layer };
             simulate(&Scene { layer, ..scene.clone() }, &Unwatched).unwrap().statements.model.join("\n")
         };
-        assert!(said(None).contains("layer of 200 um under a rigid bulk, as asked for"));
-        assert!(said(Some(7e-3)).contains("specimen 7 mm thick"), "{}", said(Some(7e-3)));
+        assert!(statements(None).contains("layer of 200 um under a rigid bulk, as asked for"));
+        assert!(statements(Some(7e-3)).contains("specimen 7 mm thick"), "{}", statements(Some(7e-3)));
     }
 }
 
@@ -129,10 +129,10 @@ fn time_and_ends_get_the_steady_difference_added() {
         RunOptions { fidelity: Fidelity::Dynamic, sliding_m: 0.1e-6, warm_start: true, ..RunOptions::default() };
     let with_ends = RunOptions { extent: Extent::Sample, ..RunOptions::default() };
     for (pattern, run, open) in [
-        (groove(300.0, 600.0, 30.0), in_time, OPEN_IN_TIME),
-        (groove(133.3, 371.9, 14.4), in_time, OPEN_IN_TIME),
-        (groove(300.0, 600.0, 30.0), with_ends, OPEN_BY_ENDS / 0.6),
-        (squares(), in_time, OPEN_IN_TIME),
+        (groove(300.0, 600.0, 30.0), in_time, DYNAMIC_ERROR),
+        (groove(133.3, 371.9, 14.4), in_time, DYNAMIC_ERROR),
+        (groove(300.0, 600.0, 30.0), with_ends, END_ERROR / 0.6),
+        (squares(), in_time, DYNAMIC_ERROR),
     ] {
         let mut scene = scene(pattern, run);
         scene.loads.remove(0);

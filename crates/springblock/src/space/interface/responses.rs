@@ -110,9 +110,9 @@ impl Interface {
         for (own, imbalance) in self.free.iter().zip(imbalances) {
             let surface = &self.surface[*own];
             let place = surface.column[1] * self.columns[0] + surface.column[0];
-            let borne = if surface.yields { face.limit * surface.contact_share } else { 0.0 };
+            let yield_force = if surface.yields { face.limit * surface.contact_share } else { 0.0 };
             let above = fields[2 * plane + place] - face.raise * surface.relief;
-            *imbalance = (pressed[place] - borne + surface.own_tie() * above) / surface.pivot;
+            *imbalance = (pressed[place] - yield_force + surface.own_tie() * above) / surface.pivot;
             if let Some(number) = surface.contact.filter(|_| surface.lifted) {
                 normal[number] = 0.0;
             }

@@ -85,8 +85,8 @@ impl Solver<'_> {
     /// Switches to the contact states `lifted` and `yields`, keeping the state where possible.
     pub(super) fn switch(&mut self, lifted: &[bool], yields: &[bool]) {
         let mut interface = self.model.interface.with_contacts(lifted, yields);
-        interface.take_heights(&self.interface);
-        let unknowns = interface.continued(&self.interface, &self.state.unknowns, self.face.raise);
+        interface.copy_heights(&self.interface);
+        let unknowns = interface.convert_unknowns(&self.interface, &self.state.unknowns, self.face.raise);
         let elastic = interface.elastic_unknowns();
         self.response = interface.response();
         self.state = State { unknowns, elastic: vec![0.0; elastic], normal: vec![0.0; interface.contacts()] };

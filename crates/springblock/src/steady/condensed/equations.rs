@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::super::dense::{add_times, elongation, solve_many, subtract_products};
 use super::super::flat_layer::FlatLayer;
 use super::super::system::{Contact, contacts};
-use super::{Ceiling, Condensed, CondensedCell, latest};
+use super::{Ceiling, Condensed, CondensedCell, cell_cache};
 use crate::lattice::{Bond, Lattice};
 
 /// Typical number of evaluations of N over a few loads.
@@ -48,7 +48,7 @@ pub struct Equations {
 impl Equations {
     /// Creates the layout for a periodic lattice of equal columns whose cavities leave at least one row, with the
     /// columns `lifted` off the counterface. With `raised` the heights of the face at the contacts are inputs.
-    pub fn of(lattice: &Lattice, lifted: &[usize], raised: bool) -> Option<Self> {
+    pub fn for_lattice(lattice: &Lattice, lifted: &[usize], raised: bool) -> Option<Self> {
         let width = lattice.columns().first()?.width;
         let explicit = (lattice.cavity_rows() + 1).max(2);
         if !lattice.is_periodic() || explicit > lattice.ny() || lattice.columns().iter().any(|c| c.width != width) {
@@ -216,12 +216,12 @@ impl Equations {
     }
 
     /// Like [`Self::condense`], cached: for all threads if it takes many `products`, otherwise per thread.
-    pub fn condense_or_recall(self, lattice: &Lattice, products: f64) -> Option<Arc<CondensedCell>> {
+    pub fn condense_cached(self, lattice: &Lattice, products: f64) -> Option<Arc<CondensedCell>> {
         let condense = || self.condense(lattice).map(Arc::new);
-        if products < latest::WORTH_REMEMBERING {
-            latest::recall_own(lattice, condense)
+        if products < cell_cache::MIN_SHARED_PRODUCTS {
+            cell_cache::get_or_condense_per_thread(lattice, condense)
         } else {
-            latest::LATEST.recall(lattice, condense)
+            cell_cache::SHARED_CACHE.get_or_condense(lattice, condense)
         }
     }
 
