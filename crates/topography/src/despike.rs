@@ -27,11 +27,11 @@ const ROUNDING: f64 = 1e-9;
 /// If most differences vanish, T is found from the others if they are more than this fraction.
 const MIN_UNEQUAL_SHARE: f64 = 0.01;
 /// Points between two checks for cancellation.
-const ASKED_EVERY: usize = 1 << 12;
+const CANCEL_CHECK_INTERVAL: usize = 1 << 12;
 /// Largest number of passes over a map: a spike can be hidden behind a larger one.
 const MAX_PASSES: usize = 4;
 /// Number of spikes described individually in the message.
-const DESCRIBED: usize = 3;
+const MAX_DESCRIBED: usize = 3;
 
 /// A single point, or a cluster of a few points, with a wrong height.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -62,7 +62,7 @@ impl Spikes {
 }
 
 /// `count` and `noun`, in the plural unless `count` is 1.
-fn counted(count: usize, noun: &str) -> String {
+fn count_with_noun(count: usize, noun: &str) -> String {
     format!("{count} {noun}{}", if count == 1 { "" } else { "s" })
 }
 
@@ -76,14 +76,14 @@ impl fmt::Display for Spikes {
         write!(
             f,
             "{} in {} stand{} alone, beyond all points around (rows {}, columns {}; worst at row, column: ",
-            counted(self.points(), "point"),
-            counted(self.list.len(), "place"),
+            count_with_noun(self.points(), "point"),
+            count_with_noun(self.list.len(), "place"),
             if self.points() == 1 { "s" } else { "" },
             // Files list rows along x, this crate columns: the indices are exchanged to match the file.
             extent(|spike| spike.col),
             extent(|spike| spike.row)
         )?;
-        for (n, spike) in self.list.iter().take(DESCRIBED).enumerate() {
+        for (n, spike) in self.list.iter().take(MAX_DESCRIBED).enumerate() {
             let comma = if n > 0 { "; " } else { "" };
             write!(f, "{comma}{}, {} by {:+.3} um", spike.col, spike.row, spike.height_m * 1e6)?;
         }
@@ -129,7 +129,7 @@ impl HeightMap {
     }
 
     /// Calls `visit` for the nodes of the square of half-width `reach` around `node`, without `node` itself.
-    fn about(&self, node: usize, reach: usize, mut visit: impl FnMut(usize)) {
+    fn for_each_neighbour(&self, node: usize, reach: usize, mut visit: impl FnMut(usize)) {
         let (i, j) = (node / self.cols(), node % self.cols());
         let last = [(i + reach).min(self.rows() - 1), (j + reach).min(self.cols() - 1)];
         for row in i.saturating_sub(reach)..=last[0] {
@@ -145,7 +145,7 @@ impl HeightMap {
     /// Median of the points present around `node`; NaN if there are none.
     fn median_about(&self, node: usize) -> f64 {
         let mut around = Vec::with_capacity((2 * SPIKE_REACH + 1).pow(2));
-        self.about(node, SPIKE_REACH, |other| {
+        self.for_each_neighbour(node, SPIKE_REACH, |other| {
             let height = self.heights_m()[other];
             if !height.is_nan() {
                 around.push(height);
@@ -160,7 +160,7 @@ impl HeightMap {
         let heights = self.heights_m();
         let mut differences = Vec::new();
         for (n, node) in self.sampled(MAX_SAMPLED).enumerate() {
-            if n % ASKED_EVERY == 0 {
+            if n % CANCEL_CHECK_INTERVAL == 0 {
                 monitor.heed()?;
             }
             let difference = (heights[node] - self.median_about(node)).abs();
@@ -204,7 +204,7 @@ impl HeightMap {
         let mut taken = vec![false; suspects.len()];
         let mut clusters = Vec::new();
         for first in 0..suspects.len() {
-            if first % ASKED_EVERY == 0 {
+            if first % CANCEL_CHECK_INTERVAL == 0 {
                 monitor.heed()?;
             }
             if taken[first] {
@@ -214,7 +214,7 @@ impl HeightMap {
             let mut nodes = vec![suspects[first]];
             let mut next = 0;
             while next < nodes.len() {
-                self.about(nodes[next], 1, |other| {
+                self.for_each_neighbour(nodes[next], 1, |other| {
                     if let Ok(place) = suspects.binary_search(&other)
                         && !taken[place]
                     {
@@ -241,7 +241,7 @@ impl HeightMap {
         let upright = |node: usize| height_m.signum() * heights[node];
         let (mut rim, mut around) = (f64::NEG_INFINITY, 0);
         for &node in &nodes {
-            self.about(node, 1, |other| {
+            self.for_each_neighbour(node, 1, |other| {
                 if !nodes.contains(&other) && !heights[other].is_nan() {
                     rim = rim.max(upright(other));
                     around += 1;

@@ -324,7 +324,7 @@ mod tests {
     }
 
     /// Direct filter by sums over all waves, slow but independent.
-    fn judge(rows: usize, cols: usize, input: &[f64], factor: impl Fn(f64, f64) -> f64) -> Vec<f64> {
+    fn filter_directly(rows: usize, cols: usize, input: &[f64], factor: impl Fn(f64, f64) -> f64) -> Vec<f64> {
         let signed = |k: usize, n: usize| if 2 * k > n { k as f64 - n as f64 } else { k as f64 };
         let mut output = vec![0.0; rows * cols];
         for k in 0..rows {
@@ -358,7 +358,7 @@ mod tests {
             let multiplier = fourier.multiplier(dx, dy, 0.3, |q| 1.0 / (1.0 + q));
             let mut output = vec![0.0; rows * cols];
             fourier.filter(&input, &multiplier, &mut output, &mut fourier.work());
-            let expected = judge(rows, cols, &input, |k, l| {
+            let expected = filter_directly(rows, cols, &input, |k, l| {
                 let q = (TAU * k / (rows as f64 * dx)).hypot(TAU * l / (cols as f64 * dy));
                 if q == 0.0 { 0.3 } else { 1.0 / (1.0 + q) }
             });

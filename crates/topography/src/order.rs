@@ -5,13 +5,13 @@ use std::cmp::Ordering;
 use slipgrid_monitor::{Cancelled, Monitor};
 
 /// Heights between two checks for cancellation.
-const ASKED_EVERY: usize = 1 << 16;
+const CANCEL_CHECK_INTERVAL: usize = 1 << 16;
 /// Number of parts that are sorted one at a time.
 const PARTS: usize = 64;
 /// Size of the sample that brackets an order statistic, and the distance of the brackets from the expected position in
 /// the sample: six standard deviations.
 const SAMPLE: usize = 4096;
-const BESIDE: usize = 192;
+const SAMPLE_MARGIN: usize = 192;
 /// Sampled positions are this fraction of the map apart (modulo 1): evenly over the rows, and out of step with the
 /// columns.
 const GOLDEN_RATIO: f64 = 0.618_033_988_749_895;
@@ -33,7 +33,7 @@ fn sample(heights: &[f64], count: usize) -> Vec<f64> {
 pub(crate) fn descending(heights: &[f64], monitor: &dyn Monitor) -> Result<Vec<f64>, Cancelled> {
     let bounds = sample(heights, PARTS);
     let mut parts = vec![Vec::new(); bounds.len() + 1];
-    for some in heights.chunks(ASKED_EVERY) {
+    for some in heights.chunks(CANCEL_CHECK_INTERVAL) {
         monitor.heed()?;
         for height in some {
             parts[bounds.partition_point(|bound| bound.total_cmp(height) == Ordering::Less)].push(*height);
@@ -57,10 +57,10 @@ pub(crate) fn nth(heights: &[f64], place: usize, monitor: &dyn Monitor) -> Resul
     let sample = sample(heights, SAMPLE);
     // The product is below the length, so the cast is exact.
     let near = (place as f64 / heights.len() as f64 * sample.len() as f64) as usize;
-    let least = near.checked_sub(BESIDE).map_or(f64::NEG_INFINITY, |n| sample[n]);
-    let most = sample.get(near + BESIDE).copied().unwrap_or(f64::INFINITY);
+    let least = near.checked_sub(SAMPLE_MARGIN).map_or(f64::NEG_INFINITY, |n| sample[n]);
+    let most = sample.get(near + SAMPLE_MARGIN).copied().unwrap_or(f64::INFINITY);
     let (mut below, mut between) = (0, Vec::new());
-    for some in heights.chunks(ASKED_EVERY) {
+    for some in heights.chunks(CANCEL_CHECK_INTERVAL) {
         monitor.heed()?;
         for height in some {
             if height.total_cmp(&least) == Ordering::Less {

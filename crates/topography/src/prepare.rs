@@ -279,7 +279,7 @@ mod tests {
     use crate::{DecimationMethod, SelfAffine};
 
     /// Prepares a map, tilted by `tilt_m` from its first to its last line, as one period.
-    fn told(map: &HeightMap, tilt_m: f64) -> PreparedMap {
+    fn prepared_with_tilt(map: &HeightMap, tilt_m: f64) -> PreparedMap {
         let (rows, cols) = (map.rows(), map.cols());
         let tilted = (0..rows * cols).map(|n| map.heights_m()[n] + tilt_m * (n / cols) as f64 / rows as f64).collect();
         let map = HeightMap::new(rows, cols, map.dx_m(), map.dy_m(), tilted).unwrap();
@@ -336,25 +336,30 @@ mod tests {
     #[test]
     fn a_tilt_alone_is_no_step_between_opposite_sides() {
         let level = SelfAffine { pixels: 64, max_wave: 8, ..SelfAffine::STAND_IN }.map().unwrap();
-        let steps =
-            |told: &PreparedMap| told.notes.iter().find(|note| note.contains("do not continue each other")).cloned();
+        let steps = |prepared: &PreparedMap| {
+            prepared.notes.iter().find(|note| note.contains("do not continue each other")).cloned()
+        };
         for tilt_m in [0.0, 2e-5, -1e-3] {
-            let told = told(&level, tilt_m);
-            assert_eq!(steps(&told), None, "{tilt_m} m: {:?}", told.notes);
-            assert!(told.period);
-            assert_eq!(told.notes[0] == "the least-squares plane has been subtracted", tilt_m != 0.0);
+            let prepared = prepared_with_tilt(&level, tilt_m);
+            assert_eq!(steps(&prepared), None, "{tilt_m} m: {:?}", prepared.notes);
+            assert!(prepared.period);
+            assert_eq!(prepared.notes[0] == "the least-squares plane has been subtracted", tilt_m != 0.0);
             // The plane of the period itself is removed together with the tilt.
-            assert!((told.rms_slope / told_slope(&level) - 1.0).abs() < 0.02, "{tilt_m} m: {}", told.rms_slope);
+            assert!(
+                (prepared.rms_slope / prepared_slope(&level) - 1.0).abs() < 0.02,
+                "{tilt_m} m: {}",
+                prepared.rms_slope
+            );
         }
         // A piece of the map is not a period: its steps are reported with or without tilt, and are the same.
         let (rows, cols) = (40, 48);
         let piece = (0..rows * cols).map(|n| level.heights_m()[n / cols * 64 + n % cols]).collect();
         let piece = HeightMap::new(rows, cols, level.dx_m(), level.dy_m(), piece).unwrap();
-        let said = steps(&told(&piece, 0.0)).unwrap();
-        assert_eq!(steps(&told(&piece, 3e-5)).unwrap(), said);
+        let said = steps(&prepared_with_tilt(&piece, 0.0)).unwrap();
+        assert_eq!(steps(&prepared_with_tilt(&piece, 3e-5)).unwrap(), said);
     }
 
-    fn told_slope(map: &HeightMap) -> f64 {
-        told(map, 0.0).rms_slope
+    fn prepared_slope(map: &HeightMap) -> f64 {
+        prepared_with_tilt(map, 0.0).rms_slope
     }
 }

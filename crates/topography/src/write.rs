@@ -1,6 +1,6 @@
 use std::fmt::Write as _;
 
-use crate::read::square;
+use crate::read::is_square;
 use crate::{HeightMap, LengthUnit};
 
 /// Header content of a written map, and the format of its values.
@@ -33,7 +33,7 @@ impl HeightMap {
             text.push_str(&format!("# {key}: {}\n", length(extent_m)));
         }
         // If pixels are oblong, the sides alone do not show whether rows are missing.
-        if !square(self.dx_m(), self.dy_m()) {
+        if !is_square(self.dx_m(), self.dy_m()) {
             text.push_str(&format!("# Rows: {}\n", self.cols()));
         }
         text.push_str(&format!("# Value units: {}\n", style.unit));

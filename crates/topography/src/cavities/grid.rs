@@ -16,7 +16,7 @@ const MAX_OFF_HALF: f64 = 0.15;
 /// Maximum drift of a row from its axis, in pitches.
 const MAX_DRIFT: f64 = 0.1;
 /// Maximum shift of a cavity against a neighbour in the next row, in pitches.
-const BESIDE: f64 = 0.75;
+const MAX_PAIR_OFFSET: f64 = 0.75;
 /// Maximum relative deviation of the distance of two rows from the typical one.
 const MAX_ROW_OFF: f64 = 0.25;
 /// Distance of hexagonal rows over their pitch, sqrt(3)/2, and the relative tolerance of a measured one.
@@ -123,7 +123,7 @@ impl Grid {
         let beside = |number: usize| {
             let one = sorted[number];
             let pairs = sorted[number + 1..].iter().map(move |&other| [one, other]);
-            pairs.filter(move |pair| apart_m(along)(pair).abs() < BESIDE * pitch_m)
+            pairs.filter(move |pair| apart_m(along)(pair).abs() < MAX_PAIR_OFFSET * pitch_m)
         };
         let mut rows_m: Vec<f64> =
             (0..sorted.len()).filter_map(|number| beside(number).next().map(|pair| apart_m(across)(&pair))).collect();

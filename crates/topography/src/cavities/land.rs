@@ -11,7 +11,7 @@ const CLASSES: usize = 1024;
 /// Fraction of the heights at either end that is excluded from the histogram, for spikes.
 const SPIKES: f64 = 1e-3;
 /// Number of heights between two checks for cancellation.
-const ASKED_EVERY: usize = 1 << 16;
+const CANCEL_CHECK_INTERVAL: usize = 1 << 16;
 /// Minimum distance of the two means in standard deviations within groups: a uniform ramp has 3.5, a Gaussian 2.7.
 const MIN_SEPARATION: f64 = 4.0;
 /// Maximum number of rounds of fitting the form to the land and finding the land again.
@@ -119,7 +119,7 @@ fn groups(height_m: &[f64], monitor: &dyn Monitor) -> Result<Groups, MapError> {
         return Err(MapError::NoCavities { reason: "all heights are equal" });
     };
     let mut counts = vec![0.0; CLASSES];
-    for some in present.chunks(ASKED_EVERY) {
+    for some in present.chunks(CANCEL_CHECK_INTERVAL) {
         monitor.heed()?;
         for height in some {
             let class = (height - low) / (high - low) * CLASSES as f64;

@@ -133,6 +133,7 @@ pub struct CavityMetrology {
     /// Whether the cavities are round, so that widths are diameters of discs with the same area at half depth, not
     /// median chords.
     pub round: bool,
+    /// Depth over the cavities, in metres.
     pub depth: Option<Spread>,
     /// Area fraction of the map below half depth.
     pub area_fraction: f64,

@@ -55,6 +55,7 @@ pub struct MeanPeriod {
     /// period. The period of grooves is a square with their pitch as side and equal heights along the grooves. NaN if
     /// no cavity has a height.
     pub map: HeightMap,
+    /// Arrangement of the cavities.
     pub arrangement: Arrangement,
     /// Number of averaged cavities, which are those that the map's sides do not cut.
     pub cavities: usize,

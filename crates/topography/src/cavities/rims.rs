@@ -19,7 +19,7 @@ use super::{Estimate, RimProfile};
 use crate::synthetic::splitmix64;
 
 /// Number of points between two checks for cancellation.
-const ASKED_EVERY: usize = 1 << 14;
+const CANCEL_CHECK_INTERVAL: usize = 1 << 14;
 /// Maximum number of bins of a profile.
 const MAX_BINS: usize = 160;
 /// Minimum number of bins and of segments for the detection of a rim.
@@ -143,7 +143,7 @@ impl Scene<'_> {
         mut take: impl FnMut(usize, f64, f64),
     ) -> Result<(), Cancelled> {
         for (n, (&height_m, &label)) in self.height_m.iter().zip(self.label).enumerate() {
-            if n % ASKED_EVERY == 0 {
+            if n % CANCEL_CHECK_INTERVAL == 0 {
                 monitor.heed()?;
             }
             if label != 0 || height_m.is_nan() || height_m <= self.threshold_m {

@@ -27,7 +27,7 @@ impl Band {
         self.count += other.count;
     }
 
-    fn less(self, base: Self) -> Option<f64> {
+    fn difference(self, base: Self) -> Option<f64> {
         (self.count > 0.0 && base.count > 0.0).then(|| self.sum_m / self.count - base.sum_m / base.count)
     }
 }
@@ -98,8 +98,8 @@ fn share_of(scene: &Scene<'_>, sums: &[[Band; 4]], mean: f64, width_m: f64) -> O
         if length_m < 0.5 * piece_m {
             continue;
         }
-        pieces.extend(total[0].less(total[1]).map(|relief_m| (length_m, relief_m / mean)));
-        land.extend(total[2].less(total[3]).map(|relief_m| relief_m / mean));
+        pieces.extend(total[0].difference(total[1]).map(|relief_m| (length_m, relief_m / mean)));
+        land.extend(total[2].difference(total[3]).map(|relief_m| relief_m / mean));
     }
     if pieces.len() < 2 || land.len() < 2 {
         return None;

@@ -75,7 +75,7 @@ impl Holes {
 
     /// Weighted sum of (height - `mean_m`) over the neighbours of unknown `n`; missing neighbours hold `mean_m` and add
     /// nothing.
-    fn load(&self, n: usize, height: &[f64], mean_m: f64) -> f64 {
+    fn known_neighbour_sum(&self, n: usize, height: &[f64], mean_m: f64) -> f64 {
         let (node, [across, along], cols) = (self.nodes()[n] as usize, self.weight, self.cols);
         let (i, j) = (node / cols, node % cols);
         let mut sum = 0.0;
@@ -128,7 +128,7 @@ impl HeightMap {
 /// The missing points hold the mean in `height`, so that the sum over all neighbours is that over the known ones.
 fn solve(holes: &mut Holes, height: &[f64], mean_m: f64, monitor: &dyn Monitor) -> (Vec<f64>, Filling) {
     let count = holes.nodes().len();
-    let mut residual: Vec<f64> = (0..count).map(|n| holes.load(n, height, mean_m)).collect();
+    let mut residual: Vec<f64> = (0..count).map(|n| holes.known_neighbour_sum(n, height, mean_m)).collect();
     let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(x, y)| x * y).sum::<f64>();
     let mut solution = vec![0.0; count];
     let mut direction = vec![0.0; count];
@@ -213,7 +213,7 @@ mod tests {
     }
 
     /// Gauss-Seidel sweeps until the heights no longer change: slow, but independent of the solver tested.
-    fn relaxed(map: &HeightMap) -> Vec<f64> {
+    fn gauss_seidel_reference(map: &HeightMap) -> Vec<f64> {
         let (rows, cols) = (map.rows(), map.cols());
         let weight = [map.dx_m().powi(-2), map.dy_m().powi(-2)];
         let missing: Vec<usize> = (0..rows * cols).filter(|&n| map.heights_m()[n].is_nan()).collect();
@@ -269,7 +269,7 @@ mod tests {
         ];
         for (shape, dy_m) in shapes.into_iter().zip([1e-6, 0.5e-6, 2.5e-6, 1e-6]) {
             let mut map = holed(61, dy_m, shape);
-            let expected = relaxed(&map);
+            let expected = gauss_seidel_reference(&map);
             let filling = map.fill_missing();
             assert!(filling.converged && filling.residual <= TOLERANCE, "{filling:?}");
             for (found, expected) in map.heights_m().iter().zip(expected) {

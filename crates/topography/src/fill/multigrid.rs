@@ -11,7 +11,7 @@ use slipgrid_monitor::Monitor;
 /// Marks an absent neighbour.
 pub(super) const NONE: u32 = u32::MAX;
 /// Number of unknowns at which coarsening stops; sweeps alone solve this level.
-const FEWEST: usize = 32;
+const MAX_COARSEST_UNKNOWNS: usize = 32;
 /// Number of forward and backward sweeps on the coarsest level.
 const COARSEST_SWEEPS: usize = 8;
 /// Ratio of the couplings along the two axes from which only the strongly coupled axis is coarsened.
@@ -166,7 +166,7 @@ impl Level {
     }
 
     /// Weighted sum of the neighbours of unknown `n`, and the sum of all its weights.
-    fn around(&self, n: usize) -> (f32, f32) {
+    fn weighted_neighbours(&self, n: usize) -> (f32, f32) {
         let (mut sum, mut weights) = (0.0, self.anchor[n]);
         let mut add = |neighbour: usize, weight: f32| {
             sum += weight * self.solution[neighbour];
@@ -190,7 +190,7 @@ impl Level {
     /// One Gauss-Seidel sweep over `unknowns` in their order.
     fn sweep(&mut self, unknowns: impl Iterator<Item = usize>) {
         for n in unknowns {
-            let (sum, weights) = self.around(n);
+            let (sum, weights) = self.weighted_neighbours(n);
             if weights > 0.0 {
                 self.solution[n] = (self.right_side[n] + sum) / weights;
             }
@@ -211,7 +211,9 @@ impl Multigrid {
     /// `monitor` cancels.
     pub(super) fn new(cell: Vec<u32>, [rows, cols]: [usize; 2], weight: [f64; 2], monitor: &dyn Monitor) -> Self {
         let mut levels = vec![Level::finest(cell, rows, cols, weight.map(|weight| weight as f32))];
-        while let Some(finest) = levels.last_mut().filter(|level| level.cell.len() > FEWEST && !monitor.cancelled()) {
+        while let Some(finest) =
+            levels.last_mut().filter(|level| level.cell.len() > MAX_COARSEST_UNKNOWNS && !monitor.cancelled())
+        {
             let coarse = finest.coarser();
             // Unknowns that are alone in their cells merge once the cells have grown; the last level is a single cell.
             levels.push(coarse);
@@ -241,7 +243,7 @@ fn cycle(levels: &mut [Level], monitor: &dyn Monitor) {
     coarse.right_side.fill(0.0);
     coarse.solution.fill(0.0);
     for n in 0..count {
-        let (sum, weights) = fine.around(n);
+        let (sum, weights) = fine.weighted_neighbours(n);
         coarse.right_side[fine.parent[n] as usize] += fine.right_side[n] + sum - weights * fine.solution[n];
     }
     for _ in 0..CORRECTIONS {

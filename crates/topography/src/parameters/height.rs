@@ -73,7 +73,7 @@ mod tests {
         HeightMap::new(720, 3, 1e-6, 1e-6, heights).unwrap()
     }
 
-    fn near(found: f64, expected: f64, tolerance: f64) {
+    fn assert_near(found: f64, expected: f64, tolerance: f64) {
         assert!((found - expected).abs() <= tolerance * expected.abs().max(1e-12), "{found} and {expected}");
     }
 
@@ -82,31 +82,31 @@ mod tests {
         let p = profile(|t| (TAU * t).sin()).height_parameters(&Unwatched).unwrap();
         // The moments of the sine are sums over whole periods and exact up to rounding; Sa is exact in the limit of
         // many points.
-        near(p.sa_m, 2e-6 / PI, 1e-5);
-        near(p.sq_m, 1e-6 / 2f64.sqrt(), 1e-13);
+        assert_near(p.sa_m, 2e-6 / PI, 1e-5);
+        assert_near(p.sq_m, 1e-6 / 2f64.sqrt(), 1e-13);
         assert!(p.ssk.abs() < 1e-12);
-        near(p.sku, 1.5, 1e-12);
-        near(p.sp_m, 1e-6, 1e-13);
-        near(p.sv_m, 1e-6, 1e-13);
-        near(p.sz_m, 2e-6, 1e-13);
+        assert_near(p.sku, 1.5, 1e-12);
+        assert_near(p.sp_m, 1e-6, 1e-13);
+        assert_near(p.sv_m, 1e-6, 1e-13);
+        assert_near(p.sz_m, 2e-6, 1e-13);
     }
 
     #[test]
     fn a_triangular_wave_and_a_step() {
         // Uniform heights on -1..1, at the middles of 720 equal steps: mean square 1/3 - 1/(3 720^2).
         let p = profile(|t| 2.0 * (t + 0.5 / 720.0) - 1.0).height_parameters(&Unwatched).unwrap();
-        near(p.sa_m, 0.5e-6, 1e-12);
-        near(p.sq_m, 1e-6 * ((1.0 - 1.0 / 720f64.powi(2)) / 3.0).sqrt(), 1e-12);
+        assert_near(p.sa_m, 0.5e-6, 1e-12);
+        assert_near(p.sq_m, 1e-6 * ((1.0 - 1.0 / 720f64.powi(2)) / 3.0).sqrt(), 1e-12);
         assert!(p.ssk.abs() < 1e-12);
-        near(p.sku, 1.8, 1e-5);
+        assert_near(p.sku, 1.8, 1e-5);
         // A quarter of the surface is a pit of depth 1: mean -1/4, Sq^2 = 3/16, Ssk = -2/sqrt 3, Sku = 7/3.
         let p = profile(|t| if t < 0.25 { -1.0 } else { 0.0 }).height_parameters(&Unwatched).unwrap();
-        near(p.sa_m, 0.375e-6, 1e-12);
-        near(p.sq_m, 1e-6 * (3.0_f64 / 16.0).sqrt(), 1e-12);
-        near(p.ssk, -2.0 / 3f64.sqrt(), 1e-12);
-        near(p.sku, 7.0 / 3.0, 1e-12);
-        near(p.sp_m, 0.25e-6, 1e-12);
-        near(p.sv_m, 0.75e-6, 1e-12);
+        assert_near(p.sa_m, 0.375e-6, 1e-12);
+        assert_near(p.sq_m, 1e-6 * (3.0_f64 / 16.0).sqrt(), 1e-12);
+        assert_near(p.ssk, -2.0 / 3f64.sqrt(), 1e-12);
+        assert_near(p.sku, 7.0 / 3.0, 1e-12);
+        assert_near(p.sp_m, 0.25e-6, 1e-12);
+        assert_near(p.sv_m, 0.75e-6, 1e-12);
     }
 
     #[test]

@@ -123,7 +123,7 @@ mod tests {
         MaterialRatioCurve::new(&HeightMap::new(points, 2, 1e-6, 1e-6, heights).unwrap(), &Unwatched).unwrap()
     }
 
-    fn near(found: f64, expected: f64, tolerance: f64) {
+    fn assert_near(found: f64, expected: f64, tolerance: f64) {
         assert!((found - expected).abs() < tolerance, "{found} and {expected}");
     }
 
@@ -132,13 +132,13 @@ mod tests {
         let curve = curve(20_000, |t| (2.0 * t - 1.0).abs());
         let core = curve.core();
         // Heights from 0.5e-4 to 1 - 0.5e-4 um: the line drops from the highest to the lowest one.
-        near(core.sk_m, 0.9999e-6, 1e-12);
-        near(core.spk_m, 0.0, 1e-10);
-        near(core.svk_m, 0.0, 1e-10);
-        near(core.smr1, 0.0, 1e-3);
-        near(core.smr2, 1.0, 1e-3);
-        near(curve.height_m(0.25), 0.25e-6, 1e-10);
-        near(curve.ratio(0.25e-6), 0.25, 1e-4);
+        assert_near(core.sk_m, 0.9999e-6, 1e-12);
+        assert_near(core.spk_m, 0.0, 1e-10);
+        assert_near(core.svk_m, 0.0, 1e-10);
+        assert_near(core.smr1, 0.0, 1e-3);
+        assert_near(core.smr2, 1.0, 1e-3);
+        assert_near(curve.height_m(0.25), 0.25e-6, 1e-10);
+        assert_near(curve.ratio(0.25e-6), 0.25, 1e-4);
     }
 
     #[test]
@@ -151,16 +151,16 @@ mod tests {
         let mean = (PI * w).sin() / (PI * w);
         let slope = 12.0 / w.powi(3) * (first_moment - 0.5 * w * mean * w);
         let upper = mean - slope * w / 2.0;
-        near(core.sk_m, -slope * 1e-6, 1e-9);
-        near(core.upper_m, upper * 1e-6, 1e-9);
+        assert_near(core.sk_m, -slope * 1e-6, 1e-9);
+        assert_near(core.upper_m, upper * 1e-6, 1e-9);
         // upper exceeds 1, so that nothing lies above the core; h < lower for p > acos(lower)/pi.
         assert!(upper > 1.0 && core.smr1 == 0.0 && core.spk_m == 0.0);
         let lower = upper + slope;
         let ratio = lower.acos() / PI;
-        near(core.smr2, ratio, 1e-3);
+        assert_near(core.smr2, ratio, 1e-3);
         // A2 = int from ratio to 1 of (lower - cos(pi p)) dp
         let area = lower * (1.0 - ratio) + (PI * ratio).sin() / PI;
-        near(core.svk_m, 2.0 * area / (1.0 - ratio) * 1e-6, 2e-9);
+        assert_near(core.svk_m, 2.0 * area / (1.0 - ratio) * 1e-6, 2e-9);
     }
 
     #[test]
@@ -177,13 +177,13 @@ mod tests {
         })
         .core();
         // The line continues the core's slope 1/0.85 to both ends.
-        near(core.sk_m, 1e-6 / 0.85, 1e-9);
+        assert_near(core.sk_m, 1e-6 / 0.85, 1e-9);
         // Above upper end 0.5 + 0.05/0.85 = 0.5588 um: t < 0.05 (1 - 0.0588/2) = 0.048529; triangle 2 - 0.0588.
-        near(core.smr1, 0.048_529, 1e-4);
-        near(core.spk_m, 1.941_176e-6, 1e-8);
+        assert_near(core.smr1, 0.048_529, 1e-4);
+        assert_near(core.spk_m, 1.941_176e-6, 1e-8);
         // Below -0.5 - 0.1/0.85 = -0.6176: t > 0.9 + 0.1 0.1176/4 = 0.902941; triangle 4 - 0.1176.
-        near(core.smr2, 0.902_941, 1e-4);
-        near(core.svk_m, 3.882_353e-6, 1e-8);
+        assert_near(core.smr2, 0.902_941, 1e-4);
+        assert_near(core.svk_m, 3.882_353e-6, 1e-8);
     }
 
     #[test]

@@ -87,10 +87,10 @@ fn lengths(
     monitor.heed()?;
     let none = CorrelationLengths { sal_m: None, slowest_m: None, str_ratio: None, fastest_deg: None, block };
     let correlation = Correlation::new(map, sides, monitor)?;
-    if correlation.at(0, 0) <= 0.0 {
+    if correlation.value(0, 0) <= 0.0 {
         return Ok(none);
     }
-    let level = threshold * correlation.at(0, 0);
+    let level = threshold * correlation.value(0, 0);
     let (mut fastest, mut slowest) = (None::<(f64, f64)>, Some(0.0_f64));
     for direction in 0..DIRECTIONS {
         monitor.heed()?;
@@ -155,13 +155,13 @@ impl Correlation {
         Ok(Self { value, size, most, pixel_m: [map.dx_m(), map.dy_m()] })
     }
 
-    fn at(&self, i: i64, j: i64) -> f64 {
+    fn value(&self, i: i64, j: i64) -> f64 {
         let place = |n: i64, size: usize| n.rem_euclid(size as i64) as usize;
         self.value[place(i, self.size[0]) * self.size[1] + place(j, self.size[1])]
     }
 
     /// Value between pixels, by cubic convolution along both axes (Catmull-Rom).
-    fn between(&self, x: f64, y: f64) -> f64 {
+    fn interpolate(&self, x: f64, y: f64) -> f64 {
         let weights = |t: f64| {
             [
                 0.5 * t * (t * (2.0 - t) - 1.0),
@@ -175,7 +175,7 @@ impl Correlation {
         let mut sum = 0.0;
         for (a, weight_x) in (-1..).zip(along_x) {
             for (b, weight_y) in (-1..).zip(along_y) {
-                sum += weight_x * weight_y * self.at(i as i64 + a, j as i64 + b);
+                sum += weight_x * weight_y * self.value(i as i64 + a, j as i64 + b);
             }
         }
         sum
@@ -185,13 +185,13 @@ impl Correlation {
     fn decay(&self, angle: f64, level: f64) -> Option<f64> {
         let step_m = self.pixel_m[0].min(self.pixel_m[1]) / STEPS_PER_PIXEL;
         let (step_x, step_y) = (angle.cos() * step_m / self.pixel_m[0], angle.sin() * step_m / self.pixel_m[1]);
-        let mut before = self.at(0, 0);
+        let mut before = self.value(0, 0);
         for step in 1_u32.. {
             let (x, y) = (f64::from(step) * step_x, f64::from(step) * step_y);
             if x.abs() >= self.most[0] as f64 || y.abs() >= self.most[1] as f64 {
                 return None;
             }
-            let value = self.between(x, y);
+            let value = self.interpolate(x, y);
             if value <= level {
                 // Linear interpolation between two steps, which are a fraction of a pixel apart.
                 return Some((f64::from(step) - (level - value) / (before - value)) * step_m);

@@ -40,7 +40,7 @@ pub struct SpectrumBin {
 }
 
 /// A short wave is shorter than this many pixels of the longer side: twice the shortest wave that both axes resolve.
-const PIXELS_OF_A_SHORT_WAVE: f64 = 4.0;
+const SHORT_WAVE_PIXELS: f64 = 4.0;
 /// If short waves hold at least this fraction of the squared slope, the pixel size limits the slope.
 pub const LIMITED_BY_PIXELS: f64 = 0.4;
 
@@ -83,7 +83,7 @@ impl HeightMap {
     /// [`MapError::MissingPoints`] unless the map is complete; [`MapError::Cancelled`] once `monitor` has cancelled.
     pub fn short_waves(&self, monitor: &dyn Monitor) -> Result<ShortWaves, MapError> {
         self.require_complete()?;
-        let below_m = PIXELS_OF_A_SHORT_WAVE * self.dx_m().max(self.dy_m());
+        let below_m = SHORT_WAVE_PIXELS * self.dx_m().max(self.dy_m());
         let (mut short, mut all) = (0.0, 0.0);
         let fourier = Fourier::new(self.rows(), self.cols());
         let add = |q: f64, twins: f64, square: f64| {

@@ -6,7 +6,7 @@ use std::io::Read;
 
 use super::bytes::{Number, at_end, exact, numbers};
 use super::lines::{excerpt, number};
-use super::overridden::Said;
+use super::overridden::StatedValues;
 use super::window::Window;
 use super::{MapFormat, ReadMap, ReadOptions, keep_comment};
 use crate::unit::unit_names;
@@ -81,7 +81,7 @@ pub(super) fn read(mut source: impl Read, options: &ReadOptions) -> Result<ReadM
         return Err(ReadError::NotGiven { missing: missing.into_iter().flatten().collect() });
     };
     let steps = [(1, cols), (0, rows)].map(|(axis, pixels)| header.side[axis].unwrap_or(1.0) / pixels as f64);
-    let notes = Said::of_steps(steps, header.lateral_unit, header.height_unit).notes(options, MapFormat::Gsf);
+    let notes = StatedValues::from_steps(steps, header.lateral_unit, header.height_unit).notes(options, MapFormat::Gsf);
     let mut window = Window::new(Some(rows), cols, options.crop, options.decimation)?;
     // The window has checked both counts, so the product fits.
     let read_all = numbers(&mut source, FORMAT, Number::F32, false, rows.saturating_mul(cols), |values| {

@@ -38,7 +38,7 @@ pub(crate) struct Header {
     /// Comment lines without their comment mark.
     pub(super) comments: Vec<String>,
     /// Lengths without unit, with their line, until the unit of x and y is known.
-    bare: Vec<(Key, f64, usize, String)>,
+    unitless: Vec<(Key, f64, usize, String)>,
     /// Lines with a comma that may be decimal or a thousands separator, with the error for each.
     ambiguous: Vec<(String, usize, ReadError)>,
     /// Unused lines that state a unit or a scale.
@@ -57,9 +57,9 @@ impl Header {
 
     /// Reads a line above the data without comment mark that names a value, such as `Operator: Anna`. Programs write
     /// arbitrary words there, so a value that cannot be understood is not an error.
-    pub(super) fn unmarked(&mut self, text: &str, line: usize) {
+    pub(super) fn read_unmarked(&mut self, text: &str, line: usize) {
         if self.comment(text, line).is_err() {
-            self.name_unused(text, line);
+            self.record_unused(text, line);
         }
     }
 
@@ -99,13 +99,13 @@ impl Header {
         };
         let Some(key) = Key::of(word) else {
             if states_scale(word, &value, Scale::parse(&value).is_some()) {
-                self.name_unused(text, line);
+                self.record_unused(text, line);
             }
             return Ok(());
         };
         self.set(key, word, &value, line).map(|is_used| {
             if !is_used {
-                self.name_unused(text, line);
+                self.record_unused(text, line);
             }
         })
     }
@@ -113,13 +113,13 @@ impl Header {
     /// Stores the value of `key`, written as `word`; returns whether the entry was used.
     fn set(&mut self, key: Key, word: &str, value: &str, line: usize) -> Result<bool, ReadError> {
         let name = key.name();
-        // Entries of other programs are used only as counts of lines.
+        // Other programs use these words for other values too; only positive whole numbers are counts.
         let count = || value.parse().ok().filter(|count| *count > 0);
         match key {
             Key::Width | Key::Height => {
                 let axis = usize::from(key == Key::Height);
-                if let Some(bare) = number(value).filter(|_| word.contains('-')) {
-                    self.bare.push((key, bare, line, word.to_owned()));
+                if let Some(length) = number(value).filter(|_| word.contains('-')) {
+                    self.unitless.push((key, length, line, word.to_owned()));
                     return Ok(true);
                 }
                 let length_m = Some(length(line, name, value)?);
@@ -135,7 +135,7 @@ impl Header {
             Key::Rows => self.pixels[0] = count().or(self.pixels[0]),
             Key::Pixel | Key::PixelX | Key::PixelY => match (stated_length(value), number(value)) {
                 (Some(length), _) => self.set_pixel(key, length.to_metres(1.0)),
-                (None, Some(bare)) => self.bare.push((key, bare, line, word.to_owned())),
+                (None, Some(length)) => self.unitless.push((key, length, line, word.to_owned())),
                 (None, None) => return Ok(false),
             },
             Key::HeightUnit => self.value_unit = Some(unit(line, name, value)?),
@@ -198,16 +198,16 @@ impl Header {
 
     /// Decides open questions at the first line of data: commas in the header are decimal if those in the data are, and
     /// lengths without unit are in the unit of x and y.
-    pub(super) fn settle(&mut self, has_decimal_commas: bool) -> Result<(), ReadError> {
+    pub(super) fn resolve_open_entries(&mut self, has_decimal_commas: bool) -> Result<(), ReadError> {
         for (text, line, error) in std::mem::take(&mut self.ambiguous) {
             if !has_decimal_commas {
                 return Err(error);
             }
             self.entries(&text.replace(',', "."), line)?;
         }
-        for (key, length, line, word) in std::mem::take(&mut self.bare) {
+        for (key, length, line, word) in std::mem::take(&mut self.unitless) {
             match (self.lateral.filter(|_| length > 0.0).map(|lateral| lateral.to_metres(length)), key) {
-                (None, _) => self.name_unused(&format!("{word}: {length}"), line),
+                (None, _) => self.record_unused(&format!("{word}: {length}"), line),
                 (Some(length_m), Key::Width) => self.width_m = Some(length_m),
                 (Some(length_m), Key::Height) => self.height_m = Some(length_m),
                 (Some(length_m), _) => self.set_pixel(key, length_m),
@@ -218,7 +218,7 @@ impl Header {
 
     /// Uses the steps of the axes along and across lines as pixel sides, if no size is given otherwise and the unit is
     /// known.
-    pub(super) fn take_axes(&mut self, steps: [f64; 2], lateral: Option<Scale>) {
+    pub(super) fn set_pixel_from_axes(&mut self, steps: [f64; 2], lateral: Option<Scale>) {
         if let Some(lateral) = lateral.or(self.lateral)
             && !self.is_sized()
         {
@@ -242,7 +242,7 @@ impl Header {
     /// Whether a size of the map or of its pixels is stated, as for a matrix.
     pub(super) fn is_sized(&self) -> bool {
         let lengths = [self.width_m, self.height_m, self.side_m, self.pixel_m[0], self.pixel_m[1]];
-        lengths.iter().any(Option::is_some) || self.pixels[1].is_some() || !self.bare.is_empty()
+        lengths.iter().any(Option::is_some) || self.pixels[1].is_some() || !self.unitless.is_empty()
     }
 
     /// Whether the pixel size depends on the number of lines in the file.
@@ -260,13 +260,13 @@ impl Header {
     }
 
     /// Whether `text`, below data, states a side of the map again, so that another map begins.
-    pub(super) fn begins_another(&self, text: &str) -> bool {
+    pub(super) fn restates_side(&self, text: &str) -> bool {
         let key = text.strip_prefix(['#', '%']).and_then(entry).and_then(|(word, _)| Key::of(word));
         key == Some(Key::Width) && self.width_m.is_some() || key == Some(Key::Height) && self.height_m.is_some()
     }
 
     /// Records an unused line that states a unit or a scale.
-    fn name_unused(&mut self, text: &str, line: usize) {
+    fn record_unused(&mut self, text: &str, line: usize) {
         self.unused.push((line, excerpt(text)));
     }
 
@@ -287,11 +287,13 @@ impl Header {
         let titles: Vec<&str> = Delimiter::of(&joined).fields(&joined).take(4).collect();
         let [x, y, z] = titles[..] else { return Ok(false) };
         /// Rest of a title after its first word, if that word is one of `names`.
-        fn behind<'a>(title: &'a str, names: &[&str]) -> Option<&'a str> {
+        fn after_first_word<'a>(title: &'a str, names: &[&str]) -> Option<&'a str> {
             let end = title.find(|c: char| !c.is_ascii_alphabetic()).unwrap_or(title.len());
             names.iter().any(|name| title[..end].eq_ignore_ascii_case(name)).then_some(&title[end..])
         }
-        let (Some(x), Some(y), Some(z)) = (behind(x, &["x"]), behind(y, &["y"]), behind(z, &["z", "height"])) else {
+        let (Some(x), Some(y), Some(z)) =
+            (after_first_word(x, &["x"]), after_first_word(y, &["y"]), after_first_word(z, &["z", "height"]))
+        else {
             return Ok(false);
         };
         self.titled = true;
@@ -303,7 +305,7 @@ impl Header {
     fn units_below_titles(&mut self, text: &str, line: usize) -> Result<bool, ReadError> {
         let cells: Vec<&str> = Delimiter::of(text).fields(text).take(4).collect();
         let [x, y, z] = cells[..] else { return Ok(false) };
-        let is_row = self.titled && [x, y, z].iter().all(|cell| Scale::parse(bare(cell)).is_some());
+        let is_row = self.titled && [x, y, z].iter().all(|cell| Scale::parse(without_brackets(cell)).is_some());
         if is_row {
             self.take_units([x, y, z], line)?;
         }
@@ -312,7 +314,7 @@ impl Header {
 
     /// Stores the units of x, y and z; units that are not named stay unchanged.
     fn take_units(&mut self, cells: [&str; 3], line: usize) -> Result<(), ReadError> {
-        let [x, y, z] = cells.map(bare);
+        let [x, y, z] = cells.map(without_brackets);
         if x != y {
             let value = excerpt(&format!("{x} and {y}"));
             return Err(ReadError::Header { line, key: "unit of x and y", value, expected: "the same unit for both" });
@@ -328,7 +330,7 @@ impl Header {
 }
 
 /// Removes brackets around a unit.
-fn bare(cell: &str) -> &str {
+fn without_brackets(cell: &str) -> &str {
     cell.trim_matches(['_', '[', ']', '(', ')', ' ', '/'])
 }
 

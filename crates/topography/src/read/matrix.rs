@@ -4,9 +4,9 @@ use std::io::BufRead;
 
 use super::header::Header;
 use super::lines::{Delimiter, Lines, excerpt, expected_height, height};
-use super::overridden::Said;
+use super::overridden::StatedValues;
 use super::scale::Scale;
-use super::tables::Listed;
+use super::tables::CoordinateListCheck;
 use super::window::Window;
 use super::{MapFormat, ReadOptions};
 use crate::unit::unit_names;
@@ -14,9 +14,9 @@ use crate::{HeightMap, MapOption, NotGiven, ReadError};
 
 /// Allowed relative difference of a pixel's sides, in addition to the rounding of the header's sides, because some
 /// programs count the distances between pixels instead of the pixels.
-const NOT_SQUARE: f64 = 0.01;
+const SQUARE_TOLERANCE: f64 = 0.01;
 /// Largest allowed relative difference of a pixel's sides, whatever the rounding.
-const MAX_NOT_SQUARE: f64 = 0.06;
+const MAX_SQUARE_TOLERANCE: f64 = 0.06;
 
 /// Interpretation of delimiters at the ends of lines.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -39,7 +39,7 @@ pub(super) struct MatrixReader {
     row: Vec<f64>,
     window: Window,
     /// For a narrow table: checks whether it is a list of coordinates.
-    listed: Option<Listed>,
+    listed: Option<CoordinateListCheck>,
     /// While all rows begin with the same tabs: a reader that takes these tabs as delimiters of empty fields instead of
     /// indentation.
     unindented: Option<Box<MatrixReader>>,
@@ -90,7 +90,7 @@ impl MatrixReader {
         let (indent, row) = (indent.to_owned(), Vec::new());
         // A given format or number of columns decides.
         let is_open = options.format.is_none() && header.pixels[1].is_none();
-        let listed = Listed::new(cols).filter(|_| is_open);
+        let listed = CoordinateListCheck::new(cols).filter(|_| is_open);
         Ok(Self { delimiter, indent, cols, last, row, window, listed, unindented: None, unless_indented: None })
     }
 
@@ -115,7 +115,7 @@ impl MatrixReader {
     }
 
     /// Number of columns known to exist.
-    fn sure_cols(&self) -> usize {
+    fn known_cols(&self) -> usize {
         self.cols - usize::from(self.last == LastField::Open)
     }
 
@@ -140,8 +140,8 @@ impl MatrixReader {
         if self.last == LastField::Counted && self.row.len() == self.cols + 1 && ends {
             self.row.pop();
         } else if self.last == LastField::Open && !ends {
-            if self.row.len() == self.sure_cols() {
-                self.without_last_col()?;
+            if self.row.len() == self.known_cols() {
+                self.drop_last_col()?;
             } else if self.row.len() == self.cols {
                 self.last = LastField::Counted;
             }
@@ -149,7 +149,7 @@ impl MatrixReader {
         if self.row.len() != self.cols {
             // A delimiter at the end closes the last field.
             let found = self.row.len() - usize::from(ends);
-            return Err(ReadError::RowLength { line, found, expected: self.sure_cols() });
+            return Err(ReadError::RowLength { line, found, expected: self.known_cols() });
         }
         if let Some(listed) = &mut self.listed {
             listed.push(&self.row);
@@ -158,10 +158,10 @@ impl MatrixReader {
     }
 
     /// Interprets the delimiter at the ends of lines as closing their last field.
-    fn without_last_col(&mut self) -> Result<(), ReadError> {
+    fn drop_last_col(&mut self) -> Result<(), ReadError> {
         self.cols -= 1;
         self.last = LastField::Counted;
-        self.window.without_last_col()
+        self.window.drop_last_col()
     }
 
     /// Whether all requested rows have been read.
@@ -182,7 +182,7 @@ impl MatrixReader {
         options: &ReadOptions,
         header: &Header,
     ) -> Result<usize, ReadError> {
-        self.listed.as_ref().map_or(Ok(()), Listed::check)?;
+        self.listed.as_ref().map_or(Ok(()), CoordinateListCheck::check)?;
         let mut rows = self.window.rows_seen();
         let shared = options.pixel_m.is_none() && header.shares_sides();
         let is_undecided = self.last == LastField::Open && self.window.takes_last_col();
@@ -190,7 +190,7 @@ impl MatrixReader {
         if shared || header.pixels[0].is_some() || is_undecided || may_be_indented {
             while let Some(text) = lines.next_row()? {
                 let is_blank = text.trim().is_empty() && !self.is_row_of_missing(text);
-                if header.begins_another(text) {
+                if header.restates_side(text) {
                     break;
                 }
                 if is_blank || text.starts_with(['#', '%']) {
@@ -212,7 +212,7 @@ impl MatrixReader {
             return Err(refused);
         }
         if self.last == LastField::Open {
-            self.without_last_col()?;
+            self.drop_last_col()?;
         }
         match header.pixels[0] {
             Some(expected) if expected != rows as u64 => {
@@ -224,7 +224,7 @@ impl MatrixReader {
     }
 
     /// Quantities given neither by the header nor by the caller; `grid_m` is the pixel as far as the text is read.
-    fn not_given(grid_m: [Option<f64>; 2], header: &Header, options: &ReadOptions) -> Vec<NotGiven> {
+    fn missing_quantities(grid_m: [Option<f64>; 2], header: &Header, options: &ReadOptions) -> Vec<NotGiven> {
         let unit = options.height_unit.is_none() && header.value().is_none();
         let pixel = options.pixel_m.is_none() && grid_m.contains(&None);
         let way = NotGiven { what: "pixel size", expected: HOW_TO_GIVE_PIXEL, option: MapOption::Pixel };
@@ -233,18 +233,18 @@ impl MatrixReader {
 
     /// Quantities given neither by the header nor by the caller.
     pub(super) fn missing(header: &Header, options: &ReadOptions) -> Vec<NotGiven> {
-        Self::not_given(header.grid_m(1, 1), header, options)
+        Self::missing_quantities(header.grid_m(1, 1), header, options)
     }
 
     /// Pixel sides for `rows` lines; refused if rows seem to be missing.
     fn grid_m(&self, rows: usize, header: &Header) -> Result<[Option<f64>; 2], ReadError> {
         let grid_m = header.grid_m(rows, self.cols);
         // Counts stated in the header were compared already.
-        let is_told = header.pixels[0].is_some() || header.pixel_m.iter().any(Option::is_some);
-        let allowed = (NOT_SQUARE + header.rounding.iter().sum::<f64>()).min(MAX_NOT_SQUARE);
+        let is_stated = header.pixels[0].is_some() || header.pixel_m.iter().any(Option::is_some);
+        let allowed = (SQUARE_TOLERANCE + header.rounding.iter().sum::<f64>()).min(MAX_SQUARE_TOLERANCE);
         match (header.height_m.zip(header.width_m), grid_m) {
             (Some((height_m, width_m)), [Some(along_y_m), Some(along_x_m)])
-                if !is_told && off_square([along_y_m, along_x_m]) > allowed =>
+                if !is_stated && log_aspect_ratio([along_y_m, along_x_m]) > allowed =>
             {
                 Err(ReadError::Oblong { sides_m: [height_m, width_m], rows, cols: self.cols })
             }
@@ -253,12 +253,12 @@ impl MatrixReader {
     }
 
     /// The header's values, for `rows` counted rows.
-    pub(super) fn said(&self, rows: usize, header: &Header) -> Said {
+    pub(super) fn stated_values(&self, rows: usize, header: &Header) -> StatedValues {
         // Rows behind a crop are not counted if the pixel size is given.
         let is_counted = self.window.is_whole() || header.pixels[0].is_some();
         let [along_y_m, along_x_m] = header.grid_m(rows, self.cols);
         let along_y_m = along_y_m.filter(|_| is_counted || header.pixel_m[1].is_some());
-        Said { pixel_m: [along_x_m, along_y_m], height_unit: header.value(), lateral_unit: None }
+        StatedValues { pixel_m: [along_x_m, along_y_m], height_unit: header.value(), lateral_unit: None }
     }
 
     /// The map, with the header's sides divided among `rows` rows.
@@ -269,20 +269,20 @@ impl MatrixReader {
             None => self.grid_m(rows, header)?,
         };
         let (Some(scale), [Some(along_y_m), Some(along_x_m)]) = (scale, grid_m) else {
-            return Err(ReadError::NotGiven { missing: Self::not_given(grid_m, header, options) });
+            return Err(ReadError::NotGiven { missing: Self::missing_quantities(grid_m, header, options) });
         };
         self.window.finish_lines([along_y_m, along_x_m], |value| scale.to_metres(value))
     }
 }
 
 /// Logarithm of the ratio of a pixel's sides.
-fn off_square([dx_m, dy_m]: [f64; 2]) -> f64 {
+fn log_aspect_ratio([dx_m, dy_m]: [f64; 2]) -> f64 {
     (dx_m / dy_m).ln().abs()
 }
 
 /// Whether these pixel sides count as square for readers of a header that gives the sides of a whole map.
-pub(crate) fn square(dx_m: f64, dy_m: f64) -> bool {
-    off_square([dx_m, dy_m]) <= NOT_SQUARE
+pub(crate) fn is_square(dx_m: f64, dy_m: f64) -> bool {
+    log_aspect_ratio([dx_m, dy_m]) <= SQUARE_TOLERANCE
 }
 
 /// Error entry for a text without a unit of heights.

@@ -55,7 +55,7 @@ mod zygo;
 use std::io::{BufRead, BufReader, Cursor, Read};
 
 pub use foreign::Foreign;
-pub(crate) use matrix::square;
+pub(crate) use matrix::is_square;
 use text::read_text;
 use utf16::Utf16;
 pub use window::{Crop, Decimation, DecimationMethod};
@@ -67,7 +67,7 @@ const MAX_COMMENTS: usize = 100;
 /// Characters kept of each comment.
 const MAX_COMMENT_CHARS: usize = 300;
 /// Number of bytes from which the format is recognised.
-const START: usize = 64;
+const SIGNATURE_BYTES: usize = 64;
 /// Heights per packed byte above which packed data are refused as a decompression bomb, if there are more than
 /// [`HARMLESS_HEIGHTS`]. Measured heights keep at least one bit of noise each, so a map takes at most 64 times its
 /// file, or 8 MiB.
@@ -178,9 +178,9 @@ impl ReadMap {
 /// # Errors
 /// [`ReadError`] names the line or entry and the value that cannot be understood, or the missing quantity.
 pub fn read_map(mut source: impl BufRead, options: &ReadOptions) -> Result<ReadMap, ReadError> {
-    let mut start = Vec::with_capacity(START);
+    let mut start = Vec::with_capacity(SIGNATURE_BYTES);
     (&mut source)
-        .take(START as u64)
+        .take(SIGNATURE_BYTES as u64)
         .read_to_end(&mut start)
         .map_err(|error| ReadError::Source { line: 1, reason: error.to_string() })?;
     let format = match options.format {

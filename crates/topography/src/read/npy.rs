@@ -8,7 +8,7 @@ use super::bytes::{Number, at_end, exact, numbers, unreadable};
 use super::header::Header;
 use super::lines::excerpt;
 use super::matrix::MatrixReader;
-use super::overridden::Said;
+use super::overridden::StatedValues;
 use super::window::{Crop, Window};
 use super::{MapFormat, ReadMap, ReadOptions};
 use crate::ReadError;
@@ -79,7 +79,7 @@ pub(super) fn read(mut source: impl Read, options: &ReadOptions) -> Result<ReadM
         whole,
         format: MapFormat::Npy,
         comments: Vec::new(),
-        notes: Said::default().notes(options, MapFormat::Npy),
+        notes: StatedValues::default().notes(options, MapFormat::Npy),
     })
 }
 

@@ -10,7 +10,7 @@ const SAME_PIXEL: f64 = 0.01;
 
 /// Values stated by a file.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Said {
+pub(super) struct StatedValues {
     /// Pixel sides along x (between the points of a line) and along y (between lines), in metres.
     pub(super) pixel_m: [Option<f64>; 2],
     /// Unit of heights.
@@ -19,10 +19,14 @@ pub(super) struct Said {
     pub(super) lateral_unit: Option<Scale>,
 }
 
-impl Said {
+impl StatedValues {
     /// Values of a format whose lengths are in `lateral_unit` and heights in `height_unit`; `steps` along x and y are
     /// in the file's unit.
-    pub(super) fn of_steps(steps: [f64; 2], lateral_unit: Option<LengthUnit>, height_unit: Option<LengthUnit>) -> Self {
+    pub(super) fn from_steps(
+        steps: [f64; 2],
+        lateral_unit: Option<LengthUnit>,
+        height_unit: Option<LengthUnit>,
+    ) -> Self {
         let pixel_m = steps.map(|step| Some(lateral_unit?.to_metres(step)));
         Self { pixel_m, height_unit: height_unit.map(Scale::from), lateral_unit: lateral_unit.map(Scale::from) }
     }

@@ -16,7 +16,7 @@ use std::io::{BufRead, Read};
 
 use super::bytes::{Number, array, exact, numbers, text};
 use super::lines::{Lines, excerpt, height, number};
-use super::overridden::Said;
+use super::overridden::StatedValues;
 use super::window::Window;
 use super::{MapFormat, ReadMap, ReadOptions, keep_comment};
 use crate::{LengthUnit, ReadError};
@@ -96,7 +96,7 @@ impl Header {
         let whole = window.is_whole();
         let map = window.finish_lines(pixel_m, |height| unit.to_metres(height * z))?;
         let metre = Some(LengthUnit::Metre);
-        let notes = Said::of_steps([x, y], metre, metre).notes(options, MapFormat::Sdf);
+        let notes = StatedValues::from_steps([x, y], metre, metre).notes(options, MapFormat::Sdf);
         Ok(ReadMap { map, whole, format: MapFormat::Sdf, comments, notes })
     }
 }

@@ -24,7 +24,7 @@ use flate2::bufread::ZlibDecoder;
 
 use super::bytes::{Number, array, at_end, exact, numbers, skip, text, unreadable};
 use super::lines::excerpt;
-use super::overridden::Said;
+use super::overridden::StatedValues;
 use super::window::Window;
 use super::{MapFormat, ReadMap, ReadOptions, check_expansion, keep_comment};
 use crate::unit::unit_names;
@@ -119,12 +119,12 @@ pub(super) fn read(mut source: impl BufRead, options: &ReadOptions) -> Result<Re
     let unit = options.height_unit.map_or_else(|| header.unit("unit of z", 212), Ok)?;
 
     let own = |at| header.unit("unit of an axis", at).ok();
-    let said = Said {
+    let stated = StatedValues {
         pixel_m: [own(180).map(|unit| unit.to_metres(step_x)), own(196).map(|unit| unit.to_metres(step_y))],
         height_unit: own(212).map(Into::into),
         lateral_unit: own(180).map(Into::into),
     };
-    let (mut comments, mut notes) = (Vec::new(), said.notes(options, MapFormat::Sur));
+    let (mut comments, mut notes) = (Vec::new(), stated.notes(options, MapFormat::Sur));
     for (name, at) in [("object", 20), ("operator", 50)] {
         let value = header.text(at, 30);
         if !value.is_empty() {

@@ -11,9 +11,9 @@ const MIN_STEPS: usize = 8;
 /// Relative difference up to which steps of rounded coordinates count as equal.
 const SAME_STEP: f64 = 0.1;
 /// Largest distance of a coordinate from equal steps, relative to the step.
-const MAX_OFF_STEP: f64 = 0.05;
+const MAX_STEP_DEVIATION: f64 = 0.05;
 /// Largest number of different steps of one coordinate: along a line, back to the next line, and one due to rounding.
-const MAX_DIFFERENT: usize = 3;
+const MAX_DISTINCT_STEPS: usize = 3;
 /// If the rows rise by more than this fraction of the first row's rise, the map is a tilted plane and its first row not
 /// an axis.
 const MAX_SLOPE: f64 = 0.5;
@@ -34,7 +34,7 @@ impl Column {
         self.rises += usize::from(step > 0.0);
         self.falls += usize::from(step < 0.0);
         let is_same = |known: &f64| (known - step).abs() <= SAME_STEP * known.abs().max(step.abs());
-        if !is_first && self.different.len() <= MAX_DIFFERENT && !self.different.iter().any(is_same) {
+        if !is_first && self.different.len() <= MAX_DISTINCT_STEPS && !self.different.iter().any(is_same) {
             self.different.push(step);
         }
     }
@@ -49,19 +49,19 @@ impl Column {
         let (most, least) = (self.rises.max(self.falls), self.rises.min(self.falls));
         let runs = most + least == steps && 4 * least <= most;
         let waits = most > 0 && least == 0;
-        self.different.len() <= MAX_DIFFERENT && (runs || waits)
+        self.different.len() <= MAX_DISTINCT_STEPS && (runs || waits)
     }
 }
 
 /// Checks the first two columns of a narrow table for coordinates.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Listed {
+pub(super) struct CoordinateListCheck {
     lines: usize,
     cols: usize,
     columns: [Column; 2],
 }
 
-impl Listed {
+impl CoordinateListCheck {
     /// A check for a table of `cols` columns; `None` if it cannot be a list.
     pub(super) fn new(cols: usize) -> Option<Self> {
         (cols <= MAX_LISTED_COLS).then(|| Self { cols, ..Self::default() })
@@ -152,7 +152,7 @@ fn numbers(row: &str) -> Vec<f64> {
 fn step(values: &[f64]) -> Option<f64> {
     let (first, last) = (*values.first()?, *values.last()?);
     let step = (last - first) / (values.len() - 1) as f64;
-    let is_on = |(n, value): (usize, &f64)| (value - first - n as f64 * step).abs() <= MAX_OFF_STEP * step.abs();
+    let is_on = |(n, value): (usize, &f64)| (value - first - n as f64 * step).abs() <= MAX_STEP_DEVIATION * step.abs();
     let is_even = values.len() >= MIN_STEPS && step != 0.0 && values.iter().enumerate().all(is_on);
     is_even.then_some(step)
 }

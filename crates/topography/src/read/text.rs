@@ -6,7 +6,7 @@ use super::comma::{self, DecimalSign, is_row};
 use super::header::{ABOVE_DATA, Header, begins_with_a_word, names_a_value};
 use super::lines::{Delimiter, Lines};
 use super::matrix::MatrixReader;
-use super::overridden::Said;
+use super::overridden::StatedValues;
 use super::tables::{Axes, HeldRows};
 use super::window::window_of;
 use super::xyz::{XyzReader, is_point};
@@ -51,7 +51,7 @@ impl Text<'_> {
         if text.is_empty() && !row.is_empty() {
             return self.take_tabs(row, line);
         }
-        if !before_data && self.header.begins_another(text) {
+        if !before_data && self.header.restates_side(text) {
             self.has_another = true;
             return Ok(false);
         }
@@ -68,7 +68,7 @@ impl Text<'_> {
         }
         if before_data && !self.header.titled && begins_with_a_word(text) {
             if names_a_value(text) {
-                self.header.unmarked(text, line);
+                self.header.read_unmarked(text, line);
                 return Ok(true);
             }
             self.preamble.get_or_insert_with(|| (line, text.to_owned()));
@@ -122,7 +122,7 @@ impl Text<'_> {
 
     fn push(&mut self, text: &str, line: usize) -> Result<bool, ReadError> {
         if self.data.is_none() && self.held.is_none() {
-            self.header.settle(self.has_decimal_commas)?;
+            self.header.resolve_open_entries(self.has_decimal_commas)?;
             let is_matrix = self.options.format.is_none() && detect(&self.header, text) == MapFormat::Matrix;
             self.held = (is_matrix && HeldRows::begin(text)).then(HeldRows::default);
         }
@@ -139,7 +139,7 @@ impl Text<'_> {
         self.axes = if held.is_full() { held.axes() } else { None };
         if let Some(axes) = self.axes {
             let lateral = self.options.lateral_unit.map(Into::into);
-            self.header.take_axes(axes.steps, lateral);
+            self.header.set_pixel_from_axes(axes.steps, lateral);
         }
         let rows = held.rows.iter().skip(usize::from(self.axes.is_some()));
         for (text, line) in rows {
@@ -241,7 +241,7 @@ fn read_table(source: impl BufRead, is_keyence: bool, options: &ReadOptions) -> 
     released.map_err(|error| text.with_all_that_is_missing(error))?;
     let mut notes = text.notes();
     let Text { header, data, axes, has_another, .. } = text;
-    let (map, whole, format, said) = match data {
+    let (map, whole, format, stated) = match data {
         None => return Err(ReadError::NoData { lines: lines.line() }),
         Some(Data::Matrix(mut matrix)) => {
             // If the header gives only the sides, the pixel size depends on the number of rows, including those behind
@@ -252,18 +252,18 @@ fn read_table(source: impl BufRead, is_keyence: bool, options: &ReadOptions) -> 
                 matrix.count_rest(&mut lines, options, &header)?
             };
             let whole = matrix.is_whole();
-            let said = matrix.said(rows, &header);
-            (matrix.finish(rows, &header, options)?, whole, MapFormat::Matrix, said)
+            let stated = matrix.stated_values(rows, &header);
+            (matrix.finish(rows, &header, options)?, whole, MapFormat::Matrix, stated)
         }
         Some(Data::Xyz(points)) => {
-            let said = Said { pixel_m: [None; 2], height_unit: header.value(), lateral_unit: header.lateral };
+            let stated = StatedValues { pixel_m: [None; 2], height_unit: header.value(), lateral_unit: header.lateral };
             let (map, whole) = window_of(points.finish(&header, options)?, options.crop, options.decimation)?;
-            (map, whole, MapFormat::Xyz, said)
+            (map, whole, MapFormat::Xyz, stated)
         }
     };
     // If a matrix has axes, the unit of x and y is that of their steps.
     let given = if axes.is_some() { ReadOptions { lateral_unit: None, ..*options } } else { *options };
-    notes.splice(..0, said.notes(&given, format));
+    notes.splice(..0, stated.notes(&given, format));
     Ok(ReadMap { map, whole, format, comments: header.comments, notes })
 }
 

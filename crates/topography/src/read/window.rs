@@ -143,7 +143,7 @@ impl Window {
     }
 
     /// Removes the last column of the file, if it holds no height.
-    pub(crate) fn without_last_col(&mut self) -> Result<(), ReadError> {
+    pub(crate) fn drop_last_col(&mut self) -> Result<(), ReadError> {
         let kept = self.kept_cols();
         self.file_cols -= 1;
         let [first, end] = self.cols;

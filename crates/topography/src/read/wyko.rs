@@ -4,7 +4,7 @@
 use std::io::BufRead;
 
 use super::lines::{Lines, excerpt, expected_height, height, number};
-use super::overridden::Said;
+use super::overridden::StatedValues;
 use super::scale::Scale;
 use super::window::{Crop, Window};
 use super::{MapFormat, ReadMap, ReadOptions, keep_comment};
@@ -120,8 +120,8 @@ pub(super) fn read(source: impl BufRead, options: &ReadOptions) -> Result<ReadMa
     }
     let whole = window.is_whole();
     let map = window.finish(pixel_m, |height| scale.to_metres(height))?;
-    let said = Said { pixel_m: own_m, height_unit: Some(own), lateral_unit: None };
-    let notes = said.notes(options, MapFormat::Matrix);
+    let stated = StatedValues { pixel_m: own_m, height_unit: Some(own), lateral_unit: None };
+    let notes = stated.notes(options, MapFormat::Matrix);
     Ok(ReadMap { map, whole, format: MapFormat::Matrix, comments: header.comments, notes })
 }
 

@@ -11,7 +11,7 @@ use zip::read::ZipFile;
 
 use super::bytes::{at_end, numbers, unreadable};
 use super::foreign;
-use super::overridden::Said;
+use super::overridden::StatedValues;
 use super::window::Window;
 use super::x3p_index::{Heights, Index};
 use super::{MapFormat, ReadMap, ReadOptions, check_expansion};
@@ -91,7 +91,7 @@ pub(super) fn read(mut source: impl Read, options: &ReadOptions) -> Result<ReadM
                 at_end(&mut bits.source, FORMAT)?;
             }
         }
-        Heights::Listed(values) => {
+        Heights::CoordinateListCheck(values) => {
             if values.len() as u64 != index.points() {
                 let (expected, found) = (index.points(), values.len() as u64);
                 return Err(ReadError::Ended { format: FORMAT, what: "heights", expected, found });
@@ -107,7 +107,7 @@ pub(super) fn read(mut source: impl Read, options: &ReadOptions) -> Result<ReadM
     let map = window.finish_lines(pixel_m, |height| unit.to_metres(height * scale + index.offset_z_m))?;
     let metre = Some(LengthUnit::Metre);
     let [x, y, _] = index.increment_m;
-    let notes = Said::of_steps([x, y], metre, metre).notes(options, MapFormat::X3p);
+    let notes = StatedValues::from_steps([x, y], metre, metre).notes(options, MapFormat::X3p);
     Ok(ReadMap { map, whole, format: MapFormat::X3p, comments: index.comments, notes })
 }
 

@@ -5,7 +5,7 @@
 use std::io::BufRead;
 
 use super::lines::{Lines, excerpt, number};
-use super::overridden::Said;
+use super::overridden::StatedValues;
 use super::scale::Scale;
 use super::window::{Window, window_of};
 use super::xyz::XyzReader;
@@ -133,8 +133,8 @@ pub(super) fn read(source: impl BufRead, options: &ReadOptions) -> Result<ReadMa
         let map = window.finish_lines([pixel_m[1], pixel_m[0]], |phase| scale.to_metres(phase))?;
         (map, whole, Some(own))
     };
-    let said = Said { pixel_m: [own_pixel_m; 2], height_unit, lateral_unit: None };
-    notes.extend(said.notes(options, MapFormat::Matrix));
+    let stated = StatedValues { pixel_m: [own_pixel_m; 2], height_unit, lateral_unit: None };
+    notes.extend(stated.notes(options, MapFormat::Matrix));
     let format = if is_points { MapFormat::Xyz } else { MapFormat::Matrix };
     Ok(ReadMap { map, whole, format, comments, notes })
 }
