@@ -2,12 +2,12 @@
 
 use std::f64::consts::{LN_2, PI};
 
-/// Area fraction of one state of contact.
+/// Real contact area as a fraction of the nominal area.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ContactArea {
     /// Pixels in contact over all pixels.
     pub fraction: f64,
-    /// The same less what whole pixels overcount along the boundary of the contact.
+    /// `fraction` minus the systematic excess of counting whole pixels along the contact boundary.
     pub fraction_corrected: f64,
 }
 
@@ -15,18 +15,18 @@ impl ContactArea {
     pub(crate) const NONE: Self = Self { fraction: 0.0, fraction_corrected: 0.0 };
     pub(crate) const FULL: Self = Self { fraction: 1.0, fraction_corrected: 1.0 };
 
-    /// The larger of the differences of both fractions.
     pub(crate) fn distance(&self, other: &Self) -> f64 {
         let counted = (self.fraction - other.fraction).abs();
         counted.max((self.fraction_corrected - other.fraction_corrected).abs())
     }
 }
 
-/// Counts the pixels under pressure on a periodic map of rows of `cols` and corrects for the boundary.
+/// Counts the pixels with positive pressure on a periodic map with rows of `cols` pixels, and corrects the count for
+/// the boundary.
 ///
-/// V. A. Yastrebov, G. Anciaux and J.-F. Molinari, Tribology International 114, 161 (2017): the area is
-/// A - (pi - 1 + ln 2)/24 S d, S the length of the boundary between contact and open pixels, d the pixel.
-/// On pixels dx by dy an edge of length dy displaces dx, so that every edge counts dx dy.
+/// V. A. Yastrebov, G. Anciaux and J.-F. Molinari, Tribology International 114, 161 (2017): the corrected area is A -
+/// (pi - 1 + ln 2)/24 S d, where S is the length of the boundary between contact and open pixels and d the pixel size.
+/// On pixels of dx by dy each boundary edge of length dy stands for a width dx, so that every edge counts dx dy.
 #[must_use]
 pub(crate) fn contact_area(pressure: &[f64], cols: usize) -> ContactArea {
     let (mut pixels, mut edges) = (0_usize, 0_usize);
@@ -55,14 +55,14 @@ mod tests {
     #[test]
     fn edges_are_counted_around_the_period() {
         let c = (PI - 1.0 + LN_2) / 24.0;
-        // Two pixels that are neighbours across the side: six edges.
+        // Two pixels that are neighbours across the periodic boundary: six edges.
         let mut pressure = vec![0.0; 20];
         pressure[5] = 1.0;
         pressure[9] = 2.0;
         let area = contact_area(&pressure, 5);
         assert!((area.fraction - 0.1).abs() < 1e-15);
         assert!((area.fraction_corrected - (0.1 - 6.0 * c / 20.0)).abs() < 1e-15);
-        // A stripe along y: two edges a column, also across the top.
+        // A stripe along y: two edges per column, of which one crosses the periodic boundary.
         let stripe: Vec<f64> = (0..20).map(|n| if (5..15).contains(&n) { 0.0 } else { 1.0 }).collect();
         assert!((contact_area(&stripe, 5).fraction_corrected - (0.5 - 10.0 * c / 20.0)).abs() < 1e-15);
         let full = contact_area(&[1.0; 20], 5);

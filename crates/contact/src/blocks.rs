@@ -1,17 +1,17 @@
-//! One side of a map in blocks of points: sums over blocks, and values repeated in them.
+//! One side of a map divided into blocks of points: sums over blocks, and expansion of block values to points.
 
 use std::f64::consts::TAU;
 use std::ops::Range;
 
 use multiversion::multiversion;
 
-/// Points along a side of a block, on sides of at least [`SHORT_SIDE`] points; on shorter ones 1.
+/// Points along a side of a block. Sides of fewer than [`SHORT_SIDE`] points have blocks of one point.
 const BLOCK: usize = 4;
 const SHORT_SIDE: usize = 16;
-/// Weight of a block that is one point longer: sqrt(4/5).
+/// sqrt(4/5), the weight of a block of five points; see `two_grids`.
 const LONG_BLOCK_WEIGHT: f32 = 0.894_427_2;
 
-/// One side of the map, cut into blocks. The first `long_blocks` of them have one point more than the others.
+/// One side of the map, divided into blocks. The first `long_blocks` blocks have one point more than the others.
 #[derive(Clone, Debug)]
 pub(crate) struct Side {
     pub(crate) points: usize,
@@ -26,23 +26,24 @@ impl Side {
         Self { points, block, blocks: points / block, long_blocks: points % block }
     }
 
-    /// The points of block `n`.
-    pub(crate) fn points_of(&self, n: usize) -> Range<usize> {
+    pub(crate) fn block_points(&self, n: usize) -> Range<usize> {
         let start = |n: usize| n * self.block + n.min(self.long_blocks);
         start(n)..start(n + 1)
     }
 
-    /// Points of the longest block.
-    pub(crate) fn longest(&self) -> usize {
-        self.points_of(0).len()
+    /// Number of points in the longest block.
+    pub(crate) fn longest_block(&self) -> usize {
+        self.block_points(0).len()
     }
 
-    /// The weight of block `n`.
     pub(crate) fn weight(&self, n: usize) -> f32 {
         if n < self.long_blocks { LONG_BLOCK_WEIGHT } else { 1.0 }
     }
 
-    /// `sums` of blocks of the rows `input`, which are one block of weight `weight`; `column_sums` is of one row.
+    /// Sums over the blocks of one row of blocks.
+    ///
+    /// `input` has the map rows of that row of blocks, `weight` is their weight. `column_sums` is scratch space of one
+    /// map row. `sums` receives one sum per block.
     pub(crate) fn sum(&self, input: &[f32], weight: f32, column_sums: &mut [f32], sums: &mut [f32]) {
         column_sums.fill(0.0);
         let mut fours = input.chunks_exact(4 * self.points);
@@ -65,23 +66,25 @@ impl Side {
         sum_blocks(others.as_chunks::<BLOCK>().0, other_sums);
     }
 
-    /// `values`, one a block, repeated at its points in rows of a block of weight `weight`.
-    pub(crate) fn repeat(&self, values: &[f32], weight: f32, repeated: &mut [f32]) {
+    /// Writes each block's value of `values` to all points of the block in `expanded`, one map row, times `weight`.
+    pub(crate) fn expand(&self, values: &[f32], weight: f32, expanded: &mut [f32]) {
         if self.block == 1 {
-            repeated.copy_from_slice(values);
+            expanded.copy_from_slice(values);
         } else {
             let (long_values, other_values) = values.split_at(self.long_blocks);
-            let (long, others) = repeated.split_at_mut(self.long_blocks * (BLOCK + 1));
+            let (long, others) = expanded.split_at_mut(self.long_blocks * (BLOCK + 1));
             for (block, value) in long.chunks_exact_mut(BLOCK + 1).zip(long_values) {
                 block.fill(LONG_BLOCK_WEIGHT * value);
             }
-            repeat_values(other_values, others.as_chunks_mut::<BLOCK>().0);
+            expand_values(other_values, others.as_chunks_mut::<BLOCK>().0);
         }
-        scale(repeated, weight);
+        scale(expanded, weight);
     }
 
-    /// The share of a neighbour's value that either neighbour takes: they are one point where the side has two, and the
-    /// point itself where it has one.
+    /// Factor by which the value at a neighbour counts.
+    ///
+    /// On a side of two points both neighbours are the same point, so each counts half. On a side of one point the
+    /// neighbour is the point itself and counts nothing.
     pub(crate) fn neighbour_share(&self) -> f64 {
         match self.points {
             1 => 0.0,
@@ -90,25 +93,28 @@ impl Side {
         }
     }
 
-    /// cos(2 pi k/n): what a wave of k along this side has at a neighbour, in the mean of both, over what it has at a point.
-    pub(crate) fn turned(&self, k: usize) -> f64 {
+    /// cos(2 pi k/n), the factor of the wave `k` for the mean of the two neighbours along this side.
+    pub(crate) fn neighbour_cosine(&self, k: usize) -> f64 {
         (TAU * k as f64 / self.points as f64).cos()
     }
 
-    /// What a factor of waves along this side is at c = 0 and how it grows with c, c the wave's [`Self::turned`], on the line through
-    /// its values at a quarter of all waves and at half of them. On sides without a coarse grid: its value at a quarter.
-    pub(crate) fn line(&self, factor: impl Fn(usize) -> f64) -> [f64; 2] {
+    /// Straight line through `factor` at a quarter and at half of the waves, as a function of c =
+    /// [`Self::neighbour_cosine`].
+    ///
+    /// Returns the value at c = 0 and the slope. A side without a coarse grid returns the value at a quarter of the
+    /// waves and slope 0.
+    pub(crate) fn fit_line(&self, factor: impl Fn(usize) -> f64) -> [f64; 2] {
         let [quarter, half] = [self.points / 4, self.points / 2];
         let (at_quarter, at_half) = (factor(quarter), factor(half));
         if self.block == 1 {
             return [at_quarter, 0.0];
         }
-        let slope = (at_quarter - at_half) / (self.turned(quarter) - self.turned(half));
-        [at_quarter - slope * self.turned(quarter), slope]
+        let slope = (at_quarter - at_half) / (self.neighbour_cosine(quarter) - self.neighbour_cosine(half));
+        [at_quarter - slope * self.neighbour_cosine(quarter), slope]
     }
 }
 
-/// Multiplies by a block's weight; most are 1.
+/// Multiplies by a block weight, which is 1 for most blocks.
 fn scale(values: &mut [f32], weight: f32) {
     if weight != 1.0 {
         values.iter_mut().for_each(|value| *value *= weight);
@@ -137,7 +143,7 @@ fn sum_blocks(blocks: &[[f32; BLOCK]], sums: &mut [f32]) {
 }
 
 #[multiversion(targets("x86_64+avx512f", "x86_64+avx2"))]
-fn repeat_values(values: &[f32], blocks: &mut [[f32; BLOCK]]) {
+fn expand_values(values: &[f32], blocks: &mut [[f32; BLOCK]]) {
     for (block, &value) in blocks.iter_mut().zip(values) {
         *block = [value; BLOCK];
     }

@@ -4,7 +4,7 @@ use rayon::prelude::*;
 use slipgrid_topography::HeightMap;
 
 use crate::rough_contact::check;
-use crate::solver::Spare;
+use crate::solver::BufferPool;
 use crate::{ContactError, Convergence, Monitor, RoughContact, SolveOptions};
 
 /// Real contact area at one nominal pressure.
@@ -14,29 +14,33 @@ pub struct AreaPoint {
     pub pressure_pa: f64,
     /// Pixels in contact over all pixels.
     pub area_fraction: f64,
-    /// The same, corrected for the boundary of the contact.
+    /// Area fraction corrected for the contact boundary, see [`ContactArea`](crate::ContactArea).
     pub area_fraction_corrected: f64,
-    /// Estimate of the error that ending at the tolerance leaves in both.
+    /// Estimated error of both area fractions that results from stopping at the tolerance.
     pub area_error: f64,
-    /// How the solve ended.
+    /// Iterations and residual of the solve.
     pub convergence: Convergence,
 }
 
 /// Real contact area against nominal pressure.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AreaCurve {
-    /// One point per pressure, in the order asked for.
+    /// One point per pressure, in the order of the requested pressures.
     pub points: Vec<AreaPoint>,
     /// The pressure from which all of the map is in contact, in pascals.
     pub full_contact_pressure_pa: f64,
 }
 
-/// Contact area of `map` on a half-space of contact modulus E* = E/(1 - nu^2) at each of `pressures_pa`,
-/// in parallel; the numbers do not depend on the number of threads. The monitor hears of each solved pressure.
+/// Computes the real contact area of `map` at each of `pressures_pa` on a half-space of contact modulus E* = E/(1 -
+/// nu^2).
+///
+/// Pressures are solved in parallel; the result does not depend on the number of threads. `monitor` is advanced after
+/// each pressure.
 ///
 /// # Errors
-/// [`ContactError`] if the map is incomplete, the modulus, a pressure or the tolerance is out of range, a pressure does not converge,
-/// or areas fall with pressure; [`slipgrid_topography::MapError::Cancelled`] once `monitor` cancels.
+/// [`ContactError`] if the map is incomplete, if the modulus, a pressure or the tolerance is out of range, if a
+/// pressure does not converge, or if the area falls with rising pressure; [`slipgrid_topography::MapError::Cancelled`]
+/// once `monitor` cancels.
 pub fn area_curve(
     map: &HeightMap,
     contact_modulus_pa: f64,
@@ -47,14 +51,14 @@ pub fn area_curve(
     for &pressure_pa in pressures_pa {
         check(pressure_pa, options)?;
     }
-    let contact = RoughContact::watched(map, contact_modulus_pa, monitor)?;
+    let contact = RoughContact::with_monitor(map, contact_modulus_pa, monitor)?;
     let share = 1.0 / pressures_pa.len() as f64;
-    let spares: Mutex<Vec<Spare>> = Mutex::default();
+    let pools: Mutex<Vec<BufferPool>> = Mutex::default();
     let points: Vec<Result<AreaPoint, ContactError>> = pressures_pa
         .par_iter()
         .with_max_len(1)
         .map(|&pressure_pa| {
-            let point = area_point(&contact, pressure_pa, options, monitor, &spares);
+            let point = area_point(&contact, pressure_pa, options, monitor, &pools);
             monitor.advance(share);
             point
         })
@@ -64,24 +68,24 @@ pub fn area_curve(
     Ok(AreaCurve { points, full_contact_pressure_pa: contact.full_contact_pressure_pa() })
 }
 
-/// One point of the curve, solved in fields that an earlier one has left.
+/// Computes one point of the curve in buffers from the pool.
 fn area_point(
     contact: &RoughContact,
     pressure_pa: f64,
     options: &SolveOptions,
     monitor: &dyn Monitor,
-    spares: &Mutex<Vec<Spare>>,
+    pools: &Mutex<Vec<BufferPool>>,
 ) -> Result<AreaPoint, ContactError> {
     let (area, area_error, convergence) = match contact.known_area(pressure_pa) {
         Some(area) => (area, 0.0, Convergence::KNOWN),
         None => {
-            let spares = || spares.lock().unwrap_or_else(PoisonError::into_inner);
-            let mut spare = spares().pop().unwrap_or_default();
-            let outcome = contact.minimize(pressure_pa, options, monitor, &mut spare)?;
+            let pools = || pools.lock().unwrap_or_else(PoisonError::into_inner);
+            let mut pool = pools().pop().unwrap_or_default();
+            let outcome = contact.minimize(pressure_pa, options, monitor, &mut pool)?;
             let (area, area_error) = contact.area(&outcome);
             let convergence = outcome.convergence;
-            spare.take_back(outcome);
-            spares().push(spare);
+            pool.recycle(outcome);
+            pools().push(pool);
             (area, area_error, convergence)
         }
     };
@@ -94,13 +98,13 @@ fn area_point(
     })
 }
 
-/// Refuses areas that fall with pressure by more than their errors.
+/// Refuses areas that fall with rising pressure by more than their errors.
 fn require_rising_areas(points: &[AreaPoint], tolerance: f64) -> Result<(), ContactError> {
     let mut rising: Vec<&AreaPoint> = points.iter().collect();
     rising.sort_by(|a, b| a.pressure_pa.total_cmp(&b.pressure_pa));
     for pair in rising.windows(2) {
         let [lighter, heavier] = [pair[0], pair[1]];
-        // The error is an estimate, made from two states that may be the same; areas follow the tolerance.
+        // The error estimate comes from two states, which may be identical; then only the tolerance bounds the error.
         let allowed = lighter.area_error + heavier.area_error + 2.0 * tolerance;
         if heavier.area_fraction < lighter.area_fraction - allowed {
             return Err(ContactError::FallingArea {
@@ -126,11 +130,11 @@ mod tests {
                 area_error: 1e-4,
                 convergence: Convergence::KNOWN,
             };
-            // In any order.
+            // The points need not be sorted by pressure.
             require_rising_areas(&areas.into_iter().zip([3e6, 1e6, 2e6]).map(point).collect::<Vec<_>>(), 1e-8)
         };
         assert_eq!(curve([0.3, 0.1, 0.2]), Ok(()));
-        // A fall within the errors of both is none.
+        // A fall within both errors is accepted.
         assert_eq!(curve([0.2, 0.1, 0.20015]), Ok(()));
         let refused = curve([0.19, 0.1, 0.2]).unwrap_err().to_string();
         assert!(refused.contains("from 0.2 at 2 MPa to 0.19 at 3 MPa"), "{refused}");

@@ -1,19 +1,19 @@
 use slipgrid_topography::MapError;
 
-/// Why a contact problem was refused.
+/// Reason why a contact problem was refused.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum ContactError {
-    /// A number outside its meaning; SI units.
+    /// A parameter is out of range; the value is in SI units.
     #[error("{quantity} is {value}: expected {expected}")]
     OutOfRange {
-        /// Which number.
+        /// Name of the parameter.
         quantity: &'static str,
-        /// The number given.
+        /// Value that was given.
         value: f64,
-        /// What would be accepted.
+        /// Description of the accepted values.
         expected: &'static str,
     },
-    /// The residual did not reach the tolerance.
+    /// The residual did not fall to the tolerance.
     #[error(
         "contact at {} MPa did not converge: residual {residual:.1e} after {iterations} iterations, tolerance {tolerance:.0e}; choose \
          a larger tolerance or leave this pressure out", pressure_pa / 1e6
@@ -21,31 +21,31 @@ pub enum ContactError {
     NotConverged {
         /// Nominal pressure, in pascals.
         pressure_pa: f64,
-        /// The residual that was reached.
+        /// Lowest residual reached.
         residual: f64,
-        /// The residual asked for.
+        /// Requested residual.
         tolerance: f64,
-        /// Iterations made.
+        /// Number of iterations.
         iterations: usize,
     },
-    /// The contact area falls where the pressure rises.
+    /// The contact area falls while the pressure rises.
     #[error(
         "contact area falls from {} at {} MPa to {} at {} MPa, which is impossible; choose a smaller tolerance",
         area_fractions[0], pressures_pa[0] / 1e6, area_fractions[1], pressures_pa[1] / 1e6
     )]
     FallingArea {
-        /// Two nominal pressures that follow each other, in pascals.
+        /// Two successive nominal pressures, in pascals.
         pressures_pa: [f64; 2],
-        /// The area fractions computed for them.
+        /// Area fractions computed at the two pressures.
         area_fractions: [f64; 2],
     },
-    /// The surface cannot be solved on.
+    /// The height map is incomplete or otherwise unusable.
     #[error(transparent)]
     Map(#[from] MapError),
 }
 
-/// Refuses `value` unless it lies in `range`, which `expected` describes.
-pub(crate) fn within(
+/// Returns `value` if it lies in `range`; otherwise an error that quotes `expected`.
+pub(crate) fn require_within(
     quantity: &'static str,
     value: f64,
     range: std::ops::RangeInclusive<f64>,

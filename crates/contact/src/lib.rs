@@ -1,26 +1,26 @@
-//! Rough normal contact: how much of a rough surface really touches.
+//! Normal contact of rough surfaces: the real contact area.
 //!
-//! An elastic half-space with the surface h, one period of it, is pressed onto a rigid plane without
-//! adhesion or friction. Pressure p and gap g obey
+//! An elastic half-space with the periodic surface h is pressed onto a rigid plane without adhesion or friction.
+//! Pressure p and gap g obey
 //!
 //! ```text
 //! g = u - h + const >= 0,   p >= 0,   p g = 0,   mean p = P,   u_q = 2/(E* |q|) p_q
 //! ```
 //!
-//! with E* = E/(1 - nu^2), the last in Fourier space. The real contact area is where p > 0.
+//! with E* = E/(1 - nu^2); the last equation holds in Fourier space. The real contact area is where p > 0.
 //!
 //! | item | role |
 //! |---|---|
 //! | [`area_curve`] | area fraction against pressure, pressures in parallel |
-//! | [`RoughContact`] | the problem of one surface, normalized; solves for one pressure, or says that it could not |
-//! | [`SolveOptions`] | tolerance and limit of iterations |
-//! | [`ContactState`], [`AreaCurve`] | what was found, with its [`Convergence`] |
-//! | [`ContactArea`] | area fraction: counted pixels, and corrected for the boundary of the contact |
-//! | [`windows`], [`coarser`] | maps made of a map: what a smaller, a blunter one gives |
+//! | [`RoughContact`] | normalized contact problem of one surface; solves one pressure or reports non-convergence |
+//! | [`SolveOptions`] | tolerance and maximum number of iterations |
+//! | [`ContactState`], [`AreaCurve`] | results, with their [`Convergence`] |
+//! | [`ContactArea`] | area fraction: counted pixels, and corrected for the contact boundary |
+//! | [`windows`], [`coarser`] | maps derived from a map, to study the effect of its size and resolution |
 //! | [`Monitor`] | progress and cancellation |
 //! | [`closed_form`] | Hertz, Westergaard, crossed waves, Persson |
 //!
-//! This crate knows nothing of friction and opens no files.
+//! This crate does not depend on friction models and opens no files.
 //!
 //! ```
 //! use slipgrid_contact::{SolveOptions, Unwatched, area_curve, closed_form::Wave};

@@ -1,41 +1,42 @@
-//! Spectral projected gradients: slower than `solver`, but they converge on every surface.
+//! Spectral projected gradients: slower than `solver`, but convergent on every surface.
 //!
-//! The problem is that of `solver`, in double precision throughout:
+//! The problem is the same as in `solver`, in double precision throughout:
 //!
 //! ```text
 //! minimize  E = p.Kp/2 - p.h   over  p >= 0,  sum p = load
 //! ```
 //!
-//! 1. d = project(p - t g) - p with the gap g = Kp - h; `project` finds the nearest pressures that are feasible;
-//! 2. p + s d with s = 1, or with the s of least energy where s = 1 would exceed the highest energy of the last states;
+//! 1. d = project(p - t g) - p with the gap g = Kp - h; `project` finds the nearest feasible pressures;
+//! 2. p + s d with s = 1, or with the s of least energy where s = 1 would exceed the highest recent energy;
 //! 3. t from the curvature along d.
 //!
-//! E. G. Birgin, J. M. Martínez and M. Raydan, SIAM J. Optim. 10, 1196 (2000), prove that this converges from any start. E is
-//! quadratic, so that one pair of transforms, K d, gives the energy at every s and the next gap. Step lengths t are
-//! those of J. Barzilai and J. M. Borwein, IMA J. Numer. Anal. 8, 141 (1988), chosen between as G. Frassoldati, L. Zanni and
-//! G. Zanghirati, J. Ind. Manag. Optim. 4, 299 (2008), propose. Surfaces on which conjugate gradients fail take about 100
-//! iterations; pixels of 1 x 20 take up to 800.
+//! E. G. Birgin, J. M. Martínez and M. Raydan, SIAM J. Optim. 10, 1196 (2000), prove convergence from any start. E is
+//! quadratic, so that one pair of transforms, K d, gives the energy at every s and the next gap. The step lengths t are
+//! those of J. Barzilai and J. M. Borwein, IMA J. Numer. Anal. 8, 141 (1988), selected by the rule of G. Frassoldati,
+//! L. Zanni and G. Zanghirati, J. Ind. Manag. Optim. 4, 299 (2008). Surfaces on which conjugate gradients fail take
+//! about 100 iterations; pixels of 1 x 20 take up to 800.
 
 use std::collections::VecDeque;
 
 use slipgrid_topography::fourier::FourierWork;
 
 use crate::area::{ContactArea, contact_area};
-use crate::kernels::{Gap, measure, pressed};
+use crate::kernels::{GapStatistics, measure_gap, sum_positive};
 use crate::rough_contact::{Convergence, RoughContact, SolveOptions};
 use crate::solver::{AREA_DECADE, Failure, Outcome, relative_error};
 use crate::{Monitor, kernels};
 
-/// States whose highest energy a step may reach: 10 as in the paper of Birgin, Martínez and Raydan.
+/// Number of recent energies among which the highest bounds the next one: 10 as in the paper of Birgin, Martínez and
+/// Raydan.
 const ENERGY_MEMORY: usize = 10;
-/// Share of the decrease along the gradient that a step must reach.
+/// A step must reach this share of the decrease that the gradient predicts.
 const SUFFICIENT_DECREASE: f64 = 1e-4;
-/// The shorter of both step lengths is taken where it is below this share of the longer. Shares of 0.3 to 0.8 need the same
-/// number of iterations within a tenth.
+/// The shorter of the two step lengths is used if it is below this share of the longer one. Shares of 0.3 to 0.8 need
+/// the same number of iterations within a tenth.
 const SHORT_STEP_SHARE: f64 = 0.5;
-/// Iterations whose shortest step length is taken then.
+/// Number of recent short step lengths of which the shortest is used.
 const STEP_MEMORY: usize = 6;
-/// Newton's steps to the level of a projection; about five do.
+/// Maximum of Newton steps for the level of a projection; about five are needed.
 const MAX_LEVEL_STEPS: usize = 100;
 
 struct State<'a> {
@@ -46,27 +47,27 @@ struct State<'a> {
     pressure: Vec<f64>,
     /// u = K p
     displacement: Vec<f64>,
-    gap: Gap,
+    gap: GapStatistics,
     direction: Vec<f64>,
     /// K d
     image: Vec<f64>,
-    /// The level c of the last projection, max(v + c, 0).
+    /// Level c of the last projection, max(v + c, 0).
     level: f64,
     step_length: f64,
     recent_short_lengths: VecDeque<f64>,
-    /// What the energy fell by in recent iterations, the last one first.
+    /// Decreases of the energy in recent iterations, latest first.
     recent_decreases: VecDeque<f64>,
 }
 
 impl State<'_> {
-    /// u = K p
+    /// Computes u = K p and the gap statistics.
     fn refresh(&mut self) {
         self.contact.fourier.filter(&self.pressure, &self.contact.compliance, &mut self.displacement, &mut self.work);
         self.fourier_pairs += 1;
-        self.gap = measure(&self.pressure, &self.displacement, &self.contact.height);
+        self.gap = measure_gap(&self.pressure, &self.displacement, &self.contact.height);
     }
 
-    /// d = project(p - t g) - p
+    /// Computes d = project(p - t g) - p.
     fn find_direction(&mut self) {
         let Self { contact, load, pressure, displacement, direction, level, step_length, .. } = self;
         for (((d, p), u), h) in direction.iter_mut().zip(&*pressure).zip(&*displacement).zip(&contact.height) {
@@ -76,13 +77,14 @@ impl State<'_> {
         direction.iter_mut().zip(&*pressure).for_each(|(d, p)| *d -= p);
     }
 
-    /// One iteration; false where rounding leaves no descent.
+    /// Does one iteration; returns false if rounding leaves no descent direction.
     fn advance(&mut self) -> bool {
         self.find_direction();
         let Self { contact, work, pressure, displacement, direction, image, .. } = self;
         contact.fourier.filter(direction, &contact.compliance, image, work);
         self.fourier_pairs += 1;
-        // A constant added to the gap changes nothing, since d has the sum zero; this one keeps the products small.
+        // Since d has the sum zero, a constant added to the gap changes nothing; this constant keeps the products
+        // small.
         let shift = self.level / self.step_length;
         let mut sums = Sums::default();
         for (((d, k), u), h) in direction.iter().zip(&*image).zip(&*displacement).zip(&contact.height) {
@@ -100,13 +102,13 @@ impl State<'_> {
         let step = if is_accepted { 1.0 } else { (-sums.slope / sums.d_kd).min(1.0) };
         pressure.iter_mut().zip(&*direction).for_each(|(p, d)| *p = (*p + step * d).max(0.0));
         displacement.iter_mut().zip(&*image).for_each(|(u, k)| *u += step * k);
-        self.gap = measure(pressure, displacement, &contact.height);
+        self.gap = measure_gap(pressure, displacement, &contact.height);
         push_recent(&mut self.recent_decreases, -step * (sums.slope + 0.5 * step * sums.d_kd), ENERGY_MEMORY);
         self.update_step_length(&sums);
         true
     }
 
-    /// t = d.d / d.Kd, or the lowest recent d.Kd / Kd.Kd where that is far below.
+    /// Sets t = d.d / d.Kd, or the smallest recent d.Kd / Kd.Kd if the latest is far smaller than the former.
     fn update_step_length(&mut self, sums: &Sums) {
         let long = sums.d_d / sums.d_kd;
         let short = sums.d_kd / (sums.kd_kd - sums.kd * sums.kd / sums.moved);
@@ -125,13 +127,13 @@ fn push_recent(values: &mut VecDeque<f64>, value: f64, memory: usize) {
     values.truncate(memory);
 }
 
-/// Products of a direction d and its image K d.
+/// Scalar products of a direction d and its image K d.
 #[derive(Default)]
 struct Sums {
     slope: f64,
     d_d: f64,
     d_kd: f64,
-    /// Of K d where d is not zero: its square, sum and number of points.
+    /// Square, sum and number of points of K d where d is not zero.
     kd_kd: f64,
     kd: f64,
     moved: f64,
@@ -150,14 +152,14 @@ impl Sums {
     }
 }
 
-/// Replaces `values` by the nearest ones that are not negative and have the sum `load` > 0: max(v + c, 0). Returns c, which is
-/// searched from `start`.
+/// Replaces `values` by the nearest nonnegative values with the sum `load` > 0, max(v + c, 0). Returns c; the search
+/// begins at `start`.
 fn project(values: &mut [f64], load: f64, start: f64) -> f64 {
     let highest = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     let mut level = start;
-    // The sum is convex in c: after one step from below, Newton's steps descend to the root and end there.
+    // The sum is convex in c: after at most one step from below, Newton's iterates descend monotonically to the root.
     for _ in 0..MAX_LEVEL_STEPS {
-        let sums = pressed(values, level, 1);
+        let sums = sum_positive(values, level, 1);
         let next = if sums.count > 0.0 { level - (sums.sum - load) / sums.count } else { load - highest };
         if next == level {
             break;
@@ -169,7 +171,7 @@ fn project(values: &mut [f64], load: f64, start: f64) -> f64 {
         *value = (*value + level).max(0.0);
         sum += *value;
     }
-    // A load too small beside the values is lost in their rounding.
+    // A load far below the size of the values is lost in rounding.
     if sum > 0.0 {
         values.iter_mut().for_each(|value| *value *= load / sum);
     } else if let Some(value) = values.iter_mut().max_by(|a, b| a.total_cmp(b)) {
@@ -178,7 +180,8 @@ fn project(values: &mut [f64], load: f64, start: f64) -> f64 {
     level
 }
 
-/// Solves for the normalized mean pressure `nominal` > 0 after `iterations` and `fourier_pairs` in vain.
+/// Solves for the normalized mean pressure `nominal` > 0. The counts of iterations and of Fourier pairs continue from
+/// those that conjugate gradients spent.
 pub(crate) fn minimize(
     contact: &RoughContact,
     nominal: f64,
@@ -195,7 +198,7 @@ pub(crate) fn minimize(
         load: nominal * pressure.len() as f64,
         pressure,
         displacement,
-        gap: Gap { shift: 0.0, lowest: 0.0, work: 0.0 },
+        gap: GapStatistics { shift: 0.0, lowest: 0.0, work: 0.0 },
         direction,
         image,
         level: 0.0,
@@ -210,12 +213,12 @@ pub(crate) fn minimize(
         if monitor.cancelled() {
             return Err(Failure::Cancelled);
         }
-        let sum = kernels::pressed(&state.pressure, 0.0, 1).sum;
+        let sum = kernels::sum_positive(&state.pressure, 0.0, 1).sum;
         let error = relative_error(&state.gap, sum, state.load);
         if error <= AREA_DECADE * options.tolerance && area_before.is_none() {
             area_before = Some(contact_area(&state.pressure, contact.cols));
         }
-        // Displacements add up the rounding of all steps.
+        // The incremental update of the displacement accumulates rounding errors, so recompute before accepting.
         if error <= options.tolerance && !is_exact {
             state.refresh();
             is_exact = true;

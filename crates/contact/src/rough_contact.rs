@@ -2,20 +2,22 @@ use slipgrid_topography::fourier::{Fourier, Multiplier};
 use slipgrid_topography::{HeightMap, MapError};
 
 use crate::area::{ContactArea, contact_area};
-use crate::error::within;
+use crate::error::require_within;
 use crate::preconditioner::Preconditioner;
-use crate::solver::{Failure, Outcome, Spare, minimize};
+use crate::solver::{BufferPool, Failure, Outcome, minimize};
 use crate::two_grids::{Near, TwoGrids};
 use crate::{ContactError, Monitor, Unwatched, kernels};
 
-/// How far the solver goes.
+/// Tolerance and maximum number of iterations of the solver.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SolveOptions {
-    /// Residual at which a state counts as converged: |sum (g - min g) p| / (sum p Sq), the mean gap under
-    /// pressure over the rms height, and the share of the load that is missing or too much. The area follows
-    /// it: on the reference maps 1e-4 leaves 6e-5, 1e-5 5e-6, and from 1e-6 on no pixel changes.
+    /// Residual at which a state counts as converged.
+    ///
+    /// The residual is |sum (g - min g) p| / (sum p Sq), which is the mean gap under pressure over the rms height, plus
+    /// the relative error of the load. The area error follows the tolerance: on the reference maps 1e-4 leaves 6e-5,
+    /// 1e-5 leaves 5e-6, and from 1e-6 on no pixel changes.
     pub tolerance: f64,
-    /// Iterations after which a solve fails.
+    /// Maximum number of iterations before a solve fails.
     pub max_iterations: usize,
 }
 
@@ -25,19 +27,19 @@ impl Default for SolveOptions {
     }
 }
 
-/// What a solve took, and how well it ended.
+/// Cost and final residual of a solve.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Convergence {
-    /// Iterations.
+    /// Number of iterations.
     pub iterations: usize,
-    /// Applications of an operator in Fourier space: pairs of a transform and its inverse, all of the map's size.
+    /// Number of operator applications in Fourier space, each a transform of the whole map and its inverse.
     pub fourier_pairs: usize,
-    /// The residual of [`SolveOptions::tolerance`].
+    /// Final residual as defined at [`SolveOptions::tolerance`].
     pub residual: f64,
 }
 
 impl Convergence {
-    /// That of a state that is known without iterations.
+    /// Convergence of a state that is known without iterations.
     pub(crate) const KNOWN: Self = Self { iterations: 0, fourier_pairs: 0, residual: 0.0 };
 }
 
@@ -50,108 +52,110 @@ pub struct ContactState {
     pub gap_m: Vec<f64>,
     /// Real contact area.
     pub area: ContactArea,
-    /// Estimate of the error that ending at the tolerance leaves in the area fractions: what they moved by while the
+    /// Estimated error of the area fractions that results from stopping at the tolerance: their change while the
     /// residual fell through the last decade, at least one pixel.
     pub area_error: f64,
-    /// What the solve took.
+    /// Iterations and residual of the solve.
     pub convergence: Convergence,
 }
 
-/// Range of moduli and pressures in which nothing overflows, in pascals.
+/// Moduli for which nothing overflows, in pascals.
 const MODULUS_RANGE_PA: std::ops::RangeInclusive<f64> = 1e-3..=1e15;
 const PRESSURE_RANGE_PA: std::ops::RangeInclusive<f64> = 0.0..=1e15;
 
-/// Newton's steps to the level of pressures that a solve begins with; a dozen do.
-const MAX_LOWERINGS: usize = 50;
-/// The level is found on one in so many points first.
-const SAMPLED_OF: usize = 16;
-/// Share of the load that is no longer lowered by: scaling brings it there.
-const NEGLIGIBLE: f64 = 1e-3;
+/// Maximum of Newton steps for the level of the initial pressures; a dozen are needed.
+const MAX_LEVEL_STEPS: usize = 50;
+/// The level is found first on every 16th group of points, which is cheaper.
+const SAMPLED_EVERY: usize = 16;
+/// Relative load error at which the search for the level ends; scaling removes the rest.
+const NEGLIGIBLE_LOAD_ERROR: f64 = 1e-3;
 
-/// A rough elastic half-space against a rigid plane: fixed parameters, normalized.
+/// Contact problem of a rough elastic half-space against a rigid plane, normalized.
 ///
-/// Heights are in units of Sq and pressures in units of E* Sq q1/2, q1 the smallest wave number of the map.
-/// So A(P; s h) = A(P/s; h) holds to the last digits: one curve of the normalized map serves every Sa and E*.
+/// Heights are in units of Sq and pressures in units of E* Sq q1/2, where q1 is the smallest wave number of the map.
+/// Therefore A(P; s h) = A(P/s; h) holds to rounding: one curve of the normalized map serves every Sa and E*.
 #[derive(Clone, Debug)]
 pub struct RoughContact {
     pub(crate) cols: usize,
     pub(crate) fourier: Fourier,
     pub(crate) fourier_single: Fourier<f32>,
-    /// u = K p: q1/q for each wave, 0 for the mean.
+    /// Multiplier of u = K p: q1/q for each wave, 0 for the mean.
     pub(crate) compliance: Multiplier,
     pub(crate) compliance_single: Multiplier<f32>,
-    /// About the same, for little.
-    pub(crate) compliance_about: TwoGrids,
-    /// About K's inverse on free points: of q/q1 for each wave, 1/2 for the mean.
+    /// Cheap approximation of `compliance` on two grids.
+    pub(crate) compliance_two_grids: TwoGrids,
+    /// Approximate inverse of K on free points, from q/q1 for each wave and 1/2 for the mean.
     pub(crate) preconditioner: Preconditioner,
     /// Normalized heights, mean 0, rms 1; all 0 for a flat map.
     pub(crate) height: Vec<f64>,
     height_unit_m: f64,
     pressure_unit_pa: f64,
-    /// Normalized p*.
+    /// Normalized pressure of full contact p*.
     full_contact_pressure: f64,
-    /// The deviation from the mean of the normalized pressure that flattens the surface.
+    /// Normalized pressure that flattens the surface, minus its mean.
     full_contact_fluctuation: Vec<f64>,
 }
 
 impl RoughContact {
-    /// The surface `map`, taken as one period, on a half-space of contact modulus E* = E/(1 - nu^2).
+    /// Prepares the contact problem of `map`, taken as one period, on a half-space of contact modulus E* = E/(1 -
+    /// nu^2).
     ///
     /// # Errors
     /// [`ContactError`] if points of the map are missing or the modulus lies outside 1e-3 to 1e15 Pa.
     pub fn new(map: &HeightMap, contact_modulus_pa: f64) -> Result<Self, ContactError> {
-        Self::watched(map, contact_modulus_pa, &Unwatched)
+        Self::with_monitor(map, contact_modulus_pa, &Unwatched)
     }
 
-    /// The same until `monitor` cancels.
-    pub(crate) fn watched(
+    /// Like [`Self::new`], but stops when `monitor` cancels.
+    pub(crate) fn with_monitor(
         map: &HeightMap,
         contact_modulus_pa: f64,
         monitor: &dyn Monitor,
     ) -> Result<Self, ContactError> {
-        let heed = || monitor.heed().map_err(MapError::from);
+        let check_cancelled = || monitor.heed().map_err(MapError::from);
         map.require_complete()?;
-        within("contact modulus", contact_modulus_pa, MODULUS_RANGE_PA, "a modulus from 1e-3 to 1e15 Pa")?;
+        require_within("contact modulus", contact_modulus_pa, MODULUS_RANGE_PA, "a modulus from 1e-3 to 1e15 Pa")?;
         let mean_m = map.mean_m();
         let deviation = map.heights_m().iter().map(|h| h - mean_m);
-        // Squares of the highest deviation's share do not vanish, however small the heights.
+        // Dividing by the highest deviation first keeps the squares from underflowing.
         let highest_m = deviation.clone().fold(0.0, |highest, h| f64::max(highest, h.abs()));
         let rms: f64 = deviation.clone().map(|h| (h / highest_m).powi(2)).sum::<f64>() / map.heights_m().len() as f64;
-        heed()?;
+        check_cancelled()?;
         let height_unit_m = if highest_m > 0.0 { highest_m * rms.sqrt() } else { 0.0 };
         let height: Vec<f64> = deviation.map(|h| if highest_m > 0.0 { h / height_unit_m } else { 0.0 }).collect();
 
-        heed()?;
+        check_cancelled()?;
         let fourier = Fourier::new(map.rows(), map.cols());
         let longest_m = (map.rows() as f64 * map.dx_m()).max(map.cols() as f64 * map.dy_m());
         let first = std::f64::consts::TAU / longest_m;
         let (dx_m, dy_m) = (map.dx_m(), map.dy_m());
-        // u_q = 2/(E* q) p_q; in the units above q1/q.
+        // u_q = 2/(E* q) p_q, which in normalized units is q1/q.
         let compliance = |k, l| if k == 0 && l == 0 { 0.0 } else { first / fourier.wave_number(k, l, dx_m, dy_m) };
-        // p_q = E* q/2 u_q; the mean, on which a half-space has no hold, takes half of the first wave's.
+        // p_q = E* q/2 u_q. The mean displacement of a half-space is arbitrary; its stiffness is set to half that of
+        // the first wave.
         let stiffness = |k, l| if k == 0 && l == 0 { 0.5 } else { fourier.wave_number(k, l, dx_m, dy_m) / first };
         let fourier_single: Fourier<f32> = Fourier::new(map.rows(), map.cols());
-        // The deviation from the mean of the pressure that flattens the surface.
+        // Pressure that flattens the surface, minus its mean.
         let mut fluctuation = vec![0.0; height.len()];
         let flattening = fourier.wave_multiplier(stiffness);
-        heed()?;
+        check_cancelled()?;
         fourier.filter(&height, &flattening, &mut fluctuation, &mut fourier.work_watched(monitor));
-        heed()?;
+        check_cancelled()?;
         let lowest = fluctuation.iter().copied().fold(0.0, f64::min);
         let compliance_double = fourier.wave_multiplier(compliance);
-        heed()?;
+        check_cancelled()?;
         let compliance_single = fourier_single.wave_multiplier(compliance);
-        heed()?;
-        let compliance_about = TwoGrids::new(map.rows(), map.cols(), Near::ShortWaves, compliance);
-        heed()?;
+        check_cancelled()?;
+        let compliance_two_grids = TwoGrids::new(map.rows(), map.cols(), Near::ShortWaves, compliance);
+        check_cancelled()?;
         let preconditioner = Preconditioner::new(map.rows(), map.cols(), stiffness);
-        heed()?;
+        check_cancelled()?;
         Ok(Self {
             cols: map.cols(),
             compliance: compliance_double,
             fourier,
             compliance_single,
-            compliance_about,
+            compliance_two_grids,
             preconditioner,
             fourier_single,
             height,
@@ -162,18 +166,19 @@ impl RoughContact {
         })
     }
 
-    /// Writes the pressures that flatten the surface, lowered until those above zero bear the normalized mean pressure `nominal` > 0:
-    /// near the state of contact where most is in contact.
+    /// Writes the initial pressures: those that flatten the surface, lowered by a constant until the positive ones have
+    /// the normalized mean `nominal` > 0. They are close to the solution near full contact.
     pub(crate) fn press_flat(&self, nominal: f64, pressure: &mut [f64]) {
         let fluctuation = &self.full_contact_fluctuation;
         let mut level = nominal;
-        // m(c) = mean max(c + f, 0) is convex: Newton's steps come down to m(c) = P from above, after one from below.
-        for every in [SAMPLED_OF, 1] {
-            for _ in 0..MAX_LOWERINGS {
-                let pressed = kernels::pressed(fluctuation, level, every);
+        // m(c) = mean max(c + f, 0) is convex: after at most one step from below, Newton's iterates descend to m(c) =
+        // P.
+        for every in [SAMPLED_EVERY, 1] {
+            for _ in 0..MAX_LEVEL_STEPS {
+                let sums = kernels::sum_positive(fluctuation, level, every);
                 // (m - P) / m'
-                let lowering = (pressed.sum - nominal * pressed.points) / pressed.count;
-                if !lowering.is_finite() || lowering.abs() <= NEGLIGIBLE * nominal {
+                let lowering = (sums.sum - nominal * sums.points) / sums.count;
+                if !lowering.is_finite() || lowering.abs() <= NEGLIGIBLE_LOAD_ERROR * nominal {
                     break;
                 }
                 level -= lowering;
@@ -194,12 +199,13 @@ impl RoughContact {
         self.full_contact_pressure * self.pressure_unit_pa
     }
 
-    /// The state of contact at the nominal pressure `pressure_pa`. Without load nothing is in contact, from
-    /// p* on everything is: both are known without iterations, and so is a flat map.
+    /// Solves for the state of contact at the nominal pressure `pressure_pa`.
+    ///
+    /// Zero load, pressures from p* on, and flat maps need no iterations.
     ///
     /// # Errors
-    /// [`ContactError::OutOfRange`] unless the pressure lies between 0 and 1e15 Pa, the tolerance between
-    /// 1e-15 and 1; [`ContactError::NotConverged`] if the residual stays above the tolerance; [`MapError::Cancelled`] once
+    /// [`ContactError::OutOfRange`] unless the pressure lies between 0 and 1e15 Pa and the tolerance between 1e-15 and
+    /// 1; [`ContactError::NotConverged`] if the residual stays above the tolerance; [`MapError::Cancelled`] once
     /// `monitor` cancels.
     pub fn solve(
         &self,
@@ -209,9 +215,9 @@ impl RoughContact {
     ) -> Result<ContactState, ContactError> {
         check(pressure_pa, options)?;
         if let Some(area) = self.known_area(pressure_pa) {
-            return Ok(self.known(pressure_pa, area));
+            return Ok(self.known_state(pressure_pa, area));
         }
-        let outcome = self.minimize(pressure_pa, options, monitor, &mut Spare::default())?;
+        let outcome = self.minimize(pressure_pa, options, monitor, &mut BufferPool::default())?;
         let (area, area_error) = self.area(&outcome);
         let Outcome { pressure: mut pressure_pa, displacement: mut gap_m, convergence, .. } = outcome;
         let mut lowest = f64::INFINITY;
@@ -224,7 +230,7 @@ impl RoughContact {
         Ok(ContactState { pressure_pa, gap_m, area, area_error, convergence })
     }
 
-    /// The area at `pressure_pa` where it is known without iterations.
+    /// Returns the area at `pressure_pa` if it is known without iterations: no load, or full contact.
     pub(crate) fn known_area(&self, pressure_pa: f64) -> Option<ContactArea> {
         if pressure_pa == 0.0 {
             return Some(ContactArea::NONE);
@@ -232,8 +238,8 @@ impl RoughContact {
         (pressure_pa >= self.full_contact_pressure_pa()).then_some(ContactArea::FULL)
     }
 
-    /// The state at a pressure at which the area is known.
-    fn known(&self, pressure_pa: f64, area: ContactArea) -> ContactState {
+    /// Returns the state at a pressure for which [`Self::known_area`] returned `area`.
+    fn known_state(&self, pressure_pa: f64, area: ContactArea) -> ContactState {
         let points = self.height.len();
         let (pressure_pa, gap_m) = if area == ContactArea::NONE {
             let highest = self.height.iter().copied().fold(f64::NEG_INFINITY, f64::max);
@@ -245,15 +251,15 @@ impl RoughContact {
         ContactState { pressure_pa, gap_m, area, area_error: 0.0, convergence: Convergence::KNOWN }
     }
 
-    /// The solution at a pressure between those at which the area is known.
+    /// Solves at a pressure between zero and full contact.
     pub(crate) fn minimize(
         &self,
         pressure_pa: f64,
         options: &SolveOptions,
         monitor: &dyn Monitor,
-        spare: &mut Spare,
+        pool: &mut BufferPool,
     ) -> Result<Outcome, ContactError> {
-        minimize(self, pressure_pa / self.pressure_unit_pa, options, monitor, spare).map_err(|failure| match failure {
+        minimize(self, pressure_pa / self.pressure_unit_pa, options, monitor, pool).map_err(|failure| match failure {
             Failure::Cancelled => ContactError::Map(MapError::Cancelled),
             Failure::NotConverged { iterations, residual } => {
                 ContactError::NotConverged { pressure_pa, residual, tolerance: options.tolerance, iterations }
@@ -261,19 +267,19 @@ impl RoughContact {
         })
     }
 
-    /// The area of a solution and what ending at the tolerance leaves open of it.
+    /// Returns the area of a solution and its estimated error.
     pub(crate) fn area(&self, outcome: &Outcome) -> (ContactArea, f64) {
         let area = contact_area(&outcome.pressure, self.cols);
-        // Without a state a decade before, all of the area is open.
+        // Without an earlier state the whole area counts as uncertain.
         let one_pixel = 1.0 / self.height.len() as f64;
         let error = outcome.area_before.map_or(area.fraction, |before| area.distance(&before)).max(one_pixel);
         (area, error)
     }
 }
 
-/// Checks what a solve is asked for.
+/// Checks the pressure and the tolerance of a solve.
 pub(crate) fn check(pressure_pa: f64, options: &SolveOptions) -> Result<(), ContactError> {
-    within("pressure", pressure_pa, PRESSURE_RANGE_PA, "a pressure from 0 to 1e15 Pa")?;
-    within("tolerance", options.tolerance, 1e-15..=1.0, "a number from 1e-15 to 1")?;
+    require_within("pressure", pressure_pa, PRESSURE_RANGE_PA, "a pressure from 0 to 1e15 Pa")?;
+    require_within("tolerance", options.tolerance, 1e-15..=1.0, "a number from 1e-15 to 1")?;
     Ok(())
 }

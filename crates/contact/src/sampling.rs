@@ -1,15 +1,17 @@
-//! Maps made of a map: windows and coarser pixels.
+//! Maps derived from a map: windows and coarser pixels.
 
 use slipgrid_topography::{HeightMap, periodic_component};
 
-use crate::error::within;
+use crate::error::require_within;
 use crate::{ContactError, Monitor};
 
-/// `map` cut into `per_side` x `per_side` windows of equal size, row by row, each levelled by its least-squares
-/// plane and made periodic ([`periodic_component`]). What the sides leave over is dropped.
+/// Divides `map` into `per_side` x `per_side` windows of equal size, in row order.
+///
+/// Each window is levelled by its least-squares plane and made periodic ([`periodic_component`]). Rows and columns that
+/// do not fill a window are dropped.
 ///
 /// # Errors
-/// [`ContactError`] if points are missing, a window would have fewer than 16 points a side, or `monitor` cancels.
+/// [`ContactError`] if points are missing, a window would have fewer than 16 points per side, or `monitor` cancels.
 pub fn windows(map: &HeightMap, per_side: usize, monitor: &dyn Monitor) -> Result<Vec<HeightMap>, ContactError> {
     let [rows, cols] = window_pixels(map, per_side)?;
     let places = (0..per_side).flat_map(|i| (0..per_side).map(move |j| (i * rows, j * cols)));
@@ -24,30 +26,42 @@ pub fn windows(map: &HeightMap, per_side: usize, monitor: &dyn Monitor) -> Resul
         .collect()
 }
 
-/// Rows and columns of each of `per_side` x `per_side` windows of `map`.
+/// Returns the rows and columns of one window if `map` is divided into `per_side` x `per_side` windows.
 ///
 /// # Errors
-/// [`ContactError`] if points are missing, or a window would have fewer than 16 points a side.
+/// [`ContactError`] if points are missing, or a window would have fewer than 16 points per side.
 pub fn window_pixels(map: &HeightMap, per_side: usize) -> Result<[usize; 2], ContactError> {
     map.require_complete()?;
     let shortest = map.rows().min(map.cols());
-    let most = (shortest / MIN_PIXELS) as f64;
-    within("number of windows per side", per_side as f64, 1.0..=most, "from 1 to a sixteenth of the pixels per side")?;
+    let max_factor = (shortest / MIN_PIXELS) as f64;
+    require_within(
+        "number of windows per side",
+        per_side as f64,
+        1.0..=max_factor,
+        "from 1 to a sixteenth of the pixels per side",
+    )?;
     Ok([map.rows() / per_side, map.cols() / per_side])
 }
 
-/// Fewest points along the side of a window or of a coarser map.
+/// Minimum number of points along the side of a window or of a coarser map.
 const MIN_PIXELS: usize = 16;
 
-/// `map` as an instrument of `factor` times coarser pixels would see it: means over `factor` x `factor` points.
-/// What the sides leave over is dropped, so that a period stays one only where `factor` divides both sides.
+/// Averages `map` over `factor` x `factor` points, as an instrument with larger pixels would.
+///
+/// Rows and columns that do not fill a pixel are dropped, so that a periodic map stays periodic only if `factor`
+/// divides both sides.
 ///
 /// # Errors
-/// [`ContactError`] if points are missing, or fewer than 16 points a side would be left.
+/// [`ContactError`] if points are missing, or fewer than 16 points per side would remain.
 pub fn coarser(map: &HeightMap, factor: usize) -> Result<HeightMap, ContactError> {
     map.require_complete()?;
-    let most = (map.rows().min(map.cols()) / MIN_PIXELS) as f64;
-    within("factor of coarser pixels", factor as f64, 1.0..=most, "from 1 to a sixteenth of the pixels per side")?;
+    let max_factor = (map.rows().min(map.cols()) / MIN_PIXELS) as f64;
+    require_within(
+        "factor of coarser pixels",
+        factor as f64,
+        1.0..=max_factor,
+        "from 1 to a sixteenth of the pixels per side",
+    )?;
     let (rows, cols) = (map.rows() / factor, map.cols() / factor);
     let mut height = vec![0.0; rows * cols];
     for (i, line) in map.heights_m().chunks_exact(map.cols()).take(rows * factor).enumerate() {

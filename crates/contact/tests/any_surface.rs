@@ -1,4 +1,4 @@
-//! Surfaces of any size, any shape of pixel and any kind.
+//! Surfaces of any size, pixel shape and kind.
 
 #![allow(clippy::unwrap_used, reason = "a test that unwraps in vain fails, as it should")]
 
@@ -12,7 +12,7 @@ use slipgrid_topography::fourier::Fourier;
 
 const ANY_SURFACE: &str = include_str!("reference/any_surface.csv");
 
-/// Compares with the table on surfaces whose number of points is wanted.
+/// Compares area fractions with the table, on surfaces whose number of points satisfies `wanted`.
 fn compare_with_table(wanted: impl Fn(usize) -> bool) {
     let mut compared = 0;
     for row in rows(ANY_SURFACE) {
@@ -48,7 +48,7 @@ fn validation_surfaces_of_any_size_touch_as_by_other_codes() {
     compare_with_table(|_| true);
 }
 
-/// Asserts that pressures and gaps are those of a state of contact: the one minimum of a convex problem.
+/// Asserts the conditions of contact; the minimum of this convex problem is unique.
 fn assert_contact(map: &HeightMap, pressure_pa: f64, name: &str) {
     let contact = RoughContact::new(map, MODULUS_PA).unwrap();
     let state = contact.solve(pressure_pa, &SolveOptions::default(), &Unwatched).unwrap();
@@ -78,7 +78,7 @@ fn assert_contact(map: &HeightMap, pressure_pa: f64, name: &str) {
 fn random_surfaces_of_any_size_end_in_contact() {
     for case in 0..60_u64 {
         let uniform = |n: u64| random(case + 1, n) as f64 / 2f64.powi(64);
-        // Of every remainder over 4, on either side of the length from which two grids are used.
+        // Sizes with every remainder modulo 4, below and above the length from which two grids are used.
         let side = |n: u64| (4.0 * 30f64.powf(uniform(n))) as usize;
         let aspect = [1.0, 1.0, 1.5, 4.0, 8.0, 0.25, 0.125, 0.05][(8.0 * uniform(2)) as usize];
         let kind = KINDS[case as usize % KINDS.len()];
@@ -92,7 +92,7 @@ fn random_surfaces_of_any_size_end_in_contact() {
     }
 }
 
-/// Heights in steps, spikes and scratches on small oblong maps: conjugate gradients alone cycle or stall on them.
+/// Stepped heights, spikes and scratches on small oblong maps: conjugate gradients alone cycle or stall on them.
 #[test]
 fn degenerate_surfaces_end_in_contact() {
     let changed = |surface: Surface, change: &dyn Fn(usize, f64) -> f64| {

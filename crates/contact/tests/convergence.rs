@@ -1,4 +1,4 @@
-//! Observed order of convergence on shapes with known pressures.
+//! Observed order of convergence on shapes with closed-form pressures.
 
 #![allow(clippy::unwrap_used, reason = "a test that unwraps in vain fails, as it should")]
 
@@ -10,8 +10,8 @@ use slipgrid_contact::{RoughContact, SolveOptions, Unwatched};
 use slipgrid_topography::HeightMap;
 
 // Pressure falls to zero as the square root of the distance from the edge of the contact. The pixels along the edge, a
-// share h of all, are wrong by sqrt(h): the L2 error is of order h. Where the edge lies within a pixel makes single
-// errors scatter, hence the rms over several loads.
+// share h of all, have errors of order sqrt(h), so the L2 error is of order h. The position of the edge within a pixel
+// makes single errors scatter, hence the rms over several loads.
 
 fn pressure_pa(map: &HeightMap, nominal_pa: f64) -> Vec<f64> {
     let options = SolveOptions { tolerance: 1e-7, ..SolveOptions::default() };
@@ -59,7 +59,7 @@ fn validation_pressure_under_a_sphere_converges_at_order_one() {
 #[test]
 fn pressure_under_crossed_waves_converges_at_order_one() {
     let full_pa = CrossedWaves::new(1e-6, SIDE_M, MODULUS_PA).unwrap().full_contact_pressure_pa();
-    // Between the ends there is no closed form: each grid is judged by the next finer one at the points they share.
+    // At intermediate loads there is no closed form: each grid is compared with the next finer one at common points.
     let difference = |n: usize| {
         rms((0..10).map(|load| {
             let nominal_pa = full_pa * (0.05 + 0.085 * f64::from(load));

@@ -1,4 +1,4 @@
-//! What must hold on any surface.
+//! Properties that hold on every surface.
 
 #![allow(clippy::unwrap_used, reason = "a test that unwraps in vain fails, as it should")]
 
@@ -15,7 +15,7 @@ fn solve(map: &HeightMap, pressure_pa: f64) -> ContactState {
     contact.solve(pressure_pa, &SolveOptions::default(), &Unwatched).unwrap()
 }
 
-/// A rough map of a size that is no power of two, with pixels that are no squares.
+/// A rough map with non-square pixels whose size is not a power of two.
 fn uneven() -> HeightMap {
     let map = SelfAffine { pixels: 128, max_wave: 16, ..SelfAffine::STAND_IN }.map().unwrap();
     let (rows, cols) = (90, 77);
@@ -40,7 +40,7 @@ fn load_is_carried_without_tension_or_penetration() {
 
 #[test]
 fn the_gap_is_the_deformed_surface() {
-    // u = g + h up to a constant, and u_q = 2/(E* q) p_q: judged by the slow sum over a single wave.
+    // u = g + h up to a constant, and u_q = 2/(E* q) p_q: compared with a direct sum over a single wave.
     let map = uneven();
     let state = solve(&map, 2e6);
     let (rows, cols) = (map.rows(), map.cols());
@@ -78,7 +78,7 @@ fn turning_the_map_turns_nothing_else() {
 
 #[test]
 fn height_scales_like_inverse_pressure() {
-    // A(P; s h) = A(P/s; h), also for E*: in normalized units all three are one problem. Powers of two
+    // A(P; s h) = A(P/s; h), and likewise for E*: in normalized units all three problems are identical. Powers of two
     // keep the rounding the same, so that the states agree to the last bit.
     let map = self_affine(128);
     let reference = solve(&map, 1e6);
@@ -104,7 +104,7 @@ fn from_full_contact_pressure_on_all_is_in_contact() {
         assert!((mean / pressure_pa - 1.0).abs() < 1e-12);
         assert!(state.gap_m.iter().all(|&g| g == 0.0));
     }
-    // Just below, the solver finds what is known just above.
+    // Just below p* the solver finds the state that is known just above p*.
     let below = at(full_pa * (1.0 - 1e-9));
     assert!(below.area.fraction >= 1.0 - 2.0 / 4096.0, "{:?}", below.area);
     let above = at(full_pa * (1.0 + 1e-9));
@@ -113,7 +113,7 @@ fn from_full_contact_pressure_on_all_is_in_contact() {
     }
 }
 
-/// The solve begins with the pressures that flatten the surface, those below zero cut off: at 0.9 p* few are.
+/// The solve starts with the pressures that flatten the surface, without the negative ones: few at 0.9 p*.
 #[test]
 fn near_full_contact_few_iterations_are_left() {
     let map = self_affine(128);
@@ -147,7 +147,8 @@ fn the_lightest_load_rests_on_the_highest_point() {
     }
 }
 
-/// Single pixels that stand far out of the map carry high pressures: scaling would take from them what others give back.
+/// Single high pixels carry high pressures. Scaling the pressures would take from them the load that other points
+/// release.
 #[test]
 fn single_high_pixels_do_not_keep_the_rest_from_settling() {
     let pixels = 256;
@@ -161,7 +162,7 @@ fn single_high_pixels_do_not_keep_the_rest_from_settling() {
     }
 }
 
-/// Steps that set many pressures to zero at once may raise the energy: on white noise they did so in turns, without an end.
+/// Steps that set many pressures to zero at once may raise the energy; on white noise they once alternated without end.
 #[test]
 fn steps_that_overshoot_are_taken_back() {
     let noise = |n: usize| ((n * n * 7919 + 13 * n) % 10_007) as f64 / 10_007.0 - 0.5;
@@ -176,7 +177,7 @@ fn steps_that_overshoot_are_taken_back() {
     }
 }
 
-/// One pair for each iteration, one for the start, and what removes the rounding.
+/// One pair per iteration, one for the start, and those that remove the rounding error.
 #[test]
 fn an_iteration_takes_one_pair_of_transforms() {
     let contact = RoughContact::new(&self_affine(256), MODULUS_PA).unwrap();
@@ -217,7 +218,7 @@ fn absurd_input_is_refused_or_solved_but_never_breaks() {
     let holed = HeightMap::new(64, 64, 1e-6, 1e-6, heights).unwrap();
     assert!(RoughContact::new(&holed, MODULUS_PA).unwrap_err().to_string().contains("1 of 4096 heights are missing"));
     assert!(area_curve(&map, MODULUS_PA, &[], &SolveOptions::default(), &Unwatched).unwrap().points.is_empty());
-    // Tiny, huge and spiky heights, and the smallest map.
+    // Tiny, huge and spiky heights, and the smallest possible map.
     for scale in [1e-200, 1e-20, 1e6] {
         let state = solve(&map.scaled(scale).unwrap(), 1e6);
         assert!((0.0..=1.0).contains(&state.area.fraction));
@@ -250,7 +251,7 @@ fn what_does_not_converge_is_refused() {
         assert!(refused.to_string().starts_with("contact at 1 MPa did not converge: residual"), "{refused}");
         assert!(curve.unwrap_err().to_string().starts_with("contact at 0.5 MPa did not converge"));
     }
-    // A tolerance below rounding is refused or met, never approximated.
+    // A tolerance below rounding is either met or refused.
     match with(2000, 1e-15).0 {
         Err(ContactError::NotConverged { residual, .. }) => assert!(residual > 1e-15 && residual < 1e-10, "{residual}"),
         found => assert_eq!(found, exact),

@@ -1,4 +1,4 @@
-//! Against numbers of others: closed forms, and tables by Tamaas.
+//! Validation against independent results: closed forms, and tables computed with Tamaas.
 
 #![allow(clippy::unwrap_used, reason = "a test that unwraps in vain fails, as it should")]
 
@@ -21,7 +21,7 @@ fn peak_pa(state: &ContactState) -> f64 {
     state.pressure_pa.iter().copied().fold(0.0, f64::max)
 }
 
-/// Tables give areas to six digits: half a unit of the last, and the rounding of the comparison.
+/// Tables give areas to six digits: half a unit of the last digit, plus rounding in the comparison.
 const SIX_DIGITS: f64 = 5.1e-7;
 
 fn compare_area_curve(surface: &str, pixels: usize, most_iterations: usize, wanted_mpa: impl Fn(f64) -> bool) {
@@ -45,13 +45,13 @@ fn compare_area_curve(surface: &str, pixels: usize, most_iterations: usize, want
 
 #[test]
 fn validation_area_curve_of_a_256_map() {
-    // The program that is the origin of the scheme took 285 iterations.
+    // The reference implementation took 285 iterations.
     compare_area_curve("A_256", 256, 300, |_| true);
 }
 
 #[test]
 fn validation_area_curve_of_a_512_map() {
-    // 376 iterations for all 12 pressures.
+    // 376 iterations were needed for all 12 pressures.
     compare_area_curve("A_512", 512, 130, |mpa| [0.1, 0.7, 2.6, 5.0].contains(&mpa));
 }
 
@@ -84,13 +84,13 @@ fn paraboloid(n: usize) -> HeightMap {
 fn validation_hertz() {
     let hertz = Hertz::new(0.01, 0.057, MODULUS_PA).unwrap();
     let state = solve(&paraboloid(256), 0.057 / (SIDE_M * SIDE_M));
-    // Neighbours a period away raise the peak by 1.3e-3: the program behind the table shows the same.
+    // Periodic images raise the peak by 1.3e-3; the program that made the table shows the same deviation.
     assert!((peak_pa(&state) / hertz.peak_pressure_pa() - 1.0).abs() < 2e-3);
     let radius_m = (state.area.fraction_corrected / std::f64::consts::PI).sqrt() * SIDE_M;
     assert!((radius_m / hertz.contact_radius_m() - 1.0).abs() < 1e-3, "{radius_m}");
 }
 
-/// Relative L2 distance of the pressure under a wave from Westergaard's.
+/// Relative L2 distance between the computed pressure under a wave and Westergaard's solution.
 fn wave_error(n: usize, share: f64) -> f64 {
     let exact = Wave::new(1e-6, SIDE_M, MODULUS_PA).unwrap();
     let nominal_pa = share * exact.full_contact_pressure_pa();
@@ -108,8 +108,8 @@ fn wave_error(n: usize, share: f64) -> f64 {
 
 #[test]
 fn validation_pressure_under_a_wave_converges_at_order_one() {
-    // The slope of the pressure is singular at the edge of the contact, so that order one is what the grid
-    // allows; the edge's place within a pixel makes single errors scatter, hence the rms over many loads.
+    // The slope of the pressure is singular at the edge of the contact, so that the grid allows order one at most. The
+    // position of the edge within a pixel makes single errors scatter, hence the rms over many loads.
     let rms = |n: usize| {
         let square = |load: usize| wave_error(n, 0.05 + 0.9 * (load as f64 + 0.5) / 60.0).powi(2);
         ((0..60).map(square).sum::<f64>() / 60.0).sqrt()
@@ -117,7 +117,7 @@ fn validation_pressure_under_a_wave_converges_at_order_one() {
     let (coarse, fine) = (rms(64), rms(1024));
     let order = (coarse / fine).ln() / 16f64.ln();
     assert!((0.9..1.1).contains(&order), "{order}");
-    // About 0.55 / n.
+    // The rms error is about 0.55 / n.
     assert!(fine < 0.65 / 1024.0, "{fine}");
 }
 
@@ -136,7 +136,7 @@ fn validation_light_loads_lie_between_persson_and_bush() {
     let (map, pressure_pa) = (self_affine(256), 0.1e6);
     let slope = map.rms_slope_spectral().unwrap();
     let kappa = solve(&map, pressure_pa).area.fraction_corrected * MODULUS_PA * slope / pressure_pa;
-    // sqrt(8/pi) (Persson) to sqrt(2 pi) (Bush, Gibson and Thomas); 2.1 to 2.3 in practice
+    // sqrt(8/pi) by Persson, sqrt(2 pi) by Bush, Gibson and Thomas; numerical results are 2.1 to 2.3.
     assert!((2.1..2.3).contains(&kappa), "{kappa}");
     let persson = persson_area_fraction(pressure_pa, MODULUS_PA, slope).unwrap() * MODULUS_PA * slope / pressure_pa;
     assert!(persson < kappa);

@@ -1,4 +1,4 @@
-//! What windows of a map say about the whole.
+//! How well windows of a map represent the whole map.
 
 #![allow(clippy::unwrap_used, reason = "a test that unwraps in vain fails, as it should")]
 
@@ -8,7 +8,7 @@ use common::{MODULUS_PA, self_affine};
 use slipgrid_contact::{SolveOptions, Unwatched, area_curve, coarser, windows};
 use slipgrid_topography::{HeightMap, SelfAffine};
 
-/// A(P)/A(P0) P0/P at 2.6 MPa, P0 = 0.7 MPa.
+/// A(P)/A(P0) P0/P with P = 2.6 MPa and P0 = 0.7 MPa.
 fn factor(map: &HeightMap) -> f64 {
     let options = SolveOptions { tolerance: 1e-5, ..SolveOptions::default() };
     let points = area_curve(map, MODULUS_PA, &[0.7e6, 2.6e6], &options, &Unwatched).unwrap().points;
@@ -23,8 +23,9 @@ fn mean_and_spread(values: &[f64]) -> (f64, f64) {
 
 #[test]
 fn windows_without_a_period_of_their_own_give_the_factor_of_the_period() {
-    // The quarters of one period, cut out and made periodic: f of their mean differs by 0.001 from the whole's, and
-    // the mean rms slope by 1 %; wrapped as they are, with steps across their sides, the slope is a third too high.
+    // Quarters of one period, cut out and made periodic: the factor of their mean differs by 0.001 from that of the
+    // whole map, and the mean rms slope by 1 %. Without the correction of the steps at their sides the slope is a third
+    // too high.
     let map = self_affine(512);
     let quarters = windows(&map, 2, &Unwatched).unwrap();
     let factors: Vec<f64> = quarters.iter().map(factor).collect();
@@ -39,8 +40,8 @@ fn windows_without_a_period_of_their_own_give_the_factor_of_the_period() {
 
 #[test]
 fn the_spread_of_windows_tells_the_standard_error_of_the_map() {
-    // Sixteen maps of 128 x 128 cut out of one large surface. What they differ by is the standard error that any of
-    // them has; each alone has only its own four windows to tell it.
+    // Sixteen maps of 128 x 128 points cut from one large surface. Their spread is the true standard error of one map;
+    // each map alone must estimate it from its own four windows.
     let surface = SelfAffine { pixels: 512, min_wave: 16, max_wave: 64, ..SelfAffine::STAND_IN }.map().unwrap();
     let maps = windows(&surface, 4, &Unwatched).unwrap();
     let factors: Vec<f64> = maps.iter().map(factor).collect();

@@ -1,69 +1,72 @@
-//! Filters of real periodic maps whose sides are powers of two: a transform, a real even factor for every wave, and the
-//! transform back.
+//! Filters of real periodic maps whose sides are powers of two: transform, multiplication of every wave by a real even
+//! factor, inverse transform.
 //!
-//! A filter does not ask in which order the waves stand, so that nothing is reordered. A sequence x is taken as the
-//! polynomial sum x_j y^j, and its transform as the remainders modulo the factors of y^n - 1, which splits by
+//! The result of a filter does not depend on the order in which the waves are stored, so no bit reversal is needed. A
+//! sequence x is taken as the polynomial sum x_j y^j, and its transform as the remainders modulo the factors of y^n -
+//! 1, which splits by
 //!
 //! ```text
 //! y^2m - c^2 = (y^m - c)(y^m + c)
 //! ```
 //!
-//! down to y - c, c the wave; the inverse goes back up. With real numbers y^2m - 1 leaves y^m - 1, real again, and
-//! y^m + 1 = (y^(m/2) - i)(y^(m/2) + i), of which one complex remainder of m/2 numbers says all: real numbers cost half
-//! of complex ones, and no wave is computed from its mirror image.
+//! down to y - c, where c is the wave; the inverse goes back up. With real numbers y^2m - 1 leaves y^m - 1, which is
+//! real again, and y^m + 1 = (y^(m/2) - i)(y^(m/2) + i). The two remainders of the latter are conjugates, so that one
+//! complex remainder of m/2 numbers suffices: real data cost half of complex data, and no wave is computed twice.
 //!
-//! 1. Columns, some side by side in the lanes of vectors: real numbers to the waves along x, in place.
-//! 2. Each wave along x, a row of complex numbers: split as far as rows of [`LANES`] numbers, whose last splits take place
-//!    across rows after a tile of [`LANES`] by [`LANES`] numbers has been transposed; factor; back.
-//! 3. Columns back.
+//! 1. Columns, several side by side in vector lanes: real numbers to the waves along x, in place.
+//! 2. Each wave along x, a row of complex numbers: split down to rows of [`LANES`] numbers. The last splits take place
+//!    across rows, after tiles of [`LANES`] by [`LANES`] numbers have been transposed. Then the factors, and the same
+//!    splits in reverse.
+//! 3. Columns in reverse.
 //!
-//! Everything happens in the output but for one block of columns. Sums and products are those of single numbers in fixed
-//! order, none fused, whatever the width of the vectors: every machine returns the same bytes.
+//! All steps work in the output buffer, except for one block of columns. Sums and products are scalar operations in
+//! fixed order, without fused multiply-add, for every vector width: every machine returns the same bytes.
 
 use pulp::{Simd, WithSimd};
 
 use crate::number::{Number, vectorized};
-use crate::splits::{LANES, ROOTS, TILE, fours, tile, transpose, twos};
+use crate::splits::{LANES, ROOTS, TILE, filter_tile, radix_2, radix_4, transpose};
 
 /// Real and imaginary parts.
 type Parts<'a, V> = (&'a mut [V], &'a mut [V]);
 
-/// Bytes of the columns transformed together, as far as their number stays between the next two.
-const BLOCK: usize = 1 << 20;
-const NARROWEST: usize = 32;
-const WIDEST: usize = 128;
-/// Numbers of the rows between two questions whether to go on.
-const ROWS_TOGETHER: usize = 1 << 15;
-/// Fewest rows.
+/// Bytes of the columns that are transformed together; their number is clamped to the range given by the next two
+/// constants.
+const BLOCK_BYTES: usize = 1 << 20;
+const MIN_BLOCK_COLUMNS: usize = 32;
+const MAX_BLOCK_COLUMNS: usize = 128;
+/// Numbers in the rows processed between two checks for cancellation.
+const NUMBERS_PER_CHECK: usize = 1 << 15;
 const MIN_ROWS: usize = 8;
 
-/// Filters of maps of one size; see the module.
+/// Plan of a filter for maps of one size; see the module documentation.
 #[derive(Clone, Debug)]
 pub struct Convolution<T> {
     rows: usize,
     cols: usize,
-    /// For block q of any level c, c^2 and c^3, where y^4m - c^4 is what the block is a remainder of.
+    /// c, c^2 and c^3 for every block; block q of a level is a remainder modulo a factor of y^4m - c^4.
     roots: Vec<[[T; 2]; 3]>,
-    /// The same for the splits in tiles, a block a lane: of blocks of 16 numbers, then four times of 4.
+    /// `roots` rearranged for the splits in tiles, one block per lane: a block of 16 numbers, then four blocks of 4.
     tile_roots: Vec<T>,
 }
 
-/// The wave of block q among the splits of y^n - 1, as a share of all waves: q's binary digits mirrored at the point.
-fn share(block: usize) -> f64 {
+/// Wave of block q among the splits of y^n - 1, as a fraction of all waves: the bits of q mirrored at the binary point.
+fn wave_fraction(block: usize) -> f64 {
     (block as u64).reverse_bits() as f64 / 2f64.powi(64)
 }
 
-/// c, c^2, c^3 for block q.
+/// Returns c, c^2 and c^3 for block q.
 fn roots<T: Number>(block: usize) -> [[T; 2]; 3] {
     // c = exp(2 pi i share/4)
     [1.0, 2.0, 3.0].map(|power| {
-        let (sin, cos) = libm::sincos(power * share(block) * std::f64::consts::FRAC_PI_2);
-        [cos, sin].map(T::rounded)
+        let (sin, cos) = libm::sincos(power * wave_fraction(block) * std::f64::consts::FRAC_PI_2);
+        [cos, sin].map(T::round_from)
     })
 }
 
 impl<T: Number> Convolution<T> {
-    /// Filters of maps of `rows` x `cols`; `None` unless both are powers of two, of 8 rows and 256 columns or more.
+    /// Plans filters of maps of `rows` x `cols` points; `None` unless both are powers of two, with at least 8 rows and
+    /// 256 columns.
     #[must_use]
     pub fn new(rows: usize, cols: usize) -> Option<Self> {
         if !rows.is_power_of_two() || !cols.is_power_of_two() || rows < MIN_ROWS || cols < TILE {
@@ -80,19 +83,21 @@ impl<T: Number> Convolution<T> {
         Some(Self { rows, cols, roots: (0..count).map(roots).collect(), tile_roots: tiles.collect() })
     }
 
-    /// Columns transformed together.
+    /// Number of columns that are transformed together.
     fn width(&self) -> usize {
-        (BLOCK / (self.rows * size_of::<T>())).clamp(NARROWEST, WIDEST)
+        (BLOCK_BYTES / (self.rows * size_of::<T>())).clamp(MIN_BLOCK_COLUMNS, MAX_BLOCK_COLUMNS)
     }
 
-    /// Numbers that a running filter needs beside its output.
+    /// Length of the scratch buffer that a filter needs.
     #[must_use]
     pub fn scratch_len(&self) -> usize {
         (self.rows * self.width()).max(self.cols)
     }
 
-    /// The factors in the order in which [`Precision::filter`](crate::Precision::filter) wants them; `factor` tells that
-    /// of wave k along x and l along y, k up to rows/2 and l up to cols/2, with the 1/(rows cols) of the way back.
+    /// Arranges the factors in the order that [`Precision::filter`](crate::Precision::filter) expects.
+    ///
+    /// `factor(k, l)` is the factor of the wave with k periods along x and l along y, with k up to rows/2 and l up to
+    /// cols/2. It must include the normalization 1/(rows cols).
     #[must_use]
     pub fn factors(&self, factor: impl Fn(usize, usize) -> f64) -> Vec<T> {
         let mut factors = Vec::with_capacity((self.rows / 2 + 1) * self.cols);
@@ -100,47 +105,49 @@ impl<T: Number> Convolution<T> {
         let places: Vec<usize> = (0..self.cols)
             .map(|n| {
                 let (tile, place) = (n / TILE, n % TILE);
-                let l = (share((tile * LANES + place % LANES) * LANES + place / LANES) * self.cols as f64) as usize;
+                let l =
+                    (wave_fraction((tile * LANES + place % LANES) * LANES + place / LANES) * self.cols as f64) as usize;
                 l.min(self.cols - l)
             })
             .collect();
         for k in self.waves() {
-            // A complex remainder stands for two waves, whose way back it halves.
-            let twins = if k == 0 || 2 * k == self.rows { 1.0 } else { 2.0 };
-            row.iter_mut().enumerate().for_each(|(l, value)| *value = T::rounded(twins * factor(k, l)));
+            // A complex remainder stands for two waves, so the inverse transform halves it.
+            let multiplicity = if k == 0 || 2 * k == self.rows { 1.0 } else { 2.0 };
+            row.iter_mut().enumerate().for_each(|(l, value)| *value = T::round_from(multiplicity * factor(k, l)));
             factors.extend(places.iter().map(|&l| row[l]));
         }
         factors
     }
 
-    /// The waves along x in the order of the rows that hold them: two real rows, then complex ones.
+    /// Waves along x in the order in which the rows store them: two real rows, then complex rows.
     fn waves(&self) -> impl Iterator<Item = usize> {
         let rows = self.rows;
-        let complex = self.halves().flat_map(move |half| {
+        let complex = self.complex_row_counts().flat_map(move |half| {
             (0..half / 2).map(move |part| {
                 // (1/4)/m + share, m = half/2
-                let k = rows / (2 * half) + (share(part) * rows as f64) as usize;
+                let k = rows / (2 * half) + (wave_fraction(part) * rows as f64) as usize;
                 k.min(rows - k)
             })
         });
         [0, rows / 2].into_iter().chain(complex)
     }
 
-    /// Rows of each complex remainder, real parts and then imaginary ones, which begins as many rows below the first.
-    fn halves(&self) -> impl Iterator<Item = usize> {
+    /// Number of rows of each complex remainder: the real parts, then the imaginary parts. It also is the index of its
+    /// first row.
+    fn complex_row_counts(&self) -> impl Iterator<Item = usize> {
         (1..self.rows.ilog2()).map(|power| 1 << power)
     }
 }
 
-/// A running filter.
+/// One application of a filter.
 pub(crate) struct Filter<'a, T> {
     pub(crate) plan: &'a Convolution<T>,
     pub(crate) input: &'a [T],
     pub(crate) factors: &'a [T],
     pub(crate) output: &'a mut [T],
     pub(crate) scratch: &'a mut [T],
-    /// Asked between parts of some ten thousand numbers whether to do the next one.
-    pub(crate) goes_on: &'a dyn Fn() -> bool,
+    /// Called between parts of some ten thousand numbers; the filter stops if it returns false.
+    pub(crate) should_continue: &'a dyn Fn() -> bool,
 }
 
 impl<T: Number> Filter<'_, T> {
@@ -156,11 +163,11 @@ impl<T: Number> WithSimd for Filter<'_, T> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let Self { plan, input, factors, output, scratch, goes_on } = self;
+        let Self { plan, input, factors, output, scratch, should_continue } = self;
         let (cols, half, width) = (plan.cols, plan.rows / 2, plan.width());
         let columns = &mut scratch[..plan.rows * width];
         for first in (0..cols).step_by(width) {
-            if !goes_on() {
+            if !should_continue() {
                 return;
             }
             let (sums, differences) = columns.split_at_mut(half * width);
@@ -186,13 +193,13 @@ impl<T: Number> WithSimd for Filter<'_, T> {
             plan.row(simd, real, imaginary, factor);
         }
         let mut rest = complex;
-        let rows_together = (ROWS_TOGETHER / cols).max(1);
-        for half in plan.halves() {
+        let rows_together = (NUMBERS_PER_CHECK / cols).max(1);
+        for half in plan.complex_row_counts() {
             let (block, below) = rest.split_at_mut(half * cols);
             let (re, im) = block.split_at_mut(half / 2 * cols);
             let rows = re.chunks_exact_mut(cols).zip(im.chunks_exact_mut(cols)).zip(&mut factors);
             for (row, ((re, im), factor)) in rows.enumerate() {
-                if row % rows_together == 0 && !goes_on() {
+                if row % rows_together == 0 && !should_continue() {
                     return;
                 }
                 plan.row(simd, re, im, factor);
@@ -201,7 +208,7 @@ impl<T: Number> WithSimd for Filter<'_, T> {
         }
         let columns = &mut scratch[..plan.rows * width];
         for first in (0..cols).step_by(width) {
-            if !goes_on() {
+            if !should_continue() {
                 return;
             }
             for (row, column) in columns.chunks_exact_mut(width).enumerate() {
@@ -225,7 +232,7 @@ impl<T: Number> WithSimd for Filter<'_, T> {
 }
 
 impl<T: Number> Convolution<T> {
-    /// The remainders of `columns`, rows of equal length, whose first split is done.
+    /// Transforms `columns`, rows of equal length, after their first split.
     #[inline(always)]
     fn columns_forward<S: Simd>(&self, simd: S, columns: &mut [T]) {
         let vectors = T::vectors_mut::<S>(columns);
@@ -238,20 +245,20 @@ impl<T: Number> Convolution<T> {
                 (*a, *b) = (T::sum(simd, *a, *b), T::difference(simd, *a, *b));
             }
         }
-        for half in self.halves() {
+        for half in self.complex_row_counts() {
             let (re, im) = vectors[half * row..2 * half * row].split_at_mut(half / 2 * row);
-            self.splits(simd, (re, im), (half / 2, 2), false);
+            self.split_rows(simd, (re, im), (half / 2, 2), false);
         }
     }
 
-    /// Back from [`Self::columns_forward`].
+    /// Inverse of [`Self::columns_forward`].
     #[inline(always)]
     fn columns_inverse<S: Simd>(&self, simd: S, columns: &mut [T]) {
         let vectors = T::vectors_mut::<S>(columns);
         let row = vectors.len() / self.rows;
-        for half in self.halves() {
+        for half in self.complex_row_counts() {
             let (re, im) = vectors[half * row..2 * half * row].split_at_mut(half / 2 * row);
-            self.splits(simd, (re, im), (half / 2, 2), true);
+            self.split_rows(simd, (re, im), (half / 2, 2), true);
         }
         let mut real = 1;
         while real < self.rows / 2 {
@@ -263,26 +270,27 @@ impl<T: Number> Convolution<T> {
         }
     }
 
-    /// One row of complex numbers: transform, `factor`, and back.
+    /// Filters one row of complex numbers: transform, `factor`, inverse transform.
     #[inline(always)]
     fn row<S: Simd>(&self, simd: S, re: &mut [T], im: &mut [T], factor: &[T]) {
         let length = self.cols / LANES;
-        self.splits(simd, (T::vectors_mut::<S>(re), T::vectors_mut::<S>(im)), (length, 0), false);
+        self.split_rows(simd, (T::vectors_mut::<S>(re), T::vectors_mut::<S>(im)), (length, 0), false);
         let tiles = re.as_chunks_mut::<TILE>().0.iter_mut().zip(im.as_chunks_mut::<TILE>().0);
         let kept = factor.as_chunks::<TILE>().0.iter().zip(self.tile_roots.as_chunks::<{ 5 * ROOTS }>().0);
         for ((re, im), (factor, roots)) in tiles.zip(kept) {
             transpose(re);
             transpose(im);
-            tile(simd, re, im, factor, roots);
+            filter_tile(simd, re, im, factor, roots);
             transpose(re);
             transpose(im);
         }
-        self.splits(simd, (T::vectors_mut::<S>(re), T::vectors_mut::<S>(im)), (length, 0), true);
+        self.split_rows(simd, (T::vectors_mut::<S>(re), T::vectors_mut::<S>(im)), (length, 0), true);
     }
 
-    /// Splits `length` rows of complex numbers, block `first` of their level, to the last, or goes back.
+    /// Splits `length` rows of complex numbers, block `first` of their level, down to single rows, or joins them if
+    /// `back`.
     #[inline(always)]
-    fn splits<S: Simd>(&self, simd: S, (re, im): Parts<'_, T::V<S>>, (length, first): (usize, usize), back: bool) {
+    fn split_rows<S: Simd>(&self, simd: S, (re, im): Parts<'_, T::V<S>>, (length, first): (usize, usize), back: bool) {
         let levels = length.ilog2().div_ceil(2);
         for step in 0..levels {
             let blocks = 1 << (2 * if back { levels - 1 - step } else { step });
@@ -290,9 +298,9 @@ impl<T: Number> Convolution<T> {
             for (block, &root) in self.roots[first * blocks..][..blocks].iter().enumerate() {
                 let (re, im) = (&mut re[block * size..][..size], &mut im[block * size..][..size]);
                 if length / blocks == 2 {
-                    twos(simd, re, im, root[1], back);
+                    radix_2(simd, re, im, root[1], back);
                 } else {
-                    fours(simd, re, im, root, back);
+                    radix_4(simd, re, im, root, back);
                 }
             }
         }
@@ -303,7 +311,7 @@ impl<T: Number> Convolution<T> {
 mod tests {
     use super::*;
 
-    /// Numbers without symmetry.
+    /// Numbers without any symmetry.
     fn uneven(count: usize) -> Vec<f64> {
         (0..count).map(|n| ((n * n % 7919 * 7919 + 13 * n) % 1009) as f64 / 1009.0 - 0.4).collect()
     }
@@ -316,8 +324,15 @@ mod tests {
         let plan = Convolution::<T>::new(rows, cols).unwrap();
         let factors = plan.factors(|k, l| factor(k, l) / (rows * cols) as f64);
         let (mut output, mut scratch) = (vec![T::zero(); input.len()], vec![T::zero(); plan.scratch_len()]);
-        Filter { plan: &plan, input, factors: &factors, output: &mut output, scratch: &mut scratch, goes_on: &|| true }
-            .run();
+        Filter {
+            plan: &plan,
+            input,
+            factors: &factors,
+            output: &mut output,
+            scratch: &mut scratch,
+            should_continue: &|| true,
+        }
+        .run();
         output
     }
 
@@ -327,7 +342,7 @@ mod tests {
             let turn = |k: usize, n: usize, of: usize| (k * n % of) as f64 / of as f64;
             let pairs = [(0, 0), (0, 1), (1, 0), (rows / 2, 0), (0, cols / 2), (rows / 2, cols / 2), (3, 77), (2, 128)];
             for (k, l) in pairs {
-                // A wave that runs up and one that runs down: the mirror image shares the factor.
+                // A wave and its mirror image have the same factor.
                 for l in [l, (cols - l) % cols] {
                     let at =
                         |n: usize| std::f64::consts::TAU * (turn(k, n / cols, rows) + turn(l, n % cols, cols)) + 0.7;
@@ -367,7 +382,7 @@ mod tests {
                     factors: &factors,
                     output: &mut output,
                     scratch: &mut scratch,
-                    goes_on: &|| true,
+                    should_continue: &|| true,
                 });
                 output.into_iter().map(&bits).collect::<Vec<u64>>()
             };

@@ -1,8 +1,9 @@
-//! Plans of discrete Fourier transforms in single and double precision, and filters of maps whose sides are powers of two.
+//! Plans of discrete Fourier transforms in single and double precision, and filters of maps whose sides are powers of
+//! two.
 //!
-//! The transforms of rustfft are generic over the number: every crate that plans one compiles all of them, for every vector width
-//! that a processor may have, which took half of the time that `contact` and `topography` took to build. Here they are compiled
-//! once for each precision, and the others hold them behind pointers, as rustfft does itself.
+//! The transforms of rustfft are generic over the number type. A crate that plans one compiles all of them, for every
+//! vector width, which took half of the build time of `contact` and `topography`. This crate compiles them once per
+//! precision; other crates hold them behind pointers, as rustfft itself does.
 //!
 //! ```
 //! use slipgrid_fft::{Complex, Precision};
@@ -30,45 +31,48 @@ pub use number::vectorized;
 use realfft::RealFftPlanner;
 use rustfft::FftPlanner;
 
-/// Transforms of real rows of one length, there and back, unnormalized.
+/// Forward and inverse transforms of real rows of one length, unnormalized.
 #[derive(Clone)]
 pub struct RealPlans<T: FftNum> {
-    /// Row to half spectrum.
+    /// Transforms a row to its half spectrum.
     pub forward: Arc<dyn RealToComplex<T>>,
-    /// Half spectrum to row.
+    /// Transforms a half spectrum to its row.
     pub inverse: Arc<dyn ComplexToReal<T>>,
 }
 
-/// Transforms of complex rows of one length, there and back, unnormalized.
+/// Forward and inverse transforms of complex rows of one length, unnormalized.
 #[derive(Clone)]
 pub struct ComplexPlans<T: FftNum> {
-    /// Row to spectrum.
+    /// Transforms a row to its spectrum.
     pub forward: Arc<dyn Fft<T>>,
-    /// Spectrum to row.
+    /// Transforms a spectrum to its row.
     pub inverse: Arc<dyn Fft<T>>,
 }
 
-/// A precision in which transforms are compiled: f32 or f64.
+/// Precision for which transforms are compiled: f32 or f64.
 pub trait Precision: Number {
-    /// Transforms of real rows of `length` numbers, at least 1.
+    /// Plans transforms of real rows of `length` numbers; `length` is at least 1.
     fn real_plans(length: usize) -> RealPlans<Self>;
 
-    /// Transforms of rows of `length` complex numbers, at least 1.
+    /// Plans transforms of complex rows of `length` numbers; `length` is at least 1.
     fn complex_plans(length: usize) -> ComplexPlans<Self>;
 
-    /// `output` = `input` with every wave multiplied by its factor, in the order of [`Convolution::factors`]; `scratch` of
-    /// [`Convolution::scratch_len`]. Where `goes_on` says no on the way the rest is left undone.
+    /// Multiplies every wave of the input by its factor and writes the result to `output`.
+    ///
+    /// `input_and_factors` has the input, row by row, and the factors from [`Convolution::factors`]; `scratch` has at
+    /// least [`Convolution::scratch_len`] numbers. If `should_continue` returns false, the filter stops and `output` is
+    /// incomplete.
     fn filter(
         plan: &Convolution<Self>,
         input_and_factors: [&[Self]; 2],
         output: &mut [Self],
         scratch: &mut [Self],
-        goes_on: &dyn Fn() -> bool,
+        should_continue: &dyn Fn() -> bool,
     );
 }
 
-/// Compiles the transforms of one precision here, whoever plans them.
-macro_rules! compiled {
+/// Implements [`Precision`], which instantiates the generic transforms in this crate.
+macro_rules! impl_precision {
     ($number:ty) => {
         impl Precision for $number {
             fn real_plans(length: usize) -> RealPlans<Self> {
@@ -86,13 +90,13 @@ macro_rules! compiled {
                 [input, factors]: [&[Self]; 2],
                 output: &mut [Self],
                 scratch: &mut [Self],
-                goes_on: &dyn Fn() -> bool,
+                should_continue: &dyn Fn() -> bool,
             ) {
-                Filter { plan, input, factors, output, scratch, goes_on }.run();
+                Filter { plan, input, factors, output, scratch, should_continue }.run();
             }
         }
     };
 }
 
-compiled!(f32);
-compiled!(f64);
+impl_precision!(f32);
+impl_precision!(f64);

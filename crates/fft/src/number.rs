@@ -1,20 +1,20 @@
-//! Numbers in vectors as wide as the machine has.
+//! Numbers in vectors of the widest instruction set of the machine.
 
 use pulp::{Simd, WithSimd};
 use realfft::FftNum;
 
-/// f32 or f64.
+/// Numbers with SIMD vectors: f32 or f64.
 pub trait Number: FftNum {
-    /// As many as one vector holds.
+    /// Vector type of the instruction set `S`.
     type V<S: Simd>: Copy;
 
-    /// `value`, rounded.
-    fn rounded(value: f64) -> Self;
-    /// `numbers` as vectors, which must come out even.
+    /// Rounds `value` to this type.
+    fn round_from(value: f64) -> Self;
+    /// Views `numbers` as vectors; their count must be a multiple of the vector length.
     fn vectors<S: Simd>(numbers: &[Self]) -> &[Self::V<S>];
-    /// The same, to be written.
+    /// Views `numbers` as mutable vectors; their count must be a multiple of the vector length.
     fn vectors_mut<S: Simd>(numbers: &mut [Self]) -> &mut [Self::V<S>];
-    /// The same number in every lane.
+    /// Vector with `value` in every lane.
     fn splat<S: Simd>(simd: S, value: Self) -> Self::V<S>;
     /// a + b
     fn sum<S: Simd>(simd: S, a: Self::V<S>, b: Self::V<S>) -> Self::V<S>;
@@ -24,12 +24,12 @@ pub trait Number: FftNum {
     fn product<S: Simd>(simd: S, a: Self::V<S>, b: Self::V<S>) -> Self::V<S>;
 }
 
-macro_rules! number {
+macro_rules! impl_number {
     ($number:ty, $vector:ident, $vectors:ident, $vectors_mut:ident, $splat:ident, $add:ident, $sub:ident, $mul:ident) => {
         impl Number for $number {
             type V<S: Simd> = S::$vector;
 
-            fn rounded(value: f64) -> Self {
+            fn round_from(value: f64) -> Self {
                 value as $number
             }
 
@@ -66,10 +66,12 @@ macro_rules! number {
     };
 }
 
-number!(f32, f32s, as_simd_f32s, as_mut_simd_f32s, splat_f32s, add_f32s, sub_f32s, mul_f32s);
-number!(f64, f64s, as_simd_f64s, as_mut_simd_f64s, splat_f64s, add_f64s, sub_f64s, mul_f64s);
+impl_number!(f32, f32s, as_simd_f32s, as_mut_simd_f32s, splat_f32s, add_f32s, sub_f32s, mul_f32s);
+impl_number!(f64, f64s, as_simd_f64s, as_mut_simd_f64s, splat_f64s, add_f64s, sub_f64s, mul_f64s);
 
-/// Runs `work` with the widest vectors that this machine has. Work whose lanes each do what a scalar would gives the same bytes with any.
+/// Runs `work` with the widest vectors of this machine.
+///
+/// The result does not depend on the width if each lane of `work` does scalar operations only.
 #[inline]
 pub fn vectorized<W: WithSimd>(work: W) -> W::Output {
     #[cfg(target_arch = "x86_64")]

@@ -1,17 +1,16 @@
-//! Splits of remainders and their way back, and tiles.
+//! Splits of polynomial remainders, their inverses, and tiles; see `convolution`.
 
 use pulp::Simd;
 
 use crate::number::Number;
 
-/// Numbers of a tile's side.
+/// Side of a tile.
 pub(crate) const LANES: usize = 16;
-/// Numbers of a tile.
 pub(crate) const TILE: usize = LANES * LANES;
-/// Numbers of the roots of one split in four of a tile: c, c^2 and c^3, real and imaginary parts, for each lane.
+/// Numbers per four-way split of a tile: real and imaginary parts of c, c^2 and c^3 for each lane.
 pub(crate) const ROOTS: usize = 6 * LANES;
 
-/// Complex numbers, one a lane.
+/// A vector of complex numbers.
 pub(crate) struct Wide<T: Number, S: Simd> {
     re: T::V<S>,
     im: T::V<S>,
@@ -27,7 +26,7 @@ impl<T: Number, S: Simd> Clone for Wide<T, S> {
 impl<T: Number, S: Simd> Copy for Wide<T, S> {}
 
 impl<T: Number, S: Simd> Wide<T, S> {
-    /// The same number in every lane.
+    /// Vector with the same number in every lane.
     #[inline(always)]
     pub(crate) fn splat(s: S, [re, im]: [T; 2]) -> Self {
         Self { re: T::splat(s, re), im: T::splat(s, im) }
@@ -51,7 +50,7 @@ impl<T: Number, S: Simd> Wide<T, S> {
         }
     }
 
-    /// a, each lane times its factor
+    /// a with each lane times its real factor
     #[inline(always)]
     fn scaled(self, s: S, factor: T::V<S>) -> Self {
         Self { re: T::product(s, self.re, factor), im: T::product(s, self.im, factor) }
@@ -71,17 +70,18 @@ impl<T: Number, S: Simd> Wide<T, S> {
 
     /// a + i b
     #[inline(always)]
-    fn plus_turned(self, s: S, b: Self) -> Self {
+    fn plus_i_times(self, s: S, b: Self) -> Self {
         Self { re: T::difference(s, self.re, b.im), im: T::sum(s, self.im, b.re) }
     }
 
     /// a - i b
     #[inline(always)]
-    fn minus_turned(self, s: S, b: Self) -> Self {
+    fn minus_i_times(self, s: S, b: Self) -> Self {
         Self { re: T::sum(s, self.re, b.im), im: T::difference(s, self.im, b.re) }
     }
 
-    /// y^4m - c^4: the remainders for y^m = c, -c, ic and -ic of a0 + a1 y^m + a2 y^2m + a3 y^3m, `roots` c, c^2, c^3.
+    /// Splits a0 + a1 y^m + a2 y^2m + a3 y^3m modulo the four factors of y^4m - c^4: the remainders for y^m = c, -c, ic
+    /// and -ic. `roots` are c, c^2 and c^3.
     #[inline(always)]
     fn split(s: S, [a0, a1, a2, a3]: [Self; 4], roots: [Self; 3]) -> [Self; 4] {
         let (b1, b2, b3) = (a1.times(s, roots[0]), a2.times(s, roots[1]), a3.times(s, roots[2]));
@@ -90,26 +90,26 @@ impl<T: Number, S: Simd> Wide<T, S> {
         [
             even.plus(s, odd),
             even.minus(s, odd),
-            even_turned.plus_turned(s, odd_turned),
-            even_turned.minus_turned(s, odd_turned),
+            even_turned.plus_i_times(s, odd_turned),
+            even_turned.minus_i_times(s, odd_turned),
         ]
     }
 
-    /// Back from [`Self::split`], four times as large.
+    /// Inverse of [`Self::split`], times four.
     #[inline(always)]
     fn join(s: S, [a, b, c, d]: [Self; 4], roots: [Self; 3]) -> [Self; 4] {
         let (even, odd) = (a.plus(s, b), a.minus(s, b));
         let (even_turned, odd_turned) = (c.plus(s, d), c.minus(s, d));
         [
             even.plus(s, even_turned),
-            odd.minus_turned(s, odd_turned).times_conjugate(s, roots[0]),
+            odd.minus_i_times(s, odd_turned).times_conjugate(s, roots[0]),
             even.minus(s, even_turned).times_conjugate(s, roots[1]),
-            odd.plus_turned(s, odd_turned).times_conjugate(s, roots[2]),
+            odd.plus_i_times(s, odd_turned).times_conjugate(s, roots[2]),
         ]
     }
 }
 
-/// Complex numbers in four equal parts: four numbers, one of each part, become four others.
+/// Complex numbers in four equal parts. A split replaces four numbers, one of each part.
 struct Quarters<'a, V> {
     re: [&'a mut [V]; 4],
     im: [&'a mut [V]; 4],
@@ -142,7 +142,7 @@ impl<'a, V: Copy> Quarters<'a, V> {
     }
 }
 
-/// Four parts of `count`.
+/// Splits a slice into four parts of length `count`.
 #[inline(always)]
 fn quarters<V>(all: &mut [V], count: usize) -> [&mut [V]; 4] {
     let (a, rest) = all.split_at_mut(count);
@@ -151,9 +151,15 @@ fn quarters<V>(all: &mut [V], count: usize) -> [&mut [V]; 4] {
     [a, b, c, &mut rest[..count]]
 }
 
-/// One remainder into four, or back.
+/// Splits one remainder into four, or joins four if `back`.
 #[inline(always)]
-pub(crate) fn fours<T: Number, S: Simd>(s: S, re: &mut [T::V<S>], im: &mut [T::V<S>], roots: [[T; 2]; 3], back: bool) {
+pub(crate) fn radix_4<T: Number, S: Simd>(
+    s: S,
+    re: &mut [T::V<S>],
+    im: &mut [T::V<S>],
+    roots: [[T; 2]; 3],
+    back: bool,
+) {
     let roots = roots.map(|root| Wide::<T, S>::splat(s, root));
     let mut all = Quarters::new(re, im);
     for n in 0..all.count {
@@ -162,9 +168,9 @@ pub(crate) fn fours<T: Number, S: Simd>(s: S, re: &mut [T::V<S>], im: &mut [T::V
     }
 }
 
-/// y^2m - c^2 = (y^m - c)(y^m + c): one remainder into two, or back.
+/// Splits one remainder into two by y^2m - c^2 = (y^m - c)(y^m + c), or joins two if `back`.
 #[inline(always)]
-pub(crate) fn twos<T: Number, S: Simd>(s: S, re: &mut [T::V<S>], im: &mut [T::V<S>], root: [T; 2], back: bool) {
+pub(crate) fn radix_2<T: Number, S: Simd>(s: S, re: &mut [T::V<S>], im: &mut [T::V<S>], root: [T; 2], back: bool) {
     let c = Wide::<T, S>::splat(s, root);
     let half = re.len() / 2;
     let ((a_re, b_re), (a_im, b_im)) = (re.split_at_mut(half), im.split_at_mut(half));
@@ -181,7 +187,7 @@ pub(crate) fn twos<T: Number, S: Simd>(s: S, re: &mut [T::V<S>], im: &mut [T::V<
     }
 }
 
-/// The roots of one lane of vectors, of `row` to a row.
+/// Roots of vector `lane`; each root has `row` vectors.
 #[inline(always)]
 fn roots_at<T: Number, S: Simd>(roots: &[T::V<S>], row: usize, lane: usize) -> [Wide<T, S>; 3] {
     let at = |n: usize| n * row + lane;
@@ -192,9 +198,9 @@ fn roots_at<T: Number, S: Simd>(roots: &[T::V<S>], row: usize, lane: usize) -> [
     ]
 }
 
-/// A tile of remainders of [`LANES`] numbers, one a column: all splits, `factor`, and back.
+/// Filters a tile, which has one remainder of [`LANES`] numbers per column: all splits, `factor`, all joins.
 #[inline(always)]
-pub(crate) fn tile<T: Number, S: Simd>(
+pub(crate) fn filter_tile<T: Number, S: Simd>(
     s: S,
     re: &mut [T; TILE],
     im: &mut [T; TILE],
@@ -231,7 +237,7 @@ pub(crate) fn tile<T: Number, S: Simd>(
     }
 }
 
-/// Rows of a tile to columns: two rotations of the four digits to base 4 that tell a place.
+/// Transposes a tile by two rotations of the four base-4 digits of the index.
 #[inline(always)]
 pub(crate) fn transpose<T: Number>(tile: &mut [T; TILE]) {
     let mut turned = [T::zero(); TILE];
@@ -239,7 +245,7 @@ pub(crate) fn transpose<T: Number>(tile: &mut [T; TILE]) {
     rotate(&turned, tile);
 }
 
-/// Number n of quarter m becomes number m of four n.
+/// Moves number n of quarter m to place m of group n.
 #[inline(always)]
 fn rotate<T: Copy>(from: &[T; TILE], to: &mut [T; TILE]) {
     let (low, high) = from.split_at(TILE / 2);

@@ -211,7 +211,7 @@ impl Design {
             each.iter().try_for_each(|texture| require_section(&document, file.pattern.get_ref(), texture))?;
         }
         // One model serves all directions: where one of them needs space, all are solved there.
-        let dimensions = dimensions.or_else(|| (each.len() > 1).then(|| Dimension::serving(&each).number()));
+        let dimensions = dimensions.or_else(|| (each.len() > 1).then(|| Dimension::required_for(&each).number()));
         let limits = &file.limits;
         let laser = read_laser(&document, file.laser.as_ref(), (&limits.depth_per_burst_um, &limits.min_land_um))?;
         let depth_m = whole_steps(depth_m, &laser);
@@ -339,7 +339,7 @@ fn read_strip(
     dimensions: Option<u8>,
 ) -> Result<bool, Diagnostic> {
     let Some(strip) = file.search.strip.as_ref().filter(|strip| *strip.get_ref()) else { return Ok(false) };
-    let is_in_space = dimensions.map_or_else(|| Dimension::serving(textures), Dimension::numbered).sees_face();
+    let is_in_space = dimensions.map_or_else(|| Dimension::required_for(textures), Dimension::numbered).sees_face();
     if !is_in_space {
         return Err(document
             .refuse(strip.span(), "is of designs in space: in the plane all strips of the specimen are solved")

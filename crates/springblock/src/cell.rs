@@ -1,4 +1,4 @@
-//! The steady ratio of many patterns of one material under the same loads: what a search calls.
+//! Steady friction ratio of many patterns for one material and fixed loads: the model that a search calls.
 
 use std::cell::OnceCell;
 use std::sync::Arc;
@@ -15,26 +15,26 @@ use crate::rims::Rims;
 use crate::scene::{Layer, Load, MAX_DRAWS, Scene};
 use crate::space::{SpaceLattice, SpaceLoad, SpaceSteadyModel, TOLERANCE};
 use crate::steady::{
-    CondensedModel, FaceHistory, RaisedModel, SteadyLoad, SteadyModel, ThickModel, band_products, condensing,
+    CondensedModel, FaceHistory, RaisedModel, SteadyLoad, SteadyModel, ThickModel, band_products, condensing_cost,
     factor_bytes,
 };
 use crate::{Cancelled, Monitor, Unwatched};
 
-/// Rounding left by division counts as a whole number of blocks.
-const WHOLE: f64 = 1e-9;
-/// Bytes that a column of a cell in space takes for each of its explicit rows: displacements three times, their spectra,
-/// condensed matrices, and the share of a cavity's unknowns in the directions kept.
+/// Tolerance within which a length counts as a whole number of blocks, for rounding errors of divisions.
+const WHOLE_TOLERANCE: f64 = 1e-9;
+/// Memory per column and explicit row of a cell in space, in bytes: three displacement fields, their spectra, condensed
+/// matrices, and a share of the stored search directions.
 const BYTES_PER_BLOCK: f64 = 1200.0;
-/// Most memory of a cell in space, and of one in the plane, whose equations may be those of all blocks, in bytes.
+/// Maximum memory of a cell in space and of a cell in the plane, in bytes, for equations of all blocks.
 const MAX_SPACE_BYTES: f64 = (1_u64 << 30) as f64;
 const MAX_PLANE_BYTES: f64 = 4.0 * MAX_SPACE_BYTES;
 
-/// Steady sliding of one periodic cell with mean coefficients, for any pattern, in the vertical plane along the sliding
-/// direction or in space.
+/// Steady sliding of one periodic cell with mean coefficients, in the vertical plane along the sliding direction or in
+/// space.
 ///
-/// The flat surface needs no solve: a uniform layer carries the nominal pressure P everywhere and
-/// slides at mu_d f(P), so that ratio = mu / (mu_d f(P)). Cells are as thick as the specimen where the scene says how thick
-/// that is, at the cost of the layer alone.
+/// The flat surface needs no solve: a uniform layer carries the nominal pressure P everywhere and slides at mu_d f(P),
+/// so that ratio = mu / (mu_d f(P)). If the scene gives the thickness of the specimen, the cell is as thick as the
+/// specimen; the rows above the layer are condensed and add no cost.
 #[derive(Clone, Debug)]
 pub struct SteadyCell {
     dimension: Dimension,
@@ -44,23 +44,24 @@ pub struct SteadyCell {
     loads: Vec<Load>,
     liftoff: bool,
     relief: Option<Arc<ReliefMap>>,
-    /// Sum of the forces out of balance over the load at which a solve in space ends.
+    /// Sum of the unbalanced forces over the load at which a solve in space ends.
     tolerance: f64,
 }
 
-/// One load's answer for a pattern.
+/// Result of a pattern under one load.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CellOutcome {
     /// The patterned surface.
     pub surface: SurfaceOutcome,
-    /// mu of the flat surface; `None` if its friction vanishes.
+    /// Friction coefficient of the flat surface; `None` if its friction vanishes.
     pub mu_flat: Option<f64>,
-    /// Ratio, patterned over flat; `None` without load or friction, or if the solve did not converge.
+    /// Friction of the patterned over that of the flat surface; `None` without load or friction, or if the solve did
+    /// not converge.
     pub ratio: Option<f64>,
 }
 
 impl CellOutcome {
-    /// What `surface` found under `load`, beside the flat surface.
+    /// Combines the result `surface` under `load` with the friction of the flat surface.
     fn new(load: &Load, area_law: Option<&AreaLaw>, surface: SurfaceOutcome) -> Self {
         let mu_flat = Some(load.flat_mu(area_law)).filter(|mu| *mu > 0.0 && load.pressure_pa > 0.0);
         let ratio = match (surface.status, surface.mu_dynamic, mu_flat) {
@@ -72,24 +73,25 @@ impl CellOutcome {
 }
 
 impl SteadyCell {
-    /// The cell of `scene`, whose options of time integration are ignored: in the plane or in space as it asks, otherwise as its
-    /// pattern needs; without a pattern in the plane.
+    /// Creates the cell of `scene`; options of time integration are ignored.
+    ///
+    /// The scene's dimension applies; otherwise the pattern decides, and without a pattern the cell is plane.
     #[must_use]
     pub fn new(scene: &Scene) -> Self {
         let asked = scene.run.dimensions;
-        let of_flat = || asked.map_or(Dimension::Plane, Dimension::numbered);
-        let of_pattern = |pattern: &Pattern| Dimension::of(asked, pattern.texture());
-        Self::solved(scene, scene.pattern.as_ref().map_or_else(of_flat, of_pattern))
+        let flat_dimension = || asked.map_or(Dimension::Plane, Dimension::numbered);
+        let pattern_dimension = |pattern: &Pattern| Dimension::of(asked, pattern.texture());
+        Self::with_dimension(scene, scene.pattern.as_ref().map_or_else(flat_dimension, pattern_dimension))
     }
 
-    /// As [`Self::new`], where it is patterns of `texture` that will be asked for.
+    /// Like [`Self::new`], for patterns of `texture` instead of the scene's pattern.
     #[must_use]
     pub fn of_texture(scene: &Scene, texture: &Texture) -> Self {
-        Self::solved(scene, Dimension::of(scene.run.dimensions, texture))
+        Self::with_dimension(scene, Dimension::of(scene.run.dimensions, texture))
     }
 
-    /// The cell of `scene` in the plane or in space.
-    pub(crate) fn solved(scene: &Scene, dimension: Dimension) -> Self {
+    /// Creates the cell of `scene` for the given dimension.
+    pub(crate) fn with_dimension(scene: &Scene, dimension: Dimension) -> Self {
         Self {
             dimension,
             elastic: scene.elastic,
@@ -102,39 +104,39 @@ impl SteadyCell {
         }
     }
 
-    /// The same, solved in space until the forces out of balance sum to the share `tolerance` of the load, 1e-10 by default. To
-    /// 1e-7, cells take about two thirds of the time.
+    /// Sets the tolerance of solves in space: the sum of the unbalanced forces over the load, 1e-10 by default. A
+    /// tolerance of 1e-7 saves about a third of the time.
     #[must_use]
     pub fn balanced_to(self, tolerance: f64) -> Self {
         Self { tolerance, ..self }
     }
 
-    /// Where it is solved.
+    /// Dimension in which the cell is solved.
     #[must_use]
     pub const fn dimension(&self) -> Dimension {
         self.dimension
     }
 
-    /// Whether it is solved in space.
     const fn is_spatial(&self) -> bool {
         matches!(self.dimension, Dimension::Space)
     }
 
-    /// Draws of the local coefficients with which a cell of `pattern` has at least `contacts` contact blocks in all; 1 in
-    /// the vertical plane, whose sample is one draw of many.
+    /// Number of draws of local coefficients that give a cell of `pattern` at least `contacts` contact blocks in total.
+    /// In the vertical plane it is 1, because a sample there already averages over many blocks.
     #[must_use]
     pub fn draws(&self, pattern: &Pattern, contacts: f64) -> u64 {
         if !self.is_spatial() {
             return 1;
         }
         let [nx, ny] = self.columns(pattern);
-        // A groove is as long as its period.
+        // A groove is represented by one period along its length.
         let columns = nx * if pattern.is_uniform_along_y() { nx } else { ny };
         // Between 1 and MAX_DRAWS: the cast is exact.
         (contacts / (columns * (1.0 - pattern.areal_density()))).ceil().clamp(1.0, MAX_DRAWS as f64) as u64
     }
 
-    /// Columns of the cell of `pattern` along x and y: whole numbers, one along grooves and in the plane.
+    /// Number of columns of the cell of `pattern` along x and y, as whole numbers; 1 along y for grooves and in the
+    /// plane.
     #[must_use]
     pub fn columns(&self, pattern: &Pattern) -> [f64; 2] {
         if self.is_spatial() {
@@ -143,7 +145,7 @@ impl SteadyCell {
         [self.lattice(pattern).nx() as f64, 1.0]
     }
 
-    /// Memory that [`Self::solve`] takes, in bytes, roughly and at most.
+    /// Estimated upper bound of the memory that [`Self::solve`] needs, in bytes.
     #[must_use]
     pub fn bytes(&self, pattern: &Pattern) -> f64 {
         if self.is_spatial() {
@@ -151,46 +153,48 @@ impl SteadyCell {
             return nx * ny * ((pattern.depth_m() / self.layer.block_m).ceil() + 1.0).max(2.0) * BYTES_PER_BLOCK;
         }
         if self.layer.is_backed() {
-            return condensing_cell(pattern, self.layer.block_m).1;
+            return cell_condensing_cost(pattern, self.layer.block_m).1;
         }
-        factor_bytes(self.most_columns(pattern), self.layer.rows(), true)
+        factor_bytes(self.max_columns(pattern), self.layer.rows(), true)
     }
 
-    /// Memory, in bytes, that a cell solved beside several others should not take more than.
+    /// Maximum memory that a cell should take if several are solved at the same time, in bytes.
     #[must_use]
     pub const fn most_bytes(&self) -> f64 {
         if self.is_spatial() { MAX_SPACE_BYTES } else { MAX_PLANE_BYTES }
     }
 
-    /// Multiplications that [`Self::solve`] takes in the plane, roughly and at most.
+    /// Estimated upper bound of the multiplications that [`Self::solve`] needs in the plane.
     pub(crate) fn products(&self, pattern: &Pattern) -> f64 {
-        let (condensed, _) = condensing_cell(pattern, self.layer.block_m);
+        let (condensed, _) = cell_condensing_cost(pattern, self.layer.block_m);
         if self.layer.is_backed() {
             return condensed;
         }
-        band_products(self.most_columns(pattern), self.layer.rows()).min(condensed)
+        band_products(self.max_columns(pattern), self.layer.rows()).min(condensed)
     }
 
-    /// Columns of the cell in the plane, at most.
-    fn most_columns(&self, pattern: &Pattern) -> usize {
-        // The cast saturates: what is beyond 2^64 columns is beyond every limit.
+    /// Upper bound of the number of columns of the cell in the plane.
+    fn max_columns(&self, pattern: &Pattern) -> usize {
+        // The cast saturates: a number beyond 2^64 exceeds every limit.
         (pattern.pitch_m() / self.layer.block_m).ceil() as usize * Rims::periods(pattern)
     }
 
-    /// Whether the cell in space of `pattern` is made of whole cubes.
+    /// Whether the cell of `pattern` in space consists of whole cubes.
     pub(crate) fn is_plain(&self, pattern: &Pattern) -> bool {
         SpaceLattice::cell(pattern, self.layer.block_m, self.layer.rows()).is_plain()
     }
 
-    /// Steady sliding on `pattern`, one answer per load. In the plane by the few forces about the cavity where that is
-    /// possible and cheaper, otherwise as [`Self::solve_all_blocks`] does; both give the same to rounding. In space the cell
-    /// is condensed once, and loads help each other.
+    /// Solves steady sliding on `pattern`; returns one outcome per load.
+    ///
+    /// In the plane the condensed equations of the cavity are used where they apply and are cheaper, otherwise those of
+    /// [`Self::solve_all_blocks`]; both agree to rounding. In space the cell is condensed once, and the solution of one
+    /// load starts the next.
     #[must_use]
     pub fn solve(&self, pattern: &Pattern) -> Vec<CellOutcome> {
         self.solve_heeding(pattern, &Unwatched)
     }
 
-    /// The same; what is being solved in space when `monitor` cancels is given up.
+    /// Like [`Self::solve`]; when `monitor` cancels, solves in space stop without a result.
     #[must_use]
     pub fn solve_heeding(&self, pattern: &Pattern, monitor: &dyn Monitor) -> Vec<CellOutcome> {
         if self.is_spatial() {
@@ -218,8 +222,8 @@ impl SteadyCell {
         })
     }
 
-    /// Steady sliding on `pattern` in the plane by a factorization of the equations of all blocks: slower, and the judge of
-    /// [`Self::solve`].
+    /// Solves steady sliding on `pattern` in the plane by factorizing the equations of all blocks. Slower than
+    /// [`Self::solve`]; serves as its reference in tests.
     #[must_use]
     pub fn solve_all_blocks(&self, pattern: &Pattern) -> Vec<CellOutcome> {
         let model = self.steady_model(self.lattice(pattern));
@@ -227,13 +231,13 @@ impl SteadyCell {
     }
 
     fn lattice(&self, pattern: &Pattern) -> Lattice {
-        let columns = columns::cell_on(pattern, self.layer.block_m, self.relief.as_deref());
+        let columns = columns::cell_with_map(pattern, self.layer.block_m, self.relief.as_deref());
         Lattice::new(columns, self.layer.thick_rows(), true)
     }
 
-    /// The cell of `pattern` in space, `rows` high.
+    /// Returns the cell of `pattern` in space with `rows` rows.
     pub(crate) fn space_lattice(&self, pattern: &Pattern, rows: usize) -> SpaceLattice {
-        SpaceLattice::cell_on(pattern, self.layer.block_m, rows, self.relief.as_deref())
+        SpaceLattice::cell_with_map(pattern, self.layer.block_m, rows, self.relief.as_deref())
     }
 
     fn steady_model(&self, lattice: Lattice) -> SteadyModel {
@@ -250,7 +254,7 @@ impl SteadyCell {
         self.loads.iter().map(solved).collect()
     }
 
-    /// Steady sliding of `lattice` along the sliding direction of `pattern`, one answer per load.
+    /// Solves steady sliding of `lattice` along the sliding direction of `pattern`; returns one outcome per load.
     pub(crate) fn solve_in_space(
         &self,
         lattice: SpaceLattice,
@@ -261,33 +265,38 @@ impl SteadyCell {
         let model = SpaceSteadyModel::new(lattice, self.layer.block_m, self.elastic.youngs_modulus_pa(), self.liftoff)
             .yielding_at(self.elastic.yield_pressure_pa())
             .balanced_to(self.tolerance);
-        let loads: Vec<SpaceLoad<'_>> =
-            self.loads.iter().map(|load| SpaceLoad::of_mean(load, area_law, pattern.sliding_direction())).collect();
+        let loads: Vec<SpaceLoad<'_>> = self
+            .loads
+            .iter()
+            .map(|load| SpaceLoad::with_mean_friction(load, area_law, pattern.sliding_direction()))
+            .collect();
         let outcomes = model.solve_all(&loads, monitor).into_iter().zip(&self.loads);
         outcomes.map(|(outcome, load)| CellOutcome::new(load, area_law, outcome)).collect()
     }
 
-    /// The ratios alone, as [`CellOutcome::ratio`] has them. A ratio is given even where a cavity closes under the load, and is no answer
-    /// there: the model lets the ceiling pass through the counterface. [`Self::solve`] says where that is so, by `surface.cavity_closed`.
+    /// Returns the ratios of [`Self::solve`] only.
+    ///
+    /// A closed cavity does not make the ratio `None`, although the result is invalid there: the model lets the ceiling
+    /// pass through the counterface. Check `surface.cavity_closed` of [`Self::solve`].
     #[must_use]
     pub fn ratios(&self, pattern: &Pattern) -> Vec<Option<f64>> {
         self.ratios_heeding(pattern, &Unwatched)
     }
 
-    /// The same, as [`Self::solve_heeding`] solves.
+    /// Like [`Self::ratios`], with cancellation as in [`Self::solve_heeding`].
     #[must_use]
     pub fn ratios_heeding(&self, pattern: &Pattern, monitor: &dyn Monitor) -> Vec<Option<f64>> {
         self.solve_heeding(pattern, monitor).into_iter().map(|outcome| outcome.ratio).collect()
     }
 
-    /// The ratios of many patterns, in their order: in parallel on rayon's current pool, the same with any number of
-    /// threads.
+    /// Returns the ratios of many patterns in their order. Patterns are solved in parallel on rayon's current pool; the
+    /// result does not depend on the number of threads.
     #[must_use]
     pub fn ratios_of(&self, patterns: &[Pattern]) -> Vec<Vec<Option<f64>>> {
         patterns.par_iter().map(|pattern| self.ratios(pattern)).collect()
     }
 
-    /// The same, as [`Self::solve_heeding`] solves; no further pattern is begun once `monitor` cancels.
+    /// Like [`Self::ratios_of`], with cancellation by `monitor`.
     ///
     /// # Errors
     /// [`Cancelled`] if `monitor` has cancelled.
@@ -298,19 +307,19 @@ impl SteadyCell {
     ) -> Result<Vec<Vec<Option<f64>>>, Cancelled> {
         let heeding = |pattern| monitor.heed().map(|()| self.ratios_heeding(pattern, monitor));
         let found = patterns.par_iter().map(heeding).collect::<Result<_, _>>()?;
-        // What was being solved when it cancelled was given up.
+        // Patterns that were being solved when the monitor cancelled have no valid result.
         monitor.heed().map(|()| found)
     }
 
-    /// Every groove of whole blocks whose width, spacing and depth lie within bounds, in metres, and that leaves a row of
-    /// blocks above it, with its ratios: widths slowest, depths fastest.
+    /// Returns all grooves of whole blocks within the bounds of width, spacing and depth, in metres, with their ratios.
+    /// At least one row of blocks remains above each groove. Widths vary slowest, depths fastest.
     #[must_use]
     pub fn table(&self, width_m: [f64; 2], spacing_m: [f64; 2], depth_m: [f64; 2]) -> Vec<(Pattern, Vec<Option<f64>>)> {
         let block_m = self.layer.block_m;
-        // Bounds that are whole blocks but for rounding belong to the table.
+        // Bounds that equal whole blocks up to rounding are included.
         let blocks = |bounds: [f64; 2], most: f64| {
-            let first = (bounds[0] / block_m - WHOLE).ceil().max(1.0);
-            let last = (bounds[1] / block_m + WHOLE).floor().min(most);
+            let first = (bounds[0] / block_m - WHOLE_TOLERANCE).ceil().max(1.0);
+            let last = (bounds[1] / block_m + WHOLE_TOLERANCE).floor().min(most);
             (0..).map(move |step| first + f64::from(step)).take_while(move |at| *at <= last)
         };
         let deepest = self.layer.rows() as f64 - 1.0;
@@ -324,16 +333,18 @@ impl SteadyCell {
     }
 }
 
-/// The model of a cell whose face has heights; `None` where it has none, or where only the equations of all blocks do.
+/// Model of a cell whose face has height variations. Returns `None` for a flat face, or if the equations of all blocks
+/// are needed.
 pub fn raised_model(lattice: &Lattice, block_m: f64, elastic: Elastic) -> Option<RaisedModel> {
     if lattice.is_raised() { RaisedModel::new(lattice, block_m, elastic) } else { None }
 }
 
-/// Multiplications and additions, and bytes, that the cell of `pattern` of a thick specimen takes in blocks of `block_m`.
-pub fn condensing_cell(pattern: &Pattern, block_m: f64) -> (f64, f64) {
+/// Estimated number of multiply-adds, and memory in bytes, for the cell of `pattern` on a thick specimen with blocks of
+/// `block_m`.
+pub fn cell_condensing_cost(pattern: &Pattern, block_m: f64) -> (f64, f64) {
     let blocks = |length_m: f64| (length_m / block_m).ceil();
     let periods = Rims::periods(pattern) as f64;
-    condensing(periods * blocks(pattern.pitch_m()), periods * blocks(pattern.width_m()), blocks(pattern.depth_m()))
+    condensing_cost(periods * blocks(pattern.pitch_m()), periods * blocks(pattern.width_m()), blocks(pattern.depth_m()))
 }
 
 #[cfg(test)]
@@ -369,7 +380,7 @@ mod tests {
         );
     }
 
-    /// Cancels when it has been asked so many times.
+    /// Monitor that cancels after a given number of queries.
     struct Patience {
         questions: AtomicUsize,
     }
@@ -401,7 +412,7 @@ mod tests {
         for ([width, spacing, depth], liftoff) in [
             ([130.0, 370.0, 20.0], false),
             ([133.3, 171.9, 14.0], true),
-            // A land that tips.
+            // A land that tilts.
             ([100.0, 40.0, 120.0], true),
         ] {
             model.liftoff = liftoff;
@@ -448,7 +459,7 @@ mod tests {
     #[test]
     fn designs_that_only_all_blocks_can_solve_are_solved() {
         let model = model();
-        // A cavity that reaches the uppermost row.
+        // A cavity that reaches the top row.
         let pattern = Pattern::new(Planform::Groove, 60e-6, 90e-6, 195e-6).unwrap();
         assert_eq!(model.solve(&pattern), model.solve_all_blocks(&pattern));
         assert!(model.ratios(&pattern).iter().all(Option::is_some));

@@ -1,19 +1,21 @@
-//! How a period of the pattern is divided into columns of blocks.
+//! Division of a period of the pattern into columns of blocks.
 //!
-//! Widths that are whole blocks give the plain lattice. Others are resolved, not rounded. A cell is
-//! divided into the nearest whole number of equal columns, stretched to fit; the left edge of its first
-//! cavity lies between two columns, the others where the pattern puts them, so that a column may be covered in
-//! part. A sample, whose length is whole blocks, has columns fitted to the edges: each land and each cavity is
-//! divided into the nearest whole number of columns, whose common width departs from l by at most l/2 over
-//! that number. Depth is kept in fractions of a row, relief as the mean over what of a column's face is land.
+//! Widths of whole blocks give the regular lattice. Other widths are resolved, not rounded. A cell is divided into the
+//! nearest whole number of equal columns, stretched to fit. The left edge of the first cavity lies between two columns;
+//! other edges lie where the pattern puts them, so that a column may be covered in part. A sample has a length of whole
+//! blocks, and its columns are fitted to the edges: each land and each cavity is divided into the nearest whole number
+//! n of columns, whose common width differs from l by at most l/(2 n). The depth is kept in fractions of a row, the
+//! relief as the mean over the land part of a column's face.
 
 use slipgrid_pattern::{Pattern, ReliefMap, Texture};
 
 use crate::rims::Rims;
 
-/// Stiffness of a solid that cannot strain along y over that of the plane lattice, E / (1 - nu^2) over E, with the nu = 1/4 of
-/// cells in space. The lattice of E, in plane stress at 1/3, is that solid but for this factor: its heights are as many times
-/// higher and press alike, and its displacements are as many times larger.
+/// Ratio of the plane-strain modulus E / (1 - nu^2) at nu = 1/4, the value of cells in space, to E.
+///
+/// The plane lattice with modulus E is in plane stress at nu = 1/3, which is equivalent to plane strain at nu = 1/4 up
+/// to this factor. The lattice therefore takes face heights multiplied by the factor, which gives the same pressures
+/// and displacements larger by the factor.
 pub const PLANE_STRAIN: f64 = 16.0 / 15.0;
 
 /// One column of blocks.
@@ -21,44 +23,45 @@ pub const PLANE_STRAIN: f64 = 16.0 / 15.0;
 pub struct Column {
     /// Width over the lattice spacing l.
     pub width: f64,
-    /// Share of the column that is cavity: 0 on land, 1 in a cavity, between them at its edge.
+    /// Fraction of the column that is cavity: 0 on land, 1 in a cavity, in between at an edge.
     pub coverage: f64,
-    /// Depth of the cavity above the counterface in rows, 0 on land.
+    /// Depth of the cavity in rows, measured from the counterface; 0 on land.
     pub cavity_rows: f64,
-    /// Height towards the counterface of what of its face is land, in the mean, in lattice spacings, times [`PLANE_STRAIN`].
+    /// Mean height of the land part of the face, positive towards the counterface, in lattice spacings, times
+    /// [`PLANE_STRAIN`].
     pub relief: f64,
 }
 
 impl Column {
-    /// A column of land `width` lattice spacings wide, without relief.
+    /// Creates a column of land without relief, `width` lattice spacings wide.
     #[must_use]
     pub const fn land(width: f64) -> Self {
         Self { width, coverage: 0.0, cavity_rows: 0.0, relief: 0.0 }
     }
 
-    /// A column `width` lattice spacings wide in a cavity `cavity_rows` rows deep.
+    /// Creates a column in a cavity `cavity_rows` rows deep, `width` lattice spacings wide.
     #[must_use]
     pub const fn cavity(width: f64, cavity_rows: f64) -> Self {
         Self { width, coverage: 1.0, cavity_rows, relief: 0.0 }
     }
 
-    /// Whether the column's lowest block touches the counterface, wholly or in part.
+    /// Whether the column's lowest block touches the counterface, at least in part.
     #[must_use]
     pub fn is_land(&self) -> bool {
         self.coverage < 1.0
     }
 }
 
-/// Rounding left by division counts as a whole number of blocks, which then reproduces the plain
-/// lattice to the last bit.
-const WHOLE: f64 = 1e-9;
+/// Tolerance within which a length counts as a whole number of blocks, so that the regular lattice is reproduced to the
+/// last bit.
+const WHOLE_TOLERANCE: f64 = 1e-9;
 
-/// `blocks` without the rounding error of a division.
-fn snapped(blocks: f64) -> f64 {
-    if (blocks - blocks.round()).abs() < WHOLE * blocks.max(1.0) { blocks.round() } else { blocks }
+/// Rounds `blocks` to a whole number if it differs from it by rounding only.
+fn round_if_whole(blocks: f64) -> f64 {
+    if (blocks - blocks.round()).abs() < WHOLE_TOLERANCE * blocks.max(1.0) { blocks.round() } else { blocks }
 }
 
-/// Number of columns that divide a length of `blocks` lattice spacings.
+/// Number of columns into which a length of `blocks` lattice spacings is divided.
 fn columns_in(blocks: f64) -> usize {
     // Lengths are validated to be positive and below 1e8 blocks.
     blocks.round().max(1.0) as usize
@@ -75,9 +78,9 @@ struct Period {
 impl Period {
     fn new(pattern: &Pattern, block_m: f64) -> Self {
         Self {
-            width: snapped(pattern.width_m() / block_m),
-            spacing: snapped(pattern.spacing_m() / block_m),
-            depth: snapped(pattern.depth_m() / block_m),
+            width: round_if_whole(pattern.width_m() / block_m),
+            spacing: round_if_whole(pattern.spacing_m() / block_m),
+            depth: round_if_whole(pattern.depth_m() / block_m),
         }
     }
 
@@ -98,21 +101,20 @@ impl Period {
     }
 }
 
-/// `count` columns of a flat surface.
 #[must_use]
 pub fn flat(count: usize) -> Vec<Column> {
     vec![Column::land(1.0); count]
 }
 
-/// Cells of fewer columns that are no whole blocks are repeated: stretching takes at most 1/2 column, and a
-/// quarter in each direction still leaves every spring pulling.
+/// Cells with fewer columns whose length is not a whole number of blocks are repeated. Stretching changes the length by
+/// at most half a column, which then keeps the stiffness of every spring positive.
 const MIN_STRETCHED_COLUMNS: f64 = 8.0;
-/// A smaller share of a column is none: nothing would hold it.
+/// Smaller covered or uncovered fractions of a column are neglected, because nothing would support such a block.
 const MIN_COVERAGE: f64 = 1e-6;
 
-/// Periods, columns and their width of a cell `blocks` lattice spacings long.
+/// Returns the number of periods, the number of columns and the column width of a cell `blocks` lattice spacings long.
 pub fn divide(blocks: f64) -> (usize, usize, f64) {
-    let is_whole = (blocks - blocks.round()).abs() < WHOLE * blocks.max(1.0) && blocks > 0.5;
+    let is_whole = (blocks - blocks.round()).abs() < WHOLE_TOLERANCE * blocks.max(1.0) && blocks > 0.5;
     if is_whole {
         return (1, blocks.round() as usize, 1.0);
     }
@@ -121,8 +123,8 @@ pub fn divide(blocks: f64) -> (usize, usize, f64) {
     (periods as usize, columns as usize, periods * blocks / columns)
 }
 
-/// A share of a column, 0 or 1 where it is so to rounding.
-pub fn settled(share: f64) -> f64 {
+/// Rounds a fraction of a column to 0 or 1 if it is closer than [`MIN_COVERAGE`].
+pub fn round_share(share: f64) -> f64 {
     if share > 1.0 - MIN_COVERAGE {
         1.0
     } else if share < MIN_COVERAGE {
@@ -132,16 +134,18 @@ pub fn settled(share: f64) -> f64 {
     }
 }
 
-/// One period, or as many as make 8 columns where it is no whole blocks, or hold rims of different heights. A first cavity
-/// of c in m columns leaves floor((m - c)/2) before it.
+/// Divides one period of `pattern` into columns.
+///
+/// Several periods are taken if the period is not a whole number of blocks and has fewer than 8 columns, or if the rims
+/// have different heights. A first cavity of c columns in m columns has floor((m - c)/2) columns before it.
 #[must_use]
 pub fn cell(pattern: &Pattern, block_m: f64) -> Vec<Column> {
-    cell_on(pattern, block_m, None)
+    cell_with_map(pattern, block_m, None)
 }
 
-/// The same with the measured relief `map` of its lands.
+/// Like [`cell`], with the measured relief `map` of the lands.
 #[must_use]
-pub fn cell_on(pattern: &Pattern, block_m: f64, map: Option<&ReliefMap>) -> Vec<Column> {
+pub fn cell_with_map(pattern: &Pattern, block_m: f64, map: Option<&ReliefMap>) -> Vec<Column> {
     let period = Period::new(pattern, block_m);
     let pitch = period.width + period.spacing;
     let repeated = Rims::periods(pattern);
@@ -153,28 +157,28 @@ pub fn cell_on(pattern: &Pattern, block_m: f64, map: Option<&ReliefMap>) -> Vec<
     let columns = (0..columns)
         .map(|i| {
             let (left, right) = (i as f64 * width - edge, (i + 1) as f64 * width - edge);
-            // Cavities m pitches from the first one, on both sides of the cell's ends.
+            // Cavities m pitches from the first one, also beyond the ends of the cell.
             let overlap = |m: f64| (right.min(m * pitch + period.width) - left.max(m * pitch)).max(0.0);
             let first = (left / pitch).floor();
-            let coverage = settled((overlap(first) + overlap(first + 1.0)) / width);
+            let coverage = round_share((overlap(first) + overlap(first + 1.0)) / width);
             let cavity_rows = if coverage > 0.0 { period.depth } else { 0.0 };
             let relief = rims.as_ref().map_or(0.0, |rims| rims.mean([left, right], [period.width, pitch]));
             Column { width, coverage, cavity_rows, relief }
         })
         .collect();
-    measured(columns, pattern, block_m, map, edge)
+    with_measured_relief(columns, pattern, block_m, map, edge)
 }
 
-/// `columns` with the measured relief `map` of the lands of `pattern`, where there is one; the left edge of a cavity lies at
-/// `edge` lattice spacings.
-fn measured(
+/// Sets the relief of `columns` from the map `map` of the lands of `pattern`, if there is one. The left edge of a
+/// cavity lies at `edge` lattice spacings.
+fn with_measured_relief(
     mut columns: Vec<Column>,
     pattern: &Pattern,
     block_m: f64,
     map: Option<&ReliefMap>,
     edge: f64,
 ) -> Vec<Column> {
-    // A map of another pattern is refused with the scene.
+    // The scene already refuses a map that does not fit its pattern.
     let Some(lands) = map.and_then(|map| map.lands(pattern).ok()) else { return columns };
     let across_m = map.map_or(0.0, |map| map.sides_m()[1]);
     let mut left = -edge - 0.5 * pattern.width_m() / block_m;
@@ -189,25 +193,26 @@ fn measured(
     columns
 }
 
-/// The whole specimen, `length` lattice spacings long: it begins with the same half land as a cell
-/// and clips whatever the last period leaves over. What is left of the last piece is divided like
-/// the others; a sliver is added to the piece before.
+/// Divides the whole specimen, `length` lattice spacings long, into columns.
+///
+/// The specimen begins with half a land like a cell, and the last period is cut off at the end. The remaining part of
+/// the last piece is divided like the others; a sliver is added to the piece before it.
 #[must_use]
 pub fn sample(pattern: &Pattern, block_m: f64, length: usize) -> Vec<Column> {
-    sample_on(pattern, block_m, length, None)
+    sample_with_map(pattern, block_m, length, None)
 }
 
-/// The same with the measured relief `map` of its lands.
+/// Like [`sample`], with the measured relief `map` of the lands.
 #[must_use]
-pub fn sample_on(pattern: &Pattern, block_m: f64, length: usize, map: Option<&ReliefMap>) -> Vec<Column> {
+pub fn sample_with_map(pattern: &Pattern, block_m: f64, length: usize, map: Option<&ReliefMap>) -> Vec<Column> {
     let period = Period::new(pattern, block_m);
     let length = length as f64;
     let mut columns: Vec<Column> = Vec::new();
     let mut filled = 0.0;
     let mut piece = (period.land(), period.land_columns() / 2);
-    while filled < length - WHOLE * length {
+    while filled < length - WHOLE_TOLERANCE * length {
         let (column, count) = piece;
-        let left = snapped(length - filled);
+        let left = round_if_whole(length - filled);
         let whole_width = column.width * count as f64;
         if whole_width <= left {
             columns.extend(std::iter::repeat_n(column, count));
@@ -222,20 +227,22 @@ pub fn sample_on(pattern: &Pattern, block_m: f64, length: usize, map: Option<&Re
             (period.land(), period.land_columns())
         };
     }
-    raised(columns, pattern, block_m, map)
+    with_relief(columns, pattern, block_m, map)
 }
 
-/// A strip of the specimen's face, `length` lattice spacings long, with cavities over the intervals `cavities`, ascending
-/// and apart, and `depth` rows deep: each land and each cavity is divided into the nearest whole number of columns. A land
-/// thinner than [`THINNEST`] goes to the cavities beside it, a cavity as thin to the land.
+/// Divides a strip of the specimen's face, `length` lattice spacings long, into columns.
+///
+/// `cavities` are disjoint intervals in ascending order, `depth` rows deep. Each land and each cavity is divided into
+/// the nearest whole number of columns. A land narrower than [`MIN_PIECE_WIDTH`] is merged with the adjacent cavities,
+/// a narrower cavity with the land.
 #[must_use]
 pub fn strip(length: f64, cavities: &[[f64; 2]], depth: f64) -> Vec<Column> {
-    let cavity = Column::cavity(1.0, snapped(depth));
+    let cavity = Column::cavity(1.0, round_if_whole(depth));
     let mut columns: Vec<Column> = Vec::new();
     let mut filled = 0.0;
     let mut fill = |to: f64, piece: Column| {
-        let blocks = snapped(to - filled);
-        if blocks >= THINNEST {
+        let blocks = round_if_whole(to - filled);
+        if blocks >= MIN_PIECE_WIDTH {
             let count = columns_in(blocks);
             columns.extend(std::iter::repeat_n(Column { width: blocks / count as f64, ..piece }, count));
             filled = to;
@@ -243,37 +250,38 @@ pub fn strip(length: f64, cavities: &[[f64; 2]], depth: f64) -> Vec<Column> {
     };
     for (number, &[start, end]) in cavities.iter().enumerate() {
         fill(start, Column::land(1.0));
-        // Up to the strip's end or the next cavity where the land between is too thin.
+        // The cavity ends at the strip's end or at the next cavity if the land between would be too narrow.
         let next = cavities.get(number + 1).map_or(length, |next| next[0]);
-        fill(if next - end < THINNEST { next } else { end }, cavity);
+        fill(if next - end < MIN_PIECE_WIDTH { next } else { end }, cavity);
     }
     fill(length, Column::land(1.0));
     columns
 }
 
-/// The same on whole blocks, what time integration runs on: every edge lies on the nearest block, a cavity is at least one
-/// block wide, at least one row deep and leaves a row of `rows`.
+/// Like [`strip`], on whole blocks for time integration: every edge lies on the nearest block boundary; a cavity is at
+/// least one block wide and one row deep, and leaves at least one of the `rows` rows above it.
 #[must_use]
 pub fn whole_strip(length: f64, cavities: &[[f64; 2]], depth: f64, rows: usize) -> Vec<Column> {
-    let columns = columns_in(snapped(length));
+    let columns = columns_in(round_if_whole(length));
     let deepest = (rows.max(2) - 1) as f64;
-    let cavity = Column::cavity(1.0, snapped(depth).round().clamp(1.0, deepest));
+    let cavity = Column::cavity(1.0, round_if_whole(depth).round().clamp(1.0, deepest));
     let mut whole = flat(columns);
     for &[start, end] in cavities {
-        // Within the strip, whose length is bounded: the casts are exact.
-        let from = (snapped(start).round() as usize).min(columns);
-        let to = (snapped(end).round() as usize).max(from + 1).min(columns);
+        // Both are bounded by the strip's length: the casts are exact.
+        let from = (round_if_whole(start).round() as usize).min(columns);
+        let to = (round_if_whole(end).round() as usize).max(from + 1).min(columns);
         whole[from..to].fill(cavity);
     }
     whole
 }
 
-/// `columns`, each wholly land or wholly cavity, with the measured relief `map` of `pattern` or the rims of its cavities.
+/// Sets the relief of `columns`, each entirely land or entirely cavity, from the map `map` of `pattern`, or from the
+/// rims of its cavities if there is no map.
 #[must_use]
-pub fn raised(mut columns: Vec<Column>, pattern: &Pattern, block_m: f64, map: Option<&ReliefMap>) -> Vec<Column> {
+pub fn with_relief(mut columns: Vec<Column>, pattern: &Pattern, block_m: f64, map: Option<&ReliefMap>) -> Vec<Column> {
     if map.is_some() {
         let edge = columns.iter().take_while(|column| column.is_land()).map(|column| column.width).sum();
-        return measured(columns, pattern, block_m, map, edge);
+        return with_measured_relief(columns, pattern, block_m, map, edge);
     }
     let cavities = columns.chunk_by(|a, b| a.is_land() == b.is_land()).filter(|run| !run[0].is_land()).count();
     let Some(rims) = Rims::new(pattern, block_m, cavities) else { return columns };
@@ -281,7 +289,7 @@ pub fn raised(mut columns: Vec<Column>, pattern: &Pattern, block_m: f64, map: Op
     for run in columns.chunk_by_mut(|a, b| a.is_land() == b.is_land()) {
         let right = left + run.iter().map(|column| column.width).sum::<f64>();
         if run[0].is_land() {
-            // The ends of a free face have no rim.
+            // The free ends of a face have no rim.
             let heights =
                 [(cavity > 0).then(|| rims.after(cavity - 1)), (cavity < cavities).then(|| rims.before(cavity))];
             let mut start = left;
@@ -298,18 +306,18 @@ pub fn raised(mut columns: Vec<Column>, pattern: &Pattern, block_m: f64, map: Op
     columns
 }
 
-/// Thinnest column that a clipped piece may leave: springs along the axes stay positive between
+/// Minimum width of a piece in lattice spacings. Springs along the axes have positive stiffness for widths between
 /// 1/sqrt(3) and sqrt(3) lattice spacings.
-const THINNEST: f64 = 0.6;
+const MIN_PIECE_WIDTH: f64 = 0.6;
 
-/// Appends a piece cut to `left` lattice spacings.
+/// Appends a piece, cut off at `left` lattice spacings.
 fn clip(columns: &mut Vec<Column>, column: Column, left: f64) {
-    if left >= THINNEST || columns.is_empty() {
+    if left >= MIN_PIECE_WIDTH || columns.is_empty() {
         let count = columns_in(left);
         columns.extend(std::iter::repeat_n(Column { width: left / count as f64, ..column }, count));
         return;
     }
-    // The piece before takes the sliver and is divided anew.
+    // Merge the sliver with the piece before it and divide again.
     let last = columns[columns.len() - 1];
     let run = columns.iter().rev().take_while(|c| **c == last).count();
     columns.truncate(columns.len() - run);
@@ -318,13 +326,13 @@ fn clip(columns: &mut Vec<Column>, column: Column, left: f64) {
     columns.extend(std::iter::repeat_n(Column { width: total / count as f64, ..last }, count));
 }
 
-/// The pattern whose dimensions are the nearest whole numbers of blocks, at least one each and
-/// at most all but one row deep: what time integration runs on.
+/// Returns the pattern whose dimensions are the nearest whole numbers of blocks, for time integration. Each is at least
+/// one block, and the depth leaves at least one row.
 ///
 /// # Errors
-/// As [`Pattern::new`]; cannot happen for a positive block size.
+/// Those of [`Pattern::new`]; none occur for a positive block size.
 pub fn nearest_whole(pattern: &Pattern, block_m: f64, rows: usize) -> Result<Pattern, slipgrid_pattern::PatternError> {
-    let whole = |length_m: f64| columns_in(snapped(length_m / block_m)) as f64 * block_m;
+    let whole = |length_m: f64| columns_in(round_if_whole(length_m / block_m)) as f64 * block_m;
     let deepest_m = (rows.max(2) - 1) as f64 * block_m;
     Pattern::new(
         Texture::new(pattern.planform()).with_rim(pattern.texture().rim().copied()),
@@ -355,7 +363,7 @@ mod tests {
         let columns = sample(&groove(130.0, 370.0, 20.0), 10e-6, 996);
         assert_eq!(columns.len(), 996);
         assert!(columns.iter().all(|c| c.width == 1.0));
-        // Periods of 50 from column 18: cavities at 18..31, 68..81, ..., 968..981.
+        // A period has 50 columns and begins at column 18: cavities at 18..31, 68..81, ..., 968..981.
         for (i, column) in columns.iter().enumerate() {
             let in_cavity = i >= 18 && (i - 18) % 50 < 13;
             assert_eq!(column.is_land(), !in_cavity, "column {i}");
@@ -373,7 +381,7 @@ mod tests {
             assert!((covered - 0.1 * periods * width_um).abs() < 1e-5, "{covered}");
         }
         let columns = cell(&groove(133.0, 367.0, 14.0), 10e-6);
-        // 13 columns of 50 are covered, and 0.3 of the one after them.
+        // 13.3 columns are covered: 13 columns, and 0.3 of the next one.
         assert_eq!((columns[17].coverage, columns[18].coverage, columns[30].coverage), (0.0, 1.0, 1.0));
         assert!((columns[31].coverage - 0.3).abs() < 1e-9 && columns[32].is_land());
     }
@@ -388,7 +396,7 @@ mod tests {
 
     #[test]
     fn no_column_is_too_thin_or_too_wide_for_positive_springs() {
-        // Springs along the axes are positive for widths between l/sqrt(3) and l sqrt(3).
+        // Springs along the axes have positive stiffness for widths between l/sqrt(3) and l sqrt(3).
         for width_um in [10.0, 14.9, 15.1, 44.4, 101.3] {
             for spacing_um in [10.0, 14.9, 15.1, 47.0, 512.9] {
                 for column in sample(&groove(width_um, spacing_um, 20.0), 10e-6, 997) {

@@ -1,16 +1,18 @@
-//! Random local coefficients, the same on every platform.
+//! Random local coefficients, identical on every platform.
 
 use slipgrid_material::LocalFriction;
 use slipgrid_statistics::{Normals, normal_probability};
 
-/// Where the friction of a block that sticks and slips lies between its dynamic (0) and its static coefficient (1): it sticks
-/// up to the latter and stops as far below the former at most. The lower end is raised to the 0.13 that runs of the flat
-/// sample hold on average.
+/// Range of the phase of a block in its stick-slip cycle: 0 at the dynamic and 1 at the static coefficient.
+///
+/// A block starts to slip at 1 and by symmetry stops at -1 or above. The lower end is raised to -0.75, which gives the
+/// mean phase of 0.13 observed in runs of the flat sample.
 const PHASES: [f64; 2] = [-0.75, 1.0];
-/// Sets the phases' numbers apart from those of the coefficients.
+/// Separates the random numbers of the phases from those of the coefficients.
 const OTHER_NUMBERS: u64 = 0x5851_F42D_4C95_7F2D;
 
-/// Deviates of one column: mu_s = mean_s (1 + s g1), mu_d = mean_d (1 + s g2).
+/// Local friction coefficients of one column: mu_s = mean_s (1 + s g1), mu_d = mean_d (1 + s g2), with g1, g2 standard
+/// normal.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Coefficients {
     /// Static coefficient mu_s of the column's contact block.
@@ -20,15 +22,15 @@ pub struct Coefficients {
 }
 
 impl Coefficients {
-    /// Coefficient that friction at rest can reach: a block that draws mu_s < mu_d starts at mu_d.
+    /// Threshold coefficient of friction at rest. A block that draws mu_s < mu_d starts at mu_d.
     #[must_use]
     pub fn starting_mu(&self) -> f64 {
         self.static_mu.max(self.dynamic_mu)
     }
 }
 
-/// Coefficients of `count` columns, left to right, cavity or not, so that a flat and a patterned
-/// surface share them. A pair with a coefficient that is not positive is drawn again.
+/// Draws the coefficients of `count` columns, left to right. Cavities draw too, so that a flat and a patterned surface
+/// have the same coefficients. A pair with a nonpositive coefficient is drawn again.
 #[must_use]
 pub fn draw(friction: &LocalFriction, seed: u64, count: usize) -> Vec<Coefficients> {
     let mut normals = Normals::new(seed);
@@ -49,15 +51,15 @@ pub fn draw(friction: &LocalFriction, seed: u64, count: usize) -> Vec<Coefficien
         .collect()
 }
 
-/// Friction over the normal force of every column's block, each at a random moment of its stick-slip:
+/// Draws a friction coefficient for every column, with each block at a random phase of its stick-slip cycle:
 ///
 /// ```text
 /// mu = mu_d + phase (mu_s - mu_d),     phase uniform in [-0.75, 1], mu >= 0
 /// ```
 ///
-/// Blocks that all began at mu_d would slip together, and swing the layer for a tenth of a micrometre.
+/// If all blocks started at mu_d, they would slip together and make the layer oscillate over a tenth of a micrometre.
 #[must_use]
-pub fn caught(coefficients: &[Coefficients], seed: u64) -> Vec<f64> {
+pub fn random_phase_friction(coefficients: &[Coefficients], seed: u64) -> Vec<f64> {
     let mut normals = Normals::new(seed ^ OTHER_NUMBERS);
     let [from, to] = PHASES;
     coefficients
@@ -69,12 +71,13 @@ pub fn caught(coefficients: &[Coefficients], seed: u64) -> Vec<f64> {
         .collect()
 }
 
-/// The same of `count` blocks that all have mean coefficients, over the mean dynamic one.
+/// Like [`random_phase_friction`] for `count` blocks with mean coefficients; returns friction over the mean dynamic
+/// coefficient.
 #[must_use]
-pub fn caught_in_mean(friction: &LocalFriction, seed: u64, count: usize) -> Vec<f64> {
+pub fn random_phase_mean_friction(friction: &LocalFriction, seed: u64, count: usize) -> Vec<f64> {
     let (static_mu, dynamic_mu) = (friction.static_mean(), friction.dynamic_mean());
-    let caught = caught(&vec![Coefficients { static_mu, dynamic_mu }; count], seed);
-    caught.into_iter().map(|mu| mu / dynamic_mu).collect()
+    let random_phase_friction = random_phase_friction(&vec![Coefficients { static_mu, dynamic_mu }; count], seed);
+    random_phase_friction.into_iter().map(|mu| mu / dynamic_mu).collect()
 }
 
 #[cfg(test)]
@@ -101,18 +104,18 @@ mod tests {
     #[test]
     fn blocks_are_caught_anywhere_between_where_they_stop_and_where_they_start() {
         let friction = LocalFriction::new(0.3, 0.27, 0.0).unwrap();
-        let caught = caught(&draw(&friction, 7, 100_000), 7);
-        let phases: Vec<f64> = caught.iter().map(|mu| (mu - 0.27) / 0.03).collect();
+        let random_phase_friction = random_phase_friction(&draw(&friction, 7, 100_000), 7);
+        let phases: Vec<f64> = random_phase_friction.iter().map(|mu| (mu - 0.27) / 0.03).collect();
         assert!(phases.iter().all(|phase| (-0.75..=1.0).contains(phase)));
         let mean = phases.iter().sum::<f64>() / 1e5;
         // 1.75 / sqrt 12 / sqrt(1e5) = 0.0016; four of them.
         assert!((mean - 0.125).abs() < 7e-3, "{mean}");
-        // Without a drop of friction nothing sticks.
+        // Without a drop of friction there is no stick-slip.
         let even = LocalFriction::new(0.27, 0.27, 0.0).unwrap();
-        assert!(super::caught(&draw(&even, 7, 10), 7).iter().all(|mu| (mu - 0.27).abs() < 1e-15));
-        // Where the fall is deep no block pulls ahead.
+        assert!(super::random_phase_friction(&draw(&even, 7, 10), 7).iter().all(|mu| (mu - 0.27).abs() < 1e-15));
+        // Friction never becomes negative, even if the drop is large.
         let deep = LocalFriction::new(0.9, 0.2, 0.0).unwrap();
-        assert!(super::caught(&draw(&deep, 7, 1000), 7).iter().all(|mu| *mu >= 0.0));
+        assert!(super::random_phase_friction(&draw(&deep, 7, 1000), 7).iter().all(|mu| *mu >= 0.0));
     }
 
     #[test]
@@ -131,7 +134,7 @@ mod tests {
     #[test]
     fn deviates_stay_what_they_were_first_recorded_to_be() {
         let drawn = draw(&LocalFriction::new(1.0, 1.0, 0.05).unwrap(), 1, 1)[0];
-        // First pair of seed 1, ChaCha8 stream through Box and Muller, recorded on x86-64 Linux.
+        // First pair of seed 1: ChaCha8 stream through Box and Muller, recorded on x86-64 Linux.
         assert_eq!((drawn.static_mu, drawn.dynamic_mu), (1.0590347075109492, 1.0326401947605386));
     }
 }

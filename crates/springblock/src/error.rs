@@ -1,82 +1,82 @@
-/// Why a scene was refused.
+/// Reason why a scene was refused.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum SceneError {
-    /// A number outside its meaning; SI units.
+    /// A parameter is out of range; the value is in SI units.
     #[error("{quantity} is {value}: expected {expected}")]
     OutOfRange {
-        /// Which number.
+        /// Name of the parameter.
         quantity: &'static str,
-        /// The number given.
+        /// Value that was given.
         value: f64,
-        /// What would be accepted.
+        /// Description of the accepted values.
         expected: &'static str,
     },
-    /// A dimension of the layer that is no whole number of blocks.
+    /// A dimension of the layer is not a whole number of blocks.
     #[error("{quantity} is {length_m} m, which is not a whole number of blocks of {block_m} m")]
     NotWholeBlocks {
         /// `length_m` or `layer_m`.
         quantity: &'static str,
-        /// The dimension, in metres.
+        /// Value of the dimension, in metres.
         length_m: f64,
         /// The lattice spacing, in metres.
         block_m: f64,
     },
-    /// More blocks than fit in memory.
+    /// The layer has too many blocks to fit in memory.
     #[error("the layer has {blocks:.3e} blocks: expected at most {most:.0e}")]
     TooManyBlocks {
-        /// Blocks asked for.
+        /// Requested number of blocks.
         blocks: f64,
-        /// The limit.
+        /// Maximum number of blocks.
         most: f64,
     },
-    /// It does not fit in memory.
+    /// The equations do not fit in memory.
     #[error("the scene takes {bytes:.2e} bytes on this lattice: expected at most {most_bytes:.2e}")]
     TooLarge {
-        /// Memory they would take.
+        /// Required memory, in bytes.
         bytes: f64,
-        /// The limit.
+        /// Maximum memory, in bytes.
         most_bytes: f64,
     },
-    /// A run would take longer than anybody waits.
+    /// The scene would take too much computing time.
     #[error("it would take about {core_s:.1e} s of one core: expected at most {most_s:.1e}")]
     TooLong {
-        /// Seconds of one core.
+        /// Estimated time on one core, in seconds.
         core_s: f64,
-        /// The limit.
+        /// Maximum time, in seconds.
         most_s: f64,
     },
-    /// No pressure was given.
+    /// The scene has no load.
     #[error("the scene has no load: expected at least one pressure")]
     NoLoads,
-    /// The cavity is as deep as the layer or deeper.
+    /// The cavity is at least as deep as the layer.
     #[error("the cavity is {depth_m} m deep, the layer only {height_m} m high: expected a shallower cavity")]
     CavityThroughLayer {
-        /// The cavity's depth, in metres.
+        /// Depth of the cavity, in metres.
         depth_m: f64,
-        /// The layer's height, in metres.
+        /// Height of the layer, in metres.
         height_m: f64,
     },
-    /// The time step is beyond the stability limit of the scheme.
+    /// The time step exceeds the stability limit of the scheme.
     #[error(
         "step_s is {step_s:e} s: expected at most {limit_s:e} s, the stability limit of the {scheme} on this lattice"
     )]
     UnstableStep {
-        /// The step asked for, in seconds.
+        /// Requested step, in seconds.
         step_s: f64,
-        /// The limit, in seconds.
+        /// Stability limit, in seconds.
         limit_s: f64,
         /// Name of the integrator.
         scheme: &'static str,
     },
-    /// A relief that is not that of the pattern.
+    /// The relief map does not fit the pattern.
     #[error("{0}")]
     Relief(#[source] slipgrid_pattern::PatternError),
-    /// A combination that no solver offers.
+    /// The combination of options is not supported.
     #[error("{what} is not available: {instead}")]
     Unsupported {
-        /// What was asked for.
+        /// Requested combination.
         what: &'static str,
-        /// What to ask for instead.
+        /// Recommended alternative.
         instead: &'static str,
     },
 }

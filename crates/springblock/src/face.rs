@@ -1,38 +1,38 @@
-//! The face of a specimen: strips along the sliding direction, each with its own cavities and ends.
+//! Face of a specimen: strips along the sliding direction, each with its own cavities and ends.
 
 use slipgrid_pattern::Pattern;
 
 use crate::SceneError;
 
-/// A strip of a specimen's face along the sliding direction, alike across its width.
+/// A strip of a specimen's face along the sliding direction, uniform across its width.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Strip {
-    /// Number of the band of the face, counted across the sliding direction, that the strip is the middle of. Strips on
-    /// both sides of a hole lie in one band.
+    /// Index of the band of the face, counted across the sliding direction. Each strip is the middle of its band;
+    /// strips on both sides of a hole are in the same band.
     pub band: usize,
-    /// Width that it stands for, in metres; the sum of width times length is the area of the face.
+    /// Width that the strip represents, in metres; the sum of width times length is the area of the face.
     pub width_m: f64,
     /// Length along the sliding direction, in metres.
     pub length_m: f64,
-    /// Where cavities begin and end, from the strip's left end, in metres; ascending and apart.
+    /// Start and end of each cavity from the strip's left end, in metres; ascending and disjoint.
     pub cavities_m: Vec<[f64; 2]>,
 }
 
 impl Strip {
-    /// Length under cavities, in metres.
+    /// Total length of the cavities, in metres.
     #[must_use]
     pub fn cavity_length_m(&self) -> f64 {
         self.cavities_m.iter().map(|[start, end]| end - start).sum()
     }
 
-    /// Area that it stands for, in square metres.
+    /// Area that the strip represents, in square metres.
     #[must_use]
     pub fn area_m2(&self) -> f64 {
         self.width_m * self.length_m
     }
 }
 
-/// The face of a specimen with its cavities as they are laid.
+/// Face of a specimen with its cavities as they are laid out.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Face {
     strips: Vec<Strip>,
@@ -40,11 +40,12 @@ pub struct Face {
 }
 
 impl Face {
-    /// A face of `strips`, of which `cavity_share`, a share from 0 to 1, is cavity: exact where the strips sample it.
+    /// Creates a face of `strips`. `cavity_share` is the exact area fraction of cavities, from 0 to 1, which the strips
+    /// only sample.
     ///
     /// # Errors
-    /// [`SceneError::OutOfRange`] without strips, for lengths that are not positive, and for cavities out of order or
-    /// outside their strip.
+    /// [`SceneError::OutOfRange`] without strips, for nonpositive lengths, and for cavities out of order or outside
+    /// their strip.
     pub fn new(strips: Vec<Strip>, cavity_share: f64) -> Result<Self, SceneError> {
         let refuse = |quantity, value, expected| Err(SceneError::OutOfRange { quantity, value, expected });
         if strips.is_empty() {
@@ -67,29 +68,30 @@ impl Face {
                 reached_m = end_m;
             }
         }
-        // To twelve digits: what decimals in files leave behind is gone.
+        // Rounding to twelve digits removes the rounding errors of decimal numbers in files.
         Ok(Self { strips, cavity_share: (cavity_share * 1e12).round() * 1e-12 })
     }
 
-    /// The strips.
+    /// Strips of the face, in order.
     #[must_use]
     pub fn strips(&self) -> &[Strip] {
         &self.strips
     }
 
-    /// Share of the face that is cavity.
+    /// Area fraction of cavities.
     #[must_use]
     pub const fn cavity_share(&self) -> f64 {
         self.cavity_share
     }
 
-    /// What cavities take off friction of the face over what they take off that of a cell of `pattern`: D / D_cell.
+    /// Cavity fraction of the face over that of a section of `pattern`, D / D_cell: the ratio of the friction
+    /// reductions of the face and of a periodic cell.
     #[must_use]
     pub fn share_of(&self, pattern: &Pattern) -> f64 {
         self.cavity_share / pattern.section_density()
     }
 
-    /// The strip that is run in time: the longest with cavities, the first of equals.
+    /// Strip for the dynamic run: the longest strip with cavities, the first among equals.
     pub(crate) fn longest(&self) -> &Strip {
         let textured = |strip: &Strip| !strip.cavities_m.is_empty();
         let better = |a: &Strip, b: &Strip| (textured(a), a.length_m) > (textured(b), b.length_m);
@@ -97,7 +99,7 @@ impl Face {
         self.strips.iter().fold(first, |best, strip| if better(strip, best) { strip } else { best })
     }
 
-    /// Bands of the face.
+    /// Number of bands of the face.
     pub(crate) fn bands(&self) -> usize {
         self.strips.iter().map(|strip| strip.band + 1).max().unwrap_or(0)
     }

@@ -1,10 +1,10 @@
-//! Geometry of the block lattice: where blocks are, which springs join them, what they weigh.
+//! Geometry of the block lattice: positions of blocks, springs between them, and masses.
 //!
-//! Rows j = 0..ny from the counterface up, columns i = 0..nx along the sliding direction. The rigid
-//! bulk is row ny. Lengths are in lattice spacings l, stiffness in k = 3/4 E l, mass in m = rho l^3.
+//! Rows j = 0..ny count from the counterface up, columns i = 0..nx along the sliding direction. The rigid bulk is row
+//! ny. Lengths are in lattice spacings l, stiffness in k = 3/4 E l, mass in m = rho l^3.
 //!
-//! Between two neighbouring columns whose centres are w l apart the springs are those of an
-//! isotropic plane-stress sheet with nu = 1/3 on cells of w x 1:
+//! Springs between two neighbouring columns with centres w l apart represent an isotropic plane-stress sheet with nu =
+//! 1/3 on cells of w x 1:
 //!
 //! ```text
 //! diagonal   k_d = (k/2) (w^2 + 1) / (2 w)
@@ -12,7 +12,7 @@
 //! vertical   k_y = (k/2) (3 - 1/w^2) w   (mean of the two adjoining intervals)
 //! ```
 //!
-//! so that C12 = C66 = k/2 and C11 = 3k/2 for any w; w = 1 gives k/2, k, k.
+//! so that C12 = C66 = k/2 and C11 = 3k/2 for any w; w = 1 gives k/2, k and k.
 
 use crate::columns::Column;
 
@@ -24,48 +24,54 @@ pub struct Lattice {
     periodic: bool,
 }
 
-/// How a ceiling row that is there in part yields against its surroundings, in [`stiffness_share`].
-/// Friction then follows depth almost evenly: on the published pattern, 3 to 43 um deep, the ratio's
-/// steps of 1 um depart from their mean by at most 4.7e-4, with springs scaled by the part itself
-/// (an infinite constant) by 6.8e-4.
+/// Compliance constant of a partial ceiling row relative to its surroundings, used by [`stiffness_share`].
+///
+/// The value makes friction nearly linear in the depth: on the published pattern, 3 to 43 um deep, the changes of the
+/// ratio per 1 um differ from their mean by at most 4.7e-4, compared with 6.8e-4 if springs are scaled by the present
+/// fraction itself (an infinite constant).
 const CEILING_COMPLIANCE: f64 = 3.0;
 
-/// Springs of a smaller share are left out: what they would do to the ratio is as small.
+/// Springs with a smaller share are left out; their effect on the ratio is equally small.
 const MIN_SHARE: f64 = 1e-4;
 
-/// Stiffness of the springs of a block of which the share `presence` is there: 0 and 1 at the ends, so
-/// that whole rows are plain, and c y / (1 + c - y) between them, because a strip of stiffness s moves
-/// its surroundings of compliance 1/c by s / (s + c), which is to be linear in y.
+/// Stiffness of the springs of a block of which the fraction `presence` exists, relative to a whole block.
+///
+/// It is 0 and 1 at the ends, so that whole rows are unchanged. In between it is c y / (1 + c - y) with y the presence
+/// and c [`CEILING_COMPLIANCE`]: a strip of stiffness s displaces its surroundings of compliance 1/c by s / (s + c),
+/// which becomes linear in y.
 pub fn stiffness_share(presence: f64) -> f64 {
     let share = CEILING_COMPLIANCE * presence / (1.0 + CEILING_COMPLIANCE - presence);
     if share < MIN_SHARE { 0.0 } else { share }
 }
 
-/// Share that is there of what joins two blocks of which cavities take the rectangles `covered` x `deep`: all but
-/// the union of the two, laid over each other. The lesser of the two shares where they are in one row or in
-/// columns covered alike; where one lacks width and the other height, the product.
+/// Present fraction of the connection between two blocks from which cavities remove rectangles of `covered` x `deep`.
+///
+/// The connection lacks the union of the two rectangles, laid over each other. Its presence is the smaller of the two
+/// presences if the blocks are in one row or in columns covered alike, and the product if one block lacks width and the
+/// other lacks height.
 pub fn joint_presence(covered: [f64; 2], deep: [f64; 2]) -> f64 {
     let both = covered[0].min(covered[1]) * deep[0].min(deep[1]);
     1.0 - (covered[0] * deep[0] + covered[1] * deep[1] - both)
 }
 
-/// Stiffness over k of the tie that holds a block to the counterface of which the share a, more than 0 and less than
-/// 1, touches it: free at 0 and pinned at 1. It yields by (1 - a)/a, less half of what the block's springs, as its
-/// `presence` has weakened them, yield more than whole ones already. Friction then follows width almost evenly: on
-/// 100 patterns 100 to 400 um wide, up to 1000 um apart and 10 to 40 um deep, steps of 1 um depart from those of a
-/// smooth curve by at most 3.2e-4 of the ratio, half of them by less than 4.5e-5; with a plain (1 - a)/a by 8.9e-4
-/// and 9.1e-5.
+/// Stiffness in units of k of the tie that holds a block to the counterface if a fraction `share`, between 0 and 1, of
+/// the block touches it: free at 0 and pinned at 1.
+///
+/// The compliance is (1 - a)/a with a the share, minus half of the additional compliance of the block's springs, which
+/// the `presence` weakens. This makes friction nearly linear in the width: on 100 patterns 100 to 400 um wide, up to
+/// 1000 um apart and 10 to 40 um deep, changes per 1 um differ from those of a smooth curve by at most 3.2e-4 of the
+/// ratio, half of them by less than 4.5e-5; with (1 - a)/a alone by 8.9e-4 and 9.1e-5.
 pub fn tie(share: f64, presence: f64) -> f64 {
     1.0 / ((1.0 - share) / share - 0.5 * (1.0 / stiffness_share(presence) - 1.0))
 }
 
-/// Stiffness of the horizontal, the diagonal and the vertical springs over k between columns `w` apart.
+/// Stiffness of the horizontal, the diagonal and the vertical springs in units of k between columns `w` apart.
 pub fn springs(w: f64) -> [f64; 3] {
     // k_x = (k/2) (3 - w^2) / w, k_d = (k/2) (w^2 + 1) / (2 w), k_y = (k/2) (3 - 1/w^2) w
     [0.5 * (3.0 / w - w), 0.25 * (w + 1.0 / w), 0.5 * (3.0 * w - 1.0 / w)]
 }
 
-/// A spring between block `a` and block `b` or, with `b` absent, the bulk.
+/// A spring between block `a` and block `b`, or the bulk if `b` is absent.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bond {
     /// Column and row of the first end.
@@ -74,12 +80,12 @@ pub struct Bond {
     pub b: Option<(usize, usize)>,
     /// Vector from a to b at rest, in lattice spacings.
     pub rest: [f64; 2],
-    /// Stiffness over k.
+    /// Stiffness in units of k.
     pub stiffness: f64,
 }
 
 impl Bond {
-    /// Stiffness matrix entries (xx, xy, yy) over k of the linear spring: k e e^T.
+    /// Entries (xx, xy, yy) of the stiffness matrix k e e^T of the linear spring, in units of k.
     #[must_use]
     pub fn linear(&self) -> [f64; 3] {
         let [x, y] = self.rest;
@@ -89,7 +95,7 @@ impl Bond {
 }
 
 impl Lattice {
-    /// A lattice of `columns` (at least one) and `rows` (at least one), its sides joined if `periodic`.
+    /// Creates a lattice of `columns` (at least one) and `rows` (at least one); its sides are joined if `periodic`.
     #[must_use]
     pub fn new(columns: Vec<Column>, rows: usize, periodic: bool) -> Self {
         Self { columns, rows, periodic }
@@ -107,7 +113,7 @@ impl Lattice {
         self.rows
     }
 
-    /// Whether the left side joins the right side.
+    /// Whether the left side is joined to the right side.
     #[must_use]
     pub const fn is_periodic(&self) -> bool {
         self.periodic
@@ -125,38 +131,39 @@ impl Lattice {
         self.columns.iter().map(|column| column.width).sum()
     }
 
-    /// Column numbers of the blocks that touch the counterface, wholly or in part.
+    /// Columns of the blocks that touch the counterface, at least in part.
     pub fn contacts(&self) -> impl Iterator<Item = usize> + '_ {
         (0..self.nx()).filter(|&i| self.contact_share(i) > 0.0)
     }
 
-    /// Share of the width of column `i` that touches the counterface: 0 in a cavity and where no spring is left.
+    /// Fraction of the width of column `i` that touches the counterface: 0 in a cavity and where the block has no
+    /// springs.
     #[must_use]
     pub fn contact_share(&self, i: usize) -> f64 {
         if self.is_attached(i, 0) { 1.0 - self.columns[i].coverage } else { 0.0 }
     }
 
-    /// Share of block (i, j) that is there: 1 for a whole block, 0 for a removed one; in between for
-    /// the ceiling row of a cavity whose depth is no whole number of rows and for columns at a cavity's edge.
+    /// Fraction of block (i, j) that exists: 1 for a whole block, 0 for a removed one. Fractions in between occur in
+    /// the ceiling row of a cavity whose depth is not a whole number of rows, and in columns at the edge of a cavity.
     #[must_use]
     pub fn presence(&self, i: usize, j: usize) -> f64 {
-        // A cavity of depth d rows covering c of a column takes c (d - j) of row j, held to [0, c].
+        // A cavity of depth d rows that covers the fraction c of a column removes c (d - j) of row j, clamped to [0,
+        // c].
         1.0 - self.columns[i].coverage * self.depth_in(i, j)
     }
 
-    /// Share of the height of block (i, j) that a cavity over its column takes.
+    /// Fraction of the height of block (i, j) that a cavity in its column removes.
     fn depth_in(&self, i: usize, j: usize) -> f64 {
         (self.columns[i].cavity_rows - j as f64).clamp(0.0, 1.0)
     }
 
-    /// Whether springs join block (i, j) to others.
+    /// Whether springs connect block (i, j) to others.
     #[must_use]
     pub fn is_attached(&self, i: usize, j: usize) -> bool {
         stiffness_share(self.presence(i, j)) > 0.0
     }
 
-    /// Row of the lowest block of column `i` that is there, wholly or in part: the ceiling of a
-    /// cavity or, on land, row 0.
+    /// Row of the lowest block of column `i` that exists at least in part: the ceiling of a cavity or, on land, row 0.
     #[must_use]
     pub fn lowest_row(&self, i: usize) -> usize {
         let column = &self.columns[i];
@@ -164,30 +171,29 @@ impl Lattice {
         if row < self.rows && !self.is_attached(i, row) { row + 1 } else { row }
     }
 
-    /// Whether every block is whole and every column one lattice spacing wide: the plain lattice.
+    /// Whether every block is whole and every column one lattice spacing wide.
     #[must_use]
     pub fn is_plain(&self) -> bool {
         let whole = |column: &Column| column.coverage.fract() == 0.0 && column.cavity_rows.fract() == 0.0;
         self.columns.iter().all(|column| column.width == 1.0 && whole(column))
     }
 
-    /// Whether the face has heights.
+    /// Whether the face has height variations.
     #[must_use]
     pub fn is_raised(&self) -> bool {
         self.columns.iter().any(|column| column.relief != 0.0)
     }
 
-    /// The column to the right of `i`, if there is one.
+    /// Column to the right of `i`, if there is one.
     fn right_of(&self, i: usize) -> Option<usize> {
         if i + 1 < self.nx() { Some(i + 1) } else { self.periodic.then_some(0) }
     }
 
-    /// The column to the left of `i`, if there is one.
+    /// Column to the left of `i`, if there is one.
     fn left_of(&self, i: usize) -> Option<usize> {
         if i > 0 { Some(i - 1) } else { self.periodic.then_some(self.nx() - 1) }
     }
 
-    /// Distance between the centres of neighbouring columns.
     fn interval(&self, a: usize, b: usize) -> f64 {
         0.5 * (self.columns[a].width + self.columns[b].width)
     }
@@ -203,16 +209,16 @@ impl Lattice {
         }
     }
 
-    /// Rows that a cavity reaches into, wholly or in part.
+    /// Number of rows into which a cavity reaches, at least in part.
     #[must_use]
     pub fn cavity_rows(&self) -> usize {
         let deepest = self.columns.iter().map(|column| column.cavity_rows).fold(0.0, f64::max);
         (deepest.ceil() as usize).min(self.rows)
     }
 
-    /// Every spring of the flat layer with the share of it that is there, those to the bulk included, in a fixed
-    /// order: column by column, row by row. With `cavities` only those that start in a row and a column, or next to
-    /// a column, that a cavity reaches into.
+    /// Visits every spring of the flat layer with its present share, including springs to the bulk, in a fixed order:
+    /// column by column, row by row. With `cavities` only springs that start near a cavity are visited: in its rows,
+    /// and in its columns or the columns next to them.
     fn visit_bonds(&self, cavities: bool, mut visit: impl FnMut(Bond, f64)) {
         let rows = if cavities { self.cavity_rows() } else { self.rows };
         for i in 0..self.nx() {
@@ -247,8 +253,8 @@ impl Lattice {
         }
     }
 
-    /// Every spring once, those to the bulk included, in a fixed order: column by column, row by row.
-    /// Springs of a block that is there in part are scaled by [`stiffness_share`] of it.
+    /// Visits every spring once, including springs to the bulk, in a fixed order: column by column, row by row. Springs
+    /// of partial blocks are scaled by [`stiffness_share`].
     pub fn for_each_bond(&self, mut visit: impl FnMut(Bond)) {
         self.visit_bonds(false, |bond, share| {
             if share > 0.0 {
@@ -257,8 +263,8 @@ impl Lattice {
         });
     }
 
-    /// What every spring that is weaker than in a flat layer lacks of its stiffness there, those of removed blocks
-    /// included, in a fixed order.
+    /// Visits the missing stiffness of every spring that is weaker than in a flat layer, including springs of removed
+    /// blocks, in a fixed order.
     pub fn for_each_missing_bond(&self, mut visit: impl FnMut(Bond)) {
         self.visit_bonds(true, |bond, share| {
             if share < 1.0 {
@@ -267,8 +273,8 @@ impl Lattice {
         });
     }
 
-    /// Mass of block (i, j) over m: its adjoining quarter cells over 4, at least 1/4; 0 where there is
-    /// no block. A cell is there if its four corners are; the bulk above counts as present.
+    /// Mass of block (i, j) in units of m: a quarter for each of its adjacent cells, at least 1/4; 0 where there is no
+    /// block. A cell counts if its four corners exist; the bulk above exists.
     #[must_use]
     pub fn mass(&self, i: usize, j: usize) -> f64 {
         let there = |i: usize, j: usize| j >= self.rows || self.presence(i, j) > 0.0;
@@ -303,7 +309,7 @@ mod tests {
         let lattice = published_cell();
         assert_eq!(lattice.mass(5, 10), 1.0); // inside
         assert_eq!(lattice.mass(5, 0), 0.5); // on the counterface
-        assert_eq!(lattice.mass(5, 19), 1.0); // under the bulk
+        assert_eq!(lattice.mass(5, 19), 1.0); // below the bulk
         assert_eq!(lattice.mass(17, 0), 0.25); // edge of the land
         assert_eq!(lattice.mass(17, 1), 0.5); // wall of the cavity
         assert_eq!(lattice.mass(17, 2), 0.75); // re-entrant corner
@@ -315,8 +321,8 @@ mod tests {
 
     #[test]
     fn total_mass_is_that_of_the_cells() {
-        // A flat periodic layer of ny rows fills ny - 1/2 + 1/2 cells a column: the bulk's share of the
-        // uppermost cell is included, half a cell is missing below row 0.
+        // A flat periodic layer of ny rows has ny - 1/2 + 1/2 cells per column: the bulk's share of the top cell is
+        // included, and half a cell is missing below row 0.
         let lattice = Lattice::new(flat(7), 5, true);
         let total: f64 = (0..7).flat_map(|i| (0..5).map(move |j| (i, j))).map(|(i, j)| lattice.mass(i, j)).sum();
         assert!((total - 7.0 * 4.5).abs() < 1e-12);
@@ -330,15 +336,15 @@ mod tests {
         assert_eq!(lattice.mass(land, 0), 0.25);
     }
 
-    /// Energy density of a uniform strain (exx, eyy, gxy) over k, by summing the springs of a periodic
-    /// block of fitted columns away from its lower and upper edge rows.
+    /// Energy density of a uniform strain (exx, eyy, gxy) in units of k, from the springs of a periodic block of fitted
+    /// columns away from its lower and upper edge rows.
     fn energy_density(widths: &[f64], strain: [f64; 3]) -> f64 {
         let columns: Vec<Column> = widths.iter().copied().map(Column::land).collect();
         let lattice = Lattice::new(columns, 6, true);
         let [exx, eyy, gxy] = strain;
         let mut energy = 0.0;
         lattice.for_each_bond(|bond| {
-            // Rows 2 and 3 own the springs to their right and above: two full rows of cells.
+            // Rows 2 and 3 own the springs to the right and above: two full rows of cells.
             if (2..4).contains(&bond.a.1) {
                 let [x, y] = bond.rest;
                 let d = [exx * x + 0.5 * gxy * y, 0.5 * gxy * x + eyy * y];
@@ -370,11 +376,11 @@ mod tests {
             assert_eq!(bond.stiffness, if diagonal { 0.5 } else { 1.0 });
             seen[usize::from(diagonal)] += 1;
         });
-        // 50 columns of 20 rows less 13 x 2 removed blocks: horizontal and vertical springs of the rest.
+        // 50 columns of 20 rows minus 13 x 2 removed blocks: horizontal and vertical springs of the rest.
         let horizontal = 50 * 20 - 2 * 14;
         let vertical = 50 * 20 - 2 * 13;
         assert_eq!(seen[0], horizontal + vertical);
-        // Two diagonals above each block; those from or to removed blocks are gone.
+        // Two diagonals above each block, except those from or to removed blocks.
         assert_eq!(seen[1], 2 * 50 * 20 - 2 * 2 * 13 - 2);
     }
 
@@ -411,7 +417,7 @@ mod tests {
             assert!(ties[0] > 0.0 && ties[0] < 0.031 && ties[98] > 90.0, "{} {}", ties[0], ties[98]);
             assert!(ties.windows(2).all(|pair| pair[1] > pair[0]));
         }
-        // By itself on a whole block: (1 - a)/a.
+        // On a whole block the tie stiffness is a/(1 - a).
         assert!((tie(0.25, 1.0) - 1.0 / 3.0).abs() < 1e-12);
     }
 

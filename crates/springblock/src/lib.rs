@@ -1,9 +1,9 @@
 //! The spring-block model of sliding friction, in the vertical plane along the sliding direction or in space.
 //!
-//! A square mesh of blocks with springs to their eight neighbours is an elastic layer between a rigid
-//! counterface and a rigid bulk (Balestra et al., J. Tribol. 144, 031704); so is a cubic mesh with springs to
-//! eighteen, for patterns that are no grooves across the sliding direction. A block on the counterface
-//! that slides resists with
+//! A square mesh of blocks with springs to their eight neighbours represents an elastic layer between a rigid
+//! counterface and a rigid bulk (Balestra et al., J. Tribol. 144, 031704). For patterns other than grooves across the
+//! sliding direction, a cubic mesh with springs to eighteen neighbours is used. A sliding block on the counterface has
+//! the friction
 //!
 //! ```text
 //! F_friction = mu_d f(p) F_n,     p = F_n / l^2
@@ -13,23 +13,23 @@
 //!
 //! | type | role |
 //! |---|---|
-//! | [`Scene`] | what is to be simulated, fixed |
-//! | [`simulate`] | solves a scene at every load, beside the flat surface |
-//! | [`steady_ratios`] | the ratios of a steady cell alone |
-//! | [`Face`], [`Strip`], [`simulate_specimen`], [`SteadySpecimen`] | the same of a specimen as it is cut, strip by strip |
-//! | [`simulate_strip`] | the same of a row of cavities in space, with both ends of the specimen |
-//! | [`Simulation`], [`LoadOutcome`], [`SurfaceOutcome`] | what was found, with a [`Status`] |
-//! | [`Dimension`] | in the plane or in space, and what follows from it |
-//! | [`SteadyCell`], [`CellOutcome`] | the steady ratio of many patterns, in the plane or in space: what a search calls |
-//! | [`SpaceLattice`], [`SpaceSteadyModel`] | one cell in space: its geometry, its pressures and displacements |
-//! | [`expense`], [`bounded`] | what solving a scene takes, roughly, and whether that is too much |
+//! | [`Scene`] | parameters of a simulation |
+//! | [`simulate`] | solves a scene at every load, together with the flat surface |
+//! | [`steady_ratios`] | ratios of a steady cell only |
+//! | [`Face`], [`Strip`], [`simulate_specimen`], [`SteadySpecimen`] | whole specimens as they are cut, strip by strip |
+//! | [`simulate_strip`] | a row of cavities in space with both ends of the specimen |
+//! | [`Simulation`], [`LoadOutcome`], [`SurfaceOutcome`] | results, with a [`Status`] |
+//! | [`Dimension`] | plane or space, and the consequences |
+//! | [`SteadyCell`], [`CellOutcome`] | steady ratio of many patterns, in the plane or in space, for searches |
+//! | [`SpaceLattice`], [`SpaceSteadyModel`] | one cell in space: geometry, pressures and displacements |
+//! | [`expense`], [`bounded`] | estimated cost of a scene, and its limits |
 //! | [`Monitor`] | clock, progress, cancellation |
 //!
-//! This crate does not know that anyone optimizes it. It opens no files, reads no clock, prints nothing.
+//! This crate is independent of optimization. It opens no files, reads no clock, and prints nothing.
 //!
-//! Where the area law leaves every block of the land the same friction, whatever it carries, f(p) = p0 / p, friction counts the
-//! land alone, and the ratio of the patterned to the flat surface is its share, 1 - width / pitch, however pressure is
-//! distributed:
+//! If the area law gives every block of the land the same friction at any pressure, f(p) = p0 / p, friction is
+//! proportional to the land area. The ratio of the patterned to the flat surface is then the land fraction, 1 - width /
+//! pitch, for any distribution of pressure:
 //!
 //! ```
 //! use slipgrid_material::{AreaLaw, Elastic, LocalFriction};
@@ -37,7 +37,7 @@
 //! use slipgrid_springblock::{Layer, Load, RunOptions, Scene, Unwatched, simulate};
 //! let mut scene = Scene {
 //!     elastic: Elastic::new(0.38e9, 900.0)?,
-//!     // Real contact area is complete from 0.1 MPa on: past its last pressure f goes as 1/p.
+//!     // The real contact area is complete from 0.1 MPa on: above its last pressure f is proportional to 1/p.
 //!     area_law: Some(AreaLaw::new(vec![0.05e6, 0.1e6], vec![1.0, 0.5])?),
 //!     pattern: Some(Pattern::new(Planform::Groove, 130e-6, 370e-6, 20e-6)?),
 //!     relief: None,
@@ -49,7 +49,7 @@
 //! let saturated = simulate(&scene, &Unwatched)?.loads[0].ratio.unwrap();
 //! assert!((saturated - (1.0 - 130.0 / 500.0)).abs() < 1e-9);
 //!
-//! // Without an area law friction is proportional to load, after Amontons and Coulomb: no pattern changes it.
+//! // Without an area law friction is proportional to load (Amontons and Coulomb), and no pattern changes it.
 //! scene.area_law = None;
 //! let proportional = simulate(&scene, &Unwatched)?.loads[0].ratio.unwrap();
 //! assert!((proportional - 1.0).abs() < 1e-9);

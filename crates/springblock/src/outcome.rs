@@ -1,4 +1,4 @@
-//! What a simulation found: recorded history and observables, one record per load.
+//! Results of a simulation: one record per load, with observables and recorded history.
 
 mod bytes;
 
@@ -6,37 +6,37 @@ use slipgrid_material::AreaLaw;
 
 use crate::simulate::TILT_STD;
 
-/// How a run ended.
+/// State in which a run ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Status {
     /// Steady: the residual is below the tolerance. Dynamic: sliding was reached and averaged.
     Converged,
-    /// The nonlinear solve stopped at its iteration limit: the best state is reported.
+    /// The nonlinear solve reached its iteration limit; the best state is reported.
     NotConverged,
     /// A dynamic run ended before every contact block had slipped.
     NoOnset,
-    /// No contact block carries load, so that mu is 0/0.
+    /// No contact block carries load, so that mu is undefined.
     NoLoad,
-    /// The area law leaves no friction on any contact block: mu is 0, a ratio to it 0/0.
+    /// The area law leaves no friction on any contact block: mu is 0, and a ratio to it is undefined.
     NoFriction,
-    /// A dynamic run was not begun: it would take more steps than [`crate::MAX_STEPS`].
+    /// A dynamic run was refused, because it needs more steps than [`crate::MAX_STEPS`].
     TooManySteps,
-    /// Dynamic mu had not become stationary when the run ended, or was averaged over too few periods of the layer's first
-    /// shear mode to be a mean.
+    /// Dynamic mu was not yet stationary when the run ended, or was averaged over too few periods of the layer's first
+    /// shear mode.
     ShortWindow,
-    /// Sliding is unstable to waves: blocks that stick while others slide take more than
-    /// [`crate::WAVE_DEFICIT`] of sliding friction away, by an amount that depends on ends, damping and blocks.
+    /// Sliding is unstable to waves: blocks that stick while others slide reduce friction by more than
+    /// [`crate::WAVE_DEFICIT`], by an amount that depends on ends, damping and block size.
     SlidingWaves,
-    /// The wanted standard error was not reached within the run's cap on travel.
+    /// The requested standard error was not reached within the maximum travel.
     StderrNotReached,
-    /// The state stopped being finite.
+    /// The state is no longer finite.
     Diverged,
-    /// The monitor asked to stop.
+    /// The monitor cancelled the run.
     Cancelled,
 }
 
 impl Status {
-    /// The name used in files.
+    /// Name used in files.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -55,90 +55,90 @@ impl Status {
     }
 }
 
-/// One contact block on the interface.
+/// State of one contact block on the interface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct InterfacePoint {
-    /// Position along the sliding direction, from the left side, in metres; in space along the
-    /// pattern's own x axis, from the cell's corner.
+    /// Position along the sliding direction from the left side, in metres; in space along the pattern's x axis from the
+    /// corner of the cell.
     pub x_m: f64,
-    /// Position along the pattern's y axis, from the cell's corner, in metres; 0 in the vertical plane.
+    /// Position along the pattern's y axis from the corner of the cell, in metres; 0 in the vertical plane.
     pub y_m: f64,
-    /// Normal pressure, positive in compression, in pascals. Dynamic runs: mean from three fifths of the planned travel on, or
-    /// from where a run that was not stationary then was looked at last.
+    /// Normal pressure, positive in compression, in pascals. For dynamic runs it is the mean from three fifths of the
+    /// planned travel on, or from the last judgement at which a longer run was not stationary.
     pub pressure_pa: f64,
-    /// Friction traction, positive against sliding, in pascals. Dynamic runs: mean likewise.
+    /// Friction traction, positive against sliding, in pascals. For dynamic runs it is a mean like the pressure.
     pub friction_pa: f64,
 }
 
-/// One sample of the friction coefficient in time.
+/// One sample of the recorded friction coefficient.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TracePoint {
     /// Time since the drive started, in seconds.
     pub time_s: f64,
-    /// Sum of friction over sum of normal force, mean over the interval that ends here.
+    /// Sum of friction over sum of normal force, averaged over the interval that ends at `time_s`.
     pub mu: f64,
 }
 
-/// What a dynamic run cost.
+/// Cost of a dynamic run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DynamicCost {
-    /// Time steps.
+    /// Number of time steps.
     pub steps: u64,
     /// Time step, in seconds.
     pub dt_s: f64,
-    /// Blocks times force evaluations.
+    /// Number of blocks times number of force evaluations.
     pub site_updates: u64,
-    /// Seconds by the monitor's clock.
+    /// Elapsed time of the monitor's clock, in seconds.
     pub wall_s: f64,
 }
 
-/// What one surface, flat or patterned, did under one load.
+/// Result of one surface, flat or patterned, under one load.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SurfaceOutcome {
     /// How the run ended.
     pub status: Status,
-    /// Dynamic friction coefficient; absent where the status says why.
+    /// Dynamic friction coefficient; `None` if the status gives a reason.
     pub mu_dynamic: Option<f64>,
-    /// Its standard error: of the time average, and of what waves take away; absent for steady runs, which have none.
+    /// Standard error of `mu_dynamic` from the time average and the loss to waves; `None` for steady runs.
     pub mu_dynamic_stderr: Option<f64>,
-    /// Friction over that of the same normal forces with every block sliding, less one, in the mean of the interface: above 0
-    /// where blocks that stick hold more than sliding friction, below 0 where waves keep blocks from sliding
-    /// ([`Status::SlidingWaves`]); dynamic runs only.
+    /// Friction relative to that of the same normal forces with every block sliding, minus one; dynamic runs only. It
+    /// is positive if sticking blocks hold more than sliding friction, and negative if waves reduce friction
+    /// ([`Status::SlidingWaves`]).
     pub stick_slip_excess: Option<f64>,
-    /// Mean friction across the sliding direction over the normal force; dynamic runs in space only.
+    /// Mean friction perpendicular to the sliding direction over the normal force; dynamic runs in space only.
     pub mu_across: Option<f64>,
-    /// Time since the drive started from which mu_dynamic was averaged, up to the end of the run, in
-    /// seconds; absent for steady runs and where there is no mean.
+    /// Time since the start of the drive from which `mu_dynamic` was averaged, up to the end of the run, in seconds;
+    /// `None` for steady runs and without a mean.
     pub averaged_from_s: Option<f64>,
     /// Peak of mu(t) at the onset of sliding; dynamic runs only.
     pub mu_static: Option<f64>,
-    /// Largest pressure on a contact block, in pascals: where one touches in part, the mean over a whole block at the same edge. It grows
-    /// as blocks shrink.
+    /// Largest pressure on a contact block, in pascals. The pressure of a block that touches in part is averaged with
+    /// that of its neighbour over a whole block. The value increases as blocks become smaller.
     pub peak_pressure_pa: f64,
-    /// Contact blocks under tension (steady: in the solution; dynamic: at the run's end).
+    /// Number of contact blocks under tension; for dynamic runs at the end.
     pub tension_blocks: usize,
-    /// The ceiling of a cavity sags to the counterface.
+    /// Whether the ceiling of a cavity touches the counterface.
     pub cavity_closed: bool,
-    /// Least height of a cavity's ceiling above the counterface under load, in metres, negative beyond it; steady runs of
-    /// patterns alone.
+    /// Minimum height of a cavity's ceiling above the counterface under load, in metres, negative if the ceiling passes
+    /// through it; steady runs of patterns only.
     pub clearance_m: Option<f64>,
-    /// A contact pressure lies past the last pressure of the area law.
+    /// Whether a contact pressure exceeds the last pressure of the area law.
     pub area_law_extrapolated: bool,
-    /// Steady: largest change of mu in the last iteration, the bound on its convergence error.
+    /// Steady runs: largest change of mu in the last iteration, which bounds the convergence error.
     pub residual: Option<f64>,
-    /// Steady: iterations of the nonlinear solve.
+    /// Steady runs: number of iterations of the nonlinear solve.
     pub iterations: usize,
-    /// Dynamic runs: what they cost.
+    /// Dynamic runs: cost of the run.
     pub cost: Option<DynamicCost>,
-    /// The interface, left to right.
+    /// Contact blocks of the interface, left to right.
     pub interface: Vec<InterfacePoint>,
-    /// mu against time; empty for steady runs.
+    /// mu as a function of time; empty for steady runs.
     pub trace: Vec<TracePoint>,
 }
 
 impl SurfaceOutcome {
-    /// What is said of a surface that was not solved: nothing but why, with the interface unloaded at
-    /// the contact blocks' positions `x_m`.
+    /// Outcome of a surface that was not solved, with the reason `status` and unloaded contact blocks at the positions
+    /// `x_m`.
     pub(crate) fn unsolved(status: Status, x_m: impl Iterator<Item = f64>) -> Self {
         Self {
             status,
@@ -163,9 +163,12 @@ impl SurfaceOutcome {
 }
 
 impl SurfaceOutcome {
-    /// Steady sliding: the forces `normal` and `friction` on the contact blocks, in any unit, in a solve that ended with
-    /// `status`, the pressures of `interface`, the largest of them over a whole block, and the least height of a ceiling, in metres.
-    pub(crate) fn sliding(
+    /// Outcome of steady sliding.
+    ///
+    /// `normal` and `friction` are forces on the contact blocks in any unit, `status` is that of the solve, `interface`
+    /// has the pressures, of which `peak_pressure_pa` is the largest over a whole block, and `clearance_m` is the
+    /// minimum height of a ceiling.
+    pub(crate) fn from_steady_forces(
         status: Status,
         [normal, friction]: [&[f64]; 2],
         (interface, peak_pressure_pa): (Vec<InterfacePoint>, f64),
@@ -182,7 +185,7 @@ impl SurfaceOutcome {
         };
         let extrapolated = |law: &AreaLaw| interface.iter().any(|point| law.is_extrapolated(point.pressure_pa));
         Self {
-            // What is no equilibrium has no friction, and no ratio.
+            // A state out of equilibrium has no friction coefficient.
             mu_dynamic: mu.filter(|_| status != Status::NotConverged),
             peak_pressure_pa,
             tension_blocks: normal.iter().filter(|normal| **normal < 0.0).count(),
@@ -195,88 +198,93 @@ impl SurfaceOutcome {
     }
 }
 
-/// The largest of the pressures of contact blocks that touch on `share` of a block each, over a whole block: at an edge pressure grows
-/// without bound, so that a narrow part of a block bears more than a whole one would, however little of it there is. `beside` are the
-/// contact blocks next to one.
+/// Largest pressure of contact blocks that touch on the fraction `share` of a block each, averaged over a whole block.
+///
+/// At an edge the pressure is singular, so that a narrow part of a block has a higher pressure than a whole block,
+/// however narrow it is. `neighbours` returns the contact blocks next to one.
 pub(crate) fn peak_over_whole_blocks<I: IntoIterator<Item = usize>>(
     interface: &[InterfacePoint],
     share: &[f64],
-    beside: impl Fn(usize) -> I,
+    neighbours: impl Fn(usize) -> I,
 ) -> f64 {
-    let over_a_block = |number: usize| {
+    let pressure_over_block = |number: usize| {
         let (own_pa, own) = (interface[number].pressure_pa, share[number]);
-        if own >= WHOLE {
+        if own >= WHOLE_SHARE {
             return own_pa;
         }
-        let Some(next) = beside(number).into_iter().max_by(|&a, &b| share[a].total_cmp(&share[b])) else {
+        let Some(next) = neighbours(number).into_iter().max_by(|&a, &b| share[a].total_cmp(&share[b])) else {
             return own_pa;
         };
-        // The rest of a block, as far as there is land.
+        // The rest of a block, as far as the neighbour is land.
         let rest = (1.0 - own).min(share[next]);
         (own * own_pa + rest * interface[next].pressure_pa) / (own + rest)
     };
-    (0..interface.len()).map(over_a_block).fold(0.0, f64::max)
+    (0..interface.len()).map(pressure_over_block).fold(0.0, f64::max)
 }
 
-/// Share from which a block is a whole one, but for rounding.
-const WHOLE: f64 = 1.0 - 1e-9;
+/// Share from which a block counts as whole, except for rounding.
+const WHOLE_SHARE: f64 = 1.0 - 1e-9;
 
-/// What the scene did under one load.
+/// Result of a scene under one load.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LoadOutcome {
     /// Nominal pressure, in pascals.
     pub pressure_pa: f64,
-    /// The scene's own surface.
+    /// Surface with the scene's pattern.
     pub surface: SurfaceOutcome,
-    /// The flat surface at the same settings; `None` for a flat scene.
+    /// Flat surface with the same settings; `None` for a flat scene.
     pub flat: Option<SurfaceOutcome>,
-    /// mu_dynamic, patterned over flat; `None` for a flat scene or where one of the two is absent.
+    /// Dynamic friction coefficient, patterned over flat; `None` for a flat scene or if one of the two is absent.
     pub ratio: Option<f64>,
-    /// Standard error of the ratio; `None` for steady runs.
+    /// Standard error of `ratio`; `None` for steady runs.
     pub ratio_stderr: Option<f64>,
-    /// Estimated distance of the ratio from that of vanishing blocks, which it hardly exceeds: the largest over all loads;
-    /// `None` for a flat scene, and where no other size of blocks can be had.
+    /// Estimated difference of `ratio` from the limit of vanishing blocks, which the true error hardly exceeds: the
+    /// largest over all loads. `None` for a flat scene, and if the scene cannot be solved with blocks of another size.
     pub ratio_discretization_error: Option<f64>,
-    /// Standard error of the ratio from what stands for the specimen's layout: strips that sample its face, one strip for
-    /// all in time, a cell for its middle; `None` where nothing does.
+    /// Standard error of `ratio` from replacing the specimen's layout: by strips that sample its face, by one strip in
+    /// a dynamic run, or by a cell. `None` if nothing is replaced.
     pub ratio_layout_error: Option<f64>,
-    /// Ratio of the steady cell over the specimen's thickness less that of the layer alone. It is in `ratio` where the scene
-    /// says how thick the specimen is; otherwise it is what a thick one would add. `None` for a flat scene, and where a cell
-    /// has no ratio.
+    /// Ratio of the steady cell over the specimen's thickness minus the ratio of the layer alone. It is included in
+    /// `ratio` if the scene gives the thickness; otherwise it is the effect of a thick specimen. `None` for a flat
+    /// scene, and if a cell has no ratio.
     pub ratio_layer_difference: Option<f64>,
-    /// Standard error of the ratio where that difference was added to a strip or to a run in time; `None` where it was not.
+    /// Standard error of `ratio` from adding `ratio_layer_difference` to a strip or a dynamic run; `None` if it was not
+    /// added.
     pub ratio_layer_error: Option<f64>,
-    /// What friction changes of the ratio by tilting the pressure of a specimen that its holder keeps from turning. [`TILT_MEAN`](crate::TILT_MEAN) of it is
-    /// in `ratio`, which has an error of [`TILT_STD`](crate::TILT_STD) of it; `None` where the scene does not say how thick a specimen with ends is.
+    /// Change of the ratio by the tilted pressure that friction causes on a specimen whose holder prevents rotation.
+    ///
+    /// `ratio` includes [`TILT_MEAN`](crate::TILT_MEAN) times this change, with a standard error of
+    /// [`TILT_STD`](crate::TILT_STD) times the change. `None` if the scene has no ends or does not give the specimen's
+    /// thickness.
     pub ratio_tilt_change: Option<f64>,
-    /// What sliding in time adds to the ratio of steady sliding, which is in `ratio`; `None` where it is not known: only strips of a
-    /// specimen have both.
+    /// Change of the ratio from steady sliding to dynamic sliding, included in `ratio`; `None` if it is unknown. Only
+    /// strips of a specimen have it.
     pub ratio_time_change: Option<f64>,
 }
 
 impl LoadOutcome {
-    /// Whether both surfaces slid to a mean that means something.
+    /// Whether both surfaces have a meaningful mean friction.
     #[must_use]
     pub fn is_trusted(&self) -> bool {
         let means = [Status::Converged, Status::NoFriction, Status::StderrNotReached];
         std::iter::once(&self.surface).chain(&self.flat).all(|surface| means.contains(&surface.status))
     }
 
-    /// Error of the ratio by the tilt of the pressure, one standard deviation, with the sign that it has at this load where the tilt
-    /// is larger than its mean: all loads of a specimen have it in common.
+    /// Standard error of the ratio due to the tilt of the pressure, signed: positive values are the change if the tilt
+    /// exceeds its mean. The error is fully correlated between all loads of a specimen.
     #[must_use]
     pub fn tilt_error(&self) -> Option<f64> {
         self.ratio_tilt_change.map(|change| TILT_STD * change)
     }
 
-    /// Sets the ratio, and the patterned surface's dynamic friction to that of the flat one times it.
+    /// Sets the ratio, and the patterned surface's dynamic friction to the ratio times that of the flat surface.
     pub fn set_ratio(&mut self, ratio: Option<f64>) {
         let flat_mu = self.flat.as_ref().and_then(|flat| flat.mu_dynamic);
         self.ratio = ratio;
         self.surface.mu_dynamic = ratio.zip(flat_mu).map(|(ratio, mu)| ratio * mu);
     }
 
-    /// Adds `by` to the ratio, where there is one, and to friction in proportion.
+    /// Adds `by` to the ratio, if there is one, and changes friction in proportion.
     pub(crate) fn shift_ratio(&mut self, by: f64) {
         if let Some(ratio) = self.ratio {
             self.set_ratio(Some(ratio + by));
@@ -284,22 +292,22 @@ impl LoadOutcome {
     }
 }
 
-/// What a simulation says of itself, one statement each.
+/// Statements about a simulation, one sentence each.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Statements {
-    /// What was modelled and why: what bears on a decision.
+    /// Statements on what was modelled and why, relevant to decisions.
     pub model: Vec<String>,
-    /// How it was computed.
+    /// Statements on how it was computed.
     pub method: Vec<String>,
 }
 
 impl Statements {
-    /// That something was modelled so, or not at all.
+    /// Adds a statement on what was modelled or neglected.
     pub fn model(&mut self, said: impl Into<String>) {
         self.model.push(said.into());
     }
 
-    /// That something was computed so.
+    /// Adds a statement on how something was computed.
     pub fn method(&mut self, said: impl Into<String>) {
         self.method.push(said.into());
     }
@@ -308,7 +316,7 @@ impl Statements {
 /// Results of a scene.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Simulation {
-    /// What was modelled, and how it was computed.
+    /// Statements on what was modelled and how it was computed.
     pub statements: Statements,
     /// One record per load, in the scene's order.
     pub loads: Vec<LoadOutcome>,

@@ -1,38 +1,38 @@
 //! Heights of the rims along a section of the face, in lattice spacings.
 //!
-//! A column is raised by the mean of the rim's height over the land in it, in closed form, so that relief is continuous in
-//! every length. Where heights scatter from rim to rim, edge number k of n has the height
+//! A column is raised by the mean of the rim's height over its land, in closed form, so that the relief is continuous
+//! in every length. If heights vary from rim to rim, edge number k of n has the height
 //!
 //! ```text
 //! h_k = max(0, h + s z_k),     z_k: the n mid-quantiles of the normal distribution, scaled to unit variance
 //! ```
 //!
-//! in the order of the fractions of multiples of the golden section, which sets neighbours far apart.
+//! in the order of the fractional parts of multiples of the golden section, which separates similar values.
 
 use slipgrid_pattern::{Pattern, Rim};
 
 use crate::columns::PLANE_STRAIN;
 
-/// Periods of a cell whose rims are of different heights.
+/// Number of periods in a cell whose rims have different heights.
 const SCATTERED_PERIODS: usize = 4;
 /// The golden section, (sqrt(5) - 1) / 2.
 const GOLDEN: f64 = 0.618_033_988_749_894_9;
 
-/// The rims of a row of cavities in the plane.
+/// Rims of a row of cavities in the plane.
 pub struct Rims {
     rim: Rim,
     block_m: f64,
-    /// Heights in lattice spacings times [`PLANE_STRAIN`]: before and after each cavity.
+    /// Heights before and after each cavity, in lattice spacings times [`PLANE_STRAIN`].
     heights: Vec<f64>,
 }
 
 impl Rims {
-    /// Periods that a cell of `pattern` in the plane needs for its rims.
+    /// Number of periods that a plane cell of `pattern` needs for its rims.
     pub fn periods(pattern: &Pattern) -> usize {
         if scatters(pattern) { SCATTERED_PERIODS } else { 1 }
     }
 
-    /// Those of `cavities` cavities of `pattern` in blocks of `block_m`; `None` where they have none.
+    /// Creates the rims of `cavities` cavities of `pattern` in blocks of `block_m`; `None` if there are no rims.
     pub fn new(pattern: &Pattern, block_m: f64, cavities: usize) -> Option<Self> {
         let rim = *pattern.texture().rim()?;
         let mut heights = heights(pattern, block_m, 2 * cavities)?;
@@ -40,20 +40,20 @@ impl Rims {
         Some(Self { rim, block_m, heights })
     }
 
-    /// Height of the rim before cavity number `cavity`, as [`crate::columns::Column::relief`] has it.
+    /// Height of the rim before cavity number `cavity`, in the unit of [`crate::columns::Column::relief`].
     pub fn before(&self, cavity: usize) -> f64 {
         self.heights[2 * cavity % self.heights.len()]
     }
 
-    /// Height of the rim after it.
+    /// Height of the rim after cavity number `cavity`.
     pub fn after(&self, cavity: usize) -> f64 {
         self.heights[(2 * cavity + 1) % self.heights.len()]
     }
 
-    /// Integral of the relief over what of `column`, from its left to its right side, lies on the land `land` between edges
-    /// of the `heights` that are there.
+    /// Integral of the relief over the intersection of `column`, given by its two sides, with the land `land`.
+    /// `heights` are those of the rims at the left and right edge of the land, if present.
     pub fn integral(&self, column: [f64; 2], land: [f64; 2], heights: [Option<f64>; 2]) -> f64 {
-        // The rims of two edges end half-way between them.
+        // Rims of opposite edges end half-way between them.
         let middle = match heights {
             [Some(_), Some(_)] => f64::midpoint(land[0], land[1]),
             [Some(_), None] => land[1],
@@ -72,15 +72,15 @@ impl Rims {
         left + right
     }
 
-    /// Mean relief of the land in `column`, where cavities from m pitch to m pitch + width repeat.
+    /// Mean relief of the land in `column` for periodic cavities from m pitch to m pitch + width.
     pub fn mean(&self, column: [f64; 2], [width, pitch]: [f64; 2]) -> f64 {
         let (mut integral, mut land) = (0.0, 0.0);
-        // Lands that reach into the column follow cavities number `first` and on.
+        // Lands that overlap the column follow cavity number `first` and later ones.
         let first = ((column[0] - pitch) / pitch).floor();
         let mut m = first;
         while m * pitch + width < column[1] {
             let ends = [m * pitch + width, (m + 1.0) * pitch];
-            // The cell's cavities are numbered from that at 0 on, and repeat: the cast is exact.
+            // Cavities of the cell are numbered from the one at 0 and repeat; the cast is exact.
             let count = self.heights.len() as i64 / 2;
             let number = |m: f64| (m as i64).rem_euclid(count) as usize;
             let heights = [Some(self.after(number(m))), Some(self.before(number(m + 1.0)))];
@@ -92,12 +92,12 @@ impl Rims {
     }
 }
 
-/// Whether heights of rims differ.
+/// Whether the rims of `pattern` have different heights.
 fn scatters(pattern: &Pattern) -> bool {
     pattern.texture().rim().is_some_and(|rim| rim.height_std_m() > 0.0)
 }
 
-/// Rectangular cells of `pattern` along x and y that a cell in space needs for its rims.
+/// Number of rectangular cells of `pattern` along x and y that a cell in space needs for its rims.
 pub fn cells(pattern: &Pattern) -> [usize; 2] {
     match (scatters(pattern), pattern.is_uniform_along_y()) {
         (false, _) => [1, 1],
@@ -106,7 +106,7 @@ pub fn cells(pattern: &Pattern) -> [usize; 2] {
     }
 }
 
-/// Heights of `count` rims of `pattern` in blocks of `block_m`; `None` where it has none.
+/// Heights of `count` rims of `pattern` in blocks of `block_m`; `None` if there are no rims.
 pub fn heights(pattern: &Pattern, block_m: f64, count: usize) -> Option<Vec<f64>> {
     let rim = pattern.texture().rim().filter(|_| count > 0)?;
     let (height_m, std_m) = (rim.height_m(pattern.depth_m()), rim.height_std_m());
@@ -116,8 +116,8 @@ pub fn heights(pattern: &Pattern, block_m: f64, count: usize) -> Option<Vec<f64>
     (height_m > 0.0).then(|| vec![height_m / block_m; count])
 }
 
-/// The mid-quantiles of the normal distribution of `count` values, scaled to mean 0 and variance 1, far ones beside each
-/// other.
+/// Mid-quantiles of the normal distribution for `count` values, scaled to mean 0 and variance 1, in an order that
+/// separates similar values.
 fn scattered(count: usize) -> impl Iterator<Item = f64> {
     let fraction = |number: usize| (GOLDEN * number as f64).fract();
     let mut order: Vec<usize> = (0..count).collect();
@@ -130,7 +130,7 @@ fn scattered(count: usize) -> impl Iterator<Item = f64> {
     values.into_iter().map(move |z| z / scale)
 }
 
-/// The value below which a standard normal variable lies with the probability `p`, between 0 and 1, by bisection.
+/// Quantile of the standard normal distribution at the probability `p`, between 0 and 1, by bisection.
 fn normal_quantile(p: f64) -> f64 {
     const STEPS: usize = 60;
     let (mut low, mut high) = (-9.0, 9.0);
@@ -145,7 +145,7 @@ fn normal_quantile(p: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::columns::{cell, raised, sample};
+    use crate::columns::{cell, sample, with_relief};
     use slipgrid_pattern::{Planform, RimProfile, Texture};
 
     fn pattern(width_um: f64, spacing_um: f64, rim_um: f64, std_um: f64) -> Pattern {
@@ -162,11 +162,11 @@ mod tests {
             let columns = cell(&pattern, 10e-6);
             let area: f64 = columns.iter().map(|c| c.relief / PLANE_STRAIN * c.width * (1.0 - c.coverage)).sum();
             let length: f64 = columns.iter().map(|c| c.width).sum();
-            // A ramp's area is h (d - d^2 / 2 w) up to the end d, in blocks of 10 um.
+            // The area of a ramp is h (d - d^2 / 2 w) up to the end d, in blocks of 10 um.
             let end = rim.min(spacing / 2.0);
             let expected = 2.0 * 0.05 * (end - 0.5 * end * end / rim) / 10.0 * length * 10.0 / (width + spacing);
             assert!((area / expected - 1.0).abs() < 1e-9, "{width} {spacing} {rim}: {area} {expected}");
-            // The mean over columns is that of the pattern's own share.
+            // The mean over columns equals the rim share computed by the pattern.
             for (i, column) in columns.iter().enumerate().filter(|(_, c)| c.is_land() && c.coverage == 0.0) {
                 let from_m = columns[..i].iter().map(|c| c.width).sum::<f64>() * 10e-6;
                 let first_m = columns.iter().take_while(|c| c.is_land()).map(|c| c.width).sum::<f64>() * 10e-6;
@@ -183,7 +183,7 @@ mod tests {
     fn the_rims_of_a_free_face_are_those_of_its_cavities_alone() {
         let pattern = pattern(130.0, 370.0, 10.0, 0.0);
         let columns = sample(&pattern, 10e-6, 996);
-        assert_eq!(columns, raised(columns.clone(), &pattern, 10e-6, None));
+        assert_eq!(columns, with_relief(columns.clone(), &pattern, 10e-6, None));
         let raised: Vec<usize> = (0..996).filter(|&i| columns[i].relief > 0.0).collect();
         let expected: Vec<usize> = (0..20).flat_map(|m| [17 + 50 * m, 31 + 50 * m]).filter(|i| *i < 996).collect();
         assert_eq!(raised, expected);

@@ -1,4 +1,4 @@
-//! What tests share: the published polymer, patterns and scenes of it, and how evenly a row of numbers goes on.
+//! Test fixtures: the published polymer, patterns and scenes of it, and a measure of the smoothness of a sequence.
 
 use slipgrid_material::{AreaLaw, Elastic, LocalFriction};
 use slipgrid_pattern::{Pattern, Planform, Texture};
@@ -6,37 +6,36 @@ use slipgrid_pattern::{Pattern, Planform, Texture};
 use crate::draws::{self, Coefficients};
 use crate::scene::{Layer, Load, RunOptions, Scene};
 
-/// Young's modulus, in pascals.
 pub const E_PA: f64 = 0.38e9;
 
-/// Local coefficients 0.30 and 0.27, which scatter by 5 %.
+/// Local coefficients 0.30 and 0.27 with a standard deviation of 5 %.
 pub fn friction() -> LocalFriction {
     LocalFriction::new(0.30, 0.27, 0.05).unwrap()
 }
 
-/// Such coefficients of `count` columns.
+/// Draws of [`friction`] for `count` columns.
 pub fn coefficients(seed: u64, count: usize) -> Vec<Coefficients> {
     draws::draw(&friction(), seed, count)
 }
 
-/// Persson's law for E* h'rms = 4 MPa, A(P) = erf(sqrt(2) P / (E* h'rms)), tabulated finely.
+/// Persson's law for E* h'rms = 4 MPa, A(P) = erf(sqrt(2) P / (E* h'rms)), in a fine table.
 pub fn persson_law() -> AreaLaw {
     let pressure_pa: Vec<f64> = (1..=200).map(|step| 0.1e6 * f64::from(step)).collect();
     let area: Vec<f64> = pressure_pa.iter().map(|p| libm::erf(2.0_f64.sqrt() * p / 4e6)).collect();
     AreaLaw::from_area_curve(&pressure_pa, &area, 0.7e6).unwrap()
 }
 
-/// A pattern of these lengths in micrometres.
+/// Pattern with lengths in micrometres.
 pub fn pattern(texture: impl Into<Texture>, width_um: f64, spacing_um: f64, depth_um: f64) -> Pattern {
     Pattern::new(texture, width_um * 1e-6, spacing_um * 1e-6, depth_um * 1e-6).unwrap()
 }
 
-/// Grooves across the sliding direction.
+/// Pattern of grooves across the sliding direction, lengths in micrometres.
 pub fn groove(width_um: f64, spacing_um: f64, depth_um: f64) -> Pattern {
     pattern(Planform::Groove, width_um, spacing_um, depth_um)
 }
 
-/// `pattern` under [`persson_law`] in a layer of 9960 x 200 um, in blocks of 10 um.
+/// Scene of `pattern` under [`persson_law`] in a layer of 9960 x 200 um with blocks of 10 um.
 pub fn scene(pattern: Pattern, pressures_mpa: &[f64], run: RunOptions) -> Scene {
     let load = |pressure_mpa: &f64| Load { pressure_pa: pressure_mpa * 1e6, friction: friction() };
     Scene {
@@ -51,12 +50,12 @@ pub fn scene(pattern: Pattern, pressures_mpa: &[f64], run: RunOptions) -> Scene 
     }
 }
 
-/// Values of f(x) on 0, 1, ..., n.
+/// Values of f(x) at 0, 1, ..., n.
 pub fn sweep(n: usize, f: impl Fn(f64) -> f64) -> Vec<f64> {
     (0..=n).map(|step| f(step as f64)).collect()
 }
 
-/// Largest departure of a step from the mean step, and whether a step goes against it.
+/// Largest deviation of a step from the mean step, and whether a step has the opposite sign.
 pub fn roughness(values: &[f64]) -> (f64, bool) {
     let steps: Vec<f64> = values.windows(2).map(|pair| pair[1] - pair[0]).collect();
     let mean = steps.iter().sum::<f64>() / steps.len() as f64;

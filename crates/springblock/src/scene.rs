@@ -1,4 +1,4 @@
-//! What is to be simulated: fixed parameters, validated once.
+//! Parameters of a simulation, with their validation.
 
 use std::sync::Arc;
 
@@ -7,12 +7,12 @@ use slipgrid_pattern::{Pattern, ReliefMap, Texture};
 
 use crate::{Dimension, SceneError, run_speed_m_s, warm_travel_m};
 
-/// What a solver solves.
+/// Physical model and time integration scheme.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Fidelity {
-    /// Equilibrium with every contact block sliding; no time.
+    /// Equilibrium with every contact block sliding, without time.
     Steady,
-    /// Time integration by the fastest scheme whose error is measured.
+    /// Time integration by the fastest scheme with a measured error.
     Dynamic,
     /// The paper's scheme: classical Runge-Kutta of order 4, 1 ns, exact spring law.
     Reference,
@@ -22,7 +22,7 @@ impl Fidelity {
     /// All fidelities, cheapest first.
     pub const ALL: [Self; 3] = [Self::Steady, Self::Dynamic, Self::Reference];
 
-    /// The name used in files.
+    /// Name used in files.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -33,14 +33,15 @@ impl Fidelity {
     }
 }
 
-/// How much of the specimen is modelled.
+/// Part of the specimen that is modelled.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Extent {
     /// One period of the pattern with periodic sides.
     Cell,
-    /// The whole specimen with free sides: in the vertical plane.
+    /// The whole specimen with free sides, in the vertical plane.
     Sample,
-    /// A strip of the specimen in space, one period wide with periodic sides, with two ends; in the plane the same as a sample.
+    /// A strip of the specimen in space with two ends, one period wide with periodic sides; in the plane the same as a
+    /// sample.
     Strip,
 }
 
@@ -48,7 +49,7 @@ impl Extent {
     /// All extents, cheapest first.
     pub const ALL: [Self; 3] = [Self::Cell, Self::Sample, Self::Strip];
 
-    /// The name used in files.
+    /// Name used in files.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -58,14 +59,14 @@ impl Extent {
         }
     }
 
-    /// Whether what is modelled has ends.
+    /// Whether the model has ends.
     #[must_use]
     pub const fn has_ends(self) -> bool {
         !matches!(self, Self::Cell)
     }
 }
 
-/// The force law of a spring.
+/// Force law of a spring.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Springs {
     /// F = k e (e . (u_j - u_i)): small displacements.
@@ -78,7 +79,7 @@ impl Springs {
     /// All spring laws.
     pub const ALL: [Self; 2] = [Self::Linear, Self::Exact];
 
-    /// The name used in files.
+    /// Name used in files.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -88,22 +89,23 @@ impl Springs {
     }
 }
 
-/// The modelled layer of the specimen, in metres.
+/// Modelled layer of the specimen.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Layer {
-    /// Length of the specimen along the sliding direction.
+    /// Length of the specimen along the sliding direction, in metres.
     pub length_m: f64,
-    /// Height of the elastic layer whose blocks are modelled one by one: where ends and time need them.
+    /// Height of the elastic layer whose blocks are modelled individually, in metres: in scenes with ends and in
+    /// dynamic runs.
     pub height_m: f64,
-    /// Distance between neighbouring blocks, the lattice spacing l.
+    /// Distance between neighbouring blocks, the lattice spacing l, in metres.
     pub block_m: f64,
-    /// Thickness of the specimen between the counterface and the rigid bulk, of which the layer is the lowest part. Steady
-    /// cells are solved over all of it; to strips with ends and to runs in time it adds what it adds to the steady cell.
-    /// `None`: the bulk is rigid right above the layer.
+    /// Thickness of the specimen between the counterface and the rigid bulk, in metres. Steady cells are solved over
+    /// the whole thickness; for strips with ends and for dynamic runs, the effect on the steady cell is added. `None`
+    /// puts the rigid bulk directly above the layer.
     pub thickness_m: Option<f64>,
 }
 
-/// One load: the nominal pressure and the local coefficients that hold there.
+/// Nominal pressure and the local friction coefficients at this pressure.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Load {
     /// Load over the specimen's nominal area, in pascals.
@@ -113,61 +115,64 @@ pub struct Load {
 }
 
 impl Load {
-    /// Friction coefficient of an endless flat layer in steady sliding: mu_d f(P), f = 1 without an area law.
+    /// Friction coefficient of an infinite flat layer in steady sliding: mu_d f(P), with f = 1 without an area law.
     #[must_use]
     pub fn flat_mu(&self, area_law: Option<&AreaLaw>) -> f64 {
         self.friction.dynamic_mean() * area_law.map_or(1.0, |law| law.factor(self.pressure_pa))
     }
 }
 
-/// How the scene is solved.
+/// Options that control how a scene is solved.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RunOptions {
-    /// What is solved.
+    /// Physical model.
     pub fidelity: Fidelity,
-    /// How much of the specimen is modelled.
+    /// Part of the specimen that is modelled.
     pub extent: Extent,
     /// Seed of the local coefficients.
     pub seed: u64,
-    /// Travel of the bulk that a dynamic run is planned for, in metres: one whose mu is not stationary by then goes on, up to four
-    /// times as far, or twenty where `mu_stderr` is wanted.
+    /// Planned travel of the bulk in a dynamic run, in metres. A run whose mu is not stationary by then continues up to
+    /// four times as far, or twenty times if `mu_stderr` is set.
     pub sliding_m: f64,
-    /// Contact is unilateral: a block under tension leaves the counterface.
+    /// Whether contact is unilateral, so that a block under tension leaves the counterface.
     pub liftoff: bool,
-    /// Extend a dynamic run until the standard error of dynamic mu is at most this share of it.
+    /// Relative standard error of dynamic mu; a dynamic run continues until it is reached.
     pub mu_stderr: Option<f64>,
-    /// Time step, in seconds; the fidelity's own when absent.
+    /// Time step, in seconds; `None` selects the default of the fidelity.
     pub step_s: Option<f64>,
-    /// Damping frequency gamma over sqrt(k/m).
+    /// Damping frequency gamma in units of sqrt(k/m).
     pub damping: f64,
-    /// Start a dynamic run from a layer sheared as in sliding instead of from an unloaded one. Blocks start at rest, each
-    /// at a random moment of its stick-slip: steady sliding itself would go on for micrometres before stick-slip sets in.
+    /// Whether a dynamic run starts from a layer sheared as in sliding instead of from an unloaded layer. Blocks start
+    /// at rest, each at a random phase of its stick-slip cycle; if they started in steady sliding, stick-slip would set
+    /// in only after micrometres.
     pub warm_start: bool,
-    /// Spring law of dynamic runs; linear for `dynamic` and exact for `reference` when absent.
+    /// Spring law of dynamic runs; `None` selects linear for `dynamic` and exact for `reference`.
     pub springs: Option<Springs>,
-    /// 2: the vertical plane along the sliding direction, 3: the cell in space, which steady and dynamic cells
-    /// have. What the pattern needs when absent, where there is a choice.
+    /// 2 for the vertical plane along the sliding direction, 3 for a cell in space, steady or dynamic. `None` selects
+    /// the dimension by the pattern.
     pub dimensions: Option<u8>,
-    /// Surfaces of a dynamic run, with the seeds `seed`, `seed` + 1 and so on: their mean is reported, their scatter
-    /// gives its standard error.
+    /// Number of dynamic runs with the seeds `seed`, `seed` + 1 and so on. Their mean is reported, with a standard
+    /// error from their scatter.
     pub draws: u64,
-    /// Ratios are those of vanishing blocks as nearly as steady cells in smaller blocks tell, in the vertical plane, and those
-    /// of grooves like them of cavities in space; else those of the layer's blocks, and where this is true the model says why.
+    /// Whether ratios are extrapolated to vanishing blocks. Steady cells in smaller blocks give the correction in the
+    /// vertical plane, and cells of similar grooves give it for cavities in space. If the correction is impossible, the
+    /// statements of the simulation give the reason.
     pub refine: bool,
 }
 
-/// Standard error of dynamic friction over itself at which a run from sliding may end.
+/// Relative standard error of dynamic friction at which a run from sliding ends.
 const MEAN_STDERR: f64 = 0.001;
 
 impl RunOptions {
-    /// A run in time whose mean alone is asked for: from where sliding is about to begin, until that is known to a thousandth.
+    /// Options of a dynamic run for mean friction only: it starts near sliding and ends when the mean is known to a
+    /// thousandth.
     #[must_use]
     pub const fn from_sliding(self) -> Self {
         Self { fidelity: Fidelity::Dynamic, warm_start: true, mu_stderr: Some(MEAN_STDERR), ..self }
     }
 
-    /// How a specimen with patterns of `texture` is run: strip by strip in the plane, in other sliding directions of the texture, too,
-    /// and in space by one cell, or by the strip that is asked for.
+    /// Options for a specimen with patterns of `texture`: in the plane strip by strip, also for other sliding
+    /// directions of the texture; in space one cell, or the requested strip.
     #[must_use]
     pub fn on_specimen(self, texture: &Texture) -> Self {
         match Dimension::of(self.dimensions, texture) {
@@ -179,7 +184,7 @@ impl RunOptions {
         }
     }
 
-    /// Whether a cell in space can be run so.
+    /// Whether a cell in space supports these options.
     fn has_space(&self) -> bool {
         match self.fidelity {
             Fidelity::Steady => true,
@@ -209,7 +214,7 @@ impl Default for RunOptions {
     }
 }
 
-/// Everything a solver needs to know.
+/// All parameters of a simulation.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scene {
     /// Elastic constants of the layer.
@@ -218,7 +223,7 @@ pub struct Scene {
     pub area_law: Option<AreaLaw>,
     /// Texture; `None` is a flat surface.
     pub pattern: Option<Pattern>,
-    /// Measured heights of the textured face over one period, in place of rims.
+    /// Measured heights of the textured face over one period, instead of rims.
     pub relief: Option<Arc<ReliefMap>>,
     /// The modelled layer.
     pub layer: Layer,
@@ -226,42 +231,42 @@ pub struct Scene {
     pub loads: Vec<Load>,
     /// Sliding speed of the bulk, in m/s.
     pub speed_m_s: f64,
-    /// How to solve.
+    /// Options that control how the scene is solved.
     pub run: RunOptions,
 }
 
 impl Layer {
-    /// Rows of blocks.
+    /// Number of rows of blocks in the layer.
     #[must_use]
     pub fn rows(&self) -> usize {
         whole(self.height_m / self.block_m)
     }
 
-    /// Rows of blocks over the whole thickness: those of the layer where nothing is behind it.
+    /// Number of rows of blocks over the whole thickness, at least that of the layer.
     #[must_use]
     pub fn thick_rows(&self) -> usize {
         self.thickness_m.map_or(0, |thickness_m| whole(thickness_m / self.block_m)).max(self.rows())
     }
 
-    /// Whether there is more of the specimen behind the layer.
+    /// Whether the specimen is thicker than the layer.
     #[must_use]
     pub fn is_backed(&self) -> bool {
         self.thick_rows() > self.rows()
     }
 
-    /// The layer with nothing behind it but the rigid bulk.
+    /// Returns the layer with the rigid bulk directly above it.
     #[must_use]
     pub const fn alone(self) -> Self {
         Self { thickness_m: None, ..self }
     }
 
-    /// Blocks of a section along the sliding direction, whole ones or not.
+    /// Number of blocks in a section along the sliding direction, not rounded.
     #[must_use]
     pub fn blocks(&self) -> f64 {
         (self.length_m / self.block_m) * (self.height_m / self.block_m)
     }
 
-    /// Columns of blocks over the whole specimen.
+    /// Number of columns of blocks over the whole specimen.
     #[must_use]
     pub fn columns(&self) -> usize {
         whole(self.length_m / self.block_m)
@@ -269,7 +274,8 @@ impl Layer {
 }
 
 impl Scene {
-    /// The scene of a run in time that stands for this one: at the speed that its lightest load takes ([`run_speed_m_s`]).
+    /// Returns the scene at the speed of a dynamic run that represents it, limited by its lightest load
+    /// ([`run_speed_m_s`]).
     #[must_use]
     pub fn slowed(mut self) -> Self {
         let lightest_pa = self.loads.iter().map(|load| load.pressure_pa).fold(f64::INFINITY, f64::min);
@@ -277,7 +283,8 @@ impl Scene {
         self
     }
 
-    /// The run in time that stands for this one: slowed to even sliding, as far as one from the sheared layer needs.
+    /// Returns the scene for a dynamic run that represents it: at the speed of [`Self::slowed`], with the travel that a
+    /// run from the sheared layer needs.
     #[must_use]
     pub fn in_time(self) -> Self {
         let mut scene = self.slowed();
@@ -289,27 +296,27 @@ impl Scene {
     }
 }
 
-/// The nearest whole number of a positive ratio.
+/// Rounds a positive ratio to a whole number.
 fn whole(ratio: f64) -> usize {
     // Validated to lie in [1, 1e7]: the cast is exact.
     ratio.round() as usize
 }
 
-/// Most blocks of a layer: memory for a whole lattice stays within 24 GiB.
+/// Maximum number of blocks of a layer, which keeps the memory of a whole lattice below 24 GiB.
 pub const MAX_BLOCKS: f64 = 4e7;
-/// Most rows of blocks over the thickness of a specimen: rounding of what shears them all grows with their square.
+/// Maximum number of rows of blocks over the thickness of a specimen: rounding errors of the total shear grow with its
+/// square.
 pub const MAX_ROWS: f64 = 1e5;
-/// Most surfaces of one scene: its standard error falls with the root of their number.
+/// Maximum number of draws of one scene: the standard error falls only with the square root.
 pub const MAX_DRAWS: u64 = 64;
-/// Shortest pitch over the block: springs between columns nearer than l/sqrt(3) would push where they should
-/// pull.
+/// Minimum pitch in blocks: springs between columns closer than l/sqrt(3) would have negative stiffness.
 const MIN_PITCH: f64 = 1.2;
-/// Ratio that counts as a whole number of blocks.
+/// Relative tolerance within which a ratio counts as a whole number of blocks.
 const WHOLE_BLOCKS_TOLERANCE: f64 = 1e-6;
 
 impl Scene {
-    /// Where the scene is solved: as asked for, otherwise as its pattern needs if it is a steady or a dynamic cell; anything else is
-    /// solved in the vertical plane. A flat layer is uniform in either.
+    /// Dimension in which the scene is solved: the requested one, otherwise the one that the pattern needs if the scene
+    /// is a steady or dynamic cell. Other scenes, and flat layers, are solved in the vertical plane.
     #[must_use]
     pub fn dimension(&self) -> Dimension {
         let is_open = self.run.dimensions.is_none() && !self.has_spatial_cell();
@@ -317,28 +324,28 @@ impl Scene {
         pattern.map_or(Dimension::Plane, |pattern| Dimension::of(self.run.dimensions, pattern.texture()))
     }
 
-    /// Its pattern where only a section of it is solved.
+    /// Pattern of the scene, if only a section of it is solved.
     #[must_use]
     pub fn section(&self) -> Option<&Pattern> {
         self.dimension().section_of(self.pattern.as_ref()?)
     }
 
-    /// Whether a cell or a strip in space can solve it.
+    /// Whether a cell or a strip in space can solve the scene.
     fn has_spatial_cell(&self) -> bool {
         self.run.extent != Extent::Sample && self.run.has_space()
     }
 
-    /// Whether it asks for a strip in space of a pattern that slides neither along its rows nor across them.
+    /// Whether the scene requests a strip in space of a pattern that slides neither along its rows nor across them.
     #[must_use]
     pub fn is_strip_aslant(&self) -> bool {
         let is_strip = self.run.extent == Extent::Strip && self.dimension() == Dimension::Space;
         is_strip && self.pattern.is_some_and(|pattern| pattern.texture().slides_aslant())
     }
 
-    /// Checks every number for a meaning.
+    /// Checks all parameters.
     ///
     /// # Errors
-    /// [`SceneError`] names the first quantity that has none.
+    /// [`SceneError`] with the first invalid quantity.
     pub fn validate(&self) -> Result<(), SceneError> {
         let positive = |quantity, value: f64| {
             if value.is_finite() && value > 0.0 {
@@ -441,7 +448,7 @@ impl Scene {
         Ok(())
     }
 
-    /// Checks that a measured relief is that of the pattern, and the only one.
+    /// Checks that the measured relief fits the pattern and that the pattern has no rims.
     fn validate_relief(&self) -> Result<(), SceneError> {
         let Some(relief) = &self.relief else { return Ok(()) };
         let Some(pattern) = &self.pattern else {
@@ -459,7 +466,7 @@ impl Scene {
         relief.lands(pattern).map(|_| ()).map_err(SceneError::Relief)
     }
 
-    /// Whether the face of its pattern has heights.
+    /// Whether the face of the pattern has height variations.
     #[must_use]
     pub fn is_raised(&self) -> bool {
         self.relief.is_some() || self.pattern.as_ref().is_some_and(|pattern| pattern.texture().rim().is_some())

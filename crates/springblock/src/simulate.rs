@@ -1,7 +1,6 @@
-//! From a scene to its results: which lattices are needed, what runs on them, what is compared.
+//! Simulation of a scene: choice of lattices and solvers, comparison with the flat surface.
 
 mod averaging;
-mod behind;
 mod blocks;
 mod cavities_in_space;
 mod drawn_ratios;
@@ -14,6 +13,7 @@ mod space;
 mod space_strip;
 mod specimen;
 mod statements;
+mod thick_layer;
 
 pub use specimen::{SteadySpecimen, simulate_specimen, steady_face_bytes, steady_face_ratios, time_changes};
 
@@ -23,7 +23,7 @@ use rayon::prelude::*;
 use slipgrid_pattern::Pattern;
 
 use crate::Monitor;
-use crate::cell::{SteadyCell, condensing_cell, raised_model};
+use crate::cell::{SteadyCell, cell_condensing_cost, raised_model};
 use crate::columns::{self, Column};
 use crate::dimension::Dimension;
 use crate::draws;
@@ -35,51 +35,53 @@ use crate::outcome::{LoadOutcome, Simulation, Statements, Status, SurfaceOutcome
 use crate::scene::{Extent, Fidelity, Layer, Load, RunOptions, Scene};
 use crate::steady::{FaceHistory, RaisedModel, SteadyLoad, SteadyModel, ThickModel, factor_bytes};
 
-use behind::Behind;
-use runs::{Integrated, collect, integrate, seed_of, stderr_share};
-use space::{Laid, laid_share};
+use runs::{RunResults, collect, run_all, seed_of, stderr_share};
+use space::{StripLayout, layout_share};
 use statements::{
     SPEED_ZERO, STRETCHED_CELL, describe_draws, describe_extent, describe_law, describe_protocol, describe_scheme,
     describe_start, describe_steady,
 };
+use thick_layer::ThickLayerCorrection;
 
 pub use blocks::{BlockRefinement, block_refinement, can_refine};
 pub use expense::{Expense, bounded, cell_expense, expense};
 use pressure_tilt::PressureTilt;
 pub use pressure_tilt::{MEAN as TILT_MEAN, STD as TILT_STD, add_tilt, tilt_changes};
 
-/// Most columns of a flat surface that a dynamic `cell` takes: without a pattern there is no period,
-/// and this many blocks average the scatter of the coefficients.
+/// Maximum number of columns of a flat surface in a dynamic `cell`: without a pattern there is no period, and this many
+/// blocks average out the scatter of the coefficients.
 const FLAT_CELL_COLUMNS: usize = 100;
 
-/// Most memory that the equations of one lattice may take, in bytes: two may stand side by side.
+/// Maximum memory for the equations of one lattice, in bytes; two lattices may be in memory at the same time.
 const MAX_FACTOR_BYTES: f64 = 8.0 * (1_u64 << 30) as f64;
 
-/// Columns that stand for a uniform periodic layer.
+/// Number of columns that represent a uniform periodic layer.
 const UNIFORM_COLUMNS: usize = 3;
 
-/// The value of the largest magnitude, the first of equals; 0 without any.
+/// Value of the largest magnitude, the first among equals; 0 for no values.
 fn widest(values: impl Iterator<Item = f64>) -> f64 {
     values.fold(0.0, |widest: f64, value| if value.abs() > widest.abs() { value } else { widest })
 }
 
-/// Solves `scene` at every load, beside the flat surface where it has a pattern.
+/// Solves `scene` at every load, together with the flat surface if it has a pattern.
 ///
 /// Loads and surfaces run in parallel on rayon's current pool; the result does not depend on the
 /// number of threads.
 ///
 /// # Errors
-/// [`SceneError`] if the scene means nothing; everything else is a [`crate::Status`].
+/// [`SceneError`] if the scene is invalid; every other failure is a [`crate::Status`].
 pub fn simulate(scene: &Scene, monitor: &dyn Monitor) -> Result<Simulation, SceneError> {
-    let tilt = |pattern: &Pattern| PressureTilt::of_sample(scene, pattern, monitor);
+    let tilt = |pattern: &Pattern| PressureTilt::for_sample(scene, pattern, monitor);
     simulate_laid(scene, None, tilt, monitor).map(|(simulation, _)| simulation)
 }
 
-/// The same of a strip of a specimen in space ([`Extent::Strip`]), as long as `strip`, with cavities as that has them and nothing of a tilt of
-/// the pressure, which is one of the whole specimen; and its share of cavities over that of a period.
+/// Like [`simulate`] for a strip of a specimen in space ([`Extent::Strip`]), with the length and the cavities of
+/// `strip`. Also returns the cavity fraction of the strip over that of a period.
+///
+/// The tilt of the pressure is not included, because it depends on the whole specimen.
 ///
 /// # Errors
-/// As [`simulate`].
+/// Those of [`simulate`].
 pub fn simulate_strip(scene: &Scene, strip: &Strip, monitor: &dyn Monitor) -> Result<(Simulation, f64), SceneError> {
     let run = RunOptions { extent: Extent::Strip, dimensions: Some(Dimension::Space.number()), ..scene.run };
     let blocks = (strip.length_m / scene.layer.block_m).round().max(1.0);
@@ -88,7 +90,8 @@ pub fn simulate_strip(scene: &Scene, strip: &Strip, monitor: &dyn Monitor) -> Re
     simulate_laid(scene, Some(strip), |_| PressureTilt::default(), monitor)
 }
 
-/// Of a strip as it is laid its share of cavities over that of a period beside it; 1 without.
+/// Simulates `scene`, with the cavities of `strip` if given. Also returns the cavity fraction of the strip over that of
+/// a period, or 1 without a strip.
 fn simulate_laid(
     scene: &Scene,
     strip: Option<&Strip>,
@@ -98,35 +101,35 @@ fn simulate_laid(
     scene.validate()?;
     bounded(scene)?;
     let mut simulation = over_layer(scene, strip, monitor)?;
-    let laid = strip.zip(scene.pattern.as_ref());
-    let share = laid.map_or(1.0, |(strip, pattern)| laid_share(scene, Laid { pattern, strip: Some(strip) }));
+    let layout = strip.zip(scene.pattern.as_ref());
+    let share = layout.map_or(1.0, |(strip, pattern)| layout_share(scene, StripLayout { pattern, strip: Some(strip) }));
     if let Some(pattern) = &scene.pattern {
         rim_difference::add_yielding(scene, pattern, &mut simulation.loads, &mut simulation.statements);
         let is_in_time = scene.run.fidelity != Fidelity::Steady;
-        let behind = Behind::new(scene, pattern, monitor).times(share);
-        behind.tell(is_in_time, &tilt(pattern), &mut simulation.loads, &mut simulation.statements);
+        let correction = ThickLayerCorrection::new(scene, pattern, monitor).scaled(share);
+        correction.apply(is_in_time, &tilt(pattern), &mut simulation.loads, &mut simulation.statements);
         blocks::refine(scene, pattern, share, &mut simulation, monitor);
     }
     Ok((simulation, share))
 }
 
-/// What is said of `scene` once the monitor has cancelled: nothing at any load.
+/// Result for a cancelled simulation: no outcome at any load.
 fn cancelled(scene: &Scene) -> Simulation {
     let unsolved = || SurfaceOutcome::unsolved(Status::Cancelled, std::iter::empty());
     let loads = scene.loads.iter().map(|load| compare(load, unsolved(), Some(unsolved()))).collect();
     Simulation { statements: Statements::default(), loads }
 }
 
-/// Ratios of the steady cell of `scene` at every load, as [`simulate`] finds them, without what tells how far off they are: that
-/// takes several cells more. They are taken to smaller blocks where [`crate::RunOptions::refine`] asks for it and cells of half a second in the
-/// vertical plane can. `None` where a load did not converge.
+/// Ratios of the steady cell of `scene` at every load as in [`simulate`], without error estimates, which take several
+/// more cells. With [`crate::RunOptions::refine`] they are extrapolated to vanishing blocks if this takes cells of at
+/// most half a second in the vertical plane. `None` for a load that did not converge.
 ///
 /// # Errors
-/// [`SceneError`] if the scene means nothing.
+/// [`SceneError`] if the scene is invalid.
 pub fn steady_ratios(scene: &Scene, monitor: &dyn Monitor) -> Result<Vec<Option<f64>>, SceneError> {
     scene.validate()?;
     bounded(scene)?;
-    let solved = &behind::solved(scene);
+    let solved = &thick_layer::solver_scene(scene);
     let Some(pattern) = &scene.pattern else { return Ok(vec![None; scene.loads.len()]) };
     let mut loads = if scene.dimension() == Dimension::Space {
         let loads = space::steady_loads(solved, pattern, monitor)?;
@@ -137,28 +140,31 @@ pub fn steady_ratios(scene: &Scene, monitor: &dyn Monitor) -> Result<Vec<Option<
     };
     rim_difference::add_yielding(scene, pattern, &mut loads, &mut Statements::default());
     let own: Vec<Option<f64>> = loads.iter().map(|load| load.ratio).collect();
-    let refined =
-        if scene.run.refine { blocks::finer(scene, pattern, &own, blocks::MAX_PRODUCTS, monitor).ok() } else { None };
+    let refined = if scene.run.refine {
+        blocks::refinement(scene, pattern, &own, blocks::MAX_PRODUCTS, monitor).ok()
+    } else {
+        None
+    };
     let shifts = refined.map_or_else(|| vec![0.0; loads.len()], |refined| refined.shifts);
     let converged = |load: LoadOutcome| load.ratio.filter(|_| load.surface.status == Status::Converged);
     Ok(loads.into_iter().zip(shifts).map(|(load, shift)| Some(converged(load)? + shift)).collect())
 }
 
-/// The same as [`simulate`] without what is behind the layer where blocks stand for the layer alone.
+/// Like [`simulate`] for the layer only, without the thickness correction.
 fn over_layer(scene: &Scene, strip: Option<&Strip>, monitor: &dyn Monitor) -> Result<Simulation, SceneError> {
-    let solved = &behind::solved(scene);
+    let solved = &thick_layer::solver_scene(scene);
     if let Some(pattern) = scene.pattern.as_ref().filter(|_| scene.dimension() == Dimension::Space) {
-        let laid = Laid { pattern, strip };
+        let layout = StripLayout { pattern, strip };
         return match scene.run.fidelity {
-            Fidelity::Steady => space::steady(solved, laid, monitor),
-            Fidelity::Dynamic | Fidelity::Reference => space::dynamic(solved, laid, monitor),
+            Fidelity::Steady => space::steady(solved, layout, monitor),
+            Fidelity::Dynamic | Fidelity::Reference => space::dynamic(solved, layout, monitor),
         };
     }
     let mut simulation = match scene.run.fidelity {
         Fidelity::Steady => steady(solved, monitor)?,
         Fidelity::Dynamic | Fidelity::Reference => dynamic(solved, monitor)?,
     };
-    // An estimate that does not fit in memory is left out.
+    // The error estimate is left out if it does not fit in memory.
     let estimated = scene
         .pattern
         .as_ref()
@@ -166,21 +172,21 @@ fn over_layer(scene: &Scene, strip: Option<&Strip>, monitor: &dyn Monitor) -> Re
     if let Some(pattern) = estimated {
         let own: Vec<Option<f64>> = match (scene.run.fidelity, scene.run.extent) {
             (Fidelity::Steady, Extent::Cell) => simulation.loads.iter().map(|load| load.ratio).collect(),
-            _ => SteadyCell::solved(scene, Dimension::Plane).ratios(pattern),
+            _ => SteadyCell::with_dimension(scene, Dimension::Plane).ratios(pattern),
         };
-        blocks::state(&mut simulation.loads, discretization_error(scene, pattern, &own).as_deref(), 1.0);
+        blocks::set_errors(&mut simulation.loads, discretization_error(scene, pattern, &own).as_deref(), 1.0);
     }
     Ok(simulation)
 }
 
-/// Time steps that one dynamic run of `scene` is planned to take at the scheme's own step: what it costs is known before
-/// it begins, unless it must go on until its mean is stationary. More than [`crate::MAX_STEPS`] are not begun.
+/// Planned number of time steps of one dynamic run of `scene`, at its default step unless the scene gives one. A run
+/// may continue beyond the plan until its mean is stationary. Runs of more than [`crate::MAX_STEPS`] are refused.
 #[must_use]
 pub fn planned_steps(scene: &Scene) -> u64 {
-    Plan::new(scene, scene.run.step_s.unwrap_or(Scheme::own_step_s(scene))).total()
+    Plan::new(scene, scene.run.step_s.unwrap_or(Scheme::default_step_s(scene))).total()
 }
 
-/// Columns of the scene's own surface and of its flat companion.
+/// Columns of the scene's own surface and of the flat surface for comparison.
 fn surfaces(scene: &Scene, pattern: Option<&Pattern>) -> (Vec<Column>, Option<Vec<Column>>) {
     let (block_m, whole) = (scene.layer.block_m, scene.layer.columns());
     let map = scene.relief.as_deref();
@@ -188,11 +194,11 @@ fn surfaces(scene: &Scene, pattern: Option<&Pattern>) -> (Vec<Column>, Option<Ve
         (None, Extent::Sample | Extent::Strip) => (columns::flat(whole), None),
         (None, Extent::Cell) => (columns::flat(whole.min(FLAT_CELL_COLUMNS)), None),
         (Some(pattern), Extent::Sample | Extent::Strip) => {
-            (columns::sample_on(pattern, block_m, whole, map), Some(columns::flat(whole)))
+            (columns::sample_with_map(pattern, block_m, whole, map), Some(columns::flat(whole)))
         }
         (Some(pattern), Extent::Cell) => {
-            let cell = columns::cell_on(pattern, block_m, map);
-            // Steady sliding on a flat periodic layer is uniform: any number of columns gives it.
+            let cell = columns::cell_with_map(pattern, block_m, map);
+            // Steady sliding on a flat periodic layer is uniform, so that any number of columns gives the same result.
             let flat = if scene.run.fidelity == Fidelity::Steady { UNIFORM_COLUMNS } else { cell.len() };
             (cell, Some(columns::flat(flat)))
         }
@@ -210,18 +216,18 @@ fn affordable(scene: &Scene, columns: usize, periodic: bool) -> Result<(), Scene
     if bytes > most_bytes { Err(SceneError::TooLarge { bytes, most_bytes }) } else { Ok(()) }
 }
 
-/// The same of each of `lattices`.
+/// Applies [`affordable`] to each of `lattices`.
 fn all_affordable(scene: &Scene, lattices: &[Lattice]) -> Result<(), SceneError> {
     lattices.iter().try_for_each(|lattice| affordable(scene, lattice.nx(), lattice.is_periodic()))
 }
 
-/// Steady sliding of one surface.
+/// Model of steady sliding of one surface.
 enum Steady {
-    /// By the equations of all blocks.
+    /// Equations of all blocks.
     Blocks(SteadyModel),
-    /// Of a cell of a thick specimen.
+    /// Cell of a thick specimen.
     Thick(ThickModel),
-    /// Of a cell whose face has heights.
+    /// Cell whose face has height variations.
     Raised(Lattice, RaisedModel),
 }
 
@@ -233,7 +239,7 @@ impl Steady {
         } else if lattice.ny() > scene.layer.rows() {
             Self::Thick(ThickModel::new(lattice, block_m, stiffness, liftoff))
         } else {
-            Self::Blocks(SteadyModel::of(scene, lattice))
+            Self::Blocks(SteadyModel::for_scene(scene, lattice))
         }
     }
 
@@ -256,7 +262,7 @@ impl Steady {
 
 fn steady(scene: &Scene, monitor: &dyn Monitor) -> Result<Simulation, SceneError> {
     let (own, flat) = surfaces(scene, scene.pattern.as_ref());
-    // A flat layer is uniform however thick it is.
+    // A flat layer is uniform whatever its thickness.
     let cell = scene.pattern.as_ref().filter(|_| scene.run.extent == Extent::Cell && scene.layer.is_backed());
     let own = match cell {
         None => {
@@ -264,7 +270,7 @@ fn steady(scene: &Scene, monitor: &dyn Monitor) -> Result<Simulation, SceneError
             lattice(scene, own)
         }
         Some(pattern) => {
-            let (bytes, most_bytes) = (condensing_cell(pattern, scene.layer.block_m).1, MAX_FACTOR_BYTES);
+            let (bytes, most_bytes) = (cell_condensing_cost(pattern, scene.layer.block_m).1, MAX_FACTOR_BYTES);
             if bytes > most_bytes {
                 return Err(SceneError::TooLarge { bytes, most_bytes });
             }
@@ -278,7 +284,7 @@ fn steady(scene: &Scene, monitor: &dyn Monitor) -> Result<Simulation, SceneError
         let area_law = scene.area_law.as_ref();
         by(&SteadyLoad { pressure_pa: load.pressure_pa, dynamic_mu: &dynamic_mu, area_law })
     };
-    // What one load has flattened stays flat for the next.
+    // Points that one load has flattened remain flat for the next load, so loads are solved in sequence.
     let in_turn: Option<Vec<SurfaceOutcome>> = match &own {
         Steady::Raised(lattice, model) => {
             let mut history = FaceHistory::default();
@@ -299,33 +305,33 @@ fn steady(scene: &Scene, monitor: &dyn Monitor) -> Result<Simulation, SceneError
             outcome
         })
         .collect();
-    let mut said = Statements::default();
-    said.model(describe_steady(scene));
-    describe_extent(scene, &mut said);
+    let mut statements = Statements::default();
+    statements.model(describe_steady(scene));
+    describe_extent(scene, &mut statements);
     if scene.run.extent == Extent::Cell {
-        said.method("mean local coefficients: a periodic cell has no scatter to average");
+        statements.method("mean local coefficients: a periodic cell has no scatter to average");
     }
     if scene.speed_m_s == 0.0 {
-        said.model(SPEED_ZERO);
+        statements.model(SPEED_ZERO);
     }
     if scene.loads.iter().any(|load| load.friction.dynamic_mean() > 1.0) {
-        said.model(
+        statements.model(
             "mu above 1: this equilibrium is unstable, as steady sliding of an elastic body on a rigid plane is",
         );
     }
     if !own.lattice().is_plain() {
-        said.method(match scene.run.extent {
+        statements.method(match scene.run.extent {
             Extent::Cell => STRETCHED_CELL,
             Extent::Sample | Extent::Strip => {
                 "dimensions that are no whole blocks: columns fitted to the cavity's edges, depth blended between rows"
             }
         });
     }
-    describe_law(scene, &mut said);
-    Ok(Simulation { statements: said, loads })
+    describe_law(scene, &mut statements);
+    Ok(Simulation { statements, loads })
 }
 
-/// Local dynamic coefficients of a steady solve, one a column: the means in a cell, draws in a sample.
+/// Local dynamic coefficients of a steady solve by column: the mean in a cell, random draws in a sample.
 fn steady_coefficients(scene: &Scene, load: &Load, columns: usize) -> Vec<f64> {
     match scene.run.extent {
         Extent::Cell => vec![load.friction.dynamic_mean(); columns],
@@ -337,7 +343,7 @@ fn steady_coefficients(scene: &Scene, load: &Load, columns: usize) -> Vec<f64> {
 
 fn dynamic(scene: &Scene, monitor: &dyn Monitor) -> Result<Simulation, SceneError> {
     let rows = scene.layer.rows();
-    // Time integration runs on whole blocks; what that changes is taken from the steady model.
+    // Time integration runs on whole blocks; the steady model gives the correction to the exact dimensions.
     let nearest = match &scene.pattern {
         Some(pattern) => Some(columns::nearest_whole(pattern, scene.layer.block_m, rows).map_err(|_| {
             SceneError::Unsupported { what: "a pattern without whole blocks", instead: "give positive dimensions" }
@@ -351,26 +357,26 @@ fn dynamic(scene: &Scene, monitor: &dyn Monitor) -> Result<Simulation, SceneErro
         all_affordable(scene, &lattices)?;
     }
     let steady = vec![OnceLock::new(); lattices.len()];
-    let Integrated { loads, scheme } = integrate(scene, &lattices, &steady, &corrections, monitor)?;
-    let mut said = Statements::default();
-    said.method(describe_scheme(scene, &scheme));
-    describe_protocol(scene, scheme.step_s, &mut said);
-    describe_extent(scene, &mut said);
-    describe_draws(scene, &mut said);
-    describe_start(scene, "layer", &mut said);
+    let RunResults { loads, scheme } = run_all(scene, &lattices, &steady, &corrections, monitor)?;
+    let mut statements = Statements::default();
+    statements.method(describe_scheme(scene, &scheme));
+    describe_protocol(scene, scheme.step_s, &mut statements);
+    describe_extent(scene, &mut statements);
+    describe_draws(scene, &mut statements);
+    describe_start(scene, "layer", &mut statements);
     if let Some(nearest) = nearest.filter(|_| corrections.iter().any(|c| *c != 0.0)) {
-        said.method(format!(
+        statements.method(format!(
             "nearest whole blocks ({:.0} / {:.0} / {:.0} um) plus the steady difference of the ratio to the pattern itself; mu_static and the interface are those of the whole blocks",
             nearest.width_m() * 1e6,
             nearest.spacing_m() * 1e6,
             nearest.depth_m() * 1e6,
         ));
     }
-    describe_law(scene, &mut said);
-    Ok(Simulation { statements: said, loads })
+    describe_law(scene, &mut statements);
+    Ok(Simulation { statements, loads })
 }
 
-/// Steady ratio of the pattern itself less that of its nearest whole blocks, by load.
+/// Steady ratio of the pattern minus that of its nearest whole blocks, by load.
 fn off_lattice_corrections(scene: &Scene, nearest: Option<&Pattern>) -> Result<Vec<f64>, SceneError> {
     let none = vec![0.0; scene.loads.len()];
     let (Some(pattern), Some(nearest)) = (&scene.pattern, nearest) else { return Ok(none) };
@@ -382,30 +388,31 @@ fn off_lattice_corrections(scene: &Scene, nearest: Option<&Pattern>) -> Result<V
         return Ok(none);
     }
     affordable(scene, columns::cell(pattern, scene.layer.block_m).len(), true)?;
-    let model = SteadyCell::solved(scene, Dimension::Plane);
+    let model = SteadyCell::with_dimension(scene, Dimension::Plane);
     let (exact, whole) = (model.ratios(pattern), model.ratios(nearest));
     Ok(differences(&exact, &whole))
 }
 
-/// By load; 0 without a steady ratio on one side, where there is nothing to correct by.
+/// Differences by load; 0 if a steady ratio is missing and no correction is possible.
 fn differences(exact: &[Option<f64>], whole: &[Option<f64>]) -> Vec<f64> {
     exact.iter().zip(whole).map(|(exact, whole)| exact.zip(*whole).map_or(0.0, |(e, w)| e - w)).collect()
 }
 
-/// How far ratios `own` of steady cells in the plane are from those of vanishing blocks ([`blocks::block_error`]).
+/// Estimated difference of the ratios `own` of steady plane cells from the limit of vanishing blocks
+/// ([`blocks::block_error`]).
 fn discretization_error(scene: &Scene, pattern: &Pattern, own: &[Option<f64>]) -> Option<Vec<f64>> {
     blocks::block_error(scene, own, |scene| blocks::plane_ratios(scene, pattern, blocks::MAX_PRODUCTS))
 }
 
 fn compare(load: &Load, surface: SurfaceOutcome, flat: Option<SurfaceOutcome>) -> LoadOutcome {
-    // Two states that are no equilibria have no ratio.
+    // States out of equilibrium have no ratio.
     let found = |surface: &SurfaceOutcome| surface.status != Status::NotConverged;
     let ratio = flat.as_ref().filter(|flat| found(&surface) && found(flat)).and_then(|flat| {
         let (own, flat) = (surface.mu_dynamic?, flat.mu_dynamic?);
         (flat != 0.0).then(|| own / flat)
     });
     let ratio_stderr = flat.as_ref().zip(ratio).and_then(|(flat, ratio)| {
-        // d(a/b) = (da - (a/b) db) / b: also where the patterned surface has no friction
+        // d(a/b) = (da - (a/b) db) / b, which also holds if the patterned surface has no friction.
         let (own, of_flat) = (surface.mu_dynamic_stderr?, flat.mu_dynamic_stderr?);
         Some(own.hypot(ratio * of_flat) / flat.mu_dynamic?.abs())
     });

@@ -1,10 +1,11 @@
-//! Spikes: single points, or clusters of a few, that an instrument got wrong.
+//! Spikes: single points, or clusters of a few points, at which the instrument measured a wrong height.
 //!
-//! A point is suspect if it differs from the median of the 5 x 5 points about it by more than T, eight standard
-//! deviations of such differences over a sample of the map (1.4826 times their median absolute value: what is wrong at a few
-//! points does not move it). Suspects that touch are one cluster. A cluster is a spike if it has twelve points at
-//! most and stands beyond *every* point around it by more than T: corners of cavities, scratches and steep walls
-//! do not. This is the detail-preserving form of the median filter: heights elsewhere stay as they are.
+//! A point is suspect if it differs from the median of the surrounding 5 x 5 points by more than T. T is eight standard
+//! deviations of such differences over a sample of the map; the standard deviation is taken as 1.4826 times the median
+//! absolute difference, which a few wrong points do not move. Suspects that touch form one cluster. A cluster is a
+//! spike if it has at most twelve points and stands beyond *every* surrounding point by more than T; corners of
+//! cavities, scratches and steep walls do not. This is the detail-preserving form of the median filter: all other
+//! heights stay as they are.
 
 use std::fmt;
 
@@ -16,51 +17,52 @@ use slipgrid_statistics::upper_median;
 
 use crate::plausibility::ROBUST_DEVIATION;
 
-/// Most points whose distance from the median about them is found for T, evenly over the map: they tell it to 1 %.
+/// Largest number of points, spread evenly over the map, that are compared with their medians to find T: enough for an
+/// error of 1 % in T.
 const MAX_SAMPLED: usize = 1 << 14;
-/// Fewest differences that have a scale.
+/// Fewest differences from which T is found.
 const MIN_SAMPLED: usize = 64;
-/// Differences below this share of the range of heights are rounding.
+/// Differences below this fraction of the range of heights are rounding errors.
 const ROUNDING: f64 = 1e-9;
-/// Share of differences that must not vanish for a median of their own, where most do.
+/// If most differences vanish, T is found from the others if they are more than this fraction.
 const MIN_UNEQUAL_SHARE: f64 = 0.01;
-/// Points between two questions whether to go on.
-const ASKED_EVERY: usize = 1 << 12;
-/// Times that a map is gone through: a spike may hide behind a larger one.
+/// Points between two checks for cancellation.
+const CANCEL_CHECK_INTERVAL: usize = 1 << 12;
+/// Largest number of passes over a map: a spike can be hidden behind a larger one.
 const MAX_PASSES: usize = 4;
-/// Spikes that are described one by one.
-const DESCRIBED: usize = 3;
+/// Number of spikes described individually in the message.
+const MAX_DESCRIBED: usize = 3;
 
-/// A spike.
+/// A single point, or a cluster of a few points, with a wrong height.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Spike {
-    /// Row of its point farthest from the median about it.
+    /// Row of the cluster's point farthest from the median of its surroundings.
     pub row: usize,
     /// Column of that point.
     pub col: usize,
-    /// Points that it has.
+    /// Number of points in the cluster.
     pub points: usize,
-    /// How far that point lies above the median about it, negative below, in metres.
+    /// Height of that point above the median of its surroundings (negative if below), in metres.
     pub height_m: f64,
 }
 
-/// The spikes of a map.
+/// The spikes found in a map.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Spikes {
-    /// Each of them, the farthest from the surface first.
+    /// All spikes, the farthest from the surface first.
     pub list: Vec<Spike>,
 }
 
 impl Spikes {
-    /// Points that belong to spikes.
+    /// Number of points in all spikes.
     #[must_use]
     pub fn points(&self) -> usize {
         self.list.iter().map(|spike| spike.points).sum()
     }
 }
 
-/// `count` of what `noun` names, in words.
-fn counted(count: usize, noun: &str) -> String {
+/// `count` and `noun`, in the plural unless `count` is 1.
+fn count_with_noun(count: usize, noun: &str) -> String {
     format!("{count} {noun}{}", if count == 1 { "" } else { "s" })
 }
 
@@ -74,14 +76,14 @@ impl fmt::Display for Spikes {
         write!(
             f,
             "{} in {} stand{} alone, beyond all points around (rows {}, columns {}; worst at row, column: ",
-            counted(self.points(), "point"),
-            counted(self.list.len(), "place"),
+            count_with_noun(self.points(), "point"),
+            count_with_noun(self.list.len(), "place"),
             if self.points() == 1 { "s" } else { "" },
-            // In the words of a file, whose rows run along x.
+            // Files list rows along x, this crate columns: the indices are exchanged to match the file.
             extent(|spike| spike.col),
             extent(|spike| spike.row)
         )?;
-        for (n, spike) in self.list.iter().take(DESCRIBED).enumerate() {
+        for (n, spike) in self.list.iter().take(MAX_DESCRIBED).enumerate() {
             let comma = if n > 0 { "; " } else { "" };
             write!(f, "{comma}{}, {} by {:+.3} um", spike.col, spike.row, spike.height_m * 1e6)?;
         }
@@ -90,8 +92,8 @@ impl fmt::Display for Spikes {
 }
 
 impl HeightMap {
-    /// Replaces spikes by the median of the points about them that are present and in none, and says where
-    /// they were; the other heights stay as they are. Missing points stay missing.
+    /// Replaces each spike by the median of the surrounding points that are present and not in a spike, and returns the
+    /// spikes. All other heights stay as they are; missing points stay missing.
     ///
     /// # Errors
     /// [`Cancelled`] once `monitor` cancels.
@@ -120,14 +122,14 @@ impl HeightMap {
         Ok(found)
     }
 
-    /// Whether there are spikes.
+    /// Whether the map has spikes.
     pub(crate) fn has_spikes(&self, monitor: &dyn Monitor) -> Result<bool, Cancelled> {
         let Some(threshold_m) = self.spike_threshold_m(monitor)? else { return Ok(false) };
         Ok(!self.spike_clusters(threshold_m, monitor)?.is_empty())
     }
 
-    /// Calls `visit` for the nodes of the square about `node` with `reach` to its sides, without `node` itself.
-    fn about(&self, node: usize, reach: usize, mut visit: impl FnMut(usize)) {
+    /// Calls `visit` for the nodes of the square of half-width `reach` around `node`, without `node` itself.
+    fn for_each_neighbour(&self, node: usize, reach: usize, mut visit: impl FnMut(usize)) {
         let (i, j) = (node / self.cols(), node % self.cols());
         let last = [(i + reach).min(self.rows() - 1), (j + reach).min(self.cols() - 1)];
         for row in i.saturating_sub(reach)..=last[0] {
@@ -140,10 +142,10 @@ impl HeightMap {
         }
     }
 
-    /// Median of the points present about `node`, NaN if there are none.
+    /// Median of the points present around `node`; NaN if there are none.
     fn median_about(&self, node: usize) -> f64 {
         let mut around = Vec::with_capacity((2 * SPIKE_REACH + 1).pow(2));
-        self.about(node, SPIKE_REACH, |other| {
+        self.for_each_neighbour(node, SPIKE_REACH, |other| {
             let height = self.heights_m()[other];
             if !height.is_nan() {
                 around.push(height);
@@ -152,12 +154,13 @@ impl HeightMap {
         upper_median(&mut around).unwrap_or(f64::NAN)
     }
 
-    /// T: how far from the median about it a point must lie; `None` of a map too small to tell.
+    /// The threshold T, the distance from the median beyond which a point is suspect; `None` if the map has too few
+    /// points.
     fn spike_threshold_m(&self, monitor: &dyn Monitor) -> Result<Option<f64>, Cancelled> {
         let heights = self.heights_m();
         let mut differences = Vec::new();
         for (n, node) in self.sampled(MAX_SAMPLED).enumerate() {
-            if n % ASKED_EVERY == 0 {
+            if n % CANCEL_CHECK_INTERVAL == 0 {
                 monitor.heed()?;
             }
             let difference = (heights[node] - self.median_about(node)).abs();
@@ -170,8 +173,8 @@ impl HeightMap {
         Ok(threshold_m(&mut differences, ROUNDING * (most - least)))
     }
 
-    /// Whether the median about `node` lies more than `threshold_m` below its height (or above): whether more than half of the
-    /// points do.
+    /// Whether `node` lies more than `threshold_m` above or below the median of its surroundings, found by counting:
+    /// more than half of the surrounding points must lie beyond the threshold on one side.
     fn is_suspect(&self, node: usize, threshold_m: f64) -> bool {
         let heights = self.heights_m();
         let (low, high) = (heights[node] - threshold_m, heights[node] + threshold_m);
@@ -185,11 +188,11 @@ impl HeightMap {
                 present += usize::from(!height.is_nan());
             }
         }
-        // The point itself is present.
+        // `present` counts the point itself.
         present > MIN_SPIKE_NEIGHBOURS && 2 * below.max(above) > present - 1
     }
 
-    /// The spikes of the map as it is.
+    /// Clusters of suspects of the current map that are spikes.
     fn spike_clusters(&self, threshold_m: f64, monitor: &dyn Monitor) -> Result<Vec<Cluster>, Cancelled> {
         let heights = self.heights_m();
         let mut suspects: Vec<usize> = Vec::new();
@@ -201,7 +204,7 @@ impl HeightMap {
         let mut taken = vec![false; suspects.len()];
         let mut clusters = Vec::new();
         for first in 0..suspects.len() {
-            if first % ASKED_EVERY == 0 {
+            if first % CANCEL_CHECK_INTERVAL == 0 {
                 monitor.heed()?;
             }
             if taken[first] {
@@ -211,7 +214,7 @@ impl HeightMap {
             let mut nodes = vec![suspects[first]];
             let mut next = 0;
             while next < nodes.len() {
-                self.about(nodes[next], 1, |other| {
+                self.for_each_neighbour(nodes[next], 1, |other| {
                     if let Ok(place) = suspects.binary_search(&other)
                         && !taken[place]
                     {
@@ -226,7 +229,7 @@ impl HeightMap {
         Ok(clusters)
     }
 
-    /// The cluster `nodes` if it is a spike.
+    /// `nodes` as a cluster, if it is a spike.
     fn spike(&self, nodes: Vec<usize>, threshold_m: f64) -> Option<Cluster> {
         if nodes.len() > MAX_SPIKE_POINTS {
             return None;
@@ -238,7 +241,7 @@ impl HeightMap {
         let upright = |node: usize| height_m.signum() * heights[node];
         let (mut rim, mut around) = (f64::NEG_INFINITY, 0);
         for &node in &nodes {
-            self.about(node, 1, |other| {
+            self.for_each_neighbour(node, 1, |other| {
                 if !nodes.contains(&other) && !heights[other].is_nan() {
                     rim = rim.max(upright(other));
                     around += 1;
@@ -252,13 +255,13 @@ impl HeightMap {
     }
 }
 
-/// T of the `differences` of heights from the medians about them, of which those up to `rounding_m` are rounding.
+/// T from the `differences` of heights from their medians; those up to `rounding_m` are taken as rounding errors.
 fn threshold_m(differences: &mut [f64], rounding_m: f64) -> Option<f64> {
     if differences.len() < MIN_SAMPLED {
         return None;
     }
     let middle_m = upper_median(differences)?;
-    // Heights in coarse steps agree with the median more often than not: then those that do not say how they differ.
+    // Heights quantised in coarse steps mostly equal the median; the scatter is then found from the other points only.
     let mut unequal: Vec<f64> = differences.iter().copied().filter(|difference| *difference > rounding_m).collect();
     let deviation_m = if middle_m > rounding_m {
         middle_m
@@ -270,7 +273,7 @@ fn threshold_m(differences: &mut [f64], rounding_m: f64) -> Option<f64> {
     Some(SPIKE_DEVIATIONS * ROBUST_DEVIATION * deviation_m).filter(|threshold_m| *threshold_m > 0.0)
 }
 
-/// A spike with its points.
+/// A spike and the nodes of its points.
 struct Cluster {
     spike: Spike,
     nodes: Vec<usize>,
@@ -317,13 +320,13 @@ mod tests {
         assert!(spikes.to_string().contains("rows 0 to 150, columns 0 to 150; worst at row, column: 150, 150 by -"));
         for (n, (found, clean)) in spiked.heights_m().iter().zip(map.heights_m()).enumerate() {
             if bad.iter().any(|(node, _)| *node == n) {
-                // The median of the points about it: within the roughness of 5 x 5 points.
+                // The median of the surrounding points is within the roughness of 5 x 5 points.
                 assert!((found - clean).abs() < 0.5 * map.sq_m(), "{n}: {found} {clean}");
             } else {
                 assert_eq!(found, clean);
             }
         }
-        // The slope is the clean one again, which the spikes had raised fourfold.
+        // The slope, which the spikes had raised fourfold, is that of the clean map again.
         let slope = |map: &HeightMap| map.rms_slope_spectral().unwrap();
         assert!(slope(&with(&map, &bad)) > 2.0 * slope(&map));
         assert!((slope(&spiked) / slope(&map) - 1.0).abs() < 2e-3);
@@ -346,8 +349,8 @@ mod tests {
             let heights = (0..SIDE * SIDE).map(|n| 1e-6 * shape(place(n).0, place(n).1)).collect();
             HeightMap::new(SIDE, SIDE, 1e-6, 1e-6, heights).unwrap().despike(&Unwatched).unwrap()
         };
-        // A plane, a sphere on a plane, a sinusoid, the same in steps of a tenth, sharp squares, discs and a scratch one
-        // point wide.
+        // A plane, a sphere on a plane, a sinusoid, the same sinusoid in steps of a tenth, sharp squares, discs, and a
+        // scratch one point wide.
         let sphere = |x: f64, y: f64| 40.0 - ((x - 99.5).powi(2) + (y - 99.5).powi(2)) / 50.0;
         let wave = |x: f64, y: f64| (0.1 * x).sin() * (0.13 * y).cos();
         let shapes: [&dyn Fn(f64, f64) -> f64; 7] = [

@@ -3,20 +3,20 @@ use slipgrid_monitor::Cancelled;
 use crate::cavities::Crossing;
 use crate::read::Foreign;
 
-/// Why an altitude map, or an operation on one, was refused.
+/// Reason for refusing an altitude map or an operation on one.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum MapError {
-    /// A number outside its meaning; SI units.
+    /// A number outside its valid range, in SI units.
     #[error("{quantity} is {}: expected {expected}", plain(*value))]
     OutOfRange {
-        /// Which number.
+        /// Name of the quantity.
         quantity: &'static str,
-        /// The number given.
+        /// Value given.
         value: f64,
-        /// What would be accepted.
+        /// Values accepted.
         expected: &'static str,
     },
-    /// Heights that do not fill the grid.
+    /// The number of heights differs from that of the grid's points.
     #[error("{found} heights for {rows} rows of {cols}: expected {rows} x {cols}")]
     WrongLength {
         /// Rows of the grid.
@@ -26,7 +26,7 @@ pub enum MapError {
         /// Heights given.
         found: usize,
     },
-    /// A grid without area.
+    /// A grid with fewer than two rows or columns.
     #[error("the map has {rows} rows and {cols} columns: expected at least 2 of each")]
     TooFewPoints {
         /// Rows of the grid.
@@ -34,12 +34,12 @@ pub enum MapError {
         /// Columns of the grid.
         cols: usize,
     },
-    /// More points than fit in memory with what is computed from them.
+    /// More points than fit in memory together with what is computed from them.
     #[error("the map has {points:.3e} points: expected at most {most}")]
     TooManyPoints {
-        /// Points asked for.
+        /// Number of points requested.
         points: f64,
-        /// The limit.
+        /// Largest number allowed.
         most: usize,
     },
     /// Every point of the map is missing.
@@ -48,7 +48,7 @@ pub enum MapError {
         /// Points of the grid.
         points: usize,
     },
-    /// The operation needs every height.
+    /// The operation needs all heights, and some are missing.
     #[error("{missing} of {points} heights are missing: fill them first")]
     MissingPoints {
         /// Missing points.
@@ -56,7 +56,7 @@ pub enum MapError {
         /// Points of the grid.
         points: usize,
     },
-    /// The points present do not determine the form to remove.
+    /// The points present do not determine the form to be removed.
     #[error("the {points} heights present do not determine a {form}: expected more, spread over the map")]
     FormUndetermined {
         /// The form.
@@ -64,21 +64,21 @@ pub enum MapError {
         /// Points present.
         points: usize,
     },
-    /// No cavities that could be measured.
+    /// No measurable cavity was found.
     #[error("no cavities found: {reason}")]
     NoCavities {
-        /// Why.
+        /// Reason.
         reason: &'static str,
     },
-    /// No mean period of cavities that are one.
+    /// The cavities merge, so there is no mean period.
     #[error("the cavities have no mean period: {0}")]
     Crossing(Crossing),
-    /// No mean period of a pattern.
+    /// The mean period of a pattern cannot be computed.
     #[error("the {whole} whole cavities have no mean period: {reason}")]
     NoPeriod {
-        /// Cavities that the map's sides do not cut off.
+        /// Number of cavities not cut by the map's sides.
         whole: usize,
-        /// Why.
+        /// Reason.
         reason: &'static str,
     },
     /// The monitor has cancelled the operation.
@@ -98,7 +98,7 @@ impl From<Cancelled> for MapError {
     }
 }
 
-/// What [`ReadOptions`](crate::ReadOptions) can say of a file that does not say it itself.
+/// A quantity that [`ReadOptions`](crate::ReadOptions) can supply for a file that lacks it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MapOption {
     /// Unit of the heights.
@@ -109,18 +109,18 @@ pub enum MapOption {
     Pixel,
 }
 
-/// Something that neither a file nor the caller says.
+/// A quantity given neither by the file nor by the caller.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct NotGiven {
-    /// What is needed.
+    /// Name of the quantity.
     pub what: &'static str,
-    /// How to give it.
+    /// Way to supply it.
     pub expected: &'static str,
-    /// The option that gives it.
+    /// Option that supplies it.
     pub option: MapOption,
 }
 
-/// Everything that is `missing` at once: a file is read again for each refusal.
+/// Lists all `missing` quantities at once, because the user must read the file again after each refusal.
 fn not_given(missing: &[NotGiven]) -> String {
     let whats: Vec<String> = missing.iter().map(|missing| format!("the {}", missing.what)).collect();
     let ways: Vec<&str> = missing.iter().map(|missing| missing.expected).collect();
@@ -128,106 +128,106 @@ fn not_given(missing: &[NotGiven]) -> String {
     format!("{} {verb} not known: expected {}", whats.join(" and "), ways.join("; and "))
 }
 
-/// Why a file was refused as an altitude map. Lines count from 1.
+/// Reason for refusing a file as an altitude map. Lines count from 1.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum ReadError {
-    /// The source failed.
+    /// The source could not be read.
     #[error("line {line}: reading failed: {reason}")]
     Source {
-        /// The line that was being read.
+        /// Line that was being read.
         line: usize,
-        /// What the source said.
+        /// Error message of the source.
         reason: String,
     },
-    /// A line longer than any map's.
+    /// A line longer than in any map.
     #[error("line {line}: longer than {most_bytes} bytes: expected one row of a map a line")]
     LineTooLong {
-        /// The line.
+        /// Line number.
         line: usize,
-        /// The limit.
+        /// Longest line allowed.
         most_bytes: usize,
     },
-    /// A field that is no number.
+    /// A field that is not a number.
     #[error("line {line}, column {column}: \"{value}\": expected {expected}")]
     NotANumber {
-        /// The line.
+        /// Line number.
         line: usize,
-        /// The field within the line, from 1.
+        /// Position of the field in the line, counted from 1.
         column: usize,
-        /// The field's text, its beginning if it is long.
+        /// Text of the field, truncated if long.
         value: String,
-        /// What would be accepted.
+        /// Text accepted.
         expected: &'static str,
     },
-    /// A row that differs from the others in length.
+    /// A row whose length differs from that of the others.
     #[error("line {line}: {found} values: expected {expected}")]
     RowLength {
-        /// The line.
+        /// Line number.
         line: usize,
-        /// Values on it.
+        /// Values on the line.
         found: usize,
-        /// Values that it should have.
+        /// Values expected.
         expected: usize,
     },
-    /// A table of one profile, not of a map.
+    /// A table of a single profile instead of a map.
     #[error(
         "{lines} lines of {columns} values are a profile, not a map: expected a matrix of heights, or points x y z"
     )]
     Profile {
         /// Lines of the table.
         lines: usize,
-        /// Values of each.
+        /// Values on each line.
         columns: usize,
     },
-    /// A table with a column of coordinates that is no list of points x y z.
+    /// A table with a column of coordinates that is not a list of points x y z.
     #[error(
         "column {column} runs in equal steps, as coordinates do, which are no heights: expected a matrix of heights alone, or the three \
          columns x y z"
     )]
     Coordinates {
-        /// The column, from 1.
+        /// The column, counted from 1.
         column: usize,
     },
     /// A header entry that cannot be understood.
     #[error("line {line}: {key} is \"{value}\": expected {expected}")]
     Header {
-        /// The line.
+        /// Line number.
         line: usize,
         /// The entry's key.
         key: &'static str,
         /// The entry's value.
         value: String,
-        /// What would be accepted.
+        /// Values accepted.
         expected: &'static str,
     },
-    /// Neither the header nor the caller gave what is needed.
+    /// Needed quantities given neither by the header nor by the caller.
     #[error("{}", not_given(missing))]
     NotGiven {
-        /// All of it.
+        /// The missing quantities.
         missing: Vec<NotGiven>,
     },
-    /// A number with a decimal comma, in a file that does not say all that is needed either.
+    /// A number with a decimal comma, in a file that also lacks needed quantities.
     #[error("line {line}, column {column}: \"{value}\": expected {expected}; then, too, {}", not_given(missing))]
     DecimalComma {
-        /// The line.
+        /// Line number.
         line: usize,
-        /// The field within the line, from 1.
+        /// Position of the field in the line, counted from 1.
         column: usize,
-        /// The field's text.
+        /// Text of the field.
         value: String,
-        /// What would be accepted.
+        /// Text accepted.
         expected: &'static str,
-        /// What is needed beside.
+        /// The other quantities missing.
         missing: Vec<NotGiven>,
     },
-    /// Sides and counts of a matrix whose pixels are oblong: rows are missing, mostly.
+    /// A matrix whose sides and counts give elongated pixels, mostly because rows are missing.
     #[error(
         "{rows} rows and {cols} columns on the header's height of {} um and width of {} um make pixels of {} x {} um, as of a file that \
          was cut short: expected all rows, or, where pixels are oblong, `# Rows: {rows}` in the header or the sides of a pixel by option",
         um(sides_m[1]), um(sides_m[0]), um(sides_m[1] / *cols as f64), um(sides_m[0] / *rows as f64)
     )]
     Oblong {
-        /// The header's sides along y, across lines, and along x, in metres.
+        /// Sides given by the header, along y (across lines) and along x, in metres.
         sides_m: [f64; 2],
         /// Rows of the file.
         rows: usize,
@@ -240,55 +240,55 @@ pub enum ReadError {
         /// Lines read.
         lines: usize,
     },
-    /// A point off the regular grid that the others lie on.
+    /// A point that lies off the regular grid of the other points.
     #[error("line {line}: {axis} = {} lies between grid lines {} apart: expected a regular grid", plain(*value), plain(*step))]
     OffGrid {
-        /// The line.
+        /// Line number.
         line: usize,
-        /// `x` or `y`.
+        /// Axis, `x` or `y`.
         axis: &'static str,
-        /// The coordinate, in the text's unit.
+        /// Coordinate in the file's unit.
         value: f64,
-        /// Distance of the grid lines found, in the text's unit.
+        /// Spacing of the grid lines found, in the file's unit.
         step: f64,
     },
-    /// All points share one coordinate.
+    /// All points have the same coordinate on one axis.
     #[error("all points have {axis} = {}, as of a profile: expected a map, on a grid of at least 2 x 2", plain(*value))]
     OneLine {
-        /// `x` or `y`.
+        /// Axis, `x` or `y`.
         axis: &'static str,
-        /// The coordinate, in the text's unit.
+        /// Coordinate in the file's unit.
         value: f64,
     },
-    /// Two points at one place.
+    /// Two points at the same position.
     #[error("line {line}: x = {}, y = {} was given on line {earlier} already: expected one height per point", plain(*x), plain(*y))]
     Duplicate {
-        /// The later line.
+        /// Line of the later point.
         line: usize,
-        /// The earlier line.
+        /// Line of the earlier point.
         earlier: usize,
-        /// Coordinate in the text's unit.
+        /// Coordinate along x in the file's unit.
         x: f64,
-        /// Coordinate in the text's unit.
+        /// Coordinate along y in the file's unit.
         y: f64,
     },
-    /// So few points that the grid found cannot be the one measured on.
+    /// Too few points for the grid found from them, which is therefore not the measured grid.
     #[error(
         "{points} points on a grid of {} x {}: expected at least one point in {most_nodes_per_point} grid nodes",
         plain(rows.round()),
         plain(cols.round())
     )]
     Sparse {
-        /// Points given.
+        /// Number of points given.
         points: usize,
-        /// Rows of the grid that holds them.
+        /// Rows of the grid found.
         rows: f64,
-        /// Columns of the grid that holds them.
+        /// Columns of the grid found.
         cols: f64,
-        /// The limit.
+        /// Limit on the number of grid points.
         most_nodes_per_point: usize,
     },
-    /// A binary file of no format that is read.
+    /// A binary file in an unsupported format.
     #[error(
         "the file begins with \"{beginning}\": expected text, .gsf, .npy, .sdf, .sur or .x3p (export one of these)"
     )]
@@ -296,88 +296,88 @@ pub enum ReadError {
         /// The first bytes, escaped.
         beginning: String,
     },
-    /// A file of an instrument that is not read.
+    /// A file of an unsupported instrument format.
     #[error("this is a {}, which is not read: export {}", .0.format, .0.export)]
     Foreign(Foreign),
-    /// An entry of a binary file's header that cannot be understood.
+    /// An entry of a binary header that cannot be understood.
     #[error("{format}: {field} is \"{value}\": expected {expected}")]
     Field {
-        /// The format.
+        /// Name of the format.
         format: &'static str,
-        /// The entry.
+        /// Name of the entry.
         field: &'static str,
-        /// Its value; empty where it is absent.
+        /// Its value, empty if absent.
         value: String,
-        /// What would be accepted.
+        /// Values accepted.
         expected: &'static str,
     },
-    /// A header longer than any map's.
+    /// A header longer than in any map.
     #[error("{format}: the header is longer than {most_bytes} bytes")]
     HeaderTooLong {
-        /// The format.
+        /// Name of the format.
         format: &'static str,
-        /// The limit.
+        /// Longest header allowed.
         most_bytes: usize,
     },
-    /// The file holds less or more than its header says.
+    /// The file holds less or more data than its header says.
     #[error("{format}: the {what} end after {found} of {expected}")]
     Ended {
-        /// The format.
+        /// Name of the format.
         format: &'static str,
-        /// Which part.
+        /// Part of the file.
         what: &'static str,
-        /// How much the header says there is: bytes, or heights.
+        /// Amount given by the header: bytes or heights.
         expected: u64,
-        /// How much there is.
+        /// Amount found.
         found: u64,
     },
-    /// The file holds more than its header says.
+    /// The file holds more data than its header says.
     #[error("{format}: data go on behind the heights that the header announces: expected the file to end there")]
     GoesOn {
-        /// The format.
+        /// Name of the format.
         format: &'static str,
     },
-    /// The source failed, or what it packs is damaged.
+    /// The source could not be read, or its compressed data are damaged.
     #[error("{format}: cannot be read: {reason}")]
     Unreadable {
-        /// The format.
+        /// Name of the format.
         format: &'static str,
-        /// What the source or the library that unpacks said.
+        /// Error message of the source or of the decompression library.
         reason: String,
     },
-    /// Packed data that unpack to far more than measured heights ever do.
+    /// Compressed data that expand far more than measured heights do.
     #[error(
         "{format}: what is packed in {packed} bytes unpacks to {unpacked} bytes: expected at most {most_expansion} times as many"
     )]
     Bomb {
-        /// The format.
+        /// Name of the format.
         format: &'static str,
-        /// Bytes that it unpacks to.
+        /// Bytes after decompression.
         unpacked: u64,
         /// Bytes in the file.
         packed: u64,
-        /// The limit.
+        /// Largest expansion allowed.
         most_expansion: u64,
     },
-    /// A crop beyond the map.
+    /// A crop that reaches beyond the map.
     #[error("the crop takes {axis} {first} to {}: the file has {available} {axis}, from 0", first.saturating_add(count.saturating_sub(1)))]
     CropOutside {
         /// `rows` or `columns`.
         axis: &'static str,
-        /// First row or column asked for.
+        /// First row or column requested.
         first: usize,
-        /// How many.
+        /// Number of rows or columns requested.
         count: usize,
         /// Rows or columns of the file.
         available: u64,
     },
-    /// The numbers make no map.
+    /// The heights and pixel sides do not make a valid map.
     #[error(transparent)]
     Map(#[from] MapError),
 }
 
 impl ReadError {
-    /// A refused decimal comma with what is `missing` beside; any other error as it is.
+    /// Adds the quantities `missing` from the file to a refused decimal comma; returns any other error unchanged.
     pub(crate) fn with_missing(self, missing: Vec<NotGiven>) -> Self {
         match self {
             Self::NotANumber { line, column, value, expected } if value.contains(',') && !missing.is_empty() => {
@@ -388,7 +388,7 @@ impl ReadError {
     }
 }
 
-/// A number as people write it: with an exponent where it would take many digits.
+/// Formats a number with an exponent where plain notation would take many digits.
 fn plain(value: f64) -> String {
     let size = value.abs();
     if size == 0.0 || (1e-6..1e9).contains(&size) || !size.is_finite() {
@@ -403,7 +403,7 @@ fn um(length_m: f64) -> String {
     significant(length_m * 1e6, 6)
 }
 
-/// `value` to so many digits.
+/// Formats `value` to the given number of digits.
 pub(crate) fn significant(value: f64, digits: usize) -> String {
     let written = format!("{value:.*e}", digits.saturating_sub(1));
     written.parse().map_or(written, plain)

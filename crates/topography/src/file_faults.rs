@@ -1,9 +1,10 @@
-//! Faults of files that heights alone show: pixels in two units, and zeros in place of points that were not measured.
+//! Detects faults of a file that show in the heights: pixels in two units, and zeros in place of points that were not
+//! measured.
 
 use crate::{HeightMap, MapWarning, limits};
 
 impl HeightMap {
-    /// The warning on pixels of implausible sides.
+    /// Warning on implausible pixel sides.
     #[must_use]
     pub fn pixel_warning(&self) -> Option<MapWarning> {
         let pixel_m @ [x_m, y_m] = [self.dx_m(), self.dy_m()];
@@ -13,7 +14,7 @@ impl HeightMap {
         (!is_usual || is_oblong).then_some(MapWarning::Pixels { pixel_m })
     }
 
-    /// The warning on blocks of zeros, on the map as measured: 3 x 3 points and more, where no other height fills as many.
+    /// Warning on blocks of 3 x 3 or more zeros in the measured map, if no other height fills as many blocks.
     #[must_use]
     pub fn zeros_warning(&self) -> Option<MapWarning> {
         let (rows, cols, heights_m) = (self.rows(), self.cols(), self.heights_m());
@@ -33,7 +34,8 @@ impl HeightMap {
             let count = if heights_m[i * cols + j] == 0.0 { &mut of_zeros } else { &mut of_others };
             *count += 1;
         }
-        // Coarse heights have blocks of many values, and floors of ideal cavities of one that is none.
+        // Coarsely quantised heights fill blocks at many values; the floors of ideal cavities fill blocks at a value
+        // other than zero.
         (of_zeros > 0 && of_zeros > of_others).then_some(MapWarning::Zeros { zeros, points: heights_m.len() })
     }
 }

@@ -1,10 +1,10 @@
-//! Form removal: what a specimen's shape and the way it lay under the instrument added to the surface.
+//! Form removal: subtracts the shape of a specimen and its tilt under the instrument.
 
 use slipgrid_monitor::Monitor;
 
 use crate::{HeightMap, MapError};
 
-/// The shape that is subtracted, by least squares over the points present.
+/// Shape fitted by least squares to the points present, and subtracted.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Form {
     /// The mean height.
@@ -30,7 +30,7 @@ impl Form {
         }
     }
 
-    /// Number of terms, the first of [`terms`].
+    /// Number of terms; a form uses the first ones of [`terms`].
     const fn count(self) -> usize {
         match self {
             Self::Mean => 1,
@@ -42,35 +42,35 @@ impl Form {
 
 /// Terms of the largest form.
 const TERMS: usize = 6;
-/// Share of its diagonal that a pivot of the normal equations must keep: below it the points do not determine
+/// A pivot of the normal equations below this fraction of its diagonal element means that the points do not determine
 /// the form.
 const SMALLEST_PIVOT: f64 = 1e-10;
 
-/// A fitted form, for places given as -1 to 1 over the map along x and y.
+/// A fitted form, in coordinates that run from -1 to 1 over the map along x and y.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct FittedForm {
     coefficient: [f64; TERMS],
     count: usize,
 }
 
-/// Legendre polynomials: nearly orthogonal over a whole map, so that the equations stay well conditioned.
+/// Legendre polynomials: nearly orthogonal over a full map, which keeps the equations well conditioned.
 fn terms(u: f64, v: f64) -> [f64; TERMS] {
     [1.0, u, v, 0.5 * (3.0 * u * u - 1.0), u * v, 0.5 * (3.0 * v * v - 1.0)]
 }
 
-/// The place of the line `index` of `count`, -1 to 1.
+/// Coordinate of line `index` of `count`, from -1 to 1.
 fn place(index: usize, count: usize) -> f64 {
     2.0 * index as f64 / (count - 1) as f64 - 1.0
 }
 
 impl FittedForm {
-    /// The height of the form at row `i` and column `j` of `map`.
+    /// Height of the form at row `i` and column `j` of `map`.
     fn height_m(&self, [i, j]: [usize; 2], map: &HeightMap) -> f64 {
         let (u, v) = (place(i, map.rows()), place(j, map.cols()));
         terms(u, v)[..self.count].iter().zip(&self.coefficient).map(|(term, factor)| term * factor).sum()
     }
 
-    /// Heights of the form at the points of `map`, until `monitor` cancels.
+    /// Heights of the form at all points of `map`; ends once `monitor` cancels.
     fn heights_m(&self, map: &HeightMap, monitor: &dyn Monitor) -> Result<Vec<f64>, MapError> {
         let mut heights_m = Vec::with_capacity(map.heights_m().len());
         for i in 0..map.rows() {
@@ -80,7 +80,7 @@ impl FittedForm {
         Ok(heights_m)
     }
 
-    /// Heights of `map` above the form, until `monitor` cancels.
+    /// Heights of `map` minus the form; ends once `monitor` cancels.
     pub(crate) fn above_m(&self, map: &HeightMap, monitor: &dyn Monitor) -> Result<Vec<f64>, MapError> {
         let mut above_m = self.heights_m(map, monitor)?;
         for (above, height) in above_m.iter_mut().zip(map.heights_m()) {
@@ -91,10 +91,11 @@ impl FittedForm {
 }
 
 impl HeightMap {
-    /// Fits `form` by least squares to the points that are present and `wanted`.
+    /// Fits `form` by least squares to the points that are present and for which `wanted` is true.
     ///
     /// # Errors
-    /// [`MapError::FormUndetermined`] if these points do not determine it, and once `monitor` cancels.
+    /// [`MapError::FormUndetermined`] if these points do not determine the form; [`MapError::Cancelled`] once `monitor`
+    /// cancels.
     pub(crate) fn fit_form(
         &self,
         form: Form,
@@ -102,7 +103,8 @@ impl HeightMap {
         monitor: &dyn Monitor,
     ) -> Result<FittedForm, MapError> {
         let count = form.count();
-        // Normal equations A c = b, A = sum of terms terms^T, b = sum of terms h, heights about one of them.
+        // Normal equations A c = b with A = sum of terms terms^T and b = sum of terms h; h relative to the first wanted
+        // height.
         let (mut a, mut b, mut points) = ([[0.0; TERMS]; TERMS], [0.0; TERMS], 0_usize);
         let is_wanted = |n: usize| !self.heights_m()[n].is_nan() && wanted(n);
         let origin = (0..self.heights_m().len()).find(|n| is_wanted(*n)).map_or(0.0, |n| self.heights_m()[n]);
@@ -124,7 +126,7 @@ impl HeightMap {
         if points < count {
             return Err(undetermined);
         }
-        // Cholesky: A = L L^T in the lower half.
+        // Cholesky factorisation A = L L^T in the lower half.
         for i in 0..count {
             for j in 0..=i {
                 let sum = (0..j).fold(a[i][j], |sum, k| sum - a[i][k] * a[j][k]);
@@ -148,10 +150,11 @@ impl HeightMap {
         Ok(FittedForm { coefficient: b, count })
     }
 
-    /// Subtracts `form` and returns the rms height of what was subtracted beyond its mean, in metres.
+    /// Subtracts `form` and returns the rms height of the subtracted form about its mean, in metres.
     ///
     /// # Errors
-    /// [`MapError::FormUndetermined`] if the points present do not determine the form, and once `monitor` cancels: the map is as it was.
+    /// [`MapError::FormUndetermined`] if the points present do not determine the form; [`MapError::Cancelled`] once
+    /// `monitor` cancels. The map is then unchanged.
     pub fn remove_form(&mut self, form: Form, monitor: &dyn Monitor) -> Result<f64, MapError> {
         let fitted = self.fit_form(form, |_| true, monitor)?;
         let subtracted = fitted.heights_m(self, monitor)?;
@@ -165,7 +168,7 @@ impl HeightMap {
             }
             *height -= form;
         }
-        // mean of f^2 less (mean of f)^2, f about one of its values
+        // mean of f^2 minus (mean of f)^2, f relative to one of its values
         Ok((square / count - (sum / count).powi(2)).max(0.0).sqrt())
     }
 }

@@ -1,19 +1,19 @@
-//! The discrete Fourier transform of a real periodic map, and filters in Fourier space.
+//! Discrete Fourier transform of a real periodic map, and filters in Fourier space.
 //!
-//! Rows are transformed by a real FFT a few at a time and written out transposed, so that each column of
-//! the half spectrum is contiguous; columns are then transformed in place. A filter transforms each
-//! column, multiplies it and transforms it back while it is in cache. Nothing is allocated once
-//! [`FourierWork`] has been made.
+//! Rows are transformed by a real FFT a few at a time and written transposed, so that each column of the half spectrum
+//! is contiguous; columns are then transformed in place. A filter transforms each column, multiplies it and transforms
+//! it back while it is in cache. Nothing is allocated once [`FourierWork`] has been made.
 //!
-//! Filters of maps whose sides are powers of two, of 8 rows and 256 columns or more, are those of [`Convolution`] instead:
-//! unordered transforms, 1.6 to 2 times as fast at 256 to 2048 points a side, which add in the same order on every machine.
+//! Filters of maps whose sides are powers of two, with at least 8 rows and 256 columns, use [`Convolution`] instead:
+//! unordered transforms, 1.6 to 2 times as fast at 256 to 2048 points a side, whose order of summation is the same on
+//! every machine.
 //!
-//! All other transforms are those that rustfft has for the processor at hand. With AVX they add in another order than
-//! without, so that sums differ by about 1e-15 of themselves between processors that have it and others: the rms slope of
-//! the stand-in map in the last bit. To keep to what every x86-64 processor has would give the same bytes everywhere and
-//! cost more than half of the speed: with these transforms for filters, too, the area law of 512 x 512 points at 24
-//! pressures took one core of an EPYC 2.2 s with AVX, 5.0 s with SSE alone, 5.7 s without either. Speed was chosen; what
-//! prints the numbers says so.
+//! All other transforms use the rustfft code for the processor at hand. With AVX it adds in another order than without,
+//! so that sums differ by about 1e-15 relative between processors with and without AVX; the rms slope of the stand-in
+//! map differs in its last bit. Using only the instructions of every x86-64 processor would give the same bytes
+//! everywhere, but cost more than half of the speed: with these transforms for filters too, the area law of 512 x 512
+//! points at 24 pressures took one core of an EPYC 2.2 s with AVX, 5.0 s with SSE alone, 5.7 s without either. Speed
+//! was preferred; the programs that print the numbers state the dependence.
 
 use std::f64::consts::TAU;
 use std::fmt;
@@ -22,10 +22,9 @@ use std::sync::Arc;
 use slipgrid_fft::{Complex, ComplexToReal, Convolution, Fft, FftNum, Precision, RealToComplex};
 use slipgrid_monitor::{Cancelled, Monitor, Unwatched};
 
-/// Rows transformed between two transpositions: their complex numbers in a column fill two cache lines.
+/// Rows transformed before each transposition: their complex numbers in one column fill two cache lines.
 const BLOCK_ROWS: usize = 8;
-/// Complex numbers between the end of a column and the next: keeps columns of a power of two out of each
-/// other's cache sets.
+/// Complex numbers of padding between columns: keeps columns of power-of-two length out of each other's cache sets.
 const COLUMN_PADDING: usize = 4;
 
 /// Transforms of periodic maps of one size in double (f64) or single (f32) precision; shared freely between threads.
@@ -37,7 +36,7 @@ pub struct Fourier<T: FftNum = f64> {
     row_inverse: Arc<dyn ComplexToReal<T>>,
     column_forward: Arc<dyn Fft<T>>,
     column_inverse: Arc<dyn Fft<T>>,
-    /// Filters of sides that are powers of two.
+    /// Filters for sides that are powers of two.
     convolution: Option<Arc<Convolution<T>>>,
 }
 
@@ -47,12 +46,12 @@ impl<T: FftNum> fmt::Debug for Fourier<T> {
     }
 }
 
-/// Buffers of one running transform, and who may end it; one per thread.
+/// Buffers of one running transform, with the monitor that can cancel it; one per thread.
 #[derive(Clone)]
 pub struct FourierWork<'m, T = f64> {
     /// Half spectrum, column by column.
     spectrum: Vec<Complex<T>>,
-    /// A few rows of half spectrum, before or after transposition.
+    /// A few rows of the half spectrum, before or after transposition.
     block: Vec<Complex<T>>,
     /// One real row.
     row: Vec<T>,
@@ -62,12 +61,12 @@ pub struct FourierWork<'m, T = f64> {
     monitor: &'m dyn Monitor,
 }
 
-/// A real factor for every wave of a map, the same for waves k and -k, with the 1/(rows cols) that turns a
-/// transform and its inverse into the identity.
+/// A real factor for every wave of a map, the same for waves k and -k. It includes the 1/(rows cols) that makes the
+/// forward and inverse transforms together the identity.
 #[derive(Clone, Debug)]
 pub struct Multiplier<T = f64> {
-    /// rows/2 + 1 factors for each column of the half spectrum: waves k and -k share one. Those of a convolution in its
-    /// order.
+    /// rows/2 + 1 factors for each column of the half spectrum (waves k and -k share one), or the factors of a
+    /// convolution in its own order.
     factor: Vec<T>,
 }
 
@@ -104,7 +103,7 @@ impl<T: Precision> Fourier<T> {
         self.work_watched(&Unwatched)
     }
 
-    /// The same for a filter that ends once `monitor` cancels: what is in its output then means nothing.
+    /// Buffers for one running filter that ends once `monitor` cancels; its output is then undefined.
     #[must_use]
     pub fn work_watched<'m>(&self, monitor: &'m dyn Monitor) -> FourierWork<'m, T> {
         let Some(convolution) = &self.convolution else { return self.transform_work(monitor) };
@@ -156,22 +155,22 @@ impl<T: Precision> Fourier<T> {
             return Multiplier { factor: convolution.factors(|k, l| factor(k, l) * inverse_points) };
         }
         let waves = (0..self.columns()).flat_map(|l| (0..=self.rows / 2).map(move |k| (k, l)));
-        // Every float type takes an f64, rounded.
+        // Conversion from f64 never fails; it rounds.
         let rounded = |value: f64| T::from_f64(value).unwrap_or_else(T::zero);
         Multiplier { factor: waves.map(|(k, l)| rounded(factor(k, l) * inverse_points)).collect() }
     }
 
-    /// `output` = `input` with every wave multiplied; both row by row, rows x cols long.
+    /// Writes to `output` the `input` with every wave multiplied; both are rows x cols, row by row.
     pub fn filter(&self, input: &[T], multiplier: &Multiplier<T>, output: &mut [T], work: &mut FourierWork<'_, T>) {
         if let Some(convolution) = &self.convolution {
             let goes_on = || !work.monitor.cancelled();
             return T::filter(convolution, [input, &multiplier.factor], output, &mut work.columns, &goes_on);
         }
-        // What is left undone means nothing, as callers know.
+        // A cancelled transform leaves the output undefined, as documented.
         let _ = self.filter_columns(input, multiplier, output, work);
     }
 
-    /// The filter of any size.
+    /// Filters a map of any size.
     fn filter_columns(
         &self,
         input: &[T],
@@ -237,7 +236,7 @@ impl<T: Precision> Fourier<T> {
                 }
             }
             for (target, source) in rows.chunks_exact_mut(self.cols).zip(block.chunks_exact_mut(columns)) {
-                // The mean and the Nyquist wave of a real row are real: drop what rounding left.
+                // The mean and the Nyquist wave of a real row are real; the imaginary part is rounding error.
                 source[0].im = T::zero();
                 if self.cols.is_multiple_of(2) {
                     source[columns - 1].im = T::zero();
@@ -251,8 +250,8 @@ impl<T: Precision> Fourier<T> {
 }
 
 impl Fourier {
-    /// sum over all waves of weight(|q|) |h_q|^2, h_q the Fourier coefficient (1/N) sum h exp(-i q x), q in
-    /// rad/m on pixels of `dx_m` x `dy_m`, the mean left out.
+    /// Computes sum over all waves except the mean of weight(|q|) |h_q|^2, with the Fourier coefficient h_q = (1/N) sum
+    /// h exp(-i q x) and q in rad/m on pixels of `dx_m` x `dy_m`.
     ///
     /// # Errors
     /// [`Cancelled`] once `monitor` cancels.
@@ -269,8 +268,8 @@ impl Fourier {
         Ok(sum / (points * points))
     }
 
-    /// Calls `visit(|q|, twins, |sum h exp(-i q x)|^2)` for every wave but the mean; of a wave and its mirror
-    /// image only one is visited, and `twins` is 2.
+    /// Calls `visit(|q|, twins, |sum h exp(-i q x)|^2)` for every wave except the mean. Of a wave and its mirror image
+    /// only one is visited, with `twins` = 2.
     pub(crate) fn visit_waves(
         &self,
         input: &[f64],
@@ -284,7 +283,7 @@ impl Fourier {
             monitor.heed()?;
             let column = &mut column[..self.rows];
             self.column_forward.process_with_scratch(column, &mut work.scratch);
-            // The half spectrum holds waves l and -l once, but for l = 0 and the Nyquist wave.
+            // The half spectrum holds one of the waves l and -l, which are the same for l = 0 and at the Nyquist wave.
             let twins = if l == 0 || 2 * l == self.cols { 1.0 } else { 2.0 };
             for (k, wave) in column.iter().enumerate() {
                 if k > 0 || l > 0 {
@@ -295,7 +294,7 @@ impl Fourier {
         Ok(())
     }
 
-    /// The map's product with itself displaced, summed over one period:
+    /// Autocorrelation of the map, summed over one period:
     /// map(t) = sum over x of map(x) map(x + t).
     pub(crate) fn autocorrelate(&self, map: &mut [f64], monitor: &dyn Monitor) -> Result<(), Cancelled> {
         let work = &mut self.transform_work(monitor);
@@ -306,7 +305,7 @@ impl Fourier {
             let column = &mut column[..self.rows];
             self.column_forward.process_with_scratch(column, &mut work.scratch);
             for wave in column.iter_mut() {
-                // Wiener-Khinchin: the transform of the correlation is |h_q|^2.
+                // Wiener-Khinchin theorem: the transform of the autocorrelation is |h_q|^2.
                 *wave = Complex::new(wave.norm_sqr() * inverse_points, 0.0);
             }
             self.column_inverse.process_with_scratch(column, &mut work.scratch);
@@ -324,8 +323,8 @@ mod tests {
         (0..rows * cols).map(|n| ((n * n * 7919 + 13 * n) % 1009) as f64 / 1009.0 - 0.4).collect()
     }
 
-    /// The slow, obviously right filter: sums over all waves.
-    fn judge(rows: usize, cols: usize, input: &[f64], factor: impl Fn(f64, f64) -> f64) -> Vec<f64> {
+    /// Direct filter by sums over all waves, slow but independent.
+    fn filter_directly(rows: usize, cols: usize, input: &[f64], factor: impl Fn(f64, f64) -> f64) -> Vec<f64> {
         let signed = |k: usize, n: usize| if 2 * k > n { k as f64 - n as f64 } else { k as f64 };
         let mut output = vec![0.0; rows * cols];
         for k in 0..rows {
@@ -359,7 +358,7 @@ mod tests {
             let multiplier = fourier.multiplier(dx, dy, 0.3, |q| 1.0 / (1.0 + q));
             let mut output = vec![0.0; rows * cols];
             fourier.filter(&input, &multiplier, &mut output, &mut fourier.work());
-            let expected = judge(rows, cols, &input, |k, l| {
+            let expected = filter_directly(rows, cols, &input, |k, l| {
                 let q = (TAU * k / (rows as f64 * dx)).hypot(TAU * l / (cols as f64 * dy));
                 if q == 0.0 { 0.3 } else { 1.0 / (1.0 + q) }
             });

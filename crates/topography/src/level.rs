@@ -2,8 +2,8 @@ use slipgrid_monitor::{Monitor, Unwatched};
 
 use crate::{HeightMap, MapError};
 
-/// A least squares plane: height = mean + slope_x (x - x0) + slope_y (y - y0), (x0, y0) the centroid of the
-/// points present.
+/// A least-squares plane: height = mean + slope_x (x - x0) + slope_y (y - y0), with (x0, y0) the centroid of the points
+/// present.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Plane {
     /// Mean height of the points present, in metres.
@@ -14,7 +14,7 @@ pub struct Plane {
     pub slope_y: f64,
 }
 
-/// Share of det(A) over the product of A's diagonal below which the points count as lying on one line.
+/// If det(A) divided by the product of A's diagonal is below this value, the points count as lying on one line.
 const SMALLEST_DETERMINANT: f64 = 1e-12;
 
 impl HeightMap {
@@ -31,7 +31,7 @@ impl HeightMap {
     #[must_use]
     pub fn mean_m(&self) -> f64 {
         let mut present = self.heights_m().iter().filter(|height| !height.is_nan());
-        // Summed from one of the heights, so that a constant map has exactly that mean.
+        // Sums are relative to one of the heights, so that a constant map has exactly its height as mean.
         let Some(&origin) = present.next() else { return f64::NAN };
         let (mut sum, mut count) = (0.0, 1.0);
         for height in present {
@@ -41,18 +41,18 @@ impl HeightMap {
         origin + sum / count
     }
 
-    /// Subtracts the least squares plane through the points present and returns it.
+    /// Subtracts the least-squares plane through the points present and returns the plane.
     ///
     /// # Errors
-    /// [`MapError::PlaneUndetermined`] if the points present lie on one line; the map is as it was.
+    /// [`MapError::PlaneUndetermined`] if the points present lie on one line; the map is then unchanged.
     pub fn subtract_plane(&mut self) -> Result<Plane, MapError> {
         self.subtract_plane_watched(&Unwatched)
     }
 
-    /// The same until `monitor` cancels.
+    /// Like [`Self::subtract_plane`], but ends once `monitor` cancels.
     ///
     /// # Errors
-    /// As [`Self::subtract_plane`], and [`MapError::Cancelled`].
+    /// Those of [`Self::subtract_plane`], and [`MapError::Cancelled`].
     pub fn subtract_plane_watched(&mut self, monitor: &dyn Monitor) -> Result<Plane, MapError> {
         let (cols, dx_m, dy_m) = (self.cols(), self.dx_m(), self.dy_m());
         let mut count = 0.0;
@@ -101,7 +101,7 @@ impl HeightMap {
 mod tests {
     use super::*;
 
-    /// A tilted plane on 5 x 7 pixels of 1 um x 2 um, without the points in `holes`.
+    /// A tilted plane on 5 x 7 pixels of 1 um x 2 um, with the points `holes` missing.
     fn tilted(holes: &[usize]) -> HeightMap {
         let height = |n: usize| {
             let (x, y) = ((n / 7) as f64 * 1e-6, (n % 7) as f64 * 2e-6);

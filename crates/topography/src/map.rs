@@ -2,21 +2,21 @@ use std::fmt;
 
 use crate::MapError;
 
-/// Most points of a map: 8192 x 8192, for which the contact solver takes 5.5 GB at one pressure, and 3.2 GB more for each beside it.
+/// Largest number of points of a map: 8192 x 8192, for which the contact solver takes 5.5 GB at one pressure, and 3.2
+/// GB more for each further pressure solved in parallel.
 pub const MAX_POINTS: usize = 1 << 26;
-/// Range of a pixel's sides, in metres: wide enough for any surface, narrow enough that squares of
-/// slopes stay finite.
+/// Range of pixel sides, in metres: wide enough for any surface, narrow enough that squares of slopes stay finite.
 const PIXEL_RANGE_M: std::ops::RangeInclusive<f64> = 1e-13..=1e3;
 /// Largest height, in metres.
 const MAX_HEIGHT_M: f64 = 1e3;
 
-/// Altitudes on a regular grid: `rows` along x, `cols` along y, row by row, NaN where missing.
+/// Heights on a regular grid: `rows` along x, `cols` along y, row by row, NaN where missing.
 ///
-/// In files that hold heights line after line, as matrix text does, x runs along a line, from point to point, and y from
-/// line to line, as in the programs of instruments: readers and writers turn such grids. In lists of points x is the file's.
+/// In files that hold lines of heights, such as matrix text, x runs along a line from point to point and y from line to
+/// line, as in instrument software; readers and writers transpose such grids. In lists of points x is the file's x.
 ///
-/// `height_m[i * cols + j]` is the altitude at x = i dx, y = j dy. A pixel is dx by dy; the map's sides
-/// are rows dx and cols dy, so that a periodic map repeats after exactly its sides.
+/// `height_m[i * cols + j]` is the height at x = i dx, y = j dy. A pixel is dx by dy; the map's sides are rows dx and
+/// cols dy, so that a periodic map repeats after exactly its sides.
 #[derive(Clone, PartialEq)]
 pub struct HeightMap {
     rows: usize,
@@ -26,7 +26,8 @@ pub struct HeightMap {
     height_m: Vec<f64>,
 }
 
-/// Heights are written as their bits: results are kept by what a map looks like here, and digits take twenty times as long.
+/// Heights are serialised as their bits: results are cached under the bytes of a map, and decimal digits take twenty
+/// times as long.
 impl fmt::Debug for HeightMap {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { rows, cols, dx_m, dy_m, height_m } = self;
@@ -36,7 +37,7 @@ impl fmt::Debug for HeightMap {
     }
 }
 
-/// Checks that `rows` x `cols` is a grid that a map may have.
+/// Checks that a map may have `rows` x `cols` points.
 pub(crate) fn check_grid(rows: usize, cols: usize) -> Result<(), MapError> {
     if rows < 2 || cols < 2 {
         return Err(MapError::TooFewPoints { rows, cols });
@@ -58,12 +59,13 @@ pub(crate) fn check_pixel(quantity: &'static str, value: f64) -> Result<(), MapE
 }
 
 impl HeightMap {
-    /// A map of `rows` x `cols` heights in metres, row by row, NaN where missing. `dx_m` is the distance
-    /// between rows, `dy_m` the one between columns.
+    /// A map of `rows` x `cols` heights in metres, row by row, NaN where missing. `dx_m` is the distance between rows,
+    /// `dy_m` that between columns.
     ///
     /// # Errors
-    /// [`MapError`] unless there are 2 to [`MAX_POINTS`] points, as many as the grid has, at least one is
-    /// present, heights lie within 1 km and pixel sides between 1e-13 and 1e3 m.
+    /// [`MapError`] unless there are at least 2 rows and columns and at most [`MAX_POINTS`] points, as many heights as
+    /// the grid has points, at least one height is present, heights lie within 1 km, and pixel sides are between 1e-13
+    /// and 1e3 m.
     pub fn new(rows: usize, cols: usize, dx_m: f64, dy_m: f64, height_m: Vec<f64>) -> Result<Self, MapError> {
         check_grid(rows, cols)?;
         check_pixel("pixel size along x", dx_m)?;
@@ -127,10 +129,10 @@ impl HeightMap {
         }
     }
 
-    /// The same surface with every height multiplied by `factor`: another Sa, the same shape.
+    /// The same surface with every height multiplied by `factor`.
     ///
     /// # Errors
-    /// [`MapError::OutOfRange`] if a height leaves the range of [`HeightMap::new`] or `factor` is no number.
+    /// [`MapError::OutOfRange`] if a height leaves the range of [`HeightMap::new`] or `factor` is not finite.
     pub fn scaled(&self, factor: f64) -> Result<Self, MapError> {
         if !factor.is_finite() {
             return Err(MapError::OutOfRange { quantity: "height factor", value: factor, expected: "a finite number" });
@@ -141,7 +143,7 @@ impl HeightMap {
 
     /// The same heights with rows and columns exchanged.
     pub(crate) fn transposed(&self) -> Self {
-        /// Side of the squares that are turned one by one: both sides of the copy stay in the cache.
+        /// Side of the squares transposed one at a time: both the source and the destination square stay in cache.
         const SQUARE: usize = 32;
         let (rows, cols) = (self.rows, self.cols);
         let mut height_m = vec![0.0; self.height_m.len()];

@@ -1,25 +1,27 @@
-//! Many heights in order, and single places in that order, in passes that a monitor can end.
+//! Sorting and order statistics of many heights, in passes that a monitor can end.
 
 use std::cmp::Ordering;
 
 use slipgrid_monitor::{Cancelled, Monitor};
 
-/// Heights between two questions whether to go on.
-const ASKED_EVERY: usize = 1 << 16;
-/// Parts that are put in order one by one.
+/// Heights between two checks for cancellation.
+const CANCEL_CHECK_INTERVAL: usize = 1 << 16;
+/// Number of parts that are sorted one at a time.
 const PARTS: usize = 64;
-/// Heights of the sample that a place is sought by, and places on either side of it in the sample: six standard deviations.
+/// Size of the sample that brackets an order statistic, and the distance of the brackets from the expected position in
+/// the sample: six standard deviations.
 const SAMPLE: usize = 4096;
-const BESIDE: usize = 192;
-/// Places of a sample lie apart by this share of all: evenly over the rows of a map, and in no step with its columns.
+const SAMPLE_MARGIN: usize = 192;
+/// Sampled positions are this fraction of the map apart (modulo 1): evenly over the rows, and out of step with the
+/// columns.
 const GOLDEN_RATIO: f64 = 0.618_033_988_749_895;
 
-/// `count` of `heights`, or all of fewer, in ascending order.
+/// Sorted sample of `count` of the `heights`, or of all if there are fewer.
 fn sample(heights: &[f64], count: usize) -> Vec<f64> {
     let mut sample: Vec<f64> = if heights.len() <= count {
         heights.to_vec()
     } else {
-        // Below their number: the cast is exact.
+        // The product is below the length, so the cast is exact.
         let place = |n: usize| ((n as f64 * GOLDEN_RATIO).fract() * heights.len() as f64) as usize;
         (0..count).map(|n| heights[place(n)]).collect()
     };
@@ -27,11 +29,11 @@ fn sample(heights: &[f64], count: usize) -> Vec<f64> {
     sample
 }
 
-/// `heights`, none of them NaN, from the highest down.
+/// Sorts `heights` in descending order; none may be NaN.
 pub(crate) fn descending(heights: &[f64], monitor: &dyn Monitor) -> Result<Vec<f64>, Cancelled> {
     let bounds = sample(heights, PARTS);
     let mut parts = vec![Vec::new(); bounds.len() + 1];
-    for some in heights.chunks(ASKED_EVERY) {
+    for some in heights.chunks(CANCEL_CHECK_INTERVAL) {
         monitor.heed()?;
         for height in some {
             parts[bounds.partition_point(|bound| bound.total_cmp(height) == Ordering::Less)].push(*height);
@@ -46,18 +48,19 @@ pub(crate) fn descending(heights: &[f64], monitor: &dyn Monitor) -> Result<Vec<f
     Ok(descending)
 }
 
-/// The one of `heights`, none of them NaN, that stands at `place` in ascending order; `None` behind the last.
+/// The element of `heights` at index `place` in ascending order, `None` if `place` is out of range; no height may be
+/// NaN.
 pub(crate) fn nth(heights: &[f64], place: usize, monitor: &dyn Monitor) -> Result<Option<f64>, Cancelled> {
     if place >= heights.len() {
         return Ok(None);
     }
     let sample = sample(heights, SAMPLE);
-    // Below their number: the cast is exact.
+    // The product is below the length, so the cast is exact.
     let near = (place as f64 / heights.len() as f64 * sample.len() as f64) as usize;
-    let least = near.checked_sub(BESIDE).map_or(f64::NEG_INFINITY, |n| sample[n]);
-    let most = sample.get(near + BESIDE).copied().unwrap_or(f64::INFINITY);
+    let least = near.checked_sub(SAMPLE_MARGIN).map_or(f64::NEG_INFINITY, |n| sample[n]);
+    let most = sample.get(near + SAMPLE_MARGIN).copied().unwrap_or(f64::INFINITY);
     let (mut below, mut between) = (0, Vec::new());
-    for some in heights.chunks(ASKED_EVERY) {
+    for some in heights.chunks(CANCEL_CHECK_INTERVAL) {
         monitor.heed()?;
         for height in some {
             if height.total_cmp(&least) == Ordering::Less {
@@ -69,14 +72,14 @@ pub(crate) fn nth(heights: &[f64], place: usize, monitor: &dyn Monitor) -> Resul
     }
     let (within, mut heights) = match place.checked_sub(below) {
         Some(within) if within < between.len() => (within, between),
-        // The sample missed it.
+        // The element lies outside the brackets taken from the sample.
         _ => (place, heights.to_vec()),
     };
     monitor.heed()?;
     Ok(Some(*heights.select_nth_unstable_by(within, f64::total_cmp).1))
 }
 
-/// The middle one of `heights`, none of them NaN, the mean of the two middle ones of an even count; `None` of none.
+/// Median of `heights`: the mean of the two middle ones if their count is even, `None` if empty; no height may be NaN.
 pub(crate) fn median(heights: &[f64], monitor: &dyn Monitor) -> Result<Option<f64>, Cancelled> {
     let middle = heights.len() / 2;
     let upper = nth(heights, middle, monitor)?;

@@ -1,4 +1,4 @@
-//! Whether a map is one period of a surface, and a period where it is none.
+//! Checks whether a map is one period of a surface, and makes it one if it is not.
 
 use std::f64::consts::TAU;
 
@@ -7,9 +7,9 @@ use slipgrid_monitor::Monitor;
 use crate::fourier::Fourier;
 use crate::{HeightMap, MapError};
 
-/// How far opposite sides of `map` are from continuing each other: the rms step across the pair of sides over
-/// the rms step between neighbours, the larger of both directions. About 1 for one period of a surface; large
-/// for a window cut out of a smooth one, whose sides know nothing of each other. 1 for a flat map.
+/// Ratio of the rms step across opposite sides of `map` to the rms step between neighbours, the larger of the two
+/// directions. About 1 for one period of a surface; large for a window cut out of a smooth surface, whose opposite
+/// sides are unrelated. 1 for a flat map.
 ///
 /// # Errors
 /// [`MapError`] if points are missing, and once `monitor` cancels.
@@ -31,12 +31,12 @@ pub fn side_step_ratio(map: &HeightMap, monitor: &dyn Monitor) -> Result<f64, Ma
     Ok(if larger > 0.0 { larger } else { 1.0 })
 }
 
-/// The periodic component of `map`: it continues itself without a step across its sides, and differs from
-/// the map by a field as smooth as the steps allow.
+/// Periodic component of `map`, which has no step across its sides and differs from the map by a field that is as
+/// smooth as the steps allow.
 ///
-/// L. Moisan, J. Math. Imaging Vis. 39, 161 (2011): the smooth field s solves Lap s = v with the periodic
-/// five-point Laplacian and mean 0, v the steps across opposite sides, put on the points along them. A map
-/// that is one period of a smooth surface is changed only by what it varies from one point to the next.
+/// L. Moisan, J. Math. Imaging Vis. 39, 161 (2011): the smooth field s solves Lap s = v with the periodic five-point
+/// Laplacian and mean 0; v holds the steps across opposite sides, at the points along these sides. A map that is one
+/// period of a smooth surface changes only by as much as the surface varies from one point to the next.
 ///
 /// # Errors
 /// [`MapError`] if points are missing, and once `monitor` cancels.
@@ -93,7 +93,7 @@ mod tests {
         let periodic = periodic_component(&map, &Unwatched).unwrap();
         let (rows, cols) = (map.rows(), map.cols());
         let smooth: Vec<f64> = map.heights_m().iter().zip(periodic.heights_m()).map(|(h, p)| h - p).collect();
-        // Away from the sides it is harmonic on the grid; nothing is taken from the mean.
+        // Away from the sides the removed field is harmonic on the grid; its mean is zero.
         for i in 1..rows - 1 {
             for j in 1..cols - 1 {
                 let at = |i: usize, j: usize| smooth[i * cols + j];
@@ -102,7 +102,7 @@ mod tests {
             }
         }
         assert!((map.mean_m() - periodic.mean_m()).abs() < 1e-12 * map.sq_m());
-        // The steps across the sides go from several times those between neighbours to what neighbours have.
+        // The steps across the sides fall from several times the steps between neighbours to the same size.
         assert!(side_step_ratio(&map, &Unwatched).unwrap() > 3.0);
         assert!(side_step_ratio(&periodic, &Unwatched).unwrap() < 1.5);
         assert!(side_step_ratio(&period(), &Unwatched).unwrap() < 1.5);

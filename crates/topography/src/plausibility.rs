@@ -1,4 +1,4 @@
-//! What a map should be before numbers are computed from it: the limits, each with its reason, and the warnings.
+//! Plausibility of maps before anything is computed from them: the limits, each with its reason, and the warnings.
 
 use std::fmt;
 
@@ -8,122 +8,131 @@ use slipgrid_statistics::upper_median;
 use crate::error::significant;
 use crate::{Form, HeightMap, Spikes};
 
-/// The limits of plausibility of maps, all of them.
+/// Limits of plausibility of maps.
 pub mod limits {
-    /// A spike differs from the median about it by more than this many standard deviations of all such differences
-    /// (1.4826 times their median absolute value), and stands as far beyond every point around it. Of 67 million normal
-    /// differences the largest is 5.7; heights of machined surfaces have heavier tails.
+    /// Standard deviations (1.4826 times the median absolute value) of the differences from the surrounding median
+    /// beyond which a point is a spike; it must also stand as far beyond every surrounding point. Of 67 million
+    /// normally distributed differences the largest is 5.7; heights of machined surfaces have heavier tails.
     pub const SPIKE_DEVIATIONS: f64 = 8.0;
-    /// Points from the middle of the square about a point to its sides: 5 x 5 points, so that clusters of up to twelve
-    /// bad points lose the vote of the median.
+    /// Half-width of the square around a point whose median is taken: 5 x 5 points, so that clusters of up to twelve
+    /// wrong points do not determine the median.
     pub const SPIKE_REACH: usize = 2;
-    /// Most points of one spike: the largest minority of 5 x 5. What is larger is a feature of the surface, or debris.
+    /// Largest number of points of a spike: the largest minority of 5 x 5. Larger clusters are features of the surface
+    /// or debris.
     pub const MAX_SPIKE_POINTS: usize = 12;
-    /// Fewest points present about a point, without itself, for a judgement on it: those about a corner of the map.
+    /// Fewest other points that must be present around a point for it to be judged: as many as around a corner of the map.
     pub const MIN_SPIKE_NEIGHBOURS: usize = 8;
-    /// Debris stands above the median height by more than this many standard deviations (1.4826 times the median
-    /// absolute deviation): heights of a worn or machined surface go to 4 or 5, of a normal one of 67 million points to 5.7.
+    /// Standard deviations (1.4826 times the median absolute deviation) above the median height beyond which a point is
+    /// debris. Heights of a worn or machined surface reach 4 or 5, those of a normally distributed one of 67 million
+    /// points 5.7.
     pub const RAISED_DEVIATIONS: f64 = 12.0;
-    /// Largest share of the map that is debris: more is what was measured (the land between wide cavities).
+    /// Largest fraction of the map that can be debris: a larger part is the surface itself (the land between wide
+    /// cavities).
     pub const MAX_RAISED_SHARE: f64 = 0.05;
-    /// A hole lies below the median height by more than this many standard deviations, as debris stands above it ...
+    /// Standard deviations below the median height beyond which a point belongs to a hole.
     pub const LOWERED_DEVIATIONS: f64 = 12.0;
-    /// ... on this share of the map: less are scratches and pits of the surface, more is what was measured.
+    /// Range of the fraction of the map that can be a hole: smaller parts are scratches and pits of the surface, larger
+    /// parts are the surface itself.
     pub const LOWERED_SHARE: [f64; 2] = [0.005, 0.5];
-    /// Part by which spikes must change the rms slope to be warned of, that of its error among windows of a map at best ...
+    /// Relative change of the rms slope by spikes that causes a warning: the smallest error of the slope among windows
+    /// of a map.
     pub const SPIKE_SLOPE: f64 = 0.03;
-    /// ... or by which the highest point stands higher above the median with them: it carries load first.
+    /// Relative change by spikes of the highest point's height above the median that causes a warning, because the
+    /// highest point carries load first.
     pub const SPIKE_PEAK: f64 = 0.1;
-    /// Part of Sa that a surface of second order must take beyond the plane to be warned of, as the form of a curved specimen.
+    /// Fraction of Sa that a second-order form must explain beyond the plane to cause a warning, as the form of a
+    /// curved specimen would.
     pub const FORM_SHARE: f64 = 1.0 / 3.0;
-    /// Share of missing points from which the filled ones matter: they are smooth, and lower the slope by up to half
-    /// their share. Instruments advise to measure again from 5 to 10 %.
+    /// Fraction of missing points that causes a warning: filled points are smooth and lower the slope by up to half
+    /// this fraction. Instrument manuals recommend repeating the measurement from 5 to 10 %.
     pub const WARNED_MISSING_SHARE: f64 = 0.1;
-    /// Share of missing points above which the surface is an invention.
+    /// Fraction of missing points above which a map is refused.
     pub const MAX_MISSING_SHARE: f64 = 0.9;
-    /// Rms slopes of surfaces that slide: polished metal has 1e-3 to 1e-2, ground or lasered 0.1 to 0.5. Below the first
-    /// a wafer, or heights in too large a unit; above the second elastic contact of gentle slopes no longer holds.
+    /// Rms slopes of sliding surfaces: polished metal has 1e-3 to 1e-2, ground or laser-textured surfaces 0.1 to 0.5. A
+    /// smaller slope means a wafer or a wrong unit of height (too large); above the upper limit the elastic contact
+    /// theory of small slopes no longer holds.
     pub const WARNED_SLOPE: [f64; 2] = [1e-4, 1.0];
-    /// Sides of pixels, in metres: from half the distance of two atoms to what the eye sees.
+    /// Pixel sides in metres: from half the distance of two atoms to sizes visible to the eye.
     pub const WARNED_PIXEL_M: [f64; 2] = [1e-10, 1e-3];
-    /// Ratio of a pixel's sides: scans of profiles have up to 10 between them; sides a thousand times apart are in two units.
+    /// Ratio of a pixel's sides: profile scans reach 10; sides that differ by a factor of a thousand are in two units.
     pub const WARNED_PIXEL_RATIO: f64 = 12.0;
-    /// Share of the points that are zeros beside zeros from which these are named; a few may be a flat of the surface.
+    /// Fraction of points that are zeros next to zeros from which a warning is given; fewer may be a flat part of the
+    /// surface.
     pub const WARNED_ZEROS_SHARE: f64 = 1e-3;
-    /// Slopes at which the area law means nothing: full contact at once, or walls of 84 degrees on average.
+    /// Slopes at which the area law is meaningless: full contact at any load, or walls of 84 degrees on average.
     pub const POSSIBLE_SLOPE: [f64; 2] = [1e-7, 10.0];
-    /// Sq of surfaces that slide, in metres: from the size of an atom to what the eye sees as a relief.
+    /// Sq of sliding surfaces in metres: from the size of an atom to relief visible to the eye.
     pub const WARNED_SQ_M: [f64; 2] = [1e-10, 1e-4];
 }
 
-/// Something about a map that makes the numbers computed from it doubtful. Its text begins with its name.
+/// A property of a map that makes numbers computed from it doubtful. The text begins with the warning's name.
 #[derive(Clone, Debug, PartialEq)]
 pub enum MapWarning {
-    /// Single points far from all about them.
+    /// Spikes: single points far from all surrounding points.
     Spikes {
-        /// Where they are.
+        /// The spikes.
         spikes: Spikes,
         /// Points of the map.
         points: usize,
-        /// Finite-difference rms slope of the levelled map as it is.
+        /// Finite-difference rms slope of the levelled map with the spikes.
         rms_slope: f64,
-        /// The same without them.
+        /// Finite-difference rms slope without the spikes.
         rms_slope_without: f64,
-        /// Height of its highest point above the median, in metres.
+        /// Height of the highest point above the median, in metres.
         highest_m: f64,
-        /// The same without them.
+        /// Height of the highest point above the median without the spikes, in metres.
         highest_without_m: f64,
     },
-    /// Patches far above the rest, wider than spikes: dust, debris, a step of the instrument.
+    /// Patches far above the rest and wider than spikes: dust, debris, or a step of the instrument.
     Raised {
-        /// Points that stand so high.
+        /// Number of points that high.
         points: usize,
-        /// The largest height above the median, in metres.
+        /// Largest height above the median, in metres.
         highest_m: f64,
-        /// Standard deviation by the median absolute deviation, in metres.
+        /// Standard deviation estimated from the median absolute deviation, in metres.
         deviation_m: f64,
     },
-    /// A part of the map lies far below the rest: a hole, a cavity, the edge of the specimen.
+    /// A part of the map far below the rest: a hole, a cavity, or the edge of the specimen.
     Lowered {
-        /// Share of the points present that lie so low.
+        /// Fraction of the points present that lie that low.
         share: f64,
-        /// How far their mean lies below the median, in metres.
+        /// Distance of their mean below the median, in metres.
         depth_m: f64,
-        /// First and last row, first and last column that hold such points.
+        /// First and last row, and first and last column, of these points.
         extent: [[usize; 2]; 2],
     },
-    /// Most of the heights are those of a surface of second order: a curved specimen, taken for roughness.
+    /// Most of the heights are explained by a second-order form: a curved specimen, measured as roughness.
     Curved {
-        /// Sa of the map less its plane, in metres.
+        /// Sa of the map minus its plane, in metres.
         sa_m: f64,
-        /// Sa of the map less its surface of second order, in metres.
+        /// Sa of the map minus its second-order form, in metres.
         sa_without_m: f64,
     },
     /// Many points are missing.
     Missing {
-        /// Points missing.
+        /// Number of missing points.
         missing: usize,
         /// Points of the map.
         points: usize,
     },
-    /// Blocks of points that are exactly zero, as some instruments write points that they did not measure.
+    /// Blocks of points that are exactly zero, which some instruments write for points not measured.
     Zeros {
-        /// Such points.
+        /// Number of such points.
         zeros: usize,
         /// Points of the map.
         points: usize,
     },
-    /// Pixels with sides of which one seems to be in another unit, or unknown.
+    /// Pixel sides that are implausible, or in two different units.
     Pixels {
         /// Sides along x and y, in metres.
         pixel_m: [f64; 2],
     },
-    /// An rms slope that no surface that slides has.
+    /// An rms slope outside the range of sliding surfaces.
     Slope {
         /// The rms slope.
         rms_slope: f64,
     },
-    /// Heights that look as if they were in another unit.
+    /// Heights that are probably in another unit.
     Heights {
         /// Root mean square height, in metres.
         sq_m: f64,
@@ -131,7 +140,7 @@ pub enum MapWarning {
 }
 
 impl MapWarning {
-    /// One word for what it is.
+    /// Name of the warning, one word.
     #[must_use]
     pub const fn name(&self) -> &'static str {
         match self {
@@ -166,7 +175,7 @@ impl fmt::Display for MapWarning {
                 highest_m * 1e6,
                 highest_m / deviation_m
             ),
-            // In the words of a file, whose rows run along x.
+            // Files list rows along x, this crate columns: the indices are exchanged to match the file.
             Self::Lowered { share, depth_m, extent: [[col, last_col], [row, last_row]] } => write!(
                 f,
                 "{:.1} % of the map lies {:.3} um below the rest on average (within rows {row} to {last_row}, columns {col} to \
@@ -217,7 +226,7 @@ impl fmt::Display for MapWarning {
     }
 }
 
-/// The unit that heights or pixels may have been meant in, by the slope that surfaces mostly have.
+/// Unit that heights or pixels were probably in, judged by the usual slope of surfaces.
 fn other_unit(rms_slope: f64) -> String {
     const USUAL: [f64; 2] = [3e-3, 0.6];
     let factors = [(1e3, "1000 times"), (1e6, "a million times"), (1e-3, "a thousandth"), (1e-6, "a millionth")];
@@ -231,7 +240,8 @@ fn other_unit(rms_slope: f64) -> String {
 }
 
 impl MapWarning {
-    /// Whether spikes change what is computed from the map; other warnings always tell.
+    /// Whether the warning affects results: spikes do only if they change the slope or the highest point enough, all
+    /// other warnings always.
     #[must_use]
     pub fn matters(&self) -> bool {
         let Self::Spikes { rms_slope, rms_slope_without, highest_m, highest_without_m, .. } = self else { return true };
@@ -241,8 +251,7 @@ impl MapWarning {
 }
 
 impl HeightMap {
-    /// The warning on single points far from all about them, if there are any: on the map as measured, before
-    /// missing points are filled.
+    /// Warning on spikes, if there are any. The map must be as measured, before missing points are filled.
     ///
     /// # Errors
     /// [`Cancelled`] once `monitor` cancels.
@@ -253,7 +262,7 @@ impl HeightMap {
         let mut without = self.clone();
         let spikes = without.despike(monitor)?;
         let slope_and_highest_m = |mut map: Self| {
-            // What does not determine a plane stays as it is.
+            // Points that do not determine a plane are not levelled.
             let _ = map.subtract_plane_watched(monitor);
             monitor.heed()?;
             let highest_m = map.heights_m().iter().copied().fold(f64::NEG_INFINITY, f64::max);
@@ -273,14 +282,14 @@ impl HeightMap {
         }))
     }
 
-    /// The warning on a form of second order, if it makes up most of the heights left by the least-squares plane.
+    /// Warning on a second-order form, if it explains most of the heights left by the least-squares plane.
     ///
     /// # Errors
     /// [`Cancelled`] once `monitor` cancels.
     pub fn form_warning(&self, monitor: &dyn Monitor) -> Result<Option<MapWarning>, Cancelled> {
         let sa_m_without = |form: Form| {
             let mut map = self.clone();
-            // What does not determine a form has none.
+            // If the points do not determine a form, there is no warning.
             let is_removed = map.remove_form(form, monitor).is_ok();
             monitor.heed()?;
             Ok(is_removed.then(|| map.sa_m()))
@@ -297,7 +306,7 @@ impl HeightMap {
         upper_median(&mut sample).unwrap_or(f64::NAN)
     }
 
-    /// The warning on a part that lies far below the rest of a map whose form is removed, if it is one of some size.
+    /// Warning on a part of sufficient size that lies far below the rest of a map whose form is removed.
     #[must_use]
     pub fn hole_warning(&self) -> Option<MapWarning> {
         let (median_m, deviation_m) = self.robust()?;
@@ -318,7 +327,8 @@ impl HeightMap {
         })
     }
 
-    /// Median height and standard deviation by the median absolute deviation, in metres; `None` where half of all heights are one.
+    /// Median height, and standard deviation estimated from the median absolute deviation, in metres; `None` if half of
+    /// all heights are equal.
     fn robust(&self) -> Option<(f64, f64)> {
         let mut sample = self.sampled_heights_m();
         let median_m = upper_median(&mut sample)?;
@@ -327,7 +337,7 @@ impl HeightMap {
         (deviation_m > 0.0).then_some((median_m, deviation_m))
     }
 
-    /// The warning on missing points, if they are many.
+    /// Warning on missing points, if there are many.
     #[must_use]
     pub fn missing_warning(&self) -> Option<MapWarning> {
         let (missing, points) = (self.missing(), self.heights_m().len());
@@ -335,7 +345,7 @@ impl HeightMap {
             .then_some(MapWarning::Missing { missing, points })
     }
 
-    /// Warnings on heights and slope of a map whose form is removed, `rms_slope` its rms slope.
+    /// Warnings on heights and slope of a map whose form is removed; `rms_slope` is its rms slope.
     #[must_use]
     pub fn height_warnings(&self, rms_slope: f64) -> Vec<MapWarning> {
         let outside = |value: f64, [least, most]: [f64; 2]| !(least..=most).contains(&value);
@@ -345,7 +355,7 @@ impl HeightMap {
         self.raised().into_iter().chain(unit).chain(slope).collect()
     }
 
-    /// Patches that stand far above the rest, where they are few.
+    /// Warning on patches that stand far above the rest, if they are few.
     fn raised(&self) -> Option<MapWarning> {
         let (median_m, deviation_m) = self.robust()?;
         let least_m = limits::RAISED_DEVIATIONS * deviation_m;
@@ -357,27 +367,27 @@ impl HeightMap {
     }
 }
 
-/// Points from which medians are taken; larger maps give one in several.
+/// Number of points from which medians are taken; larger maps are sampled.
 const MAX_SAMPLED: usize = 1 << 18;
 
 impl HeightMap {
-    /// The heights from which medians over the map are taken.
+    /// Heights from which medians over the map are taken.
     fn sampled_heights_m(&self) -> Vec<f64> {
         self.sampled(MAX_SAMPLED).map(|node| self.heights_m()[node]).filter(|height| !height.is_nan()).collect()
     }
 
-    /// Nodes from which medians over the map are taken, `most` of them, evenly over it.
+    /// Nodes from which medians over the map are taken: `most` of them, evenly over the map.
     pub(crate) fn sampled(&self, most: usize) -> impl Iterator<Item = usize> {
         let points = self.heights_m().len();
         let stride = (1..).find(|stride| points / (stride * stride) <= most).unwrap_or(1);
-        // Another column in each row, so that no pattern along the rows falls in with the sample.
+        // Each row is sampled at other columns, so that patterns along the rows do not coincide with the sample.
         (0..self.rows())
             .step_by(stride)
             .flat_map(move |i| (i / stride * 7 % stride..self.cols()).step_by(stride).map(move |j| i * self.cols() + j))
     }
 }
 
-/// Standard deviation of a normal distribution over the median of its absolute values.
+/// Ratio of the standard deviation of a normal distribution to the median of its absolute values.
 pub(crate) const ROBUST_DEVIATION: f64 = 1.4826;
 
 #[cfg(test)]
@@ -432,7 +442,7 @@ pub(crate) mod tests {
         assert!((share - 800.0 / 16384.0).abs() < 1e-12 && extent == [[40, 59], [10, 49]]);
         assert!(warning.to_string().starts_with("hole: 4.9 % of the map lies"), "{warning}");
         assert_eq!(map.hole_warning(), None);
-        // A few pits are what the surface has.
+        // A few pits are part of the surface.
         let pitted = changed(&map, |n, h| if n % 400 == 0 { h - 40.0 * map.sq_m() } else { h });
         assert_eq!(pitted.hole_warning(), None);
     }

@@ -1,4 +1,4 @@
-//! From a map as it was read to one ready for computation: missing points filled, spikes and form removed.
+//! Prepares a map as read for computation: fills missing points, removes spikes and form.
 
 use slipgrid_monitor::Monitor;
 
@@ -7,32 +7,32 @@ use crate::{
     side_step_ratio,
 };
 
-/// Rms step across opposite sides, over that between neighbours, up to which a map is taken as one period: a
-/// period has about 1, a piece of a smooth surface many times that.
+/// Largest ratio of the rms step across opposite sides to that between neighbours at which a map is taken as one
+/// period. A period has about 1, a piece of a smooth surface many times that.
 const PERIOD_STEP_RATIO: f64 = 1.5;
 
-/// What becomes of missing points.
+/// Treatment of missing points.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Missing {
-    /// They are filled by the smoothest surface.
+    /// Missing points are filled by the smoothest surface.
     #[default]
     Fill,
-    /// The map is refused.
+    /// A map with missing points is refused.
     Refuse,
 }
 
-/// How a map is made ready.
+/// Options for preparing a map.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Preparation {
-    /// What is subtracted from the heights.
+    /// Form subtracted from the heights.
     pub form: Form,
-    /// What becomes of missing points.
+    /// Treatment of missing points.
     pub missing: Missing,
-    /// Spikes are replaced by the median of the points about them.
+    /// Whether spikes are replaced by the median of the surrounding points.
     pub despike: bool,
 }
 
-/// Why a map cannot be made ready.
+/// Reason why a map cannot be prepared.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum PreparationError {
     /// An operation on the map was refused.
@@ -41,17 +41,17 @@ pub enum PreparationError {
     /// Nearly all points are missing.
     #[error("{missing} of {points} points are missing: what would fill them is no measurement")]
     MostlyMissing {
-        /// Missing points.
+        /// Number of missing points.
         missing: usize,
         /// Points of the map.
         points: usize,
     },
-    /// No surface has this slope; see [`limits::POSSIBLE_SLOPE`].
+    /// The slope is impossible for a surface; see [`limits::POSSIBLE_SLOPE`].
     #[error("the rms slope is {rms_slope:.2e}, which no measured surface has")]
     ImpossibleSlope {
         /// Rms slope.
         rms_slope: f64,
-        /// What else is odd about the map.
+        /// Other warnings about the map.
         warnings: Vec<MapWarning>,
     },
 }
@@ -59,41 +59,41 @@ pub enum PreparationError {
 /// A map ready for computation.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PreparedMap {
-    /// The map, complete.
+    /// The complete map.
     pub map: HeightMap,
-    /// The file says of itself that it is synthetic.
+    /// Whether the file states that the map is synthetic.
     pub synthetic: bool,
-    /// The file says of itself that it is one whole period, or was found to be one.
+    /// Whether the map is one whole period, as stated in the file or found from the heights.
     pub period: bool,
-    /// The map is the periodic component of the one that was read.
+    /// Whether the map is the periodic component of the map read.
     pub is_component: bool,
     /// The file's format.
     pub format: MapFormat,
-    /// Missing points of the file, row by row; empty if none are.
+    /// Missing points of the file, row by row; empty if none are missing.
     pub filled: Vec<bool>,
     /// Arithmetic mean height Sa, in metres.
     pub sa_m: f64,
-    /// Rms slope, from the spectrum; of a map whose opposite sides do not continue each other, that of its periodic component.
+    /// Spectral rms slope; if opposite sides of the map do not continue each other, that of its periodic component.
     pub rms_slope: f64,
-    /// What was done to it, one sentence each.
+    /// Preparation steps, one sentence each.
     pub notes: Vec<String>,
-    /// What makes numbers computed from it doubtful.
+    /// Warnings that make numbers computed from the map doubtful.
     pub warnings: Vec<MapWarning>,
 }
 
 impl PreparedMap {
-    /// The map that was `read` as one period, for a contact computation: a map whose opposite sides do not continue each
-    /// other is replaced by its periodic component.
+    /// Prepares a map as one period for a contact computation. If opposite sides do not continue each other, the map is
+    /// replaced by its periodic component.
     ///
     /// # Errors
-    /// As [`PreparedMap::new`], and if no surface has its slope.
+    /// Those of [`PreparedMap::new`], and [`PreparationError::ImpossibleSlope`].
     pub fn one_period(read: ReadMap, how: Preparation, monitor: &dyn Monitor) -> Result<Self, PreparationError> {
         let surface = Self::build(read, how, true, monitor)?.possible()?;
         let is_flat = surface.rms_slope < limits::POSSIBLE_SLOPE[0];
         if is_flat { Err(surface.impossible()) } else { Ok(surface) }
     }
 
-    /// The map itself, unless it is steeper than any surface: heights or pixels are then in another unit than was taken.
+    /// Returns the map unless it is steeper than any surface, which means that heights or pixels are in a wrong unit.
     ///
     /// # Errors
     /// [`PreparationError::ImpossibleSlope`].
@@ -105,11 +105,11 @@ impl PreparedMap {
         PreparationError::ImpossibleSlope { rms_slope: self.rms_slope, warnings: self.warnings }
     }
 
-    /// Fills what is missing in the map that was `read` and removes its form.
+    /// Fills missing points of a map as read and removes its form.
     ///
     /// # Errors
-    /// [`PreparationError`] if points are missing that must not, nearly all are, or they do not determine the form, and once `monitor`
-    /// has cancelled.
+    /// [`PreparationError`] if points are missing although this is not allowed, if nearly all are missing, if the
+    /// points present do not determine the form, and once `monitor` has cancelled.
     pub fn new(read: ReadMap, how: Preparation, monitor: &dyn Monitor) -> Result<Self, PreparationError> {
         Self::build(read, how, false, monitor)
     }
@@ -123,7 +123,7 @@ impl PreparedMap {
         let heed = || monitor.heed().map_err(MapError::from);
         heed()?;
         let synthetic = read.is_synthetic();
-        // A part of a period is none.
+        // A cropped part of a period is not a period.
         let mut period = read.whole && is_period(&read.comments);
         let mut map = read.map;
         let mut notes = read.notes;
@@ -177,7 +177,7 @@ impl PreparedMap {
         period |= one_period && side_step_ratio(&map, monitor)? <= PERIOD_STEP_RATIO;
         let is_kept = !period && how.form != Form::SecondOrder;
         let curved = if is_kept { map.form_warning(monitor).map_err(MapError::from)? } else { None };
-        // A plane through one period would leave a step where the period closes.
+        // Subtracting a plane through one period would leave a step where the period closes.
         match how.form {
             Form::Plane if !period => {
                 map.subtract_plane_watched(monitor)?;
@@ -193,7 +193,7 @@ impl PreparedMap {
             }
         }
         heed()?;
-        // Steps across the sides that a tilt or a bow made are gone with it.
+        // Steps across the sides caused by a tilt or a bow are removed with the form.
         let step_ratio = side_step_ratio(&map, monitor)?;
         period |= one_period && step_ratio <= PERIOD_STEP_RATIO;
         let is_component = one_period && !period && how.form != Form::Mean;
@@ -207,18 +207,18 @@ impl PreparedMap {
             notes.push("the map is taken as one period as it is".to_owned());
         }
         heed()?;
-        // The spectrum of a map that is no period takes the step between opposite sides for slope.
+        // The spectrum of a map that is not a period would count the step between opposite sides as slope.
         let closes = period || one_period || step_ratio <= PERIOD_STEP_RATIO;
         let rms_slope = if closes {
             map.rms_slope_watched(monitor)?
         } else {
             periodic_component(&map, monitor)?.rms_slope_watched(monitor)?
         };
-        // High points that are spikes are no debris beside.
+        // High points already reported as spikes are not reported again as debris.
         let is_new =
             |warning: &MapWarning| !matches!(warning, MapWarning::Raised { points, .. } if *points <= spike_points);
         let hole = map.hole_warning();
-        // A hole bends the surface of second order too.
+        // A hole also bends the second-order form, so that only the hole is reported.
         warnings.extend(curved.filter(|_| hole.is_none()));
         warnings.extend(hole);
         heed()?;
@@ -236,7 +236,7 @@ impl PreparedMap {
 }
 
 impl ReadMap {
-    /// The map without its spikes, which a note says.
+    /// Removes spikes and adds a note about them.
     ///
     /// # Errors
     /// [`MapError::Cancelled`] once `monitor` has cancelled.
@@ -245,10 +245,10 @@ impl ReadMap {
         Ok(self)
     }
 
-    /// The map with its points joined, as the reader would have joined them.
+    /// Decimates the map, with the same result as decimation by the reader.
     ///
     /// # Errors
-    /// [`ReadError`] if nothing is left.
+    /// [`ReadError`] if no points are left.
     pub fn decimated(mut self, decimation: Decimation) -> Result<Self, ReadError> {
         let is_whole = |points: usize| points.is_multiple_of(decimation.factor.max(1));
         self.whole &= is_whole(self.map.rows()) && is_whole(self.map.cols());
@@ -257,7 +257,7 @@ impl ReadMap {
     }
 }
 
-/// Removes spikes and says which.
+/// Removes spikes; returns the note about them.
 fn despiked(map: &mut HeightMap, monitor: &dyn Monitor) -> Result<String, MapError> {
     let spikes = map.despike(monitor)?;
     Ok(match spikes.points() {
@@ -266,7 +266,7 @@ fn despiked(map: &mut HeightMap, monitor: &dyn Monitor) -> Result<String, MapErr
     })
 }
 
-/// Whether a file says of its map that it is one whole period, as synthetic ones do.
+/// Whether a file's comments state that the map is one whole period, as those of synthetic maps do.
 fn is_period(comments: &[String]) -> bool {
     comments.iter().any(|comment| comment.contains("one period"))
 }
@@ -278,8 +278,8 @@ mod tests {
     use super::*;
     use crate::{DecimationMethod, SelfAffine};
 
-    /// What is told of a map, tilted by `tilt_m` from its first to its last line, when it is taken as one period.
-    fn told(map: &HeightMap, tilt_m: f64) -> PreparedMap {
+    /// Prepares a map, tilted by `tilt_m` from its first to its last line, as one period.
+    fn prepared_with_tilt(map: &HeightMap, tilt_m: f64) -> PreparedMap {
         let (rows, cols) = (map.rows(), map.cols());
         let tilted = (0..rows * cols).map(|n| map.heights_m()[n] + tilt_m * (n / cols) as f64 / rows as f64).collect();
         let map = HeightMap::new(rows, cols, map.dx_m(), map.dy_m(), tilted).unwrap();
@@ -336,25 +336,30 @@ mod tests {
     #[test]
     fn a_tilt_alone_is_no_step_between_opposite_sides() {
         let level = SelfAffine { pixels: 64, max_wave: 8, ..SelfAffine::STAND_IN }.map().unwrap();
-        let steps =
-            |told: &PreparedMap| told.notes.iter().find(|note| note.contains("do not continue each other")).cloned();
+        let steps = |prepared: &PreparedMap| {
+            prepared.notes.iter().find(|note| note.contains("do not continue each other")).cloned()
+        };
         for tilt_m in [0.0, 2e-5, -1e-3] {
-            let told = told(&level, tilt_m);
-            assert_eq!(steps(&told), None, "{tilt_m} m: {:?}", told.notes);
-            assert!(told.period);
-            assert_eq!(told.notes[0] == "the least-squares plane has been subtracted", tilt_m != 0.0);
-            // The plane of the period itself went with the tilt.
-            assert!((told.rms_slope / told_slope(&level) - 1.0).abs() < 0.02, "{tilt_m} m: {}", told.rms_slope);
+            let prepared = prepared_with_tilt(&level, tilt_m);
+            assert_eq!(steps(&prepared), None, "{tilt_m} m: {:?}", prepared.notes);
+            assert!(prepared.period);
+            assert_eq!(prepared.notes[0] == "the least-squares plane has been subtracted", tilt_m != 0.0);
+            // The plane of the period itself is removed together with the tilt.
+            assert!(
+                (prepared.rms_slope / prepared_slope(&level) - 1.0).abs() < 0.02,
+                "{tilt_m} m: {}",
+                prepared.rms_slope
+            );
         }
-        // A piece of the map is none: its steps are told, tilted or not, and are the same.
+        // A piece of the map is not a period: its steps are reported with or without tilt, and are the same.
         let (rows, cols) = (40, 48);
         let piece = (0..rows * cols).map(|n| level.heights_m()[n / cols * 64 + n % cols]).collect();
         let piece = HeightMap::new(rows, cols, level.dx_m(), level.dy_m(), piece).unwrap();
-        let said = steps(&told(&piece, 0.0)).unwrap();
-        assert_eq!(steps(&told(&piece, 3e-5)).unwrap(), said);
+        let said = steps(&prepared_with_tilt(&piece, 0.0)).unwrap();
+        assert_eq!(steps(&prepared_with_tilt(&piece, 3e-5)).unwrap(), said);
     }
 
-    fn told_slope(map: &HeightMap) -> f64 {
-        told(map, 0.0).rms_slope
+    fn prepared_slope(map: &HeightMap) -> f64 {
+        prepared_with_tilt(map, 0.0).rms_slope
     }
 }

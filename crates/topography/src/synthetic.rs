@@ -3,15 +3,15 @@ use std::f64::consts::TAU;
 use crate::map::{check_grid, check_pixel};
 use crate::{HeightMap, MapError};
 
-/// A synthetic self-affine map: every wave of a band has its own phase and the amplitude of a power law.
+/// A synthetic self-affine map: every wave in a band has a random phase and an amplitude given by a power law.
 ///
 /// ```text
 /// h(x, y) = S sum 2 sqrt(C(k)) cos(2 pi (kx i + ky j)/n + phi(kx, ky)),   C = k^-2(1+H)
 /// ```
 ///
-/// summed over the half-plane ky > 0, or ky = 0 and kx > 0, with `min_wave` <= k <= `max_wave`, k = |(kx, ky)|
-/// in waves per side; i is the row, j the column, n the number of pixels. Phases come from the seed by two
-/// steps of splitmix64; S sets Sa. The map is periodic, and the same to the last bit on every platform.
+/// The sum is over the half-plane ky > 0, or ky = 0 and kx > 0, with `min_wave` <= k <= `max_wave`, k = |(kx, ky)| in
+/// waves per side; i is the row, j the column, n the number of pixels per side. Phases follow from the seed by two
+/// steps of splitmix64; S is chosen to give Sa. The map is periodic, and the same to the last bit on every platform.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SelfAffine {
     /// Pixels per side, n.
@@ -20,9 +20,9 @@ pub struct SelfAffine {
     pub side_m: f64,
     /// Hurst exponent H, above 0 and at most 1.
     pub hurst: f64,
-    /// Longest wave: the smallest number of waves per side.
+    /// Smallest number of waves per side (longest wave).
     pub min_wave: u32,
-    /// Shortest wave: the largest number of waves per side, less than half the pixels.
+    /// Largest number of waves per side (shortest wave), less than half the pixels.
     pub max_wave: u32,
     /// Sa = mean of |h - mean h|, in metres.
     pub sa_m: f64,
@@ -30,20 +30,20 @@ pub struct SelfAffine {
     pub seed: u32,
 }
 
-/// The largest wave number that the key of a phase has room for.
+/// Largest wave number that fits in the key of a phase.
 const MAX_WAVES: u32 = 32_767;
 
 impl SelfAffine {
-    /// The map that stands in for an unpublished measurement: 1 mm square, 512 x 512, Hurst exponent 0.8
-    /// between 4 and 64 waves per side, Sa 0.158 um, the value measured on the flat sample (Balestra et al.,
-    /// J. Tribol. 144, 031704). Everything but Sa was chosen, not measured.
+    /// The map used in place of an unpublished measurement: 1 mm square, 512 x 512 points, Hurst exponent 0.8 between 4
+    /// and 64 waves per side, Sa 0.158 um as measured on the flat sample (Balestra et al., J. Tribol. 144, 031704).
+    /// Only Sa was measured; the other values were chosen.
     pub const STAND_IN: Self =
         Self { pixels: 512, side_m: 1e-3, hurst: 0.8, min_wave: 4, max_wave: 64, sa_m: 0.158e-6, seed: 20_240_607 };
 
-    /// Computes the map; the work is pixels^2 times `max_wave`.
+    /// Computes the map. The work is proportional to pixels^2 times `max_wave`.
     ///
     /// # Errors
-    /// [`MapError`] if the numbers make no map: see the fields.
+    /// [`MapError`] if a field is outside its range; see the fields.
     pub fn map(&self) -> Result<HeightMap, MapError> {
         self.validate()?;
         let n = self.pixels;
@@ -87,10 +87,11 @@ impl SelfAffine {
         shape.scaled(self.sa_m / shape.sa_m())
     }
 
-    /// The same map with the Sa that gives it `rms_slope` (spectral): heights and slopes are proportional.
+    /// The same map with Sa changed such that its spectral rms slope is `rms_slope`; heights and slopes are
+    /// proportional.
     ///
     /// # Errors
-    /// [`MapError`] if the numbers make no map, or the slope is not positive and finite.
+    /// [`MapError`] if a field is outside its range, or the slope is not positive and finite.
     pub fn with_rms_slope(self, rms_slope: f64) -> Result<Self, MapError> {
         if !(rms_slope.is_finite() && rms_slope > 0.0) {
             let expected = "a number above 0";
@@ -100,7 +101,7 @@ impl SelfAffine {
         Ok(Self { sa_m, ..self })
     }
 
-    /// What was computed, for the header of a file or a report: one line each.
+    /// Description of the map for the header of a file or a report, one line per element.
     #[must_use]
     pub fn description(&self) -> [String; 3] {
         [
@@ -137,14 +138,14 @@ impl SelfAffine {
                 "less than half the pixels, at most 32767",
             );
         }
-        // Below 1e-30 m squares of heights would vanish.
+        // Below 1e-30 m the squares of heights would underflow.
         if !(self.sa_m >= 1e-30 && self.sa_m <= 1.0) {
             return refuse("Sa", self.sa_m, "a positive height of at most 1 m");
         }
         Ok(())
     }
 
-    /// 2 sqrt(C) exp(i phi) of the wave (kx, ky); `None` outside the band.
+    /// Amplitude 2 sqrt(C) exp(i phi) of the wave (kx, ky); `None` outside the band.
     fn coefficient(&self, kx: i64, ky: i64) -> Option<(f64, f64)> {
         let square = kx * kx + ky * ky;
         let band = i64::from(self.min_wave).pow(2)..=i64::from(self.max_wave).pow(2);
@@ -159,7 +160,7 @@ impl SelfAffine {
 
     /// phi = 2 pi (z >> 11) 2^-53, z = m(m(key)), key = seed << 32 | (kx + 32768) << 16 | (ky + 32768)
     fn phase(&self, kx: i64, ky: i64) -> f64 {
-        // |kx|, |ky| <= 32767: both sums lie in 1..=65535.
+        // |kx|, |ky| <= 32767, so that both sums lie in 1..=65535.
         let key = u64::from(self.seed) << 32 | ((kx + 32_768) as u64) << 16 | (ky + 32_768) as u64;
         TAU * (splitmix64(splitmix64(key)) >> 11) as f64 / (1u64 << 53) as f64
     }
@@ -179,7 +180,7 @@ mod tests {
 
     const A_256: SelfAffine = SelfAffine { pixels: 256, max_wave: 32, ..SelfAffine::STAND_IN };
 
-    /// Reference values of both maps by an independent program: Sq in um and spectral rms slope.
+    /// Reference values of both maps, computed by an independent program: Sq in um and spectral rms slope.
     #[test]
     fn validation_roughness_of_the_reference_maps() {
         for (parameters, sq_um, slope) in [(A_256, 0.19752, 0.011120), (SelfAffine::STAND_IN, 0.19763, 0.013728)] {

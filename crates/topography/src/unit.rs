@@ -1,7 +1,7 @@
 use std::fmt;
 use std::str::FromStr;
 
-/// A unit of length as files name it.
+/// A unit of length, as named in files.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum LengthUnit {
     /// m
@@ -18,7 +18,7 @@ pub enum LengthUnit {
     Picometre,
 }
 
-/// The names that are accepted.
+/// Accepted names.
 macro_rules! unit_names {
     () => {
         "m, cm, mm, um, nm, pm"
@@ -27,7 +27,7 @@ macro_rules! unit_names {
 pub(crate) use unit_names;
 
 impl LengthUnit {
-    /// The names that are accepted, for messages.
+    /// Accepted names, for messages.
     pub const NAMES: &'static str = unit_names!();
 
     /// All units, largest first.
@@ -47,7 +47,7 @@ impl LengthUnit {
         }
     }
 
-    /// How many of this unit make a metre, a power of ten and therefore exact.
+    /// Number of these units in a metre: a power of ten and therefore exact.
     #[must_use]
     pub const fn per_metre(self) -> f64 {
         match self {
@@ -60,7 +60,7 @@ impl LengthUnit {
         }
     }
 
-    /// `value` in this unit as metres, correctly rounded.
+    /// Converts `value` from this unit to metres, correctly rounded.
     #[must_use]
     pub fn to_metres(self, value: f64) -> f64 {
         value / self.per_metre()
@@ -73,7 +73,7 @@ impl fmt::Display for LengthUnit {
     }
 }
 
-/// A name that is no unit of length.
+/// A name that is not a unit of length.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("\"{name}\" is no unit of length: expected one of {names}", names = LengthUnit::NAMES)]
 pub struct UnknownUnit {

@@ -1,30 +1,30 @@
 use std::fmt::Write as _;
 
-use crate::read::square;
+use crate::read::is_square;
 use crate::{HeightMap, LengthUnit};
 
-/// What stands in the header of a written map, and how its values are written.
+/// Header content of a written map, and the format of its values.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MatrixStyle {
     /// Name of the channel.
     pub channel: String,
-    /// Comment lines, without their mark; for a synthetic map those of
+    /// Comment lines without their comment mark; for a synthetic map those of
     /// [`SelfAffine::description`](crate::SelfAffine::description).
     pub comments: Vec<String>,
     /// Unit of the heights.
     pub unit: LengthUnit,
-    /// Digits after the decimal point, at most 17. Two digits of a nanometre keep 512 x 512 heights of a
-    /// tenth of a micrometre within 2 MB.
+    /// Digits after the decimal point, at most 17. Two digits of a nanometre keep 512 x 512 heights of about a tenth of
+    /// a micrometre within 2 MB.
     pub decimals: u8,
 }
 
 impl HeightMap {
-    /// The map as matrix text with its size and unit in the header, as [`read_map`](crate::read_map) reads it:
-    /// x runs along a line; missing points are written as NaN.
+    /// Writes the map as matrix text with its size and unit in the header, which [`read_map`](crate::read_map) can
+    /// read: x runs along a line; missing points are written as NaN.
     #[must_use]
     pub fn to_matrix_text(&self, style: &MatrixStyle) -> String {
         let mut text = String::with_capacity(self.heights_m().len() * (usize::from(style.decimals) + 6));
-        // A comment or name with a line break must not become data.
+        // A line break in a comment or name must not turn its rest into data.
         let line = |text: &str| text.replace(['\n', '\r'], " ");
         text.push_str(&format!("# Channel: {}\n", line(&style.channel)));
         for (key, extent_m) in
@@ -32,8 +32,8 @@ impl HeightMap {
         {
             text.push_str(&format!("# {key}: {}\n", length(extent_m)));
         }
-        // On oblong pixels the sides do not say whether rows are missing.
-        if !square(self.dx_m(), self.dy_m()) {
+        // If pixels are oblong, the sides alone do not show whether rows are missing.
+        if !is_square(self.dx_m(), self.dy_m()) {
             text.push_str(&format!("# Rows: {}\n", self.cols()));
         }
         text.push_str(&format!("# Value units: {}\n", style.unit));
@@ -50,7 +50,7 @@ impl HeightMap {
                 let start = text.len();
                 // Writing to a string cannot fail.
                 let _ = write!(text, "{:.decimals$}", height * style.unit.per_metre());
-                // No minus before a rounded zero.
+                // A value that rounds to zero is written without a minus sign.
                 if text[start..].starts_with('-') && !text[start..].contains(|c: char| ('1'..='9').contains(&c)) {
                     text.remove(start);
                 }
@@ -61,12 +61,12 @@ impl HeightMap {
     }
 }
 
-/// `value` without what a change of unit leaves in its last digits.
+/// Removes the rounding errors of a change of unit from the last digits of `value`.
 pub(crate) fn rounded(value: f64) -> f64 {
     format!("{value:.11e}").parse().unwrap_or(value)
 }
 
-/// A length in millimetres, or in metres where that would lose a digit.
+/// A length in millimetres, or in metres if millimetres would lose a digit.
 fn length(length_m: f64) -> String {
     let length_mm = rounded(length_m * 1e3);
     if LengthUnit::Millimetre.to_metres(length_mm) == length_m {

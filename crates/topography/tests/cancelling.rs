@@ -1,4 +1,4 @@
-//! Work on a map ends at whatever point its monitor cancels.
+//! Operations on maps end at any point at which their monitor cancels.
 
 #![allow(clippy::unwrap_used, reason = "a test that unwraps in vain fails, as it should")]
 
@@ -10,7 +10,7 @@ use slipgrid_topography::{
     SelfAffine,
 };
 
-/// Cancels once it has been asked `after` times.
+/// A monitor that cancels after `after` checks.
 struct Patient {
     after: usize,
     asked: AtomicUsize,
@@ -28,7 +28,7 @@ impl Monitor for Patient {
     }
 }
 
-/// A patterned map of which some points are missing.
+/// A patterned map with missing points.
 fn map() -> HeightMap {
     let mut map = SelfAffine { pixels: 64, max_wave: 8, ..SelfAffine::STAND_IN }.map().unwrap();
     let pixel_m = map.dx_m();

@@ -1,4 +1,4 @@
-//! Damaged and hostile files of every format: read or refused, never a panic, never much memory.
+//! Damaged and hostile files of every format are read or refused without panic and without much memory.
 
 #![allow(clippy::unwrap_used, reason = "a test that unwraps in vain fails, as it should")]
 
@@ -7,17 +7,17 @@ use std::path::Path;
 use peak_alloc::PeakAlloc;
 use slipgrid_topography::{Crop, Decimation, DecimationMethod, LengthUnit, ReadError, ReadOptions, read_map};
 
-/// Counts what is allocated; this file holds a single test, for threads share it.
+/// Counts allocated memory. This file holds a single test because parallel test threads would share the count.
 #[global_allocator]
 static PEAK: PeakAlloc = PeakAlloc;
 
-/// Most memory that reading a file of a few kilobytes may take, whatever it claims: pieces of numbers, the
-/// state of an unpacker, and what a few kilobytes can unpack to.
+/// Largest memory for reading a file of a few kilobytes, whatever sizes it states: pieces of numbers, the state of a
+/// decompressor, and the unpacked content of a few kilobytes.
 const MAX_BYTES: usize = 8 << 20;
-/// Damaged files of each sample.
+/// Number of damaged files per sample.
 const ROUNDS: usize = 3000;
 
-/// A small, fixed generator.
+/// A small pseudorandom generator with a fixed seed.
 struct Random(u64);
 
 impl Random {
@@ -27,7 +27,7 @@ impl Random {
     }
 }
 
-/// Numbers that headers should not hold.
+/// Numbers that are invalid in headers.
 const NUMBERS: [u64; 10] = [0, 1, 0x7f, 0xff, 0x7fff, 0xffff, 0x7fff_ffff, 0xffff_ffff, u64::MAX >> 1, u64::MAX];
 const WORDS: [&[u8]; 14] = [
     b"99999999999",
@@ -48,7 +48,7 @@ const WORDS: [&[u8]; 14] = [
 
 fn damage(bytes: &mut Vec<u8>, random: &mut Random) {
     let at = random.below(bytes.len().max(1)).min(bytes.len().saturating_sub(1));
-    // Headers are where lies pay.
+    // Damage to headers is most likely to have an effect.
     let at = if random.below(2) == 0 { at % 700 } else { at }.min(bytes.len().saturating_sub(1));
     match random.below(7) {
         0 => bytes.truncate(at),
@@ -62,7 +62,7 @@ fn damage(bytes: &mut Vec<u8>, random: &mut Random) {
             }
         }
         4 => {
-            // Replace a run of digits, the way a lying text header would.
+            // Replaces a run of digits, as in a header with a wrong number.
             let Some(start) = bytes[at..].iter().position(u8::is_ascii_digit).map(|offset| at + offset) else { return };
             let end = bytes[start..].iter().position(|b| !b.is_ascii_digit()).map_or(bytes.len(), |n| start + n);
             bytes.splice(start..end, WORDS[random.below(WORDS.len())].iter().copied());
@@ -148,7 +148,7 @@ fn damaged_files_are_read_or_refused_within_bounded_memory() {
             }
         }
     }
-    // Damage is neither harmless nor always fatal; and the bound is one that is nearly used.
+    // Some damaged files are refused and some are read; the memory used comes close to the bound.
     assert!(read > 5_000 && refused > 20_000, "{read} read, {refused} refused");
     assert!(most > MAX_BYTES / 100, "{most} bytes at most");
     no_height_at_all();
@@ -156,10 +156,10 @@ fn damaged_files_are_read_or_refused_within_bounded_memory() {
     small_files_never_swell();
 }
 
-/// Most memory for a byte of a packed file: 8 heights of 8 bytes, three times while they grow.
+/// Largest memory per byte of a packed file: 8 heights of 8 bytes, three times while they grow.
 const MAX_PER_BYTE: usize = 3 * 64;
 
-/// Files that pack zeros, honestly or with lengths that lie, take no more memory than measured heights of their size.
+/// Files that pack zeros, with correct or wrong lengths, take no more memory than measured heights of their size.
 fn small_files_never_swell() {
     let refused = |name: &str, bytes: &[u8]| {
         let before = PEAK.current_usage();
@@ -244,7 +244,7 @@ fn no_height_at_all() {
     assert!(error.to_string().contains("all 2000 points are missing"), "{error}");
 }
 
-/// A header may claim as many points as a map can have: what is reserved follows what arrives.
+/// A header may state as many points as a map can have; memory is allocated only for data that arrive.
 fn claims_are_never_reserved() {
     let header = "{'descr': '<f8', 'fortran_order': False, 'shape': (5000, 5000)}";
     let mut bytes = b"\x93NUMPY\x01\x00".to_vec();

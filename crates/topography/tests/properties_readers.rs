@@ -1,4 +1,4 @@
-//! Properties of all readers: the same heights whatever the format, and parts that are parts of the whole.
+//! Properties of all readers: the heights do not depend on the format, and parts agree with the whole map.
 
 #![allow(clippy::unwrap_used, reason = "a test that unwraps in vain fails, as it should")]
 
@@ -7,7 +7,7 @@ use slipgrid_topography::{
     Crop, Decimation, DecimationMethod, HeightMap, LengthUnit, MatrixStyle, ReadOptions, read_map,
 };
 
-/// A map of whole nanometres on pixels of 2 um x 1 um, some points missing.
+/// A map of whole nanometres on pixels of 2 um x 1 um, with missing points.
 fn maps() -> impl Strategy<Value = HeightMap> {
     (2..12_usize, 2..12_usize).prop_flat_map(|(rows, cols)| {
         let height = prop_oneof![9 => (-30_000..30_000_i16).prop_map(Some), 1 => Just(None)];
@@ -24,7 +24,7 @@ fn nanometres(map: &HeightMap) -> impl Iterator<Item = Option<i16>> {
     map.heights_m().iter().map(|height| (!height.is_nan()).then(|| (height * 1e9).round() as i16))
 }
 
-/// The map in every format, as its writers lay it out: x runs along the lines of a file.
+/// The map in every format, in the layout of its usual writers: x runs along the lines of a file.
 fn files(map: &HeightMap) -> Vec<(&'static str, Vec<u8>)> {
     let (lines, points) = (map.cols(), map.rows());
     let (rows, cols) = (lines, points);
@@ -150,7 +150,7 @@ proptest! {
     #[test]
     fn a_file_cut_short_is_never_read_as_a_whole_one(map in maps(), share in 0.0..1.0_f64) {
         for (name, bytes) in files(&map) {
-            // Texts end where they end: a row or a point less is still a map.
+            // A truncated text is still a map, with a row or a point less.
             if matches!(name, "matrix" | "xyz" | "text sdf") {
                 continue;
             }

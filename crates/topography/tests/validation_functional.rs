@@ -1,4 +1,4 @@
-//! Sk to Smr2, Sal and Str beside those of surfalize 0.17.1, on sums of waves (`reference/waves.py`).
+//! Compares Sk to Smr2, Sal and Str with surfalize 0.17.1, on sums of waves (`reference/waves.py`).
 
 #![allow(clippy::unwrap_used, reason = "a test that unwraps in vain fails, as it should")]
 
@@ -11,7 +11,7 @@ use slipgrid_topography::{CORRELATION_THRESHOLD, HeightMap, MaterialRatioCurve, 
 const LINES: usize = 96;
 const POINTS: usize = 120;
 
-/// Amplitude, waves across the lines and along them, phase.
+/// Amplitude, waves across and along the lines, phase.
 type Wave = (f64, f64, f64, f64);
 
 fn waves(count: u32, most_line: i64, most_point: i64) -> Vec<Wave> {
@@ -58,12 +58,13 @@ fn validation_functional_and_spatial_parameters_beside_surfalize() {
         ("oblique", surface(&oblique, as_it_is)),
         ("grooved", surface(&rough, |j, height| if (30..38).contains(&j) { height - 9.0 } else { height })),
     ];
-    // Relative differences allowed. The core's region and line are the same (ISO 25178-2, annex B: of all parts of the curve
-    // that span 40 % the one with the flattest secant, through it the least-squares line); 40 % is 4000 of 9999 steps here and
-    // interpolated there, which shows where the curve has a kink, at the end of a plateau. Of the areas beyond the core
-    // surfalize leaves a class out. Its Sal and Str go along the ray to the nearest and the farthest pixel that the
-    // connected region about zero borders on; here all directions are tried and the region ends where the straight
-    // line from zero first leaves it, as the standard has it: a tenth of a pixel in Sal, a sixth in the slowest decay.
+    // Allowed relative differences. The core's region and line are the same (ISO 25178-2, annex B: the least-squares
+    // line through the part of the curve that spans 40 % and has the flattest secant). 40 % is 4000 of 9999 steps here
+    // and interpolated in surfalize, which matters if the curve has a kink at the end of a plateau. In the areas beyond
+    // the core surfalize omits one class. Its Sal and Str follow the ray to the nearest and the farthest pixel at the
+    // border of the connected region around zero; here all directions are searched, and the region ends where the
+    // straight line from zero first leaves it, as in the standard. The differences are a tenth of a pixel in Sal and a
+    // sixth in the slowest decay.
     let tolerances: [(&str, f64); 7] =
         [("Sq", 1e-12), ("Sk", 5e-5), ("Spk", 6e-3), ("Svk", 2e-3), ("Smr1", 1e-3), ("Smr2", 2e-4), ("Sal", 8e-3)];
     let expected = reference();
@@ -79,7 +80,7 @@ fn validation_functional_and_spatial_parameters_beside_surfalize() {
             let reference = expected[name][parameter].as_f64().unwrap();
             let allowed = match (name, parameter) {
                 ("plateau", "Sk") => 1e-2 * reference,
-                // Nothing lies above the line: 0 here, a class and a half of 10000 there.
+                // Nothing lies above the line: 0 here, one and a half classes of 10000 in surfalize.
                 ("plateau", "Smr1") => 0.33,
                 _ => tolerance * reference,
             };
@@ -88,8 +89,8 @@ fn validation_functional_and_spatial_parameters_beside_surfalize() {
         let reference = expected[name]["Str"].as_f64().unwrap();
         match lengths.str_ratio {
             Some(found) => assert!((found / reference - 1.0).abs() < 0.03, "{name} Str: {found} and {reference}"),
-            // Surfaces that go on in one direction: surfalize follows them to where few points overlap, ours ends at half
-            // the map and says that the slowest decay is not in it.
+            // Surfaces that extend in one direction: surfalize follows them to displacements where few points overlap;
+            // here the search ends at half the map, and the slowest decay is `None`.
             None => assert!(["oblique", "grooved"].contains(&name) && reference < 0.04, "{name} Str: {reference}"),
         }
     }

@@ -1,4 +1,4 @@
-//! ISO 25178 parameters and power spectrum beside those of independent programs (`reference/make.py`).
+//! Compares ISO 25178 parameters and power spectrum with those of independent programs (`reference/make.py`).
 
 #![allow(clippy::unwrap_used, reason = "a test that unwraps in vain fails, as it should")]
 
@@ -25,10 +25,10 @@ fn validation_iso_parameters_beside_surfalize() {
     let heights = map.height_parameters(&Unwatched).unwrap();
     let core = MaterialRatioCurve::new(&map, &Unwatched).unwrap().core();
     let lengths = map.correlation_lengths(CORRELATION_THRESHOLD, Sides::Open, &Unwatched).unwrap();
-    // Relative differences allowed: rounding where both compute the same sum. The core's line is fitted to the
-    // same classes; shares above and below are counted here and interpolated there, and of the areas beyond the core
-    // surfalize leaves the last class out: beside its line with the whole area the difference vanishes. Decay lengths are found there
-    // at the nearest of 1000 places along a ray to a pixel, here in 720 directions.
+    // Allowed relative differences: rounding where both compute the same sum. The core's line is fitted to the same
+    // classes, but fractions above and below are counted here and interpolated in surfalize, which also omits the last
+    // class of the areas beyond the core; with the whole area it agrees. surfalize finds decay lengths at the nearest
+    // of 1000 positions along a ray to a pixel, this crate in 720 directions.
     for (name, found, tolerance) in [
         ("Sa", heights.sa_m * 1e6, 1e-9),
         ("Sq", heights.sq_m * 1e6, 1e-9),
@@ -64,7 +64,7 @@ fn validation_power_spectrum_beside_surface_topography() {
         let bins = map.radial_spectrum_between(&edges, window, &Unwatched).unwrap();
         assert_eq!(bins.len(), reference.len());
         for (bin, reference) in bins.iter().zip(reference) {
-            // A map in single precision about a mean of 1e-9 of its Sq.
+            // A map in single precision with a mean of 1e-9 of its Sq.
             let found = bin.psd_m4 * 1e24;
             assert!((found / reference - 1.0).abs() < 1e-6, "{name}, q {}: {found} and {reference}", bin.q_per_m);
         }

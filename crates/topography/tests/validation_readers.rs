@@ -1,4 +1,4 @@
-//! Files that other programs wrote, and what other programs read from them (`reference/make.py`).
+//! Files written by other programs, and the values other programs read from them (`reference/make.py`).
 
 #![allow(clippy::unwrap_used, reason = "a test that unwraps in vain fails, as it should")]
 
@@ -16,7 +16,7 @@ fn readings() -> Value {
 }
 
 fn read(name: &str) -> HeightMap {
-    // An array knows neither pixel nor unit, points know no unit.
+    // An array has no pixel size and no unit, points have no unit.
     let options = if name.ends_with(".npy") {
         ReadOptions {
             pixel_m: Some([1.5e-6, 2.5e-6]),
@@ -31,7 +31,8 @@ fn read(name: &str) -> HeightMap {
     };
     let bytes = std::fs::read(folder().join(name)).unwrap();
     if name == "gwyddion.asc" {
-        // Its pixels are oblong, as those of a file that was cut short would be: the sides are understood, and asked for.
+        // The pixels are oblong, as in a truncated file; the sides are understood, but the reader asks for
+        // confirmation.
         let refused = read_map(&bytes[..], &options).unwrap_err().to_string();
         assert!(refused.contains("make pixels of 1.5 x 2.5 um"), "{refused}");
         let given = ReadOptions { pixel_m: Some([1.5e-6, 2.5e-6]), ..options };
@@ -48,7 +49,7 @@ fn validation_files_of_other_programs_read_as_others_read_them() {
     for (name, expected) in readings {
         let map = read(name);
         let number = |key: &str| expected[key].as_f64().unwrap();
-        // The points were written with x from line to line, in all other files x runs along a line.
+        // The points were written with x from line to line; in all other files x runs along a line.
         let (along, across) = if name == "points.xyz" { ("lines", "points") } else { ("points", "lines") };
         assert_eq!(map.rows() as f64, number(along), "{name}");
         assert_eq!(map.cols() as f64, number(across), "{name}");
@@ -64,9 +65,9 @@ fn validation_files_of_other_programs_read_as_others_read_them() {
         };
         let listed: Vec<Option<f64>> =
             expected["third_line_um"].as_array().unwrap().iter().map(Value::as_f64).collect();
-        // Some readers leave an offset out: then only differences can agree.
+        // Some readers ignore an offset, so only differences can agree.
         let shift = if expected.get("without_offset").is_some() { line[0] - listed[0].unwrap() } else { 0.0 };
-        // Heights in single precision, up to 3 um: 2e-7 um; the sum of 403 of them.
+        // Heights in single precision, up to 3 um: an error of 2e-7 um each; the sum has 403 of them.
         let close = |found: f64, expected: f64| (found - shift - expected).abs() < 2e-7;
         for (found, listed) in line.iter().zip(&listed) {
             match listed {

@@ -1,10 +1,11 @@
 use std::f64::consts::PI;
 
 use crate::ContactError;
-use crate::error::within;
+use crate::error::require_within;
 
-/// A paraboloid of radius R under the force F on a plane: H. Hertz, J. reine angew. Math. 92, 156 (1881);
-/// K. L. Johnson, Contact Mechanics, section 4.2.
+/// Contact of a paraboloid of radius R with a plane under the force F.
+///
+/// H. Hertz, J. reine angew. Math. 92, 156 (1881); K. L. Johnson, Contact Mechanics, section 4.2.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hertz {
     radius_m: f64,
@@ -13,12 +14,12 @@ pub struct Hertz {
 }
 
 impl Hertz {
-    /// A paraboloid of curvature 1/`radius_m` under `force_n` with the contact modulus E*.
+    /// Solves the contact of a paraboloid of radius `radius_m` under the force `force_n` for the contact modulus E*.
     ///
     /// # Errors
-    /// [`ContactError::OutOfRange`] unless all are positive (and within 1e-30 to 1e30).
+    /// [`ContactError::OutOfRange`] unless all three arguments lie within 1e-30 to 1e30.
     pub fn new(radius_m: f64, force_n: f64, contact_modulus_pa: f64) -> Result<Self, ContactError> {
-        let positive = |quantity, value| within(quantity, value, 1e-30..=1e30, "a positive number");
+        let positive = |quantity, value| require_within(quantity, value, 1e-30..=1e30, "a positive number");
         positive("radius", radius_m)?;
         positive("force", force_n)?;
         positive("contact modulus", contact_modulus_pa)?;
@@ -67,7 +68,7 @@ mod tests {
         assert!((hertz.contact_radius_m() - 1e-4).abs() < 1e-17);
         assert!((hertz.peak_pressure_pa() - 2.721_549e6).abs() < 1.0);
         assert!((hertz.approach_m() - 1e-6).abs() < 1e-18);
-        // The pressure carries the force: 2 pi int p r dr.
+        // The integral of the pressure equals the force: 2 pi int p r dr.
         let steps = 200_000;
         let width = hertz.contact_radius_m() / f64::from(steps);
         let force: f64 =

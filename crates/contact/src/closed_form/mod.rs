@@ -1,4 +1,4 @@
-//! Contact problems with closed solutions: judges of the solver, and estimates of their own.
+//! Contact problems with closed-form solutions, for tests of the solver and for quick estimates.
 
 mod hertz;
 mod persson;

@@ -1,18 +1,20 @@
 use std::f64::consts::SQRT_2;
 
 use crate::ContactError;
-use crate::error::within;
+use crate::error::require_within;
 
-/// Share of a self-affine surface in contact by the diffusion theory of B. N. J. Persson, J. Chem. Phys. 115,
-/// 3840 (2001): erf(sqrt 2 P / (E* h'rms)). It knows the surface only by its rms slope, rises more slowly
-/// than computed areas at light loads, and is no substitute for a map.
+/// Real contact area fraction of a self-affine surface, erf(sqrt 2 P / (E* h'rms)).
+///
+/// Diffusion theory of B. N. J. Persson, J. Chem. Phys. 115, 3840 (2001). The rms slope is the only property of the
+/// surface that enters. At light loads the area rises more slowly with pressure than computed areas do, so the formula
+/// does not replace a map.
 ///
 /// # Errors
-/// [`ContactError::OutOfRange`] unless the pressure is not negative, modulus and slope positive.
+/// [`ContactError::OutOfRange`] if the pressure is negative, or the modulus or slope is not positive.
 pub fn persson_area_fraction(pressure_pa: f64, contact_modulus_pa: f64, rms_slope: f64) -> Result<f64, ContactError> {
-    within("pressure", pressure_pa, 0.0..=1e30, "a number not below zero")?;
-    within("contact modulus", contact_modulus_pa, 1e-30..=1e30, "a positive number")?;
-    within("rms slope", rms_slope, 1e-30..=1e30, "a positive number")?;
+    require_within("pressure", pressure_pa, 0.0..=1e30, "a number not below zero")?;
+    require_within("contact modulus", contact_modulus_pa, 1e-30..=1e30, "a positive number")?;
+    require_within("rms slope", rms_slope, 1e-30..=1e30, "a positive number")?;
     Ok(libm::erf(SQRT_2 * (pressure_pa / contact_modulus_pa / rms_slope)))
 }
 

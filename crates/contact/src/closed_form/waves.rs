@@ -1,19 +1,20 @@
 use std::f64::consts::{PI, SQRT_2};
 
 use crate::ContactError;
-use crate::error::within;
+use crate::error::require_within;
 
-/// Amplitude, wavelength and modulus of a wave, checked; returns E* D / lambda.
+/// Checks the parameters of a wave and returns E* D / lambda.
 fn slope_pressure_pa(amplitude_m: f64, wavelength_m: f64, contact_modulus_pa: f64) -> Result<f64, ContactError> {
-    let positive = |quantity, value| within(quantity, value, 1e-30..=1e30, "a positive number");
+    let positive = |quantity, value| require_within(quantity, value, 1e-30..=1e30, "a positive number");
     positive("amplitude", amplitude_m)?;
     positive("wavelength", wavelength_m)?;
     positive("contact modulus", contact_modulus_pa)?;
     Ok(contact_modulus_pa * amplitude_m / wavelength_m)
 }
 
-/// One wave h = D cos(2 pi x / lambda): H. M. Westergaard, J. Appl. Mech. 6, A49 (1939);
-/// K. L. Johnson, Contact Mechanics, section 13.2.
+/// A surface with one wave, h = D cos(2 pi x / lambda).
+///
+/// H. M. Westergaard, J. Appl. Mech. 6, A49 (1939); K. L. Johnson, Contact Mechanics, section 13.2.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Wave {
     wavelength_m: f64,
@@ -21,10 +22,10 @@ pub struct Wave {
 }
 
 impl Wave {
-    /// A wave of amplitude D and wavelength lambda on a half-space of contact modulus E*.
+    /// Creates a wave of amplitude D and wavelength lambda on a half-space of contact modulus E*.
     ///
     /// # Errors
-    /// [`ContactError::OutOfRange`] unless all are positive (and within 1e-30 to 1e30).
+    /// [`ContactError::OutOfRange`] unless all three arguments lie within 1e-30 to 1e30.
     pub fn new(amplitude_m: f64, wavelength_m: f64, contact_modulus_pa: f64) -> Result<Self, ContactError> {
         // p* = pi E* D / lambda
         let full_contact_pressure_pa = PI * slope_pressure_pa(amplitude_m, wavelength_m, contact_modulus_pa)?;
@@ -43,14 +44,14 @@ impl Wave {
         (nominal_pa / self.full_contact_pressure_pa).clamp(0.0, 1.0).sqrt()
     }
 
-    /// Share of the surface in contact under the mean pressure `nominal_pa`.
+    /// Real contact area fraction under the mean pressure `nominal_pa`.
     #[must_use]
     pub fn area_fraction(&self, nominal_pa: f64) -> f64 {
         // 2 a / lambda = (2/pi) asin sqrt(P/p*)
         2.0 / PI * libm::asin(self.sine(nominal_pa))
     }
 
-    /// Pressure at `x_m` from a crest under the mean pressure `nominal_pa`, in pascals.
+    /// Pressure at the distance `x_m` from a crest under the mean pressure `nominal_pa`, in pascals.
     #[must_use]
     pub fn pressure_pa(&self, nominal_pa: f64, x_m: f64) -> f64 {
         let angle = PI * (x_m / self.wavelength_m);
@@ -59,8 +60,8 @@ impl Wave {
             return nominal_pa + self.full_contact_pressure_pa * libm::cos(2.0 * angle);
         }
         // p = 2 P cos(pi x/lambda) / sin^2(psi) sqrt(sin^2(psi) - sin^2(pi x/lambda))
-        let (sine, at) = (self.sine(nominal_pa), libm::sin(angle));
-        let inside = sine * sine - at * at;
+        let (sine, sine_x) = (self.sine(nominal_pa), libm::sin(angle));
+        let inside = sine * sine - sine_x * sine_x;
         if inside <= 0.0 {
             return 0.0;
         }
@@ -68,7 +69,9 @@ impl Wave {
     }
 }
 
-/// Two crossed waves h = D cos(2 pi x / lambda) cos(2 pi y / lambda), of which both ends are known:
+/// A surface with two crossed waves, h = D cos(2 pi x / lambda) cos(2 pi y / lambda). The limits of light load and of
+/// nearly full contact have closed forms.
+///
 /// K. L. Johnson, J. A. Greenwood and J. G. Higginson, Int. J. Mech. Sci. 27, 383 (1985).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CrossedWaves {
@@ -76,10 +79,10 @@ pub struct CrossedWaves {
 }
 
 impl CrossedWaves {
-    /// Waves of amplitude D and wavelength lambda on a half-space of contact modulus E*.
+    /// Creates crossed waves of amplitude D and wavelength lambda on a half-space of contact modulus E*.
     ///
     /// # Errors
-    /// [`ContactError::OutOfRange`] unless all are positive (and within 1e-30 to 1e30).
+    /// [`ContactError::OutOfRange`] unless all three arguments lie within 1e-30 to 1e30.
     pub fn new(amplitude_m: f64, wavelength_m: f64, contact_modulus_pa: f64) -> Result<Self, ContactError> {
         // p* = sqrt 2 pi E* D / lambda
         let full_contact_pressure_pa = SQRT_2 * PI * slope_pressure_pa(amplitude_m, wavelength_m, contact_modulus_pa)?;
@@ -92,7 +95,7 @@ impl CrossedWaves {
         self.full_contact_pressure_pa
     }
 
-    /// Share of the surface in contact in the limit of light loads, where every summit is a Hertz contact.
+    /// Real contact area fraction in the limit of light loads, where every summit is a Hertz contact.
     #[must_use]
     pub fn area_fraction_light(&self, nominal_pa: f64) -> f64 {
         // A = pi (3 P / (8 pi p*))^(2/3)
@@ -100,7 +103,7 @@ impl CrossedWaves {
         PI * cube * cube
     }
 
-    /// Share of the surface in contact just below full contact, where every pit is a pressurized crack.
+    /// Real contact area fraction just below full contact, where every valley is a pressurized crack.
     #[must_use]
     pub fn area_fraction_heavy(&self, nominal_pa: f64) -> f64 {
         // A = 1 - 3/(2 pi) (1 - P/p*)
@@ -126,7 +129,7 @@ mod tests {
         }
         assert!((wave.area_fraction(0.5 * full) - 0.5).abs() < 1e-15);
         assert_eq!((wave.area_fraction(0.0), wave.area_fraction(2.0 * full)), (0.0, 1.0));
-        // The width of the pressure is that of the area: zero just outside, positive just inside.
+        // The pressure is zero just outside the contact width and positive just inside.
         let half_m = 0.5e-3 * wave.area_fraction(0.3 * full);
         assert_eq!(wave.pressure_pa(0.3 * full, half_m * 1.000_001), 0.0);
         assert!(wave.pressure_pa(0.3 * full, half_m * 0.999_999) > 0.0);
@@ -134,7 +137,7 @@ mod tests {
 
     #[test]
     fn light_crossed_waves_are_hertz_contacts() {
-        // A summit has curvature D (2 pi/lambda)^2 and carries P lambda^2/2: two summits a period.
+        // A summit has curvature D (2 pi/lambda)^2 and carries P lambda^2/2, since there are two summits per period.
         let (amplitude_m, wavelength_m, modulus_pa, nominal_pa) = (1e-6, 1e-3, 427.5e6, 10.0);
         let radius_m = 1.0 / (amplitude_m * (2.0 * PI / wavelength_m).powi(2));
         let hertz =

@@ -3,7 +3,7 @@
 use slipgrid_topography::HeightMap;
 use slipgrid_topography::fourier::Fourier;
 
-/// A surface of `rows` x `cols` points, pixels of 1 x `aspect` µm.
+/// A surface of `rows` x `cols` points with pixels of 1 x `aspect` µm.
 #[derive(Clone, Copy, Debug)]
 pub struct Surface<'a> {
     /// One of [`KINDS`].
@@ -23,17 +23,17 @@ const PIXEL_M: f64 = 1e-6;
 const RMS_HEIGHT_M: f64 = 2e-7;
 /// Hurst exponent of self-affine surfaces.
 const HURST: f64 = 0.8;
-/// Waves along the longer side from which the spectrum of self-affine surfaces falls.
+/// Number of waves along the longer side above which the spectrum of self-affine surfaces falls.
 const ROLL_OFF_WAVES: f64 = 4.0;
-/// One in so many points of a pitted surface is a pit of [`PIT_DEPTH_M`], in noise of [`PITTED_RMS_HEIGHT_M`].
+/// Pitted surfaces have one pit of [`PIT_DEPTH_M`] per this many points, in noise of [`PITTED_RMS_HEIGHT_M`].
 const POINTS_PER_PIT: u64 = 500;
 const PIT_DEPTH_M: f64 = 9e-7;
 const PITTED_RMS_HEIGHT_M: f64 = 4e-9;
-/// Height in units of the rms at which plateau surfaces are cut off, and the rms height of the noise on plateaus.
+/// Cut-off height of plateau surfaces in units of the rms height, and the rms height of the noise on plateaus.
 const PLATEAU: f64 = -0.3;
 const PLATEAU_NOISE_M: f64 = 2e-9;
 
-/// The SplitMix64 generator's number `n` for `seed`: the same on every machine.
+/// Number `n` of the SplitMix64 generator for `seed`, identical on every machine.
 pub fn random(seed: u64, n: u64) -> u64 {
     let mut z = (seed << 40).wrapping_add(n + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
     z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
@@ -44,13 +44,13 @@ pub fn random(seed: u64, n: u64) -> u64 {
 impl Surface<'_> {
     pub fn map(&self) -> HeightMap {
         let points = (self.rows * self.cols) as u64;
-        // Uniform with mean 0 and rms 1.
+        // Uniform distribution with mean 0 and rms 1.
         let noise = |seed| move |n| (random(seed, n) as f64 / 2f64.powi(64) - 0.5) * 12f64.sqrt();
         let white: Vec<f64> = (0..points).map(noise(self.seed)).collect();
         let heights = match self.kind {
             "self_affine" => self.roughen(&white).iter().map(|h| h * RMS_HEIGHT_M).collect(),
             "plateau" => {
-                // Every other plateau is flat to the last digit.
+                // Every second plateau is exactly flat.
                 let rms_m = if self.seed.is_multiple_of(2) { PLATEAU_NOISE_M } else { 0.0 };
                 let cut = self.roughen(&white).into_iter().map(|h| h.min(PLATEAU) * RMS_HEIGHT_M);
                 cut.zip((0..points).map(noise(self.seed + 1))).map(|(h, noise)| h + noise * rms_m).collect()

@@ -1,23 +1,23 @@
-//! Sweeps judged with vectors of every width that this machine has.
+//! Tests of sweeps with every vector width of the machine.
 
 use pulp::{Simd, WithSimd};
 
 use super::real::Real;
 use super::rows::Plane;
 
-/// Fills the first `size` values of each plane with numbers of both signs, the same on every machine and in every
+/// Fills the first `size` values of each plane with numbers of both signs, independent of the machine and the
 /// allocation.
 pub fn fill<'a, R: Real>(planes: impl IntoIterator<Item = &'a mut Plane<R>>, size: usize) {
     let mut number = 1_u32;
     for plane in planes {
         for value in plane.rows_mut().iter_mut().take(size) {
             number = number.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-            *value = R::of((f64::from(number) / f64::from(u32::MAX) - 0.5) * 1e-3);
+            *value = R::round_from((f64::from(number) / f64::from(u32::MAX) - 0.5) * 1e-3);
         }
     }
 }
 
-/// Asserts that `sweep` writes the same bits, not all of them zero, with vectors of any width as one by one.
+/// Asserts that `sweep` writes the same nonzero bits with vectors of every width as with scalars.
 pub fn assert_same_bits<W: WithSimd<Output = Vec<f64>>>(what: &str, sweep: impl Fn() -> W) {
     let bits = |values: Vec<f64>| values.into_iter().map(f64::to_bits).collect::<Vec<_>>();
     let scalar = bits(Simd::vectorize(pulp::Scalar::new(), sweep()));

@@ -1,49 +1,51 @@
 //! Spring forces row by row, linear or geometrically exact, in vectors.
 //!
-//! Count for a block and evaluation with exact springs, four of which belong to it: 4 square roots, 4 divisions, 64
-//! additions and multiplications. A Zen 4 core takes a square root and a division of eight numbers every 18 and 16 cycles:
-//! 17 cycles a block for them, beside which the rest finds room.
+//! Cost per block and evaluation with exact springs, of which four belong to a block: 4 square roots, 4 divisions, 64
+//! additions and multiplications. A Zen 4 core takes 18 and 16 cycles for a square root and a division of eight
+//! numbers, which makes 17 cycles per block; the other operations overlap with these.
 
 use pulp::{Simd, WithSimd};
 
 use crate::scene::Springs;
 use slipgrid_fft::vectorized;
 
-/// Columns whose forces stay in the first-level cache while a row's four kinds of springs are gone through.
+/// Number of columns whose forces stay in the first-level cache while the four kinds of springs of a row are evaluated.
 const CHUNK: usize = 128;
 
-/// The springs of a block that belong to it: to the right, up, and up to either side.
+/// Directions of the springs that belong to a block: right, up, and up to either side.
 pub const KINDS: [[f64; 2]; 4] = [[1.0, 0.0], [0.0, 1.0], [1.0, 1.0], [-1.0, 1.0]];
 
-/// Springs between a block and its right and upper neighbours on a uniform mesh, around a ring where it is one.
+/// Springs between a block and its right and upper neighbours on a uniform mesh, with or without a periodic side.
 ///
-/// Every block's forces are summed in the same order wherever it stands in a row of up to [`CHUNK`] columns.
+/// The forces on a block are summed in an order that does not depend on its position, in rows of up to [`CHUNK`]
+/// columns.
 #[derive(Clone, Debug)]
 pub struct BondRows {
     columns: usize,
     law: Springs,
-    /// By kind and by block number j * nx + i; 0 where there is none. In the last row those upward end at the bulk.
+    /// Stiffness by kind and block number j * nx + i; 0 if there is no spring. In the last row upward springs end at
+    /// the bulk.
     stiffness: [Vec<f64>; 4],
-    /// The bulk's displacement, as wide as a row.
+    /// Displacement of the bulk, repeated over a row.
     bulk: [Vec<f64>; 2],
-    /// Forces of one kind of springs on the bulk.
+    /// Scratch space for the forces of one kind of springs on the bulk.
     on_bulk: [Vec<f64>; 2],
 }
 
 impl BondRows {
-    /// No springs on `columns` by `rows` blocks.
+    /// Creates a mesh of `columns` by `rows` blocks without springs.
     pub fn new(columns: usize, rows: usize, law: Springs) -> Self {
         let row = || [vec![0.0; columns], vec![0.0; columns]];
         let stiffness = KINDS.map(|_| vec![0.0; columns * rows]);
         Self { columns, law, stiffness, bulk: row(), on_bulk: row() }
     }
 
-    /// Adds the spring of kind number `kind` from block number `block`.
+    /// Adds the spring of kind `kind` of block `block`.
     pub fn add(&mut self, kind: usize, block: usize, stiffness: f64) {
         self.stiffness[kind][block] += stiffness;
     }
 
-    /// Sum of the vertical forces of the bulk's springs on the layer at the displacements `u`.
+    /// Returns the sum of the vertical forces of the bulk's springs on the layer at the displacements `u`.
     pub fn pull(&mut self, u: &[Vec<f64>; 2], bulk: [f64; 2]) -> f64 {
         self.place_bulk(bulk);
         match self.law {
@@ -52,7 +54,7 @@ impl BondRows {
         }
     }
 
-    /// Adds all forces at the displacements `u` to `forces`.
+    /// Adds all spring forces at the displacements `u` to `forces`.
     pub fn evaluate(&mut self, u: &[Vec<f64>; 2], bulk: [f64; 2], forces: &mut [Vec<f64>; 2]) {
         self.place_bulk(bulk);
         match self.law {
@@ -68,7 +70,7 @@ impl BondRows {
     }
 }
 
-/// Forces of springs of one kind on their first ends: those at `a`, whose second ends are at `b`.
+/// Computes the forces of springs of one kind on their first ends at `a`; their second ends are at `b`.
 #[inline(always)]
 fn forces_of<const EXACT: bool>(
     kind: usize,
@@ -137,7 +139,7 @@ impl<const EXACT: bool> WithSimd for Evaluate<'_, EXACT> {
             let [u_x, u_y] = [&u[0][own.clone()], &u[1][own.clone()]];
             let (f_x, upper_x) = forces_x[own.start..].split_at_mut(nx);
             let (f_y, upper_y) = forces_y[own.start..].split_at_mut(nx);
-            // The bulk is one point: whatever pulls at it pulls from the same place.
+            // The bulk is rigid: all springs to it end at the same displacement.
             let inside = j + 1 < rows;
             let (upper, [g_x, g_y]) = if inside {
                 let above = own.end..own.end + nx;
@@ -151,7 +153,8 @@ impl<const EXACT: bool> WithSimd for Evaluate<'_, EXACT> {
                 let to = (from + CHUNK).min(nx);
                 let (t_x, t_y) = (&mut kind_x[..to - from], &mut kind_y[..to - from]);
                 for (kind, stiffness) in stiffness.iter().enumerate() {
-                    // Columns whose springs end within the row, how far away, and the one whose spring goes around.
+                    // Range of columns whose springs end within the row, the offset of the other end, and the column
+                    // pair across the periodic side.
                     let (first, last, shift, seam) = match (kind, inside) {
                         (0, _) => (from, to.min(nx - 1), 1, Some([nx - 1, 0])),
                         (2, true) => (from, to.min(nx - 1), 1, Some([nx - 1, 0])),
@@ -215,7 +218,7 @@ impl<const EXACT: bool> WithSimd for Pull<'_, EXACT> {
                 2 => forces_of::<EXACT>(2, k, a, b, [&mut *t_x, &mut *t_y]),
                 _ => forces_of::<EXACT>(3, k, a, b, [&mut *t_x, &mut *t_y]),
             }
-            // Partial sums in an order that no vector's width changes.
+            // Partial sums in an order that does not depend on the vector width.
             for values in t_y.chunks(LANES) {
                 for (sum, value) in sums.iter_mut().zip(values) {
                     *sum += value;

@@ -1,13 +1,13 @@
-//! Spring forces of any lattice, linear or geometrically exact: the force evaluation of the reference integration,
-//! and the judge of the stencil. Units: k = 1, l = 1, m = 1.
+//! Spring forces of any lattice, linear or geometrically exact. The reference integration uses them, and tests compare
+//! the stencil with them. Units: k = 1, l = 1, m = 1.
 //!
-//! Springs of the uniform mesh are evaluated row by row ([`BondRows`]), others bond by bond.
+//! Springs of the uniform mesh are evaluated row by row ([`BondRows`]), other springs one by one.
 
 use super::bond_rows::{BondRows, KINDS};
 use crate::lattice::Lattice;
 use crate::scene::Springs;
 
-/// One spring, ends as block numbers j * nx + i.
+/// One spring; its ends are block numbers j * nx + i.
 #[derive(Clone, Copy, Debug)]
 struct Spring {
     a: usize,
@@ -17,7 +17,6 @@ struct Spring {
     stiffness: f64,
 }
 
-/// All springs of a lattice.
 #[derive(Clone, Debug)]
 pub struct Bonds {
     law: Springs,
@@ -25,23 +24,23 @@ pub struct Bonds {
     /// Springs that are not in `rows`.
     springs: Vec<Spring>,
     to_bulk: Vec<Spring>,
-    /// Vertical force on the bulk by its own unit rise with linear springs.
+    /// Derivative of the vertical force on the bulk with respect to its height, for linear springs.
     slope: f64,
     mass: Vec<f64>,
     height: f64,
     forces: [Vec<f64>; 2],
-    /// Every spring, one by one.
+    /// All springs, for evaluation one by one.
     #[cfg(test)]
     all: Vec<Spring>,
 }
 
-/// Share of the load below which the bulk's vertical imbalance counts as rounding.
+/// Vertical imbalance of the bulk over the load that counts as rounding.
 const BALANCE_TOLERANCE: f64 = 1e-15;
-/// Newton steps on the bulk's height; two or three do, as the springs are nearly linear.
+/// Maximum of Newton steps for the bulk's height. Two or three are needed, since the springs are nearly linear.
 const MAX_NEWTON_STEPS: usize = 20;
 
 impl Bonds {
-    /// The springs of `lattice` under the force law `law`.
+    /// Collects the springs of `lattice` with the force law `law`.
     #[must_use]
     pub fn new(lattice: &Lattice, law: Springs) -> Self {
         let (nx, ny) = (lattice.nx(), lattice.ny());
@@ -69,7 +68,7 @@ impl Bonds {
                 // k y^2 / L^2
                 bonds.slope += bond.stiffness * (y / length).powi(2);
             }
-            // Whole steps to the other end, around a ring or not.
+            // The spring fits the uniform mesh if its other end is whole steps away, possibly across the periodic side.
             let end = (bond.a.0 as f64 + x).rem_euclid(nx as f64);
             let reaches = |(i, _): (usize, usize)| end == i as f64;
             match KINDS.iter().position(|kind| *kind == bond.rest) {
@@ -81,20 +80,19 @@ impl Bonds {
         bonds
     }
 
-    /// Inverse mass of every block, 0 where there is none.
+    /// Inverse mass of every block; 0 where there is no block.
     #[must_use]
     pub fn inverse_mass(&self) -> Vec<f64> {
         self.mass.iter().map(|mass| if *mass > 0.0 { 1.0 / mass } else { 0.0 }).collect()
     }
 
-    /// Spring forces at the last evaluation, x and y.
+    /// Spring forces of the last evaluation, x and y.
     #[must_use]
     pub const fn forces(&self) -> &[Vec<f64>; 2] {
         &self.forces
     }
 
-    /// Evaluates the forces at the displacements `u`, the bulk at `bulk_x` and at the height that
-    /// balances `load`.
+    /// Evaluates the forces at the displacements `u`, with the bulk at `bulk_x` and at the height that balances `load`.
     pub fn evaluate(&mut self, u: &[Vec<f64>; 2], bulk_x: f64, load: f64) {
         self.balance_bulk(u, bulk_x, load);
         let [fx, fy] = &mut self.forces;
@@ -118,7 +116,7 @@ impl Bonds {
         }
     }
 
-    /// Newton's method for the bulk's height H: sum of the vertical forces of its springs = -load.
+    /// Finds the bulk's height H by Newton's method: the sum of the vertical forces of its springs is -load.
     fn balance_bulk(&mut self, u: &[Vec<f64>; 2], bulk_x: f64, load: f64) {
         let slope = self.slope;
         for _ in 0..MAX_NEWTON_STEPS {
@@ -138,8 +136,8 @@ impl Bonds {
 
 #[cfg(test)]
 impl Bonds {
-    /// Energy of the springs at the displacements of the last evaluation plus load times height: what
-    /// changes by work alone while the load is constant.
+    /// Energy of the springs at the last evaluation plus load times height. Under constant load it changes only by the
+    /// work of the drive, friction and damping.
     pub fn potential(&self, u: &[Vec<f64>; 2], bulk_x: f64, load: f64) -> f64 {
         let energy = |spring: &Spring, d: [f64; 2]| {
             let [x, y] = spring.rest;
@@ -156,19 +154,18 @@ impl Bonds {
         springs + load * self.height
     }
 
-    /// Horizontal force that drives the bulk.
+    /// Horizontal force of the drive on the bulk.
     pub fn drive(&self, u: &[Vec<f64>; 2], bulk_x: f64) -> f64 {
         let to_bulk = self.all.iter().filter(|spring| spring.b == self.mass.len());
         to_bulk.map(|spring| force(self.law, spring, self.stretch(spring, u, bulk_x))[0]).sum()
     }
 
-    /// Displacement of a spring's second end relative to its first.
     fn stretch(&self, spring: &Spring, u: &[Vec<f64>; 2], bulk_x: f64) -> [f64; 2] {
         let bulk = [bulk_x, self.height];
         [0, 1].map(|c| u[c].get(spring.b).unwrap_or(&bulk[c]) - u[c][spring.a])
     }
 
-    /// The forces at the last evaluation, spring by spring, and the vertical force on the bulk.
+    /// Forces of the last evaluation computed spring by spring, and the vertical force on the bulk.
     fn one_by_one(&self, u: &[Vec<f64>; 2], bulk_x: f64) -> ([Vec<f64>; 2], f64) {
         let blocks = self.mass.len();
         let mut forces = [vec![0.0; blocks + 1], vec![0.0; blocks + 1]];
@@ -185,7 +182,7 @@ impl Bonds {
     }
 }
 
-/// Force on the first end of a spring whose second end has moved by `d` relative to it.
+/// Force on the first end of a spring whose second end is displaced by `d` relative to the first.
 fn force(law: Springs, spring: &Spring, d: [f64; 2]) -> [f64; 2] {
     let [x, y] = spring.rest;
     let along = x * d[0] + y * d[1];
@@ -226,7 +223,7 @@ mod tests {
         let largest = |law: Springs, angle: f64| {
             let mut bonds = Bonds::new(&lattice, law);
             bonds.evaluate(&rotate(angle), 0.0, 0.0);
-            // The bulk does not turn: the top row is apart.
+            // The top row is excluded because the bulk does not rotate.
             bonds.forces.iter().flat_map(|forces| &forces[..16]).fold(0.0, |most: f64, f| most.max(f.abs()))
         };
         assert!(largest(Springs::Exact, 0.3) < 1e-14);
@@ -236,7 +233,7 @@ mod tests {
 
     #[test]
     fn rows_of_springs_pull_as_one_by_one_and_the_bulk_balances_the_load() {
-        // Chunks of columns and what is left of them, rings and free sides, cavities, columns of other widths.
+        // Full and partial chunks of columns, periodic and free sides, cavities, and columns of other widths.
         let pattern = |width_um: f64, spacing_um: f64| {
             Pattern::new(Planform::Groove, width_um * 1e-6, spacing_um * 1e-6, 20e-6).unwrap()
         };

@@ -1,20 +1,21 @@
 //! Friction on the row of contact blocks.
 //!
-//! At rest friction balances the horizontal force up to max(mu_s, mu_d) f(p) F_n; sliding it is
-//! mu_d f(p) F_n against the velocity; a step that would reverse the velocity ends at rest. The law
-//! sees the local pressure and the direction of slip, nothing more.
+//! At rest friction balances the horizontal force up to max(mu_s, mu_d) f(p) F_n; in sliding it is mu_d f(p) F_n
+//! against the velocity; a step that would reverse the velocity ends at rest. The law depends only on the local
+//! pressure and the direction of slip.
 //!
-//! The leapfrog has forces at whole steps and velocities between them. A block that lets go at one instant is fast by half a kick
-//! half a step later, and one whose velocity reverses about an instant stands where it turns, v^2 / 2 a further on: so a slip is as
-//! long as in exact time but for the square of the step. A whole kick at the start and a stop at the instant would make it longer by
-//! 1 / cos(theta / 2) with theta the phase of a step, and shorter by up to (theta / 4)^2.
+//! The leapfrog has forces at whole steps and velocities at half steps. A block released at one instant therefore gets
+//! half a kick for the half step after it. A block whose velocity reverses at an instant is placed where it turns, v^2
+//! / (2 a) further on. The length of a slip then has an error of second order in the step. A whole kick at the start
+//! and a stop at the instant would make it longer by 1 / cos(theta / 2), theta the phase of a step, and shorter by up
+//! to (theta / 4)^2.
 
 use slipgrid_material::{AreaLaw, Piece};
 
 use super::sweep::Kick;
 use crate::draws::Coefficients;
 
-/// Local friction law: what a block of given coefficients resists at a given normal force.
+/// Local friction law: the resistance of a block with given coefficients at a given normal force.
 #[derive(Clone, Copy, Debug)]
 pub struct LocalLaw<'a> {
     area_law: Option<&'a AreaLaw>,
@@ -23,13 +24,13 @@ pub struct LocalLaw<'a> {
 }
 
 impl<'a> LocalLaw<'a> {
-    /// A law for normal forces in units of `unit_pressure_pa` l^2.
+    /// Creates the law for normal forces in units of `unit_pressure_pa` l^2.
     #[must_use]
     pub const fn new(area_law: Option<&'a AreaLaw>, unit_pressure_pa: f64) -> Self {
         Self { area_law, unit_pressure_pa }
     }
 
-    /// Interval of normal forces around `normal` in which friction per unit coefficient is a polynomial.
+    /// Returns the interval of normal forces around `normal` in which friction per unit coefficient is one polynomial.
     pub fn piece(&self, normal: f64) -> GripPiece {
         let unit_pa = self.unit_pressure_pa;
         let piece = self.area_law.map_or(Piece::PROPORTIONAL, |law| law.piece(normal * unit_pa));
@@ -42,7 +43,7 @@ impl<'a> LocalLaw<'a> {
         }
     }
 
-    /// f(p) F_n: friction per unit coefficient. `near` remembers the interval of the law's table.
+    /// Computes f(p) F_n, the friction per unit coefficient. `near` caches the interval of the law's table.
     fn grip(&self, normal: f64, near: &mut usize) -> f64 {
         match self.area_law {
             Some(law) => normal * law.factor_near(normal * self.unit_pressure_pa, near),
@@ -51,7 +52,7 @@ impl<'a> LocalLaw<'a> {
     }
 }
 
-/// f(p) F_n = constant + linear F_n + quadratic F_n^2 for normal forces from `from` up to `to`.
+/// Polynomial f(p) F_n = constant + linear F_n + quadratic F_n^2 for normal forces from `from` up to `to`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GripPiece {
     pub from: f64,
@@ -62,55 +63,55 @@ pub struct GripPiece {
 }
 
 impl GripPiece {
-    /// f(p) F_n at the normal force `normal`.
+    /// Computes f(p) F_n at the normal force `normal`.
     #[must_use]
     pub fn grip(&self, normal: f64) -> f64 {
         self.constant + normal * (self.linear + normal * self.quadratic)
     }
 }
 
-/// How a contact block moves.
+/// State of motion of a contact block.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Motion {
-    /// Held by friction.
+    /// Held at rest by friction.
     Rest,
-    /// Sliding, or free to move because it carries no pressure.
+    /// Sliding, or free to move because it has no normal pressure.
     Slip,
     /// Off the counterface (unilateral contact only).
     Lifted,
 }
 
-/// One contact block, which moves along `H` horizontal axes: 1 in the plane, 2 in space. Forces in units of k l.
+/// One contact block with `H` horizontal degrees of freedom: 1 in the plane, 2 in space. Forces are in units of k l.
 #[derive(Clone, Copy, Debug)]
 pub struct ContactBlock<const H: usize> {
     /// Local coefficients.
     pub coefficients: Coefficients,
     /// State of motion.
     pub motion: Motion,
-    /// Whether it has slipped along the drive, or was free to, since the drive began.
+    /// Whether the block has slipped along the drive, or had no friction, since the drive began.
     pub has_slipped: bool,
-    /// Its column: its place in arrays over the contact blocks.
+    /// Column of the block, the index into arrays over the contact row.
     pub column: usize,
-    /// Vertical displacement at which it touches the counterface: the height of its face, in lattice spacings.
+    /// Vertical displacement at which the block touches the counterface: the height of its face, in lattice spacings.
     pub face: f64,
     /// Normal force, positive in compression, at the last force evaluation.
     pub normal: f64,
     /// Friction, as a resistance to motion along each axis, at the last force evaluation.
     pub friction: [f64; H],
-    /// mu_d f(p) F_n at the last force evaluation: its friction if it slides.
+    /// mu_d f(p) F_n at the last force evaluation: the friction of the block if it slides.
     pub sliding: f64,
 }
 
-/// What a leapfrog step does to a contact block.
+/// Coefficients and forces of a leapfrog step of one contact block.
 #[derive(Clone, Copy, Debug)]
-pub struct Push<const H: usize> {
-    /// Share of the velocity that damping leaves.
+pub struct StepFactors<const H: usize> {
+    /// Fraction of the velocity that remains after damping.
     pub kept: f64,
-    /// Displacement per step that a unit force adds.
+    /// Displacement per step caused by a unit force.
     pub kick: f64,
     /// Horizontal spring forces.
     pub force: [f64; H],
-    /// Vertical spring force: minus the normal force on the counterface.
+    /// Vertical spring force, minus the normal force on the counterface.
     pub lift: f64,
     /// Direction of the drive.
     pub drive: [f64; H],
@@ -121,28 +122,29 @@ pub trait Slide<const H: usize> {
     /// Whether friction up to `threshold` holds a block at rest against `force`.
     fn is_held(force: [f64; H], threshold: f64) -> bool;
 
-    /// Velocity times the step that a whole step gives a block at rest against `resistance`, below the force on it.
-    fn start(&mut self, push: &Push<H>, resistance: f64) -> [f64; H];
+    /// Velocity times the step after a full step that starts at rest and slides against `resistance`, which is below
+    /// the force.
+    fn start(&mut self, factors: &StepFactors<H>, resistance: f64) -> [f64; H];
 
-    /// Velocity times the step after a step in which the block slides against `resistance`: from `v`, and `free` where nothing
-    /// resisted.
-    fn slide(&mut self, v: [f64; H], free: [f64; H], push: &Push<H>, resistance: f64) -> [f64; H];
+    /// Velocity times the step after a step of sliding against `resistance`. `v` is the velocity before the step,
+    /// `free` the velocity after a step without resistance.
+    fn slide(&mut self, v: [f64; H], free: [f64; H], factors: &StepFactors<H>, resistance: f64) -> [f64; H];
 }
 
-/// What the spring forces of an instant mean for a contact block.
-enum Meeting {
-    /// It carries no pressure: no friction.
+/// State of a contact block that results from the current spring forces.
+enum ContactState {
+    /// No normal pressure, hence no friction.
     Free,
-    /// It stays at rest; friction balances the horizontal force.
+    /// At rest; friction balances the horizontal force.
     Held,
-    /// It starts to slide against mu_d f(p) F_n.
+    /// Starts to slide against mu_d f(p) F_n.
     Starting { resistance: f64 },
-    /// It slides against the same.
+    /// Slides against mu_d f(p) F_n.
     Sliding { resistance: f64 },
 }
 
 impl<const H: usize> ContactBlock<H> {
-    /// A block at rest.
+    /// Creates a block at rest.
     #[must_use]
     pub const fn new(column: usize, coefficients: Coefficients) -> Self {
         Self {
@@ -157,7 +159,7 @@ impl<const H: usize> ContactBlock<H> {
         }
     }
 
-    /// Its face raised by `face` and itself displaced vertically by `height`: off the counterface where that is higher.
+    /// Sets the height of the face and the vertical displacement; the block is lifted if the displacement is larger.
     pub fn place(&mut self, face: f64, height: f64) {
         self.face = face;
         if height > face {
@@ -165,19 +167,28 @@ impl<const H: usize> ContactBlock<H> {
         }
     }
 
-    fn let_go(&mut self) -> Meeting {
+    fn release(&mut self) -> ContactState {
         (self.friction, self.sliding) = ([0.0; H], 0.0);
         self.has_slipped = true;
         if self.motion == Motion::Rest {
             self.motion = Motion::Slip;
         }
-        Meeting::Free
+        ContactState::Free
     }
 
-    /// Vertical motion under unilateral contact: lifts a block under tension, moves one in the air, lands one that reaches the
-    /// counterface. `fall`: vertical displacement of the last step; `force`: vertical spring force. Returns the height after
-    /// the step where it began at `height` in the air.
-    pub fn fly(&mut self, height: f64, fall: &mut f64, kick: Kick, inverse_mass: f64, force: f64) -> Option<f64> {
+    /// Moves a block vertically under unilateral contact: lifts blocks under tension, moves lifted blocks, and stops
+    /// blocks that reach the counterface.
+    ///
+    /// `fall` is the vertical displacement of the last step, `force` the vertical spring force. Returns the height
+    /// after the step if the block was lifted at `height`.
+    pub fn move_detached(
+        &mut self,
+        height: f64,
+        fall: &mut f64,
+        kick: Kick,
+        inverse_mass: f64,
+        force: f64,
+    ) -> Option<f64> {
         if self.motion != Motion::Lifted && self.normal < 0.0 {
             self.motion = Motion::Lifted;
         }
@@ -189,7 +200,7 @@ impl<const H: usize> ContactBlock<H> {
         if height > self.face || height.is_nan() {
             return Some(height);
         }
-        // Landing ends the vertical motion on the counterface.
+        // Landing stops the vertical motion at the counterface.
         *fall = 0.0;
         self.motion = Motion::Slip;
         Some(self.face)
@@ -200,53 +211,54 @@ impl<const H: usize> ContactBlock<H>
 where
     Self: Slide<H>,
 {
-    /// Takes note of the spring forces: normal force, friction at rest, and whether the block starts.
-    /// `grip_at` gives f(p) F_n for a normal force above zero.
+    /// Updates the block for the current spring forces: normal force, friction at rest, and whether the block starts to
+    /// slide. `grip_at` computes f(p) F_n for a positive normal force.
     #[inline]
-    fn meet(&mut self, force: [f64; H], lift: f64, grip_at: impl FnOnce(f64) -> f64) -> Meeting {
+    fn update_state(&mut self, force: [f64; H], lift: f64, grip_at: impl FnOnce(f64) -> f64) -> ContactState {
         // F_n = -(vertical force of the springs)
         self.normal = if self.motion == Motion::Lifted { 0.0 } else { -lift };
         if self.normal <= 0.0 {
-            return self.let_go();
+            return self.release();
         }
         let grip = grip_at(self.normal);
         let threshold = self.coefficients.starting_mu() * grip;
         if threshold == 0.0 {
-            // A law that reaches zero holds nothing, and a reversal is no end of motion.
-            return self.let_go();
+            // Where the law reaches zero no friction acts, and a reversal of the velocity does not stop the block.
+            return self.release();
         }
         self.sliding = self.coefficients.dynamic_mu * grip;
         if self.motion == Motion::Rest {
             if Self::is_held(force, threshold) {
                 self.friction = force;
-                return Meeting::Held;
+                return ContactState::Held;
             }
             self.motion = Motion::Slip;
-            return Meeting::Starting { resistance: self.sliding };
+            return ContactState::Starting { resistance: self.sliding };
         }
-        Meeting::Sliding { resistance: self.sliding }
+        ContactState::Sliding { resistance: self.sliding }
     }
 
-    /// Velocity times the step after one leapfrog kick from `v`; `grip_at` gives f(p) F_n for a normal force above zero.
+    /// Returns the velocity times the step after one leapfrog kick from `v`; `grip_at` computes f(p) F_n for a positive
+    /// normal force.
     #[inline]
-    pub fn kick(&mut self, v: [f64; H], push: Push<H>, grip_at: impl FnOnce(f64) -> f64) -> [f64; H] {
-        let free = std::array::from_fn(|axis| push.kept * v[axis] + push.kick * push.force[axis]);
-        let after = match self.meet(push.force, push.lift, grip_at) {
-            Meeting::Free => return free,
-            Meeting::Sliding { resistance } => return self.slide(v, free, &push, resistance),
-            Meeting::Held if v == [0.0; H] => return v,
-            Meeting::Held => [0.0; H],
-            // At rest until now, and half a step later half a kick fast.
-            Meeting::Starting { resistance } => self.start(&push, resistance).map(|v| 0.5 * v),
+    pub fn kick(&mut self, v: [f64; H], factors: StepFactors<H>, grip_at: impl FnOnce(f64) -> f64) -> [f64; H] {
+        let free = std::array::from_fn(|axis| factors.kept * v[axis] + factors.kick * factors.force[axis]);
+        let after = match self.update_state(factors.force, factors.lift, grip_at) {
+            ContactState::Free => return free,
+            ContactState::Sliding { resistance } => return self.slide(v, free, &factors, resistance),
+            ContactState::Held if v == [0.0; H] => return v,
+            ContactState::Held => [0.0; H],
+            // The block was at rest until now, so half a step later it has half a kick.
+            ContactState::Starting { resistance } => self.start(&factors, resistance).map(|v| 0.5 * v),
         };
-        self.friction = std::array::from_fn(|axis| (free[axis] - after[axis]) / push.kick);
+        self.friction = std::array::from_fn(|axis| (free[axis] - after[axis]) / factors.kick);
         after
     }
 }
 
 impl ContactBlock<1> {
-    /// Takes note of a slip in `direction`: what load or waves push against the drive does not slide with it.
-    fn slips(&mut self, direction: f64) {
+    /// Records a slip in `direction`. Slips against the drive, caused by the load or by waves, do not count.
+    fn record_slip(&mut self, direction: f64) {
         self.has_slipped |= direction > 0.0;
     }
 }
@@ -258,51 +270,50 @@ impl Slide<1> for ContactBlock<1> {
     }
 
     #[inline]
-    fn start(&mut self, push: &Push<1>, resistance: f64) -> [f64; 1] {
-        let direction = slip_direction(0.0, push.force[0]);
-        self.slips(direction);
-        [push.kick * (push.force[0] - direction * resistance)]
+    fn start(&mut self, factors: &StepFactors<1>, resistance: f64) -> [f64; 1] {
+        let direction = slip_direction(0.0, factors.force[0]);
+        self.record_slip(direction);
+        [factors.kick * (factors.force[0] - direction * resistance)]
     }
 
     #[inline]
-    fn slide(&mut self, [v]: [f64; 1], [free]: [f64; 1], push: &Push<1>, resistance: f64) -> [f64; 1] {
-        let direction = slip_direction(v, push.force[0]);
-        self.slips(direction);
-        let slowed = free - direction * push.kick * resistance;
+    fn slide(&mut self, [v]: [f64; 1], [free]: [f64; 1], factors: &StepFactors<1>, resistance: f64) -> [f64; 1] {
+        let direction = slip_direction(v, factors.force[0]);
+        self.record_slip(direction);
+        let slowed = free - direction * factors.kick * resistance;
         if slowed * direction > 0.0 {
             self.friction = [direction * resistance];
             [slowed]
         } else {
-            // The step ends at rest: friction is what it took to stop the block.
+            // The step ends at rest; friction is the force that stopped the block.
             self.motion = Motion::Rest;
-            let rest = direction * left_to_go(v * direction, slowed * direction);
-            self.friction = [(free - rest) / push.kick];
+            let rest = direction * stopping_distance(v * direction, slowed * direction);
+            self.friction = [(free - rest) / factors.kick];
             [rest]
         }
     }
 }
 
-/// Sums over the contact row at one instant.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ContactSums {
     /// Friction, positive against the drive.
     pub friction: f64,
-    /// Friction across the drive; none in the vertical plane.
+    /// Friction perpendicular to the drive; zero in the vertical plane.
     pub across: f64,
-    /// Normal forces of compressive blocks.
+    /// Sum of positive normal forces.
     pub normal: f64,
-    /// mu_d f(p) F_n of all: the friction if every block slides.
+    /// Sum of mu_d f(p) F_n: the friction if every block slides.
     pub sliding: f64,
 }
 
 impl ContactSums {
-    /// Whether friction and normal force are numbers: a run that blows up has others.
+    /// Whether friction and normal force are finite; they are not once a run has diverged.
     #[must_use]
     pub const fn is_finite(&self) -> bool {
         self.friction.is_finite() && self.normal.is_finite()
     }
 
-    /// Takes the sums of another part of the row.
+    /// Adds the sums of another part of the row.
     pub fn add(&mut self, other: Self) {
         self.friction += other.friction;
         self.across += other.across;
@@ -317,7 +328,7 @@ impl ContactSums {
     }
 }
 
-/// Forces on one contact block, at an instant or in the mean.
+/// Force on one contact block, instantaneous or averaged.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ContactForce {
     /// Normal force, positive in compression.
@@ -326,25 +337,25 @@ pub struct ContactForce {
     pub friction: f64,
 }
 
-/// The contact row of the plane, block by block.
+/// The contact row of a plane lattice, block by block.
 #[derive(Clone, Debug)]
 pub struct ContactRow<'a> {
     /// Contact blocks, left to right.
     pub blocks: Vec<ContactBlock<1>>,
-    /// Intervals of the law's table that they were on last.
+    /// Cached intervals of the law's table, one per block.
     near: Vec<usize>,
     law: LocalLaw<'a>,
 }
 
 impl<'a> ContactRow<'a> {
-    /// Blocks in `columns`, at rest, with the coefficients of their columns.
+    /// Creates blocks at rest in `columns` with the coefficients of their columns.
     #[must_use]
     pub fn new(columns: impl Iterator<Item = usize>, coefficients: &[Coefficients], law: LocalLaw<'a>) -> Self {
         let blocks: Vec<_> = columns.map(|column| ContactBlock::new(column, coefficients[column])).collect();
         Self { near: vec![0; blocks.len()], blocks, law }
     }
 
-    /// Gives every block its face and its vertical displacement, by column.
+    /// Sets the face height and the vertical displacement of every block, given by column.
     pub fn place(&mut self, face_and_height: impl Fn(usize) -> [f64; 2]) {
         for block in &mut self.blocks {
             let [face, height] = face_and_height(block.column);
@@ -352,13 +363,12 @@ impl<'a> ContactRow<'a> {
         }
     }
 
-    /// Its blocks and their law.
+    /// Returns the blocks and their law.
     #[must_use]
     pub fn into_parts(self) -> (Vec<ContactBlock<1>>, LocalLaw<'a>) {
         (self.blocks, self.law)
     }
 
-    /// Sets every block in motion.
     #[cfg(test)]
     pub fn all_slip(&mut self) {
         for block in &mut self.blocks {
@@ -367,7 +377,7 @@ impl<'a> ContactRow<'a> {
         }
     }
 
-    /// Starts the account of which blocks have slipped: the bulk begins to move.
+    /// Resets the record of slipped blocks, since the bulk begins to move.
     pub fn begin_drive(&mut self) {
         for block in &mut self.blocks {
             block.has_slipped = false;
@@ -387,11 +397,11 @@ impl<'a> ContactRow<'a> {
         self.blocks.iter().map(force).collect()
     }
 
-    /// One leapfrog kick of the contact row.
+    /// Applies one leapfrog kick to the contact row.
     ///
-    /// `velocity`: horizontal velocities by column, times the step; `force_x`, `force_y`: spring forces
-    /// by column; `kept`: share of the velocity that damping leaves; `kick`: displacement per step that
-    /// a unit force adds, by column.
+    /// All arguments are indexed by column: `velocity` is the horizontal velocity times the step, `force_x` and
+    /// `force_y` are spring forces, and `kick` is the displacement per step caused by a unit force. `kept` is the
+    /// fraction of the velocity that remains after damping.
     pub fn kick(
         &mut self,
         velocity: &mut [f64],
@@ -404,24 +414,24 @@ impl<'a> ContactRow<'a> {
         let law = self.law;
         for (block, near) in self.blocks.iter_mut().zip(&mut self.near) {
             let i = block.column;
-            let push = Push { kept, kick: kick[i], force: [force_x[i]], lift: force_y[i], drive: [1.0] };
-            [velocity[i]] = block.kick([velocity[i]], push, |normal| law.grip(normal, near));
+            let factors = StepFactors { kept, kick: kick[i], force: [force_x[i]], lift: force_y[i], drive: [1.0] };
+            [velocity[i]] = block.kick([velocity[i]], factors, |normal| law.grip(normal, near));
             sums.add_block(block);
         }
         sums
     }
 
-    /// Friction at the start of a Runge-Kutta step: blocks at rest that are pulled too hard start;
-    /// returns the sums at this instant. Forces by column, `velocity` the horizontal one.
+    /// Updates friction at the start of a Runge-Kutta step, which releases overloaded blocks at rest, and returns the
+    /// sums at this instant. Arguments are indexed by column; `velocity` is horizontal.
     pub fn begin_step(&mut self, velocity: &[f64], force_x: &[f64], force_y: &[f64]) -> ContactSums {
         let mut sums = ContactSums::default();
         let law = self.law;
         for (block, near) in self.blocks.iter_mut().zip(&mut self.near) {
             let i = block.column;
-            let met = block.meet([force_x[i]], force_y[i], |normal| law.grip(normal, near));
-            if let Meeting::Starting { resistance } | Meeting::Sliding { resistance } = met {
+            let state = block.update_state([force_x[i]], force_y[i], |normal| law.grip(normal, near));
+            if let ContactState::Starting { resistance } | ContactState::Sliding { resistance } = state {
                 let direction = slip_direction(velocity[i], force_x[i]);
-                block.slips(direction);
+                block.record_slip(direction);
                 block.friction = [direction * resistance];
             }
             sums.add_block(block);
@@ -429,8 +439,8 @@ impl<'a> ContactRow<'a> {
         sums
     }
 
-    /// Friction on block number `number` sliding in `direction` at the spring force `force_y`, signed
-    /// as a resistance to positive motion.
+    /// Friction on block `number` that slides in `direction` at the vertical spring force `force_y`, as a resistance to
+    /// positive motion.
     pub fn sliding_friction(&mut self, number: usize, direction: f64, force_y: f64) -> f64 {
         let law = self.law;
         let block = &mut self.blocks[number];
@@ -442,14 +452,16 @@ impl<'a> ContactRow<'a> {
     }
 }
 
-/// How far a block goes on from an instant about which its velocity times the step falls from `before` to `after`, below zero, until
-/// it stands: v^2 / 2 a with the velocity at the instant, v = (before + after) / 2, and a = before - after.
+/// Distance from the current instant to the point where the block stops, v^2 / (2 a).
+///
+/// The velocity times the step falls from `before` to `after`, which is not positive, around the instant: v = (before +
+/// after) / 2 and a = before - after.
 #[must_use]
-pub fn left_to_go(before: f64, after: f64) -> f64 {
+pub fn stopping_distance(before: f64, after: f64) -> f64 {
     if before > 0.0 && after <= 0.0 { (before + after).powi(2) / (8.0 * (before - after)) } else { 0.0 }
 }
 
-/// Direction of slip: that of the velocity or, for a block just starting, of the force; 0 without either.
+/// Direction of slip: the sign of the velocity or, for a block that just starts, of the force; 0 if both are zero.
 #[must_use]
 pub fn slip_direction(velocity: f64, force: f64) -> f64 {
     let of = if velocity != 0.0 { velocity } else { force };

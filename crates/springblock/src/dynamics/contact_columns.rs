@@ -1,30 +1,31 @@
-//! What a vectorized pass over contact blocks reads of each, in the vertical plane as in space.
+//! Per-column data of contact blocks that the vectorized pass reads, in the plane and in space.
 
 use super::contact::GripPiece;
 
-/// Numbers of every column that the pass reads, structure of arrays.
+/// Data of every column as a structure of arrays.
 #[derive(Clone, Debug)]
 pub struct ContactColumns {
-    /// Friction per unit coefficient is constant + linear F_n + quadratic F_n^2 ...
+    /// Constant term of the friction per unit coefficient, constant + linear F_n + quadratic F_n^2.
     pub constant: Vec<f64>,
-    /// Its share that is linear.
+    /// Linear coefficient.
     pub linear: Vec<f64>,
-    /// Its share that is quadratic.
+    /// Quadratic coefficient.
     pub quadratic: Vec<f64>,
-    /// ... for normal forces from `from`, above zero, up to `to`. Infinity keeps a block out of the pass.
+    /// Lower end of the interval of normal forces in which the polynomial holds, above zero. Infinity excludes a block
+    /// from the vectorized pass.
     pub from: Vec<f64>,
-    /// End of that interval.
+    /// Upper end of the interval.
     pub to: Vec<f64>,
-    /// Friction coefficient that a block at rest is held with.
+    /// Threshold friction coefficient of a block at rest.
     pub starting_mu: Vec<f64>,
     /// Friction coefficient of a sliding block.
     pub dynamic_mu: Vec<f64>,
-    /// Displacement per step that a unit force adds.
+    /// Displacement per step caused by a unit force.
     pub kick: Vec<f64>,
 }
 
 impl ContactColumns {
-    /// Columns that no block of the counterface stands for: they pass as at rest without forces.
+    /// Creates columns without contact blocks, which the pass treats as at rest without forces.
     #[must_use]
     pub fn without_blocks(kick: Vec<f64>) -> Self {
         let count = kick.len();
@@ -41,14 +42,14 @@ impl ContactColumns {
         }
     }
 
-    /// A block at column `i`, kept out of the pass until its interval of the law is known.
+    /// Puts a block at column `i`, excluded from the pass until its interval of the law is known.
     pub fn set_block(&mut self, i: usize, starting_mu: f64, dynamic_mu: f64) {
         self.from[i] = f64::INFINITY;
         self.starting_mu[i] = starting_mu;
         self.dynamic_mu[i] = dynamic_mu;
     }
 
-    /// The interval of the law that column `i` is on.
+    /// Returns the polynomial of column `i`.
     #[must_use]
     pub fn piece(&self, i: usize) -> GripPiece {
         GripPiece {
@@ -60,7 +61,7 @@ impl ContactColumns {
         }
     }
 
-    /// Lets the pass take column `i` on `piece`.
+    /// Sets the polynomial of column `i`, which includes it in the pass.
     pub fn set_piece(&mut self, i: usize, piece: GripPiece) {
         self.from[i] = piece.from.max(f64::MIN_POSITIVE);
         self.to[i] = piece.to;

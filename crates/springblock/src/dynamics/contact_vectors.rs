@@ -1,26 +1,25 @@
-//! Friction on contact blocks, in vectors.
+//! Vectorized friction on contact blocks.
 //!
-//! Nearly all blocks go on as they were: at rest below their threshold, or sliding without a reversal, on
-//! the same interval of the area law. One pass does these; the few others, whose law, state or direction
-//! changes, take [`ContactBlock::kick`] one by one.
+//! Nearly all blocks continue as before: at rest below their threshold, or sliding without a reversal, on the same
+//! interval of the area law. One vectorized pass handles these; the few blocks whose law, state or direction changes go
+//! through [`ContactBlock::kick`] one by one.
 
 use pulp::{Simd, WithSimd};
 
-use super::contact::{ContactBlock, ContactForce, ContactSums, LocalLaw, Motion, Push, Slide};
+use super::contact::{ContactBlock, ContactForce, ContactSums, LocalLaw, Motion, Slide, StepFactors};
 use super::contact_columns::ContactColumns;
 use super::stencil::fixed_sum;
 use super::sweep::Kick;
 use slipgrid_fft::vectorized;
 
-/// Contact blocks that move along `H` axes, with their velocities: of a strip in the plane, or of a cell in space, whose arrays
-/// hold row by row, each padded to whole cache lines.
+/// Contact blocks with `H` horizontal degrees of freedom and their velocities: of a strip in the plane, or of a cell in
+/// space, whose arrays are stored row by row, each row padded to whole cache lines.
 #[derive(Clone, Debug)]
 pub struct ContactVectors<'a, const H: usize> {
     blocks: Vec<ContactBlock<H>>,
     law: LocalLaw<'a>,
-    /// Direction of the drive.
     drive: [f64; H],
-    /// Position in `blocks` by column; only contact columns are looked up.
+    /// Index into `blocks` by column; meaningful for contact columns only.
     number: Vec<usize>,
     columns: ContactColumns,
     /// Horizontal velocities times the step, by column.
@@ -29,14 +28,14 @@ pub struct ContactVectors<'a, const H: usize> {
     friction: [Vec<f64>; H],
     /// mu_d f(p) F_n.
     sliding: Vec<f64>,
-    /// 1 for a block that the pass has left to the scalar law, 0 for others.
-    left: Vec<f64>,
-    /// Blocks that have not slipped since the drive began.
-    holding: usize,
+    /// 1 for a block that the pass leaves to the scalar law, otherwise 0.
+    unhandled: Vec<f64>,
+    /// Number of blocks that have not slipped since the drive began.
+    not_slipped: usize,
 }
 
 impl<'a, const H: usize> ContactVectors<'a, H> {
-    /// `blocks` at rest, with columns among those of `inverse_mass`, which fill whole cache lines.
+    /// Creates contacts from `blocks` at rest; their columns index `inverse_mass`, which fills whole cache lines.
     #[must_use]
     pub fn new(
         blocks: Vec<ContactBlock<H>>,
@@ -52,7 +51,7 @@ impl<'a, const H: usize> ContactVectors<'a, H> {
             number[block.column] = n;
             columns.set_block(block.column, block.coefficients.starting_mu(), block.coefficients.dynamic_mu);
         }
-        let holding = blocks.iter().filter(|block| !block.has_slipped).count();
+        let not_slipped = blocks.iter().filter(|block| !block.has_slipped).count();
         let zero = || vec![0.0; count];
         let zeros = || std::array::from_fn(|_| zero());
         let (velocity, friction) = (zeros(), zeros());
@@ -66,18 +65,18 @@ impl<'a, const H: usize> ContactVectors<'a, H> {
             normal: zero(),
             friction,
             sliding: zero(),
-            left: zero(),
-            holding,
+            unhandled: zero(),
+            not_slipped,
         }
     }
 
-    /// Number of contact blocks.
     #[must_use]
     pub const fn len(&self) -> usize {
         self.blocks.len()
     }
 
-    /// Gives every block its face and its vertical displacement, by column; before the first step.
+    /// Sets the face height and the vertical displacement of every block, given by column; call it before the first
+    /// step.
     pub fn place(&mut self, face_and_height: impl Fn(usize) -> [f64; 2]) {
         for block in &mut self.blocks {
             let [face, height] = face_and_height(block.column);
@@ -85,23 +84,23 @@ impl<'a, const H: usize> ContactVectors<'a, H> {
         }
     }
 
-    /// Starts the account of which blocks have slipped: the bulk begins to move.
+    /// Resets the record of slipped blocks, since the bulk begins to move.
     pub fn begin_drive(&mut self) {
         for block in &mut self.blocks {
             block.has_slipped = false;
-            // Whatever slides must pass the scalar law to be counted.
+            // Sliding blocks are counted by the scalar law only.
             self.columns.from[block.column] = f64::INFINITY;
         }
-        self.holding = self.blocks.len();
+        self.not_slipped = self.blocks.len();
     }
 
     /// Whether every block has slipped since the drive began.
     #[must_use]
     pub const fn all_have_slipped(&self) -> bool {
-        self.holding == 0
+        self.not_slipped == 0
     }
 
-    /// Normal force, negative under tension, and friction along each axis of every block at the last force evaluation.
+    /// Normal force (negative under tension) and friction along each axis of every block at the last force evaluation.
     pub fn vectors(&self) -> impl Iterator<Item = (f64, [f64; H])> + '_ {
         self.blocks.iter().map(|block| {
             let i = block.column;
@@ -124,14 +123,14 @@ impl<'a, const H: usize> ContactVectors<'a, H> {
         self.velocity.each_ref().map(Vec::as_slice)
     }
 
-    /// Blocks that may be in the air or under tension: those that the pass leaves alone.
-    pub fn unsettled(&mut self) -> impl Iterator<Item = &mut ContactBlock<H>> {
+    /// Blocks excluded from the pass, which include all that are lifted or under tension.
+    pub fn scalar_blocks(&mut self) -> impl Iterator<Item = &mut ContactBlock<H>> {
         let from = &self.columns.from;
         self.blocks.iter_mut().filter(|block| from[block.column] == f64::INFINITY)
     }
 }
 
-/// The part of `vector` along `drive`.
+/// Component of `vector` along `drive`.
 #[inline]
 fn along<const H: usize>(drive: [f64; H], vector: [f64; H]) -> f64 {
     drive.into_iter().zip(vector).map(|(drive, part)| drive * part).reduce(|sum, part| sum + part).unwrap_or(0.0)
@@ -142,23 +141,24 @@ where
     ContactBlock<H>: Slide<H>,
     for<'p> Pass<'p, H>: WithSimd<Output = bool>,
 {
-    /// One leapfrog kick by the spring forces, horizontal and vertical, by column; the sums over all blocks.
+    /// Applies one leapfrog kick for the spring forces `force` and `lift`, given by column; returns the sums over all
+    /// blocks.
     #[inline(never)]
     pub fn kick(&mut self, force: [&[f64]; H], lift: &[f64], kept: f64) -> ContactSums {
-        let left = vectorized(Pass {
+        let unhandled = vectorized(Pass {
             columns: &self.columns,
             velocity: &mut self.velocity,
             normal: &mut self.normal,
             friction: &mut self.friction,
             sliding: &mut self.sliding,
-            left: &mut self.left,
+            unhandled: &mut self.unhandled,
             force,
             lift,
             kept,
         });
-        if left {
-            for i in 0..self.left.len() {
-                if self.left[i] != 0.0 {
+        if unhandled {
+            for i in 0..self.unhandled.len() {
+                if self.unhandled[i] != 0.0 {
                     self.kick_block(i, force.map(|force| force[i]), lift[i], kept);
                 }
             }
@@ -176,37 +176,36 @@ where
         }
     }
 
-    /// What the pass has left: seldom, and out of its way.
+    /// Applies the scalar law to a block that the pass left. Kept out of line because it is rare.
     #[inline(never)]
     fn kick_block(&mut self, i: usize, force: [f64; H], lift: f64, kept: f64) {
         let Self { blocks, law, columns, .. } = self;
-        // What is no block has no friction, even where displacements are no longer finite.
+        // Columns without a block have no friction, even if displacements are no longer finite.
         let Some(block) = blocks.get_mut(self.number[i]) else { return };
         let had_slipped = block.has_slipped;
         let mut piece = columns.piece(i);
-        let push = Push { kept, kick: columns.kick[i], force, lift, drive: self.drive };
-        let v = block.kick(self.velocity.each_ref().map(|velocity| velocity[i]), push, |normal| {
+        let factors = StepFactors { kept, kick: columns.kick[i], force, lift, drive: self.drive };
+        let v = block.kick(self.velocity.each_ref().map(|velocity| velocity[i]), factors, |normal| {
             if !(piece.from <= normal && normal < piece.to) {
                 piece = law.piece(normal);
             }
             piece.grip(normal)
         });
-        self.holding -= usize::from(block.has_slipped && !had_slipped);
+        self.not_slipped -= usize::from(block.has_slipped && !had_slipped);
         for (axis, (v, friction)) in v.into_iter().zip(block.friction).enumerate() {
             self.velocity[axis][i] = v;
             self.friction[axis][i] = friction;
         }
-        // The sum of normal forces counts compressive blocks only.
         self.normal[i] = block.normal.max(0.0);
         self.sliding[i] = block.sliding;
-        let goes_on = match block.motion {
-            // What it has left to go is no velocity.
+        let continues = match block.motion {
+            // A block at rest that still has a stopping distance in `v` is not sliding.
             Motion::Rest => v == [0.0; H],
-            // Without velocity the pass would take it for a block at rest.
+            // The pass would treat a sliding block without velocity as at rest.
             Motion::Slip => v != [0.0; H] && block.normal > 0.0,
             Motion::Lifted => false,
         };
-        if goes_on {
+        if continues {
             columns.set_piece(i, piece);
         } else {
             columns.from[i] = f64::INFINITY;
@@ -214,14 +213,14 @@ where
     }
 }
 
-/// The pass over blocks that go on as they were; whether it left any.
+/// The pass over blocks that continue as before. Its output tells whether blocks were left to the scalar law.
 pub struct Pass<'a, const H: usize> {
     pub columns: &'a ContactColumns,
     pub velocity: &'a mut [Vec<f64>; H],
     pub normal: &'a mut [f64],
     pub friction: &'a mut [Vec<f64>; H],
     pub sliding: &'a mut [f64],
-    pub left: &'a mut [f64],
+    pub unhandled: &'a mut [f64],
     pub force: [&'a [f64]; H],
     pub lift: &'a [f64],
     pub kept: f64,
@@ -233,12 +232,12 @@ impl WithSimd for Pass<'_, 1> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> bool {
         let Self { columns: c, velocity: [velocity], normal, friction: [friction], .. } = self;
-        let Self { sliding, left, force: [force_x], lift, kept, .. } = self;
+        let Self { sliding, unhandled, force: [force_x], lift, kept, .. } = self;
         let vectors = normal.len() / S::F64_LANES;
         let column = |values| &S::as_simd_f64s(values).0[..vectors];
         let column_mut = |values| &mut S::as_mut_simd_f64s(values).0[..vectors];
         let (velocity, normal) = (column_mut(velocity), column_mut(normal));
-        let (friction, sliding, left) = (column_mut(friction), column_mut(sliding), column_mut(left));
+        let (friction, sliding, unhandled) = (column_mut(friction), column_mut(sliding), column_mut(unhandled));
         let (force_x, lift, kick) = (column(force_x), column(lift), column(&c.kick));
         let (constant, linear, quadratic) = (column(&c.constant), column(&c.linear), column(&c.quadratic));
         let (from, to) = (column(&c.from), column(&c.to));
@@ -258,15 +257,15 @@ impl WithSimd for Pass<'_, 1> {
             let resistance = simd.or_f64s(sliding[i], simd.and_f64s(v, sign));
             let free = add(mul(kept, v), mul(kick[i], force));
             let slowed = simd.sub_f64s(free, mul(kick[i], resistance));
-            let held = simd.less_than_or_equal_f64s(simd.abs_f64s(force), mul(starting_mu[i], grip));
-            let slides_on = simd.less_than_f64s(zero, mul(slowed, v));
-            // At rest v is 0 and it cannot slide on.
-            let goes_on = simd.and_m64s(known, simd.or_m64s(simd.and_m64s(at_rest, held), slides_on));
-            velocity[i] = simd.select_f64s(simd.and_m64s(goes_on, slides_on), slowed, v);
+            let top_row_force = simd.less_than_or_equal_f64s(simd.abs_f64s(force), mul(starting_mu[i], grip));
+            let keeps_sliding = simd.less_than_f64s(zero, mul(slowed, v));
+            // A block at rest has v = 0, so that `keeps_sliding` is false.
+            let continues = simd.and_m64s(known, simd.or_m64s(simd.and_m64s(at_rest, top_row_force), keeps_sliding));
+            velocity[i] = simd.select_f64s(simd.and_m64s(continues, keeps_sliding), slowed, v);
             friction[i] = simd.select_f64s(at_rest, force, resistance);
             normal[i] = pressing;
-            left[i] = simd.select_f64s(goes_on, zero, one);
-            any = add(any, left[i]);
+            unhandled[i] = simd.select_f64s(continues, zero, one);
+            any = add(any, unhandled[i]);
         }
         simd.reduce_sum_f64s(any) > 0.0
     }

@@ -1,18 +1,18 @@
-//! Slip fronts on a chain: u'' = u_E + u_W - 2 u - alpha u' + tau, every block at rest until the force on it
-//! reaches 1, the left end pushed so that the first block is at its threshold.
+//! Slip fronts on a chain: u'' = u_E + u_W - 2 u - alpha u' + tau. Every block is at rest until the force on it reaches
+//! 1, and the left end is pushed so that the first block is at its threshold.
 //!
-//! Without damping the front runs at 1/sqrt(1 - tau^2) chain spacings a unit of time; with alpha = 1 at
-//! the speeds that an independent integration gave (Amundsen et al., J. Mech. Phys. Solids 2015, study
-//! this chain). A step sees a start on average half a step late: speeds are off by a share of the step.
+//! Without damping the front runs at 1/sqrt(1 - tau^2) chain spacings per unit of time; with alpha = 1 it runs at
+//! speeds from an independent integration (Amundsen et al., J. Mech. Phys. Solids 2015, study this chain). A step
+//! detects a start half a step late on average, so that speeds have an error of first order in the step.
 
 use super::contact::{ContactRow, LocalLaw};
 use super::sweep::Kick;
 use crate::draws::Coefficients;
 
-/// Speed of the front far from the left end, with the friction of the contact row and the leapfrog's kick.
+/// Speed of the front far from the left end, computed with the friction of the contact row and the leapfrog's kick.
 fn front_speed(tau: f64, alpha: f64, time_step: f64) -> f64 {
     const BLOCKS: usize = 400;
-    // Sliding friction is taken out of the chain: what is left is a threshold of 1 and nothing above it.
+    // Sliding friction is removed from the chain: a threshold of 1 remains, and no friction in motion.
     let coefficients = vec![Coefficients { static_mu: 1.0 - 1e-9, dynamic_mu: 1e-12 }; BLOCKS];
     let mut contact = ContactRow::new(0..BLOCKS, &coefficients, LocalLaw::new(None, 1.0));
     let Kick { kept, kick } = Kick::new(time_step, alpha);
@@ -51,7 +51,7 @@ fn fronts_run_at_the_known_speeds() {
         for (alpha, exact) in [(0.0, 1.0 / (1.0 - tau * tau).sqrt()), (1.0, damped)] {
             let time_step = 0.004;
             let found = front_speed(tau, alpha, time_step);
-            // A block's turn comes after 1/speed; the step rounds it.
+            // A block starts 1/speed after its neighbour; the step rounds this time.
             assert!((found / exact - 1.0).abs() < time_step * exact, "{tau} {alpha}: {found} {exact}");
         }
     }

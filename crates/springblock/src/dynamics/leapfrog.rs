@@ -1,11 +1,11 @@
-//! Leapfrog: velocities half a step behind positions, one force evaluation per step, damping implicit.
+//! Leapfrog: velocities half a step behind positions, one force evaluation per step, implicit damping.
 //!
 //! ```text
 //! v+ = [(1 - g dt/2) v- + dt F/m] / (1 + g dt/2),   u+ = u + dt v+
 //! ```
 //!
-//! Velocities are stored times dt. Symplectic without damping and friction, of order 2; stable for
-//! dt < 2/omega_max. Units: k = 1, l = 1, m = 1.
+//! Velocities are stored times dt. The scheme is symplectic without damping and friction and of order 2; it is stable
+//! for dt < 2/omega_max. Units: k = 1, l = 1, m = 1.
 
 use super::bonds::Bonds;
 use super::contact::{ContactForce, ContactRow, ContactSums};
@@ -15,7 +15,7 @@ use super::sweep::Kick;
 use crate::lattice::Lattice;
 use crate::scene::Springs;
 
-/// Vertical motion of contact blocks under unilateral contact.
+/// Moves contact blocks vertically under unilateral contact.
 fn move_vertically(
     contact: &mut ContactRow,
     coefficients: Kick,
@@ -26,14 +26,14 @@ fn move_vertically(
 ) {
     for block in &mut contact.blocks {
         let i = block.column;
-        // What has landed stays where it is.
-        if block.fly(uy[i], &mut wy[i], coefficients, inverse_mass[i], force_y[i]) == Some(block.face) {
+        // A block that has landed stays at its face.
+        if block.move_detached(uy[i], &mut wy[i], coefficients, inverse_mass[i], force_y[i]) == Some(block.face) {
             uy[i] = block.face;
         }
     }
 }
 
-/// Leapfrog bond by bond, for exact springs and as the judge of the stencil.
+/// Leapfrog that evaluates springs one by one: for exact springs, and as the reference for the stencil in tests.
 #[derive(Clone, Debug)]
 pub struct BondLeapfrog<'a> {
     bonds: Bonds,
@@ -52,7 +52,7 @@ pub struct BondLeapfrog<'a> {
 }
 
 impl<'a> BondLeapfrog<'a> {
-    /// A lattice at rest.
+    /// Creates the integrator with a lattice at rest.
     #[must_use]
     pub fn new(lattice: &Lattice, springs: Springs, setup: Setup<'a>) -> Self {
         let Setup { contact, protocol, time_step, damping, liftoff } = setup;

@@ -1,4 +1,4 @@
-//! Deviations from sliding in single precision beside displacements in double precision.
+//! Deviations from sliding in single precision compared with displacements in double precision.
 
 use slipgrid_material::{AreaLaw, Elastic};
 use slipgrid_pattern::{Pattern, Planform};
@@ -19,7 +19,7 @@ use crate::steady::{SteadyLoad, SteadyModel};
 const BLOCK_M: f64 = 10e-6;
 const YOUNGS_MODULUS_PA: f64 = 0.38e9;
 const PRESSURE_PA: f64 = 1.3e6;
-/// Of the bulk, displacements over l in sqrt(m/k): 2 mm/s of the published polymer.
+/// Speed of the bulk in l per sqrt(m/k): 2 mm/s for the published polymer.
 const SPEED: f64 = 3.6e-6;
 const SEED: u64 = 3;
 
@@ -27,19 +27,19 @@ fn elastic() -> Elastic {
     Elastic::new(YOUNGS_MODULUS_PA, 900.0).unwrap()
 }
 
-/// Grooves of the plane: a ring, or a sample with two ends and more columns than two strips hold.
+/// Grooves in the plane: a periodic cell, or a sample with two ends and more columns than two strips have.
 fn grooves(periodic: bool) -> Lattice {
     let pattern = Pattern::new(Planform::Groove, 40e-6, 80e-6, 20e-6).unwrap();
     let columns = if periodic { columns::cell(&pattern, BLOCK_M) } else { columns::sample(&pattern, BLOCK_M, 601) };
     Lattice::new(columns, 12, periodic)
 }
 
-/// The engine's setup on `lattice`, and the state of sliding that a run starts from.
+/// Setup of the engine on `lattice`, and the sliding state from which a run starts.
 fn sliding<'a>(lattice: &Lattice, law: &'a AreaLaw, liftoff: bool, seed: u64) -> (Setup<'a>, Vec<[f64; 2]>) {
     let drawn = coefficients(seed, lattice.nx());
     let model = SteadyModel::new(lattice.clone(), BLOCK_M, YOUNGS_MODULUS_PA, liftoff);
-    let caught = draws::caught(&drawn, seed);
-    let load = SteadyLoad { pressure_pa: PRESSURE_PA, dynamic_mu: &caught, area_law: Some(law) };
+    let random_phase_friction = draws::random_phase_friction(&drawn, seed);
+    let load = SteadyLoad { pressure_pa: PRESSURE_PA, dynamic_mu: &random_phase_friction, area_law: Some(law) };
     let unit_pa = Scales::new(&elastic(), BLOCK_M).pressure_pa;
     let setup = Setup {
         contact: ContactRow::new(lattice.contacts(), &drawn, LocalLaw::new(Some(law), unit_pa)),
@@ -51,7 +51,7 @@ fn sliding<'a>(lattice: &Lattice, law: &'a AreaLaw, liftoff: bool, seed: u64) ->
     (setup, model.displacements(&load))
 }
 
-/// Largest difference of friction and normal force over the largest of each.
+/// Largest difference of friction and normal force, relative to the largest value of each.
 fn worst(single: &[ContactSums], double: &[ContactSums]) -> f64 {
     let of = |part: fn(&ContactSums) -> f64| {
         let largest = double.iter().map(|sums| part(sums).abs()).fold(0.0, f64::max);
@@ -60,7 +60,7 @@ fn worst(single: &[ContactSums], double: &[ContactSums]) -> f64 {
     of(|sums| sums.friction).max(of(|sums| sums.normal))
 }
 
-/// Until a block starts or stops a step earlier or later, which rounding decides in the end.
+/// Number of steps before rounding makes a block start or stop a step earlier or later.
 const STEPS: usize = 1000;
 
 #[test]
@@ -83,8 +83,8 @@ fn the_plane_moves_alike_in_single_and_double_precision() {
     }
 }
 
-/// Rows of 14 columns fill cache lines of single precision with their images, those of 6 columns lines of double precision: there vectors
-/// write over images of the row after theirs.
+/// Rows of 14 columns with their images fill cache lines of single precision, rows of 6 columns those of double
+/// precision. In these cases vectors overwrite images of the next row.
 #[test]
 fn the_cell_in_space_moves_alike_in_single_and_double_precision() {
     for [width_um, spacing_um] in [[50.0, 90.0], [30.0, 30.0]] {
@@ -99,7 +99,7 @@ fn assert_alike_in_space(pattern: &Pattern) {
     let drawn: Vec<Coefficients> = coefficients(SEED, nx * ny);
     let unit_pa = Scales::space(&elastic(), BLOCK_M).pressure_pa;
     for (direction, liftoff) in [([1.0, 0.0], false), ([0.6, 0.8], true)] {
-        let phases = draws::caught_in_mean(&friction(), SEED, nx * ny);
+        let phases = draws::random_phase_mean_friction(&friction(), SEED, nx * ny);
         let model = SpaceSteadyModel::new(lattice.clone(), BLOCK_M, YOUNGS_MODULUS_PA, liftoff);
         let base = model.displacements(&SpaceLoad {
             pressure_pa: PRESSURE_PA,

@@ -1,4 +1,4 @@
-//! What holds for any arrangement of cavities, tried on random ones; the sequence of cases is fixed.
+//! Invariants for random arrangements of cavities; the sequence of cases is fixed.
 
 use proptest::prelude::*;
 use proptest::test_runner::{Config, RngAlgorithm, TestRng, TestRunner};
@@ -15,7 +15,7 @@ use crate::samples::coefficients;
 use crate::scene::Springs;
 
 const ROWS: usize = 5;
-/// Rounding grows through the stick-slip switches; over this many steps it stays far below the forces.
+/// Stick-slip amplifies rounding errors; over this many steps they stay far below the forces.
 const STEPS: usize = 1500;
 
 fn runner() -> TestRunner {
@@ -23,13 +23,13 @@ fn runner() -> TestRunner {
     TestRunner::new_with_rng(config, TestRng::from_seed(RngAlgorithm::ChaCha, &[11; 32]))
 }
 
-/// Cavity depths in rows, one a column, at least one of them land.
+/// Cavity depths in rows, one per column, with at least one land.
 fn depths() -> impl Strategy<Value = Vec<usize>> {
     prop::collection::vec(prop_oneof![3 => Just(0), 2 => 1..ROWS], 3..16)
         .prop_filter("no land", |depths| depths.contains(&0))
 }
 
-/// Sums over the contact row in time: `speed` of the bulk, coefficients by column.
+/// Sums over the contact row for every step. `speed` is that of the bulk; `coefficients` are given by column.
 fn slide(
     depths: &[usize],
     coefficients: &[Coefficients],
@@ -58,7 +58,7 @@ fn slide(
     }
 }
 
-/// Largest difference of the sums, the friction of `b` times `sign`.
+/// Largest difference of the sums, with the friction of `b` times `sign`.
 fn difference(a: &[ContactSums], b: &[ContactSums], sign: f64) -> f64 {
     let of =
         |(a, b): (&ContactSums, &ContactSums)| (a.friction - sign * b.friction).abs().max((a.normal - b.normal).abs());

@@ -1,6 +1,6 @@
-//! What displacements are kept in: double precision, or single where they are deviations from sliding in equilibrium.
+//! Floating-point types of displacements: f64, or f32 for deviations from sliding in equilibrium.
 //!
-//! Sweeps do nothing but add and multiply, lane by lane, and both precisions share their text.
+//! Sweeps only add and multiply, lane by lane, and are generic over the precision.
 
 use std::fmt::Debug;
 
@@ -9,20 +9,20 @@ use pulp::{Simd, WithSimd};
 
 /// A floating-point number and its vectors.
 pub trait Real: Pod + Default + PartialEq + Debug + Send + Sync {
-    /// Values in a cache line.
+    /// Number of values in a cache line.
     const LINE: usize;
-    /// Distance of numbers from 1 up to 2.
+    /// Distance between 1 and the next larger number.
     const EPSILON: f64;
 
-    /// A vector of such numbers.
+    /// Vector type of the instruction set `S`.
     type Vector<S: Simd>: Pod;
 
-    /// `value` rounded.
-    fn of(value: f64) -> Self;
-    /// The same number in double precision.
-    fn widened(self) -> f64;
+    /// Rounds `value` to this type.
+    fn round_from(value: f64) -> Self;
+    /// Converts to double precision.
+    fn to_f64(self) -> f64;
 
-    /// `value` rounded, in every lane.
+    /// Vector with `value`, rounded, in every lane.
     fn splat<S: Simd>(simd: S, value: f64) -> Self::Vector<S>;
     /// a + b
     fn add<S: Simd>(simd: S, a: Self::Vector<S>, b: Self::Vector<S>) -> Self::Vector<S>;
@@ -30,15 +30,14 @@ pub trait Real: Pod + Default + PartialEq + Debug + Send + Sync {
     fn sub<S: Simd>(simd: S, a: Self::Vector<S>, b: Self::Vector<S>) -> Self::Vector<S>;
     /// a b
     fn mul<S: Simd>(simd: S, a: Self::Vector<S>, b: Self::Vector<S>) -> Self::Vector<S>;
-    /// a b + c, where a is a power of two, so that it is the same fused and in two steps.
+    /// a b + c; a must be a power of two, so that fused and separate operations give the same result.
     fn scale_add<S: Simd>(simd: S, a: Self::Vector<S>, b: Self::Vector<S>, c: Self::Vector<S>) -> Self::Vector<S>;
 
-    /// Whole vectors from the beginning of `values`.
+    /// Views the beginning of `values` as vectors; a remainder is left out.
     fn vectors<S: Simd>(values: &[Self]) -> &[Self::Vector<S>];
-    /// The same, to be written.
+    /// Views the beginning of `values` as mutable vectors; a remainder is left out.
     fn vectors_mut<S: Simd>(values: &mut [Self]) -> &mut [Self::Vector<S>];
 
-    /// Lanes of a vector.
     #[inline(always)]
     #[must_use]
     fn lanes<S: Simd>() -> usize {
@@ -46,7 +45,7 @@ pub trait Real: Pod + Default + PartialEq + Debug + Send + Sync {
     }
 }
 
-/// One precision: its type, the type of its vectors, and what they are called in `pulp`.
+/// Implements [`Real`] for one type, given the names of its vector operations in `pulp`.
 macro_rules! real {
     ($real:ident, $vector:ident, $splat:ident, $add:ident, $sub:ident, $mul:ident, $scale_add:ident, $of:ident, $of_mut:ident) => {
         impl Real for $real {
@@ -56,12 +55,12 @@ macro_rules! real {
             type Vector<S: Simd> = S::$vector;
 
             #[inline(always)]
-            fn of(value: f64) -> Self {
+            fn round_from(value: f64) -> Self {
                 value as Self
             }
 
             #[inline(always)]
-            fn widened(self) -> f64 {
+            fn to_f64(self) -> f64 {
                 f64::from(self)
             }
 
@@ -109,29 +108,29 @@ pub const LINE_BYTES: usize = 64;
 real!(f64, f64s, splat_f64s, add_f64s, sub_f64s, mul_f64s, mul_add_e_f64s, as_simd_f64s, as_mut_simd_f64s);
 real!(f32, f32s, splat_f32s, add_f32s, sub_f32s, mul_f32s, mul_add_e_f32s, as_simd_f32s, as_mut_simd_f32s);
 
-/// The whole number of cache lines that holds `columns` values, in values.
+/// Rounds `columns` up to a whole number of cache lines, in values.
 #[must_use]
 pub const fn whole_lines<R: Real>(columns: usize) -> usize {
     columns.next_multiple_of(R::LINE)
 }
 
-/// Largest force on a block above the contact row, over that on the contact row, of a state that is in equilibrium above it: what is left is
-/// not much above the rounding of deviations.
+/// Maximum force above the contact row over that on the contact row for a state in equilibrium: such forces are not
+/// much above the rounding error of deviations.
 const EQUILIBRIUM: f64 = 1e-6;
 
-/// Whether a state with the largest forces `inside` and `at_contact`, above the contact row and on it, may be deviated from: the former are
-/// left out then.
+/// Whether displacements may be stored as deviations from a state with the largest forces `inside`, above the contact
+/// row, and `at_contact`. Deviations neglect the former.
 #[must_use]
 pub fn is_in_equilibrium(inside: f64, at_contact: f64) -> bool {
     inside <= EQUILIBRIUM * at_contact
 }
 
-/// Adds forces to those of the state that displacements deviate from, in double precision.
+/// Adds the forces of deviations to those of the base state, in double precision.
 pub struct AddForces<'a, R> {
-    /// Forces by the deviations.
+    /// Forces due to the deviations.
     pub force: &'a [R],
-    /// Forces in the state itself.
-    pub of_base: &'a [f64],
+    /// Forces in the base state.
+    pub base_force: &'a [f64],
     /// Their sum.
     pub total: &'a mut [f64],
 }
@@ -141,21 +140,22 @@ impl<R: Real> WithSimd for AddForces<'_, R> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
-        for ((total, force), of_base) in self.total.iter_mut().zip(self.force).zip(self.of_base) {
-            *total = of_base + force.widened();
+        for ((total, force), base_force) in self.total.iter_mut().zip(self.force).zip(self.base_force) {
+            *total = base_force + force.to_f64();
         }
     }
 }
 
-/// Moves contact blocks by `velocity` and places them in a row of the frame, which has been carried by `carried`.
+/// Moves contact blocks by `velocity` and writes their positions to a row of the moving frame, which is displaced by
+/// `carried`.
 pub struct PlaceContacts<'a, R> {
     /// Displacements in the frame at rest.
     pub place: &'a mut [f64],
-    /// Displacements of this step.
+    /// Displacements during this step.
     pub velocity: &'a [f64],
-    /// How far the frame has been carried after the step.
+    /// Displacement of the moving frame after the step.
     pub carried: f64,
-    /// Displacements in the frame after the step.
+    /// Displacements in the moving frame after the step.
     pub row: &'a mut [R],
 }
 
@@ -166,7 +166,7 @@ impl<R: Real> WithSimd for PlaceContacts<'_, R> {
     fn with_simd<S: Simd>(self, _: S) {
         for ((place, velocity), row) in self.place.iter_mut().zip(self.velocity).zip(self.row) {
             *place += velocity;
-            *row = R::of(*place - self.carried);
+            *row = R::round_from(*place - self.carried);
         }
     }
 }

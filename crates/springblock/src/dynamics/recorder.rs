@@ -1,18 +1,18 @@
-//! Recorded history of a dynamic run: mu in time, its mean over the stationary part of sliding with a standard
-//! error from batch means, the static peak, the mean interface.
+//! History of a dynamic run: mu against time, its mean over the stationary part of sliding with a standard error from
+//! batch means, the static peak, and the mean interface.
 
 use super::contact::{ContactForce, ContactSums};
 use super::engine::Engine;
 use super::stationary::stationary_from;
 use crate::outcome::TracePoint;
 
-/// Batches of the window. Fewer make the error estimate noisy, more make batches short against the
-/// correlation time of the friction force (two microseconds, the period of the layer's shear mode).
+/// Number of batches in the window. Fewer batches make the error estimate noisy; more make batches short compared with
+/// the correlation time of the friction force (two microseconds, the period of the layer's shear mode).
 const BATCHES: usize = 20;
-/// The interface is sampled once in this many steps.
+/// Number of steps between two samples of the interface.
 const INTERFACE_EVERY: u64 = 64;
 
-/// Sums over one interval of the record.
+/// Sums over one recording interval.
 #[derive(Clone, Copy, Debug, Default)]
 struct Bin {
     friction: f64,
@@ -32,15 +32,16 @@ impl Bin {
 pub struct WindowMean {
     /// Mean of mu.
     pub mu: f64,
-    /// Its standard error.
+    /// Standard error of `mu`.
     pub stderr: f64,
-    /// Mean of the friction across the drive over the normal force.
+    /// Mean friction perpendicular to the drive over the normal force.
     pub mu_across: f64,
-    /// Friction over that of the same normal forces with every block sliding, less one; `None` where nothing would resist.
+    /// Friction relative to that of the same normal forces with every block sliding, minus one; `None` if sliding has
+    /// no friction.
     pub excess: Option<f64>,
-    /// Time since the drive started at which the first batch begins, in units of sqrt(m/k).
+    /// Start of the first batch after the start of the drive, in units of sqrt(m/k).
     pub from: f64,
-    /// Whether what was left out, since the drive started, is at most half of the record.
+    /// Whether at most half of the record since the start of the drive was left out.
     pub is_stationary: bool,
 }
 
@@ -50,10 +51,10 @@ pub struct Recorder {
     steps_per_bin: u64,
     time_step: f64,
     bins: Vec<Bin>,
-    open: Bin,
+    current_bin: Bin,
     steps: u64,
-    /// Time that an average holds at least, in units of sqrt(m/k).
-    least_time: f64,
+    /// Minimum averaging time, in units of sqrt(m/k).
+    min_time: f64,
     /// Bin in which the last contact block slipped for the first time.
     onset_bin: Option<usize>,
     peak_mu: f64,
@@ -63,23 +64,17 @@ pub struct Recorder {
 }
 
 impl Recorder {
-    /// A record of `contacts` blocks with `steps_per_bin` steps an interval, whose averages hold at least `least_time`, in
-    /// units of sqrt(m/k). The interface is sampled from interval `interface_from_bin` on.
+    /// Creates a record of `contacts` blocks with `steps_per_bin` steps per interval. Averages cover at least
+    /// `min_time`, in units of sqrt(m/k). The interface is sampled from interval `interface_from_bin` on.
     #[must_use]
-    pub fn new(
-        contacts: usize,
-        steps_per_bin: u64,
-        time_step: f64,
-        least_time: f64,
-        interface_from_bin: usize,
-    ) -> Self {
+    pub fn new(contacts: usize, steps_per_bin: u64, time_step: f64, min_time: f64, interface_from_bin: usize) -> Self {
         Self {
             steps_per_bin,
             time_step,
             bins: Vec::new(),
-            open: Bin::default(),
+            current_bin: Bin::default(),
             steps: 0,
-            least_time,
+            min_time,
             onset_bin: None,
             peak_mu: f64::NEG_INFINITY,
             interface: vec![ContactForce::default(); contacts],
@@ -88,12 +83,12 @@ impl Recorder {
         }
     }
 
-    /// Takes note of one step.
+    /// Records one step.
     pub fn record(&mut self, sums: ContactSums, engine: &mut impl Engine) {
-        self.open.friction += sums.friction;
-        self.open.across += sums.across;
-        self.open.normal += sums.normal;
-        self.open.sliding += sums.sliding;
+        self.current_bin.friction += sums.friction;
+        self.current_bin.across += sums.across;
+        self.current_bin.normal += sums.normal;
+        self.current_bin.sliding += sums.sliding;
         self.steps += 1;
         if self.onset_bin.is_none() {
             if sums.normal > 0.0 {
@@ -108,13 +103,13 @@ impl Recorder {
             self.sample_interface(engine);
         }
         if self.steps.is_multiple_of(self.steps_per_bin) {
-            self.bins.push(std::mem::take(&mut self.open));
+            self.bins.push(std::mem::take(&mut self.current_bin));
         }
     }
 
-    /// Steps up to and with the next one after which it asks the engine for something.
+    /// Number of steps until the record next queries the engine, that step included.
     #[must_use]
-    pub fn steps_to_next_question(&self) -> u64 {
+    pub fn steps_to_next_query(&self) -> u64 {
         if self.has_onset() { INTERFACE_EVERY - self.steps % INTERFACE_EVERY } else { 1 }
     }
 
@@ -128,8 +123,8 @@ impl Recorder {
         }
     }
 
-    /// Begins the mean interface anew: what was sampled so far was not stationary.
-    pub fn forget_interface(&mut self) {
+    /// Restarts the mean interface, because the samples so far were not stationary.
+    pub fn restart_interface(&mut self) {
         self.interface.fill(ContactForce::default());
         self.interface_samples = 0;
         self.interface_from_bin = self.bins.len();
@@ -141,14 +136,16 @@ impl Recorder {
         self.onset_bin.is_some()
     }
 
-    /// Largest mu up to the moment when every contact block had slipped.
+    /// Largest mu until every contact block has slipped.
     #[must_use]
     pub fn peak_mu(&self) -> Option<f64> {
         (self.has_onset() && self.peak_mu.is_finite()).then_some(self.peak_mu)
     }
 
-    /// Mean of mu from where it is stationary, after the onset, with its standard error from batch means; `None` before
-    /// two bins a batch follow the onset. A record that is stationary too late for that is averaged over its end.
+    /// Mean of mu over the stationary part after the onset, with a standard error from batch means.
+    ///
+    /// `None` until two bins per batch follow the onset. A record that becomes stationary too late is averaged over its
+    /// end.
     #[must_use]
     pub fn window_mean(&self) -> Option<WindowMean> {
         let sliding = self.bins.get(self.onset_bin? + 1..)?;
@@ -156,13 +153,13 @@ impl Recorder {
             return None;
         }
         let mu: Vec<f64> = sliding.iter().map(|bin| bin.mu().unwrap_or(0.0)).collect();
-        let least = (self.least_time / self.bin_time()).ceil() as usize;
+        let least = (self.min_time / self.bin_time()).ceil() as usize;
         let left_out = stationary_from(&mu, least);
         let start = left_out.unwrap_or(0).min(sliding.len() - 2 * BATCHES);
         let before = self.bins.len() - sliding.len() + start;
         let is_stationary = left_out == Some(start) && 2 * before <= self.bins.len();
         let per_batch = (sliding.len() - start) / BATCHES;
-        // What does not divide into batches is left out at the beginning.
+        // Bins that do not fill a batch are left out at the beginning.
         let first = self.bins.len() - per_batch * BATCHES;
         let batch_mu: Vec<f64> = self.bins[first..]
             .chunks_exact(per_batch)
@@ -183,7 +180,7 @@ impl Recorder {
         mu.is_finite().then_some(WindowMean { mu, stderr, mu_across, excess, from, is_stationary })
     }
 
-    /// Mean forces on every contact block over the window; the last instant's where it was not sampled.
+    /// Mean forces on every contact block over the window; `last` if the interface was never sampled.
     #[must_use]
     pub fn interface(&self, last: &[ContactForce]) -> Vec<ContactForce> {
         let samples = self.interface_samples as f64;
@@ -196,12 +193,12 @@ impl Recorder {
             .collect()
     }
 
-    /// Length of an interval, in units of sqrt(m/k).
+    /// Length of a bin in units of sqrt(m/k).
     fn bin_time(&self) -> f64 {
         self.steps_per_bin as f64 * self.time_step
     }
 
-    /// mu against time, one point an interval; `unit_time_s` converts from sqrt(m/k).
+    /// mu against time, one point per bin; `unit_time_s` converts from units of sqrt(m/k).
     #[must_use]
     pub fn trace(&self, unit_time_s: f64) -> Vec<TracePoint> {
         let per_bin = self.bin_time() * unit_time_s;
@@ -217,7 +214,7 @@ impl Recorder {
 mod tests {
     use super::*;
 
-    /// A row of one block that has slipped or not.
+    /// An engine with one block that has slipped or not.
     struct OneBlock(bool);
 
     impl Engine for OneBlock {
@@ -266,7 +263,7 @@ mod tests {
         let mut contact = OneBlock(true);
         let (steps_per_bin, time_step) = (3, 0.5);
         let mut recorder = Recorder::new(1, steps_per_bin, time_step, 0.0, 50);
-        // mu = t, 107 intervals of 1.5: the last 40 make 20 batches of 2.
+        // mu = t over 107 intervals of 1.5: the last 40 make 20 batches of 2.
         for step in 0..107 * steps_per_bin {
             let mu = (step as f64 + 0.5) * time_step;
             recorder.record(ContactSums { friction: mu, normal: 1.0, ..ContactSums::default() }, &mut contact);

@@ -1,8 +1,8 @@
-//! What a sweep reads and writes: coefficients of rows, displacements of blocks.
+//! Data of a sweep: coefficients of rows and displacements of blocks.
 
 use super::real::{LINE_BYTES, Real, whole_lines};
 
-/// Stiffness of the springs of one block over k: east, west, north, south, then the diagonals.
+/// Stiffness of the springs of one block in units of k: along the axes and along the diagonals.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Springs8 {
     pub east: f64,
@@ -27,15 +27,15 @@ pub const INSIDE: Springs8 = Springs8 {
     south_west: 0.5,
 };
 
-/// One block's springs and inverse mass.
+/// Springs and inverse mass of one block.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Site {
     pub springs: Springs8,
     pub inverse_mass: f64,
 }
 
-/// Coefficients of a row, one array per spring, one entry per column, then zeros up to a whole number of
-/// cache lines. Those of the diagonals are halved.
+/// Coefficients of a row: one array per spring with one entry per column, padded with zeros to whole cache lines.
+/// Coefficients of diagonal springs are halved.
 #[derive(Clone, Debug, Default)]
 pub struct RowCoefficients<R> {
     pub east: Vec<R>,
@@ -53,7 +53,7 @@ impl<R: Real> RowCoefficients<R> {
     /// Transposes the blocks of a row.
     pub fn new(sites: &[Site]) -> Self {
         let column = |f: fn(&Site) -> f64| {
-            let mut values: Vec<R> = sites.iter().map(f).map(R::of).collect();
+            let mut values: Vec<R> = sites.iter().map(f).map(R::round_from).collect();
             values.resize(whole_lines::<R>(sites.len()), R::default());
             values
         };
@@ -71,9 +71,11 @@ impl<R: Real> RowCoefficients<R> {
     }
 }
 
-/// One value a block, row by row: column i of row j is at `LINE + j * stride + i`, with the values of a cache line. Behind the last column
-/// lie two values or more: the image of the first column beyond it, and last the image of the column before
-/// column 0 of the next row. Row ny is the bulk. Column 0 begins a cache line.
+/// One value per block, row by row, aligned to cache lines.
+///
+/// Column i of row j is at `LINE + j * stride + i`, where LINE is the number of values in a cache line. At least two
+/// values follow the last column of a row: first the image of column 0, and last the image of the column before column
+/// 0 of the next row. Row ny is the bulk. Column 0 begins a cache line.
 #[derive(Clone, Debug)]
 pub struct Plane<R> {
     values: Vec<R>,
@@ -83,40 +85,39 @@ pub struct Plane<R> {
 impl<R: Real> Plane<R> {
     pub(super) fn zero(size: usize) -> Self {
         let values = vec![R::default(); size + R::LINE];
-        // A clone may lie otherwise: slower, not wrong.
+        // A clone may be misaligned, which is slower but correct.
         let skip = values.as_ptr().align_offset(LINE_BYTES).min(R::LINE);
         Self { values, skip }
     }
 
-    /// All rows, padding included.
     #[inline(always)]
     pub fn rows(&self) -> &[R] {
         &self.values[self.skip..]
     }
 
-    /// All rows, padding included.
     #[inline(always)]
     pub fn rows_mut(&mut self) -> &mut [R] {
         &mut self.values[self.skip..]
     }
 }
 
-/// Displacements of the blocks of a strip, x and y: at an instant, and one step before it or after it.
+/// Displacements of the blocks of a strip, x and y, at the current time and one step before or after it.
 #[derive(Clone, Debug)]
 pub struct Field<R> {
     pub nx: usize,
     pub ny: usize,
     pub stride: usize,
     pub now: [Plane<R>; 2],
-    /// One step earlier; a sweep replaces it by one step later, and [`Field::turn`] makes that the present.
+    /// Displacements one step earlier. A sweep overwrites them with those one step later; then [`Field::swap`] makes
+    /// these current.
     pub other: [Plane<R>; 2],
 }
 
 impl<R: Real> Field<R> {
-    /// A strip at rest.
+    /// Creates a strip at rest.
     #[must_use]
     pub fn at_rest(nx: usize, ny: usize) -> Self {
-        // An odd number of lines a row: rows do not meet in the same sets of a cache.
+        // An odd number of cache lines per row spreads the rows over the sets of the cache.
         let stride = ((nx + 2).div_ceil(R::LINE) | 1) * R::LINE;
         let plane = || Plane::zero(stride * (ny + 1) + 2 * R::LINE);
         Self { nx, ny, stride, now: [plane(), plane()], other: [plane(), plane()] }
@@ -125,12 +126,12 @@ impl<R: Real> Field<R> {
     /// Index of block (i, j) in [`Plane::rows`].
     #[inline(always)]
     #[must_use]
-    pub const fn at(&self, i: usize, j: usize) -> usize {
+    pub const fn index(&self, i: usize, j: usize) -> usize {
         R::LINE + j * self.stride + i
     }
 
-    /// Makes what a sweep has written the present.
-    pub fn turn(&mut self) {
+    /// Makes the displacements that a sweep has written the current ones.
+    pub fn swap(&mut self) {
         std::mem::swap(&mut self.now, &mut self.other);
     }
 }

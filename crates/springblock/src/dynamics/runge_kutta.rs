@@ -1,8 +1,7 @@
 //! The paper's integration: classical Runge-Kutta of order 4.
 //!
-//! Whether a contact block is at rest, and the direction in which it slips, are settled at the
-//! beginning of a step and held through its four stages; a block that would reverse ends at rest.
-//! Units: k = 1, l = 1, m = 1.
+//! Whether a contact block is at rest, and the direction in which it slips, are fixed at the beginning of a step for
+//! all four stages; a block that would reverse ends at rest. Units: k = 1, l = 1, m = 1.
 
 #[cfg(test)]
 mod balance;
@@ -30,7 +29,7 @@ impl State {
         Self { u: zero(), v: zero() }
     }
 
-    /// self = base + h * slope, as far as `slope` reaches
+    /// Sets self = base + h * slope for the blocks that `slope` contains.
     fn set_to(&mut self, base: &Self, h: f64, slope: &Self) {
         for c in 0..2 {
             for ((s, b), k) in self.u[c].iter_mut().zip(&base.u[c]).zip(&slope.u[c]) {
@@ -42,7 +41,7 @@ impl State {
         }
     }
 
-    /// self += h * slope, as far as `slope` reaches
+    /// Adds h * slope to self for the blocks that `slope` contains.
     fn add(&mut self, h: f64, slope: &Self) {
         for c in 0..2 {
             for (s, k) in self.u[c].iter_mut().zip(&slope.u[c]) {
@@ -55,14 +54,13 @@ impl State {
     }
 }
 
-/// Runge-Kutta integrator with its state.
 #[derive(Clone, Debug)]
 pub struct RungeKutta<'a> {
     bonds: Bonds,
     nx: usize,
     state: State,
     stage: State,
-    /// Of the contact row.
+    /// Slope of the contact row.
     slope: State,
     next: State,
     contact: ContactRow<'a>,
@@ -74,13 +72,13 @@ pub struct RungeKutta<'a> {
     time_step: f64,
     steps: u64,
     liftoff: bool,
-    /// Work done so far.
+    /// Work since the start.
     #[cfg(test)]
     ledger: balance::Ledger,
 }
 
 impl<'a> RungeKutta<'a> {
-    /// A lattice at rest.
+    /// Creates the integrator with a lattice at rest.
     #[must_use]
     pub fn new(lattice: &Lattice, springs: Springs, setup: Setup<'a>) -> Self {
         let Setup { contact, protocol, time_step, damping, liftoff } = setup;
@@ -107,7 +105,7 @@ impl<'a> RungeKutta<'a> {
         }
     }
 
-    /// Slope of the contact row of `stage` from the forces just evaluated.
+    /// Computes the slope of the contact row at `stage` from the forces just evaluated.
     fn find_slope(&mut self) {
         let Self { bonds, stage, slope, contact, direction, inverse_mass, damping, .. } = self;
         let [force_x, force_y] = bonds.forces();
@@ -132,7 +130,7 @@ impl<'a> RungeKutta<'a> {
                 Motion::Lifted => {}
             }
         }
-        // Blocks on the counterface move only along it.
+        // Blocks on the counterface move horizontally only.
         for block in contact.blocks.iter().filter(|block| block.motion != Motion::Lifted) {
             slope.u[1][block.column] = 0.0;
             slope.v[1][block.column] = 0.0;
@@ -141,7 +139,8 @@ impl<'a> RungeKutta<'a> {
 }
 
 impl RungeKutta<'_> {
-    /// Adds `weight` times the slope of the rows above the contact row to `next`, and moves `stage` there `ahead`.
+    /// Adds `weight` times the slope of the rows above the contact row to `next`, and moves these rows of `stage` by
+    /// `ahead`.
     fn advance_above(&mut self, weight: f64, ahead: f64) {
         let Self { bonds, nx, state, stage, next, inverse_mass, damping, .. } = self;
         for c in 0..2 {
@@ -224,7 +223,7 @@ impl Engine for RungeKutta<'_> {
                 }
                 sums = self.contact.begin_step(&self.state.v[0], force_x, force_y);
                 for (direction, block) in self.direction.iter_mut().zip(&self.contact.blocks) {
-                    // A block that carries no pressure now has no friction in this step.
+                    // A block without normal pressure at the start has no friction in this step.
                     let free = block.friction == [0.0];
                     let towards = slip_direction(self.state.v[0][block.column], force_x[block.column]);
                     *direction = if free { 0.0 } else { towards };

@@ -2,7 +2,7 @@
 
 use slipgrid_material::Elastic;
 
-/// What one unit is in SI.
+/// SI values of the units.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Scales {
     /// l, in metres.
@@ -18,18 +18,18 @@ impl Scales {
     #[must_use]
     pub fn new(elastic: &Elastic, block_m: f64) -> Self {
         // k = 3/4 E l
-        Self::of(0.75 * elastic.youngs_modulus_pa(), elastic, block_m)
+        Self::from_pressure_unit(0.75 * elastic.youngs_modulus_pa(), elastic, block_m)
     }
 
     /// Units of a lattice in space with the spacing `block_m`.
     #[must_use]
     pub fn space(elastic: &Elastic, block_m: f64) -> Self {
         // k = 2/5 E l
-        Self::of(0.4 * elastic.youngs_modulus_pa(), elastic, block_m)
+        Self::from_pressure_unit(0.4 * elastic.youngs_modulus_pa(), elastic, block_m)
     }
 
-    /// `pressure_pa` is k/l.
-    fn of(pressure_pa: f64, elastic: &Elastic, block_m: f64) -> Self {
+    /// Creates the units for k/l = `pressure_pa`.
+    fn from_pressure_unit(pressure_pa: f64, elastic: &Elastic, block_m: f64) -> Self {
         // m = rho l^3: m/k = rho l^2 / (k/l)
         Self { length_m: block_m, time_s: block_m * (elastic.density_kg_m3() / pressure_pa).sqrt(), pressure_pa }
     }

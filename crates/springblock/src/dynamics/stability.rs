@@ -1,15 +1,15 @@
-//! The stability limit of a time step, from the lattice's largest eigenfrequency.
+//! Stability limit of the time step, from the largest eigenfrequency of the lattice.
 
 use super::bonds::Bonds;
 use crate::lattice::Lattice;
 use crate::scene::Springs;
 
-/// Steps of the Lanczos recursion. The largest eigenvalue of a lattice, well separated at free edges,
-/// is found to better than 1e-4.
+/// Number of steps of the Lanczos recursion. The largest eigenvalue, which free edges separate well from the others, is
+/// found to better than 1e-4.
 const LANCZOS_STEPS: usize = 80;
 
-/// Largest eigenfrequency of the lattice over sqrt(k/m); blocks on the counterface move vertically only
-/// if `liftoff`.
+/// Largest eigenfrequency of the lattice in units of sqrt(k/m); blocks on the counterface move vertically only if
+/// `liftoff`.
 #[must_use]
 pub fn largest_frequency(lattice: &Lattice, liftoff: bool) -> f64 {
     let mut bonds = Bonds::new(lattice, Springs::Linear);
@@ -22,7 +22,7 @@ pub fn largest_frequency(lattice: &Lattice, liftoff: bool) -> f64 {
         }
     }
     let mut u = [vec![0.0; blocks], vec![0.0; blocks]];
-    largest_of(&weight, |displacement, force| {
+    largest_eigenfrequency(&weight, |displacement, force| {
         for (u, displacement) in u.iter_mut().zip(displacement.chunks_exact(blocks)) {
             u.copy_from_slice(displacement);
         }
@@ -33,21 +33,21 @@ pub fn largest_frequency(lattice: &Lattice, liftoff: bool) -> f64 {
     })
 }
 
-/// Largest eigenfrequency of unknowns with the inverse root masses `weight`, 0 for removed blocks and pinned
-/// directions; `forces` gives the spring forces at displacements.
+/// Largest eigenfrequency of a system with the inverse root masses `weight`, which are 0 for removed blocks and pinned
+/// directions. `forces` computes the spring forces at given displacements.
 ///
-/// Lanczos recursion on M^-1/2 K M^-1/2, the largest eigenvalue of its tridiagonal matrix by
-/// bisection on Sturm counts.
+/// Lanczos recursion on M^-1/2 K M^-1/2; the largest eigenvalue of its tridiagonal matrix is found by bisection on
+/// Sturm counts.
 #[must_use]
-pub fn largest_of(weight: &[f64], mut forces: impl FnMut(&[f64], &mut [f64])) -> f64 {
+pub fn largest_eigenfrequency(weight: &[f64], mut forces: impl FnMut(&[f64], &mut [f64])) -> f64 {
     let unknowns = weight.len();
-    // A fixed start without symmetry, so that no mode is missed.
+    // A fixed start vector without symmetry has a component along every mode.
     let mut q: Vec<f64> = (0..unknowns)
         .map(|n| if weight[n] > 0.0 { (n as f64 * 2.399_963).sin() + if n % 2 == 0 { 1.0 } else { -1.0 } } else { 0.0 })
         .collect();
     scale_to_unit(&mut q);
     let mut previous = vec![0.0; unknowns];
-    let (mut diagonal, mut beside): (Vec<f64>, Vec<f64>) = (Vec::new(), Vec::new());
+    let (mut diagonal, mut off_diagonal): (Vec<f64>, Vec<f64>) = (Vec::new(), Vec::new());
     let (mut u, mut force) = (vec![0.0; unknowns], vec![0.0; unknowns]);
     for _ in 0..LANCZOS_STEPS.min(unknowns) {
         for ((u, weight), q) in u.iter_mut().zip(weight).zip(&q) {
@@ -55,7 +55,7 @@ pub fn largest_of(weight: &[f64], mut forces: impl FnMut(&[f64], &mut [f64])) ->
         }
         forces(&u, &mut force);
         // w = M^-1/2 K M^-1/2 q - beta q_previous
-        let beta = beside.last().copied().unwrap_or(0.0);
+        let beta = off_diagonal.last().copied().unwrap_or(0.0);
         let mut w: Vec<f64> = (0..unknowns).map(|n| -weight[n] * force[n] - beta * previous[n]).collect();
         let alpha: f64 = w.iter().zip(&q).map(|(w, q)| w * q).sum();
         for (w, q) in w.iter_mut().zip(&q) {
@@ -66,10 +66,10 @@ pub fn largest_of(weight: &[f64], mut forces: impl FnMut(&[f64], &mut [f64])) ->
         if norm <= 1e-12 {
             break;
         }
-        beside.push(norm);
+        off_diagonal.push(norm);
         previous = std::mem::replace(&mut q, w);
     }
-    largest_eigenvalue(&diagonal, &beside).max(0.0).sqrt()
+    largest_eigenvalue(&diagonal, &off_diagonal).max(0.0).sqrt()
 }
 
 fn scale_to_unit(vector: &mut [f64]) -> f64 {
@@ -83,19 +83,19 @@ fn scale_to_unit(vector: &mut [f64]) -> f64 {
 }
 
 /// Largest eigenvalue of a symmetric tridiagonal matrix by bisection.
-fn largest_eigenvalue(diagonal: &[f64], beside: &[f64]) -> f64 {
+fn largest_eigenvalue(diagonal: &[f64], off_diagonal: &[f64]) -> f64 {
     let bound = |i: usize| {
-        let left = if i > 0 { beside[i - 1].abs() } else { 0.0 };
-        let right = if i + 1 < diagonal.len() { beside[i].abs() } else { 0.0 };
+        let left = if i > 0 { off_diagonal[i - 1].abs() } else { 0.0 };
+        let right = if i + 1 < diagonal.len() { off_diagonal[i].abs() } else { 0.0 };
         diagonal[i].abs() + left + right
     };
     let mut high = (0..diagonal.len()).map(bound).fold(0.0, f64::max);
     let mut low = -high;
-    // Number of eigenvalues below x: negative pivots of T - x.
+    // All eigenvalues are below x if all pivots of T - x are negative.
     let all_below = |x: f64| {
         let mut pivot = 1.0;
         (0..diagonal.len()).all(|i| {
-            let coupling = if i > 0 { beside[i - 1] * beside[i - 1] } else { 0.0 };
+            let coupling = if i > 0 { off_diagonal[i - 1] * off_diagonal[i - 1] } else { 0.0 };
             pivot = diagonal[i] - x - coupling / pivot;
             pivot < 0.0
         })

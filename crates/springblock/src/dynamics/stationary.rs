@@ -1,32 +1,32 @@
-//! Where a record becomes stationary: the marginal standard error rule.
+//! Start of the stationary part of a record: the marginal standard error rule.
 //!
-//! Of a record y_1 ... y_n of group means, so many first ones are left out that the standard error of the mean of
-//! the others is least,
+//! From a record y_1 ... y_n of group means, the first d* means are left out, such that the standard error of the mean
+//! of the others is smallest,
 //!
 //! ```text
 //! d* = arg min_d  1/(n - d)^2  sum_{i > d} (y_i - mean_{i > d})^2,
 //! ```
 //!
-//! and the record is stationary if that is at most half of them (White, Simulation 69, 1997, with groups of five:
+//! and the record is stationary if d* is at most half of the groups (White, Simulation 69, 1997, with groups of five:
 //! MSER-5).
 
-/// Values of a group.
+/// Number of values in a group.
 const GROUP: usize = 5;
-/// Groups that stay at least, and half of those that are needed to tell.
+/// Minimum number of groups kept; a decision needs twice as many.
 const MIN_GROUPS: usize = 8;
-/// Changes below this share of the mean are noise: a record that only creeps on by rounding is stationary.
-const RESOLVED: f64 = 1e-4;
+/// Relative noise level below which changes are ignored, so that a record that only drifts by rounding is stationary.
+const NOISE_LEVEL: f64 = 1e-4;
 
-/// The number of first values of `record` to leave out; `None` of a record too short to tell. At least `least` values stay:
-/// about the turning point of an oscillation a few would hardly differ.
+/// Returns how many leading values of `record` to leave out, or `None` if the record is too short. At least `min_values`
+/// values remain, since a few values around the turning point of an oscillation hardly differ.
 #[must_use]
-pub fn stationary_from(record: &[f64], least: usize) -> Option<usize> {
+pub fn stationary_from(record: &[f64], min_values: usize) -> Option<usize> {
     let groups: Vec<f64> = record.chunks_exact(GROUP).map(|group| group.iter().sum::<f64>() / GROUP as f64).collect();
-    let least = least.div_ceil(GROUP).max(MIN_GROUPS);
-    if groups.len() < least.max(2 * MIN_GROUPS) {
+    let min_values = min_values.div_ceil(GROUP).max(MIN_GROUPS);
+    if groups.len() < min_values.max(2 * MIN_GROUPS) {
         return None;
     }
-    // From the end: mean and sum of squares about it (Welford).
+    // From the end: mean and sum of squared deviations (Welford).
     let (mut mean, mut squares) = (0.0, 0.0);
     let mut best: Option<(f64, usize)> = None;
     for (kept, (first, value)) in (1..).zip(groups.iter().enumerate().rev()) {
@@ -34,10 +34,10 @@ pub fn stationary_from(record: &[f64], least: usize) -> Option<usize> {
         let step = value - mean;
         mean += step / n;
         squares += step * (value - mean);
-        let noise = RESOLVED * mean;
+        let noise = NOISE_LEVEL * mean;
         let marginal = (squares + n * noise * noise) / (n * n);
-        // Of equals the one that keeps most.
-        if kept as usize >= least && best.is_none_or(|(least, _)| marginal <= least) {
+        // Among equal errors take the one that keeps most values.
+        if kept as usize >= min_values && best.is_none_or(|(min_values, _)| marginal <= min_values) {
             best = Some((marginal, first));
         }
     }

@@ -1,10 +1,9 @@
-//! A lattice cut into strips of columns, with the coefficients of its linear springs.
+//! Division of a lattice into strips of columns, with the coefficients of its linear springs.
 //!
-//! Inside, coefficients are constants; rows that touch the counterface or a cavity, and the two free
-//! sides, carry a coefficient per spring. A strip's rows lie close enough together for the translation
-//! buffer and the caches, and strips are what threads share. Where strips begin depends on the lattice
-//! alone, and sums are taken strip by strip: results do not depend on the number of threads.
-//! Units: k = 1, l = 1, m = 1.
+//! Inside, coefficients are constant; rows at the counterface or at a cavity, and the two free sides, have a
+//! coefficient per spring. The rows of a strip are close enough together for the translation buffer and the caches.
+//! Strips are also the unit of work of threads. The division depends on the lattice only, and sums are computed strip
+//! by strip, so that results do not depend on the number of threads. Units: k = 1, l = 1, m = 1.
 
 use std::ops::Range;
 
@@ -15,10 +14,10 @@ use super::rows::{Field, INSIDE, RowCoefficients, Site};
 use crate::lattice::Lattice;
 use slipgrid_fft::vectorized;
 
-/// Most columns of a strip: twenty rows of them fill a second-level cache by a sixth.
+/// Maximum number of columns of a strip: twenty rows of them fill a sixth of a second-level cache.
 const STRIP_COLUMNS: usize = 256;
 
-/// What binds the bulk to the top row: sum over the top blocks of [yy (H - u_y) + xy (X - u_x)] = -load.
+/// Vertical balance of the bulk: sum over the top blocks of [yy (H - u_y) + xy (X - u_x)] = -load.
 #[derive(Clone, Copy, Debug)]
 pub struct BulkBalance {
     yy: f64,
@@ -26,49 +25,49 @@ pub struct BulkBalance {
 }
 
 impl BulkBalance {
-    /// Height of the bulk at the horizontal displacement `bulk_x` under `load`; `held`: sum of what
-    /// [`StripStencil::held`] gives.
+    /// Height of the bulk at the horizontal displacement `bulk_x` under `load`; `top_row_force` is the sum of
+    /// [`StripStencil::top_row_force`] over the strips.
     #[must_use]
-    pub fn height(&self, held: f64, bulk_x: f64, load: f64) -> f64 {
-        (held - self.xy * bulk_x - load) / self.yy
+    pub fn height(&self, top_row_force: f64, bulk_x: f64, load: f64) -> f64 {
+        (top_row_force - self.xy * bulk_x - load) / self.yy
     }
 }
 
 /// Coefficients of one strip.
 #[derive(Clone, Debug)]
 pub struct StripStencil<R> {
-    /// Its columns in the lattice.
+    /// Columns of the strip in the lattice.
     pub columns: Range<usize>,
     /// Rows with a coefficient per spring, from the counterface up.
     pub general: Vec<RowCoefficients<R>>,
-    /// Blocks at a free side in the rows above those, by column of the strip.
+    /// Blocks at a free side in the rows above the general rows, by column of the strip.
     pub sides: Vec<(usize, Vec<Site>)>,
     to_bulk_yy: Vec<f64>,
-    /// The columns at free sides, whose springs to the bulk do not balance sideways.
+    /// Columns at free sides, whose springs to the bulk do not balance horizontally.
     to_bulk_xy: Vec<(usize, f64)>,
 }
 
 impl<R: Real> StripStencil<R> {
-    /// What the top row takes of the balance of the bulk.
+    /// Vertical force of the top row on the bulk at zero displacement of the bulk.
     #[must_use]
-    pub fn held(&self, field: &Field<R>) -> f64 {
-        let top = field.at(0, field.ny - 1);
+    pub fn top_row_force(&self, field: &Field<R>) -> f64 {
+        let top = field.index(0, field.ny - 1);
         let row = |component: usize| &field.now[component].rows()[top..][..field.nx];
-        let sideways: f64 = self.to_bulk_xy.iter().map(|(i, xy)| xy * row(0)[*i].widened()).sum();
+        let sideways: f64 = self.to_bulk_xy.iter().map(|(i, xy)| xy * row(0)[*i].to_f64()).sum();
         weighted_sum(&self.to_bulk_yy, row(1)) + sideways
     }
 }
 
-/// First columns of the strips of `nx` columns, and `nx`.
+/// First columns of the strips of `nx` columns, followed by `nx`.
 fn cuts<R: Real>(nx: usize) -> Vec<usize> {
     let strips = nx.div_ceil(STRIP_COLUMNS);
-    // Whole cache lines but for the last strip.
+    // Strips have whole cache lines, except for the last one.
     let mut cuts: Vec<usize> = (0..strips).map(|s| nx * s / strips / R::LINE * R::LINE).collect();
     cuts.push(nx);
     cuts
 }
 
-/// Cuts a plain lattice (whole blocks of equal width) into strips.
+/// Divides a lattice of whole blocks of equal width into strips.
 #[must_use]
 pub fn strips<R: Real>(lattice: &Lattice) -> (Vec<StripStencil<R>>, BulkBalance) {
     let (nx, ny) = (lattice.nx(), lattice.ny());
@@ -115,7 +114,7 @@ pub fn strips<R: Real>(lattice: &Lattice) -> (Vec<StripStencil<R>>, BulkBalance)
             let row = |j: usize| &sites[j * nx..][columns.clone()];
             let at_side = |i: usize| !lattice.is_periodic() && (i == 0 || i + 1 == nx);
             let is_inside = |j: usize| columns.clone().zip(row(j)).all(|(i, site)| at_side(i) || *site == inside);
-            // The contact row is always general: its forces are needed apart from its motion.
+            // The contact row is always general, because its forces are needed separately from its motion.
             let inside_from = (1..ny).rev().take_while(|&j| is_inside(j)).last().unwrap_or(ny);
             let general = (0..inside_from).map(|j| RowCoefficients::new(row(j))).collect();
             let sides = columns
@@ -132,7 +131,7 @@ pub fn strips<R: Real>(lattice: &Lattice) -> (Vec<StripStencil<R>>, BulkBalance)
     (strips, balance)
 }
 
-/// Partial sums in which long sums are taken, whatever the width of vectors.
+/// Number of partial sums of long sums, independent of the vector width.
 const PARTS: usize = 16;
 
 struct WeightedSum<'a, R>(&'a [f64], &'a [R]);
@@ -143,18 +142,18 @@ impl<R: Real> WithSimd for WeightedSum<'_, R> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) -> f64 {
         let (a, b) = (self.0.chunks_exact(PARTS), self.1.chunks_exact(PARTS));
-        let rest: f64 = a.remainder().iter().zip(b.remainder()).map(|(a, b)| a * b.widened()).sum();
+        let rest: f64 = a.remainder().iter().zip(b.remainder()).map(|(a, b)| a * b.to_f64()).sum();
         let mut parts = [0.0; PARTS];
         for (a, b) in a.zip(b) {
             for ((part, a), b) in parts.iter_mut().zip(a).zip(b) {
-                *part += a * b.widened();
+                *part += a * b.to_f64();
             }
         }
         parts.iter().sum::<f64>() + rest
     }
 }
 
-/// Sum of a[i] b[i]: the same with any vector width.
+/// Sum of a[i] b[i], independent of the vector width.
 fn weighted_sum<R: Real>(a: &[f64], b: &[R]) -> f64 {
     vectorized(WeightedSum(a, b))
 }
@@ -167,18 +166,18 @@ impl<R: Real> WithSimd for FixedSum<'_, R> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) -> f64 {
         let chunks = self.0.chunks_exact(PARTS);
-        let rest: f64 = chunks.remainder().iter().map(|value| value.widened()).sum();
+        let rest: f64 = chunks.remainder().iter().map(|value| value.to_f64()).sum();
         let mut parts = [0.0; PARTS];
         for chunk in chunks {
             for (part, value) in parts.iter_mut().zip(chunk) {
-                *part += value.widened();
+                *part += value.to_f64();
             }
         }
         parts.iter().sum::<f64>() + rest
     }
 }
 
-/// Sum of `values` in double precision: the same with any vector width.
+/// Sum of `values` in double precision, independent of the vector width.
 #[must_use]
 pub fn fixed_sum<R: Real>(values: &[R]) -> f64 {
     vectorized(FixedSum(values))

@@ -4,12 +4,13 @@
 //! u_after = u + kept (u - u_before) + kick F/m,  kept = (1 - g dt/2) / (1 + g dt/2),  kick = dt^2 / (1 + g dt/2)
 //! ```
 //!
-//! one force evaluation a step, damping implicit, symplectic without damping and friction, of order 2;
-//! stable for dt < 2/omega_max. Units: k = 1, l = 1, m = 1.
+//! It needs one force evaluation per step, and damping is implicit. It is symplectic without damping and friction, of
+//! order 2, and stable for dt < 2/omega_max. Units: k = 1, l = 1, m = 1.
 //!
-//! A run that starts from sliding in equilibrium keeps what it deviates from that state, in the frame of the bulk, in single precision: half
-//! as much to move and to add. Deviations stay as small as slips are, about a hundredth of what the layer is sheared, so that their rounding
-//! is to slips what 1e-7 is to one. The contact row has double precision: its displacements, its velocities, and friction on it.
+//! A run that starts from sliding in equilibrium stores deviations from that state, in the frame of the bulk, in single
+//! precision, which halves memory traffic and arithmetic. Deviations are as small as slips, about a hundredth of the
+//! shear of the layer, so that their rounding relative to slips is of order 1e-7. Displacements, velocities and
+//! friction of the contact row are in double precision.
 
 use std::ops::Range;
 use std::thread::Scope;
@@ -20,19 +21,19 @@ use super::engine::{Engine, PlaneEngine, Setup};
 use super::protocol::Protocol;
 use super::real::{Real, is_in_equilibrium};
 use super::stencil::{BulkBalance, strips};
-use super::strip::{Base, BulkPlace, Strip};
+use super::strip::{Base, BulkPosition, Strip};
 use super::strip_workers::StripWorkers;
 use super::sweep::Kick;
 use crate::lattice::Lattice;
 use crate::scene::Springs;
 
-/// Leapfrog on the strips of a plain lattice.
+/// Leapfrog on the strips of a lattice of whole blocks.
 #[derive(Debug)]
 pub struct StripLeapfrog<'scope, 'env, 'a, R> {
-    /// Strips before the first step; the workers have them after it.
+    /// Strips before the first step; the workers own them afterwards.
     strips: Vec<Strip<'a, R>>,
     strip_workers: Option<StripWorkers<'scope, 'a, R>>,
-    /// Where other threads may be started, and how many with the caller's.
+    /// Scope in which other threads may be started, and the number of threads including the caller's.
     threads: Option<(&'scope Scope<'scope, 'env>, usize)>,
     balance: BulkBalance,
     protocol: Protocol,
@@ -40,27 +41,29 @@ pub struct StripLeapfrog<'scope, 'env, 'a, R> {
     steps: u64,
     periodic: bool,
     contacts: usize,
-    /// The state in equilibrium that displacements deviate from, by row and column; nothing where they are those of the layer at rest.
+    /// Base state from which displacements deviate, by row and column; empty if displacements start at zero.
     base: Vec<[f64; 2]>,
     columns: usize,
 }
 
 impl<'scope, 'a: 'scope> StripLeapfrog<'scope, '_, 'a, f64> {
-    /// A plain lattice at rest.
+    /// Creates the integrator with a lattice of whole blocks at rest.
     #[must_use]
     pub fn new(lattice: &Lattice, setup: Setup<'a>) -> Self {
         let kick = Kick::new(setup.time_step, setup.damping);
-        Self::of(lattice, setup, kick)
+        Self::with_kick(lattice, setup, kick)
     }
 }
 
 impl<'scope, 'a: 'scope> StripLeapfrog<'scope, '_, 'a, f32> {
-    /// A plain lattice that starts at rest from `base`, displacements by row and column in equilibrium with a motion of the bulk at the
-    /// speed and under the load of `setup`, from the first step on; `None` where forces are left above the contact row.
+    /// Creates the integrator with a lattice of whole blocks in the sliding state `base`.
+    ///
+    /// `base` has displacements by row and column in equilibrium under the load of `setup`. The bulk moves at the speed
+    /// of `setup` from the first step on. Returns `None` if unbalanced forces remain above the contact row.
     #[must_use]
     pub fn from_sliding(lattice: &Lattice, setup: Setup<'a>, base: &[[f64; 2]]) -> Option<Self> {
         let Setup { protocol, time_step, damping, .. } = setup;
-        let mut sliding = Self::of(lattice, setup, Kick::new(time_step, damping).rounded::<f32>());
+        let mut sliding = Self::with_kick(lattice, setup, Kick::new(time_step, damping).rounded::<f32>());
         let mut bonds = Bonds::new(lattice, Springs::Linear);
         let u = [0, 1].map(|c: usize| base.iter().map(|u| u[c]).collect::<Vec<f64>>());
         bonds.evaluate(&u, 0.0, protocol.load(0.0));
@@ -76,14 +79,14 @@ impl<'scope, 'a: 'scope> StripLeapfrog<'scope, '_, 'a, f32> {
         let height = base[..nx].iter().map(|u| u[1]).collect();
         let deviates_from = Base { force, height, carried: protocol.speed * time_step };
         for strip in &mut sliding.strips {
-            strip.deviate(&deviates_from);
+            strip.set_base(&deviates_from);
         }
         Some(Self { base: base.to_vec(), ..sliding })
     }
 }
 
 impl<'scope, 'env, 'a: 'scope, R: Real> StripLeapfrog<'scope, 'env, 'a, R> {
-    fn of(lattice: &Lattice, setup: Setup<'a>, kick: Kick) -> Self {
+    fn with_kick(lattice: &Lattice, setup: Setup<'a>, kick: Kick) -> Self {
         let Setup { contact, protocol, time_step, liftoff, .. } = setup;
         let (stencils, balance) = strips(lattice);
         let (blocks, law) = contact.into_parts();
@@ -110,13 +113,14 @@ impl<'scope, 'env, 'a: 'scope, R: Real> StripLeapfrog<'scope, 'env, 'a, R> {
         }
     }
 
-    /// The same, advanced by at most `threads` threads of `scope` with the caller's.
+    /// Allows up to `threads` threads of `scope`, including the caller's.
     #[must_use]
     pub fn with_threads(self, scope: &'scope Scope<'scope, 'env>, threads: usize) -> Self {
         Self { threads: Some((scope, threads)), ..self }
     }
 
-    /// Displacements of block (i, j), x and y; of the caller's own strips until [`Engine::finish`].
+    /// Displacements of block (i, j), x and y. Before [`Engine::finish`] only blocks in the caller's own strips have
+    /// values.
     #[must_use]
     pub fn displacement(&self, i: usize, j: usize) -> [f64; 2] {
         let strips = self.strip_workers.as_ref().map_or(&self.strips[..], StripWorkers::own);
@@ -128,12 +132,13 @@ impl<'scope, 'env, 'a: 'scope, R: Real> StripLeapfrog<'scope, 'env, 'a, R> {
         }
     }
 
-    /// How far the frame of displacements has been carried after `steps` steps: as far as the bulk where they deviate from sliding.
+    /// Displacement of the moving frame after `steps` steps: that of the bulk if displacements deviate from sliding,
+    /// otherwise zero.
     fn carried(&self, steps: u64) -> f64 {
         if self.base.is_empty() { 0.0 } else { self.protocol.bulk_x(steps as f64 * self.time_step) }
     }
 
-    /// The workers, which take the strips over.
+    /// Returns the workers; the first call hands the strips to them.
     fn strip_workers(&mut self) -> &mut StripWorkers<'scope, 'a, R> {
         let Self { strips, strip_workers, threads, periodic, .. } = self;
         strip_workers.get_or_insert_with(|| StripWorkers::new(std::mem::take(strips), *periodic, *threads))
@@ -150,12 +155,12 @@ impl<'scope, 'a: 'scope, R: Real> Engine for StripLeapfrog<'scope, '_, 'a, R> {
         let x = self.protocol.bulk_x(time) - self.carried(self.steps);
         self.steps += 1;
         let carried = self.carried(self.steps);
-        // The load is in balance in the state that displacements deviate from.
+        // The base state already balances the load.
         let load = if self.base.is_empty() { self.protocol.load(time) } else { 0.0 };
         let balance = self.balance;
         let strip_workers = self.strip_workers();
-        let height = balance.height(strip_workers.held(), x, load);
-        strip_workers.step(BulkPlace { x, height, carried })
+        let height = balance.height(strip_workers.top_row_force(), x, load);
+        strip_workers.step(BulkPosition { x, height, carried })
     }
 
     fn all_have_slipped(&self) -> bool {

@@ -1,9 +1,10 @@
 //! Several threads on one lattice: each advances its own strips, in lockstep.
 //!
-//! The leader computes the bulk's place, posts it with the columns at its strips' sides and calls a turn;
-//! the others read it, do the turn's work, post theirs and report. One exchange a step, over a board of
-//! atomic words: no locks, nothing shared but what strips need of each other. Sums are posted strip by
-//! strip and added in their order, so that results are those of one thread to the last bit.
+//! For each command the leader computes the bulk's position, posts it together with the columns at its strips' sides,
+//! and increments the command counter. The other threads read it, execute the command, post their results, and report.
+//! There is one exchange per step, through a board of atomic words without locks; strips share only what their
+//! neighbours need. Sums are posted strip by strip and added in the order of the strips, so that results equal those of
+//! one thread to the last bit.
 
 use std::hint::spin_loop;
 use std::panic::resume_unwind;
@@ -13,25 +14,25 @@ use std::thread::{Scope, ScopedJoinHandle, yield_now};
 
 use super::contact::{ContactForce, ContactSums};
 use super::real::Real;
-use super::strip::{BulkPlace, Side, Strip};
+use super::strip::{BulkPosition, Side, Strip};
 
-/// What a turn asks for.
+/// Command to all threads.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Turn {
+enum Command {
     Step,
     BeginDrive,
     PostForces,
     Finish,
 }
 
-impl Turn {
+impl Command {
     const ALL: [Self; 4] = [Self::Step, Self::BeginDrive, Self::PostForces, Self::Finish];
 }
 
-/// What a thread that panicked has done last: every turn, so that the leader does not wait for it.
+/// Value of `done` of a thread that panicked: beyond every command, so that the leader does not wait for the thread.
 const PANICKED: u64 = u64::MAX;
 
-/// Looks at a word before the thread offers its core to others.
+/// Number of polls of a word before the thread yields its core.
 const SPINS: u32 = 4000;
 
 fn wait_until(condition: impl Fn() -> bool) {
@@ -42,7 +43,7 @@ fn wait_until(condition: impl Fn() -> bool) {
     }
 }
 
-/// A number in an atomic word; the turn's hand-over orders it.
+/// An f64 in an atomic word; the acquire and release of the command counter order accesses to it.
 #[derive(Debug, Default)]
 struct Number(AtomicU64);
 
@@ -56,13 +57,13 @@ impl Number {
     }
 }
 
-/// What a strip posts.
+/// Data that a strip posts.
 #[derive(Debug)]
 struct StripBoard {
-    /// Columns at the left and right sides, after even and after odd steps: a thread may already post the
-    /// next while another still reads the last.
+    /// Columns at the left and right sides, after even and after odd steps: a thread may post the next step while
+    /// another still reads the last.
     edges: [[Vec<Number>; 2]; 2],
-    held: Number,
+    top_row_force: Number,
     friction: Number,
     normal: Number,
     sliding: Number,
@@ -78,11 +79,11 @@ struct Board {
     bulk_x: Number,
     bulk_height: Number,
     carried: Number,
-    /// What the current turn asks for, an index into [`Turn::ALL`].
-    wanted: AtomicU64,
-    /// Number of the current turn.
-    turn: AtomicU64,
-    /// Last turn that each of the others has done.
+    /// Current command, an index into [`Command::ALL`].
+    command: AtomicU64,
+    /// Number of the current command.
+    command_number: AtomicU64,
+    /// Number of the last command that each other thread has completed.
     done: Vec<AtomicU64>,
 }
 
@@ -93,7 +94,7 @@ impl Board {
             .iter()
             .map(|strip| StripBoard {
                 edges: [(); 2].map(|()| [(); 2].map(|()| numbers(strip.edge_len()))),
-                held: Number::default(),
+                top_row_force: Number::default(),
                 friction: Number::default(),
                 normal: Number::default(),
                 sliding: Number::default(),
@@ -107,16 +108,16 @@ impl Board {
             bulk_x: Number::default(),
             bulk_height: Number::default(),
             carried: Number::default(),
-            wanted: AtomicU64::new(0),
-            turn: AtomicU64::new(0),
+            command: AtomicU64::new(0),
+            command_number: AtomicU64::new(0),
             done: (0..others).map(|_| AtomicU64::new(0)).collect(),
         }
     }
 
-    /// Posts what the others need of strip `number` after step `step`.
+    /// Posts the data of strip `number` that other threads need after step `step`.
     fn post<R: Real>(&self, number: usize, strip: &Strip<R>, step: u64) {
         let board = &self.strips[number];
-        board.held.post(strip.held());
+        board.top_row_force.post(strip.top_row_force());
         if self.strips.len() == 1 && self.periodic {
             return;
         }
@@ -125,7 +126,7 @@ impl Board {
         strip.edge(Side::Right, |at, value| right[at].post(value));
     }
 
-    /// Gives strip `number` the columns beside it as they were after step `step`.
+    /// Sets the images of the columns next to strip `number` to their state after step `step`.
     fn join<R: Real>(&self, number: usize, strip: &mut Strip<R>, step: u64) {
         let count = self.strips.len();
         if count == 1 && self.periodic {
@@ -135,17 +136,17 @@ impl Board {
         let before = number.checked_sub(1).or(self.periodic.then_some(count - 1));
         let after = if number + 1 < count { Some(number + 1) } else { self.periodic.then_some(0) };
         let edge = |of: usize, side: usize| &self.strips[of].edges[(step % 2) as usize][side];
-        // Nothing stands beyond a free side; zeros keep what vectors write there in bounds.
+        // There is no block beyond a free side; zeros keep the values that vectors write there bounded.
         let (left, right) = (before.map(|of| edge(of, 1)), after.map(|of| edge(of, 0)));
         strip.set_image(Side::Left, |at| left.map_or(0.0, |edge| edge[at].read()));
         strip.set_image(Side::Right, |at| right.map_or(0.0, |edge| edge[at].read()));
     }
 
-    /// Advances strip `number` by step `step` and posts it.
+    /// Takes step `step` of strip `number` and posts the results.
     fn step<R: Real>(&self, number: usize, strip: &mut Strip<R>, step: u64) {
         self.join(number, strip, step - 1);
         let [x, height, carried] = [&self.bulk_x, &self.bulk_height, &self.carried].map(Number::read);
-        let sums = strip.step(BulkPlace { x, height, carried });
+        let sums = strip.step(BulkPosition { x, height, carried });
         let board = &self.strips[number];
         board.friction.post(sums.friction);
         board.normal.post(sums.normal);
@@ -161,32 +162,32 @@ impl Board {
         }
     }
 
-    /// Does what a turn asks for on `strips`, the first of which is `first`; `step` counts steps.
-    fn work<R: Real>(&self, wanted: Turn, first: usize, strips: &mut [Strip<R>], step: &mut u64) {
-        *step += u64::from(wanted == Turn::Step);
+    /// Executes a command on `strips`, of which the first has the number `first`; `step` counts steps.
+    fn work<R: Real>(&self, command: Command, first: usize, strips: &mut [Strip<R>], step: &mut u64) {
+        *step += u64::from(command == Command::Step);
         for (number, strip) in (first..).zip(strips) {
-            match wanted {
-                Turn::Step => self.step(number, strip, *step),
-                Turn::BeginDrive => strip.begin_drive(),
-                Turn::PostForces => self.post_forces(number, strip),
-                Turn::Finish => {}
+            match command {
+                Command::Step => self.step(number, strip, *step),
+                Command::BeginDrive => strip.begin_drive(),
+                Command::PostForces => self.post_forces(number, strip),
+                Command::Finish => {}
             }
         }
     }
 }
 
-/// The leader's own strips and the threads that have the others.
+/// The leader's own strips, and the threads that own the others.
 #[derive(Debug)]
 pub struct StripWorkers<'scope, 'a, R> {
     board: Arc<Board>,
     own: Vec<Strip<'a, R>>,
     others: Vec<ScopedJoinHandle<'scope, Vec<Strip<'a, R>>>>,
-    turn: u64,
+    command_number: u64,
     step: u64,
 }
 
 impl<'scope, 'a: 'scope, R: Real> StripWorkers<'scope, 'a, R> {
-    /// Shares `strips` among the caller's thread and, with `threads`, others of that scope, up to that many.
+    /// Distributes `strips` over the caller's thread and, if `threads` is given, up to that many threads in total.
     pub fn new(
         mut strips: Vec<Strip<'a, R>>,
         periodic: bool,
@@ -203,39 +204,39 @@ impl<'scope, 'a: 'scope, R: Real> StripWorkers<'scope, 'a, R> {
             for thread in (1..most).rev() {
                 let first = count * thread / most;
                 let (board, own) = (Arc::clone(&board), strips.split_off(first));
-                others.push(scope.spawn(move || follow(&board, thread - 1, first, own)));
+                others.push(scope.spawn(move || run_worker(&board, thread - 1, first, own)));
             }
         }
         others.reverse();
-        Self { board, own: strips, others, turn: 0, step: 0 }
+        Self { board, own: strips, others, command_number: 0, step: 0 }
     }
 
-    /// Calls a turn, does the leader's part and waits for the others'.
-    fn call(&mut self, wanted: Turn) {
-        self.turn += 1;
-        let number = Turn::ALL.iter().position(|turn| *turn == wanted).unwrap_or(0);
-        self.board.wanted.store(number as u64, Ordering::Relaxed);
-        self.board.turn.store(self.turn, Ordering::Release);
-        self.board.work(wanted, 0, &mut self.own, &mut self.step);
-        self.wait_for_others();
+    /// Issues a command, executes the leader's part, and waits for the other threads.
+    fn issue(&mut self, command: Command) {
+        self.command_number += 1;
+        let number = Command::ALL.iter().position(|known| *known == command).unwrap_or(0);
+        self.board.command.store(number as u64, Ordering::Relaxed);
+        self.board.command_number.store(self.command_number, Ordering::Release);
+        self.board.work(command, 0, &mut self.own, &mut self.step);
+        self.wait_for_workers();
     }
 
-    /// Waits until the others have done the present turn.
+    /// Waits until all threads have completed the current command.
     ///
     /// # Panics
-    /// As a thread has that did not.
-    fn wait_for_others(&mut self) {
+    /// With the panic of another thread, if one panicked.
+    fn wait_for_workers(&mut self) {
         for done in &self.board.done {
-            wait_until(|| done.load(Ordering::Acquire) >= self.turn);
+            wait_until(|| done.load(Ordering::Acquire) >= self.command_number);
         }
         if self.board.done.iter().any(|done| done.load(Ordering::Relaxed) == PANICKED) {
-            self.pass_panic_on();
+            self.resume_worker_panic();
         }
     }
 
-    /// Ends all threads, of which one has panicked, and panics as that one did.
-    fn pass_panic_on(&mut self) {
-        self.end();
+    /// Stops all threads after one has panicked, and resumes its panic.
+    fn resume_worker_panic(&mut self) {
+        self.stop_workers();
         for other in self.others.drain(..) {
             if let Err(panic) = other.join() {
                 resume_unwind(panic);
@@ -243,18 +244,18 @@ impl<'scope, 'a: 'scope, R: Real> StripWorkers<'scope, 'a, R> {
         }
     }
 
-    /// Sum over all strips of what their top rows take of the balance of the bulk.
+    /// Vertical force of all top rows on the bulk at zero displacement of the bulk.
     #[must_use]
-    pub fn held(&self) -> f64 {
-        self.board.strips.iter().map(|strip| strip.held.read()).sum()
+    pub fn top_row_force(&self) -> f64 {
+        self.board.strips.iter().map(|strip| strip.top_row_force.read()).sum()
     }
 
-    /// Advances by one step; the sums over the contact row at its beginning.
-    pub fn step(&mut self, bulk: BulkPlace) -> ContactSums {
+    /// Takes one step; returns the sums over the contact row at its beginning.
+    pub fn step(&mut self, bulk: BulkPosition) -> ContactSums {
         self.board.bulk_x.post(bulk.x);
         self.board.bulk_height.post(bulk.height);
         self.board.carried.post(bulk.carried);
-        self.call(Turn::Step);
+        self.issue(Command::Step);
         let mut sums = ContactSums::default();
         for strip in &self.board.strips {
             let [friction, normal, sliding] = [&strip.friction, &strip.normal, &strip.sliding].map(Number::read);
@@ -263,9 +264,8 @@ impl<'scope, 'a: 'scope, R: Real> StripWorkers<'scope, 'a, R> {
         sums
     }
 
-    /// The bulk begins to move.
     pub fn begin_drive(&mut self) {
-        self.call(Turn::BeginDrive);
+        self.issue(Command::BeginDrive);
     }
 
     /// Whether every contact block has slipped since the drive began.
@@ -276,23 +276,23 @@ impl<'scope, 'a: 'scope, R: Real> StripWorkers<'scope, 'a, R> {
 
     /// Forces on the contact blocks at the last force evaluation, left to right.
     pub fn contact_forces(&mut self) -> Vec<ContactForce> {
-        self.call(Turn::PostForces);
+        self.issue(Command::PostForces);
         let forces = self.board.strips.iter().flat_map(|strip| &strip.forces);
         let read = |[normal, friction]: &[Number; 2]| ContactForce { normal: normal.read(), friction: friction.read() };
         forces.map(read).collect()
     }
 
-    /// Ends the threads; all strips are the leader's again.
+    /// Stops the threads; the leader then owns all strips.
     pub fn finish(&mut self) {
         if !self.others.is_empty() {
-            self.call(Turn::Finish);
+            self.issue(Command::Finish);
         }
         for other in self.others.drain(..) {
             self.own.extend(other.join().unwrap_or_else(|panic| resume_unwind(panic)));
         }
     }
 
-    /// The leader's strips: all of them after [`StripWorkers::finish`].
+    /// Strips of the leader: all strips after [`StripWorkers::finish`].
     #[must_use]
     pub fn own(&self) -> &[Strip<'a, R>] {
         &self.own
@@ -300,29 +300,29 @@ impl<'scope, 'a: 'scope, R: Real> StripWorkers<'scope, 'a, R> {
 }
 
 impl<R> StripWorkers<'_, '_, R> {
-    /// Calls the last turn, and waits for nobody.
-    fn end(&self) {
-        let number = Turn::ALL.len() - 1;
-        self.board.wanted.store(number as u64, Ordering::Relaxed);
-        self.board.turn.store(self.turn + 1, Ordering::Release);
+    /// Issues the last command without waiting.
+    fn stop_workers(&self) {
+        let number = Command::ALL.len() - 1;
+        self.board.command.store(number as u64, Ordering::Relaxed);
+        self.board.command_number.store(self.command_number + 1, Ordering::Release);
     }
 }
 
 impl<R> Drop for StripWorkers<'_, '_, R> {
     fn drop(&mut self) {
         if !self.others.is_empty() {
-            self.end();
+            self.stop_workers();
         }
     }
 }
 
-/// Tells the leader, however the thread that has it ends, which turn that has done last.
-struct Done<'a> {
+/// Reports completed commands to the leader, and a panic when it is dropped unfinished.
+struct WorkerGuard<'a> {
     last: &'a AtomicU64,
     has_finished: bool,
 }
 
-impl Drop for Done<'_> {
+impl Drop for WorkerGuard<'_> {
     fn drop(&mut self) {
         if !self.has_finished {
             self.last.store(PANICKED, Ordering::Release);
@@ -330,17 +330,22 @@ impl Drop for Done<'_> {
     }
 }
 
-/// What the other threads do: turn by turn, until told to finish.
-fn follow<'a, R: Real>(board: &Board, thread: usize, first: usize, mut strips: Vec<Strip<'a, R>>) -> Vec<Strip<'a, R>> {
-    let (mut turn, mut step) = (0, 0);
-    let mut done = Done { last: &board.done[thread], has_finished: false };
+/// Main loop of the other threads: executes commands until the last one.
+fn run_worker<'a, R: Real>(
+    board: &Board,
+    thread: usize,
+    first: usize,
+    mut strips: Vec<Strip<'a, R>>,
+) -> Vec<Strip<'a, R>> {
+    let (mut command_number, mut step) = (0, 0);
+    let mut done = WorkerGuard { last: &board.done[thread], has_finished: false };
     loop {
-        turn += 1;
-        wait_until(|| board.turn.load(Ordering::Acquire) >= turn);
-        let wanted = Turn::ALL[board.wanted.load(Ordering::Relaxed) as usize];
-        board.work(wanted, first, &mut strips, &mut step);
-        done.last.store(turn, Ordering::Release);
-        if wanted == Turn::Finish {
+        command_number += 1;
+        wait_until(|| board.command_number.load(Ordering::Acquire) >= command_number);
+        let command = Command::ALL[board.command.load(Ordering::Relaxed) as usize];
+        board.work(command, first, &mut strips, &mut step);
+        done.last.store(command_number, Ordering::Release);
+        if command == Command::Finish {
             done.has_finished = true;
             return strips;
         }
@@ -364,14 +369,14 @@ mod tests {
                     let board = Arc::new(Board::new::<f64>(&[], true, 2));
                     let others = (0..2).map(|thread| {
                         let board = Arc::clone(&board);
-                        scope.spawn(move || follow::<f64>(&board, thread, 0, Vec::new()))
+                        scope.spawn(move || run_worker::<f64>(&board, thread, 0, Vec::new()))
                     });
                     let others = others.collect();
-                    let mut workers = StripWorkers { board, own: Vec::new(), others, turn: 1, step: 0 };
-                    // No turn: the threads panic where they look it up.
-                    workers.board.wanted.store(Turn::ALL.len() as u64, Ordering::Relaxed);
-                    workers.board.turn.store(1, Ordering::Release);
-                    workers.wait_for_others();
+                    let mut workers = StripWorkers { board, own: Vec::new(), others, command_number: 1, step: 0 };
+                    // An invalid command: the threads panic when they look it up.
+                    workers.board.command.store(Command::ALL.len() as u64, Ordering::Relaxed);
+                    workers.board.command_number.store(1, Ordering::Release);
+                    workers.wait_for_workers();
                 });
             }));
             let _ = sender.send(found.map_err(|panic| panic.downcast_ref::<String>().cloned()));

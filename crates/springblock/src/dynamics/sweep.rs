@@ -1,46 +1,47 @@
-//! One step of the leapfrog for the blocks of a strip, from displacements now and one step before.
+//! One leapfrog step for the blocks of a strip, from the displacements now and one step before.
 //!
-//! Velocities are not stored: with w = u - u_before the displacement of the last step,
+//! Velocities are not stored. With w = u - u_before, the displacement of the last step,
 //!
 //! ```text
 //! u_after = u + kept w + kick F/m + drag,  drag = -(1 - kept) v dt
 //! ```
 //!
-//! with drag along x where displacements are those in a frame that moves at the speed v: damping is that of the frame at rest.
+//! The drag acts along x if displacements are relative to a frame that moves at the speed v, because damping is
+//! relative to the frame at rest.
 //!
-//! Count for an inside block and step: 18 additions, two of them fused with an exact multiplication by 1/4,
-//! 6 multiplications, 8 values loaded and 2 stored, where the sums along a row are kept from row to row,
-//! which is why inside rows are swept upwards in columns as wide as a vector. A core that does eight
-//! additions and eight multiplications a cycle needs 1.9 cycles a block for them. Memory traffic is 48
-//! bytes a block and step (u read, u_before replaced): a cell of 50 x 20 blocks just leaves the first-level
-//! cache, a strip of 250 columns lies in the second, and at 32 bytes a cycle that is 1.5 cycles beside the
-//! arithmetic. Measured on a Zen 4 core at 3.65 GHz: 2.35 cycles a block, 1.55e9 a second in inside rows;
-//! the contact row and what a step does once take the rest, a third of the time on a cell.
+//! Cost per inside block and step: 18 additions, two of them fused with an exact multiplication by 1/4, 6
+//! multiplications, 8 loads and 2 stores. This assumes that sums along a row are kept from row to row, which is why
+//! inside rows are swept upwards in columns as wide as a vector. A core with eight additions and eight multiplications
+//! per cycle needs 1.9 cycles per block for them. Memory traffic is 48 bytes per block and step (u read, u_before
+//! replaced): a cell of 50 x 20 blocks just exceeds the first-level cache, and a strip of 250 columns fits in the
+//! second. At 32 bytes per cycle the traffic takes 1.5 cycles in parallel with the arithmetic. Measured on a Zen 4 core
+//! at 3.65 GHz: 2.35 cycles per block, 1.55e9 blocks per second in inside rows. The contact row and the fixed cost of a
+//! step take the rest, a third of the time on a cell.
 
 use pulp::{Simd, WithSimd};
 
 use super::real::Real;
 use super::rows::{Field, Plane, RowCoefficients, Site, Springs8};
 
-/// What a step does to displacements.
+/// Factors of a leapfrog step.
 #[derive(Clone, Copy, Debug)]
 pub struct Kick {
-    /// Share of the velocity that damping leaves.
+    /// Fraction of the velocity that remains after damping.
     pub kept: f64,
-    /// Displacement per step that a unit force adds to a unit mass.
+    /// Displacement per step of a unit mass caused by a unit force.
     pub kick: f64,
 }
 
 impl Kick {
-    /// Steps of `time_step` with the damping frequency `damping`, taken implicitly.
+    /// Factors for steps of `time_step` with the damping frequency `damping`, taken implicitly.
     #[must_use]
     pub fn new(time_step: f64, damping: f64) -> Self {
         let half = 0.5 * damping * time_step;
         Self { kept: (1.0 - half) / (1.0 + half), kick: time_step * time_step / (1.0 + half) }
     }
 
-    /// The same rounded so far that 1 + kept - n kick with a small whole number n has no rounding error in the precision `R`: a layer that
-    /// moves as a whole then feels no force.
+    /// Rounds the factors such that 1 + kept - n kick with a small integer n has no rounding error in the precision
+    /// `R`. A rigid translation of the layer then causes no force.
     #[must_use]
     pub fn rounded<R: Real>(self) -> Self {
         let unit = R::EPSILON;
@@ -48,15 +49,15 @@ impl Kick {
         Self { kept: round(self.kept), kick: round(self.kick) }
     }
 
-    /// What damping takes from the velocity of a frame that is carried by `carried` in a step.
+    /// Decrease of the velocity of a frame that moves by `carried` per step, caused by damping.
     #[must_use]
     pub fn drag(&self, carried: f64) -> f64 {
         -(1.0 - self.kept) * carried
     }
 }
 
-/// Moves all blocks from row `from` up, which must be inside blocks (free sides apart: [`side`] corrects
-/// them). Lanes beyond the last column write into the padding, which the caller restores.
+/// Moves all blocks from row `from` up, which must be inside blocks; [`move_side_block`] corrects those at free sides.
+/// Vector lanes beyond the last column overwrite the padding, which the caller restores.
 pub struct InsideRows<'a, R> {
     pub field: &'a mut Field<R>,
     pub from: usize,
@@ -64,8 +65,8 @@ pub struct InsideRows<'a, R> {
     pub drag: f64,
 }
 
-/// Sums and differences along a row that the rows above and below share:
-/// s = (x_E + x_W), then x_E + x_W +- (y_E - y_W) and y_E + y_W +- (x_E - x_W).
+/// Sums and differences along a row, shared by the rows above and below: s = (x_E + x_W), then x_E + x_W +- (y_E - y_W)
+/// and y_E + y_W +- (x_E - x_W).
 struct RowSums<V> {
     along: V,
     x_plus: V,
@@ -74,7 +75,7 @@ struct RowSums<V> {
     y_minus: V,
 }
 
-/// A row's values seen from its west, centre and east, in vectors.
+/// Values of a plane shifted to the west, unshifted, and shifted to the east, as vectors.
 #[derive(Clone, Copy)]
 pub struct Views<'a, V> {
     pub west: &'a [V],
@@ -83,7 +84,7 @@ pub struct Views<'a, V> {
 }
 
 impl<'a, V> Views<'a, V> {
-    /// The first `count` vectors from where rows begin.
+    /// Views the first `count` vectors of `plane`.
     #[inline(always)]
     pub fn new<S: Simd, R: Real<Vector<S> = V>>(_: S, plane: &'a Plane<R>, count: usize) -> Self {
         let rows = plane.rows();
@@ -174,7 +175,7 @@ impl<R: Real> WithSimd for RowForces<'_, R> {
         let (vectors, stride) = (nx.div_ceil(R::lanes::<S>()), *stride / R::lanes::<S>());
         let count = (*ny + 1) * stride;
         let (x, y) = (Views::new(simd, &now[0], count), Views::new(simd, &now[1], count));
-        // Row 0 has no springs downwards: whatever stands for its lower row is multiplied by zero.
+        // Row 0 has no springs downwards: the values read for them are multiplied by zero.
         let (below, here, above) = (row.saturating_sub(1) * stride, row * stride, (row + 1) * stride);
         let column = |values| &R::vectors::<S>(values)[..vectors];
         let (east, west, north, south) = (column(&k.east), column(&k.west), column(&k.north), column(&k.south));
@@ -185,7 +186,7 @@ impl<R: Real> WithSimd for RowForces<'_, R> {
         let (add, sub, mul) = (|a, b| R::add(simd, a, b), |a, b| R::sub(simd, a, b), |a, b| R::mul(simd, a, b));
         for i in 0..vectors {
             let (hx, hy) = (x.centre[here + i], y.centre[here + i]);
-            // Half the stiffness times the elongation along each diagonal: e e^T has entries 1/2.
+            // Half the stiffness times the elongation along each diagonal: the entries of e e^T are 1/2.
             let along = |x, y| add(sub(x, hx), sub(y, hy));
             let across = |x, y| sub(sub(x, hx), sub(y, hy));
             let ne = mul(half_ne[i], along(x.east[above + i], y.east[above + i]));
@@ -203,7 +204,7 @@ impl<R: Real> WithSimd for RowForces<'_, R> {
     }
 }
 
-/// Spring forces on the contact row while all its blocks stay on the counterface: y = 0, nothing below.
+/// Spring forces on the contact row while all its blocks stay on the counterface: y = 0, no springs below.
 pub struct ContactRowForces<'a, R> {
     pub coefficients: &'a RowCoefficients<R>,
     pub field: &'a Field<R>,
@@ -237,17 +238,17 @@ impl<R: Real> WithSimd for ContactRowForces<'_, R> {
     }
 }
 
-/// Moves a row of blocks, which have `D` displacements each, by given forces.
+/// Moves a row of blocks with `D` displacements each by given forces.
 pub struct MoveRow<'a, R, const D: usize> {
     pub inverse_mass: &'a [R],
     pub now: &'a [Plane<R>; D],
-    /// One step earlier, replaced by one step later.
+    /// Displacements one step earlier, replaced by those one step later.
     pub other: &'a mut [Plane<R>; D],
-    /// Columns of the row, and where the first stands.
+    /// Number of columns of the row, and index of the first.
     pub columns: usize,
     pub start: usize,
     pub kick: Kick,
-    /// By axis.
+    /// Drag by axis.
     pub drag: [f64; D],
     pub force: [&'a [R]; D],
 }
@@ -276,14 +277,15 @@ impl<R: Real, const D: usize> WithSimd for MoveRow<'_, R, D> {
     }
 }
 
-/// Displacements one step later of the block (i, j) at a free side, whose earlier ones still stand.
-pub fn side<R: Real>(site: &Site, field: &Field<R>, [i, j]: [usize; 2], kick: Kick, drag: f64) -> [f64; 2] {
+/// Returns the displacements one step later of the block (i, j) at a free side. `field` must still have the earlier
+/// displacements of the block.
+pub fn move_side_block<R: Real>(site: &Site, field: &Field<R>, [i, j]: [usize; 2], kick: Kick, drag: f64) -> [f64; 2] {
     let Kick { kept, kick } = kick;
     let k: &Springs8 = &site.springs;
     let block = |east: usize, north: usize| {
-        // One more than the offset, so that the lower left neighbour is (0, 0).
-        let at = field.at(i + east, j + north - 1) - 1;
-        [0, 1].map(|component: usize| field.now[component].rows()[at].widened())
+        // Indices are one more than the offset, so that the lower left neighbour is (0, 0).
+        let at = field.index(i + east, j + north - 1) - 1;
+        [0, 1].map(|component: usize| field.now[component].rows()[at].to_f64())
     };
     let ([x, y], [xe, _], [xw, _], [_, yn], [_, ys]) =
         (block(1, 1), block(2, 1), block(0, 1), block(1, 2), block(1, 0));
@@ -293,8 +295,8 @@ pub fn side<R: Real>(site: &Site, field: &Field<R>, [i, j]: [usize; 2], kick: Ki
     let (nw, se) = (0.5 * k.north_west * across(block(0, 2)), 0.5 * k.south_east * across(block(2, 0)));
     let force_x = k.east * (xe - x) + k.west * (xw - x) + ((ne + sw) + (nw + se));
     let force_y = k.north * (yn - y) + k.south * (ys - y) + ((ne + sw) - (nw + se));
-    let (at, scale) = (field.at(i, j), kick * site.inverse_mass);
-    let before = [0, 1].map(|component: usize| field.other[component].rows()[at].widened());
+    let (at, scale) = (field.index(i, j), kick * site.inverse_mass);
+    let before = [0, 1].map(|component: usize| field.other[component].rows()[at].to_f64());
     [x + (kept * (x - before[0]) + drag) + scale * force_x, y + kept * (y - before[1]) + scale * force_y]
 }
 
@@ -306,7 +308,7 @@ mod tests {
     use super::super::rows::INSIDE;
     use super::*;
 
-    /// A field of `nx` columns with values of all sizes, and coefficients of a row.
+    /// A field of `nx` columns with values of various magnitudes, and coefficients of a row.
     fn field<R: Real>(nx: usize) -> (Field<R>, RowCoefficients<R>) {
         let mut field = Field::at_rest(nx, 5);
         let size = R::LINE + 6 * field.stride;
@@ -317,7 +319,7 @@ mod tests {
         (field, RowCoefficients::new(&sites))
     }
 
-    /// Everything that the sweeps write, by column and row.
+    /// All results of the sweeps, by column and row.
     struct Swept<R> {
         nx: usize,
         precision: PhantomData<R>,
@@ -333,7 +335,7 @@ mod tests {
             let padded = coefficients.east.len();
             let (mut force_x, mut force_y) = (vec![R::default(); padded], vec![R::default(); padded]);
             let mut written = Vec::new();
-            let mut write = |values: &[R]| written.extend(values[..nx].iter().map(|value| value.widened()));
+            let mut write = |values: &[R]| written.extend(values[..nx].iter().map(|value| value.to_f64()));
             for row in 0..2 {
                 let forces =
                     |force_x, force_y| RowForces { coefficients: &coefficients, field: &field, row, force_x, force_y };
@@ -344,14 +346,15 @@ mod tests {
                 |force_x, force_y| ContactRowForces { coefficients: &coefficients, field: &field, force_x, force_y };
             simd.vectorize(contact(&mut force_x, &mut force_y));
             [&force_x, &force_y].into_iter().for_each(|force| write(force));
-            let (inverse_mass, start, force) = (&coefficients.inverse_mass, field.at(0, 1), [&force_x[..], &force_y]);
+            let (inverse_mass, start, force) =
+                (&coefficients.inverse_mass, field.index(0, 1), [&force_x[..], &force_y]);
             let (now, other) = (&field.now, &mut field.other);
             let drag = [-1e-5, 0.0];
             simd.vectorize(MoveRow { inverse_mass, now, other, columns: nx, start, kick, drag, force });
             simd.vectorize(InsideRows { field: &mut field, from: 2, kick, drag: -1e-5 });
             for plane in &field.other {
                 for j in 1..field.ny {
-                    write(&plane.rows()[field.at(0, j)..]);
+                    write(&plane.rows()[field.index(0, j)..]);
                 }
             }
             written

@@ -38,7 +38,7 @@ fn the_stencil_moves_as_the_bonds_do() {
         let mut slow = BondLeapfrog::new(&lattice, Springs::Linear, setup(&lattice, 0.2, 1e-5));
         for step in 0..4000 {
             let (a, b) = (fast.step(), slow.step());
-            // Rounding grows through the stick-slip switches; it stays far below the forces of 0.1.
+            // Stick-slip amplifies rounding errors; they stay far below the forces of 0.1.
             assert!((a.friction - b.friction).abs() < 1e-9, "{periodic} {step}: {} {}", a.friction, b.friction);
             assert!((a.normal - b.normal).abs() < 1e-9);
         }
@@ -53,7 +53,7 @@ fn the_stencil_moves_as_the_bonds_do() {
 
 #[test]
 fn strips_of_a_long_sample_join_without_a_seam() {
-    // More columns than two strips hold, and no whole number of cache lines.
+    // More columns than two strips hold, not a whole number of cache lines.
     let pattern = Pattern::new(Planform::Groove, 30e-6, 50e-6, 20e-6).unwrap();
     for periodic in [true, false] {
         let lattice = Lattice::new(columns::sample(&pattern, 10e-6, 601), 6, periodic);
@@ -97,7 +97,7 @@ fn any_number_of_threads_takes_the_same_steps() {
     }
 }
 
-/// Height of a block in a frictionless swing after a fixed time.
+/// Height of a block after a fixed time of frictionless oscillation.
 fn swing(make: impl Fn(&Lattice, Setup<'static>) -> Box<dyn PlaneEngine>, time_step: f64) -> f64 {
     let lattice = patterned(true);
     let mut setup = setup(&lattice, time_step, 0.0);
@@ -169,7 +169,7 @@ fn a_lattice_under_load_without_drive_comes_to_rest_with_the_load_on_its_contact
         }
         let load = 0.005 * lattice.length();
         assert!((sums.normal / load - 1.0).abs() < 1e-9, "{periodic}: {} {load}", sums.normal);
-        // What friction there is holds locked-in stress: below the static threshold.
+        // The remaining friction balances locked-in stress, below the static threshold.
         assert!(sums.friction.abs() < 0.3 * load);
     }
 }

@@ -1,13 +1,13 @@
-//! An account of work: what the drive gives is what friction and damping take, what springs and the load store, and
-//! kinetic energy.
+//! Balance of work: the work of the drive equals the losses by friction and damping plus the changes of the energy of
+//! springs and load and of kinetic energy.
 //!
-//! With displacements u_n, velocities v between them and forces at them, sums by the trapezoid rule and the
-//! kinetic energy v_- . M v_+ / 2 close to rounding, with linear springs, for any step and through every
-//! switch between rest and slip, if the friction reported is the one that the step took.
+//! With displacements u_n, velocities v between them, and forces at them, sums by the trapezoid rule and the kinetic
+//! energy v_- . M v_+ / 2 balance to rounding, for linear springs, any step, and through every transition between rest
+//! and slip, if the reported friction is the one that the step used.
 
 use std::array::from_fn;
 
-/// A lattice at one instant, along D axes.
+/// State of a lattice at one instant, in D dimensions.
 pub struct Instant<const D: usize> {
     /// Displacements by block.
     pub u: Vec<[f64; D]>,
@@ -17,28 +17,27 @@ pub struct Instant<const D: usize> {
     pub potential: f64,
     /// Force of the drive on the bulk.
     pub drive: [f64; D],
-    /// Blocks in contact with the friction on them.
+    /// Contact blocks with the friction on them.
     pub friction: Vec<(usize, [f64; D])>,
 }
 
-/// An instant with the velocities about it.
+/// An instant with the velocities before and after it.
 struct Entry<const D: usize> {
     now: Instant<D>,
-    /// Mean of the velocities before and after; zero at the first.
+    /// Mean of the velocities before and after; zero at the first instant.
     mean_velocity: Vec<[f64; D]>,
-    /// From this instant to the next.
+    /// Velocity from this instant to the next.
     later: Vec<[f64; D]>,
 }
 
-/// Sums since the first instant.
 #[derive(Clone, Copy, Default)]
 struct Sums {
     drive_work: f64,
-    lost: f64,
+    losses: f64,
     energy: f64,
 }
 
-/// Work since the second instant: before it no kinetic energy is known.
+/// Balance of work since the second instant; before it the kinetic energy is unknown.
 pub struct Account<'a, const D: usize> {
     mass: &'a [f64],
     damping: f64,
@@ -49,14 +48,14 @@ pub struct Account<'a, const D: usize> {
 }
 
 impl<'a, const D: usize> Account<'a, D> {
-    /// An empty account of blocks of `mass`.
+    /// Creates an empty account for blocks of masses `mass`.
     pub const fn new(mass: &'a [f64], damping: f64, time_step: f64) -> Self {
-        let sums = Sums { drive_work: 0.0, lost: 0.0, energy: 0.0 };
+        let sums = Sums { drive_work: 0.0, losses: 0.0, energy: 0.0 };
         Self { mass, damping, time_step, sums, opening: None, last: None }
     }
 
-    /// Enters an instant, with the displacements of the blocks one step later.
-    pub fn enter(&mut self, now: Instant<D>, next: &[[f64; D]]) {
+    /// Adds an instant, with the displacements of the blocks one step later.
+    pub fn add(&mut self, now: Instant<D>, next: &[[f64; D]]) {
         let Self { mass, damping, time_step, sums, .. } = self;
         let later: Vec<[f64; D]> =
             next.iter().zip(&now.u).map(|(b, a)| from_fn(|c| (b[c] - a[c]) / *time_step)).collect();
@@ -65,7 +64,7 @@ impl<'a, const D: usize> Account<'a, D> {
             for c in 0..D {
                 sums.drive_work += 0.5 * (earlier.drive[c] + now.drive[c]) * (now.bulk[c] - earlier.bulk[c]);
                 for ((n, before), (_, after)) in earlier.friction.iter().zip(&now.friction) {
-                    sums.lost += 0.5 * (before[c] + after[c]) * (now.u[*n][c] - earlier.u[*n][c]);
+                    sums.losses += 0.5 * (before[c] + after[c]) * (now.u[*n][c] - earlier.u[*n][c]);
                 }
             }
             sums.energy = now.potential;
@@ -73,10 +72,10 @@ impl<'a, const D: usize> Account<'a, D> {
                 for c in 0..D {
                     let (v, w) = (velocity[n][c], later[n][c]);
                     sums.energy += 0.5 * mass * v * w;
-                    // gamma m times the mean velocity at either end, over the way between.
+                    // gamma m times the mean velocity at either end, over the displacement between.
                     mean_velocity[n][c] = 0.5 * (v + w);
                     let mean = 0.5 * (earlier_velocity[n][c] + mean_velocity[n][c]);
-                    sums.lost += *damping * mass * mean * v * *time_step;
+                    sums.losses += *damping * mass * mean * v * *time_step;
                 }
             }
             self.opening.get_or_insert(*sums);
@@ -84,10 +83,10 @@ impl<'a, const D: usize> Account<'a, D> {
         self.last = Some(Entry { now, mean_velocity, later });
     }
 
-    /// What the account lacks, as a share of the drive's work.
-    pub fn lack(&self) -> f64 {
+    /// Error of the balance over the work of the drive.
+    pub fn relative_error(&self) -> f64 {
         let opening = self.opening.unwrap_or_default();
         let drive_work = self.sums.drive_work - opening.drive_work;
-        (drive_work - (self.sums.lost - opening.lost) - (self.sums.energy - opening.energy)) / drive_work
+        (drive_work - (self.sums.losses - opening.losses) - (self.sums.energy - opening.energy)) / drive_work
     }
 }

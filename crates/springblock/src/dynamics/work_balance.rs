@@ -1,4 +1,4 @@
-//! The leapfrog's account of work closes, with the friction that it reports.
+//! The balance of work of the leapfrog closes with the friction that it reports.
 
 use slipgrid_pattern::{Pattern, Planform};
 
@@ -13,19 +13,18 @@ use crate::lattice::Lattice;
 use crate::samples;
 use crate::scene::Springs;
 
-/// Displacements of all blocks, along x and along y.
 fn state<'scope, 'a: 'scope>(engine: &StripLeapfrog<'scope, '_, 'a, f64>, lattice: &Lattice) -> [Vec<f64>; 2] {
     let (nx, ny) = (lattice.nx(), lattice.ny());
     [0, 1].map(|c: usize| (0..nx * ny).map(|number| engine.displacement(number % nx, number / nx)[c]).collect())
 }
 
-/// The same by block.
+/// Groups displacements by block.
 fn by_block([x, y]: &[Vec<f64>; 2]) -> Vec<[f64; 2]> {
     x.iter().zip(y).map(|(&x, &y)| [x, y]).collect()
 }
 
-/// What the account lacks, as a share of the drive's work.
-fn lack(time_step: f64, periodic: bool) -> f64 {
+/// Error of the balance over the work of the drive.
+fn relative_error(time_step: f64, periodic: bool) -> f64 {
     let pattern = Pattern::new(Planform::Groove, 30e-6, 50e-6, 20e-6).unwrap();
     let columns = if periodic { columns::cell(&pattern, 10e-6) } else { columns::sample(&pattern, 10e-6, 37) };
     let lattice = Lattice::new(columns, 6, periodic);
@@ -49,15 +48,15 @@ fn lack(time_step: f64, periodic: bool) -> f64 {
         let forces = lattice.contacts().zip(engine.contact_forces());
         let friction = forces.map(|(column, force)| (column, [force.friction, 0.0])).collect();
         let now = Instant { u: by_block(&u), bulk: [bulk_x, 0.0], potential, drive: [drive_x, 0.0], friction };
-        account.enter(now, &by_block(&state(&engine, &lattice)));
+        account.add(now, &by_block(&state(&engine, &lattice)));
     }
-    account.lack()
+    account.relative_error()
 }
 
 #[test]
 fn the_account_closes_to_rounding() {
     for (periodic, time_step) in [(true, 0.2), (true, 0.4), (false, 0.2)] {
-        let lack = lack(time_step, periodic);
-        assert!(lack.abs() < 1e-10, "{periodic} {time_step}: {lack:e}");
+        let relative_error = relative_error(time_step, periodic);
+        assert!(relative_error.abs() < 1e-10, "{periodic} {time_step}: {relative_error:e}");
     }
 }

@@ -1,9 +1,9 @@
-//! Outcomes as bytes, for the memory of whoever asks for runs in time.
+//! Serialization of outcomes, for caches of dynamic runs.
 
 use super::{DynamicCost, InterfacePoint, Status, SurfaceOutcome, TracePoint};
 
-/// How a run can have ended for it to be worth keeping.
-const KEPT: [Status; 6] = [
+/// Statuses of runs that are worth caching.
+const CACHED_STATUSES: [Status; 6] = [
     Status::Converged,
     Status::NoOnset,
     Status::NoFriction,
@@ -13,7 +13,7 @@ const KEPT: [Status; 6] = [
 ];
 
 impl SurfaceOutcome {
-    /// Every number of it, eight bytes each and the lowest first; `None` of a run that was not driven to its end.
+    /// Serializes all numbers as eight bytes each, little-endian; `None` if the run did not reach its end.
     #[must_use]
     pub fn to_bytes(&self) -> Option<Vec<u8>> {
         let Self {
@@ -35,7 +35,7 @@ impl SurfaceOutcome {
             interface,
             trace,
         } = self;
-        let place = KEPT.iter().position(|kept| kept == status)?;
+        let place = CACHED_STATUSES.iter().position(|cached| cached == status)?;
         let DynamicCost { steps, dt_s, site_updates, wall_s } = (*cost)?;
         let counts = [
             place as u64,
@@ -66,7 +66,7 @@ impl SurfaceOutcome {
         Some(words.flat_map(u64::to_le_bytes).collect())
     }
 
-    /// What [`SurfaceOutcome::to_bytes`] was made of; `None` of any other bytes.
+    /// Inverse of [`SurfaceOutcome::to_bytes`]; `None` for any other bytes.
     #[must_use]
     pub fn from_bytes(bytes: &[u8]) -> Option<Self> {
         let (words, rest) = bytes.as_chunks::<8>();
@@ -100,7 +100,7 @@ impl SurfaceOutcome {
         ] = optional;
         let [peak_pressure_pa, dt_s, wall_s] = [numbers.next()?, numbers.next()?, numbers.next()?];
         let numbers: Vec<f64> = numbers.collect();
-        // A run that ended as it should has finite numbers alone.
+        // A run with a cached status has finite numbers only.
         let is_finite = |number: &f64| number.is_finite();
         let first = [peak_pressure_pa, dt_s, wall_s];
         if !optional.iter().flatten().chain(&first).chain(&numbers).all(is_finite) {
@@ -115,7 +115,7 @@ impl SurfaceOutcome {
         let point =
             |&[x_m, y_m, pressure_pa, friction_pa]: &[f64; 4]| InterfacePoint { x_m, y_m, pressure_pa, friction_pa };
         Some(Self {
-            status: *KEPT.get(usize::try_from(place).ok()?)?,
+            status: *CACHED_STATUSES.get(usize::try_from(place).ok()?)?,
             mu_dynamic,
             mu_dynamic_stderr,
             stick_slip_excess,

@@ -1,8 +1,8 @@
-//! The mean of surfaces that differ in their local coefficients alone.
+//! Mean of outcomes that differ in their draws of local coefficients only.
 
 use crate::outcome::{DynamicCost, InterfacePoint, LoadOutcome, Status, SurfaceOutcome, TracePoint};
 
-/// From what says most to what says least against a number.
+/// Statuses from most to least severe.
 const SEVERITY: [Status; 11] = [
     Status::Diverged,
     Status::Cancelled,
@@ -17,7 +17,7 @@ const SEVERITY: [Status; 11] = [
     Status::Converged,
 ];
 
-/// Mean of `draws` of one load; `None` without any.
+/// Mean of the `draws` of one load; `None` for no draws.
 pub fn mean(mut draws: Vec<LoadOutcome>) -> Option<LoadOutcome> {
     if draws.len() < 2 {
         return draws.pop();
@@ -25,7 +25,7 @@ pub fn mean(mut draws: Vec<LoadOutcome>) -> Option<LoadOutcome> {
     let first = draws.first()?;
     let surfaces: Vec<&SurfaceOutcome> = draws.iter().map(|draw| &draw.surface).collect();
     let flats: Option<Vec<&SurfaceOutcome>> = draws.iter().map(|draw| draw.flat.as_ref()).collect();
-    // A ratio's draws share their coefficients: its scatter is less than that of either mu.
+    // The surfaces of a draw share their coefficients, so the ratio scatters less than either mu.
     let ratio = all(draws.iter().map(|draw| draw.ratio));
     let ratio_stderr = all(draws.iter().map(|draw| draw.ratio_stderr));
     Some(LoadOutcome {
@@ -43,7 +43,7 @@ pub fn mean(mut draws: Vec<LoadOutcome>) -> Option<LoadOutcome> {
     })
 }
 
-/// All values, if there are all.
+/// Returns all values, or `None` if one is missing.
 fn all(values: impl Iterator<Item = Option<f64>>) -> Option<Vec<f64>> {
     values.collect()
 }
@@ -52,8 +52,8 @@ fn average(values: &[f64]) -> f64 {
     values.iter().sum::<f64>() / values.len() as f64
 }
 
-/// Standard error of the mean of `values`, each with an error of its own: from their scatter, which those are part of,
-/// but not less than what they give alone, since the scatter of few is uncertain.
+/// Standard error of the mean of `values`, each with its own error: from their scatter, which includes the own errors,
+/// but not less than from the own errors alone, since the scatter of a few values is uncertain.
 fn standard_error(values: Option<&[f64]>, errors: Option<&[f64]>) -> Option<f64> {
     let (values, errors) = (values?, errors?);
     let (n, mean) = (values.len() as f64, average(values));
@@ -91,7 +91,6 @@ fn surface(draws: &[&SurfaceOutcome]) -> SurfaceOutcome {
     }
 }
 
-/// The sum of all costs.
 fn cost(draws: &[&SurfaceOutcome]) -> Option<DynamicCost> {
     draws.iter().filter_map(|draw| draw.cost).reduce(|sum, cost| DynamicCost {
         steps: sum.steps + cost.steps,
@@ -101,7 +100,7 @@ fn cost(draws: &[&SurfaceOutcome]) -> Option<DynamicCost> {
     })
 }
 
-/// The mean forces on every contact block: all draws have the same ones.
+/// Mean forces on every contact block; all draws have the same contact blocks.
 fn interface(draws: &[&SurfaceOutcome]) -> Vec<InterfacePoint> {
     let mean_at = |number: usize, value: fn(&InterfacePoint) -> f64| {
         draws.iter().filter_map(|draw| draw.interface.get(number)).map(value).sum::<f64>() / draws.len() as f64
@@ -118,7 +117,7 @@ fn interface(draws: &[&SurfaceOutcome]) -> Vec<InterfacePoint> {
         .collect()
 }
 
-/// The mean of mu in time, as far as all draws reach.
+/// Mean of mu as a function of time, over the duration that all draws cover.
 fn trace(draws: &[&SurfaceOutcome]) -> Vec<TracePoint> {
     let shortest = draws.iter().map(|draw| draw.trace.len()).min().unwrap_or(0);
     let mu_at = |number: usize| draws.iter().map(|draw| draw.trace[number].mu).sum::<f64>() / draws.len() as f64;

@@ -1,30 +1,31 @@
-//! How far the ratio of a steady cell is from that of vanishing blocks.
+//! Discretization error of the ratio of a steady cell, relative to the limit of vanishing blocks.
 //!
-//! From ratios in blocks of 2l, l and l/2, or of l, l/2 and l/4 where that is cheap, with the differences d_1 and d_2 from
-//! each to the next, the order of convergence and what is left after the last are
+//! Ratios are computed in blocks of 2l, l and l/2, or of l, l/2 and l/4 if that is cheap. With the differences d_1 and
+//! d_2 between successive sizes, the order of convergence and the remainder after the last size are
 //!
 //! ```text
 //! p = log2 |d_1 / d_2|,   tail = |d_2| / (2^p - 1),   0.5 <= p <= 2
 //! ```
 //!
-//! At the edges of lands pressure is singular, and an area law that begins at some pressure sees nothing but these
-//! at light loads: orders down to one half occur, and differences change sign. So the estimate is the sum of the
-//! differences from l on, not of their sum, and of 1.5 tails, the largest over a load and its neighbours. On 40 random patterns it is not
-//! below the error in 96 % of cases (`tests/validation/blocks.rs`).
+//! At the edges of lands the pressure is singular, and at light loads an area law that starts at some pressure depends
+//! on these edges only: orders down to one half occur, and differences change sign. The estimate is therefore the sum
+//! of the magnitudes of the differences from l on, plus 1.5 tails, the largest over a load and its neighbours. On 40
+//! random patterns it is not below the error in 96 % of cases (`tests/validation/blocks.rs`).
 //!
-//! Where lands are raised, which blocks of a rim touch changes from size to size as if by chance, and differences show no order.
-//! There the estimate is twice the standard error
+//! If lands are raised, the blocks of a rim that touch change irregularly with the block size, and the differences show
+//! no order. Then the estimate is twice the standard error
 //!
 //! ```text
 //! s^2 = (d_1 + d_2)^2 + (1.5 d_2)^2,
 //! ```
 //!
-//! what blocks of l/4 change of those of l, and what they leave open. Cells in space with rims take the differences of a groove
-//! whose rims have as much edge on the face: at light loads the load stands on edges, and cells in space in blocks of l/4 are dear.
+//! which combines the change from blocks of l to blocks of l/4 and the remainder. Cells in space with rims use the
+//! differences of a groove whose rims have the same edge length per area: at light loads the edges carry the load, and
+//! cells in space in blocks of l/4 are expensive.
 
 use slipgrid_pattern::{Pattern, Planform, Texture};
 
-use super::cavities_in_space::{are_like_grooves, refined_by_grooves};
+use super::cavities_in_space::{has_flat_face, refined_by_grooves};
 use super::widest;
 use crate::cell::SteadyCell;
 use crate::dimension::Dimension;
@@ -32,55 +33,59 @@ use crate::outcome::{LoadOutcome, Simulation};
 use crate::scene::Scene;
 use crate::{Monitor, Unwatched};
 
-/// Orders of convergence that are believed.
+/// Range of plausible orders of convergence.
 const ORDERS: [f64; 2] = [0.5, 2.0];
-/// Tails that count.
-const TAILS: f64 = 1.5;
-/// Last differences that the finest blocks leave open where lands are raised: then the error over its standard error has a root
-/// mean square of 1.15, 1.02, 0.87 and 0.69 at 0.3, 0.65, 1.3 and 2.6 MPa on 28 random grooves with rims 10 to 60 um wide, 0.05 to
-/// 1 um high, in blocks of 20, 10 and 5 um.
-const RAISED_REST: f64 = 1.5;
-/// Last differences, and tails, that count where the finest blocks are the own ones: on 40 random patterns twice their sum
-/// is not below the error in 95 % of cases.
-const OF_FINEST: f64 = 2.0;
-/// Finest blocks in the depth of a cavity from which their differences tell what is left.
+/// Number of tails in the estimate.
+const TAIL_FACTOR: f64 = 1.5;
+/// Remainder after the finest blocks in units of the last difference, if lands are raised.
+///
+/// With this value the error over its standard error has a root mean square of 1.15, 1.02, 0.87 and 0.69 at 0.3, 0.65,
+/// 1.3 and 2.6 MPa on 28 random grooves with rims 10 to 60 um wide and 0.05 to 1 um high, in blocks of 20, 10 and 5 um.
+const RAISED_REMAINDER: f64 = 1.5;
+/// Factor of the last difference plus tail if the ratio is that of the finest blocks: on 40 random patterns the
+/// estimate is not below the error in 95 % of cases.
+const FINEST_FACTOR: f64 = 2.0;
+/// Minimum depth of a cavity in finest blocks for an estimate of the remainder.
 const MIN_DEPTH_BLOCKS: f64 = 2.0;
-/// Sizes of blocks over the layer's.
+/// Block sizes relative to the layer's blocks.
 const FACTORS: [f64; 6] = [1.0, 0.5, 0.25, 0.125, 0.0625, 0.03125];
-/// Of these as many for cavities that are [`MIN_DEPTH_BLOCKS`] deep in the last.
+/// Number of sizes used for cavities that are [`MIN_DEPTH_BLOCKS`] deep in the last of them.
 const DEEP_LEVELS: usize = 4;
-/// Most multiplications of one steady cell in the plane that tells of the size of blocks: half a second.
+/// Maximum multiplications of one steady plane cell for error estimates: half a second.
 pub const MAX_PRODUCTS: f64 = 2e9;
-/// The same of one that ratios are refined by: some seconds.
-pub const MAX_REFINED: f64 = 2e10;
+/// Maximum multiplications of one steady plane cell for refined ratios: some seconds.
+pub const MAX_REFINEMENT_PRODUCTS: f64 = 2e10;
 
-/// What smaller blocks change of a steady cell.
+/// Effect of smaller blocks on a steady cell.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BlockRefinement {
-    /// The finest blocks over the layer's.
+    /// Size of the finest blocks relative to the layer's blocks.
     pub factor: f64,
-    /// Ratios in the finest blocks less those in the layer's, by load.
+    /// Ratios in the finest blocks minus those in the layer's blocks, by load.
     pub shifts: Vec<f64>,
-    /// How far ratios in the finest blocks are from those of vanishing blocks at most, by load: not exceeded in 95 % of cases.
+    /// Upper bound, with 95 % probability, of the difference of the ratios in the finest blocks from the limit of
+    /// vanishing blocks, by load.
     pub errors: Vec<f64>,
 }
 
-/// What smaller blocks change of the ratios of `scene`, by cells of at most `most` multiplications; in space, by smaller cells and grooves, of the ratios
-/// `own` that its cell has. `None` without a pattern, where fewer than two finer sizes can be had, and in space with rims.
+/// Effect of smaller blocks on the ratios of `scene`, by cells of at most `most` multiplications.
+///
+/// In space smaller cells and grooves are used, together with the ratios `own` of the scene's cell. `None` without a
+/// pattern, if fewer than two finer sizes are possible, and in space with rims.
 #[must_use]
 pub fn block_refinement(scene: &Scene, own: &[Option<f64>], most: f64) -> Option<BlockRefinement> {
-    finer(scene, scene.pattern.as_ref()?, own, most, &Unwatched).ok()
+    refinement(scene, scene.pattern.as_ref()?, own, most, &Unwatched).ok()
 }
 
-/// Whether smaller blocks can tell of `scene` over `pattern`.
+/// Whether smaller blocks can refine the ratios of `scene` with `pattern`.
 #[must_use]
 pub fn can_refine(scene: &Scene, pattern: &Pattern) -> bool {
-    scene.dimension() == Dimension::Plane || are_like_grooves(scene, pattern)
+    scene.dimension() == Dimension::Plane || has_flat_face(scene, pattern)
 }
 
-/// What smaller blocks change of `scene` over `pattern`, by cells of at most `most` multiplications; `own` are its ratios, which cells in space
-/// need.
-pub fn finer(
+/// Effect of smaller blocks on `scene` with `pattern`, by cells of at most `most` multiplications; `own` are the
+/// scene's ratios, needed for cells in space.
+pub fn refinement(
     scene: &Scene,
     pattern: &Pattern,
     own: &[Option<f64>],
@@ -88,41 +93,41 @@ pub fn finer(
     monitor: &dyn Monitor,
 ) -> Result<BlockRefinement, Unrefined> {
     match scene.dimension() {
-        Dimension::Plane => refined(scene, pattern, most, monitor).map(|(found, _)| found),
+        Dimension::Plane => refine_in_plane(scene, pattern, most, monitor).map(|(found, _)| found),
         Dimension::Space => refined_by_grooves(scene, pattern, own, most, monitor),
     }
 }
 
-/// Why ratios are not taken to smaller blocks.
+/// Reason why ratios were not refined.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Unrefined {
-    /// The scene is solved in space, and no groove is like it.
+    /// The scene is solved in space, and no groove is similar.
     Space,
-    /// The monitor has cancelled.
+    /// The monitor cancelled.
     Cancelled,
-    /// Nothing can be cut into blocks of this size, in metres.
-    Uncut(f64),
-    /// Cells in blocks of this size are too dear.
-    Dear(f64),
-    /// Cells in blocks of this size have no ratio at some load.
+    /// The layer cannot be divided into blocks of this size, in metres.
+    Indivisible(f64),
+    /// Cells in blocks of this size, in metres, are too expensive.
+    TooExpensive(f64),
+    /// Cells in blocks of this size, in metres, have no ratio at some load.
     Unsolved(f64),
-    /// The depth of cavities, and the size of the finest blocks, of which two are deeper.
+    /// The cavities, of the first depth, are shallower than two of the finest blocks, of the second size; in metres.
     Shallow(f64, f64),
-    /// How far off ratios are now is not known.
+    /// The current error is unknown.
     Unknown,
-    /// How far off ratios are now, and in the finest blocks, of this size.
+    /// Refinement does not reduce the error: current error, error in the finest blocks, and their size in metres.
     NotBetter(f64, f64, f64),
 }
 
 impl Unrefined {
-    /// What the model says of a scene in blocks of `block_m`.
+    /// Statement for a scene with blocks of `block_m`.
     fn statement(self, block_m: f64) -> String {
         let um = micrometres;
         let reason = match self {
             Self::Space => "cells in space with rims or measured heights are like no grooves in the plane".to_owned(),
             Self::Cancelled => "the run was cancelled".to_owned(),
-            Self::Uncut(block_m) => format!("the layer cannot be cut into blocks of {} um", um(block_m)),
-            Self::Dear(block_m) => format!("steady cells in blocks of {} um are too dear", um(block_m)),
+            Self::Indivisible(block_m) => format!("the layer cannot be cut into blocks of {} um", um(block_m)),
+            Self::TooExpensive(block_m) => format!("steady cells in blocks of {} um are too dear", um(block_m)),
             Self::Unsolved(block_m) => {
                 format!("the steady cell in blocks of {} um has no ratio at some load", um(block_m))
             }
@@ -143,18 +148,19 @@ impl Unrefined {
     }
 }
 
-/// Ratios by load in blocks of each size; `None` in blocks that cannot be had.
+/// Ratios by load for one block size; `None` if that size is impossible.
 pub type Ratios = Option<Vec<Option<f64>>>;
 
-/// Estimates of how far ratios in blocks of `scene` are from those of vanishing blocks, by load; `None` where two other sizes cannot be
-/// had. `own`: the ratios in its own blocks; `ratios`: those of the scene in other
-/// blocks, or nothing where they are too dear.
+/// Estimated differences of the ratios of `scene` from the limit of vanishing blocks, by load.
+///
+/// `own` are the ratios in the scene's own blocks; `ratios` computes them in other blocks, or returns `None` if that is
+/// too expensive. Returns `None` if two other sizes are not possible.
 pub fn block_error(scene: &Scene, own: &[Option<f64>], ratios: impl Fn(&Scene) -> Ratios) -> Option<Vec<f64>> {
-    let by = |factor: f64| sized(scene, factor).and_then(|scene| ratios(&scene));
+    let by = |factor: f64| with_block_factor(scene, factor).and_then(|scene| ratios(&scene));
     let own = Some(own.to_vec());
     let half = by(0.5);
     let quarter = if half.is_some() { by(0.25) } else { None };
-    // Ratios from the largest blocks on, and the place of the own ones among them.
+    // Ratios from the largest blocks on, and the index of the own blocks among them.
     let (levels, first) = match (half, quarter) {
         (Some(half), Some(quarter)) => ([own, Some(half), Some(quarter)], 0),
         (Some(half), None) => ([by(2.0), own, Some(half)], 1),
@@ -169,8 +175,8 @@ pub fn block_error(scene: &Scene, own: &[Option<f64>], ratios: impl Fn(&Scene) -
     (0..fine.len()).map(at).collect::<Option<Vec<f64>>>().map(|errors| largest_near(&errors, 1))
 }
 
-/// The estimate for cells in space with rims, by a groove with as much edge on the face; `None` where there is none: without rims,
-/// and where cavities stand so dense that the groove would have no land.
+/// Estimate for cells in space with rims, from a groove with the same edge length per area. `None` without rims, and if
+/// the cavities are so dense that the groove would have no land.
 pub fn edge_groove_error(scene: &Scene, pattern: &Pattern) -> Option<Vec<f64>> {
     let groove = edge_groove(pattern)?;
     let mut plane = Scene { pattern: Some(groove), ..scene.clone() };
@@ -179,48 +185,48 @@ pub fn edge_groove_error(scene: &Scene, pattern: &Pattern) -> Option<Vec<f64>> {
     block_error(&plane, &ratios(&plane)?, ratios)
 }
 
-/// The groove across the sliding direction as wide and as deep as the cavities of `pattern`, with as much edge on the face and the
-/// same rims.
+/// Groove across the sliding direction with the width, depth and rims of `pattern` and the same edge length per area.
 fn edge_groove(pattern: &Pattern) -> Option<Pattern> {
     let rim = pattern.texture().rim().filter(|rim| rim.stands())?;
     let spacing_m = 2.0 / pattern.edge_per_area_1_m() - pattern.width_m();
     Pattern::new(Texture::new(Planform::Groove).with_rim(*rim), pattern.width_m(), spacing_m, pattern.depth_m()).ok()
 }
 
-/// States `errors` of a steady cell beside the ratios of `loads`, whose cavities take `share` of what a period's take.
-pub fn state(loads: &mut [LoadOutcome], errors: Option<&[f64]>, share: f64) {
+/// Sets the discretization errors of `loads`, whose cavity fraction is `share` times that of a period, from those of a
+/// steady cell.
+pub fn set_errors(loads: &mut [LoadOutcome], errors: Option<&[f64]>, share: f64) {
     for (place, load) in loads.iter_mut().enumerate() {
         load.ratio_discretization_error = errors.filter(|_| load.ratio.is_some()).map(|errors| errors[place] * share);
     }
 }
 
-/// The estimate from the differences of three sizes, of which number `first` is the own one.
+/// Error estimate from the differences of three sizes; the own size has the index `first`.
 fn error(differences: [f64; 2], first: usize) -> f64 {
     let [before, last] = differences.map(f64::abs);
     if last == 0.0 {
         return if first == 0 { before } else { 0.0 };
     }
-    [before, last][first.min(2)..].iter().sum::<f64>() + TAILS * tail(differences)
+    [before, last][first.min(2)..].iter().sum::<f64>() + TAIL_FACTOR * tail(differences)
 }
 
-/// [`error`] where lands are raised.
+/// Like [`error`], for raised lands.
 fn raised_error([before, last]: [f64; 2], first: usize) -> f64 {
     let to_finest = match first {
         0 => before + last,
         1 => last,
         _ => 0.0,
     };
-    2.0 * to_finest.hypot(RAISED_REST * last)
+    2.0 * to_finest.hypot(RAISED_REMAINDER * last)
 }
 
-/// Of each load the largest estimate of it and of `reach` loads on either side: where differences change sign between two loads they
-/// tell nothing there.
+/// Largest estimate of each load and of `reach` loads on either side. Between two loads where the differences change
+/// sign, the differences at one load are misleadingly small.
 fn largest_near(errors: &[f64], reach: usize) -> Vec<f64> {
     let near = |load: usize| &errors[load.saturating_sub(reach)..(load + reach + 1).min(errors.len())];
     (0..errors.len()).map(|load| near(load).iter().copied().fold(0.0, f64::max)).collect()
 }
 
-/// What is left after the last of two differences.
+/// Remainder after the last of two differences.
 fn tail([before, last]: [f64; 2]) -> f64 {
     if last == 0.0 {
         return 0.0;
@@ -229,36 +235,41 @@ fn tail([before, last]: [f64; 2]) -> f64 {
     last.abs() / (order.exp2() - 1.0)
 }
 
-/// Ratios of steady cells of `pattern` in the vertical plane; `None` where one takes more than `most` multiplications.
+/// Ratios of steady plane cells of `pattern`; `None` if a cell takes more than `most` multiplications.
 pub fn plane_ratios(scene: &Scene, pattern: &Pattern, most: f64) -> Ratios {
-    let model = SteadyCell::solved(scene, Dimension::Plane);
+    let model = SteadyCell::with_dimension(scene, Dimension::Plane);
     (model.products(pattern) < most).then(|| model.ratios(pattern))
 }
 
-/// Takes the ratios of `loads`, whose cavities take `share` of what a period's take, to smaller blocks by what these change
-/// of the steady cell, where `scene` asks for it and the error is less for it; its statements tell of it, or why they are not. Nothing is
-/// said once `monitor` has cancelled.
+/// Refines the ratios of `simulation`, whose cavity fraction is `share` times that of a period, by the effect of
+/// smaller blocks on the steady cell, if `scene` requests it and the error decreases. Adds a statement, or the reason
+/// why not. Once `monitor` has cancelled, the simulation becomes a cancelled one.
 pub fn refine(scene: &Scene, pattern: &Pattern, share: f64, simulation: &mut Simulation, monitor: &dyn Monitor) {
     if !scene.run.refine {
         return;
     }
     let own: Vec<Option<f64>> = simulation.loads.iter().map(|load| load.ratio).collect();
-    let found = finer(scene, pattern, &own, MAX_REFINED, monitor);
+    let found = refinement(scene, pattern, &own, MAX_REFINEMENT_PRODUCTS, monitor);
     if monitor.cancelled() {
         *simulation = super::cancelled(scene);
         return;
     }
-    take(scene, found, share, simulation);
+    apply_refinement(scene, found, share, simulation);
 }
 
-/// Takes what was `found` of smaller blocks into the ratios of `simulation`, as [`refine`] does.
-pub fn take(scene: &Scene, found: Result<BlockRefinement, Unrefined>, share: f64, simulation: &mut Simulation) {
+/// Applies the refinement `found` to `simulation`, as in [`refine`].
+pub fn apply_refinement(
+    scene: &Scene,
+    found: Result<BlockRefinement, Unrefined>,
+    share: f64,
+    simulation: &mut Simulation,
+) {
     let Simulation { loads, statements } = simulation;
     let block_m = scene.layer.block_m;
-    match found.and_then(|found| better(loads, found, share, block_m)) {
+    match found.and_then(|found| require_improvement(loads, found, share, block_m)) {
         Ok(BlockRefinement { factor, shifts, errors }) => {
             loads.iter_mut().zip(&shifts).for_each(|(load, shift)| load.shift_ratio(shift * share));
-            state(loads, Some(&errors), share);
+            set_errors(loads, Some(&errors), share);
             let cell = match scene.dimension() {
                 Dimension::Plane => "the steady cell",
                 Dimension::Space => {
@@ -278,8 +289,8 @@ pub fn take(scene: &Scene, found: Result<BlockRefinement, Unrefined>, share: f64
     }
 }
 
-/// What was `found` of blocks smaller than those of `block_m`, where ratios of `loads` are less far off for it.
-fn better(
+/// Returns the refinement `found` if it reduces the error of `loads`, whose blocks are `block_m`.
+fn require_improvement(
     loads: &[LoadOutcome],
     found: BlockRefinement,
     share: f64,
@@ -295,9 +306,9 @@ fn micrometres(length_m: f64) -> f64 {
     (length_m * 1e9).round() / 1e3
 }
 
-/// What the finest blocks that can be had change in the vertical plane, before `monitor` cancels, and ratios in the blocks of `scene`;
-/// or why that is not known.
-pub fn refined(
+/// Effect of the finest possible blocks in the vertical plane, and the ratios in the blocks of `scene`; or the reason
+/// why there is none.
+pub fn refine_in_plane(
     scene: &Scene,
     pattern: &Pattern,
     most: f64,
@@ -306,15 +317,15 @@ pub fn refined(
     let at = |factor: f64| -> Result<Vec<f64>, Unrefined> {
         let block_m = factor * scene.layer.block_m;
         monitor.heed().map_err(|_| Unrefined::Cancelled)?;
-        let finer = sized(scene, factor).ok_or(Unrefined::Uncut(block_m))?;
-        let ratios = plane_ratios(&finer, pattern, most).ok_or(Unrefined::Dear(block_m))?;
+        let finer = with_block_factor(scene, factor).ok_or(Unrefined::Indivisible(block_m))?;
+        let ratios = plane_ratios(&finer, pattern, most).ok_or(Unrefined::TooExpensive(block_m))?;
         ratios.into_iter().collect::<Option<Vec<f64>>>().ok_or(Unrefined::Unsolved(block_m))
     };
     let is_deep = |factor: f64| pattern.depth_m() >= MIN_DEPTH_BLOCKS * factor * scene.layer.block_m;
     let mut levels: Vec<Vec<f64>> = Vec::new();
     let mut ended = None;
     for factor in FACTORS {
-        // Cavities of some depth need no blocks smaller than an eighth.
+        // Deep cavities need no blocks smaller than an eighth.
         if levels.len() >= DEEP_LEVELS && is_deep(FACTORS[levels.len() - 1]) {
             break;
         }
@@ -329,24 +340,24 @@ pub fn refined(
     let [.., coarse, middle, fine] = &levels[..] else { return Err(ended.unwrap_or(Unrefined::Unknown)) };
     let left = |load: usize| {
         let differences = [middle[load] - coarse[load], fine[load] - middle[load]];
-        OF_FINEST * (differences[1].abs() + tail(differences))
+        FINEST_FACTOR * (differences[1].abs() + tail(differences))
     };
     let shifts = fine.iter().zip(&levels[0]).map(|(fine, own)| fine - own).collect();
     let factor = FACTORS[levels.len() - 1];
     if !is_deep(factor) {
         return Err(Unrefined::Shallow(pattern.depth_m(), factor * scene.layer.block_m));
     }
-    // Where lands are raised, how soon they meet the counterface decides at every load.
+    // With raised lands, the load at which they touch affects the errors at every load.
     let reach = if scene.is_raised() { fine.len() } else { 1 };
     let errors = largest_near(&(0..fine.len()).map(left).collect::<Vec<f64>>(), reach);
     Ok((BlockRefinement { factor, shifts, errors }, levels.swap_remove(0)))
 }
 
-/// `scene` in blocks `factor` times as large; `None` where they do not divide the layer or the specimen behind it.
-pub fn sized(scene: &Scene, factor: f64) -> Option<Scene> {
+/// Returns `scene` in blocks `factor` times as large; `None` if they do not divide the layer or the thickness.
+pub fn with_block_factor(scene: &Scene, factor: f64) -> Option<Scene> {
     let mut other = scene.clone();
     other.layer.block_m *= factor;
-    // The cell knows no specimen: any whole number of blocks does.
+    // A cell does not depend on the specimen's length, which must only be a whole number of blocks.
     other.layer.length_m = other.layer.height_m;
     let depth_m = scene.pattern.as_ref().map_or(0.0, Pattern::depth_m);
     (other.layer.height_m - other.layer.block_m > depth_m && other.validate().is_ok()).then_some(other)
@@ -410,7 +421,7 @@ mod tests {
     #[test]
     fn ratios_that_are_not_taken_to_smaller_blocks_say_why() {
         use crate::{RunOptions, samples, simulate};
-        let said = |pattern: Pattern, refine: bool| {
+        let statements = |pattern: Pattern, refine: bool| {
             let mut scene = samples::scene(pattern, &[2.6], RunOptions { refine, ..RunOptions::default() });
             scene.layer.height_m = 40e-6;
             let model = simulate(&scene, &Unwatched).unwrap().statements.model;
@@ -420,25 +431,31 @@ mod tests {
         let unrefined = "refine: ratios are those of blocks of 10 um and not taken to smaller blocks, since ";
         let of_space = "cells in space with rims or measured heights are like no grooves in the plane";
         let rim = slipgrid_pattern::Rim::new(0.2e-6, 20e-6, slipgrid_pattern::RimProfile::Flat).unwrap();
-        assert_eq!(said(crossing.with_rim(rim), true), [format!("{unrefined}{of_space}")]);
+        assert_eq!(statements(crossing.with_rim(rim), true), [format!("{unrefined}{of_space}")]);
         let shallow = "cavities 0.5 um deep are shallower than two of the finest blocks, of 0.313 um";
-        assert_eq!(said(samples::groove(60.0, 60.0, 0.5), true), [format!("{unrefined}{shallow}")]);
+        assert_eq!(statements(samples::groove(60.0, 60.0, 0.5), true), [format!("{unrefined}{shallow}")]);
         assert!(
-            [crossing, samples::groove(60.0, 60.0, 2.0)].into_iter().all(|pattern| said(pattern, false).is_empty())
+            [crossing, samples::groove(60.0, 60.0, 2.0)]
+                .into_iter()
+                .all(|pattern| statements(pattern, false).is_empty())
         );
-        // Grooves of some depth are taken to smaller blocks, and then nothing else is said.
-        assert!(said(samples::groove(60.0, 60.0, 20.0), true).iter().all(|said| !said.contains("not taken")));
+        // Grooves of sufficient depth are refined, without such a statement.
+        assert!(
+            statements(samples::groove(60.0, 60.0, 20.0), true)
+                .iter()
+                .all(|statements| !statements.contains("not taken"))
+        );
         let groove = samples::groove(60.0, 60.0, 20.0);
         let scene = samples::scene(groove, &[2.6], RunOptions::default());
-        assert_eq!(refined(&scene, &groove, 1.0, &Unwatched), Err(Unrefined::Dear(10e-6)));
+        assert_eq!(refine_in_plane(&scene, &groove, 1.0, &Unwatched), Err(Unrefined::TooExpensive(10e-6)));
         let found = BlockRefinement { factor: 0.125, shifts: vec![0.0], errors: vec![0.002] };
-        assert_eq!(better(&[], found.clone(), 1.0, 10e-6), Err(Unrefined::Unknown));
+        assert_eq!(require_improvement(&[], found.clone(), 1.0, 10e-6), Err(Unrefined::Unknown));
         let simulation = simulate(&scene, &Unwatched).unwrap();
         let own = simulation.loads[0].ratio_discretization_error.unwrap();
         let not_better = BlockRefinement { errors: vec![2.0 * own], ..found.clone() };
-        let refused = better(&simulation.loads, not_better, 1.0, 10e-6).unwrap_err();
+        let refused = require_improvement(&simulation.loads, not_better, 1.0, 10e-6).unwrap_err();
         assert!(refused.statement(10e-6).contains("blocks of 1.25 um would leave them open by"), "{refused:?}");
         let good = BlockRefinement { errors: vec![0.5 * own], ..found };
-        assert!(better(&simulation.loads, good, 1.0, 10e-6).is_ok());
+        assert!(require_improvement(&simulation.loads, good, 1.0, 10e-6).is_ok());
     }
 }

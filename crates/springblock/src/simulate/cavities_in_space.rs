@@ -1,55 +1,56 @@
-//! What smaller blocks change of cells in space, as smaller cells and grooves tell it.
+//! Effect of smaller blocks on cells in space, estimated from smaller cells and from grooves.
 //!
-//! Cells in space are too dear in blocks of a fraction of a shallow cavity's depth. Grooves in the vertical plane are not. A groove
-//! across the sliding direction as wide and as deep as a cavity, with as large a share of the face, has edges that bear alike, and what
-//! blocks of the size l take off friction at them is off by the same share:
+//! Cells in space are too expensive in blocks of a fraction of a shallow cavity's depth; grooves in the vertical plane
+//! are not. A groove across the sliding direction with the width, the depth and the area fraction of the cavities has
+//! edges that carry load alike, so that the friction reduction in blocks of size l has the same relative error:
 //!
 //! ```text
 //! 1 - r(0) = (1 - r(l)) (1 - r_groove(0)) / (1 - r_groove(l))
 //! ```
 //!
-//! A turned groove is like one of its width and spacing; at edges along the sliding direction friction tilts no pressure, which is a tenth
-//! of what blocks change. Where grooves cross, the formula may be off by more than it corrects; its error covers that, and is smaller the less is
-//! left to it. It starts from the smallest blocks in which a cell in space takes a second, a half or a quarter of the
-//! layer's. Rims and measured reliefs meet the counterface in their own way, and are not refined.
+//! A turned groove is similar to a groove of its width and spacing; at edges along the sliding direction friction does
+//! not tilt the pressure, which changes the effect of blocks by a tenth. For crossing grooves the error of the formula
+//! may exceed the correction; its standard error covers this and decreases with the correction. The formula therefore
+//! starts from the smallest blocks in which a cell in space takes a second, a half or a quarter of the layer's blocks.
+//! Rims and measured reliefs are not refined, because the blocks that touch depend on their heights.
 
 use slipgrid_pattern::{Pattern, Planform};
 
-use super::blocks::{BlockRefinement, MAX_PRODUCTS, Unrefined, refined, sized};
+use super::blocks::{BlockRefinement, MAX_PRODUCTS, Unrefined, refine_in_plane, with_block_factor};
 use super::space::MAX_ESTIMATED_BYTES;
 use crate::Monitor;
 use crate::cell::SteadyCell;
 use crate::dimension::Dimension;
 use crate::scene::Scene;
 
-/// What the likeness leaves open, as a share of what smaller blocks change
-/// (`grooves_tell_what_smaller_blocks_change_of_cavities_in_space`): hardly exceeded.
-const OPEN_SHARE: f64 = 0.5;
-/// Multiplications in the plane that take as long as a column of a cell in space.
+/// Standard error of the formula as a fraction of the largest shift
+/// (`grooves_tell_what_smaller_blocks_change_of_cavities_in_space`); rarely exceeded.
+const RELATIVE_ERROR: f64 = 0.5;
+/// Multiplications in the plane that take as long as one column of a cell in space.
 const COLUMN_PRODUCTS: f64 = 2e6;
-/// Sizes over the layer's of the blocks of smaller cells in space, the smallest first.
+/// Block sizes of smaller cells in space relative to the layer's blocks, smallest first.
 const SIZES: [f64; 2] = [0.25, 0.5];
-/// Friction that a groove takes off, over the flat surface's, below which nothing is told by it.
+/// Minimum friction reduction of a groove, relative to the flat surface, for use of the formula.
 const MIN_LOWERING: f64 = 1e-5;
 
-/// Whether `pattern` lies flat, and nothing is measured.
-pub fn are_like_grooves(scene: &Scene, pattern: &Pattern) -> bool {
+/// Whether the face of `pattern` is flat, without rims and measured relief.
+pub fn has_flat_face(scene: &Scene, pattern: &Pattern) -> bool {
     pattern.texture().rim().is_none() && scene.relief.is_none()
 }
 
-/// The groove across the sliding direction that is like `pattern`.
-fn like(pattern: &Pattern) -> Option<Pattern> {
+/// Returns the groove across the sliding direction that is similar to `pattern`.
+fn similar_groove(pattern: &Pattern) -> Option<Pattern> {
     let width_m = pattern.width_m();
     let spacing_m = match pattern.planform() {
         Planform::Groove => pattern.spacing_m(),
-        // w / (w + s) = share of the face
+        // w / (w + s) = area fraction of cavities
         _ => width_m / pattern.areal_density() - width_m,
     };
     Pattern::new(Planform::Groove, width_m, spacing_m, pattern.depth_m()).ok()
 }
 
-/// What smaller blocks change of ratios `own` of cells of `scene` over `pattern` in space: smaller cells in space where one takes no longer
-/// than `most` multiplications in the plane, and from there on grooves.
+/// Effect of smaller blocks on the ratios `own` of cells of `scene` with `pattern` in space: by smaller cells in space
+/// if one takes no longer than `most` multiplications in the plane, and from there on by grooves.
 pub fn refined_by_grooves(
     scene: &Scene,
     pattern: &Pattern,
@@ -57,39 +58,43 @@ pub fn refined_by_grooves(
     most: f64,
     monitor: &dyn Monitor,
 ) -> Result<BlockRefinement, Unrefined> {
-    let alike = Some(pattern).filter(|pattern| are_like_grooves(scene, pattern)).and_then(like);
+    let alike = Some(pattern).filter(|pattern| has_flat_face(scene, pattern)).and_then(similar_groove);
     let groove = alike.ok_or(Unrefined::Space)?;
     for size in SIZES {
-        let Some(finer) = sized(scene, size).filter(|finer| is_cheap(finer, pattern, most)) else { continue };
-        // Before the cell in space, which is dearer and serves with it alone.
-        let Ok(of_groove) = of_groove(&finer, &groove, most.min(MAX_PRODUCTS), monitor) else { continue };
-        let Some(nearer) = by_cells(scene, &finer, pattern, own, monitor) else { continue };
+        let Some(finer) = with_block_factor(scene, size).filter(|finer| is_cheap(finer, pattern, most)) else {
+            continue;
+        };
+        // The groove is solved first, because the cell in space is more expensive and useless without it.
+        let Ok(of_groove) = refine_groove(&finer, &groove, most.min(MAX_PRODUCTS), monitor) else { continue };
+        let Some(nearer) = refine_by_cells(scene, &finer, pattern, own, monitor) else { continue };
         monitor.heed().map_err(|_| Unrefined::Cancelled)?;
         let added =
             nearer.iter().zip(own).map(|(nearer, own)| nearer.zip(*own).map_or(0.0, |(nearer, own)| nearer - own));
-        let found = in_proportion(of_groove, &nearer);
+        let found = scale_refinement(of_groove, &nearer);
         let shifts = found.shifts.iter().zip(added).map(|(shift, added)| shift + added).collect();
         return Ok(BlockRefinement { factor: size * found.factor, shifts, ..found });
     }
-    Ok(in_proportion(of_groove(scene, &groove, most, monitor)?, own))
+    Ok(scale_refinement(refine_groove(scene, &groove, most, monitor)?, own))
 }
 
-/// Whether a cell in space of `scene` over `pattern` takes no longer than `most` multiplications in the plane, and not too much memory.
+/// Whether a cell in space of `scene` with `pattern` takes no longer than `most` multiplications in the plane, and
+/// little memory.
 fn is_cheap(scene: &Scene, pattern: &Pattern, most: f64) -> bool {
-    let cell = SteadyCell::solved(scene, Dimension::Space);
+    let cell = SteadyCell::with_dimension(scene, Dimension::Space);
     let [nx, ny] = cell.columns(pattern);
     nx * ny * COLUMN_PRODUCTS < most && cell.bytes(pattern) < MAX_ESTIMATED_BYTES
 }
 
-/// Ratios `own` with what steady cells in the blocks of `finer` change of those of `scene`; `None` where one has no ratio.
-fn by_cells(
+/// Returns the ratios `own` plus the change from the steady cells of `scene` to those of `finer`; `None` if a cell has
+/// no ratio.
+fn refine_by_cells(
     scene: &Scene,
     finer: &Scene,
     pattern: &Pattern,
     own: &[Option<f64>],
     monitor: &dyn Monitor,
 ) -> Option<Vec<Option<f64>>> {
-    let ratios = |scene: &Scene| SteadyCell::solved(scene, Dimension::Space).ratios_heeding(pattern, monitor);
+    let ratios = |scene: &Scene| SteadyCell::with_dimension(scene, Dimension::Space).ratios_heeding(pattern, monitor);
     let (finer, coarse) = rayon::join(|| ratios(finer), || ratios(scene));
     let moved = |(own, (finer, coarse)): (&Option<f64>, (Option<f64>, Option<f64>))| match own {
         Some(own) => Some(Some(own + finer? - coarse?)),
@@ -98,8 +103,9 @@ fn by_cells(
     own.iter().zip(finer.into_iter().zip(coarse)).map(moved).collect()
 }
 
-/// What smaller blocks change of `groove`, by steady cells of at most `most` multiplications, and its ratios in the blocks of `scene`.
-fn of_groove(
+/// Effect of smaller blocks on `groove`, by steady cells of at most `most` multiplications, and its ratios in the
+/// blocks of `scene`.
+fn refine_groove(
     scene: &Scene,
     groove: &Pattern,
     most: f64,
@@ -107,12 +113,12 @@ fn of_groove(
 ) -> Result<(BlockRefinement, Vec<f64>), Unrefined> {
     let mut plane = Scene { pattern: Some(*groove), ..scene.clone() };
     plane.run.dimensions = Some(Dimension::Plane.number());
-    refined(&plane, groove, most, monitor)
+    refine_in_plane(&plane, groove, most, monitor)
 }
 
-/// What smaller blocks change of ratios `own`, by what they change of a groove and its ratios in the same blocks.
-fn in_proportion((found, of_groove): (BlockRefinement, Vec<f64>), own: &[Option<f64>]) -> BlockRefinement {
-    // (1 - r) / (1 - r_groove), in blocks of this size
+/// Scales the refinement `found` of a groove to the ratios `own`, in proportion to the friction reductions.
+fn scale_refinement((found, of_groove): (BlockRefinement, Vec<f64>), own: &[Option<f64>]) -> BlockRefinement {
+    // (1 - r) / (1 - r_groove) in blocks of this size
     let scale: Vec<f64> = own
         .iter()
         .zip(&of_groove)
@@ -124,7 +130,7 @@ fn in_proportion((found, of_groove): (BlockRefinement, Vec<f64>), own: &[Option<
     let shifts: Vec<f64> = found.shifts.iter().zip(&scale).map(|(shift, scale)| shift * scale).collect();
     let widest = shifts.iter().fold(0.0, |widest: f64, shift| widest.max(shift.abs()));
     let errors = found.errors.iter().zip(&scale);
-    let errors = errors.map(|(error, scale)| (error * scale.abs()).hypot(OPEN_SHARE * widest)).collect();
+    let errors = errors.map(|(error, scale)| (error * scale.abs()).hypot(RELATIVE_ERROR * widest)).collect();
     BlockRefinement { shifts, errors, ..found }
 }
 
@@ -137,8 +143,8 @@ mod tests {
     use crate::{Layer, samples};
     use slipgrid_pattern::Texture;
 
-    /// Crossing and turned grooves in blocks of 20 um, taken to smaller ones by cells in blocks of 5 um and by grooves, against the same from
-    /// blocks of 2.5 um.
+    /// Crossing and turned grooves in blocks of 20 um, refined by cells in blocks of 5 um and by grooves, compared with
+    /// refinement from blocks of 2.5 um.
     #[test]
     fn smaller_cells_and_grooves_tell_what_smaller_blocks_change_of_crossing_and_turned_grooves() {
         let crossing = |angle_deg: f64| {
@@ -173,7 +179,7 @@ mod tests {
                     left += corrected.powi(2);
                     let stated = found.errors[load].hypot(after.errors[load]);
                     assert!(corrected.abs() < stated && stated < 0.014, "{pattern:?} {load}: {corrected} {stated}");
-                    // By grooves alone, where no smaller cell is cheap.
+                    // Grooves only, as if no smaller cell were cheap.
                     if let Some(alone) = &alone {
                         let corrected = (before + alone.shifts[load]).abs();
                         let stated = alone.errors[load].hypot(after.errors[load]);
@@ -183,14 +189,14 @@ mod tests {
                 }
             }
         }
-        // Of 36.
+        // 36 cases.
         let [before, after] = [plain, left].map(|sum| (sum / 36.0).sqrt());
         assert!(before > 0.02 && after < 0.003, "{before} {after}");
         assert!(by_grooves_alone >= 12, "{by_grooves_alone}");
     }
 
-    /// Cells in blocks of 10 and of 5 um, refined by grooves to an eighth of that, against the same in blocks of 2.5 and of 1.25 um, refined
-    /// to as small ones.
+    /// Cells in blocks of 10 and 5 um, refined by grooves to an eighth of these sizes, compared with cells in blocks of
+    /// 2.5 and 1.25 um refined to equally small ones.
     #[test]
     fn grooves_tell_what_smaller_blocks_change_of_cavities_in_space() {
         let (mut plain, mut left, mut most, mut worst, mut beyond) = (0.0_f64, 0.0_f64, 0.0_f64, 0.0_f64, 0);
@@ -231,7 +237,7 @@ mod tests {
             }
         }
         assert!(left.sqrt() < 0.4 * plain.sqrt() && worst < 0.4 * most, "{left} {plain} {worst} {most}");
-        // Of 72.
+        // 72 cases.
         assert!(beyond <= 2, "{beyond}");
     }
 }

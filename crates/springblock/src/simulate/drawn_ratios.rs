@@ -1,4 +1,5 @@
-//! Steady sliding in space with the local coefficients that runs in time draw: what a ratio has by its draw alone.
+//! Steady sliding in space with the local coefficients of dynamic runs, to separate the effect of the draw from the
+//! ratio.
 
 use rayon::prelude::*;
 
@@ -9,13 +10,13 @@ use crate::outcome::{Status, SurfaceOutcome};
 use crate::scene::{Load, Scene};
 use crate::space::{SpaceLattice, SpaceLoad, SpaceSteadyModel};
 
-/// Steady sliding on `lattice`.
+/// Creates the model of steady sliding on `lattice`.
 pub fn model_of(scene: &Scene, lattice: &SpaceLattice) -> SpaceSteadyModel {
     let stiffness_pa = scene.elastic.youngs_modulus_pa();
     SpaceSteadyModel::new(lattice.clone(), scene.layer.block_m, stiffness_pa, scene.run.liftoff)
 }
 
-/// Steady sliding of `model` at each load with the coefficients `drawn` of its columns, load by load.
+/// Solves steady sliding of `model` at each load with the column coefficients `drawn`, given by load.
 pub fn solve_drawn(
     scene: &Scene,
     model: &SpaceSteadyModel,
@@ -25,7 +26,7 @@ pub fn solve_drawn(
 ) -> Vec<SurfaceOutcome> {
     let lattice = model.lattice();
     let [nx, ny] = lattice.columns();
-    // The coefficients of the columns that touch, over their mean.
+    // Coefficients of the columns that touch, over their mean.
     let relative = |(load, drawn): (&Load, Vec<f64>)| -> Vec<f64> {
         let mean = load.friction.dynamic_mean();
         let touching = (0..nx * ny).filter(|column| lattice.contact_share(column % nx, column / nx) > 0.0);
@@ -34,23 +35,24 @@ pub fn solve_drawn(
     let relative: Vec<Vec<f64>> = scene.loads.iter().zip(drawn).map(relative).collect();
     let mut loads = Vec::with_capacity(relative.len());
     for (load, relative) in scene.loads.iter().zip(&relative) {
-        let mean = SpaceLoad::of_mean(load, scene.area_law.as_ref(), direction);
+        let mean = SpaceLoad::with_mean_friction(load, scene.area_law.as_ref(), direction);
         loads.push(SpaceLoad { relative_mu: Some(relative), ..mean });
     }
     model.solve_all(&loads, monitor)
 }
 
-/// Steady ratios of a lattice over its flat companion, with mean coefficients and with those that runs in time draw: what these have by
-/// their draw alone.
+/// Steady ratios of a lattice over its flat counterpart, with mean coefficients and with the draws of dynamic runs. The
+/// difference is the effect of the draw.
 pub struct SteadyRatios {
-    /// By load.
+    /// Ratios with mean coefficients, by load.
     mean: Vec<Option<f64>>,
-    /// By draw, and by load in each.
+    /// Ratios by draw and load.
     drawn: Vec<Vec<Option<f64>>>,
 }
 
 impl SteadyRatios {
-    /// Of a patterned and a flat lattice; `None` on a face with heights, on which contacts are found anew for every draw.
+    /// Solves a patterned and a flat lattice; `None` for a face with height variations, on which every draw has other
+    /// contacts.
     pub fn new(
         scene: &Scene,
         lattices: [&SpaceLattice; 2],
@@ -89,8 +91,9 @@ impl SteadyRatios {
         Some(Self { mean: each.next()?, drawn: each.collect() })
     }
 
-    /// At the load `load`: with mean coefficients, and with those of draw number `draw`; `None` where one of the draws has none.
-    pub fn at(&self, load: usize, draw: usize) -> Option<(f64, f64)> {
+    /// Ratios at the load `load` with mean coefficients and with draw number `draw`; `None` if one of the draws has no
+    /// ratio.
+    pub fn get(&self, load: usize, draw: usize) -> Option<(f64, f64)> {
         let all: Option<Vec<f64>> = self.drawn.iter().map(|drawn| drawn.get(load).copied().flatten()).collect();
         Some((self.mean.get(load).copied().flatten()?, *all?.get(draw)?))
     }

@@ -1,31 +1,32 @@
-//! What friction changes of the ratio by tilting the pressure of a specimen.
+//! Change of the ratio by friction that tilts the pressure of a specimen.
 //!
-//! Friction at the face and the pull of the holder at the back, the thickness H above it, make a couple mu P A H. Where the
-//! holder does not let the specimen turn, face and back bear half of it each. On a rectangle the pressure is that under an elastic body
-//! as long and as high ([`Body`]), on a foundation as soft as the pattern makes the face: straight across a specimen much higher than
-//! long, and else in rising peaks at the ends, about as wide as the specimen is high. On strips of any length L, across a face of area A
-//! and second moment I about its middle across the sliding direction, it is
+//! Friction at the face and the pull of the holder at the back, at the distance of the thickness H, form a couple mu P
+//! A H. If the holder prevents rotation, face and back each carry half of it. On a rectangle the pressure is that under
+//! an elastic body of the same length and height ([`Body`]), on a foundation with the compliance of the patterned face:
+//! linear if the specimen is much higher than long, otherwise with peaks at the ends that are about as wide as the
+//! specimen is high. On strips of any length L, on a face of area A and second moment I about its middle across the
+//! sliding direction, the pressure is
 //!
 //! ```text
 //! p(x) = P (p_0(2 x / L) + s f(2 x / L) L / L_longest),     s: so that int (p - P) x dA = mu P A H / 2
 //! ```
 //!
-//! with the pressure p_0 without friction of a rectangle of the length sqrt(12 I / A), and the departure f from it with friction. What is
-//! below 0 has left the counterface; what remains is scaled to the load. Coefficients that change with pressure change the ratio with
-//! it:
+//! where p_0 is the pressure without friction of a rectangle of length sqrt(12 I / A), and f the deviation from p_0 due
+//! to friction. Negative pressures are set to zero, because the face lifts there, and the rest is scaled to the load.
+//! Friction coefficients that depend on pressure change the ratio:
 //!
 //! ```text
 //! r = int p mu_cell(p) dA / int p mu_flat(p) dA,     change: r(p) - r(p_0)
 //! ```
 //!
-//! A holder that lets the specimen align itself, or a face that has been run in, takes the tilt away. As nobody says which,
-//! anything from none to all of the change is equally likely: the ratio has [`MEAN`] of it, and an error of [`STD`] of it,
-//! with the sign that the change has at each load.
+//! A holder that lets the specimen align itself, or a run-in face, removes the tilt. Since this is usually unknown, any
+//! fraction of the change from none to all is taken as equally likely: the ratio includes [`MEAN`] times the change and
+//! has a standard error of [`STD`] times the change, fully correlated between loads.
 
 use slipgrid_pattern::Pattern;
 
 use super::load_sharing::body::{Body, Foundation, Patch};
-use super::load_sharing::{Borne, CellFriction, SOLID_COMPLIANCE, balanced, softness_m};
+use super::load_sharing::{CellFriction, LoadShare, SOLID_COMPLIANCE, excess_compliance_m, normalized};
 use super::rim_difference::without_rim;
 use super::widest;
 use crate::Monitor;
@@ -35,122 +36,125 @@ use crate::face::Face;
 use crate::outcome::{LoadOutcome, Simulation, Statements};
 use crate::scene::{Extent, Scene};
 
-/// Share of the change that a ratio has: anything from 0 to 1 of it is equally likely.
+/// Mean fraction of the change that is present, for a uniform distribution from 0 to 1.
 pub const MEAN: f64 = 0.5;
-/// How well the change is known, as a share of it, where a specimen is some tens of periods long
+/// Relative standard error of the computed change, for specimens some tens of periods long
 /// (`it_changes_ratios_as_all_blocks_of_a_specimen_say`).
 #[cfg(test)]
-const KNOWN: f64 = 0.3;
-/// Standard error of the ratio over the change: sqrt((1 + KNOWN^2) / 3 - [`MEAN`]^2).
+const RELATIVE_ERROR: f64 = 0.3;
+/// Standard error of the ratio over the change: sqrt((1 + RELATIVE_ERROR^2) / 3 - [`MEAN`]^2).
 pub const STD: f64 = 0.34;
-/// Parts of a strip, each of which bears one pressure.
+/// Number of parts of a strip with one pressure each.
 const PARTS: usize = 16;
-/// Tilt below which nothing is said.
-const SMALL: f64 = 0.01;
+/// Relative change of pressure below which no statement is made.
+const MIN_STATED_CHANGE: f64 = 0.01;
 
-/// A rectangular part of the face, about whose middle the pressure tilts: width across and length along the sliding direction, in metres.
+/// Rectangular part of the face: width across and length along the sliding direction, in metres. The pressure tilts
+/// about its middle.
 pub type Rectangle = [f64; 2];
 
-/// What a tilt of the pressure changes.
+/// Effect of a tilt of the pressure.
 #[derive(Clone, Debug, Default)]
 pub struct PressureTilt {
-    /// The largest change of the pressure of a flat specimen, over the nominal one, on a part of the face.
-    most: f64,
-    /// It is larger than the pressure itself.
+    /// Largest change of the pressure of a flat specimen on a part of the face, relative to the nominal pressure.
+    max_change: f64,
+    /// Whether the change exceeds the pressure, so that a part of the face lifts.
     is_lifted: bool,
     /// Change of the ratio of the cell, by load.
     changes: Vec<Option<f64>>,
 }
 
 impl PressureTilt {
-    /// Of a specimen whose face is made of `rectangles`, with the cells of `scene` over `pattern` everywhere; nothing where the scene does
-    /// not say how thick the specimen is, or once `monitor` has cancelled.
+    /// Computes the effect for a specimen whose face consists of `rectangles`, covered with cells of `scene` with
+    /// `pattern`. There is no effect if the scene does not give the thickness, or once `monitor` has cancelled.
     pub fn new(scene: &Scene, pattern: &Pattern, rectangles: &[Rectangle], monitor: &dyn Monitor) -> Self {
-        Self::of_held(scene, pattern, rectangles, monitor).unwrap_or_default()
+        Self::try_new(scene, pattern, rectangles, monitor).unwrap_or_default()
     }
 
-    fn of_held(scene: &Scene, pattern: &Pattern, rectangles: &[Rectangle], monitor: &dyn Monitor) -> Option<Self> {
+    fn try_new(scene: &Scene, pattern: &Pattern, rectangles: &[Rectangle], monitor: &dyn Monitor) -> Option<Self> {
         let height_m = scene.layer.thickness_m?;
         let dimension = scene.dimension();
         let solid_m = SOLID_COMPLIANCE * height_m;
-        let soft_m = softness_m(scene, pattern).unwrap_or(0.0).max(solid_m);
+        let soft_m = excess_compliance_m(scene, pattern).unwrap_or(0.0).max(solid_m);
         let specimen = HeldSpecimen::new(rectangles, height_m, soft_m)?;
         let flat_specimen = HeldSpecimen::new(rectangles, height_m, solid_m)?;
-        let cells = SteadyCell::solved(scene, dimension).solve_heeding(pattern, monitor);
+        let cells = SteadyCell::with_dimension(scene, dimension).solve_heeding(pattern, monitor);
         monitor.heed().ok()?;
-        // Without friction at first, then at each load.
-        let pressed = |specimen: &HeldSpecimen, mu: Vec<Option<f64>>| -> Vec<Option<Pressed>> {
-            std::iter::once(Some(0.0)).chain(mu).map(|mu| specimen.pressed(mu?)).collect()
+        // Without friction first, then at each load.
+        let pressed = |specimen: &HeldSpecimen, mu: Vec<Option<f64>>| -> Vec<Option<TiltedPressure>> {
+            std::iter::once(Some(0.0)).chain(mu).map(|mu| specimen.pressures_at(mu?)).collect()
         };
         let flat_mu = scene.loads.iter().map(|load| Some(load.flat_mu(scene.area_law.as_ref())));
         let flat = pressed(&flat_specimen, flat_mu.collect());
         let own = pressed(&specimen, cells.iter().map(|cell| cell.ratio.and(cell.surface.mu_dynamic)).collect());
-        let friction = |of: Option<(&Pattern, Dimension)>, each: &[Option<Pressed>]| -> Vec<[Option<f64>; 2]> {
-            let parts = each.iter().flatten().flat_map(|pressed| &pressed.parts);
-            let friction = CellFriction::new(scene, of, parts, monitor);
-            let at = |number: usize, place: usize| friction.of(place, each[number].as_ref()?.parts.iter());
-            (0..scene.loads.len()).map(|place| [at(1 + place, place), at(0, place)]).collect()
-        };
+        let friction =
+            |cell: Option<(&Pattern, Dimension)>, each: &[Option<TiltedPressure>]| -> Vec<[Option<f64>; 2]> {
+                let parts = each.iter().flatten().flat_map(|pressed| &pressed.parts);
+                let friction = CellFriction::new(scene, cell, parts, monitor);
+                let at = |number: usize, place: usize| friction.force(place, each[number].as_ref()?.parts.iter());
+                (0..scene.loads.len()).map(|place| [at(1 + place, place), at(0, place)]).collect()
+            };
         let (own, of_flat) = (friction(Some((pattern, dimension)), &own), friction(None, &flat));
         let change = |(own, flat): ([Option<f64>; 2], [Option<f64>; 2])| {
-            let [tilted, still] = [0, 1].map(|number| Some(own[number]? / flat[number]?));
-            Some(tilted? - still?)
+            let [tilted, frictionless] = [0, 1].map(|number| Some(own[number]? / flat[number]?));
+            Some(tilted? - frictionless?)
         };
         Some(Self {
-            most: flat.iter().flatten().map(|pressed| pressed.most).fold(0.0, f64::max),
+            max_change: flat.iter().flatten().map(|pressed| pressed.max_change).fold(0.0, f64::max),
             is_lifted: flat.iter().flatten().any(|pressed| pressed.is_lifted),
             changes: own.into_iter().zip(of_flat).map(change).collect(),
         })
     }
 
-    /// The same of the sample of `scene`, one strip as long as its layer; nothing of a cell, which has no ends.
-    pub fn of_sample(scene: &Scene, pattern: &Pattern, monitor: &dyn Monitor) -> Self {
+    /// Like [`Self::new`] for the sample of `scene`, one strip as long as its layer; no effect for a cell, which has no
+    /// ends.
+    pub fn for_sample(scene: &Scene, pattern: &Pattern, monitor: &dyn Monitor) -> Self {
         match scene.run.extent {
             Extent::Cell => Self::default(),
             Extent::Sample | Extent::Strip => Self::new(scene, pattern, &[[1.0, scene.layer.length_m]], monitor),
         }
     }
 
-    /// The same of `face`, of whose cavities a period's ratio takes `share`.
-    pub fn of_face(scene: &Scene, pattern: &Pattern, face: &Face, share: f64, monitor: &dyn Monitor) -> Self {
+    /// Like [`Self::new`] for `face`, whose cavity fraction is `share` times that of a period.
+    pub fn for_face(scene: &Scene, pattern: &Pattern, face: &Face, share: f64, monitor: &dyn Monitor) -> Self {
         let rectangles: Vec<Rectangle> = face.strips().iter().map(|strip| [strip.width_m, strip.length_m]).collect();
         let mut found = Self::new(scene, pattern, &rectangles, monitor);
         found.changes.iter_mut().flatten().for_each(|change| *change *= share);
         found
     }
 
-    /// The same of `face` solved strip by strip: strips lie flat.
-    pub fn of_strips(scene: &Scene, pattern: &Pattern, face: &Face, share: f64, monitor: &dyn Monitor) -> Self {
+    /// Like [`Self::for_face`] for a face that is solved strip by strip, with flat lands.
+    pub fn for_strips(scene: &Scene, pattern: &Pattern, face: &Face, share: f64, monitor: &dyn Monitor) -> Self {
         let flat = Scene { relief: None, ..scene.clone() };
-        Self::of_face(&flat, &without_rim(pattern), face, share, monitor)
+        Self::for_face(&flat, &without_rim(pattern), face, share, monitor)
     }
 
-    /// Adds [`MEAN`] of the change to the ratios of `loads`; `said` tells of it.
-    pub fn add(&self, loads: &mut [LoadOutcome], said: &mut Statements) {
+    /// Adds [`MEAN`] times the change to the ratios of `loads`, and a statement to `statements`.
+    pub fn add(&self, loads: &mut [LoadOutcome], statements: &mut Statements) {
         for (load, change) in loads.iter_mut().zip(&self.changes) {
             let Some(change) = change.filter(|_| load.ratio.is_some()) else { continue };
             load.ratio_tilt_change = Some(change);
             load.shift_ratio(MEAN * change);
         }
-        said.model.extend(self.statement());
+        statements.model.extend(self.statement());
     }
 
-    /// What is to be said of it.
+    /// Statement on the tilt; `None` if the tilt is small.
     fn statement(&self) -> Option<String> {
         let what = if self.is_lifted {
             "lifts one end off the counterface".to_owned()
         } else {
-            format!("changes the pressure at the ends by up to {:.0} %", 100.0 * self.most)
+            format!("changes the pressure at the ends by up to {:.0} %", 100.0 * self.max_change)
         };
         let change = widest(self.changes.iter().copied().flatten());
-        (self.most >= SMALL).then(|| {
+        (self.max_change >= MIN_STATED_CHANGE).then(|| {
             format!("on a specimen that its holder keeps from turning, friction {what}, and moves the ratio by {change:+.4} at most; half of that is in the ratio, as nobody says how the specimen is held, and its error counts the rest")
         })
     }
 }
 
-/// Adds to `simulation` what a tilt of the pressure changes of the ratios of cells of `scene` over `pattern`, on the specimen with the
-/// face `face`, of whose cavities a period's ratio takes `share`.
+/// Adds the effect of a tilt of the pressure to the ratios of `simulation`, which has cells of `scene` with `pattern`.
+/// `face` is that of the specimen, with a cavity fraction of `share` times that of a period.
 pub fn add_tilt(
     simulation: &mut Simulation,
     scene: &Scene,
@@ -159,13 +163,15 @@ pub fn add_tilt(
     share: f64,
     monitor: &dyn Monitor,
 ) {
-    let tilt = PressureTilt::of_face(scene, pattern, face, share, monitor);
+    let tilt = PressureTilt::for_face(scene, pattern, face, share, monitor);
     tilt.add(&mut simulation.loads, &mut simulation.statements);
 }
 
-/// What a tilt of the pressure changes of the ratios of cells of `scene` over `pattern`, on the specimen with the face `face`, of whose
-/// cavities a period's ratio takes `share`, by load: a ratio has [`MEAN`] of it. `None` where a cell has no equilibrium, where the scene
-/// does not say how thick the specimen is, or once `monitor` has cancelled.
+/// Changes of the ratios of cells of `scene` with `pattern` by a tilt of the pressure, by load; a ratio includes
+/// [`MEAN`] times the change.
+///
+/// `face` is that of the specimen, with a cavity fraction of `share` times that of a period. A load is `None` if a cell
+/// has no equilibrium, if the scene does not give the thickness, or once `monitor` has cancelled.
 #[must_use]
 pub fn tilt_changes(
     scene: &Scene,
@@ -175,28 +181,28 @@ pub fn tilt_changes(
     monitor: &dyn Monitor,
 ) -> Vec<Option<f64>> {
     let mut changes = match scene.dimension().takes_strips() {
-        false => PressureTilt::of_face(scene, pattern, face, share, monitor).changes,
-        // Strips of a layer alone have no tilt added.
+        false => PressureTilt::for_face(scene, pattern, face, share, monitor).changes,
+        // No tilt is added to strips of a layer alone.
         true if !scene.layer.is_backed() => Vec::new(),
-        true => PressureTilt::of_strips(scene, pattern, face, share, monitor).changes,
+        true => PressureTilt::for_strips(scene, pattern, face, share, monitor).changes,
     };
     changes.resize(scene.loads.len(), None);
     changes
 }
 
-/// A specimen that its holder keeps from turning.
+/// A specimen whose holder prevents rotation.
 struct HeldSpecimen<'a> {
     rectangles: &'a [Rectangle],
     height_m: f64,
     area_m2: f64,
-    /// A strip of it in the plane, as long as a rectangle of the same second moment.
+    /// Body in the plane, as long as a rectangle with the same second moment.
     body: Body,
-    /// Its pressures without friction.
-    still: [f64; PARTS],
+    /// Pressures without friction.
+    frictionless: [f64; PARTS],
 }
 
 impl<'a> HeldSpecimen<'a> {
-    /// Of `height_m`, on a foundation of `compliance_m`; `None` without a face or a height.
+    /// Creates a specimen `height_m` thick on a foundation of `compliance_m`; `None` without a face or a height.
     fn new(rectangles: &'a [Rectangle], height_m: f64, compliance_m: f64) -> Option<Self> {
         let sum =
             |of: &dyn Fn(f64) -> f64| rectangles.iter().map(|[width_m, length_m]| width_m * of(*length_m)).sum::<f64>();
@@ -204,20 +210,20 @@ impl<'a> HeldSpecimen<'a> {
         let (area_m2, moment_m4) = (sum(&|length_m| length_m), sum(&|length_m| length_m.powi(3) / 12.0));
         let foundation = Foundation { length_m: (12.0 * moment_m4 / area_m2).sqrt(), compliance_m };
         let body = Body::new(&[foundation], height_m)?;
-        let still = on_parts(&body.pressure(0.0)?.patches);
-        Some(Self { rectangles, height_m, area_m2, body, still })
+        let frictionless = average_on_parts(&body.pressure(0.0)?.patches);
+        Some(Self { rectangles, height_m, area_m2, body, frictionless })
     }
 
-    /// Its pressures at the friction coefficient `mu`; `None` where that leaves no equilibrium.
-    fn pressed(&self, mu: f64) -> Option<Pressed> {
-        let (still, dragged) = (&self.still, on_parts(&self.body.pressure(mu)?.patches));
+    /// Pressures at the friction coefficient `mu`; `None` if there is no equilibrium.
+    fn pressures_at(&self, mu: f64) -> Option<TiltedPressure> {
+        let (frictionless, dragged) = (&self.frictionless, average_on_parts(&self.body.pressure(mu)?.patches));
         let longest_m = self.rectangles.iter().map(|[_, length_m]| *length_m).fold(0.0, f64::max);
-        // Area, place, p without friction and f.
+        // Area, position, pressure without friction, and f.
         let on = |[width_m, length_m]: &Rectangle| -> Vec<[f64; 4]> {
             let part = |number: usize| {
                 let x_m = length_m * ((number as f64 + 0.5) / PARTS as f64 - 0.5);
-                let departure = (dragged[number] - still[number]) * length_m / longest_m;
-                [width_m * length_m / PARTS as f64, x_m, still[number], departure]
+                let departure = (dragged[number] - frictionless[number]) * length_m / longest_m;
+                [width_m * length_m / PARTS as f64, x_m, frictionless[number], departure]
             };
             (0..PARTS).map(part).collect()
         };
@@ -225,27 +231,28 @@ impl<'a> HeldSpecimen<'a> {
         // s = (mu A H / 2) / int f x dA
         let couple_m3: f64 = parts.iter().map(|[area_m2, x_m, _, departure]| area_m2 * x_m * departure).sum();
         let scale = if mu > 0.0 { 0.5 * mu * self.area_m2 * self.height_m / couple_m3.abs() } else { 0.0 };
-        let most = parts.iter().map(|[.., departure]| (scale * departure).abs()).fold(0.0, f64::max);
-        let borne = |[area_m2, _, still, departure]: &[f64; 4]| [*area_m2, still + scale * departure];
-        let is_lifted = parts.iter().any(|part| borne(part)[1] < 0.0);
+        let max_change = parts.iter().map(|[.., departure]| (scale * departure).abs()).fold(0.0, f64::max);
+        let area_and_pressure =
+            |[area_m2, _, frictionless, departure]: &[f64; 4]| [*area_m2, frictionless + scale * departure];
+        let is_lifted = parts.iter().any(|part| area_and_pressure(part)[1] < 0.0);
         let solid = |part| {
-            let [area_m2, pressure] = borne(part);
-            Borne::solid(area_m2, pressure.max(0.0))
+            let [area_m2, pressure] = area_and_pressure(part);
+            LoadShare::solid(area_m2, pressure.max(0.0))
         };
-        Some(Pressed { parts: balanced(parts.iter().map(solid).collect()), most, is_lifted })
+        Some(TiltedPressure { parts: normalized(parts.iter().map(solid).collect()), max_change, is_lifted })
     }
 }
 
-/// Pressures on a specimen over the nominal one.
-struct Pressed {
-    parts: Vec<Borne>,
-    /// By how much friction changes them at most, before any part is lifted, and whether one is.
-    most: f64,
+/// Pressures on a specimen relative to the nominal pressure.
+struct TiltedPressure {
+    parts: Vec<LoadShare>,
+    /// Largest change of pressure by friction before lifting, and whether a part lifts.
+    max_change: f64,
     is_lifted: bool,
 }
 
-/// Pressures over the nominal one on [`PARTS`] equal parts of the face that `patches` fill.
-fn on_parts(patches: &[Patch]) -> [f64; PARTS] {
+/// Averages the pressures of `patches` over [`PARTS`] equal parts of the face.
+fn average_on_parts(patches: &[Patch]) -> [f64; PARTS] {
     let length_m: f64 = patches.iter().map(|patch| patch.length_m).sum();
     let part_m = length_m / PARTS as f64;
     let mut parts = [0.0; PARTS];
@@ -270,7 +277,7 @@ mod tests {
     use crate::scene::{Layer, Load, RunOptions};
     use crate::{Unwatched, steady_face_ratios};
 
-    /// Strips across a disc of the radius 1.
+    /// Strips across a disc of radius 1.
     fn disc() -> Vec<Rectangle> {
         let middle = |band: i32| (f64::from(band) + 0.5) / 32.0 - 1.0;
         (0..64).map(|band| [1.0 / 32.0, 2.0 * (1.0 - middle(band).powi(2)).sqrt()]).collect()
@@ -279,49 +286,53 @@ mod tests {
     #[test]
     fn pressures_bear_the_load_and_half_of_the_couple() {
         for rectangles in [vec![[3.0, 10.0], [1.0, 10.0]], vec![[1.0, 10.0], [1.0, 5.0]], disc()] {
-            let Pressed { parts, .. } = HeldSpecimen::new(&rectangles, 1.0, 1e-4).unwrap().pressed(0.1).unwrap();
-            let area_m2: f64 = parts.iter().map(Borne::area_m2).sum();
-            let mean = parts.iter().map(Borne::force).sum::<f64>() / area_m2;
+            let TiltedPressure { parts, .. } =
+                HeldSpecimen::new(&rectangles, 1.0, 1e-4).unwrap().pressures_at(0.1).unwrap();
+            let area_m2: f64 = parts.iter().map(LoadShare::area_m2).sum();
+            let mean = parts.iter().map(LoadShare::force).sum::<f64>() / area_m2;
             assert!((mean - 1.0).abs() < 1e-12);
-            let of_strip = |(parts, [_, length_m]): (&[Borne], &Rectangle)| -> f64 {
+            let of_strip = |(parts, [_, length_m]): (&[LoadShare], &Rectangle)| -> f64 {
                 let x_m = |part: usize| length_m * ((part as f64 + 0.5) / PARTS as f64 - 0.5);
-                parts.iter().enumerate().map(|(part, borne)| borne.force() * x_m(part)).sum()
+                parts.iter().enumerate().map(|(part, area_and_pressure)| area_and_pressure.force() * x_m(part)).sum()
             };
             let couple = parts.chunks(PARTS).zip(&rectangles).map(of_strip).sum::<f64>().abs();
             assert!((couple / (0.5 * 0.1 * area_m2) - 1.0).abs() < 1e-9, "{couple}");
         }
     }
 
-    /// Cylinders of the radius 5 mm whose back is held, under uniform friction tau on their face, which does not turn: mode 1 of Fourier's
-    /// series around the axis in bilinear finite elements (64 x 56, graded towards the rim, Poisson's ratio 1/3).
+    /// Reference: cylinders of radius 5 mm with a fixed back under uniform friction tau on their face, which does not
+    /// rotate. Mode 1 of the Fourier series around the axis in bilinear finite elements (64 x 56, graded towards the
+    /// rim, Poisson's ratio 1/3).
     #[test]
     fn discs_bear_what_finite_elements_say() {
-        // Height over radius; root mean square and mean magnitude of the departure over tau.
+        // Height over radius; root mean square and mean magnitude of the deviation over tau.
         for (height, rms, magnitude) in
             [(2.4, 2.466, 1.897), (1.4, 1.545, 1.060), (0.6, 0.892, 0.429), (0.3, 0.618, 0.220)]
         {
             let rectangles = disc();
             let specimen = HeldSpecimen::new(&rectangles, height, 1e-4).unwrap();
-            let [still, dragged] = [0.0, 1e-3].map(|mu| specimen.pressed(mu).unwrap().parts);
+            let [frictionless, dragged] = [0.0, 1e-3].map(|mu| specimen.pressures_at(mu).unwrap().parts);
             let mean = |of: fn(f64) -> f64| {
-                let off =
-                    |(still, dragged): (&Borne, &Borne)| of((dragged.force() - still.force()) / still.area_m2() / 1e-3);
-                let sum: f64 = still.iter().zip(&dragged).map(|pair| off(pair) * pair.0.area_m2()).sum();
-                sum / still.iter().map(Borne::area_m2).sum::<f64>()
+                let off = |(frictionless, dragged): (&LoadShare, &LoadShare)| {
+                    of((dragged.force() - frictionless.force()) / frictionless.area_m2() / 1e-3)
+                };
+                let sum: f64 = frictionless.iter().zip(&dragged).map(|pair| off(pair) * pair.0.area_m2()).sum();
+                sum / frictionless.iter().map(LoadShare::area_m2).sum::<f64>()
             };
             let (own_rms, own_magnitude) = (mean(|off| off * off).sqrt(), mean(f64::abs));
-            // The rim of a thin disc bears more than parts of a sixteenth resolve.
-            let most = if height > 1.0 { 0.03 } else { 0.25 };
-            assert!((own_rms / rms - 1.0).abs() < most, "{height}: {own_rms} {rms}");
+            // The rim of a thin disc carries more than parts of a sixteenth can resolve.
+            let max_change = if height > 1.0 { 0.03 } else { 0.25 };
+            assert!((own_rms / rms - 1.0).abs() < max_change, "{height}: {own_rms} {rms}");
             assert!(
-                (own_magnitude / magnitude - 1.0).abs() < 0.7 * most.max(0.05),
+                (own_magnitude / magnitude - 1.0).abs() < 0.7 * max_change.max(0.05),
                 "{height}: {own_magnitude} {magnitude}"
             );
         }
     }
 
-    /// All blocks of a whole specimen, whose back does not turn, against strips of its layer, to which the rest is added: what friction
-    /// changes of the distance between both is the tilt. Cells stand for periods, which those at the ends are not quite.
+    /// Compares all blocks of a whole specimen, whose back does not rotate, with strips of its layer plus corrections:
+    /// the change of the difference by friction is the tilt. Cells represent periods, which does not hold exactly at
+    /// the ends.
     #[test]
     fn it_changes_ratios_as_all_blocks_of_a_specimen_say() {
         const LENGTH_M: f64 = 4e-3;
@@ -352,32 +363,32 @@ mod tests {
                 all.iter().zip(added).map(|(all, added)| all - added).collect()
             };
             let by_blocks: Vec<f64> = off(0.27).iter().zip(off(0.01)).map(|(all, little)| all - little).collect();
-            let found = PressureTilt::of_face(&of(200e-6, Some(HEIGHT_M), 0.27), &groove, &face, 1.0, &Unwatched);
+            let found = PressureTilt::for_face(&of(200e-6, Some(HEIGHT_M), 0.27), &groove, &face, 1.0, &Unwatched);
             let changes: Vec<f64> = found.changes.iter().copied().map(Option::unwrap).collect();
-            // It lowers the ratio at low pressures and raises it at high ones.
+            // The tilt lowers the ratio at low pressures and raises it at high pressures.
             assert!(changes[0] < -0.005 && changes[2] > 0.007 && by_blocks[0] < -0.002 && by_blocks[2] > 0.007);
             let squares: f64 = changes.iter().zip(&by_blocks).map(|(found, all)| (found - all).powi(2)).sum();
             (squares / 3.0).sqrt() / widest(changes.into_iter()).abs()
         };
         let [long, short, shorter] = [400.0, 200.0, 100.0].map(off_by);
         assert!(
-            long < 0.6 && short < 0.8 * long && shorter < 0.8 * short && shorter < KNOWN,
+            long < 0.6 && short < 0.8 * long && shorter < 0.8 * short && shorter < RELATIVE_ERROR,
             "{long} {short} {shorter}"
         );
     }
 
     #[test]
     fn half_of_it_is_added_and_the_error_is_that_of_a_share_that_nobody_knows() {
-        // Shares from 0 to 1 of a change that is off by KNOWN.
+        // Fractions from 0 to 1 of a change with the relative error RELATIVE_ERROR.
         let mean = MEAN;
-        let variance = (1.0 + KNOWN * KNOWN) / 3.0 - mean * mean;
+        let variance = (1.0 + RELATIVE_ERROR * RELATIVE_ERROR) / 3.0 - mean * mean;
         assert!((STD - variance.sqrt()).abs() < 5e-3, "{}", variance.sqrt());
         let run = RunOptions { extent: Extent::Sample, ..RunOptions::default() };
         let scene = samples::scene(samples::groove(100.0, 300.0, 20.0), &[0.65, 2.6], run);
         let scene = Scene { layer: Layer { thickness_m: Some(7e-3), ..scene.layer }, ..scene };
         let pattern = scene.pattern.unwrap();
         let plain = crate::simulate(&scene, &Unwatched).unwrap();
-        let tilt = PressureTilt::of_sample(&scene, &pattern, &Unwatched);
+        let tilt = PressureTilt::for_sample(&scene, &pattern, &Unwatched);
         let mut twice = plain.clone();
         tilt.add(&mut twice.loads, &mut twice.statements);
         for ((before, after), change) in plain.loads.iter().zip(&twice.loads).zip(&tilt.changes) {
@@ -386,12 +397,12 @@ mod tests {
             assert!((after.ratio.unwrap() - before.ratio.unwrap() - MEAN * change).abs() < 1e-12);
             assert_eq!(before.tilt_error(), Some(STD * change));
         }
-        assert!(plain.statements.model.iter().any(|said| said.contains("half of that is in the ratio")));
-        // Coefficients that do not change with pressure do not see it.
+        assert!(plain.statements.model.iter().any(|statements| statements.contains("half of that is in the ratio")));
+        // Friction coefficients independent of pressure are not affected.
         let amontons = Scene { area_law: None, ..scene };
-        let tilt = PressureTilt::of_sample(&amontons, &pattern, &Unwatched);
+        let tilt = PressureTilt::for_sample(&amontons, &pattern, &Unwatched);
         assert!(
-            tilt.changes.iter().all(|change| change.unwrap().abs() < 1e-9) && tilt.most > 0.5,
+            tilt.changes.iter().all(|change| change.unwrap().abs() < 1e-9) && tilt.max_change > 0.5,
             "{:?}",
             tilt.changes
         );

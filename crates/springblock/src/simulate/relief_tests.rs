@@ -6,7 +6,7 @@ use super::simulate;
 use crate::samples;
 use crate::{Extent, Face, RunOptions, Scene, SceneError, Strip, Unwatched, simulate_specimen};
 
-/// Cavities with rims, and the same without whose face a map describes in pixels of 1 um.
+/// A scene of cavities with rims, and a scene without rims whose relief map in pixels of 1 um contains the rims.
 fn both(planform: Planform) -> [Scene; 2] {
     let rim = Rim::new(0.4e-6, 20e-6, RimProfile::Ramp).unwrap();
     let with = |texture: Texture| Pattern::new(texture, 80e-6, 120e-6, 20e-6).unwrap();
@@ -14,7 +14,7 @@ fn both(planform: Planform) -> [Scene; 2] {
     let side = |n: usize| [n as f64 * 1e-6 - 100e-6, (n + 1) as f64 * 1e-6 - 100e-6];
     let heights = (0..40_000).map(|n| {
         let ([x0, x1], [y0, y1]) = (side(n % 200), side(n / 200));
-        // The floors are there too.
+        // The map includes the floors of the cavities.
         if rimmed.coverage(x0, x1, y0, y1) > 0.5 { -20e-6 } else { 0.4e-6 * rimmed.rim_share(x0, x1, y0, y1) }
     });
     let map = ReliefMap::new([200e-6; 2], [200; 2], heights.collect()).unwrap();

@@ -1,7 +1,7 @@
-//! What rims add to the strips of a specimen: what they add to the steady cell, in proportion to the share of cavities.
+//! Effect of rims on the strips of a specimen: the effect on the steady cell in proportion to the cavity fraction.
 //!
-//! Contact that opens and closes makes the equations of a strip nonlinear, and those of a whole face dear. Rims act about
-//! their own cavities, so that the cell knows what they do:
+//! Contact that opens and closes makes the equations of a strip nonlinear, which is expensive for a whole face. Rims
+//! act near their own cavities only, so that the cell gives their effect:
 //!
 //! ```text
 //! r = r_strips + (r_cell,rims - r_cell) D / D_cell
@@ -14,11 +14,11 @@ use crate::dimension::Dimension;
 use crate::outcome::{LoadOutcome, Statements};
 use crate::scene::{Extent, Fidelity, Scene};
 
-/// Share of what rims add that is left open: ends bear more than the cell, and on a few cavities rims weigh differently
-/// (`rims_add_to_a_strip_what_they_add_to_the_cell`).
-const OPEN_SHARE: f64 = 0.02;
+/// Relative standard error of the effect of rims: ends carry more load than the cell, and with few cavities rims have a
+/// different weight (`rims_add_to_a_strip_what_they_add_to_the_cell`).
+const RELATIVE_ERROR: f64 = 0.02;
 
-/// With rims less without, by load.
+/// Differences with rims minus without, by load.
 pub struct RimDifference {
     each: Vec<Option<Difference>>,
 }
@@ -31,24 +31,25 @@ struct Difference {
     is_extrapolated: bool,
 }
 
-/// `pattern` with lands that lie flat.
+/// Returns `pattern` with flat lands.
 pub fn without_rim(pattern: &Pattern) -> Pattern {
     pattern.with_rim(None)
 }
 
 impl RimDifference {
-    /// Of the cell of `scene` under `pattern`; nothing where it has no rims.
+    /// Computes the differences for the cell of `scene` with `pattern`; empty without rims.
     pub fn new(scene: &Scene, pattern: &Pattern) -> Self {
         if !scene.is_raised() {
             return Self { each: Vec::new() };
         }
-        let solve = |scene: &Scene, pattern: &Pattern| SteadyCell::solved(scene, Dimension::Plane).solve(pattern);
+        let solve =
+            |scene: &Scene, pattern: &Pattern| SteadyCell::with_dimension(scene, Dimension::Plane).solve(pattern);
         let flat = Scene { relief: None, ..scene.clone() };
         let (with, without) = rayon::join(|| solve(scene, pattern), || solve(&flat, &without_rim(pattern)));
         Self { each: with.iter().zip(&without).map(|(with, without)| difference(with, without)).collect() }
     }
 
-    /// Adds it to `loads`, whose cavities take `share` of what a period's take.
+    /// Adds the differences to `loads`, whose cavity fraction is `share` times that of a period.
     pub fn add(&self, share: f64, loads: &mut [LoadOutcome]) {
         for (load, difference) in loads.iter_mut().zip(&self.each) {
             let Some(difference) = difference else {
@@ -56,7 +57,7 @@ impl RimDifference {
                 continue;
             };
             load.shift_ratio(difference.ratio * share);
-            let open = OPEN_SHARE * (difference.ratio * share).abs();
+            let open = RELATIVE_ERROR * (difference.ratio * share).abs();
             load.ratio_layout_error = load.ratio.map(|_| load.ratio_layout_error.unwrap_or(0.0).hypot(open));
             let surface = &mut load.surface;
             surface.peak_pressure_pa *= difference.peak;
@@ -66,34 +67,36 @@ impl RimDifference {
         }
     }
 
-    /// How strips take them.
+    /// Statement on the rims of strips.
     pub fn statement() -> String {
         format!(
             "rims add to the strips what they add to the steady cell, known to {:.0} %; the interface is that of the cavities alone",
-            100.0 * OPEN_SHARE
+            100.0 * RELATIVE_ERROR
         )
     }
 }
 
-/// Adds to `loads` of a sample, or of a run in time, whose rims are elastic, what yielding changes of the steady cell; `said`
-/// tells of it. Nothing where the solid of `scene` does not yield, and of steady cells, which have it.
-pub fn add_yielding(scene: &Scene, pattern: &Pattern, loads: &mut [LoadOutcome], said: &mut Statements) {
+/// Adds the effect of plastic yielding on the steady cell to `loads` of a sample or of a dynamic run, whose rims are
+/// elastic, and a statement to `statements`. Does nothing if the solid of `scene` does not yield; steady cells already
+/// include yielding.
+pub fn add_yielding(scene: &Scene, pattern: &Pattern, loads: &mut [LoadOutcome], statements: &mut Statements) {
     let Some(yield_pa) = scene.elastic.yield_pressure_pa().filter(|_| scene.is_raised()) else { return };
     let yields = format!(
         "heights of the face flatten for good at {} MPa, in the order of the loads",
         (yield_pa * 1e-3).round() * 1e-3
     );
     if scene.run.fidelity == Fidelity::Steady && scene.run.extent == Extent::Cell {
-        said.model(yields);
+        statements.model(yields);
         return;
     }
     let Ok(elastic) = scene.elastic.with_yield_pressure_pa(None) else { return };
-    let solve = |scene: &Scene| SteadyCell::solved(scene, scene.dimension()).solve(pattern);
+    let solve = |scene: &Scene| SteadyCell::with_dimension(scene, scene.dimension()).solve(pattern);
     let rigid = Scene { elastic, ..scene.clone() };
     let (with, without) = rayon::join(|| solve(scene), || solve(&rigid));
     let each = with.iter().zip(&without).map(|(with, without)| difference(with, without)).collect();
     RimDifference { each }.add(1.0, loads);
-    said.model(format!("{yields}: by what that changes of the steady cell, known to {:.0} %", 100.0 * OPEN_SHARE));
+    statements
+        .model(format!("{yields}: by what that changes of the steady cell, known to {:.0} %", 100.0 * RELATIVE_ERROR));
 }
 
 fn difference(with: &CellOutcome, without: &CellOutcome) -> Option<Difference> {
@@ -109,7 +112,7 @@ fn difference(with: &CellOutcome, without: &CellOutcome) -> Option<Difference> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::columns::{raised, sample};
+    use crate::columns::{sample, with_relief};
     use crate::lattice::Lattice;
     use crate::outcome::Status;
     use crate::samples;
@@ -140,11 +143,11 @@ mod tests {
             };
             for (load, difference) in scene.loads.iter().zip(&difference.each) {
                 let found = difference.as_ref().unwrap().ratio * share;
-                let expected = solve(raised(flat.clone(), &pattern, 10e-6, None), load.pressure_pa)
+                let expected = solve(with_relief(flat.clone(), &pattern, 10e-6, None), load.pressure_pa)
                     - solve(flat.clone(), load.pressure_pa);
                 worst = worst.max((found / expected - 1.0).abs());
             }
         }
-        assert!(worst < 2.0 * OPEN_SHARE, "{worst}");
+        assert!(worst < 2.0 * RELATIVE_ERROR, "{worst}");
     }
 }

@@ -1,4 +1,4 @@
-//! Runs in time of a surface and its flat companion, of every draw and load, and what they come to.
+//! Dynamic runs of a surface and its flat counterpart for every draw and load.
 
 use std::sync::OnceLock;
 
@@ -6,34 +6,36 @@ use rayon::prelude::*;
 
 use super::{averaging, compare};
 use crate::Monitor;
-use crate::dynamics::{DynamicRun, Scheme, remembered, settings};
+use crate::dynamics::{DynamicRun, Scheme, cache_key_settings, cached_run};
 use crate::error::SceneError;
 use crate::lattice::Lattice;
 use crate::outcome::{LoadOutcome, SurfaceOutcome};
 use crate::scene::Scene;
 use crate::steady::SteadyModel;
 
-/// What runs in time found.
-pub struct Integrated {
+/// Result of dynamic runs.
+pub struct RunResults {
     pub loads: Vec<LoadOutcome>,
     pub scheme: Scheme,
 }
 
-/// Runs `lattices`, a surface and its flat companion where it has one, in time at every load; `corrections` of the ratio by
-/// load. Equations of `steady` sliding, by lattice, are made where a run begins from them and nobody has made them.
-pub fn integrate(
+/// Runs `lattices`, a surface and its flat counterpart if there is one, at every load.
+///
+/// `steady` caches the equations of steady sliding by lattice; runs that start from sliding create them. `corrections`
+/// are added to the ratio, by load.
+pub fn run_all(
     scene: &Scene,
     lattices: &[Lattice],
     steady: &[OnceLock<SteadyModel>],
     corrections: &[f64],
     monitor: &dyn Monitor,
-) -> Result<Integrated, SceneError> {
-    let schemes = stable(lattices.par_iter().map(|lattice| Scheme::choose(scene, lattice)).collect())?;
+) -> Result<RunResults, SceneError> {
+    let schemes = require_stable(lattices.par_iter().map(|lattice| Scheme::choose(scene, lattice)).collect())?;
     let surfaces = lattices.len();
     let draws = scene.run.draws as usize;
     let runs = surfaces * draws * scene.loads.len();
     let share = 1.0 / runs as f64;
-    // Threads that find no run of their own help with another's.
+    // Threads without a run of their own help with another run.
     let threads = rayon::current_num_threads() / runs;
     let outcomes: Vec<SurfaceOutcome> = (0..runs)
         .into_par_iter()
@@ -43,16 +45,16 @@ pub fn integrate(
             let (lattice, steady, scheme) = (&lattices[surface], &steady[surface], schemes[surface]);
             let (seed, stderr_share) = (seed_of(scene, draw), stderr_share(scene));
             let run = DynamicRun { scene, load, lattice, steady, scheme, threads, share, seed, stderr_share };
-            let content = (settings(scene), load, lattice, scheme, seed, stderr_share);
-            remembered(monitor, &content, share, || run.run(monitor))
+            let content = (cache_key_settings(scene), load, lattice, scheme, seed, stderr_share);
+            cached_run(monitor, &content, share, || run.run(monitor))
         })
         .collect();
     let corrected = |load: usize, _: usize, outcome: &mut LoadOutcome| outcome.shift_ratio(corrections[load]);
-    Ok(Integrated { loads: collect(scene, surfaces, outcomes, corrected), scheme: schemes[0] })
+    Ok(RunResults { loads: collect(scene, surfaces, outcomes, corrected), scheme: schemes[0] })
 }
 
-/// All of `schemes`, or the refusal of the one whose step must be the smallest: what it names is stable on all.
-fn stable(schemes: Vec<Result<Scheme, SceneError>>) -> Result<Vec<Scheme>, SceneError> {
+/// Returns all `schemes`, or the error of the one with the smallest stability limit, which is stable on all lattices.
+fn require_stable(schemes: Vec<Result<Scheme, SceneError>>) -> Result<Vec<Scheme>, SceneError> {
     let limit_s = |refused: &SceneError| match refused {
         SceneError::UnstableStep { limit_s, .. } => *limit_s,
         _ => 0.0,
@@ -62,17 +64,18 @@ fn stable(schemes: Vec<Result<Scheme, SceneError>>) -> Result<Vec<Scheme>, Scene
     least.map_or_else(|| schemes.into_iter().collect(), Err)
 }
 
-/// Seed of the local coefficients of draw number `draw`.
 pub const fn seed_of(scene: &Scene, draw: usize) -> u64 {
     scene.run.seed.wrapping_add(draw as u64)
 }
 
-/// Standard error over dynamic mu at which the run of one draw may end: that of their mean is the one asked for.
+/// Relative standard error of dynamic mu at which the run of one draw may end, such that the mean of all draws has the
+/// requested error.
 pub fn stderr_share(scene: &Scene) -> Option<f64> {
     scene.run.mu_stderr.map(|wanted| wanted * (scene.run.draws as f64).sqrt())
 }
 
-/// One record per load from runs by load, draw and surface, the patterned one first; `correct` corrects that of each load and draw.
+/// Combines runs, ordered by load, draw and surface with the patterned one first, to one record per load. `correct`
+/// corrects the outcome of each load and draw.
 pub fn collect(
     scene: &Scene,
     surfaces: usize,

@@ -1,4 +1,4 @@
-//! A cell or a strip in space, in steady sliding and in time: which lattices, what runs on them, what is said.
+//! Steady and dynamic simulation of a cell or a strip in space: lattices, runs and statements.
 
 use rayon::prelude::*;
 use slipgrid_monitor::{cached, memory};
@@ -8,59 +8,59 @@ use super::drawn_ratios::SteadyRatios;
 use super::space_strip::{self, SpaceStrip};
 use super::statements::{
     PERIODIC_CELL, SPEED_ZERO, STRETCHED_CELL, describe_draws, describe_law, describe_protocol, describe_start,
-    describe_steady, why_space,
+    describe_steady, space_reason,
 };
 use super::{MAX_FACTOR_BYTES, blocks, collect, compare, differences, seed_of, stderr_share};
 use crate::Monitor;
 use crate::cell::SteadyCell;
 use crate::dimension::Dimension;
-use crate::dynamics::{SpaceRun, SpaceScheme, remembered, settings};
+use crate::dynamics::{SpaceRun, SpaceScheme, cache_key_settings, cached_run};
 use crate::error::SceneError;
 use crate::face::Strip;
 use crate::outcome::{LoadOutcome, Simulation, Statements, Status, SurfaceOutcome};
 use crate::scene::{Extent, Scene};
 use crate::space::SpaceLattice;
 
-/// Most blocks of a cell: its springs, which set the limit of the time step, take up to 4 GiB then.
+/// Maximum number of blocks of a cell: the springs, from which the step limit is computed, then take up to 4 GiB.
 const MAX_BLOCKS: f64 = 1e7;
-/// Most memory of a steady cell that tells of the size of blocks, in bytes: a second.
+/// Maximum memory of a steady cell for error estimates, in bytes; such a cell takes a second.
 pub const MAX_ESTIMATED_BYTES: f64 = 1e8;
-/// Columns along each axis of the flat layer whose largest eigenfrequency stands for that of any: even, so that they
-/// hold the shortest waves.
+/// Columns along each axis of the flat layer whose largest eigenfrequency represents every flat layer: even, so that
+/// the shortest waves fit.
 const FLAT_COLUMNS: usize = 8;
-/// Bytes a block of a warm start, which knows the displacements of all rows, as unknowns and as spectra.
+/// Memory per block of a warm start, in bytes: displacements of all rows, as unknowns and as spectra.
 const WARM_BYTES_PER_BLOCK: f64 = 500.0;
 
-/// A pattern in space, and its cavities as they are `laid` on a strip of a specimen, where it is one.
+/// A pattern in space, and the strip of a specimen with its cavities if there is one.
 #[derive(Clone, Copy)]
-pub struct Laid<'a> {
+pub struct StripLayout<'a> {
     pub pattern: &'a Pattern,
     pub strip: Option<&'a Strip>,
 }
 
-impl Laid<'_> {
-    /// The strip that `scene` asks for, of the cells `cell`; `None` where it asks for one cell.
-    fn on(self, scene: &Scene, cell: impl FnOnce() -> SpaceLattice) -> Option<SpaceStrip> {
+impl StripLayout<'_> {
+    /// Returns the strip that `scene` requests, made of the cells `cell`; `None` if it requests one cell.
+    fn strip(self, scene: &Scene, cell: impl FnOnce() -> SpaceLattice) -> Option<SpaceStrip> {
         (scene.run.extent == Extent::Strip).then(|| SpaceStrip::new(scene, self.pattern, &cell(), self.strip))
     }
 }
 
-/// Cavities' share of the face over that of a cell.
-fn share_of_cells(strip: Option<&SpaceStrip>) -> f64 {
-    strip.map_or(1.0, |strip| strip.of_cells)
+/// Cavity fraction of a strip over that of a cell; 1 without a strip.
+fn relative_cavity_share(strip: Option<&SpaceStrip>) -> f64 {
+    strip.map_or(1.0, |strip| strip.relative_cavity_share)
 }
 
-/// The same of the strip that `laid` is on.
-pub fn laid_share(scene: &Scene, laid: Laid) -> f64 {
-    let cell = || SteadyCell::solved(scene, Dimension::Space).space_lattice(laid.pattern, scene.layer.rows());
-    share_of_cells(laid.on(scene, cell).as_ref())
+/// Cavity fraction of the strip of `layout` over that of a cell; 1 without a strip.
+pub fn layout_share(scene: &Scene, layout: StripLayout) -> f64 {
+    let cell = || SteadyCell::with_dimension(scene, Dimension::Space).space_lattice(layout.pattern, scene.layer.rows());
+    relative_cavity_share(layout.strip(scene, cell).as_ref())
 }
 
-/// Steady sliding of the cell of `pattern`, or of a strip of the sample.
-pub fn steady(scene: &Scene, laid: Laid, monitor: &dyn Monitor) -> Result<Simulation, SceneError> {
-    let pattern = laid.pattern;
-    let model = SteadyCell::solved(scene, Dimension::Space);
-    let strip = laid.on(scene, || model.space_lattice(pattern, scene.layer.rows()));
+/// Simulates steady sliding of the cell of the pattern, or of a strip of the sample.
+pub fn steady(scene: &Scene, layout: StripLayout, monitor: &dyn Monitor) -> Result<Simulation, SceneError> {
+    let pattern = layout.pattern;
+    let model = SteadyCell::with_dimension(scene, Dimension::Space);
+    let strip = layout.strip(scene, || model.space_lattice(pattern, scene.layer.rows()));
     let mut loads = match &strip {
         None => steady_loads(scene, pattern, monitor)?,
         Some(strip) => space_strip::steady_loads(scene, strip, monitor)?,
@@ -70,44 +70,44 @@ pub fn steady(scene: &Scene, laid: Laid, monitor: &dyn Monitor) -> Result<Simula
         Some(_) => model.ratios_heeding(pattern, monitor),
     };
     let error = discretization_error(scene, pattern, &ratios, monitor);
-    blocks::state(&mut loads, error.as_deref(), share_of_cells(strip.as_ref()));
+    blocks::set_errors(&mut loads, error.as_deref(), relative_cavity_share(strip.as_ref()));
     monitor.advance(1.0);
     let [nx, ny] =
         strip.as_ref().map_or_else(|| model.columns(pattern).map(|columns| columns as usize), SpaceStrip::columns);
-    let why = why_space(scene, pattern);
-    let mut said = Statements::default();
-    said.model(describe_steady(scene));
-    said.method(strip.as_ref().map_or_else(|| PERIODIC_CELL.to_owned(), SpaceStrip::statement));
-    said.model.extend(strip.as_ref().and_then(|strip| strip.of_few_periods(pattern)));
-    said.method(format!(
+    let why = space_reason(scene, pattern);
+    let mut statements = Statements::default();
+    statements.model(describe_steady(scene));
+    statements.method(strip.as_ref().map_or_else(|| PERIODIC_CELL.to_owned(), SpaceStrip::statement));
+    statements.model.extend(strip.as_ref().and_then(|strip| strip.few_periods_statement(pattern)));
+    statements.method(format!(
         "three dimensions, {why}: {nx} x {ny} x {} blocks, nu = 1/4, friction against the drive",
         scene.layer.rows()
     ));
     if strip.is_none() {
-        said.method(
+        statements.method(
             "mean local coefficients: a periodic cell has no scatter to average; the flat surface slides at mu_d f(P)",
         );
     }
     if scene.speed_m_s == 0.0 {
-        said.model(SPEED_ZERO);
+        statements.model(SPEED_ZERO);
     }
     if !model.is_plain(pattern) {
-        said.method(STRETCHED_CELL);
+        statements.method(STRETCHED_CELL);
     }
-    describe_law(scene, &mut said);
-    Ok(Simulation { statements: said, loads })
+    describe_law(scene, &mut statements);
+    Ok(Simulation { statements, loads })
 }
 
-/// What every load finds, but for how far blocks are off.
+/// Outcomes of steady sliding by load, without discretization errors.
 pub fn steady_loads(scene: &Scene, pattern: &Pattern, monitor: &dyn Monitor) -> Result<Vec<LoadOutcome>, SceneError> {
-    let model = SteadyCell::solved(scene, Dimension::Space);
+    let model = SteadyCell::with_dimension(scene, Dimension::Space);
     let (bytes, most_bytes) = (model.bytes(pattern), MAX_FACTOR_BYTES);
     if bytes > most_bytes {
         return Err(SceneError::TooLarge { bytes, most_bytes });
     }
     let outcomes = scene.loads.iter().zip(model.solve_heeding(pattern, monitor));
     let compared = outcomes.map(|(load, outcome)| {
-        // A flat layer is uniform: it needs no solve.
+        // A flat layer is uniform and needs no solve.
         let flat = SurfaceOutcome {
             mu_dynamic: outcome.mu_flat.or((load.pressure_pa > 0.0).then_some(0.0)),
             peak_pressure_pa: load.pressure_pa,
@@ -127,8 +127,9 @@ pub fn steady_loads(scene: &Scene, pattern: &Pattern, monitor: &dyn Monitor) -> 
     Ok(compared.collect())
 }
 
-/// How far ratios `own` of steady cells in space are from those of vanishing blocks ([`blocks::block_error`]); nothing once
-/// `monitor` has cancelled. What a prediction has computed the run that confirms it recalls.
+/// Estimated differences of the ratios `own` of steady cells in space from the limit of vanishing blocks
+/// ([`blocks::block_error`]); `None` once `monitor` has cancelled. Results are cached, so that a run that confirms a
+/// prediction does not repeat them.
 fn discretization_error(
     scene: &Scene,
     pattern: &Pattern,
@@ -140,12 +141,12 @@ fn discretization_error(
     }
     let estimate = || {
         blocks::block_error(scene, own, |scene| {
-            let model = SteadyCell::solved(scene, Dimension::Space);
+            let model = SteadyCell::with_dimension(scene, Dimension::Space);
             (model.bytes(pattern) < MAX_ESTIMATED_BYTES && !monitor.cancelled())
                 .then(|| model.ratios_heeding(pattern, monitor))
         })
     };
-    let content = (SteadyCell::solved(scene, Dimension::Space), pattern, own);
+    let content = (SteadyCell::with_dimension(scene, Dimension::Space), pattern, own);
     let known = |bytes: &[u8]| {
         let errors = memory::from_bytes(bytes);
         (errors.len() == own.len()).then_some(Some(errors))
@@ -154,14 +155,15 @@ fn discretization_error(
     cached(monitor, ("blocks", &content), (known, kept), estimate)
 }
 
-/// Dynamic runs of the cell of `pattern`, or of a strip of the sample, and of a flat one.
-pub fn dynamic(scene: &Scene, laid: Laid, monitor: &dyn Monitor) -> Result<Simulation, SceneError> {
-    let pattern = laid.pattern;
+/// Dynamic runs of the cell of the pattern, or of a strip of the sample, and of a flat surface.
+pub fn dynamic(scene: &Scene, layout: StripLayout, monitor: &dyn Monitor) -> Result<Simulation, SceneError> {
+    let pattern = layout.pattern;
     let rows = scene.layer.rows();
     let [nx, ny] = SpaceLattice::columns_of(pattern, scene.layer.block_m);
-    // Grooves have no period along themselves: as many columns as across hold as many draws as squares do.
+    // Grooves have no period along their length: with as many columns along as across, a cell contains as many draws as
+    // a square cell.
     let along = if pattern.is_uniform_along_y() { nx } else { ny };
-    let cell = SteadyCell::solved(scene, Dimension::Space);
+    let cell = SteadyCell::with_dimension(scene, Dimension::Space);
     let blocks = match scene.run.extent {
         Extent::Cell | Extent::Sample => nx * along * rows as f64,
         Extent::Strip => scene.layer.columns() as f64 * nx.max(ny) * rows as f64,
@@ -175,7 +177,7 @@ pub fn dynamic(scene: &Scene, laid: Laid, monitor: &dyn Monitor) -> Result<Simul
     }
     let exact = cell.space_lattice(pattern, rows);
     let whole = exact.nearest_whole();
-    let strip = laid.on(scene, || whole.clone());
+    let strip = layout.strip(scene, || whole.clone());
     let [own, flat] = strip.as_ref().map_or_else(
         || {
             let own = if pattern.is_uniform_along_y() { whole.repeated_along_y(nx as usize) } else { whole.clone() };
@@ -212,29 +214,30 @@ pub fn dynamic(scene: &Scene, laid: Laid, monitor: &dyn Monitor) -> Result<Simul
                 seed: seed_of(scene, draw),
                 stderr_share: stderr_share(scene),
             };
-            let content = (settings(scene), run.load, run.lattice, run.direction, scheme, run.seed, run.stderr_share);
-            let mut outcome = remembered(monitor, &content, run.share, || run.run(monitor));
-            strip.iter().for_each(|strip| strip.turn_back(&mut outcome));
+            let content =
+                (cache_key_settings(scene), run.load, run.lattice, run.direction, scheme, run.seed, run.stderr_share);
+            let mut outcome = cached_run(monitor, &content, run.share, || run.run(monitor));
+            strip.iter().for_each(|strip| strip.to_pattern_axes(&mut outcome));
             outcome
         };
         (0..runs).into_par_iter().map(run).collect()
     };
     let (outcomes, drawn_ratios) = rayon::join(integrated, drawn_ratios);
-    let share = share_of_cells(strip.as_ref());
+    let share = relative_cavity_share(strip.as_ref());
     let mut loads = collect(scene, surfaces, outcomes, |load, draw, outcome| {
         // r = r_steady + (r_dynamic - r_steady of the same draw)
-        if let Some((steady, drawn)) = drawn_ratios.as_ref().and_then(|known| known.at(load, draw)) {
+        if let Some((steady, drawn)) = drawn_ratios.as_ref().and_then(|known| known.get(load, draw)) {
             outcome.ratio_time_change = outcome.ratio.map(|ratio| ratio - drawn);
             outcome.shift_ratio(steady - drawn);
         }
         outcome.shift_ratio(share * corrections[load]);
     });
-    blocks::state(&mut loads, error.as_deref(), share);
+    blocks::set_errors(&mut loads, error.as_deref(), share);
     let statements = statements(scene, pattern, &own, strip.as_ref(), scheme, (!is_whole).then_some(&whole));
     Ok(Simulation { statements, loads })
 }
 
-/// Steady ratio of the pattern itself less that of its nearest whole blocks, by load.
+/// Steady ratio of the pattern minus that of its nearest whole blocks, by load.
 fn corrections(
     cell: &SteadyCell,
     pattern: &Pattern,
@@ -256,40 +259,41 @@ fn statements(
     nearest: Option<&SpaceLattice>,
 ) -> Statements {
     let [nx, ny] = strip.map_or_else(|| own.columns(), SpaceStrip::columns);
-    let mut said = Statements::default();
-    said.method(format!(
+    let mut statements = Statements::default();
+    statements.method(format!(
         "dynamic: linear springs, leapfrog with implicit damping at {:.3} ns (limit {:.2} ns), damping {} sqrt(k/m) of the vertical plane",
         scheme.step_s * 1e9,
         scheme.limit_s * 1e9,
         scene.run.damping,
     ));
-    said.method(strip.map_or_else(|| PERIODIC_CELL.to_owned(), SpaceStrip::statement));
-    said.model.extend(strip.and_then(|strip| strip.of_few_periods(pattern)));
-    said.method(format!(
+    statements.method(strip.map_or_else(|| PERIODIC_CELL.to_owned(), SpaceStrip::statement));
+    statements.model.extend(strip.and_then(|strip| strip.few_periods_statement(pattern)));
+    statements.method(format!(
         "three dimensions, {}: {nx} x {ny} x {} blocks, nu = 1/4, friction a vector against the velocity",
-        why_space(scene, pattern),
+        space_reason(scene, pattern),
         scene.layer.rows(),
     ));
-    describe_protocol(scene, scheme.step_s, &mut said);
+    describe_protocol(scene, scheme.step_s, &mut statements);
     if pattern.is_uniform_along_y() && strip.is_none() {
-        said.method("grooves: as many columns along them as across, with coefficients of their own");
+        statements.method("grooves: as many columns along them as across, with coefficients of their own");
     }
     if scene.run.draws == 1 {
-        said.method("one draw of the local coefficients: standard errors are those within the run, not between draws");
+        statements
+            .method("one draw of the local coefficients: standard errors are those within the run, not between draws");
     }
-    describe_draws(scene, &mut said);
-    describe_start(scene, if strip.is_some() { "strip" } else { "cell" }, &mut said);
+    describe_draws(scene, &mut statements);
+    describe_start(scene, if strip.is_some() { "strip" } else { "cell" }, &mut statements);
     if let Some(nearest) = nearest {
         let [nx, ny] = nearest.columns();
         let share = 1.0 - (0..nx * ny).map(|n| nearest.contact_share(n % nx, n / nx)).sum::<f64>() / (nx * ny) as f64;
-        said.method(format!(
+        statements.method(format!(
             "nearest whole blocks ({nx} x {ny} columns, {:.2} % cavity, {:.0} rows deep) plus the steady difference of the ratio to the pattern itself; mu_static and the interface are those of the whole blocks",
             100.0 * share,
             nearest.depth(),
         ));
     }
-    describe_law(scene, &mut said);
-    said
+    describe_law(scene, &mut statements);
+    statements
 }
 
 #[cfg(test)]
@@ -303,7 +307,7 @@ mod tests {
     use crate::scene::{Fidelity, Layer, Load, RunOptions};
     use crate::simulate;
 
-    /// A warm dynamic run of squares `width_um` wide, 120 um apart from centre to centre, in a layer of 60 um.
+    /// A warm dynamic run of squares `width_um` wide with a pitch of 120 um in a layer of 60 um.
     fn scene(width_um: f64, friction: LocalFriction) -> Scene {
         let run =
             RunOptions { fidelity: Fidelity::Dynamic, sliding_m: 0.3e-6, warm_start: true, ..RunOptions::default() };
@@ -335,7 +339,7 @@ mod tests {
         let (ratio, expected) = (load.ratio.unwrap(), steady.ratio.unwrap());
         assert!((ratio - expected).abs() < 0.006, "{ratio} {expected}");
         assert_eq!(load.ratio_discretization_error, steady.ratio_discretization_error);
-        // Micro-stick-slip lies above steady sliding.
+        // Micro-stick-slip raises friction above steady sliding.
         let excess = flat.mu_dynamic.unwrap() / steady.flat.unwrap().mu_dynamic.unwrap() - 1.0;
         assert!(excess > 0.0 && excess < 0.05, "{excess}");
     }
@@ -378,7 +382,7 @@ mod tests {
             .collect();
         let load = &both.loads[0];
         assert!((load.ratio.unwrap() - (ratios[0] + ratios[1]) / 2.0).abs() < 1e-15);
-        // The standard error of two is half their difference, or more.
+        // The standard error of two runs is at least half their difference.
         assert!(load.ratio_stderr.unwrap() >= (ratios[0] - ratios[1]).abs() / 2.0 - 1e-15);
     }
 

@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use slipgrid_pattern::Pattern;
 
 use super::drawn_ratios::{model_of, solve_drawn};
-use super::specimen::least_wall_m;
+use super::specimen::min_wall_m;
 use super::statements::few_periods;
 use super::{MAX_FACTOR_BYTES, compare, steady_coefficients};
 use crate::Monitor;
@@ -16,94 +16,94 @@ use crate::outcome::{LoadOutcome, SurfaceOutcome};
 use crate::scene::Scene;
 use crate::space::SpaceLattice;
 
-/// Prime factors of the number of lines, with those that are cut away, that Fourier transforms are quick with.
+/// Prime factors for which Fourier transforms are fast; the number of lines including the gap has no others.
 const FACTORS: [usize; 6] = [2, 3, 5, 7, 11, 13];
-/// Share of the width of the widest cavity from which one is whole.
-const WHOLE: f64 = 1.0 - 1e-6;
-/// Bytes a block of a steady solution: displacements of all rows, spectra, and directions that are kept.
+/// Minimum width of a whole cavity relative to the widest one.
+const WHOLE_CAVITY: f64 = 1.0 - 1e-6;
+/// Memory per block of a steady solution, in bytes: displacements of all rows, spectra, and stored directions.
 pub const BYTES_PER_BLOCK: f64 = 800.0;
 
-/// A strip and its flat companion, along y of their lattices.
+/// A strip and its flat counterpart, along y of their lattices.
 pub struct SpaceStrip {
-    /// With cavities, and flat.
+    /// Lattice with cavities, and flat lattice.
     pub lattices: [SpaceLattice; 2],
     /// Unit vector of the sliding direction in the axes of the lattices.
     pub direction: [f64; 2],
     /// Whether y of the lattices is x of the pattern.
-    is_turned: bool,
-    /// Periods that it is long, where it has cavities from end to end.
+    is_transposed: bool,
+    /// Length in periods, if the strip has cavities from end to end.
     periods: Option<f64>,
-    /// Share of its face that is cavity over that of its cells.
-    pub of_cells: f64,
+    /// Cavity fraction of the strip over that of its cells.
+    pub relative_cavity_share: f64,
 }
 
 impl SpaceStrip {
-    /// That of `scene` over `pattern`, whose `cell` it repeats from where `laid` has its cavities to where they end. Without, it begins with a
-    /// cell, as its lattice does, and clips what the last one leaves over.
+    /// Creates the strip of `scene` with `pattern`, which repeats `cell` over the length of the cavities of `layout`.
+    /// Without a layout the strip begins with a cell like its lattice, and the last cell is cut off.
     #[must_use]
-    pub fn new(scene: &Scene, pattern: &Pattern, cell: &SpaceLattice, laid: Option<&Strip>) -> Self {
+    pub fn new(scene: &Scene, pattern: &Pattern, cell: &SpaceLattice, layout: Option<&Strip>) -> Self {
         let [along_x, along_y] = pattern.sliding_direction();
-        let is_turned = pattern.texture().slides_along_rows();
-        let direction = [0.0, if is_turned { along_x.signum() } else { along_y.signum() }];
-        let cell = if is_turned { cell.transposed() } else { cell.clone() };
+        let is_transposed = pattern.texture().slides_along_rows();
+        let direction = [0.0, if is_transposed { along_x.signum() } else { along_y.signum() }];
+        let cell = if is_transposed { cell.transposed() } else { cell.clone() };
         let [_, period] = cell.columns();
         // Validated to be at least one block; the cast is exact.
         let spacing = cell.spacing()[1];
         let lines = (scene.layer.columns() as f64 / spacing).round().max(1.0) as usize;
         let gap = gap_after(lines);
-        let own = match laid {
+        let own = match layout {
             None => cell.strip_along_y(lines, gap, |line| Some(line % period)),
-            Some(laid) => {
+            Some(layout) => {
                 let line_m = spacing * scene.layer.block_m;
-                let textured = Textured::new(laid, line_m, &cell);
-                // Of a wall at an end that is too slender the cavity beside it takes the place.
-                let slender = (least_wall_m(pattern.depth_m(), scene.layer.block_m) / line_m).ceil() as usize;
-                let walls = textured.walls(lines).map(|wall| wall.filter(|wall| *wall < slender).unwrap_or(0));
-                // Of a strip that is nothing but walls nothing is left out.
+                let cell_lines = CellLines::new(layout, line_m, &cell);
+                // If a wall at an end is too slender, the adjacent cavity replaces it.
+                let slender = (min_wall_m(pattern.depth_m(), scene.layer.block_m) / line_m).ceil() as usize;
+                let walls = cell_lines.walls(lines).map(|wall| wall.filter(|wall| *wall < slender).unwrap_or(0));
+                // A strip that consists of walls only is kept.
                 let [first, last] = if walls[0] + walls[1] < lines { walls } else { [0; 2] };
-                cell.strip_along_y(lines, gap, |line| textured.line_of_cell(line.clamp(first, lines - 1 - last)))
+                cell.strip_along_y(lines, gap, |line| cell_lines.line_of_cell(line.clamp(first, lines - 1 - last)))
             }
         };
-        // Cavities narrower than half a block are none in whole blocks.
+        // In whole blocks, cavities narrower than half a block vanish.
         let of_cell = cavity_share(&cell);
-        let of_cells = if of_cell > 0.0 { cavity_share(&own) / of_cell } else { 1.0 };
+        let relative_cavity_share = if of_cell > 0.0 { cavity_share(&own) / of_cell } else { 1.0 };
         let flat = cell.strip_along_y(lines, gap, |_| None);
-        // The cell may hold several.
-        let cell_m = pattern.cell_m()[usize::from(!is_turned)];
+        // The cell may contain several periods.
+        let cell_m = pattern.cell_m()[usize::from(!is_transposed)];
         Self {
             lattices: [own, flat],
             direction,
-            is_turned,
-            periods: laid.is_none().then_some(scene.layer.length_m / cell_m),
-            of_cells,
+            is_transposed,
+            periods: layout.is_none().then_some(scene.layer.length_m / cell_m),
+            relative_cavity_share,
         }
     }
 
-    /// Puts what was found on a lattice into the axes of the pattern.
-    pub fn turn_back(&self, outcome: &mut SurfaceOutcome) {
-        if !self.is_turned {
+    /// Converts an outcome on a lattice to the axes of the pattern.
+    pub fn to_pattern_axes(&self, outcome: &mut SurfaceOutcome) {
+        if !self.is_transposed {
             return;
         }
         for point in &mut outcome.interface {
             std::mem::swap(&mut point.x_m, &mut point.y_m);
         }
         outcome.interface.sort_by(|a, b| a.y_m.total_cmp(&b.y_m).then(a.x_m.total_cmp(&b.x_m)));
-        // What is to the left of the sliding direction is to the right of it in the mirror.
+        // Mirroring exchanges left and right of the sliding direction.
         outcome.mu_across = outcome.mu_across.map(|across| -across);
     }
 
-    /// That its cavities take another share than those of a period of `pattern`, where they do.
-    pub fn of_few_periods(&self, pattern: &Pattern) -> Option<String> {
+    /// Statement that the cavity fraction differs from that of a period of `pattern`, if it does.
+    pub fn few_periods_statement(&self, pattern: &Pattern) -> Option<String> {
         few_periods(self.periods?, cavity_share(&self.lattices[0]), pattern.areal_density())
     }
 
-    /// Columns along the sliding direction and across it.
+    /// Number of columns along the sliding direction and across it.
     pub fn columns(&self) -> [usize; 2] {
         let [across, _] = self.lattices[0].columns();
         [self.lattices[0].face_columns() / across, across]
     }
 
-    /// What is said of it.
+    /// Statement on the strip.
     pub fn statement(&self) -> String {
         let [along, across] = self.columns();
         format!(
@@ -112,66 +112,68 @@ impl SpaceStrip {
     }
 }
 
-/// Share of the face of `lattice` that is cavity.
+/// Area fraction of cavities on the face of `lattice`.
 fn cavity_share(lattice: &SpaceLattice) -> f64 {
     let [nx, ny] = lattice.columns();
     let bears = (0..nx * ny).map(|column| lattice.contact_share(column % nx, column / nx)).sum::<f64>();
     1.0 - bears / lattice.face_columns() as f64
 }
 
-/// Which lines of a strip are those of cells.
-struct Textured {
-    /// The first line of a cell.
+/// Assignment of the lines of a strip to lines of cells.
+struct CellLines {
+    /// First line of a cell.
     first: isize,
-    /// The lines that are textured.
+    /// Lines that belong to cells.
     lines: Range<isize>,
-    /// Lines of a cell.
+    /// Number of lines of a cell.
     period: isize,
-    /// Lines of a cell before its first cavity and behind its last one.
+    /// Number of lines of a cell before its first cavity and after its last one.
     lands: [isize; 2],
 }
 
-impl Textured {
-    /// Those of `laid` in lines of `line_m`: as many cells as it has whole cavities, about the middle of these, so that cells of another length
-    /// than the period leave out none; up to an end that cuts a cavity, and nothing without any.
-    fn new(laid: &Strip, line_m: f64, cell: &SpaceLattice) -> Self {
+impl CellLines {
+    /// Assigns the lines of the strip `layout`, with lines of `line_m`: as many cells as the strip has whole cavities,
+    /// centred on these, so that a cell whose length differs from the period loses no cavity. Cells continue up to an
+    /// end that cuts a cavity. There are none without cavities.
+    fn new(layout: &Strip, line_m: f64, cell: &SpaceLattice) -> Self {
         let [nx, ny] = cell.columns();
         let mut of_cavities = (0..ny).filter(|j| (0..nx).any(|i| cell.is_cavity(i, *j)));
         let ends = of_cavities.next().map(|before| (before, of_cavities.next_back().unwrap_or(before)));
-        // Strips are at most 1e7 lines long: casts are exact.
+        // Strips have at most 1e7 lines: the casts are exact.
         let period = ny as isize;
         let lands = ends.map_or([0; 2], |(first, last)| [first as isize, (ny - 1 - last) as isize]);
-        let widest_m = laid.cavities_m.iter().map(|[start_m, end_m]| end_m - start_m).fold(0.0, f64::max);
-        let mut whole = laid.cavities_m.iter().filter(|[start_m, end_m]| end_m - start_m > WHOLE * widest_m);
+        let widest_m = layout.cavities_m.iter().map(|[start_m, end_m]| end_m - start_m).fold(0.0, f64::max);
+        let mut whole = layout.cavities_m.iter().filter(|[start_m, end_m]| end_m - start_m > WHOLE_CAVITY * widest_m);
         let count = whole.clone().count() as isize;
-        let (Some(start), Some(end)) = (whole.clone().next(), whole.next_back().or(laid.cavities_m.first())) else {
+        let (Some(start), Some(end)) = (whole.clone().next(), whole.next_back().or(layout.cavities_m.first())) else {
             return Self { first: 0, lines: 0..0, period, lands };
         };
         let middle = f64::midpoint(start[0], end[1]) / line_m;
         let first = (middle - 0.5 * (count * period) as f64).round() as isize;
-        let is_cut = [laid.cavities_m.first() != Some(start), laid.cavities_m.last() != Some(end)];
+        let is_cut = [layout.cavities_m.first() != Some(start), layout.cavities_m.last() != Some(end)];
         let from = if is_cut[0] { isize::MIN } else { first };
         let to = if is_cut[1] { isize::MAX } else { first + count * period };
         Self { first, lines: from..to, period, lands }
     }
 
-    /// Lines of land between the ends of a strip of `lines` and the cavities next to them; `None` at an end that cuts a cavity.
+    /// Lines of land between the ends of a strip of `lines` and the adjacent cavities; `None` at an end that cuts a
+    /// cavity.
     fn walls(&self, lines: usize) -> [Option<usize>; 2] {
         let Range { start, end } = self.lines;
         let before = (start > isize::MIN).then(|| start + self.lands[0]);
-        let behind = (end < isize::MAX).then(|| lines as isize - end + self.lands[1]);
-        // Less than none is none.
-        [before, behind].map(|wall| wall.and_then(|wall| usize::try_from(wall).ok()))
+        let after = (end < isize::MAX).then(|| lines as isize - end + self.lands[1]);
+        // A negative number counts as no wall.
+        [before, after].map(|wall| wall.and_then(|wall| usize::try_from(wall).ok()))
     }
 
-    /// The line of the cell that `line` is; `None` of land beyond.
+    /// Returns the line of the cell to which `line` belongs; `None` for land beyond the cells.
     fn line_of_cell(&self, line: usize) -> Option<usize> {
         let line = line as isize;
         self.lines.contains(&line).then(|| (line - self.first).rem_euclid(self.period) as usize)
     }
 }
 
-/// Lines that are cut away behind `lines`: at least one, and as many as make a number that transforms are quick with.
+/// Number of lines to remove after `lines`: at least one, and such that Fourier transforms of the total are fast.
 pub fn gap_after(lines: usize) -> usize {
     let is_quick = |mut count: usize| {
         for factor in FACTORS {
@@ -184,10 +186,10 @@ pub fn gap_after(lines: usize) -> usize {
     (1..).find(|gap| is_quick(lines + gap)).unwrap_or(1)
 }
 
-/// Steady sliding of the strip of `scene` over `pattern`, and of the flat one, with the local coefficients that are drawn.
+/// Solves steady sliding of the strip and its flat counterpart, with the local coefficients that are drawn.
 ///
 /// # Errors
-/// [`SceneError::TooLarge`].
+/// [`SceneError::TooLarge`] if the equations do not fit in memory.
 pub fn steady_loads(scene: &Scene, strip: &SpaceStrip, monitor: &dyn Monitor) -> Result<Vec<LoadOutcome>, SceneError> {
     let bytes: f64 = strip.lattices.iter().map(steady_bytes).sum();
     if bytes > MAX_FACTOR_BYTES {
@@ -197,20 +199,19 @@ pub fn steady_loads(scene: &Scene, strip: &SpaceStrip, monitor: &dyn Monitor) ->
         strip.lattices.par_iter().map(|lattice| solve(scene, lattice, strip.direction, monitor)).collect();
     let [own, flat] = <[_; 2]>::try_from(solved).unwrap_or_default();
     let each = scene.loads.iter().zip(own.into_iter().zip(flat)).map(|(load, (mut own, mut flat))| {
-        strip.turn_back(&mut own);
-        strip.turn_back(&mut flat);
+        strip.to_pattern_axes(&mut own);
+        strip.to_pattern_axes(&mut flat);
         compare(load, own, Some(flat))
     });
     Ok(each.collect())
 }
 
-/// Memory of a steady solution on `lattice`, in bytes.
 fn steady_bytes(lattice: &SpaceLattice) -> f64 {
     let [nx, ny] = lattice.columns();
     (nx * ny * (lattice.rows() + 1)) as f64 * BYTES_PER_BLOCK
 }
 
-/// Steady sliding on `lattice` at each load, with the coefficients that are drawn.
+/// Solves steady sliding on `lattice` at each load, with the local coefficients that are drawn.
 fn solve(scene: &Scene, lattice: &SpaceLattice, direction: [f64; 2], monitor: &dyn Monitor) -> Vec<SurfaceOutcome> {
     let [nx, ny] = lattice.columns();
     let drawn = scene.loads.iter().map(|load| steady_coefficients(scene, load, nx * ny)).collect();
@@ -240,7 +241,7 @@ mod tests {
         Scene { layer: Layer { length_m: 960e-6, height_m: 60e-6, ..scene.layer }, ..scene }
     }
 
-    /// Plane strain at nu = 1/4 is plane stress at 1/3 with other moduli, which steady ratios do not hang on.
+    /// Plane strain at nu = 1/4 is plane stress at 1/3 with other moduli, on which steady ratios do not depend.
     #[test]
     fn a_strip_of_grooves_slides_steadily_as_it_does_in_the_plane() {
         let pattern = samples::groove(60.0, 90.0, 20.0);
@@ -263,12 +264,12 @@ mod tests {
         assert!(space.statements.method.iter().any(|line| line.starts_with("strip: 96 columns")));
     }
 
-    /// With cavities and flat.
+    /// Outcomes with cavities and flat.
     fn surfaces(load: &LoadOutcome) -> impl Iterator<Item = &SurfaceOutcome> {
         std::iter::once(&load.surface).chain(&load.flat)
     }
 
-    /// C11 = 6/5 E in space and 9/8 E in the plane.
+    /// C11 is 6/5 E in space and 9/8 E in the plane.
     #[test]
     fn a_strip_of_grooves_in_time_is_that_of_the_plane() {
         let pattern = samples::groove(60.0, 90.0, 20.0);
@@ -281,16 +282,17 @@ mod tests {
             scene.run.step_s = Some(4e-9);
             if dimensions == 2 {
                 scene.elastic = Elastic::new(samples::E_PA * 1.2 / 1.125, 900.0).unwrap();
-                // The same damping in 1/s.
+                // The damping rate in 1/s is the same.
                 scene.run.damping *= (1.125_f64 / 1.2).sqrt();
             }
             simulate(&scene, &Unwatched).unwrap().loads
         };
-        // From rest all the way, by the same steps; from sliding deviations are in single precision, which rounds otherwise.
+        // From rest the steps are the same throughout; deviations from sliding are in single precision, with other
+        // rounding.
         for (space, plane) in run(3, false).iter().zip(&run(2, false)) {
             for (own, plane) in surfaces(space).zip(surfaces(plane)) {
                 assert_eq!(own.status, plane.status);
-                // What was drawn is taken out of mu in space.
+                // In space the effect of the draw is removed from mu.
                 let mu = |surface: &SurfaceOutcome| {
                     let sum = |of: fn(&InterfacePoint) -> f64| surface.interface.iter().map(of).sum::<f64>();
                     sum(|point| point.friction_pa) / sum(|point| point.pressure_pa)
@@ -357,7 +359,7 @@ mod tests {
         for (place, strip) in strip.iter().enumerate() {
             let added = strip.ratio_time_change.unwrap();
             for cell in cells.iter().map(|loads| &loads[place]) {
-                // What time adds is beside the steady ratio of the mean coefficients, whatever was drawn.
+                // The change by time is relative to the steady ratio of mean coefficients, for any draw.
                 let own = cell.ratio_time_change.unwrap();
                 assert!((cell.ratio.unwrap() - steady[place].unwrap() - own).abs() < 1e-9, "{cell:?}");
                 let open = cell.ratio_stderr.unwrap().hypot(strip.ratio_stderr.unwrap());
@@ -371,32 +373,32 @@ mod tests {
         let scene = scene(samples::pattern(Planform::Square, 60.0, 60.0, 20.0), 3, Fidelity::Steady);
         let pattern = scene.pattern.unwrap();
         let cell = SpaceLattice::cell(&pattern, 10e-6, 6);
-        let laid = |lines: usize, cavities_um: &[[f64; 2]]| {
+        let layout = |lines: usize, cavities_um: &[[f64; 2]]| {
             let cavities_m = cavities_um.iter().map(|ends| ends.map(|at| at * 1e-6)).collect();
             let length_m = lines as f64 * 10e-6;
             let strip = Strip { band: 0, width_m: 1e-3, length_m, cavities_m };
             let scene = Scene { layer: Layer { length_m, ..scene.layer }, ..scene.clone() };
             let found = SpaceStrip::new(&scene, &pattern, &cell, Some(&strip));
             let lattice = &found.lattices[0];
-            // Lines that hold a cavity.
+            // Lines with cavities.
             let lines: Vec<usize> = (0..lines).filter(|j| (0..12).any(|i| lattice.is_cavity(i, *j))).collect();
-            (lines, found.of_cells)
+            (lines, found.relative_cavity_share)
         };
         let whole = |from: usize, to: usize| (from..to).collect::<Vec<usize>>();
-        // Margins of 50 and of 70 um.
-        let (lines, of_cells) = laid(30, &[[50.0, 110.0], [170.0, 230.0]]);
+        // Margins of 50 and 70 um.
+        let (lines, relative_cavity_share) = layout(30, &[[50.0, 110.0], [170.0, 230.0]]);
         assert_eq!(lines, [whole(5, 11), whole(17, 23)].concat());
-        assert!((of_cells - 24.0 / 30.0).abs() < 1e-12);
-        // A wall of one block in front of a cavity two blocks deep is left out, at either end.
-        assert_eq!(laid(30, &[[10.0, 70.0], [130.0, 190.0]]).0, [whole(0, 7), whole(13, 19)].concat());
-        assert_eq!(laid(20, &[[10.0, 70.0], [130.0, 190.0]]).0, [whole(0, 7), whole(13, 20)].concat());
-        // The border cuts the first cavity; nothing is between the ends of a strip of two blocks.
+        assert!((relative_cavity_share - 24.0 / 30.0).abs() < 1e-12);
+        // A wall of one block in front of a cavity two blocks deep is removed, at either end.
+        assert_eq!(layout(30, &[[10.0, 70.0], [130.0, 190.0]]).0, [whole(0, 7), whole(13, 19)].concat());
+        assert_eq!(layout(20, &[[10.0, 70.0], [130.0, 190.0]]).0, [whole(0, 7), whole(13, 20)].concat());
+        // The border cuts the first cavity; a strip of two blocks has nothing between its ends.
         assert_eq!(
-            laid(30, &[[0.0, 30.0], [90.0, 150.0], [210.0, 270.0]]).0,
+            layout(30, &[[0.0, 30.0], [90.0, 150.0], [210.0, 270.0]]).0,
             [whole(0, 3), whole(9, 15), whole(21, 27)].concat()
         );
-        assert_eq!(laid(2, &[[10.0, 20.0]]), (whole(0, 2), 2.0));
-        assert_eq!(laid(5, &[]), (Vec::new(), 0.0));
+        assert_eq!(layout(2, &[[10.0, 20.0]]), (whole(0, 2), 2.0));
+        assert_eq!(layout(5, &[]), (Vec::new(), 0.0));
     }
 
     #[test]

@@ -1,4 +1,4 @@
-//! What is said of a simulation: what was modelled and why, one statement each.
+//! Statements on a simulation: what was modelled and why.
 
 use slipgrid_pattern::Pattern;
 
@@ -7,20 +7,21 @@ use crate::dynamics::{MAX_STEPS, Plan, Scheme};
 use crate::outcome::Statements;
 use crate::scene::{Extent, Scene};
 
-/// What time adds to a steady ratio at mm/s over the share of cavities, about: 0.7 to 2.2 % on eight grooves at three loads,
-/// most at light loads and in shallow cavities (`what_time_adds_to_ratios` of the validation tests).
-const ADDED_BY_TIME: f64 = 0.015;
+/// Typical change of the ratio from steady to dynamic sliding at mm/s over the cavity fraction: 0.7 to 2.2 % on eight
+/// grooves at three loads, largest at light loads and in shallow cavities (`what_time_adds_to_ratios` of the validation
+/// tests).
+const TIME_CHANGE: f64 = 0.015;
 
-/// Said of cells.
+/// Statement on cells.
 pub const PERIODIC_CELL: &str = "cell: one period with periodic sides, as nothing asked for depends on the ends";
-/// Said of steady runs at no speed.
+/// Statement on steady runs at zero speed.
 pub const SPEED_ZERO: &str = "speed 0: the limit of vanishing speed, in which every contact block still slides";
-/// Said of cells off the lattice.
+/// Statement on cells that are not whole blocks.
 pub const STRETCHED_CELL: &str = "dimensions that are no whole blocks: the cell in whole columns stretched to fit, edges and depth blended between blocks";
 
 pub fn describe_steady(scene: &Scene) -> String {
     let ratio = scene.pattern.as_ref().map_or_else(String::new, |pattern| {
-        let percent = 100.0 * ADDED_BY_TIME * pattern.areal_density();
+        let percent = 100.0 * TIME_CHANGE * pattern.areal_density();
         format!(" and a ratio higher by about {percent:.1} %, which a run in time decides")
     });
     format!(
@@ -28,8 +29,8 @@ pub fn describe_steady(scene: &Scene) -> String {
     )
 }
 
-/// Why `pattern` is solved in space.
-pub fn why_space(scene: &Scene, pattern: &Pattern) -> String {
+/// Reason why `pattern` is solved in space.
+pub fn space_reason(scene: &Scene, pattern: &Pattern) -> String {
     if scene.run.dimensions == Some(3) {
         return "as asked for".to_owned();
     }
@@ -49,32 +50,32 @@ pub fn describe_scheme(scene: &Scene, scheme: &Scheme) -> String {
     )
 }
 
-/// What is said of runs that are not begun, and of a bulk at rest.
-pub fn describe_protocol(scene: &Scene, step_s: f64, said: &mut Statements) {
+/// Adds statements on refused runs and on a bulk at rest.
+pub fn describe_protocol(scene: &Scene, step_s: f64, statements: &mut Statements) {
     let steps = Plan::new(scene, step_s).total();
     if steps > MAX_STEPS {
-        said.model(format!(
+        statements.model(format!(
             "not run: {:.3e} m of travel at {:.3e} m/s would take {steps:.1e} steps, more than {MAX_STEPS:.0e}; travel less, slide faster, or ask for steady",
             scene.run.sliding_m, scene.speed_m_s,
         ));
     }
     if scene.speed_m_s == 0.0 {
-        said.model("speed 0: the bulk stays where it is; 20 us of rest are simulated");
+        statements.model("speed 0: the bulk stays where it is; 20 us of rest are simulated");
     }
 }
 
-/// How a run that does not begin at rest begins: `body` is what is sheared.
-pub fn describe_start(scene: &Scene, body: &str, said: &mut Statements) {
+/// Adds a statement on the start of a warm run; `body` names the sheared body.
+pub fn describe_start(scene: &Scene, body: &str, statements: &mut Statements) {
     if scene.run.warm_start {
-        said.method(format!(
+        statements.method(format!(
             "warm start: the {body} sheared as in sliding, every block at rest at a random moment of its stick-slip; no ramp, no static friction"
         ));
     }
 }
 
-pub fn describe_draws(scene: &Scene, said: &mut Statements) {
+pub fn describe_draws(scene: &Scene, statements: &mut Statements) {
     if scene.run.draws > 1 {
-        said.method(format!(
+        statements.method(format!(
             "mean of {} draws of the local coefficients, seeds from {}; standard errors from their scatter, or from \
              within the runs where that gives more",
             scene.run.draws, scene.run.seed
@@ -82,32 +83,33 @@ pub fn describe_draws(scene: &Scene, said: &mut Statements) {
     }
 }
 
-pub fn describe_extent(scene: &Scene, said: &mut Statements) {
+pub fn describe_extent(scene: &Scene, statements: &mut Statements) {
     let what = match scene.run.extent {
         Extent::Cell => PERIODIC_CELL,
         Extent::Sample | Extent::Strip => "sample: the whole specimen with free sides",
     };
-    said.method(what);
-    said.model.extend(describe_periods(scene));
+    statements.method(what);
+    statements.model.extend(describe_periods(scene));
     let asked = match &scene.pattern {
         Some(pattern) if !pattern.texture().is_one_section() && scene.run.dimensions == Some(2) => ", as asked for",
         _ => "",
     };
-    said.method(format!(
+    statements.method(format!(
         "two dimensions: the vertical plane along the sliding direction, plane stress, nu = 1/3{asked}{}",
         modulus_of_heights(scene)
     ));
 }
 
-/// By which modulus heights of the face press in the plane; nothing where it has none.
+/// Statement on the modulus for face heights in the plane; empty for a flat face.
 pub fn modulus_of_heights(scene: &Scene) -> &'static str {
     if scene.is_raised() { "; rims and heights press as in plane strain, E / (1 - nu^2) at nu = 1/4" } else { "" }
 }
 
-/// Difference between the shares of cavities of specimen and pattern from which it is said: a ratio moves by about as much.
-const SHARE_TO_TELL: f64 = 0.01;
+/// Minimum difference between the cavity fractions of specimen and pattern for a statement: the ratio changes by about
+/// as much.
+const MIN_STATED_DIFFERENCE: f64 = 0.01;
 
-/// That a specimen of few periods is not the pattern, where its cavities take another share.
+/// Statement on a specimen of few periods whose cavity fraction differs from that of the pattern.
 fn describe_periods(scene: &Scene) -> Option<String> {
     let pattern = scene.pattern.as_ref().filter(|_| scene.run.extent.has_ends())?;
     let columns = columns::sample(pattern, scene.layer.block_m, scene.layer.columns());
@@ -116,9 +118,9 @@ fn describe_periods(scene: &Scene) -> Option<String> {
     few_periods(scene.layer.length_m / pattern.pitch_m(), share, pattern.section_density())
 }
 
-/// That a specimen of `periods` whose cavities take `share` of it is not the pattern, whose period's take `own`.
+/// Statement on a specimen of `periods` periods with the cavity fraction `share`, if that of a period, `own`, differs.
 pub fn few_periods(periods: f64, share: f64, own: f64) -> Option<String> {
-    ((share - own).abs() > SHARE_TO_TELL).then(|| {
+    ((share - own).abs() > MIN_STATED_DIFFERENCE).then(|| {
         format!(
             "the specimen holds {periods:.1} periods, no whole number of them: cavities take {:.1} % of its length, {:.1} % of a period; its \
              ratio is its own, not that of many periods",
@@ -128,13 +130,13 @@ pub fn few_periods(periods: f64, share: f64, own: f64) -> Option<String> {
     })
 }
 
-pub fn describe_law(scene: &Scene, said: &mut Statements) {
+pub fn describe_law(scene: &Scene, statements: &mut Statements) {
     match &scene.area_law {
-        Some(_) => said.method("area law: f = 1 up to its first pressure, the line through the origin above it"),
-        None => said.model("no area law: Amontons-Coulomb friction"),
+        Some(_) => statements.method("area law: f = 1 up to its first pressure, the line through the origin above it"),
+        None => statements.model("no area law: Amontons-Coulomb friction"),
     }
     if scene.run.liftoff {
-        said.method("unilateral contact: blocks under tension leave the counterface");
+        statements.method("unilateral contact: blocks under tension leave the counterface");
     }
 }
 
@@ -146,7 +148,7 @@ mod tests {
 
     #[test]
     fn a_specimen_of_few_periods_says_that_it_is_not_the_pattern() {
-        let said = |length_m: f64, extent: Extent| {
+        let statements = |length_m: f64, extent: Extent| {
             let run = RunOptions { extent, ..RunOptions::default() };
             let scene = samples::scene(samples::groove(100.0, 300.0, 20.0), &[1.0], run);
             let layer = Layer { length_m, height_m: 50e-6, ..scene.layer };
@@ -155,9 +157,9 @@ mod tests {
             model.into_iter().find(|statement| statement.contains("periods"))
         };
         // 150 um of land, 100 of cavity, 300 of land, 90 of cavity: 190 of 640.
-        let told = said(640e-6, Extent::Sample).unwrap();
+        let told = statements(640e-6, Extent::Sample).unwrap();
         assert!(told.contains("1.6 periods") && told.contains("29.7 % of its length, 25.0 % of a period"), "{told}");
-        assert_eq!(said(800e-6, Extent::Sample), None);
-        assert_eq!(said(640e-6, Extent::Cell), None);
+        assert_eq!(statements(800e-6, Extent::Sample), None);
+        assert_eq!(statements(640e-6, Extent::Cell), None);
     }
 }

@@ -1,4 +1,4 @@
-//! Pressures against closed forms, and contact that may open.
+//! Pressures compared with closed forms, and contact that may open.
 
 use std::f64::consts::PI;
 
@@ -12,7 +12,8 @@ use crate::outcome::Status;
 use crate::samples::{E_PA, pattern, persson_law};
 use crate::steady::{SteadyLoad, SteadyModel};
 
-/// Frictionless contact of a layer of cubes that touches where `touches` says; pressures by column, over the load's.
+/// Frictionless contact of a layer of cubes that touches where `touches` is true; pressures by column over the nominal
+/// pressure.
 fn frictionless(columns: [usize; 2], rows: usize, touches: impl Fn(usize, usize) -> bool) -> Vec<f64> {
     let coverage = (0..columns[0] * columns[1])
         .map(|column| if touches(column % columns[0], column / columns[0]) { 0.0 } else { 1.0 })
@@ -29,14 +30,14 @@ fn frictionless(columns: [usize; 2], rows: usize, touches: impl Fn(usize, usize)
 }
 
 /// Collinear slits of width 2a at pitch W in a deep body:
-/// p = P sin(pi x / W) / sqrt(sin^2(pi x / W) - sin^2(pi a / W)), x from a slit's centre.
+/// p = P sin(pi x / W) / sqrt(sin^2(pi x / W) - sin^2(pi a / W)), x from the centre of a slit.
 #[test]
 fn pressure_between_slits_of_a_deep_body_converges_to_the_closed_form() {
     let error = |refine: usize| {
         let (pitch, width) = (24 * refine, 8 * refine);
         let w = pitch as f64;
         let pressure = frictionless([pitch, 1], 36 * refine, |i, _| i >= width);
-        // Away from the singular edges: the middle half of the land.
+        // The middle half of the land is away from the singular edges.
         let middle = (0..pitch).map(|i| (i as f64 + 0.5 - 0.5 * width as f64, pressure[i]));
         let middle = middle.filter(|(x, _)| (x - w / 2.0).abs() < w / 6.0);
         middle.fold(0.0, |worst: f64, (x, p)| {
@@ -49,7 +50,7 @@ fn pressure_between_slits_of_a_deep_body_converges_to_the_closed_form() {
 }
 
 /// Slope of log p against log r (1 - r) along the diagonal of a square of `land` columns in a cell twice as wide, for r
-/// from 0.03 to 0.12 of the diagonal, which has a corner at both ends.
+/// from 0.03 to 0.12 of the diagonal; there is a corner at both ends.
 fn corner_exponent(land: usize) -> f64 {
     let pitch = 2 * land;
     let pressure = frictionless([pitch; 2], pitch, |i, j| i < land && j < land);
@@ -63,11 +64,11 @@ fn corner_exponent(land: usize) -> f64 {
     moment(1) / moment(0)
 }
 
-/// A frictionless punch presses on a half-space as charge lies on a plate: p ~ r^(nu - 1), nu = 0.2966 at a square's
-/// corner (J. A. Morrison, J. A. Lewis, SIAM J. Appl. Math. 31, 233, 1976).
+/// The pressure of a frictionless punch on a half-space is analogous to the charge on a plate: p ~ r^(nu - 1), nu =
+/// 0.2966 at the corner of a square (J. A. Morrison, J. A. Lewis, SIAM J. Appl. Math. 31, 233, 1976).
 #[test]
 fn pressure_at_the_corner_of_a_square_punch_has_the_exponent_of_a_charged_plate() {
-    // Neighbouring punches and blocks of finite size leave 0.018 at 64 columns a side, 0.006 at 96.
+    // Neighbouring punches and the finite block size leave an error of 0.018 at 64 columns per side, 0.006 at 96.
     let [coarse, fine] = [32, 64].map(corner_exponent);
     assert!((fine + 0.7034).abs() < 0.02 && (coarse - fine).abs() > (fine + 0.7034).abs(), "{coarse} {fine}");
 }
@@ -94,7 +95,7 @@ fn a_groove_lifts_off_as_in_the_vertical_plane() {
 
 #[test]
 fn posts_that_tip_neither_stick_nor_sink() {
-    // Narrow walls between deep cavities: contact that cannot open pulls at their rear.
+    // Narrow walls between deep cavities: contact that cannot open is under tension at their rear.
     let patterns: Vec<Pattern> =
         [(100.0, 40.0, 120.0), (103.0, 37.0, 117.0)].map(|(w, s, d)| pattern(Planform::Square, w, s, d)).to_vec();
     for (pattern, direction) in patterns.iter().zip([[1.0, 0.0], [0.6, 0.8]]) {

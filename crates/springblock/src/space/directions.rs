@@ -1,73 +1,73 @@
-//! Generalized conjugate residuals whose search directions are kept (S. C. Eisenstat, H. C. Elman, M. H. Schultz,
-//! SIAM J. Numer. Anal. 20, 345, 1983).
+//! Generalized conjugate residuals with stored search directions (S. C. Eisenstat, H. C. Elman, M. H. Schultz, SIAM J.
+//! Numer. Anal. 20, 345, 1983).
 //!
-//! For directions p_k the images A p_k = sum_i R_ik q_i have orthonormal q_i and an upper triangle R. The least residual over
-//! the span of all directions takes one scalar product each, and the step to it one solution with R:
+//! The images of the directions p_k are A p_k = sum_i R_ik q_i with orthonormal q_i and an upper triangle R. The
+//! minimum residual over the span of all directions takes one scalar product each, and the corresponding step one
+//! solution with R:
 //!
 //! ```text
 //! c_i = q_i.r,     r <- r - sum c_i q_i,     R y = c,     x <- x + sum y_k p_k
 //! ```
 //!
-//! Whatever was learnt of A for one right-hand side serves all later ones. Only images are made orthogonal: directions, and what else is
-//! linear in them, stay as they came, and are added once at the end.
+//! The information on A from one right-hand side serves all later ones. Only images are orthogonalized: directions, and
+//! other quantities linear in them, are stored as they are and combined once at the end.
 
 use multiversion::multiversion;
 
-/// Search directions of a linear operator, their images, and what else is linear in them.
+/// Search directions of a linear operator, their images, and the normal forces that depend on them linearly.
 #[derive(Clone, Debug, Default)]
 pub struct Directions {
-    /// p, each as long as makes its image a unit long.
+    /// p, scaled such that its image had unit length.
     steps: Vec<Vec<f64>>,
-    /// Normal forces that p makes.
+    /// Normal forces due to p.
     normals: Vec<Vec<f64>>,
-    /// q.
+    /// q
     images: Vec<Vec<f64>>,
     /// Columns of R.
     factor: Vec<Vec<f64>>,
 }
 
-/// One direction.
+/// One search direction.
 #[derive(Clone, Debug)]
 pub struct Direction {
-    /// p.
+    /// p
     pub step: Vec<f64>,
-    /// A p.
+    /// A p
     pub image: Vec<f64>,
-    /// Normal forces that p makes.
+    /// Normal forces due to p.
     pub normal: Vec<f64>,
 }
 
-/// An image that loses all but this share of its length against the others adds only rounding.
-const DEPENDENT: f64 = 1e-13;
-/// Share of its length that an image must keep for one pass against the others to leave it orthogonal to 1e-14.
-const ENOUGH: f64 = 0.1;
-/// Vectors that are taken off another at a time: it passes through the processor once for all of them.
-const AT_ONCE: usize = 4;
+/// Images that retain less than this fraction of their length after orthogonalization are linearly dependent to
+/// rounding.
+const DEPENDENCE_TOLERANCE: f64 = 1e-13;
+/// Fraction of its length that an image must retain for one pass of orthogonalization to leave it orthogonal to 1e-14.
+const MIN_RETAINED_SHARE: f64 = 0.1;
+/// Number of vectors subtracted in one pass, which reads the target vector once.
+const BATCH: usize = 4;
 
 impl Directions {
-    /// Number of directions kept.
     #[must_use]
     pub const fn count(&self) -> usize {
         self.images.len()
     }
 
-    /// Forgets all directions.
     pub fn clear(&mut self) {
         *self = Self::default();
     }
 
-    /// Adds `direction`; false if its image depends on those of the others.
+    /// Adds `direction`; returns false if its image is linearly dependent on the others.
     pub fn add(&mut self, mut direction: Direction) -> bool {
         let before = norm(&direction.image);
-        let mut shares = self.take(&mut direction.image);
+        let mut shares = self.project_out(&mut direction.image);
         let mut after = norm(&direction.image);
-        // What is left of an image that lost most of its length is rounding in part; twice is enough.
-        if after < ENOUGH * before {
-            let more = self.take(&mut direction.image);
+        // The rest of an image that lost most of its length contains rounding errors; a second pass is enough.
+        if after < MIN_RETAINED_SHARE * before {
+            let more = self.project_out(&mut direction.image);
             shares.iter_mut().zip(more).for_each(|(share, more)| *share += more);
             after = norm(&direction.image);
         }
-        if after.is_nan() || after <= DEPENDENT * before {
+        if after.is_nan() || after <= DEPENDENCE_TOLERANCE * before {
             return false;
         }
         shares.push(after);
@@ -86,10 +86,10 @@ impl Directions {
         true
     }
 
-    /// Takes from `values` what they have of each image, and returns the shares c.
-    pub fn take(&self, values: &mut [f64]) -> Vec<f64> {
+    /// Subtracts the projection of `values` on each image; returns the coefficients c.
+    pub fn project_out(&self, values: &mut [f64]) -> Vec<f64> {
         let mut shares = Vec::with_capacity(self.images.len());
-        for images in self.images.chunks(AT_ONCE) {
+        for images in self.images.chunks(BATCH) {
             if let [p, q, r, s] = images {
                 let of = dot_four([p, q, r, s], values);
                 subtract_four(values, of, [p, q, r, s]);
@@ -105,15 +105,15 @@ impl Directions {
         shares
     }
 
-    /// The same for the last direction alone.
-    pub fn take_last(&self, values: &mut [f64]) -> Option<f64> {
+    /// Like [`Self::project_out`] for the last direction only.
+    pub fn project_out_last(&self, values: &mut [f64]) -> Option<f64> {
         let image = self.images.last()?;
         let share = dot(image, values);
         subtract(values, share, image);
         Some(share)
     }
 
-    /// Moves `unknowns` and `normal` by the step whose image is the sum of `shares` of the first images.
+    /// Moves `unknowns` and `normal` by the step whose image is the sum of `shares` times the first images.
     pub fn advance(&self, shares: &[f64], unknowns: &mut [f64], normal: &mut [f64]) {
         // R y = c
         let mut y = shares.to_vec();
@@ -125,7 +125,7 @@ impl Directions {
             }
         }
         for (values, each) in [(unknowns, &self.steps), (normal, &self.normals)] {
-            for (y, each) in y.chunks(AT_ONCE).zip(each.chunks(AT_ONCE)) {
+            for (y, each) in y.chunks(BATCH).zip(each.chunks(BATCH)) {
                 if let ([a, b, c, d], [p, q, r, s]) = (y, each) {
                     subtract_four(values, [-a, -b, -c, -d], [p, q, r, s]);
                 } else {
@@ -138,26 +138,26 @@ impl Directions {
     }
 }
 
-/// a -= sum of shares b, in the order of the shares.
+/// Computes a -= sum of shares b, in the order of the shares.
 #[multiversion(targets("x86_64+avx512f", "x86_64+avx2"))]
-fn subtract_four(a: &mut [f64], shares: [f64; AT_ONCE], b: [&[f64]; AT_ONCE]) {
+fn subtract_four(a: &mut [f64], shares: [f64; BATCH], b: [&[f64]; BATCH]) {
     let [p, q, r, s] = b;
     for ((((a, p), q), r), s) in a.iter_mut().zip(p).zip(q).zip(r).zip(s) {
         *a = *a - shares[0] * p - shares[1] * q - shares[2] * r - shares[3] * s;
     }
 }
 
-/// Partial sums of a product in a fixed order: the same with any vector width.
+/// Number of partial sums of a product, in a fixed order that does not depend on the vector width.
 const LANES: usize = 8;
 
 fn total(sums: &[f64; LANES]) -> f64 {
     ((sums[0] + sums[4]) + (sums[1] + sums[5])) + ((sums[2] + sums[6]) + (sums[3] + sums[7]))
 }
 
-/// The product of each of `a` with b, as [`dot`] gives it.
+/// Scalar products of each of `a` with b, identical to [`dot`].
 #[multiversion(targets("x86_64+avx512f", "x86_64+avx2"))]
-fn dot_four(a: [&[f64]; AT_ONCE], b: &[f64]) -> [f64; AT_ONCE] {
-    let mut sums = [[0.0; LANES]; AT_ONCE];
+fn dot_four(a: [&[f64]; BATCH], b: &[f64]) -> [f64; BATCH] {
+    let mut sums = [[0.0; LANES]; BATCH];
     let (chunks, rest) = b.as_chunks::<LANES>();
     let of = a.map(|a| a.as_chunks::<LANES>());
     for (place, b) in chunks.iter().enumerate() {
@@ -189,12 +189,12 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
     total(&sums) + rest
 }
 
-/// |a|.
+/// |a|
 pub fn norm(a: &[f64]) -> f64 {
     dot(a, a).sqrt()
 }
 
-/// a -= share b.
+/// a -= share b
 #[multiversion(targets("x86_64+avx512f", "x86_64+avx2"))]
 fn subtract(a: &mut [f64], share: f64, b: &[f64]) {
     for (a, b) in a.iter_mut().zip(b) {
@@ -208,7 +208,7 @@ mod tests {
 
     #[test]
     fn a_second_right_hand_side_needs_no_new_direction_in_a_space_already_spanned() {
-        // More unknowns than are taken at a time, so that every way of taking them is passed.
+        // More unknowns than are processed in one pass, so that every branch runs.
         let count = 7;
         let apply = |x: &[f64]| -> Vec<f64> {
             (0..count).map(|i| (2.0 + i as f64) * x[i] - x[(i + 1) % count] + 0.3 * x[(i + 3) % count]).collect()
@@ -226,12 +226,12 @@ mod tests {
         for seed in [1.0, 2.7] {
             let right: Vec<f64> = (0..count).map(|i| (seed * i as f64).cos()).collect();
             let (mut x, mut normal, mut residual) = (vec![0.0; count], vec![0.0; 2], right.clone());
-            let shares = directions.take(&mut residual);
+            let shares = directions.project_out(&mut residual);
             directions.advance(&shares, &mut x, &mut normal);
             let found = apply(&x);
             assert!(found.iter().zip(&right).all(|(found, right)| (found - right).abs() < 1e-14), "{found:?}");
             assert!(norm(&residual) < 1e-14);
-            // What is linear in the directions follows them.
+            // Quantities linear in the directions follow them.
             assert!((normal[0] - x[0]).abs() < 1e-14 && (normal[1] - 2.0 * x[1]).abs() < 1e-14);
         }
     }

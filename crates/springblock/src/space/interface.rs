@@ -1,23 +1,24 @@
-//! What the cavities change of a flat layer: springs that are weaker or gone, blocks that do not touch.
+//! Effect of the cavities on a flat layer: springs that are weaker or missing, and blocks that do not touch.
 //!
-//! Displacements are those of the flat layer under forces that stand for what is missing:
+//! Displacements are those of the flat layer under forces that represent the missing springs:
 //!
 //! ```text
 //! u = u_0 + G (g, w, t),     g = R u,     w: N(u) + kappa w = 0,     t = mu f(p) N
 //! ```
 //!
-//! u_0 is uniform compression under the load, G the flat layer's response ([`super::layer`]), R the stiffness
-//! of the missing springs, w the vertical displacement of blocks of row 0 that the counterface does not hold, or
-//! holds in part as a spring kappa, and t the friction on those that it touches. So the unknowns are few:
-//! forces on the blocks about the cavities, and one on each contact.
+//! u_0 is uniform compression under the load, G the response of the flat layer ([`super::layer`]), and R the stiffness
+//! of the missing springs. w is the vertical displacement of blocks of row 0 that the counterface does not hold, or
+//! holds in part by a spring kappa, and t is the friction on the contacts. The unknowns are therefore few: forces on
+//! the blocks around the cavities, and one friction force per contact.
 //!
-//! A block that is gone has no unknown. All of its springs are missing, so that its row of R is that of the flat layer K:
+//! A removed block has no unknown. All of its springs are missing, so that its row of R equals that of the flat layer
+//! K:
 //!
 //! ```text
 //! (g - R u)_b = g_b - (K u)_b = g_b - g_b = 0
 //! ```
 //!
-//! whatever g is elsewhere, and g_b stays at 0.
+//! for any g elsewhere, and g_b stays at 0.
 
 mod responses;
 
@@ -28,81 +29,82 @@ use super::layer::{FlatLayer, Workspace};
 use super::springs::{LEVEL, Spring, UPWARD, springs};
 use crate::lattice::tie;
 
-/// A spring that is missing, or weaker by `stiffness`, between blocks of which one at least is there.
+/// A spring that is missing, or weaker by `stiffness`, between blocks of which at least one exists.
 #[derive(Clone, Copy, Debug)]
 struct Link {
-    /// Number of block a and of block b in the support; [`ABSENT`] of a block that is gone.
+    /// Indices of blocks a and b in the support; [`ABSENT`] for a removed block.
     ends: [usize; 2],
-    /// Places of their x components.
+    /// Offsets of the x components of the two blocks.
     places: [usize; 2],
     direction: [f64; 3],
     stiffness: f64,
 }
 
-/// Least share of a block's stiffness that counts: what hangs on less is no part of the solid.
+/// Minimum fraction of a block's stiffness in the preconditioner; weaker connections are not part of the solid.
 const MIN_LEFT: f64 = 1e-4;
 
-/// Number in the support of a block that has none.
+/// Index of a block that is not in the support.
 const ABSENT: usize = usize::MAX;
 
-/// A block of row 0 that is there.
+/// A block of row 0 that exists.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Surface {
-    /// Columns along x and y.
+    /// Column indices along x and y.
     pub column: [usize; 2],
-    /// Share of its area that touches the counterface.
+    /// Fraction of the area that touches the counterface.
     pub contact_share: f64,
-    /// Its number among the blocks with an unknown height, and the tie's stiffness.
+    /// Index among the blocks with an unknown height, and the stiffness of the tie.
     free: Option<(usize, f64)>,
-    /// Its number among the contacts.
+    /// Index among the contacts.
     pub contact: Option<usize>,
-    /// Whether it is a contact that has left the counterface.
+    /// Whether the block is a contact that has lifted off the counterface.
     lifted: bool,
-    /// Whether it is a contact that yields under the pressure that it bears.
+    /// Whether the block is a contact that yields under its pressure.
     yields: bool,
-    /// Height of its face, in lattice spacings.
+    /// Height of the face, in lattice spacings.
     pub relief: f64,
-    /// Stiffness of its tie to the face where it touches in part; 0 where it does wholly.
+    /// Stiffness of the tie to the face if the block touches in part; 0 if it touches fully.
     tie: f64,
-    /// Stiffness of its springs upward, and of its tie.
+    /// Stiffness of the springs upward plus that of the tie.
     pivot: f64,
 }
 
 impl Surface {
-    /// Stiffness of what holds it to the face while its height is unknown.
+    /// Stiffness of the tie to the face while the height is unknown.
     fn own_tie(&self) -> f64 {
         self.free.map_or(0.0, |(_, tie)| tie)
     }
 
-    /// Height of the face of a block at the height `height` that yields under `face`: above it by what its tie yields.
+    /// Height of the face of a yielding block at the height `height`; higher than the block by the deformation of the
+    /// tie.
     fn flattened(&self, height: f64, face: Face) -> f64 {
         if self.tie > 0.0 { height + face.limit * self.contact_share / self.tie } else { height }
     }
 }
 
-/// The patterned interface of a lattice.
+/// Patterned interface of a lattice.
 #[derive(Clone, Debug)]
 pub struct Interface {
     columns: [usize; 2],
-    /// Columns that are not cut away.
+    /// Number of columns that are not removed.
     face_columns: usize,
     area: f64,
     explicit: usize,
     layer: FlatLayer,
     weakened: Vec<Link>,
-    /// Places of the x components of the blocks with a missing spring.
+    /// Offsets of the x components of the blocks with a missing spring.
     support: Vec<usize>,
-    /// For each force of the support, stiffness of the flat layer over what is left of it.
+    /// For each force of the support: stiffness of the flat layer over the remaining stiffness.
     softness: Vec<f64>,
     surface: Vec<Surface>,
-    /// Columns of the contacts, by their number.
+    /// Columns of the contacts, by contact index.
     touching: Vec<usize>,
-    /// Those of `surface` whose height is unknown, by its number.
+    /// Indices into `surface` of the blocks with an unknown height.
     free: Vec<usize>,
-    /// Lines whose displacements matter: component field times ny + j.
+    /// Lines whose displacements are needed, indexed by component field times ny + j.
     wanted: Vec<bool>,
     stencil: Stencil,
-    /// Force per block column over 3/2 of a spring: compression of one row under unit pressure.
+    /// Compression of one row under unit pressure: force per block column over 3/2 of a spring.
     compression: f64,
 }
 
@@ -111,22 +113,22 @@ pub struct Interface {
 struct Stencil {
     /// sum k e_z^2
     rise: f64,
-    /// k e_z^2 of the vertical spring, and of one along x and along y.
+    /// k e_z^2 of the vertical spring, and of the ones along x and along y.
     vertical: [f64; 3],
-    /// k e_z e_x of one along x, k e_z e_y of one along y.
+    /// k e_z e_x of the spring along x, k e_z e_y of the spring along y.
     aslant: [f64; 2],
 }
 
-/// What of a face does not depend on the unknowns.
+/// State of a face that is independent of the unknowns.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Face {
-    /// Heights of the face over their lengths in lattice spacings: 1 over the unit of displacement of the present load.
+    /// Factor of the heights of the face: 1 over the unit of displacement of the current load.
     pub raise: f64,
-    /// Normal force on the area of a whole column at which it yields, in units of P l^2.
+    /// Normal force on a whole column at which it yields, in units of P l^2.
     pub limit: f64,
 }
 
-/// The unknowns' image under the elastic response, and the displacements it came from.
+/// Elastic response to the unknowns, and the displacements from which it was computed.
 pub struct Response {
     /// Displacements of the explicit rows.
     pub fields: Vec<f64>,
@@ -134,20 +136,21 @@ pub struct Response {
     pub linear: Vec<f64>,
     /// Normal force by contact.
     pub normal: Vec<f64>,
-    /// Force that each column presses down.
+    /// Downward force of each column.
     pressed: Vec<f64>,
     workspace: Workspace,
 }
 
 impl Interface {
-    /// The interface of `lattice`; condenses the flat layer above it.
+    /// Creates the interface of `lattice`; condenses the flat layer above it.
     #[must_use]
     pub fn new(lattice: &SpaceLattice) -> Self {
-        // A missing spring reaches from the cavities' last row to the next at most, a contact's from row 0 to 1.
+        // A missing spring reaches from the last row of the cavities at most to the next row, a contact's spring from
+        // row 0 to 1.
         Self::with_rows(lattice, (lattice.changed_rows() + 1).max(2))
     }
 
-    /// The same with the displacements of all rows and of the bulk, everywhere.
+    /// Like [`Self::new`], with explicit displacements of all rows and of the bulk, everywhere.
     #[must_use]
     pub fn uncondensed(lattice: &SpaceLattice) -> Self {
         let mut interface = Self::with_rows(lattice, lattice.rows() + 1);
@@ -161,7 +164,7 @@ impl Interface {
         let rows = lattice.rows();
         let place = |[i, j, k]: [usize; 3]| 3 * k * plane + j * nx + i;
         let block = |[i, j, k]: [usize; 3]| k * plane + j * nx + i;
-        // Springs of a block that are missing wholly; without any it is gone.
+        // Count of missing springs by block; a block without springs is removed.
         let mut missing = vec![0_u8; (explicit * plane).max(1)];
         lattice.for_each_weakened_bond(|bond| {
             if bond.share == 0.0 {
@@ -194,14 +197,14 @@ impl Interface {
             let places = [place(bond.a), place(bond.b)];
             weakened.push(Link { ends, places, direction: bond.spring.direction(), stiffness });
         });
-        // Ceilings say whether cavities close.
+        // Ceilings are needed to detect closed cavities.
         let ceiling = lattice.ceiling_row();
         for (j, i) in (0..ny).flat_map(|j| (0..nx).map(move |i| (j, i))) {
             if lattice.is_cavity(i, j) {
                 want(place([i, j, ceiling]));
             }
         }
-        // The counterface bears what the springs from row 0 to row 1 press down.
+        // The counterface carries the force of the springs from row 0 to row 1.
         (0..ny).for_each(|j| want(place([0, j, 1])));
         let mut interface = Self {
             columns: [nx, ny],
@@ -224,8 +227,10 @@ impl Interface {
         interface
     }
 
-    /// What a force on a block of the support does to its own residual is nearly what is left of the block's stiffness, because every
-    /// spring of a loaded block of the layer takes about the same share of the load:
+    /// Computes the diagonal preconditioner.
+    ///
+    /// The effect of a force on a block of the support on its own residual is nearly the remaining fraction of the
+    /// block's stiffness, because every spring of a loaded block of the layer takes about the same share of the load:
     ///
     /// ```text
     /// (I - R G)_ii = ((K - R) G)_ii ~ (K - R)_ii / K_ii
@@ -248,12 +253,12 @@ impl Interface {
         self.softness = all.zip(missing).map(|(all, missing)| 1.0 / (1.0 - missing / all).max(MIN_LEFT)).collect();
     }
 
-    /// Multiplies `residual` by what nearly inverts the response to each unknown alone.
+    /// Applies the diagonal preconditioner to `residual`.
     pub fn precondition(&self, residual: &mut [f64]) {
         residual.iter_mut().zip(&self.softness).for_each(|(residual, softness)| *residual *= softness);
     }
 
-    /// Finds the blocks of row 0 that are there, and what presses them down.
+    /// Finds the existing blocks of row 0, and the springs that press them down.
     fn find_surface(&mut self, lattice: &SpaceLattice) {
         let [nx, ny] = self.columns;
         for (j, i) in (0..ny).flat_map(|j| (0..nx).map(move |i| (j, i))) {
@@ -270,7 +275,7 @@ impl Interface {
             let own = self.surface.len();
             let free = (share < 1.0).then(|| {
                 self.free.push(own);
-                // Springs of the plane are two of these.
+                // A spring of the plane corresponds to two springs in space.
                 let held = if share > 0.0 { 2.0 * tie(share, lattice.presence(i, j, 0)) } else { 0.0 };
                 (self.free.len() - 1, held)
             });
@@ -305,13 +310,15 @@ impl Interface {
         self.compression = a * b / self.stencil.rise;
     }
 
-    /// The same with the contacts that `lifted` names by their number off the counterface: free, without friction.
+    /// Returns the interface with the contacts in `lifted`, given by index, off the counterface: free, without
+    /// friction.
     #[must_use]
     pub fn with_lifted(&self, lifted: &[bool]) -> Self {
         self.with_contacts(lifted, &vec![false; lifted.len()])
     }
 
-    /// The same where those that `yields` names are flattened, free under the pressure at which they yield.
+    /// Like [`Self::with_lifted`]; in addition the contacts in `yields` are free under the pressure at which they
+    /// yield.
     #[must_use]
     pub fn with_contacts(&self, lifted: &[bool], yields: &[bool]) -> Self {
         let mut interface = self.clone();
@@ -332,28 +339,28 @@ impl Interface {
         interface
     }
 
-    /// The unknowns of this interface that continue `unknowns` of `other`, which differs from it in the contacts that are off
-    /// the counterface, on a face of `raise` times its heights.
-    pub fn continued(&self, other: &Self, unknowns: &[f64], raise: f64) -> Vec<f64> {
+    /// Converts the `unknowns` of `other`, which differs in its lifted contacts, to those of this interface, on a face
+    /// with heights times `raise`.
+    pub fn convert_unknowns(&self, other: &Self, unknowns: &[f64], raise: f64) -> Vec<f64> {
         let (forces, rest) = unknowns.split_at(3 * self.support.len());
         let (heights, friction) = rest.split_at(other.free.len());
-        let mut continued = forces.to_vec();
+        let mut convert_unknowns = forces.to_vec();
         for (own, before) in self.surface.iter().zip(&other.surface).filter(|(own, _)| own.free.is_some()) {
-            continued.push(before.free.map_or(raise * own.relief, |(number, _)| heights[number]));
+            convert_unknowns.push(before.free.map_or(raise * own.relief, |(number, _)| heights[number]));
         }
         let lifted = self.surface.iter().filter(|surface| surface.contact.is_some()).map(|surface| surface.lifted);
-        continued.extend(lifted.zip(friction).map(|(lifted, friction)| if lifted { 0.0 } else { *friction }));
-        continued
+        convert_unknowns.extend(lifted.zip(friction).map(|(lifted, friction)| if lifted { 0.0 } else { *friction }));
+        convert_unknowns
     }
 
-    /// Takes the heights of the face from `other`, whose contacts are the same.
-    pub fn take_heights(&mut self, other: &Self) {
+    /// Copies the heights of the face from `other`, which has the same contacts.
+    pub fn copy_heights(&mut self, other: &Self) {
         for (own, other) in self.surface.iter_mut().zip(&other.surface) {
             own.relief = other.relief;
         }
     }
 
-    /// Makes what yields as high as it stands in `unknowns` under `face`.
+    /// Sets the face heights of yielding contacts to their heights in `unknowns` under `face`.
     pub fn flatten(&mut self, unknowns: &[f64], face: Face) {
         let heights = &unknowns[3 * self.support.len()..];
         for surface in self.surface.iter_mut().filter(|surface| surface.yields) {
@@ -363,7 +370,7 @@ impl Interface {
         }
     }
 
-    /// Height of the face of each contact that yields, under `face`.
+    /// Height of the face of each yielding contact under `face`; `None` for other contacts.
     pub fn yielding<'a>(&'a self, unknowns: &'a [f64], face: Face) -> impl Iterator<Item = Option<f64>> + 'a {
         let heights = &unknowns[3 * self.support.len()..];
         let contacts = self.surface.iter().filter(|surface| surface.contact.is_some());
@@ -372,38 +379,37 @@ impl Interface {
         })
     }
 
-    /// Whether each contact is off the counterface, and its height in `unknowns` where it is.
+    /// Height in `unknowns` of each lifted contact; `None` for other contacts.
     pub fn lifted<'a>(&'a self, unknowns: &'a [f64]) -> impl Iterator<Item = Option<f64>> + 'a {
         let heights = &unknowns[3 * self.support.len()..];
         let contacts = self.surface.iter().filter(|surface| surface.contact.is_some());
         contacts.map(|surface| surface.free.filter(|_| surface.lifted).map(|(number, _)| heights[number]))
     }
 
-    /// Blocks of row 0 that are there.
+    /// Existing blocks of row 0.
     #[must_use]
     pub fn surface(&self) -> &[Surface] {
         &self.surface
     }
 
-    /// Number of contacts.
     #[must_use]
     pub const fn contacts(&self) -> usize {
         self.touching.len()
     }
 
-    /// Number of unknowns before the friction forces: forces about the cavities, heights of free blocks.
+    /// Number of unknowns before the friction forces: forces around the cavities, heights of free blocks.
     #[must_use]
     pub fn elastic_unknowns(&self) -> usize {
         3 * self.support.len() + self.free.len()
     }
 
-    /// Number of blocks with an unknown height: the last of those unknowns.
+    /// Number of blocks with an unknown height, which are the last elastic unknowns.
     #[must_use]
     pub const fn free(&self) -> usize {
         self.free.len()
     }
 
-    /// The load of the cell in units of P l^2, which is its area over l^2.
+    /// Load of the cell in units of P l^2, which is the area of the cell over l^2.
     #[must_use]
     pub fn load(&self) -> f64 {
         self.face_columns as f64 * self.area

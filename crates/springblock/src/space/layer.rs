@@ -1,27 +1,28 @@
-//! The flat layer's displacements under forces on its lowest rows, exactly, by Fourier transforms.
+//! Exact displacements of a flat layer under forces on its lowest rows, by Fourier transforms.
 //!
-//! A flat layer under a rigid massless bulk is the same everywhere along x and y: for the wave number q
-//! its equations are block tridiagonal over the rows, with 3 x 3 blocks
+//! A flat layer under a rigid massless bulk is uniform along x and y: for the wave number q its equations are block
+//! tridiagonal over the rows, with 3 x 3 blocks
 //!
 //! ```text
 //! C^T u_{k-1} + D_k u_k + C u_{k+1} = f_k
 //! ```
 //!
-//! real for (u_x, u_y, -i u_z), because the lattice is its own mirror image. Eliminating from the bulk down,
+//! which are real for (u_x, u_y, -i u_z), because the lattice equals its own mirror image. Elimination from the bulk
+//! down,
 //!
 //! ```text
 //! S_k = D_k - C S_{k+1}^-1 C^T,
 //! ```
 //!
-//! needs to be done once for a cell size; the rows above the cavities leave nothing but their S. At
-//! row 0 the vertical displacement is prescribed (zero on the counterface), not the force. The bulk is
-//! a row like the others that moves only vertically and only as a whole (q = 0): its balance is the load's.
+//! is done once per cell size; the rows above the cavities are represented by their S. In row 0 the vertical
+//! displacement is prescribed (zero on the counterface) instead of the force. The bulk is another row that moves only
+//! vertically and only as a whole (q = 0); its balance is that of the load.
 //!
-//! The mirror image in y of a wave is a wave whose u_y has the other sign: the same S serves both.
+//! The mirror image in y of a wave is a wave with opposite u_y: both use the same S.
 //!
-//! Rows of the cavities bear forces, and are asked for displacements, only on the lines that cross a cavity. Only these are transformed
-//! along x and kept. Along y all waves of one q_x are worked on together, in a column that fits into the cache: transform, elimination,
-//! and back.
+//! Rows of the cavities carry forces, and need displacements, only on the lines that cross a cavity. Only these lines
+//! are transformed along x and stored. Along y all waves of one q_x are processed together, in a column that fits into
+//! the cache: transform, elimination, inverse transform.
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -31,13 +32,13 @@ use slipgrid_fft::{Complex, ComplexToReal, Fft, Precision, RealToComplex};
 
 use super::springs::{LEVEL, springs};
 
-/// Change of S_k^-1 from row to row, relative to itself, at which it is that of a half-space: a few roundings.
-const SETTLED: f64 = 1e-15;
+/// Relative change of S_k^-1 from row to row below which it equals that of a half-space: a few rounding errors.
+const HALF_SPACE_TOLERANCE: f64 = 1e-15;
 
 /// Symmetric 3 x 3 matrix: xx, xy, xz, yy, yz, zz.
 type Symmetric = [f64; 6];
 
-/// C over a wave number: diagonal, and the couplings of x and y with z.
+/// C at one wave number: the diagonal, and the couplings of x and y with z.
 #[derive(Clone, Copy, Debug)]
 struct Coupling {
     xx: f64,
@@ -47,15 +48,15 @@ struct Coupling {
     yz: f64,
 }
 
-/// The condensed flat layer.
+/// A flat layer condensed to its lowest rows.
 #[derive(Clone)]
 pub struct FlatLayer {
     columns: [usize; 2],
-    /// Rows whose forces and displacements are explicit: 0..explicit.
+    /// Number of rows with explicit forces and displacements.
     explicit: usize,
-    /// For each q_x S_k^-1 for k = 1..explicit, q_y >= 0 fastest.
+    /// S_k^-1 for each q_x, k = 1..explicit, and q_y >= 0, which varies fastest.
     inverses: Vec<Symmetric>,
-    /// Row 0, for each q_x and q_y >= 0: inverse of the xy part of S_0, then its xz and yz entries.
+    /// Row 0 for each q_x and q_y >= 0: inverse of the xy part of S_0, then its xz and yz entries.
     lowest: Vec<[f64; 5]>,
     couplings: Vec<Coupling>,
     forward_x: Arc<dyn RealToComplex<f64>>,
@@ -70,16 +71,16 @@ impl std::fmt::Debug for FlatLayer {
     }
 }
 
-/// Lines transformed along x before what they give is laid down: a wave's numbers then fill lines of the cache.
-const TOGETHER: usize = 16;
+/// Number of lines transformed along x before the results are stored, so that the values of a wave fill cache lines.
+const BATCH: usize = 16;
 
 /// Work space of [`FlatLayer::respond`].
 pub struct Workspace {
-    /// Lines of each component field that matter.
+    /// Range of needed lines of each component field.
     lines: Vec<Range<usize>>,
-    /// Place of the first of them in what is kept of a wave along x.
+    /// Index of the first needed line of each field in the stored lines of a wave along x.
     starts: Vec<usize>,
-    /// Of each wave along x, the lines of all fields.
+    /// Needed lines of all fields, for each wave along x.
     spectra: Vec<Complex<f64>>,
     /// All fields of one wave along x.
     column: Vec<Complex<f64>>,
@@ -89,8 +90,8 @@ pub struct Workspace {
 }
 
 impl FlatLayer {
-    /// Condenses a layer of `rows` rows over `columns`, `spacing` apart, onto its `explicit` lowest rows,
-    /// between 1 and rows + 1: the row above the top one is the bulk.
+    /// Condenses a layer of `rows` rows over `columns` columns, `spacing` apart, to its `explicit` lowest rows, from 1
+    /// to rows + 1; the row above the top one is the bulk.
     pub fn new(columns: [usize; 2], spacing: [f64; 2], rows: usize, explicit: usize) -> Self {
         let [nx, ny] = columns;
         let (half, pairs) = (nx / 2 + 1, ny / 2 + 1);
@@ -117,7 +118,7 @@ impl FlatLayer {
     /// Block elimination at the wave number `q`.
     fn condense(&mut self, number: usize, q: [f64; 2], spacing: [f64; 2], rows: usize) {
         let kinds = springs(spacing);
-        // Within a row: sum k e e^T 2 (1 - cos q.d); up and down: sum k e e^T each.
+        // Within a row: sum k e e^T 2 (1 - cos q.d); upward and downward: sum k e e^T each.
         let (mut level, mut upward) = ([0.0; 3], [0.0; 3]); // xx, xy, yy and xx, yy, zz
         let mut coupling = Coupling { xx: 0.0, yy: 0.0, zz: 0.0, xz: 0.0, yz: 0.0 };
         for (kind, spring) in kinds.iter().enumerate() {
@@ -167,8 +168,9 @@ impl FlatLayer {
                 }
                 if k > 0 {
                     let above = std::mem::replace(&mut inverse, invert(&reduced));
-                    // A wave does not reach farther up: what follows down to the explicit rows is the same.
-                    if k > self.explicit && settled(&above, &inverse) {
+                    // The wave does not reach farther up, so that all rows down to the explicit ones have the same
+                    // inverse.
+                    if k > self.explicit && is_half_space(&above, &inverse) {
                         k = self.explicit;
                     }
                 }
@@ -183,7 +185,7 @@ impl FlatLayer {
         }
     }
 
-    /// Work space for [`Self::respond`] where nothing but `lines` of each component field ever bears a force or is wanted.
+    /// Allocates work space for [`Self::respond`]. Only `lines` of each component field may carry a force or be needed.
     pub fn workspace(&self, lines: Vec<Range<usize>>) -> Workspace {
         let [nx, ny] = self.columns;
         let half = nx / 2 + 1;
@@ -204,21 +206,23 @@ impl FlatLayer {
             starts,
             spectra: vec![Complex::default(); half * kept],
             column: vec![Complex::default(); 3 * self.explicit * ny],
-            transformed: vec![Complex::default(); TOGETHER * half],
+            transformed: vec![Complex::default(); BATCH * half],
             scratch: vec![Complex::default(); scratch.into_iter().max().unwrap_or(0)],
             real: vec![0.0; nx],
         }
     }
 
-    /// Replaces forces by displacements in `fields`: three components of each explicit row, each nx x ny values, x
-    /// fastest. The vertical component of row 0 is a displacement before and after. Where `wanted` is false for a
-    /// line (component field times ny + j), the displacements there are not computed but left zero.
+    /// Replaces forces by displacements in `fields`.
+    ///
+    /// `fields` has three components of each explicit row, each of nx x ny values, x fastest. The vertical component of
+    /// row 0 is a displacement on input and output. Lines whose entry in `wanted` (component field times ny + j) is
+    /// false are set to zero instead.
     pub fn respond(&self, fields: &mut [f64], wanted: &[bool], workspace: &mut Workspace) {
         let [nx, ny] = self.columns;
         let (half, pairs) = (nx / 2 + 1, ny / 2 + 1);
         let loaded = self.transform_lines(fields, workspace);
         let Workspace { lines, starts, spectra, column, scratch, .. } = workspace;
-        // Row 0 is pinned where it is not prescribed: what came in stays.
+        // The vertical displacements of row 0 are prescribed and remain as they are.
         let is_wanted = |field: usize| field != 2 && wanted[field * ny..(field + 1) * ny].contains(&true);
         let wanted_fields: Vec<bool> = (0..3 * self.explicit).map(is_wanted).collect();
         let kept = spectra.len() / half;
@@ -250,7 +254,7 @@ impl FlatLayer {
         self.transform_back(fields, wanted, workspace);
     }
 
-    /// Transforms the lines of `fields` along x, and tells which fields have forces.
+    /// Transforms the lines of `fields` along x; returns which fields have forces.
     fn transform_lines(&self, fields: &[f64], workspace: &mut Workspace) -> Vec<bool> {
         let [nx, ny] = self.columns;
         let half = nx / 2 + 1;
@@ -263,8 +267,8 @@ impl FlatLayer {
             if !loaded[field] {
                 continue;
             }
-            for first in lines.clone().step_by(TOGETHER) {
-                let count = TOGETHER.min(lines.end - first);
+            for first in lines.clone().step_by(BATCH) {
+                let count = BATCH.min(lines.end - first);
                 let together = of_field[first * nx..][..count * nx].chunks_exact(nx);
                 for (values, line) in together.zip(transformed.chunks_exact_mut(half)) {
                     if values.iter().all(|value| *value == 0.0) {
@@ -272,7 +276,7 @@ impl FlatLayer {
                         continue;
                     }
                     real.copy_from_slice(values);
-                    // Lengths are those planned for: cannot fail.
+                    // The transform fails only for wrong lengths.
                     let _ = self.forward_x.process_with_scratch(real, line, scratch);
                 }
                 let start = starts[field] + first - lines.start;
@@ -285,7 +289,7 @@ impl FlatLayer {
         loaded
     }
 
-    /// Transforms the lines of `fields` that are wanted back along x.
+    /// Transforms the wanted lines of `fields` back along x.
     fn transform_back(&self, fields: &mut [f64], wanted: &[bool], workspace: &mut Workspace) {
         let [nx, ny] = self.columns;
         let half = nx / 2 + 1;
@@ -295,8 +299,8 @@ impl FlatLayer {
         for (field, lines) in lines.iter().enumerate().filter(|(field, _)| *field != 2) {
             let of_field = &mut fields[field * ny * nx..][..ny * nx];
             let wanted = &wanted[field * ny..][..ny];
-            for first in lines.clone().step_by(TOGETHER) {
-                let count = TOGETHER.min(lines.end - first);
+            for first in lines.clone().step_by(BATCH) {
+                let count = BATCH.min(lines.end - first);
                 let start = starts[field] + first - lines.start;
                 if wanted[first..first + count].contains(&true) {
                     for q in 0..half {
@@ -321,12 +325,12 @@ impl FlatLayer {
     }
 }
 
-/// What the layer is to the waves of one q_x, for q_y >= 0.
+/// The condensed layer for the waves of one q_x with q_y >= 0.
 struct Waves<'a> {
     inverses: &'a [Symmetric],
     lowest: &'a [[f64; 5]],
     couplings: &'a [Coupling],
-    /// Waves of either sign.
+    /// Number of waves along y of either sign.
     lines: usize,
 }
 
@@ -342,7 +346,7 @@ fn sweep(waves: &Waves, column: &mut [Complex<f64>]) {
         let mirror = if number == 0 { 0 } else { count - number };
         let c = &waves.couplings[number];
         let inverse = |k: usize| &waves.inverses[(k - 1) * pairs + number];
-        // Down: y_k = S_k^-1 f_k, f_{k-1} -= C y_k.
+        // Downward: y_k = S_k^-1 f_k, f_{k-1} -= C y_k.
         let mut above = [[0.0; 4]; 3];
         for k in (0..explicit).rev() {
             let mut f = load(column, 3 * k * count, [count, number, mirror]);
@@ -367,7 +371,7 @@ fn sweep(waves: &Waves, column: &mut [Complex<f64>]) {
         let f = [less(above[0], times(w, xz)), less(above[1], times(w, yz))];
         let mut below = [plus(times(f[0], xx), times(f[1], xy)), plus(times(f[0], xy), times(f[1], yy)), w];
         store(column, 0, [count, number, mirror], &below);
-        // Up: u_k = y_k - S_k^-1 C^T u_{k-1}.
+        // Upward: u_k = y_k - S_k^-1 C^T u_{k-1}.
         for k in 1..explicit {
             let change = symmetric_times(inverse(k), &c.transposed_times(&below));
             let own = load(column, 3 * k * count, [count, number, mirror]);
@@ -377,7 +381,8 @@ fn sweep(waves: &Waves, column: &mut [Complex<f64>]) {
     }
 }
 
-/// u_x, u_y, -i u_z of a wave and of its mirror image, whose u_y changes sign, from the row that begins at `start`.
+/// Loads u_x, u_y, -i u_z of a wave and of its mirror image, whose u_y changes sign, from the row that begins at
+/// `start`.
 #[inline(always)]
 fn load(column: &[Complex<f64>], start: usize, [count, number, mirror]: [usize; 3]) -> [Pair; 3] {
     let at = |c: usize| [column[start + c * count + number], column[start + c * count + mirror]];
@@ -389,7 +394,7 @@ fn load(column: &[Complex<f64>], start: usize, [count, number, mirror]: [usize; 
     ]
 }
 
-/// Back from [`load`].
+/// Inverse of [`load`].
 #[inline(always)]
 fn store(column: &mut [Complex<f64>], start: usize, [count, number, mirror]: [usize; 3], [x, y, z]: &[Pair; 3]) {
     let place = |c: usize, number: usize| start + c * count + number;
@@ -417,7 +422,7 @@ fn times(a: Pair, factor: f64) -> Pair {
 }
 
 impl Coupling {
-    /// C u.
+    /// C u
     #[inline(always)]
     fn times(&self, u: &[Pair; 3]) -> [Pair; 3] {
         [
@@ -427,7 +432,7 @@ impl Coupling {
         ]
     }
 
-    /// C^T u.
+    /// C^T u
     #[inline(always)]
     fn transposed_times(&self, u: &[Pair; 3]) -> [Pair; 3] {
         [
@@ -437,7 +442,7 @@ impl Coupling {
         ]
     }
 
-    /// C M C^T.
+    /// C M C^T
     fn condensed(&self, m: &Symmetric) -> Symmetric {
         let rows = [[self.xx, 0.0, self.xz], [0.0, self.yy, self.yz], [-self.xz, -self.yz, self.zz]];
         let full = [[m[0], m[1], m[2]], [m[1], m[3], m[4]], [m[2], m[4], m[5]]];
@@ -461,13 +466,12 @@ fn symmetric_times(m: &Symmetric, u: &[Pair; 3]) -> [Pair; 3] {
     [row(m[0], m[1], m[2]), row(m[1], m[3], m[4]), row(m[2], m[4], m[5])]
 }
 
-/// Whether the inverses of two rows are the same but for rounding.
-fn settled(above: &Symmetric, below: &Symmetric) -> bool {
+/// Whether the inverses of two rows are equal to rounding.
+fn is_half_space(above: &Symmetric, below: &Symmetric) -> bool {
     let largest = below[0].abs().max(below[3].abs()).max(below[5].abs());
-    above.iter().zip(below).all(|(a, b)| (a - b).abs() <= SETTLED * largest)
+    above.iter().zip(below).all(|(a, b)| (a - b).abs() <= HALF_SPACE_TOLERANCE * largest)
 }
 
-/// Inverse by cofactors.
 fn invert(m: &Symmetric) -> Symmetric {
     let [xx, xy, xz, yy, yz, zz] = *m;
     let cofactors = [

@@ -1,17 +1,17 @@
-//! The periodic cell in space: a cubic mesh of blocks with springs to the 6 nearest and the 12 face-diagonal
-//! neighbours, all of stiffness k = 2/5 E l, is isotropic with nu = 1/4. In plane strain that is plane stress at
-//! nu/(1 - nu) = 1/3: a groove across is the vertical plane's own lattice.
+//! The periodic cell in space. A cubic mesh of blocks with springs to the 6 nearest and the 12 face-diagonal
+//! neighbours, all of stiffness k = 2/5 E l, is isotropic with nu = 1/4. In plane strain this equals plane stress at
+//! nu/(1 - nu) = 1/3: for a groove across the sliding direction it is the lattice of the vertical plane.
 //!
 //! | type | role |
 //! |---|---|
-//! | [`SpaceLattice`] | where blocks are, which springs join them, what they weigh |
+//! | [`SpaceLattice`] | positions of blocks, springs between them, masses |
 //! | [`SpaceSteadyModel`] | steady sliding of one cell under many loads |
-//! | [`layer::FlatLayer`] | the flat layer's exact response, by Fourier transforms |
-//! | [`interface::Interface`] | what cavities change of it: springs missing, blocks that do not touch |
-//! | [`directions::Directions`] | search directions that serve one load after the other |
+//! | [`layer::FlatLayer`] | exact response of the flat layer, by Fourier transforms |
+//! | [`interface::Interface`] | effect of the cavities: missing springs, blocks that do not touch |
+//! | [`directions::Directions`] | search directions shared by successive loads |
 //!
-//! Cost, four pressures on one core, cavities a quarter wide and a tenth deep (blocks: condensing and solving, processor
-//! time): 50 x 50 x 20: 15 ms, 100 x 100 x 40: 0.13 s, 200 x 200 x 80: 0.85 s and 0.19 GB.
+//! Cost for four pressures on one core with cavities a quarter wide and a tenth deep (processor time for condensing and
+//! solving): 15 ms for 50 x 50 x 20 blocks, 0.13 s for 100 x 100 x 40, 0.85 s and 0.19 GB for 200 x 200 x 80.
 
 mod directions;
 mod interface;
@@ -22,7 +22,7 @@ mod steady;
 
 pub use lattice::{SpaceBond, SpaceLattice};
 pub use springs::Spring as SpaceSpring;
-pub(crate) use steady::{MAX_DIRECTIONS, MAX_KEPT, TOLERANCE};
+pub(crate) use steady::{MAX_DIRECTIONS, MAX_STORED_DIRECTIONS, TOLERANCE};
 pub use steady::{SpaceLoad, SpaceSteadyModel};
 
 #[cfg(test)]

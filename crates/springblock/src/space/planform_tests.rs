@@ -1,4 +1,4 @@
-//! Polygons and crossing grooves against the plain planforms, and against their own symmetry.
+//! Polygons and crossing grooves compared with basic planforms, and their symmetries.
 
 use slipgrid_pattern::{Arrangement, Pattern, Planform, Polygon, Texture};
 
@@ -17,7 +17,7 @@ fn polygon(vertices: &[[f64; 2]]) -> Texture {
     Texture::new(Planform::Polygon).with_outline(Polygon::new(vertices).unwrap()).unwrap()
 }
 
-/// An arrow that points along x, and the same mirrored: nothing else maps it onto itself.
+/// An arrow along x, which no symmetry maps onto itself.
 const ARROW: [[f64; 2]; 4] = [[0.0, 0.0], [10.0, 4.0], [0.0, 8.0], [3.0, 4.0]];
 
 fn mirrored(vertices: &[[f64; 2]]) -> Vec<[f64; 2]> {
@@ -42,7 +42,8 @@ fn a_square_given_as_a_polygon_has_the_squares_ratio() {
     }
 }
 
-/// As in the plane: the peak over whole blocks follows the width, however blocks lie on edges and corners.
+/// As in the plane, the peak over whole blocks follows the width, whatever the positions of the blocks at edges and
+/// corners.
 #[test]
 fn the_peak_over_a_whole_block_does_not_depend_on_how_blocks_lie_on_edges() {
     let peak = |width_um: f64| {
@@ -64,7 +65,7 @@ fn polygons_of_many_corners_tend_to_the_disc() {
     let disc = ratio(&pattern(Planform::Disc, 130.0, 70.0, 20.0));
     let distances =
         [12, 36, 360].map(|corners| (ratio(&pattern(polygon(&regular(corners, 0.0)), 130.0, 70.0, 20.0)) - disc).abs());
-    // The area, short by (2 pi/n)^2/6, goes down by 9 and by 100.
+    // The error of the area, (2 pi/n)^2/6, decreases by factors of 9 and 100.
     assert!(distances[1] < distances[0] / 5.0 && distances[2] < distances[1] / 20.0, "{distances:?}");
     let area = (2.0 * std::f64::consts::PI / 360.0).powi(2) / 6.0;
     assert!(distances[2] < 2.0 * area * (1.0 - disc) && 1.0 - disc > 0.05, "{distances:?} {disc}");
@@ -72,7 +73,7 @@ fn polygons_of_many_corners_tend_to_the_disc() {
 
 #[test]
 fn a_mirrored_outline_slides_as_the_other_way() {
-    // Whole blocks, so that the mesh is mirrored with it.
+    // Whole blocks, so that the mirrored pattern has the mirrored mesh.
     let slid = |vertices: &[[f64; 2]], angle_deg: f64| {
         let texture = polygon(vertices).with_sliding_angle_deg(angle_deg).unwrap();
         ratio(&pattern(texture, 100.0, 60.0, 20.0))
@@ -81,7 +82,7 @@ fn a_mirrored_outline_slides_as_the_other_way() {
     assert!((there - slid(&mirrored(&ARROW), 180.0)).abs() < 1e-12);
     let back = slid(&ARROW, 180.0);
     assert!((there - back).abs() > 1e-6, "an arrow feels which way it slides: {there} {back}");
-    // What its symmetry says: 30 degrees are -30.
+    // By symmetry 30 and -30 degrees are equivalent.
     assert!((slid(&ARROW, 30.0) - slid(&ARROW, -30.0)).abs() < 1e-12);
 }
 
@@ -93,21 +94,21 @@ fn crossing_grooves_have_the_symmetry_of_their_axes() {
         let texture = texture.with_groove_angle_deg(groove_deg).unwrap().with_sliding_angle_deg(sliding_deg).unwrap();
         pattern(texture, 60.0, 100.0, 20.0)
     };
-    // At right angles: along one family is along the other, along a bisector as along the other; turned as one.
+    // Right angles: the two families, the two bisectors, and common rotations are equivalent.
     let along = ratio(&crossed(90.0, 0.0, 0.0));
     assert!((along - ratio(&crossed(90.0, 0.0, 90.0))).abs() < 1e-12);
     assert!((along - ratio(&crossed(90.0, 25.0, 25.0))).abs() < 1e-12);
     let aslant = ratio(&crossed(90.0, 0.0, 45.0));
     assert!((aslant - ratio(&crossed(90.0, 0.0, -45.0))).abs() < 1e-12);
-    // More is taken away than by either family.
+    // The reduction is greater than that of either family.
     let groove = ratio(&pattern(Planform::Groove, 60.0, 100.0, 20.0));
     assert!(along < groove - 0.02 && aslant < groove, "{along} {aslant} {groove}");
-    // The cell halfway between the families, at 89.9 degrees, says what that along them does at 90.
+    // The cell half-way between the families at 89.9 degrees gives the result of the cell along the families at 90.
     let lattice = |crossing_deg: f64| SpaceLattice::cell(&crossed(crossing_deg, 0.0, 0.0), 10e-6, 10).columns();
     assert_eq!((lattice(90.0), lattice(89.9)), ([16, 16], [23, 23]));
     let near = ratio(&crossed(89.9, 0.0, 0.0));
     assert!((near - along).abs() < 0.01 * (1.0 - along), "{near} {along}");
-    // At 60 degrees mirrored at the axes between the families.
+    // 60 degrees: mirror symmetry at the axes between the families.
     let one = crossed(60.0, -30.0, 20.0);
     assert!((ratio(&one) - ratio(&crossed(60.0, -30.0, -20.0))).abs() < 1e-12);
     let model = SpaceSteadyModel::new(SpaceLattice::cell(&one, 10e-6, 10), 10e-6, E_PA, false);

@@ -1,4 +1,4 @@
-//! Faces with heights in space: against the plane, closed forms, and a slow solver of its own.
+//! Faces with height variations in space, compared with the plane, closed forms, and a slow reference solver.
 
 use std::f64::consts::TAU;
 
@@ -39,7 +39,7 @@ fn frictionless(model: &SpaceSteadyModel, pressure_mpa: f64) -> SurfaceOutcome {
     outcome
 }
 
-/// Columns of the plane have the heights that plane strain at nu = 1/4 gives them.
+/// Columns of the plane have the heights of plane strain at nu = 1/4.
 #[test]
 fn grooves_with_rims_are_those_of_the_vertical_plane() {
     let law = persson_law();
@@ -93,7 +93,7 @@ fn squares_with_rims_touch_only_where_they_reach_and_balance_every_block() {
         for point in &outcome.interface {
             let column = |at_m: f64, spacing: f64| (at_m / (spacing * 10e-6) - 0.5).round() as usize;
             let [i, j] = [column(point.x_m, a), column(point.y_m, b)];
-            // What touches in part hangs on a spring: its own height is not that of the face.
+            // A block that touches in part is connected by a spring: its height differs from that of the face.
             if lattice.contact_share(i, j) == 1.0 {
                 let gap = displacement[j * lattice.columns()[0] + i][2] - lattice.relief(i, j);
                 assert!(gap >= -1e-9 * yields, "{sizes:?} {gap}");
@@ -142,7 +142,8 @@ fn waves_along_and_across_superpose_in_full_contact() {
     assert!(errors[1] < errors[0] && errors[2] < 0.6 * errors[1] && errors[2] < 0.03, "{errors:?}");
 }
 
-/// The stiffness of the face by unit heights in full contact, and the contacts one by one until none breaks its condition.
+/// Reference: the dense stiffness of the face from unit heights in full contact, and a projected solve for the
+/// contacts.
 #[test]
 fn rough_faces_touch_as_a_dense_solver_says() {
     let (nx, ny) = (9, 8);
@@ -151,7 +152,7 @@ fn rough_faces_touch_as_a_dense_solver_says() {
         let outcome = frictionless(&face([nx, ny], 6, |i, j| height(j * nx + i)), pressure_mpa);
         outcome.interface.iter().map(|point| point.pressure_pa).collect()
     };
-    // Translations make all columns of K from one: a height of 1 um under 1000 MPa, where everything touches.
+    // By translation one column of K gives all: a height of 1 um under 1000 MPa, where everything touches.
     let unit = pressure(&|c| f64::from(u8::from(c == 0)), 1000.0);
     let stiffness = |a: usize, b: usize| {
         let (i, j) = ((a % nx + nx - b % nx) % nx, (a / nx + ny - b / nx) % ny);

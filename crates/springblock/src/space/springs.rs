@@ -1,7 +1,7 @@
-//! The springs of a cubic lattice and of one stretched along x and y.
+//! Springs of a cubic lattice and of a lattice stretched along x and y.
 //!
-//! Columns are a x b lattice spacings apart, rows one. Central springs make an isotropic solid with
-//! nu = 1/4 (Cauchy's relation), C11 = 3 and C12 = C44 = 1 in units of k/l, when
+//! Columns are a x b lattice spacings apart, rows one. Central springs represent an isotropic solid with nu = 1/4
+//! (Cauchy's relation), C11 = 3 and C12 = C44 = 1 in units of k/l, if
 //!
 //! ```text
 //! C_xxyy = 2 k_xy a^2 b^2 / ((a^2 + b^2) a b) = 1      k_xy = (a^2 + b^2) / (2 a b)
@@ -10,16 +10,16 @@
 //! C_zzzz = 3                                           k_z = a b (3 - 1/a^2 - 1/b^2)
 //! ```
 //!
-//! and all of them are 1 for a = b = 1, the plain lattice.
+//! All stiffnesses are 1 for a = b = 1, the cubic lattice.
 
-/// One kind of spring: where it leads, and its stiffness.
+/// One kind of spring.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Spring {
-    /// Columns along x, along y and rows up to the other end.
+    /// Offset of the other end: columns along x, columns along y, and rows.
     pub step: [isize; 3],
     /// Vector to the other end at rest, in lattice spacings.
     pub rest: [f64; 3],
-    /// Stiffness over k.
+    /// Stiffness in units of k.
     pub stiffness: f64,
 }
 
@@ -33,12 +33,13 @@ impl Spring {
     }
 }
 
-/// Springs within a row, one of each opposite pair.
+/// Number of springs within a row, one of each opposite pair.
 pub const LEVEL: usize = 4;
-/// Springs to the row above.
+/// Number of springs to the row above.
 pub const UPWARD: usize = 5;
 
-/// The nine springs a block owns, columns `a` x `b` spacings apart: those within its row, then those upward.
+/// The nine springs that belong to a block, with columns `a` x `b` spacings apart: first those within its row, then
+/// those upward.
 #[must_use]
 pub fn springs([a, b]: [f64; 2]) -> [Spring; LEVEL + UPWARD] {
     let (aa, bb) = (a * a, b * b);
@@ -69,7 +70,7 @@ pub fn springs([a, b]: [f64; 2]) -> [Spring; LEVEL + UPWARD] {
 mod tests {
     use super::*;
 
-    /// Twice the energy density over k/l of a uniform strain (xx, yy, zz, yz, xz, xy; engineering shears).
+    /// Twice the energy density in units of k/l for a uniform strain (xx, yy, zz, yz, xz, xy; engineering shears).
     fn twice_energy(spacing: [f64; 2], strain: [f64; 6]) -> f64 {
         let [xx, yy, zz, yz, xz, xy] = strain;
         let energy: f64 = springs(spacing)
@@ -105,13 +106,13 @@ mod tests {
                 strain[(axis + 1) % 3] = 1.0;
                 assert!((twice_energy(spacing, strain) - 8.0).abs() < 1e-12, "{spacing:?} {axis}");
             }
-            // No coupling of extension and shear.
+            // Extension and shear are not coupled.
             assert!((twice_energy(spacing, [1.0, 0.0, 0.0, 0.0, 1.0, 1.0]) - 5.0).abs() < 1e-12);
         }
         assert!(springs([1.0; 2]).iter().all(|spring| spring.stiffness == 1.0));
     }
 
-    /// Eigenvalues of the dynamical matrix sum k e e^T 2 (1 - cos q.d) along `q`, by its action on `polarization`.
+    /// Eigenvalue of the dynamical matrix sum k e e^T 2 (1 - cos q.d) at `q`, from its action on `polarization`.
     fn squared_frequency(q: [f64; 3], polarization: [f64; 3]) -> f64 {
         let mut force = [0.0; 3];
         for spring in springs([1.0; 2]) {
@@ -141,7 +142,7 @@ mod tests {
             let longitudinal = 8.0 * half(q) + 4.0 * half(2.0 * q);
             assert!((squared_frequency([q, q, 0.0], [r, r, 0.0]) - longitudinal).abs() < 1e-12);
             assert!((squared_frequency([q, q, 0.0], [r, -r, 0.0]) - 8.0 * half(q)).abs() < 1e-12);
-            // Along z four diagonals a block carry the wave: 8 sin^2(q/2).
+            // Polarized along z, four diagonals per block carry the wave: 8 sin^2(q/2).
             assert!((squared_frequency([q, q, 0.0], [0.0, 0.0, 1.0]) - 8.0 * half(q)).abs() < 1e-12);
             // [111]: longitudinal 4 sin^2(q/2) + 8 sin^2(q), transversal 4 sin^2(q/2) + 2 sin^2(q)
             let t = (1.0_f64 / 3.0).sqrt();

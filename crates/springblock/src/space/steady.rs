@@ -1,10 +1,9 @@
 //! Steady sliding of the cell in space.
 //!
-//! The equations of [`super::interface`] are linear but for friction, t = mu f(p) max(N, 0), which bends
-//! little. They are solved by chords: the slope of friction at the nominal pressure makes a linear operator
-//! that stays the same over iterations and loads, and the directions searched for one serve the others
-//! ([`super::directions`]). Where chords do not contract (lands that tip, steep laws) they are
-//! replaced by tangents.
+//! The equations of [`super::interface`] are linear except for friction, t = mu f(p) max(N, 0), which is only weakly
+//! nonlinear. They are solved by the chord method: with the slope of friction at the nominal pressure the linear
+//! operator is the same for all iterations and loads, and its search directions serve all of them
+//! ([`super::directions`]). Where chords do not contract (lands that tilt, steep laws) tangents replace them.
 
 mod contacts;
 
@@ -19,21 +18,22 @@ use crate::outcome::{InterfacePoint, Status, SurfaceOutcome, peak_over_whole_blo
 use crate::scene::Load;
 use crate::{Monitor, Unwatched};
 
-/// Sum of the forces out of balance over the load below which the solve has converged, if nobody says another.
+/// Default of the sum of unbalanced forces over the load at which a solve has converged.
 pub(crate) const TOLERANCE: f64 = 1e-10;
-/// Linear residual, over that at its start, at which friction is evaluated anew. Chords gain about as much.
+/// Linear residual relative to its start at which friction is evaluated again. A chord step reduces the residual by
+/// about as much.
 const LINEAR_TOLERANCE: f64 = 0.03;
 /// Reduction of the residual below which a chord is replaced by a tangent.
 const CONTRACTION: f64 = 0.5;
-/// Directions of one load after which the solve gives up.
+/// Maximum number of directions for one load.
 pub(crate) const MAX_DIRECTIONS: usize = 600;
-/// Evaluations of friction after which it does.
+/// Maximum number of evaluations of friction for one load.
 const MAX_EVALUATIONS: usize = 100;
-/// Directions kept: more cost memory and time, fewer lose what was learnt.
-pub(crate) const MAX_KEPT: usize = 160;
-/// Relative step of the slope of friction.
+/// Maximum number of stored directions: more cost memory and time, fewer lose information.
+pub(crate) const MAX_STORED_DIRECTIONS: usize = 160;
+/// Relative step of the finite difference for the slope of friction.
 const SLOPE_STEP: f64 = 1e-6;
-/// Rounds of lifting and landing blocks after which unilateral contact gives up.
+/// Maximum number of rounds of lifting and landing blocks in unilateral contact.
 const MAX_CONTACT_ROUNDS: usize = 60;
 
 /// One load on a [`SpaceSteadyModel`].
@@ -43,23 +43,23 @@ pub struct SpaceLoad<'a> {
     pub pressure_pa: f64,
     /// Local dynamic coefficient.
     pub dynamic_mu: f64,
-    /// Coefficient of each contact over `dynamic_mu`, in the order of contacts; 1 where absent.
+    /// Coefficient of each contact over `dynamic_mu`, in the order of contacts; `None` means 1.
     pub relative_mu: Option<&'a [f64]>,
-    /// Area law; `None` is Amontons-Coulomb.
+    /// Area law; `None` is Amontons-Coulomb friction.
     pub area_law: Option<&'a AreaLaw>,
     /// Unit vector of the sliding direction, which friction opposes.
     pub direction: [f64; 2],
 }
 
 impl<'a> SpaceLoad<'a> {
-    /// `load` with its mean dynamic coefficient, along the sliding direction of `pattern`.
-    pub(crate) fn of_mean(load: &Load, area_law: Option<&'a AreaLaw>, direction: [f64; 2]) -> Self {
+    /// Creates `load` with its mean dynamic coefficient, sliding along `direction`.
+    pub(crate) fn with_mean_friction(load: &Load, area_law: Option<&'a AreaLaw>, direction: [f64; 2]) -> Self {
         let dynamic_mu = load.friction.dynamic_mean();
         Self { pressure_pa: load.pressure_pa, dynamic_mu, relative_mu: None, area_law, direction }
     }
 }
 
-/// What steady sliding needs to know of a cell, for all loads.
+/// Model of steady sliding of a cell, for any load.
 #[derive(Clone, Debug)]
 pub struct SpaceSteadyModel {
     lattice: SpaceLattice,
@@ -71,17 +71,17 @@ pub struct SpaceSteadyModel {
     interface: Interface,
 }
 
-/// The unknowns and what is linear in them. Forces in units of P l^2, displacements in P l^2 / k.
+/// Unknowns and quantities that depend on them linearly. Forces are in units of P l^2, displacements in P l^2 / k.
 #[derive(Clone, Debug)]
 struct State {
     unknowns: Vec<f64>,
     /// Residual of the elastic equations.
     elastic: Vec<f64>,
-    /// Normal forces.
+    /// Normal forces by contact.
     normal: Vec<f64>,
 }
 
-/// A sequence of loads on one cell.
+/// Solver for a sequence of loads on one cell.
 struct Solver<'a> {
     model: &'a SpaceSteadyModel,
     monitor: &'a dyn Monitor,
@@ -91,17 +91,17 @@ struct Solver<'a> {
     state: State,
     /// Slope of friction in the linear operator, by contact.
     slope: Vec<f64>,
-    /// Direction of the friction that the operator holds.
+    /// Direction of friction in the linear operator.
     along: [f64; 2],
-    /// What the present load makes of the heights of the face and of the pressure at which they yield; zero where it is even.
+    /// Factor of the face heights and yield limit for the current load; zero for a flat face.
     face: Face,
-    /// Sum of the forces out of balance over the load below which an iteration ends.
+    /// Sum of the unbalanced forces over the load at which an iteration ends.
     tolerance: f64,
-    /// Whether slopes are tangents of the present load.
+    /// Whether the slopes are tangents at the current load.
     tangent: bool,
 }
 
-/// How the iteration for one load ended.
+/// Result of the iteration for one load.
 struct End {
     status: Status,
     residual: f64,
@@ -111,54 +111,55 @@ struct End {
 impl SpaceSteadyModel {
     /// Condenses `lattice`, whose blocks are `block_m` apart.
     ///
-    /// `liftoff`: contact is unilateral, blocks under tension leave the counterface, as they do on a face with heights.
+    /// With `liftoff` contact is unilateral and blocks under tension leave the counterface; this is always so on a face
+    /// with height variations.
     #[must_use]
     pub fn new(lattice: SpaceLattice, block_m: f64, youngs_modulus_pa: f64, liftoff: bool) -> Self {
         let interface = Interface::new(&lattice);
-        // A face with heights is off the counterface where it does not reach.
+        // A face with height variations does not touch the counterface everywhere.
         let liftoff = liftoff || lattice.is_raised();
         Self { lattice, block_m, youngs_modulus_pa, liftoff, yield_pressure_pa: None, tolerance: TOLERANCE, interface }
     }
 
-    /// The same solid whose heights flatten for good where they bear `yield_pressure_pa`, in pascals, in the order of loads.
+    /// Sets the pressure in pascals at which face heights flatten plastically, in the order of loads.
     #[must_use]
     pub fn yielding_at(self, yield_pressure_pa: Option<f64>) -> Self {
         Self { yield_pressure_pa, ..self }
     }
 
-    /// The same, solved until the forces out of balance sum to the share `tolerance` of the load.
+    /// Sets the sum of unbalanced forces over the load at which a solve ends.
     #[must_use]
     pub fn balanced_to(self, tolerance: f64) -> Self {
         Self { tolerance, ..self }
     }
 
-    /// The lattice.
+    /// Lattice of this configuration.
     #[must_use]
     pub const fn lattice(&self) -> &SpaceLattice {
         &self.lattice
     }
 
-    /// Distance of neighbouring rows, in metres.
+    /// Distance between neighbouring rows, in metres.
     #[must_use]
     pub const fn block_m(&self) -> f64 {
         self.block_m
     }
 
-    /// Steady sliding under `load`.
+    /// Solves steady sliding under `load`.
     #[must_use]
     pub fn solve(&self, load: &SpaceLoad) -> SurfaceOutcome {
         Solver::new(self).outcome(load)
     }
 
-    /// Steady sliding under each of `loads`, one helping the next, until `monitor` has cancelled.
+    /// Solves steady sliding under each of `loads` until `monitor` cancels; the solution of one load starts the next.
     #[must_use]
     pub fn solve_all(&self, loads: &[SpaceLoad], monitor: &dyn Monitor) -> Vec<SurfaceOutcome> {
         let mut solver = Solver { monitor, ..Solver::new(self) };
         loads.iter().map(|load| solver.outcome(load)).collect()
     }
 
-    /// Displacements over l of steady sliding under `load` by block number (k ny + j) nx + i, the bulk last as row
-    /// `rows`, at x = y = 0; those of removed blocks mean nothing.
+    /// Displacements in units of l for steady sliding under `load`, by block number (k ny + j) nx + i. The bulk comes
+    /// last as row `rows`, at x = y = 0. Values of removed blocks are meaningless.
     #[must_use]
     pub fn displacements(&self, load: &SpaceLoad) -> Vec<[f64; 3]> {
         let [nx, ny] = self.lattice.columns();
@@ -170,7 +171,7 @@ impl SpaceSteadyModel {
         let (_, lifted) = solver.equilibrate(load);
         let solver = lifted.as_ref().unwrap_or(&solver);
         let mut whole = Interface::uncondensed(&self.lattice).with_contacts(&solver.lifted(), &solver.yielding());
-        whole.take_heights(&solver.interface);
+        whole.copy_heights(&solver.interface);
         let mut moved = whole.response();
         whole.respond_loaded(&solver.state.unknowns, solver.along, solver.face, &mut moved);
         let unit = self.displacement_unit(load.pressure_pa);
@@ -182,13 +183,13 @@ impl SpaceSteadyModel {
             .collect()
     }
 
-    /// Unit of displacement over l: P l^2 / (k l) = P / (2/5 E).
+    /// Unit of displacement in units of l: P l^2 / (k l) = P / (2/5 E).
     fn displacement_unit(&self, pressure_pa: f64) -> f64 {
         pressure_pa / (0.4 * self.youngs_modulus_pa)
     }
 
-    /// Friction on contact `number`, of the share `share`, at the normal force `normal`. Where contact may open, tension lasts
-    /// only until the block is lifted, and friction goes on below zero without a kink.
+    /// Friction on contact `number`, with the contact share `share`, at the normal force `normal`. In unilateral
+    /// contact tension is transient until the block lifts, so friction continues below zero without a kink.
     fn friction(&self, load: &SpaceLoad, number: usize, share: f64, normal: f64) -> f64 {
         let normal = if self.liftoff { normal } else { normal.max(0.0) };
         // p = F_n / (a l^2), forces in units of P l^2
@@ -198,12 +199,12 @@ impl SpaceSteadyModel {
         load.dynamic_mu * relative_mu * factor * normal
     }
 
-    /// Shares of the contacts, in their order.
+    /// Contact shares of the contacts, in their order.
     fn shares(&self) -> impl Iterator<Item = f64> + '_ {
         self.interface.surface().iter().filter(|s| s.contact.is_some()).map(|s| s.contact_share)
     }
 
-    /// Least height of a ceiling above the counterface, in blocks.
+    /// Minimum height of a ceiling above the counterface, in blocks.
     fn clearance(&self, pressure_pa: f64, displacement: &[f64]) -> Option<f64> {
         let unit = self.displacement_unit(pressure_pa);
         let [nx, ny] = self.lattice.columns();
@@ -216,10 +217,10 @@ impl SpaceSteadyModel {
 
 impl<'a> Solver<'a> {
     fn new(model: &'a SpaceSteadyModel) -> Self {
-        Self::on(model, Cow::Borrowed(&model.interface))
+        Self::with_interface(model, Cow::Borrowed(&model.interface))
     }
 
-    fn on(model: &'a SpaceSteadyModel, interface: Cow<'a, Interface>) -> Self {
+    fn with_interface(model: &'a SpaceSteadyModel, interface: Cow<'a, Interface>) -> Self {
         let elastic = interface.elastic_unknowns();
         let mut solver = Self {
             model,
@@ -242,7 +243,7 @@ impl<'a> Solver<'a> {
         solver
     }
 
-    /// Residual and normal forces of the present unknowns, from scratch; displacements are those that matter after it.
+    /// Recomputes the residual and the normal forces from the unknowns, and the needed displacements.
     fn observe(&mut self) {
         let interface = &self.interface;
         let heights = interface.elastic_unknowns() - interface.free();
@@ -270,7 +271,7 @@ impl<'a> Solver<'a> {
         (residual, size)
     }
 
-    /// Linear operator on `step`: its image, and the normal forces it makes.
+    /// Applies the linear operator to `step`; returns the image and the normal forces.
     fn apply(&mut self, step: Vec<f64>) -> Direction {
         let interface = &self.interface;
         let elastic = interface.elastic_unknowns();
@@ -287,14 +288,15 @@ impl<'a> Solver<'a> {
         Direction { step, image, normal: self.response.normal.clone() }
     }
 
-    /// Moves the state by the `shares` of the directions' images that were taken from its residual, of which `residual` is left.
+    /// Moves the state by the images' coefficients `shares` that were projected out of its residual; `residual` is the
+    /// rest.
     fn advance(&mut self, shares: &[f64], residual: &[f64]) {
         let State { unknowns, elastic, normal } = &mut self.state;
         self.directions.advance(shares, unknowns, normal);
         elastic.iter_mut().zip(residual).for_each(|(elastic, left)| *elastic = -left);
     }
 
-    /// Slopes of friction: at the nominal pressure, or at the present normal forces.
+    /// Sets the slopes of friction at the current normal forces if `tangent`, otherwise at the nominal pressure.
     fn set_slopes(&mut self, load: &SpaceLoad, tangent: bool) {
         let (model, area) = (self.model, self.model.interface.column_area());
         let slope_at = |number: usize, share: f64, normal: f64| {
@@ -315,8 +317,8 @@ impl<'a> Solver<'a> {
         self.directions.clear();
     }
 
-    /// The equilibrium under `load`, and the solver that holds it where blocks have left the counterface: lifts
-    /// those under tension and lands those that sink below it until none does.
+    /// Solves for equilibrium under `load`. In unilateral contact lifts blocks under tension and lands blocks below the
+    /// counterface until none changes; if blocks have lifted, also returns the solver with the lifted contacts.
     fn equilibrate(&mut self, load: &SpaceLoad) -> (End, Option<Self>) {
         if self.model.lattice.is_raised() {
             return (self.equilibrate_raised(load), None);
@@ -342,7 +344,7 @@ impl<'a> Solver<'a> {
             }
             lifted = next;
             let interface = Cow::Owned(self.model.interface.with_lifted(&lifted));
-            let mut solver = Self { monitor: self.monitor, ..Self::on(self.model, interface) };
+            let mut solver = Self { monitor: self.monitor, ..Self::with_interface(self.model, interface) };
             let latest_end = solver.iterate(load);
             end = End { directions: end.directions + latest_end.directions, ..latest_end };
             latest = Some(solver);
@@ -351,7 +353,7 @@ impl<'a> Solver<'a> {
         (end, latest)
     }
 
-    /// Iterates to the equilibrium under `load` from where the last one ended.
+    /// Iterates to equilibrium under `load`, starting from the last state.
     fn iterate(&mut self, load: &SpaceLoad) -> End {
         if self.along != load.direction.map(|component| -component) {
             self.along = load.direction.map(|component| -component);
@@ -371,7 +373,8 @@ impl<'a> Solver<'a> {
                 if verified {
                     return End { status: Status::Converged, residual: size, directions: applied };
                 }
-                // Sums of many directions drift: the residual counts that is computed from the unknowns.
+                // Sums of many directions accumulate rounding errors, so the residual must be recomputed from the
+                // unknowns.
                 self.observe();
                 verified = true;
                 continue;
@@ -388,13 +391,13 @@ impl<'a> Solver<'a> {
             }
             last = size;
             let target = LINEAR_TOLERANCE * norm(&residual);
-            let mut shares = self.directions.take(&mut residual);
+            let mut shares = self.directions.project_out(&mut residual);
             while norm(&residual) > target && applied < MAX_DIRECTIONS {
                 if self.monitor.cancelled() {
                     self.advance(&shares, &residual);
                     return End { status: Status::Cancelled, residual: size, directions: applied };
                 }
-                if self.directions.count() >= MAX_KEPT {
+                if self.directions.count() >= MAX_STORED_DIRECTIONS {
                     self.advance(&shares, &residual);
                     shares.clear();
                     self.directions.clear();
@@ -406,7 +409,7 @@ impl<'a> Solver<'a> {
                 if !self.directions.add(direction) {
                     break;
                 }
-                shares.extend(self.directions.take_last(&mut residual));
+                shares.extend(self.directions.project_out_last(&mut residual));
             }
             self.advance(&shares, &residual);
         }
@@ -428,7 +431,7 @@ impl<'a> Solver<'a> {
         lifted.as_ref().unwrap_or(self).outcome_of(load, &end)
     }
 
-    /// The contact blocks, with the normal and the friction force that `forces` gives for their number.
+    /// Contact blocks with the normal and the friction force that `forces` returns for their index.
     fn points(&self, load: &SpaceLoad, forces: impl Fn(usize) -> (f64, f64)) -> Vec<InterfacePoint> {
         let (spacing, block_m, area) = (self.model.lattice.spacing(), self.model.block_m, self.interface.column_area());
         let contacts = self.interface.surface().iter().filter(|surface| surface.contact.is_some());
@@ -449,7 +452,7 @@ impl<'a> Solver<'a> {
             .collect()
     }
 
-    /// The largest pressure of `interface` over a whole block.
+    /// Largest pressure of `interface` over a whole block.
     fn peak_pressure_pa(&self, interface: &[InterfacePoint]) -> f64 {
         let [nx, ny] = self.model.lattice.columns();
         let touching: Vec<_> = self.interface.surface().iter().filter(|surface| surface.contact.is_some()).collect();
@@ -465,7 +468,7 @@ impl<'a> Solver<'a> {
         })
     }
 
-    /// What the present state says of `load`.
+    /// Converts the current state to an outcome for `load`.
     fn outcome_of(&self, load: &SpaceLoad, end: &End) -> SurfaceOutcome {
         let friction = &self.state.unknowns[self.state.elastic.len()..];
         let interface = self.points(load, |number| (self.state.normal[number], friction[number]));
@@ -474,7 +477,7 @@ impl<'a> Solver<'a> {
         let clearance_m = clearance.map(|clearance| clearance * self.model.block_m);
         let forces = [&self.state.normal[..], friction];
         let interface = (interface, peak_pressure_pa);
-        let found = SurfaceOutcome::sliding(end.status, forces, interface, clearance_m, load.area_law);
+        let found = SurfaceOutcome::from_steady_forces(end.status, forces, interface, clearance_m, load.area_law);
         let residual = Some(end.residual).filter(|_| found.status != Status::NoLoad);
         SurfaceOutcome { residual, iterations: end.directions, ..found }
     }

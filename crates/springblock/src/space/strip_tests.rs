@@ -8,7 +8,8 @@ use crate::outcome::Status;
 use crate::samples::{E_PA, groove, persson_law};
 use crate::steady::{SteadyLoad, SteadyModel};
 
-/// A strip of grooves one column wide is the same strip in the vertical plane: plane strain at nu = 1/4 is plane stress at 1/3.
+/// A strip of grooves one column wide equals the strip in the vertical plane: plane strain at nu = 1/4 is plane stress
+/// at 1/3.
 #[test]
 fn a_strip_of_grooves_is_that_of_the_vertical_plane() {
     let law = persson_law();

@@ -28,7 +28,7 @@ fn ratio(pattern: &Pattern, block_um: f64) -> f64 {
     outcome.mu_dynamic.unwrap() / (0.27 * law.factor(2.6e6))
 }
 
-/// Largest force left on a block, in units of P l^2: every spring by itself, its displacements as solved.
+/// Largest unbalanced force on a block, in units of P l^2, from all springs and the solved displacements.
 pub(super) fn largest_imbalance(model: &SpaceSteadyModel, load: &SpaceLoad) -> f64 {
     let lattice = model.lattice();
     let [nx, ny] = lattice.columns();
@@ -58,14 +58,14 @@ pub(super) fn largest_imbalance(model: &SpaceSteadyModel, load: &SpaceLoad) -> f
             *force -= along * point.friction_pa * area;
         }
     }
-    // The bulk: its vertical balance is the load, its horizontal one the drive's.
+    // The bulk: its vertical force balances the load, its horizontal force the drive.
     let blocks = nx * ny * lattice.rows();
     let bulk: f64 = force[blocks..].iter().map(|f| f[2]).sum();
     let on_blocks = force[..blocks].iter().flatten().fold(0.0, |most: f64, f| most.max(f.abs()));
     on_blocks.max((bulk / (nx as f64 * a * ny as f64 * b) - 1.0).abs())
 }
 
-/// Planforms, arrangements and directions, whole blocks and not.
+/// Various planforms, arrangements and directions, of whole blocks and not.
 fn assorted() -> Vec<Pattern> {
     let texture = |planform| Texture::new(planform);
     let staggered = texture(Planform::Disc).with_arrangement(Arrangement::Staggered).unwrap();
@@ -78,7 +78,7 @@ fn assorted() -> Vec<Pattern> {
         (square, 133.3, 118.0, 14.5),
         (square, 52.0, 61.0, 5.0),
         (staggered, 100.0, 80.0, 20.0),
-        // Rows that reach between each other.
+        // Rows that interlock.
         (hexagonal, 100.0, 12.0, 20.0),
         (rectangle, 100.0, 90.0, 12.0),
         (turned, 130.0, 370.0, 20.0),
@@ -108,7 +108,7 @@ fn hexagonal_discs_look_the_same_every_sixty_degrees() {
         let load = SpaceLoad { direction: pattern.sliding_direction(), ..load(2.6, Some(&law)) };
         model(&pattern, 5.0, 50.0).solve(&load).mu_dynamic.unwrap()
     };
-    // The pattern is the same; the cubic mesh is not.
+    // The pattern is the same but the cubic mesh is not.
     let turned = mu(Arrangement::Hexagonal, 60.0) - mu(Arrangement::Hexagonal, 0.0);
     assert!(turned.abs() < 5e-5, "{turned}");
     let denser = mu(Arrangement::Hexagonal, 0.0) - mu(Arrangement::Staggered, 0.0);
@@ -134,20 +134,20 @@ fn a_flat_layer_is_uniform_and_shears_by_its_shear_modulus() {
     assert!((outcome.mu_dynamic.unwrap() - 0.27 * law.factor(2.6e6)).abs() < 1e-10);
     assert!(outcome.interface.iter().all(|point| (point.pressure_pa / 2.6e6 - 1.0).abs() < 1e-10));
     let displacement = model.displacements(&load);
-    // The layer is h = 20 l high: tau h / G behind the bulk, which sinks by P h / C33. G = 2/5 E, C33 = 6/5 E.
+    // The layer is h = 20 l high: displacement tau h / G behind the bulk, descent P h / C33. G = 2/5 E, C33 = 6/5 E.
     let tau_pa = 0.27 * law.factor(2.6e6) * 2.6e6;
     assert!((displacement[0][0] / (-20.0 * tau_pa / (0.4 * E_PA)) - 1.0).abs() < 1e-9);
     assert!((displacement[4 * 3 * 20][2] / (-20.0 * 2.6e6 / (1.2 * E_PA)) - 1.0).abs() < 1e-9);
 }
 
-/// Normal forces over P l^2 on the contacts, x fastest, by elimination on the assembled equations of all blocks
-/// with friction in them: Amontons-Coulomb with `mu`.
+/// Normal forces over P l^2 on the contacts, x fastest, by elimination on the assembled equations of all blocks, with
+/// Amontons-Coulomb friction `mu`.
 fn directly(lattice: &SpaceLattice, mu: f64, direction: [f64; 2]) -> Vec<f64> {
     let [nx, ny] = lattice.columns();
     let rows = lattice.rows();
     let number = |[i, j, k]: [usize; 3]| (k * ny + j) * nx + i;
     let blocks = nx * ny * rows;
-    // Three displacements a block, the normal forces, the bulk's height.
+    // Three displacements per block, the normal forces, the bulk's height.
     let (normal, bulk) = (3 * blocks, 3 * blocks + nx * ny);
     let mut matrix = DMatrix::<f64>::zeros(bulk + 1, bulk + 1);
     let mut right = DVector::<f64>::zeros(bulk + 1);
@@ -167,7 +167,7 @@ fn directly(lattice: &SpaceLattice, mu: f64, direction: [f64; 2]) -> Vec<f64> {
             }
         }
     });
-    // K u = forces: the load on the bulk, N upward and friction on the contacts.
+    // K u = forces: the load on the bulk, N upward, and friction on the contacts.
     right[bulk] = -((nx * ny) as f64);
     for column in 0..nx * ny {
         let (i, j) = (column % nx, column / nx);
@@ -244,13 +244,13 @@ fn a_transversal_groove_in_a_specimen_of_seven_millimetres_is_that_of_the_plane(
             .unwrap();
         let space = model(&pattern, 10.0, 7000.0).solve(&law_load).mu_dynamic.unwrap();
         assert!((plane - space).abs() < 1e-9, "{width}: {plane} {space}");
-        // A half-space is no other.
+        // A half-space gives the same result.
         let deeper = model(&pattern, 10.0, 1e6).solve(&law_load).mu_dynamic.unwrap();
         assert!((deeper - space).abs() < 1e-9, "{width}: {deeper} {space}");
     }
 }
 
-/// Pressures by column, x fastest; none where nothing touches.
+/// Pressures by column, x fastest; `None` for columns that do not touch.
 fn pressure_map(model: &SpaceSteadyModel, load: &SpaceLoad) -> Vec<Option<f64>> {
     let [nx, ny] = model.lattice().columns();
     let mut map = vec![None; nx * ny];
@@ -293,8 +293,9 @@ fn the_prototype_ratios_are_met() {
     assert!((groove - 0.8269).abs() < 0.001, "{groove}");
 }
 
-/// At one areal density, 6.76 %, and one width the published squares and grooves across and along the sliding direction
-/// lower friction alike to a thousandth: what counts is how much land there is. Blocks of 5 um raise all three by 0.0005.
+/// At one areal density, 6.76 %, and one width, the published squares and grooves across and along the sliding
+/// direction reduce friction equally to a thousandth: only the land fraction matters. Blocks of 5 um raise all three
+/// ratios by 0.0005.
 #[test]
 fn at_equal_areal_density_the_direction_of_grooves_matters_by_thousandths() {
     // 130 / 1920 = 6.77 %, (130 / 500)^2 = 6.76 %.
@@ -315,7 +316,7 @@ fn at_equal_areal_density_the_direction_of_grooves_matters_by_thousandths() {
 fn refinement_moves_the_ratio_by_less_than_stated() {
     let pattern = pattern(Planform::Square, 130.0, 370.0, 20.0);
     let [coarse, fine] = [10.0, 5.0].map(|block_um| ratio(&pattern, block_um));
-    // 0.96158, 0.96204 and, at 2.5 um, 0.96220.
+    // The ratios are 0.96158, 0.96204 and, at 2.5 um, 0.96220.
     assert!((fine - coarse).abs() < 0.0006, "{coarse} {fine}");
 }
 
@@ -361,7 +362,7 @@ fn loads_one_after_the_other_and_alone_agree_and_few_responses_are_enough() {
 fn blocks_of_which_little_is_left_take_few_directions() {
     let law = persson_law();
     let loads = [0.65, 1.3, 1.95, 2.6].map(|pressure| load(pressure, Some(&law)));
-    // Rims of discs, and edges within blocks, leave slivers. Directions that are plain residuals are 143 and 137.
+    // Rims of discs, and edges within blocks, leave slivers. Unpreconditioned directions would take 143 and 137.
     for (planform, width, spacing, depth) in [(Planform::Disc, 60.0, 90.0, 20.0), (Planform::Square, 67.0, 81.0, 23.0)]
     {
         let model = model(&pattern(planform, width, spacing, depth), 10.0, 200.0);
@@ -372,8 +373,8 @@ fn blocks_of_which_little_is_left_take_few_directions() {
     }
 }
 
-/// Plane strain at nu = 1/4 is plane stress at nu/(1 - nu) = 1/3: where nothing changes along y, two face diagonals
-/// add to each spring along x and z, which makes the plane's lattice with k doubled, spring by spring.
+/// Plane strain at nu = 1/4 is plane stress at nu/(1 - nu) = 1/3: if nothing changes along y, two face diagonals add to
+/// each spring along x and z, which gives the plane's lattice with k doubled, spring by spring.
 #[test]
 fn a_transversal_groove_is_that_of_the_vertical_plane_to_rounding() {
     use crate::columns;
@@ -400,7 +401,7 @@ fn a_transversal_groove_is_that_of_the_vertical_plane_to_rounding() {
 
 #[test]
 fn grooves_and_squares_of_equal_areal_density() {
-    // 130 um squares 370 um apart cover 6.76 %: so do grooves 33.8 um wide on the same pitch.
+    // 130 um squares 370 um apart cover 6.76 %, and so do grooves 33.8 um wide with the same pitch.
     let squares = ratio(&pattern(Planform::Square, 130.0, 370.0, 20.0), 10.0);
     let texture = Texture::new(Planform::Groove);
     let law = persson_law();
@@ -410,7 +411,8 @@ fn grooves_and_squares_of_equal_areal_density() {
         model(&pattern, 10.0, 200.0).solve(&load).mu_dynamic.unwrap() / (0.27 * law.factor(2.6e6))
     };
     let (across, along) = (groove(texture), groove(texture.with_groove_angle_deg(90.0).unwrap()));
-    // 0.9614, 0.9616 and 0.9625: what covers as much does almost as much, and edges across sliding a little more.
+    // The ratios are 0.9614, 0.9616 and 0.9625: equal areas reduce friction almost equally, and edges across the
+    // sliding direction slightly more.
     assert!(across < squares && squares < along, "{across} {squares} {along}");
     assert!((across - 0.9614).abs() < 2e-4 && (along - 0.9625).abs() < 2e-4, "{across} {along}");
 }
@@ -418,7 +420,7 @@ fn grooves_and_squares_of_equal_areal_density() {
 #[test]
 fn tipping_lands_and_strong_friction_end_in_an_equilibrium_or_say_so() {
     let law = persson_law();
-    // Tall posts under strong friction: contact pulls at their rear.
+    // Tall posts under strong friction: contact is under tension at their rear.
     let model = model(&pattern(Planform::Square, 140.0, 60.0, 120.0), 10.0, 200.0);
     for mu in [0.0, 0.3, 1.0, 3.0] {
         let outcome = model.solve(&SpaceLoad { dynamic_mu: mu, ..load(2.6, Some(&law)) });

@@ -1,10 +1,10 @@
 //! Anderson acceleration of a fixed-point iteration x <- g(x) (D. G. Anderson, J. ACM 12, 547, 1965).
 
-/// Remembered steps. More cost memory and conditioning, fewer cost iterations; 3 to 8 do alike here.
+/// Number of stored steps. More cost memory and conditioning, fewer cost iterations; 3 to 8 perform alike here.
 const DEPTH: usize = 6;
-/// A residual this much larger than the last one empties the memory: the secants mislead.
+/// Growth of the residual in one step that clears the memory, because the secants are misleading.
 const GROWTH: f64 = 4.0;
-/// Relative ridge on the normal equations of the secants.
+/// Relative regularization of the normal equations of the secants.
 const RIDGE: f64 = 1e-14;
 
 /// Memory of the last steps.
@@ -17,7 +17,7 @@ pub struct Anderson {
 }
 
 impl Anderson {
-    /// An empty memory for vectors of `size` components.
+    /// Creates an empty memory for vectors of `size` components.
     pub fn new(size: usize) -> Self {
         Self { steps: Vec::new(), residual_steps: Vec::new(), last: None, last_norm: f64::INFINITY, size }
     }
@@ -49,7 +49,7 @@ impl Anderson {
         }
     }
 
-    /// Coefficients of the secants by the normal equations, with a ridge, by Cholesky elimination.
+    /// Coefficients of the secants from the regularized normal equations, by Cholesky elimination.
     fn least_squares(&self, residual: &[f64]) -> Vec<f64> {
         let m = self.residual_steps.len();
         let products = |a| self.residual_steps.iter().map(|b| dot(a, b)).collect();
@@ -60,7 +60,7 @@ impl Anderson {
         }
         for k in 0..m {
             if matrix[k][k].is_nan() || matrix[k][k] <= 0.0 {
-                // Dependent secants add nothing.
+                // Linearly dependent secants add nothing.
                 right[k] = 0.0;
                 matrix[k] = vec![0.0; m];
                 matrix[k][k] = 1.0;
@@ -100,7 +100,7 @@ mod tests {
 
     #[test]
     fn a_linear_map_is_solved_in_as_many_steps_as_it_has_dimensions() {
-        // g(x) = M x + c with a spectral radius above one: plain iteration would diverge.
+        // g(x) = M x + c with a spectral radius above one, so that plain iteration would diverge.
         let map = |x: &[f64]| vec![0.9 * x[0] - 0.5 * x[1] + 1.0, 0.8 * x[0] - 1.2 * x[1] + 0.5, 0.3 * x[2] - 2.0];
         let mut x = vec![0.0; 3];
         let mut mixer = Anderson::new(3);

@@ -1,7 +1,7 @@
 //! Symmetric positive definite band matrices: assembly, factorization, solution.
 //!
-//! A = U^T D U, U unit upper triangular with half bandwidth b. For n unknowns the factorization
-//! takes n b^2 multiplications and additions, one solution 4 n b.
+//! A = U^T D U, where U is unit upper triangular with half bandwidth b. For n unknowns the factorization takes n b^2
+//! multiplications and additions, one solution 4 n b.
 
 use multiversion::multiversion;
 
@@ -14,23 +14,23 @@ pub struct BandMatrix {
 }
 
 impl BandMatrix {
-    /// The zero matrix of `order` rows.
+    /// Creates the zero matrix of `order` rows.
     #[must_use]
     pub fn zero(order: usize, half_bandwidth: usize) -> Self {
-        // Zeros that are written: a page of memory that the system calls zero would be mapped when `add` first reads it and copied when it
-        // writes, which takes every thread's address cache along.
+        // The zeros are written explicitly. Zero pages from the system would be mapped when `add` first reads them and
+        // copied when it writes, which flushes the address cache of every thread.
         let mut rows = std::hint::black_box(Vec::with_capacity(order * (half_bandwidth + 1)));
         rows.resize(order * (half_bandwidth + 1), 0.0);
         Self { order, half_bandwidth, rows }
     }
 
-    /// Adds `value` to A[r][c] and, by symmetry, to A[c][r]; both within the band.
+    /// Adds `value` to A[r][c] and, by symmetry, to A[c][r]; both must lie within the band.
     pub fn add(&mut self, r: usize, c: usize, value: f64) {
         let (r, c) = (r.min(c), r.max(c));
         self.rows[r * (self.half_bandwidth + 1) + (c - r)] += value;
     }
 
-    /// Replaces row and column `r` by those of the identity: unknown r becomes zero.
+    /// Replaces row and column `r` by those of the identity, so that unknown r becomes zero.
     pub fn pin(&mut self, r: usize) {
         let stride = self.half_bandwidth + 1;
         for back in 1..=self.half_bandwidth.min(r) {
@@ -40,9 +40,7 @@ impl BandMatrix {
         self.rows[r * stride] = 1.0;
     }
 
-    /// Factors A in place.
-    ///
-    /// `None` if A is not positive definite to rounding.
+    /// Factors A in place; `None` if A is not positive definite to rounding.
     #[must_use]
     pub fn factor(mut self) -> Option<BandFactor> {
         eliminate(&mut self.rows, self.order, self.half_bandwidth).then_some(BandFactor { upper: self })
@@ -56,21 +54,22 @@ pub struct BandFactor {
 }
 
 impl BandFactor {
-    /// Solves A x = b, `x` holding b on entry.
+    /// Solves A x = b; `x` holds b on entry.
     pub fn solve(&self, x: &mut [f64]) {
         substitute(&self.upper.rows, self.upper.half_bandwidth, x);
     }
 
-    /// Solves A x = b for several b at once, each as [`Self::solve`] does to the last bit.
-    pub fn solve_together(&self, x: &mut [[f64; TOGETHER]]) {
-        substitute_together(&self.upper.rows, self.upper.half_bandwidth, x);
+    /// Solves A x = b for several b at once, with results identical to [`Self::solve`].
+    pub fn solve_batch(&self, x: &mut [[f64; BATCH]]) {
+        substitute_batch(&self.upper.rows, self.upper.half_bandwidth, x);
     }
 }
 
-/// Right-hand sides that are solved together: the factor, which no cache near the processor holds, passes through once for all of them.
-pub const TOGETHER: usize = 4;
+/// Number of right-hand sides that are solved together: the factor, which exceeds the caches near the processor, is
+/// read once for all of them.
+pub const BATCH: usize = 4;
 
-/// Right-looking elimination; false if a pivot is not positive.
+/// Right-looking elimination; returns false if a pivot is not positive.
 #[multiversion(targets("x86_64+avx512f", "x86_64+avx2"))]
 fn eliminate(rows: &mut [f64], order: usize, half_bandwidth: usize) -> bool {
     let stride = half_bandwidth + 1;
@@ -101,7 +100,7 @@ fn eliminate(rows: &mut [f64], order: usize, half_bandwidth: usize) -> bool {
     true
 }
 
-/// Partial sums in a fixed order: the same result with any vector width.
+/// Number of partial sums in a fixed order, so that the result does not depend on the vector width.
 const LANES: usize = 8;
 
 /// Forward and backward substitution.
@@ -136,9 +135,9 @@ fn substitute(rows: &[f64], half_bandwidth: usize, x: &mut [f64]) {
     }
 }
 
-/// As [`substitute`], in the same order.
+/// Like [`substitute`] for several right-hand sides, in the same order of operations.
 #[multiversion(targets("x86_64+avx512f", "x86_64+avx2"))]
-fn substitute_together(rows: &[f64], half_bandwidth: usize, x: &mut [[f64; TOGETHER]]) {
+fn substitute_batch(rows: &[f64], half_bandwidth: usize, x: &mut [[f64; BATCH]]) {
     let stride = half_bandwidth + 1;
     let order = x.len();
     for k in 0..order {
@@ -146,7 +145,7 @@ fn substitute_together(rows: &[f64], half_bandwidth: usize, x: &mut [[f64; TOGET
         let value = x[k];
         let row = &rows[k * stride + 1..k * stride + 1 + reach];
         for (t, u) in x[k + 1..=k + reach].iter_mut().zip(row) {
-            for side in 0..TOGETHER {
+            for side in 0..BATCH {
                 t[side] -= u * value[side];
             }
         }
@@ -155,23 +154,23 @@ fn substitute_together(rows: &[f64], half_bandwidth: usize, x: &mut [[f64; TOGET
         let reach = half_bandwidth.min(order - 1 - k);
         let row = &rows[k * stride + 1..k * stride + 1 + reach];
         let known = &x[k + 1..=k + reach];
-        let mut sums = [[0.0; TOGETHER]; LANES];
+        let mut sums = [[0.0; BATCH]; LANES];
         let (row_chunks, row_rest) = row.as_chunks::<LANES>();
         let (known_chunks, known_rest) = known.as_chunks::<LANES>();
-        let mut rest = [0.0; TOGETHER];
+        let mut rest = [0.0; BATCH];
         for (u, v) in row_rest.iter().zip(known_rest) {
-            for side in 0..TOGETHER {
+            for side in 0..BATCH {
                 rest[side] += u * v[side];
             }
         }
         for (u, v) in row_chunks.iter().zip(known_chunks) {
             for lane in 0..LANES {
-                for side in 0..TOGETHER {
+                for side in 0..BATCH {
                     sums[lane][side] += u[lane] * v[lane][side];
                 }
             }
         }
-        for side in 0..TOGETHER {
+        for side in 0..BATCH {
             let sum = |lane: usize| sums[lane][side];
             let total = ((sum(0) + sum(4)) + (sum(1) + sum(5))) + ((sum(2) + sum(6)) + (sum(3) + sum(7))) + rest[side];
             x[k][side] = x[k][side] * rows[k * stride] - total;
@@ -226,10 +225,10 @@ mod tests {
         for (order, half_bandwidth) in [(1, 0), (5, 4), (60, 1), (200, 37), (90, 43)] {
             let factor = example(order, half_bandwidth).factor().unwrap();
             let right = |side: usize| move |i: usize| ((i * (side + 1)) as f64 * 0.7).sin();
-            let mut together: Vec<[f64; TOGETHER]> =
+            let mut together: Vec<[f64; BATCH]> =
                 (0..order).map(|i| std::array::from_fn(|side| right(side)(i))).collect();
-            factor.solve_together(&mut together);
-            for side in 0..TOGETHER {
+            factor.solve_batch(&mut together);
+            for side in 0..BATCH {
                 let mut alone: Vec<f64> = (0..order).map(right(side)).collect();
                 factor.solve(&mut alone);
                 assert!(alone.iter().zip(&together).all(|(alone, each)| alone.to_bits() == each[side].to_bits()));

@@ -1,18 +1,18 @@
-//! Steady sliding of a cell of equal columns by the few forces about its cavities.
+//! Steady sliding of a cell of equal columns, by condensation to forces around its cavities.
 //!
-//! The cell is a flat layer from which springs are missing. Filled up it is the same everywhere, and its response
-//! is known ([`super::flat_layer`]). What the filling does is undone by forces g on the blocks that lack a spring:
+//! The cell is a flat layer with missing springs. The full layer is uniform and its response is known
+//! ([`super::flat_layer`]). Forces g on the blocks that lack a spring cancel the effect of the additional springs:
 //!
 //! ```text
 //! u = u_0 + G (g, w, T),     g = R u,     w: N(u) + kappa w = 0
 //! ```
 //!
-//! u_0 is uniform compression under the load, R the stiffness of the missing springs, w the height of blocks of row
-//! 0 that the counterface does not pin, kappa the tie of those that it touches in part, T friction. Removed blocks
-//! need no force: where they are and what binds them is the filling's affair. Where the face has heights z, what touches it
-//! is at w = z, or tied to it. So n unknowns, some five a column of the
-//! cavity, replace two a block of the cell, and elimination leaves N = N_0 + A T + K z for the m contacts. It takes
-//! n^3/3 + n^2 m + n m^2 multiplications and additions where the band of the whole cell takes 2 nx ny (4 ny)^2.
+//! u_0 is uniform compression under the load, R the stiffness of the missing springs, w the height of blocks of row 0
+//! that the counterface does not pin, kappa the tie of blocks that touch in part, and T friction. Removed blocks need
+//! no force, since they belong to the full layer only. If the face has heights z, contacts are at w = z, or tied to it.
+//! The n unknowns, about five per column of the cavity, replace two per block of the cell, and elimination gives N =
+//! N_0 + A T + K z for the m contacts. It takes n^3/3 + n^2 m + n m^2 multiplications and additions, whereas the band
+//! matrix of the whole cell takes 2 nx ny (4 ny)^2.
 
 use std::sync::Arc;
 
@@ -24,7 +24,7 @@ use crate::columns::PLANE_STRAIN;
 use crate::lattice::Lattice;
 use crate::outcome::{Status, SurfaceOutcome};
 
-/// A cell that may slide under many loads.
+/// Condensed model of a cell, for any load.
 #[derive(Clone, Debug)]
 pub struct CondensedModel {
     block_m: f64,
@@ -33,12 +33,13 @@ pub struct CondensedModel {
     cell: Arc<CondensedCell>,
 }
 
-/// A cell without its unknowns: what follows from the lattice alone, whatever its blocks measure and are made of.
+/// Condensed equations of a cell, which depend on the lattice only, not on block size and material.
 #[derive(Debug)]
 struct CondensedCell {
     response: Condensed,
     ceilings: Vec<Ceiling>,
-    /// Unknowns y = Y T + y_0, by rows: Y, then y_0. Heights follow T where they are inputs.
+    /// Affine map from the inputs to the unknowns, y = Y T + y_0, by rows: Y, then y_0. The inputs are T and then,
+    /// where they are inputs, the heights.
     unknowns: Vec<f64>,
 }
 
@@ -47,15 +48,15 @@ struct CondensedCell {
 struct Ceiling {
     /// Depth of the cavity, in rows.
     depth: f64,
-    /// Its height over the unknowns, the inputs, and 1.
+    /// Coefficients of the height over the unknowns, the inputs, and 1.
     height: Vec<f64>,
 }
 
-/// Multiplications and additions, and memory in bytes, that condensing a cell of `columns` takes, roughly and at most, whose
-/// cavities take `covered` of them and are `depth` rows deep.
-pub fn condensing(columns: f64, covered: f64, depth: f64) -> (f64, f64) {
+/// Estimated upper bounds of the multiplications and additions, and of the memory in bytes, for condensing a cell of
+/// `columns` columns, of which cavities `depth` rows deep cover `covered`.
+pub fn condensing_cost(columns: f64, covered: f64, depth: f64) -> (f64, f64) {
     let (half, fields, m) = (columns / 2.0 + 1.0, 2.0 * (depth + 2.0), columns);
-    // The ceiling's blocks, twice where it is there in part, and the walls'.
+    // Blocks of the ceiling, twice if it exists in part, and of the walls.
     let n = 5.0 * (covered + 2.0) + 4.0 * depth;
     let (blocks, width) = ((covered + 2.0) * (depth + 2.0), n + m);
     let products =
@@ -63,7 +64,7 @@ pub fn condensing(columns: f64, covered: f64, depth: f64) -> (f64, f64) {
     (products, 8.0 * (2.0 * half * half + 2.0 * fields * fields * columns + width * (n + 4.0 * blocks)))
 }
 
-/// N = N_0 + A T, and + K z where the face has heights z.
+/// N = N_0 + A T, plus K z if the face has heights z.
 #[derive(Clone, Debug)]
 pub(super) struct Condensed {
     pub(super) contacts: Vec<Contact>,
@@ -88,78 +89,83 @@ impl LinearResponse for Condensed {
 
     fn respond(&self, friction: &[f64], _: &mut [f64], normal: &mut [f64]) {
         normal.copy_from_slice(&self.at_rest);
-        // Products are subtracted: the matrix is that of -A.
+        // The matrix of -A is used because products are subtracted.
         subtract_products(normal, friction, &self.influence, friction.len(), 0);
     }
 }
 
 impl CondensedModel {
-    /// The model of `lattice`, whose blocks are `block_m` apart; `None` where it is no ring of equal columns, where
-    /// cavities reach the uppermost row, or where the band of all blocks takes fewer operations.
+    /// Condenses `lattice`, whose blocks are `block_m` apart. Returns `None` if the lattice is not periodic with equal
+    /// columns, if cavities reach the top row, or if the band matrix of all blocks takes fewer operations.
     #[must_use]
     pub fn new(lattice: &Lattice, block_m: f64, youngs_modulus_pa: f64, liftoff: bool) -> Option<Self> {
-        let equations = Equations::of(lattice, &[], false)?;
+        let equations = Equations::for_lattice(lattice, &[], false)?;
         let products = equations.products(lattice);
         if products > band_products(lattice.nx(), lattice.ny()) {
             return None;
         }
-        let cell = equations.condense_or_recall(lattice, products)?;
+        let cell = equations.condense_cached(lattice, products)?;
         Some(Self { block_m, youngs_modulus_pa, liftoff, cell })
     }
 
-    /// The same at any number of operations, with the contact blocks of the columns `lifted` off the counterface.
-    pub(super) fn lifted(lattice: &Lattice, block_m: f64, youngs_modulus_pa: f64, lifted: &[usize]) -> Option<Self> {
-        let (equations, liftoff) = (Equations::of(lattice, lifted, false)?, !lifted.is_empty());
+    /// Like [`Self::new`] at any cost, with the contact blocks of the columns `lifted` off the counterface.
+    pub(super) fn with_lifted(
+        lattice: &Lattice,
+        block_m: f64,
+        youngs_modulus_pa: f64,
+        lifted: &[usize],
+    ) -> Option<Self> {
+        let (equations, liftoff) = (Equations::for_lattice(lattice, lifted, false)?, !lifted.is_empty());
         let cell = if liftoff {
             Arc::new(equations.condense(lattice)?)
         } else {
             let products = equations.products(lattice);
-            equations.condense_or_recall(lattice, products)?
+            equations.condense_cached(lattice, products)?
         };
         Some(Self { block_m, youngs_modulus_pa, liftoff, cell })
     }
 
-    /// The same with the heights of the face as inputs, as [`super::raised`] needs them.
-    pub(super) fn raised(lattice: &Lattice, block_m: f64, youngs_modulus_pa: f64) -> Option<Self> {
-        let cell = Arc::new(Equations::of(lattice, &[], true)?.condense(lattice)?);
+    /// Like [`Self::new`] at any cost, with the heights of the face as inputs, as needed by [`super::raised`].
+    pub(super) fn with_raised_face(lattice: &Lattice, block_m: f64, youngs_modulus_pa: f64) -> Option<Self> {
+        let cell = Arc::new(Equations::for_lattice(lattice, &[], true)?.condense(lattice)?);
         Some(Self { block_m, youngs_modulus_pa, liftoff: true, cell })
     }
 
-    /// N over friction and heights.
+    /// Response of the normal forces to friction and heights.
     pub(super) fn response(&self) -> &Condensed {
         &self.cell.response
     }
 
-    /// The contact blocks, left to right.
+    /// Contact blocks, left to right.
     pub(super) fn contacts(&self) -> &[Contact] {
         &self.cell.response.contacts
     }
 
-    /// The fixed point of friction under `load` with the blocks on and off the counterface that are.
+    /// Solves for the fixed point of friction under `load` with the model's lifted contacts.
     pub(super) fn iterate(&self, load: &SteadyLoad) -> Equilibrium {
         iterate(self.response(), load)
     }
 
-    /// What `state` says.
+    /// Converts `state` to an outcome.
     pub(super) fn observe(&self, load: &SteadyLoad, state: &Equilibrium) -> SurfaceOutcome {
         observe(self.contacts(), self.block_m, load, state, self.clearance(load.pressure_pa, &state.friction))
     }
 
-    /// What `state` says of a face with the heights `heights` at its contacts.
+    /// Converts `state` to an outcome, for a face with the heights `heights` at its contacts.
     pub(super) fn observe_raised(&self, load: &SteadyLoad, state: &Equilibrium, heights: &[f64]) -> SurfaceOutcome {
         let clearance = self.clearance(load.pressure_pa, &[&state.friction, heights].concat());
         observe(self.contacts(), self.block_m, load, state, clearance)
     }
 
-    /// Height over P l^2 / k of every contact block that is off the counterface, in the order of the contacts.
+    /// Height in units of P l^2 / k of every lifted contact, in the order of the contacts; `None` for other contacts.
     pub(super) fn heights(&self, state: &Equilibrium) -> Vec<Option<f64>> {
         let unknowns = self.unknowns(&state.friction);
         let of_lifted = |contact: &Contact| contact.lifted.then(|| unknowns[contact.dof]);
         self.contacts().iter().map(of_lifted).collect()
     }
 
-    /// Steady sliding under `load`; `None` where blocks leave the counterface or the solve does not converge, so that
-    /// the band solver has to say how it ends.
+    /// Solves steady sliding under `load`; `None` if blocks leave the counterface or the solve does not converge, in
+    /// which case the band solver must be used.
     #[must_use]
     pub fn solve(&self, load: &SteadyLoad) -> Option<SurfaceOutcome> {
         let contacts = &self.cell.response.contacts;
@@ -174,13 +180,13 @@ impl CondensedModel {
         Some(self.observe(load, &state))
     }
 
-    /// The unknowns under the inputs `inputs`: friction forces, then heights where they are inputs.
+    /// Unknowns for `inputs`: friction forces, then heights where they are inputs.
     fn unknowns(&self, inputs: &[f64]) -> Vec<f64> {
         let count = inputs.len();
         self.cell.unknowns.chunks_exact(count + 1).map(|row| dot(&row[..count], inputs) + row[count]).collect()
     }
 
-    /// Least height of a ceiling above the counterface, in blocks.
+    /// Minimum height of a ceiling above the counterface, in blocks.
     fn clearance(&self, pressure_pa: f64, inputs: &[f64]) -> Option<f64> {
         let unit = displacement_unit(pressure_pa, PLANE_STRAIN * self.youngs_modulus_pa);
         let affine = |row: &[f64]| dot(&row[..inputs.len()], inputs) + row[inputs.len()];
@@ -197,8 +203,8 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
+mod cell_cache;
 mod equations;
-mod latest;
 
 #[cfg(test)]
 mod tests;

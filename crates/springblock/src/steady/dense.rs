@@ -1,21 +1,22 @@
-//! Dense matrices by rows: elimination with many right-hand sides, sums of rows.
+//! Dense matrices stored by rows: elimination with many right-hand sides, linear combinations of rows.
 
 use multiversion::multiversion;
 
-/// Rows that are taken together: each entry of a target is then loaded once for four products.
-const TOGETHER: usize = 4;
+/// Number of rows processed together, so that each target entry is loaded once for four products.
+const BATCH: usize = 4;
 
-/// Gauss-Jordan elimination with partial pivoting on `rows` of `width` entries each, of which the first `order`
-/// are the matrix and the rest right-hand sides: these become the solutions. For n unknowns and m right-hand
-/// sides n^3/3 + n^2 m multiplications and additions. False if a pivot vanishes.
+/// Gauss-Jordan elimination with partial pivoting; returns false if a pivot vanishes.
+///
+/// `rows` has rows of `width` entries. The first `order` columns are the matrix, the others are right-hand sides, which
+/// the solutions replace. For n unknowns and m right-hand sides it takes n^3/3 + n^2 m multiplications and additions.
 #[must_use]
 #[multiversion(targets("x86_64+avx512f", "x86_64+avx2"))]
 pub fn solve_many(rows: &mut [f64], order: usize, width: usize) -> bool {
     let mut first = 0;
     while first < order {
-        let end = (first + TOGETHER).min(order);
+        let end = (first + BATCH).min(order);
         for k in first..end {
-            // Only the columns of this panel are up to date below it.
+            // Below the pivot only the columns of this panel are up to date.
             let largest = (k..order)
                 .max_by(|&a, &b| rows[a * width + k].abs().total_cmp(&rows[b * width + k].abs()))
                 .unwrap_or(k);
@@ -27,7 +28,7 @@ pub fn solve_many(rows: &mut [f64], order: usize, width: usize) -> bool {
             if pivot == 0.0 || !pivot.is_finite() {
                 return false;
             }
-            // The pivot's row beyond the panel, less the panel's rows above it.
+            // Update the pivot's row beyond the panel by the panel's rows above it.
             let (above, below) = rows.split_at_mut(k * width);
             let (own, below) = below.split_at_mut(width);
             for q in first..k {
@@ -51,7 +52,7 @@ pub fn solve_many(rows: &mut [f64], order: usize, width: usize) -> bool {
         }
         first = end;
     }
-    // Upwards: x_k = (b_k - sum U_kc x_c) / U_kk, right-hand sides only.
+    // Back substitution: x_k = (b_k - sum U_kc x_c) / U_kk, right-hand sides only.
     for k in (0..order).rev() {
         let (above, below) = rows.split_at_mut((k + 1) * width);
         let (matrix, right) = above[k * width..].split_at_mut(order);
@@ -62,19 +63,19 @@ pub fn solve_many(rows: &mut [f64], order: usize, width: usize) -> bool {
     true
 }
 
-/// `target` -= sum of `factors` times the rows of `rows`, from their entry `skip` on.
+/// Computes `target` -= sum of `factors` times the rows of `rows`, from entry `skip` of each row on.
 #[multiversion(targets("x86_64+avx512f", "x86_64+avx2"))]
 pub fn subtract_products(target: &mut [f64], factors: &[f64], rows: &[f64], width: usize, skip: usize) {
     subtract_rows(target, factors, rows, width, skip);
 }
 
-/// `target` += `factor` times `row`.
+/// Computes `target` += `factor` times `row`.
 #[multiversion(targets("x86_64+avx512f", "x86_64+avx2"))]
 pub fn add_times(target: &mut [f64], factor: f64, row: &[f64]) {
     target.iter_mut().zip(row).for_each(|(target, value)| *target += factor * value);
 }
 
-/// `target` = e . (a - b), of rows of x and of z.
+/// Computes `target` = e . (a - b) from the rows of the x and z components.
 #[multiversion(targets("x86_64+avx512f", "x86_64+avx2"))]
 pub fn elongation(target: &mut [f64], e: [f64; 2], [ax, az]: [&[f64]; 2], [bx, bz]: [&[f64]; 2]) {
     let ends = ax.iter().zip(az).zip(bx.iter().zip(bz));
@@ -87,8 +88,8 @@ pub fn elongation(target: &mut [f64], e: [f64; 2], [ax, az]: [&[f64]; 2], [bx, b
 fn subtract_rows(target: &mut [f64], factors: &[f64], rows: &[f64], width: usize, skip: usize) {
     let length = target.len();
     let row = |number: usize| &rows[number * width + skip..][..length];
-    let whole = factors.len() - factors.len() % TOGETHER;
-    for number in (0..whole).step_by(TOGETHER) {
+    let whole = factors.len() - factors.len() % BATCH;
+    for number in (0..whole).step_by(BATCH) {
         let [f0, f1, f2, f3] = [0, 1, 2, 3].map(|at| factors[number + at]);
         let [r0, r1, r2, r3] = [0, 1, 2, 3].map(|at| row(number + at));
         for at in 0..length {
@@ -110,7 +111,7 @@ mod tests {
     fn solutions_satisfy_the_equations_to_rounding() {
         for (order, right) in [(1, 1), (3, 2), (4, 4), (9, 1), (30, 7)] {
             let width = order + right;
-            // Vanishing pivots on the diagonal ask for exchanges.
+            // Zero pivots on the diagonal require row exchanges.
             let entry = |r: usize, c: usize| {
                 if r == c && r.is_multiple_of(3) && order > 1 { 0.0 } else { ((r * 31 + c * 17) as f64).sin() + 0.1 }
             };

@@ -1,72 +1,74 @@
 //! Response of a flat periodic layer of equal columns, in closed form.
 //!
-//! For the wave number q its equations are block tridiagonal over the rows, with 2 x 2 blocks
+//! At the wave number q its equations are block tridiagonal over the rows, with 2 x 2 blocks
 //!
 //! ```text
 //! C^T u_{k-1} + D_k u_k + C u_{k+1} = f_k
 //! ```
 //!
-//! real for (u_x, -i u_z), because the lattice is its own mirror image. Eliminating from the bulk down,
+//! which are real for (u_x, -i u_z), because the lattice equals its own mirror image. Elimination from the bulk down,
 //!
 //! ```text
 //! S_k = D_k - C S_{k+1}^-1 C^T,     u_k = S_k^-1 f_k + T_k u_{k-1},     T_k = -S_k^-1 C^T
 //! G_kl = T_k ... T_{l+1} G_ll for k > l,     G_ll = S_l^-1 + T_l G_{l-1,l-1} T_l^T,
 //! ```
 //!
-//! which takes a few thousand operations a wave number. At row 0 the vertical displacement is given, and what is
-//! found is the force. The bulk is rigid, moves only vertically, and its balance is the load's. Displacements in
+//! takes a few thousand operations per wave number. In row 0 the vertical displacement is prescribed and the force is
+//! the result. The bulk is rigid, moves only vertically, and its balance is that of the load. Displacements are in
 //! units of P l^2 / k, forces in P l^2.
 
 use super::dense::subtract_products;
 use crate::lattice::springs;
 
-/// Change of S_k^-1 from row to row, relative to itself, at which it is that of a half-space: twice the rounding.
-const SETTLED: f64 = 4e-16;
+/// Relative change of S_k^-1 from row to row below which it equals that of a half-space: twice the rounding error.
+const HALF_SPACE_TOLERANCE: f64 = 4e-16;
 
-/// Rows above the explicit ones from which uniform shear of them all, which does not decay, is written down at once.
-const MANY_ROWS: usize = 100;
+/// Number of rows above the explicit rows from which their uniform shear, which does not decay, is computed in closed
+/// form.
+const MIN_SERIES_ROWS: usize = 100;
 
 /// Symmetric 2 x 2 matrix: xx, xz, zz.
 type Symmetric = [f64; 3];
 /// 2 x 2 matrix by rows.
 type Square = [f64; 4];
 
-/// Responses of the lowest rows of a flat layer to unit inputs on them.
+/// Responses of the lowest rows of a flat layer to unit inputs on these rows.
 ///
-/// Field 2 k is row k along x, field 2 k + 1 vertically. Inputs are forces and outputs displacements, but for
-/// field 1, the vertical one of row 0: its input is a displacement, its output the force that this takes.
+/// Field 2 k is row k along x, field 2 k + 1 is row k vertically. Inputs are forces and outputs are displacements,
+/// except for field 1, the vertical one of row 0: its input is a displacement and its output the required force.
 pub struct FlatLayer {
     columns: usize,
     fields: usize,
-    /// By output, then input: the output in column 0 for the input in columns 0..nx, twice over.
+    /// By output, then input: the output in column 0 for the input in columns 0..nx, stored twice in a row.
     responses: Vec<f64>,
 }
 
-/// S_{k+1} .. of one wave number.
+/// Elimination at one wave number.
 struct Elimination {
-    /// S_k^-1 by row, for rows from 1.
+    /// S_k^-1 by row; rows from 1 are used.
     inverses: Vec<Symmetric>,
-    /// T_k by row, for rows from 1.
-    carried: Vec<Square>,
-    /// S_0.
+    /// T_k by row; rows from 1 are used.
+    transfer: Vec<Square>,
+    /// S_0
     lowest: Symmetric,
 }
 
 impl FlatLayer {
-    /// The `explicit` lowest rows of a layer of `rows` rows over `columns`, `w` lattice spacings apart.
+    /// Computes the responses of the `explicit` lowest rows of a layer of `rows` rows over `columns` columns, `w`
+    /// lattice spacings apart.
     pub fn new(columns: usize, w: f64, rows: usize, explicit: usize) -> Self {
         let half = columns / 2 + 1;
         let fields = 2 * explicit;
         let turn = std::f64::consts::TAU / columns as f64;
         let angles: Vec<(f64, f64)> = (0..columns).map(|t| libm::sincos(turn * t as f64)).collect();
-        // Pairs of fields (k, l) with k >= l, by row pair and component; wave numbers fastest.
+        // Pairs of rows (k, l) with k >= l, then components; wave numbers vary fastest.
         let pairs = explicit * (explicit + 1) / 2;
         let mut spectra = vec![0.0; 4 * pairs * half];
         let mut work =
-            Elimination { inverses: vec![[0.0; 3]; explicit], carried: vec![[0.0; 4]; explicit], lowest: [0.0; 3] };
+            Elimination { inverses: vec![[0.0; 3]; explicit], transfer: vec![[0.0; 4]; explicit], lowest: [0.0; 3] };
         for number in 0..half {
             work.eliminate(angles[number], number == 0, w, rows, explicit);
-            // Both signs of a wave number together.
+            // The weight combines both signs of a wave number.
             let weight = if number == 0 || 2 * number == columns { 1.0 } else { 2.0 } / columns as f64;
             let mut put = |pair: usize, response: Square| {
                 for (component, value) in response.into_iter().enumerate() {
@@ -75,7 +77,7 @@ impl FlatLayer {
             };
             work.respond(explicit, &mut put);
         }
-        // Sums over wave numbers: cosines for components of a kind, sines otherwise.
+        // Sums over wave numbers: cosines for equal components, sines for mixed ones.
         let mut waves = [vec![0.0; half * half], vec![0.0; half * half]];
         for (number, offset) in (0..half).flat_map(|number| (0..half).map(move |offset| (number, offset))) {
             let (sin, cos) = angles[number * offset % columns];
@@ -103,14 +105,15 @@ impl FlatLayer {
         layer
     }
 
-    /// Enters the response at offsets 0..=nx/2, even or odd in them, and its reciprocal.
+    /// Stores the response for offsets 0..=nx/2, which is even or odd in the offset, and its reciprocal.
     fn set(&mut self, out: usize, input: usize, sums: &[f64], sign: f64, odd: bool) {
         let nx = self.columns;
         let mirrored = if odd { -sign } else { sign };
-        // Betti: u_a by f_b is u_b by f_a seen from the other side; a force by a displacement is negative.
+        // Betti: u_a due to f_b equals u_b due to f_a at the opposite offset; a force due to a displacement has the
+        // opposite sign.
         let reciprocal = if (out == 1) == (input == 1) { 1.0 } else { -1.0 };
         let at = |offset: usize| if 2 * offset <= nx { sign * sums[offset] } else { mirrored * sums[nx - offset] };
-        // The output in column 0 by the input in column e: at offset -e.
+        // The output in column 0 due to the input in column e has the offset -e.
         let own = (out * self.fields + input) * 2 * nx;
         for e in 0..nx {
             let value = at((nx - e) % nx);
@@ -127,7 +130,7 @@ impl FlatLayer {
         }
     }
 
-    /// Field `out` in column `column` by unit inputs in field `input`, one after the other in `count` columns from
+    /// Output of field `out` in column `column` for unit inputs of field `input` in `count` consecutive columns from
     /// `first` on.
     pub fn responses(&self, out: usize, column: usize, input: usize, first: usize, count: usize) -> &[f64] {
         let nx = self.columns;
@@ -137,7 +140,7 @@ impl FlatLayer {
 }
 
 impl Elimination {
-    /// From the bulk down, at the wave number of the given sine and cosine.
+    /// Eliminates from the bulk down, at the wave number with the given sine and cosine.
     fn eliminate(&mut self, (sin, cos): (f64, f64), uniform: bool, w: f64, rows: usize, explicit: usize) {
         let [horizontal, diagonal, vertical] = springs(w);
         // k e e^T of a diagonal: e = (w, 1) / sqrt(w^2 + 1)
@@ -145,11 +148,11 @@ impl Elimination {
         let level = 2.0 * horizontal * (1.0 - cos);
         let upward = [2.0 * share * w * w, vertical + 2.0 * share];
         let (cx, cz, cxz) = (-2.0 * share * w * w * cos, -vertical - 2.0 * share * cos, 2.0 * share * w * sin);
-        // The bulk follows the load where nothing varies, and is rigid otherwise.
+        // The bulk balances the load in the uniform mode and is rigid otherwise.
         let mut inverse = [0.0, 0.0, if uniform { 1.0 / upward[1] } else { 0.0 }];
         let mut k = rows;
-        if uniform && rows > explicit + MANY_ROWS {
-            // n rows above in series: S^-1 = n / ((n + 1) s), and the bulk follows what is pushed down.
+        if uniform && rows > explicit + MIN_SERIES_ROWS {
+            // n rows above in series: S^-1 = n / ((n + 1) s); the bulk follows the downward force.
             k = explicit;
             let above = (rows - k) as f64;
             inverse = [above / ((above + 1.0) * upward[0]), 0.0, 1.0 / upward[1]];
@@ -169,49 +172,49 @@ impl Elimination {
             }
             let scale = 1.0 / (xx * zz - xz * xz);
             let above = std::mem::replace(&mut inverse, [zz * scale, -xz * scale, xx * scale]);
-            // A wave does not reach farther up: what follows down to the explicit rows is the same.
-            if k > explicit && settled(above, inverse) {
+            // The wave does not reach farther up, so that all rows down to the explicit ones have the same inverse.
+            if k > explicit && is_half_space(above, inverse) {
                 k = explicit;
             }
             if k < explicit {
                 let [a, b, d] = inverse;
                 self.inverses[k] = inverse;
                 // T = -S^-1 C^T, C^T = [[cx, -cxz], [cxz, cz]]
-                self.carried[k] = [-(a * cx + b * cxz), a * cxz - b * cz, -(b * cx + d * cxz), b * cxz - d * cz];
+                self.transfer[k] = [-(a * cx + b * cxz), a * cxz - b * cz, -(b * cx + d * cxz), b * cxz - d * cz];
             }
         }
     }
 
-    /// Gives the response of row k to inputs on row l for k >= l, l slowest, numbered one by one.
+    /// Calls `put` with the responses of row k to inputs on row l for k >= l, l slowest, numbered consecutively.
     fn respond(&self, explicit: usize, put: &mut impl FnMut(usize, Square)) {
         let [xx, xz, zz] = self.lowest;
         let inverse = 1.0 / xx;
-        // Row 0 by (f_x, w): u_x = (f_x - S_xz w) / S_xx, f_z = S_xz u_x + S_zz w
+        // Row 0 as a function of (f_x, w): u_x = (f_x - S_xz w) / S_xx, f_z = S_xz u_x + S_zz w
         put(0, [inverse, -xz * inverse, xz * inverse, zz - xz * xz * inverse]);
         let mut pair = 1;
         let mut up = [inverse, -xz * inverse, 0.0, 1.0];
         for k in 1..explicit {
-            up = product(&self.carried[k], &up);
+            up = product(&self.transfer[k], &up);
             put(pair, up);
             pair += 1;
         }
         let mut own = [inverse, 0.0, 0.0, 0.0];
         for l in 1..explicit {
-            let t = &self.carried[l];
-            let carried = product(t, &own);
+            let t = &self.transfer[l];
+            let transfer = product(t, &own);
             let [a, b, d] = self.inverses[l];
             // T G T^T
             own = [
-                a + carried[0] * t[0] + carried[1] * t[1],
-                b + carried[0] * t[2] + carried[1] * t[3],
-                b + carried[2] * t[0] + carried[3] * t[1],
-                d + carried[2] * t[2] + carried[3] * t[3],
+                a + transfer[0] * t[0] + transfer[1] * t[1],
+                b + transfer[0] * t[2] + transfer[1] * t[3],
+                b + transfer[2] * t[0] + transfer[3] * t[1],
+                d + transfer[2] * t[2] + transfer[3] * t[3],
             ];
             put(pair, own);
             pair += 1;
             let mut up = own;
             for k in l + 1..explicit {
-                up = product(&self.carried[k], &up);
+                up = product(&self.transfer[k], &up);
                 put(pair, up);
                 pair += 1;
             }
@@ -219,10 +222,10 @@ impl Elimination {
     }
 }
 
-/// Whether the inverses of two rows are the same but for rounding.
-fn settled(above: Symmetric, below: Symmetric) -> bool {
+/// Whether the inverses of two rows are equal to rounding.
+fn is_half_space(above: Symmetric, below: Symmetric) -> bool {
     let largest = below[0].abs().max(below[2].abs());
-    above.iter().zip(&below).all(|(a, b)| (a - b).abs() <= SETTLED * largest)
+    above.iter().zip(&below).all(|(a, b)| (a - b).abs() <= HALF_SPACE_TOLERANCE * largest)
 }
 
 fn product(a: &Square, b: &Square) -> Square {
@@ -236,7 +239,7 @@ mod tests {
     const ROWS: usize = 7;
     const EXPLICIT: usize = 4;
 
-    /// Field `out` in column 0 by unit inputs in field `input` of all columns.
+    /// Field `out` in column 0 for unit inputs of field `input` in all columns.
     fn by_all(layer: &FlatLayer, out: usize, input: usize) -> f64 {
         layer.responses(out, 0, input, 0, layer.columns).iter().sum()
     }
@@ -248,9 +251,9 @@ mod tests {
             let scale = ((rows / ROWS) as f64).powi(2);
             let close = |a: f64, b: f64| assert!((a - b).abs() < 1e-12 * scale, "{columns} {w}: {a} {b}");
             for (l, k) in (0..EXPLICIT).flat_map(|l| (0..EXPLICIT).map(move |k| (l, k))) {
-                // C66 = k/2: a row yields by 2/w under a unit force a column, from the bulk down to the force.
+                // C66 = k/2: a row shears by 2/w under a unit force per column, from the bulk down to the force.
                 close(by_all(&layer, 2 * k, 2 * l), 2.0 * (rows - k.max(l)) as f64 / w);
-                // C22 = 3k/2, and the bulk gives way: the counterface bears what is pushed down from it.
+                // C22 = 3k/2; the bulk moves, so that the counterface carries the downward force.
                 if l > 0 && k > 0 {
                     close(by_all(&layer, 2 * k + 1, 2 * l + 1), 2.0 * k.min(l) as f64 / (3.0 * w));
                 }
@@ -259,14 +262,14 @@ mod tests {
                     close(by_all(&layer, 2 * l + 1, 1), 1.0);
                 }
             }
-            // Raised as a whole it follows without a force.
+            // A uniform rise of the face moves the layer without force.
             close(by_all(&layer, 1, 1), 0.0);
         }
     }
 
     #[test]
     fn forces_and_displacements_are_in_equilibrium_about_every_block() {
-        // Off the counterface, for one input after the other: springs balance the force on each block of rows 1 and 2.
+        // Off the counterface, for each input: springs balance the force on each block of rows 1 and 2.
         let (columns, w) = (9, 0.95);
         let layer = FlatLayer::new(columns, w, ROWS, EXPLICIT);
         let [horizontal, diagonal, vertical] = springs(w);

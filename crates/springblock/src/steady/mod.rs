@@ -1,25 +1,24 @@
 //! Equilibrium with every contact block sliding.
 //!
-//! Linear elasticity makes the normal forces N an affine function of the friction forces T on the
-//! contact blocks. The bulk's height balances the load. Steady sliding is the fixed point of
+//! Linear elasticity makes the normal forces N an affine function of the friction forces T on the contact blocks. The
+//! bulk's height balances the load. Steady sliding is the fixed point of
 //!
 //! ```text
 //! T = -mu_d f(p(N(T))) max(N(T), 0)
 //! ```
 //!
-//! Stiffness matrix, factor and the response to the bulk depend on geometry alone: one
-//! [`SteadyModel`] serves every pressure and every set of coefficients. Lengths are in lattice
-//! spacings l, stiffness in k, pressures in the nominal one; only f needs pascals, so pressures do
-//! not depend on E.
+//! The stiffness matrix, its factorization and the response to the bulk depend on the geometry only: one
+//! [`SteadyModel`] serves every pressure and every set of coefficients. Lengths are in lattice spacings l, stiffness in
+//! k, pressures in the nominal pressure. Only f needs pascals, so that pressures do not depend on E.
 //!
-//! The fixed point is found by Anderson-accelerated iteration ([`anderson`]); the contraction of the
-//! plain one is mu times a coupling of order 0.3, so that 6 to 12 iterations reach rounding for
-//! mu < 1. Where lands tip or the law falls steeply it may wander: Newton's method ([`newton`]) takes over
-//! from the best state. If that fails too, the best state is returned as not converged.
+//! The fixed point is computed by Anderson-accelerated iteration ([`anderson`]). The contraction of the plain iteration
+//! is mu times a coupling of order 0.3, so that 6 to 12 iterations reach rounding for mu < 1. If lands tilt or the law
+//! falls steeply the iteration may not converge; then Newton's method ([`newton`]) continues from the best state. If
+//! that fails too, the best state is returned as not converged.
 //!
-//! N(T) comes from a band factorization of all blocks ([`system`]) or, for cells of equal columns, from the flat
-//! layer's response in closed form and the few forces about the cavity ([`condensed`]): the same to rounding, in a
-//! twentieth of the time. A face with heights touches where it reaches the counterface: [`raised`].
+//! N(T) is computed by a band factorization of all blocks ([`system`]) or, for cells of equal columns, from the
+//! closed-form response of the flat layer and the few forces around the cavity ([`condensed`]), which gives the same
+//! result to rounding in a twentieth of the time. A face with height variations is in partial contact: [`raised`].
 
 mod anderson;
 mod band;
@@ -39,18 +38,18 @@ use crate::outcome::{InterfacePoint, Status, SurfaceOutcome, peak_over_whole_blo
 use crate::scene::Scene;
 use anderson::Anderson;
 pub use band::{BandFactor, BandMatrix};
-pub use condensed::{CondensedModel, condensing};
+pub use condensed::{CondensedModel, condensing_cost};
 pub use raised::{FaceHistory, RaisedModel};
 use system::{Contact, Raised, System};
 pub use system::{band_products, factor_bytes};
 pub use thick::ThickModel;
 
-/// Change of the friction forces, relative to the load, below which the solve has converged; the
-/// error of mu is about as large. The requirement on mu is 1e-8.
+/// Change of the friction forces relative to the load at which the solve has converged. The error of mu is about as
+/// large; 1e-8 is required.
 const TOLERANCE: f64 = 1e-11;
-/// Evaluations of the fixed-point map after which the solve gives up.
+/// Maximum number of evaluations of the fixed-point map.
 const MAX_ITERATIONS: usize = 300;
-/// Rounds of lifting and landing blocks after which unilateral contact gives up.
+/// Maximum number of rounds of lifting and landing blocks in unilateral contact.
 const MAX_CONTACT_ROUNDS: usize = 60;
 
 /// One load on a [`SteadyModel`].
@@ -60,11 +59,11 @@ pub struct SteadyLoad<'a> {
     pub pressure_pa: f64,
     /// Local dynamic coefficient of every column, cavity or not.
     pub dynamic_mu: &'a [f64],
-    /// Area law; `None` is Amontons-Coulomb.
+    /// Area law; `None` is Amontons-Coulomb friction.
     pub area_law: Option<&'a AreaLaw>,
 }
 
-/// What steady sliding needs to know of a lattice, for all loads.
+/// Model of steady sliding of a lattice, for any load.
 #[derive(Clone, Debug)]
 pub struct SteadyModel {
     lattice: Lattice,
@@ -74,18 +73,18 @@ pub struct SteadyModel {
     system: System,
 }
 
-/// What friction on the contact blocks does to an elastic lattice under the nominal load.
+/// Response of an elastic lattice under the nominal load to friction on the contact blocks.
 trait LinearResponse {
-    /// The contact blocks, left to right.
+    /// Contact blocks, left to right.
     fn contacts(&self) -> &[Contact];
     /// Load over P l^2: the length over l.
     fn load(&self) -> f64;
-    /// Number of displacements that [`Self::respond`] gives.
+    /// Number of displacements that [`Self::respond`] computes.
     fn order(&self) -> usize;
-    /// Displacements and normal forces (positive in compression) under the nominal load and the
-    /// friction forces `friction` (positive against sliding) on the contacts, bulk at x = 0.
+    /// Computes displacements and normal forces (positive in compression) under the nominal load and the friction
+    /// forces `friction` (positive against sliding) on the contacts, with the bulk at x = 0.
     fn respond(&self, friction: &[f64], displacement: &mut [f64], normal: &mut [f64]);
-    /// The same for several loads, which may be cheaper than one after the other; the results are the same to the last bit.
+    /// Like [`Self::respond`] for several loads, possibly faster than one after the other; results are identical.
     fn respond_each(&self, each: &mut [Response<'_>]) {
         for Response { friction, displacement, normal } in each {
             self.respond(friction, displacement, normal);
@@ -93,7 +92,7 @@ trait LinearResponse {
     }
 }
 
-/// Friction forces on the contacts, and what they do: see [`LinearResponse::respond`].
+/// Arguments of [`LinearResponse::respond`].
 struct Response<'a> {
     friction: &'a [f64],
     displacement: &'a mut [f64],
@@ -115,32 +114,31 @@ struct Equilibrium {
 impl SteadyModel {
     /// Assembles and factors `lattice`, whose blocks are `block_m` apart.
     ///
-    /// `liftoff`: contact is unilateral, blocks under tension leave the counterface.
+    /// With `liftoff` contact is unilateral and blocks under tension leave the counterface.
     #[must_use]
     pub fn new(lattice: Lattice, block_m: f64, youngs_modulus_pa: f64, liftoff: bool) -> Self {
         let system = System::new(&lattice, &[]);
         Self { lattice, block_m, youngs_modulus_pa, liftoff, system }
     }
 
-    /// The same for blocks and material of `scene`.
+    /// Creates the model with the blocks and the material of `scene`.
     #[must_use]
-    pub fn of(scene: &Scene, lattice: Lattice) -> Self {
+    pub fn for_scene(scene: &Scene, lattice: Lattice) -> Self {
         Self::new(lattice, scene.layer.block_m, scene.elastic.youngs_modulus_pa(), scene.run.liftoff)
     }
 
-    /// The lattice.
     #[must_use]
     pub const fn lattice(&self) -> &Lattice {
         &self.lattice
     }
 
-    /// Force per length that a unit descent of the bulk takes without friction, over k.
+    /// Force per length for a unit descent of the bulk without friction, in units of k.
     #[must_use]
     pub fn stiffness_per_length(&self) -> f64 {
         self.system.bulk_stiffness() / self.system.load()
     }
 
-    /// Steady sliding under `load`.
+    /// Solves steady sliding under `load`.
     #[must_use]
     pub fn solve(&self, load: &SteadyLoad) -> SurfaceOutcome {
         if load.pressure_pa == 0.0 || self.system.contacts().is_empty() {
@@ -149,7 +147,7 @@ impl SteadyModel {
         self.observe(load, &self.equilibrium(load))
     }
 
-    /// Steady sliding under each of `loads`, to the last bit as [`Self::solve`] gives it.
+    /// Solves steady sliding under each of `loads`, with results identical to [`Self::solve`].
     #[must_use]
     pub fn solve_all(&self, loads: &[SteadyLoad]) -> Vec<SurfaceOutcome> {
         let is_plain = !self.liftoff && !self.lattice.is_raised() && !self.system.contacts().is_empty();
@@ -160,8 +158,8 @@ impl SteadyModel {
         loads.iter().zip(&states).map(|(load, state)| self.observe(load, state)).collect()
     }
 
-    /// Lifts blocks under tension and lands those that sink below the counterface, or what stands on it of the face's heights,
-    /// until none does.
+    /// Lifts blocks under tension and lands those below the counterface, or below the heights of the face, until none
+    /// changes.
     fn solve_unilateral(&self, load: &SteadyLoad) -> Equilibrium {
         // r in units of P l^2 / k
         let scale = 1.0 / displacement_unit(load.pressure_pa, self.youngs_modulus_pa);
@@ -200,7 +198,7 @@ impl SteadyModel {
         }
     }
 
-    /// Displacements over l of steady sliding under `load`, by block number j * nx + i, the bulk at x = 0.
+    /// Displacements in units of l for steady sliding under `load`, by block number j * nx + i, with the bulk at x = 0.
     #[must_use]
     pub fn displacements(&self, load: &SteadyLoad) -> Vec<[f64; 2]> {
         let (nx, ny) = (self.lattice.nx(), self.lattice.ny());
@@ -230,11 +228,11 @@ impl SteadyModel {
         observe(self.system.contacts(), self.block_m, load, state, clearance)
     }
 
-    /// Least height of a ceiling above the counterface, in blocks.
+    /// Minimum height of a ceiling above the counterface, in blocks.
     fn clearance(&self, pressure_pa: f64, displacement: &[f64]) -> Option<f64> {
         let unit = displacement_unit(pressure_pa, PLANE_STRAIN * self.youngs_modulus_pa);
         let (columns, rows) = (self.lattice.columns(), self.lattice.ny());
-        // A layer of one row may be cut through: nothing is left that could sag.
+        // In a column that is cavity in all rows there is no ceiling.
         let ceilings = columns.iter().enumerate().filter(|(i, c)| !c.is_land() && self.lattice.lowest_row(*i) < rows);
         let heights = ceilings.into_iter().map(|(i, column)| {
             let ceiling = self.system.dof(i, self.lattice.lowest_row(i));
@@ -244,17 +242,18 @@ impl SteadyModel {
     }
 }
 
-/// Unit of displacement over l: P l^2 / (k l) = P / (3/4 E).
+/// Unit of displacement in units of l: P l^2 / (k l) = P / (3/4 E).
 fn displacement_unit(pressure_pa: f64, youngs_modulus_pa: f64) -> f64 {
     pressure_pa / (0.75 * youngs_modulus_pa)
 }
 
-/// What is said of a lattice without load.
+/// Outcome of a lattice without load.
 fn unloaded(contacts: &[Contact], block_m: f64) -> SurfaceOutcome {
     SurfaceOutcome::unsolved(Status::NoLoad, contacts.iter().map(|contact| contact.centre * block_m))
 }
 
-/// What the forces of `state` on `contacts` say, with the least height of a ceiling, in blocks.
+/// Converts the forces of `state` on `contacts` to an outcome; `clearance` is the minimum height of a ceiling, in
+/// blocks.
 fn observe(
     contacts: &[Contact],
     block_m: f64,
@@ -276,23 +275,29 @@ fn observe(
         })
         .collect();
     let share: Vec<f64> = contacts.iter().map(|contact| contact.width).collect();
-    let beside = |number: usize| {
-        let is_beside = move |other: &usize| {
+    let neighbours = |number: usize| {
+        let is_neighbour = move |other: &usize| {
             contacts.get(*other).is_some_and(|other| other.column.abs_diff(contacts[number].column) == 1)
         };
-        [number.wrapping_sub(1), number + 1].into_iter().filter(is_beside)
+        [number.wrapping_sub(1), number + 1].into_iter().filter(is_neighbour)
     };
-    let peak_pressure_pa = peak_over_whole_blocks(&interface, &share, beside);
+    let peak_pressure_pa = peak_over_whole_blocks(&interface, &share, neighbours);
     let clearance_m = clearance.map(|clearance| clearance * block_m);
     let forces = [&state.normal[..], &state.friction];
     SurfaceOutcome {
         residual: Some(state.residual),
         iterations: state.iterations,
-        ..SurfaceOutcome::sliding(state.status, forces, (interface, peak_pressure_pa), clearance_m, load.area_law)
+        ..SurfaceOutcome::from_steady_forces(
+            state.status,
+            forces,
+            (interface, peak_pressure_pa),
+            clearance_m,
+            load.area_law,
+        )
     }
 }
 
-/// Iterates the fixed point of the friction forces.
+/// Solves for the fixed point of the friction forces.
 fn iterate(system: &impl LinearResponse, load: &SteadyLoad) -> Equilibrium {
     let mut iteration = Iteration::new(system, load);
     while iteration.is_open() {
@@ -303,7 +308,7 @@ fn iterate(system: &impl LinearResponse, load: &SteadyLoad) -> Equilibrium {
     iteration.end(system)
 }
 
-/// The same for several loads side by side.
+/// Like [`iterate`] for several loads at the same time.
 fn iterate_all(system: &impl LinearResponse, loads: &[SteadyLoad]) -> Vec<Equilibrium> {
     let mut all: Vec<Iteration> = loads.iter().map(|load| Iteration::new(system, load)).collect();
     loop {
@@ -318,14 +323,14 @@ fn iterate_all(system: &impl LinearResponse, loads: &[SteadyLoad]) -> Vec<Equili
     all.into_iter().map(|iteration| iteration.end(system)).collect()
 }
 
-/// The iteration for one load: it alternates between [`LinearResponse::respond`] and [`Self::advance`].
+/// The iteration for one load: alternates between [`LinearResponse::respond`] and [`Self::advance`].
 struct Iteration<'a> {
     load: &'a SteadyLoad<'a>,
     friction: Vec<f64>,
     mixer: Anderson,
     displacement: Vec<f64>,
     normal: Vec<f64>,
-    /// Friction forces at the normal forces that the present ones make.
+    /// Friction forces computed from the current normal forces.
     image: Vec<f64>,
     residual: f64,
     count: usize,
@@ -334,7 +339,7 @@ struct Iteration<'a> {
 }
 
 impl<'a> Iteration<'a> {
-    /// Every contact starts from its share of the load.
+    /// Starts with friction forces from the nominal pressure.
     fn new(system: &impl LinearResponse, load: &'a SteadyLoad<'a>) -> Self {
         let contacts = system.contacts();
         let share = |contact: &Contact| {
@@ -362,7 +367,7 @@ impl<'a> Iteration<'a> {
         Response { friction: &self.friction, displacement: &mut self.displacement, normal: &mut self.normal }
     }
 
-    /// The image of the friction forces, and their distance from it over the load.
+    /// Computes the image of the friction forces, and their distance from it over the load.
     fn evaluate(&mut self, system: &impl LinearResponse) {
         for (number, (image, &normal)) in self.image.iter_mut().zip(&self.normal).enumerate() {
             *image = newton::friction_at(system, self.load, number, normal);
@@ -371,7 +376,7 @@ impl<'a> Iteration<'a> {
         self.residual = distance / system.load();
     }
 
-    /// Takes the next friction forces, unless the present ones are the fixed point.
+    /// Computes the next friction forces, unless the current ones are the fixed point.
     fn advance(&mut self, system: &impl LinearResponse) {
         self.count += 1;
         self.evaluate(system);
@@ -385,7 +390,7 @@ impl<'a> Iteration<'a> {
         self.mixer.step(&mut self.friction, &self.image);
     }
 
-    /// The equilibrium, by Newton's method from the best state where the iteration has not found it.
+    /// Returns the equilibrium; continues with Newton's method from the best state if the iteration has not converged.
     fn end(mut self, system: &impl LinearResponse) -> Equilibrium {
         let mut iterations = self.count;
         if !(self.has_ended && self.residual <= TOLERANCE) {

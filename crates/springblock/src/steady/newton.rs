@@ -1,5 +1,5 @@
-//! Newton's method for steady sliding where the fixed-point iteration does not converge: lands that tip,
-//! laws that fall steeply.
+//! Newton's method for steady sliding if the fixed-point iteration does not converge: lands that tilt, laws that fall
+//! steeply.
 //!
 //! Normal forces N = N0 + A T are affine in the friction forces T. The equations
 //!
@@ -7,20 +7,20 @@
 //! R(T) = T - g(N0 + A T) = 0,     g = mu_d f(p) max(N, 0)
 //! ```
 //!
-//! are piecewise smooth; their Jacobian I - g' A takes the slope of the piece at hand. Steps are halved
-//! until |R| decreases. A needs one solution of the elastic equations per contact, so that this is done
-//! only when the cheaper way has failed.
+//! are piecewise smooth; their Jacobian I - g' A uses the slope of the current piece. Steps are halved until |R|
+//! decreases. A takes one solution of the elastic equations per contact, so the method is used only if the cheaper one
+//! has failed.
 
 use super::LinearResponse;
 use super::SteadyLoad;
 
-/// Newton steps.
+/// Maximum number of Newton steps.
 const MAX_STEPS: usize = 60;
-/// Halvings of a step.
+/// Maximum number of halvings of a step.
 const MAX_HALVINGS: usize = 12;
-/// Contacts beyond which the dense Jacobian is too large to be worth its cost.
+/// Maximum number of contacts; the dense Jacobian becomes too expensive beyond it.
 pub const MAX_CONTACTS: usize = 1500;
-/// Relative step of the slope of g: far below the width of a law's steps.
+/// Relative step of the finite difference for the slope of g, far below the width of a law's steps.
 const SLOPE_STEP: f64 = 1e-7;
 
 /// Friction on contact number `number` at the normal force `normal`, in units of P l^2.
@@ -39,8 +39,8 @@ pub fn friction_slope(system: &impl LinearResponse, load: &SteadyLoad, number: u
     (at(ahead) - at(normal)) / (ahead - normal)
 }
 
-/// Improves `friction` until |R| over the load is at most `tolerance`; what it was if that fails.
-/// Returns the Newton steps taken.
+/// Improves `friction` until |R| over the load is at most `tolerance`; leaves it unchanged if that fails. Returns the
+/// number of Newton steps.
 pub fn improve(system: &impl LinearResponse, load: &SteadyLoad, friction: &mut Vec<f64>, tolerance: f64) -> usize {
     let n = friction.len();
     if n == 0 || n > MAX_CONTACTS {
@@ -55,7 +55,7 @@ pub fn improve(system: &impl LinearResponse, load: &SteadyLoad, friction: &mut V
     steps
 }
 
-/// R(T) = 0.
+/// The equations R(T) = 0.
 struct Equations<'a, S> {
     system: &'a S,
     load: &'a SteadyLoad<'a>,
@@ -64,7 +64,7 @@ struct Equations<'a, S> {
 }
 
 impl<S: LinearResponse> Equations<'_, S> {
-    /// R at `friction` and the normal forces there, and |R| over the load.
+    /// Returns R at `friction` and the normal forces `normal`, and |R| over the load.
     fn residual(&self, friction: &[f64], normal: &[f64]) -> (Vec<f64>, f64) {
         let of = |c: usize| friction[c] - friction_at(self.system, self.load, c, normal[c]);
         let r: Vec<f64> = (0..friction.len()).map(of).collect();
@@ -72,7 +72,7 @@ impl<S: LinearResponse> Equations<'_, S> {
         (r, norm)
     }
 
-    /// The direction of Newton's step from R = `r`; `None` if the Jacobian is singular.
+    /// Direction of Newton's step for the residual `r`; `None` if the Jacobian is singular.
     fn direction(&self, r: &[f64], normal: &[f64]) -> Option<Vec<f64>> {
         let n = r.len();
         // J = I - g' A
@@ -90,7 +90,7 @@ impl<S: LinearResponse> Equations<'_, S> {
         solve_dense(&mut jacobian, &mut direction).then_some(direction)
     }
 
-    /// Newton's method from `at`: whether it converges, and in how many steps.
+    /// Runs Newton's method from `at`; returns whether it converged, and the number of steps.
     fn solve(&self, at: &mut Vec<f64>) -> (bool, usize) {
         let mut normal = self.influence.normal(at);
         let (mut r, mut norm) = self.residual(at, &normal);
@@ -104,7 +104,7 @@ impl<S: LinearResponse> Equations<'_, S> {
                 let trial: Vec<f64> = at.iter().zip(&direction).map(|(at, d)| at + part * d).collect();
                 let trial_normal = self.influence.normal(&trial);
                 let (trial_r, trial_norm) = self.residual(&trial, &trial_normal);
-                // A step that nowhere decreases |R| crosses a kink: the shortest one is taken all the same.
+                // A step that does not decrease |R| at any length crosses a kink: the shortest one is taken.
                 if trial_norm < norm || halving == MAX_HALVINGS {
                     (*at, normal, r, norm) = (trial, trial_normal, trial_r, trial_norm);
                     break;
@@ -149,7 +149,7 @@ impl Influence {
     }
 }
 
-/// Solves `matrix` x = `right` by elimination with partial pivoting; false if a pivot vanishes.
+/// Solves `matrix` x = `right` by elimination with partial pivoting; returns false if a pivot vanishes.
 fn solve_dense(matrix: &mut [f64], right: &mut [f64]) -> bool {
     let n = right.len();
     for k in 0..n {
@@ -199,13 +199,13 @@ mod tests {
         assert!(!solve_dense(&mut [1.0, 2.0, 2.0, 4.0], &mut [1.0, 2.0]));
     }
 
-    /// Number of equilibria of Amontons-Coulomb friction on `system`, one for each set of loaded contacts
-    /// that is consistent with itself: by trying all.
+    /// Counts the equilibria of Amontons-Coulomb friction on `system`, one for each consistent set of loaded contacts,
+    /// by trying all sets.
     fn equilibria(system: &impl LinearResponse, mu: f64) -> usize {
         let n = system.contacts().len();
         let influence = Influence::new(system, n);
         let consistent = |loaded: usize| {
-            // N = N0 + mu A N on the loaded contacts; the others only follow.
+            // N = N0 + mu A N on the loaded contacts; the others follow.
             let on = |c: usize| f64::from(u8::from(loaded >> c & 1 == 1));
             let mut matrix: Vec<f64> = (0..n * n)
                 .map(|at| f64::from(u8::from(at / n == at % n)) - mu * influence.matrix[at] * on(at % n))
@@ -251,7 +251,7 @@ mod tests {
         for mu in [0.1, 0.27, 0.5, 0.7, 1.0] {
             for (width, after) in [(1e-1, 0.0), (1e-2, 0.3), (1e-3, 0.8), (1e-5, 0.0), (1e-5, 2.0)] {
                 for at_pa in [0.5e6, 1.0e6, 1.5e6, 2.5e6] {
-                    // f falls or rises from 1 to `after` within the share `width` of the pressure.
+                    // f changes from 1 to `after` within the relative pressure interval `width`.
                     let law = AreaLaw::new(vec![at_pa, at_pa * (1.0 + width)], vec![1.0, after]).unwrap();
                     let dynamic_mu = vec![mu; model.lattice().nx()];
                     let load = SteadyLoad { pressure_pa: 1e6, dynamic_mu: &dynamic_mu, area_law: Some(&law) };

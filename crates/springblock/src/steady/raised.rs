@@ -1,17 +1,18 @@
-//! Steady sliding on a face with heights: unilateral contact of a cell of equal columns.
+//! Steady sliding on a face with height variations: unilateral contact of a cell of equal columns.
 //!
-//! Elimination ([`super::condensed`]) leaves the normal forces N of the m contacts over their friction T and the heights z
-//! of what touches, and the face lies at the heights r:
+//! Elimination ([`super::condensed`]) gives the normal forces N of the m contacts as a function of their friction T and
+//! their heights z. The heights of the face are r:
 //!
 //! ```text
 //! N = N_0 + A T(N) + K z,     N >= 0,     z >= r,     N (z - r) = 0,     T = mu_d f(p) N
 //! ```
 //!
-//! Each contact is on the counterface, where z = r and N is sought, or off it, where N = 0 and z is. Newton's method on the
-//! m unknowns, with the contacts on and off anew after each step, solves elasticity, friction and contact together: a
-//! semismooth method, which ends after a few steps at the solution to rounding. Should it not, the contact that breaks its
-//! condition most is moved alone. Where the solid yields at a pressure, a contact that would bear more bears that, at a height
-//! z <= r below its own; it stays so flat for the loads that follow. Heights are in units of P l^2 / k: a fixed relief weighs the less the larger the load.
+//! Each contact is either on the counterface, where z = r and N is unknown, or off it, where N = 0 and z is unknown.
+//! Newton's method on the m unknowns, with the contact states updated after each step, solves elasticity, friction and
+//! contact together. This semismooth method reaches the solution to rounding in a few steps. If it does not, only the
+//! contact that violates its condition most is switched. If the solid yields at a pressure, a contact that would exceed
+//! it carries this pressure, at a height z <= r; it remains flattened for the following loads. Heights are in units of
+//! P l^2 / k, so that a fixed relief has less effect at larger loads.
 
 use super::condensed::CondensedModel;
 use super::dense::solve_many;
@@ -22,53 +23,52 @@ use slipgrid_material::Elastic;
 use crate::lattice::Lattice;
 use crate::outcome::{Status, SurfaceOutcome};
 
-/// Steps in which every contact that breaks its condition moves.
+/// Maximum number of steps in which every contact that violates its condition switches.
 const MAX_STEPS: usize = 40;
-/// Steps for each contact in which only the worst one does.
+/// Maximum number of steps per contact in which only the worst contact switches.
 const MAX_SINGLE_STEPS: usize = 4;
-/// Halvings of a step that does not lessen the residual.
+/// Maximum number of halvings of a step that does not decrease the residual.
 const MAX_HALVINGS: usize = 10;
-/// A force over the mean one, or a gap over the largest height, that counts as none.
+/// Relative force or gap that counts as zero.
 const ROUNDING: f64 = 1e-12;
 
-/// A cell whose face has heights.
+/// Model of a cell whose face has height variations.
 #[derive(Clone, Debug)]
 pub struct RaisedModel {
     block_m: f64,
     elastic: Elastic,
-    /// N over friction and heights.
+    /// Response of the normal forces to friction and heights.
     condensed: CondensedModel,
-    /// r of each contact, in lattice spacings.
+    /// Height r of the face of each contact, in lattice spacings.
     relief: Vec<f64>,
 }
 
-/// How a contact meets the counterface.
+/// State of a contact.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Touch {
-    /// It lies on it, at the height of its face.
+pub enum ContactStatus {
+    /// In contact at the height of its face.
     On,
-    /// It is off it and bears nothing.
+    /// Off the counterface without force.
     Off,
-    /// It lies on it, flattened, and bears the pressure at which it yields.
+    /// In contact, flattened, at the pressure at which it yields.
     Yielding,
 }
 
-/// What the loads so far have left of a face: which contacts touch, and their heights in lattice spacings. Empty before the
-/// first.
+/// State of a face after previous loads: contact states, and heights in lattice spacings. Empty before the first load.
 #[derive(Clone, Debug, Default)]
 pub struct FaceHistory {
-    touch: Vec<Touch>,
+    touch: Vec<ContactStatus>,
     relief: Vec<f64>,
 }
 
-/// How each contact meets the counterface, and the unknowns.
+/// States of the contacts, and the unknowns.
 struct State {
-    touch: Vec<Touch>,
+    touch: Vec<ContactStatus>,
     normal: Vec<f64>,
     height: Vec<f64>,
 }
 
-/// The conditions under one load.
+/// Contact conditions under one load.
 struct Contacts<'a> {
     model: &'a CondensedModel,
     load: &'a SteadyLoad<'a>,
@@ -76,22 +76,23 @@ struct Contacts<'a> {
     relief: Vec<f64>,
     /// Normal forces at which contacts yield, in units of P l^2.
     cap: Vec<f64>,
-    /// The largest difference of two of them, or of what the layer yields.
+    /// Scale of the heights: the largest difference of two of them, at least the compression of the layer. Scale of the
+    /// forces: their mean.
     height_scale: f64,
     force_scale: f64,
 }
 
 impl RaisedModel {
-    /// The model of `lattice`, whose blocks are `block_m` apart; `None` where it is no ring of equal columns, where its
-    /// cavities reach the uppermost row, or where the equations are singular.
+    /// Condenses `lattice`, whose blocks are `block_m` apart; `None` if the lattice is not periodic with equal columns,
+    /// if its cavities reach the top row, or if the equations are singular.
     #[must_use]
     pub fn new(lattice: &Lattice, block_m: f64, elastic: Elastic) -> Option<Self> {
-        let condensed = CondensedModel::raised(lattice, block_m, elastic.youngs_modulus_pa())?;
+        let condensed = CondensedModel::with_raised_face(lattice, block_m, elastic.youngs_modulus_pa())?;
         let relief = condensed.contacts().iter().map(|contact| lattice.columns()[contact.column].relief).collect();
         Some(Self { block_m, elastic, condensed, relief })
     }
 
-    /// Steady sliding under `load` on what the loads before have left of the face.
+    /// Solves steady sliding under `load` on the face that the previous loads have left.
     #[must_use]
     pub fn solve(&self, load: &SteadyLoad, history: &mut FaceHistory) -> SurfaceOutcome {
         let model = &self.condensed;
@@ -100,7 +101,7 @@ impl RaisedModel {
         }
         let m = self.relief.len();
         if history.relief.len() != m {
-            *history = FaceHistory { touch: vec![Touch::On; m], relief: self.relief.clone() };
+            *history = FaceHistory { touch: vec![ContactStatus::On; m], relief: self.relief.clone() };
         }
         let unit = displacement_unit(load.pressure_pa, self.elastic.youngs_modulus_pa());
         let relief: Vec<f64> = history.relief.iter().map(|r| r / unit).collect();
@@ -119,16 +120,17 @@ impl RaisedModel {
         let touch = std::mem::take(&mut history.touch);
         let mut state = State { touch, normal: vec![0.0; m], height: contacts.relief.clone() };
         let (status, iterations, residual) = contacts.solve(&mut state);
-        // What is no solution leaves the face as it was.
+        // An unconverged state must not change the face.
         if status == Status::Converged {
-            for (c, touch) in state.touch.iter_mut().enumerate().filter(|(_, touch)| **touch == Touch::Yielding) {
-                // What has yielded is as high as it was pressed, and elastic from there on.
+            for (c, touch) in state.touch.iter_mut().enumerate().filter(|(_, touch)| **touch == ContactStatus::Yielding)
+            {
+                // Yielded contacts keep the height to which they were pressed and are elastic again.
                 history.relief[c] = state.height[c] * unit;
-                *touch = Touch::On;
+                *touch = ContactStatus::On;
             }
             history.touch = state.touch;
         } else {
-            history.touch = vec![Touch::On; m];
+            history.touch = vec![ContactStatus::On; m];
         }
         let friction = (0..m).map(|c| friction_at(model.response(), load, c, state.normal[c])).collect();
         let equilibrium =
@@ -138,7 +140,7 @@ impl RaisedModel {
 }
 
 impl Contacts<'_> {
-    /// Solves from `state` on: status, steps and residual.
+    /// Solves from `state` on; returns status, number of steps and residual.
     fn solve(&self, state: &mut State) -> (Status, usize, f64) {
         let m = state.touch.len();
         let mut residual = self.residual(state);
@@ -156,7 +158,7 @@ impl Contacts<'_> {
                 if after <= TOLERANCE {
                     return (Status::Converged, step + 1, after);
                 }
-                // With the same contacts only the law is not linear: a step that leads away is shortened.
+                // With unchanged contacts only the law is nonlinear: shorten a step that increases the residual.
                 let mut part = 1.0;
                 for _ in 0..MAX_HALVINGS {
                     if size(&residual) < before {
@@ -171,7 +173,7 @@ impl Contacts<'_> {
         (Status::NotConverged, most, size(&residual) / self.model.response().load)
     }
 
-    /// N - N_0 - A T - K z.
+    /// N - N_0 - A T - K z
     fn residual(&self, state: &State) -> Vec<f64> {
         let response = self.model.response();
         let m = state.touch.len();
@@ -185,7 +187,7 @@ impl Contacts<'_> {
         residual
     }
 
-    /// The step of Newton's method: of N where a contact is on, of z where it is off.
+    /// Newton's step: of N for contacts that are on, of z for the others.
     fn direction(&self, state: &State, residual: &[f64]) -> Option<Vec<f64>> {
         let response = self.model.response();
         let m = state.touch.len();
@@ -194,7 +196,7 @@ impl Contacts<'_> {
         let mut equations = vec![0.0; m * width];
         for c in 0..m {
             let slope = friction_slope(response, self.load, c, state.normal[c]);
-            let is_on = state.touch[c] == Touch::On;
+            let is_on = state.touch[c] == ContactStatus::On;
             let (column, scale) =
                 if is_on { (&by_friction[c * m..][..m], slope) } else { (&by_height[c * m..][..m], 1.0) };
             for (row, entry) in column.iter().enumerate() {
@@ -212,26 +214,27 @@ impl Contacts<'_> {
 
     fn advance(&self, state: &mut State, direction: &[f64], part: f64) {
         for (c, by) in direction.iter().enumerate() {
-            let is_on = state.touch[c] == Touch::On;
+            let is_on = state.touch[c] == ContactStatus::On;
             *(if is_on { &mut state.normal[c] } else { &mut state.height[c] }) += part * by;
         }
     }
 
-    /// Lifts contacts under tension, lands those below the face, lets those yield that bear too much, and makes those elastic
-    /// that stand above their face; or only the one that breaks its condition most. Whether there was any.
+    /// Switches contacts that violate their condition: lifts contacts under tension, lands those below the face, lets
+    /// those above the limit yield, and makes yielding contacts above their face elastic. With `single` only the worst
+    /// one switches. Returns whether any switched.
     fn switch(&self, state: &mut State, single: bool) -> bool {
-        // How far the condition is broken, and how the contact goes on then.
+        // Violation of the condition, and the next state of the contact.
         let broken = |c: usize| {
             let below = (self.relief[c] - state.height[c]) / self.height_scale;
             let beyond = (state.normal[c] - self.cap[c]) / self.force_scale;
             match state.touch[c] {
-                Touch::On if beyond > 0.0 => (beyond, Touch::Yielding),
-                Touch::On => (-state.normal[c] / self.force_scale, Touch::Off),
-                Touch::Off => (below, Touch::On),
-                Touch::Yielding => (-below, Touch::On),
+                ContactStatus::On if beyond > 0.0 => (beyond, ContactStatus::Yielding),
+                ContactStatus::On => (-state.normal[c] / self.force_scale, ContactStatus::Off),
+                ContactStatus::Off => (below, ContactStatus::On),
+                ContactStatus::Yielding => (-below, ContactStatus::On),
             }
         };
-        let mut moved: Vec<(usize, (f64, Touch))> =
+        let mut moved: Vec<(usize, (f64, ContactStatus))> =
             (0..state.touch.len()).map(|c| (c, broken(c))).filter(|(_, (by, _))| *by > ROUNDING).collect();
         if single {
             moved = moved.into_iter().max_by(|a, b| a.1.0.total_cmp(&b.1.0)).into_iter().collect();
@@ -239,11 +242,11 @@ impl Contacts<'_> {
         for (c, (_, touch)) in &moved {
             state.touch[*c] = *touch;
             state.height[*c] = self.relief[*c];
-            state.normal[*c] = if *touch == Touch::Yielding { self.cap[*c] } else { 0.0 };
+            state.normal[*c] = if *touch == ContactStatus::Yielding { self.cap[*c] } else { 0.0 };
         }
-        // What is left of tension is rounding.
+        // The remaining tension is a rounding error.
         for (c, normal) in state.normal.iter_mut().enumerate() {
-            if state.touch[c] == Touch::On && !single {
+            if state.touch[c] == ContactStatus::On && !single {
                 *normal = normal.max(0.0);
             }
         }

@@ -1,27 +1,26 @@
-//! The linear part of steady sliding: stiffness, its factor, the response to friction and to the bulk.
+//! Linear part of steady sliding: stiffness, its factorization, and the response to friction and to the bulk.
 
-use super::band::{BandFactor, BandMatrix, TOGETHER};
+use super::band::{BATCH, BandFactor, BandMatrix};
 use super::{LinearResponse, Response};
 use crate::lattice::{Bond, Lattice, tie};
 
-/// A block of row 0 on land.
+/// A block of row 0 that touches the counterface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Contact {
-    /// Its column.
     pub column: usize,
-    /// Width on which it touches, in lattice spacings.
+    /// Width of the contact, in lattice spacings.
     pub width: f64,
-    /// Distance of its centre from the left side, in lattice spacings.
+    /// Distance of the block's centre from the left side, in lattice spacings.
     pub centre: f64,
-    /// Number of its horizontal unknown; the vertical one follows.
+    /// Index of the horizontal unknown; the vertical one follows.
     pub dof: usize,
-    /// It has left the counterface.
+    /// Whether the block has lifted off the counterface.
     pub lifted: bool,
-    /// Stiffness over k of what holds it vertically where it touches in part; absent where it is pinned.
+    /// Stiffness of the vertical tie in units of k for a block that touches in part; `None` for a pinned block.
     pub tie: Option<f64>,
 }
 
-/// One spring's share of the normal force on a contact: N += coefficients . (u_contact - u_other).
+/// Contribution of one spring to the normal force on a contact: N += coefficients . (u_contact - u_other).
 #[derive(Clone, Copy, Debug)]
 struct Support {
     contact: usize,
@@ -40,52 +39,51 @@ pub struct System {
     factor: Option<BandFactor>,
     /// Load over P l^2: the length over l.
     load: f64,
-    /// Force on every unknown by a unit rise of the bulk.
+    /// Force on every unknown for a unit rise of the bulk.
     coupling: Vec<f64>,
-    /// Displacement by a unit rise of the bulk.
+    /// Displacement for a unit rise of the bulk.
     bulk_response: Vec<f64>,
-    /// Vertical force on the bulk by its own unit rise, unknowns held.
+    /// Vertical force on the bulk for its own unit rise, with the unknowns fixed.
     bulk_stiffness: f64,
-    /// What the heights of the face do; absent where it has none.
+    /// Response to the heights of the face; `None` for a flat face.
     relief: Option<Relief>,
 }
 
-/// Response to the heights of the face at the contacts, each in lattice spacings, with the bulk at rest.
+/// Response to the heights of the face at the contacts, in lattice spacings, with the bulk at rest.
 #[derive(Clone, Debug)]
 struct Relief {
     displacement: Vec<f64>,
-    /// Vertical force on the bulk by the contacts that the face holds.
+    /// Vertical force on the bulk due to the heights of pinned contacts.
     pull: f64,
 }
 
-/// A lattice whose face has `scale` times its heights in lattice spacings.
+/// A lattice with the heights of its face in lattice spacings times `scale`.
 pub struct Raised<'a> {
     pub system: &'a System,
     pub scale: f64,
 }
 
-/// Half bandwidth of the equations of a lattice: neighbouring columns lie one position apart, two where
-/// the ring is folded.
+/// Half bandwidth of the equations of a lattice. Neighbouring columns are one position apart, or two in a folded
+/// periodic lattice.
 fn half_bandwidth(columns: usize, rows: usize, periodic: bool) -> usize {
     let apart = if periodic { 2.min(columns - 1) } else { 1.min(columns - 1) };
     (2 * rows * apart + 3).min(2 * columns * rows - 1)
 }
 
-/// Memory that the factor of a lattice takes, in bytes.
+/// Memory of the factorization of a lattice, in bytes.
 pub fn factor_bytes(columns: usize, rows: usize, periodic: bool) -> f64 {
     let row = half_bandwidth(columns, rows, periodic) + 1;
     8.0 * (2 * columns * rows) as f64 * row as f64
 }
 
-/// Multiplications and additions that factoring a ring of `columns` takes.
+/// Multiplications and additions for factoring a periodic lattice of `columns` columns.
 pub fn band_products(columns: usize, rows: usize) -> f64 {
     let half_bandwidth = half_bandwidth(columns, rows, true) as f64;
     (2 * columns * rows) as f64 * half_bandwidth * half_bandwidth
 }
 
 impl System {
-    /// Assembles and factors `lattice` with every contact block pinned vertically but those of the
-    /// columns `lifted`.
+    /// Assembles and factors `lattice`. Contact blocks are pinned vertically, except for those of the columns `lifted`.
     pub fn new(lattice: &Lattice, lifted: &[usize]) -> Self {
         let (nx, rows) = (lattice.nx(), lattice.ny());
         let position = column_order(nx, lattice.is_periodic());
@@ -221,12 +219,12 @@ impl System {
         }
     }
 
-    /// Number of the horizontal unknown of block (i, j); the vertical one follows.
+    /// Index of the horizontal unknown of block (i, j); the vertical one follows.
     pub fn dof(&self, i: usize, j: usize) -> usize {
         2 * (self.position[i] * self.rows + j)
     }
 
-    /// Vertical force on the bulk by its own unit rise, the blocks following without friction.
+    /// Vertical force on the bulk for its own unit rise, with the blocks following without friction.
     pub fn bulk_stiffness(&self) -> f64 {
         // c0 - b . u_b
         let give: f64 = self.coupling.iter().zip(&self.bulk_response).map(|(b, u)| b * u).sum();
@@ -251,7 +249,7 @@ impl System {
 }
 
 impl System {
-    /// As [`LinearResponse::respond`], on a face of `scale` times its heights in lattice spacings.
+    /// Like [`LinearResponse::respond`], on a face with its heights in lattice spacings times `scale`.
     fn respond_raised(&self, scale: f64, friction: &[f64], displacement: &mut [f64], normal: &mut [f64]) {
         displacement.fill(0.0);
         for (contact, force) in self.contacts.iter().zip(friction) {
@@ -263,7 +261,8 @@ impl System {
         self.complete(scale, displacement, normal);
     }
 
-    /// Adds to `displacement`, which friction alone makes, what the face and the load do, and finds the normal forces.
+    /// Adds the effect of the face and the load to `displacement`, the displacements due to friction, and computes the
+    /// normal forces.
     fn complete(&self, scale: f64, displacement: &mut [f64], normal: &mut [f64]) {
         if self.factor.is_none() {
             normal.fill(f64::NAN);
@@ -321,15 +320,15 @@ impl LinearResponse for System {
             }
             return;
         };
-        let mut together = vec![[0.0; TOGETHER]; self.coupling.len()];
-        for each in each.chunks_mut(TOGETHER) {
-            together.fill([0.0; TOGETHER]);
+        let mut together = vec![[0.0; BATCH]; self.coupling.len()];
+        for each in each.chunks_mut(BATCH) {
+            together.fill([0.0; BATCH]);
             for (side, response) in each.iter().enumerate() {
                 for (contact, force) in self.contacts.iter().zip(response.friction) {
                     together[contact.dof][side] = -force;
                 }
             }
-            factor.solve_together(&mut together);
+            factor.solve_batch(&mut together);
             for (side, Response { displacement, normal, .. }) in each.iter_mut().enumerate() {
                 displacement.iter_mut().zip(&together).for_each(|(own, each)| *own = each[side]);
                 self.complete(0.0, displacement, normal);
@@ -356,7 +355,7 @@ impl LinearResponse for Raised<'_> {
     }
 }
 
-/// The contact blocks of `lattice` on the counterface, left to right, their unknowns numbered by `dof` of the column.
+/// Contact blocks of `lattice` on the counterface, left to right; `dof` returns the index of the unknown of a column.
 pub fn contacts(lattice: &Lattice, dof: impl Fn(usize) -> usize) -> Vec<Contact> {
     let mut contacts = Vec::new();
     let mut left = 0.0;
@@ -377,8 +376,8 @@ pub fn contacts(lattice: &Lattice, dof: impl Fn(usize) -> usize) -> Vec<Contact>
     contacts
 }
 
-/// Position of every column in the order of elimination. A ring is folded, 0, n-1, 1, n-2, ...,
-/// so that neighbours lie at most two positions apart.
+/// Position of every column in the order of elimination. A periodic lattice is folded, 0, n-1, 1, n-2, ..., so that
+/// neighbours are at most two positions apart.
 fn column_order(columns: usize, periodic: bool) -> Vec<usize> {
     (0..columns)
         .map(|i| match (periodic, i < columns.div_ceil(2)) {

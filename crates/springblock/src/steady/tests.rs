@@ -41,7 +41,7 @@ fn a_flat_periodic_layer_is_uniform_and_slides_at_mu_f() {
 
 #[test]
 fn a_flat_layer_shears_by_its_shear_modulus() {
-    // The bulk lies mu P h / G ahead, G = 3 E / 8; springs join 20 rows and the bulk: h = 200 um.
+    // The bulk is mu P h / G ahead, G = 3 E / 8; springs connect 20 rows and the bulk: h = 200 um.
     let model = SteadyModel::new(Lattice::new(columns::flat(5), 20, true), 10e-6, E_PA, false);
     let load = SteadyLoad { pressure_pa: 2.6e6, dynamic_mu: &[0.27; 5], area_law: None };
     let lag_m = -model.displacements(&load)[0][0] * 10e-6;
@@ -73,7 +73,7 @@ fn normal_forces_balance_the_load_and_do_not_depend_on_stiffness() {
     assert_eq!(a.interface, b.interface);
 }
 
-/// Spring forces left on blocks off the counterface, in units of P l^2: an assembly of its own.
+/// Largest unbalanced spring force on blocks off the counterface, in units of P l^2, from an independent assembly.
 fn largest_imbalance(model: &SteadyModel, state: &Equilibrium) -> f64 {
     let lattice = &model.lattice;
     let system = &model.system;
@@ -130,8 +130,8 @@ fn every_block_is_in_equilibrium() {
 
 #[test]
 fn mirrored_pattern_and_direction_give_mirrored_pressures() {
-    // Sliding to the left on the mirrored pattern is sliding to the right on the pattern: friction
-    // reversed (mu -> -mu) mirrors the pressures.
+    // Sliding to the left on the mirrored pattern equals sliding to the right on the pattern: reversed friction (mu ->
+    // -mu) mirrors the pressures.
     let model = cell(&groove(130.0, 370.0, 20.0), 10.0, 200.0);
     let mirrored: Vec<Column> = model.lattice.columns().iter().rev().copied().collect();
     let mirrored = SteadyModel::new(Lattice::new(mirrored, 20, true), 10e-6, E_PA, false);
@@ -155,7 +155,7 @@ fn strong_coupling_still_converges_to_an_equilibrium() {
 
 #[test]
 fn the_prototype_ratio_of_the_published_pattern_is_met() {
-    // An independent spring-block code with E* h'rms = 4 MPa: 0.827 at 2.6 MPa.
+    // An independent spring-block code with E* h'rms = 4 MPa gives 0.827 at 2.6 MPa.
     let ratio = ratio(130.0, 370.0, 20.0, 10.0);
     assert!((ratio - 0.827).abs() < 0.002, "{ratio}");
 }
@@ -175,8 +175,8 @@ fn refinement_moves_the_ratio_by_less_than_stated() {
     assert!((middle - fine).abs() < 0.0007, "{middle} {fine}");
 }
 
-/// The pressure at an edge grows without bound, so that the part of a block that touches there bears more the narrower it is. Over a whole
-/// block the peak follows the width.
+/// The pressure at an edge is singular, so that the part of a block that touches there has a higher pressure the
+/// narrower it is. Averaged over a whole block the peak follows the width.
 #[test]
 fn the_peak_over_a_whole_block_does_not_depend_on_how_blocks_lie_on_edges() {
     let peak = |width_um: f64| {
@@ -201,8 +201,8 @@ fn slope_in_width_is_that_of_a_fine_lattice() {
 
 #[test]
 fn deep_body_pressures_converge_to_the_closed_form() {
-    // p = P sin(pi x/W) / sqrt(sin^2(pi x/W) - sin^2(pi a/W)), frictionless, x from a cavity's centre;
-    // the body is deep (1.5 W) and its free strips lie in the plane of contact (vanishing depth).
+    // p = P sin(pi x/W) / sqrt(sin^2(pi x/W) - sin^2(pi a/W)), frictionless, x from the centre of a cavity. The body is
+    // deep (1.5 W) and its cavities have vanishing depth.
     let error = |refine: usize| {
         let (pitch, width) = (24 * refine, 8 * refine);
         let columns: Vec<Column> = (0..pitch).map(|i| column(i < width, 1e-9)).collect();
@@ -210,7 +210,7 @@ fn deep_body_pressures_converge_to_the_closed_form() {
         let outcome = solve(&model, 1.0, 0.0, None);
         let w = pitch as f64;
         let mut worst: f64 = 0.0;
-        // Away from the singular edges: the middle half of the land.
+        // The middle half of the land is away from the singular edges.
         for point in &outcome.interface {
             let x = point.x_m / 1e-6 - 0.5 * width as f64;
             if (x - w / 2.0).abs() < w / 6.0 {
@@ -226,9 +226,9 @@ fn deep_body_pressures_converge_to_the_closed_form() {
     assert!(errors[0] < 0.03 && errors[1] < 0.6 * errors[0], "{errors:?}");
 }
 
-/// Slope of log p against log r near one edge of the land of a cell of `refine` x (8 cavity, 16 land) columns,
-/// cavity 6 deep: r between 1/40 and 1/8 of the land, where the lattice and the other edge are far.
-/// `leading`: the edge on the side towards which the body slides.
+/// Slope of log p against log r near one edge of the land of a cell of `refine` x (8 cavity, 16 land) columns with a
+/// cavity 6 deep. r lies between 1/40 and 1/8 of the land, far from the block size and the other edge. `leading`
+/// selects the edge on the side towards which the body slides.
 fn edge_exponent(refine: usize, mu: f64, leading: bool) -> f64 {
     let (width, land, depth, height) = (8 * refine, 16 * refine, 6 * refine, 18 * refine);
     let columns = (0..width + land).map(|i| column(i < width, depth as f64)).collect();
@@ -251,13 +251,13 @@ fn edge_exponent(refine: usize, mu: f64, leading: bool) -> f64 {
 
 #[test]
 fn pressure_at_the_leading_edge_of_a_land_has_the_exponent_of_a_sliding_corner() {
-    // p ~ r^(L - 1) at a 90-degree corner whose face slides towards the corner's free side. The next term
-    // of the field is smooth; against the weaker singularity of mu = 0.1 it counts for more, and the fit
-    // between r = land/40 and land/8 shows it: 0.024 there, 0.004 at mu = 0.27.
+    // p ~ r^(L - 1) at a 90-degree corner that slides towards its free side. The next term of the field is smooth; it
+    // matters more against the weaker singularity of mu = 0.1, as the fit between r = land/40 and land/8 shows: 0.024
+    // there, 0.004 at mu = 0.27.
     for (mu, exponent, tolerance) in [(0.1, 0.8872, 0.03), (0.27, 0.7343, 0.008)] {
         let found = edge_exponent(4, mu, true);
         assert!((found - (exponent - 1.0)).abs() < tolerance, "{mu}: {found}");
-        // At the trailing edge pressure goes to zero instead.
+        // At the trailing edge the pressure goes to zero instead.
         assert!(edge_exponent(4, mu, false) > 0.1);
     }
     let [coarse, fine] = [4, 8].map(|refine| edge_exponent(refine, 0.27, true));
@@ -266,7 +266,7 @@ fn pressure_at_the_leading_edge_of_a_land_has_the_exponent_of_a_sliding_corner()
 
 #[test]
 fn unilateral_contact_has_neither_tension_nor_penetration() {
-    // A tall narrow land tips under friction: bilateral contact pulls at its rear.
+    // A tall narrow land tilts under friction: bilateral contact is under tension at its rear.
     let model = cell(&groove(100.0, 40.0, 120.0), 10.0, 200.0);
     let bilateral = solve(&model, 1.0, 0.6, None);
     assert!(bilateral.tension_blocks > 0);
@@ -285,7 +285,7 @@ fn soft_wide_shallow_cavities_close_and_stiff_ones_do_not() {
     assert!(solve(&soft, 2.6, 0.27, None).cavity_closed);
     let stiff = cell(&groove(130.0, 370.0, 20.0), 10.0, 200.0);
     assert!(!solve(&stiff, 2.6, 0.27, None).cavity_closed);
-    // What is left of the depth falls as the load grows, in proportion where friction does.
+    // The remaining depth decreases as the load grows, in proportion if friction is proportional.
     let sag_m = |pressure_mpa| {
         stiff.lattice().columns().iter().map(|c| c.cavity_rows).fold(0.0, f64::max) * 10e-6
             - solve(&stiff, pressure_mpa, 0.27, None).clearance_m.unwrap()

@@ -1,42 +1,43 @@
 //! Steady sliding of a cell of a thick specimen.
 //!
-//! The equations of all blocks would take as many rows as the specimen is thick. Those about the cavities
-//! ([`super::condensed`]) take no notice of the thickness: what is above them is the flat layer's response. So blocks that
-//! leave the counterface, which a thin layer leaves to the equations of all blocks, are unknowns here.
+//! The equations of all blocks would have as many rows as the specimen is thick. Those around the cavities
+//! ([`super::condensed`]) do not depend on the thickness, because the layer above them is represented by the response
+//! of a flat layer. Lifted blocks, which a thin layer leaves to the equations of all blocks, are therefore unknowns
+//! here.
 
 use super::condensed::CondensedModel;
 use super::{Equilibrium, MAX_CONTACT_ROUNDS, SteadyLoad, unloaded};
 use crate::lattice::Lattice;
 use crate::outcome::{Status, SurfaceOutcome};
 
-/// A cell over the whole thickness of the specimen.
+/// Model of a cell over the whole thickness of the specimen.
 #[derive(Clone, Debug)]
 pub struct ThickModel {
     lattice: Lattice,
     block_m: f64,
     youngs_modulus_pa: f64,
     liftoff: bool,
-    /// With every contact block on the counterface; absent where the equations are singular.
+    /// Model with every contact block on the counterface; `None` if the equations are singular.
     condensed: Option<CondensedModel>,
 }
 
 impl ThickModel {
-    /// The model of `lattice`, a ring of equal columns whose blocks are `block_m` apart.
+    /// Condenses `lattice`, a periodic lattice of equal columns whose blocks are `block_m` apart.
     ///
-    /// `liftoff`: contact is unilateral, blocks under tension leave the counterface.
+    /// With `liftoff` contact is unilateral and blocks under tension leave the counterface.
     #[must_use]
     pub fn new(lattice: Lattice, block_m: f64, youngs_modulus_pa: f64, liftoff: bool) -> Self {
-        let condensed = CondensedModel::lifted(&lattice, block_m, youngs_modulus_pa, &[]);
+        let condensed = CondensedModel::with_lifted(&lattice, block_m, youngs_modulus_pa, &[]);
         Self { lattice, block_m, youngs_modulus_pa, liftoff, condensed }
     }
 
-    /// The lattice, of as many rows as the specimen is thick.
+    /// Lattice with as many rows as the specimen is thick.
     #[must_use]
     pub const fn lattice(&self) -> &Lattice {
         &self.lattice
     }
 
-    /// Steady sliding under `load`.
+    /// Solves steady sliding under `load`.
     #[must_use]
     pub fn solve(&self, load: &SteadyLoad) -> SurfaceOutcome {
         let Some(model) = &self.condensed else {
@@ -52,8 +53,8 @@ impl ThickModel {
         model.observe(load, &state)
     }
 
-    /// Lifts blocks under tension and lands those that sink below the counterface until none does, from `state` of `model`
-    /// on, in which all are on it.
+    /// Lifts blocks under tension and lands those below the counterface until none changes, starting from `state` of
+    /// `model`, in which all contacts touch.
     fn solve_unilateral(&self, model: &CondensedModel, mut state: Equilibrium, load: &SteadyLoad) -> SurfaceOutcome {
         let mut model = model.clone();
         let mut lifted: Vec<usize> = Vec::new();
@@ -69,7 +70,7 @@ impl ThickModel {
             if next.len() == model.contacts().len() {
                 break;
             }
-            let Some(latest) = CondensedModel::lifted(&self.lattice, self.block_m, self.youngs_modulus_pa, &next)
+            let Some(latest) = CondensedModel::with_lifted(&self.lattice, self.block_m, self.youngs_modulus_pa, &next)
             else {
                 break;
             };

@@ -2,37 +2,36 @@
 
 use slipgrid_monitor::{Cancelled, Monitor};
 
-/// Lines cross a region along this axis.
+/// Axis along which lines cross a region.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Axis {
     X,
     Y,
 }
 
-/// A stretch of one line within one region.
+/// Section of one line within one region.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Chord {
-    /// The region.
     pub(super) region: u32,
-    /// The line: a column for chords along x, a row for those along y.
+    /// Index of the line: a column for chords along x, a row for chords along y.
     pub(super) line: usize,
-    /// Where the height crosses the threshold, in pixels; `None` where the map ends first.
+    /// Positions where the height crosses the threshold, in pixels; `None` if the map ends first.
     pub(super) from: Option<f64>,
     pub(super) to: Option<f64>,
 }
 
-/// Regions of a grid: 0 is no region, numbers from 1 on.
+/// Labelled regions of a grid; 0 is no region, labels start at 1.
 pub(super) struct Regions {
     pub(super) label: Vec<u32>,
-    /// Points of each region, from 1 on.
+    /// Number of points of each region, from label 1 on.
     pub(super) points: Vec<usize>,
     rows: usize,
     cols: usize,
 }
 
 impl Regions {
-    /// Regions of points at or below `threshold` that touch along sides, but for those smaller than
-    /// `smallest_share` of the mean size that a point in a region lies in.
+    /// Finds regions of points at or below `threshold` that are connected along sides. Regions smaller than
+    /// `smallest_share` of the mean size are dropped; the mean is taken over points.
     pub(super) fn find(
         height: &[f64],
         cols: usize,
@@ -42,7 +41,7 @@ impl Regions {
     ) -> Result<Self, Cancelled> {
         let rows = height.len() / cols;
         let mut label = vec![0_u32; height.len()];
-        // Each label's parent; a root is its own.
+        // Parent of each label; a root is its own parent.
         let mut parent = vec![0_u32];
         for n in 0..height.len() {
             if n % cols == 0 {
@@ -73,7 +72,7 @@ impl Regions {
             }
         }
         points[0] = 0;
-        // Mean size over points: sum of n^2 over sum of n. Many specks hardly move it.
+        // Mean size over points, sum of n^2 over sum of n, which many specks hardly change.
         let total: f64 = points.iter().map(|&n| n as f64).sum();
         let mean = points.iter().map(|&n| (n as f64).powi(2)).sum::<f64>() / total.max(1.0);
         let least = (smallest_share * mean).max(1.0);
@@ -92,18 +91,17 @@ impl Regions {
         Ok(Self { label, points: kept, rows, cols })
     }
 
-    /// Number of regions.
     pub(super) fn count(&self) -> usize {
         self.points.len() - 1
     }
 
-    /// Points of a row of the grid.
+    /// Number of points in a row of the grid.
     pub(super) fn cols(&self) -> usize {
         self.cols
     }
 
-    /// The chords along `axis`, line by line in order: from the first to the last point of a region on a line,
-    /// ending where the height crosses the region's own threshold.
+    /// Returns the chords along `axis`, line by line in order. A chord extends from the first to the last point of a
+    /// region on a line and ends where the height crosses the region's own threshold.
     pub(super) fn chords(
         &self,
         height: &[f64],
@@ -135,7 +133,7 @@ impl Regions {
                 let from = crossing(profile, threshold(region), [start, k - 1], true, length);
                 let to = crossing(profile, threshold(region), [k - 1, start], false, length);
                 match chords[first_of_line..].last_mut() {
-                    // A spike within a cavity does not cut it in two.
+                    // A spike within a cavity does not split the chord.
                     Some(last) if last.region == region => last.to = to,
                     _ => chords.push(Chord { region, line, from, to }),
                 }
@@ -145,8 +143,9 @@ impl Regions {
     }
 }
 
-/// Where `profile` falls to `threshold` next to the end `edge` of a run whose other end is `other`, in pixels, the
-/// run lying `forward` of its edge or not; `None` where the map ends first.
+/// Position where `profile` crosses `threshold` next to the end `edge` of a run, in pixels; `None` if the map ends
+/// first. `other` is the other end of the run, and `forward` tells whether the run extends towards larger indices from
+/// `edge`.
 fn crossing(
     profile: impl Fn(usize) -> f64,
     threshold: f64,
@@ -157,7 +156,7 @@ fn crossing(
     let inwards = |k: usize| if forward { k + 1 } else { k - 1 };
     let outwards = |k: usize| if forward { k.checked_sub(1) } else { Some(k + 1).filter(|&k| k < length) };
     let mut inside = edge;
-    // Into the run until it is deep enough, then out of it until it is not.
+    // Go into the run until it is deep enough, then out of it until it is not.
     while profile(inside) > threshold && inside != other {
         inside = inwards(inside);
     }
@@ -191,7 +190,7 @@ mod tests {
     use super::*;
     use slipgrid_monitor::Unwatched;
 
-    /// `#` lies at -1, everything else at 1.
+    /// `#` is at -1, everything else at 1.
     fn grid(text: &[&str]) -> (Vec<f64>, usize) {
         let heights = text.iter().flat_map(|row| row.bytes()).map(|b| if b == b'#' { -1.0 } else { 1.0 }).collect();
         (heights, text[0].len())

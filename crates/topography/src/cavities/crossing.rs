@@ -1,4 +1,4 @@
-//! Cavities that are one region: grooves that cross have no width, spacing and depth of their own.
+//! Cavities that form one region: crossing grooves, which have no width, spacing and depth as a whole.
 
 use std::fmt;
 
@@ -8,22 +8,23 @@ use super::SPECK;
 use super::components::Regions;
 use super::found::Found;
 
-/// Patches of land from which on a region that reaches all sides of the map is grooves that cross: one crossing leaves four.
+/// Minimum number of land patches for crossing grooves, for a region that reaches all sides of the map: one crossing
+/// leaves four.
 const MIN_PATCHES: usize = 4;
-/// Share of a line in a groove along it that the region takes at least.
+/// Minimum covered fraction of a line within a groove along it.
 const IN_GROOVE: f64 = 0.9;
-/// Part of a strip that is left out on either side of it, for walls.
+/// Fraction of a strip that is left out on either side, for walls.
 const WALL: f64 = 0.1;
-/// Fewest lines of a strip that is worth naming.
+/// Minimum number of lines of a strip for a recommendation.
 const MIN_LINES: usize = 8;
 
-/// Grooves that cross on a map.
+/// Crossing grooves on a map.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Crossing {
-    /// Patches of land between them.
+    /// Number of land patches between the grooves.
     pub patches: usize,
-    /// First and last row, and first and last column, of the widest strip between two grooves along it; `None` where no groove runs
-    /// along the rows, or along the columns.
+    /// First and last row, and first and last column, of the widest strip between two grooves along it; `None` if no
+    /// groove runs along the rows, or along the columns.
     pub strips: [Option<[usize; 2]>; 2],
 }
 
@@ -35,7 +36,7 @@ impl fmt::Display for Crossing {
              whole: crop the map to a strip between two neighbours of one family",
             self.patches
         )?;
-        // In the words of a file, whose rows run along x.
+        // Uses the terms of a file, whose rows run along x.
         let named: Vec<String> = ["columns", "rows"]
             .into_iter()
             .zip(self.strips)
@@ -49,7 +50,7 @@ impl fmt::Display for Crossing {
 }
 
 impl Crossing {
-    /// The crossing grooves among the regions that were `found`.
+    /// Looks for crossing grooves among the regions of `found`.
     pub(super) fn of(found: &Found, monitor: &dyn Monitor) -> Result<Option<Self>, Cancelled> {
         let crosses = |region: &usize| [0, 1].iter().all(|&axis| found.along[axis][*region].reaches_across());
         let crossing = (1..=found.regions.count()).filter(crosses).max_by_key(|&region| found.regions.points[region]);
@@ -72,10 +73,10 @@ impl Crossing {
     }
 }
 
-/// The widest strip between lines that lie in a groove, of lines that the region takes a `share` of.
+/// Widest strip between lines within a groove; `share` is the covered fraction of each line.
 fn strip(share: &[f64]) -> Option<[usize; 2]> {
     let in_groove: Vec<usize> = (0..share.len()).filter(|&line| share[line] >= IN_GROOVE).collect();
-    // Between grooves on both sides.
+    // The strip has grooves on both sides.
     let [before, behind] =
         in_groove.windows(2).map(|pair| [pair[0], pair[1]]).max_by_key(|[before, behind]| behind - before)?;
     let margin = (WALL * (behind - before) as f64).ceil() as usize;

@@ -1,4 +1,4 @@
-//! Cavities cut into a map: what a laser would leave on it, for tests and rehearsals.
+//! Cuts synthetic cavities into a map, for tests and demonstrations.
 
 use std::f64::consts::TAU;
 
@@ -6,44 +6,44 @@ use super::RimProfile;
 use crate::synthetic::splitmix64;
 use crate::{HeightMap, MapError};
 
-/// Shape of the cavities seen from above.
+/// Shape of the cavities in plan view.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum CutShape {
-    /// Across the whole map along y.
+    /// Grooves across the whole map along y.
     #[default]
     Groove,
-    /// As long as wide, repeated along x and y.
+    /// Squares, repeated along x and y.
     Square,
-    /// Round, repeated along x and y.
+    /// Discs, repeated along x and y.
     Disc,
 }
 
-/// The rim that stands on the land around every cavity, outward from the upper end of its wall.
+/// Rim on the land around every cavity, outward from the upper end of the wall.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CutRim {
-    /// Greatest height above the land, in metres.
+    /// Maximum height above the land, in metres.
     pub height_m: f64,
-    /// Distance from the upper end of the wall at which it ends, in metres; at most half of the spacing.
+    /// Distance from the upper end of the wall to the end of the rim, in metres; at most half of the spacing.
     pub width_m: f64,
-    /// How it falls outward.
+    /// Shape of the outward decrease.
     pub profile: RimProfile,
     /// Standard deviation of the heights from cavity to cavity, in metres.
     pub height_std_m: f64,
 }
 
-/// A pattern to cut. The map begins with half a spacing of land; cavities are clipped by its sides.
+/// Pattern of cavities. The map begins with half a spacing of land; its sides clip cavities.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CutPattern {
-    /// Shape seen from above.
+    /// Shape in plan view.
     pub shape: CutShape,
     /// Width at half depth, in metres.
     pub width_m: f64,
-    /// Land between two cavities, at half depth, in metres.
+    /// Land between two cavities at half depth, in metres.
     pub spacing_m: f64,
     /// Depth, in metres.
     pub depth_m: f64,
-    /// Horizontal extent of a wall from the surface to the floor, in metres; less than a pixel becomes a pixel. A wall
-    /// of a cavity of depth d slopes by atan(d/wall).
+    /// Horizontal extent of a wall from the surface to the floor, in metres, at least one pixel. The wall of a cavity
+    /// of depth d has the slope atan(d/wall).
     pub wall_m: f64,
     /// Standard deviation of the widths, in metres.
     pub width_std_m: f64,
@@ -51,22 +51,22 @@ pub struct CutPattern {
     pub pitch_std_m: f64,
     /// Standard deviation of the depths, in metres.
     pub depth_std_m: f64,
-    /// Rims, if there are any; the same cavities are cut with them and without.
+    /// Rims, if any; the cavities are the same with and without rims.
     pub rim: Option<CutRim>,
-    /// Seed of the deviations.
+    /// Seed of the random deviations.
     pub seed: u64,
 }
 
-/// A cavity as it was cut.
+/// A cavity that was cut.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CutCavity {
-    /// Centre along x and y; a groove's y is the map's middle, in metres.
+    /// Centre along x and y, in metres; y of a groove is the middle of the map.
     pub center_m: [f64; 2],
     /// Width at half depth, in metres.
     pub width_m: f64,
     /// Depth, in metres.
     pub depth_m: f64,
-    /// Height of its rim, in metres; 0 without one.
+    /// Height of the rim, in metres; 0 without a rim.
     pub rim_height_m: f64,
 }
 
@@ -96,7 +96,7 @@ impl CutPattern {
     }
 }
 
-/// Gaussian deviates from a seed, within 2.7 standard deviations: what lies beyond is drawn again.
+/// Gaussian random deviates, truncated at 2.7 standard deviations by redrawing.
 struct Deviates {
     state: u64,
 }
@@ -104,7 +104,7 @@ struct Deviates {
 impl Deviates {
     fn uniform(&mut self) -> f64 {
         self.state = self.state.wrapping_add(1);
-        // (0, 1]: the logarithm below is finite.
+        // (0, 1], so that the logarithm is finite.
         ((splitmix64(splitmix64(self.state)) >> 11) as f64 + 1.0) / (1_u64 << 53) as f64
     }
 
@@ -121,11 +121,10 @@ impl Deviates {
 }
 
 impl HeightMap {
-    /// Cuts the cavities of `pattern` out of the map and returns those that reach into it, in order along x and
-    /// then y.
+    /// Cuts the cavities of `pattern` out of the map; returns those that reach into it, ordered along x and then y.
     ///
     /// # Errors
-    /// [`MapError`] if a number of the pattern means nothing; the map is as it was.
+    /// [`MapError`] if a parameter of the pattern is invalid; the map is unchanged then.
     pub fn cut_cavities(&mut self, pattern: &CutPattern) -> Result<Vec<CutCavity>, MapError> {
         pattern.validate()?;
         let sides = [self.rows() as f64 * self.dx_m(), self.cols() as f64 * self.dy_m()];
@@ -136,13 +135,13 @@ impl HeightMap {
             CutShape::Square | CutShape::Disc => [count(sides[0]), count(sides[1])],
         };
         let mut deviates = Deviates { state: splitmix64(pattern.seed) };
-        // Rims draw from a stream of their own.
+        // Rims use an independent random stream.
         let mut rim_deviates = Deviates { state: splitmix64(!pattern.seed) };
         let mut cavities = Vec::new();
         for i in 0..along_x {
             for j in 0..along_y {
                 let middle = |index: usize| (index as f64 + 0.5) * pitch_m;
-                // Centres stray by s/sqrt 2 each, so that the distance of two strays by s.
+                // Each centre deviates by s/sqrt 2, so that the distance of two centres deviates by s.
                 let mut stray = || pattern.pitch_std_m * deviates.next() / 2_f64.sqrt();
                 let center_m = match pattern.shape {
                     CutShape::Groove => [middle(i) + stray(), 0.5 * sides[1]],
@@ -167,10 +166,10 @@ impl HeightMap {
         let place = |axis: usize, index: usize| (index as f64 + 0.5) * pixel_m[axis] - cavity.center_m[axis];
         // Distance from the edge at half depth along one axis, positive outside.
         let beyond = |axis: usize, index: usize| place(axis, index).abs() - 0.5 * cavity.width_m;
-        // The share of the depth at the distance d outside the edge: 1/2 - d/wall, from 0 to 1.
+        // Fraction of the depth at the distance d outside the edge: 1/2 - d/wall, clamped to [0, 1].
         let wall_m = [0, 1].map(|axis| pattern.wall_m.max(pixel_m[axis]));
         let share = |d: f64, wall_m: f64| (0.5 - d / wall_m).clamp(0.0, 1.0);
-        // The mean of the rim over a pixel at the distance d outside the upper end of the wall.
+        // Mean of the rim over a pixel at the distance d outside the upper end of the wall.
         let rim_m = |d: f64, pixel_m: f64| {
             let mean = |rim: CutRim| rim.profile.mean(rim.width_m, d - 0.5 * pixel_m, d + 0.5 * pixel_m);
             pattern.rim.map_or(0.0, |rim| cavity.rim_height_m * mean(rim))
@@ -187,7 +186,7 @@ impl HeightMap {
                     CutShape::Groove => (share(along_x, wall_m[0]), rim_m(along_x - 0.5 * wall_m[0], pixel_m[0])),
                     CutShape::Square => {
                         let along_y = beyond(1, j);
-                        // Walls meet in mitred corners, rims go round them.
+                        // Walls meet in mitred corners; rims are rounded at corners.
                         let taken = share(along_x, wall_m[0]).min(share(along_y, wall_m[1]));
                         let out = [along_x - 0.5 * wall_m[0], along_y - 0.5 * wall_m[1]];
                         let raised_m = match out {
@@ -235,7 +234,7 @@ mod tests {
             let mut map = flat();
             let cut = map.cut_cavities(&CutPattern { wall_m, ..GROOVES }).unwrap();
             assert_eq!(cut.len(), 3);
-            // Two whole grooves, and the half land before the third: from 235 to 265, clipped at 250.
+            // Two whole grooves, and the third from 235 to 265, clipped at 250.
             let volume: f64 = -map.heights_m().iter().sum::<f64>() * 2e-12;
             let exact = 5e-6 * 220e-6 * (30e-6 + 30e-6 + 15e-6);
             assert!((volume / exact - 1.0).abs() < 1e-12, "{wall_m}: {volume} and {exact}");
@@ -260,7 +259,7 @@ mod tests {
             let mean = cut.iter().map(value).sum::<f64>() / 400.0;
             (mean, (cut.iter().map(|cavity| (value(cavity) - mean).powi(2)).sum::<f64>() / 399.0).sqrt())
         };
-        // Deviates cut at 2.7 have 0.98 of their standard deviation; 400 of them know it to 4 %.
+        // Deviates truncated at 2.7 have 0.98 of their standard deviation, which 400 of them determine to 4 %.
         let (mean, std) = spread(&|cavity| cavity.width_m);
         assert!((mean - 30e-6).abs() < 0.3e-6 && (std / 2e-6 - 0.98).abs() < 0.1, "{mean} {std}");
         let (mean, std) = spread(&|cavity| cavity.depth_m);

@@ -1,46 +1,46 @@
-//! Edges of cavities at half depth, and which of them every point of a map is nearest to.
+//! Edges of cavities at half depth, and the nearest edge of every point of a map.
 
 use slipgrid_monitor::{Cancelled, Monitor};
 
 use super::components::{Axis, Chord};
 
-/// Lines on either side over which a straight edge is fitted.
+/// Number of lines on either side over which a straight edge is fitted.
 const LINES: usize = 3;
-/// Most that a point may lie aside of the normal of its nearest edge point, over its distance from it, and in pixels:
-/// what lies farther aside lies before a corner.
+/// Maximum lateral offset of a point from the normal of its nearest edge point, relative to its distance and in pixels.
+/// Points with a greater offset are in front of a corner.
 const ASIDE: f64 = 0.35;
 const ASIDE_PIXELS: f64 = 0.75;
 
-/// A place on the edge of a cavity, where a line of the map crosses it.
+/// Point on the edge of a cavity where a line of the map crosses it.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct EdgePoint {
     pub(super) region: u32,
-    /// The line crosses along this axis, 0 or 1.
+    /// Axis of the line, 0 or 1.
     pub(super) axis: usize,
-    /// It leaves the cavity here rather than enters it.
+    /// Whether the line leaves the cavity here.
     pub(super) behind: bool,
-    /// A column for lines along x, a row for those along y.
+    /// Index of the line: a column for lines along x, a row for lines along y.
     pub(super) line: usize,
-    /// Place along x and y in metres, the first pixel's centre at 0.
+    /// Position along x and y in metres, with the first pixel's centre at 0.
     place_m: [f64; 2],
-    /// Unit vector out of the cavity.
+    /// Unit normal out of the cavity.
     normal: [f64; 2],
     /// Length of edge between this line and the next, in metres.
     pub(super) length_m: f64,
 }
 
-/// Edges of all cavities, and the nearest to each point of the map.
+/// Edges of all cavities, and the nearest edge point of each point of the map.
 pub(super) struct Edges {
     pub(super) points: Vec<EdgePoint>,
-    /// Number of the nearest edge point of each point of the map.
+    /// Index of the nearest edge point of each point of the map.
     nearest: Vec<u32>,
     cols: usize,
     pixel_m: [f64; 2],
 }
 
 impl Edges {
-    /// The edges where `chords` of the map end, taken along an axis only where they lie across it; places follow a
-    /// straight line through those of the lines beside. `counts` says which regions have edges along an axis.
+    /// Finds the edges at the ends of `chords`. Along an axis only edges mostly across it are used; positions are
+    /// fitted by a straight line through the neighbouring lines. `counts` tells which regions have edges along an axis.
     pub(super) fn find(
         chords: &[Vec<Chord>; 2],
         counts: impl Fn(usize, u32) -> bool,
@@ -51,7 +51,7 @@ impl Edges {
         let mut points = Vec::new();
         for axis in [0, 1] {
             let regions = chords[axis].iter().map(|chord| chord.region).max().map_or(0, |most| most as usize);
-            // Lines and places of each region's ends, line by line.
+            // Lines and positions of each region's chord ends, line by line.
             let mut ends: [Vec<Vec<(usize, f64)>>; 2] = [vec![Vec::new(); regions + 1], vec![Vec::new(); regions + 1]];
             for chord in &chords[axis] {
                 for (ends, place) in ends.iter_mut().zip([chord.from, chord.to]) {
@@ -74,8 +74,8 @@ impl Edges {
         Ok(Self { points, nearest, cols, pixel_m })
     }
 
-    /// The edge point that point `n` of the map lies before, and the distance from the edge, positive outside of the
-    /// cavity, in metres; `None` before corners and where there is no edge.
+    /// Returns the edge point in front of which point `n` of the map lies, and its distance from the edge, positive
+    /// outside of the cavity, in metres; `None` in front of corners and without an edge.
     pub(super) fn distance_m(&self, n: usize) -> Option<(usize, f64)> {
         let number = self.nearest[n] as usize;
         let edge = self.points.get(number)?;
@@ -88,14 +88,14 @@ impl Edges {
 }
 
 impl EdgePoint {
-    /// The same with its normal out of the cavity.
+    /// Returns the edge point with its normal out of the cavity.
     fn outward(self) -> Self {
         if self.behind { self } else { Self { normal: self.normal.map(|part| -part), ..self } }
     }
 }
 
-/// The edge points of a run of chord ends (line, place), normals towards larger places; none where the edge lies more
-/// along the axis than across it.
+/// Edge points of a sequence of chord ends (line, position), with normals towards larger positions; no point where the
+/// edge is more along the axis than across it.
 fn along(ends: &[(usize, f64)], axis: usize, pixel_m: [f64; 2]) -> impl Iterator<Item = EdgePoint> {
     (0..ends.len()).filter_map(move |number| {
         let (line, place) = ends[number];
@@ -104,14 +104,14 @@ fn along(ends: &[(usize, f64)], axis: usize, pixel_m: [f64; 2]) -> impl Iterator
             let near = beside.iter().filter(|(other, _)| other.abs_diff(line) <= LINES);
             near.map(|&(other, place)| (other as f64 - line as f64, place))
         };
-        // Least squares: place = a + m t over the lines t beside this one.
+        // Least squares: position = a + m t over the neighbouring lines t.
         let count = beside().count() as f64;
         let [t, p] = beside().fold([0.0; 2], |[t, p], (dt, place)| [t + dt / count, p + place / count]);
         let tt: f64 = beside().map(|(dt, _)| (dt - t).powi(2)).sum();
         let tp: f64 = beside().map(|(dt, place)| (dt - t) * (place - p)).sum();
         let slope = if tt > 0.0 { tp / tt } else { 0.0 };
         let fitted = if count > 2.0 { p - slope * t } else { place };
-        // dx/dy of an edge across x, dy/dx of one across y
+        // dx/dy of an edge across x, dy/dx of an edge across y
         let tangent = slope * pixel_m[axis] / pixel_m[1 - axis];
         let unit = tangent.hypot(1.0);
         let turned = |along: f64, across: f64| if axis == 0 { [along, across] } else { [across, along] };
@@ -131,8 +131,8 @@ fn offset_m(edge: &EdgePoint, [i, j]: [usize; 2], pixel_m: [f64; 2]) -> [f64; 2]
     [i as f64 * pixel_m[0] - edge.place_m[0], j as f64 * pixel_m[1] - edge.place_m[1]]
 }
 
-/// The number of the nearest edge point of every point of the map: that of a neighbour, passed on in two sweeps from
-/// corner to corner and back (P.-E. Danielsson, Comput. Graph. Image Process. 14, 227).
+/// Index of the nearest edge point of every point of the map, propagated from neighbours in two sweeps from corner to
+/// corner and back (P.-E. Danielsson, Comput. Graph. Image Process. 14, 227).
 fn nearest(
     points: &[EdgePoint],
     [rows, cols]: [usize; 2],
@@ -155,7 +155,7 @@ fn nearest(
         let place = edge.place_m[edge.axis] / pixel_m[edge.axis];
         let last = [rows, cols][edge.axis] - 1;
         for index in [place.floor(), place.ceil()] {
-            // Fits of edges end on the map: the cast saturates at its first line.
+            // Fitted edges may end outside the map: the cast saturates at the first line.
             let index = (index as usize).min(last);
             let [i, j] = if edge.axis == 0 { [index, edge.line] } else { [edge.line, index] };
             offer(&mut nearest, number as u32, i, j);
@@ -191,7 +191,7 @@ fn nearest(
     Ok(nearest)
 }
 
-/// Names an axis by its number.
+/// Axes by index.
 pub(super) const AXES: [Axis; 2] = [Axis::X, Axis::Y];
 
 #[cfg(test)]
@@ -225,7 +225,7 @@ mod tests {
                 all += 1;
                 if let Some((_, distance)) = edges.distance_m(n) {
                     found += 1;
-                    // Straight lines through seven places of a circle, the farthest 6 from the middle one.
+                    // Straight lines through seven points of a circle, up to 6 from the middle one.
                     assert!((distance - exact).abs() < 0.3, "{pixel_m:?} {n}: {distance} {exact}");
                 }
             }

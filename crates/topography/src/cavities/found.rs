@@ -1,4 +1,4 @@
-//! Cavities as they are found: regions, the chords that end at their own half depth, their floors.
+//! Detected cavities: regions, chords that end at each cavity's own half depth, floors.
 
 use std::collections::BTreeMap;
 
@@ -12,18 +12,18 @@ use super::{MARGIN, RimMetrology, SPECK};
 use crate::form::Form;
 use crate::{HeightMap, MapError};
 
-/// Chords between two questions whether to go on.
+/// Number of chords between two checks for cancellation.
 const CHORDS_TOGETHER: usize = 64;
 
-/// The cavities of a map.
+/// Cavities of a map.
 pub(super) struct Found {
     pub(super) land: Land,
-    /// Heights above the land, missing points bridged.
+    /// Heights above the land, with missing points filled.
     filled_m: Vec<f64>,
     pub(super) regions: Regions,
-    /// Chords along x and y, ending at each cavity's own half depth.
+    /// Chords along x and y that end at each cavity's own half depth.
     pub(super) chords: [Vec<Chord>; 2],
-    /// What they say of each region.
+    /// Statistics of each region's chords.
     pub(super) along: [Vec<Along>; 2],
     pub(super) floors: Vec<Option<Floor>>,
     /// Points in the middle thirds of cavities.
@@ -32,7 +32,7 @@ pub(super) struct Found {
 }
 
 impl Found {
-    /// Finds the cavities of `map`, whose land follows `form`.
+    /// Finds the cavities of `map`, with `form` fitted to the land.
     pub(super) fn find(map: &HeightMap, form: Form, monitor: &dyn Monitor) -> Result<Self, MapError> {
         let land = Land::find(map, form, monitor)?;
         monitor.heed()?;
@@ -41,7 +41,7 @@ impl Found {
             return Err(MapError::NoCavities { reason: "nothing lies below the land" });
         }
         monitor.heed()?;
-        // A third of a typical width keeps rims out of the land.
+        // A margin of a third of a typical width excludes rims from the land.
         let pixel_m = [map.dx_m(), map.dy_m()];
         let mut typical_m = f64::INFINITY;
         for (axis, pixel_m) in AXES.into_iter().zip(pixel_m) {
@@ -56,7 +56,7 @@ impl Found {
             land
         };
         monitor.heed()?;
-        // Edges are sought on a complete map: instruments lose the steep walls first.
+        // Edges need a complete map, because instruments lose steep walls first.
         let mut filled = HeightMap::new(map.rows(), map.cols(), pixel_m[0], pixel_m[1], land.height_m.clone())?;
         filled.fill_watched(monitor);
         monitor.heed()?;
@@ -66,8 +66,7 @@ impl Found {
         Self::complete(land, filled_m, regions, None, pixel_m, monitor)
     }
 
-    /// The same with floors below a land from which the rim is subtracted: what reaches into the land beside a cavity
-    /// would make it look deeper.
+    /// Recomputes the floors below the land minus the fitted rim, which would otherwise make cavities appear deeper.
     pub(super) fn without_rim(
         self,
         edges: &Edges,
@@ -86,7 +85,7 @@ impl Found {
         Self::complete(self.land, self.filled_m, self.regions, Some(&bare_m), self.pixel_m, monitor)
     }
 
-    /// Floors and chords of `regions`; the land beside cavities is that of `bare_m` where it is given.
+    /// Computes floors and chords of `regions`; the land next to cavities is taken from `bare_m` if given.
     fn complete(
         land: Land,
         filled_m: Vec<f64>,
@@ -109,24 +108,25 @@ impl Found {
         Ok(Self { land, filled_m, regions, chords, along, floors, middle, pixel_m })
     }
 
-    /// Points along y.
+    /// Number of points along y.
     pub(super) fn cols(&self) -> usize {
         self.regions.cols()
     }
 
-    /// Whether a region counts along an axis: it ends within the map there and is, across, either whole or a groove.
+    /// Whether a region counts along an axis: it ends within the map along the axis, and across the axis it is whole or
+    /// a groove.
     pub(super) fn counts(&self, axis: usize, region: usize) -> bool {
         let across = &self.along[1 - axis][region];
         self.along[axis][region].is_within() && (across.is_within() || across.runs_through())
     }
 
-    /// Whether a region shows both its ends along an axis, or all of one end: it counts there, or is a groove that the map's
-    /// side cuts off lengthwise.
+    /// Whether a region shows both ends along an axis, or one complete end: it counts along the axis, or is a groove
+    /// cut lengthwise by the map's side.
     fn shows_ends(&self, axis: usize, region: usize) -> bool {
         self.counts(axis, region) || self.along[1 - axis][region].runs_through()
     }
 
-    /// Pairs that face each other along an axis on any line, and the land between on each, in pixels.
+    /// Pairs that face each other along an axis on any line, and the land between them on each line, in pixels.
     pub(super) fn gaps(&self, axis: usize) -> BTreeMap<[u32; 2], Vec<f64>> {
         let mut gaps: BTreeMap<[u32; 2], Vec<f64>> = BTreeMap::new();
         for pair in self.chords[axis].windows(2) {
@@ -139,8 +139,8 @@ impl Found {
         gaps
     }
 
-    /// Pairs of neighbours that face each other along an axis on most of the lines of both, and the land between, in metres.
-    /// What the map's sides cut off is left out where any other pair remains.
+    /// Pairs of neighbours that face each other along an axis on most lines of both, and the land between them, in
+    /// metres. Cavities cut by the map's sides are left out if any other pair remains.
     pub(super) fn neighbours(&self, axis: usize) -> Vec<([u32; 2], f64)> {
         let mut gaps = self.gaps(axis);
         gaps.retain(|pair, gaps| {
@@ -156,8 +156,8 @@ impl Found {
             .collect()
     }
 
-    /// The centre along an axis of every region, from 1 on: the median of the middles of its chords, in metres; NaN where the
-    /// map's sides cut off all of them.
+    /// Centre of every region along an axis, from label 1 on: the median of the middles of its chords, in metres; NaN
+    /// if the map's sides cut all chords.
     pub(super) fn centers_m(&self, axis: usize) -> Vec<f64> {
         let mut middles = vec![Vec::new(); self.regions.count() + 1];
         for chord in &self.chords[axis] {
@@ -169,7 +169,7 @@ impl Found {
             .collect()
     }
 
-    /// The edges of all regions; those that count along no axis have them along both.
+    /// Edges of all regions; regions that count along no axis have edges along both.
     pub(super) fn edges(&self, monitor: &dyn Monitor) -> Result<Edges, Cancelled> {
         let counts = |axis: usize, region: u32| {
             let region = region as usize;
@@ -184,20 +184,21 @@ pub(super) fn length(chord: &Chord) -> Option<f64> {
     chord.from.zip(chord.to).map(|(from, to)| to - from)
 }
 
-/// What is gathered about a region along one axis.
+/// Chord statistics of a region along one axis.
 #[derive(Clone, Default)]
 pub(super) struct Along {
     pub(super) lengths: Vec<f64>,
-    /// Lines that meet the region; those on which the map cuts it off before, behind.
+    /// Number of lines that meet the region, and numbers of lines on which the map cuts it off at the start and at the
+    /// end.
     pub(super) lines: usize,
     cut: [usize; 2],
 }
 
 impl Along {
-    /// Share of the lines on which a region must end within the map to have a width.
+    /// Minimum fraction of the lines on which a region must end within the map to have a width.
     const WITHIN: f64 = 0.9;
 
-    /// Gathers the chords along both axes for regions 0 to `count`.
+    /// Collects the chords along both axes for regions 0 to `count`.
     fn gather(chords: &[Vec<Chord>; 2], count: usize) -> [Vec<Self>; 2] {
         let mut along = [vec![Self::default(); count + 1], vec![Self::default(); count + 1]];
         for (along, chords) in along.iter_mut().zip(chords) {
@@ -212,23 +213,23 @@ impl Along {
         along
     }
 
-    /// The map does not cut it off.
+    /// Whether the region ends within the map.
     pub(super) fn is_within(&self) -> bool {
         self.lengths.len() as f64 >= Self::WITHIN * self.lines as f64
     }
 
-    /// It reaches from one side of the map to the other.
+    /// Whether the region reaches both sides of the map.
     pub(super) fn reaches_across(&self) -> bool {
         self.cut.iter().all(|&cut| cut > 0)
     }
 
-    /// It runs through the whole map.
+    /// Whether the region runs through the whole map.
     pub(super) fn runs_through(&self) -> bool {
         self.cut.iter().all(|&cut| cut as f64 >= Self::WITHIN * self.lines as f64)
     }
 }
 
-/// Mean of what is added to it.
+/// Running mean.
 #[derive(Clone, Copy, Default)]
 struct Mean {
     sum: f64,
@@ -248,17 +249,17 @@ impl Mean {
     }
 }
 
-/// The level of a region's floor.
+/// Level of a region's floor.
 #[derive(Clone, Copy)]
 pub(super) struct Floor {
-    /// Height of the land beside it, in metres.
+    /// Height of the adjacent land, in metres.
     pub(super) land_m: f64,
-    /// Distance from there down to the floor, in metres.
+    /// Distance from the adjacent land down to the floor, in metres.
     pub(super) depth_m: f64,
 }
 
-/// The land beside each region and the depth of its middle third, over points that were measured; and which points lie
-/// in middle thirds.
+/// Computes the adjacent land and the depth of the middle third of each region from measured points; also returns which
+/// points are in middle thirds.
 fn floors(
     regions: &Regions,
     chords: &[Vec<Chord>; 2],
@@ -267,10 +268,10 @@ fn floors(
     monitor: &dyn Monitor,
 ) -> Result<(Vec<Option<Floor>>, Vec<bool>), Cancelled> {
     let cols = regions.cols();
-    // A point is in the middle if it is so along every axis on which the region ends within the map. Along a groove
-    // the lines in its walls meet it in short chords: what lies between those is wall, not land.
+    // A point is in the middle if it is so along every axis on which the region ends within the map. Lines within a
+    // groove's walls meet it in short chords, between which there is wall, not land.
     let mut middle = vec![true; regions.label.len()];
-    // The land before and behind along x, before and behind along y.
+    // Land at the start and the end along x, and at the start and the end along y.
     let mut beside = vec![[Mean::default(); 4]; regions.count() + 1];
     for (axis, chords) in chords.iter().enumerate() {
         let length = if axis == 0 { regions.label.len() / cols } else { cols };
@@ -287,7 +288,7 @@ fn floors(
                     middle[at(k)] = false;
                 }
             }
-            // Land ends a margin before the next cavity on the line.
+            // Land ends one margin before the next cavity on the line.
             let same_line = |other: &&Chord| other.line == chord.line;
             let previous = number.checked_sub(1).and_then(|before| chords.get(before)).filter(same_line);
             let next = chords.get(number + 1).filter(same_line);
@@ -315,7 +316,7 @@ fn floors(
         .into_iter()
         .zip(beside)
         .map(|(floor, beside)| {
-            // Both sides weigh alike, whatever their number of points: a tilt drops out.
+            // Both sides have equal weight, whatever their number of points, so that a tilt cancels.
             let mut sides = Mean::default();
             for axis in beside.chunks_exact(2) {
                 match (axis[0].value(), axis[1].value()) {

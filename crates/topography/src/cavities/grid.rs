@@ -1,5 +1,4 @@
-//! How whole cavities lie to each other: rows of which every other one is shifted by half a pitch, and a grid that is turned
-//! on the map.
+//! Arrangement of whole cavities: staggered rows, and grids rotated on the map.
 
 use std::collections::BTreeMap;
 use std::fmt;
@@ -10,32 +9,33 @@ use slipgrid_statistics::{mean_and_std, median};
 use super::found::Found;
 use super::{Estimate, Spread};
 
-/// Least share of pairs of neighbouring rows' cavities that are shifted by half a pitch, and how far off that may be, in pitches.
+/// Minimum fraction of pairs in neighbouring rows that are shifted by half a pitch, and the tolerance of that shift in
+/// pitches.
 const MAX_PAIRS: f64 = 0.8;
 const MAX_OFF_HALF: f64 = 0.15;
-/// Most that a row may run away from its axis, in its pitch.
+/// Maximum drift of a row from its axis, in pitches.
 const MAX_DRIFT: f64 = 0.1;
-/// Greatest shift of a cavity against one of the next row that is beside it, in pitches.
-const BESIDE: f64 = 0.75;
-/// Most that the distance of two rows may differ from the typical one, over that.
+/// Maximum shift of a cavity against a neighbour in the next row, in pitches.
+const MAX_PAIR_OFFSET: f64 = 0.75;
+/// Maximum relative deviation of the distance of two rows from the typical one.
 const MAX_ROW_OFF: f64 = 0.25;
-/// Distance of hexagonal rows over their pitch, sqrt(3)/2, and how far a measured one may be off it, over that.
+/// Distance of hexagonal rows over their pitch, sqrt(3)/2, and the relative tolerance of a measured one.
 const HEXAGONAL: f64 = 0.866_025_4;
 const MAX_OFF_HEXAGONAL: f64 = 0.02;
-/// Least turn that is told: it changes a length by 0.02 %.
+/// Minimum rotation that is reported: it changes a length by 0.02 %.
 const MIN_TURN_DEG: f64 = 1.0;
-/// The turn in its standard errors, at least; and the difference of the turns along x and along y over their mean, at most.
+/// Minimum rotation in standard errors, and maximum difference of the rotations along x and y over their mean.
 const MIN_ERRORS: f64 = 4.0;
 const MAX_SHEAR: f64 = 0.25;
-/// Area between neighbours over that of the map for each cavity, at most: two where they are next but one.
+/// Maximum area between neighbours over the map area per cavity; it is two for second neighbours.
 const MAX_CELL: f64 = 1.5;
 
-/// Rows of which every other one is shifted by half a pitch.
+/// Rows of which every second one is shifted by half a pitch.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct StaggeredRows {
-    /// Rows run along y: on the map they are columns. Those of a pattern run along x.
+    /// Whether rows run along y, as columns of the map. Rows of a pattern run along x.
     pub along_y: bool,
-    /// Staggered, or hexagonal where rows are sqrt(3)/2 of a pitch apart.
+    /// Staggered, or hexagonal if rows are sqrt(3)/2 of a pitch apart.
     pub arrangement: Arrangement,
 }
 
@@ -63,23 +63,23 @@ impl fmt::Display for StaggeredRows {
     }
 }
 
-/// A cavity that the map's sides do not cut off.
+/// A cavity that the map's sides do not cut.
 #[derive(Clone, Copy)]
 struct Whole {
     center_m: [f64; 2],
     width_m: [f64; 2],
 }
 
-/// The cavities that the map's sides do not cut off, and the pairs of those that face each other along x and along y.
+/// Whole cavities, and pairs of these that face each other along x and along y.
 pub(super) struct Grid {
     whole: BTreeMap<u32, Whole>,
     pairs: [Vec<[Whole; 2]>; 2],
-    /// Area of the map for each cavity, in square metres.
+    /// Map area per cavity, in square metres.
     cell_m2: f64,
 }
 
 impl Grid {
-    /// Of what was `found`, with the widths of regions.
+    /// Collects the whole cavities of `found`, with the widths of regions.
     pub(super) fn of(found: &Found, width_m: impl Fn(usize) -> [Option<f64>; 2]) -> Self {
         let centers_m = [0, 1].map(|axis| found.centers_m(axis));
         let regions = &found.regions;
@@ -97,14 +97,14 @@ impl Grid {
             let both = |([one, other], _): ([u32; 2], f64)| Some([*whole.get(&one)?, *whole.get(&other)?]);
             found.neighbours(axis).into_iter().filter_map(both).collect()
         });
-        // What all cavities take of the map is what one takes of its cell.
+        // The cavity fraction of the map equals that of a cell.
         let share = regions.points.iter().sum::<usize>() as f64 / regions.label.len() as f64;
         let mean_m2 = points as f64 / whole.len() as f64 * found.pixel_m[0] * found.pixel_m[1];
         Self { whole, pairs, cell_m2: mean_m2 / share }
     }
 
-    /// The staggered rows, and the land between one and the next; `None` where rows are not staggered or overlap. Rows along x
-    /// come first: most staggered grids can be read either way.
+    /// Returns the staggered rows and the land between successive rows; `None` if rows are not staggered or overlap.
+    /// Rows along x come first, because most staggered grids can be read either way.
     pub(super) fn staggered(&self) -> Option<(StaggeredRows, Spread)> {
         [0, 1].into_iter().filter_map(|axis| self.staggered_along(axis)).find(|(_, spacing)| spacing.mean_m > 0.0)
     }
@@ -119,11 +119,11 @@ impl Grid {
         }
         let mut sorted: Vec<Whole> = self.whole.values().copied().collect();
         sorted.sort_by(|one, other| one.center_m[across].total_cmp(&other.center_m[across]));
-        // Cavities of other rows that lie beside each one, the nearest row first.
+        // Cavities of other rows next to each one, the nearest row first.
         let beside = |number: usize| {
             let one = sorted[number];
             let pairs = sorted[number + 1..].iter().map(move |&other| [one, other]);
-            pairs.filter(move |pair| apart_m(along)(pair).abs() < BESIDE * pitch_m)
+            pairs.filter(move |pair| apart_m(along)(pair).abs() < MAX_PAIR_OFFSET * pitch_m)
         };
         let mut rows_m: Vec<f64> =
             (0..sorted.len()).filter_map(|number| beside(number).next().map(|pair| apart_m(across)(&pair))).collect();
@@ -147,8 +147,8 @@ impl Grid {
         Some((StaggeredRows { along_y: along == 1, arrangement }, spacing))
     }
 
-    /// By how much a rectangular grid is turned on the map, from x towards y; `None` where it is not, or cavities do not face
-    /// their neighbours along both axes.
+    /// Rotation of a rectangular grid on the map, from x towards y; `None` if it is not rotated, or if cavities do not
+    /// face their neighbours along both axes.
     pub(super) fn turned_deg(&self) -> Option<Estimate> {
         let apart_m = |[one, other]: &[Whole; 2]| [0, 1].map(|axis| other.center_m[axis] - one.center_m[axis]);
         let mut turns = [(0.0, 0.0); 2];
@@ -179,8 +179,8 @@ mod tests {
     use crate::form::Form;
     use crate::{CavityMetrology, HeightMap};
 
-    /// Rectangles or ellipses of `width_um` on a grid of `pitch_um`, every other row along x shifted by `shift` of a pitch, turned
-    /// by `turn_deg`, on 500 x 600 pixels of 2 um.
+    /// Rectangles or ellipses of `width_um` on a grid of `pitch_um`, with every second row along x shifted by `shift`
+    /// pitches, rotated by `turn_deg`, on 500 x 600 pixels of 2 um.
     struct Cut {
         round: bool,
         width_um: [f64; 2],
@@ -214,7 +214,7 @@ mod tests {
         }
     }
 
-    /// Within a quarter of a pixel.
+    /// Agreement within a quarter of a pixel.
     fn close(spacing: Option<Spread>, expected_um: f64) {
         let spacing = spacing.unwrap();
         assert!(

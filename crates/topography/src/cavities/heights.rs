@@ -1,18 +1,18 @@
-//! Rim heights of stretches of edge, of sides and of cavities, and how they scatter.
+//! Rim heights of edge segments, of sides and of cavities, and their scatter.
 
 use std::collections::BTreeMap;
 
 use super::Estimate;
 use super::rims::{MIN_STRETCHES, Stretch};
 
-/// Rim heights of all stretches for one profile and width.
+/// Rim heights of all edge segments for one profile and width.
 pub(super) struct Heights {
-    /// Region, side, weight, height; in order along the edges.
+    /// Region, side, weight and height of each segment, in order along the edges.
     stretches: Vec<(u32, (usize, bool), f64, f64)>,
     mean_m: f64,
-    /// Variance of a stretch about its cavity, times its weight and `inflation`.
+    /// Variance of a segment about its cavity, times its weight and `inflation`.
     unit_variance: f64,
-    /// How much more a mean of neighbouring stretches scatters than one of independent ones.
+    /// Factor by which a mean of neighbouring segments scatters more than one of independent segments.
     inflation: f64,
 }
 
@@ -36,7 +36,7 @@ impl Heights {
             }
         }
         let free = heights.stretches.len().saturating_sub(cavities.len());
-        // Neighbouring stretches that agree are not independent: 1 + 2 rho
+        // Neighbouring segments are correlated: 1 + 2 rho
         heights.inflation = if square > 0.0 { 1.0 + 2.0 * (beside / square).max(0.0) } else { 1.0 };
         if free > 0 {
             heights.unit_variance = heights.inflation * square / free as f64;
@@ -44,7 +44,7 @@ impl Heights {
         heights
     }
 
-    /// Weight, mean and number of the stretches by `key`.
+    /// Weight, mean and number of segments by `key`.
     fn grouped<K: Ord>(&self, key: impl Fn(&(u32, (usize, bool), f64, f64)) -> K) -> BTreeMap<K, (f64, f64, usize)> {
         let mut groups: BTreeMap<K, (f64, f64, usize)> = BTreeMap::new();
         for stretch in &self.stretches {
@@ -59,7 +59,7 @@ impl Heights {
         groups
     }
 
-    /// Standard error of the mean: that of stretches about their cavities, or of cavities where they scatter by more.
+    /// Standard error of the mean: from segments about their cavities, or from cavities if these scatter more.
     pub(super) fn error_m(&self) -> f64 {
         let total: f64 = self.stretches.iter().map(|stretch| stretch.2).sum();
         let within = self.unit_variance / total;
@@ -96,7 +96,7 @@ impl Heights {
     /// Standard deviation between the sides of a cavity.
     pub(super) fn side_std_m(&self) -> Option<Estimate> {
         let sides = self.grouped(|&(region, side, ..)| (region, side));
-        // Sides of two stretches and more show the noise of their mean.
+        // Sides with two or more segments show the noise of their mean.
         let mut noise_square = 0.0;
         for &(region, side, weight, value) in &self.stretches {
             let (_, mean_m, _) = sides[&(region, side)];
@@ -122,7 +122,7 @@ impl Heights {
     }
 }
 
-/// The standard deviation of a sum of squares of `free` degrees of freedom, less the variance of the noise, and its
+/// Standard deviation from a sum of squares with `free` degrees of freedom, minus the variance of the noise, and its
 /// error.
 fn beyond_noise(square: f64, free: usize, noise: f64) -> Option<Estimate> {
     if free == 0 {
@@ -130,8 +130,8 @@ fn beyond_noise(square: f64, free: usize, noise: f64) -> Option<Estimate> {
     }
     let variance = square / free as f64;
     let std = (variance - noise).max(0.0).sqrt();
-    // The variance strays by v sqrt(2/n): half of that over the standard deviation, at most the root. Waves that raise all
-    // sides of a cavity make the noise up to as large again.
+    // The variance has the standard error v sqrt(2/n); half of that over the standard deviation is the error, at most
+    // the root. Waves that raise all sides of a cavity make the noise up to as large again.
     let stray = variance * (2.0 / free as f64).sqrt();
     let error = if std > 0.0 { (0.5 * stray / std).min(stray.sqrt()) } else { stray.sqrt() }.hypot(noise.sqrt());
     Some(Estimate { value: std, error: Some(error) })

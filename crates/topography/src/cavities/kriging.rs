@@ -1,11 +1,11 @@
-//! Least squares for profiles with rough noise: what two heights of a profile differ by grows with their distance.
+//! Least squares for profiles with rough noise: the difference of two heights of a profile grows with their distance.
 
-/// Share of the greatest semivariance that single heights scatter by at least: keeps the equations well conditioned.
+/// Minimum nugget relative to the maximum semivariance, which keeps the equations well conditioned.
 const MIN_NUGGET: f64 = 1e-3;
-/// Variance of the profiles' common level over the greatest semivariance: large, since every fit has its own level.
+/// Variance of the profiles' common level over the maximum semivariance: large, since every fit has its own level.
 const LEVEL: f64 = 10.0;
 
-/// Semivariance of a rough profile at the lag of m bins: nugget + scale m^(2 H), for m > 0.
+/// Semivariance of a rough profile at a lag of m bins: nugget + scale m^(2 H), for m > 0.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Variogram {
     pub(super) nugget: f64,
@@ -14,7 +14,7 @@ pub(super) struct Variogram {
 }
 
 impl Variogram {
-    /// Fits the semivariances at lags 1, 2, ... with equal relative weights; white noise where there are none.
+    /// Fits the semivariances at lags 1, 2, ... with equal relative weights; white noise if there are none.
     pub(super) fn fit(semivariance: &[f64]) -> Self {
         const WHITE: Variogram = Variogram { nugget: 1.0, scale: 0.0, twice_hurst: 1.0 };
         let known = || semivariance.iter().enumerate().filter(|(_, value)| **value > 0.0);
@@ -25,7 +25,7 @@ impl Variogram {
         for step in 1..20 {
             // 2 H from 0.1 to 1.9
             let twice_hurst = 0.1 * f64::from(step);
-            // Least squares of (nugget + scale p)/value = 1 over p = m^(2 H), neither below zero.
+            // Least squares of (nugget + scale p)/value = 1 over p = m^(2 H), with neither below zero.
             let mut sums = [0.0; 5];
             for (index, value) in known() {
                 let (one, power) = (1.0 / value, libm::pow(index as f64 + 1.0, twice_hurst) / value);
@@ -56,33 +56,34 @@ impl Variogram {
     }
 }
 
-/// Generalised least squares of level + slope x + h f for profiles over bins whose noise a variogram says (universal
-/// kriging). Waves longer than a profile lend it a slope, which the same waves lend to all cavities of a pattern whose
-/// pitch is theirs: the slope is fitted with the level.
+/// Generalized least squares of level + slope x + h f for profiles over bins with the noise of a variogram (universal
+/// kriging). Waves longer than a profile give it a slope, which is the same for all cavities of a pattern whose pitch
+/// matches the waves; therefore the slope is fitted with the level.
 pub(super) struct Kriging {
-    /// Lower half of the Cholesky factor of the covariance, row by row.
+    /// Lower Cholesky factor of the covariance, row by row.
     factor: Vec<Vec<f64>>,
-    /// The constant, whitened.
+    /// Constant, whitened.
     ones: Vec<f64>,
-    /// Constant and slope, whitened, of length 1 and perpendicular to each other.
+    /// Constant and slope, whitened and orthonormalized.
     drift: Vec<Vec<f64>>,
 }
 
-/// A shape f made ready: whitened, without its share of constant and slope.
+/// A shape f, whitened and orthogonal to constant and slope.
 pub(super) struct Shape {
     whitened: Vec<f64>,
     square: f64,
 }
 
 impl Shape {
-    /// Whether its height can be told from level and slope.
+    /// Whether the height of the shape can be separated from level and slope.
     pub(super) fn is_determined(&self) -> bool {
         self.square > 0.0
     }
 }
 
 impl Kriging {
-    /// For profiles with heights in `bins`; `extra` is added to the nugget. `None` if the equations are degenerate.
+    /// Factors the covariance of profiles with heights in `bins`; `extra` is added to the nugget. `None` if the
+    /// equations are degenerate.
     pub(super) fn new(variogram: Variogram, bins: &[usize], extra: f64) -> Option<Self> {
         let span = bins.last()? - bins.first()?;
         let greatest = variogram.at(span.max(1)) + extra;
@@ -130,7 +131,7 @@ impl Kriging {
         white
     }
 
-    /// Takes constant and slope away.
+    /// Removes constant and slope.
     fn strip(&self, whitened: &mut [f64]) {
         for direction in &self.drift {
             let share = dot(whitened, direction);
@@ -148,18 +149,18 @@ impl Kriging {
         Shape { square: if square > 1e-9 * whole { square } else { 0.0 }, whitened }
     }
 
-    /// The profile made ready for [`Self::height`].
+    /// Prepares a profile for [`Self::height`].
     pub(super) fn ready(&self, profile: &[f64]) -> Vec<f64> {
         self.whiten(profile)
     }
 
-    /// h of a profile made ready, and by how much it lessens the sum of squares.
+    /// Returns h of a prepared profile, and the decrease of the sum of squares.
     pub(super) fn height(&self, shape: &Shape, ready: &[f64]) -> (f64, f64) {
         let product = dot(&shape.whitened, ready);
         (product / shape.square, product * product / shape.square)
     }
 
-    /// The weights a with h = sum of a z.
+    /// Weights a with h = sum of a z.
     pub(super) fn weights(&self, shape: &Shape) -> Vec<f64> {
         // L^T a = f/(f f)
         let mut weights: Vec<f64> = shape.whitened.iter().map(|value| value / shape.square).collect();
@@ -173,7 +174,7 @@ impl Kriging {
         weights
     }
 
-    /// The level of `profile`.
+    /// Level of `profile`.
     pub(super) fn level(&self, profile: &[f64]) -> f64 {
         dot(&self.whiten(profile), &self.ones) / dot(&self.ones, &self.ones)
     }

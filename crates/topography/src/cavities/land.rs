@@ -1,4 +1,4 @@
-//! The land of a patterned surface: what is left of the original surface, and its level.
+//! Land of a patterned surface: the remaining original surface, and its level.
 
 use slipgrid_monitor::Monitor;
 
@@ -6,28 +6,28 @@ use crate::form::Form;
 use crate::order::{median, nth};
 use crate::{HeightMap, MapError};
 
-/// Classes of the histogram in which land and cavities are told apart.
+/// Number of histogram classes for the separation of land and cavities.
 const CLASSES: usize = 1024;
-/// Share of the heights at either end that is left out of it: spikes.
+/// Fraction of the heights at either end that is excluded from the histogram, for spikes.
 const SPIKES: f64 = 1e-3;
-/// Heights between two questions whether to go on.
-const ASKED_EVERY: usize = 1 << 16;
-/// Least distance of the two means, in standard deviations within: a uniform ramp has 3.5, a Gaussian 2.7.
+/// Number of heights between two checks for cancellation.
+const CANCEL_CHECK_INTERVAL: usize = 1 << 16;
+/// Minimum distance of the two means in standard deviations within groups: a uniform ramp has 3.5, a Gaussian 2.7.
 const MIN_SEPARATION: f64 = 4.0;
-/// Rounds of fitting the form to the land and finding the land anew.
+/// Maximum number of rounds of fitting the form to the land and finding the land again.
 const MAX_ROUNDS: usize = 20;
 
-/// Heights above the land, and which of them are cavities.
+/// Heights above the land, and the separation of land and cavities.
 pub(super) struct Land {
     /// Heights above the fitted land, NaN where missing.
     pub(super) height_m: Vec<f64>,
-    /// Half way from the land down to the floors.
+    /// Threshold half-way between the land and the floors.
     pub(super) threshold_m: f64,
-    /// Land proper: neither in a cavity nor near one.
+    /// Whether a point is land away from cavities.
     pub(super) is_land: Vec<bool>,
 }
 
-/// Two groups of heights.
+/// Separation of heights into two groups.
 #[derive(Clone, Copy)]
 struct Groups {
     threshold_m: f64,
@@ -35,7 +35,7 @@ struct Groups {
 }
 
 impl Land {
-    /// Finds the land of `map` and the form that it follows.
+    /// Finds the land of `map` and fits the form to it.
     pub(super) fn find(map: &HeightMap, form: Form, monitor: &dyn Monitor) -> Result<Self, MapError> {
         let all = |_| true;
         let mut height_m = map.fit_form(form, all, monitor)?.above_m(map, monitor)?;
@@ -58,8 +58,8 @@ impl Land {
         Self::new(height_m, groups.threshold_m, monitor)
     }
 
-    /// The same with the form fitted only to points farther than `margin` pixels, along x and y, from cavities:
-    /// rims and walls belong to neither.
+    /// Fits the form again to points farther than `margin` pixels, along x and y, from cavities, which excludes rims
+    /// and walls.
     pub(super) fn refined(
         self,
         map: &HeightMap,
@@ -69,7 +69,7 @@ impl Land {
     ) -> Result<Self, MapError> {
         let near = near(&self.height_m, map.cols(), self.threshold_m, margin, monitor)?;
         let far = near.iter().zip(&self.height_m).filter(|(near, height)| !**near && !height.is_nan()).count();
-        // Lands too narrow to leave a margin keep what was found.
+        // Land too narrow for a margin keeps the previous result.
         if far * 20 < near.len() {
             return Ok(self);
         }
@@ -90,7 +90,7 @@ impl Land {
         (square / heights().count().max(1) as f64).sqrt()
     }
 
-    /// The threshold half way between the medians of both groups.
+    /// Sets the threshold half-way between the medians of both groups.
     fn new(height_m: Vec<f64>, threshold_m: f64, monitor: &dyn Monitor) -> Result<Self, MapError> {
         let median = |cavity: bool| {
             let is_of = |height: &f64| !height.is_nan() && (*height <= threshold_m) == cavity;
@@ -106,10 +106,10 @@ impl Land {
     }
 }
 
-/// Heights that differ by less, a tenth of a picometre, are equal: what is left of a plane is rounding.
+/// Heights within a tenth of a picometre count as equal, because the residual of a plane is rounding.
 const MIN_RANGE_M: f64 = 1e-13;
 
-/// The threshold that parts heights into two groups with the least variance within (Otsu).
+/// Separates heights into two groups with minimum variance within groups (Otsu).
 fn groups(height_m: &[f64], monitor: &dyn Monitor) -> Result<Groups, MapError> {
     let present: Vec<f64> = height_m.iter().copied().filter(|height| !height.is_nan()).collect();
     let spikes = (present.len() as f64 * SPIKES) as usize;
@@ -119,7 +119,7 @@ fn groups(height_m: &[f64], monitor: &dyn Monitor) -> Result<Groups, MapError> {
         return Err(MapError::NoCavities { reason: "all heights are equal" });
     };
     let mut counts = vec![0.0; CLASSES];
-    for some in present.chunks(ASKED_EVERY) {
+    for some in present.chunks(CANCEL_CHECK_INTERVAL) {
         monitor.heed()?;
         for height in some {
             let class = (height - low) / (high - low) * CLASSES as f64;
@@ -149,9 +149,9 @@ fn groups(height_m: &[f64], monitor: &dyn Monitor) -> Result<Groups, MapError> {
     }
     let ((below, mean_below, variance_below), (over, mean_over, variance_over)) =
         (moments(0..best + 1), moments(best + 1..CLASSES));
-    // A class is the least that can be told apart.
+    // The standard deviation is at least one class, the resolution.
     let within = ((below * variance_below + over * variance_over) / total + 1.0).sqrt();
-    // Half way between the means: where Otsu's ends among empty classes is chance.
+    // Half-way between the means, because Otsu's threshold is arbitrary among empty classes.
     let threshold = 0.5 * (mean_below + mean_over);
     Ok(Groups {
         threshold_m: low + threshold / CLASSES as f64 * (high - low),
@@ -159,7 +159,7 @@ fn groups(height_m: &[f64], monitor: &dyn Monitor) -> Result<Groups, MapError> {
     })
 }
 
-/// Points within `margin` pixels of a cavity along both axes, or in one.
+/// Points in a cavity, or within `margin` pixels of a cavity along both axes.
 fn near(
     height_m: &[f64],
     cols: usize,

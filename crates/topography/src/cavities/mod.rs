@@ -1,23 +1,23 @@
 //! Cavity metrology: width, spacing and depth of the cavities on a patterned surface, and their spread.
 //!
-//! The form is fitted to the land alone, found as the upper of two groups of heights. A cavity is a connected
-//! region below half depth; its width along an axis is the median of the chords that lines cut out of it, its
-//! spacing the median gap to the next on the same lines, with edges between pixels where the height crosses its own
-//! half depth. Of round cavities the width is the diameter of the disc (or ellipse) with their area at half depth, and the
-//! spacing what it leaves of the distance of neighbours' centres. What the map's sides cut off has no width, and its spacing
-//! counts only where no whole cavities face each other. Where every second row is shifted by half a pitch, the spacing
-//! across the rows is the land to the next row ([`StaggeredRows`]).
+//! The form is fitted to the land only, which is the upper of two groups of heights. A cavity is a connected region
+//! below half depth. Its width along an axis is the median of the chords that lines cut out of it; the spacing is the
+//! median gap to the next cavity on the same lines. Edges are interpolated between pixels where the height crosses the
+//! cavity's own half depth. For round cavities the width is the diameter of the disc (or ellipse) with the same area at
+//! half depth, and the spacing is the distance of neighbouring centres minus the diameter. Cavities cut by the map's
+//! sides have no width, and their spacing counts only if no whole cavities face each other. If every second row is
+//! shifted by half a pitch, the spacing across the rows is the land to the next row ([`StaggeredRows`]).
 //!
-//! The depth is the height of the land beside a cavity, from one third of its width to a whole one away from each
-//! edge, above the middle third of its width (after ISO 5436-1, type A1: rims and walls count for neither, and
-//! waves of the surface longer than a cavity do not count as depth). Where neighbours leave no such land, the
-//! form fitted to all land takes its place.
+//! The depth is the height of the adjacent land above the middle third of the cavity's width. The land is taken from
+//! one third of the width to the full width away from each edge (after ISO 5436-1, type A1), which excludes rims and
+//! walls, and keeps surface waves longer than a cavity from counting as depth. If neighbours leave no such land, the
+//! form fitted to all land replaces it.
 //!
 //! Rims along the edges are measured from the mean of all heights at equal distances from an edge ([`RimMetrology`]). A
-//! rim that reaches into the land beside its cavity would make it look deeper: depths are counted from that land less the
-//! fitted rim. Widths and spacings at half depth do not depend on rims where walls were measured; where they are missing, the
-//! smooth surface that bridges them begins on the rim, and a width grows by at most the share that the rim's height has in
-//! the missing part of the wall.
+//! rim that reaches into the adjacent land would make its cavity appear deeper, so depths refer to the land minus the
+//! fitted rim. Widths and spacings at half depth do not depend on rims if the walls were measured. If wall points are
+//! missing, the smooth surface that fills them begins on the rim, and the width grows at most by the ratio of the rim's
+//! height to the missing part of the wall.
 
 mod components;
 mod crossing;
@@ -55,19 +55,19 @@ pub use slipgrid_pattern::RimProfile;
 use crate::form::Form;
 use crate::{HeightMap, MapError};
 
-/// Share of the mean size below which a region is a speck.
+/// Size relative to the mean size below which a region is a speck.
 const SPECK: f64 = 0.1;
-/// Share of a width that is left out on either side of an edge, of the land and of the floor.
+/// Fraction of a width that is excluded on either side of an edge, from the land and from the floor.
 const MARGIN: f64 = 1.0 / 3.0;
 
-/// Mean and scatter of one quantity over cavities.
+/// Mean and scatter of a quantity over cavities.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Spread {
     /// Mean, in metres.
     pub mean_m: f64,
     /// Sample standard deviation, in metres; 0 for a single cavity.
     pub std_m: f64,
-    /// Cavities, or pairs of neighbours.
+    /// Number of cavities, or of pairs of neighbours.
     pub count: usize,
 }
 
@@ -81,17 +81,17 @@ impl Spread {
     }
 }
 
-/// A quantity with its standard error, both in the unit that ends its name.
+/// A quantity with its standard error, both in the unit given by the suffix of its name.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Estimate {
-    /// The quantity.
+    /// Estimated value.
     pub value: f64,
-    /// Its standard error; `None` where one sample shows no scatter.
+    /// Standard error; `None` if a single sample shows no scatter.
     pub error: Option<f64>,
 }
 
 impl Estimate {
-    /// Mean of independent samples, with its error from their scatter.
+    /// Mean of independent samples, with its standard error from their scatter.
     fn mean(values: impl Iterator<Item = f64> + Clone) -> Option<Self> {
         let count = values.clone().count() as f64;
         let (value, std) = slipgrid_statistics::mean_and_std(values)?;
@@ -99,80 +99,81 @@ impl Estimate {
     }
 }
 
-/// A cavity as it was found.
+/// A detected cavity.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cavity {
-    /// Centre of its area along x and y, in metres.
+    /// Centroid of its area along x and y, in metres.
     pub center_m: [f64; 2],
-    /// Width along x and y, of round cavities the diameter, in metres; `None` where the map's sides cut it off.
+    /// Width along x and y, the diameter for round cavities, in metres; `None` if the map's sides cut it.
     pub width_m: [Option<f64>; 2],
-    /// Depth, in metres; `None` where no floor was measured.
+    /// Depth, in metres; `None` if no floor was measured.
     pub depth_m: Option<f64>,
     /// Area at half depth within the map, in square metres.
     pub area_m2: f64,
-    /// Height of its rim, a mean along its edge, in metres; `None` where no cavity has a rim, and at the map's sides.
+    /// Mean height of the rim along the edge, in metres; `None` if no cavity has a rim, and at the map's sides.
     pub rim_height_m: Option<Estimate>,
-    /// Slope of its wall between 20 % and 80 % of its depth, in degrees from the horizontal.
+    /// Slope of the wall between 20 % and 80 % of the depth, in degrees from the horizontal.
     pub wall_angle_deg: Option<f64>,
-    /// Root mean square height of its floor's middle third about its plane, in metres.
+    /// Root mean square height of the floor's middle third about its plane, in metres.
     pub floor_sq_m: Option<f64>,
 }
 
-/// What was measured.
+/// Results of the cavity metrology.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CavityMetrology {
-    /// Widths along x and y; `None` where no cavity ends within the map along that axis, as grooves do not.
+    /// Widths along x and y; `None` if no cavity ends within the map along that axis, as for grooves.
     pub width: [Option<Spread>; 2],
-    /// Land between neighbours along x and y; across staggered rows to the next row.
+    /// Land between neighbours along x and y; across staggered rows the land to the next row.
     pub spacing: [Option<Spread>; 2],
-    /// Every second row of cavities is shifted by half a pitch.
+    /// Staggered rows, if every second row of cavities is shifted by half a pitch.
     pub staggered: Option<StaggeredRows>,
-    /// By how much a rectangular grid of cavities is turned on the map, in degrees from x towards y; `None` where by less than
-    /// 1 degree, or nothing shows it.
+    /// Rotation of a rectangular grid of cavities on the map, in degrees from x towards y; `None` below 1 degree, or if
+    /// it cannot be determined.
     pub turned_deg: Option<Estimate>,
-    /// The cavities are round: widths are diameters of the discs with their area at half depth, not median chords.
+    /// Whether the cavities are round, so that widths are diameters of discs with the same area at half depth, not
+    /// median chords.
     pub round: bool,
-    /// Depths.
+    /// Depth over the cavities, in metres.
     pub depth: Option<Spread>,
-    /// Share of the map below half depth.
+    /// Area fraction of the map below half depth.
     pub area_fraction: f64,
-    /// Half depth, below the land, in metres.
+    /// Half depth below the land, in metres.
     pub threshold_m: f64,
     /// Root mean square height of the land about its form, in metres.
     pub land_sq_m: f64,
-    /// The rims along their edges.
+    /// Rims along the edges.
     pub rim: RimMetrology,
-    /// Slope of the walls between 20 % and 80 % of the depth, in degrees from the horizontal, a mean over cavities;
-    /// `None` where no depth was measured, or no heights on the walls' way down.
+    /// Mean slope of the walls between 20 % and 80 % of the depth, in degrees from the horizontal; `None` if no depth
+    /// was measured, or no heights on the walls.
     pub wall_angle_deg: Option<Estimate>,
-    /// The slope of a wall that is two pixels wide, in degrees: from there on pixels show how steep a wall is at least, not
-    /// how steep it is. `None` where no depth was measured.
+    /// Slope of a wall two pixels wide, in degrees; a measured slope near or above it is only a lower bound. `None` if
+    /// no depth was measured.
     pub wall_resolved_deg: Option<f64>,
-    /// Root mean square height of the floors' middle thirds about their planes, in metres, a mean over cavities; `None`
-    /// where no floor holds the points that a plane needs.
+    /// Mean of the root mean square heights of the floors' middle thirds about their planes, in metres; `None` if no
+    /// floor has the points that a plane needs.
     pub floor_sq_m: Option<Estimate>,
-    /// Every cavity.
+    /// All cavities.
     pub cavities: Vec<Cavity>,
-    /// The cavities are one, grooves that cross.
+    /// Crossing grooves, if the cavities form one region.
     pub crossing: Option<Crossing>,
 }
 
 impl HeightMap {
-    /// Measures the cavities; `form` is fitted to the land. Missing points are bridged where edges are sought, and
+    /// Measures the cavities; `form` is fitted to the land. Missing points are filled for the detection of edges, and
     /// left out of depths.
     ///
     /// # Errors
-    /// [`MapError::NoCavities`] if heights do not part into land and floors; [`MapError::FormUndetermined`] if
-    /// the land does not determine the form; [`MapError::Cancelled`] once `monitor` has cancelled.
+    /// [`MapError::NoCavities`] if heights do not separate into land and floors; [`MapError::FormUndetermined`] if the
+    /// land does not determine the form; [`MapError::Cancelled`] once `monitor` has cancelled.
     pub fn measure_cavities(&self, form: Form, monitor: &dyn Monitor) -> Result<CavityMetrology, MapError> {
         let (found, sought) = Sought::with_rims(Found::find(self, form, monitor)?, monitor)?;
         Ok(measure(&found, sought, monitor)?)
     }
 }
 
-/// What is found along the edges of cavities.
+/// Quantities measured along the edges of cavities.
 struct Sought {
-    /// Regions, from 1 on, that end within the map along an axis.
+    /// Whether each region, from label 1 on, ends within the map along an axis.
     counts: Vec<bool>,
     /// Width of each region along x and y.
     width_m: Vec<[Option<f64>; 2]>,
@@ -185,7 +186,8 @@ struct Sought {
 }
 
 impl Sought {
-    /// Edges, walls and rims of `found`; where there are rims, depths are counted from the land without them.
+    /// Measures edges, walls and rims of `found`; if there are rims, the depths are recomputed from the land without
+    /// rims.
     fn with_rims(found: Found, monitor: &dyn Monitor) -> Result<(Found, Self), MapError> {
         let sought = Self::along_edges(&found, monitor)?;
         if sought.rim.width_m.is_none() {

@@ -1,4 +1,4 @@
-//! The mean period of a pattern: all cavities laid upon each other by their centres, and averaged.
+//! Mean period of a pattern: the average of all cavities about their centres.
 
 use std::fmt;
 
@@ -12,25 +12,26 @@ use super::{Crossing, Sought};
 use crate::form::Form;
 use crate::{HeightMap, MapError};
 
-/// Least whole cavities.
+/// Minimum number of whole cavities.
 const LEAST: usize = 2;
-/// Most that a centre may lie off its place, in pitches: half as far it would belong to another.
+/// Maximum deviation of a centre from its lattice position, in pitches; at half a pitch it would belong to another
+/// position.
 const MAX_STRAY: f64 = 0.2;
-/// Most by which the rows in between may lie off half a pitch in the mean, in pitches.
+/// Maximum deviation of the mean shift of every second row from half a pitch, in pitches.
 const MAX_SHIFT: f64 = 0.05;
-/// Share of a cell's weight that must be land for the cell to be land.
+/// Minimum land fraction of a cell's weight for the cell to count as land.
 const ALL_LAND: f64 = 0.999;
 
-/// How cavities are arranged.
+/// Arrangement of the cavities.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Arrangement {
-    /// Grooves that run along y: the period is their pitch along x.
+    /// Grooves along y; the period is their pitch along x.
     GroovesAlongY,
-    /// Grooves that run along x: the period is their pitch along y.
+    /// Grooves along x; the period is their pitch along y.
     GroovesAlongX,
-    /// A rectangular grid: the period is one cell.
+    /// A rectangular grid; the period is one cell.
     Rectangular,
-    /// Every other row moved by half a pitch, as in a hexagonal grid: the period is the rectangle that holds two cavities.
+    /// Every second row shifted by half a pitch, as in a hexagonal grid; the period is the rectangle with two cavities.
     Staggered,
 }
 
@@ -45,25 +46,27 @@ impl fmt::Display for Arrangement {
     }
 }
 
-/// The mean period of a pattern.
+/// Mean period of a pattern.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MeanPeriod {
-    /// Heights above the land, in metres, over one period, a cavity's centre in the middle of the map. The land farther
-    /// from cavities than rims reach is 0 in the mean. Pixels are those of the measured map, made to fit a whole number
-    /// of them into the period; the period of grooves is a square whose side is their pitch, with the same heights all
-    /// along them. NaN where no cavity has a height.
+    /// Heights above the land, in metres, over one period, with a cavity's centre in the middle of the map.
+    ///
+    /// The land beyond the rims has mean height 0. Pixels are those of the measured map, adjusted to a whole number per
+    /// period. The period of grooves is a square with their pitch as side and equal heights along the grooves. NaN if
+    /// no cavity has a height.
     pub map: HeightMap,
-    /// How the cavities are arranged.
+    /// Arrangement of the cavities.
     pub arrangement: Arrangement,
-    /// Cavities that were averaged: those that the map's sides do not cut off.
+    /// Number of averaged cavities, which are those that the map's sides do not cut.
     pub cavities: usize,
-    /// What is left of the land's roughness: root mean square height of the mean period's land, in metres, which is the
-    /// standard error of the mean relief; `None` where no land lies beyond the rims.
+    /// Remaining roughness of the land: root mean square height of the mean period's land, in metres, which is the
+    /// standard error of the mean relief; `None` if there is no land beyond the rims.
     pub relief_left_m: Option<f64>,
 }
 
 impl MeanPeriod {
-    /// What it is, for the header of a file: one line each. The word "one period" tells readers that it continues itself.
+    /// Description for the header of a file, one line each. The phrase "one period" marks the map as periodic for
+    /// readers.
     #[must_use]
     pub fn description(&self) -> [String; 3] {
         let um = |length_m: f64| crate::write::rounded((length_m * 1e10).round() / 1e4);
@@ -83,13 +86,14 @@ impl MeanPeriod {
 }
 
 impl HeightMap {
-    /// The mean period of the cavities; `form` is fitted to the land and subtracted. Each cavity's surroundings are moved by
-    /// the sub-pixel place of its centre (straight lines between heights), those of a groove by that of its straight middle
-    /// line. Missing points are left out of means.
+    /// Averages the cavities to a mean period; `form` is fitted to the land and subtracted.
+    ///
+    /// The surroundings of each cavity are shifted by the sub-pixel position of its centre with linear interpolation of
+    /// heights, those of a groove by the position of its straight middle line. Missing points are left out of means.
     ///
     /// # Errors
-    /// [`MapError`] as [`Self::measure_cavities`], and [`MapError::NoPeriod`] for fewer than two whole cavities and for
-    /// arrangements other than those of [`Arrangement`].
+    /// [`MapError`] as for [`Self::measure_cavities`], and [`MapError::NoPeriod`] for fewer than two whole cavities and
+    /// for arrangements other than [`Arrangement`].
     pub fn mean_cavity_period(&self, form: Form, monitor: &dyn Monitor) -> Result<MeanPeriod, MapError> {
         let (found, Sought { edges, rim, .. }) = Sought::with_rims(Found::find(self, form, monitor)?, monitor)?;
         let rim_end_m = rim.width_m.map_or(0.0, |width| rim.start_m + width.value);
@@ -117,7 +121,7 @@ impl HeightMap {
     }
 }
 
-/// Land that is neither near a cavity nor within its rim.
+/// Land away from cavities and beyond their rims.
 fn far_land(found: &Found, edges: &Edges, rim_end_m: f64, monitor: &dyn Monitor) -> Result<Vec<bool>, Cancelled> {
     let beyond = |n: usize| edges.distance_m(n).is_none_or(|(_, distance_m)| distance_m > rim_end_m);
     let mut far = Vec::with_capacity(found.land.is_land.len());
@@ -128,7 +132,7 @@ fn far_land(found: &Found, edges: &Edges, rim_end_m: f64, monitor: &dyn Monitor)
     Ok(far)
 }
 
-/// Lines of a region's chords along an axis and the middles of the chords, in metres from the first pixel's centre.
+/// Lines of a region's chords along an axis, and the middles of the chords, in metres from the first pixel's centre.
 fn middles(found: &Found, axis: usize, region: usize) -> Vec<(f64, f64)> {
     let chords = found.chords[axis].iter().filter(|chord| chord.region as usize == region);
     chords
@@ -139,7 +143,7 @@ fn middles(found: &Found, axis: usize, region: usize) -> Vec<(f64, f64)> {
         .collect()
 }
 
-/// Least squares of y = a + b x.
+/// Least-squares line y = a + b x.
 fn line(points: &[(f64, f64)]) -> [f64; 2] {
     let count = points.len() as f64;
     let [x, y] = points.iter().fold([0.0; 2], |[sx, sy], (x, y)| [sx + x / count, sy + y / count]);
@@ -149,7 +153,7 @@ fn line(points: &[(f64, f64)]) -> [f64; 2] {
     [y - slope * x, slope]
 }
 
-/// Sums of the heights that fall into the cells of a period.
+/// Sums of the heights in each cell of a period.
 struct Cells {
     sum: Vec<f64>,
     weight: Vec<f64>,
@@ -161,8 +165,8 @@ impl Cells {
         Self { sum: vec![0.0; count], weight: vec![0.0; count], land: vec![0.0; count] }
     }
 
-    /// Adds the height at the place (in pixels, from the first one's centre) between the points of the map around it,
-    /// those missing left out.
+    /// Adds the bilinearly interpolated height at a position in pixels from the first point's centre; missing points
+    /// are left out.
     fn add(&mut self, cell: usize, found: &Found, is_land: &[bool], place: [f64; 2]) {
         let rows = found.land.height_m.len() / found.cols();
         let inside = |place: f64, count: usize| (0.0..=(count - 1) as f64).contains(&place);
@@ -182,7 +186,7 @@ impl Cells {
         }
     }
 
-    /// Mean heights above the land, and its root mean square height.
+    /// Mean heights above the land, and the root mean square height of the land.
     fn mean(self) -> (Vec<f64>, Option<f64>) {
         let mut height_m: Vec<f64> = self
             .sum
@@ -202,14 +206,14 @@ impl Cells {
     }
 }
 
-/// The number of pixels that a pitch takes, and the size that makes it whole.
+/// Number of pixels per pitch, and the pixel size that makes it a whole number.
 fn pixels(pitch_m: f64, pixel_m: f64) -> (usize, f64) {
     // A pitch lies within the map: the cast is exact.
     let count = ((pitch_m / pixel_m).round() as usize).max(2);
     (count, pitch_m / count as f64)
 }
 
-/// The mean period of grooves across `axis`.
+/// Mean period of grooves across `axis`.
 fn of_grooves(
     found: &Found,
     is_land: &[bool],
@@ -219,7 +223,7 @@ fn of_grooves(
 ) -> Result<MeanPeriod, MapError> {
     let rows = found.land.height_m.len() / found.cols();
     let lines = if axis == 0 { found.cols() } else { rows };
-    // The middle line of each groove: a + b line.
+    // Middle line of each groove: a + b line.
     let middle: Vec<[f64; 2]> = grooves.iter().map(|&groove| line(&middles(found, axis, groove))).collect();
     let mut centers: Vec<f64> = middle.iter().map(|[a, b]| a + b * 0.5 * (lines - 1) as f64).collect();
     centers.sort_by(f64::total_cmp);
@@ -228,7 +232,7 @@ fn of_grooves(
     let Some(typical_m) = median(&mut gaps).filter(|gap_m| *gap_m > 0.0) else {
         return refuse("expected at least two that the map's sides do not cut off");
     };
-    // Grooves that were not found leave gaps of several pitches.
+    // Undetected grooves leave gaps of several pitches.
     let mut index = 0.0;
     let mut places = vec![(0.0, centers[0])];
     for pair in centers.windows(2) {
@@ -261,7 +265,7 @@ fn of_grooves(
     })
 }
 
-/// The mean period of cavities that end within the map along both axes.
+/// Mean period of cavities that end within the map along both axes.
 fn of_cells(found: &Found, is_land: &[bool], whole: &[usize], monitor: &dyn Monitor) -> Result<MeanPeriod, MapError> {
     let refuse = |reason| Err(MapError::NoPeriod { whole: whole.len(), reason });
     let centers_m = [0, 1].map(|axis| found.centers_m(axis));
@@ -271,7 +275,7 @@ fn of_cells(found: &Found, is_land: &[bool], whole: &[usize], monitor: &dyn Moni
         );
     };
     let mut pitch_m = [x_m, y_m];
-    // Places in half pitches, and the pitches that fit them all.
+    // Positions in half pitches, and the pitches that fit them all.
     let mut places: [Vec<(f64, f64)>; 2] = [Vec::new(), Vec::new()];
     for (axis, places) in places.iter_mut().enumerate() {
         let mut first_m = centers_m[axis][whole[0]];
@@ -294,7 +298,7 @@ fn of_cells(found: &Found, is_land: &[bool], whole: &[usize], monitor: &dyn Moni
     }
     let arrangement = if both.contains(&[true, true]) { Arrangement::Staggered } else { Arrangement::Rectangular };
     if arrangement == Arrangement::Staggered {
-        // Mean strays of the rows in between and of the others differ where the shift is not half a pitch.
+        // The mean deviations of the odd and the even rows differ if the shift is not half a pitch.
         let is_off = |axis: usize| {
             let stray_m = |is_between: bool| {
                 let own = places[axis].iter().zip(&both).filter(|(_, [x, _])| *x == is_between);
@@ -353,7 +357,7 @@ mod tests {
         seed: 5,
     };
 
-    /// A rough, tilted map of 2 um pixels, 1.024 mm wide, a point in 17 missing.
+    /// A rough, tilted map of 2 um pixels, 1.024 mm wide, with one of 17 points missing.
     fn rough(pattern: &CutPattern) -> HeightMap {
         let mut map = SelfAffine { side_m: 1.024e-3, ..SelfAffine::STAND_IN }.map().unwrap();
         map.cut_cavities(pattern).unwrap();
@@ -364,7 +368,7 @@ mod tests {
         HeightMap::new(512, 512, map.dx_m(), map.dy_m(), tilted.collect()).unwrap()
     }
 
-    /// The least and the greatest height within a square ring of distances from the middle, along x and y.
+    /// Minimum and maximum height within a square ring of distances from the middle, along x and y.
     fn range_um(map: &HeightMap, [from_um, to_um]: [f64; 2], axes: &[usize]) -> [f64; 2] {
         let (rows, cols) = (map.rows() as f64, map.cols());
         let mut range = [f64::INFINITY, f64::NEG_INFINITY];
@@ -375,7 +379,7 @@ mod tests {
             ];
             let distance_um = axes.iter().map(|&axis| place[axis].abs()).fold(0.0, f64::max);
             let beside_um = axes.iter().map(|&axis| place[axis].abs()).fold(f64::INFINITY, f64::min);
-            // Rims go round corners: only what lies before a side.
+            // Rims are rounded at corners, so only points in front of a side are used.
             if (from_um..to_um).contains(&distance_um) && (axes.len() == 1 || beside_um < 30.0 || to_um <= 30.0) {
                 range = [range[0].min(height * 1e6), range[1].max(height * 1e6)];
             }
@@ -389,10 +393,10 @@ mod tests {
         assert_eq!((period.arrangement, period.cavities), (Arrangement::Rectangular, 25));
         let map = &period.map;
         for (count, pixel_m) in [(map.rows(), map.dx_m()), (map.cols(), map.dy_m())] {
-            // Centres stray by 2/sqrt 2 um: five of them say their pitch to 0.45 um.
+            // Centres deviate by 2/sqrt 2 um: five of them determine the pitch to 0.45 um.
             assert!((count as f64 * pixel_m * 1e6 - 201.0).abs() < 1.0 && (pixel_m / 2e-6 - 1.0).abs() < 0.02);
         }
-        // What is left of 0.2 um of roughness in 25 cells.
+        // Remainder of 0.2 um of roughness in 25 cells.
         let left_um = period.relief_left_m.unwrap() * 1e6;
         assert!((0.015..0.06).contains(&left_um), "{left_um}");
         let off = 4.0 * left_um;
@@ -429,7 +433,7 @@ mod tests {
         }
     }
 
-    /// Discs of 20 um about places in micrometres, on 200 x 300 pixels of 1 um.
+    /// Discs of 20 um at positions in micrometres, on 200 x 300 pixels of 1 um.
     fn discs(places: &[[f64; 2]]) -> HeightMap {
         let height = |n: usize| {
             let (x, y) = ((n / 300) as f64 + 0.5, (n % 300) as f64 + 0.5);
@@ -443,7 +447,7 @@ mod tests {
     fn staggered_grids_have_a_rectangle_with_two_cavities() {
         let mut places = Vec::new();
         for row in 0..4 {
-            // The first of every other row is cut by the map's side.
+            // The map's side cuts the first disc of every second row.
             for col in -1..5 {
                 let half = if row % 2 == 0 { 0.0 } else { 29.8 };
                 places.push([25.3 + 45.0 * f64::from(row), 30.0 + 59.6 * f64::from(col) + half]);

@@ -4,13 +4,15 @@ use slipgrid_statistics::median;
 
 use super::found::Found;
 
-/// Most by which neighbours in staggered rows may be shifted from half a pitch, in pitches.
+/// Maximum deviation of the shift of neighbours in staggered rows from half a pitch, in pitches.
 const MAX_OFF_HALF: f64 = 0.1;
 
-/// Pitches along both axes, in metres, of the cavities `whole` with these centres; `None` where no neighbours tell one.
+/// Pitches along both axes, in metres, of the cavities `whole` with the given centres; `None` if no neighbours
+/// determine one.
 ///
-/// The pitch along an axis is that of neighbours that face each other along it. In staggered rows wide cavities stand before those
-/// that they hide: there the pitch is twice what lies along the axis between neighbours in one row and the next.
+/// The pitch along an axis is the distance of neighbours that face each other along it. In staggered rows wide cavities
+/// hide the ones behind them; then the pitch is twice the distance along the axis between neighbours in successive
+/// rows.
 pub(super) fn pitches_m(found: &Found, centers_m: &[Vec<f64>; 2], whole: &[usize]) -> [Option<f64>; 2] {
     let mut is_whole = vec![false; centers_m[0].len()];
     whole.iter().for_each(|&region| is_whole[region] = true);
@@ -38,7 +40,7 @@ pub(super) fn pitches_m(found: &Found, centers_m: &[Vec<f64>; 2], whole: &[usize
     })
 }
 
-/// What lies along both axes between each cavity and the nearest of those that it faces on any line.
+/// Distances along both axes between each cavity and the nearest one that it faces on any line.
 fn nearest_m(
     found: &Found,
     regions: usize,
@@ -70,8 +72,8 @@ mod tests {
 
     use crate::{Arrangement, Form, HeightMap, MeanPeriod};
 
-    /// Discs of a diameter in staggered rows, on 260 x 420 pixels of 1 um: rows lie `row_um` apart along x, and discs in a row
-    /// `pitch_um` along y.
+    /// Discs of a given diameter in staggered rows, on 260 x 420 pixels of 1 um: rows are `row_um` apart along x, discs
+    /// in a row `pitch_um` along y.
     fn staggered([row_um, pitch_um]: [f64; 2], shift: f64, diameter_um: f64) -> HeightMap {
         let height = |n: usize| {
             let (x, y) = ((n / 420) as f64 + 0.5 - 11.0, (n % 420) as f64 + 0.5 - 7.0);
@@ -91,7 +93,7 @@ mod tests {
         HeightMap::new(rows, cols, map.dy_m(), map.dx_m(), heights).unwrap()
     }
 
-    /// Whether copies side by side continue each other and hold two discs each.
+    /// Asserts that adjacent copies match and have two discs each.
     fn check_tiles(period: &MeanPeriod, [along_um, across_um]: [f64; 2], diameter_um: f64) {
         let map = &period.map;
         let (rows, cols) = (map.rows(), map.cols());
@@ -103,7 +105,7 @@ mod tests {
         let taken = deep as f64 / (rows * cols) as f64;
         let share = 2.0 * 0.25 * PI * diameter_um.powi(2) / (along_um * across_um);
         assert!((taken / share - 1.0).abs() < 0.02, "{taken} {share}");
-        // Moved by half of both sides, over the seams, the period is itself, but for walls of a pixel.
+        // Shifted by half of both sides, across the seams, the period equals itself, except for walls of a pixel.
         let moved = |i: usize, j: usize| depth(i + rows.div_ceil(2), j + cols.div_ceil(2));
         let differ = (0..rows * cols).filter(|n| (depth(n / cols, n % cols) - moved(n / cols, n % cols)).abs() > 0.9);
         assert!(differ.count() < rows * cols / 100);

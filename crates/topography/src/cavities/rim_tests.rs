@@ -5,7 +5,7 @@ use crate::form::Form;
 use crate::synthetic::splitmix64;
 use crate::{HeightMap, SelfAffine};
 
-/// Cavities 60 um wide and 5.2 um deep, 140 um apart, for maps of 2 um pixels, 1.024 mm wide.
+/// Cavities 60 um wide, 5.2 um deep and 140 um apart, for maps of 2 um pixels, 1.024 mm wide.
 const PATTERN: CutPattern = CutPattern {
     shape: CutShape::Groove,
     width_m: 60e-6,
@@ -23,8 +23,8 @@ fn rim(height_um: f64, width_um: f64, profile: RimProfile, height_std_um: f64) -
     Some(CutRim { height_m: height_um * 1e-6, width_m: width_um * 1e-6, profile, height_std_m: height_std_um * 1e-6 })
 }
 
-/// A map of roughness Sa 0.158 um with `pattern` cut, tilted, with white noise of 20 nm, and 5 % of its points missing:
-/// half of those on walls, others anywhere.
+/// A tilted map of roughness Sa 0.158 um with `pattern`, white noise of 20 nm, and 5 % of its points missing, half of
+/// these on walls.
 fn measured(pattern: &CutPattern, seed: u32) -> (HeightMap, Vec<CutCavity>) {
     let mut map = SelfAffine { side_m: 1.024e-3, seed, ..SelfAffine::STAND_IN }.map().unwrap();
     let cut = map.cut_cavities(pattern).unwrap();
@@ -38,7 +38,7 @@ fn measured(pattern: &CutPattern, seed: u32) -> (HeightMap, Vec<CutCavity>) {
         .enumerate()
         .map(|(n, &height)| {
             let (x, y) = ((n / cols) as f64 / rows as f64, (n % cols) as f64 / cols as f64);
-            // The sum of twelve uniform deviates has the variance 1.
+            // The sum of twelve uniform deviates has variance 1.
             let noise = (1..=12).map(|of| uniform(n, of)).sum::<f64>() - 6.0;
             height + 15e-6 * x - 8e-6 * y + 20e-9 * noise
         })
@@ -62,14 +62,14 @@ fn measured(pattern: &CutPattern, seed: u32) -> (HeightMap, Vec<CutCavity>) {
     (HeightMap::new(rows, cols, map.dx_m(), map.dy_m(), heights).unwrap(), cut)
 }
 
-/// Whether `found` lies within a tenth of `truth` or within twice its stated error of it.
+/// Asserts that `found` is within a tenth of `truth`, or within twice its stated error.
 fn agrees(found: Option<Estimate>, truth: f64, what: &str) {
     let found = found.unwrap_or_else(|| panic!("{what}: nothing was measured"));
     let allowed = (0.1 * truth).max(2.0 * found.error.unwrap());
     assert!((found.value - truth).abs() <= allowed, "{what}: {found:?}, not {truth}");
 }
 
-/// Cavities that the map's sides do not cut off.
+/// Cavities that the map's sides do not cut.
 fn whole(cut: &[CutCavity], shape: CutShape) -> Vec<&CutCavity> {
     let within = |cavity: &CutCavity, axis: usize| cavity.center_m[axis] + 0.5 * cavity.width_m < 1.024e-3;
     cut.iter().filter(|cavity| within(cavity, 0) && (shape == CutShape::Groove || within(cavity, 1))).collect()
@@ -104,7 +104,7 @@ fn rims_of_a_tenth_to_three_micrometres_are_measured_on_rough_tilted_noisy_maps_
             let std_m =
                 (mean(&|cut| (cut.rim_height_m - truth_m).powi(2)) * cut.len() as f64 / (cut.len() - 1) as f64).sqrt();
             let found_std = found.rim.height_std_m.unwrap();
-            // Two dozen patterns: one of them strays by more than two errors.
+            // Among two dozen patterns, one is expected to deviate by more than two errors.
             let allowed_m = 3.0 * found_std.error.unwrap();
             assert!((found_std.value - std_m).abs() < allowed_m, "{what}: {found_std:?}, not {std_m}");
             let width = found.rim.width_m.unwrap();
@@ -115,11 +115,11 @@ fn rims_of_a_tenth_to_three_micrometres_are_measured_on_rough_tilted_noisy_maps_
             if let Some(share) = found.rim.share_of_edge {
                 assert!(share.value > 1.0 - 3.0 * share.error.unwrap().max(0.01), "{what}: {share:?}");
             }
-            // Walls of 10 um, whatever stands beside them; no rim deepens a cavity.
+            // Walls of 10 um, with any rim; no rim changes the depth.
             let angle = found.wall_angle_deg.unwrap();
             let truth = (mean(&|cut| cut.depth_m) / 10e-6).atan().to_degrees();
             assert!((angle.value - truth).abs() < 1.0 + 2.0 * angle.error.unwrap(), "{what}: {angle:?}, not {truth}");
-            // Roughness of 0.2 um strays by itself over the root of the cavities' number.
+            // A roughness of 0.2 um causes an error of itself over the root of the number of cavities.
             let depth = found.depth.unwrap();
             assert!(
                 (depth.mean_m - mean(&|cut| cut.depth_m)).abs() < 0.2e-6 / (cut.len() as f64).sqrt() + 0.05e-6,
@@ -189,11 +189,12 @@ fn a_rim_that_the_pixels_do_not_resolve_has_no_height() {
 fn walls_steeper_than_pixels_resolve_say_so_and_floors_have_their_roughness() {
     let (map, _) = measured(&CutPattern { wall_m: 0.0, ..PATTERN }, 80);
     let found = map.measure_cavities(Form::Plane, &Unwatched).unwrap();
-    // Pixels of 2 um: walls two pixels wide slope by atan(5.2/4), and these are steeper.
+    // Pixels of 2 um: walls two pixels wide have the slope atan(5.2/4), and these are steeper.
     let resolved = found.wall_resolved_deg.unwrap();
     assert!((resolved - (5.2_f64 / 4.0).atan().to_degrees()).abs() < 1.0, "{resolved}");
     assert!(found.wall_angle_deg.unwrap().value > resolved);
-    // The middle thirds run along the whole map: the roughness is that of the land, less the longest waves across.
+    // The middle thirds extend over the whole map: their roughness is that of the land without the longest waves
+    // across.
     let floor = found.floor_sq_m.unwrap();
     assert!((floor.value / found.land_sq_m - 1.0).abs() < 0.2, "{floor:?} {}", found.land_sq_m);
 
@@ -214,7 +215,7 @@ fn walls_steeper_than_pixels_resolve_say_so_and_floors_have_their_roughness() {
     let found = smooth.measure_cavities(Form::Plane, &Unwatched).unwrap();
     let rim = found.rim.height_m.unwrap();
     assert!((rim.value - 0.5e-6).abs() < 5e-9 && (found.rim.width_m.unwrap().value - 8e-6).abs() < 0.2e-6, "{rim:?}");
-    // The land beside is that without the rim, to a hundredth of its height.
+    // The adjacent land is that without the rim, to a hundredth of its height.
     assert!((found.depth.unwrap().mean_m - 5.2e-6).abs() < 5e-9, "{:?}", found.depth);
     assert!(found.floor_sq_m.unwrap().value < 1e-12);
     let angle_deg = found.wall_angle_deg.unwrap().value;

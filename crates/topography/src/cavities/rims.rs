@@ -1,10 +1,11 @@
-//! Rims: the relief along the edges of cavities above the land beside.
+//! Rims: the relief along the edges of cavities above the adjacent land.
 //!
-//! Heights are averaged by their distance from the edge over stretches of edge as long as the profile reaches, and over
-//! all of it: roughness, which follows no edge, averages away. To the mean profile level + h phi((d - d0)/w) is fitted
-//! by generalised least squares, phi one of [`RimProfile`]'s, d0 the upper end of the wall; the noise's correlation is
-//! that of the stretches about their mean. h is the height of the profile phi, not the greatest of noisy heights, which
-//! lies above it. Errors are those of stretches, and of cavities where their heights scatter by more.
+//! Heights are averaged at equal distances from the edge, over edge segments as long as the profile reaches, and over
+//! all edges; roughness, which does not follow edges, averages out. The mean profile is fitted by level + h phi((d -
+//! d0)/w) with generalized least squares, where phi is a [`RimProfile`] and d0 the upper end of the wall. The
+//! correlation of the noise is that of the segments about their mean. h is the height of the profile phi, not the
+//! maximum of noisy heights, which is larger. Errors come from the segments, or from cavities if their heights scatter
+//! more.
 
 use std::collections::BTreeMap;
 
@@ -17,72 +18,75 @@ use super::share::share_of_edge;
 use super::{Estimate, RimProfile};
 use crate::synthetic::splitmix64;
 
-/// Points between two questions whether to go on.
-const ASKED_EVERY: usize = 1 << 14;
-/// Most bins of a profile.
+/// Number of points between two checks for cancellation.
+const CANCEL_CHECK_INTERVAL: usize = 1 << 14;
+/// Maximum number of bins of a profile.
 const MAX_BINS: usize = 160;
-/// Least bins and stretches from which a rim can be sought.
+/// Minimum number of bins and of segments for the detection of a rim.
 const MIN_BINS: usize = 5;
 pub(super) const MIN_STRETCHES: usize = 4;
-/// Parts of a bin by which it is known where in it points lie: edges cross pixels where they happen to.
+/// Number of parts of a bin in which the positions of points are recorded, since edges cross pixels at arbitrary
+/// positions.
 const PARTS: usize = 8;
-/// Share of the edges that a bin of the mean profile stands for at least.
+/// Minimum fraction of the edges that a bin of the mean profile must cover.
 const MIN_COVERED: f64 = 0.3;
-/// Height over its standard error from which a rim is one: the best of a hundred profiles and widths without a rim
-/// seldom reaches 3.5.
+/// Minimum height of a rim in standard errors: without a rim, the best of a hundred profiles and widths rarely reaches
+/// 3.5.
 const MIN_SIGNIFICANCE: f64 = 4.0;
-/// Least width of a rim that is sought, and of one whose height is told, in bins: the product of height and width is all
-/// that narrower ones show.
+/// Minimum width of a rim in the search, and of a rim whose height is reported, in bins; for narrower rims only the
+/// product of height and width is determined.
 const MIN_WIDTH: f64 = 2.0;
 const MIN_TOLD_WIDTH: f64 = 4.0;
-/// Greatest width over the profile's reach: what goes on to its end is land.
+/// Maximum width over the reach of the profile; relief that continues to its end is land.
 const MAX_WIDTH: f64 = 0.75;
-/// Widths that are tried, in bins.
+/// Step of the trial widths, in bins.
 const WIDTH_STEP: f64 = 0.25;
-/// What profiles, as edges and pixels blur them, differ by from the fitted family, over the range of heights.
+/// Deviation of real profiles, blurred by edges and pixels, from the fitted family, over the range of heights.
 const MODEL_ERROR: f64 = 0.02;
-/// Width that the height of no rim refers to, over that of the cavity.
+/// Nominal width for the height of an undetected rim, over the width of the cavity.
 const NOMINAL_WIDTH: f64 = 0.1;
-/// Draws of the bootstrap, and units from which cavities rather than stretches are drawn.
+/// Number of bootstrap draws, and minimum number of cavities for drawing cavities instead of segments.
 const DRAWS: u64 = 120;
 const MANY_CAVITIES: usize = 8;
 
 /// Mean height at a distance from the edge.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EdgeHeight {
-    /// Distance from the edge at half depth outward, in metres.
+    /// Outward distance from the edge at half depth, in metres.
     pub distance_m: f64,
     /// Mean height above the land, in metres.
     pub height_m: f64,
-    /// Its standard error from the scatter between stretches of edge, in metres; 0 for a single one.
+    /// Standard error from the scatter between edge segments, in metres; 0 for a single one.
     pub error_m: f64,
 }
 
-/// The rims of all cavities.
+/// Rims of all cavities.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RimMetrology {
-    /// Greatest height that the rim adds to the land, in metres, a mean over the edges of all cavities, stretches without
-    /// a rim among them. Where no rim stands out from the roughness (below 4 standard errors) it is the mean relief that
-    /// a round rim a tenth of a cavity wide would need, which may lie below zero. `None` where the profile is too short
-    /// for a rim and land beside it, stretches of edge are fewer than four, or the rim is narrower than four pixels.
+    /// Maximum height of the rim above the land, in metres, averaged over the edges of all cavities, including segments
+    /// without a rim.
+    ///
+    /// If no rim is significant (below 4 standard errors), it is the mean relief of a hypothetical round rim a tenth of
+    /// a cavity wide, which may be negative. `None` if the profile is too short for a rim and adjacent land, if there
+    /// are fewer than four edge segments, or if the rim is narrower than four pixels.
     pub height_m: Option<Estimate>,
-    /// Standard deviation of the heights from cavity to cavity, in metres, sampling noise subtracted; `None` without a
-    /// rim and for a single cavity.
+    /// Standard deviation of the heights from cavity to cavity, in metres, with sampling noise subtracted; `None`
+    /// without a rim and for a single cavity.
     pub height_std_m: Option<Estimate>,
-    /// Standard deviation from side to side of one cavity, in metres, sampling noise subtracted; `None` without a rim, and
-    /// where the sides are too short for four stretches each.
+    /// Standard deviation from side to side of one cavity, in metres, with sampling noise subtracted; `None` without a
+    /// rim, and if sides are too short for four segments each.
     pub side_std_m: Option<Estimate>,
-    /// Distance from the upper end of the wall at which the rim ends, in metres; `None` without a rim.
+    /// Distance from the upper end of the wall to the end of the rim, in metres; `None` without a rim.
     pub width_m: Option<Estimate>,
-    /// The profile that fits best; `None` without a rim.
+    /// Best-fitting profile; `None` without a rim.
     pub profile: Option<RimProfile>,
-    /// Share of the edges' length, from 0 to 1, along which the relief exceeds half of a rim's height; wrong decisions are
-    /// counted on land farther out and taken off. 0 without a rim; `None` where there is no land to count them on or
-    /// roughness decides.
+    /// Fraction of the edges' length, from 0 to 1, along which the relief exceeds half of a rim's height, corrected for
+    /// the false decisions counted on land farther out. 0 without a rim; `None` if there is no such land or roughness
+    /// dominates.
     pub share_of_edge: Option<Estimate>,
-    /// Distance of the upper end of the wall from the edge at half depth, in metres: where the rim begins.
+    /// Distance from the edge at half depth to the upper end of the wall, where the rim begins, in metres.
     pub start_m: f64,
-    /// The mean profile, from one pixel beyond the wall on.
+    /// Mean profile, from one pixel beyond the wall on.
     pub edge_profile: Vec<EdgeHeight>,
 }
 
@@ -99,23 +103,23 @@ impl RimMetrology {
     }
 }
 
-/// What rims are sought on.
+/// Input of the rim measurement.
 pub(super) struct Scene<'a> {
     pub(super) edges: &'a Edges,
     /// Heights above the form, NaN where missing.
     pub(super) height_m: &'a [f64],
-    /// Regions, 0 for none.
+    /// Region labels, 0 for none.
     pub(super) label: &'a [u32],
-    /// Half depth: what lies below outside of cavities is a speck.
+    /// Half depth; lower points outside of cavities are specks.
     pub(super) threshold_m: f64,
-    /// Regions whose edges count.
+    /// Whether each region's edges count.
     pub(super) counts: &'a [bool],
     pub(super) pixel_m: [f64; 2],
-    /// Where the rim begins.
+    /// Start of the rim.
     pub(super) start_m: f64,
     /// Width of a cavity.
     pub(super) width_m: f64,
-    /// Land between two, where it is known.
+    /// Land between two cavities, if known.
     pub(super) spacing_m: Option<f64>,
 }
 
@@ -125,20 +129,21 @@ impl Scene<'_> {
         self.pixel_m[0].max(self.pixel_m[1])
     }
 
-    /// How far profiles reach from the edge: half way to the next cavity, at most two widths.
+    /// Reach of profiles from the edge: half-way to the next cavity, at most two widths.
     pub(super) fn reach_m(&self) -> f64 {
         let beyond_m = self.start_m + self.bin_m() + MAX_BINS as f64 * self.bin_m();
         self.spacing_m.map_or(f64::INFINITY, |spacing_m| 0.5 * spacing_m).min(2.0 * self.width_m).min(beyond_m)
     }
 
-    /// Calls `take` with edge point, distance and height of every point measured on land before an edge that counts.
+    /// Calls `take` with edge point, distance and height of every measured point on land in front of an edge that
+    /// counts.
     pub(super) fn for_land(
         &self,
         monitor: &dyn Monitor,
         mut take: impl FnMut(usize, f64, f64),
     ) -> Result<(), Cancelled> {
         for (n, (&height_m, &label)) in self.height_m.iter().zip(self.label).enumerate() {
-            if n % ASKED_EVERY == 0 {
+            if n % CANCEL_CHECK_INTERVAL == 0 {
                 monitor.heed()?;
             }
             if label != 0 || height_m.is_nan() || height_m <= self.threshold_m {
@@ -154,24 +159,24 @@ impl Scene<'_> {
     }
 }
 
-/// A stretch of edge with its mean profile.
+/// An edge segment with its mean profile.
 pub(super) struct Stretch {
     pub(super) region: u32,
-    /// Which side of the region.
+    /// Side of the region: axis and end.
     pub(super) side: (usize, bool),
     pub(super) length_m: f64,
-    /// Height less the mean over all stretches, bin by bin; 0 where nothing was measured.
+    /// Height minus the mean over all segments, by bin; 0 if nothing was measured.
     pub(super) residual: Vec<f64>,
 }
 
-/// The mean profile with its stretches, in order along the edges.
+/// Mean profile and its segments, in order along the edges.
 struct Profile {
     stretches: Vec<Stretch>,
-    /// Bins that are known, their mean distance and height.
+    /// Known bins, with their mean distance and height.
     bins: Vec<usize>,
     distance_m: Vec<f64>,
     mean_m: Vec<f64>,
-    /// Shares of each bin's points that lie in its parts, and their mean distances beyond the wall, in metres.
+    /// Fraction of each bin's points in each of its parts, and their mean distance beyond the wall, in metres.
     parts: Vec<Vec<[f64; 2]>>,
 }
 
@@ -179,7 +184,7 @@ impl Profile {
     fn gather(scene: &Scene<'_>, monitor: &dyn Monitor) -> Result<Self, Cancelled> {
         let (bin_m, reach_m) = (scene.bin_m(), scene.reach_m());
         let first_m = scene.start_m + bin_m;
-        // The cast saturates at none.
+        // The cast saturates at zero.
         let count = (((reach_m - first_m) / bin_m) as usize).min(MAX_BINS);
         let mut numbers: BTreeMap<(u32, usize, bool, usize), usize> = BTreeMap::new();
         let of_point: Vec<usize> = scene
@@ -196,7 +201,7 @@ impl Profile {
         for (edge, &number) in scene.edges.points.iter().zip(&of_point) {
             length_m[number] += edge.length_m;
         }
-        // Points, their distances and heights in each bin of each stretch.
+        // Number of points and sums of distances and heights, in each bin of each segment.
         let mut sums = vec![vec![[0.0; 3]; count]; numbers.len()];
         let mut points = vec![[[0.0; 2]; PARTS]; count];
         scene.for_land(monitor, |number, distance_m, height_m| {
@@ -224,7 +229,7 @@ impl Profile {
                     }
                 }
             }
-            // Neighbours that are nearer than others cut profiles short.
+            // Near neighbours cut some profiles short.
             if weighted[0] > MIN_COVERED * total_m {
                 bins.push(bin);
                 distance_m.push(weighted[1] / weighted[0]);
@@ -251,7 +256,7 @@ impl Profile {
         Ok(Self { stretches, bins, distance_m, mean_m, parts })
     }
 
-    /// Semivariances of the stretches about their mean at lags from one bin on.
+    /// Semivariances of the segments about their mean, at lags from one bin on.
     fn semivariances(&self) -> Vec<f64> {
         let count = self.stretches.len() as f64;
         (1..=self.bins.len() / 2)
@@ -277,14 +282,14 @@ impl Profile {
     }
 }
 
-/// A profile and width that rims are compared with.
+/// A trial profile and width.
 struct Candidate {
     profile: RimProfile,
     width_m: f64,
     shape: Shape,
 }
 
-/// The rims of the scene, and each region's rim height with its error.
+/// Measures the rims; also returns each region's rim height with its error.
 pub(super) fn measure(
     scene: &Scene<'_>,
     monitor: &dyn Monitor,
@@ -322,7 +327,7 @@ pub(super) fn measure(
         fit.kriging.level(&land)
     };
     if height_m < MIN_SIGNIFICANCE * heights.error_m() {
-        // A width chosen by the noise would exaggerate it: one that is chosen beforehand does not.
+        // A width selected from noise would exaggerate the height; a nominal width does not.
         let width_m = (NOMINAL_WIDTH * scene.width_m).clamp(MIN_WIDTH * scene.bin_m(), fit.most_width_m);
         let values = fit.values(scene, &profile, RimProfile::Round, width_m);
         let shape = fit.kriging.shape(&values);
@@ -359,7 +364,7 @@ pub(super) fn measure(
     Ok((found, heights.of_cavities()))
 }
 
-/// All candidates, ready to be fitted.
+/// All trial profiles and widths, prepared for the fit.
 struct Fit {
     kriging: Kriging,
     candidates: Vec<Candidate>,
@@ -374,7 +379,8 @@ impl Fit {
         if most_width_m <= MIN_WIDTH * bin_m {
             return None;
         }
-        // The covariance is that of one stretch; the mean's is smaller by their number, the model's error is not.
+        // The covariance is that of one segment; that of the mean is smaller by their number, but the model error is
+        // not.
         let range = |pick: fn(f64, f64) -> f64| profile.mean_m.iter().copied().reduce(pick).unwrap_or(0.0);
         let model_m = MODEL_ERROR * (range(f64::max) - range(f64::min));
         let extra = model_m.powi(2) * profile.stretches.len() as f64;
@@ -394,14 +400,14 @@ impl Fit {
         Some(fit)
     }
 
-    /// Heights of a rim of height 1 in the bins of `profile`, means over a pixel about each of their points.
+    /// Heights of a rim of height 1 in the bins of `profile`: means over a pixel around each of their points.
     fn values(&self, scene: &Scene<'_>, profile: &Profile, shape: RimProfile, width_m: f64) -> Vec<f64> {
         let half_m = 0.5 * scene.bin_m();
         let mean = |[share, at_m]: &[f64; 2]| share * shape.mean(width_m, at_m - half_m, at_m + half_m);
         profile.parts.iter().map(|parts| parts.iter().map(mean).sum()).collect()
     }
 
-    /// The candidate that lessens the squares most with a height above zero, and that height.
+    /// Returns the candidate with positive height that decreases the squares most, and its height.
     fn best(&self, ready: &[f64]) -> Option<(&Candidate, f64)> {
         let mut best: Option<(&Candidate, f64)> = None;
         let mut most = 0.0;
@@ -415,13 +421,13 @@ impl Fit {
     }
 }
 
-/// Standard deviations of height and width over draws of cavities, or of stretches where cavities are few, with
-/// replacement: what the choice of profile and width adds to the error is in them (B. Efron, Ann. Stat. 7, 1).
+/// Standard deviations of height and width over bootstrap draws of cavities, or of segments if there are few cavities.
+/// They include the error from the selection of profile and width (B. Efron, Ann. Stat. 7, 1).
 fn bootstrap(profile: &Profile, fit: &Fit, monitor: &dyn Monitor) -> Result<[f64; 2], Cancelled> {
     let mut regions: Vec<u32> = profile.stretches.iter().map(|stretch| stretch.region).collect();
     regions.dedup();
     let many = regions.len() >= MANY_CAVITIES;
-    // Weighted residuals and weights of each unit.
+    // Weighted residuals and weight of each unit.
     let mut units: BTreeMap<usize, (f64, Vec<f64>)> = BTreeMap::new();
     for (number, stretch) in profile.stretches.iter().enumerate() {
         let unit = if many { stretch.region as usize } else { number };
@@ -438,7 +444,7 @@ fn bootstrap(profile: &Profile, fit: &Fit, monitor: &dyn Monitor) -> Result<[f64
         let (mut length_m, mut sums) = (0.0, vec![0.0; profile.bins.len()]);
         for turn in 0..units.len() as u64 {
             let bits = splitmix64(splitmix64(draw << 32 | turn));
-            // At most 2^26 stretches: the remainder's bias is nil.
+            // At most 2^26 segments: the bias of the remainder is negligible.
             let (unit_m, unit) = &units[(bits % units.len() as u64) as usize];
             length_m += unit_m;
             for (sum, term) in sums.iter_mut().zip(unit) {

@@ -1,26 +1,27 @@
-//! Which cavities are round, and the diameter of those.
+//! Detection of round cavities, and their diameters.
 //!
-//! The chords of an ellipse that lie at the share u of its half extent are sqrt(1 - u^2) of its extent: their median, at
-//! u = 1/2, is 0.866 and their 90 % quantile, at u = 1/10, 0.995 of it, a ratio of 0.870. A square or a rectangle along the
-//! axes has chords of one length, a ratio of 1; a diamond's are 0.5 and 0.9 of its extent, a regular hexagon's 0.75 and
-//! 0.95 along one axis and all the same for half of the other. A cavity is round where both axes have the ratio of an ellipse.
+//! A chord of an ellipse at the fraction u of its half extent has sqrt(1 - u^2) of its extent. The median chord, at u =
+//! 1/2, is 0.866 and the 90 % quantile, at u = 1/10, 0.995 of it, a ratio of 0.870. A square or a rectangle along the
+//! axes has chords of one length, a ratio of 1. Those of a diamond are 0.5 and 0.9 of its extent; those of a regular
+//! hexagon are 0.75 and 0.95 along one axis and equal for half of the other. A cavity is round if both axes have the
+//! ratio of an ellipse.
 
 use slipgrid_statistics::median;
 
 use super::Spread;
 use super::found::Found;
 
-/// sqrt(1 - 1/4) over sqrt(1 - 1/100).
+/// Ratio sqrt(1 - 1/4) over sqrt(1 - 1/100).
 const ROUND_RATIO: f64 = 0.870_388;
-/// Largest departure from it: half the way to a square.
+/// Maximum deviation from [`ROUND_RATIO`]: half of the difference to a square.
 const MAX_DEPARTURE: f64 = 0.06;
-/// Share of chords that are shorter than the one that stands for the extent.
+/// Quantile of the chords that represents the extent.
 const QUANTILE: f64 = 0.9;
-/// Least chords along an axis that show a shape.
+/// Minimum number of chords along an axis for the detection of a shape.
 const MIN_CHORDS: usize = 8;
 
-/// The diameters of a region along both axes if it is round, in metres: those of the ellipse with its area and with its
-/// ratio of median chords.
+/// Diameters of a region along both axes if it is round, in metres: those of the ellipse with its area and its ratio of
+/// median chords.
 fn diameters_m(found: &Found, region: usize) -> Option<[f64; 2]> {
     let mut medians_m = [0.0; 2];
     let mut area_m2 = 0.0;
@@ -33,9 +34,9 @@ fn diameters_m(found: &Found, region: usize) -> Option<[f64; 2]> {
             return None;
         }
         lengths.sort_by(f64::total_cmp);
-        // The sum of chords, a pixel apart each, is the area with the parts of pixels that edges cross.
+        // The sum of chords times the pixel is the area, including parts of pixels at edges.
         area_m2 += 0.5 * lengths.iter().sum::<f64>() * found.pixel_m[0] * found.pixel_m[1];
-        // Below their number: the cast is exact.
+        // Below the number of chords: the cast is exact.
         let long = lengths[(QUANTILE * lengths.len() as f64) as usize];
         let middle = median(&mut lengths)?;
         if (middle / long - ROUND_RATIO).abs() > MAX_DEPARTURE {
@@ -48,8 +49,7 @@ fn diameters_m(found: &Found, region: usize) -> Option<[f64; 2]> {
     Some([mean_m * aspect, mean_m / aspect])
 }
 
-/// The diameters of every region, from 1 on, if most of those that end within the map along both axes are round; `None`
-/// where they are not.
+/// Diameters of every region, from label 1 on, if most whole regions are round; otherwise `None`.
 pub(super) fn diameters(found: &Found) -> Option<Vec<Option<[f64; 2]>>> {
     let regions = 0..=found.regions.count();
     let whole = regions.clone().filter(|&region| region > 0 && [0, 1].iter().all(|&axis| found.counts(axis, region)));
@@ -59,8 +59,8 @@ pub(super) fn diameters(found: &Found) -> Option<Vec<Option<[f64; 2]>>> {
     (2 * round > whole.count()).then_some(diameters)
 }
 
-/// Land between neighbours along `axis`: the distance of their centres less their mean diameter, however many lines they face
-/// each other on. What the map's sides cut off has no diameter, and is left out.
+/// Land between neighbours along `axis`: the distance of their centres minus their mean diameter. Cavities cut by the
+/// map's sides have no diameter and are left out.
 pub(super) fn spacing(found: &Found, axis: usize, diameters_m: &[Option<[f64; 2]>]) -> Option<Spread> {
     let centers_m = found.centers_m(axis);
     let gap_m = |([one, other], _): ([u32; 2], f64)| {
@@ -79,7 +79,7 @@ mod tests {
     use crate::form::Form;
     use crate::{CutPattern, CutRim, CutShape, HeightMap, RimProfile, SelfAffine};
 
-    /// A rough map of 2 um pixels with cavities 80 um wide and 120 um apart, with walls and rims, tilted.
+    /// A rough, tilted map of 2 um pixels with cavities 80 um wide and 120 um apart, with walls and rims.
     fn cut(shape: CutShape, wall_m: f64, rim_height_m: Option<f64>) -> HeightMap {
         let mut map = SelfAffine { side_m: 1.024e-3, ..SelfAffine::STAND_IN }.map().unwrap();
         let rim = |height_m| CutRim { height_m, width_m: 16e-6, profile: RimProfile::Round, height_std_m: 0.0 };
@@ -119,7 +119,7 @@ mod tests {
         }
     }
 
-    /// Discs of 60 um about places in micrometres, on 300 x 400 pixels of 2 um with walls 4 um wide.
+    /// Discs of 60 um at positions in micrometres, on 300 x 400 pixels of 2 um, with walls 4 um wide.
     fn discs(places_um: impl Iterator<Item = [f64; 2]> + Clone) -> HeightMap {
         let height = |n: usize| {
             let (x, y) = (2.0 * (n / 400) as f64 + 1.0, 2.0 * (n % 400) as f64 + 1.0);
@@ -139,7 +139,7 @@ mod tests {
             for (spacing, expected_m) in found.spacing.into_iter().zip([40e-6, 50e-6]) {
                 let spacing = spacing.unwrap();
                 assert!(spacing.count >= 20, "{offset_um}: {spacing:?}");
-                // A quarter of a pixel, which the diameter of a disc of 30 pixels can be off.
+                // A quarter of a pixel, the accuracy of the diameter of a disc of 30 pixels.
                 assert!(
                     (spacing.mean_m - expected_m).abs() < 0.5e-6 && spacing.std_m < 0.2e-6,
                     "{offset_um}: {spacing:?}"
@@ -150,8 +150,8 @@ mod tests {
 
     #[test]
     fn discs_that_face_each_other_on_a_part_of_their_lines_have_the_spacing_of_their_diameters() {
-        // Rows 60 um apart, every other one moved by half of 86 um: the lines along x at the sides of a disc, 60 um wide, meet
-        // a disc of the next row.
+        // Rows 60 um apart, every second one shifted by half of 86 um: the lines along x at the sides of a disc, 60 um
+        // wide, meet a disc of the next row.
         let places = (0..60)
             .map(|n| [45.0 + 60.0 * f64::from(n / 6), 40.0 + 86.0 * f64::from(n % 6) + f64::from(n / 6 % 2) * 43.0]);
         let found = discs(places);

@@ -1,20 +1,20 @@
-//! Share of the edges along which there is a rim.
+//! Fraction of the edges along which there is a rim.
 
 use slipgrid_monitor::{Cancelled, Monitor};
 
 use super::rims::Scene;
 use super::{Estimate, RimProfile};
 
-/// Height over the greatest above which a place belongs to the core of a rim.
+/// Height relative to the maximum above which a position belongs to the core of a rim.
 const CORE: f64 = 0.5;
-/// Least length of a piece of edge, in bins.
+/// Minimum length of a piece of edge, in bins.
 const MIN_PIECE: f64 = 8.0;
-/// Greatest standard error of a share that is told.
+/// Maximum standard error of a reported fraction.
 const MAX_ERROR: f64 = 0.25;
-/// Shares that are tried.
+/// Number of trial fractions.
 const STEPS: u32 = 200;
 
-/// Sums of heights in a band of distances before an edge.
+/// Sum of heights in a band of distances from an edge.
 #[derive(Clone, Copy, Default)]
 struct Band {
     sum_m: f64,
@@ -27,14 +27,14 @@ impl Band {
         self.count += other.count;
     }
 
-    fn less(self, base: Self) -> Option<f64> {
+    fn difference(self, base: Self) -> Option<f64> {
         (self.count > 0.0 && base.count > 0.0).then(|| self.sum_m / self.count - base.sum_m / base.count)
     }
 }
 
-/// The share of pieces of edge whose relief, core less the land beyond, exceeds half of a rim's; the same bands moved
-/// outward onto the land say how often roughness decides wrongly. `None` where there is no land for them, or it decides
-/// too often.
+/// Fraction of pieces of edge whose relief, core minus the land beyond, exceeds half of a rim's. The same bands moved
+/// outward onto the land give the rate of false decisions by roughness. `None` if there is no land for them, or if the
+/// rate is too high.
 pub(super) fn share_of_edge(
     scene: &Scene<'_>,
     profile: RimProfile,
@@ -53,11 +53,11 @@ pub(super) fn share_of_edge(
     Ok(share_of(scene, &sums, mean, width_m))
 }
 
-/// Distances from the edge between which the core of a rim lies and the land beyond it, and the same moved outward onto the land; with
-/// the mean of the rim's profile over its core.
+/// Bands of distances from the edge: core of the rim, land beyond it, and both moved outward onto the land. Also
+/// returns the mean of the rim's profile over its core.
 fn bands_m(scene: &Scene<'_>, profile: RimProfile, width_m: f64) -> Option<([[f64; 2]; 4], f64)> {
     let bin_m = scene.bin_m();
-    // The core of the profile in steps of a hundredth.
+    // Core of the profile in steps of a hundredth.
     let core: Vec<f64> = (0..=100).map(|n| f64::from(n) / 100.0).filter(|&s| profile.height(s) >= CORE).collect();
     let core_m = [
         (core.first()? * width_m).max(bin_m) + scene.start_m,
@@ -69,14 +69,14 @@ fn bands_m(scene: &Scene<'_>, profile: RimProfile, width_m: f64) -> Option<([[f6
     if moved_m < first_m - core_m[0] {
         return None;
     }
-    // A core of mean height k h: the rim's relief is that of the bands over k.
+    // If the mean height of the core is k h, the rim's relief is that of the bands over k.
     let mean = profile.mean(width_m, core_m[0] - scene.start_m, core_m[1] - scene.start_m);
     Some(([core_m, base_m, core_m.map(|m| m + moved_m), base_m.map(|m| m + moved_m)], mean))
 }
 
-/// The share by the sums of heights in each band before every edge point.
+/// Fraction from the sums of heights in each band at every edge point.
 fn share_of(scene: &Scene<'_>, sums: &[[Band; 4]], mean: f64, width_m: f64) -> Option<Estimate> {
-    // Pieces of edge as long as the rim is wide.
+    // Pieces of edge are as long as the rim is wide.
     let piece_m = width_m.max(MIN_PIECE * scene.bin_m());
     let mut pieces: Vec<(f64, f64)> = Vec::new();
     let mut land: Vec<f64> = Vec::new();
@@ -98,8 +98,8 @@ fn share_of(scene: &Scene<'_>, sums: &[[Band; 4]], mean: f64, width_m: f64) -> O
         if length_m < 0.5 * piece_m {
             continue;
         }
-        pieces.extend(total[0].less(total[1]).map(|relief_m| (length_m, relief_m / mean)));
-        land.extend(total[2].less(total[3]).map(|relief_m| relief_m / mean));
+        pieces.extend(total[0].difference(total[1]).map(|relief_m| (length_m, relief_m / mean)));
+        land.extend(total[2].difference(total[3]).map(|relief_m| relief_m / mean));
     }
     if pieces.len() < 2 || land.len() < 2 {
         return None;
@@ -110,9 +110,9 @@ fn share_of(scene: &Scene<'_>, sums: &[[Band; 4]], mean: f64, width_m: f64) -> O
     let of_land = |decides: &dyn Fn(f64) -> bool| {
         land.iter().filter(|relief_m| decides(**relief_m - center_m)).count() as f64 / land.len() as f64
     };
-    // With rims along the share p, each of the height mean/p, pieces above half of that are found as often as
+    // With rims along the fraction p, each of the height mean/p, the fraction of pieces above half of that is
     //     p (1 - missed) + (1 - p) false,
-    // roughness missing and making as many as it does on land farther out.
+    // where the rates of missed and false rims are those due to roughness on land farther out.
     let balance = |p: f64| {
         let half_m = 0.5 * mean_m / p;
         let found = pieces.iter().filter(|piece| piece.1 > half_m).map(|piece| piece.0).sum::<f64>() / all_m;
@@ -121,14 +121,14 @@ fn share_of(scene: &Scene<'_>, sums: &[[Band; 4]], mean: f64, width_m: f64) -> O
     };
     let shares = || (1..=STEPS).rev().map(|step| f64::from(step) / f64::from(STEPS));
     let value = shares().find(|&p| balance(p).0 >= 0.0)?;
-    // Pieces count by halves: roughness and gaps are longer than they are.
+    // Pieces count half, because roughness and gaps are longer than pieces.
     let binomial = |share: f64, count: usize| {
         let count = 0.5 * count as f64;
         (share * (1.0 - share)).max(1.0 / count) / count
     };
     let (_, found, right) = balance(value);
     let stray = (binomial(found, pieces.len()) + binomial(0.5 * (1.0 - right), land.len())).sqrt();
-    // The shares that are balanced within a standard error.
+    // Fractions that are balanced within a standard error.
     let low = shares().find(|&p| balance(p).0 > stray).unwrap_or(0.0);
     let high = shares().find(|&p| balance(p).0 >= -stray).unwrap_or(1.0);
     let error = (value - low).max(high - value);

@@ -3,7 +3,7 @@ use slipgrid_monitor::Unwatched;
 use super::*;
 use crate::SelfAffine;
 
-/// A rough map of 5 um pixels, 2.56 mm wide, as the measured flat surface has it.
+/// A rough map of 5 um pixels, 2.56 mm wide, like the measured flat surface.
 fn rough() -> HeightMap {
     SelfAffine { side_m: 2.56e-3, ..SelfAffine::STAND_IN }.map().unwrap()
 }
@@ -33,7 +33,7 @@ fn tilted(map: &HeightMap) -> HeightMap {
     changed(map, |n, height| height + 20e-6 * (n / cols) as f64 / rows - 12e-6 * (n % cols) as f64 / cols as f64)
 }
 
-/// Without a point in `every`, and without most of the steep walls.
+/// Without every `every`-th point, and without most of the steep walls.
 fn holed(map: &HeightMap, every: usize) -> HeightMap {
     let cols = map.cols();
     changed(map, |n, height| {
@@ -84,7 +84,7 @@ fn a_smooth_pattern_is_measured_exactly() {
 fn rough_grooves_with_scatter_tilt_and_holes() {
     let mut map = rough();
     let cut = map.cut_cavities(&PUBLISHED).unwrap();
-    // The sixth groove begins at 2.685 mm: off the map.
+    // The sixth groove begins at 2.685 mm, outside the map.
     let cut = &cut[..5];
     assert!(cut[4].center_m[0] + cut[4].width_m < 2.56e-3);
     let width = expected(cut.iter().map(|cavity| cavity.width_m));
@@ -95,11 +95,11 @@ fn rough_grooves_with_scatter_tilt_and_holes() {
     );
     for map in [map.clone(), tilted(&map), holed(&map, 20), holed(&tilted(&map), 20)] {
         let found = map.measure_cavities(Form::Plane, &Unwatched).unwrap();
-        // A tenth of a pixel, also where two points of three are lost on the walls.
+        // A tenth of a pixel, even if two of three points on the walls are missing.
         close(found.width[0], width, 0.5e-6, 0.5e-6);
         close(found.spacing[0], spacing, 0.5e-6, 0.5e-6);
-        // The roughness of 0.2 um, in waves up to 0.64 mm long, has at least four independent parts along each of
-        // five floors: the mean strays by 0.2/sqrt 20 um, twice that is allowed.
+        // The roughness of 0.2 um, in waves up to 0.64 mm long, has at least four independent parts along each of five
+        // floors: the mean has an error of 0.2/sqrt 20 um, of which twice is allowed.
         close(found.depth, depth, 0.09e-6, 0.1e-6);
         assert!((found.land_sq_m - 0.2e-6).abs() < 0.03e-6, "{}", found.land_sq_m);
         assert_eq!((found.cavities.len(), found.width[1]), (5, None));
@@ -112,12 +112,12 @@ fn every_groove_has_its_own_depth_wherever_its_walls_fall_on_the_pixels() {
         let mut map = rough();
         let cut = map.cut_cavities(&CutPattern { seed, ..PUBLISHED }).unwrap();
         let found = map.measure_cavities(Form::Plane, &Unwatched).unwrap().cavities;
-        // What is shallower than half the depth of the others is not seen.
+        // Cavities shallower than half the depth of the others are not detected.
         let whole = |cut: &&CutCavity| cut.center_m[0] + cut.width_m < 2.56e-3 && cut.depth_m > 3.2e-6;
         for cut in cut.iter().filter(whole) {
             let near = |found: &&Cavity| (cut.center_m[0] - found.center_m[0]).abs() < 10e-6;
             let found = found.iter().find(near).unwrap_or_else(|| panic!("seed {seed}: {cut:?} in {found:?}"));
-            // Roughness of 0.2 um moves the level of a floor and that of its land by a fraction of itself.
+            // Roughness of 0.2 um changes the levels of a floor and its land by a fraction of itself.
             let error = found.depth_m.unwrap() - cut.depth_m;
             assert!(error.abs() < 0.15e-6, "seed {seed}, depth {}: off by {error}", cut.depth_m);
         }
@@ -137,12 +137,12 @@ fn rough_squares_along_both_axes() {
     let found = holed(&tilted(&map), 20).measure_cavities(Form::Plane, &Unwatched).unwrap();
     close(found.width[0], width, 1e-6, 1e-6);
     close(found.width[1], width, 1e-6, 1e-6);
-    // The mean of 25 floors strays by 0.2/sqrt 25 um; scatter of 0.4 um and of 0.2 um add as squares.
+    // The mean of 25 floors has an error of 0.2/sqrt 25 um; scatter of 0.4 um and of 0.2 um add as squares.
     close(found.depth, depth, 0.08e-6, 0.08e-6);
     let [x, y] = found.spacing.map(Option::unwrap);
     assert_eq!((x.count, y.count), (20, 20));
     assert!((x.mean_m - 370e-6).abs() < 5e-6 && (y.mean_m - 370e-6).abs() < 5e-6, "{x:?} {y:?}");
-    // 6.8 % of the surface, as the published squares.
+    // 6.8 % of the surface, like the published squares.
     assert!((found.area_fraction - 25.0 * 0.0169 / 6.5536).abs() < 2e-3, "{}", found.area_fraction);
 }
 
@@ -185,7 +185,7 @@ fn surfaces_without_cavities_are_refused() {
 
 #[test]
 fn grooves_that_cross_are_named_and_a_strip_between_two_shows_one_family() {
-    // Grooves of 10 of 50 pixels along both axes; none are cut by the sides of the map.
+    // Grooves of 10 of 50 pixels along both axes; the map's sides cut none.
     let map = rough();
     let in_groove = |k: usize| (20..30).contains(&(k % 50));
     let cols = map.cols();
@@ -216,7 +216,7 @@ fn grooves_that_cross_are_named_and_a_strip_between_two_shows_one_family() {
 
 #[test]
 fn slivers_of_a_turned_grid_are_no_neighbours_of_what_lies_far_behind() {
-    // Squares of 90 um, 200 um apart, turned by 12 deg on 600 x 700 pixels of 2 um.
+    // Squares of 90 um, 200 um apart, rotated by 12 deg, on 600 x 700 pixels of 2 um.
     let (sin, cos) = 12_f64.to_radians().sin_cos();
     let off = |along_um: f64| 45.0 - (along_um.rem_euclid(200.0) - 100.0).abs();
     let height = |n: usize| {

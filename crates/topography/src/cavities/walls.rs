@@ -5,29 +5,29 @@ use slipgrid_monitor::{Cancelled, Monitor};
 use super::edge::Edges;
 use super::found::Found;
 
-/// Shares of the depth between which a wall's slope is taken.
+/// Fractions of the depth between which a wall's slope is measured.
 const SHARES: [f64; 2] = [0.2, 0.8];
-/// Bins to a pixel's larger side.
+/// Number of bins per larger side of a pixel.
 const BINS_PER_PIXEL: f64 = 2.0;
-/// Pixels from the edge at half depth outward that profiles of walls take in.
+/// Number of pixels outward from the edge at half depth that wall profiles include.
 const OUTWARD_PIXELS: f64 = 3.0;
-/// Least points of a floor, for a plane through them.
+/// Minimum number of points of a floor for the fit of a plane.
 const MIN_FLOOR: f64 = 12.0;
 
-/// What was measured on walls and floors, by region.
+/// Measurements on walls and floors, by region.
 pub(super) struct Walls {
-    /// Distance of the upper end of the wall from the edge at half depth, in metres, over all cavities.
+    /// Distance from the edge at half depth to the upper end of the wall, in metres, over all cavities.
     pub(super) top_m: f64,
     pub(super) angle_deg: Vec<Option<f64>>,
     pub(super) floor_sq_m: Vec<Option<f64>>,
 }
 
-/// The slope of a wall two pixels wide, in degrees.
+/// Slope of a wall two pixels wide, in degrees.
 pub(super) fn resolved_deg(depth_m: f64, pixel_m: [f64; 2]) -> f64 {
     libm::atan(depth_m / (2.0 * pixel_m[0].max(pixel_m[1]))).to_degrees()
 }
 
-/// Walls of the regions that count, from the mean share of the depth at equal distances from their edges.
+/// Measures the walls of the regions that count, from the mean depth fraction at equal distances from their edges.
 pub(super) fn measure(
     found: &Found,
     edges: &Edges,
@@ -47,12 +47,12 @@ pub(super) fn measure(
         }
         let Some((number, distance_m)) = edges.distance_m(n) else { continue };
         let region = edges.points[number].region;
-        // Specks and other cavities are no wall of this one.
+        // Specks and other cavities are not part of this wall.
         if label != region && (label != 0 || distance_m < -bin_m) || !counts[region as usize] {
             continue;
         }
         let Some(floor) = found.floors[region as usize] else { continue };
-        // Bins count from the outside in; the cast saturates at the first.
+        // Bins count from outside in; the cast saturates at the first.
         let bin = outward as f64 - distance_m / bin_m;
         if bin >= 0.0 {
             let share = (floor.land_m - height_m) / floor.depth_m;
@@ -70,14 +70,14 @@ pub(super) fn measure(
             Some(libm::atan2(drop_m, upper_m - lower_m).to_degrees())
         })
         .collect();
-    // A straight wall goes on above a fifth of the depth as it does below.
+    // A straight wall is extrapolated to the surface above a fifth of the depth.
     let top_m = all
         .crossings_m()
         .map_or(bin_m, |[upper_m, lower_m]| upper_m + (upper_m - lower_m) * SHARES[0] / (SHARES[1] - SHARES[0]));
     Ok(Walls { top_m: top_m.max(bin_m), angle_deg, floor_sq_m: floors_sq_m(found, monitor)? })
 }
 
-/// Mean distances and shares of the depth, from outside in.
+/// Mean distances and depth fractions, from outside in.
 #[derive(Clone, Default)]
 struct Profile {
     bins: Vec<[f64; 3]>,
@@ -93,7 +93,7 @@ impl Profile {
         }
     }
 
-    /// The distances at which the mean share first exceeds each of [`SHARES`].
+    /// Distances at which the mean depth fraction first exceeds each of [`SHARES`].
     fn crossings_m(&self) -> Option<[f64; 2]> {
         let known: Vec<[f64; 2]> = self
             .bins
@@ -112,7 +112,7 @@ impl Profile {
     }
 }
 
-/// Root mean square height of each region's middle third about its least squares plane.
+/// Root mean square height of each region's middle third about its least-squares plane.
 fn floors_sq_m(found: &Found, monitor: &dyn Monitor) -> Result<Vec<Option<f64>>, Cancelled> {
     let points = || {
         let labels = found.regions.label.iter().zip(&found.middle).enumerate();
@@ -149,7 +149,7 @@ fn floors_sq_m(found: &Found, monitor: &dyn Monitor) -> Result<Vec<Option<f64>>,
         if count < MIN_FLOOR || determinant <= 1e-9 * ii * jj {
             return None;
         }
-        // [ii ij; ij jj] [a; b] = [ih; jh], residual hh - a ih - b jh over what three terms leave free
+        // [ii ij; ij jj] [a; b] = [ih; jh]; residual hh - a ih - b jh over the degrees of freedom after three terms
         let (a, b) = ((ih * jj - jh * ij) / determinant, (jh * ii - ih * ij) / determinant);
         Some(((hh - a * ih - b * jh).max(0.0) / (count - 3.0)).sqrt())
     };

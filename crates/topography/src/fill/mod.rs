@@ -1,7 +1,9 @@
-//! Missing points are filled by the harmonic surface: each filled height is the mean of its neighbours
-//! (weighted 1/dx^2 and 1/dy^2), so that a hole becomes the smoothest surface through its rim, without new
-//! summits or pits. The linear system is solved by conjugate gradients, preconditioned by multigrid, to a residual of 1e-10 of
-//! the start, in a dozen or two iterations whatever the holes' size.
+//! Fills missing points by the harmonic surface.
+//!
+//! Each filled height is the mean of its neighbours (weighted by 1/dx^2 and 1/dy^2), so that a hole becomes the
+//! smoothest surface through its rim, without new summits or pits. The linear system is solved by conjugate gradients
+//! with a multigrid preconditioner, to a residual of 1e-10 of the initial one, in a dozen or two iterations whatever
+//! the size of the holes.
 
 mod multigrid;
 
@@ -10,36 +12,37 @@ use slipgrid_monitor::{Monitor, Unwatched};
 
 use crate::HeightMap;
 
-/// What filling missing points took.
+/// Statistics of filling missing points.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Filling {
-    /// Points that were missing and now have a height.
+    /// Number of points that were missing and now have a height.
     pub points: usize,
-    /// Iterations of the solver.
+    /// Number of iterations of the solver.
     pub iterations: usize,
-    /// Norm of the residual over its initial value.
+    /// Norm of the residual relative to its initial value.
     pub residual: f64,
-    /// The residual is below 1e-10; otherwise the limit of iterations was met and heights are approximate.
+    /// Whether the residual is below 1e-10; if not, the limit on iterations was reached and the heights are
+    /// approximate.
     pub converged: bool,
 }
 
-/// Residual, relative to the start, at which heights are as good as the measurement's digits.
+/// Relative residual at which heights are as accurate as the digits of a measurement.
 const TOLERANCE: f64 = 1e-10;
-/// Iterations allowed: a dozen or two suffice whatever the map's size, more where holes are ragged.
+/// Limit on iterations: one or two dozen suffice at any map size, ragged holes need more.
 const MAX_ITERATIONS: usize = 300;
 
-/// The missing points as unknowns of a linear system.
+/// The missing points, as unknowns of a linear system.
 struct Holes {
-    /// Levels of ever fewer unknowns, the missing points the first.
+    /// Multigrid levels of ever fewer unknowns; the first holds the missing points.
     multigrid: Multigrid,
     rows: usize,
     cols: usize,
-    /// 1/dx^2 and 1/dy^2, over their sum.
+    /// 1/dx^2 and 1/dy^2, divided by their sum.
     weight: [f64; 2],
 }
 
 impl Holes {
-    /// Where each unknown stands in the map.
+    /// Index of each unknown in the map.
     fn nodes(&self) -> &[u32] {
         &self.finest().cell
     }
@@ -48,7 +51,7 @@ impl Holes {
         &self.multigrid.levels[0]
     }
 
-    /// Sum over the neighbours of unknown `n` of w (h - h_neighbour), those known at zero.
+    /// Sum over the neighbours of unknown `n` of w (h - h_neighbour), with known neighbours counted as zero.
     fn stiffness(&self, n: usize, height: &[f64]) -> f64 {
         let level = self.finest();
         let (node, [across, along]) = (level.cell[n] as usize, self.weight);
@@ -70,8 +73,9 @@ impl Holes {
         sum
     }
 
-    /// What the known neighbours of unknown `n` contribute; unknown ones stand at `mean_m`.
-    fn load(&self, n: usize, height: &[f64], mean_m: f64) -> f64 {
+    /// Weighted sum of (height - `mean_m`) over the neighbours of unknown `n`; missing neighbours hold `mean_m` and add
+    /// nothing.
+    fn known_neighbour_sum(&self, n: usize, height: &[f64], mean_m: f64) -> f64 {
         let (node, [across, along], cols) = (self.nodes()[n] as usize, self.weight, self.cols);
         let (i, j) = (node / cols, node % cols);
         let mut sum = 0.0;
@@ -89,15 +93,15 @@ impl Holes {
 }
 
 impl HeightMap {
-    /// Fills missing points with the harmonic surface through the points around them; the others stay as
-    /// they are. At the map's sides the surface meets the side squarely.
+    /// Fills missing points with the harmonic surface through the surrounding points; all other heights stay as they
+    /// are. At the map's sides the surface has zero normal slope.
     pub fn fill_missing(&mut self) -> Filling {
         self.fill_watched(&Unwatched)
     }
 
-    /// The same until `monitor` cancels: what is filled then is not to be used.
+    /// Like [`Self::fill_missing`], but ends once `monitor` cancels; the filled heights must then not be used.
     pub(crate) fn fill_watched(&mut self, monitor: &dyn Monitor) -> Filling {
-        // A map has at most 2^26 points.
+        // The indices fit in a u32: a map has at most 2^26 points.
         let missing: Vec<u32> =
             self.heights_m().iter().enumerate().filter(|(_, h)| h.is_nan()).map(|(n, _)| n as u32).collect();
         if missing.is_empty() {
@@ -106,7 +110,7 @@ impl HeightMap {
         let stiffness = [self.dx_m().powi(-2), self.dy_m().powi(-2)];
         let (rows, cols) = (self.rows(), self.cols());
         let weight = stiffness.map(|value| value / (stiffness[0] + stiffness[1]));
-        // Unknowns are deviations from the mean, which is also the start.
+        // The unknowns are deviations from the mean, and the initial values are zero.
         let mean_m = self.mean_m();
         for &node in &missing {
             self.heights_mut()[node as usize] = mean_m;
@@ -120,11 +124,11 @@ impl HeightMap {
     }
 }
 
-/// Preconditioned conjugate gradients for sum over neighbours of w (h - h_neighbour) = 0 at each hole.
-/// Holes stand at the mean in `height`, so that what their neighbours contribute is what is known.
+/// Solves sum over neighbours of w (h - h_neighbour) = 0 at each missing point by preconditioned conjugate gradients.
+/// The missing points hold the mean in `height`, so that the sum over all neighbours is that over the known ones.
 fn solve(holes: &mut Holes, height: &[f64], mean_m: f64, monitor: &dyn Monitor) -> (Vec<f64>, Filling) {
     let count = holes.nodes().len();
-    let mut residual: Vec<f64> = (0..count).map(|n| holes.load(n, height, mean_m)).collect();
+    let mut residual: Vec<f64> = (0..count).map(|n| holes.known_neighbour_sum(n, height, mean_m)).collect();
     let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(x, y)| x * y).sum::<f64>();
     let mut solution = vec![0.0; count];
     let mut direction = vec![0.0; count];
@@ -134,7 +138,7 @@ fn solve(holes: &mut Holes, height: &[f64], mean_m: f64, monitor: &dyn Monitor) 
     let mut iterations = 0;
     let mut relative = if start > 0.0 { 1.0 } else { 0.0 };
     while relative > TOLERANCE && iterations < MAX_ITERATIONS && !monitor.cancelled() {
-        // z = B r, B one cycle of multigrid on numbers about 1;  d = z + (r.z / previous r.z) d
+        // z = B r with B one multigrid cycle, on numbers scaled to about 1;  d = z + (r.z / previous r.z) d
         let scale = start * relative;
         let finest = &mut holes.multigrid.levels[0];
         for (right_side, r) in finest.right_side.iter_mut().zip(&residual) {
@@ -170,7 +174,7 @@ mod tests {
 
     #[test]
     fn a_harmonic_surface_is_restored_exactly() {
-        // x y and the plane are harmonic on the grid, also with dx != dy.
+        // x y and the plane are harmonic on the grid, also for dx != dy.
         let height = |n: usize| {
             let (i, j) = ((n / 30) as f64, (n % 30) as f64);
             1e-6 + 2e-8 * i - 1e-8 * j + 3e-9 * i * j
@@ -188,7 +192,7 @@ mod tests {
 
     #[test]
     fn filled_heights_stay_between_those_present() {
-        // Everything is missing but a few points, one of them in a corner.
+        // All points are missing but a few, one of them in a corner.
         let mut heights = vec![f64::NAN; 40 * 50];
         heights[0] = -1e-6;
         heights[777] = 2e-6;
@@ -208,8 +212,8 @@ mod tests {
         assert_eq!(map.fill_missing(), Filling { points: 0, iterations: 0, residual: 0.0, converged: true });
     }
 
-    /// Gauss-Seidel sweeps until nothing moves: slow, and with nothing in common but the equation.
-    fn relaxed(map: &HeightMap) -> Vec<f64> {
+    /// Gauss-Seidel sweeps until the heights no longer change: slow, but independent of the solver tested.
+    fn gauss_seidel_reference(map: &HeightMap) -> Vec<f64> {
         let (rows, cols) = (map.rows(), map.cols());
         let weight = [map.dx_m().powi(-2), map.dy_m().powi(-2)];
         let missing: Vec<usize> = (0..rows * cols).filter(|&n| map.heights_m()[n].is_nan()).collect();
@@ -241,7 +245,7 @@ mod tests {
         heights
     }
 
-    /// A rough surface on `side` x `side` pixels of 1 um x `dy` of which the points `missing` are missing.
+    /// A rough surface on `side` x `side` pixels of 1 um x `dy`, with the points `missing` missing.
     fn holed(side: usize, dy_m: f64, missing: impl Fn(f64, f64, f64) -> bool) -> HeightMap {
         let heights = (0..side * side).map(|n| {
             let (u, v) = ((n / side) as f64 / side as f64 - 0.5, (n % side) as f64 / side as f64 - 0.5);
@@ -255,7 +259,8 @@ mod tests {
     #[test]
     fn holes_of_any_shape_are_filled_as_slow_sweeps_fill_them() {
         type Missing = fn(f64, f64, f64) -> bool;
-        // What lies outside a round field, every second point, a square and a few points beside it, all but a twentieth.
+        // Missing points: those outside a round field, every second point, a square and a few points beside it, and
+        // nineteen of twenty.
         let shapes: [Missing; 4] = [
             |u, v, _| u.hypot(v) > 0.5,
             |_, _, noise| noise < 0.5,
@@ -264,7 +269,7 @@ mod tests {
         ];
         for (shape, dy_m) in shapes.into_iter().zip([1e-6, 0.5e-6, 2.5e-6, 1e-6]) {
             let mut map = holed(61, dy_m, shape);
-            let expected = relaxed(&map);
+            let expected = gauss_seidel_reference(&map);
             let filling = map.fill_missing();
             assert!(filling.converged && filling.residual <= TOLERANCE, "{filling:?}");
             for (found, expected) in map.heights_m().iter().zip(expected) {
@@ -275,8 +280,8 @@ mod tests {
 
     #[test]
     fn a_ring_between_two_heights_is_the_logarithm() {
-        // h = ln(r / 20) / ln(160 / 20) between circles of 20 and 160 pixels: the rims are staircases, known within
-        // a pixel, 1 in 20 of the inner radius.
+        // h = ln(r / 20) / ln(160 / 20) between circles of 20 and 160 pixels. The circles are staircases of pixels, so
+        // the inner radius is known to one pixel of 20.
         let (side, inner, outer) = (340_usize, 20.0_f64, 160.0_f64);
         let exact = |n: usize| {
             let r = ((n / side) as f64 - 169.5).hypot((n % side) as f64 - 169.5);
@@ -298,7 +303,7 @@ mod tests {
     fn the_work_does_not_grow_with_the_holes() {
         for (side, dy_m) in [(64, 1e-6), (256, 1e-6), (768, 1e-6), (256, 3e-6)] {
             let filling = holed(side, dy_m, |u, v, _| u.hypot(v) > 0.5).fill_missing();
-            // Conjugate gradients alone take 150, 600 and 1800.
+            // Conjugate gradients without multigrid take 150, 600 and 1800 iterations.
             assert!(filling.converged && filling.iterations <= 30, "{side}: {filling:?}");
         }
         let filling = holed(512, 1e-6, |_, _, noise| noise > 0.06).fill_missing();

@@ -1,42 +1,43 @@
-//! One cycle of multigrid for sum over neighbours of w (h - h_neighbour) = b at the missing points of a map.
+//! Multigrid cycle for sum over neighbours of w (h - h_neighbour) = b at the missing points of a map.
 //!
-//! Missing points that share a cell of 2 x 2 (of 4 x 1 where one axis couples far more strongly) are one unknown of the
-//! next coarser level, which has the same five-point form: weights between cells are the sums of those between their
-//! points, over the cells' length, as the coarser mesh itself would have them. A W cycle with one Gauss-Seidel
-//! sweep forward before and one backward after the correction is symmetric, as conjugate gradients need it; it works in single
-//! precision, for it only steers them.
+//! Missing points that share a cell of 2 x 2 points (4 x 1 if the coupling along one axis is far stronger) form one
+//! unknown of the next coarser level, which has the same five-point form. A weight between two cells is the sum of the
+//! weights between their points, divided by the cells' length, as on a mesh of that spacing. A W cycle with one forward
+//! Gauss-Seidel sweep before and one backward sweep after the correction is symmetric, as conjugate gradients require.
+//! It works in single precision, which suffices for a preconditioner.
 
 use slipgrid_monitor::Monitor;
 
-/// No neighbour there.
+/// Marks an absent neighbour.
 pub(super) const NONE: u32 = u32::MAX;
-/// Unknowns of the coarsest level, which sweeps alone solve.
-const FEWEST: usize = 32;
-/// Sweeps there and back on the coarsest level.
+/// Number of unknowns at which coarsening stops; sweeps alone solve this level.
+const MAX_COARSEST_UNKNOWNS: usize = 32;
+/// Number of forward and backward sweeps on the coarsest level.
 const COARSEST_SWEEPS: usize = 8;
-/// Ratio of the couplings along both axes from which only the strong axis is coarsened.
+/// Ratio of the couplings along the two axes from which only the strongly coupled axis is coarsened.
 const STRONG: f32 = 3.0;
-/// Corrections from the coarser level in a cycle: 2 of a quarter of the unknowns cost half of this level.
+/// Corrections from the coarser level in a cycle. Two corrections on a quarter of the unknowns cost half a sweep of
+/// this level.
 const CORRECTIONS: usize = 2;
 
-/// The unknowns of one level, row by row, so that the neighbour to the right of unknown n is n + 1.
+/// Unknowns of one level, row by row, so that the right neighbour of unknown n is n + 1.
 #[derive(Debug)]
 pub(super) struct Level {
-    /// Cells of the level's grid along a row.
+    /// Cells along a row of the level's grid.
     cols: usize,
-    /// The cell of each unknown, row by row.
+    /// Cell of each unknown, row by row.
     pub(super) cell: Vec<u32>,
-    /// Neighbours across the rows, [`NONE`] where none is unknown.
+    /// Neighbours in the next and previous rows; [`NONE`] where the neighbour is not an unknown.
     pub(super) up: Vec<u32>,
     pub(super) down: Vec<u32>,
-    /// Weight of the neighbour to the right, 0 if that is no unknown, and of the one below.
+    /// Weights of the right neighbour and of the one in the next row; 0 where the neighbour is not an unknown.
     weight_right: Vec<f32>,
     weight_down: Vec<f32>,
-    /// Sum of the weights of the neighbours whose height is known.
+    /// Sum of the weights of the neighbours with known height.
     anchor: Vec<f32>,
     /// Nominal weights across and along the rows.
     nominal: [f32; 2],
-    /// The unknown of the next coarser level that this one is part of.
+    /// Unknown of the next coarser level that contains each unknown.
     parent: Vec<u32>,
     /// Approximate solution, and right side.
     pub(super) solution: Vec<f32>,
@@ -44,8 +45,8 @@ pub(super) struct Level {
 }
 
 impl Level {
-    /// The level of the map itself: unknowns in the cells `cell` of a grid of `rows` x `cols`, weights of neighbours
-    /// `weight` across and along the rows.
+    /// The finest level: unknowns in the cells `cell` of a map of `rows` x `cols`, with the weights `weight` of
+    /// neighbours across and along the rows.
     fn finest(cell: Vec<u32>, rows: usize, cols: usize, weight: [f32; 2]) -> Self {
         let count = cell.len();
         let mut level = Self::empty(cell, cols, weight);
@@ -108,7 +109,7 @@ impl Level {
         n > 0 && self.has_right(n - 1)
     }
 
-    /// The next coarser level; this one's unknowns learn their parents.
+    /// The next coarser level. Sets `parent` of this level's unknowns.
     fn coarser(&mut self) -> Self {
         let [across, along] = self.nominal;
         let size = if across > STRONG * along {
@@ -125,7 +126,7 @@ impl Level {
         let mut number = vec![NONE; cols];
         let mut from = 0;
         while from < self.cell.len() {
-            // All unknowns in one row of coarser cells.
+            // All unknowns lie in one row of coarse cells.
             let row = place(self.cell[from]).0;
             let count = self.cell[from..].partition_point(|&fine| place(fine).0 == row);
             number.fill(NONE);
@@ -142,7 +143,7 @@ impl Level {
             from += count;
         }
         let [size_across, size_along] = size.map(|size| size as f32);
-        // Over the cell's length across the axis there are as many weights, along it one over its length.
+        // Parallel links between neighbouring cells add up, and a link weakens in proportion to the cell's length.
         let nominal = [across * size_along / size_across, along * size_across / size_along];
         let mut coarse = Self::empty(cell, cols, nominal);
         for n in 0..self.cell.len() {
@@ -158,14 +159,14 @@ impl Level {
                     coarse.up[below as usize] = parent as u32;
                 }
             }
-            // The rim is nearer than a neighbour by half a cell.
+            // The hole's rim is closer than a neighbouring cell's centre by half a cell.
             coarse.anchor[parent] += self.anchor[n] * ANCHOR;
         }
         coarse
     }
 
-    /// Sum of the weighted neighbours of unknown `n`, and the sum of all its weights.
-    fn around(&self, n: usize) -> (f32, f32) {
+    /// Weighted sum of the neighbours of unknown `n`, and the sum of all its weights.
+    fn weighted_neighbours(&self, n: usize) -> (f32, f32) {
         let (mut sum, mut weights) = (0.0, self.anchor[n]);
         let mut add = |neighbour: usize, weight: f32| {
             sum += weight * self.solution[neighbour];
@@ -189,7 +190,7 @@ impl Level {
     /// One Gauss-Seidel sweep over `unknowns` in their order.
     fn sweep(&mut self, unknowns: impl Iterator<Item = usize>) {
         for n in unknowns {
-            let (sum, weights) = self.around(n);
+            let (sum, weights) = self.weighted_neighbours(n);
             if weights > 0.0 {
                 self.solution[n] = (self.right_side[n] + sum) / weights;
             }
@@ -197,7 +198,7 @@ impl Level {
     }
 }
 
-/// Share of the anchors of a cell's points that its own has.
+/// Fraction of the anchor weights of a cell's points that the cell keeps.
 const ANCHOR: f32 = 0.5;
 
 /// All levels, the finest first.
@@ -206,25 +207,28 @@ pub(super) struct Multigrid {
 }
 
 impl Multigrid {
-    /// The levels for unknowns in the cells `cell` of a map of `rows` x `cols`, sorted; too few once `monitor` cancels.
+    /// Builds the levels for unknowns in the sorted cells `cell` of a map of `rows` x `cols`; stops early once
+    /// `monitor` cancels.
     pub(super) fn new(cell: Vec<u32>, [rows, cols]: [usize; 2], weight: [f64; 2], monitor: &dyn Monitor) -> Self {
         let mut levels = vec![Level::finest(cell, rows, cols, weight.map(|weight| weight as f32))];
-        while let Some(finest) = levels.last_mut().filter(|level| level.cell.len() > FEWEST && !monitor.cancelled()) {
+        while let Some(finest) =
+            levels.last_mut().filter(|level| level.cell.len() > MAX_COARSEST_UNKNOWNS && !monitor.cancelled())
+        {
             let coarse = finest.coarser();
-            // Points that are alone in their cells merge at last, when the cells have grown; a single cell ends it.
+            // Unknowns that are alone in their cells merge once the cells have grown; the last level is a single cell.
             levels.push(coarse);
         }
         Self { levels }
     }
 
-    /// One cycle from zero for the finest level's right side, or a part of one once `monitor` cancels.
+    /// Runs one cycle from zero on the finest level's right side; stops early once `monitor` cancels.
     pub(super) fn precondition(&mut self, monitor: &dyn Monitor) {
         self.levels[0].solution.fill(0.0);
         cycle(&mut self.levels, monitor);
     }
 }
 
-/// One cycle that improves the first level's solution.
+/// Improves the solution of the first level by one cycle.
 fn cycle(levels: &mut [Level], monitor: &dyn Monitor) {
     let Some((fine, coarser)) = levels.split_first_mut().filter(|_| !monitor.cancelled()) else { return };
     let count = fine.cell.len();
@@ -239,7 +243,7 @@ fn cycle(levels: &mut [Level], monitor: &dyn Monitor) {
     coarse.right_side.fill(0.0);
     coarse.solution.fill(0.0);
     for n in 0..count {
-        let (sum, weights) = fine.around(n);
+        let (sum, weights) = fine.weighted_neighbours(n);
         coarse.right_side[fine.parent[n] as usize] += fine.right_side[n] + sum - weights * fine.solution[n];
     }
     for _ in 0..CORRECTIONS {

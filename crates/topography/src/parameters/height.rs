@@ -4,14 +4,14 @@ use slipgrid_monitor::{Cancelled, Monitor};
 
 use crate::HeightMap;
 
-/// Height parameters, about the mean height.
+/// Height parameters, relative to the mean height.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HeightParameters {
     /// Sa, arithmetical mean height, in metres.
     pub sa_m: f64,
     /// Sq, root mean square height, in metres.
     pub sq_m: f64,
-    /// Ssk, skewness: below zero where pits prevail. Zero for a flat map.
+    /// Ssk, skewness: negative where pits prevail. Zero for a flat map.
     pub ssk: f64,
     /// Sku, kurtosis: 3 for Gaussian heights. Zero for a flat map.
     pub sku: f64,
@@ -24,7 +24,7 @@ pub struct HeightParameters {
 }
 
 impl HeightMap {
-    /// Height parameters over the points present, of the map as it is: remove its form first.
+    /// Height parameters over the points present. The form is not removed here; remove it first.
     ///
     /// # Errors
     /// [`Cancelled`] once `monitor` cancels.
@@ -38,7 +38,7 @@ impl HeightMap {
         }
         monitor.heed()?;
         let sq_m = self.sq_m();
-        // Powers of heights over Sq stay within range.
+        // Powers of heights divided by Sq stay within the range of f64.
         let moment = |power: i32| {
             monitor.heed()?;
             Ok(if sq_m > 0.0 { self.mean_deviation(|deviation| (deviation / sq_m).powi(power)) } else { 0.0 })
@@ -67,45 +67,46 @@ mod tests {
     use super::*;
     use slipgrid_monitor::Unwatched;
 
-    /// shape(x) over one period of 720 rows, times a micrometre.
+    /// shape(x) over one period of 720 rows, in micrometres.
     fn profile(shape: impl Fn(f64) -> f64) -> HeightMap {
         let heights = (0..720 * 3).map(|n| 1e-6 * shape((n / 3) as f64 / 720.0)).collect();
         HeightMap::new(720, 3, 1e-6, 1e-6, heights).unwrap()
     }
 
-    fn near(found: f64, expected: f64, tolerance: f64) {
+    fn assert_near(found: f64, expected: f64, tolerance: f64) {
         assert!((found - expected).abs() <= tolerance * expected.abs().max(1e-12), "{found} and {expected}");
     }
 
     #[test]
     fn a_sinusoid() {
         let p = profile(|t| (TAU * t).sin()).height_parameters(&Unwatched).unwrap();
-        // Moments of the sine are sums over whole periods: exact up to rounding. Sa in the limit.
-        near(p.sa_m, 2e-6 / PI, 1e-5);
-        near(p.sq_m, 1e-6 / 2f64.sqrt(), 1e-13);
+        // The moments of the sine are sums over whole periods and exact up to rounding; Sa is exact in the limit of
+        // many points.
+        assert_near(p.sa_m, 2e-6 / PI, 1e-5);
+        assert_near(p.sq_m, 1e-6 / 2f64.sqrt(), 1e-13);
         assert!(p.ssk.abs() < 1e-12);
-        near(p.sku, 1.5, 1e-12);
-        near(p.sp_m, 1e-6, 1e-13);
-        near(p.sv_m, 1e-6, 1e-13);
-        near(p.sz_m, 2e-6, 1e-13);
+        assert_near(p.sku, 1.5, 1e-12);
+        assert_near(p.sp_m, 1e-6, 1e-13);
+        assert_near(p.sv_m, 1e-6, 1e-13);
+        assert_near(p.sz_m, 2e-6, 1e-13);
     }
 
     #[test]
     fn a_triangular_wave_and_a_step() {
         // Uniform heights on -1..1, at the middles of 720 equal steps: mean square 1/3 - 1/(3 720^2).
         let p = profile(|t| 2.0 * (t + 0.5 / 720.0) - 1.0).height_parameters(&Unwatched).unwrap();
-        near(p.sa_m, 0.5e-6, 1e-12);
-        near(p.sq_m, 1e-6 * ((1.0 - 1.0 / 720f64.powi(2)) / 3.0).sqrt(), 1e-12);
+        assert_near(p.sa_m, 0.5e-6, 1e-12);
+        assert_near(p.sq_m, 1e-6 * ((1.0 - 1.0 / 720f64.powi(2)) / 3.0).sqrt(), 1e-12);
         assert!(p.ssk.abs() < 1e-12);
-        near(p.sku, 1.8, 1e-5);
+        assert_near(p.sku, 1.8, 1e-5);
         // A quarter of the surface is a pit of depth 1: mean -1/4, Sq^2 = 3/16, Ssk = -2/sqrt 3, Sku = 7/3.
         let p = profile(|t| if t < 0.25 { -1.0 } else { 0.0 }).height_parameters(&Unwatched).unwrap();
-        near(p.sa_m, 0.375e-6, 1e-12);
-        near(p.sq_m, 1e-6 * (3.0_f64 / 16.0).sqrt(), 1e-12);
-        near(p.ssk, -2.0 / 3f64.sqrt(), 1e-12);
-        near(p.sku, 7.0 / 3.0, 1e-12);
-        near(p.sp_m, 0.25e-6, 1e-12);
-        near(p.sv_m, 0.75e-6, 1e-12);
+        assert_near(p.sa_m, 0.375e-6, 1e-12);
+        assert_near(p.sq_m, 1e-6 * (3.0_f64 / 16.0).sqrt(), 1e-12);
+        assert_near(p.ssk, -2.0 / 3f64.sqrt(), 1e-12);
+        assert_near(p.sku, 7.0 / 3.0, 1e-12);
+        assert_near(p.sp_m, 0.25e-6, 1e-12);
+        assert_near(p.sv_m, 0.75e-6, 1e-12);
     }
 
     #[test]

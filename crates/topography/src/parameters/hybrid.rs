@@ -1,11 +1,11 @@
-//! Hybrid parameters of ISO 25178-2, clause 4.3: slopes and developed area, from heights between neighbours.
+//! Hybrid parameters of ISO 25178-2, clause 4.3: slopes and developed area, from neighbouring heights.
 
 use slipgrid_monitor::{Cancelled, Monitor};
 
 use crate::HeightMap;
 
 impl HeightMap {
-    /// Sdq, the root mean square gradient, from differences between neighbours; it is
+    /// Sdq, the root mean square gradient, from differences between neighbours. This is
     /// [`rms_slope_finite_difference`](HeightMap::rms_slope_finite_difference) under its ISO name.
     #[must_use]
     pub fn sdq(&self) -> f64 {
@@ -13,8 +13,8 @@ impl HeightMap {
         self.rms_slope_finite_difference()
     }
 
-    /// Sdr, the developed interfacial area ratio: how much larger the surface is than its projection, over the
-    /// cells between four points that are present. Zero where there is no such cell.
+    /// Sdr, the developed interfacial area ratio: the area of the surface relative to its projection, minus 1, over the
+    /// cells between four points that are present. Zero if there is no such cell.
     ///
     /// # Errors
     /// [`Cancelled`] once `monitor` cancels.
@@ -25,9 +25,9 @@ impl HeightMap {
             monitor.heed()?;
             let (here, next) = pair.split_at(cols);
             for (a, b) in here.windows(2).zip(next.windows(2)) {
-                // Corners: a[0] at (0, 0), a[1] at (0, dy), b[0] at (dx, 0), b[1] at (dx, dy). A triangle with
-                // slopes p and q has the area sqrt(1 + p^2 + q^2) dx dy/2; the cell is the mean of both ways to
-                // cut it along a diagonal.
+                // Corners: a[0] at (0, 0), a[1] at (0, dy), b[0] at (dx, 0), b[1] at (dx, dy). A triangle with slopes p
+                // and q has the area sqrt(1 + p^2 + q^2) dx dy/2. The area of the cell is the mean over the two
+                // diagonals that can divide it.
                 let triangle =
                     |along_x: f64, along_y: f64| (1.0 + (along_x / dx).powi(2) + (along_y / dy).powi(2)).sqrt();
                 let area = triangle(b[0] - a[0], a[1] - a[0])
@@ -63,7 +63,7 @@ mod tests {
 
     #[test]
     fn the_developed_area_of_a_sinusoid_converges_with_the_square_of_the_pixel() {
-        // For a small slope s = q a: Sdr = s^2/4 - 3 s^4/64 + 5 s^6/512 (the elliptic integral's series).
+        // For a small slope s = q a: Sdr = s^2/4 - 3 s^4/64 + 5 s^6/512 (series of the elliptic integral).
         let slope: f64 = 0.3;
         let exact = slope.powi(2) / 4.0 - 3.0 * slope.powi(4) / 64.0 + 5.0 * slope.powi(6) / 256.0;
         let error = |pixels: usize| {

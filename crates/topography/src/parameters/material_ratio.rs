@@ -1,23 +1,23 @@
-//! Material ratio (bearing, Abbott-Firestone) curve and the functional parameters of ISO 25178-2 taken from it.
+//! Material ratio (bearing, Abbott-Firestone) curve and the functional parameters of ISO 25178-2 computed from it.
 
 use slipgrid_monitor::{Cancelled, Monitor};
 
 use crate::HeightMap;
 use crate::order::descending;
 
-/// Places along the curve at which it is sampled to find its flattest part.
+/// Number of points along the curve at which its flattest part is sought.
 const CLASSES: usize = 10_000;
-/// Share of the curve that the equivalent line is fitted to.
+/// Range of the material ratio to which the equivalent line is fitted.
 const EQUIVALENT_LINE: f64 = 0.4;
 
-/// The height that a share of the surface lies at or above.
+/// Material ratio curve: the height reached or exceeded by a given fraction of the surface.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MaterialRatioCurve {
-    /// All heights present, highest first, about their mean, in metres.
+    /// All heights present, highest first, relative to their mean, in metres.
     descending_m: Vec<f64>,
 }
 
-/// Parameters of the core of a surface.
+/// Parameters of a surface's core.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CoreParameters {
     /// Sk, core height, in metres.
@@ -26,9 +26,9 @@ pub struct CoreParameters {
     pub spk_m: f64,
     /// Svk, reduced pit depth, in metres.
     pub svk_m: f64,
-    /// Smr1, share of the surface above the core.
+    /// Smr1, fraction of the surface above the core.
     pub smr1: f64,
-    /// Smr2, share of the surface above the core's lower end.
+    /// Smr2, fraction of the surface above the core's lower end.
     pub smr2: f64,
     /// Upper end of the core, above the mean, in metres.
     pub upper_m: f64,
@@ -37,7 +37,7 @@ pub struct CoreParameters {
 }
 
 impl MaterialRatioCurve {
-    /// The curve of the points present.
+    /// Curve of the points present.
     ///
     /// # Errors
     /// [`Cancelled`] once `monitor` cancels.
@@ -48,7 +48,7 @@ impl MaterialRatioCurve {
         Ok(Self { descending_m: descending(&heights_m, monitor)? })
     }
 
-    /// The height above the mean that the share `ratio` of the surface reaches, in metres.
+    /// Height above the mean that the fraction `ratio` of the surface reaches or exceeds, in metres.
     #[must_use]
     pub fn height_m(&self, ratio: f64) -> f64 {
         let last = self.descending_m.len() - 1;
@@ -58,25 +58,25 @@ impl MaterialRatioCurve {
         here + rest * (self.descending_m[(index + 1).min(last)] - here)
     }
 
-    /// The share of the surface above `height_m` (above the mean, in metres).
+    /// Fraction of the surface above `height_m` (relative to the mean, in metres).
     #[must_use]
     pub fn ratio(&self, height_m: f64) -> f64 {
         self.descending_m.partition_point(|&height| height > height_m) as f64 / self.descending_m.len() as f64
     }
 
-    /// Core parameters by the equivalent line (ISO 25178-2, annex B): of all parts of the curve that span 40 % of
-    /// the ratio the one with the flattest secant, the first of equal ones; through it the least-squares line.
+    /// Core parameters from the equivalent line (ISO 25178-2, annex B): the least-squares line through the part of the
+    /// curve that spans 40 % of the ratio and has the flattest secant (the first one if several are equally flat).
     #[must_use]
     pub fn core(&self) -> CoreParameters {
         let step = 1.0 / (CLASSES - 1) as f64;
         let height: Vec<f64> = (0..CLASSES).map(|class| self.height_m(class as f64 * step)).collect();
-        // Classes that span 40 %: 0.4/step, up to rounding.
+        // Number of steps that span 40 %: 0.4/step, up to rounding.
         let span = (EQUIVALENT_LINE / step).round() as usize;
         let flattest = (0..CLASSES - span).fold(0, |best, start| {
             let drop = |start: usize| height[start] - height[start + span];
             if drop(start) < drop(best) { start } else { best }
         });
-        // Line h = middle + slope (ratio - its mean), least squares over equidistant ratios.
+        // Line h = middle + slope (ratio - mean ratio), least squares over equidistant ratios.
         let part = &height[flattest..=flattest + span];
         let count = part.len() as f64;
         let mean_ratio = (flattest as f64 + 0.5 * span as f64) * step;
@@ -91,7 +91,7 @@ impl MaterialRatioCurve {
         let (upper_m, lower_m) = (middle - slope * mean_ratio, middle + slope * (1.0 - mean_ratio));
 
         let (smr1, smr2) = (self.ratio(upper_m), self.ratio(lower_m));
-        // Triangles with the areas above and below the core, on the shares there: Spk = 2 A1/Smr1,
+        // Triangles with the areas above and below the core, on the corresponding ranges of the ratio: Spk = 2 A1/Smr1,
         // Svk = 2 A2/(1 - Smr2); A1 = mean of (h - upper) where positive.
         let beyond = |excess: &dyn Fn(f64) -> f64| {
             self.descending_m.iter().map(|&height| excess(height).max(0.0)).sum::<f64>()
@@ -99,7 +99,7 @@ impl MaterialRatioCurve {
         };
         let reduced = |area: f64, base: f64| if base > 0.0 { 2.0 * area / base } else { 0.0 };
         CoreParameters {
-            // Sk: the line's drop over the whole ratio
+            // Sk: drop of the line over the whole ratio
             sk_m: upper_m - lower_m,
             spk_m: reduced(beyond(&|height| height - upper_m), smr1),
             svk_m: reduced(beyond(&|height| lower_m - height), 1.0 - smr2),
@@ -123,7 +123,7 @@ mod tests {
         MaterialRatioCurve::new(&HeightMap::new(points, 2, 1e-6, 1e-6, heights).unwrap(), &Unwatched).unwrap()
     }
 
-    fn near(found: f64, expected: f64, tolerance: f64) {
+    fn assert_near(found: f64, expected: f64, tolerance: f64) {
         assert!((found - expected).abs() < tolerance, "{found} and {expected}");
     }
 
@@ -131,14 +131,14 @@ mod tests {
     fn a_triangular_wave_is_all_core() {
         let curve = curve(20_000, |t| (2.0 * t - 1.0).abs());
         let core = curve.core();
-        // Heights from 0.5e-4 to 1 - 0.5e-4 um: the line drops from the highest to the lowest.
-        near(core.sk_m, 0.9999e-6, 1e-12);
-        near(core.spk_m, 0.0, 1e-10);
-        near(core.svk_m, 0.0, 1e-10);
-        near(core.smr1, 0.0, 1e-3);
-        near(core.smr2, 1.0, 1e-3);
-        near(curve.height_m(0.25), 0.25e-6, 1e-10);
-        near(curve.ratio(0.25e-6), 0.25, 1e-4);
+        // Heights from 0.5e-4 to 1 - 0.5e-4 um: the line drops from the highest to the lowest one.
+        assert_near(core.sk_m, 0.9999e-6, 1e-12);
+        assert_near(core.spk_m, 0.0, 1e-10);
+        assert_near(core.svk_m, 0.0, 1e-10);
+        assert_near(core.smr1, 0.0, 1e-3);
+        assert_near(core.smr2, 1.0, 1e-3);
+        assert_near(curve.height_m(0.25), 0.25e-6, 1e-10);
+        assert_near(curve.ratio(0.25e-6), 0.25, 1e-4);
     }
 
     #[test]
@@ -151,16 +151,16 @@ mod tests {
         let mean = (PI * w).sin() / (PI * w);
         let slope = 12.0 / w.powi(3) * (first_moment - 0.5 * w * mean * w);
         let upper = mean - slope * w / 2.0;
-        near(core.sk_m, -slope * 1e-6, 1e-9);
-        near(core.upper_m, upper * 1e-6, 1e-9);
-        // upper exceeds 1: nothing lies above the core; below its lower end h < lower for p > acos(lower)/pi.
+        assert_near(core.sk_m, -slope * 1e-6, 1e-9);
+        assert_near(core.upper_m, upper * 1e-6, 1e-9);
+        // upper exceeds 1, so that nothing lies above the core; h < lower for p > acos(lower)/pi.
         assert!(upper > 1.0 && core.smr1 == 0.0 && core.spk_m == 0.0);
         let lower = upper + slope;
         let ratio = lower.acos() / PI;
-        near(core.smr2, ratio, 1e-3);
+        assert_near(core.smr2, ratio, 1e-3);
         // A2 = int from ratio to 1 of (lower - cos(pi p)) dp
         let area = lower * (1.0 - ratio) + (PI * ratio).sin() / PI;
-        near(core.svk_m, 2.0 * area / (1.0 - ratio) * 1e-6, 2e-9);
+        assert_near(core.svk_m, 2.0 * area / (1.0 - ratio) * 1e-6, 2e-9);
     }
 
     #[test]
@@ -177,13 +177,13 @@ mod tests {
         })
         .core();
         // The line continues the core's slope 1/0.85 to both ends.
-        near(core.sk_m, 1e-6 / 0.85, 1e-9);
+        assert_near(core.sk_m, 1e-6 / 0.85, 1e-9);
         // Above upper end 0.5 + 0.05/0.85 = 0.5588 um: t < 0.05 (1 - 0.0588/2) = 0.048529; triangle 2 - 0.0588.
-        near(core.smr1, 0.048_529, 1e-4);
-        near(core.spk_m, 1.941_176e-6, 1e-8);
+        assert_near(core.smr1, 0.048_529, 1e-4);
+        assert_near(core.spk_m, 1.941_176e-6, 1e-8);
         // Below -0.5 - 0.1/0.85 = -0.6176: t > 0.9 + 0.1 0.1176/4 = 0.902941; triangle 4 - 0.1176.
-        near(core.smr2, 0.902_941, 1e-4);
-        near(core.svk_m, 3.882_353e-6, 1e-8);
+        assert_near(core.smr2, 0.902_941, 1e-4);
+        assert_near(core.svk_m, 3.882_353e-6, 1e-8);
     }
 
     #[test]

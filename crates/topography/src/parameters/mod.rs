@@ -1,4 +1,4 @@
-//! Parameters of a surface, those of ISO 25178-2 of the map as it is: remove its form first.
+//! Surface parameters, most of them of ISO 25178-2. The form is not removed here; remove it first.
 
 mod height;
 mod hybrid;
@@ -40,8 +40,8 @@ impl HeightMap {
         sum / present
     }
 
-    /// The spectral rms slope of the map taken as one period: sqrt(sum over waves of |q|^2 |h_q|^2), h_q the
-    /// Fourier coefficients. It is what contact theories call h'rms, and exact for a band-limited map.
+    /// Spectral rms slope of the map taken as one period: sqrt(sum over waves of |q|^2 |h_q|^2), with h_q the Fourier
+    /// coefficients. This is h'rms of contact theories, and exact for a band-limited map.
     ///
     /// # Errors
     /// [`MapError::MissingPoints`] unless the map is complete.
@@ -49,10 +49,10 @@ impl HeightMap {
         self.rms_slope_watched(&Unwatched)
     }
 
-    /// The same until `monitor` cancels.
+    /// Like [`Self::rms_slope_spectral`], but ends once `monitor` cancels.
     ///
     /// # Errors
-    /// As [`Self::rms_slope_spectral`], and [`MapError::Cancelled`].
+    /// Those of [`Self::rms_slope_spectral`], and [`MapError::Cancelled`].
     pub fn rms_slope_watched(&self, monitor: &dyn Monitor) -> Result<f64, MapError> {
         self.require_complete()?;
         let mean_m = self.mean_m();
@@ -64,10 +64,10 @@ impl HeightMap {
         Ok(fourier.spectral_sum(&deviation, [self.dx_m(), self.dy_m()], |q| q * q, monitor)?.sqrt())
     }
 
-    /// The finite-difference rms slope, sqrt(mean (dh/dx)^2 + mean (dh/dy)^2) with forward differences
-    /// between neighbours that are both present, the map not continued past its sides. It is below the
-    /// spectral slope where waves are only a few pixels long, and blind to the jump between opposite sides
-    /// of a measured map. Zero along an axis without neighbours.
+    /// Finite-difference rms slope, sqrt(mean (dh/dx)^2 + mean (dh/dy)^2), with forward differences between neighbours
+    /// that are both present; the map is not continued past its sides. It is below the spectral slope if waves are only
+    /// a few pixels long, and is not affected by the step between opposite sides of a measured map. An axis without
+    /// pairs of neighbours contributes zero.
     #[must_use]
     pub fn rms_slope_finite_difference(&self) -> f64 {
         let (heights, cols) = (self.heights_m(), self.cols());
@@ -115,8 +115,8 @@ mod tests {
         assert!((map.sq_m() - 1e-6 / 2f64.sqrt()).abs() < 1e-15);
         let slope = TAU * 3.0 / 64e-6 * 1e-6 / 2f64.sqrt();
         assert!((map.rms_slope_spectral().unwrap() / slope - 1.0).abs() < 1e-12);
-        // Forward differences see q as (2/dx) sin(q dx/2): 0.36 % less here. The 63 steps inside the map are
-        // not a whole number of periods: 1/63 of the mean square.
+        // Forward differences replace q by (2/dx) sin(q dx/2), 0.36 % less here. The 63 steps inside the map are not a
+        // whole number of periods, which changes the mean square by up to 1/63.
         let seen = (TAU * 1.5 / 64.0).sin() / (TAU * 1.5 / 64.0);
         assert!((map.rms_slope_finite_difference() / (slope * seen) - 1.0).abs() < 0.008);
     }

@@ -7,49 +7,50 @@ use slipgrid_monitor::Monitor;
 use crate::fourier::Fourier;
 use crate::{Decimation, DecimationMethod, HeightMap, MapError};
 
-/// Directions in which the decay is followed, over half a turn.
+/// Number of directions, over half a turn, in which the decay is followed.
 const DIRECTIONS: usize = 720;
-/// Steps along a direction within a pixel.
+/// Steps per pixel along a direction.
 const STEPS_PER_PIXEL: f64 = 4.0;
-/// Most points of which the autocorrelation is computed as they are; larger maps are averaged in blocks first.
+/// Largest number of points whose autocorrelation is computed directly; larger maps are first averaged in blocks.
 const MAX_CORRELATED: usize = 1 << 23;
 
-/// How far the surface resembles itself.
+/// Autocorrelation lengths of a surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CorrelationLengths {
-    /// Sal, the least distance at which the autocorrelation falls to the threshold, in metres; `None` if it
-    /// does so nowhere within half the map.
+    /// Sal, the smallest distance at which the autocorrelation falls to the threshold, in metres; `None` if it does not
+    /// fall to it within half the map in any direction.
     pub sal_m: Option<f64>,
-    /// The greatest such distance, in metres; `None` if in some direction it does not fall within half the map.
+    /// Largest such distance, in metres; `None` if the autocorrelation does not fall to the threshold within half the
+    /// map in some direction.
     pub slowest_m: Option<f64>,
-    /// Str = Sal over the greatest distance, 1 for an isotropic surface; `None` where that is.
+    /// Str = Sal / largest distance, 1 for an isotropic surface; `None` if the largest distance is `None`.
     pub str_ratio: Option<f64>,
-    /// Direction of the fastest decay from x towards y, in degrees from -90 to 90.
+    /// Direction of fastest decay, from x towards y, in degrees from -90 to 90.
     pub fastest_deg: Option<f64>,
-    /// Pixels along each side of the blocks that were averaged first; 1 for all but the largest maps.
+    /// Side in pixels of the blocks that were averaged first; 1 for all but the largest maps.
     pub block: usize,
 }
 
-/// The threshold of ISO 25178-3.
+/// Threshold of ISO 25178-3.
 pub const CORRELATION_THRESHOLD: f64 = 0.2;
 
-/// What lies past the map's sides.
+/// Continuation of the map past its sides.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Sides {
-    /// Nothing is known of it, as of a measurement.
+    /// Unknown, as for a measured map.
     #[default]
     Open,
-    /// The map again, as of a synthetic one.
+    /// Periodic, as for a synthetic map.
     Periodic,
 }
 
 impl HeightMap {
-    /// Sal and Str at `threshold` of the autocorrelation at zero distance. With open sides each product counts
-    /// over the points that overlap (the unbiased estimate).
+    /// Sal and Str at `threshold` times the autocorrelation at zero distance. With open sides each product is averaged
+    /// over the overlapping points (the unbiased estimate).
     ///
     /// # Errors
-    /// [`MapError::MissingPoints`] unless the map is complete; [`MapError::OutOfRange`] unless the threshold
-    /// lies between 0 and 1; [`MapError::Cancelled`] once `monitor` has cancelled.
+    /// [`MapError::MissingPoints`] unless the map is complete; [`MapError::OutOfRange`] unless the threshold lies
+    /// between 0 and 1; [`MapError::Cancelled`] once `monitor` has cancelled.
     pub fn correlation_lengths(
         &self,
         threshold: f64,
@@ -71,7 +72,7 @@ impl HeightMap {
         let decimation = Some(Decimation { factor: block, method: DecimationMethod::Mean });
         match self.windowed(None, decimation) {
             Ok(coarse) => lengths(&coarse, (threshold, sides), block, monitor),
-            // A map of more points than that but only a few rows or columns.
+            // The map exceeds the limit but has only a few rows or columns.
             Err(_) => lengths(self, (threshold, sides), 1, monitor),
         }
     }
@@ -86,10 +87,10 @@ fn lengths(
     monitor.heed()?;
     let none = CorrelationLengths { sal_m: None, slowest_m: None, str_ratio: None, fastest_deg: None, block };
     let correlation = Correlation::new(map, sides, monitor)?;
-    if correlation.at(0, 0) <= 0.0 {
+    if correlation.value(0, 0) <= 0.0 {
         return Ok(none);
     }
-    let level = threshold * correlation.at(0, 0);
+    let level = threshold * correlation.value(0, 0);
     let (mut fastest, mut slowest) = (None::<(f64, f64)>, Some(0.0_f64));
     for direction in 0..DIRECTIONS {
         monitor.heed()?;
@@ -111,9 +112,9 @@ fn lengths(
     })
 }
 
-/// The autocorrelation at displacements of up to half the map.
+/// Autocorrelation at displacements of up to half the map.
 struct Correlation {
-    /// Row by row, displacements along x and y from 0 on and, at the end, negative ones.
+    /// Row by row, with displacements along x and y from 0 upwards and the negative ones at the end.
     value: Vec<f64>,
     /// Size of the table.
     size: [usize; 2],
@@ -128,7 +129,7 @@ impl Correlation {
         let mean_m = map.mean_m();
         let scale = map.sq_m().max(f64::MIN_POSITIVE);
         let most = [rows / 2, cols / 2];
-        // Zeros behind the map keep displacements up to half of it from meeting the next period.
+        // Zeros appended to the map keep displacements of up to half the map from reaching the next period.
         let size = match sides {
             Sides::Periodic => [rows, cols],
             Sides::Open => [smooth(rows + most[0] + 1), smooth(cols + most[1] + 1)],
@@ -154,13 +155,13 @@ impl Correlation {
         Ok(Self { value, size, most, pixel_m: [map.dx_m(), map.dy_m()] })
     }
 
-    fn at(&self, i: i64, j: i64) -> f64 {
+    fn value(&self, i: i64, j: i64) -> f64 {
         let place = |n: i64, size: usize| n.rem_euclid(size as i64) as usize;
         self.value[place(i, self.size[0]) * self.size[1] + place(j, self.size[1])]
     }
 
-    /// The value between pixels, by cubic convolution along both axes (Catmull-Rom).
-    fn between(&self, x: f64, y: f64) -> f64 {
+    /// Value between pixels, by cubic convolution along both axes (Catmull-Rom).
+    fn interpolate(&self, x: f64, y: f64) -> f64 {
         let weights = |t: f64| {
             [
                 0.5 * t * (t * (2.0 - t) - 1.0),
@@ -174,25 +175,25 @@ impl Correlation {
         let mut sum = 0.0;
         for (a, weight_x) in (-1..).zip(along_x) {
             for (b, weight_y) in (-1..).zip(along_y) {
-                sum += weight_x * weight_y * self.at(i as i64 + a, j as i64 + b);
+                sum += weight_x * weight_y * self.value(i as i64 + a, j as i64 + b);
             }
         }
         sum
     }
 
-    /// The distance at which the value first falls to `level` in the direction `angle` (from x to y), in metres.
+    /// Distance at which the value first falls to `level` in the direction `angle` (from x towards y), in metres.
     fn decay(&self, angle: f64, level: f64) -> Option<f64> {
         let step_m = self.pixel_m[0].min(self.pixel_m[1]) / STEPS_PER_PIXEL;
         let (step_x, step_y) = (angle.cos() * step_m / self.pixel_m[0], angle.sin() * step_m / self.pixel_m[1]);
-        let mut before = self.at(0, 0);
+        let mut before = self.value(0, 0);
         for step in 1_u32.. {
             let (x, y) = (f64::from(step) * step_x, f64::from(step) * step_y);
             if x.abs() >= self.most[0] as f64 || y.abs() >= self.most[1] as f64 {
                 return None;
             }
-            let value = self.between(x, y);
+            let value = self.interpolate(x, y);
             if value <= level {
-                // Straight between two steps a fraction of a pixel apart.
+                // Linear interpolation between two steps, which are a fraction of a pixel apart.
                 return Some((f64::from(step) - (level - value) / (before - value)) * step_m);
             }
             before = value;
@@ -201,7 +202,7 @@ impl Correlation {
     }
 }
 
-/// The next number from `least` on with no prime factor above 5: fast to transform.
+/// Smallest number not below `least` without a prime factor above 5, which makes the transform fast.
 fn smooth(least: usize) -> usize {
     let is_smooth = |number: usize| {
         let without = |mut rest: usize, factor: usize| {
@@ -235,16 +236,16 @@ mod tests {
         let found = map.correlation_lengths(CORRELATION_THRESHOLD, Sides::Periodic, &Unwatched).unwrap();
         assert!((found.sal_m.unwrap() / exact - 1.0).abs() < 1e-4, "{found:?}");
         assert_eq!((found.slowest_m, found.str_ratio, found.fastest_deg), (None, None, Some(0.0)));
-        // Six periods on an open map: the mean over the overlap is not a whole number of periods.
+        // Six periods on an open map; the overlap is not a whole number of periods.
         let open = map.correlation_lengths(CORRELATION_THRESHOLD, Sides::Open, &Unwatched).unwrap();
         assert!((open.sal_m.unwrap() / exact - 1.0).abs() < 0.02, "{open:?}");
     }
 
     #[test]
     fn two_crossed_waves_have_the_ratio_of_their_lengths() {
-        // R = [cos(q1 x) + cos(q2 y)]/2 falls to 0.2 along x where cos(q1 x) = -0.6, along y likewise. Off an
-        // axis by an angle t the distance changes by (t^2/2)(a - (q'/q)^2 a^2/sin a)/q, a = acos(-0.6): the x
-        // axis is a minimum, the y axis a maximum.
+        // R = [cos(q1 x) + cos(q2 y)]/2 falls to 0.2 along x where cos(q1 x) = -0.6, and likewise along y. At an angle
+        // t from an axis the distance changes by (t^2/2)(a - (q'/q)^2 a^2/sin a)/q with a = acos(-0.6): the x axis is a
+        // minimum, the y axis a maximum.
         let map = map(|x, y| (TAU * x / 30e-6).cos() + (TAU * y / 60e-6).cos());
         let found = map.correlation_lengths(CORRELATION_THRESHOLD, Sides::Periodic, &Unwatched).unwrap();
         let least = (-0.6_f64).acos() / TAU * 30e-6;

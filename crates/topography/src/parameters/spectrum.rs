@@ -14,65 +14,66 @@ use slipgrid_monitor::{Cancelled, Monitor};
 use crate::fourier::Fourier;
 use crate::{HeightMap, MapError};
 
-/// What is done about the jump between opposite sides of a map.
+/// Treatment of the step between opposite sides of a map.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum SpectrumWindow {
-    /// Nothing: the map is one period.
+    /// None: the map is one period.
     #[default]
     None,
-    /// Heights are faded out to a circle in the map by (1 + cos(pi r/R))/2, whose mean square is made 1.
+    /// Heights are multiplied by (1 + cos(pi r/R))/2 within the largest circle in the map, scaled to mean square 1.
     Hann,
 }
 
-/// The spectrum within a ring of wave vectors.
+/// Spectrum in a ring of wave vectors.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SpectrumBin {
-    /// Ends of the ring, in rad/m.
+    /// Lower end of the ring, in rad/m.
     pub from_per_m: f64,
-    /// Ends of the ring, in rad/m.
+    /// Upper end of the ring, in rad/m.
     pub to_per_m: f64,
-    /// Mean of |q| over the waves within, in rad/m.
+    /// Mean of |q| over the waves in the ring, in rad/m.
     pub q_per_m: f64,
-    /// Mean of C over the waves within, in m^4.
+    /// Mean of C over the waves in the ring, in m^4.
     pub psd_m4: f64,
-    /// Number of waves within, each with its mirror image.
+    /// Number of waves in the ring, counting a wave and its mirror image as two.
     pub waves: f64,
 }
 
-/// Pixels, of the longer side, that a short wave is shorter than: two of the shortest waves that both axes resolve.
-const PIXELS_OF_A_SHORT_WAVE: f64 = 4.0;
-/// Share of the squared slope in short waves from which on pixels limit the slope.
+/// A short wave is shorter than this many pixels of the longer side: twice the shortest wave that both axes resolve.
+const SHORT_WAVE_PIXELS: f64 = 4.0;
+/// If short waves hold at least this fraction of the squared slope, the pixel size limits the slope.
 pub const LIMITED_BY_PIXELS: f64 = 0.4;
 
-/// What the shortest waves of a map have of its slope: finer pixels find what lies beyond them.
+/// Contribution of the shortest waves of a map to its slope. If it is large, finer pixels would give a larger slope.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ShortWaves {
-    /// Waves shorter than this, in metres: four pixels of the longer side.
+    /// Upper limit of the wavelengths counted, in metres: four pixels of the longer side.
     pub below_m: f64,
-    /// Their share of the squared slope.
+    /// Their fraction of the squared slope.
     pub slope_share: f64,
 }
 
-/// Bins of equal ratio per decade.
+/// Number of rings per decade, of equal ratio.
 const BINS_PER_DECADE: f64 = 10.0;
 
 impl HeightMap {
-    /// The spectrum in ten rings a decade, from the longest wave of the map to the shortest that both axes resolve;
-    /// rings without waves are left out.
+    /// Spectrum in ten rings per decade, from the longest wave of the map to the shortest that both axes resolve; rings
+    /// without waves are omitted.
     ///
     /// # Errors
     /// [`MapError::MissingPoints`] unless the map is complete; [`MapError::Cancelled`] once `monitor` has cancelled.
     pub fn radial_spectrum(&self, window: SpectrumWindow, monitor: &dyn Monitor) -> Result<Vec<SpectrumBin>, MapError> {
         let longest = TAU / (self.rows() as f64 * self.dx_m()).max(self.cols() as f64 * self.dy_m());
         let shortest = PI / self.dx_m().max(self.dy_m());
-        // The first ring has the longest wave in its middle, the last holds the shortest.
+        // The longest wave lies in the middle of the first ring, the shortest in the last ring.
         let first = longest.log10() - 0.5 / BINS_PER_DECADE;
         let count = ((shortest.log10() - first) * BINS_PER_DECADE).max(0.0).ceil();
         let edges: Vec<f64> = (0..=count as usize).map(|n| 10_f64.powf(first + n as f64 / BINS_PER_DECADE)).collect();
         self.radial_spectrum_between(&edges, window, monitor)
     }
 
-    /// The share of the squared slope in waves that are short for the map's pixels, whose whole spectrum counts as one period:
+    /// Fraction of the squared slope in waves that are short relative to the map's pixels, with the whole spectrum of
+    /// the map taken as one period:
     ///
     /// ```text
     /// s^2 = sum of q^2 |h(q)|^2
@@ -82,7 +83,7 @@ impl HeightMap {
     /// [`MapError::MissingPoints`] unless the map is complete; [`MapError::Cancelled`] once `monitor` has cancelled.
     pub fn short_waves(&self, monitor: &dyn Monitor) -> Result<ShortWaves, MapError> {
         self.require_complete()?;
-        let below_m = PIXELS_OF_A_SHORT_WAVE * self.dx_m().max(self.dy_m());
+        let below_m = SHORT_WAVE_PIXELS * self.dx_m().max(self.dy_m());
         let (mut short, mut all) = (0.0, 0.0);
         let fourier = Fourier::new(self.rows(), self.cols());
         let add = |q: f64, twins: f64, square: f64| {
@@ -96,10 +97,10 @@ impl HeightMap {
         Ok(ShortWaves { below_m, slope_share: if all > 0.0 { short / all } else { 0.0 } })
     }
 
-    /// The spectrum in rings with the given increasing `edges`, in rad/m.
+    /// Spectrum in rings with the given increasing `edges`, in rad/m.
     ///
     /// # Errors
-    /// [`MapError::MissingPoints`] unless the map is complete; [`MapError::OutOfRange`] unless edges increase;
+    /// [`MapError::MissingPoints`] unless the map is complete; [`MapError::OutOfRange`] unless the edges increase;
     /// [`MapError::Cancelled`] once `monitor` has cancelled.
     pub fn radial_spectrum_between(
         &self,
@@ -148,7 +149,7 @@ impl HeightMap {
     }
 }
 
-/// Multiplies by the Hann window about the middle.
+/// Multiplies the map by the Hann window about its middle.
 fn fade(
     height: &mut [f64],
     [rows, cols]: [usize; 2],
@@ -183,7 +184,8 @@ mod tests {
 
     #[test]
     fn short_waves_are_all_those_shorter_than_four_of_the_longer_pixels() {
-        // Waves of 16 rows and of 2 columns: along the shorter pixels, beyond what both axes resolve, and in a corner of the spectrum.
+        // Waves of 16 rows and of 2 columns: one along the shorter pixels, beyond the waves that both axes resolve, and
+        // in a corner of the spectrum.
         let (n, dx_m, dy_m) = (64, 2e-6, 1e-6);
         let height = |i: usize, j: usize| {
             let (x, y) = (TAU * i as f64 / 16.0, PI * j as f64);
@@ -201,7 +203,7 @@ mod tests {
 
     #[test]
     fn a_wave_puts_all_its_power_into_one_ring() {
-        // a cos(q x) has mean square a^2/2 = 2 waves times C/A.
+        // a cos(q x) has the mean square a^2/2 = 2 waves times C/A.
         let height = |n: usize| 1e-6 * (TAU * 5.0 * (n / 48) as f64 / 64.0).cos();
         let map = HeightMap::new(64, 48, 1e-6, 2e-6, (0..64 * 48).map(height).collect()).unwrap();
         let q = TAU * 5.0 / 64e-6;

@@ -1,13 +1,13 @@
-//! Numbers from binary files, a piece at a time.
+//! Reads numbers from binary files in pieces.
 
 use std::io::{ErrorKind, Read};
 
 use crate::ReadError;
 
-/// Numbers decoded at a time.
+/// Number of values decoded at a time.
 const PIECE: usize = 4096;
 
-/// How a number is stored.
+/// Storage type of a number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Number {
     U8,
@@ -23,7 +23,7 @@ pub(crate) enum Number {
 }
 
 impl Number {
-    /// Bytes of one number.
+    /// Size of one number in bytes.
     pub(crate) const fn bytes(self) -> usize {
         match self {
             Self::U8 | Self::I8 => 1,
@@ -33,7 +33,7 @@ impl Number {
         }
     }
 
-    /// The number in the first bytes of `bytes`, little endian.
+    /// Decodes the number in the first bytes of `bytes`, little endian.
     fn decode(self, bytes: &[u8]) -> f64 {
         match self {
             Self::U8 => f64::from(bytes[0]),
@@ -50,7 +50,7 @@ impl Number {
     }
 }
 
-/// The first N bytes of `bytes`, zeros where there are fewer.
+/// The first N bytes of `bytes`, padded with zeros if there are fewer.
 pub(crate) fn array<const N: usize>(bytes: &[u8]) -> [u8; N] {
     let mut array = [0; N];
     for (target, source) in array.iter_mut().zip(bytes) {
@@ -59,14 +59,14 @@ pub(crate) fn array<const N: usize>(bytes: &[u8]) -> [u8; N] {
     array
 }
 
-/// Refuses what a source, or a library that unpacks, could not read; what it says may quote a hostile file.
+/// Error for a source or decompression library that failed; its message may quote a hostile file.
 pub(super) fn unreadable(format: &'static str, error: &dyn std::fmt::Display) -> ReadError {
     const MAX_CHARS: usize = 160;
     let reason = error.to_string().chars().map(|c| if c.is_control() { ' ' } else { c }).take(MAX_CHARS).collect();
     ReadError::Unreadable { format, reason }
 }
 
-/// Reads as much of `buffer` as the source has.
+/// Fills `buffer` as far as the source reaches.
 fn fill(source: &mut impl Read, buffer: &mut [u8], format: &'static str) -> Result<usize, ReadError> {
     let mut filled = 0;
     while filled < buffer.len() {
@@ -80,7 +80,7 @@ fn fill(source: &mut impl Read, buffer: &mut [u8], format: &'static str) -> Resu
     Ok(filled)
 }
 
-/// The next N bytes, part of `what`.
+/// Reads the next N bytes; `what` names the part of the file in errors.
 pub(crate) fn exact<const N: usize>(
     source: &mut impl Read,
     format: &'static str,
@@ -94,7 +94,7 @@ pub(crate) fn exact<const N: usize>(
     Ok(bytes)
 }
 
-/// Skips `count` bytes, part of `what`.
+/// Skips `count` bytes; `what` names the part of the file in errors.
 pub(crate) fn skip(
     source: &mut impl Read,
     format: &'static str,
@@ -109,7 +109,7 @@ pub(crate) fn skip(
     Ok(())
 }
 
-/// Reads `count` numbers and hands them to `take` in pieces, until it wants no more. True if all were read.
+/// Reads `count` numbers and passes them to `take` in pieces, until it returns false. Returns whether all were read.
 pub(crate) fn numbers(
     source: &mut impl Read,
     format: &'static str,
@@ -123,7 +123,7 @@ pub(crate) fn numbers(
     let mut values = Vec::with_capacity(PIECE);
     let mut left = count;
     while left > 0 {
-        // At most PIECE: the cast is exact.
+        // At most PIECE, so the cast is exact.
         let wanted = left.min(PIECE as u64) as usize;
         let piece = &mut bytes[..wanted * size];
         let found = fill(source, piece, format)?;
@@ -145,7 +145,7 @@ pub(crate) fn numbers(
     Ok(true)
 }
 
-/// Refuses a source that goes on behind its heights. What unpacks checks its sum here, at the end.
+/// Refuses a source that continues after its heights. Decompressors verify their checksum at this point.
 pub(crate) fn at_end(source: &mut impl Read, format: &'static str) -> Result<(), ReadError> {
     match fill(source, &mut [0], format)? {
         0 => Ok(()),
@@ -153,7 +153,7 @@ pub(crate) fn at_end(source: &mut impl Read, format: &'static str) -> Result<(),
     }
 }
 
-/// A text field of fixed length, without the zeros and spaces that pad it. Latin-1 where it is no UTF-8.
+/// Decodes a text field of fixed length, without the zeros and spaces that pad it; Latin-1 if it is not valid UTF-8.
 pub(crate) fn text(bytes: &[u8]) -> String {
     let end = bytes.iter().position(|&byte| byte == 0).unwrap_or(bytes.len());
     let bytes = &bytes[..end];

@@ -1,28 +1,29 @@
-//! Decimal commas in text: told where nothing else can be meant.
+//! Recognises decimal commas in text if no other reading is possible.
 //!
-//! A line of data has them if it is a row of numbers with commas for points, and none without: `0,5;1,5` and `0,5 1,5` are two
-//! numbers, `1,5,2` is three. Marks of thousands look alike, so that a line of which every comma stands before three digits and
-//! behind one to three that do not begin with a nought, as `1,234;5,678`, says nothing.
+//! A line of data has decimal commas if it is a row of numbers after replacing commas by points, and not without:
+//! `0,5;1,5` and `0,5 1,5` are two numbers, `1,5,2` is three. Thousands separators look the same; a line in which every
+//! comma stands before three digits, and after one to three digits that do not begin with zero, such as `1,234;5,678`,
+//! is therefore not evidence of decimal commas.
 
 use std::borrow::Cow;
 
 use super::lines::{Delimiter, excerpt, height};
 use crate::ReadError;
 
-/// What is known of the decimal sign of a text.
+/// Decimal sign of a text, as far as known.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum DecimalSign {
-    /// Commas, as the caller says.
+    /// Commas, given by the caller.
     Given,
-    /// Commas, as a line of data showed.
+    /// Commas, recognised in a line of data.
     Found,
-    /// Points, or commas between numbers, as a line of data showed.
+    /// Points, or commas between numbers, recognised in a line of data.
     Point,
-    /// Neither was seen.
+    /// Unknown so far.
     Open,
 }
 
-/// What a map tells whose decimal commas were found.
+/// Note on a map whose decimal commas were recognised.
 pub(super) const FOUND: &str = "its numbers are written with decimal commas, and were read so";
 
 impl DecimalSign {
@@ -30,12 +31,12 @@ impl DecimalSign {
         if is_comma { Self::Given } else { Self::Open }
     }
 
-    /// `text`, which is line `line`, with decimal points.
+    /// Returns `text`, the line `line`, with decimal points.
     pub(super) fn with_points<'t>(&mut self, text: &'t str, line: usize) -> Result<Cow<'t, str>, ReadError> {
         match self {
             Self::Given => return Ok(text.replace(',', ".").into()),
             Self::Point => return Ok(text.into()),
-            // Headers have commas in their words.
+            // Header lines contain ordinary commas in their text.
             _ if text.starts_with(['#', '%']) || !text.contains([',', '.']) => return Ok(text.into()),
             Self::Open if is_row(Delimiter::of(text), text) => *self = Self::Point,
             Self::Open if has_decimal_commas(text) => *self = Self::Found,
@@ -57,12 +58,12 @@ impl DecimalSign {
     }
 }
 
-/// Whether all fields of `text` are heights, more than one.
+/// Whether `text` has at least two fields and all are heights.
 pub(super) fn is_row(delimiter: Delimiter, text: &str) -> bool {
     delimiter.fields(text).all(|field| height(field).is_some()) && delimiter.fields(text).nth(1).is_some()
 }
 
-/// Whether `text` is a row of numbers with decimal commas, and nothing else.
+/// Whether `text` is a row of numbers with decimal commas and nothing else.
 fn has_decimal_commas(text: &str) -> bool {
     if text.contains('.') || is_row(Delimiter::Comma, text) {
         return false;
@@ -84,7 +85,7 @@ fn has_decimal_commas(text: &str) -> bool {
     says && is_row(delimiter, &own)
 }
 
-/// A length in a header, as `1,5 mm`, with a decimal point; `1,500 mm` may be either and stays as it is.
+/// Writes a header length such as `1,5 mm` with a decimal point. `1,500 mm` is ambiguous and stays unchanged.
 pub(super) fn header_length(value: &str) -> Cow<'_, str> {
     match value.split_once(',') {
         Some((whole, rest)) if !rest.contains([',', '.']) => {
@@ -135,7 +136,7 @@ mod tests {
     #[test]
     fn a_map_with_decimal_commas_is_that_with_points() {
         let points = "0.5;0.25;1;2\n0;-1.5;0.125;2e-1\n1;1;1;3.25\n";
-        // A matrix takes no unit of x and y.
+        // A matrix has no unit of x and y.
         let matrix = ReadOptions { lateral_unit: None, ..GIVEN };
         for mark in [";", "\t", " "] {
             let text = points.replace(';', mark);

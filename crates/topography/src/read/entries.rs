@@ -6,7 +6,7 @@ use super::scale::Scale;
 use crate::unit::unit_names;
 use crate::{LengthUnit, ReadError};
 
-/// A length with its unit, as `1.5 mm`, in metres.
+/// A length with its unit, such as `1.5 mm`, in metres.
 pub(super) fn length(line: usize, key: &'static str, value: &str) -> Result<f64, ReadError> {
     let refused = || ReadError::Header {
         line,
@@ -17,22 +17,22 @@ pub(super) fn length(line: usize, key: &'static str, value: &str) -> Result<f64,
     stated_length(value).map(|length| length.to_metres(1.0)).ok_or_else(refused)
 }
 
-/// A length that begins with a number.
+/// A length, if `value` begins with a number.
 pub(super) fn stated_length(value: &str) -> Option<Scale> {
     Scale::parse(value).filter(|_| value.trim().starts_with(|c: char| c.is_ascii_digit() || "+.".contains(c)))
 }
 
-/// Half a unit of the last digit of a length that was accepted, over the length.
+/// Relative rounding error of a length: half a unit of its last digit, divided by the length.
 pub(super) fn rounding(value: &str) -> f64 {
     let value = &header_length(value);
     let digits = value.split(|c: char| c.is_alphabetic() || c.is_whitespace()).next().unwrap_or_default();
     let decimals = digits.split_once('.').map_or(0, |(_, decimals)| decimals.len());
-    // The cast saturates: nothing is rounded to so many digits.
+    // The cast saturates; no length has so many decimals.
     let unit = 0.1_f64.powi(i32::try_from(decimals).unwrap_or(i32::MAX));
     number(digits).map_or(0.0, |amount| 0.5 * unit / amount)
 }
 
-/// A length in nanometres, in metres.
+/// A length given in nanometres, in metres.
 pub(super) fn nanometres(line: usize, key: &'static str, value: &str) -> Result<f64, ReadError> {
     Ok(LengthUnit::Nanometre.to_metres(positive(line, key, value)?))
 }

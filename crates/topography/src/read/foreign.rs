@@ -1,15 +1,15 @@
-//! Files of instruments that are not read: told by what they begin with, so that a message can name them.
+//! Unsupported files of instruments, recognised by their first bytes so that a message can name them.
 
-/// A kind of file that is not read.
+/// An unsupported file format.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Foreign {
-    /// What it is called.
+    /// Name of the format.
     pub format: &'static str,
-    /// What to export in its place.
+    /// Formats to export instead.
     pub export: &'static str,
 }
 
-/// What Gwyddion or the instrument's program writes of most formats.
+/// Formats that Gwyddion or the instrument's software can export in most cases.
 const COMMON: &str = ".sur, .x3p, .gsf or text from the instrument's program or from Gwyddion";
 const VK: &str = "the heights as CSV, or .sur, .x3p, .gsf or text from Gwyddion";
 const MX: &str = "a Zygo XYZ text from Mx, or .sur, .x3p, .gsf or text from Gwyddion";
@@ -20,7 +20,7 @@ const PICTURE: &str = "the heights, which a picture does not hold, as .sur, .x3p
 const PACKED: &str = "the file in it: unpack it first";
 const SHEET: &str = "the sheet with the heights as CSV";
 
-/// What files begin with, what they are called, and what to export in their place.
+/// First bytes of unsupported files, names of their formats, and formats to export instead.
 const BEGINNINGS: [(&[u8], &str, &str); 41] = [
     (b"AliconaImaging\0", "Alicona surface (.al3d)", COMMON),
     (b"\x01\0Directory", "Wyko surface (.opd)", VISION),
@@ -65,7 +65,7 @@ const BEGINNINGS: [(&[u8], &str, &str); 41] = [
     (b"{\rtf", "RTF document", COMMON),
 ];
 
-/// What a zip archive without the index of an X3P surface is, by a file in it.
+/// Unsupported zip archives (those without the index of an X3P surface), recognised by the name of a file in them.
 const ARCHIVES: [(&str, &str, &str); 5] = [
     ("index.xml", "Sensofar surface (.plux)", SENSOFAR),
     ("xl/workbook.xml", "Excel workbook (.xlsx)", SHEET),
@@ -74,9 +74,9 @@ const ARCHIVES: [(&str, &str, &str); 5] = [
     ("", "zip archive without the main.xml of an X3P surface", PACKED),
 ];
 
-/// What a file that begins with `start` is, if it is one of an instrument that is not read.
+/// Recognises the unsupported format of a file that begins with `start`.
 pub(super) fn of(start: &[u8]) -> Option<Foreign> {
-    // Words of two or three letters begin texts, too: the files that they name have bytes of no text.
+    // Two or three letters may also begin a text; the formats identified by them also contain bytes that no text has.
     let is_binary = start.iter().any(|&byte| byte < 9);
     let is_known =
         |beginning: &[u8]| start.starts_with(beginning) && (beginning.len() > 3 || !beginning.is_ascii() || is_binary);
@@ -85,7 +85,7 @@ pub(super) fn of(start: &[u8]) -> Option<Foreign> {
     known.or_else(|| is_plu(start).then_some(Foreign { format: "Sensofar surface (.plu)", export: SENSOFAR }))
 }
 
-/// What a zip archive with files of these `names` is.
+/// Recognises the unsupported format of a zip archive with files of these `names`.
 pub(super) fn archive_of(names: impl Iterator<Item = impl AsRef<str>>) -> Option<Foreign> {
     let names: Vec<String> = names.map(|name| name.as_ref().to_lowercase()).collect();
     let holds = |part: &str| {
@@ -95,7 +95,8 @@ pub(super) fn archive_of(names: impl Iterator<Item = impl AsRef<str>>) -> Option
     known.map(|&(_, format, export)| Foreign { format, export })
 }
 
-/// A `.plu` file has no mark; it begins with a date and time, as `Thu May 10 10:17:24 2007`, and zeros to 128 bytes.
+/// A `.plu` file has no signature; it begins with a date and time, such as `Thu May 10 10:17:24 2007`, padded with
+/// zeros to 128 bytes.
 fn is_plu(start: &[u8]) -> bool {
     const MIN_DATE: usize = 14;
     let length = start.iter().position(|&byte| byte == 0).unwrap_or(start.len());
@@ -147,7 +148,7 @@ mod tests {
             let message = read_map(&bytes[..], &ReadOptions::default()).unwrap_err().to_string();
             assert!(message.contains(name), "{message}");
         }
-        // Numbers and dates of texts are no such file.
+        // Numbers and dates in texts are not recognised as such files.
         for text in [&b"10:17:24 2007 1 2 3\n"[..], b"1 2 3 4\n5 6 7 8\n", b"BM: 3\n1 2 3 4\n"] {
             let message = read_map(text, &ReadOptions::default()).unwrap_err().to_string();
             assert!(!message.contains("export"), "{message}");

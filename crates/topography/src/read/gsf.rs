@@ -1,21 +1,21 @@
-//! Gwyddion simple field (`.gsf`, version 1.0): a text header of lines `name = value`, zeros up to a multiple
-//! of four bytes, then 32-bit floats, row by row. Lengths stand in base units (the format knows no prefix), a
-//! side that is not given is 1. Missing points are NaN.
+//! Gwyddion simple field (`.gsf`, version 1.0): a text header of lines `name = value`, zeros up to a multiple of four
+//! bytes, then 32-bit floats, row by row. Lengths are in base units (the format has no prefixes); a side that is not
+//! given is 1. Missing points are NaN.
 
 use std::io::Read;
 
 use super::bytes::{Number, at_end, exact, numbers};
 use super::lines::{excerpt, number};
-use super::overridden::Said;
+use super::overridden::StatedValues;
 use super::window::Window;
 use super::{MapFormat, ReadMap, ReadOptions, keep_comment};
 use crate::unit::unit_names;
 use crate::{LengthUnit, MapOption, NotGiven, ReadError};
 
-/// The first line.
+/// First line of the file.
 pub(super) const MAGIC: &[u8] = b"Gwyddion Simple Field 1.0\n";
 const FORMAT: &str = MapFormat::Gsf.name();
-/// Longest header: titles and notes of a few lines.
+/// Longest header: titles and notes take a few lines.
 const MAX_HEADER_BYTES: usize = 1 << 16;
 
 #[derive(Default)]
@@ -81,9 +81,9 @@ pub(super) fn read(mut source: impl Read, options: &ReadOptions) -> Result<ReadM
         return Err(ReadError::NotGiven { missing: missing.into_iter().flatten().collect() });
     };
     let steps = [(1, cols), (0, rows)].map(|(axis, pixels)| header.side[axis].unwrap_or(1.0) / pixels as f64);
-    let notes = Said::of_steps(steps, header.lateral_unit, header.height_unit).notes(options, MapFormat::Gsf);
+    let notes = StatedValues::from_steps(steps, header.lateral_unit, header.height_unit).notes(options, MapFormat::Gsf);
     let mut window = Window::new(Some(rows), cols, options.crop, options.decimation)?;
-    // Both counts passed the window's check: the product fits.
+    // The window has checked both counts, so the product fits.
     let read_all = numbers(&mut source, FORMAT, Number::F32, false, rows.saturating_mul(cols), |values| {
         window.push(values)?;
         Ok(!window.is_full())
@@ -96,11 +96,11 @@ pub(super) fn read(mut source: impl Read, options: &ReadOptions) -> Result<ReadM
     Ok(ReadMap { map, whole, format: MapFormat::Gsf, comments, notes })
 }
 
-/// The header up to its zeros, which are read past.
+/// Reads the header up to and including its padding of zeros.
 fn header_text(source: &mut impl Read) -> Result<String, ReadError> {
     let mut bytes = Vec::new();
     loop {
-        // The header ends within a group of four bytes: one to four zeros fill that group.
+        // One to four zeros pad the header to a multiple of four bytes.
         let group: [u8; 4] = exact(source, FORMAT, "header")?;
         let text = group.iter().position(|&byte| byte == 0).unwrap_or(4);
         if group[text..].iter().any(|&byte| byte != 0) {

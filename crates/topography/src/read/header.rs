@@ -1,4 +1,4 @@
-//! What lines above the data say: sizes, units, titles.
+//! Header lines above the data: sizes, units, titles.
 
 use super::entries::{length, nanometres, positive, rounding, stated_length, unit, whole};
 use super::keep_comment;
@@ -7,46 +7,46 @@ use super::lines::{Delimiter, excerpt, height, number};
 use super::scale::Scale;
 use crate::{LengthUnit, ReadError};
 
-/// Lines of a header that are named as not used; more are counted.
+/// Number of unused header lines that are quoted; further ones are only counted.
 const MAX_NAMED: usize = 4;
 
-/// What the header said.
+/// Values found in a header.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Header {
     /// Extent across the columns, in metres.
     pub(super) width_m: Option<f64>,
     /// Extent across the rows, in metres.
     pub(super) height_m: Option<f64>,
-    /// Both, of a square scan, in metres.
+    /// Both extents of a square scan, in metres.
     side_m: Option<f64>,
     /// Sides of a pixel along x and y, in metres.
     pub(super) pixel_m: [Option<f64>; 2],
-    /// Largest part of width and height that their rounding leaves open.
+    /// Relative rounding errors of width and height.
     pub(super) rounding: [f64; 2],
     value_unit: Option<Scale>,
-    /// The length that a value of 1 stands for, where no unit is stated.
+    /// Length that a height value of 1 represents, used if no unit is stated.
     value_factor: Option<Scale>,
     pub(super) lateral: Option<Scale>,
-    /// The first line was SPIP's: other programs use the same words with other units.
+    /// The first line was that of SPIP; other programs use the same words with other units.
     spip: bool,
     /// The file is a CSV export of a Keyence microscope.
     pub(super) keyence: bool,
-    /// Titles of the columns x, y and z were met.
+    /// Column titles x, y and z were found.
     pub(super) titled: bool,
-    /// Lines of the matrix, and values on each.
+    /// Number of lines of the matrix, and of values on each.
     pub(super) pixels: [Option<u64>; 2],
-    /// Comment lines without their mark.
+    /// Comment lines without their comment mark.
     pub(super) comments: Vec<String>,
-    /// Lengths that wait for the unit of x and y, with their line.
-    bare: Vec<(Key, f64, usize, String)>,
-    /// Lines with a comma that may be decimal or a mark of thousands, and why each was refused.
+    /// Lengths without unit, with their line, until the unit of x and y is known.
+    unitless: Vec<(Key, f64, usize, String)>,
+    /// Lines with a comma that may be decimal or a thousands separator, with the error for each.
     ambiguous: Vec<(String, usize, ReadError)>,
-    /// Lines that state a unit or a scale and are not used.
+    /// Unused lines that state a unit or a scale.
     unused: Vec<(usize, String)>,
 }
 
 impl Header {
-    /// Takes `text` in if it is a line of header: a comment, or titles of the columns x, y, z.
+    /// Reads `text` if it is a header line, that is a comment or the titles of columns x, y, z; returns whether it is.
     pub(crate) fn take(&mut self, text: &str, line: usize) -> Result<bool, ReadError> {
         if let Some(comment) = text.strip_prefix(['#', '%']) {
             self.comment(comment.trim(), line)?;
@@ -55,15 +55,15 @@ impl Header {
         Ok(self.titles(text, line)? || self.units_below_titles(text, line)?)
     }
 
-    /// Takes in what a line without a mark says that names a value above the data, as `Operator: Anna`. Programs write any words there:
-    /// a value that is not understood is no error.
-    pub(super) fn unmarked(&mut self, text: &str, line: usize) {
+    /// Reads a line above the data without comment mark that names a value, such as `Operator: Anna`. Programs write
+    /// arbitrary words there, so a value that cannot be understood is not an error.
+    pub(super) fn read_unmarked(&mut self, text: &str, line: usize) {
         if self.comment(text, line).is_err() {
-            self.name_unused(text, line);
+            self.record_unused(text, line);
         }
     }
 
-    /// Takes in what a comment says.
+    /// Reads a comment.
     fn comment(&mut self, comment: &str, line: usize) -> Result<(), ReadError> {
         keep_comment(&mut self.comments, comment);
         self.entries(comment, line).or_else(|error| match &error {
@@ -75,7 +75,7 @@ impl Header {
         })
     }
 
-    /// Takes in the entries of a line: one, or several as in `h=48 w=64`.
+    /// Reads the entries of a line: one, or several as in `h=48 w=64`.
     fn entries(&mut self, comment: &str, line: usize) -> Result<(), ReadError> {
         let words: Vec<&str> = comment.split_whitespace().collect();
         if words.len() > 1 && words.iter().all(|word| word.split_once('=').is_some_and(|(key, _)| !key.is_empty())) {
@@ -92,34 +92,34 @@ impl Header {
         } else if self.spip && self.spip_entry(&spip, &value, line)? {
             return Ok(());
         }
-        // `Width [um]: 640` and `height conversion factor (-> m)=6.3e-8` name the unit beside the word.
+        // `Width [um]: 640` and `height conversion factor (-> m)=6.3e-8` give the unit next to the word.
         let (word, value) = match word.strip_suffix([')', ']']).and_then(|word| word.rsplit_once(['(', '['])) {
             Some((word, unit)) => (word.trim(), format!("{value} {}", unit.trim_start_matches("->").trim())),
             None => (word, value),
         };
         let Some(key) = Key::of(word) else {
             if states_scale(word, &value, Scale::parse(&value).is_some()) {
-                self.name_unused(text, line);
+                self.record_unused(text, line);
             }
             return Ok(());
         };
         self.set(key, word, &value, line).map(|is_used| {
             if !is_used {
-                self.name_unused(text, line);
+                self.record_unused(text, line);
             }
         })
     }
 
-    /// Sets what `key`, written as `word`, states; whether it did.
+    /// Stores the value of `key`, written as `word`; returns whether the entry was used.
     fn set(&mut self, key: Key, word: &str, value: &str, line: usize) -> Result<bool, ReadError> {
         let name = key.name();
-        // Of other programs' words whatever counts lines.
+        // Other programs use these words for other values too; only positive whole numbers are counts.
         let count = || value.parse().ok().filter(|count| *count > 0);
         match key {
             Key::Width | Key::Height => {
                 let axis = usize::from(key == Key::Height);
-                if let Some(bare) = number(value).filter(|_| word.contains('-')) {
-                    self.bare.push((key, bare, line, word.to_owned()));
+                if let Some(length) = number(value).filter(|_| word.contains('-')) {
+                    self.unitless.push((key, length, line, word.to_owned()));
                     return Ok(true);
                 }
                 let length_m = Some(length(line, name, value)?);
@@ -135,14 +135,14 @@ impl Header {
             Key::Rows => self.pixels[0] = count().or(self.pixels[0]),
             Key::Pixel | Key::PixelX | Key::PixelY => match (stated_length(value), number(value)) {
                 (Some(length), _) => self.set_pixel(key, length.to_metres(1.0)),
-                (None, Some(bare)) => self.bare.push((key, bare, line, word.to_owned())),
+                (None, Some(length)) => self.unitless.push((key, length, line, word.to_owned())),
                 (None, None) => return Ok(false),
             },
             Key::HeightUnit => self.value_unit = Some(unit(line, name, value)?),
             Key::DataUnit => {
                 let unit = Scale::parse(value);
                 self.value_unit = unit.or(self.value_unit);
-                // Radians become heights by a factor.
+                // Radians become heights by a conversion factor.
                 return Ok(unit.is_some() || value.eq_ignore_ascii_case("rad"));
             }
             Key::HeightFactor => {
@@ -155,7 +155,7 @@ impl Header {
         Ok(true)
     }
 
-    /// An entry of a header by SPIP: lengths in nanometres, heights in their unit or, without one, times Bit2nm.
+    /// An entry of a SPIP header: lengths in nanometres; heights in their unit or, without unit, multiplied by Bit2nm.
     fn spip_entry(&mut self, key: &str, value: &str, line: usize) -> Result<bool, ReadError> {
         match key {
             "x-pixels" => self.pixels[1] = Some(whole(line, "x-pixels", value)?),
@@ -173,18 +173,19 @@ impl Header {
         Ok(true)
     }
 
-    /// A line of a Keyence export, told by its form, for its words are of any language and encoding: a key and a length with its
-    /// unit is the pixel, a key and a unit that of the heights, and the first whole numbers below the pixel count columns and lines.
+    /// A line of a Keyence export, recognised by its form because its words can be in any language and encoding: a key
+    /// and a length with unit is the pixel size, a key and a unit is the unit of heights, and the first whole numbers
+    /// below the pixel size are the counts of columns and lines.
     pub(super) fn keyence_line(&mut self, text: &str) {
         let delimiter = Delimiter::of(text);
         let fields: Vec<&str> = delimiter.fields(text).collect();
         keep_comment(&mut self.comments, fields.join(" ").trim());
         let [word, values @ ..] = &fields[..] else { return };
         let value = values.join(" ");
-        // Between semicolons commas are decimal ones.
+        // Commas between semicolons are decimal commas.
         let value = if delimiter == Delimiter::Semicolon { value.replace(',', ".") } else { value };
         match (Scale::parse(&value), value.trim().parse()) {
-            // All languages have these two letters.
+            // The letters XY occur in all languages.
             (Some(pixel), _) if word.contains("XY") => self.set_pixel(Key::Pixel, pixel.to_metres(1.0)),
             (Some(unit), _) if !value.starts_with(|c: char| c.is_ascii_digit()) => self.value_unit = Some(unit),
             (None, Ok(count)) if self.pixel_m[0].is_some() && count > 0 => {
@@ -195,18 +196,18 @@ impl Header {
         }
     }
 
-    /// Decides at the first line of data what was left open: commas are decimal if those of the data are, and lengths
-    /// without units are in that of x and y.
-    pub(super) fn settle(&mut self, has_decimal_commas: bool) -> Result<(), ReadError> {
+    /// Decides open questions at the first line of data: commas in the header are decimal if those in the data are, and
+    /// lengths without unit are in the unit of x and y.
+    pub(super) fn resolve_open_entries(&mut self, has_decimal_commas: bool) -> Result<(), ReadError> {
         for (text, line, error) in std::mem::take(&mut self.ambiguous) {
             if !has_decimal_commas {
                 return Err(error);
             }
             self.entries(&text.replace(',', "."), line)?;
         }
-        for (key, length, line, word) in std::mem::take(&mut self.bare) {
+        for (key, length, line, word) in std::mem::take(&mut self.unitless) {
             match (self.lateral.filter(|_| length > 0.0).map(|lateral| lateral.to_metres(length)), key) {
-                (None, _) => self.name_unused(&format!("{word}: {length}"), line),
+                (None, _) => self.record_unused(&format!("{word}: {length}"), line),
                 (Some(length_m), Key::Width) => self.width_m = Some(length_m),
                 (Some(length_m), Key::Height) => self.height_m = Some(length_m),
                 (Some(length_m), _) => self.set_pixel(key, length_m),
@@ -215,8 +216,9 @@ impl Header {
         Ok(())
     }
 
-    /// Takes the steps of axes along lines and across them for those of pixels, where nothing else gives these and their unit is known.
-    pub(super) fn take_axes(&mut self, steps: [f64; 2], lateral: Option<Scale>) {
+    /// Uses the steps of the axes along and across lines as pixel sides, if no size is given otherwise and the unit is
+    /// known.
+    pub(super) fn set_pixel_from_axes(&mut self, steps: [f64; 2], lateral: Option<Scale>) {
         if let Some(lateral) = lateral.or(self.lateral)
             && !self.is_sized()
         {
@@ -232,43 +234,43 @@ impl Header {
         }
     }
 
-    /// What a height of 1 stands for: a unit goes before a factor.
+    /// Length that a height value of 1 represents; a unit has precedence over a factor.
     pub(super) fn value(&self) -> Option<Scale> {
         self.value_unit.or(self.value_factor)
     }
 
-    /// Whether a size of the map or of its pixels is stated, as above a matrix.
+    /// Whether a size of the map or of its pixels is stated, as for a matrix.
     pub(super) fn is_sized(&self) -> bool {
         let lengths = [self.width_m, self.height_m, self.side_m, self.pixel_m[0], self.pixel_m[1]];
-        lengths.iter().any(Option::is_some) || self.pixels[1].is_some() || !self.bare.is_empty()
+        lengths.iter().any(Option::is_some) || self.pixels[1].is_some() || !self.unitless.is_empty()
     }
 
-    /// Whether the size of a pixel depends on how many lines the file has.
+    /// Whether the pixel size depends on the number of lines in the file.
     pub(super) fn shares_sides(&self) -> bool {
         self.pixel_m.contains(&None) && (self.height_m.is_some() || self.side_m.is_some())
     }
 
-    /// Distances between lines and between the points of a line, in metres, of a map of `rows` lines of `cols` points.
+    /// Distances between lines and between the points of a line, in metres, for a map of `rows` lines of `cols` points.
     pub(super) fn grid_m(&self, rows: usize, cols: usize) -> [Option<f64>; 2] {
-        // The side of a scan with more points along one of its sides says nothing of the other.
+        // A single side length applies to both sides only if the counts of points are equal.
         let side_m = self.side_m.filter(|_| rows == cols);
         let share =
             |pixel_m: Option<f64>, side_m: Option<f64>, count| pixel_m.or(side_m.map(|side_m| side_m / count as f64));
         [share(self.pixel_m[1], self.height_m.or(side_m), rows), share(self.pixel_m[0], self.width_m.or(side_m), cols)]
     }
 
-    /// Whether `text`, below data, states a side of the map once more: another map begins.
-    pub(super) fn begins_another(&self, text: &str) -> bool {
+    /// Whether `text`, below data, states a side of the map again, so that another map begins.
+    pub(super) fn restates_side(&self, text: &str) -> bool {
         let key = text.strip_prefix(['#', '%']).and_then(entry).and_then(|(word, _)| Key::of(word));
         key == Some(Key::Width) && self.width_m.is_some() || key == Some(Key::Height) && self.height_m.is_some()
     }
 
-    /// Names a line that states a unit or a scale and is not used.
-    fn name_unused(&mut self, text: &str, line: usize) {
+    /// Records an unused line that states a unit or a scale.
+    fn record_unused(&mut self, text: &str, line: usize) {
         self.unused.push((line, excerpt(text)));
     }
 
-    /// What is to be told of lines that were not used.
+    /// Notes on unused header lines.
     pub(super) fn notes(&self) -> Vec<String> {
         let named = self.unused.iter().take(MAX_NAMED);
         let more = self.unused.len().saturating_sub(MAX_NAMED);
@@ -279,17 +281,19 @@ impl Header {
             )
             .collect()
     }
-    /// Titles such as `x_um,y_um,z_nm`, `X [um]  Y [um]  Z [nm]` or `"X (mm)","Y (mm)","Height (um)"`.
+    /// Reads column titles such as `x_um,y_um,z_nm`, `X [um]  Y [um]  Z [nm]` or `"X (mm)","Y (mm)","Height (um)"`.
     fn titles(&mut self, text: &str, line: usize) -> Result<bool, ReadError> {
         let joined = text.replace(" [", "_").replace(" (", "_");
         let titles: Vec<&str> = Delimiter::of(&joined).fields(&joined).take(4).collect();
         let [x, y, z] = titles[..] else { return Ok(false) };
-        /// What follows the word that a title begins with, where it is one of `names`.
-        fn behind<'a>(title: &'a str, names: &[&str]) -> Option<&'a str> {
+        /// Rest of a title after its first word, if that word is one of `names`.
+        fn after_first_word<'a>(title: &'a str, names: &[&str]) -> Option<&'a str> {
             let end = title.find(|c: char| !c.is_ascii_alphabetic()).unwrap_or(title.len());
             names.iter().any(|name| title[..end].eq_ignore_ascii_case(name)).then_some(&title[end..])
         }
-        let (Some(x), Some(y), Some(z)) = (behind(x, &["x"]), behind(y, &["y"]), behind(z, &["z", "height"])) else {
+        let (Some(x), Some(y), Some(z)) =
+            (after_first_word(x, &["x"]), after_first_word(y, &["y"]), after_first_word(z, &["z", "height"]))
+        else {
             return Ok(false);
         };
         self.titled = true;
@@ -297,20 +301,20 @@ impl Header {
         Ok(true)
     }
 
-    /// Units in a line of their own below the titles, as `um,um,nm` or `[um] [um] [nm]`.
+    /// Reads units on a line of their own below the titles, such as `um,um,nm` or `[um] [um] [nm]`.
     fn units_below_titles(&mut self, text: &str, line: usize) -> Result<bool, ReadError> {
         let cells: Vec<&str> = Delimiter::of(text).fields(text).take(4).collect();
         let [x, y, z] = cells[..] else { return Ok(false) };
-        let is_row = self.titled && [x, y, z].iter().all(|cell| Scale::parse(bare(cell)).is_some());
+        let is_row = self.titled && [x, y, z].iter().all(|cell| Scale::parse(without_brackets(cell)).is_some());
         if is_row {
             self.take_units([x, y, z], line)?;
         }
         Ok(is_row)
     }
 
-    /// Takes the units of x, y and z; nothing where none is named.
+    /// Stores the units of x, y and z; units that are not named stay unchanged.
     fn take_units(&mut self, cells: [&str; 3], line: usize) -> Result<(), ReadError> {
-        let [x, y, z] = cells.map(bare);
+        let [x, y, z] = cells.map(without_brackets);
         if x != y {
             let value = excerpt(&format!("{x} and {y}"));
             return Err(ReadError::Header { line, key: "unit of x and y", value, expected: "the same unit for both" });
@@ -325,21 +329,22 @@ impl Header {
     }
 }
 
-/// A unit without its brackets.
-fn bare(cell: &str) -> &str {
+/// Removes brackets around a unit.
+fn without_brackets(cell: &str) -> &str {
     cell.trim_matches(['_', '[', ']', '(', ')', ' ', '/'])
 }
 
-/// What lines above data without titles must be.
+/// Expected form of lines above data without titles, for messages.
 pub(super) const ABOVE_DATA: &str =
     "a number; lines above the data begin with #, or name a value, as \"Operator: Anna\"";
 
-/// Whether a line that begins with a word names a value behind it, as `Operator: Anna` or `Gain = 20`.
+/// Whether a line names a value, such as `Operator: Anna` or `Gain = 20`.
 pub(super) fn names_a_value(text: &str) -> bool {
     entry(text).is_some()
 }
 
-/// The word and the value of a line that names a value: with a colon or `=` between them, or the mark of a table behind a known word.
+/// Splits a line that names a value into word and value: at a colon or `=`, or at a table's delimiter after a known
+/// word.
 fn entry(text: &str) -> Option<(&str, String)> {
     if let Some((word, value)) = text.split_once([':', '=', '\u{ff1a}'])
         && !word.contains([';', ',', '\t'])
@@ -393,7 +398,7 @@ mod tests {
         assert!(close(read.width_m, 2e-6) && close(read.height_m, 1.5005e-6));
         let in_unit = header(&["# File Format = ASCII", "# z-unit = um"]).unwrap();
         assert_eq!(in_unit.value(), Some(LengthUnit::Micrometre.into()));
-        // The same words mean other units elsewhere.
+        // Other programs use the same words with other units.
         let other = header(&["# Daisy frame view snapshot", "# x-length: 40.0", "# x-unit: um"]).unwrap();
         assert_eq!((other.width_m, other.pixels), (None, [None; 2]));
     }
@@ -417,7 +422,7 @@ mod tests {
         assert_eq!((read.lateral, read.value()), (None, None));
         assert!(!Header::default().take("1 2 3", 1).unwrap());
         assert!(!Header::default().take("xerox yes zero", 1).unwrap());
-        // Units mean nothing without titles.
+        // A line of units counts only below titles.
         assert!(!Header::default().take("um,um,nm", 1).unwrap());
     }
 
@@ -446,12 +451,12 @@ mod tests {
         let read = read_map(text.as_bytes(), &ReadOptions::NONE).unwrap();
         assert_eq!((read.format, read.map.dx_m()), (MapFormat::Xyz, 1e-6));
         assert_eq!(read.map.heights_m(), [1e-9, 3e-9, 2e-9, 4e-9]);
-        // Lines that name a value are comments, and may say what comments do.
+        // Lines that name a value are read like comments.
         let named = "Instrument: Profiler 9\nOperator: AN\nWidth: 2 um\nHeight: 2 um\nValue units: nm\n1;2\n3;4\n";
         let named = read_map(named.as_bytes(), &ReadOptions::NONE).unwrap();
         assert_eq!((named.map.dx_m(), named.map.heights_m()), (1e-6, &[1e-9, 3e-9, 2e-9, 4e-9][..]));
         assert_eq!(named.comments[0], "Instrument: Profiler 9");
-        // Words of the instrument's own size neither refuse the points below titles nor make a matrix of them.
+        // Sizes of the instrument itself neither refuse the points below titles nor turn them into a matrix.
         for words in ["Height: 480\nWidth: 640", "Width: 10 mm\nHeight: 10 mm", "Value units: counts"] {
             let read =
                 read_map(format!("{words}\nX [um],Y [um],Z [nm]\n{points}").as_bytes(), &ReadOptions::NONE).unwrap();

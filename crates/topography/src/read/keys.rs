@@ -1,17 +1,17 @@
-//! Words of headers: what each means, in the languages in which programs write them.
+//! Words used in headers and their meanings, in the languages in which programs write them.
 
-/// What a line of a header states.
+/// Quantity stated by a header line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Key {
-    /// Side along x, of all points of a line.
+    /// Side along x: length of a line.
     Width,
-    /// Side along y, of all lines.
+    /// Side along y: extent of all lines.
     Height,
     /// Both sides of a square scan.
     Side,
-    /// Points of a line.
+    /// Number of points on a line.
     Cols,
-    /// Lines.
+    /// Number of lines.
     Rows,
     /// Both sides of a pixel.
     Pixel,
@@ -20,14 +20,14 @@ pub(super) enum Key {
     /// Side of a pixel along y.
     PixelY,
     HeightUnit,
-    /// Unit of heights, or of data that a factor makes heights, such as radians.
+    /// Unit of heights, or of data converted to heights by a factor, such as radians.
     DataUnit,
     HeightFactor,
     LateralUnit,
 }
 
-/// Words for each key: Gwyddion's in the languages of its interface, MountainsMap's, SPIP's, those of Attocube, Nova and
-/// Koala, and what people write themselves. The first stands for the key in messages.
+/// Words for each key: those of Gwyddion in the languages of its interface, of MountainsMap, SPIP, Attocube, Nova and
+/// Koala, and words that people write themselves. The first word stands for the key in messages.
 const WORDS: [(Key, &[&str]); 12] = [
     (
         Key::Width,
@@ -162,24 +162,24 @@ const WORDS: [(Key, &[&str]); 12] = [
 ];
 
 impl Key {
-    /// The key that a header calls `word`, in any case, with `-`, `_` or blanks between its parts.
+    /// The key for a header word, in any case, with `-`, `_` or blanks between its parts.
     pub(super) fn of(word: &str) -> Option<Self> {
         let word = plain(word);
         WORDS.iter().find(|(_, words)| words.iter().any(|known| plain(known) == word)).map(|(key, _)| *key)
     }
 
-    /// The word that messages use.
+    /// The word used in messages.
     pub(super) fn name(self) -> &'static str {
         WORDS.iter().find(|(key, _)| *key == self).map_or("", |(_, words)| words[0])
     }
 }
 
-/// A word in lower case, its parts separated by single blanks.
+/// Converts a word to lower case, with its parts separated by single blanks.
 fn plain(word: &str) -> String {
     word.to_lowercase().split([' ', '\u{a0}', '-', '_']).filter(|part| !part.is_empty()).collect::<Vec<_>>().join(" ")
 }
 
-/// Parts of words, in lower case, that speak of a unit or a scale ...
+/// Parts of words, in lower case, that indicate a unit or a scale.
 const SCALE_WORDS: [&str; 16] = [
     "unit",
     "einheit",
@@ -198,7 +198,7 @@ const SCALE_WORDS: [&str; 16] = [
     "step",
     "resolution",
 ];
-/// ... and of lengths that say nothing of heights or pixels.
+/// Parts of words, in lower case, of lengths that concern neither heights nor pixels.
 const OTHER_WORDS: [&str; 14] = [
     "offset",
     "origin",
@@ -216,15 +216,16 @@ const OTHER_WORDS: [&str; 14] = [
     "image size",
 ];
 
-/// Words of a name, at most.
+/// Largest number of words in a name.
 const MAX_NAME_WORDS: usize = 4;
 
-/// Whether a line that is not understood seems to state a unit or a scale; `is_length` if its value is a length or a unit.
+/// Whether a line that was not understood seems to state a unit or a scale; `is_length` tells whether its value is a
+/// length or a unit.
 pub(super) fn states_scale(word: &str, value: &str, is_length: bool) -> bool {
     let word = word.to_lowercase();
     let has = |words: &[&str]| words.iter().any(|part| word.contains(part));
     let has_number = value.chars().any(|c| c.is_ascii_digit());
-    // Sentences with a length at their end are remarks.
+    // Longer sentences that end with a length are remarks.
     let names = is_length && word.split_whitespace().count() <= MAX_NAME_WORDS;
     !has(&OTHER_WORDS) && (names || has(&["unit", "einheit"]) || has(&SCALE_WORDS) && has_number)
 }

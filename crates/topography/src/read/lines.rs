@@ -1,13 +1,13 @@
-//! Lines of a text that may be hostile: bounded in length, in any of the encodings instruments write.
+//! Lines of a text that may be hostile: limited in length, in any encoding that instruments write.
 
 use std::io::{BufRead, Read};
 
 use crate::ReadError;
 
-/// Longest line: a row of the largest map with 30 characters a height fits.
+/// Longest line: fits a row of the largest map with 30 characters per height.
 const MAX_LINE_BYTES: usize = 1 << 24;
 
-/// Numbered lines without their ends.
+/// Numbered lines without their line ends.
 pub(crate) struct Lines<R> {
     source: R,
     line: usize,
@@ -20,7 +20,7 @@ impl<R: BufRead> Lines<R> {
         Self { source, line: 0, bytes: Vec::new(), text: String::new() }
     }
 
-    /// Number of the line read last, from 1.
+    /// Number of the line read last, counted from 1.
     pub(crate) const fn line(&self) -> usize {
         self.line
     }
@@ -30,8 +30,8 @@ impl<R: BufRead> Lines<R> {
         Ok(self.read()?.map(str::trim))
     }
 
-    /// The next line, trimmed, but for tabs that may part fields, of which those at its ends are empty: tabs around fields
-    /// between tabs, around a field that is alone, and those of a line that holds nothing else. `None` at the end.
+    /// The next line, trimmed except for tabs that may separate empty fields at its ends: tabs around tab-separated
+    /// fields, around a single field, and those of a line of tabs only. `None` at the end.
     pub(crate) fn next_row(&mut self) -> Result<Option<&str>, ReadError> {
         let Some(text) = self.read()? else { return Ok(None) };
         let trimmed = text.trim();
@@ -42,7 +42,7 @@ impl<R: BufRead> Lines<R> {
         Ok(Some(trimmed))
     }
 
-    /// The next line as it stands, with its end.
+    /// The next line unchanged, including its line end.
     fn read(&mut self) -> Result<Option<&str>, ReadError> {
         self.bytes.clear();
         self.line += 1;
@@ -60,14 +60,14 @@ impl<R: BufRead> Lines<R> {
         self.text.clear();
         match std::str::from_utf8(&self.bytes) {
             Ok(text) => self.text.push_str(text),
-            // Not UTF-8: Latin-1, in which instruments write the micro sign as the byte 0xB5.
+            // Not UTF-8, so Latin-1, in which instruments write the micro sign as the byte 0xB5.
             Err(_) => self.text.extend(self.bytes.iter().map(|&byte| char::from(byte))),
         }
         Ok(Some(if self.line == 1 { self.text.trim_start_matches('\u{feff}') } else { &self.text }))
     }
 }
 
-/// What stands between two fields of a line.
+/// Delimiter between the fields of a line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Delimiter {
     Semicolon,
@@ -77,14 +77,14 @@ pub(crate) enum Delimiter {
 }
 
 impl Delimiter {
-    /// The delimiter that a line of data uses.
+    /// The delimiter used in a line of data.
     pub(crate) fn of(line: &str) -> Self {
         if line.contains(';') {
             Self::Semicolon
         } else if line.contains(',')
             && !(line.contains('\t') && Self::Comma.fields(line).any(|field| field.contains('\t')))
         {
-            // Tabs inside of what commas part are the marks themselves, and the commas decimal ones.
+            // If fields between commas contain tabs, then tabs are the delimiters and the commas are decimal.
             Self::Comma
         } else if line.contains('\t') {
             Self::Tab
@@ -93,7 +93,7 @@ impl Delimiter {
         }
     }
 
-    /// The character between two fields; none where blanks are.
+    /// The delimiter character; `None` for blanks.
     pub(crate) const fn mark(self) -> Option<char> {
         match self {
             Self::Semicolon => Some(';'),
@@ -103,42 +103,42 @@ impl Delimiter {
         }
     }
 
-    /// The part of `line` that holds its fields: tabs around them part empty ones where tabs are the marks.
+    /// The part of `line` that holds its fields. Tabs at its ends delimit empty fields if tabs are the delimiters.
     pub(crate) fn row(self, line: &str) -> &str {
         if self == Self::Tab { line } else { line.trim() }
     }
 
-    /// The fields of `line`, trimmed; one delimiter at its end closes the last field.
+    /// The fields of `line`, trimmed; a delimiter at the end of the line closes the last field.
     pub(crate) fn fields(self, line: &str) -> impl Iterator<Item = &str> {
         self.all_fields(self.mark().and_then(|mark| line.strip_suffix(mark)).unwrap_or(line))
     }
 
-    /// The fields of `line`, trimmed; behind a delimiter at its end stands an empty one.
+    /// The fields of `line`, trimmed; a delimiter at the end of the line is followed by an empty field.
     pub(crate) fn all_fields(self, line: &str) -> impl Iterator<Item = &str> {
         let mark = self.mark();
-        // Tables quote fields at will.
+        // Some programs quote fields.
         let marked = mark.map(|mark| line.split(mark).map(|field| field.trim().trim_matches('"')));
         let spaced = mark.is_none().then(|| line.split_whitespace());
         marked.into_iter().flatten().chain(spaced.into_iter().flatten())
     }
 
-    /// Whether `line` ends with the mark between fields: after its last field, or before one that is empty.
+    /// Whether `line` ends with a delimiter, either after its last field or before an empty one.
     pub(crate) fn ends(self, line: &str) -> bool {
         self.mark().is_some_and(|mark| line.ends_with(mark))
     }
 }
 
-/// The beginning of a field, for a message: a hostile file must not steer a terminal.
+/// Beginning of a field for a message, without control characters, with which a hostile file could control a terminal.
 pub(crate) fn excerpt(field: &str) -> String {
     field.chars().take(40).map(|c| if c.is_control() { char::REPLACEMENT_CHARACTER } else { c }).collect()
 }
 
-/// Whether `field` holds several numbers: commas part the fields, and are decimal ones.
+/// Whether `field` holds several numbers, which means that commas delimit fields and are decimal commas too.
 fn is_several(field: &str) -> bool {
     field.split_whitespace().nth(1).is_some_and(|second| second.starts_with(|c: char| c.is_ascii_digit() || c == '-'))
 }
 
-/// What a message says of `field`, which is no height.
+/// Expected text, for a message on a `field` that is not a height.
 pub(crate) fn expected_height(field: &str) -> &'static str {
     if is_several(field) {
         "one height between two commas; for decimal commas decimal_comma = true in a file, or --decimal-comma"
@@ -149,7 +149,7 @@ pub(crate) fn expected_height(field: &str) -> &'static str {
     }
 }
 
-/// What a message says of `field`, which is no coordinate.
+/// Expected text, for a message on a `field` that is not a coordinate.
 pub(crate) fn expected_coordinate(field: &str) -> &'static str {
     if is_several(field) {
         "one coordinate between two commas; for decimal commas decimal_comma = true in a file, or --decimal-comma"
@@ -160,9 +160,9 @@ pub(crate) fn expected_coordinate(field: &str) -> &'static str {
     }
 }
 
-/// A height: a number, or `None` where the file says that the point is missing.
+/// Parses a height: `Some(None)` if the field marks a missing point, `None` if it is neither a number nor such a mark.
 pub(crate) fn height(field: &str) -> Option<Option<f64>> {
-    // The last four are what C writes of NaN on Windows.
+    // The last four are forms of NaN written by C programs on Windows.
     const MISSING: [&str; 11] =
         ["", "nan", "bad", "---", "***", "no data", "nodata", "-nan", "nan(ind)", "-nan(ind)", "-1.#ind"];
     if MISSING.iter().any(|name| name.eq_ignore_ascii_case(field)) {
@@ -171,7 +171,7 @@ pub(crate) fn height(field: &str) -> Option<Option<f64>> {
     number(field).map(Some)
 }
 
-/// A finite number.
+/// Parses a finite number.
 pub(crate) fn number(field: &str) -> Option<f64> {
     field.parse().ok().filter(|value: &f64| value.is_finite())
 }

@@ -1,53 +1,54 @@
-//! Heights as a matrix, one row a line.
+//! Heights as a matrix, one row per line.
 
 use std::io::BufRead;
 
 use super::header::Header;
 use super::lines::{Delimiter, Lines, excerpt, expected_height, height};
-use super::overridden::Said;
+use super::overridden::StatedValues;
 use super::scale::Scale;
-use super::tables::Listed;
+use super::tables::CoordinateListCheck;
 use super::window::Window;
 use super::{MapFormat, ReadOptions};
 use crate::unit::unit_names;
 use crate::{HeightMap, MapOption, NotGiven, ReadError};
 
-/// Part by which the sides of a pixel may differ, beside what the header's sides are rounded by: some programs count the
-/// distances between pixels instead of pixels ...
-const NOT_SQUARE: f64 = 0.01;
-/// ... and at most, however coarsely the sides are rounded.
-const MAX_NOT_SQUARE: f64 = 0.06;
+/// Allowed relative difference of a pixel's sides, in addition to the rounding of the header's sides, because some
+/// programs count the distances between pixels instead of the pixels.
+const SQUARE_TOLERANCE: f64 = 0.01;
+/// Largest allowed relative difference of a pixel's sides, whatever the rounding.
+const MAX_SQUARE_TOLERANCE: f64 = 0.06;
 
-/// What the marks at the ends of lines say of a last column.
+/// Interpretation of delimiters at the ends of lines.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum LastField {
-    /// None ends with a mark, or the mark closes the last field.
+    /// Lines do not end with a delimiter, or the delimiter closes the last field.
     Counted,
-    /// All so far end with a mark: the last of the columns counted is empty, or none.
+    /// All lines so far end with a delimiter, so the last column is either empty or does not exist.
     Open,
 }
 
-/// Rows read so far, in the text's unit, NaN where missing.
+/// Rows read so far, in the file's unit, NaN where missing.
 #[derive(Debug)]
 pub(super) struct MatrixReader {
     delimiter: Delimiter,
-    /// What stands before the first field of a line.
+    /// Indentation before the first field of a line.
     indent: String,
-    /// Columns, with one that may be none.
+    /// Number of columns, including a last one that may not exist.
     cols: usize,
     last: LastField,
     row: Vec<f64>,
     window: Window,
-    /// Of a narrow table, whether it is a list of coordinates.
-    listed: Option<Listed>,
-    /// As long as all rows begin with the same tabs: what the rows are if these part empty fields, and are no indentation.
+    /// For a narrow table: checks whether it is a list of coordinates.
+    listed: Option<CoordinateListCheck>,
+    /// While all rows begin with the same tabs: a reader that takes these tabs as delimiters of empty fields instead of
+    /// indentation.
     unindented: Option<Box<MatrixReader>>,
-    /// What is refused if all rows begin with the same tabs, which are then an indentation.
+    /// The common tabs of all rows so far, and the error if they are an indentation.
     unless_indented: Option<(String, ReadError)>,
 }
 
 impl MatrixReader {
-    /// A reader of rows like `first`, on line `line`.
+    /// A reader for rows like `first`, which is on line `line`.
     pub(super) fn new(first: &str, line: usize, header: &Header, options: &ReadOptions) -> Result<Self, ReadError> {
         let delimiter = Delimiter::of(first);
         let first = delimiter.row(first);
@@ -57,7 +58,7 @@ impl MatrixReader {
             return indented;
         }
         match (indented, Self::of(delimiter, first, "", line, header, options)) {
-            // The header's count of columns decides where there is one.
+            // A column count in the header decides.
             (Ok(indented), _) if header.pixels[1].is_some() => Ok(indented),
             (Ok(indented), unindented) => Ok(Self { unindented: unindented.ok().map(Box::new), ..indented }),
             (Err(_), Ok(unindented)) if header.pixels[1].is_some() => Ok(unindented),
@@ -68,7 +69,7 @@ impl MatrixReader {
         }
     }
 
-    /// The same of rows that all begin with `indent`.
+    /// Like [`Self::new`], for rows that all begin with `indent`.
     fn of(
         delimiter: Delimiter,
         first: &str,
@@ -87,20 +88,21 @@ impl MatrixReader {
         };
         let window = Window::new(None, cols as u64, options.crop, options.decimation)?;
         let (indent, row) = (indent.to_owned(), Vec::new());
-        // A form or a number of columns that is given decides.
+        // A given format or number of columns decides.
         let is_open = options.format.is_none() && header.pixels[1].is_none();
-        let listed = Listed::new(cols).filter(|_| is_open);
+        let listed = CoordinateListCheck::new(cols).filter(|_| is_open);
         Ok(Self { delimiter, indent, cols, last, row, window, listed, unindented: None, unless_indented: None })
     }
 
-    /// Whether `text`, which holds nothing but tabs, is a row in which every point is missing.
+    /// Whether `text`, which contains only tabs, is a row of missing points.
     pub(super) fn is_row_of_missing(&self, text: &str) -> bool {
         let Some(tabs) = text.len().checked_sub(self.indent.len()) else { return false };
         let is_closed = self.last == LastField::Counted && tabs == self.cols;
         self.delimiter == Delimiter::Tab && !text.is_empty() && (tabs + 1 == self.cols || is_closed)
     }
 
-    /// Takes tabs before `text`, a row, for empty fields where it does not begin with those that would be an indentation.
+    /// Takes leading tabs as delimiters of empty fields, if the row `text` does not begin with the presumed
+    /// indentation.
     fn compare_indent(&mut self, text: &str) {
         if self.unless_indented.as_ref().is_some_and(|(indent, _)| !text.starts_with(&indent[..])) {
             self.unless_indented = None;
@@ -112,8 +114,8 @@ impl MatrixReader {
         }
     }
 
-    /// Columns for sure.
-    fn sure_cols(&self) -> usize {
+    /// Number of columns known to exist.
+    fn known_cols(&self) -> usize {
         self.cols - usize::from(self.last == LastField::Open)
     }
 
@@ -138,16 +140,16 @@ impl MatrixReader {
         if self.last == LastField::Counted && self.row.len() == self.cols + 1 && ends {
             self.row.pop();
         } else if self.last == LastField::Open && !ends {
-            if self.row.len() == self.sure_cols() {
-                self.without_last_col()?;
+            if self.row.len() == self.known_cols() {
+                self.drop_last_col()?;
             } else if self.row.len() == self.cols {
                 self.last = LastField::Counted;
             }
         }
         if self.row.len() != self.cols {
-            // A mark at the end closes the last field.
+            // A delimiter at the end closes the last field.
             let found = self.row.len() - usize::from(ends);
-            return Err(ReadError::RowLength { line, found, expected: self.sure_cols() });
+            return Err(ReadError::RowLength { line, found, expected: self.known_cols() });
         }
         if let Some(listed) = &mut self.listed {
             listed.push(&self.row);
@@ -155,14 +157,14 @@ impl MatrixReader {
         self.window.push(&self.row)
     }
 
-    /// Takes the mark at the ends of lines as what closes their last field.
-    fn without_last_col(&mut self) -> Result<(), ReadError> {
+    /// Interprets the delimiter at the ends of lines as closing their last field.
+    fn drop_last_col(&mut self) -> Result<(), ReadError> {
         self.cols -= 1;
         self.last = LastField::Counted;
-        self.window.without_last_col()
+        self.window.drop_last_col()
     }
 
-    /// Whether all rows asked for have been read.
+    /// Whether all requested rows have been read.
     pub(super) fn is_full(&self) -> bool {
         self.window.is_full()
     }
@@ -172,15 +174,15 @@ impl MatrixReader {
         self.window.is_whole()
     }
 
-    /// Rows of the whole text: those read and, if the header's sides must be shared among all or their number is
-    /// known, those to come. No row follows: a last column of which no row had a height is none.
+    /// Number of rows of the whole text: those read and, if the header's sides must be divided among all rows or their
+    /// number is known, those still to come. A last column without any height is removed.
     pub(super) fn count_rest(
         &mut self,
         lines: &mut Lines<impl BufRead>,
         options: &ReadOptions,
         header: &Header,
     ) -> Result<usize, ReadError> {
-        self.listed.as_ref().map_or(Ok(()), Listed::check)?;
+        self.listed.as_ref().map_or(Ok(()), CoordinateListCheck::check)?;
         let mut rows = self.window.rows_seen();
         let shared = options.pixel_m.is_none() && header.shares_sides();
         let is_undecided = self.last == LastField::Open && self.window.takes_last_col();
@@ -188,7 +190,7 @@ impl MatrixReader {
         if shared || header.pixels[0].is_some() || is_undecided || may_be_indented {
             while let Some(text) = lines.next_row()? {
                 let is_blank = text.trim().is_empty() && !self.is_row_of_missing(text);
-                if header.begins_another(text) {
+                if header.restates_side(text) {
                     break;
                 }
                 if is_blank || text.starts_with(['#', '%']) {
@@ -210,7 +212,7 @@ impl MatrixReader {
             return Err(refused);
         }
         if self.last == LastField::Open {
-            self.without_last_col()?;
+            self.drop_last_col()?;
         }
         match header.pixels[0] {
             Some(expected) if expected != rows as u64 => {
@@ -221,28 +223,28 @@ impl MatrixReader {
         }
     }
 
-    /// What neither the header nor the caller says, where the pixel of a text as far as it is read is `grid_m`.
-    fn not_given(grid_m: [Option<f64>; 2], header: &Header, options: &ReadOptions) -> Vec<NotGiven> {
+    /// Quantities given neither by the header nor by the caller; `grid_m` is the pixel as far as the text is read.
+    fn missing_quantities(grid_m: [Option<f64>; 2], header: &Header, options: &ReadOptions) -> Vec<NotGiven> {
         let unit = options.height_unit.is_none() && header.value().is_none();
         let pixel = options.pixel_m.is_none() && grid_m.contains(&None);
         let way = NotGiven { what: "pixel size", expected: HOW_TO_GIVE_PIXEL, option: MapOption::Pixel };
         unit.then_some(NO_HEIGHT_UNIT).into_iter().chain(pixel.then_some(way)).collect()
     }
 
-    /// What neither the header nor the caller says.
+    /// Quantities given neither by the header nor by the caller.
     pub(super) fn missing(header: &Header, options: &ReadOptions) -> Vec<NotGiven> {
-        Self::not_given(header.grid_m(1, 1), header, options)
+        Self::missing_quantities(header.grid_m(1, 1), header, options)
     }
 
-    /// The pixel of `rows` lines, unless rows seem to be missing.
+    /// Pixel sides for `rows` lines; refused if rows seem to be missing.
     fn grid_m(&self, rows: usize, header: &Header) -> Result<[Option<f64>; 2], ReadError> {
         let grid_m = header.grid_m(rows, self.cols);
-        // Where the header tells the counts, they have been compared.
-        let is_told = header.pixels[0].is_some() || header.pixel_m.iter().any(Option::is_some);
-        let allowed = (NOT_SQUARE + header.rounding.iter().sum::<f64>()).min(MAX_NOT_SQUARE);
+        // Counts stated in the header were compared already.
+        let is_stated = header.pixels[0].is_some() || header.pixel_m.iter().any(Option::is_some);
+        let allowed = (SQUARE_TOLERANCE + header.rounding.iter().sum::<f64>()).min(MAX_SQUARE_TOLERANCE);
         match (header.height_m.zip(header.width_m), grid_m) {
             (Some((height_m, width_m)), [Some(along_y_m), Some(along_x_m)])
-                if !is_told && off_square([along_y_m, along_x_m]) > allowed =>
+                if !is_stated && log_aspect_ratio([along_y_m, along_x_m]) > allowed =>
             {
                 Err(ReadError::Oblong { sides_m: [height_m, width_m], rows, cols: self.cols })
             }
@@ -250,16 +252,16 @@ impl MatrixReader {
         }
     }
 
-    /// What the header says, where `rows` rows were counted.
-    pub(super) fn said(&self, rows: usize, header: &Header) -> Said {
-        // Rows behind a crop are not counted where the pixel is given.
+    /// The header's values, for `rows` counted rows.
+    pub(super) fn stated_values(&self, rows: usize, header: &Header) -> StatedValues {
+        // Rows behind a crop are not counted if the pixel size is given.
         let is_counted = self.window.is_whole() || header.pixels[0].is_some();
         let [along_y_m, along_x_m] = header.grid_m(rows, self.cols);
         let along_y_m = along_y_m.filter(|_| is_counted || header.pixel_m[1].is_some());
-        Said { pixel_m: [along_x_m, along_y_m], height_unit: header.value(), lateral_unit: None }
+        StatedValues { pixel_m: [along_x_m, along_y_m], height_unit: header.value(), lateral_unit: None }
     }
 
-    /// The map, on pixels that share the header's sides among `rows` rows.
+    /// The map, with the header's sides divided among `rows` rows.
     pub(super) fn finish(self, rows: usize, header: &Header, options: &ReadOptions) -> Result<HeightMap, ReadError> {
         let scale = options.height_unit.map(Scale::from).or(header.value());
         let grid_m = match options.grid_m() {
@@ -267,29 +269,29 @@ impl MatrixReader {
             None => self.grid_m(rows, header)?,
         };
         let (Some(scale), [Some(along_y_m), Some(along_x_m)]) = (scale, grid_m) else {
-            return Err(ReadError::NotGiven { missing: Self::not_given(grid_m, header, options) });
+            return Err(ReadError::NotGiven { missing: Self::missing_quantities(grid_m, header, options) });
         };
         self.window.finish_lines([along_y_m, along_x_m], |value| scale.to_metres(value))
     }
 }
 
-/// The logarithm by which the sides of a pixel differ.
-fn off_square([dx_m, dy_m]: [f64; 2]) -> f64 {
+/// Logarithm of the ratio of a pixel's sides.
+fn log_aspect_ratio([dx_m, dy_m]: [f64; 2]) -> f64 {
     (dx_m / dy_m).ln().abs()
 }
 
-/// Whether pixels with these sides are square to readers of a header that tells the sides of a whole map.
-pub(crate) fn square(dx_m: f64, dy_m: f64) -> bool {
-    off_square([dx_m, dy_m]) <= NOT_SQUARE
+/// Whether these pixel sides count as square for readers of a header that gives the sides of a whole map.
+pub(crate) fn is_square(dx_m: f64, dy_m: f64) -> bool {
+    log_aspect_ratio([dx_m, dy_m]) <= SQUARE_TOLERANCE
 }
 
-/// A text without a unit of its heights.
+/// Error entry for a text without a unit of heights.
 pub(super) const NO_HEIGHT_UNIT: NotGiven = NotGiven {
     what: "unit of the heights",
     expected: concat!("a header line such as \"# Value units: um\", or a unit by option: ", unit_names!()),
     option: MapOption::HeightUnit,
 };
-/// How a text without a pixel size can be read.
+/// Ways to give the pixel size of a text.
 const HOW_TO_GIVE_PIXEL: &str =
     "header lines such as \"# Width: 1 mm\" and \"# Height: 1 mm\", or a pixel size by option";
 
@@ -297,7 +299,7 @@ const HOW_TO_GIVE_PIXEL: &str =
 mod tests {
     use crate::{ReadOptions, read_map};
 
-    /// Rows of 64 heights under a header that tells the sides.
+    /// Rows of 64 heights below a header that gives the sides.
     fn text(width: &str, height: &str, rows: usize) -> String {
         let row = |i: usize| (0..64).map(|j| format!("{}\t", (i * j) % 7)).collect::<String>() + "\n";
         let rows: String = (0..rows).map(row).collect();
@@ -316,10 +318,11 @@ mod tests {
             assert!(said.contains(&format!("{rows} rows and 64 columns")) && said.contains("cut short"), "{said}");
         }
         assert!(refused(&text("128.0 um", "128.0 um", 24), &plain).unwrap().contains("pixels of 2 x 5.33333 um"));
-        // A crop changes nothing in that.
+        // A crop does not change this.
         let crop = crate::Crop { first_row: 0, first_col: 0, rows: 8, cols: 8 };
         assert!(refused(&text("128.0 um", "128.0 um", 24), &ReadOptions { crop: Some(crop), ..plain }).is_some());
-        // Whole ones, with sides rounded or counted from pixel to pixel, pass; so do sides that the caller gives.
+        // Complete files pass if the sides are rounded or counted from pixel to pixel, and so do sides given by the
+        // caller.
         for (width, height) in
             [("128.0 um", "128.0 um"), ("0.128 mm", "1.28e-1 mm"), ("0.13 mm", "0.128 mm"), ("127 um", "128 um")]
         {
@@ -327,7 +330,7 @@ mod tests {
         }
         let given = ReadOptions { pixel_m: Some([2e-6, 5.3e-6]), ..plain };
         assert_eq!(refused(&text("128.0 um", "128.0 um", 24), &given), None);
-        // Of oblong pixels a header may tell the rows.
+        // For oblong pixels the header may state the number of rows.
         let told = text("128.0 um", "128.0 um", 24).replacen("# Width", "# Rows: 24\n# Width", 1);
         assert_eq!(refused(&told, &plain), None);
         let cut = told.rsplit_once("\n").unwrap().0.rsplit_once("\n").unwrap().0;
@@ -339,7 +342,7 @@ mod tests {
         let um = Some(crate::LengthUnit::Micrometre);
         let given = ReadOptions { pixel_m: Some([1e-6; 2]), height_unit: um, ..ReadOptions::NONE };
         let map = |text: &str, options| read_map(text.as_bytes(), &options);
-        // As text, in which NaN equals NaN.
+        // Compared as text, in which NaN equals NaN.
         let read = |text: &str, options| map(text, options).map(|read| format!("{:?} {}", read.map, read.whole));
         let whole = "1,NaN,3,4,5\nNaN,6,7,8,NaN\n9,10,11,NaN,12\n";
         for mark in [";", "\t", ","] {
@@ -347,16 +350,17 @@ mod tests {
             assert_eq!(map(&written, given).unwrap().map.missing(), 4);
             let expected = read(&written, given);
             let empty = written.replace("NaN", "");
-            // At the left edge, in the middle, at the right edge; closed by a mark on every line, too.
+            // Missing at the left edge, in the middle, and at the right edge, also with a delimiter that closes every
+            // line.
             let closed = empty.replace('\n', &format!("{mark}\n"));
             for text in [&empty, &closed] {
                 assert_eq!(read(text, given), expected, "{text}");
             }
-            // The first row may be the one with the hole.
+            // The first row may be the one with the missing point.
             let first_hole = format!("1{mark}2{mark}3{mark}4{mark}\n{empty}");
             let expected = map(&format!("1{mark}2{mark}3{mark}4{mark}NaN\n{written}"), given).unwrap().map;
             assert_eq!(read(&first_hole, given), Ok(format!("{expected:?} true")), "{first_hole}");
-            // In blocks, too, and where a crop ends before the column is seen to be one.
+            // Also in blocks, and if a crop ends before the column is found not to exist.
             let pick = crate::Decimation { factor: 2, method: crate::DecimationMethod::Pick };
             let blocks = ReadOptions { decimation: Some(pick), ..given };
             let joined = expected.transposed().windowed(None, Some(pick)).unwrap().transposed();
@@ -365,7 +369,7 @@ mod tests {
                 ReadOptions { crop: Some(crate::Crop { first_row: 0, first_col: 3, rows: 1, cols: 2 }), ..given };
             assert!(!map(&first_hole, crop).unwrap_err().to_string().contains("crop"), "{mark:?}");
         }
-        // Four columns in blocks of four, closed on every line: the mark adds no block.
+        // Four columns in blocks of four, closed on every line: the delimiter adds no block.
         let four = "1;2;3;4;\n".repeat(8);
         let of_four = |factor| crate::Decimation { factor, method: crate::DecimationMethod::Pick };
         for factor in [1, 2] {
@@ -373,7 +377,7 @@ mod tests {
             let expected = read(&four.replace(";\n", "\n"), options).unwrap();
             assert_eq!(read(&four, options).unwrap(), expected);
         }
-        // A row that is short stays so; the header's count of columns decides where there is one.
+        // A short row stays short; a column count in the header decides.
         for (text, said) in [
             ("1;2;3;4\n1;2;3\n", "line 2: 3 values: expected 4"),
             ("1;2;3;4;\n1;2;\n", "expected 4"),
@@ -385,9 +389,9 @@ mod tests {
         let told = |count: usize| format!("# File Format = ASCII\n# x-pixels = {count}\n1;2;3;\n4;5;6;\n");
         let missing = [3, 4].map(|count| map(&told(count), given).unwrap().map.missing());
         assert_eq!(missing, [0, 2]);
-        // Tabs beside other marks are blanks, also at the ends of lines.
+        // Tabs next to other delimiters are blanks, also at the ends of lines.
         assert_eq!(map("1;\t2;\t3;\t4;\t\n5;\t6;\t7;\t8;\t\n", given).unwrap().map.missing(), 0);
-        // A crop of a column that is none is refused, not narrowed.
+        // A crop of a column that does not exist is refused, not narrowed.
         let crop = |cols| Some(crate::Crop { first_row: 0, first_col: 1, rows: 2, cols });
         let cropped = |cols| read("1;2;3;4;\n5;6;7;8;\n", ReadOptions { crop: crop(cols), ..given });
         assert!(cropped(3).is_ok() && matches!(cropped(4), Err(crate::ReadError::CropOutside { .. })));

@@ -1,4 +1,4 @@
-//! Altitude maps from what instruments write. The format is told by content, not by name.
+//! Reads altitude maps from the formats that instruments write. The format is recognised by content, not by name.
 //!
 //! | format | told by | sizes and units |
 //! |---|---|---|
@@ -13,15 +13,17 @@
 //! | [`Sur`](MapFormat::Sur), Digital Surf, plain or compressed | `DIGITAL SURF`, `DSCOMPRESSED` | in the header |
 //! | [`X3p`](MapFormat::X3p), XML 3-D surface | a zip archive | metres |
 //!
-//! Units of text are m, cm, mm, um, nm, pm, and in headers inches, mils, Angstrom and multiples such as 10 nm. Values stand between spaces, tabs, commas or semicolons; `NaN`,
-//! `BAD`, `---`, `***`, `No Data` and an empty field mark a missing point; marks that end all lines close their last field, tabs that begin all lines indent
-//! them, and a line of as many tabs as rows have is a row of missing points. Other lines that begin with `#` or `%` are comments,
-//! in UTF-8 or Latin-1, and so are lines above the data that name a value, as `Operator: Anna`; both may say sizes and units.
+//! Units of text are m, cm, mm, um, nm, pm, and in headers inches, mils, Angstrom and multiples such as 10 nm. Values
+//! are separated by spaces, tabs, commas or semicolons. `NaN`, `BAD`, `---`, `***`, `No Data` and an empty field mark a
+//! missing point. Delimiters that end all lines close their last field, tabs that begin all lines are an indentation,
+//! and a line of as many tabs as rows have is a row of missing points. Other lines that begin with `#` or `%` are
+//! comments, in UTF-8 or Latin-1, and so are lines above the data that name a value, such as `Operator: Anna`; both may
+//! state sizes and units.
 //!
-//! Lines of a matrix, and what the instruments call x, run along our y (the file's width); the first line is
-//! x = 0. Points x y z keep their axes. All formats but points x y z, the archive of an X3P and what is packed in a
-//! compressed `.sur` stream: no more is held than what [`ReadOptions::crop`] and [`ReadOptions::decimation`] keep. Sizes that a file claims are
-//! checked and never reserved: memory grows with the heights that arrive.
+//! Lines of a matrix, which instruments call x, run along this crate's y (the file's width); the first line is x = 0.
+//! Points x y z keep their axes. Only the heights kept by [`ReadOptions::crop`] and [`ReadOptions::decimation`] are
+//! held in memory, except for points x y z, the archive of an X3P and the packed stream of a compressed `.sur`. Sizes
+//! stated by a file are checked and memory is never reserved for them: memory grows with the heights that arrive.
 
 mod bytes;
 mod comma;
@@ -53,25 +55,26 @@ mod zygo;
 use std::io::{BufRead, BufReader, Cursor, Read};
 
 pub use foreign::Foreign;
-pub(crate) use matrix::square;
+pub(crate) use matrix::is_square;
 use text::read_text;
 use utf16::Utf16;
 pub use window::{Crop, Decimation, DecimationMethod};
 
 use crate::{HeightMap, LengthUnit, ReadError};
 
-/// Comments kept for the reader of a report.
+/// Number of comments kept.
 const MAX_COMMENTS: usize = 100;
-/// Characters kept of each.
+/// Characters kept of each comment.
 const MAX_COMMENT_CHARS: usize = 300;
-/// Bytes by which a format is told.
-const START: usize = 64;
-/// Packed data that hold more heights than this for each of their bytes, and more than [`HARMLESS_HEIGHTS`], are a
-/// bomb: measured heights keep at least a bit of noise each. So a map takes at most 64 times its file, or 8 MiB.
+/// Number of bytes from which the format is recognised.
+const SIGNATURE_BYTES: usize = 64;
+/// Heights per packed byte above which packed data are refused as a decompression bomb, if there are more than
+/// [`HARMLESS_HEIGHTS`]. Measured heights keep at least one bit of noise each, so a map takes at most 64 times its
+/// file, or 8 MiB.
 const MAX_HEIGHTS_PER_BYTE: u64 = 8;
 const HARMLESS_HEIGHTS: u64 = 1 << 20;
 
-/// How a file holds a map.
+/// File format of a map.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum MapFormat {
     /// A matrix of heights, as text.
@@ -94,7 +97,7 @@ impl MapFormat {
     /// All formats.
     pub const ALL: [Self; 7] = [Self::Matrix, Self::Xyz, Self::Gsf, Self::Npy, Self::Sdf, Self::Sur, Self::X3p];
 
-    /// What messages call it.
+    /// Name used in messages.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -109,33 +112,33 @@ impl MapFormat {
     }
 }
 
-/// What the caller knows about a file, and wants of it; what is given here goes before what the header says.
+/// What the caller knows about a file and wants from it; values given here have precedence over the header.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ReadOptions {
-    /// The form; `None` decides by content: titles x, y, z stand above points, a header with width or height above a
-    /// matrix, otherwise three values on the first line of data are points.
+    /// The format; `None` recognises it by content: titles x, y, z mean points, a header with width or height means a
+    /// matrix, otherwise three values on the first line of data mean points.
     pub format: Option<MapFormat>,
-    /// Sides of the file's pixels along x, between the points of a line, and along y, between lines, in metres.
+    /// Pixel sides of the file along x (between the points of a line) and along y (between lines), in metres.
     pub pixel_m: Option<[f64; 2]>,
     /// Unit of the heights.
     pub height_unit: Option<LengthUnit>,
     /// Unit of the points' x and y, or of the header's sides.
     pub lateral_unit: Option<LengthUnit>,
-    /// Text has decimal commas, `1,5`: they need not be told where nothing else can be meant.
+    /// Whether text has decimal commas, `1,5`; need not be set if no other reading is possible.
     pub decimal_comma: bool,
-    /// The part of the grid to keep.
+    /// Part of the grid to keep.
     pub crop: Option<Crop>,
-    /// Blocks of pixels to join, after cropping.
+    /// Blocks of pixels to average after cropping.
     pub decimation: Option<Decimation>,
 }
 
 impl ReadOptions {
-    /// Distances between lines and between the points of a line, in metres, where the caller gives them.
+    /// Distances between lines and between the points of a line, in metres, if given by the caller.
     pub(crate) fn grid_m(&self) -> Option<[f64; 2]> {
         self.pixel_m.map(|[x_m, y_m]| [y_m, x_m])
     }
 
-    /// Nothing known, everything wanted.
+    /// Nothing is known, and the whole map is wanted.
     pub const NONE: Self = Self {
         format: None,
         pixel_m: None,
@@ -147,23 +150,23 @@ impl ReadOptions {
     };
 }
 
-/// A map as it was read.
+/// A map as read, with information on the file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ReadMap {
     /// The map, missing points NaN.
     pub map: HeightMap,
-    /// Every pixel of the file is in the map: nothing was cropped, and no row or column left over by decimation.
+    /// Whether every pixel of the file is in the map: nothing was cropped, and decimation left no row or column over.
     pub whole: bool,
-    /// The form that was found or forced.
+    /// Format recognised or given.
     pub format: MapFormat,
-    /// The first comment lines, without their mark, and what else a header says in words.
+    /// The first comment lines, without their comment mark, and other text from a header.
     pub comments: Vec<String>,
-    /// What a user should know about how the file was understood.
+    /// Notes for the user on how the file was interpreted.
     pub notes: Vec<String>,
 }
 
 impl ReadMap {
-    /// Whether the file says of itself that the surface is synthetic, not measured.
+    /// Whether the file states that the surface is synthetic.
     #[must_use]
     pub fn is_synthetic(&self) -> bool {
         self.comments.iter().any(|comment| comment.to_ascii_lowercase().contains("synthetic"))
@@ -173,11 +176,11 @@ impl ReadMap {
 /// Reads a map.
 ///
 /// # Errors
-/// [`ReadError`] names the line or entry and the value that cannot be understood, or what is missing.
+/// [`ReadError`] names the line or entry and the value that cannot be understood, or the missing quantity.
 pub fn read_map(mut source: impl BufRead, options: &ReadOptions) -> Result<ReadMap, ReadError> {
-    let mut start = Vec::with_capacity(START);
+    let mut start = Vec::with_capacity(SIGNATURE_BYTES);
     (&mut source)
-        .take(START as u64)
+        .take(SIGNATURE_BYTES as u64)
         .read_to_end(&mut start)
         .map_err(|error| ReadError::Source { line: 1, reason: error.to_string() })?;
     let format = match options.format {
@@ -199,7 +202,7 @@ pub fn read_map(mut source: impl BufRead, options: &ReadOptions) -> Result<ReadM
     }
 }
 
-/// The format of a file that begins with `start`; `None` is text.
+/// Recognises the format of a file that begins with `start`; `None` is text.
 fn format_of(start: &[u8]) -> Result<Option<MapFormat>, ReadError> {
     let begins = |magic: &[u8]| start.starts_with(magic);
     let format = if begins(gsf::MAGIC) {
@@ -217,7 +220,7 @@ fn format_of(start: &[u8]) -> Result<Option<MapFormat>, ReadError> {
     } else if let Some(foreign) = foreign::of(start) {
         return Err(ReadError::Foreign(foreign));
     } else if start.iter().any(|&byte| byte < 9) {
-        // No text has such bytes.
+        // No text contains such bytes.
         return Err(ReadError::Unrecognized { beginning: start[..start.len().min(16)].escape_ascii().to_string() });
     } else {
         return Ok(None);
@@ -225,14 +228,14 @@ fn format_of(start: &[u8]) -> Result<Option<MapFormat>, ReadError> {
     Ok(Some(format))
 }
 
-/// Keeps a comment, within bounds.
+/// Stores a comment, within the limits.
 fn keep_comment(comments: &mut Vec<String>, comment: &str) {
     if comments.len() < MAX_COMMENTS && !comment.is_empty() {
         comments.push(comment.chars().take(MAX_COMMENT_CHARS).collect());
     }
 }
 
-/// Refuses `packed` bytes that unpack to far more heights, of `bytes_each`, than measured ones ever do.
+/// Refuses `packed` bytes that expand to far more heights, of `bytes_each`, than measured data do.
 fn check_expansion(format: &'static str, heights: u64, bytes_each: u64, packed: u64) -> Result<(), ReadError> {
     if heights > HARMLESS_HEIGHTS && heights / MAX_HEIGHTS_PER_BYTE > packed {
         let (unpacked, most_expansion) = (heights.saturating_mul(bytes_each), MAX_HEIGHTS_PER_BYTE * bytes_each);
@@ -241,7 +244,7 @@ fn check_expansion(format: &'static str, heights: u64, bytes_each: u64, packed: 
     Ok(())
 }
 
-/// Heights in micrometres on pixels of a micrometre, and nothing else: what tests read.
+/// Options of most tests: heights in micrometres on pixels of one micrometre.
 #[cfg(test)]
 const GIVEN: ReadOptions = ReadOptions {
     pixel_m: Some([1e-6; 2]),
@@ -260,7 +263,7 @@ mod tests {
         read_map(text.as_bytes(), &ReadOptions::default())
     }
 
-    /// The message with which `text` is refused, read as micrometres on pixels of a micrometre.
+    /// The error message for `text`, read as micrometres on pixels of one micrometre.
     fn refused(text: &str) -> String {
         read_map(text.as_bytes(), &GIVEN).unwrap_err().to_string()
     }
@@ -288,7 +291,7 @@ mod tests {
         assert_eq!((found.format, map.rows(), map.cols(), map.missing()), (MapFormat::Matrix, 3, 2, 1));
         assert!((map.dx_m() - 2e-6).abs() < 1e-20 && (map.dy_m() - 1e-6).abs() < 1e-20);
         assert!((map.heights_m()[3] - 2.5e-9).abs() < 1e-24);
-        // A unit goes before the factor.
+        // A unit has precedence over a factor.
         let with_unit = text.replace("# Start", "# z-unit = um\r\n# Start");
         assert!((read(&with_unit).unwrap().map.heights_m()[3] - 5e-6).abs() < 1e-21);
         let refused = |from: &str, to: &str| read(&text.replace(from, to)).unwrap_err().to_string();

@@ -1,6 +1,6 @@
-//! NumPy array (`.npy`, versions 1 to 3): a magic string, the length of a header, the header as a Python
-//! dictionary of `descr`, `fortran_order` and `shape`, then the numbers. The first index runs along our x.
-//! Pixel size and unit are not in the file.
+//! NumPy array (`.npy`, versions 1 to 3): a magic string, the length of the header, the header as a Python dictionary
+//! of `descr`, `fortran_order` and `shape`, then the numbers. The first index runs along this crate's x. The file has
+//! no pixel size and no unit.
 
 use std::io::Read;
 
@@ -8,14 +8,14 @@ use super::bytes::{Number, at_end, exact, numbers, unreadable};
 use super::header::Header;
 use super::lines::excerpt;
 use super::matrix::MatrixReader;
-use super::overridden::Said;
+use super::overridden::StatedValues;
 use super::window::{Crop, Window};
 use super::{MapFormat, ReadMap, ReadOptions};
 use crate::ReadError;
 
 pub(super) const MAGIC: &[u8] = b"\x93NUMPY";
 const FORMAT: &str = MapFormat::Npy.name();
-/// Longest header: the writer pads to 64 or 128 bytes.
+/// Longest header; NumPy pads it to a multiple of 64 or 128 bytes.
 const MAX_HEADER_BYTES: usize = 1 << 16;
 
 pub(super) fn read(mut source: impl Read, options: &ReadOptions) -> Result<ReadMap, ReadError> {
@@ -50,7 +50,7 @@ pub(super) fn read(mut source: impl Read, options: &ReadOptions) -> Result<ReadM
         let missing = MatrixReader::missing(&Header::default(), options);
         return Err(ReadError::NotGiven { missing });
     };
-    // Column after column is the transposed array row after row.
+    // An array stored by columns is the transposed array stored by rows.
     let (file, crop, pixel) = if fortran_order {
         let turned = |crop: Crop| Crop {
             first_row: crop.first_col,
@@ -72,14 +72,14 @@ pub(super) fn read(mut source: impl Read, options: &ReadOptions) -> Result<ReadM
     }
     let whole = window.is_whole();
     let to_metres = |height| height_unit.to_metres(height);
-    // Lines are the rows of the array: column after column comes as the map wants it.
+    // An array stored by columns already has the order of the map; one stored by rows is a file of lines.
     let map = if fortran_order { window.finish(pixel, to_metres)? } else { window.finish_lines(pixel, to_metres)? };
     Ok(ReadMap {
         map,
         whole,
         format: MapFormat::Npy,
         comments: Vec::new(),
-        notes: Said::default().notes(options, MapFormat::Npy),
+        notes: StatedValues::default().notes(options, MapFormat::Npy),
     })
 }
 
@@ -87,7 +87,7 @@ fn refused(field: &'static str, value: String, expected: &'static str) -> ReadEr
     ReadError::Field { format: FORMAT, field, value, expected }
 }
 
-/// What follows `'key':` in the header.
+/// Returns the text after `'key':` in the header.
 fn entry<'h>(header: &'h str, key: &str) -> Option<&'h str> {
     ['\'', '"'].into_iter().find_map(|quote| {
         let (_, after) = header.split_once(&format!("{quote}{key}{quote}"))?;
@@ -95,7 +95,7 @@ fn entry<'h>(header: &'h str, key: &str) -> Option<&'h str> {
     })
 }
 
-/// How the numbers are stored, and whether their highest byte comes first.
+/// Storage type of the numbers, and whether they are big endian.
 fn number(header: &str) -> Result<(Number, bool), ReadError> {
     let value = entry(header, "descr").unwrap_or_default();
     let name = value.trim_start_matches(['\'', '"']).split(['\'', '"']).next().unwrap_or_default();
@@ -121,7 +121,7 @@ fn number(header: &str) -> Result<(Number, bool), ReadError> {
     Ok((number, order))
 }
 
-/// Rows and columns.
+/// Number of rows and columns.
 fn shape(header: &str) -> Result<[u64; 2], ReadError> {
     let value = entry(header, "shape").unwrap_or_default();
     let refuse = || refused("shape", excerpt(value), "two whole numbers, for instance (512, 512)");

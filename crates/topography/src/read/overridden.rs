@@ -1,33 +1,39 @@
-//! What options changed of what a file says of its map, and options that mean nothing for its format.
+//! Notes on options that replace values stated by a file, and on options without meaning for its format.
 
 use super::scale::Scale;
 use super::{MapFormat, ReadOptions};
 use crate::LengthUnit;
 
-/// Part by which a given pixel may differ from the file's and count as it: programs count distances between pixels, or round sides.
+/// Relative difference up to which a given pixel size counts as that of the file: programs count distances between
+/// pixels, or round the sides.
 const SAME_PIXEL: f64 = 0.01;
 
-/// What a file says of its own.
+/// Values stated by a file.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Said {
-    /// Sides of its pixels along x, between the points of a line, and along y, between lines, in metres.
+pub(super) struct StatedValues {
+    /// Pixel sides along x (between the points of a line) and along y (between lines), in metres.
     pub(super) pixel_m: [Option<f64>; 2],
-    /// Unit of its heights.
+    /// Unit of heights.
     pub(super) height_unit: Option<Scale>,
-    /// Unit of x and y, where another would change the map.
+    /// Unit of x and y, if another unit would change the map.
     pub(super) lateral_unit: Option<Scale>,
 }
 
-impl Said {
-    /// What a format says that takes lengths in `lateral_unit` and heights in `height_unit`: steps along x and y in its own units.
-    pub(super) fn of_steps(steps: [f64; 2], lateral_unit: Option<LengthUnit>, height_unit: Option<LengthUnit>) -> Self {
+impl StatedValues {
+    /// Values of a format whose lengths are in `lateral_unit` and heights in `height_unit`; `steps` along x and y are
+    /// in the file's unit.
+    pub(super) fn from_steps(
+        steps: [f64; 2],
+        lateral_unit: Option<LengthUnit>,
+        height_unit: Option<LengthUnit>,
+    ) -> Self {
         let pixel_m = steps.map(|step| Some(lateral_unit?.to_metres(step)));
         Self { pixel_m, height_unit: height_unit.map(Scale::from), lateral_unit: lateral_unit.map(Scale::from) }
     }
 
-    /// What is to be told of `options` where this is what the file says, one sentence each.
+    /// Notes on `options` that differ from these values of the file, one sentence each.
     pub(super) fn notes(&self, options: &ReadOptions, format: MapFormat) -> Vec<String> {
-        // To a picometre: rounding of the file's sides over their pixels is not shown.
+        // Rounded to a picometre, which hides the rounding of the file's sides divided by the number of pixels.
         let um = |side_m: f64| (1e12 * side_m).round() / 1e6;
         let pixel = options.pixel_m.and_then(|given_m| {
             if format == MapFormat::Xyz {
@@ -92,7 +98,7 @@ mod tests {
         assert_eq!(said, ["pixels of 5 x 5 um are taken, as given by option, and not those of the file, 2 x 2 um"]);
         assert_eq!(notes(MATRIX, &pixel([2.0, 2.0])), [""; 0]);
         assert_eq!(notes(MATRIX, &pixel([2.0, 3.0])).len(), 1);
-        // Of a part of the map the file's lines are not counted.
+        // For a part of the map the lines of the file are not counted.
         let crop = Some(crate::Crop { first_row: 0, first_col: 0, rows: 2, cols: 2 });
         let text = format!("{MATRIX}9 9 9 9\n");
         let said = notes(&text, &ReadOptions { crop, ..pixel([5.0, 5.0]) });

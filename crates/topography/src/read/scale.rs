@@ -1,4 +1,4 @@
-//! Units of heights and of x and y as headers write them: `nm`, `Angstrom`, `10 nm`, `0.063 um per count`.
+//! Units of heights and of x and y as written in headers: `nm`, `Angstrom`, `10 nm`, `0.063 um per count`.
 
 use std::fmt;
 
@@ -6,14 +6,14 @@ use super::comma::header_length;
 use super::lines::number;
 use crate::LengthUnit;
 
-/// A unit of length times a factor: what a value of 1 stands for.
+/// A unit of length times a factor: the length that a value of 1 represents.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Scale {
     factor: f64,
     unit: LengthUnit,
 }
 
-/// Names of units beside those of [`LengthUnit`], in lower case, each as a factor and a unit.
+/// Names of further units than those of [`LengthUnit`], in lower case, each with its factor and unit.
 const NAMES: [(&[&str], f64, LengthUnit); 8] = [
     (&["angstrom", "angstroms", "å", "ångström", "ångstrom"], 100.0, LengthUnit::Picometre),
     (&["nanometer", "nanometers", "nanometre", "nanometres"], 1.0, LengthUnit::Nanometre),
@@ -29,8 +29,8 @@ const NAMES: [(&[&str], f64, LengthUnit); 8] = [
     (&["microinch", "uin"], 25.4, LengthUnit::Nanometre),
 ];
 
-/// How files write `um`, `mm` and `nm` with letters of their own: the Greek letter, units as one letter, and the bytes of
-/// the Greek letter in Shift-JIS, GBK and EUC-KR, read as Latin-1.
+/// Spellings of `um`, `mm` and `nm` with special characters: the Greek letter, units as single characters, and the
+/// bytes of the Greek letter in Shift-JIS, GBK and EUC-KR, read as Latin-1.
 const LETTERS: [(&str, &str); 9] = [
     ("\u{3bc}", "u"),
     ("\u{b5}", "u"),
@@ -43,7 +43,7 @@ const LETTERS: [(&str, &str); 9] = [
     ("\u{a5}\u{ec}", "u"),
 ];
 
-/// What a length may be counted per: a speed is no scale.
+/// Quantities that a length may refer to in a scale; a length per time is not a scale.
 const COUNTED: [&str; 12] =
     ["count", "counts", "bit", "lsb", "digit", "unit", "value", "pixel", "px", "point", "step", "line"];
 
@@ -53,17 +53,17 @@ impl Scale {
         Self { factor, unit }
     }
 
-    /// `value` in metres.
+    /// Converts `value` to metres.
     pub(super) fn to_metres(self, value: f64) -> f64 {
         self.unit.to_metres(self.factor * value)
     }
 
-    /// The scale times `factor`.
+    /// This scale multiplied by `factor`.
     pub(super) fn times(self, factor: f64) -> Self {
         Self { factor: factor * self.factor, ..self }
     }
 
-    /// The scale that `text` states: a unit, or a positive number and a unit, perhaps per count or pixel.
+    /// Parses a scale: a unit, or a positive number and a unit, optionally per count or pixel.
     pub(super) fn parse(text: &str) -> Option<Self> {
         let text = header_length(text.trim());
         let digits = text.find(|c: char| !(c.is_ascii_digit() || "+-.eE".contains(c))).unwrap_or(text.len());
@@ -80,7 +80,7 @@ impl Scale {
         Some(unit.times(amount))
     }
 
-    /// The unit called `name`.
+    /// The unit with the given name.
     fn named(name: &str) -> Option<Self> {
         let name = LETTERS.iter().fold(name.trim().to_owned(), |name, (letters, plain)| name.replace(letters, plain));
         if let Ok(unit) = name.parse() {

@@ -1,33 +1,33 @@
-//! Points x y z in the order of a scan: line after line, each with the same points. Of these only the heights are
-//! kept, a quarter of what points in any order take.
+//! Points x y z in scan order: line after line, each with the same positions along the line. Only their heights are
+//! kept, which takes a quarter of the memory of points in arbitrary order.
 
 use super::xyz::Point;
 
-/// Points of a scan so far.
+/// Points of a scan read so far.
 #[derive(Debug, Default)]
 pub(super) struct Scan {
-    /// x is the same along a line, not y.
+    /// Whether x, and not y, is constant along a line.
     x_is_slow: bool,
-    /// The coordinate along a line, the same on all lines.
+    /// Coordinates along a line, the same on all lines.
     fast: Vec<f64>,
-    /// The coordinate of each line.
+    /// Coordinate of each line.
     slow: Vec<f64>,
-    /// The text's line on which each begins; its points follow without a gap.
+    /// Line of the text on which each scan line begins; its points follow without a gap.
     first_line: Vec<usize>,
     z: Vec<f64>,
 }
 
 impl Scan {
-    /// Points so far.
+    /// Number of points so far.
     pub(super) const fn len(&self) -> usize {
         self.z.len()
     }
 
-    /// Takes the next point if the scan goes on with it.
+    /// Adds the next point, if it continues the scan; returns whether it does.
     pub(super) fn push(&mut self, point: Point) -> bool {
         let count = self.z.len();
         if count == 1 {
-            // The second point says which coordinate runs.
+            // The second point shows which coordinate varies along a line.
             let first = [self.slow[0], self.fast[0]];
             self.x_is_slow = point.x == first[0];
             if !self.x_is_slow {
@@ -41,7 +41,7 @@ impl Scan {
             _ => count % self.fast.len(),
         };
         if along == 0 {
-            // The lines before are whole, and this one is another.
+            // The previous lines are complete, and this point begins another.
             if self.slow.last() == Some(&slow) || self.fast.first().is_some_and(|first| *first != fast) {
                 return false;
             }
@@ -69,14 +69,14 @@ impl Scan {
         })
     }
 
-    /// Coordinates along x and y, if all lines are whole, and the heights.
+    /// Coordinates along x and y, if all lines are complete, and the heights.
     pub(super) fn grid(&self) -> Option<([&[f64]; 2], &[f64])> {
         let whole = self.z.len() == self.slow.len() * self.fast.len();
         let along = if self.x_is_slow { [&self.slow[..], &self.fast] } else { [&self.fast[..], &self.slow] };
         whole.then_some((along, &self.z))
     }
 
-    /// The place among the points of row i and column j.
+    /// Index of the point at row i and column j.
     pub(super) fn place(&self, i: usize, j: usize) -> usize {
         if self.x_is_slow { i * self.fast.len() + j } else { j * self.fast.len() + i }
     }

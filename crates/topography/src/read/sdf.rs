@@ -1,5 +1,5 @@
-//! Surface data file (`.sdf`, ISO 25178-71, and its forerunner BCR): the same header as text or binary, then
-//! heights profile by profile. All lengths are metres; a height is the number stored times Zscale.
+//! Surface data file (`.sdf`, ISO 25178-71, and its predecessor BCR): the same header as text or binary, then heights
+//! profile by profile. All lengths are in metres; a height is the stored number times Zscale.
 //!
 //! | bytes | entry of the binary header | |
 //! |---|---|---|
@@ -9,23 +9,23 @@
 //! | 8, 8, 8, 8 | Xscale, Yscale, Zscale, Zresolution | floats |
 //! | 1, 1, 1 | compression, data type, checksum | 0, 0 to 7, any |
 //!
-//! Missing points are `BAD` in text; in binary the least number of a signed type, the greatest of an unsigned
-//! one of more than a byte, or NaN.
+//! Missing points are `BAD` in text. In binary files they are the smallest number of a signed type, the largest of an
+//! unsigned type of more than one byte, or NaN.
 
 use std::io::{BufRead, Read};
 
 use super::bytes::{Number, array, exact, numbers, text};
 use super::lines::{Lines, excerpt, height, number};
-use super::overridden::Said;
+use super::overridden::StatedValues;
 use super::window::Window;
 use super::{MapFormat, ReadMap, ReadOptions, keep_comment};
 use crate::{LengthUnit, ReadError};
 
 const FORMAT: &str = MapFormat::Sdf.name();
-/// Beginnings of the version, after the letter that says text or binary.
+/// First characters of the version, after the letter that distinguishes text and binary.
 const VERSIONS: [&[u8]; 4] = [b"ISO-", b"BCR-", b"BC-", b"NPL-"];
 
-/// Whether a file that begins with `start` is one of these.
+/// Whether a file that begins with `start` is a surface data file.
 pub(super) fn is_sdf(start: &[u8]) -> bool {
     matches!(start.first(), Some(b'a' | b'b')) && VERSIONS.iter().any(|version| start[1..].starts_with(version))
 }
@@ -35,7 +35,7 @@ pub(super) fn read(mut source: impl BufRead, options: &ReadOptions) -> Result<Re
     if kind == b'a' { read_text(source, options) } else { read_binary(source, options) }
 }
 
-/// What both headers say.
+/// Entries common to both headers.
 struct Header {
     points: u64,
     profiles: u64,
@@ -74,7 +74,7 @@ impl Header {
         Window::new(Some(self.profiles), self.points, options.crop, options.decimation)
     }
 
-    /// Whether a stored number stands for a missing point.
+    /// Whether a stored number marks a missing point.
     fn is_missing(&self, value: f64) -> bool {
         match self.number {
             Number::U16 => value == f64::from(u16::MAX),
@@ -96,7 +96,7 @@ impl Header {
         let whole = window.is_whole();
         let map = window.finish_lines(pixel_m, |height| unit.to_metres(height * z))?;
         let metre = Some(LengthUnit::Metre);
-        let notes = Said::of_steps([x, y], metre, metre).notes(options, MapFormat::Sdf);
+        let notes = StatedValues::from_steps([x, y], metre, metre).notes(options, MapFormat::Sdf);
         Ok(ReadMap { map, whole, format: MapFormat::Sdf, comments, notes })
     }
 }
@@ -107,7 +107,7 @@ fn read_binary(mut source: impl Read, options: &ReadOptions) -> Result<ReadMap, 
     let mut comments = Vec::new();
     keep_comment(&mut comments, &format!("ManufacID: {}", text(&names[..10])));
     keep_comment(&mut comments, &format!("CreateDate: {}", text(&names[10..22])));
-    // Version 2 counts in 32 bits, the others in 16.
+    // Version 2 counts in 32 bits, earlier versions in 16.
     let counts: [u64; 2] = if version.starts_with(b"ISO-2") {
         let bytes: [u8; 8] = exact(&mut source, FORMAT, "header")?;
         [0, 4].map(|at| u64::from(u32::from_le_bytes(array(&bytes[at..]))))
@@ -129,7 +129,7 @@ fn read_binary(mut source: impl Read, options: &ReadOptions) -> Result<ReadMap, 
     header.finish(window, options, comments)
 }
 
-/// Entries of the text header as they come.
+/// Entries of the text header read so far.
 #[derive(Default)]
 struct Entries {
     counts: [Option<u64>; 2],
@@ -138,7 +138,7 @@ struct Entries {
 }
 
 impl Entries {
-    /// Whether `text` was an entry.
+    /// Stores the entry in `text`; returns whether it was one.
     fn take(&mut self, text: &str) -> Result<bool, ReadError> {
         let Some((key, value)) = text.split_once('=') else { return Ok(false) };
         let value = value.trim();
@@ -170,7 +170,7 @@ impl Entries {
                 y.ok_or_else(|| missing("Yscale"))?,
                 z.ok_or_else(|| missing("Zscale"))?,
             ],
-            // Heights written as text are read as they stand, whatever they once were.
+            // Heights written as text are read directly, whatever their original data type.
             [self.kind[0].unwrap_or(0), self.kind[1].unwrap_or(7)],
         )
     }
@@ -188,7 +188,7 @@ fn read_text(source: impl BufRead, options: &ReadOptions) -> Result<ReadMap, Rea
             break rest.to_owned();
         }
         keep_comment(&mut comments, text);
-        // The first line is the version; empty lines are harmless.
+        // The first line is the version; empty lines are ignored.
         if !entries.take(text)? && line > 1 && !text.is_empty() {
             return Err(ReadError::Field {
                 format: FORMAT,
@@ -214,7 +214,7 @@ fn read_text(source: impl BufRead, options: &ReadOptions) -> Result<ReadMap, Rea
     header.finish(window, options, comments)
 }
 
-/// Takes the heights on a line; true if the line ends them.
+/// Reads the heights on a line; returns whether the line ends them.
 fn take_heights(
     text: &str,
     line: usize,

@@ -1,6 +1,6 @@
-//! Digital Surf surface (`.sur`, version 1): a header of 512 bytes, a comment, a private zone, then 16 or
-//! 32-bit integers line by line, plain (`DIGITAL SURF`) or in zlib streams (`DSCOMPRESSED`). A height is the
-//! integer times the z spacing plus the z offset, in the unit of the z step.
+//! Digital Surf surface (`.sur`, version 1): a header of 512 bytes, a comment, a private zone, then 16 or 32-bit
+//! integers line by line, plain (`DIGITAL SURF`) or in zlib streams (`DSCOMPRESSED`). A height is the integer times the
+//! z spacing plus the z offset, in the unit of the z step.
 //!
 //! | at byte | entry | | at byte | entry |
 //! |---|---|---|---|---|
@@ -15,8 +15,8 @@
 //! | 100, 104 | least and greatest integer, 4 | | | |
 //! | 108, 112 | points of a line, lines, 4 | | | |
 //!
-//! A missing point is the least integer less 2. Compressed data begin with the number of streams and, for
-//! each, its length unpacked and packed, 4 bytes each.
+//! A missing point is the least integer minus 2. Compressed data begin with the number of streams and, for each stream,
+//! its unpacked and packed lengths, 4 bytes each.
 
 use std::io::{BufRead, Cursor, Read};
 
@@ -24,7 +24,7 @@ use flate2::bufread::ZlibDecoder;
 
 use super::bytes::{Number, array, at_end, exact, numbers, skip, text, unreadable};
 use super::lines::excerpt;
-use super::overridden::Said;
+use super::overridden::StatedValues;
 use super::window::Window;
 use super::{MapFormat, ReadMap, ReadOptions, check_expansion, keep_comment};
 use crate::unit::unit_names;
@@ -33,7 +33,7 @@ use crate::{LengthUnit, ReadError};
 pub(super) const MAGIC_PLAIN: &[u8] = b"DIGITAL SURF";
 pub(super) const MAGIC_COMPRESSED: &[u8] = b"DSCOMPRESSED";
 const FORMAT: &str = MapFormat::Sur.name();
-/// Most zlib streams: writers use one.
+/// Largest number of zlib streams; usual writers use one.
 const MAX_STREAMS: u32 = 4096;
 
 struct Header([u8; 512]);
@@ -62,7 +62,7 @@ impl Header {
             .ok_or_else(|| refused(field, self.int(at).to_string(), "a whole number from 1 up"))
     }
 
-    /// The unit of a step; files of the DOS age write the micro sign in code page 437.
+    /// The unit of a step; files of MS-DOS programs write the micro sign in code page 437.
     fn unit(&self, field: &'static str, at: usize) -> Result<LengthUnit, ReadError> {
         let name = self.text(at, 16);
         name.replace('\u{e6}', "u")
@@ -85,7 +85,7 @@ pub(super) fn read(mut source: impl BufRead, options: &ReadOptions) -> Result<Re
     }
     let lines = header.count("number of lines", 112)?;
     let points = header.count("points of a line", 108)?;
-    // Surfaces, alone or before the layers of an image; some writers call a surface a profile of many lines.
+    // Surfaces, alone or before the layers of an image; some programs label a surface as a profile of many lines.
     match header.short(18) {
         2 | 11 | 16 => {}
         1 if lines > 1 => {}
@@ -119,12 +119,12 @@ pub(super) fn read(mut source: impl BufRead, options: &ReadOptions) -> Result<Re
     let unit = options.height_unit.map_or_else(|| header.unit("unit of z", 212), Ok)?;
 
     let own = |at| header.unit("unit of an axis", at).ok();
-    let said = Said {
+    let stated = StatedValues {
         pixel_m: [own(180).map(|unit| unit.to_metres(step_x)), own(196).map(|unit| unit.to_metres(step_y))],
         height_unit: own(212).map(Into::into),
         lateral_unit: own(180).map(Into::into),
     };
-    let (mut comments, mut notes) = (Vec::new(), said.notes(options, MapFormat::Sur));
+    let (mut comments, mut notes) = (Vec::new(), stated.notes(options, MapFormat::Sur));
     for (name, at) in [("object", 20), ("operator", 50)] {
         let value = header.text(at, 30);
         if !value.is_empty() {
@@ -174,16 +174,16 @@ fn read_comment(source: &mut impl Read, length: u16, comments: &mut Vec<String>)
     Ok(())
 }
 
-/// The streams of compressed data one after the other.
+/// Concatenated streams of compressed data.
 struct Streams<R> {
     current: Option<ZlibDecoder<std::io::Take<R>>>,
-    /// Packed lengths of the streams to come, last first.
+    /// Packed lengths of the remaining streams, last first.
     packed: Vec<u32>,
 }
 
 impl Streams<Cursor<Vec<u8>>> {
-    /// Streams of `heights` heights of `bytes_each`. They are taken in packed before anything is unpacked: the lengths that
-    /// they claim are true.
+    /// Streams with `heights` heights of `bytes_each` bytes. All packed bytes are read before anything is unpacked, so
+    /// that their stated lengths are verified.
     fn new(mut source: impl Read, heights: u64, bytes_each: u64) -> Result<Self, ReadError> {
         let needed = heights * bytes_each;
         let count = u32::from_le_bytes(exact(&mut source, FORMAT, "streams")?);
@@ -218,7 +218,7 @@ impl<R: BufRead> Read for Streams<R> {
                 self.current = Some(stream);
                 return Ok(read);
             }
-            // What is left of a stream's bytes behind its end belongs to no stream.
+            // Bytes left after the end of a stream belong to no stream.
             let mut rest = stream.into_inner();
             std::io::copy(&mut rest, &mut std::io::sink())?;
             if let Some(length) = self.packed.pop() {
@@ -279,7 +279,7 @@ mod tests {
         assert_eq!(read.comments, ["operator: an operator", "comment"]);
     }
 
-    /// The same points as 16 and 32-bit integers.
+    /// The same points as 16-bit and 32-bit integers.
     fn points() -> (Vec<u8>, Vec<u8>) {
         let points = [1_i16, 2, 3, -7, -5, 6];
         (
@@ -293,7 +293,7 @@ mod tests {
         let (short, long) = points();
         check(&[header(MAGIC_PLAIN, 16), short.clone()].concat());
         check(&[header(MAGIC_PLAIN, 32), long.clone()].concat());
-        // Two streams that part in the middle of a number, the first with bytes behind its end.
+        // Two streams divided in the middle of a number, the first followed by extra bytes.
         let (first, second) = (zlib(&long[..9]), zlib(&long[9..]));
         let mut packed = header(MAGIC_COMPRESSED, 32);
         for length in [2, 9, first.len() as u32 + 3, 15, second.len() as u32] {

@@ -1,23 +1,24 @@
-//! Tables that look like a matrix of heights and are none: profiles, lists of coordinates, matrices with axes.
+//! Detects tables that look like a matrix of heights but are profiles, lists of coordinates, or matrices with axes.
 
 use super::lines::{Delimiter, height, number};
 use crate::ReadError;
 
-/// Columns of which coordinates are looked for, at most: a map has more.
+/// Largest number of columns of a table that is checked for coordinates; a map has more.
 const MAX_LISTED_COLS: usize = 8;
-/// Lines from which a list is told by its coordinates, and values from which an axis is told by its steps: a rough surface does
-/// not rise in so many equal steps.
+/// Number of lines needed to recognise a list by its coordinates, and of values needed to recognise an axis by its
+/// steps: a rough surface does not have so many equal steps.
 const MIN_STEPS: usize = 8;
-/// Part by which steps of rounded coordinates may differ, ...
+/// Relative difference up to which steps of rounded coordinates count as equal.
 const SAME_STEP: f64 = 0.1;
-/// ... and distance of a coordinate from equal steps, as a part of the step.
-const MAX_OFF_STEP: f64 = 0.05;
-/// Different steps of one coordinate, at most: along a line, back to the next line, and a rounded one.
-const MAX_DIFFERENT: usize = 3;
-/// A map whose rows rise more steeply than this part of its first row is a tilted plane, and the first row no axis.
+/// Largest distance of a coordinate from equal steps, relative to the step.
+const MAX_STEP_DEVIATION: f64 = 0.05;
+/// Largest number of different steps of one coordinate: along a line, back to the next line, and one due to rounding.
+const MAX_DISTINCT_STEPS: usize = 3;
+/// If the rows rise by more than this fraction of the first row's rise, the map is a tilted plane and its first row not
+/// an axis.
 const MAX_SLOPE: f64 = 0.5;
 
-/// How a column changes from line to line.
+/// Changes of a column from line to line.
 #[derive(Clone, Debug, Default)]
 struct Column {
     last: f64,
@@ -33,35 +34,35 @@ impl Column {
         self.rises += usize::from(step > 0.0);
         self.falls += usize::from(step < 0.0);
         let is_same = |known: &f64| (known - step).abs() <= SAME_STEP * known.abs().max(step.abs());
-        if !is_first && self.different.len() <= MAX_DIFFERENT && !self.different.iter().any(is_same) {
+        if !is_first && self.different.len() <= MAX_DISTINCT_STEPS && !self.different.iter().any(is_same) {
             self.different.push(step);
         }
     }
 
-    /// Whether all of `steps` go in one direction.
+    /// Whether all of `steps` have the same direction.
     fn is_strict(&self, steps: usize) -> bool {
         self.rises == steps || self.falls == steps
     }
 
-    /// Whether the column is a coordinate that runs along lines, or from line to line.
+    /// Whether the column is a coordinate that runs along lines or from line to line.
     fn is_coordinate(&self, steps: usize) -> bool {
         let (most, least) = (self.rises.max(self.falls), self.rises.min(self.falls));
         let runs = most + least == steps && 4 * least <= most;
         let waits = most > 0 && least == 0;
-        self.different.len() <= MAX_DIFFERENT && (runs || waits)
+        self.different.len() <= MAX_DISTINCT_STEPS && (runs || waits)
     }
 }
 
-/// Watches the first two columns of a narrow table.
+/// Checks the first two columns of a narrow table for coordinates.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Listed {
+pub(super) struct CoordinateListCheck {
     lines: usize,
     cols: usize,
     columns: [Column; 2],
 }
 
-impl Listed {
-    /// For a table of `cols` columns, if it may be a list.
+impl CoordinateListCheck {
+    /// A check for a table of `cols` columns; `None` if it cannot be a list.
     pub(super) fn new(cols: usize) -> Option<Self> {
         (cols <= MAX_LISTED_COLS).then(|| Self { cols, ..Self::default() })
     }
@@ -73,7 +74,7 @@ impl Listed {
         self.lines += 1;
     }
 
-    /// Refuses a profile, or a list of coordinates.
+    /// Refuses a profile or a list of coordinates.
     pub(super) fn check(&self) -> Result<(), ReadError> {
         let steps = self.lines.saturating_sub(1);
         if self.lines < MIN_STEPS {
@@ -89,22 +90,22 @@ impl Listed {
     }
 }
 
-/// Steps of the axes above and before a matrix.
+/// Steps of the axes above and to the left of a matrix.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Axes {
-    /// Along lines, and from line to line.
+    /// Step along lines, and from line to line.
     pub(super) steps: [f64; 2],
     delimiter: Delimiter,
 }
 
-/// Rows that are held back until it is seen whether the first row and the first column are axes.
+/// Rows held back until it is decided whether the first row and the first column are axes.
 #[derive(Debug, Default)]
 pub(super) struct HeldRows {
     pub(super) rows: Vec<(String, usize)>,
 }
 
 impl HeldRows {
-    /// Begins to hold rows if `first` may be an axis.
+    /// Starts to hold rows if `first` may be an axis.
     pub(super) fn begin(first: &str) -> bool {
         let values = numbers(first);
         values.len() > MIN_STEPS && step(&values[1..]).is_some()
@@ -115,7 +116,7 @@ impl HeldRows {
         self.rows.len() > MIN_STEPS
     }
 
-    /// The axes, if there are any.
+    /// The axes, if the rows have any.
     pub(super) fn axes(&self) -> Option<Axes> {
         let [(first, _), (second, _), ..] = &self.rows[..] else { return None };
         let delimiter = Delimiter::of(first);
@@ -141,17 +142,17 @@ impl Axes {
     }
 }
 
-/// The fields of a row, NaN where one is no number.
+/// The fields of a row, NaN for those that are not numbers.
 fn numbers(row: &str) -> Vec<f64> {
     let value = |field| height(field).flatten().or_else(|| number(field)).unwrap_or(f64::NAN);
     Delimiter::of(row).fields(row).map(value).collect()
 }
 
-/// The step of `values` that are equally spaced.
+/// The step of `values`, if they are equally spaced.
 fn step(values: &[f64]) -> Option<f64> {
     let (first, last) = (*values.first()?, *values.last()?);
     let step = (last - first) / (values.len() - 1) as f64;
-    let is_on = |(n, value): (usize, &f64)| (value - first - n as f64 * step).abs() <= MAX_OFF_STEP * step.abs();
+    let is_on = |(n, value): (usize, &f64)| (value - first - n as f64 * step).abs() <= MAX_STEP_DEVIATION * step.abs();
     let is_even = values.len() >= MIN_STEPS && step != 0.0 && values.iter().enumerate().all(is_on);
     is_even.then_some(step)
 }
@@ -182,7 +183,7 @@ mod tests {
         ] {
             assert!(refused(&text).contains("profile"), "{}", refused(&text));
         }
-        // Points with an index or an intensity, in either order of the scan; several profiles over one coordinate.
+        // Points with an index or an intensity, scanned in either order; several profiles over one coordinate.
         for (text, column) in [
             (table(|n| format!("{n} {} {} {:.4}", n % 5, n / 5, wave(n, 0))), 1),
             (
@@ -202,7 +203,7 @@ mod tests {
         ] {
             assert!(refused(&text).starts_with(&format!("column {column} runs in equal steps")), "{}", refused(&text));
         }
-        // A narrow map stays one.
+        // A narrow map stays a map.
         for text in [
             table(|n| format!("{:.4} {:.4}", wave(n, 0), wave(n, 1))),
             table(|n| format!("{} {} 0 1", n % 2, (n / 3) % 2)),
@@ -225,7 +226,7 @@ mod tests {
             let read = read_map(text.as_bytes(), &MATRIX).unwrap();
             assert_eq!(read.map, expected, "{mark:?}");
             assert!(read.notes[0].starts_with("the first row and the first column are axes"), "{:?}", read.notes);
-            // With their unit they give the pixel.
+            // The axes give the pixel size if their unit is known.
             let um = Some(LengthUnit::Micrometre);
             let options = ReadOptions { height_unit: um, lateral_unit: um, ..ReadOptions::NONE };
             let read = read_map(text.as_bytes(), &options).unwrap();
@@ -235,7 +236,7 @@ mod tests {
             );
             assert_eq!(read.notes.len(), 1, "{:?}", read.notes);
         }
-        // A tilted plane has no axes, and few rows decide nothing.
+        // A tilted plane has no axes, and few rows are not enough to decide.
         let plane: String =
             (0..12).map(|i| (0..12).map(|j| format!("{} ", 3 * i + 2 * j)).collect::<String>() + "\n").collect();
         for text in [plane.clone(), plane.lines().take(5).collect::<Vec<_>>().join("\n")] {

@@ -1,4 +1,4 @@
-//! Texts: what stands above the heights, and matrices or points, told apart.
+//! Reads texts: separates the header from the heights, and distinguishes matrices from points.
 
 use std::io::{BufRead, Cursor, Read};
 
@@ -6,7 +6,7 @@ use super::comma::{self, DecimalSign, is_row};
 use super::header::{ABOVE_DATA, Header, begins_with_a_word, names_a_value};
 use super::lines::{Delimiter, Lines};
 use super::matrix::MatrixReader;
-use super::overridden::Said;
+use super::overridden::StatedValues;
 use super::tables::{Axes, HeldRows};
 use super::window::window_of;
 use super::xyz::{XyzReader, is_point};
@@ -14,9 +14,9 @@ use super::{MapFormat, ReadMap, ReadOptions, wyko, zygo};
 use crate::ReadError;
 use crate::error::significant;
 
-/// Bytes at the beginning of a text in which the name of its format stands.
+/// Bytes at the beginning of a text that are searched for the name of its format.
 const MAX_SIGNATURE_BYTES: u64 = 2048;
-/// What Keyence's programs write above the heights, in every language.
+/// First words of a CSV export of Keyence software, the same in every language.
 const KEYENCE: &str = "ImageDataCsv";
 
 enum Data {
@@ -29,28 +29,29 @@ struct Text<'o> {
     options: &'o ReadOptions,
     header: Header,
     data: Option<Data>,
-    /// The first line that an instrument may have written above the titles of its columns.
+    /// First line of a preamble that an instrument may have written above the column titles.
     preamble: Option<(usize, String)>,
-    /// Lines of so many tabs alone that stand above all data, and their number.
+    /// First of the lines of equally many tabs above all data, and their number of tabs.
     tabs_above: Option<(usize, usize)>,
-    /// Whether lines without a mark stand above the data: programs that write tables part them with such lines.
+    /// Whether lines without comment mark stand above the data; programs that write tables then also separate them by
+    /// lines of tabs.
     has_unmarked: bool,
-    /// The first rows, as long as the first row and the first column may be axes.
+    /// The first rows, while the first row and the first column may be axes.
     held: Option<HeldRows>,
     axes: Option<Axes>,
-    /// Another map begins behind the one that is read.
+    /// Whether another map follows the one that is read.
     has_another: bool,
     has_decimal_commas: bool,
 }
 
 impl Text<'_> {
-    /// Takes a line; says whether more are wanted.
+    /// Reads a line; returns whether more are needed.
     fn take(&mut self, row: &str, line: usize) -> Result<bool, ReadError> {
         let (text, before_data) = (row.trim(), self.data.is_none() && self.held.is_none());
         if text.is_empty() && !row.is_empty() {
             return self.take_tabs(row, line);
         }
-        if !before_data && self.header.begins_another(text) {
+        if !before_data && self.header.restates_side(text) {
             self.has_another = true;
             return Ok(false);
         }
@@ -67,18 +68,18 @@ impl Text<'_> {
         }
         if before_data && !self.header.titled && begins_with_a_word(text) {
             if names_a_value(text) {
-                self.header.unmarked(text, line);
+                self.header.read_unmarked(text, line);
                 return Ok(true);
             }
             self.preamble.get_or_insert_with(|| (line, text.to_owned()));
             return Ok(true);
         }
-        // Data without titles: what stands above them is no preamble, and is refused as what it is.
+        // The data have no titles, so the lines above them are not a preamble; the first of them is refused.
         self.push_preamble()?;
         self.push(row, line)
     }
 
-    /// Takes a line of tabs alone: a row of missing points where rows have as many fields, and otherwise nothing.
+    /// Reads a line of tabs only: a row of missing points if rows have that many fields, otherwise ignored.
     fn take_tabs(&mut self, row: &str, line: usize) -> Result<bool, ReadError> {
         if self.held.is_some() {
             return self.push(row, line);
@@ -99,7 +100,7 @@ impl Text<'_> {
         }
     }
 
-    /// Refuses what stands above data without titles.
+    /// Refuses lines above data without titles.
     fn push_preamble(&mut self) -> Result<(), ReadError> {
         let Some((line, text)) = self.preamble.take() else { return Ok(()) };
         self.push(&text, line).map(|_| ()).map_err(|error| match error {
@@ -110,7 +111,7 @@ impl Text<'_> {
         })
     }
 
-    /// A refused decimal comma with what would be refused next.
+    /// Adds the errors that would follow to a refused decimal comma.
     fn with_all_that_is_missing(&self, error: ReadError) -> ReadError {
         match &self.data {
             Some(Data::Matrix(_)) => error.with_missing(MatrixReader::missing(&self.header, self.options)),
@@ -121,7 +122,7 @@ impl Text<'_> {
 
     fn push(&mut self, text: &str, line: usize) -> Result<bool, ReadError> {
         if self.data.is_none() && self.held.is_none() {
-            self.header.settle(self.has_decimal_commas)?;
+            self.header.resolve_open_entries(self.has_decimal_commas)?;
             let is_matrix = self.options.format.is_none() && detect(&self.header, text) == MapFormat::Matrix;
             self.held = (is_matrix && HeldRows::begin(text)).then(HeldRows::default);
         }
@@ -132,13 +133,13 @@ impl Text<'_> {
         self.push_data(text, line)
     }
 
-    /// Decides whether the rows held back have axes, and takes them.
+    /// Decides whether the rows held back have axes, and reads the rows.
     fn release(&mut self) -> Result<bool, ReadError> {
         let Some(held) = self.held.take() else { return Ok(true) };
         self.axes = if held.is_full() { held.axes() } else { None };
         if let Some(axes) = self.axes {
             let lateral = self.options.lateral_unit.map(Into::into);
-            self.header.take_axes(axes.steps, lateral);
+            self.header.set_pixel_from_axes(axes.steps, lateral);
         }
         let rows = held.rows.iter().skip(usize::from(self.axes.is_some()));
         for (text, line) in rows {
@@ -177,7 +178,7 @@ impl Text<'_> {
         }
     }
 
-    /// What is to be told of how the text was understood.
+    /// Notes on how the text was interpreted.
     fn notes(&self) -> Vec<String> {
         let axes = self.axes.map(|axes| {
             let [along, across] = axes.steps.map(|step| significant(step, 5));
@@ -191,7 +192,7 @@ impl Text<'_> {
     }
 }
 
-/// Reads a text in the dialect that its beginning tells.
+/// Reads a text in the dialect recognised from its beginning.
 pub(super) fn read_text(mut source: impl BufRead, options: &ReadOptions) -> Result<ReadMap, ReadError> {
     let mut start = Vec::new();
     let read = (&mut source).take(MAX_SIGNATURE_BYTES).read_to_end(&mut start);
@@ -207,7 +208,7 @@ pub(super) fn read_text(mut source: impl BufRead, options: &ReadOptions) -> Resu
     }
 }
 
-/// Reads a matrix or points below lines of a header.
+/// Reads a matrix or points below header lines.
 fn read_table(source: impl BufRead, is_keyence: bool, options: &ReadOptions) -> Result<ReadMap, ReadError> {
     let mut lines = Lines::new(source);
     let mut sign = DecimalSign::new(options.decimal_comma);
@@ -240,32 +241,33 @@ fn read_table(source: impl BufRead, is_keyence: bool, options: &ReadOptions) -> 
     released.map_err(|error| text.with_all_that_is_missing(error))?;
     let mut notes = text.notes();
     let Text { header, data, axes, has_another, .. } = text;
-    let (map, whole, format, said) = match data {
+    let (map, whole, format, stated) = match data {
         None => return Err(ReadError::NoData { lines: lines.line() }),
         Some(Data::Matrix(mut matrix)) => {
-            // The rows behind a crop say how large a pixel is, where the header gives only the sides.
+            // If the header gives only the sides, the pixel size depends on the number of rows, including those behind
+            // a crop.
             let rows = if has_another {
                 matrix.count_rest(&mut Lines::new(std::io::empty()), options, &header)?
             } else {
                 matrix.count_rest(&mut lines, options, &header)?
             };
             let whole = matrix.is_whole();
-            let said = matrix.said(rows, &header);
-            (matrix.finish(rows, &header, options)?, whole, MapFormat::Matrix, said)
+            let stated = matrix.stated_values(rows, &header);
+            (matrix.finish(rows, &header, options)?, whole, MapFormat::Matrix, stated)
         }
         Some(Data::Xyz(points)) => {
-            let said = Said { pixel_m: [None; 2], height_unit: header.value(), lateral_unit: header.lateral };
+            let stated = StatedValues { pixel_m: [None; 2], height_unit: header.value(), lateral_unit: header.lateral };
             let (map, whole) = window_of(points.finish(&header, options)?, options.crop, options.decimation)?;
-            (map, whole, MapFormat::Xyz, said)
+            (map, whole, MapFormat::Xyz, stated)
         }
     };
-    // Of axes the unit of x and y is that of their steps.
+    // If a matrix has axes, the unit of x and y is that of their steps.
     let given = if axes.is_some() { ReadOptions { lateral_unit: None, ..*options } } else { *options };
-    notes.splice(..0, said.notes(&given, format));
+    notes.splice(..0, stated.notes(&given, format));
     Ok(ReadMap { map, whole, format, comments: header.comments, notes })
 }
 
-/// The form of a text, from its header and its first line of data.
+/// Format of a text, from its header and its first line of data.
 fn detect(header: &Header, text: &str) -> MapFormat {
     if header.titled || !header.is_sized() && !header.keyence && is_point(text) {
         MapFormat::Xyz
@@ -284,7 +286,7 @@ mod tests {
         read_map(text.as_bytes(), options).map(|read| format!("{:?} {}", read.map, read.whole))
     }
 
-    /// A map of five columns with holes at its rims, with `NaN` in each, by its rows.
+    /// The rows of a map of five columns with missing points at its sides, written as `NaN`.
     const HOLED: [&str; 6] = [
         "NaN\t2\tNaN\t4\t5",
         "NaN\tNaN\tNaN\tNaN\tNaN",
@@ -304,7 +306,7 @@ mod tests {
             ReadOptions { crop: Some(Crop { first_col: 1, cols: 2, ..crop }), ..GIVEN },
             ReadOptions { decimation: Some(blocks), ..GIVEN },
         ];
-        // Any of the rows may be the first and the last.
+        // Each row in turn is the first and the last.
         for first in 0..HOLED.len() {
             let rows: Vec<&str> = HOLED.iter().cycle().skip(first).take(HOLED.len()).copied().collect();
             for options in &all {
@@ -314,7 +316,7 @@ mod tests {
                 for (text, ending) in [(&empty, "\n"), (&closed, "\n"), (&empty, "\r\n")] {
                     let text = text.replace('\n', ending);
                     assert_eq!(read(&text, options).unwrap(), expected, "{text:?} {options:?}");
-                    // Below a header whose lines are marked, too.
+                    // Also below a header whose lines are marked.
                     assert_eq!(read(&format!("# a map{ending}{ending}{text}"), options).unwrap(), expected, "{text:?}");
                 }
             }
@@ -342,20 +344,20 @@ mod tests {
                     assert_eq!(read(&text, &options).unwrap(), expected, "{text:?}");
                 }
             }
-            // Programs that write tables part what stands above the data with lines of as many tabs.
+            // Programs that write tables separate the lines above the data by lines of as many tabs.
             let table = format!("Operator: Anna\t\t\t\n\t\t\t\n{plain}");
             assert_eq!(read(&table, &options).unwrap(), expected);
         }
-        // A column that only an indentation leaves out is none to crop.
+        // A column skipped by an indentation does not exist and cannot be cropped.
         let crop = Some(Crop { first_row: 0, first_col: 0, rows: 2, cols: 3 });
         let cropped = |text: &str| read(text, &ReadOptions { crop, ..GIVEN });
         assert!(matches!(cropped("\t2\t3\n\t5\t6\n"), Err(ReadError::CropOutside { .. })));
         assert!(cropped("\t2\t3\n4\t5\t6\n").is_ok());
-        // The header's count of columns decides.
+        // A column count in the header decides.
         let told = |count: usize| format!("# File Format = ASCII\n# x-pixels = {count}\n\t2\t3\n\t5\t6\n");
         let missing = [2, 3].map(|count| read_map(told(count).as_bytes(), &GIVEN).unwrap().map.missing());
         assert_eq!(missing, [0, 2]);
-        // A row that is short stays so.
+        // A short row stays short.
         for (text, said) in
             [("1\t2\t3\n1\t2\n", "line 2: 2 values: expected 3"), ("\t2\t3\n4\t5\n", "line 2: 2 values")]
         {

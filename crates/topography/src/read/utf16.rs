@@ -1,24 +1,24 @@
-//! Text in UTF-16, which some programs write, as UTF-8.
+//! Decodes text in UTF-16, which some programs write, to UTF-8.
 
 use std::io::{BufRead, Read, Result};
 
-/// Bytes that are decoded at once; an even number.
+/// Number of bytes decoded at a time, even.
 const CHUNK: u64 = 16 * 1024;
 
-/// How two bytes make a unit.
+/// Byte order: converts two bytes to a code unit.
 type Order = fn([u8; 2]) -> u16;
 
-/// Reads a source in UTF-16 as UTF-8. What is no letter becomes the replacement character.
+/// Reads a source in UTF-16 as UTF-8; invalid code units become the replacement character.
 pub(super) struct Utf16<R> {
     source: R,
     order: Order,
-    /// The first half of a letter whose second half is not read yet.
+    /// First half of a surrogate pair whose second half is not read yet.
     half: Option<u16>,
     decoded: Vec<u8>,
     taken: usize,
 }
 
-/// How two bytes make a unit, as the mark of UTF-16 with which `start` begins has it; `None` without one.
+/// The byte order given by a UTF-16 byte order mark at the beginning of `start`; `None` without such a mark.
 pub(super) fn order_of(start: &[u8]) -> Option<Order> {
     match start {
         [0xFF, 0xFE, ..] => Some(u16::from_le_bytes),
@@ -28,7 +28,7 @@ pub(super) fn order_of(start: &[u8]) -> Option<Order> {
 }
 
 impl<R: BufRead> Utf16<R> {
-    /// Reads `source`, whose units are of this order.
+    /// Reads `source` in this byte order.
     pub(super) const fn new(source: R, order: Order) -> Self {
         Self { source, order, half: None, decoded: Vec::new(), taken: 0 }
     }
@@ -38,7 +38,7 @@ impl<R: BufRead> Utf16<R> {
         (&mut self.source).take(CHUNK).read_to_end(&mut bytes)?;
         let mut units: Vec<u16> = self.half.take().into_iter().collect();
         units.extend(bytes.as_chunks::<2>().0.iter().map(|pair| (self.order)(*pair)));
-        // A letter may go on in the next bytes, unless these are the last.
+        // A character may continue in the next bytes, unless these are the last.
         let is_half = |unit: &mut u16| (0xD800..0xDC00).contains(unit);
         self.half = if bytes.is_empty() { None } else { units.pop_if(is_half) };
         let letters = char::decode_utf16(units).map(|letter| letter.unwrap_or(char::REPLACEMENT_CHARACTER));
@@ -50,7 +50,7 @@ impl<R: BufRead> Utf16<R> {
 
 impl<R: BufRead> Read for Utf16<R> {
     fn read(&mut self, to: &mut [u8]) -> Result<usize> {
-        // Bytes that are half of a letter alone decode to nothing yet.
+        // Bytes that are only half of a character decode to nothing yet.
         while self.taken == self.decoded.len() && !self.source.fill_buf()?.is_empty() {
             self.decode()?;
         }

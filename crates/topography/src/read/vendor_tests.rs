@@ -1,9 +1,9 @@
-//! Texts as the programs of instruments write them, in several languages.
+//! Texts as written by the software of instruments, in several languages.
 
 use super::GIVEN;
 use crate::{HeightMap, LengthUnit, MapFormat, ReadOptions, read_map};
 
-/// Rows of four heights, which show in which order they were read.
+/// Rows of four heights that differ, so that their order shows.
 const ROWS: [[f64; 4]; 3] = [[0.1, 0.25, 0.3, 0.4], [1.5, 2.0, 2.5, 3.0], [-1.0, -2.0, 0.0, 7.0]];
 
 fn rows(mark: &str, quote: &str, scale: f64) -> String {
@@ -28,13 +28,13 @@ fn check_map(map: &HeightMap, [dx_m, dy_m]: [f64; 2]) {
     }
 }
 
-/// A Keyence export with these words, in `mark`-separated fields: of the pixel, width, height and unit.
+/// A Keyence export, with the words for pixel, width, height and unit given, and fields separated by `mark`.
 fn keyence(mark: &str, [pixel, width, height, unit]: [&str; 4], micro: &str) -> String {
     let line = |fields: &[&str]| format!("\"{}\"\r\n", fields.join(&format!("\"{mark}\"")));
     [
         line(&["Date", "2024-03-11 10:12:30"]),
         line(&["Model", "VK-X1000 Series"]),
-        // A line break that one version of the program writes.
+        // One version of the software writes a line break here.
         "\"Data type\n\"".to_owned() + mark + "\"ImageDataCsv\"\r\n",
         line(&["File version", "1000"]),
         line(&["Objective Lens Power", "10"]),
@@ -53,7 +53,7 @@ fn keyence(mark: &str, [pixel, width, height, unit]: [&str; 4], micro: &str) -> 
     .concat()
 }
 
-/// `text` with the bytes that stand for letters beyond ASCII, given as escapes.
+/// Encodes `text`, in which escapes stand for the bytes of non-ASCII characters.
 fn bytes(text: &str, letters: &[(&str, &[u8])]) -> Vec<u8> {
     let mut bytes = text.as_bytes().to_vec();
     for (letter, coded) in letters {
@@ -78,7 +78,7 @@ fn keyence_exports_are_read_in_every_language() {
     ] {
         assert_eq!(check(keyence(",", words, micro).as_bytes(), pixel), [""; 0], "{words:?}");
     }
-    // Latin-1, Shift-JIS and GBK, whose letters are bytes of no other encoding.
+    // Latin-1, Shift-JIS and GBK, whose bytes are invalid in the other encodings.
     check(&bytes(&keyence(",", german, "\u{b5}m"), &[("\u{f6}", b"\xf6"), ("\u{b5}", b"\xb5")]), pixel);
     let shift_jis: [(&str, &[u8]); 8] = [
         ("\u{30ad}", b"\x83\x4c"),
@@ -111,7 +111,7 @@ fn keyence_exports_are_read_in_every_language() {
         pixel,
     );
     assert!(notes.len() == 1 && notes[0].contains("decimal commas"), "{notes:?}");
-    // A missing point, and a file that was cut short.
+    // A missing point, and a truncated file.
     let holed = keyence(",", english, "um").replace("\"2.5\"", "\"\"");
     assert_eq!(read_map(holed.as_bytes(), &ReadOptions::NONE).unwrap().map.missing(), 1);
     let cut = keyence(",", english, "um").replace("\"-1\",\"-2\",\"0\",\"7\"\r\n", "");
@@ -152,7 +152,7 @@ fn gwyddion_and_mountains_map_write_their_headers_in_many_languages() {
             assert_eq!(check((header + &rows("\t", "", 1e-6)).as_bytes(), [2e-6; 2]), [""; 0], "{width}");
         }
     }
-    // In UTF-16 with decimal commas, whose three digits alone could be thousands.
+    // UTF-16 with decimal commas; groups of three digits alone could also be thousands.
     let text = "\u{feff}# Kanal: Topographie\r\n# Breite: 8,000 \u{b5}m\r\n# H\u{f6}he: 6,000 \u{b5}m\r\n# Einheit: \u{b5}m\r\n".to_owned()
         + &rows("\t", "", 1.0).replace('.', ",");
     let wide: Vec<u8> = text.encode_utf16().flat_map(u16::to_le_bytes).collect();
@@ -164,7 +164,7 @@ fn gwyddion_and_mountains_map_write_their_headers_in_many_languages() {
             .to_string()
             .starts_with("line 1: Width is \"8,000 um\"")
     );
-    // Of several maps in a file the first is read.
+    // If a file holds several maps, the first is read.
     let one = "# Channel: Z\n# Width: 8 um\n# Height: 6 um\n# Value units: um\n".to_owned() + &rows("\t", "", 1.0);
     let notes = check((one.clone() + "\n" + &one.replace("units: um", "units: V")).as_bytes(), [2e-6; 2]);
     assert_eq!(notes, ["the file holds several maps: the first is read"]);
@@ -195,7 +195,7 @@ fn headers_state_units_factors_and_pixels_in_many_words() {
         let notes = check((header.to_owned() + &rows(" ", "", scale)).as_bytes(), pixel);
         assert_eq!(notes, [""; 0], "{header}");
     }
-    // The side of a scan is both sides where points and lines are as many.
+    // A single side length is that of both sides if there are as many points as lines.
     let square = "Scan size: 640 um\nZ unit: 10 nm\n1 2\n3 4\n";
     let map = read_map(square.as_bytes(), &ReadOptions::NONE).unwrap().map;
     assert!(
@@ -237,7 +237,7 @@ fn lines_of_a_header_that_state_a_scale_and_are_not_used_are_named() {
     ] {
         assert_eq!(notes(header), [""; 0], "{header}");
     }
-    // Options go before what the header says, which is told.
+    // Options have precedence over the header, and a note says so.
     let said = notes("# Z unit: 10 nm\n# Pixel: 3 um\n");
     assert!(
         said[0].contains("not those of the file, 3 x 3 um") && said[1].contains("and not 10 nm, as the file says"),

@@ -1,62 +1,62 @@
-//! The part of a file's grid that is kept: a rectangle of it, and of that every pixel or blocks of pixels.
+//! The part of a file's grid that is kept: a rectangle, and in it every pixel or blocks of pixels.
 
 use crate::map::MAX_POINTS;
 use crate::{HeightMap, MapError, ReadError};
 
-/// A rectangle of pixels of the file's grid; rows and columns count from 0.
+/// A rectangle of pixels of the file's grid; row and column indices start at 0.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Crop {
     /// First row kept.
     pub first_row: usize,
     /// First column kept.
     pub first_col: usize,
-    /// Rows kept.
+    /// Number of rows kept.
     pub rows: usize,
-    /// Columns kept.
+    /// Number of columns kept.
     pub cols: usize,
 }
 
-/// How a block of pixels becomes one.
+/// Reduction of a block of pixels to one pixel.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum DecimationMethod {
-    /// The mean of the heights present, missing where fewer than half are: what a coarser instrument sees.
+    /// Mean of the heights present, missing if fewer than half are present: corresponds to a coarser instrument.
     #[default]
     Mean,
-    /// The first height of the block: keeps the distribution of heights, folds short waves into long ones.
+    /// First height of the block: keeps the distribution of heights, but aliases short waves to long ones.
     Pick,
 }
 
-/// Blocks of `factor` x `factor` pixels become one. Rows and columns left over at the end are dropped.
+/// Reduces blocks of `factor` x `factor` pixels to one pixel. Rows and columns left over at the end are dropped.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Decimation {
     /// Pixels along each side of a block, at least 1.
     pub factor: usize,
-    /// How a block becomes one height.
+    /// Reduction of a block to one height.
     pub method: DecimationMethod,
 }
 
-/// Takes the heights of a file row by row and keeps what was asked for; never holds more than that.
+/// Receives the heights of a file row by row and keeps only the part requested.
 #[derive(Debug)]
 pub(crate) struct Window {
-    /// Rows of the file, if they are known before they are read, and columns.
+    /// Number of rows of the file, if known before reading, and of columns.
     file_rows: Option<usize>,
     file_cols: usize,
-    /// Kept: first and one past the last.
+    /// Range kept: first index and one past the last.
     rows: [usize; 2],
     cols: [usize; 2],
     decimation: Decimation,
-    /// Place of the next height.
+    /// Position of the next height.
     row: usize,
     col: usize,
-    /// Sum and number of the heights of each block of the current rows.
+    /// Sum and number of the heights of each block in the current rows.
     block: Vec<(f64, u32)>,
-    /// Rows taken into the blocks.
+    /// Number of rows added to the current blocks.
     block_rows: usize,
     height: Vec<f64>,
 }
 
 impl Window {
-    /// A window on a grid with `file_cols` columns and, if that is known, `file_rows` rows.
+    /// A window on a grid with `file_cols` columns and, if known, `file_rows` rows.
     pub(crate) fn new(
         file_rows: Option<u64>,
         file_cols: u64,
@@ -104,7 +104,7 @@ impl Window {
             block_rows: 0,
             height: Vec::new(),
         };
-        // What a header says is too much is refused before anything is read.
+        // A size above the limit is refused before the data are read.
         if let Some(file_rows) = file_rows {
             let last = rows[1].min(usize::try_from(file_rows).unwrap_or(usize::MAX));
             let kept = (last.saturating_sub(rows[0]) / decimation.factor) as f64;
@@ -113,18 +113,18 @@ impl Window {
         Ok(window)
     }
 
-    /// Columns that are kept.
+    /// Number of columns kept.
     fn kept_cols(&self) -> usize {
         (self.cols[1] - self.cols[0]) / self.decimation.factor
     }
 
-    /// Whether all rows asked for have been taken.
+    /// Whether all requested rows have been received.
     pub(crate) fn is_full(&self) -> bool {
         self.row >= self.rows[1]
     }
 
-    /// Whether every pixel of the file is in the map. A crop of a file that does not say how many rows it has
-    /// ends reading before they are known: that counts as a part.
+    /// Whether every pixel of the file is in the map. Reading with a crop ends before the number of rows is known,
+    /// unless the file states it; the map then counts as a part.
     pub(crate) fn is_whole(&self) -> bool {
         let Decimation { factor, .. } = self.decimation;
         let rows = self.file_rows.unwrap_or(if self.rows[1] == usize::MAX { self.row } else { usize::MAX });
@@ -137,20 +137,20 @@ impl Window {
         self.cols[1] == self.file_cols
     }
 
-    /// Rows seen so far.
+    /// Number of rows received so far.
     pub(crate) fn rows_seen(&self) -> usize {
         self.row
     }
 
-    /// Takes the last column of the file for none, if it is of no height.
-    pub(crate) fn without_last_col(&mut self) -> Result<(), ReadError> {
+    /// Removes the last column of the file, if it holds no height.
+    pub(crate) fn drop_last_col(&mut self) -> Result<(), ReadError> {
         let kept = self.kept_cols();
         self.file_cols -= 1;
         let [first, end] = self.cols;
         if end <= self.file_cols {
             return Ok(());
         }
-        // Only a crop ends its rows: without one the map has all columns that there are.
+        // Only a crop limits the columns; without a crop the map has all columns of the file.
         if self.rows[1] != usize::MAX {
             let available = self.file_cols as u64;
             return Err(ReadError::CropOutside { axis: "columns", first, count: end - first, available });
@@ -168,7 +168,7 @@ impl Window {
         Ok(())
     }
 
-    /// Takes the next heights in the order of the file, NaN where missing, any number of them.
+    /// Adds the next heights in the order of the file, any number of them, NaN where missing.
     pub(crate) fn push(&mut self, mut heights: &[f64]) -> Result<(), ReadError> {
         while !heights.is_empty() {
             let (part, rest) = heights.split_at(heights.len().min(self.file_cols - self.col));
@@ -188,7 +188,7 @@ impl Window {
         Ok(())
     }
 
-    /// Takes kept heights, the first in kept column `first`.
+    /// Adds kept heights, the first of them in kept column `first`.
     fn take(&mut self, first: usize, heights: &[f64]) -> Result<(), ReadError> {
         let Decimation { factor, method } = self.decimation;
         if factor == 1 {
@@ -196,7 +196,7 @@ impl Window {
             self.height.extend_from_slice(heights);
             return Ok(());
         }
-        // Columns left over at the end make no block.
+        // Columns left over at the end do not form a block.
         let whole = self.kept_cols() * factor;
         for (col, &height) in (first..whole).zip(heights) {
             let block = col / factor;
@@ -221,7 +221,7 @@ impl Window {
         if (self.rows[0]..self.rows[1]).contains(&self.row) && factor > 1 {
             self.block_rows += 1;
             if self.block_rows == factor {
-                // Fewer than half of a block present say too little about it.
+                // If fewer than half of the heights of a block are present, its mean is not representative.
                 let least = match method {
                     DecimationMethod::Mean => (factor * factor).div_ceil(2),
                     DecimationMethod::Pick => 1,
@@ -243,9 +243,9 @@ impl Window {
         Ok(())
     }
 
-    /// The map of a file that holds heights line after line: points of a line follow each other along x, lines along y.
-    /// Heights go through `to_metres`, which must be linear; `pixel_m` are the file's pixels, between lines and between
-    /// points of a line.
+    /// The map of a file of lines of heights: points of a line follow each other along x, lines along y. Heights are
+    /// converted by `to_metres`, which must be linear; `pixel_m` are the distances between lines and between the points
+    /// of a line.
     pub(crate) fn finish_lines(
         self,
         pixel_m: [f64; 2],
@@ -254,8 +254,8 @@ impl Window {
         Ok(self.finish(pixel_m, to_metres)?.transposed())
     }
 
-    /// The map as it was pushed: heights through `to_metres`, which must be linear, on pixels of `pixel_m`, between
-    /// rows and between columns.
+    /// The map in the order received. Heights are converted by `to_metres`, which must be linear; `pixel_m` are the
+    /// distances between rows and between columns.
     pub(crate) fn finish(mut self, pixel_m: [f64; 2], to_metres: impl Fn(f64) -> f64) -> Result<HeightMap, ReadError> {
         if self.rows[1] != usize::MAX && self.row < self.rows[1] {
             let (first, count) = (self.rows[0], self.rows[1] - self.rows[0]);
@@ -278,11 +278,11 @@ fn check_points(points: f64) -> Result<(), MapError> {
 }
 
 impl HeightMap {
-    /// A part of the map, or a coarser one, as [`read_map`](crate::read_map) would have kept it; rows of the crop are those of
-    /// the map.
+    /// A part of the map, or a coarser map, as [`read_map`](crate::read_map) would have kept it; the rows of the crop
+    /// are those of the map.
     ///
     /// # Errors
-    /// [`ReadError`] if the crop lies outside, or nothing is left.
+    /// [`ReadError`] if the crop lies outside the map, or no point is left.
     pub fn windowed(&self, crop: Option<Crop>, decimation: Option<Decimation>) -> Result<Self, ReadError> {
         self.window(crop, decimation)?.finish([self.dx_m(), self.dy_m()], |height| height)
     }
@@ -294,7 +294,7 @@ impl HeightMap {
     }
 }
 
-/// The part of a map that is in memory already, and whether it is the whole map.
+/// A part of a map in memory, and whether it is the whole map.
 pub(super) fn window_of(
     map: HeightMap,
     crop: Option<Crop>,
@@ -303,7 +303,7 @@ pub(super) fn window_of(
     if crop.is_none() && decimation.is_none_or(|decimation| decimation.factor == 1) {
         return Ok((map, true));
     }
-    // Rows of a crop are lines, as in files that hold heights line after line.
+    // Rows of a crop are lines, as in files of lines of heights.
     let lines = map.transposed();
     let window = lines.window(crop, decimation)?;
     let whole = window.is_whole();
@@ -314,7 +314,7 @@ pub(super) fn window_of(
 mod tests {
     use super::*;
 
-    /// 7 x 10 heights 10 i + j, pushed in pieces of `piece`.
+    /// A map of 7 x 10 heights 10 i + j, pushed in pieces of `piece`.
     fn windowed(crop: Option<Crop>, decimation: Option<Decimation>, piece: usize) -> Result<HeightMap, ReadError> {
         let heights: Vec<f64> = (0..70).map(f64::from).collect();
         let mut window = Window::new(Some(7), 10, crop, decimation)?;

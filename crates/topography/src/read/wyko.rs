@@ -1,28 +1,28 @@
-//! Wyko ASCII (`.asc`), which Vision writes: entries between tabs, then blocks of heights, each line of which runs along y. Heights
-//! are in nanometres, or in wavelengths over the entry `Mult`; `Bad` marks a missing point.
+//! Wyko ASCII (`.asc`), written by Vision: tab-separated entries, then blocks of heights, each line of which runs along
+//! y. Heights are in nanometres, or in wavelengths divided by the entry `Mult`; `Bad` marks a missing point.
 
 use std::io::BufRead;
 
 use super::lines::{Lines, excerpt, expected_height, height, number};
-use super::overridden::Said;
+use super::overridden::StatedValues;
 use super::scale::Scale;
 use super::window::{Crop, Window};
 use super::{MapFormat, ReadMap, ReadOptions, keep_comment};
 use crate::{LengthUnit, ReadError};
 
-/// How the format begins.
+/// First words of the format.
 pub(super) const MAGIC: &str = "Wyko ASCII Data File Format";
 const FORMAT: &str = "Wyko ASCII";
-/// Blocks that hold heights.
+/// Names of the blocks that hold heights.
 const HEIGHT_BLOCKS: [&str; 4] = ["RAW_DATA", "RAW DATA", "SAMPLE_DATA", "OPD"];
 
-/// What the entries say.
+/// Values of the entries.
 #[derive(Default)]
 struct Header {
-    /// Points along x and along y.
+    /// Number of points along x and along y.
     size: [Option<u64>; 2],
     pixel_mm: Option<f64>,
-    /// Side of a pixel along y over that along x.
+    /// Ratio of a pixel's side along y to that along x.
     aspect: Option<f64>,
     wavelength_nm: Option<f64>,
     mult: Option<f64>,
@@ -30,7 +30,7 @@ struct Header {
 }
 
 impl Header {
-    /// Reads up to the heights.
+    /// Reads the file up to the heights.
     fn read(lines: &mut Lines<impl BufRead>) -> Result<Self, ReadError> {
         let mut header = Self::default();
         while let Some(text) = lines.next()? {
@@ -64,7 +64,8 @@ impl Header {
         Err(refused("RAW_DATA", "", "a block of heights"))
     }
 
-    /// What a height of 1 stands for; the third number of the first line tells whether heights are nanometres.
+    /// Length that a height value of 1 represents; the third number of the first line tells whether heights are in
+    /// nanometres.
     fn scale(&self) -> Result<Scale, ReadError> {
         let flags = self.comments.first().and_then(|first| first.strip_prefix(MAGIC)).unwrap_or_default();
         if flags.split_whitespace().nth(1) == Some("1") {
@@ -94,7 +95,7 @@ pub(super) fn read(source: impl BufRead, options: &ReadOptions) -> Result<ReadMa
     };
     let own = header.scale()?;
     let scale = options.height_unit.map_or(own, Scale::from);
-    // The file's lines run along y, those of a crop along x.
+    // Lines of the file run along y, lines of a crop along x.
     let turned =
         |crop: Crop| Crop { first_row: crop.first_col, first_col: crop.first_row, rows: crop.cols, cols: crop.rows };
     let mut window = Window::new(Some(along_x), along_y, options.crop.map(turned), options.decimation)?;
@@ -119,8 +120,8 @@ pub(super) fn read(source: impl BufRead, options: &ReadOptions) -> Result<ReadMa
     }
     let whole = window.is_whole();
     let map = window.finish(pixel_m, |height| scale.to_metres(height))?;
-    let said = Said { pixel_m: own_m, height_unit: Some(own), lateral_unit: None };
-    let notes = said.notes(options, MapFormat::Matrix);
+    let stated = StatedValues { pixel_m: own_m, height_unit: Some(own), lateral_unit: None };
+    let notes = stated.notes(options, MapFormat::Matrix);
     Ok(ReadMap { map, whole, format: MapFormat::Matrix, comments: header.comments, notes })
 }
 
@@ -146,7 +147,7 @@ mod tests {
                 assert!(value.is_nan() || (found * 1e9 - nm * value).abs() < 1e-9, "{found} {value}");
             }
         }
-        // Of a crop rows are along y, as in other files.
+        // Rows of a crop run along y, as for other files.
         let crop = Some(Crop { first_row: 0, first_col: 1, rows: 2, cols: 2 });
         let part = read_map(text(1).as_bytes(), &ReadOptions { crop, ..ReadOptions::NONE }).unwrap().map;
         assert_eq!((part.rows(), part.cols(), part.heights_m()[2]), (2, 2, 5e-9));

@@ -1,7 +1,7 @@
-//! XML 3-D surface (`.x3p`, ISO 25178-72): a zip archive with the index `main.xml`, the heights in a binary
-//! file that it names (x fastest, little endian) or as text within it, and perhaps a file of bits that says
-//! which points are valid (lowest bit first). All lengths are metres; a height is the number stored times the
-//! increment of the z axis plus its offset. Missing points are NaN, or not valid.
+//! XML 3-D surface (`.x3p`, ISO 25178-72): a zip archive with the index `main.xml`. The heights are in a binary file
+//! named by the index (x fastest, little endian) or as text within it; an optional bit file marks the valid points
+//! (lowest bit first). All lengths are in metres; a height is the stored number times the increment of the z axis plus
+//! its offset. Missing points are NaN or not valid.
 
 use std::collections::HashMap;
 use std::io::{BufReader, Cursor, Read};
@@ -11,7 +11,7 @@ use zip::read::ZipFile;
 
 use super::bytes::{at_end, numbers, unreadable};
 use super::foreign;
-use super::overridden::Said;
+use super::overridden::StatedValues;
 use super::window::Window;
 use super::x3p_index::{Heights, Index};
 use super::{MapFormat, ReadMap, ReadOptions, check_expansion};
@@ -19,12 +19,12 @@ use crate::{LengthUnit, ReadError};
 
 pub(super) const MAGIC: &[u8] = b"PK\x03\x04";
 pub(super) const FORMAT: &str = MapFormat::X3p.name();
-/// Largest archive: it is held in memory, for its directory stands at the end.
+/// Largest archive. It is held in memory because its directory is at the end.
 const MAX_ARCHIVE_BYTES: u64 = 1 << 29;
-/// Largest index: heights of a few hundred thousand points fit as text; more stand in a binary file.
+/// Largest index: a few hundred thousand heights fit as text; larger maps use a binary file.
 const MAX_INDEX_BYTES: u64 = 1 << 24;
-/// An index that unpacks to more than this many times its size, and more bytes than these, is a bomb: digits of heights
-/// pack to a third, the marks about them to a twentieth.
+/// An index that expands to more than this many times its packed size, and to more than these bytes, is refused as a
+/// decompression bomb. Digits of heights pack to a third, the tags around them to a twentieth.
 const MAX_INDEX_EXPANSION: u64 = 60;
 const HARMLESS_INDEX_BYTES: u64 = 1 << 20;
 
@@ -71,7 +71,7 @@ pub(super) fn read(mut source: impl Read, options: &ReadOptions) -> Result<ReadM
             }
         }
         Heights::File { path, valid: Some(valid_path) } => {
-            // Two entries are read side by side: two views of the same bytes.
+            // Two entries are read in parallel, through two views of the same bytes.
             let mut other = ZipArchive::new(Cursor::new(bytes.as_slice())).map_err(|error| broken(&error))?;
             let needed = index.points().div_ceil(8);
             let mut bits = Bits::new(sized_entry(&mut other, places.find(valid_path)?, needed)?);
@@ -91,7 +91,7 @@ pub(super) fn read(mut source: impl Read, options: &ReadOptions) -> Result<ReadM
                 at_end(&mut bits.source, FORMAT)?;
             }
         }
-        Heights::Listed(values) => {
+        Heights::CoordinateListCheck(values) => {
             if values.len() as u64 != index.points() {
                 let (expected, found) = (index.points(), values.len() as u64);
                 return Err(ReadError::Ended { format: FORMAT, what: "heights", expected, found });
@@ -107,7 +107,7 @@ pub(super) fn read(mut source: impl Read, options: &ReadOptions) -> Result<ReadM
     let map = window.finish_lines(pixel_m, |height| unit.to_metres(height * scale + index.offset_z_m))?;
     let metre = Some(LengthUnit::Metre);
     let [x, y, _] = index.increment_m;
-    let notes = Said::of_steps([x, y], metre, metre).notes(options, MapFormat::X3p);
+    let notes = StatedValues::from_steps([x, y], metre, metre).notes(options, MapFormat::X3p);
     Ok(ReadMap { map, whole, format: MapFormat::X3p, comments: index.comments, notes })
 }
 
@@ -121,11 +121,12 @@ fn broken(error: &zip::result::ZipError) -> ReadError {
 
 type Archive<'b> = ZipArchive<Cursor<&'b [u8]>>;
 
-/// Where the files of an archive are, by their names without case, `./` and backslashes. What a Mac adds is left out.
+/// Positions of the files in an archive, by their names in lower case, without `./` and backslashes. Files added by
+/// macOS are omitted.
 struct Places {
-    /// The index, `main.xml` in the outermost folder that has one.
+    /// The index: `main.xml` in the outermost folder that has one.
     index: Option<usize>,
-    /// The folder of the index, with its last slash.
+    /// Folder of the index, with its trailing slash.
     folder: String,
     names: HashMap<String, usize>,
 }
@@ -157,13 +158,13 @@ impl Places {
     }
 }
 
-/// The name of a file in an archive without what writers differ in.
+/// Normalises the name of a file in an archive; writers differ in case and separators.
 fn plain(name: &str) -> String {
     let name = name.replace('\\', "/").to_lowercase();
     name.split('/').filter(|part| !matches!(*part, "" | ".")).collect::<Vec<_>>().join("/")
 }
 
-/// The file of the archive with the heights that `index` announces.
+/// The file of the archive with the heights that `index` names.
 fn data_entry<'a, 'b>(
     archive: &'a mut Archive<'b>,
     place: usize,
@@ -189,14 +190,14 @@ fn sized_entry<'a, 'b>(
     Ok(file)
 }
 
-/// Infinite heights mean missing ones.
+/// Converts infinite heights to missing ones.
 fn keep_finite(values: &mut [f64]) {
     for value in values.iter_mut().filter(|value| value.is_infinite()) {
         *value = f64::NAN;
     }
 }
 
-/// Bits, lowest first.
+/// Reads bits, lowest first.
 struct Bits<R> {
     source: BufReader<R>,
     byte: u8,
@@ -370,7 +371,7 @@ mod tests {
 
     #[test]
     fn zip_bombs_are_refused_before_they_unpack() {
-        // 3 million equal heights pack to a thousandth.
+        // 3 million equal heights pack to a thousandth of their size.
         let size = index("D", LINK).replace("<SizeX>3", "<SizeX>2000").replace("<SizeY>2", "<SizeY>1500");
         let zeros = vec![0; 8 * 3_000_000];
         let bomb = archive(&size, &[("bindata/data.bin", &zeros)]);

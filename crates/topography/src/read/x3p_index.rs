@@ -11,24 +11,24 @@ use super::lines::{excerpt, number};
 use super::x3p::{FORMAT, refused};
 use crate::ReadError;
 
-/// Deepest nesting of elements: the schema has six levels.
+/// Deepest nesting of elements; the schema has six levels.
 const MAX_LEVELS: usize = 32;
 
-/// Where the heights are.
+/// Location of the heights.
 #[derive(Debug)]
 pub(super) enum Heights {
-    /// In a file of the archive, perhaps with one of bits for the valid points.
+    /// In a file of the archive, optionally with a bit file for the valid points.
     File { path: String, valid: Option<String> },
     /// In the index.
-    Listed(Vec<f64>),
+    CoordinateListCheck(Vec<f64>),
 }
 
-/// What the index says.
+/// Content of the index.
 #[derive(Debug)]
 pub(super) struct Index {
     pub(super) rows: u64,
     pub(super) cols: u64,
-    /// Along x, y and z.
+    /// Axes x, y and z.
     pub(super) increment_m: [f64; 3],
     pub(super) offset_z_m: f64,
     pub(super) number: Number,
@@ -37,7 +37,7 @@ pub(super) struct Index {
 }
 
 impl Index {
-    /// Points of the surface.
+    /// Number of points of the surface.
     pub(super) fn points(&self) -> u64 {
         self.rows.saturating_mul(self.cols)
     }
@@ -70,7 +70,7 @@ impl Index {
                     "amp" => "&",
                     "quot" => "\"",
                     "apos" => "'",
-                    // Entities of a document's own are never expanded.
+                    // Entities defined by the document itself are never expanded.
                     _ => "?",
                 }),
                 Event::End(_) => {
@@ -86,7 +86,7 @@ impl Index {
     }
 }
 
-/// Entries as they come.
+/// Entries read so far.
 #[derive(Default)]
 struct Entries {
     sizes: [Option<u64>; 3],
@@ -103,7 +103,7 @@ struct Entries {
 impl Entries {
     fn take(&mut self, path: &[String], text: &str) -> Result<(), ReadError> {
         let [.., parent, name] = path else { return Ok(()) };
-        // Writers leave optional entries empty; an empty height is a missing one.
+        // Writers leave optional entries empty; an empty height is a missing point.
         if text.is_empty() && name != "Datum" {
             return Ok(());
         }
@@ -171,7 +171,7 @@ impl Entries {
         let heights = match self.path {
             Some(path) => Heights::File { path, valid: self.valid },
             None if self.listed.is_empty() => return Err(missing("PointDataLink")),
-            None => Heights::Listed(self.listed),
+            None => Heights::CoordinateListCheck(self.listed),
         };
         let number = self.number.ok_or_else(|| missing("DataType of z"))?;
         let (offset_z_m, comments) = (self.offset_z_m, self.comments);
@@ -179,7 +179,7 @@ impl Entries {
     }
 }
 
-/// A height in the index; of several coordinates it is the last. Empty where it is missing.
+/// A height in the index: the last of several coordinates; a missing point if empty.
 fn datum(text: &str) -> Result<f64, ReadError> {
     let last = text.rsplit(';').next().unwrap_or_default().trim();
     if last.is_empty() || last.eq_ignore_ascii_case("nan") {

@@ -1,4 +1,4 @@
-//! Heights as points x y z, in any order, on a regular grid of which points may be missing.
+//! Heights as points x y z in any order, on a regular grid whose points may be missing.
 
 use super::ReadOptions;
 use super::header::Header;
@@ -9,16 +9,16 @@ use super::scan::Scan;
 use crate::map::MAX_POINTS;
 use crate::{HeightMap, LengthUnit, MapError, MapOption, NotGiven, ReadError};
 
-/// Coordinates closer than this share of their range count as equal: well below the pixel of the largest
-/// map, well above rounding.
+/// Coordinates that differ by less than this fraction of their range count as equal: well below the pixel of the
+/// largest map, well above rounding errors.
 const SAME_COORDINATE: f64 = 1e-7;
-/// Largest distance of a point from its grid line, in steps: files round their coordinates.
+/// Largest distance of a point from its grid line, in steps, because files round their coordinates.
 const OFF_GRID: f64 = 0.2;
-/// Most grid nodes for each point present. Sparser grids come from coordinates that are on no grid, and a map of which more is
-/// missing (`limits::MAX_MISSING_SHARE`) would be refused.
+/// Largest number of grid nodes per point present. A sparser grid means that the coordinates are not on a grid, and the
+/// map would be refused for its missing points (`limits::MAX_MISSING_SHARE`).
 const MAX_NODES_PER_POINT: usize = 10;
 
-/// A point in the text's units, and the line that it stands on.
+/// A point in the file's units, and its line number.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Point {
     pub(super) x: f64,
@@ -27,7 +27,7 @@ pub(super) struct Point {
     pub(super) line: usize,
 }
 
-/// Points read so far: a scan as long as they keep its order.
+/// Points read so far, stored as a scan as long as they are in scan order.
 #[derive(Debug)]
 enum Points {
     Scan(Scan),
@@ -43,15 +43,15 @@ impl Points {
     }
 }
 
-/// Whether `text` has three values; that of a height that was not measured may be an empty field at the end of the line.
+/// Whether `text` has three values; the height of a missing point may be an empty field at the end of the line.
 pub(super) fn is_point(text: &str) -> bool {
     let row = text.trim();
     let delimiter = Delimiter::of(row);
-    // Points do not end with several empty fields.
+    // A point does not end with several empty fields.
     if delimiter == Delimiter::Tab && text.len() > text.trim_end_matches('\t').len() + 1 {
         return false;
     }
-    // Nor do they lack a coordinate.
+    // A point has both coordinates.
     if delimiter.fields(row).take(2).any(str::is_empty) {
         return false;
     }
@@ -80,7 +80,7 @@ impl XyzReader {
         let delimiter = *self.delimiter.get_or_insert_with(|| Delimiter::of(row));
         let mut fields = delimiter.fields(row);
         let (x, y, z) = (fields.next(), fields.next(), fields.next());
-        // A height that was not measured may be an empty field at the end of a line.
+        // The height of a missing point may be an empty field at the end of a line.
         let z = z.or_else(|| delimiter.ends(delimiter.row(text)).then_some(""));
         let (Some(x), Some(y), Some(z), None) = (x, y, z, fields.next()) else {
             return Err(ReadError::RowLength { line, found: delimiter.fields(row).count(), expected: 3 });
@@ -105,7 +105,7 @@ impl XyzReader {
         Ok(())
     }
 
-    /// What neither the header nor the caller says.
+    /// Quantities given neither by the header nor by the caller.
     pub(super) fn missing(header: &Header, options: &ReadOptions) -> Vec<NotGiven> {
         let height = options.height_unit.is_none() && header.value().is_none();
         let lateral = options.lateral_unit.is_none() && header.lateral.is_none();
@@ -148,7 +148,7 @@ impl XyzReader {
     }
 }
 
-/// The grid of a scan that lacks no point of it, and its heights in metres.
+/// Grid of a scan without missing points, and its heights in metres.
 fn from_scan(scan: &Scan, unit: Scale) -> Option<([GridLines; 2], Vec<f64>)> {
     let ([x, y], z) = scan.grid()?;
     let along_x = GridLines::find("x", x.iter().copied()).ok()?;
@@ -162,7 +162,7 @@ fn from_scan(scan: &Scan, unit: Scale) -> Option<([GridLines; 2], Vec<f64>)> {
     Some(([along_x, along_y], height_m))
 }
 
-/// The grid of points in any order, and its heights in metres, NaN where no point is.
+/// Grid of points in any order, and its heights in metres, NaN where there is no point.
 fn from_points(points: &[Point], unit: Scale) -> Result<([GridLines; 2], Vec<f64>), ReadError> {
     let along_x = GridLines::find("x", points.iter().map(|point| point.x))?;
     let along_y = GridLines::find("y", points.iter().map(|point| point.y))?;
@@ -206,26 +206,26 @@ struct GridLines {
 }
 
 impl GridLines {
-    /// The grid that the `coordinates` lie on.
+    /// The grid on which the `coordinates` lie.
     fn find(axis: &'static str, coordinates: impl Iterator<Item = f64>) -> Result<Self, ReadError> {
         let mut sorted: Vec<f64> = coordinates.collect();
         sorted.sort_unstable_by(f64::total_cmp);
         let first = sorted.first().copied().unwrap_or_default();
         let last = sorted.last().copied().unwrap_or_default();
-        // Halves, so that the range of the largest numbers stays finite.
+        // Halved values, so that the range of the largest numbers stays finite.
         let same = 2.0 * SAME_COORDINATE * (0.5 * last - 0.5 * first);
         let gaps = || sorted.windows(2).map(|pair| pair[1] - pair[0]).filter(move |gap| *gap > same);
         let smallest = gaps().fold(f64::INFINITY, f64::min);
         if !(smallest.is_finite() && smallest > 0.0) {
             return Err(ReadError::OneLine { axis, value: first });
         }
-        // Rounded coordinates make the smallest gap a poor step, but the number of steps in each gap is
-        // certain; the whole range over their sum is the step.
+        // Rounding of the coordinates makes the smallest gap an inaccurate step, but the number of steps in each gap is
+        // certain; the step is the whole range divided by the sum of these numbers.
         let steps: f64 = gaps().map(|gap| (gap / smallest).round()).sum();
         Ok(Self { first, step: last / steps - first / steps, count: steps + 1.0 })
     }
 
-    /// Which of the `values` lies on the first grid line, the second, ...; `None` unless each has exactly one.
+    /// Indices of the `values` that lie on the first, second, ... grid line; `None` unless each line has exactly one.
     fn order(&self, values: &[f64]) -> Option<Vec<usize>> {
         if self.count != values.len() as f64 {
             return None;
@@ -237,7 +237,7 @@ impl GridLines {
         order.iter().all(|&n| n != usize::MAX).then_some(order)
     }
 
-    /// The grid line that `value` lies on.
+    /// Index of the grid line on which `value` lies.
     fn index(&self, axis: &'static str, value: f64, line: usize) -> Result<usize, ReadError> {
         let steps = (value - self.first) / self.step;
         let nearest = steps.round();
@@ -256,7 +256,7 @@ mod tests {
     const UM: Option<LengthUnit> = Some(LengthUnit::Micrometre);
     const GIVEN: ReadOptions = ReadOptions { height_unit: UM, lateral_unit: UM, ..ReadOptions::NONE };
 
-    /// 4 x 3 points, x slow: the height says where they are.
+    /// 4 x 3 points with x slow; each height identifies its position.
     fn scan() -> Vec<String> {
         (0..12).map(|n| format!("{} {} {n}\n", 0.5 * f64::from(n / 3), 0.25 * f64::from(n % 3))).collect()
     }
@@ -279,7 +279,7 @@ mod tests {
         for order in orders {
             assert_eq!(read(&by(order)).unwrap(), whole);
         }
-        // Empty lines part the lines of a scan, or stand anywhere.
+        // Empty lines between scan lines, or anywhere.
         let mut gaps = scan();
         gaps.insert(6, "\n".to_owned());
         assert_eq!(read(&gaps).unwrap(), whole);
@@ -296,11 +296,11 @@ mod tests {
         assert_eq!((whole.missing(), found.missing(), found.rows(), found.cols()), (0, 1, 4, 3));
         let kept = whole.heights_m().iter().zip(found.heights_m()).filter(|(all, left)| all == left).count();
         assert_eq!(kept, 11);
-        // Also where the first point is the one, without titles.
+        // Also if the first point is the missing one, without titles.
         holed = whole_lines();
         holed[0] = "0;0;\n".to_owned();
         assert_eq!(read(&holed).unwrap().missing(), 1);
-        // Without the mark a field is not there.
+        // Without a delimiter the field does not exist.
         let short: Vec<String> = ["0;0;1\n", "0;1\n"].map(str::to_owned).to_vec();
         assert_eq!(read(&short).unwrap_err().to_string(), "line 2: 2 values: expected 3");
     }
@@ -309,7 +309,7 @@ mod tests {
     fn commas_that_may_be_marks_of_thousands_are_told_how_they_are_read() {
         let lines: Vec<String> = ["0;0;1,500\n", "0;1;1,500\n"].map(str::to_owned).to_vec();
         assert!(read(&lines).unwrap_err().to_string().contains("--decimal-comma"));
-        // Between spaces, too, where the commas seem to part the fields.
+        // Also between spaces, where commas seem to delimit the fields.
         for line in ["0 1,000 2,000\n", "1,500 1,000 2,000\n", "-1,500 -1,000 2,500\n"] {
             let said = read(&[line.to_owned()]).unwrap_err().to_string();
             assert!(said.contains("between two commas") && said.contains("--decimal-comma"), "{said}");
@@ -325,7 +325,7 @@ mod tests {
             assert_eq!((map.rows(), map.cols(), map.missing()), (4, 3, 1), "{absent}");
             assert!(map.heights_m()[absent].is_nan());
         }
-        // A whole line of the scan is absent.
+        // A whole scan line is absent.
         let lines: Vec<String> =
             scan().into_iter().enumerate().filter(|(n, _)| n / 3 != 2).map(|(_, line)| line).collect();
         let map = read(&lines).unwrap();

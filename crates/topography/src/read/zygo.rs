@@ -1,32 +1,34 @@
-//! Text exports of Zygo's programs: `Zygo XYZ Data File`, whose points count pixels, and `Zygo ASCII Data File`, whose heights
-//! are whole numbers, ten a line. Both begin with a header of numbers that are known by their places, up to a line `#`.
+//! Text exports of Zygo software: `Zygo XYZ Data File`, whose point coordinates are pixel indices, and `Zygo ASCII Data
+//! File`, whose heights are whole numbers, ten per line. Both begin with a header of numbers identified by their
+//! positions, which ends with a line `#`.
 
 use std::io::BufRead;
 
 use super::lines::{Lines, excerpt, number};
-use super::overridden::Said;
+use super::overridden::StatedValues;
 use super::scale::Scale;
 use super::window::{Window, window_of};
 use super::xyz::XyzReader;
 use super::{MapFormat, ReadMap, ReadOptions, keep_comment};
 use crate::{LengthUnit, MapOption, NotGiven, ReadError};
 
-/// How both formats begin.
+/// First words of both formats.
 pub(super) const MAGIC: [&str; 2] = ["Zygo XYZ Data File", "Zygo ASCII Data File"];
 const FORMAT: &str = "Zygo text";
-/// Lines above the first `#`, at most: writers have 13 or 14.
+/// Largest number of lines above the first `#`; usual writers have 13 or 14.
 const MAX_HEADER_LINES: usize = 40;
-/// Steps of phase of a fringe, for each phase resolution.
+/// Phase steps per fringe, for each phase resolution.
 const PHASE_STEPS: [f64; 3] = [4096.0, 32768.0, 131_072.0];
-/// Phases from here on mark points without data.
+/// Phases from this value on mark points without data.
 const MIN_INVALID_PHASE: f64 = 2_147_483_640.0;
 
-/// The lines above the data.
+/// Lines above the data.
 struct Header {
     lines: Vec<String>,
-    /// The line with the size of the phase data, of four numbers alone: writers differ in how many lines stand above it.
+    /// The line with the size of the phase data, the first with four numbers only; the number of lines above it depends
+    /// on the writer.
     size: usize,
-    /// The line with scale factor, wavelength and camera resolution: the next of seven numbers and more.
+    /// The line with scale factor, wavelength and camera resolution: the next with at least seven numbers.
     optics: usize,
 }
 
@@ -56,7 +58,7 @@ impl Header {
         Ok(Self { lines, size, optics })
     }
 
-    /// The number at a place of a line, both from 0, if it is accepted.
+    /// The number at a position of a line, both counted from 0, if it is accepted.
     fn number(
         &self,
         field: &'static str,
@@ -74,7 +76,7 @@ impl Header {
         self.number(field, place, is_count).map(|number| number as u64)
     }
 
-    /// Points of a line, and lines.
+    /// Number of points on a line, and of lines.
     fn size(&self) -> Result<[u64; 2], ReadError> {
         Ok([
             self.count("width of the phase data", [self.size, 2])?,
@@ -82,13 +84,13 @@ impl Header {
         ])
     }
 
-    /// Side of a pixel in metres, unless the instrument was not calibrated.
+    /// Pixel side in metres; `None` if the instrument was not calibrated.
     fn pixel_m(&self) -> Result<Option<f64>, ReadError> {
         let pixel_m = self.number("camera resolution", [self.optics, 6], |length| length >= 0.0)?;
         Ok(Some(pixel_m).filter(|pixel_m| *pixel_m > 0.0))
     }
 
-    /// Metres of a phase of 1.
+    /// Length in metres that a phase of 1 represents.
     fn phase_m(&self) -> Result<f64, ReadError> {
         let positive = |number| number > 0.0;
         let scale_factor = self.number("interferometric scale factor", [self.optics, 1], positive)?;
@@ -131,13 +133,13 @@ pub(super) fn read(source: impl BufRead, options: &ReadOptions) -> Result<ReadMa
         let map = window.finish_lines([pixel_m[1], pixel_m[0]], |phase| scale.to_metres(phase))?;
         (map, whole, Some(own))
     };
-    let said = Said { pixel_m: [own_pixel_m; 2], height_unit, lateral_unit: None };
-    notes.extend(said.notes(options, MapFormat::Matrix));
+    let stated = StatedValues { pixel_m: [own_pixel_m; 2], height_unit, lateral_unit: None };
+    notes.extend(stated.notes(options, MapFormat::Matrix));
     let format = if is_points { MapFormat::Xyz } else { MapFormat::Matrix };
     Ok(ReadMap { map, whole, format, comments, notes })
 }
 
-/// The points up to the `#` that ends them, or all that the header announces.
+/// Reads the points up to the terminating `#`, or all that the header announces.
 fn points(lines: &mut Lines<impl BufRead>, [width, height]: [u64; 2]) -> Result<XyzReader, ReadError> {
     let (mut points, mut found, expected) = (XyzReader::default(), 0, width * height);
     loop {
@@ -155,7 +157,7 @@ fn points(lines: &mut Lines<impl BufRead>, [width, height]: [u64; 2]) -> Result<
     }
 }
 
-/// The phases, behind the intensities if there are any: each a block of numbers that a `#` ends.
+/// Reads the phases, which follow the intensities if there are any; each is a block of numbers terminated by `#`.
 fn phases(lines: &mut Lines<impl BufRead>, header: &Header, options: &ReadOptions) -> Result<Window, ReadError> {
     let [width, height] = header.size()?;
     let window = Window::new(Some(height), width, options.crop, options.decimation)?;
@@ -227,7 +229,7 @@ mod tests {
         let given = read_map(text.as_bytes(), &given).unwrap();
         assert_eq!((given.map.dx_m(), given.map.dy_m(), given.map.heights_m()[0]), (3e-6, 4e-6, 1e-9));
         assert!(given.notes[0].starts_with("pixels of 3 x 4 um are taken"), "{:?}", given.notes);
-        // All points without the mark at the end, but not fewer.
+        // All points without the terminating mark are accepted, fewer are not.
         assert!(read_map((header("Zygo XYZ Data File", "0 0 0") + POINTS).as_bytes(), &ReadOptions::NONE).is_ok());
         let cut = header("Zygo XYZ Data File", "0 0 0") + &POINTS[..POINTS.len() - 8];
         let refused = read_map(cut.as_bytes(), &ReadOptions::NONE).unwrap_err().to_string();

@@ -46,23 +46,23 @@ fn a_step_that_would_reverse_ends_at_rest_with_the_friction_it_took() {
     let mut row = row(0.3, 0.27);
     row.all_slip();
     let (v, sums) = kick(&mut row, 0.02, [0.0, -1.0]);
-    // (0.02 - 0.007)^2 / (8 0.027) further on it stands; less friction than 0.27 stopped it.
+    // It stops (0.02 - 0.007)^2 / (8 0.027) further on; friction below 0.27 stopped it.
     assert!((v - 0.013_f64.powi(2) / 0.216).abs() < 1e-15 && row.blocks[0].motion == Motion::Rest);
     assert!((sums.friction - (0.02 - v) / 0.1).abs() < 1e-15);
     let (after, sums) = kick(&mut row, v, [0.1, -1.0]);
     assert_eq!((after, row.blocks[0].motion), (0.0, Motion::Rest));
-    // What held it, and what took the way that it had left to go off it.
+    // Friction balanced the force and stopped the remaining motion.
     assert!((sums.friction - (0.1 + v / 0.1)).abs() < 1e-15);
 }
 
-/// How far a block on a spring of frequency 1 slips in steps of `step` when friction drops from 2 to 1: 2 in exact time.
+/// Slip of a block on a spring of frequency 1 in steps of `step` when friction drops from 2 to 1: 2 in exact time.
 fn slip(step: f64) -> f64 {
     let mut row = row(2.0, 1.0);
     let (mut x, mut v) = (0.0, 0.0);
     loop {
-        let push = [2.0 + 1e-12 - x];
+        let factors = [2.0 + 1e-12 - x];
         let mut velocity = [v];
-        row.kick(&mut velocity, &push, &[-1.0], 1.0, &[step * step]);
+        row.kick(&mut velocity, &factors, &[-1.0], 1.0, &[step * step]);
         v = velocity[0];
         x += v;
         if row.blocks[0].motion == Motion::Rest {

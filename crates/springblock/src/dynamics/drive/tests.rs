@@ -1,4 +1,4 @@
-//! A drive asks the same of an engine that takes two steps at once as of one that takes them one by one.
+//! Engines that take one or two steps at a time get the same calls from the drive.
 
 use super::*;
 use crate::dynamics::contact::ContactSums;
@@ -6,21 +6,21 @@ use crate::samples;
 use crate::scene::RunOptions;
 use crate::{Fidelity, Unwatched, simulate};
 
-/// An engine whose sums and forces tell the step they are of.
+/// Test engine whose sums and forces encode the step number.
 #[derive(Default)]
-struct Told {
+struct StepEncodingEngine {
     steps: u64,
-    /// Steps after which every block has slipped.
+    /// Number of steps after which every block has slipped.
     slipped: u64,
-    /// Steps after which sums are not finite.
+    /// Number of steps after which sums are not finite.
     finite: u64,
     two: bool,
-    /// Steps before which the drive began.
+    /// Number of steps before the drive began.
     begun: Option<u64>,
     pairs: u64,
 }
 
-impl Engine for Told {
+impl Engine for StepEncodingEngine {
     fn begin_drive(&mut self) {
         self.begun = Some(self.steps);
     }
@@ -70,7 +70,8 @@ fn steps_two_at_once_are_asked_the_same_as_steps_one_by_one() {
         let preparation = Plan::new(&scene, drive.step_s).preparation;
         for (slipped, finite) in [(0, u64::MAX), (preparation + 333, u64::MAX), (0, 4000), (0, 4001), (u64::MAX, 5000)]
         {
-            let [mut one, mut two] = [false, true].map(|two| Told { slipped, finite, two, ..Told::default() });
+            let [mut one, mut two] =
+                [false, true].map(|two| StepEncodingEngine { slipped, finite, two, ..StepEncodingEngine::default() });
             let (single, paired) = (drive.run(&mut one, &Unwatched), drive.run(&mut two, &Unwatched));
             assert_eq!((one.steps, one.begun, one.pairs), (two.steps, two.begun, 0));
             assert!(two.pairs > 0 || (warm_start && slipped == u64::MAX), "{slipped} {finite}");
@@ -85,7 +86,7 @@ fn steps_two_at_once_are_asked_the_same_as_steps_one_by_one() {
     }
 }
 
-/// Far faster than a layer slides evenly, a run's mean may by chance be near sliding friction, or above it.
+/// Far above the speed of even sliding a run's mean may by chance be near sliding friction or above it.
 #[test]
 fn nothing_stands_for_sliding_that_is_far_too_fast() {
     let run = RunOptions { warm_start: true, sliding_m: 2e-6, fidelity: Fidelity::Dynamic, ..RunOptions::default() };

@@ -1,8 +1,8 @@
-//! Where the work of the drive goes: friction, damping, springs, motion.
+//! Balance of the work of the drive: friction, damping, springs, kinetic energy.
 //!
-//! Powers are integrated with the stages and weights of the method itself, so that the books close to
-//! its own order. A block whose velocity would reverse within a step is stopped at the step's end: its
-//! kinetic energy there, of the order of (h a)^2, goes to friction.
+//! Powers are integrated with the stages and weights of the method itself, so that the balance closes to the order of
+//! the method. A block whose velocity would reverse within a step is stopped at the end of the step; its kinetic energy
+//! there, of the order of (h a)^2, counts as friction.
 
 use super::*;
 use crate::columns;
@@ -17,7 +17,7 @@ pub struct Ledger {
     drive: f64,
     friction: f64,
     damping: f64,
-    /// Share of `friction` that stopped blocks at the end of a step.
+    /// Part of `friction` that stopped blocks at the end of a step.
     stops: f64,
 }
 
@@ -30,7 +30,7 @@ impl Ledger {
 }
 
 impl RungeKutta<'_> {
-    /// Adds the powers at a stage at the time `now` of the step that began at `time`, over `h`.
+    /// Adds the powers at a stage at time `now`, in the step that began at `time`, over the duration `h`.
     pub fn account(&mut self, h: f64, now: f64, time: f64) {
         let protocol = self.protocol;
         let speed = if time >= protocol.start { protocol.speed } else { 0.0 };
@@ -49,7 +49,7 @@ impl RungeKutta<'_> {
         }
     }
 
-    /// Energy of motion, and of springs and load.
+    /// Kinetic energy plus the potential energy of springs and load.
     fn energy(&mut self) -> f64 {
         let time = self.steps as f64 * self.time_step;
         let (bulk_x, load) = (self.protocol.bulk_x(time), self.protocol.load(time));
@@ -61,7 +61,7 @@ impl RungeKutta<'_> {
     }
 }
 
-/// Steps of 1 ns of the published polymer at l = 10 um, in sqrt(m/k).
+/// 1 ns in units of sqrt(m/k) for the published polymer at l = 10 um.
 const NANOSECOND: f64 = 0.056273;
 
 fn engine<'a>(springs: Springs, time_step: f64, speed: f64, damping: f64, law: Option<&'a AreaLaw>) -> RungeKutta<'a> {
@@ -84,7 +84,8 @@ fn engine<'a>(springs: Springs, time_step: f64, speed: f64, damping: f64, law: O
     RungeKutta::new(&lattice, springs, setup)
 }
 
-/// Drives `engine` to `nanoseconds` after its start; the balance error, the work of the drive and the ledger.
+/// Drives `engine` for `nanoseconds` after the start of the drive; returns the balance error, the work of the drive,
+/// and the ledger.
 fn run(mut engine: RungeKutta, nanoseconds: f64) -> (f64, f64, Ledger) {
     let steps = |ns: f64| (ns * NANOSECOND / engine.time_step).round() as u64;
     let (before, after) = (steps(1000.0), steps(nanoseconds));
@@ -105,12 +106,12 @@ fn run(mut engine: RungeKutta, nanoseconds: f64) -> (f64, f64, Ledger) {
     (ledger.drive - ledger.friction - ledger.damping - stored, ledger.drive, ledger)
 }
 
-/// Speed of the bulk of 2 m/s over l sqrt(k/m) = 562.7 m/s: a thousand times the usual one.
+/// Speed of the bulk, 2 m/s over l sqrt(k/m) = 562.7 m/s: a thousand times the usual speed.
 const SPEED: f64 = 2.0 / 562.73;
 
 #[test]
 fn the_work_of_the_drive_is_accounted_for() {
-    // The last one is the published speed, from rest to sliding with most blocks at rest at any instant.
+    // The last run has the published speed and starts from rest; most blocks are at rest at any instant.
     let runs = [
         (Springs::Linear, 1.0, 20_000.0),
         (Springs::Linear, 20.0, 20_000.0),
@@ -127,7 +128,7 @@ fn the_work_of_the_drive_is_accounted_for() {
 
 #[test]
 fn the_balance_error_falls_at_least_with_the_fourth_power_of_the_step_while_no_block_stops() {
-    // Steps long enough for the error to stay above rounding.
+    // Steps are long enough for the error to exceed rounding.
     let error = |factor: f64| {
         let (error, drive, ledger) = run(engine(Springs::Exact, factor * NANOSECOND, SPEED, 0.3, None), 4_000.0);
         assert_eq!(ledger.stops, 0.0);

@@ -1,28 +1,28 @@
-//! Forces in space spring by spring: slow, obvious, and the judge of the sweeps.
+//! Forces in space, spring by spring: slow and simple, the reference for the sweeps in tests.
 
 use crate::space::SpaceLattice;
 
-/// A spring between blocks, numbered x fastest, then y, then upward; the bulk comes last.
+/// A spring between two blocks. Block numbers run fastest along x, then y, then upward; the bulk has the last number.
 #[derive(Clone, Copy, Debug)]
 struct Link {
     ends: [u32; 2],
     direction: [f64; 3],
 }
 
-/// The springs of a plain lattice. Units: k = 1, l = 1, m = 1.
+/// The springs of a lattice of whole cubes. Units: k = 1, l = 1, m = 1.
 #[derive(Clone, Debug)]
 pub struct SpaceBonds {
     links: Vec<Link>,
-    /// Those that lead to the bulk.
+    /// Springs to the bulk.
     to_bulk: Vec<Link>,
-    /// Blocks of the lattice: the number of the bulk.
+    /// Number of the bulk, which is the number of blocks.
     bulk: usize,
-    /// Mass by block; 0 for removed ones.
+    /// Mass by block; 0 for removed blocks.
     mass: Vec<f64>,
 }
 
 impl SpaceBonds {
-    /// The springs of `lattice`.
+    /// Collects the springs of `lattice`.
     #[must_use]
     pub fn new(lattice: &SpaceLattice) -> Self {
         let ([nx, ny], rows) = (lattice.columns(), lattice.rows());
@@ -37,13 +37,13 @@ impl SpaceBonds {
         Self { links, to_bulk, bulk, mass }
     }
 
-    /// Masses by block.
     #[must_use]
     pub fn mass(&self) -> &[f64] {
         &self.mass
     }
 
-    /// Spring forces on every block and, last, on the bulk, at `displacement` of blocks and bulk.
+    /// Computes the spring forces on every block and, last, on the bulk. `displacement` contains the blocks and the
+    /// bulk.
     pub fn forces(&self, displacement: &[[f64; 3]], force: &mut [[f64; 3]]) {
         force.fill([0.0; 3]);
         for Link { ends: [a, b], direction } in &self.links {
@@ -57,21 +57,19 @@ impl SpaceBonds {
         }
     }
 
-    /// Height of the bulk at which its springs carry `load`, for the blocks' displacements; the bulk's entry is
-    /// overwritten but for x and y, which are given.
+    /// Sets the height of the bulk in `displacement` such that its springs carry `load`; the bulk's x and y are given.
     pub fn balance(&self, displacement: &mut [[f64; 3]], load: f64) {
         // sum over springs to the bulk of e_z (e . (u_bulk - u_a)) = -load, linear in the height
-        let (mut held, mut stiffness) = (0.0, 0.0);
+        let (mut top_row_force, mut stiffness) = (0.0, 0.0);
         let bulk = displacement[self.bulk];
         for Link { ends: [a, _], direction: e } in &self.to_bulk {
             let u = displacement[*a as usize];
-            held += e[2] * (e[0] * (u[0] - bulk[0]) + e[1] * (u[1] - bulk[1]) + e[2] * u[2]);
+            top_row_force += e[2] * (e[0] * (u[0] - bulk[0]) + e[1] * (u[1] - bulk[1]) + e[2] * u[2]);
             stiffness += e[2] * e[2];
         }
-        displacement[self.bulk][2] = (held - load) / stiffness;
+        displacement[self.bulk][2] = (top_row_force - load) / stiffness;
     }
 
-    /// Energy of the springs.
     #[cfg(test)]
     #[must_use]
     pub fn energy(&self, displacement: &[[f64; 3]]) -> f64 {

@@ -1,22 +1,22 @@
-//! Displacements of the blocks of a periodic cell in space, at two instants.
+//! Displacements of the blocks of a periodic cell in space at two instants.
 
 use std::ops::Range;
 
 use super::super::real::Real;
 use super::super::rows::Plane;
 
-/// Sets of a first-level cache.
+/// Number of sets of a first-level cache.
 const SETS: usize = 64;
-/// Lines of a row, or a multiple of them, at which rows meet in an eighth of the sets or less.
+/// Rows whose length is a multiple of this number of cache lines share an eighth of the sets or less.
 const MEETING: usize = 8;
-/// Sets by which neighbouring layers are kept apart: a sweep along y stays in as many rows at a time.
+/// Distance in cache sets between neighbouring layers, which leaves room for that many rows in a sweep along y.
 const APART: usize = 12;
 
-/// x, y and z displacements: at an instant, and one step before it or after it.
+/// Displacements x, y and z at the current time and one step before or after it.
 ///
-/// Column i of row j (along y) of layer k is at `LINE + k * layer + (j + 1) * stride + i`: the row before row 0 and the
-/// one behind the last hold images of the rows at the other side, and so do the values beside a row's columns. Layer
-/// nz is the bulk.
+/// Column i of row j (along y) of layer k is at `LINE + k * layer + (j + 1) * stride + i`. The row before row 0 and the
+/// row after the last contain images of the rows at the opposite side; the values next to a row's columns are images
+/// too. Layer nz is the bulk.
 #[derive(Clone, Debug)]
 pub struct Field<R> {
     pub nx: usize,
@@ -25,19 +25,21 @@ pub struct Field<R> {
     pub stride: usize,
     pub layer: usize,
     pub now: [Plane<R>; 3],
-    /// One step earlier; a sweep replaces it by one step later, and [`Field::turn`] makes that the present.
+    /// Displacements one step earlier. A sweep overwrites them with those one step later; then [`Field::swap`] makes
+    /// these current.
     pub other: [Plane<R>; 3],
 }
 
 impl<R: Real> Field<R> {
-    /// A cell of nx x ny columns and nz rows at rest.
+    /// Creates a cell of nx x ny columns and nz rows at rest.
     #[must_use]
     pub fn at_rest([nx, ny]: [usize; 2], nz: usize) -> Self {
-        // Rows of a multiple of so many lines would meet in the same few sets of a cache. Others have no line more than they need: every one
-        // is read.
+        // Rows with a multiple of this number of cache lines would share a few sets of the cache. No other padding is
+        // added, because every line is read.
         let own = (nx + 2).div_ceil(R::LINE);
         let stride = (own + usize::from(own.is_multiple_of(MEETING))) * R::LINE;
-        // Nor do layers: not near a multiple of 64 lines, which would meet in the same sets of the first cache.
+        // Likewise, keep the layer size away from multiples of 64 lines, which would share the same sets of the
+        // first-level cache.
         let lines = (ny + 2) * stride / R::LINE;
         let beside = lines % SETS;
         let skip = if beside < APART { APART - beside } else { (beside + APART).saturating_sub(SETS) * 2 };
@@ -50,50 +52,50 @@ impl<R: Real> Field<R> {
     /// Index of block (i, j, k) in [`Plane::rows`].
     #[inline(always)]
     #[must_use]
-    pub const fn at(&self, i: usize, j: usize, k: usize) -> usize {
+    pub const fn index(&self, i: usize, j: usize, k: usize) -> usize {
         R::LINE + k * self.layer + (j + 1) * self.stride + i
     }
 
     /// Displacements of block (i, j, k).
     #[must_use]
     pub fn displacement(&self, [i, j, k]: [usize; 3]) -> [f64; 3] {
-        let at = self.at(i, j, k);
-        [0, 1, 2].map(|component: usize| self.now[component].rows()[at].widened())
+        let at = self.index(i, j, k);
+        [0, 1, 2].map(|component: usize| self.now[component].rows()[at].to_f64())
     }
 
     /// Places block (i, j, k) at rest.
     pub fn place(&mut self, [i, j, k]: [usize; 3], displacement: [f64; 3]) {
-        let at = self.at(i, j, k);
+        let at = self.index(i, j, k);
         for (component, u) in displacement.into_iter().enumerate() {
-            self.now[component].rows_mut()[at] = R::of(u);
-            self.other[component].rows_mut()[at] = R::of(u);
+            self.now[component].rows_mut()[at] = R::round_from(u);
+            self.other[component].rows_mut()[at] = R::round_from(u);
         }
     }
 
-    /// Lets every block come, in the step before, from `back` behind where it is.
-    pub fn carry(&mut self, back: [f64; 2]) {
+    /// Sets the positions one step earlier to `back` behind the base state, so that every block moves with the frame.
+    pub fn offset_previous(&mut self, back: [f64; 2]) {
         for (plane, back) in self.other.iter_mut().zip(back) {
-            plane.rows_mut().fill(R::of(back));
+            plane.rows_mut().fill(R::round_from(back));
         }
     }
 
     /// Places the bulk.
     pub fn place_bulk(&mut self, displacement: [f64; 3]) {
-        let from = self.at(0, 0, self.nz) - self.stride - 1;
+        let from = self.index(0, 0, self.nz) - self.stride - 1;
         for (plane, u) in self.now.iter_mut().zip(displacement) {
-            plane.rows_mut()[from..from + self.layer + 2].fill(R::of(u));
+            plane.rows_mut()[from..from + self.layer + 2].fill(R::round_from(u));
         }
     }
 
     /// Fills the images of all layers at both instants.
-    pub fn join_sides(&mut self) {
+    pub fn fill_all_images(&mut self) {
         self.join_layers(0..self.nz);
-        self.turn();
+        self.swap();
         self.join_layers(0..self.nz);
-        self.turn();
+        self.swap();
     }
 
-    /// Fills the images of all of `layers` where sweeps have written.
+    /// Fills all images of `layers` in the displacements that sweeps have written.
     fn join_layers(&mut self, layers: Range<usize>) {
         for k in layers.clone() {
             self.join_rows(k, 0..self.ny);
@@ -101,10 +103,12 @@ impl<R: Real> Field<R> {
         self.join_ends(layers);
     }
 
-    /// Fills the images beside `rows` of layer `k` where a sweep has written: soon after it, while they are in the first-level cache. Lanes
-    /// beyond the last column may have written over those of the row after them, which may have been swept before.
+    /// Fills the images at both ends of `rows` of layer `k` in the displacements that a sweep has written.
+    ///
+    /// Call it soon after the sweep, while the rows are in the first-level cache. Vector lanes beyond the last column
+    /// may have overwritten images of the next row, which may have been swept before; these are filled again.
     pub fn join_rows(&mut self, k: usize, rows: Range<usize>) {
-        let (start, nx) = (self.at(0, rows.start, k) - 1, self.nx);
+        let (start, nx) = (self.index(0, rows.start, k) - 1, self.nx);
         for values in self.other.iter_mut().map(Plane::rows_mut) {
             for row in values[start..].chunks_mut(self.stride).take(rows.len() + 1) {
                 row[0] = row[nx];
@@ -113,12 +117,12 @@ impl<R: Real> Field<R> {
         }
     }
 
-    /// Fills the images of the first and the last row of `layers`, once those have theirs.
+    /// Fills the images of the first and the last row of `layers`, whose ends must have been filled.
     pub fn join_ends(&mut self, layers: Range<usize>) {
         let Self { nx, ny, stride, layer, other, .. } = self;
         for values in other.iter_mut().map(Plane::rows_mut) {
             for k in layers.clone() {
-                // One value before the row to one behind it.
+                // From one value before the row to one value after it.
                 let row = |number: usize| R::LINE + k * *layer + number * *stride - 1;
                 values.copy_within(row(*ny)..row(*ny) + *nx + 2, row(0));
                 values.copy_within(row(1)..row(1) + *nx + 2, row(*ny + 1));
@@ -126,8 +130,8 @@ impl<R: Real> Field<R> {
         }
     }
 
-    /// Makes what a sweep has written the present.
-    pub fn turn(&mut self) {
+    /// Makes the displacements that a sweep has written the current ones.
+    pub fn swap(&mut self) {
         std::mem::swap(&mut self.now, &mut self.other);
     }
 }

@@ -1,6 +1,7 @@
-//! Leapfrog on a plain cell in space, linear springs, damping implicit.
+//! Leapfrog on a cell of whole cubes in space, with linear springs and implicit damping.
 //!
-//! As in the plane, a run that starts from sliding in equilibrium keeps what it deviates from it in single precision.
+//! As in the plane, a run that starts from sliding in equilibrium stores deviations from that state in single
+//! precision.
 
 use std::ops::Range;
 
@@ -20,12 +21,11 @@ use crate::draws::Coefficients;
 use crate::space::SpaceLattice;
 use slipgrid_fft::vectorized;
 
-/// What the leapfrog starts from, beside the lattice. Units: k = 1, l = 1, m = 1.
+/// Initial data of the leapfrog besides the lattice. Units: k = 1, l = 1, m = 1.
 #[derive(Clone, Debug)]
 pub struct SpaceSetup<'a> {
     /// Coefficients of all columns, x fastest.
     pub coefficients: &'a [Coefficients],
-    /// Friction law.
     pub law: LocalLaw<'a>,
     /// Load and motion of the bulk.
     pub protocol: Protocol,
@@ -35,27 +35,28 @@ pub struct SpaceSetup<'a> {
     pub time_step: f64,
     /// Damping frequency gamma.
     pub damping: f64,
-    /// Contact is unilateral.
+    /// Whether contact is unilateral, so that blocks may lift.
     pub liftoff: bool,
 }
 
-/// Rows of a tile, which is swept from layer to layer: fewer sweep more rows twice, with more the lines of one column
-/// of vectors leave the first-level cache before the next column needs them.
+/// Number of rows of a tile, which is swept layer by layer. Smaller tiles sweep more rows twice; larger tiles lose the
+/// cache lines of one vector column from the first-level cache before the next column needs them.
 const TILE: usize = 10;
 
-/// Layers that a step moves before the next step follows, at least two. With fewer, a larger share of layers is read twice from the
-/// second-level cache, as neighbours; with more they leave that cache before the next step needs them.
+/// Number of layers that a step moves before the next step follows, at least two. Fewer layers increase the share of
+/// layers that are read twice from the second-level cache as neighbours; more layers leave that cache before the next
+/// step needs them.
 const SLAB: usize = 4;
 
-/// Forces of a row, or of the whole contact layer.
+/// Forces on a row or on the whole contact layer.
 type Forces<R> = [Vec<R>; 3];
 
-/// The integrator with its state.
+/// Leapfrog integrator with its state.
 #[derive(Clone, Debug)]
 pub struct SpaceLeapfrog<'a, R> {
     stencil: Stencil<R>,
     field: Field<R>,
-    /// Lines along y that are there, and whether they end.
+    /// Number of lines along y that belong to the face, and whether the cell has free ends along y.
     lines: usize,
     has_ends: bool,
     contact: ContactVectors<'a, 2>,
@@ -65,36 +66,40 @@ pub struct SpaceLeapfrog<'a, R> {
     time_step: f64,
     steps: u64,
     liftoff: bool,
-    /// Vertical displacements of the last step of contact blocks in the air, by place.
+    /// Vertical displacements of lifted contact blocks in the last step.
     fall: Vec<f64>,
     row_force: Forces<R>,
-    /// The contact layer in double precision and, but for its frame, as the field has it: displacements, and forces on it.
+    /// Displacements of the contact layer in the frame at rest, and spring forces on it, in double precision.
     contact_place: Forces<f64>,
     contact_force: Forces<f64>,
-    /// Spring forces on it in the state that displacements deviate from.
+    /// Spring forces on the contact layer in the base state.
     base_force: Forces<f64>,
-    /// That state, x fastest, then y, then upward; nothing where displacements are those of the cell at rest.
+    /// Base state from which displacements deviate, x fastest, then y, then upward; empty if displacements start at
+    /// zero.
     base: Vec<[f64; 3]>,
-    /// What damping takes from the velocity of the frame.
+    /// Decrease of the frame's velocity by damping.
     drag: [f64; 2],
 }
 
 impl<'a> SpaceLeapfrog<'a, f64> {
-    /// A plain lattice at rest.
+    /// Creates the integrator with a lattice of whole cubes at rest.
     #[must_use]
     pub fn new(lattice: &SpaceLattice, setup: SpaceSetup<'a>) -> Self {
         let kick = Kick::new(setup.time_step, setup.damping);
-        Self::of(lattice, setup, kick)
+        Self::with_kick(lattice, setup, kick)
     }
 }
 
 impl<'a> SpaceLeapfrog<'a, f32> {
-    /// A plain lattice that starts at rest from `base`, displacements over l, x fastest, then y, then upward, in equilibrium with a motion of
-    /// the bulk at the speed and under the load of `setup`, from the first step on; `None` where forces are left above the contact layer.
+    /// Creates the integrator with a lattice of whole cubes in the sliding state `base`.
+    ///
+    /// `base` has displacements in units of l, x fastest, then y, then upward, in equilibrium under the load of
+    /// `setup`. The bulk moves at the speed of `setup` from the first step on. Returns `None` if unbalanced forces
+    /// remain above the contact layer.
     #[must_use]
     pub fn from_sliding(lattice: &SpaceLattice, setup: SpaceSetup<'a>, base: &[[f64; 3]]) -> Option<Self> {
         let SpaceSetup { protocol, time_step, damping, direction, .. } = setup;
-        let mut sliding = Self::of(lattice, setup, Kick::new(time_step, damping).rounded::<f32>());
+        let mut sliding = Self::with_kick(lattice, setup, Kick::new(time_step, damping).rounded::<f32>());
         let bonds = SpaceBonds::new(lattice);
         let mut u = base.to_vec();
         u.push([0.0; 3]);
@@ -113,16 +118,16 @@ impl<'a> SpaceLeapfrog<'a, f32> {
                 base[place] = *force;
             }
         }
-        // One step before, the frame was that much behind.
+        // Offset of the frame one step earlier.
         let carried = direction.map(|part| part * protocol.speed * time_step);
-        sliding.field.carry(carried);
+        sliding.field.offset_previous(carried);
         sliding.drag = carried.map(|carried| sliding.kick.drag(carried));
         Some(Self { base: base.to_vec(), ..sliding })
     }
 }
 
 impl<'a, R: Real> SpaceLeapfrog<'a, R> {
-    fn of(lattice: &SpaceLattice, setup: SpaceSetup<'a>, kick: Kick) -> Self {
+    fn with_kick(lattice: &SpaceLattice, setup: SpaceSetup<'a>, kick: Kick) -> Self {
         let SpaceSetup { coefficients, law, protocol, direction, time_step, liftoff, .. } = setup;
         let [nx, ny] = lattice.columns();
         let padded = whole_lines::<R>(nx);
@@ -132,7 +137,7 @@ impl<'a, R: Real> SpaceLeapfrog<'a, R> {
             .map(|column| ContactBlock::new(column / nx * padded + column % nx, coefficients[column]))
             .collect();
         let inverse_mass = stencil.general[0].iter().flat_map(|row| &row.coefficients.inverse_mass);
-        let inverse_mass = inverse_mass.map(|inverse| inverse.widened());
+        let inverse_mass = inverse_mass.map(|inverse| inverse.to_f64());
         let contact = ContactVectors::new(blocks, law, direction, inverse_mass, kick);
         let zeros = || [0; 3].map(|_| vec![0.0; padded * ny]);
         Self {
@@ -157,7 +162,7 @@ impl<'a, R: Real> SpaceLeapfrog<'a, R> {
         }
     }
 
-    /// Starts from given displacements over l, by (i, j, k), every block at rest.
+    /// Sets the initial displacements in units of l, by (i, j, k), with every block at rest.
     pub fn start_sheared(&mut self, displacement: &dyn Fn([usize; 3]) -> [f64; 3]) {
         let Field { nx, ny, nz, .. } = self.field;
         for (k, j, i) in (0..nz).flat_map(|k| (0..ny).flat_map(move |j| (0..nx).map(move |i| (k, j, i)))) {
@@ -170,11 +175,11 @@ impl<'a, R: Real> SpaceLeapfrog<'a, R> {
                 }
             }
         }
-        self.field.join_sides();
+        self.field.fill_all_images();
     }
 
-    /// Raises the faces of the contact blocks as those of `lattice` are; what stands higher begins off the counterface. After
-    /// [`Self::start_sheared`].
+    /// Sets the face heights of the contact blocks from `lattice`; blocks above their face height start lifted. Call it
+    /// after [`Self::start_sheared`].
     pub fn raise(&mut self, lattice: &SpaceLattice) {
         let (nx, padded) = (self.field.nx, whole_lines::<R>(self.field.nx));
         let Self { contact, contact_place, base, .. } = self;
@@ -195,44 +200,44 @@ impl<'a, R: Real> SpaceLeapfrog<'a, R> {
         std::array::from_fn(|c| base[c] + deviation[c] + carried[c])
     }
 
-    /// How far the frame of displacements has been carried after `steps` steps: as far as the bulk where they deviate from sliding.
+    /// Displacement of the moving frame after `steps` steps: that of the bulk if displacements deviate from sliding,
+    /// otherwise zero.
     fn carried(&self, steps: u64) -> [f64; 2] {
         let travel = if self.base.is_empty() { 0.0 } else { self.protocol.bulk_x(steps as f64 * self.time_step) };
         self.direction.map(|part| part * travel)
     }
 
-    /// The contact layer.
     #[cfg(test)]
     #[must_use]
     pub const fn contact(&self) -> &ContactVectors<'a, 2> {
         &self.contact
     }
 
-    /// Displacements of the bulk that balance the load, at the beginning of step number `step`.
+    /// Displacements of the bulk that balance the load at the beginning of step number `step`.
     fn bulk(&self, step: u64) -> [f64; 3] {
         let time = step as f64 * self.time_step;
         let Field { nx, nz, .. } = self.field;
         let (lines, [_, y, z]) = (self.lines, &self.field.now);
-        let line = |values: &Plane<R>, j: usize| fixed_sum(&values.rows()[self.field.at(0, j, nz - 1)..][..nx]);
+        let line = |values: &Plane<R>, j: usize| fixed_sum(&values.rows()[self.field.index(0, j, nz - 1)..][..nx]);
         let top: f64 = (0..lines).map(|j| line(z, j)).sum();
         let (travel, carried) = (self.protocol.bulk_x(time), self.carried(step));
         let [x, own_y] = [0, 1].map(|axis: usize| self.direction[axis] * travel - carried[axis]);
-        // The load is in balance in the state that displacements deviate from.
+        // The base state already balances the load.
         let load = if self.base.is_empty() { self.protocol.load(time) } else { 0.0 };
         let blocks = (nx * lines) as f64;
-        // 3 sum (H - u_z) = -load: one vertical spring and four diagonals a block; sideways they cancel.
+        // 3 sum (H - u_z) = -load: each block has one vertical and four diagonal springs; horizontal forces cancel.
         let height = top / blocks - load / (3.0 * blocks);
         if !self.has_ends {
             return [x, own_y, height];
         }
-        // At either end one diagonal a block is missing, and the one that is left pulls sideways:
+        // At either end each block lacks one diagonal, and the remaining one pulls sideways:
         // (3 n - n_x) H = 3 sum u_z - (u_z,first + u_z,last)/2 + (u_y,first - u_y,last)/2 - load
         let [first, last] = [0, lines - 1];
         let ends = line(y, first) - line(y, last) - line(z, first) - line(z, last);
         [x, own_y, (3.0 * top + 0.5 * ends - load) / (3.0 * blocks - nx as f64)]
     }
 
-    /// Forces on the contact layer, friction, and its motion in step number `step`.
+    /// Computes the forces on the contact layer, applies friction, and moves the layer in step number `step`.
     fn step_contact(&mut self, step: u64) -> ContactSums {
         let carried = self.carried(step + 1);
         let Self { stencil, field, contact, kick, contact_force, row_force, base_force, contact_place, .. } = self;
@@ -243,13 +248,13 @@ impl<'a, R: Real> SpaceLeapfrog<'a, R> {
             vectorized(RowForces { coefficients, field, layer: 0, row, force });
             let own = row * padded..(row + 1) * padded;
             for ((force, base), total) in row_force.iter().zip(&*base_force).zip(&mut *contact_force) {
-                vectorized(AddForces { force, of_base: &base[own.clone()], total: &mut total[own.clone()] });
+                vectorized(AddForces { force, base_force: &base[own.clone()], total: &mut total[own.clone()] });
             }
         }
         let [x, y, lift] = contact_force.each_ref().map(Vec::as_slice);
         let sums = contact.kick([x, y], lift, kick.kept);
         for j in 0..field.ny {
-            let (start, columns) = (field.at(0, j, 0), field.nx);
+            let (start, columns) = (field.index(0, j, 0), field.nx);
             for (c, velocity) in contact.velocity().into_iter().enumerate() {
                 let (place, velocity) = (&mut contact_place[c][j * padded..], &velocity[j * padded..][..columns]);
                 let row = &mut field.other[c].rows_mut()[start..][..columns];
@@ -263,29 +268,31 @@ impl<'a, R: Real> SpaceLeapfrog<'a, R> {
         sums
     }
 
-    /// Vertical motion of contact blocks under unilateral contact.
+    /// Moves contact blocks vertically under unilateral contact.
     fn move_vertically(&mut self) {
         let Self { stencil, field, contact, kick, contact_force: [_, _, force], fall, base, .. } = self;
         let [_, _, rises] = &mut self.contact_place;
         let (nx, padded) = (field.nx, whole_lines::<R>(field.nx));
-        for block in contact.unsettled() {
+        for block in contact.scalar_blocks() {
             let (place, i, j) = (block.column, block.column % padded, block.column / padded);
-            let inverse_mass = stencil.general[0][j].coefficients.inverse_mass[i].widened();
+            let inverse_mass = stencil.general[0][j].coefficients.inverse_mass[i].to_f64();
             let base = base_height(base, j * nx + i);
-            if let Some(height) = block.fly(base + rises[place], &mut fall[place], *kick, inverse_mass, force[place]) {
+            if let Some(height) =
+                block.move_detached(base + rises[place], &mut fall[place], *kick, inverse_mass, force[place])
+            {
                 rises[place] = height - base;
             }
         }
         for j in 0..field.ny {
-            let start = field.at(0, j, 0);
+            let start = field.index(0, j, 0);
             let row = &mut field.other[2].rows_mut()[start..][..nx];
             for (row, rise) in row.iter_mut().zip(&rises[j * padded..]) {
-                *row = R::of(*rise);
+                *row = R::round_from(*rise);
             }
         }
     }
 
-    /// Moves `layers`, the contact layer apart.
+    /// Moves `layers` except the contact layer.
     fn step_inside(&mut self, layers: Range<usize>) {
         let Self { stencil, field, kick, row_force: force, drag, .. } = self;
         let [drag_x, drag_y] = *drag;
@@ -295,8 +302,8 @@ impl<'a, R: Real> SpaceLeapfrog<'a, R> {
                 let forces = force.each_mut().map(Vec::as_mut_slice);
                 vectorized(RowForces { coefficients, field, layer, row: *row, force: forces });
                 let (inverse_mass, force) = (&coefficients.inverse_mass, force.each_ref().map(Vec::as_slice));
-                // What lanes beyond the last column write is restored when sides are joined.
-                let (columns, start) = (field.nx, field.at(0, *row, layer));
+                // Vector lanes beyond the last column overwrite images, which `join_rows` restores.
+                let (columns, start) = (field.nx, field.index(0, *row, layer));
                 let (now, other) = (&field.now, &mut field.other);
                 let drag = [drag_x, drag_y, 0.0];
                 vectorized(MoveRow { inverse_mass, now, other, columns, start, kick: *kick, drag, force });
@@ -316,8 +323,9 @@ impl<'a, R: Real> SpaceLeapfrog<'a, R> {
         }
     }
 
-    /// Takes step number `step` in `layers`; the sums over the contact layer, zero where it is not among them. What a step needs of
-    /// the bulk is known once the top layer is where the step before has moved it.
+    /// Takes step number `step` in `layers`; returns the sums over the contact layer, or zero if `layers` does not
+    /// include it. The top layer comes first, because the bulk's position follows from the top layer of the previous
+    /// step.
     fn move_layers(&mut self, layers: Range<usize>, step: u64) -> ContactSums {
         if layers.end == self.field.nz {
             let bulk = self.bulk(step);
@@ -326,12 +334,12 @@ impl<'a, R: Real> SpaceLeapfrog<'a, R> {
         self.step_inside(layers.clone());
         let sums = if layers.start == 0 { self.step_contact(step) } else { ContactSums::default() };
         self.field.join_ends(layers);
-        self.field.turn();
+        self.field.swap();
         sums
     }
 }
 
-/// Vertical displacement of contact column `column` in the state that displacements deviate from.
+/// Vertical displacement of contact column `column` in the base state.
 fn base_height(base: &[[f64; 3]], column: usize) -> f64 {
     base.get(column).map_or(0.0, |base| base[2])
 }
@@ -347,8 +355,9 @@ impl<R: Real> Engine for SpaceLeapfrog<'_, R> {
         sums
     }
 
-    /// The second step follows the first from the top down, one layer behind it: the layers that it needs are still in the
-    /// second-level cache, which cells of 40 x 40 columns and more do not fit into, and those that it replaces nobody needs any more.
+    /// The second step follows the first from the top down, one layer behind it. The layers that it reads are then
+    /// still in the second-level cache, into which cells of 40 x 40 columns and more do not fit, and those that it
+    /// overwrites are no longer needed.
     fn one_or_two_steps(&mut self) -> (ContactSums, Option<ContactSums>) {
         let (top, step) = (self.field.nz, self.steps);
         let mut upper = top;

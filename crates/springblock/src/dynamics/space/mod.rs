@@ -1,8 +1,8 @@
 //! Time integration of the cell in space.
 //!
-//! | module | what it holds |
+//! | module | content |
 //! |---|---|
-//! | `bonds` | forces spring by spring: the judge |
+//! | `bonds` | forces spring by spring, as a reference |
 //! | `field` | displacements at two instants |
 //! | `stencil` | rows of inside blocks, and rows with a coefficient per spring |
 //! | `sweep` | one step for a row, in vectors |

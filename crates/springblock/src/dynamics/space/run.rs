@@ -1,11 +1,11 @@
 //! One dynamic run of one cell in space.
 
 use super::super::contact::LocalLaw;
-use super::super::drive::{Drive, MAX_STEPS, Plan, not_begun};
+use super::super::drive::{Drive, MAX_STEPS, Plan, refused_outcome};
 use super::super::protocol::Protocol;
 use super::super::real::Real;
 use super::super::scales::Scales;
-use super::super::stability::largest_of;
+use super::super::stability::largest_eigenfrequency;
 use super::bonds::SpaceBonds;
 use super::leapfrog::{SpaceLeapfrog, SpaceSetup};
 use crate::Monitor;
@@ -15,9 +15,10 @@ use crate::outcome::{Status, SurfaceOutcome};
 use crate::scene::{Load, Scene};
 use crate::space::{SpaceLattice, SpaceLoad, SpaceSteadyModel};
 
-/// Default step over sqrt(m/k), k = 2/5 E l: 4 ns for the published polymer at l = 10 um, two fifths of the stability limit.
+/// Default step in units of sqrt(m/k), k = 2/5 E l: 4 ns for the published polymer at l = 10 um, two fifths of the
+/// stability limit.
 pub const SPACE_STEP: f64 = 0.1644;
-/// Stability limit of the leapfrog times the largest eigenfrequency.
+/// Largest eigenfrequency times the step at the stability limit of the leapfrog.
 const LEAPFROG_LIMIT: f64 = 2.0;
 
 /// Time step of the leapfrog on a cell.
@@ -30,10 +31,10 @@ pub struct SpaceScheme {
 }
 
 impl SpaceScheme {
-    /// The step that `scene` asks for on `lattice`.
+    /// Returns the step that `scene` requests on `lattice`.
     ///
     /// # Errors
-    /// [`SceneError::UnstableStep`] if it is beyond the stability limit.
+    /// [`SceneError::UnstableStep`] if the step exceeds the stability limit.
     pub fn choose(scene: &Scene, lattice: &SpaceLattice) -> Result<Self, SceneError> {
         let scales = Scales::space(&scene.elastic, scene.layer.block_m);
         let limit_s = LEAPFROG_LIMIT / largest_frequency(lattice, is_unilateral(scene, lattice)) * scales.time_s;
@@ -45,28 +46,29 @@ impl SpaceScheme {
     }
 }
 
-/// Whether blocks of `lattice` may leave the counterface: where `scene` says so, and where the face has heights.
+/// Whether blocks of `lattice` may lift: if `scene` requests it, or if the face has heights.
 fn is_unilateral(scene: &Scene, lattice: &SpaceLattice) -> bool {
     scene.run.liftoff || lattice.is_raised()
 }
 
-/// Largest eigenfrequency of `lattice` over sqrt(k/m); blocks on the counterface move vertically only if `liftoff`.
+/// Largest eigenfrequency of `lattice` in units of sqrt(k/m); blocks on the counterface move vertically only if
+/// `liftoff`.
 pub fn largest_frequency(lattice: &SpaceLattice, liftoff: bool) -> f64 {
     let bonds = SpaceBonds::new(lattice);
     let [nx, ny] = lattice.columns();
     let blocks = bonds.mass().len();
     let mut weight = vec![0.0; 3 * blocks];
     for (number, mass) in bonds.mass().iter().enumerate() {
-        let held = number < nx * ny && lattice.contact_share(number % nx, number / nx) > 0.0 && !liftoff;
+        let top_row_force = number < nx * ny && lattice.contact_share(number % nx, number / nx) > 0.0 && !liftoff;
         if *mass > 0.0 {
             weight[3 * number..][..3].fill(1.0 / mass.sqrt());
-            if held {
+            if top_row_force {
                 weight[3 * number + 2] = 0.0;
             }
         }
     }
     let (mut u, mut f) = (vec![[0.0; 3]; blocks + 1], vec![[0.0; 3]; blocks + 1]);
-    largest_of(&weight, |displacement, force| {
+    largest_eigenfrequency(&weight, |displacement, force| {
         for (u, displacement) in u.iter_mut().zip(displacement.chunks_exact(3)) {
             u.copy_from_slice(displacement);
         }
@@ -78,39 +80,36 @@ pub fn largest_frequency(lattice: &SpaceLattice, liftoff: bool) -> f64 {
     })
 }
 
-/// A cell under one load, ready to run.
+/// A run of one cell under one load.
 #[derive(Clone, Copy)]
 pub struct SpaceRun<'a> {
-    /// The scene.
     pub scene: &'a Scene,
-    /// The load.
     pub load: &'a Load,
-    /// A plain lattice.
+    /// Lattice of whole cubes.
     pub lattice: &'a SpaceLattice,
     /// Unit vector of the sliding direction.
     pub direction: [f64; 2],
-    /// How to integrate.
+    /// Integration scheme.
     pub scheme: SpaceScheme,
-    /// Share of all work that this run is, for the progress report.
+    /// Share of this run in all work, for the progress report.
     pub share: f64,
     /// Seed of the local coefficients.
     pub seed: u64,
-    /// Standard error over dynamic mu at which it may end.
+    /// Relative standard error of dynamic mu at which the run may end.
     pub stderr_share: Option<f64>,
 }
 
 impl SpaceRun<'_> {
-    /// Runs to the end.
     #[must_use]
     pub fn run(&self, monitor: &dyn Monitor) -> SurfaceOutcome {
         let Self { scene, lattice, .. } = self;
         if self.load.pressure_pa == 0.0 || self.centres_m().next().is_none() {
             monitor.advance(self.share);
-            return not_begun(Status::NoLoad, self.scheme.step_s, self.centres_m());
+            return refused_outcome(Status::NoLoad, self.scheme.step_s, self.centres_m());
         }
         if Plan::new(scene, self.scheme.step_s).total() > MAX_STEPS {
             monitor.advance(self.share);
-            return not_begun(Status::TooManySteps, self.scheme.step_s, self.centres_m());
+            return refused_outcome(Status::TooManySteps, self.scheme.step_s, self.centres_m());
         }
         let started_s = monitor.seconds();
         let scales = Scales::space(&scene.elastic, scene.layer.block_m);
@@ -120,15 +119,15 @@ impl SpaceRun<'_> {
         let setup = SpaceSetup {
             coefficients: &coefficients,
             law: LocalLaw::new(scene.area_law.as_ref(), scales.pressure_pa),
-            // P l^2 a column of the face
-            protocol: Protocol::of(
+            // The load is P l^2 per column of the face.
+            protocol: Protocol::new(
                 scene,
                 &scales,
                 self.load.pressure_pa / scales.pressure_pa * lattice.face_columns() as f64,
             ),
             direction: self.direction,
             time_step: self.scheme.step_s / scales.time_s,
-            // The same rate in 1/s as in the plane, whose k is another.
+            // The damping rate in 1/s is the same as in the plane, where k differs.
             damping: scene.run.damping * scales.time_s / plane.time_s,
             liftoff: is_unilateral(scene, lattice),
         };
@@ -141,7 +140,7 @@ impl SpaceRun<'_> {
         if let Some(start) = sheared {
             engine.start_sheared(&|[i, j, k]| start[(k * ny + j) * nx + i]);
         } else if lattice.is_raised() {
-            // The layer touches with the highest of its face and bears nothing.
+            // The unloaded layer touches with its highest point.
             let highest = lattice.highest();
             engine.start_sheared(&|_| [0.0, 0.0, highest]);
         }
@@ -169,13 +168,13 @@ impl SpaceRun<'_> {
         driven.outcome(scene, &scales, self.centres_m(), self.is_closed(&engine))
     }
 
-    /// Displacements over l of the cell in equilibrium with friction as in sliding, every block at a random moment of its
-    /// stick-slip: x fastest, then y, then upward.
+    /// Displacements in units of l of the cell in equilibrium with sliding friction, every block at a random phase of
+    /// its stick-slip cycle: x fastest, then y, then upward.
     fn sheared(&self) -> Vec<[f64; 3]> {
         let Self { scene, load, lattice, .. } = *self;
-        let mean = SpaceLoad::of_mean(load, scene.area_law.as_ref(), self.direction);
+        let mean = SpaceLoad::with_mean_friction(load, scene.area_law.as_ref(), self.direction);
         let [nx, ny] = lattice.columns();
-        let phases = draws::caught_in_mean(&load.friction, self.seed, nx * ny);
+        let phases = draws::random_phase_mean_friction(&load.friction, self.seed, nx * ny);
         let stiffness_pa = scene.elastic.youngs_modulus_pa();
         let model = SpaceSteadyModel::new(lattice.clone(), scene.layer.block_m, stiffness_pa, scene.run.liftoff);
         model.displacements(&SpaceLoad { relative_mu: Some(&phases), ..mean })
@@ -190,7 +189,7 @@ impl SpaceRun<'_> {
             .map(|column| column.map(|number| (number as f64 + 0.5) * self.scene.layer.block_m))
     }
 
-    /// Whether a ceiling lies on or below the counterface at the end of the run.
+    /// Whether the ceiling of a cavity touches the counterface at the end of the run.
     fn is_closed<R: Real>(&self, engine: &SpaceLeapfrog<R>) -> bool {
         let ([nx, ny], ceiling) = (self.lattice.columns(), self.lattice.cavity_rows());
         ceiling < self.lattice.rows()
@@ -237,12 +236,12 @@ mod tests {
 
     #[test]
     fn the_stability_limit_leaves_the_default_step_room() {
-        // Inside: [100] waves of the shortest length, m w^2 = 12 k.
+        // Inside the lattice, [100] waves of the shortest length have m w^2 = 12 k.
         let flat = largest_frequency(&SpaceLattice::flat([8, 8], 20), false);
         assert!(flat > 12.0_f64.sqrt() && flat < 4.5, "{flat}");
         let pattern = Pattern::new(Planform::Square, 40e-6, 80e-6, 20e-6).unwrap();
         let patterned = largest_frequency(&SpaceLattice::cell(&pattern, 10e-6, 10), false);
-        // Edges of lands weigh a quarter and keep most of their springs.
+        // Blocks at the edges of lands have a quarter of the mass and most of their springs.
         assert!(patterned > flat && patterned < 5.2, "{patterned}");
         assert!(SPACE_STEP < 0.45 * LEAPFROG_LIMIT / patterned);
     }

@@ -1,21 +1,21 @@
 //! Friction on one contact block that moves in the plane of contact.
 //!
-//! At rest friction balances the horizontal force vector until its magnitude exceeds max(mu_s, mu_d) f(p) F_n; sliding
-//! its magnitude is mu_d f(p) F_n. Over one leapfrog step, with the velocities v before and v' after it (times the
-//! step) and the spring force F,
+//! At rest friction balances the horizontal force vector until its magnitude exceeds max(mu_s, mu_d) f(p) F_n; in
+//! sliding its magnitude is mu_d f(p) F_n. Over one leapfrog step with the velocities v before and v' after it (times
+//! the step) and the spring force F,
 //!
 //! ```text
 //! v' = free - kick R d,   free = kept v + kick F,   d = (v + v') / |v + v'| = (v + free) / |v + free|,
 //! ```
 //!
-//! friction R d points against the mean of the two velocities, of second order in the step, and takes the work R |v +
-//! v'|/2 of every step. A step whose v' would have no part along v ends at rest: friction could stop the block within
-//! it. Starts and stops lie where those of the plane do, and along one axis these are the formulas of the plane. The pass in
-//! vectors does the same for all blocks that go on as they were.
+//! Friction R d is opposite to the mean of the two velocities, of second order in the step, and dissipates R |v + v'|/2
+//! in every step. A step ends at rest if v' would have no component along v, since friction could stop the block within
+//! the step. Starts and stops occur as in the plane; for motion along one axis these formulas are those of the plane.
+//! The vectorized pass computes the same for all blocks that continue as before.
 
 use pulp::{Simd, WithSimd};
 
-use super::super::contact::{ContactBlock, Motion, Push, Slide, left_to_go};
+use super::super::contact::{ContactBlock, Motion, Slide, StepFactors, stopping_distance};
 use super::super::contact_vectors::Pass;
 
 fn dot(a: [f64; 2], b: [f64; 2]) -> f64 {
@@ -29,31 +29,31 @@ impl Slide<2> for ContactBlock<2> {
     }
 
     #[inline]
-    fn start(&mut self, push: &Push<2>, resistance: f64) -> [f64; 2] {
-        self.has_slipped |= dot(push.force, push.drive) > 0.0;
-        let share = 1.0 - resistance / dot(push.force, push.force).sqrt();
-        push.force.map(|force| push.kick * share * force)
+    fn start(&mut self, factors: &StepFactors<2>, resistance: f64) -> [f64; 2] {
+        self.has_slipped |= dot(factors.force, factors.drive) > 0.0;
+        let share = 1.0 - resistance / dot(factors.force, factors.force).sqrt();
+        factors.force.map(|force| factors.kick * share * force)
     }
 
     #[inline]
-    fn slide(&mut self, v: [f64; 2], free: [f64; 2], push: &Push<2>, resistance: f64) -> [f64; 2] {
+    fn slide(&mut self, v: [f64; 2], free: [f64; 2], factors: &StepFactors<2>, resistance: f64) -> [f64; 2] {
         let along = [free[0] + v[0], free[1] + v[1]];
-        self.has_slipped |= dot(along, push.drive) > 0.0;
+        self.has_slipped |= dot(along, factors.drive) > 0.0;
         let per_length = resistance / dot(along, along).sqrt();
         let friction = [per_length * along[0], per_length * along[1]];
-        let slowed = [free[0] - push.kick * friction[0], free[1] - push.kick * friction[1]];
-        // A block that starts has no velocity yet: it moves along the force.
-        let before = if v == [0.0; 2] { push.force } else { v };
+        let slowed = [free[0] - factors.kick * friction[0], free[1] - factors.kick * friction[1]];
+        // A block that starts has no velocity yet and moves along the force.
+        let before = if v == [0.0; 2] { factors.force } else { v };
         if dot(free, before) > 0.0 && dot(slowed, before) > 0.0 {
             self.friction = friction;
             slowed
         } else {
-            // The step ends at rest: friction is what it took to stop the block.
+            // The step ends at rest; friction is the force that stopped the block.
             self.motion = Motion::Rest;
             let speed = dot(v, v).sqrt();
-            let after = dot(free, v) / speed - push.kick * resistance;
-            let rest = if speed > 0.0 { v.map(|v| v * (left_to_go(speed, after) / speed)) } else { [0.0; 2] };
-            self.friction = [0, 1].map(|axis: usize| (free[axis] - rest[axis]) / push.kick);
+            let after = dot(free, v) / speed - factors.kick * resistance;
+            let rest = if speed > 0.0 { v.map(|v| v * (stopping_distance(speed, after) / speed)) } else { [0.0; 2] };
+            self.friction = [0, 1].map(|axis: usize| (free[axis] - rest[axis]) / factors.kick);
             rest
         }
     }
@@ -70,12 +70,12 @@ impl WithSimd for Pass<'_, 2> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> bool {
         let Self { columns: c, velocity: [vx, vy], normal, friction: [rx, ry], .. } = self;
-        let Self { sliding, left, force: [fx, fy], lift, kept, .. } = self;
+        let Self { sliding, unhandled, force: [fx, fy], lift, kept, .. } = self;
         let vectors = normal.len() / S::F64_LANES;
         let column = |values| &S::as_simd_f64s(values).0[..vectors];
         let column_mut = |values| &mut S::as_mut_simd_f64s(values).0[..vectors];
         let (vx, vy, normal) = (column_mut(vx), column_mut(vy), column_mut(normal));
-        let (rx, ry, sliding, left) = (column_mut(rx), column_mut(ry), column_mut(sliding), column_mut(left));
+        let (rx, ry, sliding, unhandled) = (column_mut(rx), column_mut(ry), column_mut(sliding), column_mut(unhandled));
         let (fx, fy, lift, kick) = (column(fx), column(fy), column(lift), column(&c.kick));
         let (constant, linear, quadratic) = (column(&c.constant), column(&c.linear), column(&c.quadratic));
         let (from, to) = (column(&c.from), column(&c.to));
@@ -91,7 +91,8 @@ impl WithSimd for Pass<'_, 2> {
                 simd.and_m64s(simd.less_than_or_equal_f64s(from[i], pressing), simd.less_than_f64s(pressing, to[i]));
             let at_rest = simd.and_m64s(simd.equal_f64s(v[0], zero), simd.equal_f64s(v[1], zero));
             let threshold = simd.mul_f64s(starting_mu[i], grip);
-            let held = simd.less_than_or_equal_f64s(dots(simd, force, force), simd.mul_f64s(threshold, threshold));
+            let top_row_force =
+                simd.less_than_or_equal_f64s(dots(simd, force, force), simd.mul_f64s(threshold, threshold));
             let free_x = simd.add_f64s(simd.mul_f64s(kept, v[0]), simd.mul_f64s(kick[i], force[0]));
             let free_y = simd.add_f64s(simd.mul_f64s(kept, v[1]), simd.mul_f64s(kick[i], force[1]));
             // mu_d f(p) F_n against the mean of the velocities before and after the step
@@ -103,20 +104,20 @@ impl WithSimd for Pass<'_, 2> {
             let resistance_y = simd.mul_f64s(per_length, along[1]);
             let slowed_x = simd.sub_f64s(free_x, simd.mul_f64s(kick[i], resistance_x));
             let slowed_y = simd.sub_f64s(free_y, simd.mul_f64s(kick[i], resistance_y));
-            let slides_on = simd.and_m64s(
+            let keeps_sliding = simd.and_m64s(
                 simd.less_than_f64s(zero, dots(simd, [free_x, free_y], v)),
                 simd.less_than_f64s(zero, dots(simd, [slowed_x, slowed_y], v)),
             );
-            // At rest v is 0 and it cannot slide on.
-            let goes_on = simd.and_m64s(known, simd.or_m64s(simd.and_m64s(at_rest, held), slides_on));
-            let moves = simd.and_m64s(goes_on, slides_on);
+            // A block at rest has v = 0, so that `keeps_sliding` is false.
+            let continues = simd.and_m64s(known, simd.or_m64s(simd.and_m64s(at_rest, top_row_force), keeps_sliding));
+            let moves = simd.and_m64s(continues, keeps_sliding);
             vx[i] = simd.select_f64s(moves, slowed_x, v[0]);
             vy[i] = simd.select_f64s(moves, slowed_y, v[1]);
             rx[i] = simd.select_f64s(at_rest, force[0], resistance_x);
             ry[i] = simd.select_f64s(at_rest, force[1], resistance_y);
             normal[i] = pressing;
-            left[i] = simd.select_f64s(goes_on, zero, one);
-            any = simd.add_f64s(any, left[i]);
+            unhandled[i] = simd.select_f64s(continues, zero, one);
+            any = simd.add_f64s(any, unhandled[i]);
         }
         simd.reduce_sum_f64s(any) > 0.0
     }
@@ -135,11 +136,11 @@ mod tests {
     }
 
     fn kick(block: &mut ContactBlock<2>, v: [f64; 2], [fx, fy, lift]: [f64; 3]) -> [f64; 2] {
-        let push = Push { kept: 1.0, kick: 0.1, force: [fx, fy], lift, drive: [1.0, 0.0] };
-        block.kick(v, push, |normal| UNIT.grip(normal))
+        let factors = StepFactors { kept: 1.0, kick: 0.1, force: [fx, fy], lift, drive: [1.0, 0.0] };
+        block.kick(v, factors, |normal| UNIT.grip(normal))
     }
 
-    /// Angles in a fixed sequence.
+    /// A fixed sequence of angles.
     fn angles() -> impl Iterator<Item = f64> {
         (0..48).map(|step| f64::from(step) * 0.1309 + 0.003)
     }
@@ -165,16 +166,16 @@ mod tests {
             let (sin, cos) = angle.sin_cos();
             let mut own = block(0.3, 0.27);
             own.motion = Motion::Slip;
-            // Deceleration a = mu_d N / m: kick = dt^2/m. From v the block goes v^2/(2 a), within a step.
+            // Deceleration a = mu_d N / m: kick = dt^2/m. From v the block slides v^2/(2 a), to within a step.
             let (speed, kick, dt) = (0.8, 1e-4, 1e-2);
-            // Velocities lie half a step before forces.
+            // Velocities are half a step before forces.
             let half = speed * dt + 0.5 * kick * 0.27;
             let mut v = [half * cos, half * sin];
             let mut at = [0.0; 2];
             let mut steps = 0;
             while v != [0.0; 2] {
-                let push = Push { kept: 1.0, kick, force: [0.0; 2], lift: -1.0, drive: [1.0, 0.0] };
-                v = own.kick(v, push, |normal| UNIT.grip(normal));
+                let factors = StepFactors { kept: 1.0, kick, force: [0.0; 2], lift: -1.0, drive: [1.0, 0.0] };
+                v = own.kick(v, factors, |normal| UNIT.grip(normal));
                 at = [at[0] + v[0], at[1] + v[1]];
                 assert!((at[0] * sin - at[1] * cos).abs() < 1e-12, "leaves its line");
                 steps += 1;
@@ -202,7 +203,7 @@ mod tests {
                     assert!((own.friction[0].hypot(own.friction[1]) - 0.27).abs() < 1e-14);
                     assert!(work > 0.0, "{angle} {pull}");
                 }
-                // The same along x alone, against the plane's law.
+                // Motion along x only, compared with the law of the plane.
                 let (v, f) = (v[0], pull * if number % 2 == 0 { 1.0 } else { -1.0 });
                 let coefficients = [Coefficients { static_mu: 0.3, dynamic_mu: 0.27 }];
                 let mut row = ContactRow::new([0].into_iter(), &coefficients, LocalLaw::new(None, 1.0));

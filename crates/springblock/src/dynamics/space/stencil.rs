@@ -1,4 +1,4 @@
-//! A cell cut into rows: those of inside blocks alone, and those with a coefficient per spring.
+//! Division of a cell into rows of inside blocks and rows with a coefficient per spring.
 //!
 //! Units: k = 1, l = 1, m = 1.
 
@@ -8,11 +8,12 @@ use std::sync::Arc;
 use super::super::real::{Real, whole_lines};
 use crate::space::SpaceLattice;
 
-/// Springs of a block.
+/// Number of springs of a block.
 pub const SPRINGS: usize = 18;
 
-/// Steps along x, y and upward to the neighbours: along the axes, ahead and behind, then for the planes xy, xz and yz
-/// the two rising diagonals and the two falling ones, that towards the second axis first.
+/// Steps along x, y and upward to the neighbours: first along the axes, forward and backward; then for each of the
+/// planes xy, xz and yz the two rising and the two falling diagonals, the one in positive direction of the second axis
+/// first.
 pub const STEPS: [[isize; 3]; SPRINGS] = [
     [1, 0, 0],
     [-1, 0, 0],
@@ -34,8 +35,8 @@ pub const STEPS: [[isize; 3]; SPRINGS] = [
     [0, 1, -1],
 ];
 
-/// Coefficients of a row: one array per spring, one entry per column, then zeros up to a whole number of cache lines.
-/// Those of the diagonals are halved.
+/// Coefficients of a row: one array per spring with one entry per column, padded with zeros to whole cache lines.
+/// Coefficients of diagonal springs are halved.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RowCoefficients<R> {
     springs: Vec<R>,
@@ -50,7 +51,7 @@ impl<R: Real> RowCoefficients<R> {
         &self.springs
     }
 
-    /// Row `j` of layer `k` of a plain lattice.
+    /// Creates the coefficients of row `j` of layer `k` of a lattice of whole cubes.
     fn new(lattice: &SpaceLattice, j: usize, k: usize) -> Self {
         let [nx, _] = lattice.columns();
         let padded = whole_lines::<R>(nx);
@@ -58,16 +59,16 @@ impl<R: Real> RowCoefficients<R> {
         for (number, step) in STEPS.into_iter().enumerate() {
             let scale = if number < 6 { 1.0 } else { 0.5 };
             for i in 0..nx {
-                springs[number * padded + i] = R::of(scale * spring(lattice, [i, j, k], step));
+                springs[number * padded + i] = R::round_from(scale * spring(lattice, [i, j, k], step));
             }
         }
         let inverse = |i: usize| if i < nx { lattice.mass(i, j, k) } else { 0.0 };
         let inverse_mass =
-            (0..padded).map(inverse).map(|mass| R::of(if mass > 0.0 { 1.0 / mass } else { 0.0 })).collect();
+            (0..padded).map(inverse).map(|mass| R::round_from(if mass > 0.0 { 1.0 / mass } else { 0.0 })).collect();
         Self { springs, inverse_mass }
     }
 
-    /// Whether all blocks of the row are like those inside the lattice.
+    /// Whether all blocks of the row have the mass and the springs of a block inside the lattice.
     fn is_inside(lattice: &SpaceLattice, j: usize, k: usize) -> bool {
         let inside = |i: usize| {
             lattice.mass(i, j, k) == 1.0 && STEPS.into_iter().all(|step| spring(lattice, [i, j, k], step) == 1.0)
@@ -76,7 +77,7 @@ impl<R: Real> RowCoefficients<R> {
     }
 }
 
-/// Stiffness over k of the spring of block `block` towards `step`: there where both blocks are.
+/// Stiffness in units of k of the spring of block `block` towards `step`; 0 unless both blocks exist.
 fn spring(lattice: &SpaceLattice, [i, j, k]: [usize; 3], step: [isize; 3]) -> f64 {
     let [nx, ny] = lattice.columns();
     let wrap = |at: usize, step: isize, count: usize| (at + count).wrapping_add_signed(step) % count;
@@ -84,26 +85,25 @@ fn spring(lattice: &SpaceLattice, [i, j, k]: [usize; 3], step: [isize; 3]) -> f6
     lattice.spring_share([i, j, k], [wrap(i, step[0], nx), wrap(j, step[1], ny), above])
 }
 
-/// A row that is not of inside blocks alone.
+/// A row with a coefficient per spring.
 #[derive(Clone, Debug)]
 pub struct GeneralRow<R> {
-    /// Its place along y.
+    /// Index along y.
     pub row: usize,
-    /// What it shares with all rows like it: 18 numbers a column are more to read than displacements are.
+    /// Coefficients, shared by all equal rows: 18 numbers per column are more memory traffic than the displacements.
     pub coefficients: Arc<RowCoefficients<R>>,
 }
 
-/// Rows of a cell.
 #[derive(Clone, Debug)]
 pub struct Stencil<R> {
-    /// General rows by layer, from the counterface up: all of the lowest.
+    /// General rows by layer, from the counterface up; all rows of the lowest layer are general.
     pub general: Vec<Vec<GeneralRow<R>>>,
-    /// Rows of inside blocks, by layer: the lowest has none.
+    /// Ranges of rows of inside blocks by layer; the lowest layer has none.
     pub inside: Vec<Vec<Range<usize>>>,
 }
 
 impl<R: Real> Stencil<R> {
-    /// The rows of a plain lattice (whole cubes).
+    /// Classifies the rows of a lattice of whole cubes.
     #[must_use]
     pub fn new(lattice: &SpaceLattice) -> Self {
         let [_, ny] = lattice.columns();
@@ -119,7 +119,7 @@ impl<R: Real> Stencil<R> {
         for k in 0..lattice.rows() {
             let (mut rows, mut ranges): (Vec<GeneralRow<R>>, Vec<Range<usize>>) = (Vec::new(), Vec::new());
             for j in 0..ny {
-                // What a cavity changes ends with the row above it; ends reach up to the bulk.
+                // A cavity affects rows up to the one above its ceiling; free ends affect all rows up to the bulk.
                 if (k > lattice.cavity_rows() && !lattice.is_end(j)) || RowCoefficients::<R>::is_inside(lattice, j, k) {
                     match ranges.last_mut() {
                         Some(last) if last.end == j => last.end = j + 1,

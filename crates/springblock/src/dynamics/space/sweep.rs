@@ -1,14 +1,14 @@
-//! One step of the leapfrog for the rows of a cell in space, from displacements now and one step before.
+//! One leapfrog step for the rows of a cell in space, from the displacements now and one step before.
 //!
-//! Springs of stiffness k lead to the 6 nearest and the 12 face-diagonal neighbours. In each coordinate plane the
-//! diagonals come in two pairs, rising and falling: what they pull is shared by the two components of that plane,
+//! Springs of stiffness k connect a block with its 6 nearest and 12 face-diagonal neighbours. In each coordinate plane
+//! the diagonals form two pairs, rising and falling, whose forces are shared by the two components of that plane:
 //!
 //! ```text
 //! rising = (a + b)_NE + (a + b)_SW,  falling = (a - b)_NW + (a - b)_SE
 //! F_a = (rising + falling)/2 - 2 a,  F_b = (rising - falling)/2 - 2 b
 //! ```
 //!
-//! and a block feels 6 k of its own in every component.
+//! The own displacement of a block contributes -6 k in every component.
 
 use std::ops::Range;
 
@@ -19,44 +19,46 @@ use super::super::sweep::{Kick, Views};
 use super::field::Field;
 use super::stencil::{RowCoefficients, SPRINGS};
 
-/// Moves rows that are inside blocks alone: those of `layer`, which is not the lowest. Lanes beyond the last column
-/// write into the images, which the caller restores.
+/// Moves rows that consist of inside blocks, in a `layer` other than the lowest. Vector lanes beyond the last column
+/// overwrite images, which the caller restores.
 pub struct InsideRows<'a, R> {
     pub field: &'a mut Field<R>,
     pub layer: usize,
     pub rows: Range<usize>,
     pub kick: Kick,
-    /// What damping takes from the velocity of the frame, along x and y.
+    /// Decrease of the frame's velocity by damping, along x and y.
     pub drag: [f64; 2],
 }
 
-/// What a row leaves for the two rows after it: a sweep along y meets it as north, as own and as south.
+/// Contributions of a row to the forces on the next two rows. A sweep along y meets each row as north, centre and
+/// south.
 #[derive(Clone, Copy)]
 struct Row<V> {
-    /// x + y to the south west and x - y to the south east, seen from the row after it.
+    /// x + y at the south west and x - y at the south east, seen from the next row.
     south_west: V,
     south_east: V,
     /// x_E + x_W
     along: V,
-    /// y - z above and y + z below, seen from the row after it.
+    /// y - z above and y + z below, seen from the next row.
     above: V,
     below: V,
-    /// z above and z below.
+    /// z above and below.
     z_above: V,
     z_below: V,
     y: V,
 }
 
-/// What a row pulls in the row before it, towards the north east, the north west, above and below; and what it leaves.
-type Met<V> = ([V; 4], Row<V>);
+/// Contributions of a row to the row before it, towards the north east, the north west, above and below; and to the
+/// rows after it.
+type RowContributions<V> = ([V; 4], Row<V>);
 
-/// The row at `at`, with those above and below it: what it pulls in the row before it, and what it leaves.
+/// Computes the contributions of the row at `at` and of its neighbours above and below.
 #[inline(always)]
-fn meet<S: Simd, R: Real>(
+fn row_contributions<S: Simd, R: Real>(
     simd: S,
     [x, y, z]: &[Views<'_, R::Vector<S>>; 3],
     [below, at, above]: [usize; 3],
-) -> Met<R::Vector<S>> {
+) -> RowContributions<R::Vector<S>> {
     let (east, west) = (x.east[at], x.west[at]);
     let (y_east, y_west) = (y.east[at], y.west[at]);
     let (y_above, z_above) = (y.centre[above], z.centre[above]);
@@ -80,15 +82,19 @@ fn meet<S: Simd, R: Real>(
     (pulls, left)
 }
 
-/// What a rising and a falling pair of diagonals pull: their sum and their difference.
+/// Sum and difference of the forces of a rising and a falling pair of diagonals.
 #[inline(always)]
-fn share<S: Simd, R: Real>(simd: S, rising: [R::Vector<S>; 2], falling: [R::Vector<S>; 2]) -> [R::Vector<S>; 2] {
+fn sum_and_difference<S: Simd, R: Real>(
+    simd: S,
+    rising: [R::Vector<S>; 2],
+    falling: [R::Vector<S>; 2],
+) -> [R::Vector<S>; 2] {
     let rising = R::add(simd, rising[0], rising[1]);
     let falling = R::add(simd, falling[0], falling[1]);
     [R::add(simd, rising, falling), R::sub(simd, rising, falling)]
 }
 
-/// Coefficients of a step: what is left of u, of u_before, and what a pull adds; and one half.
+/// Coefficients of a step: factors of u, of u_before and of the force, and one half.
 #[derive(Clone, Copy)]
 struct Step<V> {
     stay: V,
@@ -98,7 +104,7 @@ struct Step<V> {
 }
 
 impl<V: Copy> Step<V> {
-    /// stay u - kept u_before + kick (straight + diagonals/2), and the drag along an axis that has one
+    /// stay u - kept u_before + kick (straight + diagonals/2), plus the drag along an axis that has one.
     #[inline(always)]
     fn after<S: Simd, R: Real<Vector<S> = V>>(
         &self,
@@ -142,17 +148,21 @@ impl<R: Real> WithSimd for InsideRows<'_, R> {
         let start = layer * up + (rows.start + 1) * row;
         for column in 0..vectors {
             let mut next = start + column;
-            let (_, mut south) = meet::<S, R>(simd, &views, [next - row - up, next - row, next - row + up]);
-            let (_, mut own) = meet::<S, R>(simd, &views, [next - up, next, next + up]);
+            let (_, mut south) =
+                row_contributions::<S, R>(simd, &views, [next - row - up, next - row, next - row + up]);
+            let (_, mut own) = row_contributions::<S, R>(simd, &views, [next - up, next, next + up]);
             for _ in rows.clone() {
-                // Seen as one number: otherwise the compiler keeps a pointer for each of two dozen streams, in memory.
+                // The black box makes the compiler see one index; otherwise it keeps a pointer in memory for each of
+                // two dozen streams.
                 let at = std::hint::black_box(next);
                 let (below, above) = (at - up, at + up);
                 let ([north_east, north_west, rising_above, falling_below], north) =
-                    meet::<S, R>(simd, &views, [below + row, at + row, above + row]);
-                let [xy_x, xy_y] = share::<S, R>(simd, [north_east, south.south_west], [north_west, south.south_east]);
-                let [yz_y, yz_z] = share::<S, R>(simd, [rising_above, south.below], [falling_below, south.above]);
-                let [xz_x, xz_z] = share::<S, R>(
+                    row_contributions::<S, R>(simd, &views, [below + row, at + row, above + row]);
+                let [xy_x, xy_y] =
+                    sum_and_difference::<S, R>(simd, [north_east, south.south_west], [north_west, south.south_east]);
+                let [yz_y, yz_z] =
+                    sum_and_difference::<S, R>(simd, [rising_above, south.below], [falling_below, south.above]);
+                let [xz_x, xz_z] = sum_and_difference::<S, R>(
                     simd,
                     [R::add(simd, x.east[above], z.east[above]), R::add(simd, x.west[below], z.west[below])],
                     [R::sub(simd, x.west[above], z.west[above]), R::sub(simd, x.east[below], z.east[below])],
@@ -190,13 +200,13 @@ fn stretch<S: Simd, R: Real>(simd: S, k: R::Vector<S>, value: R::Vector<S>, own:
     R::mul(simd, k, R::sub(simd, value, own))
 }
 
-/// k times the sum of the differences of two components to their own values, along a rising diagonal.
+/// k times the sum of the elongations of two components, along a rising diagonal.
 #[inline(always)]
 fn rise<S: Simd, R: Real>(simd: S, k: R::Vector<S>, values: [R::Vector<S>; 2], own: [R::Vector<S>; 2]) -> R::Vector<S> {
     R::mul(simd, k, R::add(simd, R::sub(simd, values[0], own[0]), R::sub(simd, values[1], own[1])))
 }
 
-/// k times the difference of those differences, along a falling diagonal.
+/// k times the difference of the elongations of two components, along a falling diagonal.
 #[inline(always)]
 fn fall<S: Simd, R: Real>(simd: S, k: R::Vector<S>, values: [R::Vector<S>; 2], own: [R::Vector<S>; 2]) -> R::Vector<S> {
     R::mul(simd, k, R::sub(simd, R::sub(simd, values[0], own[0]), R::sub(simd, values[1], own[1])))
@@ -215,7 +225,7 @@ impl<R: Real> WithSimd for RowForces<'_, R> {
         let (x, y, z) =
             (Views::new(simd, now_x, count), Views::new(simd, now_y, count), Views::new(simd, now_z, count));
         let own = layer * up + (row + 1) * row_step;
-        // The lowest layer has no springs downwards: whatever stands for what is below is multiplied by zero.
+        // The lowest layer has no springs downwards: the values read for them are multiplied by zero.
         let down = if layer == 0 { 0 } else { up };
         let [force_x, force_y, force_z] = force;
         let force_x = &mut R::vectors_mut::<S>(force_x)[..vectors];
@@ -229,8 +239,8 @@ impl<R: Real> WithSimd for RowForces<'_, R> {
             let (above, below, north, south) = (at + up, at - down, at + row_step, at - row_step);
             let k = |spring: usize| springs[spring * padded + i];
             let (u, v, w) = (x.centre[at], y.centre[at], z.centre[at]);
-            // Half the stiffness times the elongation along each diagonal: e e^T has entries 1/2.
-            let [xy_x, xy_y] = share::<S, R>(
+            // Half the stiffness times the elongation along each diagonal: the entries of e e^T are 1/2.
+            let [xy_x, xy_y] = sum_and_difference::<S, R>(
                 simd,
                 [
                     rise::<S, R>(simd, k(6), [x.east[north], y.east[north]], [u, v]),
@@ -241,7 +251,7 @@ impl<R: Real> WithSimd for RowForces<'_, R> {
                     fall::<S, R>(simd, k(9), [x.east[south], y.east[south]], [u, v]),
                 ],
             );
-            let [xz_x, xz_z] = share::<S, R>(
+            let [xz_x, xz_z] = sum_and_difference::<S, R>(
                 simd,
                 [
                     rise::<S, R>(simd, k(10), [x.east[above], z.east[above]], [u, w]),
@@ -252,7 +262,7 @@ impl<R: Real> WithSimd for RowForces<'_, R> {
                     fall::<S, R>(simd, k(13), [x.east[below], z.east[below]], [u, w]),
                 ],
             );
-            let [yz_y, yz_z] = share::<S, R>(
+            let [yz_y, yz_z] = sum_and_difference::<S, R>(
                 simd,
                 [
                     rise::<S, R>(simd, k(14), [y.centre[above + row_step], z.centre[above + row_step]], [v, w]),
@@ -293,7 +303,7 @@ mod tests {
     use crate::space::SpaceLattice;
     use slipgrid_pattern::{Pattern, Planform};
 
-    /// Everything that the sweeps write, on a cell of `nx` columns along both axes.
+    /// All results of the sweeps on a cell with `nx` columns along both axes.
     struct Swept<R> {
         nx: usize,
         precision: PhantomData<R>,
@@ -316,7 +326,7 @@ mod tests {
             let padded = stencil.general[0][0].coefficients.inverse_mass.len();
             let mut force = [vec![R::default(); padded], vec![R::default(); padded], vec![R::default(); padded]];
             let mut written = Vec::new();
-            let mut write = |values: &[R]| written.extend(values[..nx].iter().map(|value| value.widened()));
+            let mut write = |values: &[R]| written.extend(values[..nx].iter().map(|value| value.to_f64()));
             let general = stencil.general.iter().enumerate();
             for (layer, GeneralRow { row, coefficients }) in
                 general.flat_map(|(layer, rows)| rows.iter().map(move |row| (layer, row)))
@@ -326,7 +336,7 @@ mod tests {
                 simd.vectorize(RowForces { coefficients, field: &field, layer, row, force: forces });
                 force.iter().for_each(|force| write(force));
                 let (inverse_mass, force) = (&coefficients.inverse_mass, force.each_ref().map(Vec::as_slice));
-                let (columns, start) = (nx, field.at(0, row, layer));
+                let (columns, start) = (nx, field.index(0, row, layer));
                 let (now, other) = (&field.now, &mut field.other);
                 let drag = [-1e-5, 2e-5, 0.0];
                 simd.vectorize(MoveRow { inverse_mass, now, other, columns, start, kick, drag, force });
@@ -339,7 +349,7 @@ mod tests {
             }
             for plane in &field.other {
                 for (j, k) in (0..nx).flat_map(|j| (0..4).map(move |k| (j, k))) {
-                    write(&plane.rows()[field.at(0, j, k)..]);
+                    write(&plane.rows()[field.index(0, j, k)..]);
                 }
             }
             written

@@ -1,4 +1,4 @@
-//! The cell's integrator against the sum over springs, closed forms, its symmetries, and the plane.
+//! The integrator of a cell compared with the sum over springs, closed forms, its symmetries, and the plane.
 
 use slipgrid_material::AreaLaw;
 use slipgrid_pattern::{Pattern, Planform, Rim, RimProfile, Texture};
@@ -15,7 +15,7 @@ use crate::lattice::Lattice;
 use crate::samples::coefficients;
 use crate::space::{SpaceLattice, SpaceLoad, SpaceSteadyModel};
 
-/// A cell of `nx` columns along x and `ny` along y with one rectangular cavity, `rows` high.
+/// A cell of `nx` columns along x and `ny` along y with one rectangular cavity; the cell has `rows` rows.
 fn cell(width: usize, length: usize, [nx, ny]: [usize; 2], depth: usize, rows: usize) -> SpaceLattice {
     let um = |blocks: usize| blocks as f64 * 10e-6;
     let texture = Texture::new(Planform::Rectangle).with_length_m(um(length)).unwrap();
@@ -42,7 +42,7 @@ fn setup<'a>(coefficients: &'a [Coefficients], protocol: Protocol, direction: [f
     }
 }
 
-/// Numbers of a fixed sequence in (-1/2, 1/2).
+/// A fixed sequence of numbers in (-1/2, 1/2).
 fn noise(number: usize, component: usize) -> f64 {
     let mut bits = (3 * number + component) as u64 + 1;
     for _ in 0..3 {
@@ -140,7 +140,7 @@ fn waves_along_axes_and_diagonals_have_their_dispersion() {
             };
             engine.start_sheared(&wave);
             engine.step();
-            // Beyond the neighbours of counterface and bulk: u_1 = (1 - w^2 dt^2) u_0.
+            // Away from the counterface and the bulk: u_1 = (1 - w^2 dt^2) u_0.
             for (i, j) in [(0, 0), (5, 3), (n - 1, n - 1)] {
                 let (before, after) = (wave([i, j, 3]), engine.displacement([i, j, 3]));
                 for c in 0..3 {
@@ -161,14 +161,14 @@ fn without_friction_the_leapfrog_is_of_second_order() {
         let mut setup = setup(&none, still, [1.0, 0.0]);
         setup.time_step = dt;
         let mut engine = SpaceLeapfrog::new(&lattice, setup);
-        // A smooth push, small enough that every contact stays under pressure.
+        // A smooth perturbation, small enough that every contact remains under pressure.
         engine.start_sheared(&|[i, _, k]| [1e-4 * (i as f64).cos(), 2e-4 * (k as f64).sin(), -1.6e-3 * k as f64]);
         for _ in 0..steps {
             engine.step();
         }
         engine.displacement([1, 1, 2])
     };
-    // At rest half a step before the start: after n steps the time is (n + 1/2) dt.
+    // The block is at rest half a step before the start, so that the time after n steps is (n + 1/2) dt.
     let found = [at(0.06, 121), at(0.02, 364), at(0.02 / 3.0, 1093), at(0.02 / 9.0, 3280)];
     for c in 0..3 {
         for three in found.windows(3) {
@@ -194,7 +194,7 @@ fn a_cell_under_load_without_drive_comes_to_rest_with_the_load_on_its_contacts()
             sums = engine.step();
         }
         assert!((sums.normal / load - 1.0).abs() < 1e-9, "{} {load}", sums.normal);
-        // What friction there is holds locked-in stress: below the static threshold.
+        // The remaining friction balances locked-in stress, below the static threshold.
         assert!(sums.friction.hypot(sums.across) < 0.3 * load);
     }
 }
@@ -209,7 +209,7 @@ fn a_steady_equilibrium_stays_where_it_is() {
         let load =
             SpaceLoad { pressure_pa: 2.6e6, dynamic_mu: 0.27, relative_mu: None, area_law: Some(&law), direction };
         let displacement = model.displacements(&load);
-        // Friction at rest may reach what the contact slides at.
+        // The threshold at rest equals the sliding friction.
         let equal = vec![Coefficients { static_mu: 0.27000001, dynamic_mu: 0.27 }; 144];
         let still = Protocol { ramp: 0.0, start: 0.0, load: 144.0 * 2.6e6 / unit_pa, speed: 0.0 };
         let mut setup = setup(&equal, still, direction);
@@ -265,7 +265,7 @@ fn two_steps_at_once_are_two_steps_bit_for_bit() {
         for pair in 0..300 {
             let (first, second) = (single.step(), single.step());
             assert_eq!(paired.one_or_two_steps(), (first, Some(second)), "{nx} {ny} {rows} {liftoff}: {pair}");
-            // Single steps go on from pairs.
+            // Single steps continue from pairs of steps.
             if pair % 50 == 49 {
                 assert_eq!(paired.step(), single.step());
             }
@@ -313,7 +313,7 @@ fn no_step_follows_sums_that_are_not_finite() {
 
 const STEPS: usize = 1500;
 
-/// Sums over the contact layer in time.
+/// Sums over the contact layer for every step.
 fn slide(lattice: &SpaceLattice, drawn: &[Coefficients], direction: [f64; 2], liftoff: bool) -> Vec<ContactSums> {
     let mut setup = setup(drawn, protocol(lattice, 1e-4), direction);
     setup.liftoff = liftoff;
@@ -321,7 +321,7 @@ fn slide(lattice: &SpaceLattice, drawn: &[Coefficients], direction: [f64; 2], li
     (0..STEPS).map(|_| engine.step()).collect()
 }
 
-/// Largest difference of the sums, the part across of `b` times `sign`.
+/// Largest difference of the sums, with the perpendicular part of `b` times `sign`.
 fn difference(a: &[ContactSums], b: &[ContactSums], sign: f64) -> f64 {
     let of = |(a, b): (&ContactSums, &ContactSums)| {
         (a.friction - b.friction).abs().max((a.normal - b.normal).abs()).max((a.across - sign * b.across).abs())
@@ -338,7 +338,7 @@ fn sliding_along_y_is_sliding_along_x_on_the_transposed_cell() {
     for liftoff in [false, true] {
         let along_x = slide(&here, &drawn, [1.0, 0.0], liftoff);
         let along_y = slide(&there, &transposed, [0.0, 1.0], liftoff);
-        // x across is to the left of y, y to the right of x.
+        // The perpendicular axis is to the left for sliding along x and to the right for sliding along y.
         let worst = difference(&along_x, &along_y, -1.0);
         assert!(worst < 1e-9, "{worst}");
     }
@@ -348,7 +348,7 @@ fn sliding_along_y_is_sliding_along_x_on_the_transposed_cell() {
 fn mirrored_cells_slide_alike() {
     let lattice = cell(4, 3, [10, 7], 2, 5);
     let drawn = coefficients(4, 70);
-    // 10 and 7 columns with cavities of 4 and 3: the cell is its own mirror image.
+    // 10 and 7 columns with cavities of 4 and 3, so that the cell is its own mirror image.
     let across: Vec<Coefficients> = (0..70).map(|n| drawn[(6 - n / 10) * 10 + n % 10]).collect();
     let back: Vec<Coefficients> = (0..70).map(|n| drawn[n / 10 * 10 + 9 - n % 10]).collect();
     let own = slide(&lattice, &drawn, [1.0, 0.0], false);
@@ -361,19 +361,19 @@ fn mirrored_cells_slide_alike() {
     assert!(worst < 1e-9, "{worst}");
 }
 
-/// Plane strain at nu = 1/4 is plane stress at nu = 1/3: where nothing changes along y, the springs of a column are
-/// those of the vertical plane with k doubled, bond by bond. Time is in units of sqrt(m/k): sqrt(2) of them to one.
+/// Plane strain at nu = 1/4 is plane stress at nu = 1/3: if nothing changes along y, the springs of a column are those
+/// of the vertical plane with k doubled, bond by bond. The unit of time sqrt(m/k) is larger by sqrt(2).
 #[test]
 fn what_is_uniform_across_is_the_vertical_plane_to_rounding() {
     let pattern = Pattern::new(Planform::Groove, 40e-6, 80e-6, 20e-6).unwrap();
     let cell = SpaceLattice::cell(&pattern, 10e-6, 6).repeated_along_y(3);
     as_in_the_plane(&cell, &Lattice::new(columns::cell(&pattern, 10e-6), 6, true), 0);
-    // With two ends, along y.
+    // A strip with two free ends along y.
     let strip = cell.transposed().strip_along_y(31, 2, |line| Some(line % 12));
     as_in_the_plane(&strip, &Lattice::new(columns::sample(&pattern, 10e-6, 31), 6, false), 1);
 }
 
-/// Slides `lattice`, which has three columns across, along `axis` as it slides `in_plane`.
+/// Asserts that `lattice`, which has three columns across, slides along `axis` as `in_plane` does.
 fn as_in_the_plane(lattice: &SpaceLattice, in_plane: &Lattice, axis: usize) {
     const ACROSS: usize = 3;
     let length = in_plane.nx();
@@ -429,14 +429,14 @@ fn as_in_the_plane(lattice: &SpaceLattice, in_plane: &Lattice, axis: usize) {
 fn steps_beyond_the_limit_blow_up_and_steps_below_do_not() {
     let lattice = cell(3, 3, [8, 8], 2, 5);
     let limit = 2.0 / super::run::largest_frequency(&lattice, false);
-    // The fastest blocks are edges of the land: friction would hold them.
+    // The fastest blocks are at edges of the land, where friction would hold them.
     let drawn = vec![Coefficients { static_mu: 0.0, dynamic_mu: 0.0 }; 64];
     let grows = |factor: f64| {
         let mut setup = setup(&drawn, protocol(&lattice, 0.0), [1.0, 0.0]);
         setup.damping = 0.0;
         setup.time_step = factor * limit;
         let mut engine = SpaceLeapfrog::new(&lattice, setup);
-        // Nothing of the lattice's symmetry: it would keep modes from growing.
+        // The start has none of the lattice's symmetries, which would keep modes from growing.
         let number = |[i, j, k]: [usize; 3]| (k * 8 + j) * 8 + i;
         engine.start_sheared(&|block| {
             let touches = block[2] == 0 || lattice.presence(block[0], block[1], block[2]) == 0.0;
@@ -471,19 +471,19 @@ fn friction_never_gives_work_and_never_exceeds_its_law() {
             let after = place(&engine, *n);
             let way: [f64; 2] = [0, 1].map(|c: usize| after[c] - earlier[number][c]);
             let magnitude = friction[0].hypot(friction[1]);
-            // It slid before this instant and slides after it, as far as the law's friction leaves it.
-            let slides_on =
+            // A block that slides before and after this instant has the friction of the law.
+            let keeps_sliding =
                 magnitude > 0.0 && (magnitude - drawn[*n].dynamic_mu * normal).abs() < 1e-12 * normal.max(1.0);
-            if slides_on && slid[number] {
+            if keeps_sliding && slid[number] {
                 assert!(friction[0] * way[0] + friction[1] * way[1] > 0.0, "{friction:?} {way:?}");
                 slides += 1;
             } else {
-                // It rests, starts or stops within the step: what that takes is hardly more than what holds it.
-                let held = drawn[*n].starting_mu() * normal.max(0.0);
-                assert!(magnitude <= 1.2 * held, "{magnitude} {held}");
+                // A block that rests, starts or stops within the step: stopping takes hardly more force than holding.
+                let top_row_force = drawn[*n].starting_mu() * normal.max(0.0);
+                assert!(magnitude <= 1.2 * top_row_force, "{magnitude} {top_row_force}");
                 stops += usize::from(slid[number]);
             }
-            slid[number] = slides_on;
+            slid[number] = keeps_sliding;
             (earlier[number], before[number]) = (before[number], after);
         }
     }

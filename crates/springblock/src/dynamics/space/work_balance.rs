@@ -1,4 +1,4 @@
-//! The account of work in space closes, along any sliding direction.
+//! The balance of work of the leapfrog in space closes for any sliding direction.
 
 use slipgrid_pattern::{Pattern, Planform};
 
@@ -11,8 +11,8 @@ use super::leapfrog::{SpaceLeapfrog, SpaceSetup};
 use crate::samples;
 use crate::space::SpaceLattice;
 
-/// What the account lacks, as a share of the drive's work.
-fn lack(time_step: f64, direction: [f64; 2]) -> f64 {
+/// Error of the balance over the work of the drive.
+fn relative_error(time_step: f64, direction: [f64; 2]) -> f64 {
     let pattern = Pattern::new(Planform::Square, 30e-6, 50e-6, 20e-6).unwrap();
     let lattice = SpaceLattice::cell(&pattern, 10e-6, 5);
     let ([nx, ny], rows) = (lattice.columns(), lattice.rows());
@@ -40,21 +40,21 @@ fn lack(time_step: f64, direction: [f64; 2]) -> f64 {
         bonds.balance(&mut u, protocol.load);
         bonds.forces(&u, &mut force);
         let potential = bonds.energy(&u) + protocol.load * u[blocks][2];
-        // The load, not the drive, moves the bulk up and down.
+        // The bulk moves vertically by the load, so the drive has no vertical force.
         let (bulk, drive) = (u[blocks], [-force[blocks][0], -force[blocks][1], 0.0]);
         engine.step();
         let friction = contacts.iter().zip(engine.contact().vectors());
         let friction = friction.map(|(&column, (_, [x, y]))| (column, [x, y, 0.0])).collect();
         u.truncate(blocks);
-        account.enter(Instant { u, bulk, potential, drive, friction }, &state(&engine));
+        account.add(Instant { u, bulk, potential, drive, friction }, &state(&engine));
     }
-    account.lack()
+    account.relative_error()
 }
 
 #[test]
 fn the_account_closes_to_rounding() {
     for (time_step, direction) in [(0.15, [1.0, 0.0]), (0.3, [0.6, 0.8])] {
-        let lack = lack(time_step, direction);
-        assert!(lack.abs() < 1e-10, "{time_step}: {lack:e}");
+        let relative_error = relative_error(time_step, direction);
+        assert!(relative_error.abs() < 1e-10, "{time_step}: {relative_error:e}");
     }
 }

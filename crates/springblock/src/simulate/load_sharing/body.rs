@@ -1,80 +1,82 @@
-//! Pressure under an elastic body whose face is softer in some places than in others.
+//! Pressure under an elastic body on a foundation of varying compliance.
 //!
-//! The body is a rectangle in plane stress, nu = 1/3, as long as a strip of the specimen and as high as the specimen is
-//! thick. Its sides are free, its back is held by a rigid plate, which comes down by d. Under its face lies a foundation of
-//! compliance C(x), which gives way by C p / E under the pressure p:
+//! The body is a rectangle in plane stress with nu = 1/3, as long as a strip of the specimen and as high as the
+//! specimen is thick. Its sides are free; its back is bonded to a rigid plate, which descends by d. Its face rests on a
+//! foundation of compliance C(x), which deforms by C p / E under the pressure p:
 //!
 //! ```text
 //! div sigma = 0,     u = 0 at the back,     u_z + C p / E = d,  sigma_xz = mu p at the face
 //! ```
 //!
-//! It is solved by bilinear finite elements, fine at the ends of pieces of one compliance and coarse elsewhere.
+//! Solved with bilinear finite elements, fine at the ends of pieces of constant compliance and coarse elsewhere.
 
 use crate::steady::{BandFactor, BandMatrix};
 
 const POISSON_RATIO: f64 = 1.0 / 3.0;
-/// Largest element at the ends of a piece, and largest of all, over the height of the body.
+/// Maximum size of elements at the ends of a piece, and of all elements, over the height of the body.
 const FINE: f64 = 1.0 / 350.0;
 const COARSE: f64 = 1.0 / 7.0;
-/// Fewest elements in a piece.
+/// Minimum number of elements in a piece.
 const MIN_ELEMENTS: f64 = 4.0;
-/// An element's size over that of its neighbour nearer to an end.
+/// Ratio of the sizes of an element and its neighbour that is nearer to an end.
 const GROWTH: f64 = 1.4;
-/// Change of a displacement, over the descent of the back, below which friction has settled, and rounds after which it never does.
+/// Relative change of the displacements below which the iteration for friction has converged, and its maximum number of
+/// iterations.
 const SETTLED: f64 = 1e-9;
 const MAX_ROUNDS: usize = 100;
 
-/// A part of the face whose foundation is the same everywhere.
+/// Part of the face with a uniform foundation.
 #[derive(Clone, Copy, Debug)]
 pub struct Foundation {
-    /// In metres.
+    /// Length, in metres.
     pub length_m: f64,
-    /// Times Young's modulus, in metres; above 0.
+    /// Compliance times Young's modulus, in metres; positive.
     pub compliance_m: f64,
 }
 
 /// Pressure on a part of the face.
 #[derive(Clone, Copy, Debug)]
 pub struct Patch {
-    /// Number of the piece that it belongs to.
+    /// Index of the piece to which the patch belongs.
     pub piece: usize,
-    /// In metres.
+    /// Length, in metres.
     pub length_m: f64,
-    /// Pressure over the mean of the whole face.
+    /// Pressure relative to the mean of the whole face.
     pub pressure: f64,
 }
 
 /// Pressure on the face of a body.
 #[derive(Clone, Debug)]
 pub struct FacePressure {
-    /// From left to right; lengths sum to the face's.
+    /// Patches from left to right; their lengths sum to that of the face.
     pub patches: Vec<Patch>,
-    /// Mean pressure over Young's modulus that the back's descent by a metre takes, per metre.
+    /// Mean pressure over Young's modulus per descent of the back, per metre.
     pub stiffness_per_m: f64,
 }
 
-/// Pressure on the face of a body `height_m` high over `pieces`, without friction; `None` without a length or a height.
+/// Pressure without friction on the face of a body `height_m` high over `pieces`; `None` without a length or a height.
 pub fn face_pressure(pieces: &[Foundation], height_m: f64) -> Option<FacePressure> {
     Body::new(pieces, height_m)?.pressure(0.0)
 }
 
-/// A body on its foundation, ready to be pressed and dragged.
+/// A body on its foundation, with the factorized equations.
 pub struct Body {
     factor: BandFactor,
     unknowns: usize,
-    /// Of nodes of the face: number of the displacement along x, which that along z follows, and spring of the foundation.
+    /// Nodes of the face: index of the displacement along x, which the one along z follows, and the spring of the
+    /// foundation.
     face: Vec<(usize, f64)>,
     /// Elements of the face: piece, length and compliance.
     across: Vec<(usize, f64, f64)>,
 }
 
 impl Body {
-    /// Of `height_m` over `pieces`; `None` without a length or a height.
+    /// Creates a body `height_m` high over `pieces`; `None` without a length or a height.
     pub fn new(pieces: &[Foundation], height_m: f64) -> Option<Self> {
         Self::in_elements(pieces, height_m, 1.0)
     }
 
-    /// The same in elements `size` times as large.
+    /// Like [`Self::new`], with elements `size` times as large.
     fn in_elements(pieces: &[Foundation], height_m: f64, size: f64) -> Option<Self> {
         let lengths = pieces.iter().map(|piece| piece.length_m);
         let is_solid = |length_m: f64| length_m.is_finite() && length_m > 0.0;
@@ -107,10 +109,10 @@ impl Body {
         Some(Self { factor: matrix.factor()?, unknowns: mesh.unknowns(), face, across })
     }
 
-    /// Pressure where the counterface drags the face along x with the friction coefficient `mu`; `None` where friction leaves no
-    /// equilibrium.
+    /// Pressure when the counterface drags the face along x with the friction coefficient `mu`; `None` if friction
+    /// allows no equilibrium.
     pub fn pressure(&self, mu: f64) -> Option<FacePressure> {
-        // The face sees the counterface rise by 1: a node bears k (1 - u_z), and friction mu k (1 - u_z).
+        // Relative to the back, the counterface rises by 1: a node carries k (1 - u_z) and the friction mu k (1 - u_z).
         let mut risen = vec![0.0; self.face.len()];
         let settled = (0..MAX_ROUNDS).any(|_| {
             let mut displacement = vec![0.0; self.unknowns];
@@ -143,14 +145,14 @@ impl Body {
     }
 }
 
-/// Lengths of elements that fill `length_m`, `fine` at both ends.
+/// Lengths of elements that fill `length_m`, graded from `fine` at both ends.
 fn graded(length_m: f64, fine: f64, most: f64) -> impl Iterator<Item = f64> {
     let half = one_sided(0.5 * length_m, fine, most);
     let back: Vec<f64> = half.iter().rev().copied().collect();
     half.into_iter().chain(back)
 }
 
-/// Lengths of elements that fill `length_m`, `fine` at its beginning.
+/// Lengths of elements that fill `length_m`, graded from `fine` at the beginning.
 fn one_sided(length_m: f64, fine: f64, most: f64) -> Vec<f64> {
     let mut elements = Vec::new();
     let (mut filled, mut next) = (0.0, fine.min(length_m));
@@ -163,7 +165,7 @@ fn one_sided(length_m: f64, fine: f64, most: f64) -> Vec<f64> {
     elements
 }
 
-/// Rectangles of the given lengths and heights; nodes of the back are held.
+/// Mesh of rectangles with the given lengths and heights; nodes of the back are fixed.
 struct Mesh {
     across: Vec<f64>,
     up: Vec<f64>,
@@ -174,7 +176,8 @@ impl Mesh {
         2 * (self.across.len() + 1) * self.up.len()
     }
 
-    /// Number of the displacement along x of the node in column `i` and row `j`, which that along z follows; `None` at the back.
+    /// Index of the displacement along x of the node in column `i` and row `j`, which the one along z follows; `None`
+    /// at the back.
     fn unknown(&self, i: usize, j: usize) -> Option<usize> {
         (j < self.up.len()).then(|| 2 * (i * self.up.len() + j))
     }
@@ -199,7 +202,8 @@ impl Mesh {
     }
 }
 
-/// Stiffness over Young's modulus of a rectangle: of nodes counterclockwise from the lower left, along x and z each.
+/// Stiffness matrix of a rectangle over Young's modulus. The order is: nodes counterclockwise from the lower left, each
+/// with x and z.
 ///
 /// ```text
 /// K = sum over the Gauss points of B^T D B a b / 4,     D = 1 / (1 - nu^2) [1 nu 0; nu 1 0; 0 0 (1 - nu) / 2]
@@ -222,13 +226,13 @@ fn element_stiffness(length: f64, height: f64) -> [[f64; 8]; 8] {
     stiffness
 }
 
-/// Gauss points of a square from -1 to 1.
+/// Gauss points of the square from -1 to 1.
 fn points() -> [[f64; 2]; 4] {
     let at = 1.0 / 3.0_f64.sqrt();
     [[-at, -at], [at, -at], [at, at], [-at, at]]
 }
 
-/// Strains xx, zz and xz at `point` of a rectangle by unit displacements of its nodes.
+/// Strains xx, zz and xz at `point` of a rectangle due to unit displacements of its nodes.
 fn strains([x, z]: [f64; 2], length: f64, height: f64) -> [[f64; 3]; 8] {
     let corners: [[f64; 2]; 4] = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];
     let mut strains = [[0.0; 3]; 8];
@@ -263,7 +267,7 @@ mod tests {
         {
             assert!(force(rigid).iter().all(|force| force.abs() < 1e-14), "{:?}", force(rigid));
         }
-        // Stretched along x by 1 with the sides free: u_z = -nu z, a force of 1 times the height.
+        // Stretched along x by 1 with free sides: u_z = -nu z, and a force of 1 times the height.
         let u = [0., 0., 0.3, 0., 0.3, -0.7 / 3.0, 0., -0.7 / 3.0];
         let expected = [-0.35, 0., 0.35, 0., 0.35, 0., -0.35, 0.];
         assert!(force(u).iter().zip(expected).all(|(found, expected)| (found - expected).abs() < 1e-14));
@@ -271,7 +275,7 @@ mod tests {
 
     #[test]
     fn a_soft_foundation_bears_as_a_row_of_springs() {
-        // Compliances far above the body's height: p ~ 1 / C.
+        // Compliances far above the body's height give p ~ 1 / C.
         let pieces = [foundation(1e-3, 10.0), foundation(2e-3, 20.0), foundation(1e-3, 40.0)];
         let found = face_pressure(&pieces, 7e-3).unwrap();
         let mean = (1.0 / 10.0 + 2.0 / 20.0 + 1.0 / 40.0) / 4.0;
@@ -283,7 +287,7 @@ mod tests {
 
     #[test]
     fn a_long_body_on_one_foundation_is_compressed_evenly_without_strain_along_it() {
-        // d / p = C + (1 - nu^2) H, but for the ends.
+        // d / p = C + (1 - nu^2) H, except near the ends.
         let found = face_pressure(&[foundation(70e-3, 0.2e-3)], 1e-3).unwrap();
         let middle = found.patches[found.patches.len() / 2].pressure * found.stiffness_per_m;
         assert!((middle * (0.2e-3 + 8.0 / 9.0 * 1e-3) - 1.0).abs() < 1e-6, "{middle}");
@@ -302,7 +306,7 @@ mod tests {
             of_ends.map(|patch| patch.length_m * patch.pressure).sum::<f64>() / 1e-3
         };
         let [coarse, own, half, quarter] = [2.0, 1.0, 0.5, 0.25].map(ends);
-        // Pressure is singular at the ends: halves leave some two thirds of what is left.
+        // Pressure is singular at the ends: halving the elements leaves about two thirds of the error.
         assert!(own > 1.3 && (own - quarter).abs() < 0.005 * own, "{coarse} {own} {half} {quarter}");
         assert!((own - half).abs() < 0.7 * (coarse - own).abs() && (half - quarter).abs() < 0.7 * (own - half).abs());
     }

@@ -14,35 +14,38 @@ use crate::outcome::{LoadOutcome, Status, SurfaceOutcome};
 use crate::scene::{Layer, Load, Scene};
 use crate::steady::{SteadyLoad, SteadyModel, factor_bytes};
 
-/// Length of the longest strip that is solved as it is, in heights of the layer. Of a longer one both ends are kept, half of that
-/// length each, and what is left out between them is periodic: what an end does decays within a height, so that the ratio of the face
-/// is off by less than 1e-5 (`strips_are_their_ends_and_cells_between_them`). Where cavities are no whole blocks, those of a whole strip
-/// lie on blocks in different ways; the cell lies in one way, and what smaller blocks change of it is known
-/// (`cells_between_ends_take_strips_to_smaller_blocks`).
+/// Maximum length of a strip that is solved whole, in heights of the layer.
+///
+/// Of a longer strip both ends are solved, half of that length each, and the part between is replaced by periodic
+/// cells. The effect of an end decays within one height, so that the error of the ratio is below 1e-5
+/// (`strips_are_their_ends_and_cells_between_them`). If cavities are not whole blocks, those of a whole strip have
+/// different positions relative to the blocks; those of the cell have one position, with a known effect of smaller
+/// blocks (`cells_between_ends_take_strips_to_smaller_blocks`).
 pub const STRIP_HEIGHTS: f64 = 15.0;
-/// Narrowest land at the end of a strip that a lattice resolves, in blocks.
+/// Minimum width of land at the end of a strip that a lattice resolves, in blocks.
 const MIN_END_BLOCKS: f64 = 2.0;
 
-/// A part of the face that is solved on one lattice.
+/// Part of the face that is solved on one lattice.
 pub struct Piece {
     band: usize,
-    /// Area that it stands for, in square metres.
+    /// Area that the piece represents, in square metres.
     area_m2: f64,
-    /// Area of its cavities, in square metres.
+    /// Area of the cavities, in square metres.
     cavity_area_m2: f64,
     model: SteadyModel,
-    /// Pressure over the nominal one: P_s / P.
+    /// Pressure relative to the nominal pressure, P_s / P.
     pressure_share: f64,
 }
 
 /// Steady sliding of the whole face with mean coefficients.
 pub struct SteadyFace {
     pub loads: Vec<LoadOutcome>,
-    /// Strips that were shortened by whole periods.
+    /// Number of strips that were shortened by whole periods.
     pub shortened: usize,
 }
 
-/// `strip` without the periods that make it longer than [`STRIP_HEIGHTS`], and the length left out, in metres.
+/// Removes whole periods from a `strip` longer than [`STRIP_HEIGHTS`]; returns the rest and the removed length, in
+/// metres.
 pub fn shortened(strip: &Strip, layer: &Layer) -> (Strip, f64) {
     let most_m = STRIP_HEIGHTS * layer.height_m;
     let cavities = &strip.cavities_m;
@@ -51,7 +54,7 @@ pub fn shortened(strip: &Strip, layer: &Layer) -> (Strip, f64) {
     }
     let Some(periods) = cavities.len().checked_sub(1).filter(|periods| *periods > 0) else {
         let kept = cavities.is_empty();
-        // Nothing but land, or one cavity: land can go.
+        // Without cavities land can be removed; with one cavity nothing is removed.
         return if kept {
             (Strip { length_m: most_m, ..strip.clone() }, strip.length_m - most_m)
         } else {
@@ -59,7 +62,7 @@ pub fn shortened(strip: &Strip, layer: &Layer) -> (Strip, f64) {
         };
     };
     let pitch_m = (cavities[periods][0] - cavities[0][0]) / periods as f64;
-    // Whole periods; at most those that lie between the first and the last cavity.
+    // Whole periods, at most those between the first and the last cavity.
     let left_out = (((strip.length_m - most_m) / pitch_m).ceil().max(0.0) as usize).min(periods - 1);
     let first = (cavities.len() - left_out).div_ceil(2);
     let out_m = left_out as f64 * pitch_m;
@@ -70,15 +73,15 @@ pub fn shortened(strip: &Strip, layer: &Layer) -> (Strip, f64) {
     (Strip { length_m: strip.length_m - out_m, cavities_m: ends.collect(), ..strip.clone() }, out_m)
 }
 
-/// Narrowest land between a cavity and an end of a strip that is one.
-pub fn least_wall_m(depth_m: f64, block_m: f64) -> f64 {
+/// Minimum width of land between a cavity and an end of a strip; narrower land is removed.
+pub fn min_wall_m(depth_m: f64, block_m: f64) -> f64 {
     depth_m.max(MIN_END_BLOCKS * block_m)
 }
 
-/// `strip` without land between a cavity and its ends that is narrower than [`least_wall_m`]: on so slender a wall friction raises
-/// the pressure that raises friction, and nothing holds it.
+/// Removes land between a cavity and the ends of `strip` that is narrower than [`min_wall_m`]. On such a slender wall
+/// friction raises the pressure, which raises friction, and there is no equilibrium.
 pub fn without_slivers(mut strip: Strip, depth_m: f64, block_m: f64) -> Strip {
-    let least_m = least_wall_m(depth_m, block_m);
+    let least_m = min_wall_m(depth_m, block_m);
     let length_m = strip.length_m;
     if let Some(first) = strip.cavities_m.first_mut().filter(|first| first[0] < least_m) {
         first[0] = 0.0;
@@ -89,16 +92,16 @@ pub fn without_slivers(mut strip: Strip, depth_m: f64, block_m: f64) -> Strip {
     strip
 }
 
-/// A part of a face before it is solved: the band of its strip, its area, that of its cavities, and its lattice.
+/// Part of a face before it is solved: band of its strip, area, area of its cavities, and lattice.
 type Planned = (usize, f64, f64, Lattice);
 
-/// The parts of `face` in blocks of `layer`, and how many of its strips are shortened.
+/// Divides `face` into parts in blocks of `layer`; also returns the number of strips that were shortened.
 fn planned(layer: &Layer, pattern: &Pattern, face: &Face) -> (Vec<Planned>, usize) {
     let (block_m, rows) = (layer.block_m, layer.rows());
     let blocks = |strip: &Strip| -> Vec<[f64; 2]> {
         strip.cavities_m.iter().map(|ends_m| ends_m.map(|at_m| at_m / block_m)).collect()
     };
-    // To a billionth of a row: what decimals in files leave behind is gone.
+    // Rounding to a billionth of a row removes the rounding errors of decimal numbers in files.
     let depth = (pattern.depth_m() / block_m * 1e9).round() * 1e-9;
     let mut planned: Vec<Planned> = Vec::new();
     let mut count = 0;
@@ -126,7 +129,7 @@ fn bytes_of(planned: &[Planned]) -> f64 {
     planned.iter().map(|(.., lattice)| factor_bytes(lattice.nx(), lattice.ny(), lattice.is_periodic())).sum()
 }
 
-/// Refuses parts of a face whose equations, all together, do not fit in memory.
+/// Refuses parts of a face whose equations together do not fit in memory; returns their memory in bytes.
 fn affordable(planned: &[Planned]) -> Result<f64, SceneError> {
     let bytes = bytes_of(planned);
     if bytes > MAX_FACTOR_BYTES {
@@ -135,16 +138,16 @@ fn affordable(planned: &[Planned]) -> Result<f64, SceneError> {
     Ok(bytes)
 }
 
-/// Memory, in bytes, of the equations of `face` in blocks of `layer`.
+/// Memory of the equations of `face` in blocks of `layer`, in bytes.
 ///
 /// # Errors
-/// [`SceneError::TooLarge`], as solving it.
+/// [`SceneError::TooLarge`], as for the solve.
 pub fn face_bytes(layer: &Layer, pattern: &Pattern, face: &Face) -> Result<f64, SceneError> {
     affordable(&planned(layer, &without_rim(pattern), face).0)
 }
 
 impl SteadyFace {
-    /// `None` once `monitor` has cancelled.
+    /// Solves the face; `None` once `monitor` has cancelled.
     pub fn new(
         scene: &Scene,
         rims: &RimDifference,
@@ -152,7 +155,7 @@ impl SteadyFace {
         face: &Face,
         monitor: &dyn Monitor,
     ) -> Result<Option<Self>, SceneError> {
-        // Strips lie flat: what rims add is that of the cell.
+        // Strips are solved with flat lands; the effect of rims is that on the cell.
         let pattern = &without_rim(pattern);
         let (planned, count) = planned(&scene.layer, pattern, face);
         affordable(&planned)?;
@@ -160,7 +163,7 @@ impl SteadyFace {
             .into_par_iter()
             .map(|(band, area_m2, cavity_area_m2, lattice)| {
                 monitor.heed().ok()?;
-                let model = SteadyModel::of(scene, lattice);
+                let model = SteadyModel::for_scene(scene, lattice);
                 Some(Piece { band, area_m2, cavity_area_m2, pressure_share: model.stiffness_per_length(), model })
             })
             .collect();
@@ -187,14 +190,14 @@ impl SteadyFace {
     }
 }
 
-/// Steady sliding on `model` at each load of `scene`, at `share` of its pressure and with its mean coefficient.
+/// Solves steady sliding on `model` at each load of `scene`, at `share` times its pressure, with its mean coefficient.
 pub fn solve(scene: &Scene, model: &SteadyModel, share: f64) -> Vec<SurfaceOutcome> {
     let columns = model.lattice().nx();
     let of_load = |load: &Load| vec![load.friction.dynamic_mean(); columns];
     solve_drawn(scene, model, share, &scene.loads.iter().map(of_load).collect::<Vec<_>>())
 }
 
-/// The same with the coefficients `dynamic_mu` of every column, one row a load.
+/// Like [`solve`] with the column coefficients `dynamic_mu`, one row per load.
 pub fn solve_drawn<'a>(
     scene: &'a Scene,
     model: &SteadyModel,
@@ -210,12 +213,12 @@ pub fn solve_drawn<'a>(
     model.solve_all(&loads)
 }
 
-/// The flat face: uniform but for the ends of its strips.
+/// The flat face, which is uniform except for the ends of its strips.
 pub struct FlatFace {
-    /// The longest strip, flat.
+    /// Model of the longest strip, flat.
     model: SteadyModel,
     length_m: f64,
-    /// Strips have two ends each: their width over the area of the face, per metre.
+    /// Width of all strips, each with two ends, over the area of the face, per metre.
     ends_per_m: f64,
 }
 
@@ -225,12 +228,12 @@ impl FlatFace {
         let length_m = face.longest().length_m.min(STRIP_HEIGHTS * scene.layer.height_m);
         let columns = columns::strip(length_m / block_m, &[], 0.0);
         let lattice = Lattice::new(columns, scene.layer.rows(), false);
-        let model = SteadyModel::of(scene, lattice);
+        let model = SteadyModel::for_scene(scene, lattice);
         let sum = |of: fn(&Strip) -> f64| face.strips().iter().map(of).sum::<f64>();
         Self { model, length_m, ends_per_m: sum(|strip| strip.width_m) / sum(Strip::area_m2) }
     }
 
-    /// The flat face under each load: what a pair of ends takes off one strip is that of every strip.
+    /// Solves the flat face under each load: a pair of ends reduces friction equally on every strip.
     fn solve(&self, scene: &Scene) -> Vec<SurfaceOutcome> {
         let of_load = |(load, own): (&Load, SurfaceOutcome)| {
             let uniform = load.flat_mu(scene.area_law.as_ref());
@@ -242,7 +245,7 @@ impl FlatFace {
     }
 }
 
-/// The face under one load, of which `surfaces` are the pieces and `flat` the flat face.
+/// Combines the outcomes `surfaces` of the pieces and the outcome `flat` of the flat face under one load.
 fn face_load(
     face: &Face,
     pieces: &[Piece],
@@ -271,12 +274,12 @@ fn face_load(
     LoadOutcome { ratio_layout_error: sampling_error, ..compare(load, surface, Some(flat)) }
 }
 
-/// Ratio of the face to the flat one of `flat_mu`, and the standard error of sampling it by strips: what bands depart from
-/// a lowering of friction in proportion to their cavities, as if by chance.
+/// Ratio of the face to the flat face of `flat_mu`, and the standard error of sampling it by strips, from the
+/// deviations of the bands from a friction reduction proportional to their cavities.
 fn face_ratio(face: &Face, pieces: &[Piece], surfaces: &[SurfaceOutcome], flat_mu: Option<f64>) -> Option<(f64, f64)> {
     let flat_mu = flat_mu.filter(|mu| *mu != 0.0)?;
     let area_m2: f64 = pieces.iter().map(|piece| piece.area_m2).sum();
-    // By band: what it takes off the ratio, and its cavities over the face's area.
+    // By band: reduction of the ratio, and area of cavities over the area of the face.
     let mut bands = vec![[0.0; 2]; face.bands()];
     for (piece, surface) in pieces.iter().zip(surfaces) {
         let [lowered, share] = &mut bands[piece.band];

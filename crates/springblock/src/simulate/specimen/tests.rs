@@ -1,10 +1,10 @@
 use std::sync::OnceLock;
 
 use super::strips::{shortened, solve};
-use super::timed_strip::{TIME_SHARE, drawn_ratios, timed_lattices};
+use super::timed_strip::{TIME_CHANGE_ERROR, drawn_ratios, timed_lattices};
 use super::*;
 use crate::lattice::Lattice;
-use crate::simulate::integrate;
+use crate::simulate::run_all;
 use crate::steady::SteadyModel;
 use crate::{Layer, Strip, columns, samples, simulate};
 use slipgrid_material::{AreaLaw, LocalFriction};
@@ -39,7 +39,7 @@ fn largest_distance(a: &[f64], b: &[f64]) -> f64 {
 
 #[test]
 fn one_strip_laid_like_a_sample_is_the_sample() {
-    // A sample begins with 18 columns of land; coefficients that do not scatter.
+    // A sample begins with 18 columns of land; coefficients do not scatter.
     let mut scene = scene(RunOptions::default());
     for load in &mut scene.loads {
         load.friction = LocalFriction::new(0.30, 0.27, 0.0).unwrap();
@@ -60,7 +60,7 @@ fn without_an_area_law_no_layout_changes_friction() {
 fn strips_carry_the_load_as_one_rigid_bulk_presses_them() {
     let scene = scene(RunOptions::default());
     let pattern = scene.pattern.unwrap();
-    // A textured strip and a flat one of the same area: the mean of both at their own pressures.
+    // A textured and a flat strip of the same area: the mean of both at their own pressures.
     let strips = face(vec![strip(0, 2e-3, 180e-6), Strip { band: 1, cavities_m: Vec::new(), ..strip(1, 2e-3, 0.0) }]);
     let found = simulate_specimen(&scene, &strips, &Unwatched).unwrap();
     let model = |cavities: &[[f64; 2]]| {
@@ -68,8 +68,8 @@ fn strips_carry_the_load_as_one_rigid_bulk_presses_them() {
         SteadyModel::new(lattice, 10e-6, 0.38e9, false)
     };
     let cavities: Vec<[f64; 2]> = strips.strips()[0].cavities_m.iter().map(|ends| ends.map(|at| at / 10e-6)).collect();
-    let (textured, flat) = (model(&cavities), model(&[]));
-    let [k_t, k_f] = [textured.stiffness_per_length(), flat.stiffness_per_length()];
+    let (cell_lines, flat) = (model(&cavities), model(&[]));
+    let [k_t, k_f] = [cell_lines.stiffness_per_length(), flat.stiffness_per_length()];
     assert!(k_t < 0.98 * k_f, "cavities make a strip softer: {k_t} {k_f}");
     for (load, found) in scene.loads.iter().zip(&found.loads) {
         let one = Scene { loads: vec![*load], ..scene.clone() };
@@ -77,12 +77,12 @@ fn strips_carry_the_load_as_one_rigid_bulk_presses_them() {
             let share = 2.0 * k / (k_t + k_f);
             load.pressure_pa * share * solve(&one, model, share)[0].mu_dynamic.unwrap()
         };
-        let mu = (at(&textured, k_t) + at(&flat, k_f)) / (2.0 * load.pressure_pa);
+        let mu = (at(&cell_lines, k_t) + at(&flat, k_f)) / (2.0 * load.pressure_pa);
         assert!((found.surface.mu_dynamic.unwrap() / mu - 1.0).abs() < 1e-9);
     }
     assert!(found.loads[1].ratio.unwrap() > ratios(&scene, &face(vec![strip(0, 2e-3, 180e-6)]))[1]);
     assert!(
-        found.statements.model.iter().any(|said| said.contains("13.00 % of its face")),
+        found.statements.model.iter().any(|statements| statements.contains("13.00 % of its face")),
         "{:?} {pattern:?}",
         found.statements
     );
@@ -97,7 +97,7 @@ fn of_a_long_strip_whole_periods_are_left_out() {
     assert!((end(&long) - end(&short)).abs() < 1e-12);
 }
 
-/// Half a disc of `diameter_um` in `bands`, whose middle is the middle of a cavity of `pattern`.
+/// Half a disc of `diameter_um` in `bands`, centred on a cavity of `pattern`.
 fn half_disc(pattern: &Pattern, diameter_um: f64, bands: usize) -> Face {
     let (width_m, pitch_m) = (pattern.width_m(), pattern.pitch_m());
     let of_disc = |band: usize| {
@@ -110,14 +110,14 @@ fn half_disc(pattern: &Pattern, diameter_um: f64, bands: usize) -> Face {
     face((0..bands).map(of_disc).collect())
 }
 
-/// Ratio at each load of `strips`, every one of which is solved whole on one lattice of the blocks of `scene`.
+/// Ratio at each load of `strips`, each solved whole on one lattice in the blocks of `scene`.
 fn whole_strips(scene: &Scene, strips: &Face) -> Vec<f64> {
     let (block_m, rows, depth_m) = (scene.layer.block_m, scene.layer.rows(), scene.pattern.unwrap().depth_m());
     let model = |strip: &Strip| {
         let strip = without_slivers(strip.clone(), depth_m, block_m);
         let cavities: Vec<[f64; 2]> = strip.cavities_m.iter().map(|ends_m| ends_m.map(|at_m| at_m / block_m)).collect();
         let columns = columns::strip(strip.length_m / block_m, &cavities, depth_m / block_m);
-        SteadyModel::of(scene, Lattice::new(columns, rows, false))
+        SteadyModel::for_scene(scene, Lattice::new(columns, rows, false))
     };
     // mu = sum k_s A_s mu_s / sum k_s A_s
     let friction = |models: &[SteadyModel]| -> Vec<f64> {
@@ -164,8 +164,8 @@ fn strips_are_their_ends_and_cells_between_them() {
     }
 }
 
-/// Cavities that are no whole blocks: with what blocks of a quarter change of the cell, the ratio is nearer to that of whole strips in
-/// such blocks than the whole strips' own in large ones is.
+/// Cavities that are not whole blocks: with the effect of quarter blocks on the cell, the ratio is closer to that of
+/// whole strips in quarter blocks than that of whole strips in large blocks.
 #[test]
 fn cells_between_ends_take_strips_to_smaller_blocks() {
     let (mut own, mut whole) = (0.0, 0.0);
@@ -177,7 +177,7 @@ fn cells_between_ends_take_strips_to_smaller_blocks() {
         let mut fine = scene.clone();
         fine.layer.block_m *= 0.25;
         let strips = half_disc(&pattern, 5e3, 3);
-        let cells = [&scene, &fine].map(|scene| SteadyCell::solved(scene, Dimension::Plane).ratios(&pattern));
+        let cells = [&scene, &fine].map(|scene| SteadyCell::with_dimension(scene, Dimension::Plane).ratios(&pattern));
         let found = steady_face_ratios(&scene, &pattern, &strips, &Unwatched).unwrap();
         let (large, small) = (whole_strips(&scene, &strips), whole_strips(&fine, &strips));
         for load in 0..scene.loads.len() {
@@ -201,15 +201,17 @@ fn strips_that_sample_a_face_are_corrected_to_its_share_of_cavities() {
     for (own, found) in own.iter().zip(&found) {
         assert!(((1.0 - found) / (1.0 - own) - 1.1).abs() < 1e-9);
     }
-    let said = simulate_specimen(&scene, &sampled, &Unwatched).unwrap();
-    assert!(said.loads.iter().all(|load| load.ratio_layout_error.is_some_and(|error| error > 0.0 && error < 0.01)));
+    let statements = simulate_specimen(&scene, &sampled, &Unwatched).unwrap();
+    assert!(
+        statements.loads.iter().all(|load| load.ratio_layout_error.is_some_and(|error| error > 0.0 && error < 0.01))
+    );
 }
 
 #[test]
 fn slender_walls_at_the_rim_bear_nothing() {
     let mut scene = scene(RunOptions::default());
     scene.pattern = Some(samples::groove(130.0, 370.0, 60.0));
-    // 12 um of land, 60 um high, stand before the first cavity and 8 um behind the last.
+    // 12 um of land, 60 um high, before the first cavity, and 8 um after the last.
     let slender =
         Strip { length_m: 2e-3, cavities_m: vec![[12e-6, 142e-6], [1.862e-3, 1.992e-3]], ..strip(0, 2e-3, 1.0) };
     let bare = Strip { cavities_m: vec![[0.0, 142e-6], [1.862e-3, 2e-3]], ..slender.clone() };
@@ -217,7 +219,7 @@ fn slender_walls_at_the_rim_bear_nothing() {
     let share = 0.13;
     let ratios = |strip: Strip| ratios(&scene, &Face::new(vec![strip], share).unwrap());
     let (own, without) = (ratios(slender), ratios(bare));
-    // The same friction, counted as the face's share of cavities.
+    // Friction is unchanged; only the cavity fraction of the face differs.
     for (own, without) in own.iter().zip(&without) {
         assert!(((1.0 - own) * 260.0 / ((1.0 - without) * 280.0) - 1.0).abs() < 1e-9);
     }
@@ -225,8 +227,8 @@ fn slender_walls_at_the_rim_bear_nothing() {
     assert_eq!(without_slivers(wide.clone(), 60e-6, 10e-6), wide);
 }
 
-/// What time adds to steady sliding, over the share of cavities, is the same on strips of other lengths and shares to
-/// [`TIME_SHARE`], so that one strip in time serves all within the error stated.
+/// The change from steady to dynamic sliding over the cavity fraction is the same on strips of other lengths and cavity
+/// fractions within [`TIME_CHANGE_ERROR`], so that one dynamic strip represents all.
 #[test]
 fn strips_follow_the_longest_in_time() {
     let run = RunOptions {
@@ -244,14 +246,14 @@ fn strips_follow_the_longest_in_time() {
     let alone = |strip: &Strip| {
         let lattices = timed_lattices(&scene, &scene.pattern.unwrap(), strip);
         let models = [OnceLock::new(), OnceLock::new()];
-        let loads = integrate(&scene, &lattices, &models, &[0.0], &Unwatched).unwrap().loads;
+        let loads = run_all(&scene, &lattices, &models, &[0.0], &Unwatched).unwrap().loads;
         let steady = drawn_ratios(&scene, &lattices, &models, &Unwatched);
         loads[0].ratio.unwrap() - steady[0].unwrap()
     };
     let added: Vec<f64> = strips.iter().map(alone).collect();
     let over_share: Vec<f64> =
         added.iter().zip(&strips).map(|(added, strip)| added * strip.length_m / strip.cavity_length_m()).collect();
-    assert!(over_share.iter().all(|own| (own / over_share[0] - 1.0).abs() < TIME_SHARE), "{over_share:?}");
+    assert!(over_share.iter().all(|own| (own / over_share[0] - 1.0).abs() < TIME_CHANGE_ERROR), "{over_share:?}");
     let area_m2: f64 = strips.iter().map(Strip::area_m2).sum();
     let all = added.iter().zip(&strips).map(|(added, strip)| added * strip.area_m2()).sum::<f64>() / area_m2;
     let steady =
@@ -275,7 +277,7 @@ fn a_run_in_time_is_the_steady_specimen_and_what_it_says_that_time_adds() {
     let at_once = simulate_specimen(&scene, &whole, &Unwatched).unwrap();
     let solved = SteadySpecimen::new(&scene, &whole, &Unwatched).unwrap().unwrap();
     let (steady, mut in_time) = (solved.steady(), solved.in_time(&Unwatched).unwrap());
-    // Times are another each time.
+    // The elapsed times differ.
     for (load, of) in in_time.loads.iter_mut().zip(&at_once.loads) {
         let surfaces = [Some(&mut load.surface), load.flat.as_mut()].into_iter().flatten();
         for (surface, of) in surfaces.zip([Some(&of.surface), of.flat.as_ref()].into_iter().flatten()) {
@@ -298,12 +300,13 @@ fn lands_that_the_border_cuts_are_said_to_be_pressed_harder() {
     let mut scene = scene(run);
     scene.loads.truncate(1);
     let found = |strips: Vec<Strip>| simulate_specimen(&scene, &face(strips), &Unwatched).unwrap();
-    let said = |found: &Simulation| found.statements.model.iter().any(|said| said.contains("times as hard"));
-    // The land between two cavities of a shorter strip is a fifth as wide.
+    let statements =
+        |found: &Simulation| found.statements.model.iter().any(|statements| statements.contains("times as hard"));
+    // The land between the two cavities of the shorter strip is a fifth as wide.
     let longest = strip(0, 2e-3, 180e-6);
     let cavities_m = vec![[300e-6, 430e-6], [470e-6, 600e-6]];
     let narrow = Strip { band: 1, length_m: 1.2e-3, cavities_m, ..longest.clone() };
     let (both, alone) = (found(vec![longest.clone(), narrow]), found(vec![longest]));
-    assert!(said(&both) && !said(&alone), "{:?}", both.statements.model);
+    assert!(statements(&both) && !statements(&alone), "{:?}", both.statements.model);
     assert_eq!(both.loads[0].surface.peak_pressure_pa, alone.loads[0].surface.peak_pressure_pa);
 }

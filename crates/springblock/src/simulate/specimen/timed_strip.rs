@@ -1,18 +1,16 @@
-//! What time adds to steady sliding, by the longest strip of a face.
+//! Change from steady to dynamic sliding, from the longest strip of a face.
 
 use std::sync::OnceLock;
 
 use slipgrid_monitor::memory::{cached, from_bytes, to_bytes};
 use slipgrid_pattern::Pattern;
 
-use super::super::{
-    Integrated, all_affordable, describe_protocol, describe_scheme, describe_start, integrate, seed_of,
-};
+use super::super::{RunResults, all_affordable, describe_protocol, describe_scheme, describe_start, run_all, seed_of};
 use super::strips::{solve_drawn, without_slivers};
 use crate::Monitor;
 use crate::columns;
 use crate::draws;
-use crate::dynamics::settings;
+use crate::dynamics::cache_key_settings;
 use crate::error::SceneError;
 use crate::face::{Face, Strip};
 use crate::lattice::Lattice;
@@ -20,28 +18,28 @@ use crate::outcome::{LoadOutcome, Statements, Status, SurfaceOutcome};
 use crate::scene::{Load, Scene};
 use crate::steady::SteadyModel;
 
-/// Columns of the strip that is run in time: the published specimen has 996.
+/// Maximum number of columns of the dynamic strip: the published specimen has 996.
 const MAX_TIMED_COLUMNS: f64 = 1200.0;
-/// Share of what time adds to steady sliding on one strip that is left open for the others: that of strips of other lengths
-/// and cavities departs from it by no more (`strips_follow_the_longest_in_time`).
-pub const TIME_SHARE: f64 = 0.5;
+/// Relative standard error of applying the change by time of one strip to strips with other lengths and cavities, which
+/// deviate by no more (`strips_follow_the_longest_in_time`).
+pub const TIME_CHANGE_ERROR: f64 = 0.5;
 
-/// The longest strip of a face, run in time.
+/// Dynamic run of the longest strip of a face.
 pub struct TimedStrip {
-    /// It and its flat companion, by load.
+    /// Outcomes of the strip and its flat counterpart, by load.
     loads: Vec<LoadOutcome>,
-    /// What time adds to its steady ratio, by load.
+    /// Change of the ratio from steady to dynamic sliding, by load.
     added: Vec<Option<f64>>,
-    /// Share of its columns that is cavity.
+    /// Fraction of the strip's columns that are cavity.
     share: f64,
-    said: Statements,
+    statements: Statements,
 }
 
 impl TimedStrip {
-    /// That of `face` with cavities of `pattern`, at every load of `scene`.
+    /// Runs the longest strip of `face` with cavities of `pattern` at every load of `scene`.
     ///
     /// # Errors
-    /// As [`super::super::simulate`].
+    /// Those of [`super::super::simulate`].
     pub fn new(scene: &Scene, face: &Face, pattern: &Pattern, monitor: &dyn Monitor) -> Result<Self, SceneError> {
         let strip = timed_strip(face.longest(), scene.layer.block_m);
         let part =
@@ -51,45 +49,45 @@ impl TimedStrip {
         let none = vec![0.0; scene.loads.len()];
         all_affordable(scene, &lattices)?;
         let models = vec![OnceLock::new(); lattices.len()];
-        // The steady ratios are found while no run has begun, or the last one ends.
+        // The steady ratios are computed while no run has begun, or while the last one ends.
         let (integrated, steady) = rayon::join(
-            || integrate(scene, &lattices, &models, &none, monitor),
+            || run_all(scene, &lattices, &models, &none, monitor),
             || drawn_ratios(scene, &lattices, &models, monitor),
         );
-        let Integrated { loads, scheme } = integrated?;
-        let mut said = Statements::default();
-        said.method(describe_scheme(scene, &scheme));
-        describe_protocol(scene, scheme.step_s, &mut said);
-        said.method(format!(
+        let RunResults { loads, scheme } = integrated?;
+        let mut statements = Statements::default();
+        statements.method(describe_scheme(scene, &scheme));
+        describe_protocol(scene, scheme.step_s, &mut statements);
+        statements.method(format!(
             "in time: {part} of the specimen, {:.2} mm with {} cavities on whole blocks of {:.0} um; the other strips take from it what time adds to steady sliding",
             strip.length_m * 1e3,
             strip.cavities_m.len(),
             scene.layer.block_m * 1e6,
         ));
-        describe_start(scene, "layer", &mut said);
+        describe_start(scene, "layer", &mut statements);
         let columns = lattices[0].columns();
         let share = columns.iter().filter(|column| !column.is_land()).count() as f64 / columns.len() as f64;
         let added = loads.iter().zip(steady).map(|(load, steady)| Some(load.ratio? - steady?)).collect();
-        Ok(Self { loads, added, share, said })
+        Ok(Self { loads, added, share, statements })
     }
 
     /// D / `D_1`
-    fn share_on(&self, face: &Face) -> f64 {
+    fn relative_share(&self, face: &Face) -> f64 {
         if self.share > 0.0 { face.cavity_share() / self.share } else { 0.0 }
     }
 
-    /// What it adds to the ratio of `face`, by load.
-    pub fn added_on(&self, face: &Face) -> Vec<Option<f64>> {
-        let share = self.share_on(face);
+    /// Change of the ratio of `face`, by load.
+    pub fn change_on(&self, face: &Face) -> Vec<Option<f64>> {
+        let share = self.relative_share(face);
         let each = self.added.iter().zip(&self.loads);
         each.map(|(added, load)| added.filter(|_| load.is_trusted()).map(|added| added * share)).collect()
     }
 
-    /// The `steady` ratios of `face` with what time adds, and how that was found.
-    pub fn on(&self, face: &Face, steady: &[LoadOutcome]) -> (Vec<LoadOutcome>, Statements) {
-        let share = self.share_on(face);
-        // One strip has nothing to follow it.
-        let followed = if face.strips().len() > 1 { TIME_SHARE } else { 0.0 };
+    /// Adds the change by time to the `steady` outcomes of `face`; also returns the statements.
+    pub fn apply(&self, face: &Face, steady: &[LoadOutcome]) -> (Vec<LoadOutcome>, Statements) {
+        let share = self.relative_share(face);
+        // With a single strip there is no other strip to apply the change to.
+        let followed = if face.strips().len() > 1 { TIME_CHANGE_ERROR } else { 0.0 };
         let of_load = |((strip, added), steady): ((&LoadOutcome, &Option<f64>), &LoadOutcome)| {
             let mut load = strip.clone();
             load.ratio_time_change = steady.ratio.and(*added).map(|added| added * share);
@@ -102,16 +100,16 @@ impl TimedStrip {
             load
         };
         let loads = self.loads.iter().zip(&self.added).zip(steady).map(of_load).collect();
-        let mut said = self.said.clone();
-        said.model.extend(self.pressed_harder(steady));
-        (loads, said)
+        let mut statements = self.statements.clone();
+        statements.model.extend(self.pressed_harder(steady));
+        (loads, statements)
     }
 
-    /// What lands at the border of the `steady` face bear beyond the strip, where that is more than 2 %: the narrowest of them are pressed the
-    /// hardest, so that a limit of the largest pressure is held to the strip.
+    /// Statement on lands at the border of the face that carry more than 2 % more pressure than the strip. The
+    /// narrowest lands carry the highest pressure, so a limit of the peak pressure must not rely on the strip alone.
     fn pressed_harder(&self, steady: &[LoadOutcome]) -> Option<String> {
         let peak_pa = |load: &LoadOutcome| load.surface.peak_pressure_pa;
-        // A strip that does not slide to a mean bears nothing that could be compared.
+        // A strip without a mean has no pressures to compare.
         let each = self.loads.iter().zip(steady).filter(|(strip, _)| peak_pa(strip) > 0.0);
         let most = each.map(|(strip, face)| peak_pa(face) / peak_pa(strip)).fold(1.0, f64::max);
         (most > 1.02).then(|| {
@@ -123,7 +121,7 @@ impl TimedStrip {
     }
 }
 
-/// The part of `strip` that is run in time: up to the middle of a land where it is too long.
+/// Part of `strip` that is run dynamically: a strip that is too long ends in the middle of a land.
 fn timed_strip(strip: &Strip, block_m: f64) -> Strip {
     let most_m = MAX_TIMED_COLUMNS * block_m;
     if strip.length_m <= most_m {
@@ -135,18 +133,19 @@ fn timed_strip(strip: &Strip, block_m: f64) -> Strip {
     Strip { length_m, cavities_m, ..strip.clone() }
 }
 
-/// The strip and its flat companion on whole blocks.
+/// Lattices of the strip and its flat counterpart on whole blocks.
 pub fn timed_lattices(scene: &Scene, pattern: &Pattern, strip: &Strip) -> Vec<Lattice> {
     let (block_m, rows) = (scene.layer.block_m, scene.layer.rows());
     let cavities: Vec<[f64; 2]> = strip.cavities_m.iter().map(|ends_m| ends_m.map(|at_m| at_m / block_m)).collect();
     let own = columns::whole_strip(strip.length_m / block_m, &cavities, pattern.depth_m() / block_m, rows);
-    let own = columns::raised(own, pattern, block_m, scene.relief.as_deref());
+    let own = columns::with_relief(own, pattern, block_m, scene.relief.as_deref());
     let flat = columns::flat(own.len());
     [own, flat].into_iter().map(|columns| Lattice::new(columns, rows, false)).collect()
 }
 
-/// Steady ratio of the first of `lattices`, a strip, over the second, its flat companion, with the coefficients that the runs in time draw, by
-/// load; of `models` those are made that are not. What the flat one has is recalled where the monitor's caller remembers it.
+/// Steady ratio of the first lattice, a strip, over the second, its flat counterpart, with the coefficients drawn by
+/// the dynamic runs, by load. `models` caches the equations; missing ones are created. The friction of the flat lattice
+/// is stored in the monitor's cache.
 pub fn drawn_ratios(
     scene: &Scene,
     lattices: &[Lattice],
@@ -155,13 +154,13 @@ pub fn drawn_ratios(
 ) -> Vec<Option<f64>> {
     let ([own, flat], [of_own, of_flat]) = (lattices, models) else { return Vec::new() };
     let friction = |lattice: &Lattice, made: &OnceLock<SteadyModel>| {
-        drawn_friction(scene, made.get_or_init(|| SteadyModel::of(scene, lattice.clone())))
+        drawn_friction(scene, made.get_or_init(|| SteadyModel::for_scene(scene, lattice.clone())))
     };
     let count = scene.loads.len();
     let of_flat = || {
-        let content = (settings(scene), &scene.loads, flat);
+        let content = (cache_key_settings(scene), &scene.loads, flat);
         let known = |bytes: &[u8]| Some(from_bytes(bytes)).filter(|all| all.len() == count * scene.run.draws as usize);
-        // No number stands for friction that was not found.
+        // Missing friction is stored as NaN.
         let kept = |friction: &Vec<f64>| Some(to_bytes(friction));
         cached(monitor, ("flat", &content), (known, kept), || friction(flat, of_flat))
     };
@@ -174,7 +173,7 @@ pub fn drawn_ratios(
     (0..count).map(ratio).collect()
 }
 
-/// Steady friction of `model` by draw, and by load in each; no number where none is found, or none is there.
+/// Steady friction of `model` by draw and load; NaN if there is none.
 fn drawn_friction(scene: &Scene, model: &SteadyModel) -> Vec<f64> {
     let of_draw = |draw: usize| {
         let of_load = |load: &Load| {

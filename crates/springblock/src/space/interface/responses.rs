@@ -1,9 +1,9 @@
-//! Displacements, forces and imbalances that the unknowns of an interface make.
+//! Displacements, forces and imbalances due to the unknowns of an interface.
 
 use super::*;
 
 impl Interface {
-    /// Work space and results of [`Self::respond`].
+    /// Allocates work space and results for [`Self::respond`].
     #[must_use]
     pub fn response(&self) -> Response {
         let [nx, ny] = self.columns;
@@ -16,10 +16,10 @@ impl Interface {
         }
     }
 
-    /// The lines of a component field that bear forces or are wanted, and those between them.
+    /// Range of lines of a component field that carry forces or are needed.
     fn lines(&self, field: usize) -> Range<usize> {
         let ny = self.columns[1];
-        // Row 0 bears friction; the others bear forces where they are wanted.
+        // Row 0 carries friction; other rows carry forces on the needed lines only.
         if field < 3 {
             return 0..ny;
         }
@@ -28,19 +28,19 @@ impl Interface {
         first..wanted.iter().rposition(|wanted| *wanted).map_or(first, |last| last + 1)
     }
 
-    /// The linear response to `unknowns`, friction acting along `direction`, where displacements matter.
+    /// Computes the linear response to `unknowns`, with friction along `direction`, where displacements are needed.
     pub fn respond(&self, unknowns: &[f64], direction: [f64; 2], response: &mut Response) {
         self.load_fields(unknowns, direction, 0.0, &mut response.fields);
         self.layer.respond(&mut response.fields, &self.wanted, &mut response.workspace);
         self.observe(Face::default(), response);
     }
 
-    /// The whole response: to `unknowns`, to `face`, and to the load, which compresses the layer evenly.
+    /// Computes the full response: to `unknowns`, to `face`, and to the load, which compresses the layer uniformly.
     pub fn respond_loaded(&self, unknowns: &[f64], direction: [f64; 2], face: Face, response: &mut Response) {
         let plane = self.columns[0] * self.columns[1];
         self.load_fields(unknowns, direction, face.raise, &mut response.fields);
         self.layer.respond(&mut response.fields, &self.wanted, &mut response.workspace);
-        // u_z = -k P l^2 / (3 k) on row k, all columns bearing the load of those that are not cut away
+        // u_z = -k P l^2 / (3 k) on row k; all columns carry the load of the face columns.
         let compression = self.compression * self.face_columns as f64 / plane as f64;
         for (field, values) in response.fields.chunks_exact_mut(plane).enumerate().skip(2).step_by(3) {
             let sinks = (field / 3) as f64 * compression;
@@ -50,11 +50,11 @@ impl Interface {
         self.observe(face, response);
     }
 
-    /// What the layer responds to: forces, and the heights of row 0.
+    /// Sets the input of the layer: forces, and the heights of row 0.
     fn load_fields(&self, unknowns: &[f64], direction: [f64; 2], raise: f64, fields: &mut [f64]) {
         let [nx, ny] = self.columns;
         let plane = nx * ny;
-        // Nothing is ever written to other lines.
+        // Other lines remain zero.
         for (field, values) in fields.chunks_exact_mut(plane).enumerate() {
             let lines = self.lines(field);
             values[lines.start * nx..lines.end * nx].fill(0.0);
@@ -63,7 +63,7 @@ impl Interface {
         let (heights, friction) = rest.split_at(self.free.len());
         for (place, force) in self.support.iter().zip(forces.chunks_exact(3)) {
             for (component, force) in force.iter().enumerate() {
-                // Row 0 is held vertically: its displacement is the unknown there, not a force.
+                // Row 0 is held vertically: the unknown there is a displacement, not a force.
                 if component < 2 || *place >= plane {
                     fields[place + component * plane] = *force;
                 }
@@ -83,7 +83,7 @@ impl Interface {
         }
     }
 
-    /// R u, normal forces and imbalances from the displacements in `response`.
+    /// Computes R u, normal forces and imbalances from the displacements in `response`.
     fn observe(&self, face: Face, response: &mut Response) {
         let plane = self.columns[0] * self.columns[1];
         let Response { fields, linear, normal, pressed, .. } = response;
@@ -110,16 +110,16 @@ impl Interface {
         for (own, imbalance) in self.free.iter().zip(imbalances) {
             let surface = &self.surface[*own];
             let place = surface.column[1] * self.columns[0] + surface.column[0];
-            let borne = if surface.yields { face.limit * surface.contact_share } else { 0.0 };
+            let yield_force = if surface.yields { face.limit * surface.contact_share } else { 0.0 };
             let above = fields[2 * plane + place] - face.raise * surface.relief;
-            *imbalance = (pressed[place] - borne + surface.own_tie() * above) / surface.pivot;
+            *imbalance = (pressed[place] - yield_force + surface.own_tie() * above) / surface.pivot;
             if let Some(number) = surface.contact.filter(|_| surface.lifted) {
                 normal[number] = 0.0;
             }
         }
     }
 
-    /// What the flat layer above them presses the blocks of row 0 down with.
+    /// Computes the downward force of the flat layer above on the blocks of row 0.
     fn press(&self, fields: &[f64], pressed: &mut [f64]) {
         let [nx, ny] = self.columns;
         let plane = nx * ny;
@@ -148,12 +148,12 @@ impl Interface {
     }
 }
 
-/// The line before `line` of `count`, which follow each other in a ring.
+/// The line before `line` of `count` lines on a periodic side.
 const fn line_before(line: usize, count: usize) -> usize {
     if line == 0 { count - 1 } else { line - 1 }
 }
 
-/// The line after it.
+/// The line after `line` of `count` lines on a periodic side.
 const fn line_after(line: usize, count: usize) -> usize {
     if line + 1 == count { 0 } else { line + 1 }
 }

@@ -27,9 +27,9 @@ fn springs_are_counted() {
         assert_eq!((bond.share, bond.spring.stiffness), (1.0, 1.0));
         kinds[usize::from(bond.spring.step.iter().filter(|s| **s != 0).count() == 2)] += 1;
     });
-    // 25 columns of 20 rows; in each of the two lowest rows 2 x 2 blocks are gone: 2 x 3 springs along x,
-    // as many along y, 4 upward; diagonals: 4 blocks of 4 less those between two of them, 16 - 2 in the
-    // row, and to the rows above.
+    // 25 columns of 20 rows. In each of the two lowest rows 2 x 2 blocks are removed, with 2 x 3 springs along x, as
+    // many along y, and 4 upward; diagonals: 4 for each of 4 blocks minus those between two of them, 16 - 2 in the row,
+    // and those to the rows above.
     assert_eq!(kinds[0], 3 * 500 - 2 * (6 + 6 + 4));
     let mut weakened = 0;
     lattice.for_each_weakened_bond(|bond| {
@@ -44,9 +44,9 @@ fn masses_follow_the_eighth_cells() {
     let lattice = squares(130.0, 370.0, 20.0);
     assert_eq!(lattice.mass(5, 5, 10), 1.0); // inside
     assert_eq!(lattice.mass(5, 5, 0), 0.5); // on the counterface
-    assert_eq!(lattice.mass(5, 5, 19), 1.0); // under the bulk
+    assert_eq!(lattice.mass(5, 5, 19), 1.0); // below the bulk
     assert_eq!(lattice.mass(17, 25, 0), 0.25); // edge of the land
-    assert_eq!(lattice.mass(17, 17, 0), 0.375); // its corner: three quarters of it
+    assert_eq!(lattice.mass(17, 17, 0), 0.375); // corner of the land: three quarters of the cells exist
     assert_eq!(lattice.mass(17, 25, 1), 0.5); // wall
     assert_eq!(lattice.mass(17, 25, 2), 0.75); // edge of the ceiling
     assert_eq!(lattice.mass(25, 25, 1), 0.0); // removed
@@ -54,7 +54,7 @@ fn masses_follow_the_eighth_cells() {
     let flat = SpaceLattice::flat([5, 4], 3);
     let total: f64 = (0..60).map(|n| flat.mass(n % 5, n / 5 % 4, n / 20)).sum();
     assert!((total - 20.0 * 2.5).abs() < 1e-12);
-    // A post of one column weighs no less than an eighth.
+    // A post of one column has at least an eighth of the mass.
     assert_eq!(squares(20.0, 10.0, 20.0).mass(2, 2, 0), 0.125);
 }
 
@@ -65,7 +65,7 @@ fn nearest_whole_blocks_are_the_lattice_itself_or_half_a_block_away() {
     let whole = squares(133.3, 371.9, 14.0).nearest_whole();
     assert!(whole.is_plain() && whole.columns() == [51; 2] && whole.depth() == 1.0);
     assert_eq!((0..51 * 51).filter(|n| whole.contact_share(n % 51, n / 51) == 0.0).count(), 13 * 13);
-    // Cavities below half a block vanish, posts below it do not.
+    // Cavities narrower than half a block vanish; posts narrower than half a block remain.
     assert_eq!(squares(4.0, 46.0, 20.0).nearest_whole(), SpaceLattice::flat([5; 2], 20));
     let post = squares(46.0, 4.0, 20.0).nearest_whole();
     assert!((0..25).any(|n| post.contact_share(n % 5, n / 5) == 1.0));
@@ -87,7 +87,7 @@ fn other_dimensions_keep_their_areas() {
         assert!((land - expected).abs() < 1e-5, "{width}: {land} {expected}");
     }
     let lattice = squares(133.0, 370.0, 14.0);
-    // The lower left edge is that of a column; the other cuts one.
+    // The lower left edge is that of a column; the opposite edge cuts a column.
     assert_eq!((lattice.contact_share(17, 20), lattice.contact_share(18, 20)), (1.0, 0.0));
     assert!((lattice.presence(20, 20, 1) - 0.6).abs() < 1e-9 && lattice.presence(20, 20, 0) == 0.0);
 }

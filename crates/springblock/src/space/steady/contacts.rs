@@ -1,25 +1,24 @@
-//! Which contacts of a face with heights are on, off, or yield.
+//! Contact states of a face with height variations: touching, lifted or yielding.
 
 use super::*;
 
-/// Rounds of switching contacts on a face with heights after which it gives up.
+/// Maximum number of rounds of switching contacts on a face with height variations.
 const MAX_RAISED_ROUNDS: usize = 200;
-/// Forces out of balance, as in [`TOLERANCE`], with which contacts are told on and off there.
+/// Tolerance as [`TOLERANCE`] while the contact states still change.
 const ROUGH_TOLERANCE: f64 = 1e-4;
 
 impl Solver<'_> {
-    /// Whether each contact yields.
     pub(super) fn yielding(&self) -> Vec<bool> {
         self.interface.yielding(&self.state.unknowns, self.face).map(|height| height.is_some()).collect()
     }
 
-    /// Whether each contact is off the counterface.
     pub(super) fn lifted(&self) -> Vec<bool> {
         self.interface.lifted(&self.state.unknowns).map(|height| height.is_some()).collect()
     }
 
-    /// The equilibrium under `load` on a face with heights, from the contacts on and off of the load before. Which contacts
-    /// these are is found with forces that are nearly balanced; the last iterations balance them wholly.
+    /// Solves for equilibrium under `load` on a face with height variations, starting from the contact states of the
+    /// previous load. The contact states are found with nearly balanced forces; the last iterations balance the forces
+    /// to the tolerance.
     pub(super) fn equilibrate_raised(&mut self, load: &SpaceLoad) -> End {
         let area = self.interface.column_area();
         self.face = Face {
@@ -27,7 +26,7 @@ impl Solver<'_> {
             limit: self.model.yield_pressure_pa.map_or(f64::INFINITY, |yield_pa| yield_pa / load.pressure_pa * area),
         };
         if self.yielding().contains(&true) {
-            // What has yielded is as high as it was pressed, and elastic from there on.
+            // Yielded contacts keep the height to which they were pressed and are elastic again.
             let lifted = self.lifted();
             self.switch(&lifted, &vec![false; lifted.len()]);
         } else {
@@ -45,7 +44,7 @@ impl Solver<'_> {
             let (lifted, yields) = self.next_contacts();
             let is_settled = lifted == self.lifted() && yields == self.yielding();
             if is_settled && self.tolerance == self.model.tolerance {
-                // What is no solution leaves the face as it was.
+                // An unconverged state must not change the face.
                 if end.status == Status::Converged {
                     self.interface.to_mut().flatten(&self.state.unknowns, self.face);
                 }
@@ -64,7 +63,7 @@ impl Solver<'_> {
         End { status: Status::NotConverged, residual, directions }
     }
 
-    /// The contacts that are off the counterface next, and those that yield.
+    /// Next state of the contacts: which are lifted, and which yield.
     pub(super) fn next_contacts(&self) -> (Vec<bool>, Vec<bool>) {
         let contacts = self.interface.surface().iter().filter(|surface| surface.contact.is_some());
         let unknowns = &self.state.unknowns;
@@ -83,11 +82,11 @@ impl Solver<'_> {
             .unzip()
     }
 
-    /// Goes on with the contacts off the counterface of which `lifted` says so, and those that `yields` names flattened.
+    /// Switches to the contact states `lifted` and `yields`, keeping the state where possible.
     pub(super) fn switch(&mut self, lifted: &[bool], yields: &[bool]) {
         let mut interface = self.model.interface.with_contacts(lifted, yields);
-        interface.take_heights(&self.interface);
-        let unknowns = interface.continued(&self.interface, &self.state.unknowns, self.face.raise);
+        interface.copy_heights(&self.interface);
+        let unknowns = interface.convert_unknowns(&self.interface, &self.state.unknowns, self.face.raise);
         let elastic = interface.elastic_unknowns();
         self.response = interface.response();
         self.state = State { unknowns, elastic: vec![0.0; elastic], normal: vec![0.0; interface.contacts()] };

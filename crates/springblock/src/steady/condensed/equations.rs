@@ -1,54 +1,54 @@
-//! Which unknowns a condensed cell has, and what is left of them: the few equations about its cavities.
+//! Unknowns of a condensed cell, and the elimination that leaves the equations around its cavities.
 
 use std::sync::Arc;
 
 use super::super::dense::{add_times, elongation, solve_many, subtract_products};
 use super::super::flat_layer::FlatLayer;
 use super::super::system::{Contact, contacts};
-use super::{Ceiling, Condensed, CondensedCell, latest};
+use super::{Ceiling, Condensed, CondensedCell, cell_cache};
 use crate::lattice::{Bond, Lattice};
 
-/// Evaluations of N over a few loads.
+/// Typical number of evaluations of N over a few loads.
 const EVALUATIONS: f64 = 40.0;
 
-/// No number.
+/// Marks an absent index.
 const NONE: usize = usize::MAX;
 
-/// Consecutive columns of a field of the flat layer with an input.
+/// Consecutive columns of a field of the flat layer that are inputs.
 #[derive(Clone, Copy, Debug)]
 struct Run {
     field: usize,
     first: usize,
     count: usize,
-    /// Place of the first one in a row of coefficients.
+    /// Index of the first one in a row of coefficients.
     place: usize,
 }
 
-/// Which unknowns there are, before anything is computed.
+/// Layout of the unknowns and inputs, before anything is computed.
 pub struct Equations {
     nx: usize,
     explicit: usize,
     contacts: Vec<Contact>,
     missing: Vec<Bond>,
-    /// Number of block j nx + i among those at a missing spring.
+    /// Index of block j nx + i among the blocks with a missing spring.
     number: Vec<usize>,
-    /// Those blocks: column and row.
+    /// Blocks with a missing spring: column and row.
     blocks: Vec<(usize, usize)>,
-    /// Unknown by field and column.
+    /// Index of the unknown by field and column.
     unknown_at: Vec<usize>,
-    /// Unknowns: their field and column.
+    /// Field and column of each unknown.
     unknowns: Vec<(usize, usize)>,
     runs: Vec<Run>,
-    /// Place of the height of the face in a row of coefficients, by column; [`NONE`] where it is no input.
+    /// Index of the face height in a row of coefficients, by column; [`NONE`] if it is not an input.
     height_at: Vec<usize>,
-    /// Those of them that no field of the layer takes in: of contacts that are tied.
+    /// Indices of the face heights of tied contacts, which are not inputs of any field of the layer.
     tied_heights: Vec<usize>,
 }
 
 impl Equations {
-    /// Those of a ring of equal columns whose cavities leave a row, with the columns `lifted` off the counterface; heights of
-    /// the face at the contacts are inputs if it is `raised`.
-    pub fn of(lattice: &Lattice, lifted: &[usize], raised: bool) -> Option<Self> {
+    /// Creates the layout for a periodic lattice of equal columns whose cavities leave at least one row, with the
+    /// columns `lifted` off the counterface. With `raised` the heights of the face at the contacts are inputs.
+    pub fn for_lattice(lattice: &Lattice, lifted: &[usize], raised: bool) -> Option<Self> {
         let width = lattice.columns().first()?.width;
         let explicit = (lattice.cavity_rows() + 1).max(2);
         if !lattice.is_periodic() || explicit > lattice.ny() || lattice.columns().iter().any(|c| c.width != width) {
@@ -67,7 +67,7 @@ impl Equations {
         let mut number = vec![NONE; explicit * nx];
         let mut blocks = Vec::new();
         let mut unknown_at = vec![NONE; 2 * explicit * nx];
-        // Marked here, numbered below.
+        // Unknowns are marked by 0 here and numbered below.
         lattice.for_each_missing_bond(|bond| {
             let ends = [Some(bond.a), bond.b].into_iter().flatten();
             if ends.clone().all(|(i, j)| !lattice.is_attached(i, j)) {
@@ -78,7 +78,7 @@ impl Equations {
                     number[j * nx + i] = blocks.len();
                     blocks.push((i, j));
                     if lattice.is_attached(i, j) {
-                        // Row 0 is held vertically: its displacement is the unknown there, if any, not a force.
+                        // Row 0 is held vertically: the unknown there, if any, is a displacement, not a force.
                         unknown_at[2 * j * nx + i] = 0;
                         if j > 0 {
                             unknown_at[(2 * j + 1) * nx + i] = 0;
@@ -107,7 +107,7 @@ impl Equations {
             contact.dof = unknown_at[nx + contact.column];
         }
         for (contact, place) in contacts.iter().zip(unknowns.len()..) {
-            // Friction on a block that lacks springs is an input of its own.
+            // Friction inputs start a new run, even next to the unknowns of the same field.
             if runs.last().is_some_and(|run| run.place < unknowns.len()) {
                 runs.push(Run { field: 0, first: contact.column, count: 1, place });
             } else {
@@ -119,7 +119,7 @@ impl Equations {
         if raised {
             for (contact, place) in contacts.iter().zip(unknowns.len() + contacts.len()..) {
                 height_at[contact.column] = place;
-                // What is tied to the face has a height of its own, an unknown.
+                // A block tied to the face has its own height, which is an unknown.
                 if contact.tie.is_none() {
                     add_to_runs(&mut runs, 1, contact.column, place);
                 } else {
@@ -130,8 +130,8 @@ impl Equations {
         Self { nx, explicit, contacts, missing, number, blocks, unknown_at, unknowns, runs, height_at, tied_heights }
     }
 
-    /// Multiplications and additions that condensing takes, and the iterations after it; the band's substitutions,
-    /// which are as many, are not held against it.
+    /// Multiplications and additions for condensing and for the iterations. The substitutions of the band solver, which
+    /// are as many, are not counted for either method.
     pub fn products(&self, lattice: &Lattice) -> f64 {
         let [n, m, missing] = [self.unknowns.len(), self.contacts.len(), self.missing.len()].map(|count| count as f64);
         let (half, fields) = (lattice.nx() as f64 / 2.0, 2.0 * self.explicit as f64);
@@ -139,17 +139,17 @@ impl Equations {
         elimination + 8.0 * missing * (n + m) + fields * fields / 2.0 * half * half + EVALUATIONS * m * m
     }
 
-    /// Friction forces, and heights where they are inputs.
+    /// Number of inputs: friction forces, and heights where they are inputs.
     fn inputs(&self) -> usize {
         self.contacts.len() + self.height_at.iter().filter(|place| **place != NONE).count()
     }
 
-    /// Entries of a row of coefficients: unknowns, inputs, 1.
+    /// Number of entries of a row of coefficients: unknowns, inputs, 1.
     fn width(&self) -> usize {
         self.unknowns.len() + self.inputs() + 1
     }
 
-    /// Coefficients of field `out` in `column`, without what uniform compression adds.
+    /// Sets the coefficients of field `out` in `column`, without uniform compression.
     fn gather(&self, layer: &FlatLayer, out: usize, column: usize, row: &mut [f64]) {
         for place in &self.tied_heights {
             row[*place] = 0.0;
@@ -160,13 +160,13 @@ impl Equations {
             if run.place < self.unknowns.len() || run.field == 1 {
                 target.copy_from_slice(source);
             } else {
-                // Friction is positive against sliding: -T is the force.
+                // Friction is positive against sliding: the force is -T.
                 target.iter_mut().zip(source).for_each(|(target, source)| *target = -source);
             }
         }
     }
 
-    /// Coefficients of the displacement `field` in `column`.
+    /// Sets the coefficients of the displacement `field` in `column`.
     fn displacement(&self, layer: &FlatLayer, field: usize, column: usize, row: &mut [f64]) {
         let last = row.len() - 1;
         if field == 1 {
@@ -179,12 +179,12 @@ impl Equations {
             }
         } else {
             self.gather(layer, field, column, row);
-            // u_0: one row under P l^2 on a column of width w yields by w / (3 w / 2).
+            // u_0: under P l^2 on a column of width w, one row is compressed by w / (3 w / 2).
             row[last] = if field % 2 == 1 { -((field / 2) as f64) * 2.0 / 3.0 } else { 0.0 };
         }
     }
 
-    /// Coefficients of R u, two rows for each of the blocks.
+    /// Coefficients of R u, two rows for each block with a missing spring.
     fn missing_forces(&self, lattice: &Lattice, layer: &FlatLayer) -> Vec<f64> {
         let width = self.width();
         let mut displacements = vec![0.0; 2 * self.blocks.len() * width];
@@ -215,24 +215,25 @@ impl Equations {
         forces
     }
 
-    /// [`Self::condense`], remembered: for all threads where that takes many of its `products`.
-    pub fn condense_or_recall(self, lattice: &Lattice, products: f64) -> Option<Arc<CondensedCell>> {
+    /// Like [`Self::condense`], cached: for all threads if it takes many `products`, otherwise per thread.
+    pub fn condense_cached(self, lattice: &Lattice, products: f64) -> Option<Arc<CondensedCell>> {
         let condense = || self.condense(lattice).map(Arc::new);
-        if products < latest::WORTH_REMEMBERING {
-            latest::recall_own(lattice, condense)
+        if products < cell_cache::MIN_SHARED_PRODUCTS {
+            cell_cache::get_or_condense_per_thread(lattice, condense)
         } else {
-            latest::LATEST.recall(lattice, condense)
+            cell_cache::SHARED_CACHE.get_or_condense(lattice, condense)
         }
     }
 
-    /// N_0, A, the ceilings, and the unknowns over T; `None` if the equations are singular.
+    /// Condenses the cell to N_0, A, the ceilings, and the unknowns as functions of T; `None` if the equations are
+    /// singular.
     pub fn condense(self, lattice: &Lattice) -> Option<CondensedCell> {
         let w = lattice.columns().first()?.width;
         let layer = &FlatLayer::new(lattice.nx(), w, lattice.ny(), self.explicit);
         let (nx, width) = (self.nx, self.width());
         let (n, m, inputs) = (self.unknowns.len(), self.contacts.len(), self.inputs());
         let forces = self.missing_forces(lattice, layer);
-        // What a block of row 0 presses on what is below it: the layer's force less R u.
+        // Downward force of a block of row 0: the force of the layer minus R u.
         let pressed = |column: usize, row: &mut [f64]| {
             self.gather(layer, 1, column, row);
             row[width - 1] = w;
@@ -275,7 +276,7 @@ impl Equations {
         let mut influence = vec![0.0; m * inputs];
         let mut at_rest = vec![0.0; m];
         let mut row = vec![0.0; width];
-        // Off the counterface nothing presses.
+        // Lifted contacts have no normal force.
         for (number, contact) in self.contacts.iter().enumerate().filter(|(_, contact)| !contact.lifted) {
             pressed(contact.column, &mut row);
             let (by_unknowns, rest) = row.split_at_mut(n);

@@ -10,7 +10,7 @@ fn lattice(width_um: f64, spacing_um: f64, depth_um: f64, rows: usize) -> Lattic
     Lattice::new(columns::cell(&groove(width_um, spacing_um, depth_um), 10e-6), rows, true)
 }
 
-/// Normal forces by both ways under uneven friction, the largest difference.
+/// Largest difference of the normal forces from both methods under uneven friction.
 fn largest_difference(lattice: &Lattice) -> Option<f64> {
     let plain = super::super::System::new(lattice, &[]);
     let condensed = CondensedModel::new(lattice, 10e-6, E_PA, false)?.response().clone();
@@ -44,7 +44,7 @@ fn normal_forces_are_those_of_all_blocks() {
     }
 }
 
-/// Numbers in [0, 1), always the same ones.
+/// A fixed sequence of numbers in [0, 1).
 fn uniform(seed: u64) -> impl FnMut() -> f64 {
     use rand_chacha::ChaCha8Rng;
     use rand_chacha::rand_core::{RngCore, SeedableRng};
@@ -52,12 +52,12 @@ fn uniform(seed: u64) -> impl FnMut() -> f64 {
     move || (generator.next_u64() >> 11) as f64 / (1_u64 << 53) as f64
 }
 
-/// A number between `low` and `high`, evenly spread in its logarithm.
+/// Maps `uniform` to a number between `low` and `high`, uniform in its logarithm.
 fn between(low: f64, high: f64, uniform: f64) -> f64 {
     low * (high / low).powf(uniform)
 }
 
-/// Both outcomes, or none where the condensed model leaves it to all blocks.
+/// Outcomes from both methods; `None` if the condensed model refuses.
 fn both(lattice: &Lattice, load: &SteadyLoad, e_pa: f64, liftoff: bool) -> Option<[SurfaceOutcome; 2]> {
     let condensed = CondensedModel::new(lattice, 10e-6, e_pa, liftoff)?.solve(load)?;
     Some([condensed, SteadyModel::new(lattice.clone(), 10e-6, e_pa, liftoff).solve(load)])
@@ -71,7 +71,7 @@ fn assert_same([found, expected]: &[SurfaceOutcome; 2], what: &str) {
     let close = |a: f64, b: f64, scale: f64| assert!((a - b).abs() <= 1e-9 * scale, "{what}: {a} {b}");
     close(found.mu_dynamic.unwrap(), expected.mu_dynamic.unwrap(), 1.0);
     close(found.peak_pressure_pa, expected.peak_pressure_pa, expected.peak_pressure_pa);
-    // Compared with the layer: sums of displacements of that order cancel.
+    // The tolerance is relative to the layer, because displacements of that order cancel.
     close(found.clearance_m.unwrap_or(0.0), expected.clearance_m.unwrap_or(0.0), 1e-3);
     assert_eq!(found.clearance_m.is_some(), expected.clearance_m.is_some(), "{what}");
     assert_eq!(found.interface.len(), expected.interface.len());
@@ -91,21 +91,21 @@ fn random_designs_under_random_loads_slide_as_all_blocks_say() {
         let width = between(10.0, 500.0, uniform());
         let spacing = between(15.0, 900.0, uniform());
         let depth = between(0.5, 60.0, uniform());
-        // Every third one in whole blocks.
+        // Every third design has whole blocks.
         let whole = |value: f64| if number % 3 == 0 { (value / 10.0).round().max(1.0) * 10.0 } else { value };
         let lattice = lattice(whole(width), whole(spacing), whole(depth), 20);
         let dynamic_mu = vec![between(0.05, 0.8, uniform()); lattice.nx()];
         let pressure_pa = between(0.1e6, 8e6, uniform());
         let area_law = (number % 4 != 0).then_some(&law);
         let load = SteadyLoad { pressure_pa, dynamic_mu: &dynamic_mu, area_law };
-        // Soft ones close their cavities.
+        // Soft materials close their cavities.
         let e_pa = if number % 5 == 0 { 5e6 } else { E_PA };
         match both(&lattice, &load, e_pa, number % 2 == 0) {
             Some(outcomes) => assert_same(&outcomes, &format!("{width} {spacing} {depth}")),
             None => left += 1,
         }
     }
-    // Lands that lift off and cavities that leave little of a period.
+    // Refused are lands that lift off and cavities that leave little land.
     assert!(left < 30, "{left}");
 }
 
@@ -125,16 +125,16 @@ fn laws_that_fall_steeply_and_large_pitches_too() {
 #[test]
 fn what_it_cannot_do_is_left_to_all_blocks() {
     let model = |lattice: &Lattice| CondensedModel::new(lattice, 10e-6, E_PA, true);
-    // A cavity up to the uppermost row; a sample; more forces about the cavity than the band has columns.
+    // A cavity up to the top row; a sample; more forces around the cavity than the band has columns.
     assert!(model(&lattice(130.0, 370.0, 191.0, 20)).is_none());
     let pattern = Pattern::new(Planform::Groove, 130e-6, 370e-6, 20e-6).unwrap();
     assert!(model(&Lattice::new(columns::sample(&pattern, 10e-6, 200), 20, false)).is_none());
     assert!(model(&lattice(2003.0, 104.0, 17.0, 20)).is_none());
-    // A land that tips and may leave the counterface.
+    // A land that tilts and may lift off the counterface.
     let tipping = lattice(100.0, 40.0, 120.0, 20);
     let load = SteadyLoad { pressure_pa: 1e6, dynamic_mu: &[0.6; 14], area_law: None };
     assert!(model(&tipping).unwrap().solve(&load).is_none());
-    // Held down it has no equilibrium, which is for all blocks to say.
+    // In bilateral contact it has no equilibrium, which the solver of all blocks must report.
     assert!(CondensedModel::new(&tipping, 10e-6, E_PA, false).unwrap().solve(&load).is_none());
     let held = SteadyModel::new(tipping.clone(), 10e-6, E_PA, false).solve(&load);
     assert_eq!(held.status, Status::NotConverged);
@@ -169,7 +169,7 @@ fn a_thick_layer_is_that_of_all_blocks() {
     }
 }
 
-/// Normal forces under even friction by the condensed model of a layer of `rows` rows.
+/// Normal forces under uniform friction from the condensed model of a layer of `rows` rows.
 fn normal_forces(width_um: f64, spacing_um: f64, depth_um: f64, rows: usize) -> Vec<f64> {
     let lattice = lattice(width_um, spacing_um, depth_um, rows);
     let condensed = CondensedModel::new(&lattice, 10e-6, E_PA, false).unwrap().response().clone();
@@ -186,7 +186,7 @@ fn what_a_layer_adds_decays_with_its_thickness_to_a_half_space() {
         let of = |rows: usize| normal_forces(width, spacing, depth, rows);
         let half_space = of(1000 * pitch_rows);
         let off: Vec<f64> = [1, 2, 3].iter().map(|pitches| distance(&of(pitches * pitch_rows), &half_space)).collect();
-        // A wave as long as the period decays by exp(-4 pi) there and back, but for a power of the thickness.
+        // A wave as long as the period decays by exp(-4 pi) to the bulk and back, up to a power of the thickness.
         assert!(off[0] < 1e-2 && off[1] < 1e-4 * off[0] && off[2] < 1e-9, "{off:?}");
         assert!(distance(&of(100 * pitch_rows), &half_space) < 1e-9);
     }

@@ -12,7 +12,7 @@ fn elastic(youngs_modulus_pa: f64) -> Elastic {
     Elastic::new(youngs_modulus_pa, 900.0).unwrap()
 }
 
-/// Grooves with rims of these sizes in micrometres.
+/// Grooves with rims of the given sizes in micrometres.
 fn rimmed([width, spacing, depth]: [f64; 3], height_um: f64, rim_um: f64, profile: RimProfile) -> Pattern {
     let rim = Rim::new(height_um * 1e-6, rim_um * 1e-6, profile).unwrap();
     let texture = Texture::new(Planform::Groove).with_rim(rim);
@@ -61,7 +61,7 @@ fn rims_are_solved_as_all_blocks_say() {
         ([17.0, 18.0, 13.0], 0.05, 6.0),
         ([100.0, 60.0, 40.0], 0.001, 10.0),
         ([100.0, 60.0, 40.0], 100.0, 10.0),
-        // Lands that tip under strong friction.
+        // Lands that tilt under strong friction.
         ([100.0, 40.0, 120.0], 0.2, 10.0),
     ]
     .into_iter()
@@ -86,7 +86,7 @@ fn rough_faces_are_solved_as_all_blocks_say_and_touch_only_where_they_reach() {
     for round in 0..60 {
         let columns = 4 + (60.0 * uniform()) as usize;
         let amplitude = 10.0_f64.powf(-3.0 + 5.0 * uniform());
-        // Relief everywhere, below the mean as well as above it.
+        // Relief everywhere, below and above the mean.
         let lattice = face(3 + round % 20, (0..columns).map(|_| amplitude * (uniform() - 0.5)));
         let (pressure, mu) = (10.0 * uniform() + 0.05, 0.6 * uniform());
         let [found, expected] = [raised, all_blocks].map(|solve| solve(&lattice, pressure, mu, Some(&law)));
@@ -112,7 +112,7 @@ fn what_is_off_stands_above_the_face_and_what_is_on_at_it() {
         for point in &outcome.interface {
             let column = (point.x_m / 10e-6 - 0.5).round() as usize;
             let gap = heights[column][1] - lattice.columns()[column].relief;
-            // Complementarity to 1e-9 of P, gaps over what P yields in one block.
+            // Complementarity to 1e-9 of P; gaps relative to the compression of one block under P.
             let yields = pressure * 1e6 / (0.75 * E_PA);
             assert!(gap >= -1e-9 * yields && (gap * point.pressure_pa).abs() < 1e-9 * yields * pressure * 1e6, "{gap}");
         }
@@ -149,7 +149,7 @@ fn friction_is_continuous_in_the_height_and_the_width_of_a_rim() {
     let none = mu(0.0, 10.0);
     assert!((mu(1e-3, 10.0) - none).abs() < 1e-3 * none && (mu(1e-6, 10.0) - none).abs() < 1e-6 * none);
     let largest_step = |values: Vec<f64>| values.windows(2).map(|pair| (pair[1] - pair[0]).abs()).fold(0.0, f64::max);
-    // 0.01 um of height, 0.5 um of width.
+    // Steps of 0.01 um in height and 0.5 um in width.
     let (by_height, by_width) = (
         largest_step((0..100).map(|n| mu(0.01 * f64::from(n), 12.0)).collect()),
         largest_step((2..80).map(|n| mu(0.3, 0.5 * f64::from(n))).collect()),
@@ -157,9 +157,9 @@ fn friction_is_continuous_in_the_height_and_the_width_of_a_rim() {
     assert!(by_height < 0.012 * none && by_width < 0.03 * none, "{by_height} {by_width} {none}");
 }
 
-/// Westergaard (1939): a half-space of plane-strain modulus E' pressed by P on waves z = h cos(2 pi x / W) touches over 2a
-/// of each, P = (pi E' h / W) sin^2(pi a / W), with p = 2 P cos(s) sqrt(sin^2(pi a / W) - sin^2 s) / sin^2(pi a / W),
-/// s = pi x / W. In plane stress E' = E.
+/// Westergaard (1939): a half-space of plane-strain modulus E' pressed by P on waves z = h cos(2 pi x / W) is in
+/// contact over 2a of each period, P = (pi E' h / W) sin^2(pi a / W), with p = 2 P cos(s) sqrt(sin^2(pi a / W) - sin^2
+/// s) / sin^2(pi a / W), s = pi x / W. In plane stress E' = E.
 #[test]
 fn waves_in_partial_contact_approach_the_closed_form_as_blocks_shrink() {
     let error = |columns: usize, share: f64| {
@@ -177,7 +177,7 @@ fn waves_in_partial_contact_approach_the_closed_form_as_blocks_shrink() {
         });
         (rms.sum::<f64>() / wave).sqrt() / (share * full)
     };
-    // The edge of contact lies anywhere between two blocks: a mean over shares about each.
+    // The edge of contact lies anywhere between two blocks, hence a mean over contact shares around each value.
     for share in [0.1, 0.5, 0.9] {
         let mean =
             |columns: usize| (-2..=2).map(|n| error(columns, share * (1.0 + 0.04 * f64::from(n)))).sum::<f64>() / 5.0;
@@ -215,15 +215,15 @@ fn waves_in_full_contact_superpose() {
 
 #[test]
 fn rims_that_carry_everything_leave_the_flat_behind() {
-    // Two columns of 50 touch: 25 P in the mean on each.
+    // Two of 50 columns touch, each with a mean pressure of 25 P.
     let outcome = raised(&lattice(&rimmed([130.0, 370.0, 20.0], 100.0, 10.0, RimProfile::Flat)), 0.65, 0.1, None);
     let touching: Vec<f64> = outcome.interface.iter().map(|p| p.pressure_pa).filter(|p| *p > 0.0).collect();
     assert_eq!(touching.len(), 2);
     assert!((touching.iter().sum::<f64>() / 50.0 / 0.65e6 - 1.0).abs() < 1e-9);
 }
 
-/// Collinear frictionless punches of width a at pitch W on a deep body: p = P cos(s) / sqrt(sin^2(pi a / 2 W) - sin^2 s) under
-/// them, s = pi x / W from a punch's centre.
+/// Collinear frictionless punches of width a at pitch W on a deep body: p = P cos(s) / sqrt(sin^2(pi a / 2 W) - sin^2
+/// s) under them, s = pi x / W from the centre of a punch.
 #[test]
 fn flat_punches_press_as_the_closed_form_says() {
     let error = |refine: usize| {
@@ -252,8 +252,8 @@ fn a_face_without_load_bears_none_and_says_so() {
     assert_eq!((outcome.status, outcome.mu_dynamic), (Status::NoLoad, None));
 }
 
-/// Ratios that a dense prototype of its own found in plane stress, E* h'rms = 4 MPa, flat rims 10 um wide; its blocks leave it
-/// open by some thousandths, more where the rim is high.
+/// Ratios from an independent dense prototype in plane stress, E* h'rms = 4 MPa, flat rims 10 um wide. Its block size
+/// leaves an error of some thousandths, more for high rims.
 #[test]
 fn the_prototype_s_ratios_are_found() {
     let pressures_pa: Vec<f64> = (1..=400).map(|n| 0.05e6 * f64::from(n)).collect();
@@ -293,7 +293,7 @@ fn what_yields_bears_the_yield_pressure_and_stays_flat() {
     };
     let elastic_peak = model(None).solve(&load(2.6), &mut FaceHistory::default()).peak_pressure_pa;
     assert!(elastic_peak > 15e6, "{elastic_peak}");
-    // Never reached: to the last bit as without.
+    // A yield pressure that is never reached changes no bit.
     let same = [Some(1e3), None].map(|yields| model(yields).solve(&load(2.6), &mut FaceHistory::default()));
     assert_eq!(same[0], same[1]);
 
@@ -309,10 +309,10 @@ fn what_yields_bears_the_yield_pressure_and_stays_flat() {
         assert!((mean / if std::ptr::eq(outcome, &heavy) { 2.6e6 } else { 0.65e6 } - 1.0).abs() < 1e-9);
     }
     assert!(heavy.interface.iter().any(|point| (point.pressure_pa / 9e6 - 1.0).abs() < 1e-9));
-    // The heavy load has flattened the rims: under the light one they carry less than before, and friction is higher.
+    // The heavy load has flattened the rims: under the light load they carry less than before, and friction is higher.
     let mu = |outcome: &SurfaceOutcome| outcome.mu_dynamic.unwrap();
     assert!(mu(&again) > mu(&light) + 0.005, "{} {}", mu(&again), mu(&light));
-    // A second time under the heavy load nothing yields any more.
+    // Under a second heavy load nothing yields.
     let repeated = plastic.solve(&load(2.6), &mut history);
     assert!((mu(&repeated) - mu(&heavy)).abs() < 1e-9, "{} {}", mu(&repeated), mu(&heavy));
 }

@@ -1,4 +1,4 @@
-//! Runs in time that were made before.
+//! Cache of dynamic runs.
 
 use std::fmt::Debug;
 
@@ -7,9 +7,10 @@ use slipgrid_monitor::{Monitor, cached};
 use crate::outcome::SurfaceOutcome;
 use crate::scene::Scene;
 
-/// What `run` gives, which is `share` of all work and follows from `content` alone; recalled where the monitor's caller
-/// remembers it.
-pub fn remembered(
+/// Returns the outcome of `run` from the monitor's cache or by running it.
+///
+/// `content` must determine the outcome; it is the cache key. `share` is the share of the run in all work.
+pub fn cached_run(
     monitor: &dyn Monitor,
     content: &dyn Debug,
     share: f64,
@@ -23,7 +24,7 @@ pub fn remembered(
     cached(monitor, ("run", content), (known, SurfaceOutcome::to_bytes), run)
 }
 
-/// What a run of `scene` follows from beside its load and its lattice.
-pub fn settings(scene: &Scene) -> impl Debug + '_ {
+/// Settings of `scene` that a run depends on besides its load and its lattice, as part of a cache key.
+pub fn cache_key_settings(scene: &Scene) -> impl Debug + '_ {
     (&scene.elastic, &scene.area_law, &scene.layer, scene.speed_m_s, &scene.run, scene.dimension().number())
 }

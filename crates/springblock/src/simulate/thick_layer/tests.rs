@@ -14,7 +14,7 @@ fn scene(pattern: Pattern, run: RunOptions) -> Scene {
     Scene { layer: Layer { length_m: 6000e-6, ..scene.layer }, ..scene }
 }
 
-/// Ratios of `scene` with `thickness_m` behind a layer of `height_m`.
+/// Ratios of `scene` with a layer of `height_m` and the thickness `thickness_m`.
 fn ratios(scene: &Scene, height_m: f64, thickness_m: Option<f64>) -> Vec<LoadOutcome> {
     let layer = Layer { height_m, thickness_m, ..scene.layer };
     simulate(&Scene { layer, ..scene.clone() }, &Unwatched).unwrap().loads
@@ -34,17 +34,17 @@ const PATTERNS: [[f64; 3]; 10] = [
 ];
 const THICK_M: f64 = 800e-6;
 
-/// Root mean square and largest of `off`.
+/// Root mean square and maximum of `off`.
 fn sizes(off: &[f64]) -> [f64; 2] {
     let square = off.iter().map(|off| off * off).sum::<f64>() / off.len() as f64;
     [square.sqrt(), off.iter().map(|off| off.abs()).fold(0.0, f64::max)]
 }
 
-/// What 200 um and the steady difference are off from 800 um block by block, by pattern and load.
+/// Error of a layer of 200 um plus the steady difference, compared with 800 um of blocks, by pattern and load.
 fn off(run: RunOptions, length_m: f64, relative_std: f64) -> Vec<f64> {
     let mut off = Vec::new();
     for [width, spacing, depth] in PATTERNS {
-        // Few contact blocks are no mean of the local coefficients.
+        // With few contact blocks one draw does not represent the mean coefficients.
         let draws = if run.fidelity == Fidelity::Steady {
             1
         } else if width + spacing < 300.0 {
@@ -82,7 +82,7 @@ fn off(run: RunOptions, length_m: f64, relative_std: f64) -> Vec<f64> {
 fn a_thick_layer_in_time_is_a_thin_one_and_the_steady_difference() {
     let run = RunOptions { fidelity: Fidelity::Dynamic, warm_start: true, ..RunOptions::default() };
     let [rms, largest] = sizes(&off(run, 9960e-6, 0.05));
-    assert!(rms < OPEN_IN_TIME && largest < 0.003, "{rms} {largest}");
+    assert!(rms < DYNAMIC_ERROR && largest < 0.003, "{rms} {largest}");
 }
 
 #[test]
@@ -91,7 +91,7 @@ fn ends_hardly_change_what_is_behind_the_layer() {
     let run = RunOptions { extent: Extent::Sample, ..RunOptions::default() };
     for length_m in [9960e-6, 6000e-6] {
         let [rms, _] = sizes(&off(run, length_m, 0.0));
-        let stated = OPEN_BY_ENDS * KNOWN_LENGTH_M / length_m;
+        let stated = END_ERROR * REFERENCE_LENGTH_M / length_m;
         assert!(rms < 1.1 * stated, "{length_m}: {rms} {stated}");
     }
 }
@@ -103,19 +103,19 @@ fn steady_cells_are_solved_over_the_whole_thickness_and_say_what_that_changes() 
         let (thin, thick) = (ratios(&scene, 200e-6, None), ratios(&scene, 200e-6, Some(7e-3)));
         for (thin, thick) in thin.iter().zip(&thick) {
             let change = thick.ratio.unwrap() - thin.ratio.unwrap();
-            // In space it is compared in blocks twice as large; 7 mm are a half-space to either.
+            // Cells in space are compared in blocks of twice the size; 7 mm is equivalent to a half-space for both.
             let close = |a: f64, tolerance: f64| assert!((a - change).abs() < tolerance, "{a} {change}");
             let tolerance = if !pattern.texture().is_one_section() { 0.2 * change.abs() } else { 1e-9 };
             close(thick.ratio_layer_difference.unwrap(), tolerance);
             close(thin.ratio_layer_difference.unwrap(), tolerance.max(1e-6));
             assert_eq!((thin.ratio_layer_error, thick.ratio_layer_error), (None, None));
         }
-        let said = |thickness_m: Option<f64>| {
+        let statements = |thickness_m: Option<f64>| {
             let layer = Layer { thickness_m, ..scene.layer };
             simulate(&Scene { layer, ..scene.clone() }, &Unwatched).unwrap().statements.model.join("\n")
         };
-        assert!(said(None).contains("layer of 200 um under a rigid bulk, as asked for"));
-        assert!(said(Some(7e-3)).contains("specimen 7 mm thick"), "{}", said(Some(7e-3)));
+        assert!(statements(None).contains("layer of 200 um under a rigid bulk, as asked for"));
+        assert!(statements(Some(7e-3)).contains("specimen 7 mm thick"), "{}", statements(Some(7e-3)));
     }
 }
 
@@ -129,10 +129,10 @@ fn time_and_ends_get_the_steady_difference_added() {
         RunOptions { fidelity: Fidelity::Dynamic, sliding_m: 0.1e-6, warm_start: true, ..RunOptions::default() };
     let with_ends = RunOptions { extent: Extent::Sample, ..RunOptions::default() };
     for (pattern, run, open) in [
-        (groove(300.0, 600.0, 30.0), in_time, OPEN_IN_TIME),
-        (groove(133.3, 371.9, 14.4), in_time, OPEN_IN_TIME),
-        (groove(300.0, 600.0, 30.0), with_ends, OPEN_BY_ENDS / 0.6),
-        (squares(), in_time, OPEN_IN_TIME),
+        (groove(300.0, 600.0, 30.0), in_time, DYNAMIC_ERROR),
+        (groove(133.3, 371.9, 14.4), in_time, DYNAMIC_ERROR),
+        (groove(300.0, 600.0, 30.0), with_ends, END_ERROR / 0.6),
+        (squares(), in_time, DYNAMIC_ERROR),
     ] {
         let mut scene = scene(pattern, run);
         scene.loads.remove(0);
@@ -144,7 +144,7 @@ fn time_and_ends_get_the_steady_difference_added() {
         let cell = Scene { run: RunOptions::default(), ..scene.clone() };
         let [alone, all] = [None, Some(7e-3)].map(|of| ratios(&cell, height_m, of)[0].clone());
         let change = all.ratio.unwrap() - alone.ratio.unwrap();
-        // A strip with ends may tilt.
+        // Strips with ends have a tilt correction.
         let tilt = TILT_MEAN * thick.ratio_tilt_change.unwrap_or(0.0);
         assert_eq!(thick.ratio_tilt_change.is_some(), scene.run.extent == Extent::Sample);
         assert!(change.abs() > 1e-4 && (thick.ratio.unwrap() - thin.ratio.unwrap() - change - tilt).abs() < 1e-9);
