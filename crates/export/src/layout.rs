@@ -60,7 +60,7 @@ impl Layout {
     /// [`ExportError::NoCavityFits`] if it is smaller than a cavity, [`ExportError::TooManyCavities`] for more than
     /// [`MAX_CAVITIES`].
     pub fn new(pattern: Pattern, outline: Outline) -> Result<Self, ExportError> {
-        Self::lay_out(pattern, outline, false)
+        Self::laid_out(pattern, outline, false)
     }
 
     /// Lays out cavities of `pattern` on `outline` and cuts those that cross the border.
@@ -68,7 +68,7 @@ impl Layout {
     /// # Errors
     /// See [`Layout::new`].
     pub fn clipped(pattern: Pattern, outline: Outline) -> Result<Self, ExportError> {
-        Self::lay_out(pattern, outline, true)
+        Self::laid_out(pattern, outline, true)
     }
 
     /// Checks whether `pattern` can be laid out on `outline`, without a complete layout.
@@ -81,7 +81,7 @@ impl Layout {
         first.map(|_| ()).ok_or_else(|| no_cavity_fits(&pattern, &outline))
     }
 
-    fn lay_out(pattern: Pattern, outline: Outline, is_clipped: bool) -> Result<Self, ExportError> {
+    fn laid_out(pattern: Pattern, outline: Outline, is_clipped: bool) -> Result<Self, ExportError> {
         let mut layout = Self::planned(pattern, outline, is_clipped)?;
         let (mut cavities, mut area_m2) = (0, 0.0);
         let mut whole = 0_usize;
