@@ -10,7 +10,8 @@ use crate::record::Record;
 /// Kind of file and dotted key, one a line.
 const KEYS: &str = include_str!("inputs/keys.txt");
 
-/// Kind of file, text that is replaced and what takes its place, in quotes and with tabs between.
+/// Kind of file, and pairs of a text and its replacement, in quotes and with tabs between. Each file is refused before anything is
+/// computed, and compared on every run.
 const REPLACEMENTS: &str = include_str!("inputs/replacements.txt");
 
 /// Arguments, one command a line.
@@ -57,15 +58,18 @@ pub fn cases() -> Vec<Case> {
         }));
     }
     for (number, line) in REPLACEMENTS.lines().enumerate() {
-        let words: Vec<&str> = line.split('\t').collect();
-        let [kind, from, to] = words[..] else { panic!("{line}") };
-        let [from, to] = [from, to].map(|text| serde_json::from_str::<String>(text).unwrap());
-        cases.push(Case::new(format!("{kind}, replaced {number:02}"), number % QUICK_SHARE == 0, move || {
+        let (kind, changes) = line.split_once('\t').unwrap();
+        let changes: Vec<String> = changes.split('\t').map(|text| serde_json::from_str(text).unwrap()).collect();
+        cases.push(Case::new(format!("{kind}, replaced {number:02}"), true, move || {
             let (_, text, command) = find(kind);
-            assert!(text.contains(&from), "{from}");
-            let message = outcome(kind, &text.replacen(&from, &to, 1), command);
-            // A field that began with a bracket would be read as the name of a case.
-            Record::from([(format!("from {from} to {to}").replace('\n', "|"), message)])
+            let (mut spoiled, mut field) = (text.to_owned(), String::new());
+            for [from, to] in changes.as_chunks().0 {
+                assert!(spoiled.contains(from), "{from}");
+                spoiled = spoiled.replacen(from, to, 1);
+                // A field that began with a bracket would be read as the name of a case.
+                field += &format!("from {from} to {to} ");
+            }
+            Record::from([(field.trim_end().replace('\n', "|"), outcome(kind, &spoiled, command))])
         }));
     }
     cases.push(Case::new("flags", true, || {
@@ -87,6 +91,7 @@ pub fn cases() -> Vec<Case> {
         FLAGS.lines().map(|line| (line.to_owned(), said(line))).collect()
     }));
     cases.push(Case::new("tables", true, || TABLES.iter().map(|(from, to)| table(from, to)).collect()));
+    cases.push(Case::new("rows", true, || ROWS.iter().map(|text| row(text)).collect()));
     cases.push(Case::new("maps", true, || MAPS.iter().map(|(text, options)| map(text, options)).collect()));
     cases
 }
@@ -114,6 +119,9 @@ fn files() -> Place {
         ("material-learned.toml", LEARNED),
         ("with-learned.toml", &with_learned),
         ("map.txt", "1 2 3 4\n1 2 3 5\n"),
+        ("holed.asc", "# Width: 3 um\n# Height: 3 um\n# Value units: nm\n1 2 3\n4 NaN 6\n7 8 9\n"),
+        ("two.svg", "<svg><circle r=\"1\"/>\n<circle r=\"2\"/></svg>"),
+        ("result.json", "{\"design\": {}}"),
     ])
 }
 
@@ -184,6 +192,31 @@ fn table(from: &str, to: &str) -> (String, Value) {
     place.write("flat.csv", TABLE.replacen(from, to, 1).as_bytes());
     let (code, _, err) = place.run_raw("calibrate @calibration.toml");
     (format!("{from} -> {to}").replace('\n', "|"), format!("{code} {}", err.trim()).into())
+}
+
+/// Rows of a table with a static peak.
+const ROWS: [&str; 13] = [
+    "50,2,15,0.248,0.002,0.20,0.01",
+    "50,2,15,0.248,0.002,0.3,",
+    "50,2,15,0.248,0.002,1.5,0.01",
+    "50,2,15,0.248,0,,",
+    "50,2,15,0.248,0.3,,",
+    "50,2,15,0.0005,0.0001,,",
+    "0.001,2,15,0.248,0.002,,",
+    "500000,2,15,0.248,0.002,,",
+    "0.000005,2,15,0.248,0.002,,",
+    "10000,2,15,4.5,0.002,,",
+    "50,2,15,0.248,0.002,,|50,2,15,0.25,0.002,,",
+    "50,2,15,0.248,0.002,0.3,0.9",
+    "50,2000000,15,0.248,0.002,,",
+];
+
+fn row(text: &str) -> (String, Value) {
+    let place = files();
+    let header = TABLE.lines().next().unwrap();
+    place.write("flat.csv", format!("{header},mu_static,mu_static_std\n{}\n", text.replace('|', "\n")).as_bytes());
+    let (code, _, err) = place.run_raw("calibrate @calibration.toml");
+    (format!("row {text}"), format!("{code} {}", err.trim()).into())
 }
 
 /// Maps that are refused or doubtful, and options.

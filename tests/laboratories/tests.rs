@@ -93,6 +93,7 @@ fn the_share_of_reached_targets_is_that_of_drawn_ones() {
 /// Chances and intervals of who knows how laboratories are made come true as often as they say: of targets that are reached, and
 /// of any.
 #[test]
+#[ignore = "half a minute: the reference policy of laboratories; the chances of the product's own are tested in crates/design and crates/discrepancy"]
 fn who_knows_how_laboratories_are_made_says_chances_that_come_true() {
     let options = Options { laboratories: 45, most_trials: 6, steps: 4, seed: 2 };
     let bench = Bench::new(&options, &Unwatched).unwrap();

@@ -3,7 +3,11 @@
 //!
 //! With `SLIPGRID_UPDATE_GUIDE` set the book takes over what is printed and generated now.
 
-#![allow(clippy::unwrap_used, reason = "a test that unwraps in vain fails, as it should")]
+#![allow(
+    clippy::unwrap_used,
+    clippy::print_stdout,
+    reason = "a test that unwraps in vain fails, as it should, and tells what it measured"
+)]
 
 mod chapters;
 mod keys;

@@ -8,6 +8,8 @@
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::Path;
+use std::sync::Mutex;
+use std::time::Instant;
 
 use slipgrid_book::console::{LEFT_OUT, blocks, compare};
 use tempfile::TempDir;
@@ -147,27 +149,54 @@ fn walk(path: &Path) -> (TempDir, usize, Vec<String>) {
     (place, commands, differ)
 }
 
-/// Goes through all chapters and the README; returns the number of their commands and the tables of the book that they wrote.
+/// What a page gave: the number of its commands, the tables of the book that they wrote, and what differs.
+type Walked = (usize, BTreeSet<(String, String)>, Vec<String>);
+
+fn walk_page(page: &Path, listed: &BTreeSet<(String, String)>) -> Walked {
+    let (place, commands, found) = walk(page);
+    let mut differ: Vec<String> = found.into_iter().map(|found| format!("{}: {found}", page.display())).collect();
+    // What the walk speaks of at its end is there.
+    for name in LEFT_BY_WALK.iter().filter(|_| page.ends_with("from-raw-files.md")) {
+        assert!(place.path().join(name).is_file(), "{name}");
+    }
+    pictures::compare_shown(page, place.path());
+    let out = place.path().join("out");
+    let mut seen = BTreeSet::new();
+    if out.is_dir() {
+        let (written, missing) = tables::compare(&out, listed);
+        seen.extend(written);
+        differ.extend(missing);
+        differ.extend(pictures::compare(&out));
+    }
+    (commands, seen, differ)
+}
+
+/// Goes through all chapters and the README, several at a time; returns the number of their commands and the tables of the book that
+/// they wrote.
 fn walk_all() -> (usize, BTreeSet<(String, String)>) {
-    let (mut differ, mut commands) = (Vec::new(), 0);
-    let (listed, mut seen) = (tables::listed(), BTreeSet::new());
+    let listed = tables::listed();
     let mut pages = files(&book(), ".md");
     pages.push(root().join("README.md"));
-    for page in &pages {
-        let (place, number, found) = walk(page);
-        // What the walk speaks of at its end is there.
-        for name in LEFT_BY_WALK.iter().filter(|_| page.ends_with("from-raw-files.md")) {
-            assert!(place.path().join(name).is_file(), "{name}");
+    let (waiting, walked) = (Mutex::new(pages.iter()), Mutex::new(Vec::<Walked>::new()));
+    let threads = std::thread::available_parallelism().map_or(1, usize::from);
+    std::thread::scope(|scope| {
+        for _ in 0..threads {
+            scope.spawn(|| {
+                loop {
+                    let Some(page) = waiting.lock().unwrap().next() else { break };
+                    let started = Instant::now();
+                    let found = walk_page(page, &listed);
+                    println!("{:7.2} s  {}", started.elapsed().as_secs_f64(), page.display());
+                    walked.lock().unwrap().push(found);
+                }
+            });
         }
+    });
+    let (mut commands, mut seen, mut differ) = (0, BTreeSet::new(), Vec::new());
+    for (number, written, found) in walked.into_inner().unwrap() {
         commands += number;
-        pictures::compare_shown(page, place.path());
-        if place.path().join("out").is_dir() {
-            let (written, missing) = tables::compare(&place.path().join("out"), &listed);
-            seen.extend(written);
-            differ.extend(missing);
-            differ.extend(pictures::compare(&place.path().join("out")));
-        }
-        differ.extend(found.into_iter().map(|found| format!("{}: {found}", page.display())));
+        seen.extend(written);
+        differ.extend(found);
     }
     assert!(differ.is_empty(), "{}", differ.join("\n"));
     (commands, seen)

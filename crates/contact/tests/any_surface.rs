@@ -1,11 +1,7 @@
 //! Surfaces of any size, pixel shape and kind.
 
-#![allow(clippy::unwrap_used, reason = "a test that unwraps in vain fails, as it should")]
-
-mod common;
-
-use common::surfaces::{KINDS, Surface, random};
-use common::{MODULUS_PA, rows};
+use crate::common::surfaces::{KINDS, Surface, random};
+use crate::common::{MODULUS_PA, rows};
 use slipgrid_contact::{RoughContact, SolveOptions, Unwatched};
 use slipgrid_topography::HeightMap;
 use slipgrid_topography::fourier::Fourier;

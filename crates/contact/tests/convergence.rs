@@ -1,10 +1,6 @@
 //! Observed order of convergence on shapes with closed-form pressures.
 
-#![allow(clippy::unwrap_used, reason = "a test that unwraps in vain fails, as it should")]
-
-mod common;
-
-use common::{MODULUS_PA, SIDE_M, crossed_waves, square};
+use crate::common::{MODULUS_PA, SIDE_M, crossed_waves, square};
 use slipgrid_contact::closed_form::{CrossedWaves, Hertz};
 use slipgrid_contact::{RoughContact, SolveOptions, Unwatched};
 use slipgrid_topography::HeightMap;

@@ -1,12 +1,8 @@
 //! Properties that hold on every surface.
 
-#![allow(clippy::unwrap_used, reason = "a test that unwraps in vain fails, as it should")]
-
-mod common;
-
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use common::{MODULUS_PA, crossed_waves, self_affine};
+use crate::common::{MODULUS_PA, crossed_waves, self_affine};
 use slipgrid_contact::{ContactError, ContactState, Monitor, RoughContact, SolveOptions, Unwatched, area_curve};
 use slipgrid_topography::{HeightMap, MapError, SelfAffine};
 

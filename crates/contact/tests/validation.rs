@@ -1,10 +1,6 @@
 //! Validation against independent results: closed forms, and tables computed with Tamaas.
 
-#![allow(clippy::unwrap_used, reason = "a test that unwraps in vain fails, as it should")]
-
-mod common;
-
-use common::{MODULUS_PA, SIDE_M, crossed_waves, rows, self_affine, square, wave};
+use crate::common::{MODULUS_PA, SIDE_M, crossed_waves, rows, self_affine, square, wave};
 use slipgrid_contact::closed_form::{CrossedWaves, Hertz, Wave, persson_area_fraction};
 use slipgrid_contact::{ContactState, RoughContact, SolveOptions, Unwatched, area_curve};
 use slipgrid_topography::HeightMap;

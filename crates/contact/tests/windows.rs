@@ -1,10 +1,6 @@
 //! How well windows of a map represent the whole map.
 
-#![allow(clippy::unwrap_used, reason = "a test that unwraps in vain fails, as it should")]
-
-mod common;
-
-use common::{MODULUS_PA, self_affine};
+use crate::common::{MODULUS_PA, self_affine};
 use slipgrid_contact::{SolveOptions, Unwatched, area_curve, coarser, windows};
 use slipgrid_topography::{HeightMap, SelfAffine};
 

@@ -3,7 +3,7 @@
 use slipgrid_calibrate::uncertainty::MaterialUncertainty;
 use slipgrid_discrepancy::{Conditions, Discrepancy, Features, Hyperparameters, Load as At, Measured, Trial};
 use slipgrid_material::{AreaLaw, Elastic, Friction, LocalFriction, Material, Provenance};
-use slipgrid_monitor::{Monitor, Unwatched};
+use slipgrid_monitor::{Monitor, Remembering, Unwatched};
 use slipgrid_optimize::{
     Bound, Demand, DesignSpace, Goal, Limit, Quantity, Target, TargetPoint, Tolerances, Wanted as Accepted,
 };
@@ -11,7 +11,7 @@ use slipgrid_pattern::{ManufacturingLimits, Pattern, Planform};
 use slipgrid_specimen::simulate_on;
 use slipgrid_springblock::{Extent, Layer, LoadOutcome, RunOptions, Scene, even_speed_m_s};
 use slipgrid_statistics::{Normals, normal_probability};
-use std::sync::Mutex;
+use std::sync::{LazyLock, Mutex};
 
 mod brute_force;
 
@@ -24,6 +24,10 @@ use crate::steady_model::SteadyModel;
 use crate::time_budget::TimeBudget;
 use crate::timings::Timings;
 use crate::{ConstraintQuantity, DesignError, DesignTask, KnownMaterial, NextOptions, NoCache, next_trials, run};
+
+/// Remembers the tables and runs of all tests, since most tests search the same grooves. `every_stage_comes_to_its_whole_and_...` and
+/// `several_samples_are_apart_and_...` compute their own.
+static KNOWN: LazyLock<Remembering<'static>> = LazyLock::new(|| Remembering::new(&Unwatched));
 
 pub fn task(planform: Planform) -> DesignTask {
     let material = Material {
@@ -93,9 +97,9 @@ fn taught(task: &DesignTask, trials: Vec<Trial>) -> DesignTask {
 /// Lets `then` ask the search of `task`.
 fn searched<T>(task: &DesignTask, then: impl FnOnce(&Search<'_>) -> T) -> T {
     let prepared = PreparedTask::new(task).unwrap();
-    let budget = TimeBudget::new(&Unwatched, None);
+    let budget = TimeBudget::new(&*KNOWN, None);
     let timings = &mut Timings::default();
-    with_table(&prepared, None, None, (budget, &Unwatched), timings, |search, _| Ok(then(search))).unwrap()
+    with_table(&prepared, None, None, (budget, &*KNOWN), timings, |search, _| Ok(then(search))).unwrap()
 }
 
 /// Tasks of grooves with no, one and three trials.
@@ -116,14 +120,14 @@ fn three_tasks() -> [DesignTask; 3] {
 #[test]
 fn optimize_and_next_find_one_texture_with_one_chance() {
     for task in three_tasks() {
-        let next = next_trials(&task, &NextOptions::default(), &Unwatched).unwrap();
-        let found = run(&task, &mut NoCache, &Unwatched).unwrap();
+        let next = next_trials(&task, &NextOptions::default(), &*KNOWN).unwrap();
+        let found = run(&task, &mut NoCache, &*KNOWN).unwrap();
         assert_eq!(found.pattern, next.patterns[0]);
         assert_eq!(found.report.sample, next.report.samples[0]);
         assert_eq!((&*found.report.advice, &found.report.words), (&*next.report.advice, &next.report.words));
         // The same texture asked for by itself.
         let own = NextOptions { own: vec![found.pattern], ..NextOptions::default() };
-        let own = next_trials(&task, &own, &Unwatched).unwrap().report.own;
+        let own = next_trials(&task, &own, &*KNOWN).unwrap().report.own;
         assert_eq!((own[0].chance, &own[0].expected), (found.report.sample.chance, &found.report.sample.expected));
         assert!(found.report.sample.is_as_cut && found.report.sample.chance.is_some());
         // The confirming run is what the model alone says.
@@ -186,7 +190,7 @@ fn the_table_is_near_the_model_and_says_how_near() {
 
 #[test]
 fn what_limits_a_chance_is_what_raises_it_where_it_is_known() {
-    let report = run(&three_tasks()[2], &mut NoCache, &Unwatched).unwrap().report;
+    let report = run(&three_tasks()[2], &mut NoCache, &*KNOWN).unwrap().report;
     let (limits, chance) = (&report.sample.limited_by, report.sample.chance.unwrap());
     let names: Vec<&str> = limits.iter().map(|limit| &*limit.input).collect();
     for name in ["what the model lacks", "width", "spacing", "depth", "Young's modulus", "numerical error"] {
@@ -203,20 +207,20 @@ fn a_trial_on_target_is_said_and_its_texture_is_the_likeliest() {
     let task = three_tasks()[0].clone();
     let cut = trial(&task, [100e-6, 300e-6, 10e-6], [0.87, 0.87]);
     let task = taught(&task, vec![cut.clone()]);
-    let report = run(&task, &mut NoCache, &Unwatched).unwrap().report;
+    let report = run(&task, &mut NoCache, &*KNOWN).unwrap().report;
     assert_eq!(report.advice, "trial_meets_it");
     assert!(report.words.starts_with("trial cut already meets the target"), "{}", report.words);
     assert!(report.sample.chance.unwrap() > 0.6, "{:?}", report.sample.chance);
     // Off target at one load it is not.
     let mut off = cut;
     off.measured[1].measured = 0.80;
-    assert_ne!(run(&taught(&task, vec![off]), &mut NoCache, &Unwatched).unwrap().report.advice, "trial_meets_it");
+    assert_ne!(run(&taught(&task, vec![off]), &mut NoCache, &*KNOWN).unwrap().report.advice, "trial_meets_it");
 }
 
 #[test]
 fn what_to_do_follows_from_the_chance_and_from_what_is_within_reach() {
     let base = task(Planform::Groove);
-    let advised = |task: &DesignTask| run(task, &mut NoCache, &Unwatched).unwrap().report;
+    let advised = |task: &DesignTask| run(task, &mut NoCache, &*KNOWN).unwrap().report;
     let wanting = |value: f64, tolerance: f64| {
         let points = [0.65e6, 2.6e6].map(|pressure_pa| TargetPoint { pressure_pa, value });
         DesignTask { target: Target::new(Quantity::Ratio, points.to_vec(), tolerance).unwrap(), ..base.clone() }
@@ -262,7 +266,7 @@ fn a_goal_is_the_best_expected_value_that_keeps_the_demands() {
     let aimed = |goal, wanted: Accepted| {
         let demands = [0.65e6, 2.6e6].map(|pressure_pa| demand(pressure_pa, wanted)).to_vec();
         let target = Target::of(Quantity::Ratio, demands, Some(goal)).unwrap();
-        run(&DesignTask { target, ..base.clone() }, &mut NoCache, &Unwatched).unwrap().report
+        run(&DesignTask { target, ..base.clone() }, &mut NoCache, &*KNOWN).unwrap().report
     };
     let lowest = aimed(Goal::Lowest, Accepted::Anything);
     assert!(lowest.sample.chance.is_none() && lowest.advice == "trial");
@@ -285,7 +289,7 @@ fn ratios_that_are_predicted_are_those_of_the_specimen() {
     // A surface whose friction falls faster, on which the rim tells.
     let law = AreaLaw::new(vec![0.7e6, 2.6e6, 10e6], vec![1.0, 0.6, 0.2]).unwrap();
     task.material.as_mut().unwrap().material.area_law = Some(law);
-    let found = next_trials(&task, &NextOptions { count: 1, ..NextOptions::default() }, &Unwatched).unwrap();
+    let found = next_trials(&task, &NextOptions { count: 1, ..NextOptions::default() }, &*KNOWN).unwrap();
     let material = &task.material.as_ref().unwrap().material;
     let pattern = Some(found.patterns[0]);
     let ratios = |extent, specimen: Option<&slipgrid_export::Specimen>| {
@@ -315,7 +319,7 @@ fn squares_are_chosen_in_space() {
     let mut task = task(Planform::Square);
     // A thin layer: cells in space take milliseconds.
     task.layer = Layer { height_m: 40e-6, block_m: 20e-6, ..task.layer };
-    let found = next_trials(&task, &NextOptions::default(), &Unwatched).unwrap();
+    let found = next_trials(&task, &NextOptions::default(), &*KNOWN).unwrap();
     assert_eq!(found.patterns.len(), 1);
     assert_eq!(found.report.samples[0].design.planform, "square");
 }
@@ -349,7 +353,7 @@ fn sectors_of_one_disc_hold_what_is_chosen_for_them() {
     let task = task(Planform::Groove);
     let asked = |count, one_disc| {
         let options = NextOptions { count, one_disc, ..NextOptions::default() };
-        next_trials(&task, &options, &Unwatched)
+        next_trials(&task, &options, &*KNOWN)
     };
     let (disc, apart) = (asked(7, true).unwrap(), asked(7, false).unwrap());
     assert_eq!((disc.patterns.len(), disc.sectors.len(), apart.sectors.len()), (7, 7, 0));
@@ -371,12 +375,12 @@ fn sectors_of_one_disc_hold_what_is_chosen_for_them() {
     let mut small = task.clone();
     small.specimen.outline = slipgrid_export::Outline::Disc { diameter_m: 1e-3 };
     let options = NextOptions { count: 4, one_disc: true, ..NextOptions::default() };
-    let refused = next_trials(&small, &options, &Unwatched).unwrap_err().to_string();
+    let refused = next_trials(&small, &options, &*KNOWN).unwrap_err().to_string();
     assert!(refused.contains("expected fewer sectors"), "{refused}");
     // Sectors of a rectangle are said to be such; the names of specimens that were cut are not given again.
     small.specimen.outline = slipgrid_export::Outline::Rectangle { length_m: 12e-3, width_m: 12e-3 };
     let options = NextOptions { discs: vec![format!("{}, rectangle 1", disc.report.name)], ..options };
-    let rectangle = next_trials(&small, &options, &Unwatched).unwrap().report.text();
+    let rectangle = next_trials(&small, &options, &*KNOWN).unwrap().report.text();
     assert!(
         rectangle.contains("rectangle 2: 4 sectors") && rectangle.contains("the specimen is a rectangle"),
         "{rectangle}"
@@ -391,7 +395,7 @@ fn the_chance_of_one_of_several_counts_what_one_disc_is_off_by() {
     reached_by(&mut task, [120e-6, 300e-6, 15e-6], 0.02);
     let together = |task: &DesignTask, one_disc| {
         let options = NextOptions { count: 3, one_disc, ..NextOptions::default() };
-        next_trials(task, &options, &Unwatched).unwrap().report.one_on_target
+        next_trials(task, &options, &*KNOWN).unwrap().report.one_on_target
     };
     // Without the model's shortcomings a texture on target is found, and the disc alone may miss it.
     let prior = Hyperparameters {

@@ -230,7 +230,7 @@ mod tests {
         let texture = Texture::new(Planform::Polygon).with_outline(Polygon::new(&hexagon).unwrap()).unwrap();
         let texture = texture.with_arrangement(Arrangement::Hexagonal).unwrap();
         let pattern = Pattern::new(texture, 100e-6, 20e-6, 5e-6).unwrap();
-        for outline in [Outline::Disc { diameter_m: 2e-3 }, Outline::Rectangle { length_m: 2e-3, width_m: 1e-3 }] {
+        for outline in [Outline::Disc { diameter_m: 1e-3 }, Outline::Rectangle { length_m: 1e-3, width_m: 0.6e-3 }] {
             for layout in [Layout::new(pattern, outline).unwrap(), Layout::clipped(pattern, outline).unwrap()] {
                 let cut_m2 = compared(&layout, None, 2.0) as f64 * 4e-12;
                 assert!((cut_m2 / layout.cavity_area_m2() - 1.0).abs() < 2e-3, "{cut_m2}");

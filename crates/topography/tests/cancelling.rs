@@ -1,7 +1,5 @@
 //! Operations on maps end at any point at which their monitor cancels.
 
-#![allow(clippy::unwrap_used, reason = "a test that unwraps in vain fails, as it should")]
-
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use slipgrid_monitor::{Monitor, Unwatched};

@@ -1,7 +1,5 @@
 //! Properties of all readers: the heights do not depend on the format, and parts agree with the whole map.
 
-#![allow(clippy::unwrap_used, reason = "a test that unwraps in vain fails, as it should")]
-
 use proptest::prelude::*;
 use slipgrid_topography::{
     Crop, Decimation, DecimationMethod, HeightMap, LengthUnit, MatrixStyle, ReadOptions, read_map,

@@ -1,7 +1,5 @@
 //! Compares Sk to Smr2, Sal and Str with surfalize 0.17.1, on sums of waves (`reference/waves.py`).
 
-#![allow(clippy::unwrap_used, reason = "a test that unwraps in vain fails, as it should")]
-
 use std::f64::consts::TAU;
 
 use serde_json::Value;

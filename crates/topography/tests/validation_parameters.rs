@@ -1,7 +1,5 @@
 //! Compares ISO 25178 parameters and power spectrum with those of independent programs (`reference/make.py`).
 
-#![allow(clippy::unwrap_used, reason = "a test that unwraps in vain fails, as it should")]
-
 use serde_json::Value;
 use slipgrid_monitor::Unwatched;
 use slipgrid_topography::{

@@ -1,7 +1,5 @@
 //! Files written by other programs, and the values other programs read from them (`reference/make.py`).
 
-#![allow(clippy::unwrap_used, reason = "a test that unwraps in vain fails, as it should")]
-
 use std::path::Path;
 
 use serde_json::Value;

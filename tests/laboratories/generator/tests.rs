@@ -98,6 +98,7 @@ fn a_sample_that_missed_is_as_likely_as_the_sum_over_its_scatter_says() {
 
 /// Chances after a sample that missed, against those of draws that knew of none and are weighted by what was measured.
 #[test]
+#[ignore = "five seconds: 400,000 draws of the prior, for the reference policy of laboratories alone"]
 fn draws_say_what_weighted_draws_of_the_prior_say() {
     let textures = textures();
     let generator = Generator::new(&textures, &Mechanism::ALL, Sizes::Own);

@@ -177,6 +177,7 @@ fn a_peak_above_that_of_the_model_is_named_and_left_out() {
 }
 
 #[test]
+#[ignore = "twenty seconds: a second height of the peak of the test before"]
 fn a_peak_far_above_that_of_the_model_is_named_and_left_out() {
     is_named_and_left_out(1.85);
 }

@@ -3,19 +3,15 @@
 use std::fs;
 use std::path::Path;
 
-use crate::common::{CALIBRATION, DESIGN, FLAT, Place, program};
+use crate::common::{CALIBRATION, FLAT, Place, program, short};
 
 /// A short sample whose material is calibrated first.
 fn place() -> Place {
-    let start = DESIGN.find("[material]").unwrap();
-    let end = start + DESIGN[start..].find("[target]").unwrap();
+    let design = short();
+    let (head, rest) = design.split_once("[material]").unwrap();
+    let (_, rest) = rest.split_once("[target]").unwrap();
     let calibrated = "material = \"calibration.toml\"\ncondition = { speed_mm_s = 2.0, humidity_pct = 15.0 }\n\n";
-    let design = format!("{}{calibrated}{}", &DESIGN[..start], &DESIGN[end..])
-        .replace("diameter_mm = 10.0", "diameter_mm = 2.0")
-        .replace("layer_um = 200.0", "layer_um = 60.0")
-        .replace("[40.0, 400.0]", "[40.0, 100.0]")
-        .replace("[40.0, 1000.0]", "[40.0, 200.0]")
-        .replace("[2.0, 50.0]", "[2.0, 20.0]")
+    let design = format!("{head}{calibrated}[target]{rest}")
         .replace("[0.65, 2.6]", "[0.65]")
         .replace("value = 0.9", "value = 0.95")
         .replace("tolerance = 0.01", "tolerance = 0.03");

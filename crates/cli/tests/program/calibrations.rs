@@ -292,50 +292,6 @@ fn one_export_named_twice_in_a_calibration_is_refused() {
     place.succeed(&["traces", "c.toml"]);
 }
 
-/// Rows that a calibration cannot use, and what is said.
-const ROWS: [(&str, &str); 14] = [
-    ("50,2,15,0.248,0.002,0.20,0.01", "flat.csv:2: mu_static: 0.2 is no static peak: dynamic friction is 0.248"),
-    ("50,2,15,0.248,0.002,0.3,", "flat.csv:2: mu_static: stands without mu_static_std"),
-    (
-        "50,2,15,0.248,0.002,1.5,0.01",
-        "flat.csv:2: (50 N, 2 mm/s, 15 %): the static peak is 6.05 times dynamic friction",
-    ),
-    ("50,2,15,0.248,0,,", "flat.csv:2: mu_dynamic_std: 0 lies outside all measured"),
-    ("50,2,15,0.248,0.3,,", "flat.csv:2: mu_dynamic_std: 0.3 lies outside all measured"),
-    ("50,2,15,0.0005,0.0001,,", "flat.csv:2: mu_dynamic: 0.0005 lies outside all measured"),
-    ("50,0.00003,15,0.248,0.002,,", "flat.csv:2: (50 N, 0.00003 mm/s, 15 %): its run in time takes"),
-    (
-        "0.001,2,15,0.248,0.002,,",
-        "flat.csv:2: (0.001 N, 2 mm/s, 15 %): 2 mm/s is too fast at 0.0000127 MPa with E = 0.38 GPa; expected speed_mm_s of at most 0.002",
-    ),
-    (
-        "500000,2,15,0.248,0.002,,",
-        "flat.csv:2: force_n: 500000 (16.753 of Young's modulus, on the specimen's area) lies outside all measured",
-    ),
-    (
-        "0.000005,2,15,0.248,0.002,,",
-        "flat.csv:2: force_n: 0.000005 (6.37e-8 MPa, on the specimen's area) lies outside all measured",
-    ),
-    ("10000,2,15,4.5,0.002,,", "flat.csv:2: (10000 N, 2 mm/s, 15 %): friction over the area law's factor"),
-    ("50,2,15,0.248,0.002,,\n50,2,15,0.25,0.002,,", "flat.csv:3: has 50 N, 2 mm/s, 15 % again, as line 2 has"),
-    ("50,2,15,0.248,0.002,0.3,0.9", "flat.csv:2: mu_static_std: 0.9 lies outside all measured"),
-    ("50,2000000,15,0.248,0.002,,", "flat.csv:2: speed_mm_s: \"2000000\" is out of range"),
-];
-
-#[test]
-fn measurements_that_cannot_be_used_are_refused_at_once() {
-    let header = FLAT.lines().next().unwrap();
-    let place = Place::with(&[("c.toml", CALIBRATION)]);
-    for (row, says) in ROWS {
-        fs::write(place.path("flat.csv"), format!("{header},mu_static,mu_static_std\n{row}\n")).unwrap();
-        let start = Instant::now();
-        let message = place.refuse(&["calibrate", "c.toml", "-q"]);
-        assert!(message.contains(says), "{row}\n{message}");
-        assert!(message.contains("expected"), "{message}");
-        assert!(start.elapsed() < AT_ONCE, "{row}: {:?}", start.elapsed());
-    }
-}
-
 #[test]
 fn a_table_of_too_many_conditions_is_refused_at_once() {
     let header = FLAT.lines().next().unwrap();
@@ -354,38 +310,6 @@ fn windows_that_a_map_does_not_hold_are_refused_in_the_file_that_asks_for_them()
     place.succeed(&["synthesize", "--pixels", "256", "-o", "map.asc"]);
     let message = place.refuse(&["calibrate", "c.toml", "-q"]);
     assert!(message.starts_with("error: c.toml: surface.windows: number of windows per side is 200"), "{message}");
-}
-
-#[test]
-fn mistaken_units_and_sizes_are_refused_at_once() {
-    let place = Place::with(&[("flat.csv", FLAT)]);
-    let pattern = "[pattern]\nwidth_um = 1e6\nspacing_um = 1e6\ndepth_um = 20\n[fit]";
-    for (from, to, says) in [
-        (
-            "youngs_modulus_gpa = 0.38",
-            "youngs_modulus_gpa = 3.8e8",
-            "c.toml:4: material.youngs_modulus_gpa: 3.8e8 is out of range",
-        ),
-        ("youngs_modulus_gpa = 0.38", "youngs_modulus_gpa = 3.8e8", "in Pa, that would be 0.38 GPa"),
-        ("youngs_modulus_gpa = 0.38", "youngs_modulus_gpa = 1500", "in MPa, that would be 1.5 GPa"),
-        ("density_g_cm3 = 0.9", "density_g_cm3 = 900", "in kg/m3, that would be 0.9 g/cm3"),
-        (
-            "density_g_cm3 = 0.9",
-            "density_g_cm3 = 1e-6",
-            "c.toml:6: material.density_g_cm3: 1e-6 lies outside all measured",
-        ),
-        ("radius_mm = 5.0", "radius_mm = 0.00005", "c.toml:10: specimen.radius_mm: 0.00005 lies outside all measured"),
-        ("[fit]", pattern, "c.toml:13: pattern: repeats every 2000 mm, more than the specimen's 10 mm"),
-        ("std_gpa = 0.08", "std_gpa = 80", "c.toml:5: material.youngs_modulus_std_gpa: 80 leaves Young's modulus"),
-        ("[specimen]", "[[specimen]]", "c.toml:9: specimen: stands in double brackets"),
-        ("flat = \"flat.csv\"", "", "c.toml:11: measurements.flat: is missing"),
-    ] {
-        fs::write(place.path("c.toml"), CALIBRATION.replace(from, to)).unwrap();
-        let start = Instant::now();
-        let message = place.refuse(&["calibrate", "c.toml", "-q"]);
-        assert!(message.contains(says), "{message}");
-        assert!(start.elapsed() < AT_ONCE, "{to}: {:?}", start.elapsed());
-    }
 }
 
 #[test]
@@ -423,8 +347,7 @@ fn pressure_follows_from_the_area_of_every_shape_of_specimen() {
     let place = Place::with(&[("flat.csv", FLAT)]);
     let read = |keys: &str| {
         let text = CALIBRATION.replace("radius_mm = 5.0", keys);
-        Calibration::from_document(&Document::within(&slipgrid_disk::disk(), place.path("c.toml"), text))
-            .map_err(|refused| refused.to_string())
+        Calibration::from_document(&Document::within(&slipgrid_disk::disk(), place.path("c.toml"), text)).unwrap()
     };
     let quarter_pi = std::f64::consts::FRAC_PI_4;
     for (keys, area_mm2) in [
@@ -434,22 +357,8 @@ fn pressure_follows_from_the_area_of_every_shape_of_specimen() {
         ("shape = \"ring\"\nouter_diameter_mm = 30.0\ninner_diameter_mm = 20.0", quarter_pi * 500.0),
         ("shape = \"rectangle\"\nlength_mm = 10.0\nwidth_mm = 4.0", 40.0),
     ] {
-        let found = read(keys).unwrap();
+        let found = read(keys);
         // 50 N in MPa are 50 N/mm2 over the area.
         assert!((found.pressure_pa(50.0) / (50e6 / area_mm2) - 1.0).abs() < 1e-12, "{keys}");
-    }
-    for (keys, says) in [
-        ("", "specimen.radius_mm: is missing"),
-        ("radius_mm = 5.0\ndiameter_mm = 10.0", "specimen.diameter_mm: 10.0 stands beside radius_mm"),
-        ("outer_diameter_mm = 30.0", "specimen.inner_diameter_mm: is missing"),
-        ("outer_diameter_mm = 20.0\ninner_diameter_mm = 20.0", "inner_diameter_mm: 20.0 leaves nothing of the ring"),
-        (
-            "shape = \"ring\"\nouter_diameter_mm = 20.0\ninner_diameter_mm = 10.0\nwidth_mm = 1.0",
-            "has no meaning for a ring",
-        ),
-        ("radius_um = 5.0", "did you mean `radius_mm`?"),
-    ] {
-        let refused = read(keys).unwrap_err();
-        assert!(refused.contains(says), "{refused}");
     }
 }

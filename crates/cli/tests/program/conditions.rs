@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use crate::common::{CALIBRATION, DESIGN, Place, number, result, trusted};
+use crate::common::{CALIBRATION, Place, free, number, result, short, trusted};
 use serde_json::Value;
 
 /// A condition of the material: speed in mm/s, humidity in per cent, mean local dynamic coefficient.
@@ -18,15 +18,10 @@ fn design(target: &str, measured: &[Measured], header: &str) -> String {
         )
     };
     let rows: String = measured.iter().map(row).collect();
-    DESIGN
-        .replace("diameter_mm = 10.0", "diameter_mm = 2.0")
-        .replace("layer_um = 200.0", "layer_um = 60.0")
-        .replace("[2.0, 50.0]", "[2.0, 20.0]")
+    short()
         .replace("[0.65, 2.6]", "[2.6]")
         .replace("quantity = \"ratio\"\n", "")
         .replace("value = 0.9\ntolerance = 0.01", target)
-        .replace("[40.0, 400.0]", "[40.0, 100.0]")
-        .replace("[40.0, 1000.0]", "[40.0, 200.0]")
         .replace("static_mean = 0.30\ndynamic_mean = 0.27\n", &format!("relative_std = 0.05\n{rows}"))
         .replace("[material]\n", &format!("{header}\n[material]\n"))
 }
@@ -72,30 +67,7 @@ fn a_friction_target_holds_at_every_condition() {
         ))
     };
     let also = |at: &str| format!("{FIRST}\nalso_at = [{{ speed_mm_s = {at}, humidity_pct = 15.0 }}]");
-    let place = Place::with(&[
-        ("a.toml", &wanted(0.018, &also("4.0"))),
-        ("narrow.toml", &wanted(0.005, &also("8.0"))),
-        ("outside.toml", &wanted(0.018, &also("9.0"))),
-        ("beyond.toml", &wanted(0.018, &also("[3.0, 9.0]"))),
-        ("reversed.toml", &wanted(0.018, &also("[4.0, 2.0]"))),
-        ("short.toml", &wanted(0.018, &also("[4.0]"))),
-        ("alone.toml", &wanted(0.018, "also_at = [{ speed_mm_s = 4.0, humidity_pct = 15.0 }]")),
-    ]);
-    for (file, says) in [
-        ("outside.toml", "also_at: "),
-        ("outside.toml", "no coefficients for 9 mm/s at 15 % humidity, which is not between measured ones"),
-        ("beyond.toml", "beyond.toml:3: also_at: "),
-        ("beyond.toml", "no coefficients for 9 mm/s at 15 % humidity"),
-        ("reversed.toml", "reversed.toml:3: also_at.speed_mm_s: [4.0, 2.0] has its larger number first"),
-        (
-            "short.toml",
-            "short.toml:3: also_at.speed_mm_s: [4.0] is a list of 1; expected one number, or [lowest, highest]",
-        ),
-        ("alone.toml", "without the condition that is designed for"),
-    ] {
-        let message = place.refuse(&["optimize", file]);
-        assert!(message.contains(says), "{message}");
-    }
+    let place = Place::with(&[("a.toml", &wanted(0.018, &also("4.0"))), ("narrow.toml", &wanted(0.005, &also("8.0")))]);
 
     let told = place.succeed(&["optimize", "a.toml"]);
     let found = result(&place, "out/a");
@@ -131,10 +103,7 @@ fn shares_of_samples_count_all_conditions_together() {
     let both = format!("{FIRST}\nalso_at = [{{ speed_mm_s = 2.0, humidity_pct = 80.0 }}]");
     let text = |target: &str| {
         let known = |mean: f64| format!("dynamic_mean = {mean}\n");
-        let text = design(target, &measured, &both)
-            .replace("width_um = [40.0, 100.0]", "width_um = 60.0")
-            .replace("spacing_um = [40.0, 200.0]", "spacing_um = 100.0")
-            .replace("depth_um = [2.0, 20.0]", "depth_um = 15.6");
+        let text = design(target, &measured, &both).replace("width_um = [40.0, 100.0]", "width_um = 60.0");
         let text = [0.20, 0.27].into_iter().fold(text, |text, mean| {
             text.replace(&known(mean), &format!("{}dynamic_std_error = {}\n", known(mean), 0.01 * mean))
         });
@@ -167,7 +136,7 @@ fn a_ratio_target_and_a_peak_pressure_hold_at_the_worst_condition() {
     let target = "quantity = \"ratio\"\nvalue = 0.84\ntolerance = 0.03";
     let limited = |header: &str| {
         let text = design("quantity = \"ratio\"\ngoal = \"lowest\"", &measured, header);
-        text.replace("max_peak_pressure_mpa = 20.0", "max_peak_pressure_mpa = 9.0")
+        free(&text).replace("max_peak_pressure_mpa = 20.0", "max_peak_pressure_mpa = 9.0")
     };
     let place = Place::with(&[
         ("both.toml", &trusted(&design(target, &measured, &both))),
@@ -213,7 +182,7 @@ fn a_range_is_the_list_of_its_conditions_and_each_humidity_has_its_own_discrepan
         modulus_sensitivity = [0.0, 0.0]\n[target]";
     let with = |header: &str| {
         let target = "quantity = \"ratio\"\nvalue = 0.78\ntolerance = 0.04";
-        design(target, &measured, header).replace("[target]", trial)
+        free(&design(target, &measured, header)).replace("[target]", trial)
     };
     let range = "condition = { speed_mm_s = [1.5, 4.0], humidity_pct = [15.0, 80.0] }";
     let each = [(1.5, 15.0), (1.5, 80.0), (2.0, 80.0), (4.0, 15.0), (4.0, 80.0), (2.0, 80.0)];
@@ -266,7 +235,7 @@ fn a_calibration_takes_in_every_condition_of_a_range() {
         }
         text + &format!("205,5,15,{},0.0025\n", 0.3 * dry)
     };
-    let text = design("quantity = \"ratio\"\nvalue = 0.8\ntolerance = 0.08", &[(2.0, 15.0, 0.27)], "");
+    let text = free(&design("quantity = \"ratio\"\nvalue = 0.8\ntolerance = 0.08", &[(2.0, 15.0, 0.27)], ""));
     let (from, to) = (text.find("[material]").unwrap(), text.find("[target]").unwrap());
     let named = format!("{}{}", &text[..from], &text[to..]);
     let with = |humidity: &str| {

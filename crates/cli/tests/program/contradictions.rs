@@ -110,38 +110,13 @@ fn a_modulus_in_megapascals_is_named_before_anything_runs() {
 }
 
 #[test]
-fn contact_area_that_falls_with_pressure_and_moduli_left_open_are_refused() {
+fn full_contact_and_measured_friction_may_fall_with_pressure() {
     let scene = |factor: &str| SCENE.replace("factor = [1.0, 0.96, 0.90, 0.60]", &format!("factor = {factor}"));
-    for (factor, says) in [
-        ("[1.0, 0.5, 0.2, 0.04]", "0.5 makes contact area fall to 0.93 times from 0.7 to 1.3 MPa"),
-        ("[1.0, 0.96, 0.001, 0.6]", "0.001 makes contact area fall to 0.00 times from 1.3 to 2.6 MPa"),
-        ("[1.0, 0.96, 0.90, 0.2]", "0.2 makes contact area fall to 0.85 times from 2.6 to 10 MPa"),
-        ("[0.8, 0.4, 0.3, 0.2]", "0.4 makes contact area fall to 0.93 times from 0.7 to 1.3 MPa"),
-    ] {
-        let place =
-            Place::with(&[("s.toml", &scene(factor)), ("d.toml", &DESIGN.replace("[1.0, 0.9, 0.7, 0.3]", factor))]);
-        for args in [["simulate", "s.toml"], ["optimize", "d.toml"]] {
-            let refused = place.refuse(&args);
-            assert!(
-                refused.contains(&format!("material.area_law.factor: {says}; real contact area never falls")),
-                "{refused}"
-            );
-            assert!(refused.contains("expected a factor of at least 0."), "{refused}");
-        }
-    }
     // Full contact, and friction that was measured, which may fall.
     let full = scene("[1.0, 0.539, 0.27, 0.07]");
     let measured =
         scene("[1.0, 0.5, 0.2, 0.04]").replace("[material.area_law]", "[material.area_law]\norigin = \"measured\"");
-    let open = SCENE.replace("youngs_modulus_gpa = 0.38", "youngs_modulus_gpa = 0.38\nyoungs_modulus_std_gpa = 1.0");
-    let place = Place::with(&[("full.toml", &full), ("measured.toml", &measured), ("open.toml", &open)]);
+    let place = Place::with(&[("full.toml", &full), ("measured.toml", &measured)]);
     place.succeed(&["simulate", "full.toml"]);
     place.succeed(&["simulate", "measured.toml"]);
-    let refused = place.refuse(&["simulate", "open.toml"]);
-    assert!(
-        refused.contains(
-            "open.toml:3: material.youngs_modulus_std_gpa: 1.0 leaves Young's modulus of 0.38 GPa open altogether"
-        ),
-        "{refused}"
-    );
 }

@@ -3,7 +3,7 @@
 use std::fs;
 use std::time::Instant;
 
-use crate::common::{CALIBRATION, DESIGN, FLAT, Place, SCENE};
+use crate::common::{CALIBRATION, DESIGN, FLAT, Place, SCENE, small};
 use serde_json::Value;
 
 fn result(place: &Place) -> Value {
@@ -14,8 +14,9 @@ fn result(place: &Place) -> Value {
 fn discs() -> String {
     let asked = DESIGN.replace("value = 0.9", "value = 0.5");
     let bounded = asked.replace("\"groove\"", "\"disc\"");
-    let bounded = bounded.replace("[40.0, 1000.0]", "[60.0, 100.0]").replace("[40.0, 400.0]", "[40.0, 60.0]");
-    bounded.replace("layer_um = 200.0", "layer_um = 80.0").replace("[2.0, 50.0]", "[2.0, 20.0]")
+    let bounded = bounded.replace("[40.0, 1000.0]", "60.0").replace("[40.0, 400.0]", "[40.0, 60.0]");
+    let coarse = bounded.replace("layer_um = 200.0", "layer_um = 80.0").replace("block_um = 10.0", "block_um = 20.0");
+    coarse.replace("[2.0, 50.0]", "10.4")
 }
 
 #[test]
@@ -92,16 +93,10 @@ fn what_takes_more_than_memory_or_a_month_is_refused_by_name() {
 
 #[test]
 fn a_bound_without_brackets_fixes_a_dimension() {
-    let fixed = DESIGN
-        .replace("depth_um = [2.0, 50.0]", "depth_um = 20.8")
-        .replace("width_um = [40.0, 400.0]", "width_um = 300");
-    let listed = fixed.replace("depth_um = 20.8", "depth_um = [20.8]");
-    let place = Place::with(&[("fixed.toml", &fixed), ("listed.toml", &listed)]);
+    let place = Place::with(&[("fixed.toml", &small())]);
     place.run(&["optimize", "fixed.toml", "-o", "out"]);
     let design = &result(&place)["design"];
-    assert_eq!((design["width_um"].as_f64(), design["depth_um"].as_f64()), (Some(300.0), Some(20.8)));
-    let message = place.refuse(&["optimize", "listed.toml", "-o", "out"]);
-    assert!(message.contains("bounds.depth_um") && message.contains("one number without brackets"), "{message}");
+    assert_eq!((design["spacing_um"].as_f64(), design["depth_um"].as_f64()), (Some(60.0), Some(5.2)));
 }
 
 #[test]

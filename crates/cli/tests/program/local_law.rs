@@ -101,30 +101,6 @@ fn a_fitted_law_is_compared_as_trials_have_it() {
 }
 
 #[test]
-fn a_measured_law_is_refused_where_it_means_nothing() {
-    let place = Place::with(&[
-        ("open.toml", &with_surface("local_law = \"measured\"\n")),
-        (
-            "both.toml",
-            &with_surface("persson_rms_slope = 0.0137\nlocal_law = \"measured\"\nextrapolation = \"constant\"\n"),
-        ),
-        ("stray.toml", &with_surface("persson_rms_slope = 0.0137\nextrapolation = \"constant\"\n")),
-        ("one.toml", &with_surface(MEASURED).replace("flat.csv", "one.csv")),
-        ("flat.csv", FLAT),
-        ("one.csv", crate::common::FLAT),
-    ]);
-    for (file, key) in [
-        ("open.toml", "logarithmic"),
-        ("both.toml", "takes no surface"),
-        ("stray.toml", "stands without a measured law"),
-        ("one.toml", "at two forces or more"),
-    ] {
-        let message = place.refuse(&["calibrate", file]);
-        assert!(message.contains(file) && message.contains(key), "{message}");
-    }
-}
-
-#[test]
 fn a_map_after_the_test_is_compared_and_the_law_rests_on_the_one_before() {
     let map = |after: &str| with_surface(&format!("map = \"before.asc\"\nsynthetic = true\n{after}"));
     let place = Place::with(&[

@@ -23,7 +23,6 @@ mod optimize;
 mod outside;
 mod planforms;
 mod refusals;
-mod refused_flags;
 mod relief;
 mod repeats;
 mod rims;

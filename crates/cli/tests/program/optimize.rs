@@ -2,17 +2,12 @@
 
 use std::fs;
 
-use crate::common::{DESIGN, Place, names, result, trusted};
+use crate::common::{Place, names, program, result, short, trusted};
 use serde_json::Value;
 
 /// A short sample of several periods, so that confirming takes a second, and a target at one pressure.
 fn design(value: &str) -> String {
-    DESIGN
-        .replace("diameter_mm = 10.0", "diameter_mm = 2.0")
-        .replace("layer_um = 200.0", "layer_um = 60.0")
-        .replace("[2.0, 50.0]", "[2.0, 20.0]")
-        .replace("[40.0, 400.0]", "[40.0, 100.0]")
-        .replace("[40.0, 1000.0]", "[40.0, 200.0]")
+    short()
         .replace("[0.65, 2.6]", "[2.6]")
         .replace("value = 0.9", value)
         .replace("tolerance = 0.01", "tolerance = 0.03")
@@ -30,7 +25,7 @@ fn a_design_is_found_confirmed_and_written_for_a_laser() {
     let confirmed = found["confirmed"][0]["ratio"].as_f64().unwrap();
     assert!((confirmed - 0.88).abs() <= 0.03, "{confirmed}");
     let um = |key: &str| found["design"][key].as_f64().unwrap();
-    assert!((40.0..=100.0).contains(&um("width_um")) && (40.0..=200.0).contains(&um("spacing_um")));
+    assert!((40.0..=100.0).contains(&um("width_um")) && um("spacing_um") == 120.0);
     let bursts = um("depth_um") / 2.6;
     assert!((bursts - bursts.round()).abs() < 1e-6 && found["bursts"].as_f64().unwrap() == bursts.round());
     assert!(found.get("timings_s").is_none() && found.get("threads").is_none());
@@ -39,10 +34,20 @@ fn a_design_is_found_confirmed_and_written_for_a_laser() {
     for stage in ["material", "table", "search", "confirm", "trade_offs", "explorer", "export"] {
         assert!(times["timings_s"][stage].as_f64().unwrap() >= 0.0);
     }
-    assert!(found["compared"].as_u64().unwrap() > 100 && found["seed"] == 1 && found["version"].is_string());
+    assert!(found["compared"] == 7 && found["seed"] == 1 && found["version"].is_string());
     let folder = place.path("out/grooves");
     for name in ["scene.toml", "pattern.dxf", "pattern.svg", "pattern.csv", "process.toml", "target.svg"] {
         assert!(names(&folder).contains(&name.to_owned()), "{name}");
+    }
+
+    // The screen says what decides, and where the rest is.
+    let screen = program().current_dir(place.path("")).args(["optimize", "grooves.toml", "-o", "s"]).output().unwrap();
+    let screen = String::from_utf8(screen.stdout).unwrap();
+    assert!(screen.lines().count() <= 28 && screen.lines().all(|line| line.chars().count() <= 100), "{screen}");
+    for said in
+        ["95 % of samples", "\n- not modelled: ", "\nreport  s/report.html\nlaser   s/pattern.dxf, s/process.toml\n"]
+    {
+        assert!(screen.contains(said), "{said}: {screen}");
     }
 
     // The written scene is the confirming run.

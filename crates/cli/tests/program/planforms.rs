@@ -137,71 +137,7 @@ fn polygons_are_searched_confirmed_and_exported() {
 }
 
 #[test]
-fn outlines_and_angles_that_mean_nothing_are_refused_where_they_stand() {
-    let place = Place::with(&[("two.svg", "<svg><circle r=\"1\"/>\n<circle r=\"2\"/></svg>"), ("a.txt", "")]);
-    for (keys, says) in [
-        ("planform = \"polygon\"", &["a.toml:", "pattern.vertices_um: is missing", "outline = "][..]),
-        ("planform = \"polygon\"\nvertices_um = [[0, 0], [1, 0]]", &["pattern.vertices_um", "2 corners", "at least 3"]),
-        (
-            "planform = \"polygon\"\nvertices_um = [[0, 0], [2, 2], [2, 0], [0, 1]]",
-            &["a.toml:16: pattern.vertices_um", "from corner 1 (0, 0)", "does not cross or touch itself"],
-        ),
-        ("planform = \"polygon\"\nvertices_um = [[0, 0], [1, 1], [2, 2]]", &["encloses no area"]),
-        ("planform = \"polygon\"\nvertices_um = [[0, 0], [1, inf], [2, 2]]", &["corner 2", "finite numbers"]),
-        ("planform = \"polygon\"\nvertices_um = [[0, 0], [1], [2, 2]]", &["a.toml:16", "vertices_um"]),
-        (
-            "planform = \"polygon\"\noutline = \"no.svg\"",
-            &["a.toml:", "pattern.outline: \"no.svg\" (", "no.svg) cannot be read"],
-        ),
-        (
-            "planform = \"polygon\"\noutline = \"two.svg\"",
-            &[
-                "a.toml:",
-                "pattern.outline: \"two.svg\" cannot be used: ",
-                "two.svg:2: holds 2 closed outlines",
-                "no holes",
-            ],
-        ),
-        ("planform = \"polygon\"\noutline = \"a.txt\"", &["pattern.outline: \"a.txt\"", ".svg or .dxf"]),
-        (
-            "planform = \"polygon\"\noutline = \"two.svg\"\noutline_layer = \"A\"",
-            &["pattern.outline_layer: \"A\" names a layer where no drawing has any"],
-        ),
-        (
-            "planform = \"polygon\"\noutline = \"two.svg\"\nvertices_um = [[0, 0], [1, 0], [0, 1]]",
-            &["pattern.outline: \"two.svg\" is given beside vertices_um"],
-        ),
-        (
-            "planform = \"disc\"\noutline = \"two.svg\"",
-            &["has no meaning for planform \"disc\"", "planform = \"polygon\""],
-        ),
-        ("planform = \"disc\"\ncrossing_angle_deg = 60", &["crossing_angle_deg: 60 has no meaning", "\"crosshatch\""]),
-        ("planform = \"crosshatch\"\ncrossing_angle_deg = 5", &["crossing_angle_deg: 5 is out of range", "10", "90"]),
-        ("planform = \"crosshatch\"\nspacing_across_um = 5", &["spacing_across_um: 5 has no meaning"]),
-        ("planform = \"crosshatch\"\narrangement = \"staggered\"", &["arrangement: \"staggered\" has no meaning"]),
-        (
-            "planform = \"polygon\"\narrangement = \"hexagonal\"\nvertices_um = [[0, 0], [1, 0], [1, 2], [0, 2]]",
-            &["hexagonal rows are 138.564", "they run into each other"],
-        ),
-    ] {
-        fs::write(place.path("a.toml"), scene(keys)).unwrap();
-        let refused = place.refuse(&["simulate", "a.toml"]);
-        assert!(says.iter().all(|says| refused.contains(says)), "{keys}: {refused}");
-    }
-    // The vertical plane models neither.
-    for planform in ["\"polygon\"\nvertices_um = [[0, 0], [1, 0], [0, 1]]", "\"crosshatch\""] {
-        let text = scene(&format!("planform = {planform}")).replace("seed = 1", "seed = 1\ndimensions = 2");
-        fs::write(place.path("a.toml"), text).unwrap();
-        let refused = place.refuse(&["simulate", "a.toml"]);
-        assert!(
-            refused.contains("needs three dimensions") && refused.contains("\"groove\" or \"square\""),
-            "{refused}"
-        );
-    }
-}
-
-#[test]
-fn a_strip_in_space_is_drawn_from_end_to_end_and_refused_where_it_means_nothing() {
+fn a_strip_in_space_is_drawn_from_end_to_end() {
     let place = Place::with(&[]);
     let strip = |keys: &str| {
         scene(keys)
@@ -221,15 +157,4 @@ fn a_strip_in_space_is_drawn_from_end_to_end_and_refused_where_it_means_nothing(
     let svg = fs::read_dir(place.path("out/a")).unwrap().map(|entry| entry.unwrap().path());
     let mut svg = svg.filter(|path| path.to_string_lossy().contains("interface-"));
     assert!(fs::read_to_string(svg.next().unwrap()).unwrap().contains("Pressure through cavities"));
-    for (keys, says) in [
-        ("planform = \"square\"\nsliding_angle_deg = 30", "asks for a strip of a pattern that slides aslant"),
-        ("planform = \"groove\"\nangle_deg = 30", "asks for a strip of a pattern that slides aslant"),
-    ] {
-        fs::write(place.path("a.toml"), strip(keys).replace("layer_um = 200.0", "")).unwrap();
-        let refused = place.refuse(&["simulate", "a.toml"]);
-        assert!(refused.contains("run.extent: \"strip\"") && refused.contains(says), "{keys}: {refused}");
-    }
-    fs::write(place.path("b.toml"), small().replace("seed = 1", "seed = 1\nstrip = true")).unwrap();
-    let refused = place.refuse(&["optimize", "b.toml"]);
-    assert!(refused.contains("search.strip: true is of designs in space"), "{refused}");
 }

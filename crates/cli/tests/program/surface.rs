@@ -229,50 +229,6 @@ fn a_part_of_a_period_is_none() {
     assert_eq!((coarse["rows"].as_u64(), coarse["pixel_um"].as_f64()), (Some(32), Some(31.25)));
 }
 
-#[test]
-fn what_cannot_be_measured_is_refused_and_nothing_is_written() {
-    let holed = "# Width: 3 um\n# Height: 3 um\n# Value units: nm\n1 2 3\n4 NaN 6\n7 8 9\n";
-    let place = Place::with(&[("holed.asc", holed), ("blob.bin", "\u{1}\u{2}\u{3}")]);
-    for (args, message) in [
-        (vec!["surface", "absent.sur"], "error: absent.sur: cannot be read"),
-        (vec!["surface", "blob.bin"], "error: blob.bin: the file begins with \"\\x01\\x02\\x03\""),
-        (vec!["surface", "holed.asc", "--missing", "refuse"], "error: holed.asc: 1 of 9 heights are missing"),
-        (vec!["surface", "holed.asc", "--crop", "0,0,4,3"], "error: holed.asc: the crop takes rows 0 to 3"),
-        (vec!["surface", "holed.asc", "--crop", "0,0,4"], "error: invalid value '0,0,4'"),
-        (vec!["surface", "holed.asc", "--cavities"], "error: holed.asc: no cavities found"),
-        (vec!["surface", "holed.asc", "--section-um", "3.5"], "error: --section-um: 3.5 lies outside the map"),
-        (vec!["surface", "holed.asc", "--height-unit", "inch"], "error: --height-unit: \"inch\""),
-        (vec!["area-law", "holed.asc", "--no-level", "--form", "mean"], "error: the argument '--no-level'"),
-        (vec!["synthesize", "--cavities", "130,370", "-o", "m"], "error: invalid value '130,370'"),
-        (vec!["synthesize", "--wall-um", "5", "-o", "m"], "error: the following required arguments"),
-        (vec!["synthesize", "--cavities", "130,370,5", "--wall-um", "131", "-o", "m"], "error: wall width is"),
-        (vec!["synthesize", "--cavities", "130,370,5", "--rims", "1", "-o", "m"], "error: invalid value '1'"),
-        (vec!["synthesize", "--cavities", "130,370,5", "--rims", "1,200", "-o", "m"], "error: rim width is"),
-        (vec!["synthesize", "--rims", "1,20", "-o", "m"], "error: the following required arguments"),
-        (vec!["surface", "holed.asc", "--period-out", "p.asc"], "error: the following required arguments"),
-        (vec!["synthesize", "--rms-slope", "-1", "-o", "m"], "error: "),
-        (
-            vec!["synthesize", "-o", "m.npy"],
-            "error: --output: m.npy is no name of a map: it is written as matrix text, not as .npy",
-        ),
-        (vec!["synthesize", "-o", "m.X3P"], "error: --output: m.X3P is no name of a map"),
-        (
-            vec!["surface", "holed.asc", "--cavities", "--period-out", "p.gsf"],
-            "error: --period-out: p.gsf is no name of a map",
-        ),
-    ] {
-        let mut args = args;
-        if args[0] != "synthesize" {
-            args.extend(["-o", "out"]);
-        }
-        let said = place.refuse(&args);
-        assert!(said.starts_with(message), "{args:?}: {said}");
-    }
-    assert_eq!(place.names(), ["blob.bin", "holed.asc"]);
-    let filled = json(&place.succeed(&["surface", "holed.asc", "--json"]));
-    assert_eq!(filled["missing_points"], 1);
-}
-
 /// The spectrum of a part of a surface takes the step between its opposite sides for slope.
 #[test]
 fn the_slope_of_a_part_is_that_of_the_whole() {

@@ -47,40 +47,6 @@ fn a_material_whose_coefficients_are_all_above_1_is_asked_about() {
 }
 
 #[test]
-fn designs_that_no_search_can_meet_are_refused_as_they_are_read() {
-    let loads = "pressure_mpa = [0.65, 2.6]";
-    for (from, to, key, says) in [
-        (
-            loads,
-            "pressure_mpa = [0.65, 200.0]",
-            "target.pressure_mpa: 200.0 MPa is above 0.5 of Young's modulus",
-            "in kPa",
-        ),
-        (
-            "max_peak_pressure_mpa = 20.0",
-            "max_peak_pressure_mpa = 2.0",
-            "target.pressure_mpa: 2.6 MPa is not below",
-            "in line ",
-        ),
-        ("block_um = 20.0", "block_um = 0.01", "sample.block_um: 0.01 divides the layer into", "at most 4e7"),
-    ] {
-        let text = small().replace(from, to).replace("max_peak_pressure_mpa = 20.0", "max_peak_pressure_mpa = 2000.0");
-        let place = Place::with(&[("d.toml", &text)]);
-        let refused = place.run(&["optimize", "d.toml"]);
-        let said = String::from_utf8(refused.stderr).unwrap();
-        assert_eq!(refused.status.code(), Some(2), "{said}");
-        assert!(said.contains("error: d.toml:") && said.contains(key) && said.contains(says), "{said}");
-    }
-    // A law that leaves no contact.
-    let design = small();
-    let (law, _) = design.split_once("factor = [1.0,").unwrap();
-    let place = Place::with(&[("d.toml", &design.replacen("factor = [1.0,", "factor = [0.0,", 1))]);
-    let said = place.refuse(&["optimize", "d.toml"]);
-    let line = law.lines().count() + 1;
-    assert!(said.contains(&format!("d.toml:{line}: material.area_law.factor: 0.0 leaves no contact")), "{said}");
-}
-
-#[test]
 fn what_is_doubtful_of_a_material_is_said_by_next_and_explore_as_by_optimize() {
     let text = small().replacen("[material]\n", "[material]\nwarnings = [\"slope: odd\"]\n", 1);
     let place = Place::with(&[("d.toml", &text)]);
