@@ -203,7 +203,7 @@ fn a_worker_stops_when_told_and_goes_on_later() {
 fn what_cannot_be_is_refused_with_its_place() {
     for (campaign, says) in [
         ("base = \"none.toml\"\n", "d/campaign.toml:1: base: \"none.toml\" cannot be read"),
-        ("base = \"m/material.toml\"\n", "is no scene and no design; expected a scene file, a design file"),
+        ("base = \"m/material.toml\"\n", "is no scene and no design; expected a scene file or a design file"),
         ("base = \"scene.toml\"\nwork = \"table\"\n", "is for designs"),
         ("base = \"scene.toml\"\n[[grid]]\nkey = \"run.seed\"\nvalues = []\n", "has no values"),
         ("base = \"scene.toml\"\ngrit = 1\n", "grit"),
