@@ -3,7 +3,9 @@
 use std::sync::Arc;
 
 use slipgrid_contact::AreaPoint;
-use slipgrid_discrepancy::{Conditions, DimensionShift, Discrepancy, Features, Hyperparameters, Load, Measured, Trial};
+use slipgrid_discrepancy::{
+    Conditions, DimensionShift, Discrepancy, Features, Hyperparameters, Load, Measured, Sensitivity, Trial,
+};
 use slipgrid_export::Specimen;
 use slipgrid_material::AreaLaw;
 use slipgrid_monitor::{Monitor, Stage};
@@ -177,7 +179,7 @@ fn trial(
     monitor: &dyn Monitor,
 ) -> Result<(Trial, Option<String>), CalibrationError> {
     let axes: Vec<usize> = (0..3).filter(|axis| cut.dimensions_std_m[*axis] > 0.0).collect();
-    let monitor = Part::new(monitor, 1.0 / (1 + axes.len()) as f64);
+    let monitor = Part::new(monitor, 1.0 / (2 + axes.len()) as f64);
     let CutSpecimen { face, thickness_m } = cut.specimen;
     let model = |pattern: Pattern| Model { task, law, pattern, relief: cut.relief.clone(), thickness_m };
     let pairs = pairs(task, &cut.measured);
@@ -188,9 +190,15 @@ fn trial(
         || model(cut.pattern).added_by_time(&pairs, face.as_ref(), &Part::new(&monitor, 0.0)),
     );
     let ((steady, on_face), added) = (steady?, added?);
-    let known = pairs.iter().zip(&added.at);
-    let known = known.filter_map(|(pair, added)| Some((pair, ends.between(pair, |place| steady[place])?, *added)));
-    let known: Vec<(&Pair, [f64; 2], f64)> = known.collect();
+    let face = (&ends.solved[..], on_face.as_ref());
+    let by_local_law = model(cut.pattern).local_law_ratios(&pairs, face, &monitor)?;
+    let known = pairs.iter().zip(&added.at).zip(by_local_law);
+    let known = known.filter_map(|((pair, added), by_local_law)| {
+        let [ratio, modulus] = ends.between(pair, |place| steady[place])?;
+        let local_law = by_local_law.map_or(0.0, |by_local_law| (by_local_law / ratio).ln());
+        Some((pair, ratio, Sensitivity { modulus, local_law }, *added))
+    });
+    let known: Vec<(&Pair, f64, Sensitivity, f64)> = known.collect();
     let mut dimension_shifts = Vec::new();
     for axis in axes {
         let lengths_m = cut.pattern.lengths_m();
@@ -200,7 +208,7 @@ fn trial(
         });
         let Ok(moved) = Pattern::new(*cut.pattern.texture(), width_m, spacing_m, depth_m) else { continue };
         let others = model(moved).ratios(&ends.solved, on_face.as_ref(), &monitor)?;
-        let change = |(pair, [own, _], added): &(&Pair, [f64; 2], f64)| {
+        let change = |(pair, own, _, added): &(&Pair, f64, Sensitivity, f64)| {
             let [other] = ends.between(pair, |place| Some([others[place]?]))?;
             Some(tidy(((other + added) / (own + added)).ln()))
         };
@@ -208,8 +216,8 @@ fn trial(
         let above = tidy_features(&moved);
         dimension_shifts.extend(log_ratio.map(|log_ratio| DimensionShift { log_ratio, above, below: None }));
     }
-    // d ln (r + a) / d ln E = r / (r + a) d ln r / d ln E
-    let measured = known.iter().map(|([flat, patterned], [steady, modulus_sensitivity], added)| Measured {
+    // d ln (r + a) = r / (r + a) d ln r
+    let measured = known.iter().map(|([flat, patterned], steady, sensitivity, added)| Measured {
         load: Load {
             pressure_pa: tidy(task.pressure_pa(flat)),
             speed_m_s: tidy(flat.speed_m_s),
@@ -219,7 +227,10 @@ fn trial(
         modelled: tidy(steady + added),
         patterned_std: tidy(patterned.mu_dynamic_std / patterned.mu_dynamic),
         flat_std: tidy(flat.mu_dynamic_std / flat.mu_dynamic),
-        modulus_sensitivity: tidy(modulus_sensitivity * steady / (steady + added)),
+        sensitivity: Sensitivity {
+            modulus: tidy(sensitivity.modulus * steady / (steady + added)),
+            local_law: tidy(sensitivity.local_law * steady / (steady + added)),
+        },
     });
     let warning = added.unknown.map(|unknown| format!("trial \"{}\": {unknown}", cut.name));
     let trial = Trial {
@@ -251,7 +262,7 @@ pub(crate) fn note(learned: &Discrepancy) -> Option<String> {
     let trial = learned.trials().iter().rfind(|trial| !trial.measured.is_empty())?;
     let ratios: usize = learned.trials().iter().map(|trial| trial.measured.len()).sum();
     let at = trial.measured.first()?;
-    let found = learned.at(&[at.load]).predict(&trial.features, &[at.modulus_sensitivity]);
+    let found = learned.at(&[at.load]).predict(&trial.features, &[at.sensitivity]);
     let Load { pressure_pa, speed_m_s, humidity } = at.load;
     Some(format!(
         "trials: {ratios} measured ratio{} of {} sample{}. At the texture of \"{}\", {:.3} MPa, {} mm/s and {} % a sample's true ratio is \
@@ -385,7 +396,7 @@ mod tests {
                 let (found, exact) = (&all.measured[row], &own.measured[0]);
                 let off = (found.modelled - exact.modelled).abs();
                 assert!(off < 5e-5 + of_time, "{planform:?} {row}: {found:?} {exact:?}");
-                assert!((found.modulus_sensitivity - exact.modulus_sensitivity).abs() < 2e-4, "{planform:?} {row}");
+                assert!((found.sensitivity.modulus - exact.sensitivity.modulus).abs() < 2e-4, "{planform:?} {row}");
                 // A wider cavity lowers the ratio.
                 let change = all.dimension_shifts[0].log_ratio[row];
                 assert!(
@@ -451,7 +462,8 @@ mod tests {
         // What is measured of a texture is predicted of it, whatever slope along the modulus is asked with.
         let trial = &fitted.trials()[0];
         let at: Vec<Load> = trial.measured.iter().map(|at| at.load).collect();
-        let of_slope = |g: f64| fitted.at(&at).predict(&trial.features, &vec![g; at.len()]).medians();
+        let of_slope =
+            |g: f64| fitted.at(&at).predict(&trial.features, &vec![Sensitivity::of_modulus(g); at.len()]).medians();
         assert_eq!(of_slope(0.0), of_slope(0.2));
     }
 

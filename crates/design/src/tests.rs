@@ -1,7 +1,9 @@
 //! Tests of the whole: one prediction, one search, whoever asks.
 
 use slipgrid_calibrate::uncertainty::MaterialUncertainty;
-use slipgrid_discrepancy::{Conditions, Discrepancy, Features, Hyperparameters, Load as At, Measured, Trial};
+use slipgrid_discrepancy::{
+    Conditions, Discrepancy, Features, Hyperparameters, Load as At, Measured, Sensitivity, Trial,
+};
 use slipgrid_material::{AreaLaw, Elastic, Friction, LocalFriction, Material, Provenance};
 use slipgrid_monitor::{Monitor, Unwatched};
 use slipgrid_optimize::{
@@ -63,7 +65,7 @@ fn trial(task: &DesignTask, lengths_m: [f64; 3], ratios: [f64; 2]) -> Trial {
         modelled,
         patterned_std: 0.005,
         flat_std: 0.005,
-        modulus_sensitivity: 0.0,
+        sensitivity: Sensitivity::default(),
     };
     let modelled = task.pressures_pa().into_iter().zip(steady(task, lengths_m));
     Trial {

@@ -1,5 +1,6 @@
 //! The material file that a calibration writes.
 
+use slipgrid_calibrate::uncertainty::CoefficientEstimate;
 use slipgrid_calibrate::{
     AreaLawOrigin, CalibrationOutcome, CalibrationTask, Coefficients, FittedPair, FittedRow as Row,
 };
@@ -7,7 +8,7 @@ use slipgrid_material::Condition;
 use toml::Spanned;
 
 use crate::made_from::MadeFrom;
-use crate::material::{AreaLawFile, ConditionTable, FrictionFile, MaterialFile};
+use crate::material::{AreaLawFile, ConditionTable, FlatFrictionTable, FrictionFile, MaterialFile};
 use crate::trials::LearnedFile;
 use crate::values::{Numbers, number, number_list};
 use slipgrid_results::{SCHEMA, VERSION};
@@ -66,6 +67,7 @@ pub fn material_toml(
                 area_fraction: areas.map(number_list),
             })
         }),
+        flat_friction: flat_friction(&outcome.uncertainty.flat_friction),
         discrepancy: None,
         made_from,
         learned: outcome.uncertainty.learned.as_ref().map(|learned| unplaced(LearnedFile::new(learned))),
@@ -127,6 +129,21 @@ fn condition_table(condition: Condition, rows: &[Row]) -> ConditionTable {
         dynamic_over_steady: Some(column(|row| row.dynamic_over_steady)),
         residual: Some(rows.iter().map(|row| rounded(row.residual)).collect()),
     }
+}
+
+/// One table a condition, in which its measurements follow one another.
+pub(crate) fn flat_friction(measured: &[CoefficientEstimate]) -> Vec<Spanned<FlatFrictionTable>> {
+    let table = |rows: &[CoefficientEstimate]| {
+        let Condition { speed_m_s, humidity } = rows[0].condition?;
+        let pressures = rows.iter().filter_map(|row| row.pressure_pa);
+        Some(unplaced(FlatFrictionTable {
+            speed_mm_s: number(SPEED_MM_S.from_si(speed_m_s)),
+            humidity_pct: number(HUMIDITY_PCT.from_si(humidity)),
+            pressure_mpa: number_list(pressures.map(|pressure_pa| PRESSURE_MPA.from_si(pressure_pa))),
+            mu_dynamic: unplaced(Numbers::Each(rows.iter().map(|row| number(tidy(row.value))).collect())),
+        }))
+    };
+    measured.chunk_by(|a, b| a.condition == b.condition).filter_map(table).collect()
 }
 
 fn unplaced<T>(value: T) -> Spanned<T> {

@@ -4,7 +4,7 @@
 use slipgrid_material::{AreaLaw, Condition, MaterialError, between};
 use slipgrid_springblock::Load;
 
-use super::{Covariance, InputUncertainty, ScaleError, with_scale};
+use super::{Covariance, InputUncertainty, ScaleError, local_law, with_scale};
 use slipgrid_discrepancy::{Conditions, Discrepancy, DiscrepancyError, Hyperparameters};
 
 /// Errors of a material's numbers, as far as its file has them.
@@ -26,6 +26,8 @@ pub struct MaterialUncertainty {
     pub law_is_measured: bool,
     /// Covariance of the one relative error of mu_d and of the logarithm of that scale, where both are known.
     pub scale_covariance: Option<[[f64; 2]; 2]>,
+    /// Dynamic friction of flat samples as measured, which may contradict an area law that is one of contact area; empty where a file gives none.
+    pub flat_friction: Vec<CoefficientEstimate>,
     /// What trials say of any texture, the prior where there are none; `None` where the file says nothing of it.
     pub learned: Option<Discrepancy>,
 }
@@ -115,6 +117,13 @@ impl MaterialUncertainty {
             .filter(|std| *std > 0.0 && !self.law_is_fitted && !self.law_is_measured && area_law.is_some())
     }
 
+    /// The law that friction follows under `condition` if the local coefficient follows the local pressure, as [`local_law`] makes it; `None` where
+    /// flat friction follows the `area_law` as far as is known.
+    #[must_use]
+    pub fn local_law(&self, area_law: Option<&AreaLaw>, condition: Option<&Condition>) -> Option<AreaLaw> {
+        local_law(area_law?, &self.flat_friction, condition)
+    }
+
     /// What a material with this `area_law` does not say of its own errors, of which `knowledge` is what it says.
     #[must_use]
     pub fn unknown(&self, knowledge: &InputUncertainty, area_law: Option<&AreaLaw>) -> Vec<&'static str> {
@@ -138,7 +147,11 @@ impl MaterialUncertainty {
 }
 
 /// The share that each of `known` coefficients has in the one at each of `pressures_pa` under `condition`, one row a pressure.
-fn shares(known: &[CoefficientEstimate], pressures_pa: &[f64], condition: Option<&Condition>) -> Option<Vec<Vec<f64>>> {
+pub(super) fn shares(
+    known: &[CoefficientEstimate],
+    pressures_pa: &[f64],
+    condition: Option<&Condition>,
+) -> Option<Vec<Vec<f64>>> {
     let measured: Vec<Condition> = known.iter().filter_map(|row| row.condition).collect();
     let conditions: Vec<(Option<Condition>, f64)> = if measured.is_empty() {
         vec![(None, 1.0)]
@@ -162,7 +175,7 @@ fn shares(known: &[CoefficientEstimate], pressures_pa: &[f64], condition: Option
 }
 
 /// The coefficient of which each of `known` has its share in `row`.
-fn mean(row: &[f64], known: &[CoefficientEstimate]) -> f64 {
+pub(super) fn mean(row: &[f64], known: &[CoefficientEstimate]) -> f64 {
     row.iter().zip(known).map(|(share, known)| share * known.value).sum()
 }
 
