@@ -328,6 +328,7 @@ mod tests {
     use slipgrid_springblock::Layer;
 
     use super::*;
+    use crate::uncertainty::{flat_friction, local_law};
     use crate::{Coefficients, Selection};
 
     fn measured(force_n: f64, humidity: f64, mu_dynamic: f64) -> Measurement {
@@ -465,6 +466,38 @@ mod tests {
         let of_slope =
             |g: f64| fitted.at(&at).predict(&trial.features, &vec![Sensitivity::of_modulus(g); at.len()]).medians();
         assert_eq!(of_slope(0.0), of_slope(0.2));
+    }
+
+    /// In the plane and in space, in which friction between two others is interpolated.
+    #[test]
+    fn a_trial_knows_what_the_local_law_changes() {
+        for planform in [Planform::Groove, Planform::Square] {
+            let flat = vec![measured(50.0, 0.4, 0.25), measured(200.0, 0.4, 0.30), measured(50.0, 0.8, 0.27)];
+            // Without what time adds both ratios are those of cells.
+            let task = CalibrationTask { relative_std: 0.0, static_over_dynamic: 1.0, ..task(flat, planform) };
+            let surface = surface_findings(&task, &Unwatched).unwrap();
+            let area_law = surface.law.clone().unwrap();
+            let of = |task: &CalibrationTask, law| learn(task, law, &Unwatched).unwrap().discrepancy;
+            let modelled = of(&task, surface.law_and_curve());
+            let condition = task.flat[0].condition();
+            let law = local_law(&area_law, &flat_friction(&task), Some(&condition)).unwrap();
+            let by_law = of(&task, (Some(&law), &[]));
+            for row in 0..2 {
+                let [own, other] = [&modelled, &by_law].map(|of| of.trials()[0].measured[row]);
+                let (change, expected) = (own.sensitivity.local_law, (other.modelled / own.modelled).ln());
+                assert!(
+                    expected > 0.005 && (change - expected).abs() < 1e-3,
+                    "{planform:?} {row}: {change} {expected}"
+                );
+            }
+            // At the other humidity one load was measured.
+            assert_eq!(modelled.trials()[0].measured[2].sensitivity.local_law, 0.0);
+            // Nor where a law is that of friction, or one pair of coefficients holds at all loads.
+            let single = CalibrationTask { coefficients: Coefficients::Single, ..task.clone() };
+            for of in [by_law, of(&single, surface.law_and_curve())] {
+                assert!(of.trials()[0].measured.iter().all(|at| at.sensitivity.local_law == 0.0));
+            }
+        }
     }
 
     #[test]

@@ -98,7 +98,8 @@ fn known_material(
     path: &Path,
     monitor: &dyn Monitor,
 ) -> Result<KnownMaterial, Uncalibrated> {
-    let memory = monitor.memory().map(|memory| (memory, Key::of("material", task)));
+    // Files that earlier versions kept had no flat friction.
+    let memory = monitor.memory().map(|memory| (memory, Key::of("material", &("with flat friction", task))));
     let recalled = memory.as_ref().and_then(|(memory, key)| memory.recall(key));
     if let Some(known) = recalled.and_then(|bytes| read_kept(String::from_utf8(bytes).ok()?)) {
         return Ok(known);

@@ -216,6 +216,22 @@ mod tests {
         outcome
     }
 
+    /// A file of before the local law was known of.
+    #[test]
+    fn a_file_without_flat_friction_is_read() {
+        let task = task(Coefficients::PerCondition, Surface::RmsSlope(0.0137));
+        let outcome = slipgrid_calibrate::run(&task, &Unwatched).unwrap();
+        let mut file: toml::Table = material_toml(&task, &outcome, None).unwrap().parse().unwrap();
+        assert!(file.remove("flat_friction").is_some());
+        let trials = file["learned"]["trial"].as_array_mut().unwrap();
+        assert!(trials[0].as_table_mut().unwrap().remove("local_law_change").is_some());
+        let document = Document::new("m.toml", file.to_string());
+        let (_, uncertainty) = read_known(&document, &document.parse().unwrap(), &(0..0)).unwrap();
+        let zeros = uncertainty.learned.unwrap();
+        assert!(uncertainty.flat_friction.is_empty());
+        assert!(zeros.trials()[0].measured.iter().all(|at| at.sensitivity.local_law == 0.0));
+    }
+
     #[test]
     fn a_material_is_the_one_that_its_file_says() {
         let each = read_back(Coefficients::PerCondition, Surface::RmsSlope(0.0137));
@@ -235,9 +251,15 @@ mod tests {
                 && each.uncertainty.learned.as_ref().unwrap().trials()[0].measured.len() == 3
         );
         assert!(each.uncertainty.has_marginal_errors);
+        // Friction rises with load at 15 %, where the area law falls; at 80 % one load was measured.
+        assert_eq!(each.uncertainty.flat_friction.len(), 3);
+        let learned = each.uncertainty.learned.as_ref().unwrap();
+        let changes: Vec<f64> = learned.trials()[0].measured.iter().map(|at| at.sensitivity.local_law).collect();
+        assert!(changes[0] > 1e-4 && changes[1] == 0.0 && changes[2] > 1e-4, "{changes:?}");
 
         let single = read_back(Coefficients::Single, Surface::None);
         assert!(matches!(single.material.friction, Friction::Single(_)) && single.material.area_law.is_none());
+        assert!(single.uncertainty.flat_friction.is_empty());
         let fitted = read_back(Coefficients::Single, Surface::FittedScale { bounds_pa: [0.5e6, 50e6] });
         assert!(fitted.uncertainty.law_is_fitted && fitted.material.area_law.is_some());
         let synthetic =

@@ -121,7 +121,8 @@ impl MaterialUncertainty {
     /// flat friction follows the `area_law` as far as is known.
     #[must_use]
     pub fn local_law(&self, area_law: Option<&AreaLaw>, condition: Option<&Condition>) -> Option<AreaLaw> {
-        local_law(area_law?, &self.flat_friction, condition)
+        let is_of_friction = self.law_is_fitted || self.law_is_measured;
+        local_law(area_law.filter(|_| !is_of_friction)?, &self.flat_friction, condition)
     }
 
     /// What a material with this `area_law` does not say of its own errors, of which `knowledge` is what it says.
