@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 use slipgrid_calibrate::uncertainty::{ScaleShift, moved};
-use slipgrid_discrepancy::{Features, Load};
+use slipgrid_discrepancy::{Features, Load, Sensitivity};
 use slipgrid_monitor::Monitor;
 use slipgrid_pattern::{Pattern, Planform, Rim, RimProfile, Texture};
 use slipgrid_springblock::{Scene, SteadyCell};
@@ -31,6 +31,8 @@ pub struct Solved {
     pub features: Features,
     /// Modelled ratio at each load.
     pub ratio: [f64; LOADS],
+    /// What the discrepancy is asked with.
+    pub sensitivity: [Sensitivity; LOADS],
     /// Their logarithms, and how these change.
     pub physics: Physics,
 }
@@ -163,13 +165,16 @@ fn solve(pattern: &Pattern, scenes: &[Scene]) -> Option<Solved> {
     section.layer.block_m = section.layer.block_m.min(0.5 * RIM_WIDTH_M);
     let (with, without) = (ratios(&section, &rimmed)?, ratios(&section, &groove)?);
     let strip = |ratio: f64| pattern.strip_estimate(ratio);
+    let slope = std::array::from_fn(|load| (log(2, load) - log(0, load)) / (2.0 * step));
     Some(Solved {
         pattern: *pattern,
         features: Features::from(pattern),
         ratio: all[1],
+        // Their flat friction follows the area law.
+        sensitivity: slope.map(Sensitivity::of_modulus),
         physics: Physics {
             log: all[1].map(f64::ln),
-            slope: std::array::from_fn(|load| (log(2, load) - log(0, load)) / (2.0 * step)),
+            slope,
             curvature: std::array::from_fn(|load| (log(2, load) - 2.0 * log(1, load) + log(0, load)) / (step * step)),
             of_rims: std::array::from_fn(|load| (strip(with[load]) / strip(without[load])).ln()),
         },

@@ -120,7 +120,7 @@ pub fn candidate<'a>(of: &'a Solved, dimension_shifts: &'a [DimensionShift]) -> 
     Candidate {
         features: of.features,
         modelled: &of.ratio,
-        modulus_sensitivity: &of.physics.slope,
+        sensitivity: &of.sensitivity,
         covariance: &[],
         dimension_shifts,
     }

@@ -197,7 +197,7 @@ impl Laboratory {
                 modelled: of.ratio[load],
                 patterned_std: self.noise,
                 flat_std: FLAT_SHARE * self.noise,
-                modulus_sensitivity: of.physics.slope[load],
+                sensitivity: of.sensitivity[load],
             });
         }
         // In proportion to the whole effect, measured and not modelled: the discrepancy moves with it.

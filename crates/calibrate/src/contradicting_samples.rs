@@ -72,7 +72,7 @@ fn percent(log: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use slipgrid_discrepancy::{Conditions, Features, Hyperparameters, Load, Measured, Trial};
+    use slipgrid_discrepancy::{Conditions, Features, Hyperparameters, Load, Measured, Sensitivity, Trial};
     use slipgrid_pattern::{Pattern, Planform};
 
     /// Samples of one texture with these logarithms of measured over modelled ratios.
@@ -88,7 +88,7 @@ mod tests {
                 modelled: 0.9,
                 patterned_std: 0.005,
                 flat_std: 0.005,
-                modulus_sensitivity: 0.05,
+                sensitivity: Sensitivity::of_modulus(0.05),
             }],
             dimensions_std_m: [0.0; 3],
             dimension_shifts: Vec::new(),

@@ -15,7 +15,7 @@ use crate::contradicting_samples::contradicting_samples;
 use crate::load_dependence::load_dependence_warning;
 use crate::surface_area_law_source::{AreaLawOrigin, SurfaceFindings};
 use crate::trial_discrepancy::{Learned, note};
-use crate::uncertainty::{CoefficientEstimate, MaterialUncertainty};
+use crate::uncertainty::{CoefficientEstimate, MaterialUncertainty, flat_friction};
 use crate::{Coefficients, Fit, FittedPair, Measurement, split_parameter_name};
 
 /// Rounds a number of the material as in a file.
@@ -59,6 +59,9 @@ pub(crate) fn outcome(
     uncertainty.law_is_fitted = has_origin(AreaLawOrigin::Fit);
     uncertainty.law_is_measured = has_origin(AreaLawOrigin::Measured);
     let area_law = surface.law.as_ref().map(law).transpose()?;
+    if surface.law.is_some() && surface.depends_on_modulus() {
+        uncertainty.flat_friction = flat_friction(task);
+    }
     let mut notes = fit.notes.clone();
     notes.extend(surface.notes.iter().chain(&task.notes).cloned());
     notes.extend(note(&learned));

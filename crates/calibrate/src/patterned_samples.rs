@@ -6,7 +6,7 @@ use std::sync::Arc;
 use rayon::prelude::*;
 use slipgrid_contact::AreaPoint;
 use slipgrid_export::Specimen;
-use slipgrid_material::{AreaLaw, Elastic, LocalFriction, MaterialError};
+use slipgrid_material::{AreaLaw, Condition, Elastic, LocalFriction, MaterialError};
 use slipgrid_monitor::Monitor;
 use slipgrid_pattern::{Pattern, ReliefMap};
 use slipgrid_specimen::{SpecimenError, SteadyOnFace, nearest_known, time_changes_on};
@@ -14,6 +14,7 @@ use slipgrid_springblock::{Layer, Load, RunOptions, Scene, steady_ratios};
 use slipgrid_units::PRESSURE_MPA;
 
 use crate::area_law::area_law;
+use crate::uncertainty::{flat_friction, local_law};
 use crate::{CalibrationError, CalibrationTask, Measurement};
 use slipgrid_monitor::Part;
 
@@ -88,6 +89,44 @@ impl Model<'_> {
             Some([all[1][i]?, sensitivity])
         };
         Ok(((0..pairs.len()).map(at).collect(), on_face))
+    }
+
+    /// Modelled ratio of each pair where the local coefficient follows the local pressure, on the face that `on_face` is of, which is known at the
+    /// pairs `solved`; `None` where flat friction at the condition follows the area law.
+    pub fn local_law_ratios(
+        &self,
+        pairs: &[Pair],
+        (solved, on_face): (&[Pair], Option<&SteadyOnFace>),
+        monitor: &dyn Monitor,
+    ) -> Result<Vec<Option<f64>>, CalibrationError> {
+        let mut found = vec![None; pairs.len()];
+        let (Some(area_law), false) = (self.law.0, self.law.1.is_empty()) else { return Ok(found) };
+        let flat = flat_friction(self.task);
+        let mut conditions: Vec<Condition> = Vec::new();
+        for [own, _] in pairs {
+            if !conditions.iter().any(|known| known.matches(&own.condition())) {
+                conditions.push(own.condition());
+            }
+        }
+        let part = Part::new(monitor, 1.0 / conditions.len().max(1) as f64);
+        let ratios = |condition: &Condition| -> Result<Vec<(usize, Option<f64>)>, CalibrationError> {
+            let Some(law) = local_law(area_law, &flat, Some(condition)) else { return Ok(Vec::new()) };
+            let places: Vec<usize> =
+                (0..pairs.len()).filter(|place| pairs[*place][0].condition().matches(condition)).collect();
+            let own: Vec<Pair> = places.iter().map(|place| pairs[*place]).collect();
+            let Some(scene) = self.scene(self.task.elastic, Some(law), &own)? else { return Ok(Vec::new()) };
+            Ok(places.into_iter().zip(steady_ratios(&scene, &part)?).collect())
+        };
+        let cells = conditions.par_iter().map(ratios).collect::<Result<Vec<_>, _>>()?;
+        for (place, cell) in cells.into_iter().flatten() {
+            let [flat, _] = &pairs[place];
+            let same_force = solved.iter().position(|[other, _]| other.force_n == flat.force_n);
+            found[place] = match (on_face, same_force) {
+                (Some(on_face), Some(force)) => cell.and_then(|cell| on_face.ratio(cell, &self.pattern, force)),
+                _ => cell,
+            };
+        }
+        Ok(found)
     }
 
     /// Ratios of infinite patterns, with the modulus multiplied by exp(log_modulus).

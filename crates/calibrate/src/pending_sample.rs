@@ -1,6 +1,6 @@
 //! Modelled ratios of samples that were cut and not yet measured.
 
-use slipgrid_discrepancy::{DimensionShift, Features, Load, Trial};
+use slipgrid_discrepancy::{DimensionShift, Features, Load, Sensitivity, Trial};
 
 /// Modelled ratios of a sample that was cut and not yet measured, at the conditions of the flat sample.
 #[derive(Clone, Debug, PartialEq)]
@@ -22,19 +22,16 @@ pub struct ModelledRatio {
     pub load: Load,
     /// The ratio.
     pub ratio: f64,
-    /// d ln(ratio) / d ln(Young's modulus).
-    pub modulus_sensitivity: f64,
+    /// How its logarithm follows what all textures have in common.
+    pub sensitivity: Sensitivity,
 }
 
 impl From<Trial> for PendingSample {
     /// Keeps the modelled values and drops the placeholders for measurements.
     fn from(trial: Trial) -> Self {
         let Trial { name, features, measured, dimension_shifts, .. } = trial;
-        let modelled = measured.iter().map(|at| ModelledRatio {
-            load: at.load,
-            ratio: at.modelled,
-            modulus_sensitivity: at.modulus_sensitivity,
-        });
+        let modelled =
+            measured.iter().map(|at| ModelledRatio { load: at.load, ratio: at.modelled, sensitivity: at.sensitivity });
         Self { name, features, modelled: modelled.collect(), dimension_shifts }
     }
 }

@@ -3,7 +3,9 @@
 use std::sync::Arc;
 
 use slipgrid_contact::AreaPoint;
-use slipgrid_discrepancy::{Conditions, DimensionShift, Discrepancy, Features, Hyperparameters, Load, Measured, Trial};
+use slipgrid_discrepancy::{
+    Conditions, DimensionShift, Discrepancy, Features, Hyperparameters, Load, Measured, Sensitivity, Trial,
+};
 use slipgrid_export::Specimen;
 use slipgrid_material::AreaLaw;
 use slipgrid_monitor::{Monitor, Stage};
@@ -179,7 +181,7 @@ fn trial(
     monitor: &dyn Monitor,
 ) -> Result<(Trial, Option<String>), CalibrationError> {
     let axes: Vec<usize> = (0..3).filter(|axis| cut.dimensions_std_m[*axis] > 0.0).collect();
-    let monitor = Part::new(monitor, 1.0 / (1 + axes.len()) as f64);
+    let monitor = Part::new(monitor, 1.0 / (2 + axes.len()) as f64);
     let CutSpecimen { face, thickness_m } = cut.specimen;
     let model = |pattern: Pattern| Model { task, law, pattern, relief: cut.relief.clone(), thickness_m };
     let pairs = pair_measurements(task, &cut.measured);
@@ -190,10 +192,15 @@ fn trial(
         || model(cut.pattern).time_changes(&pairs, face.as_ref(), &Part::new(&monitor, 0.0)),
     );
     let ((steady, on_face), added) = (steady?, added?);
-    let known = pairs.iter().zip(&added.at);
-    let known =
-        known.filter_map(|(pair, added)| Some((pair, solved_pairs.between(pair, |place| steady[place])?, *added)));
-    let known: Vec<(&Pair, [f64; 2], f64)> = known.collect();
+    let face = (&solved_pairs.solved[..], on_face.as_ref());
+    let by_local_law = model(cut.pattern).local_law_ratios(&pairs, face, &monitor)?;
+    let known = pairs.iter().zip(&added.at).zip(by_local_law);
+    let known = known.filter_map(|((pair, added), by_local_law)| {
+        let [ratio, modulus] = solved_pairs.between(pair, |place| steady[place])?;
+        let local_law = by_local_law.map_or(0.0, |by_local_law| (by_local_law / ratio).ln());
+        Some((pair, ratio, Sensitivity { modulus, local_law }, *added))
+    });
+    let known: Vec<(&Pair, f64, Sensitivity, f64)> = known.collect();
     let mut dimension_shifts = Vec::new();
     for axis in axes {
         let lengths_m = cut.pattern.lengths_m();
@@ -203,7 +210,7 @@ fn trial(
         });
         let Ok(moved) = Pattern::new(*cut.pattern.texture(), width_m, spacing_m, depth_m) else { continue };
         let others = model(moved).ratios(&solved_pairs.solved, on_face.as_ref(), &monitor)?;
-        let change = |(pair, [own, _], added): &(&Pair, [f64; 2], f64)| {
+        let change = |(pair, own, _, added): &(&Pair, f64, Sensitivity, f64)| {
             let [other] = solved_pairs.between(pair, |place| Some([others[place]?]))?;
             Some(tidy(((other + added) / (own + added)).ln()))
         };
@@ -211,8 +218,8 @@ fn trial(
         let above = tidy_features(&moved);
         dimension_shifts.extend(log_ratio.map(|log_ratio| DimensionShift { log_ratio, above, below: None }));
     }
-    // d ln (r + a) / d ln E = r / (r + a) d ln r / d ln E
-    let measured = known.iter().map(|([flat, patterned], [steady, modulus_sensitivity], added)| Measured {
+    // d ln (r + a) = r / (r + a) d ln r
+    let measured = known.iter().map(|([flat, patterned], steady, sensitivity, added)| Measured {
         load: Load {
             pressure_pa: tidy(task.pressure_pa(flat)),
             speed_m_s: tidy(flat.speed_m_s),
@@ -222,7 +229,10 @@ fn trial(
         modelled: tidy(steady + added),
         patterned_std: tidy(patterned.mu_dynamic_std / patterned.mu_dynamic),
         flat_std: tidy(flat.mu_dynamic_std / flat.mu_dynamic),
-        modulus_sensitivity: tidy(modulus_sensitivity * steady / (steady + added)),
+        sensitivity: Sensitivity {
+            modulus: tidy(sensitivity.modulus * steady / (steady + added)),
+            local_law: tidy(sensitivity.local_law * steady / (steady + added)),
+        },
     });
     let warning = added.unknown.map(|unknown| format!("trial \"{}\": {unknown}", cut.name));
     let trial = Trial {
@@ -254,7 +264,7 @@ pub(crate) fn note(learned: &Discrepancy) -> Option<String> {
     let trial = learned.trials().iter().rfind(|trial| !trial.measured.is_empty())?;
     let ratios: usize = learned.trials().iter().map(|trial| trial.measured.len()).sum();
     let at = trial.measured.first()?;
-    let found = learned.at(&[at.load]).predict(&trial.features, &[at.modulus_sensitivity]);
+    let found = learned.at(&[at.load]).predict(&trial.features, &[at.sensitivity]);
     let Load { pressure_pa, speed_m_s, humidity } = at.load;
     Some(format!(
         "trials: {ratios} measured ratio{} of {} sample{}. At the texture of \"{}\", {:.3} MPa, {} mm/s and {} % a sample's true ratio is \
@@ -320,6 +330,7 @@ mod tests {
     use slipgrid_springblock::Layer;
 
     use super::*;
+    use crate::uncertainty::{flat_friction, local_law};
     use crate::{Coefficients, Selection};
 
     fn measured(force_n: f64, humidity: f64, mu_dynamic: f64) -> Measurement {
@@ -389,7 +400,7 @@ mod tests {
                 let (found, exact) = (&all.measured[row], &own.measured[0]);
                 let off = (found.modelled - exact.modelled).abs();
                 assert!(off < 5e-5 + of_time, "{planform:?} {row}: {found:?} {exact:?}");
-                assert!((found.modulus_sensitivity - exact.modulus_sensitivity).abs() < 2e-4, "{planform:?} {row}");
+                assert!((found.sensitivity.modulus - exact.sensitivity.modulus).abs() < 2e-4, "{planform:?} {row}");
                 // A wider cavity lowers the ratio.
                 let change = all.dimension_shifts[0].log_ratio[row];
                 assert!(
@@ -456,8 +467,41 @@ mod tests {
         // A measured texture is predicted as measured, whatever modulus sensitivity is given.
         let trial = &fitted.trials()[0];
         let at: Vec<Load> = trial.measured.iter().map(|at| at.load).collect();
-        let of_slope = |g: f64| fitted.at(&at).predict(&trial.features, &vec![g; at.len()]).medians();
+        let of_slope =
+            |g: f64| fitted.at(&at).predict(&trial.features, &vec![Sensitivity::of_modulus(g); at.len()]).medians();
         assert_eq!(of_slope(0.0), of_slope(0.2));
+    }
+
+    /// In the plane and in space, in which friction between two others is interpolated.
+    #[test]
+    fn a_trial_knows_what_the_local_law_changes() {
+        for planform in [Planform::Groove, Planform::Square] {
+            let flat = vec![measured(50.0, 0.4, 0.25), measured(200.0, 0.4, 0.30), measured(50.0, 0.8, 0.27)];
+            // Without what time adds both ratios are those of cells.
+            let task = CalibrationTask { relative_std: 0.0, static_over_dynamic: 1.0, ..task(flat, planform) };
+            let surface = surface_findings(&task, &Unwatched).unwrap();
+            let area_law = surface.law.clone().unwrap();
+            let of = |task: &CalibrationTask, law| learn(task, law, &Unwatched).unwrap().discrepancy;
+            let modelled = of(&task, surface.law_and_curve());
+            let condition = task.flat[0].condition();
+            let law = local_law(&area_law, &flat_friction(&task), Some(&condition)).unwrap();
+            let by_law = of(&task, (Some(&law), &[]));
+            for row in 0..2 {
+                let [own, other] = [&modelled, &by_law].map(|of| of.trials()[0].measured[row]);
+                let (change, expected) = (own.sensitivity.local_law, (other.modelled / own.modelled).ln());
+                assert!(
+                    expected > 0.005 && (change - expected).abs() < 1e-3,
+                    "{planform:?} {row}: {change} {expected}"
+                );
+            }
+            // At the other humidity one load was measured.
+            assert_eq!(modelled.trials()[0].measured[2].sensitivity.local_law, 0.0);
+            // Nor where a law is that of friction, or one pair of coefficients holds at all loads.
+            let single = CalibrationTask { coefficients: Coefficients::Single, ..task.clone() };
+            for of in [by_law, of(&single, surface.law_and_curve())] {
+                assert!(of.trials()[0].measured.iter().all(|at| at.sensitivity.local_law == 0.0));
+            }
+        }
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use slipgrid_discrepancy::{Candidate, DimensionShift, Features};
+use slipgrid_discrepancy::{Candidate, DimensionShift, Features, Sensitivity};
 use slipgrid_export::Specimen;
 use slipgrid_monitor::{Monitor, Part as Share};
 use slipgrid_pattern::Pattern;
@@ -35,8 +35,8 @@ pub struct CutTexture {
     pub known: Known,
     /// Modelled ratio at each load.
     pub ratio: Vec<f64>,
-    /// g = d ln R / d ln E at each load.
-    pub sensitivity: Vec<f64>,
+    /// How ln R follows what all textures have in common, at each load.
+    pub sensitivity: Vec<Sensitivity>,
     /// Covariance of ln R that all samples share beside the discrepancy, loads x loads; empty where that is not known.
     pub covariance: Vec<f64>,
     /// Errors that each sample has of its own.
@@ -84,7 +84,7 @@ impl CutTexture {
         Candidate {
             features: self.features,
             modelled: &self.ratio,
-            modulus_sensitivity: &self.sensitivity,
+            sensitivity: &self.sensitivity,
             covariance: &self.covariance,
             dimension_shifts: &self.dimension_shifts,
         }

@@ -6,8 +6,8 @@ use slipgrid_material::AreaLaw;
 use slipgrid_optimize::{Goal, Quantity};
 
 use crate::DesignError;
-use crate::modulus_slopes::loads_of;
 use crate::operating_conditions::{Further, Setting};
+use crate::sensitivities::loads_of;
 use crate::steady_model::SteadyModel;
 use crate::task::DesignTask;
 

@@ -344,6 +344,8 @@ impl<'a> Inputs<'a> {
 
 /// What Young's modulus is called.
 pub const MODULUS: &str = "Young's modulus";
+/// What the pressure is called that local friction follows.
+pub const LOCAL_LAW: &str = "local law";
 
 struct Answers {
     above: Answer,

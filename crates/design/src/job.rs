@@ -19,6 +19,7 @@ use crate::operating_conditions::statements;
 use crate::prediction::Prediction;
 use crate::prepared_task::PreparedTask;
 use crate::search::{Found, Search};
+use crate::sensitivities::local_law_note;
 use crate::session::with_table;
 use crate::slopes::slopes;
 use crate::task::{DesignTask, KnownMaterial};
@@ -156,6 +157,10 @@ fn reported(
     let mut said = confirmed.statements.clone();
     said.model.extend(statements(task, prepared.further.len()));
     search.models.own.describe(&mut said);
+    let (local_law, _) = asked.learned.local_law();
+    if let Some(note) = local_law_note(&best.texture.sensitivity, &asked.loads, local_law) {
+        said.model(note);
+    }
     if !cut_short.is_empty() {
         said.model(format!("cut short by max_seconds: {}", cut_short.join(", ")));
     }

@@ -12,7 +12,7 @@
 //! | module | role |
 //! |---|---|
 //! | `task`, `prepared_task`, `band` | what is asked, and what follows from it |
-//! | `steady_model`, `directional_cells`, `modulus_slopes`, `inputs` | the model, and what is not known exactly |
+//! | `steady_model`, `directional_cells`, `sensitivities`, `inputs` | the model, and what is not known exactly |
 //! | `table`, `kept_nodes` | what the model says of every texture within the bounds |
 //! | `as_cut`, `prediction` | a texture as it is cut, and what is predicted of a sample of it |
 //! | `steps`, `search`, `between_designs` | the search for the greatest chance |
@@ -74,7 +74,6 @@ mod inputs;
 mod job;
 mod kept_nodes;
 mod lattice_table;
-mod modulus_slopes;
 mod next_report;
 mod next_trial;
 mod operating_conditions;
@@ -82,6 +81,7 @@ mod prediction;
 mod prepared_task;
 mod scene_errors;
 mod search;
+mod sensitivities;
 mod session;
 mod slopes;
 mod steady_model;

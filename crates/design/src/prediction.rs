@@ -1,13 +1,13 @@
 //! What is predicted of a cut sample: the one distribution that every chance, interval and share comes from.
 
 use serde::{Deserialize, Serialize};
-use slipgrid_discrepancy::{Prediction as Distribution, Predictor, Score, information};
+use slipgrid_discrepancy::{Prediction as Distribution, Predictor, Score, Sensitivity, information};
 use slipgrid_results::PatternReport;
 use slipgrid_units::{HUMIDITY_PCT, PRESSURE_MPA, SPEED_MM_S, tidy};
 
 use crate::as_cut::{CutTexture, Known, sums};
 use crate::band::Asked;
-use crate::inputs::{Effect, MODULUS};
+use crate::inputs::{Effect, LOCAL_LAW, MODULUS};
 
 /// Relative error of a measurement, for what a trial would teach.
 const MEASURED_STD: f64 = 0.01;
@@ -115,7 +115,7 @@ impl Prediction {
         let n = self.texture.ratio.len();
         let of = |(load, ratio): (usize, &f64)| {
             let own = self.texture.covariance.get(load * n + load).copied().unwrap_or(0.0);
-            let of_modulus = self.texture.sensitivity.get(load).map_or(0.0, |slope| slope * modulus_std);
+            let of_modulus = self.texture.sensitivity.get(load).map_or(0.0, |slope| slope.modulus * modulus_std);
             let pressure_mpa = tidy(PRESSURE_MPA.from_si(asked.loads[load].pressure_pa));
             ModelledRatio {
                 pressure_mpa,
@@ -129,13 +129,13 @@ impl Prediction {
     /// What limits the chance, the input first without which it would be greatest: of each the standard deviation that it gives the ratio, and
     /// the chance if it were known exactly to be what is taken now.
     pub fn limited_by(&self, asked: &Asked, predictor: &Predictor, modulus_std: f64) -> Vec<LimitedBy> {
-        let n = self.texture.ratio.len();
+        let (n, sensitivity) = (self.texture.ratio.len(), &self.texture.sensitivity);
         let medians = self.medians();
         let ratio_std = |log: &dyn Fn(usize) -> f64| (0..n).map(|load| tidy(medians[load] * log(load))).collect();
-        let chance_of = |distribution: &Distribution| asked.wanted.score(distribution, &self.texture.ratio).chance;
+        let own_ratio = &self.texture.ratio[..];
         let mut all = Vec::new();
-        let mut add = |input: &str, known_to: String, std: Vec<f64>, distribution: &Distribution| {
-            let chance_if_known = tidy(chance_of(distribution).max(self.score.chance));
+        let mut add = |input: &str, known_to: String, std: Vec<f64>, (distribution, ratio): (&Distribution, &[f64])| {
+            let chance_if_known = tidy(asked.wanted.score(distribution, ratio).chance.max(self.score.chance));
             all.push(LimitedBy { input: input.to_owned(), known_to, std, chance_if_known });
         };
         let trials = match asked.learned.trials().len() {
@@ -149,28 +149,38 @@ impl Prediction {
             let [all, rest] = [&self.distribution, without].map(|of| of.moments(load).1);
             (all * all - rest * rest).max(0.0).sqrt()
         };
-        add("what the model lacks", trials, ratio_std(&|load| added(&known, load)), &known);
+        add("what the model lacks", trials, ratio_std(&|load| added(&known, load)), (&known, own_ratio));
         if modulus_std > 0.0 {
             // Where a texture is chosen for a slope of none, what scatters is the second order.
             let second = self.texture.parts.iter().position(|part| part.name == MODULUS);
             let (covariance, dimension_shifts) = sums(&self.texture.parts, second);
-            let still = CutTexture { sensitivity: vec![0.0; n], covariance, dimension_shifts, ..self.texture.clone() };
+            let sensitivity = sensitivity.iter().map(|of| Sensitivity { modulus: 0.0, ..*of }).collect();
+            let still = CutTexture { sensitivity, covariance, dimension_shifts, ..self.texture.clone() };
             let of_modulus = |load: usize| {
                 let curved = match second.map(|place| &self.texture.parts[place].effect) {
                     Some(Effect::Shared(own)) => own[load * n + load].max(0.0).sqrt(),
                     _ => 0.0,
                 };
-                (self.texture.sensitivity[load] * modulus_std).hypot(curved)
+                (self.texture.sensitivity[load].modulus * modulus_std).hypot(curved)
             };
             let known_to = crate::inputs::percent(modulus_std);
-            add(MODULUS, known_to, ratio_std(&of_modulus), &predictor.of(&still.candidate()));
+            add(MODULUS, known_to, ratio_std(&of_modulus), (&predictor.of(&still.candidate()), own_ratio));
+        }
+        if sensitivity.iter().any(|of| of.local_law != 0.0) {
+            let (mean, std) = asked.learned.local_law();
+            let by: Vec<f64> = sensitivity.iter().map(|of| mean * of.local_law).collect();
+            let known = sensitivity.iter().map(|of| Sensitivity { local_law: 0.0, ..*of }).collect();
+            let still = CutTexture { sensitivity: known, ..self.texture.clone() }.moved(&by);
+            let known_to = "as nothing says whether friction follows the local or the nominal pressure".to_owned();
+            let of_law = ratio_std(&|load| std * sensitivity[load].local_law.abs());
+            add(LOCAL_LAW, known_to, of_law, (&predictor.of(&still.candidate()), &still.ratio));
         }
         // The first and second order of the modulus are one input, which stands above.
         for (place, part) in self.texture.parts.iter().enumerate().filter(|(_, part)| part.name != MODULUS) {
             let (covariance, dimension_shifts) = sums(&self.texture.parts, Some(place));
             let still = CutTexture { covariance, dimension_shifts, ..self.texture.clone() };
             let without = predictor.of(&still.candidate());
-            add(part.name, part.known_to.clone(), ratio_std(&|load| added(&without, load)), &without);
+            add(part.name, part.known_to.clone(), ratio_std(&|load| added(&without, load)), (&without, own_ratio));
         }
         // Of equal ones that which scatters the ratio most.
         let most = |of: &LimitedBy| of.std.iter().copied().fold(0.0, f64::max);

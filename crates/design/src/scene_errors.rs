@@ -1,9 +1,10 @@
 //! The error beside every number of a solved scene.
 
 use slipgrid_calibrate::uncertainty::{
-    Deviation, Deviations, DiscrepancyAt, InputUncertainty, SamplingScatter, Slopes, sampling_scatter,
+    Deviation, Deviations, DiscrepancyAt, InputUncertainty, SamplingScatter, Slopes, local_law_changes,
+    sampling_scatter,
 };
-use slipgrid_discrepancy::Features;
+use slipgrid_discrepancy::{Features, Sensitivity};
 use slipgrid_material::{Condition, MaterialError};
 use slipgrid_results::errors::{
     BEHIND, BLOCKS, DRAWS, ErrorReport, LAYOUT, NO_SLOPES, PartsReport, PressureErrors, STATIC, TILT, TIME_AVERAGE,
@@ -12,7 +13,7 @@ use slipgrid_results::{CorrectedAt, CorrectedReport, ErrorsReport};
 use slipgrid_springblock::{Fidelity, Load, LoadOutcome, Scene, Simulation, SurfaceOutcome};
 use slipgrid_units::{PRESSURE_MPA, tidy};
 
-use crate::modulus_slopes::usual_humidity;
+use crate::sensitivities::usual_humidity;
 use slipgrid_calibrate::uncertainty::MaterialUncertainty;
 
 /// Name of the one error of a flat surface.
@@ -176,7 +177,11 @@ pub fn of_scene(
     };
     let places: Vec<slipgrid_discrepancy::Load> = scene.loads.iter().map(at).collect();
     let ratios: Vec<f64> = simulation.loads.iter().map(|load| load.ratio.unwrap_or(1.0)).collect();
-    let sensitivity = slopes.modulus_sensitivity(&ratios, &knowledge);
+    let of_modulus = slopes.modulus_sensitivity(&ratios, &knowledge);
+    let law = uncertainty.local_law(scene.area_law.as_ref(), condition);
+    let by_law = law.map_or_else(|| vec![0.0; ratios.len()], |law| local_law_changes(scene, pattern, &law));
+    let sensitivity = of_modulus.into_iter().zip(by_law).map(|(modulus, local_law)| Sensitivity { modulus, local_law });
+    let sensitivity: Vec<Sensitivity> = sensitivity.collect();
     let factors = DiscrepancyAt::each(&learned.at(&places).predict(&Features::from(pattern), &sensitivity));
     let aimed = InputUncertainty { discrepancy: Some(factors.clone()), ..knowledge.clone() };
     let corrected = Solved { knowledge: &aimed, ..solved }.errors();

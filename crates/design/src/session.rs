@@ -14,6 +14,7 @@ use crate::evaluation_cache::{EvaluationCache, Evaluations};
 use crate::inputs::Inputs;
 use crate::prepared_task::PreparedTask;
 use crate::search::Search;
+use crate::sensitivities::conditions_of;
 use crate::steady_model::SteadyModel;
 use crate::table::{Models, Table};
 use crate::time_budget::{SEARCH_SHARE, TimeBudget};
@@ -56,7 +57,7 @@ pub fn with_table<T>(
     }
     let limited = Limited::of(task);
     let asked = Asked::new(task, uncertainty, further, &model)?;
-    let models = Models::new(&model, uncertainty)?;
+    let models = Models::new(&model, uncertainty, &conditions_of(task, further))?;
     let inputs = Inputs::new(task, uncertainty, &model, further)?;
     let face = Some(task.specimen).filter(|_| division.is_none());
     let beyond = BeyondCells { model: &model, face, count: asked.count, seed: task.seed };

@@ -3,14 +3,15 @@
 //! | of a texture | nodes | between them |
 //! |---|---|---|
 //! | ln R at every load, largest and least pressure, sag of the ceilings | in the plane all in the layer's blocks; in space larger blocks, lifted by fewer cells in those asked for | cubic splines in ln of the lengths |
-//! | slope of ln R along ln E; what smaller blocks change; ends and tilt | fewer, as they vary slowly | linear in ln of the lengths |
+//! | slope of ln R along ln E, its change by the local law; what smaller blocks change; ends and tilt | fewer, as they vary slowly | linear in ln of the lengths |
 //!
 //! All of it is kept by content, so that another target asks nothing anew. Textures that have no answer are holes.
 
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use slipgrid_calibrate::uncertainty::MaterialUncertainty;
-use slipgrid_discrepancy::DimensionShift;
+use slipgrid_discrepancy::{DimensionShift, Sensitivity};
+use slipgrid_material::Condition;
 use slipgrid_monitor::{Monitor, Part};
 use slipgrid_optimize::{ModelFailure, Tolerances};
 use slipgrid_pattern::Pattern;
@@ -23,7 +24,7 @@ use crate::as_cut::BeyondCells;
 use crate::evaluation_cache::Answer;
 use crate::inputs::{made, of_dimensions, shift};
 use crate::kept_nodes::kept;
-use crate::modulus_slopes::ModulusSlopes;
+use crate::sensitivities::{Sensitivities, from_numbers};
 use crate::steady_model::SteadyModel;
 use crate::task::DesignTask;
 
@@ -38,8 +39,8 @@ pub struct Scope {
     nodes: ([f64; 3], [usize; 3]),
     /// In space the same of cells in the blocks asked for, which lift those in larger ones.
     lift: ([f64; 3], [usize; 3]),
-    /// Most along each length of slopes along the modulus, of what smaller blocks change, and of ends and tilt.
-    slopes: [usize; 3],
+    /// Most along each length of sensitivities, of what smaller blocks change, and of ends and tilt.
+    sensitivities: [usize; 3],
     blocks: [usize; 3],
     face: [usize; 3],
     /// Random textures at which the error is measured.
@@ -51,7 +52,7 @@ impl Scope {
     pub const PLANE: Self = Self {
         nodes: ([6.0, 5.0, 2.8], [14, 16, 10]),
         lift: ([0.0; 3], [0; 3]),
-        slopes: [7, 7, 4],
+        sensitivities: [7, 7, 4],
         // More nodes come no nearer (0.0021 and 0.0018 in the median of 40 and 30 random textures of the LDPE design): both jump where a
         // cavity more fits between the ends, or a length is no whole blocks.
         blocks: [4, 4, 3],
@@ -62,7 +63,7 @@ impl Scope {
     pub const SPACE: Self = Self {
         nodes: ([5.0, 4.0, 2.0], [12, 12, 7]),
         lift: ([3.0, 3.0, 1.5], [5, 5, 4]),
-        slopes: [5, 5, 3],
+        sensitivities: [5, 5, 3],
         checks: 12,
         ..Self::PLANE
     };
@@ -90,23 +91,27 @@ pub struct TableReport {
 pub struct Modelled {
     /// ln R.
     pub log_ratio: Vec<f64>,
-    /// g = d ln R / d ln E.
-    pub sensitivity: Vec<f64>,
+    /// How ln R follows what all textures have in common.
+    pub sensitivity: Vec<Sensitivity>,
 }
 
-/// The model with its slopes along Young's modulus.
+/// The model with its sensitivities.
 pub struct Models<'a> {
     pub own: &'a SteadyModel<'a>,
-    slopes: ModulusSlopes<'a>,
+    sensitivities: Sensitivities<'a>,
 }
 
 impl<'a> Models<'a> {
-    /// Those about `own`, whose material is known as `material` says.
+    /// Those about `own`, whose material is known as `material` says, at the condition of each load.
     ///
     /// # Errors
     /// [`DesignError`] where the area law cannot be moved.
-    pub fn new(own: &'a SteadyModel<'a>, material: &MaterialUncertainty) -> Result<Self, DesignError> {
-        Ok(Self { own, slopes: ModulusSlopes::new(own, material)? })
+    pub fn new(
+        own: &'a SteadyModel<'a>,
+        material: &MaterialUncertainty,
+        conditions: &[Option<Condition>],
+    ) -> Result<Self, DesignError> {
+        Ok(Self { own, sensitivities: Sensitivities::new(own, material, conditions)? })
     }
 
     /// What they say of `design`.
@@ -116,7 +121,7 @@ impl<'a> Models<'a> {
     pub fn at(&self, design: &Pattern) -> Result<Modelled, ModelFailure> {
         Ok(Modelled {
             log_ratio: self.own.steady(design)?.ratio.iter().map(|ratio| ratio.ln()).collect(),
-            sensitivity: self.slopes.at(design)?,
+            sensitivity: self.sensitivities.at(design)?,
         })
     }
 
@@ -144,7 +149,7 @@ pub struct Table {
     surface: ResponseSurface,
     /// Nodes without an answer, by their places: there is none in the cells around them either.
     holes: Vec<usize>,
-    slopes: Nodes,
+    sensitivities: Nodes,
     blocks: Nodes,
     /// `None` where samples have no face of their own.
     face: Option<Nodes>,
@@ -185,8 +190,8 @@ impl Table {
         }
         let surface = ResponseSurface::through(lattice, loads + BESIDE, values.concat());
         let part = Part::new(stage, 0.4 / 3.0);
-        let slope = |design: &Pattern| models.slopes.at(design).ok();
-        let slopes = Nodes::new(task, ("slopes", models), &slope, scope.slopes, &part)?;
+        let of = |design: &Pattern| models.sensitivities.numbers(design).ok();
+        let sensitivities = Nodes::new(task, ("slopes", models), &of, scope.sensitivities, &part)?;
         // ln (r + s) / r, s what smaller blocks change; nothing where they are dear, as for what is judged in the end.
         let smaller = |design: &Pattern| {
             let Some((shifts, _)) = models.refined(design) else { return Some(vec![0.0; loads]) };
@@ -200,10 +205,10 @@ impl Table {
             Some(_) => Some(Nodes::new(task, ("face", models), &by_face, scope.face, &part)?),
             None => None,
         };
-        let beside = [&slopes, &blocks].into_iter().chain(&face).map(Nodes::bytes).sum::<usize>();
+        let beside = [&sensitivities, &blocks].into_iter().chain(&face).map(Nodes::bytes).sum::<usize>();
         let bytes = size_of_val(surface.coefficients()) + beside;
         let report = TableReport { nodes: nodes.len(), holes: holes.len(), bytes, ..TableReport::default() };
-        let mut table = Self { surface, holes, slopes, blocks, face, loads, report };
+        let mut table = Self { surface, holes, sensitivities, blocks, face, loads, report };
         table.measure(task, models, scope.checks, stage)?;
         Some(table)
     }
@@ -244,7 +249,7 @@ impl Table {
         (!self.surface.is_beside(&self.holes, &lengths_m)).then(|| self.surface.at(&lengths_m))
     }
 
-    /// ln R of `design` in the layer's blocks without ends, and its slopes along the modulus; `None` beside a hole, and where cavities close.
+    /// ln R of `design` in the layer's blocks without ends, and its sensitivities; `None` beside a hole, and where cavities close.
     pub fn at(&self, design: &Pattern) -> Option<(Modelled, Answer)> {
         let mut log_ratio = self.values(design)?;
         let beside = log_ratio.split_off(self.loads);
@@ -252,7 +257,8 @@ impl Table {
         if clearance_m <= 0.0 {
             return None;
         }
-        let sensitivity = self.slopes.at(design.lengths_m()).unwrap_or_else(|| vec![0.0; self.loads]);
+        let numbers = self.sensitivities.at(design.lengths_m()).unwrap_or_default();
+        let sensitivity = from_numbers(&numbers, self.loads);
         let answer = Answer {
             ratio: log_ratio.iter().map(|log| log.exp()).collect(),
             peak_pressure_mpa: 1e-6 * beside[0].exp(),
@@ -402,7 +408,7 @@ impl Nodes {
             (!stage.cancelled()).then_some(nodes)
         };
         let loads_of_face = (name == "face").then(|| task.target.points().len());
-        let content = (name, models.own.content(), models.slopes.content(), space, &axes, loads_of_face);
+        let content = (name, models.own.content(), models.sensitivities.content(), space, &axes, loads_of_face);
         let nodes = kept(stage, &content, count, ask)?;
         Some(Self { axes, nodes })
     }

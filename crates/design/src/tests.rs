@@ -1,7 +1,9 @@
 //! Tests of the whole: one prediction, one search, whoever asks.
 
-use slipgrid_calibrate::uncertainty::MaterialUncertainty;
-use slipgrid_discrepancy::{Conditions, Discrepancy, Features, Hyperparameters, Load as At, Measured, Trial};
+use slipgrid_calibrate::uncertainty::{CoefficientEstimate, MaterialUncertainty};
+use slipgrid_discrepancy::{
+    Conditions, Discrepancy, Features, Hyperparameters, Load as At, Measured, Sensitivity, Trial,
+};
 use slipgrid_material::{AreaLaw, Elastic, Friction, LocalFriction, Material, Provenance};
 use slipgrid_monitor::{Monitor, Remembering, Unwatched};
 use slipgrid_optimize::{
@@ -68,7 +70,7 @@ fn trial(task: &DesignTask, lengths_m: [f64; 3], ratios: [f64; 2]) -> Trial {
         modelled,
         patterned_std: 0.005,
         flat_std: 0.005,
-        modulus_sensitivity: 0.0,
+        sensitivity: Sensitivity::default(),
     };
     let modelled = task.pressures_pa().into_iter().zip(steady(task, lengths_m));
     Trial {
@@ -92,6 +94,21 @@ fn taught(task: &DesignTask, trials: Vec<Trial>) -> DesignTask {
     };
     let material = task.material.clone().unwrap().material;
     DesignTask { material: Some(KnownMaterial { material, uncertainty }), ..task.clone() }
+}
+
+/// `task` of a material of which flat friction rises with load, as its area law does not.
+fn contradicted(task: &DesignTask) -> DesignTask {
+    let mut task = task.clone();
+    let known = task.material.as_mut().unwrap();
+    known.uncertainty.flat_friction = [(0.65e6, 0.25), (2.6e6, 0.30)]
+        .map(|(pressure_pa, value)| CoefficientEstimate {
+            pressure_pa: Some(pressure_pa),
+            condition: None,
+            value,
+            std_error: 0.0,
+        })
+        .to_vec();
+    task
 }
 
 /// Lets `then` ask the search of `task`.
@@ -119,7 +136,7 @@ fn three_tasks() -> [DesignTask; 3] {
 
 #[test]
 fn optimize_and_next_find_one_texture_with_one_chance() {
-    for task in three_tasks() {
+    for task in three_tasks().into_iter().chain([contradicted(&three_tasks()[1])]) {
         let next = next_trials(&task, &NextOptions::default(), &*KNOWN).unwrap();
         let found = run(&task, &mut NoCache, &*KNOWN).unwrap();
         assert_eq!(found.pattern, next.patterns[0]);
@@ -200,6 +217,53 @@ fn what_limits_a_chance_is_what_raises_it_where_it_is_known() {
     assert!(limits.windows(2).all(|pair| pair[0].chance_if_known >= pair[1].chance_if_known));
     assert_eq!(limits[0].input, "what the model lacks");
     assert!(limits[0].std[0] > 0.003 && limits[0].chance_if_known > chance + 0.02, "{limits:?} {chance}");
+}
+
+#[test]
+fn the_local_law_moves_what_is_expected_and_not_what_is_modelled() {
+    let task = three_tasks()[1].clone();
+    let lengths_m = [100e-6, 300e-6, 12e-6];
+    let of = |task: &DesignTask| {
+        searched(task, |search| {
+            let found = search.solved(&task.space.pattern(lengths_m).unwrap()).unwrap();
+            let limits = found.limited_by(search.asked, &search.predictor, 0.1);
+            let rough = search.table.at(&found.texture.pattern).unwrap().0.sensitivity;
+            (found.texture.ratio.clone(), found.medians(), limits, found.texture.sensitivity.clone(), rough)
+        })
+    };
+    let (ratio, medians, limits, without, _) = of(&task);
+    assert!(without.iter().all(|of| of.local_law == 0.0) && limits.iter().all(|limit| limit.input != "local law"));
+    let (same_ratio, moved, limits, sensitivity, rough) = of(&contradicted(&task));
+    assert_eq!(ratio, same_ratio);
+    let limit = limits.iter().find(|limit| limit.input == "local law").unwrap();
+    assert_eq!(limit.known_to, "as nothing says whether friction follows the local or the nominal pressure");
+    for load in 0..2 {
+        let change = sensitivity[load].local_law;
+        // The trial was modelled without it, and says next to nothing of lambda: half of the change is expected.
+        assert!(change > 0.01, "{sensitivity:?}");
+        assert!(
+            ((moved[load] / medians[load]).ln() - 0.5 * change).abs() < 0.1 * change,
+            "{change} {moved:?} {medians:?}"
+        );
+        assert!((limit.std[load] - 0.5 * change * moved[load]).abs() < 0.1 * change, "{limit:?} {change}");
+        assert!((rough[load].local_law - change).abs() < 0.1 * change, "{rough:?} {sensitivity:?}");
+        assert_eq!(sensitivity[load].modulus, without[load].modulus);
+    }
+    let report = run(&contradicted(&task), &mut NoCache, &Unwatched).unwrap().report;
+    assert!(
+        report.model.iter().any(|note| note.starts_with("local law: flat friction contradicts")),
+        "{:?}",
+        report.model
+    );
+    // Measured flat friction, and a law that was fitted to it, are taken as they are.
+    for known in [
+        |of: &mut MaterialUncertainty| of.law_is_measured = true,
+        |of: &mut MaterialUncertainty| of.law_is_fitted = true,
+    ] {
+        let mut task = contradicted(&task);
+        known(&mut task.material.as_mut().unwrap().uncertainty);
+        assert!(of(&task).3.iter().all(|of| of.local_law == 0.0));
+    }
 }
 
 #[test]

@@ -52,7 +52,7 @@ impl Discrepancy {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Conditions, Hyperparameters, Load, Measured, Trial};
+    use crate::{Conditions, Hyperparameters, Load, Measured, Sensitivity, Trial};
     use slipgrid_pattern::{Pattern, Planform};
 
     /// Grooves of these widths, spacings and depths, in um, whose discrepancy grows with their edges.
@@ -66,7 +66,7 @@ mod tests {
                 modelled: 0.9,
                 patterned_std: 0.005,
                 flat_std: 0.005,
-                modulus_sensitivity: 0.0,
+                sensitivity: Sensitivity::default(),
             };
             let (name, dimension_shifts) = (format!("{lengths_um:?}"), Vec::new());
             let dimensions_std_m = [0.0; 3];

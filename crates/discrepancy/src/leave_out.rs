@@ -47,6 +47,7 @@ pub fn leave_out(discrepancy: &Discrepancy, by: LeftOut, monitor: &dyn Monitor) 
     let rows: Vec<_> = discrepancy.rows().collect();
     let n = rows.len();
     let excess: Vec<f64> = rows.iter().map(|(_, at)| at.log_excess()).collect();
+    let prior_mean: Vec<f64> = rows.iter().map(|(_, at)| at.sensitivity.prior_mean()).collect();
     let covariances: Vec<Vec<f64>> = discrepancy
         .members()
         .iter()
@@ -70,7 +71,7 @@ pub fn leave_out(discrepancy: &Discrepancy, by: LeftOut, monitor: &dyn Monitor) 
         };
         let wanted: Vec<usize> = (0..n).filter(is_wanted).collect();
         let known: Vec<usize> = (0..n).filter(is_known).collect();
-        let prediction = conditional(discrepancy, &covariances, &excess, [&known, &wanted]);
+        let prediction = conditional(discrepancy, &covariances, (&excess, &prior_mean), [&known, &wanted]);
         for (load, &row) in wanted.iter().enumerate() {
             done[row] = true;
             let (trial, own) = (rows[row].0, row - rows.iter().position(|(of, _)| *of == rows[row].0).unwrap_or(0));
@@ -101,18 +102,19 @@ fn covariance(discrepancy: &Discrepancy, member: &Member, noise: &[f64]) -> Vec<
         .map(|(trial, at)| {
             let features = &discrepancy.trials()[trial].features;
             let form = member.value(features);
-            discrepancy.basis().row(form, member.residual, features, &at.load, at.modulus_sensitivity)
+            discrepancy.basis().row(form, member.residual, features, &at.load, at.sensitivity)
         })
         .collect();
     let n = rows.len();
     (0..n * n).map(|entry| noise[entry] + dot(&rows[entry / n], &rows[entry % n])).collect()
 }
 
-/// Distribution of the measurements `wanted` given those `known`, errors included: mean K_wk K_kk^-1 y, covariance K_ww - K_wk K_kk^-1 K_kw.
+/// Distribution of the measurements `wanted` given those `known`, errors included: mean m_w + K_wk K_kk^-1 (y - m_k), covariance
+/// K_ww - K_wk K_kk^-1 K_kw.
 fn conditional(
     discrepancy: &Discrepancy,
     covariances: &[Vec<f64>],
-    excess: &[f64],
+    (excess, prior_mean): (&[f64], &[f64]),
     [known, wanted]: [&[usize]; 2],
 ) -> Prediction {
     let (n, k, m) = (excess.len(), known.len(), wanted.len());
@@ -122,7 +124,7 @@ fn conditional(
         let inner: Vec<f64> = known.iter().flat_map(|i| known.iter().map(move |j| all[i * n + j])).collect();
         // The noise is regular: so is every part of it.
         let Some(factor) = cholesky(&inner, k).filter(|factor| is_regular(factor, k)) else { continue };
-        let mut y: Vec<f64> = known.iter().map(|i| excess[*i]).collect();
+        let mut y: Vec<f64> = known.iter().map(|i| excess[*i] - prior_mean[*i]).collect();
         solve_lower(&factor, k, &mut y);
         let columns: Vec<Vec<f64>> = wanted
             .iter()
@@ -137,7 +139,7 @@ fn conditional(
         components.push(Component {
             form: member.form,
             weight: member.prior,
-            mean: columns.iter().map(|column| dot(column, &y)).collect(),
+            mean: columns.iter().zip(wanted).map(|(column, j)| prior_mean[*j] + dot(column, &y)).collect(),
             covariance: (0..m * m).map(entry).collect(),
         });
     }

@@ -4,13 +4,14 @@
 //! of patterned to flat friction. For a texture x, the pressure P, the speed v and the humidity H it is
 //!
 //! ```text
-//! ln r - ln R(x, P) = h(x) [alpha + beta u + gamma q + kappa s + eta(H) + c(x, P)] + eps g(x, P) + t + f + e
+//! ln r - ln R(x, P) = h(x) [alpha + beta u + gamma q + kappa s + eta(H) + c(x, P)] + eps g(x, P) + lambda d(x, P) + t + f + e
 //! u = (P - P0) / P0,     q = P1 / P - 1/2,     s = ln(v / v0)
 //! ```
 //!
 //! h is the *form*: how the discrepancy grows with what was cut away. It is 1 at the reference texture and 0 without
 //! cavities. c, the *residual*, is a smooth function of the dimensions and of the pressure, for what no form has. eps is how far
-//! the logarithm of Young's modulus is off, g = d ln R / d ln E; t is one sample's own, which all
+//! the logarithm of Young's modulus is off, g = d ln R / d ln E. lambda says which pressure local friction follows where flat friction contradicts
+//! the area law: 0 for the nominal and 1 for the local one, and d is the difference of ln R between both ([`Sensitivity`]). t is one sample's own, which all
 //! samples on one disc share, f the flat sample's error, which all ratios of one condition share, and e the patterned measurement's.
 //!
 //! A sample is not made as it was designed. An error of its dimensions moves its modelled ratio and its form: ln R and h are those of the
@@ -36,13 +37,13 @@
 //! This crate solves no contact and opens no files.
 //!
 //! ```
-//! use slipgrid_discrepancy::{Conditions, Discrepancy, Features, Hyperparameters, Load};
+//! use slipgrid_discrepancy::{Conditions, Discrepancy, Features, Hyperparameters, Load, Sensitivity};
 //! use slipgrid_pattern::{Pattern, Planform};
 //! // Before any trial: the prior's interval is wide.
 //! let prior = Discrepancy::new(Hyperparameters::default(), Conditions::default(), 0.2, Vec::new())?;
 //! let groove = Pattern::new(Planform::Groove, 100e-6, 300e-6, 10e-6).map_err(|error| error.to_string())?;
 //! let load = Load { pressure_pa: 1e6, speed_m_s: 2e-3, humidity: 0.4 };
-//! let found = prior.at(&[load]).predict(&Features::from(&groove), &[0.1]);
+//! let found = prior.at(&[load]).predict(&Features::from(&groove), &[Sensitivity::of_modulus(0.1)]);
 //! assert!(found.quantile(0, 0.025) < -0.3 && found.quantile(0, 0.975) > 0.3);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
@@ -72,8 +73,10 @@ pub use next_trial::{Candidate, Chosen, Score, Wanted, choose, information};
 pub use prediction::{Component, Load, Prediction, Predictor, Sampler};
 pub use scatter::{Contradiction, ScatterWeight};
 pub use scenarios::Scenarios;
-pub use trial::{DimensionShift, Measured, Trial};
+pub use trial::{DimensionShift, Measured, Sensitivity, Trial};
 
+#[cfg(test)]
+mod local_law_tests;
 #[cfg(test)]
 mod made_tests;
 #[cfg(test)]

@@ -3,7 +3,10 @@
 use slipgrid_pattern::{Pattern, Planform};
 use slipgrid_statistics::Normals;
 
-use crate::{Conditions, DimensionShift, Discrepancy, Features, Form, Hyperparameters, Load, Measured, Trial, Wanted};
+use crate::{
+    Conditions, DimensionShift, Discrepancy, Features, Form, Hyperparameters, Load, Measured, Sensitivity, Trial,
+    Wanted,
+};
 
 const WIDTH_M: f64 = 60e-6;
 const PITCH_M: f64 = 200e-6;
@@ -53,7 +56,7 @@ fn trial(log_excess: [f64; 2]) -> Trial {
         modelled: 0.9,
         patterned_std: 0.01,
         flat_std: 0.005,
-        modulus_sensitivity: 0.0,
+        sensitivity: Sensitivity::default(),
     };
     Trial {
         name: "A".to_owned(),
@@ -112,7 +115,7 @@ fn dimensions_as_made_move_physics_and_discrepancy_of_trial_and_sample() {
     for log_excess in [None, Some([-0.25, -0.2])] {
         let trials = log_excess.map(trial).into_iter().collect();
         let known = Discrepancy::new(hyper.clone(), Conditions::default(), 0.0, trials).unwrap();
-        let found = known.at(&loads()).predict_made(&squares(WIDTH_M), &[0.0; 2], &[shift()]);
+        let found = known.at(&loads()).predict_made(&squares(WIDTH_M), &[Sensitivity::default(); 2], &[shift()]);
         let band = if log_excess.is_some() { [-0.27, -0.17] } else { [-0.1, 0.1] };
         let (mean, std, chance) = brute_force(&hyper, log_excess, band);
         for load in 0..2 {
@@ -125,8 +128,10 @@ fn dimensions_as_made_move_physics_and_discrepancy_of_trial_and_sample() {
         let by_mixture = found.probability_within(&[band[0]; 2], &[band[1]; 2]);
         assert!((by_mixture - chance).abs() < 0.02, "{log_excess:?}: {by_mixture} {chance}");
         // By the model alone widths would move next to nothing.
-        let as_designed =
-            known.at(&loads()).predict(&squares(WIDTH_M), &[0.0; 2]).probability_within(&[band[0]; 2], &[band[1]; 2]);
+        let as_designed = known
+            .at(&loads())
+            .predict(&squares(WIDTH_M), &[Sensitivity::default(); 2])
+            .probability_within(&[band[0]; 2], &[band[1]; 2]);
         assert!(log_excess.is_none() || as_designed > chance + 0.03, "{as_designed} {chance}");
         let wanted = Wanted { lower: vec![0.9 * band[0].exp(); 2], upper: vec![0.9 * band[1].exp(); 2] };
         assert!((wanted.score(&found, &[0.9; 2]).chance - by_mixture).abs() < 0.01);

@@ -47,7 +47,7 @@ pub(crate) struct Member {
     pub mean: Vec<f64>,
     /// L^-1 of the precision L L^T, rows of a lower triangle.
     pub inverse: Vec<f64>,
-    /// Posterior mean of the discrepancy without that of the modulus, at each measurement: errors of a trial's dimensions move it.
+    /// Posterior mean of the discrepancy without eps and lambda, at each measurement: errors of a trial's dimensions move it.
     pub at_trials: Vec<f64>,
 }
 
@@ -130,6 +130,23 @@ impl Discrepancy {
     #[must_use]
     pub const fn modulus_relative_std(&self) -> f64 {
         self.basis.modulus_std()
+    }
+
+    /// Mean and standard deviation of lambda, by which local friction follows the local pressure: 0 for the nominal one, 1 for the local one.
+    #[must_use]
+    pub fn local_law(&self) -> (f64, f64) {
+        let [_, place] = self.basis.globals();
+        let [_, prior_std] = self.basis.global_stds();
+        let p = self.basis.count();
+        let of = |member: &Member| {
+            let [_, mean] = self.basis.global_means(&member.mean);
+            let square: f64 = (place..p).map(|row| member.inverse[row * p + place].powi(2)).sum();
+            [member.weight, mean, prior_std * prior_std * square]
+        };
+        let all: Vec<[f64; 3]> = self.members.iter().map(of).collect();
+        let mean: f64 = all.iter().map(|[weight, mean, _]| weight * mean).sum();
+        let variance: f64 = all.iter().map(|[weight, own, var]| weight * (var + (own - mean).powi(2))).sum();
+        (mean, variance.sqrt())
     }
 
     /// The forms with their weights.
@@ -238,7 +255,7 @@ impl Discrepancy {
 
     /// The measurements with the covariance `noise`; `None` where that has no inverse.
     fn whitened(&self, noise: &[f64]) -> Option<Whitened> {
-        let mut excess: Vec<f64> = self.rows().map(|(_, at)| at.log_excess()).collect();
+        let mut excess: Vec<f64> = self.rows().map(|(_, at)| at.log_excess() - at.sensitivity.prior_mean()).collect();
         let n = excess.len();
         let factor = cholesky(noise, n).filter(|factor| is_regular(factor, n))?;
         solve_lower(&factor, n, &mut excess);
@@ -274,7 +291,7 @@ impl Discrepancy {
             .map(|(trial, at)| {
                 let features = &self.trials[trial].features;
                 let value = member.value(features);
-                self.basis.row(value, member.residual, features, &at.load, at.modulus_sensitivity)
+                self.basis.row(value, member.residual, features, &at.load, at.sensitivity)
             })
             .collect();
         let columns: Vec<Vec<f64>> = (0..p)
@@ -307,9 +324,8 @@ impl Discrepancy {
             solve_lower(&lower, p, &mut column);
             (c..p).for_each(|row| inverse[row * p + c] = column[row]);
         }
-        let modulus = self.basis.modulus();
-        let of_modulus = |row: &[f64]| row[modulus] * mean[modulus];
-        let at_trials = rows.iter().map(|row| dot(row, &mean) - of_modulus(row)).collect();
+        let of_globals = |row: &[f64]| self.basis.globals().map(|place| row[place] * mean[place]).iter().sum::<f64>();
+        let at_trials = rows.iter().map(|row| dot(row, &mean) - of_globals(row)).collect();
         Some((Member { mean, inverse, at_trials, ..member }, evidence))
     }
 }

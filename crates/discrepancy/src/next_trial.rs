@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 use slipgrid_statistics::{BoxRule, Normals};
 
-use crate::{Component, DimensionShift, Features, Form, Prediction, Predictor};
+use crate::{Component, DimensionShift, Features, Form, Prediction, Predictor, Sensitivity};
 use slipgrid_statistics::cholesky::{cholesky, covariance_factor, dot, is_regular, log_determinant, solve_lower};
 
 /// What counts beside the chance: a texture that misses by little teaches more of the target than one that misses by far.
@@ -44,8 +44,8 @@ pub struct Candidate<'a> {
     pub features: Features,
     /// Modelled ratio at each load.
     pub modelled: &'a [f64],
-    /// g = d ln R / d ln E at each load.
-    pub modulus_sensitivity: &'a [f64],
+    /// How ln R follows what all textures have in common, at each load.
+    pub sensitivity: &'a [Sensitivity],
     /// Covariance of the logarithms of the ratios that all samples share beside the discrepancy, loads x loads; empty where that is nothing.
     pub covariance: &'a [f64],
     /// Independent errors of the dimensions of each sample; empty where these are exact.

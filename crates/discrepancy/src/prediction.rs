@@ -6,8 +6,8 @@ use slipgrid_statistics::{mixture_quantile, normal_probability};
 
 use crate::mixture::Member;
 use crate::residual::Place;
-use crate::rows::Basis;
-use crate::{Candidate, DimensionShift, Features, Form};
+use crate::rows::{Basis, GLOBALS};
+use crate::{Candidate, DimensionShift, Features, Form, Sensitivity};
 use slipgrid_statistics::cholesky::{covariance_factor, dot};
 
 /// Members of less weight change no digit that is reported.
@@ -36,23 +36,23 @@ pub struct Predictor {
     members: Vec<Prepared>,
 }
 
-/// A form at the loads. With L L^T the precision, b_l what multiplies the form's coefficients and e the modulus's column:
-/// B_l = L^-1 b_l and E = L^-1 e.
+/// A form at the loads. With L L^T the precision, b_l what multiplies the form's coefficients and e_k the column of eps or lambda:
+/// B_l = L^-1 b_l and E_k = L^-1 e_k.
 #[derive(Clone, Debug)]
 struct Prepared {
     member: Member,
     /// Place of its form among the predictor's.
     form: usize,
-    /// b_l times the mean coefficients, and e.
+    /// b_l times the mean coefficients, and the means of eps and lambda.
     mean_of_form: Vec<f64>,
-    mean_of_modulus: f64,
+    mean_of_globals: [f64; GLOBALS],
     mean_of_residual: Vec<f64>,
     b: Vec<Vec<f64>>,
-    e: Vec<f64>,
-    /// B_l B_m, B_l E and E E.
+    e: [Vec<f64>; GLOBALS],
+    /// B_l B_m, B_l E_k and E_k E_j.
     bb: Vec<f64>,
-    be: Vec<f64>,
-    ee: f64,
+    be: Vec<[f64; GLOBALS]>,
+    ee: [[f64; GLOBALS]; GLOBALS],
     /// Columns of L^-1 that multiply the residual's features.
     residual: Vec<Vec<f64>>,
 }
@@ -104,7 +104,7 @@ struct FormAt {
 
 impl Predictor {
     pub(crate) fn new(basis: &Basis, members: &[Member], loads: &[Load]) -> Self {
-        let (p, of_form, modulus) = (basis.count(), basis.of_form(), basis.modulus());
+        let (p, of_form, of_residual) = (basis.count(), basis.of_form(), basis.first_of_residual());
         let rows: Vec<Vec<f64>> = loads.iter().map(|load| basis.at_load(load)).collect();
         let mut forms: Vec<Form> = Vec::new();
         let mut place_of = |form: Form| {
@@ -120,17 +120,21 @@ impl Predictor {
                 (0..p).map(|r| dot(&member.inverse[r * p..][..=r.min(of_form - 1)], row)).collect()
             };
             let b: Vec<Vec<f64>> = rows.iter().map(|row| times(row)).collect();
-            let e: Vec<f64> = column(modulus).iter().map(|entry| basis.modulus_std() * entry).collect();
+            let scaled = |global: usize| {
+                let std = basis.global_stds()[global];
+                column(basis.globals()[global]).iter().map(|entry| std * entry).collect::<Vec<f64>>()
+            };
+            let e: [Vec<f64>; GLOBALS] = std::array::from_fn(scaled);
             Prepared {
                 mean_of_form: rows.iter().map(|row| dot(row, &member.mean)).collect(),
-                mean_of_modulus: basis.modulus_std() * member.mean[modulus],
-                mean_of_residual: member.mean[modulus + 1..].to_vec(),
+                mean_of_globals: basis.global_means(&member.mean),
+                mean_of_residual: member.mean[of_residual..].to_vec(),
                 bb: b.iter().flat_map(|left| b.iter().map(|right| dot(left, right))).collect(),
-                be: b.iter().map(|left| dot(left, &e)).collect(),
-                ee: dot(&e, &e),
+                be: b.iter().map(|left| e.each_ref().map(|e| dot(left, e))).collect(),
+                ee: e.each_ref().map(|left| e.each_ref().map(|right| dot(left, right))),
                 b,
                 e,
-                residual: (modulus + 1..p).map(column).collect(),
+                residual: (of_residual..p).map(column).collect(),
                 form: place_of(member.form),
                 member: Member { mean: Vec::new(), inverse: Vec::new(), ..member.clone() },
             }
@@ -145,23 +149,32 @@ impl Predictor {
         }
     }
 
-    /// Prediction of a sample with the features `of`, made exactly, whose modelled ratio goes with the logarithm of Young's modulus as
-    /// `modulus_sensitivity` at each load. The sample's own scatter is in it.
+    /// Prediction of a sample with the features `of`, made exactly, whose modelled ratio follows Young's modulus and the local law as
+    /// `sensitivity` at each load. The sample's own scatter is in it.
     #[must_use]
-    pub fn predict(&self, of: &Features, modulus_sensitivity: &[f64]) -> Prediction {
-        self.predict_made(of, modulus_sensitivity, &[])
+    pub fn predict(&self, of: &Features, sensitivity: &[Sensitivity]) -> Prediction {
+        self.predict_made(of, sensitivity, &[])
     }
 
     /// Prediction of ln(true ratio / modelled ratio as designed) of a sample whose dimensions are off by independent `shifts`: these move its
     /// modelled ratio and the discrepancy. To first order in the shifts, form by form.
     #[must_use]
-    pub fn predict_made(&self, of: &Features, modulus_sensitivity: &[f64], shifts: &[DimensionShift]) -> Prediction {
-        self.predicted(of, modulus_sensitivity, shifts, false)
+    pub fn predict_made(&self, of: &Features, sensitivity: &[Sensitivity], shifts: &[DimensionShift]) -> Prediction {
+        self.predicted(of, sensitivity, shifts, false)
     }
 
-    /// [`Predictor::predict_made`], where `has_known_form` without what is not known of the discrepancy: modulus, dimensions and the sample's
-    /// own scatter are left of the covariances.
-    fn predicted(&self, of: &Features, g: &[f64], shifts: &[DimensionShift], has_known_form: bool) -> Prediction {
+    /// [`Predictor::predict_made`], where `has_known_form` without what is not known of the discrepancy: modulus, local law, dimensions and the
+    /// sample's own scatter are left of the covariances.
+    fn predicted(
+        &self,
+        of: &Features,
+        sensitivity: &[Sensitivity],
+        shifts: &[DimensionShift],
+        has_known_form: bool,
+    ) -> Prediction {
+        let g: Vec<[f64; GLOBALS]> = sensitivity.iter().map(Sensitivity::globals).collect();
+        // Where flat friction follows the area law lambda takes no time.
+        let globals = if g.iter().all(|[_, local_law]| *local_law == 0.0) { 1 } else { GLOBALS };
         let places: Vec<Place> = self.loads.iter().map(|load| self.basis.place(of, load)).collect();
         let features: Vec<Vec<f64>> = places.iter().map(|place| self.basis.residual(place)).collect();
         let n = self.loads.len();
@@ -179,7 +192,7 @@ impl Predictor {
         let forms: Vec<FormAt> = self.forms.iter().map(form_at).collect();
         // Scratch of one member: R_l, R_l E, D_l, and what errors of dimensions move.
         let count = self.members.first().map_or(0, |member| member.residual.len());
-        let (mut r, mut re, mut of_form) = (vec![0.0; n * count], vec![0.0; n], vec![0.0; n]);
+        let (mut r, mut re, mut of_form) = (vec![0.0; n * count], vec![[0.0; GLOBALS]; n], vec![0.0; n]);
         let mut moved = vec![0.0; shifts.len() * n];
         let component = |member: &Prepared| {
             let form = &forms[member.form];
@@ -187,7 +200,7 @@ impl Predictor {
             let own = member.member.scatter.powi(2);
             // What multiplies the residual's coefficients at load l, and R_l = L^-1 of that, below form and modulus.
             let size = h * member.member.residual;
-            let first = member.e.len() - count;
+            let first = member.e[0].len() - count;
             r.fill(0.0);
             for (l, features) in features.iter().enumerate() {
                 let r = &mut r[l * count..][..count];
@@ -196,7 +209,7 @@ impl Predictor {
                         *sum += size * feature * entry;
                     }
                 }
-                re[l] = dot(r, &member.e[first..]);
+                re[l] = member.e.each_ref().map(|e| dot(r, &e[first..]));
                 of_form[l] = form.mean * (h * member.mean_of_form[l] + size * dot(features, &member.mean_of_residual));
             }
             // d ln R + D d ln h by one standard deviation of each shift, D the mean discrepancy
@@ -208,12 +221,15 @@ impl Predictor {
             }
             // E (1 + d ln h)^2 of the part that is not known
             let times = 1.0 + form.log_shifts.iter().map(|log_form| log_form * log_form).sum::<f64>();
-            // v_l = h B_l + g_l E + R_l, covariance v_l v_m
+            // v_l = h B_l + sum_k g_lk E_k + R_l, covariance v_l v_m
             let mut covariance = vec![0.0; n * n];
             for l in 0..n {
                 for m in 0..=l {
                     let of_dimensions: f64 = moved.chunks_exact(n).map(|moved| moved[l] * moved[m]).sum();
-                    let mut entry = g[l] * g[m] * member.ee + of_dimensions + own;
+                    let of_globals: f64 = (0..globals)
+                        .map(|k| (0..globals).map(|j| g[l][k] * g[m][j] * member.ee[k][j]).sum::<f64>())
+                        .sum();
+                    let mut entry = of_globals + of_dimensions + own;
                     if !has_known_form {
                         let [r_l, r_m] = [l, m].map(|load| &r[load * count..][..count]);
                         let [rb, br] = [dot(r_l, &member.b[m][first..]), dot(r_m, &member.b[l][first..])];
@@ -222,10 +238,13 @@ impl Predictor {
                             + h * (rb + br)
                             + dot(r_l, r_m)
                             + size * size * residual_left[l * n + m];
-                        entry += times * unknown_form
-                            + h * (g[m] * member.be[l] + g[l] * member.be[m])
-                            + g[m] * re[l]
-                            + g[l] * re[m];
+                        let mut unknown = times * unknown_form;
+                        for k in 0..globals {
+                            let (g_l, g_m) = (g[l][k], g[m][k]);
+                            let with_form = h * (g_m * member.be[l][k] + g_l * member.be[m][k]);
+                            unknown = unknown + with_form + g_m * re[l][k] + g_l * re[m][k];
+                        }
+                        entry += unknown;
                     }
                     covariance[l * n + m] = entry;
                     covariance[m * n + l] = entry;
@@ -234,7 +253,7 @@ impl Predictor {
             Component {
                 form: member.member.form,
                 weight: member.member.weight,
-                mean: (0..n).map(|l| of_form[l] + g[l] * member.mean_of_modulus).collect(),
+                mean: (0..n).map(|l| of_form[l] + dot(&g[l], &member.mean_of_globals)).collect(),
                 covariance,
             }
         };
@@ -247,7 +266,8 @@ impl Predictor {
         self.of_candidate(candidate, false)
     }
 
-    /// The same where the discrepancy of the texture is known to be its median: what modulus, dimensions and the sample's own scatter leave.
+    /// The same where the discrepancy of the texture is known to be its median: what modulus, local law, dimensions and the sample's own scatter
+    /// leave.
     #[must_use]
     pub fn of_known_form(&self, candidate: &Candidate<'_>) -> Prediction {
         let medians = self.of(candidate).medians();
@@ -257,8 +277,8 @@ impl Predictor {
     }
 
     fn of_candidate(&self, candidate: &Candidate<'_>, has_known_form: bool) -> Prediction {
-        let Candidate { features, modulus_sensitivity, covariance, dimension_shifts, .. } = candidate;
-        self.predicted(features, modulus_sensitivity, dimension_shifts, has_known_form).with(covariance)
+        let Candidate { features, sensitivity, covariance, dimension_shifts, .. } = candidate;
+        self.predicted(features, sensitivity, dimension_shifts, has_known_form).with(covariance)
     }
 }
 

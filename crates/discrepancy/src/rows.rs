@@ -2,15 +2,32 @@
 //! texture and a load.
 
 use crate::residual::{Place, ResidualBasis};
-use crate::{Conditions, Features, Hyperparameters, Load, Trial};
+use crate::{Conditions, Features, Hyperparameters, Load, Sensitivity, Trial};
 use slipgrid_statistics::cholesky::{cholesky, dot, solve_lower};
 
 /// alpha, beta, gamma and kappa, the coefficients before those of the humidities.
 const OF_LOAD: usize = 4;
 /// Humidities nearer than this are one.
 const SAME_HUMIDITY: f64 = 1e-6;
+/// Unknowns that all textures have in common: eps and lambda.
+pub const GLOBALS: usize = 2;
+/// Mean and standard deviation of lambda, which is 0 or 1 with equal chances: of a number that may be anything between, too.
+const LOCAL_LAW_MEAN: f64 = 0.5;
+const LOCAL_LAW_STD: f64 = 0.5;
 
-/// The basis functions: those of the load first, then eta at every measured humidity, eps, and the residual at the trials.
+impl Sensitivity {
+    /// What multiplies eps and lambda.
+    pub(crate) const fn globals(&self) -> [f64; GLOBALS] {
+        [self.modulus, self.local_law]
+    }
+
+    /// Mean of ln(true / modelled ratio) before any trial.
+    pub(crate) const fn prior_mean(&self) -> f64 {
+        LOCAL_LAW_MEAN * self.local_law
+    }
+}
+
+/// The basis functions: those of the load first, then eta at every measured humidity, eps, lambda, and the residual at the trials.
 #[derive(Clone, Debug)]
 pub struct Basis {
     hyper: Hyperparameters,
@@ -52,14 +69,30 @@ impl Basis {
         OF_LOAD + self.humidities.len()
     }
 
-    /// All coefficients: those of a form, eps, and those of the residual.
+    /// All coefficients: those of a form, eps and lambda, and those of the residual.
     pub fn count(&self) -> usize {
-        self.of_form() + 1 + self.residual.count()
+        self.of_form() + GLOBALS + self.residual.count()
     }
 
-    /// Place of eps.
-    pub fn modulus(&self) -> usize {
-        self.of_form()
+    /// Places of eps and lambda.
+    pub fn globals(&self) -> [usize; GLOBALS] {
+        std::array::from_fn(|global| self.of_form() + global)
+    }
+
+    /// Place of the first coefficient of the residual.
+    pub fn first_of_residual(&self) -> usize {
+        self.of_form() + GLOBALS
+    }
+
+    /// Standard deviations of eps and lambda before any trial.
+    pub const fn global_stds(&self) -> [f64; GLOBALS] {
+        [self.modulus_std, LOCAL_LAW_STD]
+    }
+
+    /// Means of eps and lambda where their coefficients are `mean`.
+    pub fn global_means(&self, mean: &[f64]) -> [f64; GLOBALS] {
+        let [modulus, local_law] = self.globals();
+        [self.modulus_std * mean[modulus], LOCAL_LAW_MEAN + LOCAL_LAW_STD * mean[local_law]]
     }
 
     pub const fn modulus_std(&self) -> f64 {
@@ -117,10 +150,10 @@ impl Basis {
     }
 
     /// What multiplies all coefficients where the form is `form`, times the scale, and the residual over it `residual`.
-    pub fn row(&self, form: f64, residual: f64, of: &Features, load: &Load, modulus_sensitivity: f64) -> Vec<f64> {
+    pub fn row(&self, form: f64, residual: f64, of: &Features, load: &Load, sensitivity: Sensitivity) -> Vec<f64> {
         let mut row = self.at_load(load);
         row.iter_mut().for_each(|entry| *entry *= form);
-        row.push(self.modulus_std * modulus_sensitivity);
+        row.extend(self.global_stds().into_iter().zip(sensitivity.globals()).map(|(std, own)| std * own));
         row.extend(self.residual(&self.place(of, load)).iter().map(|entry| form * residual * entry));
         row
     }

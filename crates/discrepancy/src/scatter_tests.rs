@@ -3,7 +3,8 @@ use slipgrid_pattern::{Pattern, Planform};
 use slipgrid_statistics::Normals;
 
 use crate::{
-    Conditions, Discrepancy, Features, Form, Hyperparameters, LeftOut, Load, Measured, ScatterWeight, Trial, leave_out,
+    Conditions, Discrepancy, Features, Form, Hyperparameters, LeftOut, Load, Measured, ScatterWeight, Sensitivity,
+    Trial, leave_out,
 };
 
 fn groove(lengths_um: [f64; 3]) -> Features {
@@ -19,7 +20,7 @@ fn trial(name: &str, features: Features, rows: &[[f64; 4]]) -> Trial {
         modelled: *modelled,
         patterned_std: 0.0105,
         flat_std: 0.008,
-        modulus_sensitivity: 0.05,
+        sensitivity: Sensitivity::of_modulus(0.05),
     };
     Trial {
         name: name.to_owned(),
@@ -59,7 +60,7 @@ fn learned(trials: Vec<Trial>) -> Discrepancy {
 fn of_speed(known: &Discrepancy) -> f64 {
     let at = |speed_m_s: f64| Load { pressure_pa: 4.775e6, speed_m_s, humidity: 0.45 };
     let loads = [at(5e-3 * std::f64::consts::E), at(5e-3)];
-    let (_, covariance) = known.at(&loads).predict(&groove([150.0, 300.0, 12.0]), &[0.0; 2]).mixed();
+    let (_, covariance) = known.at(&loads).predict(&groove([150.0, 300.0, 12.0]), &[Sensitivity::default(); 2]).mixed();
     (covariance[0] - 2.0 * covariance[1] + covariance[3]).sqrt()
 }
 
@@ -86,7 +87,8 @@ fn samples_of_one_texture_that_contradict_each_other_raise_the_scatter() {
         let deep = known.forms().into_iter().find(|of| of.form == deep).unwrap();
         assert!(deep.weight < deep.prior, "{deep:?}");
         let loads = [1.592e6, 4.775e6].map(|pressure_pa| Load { pressure_pa, speed_m_s: 5e-3, humidity: 0.45 });
-        let at = |lengths_um: [f64; 3]| known.at(&loads).predict(&groove(lengths_um), &[0.05; 2]);
+        let at =
+            |lengths_um: [f64; 3]| known.at(&loads).predict(&groove(lengths_um), &[Sensitivity::of_modulus(0.05); 2]);
         let near = at([160.0, 290.0, 12.0]);
         // Both samples lie within what is predicted of a third: the ratios over the modelled ones.
         for (load, measured) in [(0, [0.868 / 0.953, 1.0]), (1, [0.819 / 0.886, 0.911 / 0.885_f64])] {
@@ -154,7 +156,7 @@ fn one_sample_leaves_the_scatter_as_it_is_believed_before_any() {
         }
         let at = [all[0].measured[0].load];
         let tail = |known: &Discrepancy| {
-            let found = known.at(&at).predict(&all[0].features, &[0.05]);
+            let found = known.at(&at).predict(&all[0].features, &[Sensitivity::of_modulus(0.05)]);
             found.quantile(0, 0.995) - found.quantile(0, 0.005)
         };
         assert!(tail(&known) > if count == 0 { 1.0 } else { 1.5 } * tail(&of(&all[..count], &exact)));

@@ -6,7 +6,7 @@ use slipgrid_statistics::cholesky::covariance_factor;
 use crate::mixture::Member;
 use crate::residual::{Place, ResidualBasis};
 use crate::rows::Basis;
-use crate::{Candidate, Discrepancy, Load, Wanted};
+use crate::{Candidate, Discrepancy, Load, Sensitivity, Wanted};
 use slipgrid_statistics::cholesky::dot;
 
 /// Truths drawn from the mixture, all alike likely.
@@ -41,10 +41,12 @@ struct ResidualDraw {
 
 /// Waves of a draw of the residual: their sum is nearly normal, and over all draws its covariance is exact.
 const WAVES: usize = 16;
-/// Seeds beyond that of the truths: of what all samples share, of each sample beyond its number, and of residuals.
+/// Seeds beyond that of the truths: of what all samples share, of each sample beyond its number, of residuals, and of the
+/// local law.
 const OF_ALL: u64 = 1 << 32;
 const OF_SAMPLES: u64 = 2 << 32;
 const OF_RESIDUALS: u64 = 3 << 32;
+const OF_LOCAL_LAW: u64 = 4 << 32;
 
 impl ResidualDraw {
     fn new(basis: &ResidualBasis, normals: &mut Normals) -> Self {
@@ -74,7 +76,9 @@ impl Scenarios {
         let (basis, members) = (discrepancy.basis().clone(), discrepancy.members().to_vec());
         let p = basis.count();
         let mut normals = Normals::new(seed);
-        let mut of_residual = Normals::new(seed.wrapping_add(OF_RESIDUALS));
+        let [mut of_residual, mut of_law] =
+            [OF_RESIDUALS, OF_LOCAL_LAW].map(|beyond| Normals::new(seed.wrapping_add(beyond)));
+        let [_, law] = basis.globals();
         let mut draws = Vec::with_capacity(count);
         let (mut place, mut reached) = (0, members.first().map_or(1.0, |member| member.weight));
         for draw in 0..count {
@@ -84,7 +88,7 @@ impl Scenarios {
                 reached += members[place].weight;
             }
             let member = &members[place];
-            let z: Vec<f64> = (0..p).map(|_| normals.draw()).collect();
+            let z: Vec<f64> = (0..p).map(|c| if c == law { of_law.draw() } else { normals.draw() }).collect();
             // theta = mean + L^-T z
             let coefficient =
                 |c: usize| member.mean[c] + (c..p).map(|row| member.inverse[row * p + c] * z[row]).sum::<f64>();
@@ -121,11 +125,11 @@ impl Scenarios {
         };
         let of = |member: &Member| {
             let form = member.value(&candidate.features);
-            let at = loads.iter().zip(candidate.modulus_sensitivity);
-            let row = |(load, g)| self.basis.row(form, member.residual, &candidate.features, load, g);
+            let at = loads.iter().zip(candidate.sensitivity);
+            let row = |load, own| self.basis.row(form, member.residual, &candidate.features, load, own);
             let shifts = candidate.dimension_shifts.iter();
             let log_forms: Vec<f64> = shifts.map(|shift| shift.log_form(&member.form, &candidate.features)).collect();
-            (form, at.map(|(load, g)| row((load, *g))).collect::<Vec<_>>(), log_forms)
+            (form, at.map(|(load, own)| row(load, *own)).collect::<Vec<_>>(), log_forms)
         };
         let members: Vec<(f64, Vec<Vec<f64>>, Vec<f64>)> = self.members.iter().map(of).collect();
         let left: Vec<f64> = loads.iter().flat_map(|a| loads.iter().map(|b| self.basis.humidity_left(a, b))).collect();
@@ -138,7 +142,8 @@ impl Scenarios {
             let z: Vec<f64> = (0..n).map(|_| normals.draw()).collect();
             (0..n).map(|load| dot(&factor[load * n..][..=load], &z)).collect()
         };
-        let modulus = self.basis.modulus();
+        let globals = self.basis.globals();
+        let prior_mean: Vec<f64> = candidate.sensitivity.iter().map(Sensitivity::prior_mean).collect();
         let mut is_on = |(draw, truth): (usize, &Truth)| {
             let (form, rows, log_forms) = &members[truth.member];
             let member = &self.members[truth.member];
@@ -149,13 +154,14 @@ impl Scenarios {
             let own_t = member.scatter * of_own.draw();
             let t = self.of_disc.get(draw).copied().unwrap_or(own_t);
             (0..n).all(|load| {
-                let of_modulus = rows[load][modulus] * truth.coefficients[modulus];
+                let of_globals: f64 = globals.map(|place| rows[load][place] * truth.coefficients[place]).iter().sum();
                 let rest = form * (left[load] + member.residual * residual_left(&truth.residual, load));
-                let of_form = dot(&rows[load], &truth.coefficients) - of_modulus + rest;
+                let of_form = dot(&rows[load], &truth.coefficients) - of_globals + rest;
                 let shifts = candidate.dimension_shifts.iter().zip(&deviates);
                 let of_dimensions: f64 = shifts.map(|(shift, z)| shift.log_ratio[load] * z).sum();
-                // y = D h' / h + eps g + what all samples share + d ln R + t
-                let value = of_form * (1.0 + log_form) + of_modulus + common[load] + of_dimensions + t;
+                // y = D h' / h + eps g + lambda d + what all samples share + d ln R + t
+                let of_globals = of_globals + prior_mean[load];
+                let value = of_form * (1.0 + log_form) + of_globals + common[load] + of_dimensions + t;
                 (lower[load]..=upper[load]).contains(&value)
             })
         };

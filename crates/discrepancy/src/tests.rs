@@ -25,7 +25,7 @@ fn trial(name: &str, features: Features, loads: &[Load], noise: f64, truth: &mut
         modelled: 0.9,
         patterned_std: noise,
         flat_std: noise,
-        modulus_sensitivity: 0.1 + 0.02 * place as f64,
+        sensitivity: Sensitivity::of_modulus(0.1 + 0.02 * place as f64),
     };
     let measured = loads.iter().enumerate().map(measured).collect();
     Trial {
@@ -42,6 +42,11 @@ fn trial(name: &str, features: Features, loads: &[Load], noise: f64, truth: &mut
 /// An error of a dimension that moves the modelled ratio alone.
 fn physics_alone(features: Features, log_ratio: Vec<f64>) -> DimensionShift {
     DimensionShift { log_ratio, above: features, below: None }
+}
+
+/// Textures that follow Young's modulus alone.
+fn moduli<const N: usize>(slopes: [f64; N]) -> [Sensitivity; N] {
+    slopes.map(Sensitivity::of_modulus)
 }
 
 fn discrepancy(trials: Vec<Trial>) -> Discrepancy {
@@ -61,7 +66,7 @@ fn without_cavities_there_is_no_discrepancy() {
         let mut last = f64::INFINITY;
         // Ever fewer grooves, at last none; what is left is a sample's own scatter.
         for features in [1e2, 1e5, 1e8].map(|spacing_um| groove(100.0, spacing_um, 10.0)).into_iter().chain([nothing]) {
-            let (mean, std) = known.at(&loads()).predict(&features, &[0.0; 4]).moments(2);
+            let (mean, std) = known.at(&loads()).predict(&features, &moduli([0.0; 4])).moments(2);
             let off = mean.abs() + (std * std - own * own).abs();
             assert!(off < last || off == 0.0, "{off} after {last}");
             last = off;
@@ -74,7 +79,7 @@ fn without_cavities_there_is_no_discrepancy() {
 fn before_any_trial_the_prior_is_what_is_believed() {
     let hyper = Hyperparameters::default();
     let at = load(1.5, 2.0, 40.0);
-    let found = prior().at(&[at]).predict(&hyper.reference, &[0.3]);
+    let found = prior().at(&[at]).predict(&hyper.reference, &moduli([0.3]));
     let (mean, std) = found.moments(0);
     // q = 0.65 / 1.5 - 1/2; every form is 1 at the reference, and the residual has the variance of alpha times its size.
     let q: f64 = 0.65 / 1.5 - 0.5;
@@ -104,6 +109,9 @@ fn coefficients_and_measurements_say_the_same() {
         .map(|(place, (features, loads))| {
             let mut of = trial(&place.to_string(), *features, loads, 0.01, &mut |_| -0.1 + 0.05 * normals.draw());
             of.dimension_shifts = vec![physics_alone(*features, vec![0.01, 0.012])];
+            for (at, change) in of.measured.iter_mut().zip([0.08, -0.03]) {
+                at.sensitivity.local_law = change;
+            }
             of
         })
         .collect();
@@ -119,7 +127,7 @@ fn coefficients_and_measurements_say_the_same() {
             }
             errors[3 * l] += 2.0 * 0.01_f64.powi(2);
         }
-        let sensitivity: Vec<f64> = wanted.measured.iter().map(|at| at.modulus_sensitivity).collect();
+        let sensitivity: Vec<Sensitivity> = wanted.measured.iter().map(|at| at.sensitivity).collect();
         let found = known.at(&places[last]).predict(&wanted.features, &sensitivity).with(&errors);
         for row in 0..2 {
             let other = left.iter().find(|of| (of.trial, of.row) == (last, row)).unwrap();
@@ -151,7 +159,7 @@ fn weights_are_prior_times_evidence() {
                 .map(|(trial, at)| {
                     let features = &found.trials()[*trial].features;
                     let form = member.value(features);
-                    found.basis().row(form, member.residual, features, &at.load, at.modulus_sensitivity)
+                    found.basis().row(form, member.residual, features, &at.load, at.sensitivity)
                 })
                 .collect();
             let dense: Vec<f64> =
@@ -195,7 +203,7 @@ fn a_hidden_mechanism_is_found() {
         let share: f64 = found.forms().iter().filter(|of| of.form.family() == form.family()).map(|of| of.weight).sum();
         assert!(share > 0.8, "{form:?}: {share}");
         for of in &unseen {
-            let prediction = found.at(&loads()).predict(of, &[0.1; 4]);
+            let prediction = found.at(&loads()).predict(of, &moduli([0.1; 4]));
             let (mean, std) = prediction.moments(1);
             assert!((mean - truth(of)).abs() < 3.0 * std && std < 0.05, "{form:?} {mean} {std} {}", truth(of));
         }
@@ -208,9 +216,9 @@ fn the_order_of_trials_changes_nothing_but_rounding() {
     for (place, texture) in [groove(100.0, 300.0, 10.0), groove(30.0, 100.0, 5.0)].into_iter().enumerate() {
         all.push(trial("", texture, &loads(), 0.01, &mut |row| -0.1 - 0.02 * (place + row) as f64));
     }
-    let forward = discrepancy(all.clone()).at(&loads()).predict(&groove(50.0, 200.0, 8.0), &[0.1; 4]);
+    let forward = discrepancy(all.clone()).at(&loads()).predict(&groove(50.0, 200.0, 8.0), &moduli([0.1; 4]));
     all.reverse();
-    let backward = discrepancy(all).at(&loads()).predict(&groove(50.0, 200.0, 8.0), &[0.1; 4]);
+    let backward = discrepancy(all).at(&loads()).predict(&groove(50.0, 200.0, 8.0), &moduli([0.1; 4]));
     for load in 0..4 {
         assert!((forward.quantile(load, 0.5) - backward.quantile(load, 0.5)).abs() < 1e-10);
     }
@@ -225,7 +233,7 @@ fn a_flat_sample_measured_once_is_off_alike_in_all_trials() {
         let all = textures.iter().zip([first, second]).map(|(of, at)| trial("", *of, &[at], 0.03, &mut |_| -0.2));
         let hyper = Hyperparameters { sample_std: 0.005, ..Hyperparameters::default() };
         let known = Discrepancy::new(hyper, Conditions::default(), 0.2, all.collect()).unwrap();
-        known.at(&[first]).predict(&textures[0], &[0.1]).moments(0).1
+        known.at(&[first]).predict(&textures[0], &moduli([0.1])).moments(0).1
     };
     let (same, other) = (shared(load(1.3, 2.0, 40.0)), shared(load(1.3, 2.000_1, 40.0)));
     assert!(same > 1.1 * other, "{same} {other}");
@@ -259,7 +267,7 @@ fn two_trials_of_one_disc_tell_less_of_the_mean_and_more_of_their_difference() {
             .unwrap()
     };
     // A third sample, on a disc of its own: 1 / (1 / A^2 + 1 / V) + s^2, V the variance of the mean of the two.
-    let third = |known: &Discrepancy| known.at(&at).predict(&texture, &[0.0]).moments(0).1.powi(2);
+    let third = |known: &Discrepancy| known.at(&at).predict(&texture, &moduli([0.0])).moments(0).1.powi(2);
     let expected = |mean: f64| 1.0 / (1.0 / a2 + 1.0 / mean) + s2;
     // The second by the first: K - C^2 / K with K = A^2 + s^2 + e^2 and C what the two share.
     let second = |known: &Discrepancy| {
@@ -285,7 +293,7 @@ fn an_unmeasured_humidity_lies_between_what_is_known_and_the_prior() {
     let trials = vec![trial("", groove(100.0, 300.0, 10.0), &loads(), 0.002, &mut |_| -0.2)];
     let known = Discrepancy::new(hyper, Conditions::default(), 0.2, trials).unwrap();
     let std = |humidity_pct: f64| {
-        known.at(&[load(1.3, 2.0, humidity_pct)]).predict(&groove(100.0, 300.0, 10.0), &[0.1]).moments(0).1
+        known.at(&[load(1.3, 2.0, humidity_pct)]).predict(&groove(100.0, 300.0, 10.0), &moduli([0.1])).moments(0).1
     };
     let stds = [40.0, 45.0, 60.0, 100.0].map(std);
     assert!(stds.is_sorted() && stds[0] < 0.01 && stds[3] > 5.0 * stds[0], "{stds:?}");
@@ -302,14 +310,14 @@ fn the_choice_is_the_best_of_all_scores() {
     }
     let ratio = |of: &Features| [0.02, 0.05, 0.08, 0.1].map(|by: f64| 1.0 - by * 2.0 * of.areal_density).to_vec();
     let modelled: Vec<Vec<f64>> = textures.iter().map(ratio).collect();
-    let sensitivity = [0.02, 0.04, 0.06, 0.08];
+    let sensitivity = moduli([0.02, 0.04, 0.06, 0.08]);
     let wanted = Wanted { lower: vec![0.83; 4], upper: vec![0.87; 4] };
     let predictor = known.at(&loads());
     let of = |place: usize| {
         Some(Candidate {
             features: textures[place],
             modelled: &modelled[place],
-            modulus_sensitivity: &sensitivity,
+            sensitivity: &sensitivity,
             covariance: &[],
             dimension_shifts: &[],
         })
@@ -329,7 +337,7 @@ fn a_trial_teaches_of_the_form_where_forms_differ() {
     let here = groove(100.0, 300.0, 10.0);
     let known = discrepancy(vec![trial("", here, &loads(), 0.005, &mut |_| -0.2)]);
     let predictor = known.at(&loads());
-    let of = |texture: &Features| information(&predictor.predict(texture, &[0.1; 4]), 0.01);
+    let of = |texture: &Features| information(&predictor.predict(texture, &moduli([0.1; 4])), 0.01);
     let (again, far) = (of(&here), of(&groove(20.0, 30.0, 25.0)));
     assert!(far > 0.3 && again < 0.1 * far, "{again} {far}");
 }
@@ -365,7 +373,7 @@ fn scenarios_are_on_target_as_often_as_the_chance_says() {
         let candidate = Candidate {
             features: texture,
             modelled: &[0.98, 0.96, 0.95, 0.94],
-            modulus_sensitivity: &[0.02, 0.04, 0.06, 0.08],
+            sensitivity: &moduli([0.02, 0.04, 0.06, 0.08]),
             covariance: &all,
             dimension_shifts: &[DimensionShift { log_ratio: vec![0.01; 4], above: wider(texture), below: None }],
         };
@@ -398,7 +406,7 @@ fn one_of_several_samples_is_on_target_as_often_as_they_differ() {
         let candidate = Candidate {
             features,
             modelled: &[0.9],
-            modulus_sensitivity: &[0.0],
+            sensitivity: &moduli([0.0]),
             covariance: &shared,
             dimension_shifts: &[physics_alone(features, vec![own])],
         };
@@ -431,9 +439,8 @@ fn samples_on_one_disc_are_off_together() {
     let wanted = Wanted { lower: vec![0.9 * (-0.02_f64).exp()], upper: vec![0.9 * 0.02_f64.exp()] };
     let scenarios = Scenarios::new(&known, 4000, 1);
     let on = |of: &Scenarios, features: Features, number: usize| {
-        let (modelled, sensitivity) = (&[0.9], &[0.0]);
-        let candidate =
-            Candidate { features, modelled, modulus_sensitivity: sensitivity, covariance: &[], dimension_shifts: &[] };
+        let (modelled, sensitivity) = (&[0.9], &moduli([0.0]));
+        let candidate = Candidate { features, modelled, sensitivity, covariance: &[], dimension_shifts: &[] };
         of.on_target(&candidate, &at, &wanted, number)
     };
     let share = |on: &[bool]| on.iter().filter(|on| **on).count() as f64 / 4000.0;
@@ -461,7 +468,8 @@ fn more_loads_are_never_likelier_within_their_bounds_than_fewer() {
     for width_um in [150.0, 170.0, 190.0, 191.0, 192.0, 193.7, 195.0, 197.0] {
         let found = |loads: &[Load]| {
             let n = loads.len();
-            let prediction = known.at(loads).predict(&groove(width_um, 278.3, 29.45), &vec![0.1; n]);
+            let prediction =
+                known.at(loads).predict(&groove(width_um, 278.3, 29.45), &vec![Sensitivity::of_modulus(0.1); n]);
             let (lower, upper) = (vec![-0.06; n], vec![0.02; n]);
             let sampler = prediction.sampler();
             let mut normals = Normals::new(1);
@@ -508,7 +516,8 @@ fn points_shared_by_all_components_leave_little_of_a_chance_open() {
         let (mut exact, mut rough, mut count) = (0.0, 0.0, 0.0);
         for width_um in [40.0, 110.0, 300.0] {
             for half in [0.02, 0.05, 0.1] {
-                let prediction = predictor.predict(&groove(width_um, 300.0, 10.0), &vec![0.1; n]);
+                let prediction =
+                    predictor.predict(&groove(width_um, 300.0, 10.0), &vec![Sensitivity::of_modulus(0.1); n]);
                 let modelled: Vec<f64> = (0..n).map(|load| 0.95 - 0.02 * load as f64).collect();
                 let wanted = Wanted { lower: vec![0.87 - half; n], upper: vec![0.87 + half; n] };
                 let [lower, upper] = wanted.over(&modelled);

@@ -78,8 +78,25 @@ pub struct Measured {
     pub patterned_std: f64,
     /// Standard error of the flat sample's friction over itself.
     pub flat_std: f64,
+    /// How ln R follows what all textures have in common.
+    pub sensitivity: Sensitivity,
+}
+
+/// How ln R of a texture follows the unknowns that all textures have in common.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Sensitivity {
     /// g = d ln R / d ln E.
-    pub modulus_sensitivity: f64,
+    pub modulus: f64,
+    /// d = ln R where local friction follows the local pressure, less ln R as modelled; 0 where flat friction follows the area law.
+    pub local_law: f64,
+}
+
+impl Sensitivity {
+    /// Of a texture that follows Young's modulus alone.
+    #[must_use]
+    pub const fn of_modulus(modulus: f64) -> Self {
+        Self { modulus, local_law: 0.0 }
+    }
 }
 
 impl Measured {
@@ -117,8 +134,13 @@ impl Trial {
                     return refuse(quantity, value, "from 0 to 1");
                 }
             }
-            if !at.modulus_sensitivity.is_finite() {
-                return refuse("sensitivity to the modulus", at.modulus_sensitivity, "finite");
+            for (quantity, value) in [
+                ("sensitivity to the modulus", at.sensitivity.modulus),
+                ("change by the local law", at.sensitivity.local_law),
+            ] {
+                if !value.is_finite() {
+                    return refuse(quantity, value, "finite");
+                }
             }
             for shift in &self.dimension_shifts {
                 let change = shift.log_ratio.get(row).copied().unwrap_or(f64::NAN);

@@ -102,7 +102,8 @@ pub fn complete_by(
 
 /// The material of `task`: read from the file that is kept of it, or calibrated now.
 fn known_material(task: &CalibrationTask, monitor: &dyn Monitor) -> Result<KnownMaterial, CalibrationError> {
-    let memory = monitor.memory().map(|memory| (memory, Key::of("material", task)));
+    // Files that earlier versions kept had no flat friction.
+    let memory = monitor.memory().map(|memory| (memory, Key::of("material", &("with flat friction", task))));
     let recalled = memory.as_ref().and_then(|(memory, key)| memory.recall(key));
     if let Some(known) = recalled.and_then(|bytes| read_kept(String::from_utf8(bytes).ok()?)) {
         return Ok(known);

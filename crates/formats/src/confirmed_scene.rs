@@ -11,6 +11,7 @@ use crate::material::{AreaLawFile, ConditionFile, FrictionFile, MaterialFile};
 use crate::run::RunFile;
 use crate::scene::{LoadFile, SampleFile, SceneFile};
 use crate::values::{Numbers, PathOr, number, number_list};
+use crate::written_material::flat_friction;
 use slipgrid_calibrate::uncertainty::MaterialUncertainty;
 use slipgrid_design::{DesignTask, KnownMaterial};
 use slipgrid_discrepancy::Discrepancy;
@@ -152,6 +153,8 @@ impl DesignScene<'_> {
             density_g_cm3: number(DENSITY_G_CM3.from_si(self.material.elastic.density_kg_m3())),
             yield_pressure_mpa: self.material.elastic.yield_pressure_pa().map(|pa| number(PRESSURE_MPA.from_si(pa))),
             friction: unplaced(self.friction(knowledge)),
+            // Of use to what trials say alone.
+            flat_friction: self.learned().map_or_else(Vec::new, |_| flat_friction(&self.uncertainty.flat_friction)),
             discrepancy: None,
             made_from: None,
             learned: self.learned().map(|learned| unplaced(LearnedFile::new(learned))),

@@ -1,7 +1,7 @@
 //! `[learned]` of a material file: the trials from which the discrepancy follows.
 
 use serde::{Deserialize, Serialize};
-use slipgrid_discrepancy::{Conditions, DimensionShift, Discrepancy, Features, Load, Measured, Trial};
+use slipgrid_discrepancy::{Conditions, DimensionShift, Discrepancy, Features, Load, Measured, Sensitivity, Trial};
 use slipgrid_units::{HUMIDITY_PCT, LENGTH_UM, PRESSURE_MPA, SPEED_MM_S, tidy};
 use toml::Spanned;
 
@@ -69,6 +69,9 @@ struct LearnedTrial {
     flat_std: Vec<f64>,
     /// d ln(modelled ratio) / d ln(Young's modulus).
     modulus_sensitivity: Vec<f64>,
+    /// Changes of ln(modelled ratio) where local friction follows the local pressure in place of the nominal one; zeros when absent.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    local_law_change: Vec<f64>,
     /// Changes of ln(modelled ratio) by the errors of width, spacing and depth, one list each.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     of_dimensions: Vec<Vec<f64>>,
@@ -122,7 +125,12 @@ impl LearnedFile {
                 modelled_ratio: column(|at| at.modelled),
                 patterned_std: column(|at| at.patterned_std),
                 flat_std: column(|at| at.flat_std),
-                modulus_sensitivity: column(|at| at.modulus_sensitivity),
+                modulus_sensitivity: column(|at| at.sensitivity.modulus),
+                local_law_change: if trial.measured.iter().any(|at| at.sensitivity.local_law != 0.0) {
+                    column(|at| at.sensitivity.local_law)
+                } else {
+                    Vec::new()
+                },
                 of_dimensions: trial.dimension_shifts.iter().map(|shift| shift.log_ratio.clone()).collect(),
                 texture_of_dimensions: trial
                     .dimension_shifts
@@ -159,7 +167,9 @@ impl LearnedFile {
                 &trial.flat_std,
                 &trial.modulus_sensitivity,
             ];
-            if columns.into_iter().chain(&trial.of_dimensions).any(|column| column.len() != n) {
+            // A file of before that key holds zeros.
+            let by_law = Some(&trial.local_law_change).filter(|column| !column.is_empty());
+            if columns.into_iter().chain(&trial.of_dimensions).chain(by_law).any(|column| column.len() != n) {
                 let reason = format!("has columns of different lengths in trial \"{}\"", trial.name);
                 return Err(refuse(reason).expected("one number a pressure in each of them"));
             }
@@ -177,7 +187,10 @@ impl LearnedFile {
                 modelled: trial.modelled_ratio[row],
                 patterned_std: trial.patterned_std[row],
                 flat_std: trial.flat_std[row],
-                modulus_sensitivity: trial.modulus_sensitivity[row],
+                sensitivity: Sensitivity {
+                    modulus: trial.modulus_sensitivity[row],
+                    local_law: trial.local_law_change.get(row).copied().unwrap_or(0.0),
+                },
             };
             let LearnedTrial { areal_density, edge_per_mm, width_um, pitch_um, depth_um, .. } = *trial;
             let features = from_columns(&[areal_density, edge_per_mm, width_um, pitch_um, depth_um]);

@@ -56,6 +56,10 @@ pub struct MaterialFile {
     pub friction: Spanned<FrictionFile>,
     /// Area law; absent for Amontons-Coulomb.
     pub area_law: Option<Spanned<AreaLawFile>>,
+    /// Dynamic friction of flat samples as measured, per condition: where it contradicts the area law, nothing says whether friction follows the
+    /// local or the nominal pressure.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub flat_friction: Vec<Spanned<FlatFrictionTable>>,
     /// One factor for every texture, which earlier versions wrote; it is ignored.
     #[serde(default, skip_serializing)]
     pub discrepancy: Option<toml::Table>,
@@ -121,6 +125,20 @@ pub struct ConditionTable {
     pub dynamic_over_steady: Option<Spanned<Numbers>>,
     /// Model minus measurement of the flat sample, one per pressure.
     pub residual: Option<Vec<f64>>,
+}
+
+/// Dynamic friction of flat samples at one speed and humidity.
+#[derive(Clone, Debug, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct FlatFrictionTable {
+    /// Sliding speed.
+    pub speed_mm_s: Number,
+    /// Relative humidity.
+    pub humidity_pct: Number,
+    /// Nominal pressures.
+    pub pressure_mpa: NumberList,
+    /// Dynamic friction at each.
+    pub mu_dynamic: Spanned<Numbers>,
 }
 
 /// An area law as a file writes it.

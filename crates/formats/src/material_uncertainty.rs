@@ -8,7 +8,7 @@ use toml::Spanned;
 use super::document::Document;
 use super::file_kind::FileKind;
 use super::learned::LearnedFile;
-use super::material::{ConditionTable, FrictionFile, MaterialFile, existing, read_material};
+use super::material::{ConditionTable, FlatFrictionTable, FrictionFile, MaterialFile, existing, read_material};
 use super::values::{NumberList, Numbers, PathOr, for_each, increasing};
 use crate::diagnostic::Diagnostic;
 use slipgrid_units::{
@@ -68,8 +68,33 @@ fn read_uncertainty(document: &Document, file: &MaterialFile) -> Result<Material
         law_is_fitted: origin == Some("fit"),
         law_is_measured: origin == Some("measured"),
         scale_covariance: scale_covariance(document, file.friction.get_ref())?,
+        flat_friction: flat_friction(document, &file.flat_friction)?,
         learned: file.learned.as_ref().map(|table| LearnedFile::read(document, table)).transpose()?,
     })
+}
+
+/// Friction of flat samples as measured, without standard errors: those of the coefficients are kept with these.
+fn flat_friction(
+    document: &Document,
+    tables: &[Spanned<FlatFrictionTable>],
+) -> Result<Vec<CoefficientEstimate>, Diagnostic> {
+    let mut all = Vec::new();
+    for table in tables {
+        let table = table.get_ref();
+        let condition = Condition {
+            speed_m_s: document.number(&table.speed_mm_s, SPEED_MM_S)?,
+            humidity: document.number(&table.humidity_pct, HUMIDITY_PCT)?,
+        };
+        let pressures_pa = increasing(document, &table.pressure_mpa, PRESSURE_MPA)?;
+        let values = for_each(document, &table.mu_dynamic, FRICTION, pressures_pa.len(), "pressure")?;
+        all.extend(pressures_pa.into_iter().zip(values).map(|(pressure_pa, value)| CoefficientEstimate {
+            pressure_pa: Some(pressure_pa),
+            condition: Some(condition),
+            value,
+            std_error: 0.0,
+        }));
+    }
+    Ok(all)
 }
 
 fn scale_covariance(document: &Document, file: &FrictionFile) -> Result<Option<[[f64; 2]; 2]>, Diagnostic> {

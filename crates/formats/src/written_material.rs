@@ -1,5 +1,6 @@
 //! The material file that a calibration writes.
 
+use slipgrid_calibrate::uncertainty::CoefficientEstimate;
 use slipgrid_calibrate::{
     AreaLawOrigin, CalibrationOutcome, CalibrationTask, Coefficients, FittedPair, FittedRow as Row,
 };
@@ -8,7 +9,7 @@ use toml::Spanned;
 
 use crate::learned::LearnedFile;
 use crate::made_from::MadeFrom;
-use crate::material::{AreaLawFile, ConditionTable, FrictionFile, MaterialFile};
+use crate::material::{AreaLawFile, ConditionTable, FlatFrictionTable, FrictionFile, MaterialFile};
 use crate::values::{Numbers, number, number_list};
 use slipgrid_results::{SCHEMA, VERSION};
 use slipgrid_units::{DENSITY_G_CM3, HUMIDITY_PCT, LENGTH_UM, MODULUS_GPA, PRESSURE_MPA, SPEED_MM_S, tidy};
@@ -66,6 +67,7 @@ pub fn material_toml(
                 area_fraction: areas.map(number_list),
             })
         }),
+        flat_friction: flat_friction(&outcome.uncertainty.flat_friction),
         discrepancy: None,
         made_from,
         learned: outcome.uncertainty.learned.as_ref().map(|learned| unplaced(LearnedFile::new(learned))),
@@ -127,6 +129,21 @@ fn condition_table(condition: Condition, rows: &[Row]) -> ConditionTable {
         dynamic_over_steady: Some(column(|row| row.dynamic_over_steady)),
         residual: Some(rows.iter().map(|row| rounded(row.residual)).collect()),
     }
+}
+
+/// One table a condition, in which its measurements follow one another.
+pub(crate) fn flat_friction(measured: &[CoefficientEstimate]) -> Vec<Spanned<FlatFrictionTable>> {
+    let table = |rows: &[CoefficientEstimate]| {
+        let Condition { speed_m_s, humidity } = rows[0].condition?;
+        let pressures = rows.iter().filter_map(|row| row.pressure_pa);
+        Some(unplaced(FlatFrictionTable {
+            speed_mm_s: number(SPEED_MM_S.from_si(speed_m_s)),
+            humidity_pct: number(HUMIDITY_PCT.from_si(humidity)),
+            pressure_mpa: number_list(pressures.map(|pressure_pa| PRESSURE_MPA.from_si(pressure_pa))),
+            mu_dynamic: unplaced(Numbers::Each(rows.iter().map(|row| number(tidy(row.value))).collect())),
+        }))
+    };
+    measured.chunk_by(|a, b| a.condition == b.condition).filter_map(table).collect()
 }
 
 fn unplaced<T>(value: T) -> Spanned<T> {
@@ -199,6 +216,22 @@ mod tests {
         outcome
     }
 
+    /// A file of before the local law was known of.
+    #[test]
+    fn a_file_without_flat_friction_is_read() {
+        let task = task(Coefficients::PerCondition, Surface::RmsSlope(0.0137));
+        let outcome = slipgrid_calibrate::run(&task, &Unwatched).unwrap();
+        let mut file: toml::Table = material_toml(&task, &outcome, None).unwrap().parse().unwrap();
+        assert!(file.remove("flat_friction").is_some());
+        let trials = file["learned"]["trial"].as_array_mut().unwrap();
+        assert!(trials[0].as_table_mut().unwrap().remove("local_law_change").is_some());
+        let document = Document::new("m.toml", file.to_string());
+        let (_, uncertainty) = read_known(&document, &document.parse().unwrap(), &(0..0)).unwrap();
+        let zeros = uncertainty.learned.unwrap();
+        assert!(uncertainty.flat_friction.is_empty());
+        assert!(zeros.trials()[0].measured.iter().all(|at| at.sensitivity.local_law == 0.0));
+    }
+
     #[test]
     fn a_material_is_the_one_that_its_file_says() {
         let each = read_back(Coefficients::PerCondition, Surface::RmsSlope(0.0137));
@@ -218,9 +251,15 @@ mod tests {
                 && each.uncertainty.learned.as_ref().unwrap().trials()[0].measured.len() == 3
         );
         assert!(each.uncertainty.has_marginal_errors);
+        // Friction rises with load at 15 %, where the area law falls; at 80 % one load was measured.
+        assert_eq!(each.uncertainty.flat_friction.len(), 3);
+        let learned = each.uncertainty.learned.as_ref().unwrap();
+        let changes: Vec<f64> = learned.trials()[0].measured.iter().map(|at| at.sensitivity.local_law).collect();
+        assert!(changes[0] > 1e-4 && changes[1] == 0.0 && changes[2] > 1e-4, "{changes:?}");
 
         let single = read_back(Coefficients::Single, Surface::None);
         assert!(matches!(single.material.friction, Friction::Single(_)) && single.material.area_law.is_none());
+        assert!(single.uncertainty.flat_friction.is_empty());
         let fitted = read_back(Coefficients::Single, Surface::FittedScale { bounds_pa: [0.5e6, 50e6] });
         assert!(fitted.uncertainty.law_is_fitted && fitted.material.area_law.is_some());
         let synthetic =

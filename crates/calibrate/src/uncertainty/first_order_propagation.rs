@@ -4,7 +4,7 @@
 
 use slipgrid_material::{AreaLaw, LocalFriction, MaterialError};
 use slipgrid_pattern::Pattern;
-use slipgrid_springblock::{Extent, Fidelity, RunOptions, Scene, SteadyCell};
+use slipgrid_springblock::{Extent, Fidelity, Load, RunOptions, Scene, SteadyCell};
 
 use super::{InputUncertainty, Source};
 
@@ -216,7 +216,7 @@ impl Slopes {
 }
 
 /// Steady cell of `scene`; in three dimensions with blocks twice as large if possible, to which slopes are insensitive.
-fn steady_cell(scene: &Scene, pattern: &Pattern) -> Scene {
+pub(super) fn steady_cell(scene: &Scene, pattern: &Pattern) -> Scene {
     const COARSER: usize = 2;
     const MIN_BLOCKS: f64 = 4.0;
     let run = RunOptions {
@@ -273,14 +273,20 @@ pub fn moved(scene: &Scene, friction: &[f64], scale: ScaleShift, law: f64) -> Re
     let area_law =
         scene.area_law.as_ref().map(|own| own.with_factors_off_by(law).at_modulus(scale.log.exp())).transpose()?;
     let elastic = if scale.is_fitted { scene.elastic } else { scene.elastic.at_modulus(scale.log.exp())? };
-    let mut moved = Scene { area_law, elastic, ..scene.clone() };
-    for (load, by) in moved.loads.iter_mut().zip(friction) {
-        let factor = |law: Option<&AreaLaw>| law.map_or(1.0, |law| law.factor(load.pressure_pa));
-        let times = (1.0 + by) * factor(scene.area_law.as_ref()) / factor(moved.area_law.as_ref());
+    with_law(Scene { elastic, ..scene.clone() }, area_law, friction)
+}
+
+/// `scene` with the area law `law` in place of its own, and flat friction larger by the shares `friction`, one per load.
+pub(super) fn with_law(scene: Scene, law: Option<AreaLaw>, friction: &[f64]) -> Result<Scene, MaterialError> {
+    let factor = |law: &Option<AreaLaw>, load: &Load| law.as_ref().map_or(1.0, |law| law.factor(load.pressure_pa));
+    let each = scene.loads.iter().zip(friction).map(|(load, by)| {
+        let times = (1.0 + by) * factor(&scene.area_law, load) / factor(&law, load);
         let own = &load.friction;
-        load.friction = LocalFriction::new(own.static_mean() * times, own.dynamic_mean() * times, own.relative_std())?;
-    }
-    Ok(moved)
+        let friction = LocalFriction::new(own.static_mean() * times, own.dynamic_mean() * times, own.relative_std())?;
+        Ok(Load { friction, ..*load })
+    });
+    let loads = each.collect::<Result<Vec<Load>, MaterialError>>()?;
+    Ok(Scene { area_law: law, loads, ..scene })
 }
 
 /// Changes of the steady ratios of `pattern` for deviations [`BENT_DEVIATIONS`] of Young's modulus with the relative error

@@ -4,7 +4,7 @@
 use slipgrid_material::{AreaLaw, Condition, MaterialError, between};
 use slipgrid_springblock::Load;
 
-use super::{Covariance, InputUncertainty, ScaleError, with_scale};
+use super::{Covariance, InputUncertainty, ScaleError, local_law, with_scale};
 use slipgrid_discrepancy::{Conditions, Discrepancy, DiscrepancyError, Hyperparameters};
 
 /// Errors of a material's numbers, as far as its file states them.
@@ -26,6 +26,8 @@ pub struct MaterialUncertainty {
     pub law_is_measured: bool,
     /// Covariance of the relative error of mu_d and of the logarithm of the fitted scale, if both are known.
     pub scale_covariance: Option<[[f64; 2]; 2]>,
+    /// Measured dynamic friction of flat samples, which may contradict an area law from contact area; empty if the file has none.
+    pub flat_friction: Vec<CoefficientEstimate>,
     /// Discrepancy learned from trials, or the prior if there are none; `None` if the file says nothing about it.
     pub learned: Option<Discrepancy>,
 }
@@ -117,6 +119,14 @@ impl MaterialUncertainty {
             .filter(|std| *std > 0.0 && !self.law_is_fitted && !self.law_is_measured && area_law.is_some())
     }
 
+    /// Law of friction under `condition` if the local coefficient follows the local pressure, see [`local_law`]; `None` if flat friction is
+    /// not known to contradict the `area_law`.
+    #[must_use]
+    pub fn local_law(&self, area_law: Option<&AreaLaw>, condition: Option<&Condition>) -> Option<AreaLaw> {
+        let is_of_friction = self.law_is_fitted || self.law_is_measured;
+        local_law(area_law.filter(|_| !is_of_friction)?, &self.flat_friction, condition)
+    }
+
     /// Lists the errors that a material with this `area_law` does not state; `knowledge` holds the stated ones.
     #[must_use]
     pub fn unknown(&self, knowledge: &InputUncertainty, area_law: Option<&AreaLaw>) -> Vec<&'static str> {
@@ -141,7 +151,11 @@ impl MaterialUncertainty {
 
 /// Weights of the `known` coefficients in the coefficient at each of `pressures_pa` under `condition`, one row per
 /// pressure.
-fn shares(known: &[CoefficientEstimate], pressures_pa: &[f64], condition: Option<&Condition>) -> Option<Vec<Vec<f64>>> {
+pub(super) fn shares(
+    known: &[CoefficientEstimate],
+    pressures_pa: &[f64],
+    condition: Option<&Condition>,
+) -> Option<Vec<Vec<f64>>> {
     let measured: Vec<Condition> = known.iter().filter_map(|row| row.condition).collect();
     let conditions: Vec<(Option<Condition>, f64)> = if measured.is_empty() {
         vec![(None, 1.0)]
@@ -165,7 +179,7 @@ fn shares(known: &[CoefficientEstimate], pressures_pa: &[f64], condition: Option
 }
 
 /// Weighted mean of the `known` coefficients.
-fn mean(row: &[f64], known: &[CoefficientEstimate]) -> f64 {
+pub(super) fn mean(row: &[f64], known: &[CoefficientEstimate]) -> f64 {
     row.iter().zip(known).map(|(share, known)| share * known.value).sum()
 }
 

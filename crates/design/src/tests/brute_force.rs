@@ -1,13 +1,13 @@
 //! What is said of a texture beside what samples of it, or textures beside it, do one by one.
 
-use slipgrid_discrepancy::Features;
+use slipgrid_discrepancy::{Features, Sensitivity};
 use slipgrid_optimize::{DesignSpace, Quantity, Target, TargetPoint};
 use slipgrid_pattern::{Pattern, Planform};
 use slipgrid_springblock::Layer;
 use slipgrid_statistics::cholesky::covariance_factor;
 use slipgrid_statistics::{Normals, normal_probability};
 
-use super::{searched, three_tasks};
+use super::{contradicted, searched, three_tasks};
 use crate::search::Search;
 use crate::slopes::slopes;
 
@@ -26,9 +26,13 @@ fn drawn(search: &Search<'_>, lengths_m: [f64; 3], count: u32) -> (f64, f64) {
         let [w, s, d] = pattern.lengths_m();
         let [width, spacing, depth] = std_m.map(|std_m| std_m * normals.draw());
         let made = Pattern::new(*pattern.texture(), w + width, s + spacing, d + depth).unwrap();
-        // The model of the sample as it is made, and the discrepancy of that texture.
+        // The model of the sample as it is made, and the discrepancy and the local law of that texture.
         let ratio = model.ratios_made(&made, &laid).unwrap();
-        let lacking = search.predictor.predict(&Features::from(&made), &found.texture.sensitivity);
+        let designed_for = found.texture.sensitivity.iter();
+        let own = search.models.at(&made).unwrap().sensitivity.into_iter().zip(designed_for);
+        let own: Vec<Sensitivity> =
+            own.map(|(made, designed)| Sensitivity { modulus: designed.modulus, ..made }).collect();
+        let lacking = search.predictor.predict(&Features::from(&made), &own);
         let which = normals.draw();
         let mut deviates = || -> Vec<f64> { (0..n).map(|_| normals.draw()).collect() };
         let (z, shared) = (deviates(), deviates());
@@ -45,6 +49,16 @@ fn drawn(search: &Search<'_>, lengths_m: [f64; 3], count: u32) -> (f64, f64) {
 #[test]
 fn a_chance_is_the_share_of_samples_that_are_drawn_and_solved_one_by_one() {
     searched(&three_tasks()[1], |search| {
+        let (share, chance) = drawn(search, [100e-6, 300e-6, 12e-6], 500);
+        let stderr = (chance * (1.0 - chance) / 500.0).sqrt();
+        assert!((share - chance).abs() < 2.5 * stderr, "{share} {chance} +- {stderr}");
+    });
+}
+
+/// lambda is drawn with all else, and each sample follows it by the change of its own texture.
+#[test]
+fn samples_that_follow_either_law_are_in_the_chance() {
+    searched(&contradicted(&three_tasks()[1]), |search| {
         let (share, chance) = drawn(search, [100e-6, 300e-6, 12e-6], 500);
         let stderr = (chance * (1.0 - chance) / 500.0).sqrt();
         assert!((share - chance).abs() < 2.5 * stderr, "{share} {chance} +- {stderr}");

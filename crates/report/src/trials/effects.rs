@@ -1,6 +1,6 @@
 //! What the discrepancy is at the texture measured last, and how it depends on the condition.
 
-use slipgrid_discrepancy::{Discrepancy, Load};
+use slipgrid_discrepancy::{Discrepancy, Load, Sensitivity};
 use slipgrid_results::fixed;
 use slipgrid_units::{HUMIDITY_PCT, PRESSURE_MPA, SPEED_MM_S, tidy};
 
@@ -22,7 +22,8 @@ pub(super) fn effects(learned: &Discrepancy) -> Vec<EffectReport> {
     let effect = |of: String, to: Load, from: Option<Load>| {
         let loads: Vec<Load> = std::iter::once(to).chain(from).collect();
         let moments = |known: &Discrepancy| {
-            let (mean, covariance) = known.at(&loads).predict(&features, &vec![0.0; loads.len()]).mixed();
+            let (mean, covariance) =
+                known.at(&loads).predict(&features, &vec![Sensitivity::default(); loads.len()]).mixed();
             match from {
                 None => (mean[0], covariance[0].sqrt()),
                 Some(_) => {

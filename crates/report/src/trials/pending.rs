@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 use slipgrid_calibrate::{LearnedSamples, PendingSample};
 use slipgrid_design::RatioPrediction;
-use slipgrid_discrepancy::Discrepancy;
+use slipgrid_discrepancy::{Discrepancy, Sensitivity};
 use slipgrid_results::{Table, believed, believed_interval, fixed};
 use slipgrid_units::{LENGTH_UM, tidy};
 
@@ -27,7 +27,7 @@ pub struct PendingReport {
 impl PendingReport {
     fn new(of: &PendingSample, learned: &Discrepancy) -> Self {
         let loads: Vec<_> = of.modelled.iter().map(|at| at.load).collect();
-        let sensitivity: Vec<f64> = of.modelled.iter().map(|at| at.modulus_sensitivity).collect();
+        let sensitivity: Vec<Sensitivity> = of.modelled.iter().map(|at| at.sensitivity).collect();
         let found = learned.at(&loads).predict_made(&of.features, &sensitivity, &of.dimension_shifts);
         let predicted =
             of.modelled.iter().enumerate().map(|(row, at)| RatioPrediction::new(&at.load, at.ratio, &found, row));

@@ -1,5 +1,5 @@
 use super::*;
-use slipgrid_discrepancy::{Conditions, Features, Hyperparameters, Load, Measured, Trial};
+use slipgrid_discrepancy::{Conditions, Features, Hyperparameters, Load, Measured, Sensitivity, Trial};
 use slipgrid_pattern::{Pattern, Planform};
 
 fn trial(name: &str, spacing_um: f64, excess: f64) -> Trial {
@@ -10,7 +10,7 @@ fn trial(name: &str, spacing_um: f64, excess: f64) -> Trial {
         modelled: 0.9,
         patterned_std: 0.005,
         flat_std: 0.005,
-        modulus_sensitivity: 0.1,
+        sensitivity: Sensitivity::of_modulus(0.1),
     };
     Trial {
         name: name.to_owned(),

@@ -1,0 +1,188 @@
+//! Friction of the local pressure, where flat friction contradicts the area law.
+//!
+//! Flat friction is mu(P) = c(P) f(P): f from the contact area, and a local coefficient c that changes with the nominal load P wherever
+//! measured friction does not go as f. Nothing says whether c follows the load on the sample or the pressure on each spot. The first is how a
+//! textured sample is modelled; by the second its local friction is
+//!
+//! ```text
+//! f_c(p) = f(p) c(p) / c(P_1)
+//! ```
+//!
+//! with P_1 the lightest measured load: between measured loads measured friction itself. Below them c is that of P_1. Above the heaviest load P_n c
+//! goes on with ln p as it did from P_1 to P_n: f alone, which flat friction contradicted up to there, is no better founded beyond.
+
+use slipgrid_material::{AreaLaw, Condition, MaterialError};
+use slipgrid_pattern::Pattern;
+use slipgrid_springblock::{Scene, SteadyCell};
+use slipgrid_units::{FRICTION, HUMIDITY_PCT, PRESSURE_MPA, SPEED_MM_S};
+
+use super::CoefficientEstimate;
+use super::first_order_propagation::{steady_cell, with_law};
+use super::material_uncertainty::{mean, shares};
+use crate::{CalibrationTask, Coefficients, Measurement};
+
+/// Straight parts of f_c from one measured load to the next, in which c and f are straight and their product bends a little, and beyond the last.
+const PARTS: usize = 8;
+/// Pressures that differ by no more than this share are one.
+const SAME_PRESSURE: f64 = 1e-9;
+/// f_c is tabulated to this many times the heaviest measured load at least: edges of cavities bear ten times the nominal pressure.
+const REACH: f64 = 20.0;
+/// Coefficients that differ by no more than this share are one.
+const SAME_COEFFICIENT: f64 = 1e-6;
+
+/// Friction of the flat samples of `task` as measured, condition by condition, pressures increasing, to the digits that a material file holds; none
+/// where one pair of coefficients holds at all loads, or no condition has two.
+pub(crate) fn flat_friction(task: &CalibrationTask) -> Vec<CoefficientEstimate> {
+    let mut conditions: Vec<(Condition, Vec<CoefficientEstimate>)> = Vec::new();
+    let measured: &[Measurement] = if task.coefficients == Coefficients::PerCondition { &task.flat } else { &[] };
+    for flat in measured {
+        let condition = Condition {
+            speed_m_s: SPEED_MM_S.as_written(flat.speed_m_s),
+            humidity: HUMIDITY_PCT.as_written(flat.humidity),
+        };
+        let own = CoefficientEstimate {
+            pressure_pa: Some(PRESSURE_MPA.as_written(task.pressure_pa(flat))),
+            condition: Some(condition),
+            value: FRICTION.as_written(flat.mu_dynamic),
+            std_error: 0.0,
+        };
+        match conditions.iter_mut().find(|(other, _)| other.matches(&condition)) {
+            Some((_, all)) => all.push(own),
+            None => conditions.push((condition, vec![own])),
+        }
+    }
+    if conditions.iter().all(|(_, all)| all.len() < 2) {
+        return Vec::new();
+    }
+    let sorted = |(_, mut all): (Condition, Vec<CoefficientEstimate>)| {
+        all.sort_by(|a, b| a.pressure_pa.partial_cmp(&b.pressure_pa).unwrap_or(std::cmp::Ordering::Equal));
+        all
+    };
+    conditions.into_iter().flat_map(sorted).collect()
+}
+
+/// f_c of the `area_law` and of `flat` friction as measured under `condition`; `None` where c is one at all loads, as where one was measured.
+#[must_use]
+pub fn local_law(area_law: &AreaLaw, flat: &[CoefficientEstimate], condition: Option<&Condition>) -> Option<AreaLaw> {
+    let coefficient = |known: &CoefficientEstimate| {
+        let factor = known.pressure_pa.map_or(1.0, |pressure_pa| area_law.factor(pressure_pa));
+        CoefficientEstimate { value: known.value / factor, ..*known }
+    };
+    let known: Vec<CoefficientEstimate> = flat.iter().map(coefficient).collect();
+    let sorted = |mut pressures_pa: Vec<f64>| {
+        pressures_pa.sort_by(f64::total_cmp);
+        pressures_pa.dedup_by(|a, b| (*a - *b).abs() <= SAME_PRESSURE * b.abs());
+        pressures_pa
+    };
+    let measured_pa = sorted(known.iter().filter_map(|known| known.pressure_pa).collect());
+    let (first_pa, last_pa) = (*measured_pa.first()?, *measured_pa.last()?);
+    let measured = |pressures_pa: &[f64]| -> Option<Vec<f64>> {
+        Some(shares(&known, pressures_pa, condition)?.iter().map(|row| mean(row, &known)).collect())
+    };
+    let at_measured = measured(&measured_pa)?;
+    let [least, most] = [f64::min, f64::max].map(|end| at_measured.iter().copied().fold(at_measured[0], end));
+    if !(least > 0.0 && most > least * (1.0 + SAME_COEFFICIENT)) {
+        return None;
+    }
+    let tabulated_pa = area_law.pressures_pa();
+    let reach_pa = tabulated_pa.iter().copied().fold(REACH * last_pa, f64::max);
+    let parts = (1..=PARTS).map(|part| part as f64 / PARTS as f64);
+    let mut pressures_pa = [tabulated_pa, &measured_pa].concat();
+    pressures_pa
+        .extend(measured_pa.windows(2).flat_map(|ends| parts.clone().map(|t| ends[0] + t * (ends[1] - ends[0]))));
+    pressures_pa.extend(parts.clone().map(|t| last_pa * (reach_pa / last_pa).powf(t)));
+    let pressures_pa = sorted(pressures_pa);
+    let (first, last) = (at_measured[0], at_measured[at_measured.len() - 1]);
+    // c(p) = c_n + (c_n - c_1) ln(p / P_n) / ln(P_n / P_1)
+    let per_log = (last - first) / (last_pa / first_pa).ln();
+    let factor = |(pressure_pa, own): (&f64, &f64)| {
+        let beyond = if *pressure_pa > last_pa { per_log * (pressure_pa / last_pa).ln() } else { 0.0 };
+        area_law.factor(*pressure_pa) * (own + beyond).max(0.0) / first
+    };
+    let factors = pressures_pa.iter().zip(&measured(&pressures_pa)?).map(factor).collect();
+    AreaLaw::new(pressures_pa, factors).ok()
+}
+
+/// `scene` with friction that follows the local pressure by `law`, flat friction as it is.
+///
+/// # Errors
+/// [`MaterialError`] where that leaves no coefficients.
+pub fn with_local_law(scene: &Scene, law: &AreaLaw) -> Result<Scene, MaterialError> {
+    with_law(scene.clone(), Some(law.clone()), &vec![0.0; scene.loads.len()])
+}
+
+/// Change of the logarithm of the steady ratio of `pattern` in `scene` at each load where friction follows the local pressure by `law`; 0 where a
+/// ratio cannot be computed.
+#[must_use]
+pub fn local_law_changes(scene: &Scene, pattern: &Pattern, law: &AreaLaw) -> Vec<f64> {
+    let cell = steady_cell(scene, pattern);
+    let by_law = with_local_law(&cell, law).map(|cell| SteadyCell::new(&cell).ratios(pattern)).unwrap_or_default();
+    let own = SteadyCell::new(&cell).ratios(pattern);
+    let change = |load: usize| Some((by_law.get(load).copied()?? / own[load]?).ln());
+    (0..scene.loads.len()).map(|load| change(load).unwrap_or(0.0)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const DRY: Condition = Condition { speed_m_s: 2e-3, humidity: 0.15 };
+
+    fn flat(rows: &[(Condition, f64, f64)]) -> Vec<CoefficientEstimate> {
+        let one = |(condition, mpa, value): &(Condition, f64, f64)| CoefficientEstimate {
+            pressure_pa: Some(mpa * 1e6),
+            condition: Some(*condition),
+            value: *value,
+            std_error: 0.0,
+        };
+        rows.iter().map(one).collect()
+    }
+
+    fn area_law() -> AreaLaw {
+        AreaLaw::new(vec![0.7e6, 1.4e6, 3e6, 10e6], vec![1.0, 0.95, 0.8, 0.4]).unwrap()
+    }
+
+    #[test]
+    fn between_measured_loads_the_local_law_is_flat_friction() {
+        let measured = flat(&[(DRY, 0.6, 0.25), (DRY, 1.3, 0.26), (DRY, 2.6, 0.28)]);
+        let f = area_law();
+        let law = local_law(&f, &measured, Some(&DRY)).unwrap();
+        for (mpa, mu) in [(0.6, 0.25), (1.3, 0.26), (2.6, 0.28)] {
+            assert!((0.25 * law.factor(mpa * 1e6) - mu).abs() < 1e-12, "{mpa}");
+        }
+        // Between them c is linear; the law is straight in an eighth of each interval.
+        let c = |mpa: f64, mu: f64| mu / f.factor(mpa * 1e6);
+        let between = f64::midpoint(c(1.3, 0.26), c(2.6, 0.28)) * f.factor(1.95e6);
+        assert!((0.25 * law.factor(1.95e6) - between).abs() < 1e-12);
+        let off = 0.25 * law.factor(2.1e6) - f.factor(2.1e6) * (c(1.3, 0.26) * 5.0 + c(2.6, 0.28) * 8.0) / 13.0;
+        assert!(off.abs() < 1e-4, "{off}");
+        // Below them f goes on with the nearest coefficient, above them c with the logarithm of pressure.
+        assert_eq!(law.factor(0.3e6), 1.0);
+        for mpa in [3.0_f64, 10.0, 52.0] {
+            let last = c(2.6, 0.28);
+            let expected = last + (last - 0.25) * (mpa / 2.6).ln() / (2.6_f64 / 0.6).ln();
+            let found = 0.25 * law.factor(mpa * 1e6) / f.factor(mpa * 1e6);
+            assert!((found - expected).abs() < 1e-9, "{mpa}: {found} {expected}");
+        }
+    }
+
+    #[test]
+    fn flat_friction_that_follows_the_area_law_is_no_other_law() {
+        let f = area_law();
+        let along = [0.6, 1.3, 2.6].map(|mpa| (DRY, mpa, 0.25 * f.factor(mpa * 1e6)));
+        assert_eq!(local_law(&f, &flat(&along), Some(&DRY)), None);
+        assert_eq!(local_law(&f, &flat(&[(DRY, 1.3, 0.26)]), Some(&DRY)), None);
+        assert_eq!(local_law(&f, &[], Some(&DRY)), None);
+        // Of a condition beside those measured nothing is known.
+        let rising = flat(&[(DRY, 0.6, 0.25), (DRY, 2.6, 0.28)]);
+        let humid = Condition { humidity: 0.8, ..DRY };
+        assert_eq!((local_law(&f, &rising, Some(&humid)), local_law(&f, &rising, None)), (None, None));
+        // Halfway to a condition with one load c rises by half as much.
+        let both = [rising, flat(&[(humid, 1.3, 0.25 * f.factor(1.3e6))])].concat();
+        let halfway = Condition { humidity: 0.475, ..DRY };
+        let law = local_law(&f, &both, Some(&halfway)).unwrap();
+        let rise = |law: &AreaLaw| law.factor(2.6e6) / f.factor(2.6e6) - 1.0;
+        let whole = rise(&local_law(&f, &both, Some(&DRY)).unwrap());
+        assert!((rise(&law) - 0.5 * whole).abs() < 1e-9, "{} {whole}", rise(&law));
+    }
+}
