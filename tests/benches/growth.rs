@@ -9,7 +9,7 @@ use std::hint::black_box;
 use std::time::Instant;
 
 use slipgrid_contact::{SolveOptions, area_curve};
-use slipgrid_discrepancy::{Conditions, Discrepancy, Features, Hyperparameters, Load, Measured, Trial};
+use slipgrid_discrepancy::{Conditions, Discrepancy, Features, Hyperparameters, Load, Measured, Sensitivity, Trial};
 use slipgrid_export::{Heading, Outline, Specimen, dxf};
 use slipgrid_pattern::{Pattern, Planform};
 use slipgrid_springblock::{Extent, Fidelity, Scene, SteadyCell, Unwatched, simulate};
@@ -147,7 +147,7 @@ fn trials() {
             modelled: 0.9 - 0.03 * place as f64,
             patterned_std: 0.01,
             flat_std: 0.01,
-            modulus_sensitivity: 0.1 + 0.02 * place as f64,
+            sensitivity: Sensitivity::of_modulus(0.1 + 0.02 * place as f64),
         });
         Trial {
             name: number.to_string(),
@@ -164,7 +164,9 @@ fn trials() {
         Box::new(move || {
             let known = Discrepancy::new(Hyperparameters::default(), Conditions::default(), 0.2, all.clone());
             let predictor = known.expect("valid trials").at(&loads);
-            black_box(predictor.predict(&Features::from(&pattern(Planform::Groove, 33)), &[0.1; 4]));
+            black_box(
+                predictor.predict(&Features::from(&pattern(Planform::Groove, 33)), &[Sensitivity::of_modulus(0.1); 4]),
+            );
         })
     });
 }

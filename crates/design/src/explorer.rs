@@ -89,7 +89,9 @@ pub fn explore_bounds(task: &DesignTask, monitor: &dyn Monitor) -> Result<Explor
         monitor.heed()?;
         let best = best.ok_or_else(DesignError::nothing_computed)?;
         let pattern = best.texture.pattern;
-        let explorer = Explorer::new(search, &search.solved(&pattern).unwrap_or(best));
+        // As `optimize` has it: with ends, tilt and time of its own.
+        let about = search.solved(&pattern).map_or(best, |solved| search.as_cut(&solved));
+        let explorer = Explorer::new(search, &about);
         monitor.heed()?;
         Ok((pattern, explorer.ok_or_else(DesignError::nothing_computed)?, search.asked.learned.trials().len()))
     });

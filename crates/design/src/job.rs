@@ -1,7 +1,7 @@
 //! The job of `optimize`, from a task to a design: the texture that a cut sample of is likeliest on target, confirmed in time.
 
 use slipgrid_export::{Removal, burst_warnings, laser_time_s};
-use slipgrid_monitor::{Monitor, Remembering};
+use slipgrid_monitor::{CachingMonitor, Monitor};
 use slipgrid_pattern::Pattern;
 use slipgrid_results::{MaterialReport, VERSION, load_reports, measured_range, model_notes};
 use slipgrid_springblock::{Load, Scene, Simulation};
@@ -69,7 +69,7 @@ pub fn run(
     monitor: &dyn Monitor,
 ) -> Result<DesignOutcome, DesignError> {
     // Confirming runs share flat samples, also where the caller remembers nothing.
-    let monitor = &Remembering::new(monitor);
+    let monitor = &CachingMonitor::new(monitor);
     // A solve that was given up is no failure of the step that asked for it.
     every_step(task, cache, monitor).map_err(|error| match error {
         DesignError::Failed(_) if monitor.cancelled() => DesignError::Cancelled,

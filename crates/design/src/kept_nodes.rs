@@ -2,7 +2,7 @@
 
 use std::fmt::Debug;
 
-use slipgrid_monitor::{Monitor, memory, recalled};
+use slipgrid_monitor::{Monitor, cached, memory};
 
 /// Numbers of a node, as many at each; `None` where there is no answer.
 pub type Node = Option<Vec<f64>>;
@@ -20,7 +20,7 @@ pub fn kept(
         monitor.advance(1.0);
         Some(Some(nodes))
     };
-    recalled(monitor, ("nodes", content), (known, |nodes: &Option<Vec<Node>>| to_bytes(nodes.as_ref()?)), ask)
+    cached(monitor, ("nodes", content), (known, |nodes: &Option<Vec<Node>>| to_bytes(nodes.as_ref()?)), ask)
 }
 
 /// How many numbers a node has, then these, all of them NaN where it has no answer; `None` where that is not all there is to say.
@@ -47,11 +47,11 @@ fn from_bytes(bytes: &[u8]) -> Option<Vec<Node>> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use slipgrid_monitor::{Remembering, Unwatched};
+    use slipgrid_monitor::{CachingMonitor, Unwatched};
 
     #[test]
     fn nodes_are_asked_once_and_come_back_to_the_last_bit() {
-        let monitor = Remembering::new(&Unwatched);
+        let monitor = CachingMonitor::new(&Unwatched);
         let nodes = vec![Some(vec![1.0 / 3.0, -0.0]), None, Some(vec![f64::MAX, f64::NAN])];
         let first = kept(&monitor, &"a", 3, || Some(nodes.clone())).unwrap();
         let again = kept(&monitor, &"a", 3, || panic!("asked twice")).unwrap();
@@ -71,7 +71,7 @@ mod tests {
 
     #[test]
     fn what_is_cancelled_or_uneven_is_asked_again() {
-        let monitor = Remembering::new(&Unwatched);
+        let monitor = CachingMonitor::new(&Unwatched);
         assert_eq!(kept(&monitor, &"a", 2, || None), None);
         for nodes in [vec![None, None], vec![Some(vec![1.0]), Some(vec![1.0, 2.0])], vec![Some(vec![])]] {
             assert_eq!(kept(&monitor, &"a", nodes.len(), || Some(nodes.clone())), Some(nodes));

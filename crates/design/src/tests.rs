@@ -5,7 +5,7 @@ use slipgrid_discrepancy::{
     Conditions, Discrepancy, Features, Hyperparameters, Load as At, Measured, Sensitivity, Trial,
 };
 use slipgrid_material::{AreaLaw, Elastic, Friction, LocalFriction, Material, Provenance};
-use slipgrid_monitor::{Monitor, Remembering, Unwatched};
+use slipgrid_monitor::{CachingMonitor, Monitor, Unwatched};
 use slipgrid_optimize::{
     Bound, Demand, DesignSpace, Goal, Limit, Quantity, Target, TargetPoint, Tolerances, Wanted as Accepted,
 };
@@ -29,7 +29,7 @@ use crate::{ConstraintQuantity, DesignError, DesignTask, KnownMaterial, NextOpti
 
 /// Remembers the tables and runs of all tests, since most tests search the same grooves. `every_stage_comes_to_its_whole_and_...` and
 /// `several_samples_are_apart_and_...` compute their own.
-static KNOWN: LazyLock<Remembering<'static>> = LazyLock::new(|| Remembering::new(&Unwatched));
+static KNOWN: LazyLock<CachingMonitor<'static>> = LazyLock::new(|| CachingMonitor::new(&Unwatched));
 
 pub fn task(planform: Planform) -> DesignTask {
     let material = Material {

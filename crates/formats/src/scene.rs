@@ -23,7 +23,9 @@ use slipgrid_calibrate::uncertainty::MaterialUncertainty;
 use slipgrid_design::{SpecimenError, TaskPart, check_pressures, correct, loads, of_scene};
 use slipgrid_export::{Outline, Specimen};
 use slipgrid_results::SimulationReport;
-use slipgrid_units::{LENGTH_MM, LENGTH_UM, PRESSURE_MPA, Quantity, SPEED_MM_S, STEP_NS, significant_to, tidy};
+use slipgrid_units::{
+    LENGTH_MM, LENGTH_STD_UM, LENGTH_UM, PRESSURE_MPA, Quantity, SPEED_MM_S, STEP_NS, significant_to, tidy,
+};
 
 /// A scene as a file writes it.
 #[derive(Clone, Debug, Deserialize, Serialize)]
@@ -149,6 +151,7 @@ impl SceneInput {
         let pattern = file.pattern.as_ref().map(|pattern| read_pattern(&document, pattern)).transpose()?;
         let stds = file.pattern.iter().flat_map(|table| table.get_ref().dimensions_std());
         if let Some(std) = stds.flatten().next() {
+            document.number(std, LENGTH_STD_UM)?;
             return Err(document
                 .refuse(std.span(), "has no meaning in a scene, which has one pattern")
                 .expected("no such line; the standard errors of samples to be cut stand in [tolerances] of a design"));

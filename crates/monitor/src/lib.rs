@@ -30,12 +30,6 @@ use std::path::Path;
 pub use cancellable_reader::CancellableReader;
 pub use memory::{InMemory, Key, Memory, cached};
 
-// Former names, which crates/design still uses.
-#[doc(hidden)]
-pub use CachingMonitor as Remembering;
-#[doc(hidden)]
-pub use memory::cached as recalled;
-
 /// Progress, cancellation and time. All methods have defaults, so that a monitor implements only what it needs.
 pub trait Monitor: Sync {
     /// The stage `name` begins; [`Monitor::advance`] counts from 0 again.
