@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 
 use slipgrid_calibrate::area_law::{AreaLawRequest, CONTACT_TOLERANCE, surface_area_law};
-use slipgrid_monitor::{Heeding, Monitor, Unwatched};
+use slipgrid_monitor::{CancellableReader, Monitor, Unwatched};
 use slipgrid_pattern::RimProfile;
 use slipgrid_report::surface::{Measured, SurfaceReport, files};
 use slipgrid_topography::{
@@ -113,7 +113,7 @@ type Step = (&'static str, fn(&Made, &Polls) -> bool);
 
 const STEPS: [Step; 10] = [
     ("reading", |made, monitor| {
-        let source = BufReader::new(Heeding::new(made.text.as_bytes(), monitor));
+        let source = BufReader::new(CancellableReader::new(made.text.as_bytes(), monitor));
         read_map(source, &ReadOptions::default()).is_ok()
     }),
     ("preparation", |made, monitor| {
