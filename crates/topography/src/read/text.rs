@@ -31,7 +31,7 @@ struct Text<'o> {
     data: Option<Data>,
     /// First line of a preamble that an instrument may have written above the column titles.
     preamble: Option<(usize, String)>,
-    /// First of the lines of equally many tabs above all data, and their number of tabs.
+    /// Last lines of tabs only above all data: their number of tabs, and the number of consecutive lines that have it.
     tabs_above: Option<(usize, usize)>,
     /// Whether lines without comment mark stand above the data; programs that write tables then also separate them by
     /// lines of tabs.
