@@ -139,9 +139,9 @@ impl Prediction {
             all.push(LimitedBy { input: input.to_owned(), known_to, std, chance_if_known });
         };
         let trials = match asked.learned.trials().len() {
-            0 => "as it is believed before any trial".to_owned(),
-            1 => "known by one trial".to_owned(),
-            trials => format!("known by {trials} trials"),
+            0 => "no trial yet".to_owned(),
+            1 => "known from one trial".to_owned(),
+            trials => format!("known from {trials} trials"),
         };
         let known = predictor.of_known_form(&self.texture.candidate());
         // What it adds to all that scatters: sqrt(s^2 - s_without^2).
@@ -149,7 +149,7 @@ impl Prediction {
             let [all, rest] = [&self.distribution, without].map(|of| of.moments(load).1);
             (all * all - rest * rest).max(0.0).sqrt()
         };
-        add("what the model lacks", trials, ratio_std(&|load| added(&known, load)), (&known, own_ratio));
+        add("model error", trials, ratio_std(&|load| added(&known, load)), (&known, own_ratio));
         if modulus_std > 0.0 {
             // Where a texture is chosen for a slope of none, what scatters is the second order.
             let second = self.texture.parts.iter().position(|part| part.name == MODULUS);

@@ -210,12 +210,12 @@ fn what_limits_a_chance_is_what_raises_it_where_it_is_known() {
     let report = run(&three_tasks()[2], &mut NoCache, &*KNOWN).unwrap().report;
     let (limits, chance) = (&report.sample.limited_by, report.sample.chance.unwrap());
     let names: Vec<&str> = limits.iter().map(|limit| &*limit.input).collect();
-    for name in ["what the model lacks", "width", "spacing", "depth", "Young's modulus", "numerical error"] {
+    for name in ["model error", "width", "spacing", "depth", "Young's modulus", "numerical error"] {
         assert!(names.contains(&name), "{names:?}");
     }
     assert!(limits.iter().all(|limit| limit.chance_if_known >= chance && limit.std.len() == 2));
     assert!(limits.windows(2).all(|pair| pair[0].chance_if_known >= pair[1].chance_if_known));
-    assert_eq!(limits[0].input, "what the model lacks");
+    assert_eq!(limits[0].input, "model error");
     assert!(limits[0].std[0] > 0.003 && limits[0].chance_if_known > chance + 0.02, "{limits:?} {chance}");
 }
 

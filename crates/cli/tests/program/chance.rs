@@ -46,16 +46,13 @@ fn the_chance_comes_first_with_what_is_expected_and_what_limits_it() {
     let known: Vec<f64> = limits.iter().map(|limit| number(&limit["chance_if_known"])).collect();
     assert!(known.windows(2).all(|pair| pair[0] >= pair[1]) && known.iter().all(|known| *known >= chance), "{known:?}");
     let limit = |input: &str| limits.iter().find(|limit| limit["input"] == input).unwrap();
-    assert_eq!(limit("what the model lacks")["known_to"], "as it is believed before any trial");
+    assert_eq!(limit("model error")["known_to"], "no trial yet");
     assert_eq!(
         (&limit("Young's modulus")["known_to"], &limit("width")["known_to"]),
         (&"known to 21 %".into(), &"made to 6 um".into())
     );
     assert!(limits.iter().all(|limit| number(&limit["std"][0]) > 0.0), "{limits:?}");
-    assert!(
-        told.contains("limited by what the model lacks (as it is believed before any trial): without it"),
-        "{told}"
-    );
+    assert!(told.contains("limited by model error (no trial yet): without it"), "{told}");
     // A texture made to 6 um scatters by six times what its median changes along a micrometre, and by what the model lacks more or less of there.
     let slopes = found["slopes"].as_array().unwrap();
     let slope = slopes.iter().find(|slope| slope["dimension"] == "width_um").unwrap();
@@ -63,14 +60,14 @@ fn the_chance_comes_first_with_what_is_expected_and_what_limits_it() {
     let of = |input: &str| number(&limit(input)["std"][0]);
     // The form of what is lacking goes with at most the width: 6 um are a share of it.
     let share = 6.0 / number(&found["design"]["width_um"]);
-    let most = expected.hypot(share * of("what the model lacks"));
+    let most = expected.hypot(share * of("model error"));
     assert!((0.9 * expected..1.1 * most).contains(&of("width")), "{slope} {most} {}", limit("width"));
 
     let page = fs::read_to_string(place.path("out/a/report.html")).unwrap();
     let at = |what: &str| page.find(what).unwrap_or_else(|| panic!("{what}"));
     assert!(at("chance that a cut sample is on target") < at("95 % of samples"));
     assert!(page.contains("explorer-data"));
-    assert!(at("95 % of samples") < at("What to cut") && at("What to cut") < at("what the model lacks"));
+    assert!(at("95 % of samples") < at("What to cut") && at("What to cut") < at("model error"));
 }
 
 /// What is accepted from the lowest of 95 % of samples to the highest has 95 % of them, and what is below the median half.

@@ -63,12 +63,9 @@ fn a_trial_moves_what_is_expected_and_says_what_to_do() {
     assert!(width(&with) < 0.5 * width(&without) && number(&with["chance"]) > 2.0 * number(&without["chance"]));
     let limit = |found: &Value| {
         let limits = found["limited_by"].as_array().unwrap();
-        limits.iter().find(|limit| limit["input"] == "what the model lacks").unwrap()["known_to"].clone()
+        limits.iter().find(|limit| limit["input"] == "model error").unwrap()["known_to"].clone()
     };
-    assert_eq!(
-        (limit(&with), limit(&without)),
-        ("known by one trial".into(), "as it is believed before any trial".into())
-    );
+    assert_eq!((limit(&with), limit(&without)), ("known from one trial".into(), "no trial yet".into()));
     // The run in time is the model alone.
     let [modelled, confirmed] = ["/modelled/0/ratio", "/confirmed/0/ratio"].map(|at| number(with.pointer(at).unwrap()));
     assert!((modelled - confirmed).abs() < 1e-6, "{modelled} {confirmed}");

@@ -130,7 +130,7 @@ fn sample(design: &PatternReport) -> SampleReport {
         expected: vec![at(0.65, [0.93, 0.954, 0.98], [0.96, 0.98]), at(2.6, [0.702, 0.791, 0.88], [0.82, 0.84])],
         modelled: vec![modelled(0.65, 0.9616), modelled(2.6, 0.8315)],
         limited_by: vec![
-            limit("what the model lacks", "known by one trial", [0.02, 0.04], 0.4),
+            limit("model error", "known from one trial", [0.02, 0.04], 0.4),
             limit("Young's modulus", "known to 8.0 %", [0.01, 0.02], 0.18),
             limit("numerical error", "up to 0.0004", [1e-4, 2e-4], 0.16),
         ],

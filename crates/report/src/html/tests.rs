@@ -84,7 +84,7 @@ fn a_page_holds_every_number_with_its_error_and_asks_the_network_for_nothing() {
         "At 2.6 MPa a cut sample is expected to have a ratio of 0.791; 95 % of samples: 0.702 to 0.880; accepted: 0.820 to 0.840.",
         "<a href=\"process.toml\">process.toml</a>",
         "<th scope=\"row\">time under the laser</th><td>13.0 s</td>",
-        "what the model lacks<small> known by one trial</small>",
+        "model error<small> known from one trial</small>",
         "<div style=\"width:100.0%\"></div></div><b>0.040</b>",
         "if it were known: 40 % chance",
         "accepted: half the width of the target",
