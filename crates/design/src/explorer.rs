@@ -23,6 +23,9 @@ use crate::timings::Timings;
 const NODES: ([f64; 3], [usize; 3]) = ([4.0, 3.5, 2.2], [11, 12, 8]);
 /// Random textures at which the error is measured.
 const CHECKS: usize = 60;
+/// Difference of the logarithm of a length over which the design's own numbers reach, two nodes, and the weight of nodes about it that they need.
+const NEARBY: f64 = 0.5;
+const MIN_REACHED: f64 = 0.3;
 /// Chances beyond these are as good as 0 and 1: their logit is interpolated.
 const MIN_CHANCE: f64 = 1e-4;
 
@@ -152,22 +155,7 @@ impl Explorer {
             let numbers = all.iter().flat_map(|numbers| numbers[from..from + count].iter().copied()).collect();
             ResponseSurface::through(axes, count, numbers)
         };
-        // At the design itself the page says what is reported of it: shifts everywhere by what is off there.
-        let about_um = about.texture.pattern.lengths_m().map(|m| LENGTH_UM.from_si(m));
-        let reported = numbers_of(about);
-        let off_there = surface(&all, 0, 3 * loads + 1)
-            .at(&about_um)
-            .into_iter()
-            .zip(&reported)
-            .map(|(own, reported)| reported - own);
-        let off_there: Vec<f64> = off_there.collect();
-        let all: Vec<Vec<f64>> = all
-            .into_iter()
-            .map(|mut numbers| {
-                numbers.iter_mut().zip(&off_there).for_each(|(number, off)| *number += off);
-                numbers
-            })
-            .collect();
+        let all = self_consistent(all, &surface, (&nodes, &holes), about, &numbers_of(about));
         let (expected, log_odds) = (surface(&all, 0, 3 * loads), surface(&all, 3 * loads, 1));
         let beside = surface(&all, 3 * loads + 1, 4);
         let checks = random_places(&axes, CHECKS, 2);
@@ -185,4 +173,35 @@ impl Explorer {
         let (checked, median_error) = (off.len(), tidy(median(&mut off).unwrap_or(0.0)));
         Some(Self { expected, log_odds, beside, holes, checked, median_error, worst_error })
     }
+}
+
+/// `all` numbers of the nodes, moved near the texture of `about` so that the surface through the first of them has there what is `reported`: by
+/// what it is off by there, the less the further a node is. Unchanged where the texture lies beside a hole.
+fn self_consistent(
+    mut all: Vec<Vec<f64>>,
+    surface: &dyn Fn(&[Vec<f64>], usize, usize) -> ResponseSurface,
+    (nodes, holes): (&[[f64; 3]], &[usize]),
+    about: &Prediction,
+    reported: &[f64],
+) -> Vec<Vec<f64>> {
+    let about_um = about.texture.pattern.lengths_m().map(|m| LENGTH_UM.from_si(m));
+    let own = surface(&all, 0, reported.len());
+    if own.is_beside(holes, &about_um) {
+        return all;
+    }
+    // exp(-|ln x - ln x_about|^2 / 2 l^2)
+    let weight = |node: &[f64; 3]| {
+        let square: f64 = node.iter().zip(&about_um).map(|(a, b)| (a / b).ln().powi(2)).sum();
+        vec![(-0.5 * square / NEARBY.powi(2)).exp()]
+    };
+    let weights: Vec<Vec<f64>> = nodes.iter().map(weight).collect();
+    let at_about = surface(&weights, 0, 1).at(&about_um)[0];
+    if at_about < MIN_REACHED {
+        return all;
+    }
+    let off: Vec<f64> = own.at(&about_um).iter().zip(reported).map(|(own, reported)| reported - own).collect();
+    for (numbers, weight) in all.iter_mut().zip(&weights) {
+        numbers.iter_mut().zip(&off).for_each(|(number, off)| *number += off * weight[0] / at_about);
+    }
+    all
 }

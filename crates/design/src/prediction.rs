@@ -171,7 +171,11 @@ impl Prediction {
             let by: Vec<f64> = sensitivity.iter().map(|of| mean * of.local_law).collect();
             let known = sensitivity.iter().map(|of| Sensitivity { local_law: 0.0, ..*of }).collect();
             let still = CutTexture { sensitivity: known, ..self.texture.clone() }.moved(&by);
-            let known_to = "as nothing says whether friction follows the local or the nominal pressure".to_owned();
+            let known_to = if asked.learned.trials().is_empty() {
+                "nothing says whether friction follows the local or the nominal pressure".to_owned()
+            } else {
+                format!("known from trials to {:.0} % of its effect", 100.0 * std)
+            };
             let of_law = ratio_std(&|load| std * sensitivity[load].local_law.abs());
             add(LOCAL_LAW, known_to, of_law, (&predictor.of(&still.candidate()), &still.ratio));
         }

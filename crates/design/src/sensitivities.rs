@@ -170,7 +170,7 @@ pub fn local_law_note(sensitivity: &[Sensitivity], loads: &[Load], mean: f64) ->
              changes by {:+.1} %; {:.0} % of the change is expected",
             PRESSURE_MPA.from_si(loads[most].pressure_pa),
             100.0 * sensitivity[most].local_law.exp_m1(),
-            100.0 * mean
+            100.0 * mean.clamp(0.0, 1.0)
         )
     })
 }

@@ -139,9 +139,11 @@ impl Basis {
         row
     }
 
-    /// Prior covariance of the residual at two places, less the part that [`Self::residual`] explains.
+    /// Prior covariance of the residual at two places, less the part that [`Self::residual`] explains: negative where a trial lies between them.
     pub fn residual_left(&self, [a, b]: [&Place; 2], [row_a, row_b]: [&[f64]; 2]) -> f64 {
-        (self.hyper.amplitude_std.powi(2) * a.correlation(b) - dot(row_a, row_b)).max(0.0)
+        let left = self.hyper.amplitude_std.powi(2) * a.correlation(b) - dot(row_a, row_b);
+        // A variance that rounding makes negative.
+        if a == b { left.max(0.0) } else { left }
     }
 
     /// Places of the trials that the residual is expanded about.
@@ -162,4 +164,43 @@ impl Basis {
 /// exp(-|a - b| / length)
 fn correlation(hyper: &Hyperparameters, a: f64, b: f64) -> f64 {
     libm::exp(-(a - b).abs() / hyper.humidity_length)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Measured, Sensitivity};
+
+    /// K(a, b) - K(a, t) K(t, b) / K(t, t), with a trial t between a and b.
+    #[test]
+    fn a_trial_between_two_loads_leaves_them_of_opposite_signs() {
+        let hyper = Hyperparameters { residual_pressure_length: 1.0, ..Hyperparameters::default() };
+        let features = hyper.reference;
+        let load = |pressure_pa: f64| Load { pressure_pa, speed_m_s: 2e-3, humidity: 0.4 };
+        let measured = Measured {
+            load: load(1.4e6),
+            measured: 0.9,
+            modelled: 0.9,
+            patterned_std: 0.01,
+            flat_std: 0.01,
+            sensitivity: Sensitivity::of_modulus(0.0),
+        };
+        let trial = Trial {
+            name: String::new(),
+            features,
+            sample_std: None,
+            disc: None,
+            measured: vec![measured],
+            dimensions_std_m: [0.0; 3],
+            dimension_shifts: Vec::new(),
+        };
+        let basis = Basis::new(&hyper, Conditions::default(), 0.2, &[trial]);
+        let [a, b] = [0.2e6, 10e6].map(|pressure_pa| basis.place(&features, &load(pressure_pa)));
+        let rows = [&a, &b].map(|place| basis.residual(place));
+        let left = basis.residual_left([&a, &b], [&rows[0], &rows[1]]);
+        // Correlations exp(-d^2 / 2), d the difference of the logarithms.
+        let k = |from: f64, to: f64| (-0.5 * (from / to).ln().powi(2)).exp();
+        let expected = hyper.amplitude_std.powi(2) * (k(0.2, 10.0) - k(0.2, 1.4) * k(1.4, 10.0));
+        assert!(expected < -1e-3 && (left - expected).abs() < 1e-12, "{left} {expected}");
+    }
 }

@@ -220,7 +220,10 @@ impl Tables {
 
     /// The same with its slope, which is the density to 2e-6.
     fn probability_and_density(&self, x: f64) -> [f64; 2] {
-        let ([c0, c1, c2, c3], t) = cubic(&self.probability, (x.clamp(-END, END) + END) * PER_UNIT);
+        if x.abs() >= END {
+            return [if x < 0.0 { 0.0 } else { 1.0 }, 0.0];
+        }
+        let ([c0, c1, c2, c3], t) = cubic(&self.probability, (x + END) * PER_UNIT);
         [c0 + t * (c1 + t * (c2 + t * c3)), PER_UNIT * (c1 + t * (2.0 * c2 + 3.0 * t * c3))]
     }
 
@@ -287,7 +290,7 @@ impl BoxRule {
             return 1.0;
         }
         let [first, last] = ends(0, &[]).map(normal_probability);
-        // The lower end of an exact component counts as within.
+        // An exact component on its upper end counts as within.
         let share = last - first;
         if n == 1 || share <= 0.0 || points.is_empty() {
             return share.max(0.0);

@@ -74,7 +74,12 @@ pub fn local_law(area_law: &AreaLaw, flat: &[CoefficientEstimate], condition: Op
         pressures_pa.dedup_by(|a, b| (*a - *b).abs() <= SAME_PRESSURE * b.abs());
         pressures_pa
     };
-    let measured_pa = sorted(known.iter().filter_map(|known| known.pressure_pa).collect());
+    // Loads that count under this condition: another condition may have been measured over a wider range.
+    let all_pa: Vec<f64> = known.iter().filter_map(|known| known.pressure_pa).collect();
+    let rows = shares(&known, &all_pa, condition)?;
+    let counts = |place: usize| rows.iter().any(|row| row[place] != 0.0);
+    let own = known.iter().enumerate().filter(|(place, _)| counts(*place));
+    let measured_pa = sorted(own.filter_map(|(_, known)| known.pressure_pa).collect());
     let (first_pa, last_pa) = (*measured_pa.first()?, *measured_pa.last()?);
     let measured = |pressures_pa: &[f64]| -> Option<Vec<f64>> {
         Some(shares(&known, pressures_pa, condition)?.iter().map(|row| mean(row, &known)).collect())
@@ -163,6 +168,18 @@ mod tests {
             let expected = last + (last - 0.25) * (mpa / 2.6).ln() / (2.6_f64 / 0.6).ln();
             let found = 0.25 * law.factor(mpa * 1e6) / f.factor(mpa * 1e6);
             assert!((found - expected).abs() < 1e-9, "{mpa}: {found} {expected}");
+        }
+    }
+
+    #[test]
+    fn a_condition_measured_over_a_wider_range_does_not_count() {
+        let own = [(DRY, 0.6, 0.25), (DRY, 1.3, 0.28)];
+        let humid = Condition { humidity: 0.8, ..DRY };
+        let both = [own[0], own[1], (humid, 0.6, 0.25), (humid, 2.6, 0.27)];
+        let laws = [flat(&own), flat(&both)].map(|known| local_law(&area_law(), &known, Some(&DRY)).unwrap());
+        for mpa in [0.9, 1.3, 2.6, 10.0] {
+            let [alone, beside] = laws.each_ref().map(|law| law.factor(mpa * 1e6));
+            assert!((alone / beside - 1.0).abs() < 1e-3, "{mpa}: {alone} {beside}");
         }
     }
 

@@ -38,7 +38,7 @@ impl DesignReport {
             text += &doubt_in_brief(doubt);
         }
         if doubts.len() > MAX_DOUBTS {
-            let _ = writeln!(text, "! {} more doubts: in the report, or with --details", doubts.len() - MAX_DOUBTS);
+            let _ = writeln!(text, "! {}: in the report, or with --details", more(doubts.len() - MAX_DOUBTS, "doubt"));
         }
         let _ = writeln!(text, "- {}", self.lacking());
         text
@@ -67,7 +67,7 @@ impl DesignReport {
             if self.is_ratio() { "ratio to the flat surface" } else { "dynamic friction; model alone: ratio" };
         let mut text = format!("\n  {quantity}\n{table}");
         if expected.len() > MAX_LOADS {
-            let _ = writeln!(text, "  {} more loads: in the report, or with --details", expected.len() - MAX_LOADS);
+            let _ = writeln!(text, "  {}: in the report, or with --details", more(expected.len() - MAX_LOADS, "load"));
         }
         text
     }
@@ -92,6 +92,11 @@ impl DesignReport {
         lines.extend(self.blocked_in_words().into_iter().take(MAX_LIFTED));
         lines
     }
+}
+
+/// The number of further things.
+fn more(count: usize, what: &str) -> String {
+    format!("{count} more {what}{}", if count == 1 { "" } else { "s" })
 }
 
 #[cfg(test)]
