@@ -1,4 +1,4 @@
-//! What to do with the texture that was found.
+//! Advice on the texture that was found: cut a series, cut a trial, or nothing.
 
 use slipgrid_discrepancy::{Features, Trial};
 use slipgrid_optimize::Goal;
@@ -6,28 +6,29 @@ use slipgrid_optimize::Goal;
 use crate::prediction::{Prediction, percent};
 use crate::search::Search;
 
-/// The least chance that is worth a series.
+/// Minimum chance at which a series is advised.
 const SERIES: f64 = 0.9;
-/// A trial is nearby where no length differs by more than this factor.
+/// Two textures are near each other if no length differs by more than this factor.
 const NEARBY: f64 = 1.5;
 
-/// What to do.
+/// Recommended next action.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Advice {
-    /// A series: it is nearly certain, and a trial nearby says so.
+    /// Cut a series: the chance is high and a trial of a similar texture confirms it.
     Series,
-    /// A trial, which says more.
+    /// Cut a trial: the trial teaches more than a series would.
     Trial,
-    /// Nothing new: the trial of this name is on target.
+    /// Cut nothing new: the named trial is on target.
     TrialMeetsIt(String),
-    /// Nothing: no texture's median lies within what is accepted.
+    /// Cut nothing: no texture has a median within the accepted band.
     CannotBeMet,
-    /// Nothing: the flat surface is on target, or the best by the goal.
+    /// Cut nothing: the flat surface is on target or is best by the goal.
     DoNotTexture,
 }
 
 impl Advice {
-    /// Of `best`, the best that was found; `is_within_reach`: the median of some texture lies within what is accepted.
+    /// Chooses the advice for `best`, the best texture found. `is_within_reach`: some texture has a median within the
+    /// accepted band.
     pub fn of(search: &Search<'_>, best: &Prediction, is_within_reach: bool) -> Self {
         let asked = search.asked;
         let flat = vec![1.0; asked.loads.len()];
@@ -42,7 +43,7 @@ impl Advice {
         if let Some(trial) = asked.met_by() {
             return Self::TrialMeetsIt(trial.name.clone());
         }
-        // Before any trial only a trial says how far the model is off.
+        // Before any trial the model error is unknown, so only a trial can be advised.
         let has_trials = !asked.learned.trials().is_empty();
         if !is_within_reach && asked.has_demands() && has_trials {
             return Self::CannotBeMet;
@@ -51,7 +52,7 @@ impl Advice {
         if best.chance() >= SERIES && is_nearby { Self::Series } else { Self::Trial }
     }
 
-    /// The name used in files.
+    /// Name of the advice in files.
     #[must_use]
     pub const fn name(&self) -> &'static str {
         match self {
@@ -63,7 +64,8 @@ impl Advice {
         }
     }
 
-    /// In one sentence, with the `chance` of the texture; `is_within_reach`: the median of some texture lies within what is accepted.
+    /// Describes the advice in one sentence with the `chance` of the texture. `is_within_reach`: some texture has a
+    /// median within the accepted band.
     #[must_use]
     pub fn words(&self, chance: f64, has_demands: bool, is_within_reach: bool) -> String {
         let chance = percent(chance);
@@ -88,7 +90,7 @@ impl Advice {
     }
 }
 
-/// Whether `trial` was cut of a texture like the one with the features `of`.
+/// Whether `trial` was cut with a texture similar to the one with the features `of`.
 fn is_near(trial: &Trial, of: &Features) -> bool {
     let near = |own: fn(&Features) -> f64| (own(&trial.features) / own(of)).ln().abs() <= NEARBY.ln();
     near(|of| of.width_m) && near(|of| of.pitch_m) && near(|of| of.depth_m)

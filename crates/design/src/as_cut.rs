@@ -1,4 +1,5 @@
-//! A texture as its samples are cut, as far as it is known: by the table, by the model itself, or with ends, tilt and time of its own.
+//! Texture as its samples are cut, at one of three accuracies: interpolated, solved, or solved with its own ends, tilt
+//! and time.
 
 use std::sync::Arc;
 
@@ -13,21 +14,21 @@ use crate::inputs::{Effect, Part};
 use crate::steady_model::SteadyModel;
 use crate::table::Modelled;
 
-/// Blocks that lands and cavities keep where larger ones serve.
+/// Minimum number of blocks across lands and cavities when larger blocks are used.
 const MIN_BLOCKS: f64 = 2.0;
 
-/// How a texture is known, each better than the one before.
+/// Accuracy of the data of a texture, in increasing order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Known {
-    /// By the table.
+    /// Interpolated in the table.
     Interpolated,
-    /// By the model itself in blocks as small as it can have, with everything that is not known exactly.
+    /// Solved by the model in the smallest possible blocks, with all input uncertainties.
     Solved,
-    /// With ends and tilt of its own, in the plane with its own run in time.
+    /// Solved with ends and tilt of this texture, and in the plane with a run in time of this texture.
     AsCut,
 }
 
-/// A texture as its samples are cut.
+/// Texture as its samples are cut, with ratios, sensitivities and errors.
 #[derive(Clone, Debug)]
 pub struct CutTexture {
     pub pattern: Pattern,
@@ -35,22 +36,22 @@ pub struct CutTexture {
     pub known: Known,
     /// Modelled ratio at each load.
     pub ratio: Vec<f64>,
-    /// How ln R follows what all textures have in common, at each load.
+    /// Sensitivity of ln R at each load to inputs that all textures share.
     pub sensitivity: Vec<Sensitivity>,
-    /// Covariance of ln R that all samples share beside the discrepancy, loads x loads; empty where that is not known.
+    /// Covariance of ln R that all samples share, without the discrepancy, loads x loads; empty if unknown.
     pub covariance: Vec<f64>,
-    /// Errors that each sample has of its own.
+    /// Errors that are independent between samples.
     pub dimension_shifts: Vec<DimensionShift>,
-    /// What these are made of; none by the table.
+    /// Inputs that the covariance and the shifts are composed of; empty if interpolated.
     pub parts: Vec<Part>,
-    /// How far it is beyond the limits, relative to them: 0 where it keeps them all.
+    /// Largest violation of a limit, relative to the limit: 0 if all limits hold.
     pub excess: f64,
-    /// Its run in time, where it had one.
+    /// Run in time of this texture, if there is one.
     pub run: Option<Arc<Simulation>>,
 }
 
 impl CutTexture {
-    /// By the table, with errors of dimensions alone.
+    /// Builds a texture from the table, with errors of dimensions alone.
     pub fn interpolated(pattern: Pattern, modelled: Modelled, dimension_shifts: Vec<DimensionShift>) -> Self {
         Self {
             features: Features::from(&pattern),
@@ -66,20 +67,20 @@ impl CutTexture {
         }
     }
 
-    /// The same with what is known of its inputs.
+    /// Adds the input uncertainties `parts`.
     pub fn with_parts(mut self, parts: Vec<Part>) -> Self {
         (self.covariance, self.dimension_shifts) = sums(&parts, None);
         self.parts = parts;
         self
     }
 
-    /// The same with what else moves the logarithms of its ratios.
+    /// Shifts the logarithm of each ratio by the elements of `by`.
     pub fn moved(mut self, by: &[f64]) -> Self {
         self.ratio.iter_mut().zip(by).for_each(|(ratio, by)| *ratio *= by.exp());
         self
     }
 
-    /// What the discrepancy is asked with.
+    /// Input to the prediction of the discrepancy.
     pub fn candidate(&self) -> Candidate<'_> {
         Candidate {
             features: self.features,
@@ -91,7 +92,8 @@ impl CutTexture {
     }
 }
 
-/// The covariance of all `parts` that samples share, and the errors that they have of their own, without those of the part at the place `without`.
+/// Returns the covariance of all `parts` that samples share and the errors that are independent between samples, without
+/// the part at index `without`.
 pub fn sums(parts: &[Part], without: Option<usize>) -> (Vec<f64>, Vec<DimensionShift>) {
     let (mut covariance, mut shifts) = (Vec::new(), Vec::new());
     for (_, part) in parts.iter().enumerate().filter(|(place, _)| Some(*place) != without) {
@@ -104,44 +106,47 @@ pub fn sums(parts: &[Part], without: Option<usize>) -> (Vec<f64>, Vec<DimensionS
     (covariance, shifts)
 }
 
-/// Differences of samples from their cells: ends of strips, tilt of the pressure, and sliding in time, of each texture by itself.
+/// Differences between samples and their cells: ends of strips, tilt of the pressure and sliding in time, computed per
+/// texture.
 pub struct BeyondCells<'a> {
     pub model: &'a SteadyModel<'a>,
-    /// Face of the specimen; `None` where samples are sectors of one.
+    /// Face of the specimen; `None` if samples are sectors of one specimen.
     pub face: Option<Specimen>,
-    /// Loads of the first condition; those of others are taken to differ as these.
+    /// Number of loads of the first condition; the shifts of other conditions are assumed equal to these.
     pub count: usize,
     pub seed: u64,
 }
 
 impl BeyondCells<'_> {
-    /// The cell of `pattern` at the loads of the first condition.
+    /// Cell of `pattern` at the loads of the first condition.
     fn scene(&self, pattern: &Pattern) -> Scene {
         let mut scene = self.model.cell(pattern, false);
         scene.loads.truncate(self.count);
         scene
     }
 
-    /// Change of the logarithm of each of `ratios` by `run`, the specimen in time; `None` where that has a load without a ratio.
+    /// Change of the logarithm of each of `ratios` by `run`, the specimen in time; `None` if the run has a load without a
+    /// ratio.
     pub fn by_run(&self, ratios: &[f64], run: &Simulation) -> Option<Vec<f64>> {
         let of_run: Vec<f64> =
             run.loads.iter().map(|load| load.ratio.filter(|_| load.is_trusted())).collect::<Option<_>>()?;
         (of_run.len() == self.count).then(|| self.log_shifts(ratios, &|load| of_run[load] - ratios[load]))
     }
 
-    /// Change of the logarithm of each of `ratios`, one a load of every condition, by what is `added` to those of the first.
+    /// Change of the logarithm of each of `ratios`, one per load of every condition, when `added` is added to the ratios
+    /// of the first condition.
     fn log_shifts(&self, ratios: &[f64], added: &dyn Fn(usize) -> f64) -> Vec<f64> {
         let shift = |(load, ratio): (usize, &f64)| (added(load % self.count) / ratio).max(-0.5).ln_1p();
         ratios.iter().enumerate().map(shift).collect()
     }
 
-    /// Change of the logarithms of `ratios` of `pattern` by ends and tilt; zeros without a face, and where strips are too large to solve.
-    /// Roughly where many are compared.
+    /// Change of the logarithms of `ratios` of `pattern` by ends and tilt; zeros without a face or if strips are too
+    /// large to solve. `is_rough` uses larger blocks, for comparisons of many textures.
     pub fn by_face(&self, pattern: &Pattern, ratios: &[f64], is_rough: bool, monitor: &dyn Monitor) -> Vec<f64> {
         let solve = if is_rough { SteadyOnFace::roughly } else { SteadyOnFace::new };
         let part = Share::new(monitor, 0.0);
         let mut scene = self.scene(pattern);
-        // What ends and tilt add hardly depends on the blocks, as long as lands and cavities have two of them.
+        // The change by ends and tilt hardly depends on the block size if lands and cavities have at least two blocks.
         let (coarse_m, rows) = (2.0 * scene.layer.block_m, scene.layer.rows());
         let least_m = pattern.width_m().min(pattern.spacing_m());
         if is_rough && rows.is_multiple_of(2) && least_m >= MIN_BLOCKS * coarse_m {
@@ -151,7 +156,7 @@ impl BeyondCells<'_> {
         self.log_shifts(ratios, &|load| on_face.as_ref().and_then(|on_face| on_face.added(load)).unwrap_or(0.0))
     }
 
-    /// Change of the logarithms of `ratios` of `pattern` by sliding in time; none in space, and where a run gives none.
+    /// Change of the logarithms of `ratios` of `pattern` by sliding in time; zeros in space and if a run gives no ratio.
     pub fn by_time(&self, pattern: &Pattern, ratios: &[f64], monitor: &dyn Monitor) -> Vec<f64> {
         let scene = self.scene(pattern);
         let timed = Scene {

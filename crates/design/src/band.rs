@@ -1,4 +1,4 @@
-//! What a task asks of a cut sample: one [`Band`] a load.
+//! Requirements of a task on a cut sample: one [`Band`] per load.
 
 use slipgrid_calibrate::uncertainty::MaterialUncertainty;
 use slipgrid_discrepancy::{Discrepancy, Load, Prediction as Distribution, Trial, Wanted};
@@ -11,44 +11,44 @@ use crate::sensitivities::loads_of;
 use crate::steady_model::SteadyModel;
 use crate::task::DesignTask;
 
-/// By how much a load of a trial may differ from one asked for, relative, and a humidity, absolute, to be the same.
+/// Tolerance for equal loads of trial and task: relative for pressure and speed, absolute for humidity.
 const SAME_LOAD: f64 = 0.02;
 const SAME_HUMIDITY: f64 = 0.02;
 
-/// What is accepted at one load of one condition.
+/// Accepted values at one load of one condition.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Band {
     /// Pressure, speed and humidity.
     pub load: Load,
-    /// Sliding direction, where there are several.
+    /// Sliding direction, if there are several.
     pub sliding_angle_deg: Option<f64>,
-    /// What a ratio is multiplied by to be the target's quantity: 1, or the flat surface's dynamic friction.
+    /// Factor from a ratio to the quantity of the target: 1, or dynamic friction of the flat surface.
     pub flat: f64,
-    /// Least and greatest accepted value of the quantity, where there are such.
+    /// Minimum and maximum accepted value of the quantity, if limited.
     pub accepted: [Option<f64>; 2],
-    /// Half the width of what is accepted, of a limit alone its margin; `None` where nothing is demanded.
+    /// Half the width of the accepted band, or the margin of a single limit; `None` if nothing is demanded.
     pub tolerance: Option<f64>,
-    /// How much this pressure counts in the mean of a goal.
+    /// Weight of this pressure in the mean of a goal.
     pub weight: f64,
 }
 
-/// What is asked, and what trials say.
+/// Requirements of the task together with the trials.
 pub struct Asked {
-    /// One a load of every condition.
+    /// One band per load of every condition.
     pub bands: Vec<Band>,
-    /// Their loads.
+    /// Loads of the bands.
     pub loads: Vec<Load>,
-    /// The same as ends of the ratio.
+    /// Accepted bands as bounds of the ratio.
     pub wanted: Wanted,
-    /// What is to be as good as possible beside that.
+    /// Goal to optimize in addition to the bands.
     pub goal: Option<Goal>,
-    /// Loads of one condition.
+    /// Number of loads of one condition.
     pub count: usize,
     pub learned: Discrepancy,
 }
 
 impl Asked {
-    /// What `task` asks at the loads of `model`.
+    /// Builds the requirements of `task` at the loads of `model`.
     ///
     /// # Errors
     /// [`DesignError`] for trials that mean nothing.
@@ -68,7 +68,7 @@ impl Asked {
             let excess = material.excess(&pressures_pa, setting.condition.as_ref());
             for (row, demand) in task.target.points().iter().enumerate() {
                 let at = &model.asked().loads[place * count + row];
-                // Of friction itself: over that of the flat sample, mu_d f(P) times dynamic over steady friction.
+                // For friction itself, the factor is mu_d f(P) times dynamic over steady friction, from the flat sample.
                 let law = |law: &AreaLaw| law.factor(at.pressure_pa);
                 let flat = match task.target.quantity() {
                     Quantity::Ratio => 1.0,
@@ -95,7 +95,7 @@ impl Asked {
         Ok(Self { loads, wanted, goal: task.target.goal(), count, learned, bands })
     }
 
-    /// Whether anything is demanded at some load.
+    /// Whether some load has a demand.
     pub fn has_demands(&self) -> bool {
         self.bands.iter().any(|band| band.accepted.iter().any(Option::is_some))
     }
@@ -106,13 +106,14 @@ impl Asked {
         ratios.iter().zip(lower.iter().zip(upper)).all(|(ratio, (lower, upper))| (lower..=upper).contains(&ratio))
     }
 
-    /// Whether the median of samples lies within what is accepted at every load, whose modelled `ratios` are off by `distribution`.
+    /// Whether the median of samples is accepted at every load, for modelled `ratios` with the log error `distribution`.
     pub fn has_medians_within(&self, ratios: &[f64], distribution: &Distribution) -> bool {
         let [lower, upper] = self.wanted.over(ratios);
         distribution.has_medians_within(&lower, &upper)
     }
 
-    /// The largest distance of `ratios` from the middle of what is accepted, in tolerances; from a limit alone as far as it lies beyond it.
+    /// Largest distance of `ratios` from the middle of the accepted band, in tolerances; for a single limit the distance
+    /// beyond the limit.
     pub fn misfit(&self, ratios: &[f64]) -> f64 {
         let off = |(band, ratio): (&Band, &f64)| {
             let (Some(tolerance), value) = (band.tolerance, ratio * band.flat) else { return 0.0 };
@@ -126,8 +127,8 @@ impl Asked {
         self.bands.iter().zip(ratios).map(off).fold(0.0, f64::max)
     }
 
-    /// What the goal is about of `ratios`: the mean value over the pressures, or for an even one standard deviation over mean; at the
-    /// condition where that is worst. `None` without a goal.
+    /// Value of the goal for `ratios` at the worst condition: the mean over the pressures, or for an even goal the
+    /// standard deviation over the mean. `None` without a goal.
     pub fn goal_value(&self, ratios: &[f64]) -> Option<f64> {
         let goal = self.goal?;
         let mean = |of: &dyn Fn(usize) -> f64, places: std::ops::Range<usize>| {
@@ -148,7 +149,7 @@ impl Asked {
         (0..ratios.len()).step_by(self.count).map(of).reduce(worst)
     }
 
-    /// How good `ratios` are by the goal, on the scale of chances; 0 without one.
+    /// Score of `ratios` by the goal, on the scale of chances; 0 without a goal.
     pub fn goal_gain(&self, ratios: &[f64]) -> f64 {
         let flat = self.bands.first().map_or(1.0, |band| band.flat);
         match (self.goal, self.goal_value(ratios)) {
@@ -159,7 +160,8 @@ impl Asked {
         }
     }
 
-    /// The trial that was measured on target at every load, where there is one: at the load itself, or linear between two of its loads.
+    /// First trial measured on target at every load, at the load itself or interpolated linearly between two measured
+    /// loads.
     pub fn met_by(&self) -> Option<&Trial> {
         if !self.has_demands() || self.goal.is_some() {
             return None;
@@ -168,13 +170,13 @@ impl Asked {
             let ratios: Option<Vec<f64>> = self.loads.iter().map(|load| measured_at(trial, load)).collect();
             ratios.is_some_and(|ratios| self.accepts(&ratios))
         };
-        // A target in several directions is not measured in one.
+        // Trials are measured in one direction, so they cannot meet a target in several directions.
         let is_of_one = self.bands.iter().all(|band| band.sliding_angle_deg == self.bands[0].sliding_angle_deg);
         self.learned.trials().iter().find(|trial| is_of_one && is_met(trial))
     }
 }
 
-/// What was measured of `trial` at `load`; `None` where nothing was.
+/// Measured value of `trial` at `load`; `None` if there is none.
 fn measured_at(trial: &Trial, load: &Load) -> Option<f64> {
     let is_same = |a: f64, b: f64| (a / b - 1.0).abs() <= SAME_LOAD;
     let here = trial.measured.iter().filter(|at| {

@@ -1,32 +1,35 @@
-//! What is known at some designs, and what that says of those in between.
+//! Interpolation of quantities known at some designs to other designs.
 
 use slipgrid_pattern::Pattern;
 use slipgrid_statistics::{Kriging, distance};
 
-/// Distance over which quantities resemble each other. What cells in blocks of 10 um are off by those of 2.5 um, most of what specimens have
-/// beyond cells, goes on differing the more, the further grooves 40 to 500 um wide are apart, up to there.
+/// Correlation length in logarithms of the lengths. Found from the difference between cells in blocks of 10 um and 2.5
+/// um, the main part of the difference between specimens and cells: it varies over this distance for grooves 40 to 500 um
+/// wide.
 const RANGE: f64 = 3.0;
-/// Nearer than this, quantities differ by where cavities end within blocks and by the errors of runs: their slope would say nothing of designs
-/// further off.
+/// Minimum distance between designs that define a slope. At smaller distances quantities differ by positions of cavity
+/// ends within blocks and by errors of runs, and their slope does not extrapolate.
 const MIN_APART: f64 = 0.3;
-/// Cavities as shallow as one or two blocks differ most: a factor in depth counts as much as this power of it in width or spacing.
+/// Exponent of the depth in distances: cavities of one or two blocks depth differ most, so a factor in depth counts as
+/// much as this power of the factor in width or spacing.
 const OF_DEPTH: f64 = 2.0;
 
-/// Quantities that are known at some designs: exact there.
+/// Quantities known at some designs, interpolated exactly through them.
 #[derive(Clone, Debug, Default)]
 pub struct BetweenDesigns {
-    /// The designs with their quantities, the one learnt last at the end.
+    /// Designs with their quantities, the most recent last.
     known: Vec<(Pattern, Vec<f64>)>,
     kriging: Kriging<3>,
 }
 
 impl BetweenDesigns {
-    /// The quantities of `design`; `None` where nothing is known of any.
+    /// Interpolates the quantities of `design`; `None` if no design is known.
     pub fn at(&self, design: &Pattern) -> Option<Vec<f64>> {
         (!self.known.is_empty()).then(|| self.kriging.at(&place(design)))
     }
 
-    /// Takes these quantities, as many for each, for those of the designs `learnt`, in the place of what was known of them and of designs alike.
+    /// Adds the quantities of the designs `learnt`, equally many for each, and replaces known values of equal and similar
+    /// designs.
     pub fn learn(&mut self, learnt: impl IntoIterator<Item = (Pattern, Vec<f64>)>) {
         for (design, quantities) in learnt {
             let own = place(&design);
@@ -40,7 +43,7 @@ impl BetweenDesigns {
     }
 }
 
-/// Where `design` lies: ln(width), ln(spacing), and ln(depth), which counts more.
+/// Coordinates of `design`: ln(width), ln(spacing), and scaled ln(depth).
 fn place(design: &Pattern) -> [f64; 3] {
     let [width, spacing, depth] = design.lengths_m().map(f64::ln);
     [width, spacing, OF_DEPTH * depth]
@@ -71,7 +74,7 @@ mod tests {
     fn designs_alike_stand_for_one_another() {
         let mut found = BetweenDesigns::default();
         found.learn([(groove(100.0, 10.0), vec![0.0])]);
-        // What was known of one alike is forgotten.
+        // A new value replaces the value of a similar design.
         let nearly = groove(101.0, 10.0);
         found.learn([(nearly, vec![0.4])]);
         assert_eq!(found.at(&groove(800.0, 40.0)), Some(vec![0.4]));

@@ -1,4 +1,5 @@
-//! What keeps a target out of reach: the greatest chance with each limit, or each bound that the best texture rests on, lifted.
+//! Limits and bounds that keep a target out of reach: the maximum chance with each limit, or each bound that the best
+//! texture rests on, lifted.
 
 use serde::{Deserialize, Serialize};
 use slipgrid_optimize::DesignSpace;
@@ -11,26 +12,26 @@ use crate::search::{ALIKE, Search};
 use crate::table::Table;
 use crate::task::DesignTask;
 
-/// By what factor a bound is lifted.
+/// Factor by which a bound is lifted.
 const WIDER: f64 = 2.0;
-/// A length rests on a bound where it is as near as this, relative.
+/// Relative distance within which a length rests on a bound.
 const AT_BOUND: f64 = 0.05;
 
-/// The greatest chance that is had without a limit or a bound.
+/// Maximum chance without one limit or bound.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct LiftedReport {
-    /// The limit or bound, in words.
+    /// Name of the limit or bound, in words.
     pub what: String,
-    /// The greatest chance without it, by the table.
+    /// Maximum chance without the limit or bound, by the table.
     pub chance: f64,
-    /// The texture that has it.
+    /// Texture that has the maximum chance.
     pub design: PatternReport,
-    /// The median of some texture then lies within what is accepted.
+    /// True if the median of some texture is then accepted.
     pub is_within_reach: bool,
 }
 
-/// What is had with each limit and each bound that `best` rests on lifted alone, those first that bring the target within
-/// reach, then the greatest chance; those alone that gain something.
+/// Computes the maximum chance with each limit, and each bound that `best` rests on, lifted separately. Returns only
+/// those that improve the chance, sorted by whether the target comes within reach, then by chance.
 pub fn blocked_by(search: &Search<'_>, best: &Prediction) -> Vec<LiftedReport> {
     let task = search.task;
     let mut all = Vec::new();
@@ -67,7 +68,7 @@ pub fn blocked_by(search: &Search<'_>, best: &Prediction) -> Vec<LiftedReport> {
         lifted.constraints.limits.min_land_m = None;
         add(format!("the smallest land, {} um", LENGTH_UM.from_si(land_m)), &lifted, search.table);
     }
-    // In space further cells take as long as the first.
+    // In space, a wider table would take as long as the first one.
     if search.models.own.is_cheap_per_design() {
         let bounds_m = task.space.lengths_m();
         for (axis, name) in ["width", "spacing", "depth"].into_iter().enumerate() {

@@ -1,4 +1,4 @@
-//! What the answers of the search's model depend on: the key of a cache of them.
+//! Cache key: everything that the answers of the search's model depend on.
 
 use serde_json::{Map, Value, json};
 use slipgrid_pattern::Texture;
@@ -7,8 +7,8 @@ use slipgrid_springblock::{Dimension, Scene};
 
 use slipgrid_units::{LENGTH_MM, LENGTH_UM, MODULUS_GPA, PRESSURE_MPA};
 
-/// Everything that the steady cells of a search are made of, but for width, spacing and depth. A texture may slide in
-/// `further_deg` directions, too.
+/// Key of the steady cells of a search: all inputs except width, spacing and depth. `further_deg` are additional sliding
+/// directions.
 #[must_use]
 pub fn cache_key(scene: &Scene, texture: &Texture, further_deg: &[f64]) -> Map<String, Value> {
     let um = |length_m: f64| LENGTH_UM.from_si(length_m);
@@ -54,7 +54,7 @@ pub fn cache_key(scene: &Scene, texture: &Texture, further_deg: &[f64]) -> Map<S
         entries[4].1["yield_pressure_mpa"] = json!(PRESSURE_MPA.from_si(yield_pa));
     }
     if let Some(rim) = rim {
-        // Last but one, by its name.
+        // The rim is inserted before the last entry, by name.
         entries[4].1["rim"] = json!(rim);
     }
     entries.into_iter().map(|(name, value)| (name.to_owned(), value)).collect()

@@ -1,4 +1,4 @@
-//! The confirming run: the specimen in time, at the condition designed for.
+//! Confirming run: the specimen in time, at the condition of the design.
 
 use slipgrid_monitor::Monitor;
 use slipgrid_pattern::Pattern;
@@ -10,19 +10,19 @@ use crate::dynamic_excess::correct;
 use crate::prepared_task::PreparedTask;
 use crate::steady_model::SteadyModel;
 
-/// Contact blocks with coefficients of their own that a confirming run in space has at least, over all its draws: with what they drew taken out,
-/// so few scatter the ratio by a twentieth of the usual tolerance.
+/// Minimum number of contact blocks with separate coefficients in a confirming run in space, over all draws. With the
+/// drawn coefficients corrected for, this number scatters the ratio by one twentieth of the usual tolerance.
 const MIN_CONTACTS: f64 = 100.0;
 
-/// A confirming run.
+/// Confirming run with its scene.
 pub struct Confirmed {
-    /// What was run.
+    /// Scene of the run.
     pub scene: Scene,
-    /// What came of it.
+    /// Result of the run.
     pub run: Simulation,
 }
 
-/// The scene of the confirming run of `pattern`, from an unloaded layer at rest where `from_rest`.
+/// Builds the scene of the confirming run of `pattern`, from an unloaded layer at rest if `from_rest`.
 pub fn confirming_scene(prepared: &PreparedTask, model: &SteadyModel<'_>, pattern: &Pattern, from_rest: bool) -> Scene {
     let task = &prepared.task;
     let at_rest = RunOptions {
@@ -33,10 +33,10 @@ pub fn confirming_scene(prepared: &PreparedTask, model: &SteadyModel<'_>, patter
         ..RunOptions::default()
     }
     .on_specimen(task.space.texture());
-    // Without static friction a run starts where sliding is about to begin.
+    // Without static friction, a run starts at the onset of sliding.
     let mut run = if from_rest { at_rest } else { at_rest.from_sliding() };
     run.draws = match run.extent {
-        // Dozens of cells have blocks enough.
+        // A strip has dozens of cells, which give enough contact blocks with one draw.
         Extent::Strip => 1,
         Extent::Cell | Extent::Sample => model.draws(pattern, MIN_CONTACTS),
     };
@@ -46,7 +46,8 @@ pub fn confirming_scene(prepared: &PreparedTask, model: &SteadyModel<'_>, patter
     Scene { run, ..scene }.in_time()
 }
 
-/// The confirming run of `pattern`: the one that it had already, where it had one from where sliding begins and no other is wanted.
+/// Runs the confirmation of `pattern`, or returns an existing run if it started from sliding and no other start is
+/// required.
 ///
 /// # Errors
 /// [`DesignError`] where the specimen does not take the pattern.

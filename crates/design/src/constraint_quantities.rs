@@ -1,4 +1,4 @@
-//! The quantities of a design that its limits hold, as the search's model gives them.
+//! Quantities of a design that its constraints limit, computed by the model of the search.
 
 use slipgrid_export::{Laser, Layout, laser_time_s};
 use slipgrid_optimize::ModelFailure;
@@ -8,32 +8,32 @@ use crate::evaluation_cache::Answer;
 use crate::task::DesignTask;
 use slipgrid_export::Specimen;
 
-/// A quantity of a design that can be limited.
+/// Quantity of a design that can be limited.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ConstraintQuantity {
-    /// Largest local pressure at any target pressure, in the cell and in confirming runs of the specimen.
+    /// Maximum local pressure over the target pressures, in the cell and in confirming runs of the specimen.
     PeakPressure,
-    /// Share of the face that is land.
+    /// Fraction of the face that is land.
     BearingArea,
-    /// Share of the face that is cavity.
+    /// Fraction of the face that is cavity.
     ArealDensity,
-    /// Time under the laser for the specimen.
+    /// Laser time for the specimen.
     LaserTime,
-    /// Least height of a ceiling above the counterface at any target pressure.
+    /// Minimum height of a ceiling above the counterface over the target pressures.
     Clearance,
-    /// Least local pressure over the nominal one, at any target pressure: negative under tension.
+    /// Minimum local pressure over nominal pressure, over the target pressures: negative under tension.
     LeastPressure,
 }
 
 impl ConstraintQuantity {
-    /// Whether a design is laid on its specimen for it.
+    /// Whether the quantity requires the layout of a design on the specimen.
     #[must_use]
     pub const fn takes_a_layout(self) -> bool {
         matches!(self, Self::BearingArea | Self::ArealDensity | Self::LaserTime)
     }
 }
 
-/// What is measured of every design, with what that takes.
+/// Limited quantities of designs and the inputs to compute them.
 #[derive(Clone, Debug, Default)]
 pub struct Limited {
     measures: Vec<ConstraintQuantity>,
@@ -42,13 +42,13 @@ pub struct Limited {
 }
 
 impl Limited {
-    /// The quantities that `design` limits.
+    /// Collects the quantities that `design` limits.
     #[must_use]
     pub fn of(design: &DesignTask) -> Self {
         Self { measures: design.quantities.clone(), laser: design.laser, outline: Some(design.specimen) }
     }
 
-    /// Whether the specimen takes `pattern`: what cannot be drawn for the laser is no answer.
+    /// Checks that `pattern` fits the specimen, so that the laser can cut it.
     ///
     /// # Errors
     /// [`ModelFailure::Trial`] where no cavity fits, or far too many do.
@@ -57,7 +57,7 @@ impl Limited {
         laid.map_err(|error| ModelFailure::Trial { reason: error.to_string() })
     }
 
-    /// The quantities of `pattern`, of which the model says `answer`, in the order of the limits, SI units.
+    /// Computes the limited quantities of `pattern` from the model's `answer`, in the order of the limits, in SI units.
     ///
     /// # Errors
     /// [`ModelFailure::Trial`] where the specimen cannot take the pattern.
@@ -70,7 +70,7 @@ impl Limited {
                     ConstraintQuantity::BearingArea => 1.0 - self.areal_density(pattern)?,
                     ConstraintQuantity::ArealDensity => self.areal_density(pattern)?,
                     ConstraintQuantity::LaserTime => self.laser_time_s(pattern)?,
-                    // Where nothing is left that could sag, nothing does.
+                    // Without remaining cavities there is no ceiling that could sag, so the full depth is used.
                     ConstraintQuantity::Clearance => answer.clearance_m().unwrap_or_else(|| pattern.depth_m()),
                     ConstraintQuantity::LeastPressure => answer.least_pressure,
                 })
@@ -84,7 +84,7 @@ impl Limited {
         outline.layout(*pattern).map_err(|error| trial(error.to_string()))
     }
 
-    /// Of the specimen as it is cut, not of the endless pattern.
+    /// Areal density of the specimen as cut, not of the infinite pattern.
     fn areal_density(&self, pattern: &Pattern) -> Result<f64, ModelFailure> {
         Ok(self.layout(pattern)?.areal_density())
     }

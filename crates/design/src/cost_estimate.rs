@@ -1,4 +1,4 @@
-//! What a design takes, said before it is begun.
+//! Cost estimate of a design job, reported before it starts.
 
 use slipgrid_monitor::Monitor;
 use slipgrid_springblock::{Expense, Fidelity, Scene, SceneError, Unwatched, bounded, cell_expense, expense, simulate};
@@ -9,27 +9,30 @@ use crate::prepared_task::PreparedTask;
 use crate::steady_model::SteadyModel;
 use crate::table::nodes;
 
-/// Seconds, and bytes, up to which nothing is said.
+/// Limits in seconds and bytes below which no estimate is reported.
 const SHORT_S: f64 = 30.0;
 const SMALL_BYTES: f64 = (1_u64 << 30) as f64;
 
-/// The table condenses its cells in the plane: they cost this share of all equations.
+/// Cost of condensed cells in the plane, as a fraction of the cost of all equations.
 const CONDENSED_SHARE: f64 = 0.03;
-/// Tables solve cells in space to a looser balance than runs do, which costs this share.
+/// Cost of cells in space at the looser force balance of tables, as a fraction of the cost at the balance of runs.
 const LOOSE_SHARE: f64 = 0.3;
-/// Cells that are solved for each one of the table in the blocks asked for, in the plane: slopes, neighbours, and cells in smaller blocks.
+/// Cells solved after the table in the requested blocks per cell of the table, in the plane: slopes, neighbours, and
+/// cells in smaller blocks.
 const AFTER_TABLE: f64 = 1.0;
-/// As many in space, where the table has some 100 cells in the blocks asked for, and beside them 150 for slopes along the modulus and 108 in half
-/// the blocks, which cost eight times as much; trade-offs and the explorer take as much as 200.
+/// Cells solved after the table per cell of the table, in space. The table has about 100 cells in the requested blocks;
+/// 150 more are solved for slopes along the modulus and 108 in blocks of half the size, which cost eight times as much;
+/// trade-offs and the explorer take up to 200.
 const AFTER_TABLE_IN_SPACE: f64 = 12.0;
-/// Confirming runs go on until their standard error is small enough: they are usually this much longer.
+/// Typical length of confirming runs, which continue until their standard error is small enough, relative to the minimum
+/// length.
 const CONFIRMED_TIMES: f64 = 1.5;
 
-/// Says what the table of the bounds and the search in it take, and the confirming run where there is one, where that is much: between the middle
-/// of the bounds and the largest cells within them.
+/// Reports the cost of the table of the bounds, of the search in it and of the confirming run, if large. The estimate is
+/// the geometric mean of the middle of the bounds and the largest cells within them.
 ///
 /// # Errors
-/// [`DesignError`] where the confirming run takes more memory or time than anybody means to give it.
+/// [`DesignError`] if the confirming run exceeds the limits on memory or time.
 pub fn announce(
     prepared: &PreparedTask,
     model: &SteadyModel<'_>,
@@ -40,14 +43,14 @@ pub fn announce(
     let Ok(pattern) = space.middle() else { return Ok(()) };
     let cell = model.cell(&pattern, false);
     let confirmed = confirming_scene(prepared, model, &pattern, prepared.task.from_rest);
-    // A middle that is no design says nothing of the others.
+    // An invalid design in the middle of the bounds does not make other designs invalid.
     if cell.validate().is_err() || confirmed.validate().is_err() {
         return Ok(());
     }
     if is_confirmed {
         bounded(&confirmed).map_err(|error| prepared.task.refuse_blocks(&error))?;
     }
-    // Nodes lie in the whole space, where the largest cells cost most.
+    // The nodes cover the whole space, and the largest cells cost most.
     let widest = space.pattern([space.width_m()[1], space.spacing_m()[1], pattern.depth_m()]).ok();
     let spread_s = |coarse: bool| {
         let own_s = cell_expense(&model.cell(&pattern, coarse)).core_s;
@@ -65,7 +68,8 @@ pub fn announce(
     let bytes = cell_expense(largest.as_ref().unwrap_or(&cell)).bytes * threads;
     let longest = widest.map(|widest| confirming_scene(prepared, model, &widest, prepared.task.from_rest));
     let run = expense(&confirmed);
-    // Cells grow with the square of the pitch: the texture that is found is as likely on either side of the geometric mean.
+    // Cost of a cell grows with the square of the pitch; the texture found is equally likely on either side of the
+    // geometric mean.
     let run =
         longest.filter(|scene| scene.validate().is_ok()).map_or(run, |longest| geometric_mean(run, expense(&longest)));
     let (of_run, bytes) = if is_confirmed { (CONFIRMED_TIMES, run.bytes.max(bytes)) } else { (0.0, bytes) };
@@ -78,7 +82,7 @@ pub fn announce(
     Ok(())
 }
 
-/// The geometric mean of what two runs take.
+/// Geometric mean of the costs of two runs.
 fn geometric_mean(one: Expense, other: Expense) -> Expense {
     let mean = |a: f64, b: f64| (a * b).sqrt();
     Expense {
@@ -88,10 +92,10 @@ fn geometric_mean(one: Expense, other: Expense) -> Expense {
     }
 }
 
-/// Step of the reference integration where a scene names none, in seconds; that of dynamic runs is always stable.
+/// Step of the reference integration if a scene names none, in seconds; the step of dynamic runs is always stable.
 const REFERENCE_STEP_S: f64 = 1e-9;
 
-/// What solving `scene` takes, as [`cost_line`] says it of this run; nothing where it is refused.
+/// Cost of solving `scene` as a line from [`cost_line`]; `None` if small or if the scene is refused.
 #[must_use]
 pub fn run_line(scene: &Scene) -> Option<String> {
     let may_go_on = scene.run.mu_stderr.is_some();
@@ -99,12 +103,12 @@ pub fn run_line(scene: &Scene) -> Option<String> {
     (bounded(scene).is_ok() && is_stable(scene)).then_some(line)
 }
 
-/// Whether a run in time takes the step of `scene`.
+/// Whether a run in time is stable at the step of `scene`.
 fn is_stable(scene: &Scene) -> bool {
     let is_reference = scene.run.fidelity == Fidelity::Reference;
     let asked = scene.run.step_s.filter(|_| scene.run.fidelity != Fidelity::Steady);
     let Some(step_s) = asked.or(is_reference.then_some(REFERENCE_STEP_S)) else { return true };
-    // The largest step is refused with the limit named, before anything is run.
+    // The largest step is refused before the run, with the limit named.
     let mut probe = scene.clone();
     probe.run.step_s = Some(f64::MAX);
     match simulate(&probe, &Unwatched) {
@@ -114,8 +118,8 @@ fn is_stable(scene: &Scene) -> bool {
     }
 }
 
-/// That `what` takes `expense` on `threads` threads, where that is more than half a minute or a gigabyte; `may_go_on`: until a
-/// standard error is small enough.
+/// Line that `what` takes `expense` on `threads` threads, if that exceeds half a minute or a gigabyte. `may_go_on`: the
+/// run continues until a standard error is small enough.
 #[must_use]
 pub fn cost_line(what: &str, expense: Expense, may_go_on: bool, threads: usize) -> Option<String> {
     if expense.wall_s <= SHORT_S && expense.bytes <= SMALL_BYTES {
@@ -131,7 +135,7 @@ pub fn cost_line(what: &str, expense: Expense, may_go_on: bool, threads: usize) 
     Some(format!("{what} takes about {time}{longer}{memory}, estimated for {threads} threads with cores of their own"))
 }
 
-/// Seconds in the unit that fits them.
+/// Formats seconds in a suitable unit.
 fn duration(seconds: f64) -> String {
     match seconds {
         s if s < 100.0 => format!("{:.0} s", s.ceil()),

@@ -1,4 +1,4 @@
-//! What `optimize` found, as JSON and as text.
+//! Result of `optimize`, as JSON and as text.
 
 mod brief;
 mod summary;
@@ -23,125 +23,126 @@ use crate::timings::Timings;
 use crate::trade_offs::TradeOffsReport;
 use slipgrid_results::{LoadReport, MaterialReport, SpecimenReport};
 
-/// The schema of the results of `optimize` and `next`: the second names one chance, and what is expected of a sample.
+/// Schema version of the results of `optimize` and `next`: version 2 has one chance and the expected values of a sample.
 pub const SCHEMA: u32 = 2;
 
 /// result.json of `optimize`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct DesignReport {
-    /// `slipgrid`.
+    /// Program name, `slipgrid`.
     pub program: Cow<'static, str>,
-    /// Its version.
+    /// Version of the program.
     pub version: Cow<'static, str>,
-    /// Schema of the file.
+    /// Schema version of the file.
     pub schema: u32,
     /// Name of the design.
     pub name: String,
-    /// Day that the task names; left out where it names none.
+    /// Date of the task; left out where the task names none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub date: Option<String>,
-    /// What to do: `series`, `trial`, `trial_meets_it`, `cannot_be_met` or `do_not_texture`.
+    /// Recommended action: `series`, `trial`, `trial_meets_it`, `cannot_be_met` or `do_not_texture`.
     pub advice: Cow<'static, str>,
-    /// The same in one sentence.
+    /// Recommended action in one sentence.
     pub words: String,
-    /// Trials that it rests on.
+    /// Number of trials that the result uses.
     pub trials: usize,
-    /// The texture, its chance, what is expected of a sample of it, and what limits the chance.
+    /// Texture with its chance, the expected values of a sample, and the inputs that limit the chance.
     #[serde(flatten)]
     pub sample: SampleReport,
-    /// What becomes of the goal; null without one.
+    /// Expected value of the goal; null without one.
     pub goal: Option<GoalReport>,
-    /// Other textures that are worth cutting, unlike it and each other.
+    /// Other textures worth cutting, different from this texture and from each other.
     pub others: Vec<SampleReport>,
-    /// What keeps a target that cannot be met out of reach; empty otherwise.
+    /// Limits and bounds that keep a target out of reach; empty if the target can be met.
     pub blocked_by: Vec<LiftedReport>,
-    /// How what is expected moves with the dimensions.
+    /// Derivatives of the expected values with respect to the dimensions.
     pub slopes: Vec<SlopeReport>,
-    /// The designs that no other beats in every goal; null where the design file names no goals.
+    /// Designs that no other design beats in every goal; null where the design file names no goals.
     pub trade_offs: Option<TradeOffsReport>,
-    /// Designs that were compared.
+    /// Number of designs that were compared.
     pub compared: usize,
-    /// The table of the bounds that they were compared by.
+    /// Table of the bounds that the designs were compared by.
     pub table: TableReport,
-    /// Share of the specimen's face that is cavity, as they are laid out.
+    /// Share of the specimen's face that is cavity, in the layout.
     pub specimen_areal_density: f64,
     /// Bursts per cavity; null where the design file gives no depth per burst.
     pub bursts: Option<u32>,
-    /// Passes over the lines of a hatch; null where the laser's settings do not give them.
+    /// Passes over the lines of a hatch; null where the laser settings do not give them.
     pub passes: Option<u32>,
-    /// What these remove from the cavities as they are laid out; null as above.
+    /// Removal by the passes from the cavities of the layout; null where the laser settings do not give passes.
     #[serde(default)]
     pub removal: Option<Removal>,
-    /// What the laser does other than the design says, and what to do, where no passes are planned.
+    /// Deviations of the laser from the design and remedies, where no passes are planned.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub laser_warnings: Vec<String>,
-    /// Size of blocks.
+    /// Block size.
     #[serde(default)]
     pub block_um: f64,
-    /// Dimensions of the model.
+    /// Dimensions of the model, 2 or 3.
     pub dimensions: u8,
-    /// The vertical plane took a section of a planform that needs three dimensions.
+    /// True if the vertical plane is a section of a planform that needs three dimensions.
     pub section_model: bool,
-    /// What confirmed the design.
+    /// Fidelity of the confirming run.
     pub fidelity: Cow<'static, str>,
-    /// Extent of the confirmation: a cell, a strip or the whole sample.
+    /// Extent of the confirming run: a cell, a strip or the whole sample.
     pub extent: Cow<'static, str>,
-    /// What was asked for.
+    /// Target of the task.
     pub target: TargetReport,
-    /// The confirming run of the model alone, at the target's pressures.
+    /// Confirming run of the model alone, at the pressures of the target.
     pub confirmed: Vec<LoadReport>,
-    /// Limits that the design breaks.
+    /// Limits that the design violates.
     pub violations: Vec<String>,
-    /// Stages for which the allowed seconds were not enough.
+    /// Stages for which the time limit was too short.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub cut_short: Vec<Cow<'static, str>>,
-    /// What was modelled and why.
+    /// Modelling decisions with reasons.
     pub model: Vec<String>,
-    /// How it was computed.
+    /// Numerical method.
     #[serde(default)]
     pub method: Vec<String>,
-    /// From where to where friction was measured, where a pressure lies outside.
+    /// Range of pressures at which friction was measured, where a target pressure lies outside.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub measured_mpa: Option<[f64; 2]>,
-    /// The material and where it came from.
+    /// Material and its provenance.
     pub material: MaterialReport,
-    /// The specimen.
+    /// Specimen.
     pub specimen: SpecimenReport,
-    /// The laser.
+    /// Laser.
     pub laser: Laser,
-    /// How exactly samples are assumed to be cut; absent where the design file does not say.
+    /// Assumed manufacturing tolerances of samples; absent where the design file does not give them.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub tolerances: Option<Tolerances>,
-    /// Seconds by stage; with those in all and threads in timings.json.
+    /// Seconds by stage; timings.json has these with the total and the number of threads.
     #[serde(default)]
     pub timings_s: Timings,
-    /// Seconds in all.
+    /// Total seconds.
     #[serde(default)]
     pub wall_s: f64,
-    /// Threads that computed.
+    /// Number of threads used.
     #[serde(default)]
     pub threads: usize,
     /// Seed of local coefficients.
     pub seed: u64,
 }
 
-/// What becomes of a goal.
+/// Result for a goal.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct GoalReport {
     /// `lowest`, `highest` or `even`.
     pub goal: Cow<'static, str>,
-    /// What is as low, as high or as even as possible, in words.
+    /// Quantity that the goal optimizes, in words.
     pub of: String,
-    /// Its value where every load has the median of samples.
+    /// Value of the goal with the median of samples at every load.
     pub expected: f64,
-    /// The same at the ends of 95 % of samples; null for an even one, whose ends these are not.
+    /// Values of the goal at the ends of the 95 % interval of samples; null for an even goal, to which these ends do not
+    /// apply.
     pub interval_95: Option<[f64; 2]>,
-    /// The same by the model alone.
+    /// Value of the goal by the model alone.
     pub modelled: f64,
 }
 
 impl GoalReport {
-    /// The goal of the task of `search`, where it has one, as `best` does it.
+    /// Evaluates the goal of the task of `search` for `best`; `None` without a goal.
     #[must_use]
     pub fn of(search: &Search<'_>, best: &Prediction) -> Option<Self> {
         let asked = search.asked;
@@ -167,7 +168,8 @@ impl GoalReport {
 }
 
 impl DesignReport {
-    /// What the laser does to the cavities other than the design says: of passes over lines, or of bursts on spots.
+    /// Warnings about cavities that the laser makes differently from the design, by passes over lines or by bursts on
+    /// spots.
     pub fn of_laser(&self) -> impl Iterator<Item = &String> {
         self.removal.iter().flat_map(|removal| &removal.warnings).chain(&self.laser_warnings)
     }
@@ -178,7 +180,7 @@ impl DesignReport {
         self.target.quantity == Quantity::Ratio.name()
     }
 
-    /// How often the laser goes over a cavity; empty where nothing says so.
+    /// Number of exposures of a cavity by the laser, in words; empty if unknown.
     fn exposure_words(&self) -> String {
         match (self.bursts, self.passes) {
             (Some(bursts), _) => format!(" (bursts: {bursts})"),
@@ -187,13 +189,13 @@ impl DesignReport {
         }
     }
 
-    /// Whether the whole interface was solved, not one line along the sliding direction.
+    /// Whether the whole interface was solved, in place of one line along the sliding direction.
     #[must_use]
     pub const fn sees_face(&self) -> bool {
         Dimension::numbered(self.dimensions).sees_face()
     }
 
-    /// What confirmed the design, in words.
+    /// Describes the confirming run in words.
     #[must_use]
     pub fn confirmation(&self) -> String {
         let named = Extent::ALL.into_iter().find(|extent| extent.name() == self.extent);

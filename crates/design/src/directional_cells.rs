@@ -1,4 +1,4 @@
-//! Steady cells of one texture, in every sliding direction.
+//! Steady cells of one texture in every sliding direction.
 
 use slipgrid_monitor::Monitor;
 use slipgrid_optimize::ModelFailure;
@@ -7,22 +7,22 @@ use slipgrid_springblock::{CellOutcome, Dimension, Load, Scene, Status, SteadyCe
 
 use crate::operating_conditions::turned;
 
-/// Sum of the forces out of balance over the load to which a search solves cells in space: what is found is solved once more, to
-/// 1e-10.
+/// Residual force over load to which a search solves cells in space; the design found is solved again to 1e-10.
 const SEARCH_BALANCE: f64 = 1e-7;
 
-/// What solves steady cells at the loads of one sliding direction after the other.
+/// Solver of steady cells at the loads of each sliding direction.
 pub struct Solver {
     pub each: Vec<(Option<f64>, SteadyCell)>,
-    /// Where they are solved, in every direction alike.
+    /// Dimension of the cells, equal in every direction.
     pub dimension: Dimension,
-    /// Designs that it was asked of.
+    /// Number of designs solved.
     #[cfg(test)]
     pub asked: std::sync::atomic::AtomicUsize,
 }
 
 impl Solver {
-    /// Of the loads of `scene`, as many in each of `directions_deg` as in the designs' own, which come first.
+    /// Creates a solver for the loads of `scene`: equally many in the designs' own direction, which come first, and in
+    /// each of `directions_deg`.
     pub fn new(scene: &Scene, texture: &Texture, directions_deg: &[f64]) -> Self {
         let each = std::iter::once(None).chain(directions_deg.iter().map(|&angle_deg| Some(angle_deg)));
         let own = scene.loads.len() / (1 + directions_deg.len());
@@ -39,7 +39,7 @@ impl Solver {
         }
     }
 
-    /// The cells of `design` in every direction, until `monitor` has cancelled.
+    /// Solves the cells of `design` in every direction, until `monitor` cancels.
     pub fn solve(&self, design: &Pattern, monitor: &dyn Monitor) -> Result<Vec<CellOutcome>, ModelFailure> {
         #[cfg(test)]
         self.asked.fetch_add(1, std::sync::atomic::Ordering::Relaxed);

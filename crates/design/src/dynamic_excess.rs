@@ -1,14 +1,19 @@
-//! Friction of runs that lack the excess of dynamic over steady friction, or have another than the calibration took.
+//! Correction of friction for runs without the excess of dynamic over steady friction, or with an excess other than in
+//! the calibration.
 //!
-//! A calibration fits mu_d to measured friction: mu_flat = delta mu_d f(P), where delta, one to two per cent above 1, is what
-//! the flat sample in time has over an endless one in steady sliding. A steady run gives mu_d f(P), a sample less for
-//! its ends; a run in time has an excess of its own in space, and with another layer, other blocks or another seed than the
-//! calibration's. In each the flat surface, solved beside the patterned one, says by how much, and friction is taken times what
-//! brings that flat surface to delta mu_d f(P). Ratios stay.
+//! A calibration fits mu_d to measured friction: mu_flat = delta mu_d f(P), where delta, one to two per cent above 1, is
+//! the
+//! ratio of the flat sample in time to an infinite sample in steady sliding. A steady run gives mu_d f(P), for a sample
+//! less the
+//! effect of its ends; the excess of a run in time differs in space, and with another layer, other blocks or another seed
+//! than in the
+//! calibration. In each case the flat surface, solved together with the patterned one, gives the difference, and friction
+//! is
+//! multiplied by the factor that brings the flat surface to delta mu_d f(P). Ratios do not change.
 
 use slipgrid_springblock::{Fidelity, LoadOutcome, Scene, Simulation, SurfaceOutcome};
 
-/// Corrects the friction of `simulation`, which came of `scene`, whose flat surface has `excess` at each load.
+/// Corrects the friction of `simulation`, the result of `scene`, whose flat surface has `excess` at each load.
 pub fn correct(simulation: &mut Simulation, scene: &Scene, excess: Option<&[f64]>) {
     let Some(excess) = excess.filter(|excess| excess.len() == simulation.loads.len()) else { return };
     let is_steady = scene.run.fidelity == Fidelity::Steady;
@@ -28,7 +33,7 @@ pub fn correct(simulation: &mut Simulation, scene: &Scene, excess: Option<&[f64]
         return;
     }
     if is_calibrated && factors.iter().all(|times| (times - 1.0).abs() < OTHER_LAYER) {
-        // That of the calibration, but for what loads between its own are interpolated by.
+        // The excess equals the calibration's, except for interpolation between its loads.
         return;
     }
     let (factor, time, ends) = (range(&factors), range(&of_time), range(&of_ends));
@@ -44,12 +49,12 @@ pub fn correct(simulation: &mut Simulation, scene: &Scene, excess: Option<&[f64]
     });
 }
 
-/// Smallest departure of a factor from 1 that is told of a sample in time like the calibration's.
+/// Minimum departure of a factor from 1 that is reported for a sample in time with the geometry of the calibration.
 const OTHER_LAYER: f64 = 1e-3;
-/// What changes no digit of a factor that is told.
+/// Rounding that changes no digit of a reported factor.
 const ROUNDING: f64 = 5e-5;
 
-/// From the least to the greatest of `factors`, as it is told.
+/// Formats the range of `factors`.
 fn range(factors: &[f64]) -> String {
     let least = factors.iter().copied().fold(f64::INFINITY, f64::min);
     let most = factors.iter().copied().fold(0.0, f64::max);
@@ -120,7 +125,7 @@ mod tests {
             correct(&mut unknown, &scene, None);
             assert_eq!(unknown, plain);
         }
-        // Of a whole sample the ends take something, too: that is no matter of time.
+        // The ends of a whole sample also reduce friction, which is not an effect of time.
         let sample = scene(Planform::Groove, Fidelity::Steady);
         let sample = Scene { run: RunOptions { extent: Extent::Sample, ..sample.run }, ..sample };
         let mut found = simulate(&sample, &Unwatched).unwrap();
@@ -137,7 +142,7 @@ mod tests {
             "{ends} {:?}",
             found.statements
         );
-        // In the plane runs in time have the excess that was calibrated where nothing but the pattern is other.
+        // In the plane, runs in time have the calibrated excess if only the pattern differs.
         let scene = scene(Planform::Groove, Fidelity::Dynamic);
         let plain = simulate(&scene, &Unwatched).unwrap();
         let own = plain.loads[0].flat.as_ref().unwrap().mu_dynamic.unwrap();

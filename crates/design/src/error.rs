@@ -1,70 +1,70 @@
-//! Why a design job ended without a design.
+//! Errors of design jobs.
 
 use slipgrid_material::MaterialError;
 use slipgrid_monitor::Cancelled;
 
 use crate::SpecimenError;
 
-/// Why a design job ended without a design.
+/// Reason why a design job ended without a design.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum DesignError {
-    /// A part of the task means nothing together with the rest.
+    /// Part of the task that is invalid in combination with the rest.
     #[error(transparent)]
     Refused(#[from] Refusal),
-    /// The numbers of a material lead to one without meaning.
+    /// Material data that give an invalid material.
     #[error(transparent)]
     Material(#[from] MaterialError),
-    /// The answers kept beyond one run are not those of this task, or cannot be read.
+    /// Stored answers that belong to another task or cannot be read.
     #[error("{0}")]
     Cache(String),
     /// The monitor cancelled the job.
     #[error("cancelled")]
     Cancelled,
-    /// The time allowed was spent before there was anything to report.
+    /// The time limit ended before there was a result.
     #[error("{0}")]
     OutOfTime(String),
-    /// Anything else.
+    /// Any other failure.
     #[error("{0}")]
     Failed(String),
 }
 
-/// A part of a task that was refused.
+/// Refused part of a task.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("{reason}")]
 pub struct Refusal {
-    /// Which.
+    /// Part that is refused.
     pub part: TaskPart,
-    /// Why, in words that follow the part's value.
+    /// Reason, in words that follow the value of the part.
     pub reason: String,
-    /// What would be accepted.
+    /// Accepted values.
     pub expected: Option<String>,
 }
 
-/// The parts of a task that can be refused only when the whole of it is known.
+/// Parts of a task that can be refused only when the whole task is known.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TaskPart {
-    /// No part alone.
+    /// The task as a whole.
     Whole,
-    /// Number `.0` of the ranges of conditions.
+    /// Range of conditions with index `.0`.
     ConditionRange(usize),
-    /// The condition designed for.
+    /// Condition of the design.
     Condition,
-    /// The further conditions.
+    /// Further conditions.
     FurtherConditions,
-    /// Number `.0` of the target's pressures.
+    /// Target pressure with index `.0`.
     Pressure(usize),
-    /// The size of blocks.
+    /// Block size.
     BlockSize,
 }
 
 impl Refusal {
-    /// The refusal of `part`.
+    /// Creates a refusal of `part`.
     #[must_use]
     pub fn new(part: TaskPart, reason: impl Into<String>) -> Self {
         Self { part, reason: reason.into(), expected: None }
     }
 
-    /// The same, with what would be accepted.
+    /// Adds the accepted values.
     #[must_use]
     pub fn expected(mut self, expected: impl Into<String>) -> Self {
         self.expected = Some(expected.into());
@@ -73,13 +73,13 @@ impl Refusal {
 }
 
 impl DesignError {
-    /// The model has no answer for any design within the bounds.
+    /// Creates the error that no design within the bounds can be computed.
     #[must_use]
     pub fn nothing_computed() -> Self {
         Self::Failed("no design within the bounds can be computed".to_owned())
     }
 
-    /// The task as a whole is refused, for a reason that only a solver or the search finds.
+    /// Creates a refusal of the whole task, for a reason that only a solver or the search finds.
     #[must_use]
     pub fn refused(reason: impl Into<String>) -> Self {
         Refusal::new(TaskPart::Whole, reason).into()

@@ -1,8 +1,9 @@
-//! Evaluations: every answer of the search's model, kept in memory and, where a cache is given, beyond the run as soon as it
-//! is known, so that a killed run loses no more than what was being computed.
+//! Evaluations: all answers of the search's model, kept in memory and, if a cache is given, stored as soon as they are
+//! known, so
+//! that an interrupted run loses only answers in progress.
 //!
-//! Answers are those of the model alone, before anything that depends on target, limits or confirming runs: a cache serves
-//! any of these.
+//! Answers contain the model alone, independent of target, limits and confirming runs, so a cache can be used with any of
+//! these.
 
 use std::collections::BTreeMap;
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -15,33 +16,33 @@ use slipgrid_pattern::Pattern;
 use crate::DesignError;
 use slipgrid_specimen::{Laid, on_face};
 
-/// What the model says of a design at the target's pressures. Numbers are kept as the file holds them, so that those
-/// read back are the same to the last bit.
+/// Answer of the model for a design at the target's pressures. Numbers are kept as stored in the file, so that numbers
+/// read back are bitwise equal.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Answer {
-    /// Friction, patterned over flat, at each pressure.
+    /// Friction of the patterned over the flat surface, at each pressure.
     pub ratio: Vec<f64>,
-    /// Largest local pressure over all of them.
+    /// Maximum local pressure over all pressures.
     pub peak_pressure_mpa: f64,
-    /// Least local pressure over the nominal one: negative under tension.
+    /// Minimum local pressure over the nominal pressure: negative under tension.
     pub least_pressure: f64,
-    /// Least height of a ceiling above the counterface; absent where nothing could sag.
+    /// Minimum height of a ceiling above the counterface; absent where no ceiling could sag.
     pub clearance_um: Option<f64>,
 }
 
-/// Largest size of a number in an answer: far above anything the model gives, far below where sums overflow.
+/// Maximum size of a number in an answer: far above results of the model, far below overflow of sums.
 pub const LARGEST: f64 = 1e9;
 
 impl Answer {
-    /// A cell's answer on the face of `made`, a sample of what was `laid`.
+    /// Converts the answer of a cell to the face of `made`, a sample of the layout `laid`.
     #[must_use]
     pub fn on(self, laid: &Laid, made: &Pattern) -> Self {
         let share = laid.share(made);
         Self { ratio: self.ratio.iter().map(|ratio| on_face(*ratio, share)).collect(), ..self }
     }
 
-    /// Whether these can be the model's numbers at `loads` loads.
+    /// Checks that the numbers can be results of the model at `loads` loads.
     ///
     /// # Errors
     /// What is wrong, and what would be right.
@@ -68,60 +69,59 @@ impl Answer {
         }
     }
 
-    /// Largest local pressure, in pascals.
+    /// Maximum local pressure, in pascals.
     #[must_use]
     pub fn peak_pressure_pa(&self) -> f64 {
         self.peak_pressure_mpa * 1e6
     }
 
-    /// Least height of a ceiling, in metres.
+    /// Minimum height of a ceiling, in metres.
     #[must_use]
     pub fn clearance_m(&self) -> Option<f64> {
         self.clearance_um.map(|clearance_um| clearance_um * 1e-6)
     }
 }
 
-/// An answer, or why there is none.
+/// Answer, or the reason why there is none.
 pub type Answered = Result<Answer, String>;
 
-/// What is wrong with an answer that was kept.
+/// Fault of a stored answer.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Fault {
-    /// What is wrong.
+    /// Description of the fault.
     pub reason: String,
-    /// What would be right.
+    /// Expected content.
     pub expected: String,
 }
 
-/// An answer with the design that it is of.
+/// Answer together with the design.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Evaluation {
     /// Size of the model's blocks and width, spacing and depth of the design, in micrometres.
     pub lengths_um: [f64; 4],
-    /// What the model says.
+    /// Answer of the model.
     pub answered: Answered,
 }
 
-/// Keeps answers beyond one run.
+/// Stores answers beyond one run.
 pub trait EvaluationCache: Sync {
-    /// The answers that are known already among those that depend on `key` and have ratios at `loads` loads; called once,
-    /// before the first question.
+    /// Loads the known answers for `key` with ratios at `loads` loads; called once, before the first query.
     ///
     /// # Errors
     /// Why the cache cannot be used.
     fn open(&mut self, key: &Map<String, Value>, loads: usize) -> Result<Vec<Evaluation>, String>;
 
-    /// Keeps `evaluation`; called by any thread, once for each design.
+    /// Stores `evaluation`; called by any thread, once per design.
     ///
     /// # Errors
     /// Why it could not be kept.
     fn keep(&self, evaluation: &Evaluation) -> Result<(), String>;
 
-    /// Where answers are kept, for people.
+    /// Describes the place of storage to users.
     fn place(&self) -> String;
 }
 
-/// A cache that keeps nothing.
+/// Cache that stores nothing.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct NoCache;
 
@@ -139,21 +139,20 @@ impl EvaluationCache for NoCache {
     }
 }
 
-/// Block size and lengths of a design in micrometres, by their bits.
+/// Block size and lengths of a design in micrometres, as bits.
 type Key = [u64; 4];
 
-/// What has been answered so far.
+/// Known answers of the model.
 #[derive(Default)]
 pub struct Evaluations<'a> {
     known: Mutex<BTreeMap<Key, Answered>>,
-    /// Loads that an answer has ratios at.
+    /// Number of loads of each answer.
     loads: usize,
     cache: Option<&'a dyn EvaluationCache>,
 }
 
 impl<'a> Evaluations<'a> {
-    /// Evaluations that begin with what `cache` knows of the model with this `key`, whose answers have ratios at `loads`
-    /// loads; and how many these are.
+    /// Loads the answers that `cache` holds for `key` with ratios at `loads` loads, and returns them with their number.
     ///
     /// # Errors
     /// [`DesignError::Cache`] where the cache cannot be used.
@@ -170,7 +169,7 @@ impl<'a> Evaluations<'a> {
         Ok((Self { known: Mutex::new(known), loads, cache: Some(cache) }, count))
     }
 
-    /// The answer to `design` in blocks of `block_m`: known, or by `model`.
+    /// Returns the answer for `design` in blocks of `block_m`, from the known answers or by calling `model`.
     ///
     /// # Errors
     /// [`ModelFailure`] of the model, and [`ModelFailure::Broken`] where the cache cannot keep the answer.
@@ -192,7 +191,7 @@ impl<'a> Evaluations<'a> {
             Err(ModelFailure::Trial { reason }) => Err(reason),
             Err(other) => return Err(other),
         };
-        // Two threads may have come to one design: its first answer is kept, if it could be read again.
+        // Two threads may solve one design at once: the first readable answer is kept.
         let is_readable = answered.as_ref().map_or(true, |answer| answer.check(self.loads).is_ok());
         if self.known().insert(key, answered.clone()).is_none()
             && is_readable
@@ -204,7 +203,7 @@ impl<'a> Evaluations<'a> {
         answered.map_err(trial)
     }
 
-    /// Entries are whole when they enter: those of a panicking thread are as good as any.
+    /// Entries are inserted complete, so entries of a panicked thread are valid.
     fn known(&self) -> MutexGuard<'_, BTreeMap<Key, Answered>> {
         self.known.lock().unwrap_or_else(PoisonError::into_inner)
     }

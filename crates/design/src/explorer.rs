@@ -1,4 +1,5 @@
-//! What is predicted of a sample of any texture within the bounds, on a lattice: numbers that a page interpolates, which has no rules of its own.
+//! Predictions for a sample of any texture within the bounds, on a lattice that a page interpolates without rules of its
+//! own.
 
 use rayon::prelude::*;
 use slipgrid_monitor::Monitor;
@@ -19,60 +20,61 @@ use crate::task::{DesignTask, KnownMaterial};
 use crate::time_budget::TimeBudget;
 use crate::timings::Timings;
 
-/// Nodes along width, spacing and depth for each factor e between the bounds, and the most of them.
+/// Nodes along width, spacing and depth per factor e between the bounds, and the maximum number of nodes.
 const NODES: ([f64; 3], [usize; 3]) = ([4.0, 3.5, 2.2], [11, 12, 8]);
-/// Random textures at which the error is measured.
+/// Number of random textures for the error estimate.
 const CHECKS: usize = 60;
-/// Difference of the logarithm of a length over which the design's own numbers reach, two nodes, and the weight of nodes about it that they need.
+/// Range of the correction to reported values around the design, as a difference of the logarithm of a length: two nodes.
 const NEARBY: f64 = 0.5;
+/// Minimum weight of the nodes around the design for that correction.
 const MIN_REACHED: f64 = 0.3;
-/// Chances beyond these are as good as 0 and 1: their logit is interpolated.
+/// Chances are clamped to this distance from 0 and 1, because the logit is interpolated.
 const MIN_CHANCE: f64 = 1e-4;
 
-/// What is predicted of a sample of any texture within the bounds.
+/// Predictions for a sample of any texture within the bounds.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Explorer {
-    /// By width, spacing and depth in micrometres: for each load of each condition the median, and the ends of 95 % of samples, in the quantity of
-    /// the target.
+    /// Surface over width, spacing and depth in micrometres: for each load of each condition the median and the ends of
+    /// the 95 % interval of samples, in the quantity of the target.
     pub expected: ResponseSurface,
-    /// By the same: ln(p / (1 - p)) of the chance p that a sample is on target.
+    /// Surface of ln(p / (1 - p)), p the chance that a sample is on target.
     pub log_odds: ResponseSurface,
-    /// By the same: logarithm of the largest local pressure over MPa, least height of a ceiling under load in micrometres, share of the specimen's
-    /// face that is cavity, and seconds under the laser, 0 where these are not known.
+    /// Surface of the logarithm of the maximum local pressure over MPa, the minimum height of a ceiling under load in
+    /// micrometres, the share of the specimen's face that is cavity, and laser seconds; 0 where unknown.
     pub beside: ResponseSurface,
-    /// Nodes without an answer, by their places: there is none in the cells around them either.
+    /// Indices of nodes without an answer; the cells around these nodes have no answer either.
     pub holes: Vec<usize>,
-    /// Random textures at which its medians were compared with what is predicted there itself.
+    /// Number of random textures at which interpolated medians were compared with direct predictions.
     pub checked: usize,
-    /// Median over them of the largest difference at any load.
+    /// Median over the random textures of the largest difference at any load.
     pub median_error: f64,
-    /// The largest.
+    /// Maximum over the random textures of the largest difference at any load.
     pub worst_error: f64,
 }
 
-/// What a task's designs do, before any is chosen.
+/// Predictions for the designs of a task, before one is chosen.
 #[derive(Clone, Debug)]
 pub struct Explored {
-    /// The task.
+    /// Task.
     pub task: DesignTask,
-    /// Its material.
+    /// Material of the task.
     pub material: KnownMaterial,
-    /// The texture that a page begins with: the likeliest on target by the table.
+    /// Initial texture of a page: the texture with the maximum chance by the table.
     pub pattern: Pattern,
-    /// The loads.
+    /// Loads of the predictions.
     pub loads: Vec<Load>,
     /// Friction of the flat surface in steady sliding at each load.
     pub flat_mu: Vec<f64>,
-    /// Trials that predictions rest on.
+    /// Number of trials that predictions use.
     pub trials: usize,
-    /// Which of the pressures lie outside those at which friction was measured, in words.
+    /// Target pressures outside the measured range, in words.
     pub beyond_measured: Option<String>,
-    /// What any design does.
+    /// Predictions for all designs.
     pub explorer: Explorer,
 }
 
 impl Explored {
-    /// What makes its numbers doubtful, in words.
+    /// Reasons to doubt the numbers, in words.
     #[must_use]
     pub fn doubts(&self) -> Vec<String> {
         let material = MaterialReport::from(&self.material.material.provenance);
@@ -80,7 +82,7 @@ impl Explored {
     }
 }
 
-/// What the designs of `task` do, by the table of its bounds.
+/// Computes predictions for the designs of `task` by the table of its bounds.
 ///
 /// # Errors
 /// [`DesignError`] for a task that is refused or that the monitor cancels, and where no design can be computed.
@@ -92,7 +94,7 @@ pub fn explore_bounds(task: &DesignTask, monitor: &dyn Monitor) -> Result<Explor
         monitor.heed()?;
         let best = best.ok_or_else(DesignError::nothing_computed)?;
         let pattern = best.texture.pattern;
-        // As `optimize` has it: with ends, tilt and time of its own.
+        // Same accuracy as in `optimize`: with ends, tilt and time of this texture.
         let about = search.solved(&pattern).map_or(best, |solved| search.as_cut(&solved));
         let explorer = Explorer::new(search, &about);
         monitor.heed()?;
@@ -107,8 +109,8 @@ pub fn explore_bounds(task: &DesignTask, monitor: &dyn Monitor) -> Result<Explor
 }
 
 impl Explorer {
-    /// By the table of `search`, with what it is off by at `about` and the errors that samples of that share. `None` where no design can be
-    /// computed, and where the search's monitor has cancelled.
+    /// Builds the lattice from the table of `search`, with the table's error at `about` and the errors that samples of
+    /// `about` share. `None` if no design can be computed or if the search's monitor has cancelled.
     pub fn new(search: &Search<'_>, about: &Prediction) -> Option<Self> {
         let (task, loads) = (search.task, search.asked.loads.len());
         let off = search.off_at(about);
@@ -122,7 +124,7 @@ impl Explorer {
             let found = search.roughly_with(&pattern, &off, &about.texture.covariance)?;
             Some((pattern, found))
         };
-        // Medians and ends of 95 % of samples in the quantity of the target, and the logarithm of the odds.
+        // Medians and 95 % intervals of samples in the quantity of the target, and the log odds.
         let numbers_of = |found: &Prediction| {
             let at = |load: usize, p: f64| search.asked.bands[load].flat * found.quantile(load, p);
             let quantiles = [0.5, 0.025, 0.975].into_iter().flat_map(|p| (0..loads).map(move |load| (load, p)));
@@ -175,8 +177,8 @@ impl Explorer {
     }
 }
 
-/// `all` numbers of the nodes, moved near the texture of `about` so that the surface through the first of them has there what is `reported`: by
-/// what it is off by there, the less the further a node is. Unchanged where the texture lies beside a hole.
+/// Corrects the numbers `all` of the nodes near the texture of `about`, so that the surface has the values `reported` at this texture. The
+/// correction decreases with distance. No correction is made if the texture lies beside a hole.
 fn self_consistent(
     mut all: Vec<Vec<f64>>,
     surface: &dyn Fn(&[Vec<f64>], usize, usize) -> ResponseSurface,

@@ -1,8 +1,11 @@
-//! What is not known exactly beside what trials tell of: dimensions as made, rims, bursts, flat friction, the area law, and how exactly
-//! ratios are computed.
+//! Input uncertainties that trials do not reduce: dimensions as made, rims, bursts, flat friction, the area law, and the
+//! numerical error of
+//! ratios.
 //!
-//! Each moves ln R to first order, Young's modulus and the area law's scale to second. What all samples share is a covariance of ln R; what each
-//! sample has of its own is a [`DimensionShift`], which moves the discrepancy, too.
+//! Each input moves ln R to first order; Young's modulus and the area law's scale move ln R to second order. Errors that
+//! all samples share
+//! are a covariance of ln R; errors that are independent between samples are a [`DimensionShift`], which also moves the
+//! discrepancy.
 
 use std::ops::Range;
 
@@ -20,78 +23,77 @@ use crate::operating_conditions::Further;
 use crate::steady_model::SteadyModel;
 use crate::task::DesignTask;
 
-/// Width, spacing, depth: the inputs before the others.
+/// Width, spacing and depth, the first inputs.
 const DIMENSIONS: usize = 3;
 const DEPTH: usize = 2;
-/// Widest difference along a dimension over the dimension itself.
+/// Maximum difference along a dimension relative to the dimension.
 const WIDEST_SHARE: f64 = 0.5;
-/// What runs of one specimen in time differ by, at another speed or from another moment of stick-slip: by that much in
-/// `ratios_that_are_predicted_are_those_of_the_specimen`; in space, where time is not modelled, runs differ by 0.001 to 0.004.
+/// Standard deviation of ln R between runs of one specimen in time, at other speeds or from other moments of stick-slip,
+/// in the plane as measured in `ratios_that_are_predicted_are_those_of_the_specimen`; in space, where time is not
+/// modelled, runs differ by 0.001 to 0.004.
 const RUN_STD: [f64; 2] = [0.0015, 0.003];
 
-/// Something that is not known exactly.
+/// Uncertain input.
 #[derive(Clone, Debug, PartialEq)]
 struct Input {
-    /// The input, in words.
     name: &'static str,
-    /// How well it is known, in words after the name.
+    /// Accuracy of the input, in words after the name.
     known_to: String,
-    /// Its places among the inputs.
+    /// Indices of the input.
     places: Range<usize>,
 }
 
-/// What one input leaves open of a texture.
+/// Effect of one uncertain input on a texture.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Part {
-    /// The input, in words.
+    /// Name of the input.
     pub name: &'static str,
-    /// How well it is known, in words after the name.
+    /// Accuracy of the input, in words after the name.
     pub known_to: String,
-    /// What it does.
+    /// Effect on ln R.
     pub effect: Effect,
 }
 
-/// What an input does.
+/// Effect of an input.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Effect {
     /// A covariance of ln R that all samples share, loads x loads.
     Shared(Vec<f64>),
-    /// An error that each sample has of its own.
+    /// Error that is independent between samples.
     OfSample(DimensionShift),
 }
 
-/// The model with everything that is not known exactly, at every condition.
+/// Model with all uncertain inputs, at every condition.
 pub struct Inputs<'a> {
     is_ratio: bool,
     loads: usize,
-    /// Loads with inputs of their own: those of one sliding direction, which all have in common.
+    /// Number of loads with separate inputs: the loads of one sliding direction, whose inputs all directions share.
     inputs_of_loads: usize,
     tolerances: Tolerances,
     uncertainty: Uncertainty,
-    /// The model that inputs are moved in.
+    /// Model with all inputs at their means.
     still: SteadyModel<'a>,
-    /// The same in blocks half as large, in the vertical plane.
+    /// Model in blocks of half the size, in the vertical plane.
     fine: Option<SteadyModel<'a>>,
-    /// Along flat friction, the area law's scale and its factors: models to both sides, and the way to each.
+    /// Pairs of models along flat friction, the area law's scale and its factors, with their steps.
     along: Vec<Along<'a>>,
-    /// Place of the depth per burst, where that was fitted against fluence: the depths of all samples are off by this factor.
+    /// Index of the depth per burst, if fitted against fluence: one factor for the depths of all samples.
     burst: Option<usize>,
     inputs: Vec<Input>,
 }
 
-/// Two models to both sides of the one that is used.
+/// Pair of models on both sides of the mean.
 struct Along<'a> {
     above: SteadyModel<'a>,
     below: SteadyModel<'a>,
-    /// Distance of either, one per value.
+    /// Step of each model, one per value.
     step: Vec<f64>,
     first: usize,
     is_friction: bool,
-    /// Its first order is counted by the discrepancy, whose trials say something of Young's modulus, too.
+    /// The discrepancy includes the first order, because trials also inform about Young's modulus.
     is_modulus: bool,
 }
 
-/// Covariances under construction.
 #[derive(Default)]
 struct Blocks {
     inputs: Vec<Input>,
@@ -100,7 +102,7 @@ struct Blocks {
 }
 
 impl Blocks {
-    /// Adds a block and returns the place of its first input.
+    /// Adds a block and returns the index of its first input.
     fn add(&mut self, block: Covariance) -> usize {
         let first = self.count;
         self.count += block.len();
@@ -114,7 +116,7 @@ impl Blocks {
 }
 
 impl<'a> Inputs<'a> {
-    /// Of `task` with its `material`, by `model` at every condition, the one designed for first.
+    /// Collects the inputs of `task` with its `material` for `model` at every condition, the design condition first.
     ///
     /// # Errors
     /// [`DesignError`] for errors of a material that mean nothing.
@@ -125,7 +127,7 @@ impl<'a> Inputs<'a> {
         further: &[Further],
     ) -> Result<Self, DesignError> {
         let values = model.asked().loads.len();
-        // The same material in every direction: the loads of the first stand for those of the others.
+        // All directions share the material, so the loads of the first direction stand for the others.
         let directions = 1 + task.directions.different_deg.len();
         let count = values / directions;
         let loads = &model.asked().loads[..count];
@@ -206,8 +208,8 @@ impl<'a> Inputs<'a> {
         })
     }
 
-    /// What every input leaves open of `design`, whose ratios are `ratio`; `of_blocks` is what the size of blocks leaves open of each where
-    /// that is known, and is found in smaller ones otherwise.
+    /// Computes the effect of every input on `design` with ratios `ratio`. `of_blocks` is the numerical error of each
+    /// ratio if known, otherwise computed in smaller blocks.
     ///
     /// # Errors
     /// [`ModelFailure`] where the design or one beside it cannot be computed.
@@ -229,7 +231,7 @@ impl<'a> Inputs<'a> {
         let mut bends: Vec<(usize, Vec<f64>)> = Vec::new();
         let mut known_elsewhere = Vec::new();
         for along in &self.along {
-            // All of them lie on one specimen: laying out crossing grooves takes as long as solving them.
+            // All evaluations use one specimen, because the layout of crossing grooves takes as long as a solve.
             let at = |model: &SteadyModel| model.ratios_made(design, &laid);
             let (above, below) = rayon::join(|| at(&along.above), || at(&along.below));
             let (above, below) = (above?, below?);
@@ -267,7 +269,7 @@ impl<'a> Inputs<'a> {
             None => vec![self.block_std(design, &still)?; self.loads],
         };
         let run_std = RUN_STD[usize::from(!self.still.is_cheap_per_design())];
-        // Smaller blocks move the ratios at all loads to the same side.
+        // The error by block size has the same sign at all loads, so it is fully correlated.
         let numerical = log(&|l, m| of_blocks[l] * of_blocks[m] + if l == m { run_std * run_std } else { 0.0 });
         let most = of_blocks.iter().map(|std| std.hypot(run_std)).fold(0.0, f64::max);
         let known_to = format!("up to {most:.4}");
@@ -275,14 +277,15 @@ impl<'a> Inputs<'a> {
         Ok(parts)
     }
 
-    /// What blocks leave open of the ratios of `design`, `still` in the blocks asked for; 0 in space, where smaller ones are dear.
+    /// Numerical standard deviation of the ratios of `design` by block size, `still` in the requested blocks; 0 in space,
+    /// where smaller blocks are too expensive.
     fn block_std(&self, design: &Pattern, still: &[f64]) -> Result<f64, ModelFailure> {
         let Some(fine) = &self.fine else { return Ok(0.0) };
         let fine = fine.steady(design)?.ratio;
         Ok(block_std(still.iter().zip(&fine).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)))
     }
 
-    /// What each sample of `design` has of its own: errors of its dimensions, the height of its rims, the depth of its bursts.
+    /// Effects of inputs that are independent between samples of `design`: dimensions, rim height, burst depth.
     fn of_samples(&self, design: &Pattern, still: &[f64]) -> Result<Vec<Part>, ModelFailure> {
         let mut parts = Vec::new();
         let part = |name: &'static str, known_to: String, by_m: [f64; DIMENSIONS], log_ratio: Vec<f64>| Part {
@@ -303,7 +306,7 @@ impl<'a> Inputs<'a> {
             let std_m = self.tolerances.rim_height_std_m;
             let laid = self.still.lay(design)?;
             let at = |by_m: f64| self.still.answer_made(&with_rim_off(design, by_m), &laid);
-            // Upwards alone where the rims are lower than that.
+            // One-sided, upwards, if the rims are lower than one standard deviation.
             let below_m = if design.rim_height_m() < std_m { 0.0 } else { -std_m };
             let log = per(&Answers { above: at(std_m)?, below: at(below_m)?, step: std_m - below_m }, std_m);
             parts.push(part("rim height", made_to(std_m), [0.0; DIMENSIONS], log));
@@ -320,7 +323,7 @@ impl<'a> Inputs<'a> {
     fn by_lengths(&self, design: &Pattern, by_m: &[f64; DIMENSIONS]) -> Result<Vec<f64>, ModelFailure> {
         let laid = self.still.lay(design)?;
         let lengths_m = design.lengths_m();
-        // Not so far that a length vanishes.
+        // Limits the step so that no length vanishes.
         let widest = lengths_m.iter().zip(by_m).map(|(own, by)| WIDEST_SHARE * own / by.abs()).fold(1.0, f64::min);
         let at = |side: f64| {
             let [width_m, spacing_m, depth_m] =
@@ -334,7 +337,7 @@ impl<'a> Inputs<'a> {
         };
         match rayon::join(|| at(1.0), || at(-1.0)) {
             (Ok(above), Ok(below)) => Ok(log(&above, &below, 2.0)),
-            // One-sided beside designs that cannot be computed.
+            // One-sided next to designs that cannot be computed.
             (Ok(above), Err(ModelFailure::Trial { .. })) => Ok(log(&above, &at(0.0)?, 1.0)),
             (Err(ModelFailure::Trial { .. }), Ok(below)) => Ok(log(&at(0.0)?, &below, 1.0)),
             (Err(failure), _) | (_, Err(failure)) => Err(failure),
@@ -342,9 +345,9 @@ impl<'a> Inputs<'a> {
     }
 }
 
-/// What Young's modulus is called.
+/// Name of the input Young's modulus.
 pub const MODULUS: &str = "Young's modulus";
-/// What the pressure is called that local friction follows.
+/// Name of the input that says which pressure local friction follows.
 pub const LOCAL_LAW: &str = "local law";
 
 struct Answers {
@@ -353,7 +356,7 @@ struct Answers {
     step: f64,
 }
 
-/// Independent errors of the lengths by one standard deviation each, in metres, with the length that each is called after.
+/// Independent errors of the lengths by one standard deviation each, in metres, each with the name of the length.
 pub fn of_dimensions(tolerances: &Tolerances) -> Vec<(&'static str, [f64; DIMENSIONS])> {
     let name = |by_m: &[f64; DIMENSIONS]| {
         by_m.iter().position(|by_m| *by_m != 0.0).map_or("", |axis| ["width", "spacing", "depth"][axis])
@@ -361,13 +364,13 @@ pub fn of_dimensions(tolerances: &Tolerances) -> Vec<(&'static str, [f64; DIMENS
     tolerances.independent_m().into_iter().map(|by_m| (name(&by_m), by_m)).collect()
 }
 
-/// The error of a sample of `design` whose lengths are off by `by_m`, which changes ln R by `log_ratio`.
+/// Error of a sample of `design` whose lengths differ by `by_m`, which changes ln R by `log_ratio`.
 pub fn shift(design: &Pattern, by_m: &[f64; DIMENSIONS], log_ratio: Vec<f64>) -> DimensionShift {
     let [above, below] = [1.0, -1.0].map(|side| Features::from(&made(design, by_m, side)));
     DimensionShift { log_ratio, above, below: Some(below) }
 }
 
-/// `design` with its lengths off by `side` times `by_m`, at most by nine tenths of each.
+/// Returns `design` with its lengths changed by `side` times `by_m`, at most by nine tenths of each length.
 pub fn made(design: &Pattern, by_m: &[f64; DIMENSIONS], side: f64) -> Pattern {
     let lengths_m = design.lengths_m();
     let [width_m, spacing_m, depth_m] =
@@ -375,14 +378,14 @@ pub fn made(design: &Pattern, by_m: &[f64; DIMENSIONS], side: f64) -> Pattern {
     Pattern::new(*design.texture(), width_m, spacing_m, depth_m).unwrap_or(*design)
 }
 
-/// Standard deviation of a number in blocks of l that differs by `difference` from the same in blocks of l/2: half of its distance
-/// to that of vanishing blocks, if the order of convergence is one half.
+/// Standard deviation of a number in blocks of l that differs by `difference` from the number in blocks of l/2: half of
+/// its distance to the limit of vanishing blocks, for an order of convergence of one half.
 fn block_std(difference: f64) -> f64 {
     // |r_l - r_(l/2)| (1 + 1 / (2^(1/2) - 1)), as two standard deviations
     0.5 * difference.abs() * (1.0 + 1.0 / (std::f64::consts::SQRT_2 - 1.0))
 }
 
-/// Blocks along the diagonal.
+/// Block-diagonal matrix of the blocks.
 fn diagonal(blocks: &[Covariance]) -> Covariance {
     let count = blocks.iter().map(Vec::len).sum();
     let mut all = vec![vec![0.0; count]; count];
@@ -402,13 +405,13 @@ fn rms(covariance: &[Vec<f64>]) -> f64 {
     (sum / covariance.len().max(1) as f64).sqrt()
 }
 
-/// A relative standard deviation in words.
+/// Formats a relative standard deviation.
 pub fn percent(std: f64) -> String {
     let percent = 100.0 * std;
     if percent < 9.95 { format!("known to {percent:.1} %") } else { format!("known to {percent:.0} %") }
 }
 
-/// `model` in blocks half as large; `None` in space, where they are dear.
+/// Returns `model` in blocks of half the size; `None` in space, where smaller blocks are too expensive.
 fn fine<'a>(model: &SteadyModel<'a>) -> Result<Option<SteadyModel<'a>>, DesignError> {
     let change = |scene: &Scene| {
         let mut fine = scene.clone();

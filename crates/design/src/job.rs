@@ -1,4 +1,5 @@
-//! The job of `optimize`, from a task to a design: the texture that a cut sample of is likeliest on target, confirmed in time.
+//! Job of `optimize`, from a task to a design: the texture with the maximum chance of a sample on target, confirmed in
+//! time.
 
 use slipgrid_export::{Removal, burst_warnings, laser_time_s};
 use slipgrid_monitor::{CachingMonitor, Monitor};
@@ -27,39 +28,39 @@ use crate::time_budget::TimeBudget;
 use crate::timings::Timings;
 use crate::trade_offs::{self, Compared};
 
-/// Other textures that are listed.
+/// Maximum number of other textures listed.
 const OTHERS: usize = 3;
 
-/// What a job found.
+/// Result of a design job.
 #[derive(Clone, Debug)]
 pub struct DesignOutcome {
-    /// Everything that is reported, as result.json holds it.
+    /// Report as written to result.json.
     pub report: DesignReport,
-    /// What to do.
+    /// Recommended action.
     pub advice: Advice,
-    /// The design.
+    /// Pattern of the design.
     pub pattern: Pattern,
-    /// The task with its conditions known.
+    /// Task with resolved conditions.
     pub task: DesignTask,
-    /// The material as it was used.
+    /// Material with its uncertainty.
     pub material: KnownMaterial,
-    /// The loads at the condition designed for.
+    /// Loads at the condition of the design.
     pub loads: Vec<Load>,
-    /// The scene of the confirming run at that condition.
+    /// Scene of the confirming run at the condition of the design.
     pub scene: Scene,
-    /// What came of it.
+    /// Result of the confirming run.
     pub confirmed: Simulation,
-    /// Every design of a lattice, where the task asks for them.
+    /// All designs of a lattice, if the task requests them.
     pub lattice: Option<Lattice>,
-    /// Designs compared by goals, where the task asks for that.
+    /// Designs compared by goals, if the task requests a comparison.
     pub compared: Option<Compared>,
-    /// What any design within the bounds does, where the task asks for it.
+    /// Predictions for all designs within the bounds, if the task requests them.
     pub explorer: Option<Explorer>,
 }
 
-/// The texture that does what `task` asks for with the greatest chance, confirmed in time, with what limits the chance and what else could
-/// be had. `cache` keeps the answers of the model beyond this run; `monitor` is told of every stage, and ends any of them. Same task and seed
-/// give the same outcome but for times.
+/// Finds the texture with the maximum chance for `task` and confirms it in time, with the limits of the chance and
+/// alternatives. `cache` stores the answers of the model beyond this run; `monitor` receives every stage and can cancel.
+/// Equal task and seed give equal outcomes except for times.
 ///
 /// # Errors
 /// [`DesignError`] for a task that is refused, that the monitor cancels, or whose time is spent before there is a design.
@@ -68,16 +69,16 @@ pub fn run(
     cache: &mut dyn EvaluationCache,
     monitor: &dyn Monitor,
 ) -> Result<DesignOutcome, DesignError> {
-    // Confirming runs share flat samples, also where the caller remembers nothing.
+    // Confirming runs share flat samples even if the caller caches nothing.
     let monitor = &CachingMonitor::new(monitor);
-    // A solve that was given up is no failure of the step that asked for it.
+    // A cancelled solve is not a failure of the step that requested it.
     every_step(task, cache, monitor).map_err(|error| match error {
         DesignError::Failed(_) if monitor.cancelled() => DesignError::Cancelled,
         other => other,
     })
 }
 
-/// The steps of [`run`], in their order.
+/// Performs the steps of [`run`] in order.
 fn every_step(
     task: &DesignTask,
     cache: &mut dyn EvaluationCache,
@@ -100,7 +101,7 @@ fn every_step(
     Ok(outcome)
 }
 
-/// What is reported of what was `found`, with its confirming run.
+/// Builds the report of `found` with its confirming run.
 fn reported(
     prepared: &PreparedTask,
     search: &Search<'_>,
@@ -216,7 +217,7 @@ fn reported(
     Ok(DesignOutcome { report, advice, pattern, task, material, loads, scene, confirmed, lattice, compared, explorer })
 }
 
-/// Seconds under the laser, where its speed is known.
+/// Laser seconds, if the laser's speed is known.
 pub fn seconds(task: &DesignTask, pattern: &Pattern) -> Option<f64> {
     laser_time_s(&task.specimen.layout(*pattern).ok()?, &task.laser)
 }

@@ -1,14 +1,14 @@
-//! What a model says at the nodes of a lattice, kept by what it follows from: another target asks nothing anew.
+//! Cache of model values at the nodes of a lattice, keyed by their inputs, so that another target recomputes nothing.
 
 use std::fmt::Debug;
 
 use slipgrid_monitor::{Monitor, cached, memory};
 
-/// Numbers of a node, as many at each; `None` where there is no answer.
+/// Numbers of a node, equally many at each node; `None` if there is no answer.
 pub type Node = Option<Vec<f64>>;
 
-/// What `ask` says at `count` nodes, which follows from `content` alone: recalled where the caller of `monitor` remembers it, as the whole of
-/// `monitor`'s work; `None` where `ask` gives none, as once it is cancelled.
+/// Returns the values of `ask` at `count` nodes, which depend on `content` alone: loaded if the caller of `monitor`
+/// caches them, else computed as the whole work of `monitor`. `None` if `ask` gives none, for example once cancelled.
 pub fn kept(
     monitor: &dyn Monitor,
     content: &dyn Debug,
@@ -23,7 +23,8 @@ pub fn kept(
     cached(monitor, ("nodes", content), (known, |nodes: &Option<Vec<Node>>| to_bytes(nodes.as_ref()?)), ask)
 }
 
-/// How many numbers a node has, then these, all of them NaN where it has no answer; `None` where that is not all there is to say.
+/// Encodes the number of values per node, then the values, all NaN at nodes without an answer; `None` if the values
+/// cannot be encoded this way.
 fn to_bytes(nodes: &[Node]) -> Option<Vec<u8>> {
     let length = nodes.iter().flatten().map(Vec::len).next()?;
     let is_plain = |node: &Vec<f64>| node.len() == length && node.first().is_some_and(|first| !first.is_nan());
@@ -32,7 +33,7 @@ fn to_bytes(nodes: &[Node]) -> Option<Vec<u8>> {
     }
     let missing = vec![f64::NAN; length];
     let numbers = nodes.iter().flat_map(|node| node.as_ref().unwrap_or(&missing).iter());
-    // At most some millions: the cast is exact.
+    // At most some millions, so the cast is exact.
     Some(memory::to_bytes([length as f64].iter().chain(numbers)))
 }
 
@@ -65,7 +66,7 @@ mod tests {
         assert_eq!(bits(&again), bits(&nodes));
         let other = vec![Some(vec![2.0])];
         assert_eq!(kept(&monitor, &"b", 1, || Some(other.clone())), Some(other));
-        // Of another number of nodes nothing is recalled.
+        // Another number of nodes does not match the cache.
         assert_eq!(kept(&monitor, &"a", 2, || None), None);
     }
 

@@ -1,4 +1,5 @@
-//! Every design of a lattice, so that nobody need believe the search: whole blocks wide and apart, whole bursts deep.
+//! All designs of a lattice, as an independent check of the search: widths and spacings in whole blocks, depths in whole
+//! bursts.
 
 use rayon::prelude::*;
 use slipgrid_pattern::Pattern;
@@ -8,37 +9,37 @@ use crate::DesignError;
 use crate::search::Search;
 use crate::task::DesignTask;
 
-/// Step of the depth where no burst gives one, in metres.
+/// Step of the depth if no burst gives one, in metres.
 const DEPTH_STEP_M: f64 = 2e-6;
-/// Most designs of a table.
+/// Maximum number of designs in a table.
 const MAX_NODES: usize = 1_000_000;
-/// Bounds that are whole steps but for rounding belong to the table.
+/// Tolerance for rounding at bounds that are whole steps.
 const WHOLE: f64 = 1e-6;
 
-/// Every design of a lattice with what is predicted of a sample of it, by the table of the bounds.
+/// Every design of a lattice with the prediction for a sample, by the table of the bounds.
 #[derive(Clone, Debug)]
 pub struct Lattice {
-    /// The designs.
+    /// Designs of the lattice.
     pub patterns: Vec<Pattern>,
-    /// What is predicted of each; `None` where it cannot be computed.
+    /// Prediction for each design; `None` if it cannot be computed.
     pub predicted: Vec<Option<LatticeSample>>,
 }
 
-/// What is predicted of a sample.
+/// Prediction for a sample of a lattice design.
 #[derive(Clone, Debug)]
 pub struct LatticeSample {
-    /// The chance that it is on target.
+    /// Chance that the sample is on target.
     pub chance: f64,
-    /// Medians of the target's quantity, one a load of each condition.
+    /// Medians of the target's quantity, one per load of each condition.
     pub medians: Vec<f64>,
-    /// The quantities that limits hold, SI units.
+    /// Limited quantities, in SI units.
     pub limited: Vec<f64>,
-    /// It keeps every limit.
+    /// Whether all limits hold.
     pub keeps_limits: bool,
 }
 
 impl Lattice {
-    /// Of the task of `search`.
+    /// Builds the lattice for the task of `search`.
     pub fn new(search: &Search<'_>) -> Self {
         let (patterns, _) = lattice(search.task);
         let sample = |pattern: &Pattern| {
@@ -54,7 +55,8 @@ impl Lattice {
     }
 }
 
-/// The widths, spacings and depths of whole blocks and bursts within the bounds of `design`, and their steps, in metres.
+/// Returns the widths, spacings and depths of whole blocks and bursts within the bounds of `design`, and their steps, in
+/// metres.
 #[must_use]
 pub fn axes(design: &DesignTask) -> ([Vec<f64>; 3], [f64; 3]) {
     let (space, limits) = (&design.space, &design.constraints.limits);
@@ -64,11 +66,11 @@ pub fn axes(design: &DesignTask) -> ([Vec<f64>; 3], [f64; 3]) {
         if lower_m == upper_m {
             return vec![lower_m];
         }
-        // Bounds are at most a metre: the casts are exact.
+        // Bounds are at most a metre, so the casts are exact.
         let (first, last) = ((lower_m / step_m - WHOLE).ceil().max(1.0), (upper_m / step_m + WHOLE).floor());
         let whole: Vec<f64> =
             (first as u64..=last as u64).map(|step| (step as f64 * step_m).clamp(lower_m, upper_m)).collect();
-        // Between two steps, what lies there.
+        // If the bounds lie between two steps, the bounds and their middle are used.
         if whole.is_empty() { vec![lower_m, f64::midpoint(lower_m, upper_m), upper_m] } else { whole }
     };
     let axes =
@@ -76,7 +78,8 @@ pub fn axes(design: &DesignTask) -> ([Vec<f64>; 3], [f64; 3]) {
     (axes, steps_m)
 }
 
-/// The designs of a lattice, widths slowest, with the steps of width, spacing and depth in metres; one more than a million at most.
+/// Designs of a lattice, width varying slowest, with the steps of width, spacing and depth in metres; at most one more
+/// than a million.
 #[must_use]
 pub fn lattice(design: &DesignTask) -> (Vec<Pattern>, [f64; 3]) {
     let (space, limits) = (&design.space, &design.constraints.limits);
@@ -93,7 +96,7 @@ pub fn lattice(design: &DesignTask) -> (Vec<Pattern>, [f64; 3]) {
     (patterns, steps_m)
 }
 
-/// Refuses a table that cannot be made, before anything is computed.
+/// Checks that the table can be made, before anything is computed.
 ///
 /// # Errors
 /// [`DesignError`] for models in space, and tables of too many designs or none.

@@ -96,7 +96,7 @@ mod time_budget;
 mod timings;
 mod trade_offs;
 
-// What a task is made of, so that a program needs no other crate.
+// Re-exports the types of a task, so that a program needs no other crate.
 pub use slipgrid_export as export;
 pub use slipgrid_material as material;
 pub use slipgrid_monitor::{Monitor, Unwatched};
@@ -127,7 +127,7 @@ pub use task::{
 };
 pub use trade_offs::{Compared, TradeOff};
 
-/// What a [`DesignReport`] is made of: the records of result.json.
+/// Records of result.json that a [`DesignReport`] is composed of.
 pub mod records {
     pub use crate::blocked::LiftedReport;
     pub use crate::design_report::{GoalReport, SCHEMA};

@@ -1,4 +1,4 @@
-//! The samples to cut next, as JSON and in words.
+//! Samples to cut next, as JSON and as text.
 
 use serde::{Deserialize, Serialize};
 use slipgrid_discrepancy::{Load, Prediction};
@@ -11,61 +11,61 @@ use crate::design_report::samples_table;
 use crate::prediction::{SampleReport, percent};
 use crate::search::ALIKE;
 
-/// The samples to cut next.
+/// Samples to cut next.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct NextReport {
-    /// The program.
+    /// Program name.
     pub program: String,
-    /// Its version.
+    /// Version of the program.
     pub version: String,
-    /// Version of the record's fields.
+    /// Schema version of the record.
     pub schema: u32,
     /// Name of the design.
     pub name: String,
-    /// Trials that were measured, and that are pending.
+    /// Number of measured trials, including pending ones.
     pub trials: usize,
-    /// Samples that were cut and are not measured yet.
+    /// Number of samples that were cut and are not measured yet.
     pub pending: usize,
-    /// Designs that were compared.
+    /// Number of designs that were compared.
     pub compared: usize,
-    /// What to do: `series`, `trial`, `trial_meets_it`, `cannot_be_met` or `do_not_texture`.
+    /// Recommended action: `series`, `trial`, `trial_meets_it`, `cannot_be_met` or `do_not_texture`.
     pub advice: String,
-    /// The same in one sentence.
+    /// Recommended action in one sentence.
     pub words: String,
-    /// The samples to cut.
+    /// Samples to cut.
     pub samples: Vec<SampleReport>,
-    /// Chance that one of them, or of the pending ones, is on target.
+    /// Chance that at least one of these samples, or of the pending ones, is on target.
     pub one_on_target: f64,
-    /// The one specimen on which they are sectors, where that was asked for.
+    /// Specimen on which the samples are sectors; null where one disc was not requested.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub one_disc: Option<OneDiscReport>,
-    /// Other samples, the greatest chance first.
+    /// Other samples, sorted by decreasing chance.
     pub others: Vec<SampleReport>,
-    /// Those that were asked for.
+    /// Samples that the user asked for.
     pub own: Vec<SampleReport>,
-    /// What the laser will not cut as it is designed, each with the number of the sample that it is about.
+    /// Features that the laser cannot cut as designed, each with the number of the sample.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub warnings: Vec<String>,
-    /// Which of the target's pressures lie outside those at which friction was measured, in words.
+    /// Target pressures outside the measured range, in words.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub beyond_measured: Option<String>,
-    /// The material and where it came from.
+    /// Material and its provenance.
     pub material: MaterialReport,
-    /// The specimen.
+    /// Specimen.
     pub specimen: SpecimenReport,
-    /// The laser.
+    /// Laser.
     pub laser: Laser,
-    /// How exactly samples are assumed to be cut; absent where the design file does not say.
+    /// Assumed manufacturing tolerances of samples; absent where the design file does not give them.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub tolerances: Option<Tolerances>,
     /// Seed of the design.
     pub seed: u64,
 }
 
-/// The one specimen on which the samples are sectors.
+/// Specimen on which the samples are sectors.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct OneDiscReport {
-    /// Its name: what `disc` of its trials says.
+    /// Name of the specimen, for the field `disc` of its trials.
     pub name: String,
     /// Width of the untextured lands between the sectors.
     pub land_mm: f64,
@@ -73,29 +73,29 @@ pub struct OneDiscReport {
     pub area_mm2: f64,
     /// Diameter of the largest circle on the smallest sector: a pin or a counter-body has to be smaller.
     pub circle_mm: f64,
-    /// What sectors are good for, and what not.
+    /// Advice on measurements for which sectors are suitable.
     pub measuring: String,
-    /// The sectors, in the order of the samples.
+    /// Sectors, in the order of the samples.
     pub sectors: Vec<SectorReport>,
 }
 
-/// What is said of the sectors of a rectangle.
+/// Note on the sectors of a rectangle.
 const OF_A_RECTANGLE: &str = "the specimen is a rectangle: its sectors meet in its middle at equal angles, differ in area, and their textures all \
                               lie as that of a whole specimen";
 
-/// A sample as a sector.
+/// Sample as a sector.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SectorReport {
-    /// Direction of its middle on the specimen, anticlockwise from x.
+    /// Direction of the middle of the sector on the specimen, anticlockwise from x.
     pub middle_deg: f64,
-    /// By how much its texture is turned with it.
+    /// Angle by which the texture is turned with the sector.
     pub turn_deg: f64,
     /// Share of the sector that is cavity, as cut.
     pub areal_density: f64,
 }
 
 impl OneDiscReport {
-    /// What is said of `sectors`; `None` without any.
+    /// Describes `sectors`; `None` if empty.
     pub(super) fn of(name: String, sectors: &[Sector]) -> Option<Self> {
         let division = sectors.first()?.division();
         let areas_mm2 = sectors.iter().map(|sector| 1e6 * division.area_m2(sector.number()));
@@ -134,7 +134,7 @@ impl OneDiscReport {
     }
 }
 
-/// What the model and trials say of a sample's ratio at one load.
+/// Prediction of a sample's ratio at one load by the model and the trials.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct RatioPrediction {
     /// Nominal pressure.
@@ -143,16 +143,16 @@ pub struct RatioPrediction {
     pub speed_mm_s: f64,
     /// Relative humidity.
     pub humidity_pct: f64,
-    /// By the model alone.
+    /// Ratio by the model alone.
     pub modelled: f64,
-    /// Median, with what trials say.
+    /// Median with the correction by trials.
     pub ratio: f64,
-    /// Ends of the interval of 95 % of samples.
+    /// Ends of the 95 % interval of samples.
     pub interval_95: [f64; 2],
 }
 
 impl RatioPrediction {
-    /// What `prediction` says at its load number `row`, which is `at`, of a sample whose ratio is `modelled` there.
+    /// Reads load number `row`, which is `at`, of `prediction` for a sample with the ratio `modelled`.
     #[must_use]
     pub fn new(at: &Load, modelled: f64, prediction: &Prediction, row: usize) -> Self {
         let quantile = |p: f64| tidy(modelled * prediction.quantile(row, p).exp());
@@ -168,7 +168,7 @@ impl RatioPrediction {
 }
 
 impl NextReport {
-    /// Everything that is listed, in its order: the samples to cut, those that were asked for, and the others, each with its name.
+    /// All listed samples with their names, in order: the samples to cut, the user's samples, and the others.
     #[must_use]
     pub fn rows(&self) -> Vec<(String, &SampleReport)> {
         let numbered =
@@ -179,7 +179,7 @@ impl NextReport {
         next.chain(own).chain(others).collect()
     }
 
-    /// The likeliest of those that were asked for, where it is clearly likelier than all that were found.
+    /// Likeliest of the user's samples, if it is clearly likelier than all samples found.
     #[must_use]
     pub fn likelier_own(&self) -> Option<&SampleReport> {
         let found = self.samples.iter().chain(&self.others).filter_map(|of| of.chance).fold(0.0, f64::max);
@@ -187,7 +187,7 @@ impl NextReport {
         (own.chance? > found + ALIKE).then_some(own)
     }
 
-    /// What makes the samples doubtful, one sentence each: the lines that the text marks with `!`.
+    /// Reasons to doubt the samples, one sentence each; the text marks them with `!`.
     #[must_use]
     pub fn doubts(&self) -> Vec<String> {
         self.material_doubts().chain(self.laser_doubts()).collect()
@@ -201,7 +201,7 @@ impl NextReport {
         self.warnings.iter().map(|warning| format!("laser: {warning}"))
     }
 
-    /// The samples in words.
+    /// Formats the samples as text.
     #[must_use]
     pub fn text(&self) -> String {
         let plural = |count: usize, what: &str| format!("{count} {what}{}", if count == 1 { "" } else { "s" });

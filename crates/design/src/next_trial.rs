@@ -1,4 +1,4 @@
-//! The samples to cut next: those likeliest to be on target by the model and by what trials say that it lacks.
+//! Samples to cut next: those with the maximum chance by the model corrected by trials.
 
 use std::borrow::Cow;
 
@@ -24,42 +24,42 @@ use crate::task::DesignTask;
 use crate::time_budget::TimeBudget;
 use crate::timings::Timings;
 
-/// Designs that a report lists.
+/// Maximum number of designs in a report.
 const LISTED: usize = 6;
-/// Truths in which several samples are judged together.
+/// Number of scenarios in which several samples are judged together.
 const SCENARIOS: usize = 2000;
-/// Seed of what one disc is off by in them.
+/// Seed of the disc errors in the scenarios.
 const DISC_SEED: u64 = 2;
 
-/// What is asked.
+/// Options of `next`.
 #[derive(Clone, Debug, Default)]
 pub struct NextOptions {
-    /// Samples to cut at once.
+    /// Number of samples to cut at once.
     pub count: usize,
     /// Patterns that were cut and are not measured yet.
     pub pending: Vec<Pattern>,
-    /// Patterns whose chance is asked for.
+    /// Patterns whose chance the user asks for.
     pub own: Vec<Pattern>,
-    /// The samples are to be sectors of one specimen.
+    /// Whether the samples are sectors of one specimen.
     pub one_disc: bool,
-    /// Names of the specimens that were cut into sectors already; those of measured trials are known without them.
+    /// Names of specimens already cut into sectors; those of measured trials are known and need not be given.
     pub discs: Vec<String>,
 }
 
-/// The samples to cut next, as a report and as patterns.
+/// Samples to cut next, as a report and as patterns.
 #[derive(Clone, Debug)]
 pub struct NextTrials {
-    /// The report.
+    /// Report with the samples in words.
     pub report: NextReport,
-    /// Its samples.
+    /// Patterns of the samples to cut.
     pub patterns: Vec<Pattern>,
-    /// The same as sectors of one specimen, where that was asked for.
+    /// Sectors of one specimen, if requested.
     pub sectors: Vec<Sector>,
-    /// The material and where it came from.
+    /// Material and its provenance.
     pub material: MaterialReport,
 }
 
-/// The samples of `task` to cut next. Stages of the monitor: "table", "search".
+/// Finds the samples of `task` to cut next. Stages of the monitor: "table", "search".
 ///
 /// # Errors
 /// [`DesignError`] for a task that is refused, that the monitor cancels, or of which nothing can be computed.
@@ -86,20 +86,20 @@ pub fn next_trials(task: &DesignTask, options: &NextOptions, monitor: &dyn Monit
     let cut: Vec<&str> =
         learned.filter_map(|trial| trial.disc.as_deref()).chain(options.discs.iter().map(String::as_str)).collect();
     report.one_disc = OneDiscReport::of(new_name(&report.name, task, &cut), &sectors);
-    // Those that were asked for are numbered after the samples, as they are listed.
+    // The user's samples are numbered after the samples to cut, in the order of the list.
     report.warnings = laser_warnings(task, patterns.iter().chain(&options.own));
     let material = report.material.clone();
     Ok(NextTrials { report, patterns, sectors, material })
 }
 
-/// A name for a specimen of `design` that none of those `cut` has.
+/// Finds a name for a specimen of `design` that is not in `cut`.
 fn new_name(design: &str, task: &DesignTask, cut: &[&str]) -> String {
     let what = if matches!(task.specimen.outline, Outline::Rectangle { .. }) { "rectangle" } else { "disc" };
     let mut names = (1..).map(|number| format!("{design}, {what} {number}"));
     names.find(|name| !cut.contains(&name.as_str())).unwrap_or_default()
 }
 
-/// The samples of `search` to cut next, as `options` ask, on sectors of `division` where there is one.
+/// Chooses the samples of `search` to cut next by `options`, on sectors of `division` if given.
 fn choose(
     prepared: &PreparedTask,
     search: &Search<'_>,
@@ -140,7 +140,7 @@ fn choose(
     } else {
         let scenarios = Scenarios::new(&asked.learned, SCENARIOS, 1);
         let chosen = several(&listed, &pending, options, (asked, &scenarios));
-        // Each as it is cut: the first is already.
+        // Solves each sample as cut; the first one is already solved.
         let chosen: Vec<Prediction> = chosen.into_iter().map(|of| search.as_cut(of)).collect();
         let together = one_on_target(&chosen, &pending, options, (asked, &scenarios));
         (chosen, together)
@@ -178,22 +178,23 @@ fn choose(
     Ok((next, chosen.iter().map(|of| of.texture.pattern).collect()))
 }
 
-/// In which of `scenarios` sample `number` of the texture of `of` is on target.
+/// Marks the `scenarios` in which sample `number` with the texture of `of` is on target.
 fn hits(scenarios: &Scenarios, (number, of): (usize, &Prediction), asked: &Asked) -> Vec<bool> {
     scenarios.on_target(&of.texture.candidate(), &asked.loads, &asked.wanted, number)
 }
 
-/// Adds the scenarios that are hit `by` a sample.
+/// Marks the scenarios in which a sample is on target.
 fn mark(hit: &mut [bool], by: &[bool]) {
     hit.iter_mut().zip(by).for_each(|(hit, on)| *hit |= on);
 }
 
-/// `scenarios` as samples of one disc see them, where `options` ask for that.
+/// Returns `scenarios` with shared disc errors if `options` request one disc.
 fn of_disc<'a>(scenarios: &'a Scenarios, options: &NextOptions) -> Cow<'a, Scenarios> {
     if options.one_disc { Cow::Owned(scenarios.clone().on_one_disc(DISC_SEED)) } else { Cow::Borrowed(scenarios) }
 }
 
-/// `count` designs of `pool`, the first the best and each further one where those before and those `pending` miss the target.
+/// Chooses `count` designs of `pool`: the first is the best, and each further one is best if those before and those
+/// `pending` miss the target.
 ///
 /// Samples on one disc share what differs from disc to disc: they are off together, and further apart from each other are better.
 fn several<'a>(
@@ -211,7 +212,7 @@ fn several<'a>(
     for _ in 0..count {
         let gain = |place: &usize| each[*place].iter().zip(&hit).filter(|(on, hit)| **on && !**hit).count();
         let open = (0..pool.len()).filter(|place| !chosen.contains(place));
-        // The first of nothing before it is the best by its score; of equal gains the better by that.
+        // Without earlier samples the best is chosen by score; equal gains are decided by the score.
         let best = if chosen.is_empty() && pending.is_empty() {
             Some(0)
         } else {
@@ -224,7 +225,7 @@ fn several<'a>(
     chosen.into_iter().map(|place| &pool[place]).collect()
 }
 
-/// The chance that one of the `chosen`, or of those `pending`, is on target.
+/// Chance that at least one of the `chosen` or `pending` samples is on target.
 fn one_on_target(
     chosen: &[Prediction],
     pending: &[Prediction],
@@ -232,7 +233,7 @@ fn one_on_target(
     (asked, scenarios): (&Asked, &Scenarios),
 ) -> f64 {
     let mut hit = vec![false; SCENARIOS];
-    // Other samples than those by which designs were chosen, which were lucky in their own draws.
+    // Uses other sample numbers than the choice did, because the chosen designs were favoured by their own draws.
     let numbers = LISTED.max(options.count)..;
     let disc = of_disc(scenarios, options);
     numbers.clone().zip(pending).for_each(|of| mark(&mut hit, &hits(scenarios, of, asked)));
@@ -240,7 +241,8 @@ fn one_on_target(
     hit.iter().filter(|hit| **hit).count() as f64 / SCENARIOS as f64
 }
 
-/// What the laser of `task` will not cut of `patterns` as they are designed, each with the number of its sample.
+/// Warnings about features of `patterns` that the laser of `task` cannot cut as designed, each with the number of the
+/// sample.
 pub fn laser_warnings<'a>(task: &DesignTask, patterns: impl Iterator<Item = &'a Pattern>) -> Vec<String> {
     let of = |(number, pattern): (usize, &'a Pattern)| {
         let broken = task.constraints.limits.violations(pattern);
@@ -253,7 +255,7 @@ pub fn laser_warnings<'a>(task: &DesignTask, patterns: impl Iterator<Item = &'a 
     patterns.enumerate().flat_map(of).collect()
 }
 
-/// Why no design fits on a sector.
+/// Reason why no design fits on a sector.
 fn coarse(division: &Division) -> String {
     format!(
         "no design within the bounds can be computed whose period fits {MIN_PERIODS} times on the {:.2} mm wide circle of a sector: \

@@ -1,4 +1,5 @@
-//! Where the target must hold beside what is designed for: further speeds and humidities, and further sliding directions.
+//! Operating conditions of the target besides the design condition: further speeds and humidities, and further sliding
+//! directions.
 
 use slipgrid_material::{Condition, Material};
 use slipgrid_pattern::Pattern;
@@ -8,28 +9,28 @@ use crate::DesignError;
 use crate::task::DesignTask;
 use slipgrid_units::{HUMIDITY_PCT, SPEED_MM_S, tidy};
 
-/// Where friction is asked for.
+/// Condition and sliding direction at which friction is computed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Setting {
-    /// Speed and humidity, where coefficients are known per condition.
+    /// Speed and humidity, if coefficients are known per condition.
     pub condition: Option<Condition>,
-    /// Sliding direction, anticlockwise from the specimen's x axis; where a design names one alone, not worth a word.
+    /// Sliding direction, anticlockwise from the specimen's x axis; not reported if a design has one direction only.
     pub sliding_angle_deg: Option<f64>,
 }
 
-/// A setting beside the one designed for.
+/// Setting in addition to the design setting.
 #[derive(Clone, Debug)]
 pub struct Further {
     /// Speed, humidity and direction.
     pub at: Setting,
-    /// The target's pressures with the coefficients that hold here.
+    /// Target pressures with the coefficients of this setting.
     pub loads: Vec<Load>,
     /// Whether each pressure lies outside the measured range.
     pub outside: Vec<bool>,
 }
 
 impl Setting {
-    /// What `design` is made for first.
+    /// Returns the primary setting of `design`.
     #[must_use]
     pub fn first(design: &DesignTask) -> Self {
         let has_several = !design.directions.different_deg.is_empty();
@@ -37,13 +38,13 @@ impl Setting {
         Self { condition: design.condition, sliding_angle_deg: has_several.then_some(own_deg) }
     }
 
-    /// `pattern` as it slides here.
+    /// Turns `pattern` to the sliding direction of this setting.
     #[must_use]
     pub fn turned(&self, pattern: &Pattern) -> Pattern {
         turned(pattern, self.sliding_angle_deg)
     }
 
-    /// In words.
+    /// Describes the setting.
     #[must_use]
     pub fn in_words(&self) -> String {
         let condition = self.condition.map(|condition| {
@@ -55,15 +56,15 @@ impl Setting {
     }
 }
 
-/// `pattern` sliding at `angle_deg`, where that is one; an angle that no texture takes changes nothing, and was refused
-/// with its design.
+/// Turns `pattern` to slide at `angle_deg`, if given; an invalid angle changes nothing, because the design was refused
+/// before.
 #[must_use]
 pub fn turned(pattern: &Pattern, angle_deg: Option<f64>) -> Pattern {
     angle_deg.and_then(|angle_deg| pattern.with_sliding_angle_deg(angle_deg).ok()).unwrap_or(*pattern)
 }
 
-/// The settings of `design` beside the one designed for: its further conditions, then in every further direction all
-/// conditions, the one designed for first.
+/// Lists the settings of `design` besides the design setting: its further conditions, then all conditions in every
+/// further direction, the design condition first.
 ///
 /// # Errors
 /// [`DesignError`] for a condition outside those measured.
@@ -86,7 +87,7 @@ pub fn further(design: &DesignTask, material: &Material) -> Result<Vec<Further>,
     Ok(all)
 }
 
-/// What is said of the conditions and sliding directions of `design`, of which there are `further` beside the first.
+/// Statements on the conditions and sliding directions of `design`, with `further` settings besides the first.
 #[must_use]
 pub fn statements(design: &DesignTask, further: usize) -> Vec<String> {
     let mut statements = Vec::new();

@@ -1,4 +1,4 @@
-//! What is predicted of a cut sample: the one distribution that every chance, interval and share comes from.
+//! Prediction of a cut sample: the one distribution that all chances, intervals and shares are computed from.
 
 use serde::{Deserialize, Serialize};
 use slipgrid_discrepancy::{Prediction as Distribution, Predictor, Score, Sensitivity, information};
@@ -9,13 +9,13 @@ use crate::as_cut::{CutTexture, Known, sums};
 use crate::band::Asked;
 use crate::inputs::{Effect, LOCAL_LAW, MODULUS};
 
-/// Relative error of a measurement, for what a trial would teach.
+/// Relative error of a measurement, for the information of a trial.
 const MEASURED_STD: f64 = 0.01;
-/// Chance from which what is demanded beside a goal counts as kept: a sample keeps it more likely than not.
+/// Chance from which demands besides a goal count as met: a sample meets the demands more likely than not.
 const KEPT: f64 = 0.5;
 
-/// What is predicted of a cut sample of one texture: the joint distribution of its ratio at all loads and conditions, given everything that is
-/// known of the model, the material, trials, and how samples are made.
+/// Prediction of a cut sample of one texture: the joint distribution of its ratio at all loads and conditions, given the
+/// errors of the model, the material, the trials and manufacturing.
 #[derive(Clone, Debug)]
 pub struct Prediction {
     /// The texture.
@@ -23,12 +23,12 @@ pub struct Prediction {
     /// ln(true ratio / modelled ratio) at every load: a mixture of normal distributions.
     distribution: Distribution,
     score: Score,
-    /// What textures are ranked by.
+    /// Score for the ranking of textures.
     value: f64,
 }
 
 impl Prediction {
-    /// Of `texture`, by what trials say at the loads of `asked`.
+    /// Predicts a sample of `texture` from the trials, at the loads of `asked`.
     pub fn new(texture: CutTexture, predictor: &Predictor, asked: &Asked) -> Self {
         let distribution = predictor.of(&texture.candidate());
         let score = match texture.known {
@@ -43,34 +43,34 @@ impl Prediction {
         } else if new.score.chance < KEPT {
             new.score.chance - 1.0
         } else {
-            // Greater than any that is likelier to miss.
+            // Higher than the value of any texture that is likelier to miss.
             2.0 + asked.goal_gain(&new.medians())
         };
         new
     }
 
-    /// The probability that a cut sample is on target at all loads and conditions at once; 1 where nothing is demanded.
+    /// Probability that a cut sample is on target at all loads and conditions; 1 if nothing is demanded.
     pub fn chance(&self) -> f64 {
         self.score.chance
     }
 
-    /// What textures are ranked by: the chance and a little of the closeness; of a goal its expected value where demands are kept; below 0 beyond
-    /// limits.
+    /// Score for the ranking of textures: the chance plus a small weight of the closeness; with a goal the expected value
+    /// of the goal if demands are met; below 0 beyond limits.
     pub fn value(&self) -> f64 {
         self.value
     }
 
-    /// Whether the median lies within what is accepted at every load.
+    /// Whether the median is accepted at every load.
     pub fn is_within(&self, asked: &Asked) -> bool {
         asked.has_medians_within(&self.texture.ratio, &self.distribution)
     }
 
-    /// The ratio at `load` below which a share `p` of samples lies.
+    /// Quantile of the ratio at `load`: a share `p` of samples lies below.
     pub fn quantile(&self, load: usize, p: f64) -> f64 {
         self.texture.ratio[load] * self.distribution.quantile(load, p).exp()
     }
 
-    /// The same at the first `count` loads.
+    /// Quantiles `p` of the ratio at the first `count` loads.
     pub fn ratios(&self, count: usize, p: f64) -> Vec<f64> {
         (0..count).map(|load| self.quantile(load, p)).collect()
     }
@@ -85,12 +85,12 @@ impl Prediction {
         (0..self.texture.ratio.len()).map(|load| self.distribution.moments(load).1).collect()
     }
 
-    /// How much measuring a sample would tell about the form of the discrepancy, in bits.
+    /// Information that a measurement of a sample gives about the form of the discrepancy, in bits.
     pub fn information_bits(&self) -> f64 {
         information(&self.distribution, MEASURED_STD) / std::f64::consts::LN_2
     }
 
-    /// What is predicted of a sample in the quantity of the target, one a load.
+    /// Expected values of a sample in the quantity of the target, one per load.
     pub fn expected(&self, asked: &Asked) -> Vec<Expected> {
         let of = |(load, band): (usize, &crate::band::Band)| {
             let quantile = |p: f64| tidy(band.flat * self.quantile(load, p));
@@ -110,7 +110,7 @@ impl Prediction {
         asked.bands.iter().enumerate().map(of).collect()
     }
 
-    /// What the model alone says, one a load, with the standard deviation that its material and its numbers leave.
+    /// Values of the model alone, one per load, with the standard deviation from the material and from numerical errors.
     pub fn modelled(&self, asked: &Asked, modulus_std: f64) -> Vec<ModelledRatio> {
         let n = self.texture.ratio.len();
         let of = |(load, ratio): (usize, &f64)| {
@@ -126,8 +126,8 @@ impl Prediction {
         self.texture.ratio.iter().enumerate().map(of).collect()
     }
 
-    /// What limits the chance, the input first without which it would be greatest: of each the standard deviation that it gives the ratio, and
-    /// the chance if it were known exactly to be what is taken now.
+    /// Inputs that limit the chance, sorted by decreasing chance without them: for each the resulting standard deviation
+    /// of the ratio, and the chance if the input were known to equal its current value.
     pub fn limited_by(&self, asked: &Asked, predictor: &Predictor, modulus_std: f64) -> Vec<LimitedBy> {
         let (n, sensitivity) = (self.texture.ratio.len(), &self.texture.sensitivity);
         let medians = self.medians();
@@ -144,14 +144,14 @@ impl Prediction {
             trials => format!("known from {trials} trials"),
         };
         let known = predictor.of_known_form(&self.texture.candidate());
-        // What it adds to all that scatters: sqrt(s^2 - s_without^2).
+        // Contribution to the total scatter: sqrt(s^2 - s_without^2).
         let added = |without: &Distribution, load: usize| {
             let [all, rest] = [&self.distribution, without].map(|of| of.moments(load).1);
             (all * all - rest * rest).max(0.0).sqrt()
         };
         add("model error", trials, ratio_std(&|load| added(&known, load)), (&known, own_ratio));
         if modulus_std > 0.0 {
-            // Where a texture is chosen for a slope of none, what scatters is the second order.
+            // A texture chosen for zero slope scatters by the second order.
             let second = self.texture.parts.iter().position(|part| part.name == MODULUS);
             let (covariance, dimension_shifts) = sums(&self.texture.parts, second);
             let sensitivity = sensitivity.iter().map(|of| Sensitivity { modulus: 0.0, ..*of }).collect();
@@ -179,20 +179,20 @@ impl Prediction {
             let of_law = ratio_std(&|load| std * sensitivity[load].local_law.abs());
             add(LOCAL_LAW, known_to, of_law, (&predictor.of(&still.candidate()), &still.ratio));
         }
-        // The first and second order of the modulus are one input, which stands above.
+        // The first and second order of the modulus are one input, which is handled above.
         for (place, part) in self.texture.parts.iter().enumerate().filter(|(_, part)| part.name != MODULUS) {
             let (covariance, dimension_shifts) = sums(&self.texture.parts, Some(place));
             let still = CutTexture { covariance, dimension_shifts, ..self.texture.clone() };
             let without = predictor.of(&still.candidate());
             add(part.name, part.known_to.clone(), ratio_std(&|load| added(&without, load)), (&without, own_ratio));
         }
-        // Of equal ones that which scatters the ratio most.
+        // Equal inputs are sorted by the scatter of the ratio.
         let most = |of: &LimitedBy| of.std.iter().copied().fold(0.0, f64::max);
         all.sort_by(|a, b| b.chance_if_known.total_cmp(&a.chance_if_known).then(most(b).total_cmp(&most(a))));
         all
     }
 
-    /// The sample as it is reported; `laser_s` are seconds under the laser.
+    /// Builds the report of the sample; `laser_s` is the laser time in seconds.
     pub fn report(&self, asked: &Asked, modulus_std: f64, laser_s: Option<f64>) -> SampleReport {
         SampleReport {
             design: PatternReport::from(&self.texture.pattern),
@@ -207,29 +207,30 @@ impl Prediction {
     }
 }
 
-/// A sample that could be cut, with what is predicted of it: what `optimize` and `next` say of each, by the same names.
+/// Sample that could be cut, with its prediction; `optimize` and `next` use the same fields.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct SampleReport {
-    /// Its texture.
+    /// Texture of the sample.
     pub design: PatternReport,
-    /// The probability that a cut sample is on target at all loads and conditions at once; null where nothing is demanded.
+    /// Probability that a cut sample is on target at all loads and conditions; null where nothing is demanded.
     pub chance: Option<f64>,
-    /// What is predicted of a sample, one a load of each condition, in the quantity of the target.
+    /// Predicted values of a sample, one per load of each condition, in the quantity of the target.
     pub expected: Vec<Expected>,
-    /// What the model alone says there.
+    /// Values of the model alone at these loads.
     pub modelled: Vec<ModelledRatio>,
-    /// What limits the chance, the greatest limit first; empty where it was not asked for.
+    /// Inputs that limit the chance, the strongest first; empty where not computed.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub limited_by: Vec<LimitedBy>,
-    /// How much measuring it would tell about the form of the discrepancy, in bits.
+    /// Information that a measurement gives about the form of the discrepancy, in bits.
     pub information_bits: f64,
-    /// Time under the laser; null where the laser's speed is not given.
+    /// Laser time; null where the laser's speed is not given.
     pub laser_s: Option<f64>,
-    /// Ends, tilt and, in the plane, time are its own; otherwise interpolated between textures.
+    /// True if ends, tilt and, in the plane, time were computed for this texture; otherwise interpolated between
+    /// textures.
     pub is_as_cut: bool,
 }
 
-/// What is predicted of a cut sample at one load, in the quantity of the target, and what is accepted there.
+/// Predicted values of a cut sample at one load, in the quantity of the target, with the accepted band.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Expected {
     /// Nominal pressure.
@@ -238,54 +239,54 @@ pub struct Expected {
     pub speed_mm_s: f64,
     /// Relative humidity.
     pub humidity_pct: f64,
-    /// Sliding direction, from the specimen's x axis; absent where there is one.
+    /// Sliding direction, from the specimen's x axis; absent where there is only one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub sliding_angle_deg: Option<f64>,
-    /// Half of all samples lie below.
+    /// Median over samples.
     pub median: f64,
-    /// 2.5 % of all samples lie below.
+    /// Value that 2.5 % of samples lie below.
     pub low_95: f64,
-    /// 2.5 % of all samples lie above.
+    /// Value that 2.5 % of samples lie above.
     pub high_95: f64,
     /// Lowest accepted value; null where there is none.
     pub target_low: Option<f64>,
-    /// Highest.
+    /// Highest accepted value; null where there is none.
     pub target_high: Option<f64>,
 }
 
 impl Expected {
-    /// Whether half of all samples or more lie on the accepted side of each end.
+    /// Whether the median lies on the accepted side of each end.
     #[must_use]
     pub fn is_within(&self) -> bool {
         self.target_low.is_none_or(|low| self.median >= low) && self.target_high.is_none_or(|high| self.median <= high)
     }
 }
 
-/// What the model alone says of a texture as it is cut, at one load.
+/// Ratio by the model alone for a texture as cut, at one load.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ModelledRatio {
     /// Nominal pressure.
     pub pressure_mpa: f64,
     /// Dynamic friction over that of the flat surface.
     pub ratio: f64,
-    /// Standard deviation by what is not known of the material and by the numbers alone.
+    /// Standard deviation from the material and from numerical errors.
     pub std: f64,
 }
 
-/// Something that is not known exactly.
+/// Uncertain input that limits the chance.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct LimitedBy {
-    /// The input, in words.
+    /// Name of the input, in words.
     pub input: String,
-    /// How well it is known, in words.
+    /// Accuracy of the input, in words.
     pub known_to: String,
-    /// Standard deviation of the ratio by it alone, one a load.
+    /// Standard deviation of the ratio by this input alone, one per load.
     pub std: Vec<f64>,
-    /// The chance if it were known exactly.
+    /// Chance if the input were known exactly.
     pub chance_if_known: f64,
 }
 
-/// A chance in per cent, as one says it.
+/// Formats a chance in per cent.
 #[must_use]
 pub fn percent(chance: f64) -> String {
     match 100.0 * chance {

@@ -1,4 +1,4 @@
-//! A task that was checked, with all that follows from it before anything is searched.
+//! Checked task with everything that is derived from it before the search.
 
 use slipgrid_calibrate::uncertainty::MaterialUncertainty;
 use slipgrid_material::Material;
@@ -8,25 +8,25 @@ use crate::operating_conditions::{self, Further};
 use crate::task::{DesignTask, KnownMaterial};
 use crate::{DesignError, lattice_table};
 
-/// A task with its material and its conditions.
+/// Task with its material and its conditions.
 #[derive(Clone, Debug)]
 pub struct PreparedTask {
-    /// The task, its target at every condition.
+    /// Task, with its target at every condition.
     pub task: DesignTask,
-    /// The material, with notes on what was interpolated for the conditions.
+    /// Material, with notes on interpolation for the conditions.
     pub material: Material,
-    /// How well it is known.
+    /// Uncertainty of the material.
     pub uncertainty: MaterialUncertainty,
-    /// The loads at the condition designed for.
+    /// Loads at the design condition.
     pub loads: Vec<Load>,
-    /// Whether each of them lies outside the range of what was measured.
+    /// Whether each load lies outside the measured range.
     pub outside: Vec<bool>,
-    /// The other conditions.
+    /// Further conditions.
     pub further: Vec<Further>,
 }
 
 impl PreparedTask {
-    /// `task`, where it can be done.
+    /// Checks `task` and prepares it.
     ///
     /// # Errors
     /// [`DesignError`] for a task that is refused.
@@ -46,7 +46,7 @@ impl PreparedTask {
         Ok(Self { task, material, uncertainty, loads, outside, further })
     }
 
-    /// Relative standard deviation of Young's modulus; 0 where it moves nothing.
+    /// Relative standard deviation of Young's modulus; 0 if the modulus has no effect.
     #[must_use]
     pub fn modulus_std(&self) -> f64 {
         self.uncertainty.modulus_std(self.material.area_law.as_ref()).unwrap_or(0.0)

@@ -1,4 +1,4 @@
-//! The error beside every number of a solved scene.
+//! Error of every number of a solved scene.
 
 use slipgrid_calibrate::uncertainty::{
     Deviation, Deviations, DiscrepancyAt, InputUncertainty, SamplingScatter, Slopes, local_law_changes,
@@ -16,19 +16,19 @@ use slipgrid_units::{PRESSURE_MPA, tidy};
 use crate::sensitivities::usual_humidity;
 use slipgrid_calibrate::uncertainty::MaterialUncertainty;
 
-/// Name of the one error of a flat surface.
+/// Name of the only error of a flat surface.
 const FLAT_FRICTION: &str = slipgrid_calibrate::uncertainty::Source::FlatFriction.name();
 
-/// A solved scene and what is known of its material.
+/// Solved scene with the uncertainty of its material.
 #[derive(Clone, Copy)]
 pub struct Solved<'a> {
-    /// The scene.
+    /// Solved scene.
     pub scene: &'a Scene,
-    /// What came of it.
+    /// Result of the simulation.
     pub simulation: &'a Simulation,
-    /// How well its material is known at its loads; with a discrepancy, ratio and friction are corrected by it.
+    /// Uncertainty of the material at the loads; with a discrepancy, ratio and friction are corrected by it.
     pub knowledge: &'a InputUncertainty,
-    /// How its ratios follow that.
+    /// Derivatives of the ratios with respect to the uncertain inputs.
     pub slopes: &'a Slopes,
 }
 
@@ -39,7 +39,7 @@ impl Solved<'_> {
         (0..self.simulation.loads.len()).map(|place| self.at(place)).collect()
     }
 
-    /// What the material leaves open at load number `place`; `None` where the run has no friction or slopes are open.
+    /// Errors from the material at load number `place`; `None` if the run has no friction or slopes are unknown.
     #[must_use]
     pub fn deviations(&self, place: usize) -> Option<Deviations> {
         let load = &self.simulation.loads[place];
@@ -59,9 +59,9 @@ impl Solved<'_> {
         let surface = &load.surface;
         let mu = surface.mu_dynamic.map(|mu| mu * factor);
         let flat_mu = load.flat.as_ref().and_then(|flat| flat.mu_dynamic);
-        // Of the ratio; of friction times that of the flat surface.
+        // Error of the ratio; for friction, times the friction of the flat surface.
         let of_specimen = |times: Option<f64>| {
-            // What errors of blocks hardly exceed, as two standard deviations.
+            // The discretization error is an upper bound, taken as two standard deviations.
             let blocks = load.ratio_discretization_error.map(|error| 0.5 * error);
             let tilt = load.tilt_error().map(f64::abs);
             let each =
@@ -80,7 +80,7 @@ impl Solved<'_> {
             predicted: None,
             ratio: flat.map(|_| {
                 let ratio = load.ratio.map(|ratio| ratio * factor);
-                // What was drawn is taken out of a ratio by steady sliding with the same draws.
+                // A ratio corrected by steady sliding with equal draws has no error from the draws.
                 let of_draws = drawn.ratio.filter(|_| load.ratio_time_change.is_none());
                 let mut own = self.of_run(ratio, load.ratio_stderr.map(|stderr| stderr * factor), of_draws);
                 own.extend(of_specimen(Some(1.0)));
@@ -89,7 +89,7 @@ impl Solved<'_> {
             mu: ErrorReport::new(mu, own_mu, material_mu),
             mu_flat: flat.map(|flat| {
                 let own = self.of_run(flat.mu_dynamic, flat.mu_dynamic_stderr, drawn.flat);
-                // It is known as well where the patterned surface has no ratio.
+                // Flat friction is known equally well if the patterned surface has no ratio.
                 let of = flat.mu_dynamic.map(|mu| Deviation::of_flat(place, mu, self.knowledge));
                 ErrorReport::new(flat.mu_dynamic, own, of.as_ref())
             }),
@@ -98,7 +98,7 @@ impl Solved<'_> {
         }
     }
 
-    /// What one draw of local coefficients leaves open; nothing of a cell at the mean coefficients.
+    /// Error from one draw of local coefficients; zero for a cell at the mean coefficients.
     fn drawn(&self, place: usize, load: &LoadOutcome) -> SamplingScatter {
         let run = &self.scene.run;
         let is_drawn = run.fidelity != Fidelity::Steady || run.extent.has_ends();
@@ -109,12 +109,12 @@ impl Solved<'_> {
         }
     }
 
-    /// Parts of a run: how long it lasted, and what it drew.
+    /// Components of the error of a run: its length and its draws.
     fn of_run(&self, value: Option<f64>, stderr: Option<f64>, drawn: Option<f64>) -> Vec<PartsReport> {
         let draws = self.scene.run.draws as f64;
         let drawn = value.zip(drawn).map(|(value, share)| value * share / draws.sqrt());
-        // The standard error of several draws has their scatter, which is hardly known of few: what they draw makes it, and what is beyond
-        // that is left to time.
+        // The standard error of several draws contains their scatter, which few draws estimate poorly. The scatter is
+        // therefore taken from the drawn coefficients, and only the excess is attributed to time.
         let counted = drawn.filter(|_| draws > 1.0).unwrap_or(0.0);
         let of_time = stderr.map(|stderr| (stderr * stderr - counted * counted).max(0.0).sqrt());
         let parts = [(TIME_AVERAGE, of_time), (DRAWS, drawn)];
@@ -122,7 +122,7 @@ impl Solved<'_> {
         parts.into_iter().filter_map(part).collect()
     }
 
-    /// A static peak: one event per draw, with what the static coefficients leave open.
+    /// Error of a static peak: one event per draw, with the uncertainty of the static coefficients.
     fn of_static(&self, place: usize, surface: &SurfaceOutcome, drawn: Option<f64>) -> Option<ErrorReport> {
         let coefficient = self.knowledge.static_friction.as_ref().and_then(|all| all.get(place));
         let value = surface.mu_static?;
@@ -133,12 +133,12 @@ impl Solved<'_> {
         Some(ErrorReport::new(Some(value), parts.into_iter().filter_map(part).collect(), None))
     }
 
-    /// What is not in the errors of `rows`, as the material of `uncertainty` does not say it.
+    /// Errors that `rows` do not contain, because the material of `uncertainty` does not give them.
     #[must_use]
     pub fn unknown(&self, uncertainty: &MaterialUncertainty, rows: &[PressureErrors]) -> Vec<String> {
         let mut unknown = uncertainty.unknown(self.knowledge, self.scene.area_law.as_ref());
         if self.scene.pattern.is_none() {
-            // The area law is in what was measured.
+            // Measured values contain the area law.
             unknown.retain(|name| *name == FLAT_FRICTION);
         }
         if rows.iter().any(|row| row.mu_static.is_some()) && self.knowledge.static_friction.is_none() {
@@ -152,7 +152,7 @@ impl Solved<'_> {
     }
 }
 
-/// Errors of `scene`, solved, and its numbers times what trials say that the model lacks, where its material has trials.
+/// Computes the errors of a solved `scene`, and its numbers corrected by the trials if its material has trials.
 ///
 /// # Errors
 /// [`MaterialError`] for an area law that cannot be moved by its errors.
@@ -206,24 +206,24 @@ mod tests {
     use slipgrid_pattern::{Pattern, Planform, Rim, RimProfile};
     use slipgrid_springblock::{Layer, RunOptions, Unwatched, simulate};
 
-    /// Cells in space of two draws, which say next to nothing of their scatter themselves: with rims it is what they draw that makes it, and
-    /// without that is taken out.
+    /// Tests cells in space with two draws, which estimate their own scatter poorly: with rims the drawn coefficients
+    /// cause the scatter, and without rims the ratio is corrected for them.
     #[test]
     fn what_few_draws_leave_open_is_what_their_ratios_scatter_by() {
         for has_rims in [false, true] {
             let (scatter, stated) = scattered(has_rims);
             let rms = (stated.iter().map(|stated| stated * stated).sum::<f64>() / stated.len() as f64).sqrt();
-            // The scatter of 16 is known to 18 %.
+            // The scatter of 16 values is known to 18 %.
             assert!(scatter < 1.3 * rms, "{has_rims}: {scatter} {rms}");
             let least = stated.iter().copied().fold(f64::INFINITY, f64::min);
-            // With rims of every pair, not of most.
+            // With rims the range holds for every pair.
             let range = if has_rims { [2e-3, 1e-2] } else { [2e-4, 2e-3] };
             assert!((range[0]..range[1]).contains(&scatter), "{has_rims}: {scatter}");
             assert!(!has_rims || (least > 0.6 * scatter && scatter > 0.5 * rms), "{least} {scatter} {rms}");
         }
     }
 
-    /// The scatter of ratios of sixteen pairs of draws, and the errors stated of each.
+    /// Returns the scatter of ratios of sixteen pairs of draws, and the stated error of each.
     fn scattered(has_rims: bool) -> (f64, Vec<f64>) {
         let friction = LocalFriction::new(0.3, 0.27, 0.1).unwrap();
         let squares = Pattern::new(Planform::Square, 60e-6, 60e-6, 20e-6).unwrap();

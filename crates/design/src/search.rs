@@ -1,9 +1,9 @@
-//! The search: the texture within bounds and limits that a cut sample of is likeliest on target.
+//! Search for the texture within bounds and limits with the maximum chance of a sample on target.
 //!
 //! ```text
-//! all textures by the table -> the best of every region -> climbs over whole blocks and bursts by the table
-//!   -> the model itself at their ends; the table learns what it is off by -> until the best is one that was solved
-//!   -> ends, tilt and time of the best; the table learns -> until the best is one that has its own
+//! all textures by the table -> best of every region -> climbs over whole blocks and bursts by the table
+//!   -> solve their ends with the model; correct the table by the difference -> repeat until the best is a solved one
+//!   -> ends, tilt and time of the best; correct the table -> repeat until the best is solved as cut
 //! ```
 
 use std::sync::Arc;
@@ -29,36 +29,37 @@ use crate::steps::{Place, Steps, climb};
 use crate::table::{Models, Table};
 use crate::task::DesignTask;
 
-/// Textures that are compared by the table, about.
+/// Approximate number of textures compared by the table.
 const COMPARED: usize = 3000;
-/// Regions along each length, of each of which the best is looked at.
+/// Number of regions along each length; the best texture of each region is examined.
 const REGIONS: usize = 3;
-/// The best of different regions, from which is climbed.
+/// Number of starts of climbs, in different regions.
 const STARTS: usize = 6;
-/// Textures that the table is asked of while climbing, at most.
+/// Maximum number of table lookups in climbs.
 const CLIMBED: usize = 1500;
-/// The best by the table that are solved beside the ends of climbs: what several samples are chosen among.
+/// Number of the best textures by the table that are solved in addition to the ends of climbs: candidates for several
+/// samples.
 const POOL: usize = 12;
-/// Rounds of climbs by the corrected table at most, and textures solved as they are cut.
+/// Maximum number of rounds of climbs by the corrected table, and of textures solved as cut.
 const MAX_ROUNDS: usize = 16;
 const MAX_AS_CUT: usize = 4;
-/// Share of the greatest chance that the best of a region must have by the table to be looked at: where that is off by a tolerance it may rank a
-/// whole region too low.
+/// Minimum chance of the best of a region by the table, as a share of the maximum chance, for the region to be examined:
+/// an error of the table of one tolerance may rank a whole region too low.
 const OF_CHANCE: f64 = 0.25;
-/// Chances that differ by less are alike: the table is off by as much.
+/// Chances that differ by less are equal within the error of the table.
 pub const ALIKE: f64 = 0.005;
-/// Textures are alike where no length differs by more than this factor, its logarithm.
+/// Textures are similar if no length differs by more than this factor, given as its logarithm.
 const UNLIKE: f64 = 0.15;
-/// Lengths that differ by less are the same, relative.
+/// Relative difference below which two lengths are equal.
 const SAME_LENGTH: f64 = 1e-3;
 
-/// Whether two textures are one: trials know their features alone.
+/// Whether two textures are equal, compared by their features because trials have nothing else.
 pub fn is_same(a: &Features, b: &Features) -> bool {
     let same = |of: fn(&Features) -> f64| (of(a) - of(b)).abs() <= SAME_LENGTH * of(a).max(of(b));
     same(|of| of.width_m) && same(|of| of.pitch_m) && same(|of| of.depth_m) && same(|of| of.areal_density)
 }
 
-/// What is asked, and what answers.
+/// Task, models and table of a search.
 pub struct Search<'a> {
     pub prepared: &'a PreparedTask,
     pub task: &'a DesignTask,
@@ -69,32 +70,32 @@ pub struct Search<'a> {
     pub table: &'a Table,
     pub inputs: &'a Inputs<'a>,
     pub limited: &'a Limited,
-    /// Whom it reports to, and who ends it.
+    /// Receives progress and can cancel the search.
     pub stage: &'a dyn Monitor,
 }
 
-/// What a search found.
+/// Result of a search.
 pub struct Found {
-    /// Textures that the model itself was asked of, the greatest value first.
+    /// Textures solved by the model, sorted by decreasing value.
     pub solved: Vec<Prediction>,
-    /// Textures compared by the table.
+    /// Number of textures compared by the table.
     pub compared: usize,
-    /// Some median of these lies within what is accepted at every load.
+    /// Whether the median of some texture is accepted at every load.
     pub is_within_reach: bool,
 }
 
-/// What is known beside the table while a search goes on.
+/// State of a running search in addition to the table.
 #[derive(Default)]
 struct Progress {
-    /// Textures that the model itself was asked of.
+    /// Textures solved by the model.
     solved: Vec<Prediction>,
-    /// The first of these with what cutting adds to others, as far as that was asked for.
+    /// Solved textures with the effect of cutting interpolated from others, as far as required.
     with_cutting: Vec<Prediction>,
-    /// Textures that it has no answer for.
+    /// Textures without an answer of the model.
     refused: Vec<Pattern>,
-    /// What the table is off by of ln R at every load, by those that were solved.
+    /// Error of the table in ln R at every load, interpolated between solved textures.
     off: BetweenDesigns,
-    /// What ends, tilt and time of their own add to that of textures solved, by those solved as they are cut.
+    /// Effect of ends, tilt and time on ln R of solved textures, interpolated between textures solved as cut.
     by_cutting: BetweenDesigns,
 }
 
@@ -104,7 +105,7 @@ impl Progress {
         self.refused.contains(design) || self.solved.iter().any(|of| is_same(&of.texture.features, &own))
     }
 
-    /// The covariance of what samples of the texture nearest to `design` share.
+    /// Covariance that samples share, of the texture nearest to `design`.
     fn covariance(&self, design: &Pattern) -> Vec<f64> {
         let apart = |of: &Prediction| -> f64 {
             let lengths = design.lengths_m().into_iter().zip(of.texture.pattern.lengths_m());
@@ -120,12 +121,12 @@ impl Search<'_> {
         self.task.tolerances.unwrap_or_default()
     }
 
-    /// How far `pattern`, of which the model says `answer`, is beyond the limits, relative to them.
+    /// Largest violation of a limit by `pattern` with the model's `answer`, relative to the limit.
     fn excess(&self, pattern: &Pattern, answer: &Answer) -> Option<f64> {
         Some(self.violations(pattern, answer).ok()?.iter().map(Violation::excess).sum())
     }
 
-    /// The limits that `pattern` breaks, of which the model says `answer`.
+    /// Lists the limits that `pattern` with the model's `answer` violates.
     ///
     /// # Errors
     /// [`ModelFailure`] where the specimen does not take it.
@@ -134,7 +135,7 @@ impl Search<'_> {
         Ok(self.task.constraints.violations(pattern, &self.limited.values(pattern, answer)?))
     }
 
-    /// `pattern` by the table; `None` beside a hole.
+    /// Interpolates `pattern` in the table; `None` next to a hole.
     pub fn interpolated(&self, pattern: &Pattern) -> Option<CutTexture> {
         let (modelled, answer) = self.table.at(pattern)?;
         let shifts: Vec<DimensionShift> = self.table.dimension_shifts(pattern, &self.tolerances())?;
@@ -143,14 +144,14 @@ impl Search<'_> {
         Some(CutTexture { excess: self.excess(pattern, &answer)?, ..texture })
     }
 
-    /// The same with what is known of textures about it.
+    /// Interpolates `pattern` with the corrections of neighbouring textures.
     fn corrected(&self, pattern: &Pattern, known: &Progress) -> Option<CutTexture> {
         let texture = self.interpolated(pattern)?.moved(&known.off.at(pattern).unwrap_or_default());
         let texture = texture.moved(&known.by_cutting.at(pattern).unwrap_or_default());
         Some(CutTexture { covariance: known.covariance(pattern), ..texture })
     }
 
-    /// The textures that were solved, the greatest value first; those that were not solved as they are cut with what cutting adds to others.
+    /// Solved textures, sorted by decreasing value; textures not solved as cut have the interpolated effect of cutting.
     fn ordered(&self, known: &mut Progress) -> Vec<Prediction> {
         let one = |of: &Prediction| match known.by_cutting.at(&of.texture.pattern) {
             Some(by) if of.texture.known < Known::AsCut => self.predicted(of.texture.clone().moved(&by)),
@@ -165,26 +166,26 @@ impl Search<'_> {
         Prediction::new(texture, &self.predictor, self.asked)
     }
 
-    /// `pattern` by the table alone.
+    /// Predicts `pattern` by the table alone.
     pub fn roughly(&self, pattern: &Pattern) -> Option<Prediction> {
         self.interpolated(pattern).map(|texture| self.predicted(texture))
     }
 
-    /// The same with what the table is `off` by of ln R, and with the errors `covariance` that samples share.
+    /// Predicts `pattern` by the table with the correction `off` of ln R and the shared errors `covariance`.
     pub fn roughly_with(&self, pattern: &Pattern, off: &[f64], covariance: &[f64]) -> Option<Prediction> {
         let texture = CutTexture { covariance: covariance.to_vec(), ..self.interpolated(pattern)?.moved(off) };
         Some(self.predicted(texture))
     }
 
-    /// What the table is off by of ln R at the texture of `found`.
+    /// Error of the table in ln R at the texture of `found`.
     pub fn off_at(&self, found: &Prediction) -> Vec<f64> {
         let table = self.interpolated(&found.texture.pattern);
         let ratios = table.iter().flat_map(|table| found.texture.ratio.iter().zip(&table.ratio));
         ratios.map(|(exact, table)| (exact / table).ln()).collect()
     }
 
-    /// A sample of the texture of `found` that was made as `made`: its ratio differs as the model says, and the discrepancy is that of its own
-    /// texture.
+    /// Predicts a sample of `found` with the dimensions `made`: its ratio differs as the model says, and the discrepancy
+    /// is that of the texture as made.
     pub fn made(&self, found: &Prediction, made: &Pattern) -> Option<Prediction> {
         let model = self.models.own;
         let laid = model.lay(&found.texture.pattern).ok()?;
@@ -197,7 +198,8 @@ impl Search<'_> {
         Some(self.predicted(texture.moved(&by)))
     }
 
-    /// `pattern` by the model itself in blocks as small as it can have, with everything that is not known exactly; ends and tilt by the table.
+    /// Solves `pattern` with the model in the smallest possible blocks, with all input uncertainties; ends and tilt come
+    /// from the table.
     ///
     /// # Errors
     /// [`ModelFailure`] where it cannot be computed.
@@ -216,7 +218,7 @@ impl Search<'_> {
         Ok(self.predicted(texture.moved(&self.table.by_face(pattern))))
     }
 
-    /// A texture that was solved with ends and tilt of its own in place of the table's, and in the plane with its own run in time.
+    /// Replaces ends and tilt from the table by solved values, and in the plane adds a run in time.
     pub fn as_cut(&self, found: &Prediction) -> Prediction {
         if found.texture.known == Known::AsCut {
             return found.clone();
@@ -242,8 +244,8 @@ impl Search<'_> {
         self.predicted(CutTexture { known: Known::AsCut, ..cell.moved(&by_face).moved(&by_time) })
     }
 
-    /// What is not known of how far friction tilts the pressure of the specimen of `run`: nobody says how it is held. The same share of it at all
-    /// loads and conditions.
+    /// Uncertainty of the tilt by friction in the specimen of `run`, because the mounting of the specimen is unknown. Its
+    /// share is equal at all loads and conditions.
     fn of_tilt(&self, run: &Simulation) -> Option<Part> {
         let log: Vec<f64> =
             run.loads.iter().map(|load| load.tilt_error().unwrap_or(0.0) / load.ratio.unwrap_or(1.0)).collect();
@@ -257,8 +259,8 @@ impl Search<'_> {
         })
     }
 
-    /// How far the largest pressure of `run` is beyond its limit: the outer lands of a specimen are pressed harder than those of an endless
-    /// pattern, and sliding in time adds to that.
+    /// Excess of the maximum pressure of `run` over its limit: the outer lands of a specimen carry a higher pressure than
+    /// an infinite pattern, and sliding in time adds to it.
     fn excess_of(&self, run: &Simulation) -> f64 {
         let mut limits = self.task.quantities.iter().zip(&self.task.constraints.quantities);
         let limit = limits.find(|(of, _)| **of == ConstraintQuantity::PeakPressure).map(|(_, limit)| limit);
@@ -266,7 +268,7 @@ impl Search<'_> {
         limit.map_or(0.0, |limit| limit.excess(most_pa).max(0.0))
     }
 
-    /// The region of the bounds that `pattern` lies in, by the logarithms of its lengths.
+    /// Region of the bounds that contains `pattern`, by the logarithms of its lengths.
     fn region(&self, pattern: &Pattern) -> usize {
         let bounds = self.task.space.lengths_m().into_iter();
         bounds.zip(pattern.lengths_m()).fold(0, |region, ([low, high], length_m)| {
@@ -275,8 +277,9 @@ impl Search<'_> {
         })
     }
 
-    /// The best `most` by the table, and the best of every region, the greatest value first, how many were compared, and whether the median of one lies within what
-    /// is accepted. Where every texture is beyond a limit it is those that are least so.
+    /// Returns the best `most` textures by the table and the best of every region, sorted by decreasing value, with the
+    /// number of compared textures and whether the median of one is accepted. If every texture violates a limit, those
+    /// with the smallest violation are returned.
     fn ranked(
         &self,
         steps: &Steps<'_>,
@@ -291,7 +294,7 @@ impl Search<'_> {
         let compared = drafts.len();
         let least = drafts.iter().map(|texture| texture.excess).fold(f64::INFINITY, f64::min);
         let left: Vec<CutTexture> = drafts.into_iter().filter(|texture| texture.excess <= least).collect();
-        // Distributions of thousands of textures would fill the memory: those of the best are computed again.
+        // Distributions of thousands of textures would fill the memory, so those of the best are recomputed.
         let one = |(place, texture): (usize, &CutTexture)| {
             let found = (!self.stage.cancelled()).then(|| self.predicted(texture.clone()))?;
             Some((place, found.value(), found.chance()))
@@ -310,14 +313,14 @@ impl Search<'_> {
         let is_within = |texture: &CutTexture| {
             self.asked.has_medians_within(&texture.ratio, &self.predictor.of(&texture.candidate()))
         };
-        // Of one that is likelier on target than not there is no need to look.
+        // A texture that is likelier on target than not has an accepted median.
         let is_within_reach =
             greatest > 0.5 || left.par_iter().any(|texture| !self.stage.cancelled() && is_within(texture));
         let best = scored.par_iter().map(|(place, ..)| self.predicted(left[*place].clone())).collect();
         (best, compared, is_within_reach && least == 0.0)
     }
 
-    /// The first of `ranked` of different regions.
+    /// First texture of `ranked` in each region.
     fn first_of_regions(&self, ranked: &[Prediction]) -> Vec<Pattern> {
         let mut seen = Vec::new();
         let is_new = |of: &&Prediction| {
@@ -329,14 +332,14 @@ impl Search<'_> {
         ranked.iter().filter(is_new).take(STARTS).map(|of| of.texture.pattern).collect()
     }
 
-    /// The textures of the greatest value among those that are `open`, the greatest first, which is solved as it is cut. What is known so far
-    /// where the stage is cancelled; at least `count` of them where there are as many.
+    /// Finds the textures of the maximum value among those that are `open`, sorted by decreasing value, the first solved
+    /// as cut. If the stage is cancelled, returns the results so far. At least `count` textures if there are as many.
     pub fn best(&self, open: &(dyn Fn(&Pattern) -> bool + Sync), count: usize) -> Found {
         let steps = Steps::new(self.task);
         let (ranked, compared, is_within_reach) = self.ranked(&steps, POOL.max(count), open);
         self.stage.advance(0.3);
         let mut known = Progress::default();
-        // What trials were cut of, too: one that was on target is likely to be again.
+        // Textures of trials are candidates too: a texture that was on target is likely to be so again.
         let cut = self.cut().into_iter().filter(|pattern| open(pattern));
         let ends = self.climbed(&steps, self.first_of_regions(&ranked), (&known, &[]), open);
         let pool = ranked.iter().take(POOL.max(count)).map(|of| of.texture.pattern);
@@ -344,7 +347,7 @@ impl Search<'_> {
         self.stage.advance(0.3);
         let mut solved = self.ordered(&mut known);
         for _ in 0..MAX_AS_CUT {
-            // Until the best by the corrected table is one that was solved.
+            // Repeats until the best by the corrected table is a solved texture.
             for _ in 0..MAX_ROUNDS {
                 let from = solved.iter().take(STARTS / 2).map(|of| of.texture.pattern).collect();
                 let mut ends = self.climbed(&steps, from, (&known, &solved), open);
@@ -366,7 +369,7 @@ impl Search<'_> {
             solved = self.ordered(&mut known);
             self.stage.advance(0.05);
         }
-        // The best of those solved as they are cut, should others still promise more.
+        // At the round limit, returns the best of those solved as cut, even if others promise more.
         if let Some(first) = solved.iter().position(|of| of.texture.known == Known::AsCut) {
             solved[..=first].rotate_right(1);
         }
@@ -374,7 +377,7 @@ impl Search<'_> {
         Found { solved, compared, is_within_reach }
     }
 
-    /// The greatest value by the table, after a climb, and whether some median lies within what is accepted.
+    /// Finds the maximum value by the table after a climb, and whether some median is accepted.
     pub fn greatest(&self) -> (Option<Prediction>, bool) {
         let steps = Steps::new(self.task);
         let (ranked, _, is_within_reach) = self.ranked(&steps, STARTS, &|_| true);
@@ -383,7 +386,7 @@ impl Search<'_> {
         (sorted(all).into_iter().next(), is_within_reach)
     }
 
-    /// The textures of trials, as designs of the task: those of which the features are those of a design of its texture.
+    /// Textures of trials as designs of the task, if the features equal those of a design of the task's texture.
     fn cut(&self) -> Vec<Pattern> {
         let of = |features: &Features| {
             let lengths_m = [features.width_m, features.pitch_m - features.width_m, features.depth_m];
@@ -391,7 +394,7 @@ impl Search<'_> {
             let bounds = self.task.space.lengths_m().into_iter().zip(lengths_m);
             let is_within =
                 bounds.into_iter().all(|([low, high], own)| low * (1.0 - 1e-9) <= own && own <= high * (1.0 + 1e-9));
-            // Depths as they were measured need not be whole bursts.
+            // Measured depths need not be whole bursts.
             let is_makeable = self.task.constraints.limits.violations(&pattern).is_empty()
                 && self.task.laser.check_depth(pattern.depth_m()).is_ok();
             (is_within && is_makeable && is_same(features, &Features::from(&pattern))).then_some(pattern)
@@ -399,7 +402,7 @@ impl Search<'_> {
         self.asked.learned.trials().iter().filter_map(|trial| of(&trial.features)).collect()
     }
 
-    /// Where climbs from `starts` end, by the table with what is `known`, and by what was `solved` itself.
+    /// Returns the ends of climbs from `starts` by the corrected table, using `solved` values where known.
     fn climbed(
         &self,
         steps: &Steps<'_>,
@@ -416,7 +419,7 @@ impl Search<'_> {
         climb(steps, &starts, CLIMBED, values, (open, &value), &part)
     }
 
-    /// Solves those of `designs` that are not known by the model itself.
+    /// Solves those of `designs` that are not solved yet.
     fn solve(&self, designs: Vec<Pattern>, known: &mut Progress) {
         let mut fresh: Vec<Pattern> = Vec::new();
         for design in designs {
@@ -440,7 +443,8 @@ impl Search<'_> {
         known.off.learn(off.into_iter().filter(|(_, off)| !off.is_empty()));
     }
 
-    /// The first `most` of `solved`, but of those that are alike the best alone; where these are not `least`, others after them.
+    /// Returns the first `most` of `solved`, keeping only the best of similar ones; if fewer than `least` remain, adds
+    /// others.
     pub fn unlike(&self, solved: &[Prediction], least: usize, most: usize) -> Vec<Prediction> {
         let mut chosen: Vec<&Prediction> = Vec::new();
         for of in solved {
@@ -460,7 +464,7 @@ impl Search<'_> {
     }
 }
 
-/// The greatest value first; of equal ones the earlier.
+/// Sorts by decreasing value; equal values keep their order.
 fn sorted(mut all: Vec<Prediction>) -> Vec<Prediction> {
     all.sort_by(|a, b| b.value().total_cmp(&a.value()));
     all

@@ -1,4 +1,4 @@
-//! How modelled ratios follow what all textures have in common, and where a task asks for friction as trials know it.
+//! Sensitivity of modelled ratios to inputs shared by all textures, and the loads of a task in terms of the trials.
 
 use std::fmt::Debug;
 
@@ -16,33 +16,34 @@ use crate::steady_model::SteadyModel;
 use crate::task::DesignTask;
 use crate::{DesignError, Refusal, TaskPart};
 
-/// Logarithm of Young's modulus by which it is moved for the slope along it.
+/// Step of the logarithm of Young's modulus for the derivative.
 const LOG_MODULUS_STEP: f64 = 0.05;
-/// Change of ln R by the local law from which on a design says so.
+/// Change of ln R by the local law from which a design reports it.
 const NOTED_CHANGE: f64 = 0.002;
-/// Relative humidity where neither design nor trials name one.
+/// Relative humidity if neither design nor trials name one.
 const USUAL_HUMIDITY: f64 = 0.4;
 
-/// How modelled ratios follow Young's modulus, and the pressure that friction follows: models beside the one that is used.
+/// Models for the sensitivity of ratios to Young's modulus and to the pressure that friction follows.
 pub struct Sensitivities<'a> {
-    /// Of a stiffer and a softer body; `None` where the modulus moves nothing.
+    /// Models with a stiffer and a softer body; `None` if the modulus has no effect.
     both: Option<[SteadyModel<'a>; 2]>,
-    /// `None` where flat friction follows the area law at every condition.
+    /// `None` if flat friction follows the area law at every condition.
     by_local_pressure: Option<ByLocalPressure<'a>>,
     loads: usize,
 }
 
-/// Models by whose local law friction follows the local pressure, one a condition at which flat friction contradicts the area law.
+/// Models in which friction follows the local pressure, one per condition at which flat friction contradicts the area
+/// law.
 struct ByLocalPressure<'a> {
-    /// By the area law, in the blocks of the others.
+    /// Model by the area law, in equal blocks.
     still: SteadyModel<'a>,
     laws: Vec<SteadyModel<'a>>,
-    /// Which of them holds at each load.
+    /// Index of the model that holds at each load.
     of_load: Vec<Option<usize>>,
 }
 
 impl<'a> ByLocalPressure<'a> {
-    /// Of the material of `own` at the condition of each load.
+    /// Builds the models for the material of `own` at the condition of each load.
     fn new(
         own: &SteadyModel<'a>,
         material: &MaterialUncertainty,
@@ -71,7 +72,7 @@ impl<'a> ByLocalPressure<'a> {
         Ok(Some(Self { still, laws, of_load: conditions.iter().map(place).collect() }))
     }
 
-    /// Change of ln R of `design` at every load where friction follows the local pressure.
+    /// Change of ln R of `design` at every load if friction follows the local pressure.
     fn at(&self, design: &Pattern) -> Result<Vec<f64>, ModelFailure> {
         let models: Vec<&SteadyModel<'_>> = std::iter::once(&self.still).chain(&self.laws).collect();
         let ratios: Vec<Vec<f64>> =
@@ -90,13 +91,13 @@ fn is_same(one: &Option<Condition>, other: &Option<Condition>) -> bool {
     }
 }
 
-/// Ratios of `design` by `model`, also where cavities close, so that what follows from them is smooth up to there.
+/// Ratios of `design` by `model`, including closed cavities, so that derived quantities stay smooth up to closure.
 fn made(model: &SteadyModel<'_>, design: &Pattern) -> Result<Vec<f64>, ModelFailure> {
     Ok(model.answer_made(design, &model.lay(design)?)?.ratio)
 }
 
 impl<'a> Sensitivities<'a> {
-    /// Those of `own`, whose material is known as `material` says, at the condition of each load.
+    /// Builds the models around `own`, with the uncertainty of `material`, at the condition of each load.
     ///
     /// # Errors
     /// [`DesignError`] where the area law cannot be moved.
@@ -116,7 +117,7 @@ impl<'a> Sensitivities<'a> {
         Ok(Self { both, by_local_pressure: ByLocalPressure::new(own, material, conditions).map_err(refused)?, loads })
     }
 
-    /// Everything that they follow from but for the lengths of a design.
+    /// All inputs except the lengths of a design, for cache keys.
     pub(crate) fn content(&self) -> impl Debug + '_ {
         let both = self.both.as_ref().map(|both| both.each_ref().map(SteadyModel::content));
         let laws = self
@@ -126,7 +127,7 @@ impl<'a> Sensitivities<'a> {
         (both, laws)
     }
 
-    /// Those of `design` at every load.
+    /// Computes the sensitivities of `design` at every load.
     ///
     /// # Errors
     /// [`ModelFailure`] where they cannot be computed.
@@ -134,7 +135,7 @@ impl<'a> Sensitivities<'a> {
         Ok(from_numbers(&self.numbers(design)?, self.loads))
     }
 
-    /// g = d ln R / d ln E of `design` at every load, and the changes by the local pressure where there are any.
+    /// Computes g = d ln R / d ln E of `design` at every load, followed by the changes by the local pressure if any.
     ///
     /// # Errors
     /// [`ModelFailure`] where they cannot be computed.
@@ -154,13 +155,15 @@ impl<'a> Sensitivities<'a> {
     }
 }
 
-/// The sensitivities at so many `loads` that [`Sensitivities::numbers`] wrote; zeros where there are no numbers.
+/// Decodes the sensitivities at `loads` loads from the numbers of [`Sensitivities::numbers`]; zeros if there are no
+/// numbers.
 pub fn from_numbers(numbers: &[f64], loads: usize) -> Vec<Sensitivity> {
     let number = |place: usize| numbers.get(place).copied().unwrap_or(0.0);
     (0..loads).map(|load| Sensitivity { modulus: number(load), local_law: number(loads + load) }).collect()
 }
 
-/// What is said of the local law where it moves ratios, at the load where it moves them most; `mean` is the share of the change that is expected.
+/// Note on the local law at the load where it changes the ratio most, if significant; `mean` is the expected share of the
+/// change.
 pub fn local_law_note(sensitivity: &[Sensitivity], loads: &[Load], mean: f64) -> Option<String> {
     let size = |place: &usize| sensitivity[*place].local_law.abs();
     let most = (0..sensitivity.len()).max_by(|a, b| size(a).total_cmp(&size(b)))?;
@@ -175,14 +178,14 @@ pub fn local_law_note(sensitivity: &[Sensitivity], loads: &[Load], mean: f64) ->
     })
 }
 
-/// The relative humidity where nothing names one: the mean of the trials', which is the usual one before any.
+/// Default relative humidity: the mean of the trials, or 0.4 without trials.
 pub fn usual_humidity(learned: &Discrepancy) -> f64 {
     let measured = learned.trials().iter().flat_map(|trial| trial.measured.iter().map(|at| at.load.humidity));
     let humidities: Vec<f64> = measured.collect();
     if humidities.is_empty() { USUAL_HUMIDITY } else { humidities.iter().sum::<f64>() / humidities.len() as f64 }
 }
 
-/// Where `task` asks for friction, as trials know it: pressure, speed and humidity at every load of `model`.
+/// Loads of `task` in terms of the trials: pressure, speed and humidity at every load of `model`.
 pub fn loads_of(task: &DesignTask, learned: &Discrepancy, further: &[Further], model: &SteadyModel<'_>) -> Vec<Load> {
     let usual = usual_humidity(learned);
     let at = |(load, condition): (&slipgrid_springblock::Load, Option<Condition>)| Load {

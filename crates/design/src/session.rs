@@ -1,4 +1,4 @@
-//! What `optimize` and `next` have in common: the table of the bounds and the search in it.
+//! Session that `optimize` and `next` share: the table of the bounds and the search in it.
 
 use slipgrid_export::Division;
 use slipgrid_monitor::Monitor;
@@ -20,11 +20,11 @@ use crate::table::{Models, Table};
 use crate::time_budget::{SEARCH_SHARE, TimeBudget};
 use crate::timings::Timings;
 
-/// What is told of a table that time did not suffice for.
+/// Message if the time limit did not suffice for a table.
 const NO_TABLE: &str = "the seconds allowed were spent before the designs within the bounds were known";
 
-/// Tabulates the bounds of `prepared` and lets `then` search in the table; on sectors of `division` where there is one. Answers of the
-/// model are kept in `cache` where one is given.
+/// Tabulates the bounds of `prepared` and runs `then` with the search; on sectors of `division` if given. `cache` stores
+/// the answers of the model if given.
 ///
 /// # Errors
 /// [`DesignError`] for a task that is refused or that the monitor cancels, where no design can be computed, and those of `then`.
@@ -43,7 +43,7 @@ pub fn with_table<T>(
     let elsewhere: Vec<&[Load]> = further.iter().map(|at| &at.loads[..]).collect();
     let model = SteadyModel::new(&scene, &elsewhere, &task.directions.different_deg, &task.space);
     let model = model.watched_by(monitor);
-    // A sector is a trial of an endless pattern: what presses on it has no rim of its own.
+    // A sector is a trial of an infinite pattern: the counter-body does not press on its edges.
     let mut model = if division.is_none() { model.on(task.specimen) } else { model };
     announce(prepared, &model, cache.is_some(), monitor)?;
     if let Some(cache) = cache {

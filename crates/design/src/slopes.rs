@@ -1,4 +1,4 @@
-//! How what is expected of a sample moves with its dimensions.
+//! Derivatives of expected values of a sample with respect to its dimensions.
 
 use serde::{Deserialize, Serialize};
 use slipgrid_units::{LENGTH_UM, tidy};
@@ -7,7 +7,7 @@ use crate::inputs::made;
 use crate::prediction::Prediction;
 use crate::search::Search;
 
-/// The change of what is expected along one dimension.
+/// Derivative of expected values along one dimension.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct SlopeReport {
     /// `width_um`, `spacing_um` or `depth_um`.
@@ -16,8 +16,8 @@ pub struct SlopeReport {
     pub per_um: Vec<f64>,
 }
 
-/// Slopes of the medians of samples of `best`, which have as many cavities whatever their dimensions, over a block or a burst to each side; none
-/// where samples to either side cannot be computed.
+/// Computes the slopes of the medians of samples of `best` with a constant number of cavities, over one block or burst to
+/// each side; empty if samples on either side cannot be computed.
 pub fn slopes(search: &Search<'_>, best: &Prediction) -> Vec<SlopeReport> {
     let pattern = best.texture.pattern;
     let limits = &search.task.constraints.limits;

@@ -1,4 +1,4 @@
-//! The model that the search asks: the steady cell, in the plane or in space as the design needs.
+//! Model used by the search: the steady cell, in the plane or in space as the design requires.
 
 use std::fmt::Debug;
 
@@ -15,37 +15,37 @@ use slipgrid_export::Specimen;
 use slipgrid_specimen::Laid;
 use slipgrid_units::{LENGTH_UM, tidy};
 
-/// Blocks of the guide over those of the layer, the first that serves: cells of four times the block cost a hundredth
-/// and differ by at most 0.02 of the ratio, of twice the block a tenth and 0.013.
+/// Block size of the guide relative to the layer's, in order of preference: cells with four times the block size cost a
+/// hundredth and differ by at most 0.02 of the ratio, with twice the block size a tenth and 0.013.
 const GUIDE_FACTORS: [usize; 4] = [4, 2, 3, 5];
-/// Rows that the guide's layer keeps, and blocks that the shortest pitch keeps.
+/// Minimum number of rows of the guide's layer, and of blocks in the shortest pitch.
 const MIN_GUIDE_ROWS: usize = 4;
 const MIN_GUIDE_PITCH: f64 = 2.0;
 
-/// Friction of a design by the steady cell, on the specimen in proportion to the share of cavities.
+/// Friction of a design by the steady cell, scaled to the specimen by the share of cavities.
 pub struct SteadyModel<'a> {
-    /// With the loads of the condition designed for.
+    /// Scene with the loads of the design condition.
     scene: Scene,
-    /// With the loads of every condition in every direction, those of the condition designed for first: what designs are
-    /// asked of. Conditions differ in the local coefficients alone, so one factorization serves all of a direction.
+    /// Scene with the loads of every condition in every direction, the design condition first. Conditions differ in the
+    /// local coefficients alone, so one factorization serves all conditions of a direction.
     asked: Scene,
-    /// Sliding directions beside that of the designs, whose loads come last.
+    /// Sliding directions besides the designs' own, whose loads come last.
     directions_deg: Vec<f64>,
-    /// Everything of the designs but their lengths: it decides where they are solved.
+    /// Texture of the designs without their lengths, which determines the dimension of the cells.
     texture: Texture,
     solver: Solver,
-    /// The same in larger blocks, where space makes it worth while.
+    /// Scene and solver in larger blocks, if these save time in space.
     guide: Option<(Scene, Solver)>,
     evaluations: Evaluations<'a>,
-    /// Ends a search.
+    /// Can cancel a search.
     monitor: &'a dyn Monitor,
-    /// What designs are cut into; absent for endless patterns.
+    /// Specimen that designs are cut into; `None` for infinite patterns.
     specimen: Option<Specimen>,
 }
 
 impl<'a> SteadyModel<'a> {
-    /// A model of the material, layer, loads and dimensions of `scene`, for the designs of `space`, and at the same
-    /// pressures of `further` conditions, of which the last are those of each of `directions_deg`, as many as of the
+    /// Creates a model with the material, layer, loads and dimensions of `scene` for the designs of `space`, at equal
+    /// pressures in `further` conditions. The last of these belong to `directions_deg`: each has as many loads as the
     /// designs' own direction.
     #[must_use]
     pub fn new(scene: &Scene, further: &[&[Load]], directions_deg: &[f64], space: &DesignSpace) -> Self {
@@ -72,7 +72,7 @@ impl<'a> SteadyModel<'a> {
         let guide = GUIDE_FACTORS.into_iter().find(serves).filter(|_| is_dear).map(|factor| {
             let mut coarse = asked.clone();
             coarse.layer.block_m *= factor as f64;
-            // The cell knows no specimen: any whole number of blocks does.
+            // The cell has no specimen, so any whole number of blocks is valid.
             coarse.layer.length_m = coarse.layer.height_m;
             let solver = Solver::new(&coarse, &texture, directions_deg);
             (coarse, solver)
@@ -90,26 +90,26 @@ impl<'a> SteadyModel<'a> {
         }
     }
 
-    /// Questions end with [`ModelFailure::Cancelled`] once `monitor` has cancelled, in space within one solve.
+    /// Lets `monitor` cancel evaluations with [`ModelFailure::Cancelled`], in space within one solve.
     #[must_use]
     pub fn watched_by(mut self, monitor: &'a dyn Monitor) -> Self {
         self.monitor = monitor;
         self
     }
 
-    /// Designs are judged as they lie on `specimen` from here on: with the share of its face that their cavities take.
+    /// Evaluates designs on `specimen`, with the areal density of their layout.
     #[must_use]
     pub fn on(mut self, specimen: Specimen) -> Self {
         self.specimen = Some(specimen);
         self
     }
 
-    /// Share of the specimen's face that is cavity over that of the endless pattern.
+    /// Areal density of the specimen over that of the infinite pattern.
     pub(crate) fn share(&self, design: &Pattern) -> Result<f64, ExportError> {
         Ok(Laid::new(self.specimen.as_ref(), design, self.dimension())?.share(design))
     }
 
-    /// `design` as it lies on the specimen, for the samples that are made of it.
+    /// Lays `design` out on the specimen, for the samples made of it.
     ///
     /// # Errors
     /// [`ModelFailure::Trial`] where the specimen does not take it.
@@ -118,18 +118,18 @@ impl<'a> SteadyModel<'a> {
             .map_err(|error| ModelFailure::Trial { reason: error.to_string() })
     }
 
-    /// The scene with the loads of every condition.
+    /// Scene with the loads of every condition.
     #[must_use]
     pub const fn asked(&self) -> &Scene {
         &self.asked
     }
 
-    /// Takes over what has been answered so far.
+    /// Uses `evaluations` as the store of answers.
     pub fn keep(&mut self, evaluations: Evaluations<'a>) {
         self.evaluations = evaluations;
     }
 
-    /// Everything that answers about a texture follow from but for its lengths.
+    /// All inputs of answers about a texture except its lengths, for cache keys.
     pub(crate) fn content(&self) -> impl Debug + '_ {
         let guide = self.guide.as_ref().map(|(scene, _)| scene);
         (&self.asked, self.scene.loads.len(), &self.directions_deg, &self.texture, guide, &self.specimen)
@@ -141,44 +141,44 @@ impl<'a> SteadyModel<'a> {
         !self.directions_deg.is_empty()
     }
 
-    /// Where designs are solved.
+    /// Dimension in which designs are solved.
     #[must_use]
     pub const fn dimension(&self) -> Dimension {
         self.solver.dimension
     }
 
-    /// Whether designs can be asked for by the thousand.
+    /// Whether thousands of designs can be solved.
     #[must_use]
     pub const fn is_cheap_per_design(&self) -> bool {
         self.dimension().is_cheap_per_design()
     }
 
-    /// Whether larger blocks serve, where space makes them worth while.
+    /// Whether a guide in larger blocks exists.
     #[must_use]
     pub const fn has_guide(&self) -> bool {
         self.guide.is_some()
     }
 
-    /// The cell of a design with the loads of every condition, in the guide's blocks where there is a guide and `coarse` asks for it.
+    /// Cell of a design with the loads of every condition, in the guide's blocks if `coarse` and a guide exists.
     pub(crate) fn cell(&self, design: &Pattern, coarse: bool) -> Scene {
         let guide = self.guide.as_ref().filter(|_| coarse).map(|(scene, _)| scene);
         Scene { pattern: Some(*design), ..guide.unwrap_or(&self.asked).clone() }
     }
 
-    /// Draws of the local coefficients with which a cell of `design` has at least `contacts` contact blocks in all, as
-    /// [`SteadyCell::draws`](slipgrid_springblock::SteadyCell::draws) counts them.
+    /// Number of draws of the local coefficients at which a cell of `design` has at least `contacts` contact blocks in
+    /// total, counted by [`SteadyCell::draws`](slipgrid_springblock::SteadyCell::draws).
     #[must_use]
     pub fn draws(&self, design: &Pattern, contacts: f64) -> u64 {
         self.solver.each.first().map_or(1, |(_, cell)| cell.draws(design, contacts))
     }
 
-    /// The scene of a design.
+    /// Scene of a design.
     #[must_use]
     pub fn scene(&self, design: &Pattern) -> Scene {
         Scene { pattern: Some(*design), ..self.scene.clone() }
     }
 
-    /// Ratios of `made`, a sample of what was `laid`, at every condition.
+    /// Computes the ratios of `made`, a sample of the layout `laid`, at every condition.
     ///
     /// # Errors
     /// [`ModelFailure::Trial`] where the sample cannot be computed.
@@ -186,7 +186,7 @@ impl<'a> SteadyModel<'a> {
         Ok(open(self.answer_made(made, laid)?)?.ratio)
     }
 
-    /// What the model alone says of `made`, a sample of what was `laid`, at every condition, whether or not its cavities close.
+    /// Computes the answer for `made`, a sample of the layout `laid`, at every condition, including closed cavities.
     ///
     /// # Errors
     /// [`ModelFailure::Trial`] where the sample cannot be computed.
@@ -194,8 +194,8 @@ impl<'a> SteadyModel<'a> {
         Ok(self.answer(&self.asked, &self.solver, made)?.on(laid, made))
     }
 
-    /// What it says of `design` at every condition, whether or not its cavities close, kept for the next who asks; by the guide where `coarse`
-    /// and there is one.
+    /// Computes the answer for `design` at every condition, including closed cavities, and stores it; uses the guide if
+    /// `coarse` and a guide exists.
     ///
     /// # Errors
     /// [`ModelFailure`] where the design cannot be computed.
@@ -209,7 +209,7 @@ impl<'a> SteadyModel<'a> {
         Ok(answer.on(&laid, design))
     }
 
-    /// How designs were solved in space, beside what the confirming run says of itself.
+    /// Describes how designs were solved in space, in addition to the statements of the confirming run.
     pub fn describe(&self, said: &mut Statements) {
         if self.dimension().takes_strips() {
             return;
@@ -228,7 +228,7 @@ impl<'a> SteadyModel<'a> {
         }
     }
 
-    /// What it says of `design` at every condition: not kept.
+    /// Computes the answer for `design` at every condition without storing it.
     ///
     /// # Errors
     /// [`ModelFailure::Trial`] where the design cannot be computed.
@@ -236,7 +236,7 @@ impl<'a> SteadyModel<'a> {
         open(self.answer_made(design, &self.lay(design)?)?)
     }
 
-    /// The model of `scene` and of `asked`, the same with the loads of every condition, without a guide.
+    /// Builds a model of `scene` and of `asked`, the scene with the loads of every condition, without a guide.
     fn of_scenes(&self, scene: Scene, asked: Scene) -> Self {
         Self {
             solver: Solver::new(&asked, &self.texture, &self.directions_deg),
@@ -251,8 +251,8 @@ impl<'a> SteadyModel<'a> {
         }
     }
 
-    /// The model that slopes are taken of, of the scene that `change` makes of this one's with the loads of every condition:
-    /// in space in the guide's blocks, by which slopes are a fifth off, unless rims are narrower.
+    /// Builds the model with a changed scene for derivatives; `change` receives the scene with the loads of every
+    /// condition. In space the guide's blocks are used, which change slopes by one fifth, unless rims are narrower.
     ///
     /// # Errors
     /// Those of `change`.
@@ -261,19 +261,19 @@ impl<'a> SteadyModel<'a> {
         Ok(self.of_scenes(asked.clone(), asked))
     }
 
-    /// The guide's scene where there is one and its blocks serve the rims, too: these need blocks of at most half their width.
+    /// Scene of the guide, if its blocks also resolve the rims: rims need blocks of at most half their width.
     fn serving_guide(&self) -> Option<&Scene> {
         let serves = |scene: &&Scene| self.texture.rim().is_none_or(|rim| 2.0 * scene.layer.block_m <= rim.width_m());
         self.guide.as_ref().map(|(scene, _)| scene).filter(serves)
     }
 
-    /// The area law that designs are solved with.
+    /// Area law of the designs.
     #[must_use]
     pub const fn area_law(&self) -> Option<&AreaLaw> {
         self.scene.area_law.as_ref()
     }
 
-    /// What `solver`, made of `scene`, says of `design`.
+    /// Answer of `solver`, created from `scene`, for `design`.
     fn answer(&self, scene: &Scene, solver: &Solver, design: &Pattern) -> Result<Answer, ModelFailure> {
         let trial = |reason: String| ModelFailure::Trial { reason };
         let scene = Scene { pattern: Some(*design), ..scene.clone() };
@@ -300,7 +300,7 @@ impl<'a> SteadyModel<'a> {
     }
 }
 
-/// The answer of a design whose cavities stay open.
+/// Returns the answer if the cavities stay open.
 fn open(answer: Answer) -> Result<Answer, ModelFailure> {
     if answer.clearance_m().is_some_and(|clearance_m| clearance_m <= 0.0) {
         return Err(ModelFailure::Trial { reason: "the cavity closes under load".to_owned() });

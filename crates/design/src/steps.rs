@@ -1,7 +1,8 @@
-//! From the best of a coarse look to the best of every whole block and burst about it.
+//! Climb from the best of a coarse scan to the best design in whole blocks and bursts.
 //!
-//! A step goes to the best of the neighbours of a design, `s` blocks and bursts away along one, two or three lengths, while that is
-//! better; then `s` is halved. Costs: 26 designs a step at most, those known before aside.
+//! A step moves to the best of the neighbours of a design, `s` blocks and bursts away along one, two or three lengths,
+//! while that
+//! improves the value; then `s` is halved. Cost: at most 26 designs per step, less those already known.
 
 use std::collections::BTreeMap;
 
@@ -12,50 +13,50 @@ use slipgrid_pattern::Pattern;
 use crate::lattice_table::axes;
 use crate::task::DesignTask;
 
-/// Steps in blocks and bursts, the longest first.
+/// Steps in blocks and bursts, in decreasing order.
 const STEPS: [usize; 3] = [4, 2, 1];
 
-/// A place on the lattice: whole steps of width, spacing and depth.
+/// Lattice index: whole steps of width, spacing and depth.
 pub type Place = [usize; 3];
 
-/// All designs of whole blocks and bursts within the bounds.
+/// Lattice of all designs of whole blocks and bursts within the bounds.
 pub struct Steps<'a> {
     task: &'a DesignTask,
     axes: [Vec<f64>; 3],
 }
 
 impl<'a> Steps<'a> {
-    /// Those of `task`.
+    /// Creates the lattice of `task`.
     pub fn new(task: &'a DesignTask) -> Self {
         Self { task, axes: axes(task).0 }
     }
 
-    /// About `most` of the designs that the laser can cut, spread over all bounds.
+    /// Returns about `most` of the designs that the laser can cut, spread over all bounds.
     pub fn spread(&self, most: usize) -> Vec<Pattern> {
         let [widths, spacings, depths] = [0, 1, 2].map(|axis: usize| self.axes[axis].len());
         let all = widths.saturating_mul(spacings).saturating_mul(depths);
         let least = all.div_ceil(most).max(1);
-        // A stride that has no divisor with an axis in common spreads what is left out.
+        // A stride coprime to the axis lengths spreads the omitted designs evenly.
         let is_apart = |stride: &usize| common_divisor(*stride, spacings) == 1 && common_divisor(*stride, depths) == 1;
         let stride = (least..).find(is_apart).unwrap_or(least);
         let place = |number: usize| [number / (spacings * depths), number / depths % spacings, number % depths];
         (0..all).step_by(stride).filter_map(|number| self.design(place(number))).collect()
     }
 
-    /// The place of `design`, where it is one of them.
+    /// Index of `design`, if it is on the lattice.
     pub fn place(&self, design: &Pattern) -> Option<Place> {
         let lengths_m = design.lengths_m();
         let along = |axis: usize| self.axes[axis].binary_search_by(|node| node.total_cmp(&lengths_m[axis])).ok();
         Some([along(0)?, along(1)?, along(2)?])
     }
 
-    /// The design at `place`, where the laser can cut it.
+    /// Design at `place`, if the laser can cut it.
     fn design(&self, place: Place) -> Option<Pattern> {
         let design = self.task.space.pattern(std::array::from_fn(|axis| self.axes[axis][place[axis]])).ok()?;
         self.task.constraints.limits.violations(&design).is_empty().then_some(design)
     }
 
-    /// The places `step` away from `place` along some lengths.
+    /// Neighbours at distance `step` from `place` along one or more lengths.
     fn about(&self, place: Place, step: usize) -> Vec<Place> {
         let mut all = Vec::new();
         for corner in 0..27_usize {
@@ -75,7 +76,7 @@ impl<'a> Steps<'a> {
     }
 }
 
-/// The greatest common divisor.
+/// Greatest common divisor.
 const fn common_divisor(mut a: usize, mut b: usize) -> usize {
     while b > 0 {
         (a, b) = (b, a % b);
@@ -83,14 +84,14 @@ const fn common_divisor(mut a: usize, mut b: usize) -> usize {
     a
 }
 
-/// What designs are worth, by their places; `None` where one may not be asked for.
+/// Values of designs by lattice index; `None` if a design must not be evaluated.
 pub type Values = BTreeMap<Place, Option<f64>>;
 
-/// Which designs may be asked for, and what one is worth.
+/// Filter of the allowed designs, and the value function.
 pub type Asking<'a> = (&'a (dyn Fn(&Pattern) -> bool + Sync), &'a (dyn Fn(&Pattern) -> Option<f64> + Sync));
 
-/// Climbs from `starts` over designs that are `open`, until none about them is better or `most` designs were asked for, or until `monitor`
-/// cancels. `known` is what is known before. Returns the designs where the climbs ended, each once.
+/// Climbs from `starts` over designs that are `open`, until no neighbour improves the value, `most` designs were
+/// evaluated, or `monitor` cancels. `known` holds previous values. Returns each end of a climb once.
 pub fn climb(
     steps: &Steps<'_>,
     starts: &[Place],
@@ -130,7 +131,7 @@ pub fn climb(
                     continue;
                 }
                 let mut best = (*place, of(place).unwrap_or(f64::NEG_INFINITY));
-                // Of equals the first.
+                // The first of equal values wins.
                 for other in steps.about(*place, step) {
                     if let Some(value) = of(&other).filter(|value| *value > best.1) {
                         best = (other, value);
@@ -162,7 +163,7 @@ mod tests {
     fn a_climb_ends_where_nothing_about_it_is_better() {
         let task = task(Planform::Groove);
         let steps = Steps::new(&task);
-        // A ridge across the axes.
+        // Ridge across the axes.
         let value = |design: &Pattern| {
             let [width, spacing, depth] = design.lengths_m().map(|m| 1e6 * m);
             -((width - 140.0) / 20.0).powi(2)
@@ -170,7 +171,7 @@ mod tests {
                 - ((depth - 16.0) / 2.0).powi(2)
         };
         let ended = |most: usize| {
-            // The widest and deepest of the narrowest gaps.
+            // Start at the widest and deepest grooves with the narrowest gaps.
             let start = [steps.axes[0].len() - 1, 1, steps.axes[2].len() - 1];
             assert_eq!(steps.place(&steps.design(start).unwrap()), Some(start));
             let asked = std::sync::atomic::AtomicUsize::default();

@@ -1,4 +1,4 @@
-//! Results read back: what `export` needs of them.
+//! Stored results, with the parts that `export` needs.
 
 use serde::Deserialize;
 use serde::de::IgnoredAny;
@@ -7,53 +7,53 @@ use slipgrid_results::{MaterialReport, PatternReport, SpecimenReport};
 
 use crate::next_report::NextReport;
 
-/// The part of result.json of `optimize` that `export` needs.
+/// Part of result.json of `optimize` that `export` needs.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 pub struct StoredDesign {
     /// Name of the design.
     pub name: String,
-    /// Version that made it.
+    /// Version of the program that wrote the file.
     pub version: String,
-    /// Schema of the file.
+    /// Schema version of the file.
     #[serde(default = "slipgrid_results::first_schema")]
     pub schema: u32,
-    /// The design.
+    /// Design to export.
     pub design: PatternReport,
-    /// The material.
+    /// Material of the design.
     pub material: MaterialReport,
-    /// The specimen.
+    /// Specimen to export.
     pub specimen: SpecimenReport,
-    /// The laser.
+    /// Laser settings.
     pub laser: Laser,
-    /// How exactly samples are assumed to be cut; absent where the design file does not say.
+    /// Assumed manufacturing tolerances of samples; absent where the design file does not give them.
     pub tolerances: Option<Tolerances>,
-    /// Seed.
+    /// Seed of the design.
     pub seed: u64,
 }
 
-/// A file that holds no such result.
+/// Error of reading a stored result.
 #[derive(Debug, thiserror::Error)]
 pub enum StoredError {
-    /// It is none of `optimize`.
+    /// Not a result of `optimize`.
     #[error("is not a result of `slipgrid optimize`: {0}")]
     Optimize(#[source] serde_json::Error),
-    /// It is none of `next`, or of a version that did not write laser, specimen and material.
+    /// Not a result of `next`, or of a version that did not write laser, specimen and material.
     #[error(
         "is not a result of `slipgrid next` that says laser, specimen and material, as this version writes it: {0}"
     )]
     Next(#[source] serde_json::Error),
-    /// A sample is asked for that there is not.
+    /// The requested sample does not exist.
     #[error(
         "has {rows} samples: those to cut first, then yours, then the other designs, as `slipgrid next` lists them"
     )]
     NoSample {
-        /// How many there are.
+        /// Number of samples.
         rows: usize,
     },
-    /// A sample is asked for where there is one design.
+    /// A sample was requested from a result with one design.
     #[error("is a result of `slipgrid optimize`, which has one design and no samples")]
     OneDesign,
-    /// Its samples are sectors.
+    /// The samples are sectors.
     #[error(
         "holds sectors of one specimen, whose drawing pattern.dxf stands beside it; --sample 1 takes the pattern of the first on a whole \
          specimen, --sample 2 that of the second"
@@ -61,7 +61,7 @@ pub enum StoredError {
     Sectors,
 }
 
-/// What tells results apart.
+/// Fields that distinguish kinds of results.
 #[derive(Deserialize)]
 struct Kind {
     design: Option<IgnoredAny>,
@@ -69,7 +69,8 @@ struct Kind {
 }
 
 impl StoredDesign {
-    /// The design of a result of `optimize`, or a sample of a result of `next`: by its place in the table, from 1, otherwise the first.
+    /// Reads the design of a result of `optimize`, or a sample of a result of `next` by its number in the table, from 1,
+    /// by default the first.
     ///
     /// # Errors
     /// [`StoredError`].

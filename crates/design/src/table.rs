@@ -1,11 +1,11 @@
-//! The table of the bounds: what the model says of every texture within them, from its answers at nodes.
+//! Table of the bounds: interpolation of the model over all textures within the bounds, from its answers at nodes.
 //!
-//! | of a texture | nodes | between them |
+//! | quantity of a texture | nodes | interpolation |
 //! |---|---|---|
-//! | ln R at every load, largest and least pressure, sag of the ceilings | in the plane all in the layer's blocks; in space larger blocks, lifted by fewer cells in those asked for | cubic splines in ln of the lengths |
-//! | slope of ln R along ln E, its change by the local law; what smaller blocks change; ends and tilt | fewer, as they vary slowly | linear in ln of the lengths |
+//! | ln R at every load, maximum and minimum pressure, sag of the ceilings | in the plane all in the layer's blocks; in space larger blocks, corrected by fewer cells in the requested ones | cubic splines in ln of the lengths |
+//! | slope of ln R along ln E, its change by the local law; change by smaller blocks; ends and tilt | fewer, as they vary slowly | linear in ln of the lengths |
 //!
-//! All of it is kept by content, so that another target asks nothing anew. Textures that have no answer are holes.
+//! All values are cached by content, so that another target recomputes nothing. Textures without an answer are holes.
 
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -28,38 +28,39 @@ use crate::sensitivities::{Sensitivities, from_numbers};
 use crate::steady_model::SteadyModel;
 use crate::task::DesignTask;
 
-/// Most multiplications of a cell that is refined: some hundredths of a second.
+/// Maximum number of multiplications of a refined cell: some hundredths of a second.
 const MAX_REFINED: f64 = 2e8;
-/// Beside ln R: logarithm of the largest pressure in pascals, least pressure over the nominal one, sag in metres.
+/// Number of outputs besides ln R: logarithm of the maximum pressure in pascals, minimum pressure over the nominal one,
+/// sag in metres.
 const BESIDE: usize = 3;
 
-/// How many nodes there are.
+/// Numbers of nodes of a table.
 pub struct Scope {
-    /// Along width, spacing and depth for each factor e between the bounds, and at most.
+    /// Nodes along width, spacing and depth per factor e between the bounds, and the maximum.
     nodes: ([f64; 3], [usize; 3]),
-    /// In space the same of cells in the blocks asked for, which lift those in larger ones.
+    /// In space, nodes of cells in the requested blocks, which correct those in larger blocks.
     lift: ([f64; 3], [usize; 3]),
-    /// Most along each length of sensitivities, of what smaller blocks change, and of ends and tilt.
+    /// Maximum number of nodes along each length for sensitivities, changes by smaller blocks, and ends and tilt.
     sensitivities: [usize; 3],
     blocks: [usize; 3],
     face: [usize; 3],
-    /// Random textures at which the error is measured.
+    /// Number of random textures for the error estimate.
     checks: usize,
 }
 
 impl Scope {
-    /// In the plane, where a node takes a millisecond.
+    /// Scope in the plane, where a node takes a millisecond.
     pub const PLANE: Self = Self {
         nodes: ([6.0, 5.0, 2.8], [14, 16, 10]),
         lift: ([0.0; 3], [0; 3]),
         sensitivities: [7, 7, 4],
-        // More nodes come no nearer (0.0021 and 0.0018 in the median of 40 and 30 random textures of the LDPE design): both jump where a
-        // cavity more fits between the ends, or a length is no whole blocks.
+        // More nodes do not reduce the error (0.0021 and 0.0018 in the median of 40 and 30 random textures of the LDPE
+        // design): both jump where one more cavity fits between the ends, or a length is not in whole blocks.
         blocks: [4, 4, 3],
         face: [3, 4, 2],
         checks: 60,
     };
-    /// In space.
+    /// Scope in space.
     pub const SPACE: Self = Self {
         nodes: ([5.0, 4.0, 2.0], [12, 12, 7]),
         lift: ([3.0, 3.0, 1.5], [5, 5, 4]),
@@ -69,40 +70,40 @@ impl Scope {
     };
 }
 
-/// How far the table is from the model, and what it took.
+/// Error and cost of a table.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct TableReport {
-    /// Nodes.
+    /// Number of nodes.
     pub nodes: usize,
-    /// Those of them without an answer.
+    /// Number of nodes without an answer.
     pub holes: usize,
     /// Random textures at which the table was compared with the model.
     pub checked: usize,
     /// Median over them of the largest relative error of the ratio at any load.
     pub median_error: f64,
-    /// The largest.
+    /// Maximum of the relative error of the ratio.
     pub worst_error: f64,
-    /// Memory of its numbers.
+    /// Memory of the table's numbers.
     pub bytes: usize,
 }
 
-/// What the model says of a texture at the loads.
+/// Model values of a texture at the loads.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Modelled {
-    /// ln R.
+    /// Logarithm ln R of the ratio at each load.
     pub log_ratio: Vec<f64>,
-    /// How ln R follows what all textures have in common.
+    /// Sensitivity of ln R to inputs that all textures share.
     pub sensitivity: Vec<Sensitivity>,
 }
 
-/// The model with its sensitivities.
+/// Model with its sensitivities.
 pub struct Models<'a> {
     pub own: &'a SteadyModel<'a>,
     sensitivities: Sensitivities<'a>,
 }
 
 impl<'a> Models<'a> {
-    /// Those about `own`, whose material is known as `material` says, at the condition of each load.
+    /// Builds the models around `own`, with the uncertainty of `material`, at the condition of each load.
     ///
     /// # Errors
     /// [`DesignError`] where the area law cannot be moved.
@@ -114,7 +115,7 @@ impl<'a> Models<'a> {
         Ok(Self { own, sensitivities: Sensitivities::new(own, material, conditions)? })
     }
 
-    /// What they say of `design`.
+    /// Computes the model values of `design`.
     ///
     /// # Errors
     /// [`ModelFailure`] where it cannot be computed, or its cavities close.
@@ -125,8 +126,8 @@ impl<'a> Models<'a> {
         })
     }
 
-    /// What smaller blocks change of each ratio of `design`, and how far each is from vanishing blocks, as a standard deviation; `None`
-    /// of rims in space, in several directions, and where smaller blocks are dear.
+    /// Change of each ratio of `design` by smaller blocks, and the remaining distance to vanishing blocks as a standard
+    /// deviation; `None` for rims in space, in several directions, and if smaller blocks are too expensive.
     pub fn refined(&self, design: &Pattern) -> Option<(Vec<f64>, Vec<f64>)> {
         if self.own.has_directions() {
             return None;
@@ -134,33 +135,33 @@ impl<'a> Models<'a> {
         let scene = Scene { pattern: Some(*design), ..self.own.asked().clone() };
         let share = self.own.share(design).ok()?;
         let ratios = self.own.steady(design).ok()?.ratio;
-        // Of the cell: 1 - r = (1 - r_cell) D / D_period
+        // Ratio of the cell: 1 - r = (1 - r_cell) D / D_period
         let own: Vec<Option<f64>> = ratios.iter().map(|ratio| Some(1.0 - (1.0 - ratio) / share)).collect();
         let refined = block_refinement(&scene, &own, MAX_REFINED)?;
-        // What errors hardly exceed, as two standard deviations.
+        // The error is an upper bound, taken as two standard deviations.
         let open = refined.errors.iter().map(|error| 0.5 * share * error).collect();
         Some((refined.shifts.iter().map(|shift| share * shift).collect(), open))
     }
 }
 
-/// What the model says of every texture within the bounds.
+/// Interpolated model values of every texture within the bounds.
 #[derive(Clone)]
 pub struct Table {
     surface: ResponseSurface,
-    /// Nodes without an answer, by their places: there is none in the cells around them either.
+    /// Indices of nodes without an answer; the cells around these nodes have no answer either.
     holes: Vec<usize>,
     sensitivities: Nodes,
     blocks: Nodes,
-    /// `None` where samples have no face of their own.
+    /// `None` if samples are sectors.
     face: Option<Nodes>,
     loads: usize,
-    /// How far it is from the model.
+    /// Error and cost of the table.
     pub report: TableReport,
 }
 
 impl Table {
-    /// Asks `models` at the nodes over the space of `task`, and what is `beyond` cells, as the whole of `stage`; `None` where that ends
-    /// before, or where no node has an answer.
+    /// Solves `models` at the nodes over the space of `task`, and the differences `beyond` cells, as the whole of
+    /// `stage`; `None` if cancelled or if no node has an answer.
     pub fn new(task: &DesignTask, models: &Models<'_>, beyond: &BeyondCells<'_>, stage: &dyn Monitor) -> Option<Self> {
         let is_guided = models.own.has_guide();
         let scope = if models.own.is_cheap_per_design() { Scope::PLANE } else { Scope::SPACE };
@@ -178,7 +179,7 @@ impl Table {
             let few_axes = axes(task, scope.lift);
             let few = ResponseSurface::nodes(&few_axes);
             let (fine, coarse) = (ask(&few, false, of_lift)?, ask(&few, true, 0.0)?);
-            // A node without an answer has its neighbour's change, not that of another answer.
+            // A node without an answer takes the neighbour's change, not the change of another answer.
             let over = fine.into_iter().zip(coarse).map(|(fine, coarse)| {
                 Some(fine?.iter().zip(coarse?).map(|(fine, coarse)| fine - coarse).collect::<Vec<f64>>())
             });
@@ -192,7 +193,7 @@ impl Table {
         let part = Part::new(stage, 0.4 / 3.0);
         let of = |design: &Pattern| models.sensitivities.numbers(design).ok();
         let sensitivities = Nodes::new(task, ("slopes", models), &of, scope.sensitivities, &part)?;
-        // ln (r + s) / r, s what smaller blocks change; nothing where they are dear, as for what is judged in the end.
+        // ln (r + s) / r, s the change by smaller blocks; zero if these are too expensive, as in the final evaluation.
         let smaller = |design: &Pattern| {
             let Some((shifts, _)) = models.refined(design) else { return Some(vec![0.0; loads]) };
             let ratios = models.own.steady(design).ok()?.ratio;
@@ -213,8 +214,8 @@ impl Table {
         Some(table)
     }
 
-    /// The same over the wider space of `task`, in the plane: what varies slowly is taken to be at its ends as it is at those of this table. `None`
-    /// where `stage` ends before.
+    /// Extends the table to the wider space of `task`, in the plane: slowly varying quantities are extrapolated as
+    /// constant. `None` if `stage` is cancelled.
     pub fn widened(&self, task: &DesignTask, models: &Models<'_>, stage: &dyn Monitor) -> Option<Self> {
         let lattice = axes(task, Scope::PLANE.nodes);
         let nodes = ResponseSurface::nodes(&lattice);
@@ -225,7 +226,7 @@ impl Table {
         Some(Self { surface, holes, ..self.clone() })
     }
 
-    /// Compares it with the model at random textures, their logarithms evenly spread.
+    /// Compares the table with the model at random textures, uniform in the logarithms.
     fn measure(&mut self, task: &DesignTask, models: &Models<'_>, count: usize, stage: &dyn Monitor) -> Option<()> {
         let all = random_places(self.surface.axes(), count, 1);
         let exact = solved(task, models, &all, false, &Part::new(stage, 0.0))?;
@@ -243,13 +244,14 @@ impl Table {
         Some(())
     }
 
-    /// All outputs at the lengths of `design`; `None` beside a hole.
+    /// All outputs at the lengths of `design`; `None` next to a hole.
     fn values(&self, design: &Pattern) -> Option<Vec<f64>> {
         let lengths_m = design.lengths_m();
         (!self.surface.is_beside(&self.holes, &lengths_m)).then(|| self.surface.at(&lengths_m))
     }
 
-    /// ln R of `design` in the layer's blocks without ends, and its sensitivities; `None` beside a hole, and where cavities close.
+    /// ln R of `design` in the layer's blocks without ends, and its sensitivities; `None` next to a hole or if cavities
+    /// close.
     pub fn at(&self, design: &Pattern) -> Option<(Modelled, Answer)> {
         let mut log_ratio = self.values(design)?;
         let beside = log_ratio.split_off(self.loads);
@@ -268,17 +270,18 @@ impl Table {
         Some((Modelled { log_ratio, sensitivity }, answer))
     }
 
-    /// Change of the logarithm of each ratio by ends and tilt; none where a node beside it has no answer.
+    /// Change of the logarithm of each ratio by ends and tilt; zero if a neighbouring node has no answer.
     pub fn by_face(&self, design: &Pattern) -> Vec<f64> {
         self.face.as_ref().and_then(|face| face.at(design.lengths_m())).unwrap_or_default()
     }
 
-    /// What smaller blocks change of the logarithm of each ratio, so far as it is known there.
+    /// Change of the logarithm of each ratio by smaller blocks, where known.
     pub fn by_blocks(&self, design: &Pattern) -> Vec<f64> {
         self.blocks.at(design.lengths_m()).unwrap_or_default()
     }
 
-    /// Errors of the dimensions of samples of `design` that scatter as `tolerances` say: differences over a standard deviation each way.
+    /// Errors of the dimensions of samples of `design` with the standard deviations of `tolerances`: differences over one
+    /// standard deviation to each side.
     pub fn dimension_shifts(&self, design: &Pattern, tolerances: &Tolerances) -> Option<Vec<DimensionShift>> {
         let own = |(_, by_m): (&str, [f64; 3])| {
             let [above, below] = [1.0, -1.0].map(|side| self.values(&made(design, &by_m, side)));
@@ -289,29 +292,30 @@ impl Table {
     }
 }
 
-/// Nodes over the space of `task`: so many for each factor e along each length, and at most.
+/// Axes over the space of `task`, with the given nodes per factor e along each length, and the maximum.
 fn axes(task: &DesignTask, nodes: ([f64; 3], [usize; 3])) -> [Axis; 3] {
     axes_between(task.space.lengths_m(), nodes)
 }
 
-/// Nodes between `bounds` in any unit: so many for each factor e along each length, and at most.
+/// Axes between `bounds` in any unit, with the given nodes per factor e along each length, and the maximum.
 pub fn axes_between(bounds: [[f64; 2]; 3], (each, most): ([f64; 3], [usize; 3])) -> [Axis; 3] {
     std::array::from_fn(|axis| {
         let [from, to] = bounds[axis];
-        // At most some dozens: the cast is exact.
+        // At most some dozens, so the cast is exact.
         let wanted = 1 + (each[axis] * (to / from).ln()).ceil() as usize;
         Axis::new(bounds[axis], wanted.min(most[axis]))
     })
 }
 
-/// `count` random places between the ends of `axes`, their logarithms evenly spread.
+/// `count` random places between the ends of `axes`, uniform in the logarithms.
 pub fn random_places(axes: &[Axis; 3], count: usize, seed: u64) -> Vec<[f64; 3]> {
     let mut normals = Normals::new(seed);
     let mut at = |axis: &Axis| axis.from * (axis.to / axis.from).powf(normal_probability(normals.draw()));
     (0..count).map(|_| axes.each_ref().map(&mut at)).collect()
 }
 
-/// Nodes of the table of `task` by `model`, and of them or beside them those in the blocks asked for that lift the others; 0 where none are.
+/// Numbers of nodes of the table of `task` by `model`: all nodes, and those in the requested blocks that correct the
+/// others, or 0.
 pub fn nodes(task: &DesignTask, model: &SteadyModel<'_>) -> [f64; 2] {
     let scope = if model.is_cheap_per_design() { Scope::PLANE } else { Scope::SPACE };
     let count = |scope: ([f64; 3], [usize; 3])| axes(task, scope).iter().map(|axis| axis.nodes as f64).product();
@@ -324,8 +328,8 @@ pub fn nodes(task: &DesignTask, model: &SteadyModel<'_>) -> [f64; 2] {
     }
 }
 
-/// ln R, and what stands beside it, of each of `lengths`, in the guide's blocks where `coarse`; `None` once `stage` is cancelled. Of designs
-/// whose cavities close they go on behind where they close, so that the surface is smooth up to there.
+/// Solves ln R and the other outputs at each of `lengths`, in the guide's blocks if `coarse`; `None` once `stage` is
+/// cancelled. Designs with closed cavities are continued beyond closure, so that the surface is smooth up to there.
 fn solved(
     task: &DesignTask,
     models: &Models<'_>,
@@ -354,7 +358,7 @@ fn solved(
     kept(stage, &content, lengths.len(), || lengths.par_iter().map(one).collect::<Result<Vec<_>, _>>().ok())
 }
 
-/// The answers, where a node has none that of the nearest node that has one; `None` if none has.
+/// Fills nodes without an answer with the answer of the nearest node; `None` if there is no answer at all.
 pub fn filled(answers: Vec<Option<Vec<f64>>>, axes: &[Axis; 3]) -> Option<Vec<Vec<f64>>> {
     let [_, rows, depths] = axes.map(|axis| axis.nodes);
     let place = |node: usize| [node / (rows * depths), node / depths % rows, node % depths];
@@ -369,17 +373,17 @@ pub fn filled(answers: Vec<Option<Vec<f64>>>, axes: &[Axis; 3]) -> Option<Vec<Ve
     answers.iter().enumerate().map(|(node, answer)| answer.clone().or_else(|| nearest(node))).collect()
 }
 
-/// Numbers at the nodes of a lattice, linear between them.
+/// Numbers at the nodes of a lattice, interpolated linearly.
 #[derive(Clone)]
 struct Nodes {
     /// Logarithms of width, spacing and depth at the nodes.
     axes: [Vec<f64>; 3],
-    /// Nodes, widths slowest; `None` where a design cannot be computed.
+    /// Nodes, width varying slowest; `None` if a design cannot be computed.
     nodes: Vec<Option<Vec<f64>>>,
 }
 
 impl Nodes {
-    /// Asks `of`, the answer called `name` of `models`, at the nodes.
+    /// Evaluates `of`, the answer called `name` of `models`, at the nodes.
     fn new(
         task: &DesignTask,
         (name, models): (&str, &Models<'_>),
@@ -417,8 +421,8 @@ impl Nodes {
         self.nodes.iter().flatten().map(|node| size_of_val(&node[..])).sum()
     }
 
-    /// The numbers at these lengths, linear between the eight nodes about it in the logarithms; `None` where one of them has none. Beyond
-    /// the lattice its edge stands.
+    /// Interpolates linearly between the eight surrounding nodes in the logarithms of the lengths; `None` if one of them
+    /// has no value. Beyond the lattice the value at its edge is used.
     fn at(&self, lengths_m: [f64; 3]) -> Option<Vec<f64>> {
         let place = |axis: usize| {
             let (nodes, x) = (&self.axes[axis], lengths_m[axis].ln());

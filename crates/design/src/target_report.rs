@@ -1,4 +1,4 @@
-//! A target as result.json holds it.
+//! Record of a target in result.json.
 
 use std::borrow::Cow;
 
@@ -7,7 +7,7 @@ use slipgrid_optimize::{Demand, Target, Wanted};
 use slipgrid_results::fixed;
 use slipgrid_units::PRESSURE_MPA;
 
-/// A target as result.json holds it.
+/// Record of a target in result.json.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct TargetReport {
     /// `ratio` or `mu_dynamic`.
@@ -16,25 +16,25 @@ pub struct TargetReport {
     pub pressure_mpa: Vec<f64>,
     /// Wanted values; null where a band or a goal is given instead.
     pub value: Option<Vec<f64>>,
-    /// Largest accepted distance, one number where all pressures share it; null as the values.
+    /// Largest accepted distance, one number where all pressures share it; null where a band or a goal is given instead.
     pub tolerance: Option<Tolerance>,
-    /// Lowest accepted values; null where anything is.
+    /// Lowest accepted values; null where there is no lower limit.
     pub lowest: Vec<Option<f64>>,
-    /// Highest accepted values; null where anything is.
+    /// Highest accepted values; null where there is no upper limit.
     pub highest: Vec<Option<f64>>,
     /// `lowest`, `highest` or `even`; null without a goal.
     pub goal: Option<Cow<'static, str>>,
-    /// How much each pressure counts in means; null where all count alike.
+    /// Weight of each pressure in means; null where all weights are equal.
     pub weights: Option<Vec<f64>>,
 }
 
-/// One for all pressures, or one for each.
+/// Tolerance for all pressures, or for each pressure.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(untagged)]
 pub enum Tolerance {
-    /// For all.
+    /// One tolerance for all pressures.
     One(f64),
-    /// For each.
+    /// One tolerance per pressure.
     Each(Vec<f64>),
 }
 
@@ -67,7 +67,7 @@ impl From<&Target> for TargetReport {
 }
 
 impl TargetReport {
-    /// What is wanted at a pressure, in words.
+    /// Describes the accepted values at a pressure.
     #[must_use]
     pub fn wanted(&self, row: usize) -> String {
         if let Some(value) = &self.value {
@@ -82,7 +82,7 @@ impl TargetReport {
         }
     }
 
-    /// Whether anything is demanded at some pressure.
+    /// Whether some pressure has a demand.
     #[must_use]
     pub fn has_demands(&self) -> bool {
         self.lowest.iter().chain(&self.highest).any(Option::is_some)

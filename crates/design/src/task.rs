@@ -1,4 +1,4 @@
-//! The task: what friction is wanted, of which material, and what may be cut.
+//! Design task: target friction, material, and allowed designs.
 
 use slipgrid_calibrate::uncertainty::MaterialUncertainty;
 use slipgrid_export::{Laser, Specimen, Tolerances as SheetTolerances};
@@ -11,31 +11,31 @@ use slipgrid_units::{LENGTH_UM, PRESSURE_MPA, in_digits, tidy};
 use crate::constraint_quantities::ConstraintQuantity;
 use crate::error::{Refusal, TaskPart};
 
-/// A design task. Where a field is open, [`DesignTask::new`] says what it is by default.
+/// Design task. [`DesignTask::new`] gives the defaults of optional fields.
 #[derive(Clone, Debug)]
 pub struct DesignTask {
     /// Name for reports.
     pub name: String,
-    /// Day of the task for reports, as YYYY-MM-DD, where it is said: nothing here reads a clock.
+    /// Date of the task for reports, as YYYY-MM-DD, if given; no code here reads a clock.
     pub date: Option<String>,
-    /// The material; friction at the conditions of the task follows from it. A task without one is not run.
+    /// Material; friction at the conditions of the task follows from it. A task without a material is not run.
     pub material: Option<KnownMaterial>,
-    /// Conditions at which the target must hold, the one designed for first; none where the material has coefficients for
-    /// one condition alone.
+    /// Conditions at which the target must hold, the design condition first; empty if the material has coefficients for
+    /// one condition only.
     pub ranges: Vec<ConditionRange>,
-    /// The condition designed for: of a range, known when [`DesignTask::resolve`] has seen the measured ones.
+    /// Design condition; for a range, known once [`DesignTask::resolve`] has read the measured ones.
     pub condition: Option<Condition>,
-    /// Further conditions at which the target must hold: known at the same time.
+    /// Further conditions at which the target must hold, known after [`DesignTask::resolve`].
     pub also_at: Vec<Condition>,
-    /// Sliding directions beside the texture's own at which the target must hold, too.
+    /// Sliding directions besides the texture's own at which the target must hold.
     pub directions: FurtherDirections,
     /// The wanted friction.
     pub target: Target,
     /// Texture and bounds of the patterns that may be tried.
     pub space: DesignSpace,
-    /// What a pattern must respect beside its bounds.
+    /// Constraints besides the bounds.
     pub constraints: Constraints,
-    /// What the constraints' quantities are, in their order.
+    /// Quantities of the constraints, in their order.
     pub quantities: Vec<ConstraintQuantity>,
     /// The laser, for the process sheet.
     pub laser: Laser,
@@ -45,55 +45,55 @@ pub struct DesignTask {
     pub layer: Layer,
     /// Sliding speed of the confirming run, in m/s.
     pub speed_m_s: f64,
-    /// Seed of search and local coefficients.
+    /// Seed of the search and of local coefficients.
     pub seed: u64,
-    /// Seconds that the job may take; no limit when absent.
+    /// Time limit of the job in seconds; no limit when absent.
     pub max_seconds: Option<f64>,
-    /// Every design of a lattice is computed, too.
+    /// Whether to compute every design of a lattice.
     pub table: bool,
-    /// Compute what any design within the bounds does, for pages that answer while they are read.
+    /// Whether to compute predictions for all designs within the bounds, for interactive pages.
     pub explorer: bool,
-    /// Confirming runs start from an unloaded layer at rest and give static friction too.
+    /// Whether confirming runs start from an unloaded layer at rest, which also gives static friction.
     pub from_rest: bool,
-    /// Designs in space are confirmed on a strip of the specimen, in place of a cell.
+    /// Whether designs in space are confirmed on a strip of the specimen, in place of a cell.
     pub strip: bool,
-    /// Dimensions of the model, 2 or 3; what the texture needs when absent.
+    /// Dimensions of the model, 2 or 3; chosen by the texture when absent.
     pub dimensions: Option<u8>,
-    /// How the mean dimensions of samples scatter about the design; taken as exact when absent.
+    /// Scatter of the mean dimensions of samples about the design; zero when absent.
     pub tolerances: Option<Tolerances>,
-    /// By what designs are compared beside the search; nothing when absent.
+    /// Goals of the trade-offs; none when absent.
     pub trade_offs: Option<TradeOffsWanted>,
 }
 
-/// A material, and how well it is known.
+/// Material with its uncertainty.
 #[derive(Clone, Debug, PartialEq)]
 pub struct KnownMaterial {
     /// The material.
     pub material: Material,
-    /// What its numbers leave open.
+    /// Uncertainty of the material data.
     pub uncertainty: MaterialUncertainty,
 }
 
 impl From<Material> for KnownMaterial {
-    /// A material taken as exact.
+    /// Takes a material as exact.
     fn from(material: Material) -> Self {
         Self { material, uncertainty: MaterialUncertainty::default() }
     }
 }
 
-/// Sliding directions of a texture beside its own.
+/// Sliding directions of a texture besides its own.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct FurtherDirections {
-    /// Those that differ from it and from each other, in degrees.
+    /// Directions that differ from the texture's own and from each other, in degrees.
     pub different_deg: Vec<f64>,
-    /// Those that are like one of the others by symmetry, in degrees.
+    /// Directions that are equivalent to another one by symmetry, in degrees.
     pub alike_deg: Vec<f64>,
 }
 
-/// Something that should be as small as possible.
+/// Quantity to minimize in trade-offs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TradeOffGoal {
-    /// Chance that a cut sample is on target: the greater the better.
+    /// Chance that a cut sample is on target, which is maximized.
     Chance,
     /// Largest distance from the target, in tolerances.
     Misfit,
@@ -108,7 +108,7 @@ pub enum TradeOffGoal {
 }
 
 impl TradeOffGoal {
-    /// All of them.
+    /// All trade-off goals.
     pub const ALL: [Self; 6] =
         [Self::Chance, Self::Misfit, Self::LaserTime, Self::Volume, Self::PeakPressure, Self::Spread];
 
@@ -125,7 +125,7 @@ impl TradeOffGoal {
         }
     }
 
-    /// The name of its column, with the unit.
+    /// Column name, with the unit.
     #[must_use]
     pub const fn column(self) -> &'static str {
         match self {
@@ -138,7 +138,7 @@ impl TradeOffGoal {
         }
     }
 
-    /// What it is, with the unit.
+    /// Description, with the unit.
     #[must_use]
     pub const fn words(self) -> &'static str {
         match self {
@@ -152,23 +152,23 @@ impl TradeOffGoal {
     }
 }
 
-/// By what designs are compared, and how many at first.
+/// Goals of the trade-offs, and the initial number of designs.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct TradeOffsWanted {
-    /// Two or three.
+    /// Two or three goals.
     pub goals: Vec<TradeOffGoal>,
-    /// Designs of the lattice.
+    /// Number of designs of the lattice.
     pub designs: usize,
 }
 
-/// Sliding speed of the confirming run where neither condition nor target names one, in m/s: the paper's.
+/// Sliding speed of the confirming run if neither condition nor target gives one, in m/s; value of the paper.
 pub const DEFAULT_SPEED_M_S: f64 = 2e-3;
 
-/// Where the scatter of dimensions comes from.
+/// Basis of the scatter of dimensions, for the process sheet.
 pub(crate) const SCATTER_BASIS: &str = "standard deviation of a sample's mean, as the design file gives it";
 
 impl DesignTask {
-    /// What the design assumes of how exactly it is cut, as files for the laser say it.
+    /// Assumed manufacturing tolerances, as written to files for the laser.
     #[must_use]
     pub fn assumed_tolerances(&self) -> Option<SheetTolerances> {
         let std_m = self.tolerances?.std_m;
@@ -182,8 +182,8 @@ impl DesignTask {
         })
     }
 
-    /// The task of a pattern of `space` that brings `material` to `target` on `specimen`, whose modelled layer is `layer`;
-    /// everything else is as simple as it can be: one condition, no limits but the bounds, no tolerances.
+    /// Creates the task of a pattern of `space` that brings `material` to `target` on `specimen` with the modelled layer
+    /// `layer`; other fields have the simplest values: one condition, no limits except the bounds, no tolerances.
     #[must_use]
     pub fn new(
         material: impl Into<KnownMaterial>,
@@ -195,7 +195,7 @@ impl DesignTask {
         Self { material: Some(material.into()), ..Self::without_material(target, space, specimen, layer) }
     }
 
-    /// The same without its material.
+    /// Creates the task without a material.
     #[must_use]
     pub fn without_material(target: Target, space: DesignSpace, specimen: Specimen, layer: Layer) -> Self {
         Self {
@@ -226,8 +226,8 @@ impl DesignTask {
         }
     }
 
-    /// Finds the conditions of all ranges at which `friction` is lowest and highest, each once, and the one designed for
-    /// among those of the first.
+    /// Finds the conditions of all ranges at which `friction` is lowest and highest, each once, and the design condition
+    /// among those of the first range.
     ///
     /// # Errors
     /// [`Refusal`] of a range that reaches outside the measured conditions.
@@ -258,13 +258,13 @@ impl DesignTask {
         self.condition.map(|condition| condition.humidity)
     }
 
-    /// The range that the design is made for, where it is one.
+    /// Range of the design condition, if it is a range.
     #[must_use]
     pub fn range(&self) -> Option<&ConditionRange> {
         self.ranges.first().filter(|range| range.is_wide())
     }
 
-    /// The loads at the target's pressures, and whether each lies outside the measured range of `material`.
+    /// Returns the loads at the target's pressures, and whether each lies outside the measured range of `material`.
     ///
     /// # Errors
     /// [`Refusal`] of the condition if `material` has no coefficients for it, or of a pressure that is not below its modulus.
@@ -277,7 +277,8 @@ impl DesignTask {
             .map_err(|error| Refusal::new(TaskPart::Condition, error.to_string()))
     }
 
-    /// From where to where friction was measured at the condition designed for, in MPa, where one of the pressures is `outside`.
+    /// Range of pressures at which friction was measured at the design condition, in MPa, if one of the pressures is
+    /// `outside`.
     #[must_use]
     pub fn measured_mpa(&self, material: &Material, outside: &[bool]) -> Option<[f64; 2]> {
         let measured_pa = material.friction.measured_pressures_pa(self.condition.as_ref());
@@ -285,7 +286,7 @@ impl DesignTask {
         measured_pa.filter(|_| outside.contains(&true)).map(|ends_pa| ends_pa.map(rounded))
     }
 
-    /// Which of the target's pressures are `outside` what was measured, in words; `None` where none is.
+    /// Target pressures `outside` the measured range, in words; `None` if there is none.
     #[must_use]
     pub fn beyond_measured(&self, material: &Material, outside: &[bool]) -> Option<String> {
         let pressures = self.pressures_pa().into_iter().zip(outside).filter(|(_, is_outside)| **is_outside);
@@ -293,7 +294,7 @@ impl DesignTask {
         beyond_measured_range(&beyond_mpa, self.measured_mpa(material, outside))
     }
 
-    /// The same at a further condition.
+    /// Returns the loads at a further condition.
     ///
     /// # Errors
     /// [`Refusal`] of the further conditions if `material` has no coefficients for this one.
@@ -308,7 +309,7 @@ impl DesignTask {
         self.target.points().iter().map(|point| point.pressure_pa).collect()
     }
 
-    /// Whether the task goes with `known`: its conditions and its pressures.
+    /// Checks that the task is compatible with `known`: its conditions and its pressures.
     ///
     /// # Errors
     /// [`Refusal`] of the first part that does not.
@@ -318,7 +319,7 @@ impl DesignTask {
         self.loads(&known.material).map(|_| ())
     }
 
-    /// The flat scene of this task, of `material` at `loads`.
+    /// Flat scene of this task, with `material` at `loads`.
     #[must_use]
     pub fn flat_scene(&self, material: &Material, loads: Vec<Load>, run: RunOptions) -> Scene {
         Scene {
@@ -333,13 +334,13 @@ impl DesignTask {
         }
     }
 
-    /// The refusal of blocks, for what they make of confirming runs.
+    /// Refusal of the block size because of its effect on confirming runs.
     #[must_use]
     pub fn refuse_blocks(&self, error: &SceneError) -> Refusal {
         Self::refuse_cost("confirming runs", error)
     }
 
-    /// The refusal of blocks, for what they make of the samples that the material is calibrated with.
+    /// Refusal of the block size because of its effect on the calibration samples.
     #[must_use]
     pub fn refuse_samples(&self, error: &SceneError) -> Refusal {
         Self::refuse_cost("samples of the calibration", error)
@@ -361,17 +362,17 @@ impl DesignTask {
             .expected(format!("larger blocks, a smaller layer or specimen, or a higher speed, for at most {most}"))
     }
 
-    /// Size of blocks, in micrometres.
+    /// Block size, in micrometres.
     #[must_use]
     pub fn block_um(&self) -> f64 {
         LENGTH_UM.from_si(self.layer.block_m)
     }
 }
 
-/// Nominal pressure over Young's modulus above which nothing is measured, nor designed for.
+/// Maximum nominal pressure over Young's modulus in measurements and designs.
 pub const MAX_STRAIN: f64 = 0.5;
 
-/// Whether every nominal pressure, in pascals, is one that a specimen of `material` bears.
+/// Checks that a specimen of `material` bears every nominal pressure, in pascals.
 ///
 /// # Errors
 /// [`Refusal`] of the first that is above [`MAX_STRAIN`] of Young's modulus.
@@ -388,8 +389,8 @@ pub fn check_pressures(pressures_pa: &[f64], material: &Material) -> Result<(), 
     Err(Refusal::new(TaskPart::Pressure(place), reason).expected(format!("at most {most_mpa} MPa")))
 }
 
-/// The loads of a scene: coefficients of `friction` at each pressure, and whether each was taken from outside the measured
-/// range.
+/// Builds the loads of a scene: coefficients of `friction` at each pressure, and whether each was extrapolated from the
+/// measured range.
 ///
 /// # Errors
 /// [`MaterialError`] where the material has coefficients per condition and none fits.

@@ -1,4 +1,4 @@
-//! Tests of the whole: one prediction, one search, whoever asks.
+//! Tests of the whole job: `optimize` and `next` give consistent predictions and searches.
 
 use slipgrid_calibrate::uncertainty::{CoefficientEstimate, MaterialUncertainty};
 use slipgrid_discrepancy::{
@@ -27,8 +27,8 @@ use crate::time_budget::TimeBudget;
 use crate::timings::Timings;
 use crate::{ConstraintQuantity, DesignError, DesignTask, KnownMaterial, NextOptions, NoCache, next_trials, run};
 
-/// Remembers the tables and runs of all tests, since most tests search the same grooves. `every_stage_comes_to_its_whole_and_...` and
-/// `several_samples_are_apart_and_...` compute their own.
+/// Caches the tables and runs of all tests, since most tests search equal grooves.
+/// `every_stage_comes_to_its_whole_and_...` and `several_samples_are_apart_and_...` compute their own.
 static KNOWN: LazyLock<CachingMonitor<'static>> = LazyLock::new(|| CachingMonitor::new(&Unwatched));
 
 pub fn task(planform: Planform) -> DesignTask {
@@ -47,7 +47,7 @@ pub fn task(planform: Planform) -> DesignTask {
     DesignTask::new(material, target, space, specimen, layer)
 }
 
-/// What the model says of a texture at the loads of `task`.
+/// Ratios of a texture by the model at the loads of `task`.
 fn steady(task: &DesignTask, lengths_m: [f64; 3]) -> Vec<f64> {
     let known = task.material.clone().unwrap();
     let scene = task.flat_scene(&known.material, task.loads(&known.material).unwrap().0, RunOptions::default());
@@ -55,14 +55,14 @@ fn steady(task: &DesignTask, lengths_m: [f64; 3]) -> Vec<f64> {
     SteadyModel::new(&scene, &[], &[], &task.space).on(task.specimen).steady(&pattern).unwrap().ratio
 }
 
-/// A target that grooves like these reach, where the model lacks nothing.
+/// Sets a target that grooves of these lengths reach if the model is exact.
 fn reached_by(task: &mut DesignTask, lengths_m: [f64; 3], tolerance: f64) {
     let points = [0.65e6, 2.6e6].into_iter().zip(steady(task, lengths_m));
     let points = points.map(|(pressure_pa, value)| TargetPoint { pressure_pa, value }).collect();
     task.target = Target::new(Quantity::Ratio, points, tolerance).unwrap();
 }
 
-/// A trial of grooves of these lengths that was measured at `ratios` at the loads of `task`.
+/// Trial of grooves of these lengths with the measured `ratios` at the loads of `task`.
 fn trial(task: &DesignTask, lengths_m: [f64; 3], ratios: [f64; 2]) -> Trial {
     let measured = |((pressure_pa, modelled), measured): ((f64, f64), f64)| Measured {
         load: At { pressure_pa, speed_m_s: task.speed_m_s, humidity: 0.4 },
@@ -84,7 +84,7 @@ fn trial(task: &DesignTask, lengths_m: [f64; 3], ratios: [f64; 2]) -> Trial {
     }
 }
 
-/// `task` with what these trials teach.
+/// Adds trials to `task`.
 fn taught(task: &DesignTask, trials: Vec<Trial>) -> DesignTask {
     let learned = Discrepancy::new(Hyperparameters::default(), Conditions::default(), 0.0, trials).unwrap();
     let uncertainty = MaterialUncertainty {
@@ -96,7 +96,7 @@ fn taught(task: &DesignTask, trials: Vec<Trial>) -> DesignTask {
     DesignTask { material: Some(KnownMaterial { material, uncertainty }), ..task.clone() }
 }
 
-/// `task` of a material of which flat friction rises with load, as its area law does not.
+/// Returns `task` with a material whose flat friction rises with load, contrary to its area law.
 fn contradicted(task: &DesignTask) -> DesignTask {
     let mut task = task.clone();
     let known = task.material.as_mut().unwrap();
@@ -111,7 +111,7 @@ fn contradicted(task: &DesignTask) -> DesignTask {
     task
 }
 
-/// Lets `then` ask the search of `task`.
+/// Runs `then` with the search of `task`.
 fn searched<T>(task: &DesignTask, then: impl FnOnce(&Search<'_>) -> T) -> T {
     let prepared = PreparedTask::new(task).unwrap();
     let budget = TimeBudget::new(&*KNOWN, None);
@@ -142,12 +142,12 @@ fn optimize_and_next_find_one_texture_with_one_chance() {
         assert_eq!(found.pattern, next.patterns[0]);
         assert_eq!(found.report.sample, next.report.samples[0]);
         assert_eq!((&*found.report.advice, &found.report.words), (&*next.report.advice, &next.report.words));
-        // The same texture asked for by itself.
+        // The texture found, requested as a sample of the user.
         let own = NextOptions { own: vec![found.pattern], ..NextOptions::default() };
         let own = next_trials(&task, &own, &*KNOWN).unwrap().report.own;
         assert_eq!((own[0].chance, &own[0].expected), (found.report.sample.chance, &found.report.sample.expected));
         assert!(found.report.sample.is_as_cut && found.report.sample.chance.is_some());
-        // The confirming run is what the model alone says.
+        // The confirming run gives the values of the model alone.
         for (confirmed, modelled) in found.report.confirmed.iter().zip(&found.report.sample.modelled) {
             assert!((confirmed.ratio.unwrap() - modelled.ratio).abs() < 1e-9, "{confirmed:?} {modelled:?}");
         }
@@ -196,7 +196,7 @@ fn the_table_is_near_the_model_and_says_how_near() {
         let report = &search.table.report;
         assert!(report.checked > 40 && report.median_error < 2e-3 && report.worst_error < 0.03, "{report:?}");
         assert!(report.holes == 0 && report.bytes > 8 * 4 * report.nodes);
-        // Chances by the table are near those by the model itself.
+        // Chances by the table are near those by the model.
         for lengths_um in [[80.0, 200.0, 8.0], [150.0, 420.0, 14.0], [240.0, 660.0, 26.0]] {
             let pattern = search.task.space.pattern(lengths_um.map(|um: f64| um * 1e-6)).unwrap();
             let (rough, exact) = (search.roughly(&pattern).unwrap(), search.solved(&pattern).unwrap());
@@ -239,7 +239,7 @@ fn the_local_law_moves_what_is_expected_and_not_what_is_modelled() {
     assert_eq!(limit.known_to, "as nothing says whether friction follows the local or the nominal pressure");
     for load in 0..2 {
         let change = sensitivity[load].local_law;
-        // The trial was modelled without it, and says next to nothing of lambda: half of the change is expected.
+        // The trial was modelled without the local law and hardly determines lambda: half of the change is expected.
         assert!(change > 0.01, "{sensitivity:?}");
         assert!(
             ((moved[load] / medians[load]).ln() - 0.5 * change).abs() < 0.1 * change,
@@ -255,7 +255,7 @@ fn the_local_law_moves_what_is_expected_and_not_what_is_modelled() {
         "{:?}",
         report.model
     );
-    // Measured flat friction, and a law that was fitted to it, are taken as they are.
+    // Measured flat friction, and a law fitted to it, are used unchanged.
     for known in [
         |of: &mut MaterialUncertainty| of.law_is_measured = true,
         |of: &mut MaterialUncertainty| of.law_is_fitted = true,
@@ -275,7 +275,7 @@ fn a_trial_on_target_is_said_and_its_texture_is_the_likeliest() {
     assert_eq!(report.advice, "trial_meets_it");
     assert!(report.words.starts_with("trial cut already meets the target"), "{}", report.words);
     assert!(report.sample.chance.unwrap() > 0.6, "{:?}", report.sample.chance);
-    // Off target at one load it is not.
+    // A trial off target at one load is not on target.
     let mut off = cut;
     off.measured[1].measured = 0.80;
     assert_ne!(run(&taught(&task, vec![off]), &mut NoCache, &*KNOWN).unwrap().report.advice, "trial_meets_it");
@@ -289,7 +289,7 @@ fn what_to_do_follows_from_the_chance_and_from_what_is_within_reach() {
         let points = [0.65e6, 2.6e6].map(|pressure_pa| TargetPoint { pressure_pa, value });
         DesignTask { target: Target::new(Quantity::Ratio, points.to_vec(), tolerance).unwrap(), ..base.clone() }
     };
-    // Before any trial the advice is a trial, however wide or far the band.
+    // Before any trial the advice is a trial, for wide and for unreachable bands.
     for (value, tolerance) in [(0.8, 0.15), (0.05, 0.02)] {
         let trial = advised(&wanting(value, tolerance));
         assert_eq!(trial.advice, "trial");
@@ -297,14 +297,14 @@ fn what_to_do_follows_from_the_chance_and_from_what_is_within_reach() {
     }
     let flat = advised(&wanting(0.97, 0.05));
     assert_eq!(flat.advice, "do_not_texture");
-    // More than the flat surface has, and less than any texture is expected to have, by what a trial says.
+    // A target above the flat surface, and one below the expected ratio of any texture after a trial.
     let cut = trial(&base, [100e-6, 300e-6, 10e-6], [0.9, 0.88]);
     for value in [1.4, 0.05] {
         let report = advised(&taught(&wanting(value, 0.02), vec![cut.clone()]));
         assert_eq!(report.advice, "cannot_be_met", "{value} {}", report.words);
         assert!(report.sample.expected.iter().any(|at| !at.is_within()));
     }
-    // A limit that keeps it out of reach is named.
+    // A limit that keeps the target out of reach is named.
     let limit = Limit {
         name: "largest local pressure",
         unit: "MPa",
@@ -337,20 +337,20 @@ fn a_goal_is_the_best_expected_value_that_keeps_the_demands() {
     let goal = lowest.goal.as_ref().unwrap();
     let ends = goal.interval_95.unwrap();
     assert!(ends[0] < goal.expected && goal.expected < ends[1], "{goal:?}");
-    // Where no ratio may be below a value it is kept more likely than not.
+    // A lower limit besides the goal is met more likely than not.
     let kept = aimed(Goal::Lowest, Accepted::AtLeast { lowest: 0.8, margin: 0.01 });
     let value = kept.goal.as_ref().unwrap().expected;
     assert!(kept.sample.chance.unwrap() >= 0.5 && value > goal.expected && value < 0.95, "{value}");
-    // The flat surface has the highest friction where the model, and what it is believed to lack, lower it.
+    // The flat surface has the highest friction if the model and its expected error lower friction.
     assert_eq!(aimed(Goal::Highest, Accepted::Anything).advice, "do_not_texture");
 }
 
-/// A design is chosen by what its trial will be modelled as, on the specimen that it is cut into.
+/// Tests that the ratio of a design equals the modelled ratio of its trial, on the specimen that it is cut into.
 #[test]
 fn ratios_that_are_predicted_are_those_of_the_specimen() {
     let mut task = task(Planform::Groove);
     task.layer.thickness_m = Some(7e-3);
-    // A surface whose friction falls faster, on which the rim tells.
+    // A surface with steeper friction, for which the outer rim matters.
     let law = AreaLaw::new(vec![0.7e6, 2.6e6, 10e6], vec![1.0, 0.6, 0.2]).unwrap();
     task.material.as_mut().unwrap().material.area_law = Some(law);
     let found = next_trials(&task, &NextOptions { count: 1, ..NextOptions::default() }, &*KNOWN).unwrap();
@@ -360,7 +360,7 @@ fn ratios_that_are_predicted_are_those_of_the_specimen() {
         let run = RunOptions { extent, refine: true, seed: task.seed, ..RunOptions::default() };
         let run = if specimen.is_some() { run.from_sliding() } else { run };
         let scene = Scene { pattern, ..task.flat_scene(material, task.loads(material).unwrap().0, run) };
-        // What time adds is that of even sliding, at whatever speed.
+        // Time adds the effect of even sliding, at any speed.
         let speed_m_s = even_speed_m_s(&scene.elastic, scene.loads[0].pressure_pa);
         let scene = if specimen.is_some() { Scene { speed_m_s, ..scene }.in_time() } else { scene };
         simulate_on(&scene, specimen, &Unwatched).unwrap().loads
@@ -381,7 +381,7 @@ fn ratios_that_are_predicted_are_those_of_the_specimen() {
 #[test]
 fn squares_are_chosen_in_space() {
     let mut task = task(Planform::Square);
-    // A thin layer: cells in space take milliseconds.
+    // A thin layer, for which cells in space take milliseconds.
     task.layer = Layer { height_m: 40e-6, block_m: 20e-6, ..task.layer };
     let found = next_trials(&task, &NextOptions::default(), &*KNOWN).unwrap();
     assert_eq!(found.patterns.len(), 1);
@@ -423,7 +423,8 @@ fn sectors_of_one_disc_hold_what_is_chosen_for_them() {
     assert_eq!((disc.patterns.len(), disc.sectors.len(), apart.sectors.len()), (7, 7, 0));
     let (of, report) = (disc.sectors[0].division(), disc.report.one_disc.as_ref().unwrap());
     assert!(apart.report.one_disc.is_none());
-    // Seven sectors of a disc of 10 mm hold circles of 2.7 mm: periods of 0.68 mm at most, where bounds reach to 1 mm.
+    // Seven sectors of a disc of 10 mm contain circles of 2.7 mm: periods of at most 0.68 mm, while the bounds reach 1
+    // mm.
     assert!(of.least_circle_m() > 2.6e-3 && of.least_circle_m() < 2.8e-3);
     assert!(disc.patterns.iter().all(|pattern| 4.0 * pattern.pitch_m() <= of.least_circle_m()));
     assert!(disc.report.compared < apart.report.compared, "{} {}", disc.report.compared, apart.report.compared);
@@ -441,7 +442,7 @@ fn sectors_of_one_disc_hold_what_is_chosen_for_them() {
     let options = NextOptions { count: 4, one_disc: true, ..NextOptions::default() };
     let refused = next_trials(&small, &options, &*KNOWN).unwrap_err().to_string();
     assert!(refused.contains("expected fewer sectors"), "{refused}");
-    // Sectors of a rectangle are said to be such; the names of specimens that were cut are not given again.
+    // Sectors of a rectangle have a note; names of specimens already cut are not reused.
     small.specimen.outline = slipgrid_export::Outline::Rectangle { length_m: 12e-3, width_m: 12e-3 };
     let options = NextOptions { discs: vec![format!("{}, rectangle 1", disc.report.name)], ..options };
     let rectangle = next_trials(&small, &options, &*KNOWN).unwrap().report.text();
@@ -451,17 +452,17 @@ fn sectors_of_one_disc_hold_what_is_chosen_for_them() {
     );
 }
 
-/// On one disc all are off together: the more a disc is off by, the less a further sector helps.
+/// Tests that samples of one disc share an error: the larger the disc error, the less a further sector helps.
 #[test]
 fn the_chance_of_one_of_several_counts_what_one_disc_is_off_by() {
     let mut task = task(Planform::Groove);
-    // What the model says of some grooves is reached by them.
+    // Grooves reach a target set by their modelled ratios.
     reached_by(&mut task, [120e-6, 300e-6, 15e-6], 0.02);
     let together = |task: &DesignTask, one_disc| {
         let options = NextOptions { count: 3, one_disc, ..NextOptions::default() };
         next_trials(task, &options, &*KNOWN).unwrap().report.one_on_target
     };
-    // Without the model's shortcomings a texture on target is found, and the disc alone may miss it.
+    // Without model error a texture on target is found, and the disc alone may miss it.
     let prior = Hyperparameters {
         amplitude_std: 0.0,
         pressure_std: 0.0,
@@ -482,7 +483,7 @@ fn the_chance_of_one_of_several_counts_what_one_disc_is_off_by() {
     assert!(little > 0.9 && much < 0.8, "{little} {much}");
 }
 
-/// The stages that began, with the shares of their work that were done.
+/// Stages that began, with the completed shares of their work.
 #[derive(Default)]
 struct Shares(Mutex<Vec<(String, f64)>>);
 
@@ -496,7 +497,7 @@ impl Monitor for Shares {
     }
 }
 
-/// Where nothing may be asked any more.
+/// Monitor that has cancelled already.
 struct Over;
 
 impl Monitor for Over {
@@ -536,7 +537,7 @@ fn what_the_laser_cannot_cut_is_said_with_the_number_of_the_sample() {
         let all = laser_warnings(&task, [whole, own].iter());
         all.into_iter().filter(|said| !said.contains("mean depth")).collect()
     };
-    // Written to a hundredth of a micrometre, four passes remove 12.57 um.
+    // Rounded to a hundredth of a micrometre, four passes remove 12.57 um.
     assert_eq!(said(120.0, 12.57), Vec::<String>::new());
     let off = said(120.0, 12.6);
     assert!(

@@ -1,11 +1,11 @@
-//! The seconds that a job may take in all: each stage has what those before it left.
+//! Time limit of a job: each stage may use what earlier stages left.
 
 use slipgrid_monitor::{Monitor, Stage};
 
-/// Share of what is left that a search may take, so that its best design can be confirmed.
+/// Share of the remaining time for a search, so that its best design can be confirmed.
 pub const SEARCH_SHARE: f64 = 0.6;
 
-/// Until when a job may go on, by the clock of its monitor.
+/// Deadline of a job, by the clock of its monitor.
 #[derive(Clone, Copy)]
 pub struct TimeBudget<'a> {
     monitor: &'a dyn Monitor,
@@ -13,17 +13,17 @@ pub struct TimeBudget<'a> {
 }
 
 impl<'a> TimeBudget<'a> {
-    /// `most_s` seconds from now on; no limit when absent.
+    /// Sets the deadline `most_s` seconds from now; no limit when absent.
     pub fn new(monitor: &'a dyn Monitor, most_s: Option<f64>) -> Self {
         Self { monitor, until_s: most_s.map(|most_s| monitor.seconds() + most_s) }
     }
 
-    /// A stage that may take all that is left.
+    /// Starts a stage that may use all remaining time.
     pub fn stage(&self, name: &str) -> Stage<'a> {
         Stage::new(self.monitor, name, self.until_s)
     }
 
-    /// A stage that may take `share` of what is left.
+    /// Starts a stage that may use `share` of the remaining time.
     pub fn stage_of_share(&self, name: &str, share: f64) -> Stage<'a> {
         let now_s = self.monitor.seconds();
         let until_s = self.until_s.map(|until_s| now_s + (until_s - now_s).max(0.0) * share);

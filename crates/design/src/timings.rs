@@ -1,29 +1,30 @@
-//! What the stages of a job took.
+//! Time of the stages of a job.
 
 use serde::{Deserialize, Serialize};
 
 /// Seconds by stage.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Timings {
-    /// Reading or calibrating the material.
+    /// Seconds for reading or calibrating the material.
     pub material: f64,
-    /// The table of the bounds.
+    /// Seconds for the table of the bounds.
     pub table: f64,
-    /// Searching in it.
+    /// Seconds for the search in the table.
     pub search: f64,
-    /// Confirming in time.
+    /// Seconds for the confirming run in time.
     pub confirm: f64,
-    /// What is said of samples, what limits the chance and blocks a target, slopes, and comparing designs by the goals of `[trade_offs]`.
+    /// Seconds for sample predictions, limits of the chance, blockers of a target, slopes, and comparing designs by the
+    /// goals of `[trade_offs]`.
     pub trade_offs: f64,
-    /// What the page's explorer shows.
+    /// Seconds for the page's explorer.
     #[serde(default)]
     pub explorer: f64,
-    /// Drawing and tabulating, up to result.json itself.
+    /// Seconds for drawing and tabulating, up to result.json itself.
     pub export: f64,
 }
 
 impl Timings {
-    /// The seconds in words.
+    /// Formats the seconds.
     #[must_use]
     pub fn words(&self) -> String {
         let all = [

@@ -1,6 +1,6 @@
-//! Trade-offs: the textures that no other beats in every goal of `[trade_offs]`, by the table.
+//! Trade-offs: textures that no other texture beats in every goal of `[trade_offs]`, by the table.
 //!
-//! A texture dominates another where it is at least as good by every goal and better by one (V. Pareto).
+//! A texture dominates another if it is at least as good by every goal and better by one (V. Pareto).
 
 use std::borrow::Cow;
 
@@ -17,54 +17,54 @@ use crate::search::Search;
 use crate::steps::Steps;
 use crate::task::{TradeOffGoal, TradeOffsWanted};
 
-/// Designs of the front that a report lists; the table beside it has all.
+/// Number of designs of the front in a report; the table file has all.
 const LISTED: usize = 12;
 
-/// A design with what it does by each goal.
+/// Design with its values by each goal.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TradeOff {
-    /// The design.
+    /// Compared design.
     pub design: Pattern,
-    /// By each goal.
+    /// Value by each goal.
     pub goals: Vec<f64>,
 }
 
 /// Designs compared by goals.
 #[derive(Clone, Debug)]
 pub struct Compared {
-    /// The goals.
+    /// Goals of the comparison.
     pub wanted: TradeOffsWanted,
-    /// Designs that no other one dominates, by the first goal.
+    /// Designs that no other design dominates, sorted by the first goal.
     pub front: Vec<TradeOff>,
-    /// All others.
+    /// All dominated designs.
     pub dominated: Vec<TradeOff>,
 }
 
-/// The trade-offs as result.json holds them.
+/// Record of the trade-offs in result.json.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct TradeOffsReport {
-    /// Columns of trade-offs.csv that designs were compared by.
+    /// Columns of trade-offs.csv for the goals.
     pub goals: Vec<Cow<'static, str>>,
-    /// The same in words.
+    /// Goals in words.
     pub words: Vec<Cow<'static, str>>,
-    /// Designs compared.
+    /// Number of designs compared.
     pub designs: usize,
-    /// Designs that no other one dominates.
+    /// Number of designs that no other design dominates.
     pub front: usize,
-    /// What the design found does by each goal.
+    /// Values of the design found, by each goal.
     pub chosen: Vec<f64>,
-    /// Some of the front, from one end by the first goal to the other.
+    /// Selected designs of the front, from one end by the first goal to the other.
     pub listed: Vec<ListedDesign>,
-    /// The best of the front by each goal.
+    /// Best design of the front by each goal.
     pub best: Vec<ListedDesign>,
 }
 
-/// A design of the front.
+/// Design of the front.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ListedDesign {
-    /// The design.
+    /// Texture of the design.
     pub design: PatternReport,
-    /// Its value by each goal.
+    /// Value by each goal.
     pub goals: Vec<f64>,
 }
 
@@ -75,7 +75,8 @@ impl ListedDesign {
     }
 }
 
-/// Compares textures within the bounds and limits of `search` by the goals of its task, `best` among them; `None` where nothing is to be compared.
+/// Compares textures within the bounds and limits of `search` by the goals of its task, `best` among them; `None` if the
+/// task has no goals.
 pub fn of(search: &Search<'_>, best: &Prediction) -> Option<(TradeOffsReport, Compared)> {
     let wanted = search.task.trade_offs.clone()?;
     let own = best.texture.pattern;
@@ -98,7 +99,7 @@ pub fn of(search: &Search<'_>, best: &Prediction) -> Option<(TradeOffsReport, Co
     for (known, is_on_front) in all.into_iter().zip(is_on_front) {
         if is_on_front { front.push(known) } else { dominated.push(known) }
     }
-    // Stable: of equal goals the earlier first.
+    // A stable sort, so that the earlier of equal designs comes first.
     front.sort_by(|a, b| in_order(&lesser(&wanted.goals, &a.goals), &lesser(&wanted.goals, &b.goals)));
     let best_by = |goal: usize| {
         let by = |known: &&TradeOff| lesser(&wanted.goals, &known.goals)[goal];
@@ -118,7 +119,7 @@ pub fn of(search: &Search<'_>, best: &Prediction) -> Option<(TradeOffsReport, Co
     Some((report, Compared { wanted, front, dominated }))
 }
 
-/// What `found` does by `goal`; `None` where that is not known.
+/// Value of `found` by `goal`; `None` if unknown.
 fn value(search: &Search<'_>, found: &Prediction, goal: TradeOffGoal) -> Option<f64> {
     let pattern = &found.texture.pattern;
     match goal {
@@ -127,7 +128,7 @@ fn value(search: &Search<'_>, found: &Prediction, goal: TradeOffGoal) -> Option<
         TradeOffGoal::LaserTime => seconds(search.task, pattern),
         TradeOffGoal::Volume => Some(1e9 * search.task.specimen.layout(*pattern).ok()?.cavity_volume_m3()),
         TradeOffGoal::PeakPressure => {
-            // Of a specimen that was run its own.
+            // A specimen that was run has the pressure of the run.
             let of_run =
                 |run: &Simulation| run.loads.iter().map(|load| load.surface.peak_pressure_pa).fold(0.0, f64::max);
             let peak_pa = match &found.texture.run {
@@ -147,20 +148,21 @@ fn value(search: &Search<'_>, found: &Prediction, goal: TradeOffGoal) -> Option<
     }
 }
 
-/// The same, the less the better.
+/// Values oriented so that less is better.
 fn lesser(of: &[TradeOffGoal], goals: &[f64]) -> Vec<f64> {
     of.iter().zip(goals).map(|(of, goal)| if *of == TradeOffGoal::Chance { -goal } else { *goal }).collect()
 }
 
-/// Lexicographic.
+/// Lexicographic order.
 fn in_order(left: &[f64], right: &[f64]) -> std::cmp::Ordering {
     let differing = left.iter().zip(right).map(|(l, r)| l.total_cmp(r)).find(|order| order.is_ne());
     differing.unwrap_or(std::cmp::Ordering::Equal)
 }
 
-/// Whether each of `goals` is dominated by no other. Equal ones do not dominate each other.
+/// Whether no other element dominates each of `goals`. Equal elements do not dominate each other.
 fn on_front(goals: &[Vec<f64>]) -> Vec<bool> {
-    // In lexicographic order whatever dominates comes first, and what a dominated one dominates something on the front dominates too.
+    // In lexicographic order a dominating element comes first, and an element dominated by a dominated one is also
+    // dominated by one on the front.
     let mut order: Vec<usize> = (0..goals.len()).collect();
     order.sort_by(|&a, &b| in_order(&goals[a], &goals[b]));
     let (mut front, mut is_on_front): (Vec<usize>, Vec<bool>) = (Vec::new(), vec![false; goals.len()]);
@@ -173,13 +175,13 @@ fn on_front(goals: &[Vec<f64>]) -> Vec<bool> {
     is_on_front
 }
 
-/// At least as good by every goal, and better by one.
+/// Whether `left` is at least as good by every goal, and better by one.
 fn dominates(left: &[f64], right: &[f64]) -> bool {
     left.iter().zip(right).all(|(l, r)| l <= r) && left.iter().zip(right).any(|(l, r)| l < r)
 }
 
 impl TradeOffsReport {
-    /// Some lines for people.
+    /// Formats the trade-offs in some lines.
     #[must_use]
     pub fn text(&self) -> String {
         let numbers = |goals: &[f64]| {
@@ -205,7 +207,7 @@ impl TradeOffsReport {
     }
 }
 
-/// The name of a goal and its unit, by its column.
+/// Name of a goal and its unit, by its column.
 fn words(column: &str) -> [&str; 2] {
     match column {
         "laser_time_s" => ["laser time", "s"],

@@ -1,33 +1,33 @@
-//! Why trials were refused.
+//! Errors of trials and hyperparameters.
 
-/// Why trials were refused.
+/// Reason why trials were refused.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum DiscrepancyError {
-    /// A number of a trial means nothing.
+    /// Invalid number of a trial.
     #[error("{quantity} of trial {trial} at its row {row} is {value}, and must be {expected}")]
     Measured {
         /// Name of the trial.
         trial: String,
         /// Number of the row, from 1.
         row: usize,
-        /// Which number.
+        /// Name of the number.
         quantity: &'static str,
-        /// What it is.
+        /// Value of the number.
         value: f64,
-        /// What would be accepted.
+        /// Accepted values.
         expected: &'static str,
     },
-    /// A hyperparameter means nothing.
+    /// Invalid hyperparameter.
     #[error("{name} is {value}, and must be {expected}")]
     Hyperparameter {
-        /// Its name.
+        /// Name of the hyperparameter.
         name: &'static str,
-        /// What it is.
+        /// Value of the hyperparameter.
         value: f64,
-        /// What would be accepted.
+        /// Accepted values.
         expected: &'static str,
     },
-    /// The covariance of the measurements has no inverse.
+    /// Covariance of the measurements without an inverse.
     #[error("two measurements are the same without any error: their covariance has no inverse")]
     Singular,
 }

@@ -1,13 +1,13 @@
-//! What of a texture the discrepancy depends on.
+//! Features of a texture that the discrepancy depends on.
 
 use slipgrid_pattern::Pattern;
 
-/// What of a texture the discrepancy depends on.
+/// Features of a texture that the discrepancy depends on.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Features {
-    /// Share of the face that is cavity.
+    /// Fraction of the face that is cavity.
     pub areal_density: f64,
-    /// Length of the cavities' edges over the area of the face, in 1/m.
+    /// Edge length of the cavities over the area of the face, in 1/m.
     pub edge_1_m: f64,
     /// Width of a cavity, in metres.
     pub width_m: f64,

@@ -1,34 +1,34 @@
-//! Forms: how the discrepancy grows with what was cut away.
+//! Forms: growth of the discrepancy with the removed area, edge length and depth.
 
 use crate::Features;
 
-/// How the discrepancy grows with what was cut away: 0 without cavities.
+/// Growth of the discrepancy with the texture: 0 without cavities.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Form {
-    /// As the areal density a: what happens over the cavities, or is missing there.
+    /// Proportional to the areal density a, for effects over the cavities.
     Density,
-    /// As the edges' length per area e: what happens along them, as rims and menisci do.
+    /// Proportional to the edge length per area e, for effects at edges, as of rims and menisci.
     Edge,
-    /// As 1 - exp(-a / scale): little texture does nearly all, as where wear debris is caught.
+    /// 1 - exp(-a / scale): saturates at low density, as in the capture of wear debris.
     Saturating {
-        /// Areal density at which most is reached.
+        /// Areal density of saturation.
         scale: f64,
     },
-    /// As a (1 - exp(-depth / scale)): shallow cavities do less.
+    /// a (1 - exp(-depth / scale)): a smaller effect of shallow cavities.
     DepthDensity {
-        /// Depth at which most is reached, in metres.
+        /// Depth of saturation, in metres.
         scale_m: f64,
     },
-    /// As e (1 - exp(-depth / scale)): edges of shallow cavities do less.
+    /// e (1 - exp(-depth / scale)): a smaller effect of edges of shallow cavities.
     DepthEdge {
-        /// Depth at which most is reached, in metres.
+        /// Depth of saturation, in metres.
         scale_m: f64,
     },
 }
 
 impl Form {
-    /// The forms with their weights before anything was measured, which sum to 1. The families are alike likely but for the
-    /// last, which shares its edges with the second.
+    /// Returns the forms with their prior weights, which sum to 1. The families have equal weight, except that the last
+    /// one shares the weight of the edges with the second.
     #[must_use]
     pub fn usual() -> Vec<(Self, f64)> {
         let family = |share: f64, members: Vec<Self>| {
@@ -45,7 +45,7 @@ impl Form {
         .concat()
     }
 
-    /// The form at a texture, in units of its own.
+    /// Evaluates the form for a texture, in units specific to the form.
     #[must_use]
     pub fn value(&self, of: &Features) -> f64 {
         // 1 - exp(-x / x0)
@@ -59,7 +59,7 @@ impl Form {
         }
     }
 
-    /// Its family: what it grows with.
+    /// Family of the form: the feature that it grows with.
     #[must_use]
     pub const fn family(&self) -> &'static str {
         match self {
@@ -71,7 +71,7 @@ impl Form {
         }
     }
 
-    /// Its family and scale.
+    /// Family and scale.
     #[must_use]
     pub fn name(&self) -> String {
         let um = |length_m: f64| (length_m * 1e9).round() / 1e3;

@@ -1,46 +1,48 @@
-//! What is believed before anything was measured.
+//! Prior of the discrepancy.
 
 use crate::{DiscrepancyError, Features, Form};
 
-/// What is believed before anything was measured. Standard deviations are of the ratio's logarithm at the reference texture.
+/// Prior of the discrepancy. Standard deviations refer to the logarithm of the ratio at the reference texture.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Hyperparameters {
-    /// The texture at which every form is 1. The published squares: the only ones of which a discrepancy was published, 0.19.
+    /// Texture at which every form is 1. Default: the published squares, the only texture with a published discrepancy,
+    /// 0.19.
     pub reference: Features,
-    /// Of alpha. As large as what was published.
+    /// Standard deviation of alpha, as large as the published discrepancy.
     pub amplitude_std: f64,
-    /// Of beta, along (P - P0) / P0. The published samples show none in a range of 0.6 to 2.5 MPa.
+    /// Standard deviation of beta, along (P - P0) / P0. The published samples show no such trend from 0.6 to 2.5 MPa.
     pub pressure_std: f64,
-    /// Of gamma, along P1 / P - 1/2. What adhesion or a meniscus adds is a force, which counts the less the larger the load.
+    /// Standard deviation of gamma, along P1 / P - 1/2. Adhesion or a meniscus adds a force, whose effect decreases with
+    /// load.
     pub inverse_pressure_std: f64,
-    /// Of kappa, along ln(v / v0). The published samples show 0.036 +- 0.009.
+    /// Standard deviation of kappa, along ln(v / v0). The published samples show 0.036 +- 0.009.
     pub speed_std: f64,
-    /// Of eta at any humidity. The published samples differ by 0.13 between 40 and 80 %.
+    /// Standard deviation of eta at any humidity. The published samples differ by 0.13 between 40 and 80 %.
     pub humidity_std: f64,
-    /// Difference of humidity, from 0 to 1, over which eta changes: its correlation is exp(-|dH| / this).
+    /// Correlation length of eta in humidity, from 0 to 1: the correlation is exp(-|dH| / length).
     pub humidity_length: f64,
-    /// How many times as large all of these may be, with weights that sum to 1: many a mechanism does little.
+    /// Factors on all of these standard deviations, with weights that sum to 1: many mechanisms have a small effect.
     pub scales: Vec<(f64, f64)>,
-    /// Of c over that of alpha, with weights that sum to 1: how far a form may be from what it stands for, as a smooth function
-    /// of the dimensions.
+    /// Standard deviations of c over that of alpha, with weights that sum to 1: deviation from a form, as a smooth
+    /// function of the dimensions.
     pub residuals: Vec<(f64, f64)>,
-    /// Difference of the logarithms of width, pitch and depth over which that changes.
+    /// Correlation length of c in the logarithms of width, pitch and depth.
     pub residual_length: f64,
-    /// Difference of the logarithms of pressure over which it changes.
+    /// Correlation length of c in the logarithm of pressure.
     pub residual_pressure_length: f64,
-    /// Of t: from one sample to the next of the same texture, as stated.
+    /// Standard deviation of t: between samples of one texture, as stated.
     pub sample_std: f64,
-    /// How many times as large that may be, with weights that sum to 1: samples scatter as stated, unless they show that they scatter more or less.
-    /// The tail is heavy, so that no scatter is too large to be believed.
+    /// Factors on the stated scatter of samples, with weights that sum to 1: the stated scatter holds unless trials show
+    /// more or less. The tail is heavy, so that any scatter is possible.
     pub scatters: Vec<(f64, f64)>,
-    /// Least standard error of a patterned measurement over itself.
+    /// Minimum standard error of a patterned measurement, relative to the measurement.
     pub least_measured_std: f64,
-    /// The forms with their weights, which sum to 1.
+    /// Forms with their weights, which sum to 1.
     pub forms: Vec<(Form, f64)>,
 }
 
-/// Scatter from one sample of a texture to the next before two were measured: laboratories repeat dry friction to 2 to 7 %, and ASTM D2534 states
-/// 0.02 of a coefficient as one standard deviation.
+/// Default scatter between samples of a texture, before two were measured: laboratories repeat dry friction to 2 to 7 %,
+/// and ASTM D2534 states 0.02 of a coefficient as one standard deviation.
 const USUAL_SAMPLE_STD: f64 = 0.02;
 
 impl Default for Hyperparameters {
@@ -71,27 +73,29 @@ impl Default for Hyperparameters {
     }
 }
 
-/// What pressures and speeds count from: those of the flat sample's measurements.
+/// Reference pressures and speed, from the flat sample's measurements.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Conditions {
-    /// P0, about the middle of the measured pressures, in pascals.
+    /// P0, near the middle of the measured pressures, in pascals.
     pub reference_pressure_pa: f64,
-    /// P1, the lowest of them, in pascals.
+    /// P1, the minimum of the measured pressures, in pascals.
     pub lowest_pressure_pa: f64,
-    /// v0, about the middle of the measured speeds, in m/s.
+    /// v0, near the middle of the measured speeds, in m/s.
     pub reference_speed_m_s: f64,
 }
 
 impl Default for Conditions {
-    /// The published ones.
+    /// Conditions of the published measurements.
     fn default() -> Self {
         Self { reference_pressure_pa: 1.5e6, lowest_pressure_pa: 0.65e6, reference_speed_m_s: 2e-3 }
     }
 }
 
 impl Hyperparameters {
+    /// Checks that all hyperparameters are valid.
+    ///
     /// # Errors
-    /// [`DiscrepancyError::Hyperparameter`] of the first that means nothing.
+    /// [`DiscrepancyError::Hyperparameter`] of the first invalid one.
     pub(crate) fn check(&self) -> Result<(), DiscrepancyError> {
         let refuse = |name, value, expected| Err(DiscrepancyError::Hyperparameter { name, value, expected });
         for (name, value) in [
@@ -119,7 +123,7 @@ impl Hyperparameters {
                 return refuse(name, value, "positive and finite");
             }
         }
-        // Where trials say nothing of the scatter, it is the first.
+        // Without information from trials, the first scatter is used.
         if !self.scatters.first().is_some_and(|(times, weight)| *times == 1.0 && *weight > 0.0) {
             let first = self.scatters.first().map_or(f64::NAN, |(times, _)| *times);
             return refuse("first of the scatters", first, "1, the stated one, with a weight");

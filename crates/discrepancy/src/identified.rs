@@ -1,15 +1,19 @@
-//! Whether the trials tell the forms apart.
+//! Identification: whether the trials distinguish the forms.
 
 use crate::{Discrepancy, Features, Form};
 
-/// A family of forms with more weight than this is what the trials say.
+/// Minimum weight of a family of forms that counts as identified.
 const IDENTIFIED: f64 = 0.8;
-/// Difference of logarithms from which on two textures differ, and two forms grow differently from one to the other. A form's amplitude at
-/// one texture is known to a few hundredths at best.
+/// Minimum difference of logarithms at which two textures differ, and two forms grow differently between them. The
+/// amplitude of a form at one texture is known to a few hundredths at best.
 const APART: f64 = 0.1;
 
 impl Discrepancy {
-    /// The family of forms that the trials say; `None` while they do not.
+    /// Returns the identified family of forms; `None` if the trials do not identify one.
+    ///
+    /// At a single texture the amplitude of every form can be fitted, so the weights differ only by the prior amplitudes
+    /// there. A family
+    /// is therefore identified only if at least two trials differ in its form relative to every form of another family:
     ///
     /// One texture gives every form an amplitude that fits: weights then differ by nothing but how large each was believed to be
     /// there. So a family is named only where two trials at least lie apart in its form and in every form of another family,
@@ -29,19 +33,19 @@ impl Discrepancy {
         others.all(|other| self.tell_apart(&own.form, &other.form)).then_some(family)
     }
 
-    /// Whether all trials are of one texture: alike in areal density, in edge length and in depth.
+    /// Whether all trials have one texture, by areal density, edge length and depth.
     #[must_use]
     pub fn has_one_texture(&self) -> bool {
         let features: [fn(&Features) -> f64; 3] = [|of| of.areal_density, |of| of.edge_1_m, |of| of.depth_m];
         !self.trials().is_empty() && features.iter().all(|of| self.range(&|own| libm::log(of(own))) <= APART)
     }
 
-    /// Whether one of two forms grows otherwise than the other from one of the trials to another.
+    /// Whether the growth of two forms differs between some pair of trials.
     fn tell_apart(&self, one: &Form, other: &Form) -> bool {
         self.range(&|of| libm::log(one.value(of) / other.value(of))) > APART
     }
 
-    /// The largest less the smallest finite logarithm of the trials.
+    /// Maximum minus minimum of the finite logarithms over the trials.
     fn range(&self, log: &dyn Fn(&Features) -> f64) -> f64 {
         let logs = || self.trials().iter().map(|trial| log(&trial.features)).filter(|log| log.is_finite());
         let (least, most) = (logs().fold(f64::INFINITY, f64::min), logs().fold(f64::NEG_INFINITY, f64::max));
@@ -55,7 +59,7 @@ mod tests {
     use crate::{Conditions, Hyperparameters, Load, Measured, Sensitivity, Trial};
     use slipgrid_pattern::{Pattern, Planform};
 
-    /// Grooves of these widths, spacings and depths, in um, whose discrepancy grows with their edges.
+    /// Discrepancy learned from grooves of these widths, spacings and depths, in um, that grows with edge length.
     fn learned(textures: &[[f64; 3]]) -> Discrepancy {
         let trial = |lengths_um: &[f64; 3]| {
             let [width_m, spacing_m, depth_m] = lengths_um.map(|length_um| length_um * 1e-6);
@@ -86,7 +90,7 @@ mod tests {
 
     #[test]
     fn a_form_is_named_only_where_textures_tell_it_from_the_others() {
-        // A dense texture and repeats of it: some forms lose weight, because they were believed to be far too large there.
+        // A dense texture with repeats: some forms lose weight because their prior amplitudes there were too large.
         let one = learned(&[[84.0, 31.0, 48.0], [84.0, 30.0, 48.0], [83.0, 31.0, 48.0]]);
         assert!(one.has_one_texture() && one.identified().is_none(), "{:?}", one.forms());
         let many =
@@ -94,11 +98,11 @@ mod tests {
         let found = learned(&many);
         assert!(!found.has_one_texture());
         assert_eq!(found.identified(), Some("edge length"), "{:?}", found.forms());
-        // Edges in proportion to the density: one cannot be told from the other.
+        // Edges in proportion to the density: the two forms cannot be distinguished.
         let alike = learned(&[[100.0, 100.0, 10.0], [100.0, 300.0, 10.0], [100.0, 900.0, 10.0]]);
         assert!(!alike.has_one_texture() && alike.identified().is_none(), "{:?}", alike.forms());
         assert!(!learned(&[]).has_one_texture());
-        // Each is alike to the first, and the last two are not to each other, in whatever order they come.
+        // The first is similar to both others, which differ from each other; the order must not matter.
         let [middle, shallow, deep] = [48.0, 44.5, 52.0].map(|depth_um| [84.0, 31.0, depth_um]);
         for textures in [[middle, shallow, deep], [shallow, middle, deep], [deep, shallow, middle]] {
             assert!(!learned(&textures).has_one_texture());

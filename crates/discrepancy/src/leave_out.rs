@@ -1,4 +1,4 @@
-//! Measurements predicted by others: what the mixture would have said before they were made.
+//! Cross-validation: predicts measurements from the remaining ones.
 
 use slipgrid_monitor::{Cancelled, Monitor};
 use slipgrid_statistics::normal_quantile;
@@ -7,39 +7,39 @@ use crate::mixture::{Member, is_same};
 use crate::{Component, Discrepancy, Prediction};
 use slipgrid_statistics::cholesky::{cholesky, dot, is_regular, log_determinant, solve_lower};
 
-/// What is left out at a time.
+/// Measurements to leave out at a time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LeftOut {
-    /// A trial, predicted by all others.
+    /// One trial, predicted from all others.
     Trial,
-    /// A condition, predicted by all others: pressure, speed and humidity, in whatever trial.
+    /// One condition (pressure, speed and humidity) in all trials, predicted from all others.
     Condition,
-    /// A trial and all after it, predicted by those before: what was known when it was cut.
+    /// One trial and all later ones, predicted from earlier ones: the knowledge when it was cut.
     TrialAndLater,
 }
 
-/// A measurement beside what was predicted of it without it.
+/// Measurement together with its prediction from others.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Surprise {
-    /// Number of the trial, from 0, and of the measurement in it.
+    /// Index of the trial, from 0.
     pub trial: usize,
-    /// Number of the measurement in it, from 0.
+    /// Index of the measurement in the trial, from 0.
     pub row: usize,
-    /// How many measurements it was predicted by: with none, by what is believed before any.
+    /// Number of measurements used in the prediction; with 0, the prior is used.
     pub known: usize,
     /// Logarithm of the measured over the modelled ratio.
     pub measured: f64,
-    /// Median of what was predicted, with the measurement's own errors.
+    /// Predicted median, including the errors of the measurement.
     pub median: f64,
-    /// Ends of the interval that holds 68 % of it.
+    /// Ends of the predicted 68 % interval.
     pub interval_68: [f64; 2],
-    /// Ends of the interval that holds 95 %.
+    /// Ends of the predicted 95 % interval.
     pub interval_95: [f64; 2],
-    /// The measurement in standard deviations of a normal distribution: that of which as much lies below.
+    /// Deviation of the measurement in standard deviations of a normal distribution, by equal probability below.
     pub surprise: f64,
 }
 
-/// Every measurement of `discrepancy` predicted without those that are left out with it.
+/// Predicts every measurement of `discrepancy` without those that `by` leaves out with it.
 ///
 /// # Errors
 /// [`Cancelled`] once `monitor` has cancelled.
@@ -76,7 +76,7 @@ pub fn leave_out(discrepancy: &Discrepancy, by: LeftOut, monitor: &dyn Monitor) 
             done[row] = true;
             let (trial, own) = (rows[row].0, row - rows.iter().position(|(of, _)| *of == rows[row].0).unwrap_or(0));
             let quantile = |p: f64| prediction.quantile(load, p);
-            // A probability of exactly 0 or 1 is one too small to be told from it.
+            // Probabilities of exactly 0 or 1 are clamped to keep the quantile finite.
             let below = prediction.probability_below(load, excess[row]).clamp(1e-300, 1.0 - 1e-16);
             found.push(Surprise {
                 trial,
@@ -94,8 +94,8 @@ pub fn leave_out(discrepancy: &Discrepancy, by: LeftOut, monitor: &dyn Monitor) 
     Ok(found)
 }
 
-/// Covariance of all measurements where one form holds: noise + Phi Phi^T. Measurements lie at places of the residual's basis, which
-/// leave none of it open.
+/// Covariance of all measurements under one form: noise + Phi Phi^T. Measurements lie at places of the residual's basis,
+/// so the basis is exact.
 fn covariance(discrepancy: &Discrepancy, member: &Member, noise: &[f64]) -> Vec<f64> {
     let rows: Vec<Vec<f64>> = discrepancy
         .rows()
@@ -109,8 +109,8 @@ fn covariance(discrepancy: &Discrepancy, member: &Member, noise: &[f64]) -> Vec<
     (0..n * n).map(|entry| noise[entry] + dot(&rows[entry / n], &rows[entry % n])).collect()
 }
 
-/// Distribution of the measurements `wanted` given those `known`, errors included: mean m_w + K_wk K_kk^-1 (y - m_k), covariance
-/// K_ww - K_wk K_kk^-1 K_kw.
+/// Distribution of the measurements `wanted` given `known`, including errors: mean m_w + K_wk K_kk^-1 (y - m_k),
+/// covariance K_ww - K_wk K_kk^-1 K_kw.
 fn conditional(
     discrepancy: &Discrepancy,
     covariances: &[Vec<f64>],
@@ -122,7 +122,7 @@ fn conditional(
     let mut components = Vec::new();
     for (member, all) in discrepancy.members().iter().zip(covariances) {
         let inner: Vec<f64> = known.iter().flat_map(|i| known.iter().map(move |j| all[i * n + j])).collect();
-        // The noise is regular: so is every part of it.
+        // The noise is regular, so every submatrix is regular.
         let Some(factor) = cholesky(&inner, k).filter(|factor| is_regular(factor, k)) else { continue };
         let mut y: Vec<f64> = known.iter().map(|i| excess[*i] - prior_mean[*i]).collect();
         solve_lower(&factor, k, &mut y);

@@ -1,4 +1,4 @@
-//! lambda, by which friction follows the local pressure, against closed forms and the dense covariance.
+//! Tests of lambda, the effect of local pressure on friction, against closed forms and the dense covariance.
 
 use slipgrid_pattern::{Pattern, Planform};
 use slipgrid_statistics::cholesky::{cholesky, solve_lower, solve_upper};
@@ -20,7 +20,7 @@ fn loads() -> [Load; 2] {
     [0.8e6, 2.2e6].map(|pressure_pa| Load { pressure_pa, speed_m_s: 2e-3, humidity: 0.4 })
 }
 
-/// One form with one amplitude and no residual: a covariance that can be written down.
+/// Prior with one form, one amplitude and no residual, which has a closed-form covariance.
 fn amplitude_alone() -> Hyperparameters {
     let one = vec![(1.0, 1.0)];
     Hyperparameters {
@@ -70,7 +70,7 @@ fn before_any_trial_half_of_the_change_is_expected_and_known_to_half_of_it() {
     for hyper in [amplitude_alone(), Hyperparameters::default()] {
         let prior = known(hyper, Vec::new());
         let (mean, std) = prior.local_law();
-        // Weights sum to 1 but for rounding.
+        // Weights sum to 1 up to rounding.
         assert!((mean - 0.5).abs() < 1e-12 && (std - 0.5).abs() < 1e-12, "{mean} {std}");
         let predictor = prior.at(&loads());
         let without = predictor.predict(&of, &changes([0.05, 0.07], [0.0; 2]));
@@ -85,7 +85,7 @@ fn before_any_trial_half_of_the_change_is_expected_and_known_to_half_of_it() {
     }
 }
 
-/// N(y; m, K) with K written down: alpha h, eps g, lambda d, t and the measurement's own errors.
+/// Compares with N(y; m, K), K in closed form: alpha h, eps g, lambda d, t and measurement errors.
 #[test]
 fn lambda_is_learned_as_the_dense_covariance_says() {
     let hyper = amplitude_alone();
@@ -142,7 +142,7 @@ fn lambda_is_learned_as_the_dense_covariance_says() {
     assert!(std < 0.4, "{std}");
 }
 
-/// Of all forms, scales and scatters, at a texture and with errors as they are measured.
+/// Tests all forms, scales and scatters, at a texture with realistic measurement errors.
 #[test]
 fn a_trial_moves_lambda_to_the_law_that_it_was_measured_by() {
     let change = [0.12, 0.05];
@@ -172,7 +172,7 @@ fn truths_and_what_is_left_out_count_lambda() {
     let on = Scenarios::new(&learned, 8000, 1).on_target(&candidate, &loads(), &wanted, 0);
     let share = on.iter().filter(|on| **on).count() as f64 / 8000.0;
     assert!((share - chance).abs() < 0.02 && chance > 0.2 && chance < 0.8, "{share} {chance}");
-    // Without others a trial is predicted by the prior, half of the change in it.
+    // Without others, a trial is predicted by the prior, which includes half of the change.
     let found = leave_out(&learned, LeftOut::Trial, &slipgrid_monitor::Unwatched).unwrap();
     for (surprise, change) in found.iter().zip([0.10, 0.20]) {
         assert!((surprise.median - 0.5 * change).abs() < 1e-9, "{surprise:?}");

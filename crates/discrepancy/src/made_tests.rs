@@ -1,4 +1,4 @@
-//! Dimensions as made, of trials and of predictions, against brute force.
+//! Tests of dimensions as made, for trials and predictions, against brute force.
 
 use slipgrid_pattern::{Pattern, Planform};
 use slipgrid_statistics::Normals;
@@ -24,7 +24,7 @@ fn loads() -> [Load; 2] {
     [0.8e6, 2.2e6].map(|pressure_pa| Load { pressure_pa, speed_m_s: 2e-3, humidity: 0.4 })
 }
 
-/// One form with one amplitude: a model of which every integral is one-dimensional.
+/// Prior with one form and one amplitude, for which every integral is one-dimensional.
 fn amplitude_alone(amplitude_std: f64) -> Hyperparameters {
     let one = vec![(1.0, 1.0)];
     Hyperparameters {
@@ -73,8 +73,8 @@ fn form(width_m: f64, hyper: &Hyperparameters) -> f64 {
     squares(width_m).areal_density / hyper.reference.areal_density
 }
 
-/// Moments of ln r of a sample, and its chance, by brute force: amplitude and width of the trial are drawn from their priors and weighed by
-/// what was measured, and the sample's width is drawn beside them.
+/// Moments of ln r of a sample, and its chance, by brute force: amplitude and width of the trial are drawn from their
+/// priors and weighted by the likelihood; the sample's width is drawn independently.
 fn brute_force(
     hyper: &Hyperparameters,
     log_excess: Option<[f64; 2]>,
@@ -82,7 +82,7 @@ fn brute_force(
 ) -> ([f64; 2], [f64; 2], f64) {
     let mut normals = Normals::new(7);
     let (mut sum, mut first, mut second, mut within) = (0.0, [0.0; 2], [0.0; 2], 0.0);
-    // Noise of the trial beside its width: sample, patterned and flat measurement.
+    // Noise of the trial besides its width: sample, patterned and flat measurement.
     let (shared, own) = (hyper.sample_std.powi(2), 0.01_f64.powi(2) + 0.005_f64.powi(2));
     for _ in 0..400_000 {
         let alpha = hyper.amplitude_std * normals.draw();
@@ -120,14 +120,14 @@ fn dimensions_as_made_move_physics_and_discrepancy_of_trial_and_sample() {
         let (mean, std, chance) = brute_force(&hyper, log_excess, band);
         for load in 0..2 {
             let (own_mean, own_std) = found.moments(load);
-            // To first order in errors of 13 % of the form: what is left out is a seventh of the standard deviation.
+            // First order in errors of 13 % of the form: the neglected terms are a seventh of the standard deviation.
             let off = (own_mean - mean[load]).abs() / std[load];
             assert!(off < 0.2, "{log_excess:?} {load}: {own_mean} {}", mean[load]);
             assert!((own_std / std[load] - 1.0).abs() < 0.06, "{log_excess:?} {load}: {own_std} {}", std[load]);
         }
         let by_mixture = found.probability_within(&[band[0]; 2], &[band[1]; 2]);
         assert!((by_mixture - chance).abs() < 0.02, "{log_excess:?}: {by_mixture} {chance}");
-        // By the model alone widths would move next to nothing.
+        // By the model alone, widths would have almost no effect.
         let as_designed = known
             .at(&loads())
             .predict(&squares(WIDTH_M), &[Sensitivity::default(); 2])

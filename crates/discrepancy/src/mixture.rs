@@ -1,4 +1,4 @@
-//! The mixture of all forms after the trials.
+//! Posterior mixture of all forms given the trials.
 
 use crate::rows::Basis;
 use crate::{
@@ -6,13 +6,13 @@ use crate::{
 };
 use slipgrid_statistics::cholesky::{cholesky, dot, is_regular, log_determinant, solve_lower, solve_upper};
 
-/// Regressions after the first that find the discrepancy at the trials, which errors of their dimensions move: errors of 10 % of the form
-/// and a discrepancy of 0.3 leave 1e-4 of it after three.
+/// Number of regressions after the first to find the discrepancy at the trials, which depends on errors of their
+/// dimensions: for errors of 10 % of the form and a discrepancy of 0.3, the remaining change after three is 1e-4.
 const ROUNDS: usize = 3;
-/// Two numbers of a condition that agree to this share are the same.
+/// Relative tolerance for equal numbers of a condition.
 const SAME: f64 = 1e-6;
 
-/// What is known of the discrepancy after some trials, or before the first.
+/// Posterior of the discrepancy given the trials, or the prior without trials.
 #[derive(Clone, Debug)]
 pub struct Discrepancy {
     conditions: Conditions,
@@ -22,7 +22,7 @@ pub struct Discrepancy {
 }
 
 impl PartialEq for Discrepancy {
-    /// The same trials and the same prior say the same.
+    /// Compares trials and prior, which determine the posterior.
     fn eq(&self, other: &Self) -> bool {
         self.conditions == other.conditions
             && self.trials == other.trials
@@ -31,46 +31,48 @@ impl PartialEq for Discrepancy {
     }
 }
 
-/// One form's regression. Coefficients are in units of their standard deviations before.
+/// Regression of one form. Coefficients are in units of their prior standard deviations.
 #[derive(Clone, Debug)]
 pub(crate) struct Member {
     pub form: Form,
-    /// How many times as large the form's coefficients are, and the residual over that of alpha.
+    /// Factors on the form's coefficients, and standard deviation of the residual over that of alpha.
     pub scale: f64,
     pub residual: f64,
-    /// Standard deviation of t where a trial has none of its own.
+    /// Standard deviation of t for trials without a stated one.
     pub scatter: f64,
     pub prior: f64,
     pub weight: f64,
-    /// The form at the reference texture.
+    /// Value of the form at the reference texture.
     pub at_reference: f64,
     pub mean: Vec<f64>,
     /// L^-1 of the precision L L^T, rows of a lower triangle.
     pub inverse: Vec<f64>,
-    /// Posterior mean of the discrepancy without eps and lambda, at each measurement: errors of a trial's dimensions move it.
+    /// Posterior mean of the discrepancy without eps and lambda at each measurement, needed for errors of a trial's
+    /// dimensions.
     pub at_trials: Vec<f64>,
 }
 
 impl Member {
-    /// h times the scale.
+    /// Value of h times the scale.
     pub fn value(&self, of: &Features) -> f64 {
         self.scale * self.form.value(of) / self.at_reference
     }
 }
 
-/// A form with its weight.
+/// Form with its weights.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FormWeight {
-    /// The form.
+    /// Form of the discrepancy.
     pub form: Form,
-    /// Its weight before anything was measured.
+    /// Prior weight.
     pub prior: f64,
-    /// Its weight after the trials.
+    /// Posterior weight.
     pub weight: f64,
 }
 
 impl Discrepancy {
-    /// What `trials` say. `modulus_relative_std` is the standard deviation of Young's modulus over itself, 0 where it is exact.
+    /// Learns the discrepancy from `trials`. `modulus_relative_std` is the relative standard deviation of Young's
+    /// modulus, 0 if exact.
     ///
     /// # Errors
     /// [`DiscrepancyError`] for a number that means nothing.
@@ -92,7 +94,7 @@ impl Discrepancy {
         for (scatter, weight) in found.scatters() {
             let noise = found.noise(scatter, &|_, _| 0.0);
             let whitened = found.whitened(&noise).ok_or(DiscrepancyError::Singular)?;
-            // One after the other: files are read so, by callers that have no thread pool.
+            // Sequential, because files are read by callers without a thread pool.
             let at_scatter = members(&hyper, (scatter, weight))
                 .into_iter()
                 .map(|member| found.fit_as_made(member, &whitened))
@@ -108,31 +110,32 @@ impl Discrepancy {
         Ok(found)
     }
 
-    /// The trials.
+    /// Returns the trials.
     #[must_use]
     pub fn trials(&self) -> &[Trial] {
         &self.trials
     }
 
-    /// What pressures and speeds count from.
+    /// Returns the reference pressures and speed.
     #[must_use]
     pub const fn conditions(&self) -> Conditions {
         self.conditions
     }
 
-    /// What was believed before.
+    /// Returns the prior.
     #[must_use]
     pub const fn hyperparameters(&self) -> &Hyperparameters {
         self.basis.hyper()
     }
 
-    /// Standard deviation of Young's modulus over itself before the trials.
+    /// Returns the prior relative standard deviation of Young's modulus.
     #[must_use]
     pub const fn modulus_relative_std(&self) -> f64 {
         self.basis.modulus_std()
     }
 
-    /// Mean and standard deviation of lambda, by which local friction follows the local pressure: 0 for the nominal one, 1 for the local one.
+    /// Returns mean and standard deviation of lambda: 0 if local friction follows the nominal pressure, 1 if it follows
+    /// the local pressure.
     #[must_use]
     pub fn local_law(&self) -> (f64, f64) {
         let [_, place] = self.basis.globals();
@@ -149,7 +152,7 @@ impl Discrepancy {
         (mean, variance.sqrt())
     }
 
-    /// The forms with their weights.
+    /// Returns the forms with their weights.
     #[must_use]
     pub fn forms(&self) -> Vec<FormWeight> {
         let weight = |form: Form, of: fn(&Member) -> f64| -> f64 {
@@ -163,13 +166,13 @@ impl Discrepancy {
         self.hyperparameters().forms.iter().map(|(form, _)| own(*form)).collect()
     }
 
-    /// What it says at `loads`.
+    /// Prepares predictions at `loads`.
     #[must_use]
     pub fn at(&self, loads: &[Load]) -> Predictor {
         Predictor::new(&self.basis, &self.members, loads)
     }
 
-    /// The same without trials.
+    /// Learns from other trials with an unchanged prior.
     ///
     /// # Errors
     /// Those of [`Discrepancy::new`].
@@ -185,26 +188,26 @@ impl Discrepancy {
         &self.members
     }
 
-    /// Every measurement with the number of its trial.
+    /// Measurements with the index of their trial.
     pub(crate) fn rows(&self) -> impl Iterator<Item = (usize, &Measured)> {
         self.trials.iter().enumerate().flat_map(|(place, trial)| trial.measured.iter().map(move |at| (place, at)))
     }
 
-    /// Standard deviation of t, where trials without one of their own have that of `scatter`.
+    /// Standard deviation of t; `scatter` for trials without a stated one.
     pub(crate) fn own_std(&self, trial: usize, scatter: f64) -> f64 {
         self.trials[trial].sample_std.unwrap_or(scatter)
     }
 
-    /// Whether two trials were cut on one disc, and so share t.
+    /// Whether two trials were cut on one disc and therefore share t.
     pub(crate) fn is_one_disc(&self, left: usize, right: usize) -> bool {
         left == right
             || self.trials[left].disc.as_ref().is_some_and(|disc| self.trials[right].disc.as_ref() == Some(disc))
     }
 
-    /// Covariance of all measurements where the coefficients are known: the scatter from disc to disc, which trials of one disc
-    /// share, errors of a sample's dimensions, the flat sample's, which a condition shares, and each measurement's. Samples scatter by
-    /// `scatter`, unless they have a scatter of their own. `discrepancy_by` is the change of the discrepancy at a row by a shift of its
-    /// trial's dimensions.
+    /// Covariance of all measurements for known coefficients: scatter between discs, shared by trials of one disc; errors
+    /// of a sample's dimensions; errors of the flat sample, shared within a condition; and measurement errors. Samples
+    /// without a stated scatter have `scatter`. `discrepancy_by` is the change of the discrepancy at a row by a shift of
+    /// its trial's dimensions.
     pub(crate) fn noise(&self, scatter: f64, discrepancy_by: &dyn Fn(usize, &DimensionShift) -> f64) -> Vec<f64> {
         let rows: Vec<(usize, &Measured)> = self.rows().collect();
         let n = rows.len();
@@ -244,7 +247,7 @@ impl Discrepancy {
         noise
     }
 
-    /// Covariance of all measurements where the coefficients of `member` are known, with the dimensions of the trials as made.
+    /// Covariance of all measurements for known coefficients of `member`, with the dimensions of the trials as made.
     pub(crate) fn noise_of(&self, member: &Member) -> Vec<f64> {
         let rows: Vec<&Features> = self.rows().map(|(trial, _)| &self.trials[trial].features).collect();
         let by = |row: usize, shift: &DimensionShift| {
@@ -253,20 +256,20 @@ impl Discrepancy {
         self.noise(member.scatter, &by)
     }
 
-    /// The measurements with the covariance `noise`; `None` where that has no inverse.
+    /// Whitens the measurements by the covariance `noise`; `None` if the covariance has no inverse.
     fn whitened(&self, noise: &[f64]) -> Option<Whitened> {
         let mut excess: Vec<f64> = self.rows().map(|(_, at)| at.log_excess() - at.sensitivity.prior_mean()).collect();
         let n = excess.len();
         let factor = cholesky(noise, n).filter(|factor| is_regular(factor, n))?;
         solve_lower(&factor, n, &mut excess);
-        // ln N(y; 0, noise), but for a constant
+        // ln N(y; 0, noise), up to a constant
         let log_density = -0.5 * (dot(&excess, &excess) + log_determinant(&factor, n));
         Some(Whitened { factor, excess, log_density })
     }
 
-    /// The regression of one form with the logarithm of its evidence, where errors of the trials' dimensions move the discrepancy, too: to
-    /// first order about the discrepancy at each trial, which [`ROUNDS`] of regressions find (effective variance method, Orear, Am. J. Phys.
-    /// 50, 912, 1982).
+    /// Regression of one form with its log evidence, including the effect of errors of the trials' dimensions on the
+    /// discrepancy: first order about the discrepancy at each trial, which [`ROUNDS`] regressions find (effective
+    /// variance method, Orear, Am. J. Phys. 50, 912, 1982).
     fn fit_as_made(&self, member: Member, as_designed: &Whitened) -> Option<(Member, f64)> {
         let (mut found, evidence) = self.fit(member, as_designed)?;
         if self.trials.iter().all(|trial| trial.dimension_shifts.is_empty()) {
@@ -281,7 +284,7 @@ impl Discrepancy {
         Some((found, evidence))
     }
 
-    /// The regression of one form with the logarithm of its evidence over that of no form.
+    /// Regression of one form with its log evidence relative to no form.
     fn fit(&self, member: Member, whitened: &Whitened) -> Option<(Member, f64)> {
         let Whitened { factor, excess, .. } = whitened;
         let (p, n) = (self.basis.count(), excess.len());
@@ -330,17 +333,17 @@ impl Discrepancy {
     }
 }
 
-/// The measurements with their noise S S^T.
+/// Whitened measurements with their noise S S^T.
 struct Whitened {
     /// S
     factor: Vec<f64>,
     /// S^-1 y
     excess: Vec<f64>,
-    /// ln N(y; 0, noise), but for a constant.
+    /// ln N(y; 0, noise), up to a constant.
     log_density: f64,
 }
 
-/// Every form at every scale with every residual, before it is fitted, where samples scatter by `scatter`.
+/// Members to be fitted: every form at every scale with every residual, for samples with the scatter `scatter`.
 fn members(hyper: &Hyperparameters, (scatter, of_scatter): (f64, f64)) -> Vec<Member> {
     let mut all = Vec::new();
     for (form, of_form) in &hyper.forms {
@@ -366,7 +369,7 @@ fn members(hyper: &Hyperparameters, (scatter, of_scatter): (f64, f64)) -> Vec<Me
     all
 }
 
-/// Whether two loads are one condition.
+/// Whether two loads have equal conditions.
 pub(crate) fn is_same(a: &Load, b: &Load) -> bool {
     let close = |a: f64, b: f64| (a - b).abs() <= SAME * a.abs().max(b.abs());
     close(a.pressure_pa, b.pressure_pa) && close(a.speed_m_s, b.speed_m_s) && close(a.humidity, b.humidity)

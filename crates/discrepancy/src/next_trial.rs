@@ -1,4 +1,4 @@
-//! The texture to cut next.
+//! Choice of the texture to cut next.
 
 use rayon::prelude::*;
 use slipgrid_statistics::{BoxRule, Normals};
@@ -6,66 +6,69 @@ use slipgrid_statistics::{BoxRule, Normals};
 use crate::{Component, DimensionShift, Features, Form, Prediction, Predictor, Sensitivity};
 use slipgrid_statistics::cholesky::{cholesky, covariance_factor, dot, is_regular, log_determinant, solve_lower};
 
-/// What counts beside the chance: a texture that misses by little teaches more of the target than one that misses by far.
+/// Weight of the closeness relative to the chance: a texture that misses by little teaches more about the target than one
+/// that misses by far.
 const OF_CLOSENESS: f64 = 0.05;
-/// Draws behind [`information`], about: each component has its share of them.
+/// Approximate number of draws for [`information`], divided between the components by weight.
 const DRAWS: f64 = 2000.0;
-/// Forms of less weight change no choice.
+/// Forms of smaller weight do not affect the choice.
 const MIN_WEIGHT: f64 = 1e-4;
-/// A form that can add no more than this to a chance is not asked.
+/// A form is skipped if it can add at most this to a chance.
 const MIN_CHANCE: f64 = 1e-6;
-/// Points over all components of a chance that is reported, and of one that is ranked by: off by 0.001 and by 0.008 root mean square at most
-/// (`points_shared_by_all_components_leave_little_of_a_chance_open`), in 1.5 and 0.2 ms of 192 components.
+/// Points over all components for a reported chance, and for a chance used in rankings: root mean square errors of at
+/// most 0.001 and 0.008 (`points_shared_by_all_components_leave_little_of_a_chance_open`), in 1.5 and 0.2 ms for 192
+/// components.
 const POINTS: usize = 8192;
 const ROUGH_POINTS: usize = 512;
 
-/// What a cut sample should do: its ratio at each load.
+/// Target band of a cut sample: bounds of its ratio at each load.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Wanted {
-    /// Least ratio that is accepted; 0 where there is no least.
+    /// Minimum accepted ratio; 0 if there is none.
     pub lower: Vec<f64>,
-    /// Largest ratio that is accepted; infinite where there is none.
+    /// Maximum accepted ratio; infinite if there is none.
     pub upper: Vec<f64>,
 }
 
-/// How much there is for cutting a texture.
+/// Score of a texture as the next one to cut.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Score {
-    /// Chance that a cut sample is on target at all loads at once.
+    /// Chance that a cut sample is on target at all loads.
     pub chance: f64,
-    /// E exp(-m^2 / 4) at the load where it is least, m the distance from the middle of what is accepted, in half its width.
+    /// E exp(-m^2 / 4) at the load of its minimum, m the distance from the middle of the accepted band over half its
+    /// width.
     pub closeness: f64,
 }
 
-/// A texture that could be cut.
+/// Texture that could be cut.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Candidate<'a> {
-    /// What the discrepancy depends on.
+    /// Features that the discrepancy depends on.
     pub features: Features,
     /// Modelled ratio at each load.
     pub modelled: &'a [f64],
-    /// How ln R follows what all textures have in common, at each load.
+    /// Sensitivity of ln R at each load to unknowns shared by all textures.
     pub sensitivity: &'a [Sensitivity],
-    /// Covariance of the logarithms of the ratios that all samples share beside the discrepancy, loads x loads; empty where that is nothing.
+    /// Covariance of the log ratios that all samples share, without the discrepancy, loads x loads; empty if zero.
     pub covariance: &'a [f64],
-    /// Independent errors of the dimensions of each sample; empty where these are exact.
+    /// Independent errors of the dimensions of each sample; empty if exact.
     pub dimension_shifts: &'a [DimensionShift],
 }
 
-/// Candidates that come first by rough chances, of which the exact ones decide.
+/// Number of candidates with the best rough chances for which exact chances are computed.
 const FINALISTS: usize = 8;
 
-/// The texture to cut next.
+/// Texture chosen to be cut next.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Chosen {
-    /// Its place among the candidates.
+    /// Index among the candidates.
     pub place: usize,
-    /// How much there is for it.
+    /// Score of the texture.
     pub score: Score,
 }
 
 impl Score {
-    /// What textures are ranked by.
+    /// Value for the ranking of textures.
     #[must_use]
     pub fn value(&self) -> f64 {
         self.chance + OF_CLOSENESS * self.closeness
@@ -73,20 +76,20 @@ impl Score {
 }
 
 impl Wanted {
-    /// What is accepted of the logarithm of the true over the `modelled` ratio.
+    /// Accepted band of the logarithm of the true over the `modelled` ratio.
     #[must_use]
     pub fn over(&self, modelled: &[f64]) -> [Vec<f64>; 2] {
         let log = |ends: &[f64]| ends.iter().zip(modelled).map(|(end, ratio)| libm::log(end / ratio)).collect();
         [log(&self.lower), log(&self.upper)]
     }
 
-    /// How much there is for a texture of which `prediction` is known, and whose ratios are `modelled`.
+    /// Scores a texture with the given `prediction` and `modelled` ratios.
     #[must_use]
     pub fn score(&self, prediction: &Prediction, modelled: &[f64]) -> Score {
         self.score_by(prediction, modelled, POINTS)
     }
 
-    /// The same on fewer points, for many textures that are compared.
+    /// Scores with fewer points, to compare many textures.
     #[must_use]
     pub fn rough_score(&self, prediction: &Prediction, modelled: &[f64]) -> Score {
         self.score_by(prediction, modelled, ROUGH_POINTS)
@@ -98,8 +101,8 @@ impl Wanted {
     }
 }
 
-/// Chance that a sample lies within `bounds` at all loads at once, on about so many `points`: each component has as many as what it can add to
-/// the chance at most is of the sum.
+/// Chance that a sample lies within `bounds` at all loads, on about `points` points, divided between the components by
+/// their maximum contributions.
 fn chance(prediction: &Prediction, [lower, upper]: &[Vec<f64>; 2], points: usize) -> f64 {
     let n = lower.len();
     let most: Vec<f64> = prediction
@@ -114,7 +117,7 @@ fn chance(prediction: &Prediction, [lower, upper]: &[Vec<f64>; 2], points: usize
         if most <= MIN_CHANCE {
             return 0.0;
         }
-        // At most `points`: the cast is exact.
+        // At most `points`, so the cast is exact.
         let last = first + (points as f64 * most / sum).ceil() as usize;
         let factor = covariance_factor(&of.covariance, n);
         let within = rule.probability(&of.mean, &factor, [lower, upper], first..last);
@@ -124,7 +127,7 @@ fn chance(prediction: &Prediction, [lower, upper]: &[Vec<f64>; 2], points: usize
     prediction.components.iter().zip(most).map(part).sum()
 }
 
-/// E exp(-m^2 / 4) at the load where it is least.
+/// E exp(-m^2 / 4) at the load of its minimum.
 fn closeness(prediction: &Prediction, [lower, upper]: &[Vec<f64>; 2]) -> f64 {
     let n = lower.len();
     let close = |of: &Component| {
@@ -143,8 +146,8 @@ fn closeness(prediction: &Prediction, [lower, upper]: &[Vec<f64>; 2]) -> f64 {
     prediction.components.iter().filter(|of| of.weight > MIN_WEIGHT).map(close).sum()
 }
 
-/// The greatest score of `count` candidates that `of` gives; candidates of which it gives nothing are passed by. Of equal ones
-/// the first.
+/// Chooses the candidate of maximum score among `count` candidates of `of`, skipping those that are `None`. The first of
+/// equal ones wins.
 pub fn choose<'a>(
     predictor: &Predictor,
     wanted: &Wanted,
@@ -164,8 +167,9 @@ pub fn choose<'a>(
     exact.reduce(|best, next| if next.score.value() > best.score.value() { next } else { best })
 }
 
-/// What measuring a sample would say of the form, in nats: the expected fall of the entropy of the forms' weights, where each
-/// load is measured with the relative standard error `measured_std`. Seeded draws: a tenth of it is their error.
+/// Information about the form from measuring a sample, in nats: the expected decrease of the entropy of the forms'
+/// weights if each load is measured with the relative standard error `measured_std`. Seeded draws, with an error of a
+/// tenth of the result.
 #[must_use]
 pub fn information(prediction: &Prediction, measured_std: f64) -> f64 {
     let n = prediction.loads();
@@ -185,7 +189,7 @@ pub fn information(prediction: &Prediction, measured_std: f64) -> f64 {
     let mut gain = 0.0;
     for (own, factor, _) in &members {
         let of_form: f64 = members.iter().filter(|(of, ..)| of.form == own.form).map(|(of, ..)| of.weight).sum();
-        // At most some thousands: the cast is exact.
+        // At most some thousands, so the cast is exact.
         let draws = (DRAWS * own.weight).ceil() as usize;
         for _ in 0..draws {
             let z: Vec<f64> = (0..n).map(|_| normals.draw()).collect();
@@ -203,7 +207,7 @@ pub fn information(prediction: &Prediction, measured_std: f64) -> f64 {
                 let within = members.iter().zip(&logs).filter(|((of, ..), _)| is_in(&of.form));
                 within.map(|((of, ..), log)| of.weight * libm::exp(log - most)).sum()
             };
-            // E ln p(y | form) / p(y): samples that scatter more than stated are of the same form.
+            // E ln p(y | form) / p(y): members of different scatter belong to one form.
             let ratio = sum(&|form| *form == own.form) / of_form / sum(&|_| true);
             gain += own.weight * libm::log(ratio) / draws as f64;
         }

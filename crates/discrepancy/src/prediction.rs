@@ -1,4 +1,4 @@
-//! What the mixture says of a texture.
+//! Prediction of the mixture for a texture.
 
 #[cfg(test)]
 use slipgrid_statistics::box_probability;
@@ -10,10 +10,10 @@ use crate::rows::{Basis, GLOBALS};
 use crate::{Candidate, DimensionShift, Features, Form, Sensitivity};
 use slipgrid_statistics::cholesky::{covariance_factor, dot};
 
-/// Members of less weight change no digit that is reported.
+/// Members of smaller weight do not change reported digits.
 const MIN_WEIGHT: f64 = 1e-7;
 
-/// Pressure, speed and humidity at which friction is asked for.
+/// Pressure, speed and humidity of a prediction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Load {
     /// Nominal pressure, in pascals.
@@ -24,24 +24,24 @@ pub struct Load {
     pub humidity: f64,
 }
 
-/// The mixture at some loads, for many textures: what does not depend on the texture is computed once.
+/// Mixture prepared for some loads, to predict many textures: terms independent of the texture are computed once.
 #[derive(Clone, Debug)]
 pub struct Predictor {
     basis: Basis,
     loads: Vec<Load>,
-    /// What the measured humidities leave open of eta, loads x loads.
+    /// Conditional covariance of eta given the measured humidities, loads x loads.
     humidity_left: Vec<f64>,
-    /// The forms of the members, each once.
+    /// Distinct forms of the members.
     forms: Vec<Form>,
     members: Vec<Prepared>,
 }
 
-/// A form at the loads. With L L^T the precision, b_l what multiplies the form's coefficients and e_k the column of eps or lambda:
-/// B_l = L^-1 b_l and E_k = L^-1 e_k.
+/// Member prepared for the loads. With L L^T the precision, b_l the row of the form's coefficients and e_k the column of
+/// eps or lambda: B_l = L^-1 b_l and E_k = L^-1 e_k.
 #[derive(Clone, Debug)]
 struct Prepared {
     member: Member,
-    /// Place of its form among the predictor's.
+    /// Index of its form in the predictor.
     form: usize,
     /// b_l times the mean coefficients, and the means of eps and lambda.
     mean_of_form: Vec<f64>,
@@ -53,23 +53,23 @@ struct Prepared {
     bb: Vec<f64>,
     be: Vec<[f64; GLOBALS]>,
     ee: [[f64; GLOBALS]; GLOBALS],
-    /// Columns of L^-1 that multiply the residual's features.
+    /// Columns of L^-1 for the residual's features.
     residual: Vec<Vec<f64>>,
 }
 
-/// What is predicted of one texture: the logarithm of a cut sample's true ratio over the modelled one, at each load.
+/// Prediction for one texture: the logarithm of a cut sample's true ratio over the modelled one, at each load.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Prediction {
-    /// One normal distribution a form.
+    /// One normal distribution per member of the mixture.
     pub components: Vec<Component>,
 }
 
-/// What one form predicts.
+/// Component of a prediction.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Component {
-    /// The form.
+    /// Form of the component.
     pub form: Form,
-    /// Its weight; all weights sum to 1.
+    /// Weight of the component; all weights sum to 1.
     pub weight: f64,
     /// Mean at each load.
     pub mean: Vec<f64>,
@@ -77,7 +77,7 @@ pub struct Component {
     pub covariance: Vec<f64>,
 }
 
-/// Draws from a prediction: all loads at once.
+/// Draws from a prediction, jointly at all loads.
 #[derive(Clone, Debug)]
 pub struct Sampler {
     forms: Vec<FormSampler>,
@@ -85,14 +85,14 @@ pub struct Sampler {
 
 #[derive(Clone, Debug)]
 struct FormSampler {
-    /// Sum of the weights up to this form.
+    /// Cumulated weight up to this component.
     cumulated_weight: f64,
     mean: Vec<f64>,
     /// L of the covariance L L^T.
     factor: Vec<f64>,
 }
 
-/// A form at one texture.
+/// Form evaluated at one texture.
 struct FormAt {
     /// h over the scale.
     value: f64,
@@ -116,7 +116,7 @@ impl Predictor {
         let prepared = |member: &Member| {
             let column = |c: usize| -> Vec<f64> { (0..p).map(|row| member.inverse[row * p + c]).collect() };
             let times = |row: &[f64]| -> Vec<f64> {
-                // A lower triangle: entries beyond the diagonal are zeros.
+                // Lower triangle: entries beyond the diagonal are zero.
                 (0..p).map(|r| dot(&member.inverse[r * p..][..=r.min(of_form - 1)], row)).collect()
             };
             let b: Vec<Vec<f64>> = rows.iter().map(|row| times(row)).collect();
@@ -149,22 +149,22 @@ impl Predictor {
         }
     }
 
-    /// Prediction of a sample with the features `of`, made exactly, whose modelled ratio follows Young's modulus and the local law as
-    /// `sensitivity` at each load. The sample's own scatter is in it.
+    /// Predicts a sample with the features `of`, made exactly, with the `sensitivity` of its modelled ratio to Young's
+    /// modulus and the local law at each load. Includes the scatter of the sample.
     #[must_use]
     pub fn predict(&self, of: &Features, sensitivity: &[Sensitivity]) -> Prediction {
         self.predict_made(of, sensitivity, &[])
     }
 
-    /// Prediction of ln(true ratio / modelled ratio as designed) of a sample whose dimensions are off by independent `shifts`: these move its
-    /// modelled ratio and the discrepancy. To first order in the shifts, form by form.
+    /// Predicts ln(true ratio / modelled ratio as designed) of a sample with independent errors `shifts` of its
+    /// dimensions, which change its modelled ratio and the discrepancy. First order in the shifts, per form.
     #[must_use]
     pub fn predict_made(&self, of: &Features, sensitivity: &[Sensitivity], shifts: &[DimensionShift]) -> Prediction {
         self.predicted(of, sensitivity, shifts, false)
     }
 
-    /// [`Predictor::predict_made`], where `has_known_form` without what is not known of the discrepancy: modulus, local law, dimensions and the
-    /// sample's own scatter are left of the covariances.
+    /// Implements [`Predictor::predict_made`]; with `has_known_form` without the uncertainty of the discrepancy, so that
+    /// the covariances contain modulus, local law, dimensions and the scatter of the sample.
     fn predicted(
         &self,
         of: &Features,
@@ -173,7 +173,7 @@ impl Predictor {
         has_known_form: bool,
     ) -> Prediction {
         let g: Vec<[f64; GLOBALS]> = sensitivity.iter().map(Sensitivity::globals).collect();
-        // Where flat friction follows the area law lambda takes no time.
+        // Skips lambda if flat friction follows the area law.
         let globals = if g.iter().all(|[_, local_law]| *local_law == 0.0) { 1 } else { GLOBALS };
         let places: Vec<Place> = self.loads.iter().map(|load| self.basis.place(of, load)).collect();
         let features: Vec<Vec<f64>> = places.iter().map(|place| self.basis.residual(place)).collect();
@@ -190,7 +190,7 @@ impl Predictor {
             mean: shifts.iter().map(|shift| shift.mean_form(form, of)).product(),
         };
         let forms: Vec<FormAt> = self.forms.iter().map(form_at).collect();
-        // Scratch of one member: R_l, R_l E, D_l, and what errors of dimensions move.
+        // Buffers of one member: R_l, R_l E, D_l, and the effects of errors of dimensions.
         let count = self.members.first().map_or(0, |member| member.residual.len());
         let (mut r, mut re, mut of_form) = (vec![0.0; n * count], vec![[0.0; GLOBALS]; n], vec![0.0; n]);
         let mut moved = vec![0.0; shifts.len() * n];
@@ -198,7 +198,7 @@ impl Predictor {
             let form = &forms[member.form];
             let h = member.member.scale * form.value / member.member.at_reference;
             let own = member.member.scatter.powi(2);
-            // What multiplies the residual's coefficients at load l, and R_l = L^-1 of that, below form and modulus.
+            // Row of the residual's coefficients at load l, and R_l = L^-1 of the row, below form and modulus.
             let size = h * member.member.residual;
             let first = member.e[0].len() - count;
             r.fill(0.0);
@@ -219,7 +219,7 @@ impl Predictor {
                     *moved = shift.log_ratio[l] + of_form[l] * log_form;
                 }
             }
-            // E (1 + d ln h)^2 of the part that is not known
+            // E (1 + d ln h)^2 of the uncertain part
             let times = 1.0 + form.log_shifts.iter().map(|log_form| log_form * log_form).sum::<f64>();
             // v_l = h B_l + sum_k g_lk E_k + R_l, covariance v_l v_m
             let mut covariance = vec![0.0; n * n];
@@ -260,14 +260,14 @@ impl Predictor {
         Prediction { components: self.members.iter().map(component).collect() }
     }
 
-    /// What is predicted of a sample of `candidate`.
+    /// Predicts a sample of `candidate`.
     #[must_use]
     pub fn of(&self, candidate: &Candidate<'_>) -> Prediction {
         self.of_candidate(candidate, false)
     }
 
-    /// The same where the discrepancy of the texture is known to be its median: what modulus, local law, dimensions and the sample's own scatter
-    /// leave.
+    /// Predicts a sample of `candidate` with the discrepancy of the texture fixed at its median: the uncertainty of
+    /// modulus, local law, dimensions and the scatter of the sample remain.
     #[must_use]
     pub fn of_known_form(&self, candidate: &Candidate<'_>) -> Prediction {
         let medians = self.of(candidate).medians();
@@ -283,7 +283,7 @@ impl Predictor {
 }
 
 impl Sampler {
-    /// The draw of the form that the normal deviate `which` picks, with normal deviates `z`, one a load.
+    /// Draws from the component selected by the normal deviate `which`, with normal deviates `z`, one per load.
     #[must_use]
     pub fn draw(&self, which: f64, z: &[f64]) -> Vec<f64> {
         let share = normal_probability(which);
@@ -295,7 +295,7 @@ impl Sampler {
 }
 
 impl Component {
-    /// Probability of lying between `lower` and `upper` at the load where that is least: no less than that of all loads at once.
+    /// Minimum over the loads of the probability between `lower` and `upper`: an upper bound of the joint probability.
     pub(crate) fn most_within(&self, lower: &[f64], upper: &[f64]) -> f64 {
         let n = self.mean.len();
         let within = |load: usize| {
@@ -308,13 +308,13 @@ impl Component {
 }
 
 impl Prediction {
-    /// Loads.
+    /// Number of loads.
     #[must_use]
     pub fn loads(&self) -> usize {
         self.components.first().map_or(0, |component| component.mean.len())
     }
 
-    /// The same with a further `covariance`, loads x loads, as of the tolerances of a sample's dimensions.
+    /// Adds a `covariance`, loads x loads, for example by the tolerances of a sample's dimensions.
     #[must_use]
     pub fn with(mut self, covariance: &[f64]) -> Self {
         for component in &mut self.components {
@@ -332,7 +332,7 @@ impl Prediction {
         (mean, self.components.iter().map(|of| of.weight * spread(of)).sum::<f64>().sqrt())
     }
 
-    /// Probability of less than `value` at `load`.
+    /// Probability of a value below `value` at `load`.
     #[must_use]
     pub fn probability_below(&self, load: usize, value: f64) -> f64 {
         let below = |[weight, mean, std]: [f64; 3]| {
@@ -348,7 +348,7 @@ impl Prediction {
         self.at_load(load).into_iter().map(below).sum()
     }
 
-    /// The value below which a share `p` lies at `load`.
+    /// Quantile `p` at `load`.
     #[must_use]
     pub fn quantile(&self, load: usize, p: f64) -> f64 {
         mixture_quantile(&self.at_load(load), p)
@@ -361,7 +361,7 @@ impl Prediction {
         self.components.iter().map(of).collect()
     }
 
-    /// Whether half of all samples or more lie on the accepted side of every end of `lower` and `upper`: the median lies between them.
+    /// Whether the median lies between `lower` and `upper` at every load.
     #[must_use]
     pub fn has_medians_within(&self, lower: &[f64], upper: &[f64]) -> bool {
         (0..self.loads()).all(|load| {
@@ -369,13 +369,13 @@ impl Prediction {
         })
     }
 
-    /// The value below which half lies at each load.
+    /// Median at each load.
     #[must_use]
     pub fn medians(&self) -> Vec<f64> {
         (0..self.loads()).map(|load| self.quantile(load, 0.5)).collect()
     }
 
-    /// Draws from this prediction.
+    /// Creates a sampler of this prediction.
     #[must_use]
     pub fn sampler(&self) -> Sampler {
         let n = self.loads();
@@ -388,7 +388,7 @@ impl Prediction {
         Sampler { forms: self.components.iter().map(form).collect() }
     }
 
-    /// Probability that all loads lie between `lower` and `upper`, component by component.
+    /// Probability that all loads lie between `lower` and `upper`, summed over components.
     #[cfg(test)]
     pub(crate) fn probability_within(&self, lower: &[f64], upper: &[f64]) -> f64 {
         let n = self.loads();

@@ -1,4 +1,5 @@
-//! The residual c of a form: a Gaussian process of the logarithms of width, pitch, depth and pressure with a squared exponential
+//! Residual c of a form: a Gaussian process of the logarithms of width, pitch, depth and pressure with a squared
+//! exponential
 //! kernel, expanded exactly about the trials.
 //!
 //! With places x_1 ... x_m of the trials, K their correlation and K = L L^T, the values of c at a place x are
@@ -8,15 +9,17 @@
 //! cov(rest(x), rest(y)) = k(x, y) - w(x)^T w(y)
 //! ```
 //!
-//! and the rest is independent of every measurement. Places at which the others explain all but [`EXPLAINED`] of the variance are left out.
+//! and the rest is independent of every measurement. Places are omitted if the others explain all but [`EXPLAINED`] of
+//! their variance.
 
 use crate::{Features, Hyperparameters, Load};
 use slipgrid_statistics::cholesky::{dot, solve_lower};
 
-/// Variance that a further place must add, over that of the process: a hundredth of the rounding that other terms have.
+/// Minimum variance that a further place must add, relative to the process: a hundredth of the rounding error of other
+/// terms.
 const EXPLAINED: f64 = 1e-12;
 
-/// A texture at a pressure: the logarithms of width, pitch, depth and pressure, each over the length along which the residual changes.
+/// Texture at a pressure: the logarithms of width, pitch, depth and pressure, each over its correlation length.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Place([f64; 4]);
 
@@ -39,7 +42,7 @@ impl Place {
     }
 }
 
-/// The places that the residual is expanded about, with the lower factor of their correlation.
+/// Places of the expansion of the residual, with the lower factor of their correlation.
 #[derive(Clone, Debug)]
 pub struct ResidualBasis {
     places: Vec<Place>,
@@ -47,12 +50,12 @@ pub struct ResidualBasis {
 }
 
 impl ResidualBasis {
-    /// By a Cholesky factorization with pivots (Higham, Accuracy and Stability of Numerical Algorithms, 10.3): in turn the place of the greatest
-    /// variance that the earlier ones leave.
+    /// Selects places by a pivoted Cholesky factorization (Higham, Accuracy and Stability of Numerical Algorithms, 10.3):
+    /// each step takes the place of maximum remaining variance.
     pub fn new(mut candidates: Vec<Place>) -> Self {
         let mut rows: Vec<Vec<f64>> = Vec::new();
         let mut places: Vec<Place> = Vec::new();
-        // Of each candidate its whitened values at the places so far.
+        // Whitened values of each candidate at the selected places.
         let mut known: Vec<Vec<f64>> = vec![Vec::new(); candidates.len()];
         let left = |row: &Vec<f64>| 1.0 - dot(row, row);
         while let Some((next, variance)) = known
@@ -93,7 +96,7 @@ impl ResidualBasis {
         row
     }
 
-    /// L^-1 of values at the places, in their place.
+    /// Multiplies values at the places by L^-1, in place.
     pub fn whiten(&self, values: &mut [f64]) {
         solve_lower(&self.factor, self.places.len(), values);
     }
@@ -115,7 +118,7 @@ mod tests {
                 assert!((by_basis - a.correlation(b)).abs() < 1e-7, "{by_basis} {}", a.correlation(b));
             }
         }
-        // Away from all places little is explained, near one nearly everything.
+        // The basis explains little far from all places, and nearly everything close to one.
         let explained = |at: Place| dot(&basis.whitened(&at), &basis.whitened(&at));
         assert!(explained(place(6.0, 6.0)) < 1e-6 && explained(place(0.01, 0.0)) > 0.999);
         assert_eq!(ResidualBasis::new(Vec::new()).whitened(&place(0.0, 0.0)), Vec::<f64>::new());

@@ -1,46 +1,48 @@
-//! The coefficients of the mixture, each in units of its prior standard deviation, and the basis functions that multiply them at a
-//! texture and a load.
+//! Coefficients of the mixture, each in units of its prior standard deviation, and their basis functions at a texture and
+//! a load.
 
 use crate::residual::{Place, ResidualBasis};
 use crate::{Conditions, Features, Hyperparameters, Load, Sensitivity, Trial};
 use slipgrid_statistics::cholesky::{cholesky, dot, solve_lower};
 
-/// alpha, beta, gamma and kappa, the coefficients before those of the humidities.
+/// Number of coefficients before those of the humidities: alpha, beta, gamma and kappa.
 const OF_LOAD: usize = 4;
-/// Humidities nearer than this are one.
+/// Humidities that differ by less are equal.
 const SAME_HUMIDITY: f64 = 1e-6;
-/// Unknowns that all textures have in common: eps and lambda.
+/// Number of unknowns shared by all textures: eps and lambda.
 pub const GLOBALS: usize = 2;
-/// Mean and standard deviation of lambda, which is 0 or 1 with equal chances: of a number that may be anything between, too.
+/// Mean and standard deviation of lambda, which is 0 or 1 with equal probability; lambda is treated as a continuous
+/// variable.
 const LOCAL_LAW_MEAN: f64 = 0.5;
 const LOCAL_LAW_STD: f64 = 0.5;
 
 impl Sensitivity {
-    /// What multiplies eps and lambda.
+    /// Factors of eps and lambda.
     pub(crate) const fn globals(&self) -> [f64; GLOBALS] {
         [self.modulus, self.local_law]
     }
 
-    /// Mean of ln(true / modelled ratio) before any trial.
+    /// Prior mean of ln(true / modelled ratio).
     pub(crate) const fn prior_mean(&self) -> f64 {
         LOCAL_LAW_MEAN * self.local_law
     }
 }
 
-/// The basis functions: those of the load first, then eta at every measured humidity, eps, lambda, and the residual at the trials.
+/// Basis functions: first those of the load, then eta at every measured humidity, eps, lambda, and the residual at the
+/// trials.
 #[derive(Clone, Debug)]
 pub struct Basis {
     hyper: Hyperparameters,
     conditions: Conditions,
     modulus_std: f64,
     humidities: Vec<f64>,
-    /// Lower factor of the correlation of eta at these.
+    /// Lower factor of the correlation of eta at the measured humidities.
     humidity_factor: Vec<f64>,
     residual: ResidualBasis,
 }
 
 impl Basis {
-    /// The basis for a posterior given `trials`.
+    /// Builds the basis for a posterior given `trials`.
     pub fn new(hyper: &Hyperparameters, conditions: Conditions, modulus_std: f64, trials: &[Trial]) -> Self {
         let measured = || trials.iter().flat_map(|trial| trial.measured.iter().map(move |at| (trial, at)));
         let mut levels: Vec<f64> = measured().map(|(_, at)| at.load.humidity).collect();
@@ -64,32 +66,32 @@ impl Basis {
         &self.hyper
     }
 
-    /// How many coefficients a form multiplies.
+    /// Number of coefficients that a form multiplies.
     pub fn of_form(&self) -> usize {
         OF_LOAD + self.humidities.len()
     }
 
-    /// All coefficients: those of a form, eps and lambda, and those of the residual.
+    /// Number of all coefficients: those of a form, eps and lambda, and those of the residual.
     pub fn count(&self) -> usize {
         self.of_form() + GLOBALS + self.residual.count()
     }
 
-    /// Places of eps and lambda.
+    /// Indices of eps and lambda.
     pub fn globals(&self) -> [usize; GLOBALS] {
         std::array::from_fn(|global| self.of_form() + global)
     }
 
-    /// Place of the first coefficient of the residual.
+    /// Index of the first coefficient of the residual.
     pub fn first_of_residual(&self) -> usize {
         self.of_form() + GLOBALS
     }
 
-    /// Standard deviations of eps and lambda before any trial.
+    /// Prior standard deviations of eps and lambda.
     pub const fn global_stds(&self) -> [f64; GLOBALS] {
         [self.modulus_std, LOCAL_LAW_STD]
     }
 
-    /// Means of eps and lambda where their coefficients are `mean`.
+    /// Means of eps and lambda for coefficients with the means `mean`.
     pub fn global_means(&self, mean: &[f64]) -> [f64; GLOBALS] {
         let [modulus, local_law] = self.globals();
         [self.modulus_std * mean[modulus], LOCAL_LAW_MEAN + LOCAL_LAW_STD * mean[local_law]]
@@ -99,7 +101,7 @@ impl Basis {
         self.modulus_std
     }
 
-    /// What multiplies the form's coefficients at `load`, over the form itself.
+    /// Factors of the form's coefficients at `load`, without the form.
     pub fn at_load(&self, load: &Load) -> Vec<f64> {
         let (hyper, at) = (&self.hyper, &self.conditions);
         let u = (load.pressure_pa - at.reference_pressure_pa) / at.reference_pressure_pa;
@@ -111,7 +113,7 @@ impl Basis {
         row
     }
 
-    /// eta at a humidity by its whitened values at the measured ones: L^-1 k.
+    /// Whitened values of eta at a humidity relative to the measured ones: L^-1 k.
     fn humidity(&self, humidity: f64) -> Vec<f64> {
         let mut row: Vec<f64> =
             self.humidities.iter().map(|level| correlation(&self.hyper, *level, humidity)).collect();
@@ -119,15 +121,15 @@ impl Basis {
         row
     }
 
-    /// Covariance of what the measured humidities leave open of eta at two others.
+    /// Conditional covariance of eta at two humidities given the measured ones.
     pub fn humidity_left(&self, a: &Load, b: &Load) -> f64 {
         let explained = dot(&self.humidity(a.humidity), &self.humidity(b.humidity));
         let left = correlation(&self.hyper, a.humidity, b.humidity) - explained;
-        // A measured humidity leaves nothing but rounding.
+        // At a measured humidity only rounding errors remain.
         if left.abs() < 1e-12 { 0.0 } else { self.hyper.humidity_std.powi(2) * left }
     }
 
-    /// A texture at a load, as the residual sees it.
+    /// Place of a texture and a load in the residual's coordinates.
     pub fn place(&self, of: &Features, load: &Load) -> Place {
         Place::new(&self.hyper, of, load)
     }
@@ -146,12 +148,12 @@ impl Basis {
         if a == b { left.max(0.0) } else { left }
     }
 
-    /// Places of the trials that the residual is expanded about.
+    /// Places of the expansion of the residual.
     pub const fn residual_basis(&self) -> &ResidualBasis {
         &self.residual
     }
 
-    /// What multiplies all coefficients where the form is `form`, times the scale, and the residual over it `residual`.
+    /// Factors of all coefficients for the form `form`, times the scale, and the relative residual `residual`.
     pub fn row(&self, form: f64, residual: f64, of: &Features, load: &Load, sensitivity: Sensitivity) -> Vec<f64> {
         let mut row = self.at_load(load);
         row.iter_mut().for_each(|entry| *entry *= form);

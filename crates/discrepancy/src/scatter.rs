@@ -1,53 +1,55 @@
-//! How far samples of one texture scatter: what trials say of it, and which of them contradict what is said of it.
+//! Scatter of samples of one texture: its posterior given the trials, and contradictions to the stated scatter.
 
 use crate::mixture::is_same;
 use crate::{Discrepancy, Features, Form, Load, Measured, Trial};
 use slipgrid_statistics::chi_square_beyond;
 use slipgrid_statistics::cholesky::{cholesky, dot, is_regular, solve_lower};
 
-/// No sample scatters by more than this, unless more is stated.
+/// Maximum scatter of samples, unless a larger one is stated.
 const MAX_SCATTER: f64 = 0.2;
-/// Lengths that differ by no more than this share are one: a microscope tells no less.
+/// Relative difference below which lengths are equal, the resolution of a microscope.
 const SAME_LENGTH: f64 = 0.02;
-/// Standard errors of a difference within which two lengths may be one.
+/// Number of standard errors of a difference within which two lengths may be equal.
 const WITHIN_ERRORS: f64 = 2.0;
-/// Probability below which samples contradict each other, of all compared pairs together.
+/// Probability below which samples contradict each other, over all compared pairs.
 const MIN_PROBABILITY: f64 = 0.01;
 
-/// A scatter with its weight.
+/// Scatter with its weights.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ScatterWeight {
-    /// Standard deviation from one sample of a texture to the next.
+    /// Standard deviation between samples of a texture.
     pub std: f64,
-    /// Its weight before anything was measured.
+    /// Prior weight.
     pub prior: f64,
-    /// Its weight after the trials.
+    /// Posterior weight.
     pub weight: f64,
 }
 
-/// Two samples of one texture, within the errors of their dimensions, whose ratios differ by more than the scatter that is stated.
+/// Two samples of one texture, within the errors of their dimensions, whose ratios differ by more than the stated
+/// scatter.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Contradiction {
-    /// Numbers of the trials, from 0.
+    /// Indices of the trials, from 0.
     pub trials: [usize; 2],
-    /// The condition at which they differ most.
+    /// Condition of the largest difference.
     pub load: Load,
-    /// How much larger the first is there, over the model of each: a difference of logarithms.
+    /// Difference of the log ratios, measured over modelled, of the first and the second sample at this condition.
     pub difference: f64,
-    /// Standard deviation of samples of the texture that was stated of each, or taken where nothing was.
+    /// Standard deviation of samples of the texture, as stated for each trial, or by default.
     pub sample_std: [f64; 2],
-    /// Whether it was stated of each as its own, so that it was kept.
+    /// Whether the standard deviation was stated for each trial, and therefore kept.
     pub is_own: [bool; 2],
-    /// Conditions at which both were measured.
+    /// Number of conditions at which both were measured.
     pub ratios: usize,
-    /// d^T C^-1 d of the differences d at all of them, C their covariance by all that is stated.
+    /// d^T C^-1 d of the differences d at all conditions, C their stated covariance.
     pub chi_square: f64,
-    /// Probability of as much or more.
+    /// Probability of this chi-square or more.
     pub probability: f64,
 }
 
 impl Discrepancy {
-    /// The scatters that samples may have, each with its weight, the stated one first; that alone where it is zero or stated of every trial itself.
+    /// Possible scatters of samples with their weights, the stated one first; only the stated one if it is zero or stated
+    /// for every trial.
     pub(crate) fn scatters(&self) -> Vec<(f64, f64)> {
         let hyper = self.hyperparameters();
         let stated = hyper.sample_std;
@@ -63,7 +65,7 @@ impl Discrepancy {
         all.into_iter().map(|(std, weight)| (std, weight / sum)).collect()
     }
 
-    /// How far samples of one texture scatter, where nothing is stated of a sample itself.
+    /// Posterior of the scatter of samples without a stated scatter.
     #[must_use]
     pub fn scatter_weights(&self) -> Vec<ScatterWeight> {
         let of = |(std, prior): (f64, f64)| {
@@ -73,18 +75,18 @@ impl Discrepancy {
         self.scatters().into_iter().map(of).collect()
     }
 
-    /// The standard deviation of the next sample about others of its texture: the root of the mean square of all scatters.
+    /// Predictive standard deviation of the next sample of a texture: root mean square over all scatters.
     #[must_use]
     pub fn sample_std(&self) -> f64 {
         self.scatter_weights().iter().map(|of| of.weight * of.std * of.std).sum::<f64>().sqrt()
     }
 
-    /// Samples of one texture that differ by more than they are said to scatter, the least probable pair first.
+    /// Pairs of samples of one texture that differ by more than the stated scatter, the least probable first.
     #[must_use]
     pub fn contradictions(&self) -> Vec<Contradiction> {
         let count = self.trials().len();
         let pairs = (0..count).flat_map(|second| (0..second).map(move |first| [first, second]));
-        // Errors of their dimensions move the discrepancy, too: `compared` bounds that by its own rule.
+        // Errors of the dimensions also change the discrepancy: `compared` bounds this change separately.
         let noise = self.noise(self.hyperparameters().sample_std, &|_, _| 0.0);
         let compared: Vec<Contradiction> = pairs.filter_map(|pair| self.compared(pair, &noise)).collect();
         let least = MIN_PROBABILITY / compared.len().max(1) as f64;
@@ -93,8 +95,8 @@ impl Discrepancy {
         found
     }
 
-    /// How far two samples differ, where measurements have the covariance `noise`; `None` where they are of two textures, of one disc,
-    /// or have no condition in common.
+    /// Compares two samples for measurements with the covariance `noise`; `None` if they differ in texture, share a disc,
+    /// or have no common condition.
     fn compared(&self, trials: [usize; 2], noise: &[f64]) -> Option<Contradiction> {
         let [first, second] = trials.map(|place| &self.trials()[place]);
         if self.is_one_disc(trials[0], trials[1]) || !is_one_texture([first, second]) {
@@ -110,15 +112,16 @@ impl Discrepancy {
         }
         let excess = |row: usize| all[row].1.log_excess();
         let difference: Vec<f64> = rows.iter().map(|[a, b]| excess(*a) - excess(*b)).collect();
-        // ln h(x1) - ln h(x2) of the form that tells them apart most: what it makes of their difference in texture.
+        // ln h(x1) - ln h(x2), maximum over the forms: the effect of the difference in texture.
         let change = |form: &Form| libm::log(form.value(&first.features) / form.value(&second.features)).abs();
         let of_forms = self.hyperparameters().forms.iter().map(|(form, _)| change(form));
         let of_forms = of_forms.filter(|change| change.is_finite()).fold(0.0, f64::max);
-        // The same of the errors of their dimensions: no form grows faster than with the square of a width or spacing, or as the depth.
+        // The corresponding effect of errors of the dimensions: forms grow at most with the square of a width or spacing,
+        // or linearly with depth.
         let of_errors: f64 = [first, second].into_iter().map(of_errors).sum();
         let apart = (of_forms * of_forms + of_errors).sqrt();
         let of_form: Vec<f64> = rows.iter().map(|[a, b]| 0.5 * (excess(*a) + excess(*b)) * apart).collect();
-        // cov(y_a - y_b, y_c - y_d): the flat sample's error, one and the same of both, cancels.
+        // cov(y_a - y_b, y_c - y_d): the flat sample's error, shared by both, cancels.
         let at = |row: usize, other: usize| noise[row * all.len() + other];
         let entry = |entry: usize| {
             let ([a, b], [c, d]) = (rows[entry / n], rows[entry % n]);
@@ -149,15 +152,15 @@ fn errors_m(of: &Trial) -> [f64; 3] {
     [width, width.hypot(spacing), depth]
 }
 
-/// Square of the relative standard error of a form by the errors of a sample's dimensions, at most.
+/// Upper bound of the squared relative standard error of a form by errors of a sample's dimensions.
 fn of_errors(of: &Trial) -> f64 {
     let lengths_m = [of.features.width_m, of.features.pitch_m, of.features.depth_m];
     let squares = errors_m(of).into_iter().zip(lengths_m).zip([2.0, 2.0, 1.0]);
     squares.map(|((error, length), power): ((f64, f64), f64)| (power * error / length).powi(2)).sum()
 }
 
-/// Whether the textures of two samples are one: each of their lengths the same within its errors, or but for a fiftieth, and so the
-/// areal density and the edges that follow from them.
+/// Whether two samples have one texture: all lengths equal within their errors or within a fiftieth, and areal density
+/// and edge length accordingly.
 fn is_one_texture(trials: [&Trial; 2]) -> bool {
     let lengths = |of: &Features| [of.width_m, of.pitch_m, of.depth_m];
     let [a, b] = trials.map(|of| lengths(&of.features));
@@ -165,7 +168,7 @@ fn is_one_texture(trials: [&Trial; 2]) -> bool {
     let allowed: [f64; 3] = std::array::from_fn(|axis| {
         (WITHIN_ERRORS * error_a[axis].hypot(error_b[axis]) / a[axis].min(b[axis])).max(SAME_LENGTH)
     });
-    // An areal density, and edges, go with two powers of a length at most.
+    // Areal density and edge length change with at most two powers of a length.
     let powers = 2.0 * (allowed[0] + allowed[1]);
     let apart = |of: fn(&Features) -> f64| libm::log(of(&trials[0].features) / of(&trials[1].features)).abs();
     (0..3).all(|axis| (a[axis] - b[axis]).abs() / a[axis].min(b[axis]) <= allowed[axis])

@@ -12,7 +12,7 @@ fn groove(lengths_um: [f64; 3]) -> Features {
     Features::from(&Pattern::new(Planform::Groove, width_m, spacing_m, depth_m).unwrap())
 }
 
-/// A trial of `rows`: pressure in MPa, speed in mm/s, measured and modelled ratio.
+/// Trial with `rows` of pressure in MPa, speed in mm/s, measured and modelled ratio.
 fn trial(name: &str, features: Features, rows: &[[f64; 4]]) -> Trial {
     let measured = |[pressure_mpa, speed_mm_s, measured, modelled]: &[f64; 4]| Measured {
         load: Load { pressure_pa: pressure_mpa * 1e6, speed_m_s: speed_mm_s * 1e-3, humidity: 0.45 },
@@ -33,7 +33,7 @@ fn trial(name: &str, features: Features, rows: &[[f64; 4]]) -> Trial {
     }
 }
 
-/// Two grooves, the second of `other`, and squares between them: the grooves' ratios differ by a tenth.
+/// Two grooves, the second of `other`, and squares between them; the grooves' ratios differ by a tenth.
 fn contradicting(other: [f64; 3]) -> Vec<Trial> {
     let squares = Features::from(&Pattern::new(Planform::Square, 110e-6, 120e-6, 13e-6).unwrap());
     let first = trial("cut-1", groove([150.0, 300.0, 12.0]), &[[1.592, 5.0, 0.868, 0.953], [4.775, 5.0, 0.819, 0.886]]);
@@ -44,7 +44,7 @@ fn contradicting(other: [f64; 3]) -> Vec<Trial> {
     ]
 }
 
-/// Samples that are said to scatter by a half per cent, and may scatter by many times that.
+/// Prior with a stated scatter of half a per cent, and possible scatters of many times that.
 fn half_a_per_cent() -> Hyperparameters {
     let scatters = vec![(1.0, 0.9), (3.0, 0.06), (10.0, 0.03), (30.0, 0.01)];
     Hyperparameters { sample_std: 0.005, scatters, ..Hyperparameters::default() }
@@ -56,7 +56,7 @@ fn learned(trials: Vec<Trial>) -> Discrepancy {
     Discrepancy::new(half_a_per_cent(), conditions, 0.1, trials).unwrap()
 }
 
-/// Standard deviation of what a speed e times as high changes.
+/// Standard deviation of the change by an increase of speed by the factor e.
 fn of_speed(known: &Discrepancy) -> f64 {
     let at = |speed_m_s: f64| Load { pressure_pa: 4.775e6, speed_m_s, humidity: 0.45 };
     let loads = [at(5e-3 * std::f64::consts::E), at(5e-3)];
@@ -75,14 +75,14 @@ fn samples_of_one_texture_that_contradict_each_other_raise_the_scatter() {
             "{pair:?}"
         );
         assert!((pair.load.pressure_pa - 4.775e6).abs() < 1.0);
-        // That samples scatter by a half per cent is refuted.
+        // The trials refute a scatter of half a per cent.
         let [stated, ..] = known.scatter_weights()[..] else { panic!() };
         assert!(
             stated.weight < 1e-3 && (0.03..0.12).contains(&known.sample_std()),
             "{stated:?} {}",
             known.sample_std()
         );
-        // No form makes a cliff of a scatter, least of all one of depths that nothing has.
+        // Forms do not turn a scatter into a step, in particular not at depths without trials.
         let deep = Form::DepthDensity { scale_m: 20e-6 };
         let deep = known.forms().into_iter().find(|of| of.form == deep).unwrap();
         assert!(deep.weight < deep.prior, "{deep:?}");
@@ -90,15 +90,15 @@ fn samples_of_one_texture_that_contradict_each_other_raise_the_scatter() {
         let at =
             |lengths_um: [f64; 3]| known.at(&loads).predict(&groove(lengths_um), &[Sensitivity::of_modulus(0.05); 2]);
         let near = at([160.0, 290.0, 12.0]);
-        // Both samples lie within what is predicted of a third: the ratios over the modelled ones.
+        // Both samples lie within the prediction of a third: the ratios over the modelled ones.
         for (load, measured) in [(0, [0.868 / 0.953, 1.0]), (1, [0.819 / 0.886, 0.911 / 0.885_f64])] {
             let [low, high] = [0.025, 0.975].map(|p| near.quantile(load, p));
             assert!(measured.iter().all(|ratio| (low..high).contains(&ratio.ln())), "{load}: {low} {high}");
-            // A hundredth of a millimetre changes nothing like a tenth.
+            // A change of 0.01 mm has a small effect compared to a tenth.
             let moved = (at([150.0, 290.0, 12.0]).medians()[load] - near.medians()[load]).abs();
             assert!(moved < 0.01, "{moved}");
         }
-        // What is known of speed has not become less by trials.
+        // Trials do not reduce the knowledge of the effect of speed.
         let before = of_speed(&learned(Vec::new()));
         assert!(of_speed(&known) < 0.5 * before, "{} {before}", of_speed(&known));
     }
@@ -123,7 +123,7 @@ fn a_scatter_that_is_stated_of_the_samples_is_kept() {
 fn samples_that_may_differ_contradict_nothing() {
     let all = contradicting([150.0, 300.0, 12.0]);
     let others: [fn(Trial) -> Trial; 4] = [
-        // On one disc, of another texture, at other conditions, and alike.
+        // One disc, another texture, other conditions, and similar samples.
         |of| Trial { disc: Some("disc".to_owned()), ..of },
         |of| Trial { features: Features { width_m: 1.2 * of.features.width_m, ..of.features }, ..of },
         |of| trial("", of.features, &[[1.6, 7.0, 0.953, 0.953]]),
@@ -135,13 +135,13 @@ fn samples_that_may_differ_contradict_nothing() {
         trials[2] = other(trials[2].clone());
         let known = learned(trials);
         assert!(known.contradictions().is_empty(), "{place}: {:?}", known.contradictions());
-        // Their own errors explain a difference of a hundredth: the stated scatter is believed as before, or more.
+        // Measurement errors explain a difference of a hundredth: the stated scatter keeps or gains weight.
         let stated = known.scatter_weights()[0];
         assert!(place != 3 || stated.weight >= stated.prior, "{stated:?}");
     }
 }
 
-/// One sample says next to nothing of the scatter: it may be larger than stated, as it may before any.
+/// Tests that one sample hardly changes the prior of the scatter.
 #[test]
 fn one_sample_leaves_the_scatter_as_it_is_believed_before_any() {
     let all = contradicting([150.0, 300.0, 12.0]);
@@ -163,7 +163,8 @@ fn one_sample_leaves_the_scatter_as_it_is_believed_before_any() {
     }
 }
 
-/// Samples that scatter by six times what is stated: intervals of the next one hold it, which those by the stated scatter do not.
+/// Tests samples with six times the stated scatter: posterior intervals contain the next one, intervals by the stated
+/// scatter do not.
 #[test]
 fn intervals_hold_samples_that_scatter_more_than_is_stated() {
     let (samples, rounds) = (7, 120);
@@ -184,13 +185,14 @@ fn intervals_hold_samples_that_scatter_more_than_is_stated() {
     };
     let usual = half_a_per_cent();
     let exact = Hyperparameters { scatters: vec![(1.0, 1.0)], ..usual.clone() };
-    // Where samples scatter as stated intervals are wider than they need be; six times that lies far out in what is believed before.
+    // For samples with the stated scatter, intervals are wider than necessary; six times the stated scatter is far out in
+    // the prior.
     let inferred = [0.005, 0.03].map(|std| held(std, &usual, &mut normals));
     let stated = held(0.03, &exact, &mut normals);
     assert!(inferred[0] > 0.9 && inferred[1] > 0.8 && stated < 0.7, "{inferred:?} {stated}");
 }
 
-/// Samples of one texture that repeat to less than laboratories usually do lower the scatter.
+/// Tests that samples that repeat better than usual lower the scatter.
 #[test]
 fn samples_that_agree_lower_the_scatter() {
     let texture = groove([150.0, 300.0, 12.0]);

@@ -1,4 +1,4 @@
-//! Truths drawn from the mixture: what several samples would do in one and the same of them.
+//! Scenarios: truths drawn from the mixture, in which several samples are evaluated jointly.
 
 use slipgrid_statistics::Normals;
 use slipgrid_statistics::cholesky::covariance_factor;
@@ -9,40 +9,41 @@ use crate::rows::Basis;
 use crate::{Candidate, Discrepancy, Load, Sensitivity, Wanted};
 use slipgrid_statistics::cholesky::dot;
 
-/// Truths drawn from the mixture, all alike likely.
+/// Truths drawn from the mixture, with equal probabilities.
 #[derive(Clone, Debug)]
 pub struct Scenarios {
     basis: Basis,
     members: Vec<Member>,
     draws: Vec<Truth>,
-    /// t of the one disc on which all samples are cut; none where each has its own.
+    /// Deviate t of the one disc that all samples share; empty if each sample has a separate disc.
     of_disc: Vec<f64>,
     seed: u64,
 }
 
-/// A draw of the mixture.
+/// Draw of the mixture.
 #[derive(Clone, Debug)]
 struct Truth {
-    /// Number of its member.
+    /// Index of the member.
     member: usize,
     coefficients: Vec<f64>,
     residual: ResidualDraw,
 }
 
-/// A draw of the rest of the residual, which the trials do not explain: a draw of the prior less what its own values at the trials explain
-/// (Matheron's rule). The prior is a sum of waves of random frequencies (Rahimi and Recht 2007), others in every draw.
+/// Draw of the rest of the residual, which the trials do not explain: a draw of the prior minus its regression on its
+/// values at the trials (Matheron's rule). The prior is a sum of waves of random frequencies (Rahimi and Recht 2007),
+/// drawn anew for every truth.
 #[derive(Clone, Debug)]
 struct ResidualDraw {
     /// Frequencies and phases.
     waves: Vec<([f64; 4], f64)>,
-    /// L^-1 of its values at the places of the basis.
+    /// L^-1 of the prior draw at the places of the basis.
     whitened: Vec<f64>,
 }
 
-/// Waves of a draw of the residual: their sum is nearly normal, and over all draws its covariance is exact.
+/// Number of waves per draw of the residual: their sum is nearly normal, and the covariance over all draws is exact.
 const WAVES: usize = 16;
-/// Seeds beyond that of the truths: of what all samples share, of each sample beyond its number, of residuals, and of the
-/// local law.
+/// Seed offsets from the truths: for shared errors, for each sample besides its number, for residuals, and for the local
+/// law.
 const OF_ALL: u64 = 1 << 32;
 const OF_SAMPLES: u64 = 2 << 32;
 const OF_RESIDUALS: u64 = 3 << 32;
@@ -52,7 +53,7 @@ impl ResidualDraw {
     fn new(basis: &ResidualBasis, normals: &mut Normals) -> Self {
         let wave = |_| {
             let frequency = std::array::from_fn(|_| normals.draw());
-            // A phase uniform in a turn, from the argument of two deviates.
+            // Uniform phase, from the argument of two normal deviates.
             (frequency, libm::atan2(normals.draw(), normals.draw()))
         };
         let mut found = Self { waves: (0..WAVES).map(wave).collect(), whitened: Vec::new() };
@@ -70,7 +71,7 @@ impl ResidualDraw {
 }
 
 impl Scenarios {
-    /// `count` truths, seeded: of every form as many as its weight says.
+    /// Draws `count` truths with a seed, each member in proportion to its weight.
     #[must_use]
     pub fn new(discrepancy: &Discrepancy, count: usize, seed: u64) -> Self {
         let (basis, members) = (discrepancy.basis().clone(), discrepancy.members().to_vec());
@@ -101,7 +102,7 @@ impl Scenarios {
         Self { basis, members, draws, of_disc: Vec::new(), seed }
     }
 
-    /// The same truths with one disc on which all samples are cut: they share its t, drawn by `seed`.
+    /// Puts all samples on one disc: they share t, drawn with `seed`.
     #[must_use]
     pub fn on_one_disc(mut self, seed: u64) -> Self {
         let mut normals = Normals::new(seed);
@@ -110,8 +111,8 @@ impl Scenarios {
         self
     }
 
-    /// In which of them a sample of `candidate` is on target: `wanted` at `loads`. Samples of another `number` are other samples: each has
-    /// dimensions and a t of its own, and all have in common what else is not known exactly.
+    /// Returns for each truth whether a sample of `candidate` is on target `wanted` at `loads`. Samples with different
+    /// `number` are independent in dimensions and t, and share all other unknowns.
     #[must_use]
     pub fn on_target(&self, candidate: &Candidate<'_>, loads: &[Load], wanted: &Wanted, number: usize) -> Vec<bool> {
         let n = loads.len();
@@ -159,7 +160,7 @@ impl Scenarios {
                 let of_form = dot(&rows[load], &truth.coefficients) - of_globals + rest;
                 let shifts = candidate.dimension_shifts.iter().zip(&deviates);
                 let of_dimensions: f64 = shifts.map(|(shift, z)| shift.log_ratio[load] * z).sum();
-                // y = D h' / h + eps g + lambda d + what all samples share + d ln R + t
+                // y = D h' / h + eps g + lambda d + shared errors + d ln R + t
                 let of_globals = of_globals + prior_mean[load];
                 let value = of_form * (1.0 + log_form) + of_globals + common[load] + of_dimensions + t;
                 (lower[load]..=upper[load]).contains(&value)

@@ -2,38 +2,38 @@
 
 use crate::{DiscrepancyError, Features, Form, Load};
 
-/// A sample that was cut and measured.
+/// Sample that was cut and measured.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Trial {
-    /// Its name.
+    /// Name of the trial.
     pub name: String,
-    /// Its texture, as it was measured or designed.
+    /// Features of the texture, as measured or as designed.
     pub features: Features,
-    /// Standard deviation of t where it is known; that of the hyperparameters otherwise.
+    /// Standard deviation of t, if known; otherwise the hyperparameter is used.
     pub sample_std: Option<f64>,
-    /// The disc that it shares with other trials of this name; `None` on a disc of its own. Trials of one disc share t.
+    /// Name of the disc; trials of one disc share t. `None` for a separate disc.
     pub disc: Option<String>,
-    /// What was measured of it.
+    /// Measurements of the sample.
     pub measured: Vec<Measured>,
-    /// Standard errors of its width, spacing and depth, in metres; 0 where they are taken as exact.
+    /// Standard errors of width, spacing and depth, in metres; 0 if exact.
     pub dimensions_std_m: [f64; 3],
-    /// Independent errors of its dimensions, at the loads of `measured`; none where the dimensions are taken as exact.
+    /// Independent errors of the dimensions, at the loads of `measured`; empty if the dimensions are exact.
     pub dimension_shifts: Vec<DimensionShift>,
 }
 
-/// One of the independent errors of a sample's dimensions: the effect of one standard deviation of it.
+/// Effect of one standard deviation of one independent error of a sample's dimensions.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DimensionShift {
     /// Change of the modelled ln R at each load.
     pub log_ratio: Vec<f64>,
     /// Features of the texture with the dimensions one standard deviation above.
     pub above: Features,
-    /// The same below; `None` where only one side is known.
+    /// Features of the texture with the dimensions one standard deviation below; `None` if only one side is known.
     pub below: Option<Features>,
 }
 
 impl DimensionShift {
-    /// The same error of a sample with the features `to`, which are near `from`, in their place.
+    /// Transfers the error to a sample with the features `to`, which are near `from`.
     #[must_use]
     pub fn about(&self, from: &Features, to: &Features) -> Self {
         let moved = |own: &Features| Features {
@@ -57,7 +57,7 @@ impl DimensionShift {
         if change.is_finite() { change } else { 0.0 }
     }
 
-    /// Mean of h over h as designed, to second order; 1 where only one side is known.
+    /// Mean of h over h as designed, to second order; 1 if only one side is known.
     #[must_use]
     pub fn mean_form(&self, form: &Form, own: &Features) -> f64 {
         let mean = |below: &Features| 0.5 * (form.value(&self.above) + form.value(below)) / form.value(own);
@@ -65,34 +65,35 @@ impl DimensionShift {
     }
 }
 
-/// A ratio of patterned to flat friction that was measured, beside the modelled one.
+/// Measured ratio of patterned to flat friction, with the modelled ratio.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Measured {
-    /// Pressure, speed and humidity. Measurements of one condition share the flat sample's.
+    /// Pressure, speed and humidity. Measurements of one condition share the flat sample's error.
     pub load: Load,
     /// Measured ratio.
     pub measured: f64,
     /// Modelled ratio.
     pub modelled: f64,
-    /// Standard error of the patterned sample's friction over itself.
+    /// Relative standard error of the patterned sample's friction.
     pub patterned_std: f64,
-    /// Standard error of the flat sample's friction over itself.
+    /// Relative standard error of the flat sample's friction.
     pub flat_std: f64,
-    /// How ln R follows what all textures have in common.
+    /// Sensitivity of ln R to unknowns shared by all textures.
     pub sensitivity: Sensitivity,
 }
 
-/// How ln R of a texture follows the unknowns that all textures have in common.
+/// Sensitivity of ln R of a texture to the unknowns shared by all textures.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Sensitivity {
     /// g = d ln R / d ln E.
     pub modulus: f64,
-    /// d = ln R where local friction follows the local pressure, less ln R as modelled; 0 where flat friction follows the area law.
+    /// d: ln R with local friction by the local pressure, minus ln R as modelled; 0 if flat friction follows the area
+    /// law.
     pub local_law: f64,
 }
 
 impl Sensitivity {
-    /// Of a texture that follows Young's modulus alone.
+    /// Sensitivity to Young's modulus only.
     #[must_use]
     pub const fn of_modulus(modulus: f64) -> Self {
         Self { modulus, local_law: 0.0 }
@@ -108,8 +109,10 @@ impl Measured {
 }
 
 impl Trial {
+    /// Checks that all numbers are valid.
+    ///
     /// # Errors
-    /// [`DiscrepancyError::Measured`] of the first number that means nothing.
+    /// [`DiscrepancyError::Measured`] of the first invalid number.
     pub(crate) fn check(&self) -> Result<(), DiscrepancyError> {
         for (row, at) in self.measured.iter().enumerate() {
             let refuse = |quantity, value, expected| {

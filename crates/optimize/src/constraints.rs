@@ -1,19 +1,19 @@
-//! What a design must respect beside its bounds.
+//! Constraints of a design besides its bounds.
 
 use slipgrid_pattern::{LimitViolation, ManufacturingLimits, Pattern};
 use std::fmt;
 
-/// Which side of a limit is allowed, and the limit itself. An infinite one does not bind.
+/// One-sided limit with its allowed side. An infinite limit does not bind.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Bound {
-    /// The limit or less.
+    /// Values up to the limit are allowed.
     AtMost(f64),
-    /// The limit or more.
+    /// Values from the limit on are allowed.
     AtLeast(f64),
 }
 
 impl Bound {
-    /// The limit.
+    /// Returns the limit.
     #[must_use]
     pub const fn limit(self) -> f64 {
         match self {
@@ -21,7 +21,7 @@ impl Bound {
         }
     }
 
-    /// The same side with another limit.
+    /// Returns a bound of equal side with another limit.
     #[must_use]
     pub const fn with_limit(self, limit: f64) -> Self {
         match self {
@@ -31,25 +31,25 @@ impl Bound {
     }
 }
 
-/// A quantity of a design, which the model gives, and its limit.
+/// Quantity of a design computed by the model, with its limit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Limit {
-    /// What it is, in words.
+    /// Name of the quantity, in words.
     pub name: &'static str,
-    /// Unit in which it is told; may be empty.
+    /// Unit of the quantity in messages; may be empty.
     pub unit: &'static str,
-    /// That unit in SI units.
+    /// Value of the unit in SI units.
     pub unit_si: f64,
-    /// The limit, SI units.
+    /// Limit, in SI units.
     pub bound: Bound,
-    /// Change of the quantity that counts as 1, SI units: the limit itself where that is not 0.
+    /// Change of the quantity that counts as 1, in SI units: the limit itself if not 0.
     pub scale: f64,
-    /// The loosest limit that means something, SI units: no limit at all, or what physics or geometry sets.
+    /// Loosest meaningful limit, in SI units: infinite, or set by physics or geometry.
     pub loosest: f64,
 }
 
 impl Limit {
-    /// How far `value` lies beyond the limit, in scales: 0 at the limit, negative within.
+    /// Distance of `value` beyond the limit, in scales: 0 at the limit, negative inside.
     #[must_use]
     pub fn excess(&self, value: f64) -> f64 {
         match self.bound {
@@ -58,14 +58,14 @@ impl Limit {
         }
     }
 
-    /// The same with the loosest limit.
+    /// Replaces the limit by the loosest one.
     #[must_use]
     pub const fn relaxed(mut self) -> Self {
         self.bound = self.bound.with_limit(self.loosest);
         self
     }
 
-    /// `value` with its unit.
+    /// Formats `value` with its unit.
     #[must_use]
     pub fn tell(&self, value: f64) -> String {
         let told = significant(value / self.unit_si);
@@ -73,22 +73,23 @@ impl Limit {
     }
 }
 
-/// Four significant digits.
+/// Formats four significant digits.
 fn significant(value: f64) -> String {
     format!("{value:.3e}").parse::<f64>().map_or_else(|_| value.to_string(), |rounded| rounded.to_string())
 }
 
-/// What a design must respect beside its bounds.
+/// Constraints of a design besides its bounds.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Constraints {
-    /// What the laser can make.
+    /// Manufacturing limits of the laser.
     pub limits: ManufacturingLimits,
-    /// Quantities that the model gives.
+    /// Limited quantities that the model computes.
     pub quantities: Vec<Limit>,
 }
 
 impl Constraints {
-    /// What `design` breaks, whose limited quantities are `limited`, in the order of [`Self::quantities`], SI units.
+    /// Lists the constraints that `design` violates; `limited` are its limited quantities, in the order of
+    /// [`Self::quantities`], in SI units.
     #[must_use]
     pub fn violations(&self, design: &Pattern, limited: &[f64]) -> Vec<Violation> {
         let makeable = self.limits.violations(design).into_iter().map(Violation::Limit);
@@ -99,22 +100,22 @@ impl Constraints {
     }
 }
 
-/// A constraint that a design breaks.
+/// Constraint that a design violates.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Violation {
-    /// The laser cannot make it.
+    /// Manufacturing limit of the laser.
     Limit(LimitViolation),
-    /// A quantity lies beyond its limit.
+    /// Quantity beyond its limit.
     Quantity {
-        /// The quantity and its limit.
+        /// Quantity with its limit.
         limit: Limit,
-        /// The design's value, SI units.
+        /// Value of the design, in SI units.
         value: f64,
     },
 }
 
 impl Violation {
-    /// How far beyond the constraint, relative to it: 0 at the constraint.
+    /// Distance beyond the constraint, relative to it: 0 at the constraint.
     #[must_use]
     pub fn excess(&self) -> f64 {
         match self {

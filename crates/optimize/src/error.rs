@@ -1,31 +1,31 @@
-//! Why a target or bounds were refused.
+//! Errors of targets and bounds.
 
-/// Why a target, bounds or tolerances were refused.
+/// Reason why a target, bounds or tolerances were refused.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum SearchError {
-    /// A number outside its meaning.
+    /// Number outside its valid range.
     #[error("{quantity} is {value}: expected {expected}")]
     OutOfRange {
-        /// What the number is.
+        /// Name of the number.
         quantity: &'static str,
-        /// The number given, SI units.
+        /// Value of the number, in SI units.
         value: f64,
-        /// What would be accepted.
+        /// Accepted values.
         expected: &'static str,
     },
-    /// A target without points.
+    /// Target without points.
     #[error("the target has no points: expected at least one pressure with a value")]
     NoTargetPoints,
-    /// A target with neither a demand nor a goal.
+    /// Target with neither a demand nor a goal.
     #[error("the target wants nothing: expected a value or limit at some pressure, or a goal")]
     NothingWanted,
-    /// Values at one pressure that should be even.
+    /// Even goal at a single pressure.
     #[error("the target asks for even values at one pressure: expected at least two pressures")]
     OnePressure,
     /// Two target values at one pressure.
     #[error("the target has two values at {pressure_pa} Pa: expected one")]
     RepeatedPressure {
-        /// The pressure given twice, in pascals.
+        /// Repeated pressure, in pascals.
         pressure_pa: f64,
     },
     /// Bounds whose lower end lies above the upper.
@@ -40,7 +40,7 @@ pub enum SearchError {
     },
 }
 
-/// `value` if it is finite and positive.
+/// Returns `value` if it is finite and positive.
 pub(crate) fn positive(quantity: &'static str, value: f64) -> Result<f64, SearchError> {
     if value.is_finite() && value > 0.0 {
         Ok(value)

@@ -1,21 +1,21 @@
-//! Why a model has no answer.
+//! Failures of a model.
 
-/// Why a design has no response.
+/// Reason why a model gives no answer for a design.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum ModelFailure {
-    /// This design cannot be computed; the next one may. The search goes on.
+    /// Failure of this design only; the search continues.
     #[error("{reason}")]
     Trial {
-        /// What went wrong.
+        /// Reason of the failure.
         reason: String,
     },
-    /// No design can be computed: the search ends with an error.
+    /// Failure of all designs: the search ends with an error.
     #[error("{reason}")]
     Broken {
-        /// What went wrong.
+        /// Reason of the failure.
         reason: String,
     },
-    /// The model was asked to stop: the search ends with its best design so far.
+    /// Cancelled: the search ends with its best design so far.
     #[error("cancelled")]
     Cancelled,
 }

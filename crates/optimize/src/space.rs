@@ -1,9 +1,9 @@
-//! The designs that may be tried: bounds of width, spacing and depth.
+//! Design space: bounds of width, spacing and depth.
 
 use crate::SearchError;
 use slipgrid_pattern::{Pattern, PatternError, Planform, Texture};
 
-/// Longest dimension accepted, in metres.
+/// Maximum accepted dimension, in metres.
 const LONGEST_M: f64 = 1.0;
 
 /// Bounds of a design, in metres. Equal bounds fix a dimension.
@@ -16,8 +16,8 @@ pub struct DesignSpace {
 }
 
 impl DesignSpace {
-    /// Patterns of `texture` with width, spacing and depth in the closed intervals given, in metres.
-    /// What else the texture leaves open follows: rows lie as far apart as cavities along them.
+    /// Creates the space of patterns of `texture` with width, spacing and depth in the given closed intervals, in metres.
+    /// Rows are spaced like cavities along a row, if the texture leaves this open.
     ///
     /// # Errors
     /// [`SearchError::OutOfRange`] unless bounds are positive and at most a metre,
@@ -78,7 +78,7 @@ impl DesignSpace {
         [self.width_m, self.spacing_m, self.depth_m]
     }
 
-    /// The pattern of these width, spacing and depth, in metres.
+    /// Builds the pattern with the given width, spacing and depth, in metres.
     ///
     /// # Errors
     /// [`PatternError`] for lengths that make no pattern.
@@ -87,10 +87,10 @@ impl DesignSpace {
         Pattern::new(self.texture, width_m, spacing_m, depth_m)
     }
 
-    /// The pattern in the middle of the bounds, by the logarithms of its lengths.
+    /// Builds the pattern in the middle of the bounds, by the logarithms of its lengths.
     ///
     /// # Errors
-    /// As [`DesignSpace::pattern`].
+    /// See [`DesignSpace::pattern`].
     pub fn middle(&self) -> Result<Pattern, PatternError> {
         self.pattern(self.lengths_m().map(|[lower_m, upper_m]| (lower_m * upper_m).sqrt()))
     }

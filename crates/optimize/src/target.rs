@@ -1,13 +1,13 @@
-//! What friction should be.
+//! Target of friction.
 
 use crate::SearchError;
 use crate::error::positive;
 
-/// Change of a value that matters where a goal alone is given: of a ratio, and of a friction coefficient, which is a
-/// quarter of one for most dry polymers.
+/// Significant change of a value if only a goal is given, for a ratio and for a friction coefficient, which is a quarter
+/// of one for most dry polymers.
 const RATIO_STEP: f64 = 0.01;
 const FRICTION_STEP: f64 = 0.0025;
-/// Which number the target prescribes.
+/// Quantity that the target prescribes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Quantity {
     /// Dynamic friction coefficient over that of the flat surface.
@@ -27,44 +27,44 @@ impl Quantity {
     }
 }
 
-/// The wanted value at one nominal pressure.
+/// Target value at one nominal pressure.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TargetPoint {
     /// Nominal pressure, in pascals.
     pub pressure_pa: f64,
-    /// Wanted value, dimensionless.
+    /// Target value, dimensionless.
     pub value: f64,
 }
 
-/// What is accepted of a value.
+/// Accepted values.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Wanted {
-    /// Anything: a goal alone decides.
+    /// Any value: a goal alone decides.
     Anything,
-    /// `value`, give or take `tolerance`.
+    /// Values within `tolerance` of `value`.
     Near {
-        /// Wanted.
+        /// Target value.
         value: f64,
         /// Largest accepted distance.
         tolerance: f64,
     },
-    /// From `lowest` to `highest`; without a goal the middle is aimed at.
+    /// Values from `lowest` to `highest`; without a goal the middle is the aim.
     Between {
-        /// Lowest accepted.
+        /// Lowest accepted value.
         lowest: f64,
-        /// Highest accepted.
+        /// Highest accepted value.
         highest: f64,
     },
-    /// `lowest` or more; `margin` more is aimed at.
+    /// Values of at least `lowest`; the aim is `margin` above.
     AtLeast {
-        /// Lowest accepted.
+        /// Lowest accepted value.
         lowest: f64,
         /// Distance from the limit beyond which nothing is gained.
         margin: f64,
     },
-    /// `highest` or less; `margin` less is aimed at.
+    /// Values of at most `highest`; the aim is `margin` below.
     AtMost {
-        /// Highest accepted.
+        /// Highest accepted value.
         highest: f64,
         /// Distance from the limit beyond which nothing is gained.
         margin: f64,
@@ -72,7 +72,7 @@ pub enum Wanted {
 }
 
 impl Wanted {
-    /// Lowest and highest accepted value, where there are any.
+    /// Lowest and highest accepted value, if limited.
     #[must_use]
     pub fn band(&self) -> [Option<f64>; 2] {
         match *self {
@@ -84,7 +84,7 @@ impl Wanted {
         }
     }
 
-    /// Half the width of what is accepted, of a limit alone its margin; `None` where nothing is demanded.
+    /// Half the width of the accepted band, or the margin of a single limit; `None` if nothing is demanded.
     #[must_use]
     pub fn tolerance(&self) -> Option<f64> {
         match *self {
@@ -119,25 +119,25 @@ impl Wanted {
     }
 }
 
-/// What is wanted at one nominal pressure.
+/// Demand at one nominal pressure.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Demand {
     /// Nominal pressure, in pascals.
     pub pressure_pa: f64,
-    /// What is accepted.
+    /// Accepted values.
     pub wanted: Wanted,
-    /// How much this pressure counts in means over the pressures; whether the target is met does not depend on it.
+    /// Weight of this pressure in means over the pressures; it does not affect whether the target is met.
     pub weight: f64,
 }
 
-/// What is to be as good as possible among designs that do what is demanded.
+/// Goal to optimize among designs that meet the demands.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Goal {
-    /// The lowest mean value over the pressures.
+    /// Minimum mean value over the pressures.
     Lowest,
-    /// The highest.
+    /// Maximum mean value over the pressures.
     Highest,
-    /// The least standard deviation over the pressures, relative to the mean.
+    /// Minimum standard deviation over the pressures, relative to the mean.
     Even,
 }
 
@@ -156,7 +156,7 @@ impl Goal {
     }
 }
 
-/// What friction should be, and how nearly.
+/// Target: demands on friction and an optional goal.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Target {
     quantity: Quantity,
@@ -165,10 +165,10 @@ pub struct Target {
 }
 
 impl Target {
-    /// A target of `quantity` at `points`, met where every value lies within `tolerance`.
+    /// Creates a target of `quantity` at `points`, met if every value lies within `tolerance`.
     ///
     /// # Errors
-    /// As [`Target::of`].
+    /// See [`Target::of`].
     pub fn new(quantity: Quantity, points: Vec<TargetPoint>, tolerance: f64) -> Result<Self, SearchError> {
         let demand = |point: TargetPoint| {
             let wanted = Wanted::Near { value: point.value, tolerance };
@@ -177,7 +177,7 @@ impl Target {
         Self::of(quantity, points.into_iter().map(demand).collect(), None)
     }
 
-    /// A target of `quantity`: every demand met, and with a goal as good as possible beside that.
+    /// Creates a target of `quantity` that meets every demand and optimizes the goal, if given.
     ///
     /// # Errors
     /// [`SearchError::NoTargetPoints`], [`SearchError::RepeatedPressure`], [`SearchError::NothingWanted`] where there is
@@ -204,32 +204,32 @@ impl Target {
         Ok(Self { quantity, demands, goal })
     }
 
-    /// Which number is prescribed.
+    /// Quantity that the target prescribes.
     #[must_use]
     pub const fn quantity(&self) -> Quantity {
         self.quantity
     }
 
-    /// The pressures and what is wanted there, in the order given: the same at every condition.
+    /// Demands at each pressure, in the order given; they are equal at every condition.
     #[must_use]
     pub fn points(&self) -> &[Demand] {
         &self.demands
     }
 
-    /// What is to be as good as possible.
+    /// Goal, if given.
     #[must_use]
     pub const fn goal(&self) -> Option<Goal> {
         self.goal
     }
 
-    /// Whether anything is demanded at some pressure.
+    /// Whether some pressure has a demand.
     #[must_use]
     pub fn has_demands(&self) -> bool {
         self.demands.iter().any(|demand| demand.wanted != Wanted::Anything)
     }
 
-    /// The smallest change of a value that matters: the smallest tolerance; where there is a goal, at most 0.01 of a
-    /// ratio and 0.0025 of a friction coefficient.
+    /// Smallest significant change of a value: the smallest tolerance; with a goal, at most 0.01 for a ratio and 0.0025
+    /// for a friction coefficient.
     #[must_use]
     pub fn tolerance(&self) -> f64 {
         let smallest = self.demands.iter().filter_map(|demand| demand.wanted.tolerance()).reduce(f64::min);

@@ -1,31 +1,31 @@
-//! What is not known exactly of a design and of the model's parameters.
+//! Uncertainty of a design's dimensions and of the model's parameters.
 
 use slipgrid_pattern::Pattern;
 
 use crate::SearchError;
 
-/// Width, spacing, depth.
+/// Number of lengths: width, spacing, depth.
 const AXES: usize = 3;
 
-/// A pivot below this share of the largest variance is zero: inputs that depend on one another.
+/// Pivots below this share of the largest variance are taken as zero, for linearly dependent inputs.
 const VANISHING: f64 = 1e-12;
 
-/// Standard deviations of the dimensions that are made, about those that are designed: normal, of the mean over a
-/// whole sample. How the cavities of one sample scatter about its mean is no part of it: friction averages over
-/// them, and their scatter enters through the curvature of friction alone.
+/// Standard deviations of the dimensions as made about the designed ones: normal, of the mean over a whole sample.
+/// Scatter of the cavities within one sample is excluded: friction averages over the cavities, and their scatter enters
+/// only through the curvature of friction.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Tolerances {
-    /// Of width, spacing and depth, in metres.
+    /// Standard deviations of width, spacing and depth, in metres.
     pub std_m: [f64; AXES],
     /// Correlation of width and spacing: -1 where the pitch is exact.
     pub width_spacing_correlation: f64,
-    /// Of the mean height of a sample's rims, in metres. A height below the land counts as far above it, so that the
-    /// heights of a design whose rims have none are half-normal.
+    /// Standard deviation of the mean rim height of a sample, in metres. A height below the land counts as equally far
+    /// above it, so that the rim heights of a design without rims are half-normal.
     pub rim_height_std_m: f64,
 }
 
 impl Tolerances {
-    /// The independent errors of width, spacing and depth that do not vanish, each by one standard deviation, in metres.
+    /// Nonzero independent errors of width, spacing and depth, each of one standard deviation, in metres.
     #[must_use]
     pub fn independent_m(&self) -> Vec<[f64; AXES]> {
         let [width, spacing, depth] = self.std_m;
@@ -39,16 +39,16 @@ impl Tolerances {
     }
 }
 
-/// The joint normal distribution of a design's dimensions and of a model's parameters, about the design and zero.
+/// Joint normal distribution of a design's dimensions and of a model's parameters, about the design and zero.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Uncertainty {
     covariance: Vec<Vec<f64>>,
-    /// The height of the rims is the last input.
+    /// Whether the rim height is the last input.
     has_rim: bool,
 }
 
 impl Uncertainty {
-    /// Of `tolerances` and, independently of them, parameters with `parameter_covariance`.
+    /// Combines `tolerances` with independent parameters of covariance `parameter_covariance`.
     ///
     /// # Errors
     /// [`SearchError::OutOfRange`] for a negative or infinite standard deviation, a correlation beyond -1 to 1, or a
@@ -88,26 +88,27 @@ impl Uncertainty {
         Ok(Self { covariance, has_rim })
     }
 
-    /// Place of the rims' height among the inputs, the last; `None` where it is exact.
+    /// Index of the rim height, the last input; `None` if it is exact.
     #[must_use]
     pub fn rim(&self) -> Option<usize> {
         self.has_rim.then(|| self.inputs() - 1)
     }
 
-    /// Dimensions, parameters and the height of the rims together.
+    /// Number of inputs: dimensions, parameters and the rim height.
     #[must_use]
     pub fn inputs(&self) -> usize {
         self.covariance.len()
     }
 
-    /// Standard deviation of one input: width, spacing, depth in metres, then the parameters, then the rims' height in metres.
+    /// Standard deviation of one input: width, spacing, depth in metres, then the parameters, then the rim height in
+    /// metres.
     #[must_use]
     pub fn std(&self, input: usize) -> f64 {
         self.covariance[input][input].sqrt()
     }
 
-    /// Covariance of values from the inputs that `of` names alone, one row a value: G' C G, G the `slopes` of the values along every input and C
-    /// the covariance of these.
+    /// Covariance of values from the inputs selected by `of`, one row per value: G' C G, G the `slopes` of the values
+    /// along every input and C the covariance of the inputs.
     #[must_use]
     pub fn covariance_of(&self, slopes: &[Vec<f64>], of: &dyn Fn(usize) -> bool) -> Vec<Vec<f64>> {
         let count = slopes.first().map_or(0, Vec::len);
@@ -124,7 +125,8 @@ impl Uncertainty {
     }
 }
 
-/// The design with the mean height of its rims off by `by_m`: |h + by|, as far above the land as it would be below.
+/// Returns the design with the mean rim height changed by `by_m`: |h + by|, as a height below the land counts as equally
+/// far above it.
 #[must_use]
 pub fn with_rim_off(design: &Pattern, by_m: f64) -> Pattern {
     let height_m = design.rim_height_m();
@@ -132,8 +134,7 @@ pub fn with_rim_off(design: &Pattern, by_m: f64) -> Pattern {
     design.to_owned().with_rim(raised)
 }
 
-/// Cholesky's factor of a covariance that may be singular. Inputs of different units are compared by their own
-/// variances.
+/// Cholesky factor of a covariance that may be singular. Inputs of different units are compared by their own variances.
 fn factorized(covariance: &[Vec<f64>]) -> Result<Vec<Vec<f64>>, SearchError> {
     const QUANTITY: &str = "entry of the covariance";
     const EXPECTED: &str = "a symmetric matrix without negative variances in any direction";
@@ -161,7 +162,7 @@ fn factorized(covariance: &[Vec<f64>]) -> Result<Vec<Vec<f64>>, SearchError> {
             if is_free {
                 factor[i][j] = left / factor[j][j];
             } else if left.abs() > VANISHING.sqrt() * size {
-                // A variable without variance of its own that still varies with another.
+                // A variable with zero variance must not covary with another.
                 return Err(refused(entry));
             }
         }
@@ -196,7 +197,7 @@ mod tests {
                 }
             }
         }
-        // Where the pitch is exact, a width that comes out wide takes from the spacing: their sum does not move.
+        // With an exact pitch, a wider cavity reduces the spacing: their sum stays constant.
         let exact_pitch = Uncertainty::new(&tolerances([8.0, 8.0, 0.0], -1.0), &[]).unwrap();
         let of_pitch = exact_pitch.covariance_of(&[vec![1.0], vec![1.0], vec![0.0]], &|_| true);
         assert!(of_pitch[0][0].abs() < 1e-24, "{of_pitch:?}");

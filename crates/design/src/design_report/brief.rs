@@ -1,4 +1,4 @@
-//! The screen after a job: what to do, the texture, what is expected of it and what limits it, on some twenty lines of 100 characters.
+//! Screen output after a job: advice, texture, expected values and limiting inputs, in about 20 lines of 100 characters.
 
 use std::fmt::Write as _;
 
@@ -6,13 +6,13 @@ use super::DesignReport;
 use crate::prediction::percent;
 use slipgrid_results::{SCREEN_WIDTH, Table, believed_interval, doubt_in_brief, fixed, length_in_words, wrapped};
 
-/// Loads, doubts and lifted limits that are listed; the others are counted.
+/// Maximum number of listed loads, doubts and lifted limits; the others are counted.
 const MAX_LOADS: usize = 8;
 const MAX_DOUBTS: usize = 3;
 const MAX_LIFTED: usize = 2;
 
 impl DesignReport {
-    /// The report for the screen: everything else is in [`DesignReport::summary`].
+    /// Formats the report for the screen; [`DesignReport::summary`] has all details.
     #[must_use]
     pub fn brief(&self) -> String {
         let mut text = wrapped(&format!("{}: {}", self.name, self.words), SCREEN_WIDTH, "  ", 3) + "\n\n";
@@ -44,7 +44,7 @@ impl DesignReport {
         text
     }
 
-    /// The table of loads.
+    /// Table of loads.
     fn loads_in_brief(&self) -> String {
         let expected = &self.sample.expected;
         let has_several = expected.iter().any(|at| !at.is_at_condition_of(&expected[0]));
@@ -72,7 +72,7 @@ impl DesignReport {
         text
     }
 
-    /// What is expected of the goal, what limits the chance, what else could be cut, and what blocks the target.
+    /// Expected value of the goal, limits of the chance, other textures worth cutting, and blockers of the target.
     fn below_the_table(&self) -> Vec<String> {
         let trials = match self.trials {
             0 => "no trial so far: before one the model's error is believed to be large".to_owned(),
@@ -105,7 +105,7 @@ mod tests {
     use crate::prediction::{Expected, ModelledRatio, SampleReport};
     use slipgrid_results::MaterialReport;
 
-    /// Twelve loads, six doubts of a paragraph each, and three other textures.
+    /// Tests with twelve loads, six doubts of a paragraph each, and three other textures.
     #[test]
     fn a_long_report_fits_on_the_screen() {
         let expected = |load: u32| Expected { pressure_mpa: f64::from(load), median: 0.85, ..Expected::default() };

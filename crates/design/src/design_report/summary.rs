@@ -1,4 +1,4 @@
-//! What was found, as text for people: what to do, the texture, what is expected of a sample, what limits it, and what is doubtful.
+//! Result as text: advice, texture, expected values of a sample, limits of the chance, and doubts.
 
 use std::fmt::Write as _;
 
@@ -10,13 +10,13 @@ use slipgrid_results::{
 };
 
 impl DesignReport {
-    /// The report for people.
+    /// Formats the full text report.
     #[must_use]
     pub fn summary(&self) -> String {
         [self.texture_text(), self.expected_text(), self.found_beside(), self.notes_text(), self.cost()].concat()
     }
 
-    /// What to do, and the texture.
+    /// Advice and texture.
     fn texture_text(&self) -> String {
         let design = &self.sample.design;
         let mut text = format!(
@@ -35,14 +35,14 @@ impl DesignReport {
         if let Some(removal) = &self.removal {
             let _ = writeln!(text, "  {}", removal.words());
         }
-        // Loads beyond what was measured make the chance itself doubtful.
+        // Loads outside the measured range make the chance itself doubtful.
         if let Some(line) = self.beyond_range() {
             let _ = writeln!(text, "! {line}");
         }
         text + "\n"
     }
 
-    /// What is expected of a sample at every load, and what the model alone says.
+    /// Expected values of a sample at every load, and values of the model alone.
     fn expected_text(&self) -> String {
         let expected = &self.sample.expected;
         let has_several = expected.iter().any(|at| !at.is_at_condition_of(&expected[0]));
@@ -71,13 +71,13 @@ impl DesignReport {
         text
     }
 
-    /// What limits the chance most.
+    /// Main limit of the chance, in words.
     pub(super) fn limit_in_words(&self) -> Option<String> {
         let LimitedBy { input, known_to, chance_if_known, .. } = self.limit()?;
         Some(format!("limited by {input} ({known_to}): without it the chance would be {}", percent(*chance_if_known)))
     }
 
-    /// What is expected of the goal.
+    /// Expected value of the goal, in words.
     pub(super) fn goal_in_words(&self) -> Option<String> {
         let goal = self.goal.as_ref()?;
         let interval =
@@ -86,7 +86,7 @@ impl DesignReport {
         Some(format!("{goal} {of}: {expected:.4} expected{interval}, {modelled:.4} by the model alone"))
     }
 
-    /// What the chance would be without each limit or bound.
+    /// Chance without each limit or bound, in words.
     pub(super) fn blocked_in_words(&self) -> Vec<String> {
         let one = |lifted: &LiftedReport| {
             let reach = if lifted.is_within_reach { "" } else { ", still out of reach" };
@@ -96,20 +96,20 @@ impl DesignReport {
         self.blocked_by.iter().map(one).collect()
     }
 
-    /// What the model lacks.
+    /// Model error, in words.
     pub(super) fn lacking(&self) -> String {
         let of_lasering = if self.sample.design.rim.is_some() { "roughening by the laser" } else { "recast rims" };
         format!("not modelled: {of_lasering}, plasticity, viscoelasticity, heating, wear")
     }
 
-    /// What limits the chance most, where that is worth a word.
+    /// Input that limits the chance most, if significant.
     #[must_use]
     pub fn limit(&self) -> Option<&LimitedBy> {
         let chance = self.sample.chance?;
         self.sample.limited_by.first().filter(|limit| limit.chance_if_known > chance + 0.02)
     }
 
-    /// Other textures, what blocks the target, and trade-offs.
+    /// Other textures, blockers of the target, and trade-offs.
     fn found_beside(&self) -> String {
         let mut text = String::new();
         if !self.others.is_empty() {
@@ -125,12 +125,12 @@ impl DesignReport {
         text
     }
 
-    /// Pressures of the target outside the measured range.
+    /// Target pressures outside the measured range.
     fn beyond_range(&self) -> Option<String> {
         beyond_measured_range(&self.beyond_mpa(), self.measured_mpa)
     }
 
-    /// What makes the design doubtful, one sentence each: the lines that the text marks with `!`.
+    /// Reasons to doubt the design, one sentence each; the text marks them with `!`.
     #[must_use]
     pub fn doubts(&self) -> Vec<String> {
         self.beyond_range().into_iter().chain(self.other_doubts()).collect()
@@ -145,7 +145,7 @@ impl DesignReport {
         self.material.doubts().chain(violations).chain(laser).chain(loads).chain(self.unresolved())
     }
 
-    /// Doubts, marked `!`; what was modelled and what was not.
+    /// Doubts, marked `!`, and notes on what is and what is not modelled.
     fn notes_text(&self) -> String {
         let mut text = "\n".to_owned();
         for doubt in self.other_doubts() {
@@ -155,7 +155,7 @@ impl DesignReport {
         text + &notes(stated.chain([self.lacking().as_str()]), &self.method)
     }
 
-    /// How much was computed.
+    /// Amount of computation.
     fn cost(&self) -> String {
         format!(
             "\n{} designs compared by a table of {} nodes, off by {:.4} in the median and {:.4} at most of {}; {}\n",
@@ -168,33 +168,33 @@ impl DesignReport {
         )
     }
 
-    /// Whether blocks resolve the pattern, as the confirming run says.
+    /// Warning if the blocks do not resolve the pattern, from the confirming run.
     pub fn unresolved(&self) -> Option<String> {
         slipgrid_results::unresolved(&self.confirmed, self.block_um)
     }
 
-    /// Pressures beyond those at which friction was measured.
+    /// Target pressures outside the measured range, in MPa.
     fn beyond_mpa(&self) -> Vec<f64> {
         self.confirmed.iter().filter(|load| load.friction_extrapolated).map(|load| load.pressure_mpa).collect()
     }
 }
 
 impl Expected {
-    /// Whether speed, humidity and direction are those of `other`.
+    /// Whether speed, humidity and direction equal those of `other`.
     #[must_use]
     pub fn is_at_condition_of(&self, other: &Self) -> bool {
         let condition = |of: &Self| (of.speed_mm_s, of.humidity_pct, of.sliding_angle_deg);
         condition(self) == condition(other)
     }
 
-    /// Speed, humidity and direction.
+    /// Describes speed, humidity and direction.
     #[must_use]
     pub fn condition_in_words(&self) -> String {
         let direction = self.sliding_angle_deg.map_or_else(String::new, |angle| format!(", at {angle} deg"));
         format!("{} mm/s, {} %{direction}", self.speed_mm_s, self.humidity_pct)
     }
 
-    /// What is accepted.
+    /// Describes the accepted values.
     #[must_use]
     pub fn target_in_words(&self) -> String {
         match (self.target_low, self.target_high) {
@@ -206,12 +206,13 @@ impl Expected {
     }
 }
 
-/// Bits from which on a trial teaches some and much: a tenth and a third of what tells two equally likely forms of the model's error apart.
+/// Thresholds in bits between a little, some and much information: one tenth and one third of the bit that separates two
+/// equally likely forms of the model error.
 const LEARNS_SOME: f64 = 0.1;
 const LEARNS_MUCH: f64 = 0.33;
 
 impl SampleReport {
-    /// How much measuring the sample would teach, in words.
+    /// Information gained by measuring the sample, in words.
     #[must_use]
     pub fn learns(&self) -> &'static str {
         match self.information_bits {
@@ -221,7 +222,7 @@ impl SampleReport {
         }
     }
 
-    /// A row of [`samples_table`], called `name`.
+    /// Row of [`samples_table`], labelled `name`.
     fn row(&self, name: String) -> [String; 7] {
         let at = |of: Option<&Expected>| {
             of.map_or_else(String::new, |at| {
@@ -240,7 +241,8 @@ impl SampleReport {
     }
 }
 
-/// Samples side by side, each with its name: texture, chance, what measuring it would teach, and what is expected at the first and the last load.
+/// Table of named samples: texture, chance, information gained by a measurement, and expected values at the first and the
+/// last load.
 pub fn samples_table<'a>(samples: impl Iterator<Item = (String, &'a SampleReport)>) -> Table {
     let samples: Vec<_> = samples.collect();
     let at = |of: fn(&[Expected]) -> Option<&Expected>| {

@@ -19,7 +19,7 @@ fn scene() -> Scene {
     }
 }
 
-/// The loads of `scene` with a third more friction.
+/// Loads of `scene` with a third more friction.
 fn louder(scene: &Scene) -> Vec<Load> {
     let friction = LocalFriction::new(0.4, 0.36, 0.05).unwrap();
     scene.loads.iter().map(|load| Load { friction, ..*load }).collect()
@@ -29,8 +29,8 @@ fn space(planform: Planform) -> DesignSpace {
     DesignSpace::new(planform, [40e-6, 400e-6], [40e-6, 1000e-6], [2e-6, 50e-6]).unwrap()
 }
 
-/// How far ratios, and over themselves pressures, of cells in space are from those of `simulate`, which go on until forces balance to 1e-10
-/// of the load: a search stops at 1e-7.
+/// Tolerance for ratios, and relative for pressures, of cells in space compared to `simulate`, which balances forces to
+/// 1e-10 of the load; a search stops at 1e-7.
 const LOOSE: f64 = 1e-7;
 const LOOSE_PRESSURE: f64 = 1e-5;
 
@@ -72,7 +72,7 @@ fn a_guide_in_larger_blocks_is_near() {
     assert!(own.iter().zip(&guided).all(|(own, guide)| own != guide && (own - guide).abs() < 0.01));
     let block_m = |model: &SteadyModel<'_>, design: &Pattern| model.cell(design, true).layer.block_m;
     assert!((block_m(&model, &design) - 40e-6).abs() < 1e-12);
-    // Nothing is gained in the plane, and a pitch of 60 um takes no blocks of 40 um.
+    // A guide saves nothing in the plane, and a pitch of 60 um cannot have blocks of 40 um.
     assert!(!SteadyModel::new(&scene(), &[], &[], &space(Planform::Groove)).has_guide());
     let narrow = DesignSpace::new(Planform::Square, [20e-6, 400e-6], [40e-6; 2], [5e-6; 2]).unwrap();
     assert!((block_m(&SteadyModel::new(&scene(), &[], &[], &narrow), &design) - 20e-6).abs() < 1e-12);
@@ -120,7 +120,7 @@ fn further_directions_are_those_of_the_turned_design_solved_alone() {
     assert!((found.peak_pressure_mpa / worst - 1.0).abs() < LOOSE_PRESSURE);
     let beside = model.beside(|scene| Ok::<_, ()>(scene.clone())).unwrap();
     assert_eq!(beside.steady(&design).unwrap().ratio.len(), 8);
-    // Slopes are those of the guide's blocks.
+    // Slopes are computed in the guide's blocks.
     assert!((beside.steady(&design).unwrap().ratio[0] - found.ratio[0]).abs() > 1e-4);
 }
 
@@ -139,7 +139,7 @@ fn samples_whose_rims_are_of_another_height_have_answers_of_their_own() {
     let (own, higher, again) = (ratio(0.1), ratio(0.2), ratio(0.1));
     assert!(own == again && higher < own - 0.01, "{own} {higher}");
     assert_eq!(ratio(0.2), higher);
-    // A design without rims is what one of no height is.
+    // A design without rims equals one with rims of zero height.
     let plain = SteadyModel::new(&scene(), &[], &[], &self::space(Planform::Groove));
     let bare = plain.steady(&Pattern::new(Planform::Groove, 130e-6, 370e-6, 13e-6).unwrap()).unwrap().ratio[0];
     assert_eq!(ratio(0.0), bare);
@@ -160,11 +160,11 @@ fn a_sample_made_of_a_design_has_as_many_cavities_as_it() {
     let of_cell = change(&|at| cell.steady(at).unwrap().ratio[1]);
     let made = change(&|at| laid.ratios_made(at, &laid.lay(&design).unwrap()).unwrap()[1]);
     let designed = change(&|at| laid.steady(at).unwrap().ratio[1]);
-    // As many cavities on the same face: what takes 264 um of it as designed takes its own period's part of it.
+    // The number of cavities stays constant: 264 um of the face as designed scale with the period as made.
     let share = laid.share(&design).unwrap();
     let on = |at: &Pattern| 1.0 - share * (at.pitch_m() / 264e-6).powi(2) * (1.0 - cell.steady(at).unwrap().ratio[1]);
     assert!((made - change(&on)).abs() < 1e-9 && made / of_cell > 1.0, "{made} of {of_cell}, share {share}");
-    // Laid anew, as many fit.
+    // A new layout keeps the number of cavities.
     assert!((designed - made).abs() < 1e-9, "{designed}");
 }
 

@@ -1,4 +1,4 @@
-//! What is said of a texture beside what samples of it, or textures beside it, do one by one.
+//! Brute-force checks of predicted chances against samples drawn and solved one by one.
 
 use slipgrid_discrepancy::{Features, Sensitivity};
 use slipgrid_optimize::{DesignSpace, Quantity, Target, TargetPoint};
@@ -11,7 +11,7 @@ use super::{contradicted, searched, three_tasks};
 use crate::search::Search;
 use crate::slopes::slopes;
 
-/// The share of `count` samples of a texture that are on target, each drawn and solved by itself, beside the chance that is said of it.
+/// Share of `count` samples of a texture on target, each drawn and solved separately, and the predicted chance.
 fn drawn(search: &Search<'_>, lengths_m: [f64; 3], count: u32) -> (f64, f64) {
     let pattern = search.task.space.pattern(lengths_m).unwrap();
     let found = search.solved(&pattern).unwrap();
@@ -26,7 +26,7 @@ fn drawn(search: &Search<'_>, lengths_m: [f64; 3], count: u32) -> (f64, f64) {
         let [w, s, d] = pattern.lengths_m();
         let [width, spacing, depth] = std_m.map(|std_m| std_m * normals.draw());
         let made = Pattern::new(*pattern.texture(), w + width, s + spacing, d + depth).unwrap();
-        // The model of the sample as it is made, and the discrepancy and the local law of that texture.
+        // Model of the sample as made, with the discrepancy and the local law of the texture as made.
         let ratio = model.ratios_made(&made, &laid).unwrap();
         let designed_for = found.texture.sensitivity.iter();
         let own = search.models.at(&made).unwrap().sensitivity.into_iter().zip(designed_for);
@@ -55,7 +55,7 @@ fn a_chance_is_the_share_of_samples_that_are_drawn_and_solved_one_by_one() {
     });
 }
 
-/// lambda is drawn with all else, and each sample follows it by the change of its own texture.
+/// Draws lambda with all other inputs; each sample follows lambda by the change of its own texture.
 #[test]
 fn samples_that_follow_either_law_are_in_the_chance() {
     searched(&contradicted(&three_tasks()[1]), |search| {
@@ -65,8 +65,8 @@ fn samples_that_follow_either_law_are_in_the_chance() {
     });
 }
 
-/// Grooves and squares, without and with trials, near and far from them: what is left of the difference is that errors of dimensions move
-/// the discrepancy to first order alone.
+/// Tests grooves and squares, without and with trials, near and far from the trials. The remaining difference arises
+/// because errors of dimensions move the discrepancy to first order only.
 #[test]
 #[expect(clippy::print_stdout, reason = "a table for people")]
 #[ignore = "some minutes: twelve textures, 4000 samples of each solved one by one"]
@@ -122,7 +122,8 @@ fn no_texture_of_thousands_has_a_clearly_greater_chance() {
     assert!(better.is_empty(), "{better:?}");
 }
 
-/// A sample made beside its design lacks what the texture that it became lacks: trials move it more than the model says.
+/// Tests that a sample off its design has the discrepancy of the texture as made: trials change it more than the model
+/// does.
 #[test]
 fn a_slope_follows_what_is_lacking_to_both_sides() {
     for task in &three_tasks()[1..] {

@@ -1,4 +1,5 @@
-//! The main job from a program of one's own: a task in code, a run that another thread may cancel, a drawing for the laser.
+//! Runs the design job from a separate program: a task built in code, a run that another thread may cancel, a drawing for
+//! the laser.
 
 use std::error::Error;
 use std::fs::File;
