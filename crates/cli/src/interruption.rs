@@ -1,5 +1,6 @@
 //! Ctrl-C handling: the first one ends a run as soon as the current stage notices it, the second one at once.
-//! || The handler sets a flag, which long loops poll through their monitor (`Progress`) and through the models that searches
+//!
+//! The handler sets a flag, which long loops poll through their monitor (`Progress`) and through the models that searches
 //! call. A stage that does not notice it in time is ended by the handler. Writing in progress is finished or undone first,
 //! so that no file is half written.
 

@@ -83,7 +83,7 @@ impl Console<'_> {
         told.iter().for_each(|told| self.note(&format!("warning: {told}")));
     }
 
-    /// Prints results as text on stdout; control characters from files are removed.
+    /// Prints results as text on stdout; control characters from files cannot steer a terminal.
     ///
     /// # Errors
     /// The error of the system.
