@@ -103,7 +103,7 @@ pub struct FrontReport {
     /// Quantity of the error.
     pub quantity: &'static str,
     /// Smallest distinguishable error: two standard errors of the difference of two references,
-    /// times [`STDERR_UNCERTAINTY`].
+    /// with a margin of a quarter.
     pub resolution_pct: f64,
     /// Methods without a faster method that is at least as accurate, fastest first.
     pub methods: Vec<String>,
