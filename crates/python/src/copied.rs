@@ -83,7 +83,7 @@ impl Anchored {
         Self { folder: std::env::current_dir().unwrap_or_default() }
     }
 
-    /// Absolute path of `path`.
+    /// Resolves `path` from the fixed folder.
     fn place(&self, path: &Path) -> PathBuf {
         self.folder.join(path)
     }
@@ -169,7 +169,7 @@ impl Origin {
         Ok(document.as_kind(kind))
     }
 
-    /// Paths of the files of a run: the files in `named`, and the object's own file if the text came from it.
+    /// Absolute paths of `named`, the files that a run reads; omits the object's own path if the text did not come from that file.
     pub fn inputs(&self, named: &[PathBuf]) -> Vec<PathBuf> {
         let read = named.iter().filter(|input| self.is_file || **input != self.path);
         read.map(|input| self.disk.place(input)).collect()

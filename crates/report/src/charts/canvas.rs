@@ -205,7 +205,7 @@ impl Canvas<'_> {
         self.styled_text(text, at, anchor, INK, TEXT_SIZE, FontStyle::Normal, FontTransform::Rotate270)
     }
 
-    #[allow(clippy::too_many_arguments)] // the one place where every property of a text meets
+    #[allow(clippy::too_many_arguments)] // all properties of a text, set by a single function
     fn styled_text(
         &self,
         text: &str,
