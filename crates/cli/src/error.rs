@@ -5,7 +5,7 @@ use slipgrid_disk::{PlaceError, WriteError};
 use slipgrid_formats::Diagnostic;
 use slipgrid_formats::calibrated::Uncalibrated;
 
-/// Why a command ended without a result.
+/// Error that ends a command without a result.
 #[derive(Debug, thiserror::Error)]
 pub enum CliError {
     /// Input was refused; nothing was written.
@@ -20,13 +20,13 @@ pub enum CliError {
     /// Stdout could not be written.
     #[error("standard output: {0}")]
     Stdout(#[from] std::io::Error),
-    /// The numbers of a material lead to one without meaning.
+    /// The numbers of a material give an invalid derived value.
     #[error(transparent)]
     Material(#[from] MaterialError),
     /// Ctrl-C was pressed.
     #[error("{}", crate::interruption::message())]
     Interrupted,
-    /// The time allowed was spent before there was anything to report.
+    /// The time limit passed before any result was available.
     #[error("{0}")]
     OutOfTime(String),
     /// Anything else.
@@ -34,7 +34,7 @@ pub enum CliError {
     Other(String),
 }
 
-/// Errors of which their words are all that is told.
+/// Errors that are reported by their message only.
 macro_rules! told {
     ($($error:ty),+ $(,)?) => {$(
         impl From<$error> for CliError {
@@ -88,7 +88,7 @@ impl From<slipgrid_studies::StudyError> for CliError {
 }
 
 impl CliError {
-    /// The exit code.
+    /// Exit code of the error.
     #[must_use]
     pub const fn exit_code(&self) -> u8 {
         match self {

@@ -1,8 +1,8 @@
-//! Ctrl-C: a first one ends a run as soon as the stage under way has heard of it, a second one at once.
+//! Ctrl-C handling: the first one ends a run as soon as the current stage notices it, the second one at once.
 //!
-//! The handler sets one flag. Long loops ask it through their monitor (`Progress`) and the models that
-//! searches call; a stage that did not hear of it in time is ended from here. What was being written is finished or taken
-//! back first, so that no file is half written either way.
+//! The handler sets a flag, which long loops poll through their monitor (`Progress`) and through the models that searches
+//! call. A stage that does not notice it in time is ended by the handler. Writing in progress is finished or undone first,
+//! so that no file is half written.
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -12,38 +12,38 @@ use std::time::Duration;
 
 use crate::{CliError, exit_code};
 
-/// Time that the stage under way has to hear of a first Ctrl-C.
+/// Time for the current stage to notice a first Ctrl-C.
 const GRACE: Duration = Duration::from_millis(700);
 
-/// What is kept of a search.
+/// Description of a search's kept results.
 pub const ANSWERS: &str = "answers of the search's model";
-/// What is kept of many tasks.
+/// Description of a campaign's kept results.
 pub const RESULTS: &str = "finished results";
 
 static ASKED: AtomicBool = AtomicBool::new(false);
 static ACCOUNT: Mutex<Account> =
     Mutex::new(Account { stage: String::new(), written: Vec::new(), kept: None, goes_on: None });
 
-/// What is said of a run that was interrupted.
+/// Data for the message of an interrupted run.
 struct Account {
     stage: String,
     /// Files and folders with results.
     written: Vec<PathBuf>,
-    /// The place of what is kept whatever happens, how much it is, and of what.
+    /// Path, number and description of results that are kept in any case.
     kept: Option<(PathBuf, usize, &'static str)>,
-    /// The command that goes on with them.
+    /// Command that resumes from the kept results.
     goes_on: Option<String>,
 }
 
-/// What others left half done in these numbers is as good as any.
+/// Locks a mutex even if it is poisoned: the data of the message are valid after a panic.
 fn locked<T>(of: &Mutex<T>) -> MutexGuard<'_, T> {
     of.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Ends the process's runs on Ctrl-C from here on, instead of the process.
+/// Makes Ctrl-C interrupt the current run instead of killing the process.
 ///
 /// # Errors
-/// [`ctrlc::Error`] if the system takes no handler.
+/// [`ctrlc::Error`] if the system refuses the handler.
 pub fn install() -> Result<(), ctrlc::Error> {
     ctrlc::set_handler(|| {
         if ASKED.swap(true, Ordering::SeqCst) {
@@ -51,16 +51,16 @@ pub fn install() -> Result<(), ctrlc::Error> {
         }
         std::thread::spawn(|| {
             std::thread::sleep(GRACE);
-            // Files appear together: not between two of them.
+            // Files of a result appear together: the process must not end between two of them.
             let _renaming = slipgrid_disk::hold_renaming();
-            // Whoever closed stderr does not want to know.
+            // A closed stderr is no reason to fail.
             let _ = writeln!(std::io::stderr(), "\nerror: {}", message());
             end();
         });
     })
 }
 
-/// Ends the process, with the locks that it holds.
+/// Ends the process while it holds its locks.
 fn end() -> ! {
     slipgrid_disk::lock::remove_all();
     std::process::exit(exit_code::INTERRUPTED.into())
@@ -72,20 +72,20 @@ pub fn asked() -> bool {
     ASKED.load(Ordering::Relaxed)
 }
 
-/// Ends a command between two stages, and one whose stage ended early.
+/// Returns an error after Ctrl-C; called between stages, and after a stage that ended early.
 ///
 /// # Errors
-/// [`CliError::Interrupted`] once Ctrl-C was pressed.
+/// [`CliError::Interrupted`] after Ctrl-C.
 pub fn heed() -> Result<(), CliError> {
     if asked() { Err(CliError::Interrupted) } else { Ok(()) }
 }
 
-/// Names the stage under way.
+/// Sets the name of the current stage.
 pub fn enter(stage: &str) {
     stage.clone_into(&mut locked(&ACCOUNT).stage);
 }
 
-/// Says that `place` holds so many of `what`, whatever happens to the run.
+/// Records that `place` holds `count` of `what`, which are kept in any case.
 pub fn kept(place: &Path, count: usize, what: &'static str) {
     let mut account = locked(&ACCOUNT);
     match &mut account.kept {
@@ -94,17 +94,17 @@ pub fn kept(place: &Path, count: usize, what: &'static str) {
     }
 }
 
-/// Says that a result stands at `path`, whole.
+/// Records that the result at `path` is complete.
 pub fn wrote(path: &Path) {
     locked(&ACCOUNT).written.push(path.to_owned());
 }
 
-/// Names the command that goes on with what was kept.
+/// Sets the command that resumes from the kept results.
 pub fn goes_on_with(command: String) {
     locked(&ACCOUNT).goes_on = Some(command);
 }
 
-/// What is said of a run that was interrupted now.
+/// Message for a run that is interrupted now.
 #[must_use]
 pub fn message() -> String {
     let account = locked(&ACCOUNT);

@@ -1,14 +1,14 @@
-//! The `slipgrid` command line: it reads files, calls the libraries, and writes what they found.
+//! The `slipgrid` command line: reads files, calls the libraries, and writes their results.
 //!
 //! | module | role |
 //! |---|---|
 //! | [`args`] | flags and help |
 //! | [`interruption`] | Ctrl-C |
-//! | [`output`] | files written whole or not at all |
-//! | [`progress`] | bar on a terminal, clock of long runs |
-//! | [`commands`] | one module a command |
+//! | [`output`] | atomic writing of files |
+//! | [`progress`] | progress bar on a terminal, clock of long runs |
+//! | [`commands`] | one module per command |
 //!
-//! This crate knows no equations: only here files, the clock, the environment and stdout are touched.
+//! This crate contains no equations; it is the only crate that accesses files, the clock, the environment and stdout.
 //!
 //! ```
 //! let (mut out, mut err) = (Vec::new(), Vec::new());
@@ -41,60 +41,60 @@ use slipgrid_report::Outputs;
 pub mod exit_code {
     /// Done; `optimize`: a sample or a series is worth cutting, or a trial meets the target.
     pub const DONE: u8 = 0;
-    /// Anything that has no code of its own.
+    /// Any failure without a specific code.
     pub const FAILURE: u8 = 1;
     /// Input was refused; nothing was written.
     pub const BAD_INPUT: u8 = 2;
-    /// `optimize`: no design within bounds and limits is expected to meet the target, or the flat surface does.
+    /// `optimize`: no design within bounds and limits is expected to meet the target, or the flat surface meets it.
     pub const UNREACHABLE: u8 = 3;
-    /// `optimize`: the seconds allowed were not enough for every stage.
+    /// `optimize`: the time limit did not suffice for every stage.
     pub const BUDGET: u8 = 4;
     /// Ctrl-C was pressed: no result was written.
     pub const INTERRUPTED: u8 = 130;
 }
 
-/// Where a command reports, and how much.
+/// Output streams and options of a command.
 pub struct Console<'a> {
     /// Results.
     pub out: &'a mut (dyn Write + Send),
     /// Notes.
     pub err: &'a mut (dyn Write + Send),
-    /// No progress bar and no notes.
+    /// Suppresses the progress bar and notes.
     pub quiet: bool,
-    /// Threads that compute.
+    /// Number of computing threads.
     pub threads: usize,
-    /// Results of earlier runs.
+    /// Cache of results of earlier runs.
     pub kept: Option<KeptResults>,
-    /// They were declined with `--no-cache`.
+    /// `--no-cache` disabled the cache.
     pub no_cache: bool,
 }
 
 impl Console<'_> {
-    /// A line on stderr that no result depends on.
+    /// Prints a line on stderr; no result depends on it.
     pub fn note(&mut self, text: &str) {
         if !self.quiet {
-            // Notes are a courtesy: a closed stderr stops nothing.
+            // Notes are optional: a closed stderr stops nothing.
             let _ = writeln!(self.err, "{}", printable_lines(text));
         }
     }
 
-    /// Says what is unusual of an input, one line each.
+    /// Prints warnings about an input, one line each.
     pub fn warn(&mut self, told: &[impl std::fmt::Display]) {
         told.iter().for_each(|told| self.note(&format!("warning: {told}")));
     }
 
-    /// Results for people on stdout: what files put into them cannot steer a terminal.
+    /// Prints results as text on stdout; control characters from files cannot steer a terminal.
     ///
     /// # Errors
-    /// What the system said.
+    /// The error of the system.
     pub fn answer(&mut self, text: &str) -> std::io::Result<()> {
         self.out.write_all(printable_lines(text).as_bytes())
     }
 
-    /// `record` on stdout: as JSON, or as `text` for people.
+    /// Prints `record` on stdout: as JSON, or as `text`.
     ///
     /// # Errors
-    /// [`CliError`] if it has no JSON form, or stdout takes nothing.
+    /// [`CliError`] if the record has no JSON form, or if stdout cannot be written.
     pub fn report(
         &mut self,
         as_json: bool,
@@ -109,24 +109,24 @@ impl Console<'_> {
         Ok(())
     }
 
-    /// Has `outputs` replace what `folder` holds of an earlier result, and says so.
+    /// Replaces an earlier result in `folder` by `outputs`, and prints a note.
     ///
     /// # Errors
-    /// [`CliError::Write`] as [`ResultFolder::replace`].
+    /// [`CliError::Write`], as for [`ResultFolder::replace`].
     pub fn keep(&mut self, outputs: &Outputs, folder: &ResultFolder) -> Result<(), CliError> {
         output::replace(outputs, folder)?;
         self.kept(outputs, folder.path());
         Ok(())
     }
 
-    /// Says that `outputs` were written into `folder`.
+    /// Prints a note that `outputs` were written into `folder`.
     pub fn kept(&mut self, outputs: &Outputs, folder: &Path) {
         self.note(&format!("wrote {} to {}", outputs.names().join(", "), folder.display()));
     }
 }
 
-/// Runs the program with `args`, the program's name first, and returns its exit code. Progress bars
-/// go to the process's stderr, where that is a terminal.
+/// Runs the program with `args`, which begin with the program's name, and returns its exit code. Progress bars
+/// are shown on the process's stderr if it is a terminal.
 pub fn run<I, T>(args: I, out: &mut (dyn Write + Send), err: &mut (dyn Write + Send)) -> u8
 where
     I: IntoIterator<Item = T>,
@@ -135,8 +135,8 @@ where
     run_with(args, out, err, None)
 }
 
-/// `command`, and those below it, that takes a number below zero, or a list that begins with one, for a value: it is out of range, not an
-/// unknown flag.
+/// Lets `command` and its subcommands accept negative numbers, and lists that begin with one, as values: a negative number is then
+/// reported as out of range instead of as an unknown flag.
 fn with_negative_numbers(command: clap::Command) -> clap::Command {
     let is_list = |argument: &clap::Arg| {
         argument.get_value_names().is_some_and(|names| names.iter().any(|name| name.contains(',')))
@@ -147,7 +147,7 @@ fn with_negative_numbers(command: clap::Command) -> clap::Command {
     command.mut_args(with_numbers).mut_subcommands(with_negative_numbers)
 }
 
-/// The same with `kept`, results of earlier runs, where the flags do not forbid it.
+/// Same as [`run`], with `kept` as the cache of earlier results unless the flags disable it.
 pub fn run_with<I, T>(
     args: I,
     out: &mut (dyn Write + Send),
@@ -194,10 +194,10 @@ where
     });
     match ended.and_then(|code| told.map(|()| code).map_err(CliError::from)) {
         Ok(code) => code,
-        // The reader of our stdout left early, as `head` does.
+        // The reader closed our stdout early, as `head` does.
         Err(CliError::Stdout(error)) if error.kind() == ErrorKind::BrokenPipe => exit_code::DONE,
         Err(error) => {
-            // What a stage that was cut short says of itself matters to nobody.
+            // The error of an interrupted stage is not reported.
             let error = if interruption::asked() { CliError::Interrupted } else { error };
             let _ = writeln!(err, "error: {}", printable_lines(&error.to_string()));
             error.exit_code()

@@ -1,13 +1,13 @@
-//! The `slipgrid` program: glue only.
+//! The `slipgrid` program, a thin wrapper around the library.
 
 use std::process::ExitCode;
 
-/// Number of the signal that Ctrl-C sends.
+/// Number of the Ctrl-C signal.
 const SIGINT: i32 = 2;
 
 fn main() -> ExitCode {
-    // A run in the background of a script ignores the keyboard, and shall go on doing so. Without a handler Ctrl-C ends the
-    // process, as everywhere.
+    // A background run of a script ignores the keyboard, and must continue to. Without a handler, Ctrl-C ends the
+    // process as usual.
     if !is_ignored(SIGINT) {
         let _ = slipgrid_cli::interruption::install();
     }
@@ -15,7 +15,7 @@ fn main() -> ExitCode {
     slipgrid_cli::run_with(std::env::args_os(), &mut std::io::stdout(), &mut std::io::stderr(), kept).into()
 }
 
-/// Whether the program was started to ignore `signal`, as far as the system says.
+/// Whether the program was started with `signal` ignored, if the system reports it.
 fn is_ignored(signal: i32) -> bool {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
     let mask = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));

@@ -1,4 +1,4 @@
-//! Files written whole or not at all. A file that stands there is replaced only if slipgrid wrote it.
+//! Atomic writing of files. An existing file is replaced only if slipgrid wrote it.
 
 use std::fs;
 use std::io::Write;
@@ -10,13 +10,13 @@ use slipgrid_disk::{PlaceError, put, refuse_foreign};
 use slipgrid_formats::Diagnostic;
 use slipgrid_report::Outputs;
 
-/// Extensions of files that hold matrix text.
+/// Extensions of matrix text files.
 const TEXT_EXTENSIONS: [&str; 5] = ["asc", "txt", "dat", "csv", "tsv"];
 
-/// Looks at the place of a map, which is written as matrix text: a name that ends as those of another format is refused.
+/// Checks the path of a map, which is written as matrix text; refuses extensions of other formats.
 ///
 /// # Errors
-/// [`CliError`] as of [`check_file`], or if the name is one of another format.
+/// [`CliError`] as for [`check_file`], or if the extension belongs to another format.
 pub fn check_map_file(place: Place<'_>, inputs: &[PathBuf]) -> Result<(), CliError> {
     if let Some(extension) = place.path.extension().and_then(|extension| extension.to_str())
         && !TEXT_EXTENSIONS.contains(&&extension.to_lowercase()[..])
@@ -28,10 +28,10 @@ pub fn check_map_file(place: Place<'_>, inputs: &[PathBuf]) -> Result<(), CliErr
     Ok(check_file(place, inputs)?)
 }
 
-/// Has `outputs` replace what `folder` holds of an earlier result.
+/// Replaces an earlier result in `folder` by `outputs`.
 ///
 /// # Errors
-/// As [`ResultFolder::replace`].
+/// Same as [`ResultFolder::replace`].
 pub fn replace(outputs: &Outputs, folder: &ResultFolder) -> Result<(), WriteError> {
     interruption::enter("writing");
     folder.replace(outputs, &interruption::asked)?;
@@ -39,10 +39,10 @@ pub fn replace(outputs: &Outputs, folder: &ResultFolder) -> Result<(), WriteErro
     Ok(())
 }
 
-/// Writes `outputs` beside what `folder` holds.
+/// Adds `outputs` to the files in `folder`.
 ///
 /// # Errors
-/// As [`ResultFolder::add`].
+/// Same as [`ResultFolder::add`].
 pub fn add(outputs: &Outputs, folder: &ResultFolder) -> Result<(), WriteError> {
     interruption::enter("writing");
     folder.add(outputs, &interruption::asked)?;
@@ -50,26 +50,26 @@ pub fn add(outputs: &Outputs, folder: &ResultFolder) -> Result<(), WriteError> {
     Ok(())
 }
 
-/// Locks the folder after a flag, where one is given, for a result of files that fit `patterns`.
+/// Locks the folder given by a flag, if any, for a result whose files match `patterns`.
 ///
 /// # Errors
-/// As [`ResultFolder::open`].
+/// Same as [`ResultFolder::open`].
 pub fn open(path: Option<&PathBuf>, patterns: &[&str], inputs: &[PathBuf]) -> Result<Option<ResultFolder>, PlaceError> {
     path.map(|path| ResultFolder::open(Place::output(path), patterns, inputs)).transpose()
 }
 
-/// Writes one file whole, making its folder if needed.
+/// Writes one file atomically, and makes its folder if needed.
 ///
 /// # Errors
-/// [`WriteError`] if the system refuses, or the file there is not slipgrid's; then `path` holds what it held before.
+/// [`WriteError`] if the system refuses, or if slipgrid did not write the existing file; `path` then keeps its content.
 pub fn write_file(path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
     let failed = WriteError::at(path);
     if fs::metadata(path).is_ok_and(|metadata| !metadata.is_file()) {
-        // A device or a pipe is written to; a file in its place would take it away.
+        // A device or a pipe is opened for writing; renaming a file to its path would remove it.
         let mut device = fs::File::options().write(true).open(path).map_err(&failed)?;
         return device.write_all(bytes).map_err(&failed);
     }
-    // What a link leads to is replaced, not the link.
+    // The target of a link is replaced, not the link.
     let path = &fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
     refuse_foreign(path)?;
     put(path, bytes).map_err(&failed)?;
@@ -77,12 +77,12 @@ pub fn write_file(path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
     Ok(())
 }
 
-/// `path` as a shell takes it for one word: quoted if it holds anything that a shell would read otherwise.
+/// Quotes `path` for a shell if it contains special characters.
 pub fn quoted(path: &Path) -> String {
     let plain = |letter: char| letter.is_alphanumeric() || "/._-+,:@%".contains(letter);
     let path = path.display().to_string();
     if cfg!(windows) {
-        // Names there hold no double quotes.
+        // Windows paths contain no double quotes.
         return if path.contains(' ') { format!("\"{path}\"") } else { path };
     }
     if path.chars().all(plain) { path } else { format!("'{}'", path.replace('\'', r"'\''")) }

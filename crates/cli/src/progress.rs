@@ -1,4 +1,4 @@
-//! The monitor of the command line: a bar on a terminal, the clock of long runs, Ctrl-C.
+//! Monitor of the command line: progress bar on a terminal, clock of long runs, Ctrl-C.
 
 use std::io::{IsTerminal, Write};
 use std::path::Path;
@@ -13,14 +13,14 @@ use slipgrid_monitor::{Memory, Monitor};
 
 use crate::{Console, interruption};
 
-/// Parts into which the work of a stage is counted.
+/// Number of steps of a stage's progress bar.
 const PARTS: f64 = 1e6;
 
-/// A job of several stages, the one under way shown on stderr where that is a terminal.
+/// Job of several stages; shows the current stage on stderr if it is a terminal.
 pub struct Job<'a> {
     bar: ProgressBar,
     start: Instant,
-    /// Share of the stage that is done, as the bits of an f64.
+    /// Completed share of the stage, as the bits of an f64.
     done: AtomicU64,
     notes: Option<Mutex<&'a mut (dyn Write + Send)>>,
     kept: Option<&'a KeptResults>,
@@ -80,7 +80,7 @@ impl Monitor for Job<'_> {
     fn note(&self, text: &str) {
         if let Some(notes) = &self.notes {
             let mut to = notes.lock().unwrap_or_else(PoisonError::into_inner);
-            // Notes are a courtesy: a closed stderr stops nothing.
+            // Notes are optional: a closed stderr stops nothing.
             let _ = writeln!(to, "{}", printable_lines(text));
         }
     }

@@ -1,6 +1,6 @@
-//! The study: answers of the search's model, appended to a file as soon as they are known.
+//! Study file: results of the search's model, appended as soon as they are known.
 //!
-//! The first line says what the answers depend on. Every other line is one design.
+//! The first line states the inputs that the results depend on. Every other line is one design.
 
 use std::collections::BTreeSet;
 use std::fs::{self, File};
@@ -16,7 +16,7 @@ use slipgrid_results::VERSION;
 use crate::interruption;
 use slipgrid_formats::Diagnostic;
 
-/// A line of the file.
+/// Line of the file.
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Line {
@@ -31,39 +31,39 @@ struct Line {
     failed: Option<String>,
 }
 
-/// The fidelity of all answers.
+/// Fidelity of all results.
 const FIDELITY: &str = "steady";
 
-/// Answers in a file.
+/// Results of the search's model in a file.
 #[derive(Debug)]
 pub struct StudyFile {
     path: PathBuf,
-    /// What the file holds is known already; without, the file is replaced at the first answer.
+    /// Reuses the results in the file; otherwise the file is replaced at the first new result.
     resume: bool,
     writer: Mutex<Option<Writer>>,
-    /// Why the file was refused, with its line.
+    /// Error that refused the file, with its line.
     refused: Option<Diagnostic>,
 }
 
 impl StudyFile {
-    /// A study in the file at `path`. With `resume` what the file holds is known already, but for a last line that was
-    /// being written; without, the file is replaced at the first answer.
+    /// Opens the study at `path`. With `resume`, the results in the file are reused, except an incomplete last line;
+    /// otherwise the file is replaced at the first new result.
     #[must_use]
     pub const fn new(path: PathBuf, resume: bool) -> Self {
         Self { path, resume, writer: Mutex::new(None), refused: None }
     }
 
-    /// Why the file was refused, with its line.
+    /// Error that refused the file, with its line.
     #[must_use]
     pub const fn refused(&self) -> Option<&Diagnostic> {
         self.refused.as_ref()
     }
 
-    /// What the file holds of answers at `loads` loads that depend on `depends_on`.
+    /// Reads the results at `loads` loads that depend on `depends_on`.
     ///
     /// # Errors
-    /// [`Diagnostic`] for a file of other answers, by what differs, or that is no study; for a line that is damaged or
-    /// cannot be the model's answer, by its number.
+    /// [`Diagnostic`] if the file is no study, or if its results depend on other inputs (names the difference); if a line is
+    /// damaged or cannot be a result of the model (gives its number).
     fn begin(&mut self, depends_on: &Map<String, Value>, loads: usize) -> Result<Vec<Evaluation>, Diagnostic> {
         let path = &self.path;
         if path.is_dir() {
@@ -112,14 +112,14 @@ impl EvaluationCache for StudyFile {
     }
 }
 
-/// Appends lines, each in one piece.
+/// Appends lines, each in a single write.
 #[derive(Debug)]
 struct Writer {
     path: PathBuf,
-    /// Answers that it holds.
+    /// Number of results in the file.
     answers: usize,
     header: String,
-    /// Bytes of whole lines in a file that is resumed; `None` where it is begun.
+    /// Bytes of complete lines in a resumed file; `None` for a new file.
     whole: Option<u64>,
     file: Option<File>,
 }
@@ -134,7 +134,7 @@ impl Writer {
                 (self.open().map_err(failed)?, if self.whole.is_none() { self.header.clone() + &text } else { text })
             }
         };
-        // One call: lines of two processes may follow one another, and do not mix.
+        // A single call: lines of two processes may alternate, but do not mix.
         file.write_all(text.as_bytes()).map_err(failed)?;
         self.file = Some(file);
         self.answers += 1;
@@ -152,7 +152,7 @@ impl Writer {
     }
 }
 
-/// Whether the file at `path` is a study, or holds nothing.
+/// Whether the file at `path` is a study or empty.
 fn is_replaceable(path: &Path) -> bool {
     const BEGINNING: &[u8] = b"{\"depends_on\":";
     let mut head = Vec::new();
@@ -160,7 +160,7 @@ fn is_replaceable(path: &Path) -> bool {
     read.is_err() || BEGINNING.starts_with(&head)
 }
 
-/// The first line.
+/// First line of the file.
 fn header(depends_on: &Map<String, Value>) -> String {
     let mut object = Map::new();
     object.insert("study".to_owned(), Value::from("slipgrid optimize"));
@@ -170,14 +170,14 @@ fn header(depends_on: &Map<String, Value>) -> String {
     Value::Object(object).to_string() + "\n"
 }
 
-/// Version and everything the answers depend on, by Fowler, Noll and Vo's hash (FNV-1a, 64 bits).
+/// Hash of the version and all inputs of the results, by Fowler, Noll and Vo (FNV-1a, 64 bits).
 fn hash(depends_on: &Map<String, Value>) -> String {
     let text = format!("{VERSION}\n{}", Value::Object(depends_on.clone()));
     let fold = |hash: u64, byte: u8| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3);
     format!("{:016x}", text.bytes().fold(0xcbf2_9ce4_8422_2325, fold))
 }
 
-/// What a study holds, with the number of bytes of its whole lines; `None` where not even its first line is whole.
+/// Reads a study and the number of bytes in its complete lines; `None` if even the first line is incomplete.
 fn read(
     path: &Path,
     text: &[u8],
@@ -188,7 +188,7 @@ fn read(
         Diagnostic { line: u32::try_from(line).ok(), ..Diagnostic::file(path, reason) }.expected(expected)
     };
     let (mut known, mut seen) = (Vec::new(), BTreeSet::new());
-    // What follows the last line break was being written.
+    // Text after the last line break is an incomplete line.
     let Some(end) = text.iter().rposition(|&byte| byte == b'\n') else { return Ok((known, None)) };
     for (place, line) in text[..end].split(|&byte| byte == b'\n').enumerate() {
         if place == 0 {
@@ -202,7 +202,7 @@ fn read(
             let instead = "delete this line and its design is computed again, or run without --resume";
             refuse(place + 1, fault.reason, format!("{}: {instead}", fault.expected))
         })?;
-        // Of two answers to one design the first counts.
+        // The first of two results for one design counts.
         if seen.insert(evaluation.lengths_um.map(f64::to_bits)) {
             known.push(evaluation);
         }
@@ -210,12 +210,12 @@ fn read(
     Ok((known, Some(end as u64 + 1)))
 }
 
-/// One design of a study, with what is known of it at `loads` loads.
+/// Parses one design of a study, with its results at `loads` loads.
 fn read_line(line: &[u8], loads: usize) -> Result<Evaluation, Fault> {
     let whole = || "a whole line, as the search writes it".to_owned();
     let damaged = |reason: String| Fault { reason: format!("is damaged: {reason}"), expected: whole() };
     let read: Line = serde_json::from_slice(line).map_err(|error| {
-        // The line of the error is that of the file, not the first.
+        // The error's line number must refer to the file, not to the parsed line.
         let text = error.to_string();
         damaged(text.split(" at line ").next().unwrap_or(&text).to_owned())
     })?;
@@ -234,7 +234,7 @@ fn read_line(line: &[u8], loads: usize) -> Result<Evaluation, Fault> {
     Ok(Evaluation { lengths_um, answered })
 }
 
-/// Whether the first line is of answers that depend on `depends_on`; if not, what differs.
+/// Checks that the first line belongs to `depends_on`; otherwise returns the difference.
 fn same(first: &Value, depends_on: &Map<String, Value>) -> Result<(), String> {
     let (Some(version), Some(theirs)) = (first["version"].as_str(), first["depends_on"].as_object()) else {
         return Err("is no study".to_owned());

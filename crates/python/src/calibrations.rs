@@ -1,4 +1,4 @@
-//! Calibrations: measurements on samples to a material, and what trials say.
+//! Calibrations: fits a material to measurements on samples, and learns from trials.
 
 use std::ffi::OsString;
 use std::path::PathBuf;
@@ -33,10 +33,10 @@ pub struct Calibration {
     origin: Origin,
 }
 
-/// A calibration's text and path, whether it is a file, and the files that it reads.
+/// Text and path of a calibration, whether the path is a file, and the files that the calibration reads.
 type Parts<'a> = (&'a str, OsString, bool, Contents);
 
-/// A calibration that was fitted.
+/// A fitted calibration.
 #[pyclass(frozen, module = "slipgrid")]
 pub struct Fitted {
     read: Read,
@@ -62,31 +62,31 @@ impl Calibration {
 
 #[pymethods]
 impl Calibration {
-    /// The calibration that `text` says, as a file would that stands at `path`: what it names is looked for beside that.
-    /// `is_file` says that it does stand there; `files` are all that there are, or those of the disk.
+    /// Parses the calibration in `text` as a file at `path`; relative paths in the text start from the folder of `path`.
+    /// `is_file` states that the file exists; `files` are the only available files, and None stands for the disk.
     #[new]
     #[pyo3(signature = (text, path, is_file=false, files=None))]
     fn new(py: Python<'_>, text: String, path: PathBuf, is_file: bool, files: Option<Contents>) -> PyResult<Self> {
-        // A copy was told of when it was made.
+        // A copy repeats no warnings: they were given when the original was made.
         let warns = files.is_none();
         Self::of(py, Origin::new(text, path, is_file, files), warns)
     }
 
-    /// The calibration file at `path`.
+    /// Reads the calibration file at `path`.
     #[staticmethod]
     fn read(py: Python<'_>, path: PathBuf) -> PyResult<Self> {
         let origin = detached(py, || Origin::read(path, FileKind::Calibration))?;
         Self::of(py, origin.map_err(|error| refused::input(py, &error))?, true)
     }
 
-    /// What `pickle` and `copy` make the same calibration of, anywhere.
+    /// Constructor and arguments from which `pickle` and `copy` restore the calibration, on any machine.
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyType>, Parts<'_>)> {
         let Origin { text, path, is_file, .. } = &self.origin;
         let files = detached(py, || self.origin.contents())?.map_err(|error| refused::input(py, &error))?;
         Ok((py.get_type::<Self>(), (text, path.clone().into(), *is_file, files)))
     }
 
-    /// What is unusual in it, one sentence each.
+    /// Warnings about the calibration, one sentence each.
     #[getter]
     fn warnings(&self) -> Vec<String> {
         self.read.told.clone()
@@ -108,7 +108,7 @@ impl Calibration {
         Ok(Fitted { read, path, disk: self.origin.disk.clone(), inputs, task, outcome, ledger })
     }
 
-    /// The ledger of its trials, as `slipgrid trials --json` writes it, and in words.
+    /// Ledger of the trials: JSON as `slipgrid trials --json` writes it, and text.
     #[pyo3(signature = (progress=None))]
     fn trials(&self, py: Python<'_>, progress: Option<&Bound<'_, PyAny>>) -> PyResult<[String; 2]> {
         let sample = (DEFAULT_SPECIMEN, SEED);
@@ -128,7 +128,7 @@ impl Calibration {
 
 #[pymethods]
 impl Fitted {
-    /// The material file; with `[made_from]` where it is to stand at `output` and the calibration stands in a file.
+    /// The material file; includes `[made_from]` if `output`, its path, is given and the calibration is a file.
     #[pyo3(signature = (output=None))]
     fn material_toml(&self, py: Python<'_>, output: Option<PathBuf>) -> PyResult<String> {
         let made_from = output.and_then(|output| {
@@ -139,29 +139,29 @@ impl Fitted {
         text.map_err(|error| refused::failed(py, &error.to_string()))
     }
 
-    /// Files that it was made from.
+    /// Files that the calibration was made from.
     #[getter]
     fn inputs(&self) -> Vec<PathBuf> {
         self.inputs.clone()
     }
 
-    /// The fit as fit.json holds it.
+    /// The fit as in fit.json.
     fn fit_json(&self, py: Python<'_>) -> PyResult<String> {
         in_pool(py, || fit_json(&self.task, &self.outcome))?.map_err(|error| refused::failed(py, &error.to_string()))
     }
 
-    /// In words, as the command line prints it.
+    /// Text as the command line prints it.
     fn text(&self, py: Python<'_>) -> PyResult<String> {
         in_pool(py, || summary(&self.read, &self.task, &self.outcome, self.ledger.as_ref()))
     }
 
-    /// What is doubtful in the measurements and in the material, one sentence each.
+    /// Warnings about the measurements and the material, one sentence each.
     #[getter]
     fn warnings(&self) -> Vec<String> {
         [self.read.told.clone(), self.outcome.material.provenance.warnings.clone()].concat()
     }
 
-    /// Everything that the command line writes of the fit, by name.
+    /// All files of the fit that the command line writes, by name.
     fn files(&self, py: Python<'_>) -> PyResult<Vec<(String, Vec<u8>)>> {
         let outputs = in_pool(py, || files(&self.read, &self.task, &self.outcome, self.ledger.as_ref()))?;
         crate::designs::contents(py, &outputs.map_err(|error| refused::failed(py, &error.to_string()))?)

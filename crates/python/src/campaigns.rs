@@ -1,4 +1,4 @@
-//! Campaigns: what is to be done, which travels between processes, and what came of it.
+//! Campaigns: tasks that are sent to other processes, and their results.
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -13,7 +13,7 @@ use crate::refused;
 use crate::watched::watched;
 use slipgrid_disk::disk;
 
-/// Tasks with all that they read.
+/// Tasks with all files that they read.
 #[pyclass(frozen, module = "slipgrid")]
 pub struct Campaign {
     planned: Planned,
@@ -25,7 +25,7 @@ fn unusable(error: &dyn std::fmt::Display) -> PyErr {
 
 #[pymethods]
 impl Campaign {
-    /// The campaign of the file at `path`.
+    /// Plans the campaign of the file at `path`.
     #[staticmethod]
     #[pyo3(signature = (path, progress=None))]
     fn plan(py: Python<'_>, path: PathBuf, progress: Option<&Bound<'_, PyAny>>) -> PyResult<Self> {
@@ -33,7 +33,7 @@ impl Campaign {
         Ok(Self { planned: planned.map_err(|error| refused::campaign(py, &error))? })
     }
 
-    /// A campaign of what `parts` gave, with these tasks of it.
+    /// Makes a campaign from `parts` of another campaign, with these of its tasks.
     #[staticmethod]
     fn of(shared: &str, inputs: BTreeMap<String, Vec<u8>>, tasks: Vec<String>) -> PyResult<Self> {
         let campaign: Shared = serde_json::from_str(shared).map_err(|error| unusable(&error))?;
@@ -43,7 +43,7 @@ impl Campaign {
         Ok(Self { planned: Planned { campaign, tasks, contents } })
     }
 
-    /// What all tasks share as JSON, and the files that they read, by their hashes.
+    /// Data that all tasks share as JSON, and the files that they read, by hash.
     fn parts<'py>(&self, py: Python<'py>) -> PyResult<(String, BTreeMap<&str, Bound<'py, PyBytes>>)> {
         let shared = serde_json::to_string(&self.planned.campaign);
         let inputs = self.planned.contents.iter().map(|(hash, bytes)| (hash.as_str(), PyBytes::new(py, bytes)));
@@ -62,7 +62,7 @@ impl Campaign {
         &self.planned.campaign.name
     }
 
-    /// Does all tasks, one after the other: what came of each, as JSON.
+    /// Works on all tasks in order; returns the result of each as JSON.
     fn work(&self, py: Python<'_>) -> PyResult<Vec<String>> {
         let Planned { campaign, tasks, contents } = &self.planned;
         let done: Option<Vec<_>> = watched(py, None, |watch| {
@@ -73,7 +73,7 @@ impl Campaign {
         done.unwrap_or_default().iter().map(json).collect()
     }
 
-    /// The table of what came of the tasks, in their order, None where nothing did, and how many ended how, in words.
+    /// Table of the results in the order of the tasks, with None for a missing result, and a text that counts the results by status.
     fn table(&self, results: Vec<Option<String>>) -> PyResult<(String, String)> {
         let mut all = Results::new(&self.planned.campaign);
         for (task, text) in self.planned.tasks.iter().zip(&results) {

@@ -1,4 +1,4 @@
-//! Copies: what a scene, a design or a calibration was read from travels with it, so that it is read again where its files are not.
+//! Copies of scenes, designs and calibrations: they carry the files that they were read from, so that they can be restored anywhere.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::ffi::OsString;
@@ -11,15 +11,15 @@ use slipgrid::formats::source::{Entry, Files, NoFiles, Source, read_bytes};
 use slipgrid::formats::{Diagnostic, Document};
 use slipgrid_disk::{Disk, disk};
 
-/// Contents of files by their paths. These are no paths of Python, which would spell some otherwise than they are asked for.
+/// Contents of files by path. The paths are not `pathlib` paths, which would normalize some paths that are looked up verbatim.
 pub type Contents = BTreeMap<OsString, Vec<u8>>;
 
-/// Files that are remembered as they are read.
+/// File source that keeps every file that was read.
 #[derive(Debug)]
 struct Remembered {
-    /// Contents by paths; `None` of a file that was only looked for.
+    /// Contents by path; `None` for a file whose existence was checked only.
     known: Mutex<BTreeMap<PathBuf, Option<Arc<[u8]>>>>,
-    /// Where others come from: the disk, or nowhere in a copy.
+    /// Source of other files: the disk, or an empty source for a copy.
     beyond: Source,
 }
 
@@ -71,29 +71,29 @@ impl Files for Remembered {
     }
 }
 
-/// The disk by paths that count from a folder, wherever the process goes meanwhile.
+/// File source on the disk with relative paths from a fixed folder, independent of the process's current folder.
 #[derive(Clone, Debug)]
 pub struct Anchored {
     folder: PathBuf,
 }
 
 impl Anchored {
-    /// The disk by paths that count from where the process is.
+    /// Uses the current folder as the fixed folder.
     fn here() -> Self {
         Self { folder: std::env::current_dir().unwrap_or_default() }
     }
 
-    /// Where `path` leads.
+    /// Resolves `path` from the fixed folder.
     fn place(&self, path: &Path) -> PathBuf {
         self.folder.join(path)
     }
 
-    /// As a source of files.
+    /// Converts to a source of files.
     pub fn source(&self) -> Source {
         Arc::new(self.clone())
     }
 
-    /// A `path` that counts from where the process is now, as it is where that is still the same folder.
+    /// Makes a `path` relative to the current folder absolute; keeps it if the current folder is still the fixed folder.
     pub fn seen_from_there(&self, path: PathBuf) -> PathBuf {
         let here = Self::here();
         if here.folder == self.folder { path } else { here.place(&path) }
@@ -122,22 +122,22 @@ impl Files for Anchored {
     }
 }
 
-/// What something was read from.
+/// Text and files that an object was read from.
 #[derive(Debug)]
 pub struct Origin {
-    /// What it says.
+    /// Text of the object.
     pub text: String,
-    /// Where that stands, or would stand.
+    /// Path of the text, which need not exist.
     pub path: PathBuf,
-    /// It does stand there.
+    /// The file at `path` exists.
     pub is_file: bool,
-    /// The disk, by paths that count from where the process was then.
+    /// The disk, with relative paths from the current folder at construction.
     pub disk: Anchored,
     files: Arc<Remembered>,
 }
 
 impl Origin {
-    /// A text at a path, beside which the disk has the files that it names; a copy has those alone that are given with it.
+    /// Makes the origin of a text at `path`. Files named in the text are read from the disk, or, for a copy, from `given` only.
     pub fn new(text: String, path: PathBuf, is_file: bool, given: Option<Contents>) -> Self {
         let disk = Anchored::here();
         let beyond = if given.is_none() { disk.source() } else { Arc::new(NoFiles) };
@@ -145,40 +145,40 @@ impl Origin {
         Self { text, path, is_file, disk, files: Arc::new(Remembered { known: Mutex::new(known), beyond }) }
     }
 
-    /// The file at `path`, which should be a `kind`.
+    /// Reads the file at `path`, which should be a `kind`.
     ///
     /// # Errors
-    /// [`Diagnostic`] if it cannot be read, is no text, or seems to be another kind of file.
+    /// [`Diagnostic`] if the file cannot be read, is not text, or seems to be another kind of file.
     pub fn read(path: PathBuf, kind: FileKind) -> Result<Self, Diagnostic> {
         let text = Document::read(&disk(), &path, kind)?.text().to_owned();
         Ok(Self::new(text, path, true, None))
     }
 
-    /// The files that it names.
+    /// Source of the files named in the text.
     pub fn source(&self) -> Source {
         Arc::clone(&self.files) as Source
     }
 
-    /// The document to be read, which should be a `kind`.
+    /// Parses the text as a document, which should be a `kind`.
     ///
     /// # Errors
-    /// [`Diagnostic`] if it seems to be another kind.
+    /// [`Diagnostic`] if the text seems to be another kind of file.
     pub fn document(&self, kind: FileKind) -> Result<Document, Diagnostic> {
         let document = Document::within(&self.source(), self.path.clone(), self.text.clone());
         document.require(kind)?;
         Ok(document.as_kind(kind))
     }
 
-    /// Where the files of `named` stand that a run reads: its own only if the text came from there.
+    /// Absolute paths of `named`, the files that a run reads; omits the object's own path if the text did not come from that file.
     pub fn inputs(&self, named: &[PathBuf]) -> Vec<PathBuf> {
         let read = named.iter().filter(|input| self.is_file || **input != self.path);
         read.map(|input| self.disk.place(input)).collect()
     }
 
-    /// Every file that was read or looked for.
+    /// Contents of every file that was read or whose existence was checked.
     ///
     /// # Errors
-    /// [`Diagnostic`] for one that was looked for and cannot be read now.
+    /// [`Diagnostic`] if a file of the latter kind cannot be read now.
     pub fn contents(&self) -> Result<Contents, Diagnostic> {
         let (source, paths) = (self.source(), self.files.known().keys().cloned().collect::<Vec<_>>());
         let content = |path: PathBuf| {

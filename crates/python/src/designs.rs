@@ -1,4 +1,4 @@
-//! Designs: the main job, and the samples to cut next.
+//! Designs: the search for a design, and the samples to cut next.
 
 use std::ffi::OsString;
 use std::ops::RangeInclusive;
@@ -28,7 +28,7 @@ use crate::threads::{detached, in_pool};
 use crate::told::warn_of;
 use crate::watched::{Watch, watched};
 
-/// How many samples to cut next may be asked for.
+/// Accepted numbers of samples to cut next.
 const SAMPLES: RangeInclusive<usize> = 1..=20;
 
 /// A design task.
@@ -37,15 +37,15 @@ pub struct Design {
     read: Read,
     inputs: Vec<PathBuf>,
     origin: Origin,
-    /// With its material, once it was calibrated, and the calibration. Never held while anything is computed: a thread of the pool
-    /// that waits for others takes up other calls meanwhile, which may want it.
+    /// Design with its material after the first calibration, and the calibration. The lock must not be held during a computation:
+    /// a pool thread that waits for others may start another call, which may need the lock.
     completed: Mutex<Option<(Read, Option<Calibration>)>>,
 }
 
-/// A design's text and path, whether it is a file, and the files that it reads.
+/// Text and path of a design, whether the path is a file, and the files that the design reads.
 type Parts<'a> = (&'a str, OsString, bool, Contents);
 
-/// A design that was found.
+/// Result of a design search.
 #[pyclass(frozen, module = "slipgrid")]
 pub struct Designed {
     found: DesignOutcome,
@@ -60,13 +60,13 @@ pub struct NextSamples {
     warnings: Vec<String>,
 }
 
-/// Why a job has no result.
+/// Error of a job.
 enum Undone {
     Calibration(Uncalibrated),
     Design(DesignError),
 }
 
-/// Files by name.
+/// Contents of files by name.
 pub fn contents(py: Python<'_>, outputs: &Outputs) -> PyResult<Vec<(String, Vec<u8>)>> {
     let content = |(name, content): (&str, &slipgrid::report::Content)| {
         let mut bytes = Vec::new();
@@ -88,7 +88,7 @@ impl Design {
         Ok(made)
     }
 
-    /// The design with its material: calibrated once.
+    /// Returns the design with its material; calibrates at the first call only.
     fn completed(&self, watch: &Watch) -> Result<(Read, Option<Calibration>), Uncalibrated> {
         let known = || self.completed.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(known) = known().as_ref() {
@@ -97,7 +97,7 @@ impl Design {
         let (mut read, files) = (self.read.clone(), self.origin.source());
         let calibration = read_calibration(&read, &files)?;
         if let Some(calibration) = &calibration {
-            // Before anything is computed: it may be why that is refused.
+            // Warnings may explain a failure of the computation, and are given first.
             watch.warn(calibration.told.iter().cloned());
             complete_by(&mut read, calibration, &files, watch)?;
         }
@@ -105,7 +105,7 @@ impl Design {
         Ok((read, calibration))
     }
 
-    /// What is unusual in the design and in what it reads; `completed` is the design with its material.
+    /// Warnings about the design and its input files; `completed` is the design with its material.
     fn told(&self, completed: &Read, calibration: Option<&Calibration>) -> Vec<String> {
         let of_material = calibration.map(|calibration| calibration.told.clone()).unwrap_or_default();
         let found = calibration.map(|calibration| [completed.contradictions(calibration), completed.material_told()]);
@@ -113,7 +113,7 @@ impl Design {
         self.warnings().into_iter().chain(of_material).chain(found).collect()
     }
 
-    /// Warns of those of `warnings` that reading the design did not tell yet.
+    /// Gives the `warnings` that were not given when the design was read.
     fn warn_of_found(&self, py: Python<'_>, warnings: &[String]) -> PyResult<()> {
         warn_of(py, &warnings[self.read.told.len().min(warnings.len())..])
     }
@@ -128,28 +128,28 @@ impl Design {
 
 #[pymethods]
 impl Design {
-    /// The design that `text` says, as a design file would that stands at `path`: what it names is looked for beside that.
-    /// `is_file` says that it does stand there; `files` are all that there are, or those of the disk.
+    /// Parses the design in `text` as a file at `path`; relative paths in the text start from the folder of `path`.
+    /// `is_file` states that the file exists; `files` are the only available files, and None stands for the disk.
     #[new]
     #[pyo3(signature = (text, path, is_file=false, files=None))]
     fn new(py: Python<'_>, text: String, path: PathBuf, is_file: bool, files: Option<Contents>) -> PyResult<Self> {
-        // A copy was told of when it was made.
+        // A copy repeats no warnings: they were given when the original was made.
         let warns = files.is_none();
         Self::of(py, Origin::new(text, path, is_file, files), warns)
     }
 
-    /// The design file at `path`.
+    /// Reads the design file at `path`.
     #[staticmethod]
     fn read(py: Python<'_>, path: PathBuf) -> PyResult<Self> {
         let origin = detached(py, || Origin::read(path, FileKind::Design))?;
         Self::of(py, origin.map_err(|error| refused::input(py, &error))?, true)
     }
 
-    /// What `pickle` and `copy` make the same design of, anywhere.
+    /// Constructor and arguments from which `pickle` and `copy` restore the design, on any machine.
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyType>, Parts<'_>)> {
         let Origin { text, path, is_file, .. } = &self.origin;
         let files = in_pool(py, || {
-            // The files of a calibration are read when it is needed, which a copy may do elsewhere.
+            // The calibration's files are usually read on demand; a copy may need them on another machine, so they are read now.
             read_calibration(&self.read, &self.origin.source())?;
             self.origin.contents()
         })?;
@@ -157,19 +157,19 @@ impl Design {
         Ok((py.get_type::<Self>(), (text, path.clone().into(), *is_file, files)))
     }
 
-    /// Files that it was made from.
+    /// Files that the design was made from.
     #[getter]
     fn inputs(&self) -> Vec<PathBuf> {
         self.inputs.clone()
     }
 
-    /// What is unusual in it, one sentence each.
+    /// Warnings about the design, one sentence each.
     #[getter]
     fn warnings(&self) -> Vec<String> {
         self.read.told.iter().map(ToString::to_string).collect()
     }
 
-    /// Searches, confirms in time and explains.
+    /// Searches a design, confirms it by a transient run and explains it.
     #[pyo3(signature = (progress=None))]
     fn optimize(&self, py: Python<'_>, progress: Option<&Bound<'_, PyAny>>) -> PyResult<Designed> {
         let found = watched(py, progress, |watch| {
@@ -185,7 +185,7 @@ impl Design {
         Ok(found)
     }
 
-    /// A page with sliders: what any design within the bounds does, before a search.
+    /// HTML page with sliders that shows the predictions for any design within the bounds, without a search.
     #[pyo3(signature = (progress=None))]
     fn explore_html(&self, py: Python<'_>, progress: Option<&Bound<'_, PyAny>>) -> PyResult<String> {
         let found = watched(py, progress, |watch| {
@@ -202,7 +202,7 @@ impl Design {
         Ok(page)
     }
 
-    /// The `count` samples to cut next; `candidates_um` are patterns of one's own, whose chance is asked for.
+    /// The `count` samples to cut next; `candidates_um` are additional patterns whose probability is computed.
     #[pyo3(signature = (count, candidates_um, progress=None))]
     fn next_samples(
         &self,
@@ -240,29 +240,29 @@ impl Design {
 
 #[pymethods]
 impl Designed {
-    /// The record and its times, as result.json and timings.json hold them.
+    /// The record and its wall times, as in result.json and timings.json.
     fn json(&self, py: Python<'_>) -> PyResult<[String; 2]> {
         json_and_timings(&self.found.report).map_err(|error| refused::failed(py, &error.to_string()))
     }
 
-    /// In words, as the command line prints it.
+    /// Text as the command line prints it.
     fn text(&self, py: Python<'_>) -> PyResult<String> {
         in_pool(py, || self.found.report.summary())
     }
 
-    /// What is doubtful in the input and in what was found, one sentence each.
+    /// Warnings about the input and the result, one sentence each.
     #[getter]
     fn warnings(&self) -> Vec<String> {
         self.warnings.clone()
     }
 
-    /// Files that it was made from.
+    /// Files that the result was made from.
     #[getter]
     fn inputs(&self) -> Vec<PathBuf> {
         self.inputs.clone()
     }
 
-    /// Everything that the command line writes, by name.
+    /// All files that the command line writes, by name.
     fn files(&self, py: Python<'_>) -> PyResult<Vec<(String, Vec<u8>)>> {
         let outputs = in_pool(py, || {
             let mut outputs = files::of_design(&self.found)?;
@@ -272,7 +272,7 @@ impl Designed {
         contents(py, &outputs.map_err(|error| refused::failed(py, &error.to_string()))?)
     }
 
-    /// The pattern in one of the laser's formats: the file's name and what it holds.
+    /// The pattern in one of the laser's formats: name and content of the file.
     fn drawing(&self, py: Python<'_>, format: &str) -> PyResult<(String, Vec<u8>)> {
         let named = LaserFile::EACH.into_iter().find(|own| own.described()[0] == format);
         let Some(named) = named else {
@@ -297,12 +297,12 @@ impl NextSamples {
         json(&self.found.report).map_err(|error| refused::failed(py, &error.to_string()))
     }
 
-    /// In words, as the command line prints it.
+    /// Text as the command line prints it.
     fn text(&self, py: Python<'_>) -> PyResult<String> {
         in_pool(py, || self.found.report.text())
     }
 
-    /// What is doubtful in the input and in what was found, one sentence each.
+    /// Warnings about the input and the result, one sentence each.
     #[getter]
     fn warnings(&self) -> Vec<String> {
         self.warnings.clone()

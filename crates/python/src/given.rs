@@ -1,15 +1,15 @@
-//! Numbers that arguments give: whole ones of any size, and arrays of real ones.
+//! Conversion of numeric arguments: integers of any size, and arrays of real numbers.
 
 use numpy::{AllowTypeChange, PyArrayLike2};
 use pyo3::exceptions::{PyOverflowError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
 
-/// Kinds of arrays that hold real numbers: of floating point, whole, without sign, and objects that may be any of them.
+/// NumPy kinds of arrays that may hold real numbers: floating point, signed, unsigned, and object.
 const REAL: [&str; 4] = ["f", "i", "u", "O"];
-/// Letters of a number that a message repeats.
+/// Maximum number of characters of an argument repeated in a message.
 const LONGEST: usize = 30;
 
-/// The argument `name` as a count; nothing where it is below 0 or beyond what a processor counts.
+/// Converts the argument `name` to a count; `None` if it is negative or exceeds the range of `usize`.
 pub fn counted(name: &str, given: &Bound<'_, PyAny>) -> PyResult<Option<usize>> {
     match given.extract() {
         Ok(count) => Ok(Some(count)),
@@ -18,12 +18,12 @@ pub fn counted(name: &str, given: &Bound<'_, PyAny>) -> PyResult<Option<usize>> 
     }
 }
 
-/// What was given, as a message repeats it.
+/// Formats an argument for a message.
 pub fn shown(given: &Bound<'_, PyAny>) -> String {
     slipgrid::formats::diagnostic::printable(&given.to_string(), LONGEST)
 }
 
-/// The argument `name` as an array of rows of real numbers, of any type that these have; `expected` says what is accepted.
+/// Converts the argument `name` to an array of rows of real numbers of any numeric type; `expected` describes accepted values.
 pub fn rows<'py>(
     name: &str,
     given: &Bound<'py, PyAny>,

@@ -1,21 +1,21 @@
-//! Python bindings of slipgrid: the libraries, not the command line.
+//! Python bindings of the slipgrid libraries.
 //!
 //! | module | binds |
 //! |---|---|
 //! | `maps` | altitude maps, their parameters and their area law |
-//! | `scenes` | scenes, solved, and steady cells asked for one pattern after the other |
-//! | `calibrations` | measurements to a material, and what trials say |
-//! | `designs` | the main job, and the samples to cut next |
+//! | `scenes` | scenes and their solution, and steady cells for many patterns |
+//! | `calibrations` | fit of a material to measurements, and trials |
+//! | `designs` | search for a design, and the samples to cut next |
 //! | `campaigns` | many scenes or designs as tasks for any number of processes |
-//! | `copied` | what scenes, designs and calibrations were read from, which travels with their copies |
-//! | `given` | numbers that arguments give |
-//! | `watched` | work in the pool, progress, Ctrl-C |
-//! | `threads` | the pool that work is done in |
-//! | `written` | files, where nothing is lost |
+//! | `copied` | files that scenes, designs and calibrations were read from, kept in their copies |
+//! | `given` | conversion of numeric arguments |
+//! | `watched` | work in the thread pool, progress, Ctrl-C |
+//! | `threads` | the thread pool |
+//! | `written` | safe writing of files |
 //! | `refused` | errors as exceptions with file, line and key |
 //! | `told` | warnings |
 //!
-//! Records cross the border as the JSON that the command line writes: the same bytes. Arrays are NumPy's.
+//! Records are passed to Python as the JSON that the command line writes, byte for byte. Arrays are NumPy arrays.
 
 #![cfg(feature = "module")]
 
@@ -34,7 +34,7 @@ mod written;
 
 use pyo3::prelude::*;
 
-/// What `slipgrid` is made of; its Python part gives it names and types.
+/// Compiled part of `slipgrid`; the Python part adds names and types.
 #[pymodule(gil_used = true)]
 mod _slipgrid {
     use super::*;

@@ -24,10 +24,10 @@ use crate::refused;
 use crate::watched::{Watch, watched};
 use slipgrid_disk::disk;
 
-/// Side of the squares in which an array is turned.
+/// Side of the square tiles for transposing an array.
 const SQUARE: usize = 32;
 
-/// An altitude map as it was read or given: heights in metres, missing points NaN.
+/// An altitude map as read or given: heights in metres, missing points NaN.
 #[pyclass(frozen, module = "slipgrid._slipgrid")]
 pub struct Map {
     read: ReadMap,
@@ -48,7 +48,7 @@ fn preparation(form: &str, missing: &str, despike: bool) -> PyResult<Preparation
     Ok(Preparation { form, missing, despike })
 }
 
-/// Pressures that increase, in pascals.
+/// Checks that pressures increase, and converts them to pascals.
 fn pressures(pressures_mpa: &[f64]) -> Result<Vec<f64>, Diagnostic> {
     let refuse = |value: String, reason: &str| {
         Diagnostic::flag("pressures_mpa", value, reason).expected("positive numbers that increase")
@@ -62,7 +62,7 @@ fn pressures(pressures_mpa: &[f64]) -> Result<Vec<f64>, Diagnostic> {
     pressures_mpa.iter().map(|&pressure_mpa| checked("pressures_mpa", pressure_mpa, PRESSURE_MPA)).collect()
 }
 
-/// The map that stands at `path` in a `format`, of which everything is known: what a copy is made of.
+/// Restores a map that was read from `path` in `format`, with all its data; used by copies.
 #[pyfunction]
 #[allow(clippy::too_many_arguments, reason = "they are what a map is made of, and Python's interpreter")]
 pub fn map_of(
@@ -80,14 +80,14 @@ pub fn map_of(
     Ok(Map { read: ReadMap { map, whole, format, comments, notes }, path })
 }
 
-/// The side of a pixel, in metres, that the argument `name` gives.
+/// Converts the argument `name`, the side of a pixel, to metres.
 fn side(py: Python<'_>, name: &str, pixel_um: f64) -> PyResult<f64> {
     checked(name, pixel_um, PIXEL_UM).map_err(|error| refused::input(py, &error))
 }
 
-/// Why an array makes no map.
+/// Error of making a map from an array.
 enum NoMap {
-    /// There is no memory for so many points, or a map may not have so many.
+    /// The number of points exceeds the memory or the limit for maps.
     TooLarge(usize),
     Refused(MapError),
 }
@@ -105,7 +105,7 @@ impl NoMap {
     }
 }
 
-/// The map of an array whose rows are lines of the map: x runs along a row.
+/// Converts an array whose rows are lines of the map: x runs along a row.
 fn height_map(lines_m: &PyReadonlyArray2<'_, f64>, [dx_m, dy_m]: [f64; 2]) -> Result<HeightMap, NoMap> {
     let lines = lines_m.as_array();
     let (count, length) = lines.dim();
@@ -115,7 +115,7 @@ fn height_map(lines_m: &PyReadonlyArray2<'_, f64>, [dx_m, dy_m]: [f64; 2]) -> Re
         return Err(NoMap::TooLarge(points));
     }
     heights.resize(points, 0.0);
-    // Square by square: both sides of the copy stay in the cache.
+    // Tile by tile, so that source and destination stay in the cache.
     for (from, to) in (0..count).step_by(SQUARE).flat_map(|j| (0..length).step_by(SQUARE).map(move |i| (j, i))) {
         for j in from..(from + SQUARE).min(count) {
             for i in to..(to + SQUARE).min(length) {
@@ -128,8 +128,8 @@ fn height_map(lines_m: &PyReadonlyArray2<'_, f64>, [dx_m, dy_m]: [f64; 2]) -> Re
 
 #[pymethods]
 impl Map {
-    /// A map of `heights_m`, whose rows are lines along x, the sliding direction, with pixels of `pixel_um` along x by `pixel_y_um`
-    /// micrometres.
+    /// Makes a map of `heights_m`, whose rows are lines along x, the sliding direction, with pixels of `pixel_um` along x by
+    /// `pixel_y_um` micrometres.
     #[new]
     #[pyo3(signature = (heights_m, pixel_um, pixel_y_um=None))]
     fn new(
@@ -145,7 +145,7 @@ impl Map {
         Ok(Self { read: ReadMap { map, whole: true, format, comments, notes }, path: PathBuf::from("array") })
     }
 
-    /// The map of the file at `path`, x along its lines, in any of the formats that `slipgrid surface` reads.
+    /// Reads the map in the file at `path`, x along its lines, in any format that `slipgrid surface` reads.
     #[staticmethod]
     #[pyo3(signature = (path, *, pixel_um=None, height_unit=None, lateral_unit=None, decimal_comma=false))]
     fn read(
@@ -173,7 +173,7 @@ impl Map {
         Ok(Self { read, path })
     }
 
-    /// What `pickle` and `copy` make the same map of, anywhere.
+    /// Constructor and arguments from which `pickle` and `copy` restore the map, on any machine.
     fn __reduce__<'py>(this: &Bound<'py, Self>) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyTuple>)> {
         let py = this.py();
         let Self { read: ReadMap { map, whole, format, comments, notes }, path } = this.get();
@@ -182,15 +182,15 @@ impl Map {
         Ok((py.import("slipgrid._slipgrid")?.getattr("map_of")?, parts.into_pyobject(py)?))
     }
 
-    /// Heights in metres, whose rows are lines along x, the sliding direction: the map's own numbers, not to be written to.
+    /// Heights in metres, whose rows are lines along x, the sliding direction: a read-only view of the map's data.
     #[getter]
     fn heights_m<'py>(this: &Bound<'py, Self>) -> PyResult<Bound<'py, PyArray2<f64>>> {
         let map = &this.get().read.map;
-        // The map has the points of a line `cols` apart.
+        // In the map, the points of a line are `cols` apart.
         let shape = (map.cols(), map.rows()).strides((1, map.cols()));
         let view = ArrayView2::from_shape(shape, map.heights_m());
         let view = view.map_err(|error| PyValueError::new_err(error.to_string()))?;
-        // The heights live as long as the map, which the array holds on to; a frozen class never moves or changes them.
+        // The array keeps the map alive, and a frozen class never moves or changes its heights.
         #[allow(unsafe_code)]
         let lent = unsafe { PyArray2::borrow_from_array(&view, this.clone().into_any()) };
         lent.call_method(
@@ -205,7 +205,7 @@ impl Map {
         Ok(lent)
     }
 
-    /// Sides of a pixel along x, from point to point of a row, and along y, from row to row, in micrometres.
+    /// Sides of a pixel in micrometres: along x, from point to point of a row, and along y, from row to row.
     #[getter]
     fn pixel_um(&self) -> (f64, f64) {
         {
@@ -214,7 +214,7 @@ impl Map {
         }
     }
 
-    /// The file says of itself that the surface is synthetic.
+    /// The file states that the surface is synthetic.
     #[getter]
     fn is_synthetic(&self) -> bool {
         self.read.is_synthetic()
@@ -305,7 +305,7 @@ impl Map {
     }
 }
 
-/// Contact area and area law, lists by pressure.
+/// Contact area and area law, as lists by pressure.
 #[derive(serde::Serialize)]
 struct AreaLawRecord {
     rms_slope: f64,
@@ -320,7 +320,7 @@ struct AreaLawRecord {
 }
 
 impl AreaLawRecord {
-    /// The rows of the command line's report as lists.
+    /// Converts the rows of the command line's report to lists.
     fn new(report: &AreaLawReport, full_contact_pressure_pa: f64, warnings: Vec<String>) -> Self {
         let rows = &report.results;
         Self {

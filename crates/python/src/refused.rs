@@ -1,4 +1,4 @@
-//! Errors as exceptions of `slipgrid.errors`.
+//! Conversion of errors to exceptions of `slipgrid.errors`.
 
 use pyo3::exceptions::{PyRuntimeError, PyTimeoutError};
 use pyo3::prelude::*;
@@ -9,13 +9,13 @@ use slipgrid::formats::Diagnostic;
 use slipgrid::formats::calibrated::Uncalibrated;
 use slipgrid::formats::design::Design;
 
-/// `slipgrid.errors.InputError` with where it stands and what would be accepted; of a file that is not there `MissingFileError`, which
-/// is one.
+/// `slipgrid.errors.InputError` with the position of the error and the accepted values; for a file that does not exist, its
+/// subclass `MissingFileError`.
 pub fn input(py: Python<'_>, refused: &Diagnostic) -> PyErr {
     of_class(py, if refused.is_absent { "MissingFileError" } else { "InputError" }, refused)
 }
 
-/// `slipgrid.errors.TooLargeError`, an `InputError` and Python's own `MemoryError`.
+/// `slipgrid.errors.TooLargeError`, a subclass of `InputError` and of Python's `MemoryError`.
 pub fn too_large(py: Python<'_>, refused: &Diagnostic) -> PyErr {
     of_class(py, "TooLargeError", refused)
 }
@@ -45,12 +45,12 @@ pub fn failed(py: Python<'_>, reason: &str) -> PyErr {
     }
 }
 
-/// What was cancelled without anybody having raised anything.
+/// Exception for work that was cancelled without a Python exception.
 pub fn stopped() -> PyErr {
     PyRuntimeError::new_err("stopped")
 }
 
-/// A calibration that was refused or failed.
+/// Exception for a calibration that was refused or failed.
 pub fn uncalibrated(py: Python<'_>, error: &Uncalibrated) -> PyErr {
     match error {
         Uncalibrated::Refused(refused) => input(py, refused),
@@ -59,7 +59,7 @@ pub fn uncalibrated(py: Python<'_>, error: &Uncalibrated) -> PyErr {
     }
 }
 
-/// A job of `design` that was refused or failed.
+/// Exception for a job of `design` that was refused or failed.
 pub fn undesigned(py: Python<'_>, error: &DesignError, design: &Design) -> PyErr {
     match error {
         DesignError::Refused(refused) => input(py, &design.refuse(refused)),
@@ -69,7 +69,7 @@ pub fn undesigned(py: Python<'_>, error: &DesignError, design: &Design) -> PyErr
     }
 }
 
-/// A campaign that was refused or failed.
+/// Exception for a campaign that was refused or failed.
 pub fn campaign(py: Python<'_>, error: &CampaignError) -> PyErr {
     match error {
         CampaignError::Refused(refused) => input(py, refused),

@@ -27,7 +27,7 @@ use crate::threads::{detached, in_pool};
 use crate::told::warn_of;
 use crate::watched::watched;
 
-/// A scene: a material, a pattern or none, loads, and how they are solved.
+/// A scene: a material, a pattern or none, loads, and the solution method.
 #[pyclass(frozen, module = "slipgrid._slipgrid")]
 pub struct Scene {
     input: SceneInput,
@@ -37,10 +37,10 @@ pub struct Scene {
     extent: Option<String>,
 }
 
-/// A scene's text and path, `fidelity`, `extent`, whether it is a file, and the files that it reads.
+/// Text and path of a scene, `fidelity`, `extent`, whether the path is a file, and the files that the scene reads.
 type Parts<'a> = (&'a str, OsString, Option<&'a str>, Option<&'a str>, bool, Contents);
 
-/// A scene that was solved.
+/// A solved scene.
 #[pyclass(frozen, module = "slipgrid")]
 pub struct Solved {
     scene: slipgrid::springblock::Scene,
@@ -92,8 +92,8 @@ impl Scene {
 
 #[pymethods]
 impl Scene {
-    /// The scene that `text` says, as a scene file would that stands at `path`: what it names is looked for beside
-    /// that. `is_file` says that it does stand there; `files` are all that there are, or those of the disk.
+    /// Parses the scene in `text` as a file at `path`; relative paths in the text start from the folder of `path`.
+    /// `is_file` states that the file exists; `files` are the only available files, and None stands for the disk.
     #[new]
     #[pyo3(signature = (text, path, fidelity=None, extent=None, is_file=false, files=None))]
     fn new(
@@ -105,12 +105,12 @@ impl Scene {
         is_file: bool,
         files: Option<Contents>,
     ) -> PyResult<Self> {
-        // A copy was told of when it was made.
+        // A copy repeats no warnings: they were given when the original was made.
         let warns = files.is_none();
         Self::of(py, Origin::new(text, path, is_file, files), fidelity, extent, warns)
     }
 
-    /// The scene file at `path`.
+    /// Reads the scene file at `path`.
     #[staticmethod]
     #[pyo3(signature = (path, fidelity=None, extent=None))]
     fn read(py: Python<'_>, path: PathBuf, fidelity: Option<String>, extent: Option<String>) -> PyResult<Self> {
@@ -118,7 +118,7 @@ impl Scene {
         Self::of(py, origin.map_err(|error| refused::input(py, &error))?, fidelity, extent, true)
     }
 
-    /// What `pickle` and `copy` make the same scene of, anywhere.
+    /// Constructor and arguments from which `pickle` and `copy` restore the scene, on any machine.
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyType>, Parts<'_>)> {
         let Origin { text, path, is_file, .. } = &self.origin;
         let files = detached(py, || self.origin.contents())?.map_err(|error| refused::input(py, &error))?;
@@ -126,13 +126,13 @@ impl Scene {
         Ok((py.get_type::<Self>(), (text, path.clone().into(), fidelity, extent, *is_file, files)))
     }
 
-    /// What is unusual in it, one sentence each.
+    /// Warnings about the scene, one sentence each.
     #[getter]
     fn warnings(&self) -> Vec<String> {
         self.input.told.iter().map(ToString::to_string).collect()
     }
 
-    /// Solves it.
+    /// Solves the scene.
     #[pyo3(signature = (progress=None))]
     fn simulate(&self, py: Python<'_>, progress: Option<&Bound<'_, PyAny>>) -> PyResult<Solved> {
         let input = &self.input;
@@ -155,7 +155,7 @@ impl Scene {
         Ok(found)
     }
 
-    /// The steady cell of the scene's texture, asked for one pattern after the other.
+    /// The steady cell of the scene's texture, which computes ratios for any pattern.
     fn steady(&self) -> PyResult<SteadyCell> {
         let scene = &self.input.scene;
         let Some(pattern) = &scene.pattern else {
@@ -168,39 +168,39 @@ impl Scene {
 
 #[pymethods]
 impl Solved {
-    /// The record and its times, as result.json and timings.json hold them.
+    /// The record and its wall times, as in result.json and timings.json.
     fn json(&self, py: Python<'_>) -> PyResult<[String; 2]> {
         json_and_timings(&self.report).map_err(|error| refused::failed(py, &error.to_string()))
     }
 
-    /// Files that it was made from.
+    /// Files that the result was made from.
     #[getter]
     fn inputs(&self) -> Vec<PathBuf> {
         self.inputs.clone()
     }
 
-    /// In words, as the command line prints it.
+    /// Text as the command line prints it.
     fn text(&self, py: Python<'_>) -> PyResult<String> {
         in_pool(py, || self.report.table())
     }
 
-    /// What is doubtful in the input and in what was found, one sentence each.
+    /// Warnings about the input and the result, one sentence each.
     #[getter]
     fn warnings(&self) -> Vec<String> {
         self.warnings.clone()
     }
 
-    /// Everything that the command line writes, by name.
+    /// All files that the command line writes, by name.
     fn files(&self, py: Python<'_>) -> PyResult<Vec<(String, Vec<u8>)>> {
         let outputs = in_pool(py, || files::of_scene(&self.scene, &self.simulation, &self.report))?;
         crate::designs::contents(py, &outputs.map_err(|error| refused::failed(py, &error.to_string()))?)
     }
 }
 
-/// Rows of patterns that are checked in milliseconds, after which Ctrl-C is looked for.
+/// Number of patterns that are checked, within milliseconds, between two checks for Ctrl-C.
 const ROWS_BETWEEN_SIGNALS: usize = 4096;
 
-/// Most patterns of one call: with their ratios, a few gigabytes.
+/// Maximum number of patterns per call: with their ratios, they take a few gigabytes.
 const MAX_ROWS: usize = 10_000_000;
 
 /// A steady cell: equilibrium of one period with every contact block sliding.
@@ -236,7 +236,7 @@ impl SteadyCell {
         Ok(PyArray1::from_iter(py, found.into_iter().map(|ratio| ratio.unwrap_or(f64::NAN))))
     }
 
-    /// The same of many patterns, rows of width, spacing and depth in micrometres: shape (patterns, loads), on all threads. Masked
+    /// Ratios of many patterns, rows of width, spacing and depth in micrometres: shape (patterns, loads), on all threads. Masked
     /// numbers are refused.
     fn ratios_of<'py>(&self, py: Python<'py>, patterns_um: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyArray2<f64>>> {
         let rows = numbers(patterns_um)?;
@@ -258,7 +258,7 @@ impl SteadyCell {
     }
 }
 
-/// An array of rows of three numbers.
+/// Converts an array of rows of three numbers.
 fn numbers<'py>(patterns_um: &Bound<'py, PyAny>) -> PyResult<PyArrayLike2<'py, f64, AllowTypeChange>> {
     let expected = "expected rows of width, spacing and depth in micrometres";
     let rows = given::rows("patterns_um", patterns_um, expected)?;
@@ -269,7 +269,7 @@ fn numbers<'py>(patterns_um: &Bound<'py, PyAny>) -> PyResult<PyArrayLike2<'py, f
 }
 
 impl SteadyCell {
-    /// The pattern of these lengths, which stand in the argument `named`, if its cell is not too large.
+    /// Makes the pattern with these lengths from the argument `named`; refuses it if its cell is too large.
     fn pattern(&self, py: Python<'_>, named: Arguments<'_>, lengths_um: [f64; 3]) -> PyResult<Pattern> {
         let [width_m, spacing_m, depth_m] = lengths_um.map(|length_um| length_um * 1e-6);
         let pattern = Pattern::new(self.texture, width_m, spacing_m, depth_m)

@@ -1,8 +1,8 @@
-//! The pool that work is done in. It belongs to one process: a child that was forked makes its own, as no thread of its parent's
-//! lives in it.
+//! The thread pool for computations. It belongs to one process: a forked child makes its own pool, because its parent's threads
+//! do not exist in the child.
 //!
-//! Everything that may compute runs in it ([`in_pool`], `watched`): rayon's global pool would not survive a fork, and its
-//! threads are not those that were asked for.
+//! All computations run in the pool ([`in_pool`], `watched`): rayon's global pool would not survive a fork, and would not have
+//! the requested number of threads.
 
 use std::sync::atomic::{AtomicBool, AtomicU32, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -14,20 +14,20 @@ use slipgrid_disk::MAX_THREADS;
 
 use crate::given::{counted, shown};
 
-/// Threads asked for, 0 for as many as there are cores, and the pool.
+/// Requested number of threads, 0 for the number of cores, and the pool.
 struct Pool {
     wanted: usize,
     made: Option<Arc<ThreadPool>>,
 }
 
 static POOL: Mutex<Pool> = Mutex::new(Pool { wanted: 0, made: None });
-/// The process that entered last; 0 before the first.
+/// Id of the process of the last call; 0 before the first call.
 static OWNER: AtomicU32 = AtomicU32::new(0);
-/// Calls in progress in that process.
+/// Number of calls in progress in that process.
 static BUSY: AtomicUsize = AtomicUsize::new(0);
 /// Whether this process was forked while its parent was computing.
 static FORKED_WHILE_BUSY: AtomicBool = AtomicBool::new(false);
-/// Why such a process computes nothing: a lock that a lost thread held would never open.
+/// Error message of such a process, which must not compute: a lock held by a lost thread would never be released.
 const WHILE_BUSY: &str = "this process was forked while slipgrid was computing in another thread: start it with \"spawn\" or \
                           \"forkserver\", or fork before";
 
@@ -35,7 +35,7 @@ const WHILE_BUSY: &str = "this process was forked while slipgrid was computing i
 pub struct Busy;
 
 impl Busy {
-    /// Begins a call. The interpreter's lock, which `py` stands for, lets one thread at a time come here.
+    /// Begins a call. The interpreter lock, represented by `py`, admits one thread at a time.
     pub fn new(_py: Python<'_>) -> PyResult<Self> {
         let process = std::process::id();
         let owner = OWNER.swap(process, Ordering::Relaxed);
@@ -43,7 +43,7 @@ impl Busy {
             if BUSY.swap(0, Ordering::Relaxed) > 0 {
                 FORKED_WHILE_BUSY.store(true, Ordering::Relaxed);
             } else {
-                // The threads of a parent's pool are not here: nothing can join them.
+                // The threads of a parent's pool do not exist here, so that nothing can join them.
                 std::mem::forget(POOL.lock().unwrap_or_else(PoisonError::into_inner).made.take());
             }
         }
@@ -57,18 +57,18 @@ impl Busy {
 
 impl Drop for Busy {
     fn drop(&mut self) {
-        // In a child that was forked within a call the count is 0 already.
+        // In a child that was forked within a call, the count is already 0.
         let _ = BUSY.fetch_update(Ordering::Relaxed, Ordering::Relaxed, |count| count.checked_sub(1));
     }
 }
 
-/// Does `work` without holding on to the interpreter: what uses no thread but the caller's.
+/// Runs `work` on the calling thread with the interpreter lock released.
 pub fn detached<T: Send>(py: Python<'_>, work: impl FnOnce() -> T + Send) -> PyResult<T> {
     let _busy = Busy::new(py)?;
     Ok(py.detach(work))
 }
 
-/// Does `work` in the pool without holding on to the interpreter: what is short, and may use threads.
+/// Runs short `work` in the pool with the interpreter lock released.
 pub fn in_pool<T: Send>(py: Python<'_>, work: impl FnOnce() -> T + Send) -> PyResult<T> {
     let busy = Busy::new(py)?;
     let pool = pool(&busy)?;
@@ -88,7 +88,7 @@ pub fn pool(_busy: &Busy) -> PyResult<Arc<ThreadPool>> {
     Ok(made)
 }
 
-/// Computes with `count` threads from here on; as many as there are cores where `count` is None. Results do not depend on it.
+/// Sets the number of threads to `count`, or to the number of cores if `count` is None. Results do not depend on it.
 #[pyfunction]
 #[pyo3(signature = (count=None))]
 pub fn set_threads(py: Python<'_>, count: Option<&Bound<'_, PyAny>>) -> PyResult<()> {
@@ -104,7 +104,7 @@ pub fn set_threads(py: Python<'_>, count: Option<&Bound<'_, PyAny>>) -> PyResult
     Ok(())
 }
 
-/// Threads that are computed with.
+/// Number of computing threads.
 #[pyfunction]
 pub fn threads(py: Python<'_>) -> PyResult<usize> {
     Ok(pool(&Busy::new(py)?)?.current_num_threads())

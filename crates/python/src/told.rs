@@ -1,13 +1,13 @@
-//! What the command line says on stderr, as warnings of Python: of doubtful input and results, and of what takes long.
+//! Python warnings for messages that the command line prints on stderr: doubtful input or results, and long computations.
 
 use std::ffi::CString;
 
 use pyo3::prelude::*;
 
-/// Frames from here to the caller: the method of `slipgrid` that called, and who called it.
+/// Stack level of the caller: the called method of `slipgrid`, and its caller.
 const CALLER: i32 = 2;
 
-/// What a warning is about.
+/// Category of a warning.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Category {
     /// Doubtful input or results: `slipgrid.errors.SlipgridWarning`.
@@ -25,21 +25,21 @@ impl Category {
     }
 }
 
-/// Warns Python's caller of `text`.
+/// Gives Python's caller the warning `text`.
 ///
 /// # Errors
-/// The warning itself where the caller's filters make it an exception.
+/// The warning itself if the caller's filters turn it into an exception.
 pub fn warn(py: Python<'_>, category: Category, text: &str) -> PyResult<()> {
     let class = py.import("slipgrid.errors")?.getattr(category.class())?;
-    // The zeros are gone: nothing else is refused.
+    // Zero bytes, the only cause of an error, were replaced.
     let text = CString::new(text.replace('\0', " ")).unwrap_or_default();
     PyErr::warn(py, &class, &text, CALLER)
 }
 
-/// Warns of each of `doubts`.
+/// Gives a warning for each of `doubts`.
 ///
 /// # Errors
-/// As [`warn`].
+/// Same as [`warn`].
 pub fn warn_of(py: Python<'_>, doubts: &[String]) -> PyResult<()> {
     doubts.iter().try_for_each(|doubt| warn(py, Category::Doubt, doubt))
 }

@@ -1,4 +1,4 @@
-//! Work in the pool, while the calling thread tells of progress and heeds Ctrl-C.
+//! Work in the pool, while the calling thread reports progress and checks for Ctrl-C.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -12,14 +12,14 @@ use slipgrid::monitor::{InMemory, Memory, Monitor};
 use crate::threads::{Busy, pool};
 use crate::told::{Category, warn};
 
-/// How often signals are looked for and progress is told.
+/// Interval of checks for signals and of progress reports.
 const TICK: Duration = Duration::from_millis(50);
 
-/// Fitted materials, runs of flat samples and nodes of explorers, which further targets and further questions take over: results are the
-/// same to the last bit, and a series of targets does not calibrate anew for each. A calibration and a design take about a megabyte.
+/// Cache of fitted materials, runs of flat samples and nodes of explorers. Cached results are identical to the last bit, and a
+/// series of targets needs a single calibration. A calibration and a design take about a megabyte.
 static MEMORY: InMemory = InMemory::new(256 << 20);
 
-/// Where the work stands.
+/// Progress of the work.
 #[derive(Clone, Debug, Default, PartialEq)]
 struct Standing {
     stage: String,
@@ -28,7 +28,7 @@ struct Standing {
     ended: bool,
 }
 
-/// The monitor of work that Python waits for.
+/// Monitor of work that Python waits for.
 pub struct Watch {
     started: Instant,
     cancelled: AtomicBool,
@@ -46,7 +46,7 @@ impl Watch {
         self.standing.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Warns of each of `doubts`.
+    /// Queues a warning for each of `doubts`.
     pub fn warn(&self, doubts: impl IntoIterator<Item = String>) {
         self.standing().warnings.extend(doubts.into_iter().map(|doubt| (Category::Doubt, doubt)));
     }
@@ -89,7 +89,7 @@ impl Monitor for Watch {
     }
 }
 
-/// Ends the wait however the work ends.
+/// Ends the wait when dropped, even after a panic.
 struct End<'a>(&'a Watch);
 
 impl Drop for End<'_> {
@@ -99,8 +99,8 @@ impl Drop for End<'_> {
     }
 }
 
-/// Does `work` in the pool, without holding on to the interpreter. `progress(stage, share)` is called some times a second; what it
-/// raises, and Ctrl-C, ends the work.
+/// Runs `work` in the pool with the interpreter lock released. `progress(stage, share)` is called several times per second; its
+/// exceptions and Ctrl-C end the work.
 pub fn watched<T: Send>(
     py: Python<'_>,
     progress: Option<&Bound<'_, PyAny>>,
@@ -124,7 +124,7 @@ pub fn watched<T: Send>(
     }
 }
 
-/// Waits for the end of the work and tells `progress` of it; what is raised meanwhile cancels it.
+/// Waits for the end of the work and reports to `progress`; an exception cancels the work.
 fn heed(py: Python<'_>, progress: Option<&Bound<'_, PyAny>>, watch: &Watch) -> PyResult<()> {
     let mut raised = Ok(());
     let mut told = Standing::default();
@@ -141,7 +141,7 @@ fn heed(py: Python<'_>, progress: Option<&Bound<'_, PyAny>>, watch: &Watch) -> P
     }
 }
 
-/// Looks for signals, warns, and calls `progress` where the work stands elsewhere than it was `told`.
+/// Checks for signals, gives warnings, and calls `progress` if `standing` differs from the last report `told`.
 fn tell(py: Python<'_>, progress: Option<&Bound<'_, PyAny>>, standing: &Standing, told: &Standing) -> PyResult<()> {
     py.check_signals()?;
     standing.warnings.iter().try_for_each(|(category, text)| warn(py, *category, text))?;

@@ -1,4 +1,4 @@
-//! Files that Python has written: nothing is replaced that a run reads or that slipgrid did not write, as on the command line.
+//! Writing of files for Python: as on the command line, input files of a run and files of other programs are never replaced.
 
 use std::io;
 use std::path::{Path, PathBuf};
@@ -8,7 +8,7 @@ use slipgrid_disk::{Place, PlaceError};
 
 use crate::refused;
 
-/// What was refused as `InputError`; what the system refuses as `OSError`.
+/// Converts a refused path to `InputError`, and a system error to `OSError`.
 fn misplaced(py: Python<'_>, error: &PlaceError) -> PyErr {
     match error {
         PlaceError::Refused(refused) => refused::input(py, refused),
@@ -24,7 +24,7 @@ const fn file_at(path: &Path) -> Place<'_> {
     Place { flag: "path", path }
 }
 
-/// Writes `files`, by name, into `folder`, made where there is none; `inputs` are files that the results were made from.
+/// Writes `files`, by name, into `folder`, which is made if needed; `inputs` are files that the results were made from.
 #[pyfunction]
 pub fn write_folder(
     py: Python<'_>,
@@ -36,13 +36,13 @@ pub fn write_folder(
     written.map_err(|error| misplaced(py, &error))
 }
 
-/// Writes one file; `inputs` are files that it was made from.
+/// Writes one file; `inputs` are files that the content was made from.
 #[pyfunction]
 pub fn write_file(py: Python<'_>, content: &[u8], path: PathBuf, inputs: Vec<PathBuf>) -> PyResult<()> {
     slipgrid_disk::write_file(file_at(&path), content, &inputs).map_err(|error| misplaced(py, &error))
 }
 
-/// Refuses, before long work starts, a file that could not be written then.
+/// Checks before a long computation that the file can be written; raises an error otherwise.
 #[pyfunction]
 pub fn check_file(py: Python<'_>, path: PathBuf, inputs: Vec<PathBuf>) -> PyResult<()> {
     slipgrid_disk::check_file(file_at(&path), &inputs).map_err(|error| misplaced(py, &error))

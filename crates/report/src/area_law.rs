@@ -1,4 +1,4 @@
-//! The real contact area of a map or by theory: object, text, table and picture.
+//! Reports on the real contact area of a map or of Persson's theory: record, text, table and picture.
 
 use std::fmt::Write as _;
 
@@ -12,32 +12,32 @@ mod curve;
 
 pub use curve::{AreaLawCurve, AreaLawOptions};
 
-/// What `area-law --json` prints.
+/// Record that `area-law --json` prints.
 #[derive(Clone, Debug, Serialize)]
 pub struct AreaLawReport {
-    /// `slipgrid`.
+    /// Program name: `slipgrid`.
     pub program: &'static str,
-    /// Its version.
+    /// Program version.
     pub version: &'static str,
-    /// Schema of the file.
+    /// Schema version of the record.
     pub schema: u32,
-    /// Null for an analytic law, as all that only a map has.
+    /// Name of the map; null for an analytic law, like all map-only fields.
     pub map: Option<String>,
-    /// The file says of itself that it is synthetic.
+    /// The map file states that its surface is synthetic.
     pub synthetic_surface: bool,
     /// Spectral rms slope.
     pub rms_slope: f64,
     /// Arithmetical mean height.
     pub sa_um: Option<f64>,
-    /// `sa_um` and `rms_slope` are those of the map's periodic component, which stands for it.
+    /// `sa_um` and `rms_slope` belong to the map's periodic component, which replaces the map.
     pub periodic_component: bool,
     /// Side of a pixel along x.
     pub pixel_um: Option<f64>,
     /// Side of a pixel along y.
     pub pixel_y_um: Option<f64>,
-    /// Pixels along y: lines of a file that holds heights line after line.
+    /// Pixels along y: number of lines in a file that stores one row per line.
     pub rows: Option<usize>,
-    /// Pixels along x, of one line.
+    /// Pixels along x: number of values per line.
     pub columns: Option<usize>,
     /// Young's modulus.
     pub youngs_modulus_gpa: f64,
@@ -45,68 +45,68 @@ pub struct AreaLawReport {
     pub poisson_ratio: f64,
     /// E* = E / (1 - nu^2).
     pub contact_modulus_gpa: f64,
-    /// Pressure at which the surfaces touch everywhere.
+    /// Pressure at full contact.
     pub full_contact_pressure_mpa: Option<f64>,
-    /// P0: f is 1 up to it. Without a stated threshold a small load, where A/P stands for its limit.
+    /// Threshold pressure P0: f is 1 up to P0. Without a stated threshold, P0 is a small load at which A/P approximates its limit.
     pub threshold_mpa: f64,
-    /// A/P at the threshold over that at the lightest load: 1 where area still grows in proportion.
+    /// A/P at the threshold over A/P at the lowest pressure; 1 while the area grows in proportion to pressure.
     pub threshold_proportionality: Option<f64>,
-    /// Relative error up to which contact was solved.
+    /// Relative error tolerance of the contact solver.
     pub tolerance: f64,
-    /// What was modelled, and how.
+    /// Model assumptions and methods.
     pub model: Vec<String>,
-    /// What makes the numbers doubtful; each begins with its name.
+    /// Warnings; each begins with its name.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub warnings: Vec<String>,
-    /// Seconds of the curve.
+    /// Wall time of the curve, in seconds.
     pub wall_s: f64,
-    /// Threads that computed.
+    /// Number of threads.
     pub threads: usize,
-    /// What windows of the map say, where asked for.
+    /// Results of windows of the map, if requested.
     pub windows: Option<WindowReport>,
-    /// What coarser pixels say, where asked for.
+    /// Results at coarser pixels, if requested.
     pub resolutions: Vec<ResolutionReport>,
-    /// One for each pressure.
+    /// Results, one per pressure.
     pub results: Vec<AreaReport>,
 }
 
-/// What windows of the map say, one number per pressure in lists.
+/// Results of windows of the map; lists hold one number per pressure.
 #[derive(Clone, Debug, Serialize)]
 pub struct WindowReport {
     /// Windows along a side.
     pub per_side: usize,
-    /// Windows in all.
+    /// Number of windows.
     pub count: usize,
     /// Pixels of a window along x.
     pub rows: usize,
     /// Pixels of a window along y.
     pub columns: usize,
-    /// How a window becomes a period.
+    /// Method that makes a window periodic.
     pub made_periodic: &'static str,
-    /// Relative error up to which contact was solved.
+    /// Relative error tolerance of the contact solver.
     pub tolerance: f64,
-    /// Mean rms slope.
+    /// Mean rms slope of the windows.
     pub rms_slope_mean: f64,
     /// Standard deviation of the rms slope among windows.
     pub rms_slope_spread: f64,
-    /// Mean f.
+    /// Mean f of the windows, one per pressure.
     pub factor_mean: Vec<f64>,
-    /// Standard deviation among windows: what a map of that size would leave open.
+    /// Standard deviation of f among windows, one per pressure: the uncertainty of a map of the window's size.
     pub factor_spread: Vec<f64>,
-    /// Seconds.
+    /// Wall time in seconds.
     pub wall_s: f64,
 }
 
-/// The law seen by coarser pixels.
+/// Area law at coarser pixels.
 #[derive(Clone, Debug, Serialize)]
 pub struct ResolutionReport {
-    /// Pixels that became one, along a side.
+    /// Pixels averaged into one, along a side.
     pub coarser: usize,
-    /// Side of a pixel then.
+    /// Side of the coarser pixel.
     pub pixel_um: f64,
-    /// Spectral rms slope then.
+    /// Spectral rms slope at the coarser pixels.
     pub rms_slope: f64,
-    /// Relative error up to which contact was solved.
+    /// Relative error tolerance of the contact solver.
     pub tolerance: f64,
     /// f, one per pressure; null where the curve does not reach the threshold pressure.
     pub factor: Option<Vec<f64>>,
@@ -119,23 +119,23 @@ pub struct AreaReport {
     pub pressure_mpa: f64,
     /// Real over nominal contact area.
     pub area_fraction: f64,
-    /// The same with the boundary of contact spots corrected.
+    /// Real over nominal contact area, corrected for the boundary of contact spots.
     pub area_fraction_corrected: f64,
     /// f; null where the curve does not reach the threshold pressure.
     pub factor: Option<f64>,
-    /// Its standard error from the windows.
+    /// Standard error of f from the windows; null without windows.
     pub factor_std: Option<f64>,
     /// f by Persson's theory for the map's rms slope.
     pub factor_persson: Option<f64>,
-    /// Estimate of the error of the areas at this tolerance.
+    /// Estimated error of the areas at the tolerance.
     pub area_error: f64,
     /// Iterations of the solver.
     pub iterations: usize,
-    /// Where it ended: relative error of the pressures.
+    /// Final residual: relative error of the pressures.
     pub residual: f64,
 }
 
-/// The report as text.
+/// Formats the report as text.
 pub fn table(report: &AreaLawReport) -> String {
     let pixel_um = report.pixel_um.zip(report.pixel_y_um);
     let mut text = match (&report.map, report.columns.zip(report.rows), pixel_um) {
@@ -188,7 +188,7 @@ pub fn table(report: &AreaLawReport) -> String {
     text
 }
 
-/// f at every resolution side by side.
+/// Table of f at all resolutions.
 fn resolution_table(report: &AreaLawReport) -> Table {
     let mut titles = vec!["P MPa".to_owned(), "f".to_owned()];
     titles.extend(report.resolutions.iter().map(|coarse| format!("f, {} um", coarse.pixel_um)));
@@ -204,7 +204,7 @@ fn resolution_table(report: &AreaLawReport) -> Table {
     table
 }
 
-/// The table of the report.
+/// Formats the results as CSV, one row per pressure.
 pub fn table_csv(report: &AreaLawReport) -> String {
     let mut text = String::from("pressure_mpa,area_fraction,area_fraction_corrected,factor,factor_std");
     for coarse in &report.resolutions {
@@ -231,7 +231,7 @@ pub fn table_csv(report: &AreaLawReport) -> String {
     text
 }
 
-/// The title of a picture of an area law, by the map of a synthetic or of a measured surface.
+/// Title of an area law's picture, for a synthetic or a measured surface.
 pub(crate) const fn picture_title(is_synthetic: bool) -> &'static str {
     if is_synthetic {
         "Real contact area and the factor f (synthetic surface)"
@@ -240,7 +240,7 @@ pub(crate) const fn picture_title(is_synthetic: bool) -> &'static str {
     }
 }
 
-/// Area and f against pressure.
+/// Draws area fraction and f against pressure.
 ///
 /// # Errors
 /// [`charts::ChartError`] if there is nothing to draw.

@@ -1,4 +1,4 @@
-//! Tables of recorded history.
+//! CSV tables of simulation histories.
 
 use std::fmt::Write;
 
@@ -6,7 +6,7 @@ use slipgrid_springblock::{Simulation, SurfaceOutcome};
 
 use slipgrid_units::{LENGTH_UM, PRESSURE_MPA, tidy};
 
-/// Both surfaces of every load, with the names that tables give them.
+/// Both surfaces of every load, with their names in tables.
 fn surfaces(simulation: &Simulation) -> impl Iterator<Item = (f64, &'static str, &SurfaceOutcome)> {
     simulation.loads.iter().flat_map(|load| {
         let own = if load.flat.is_some() { "patterned" } else { "flat" };
@@ -15,7 +15,7 @@ fn surfaces(simulation: &Simulation) -> impl Iterator<Item = (f64, &'static str,
     })
 }
 
-/// mu against time, one row a sample; `None` for steady runs.
+/// mu against time, one row per sample; `None` for steady runs.
 #[must_use]
 pub fn friction_trace(simulation: &Simulation) -> Option<String> {
     let mut text = String::from("load_mpa,surface,time_us,mu\n");
@@ -28,7 +28,7 @@ pub fn friction_trace(simulation: &Simulation) -> Option<String> {
     (text.len() > header).then_some(text)
 }
 
-/// Pressure and friction along the interface, one row a contact block; with y where the model has it.
+/// Pressure and friction along the interface, one row per contact block; includes y if the model has it.
 #[must_use]
 pub fn interface(simulation: &Simulation) -> String {
     let in_space = surfaces(simulation).any(|(_, _, surface)| surface.interface.iter().any(|point| point.y_m != 0.0));

@@ -1,4 +1,4 @@
-//! Why a report could not be made.
+//! Errors of making a report.
 
 use slipgrid_export::ExportError;
 use slipgrid_formats::confirmed_scene::UnwritableScene;
@@ -8,7 +8,7 @@ use slipgrid_monitor::Cancelled;
 
 use crate::ChartError;
 
-/// Why a report could not be made.
+/// Error of making a report.
 #[derive(Debug, thiserror::Error)]
 pub enum ReportError {
     /// A picture cannot be drawn.

@@ -1,4 +1,4 @@
-//! Everything that is kept of a result: the same files whoever asked for it.
+//! Files of a result, identical for every caller.
 
 use slipgrid_design::DesignOutcome;
 use slipgrid_formats::confirmed_scene::DesignScene;
@@ -7,11 +7,11 @@ use slipgrid_springblock::{Scene, Simulation};
 
 use crate::{DrawingInput, LaserFile, Outputs, ReportError, csv, draw, html, lattice, pictures, target, trade_offs};
 
-/// Everything that is kept of a design but its record and its page: the scene of its confirming run, drawings for the laser,
+/// Makes the files of a design except its record and its page: scene of the confirming run, laser drawings,
 /// tables and pictures.
 ///
 /// # Errors
-/// [`ReportError`] for what cannot be drawn or written.
+/// [`ReportError`] if a file cannot be drawn or written.
 pub fn of_design(found: &DesignOutcome) -> Result<Outputs, ReportError> {
     let (task, report) = (&found.task, &found.report);
     let mut outputs = Outputs::default();
@@ -47,7 +47,7 @@ pub fn of_design(found: &DesignOutcome) -> Result<Outputs, ReportError> {
     Ok(outputs)
 }
 
-/// Adds the record and the page of `found` to its other files, whose pictures the page holds.
+/// Adds the record and the page of `found` to its other files; the page embeds their pictures.
 ///
 /// # Errors
 /// [`ReportError`] if a value has no JSON form.
@@ -59,7 +59,7 @@ pub fn add_report(found: &DesignOutcome, outputs: &mut Outputs) -> Result<(), Re
     Ok(())
 }
 
-/// What a drawing of `found` is made of.
+/// Input for the drawings of `found`.
 #[must_use]
 pub fn drawing(found: &DesignOutcome) -> DrawingInput<'_> {
     DrawingInput {
@@ -74,10 +74,10 @@ pub fn drawing(found: &DesignOutcome) -> DrawingInput<'_> {
     }
 }
 
-/// Everything that is kept of `scene`, solved: its record, tables and pictures.
+/// Makes the files of a solved `scene`: record, tables and pictures.
 ///
 /// # Errors
-/// [`ReportError`] for what cannot be drawn or written.
+/// [`ReportError`] if a file cannot be drawn or written.
 pub fn of_scene(scene: &Scene, simulation: &Simulation, report: &SimulationReport) -> Result<Outputs, ReportError> {
     let mut outputs = Outputs::default();
     outputs.add_record(report)?;

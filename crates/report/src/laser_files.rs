@@ -1,4 +1,4 @@
-//! The files that a laser takes, from a design to bytes.
+//! Files for the laser, from a design to bytes.
 
 use std::io::{self, Write};
 use std::sync::Arc;
@@ -16,33 +16,33 @@ use crate::Outputs;
 use slipgrid_export::Specimen;
 use slipgrid_results::{MaterialReport, SCHEMA, VERSION};
 
-/// Formats of a design; [`LaserFile::described`] says what is written in each.
+/// File formats of a design; [`LaserFile::described`] describes their content.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LaserFile {
     /// AutoCAD R12.
     Dxf,
-    /// A picture to scale.
+    /// Picture to scale.
     Svg,
-    /// A table of cavities.
+    /// Table of cavities.
     Csv,
-    /// What the person at the laser needs.
+    /// Process sheet for the laser operator.
     Process,
     /// HP-GL/2.
     Plt,
     /// RS-274.
     Gcode,
-    /// A table of corners.
+    /// Table of corners.
     Corners,
-    /// A table of marked lines.
+    /// Table of marked lines.
     Hatch,
-    /// A height map.
+    /// Height map.
     Png,
     /// Closed solids.
     Stl,
 }
 
 impl LaserFile {
-    /// All of them.
+    /// All formats.
     pub const EACH: [Self; 10] = [
         Self::Dxf,
         Self::Svg,
@@ -55,10 +55,10 @@ impl LaserFile {
         Self::Png,
         Self::Stl,
     ];
-    /// Those that need nothing but a pattern and a specimen: what a search writes.
+    /// Formats that need only a pattern and a specimen; a search writes them.
     pub const ALWAYS: [Self; 4] = [Self::Dxf, Self::Svg, Self::Csv, Self::Process];
 
-    /// The name of the format, and what is written in it.
+    /// Name of the format, and description of its content.
     #[must_use]
     pub const fn described(self) -> [&'static str; 2] {
         match self {
@@ -76,13 +76,13 @@ impl LaserFile {
     }
 }
 
-/// What the files say beside the pattern.
+/// Metadata of the files besides the pattern.
 pub struct DrawingInput<'a> {
     /// Name of the design.
     pub name: &'a str,
-    /// Version that made it.
+    /// Program version that made the design.
     pub version: &'a str,
-    /// Seed that made it.
+    /// Random seed of the design.
     pub seed: u64,
     /// The pattern.
     pub pattern: Pattern,
@@ -90,36 +90,36 @@ pub struct DrawingInput<'a> {
     pub outline: Specimen,
     /// The laser.
     pub laser: Laser,
-    /// How exactly samples are assumed to be cut.
+    /// Assumed manufacturing tolerances.
     pub tolerances: Option<Tolerances>,
     /// The material.
     pub material: &'a MaterialReport,
 }
 
-/// A format that cannot be written, and why.
+/// Format that cannot be written, and the reason.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("{}: {error}", format.described()[0])]
 pub struct Unwritten {
     /// The format.
     pub format: LaserFile,
-    /// Why.
+    /// The reason.
     pub error: ExportError,
 }
 
-/// Adds the pattern's files in `formats` to `outputs`, one each.
+/// Adds the pattern's files in `formats` to `outputs`, one per format.
 ///
 /// # Errors
-/// [`ExportError`] if no cavity fits on the specimen, or far too many, and where a format needs what the design does not give.
+/// [`ExportError`] if no cavity or far too many fit on the specimen, or if a format needs a value that the design lacks.
 pub fn draw(input: &DrawingInput<'_>, formats: &[LaserFile], outputs: &mut Outputs) -> Result<(), ExportError> {
     let unwritten = draw_with(input, formats, None, outputs)?;
     unwritten.into_iter().next().map_or(Ok(()), |first| Err(first.error))
 }
 
-/// As [`draw`], with pixels of `pixel_um` in a height map. Formats that cannot be written leave the others as they are: they are
-/// returned.
+/// Same as [`draw`], with pixels of `pixel_um` in a height map. Formats that cannot be written are returned and do not affect
+/// the others.
 ///
 /// # Errors
-/// [`ExportError`] for what no format can hold: a laser or a depth that cannot be, no cavity on the specimen, or far too many.
+/// [`ExportError`] for errors of all formats: an invalid laser or depth, no cavity on the specimen, or far too many.
 pub fn draw_with(
     input: &DrawingInput<'_>,
     formats: &[LaserFile],
@@ -164,7 +164,7 @@ fn add(
             outputs.add_stream("hatch.csv", move |to| hatch_csv(&layout, &marking, to));
         }
         LaserFile::Plt => {
-            // Contours alone are a plot too.
+            // Contours without a hatch make a valid plot too.
             let hatched = laser.spot_um.is_some() && !laser.is_mask();
             let marking = hatched.then(|| Marking::new(&laser)).transpose()?;
             outputs.add_stream("pattern.plt", move |to| {
@@ -197,11 +197,11 @@ fn add(
     Ok(())
 }
 
-/// The files of the samples `found` for `task`: those of each, or of the one specimen on whose sectors they are with the trials to
-/// fill in.
+/// Draws the files of the samples `found` for `task`: per sample, or for the one specimen whose sectors carry the samples,
+/// with the trials to fill in.
 ///
 /// # Errors
-/// As [`draw`].
+/// Same as [`draw`].
 pub fn draw_next(found: &NextTrials, task: &DesignTask) -> Result<Vec<Outputs>, ExportError> {
     let input = |name, pattern: &Pattern| DrawingInput {
         name,
@@ -230,7 +230,7 @@ pub fn draw_next(found: &NextTrials, task: &DesignTask) -> Result<Vec<Outputs>, 
     }
 }
 
-/// Adds the files of `sectors`, each with what `input` says beside its pattern, to `outputs`.
+/// Adds the files of `sectors` to `outputs`, each with the metadata of `input`.
 fn draw_sectors(sectors: &[Sector], input: &DrawingInput<'_>, outputs: &mut Outputs) -> Result<(), ExportError> {
     let laser = input.laser;
     laser.validate()?;
@@ -256,7 +256,7 @@ fn draw_sectors(sectors: &[Sector], input: &DrawingInput<'_>, outputs: &mut Outp
     Ok(())
 }
 
-/// What goes onto a process sheet.
+/// Input of the process sheet.
 fn process_input(input: &DrawingInput<'_>) -> ProcessInput {
     ProcessInput {
         name: input.name.to_owned(),
@@ -278,7 +278,7 @@ fn notes(material: &MaterialReport) -> Vec<&'static str> {
     if material.synthetic_surface { vec![note] } else { Vec::new() }
 }
 
-/// A layout with what drawings say about themselves.
+/// Layout with its metadata.
 struct Drawing {
     layout: Layout,
     name: String,

@@ -1,9 +1,9 @@
-//! Every design of a lattice as a table.
+//! CSV table of all designs of a lattice.
 
 use slipgrid_design::{DesignTask, Lattice};
 use slipgrid_units::{HUMIDITY_PCT, LENGTH_UM, PRESSURE_MPA, SPEED_MM_S, tidy};
 
-/// One row a design.
+/// Formats one row per design.
 #[must_use]
 pub fn csv(design: &DesignTask, lattice: &Lattice) -> String {
     let quantity = design.target.quantity().name();
@@ -26,7 +26,7 @@ pub fn csv(design: &DesignTask, lattice: &Lattice) -> String {
         let unit = if limit.unit.is_empty() { String::new() } else { format!("_{}", limit.unit.to_lowercase()) };
         text += &format!(",{}{unit}", limit.name.replace(' ', "_"));
     }
-    // All of the header but the three lengths, and the chance.
+    // All columns of the header except the three lengths and the probability.
     let columns = text.matches(',').count() - 1;
     text += ",chance,keeps_limits\n";
     for (pattern, predicted) in lattice.patterns.iter().zip(&lattice.predicted) {

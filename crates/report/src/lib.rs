@@ -1,16 +1,16 @@
-//! Results as people read them: charts, pages and tables drawn from records by their types, and the files of a laser.
+//! Presentation of results: charts, pages and tables drawn from typed records, and files for the laser.
 //!
 //! | module | role |
 //! |---|---|
 //! | [`charts`] | pictures of numbers, as SVG |
-//! | [`files`] | everything that is kept of a design or a scene |
-//! | [`html`] | pages that stand alone: report.html |
+//! | [`files`] | all files of a design or a scene |
+//! | [`html`] | self-contained pages: report.html |
 //! | [`pictures`], [`target`], [`trade_offs`], [`lattice`], [`csv`] | pictures and tables of one result |
-//! | [`calibration`], [`area_law`], [`surface`], [`traces`] | what calibrations, contact, maps and tribometer traces say |
-//! | [`laser_files`] | what a laser takes, by format |
+//! | [`calibration`], [`area_law`], [`surface`], [`traces`] | reports on calibrations, contact, maps and tribometer traces |
+//! | [`laser_files`] | files for the laser, by format |
 //! | [`Outputs`] | files of one result, in memory |
 //!
-//! This crate opens no files, reads no clock, prints nothing, and does not touch the environment.
+//! The crate opens no files, reads no clock, prints nothing, and does not access the environment.
 //!
 //! ```
 //! use slipgrid_report::Outputs;

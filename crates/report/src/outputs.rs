@@ -6,23 +6,23 @@ use std::sync::Arc;
 use serde::Serialize;
 use slipgrid_results::{NoJsonForm, json_and_timings};
 
-/// Writes a file's bytes, the same at every call.
+/// Writes a file's bytes; every call writes identical bytes.
 pub type Writer = Arc<dyn Fn(&mut dyn Write) -> io::Result<()> + Send + Sync>;
 
-/// What a file holds.
+/// Content of a file.
 #[derive(Clone)]
 pub enum Content {
-    /// As it is.
+    /// Bytes in memory.
     Bytes(Vec<u8>),
-    /// Made when it is written: files that would fill the memory.
+    /// Bytes generated during writing, for files too large for memory.
     Stream(Writer),
 }
 
 impl Content {
-    /// Writes it to `to`.
+    /// Writes the content to `to`.
     ///
     /// # Errors
-    /// What writing to `to` said.
+    /// The error of writing to `to`.
     pub fn write(&self, to: &mut dyn Write) -> io::Result<()> {
         match self {
             Self::Bytes(bytes) => to.write_all(bytes),
@@ -31,7 +31,7 @@ impl Content {
     }
 }
 
-/// Files of one result: names and what they hold.
+/// Files of one result: names and contents.
 #[derive(Clone, Default)]
 pub struct Outputs {
     files: Vec<(String, Content)>,
@@ -49,10 +49,10 @@ impl Outputs {
         self.files.push((name.into(), Content::Bytes(bytes.into())));
     }
 
-    /// Adds `record` as result.json, and its times as timings.json.
+    /// Adds `record` as result.json, and its wall times as timings.json.
     ///
     /// # Errors
-    /// [`NoJsonForm`] if a value has none.
+    /// [`NoJsonForm`] if a value has no JSON form.
     pub fn add_record(&mut self, record: &impl Serialize) -> Result<(), NoJsonForm> {
         let [result, timings] = json_and_timings(record)?;
         self.add("result.json", result);
@@ -60,12 +60,12 @@ impl Outputs {
         Ok(())
     }
 
-    /// Adds all of `others`, each with `prefix` before its name: `next-1/` puts them below a folder.
+    /// Adds all files of `others` with `prefix` before their names; the prefix `next-1/` puts them into a folder.
     pub fn add_below(&mut self, prefix: &str, others: &Self) {
         self.files.extend(others.files.iter().map(|(name, content)| (format!("{prefix}{name}"), content.clone())));
     }
 
-    /// Adds a file that `write` makes, piece by piece, when it is written.
+    /// Adds a file that `write` generates piece by piece during writing.
     pub fn add_stream(
         &mut self,
         name: impl Into<String>,
@@ -74,7 +74,7 @@ impl Outputs {
         self.files.push((name.into(), Content::Stream(Arc::new(write))));
     }
 
-    /// The file `name` as text; `None` where there is none, or none that is text.
+    /// The file `name` as text; `None` if it does not exist or is not text.
     #[must_use]
     pub fn text(&self, name: &str) -> Option<String> {
         let (_, content) = self.files.iter().find(|(other, _)| other == name)?;
@@ -83,13 +83,13 @@ impl Outputs {
         String::from_utf8(bytes).ok()
     }
 
-    /// Names of the files, in the order in which they were added.
+    /// Names of the files, in order of addition.
     #[must_use]
     pub fn names(&self) -> Vec<&str> {
         self.files.iter().map(|(name, _)| name.as_str()).collect()
     }
 
-    /// Names of the files with what they hold, in the order in which they were added.
+    /// Names and contents of the files, in order of addition.
     pub fn iter(&self) -> impl Iterator<Item = (&str, &Content)> {
         self.files.iter().map(|(name, content)| (name.as_str(), content))
     }

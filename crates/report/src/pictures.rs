@@ -1,4 +1,4 @@
-//! Pictures of results: from simulations and reports to what the charts draw.
+//! Pictures of results: converts simulations and reports to charts.
 
 use std::collections::BTreeMap;
 
@@ -15,17 +15,16 @@ use crate::charts::{
 use slipgrid_results::PressureErrors;
 use slipgrid_units::{LENGTH_UM, PRESSURE_MPA, tidy};
 
-/// Shares of a cavity's pitch by which two contact blocks are one land: gaps wider than this many
-/// block widths are cavities.
+/// Maximum distance of neighbouring contact blocks on one land, in block widths: wider gaps are cavities.
 const CONTIGUOUS_BLOCKS: f64 = 1.5;
 
-/// What the flat surface is called.
+/// Label of the flat surface.
 const FLAT: &str = "flat";
 
-/// What the curve of a patterned surface in time is called, and the means beside the curves. The ratio of a specimen has what its other strips,
-/// smaller blocks and the body behind the layer change: its curve is the run of one strip as it is.
+/// Labels of a patterned surface's curve in time, and of the means beside the curves. The ratio of a specimen includes
+/// other strips, smaller blocks and the body behind the layer; its curve is the run of a single strip without them.
 fn run_words(scene: &Scene, load: &LoadOutcome) -> [&'static str; 2] {
-    // Rims have such an error as well.
+    // Raised rims also have a layout error.
     let is_whole = load.ratio_layout_error.is_some() && !scene.is_raised();
     match load.ratio {
         Some(_) if is_whole && scene.dimension().takes_strips() => [
@@ -37,7 +36,7 @@ fn run_words(scene: &Scene, load: &LoadOutcome) -> [&'static str; 2] {
     }
 }
 
-/// The surfaces of a load with their names, flat first.
+/// Surfaces of a load with their names, flat first.
 fn surfaces(load: &LoadOutcome) -> Vec<(&'static str, &SurfaceOutcome)> {
     match &load.flat {
         Some(flat) => vec![(FLAT, flat), ("patterned", &load.surface)],
@@ -45,8 +44,8 @@ fn surfaces(load: &LoadOutcome) -> Vec<(&'static str, &SurfaceOutcome)> {
     }
 }
 
-/// Adds a picture of mu against time (dynamic runs), with the means' `errors` at each load where they are known, and one of the pressure
-/// along the interface for every load.
+/// Adds a picture of mu against time (dynamic runs), with the `errors` of the means at each load if known, and a picture of
+/// the pressure along the interface, for every load.
 ///
 /// # Errors
 /// [`ChartError`] if a picture cannot be drawn.
@@ -64,7 +63,7 @@ pub fn simulation(
     Ok(())
 }
 
-/// A number of at least 0 as file names have it: `0.65`, or `1e-7` where all its zeros would make the name too long for some systems.
+/// Formats a non-negative number for a file name: `0.65`, or `1e-7` if its zeros would make the name too long for some systems.
 pub(crate) fn name_part(number: f64) -> String {
     if number == 0.0 || (1e-6..1e9).contains(&number) { number.to_string() } else { format!("{number:e}") }
 }
@@ -96,7 +95,7 @@ fn of_load(
             .zip(&traces)
             .map(|(&(label, surface), points)| Trace {
                 series: Series { label: if label == FLAT { FLAT } else { patterned }, points },
-                // The mean reaches to the end of the trace.
+                // The averaging window extends to the end of the trace.
                 window_ms: surface.averaged_from_s.zip(points.last()).map(|(from_s, end)| [from_s * 1e3, end[0]]),
                 mu_dynamic: surface.mu_dynamic.map(|value| Estimate { value, error: std(label) }),
             })
@@ -143,7 +142,7 @@ fn of_load(
     Ok(pictures)
 }
 
-/// The pressure over the interface of a cell in space from above; `None` where it has none.
+/// Draws the pressure over the interface of a three-dimensional cell, seen from above; `None` for other cells.
 ///
 /// # Errors
 /// [`ChartError`] if the picture cannot be drawn.
@@ -181,7 +180,7 @@ pub fn interface_map(scene: &Scene, load: &LoadOutcome, load_mpa: f64) -> Result
     Ok(Some(map))
 }
 
-/// Which way a face seen from above slides, in the axes in which it is drawn: those of its texture.
+/// Describes the sliding direction of a face seen from above, in the axes of the drawing, which are the texture's axes.
 fn sliding_words(texture: Option<&Texture>) -> String {
     let (sliding_deg, own_deg) =
         texture.map_or((0.0, 0.0), |texture| (texture.sliding_angle_deg(), texture.orientation_deg()));
@@ -203,14 +202,14 @@ struct Columns {
 }
 
 impl Columns {
-    /// The column around a place.
+    /// Index of the column that contains a position.
     fn number(&self, place_m: f64) -> usize {
-        // Centres of blocks are positive; numbers beyond the last are as good as any.
+        // Centres of blocks are positive; indices are limited to the last column.
         ((place_m / self.spacing_m) as usize).min(self.count - 1)
     }
 }
 
-/// Columns along x and y of the cell that `points` belong to.
+/// Columns along x and y of the cell that contains `points`.
 fn columns(scene: &Scene, points: &[InterfacePoint]) -> [Columns; 2] {
     let reach = |place: fn(&InterfacePoint) -> f64| points.iter().map(place).fold(0.0, f64::max);
     let block_m = scene.layer.block_m;
@@ -220,12 +219,12 @@ fn columns(scene: &Scene, points: &[InterfacePoint]) -> [Columns; 2] {
     let (cell_m, cells) = (pattern.cell_m(), SteadyCell::new(scene).columns(&pattern));
     // Whole numbers, at least 1.
     let divided = |axis: usize| Columns { spacing_m: cell_m[axis] / cells[axis], count: cells[axis].max(1.0) as usize };
-    // A groove is as long as its run took it to be.
+    // The length of a groove is the length assumed in its run.
     [divided(0), if pattern.is_uniform_along_y() { filled(reach[1], block_m) } else { divided(1) }]
 }
 
-/// The contact blocks of `surfaces`, which are strips, on the line along the sliding direction on which `patterned` has the fewest: through the
-/// middle of cavities. x is along that line.
+/// Contact blocks of `surfaces`, which are strips, on the line along the sliding direction with the fewest `patterned` blocks:
+/// the line through the middle of cavities. x runs along that line.
 fn lines_through_cavities(
     scene: &Scene,
     surfaces: &[(&'static str, &SurfaceOutcome)],
@@ -237,7 +236,7 @@ fn lines_through_cavities(
         false => *point,
     };
     let mut lines: BTreeMap<u64, usize> = BTreeMap::new();
-    // Centres of blocks are positive: their bits are in their order.
+    // Centres of blocks are positive, so that their bit patterns sort like their values.
     patterned.interface.iter().for_each(|point| *lines.entry(turned(point).y_m.to_bits()).or_default() += 1);
     let fewest = lines.values().copied().min().unwrap_or(0);
     let alike: Vec<u64> = lines.iter().filter(|(_, count)| **count == fewest).map(|(line, _)| *line).collect();
@@ -248,7 +247,7 @@ fn lines_through_cavities(
     surfaces.iter().map(|(_, surface)| on_line(surface)).collect()
 }
 
-/// The gaps between contact blocks `interface` of a patterned surface: its cavities, to within a block.
+/// Gaps between the contact blocks `interface` of a patterned surface: its cavities, accurate to one block.
 pub fn cavities_um(scene: &Scene, interface: &[InterfacePoint]) -> Vec<[f64; 2]> {
     if scene.pattern.is_none() {
         return Vec::new();
@@ -273,7 +272,7 @@ mod tests {
         assert_eq!(sliding_words(Some(&grooves)), "sliding direction x");
         let slid = grooves.with_sliding_angle_deg(30.0).unwrap();
         assert_eq!(sliding_words(Some(&slid)), "sliding direction, 30° from x");
-        // Drawn across the grooves, whichever way they lie on the specimen.
+        // Drawn across the grooves, for any orientation on the specimen.
         let turned = grooves.with_groove_angle_deg(30.0).unwrap();
         let own = ", the texture's own axis, 30° from the specimen's x";
         assert_eq!(sliding_words(Some(&turned)), format!("sliding direction, -30° from x{own}"));

@@ -1,10 +1,10 @@
-//! The picture of a target and of what is expected of a cut sample.
+//! Picture of a target and of the expected values of a cut sample.
 
 use crate::ChartError;
 use crate::charts::{self, SamplePoint, TargetChart, TargetPoint};
 use slipgrid_design::DesignReport;
 
-/// Target and expected friction against pressure.
+/// Draws target and expected friction against pressure.
 ///
 /// # Errors
 /// [`ChartError`] if the picture cannot be drawn.
@@ -12,10 +12,10 @@ pub fn target(report: &DesignReport) -> Result<String, ChartError> {
     drawn(report, &format!("{}: friction of a cut sample", report.name), charts::target)
 }
 
-/// The same for a narrow column of a page, which has the title already.
+/// Draws [`target`] for a narrow column of a page, without the title, which the page has.
 ///
 /// # Errors
-/// As [`target`].
+/// Same as [`target`].
 pub fn target_narrow(report: &DesignReport) -> Result<String, ChartError> {
     drawn(report, "", charts::target_narrow)
 }
@@ -58,13 +58,13 @@ fn drawn(
     })
 }
 
-/// Friction of the flat surface at a load, in the quantity of the target: 1 for a ratio, else as it was confirmed, which it was at the
-/// condition designed for.
+/// Friction of the flat surface at a load, in the target's quantity: 1 for a ratio, otherwise the confirmed value, which exists
+/// at the design condition only.
 pub(crate) fn flat_of(report: &DesignReport, row: usize) -> Option<f64> {
     if report.is_ratio() { Some(1.0) } else { report.confirmed.get(row)?.mu_flat }
 }
 
-/// What the model alone says of the design at a load, in the quantity of the target.
+/// Prediction of the model alone at a load, in the target's quantity.
 pub(crate) fn model_alone(report: &DesignReport, row: usize) -> Option<f64> {
     Some(report.sample.modelled.get(row)?.ratio * flat_of(report, row)?)
 }

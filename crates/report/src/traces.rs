@@ -1,4 +1,4 @@
-//! Tribometer traces as tables and pictures.
+//! Tables and pictures of tribometer traces.
 
 use slipgrid_calibrate::Measurement;
 use slipgrid_formats::measurements;
@@ -11,10 +11,10 @@ use crate::charts::{RepeatTrace, Series, TribometerChart, tribometer};
 use crate::pictures::name_part;
 use crate::{ChartError, Outputs};
 
-/// Tables and pictures of all conditions.
+/// Makes tables and pictures of all conditions.
 ///
 /// # Errors
-/// [`ChartError`] where a picture cannot be drawn.
+/// [`ChartError`] if a picture cannot be drawn.
 pub fn files(conditions: &[ConditionTraces]) -> Result<Outputs, ChartError> {
     let mut outputs = Outputs::default();
     for kind in SurfaceKind::ALL {
@@ -33,7 +33,7 @@ pub fn files(conditions: &[ConditionTraces]) -> Result<Outputs, ChartError> {
     for of_trial in conditions.chunk_by(|a, b| a.condition.trial == b.condition.trial) {
         if let Some(OfTrial { number, name }) = of_trial.first().and_then(|traces| traces.condition.trial.as_ref()) {
             let rows: Vec<Measurement> = of_trial.iter().map(ConditionTraces::measurement).collect();
-            // A spreadsheet divides the comment at commas: what follows one may not be a formula.
+            // A spreadsheet splits the comment at commas: no part may begin like a formula.
             let words: String =
                 name.chars().filter(|c| !c.is_control()).map(|c| if ",;".contains(c) { ' ' } else { c }).collect();
             let comment = format!(
@@ -59,7 +59,7 @@ pub fn files(conditions: &[ConditionTraces]) -> Result<Outputs, ChartError> {
     Ok(outputs)
 }
 
-/// Comments of a table on what its deviations of static friction are made of; empty where none has a static peak.
+/// Comments of a table that list the error sources of static friction; empty if no condition has a static peak.
 fn static_parts<'a>(conditions: impl IntoIterator<Item = &'a ConditionTraces>) -> String {
     let of_condition = |traces: &ConditionTraces| {
         let (peak, missed) = traces.mean.mu_static.zip(traces.mean.mu_static_missed)?;
@@ -79,7 +79,7 @@ fn static_parts<'a>(conditions: impl IntoIterator<Item = &'a ConditionTraces>) -
     format!("; mu_static_std holds what sampling may have missed as well{}", all.concat())
 }
 
-/// Surface or number of the trial, force in N, speed in mm/s and humidity in per cent, in words.
+/// Surface or number of the trial, force in N, speed in mm/s and humidity in per cent, as words.
 fn words(condition: &TraceCondition) -> [String; 4] {
     [
         match &condition.trial {
@@ -92,7 +92,7 @@ fn words(condition: &TraceCondition) -> [String; 4] {
     ]
 }
 
-/// A file name for a condition: `flat-200N-2mm_s-15pct`.
+/// File name of a condition: `flat-200N-2mm_s-15pct`.
 fn name(condition: &TraceCondition) -> String {
     let [surface, ..] = words(condition);
     let numbers =
@@ -127,7 +127,7 @@ fn picture(traces: &ConditionTraces) -> Result<String, ChartError> {
     tribometer(&TribometerChart { title: &title, window_s, repeats: &repeats })
 }
 
-/// One row a repeat.
+/// One row per repeat.
 fn table(conditions: &[ConditionTraces]) -> String {
     let mut text = String::from(
         "surface,force_n,speed_mm_s,humidity_pct,trace,mu_dynamic,mu_dynamic_stderr,drift,drift_stderr,mu_static,\
@@ -162,7 +162,7 @@ fn quoted(text: &str) -> String {
     format!("\"{}\"", guard_formula(text).replace('"', "'"))
 }
 
-/// The traces for people.
+/// Formats the traces as text.
 #[must_use]
 pub fn summary(conditions: &[ConditionTraces]) -> String {
     let mut text = String::new();

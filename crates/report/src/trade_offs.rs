@@ -1,4 +1,4 @@
-//! Designs compared by goals, as a table and as a picture.
+//! Trade-offs between goals, as a table and as a picture.
 
 use slipgrid_design::{Compared, TradeOff, TradeOffGoal};
 use slipgrid_pattern::Pattern;
@@ -7,7 +7,7 @@ use slipgrid_units::significant;
 
 use crate::charts::{ChartError, TradeOffsChart, trade_offs as draw};
 
-/// The front as a table, the chosen design with it and marked.
+/// Formats the front as CSV, including the chosen design, which is marked.
 #[must_use]
 pub fn csv(compared: &Compared, chosen: &Pattern) -> String {
     let goals = &compared.wanted.goals;
@@ -31,13 +31,13 @@ pub fn csv(compared: &Compared, chosen: &Pattern) -> String {
     text
 }
 
-/// Six significant digits.
+/// Formats six significant digits.
 fn rounded(value: f64) -> String {
     significant(value, 6).to_string()
 }
 
-/// The designs in the plane of their goals, or in several where there are three; the design called `name` and chosen among
-/// them marked.
+/// Draws the designs in the plane of two goals, or in several planes for three goals; marks the chosen design, which has
+/// the name `name`.
 ///
 /// # Errors
 /// [`ChartError`] if the picture cannot be drawn.

@@ -1,5 +1,5 @@
-//! The ledger of a calibration's trials: what was predicted of each before it was measured, what was measured, and what they say of
-//! the next.
+//! Ledger of a calibration's trials: predictions before the measurements, measurements, and predictions for the next
+//! samples.
 
 use serde::{Deserialize, Serialize};
 use slipgrid_calibrate::{CutSample, contradicting_samples};
@@ -19,78 +19,78 @@ mod scatter;
 pub use pending::PendingReport;
 pub use scatter::ScatterReport;
 
-/// Metres in a millimetre, for edges per area.
+/// Metres per millimetre, for edge lengths per area.
 const PER_MM: f64 = 1e-3;
 
-/// The ledger of a calibration's trials.
+/// Ledger of a calibration's trials.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct TrialsReport {
-    /// The program, and what wrote the record.
+    /// Program name.
     pub program: String,
-    /// Its version.
+    /// Program version.
     pub version: String,
-    /// Version of the record's fields.
+    /// Schema version of the record.
     pub schema: u32,
     /// Name of the calibration.
     pub name: String,
-    /// Measured numbers that are hardly meant, and samples of one texture that contradict each other.
+    /// Warnings about implausible measurements, and about contradictory samples of one texture.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub warnings: Vec<String>,
     /// Trials, the earliest first.
     pub trials: Vec<TrialReport>,
     /// Names of trials that were cut and not yet measured.
     pub pending: Vec<String>,
-    /// The same with what is predicted of them.
+    /// Predictions for the pending trials.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub predicted: Vec<PendingReport>,
-    /// How much each form is believed.
+    /// Prior and posterior weights of the forms.
     pub forms: Vec<FormReport>,
-    /// The family of forms that trials of textures which tell the forms apart say; null while they do not.
+    /// Family of forms that the trials identify; null while the textures of the trials do not discriminate between forms.
     pub identified: Option<String>,
-    /// Whether all trials are of one texture, which cannot tell the forms apart.
+    /// All trials have one texture, which cannot discriminate between forms.
     #[serde(default)]
     pub one_texture: bool,
-    /// How far samples of one texture scatter; null where the trials say nothing of it.
+    /// Scatter of samples of one texture; null if the trials carry no information about it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub scatter: Option<ScatterReport>,
-    /// What the discrepancy is at the texture measured last, and how it depends on the condition.
+    /// Discrepancy at the texture measured last, and its dependence on the condition.
     pub effects: Vec<EffectReport>,
-    /// Measured ratios within what was predicted for them.
+    /// Coverage of the predictions: measured ratios within their intervals.
     pub coverage: Vec<CoverageReport>,
 }
 
-/// A trial.
+/// Trial with its measurements.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct TrialReport {
-    /// Its name.
+    /// Name of the trial.
     pub name: String,
-    /// When it was measured, as the calibration says.
+    /// Date of the measurement, from the calibration.
     pub date: String,
-    /// Whatever else the calibration says.
+    /// Other notes in the calibration.
     pub notes: String,
-    /// The disc that it shares with other trials, where it does.
+    /// Disc that the trial shares with other trials; null if it has a specimen to itself.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub disc: Option<String>,
-    /// Share of its face that is cavity.
+    /// Areal density: share of the face that is cavity.
     pub areal_density: f64,
-    /// Length of its edges over its area, in 1/mm.
+    /// Edge length per area, in 1/mm.
     pub edge_per_mm: f64,
-    /// Width of its cavities.
+    /// Width of the cavities.
     pub width_um: f64,
-    /// Gap between them along a row.
+    /// Gap between cavities along a row.
     pub spacing_um: f64,
-    /// Depth of its cavities.
+    /// Depth of the cavities.
     pub depth_um: f64,
-    /// What was measured.
+    /// Measured ratios.
     pub measured: Vec<MeasuredReport>,
 }
 
-/// A measured ratio beside what was predicted of it.
+/// Measured ratio with its predictions.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct MeasuredReport {
     /// Nominal pressure.
     pub pressure_mpa: f64,
-    /// Speed.
+    /// Sliding speed.
     pub speed_mm_s: f64,
     /// Relative humidity.
     pub humidity_pct: f64,
@@ -98,75 +98,75 @@ pub struct MeasuredReport {
     pub measured: f64,
     /// Modelled ratio.
     pub modelled: f64,
-    /// What was predicted by the trials before it.
+    /// Prediction from all earlier trials.
     pub before: PredictedReport,
-    /// The same by all other trials.
+    /// Prediction from all other trials.
     pub without_trial: PredictedReport,
-    /// The same by all other conditions, of this trial as well.
+    /// Prediction from all other conditions, including those of this trial.
     pub without_condition: PredictedReport,
 }
 
-/// What was predicted of a measured ratio, with the measurement's own errors.
+/// Prediction of a measured ratio, including measurement errors.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct PredictedReport {
     /// Median.
     pub ratio: f64,
-    /// Ends of the interval of 68 %.
+    /// Ends of the 68 % interval.
     pub interval_68: [f64; 2],
-    /// Ends of the interval of 95 %.
+    /// Ends of the 95 % interval.
     pub interval_95: [f64; 2],
-    /// The measured ratio in standard deviations from it.
+    /// Deviation of the measured ratio from the prediction, in standard deviations.
     pub surprise: f64,
-    /// Measured ratios that it was predicted by: with none, by what is believed before any.
+    /// Number of measured ratios behind the prediction; with none, the prediction is the prior.
     #[serde(default)]
     pub known: usize,
 }
 
-/// How much a form is believed.
+/// Weights of a form.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct FormReport {
-    /// The form.
+    /// Name of the form.
     pub form: String,
-    /// Its weight before any trial.
+    /// Prior weight.
     pub prior: f64,
-    /// Its weight after them.
+    /// Posterior weight.
     pub weight: f64,
 }
 
-/// What the discrepancy is, or how it depends on something: of the logarithm of the ratio.
+/// Discrepancy of the logarithm of the ratio, or its dependence on a quantity.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct EffectReport {
-    /// Of what.
+    /// Name of the effect.
     pub of: String,
     /// Mean.
     pub value: f64,
     /// Standard deviation.
     pub std: f64,
-    /// The same before any trial.
+    /// Prior standard deviation.
     pub prior_std: f64,
 }
 
-/// Measured ratios within what was predicted of them.
+/// Number of measured ratios within their predicted intervals.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct CoverageReport {
-    /// By what.
+    /// Data that the predictions are based on.
     pub by: String,
-    /// Ratios that had a measured one to go by.
+    /// Number of ratios whose prediction is based on at least one measured ratio.
     pub ratios: usize,
-    /// Ratios that had none, and are not counted: any number lies in an interval that wide.
+    /// Number of ratios predicted by the prior alone; not counted, because the prior's interval contains almost any value.
     #[serde(default)]
     pub without_any: usize,
-    /// Of these within the interval of 68 %.
+    /// Number of `ratios` within the 68 % interval.
     pub within_68: usize,
-    /// And within that of 95 %.
+    /// Number of `ratios` within the 95 % interval.
     pub within_95: usize,
 }
 
 impl TrialsReport {
-    /// The ledger of `learned`, the discrepancy that `samples` of the calibration `name` say.
+    /// Makes the ledger of the discrepancy `learned` from `samples` of the calibration `name`.
     ///
     /// # Errors
-    /// [`Cancelled`] once `monitor` has cancelled.
+    /// [`Cancelled`] if `monitor` has cancelled.
     pub fn new(
         name: &str,
         samples: &[CutSample],
@@ -212,7 +212,7 @@ impl TrialsReport {
             .iter()
             .map(|of| FormReport { form: of.form.name(), prior: tidy(of.prior), weight: tidy(of.weight) })
             .collect();
-        // Stable: of equal weights the earlier first.
+        // Stable sort: forms of equal weight keep their order.
         forms.sort_by(|a, b| b.weight.total_cmp(&a.weight));
         let names = ["the trials before it", "all other trials", "all other conditions"];
         let coverage = names.iter().zip(&by).map(|(by, all)| {
@@ -247,14 +247,14 @@ impl TrialsReport {
         })
     }
 
-    /// The same with `warnings` of the measurements, before those of samples that contradict each other.
+    /// Adds `warnings` of the measurements before those about contradictory samples.
     #[must_use]
     pub fn with_warnings(self, mut warnings: Vec<String>) -> Self {
         warnings.extend(self.warnings);
         Self { warnings, ..self }
     }
 
-    /// The ledger in words.
+    /// Formats the ledger as text.
     #[must_use]
     pub fn text(&self) -> String {
         let measured: usize = self.trials.iter().map(|trial| trial.measured.len()).sum();
@@ -322,7 +322,7 @@ impl TrialsReport {
         table
     }
 
-    /// A row a measured ratio.
+    /// Formats the ledger as CSV, one row per measured ratio.
     #[must_use]
     pub fn csv(&self) -> String {
         let mut text = "trial,date,areal_density,edge_per_mm,width_um,spacing_um,depth_um,pressure_mpa,speed_mm_s,humidity_pct,measured_ratio,\
@@ -360,10 +360,10 @@ impl TrialsReport {
         text
     }
 
-    /// The ledger as files.
+    /// Makes the files of the ledger.
     ///
     /// # Errors
-    /// [`ReportError`] where the picture cannot be drawn or the record has no JSON form.
+    /// [`ReportError`] if the picture cannot be drawn or the record has no JSON form.
     pub fn files(&self) -> Result<Outputs, ReportError> {
         let mut outputs = Outputs::default();
         outputs.add("trials.csv", self.csv());
@@ -376,10 +376,10 @@ impl TrialsReport {
         Ok(outputs)
     }
 
-    /// Predicted beside measured ratios, and these against density, edge length and pressure, as SVG.
+    /// Draws predicted against measured ratios, and measured ratios against density, edge length and pressure, as SVG.
     ///
     /// # Errors
-    /// [`ReportError`] where it cannot be drawn.
+    /// [`ReportError`] if the picture cannot be drawn.
     pub fn picture(&self) -> Result<String, ReportError> {
         let rows =
             || self.trials.iter().enumerate().flat_map(|(place, of)| of.measured.iter().map(move |at| (place, at)));
@@ -418,10 +418,10 @@ impl PredictedReport {
     }
 }
 
-/// Columns of tables that tell a sample and a load.
+/// Columns of tables that identify a sample and a load.
 const SAMPLE_AND_LOAD: [&str; 6] = ["density", "edges 1/mm", "depth um", "P MPa", "v mm/s", "RH %"];
 
-/// Their cells: areal density, edges in 1/mm and depth in micrometres; pressure in MPa, speed in mm/s and humidity in per cent.
+/// Cells of [`SAMPLE_AND_LOAD`]: areal density, edges in 1/mm, depth in um; pressure in MPa, speed in mm/s, humidity in per cent.
 fn sample_and_load(sample: [f64; 3], load: [f64; 3]) -> [String; 6] {
     let [areal_density, edge_per_mm, depth_um] = sample.map(Some);
     let [pressure_mpa, speed_mm_s, humidity_pct] = load;
@@ -436,7 +436,7 @@ fn sample_and_load(sample: [f64; 3], load: [f64; 3]) -> [String; 6] {
 }
 
 impl CoverageReport {
-    /// How many ratios lay within what was predicted, as a line.
+    /// States the number of ratios within their predicted intervals in one line.
     fn text(&self) -> String {
         let Self { by, ratios, without_any, within_68, within_95 } = self;
         let mut parts = Vec::new();

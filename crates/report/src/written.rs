@@ -1,16 +1,16 @@
-//! The marks of files that slipgrid wrote. Tables, pictures and process sheets have none: the folder that they are written to lists them.
+//! Marks of files written by slipgrid. Tables, pictures and process sheets have no mark: the list in their folder names them.
 
-/// Bytes that are looked at.
+/// Number of bytes inspected.
 pub const HEAD: usize = 1024;
 
-/// How a material file begins.
+/// First characters of a material file.
 const MATERIAL: &str = "# Material, by slipgrid ";
-/// What an altitude map says that was made, not measured.
+/// Mark of a synthetic altitude map.
 const SYNTHETIC: &str = "synthetic self-affine map, not a measurement";
-/// What a mean period says that was averaged from a map.
+/// Mark of a mean period averaged from a map.
 const MEAN_PERIOD: &str = "mean period of measured cavities, by slipgrid";
 
-/// How its other files begin, by the ending of their name.
+/// First characters of other files, by file extension.
 const BEGINNINGS: [(&str, &[&str]); 8] = [
     (".toml", &[MATERIAL, "# Scene of the confirming run, by slipgrid ", "# Trials of one disc, by slipgrid: "]),
     (".csv", &["# By slipgrid traces "]),
@@ -22,7 +22,7 @@ const BEGINNINGS: [(&str, &[&str]); 8] = [
     (".sh", &["#!/bin/bash\n# By slipgrid: "]),
 ];
 
-/// Whether a file called `name`, in small letters, has a mark of slipgrid in `head`, its first [`HEAD`] bytes.
+/// Whether a file with the lower-case name `name` has a mark of slipgrid in `head`, its first [`HEAD`] bytes.
 #[must_use]
 pub fn has_mark(name: &str, head: &[u8]) -> bool {
     let text = String::from_utf8_lossy(head);
@@ -42,7 +42,7 @@ pub fn has_mark(name: &str, head: &[u8]) -> bool {
     }
 }
 
-/// Whether `head` begins a table of a campaign: its first task has an id, a hash in 20 hexadecimal digits.
+/// Whether `head` begins a table of a campaign: the id of its first task is a hash of 20 hexadecimal digits.
 fn is_campaign_table(head: &str) -> bool {
     let mut lines = head.lines();
     let id =

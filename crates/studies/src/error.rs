@@ -1,11 +1,11 @@
-//! Why a study ended without a result.
+//! Errors of studies.
 
 use slipgrid_formats::Diagnostic;
 use slipgrid_formats::calibrated::Uncalibrated;
 use slipgrid_monitor::Cancelled;
 use slipgrid_report::ChartError;
 
-/// Why a study ended without a result.
+/// Error that ends a study without a result.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum StudyError {
     /// Input was refused.
@@ -17,7 +17,7 @@ pub enum StudyError {
     /// The monitor cancelled the study.
     #[error("cancelled")]
     Cancelled,
-    /// Anything else.
+    /// Any other error.
     #[error("{0}")]
     Failed(String),
 }

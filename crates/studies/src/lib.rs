@@ -1,12 +1,12 @@
-//! The program's own evidence.
+//! Studies of the program's accuracy.
 //!
-//! | module | answers |
+//! | module | study |
 //! |---|---|
-//! | [`accuracy`] | what each method costs, and how far it is from the reference |
-//! | [`validation`] | what was measured on patterned samples beside what the model says |
+//! | [`accuracy`] | cost and error of each method, relative to the reference |
+//! | [`validation`] | measurements on patterned samples, compared with the model |
 //!
-//! This crate opens no files, prints nothing and reads no clock: times come through a
-//! [`Monitor`](slipgrid_monitor::Monitor), bytes through [`slipgrid_formats::source::Files`].
+//! This crate opens no files, prints nothing and reads no clock: times come from a
+//! [`Monitor`](slipgrid_monitor::Monitor), bytes from [`slipgrid_formats::source::Files`].
 
 pub mod accuracy;
 mod error;

@@ -1,4 +1,4 @@
-//! `accuracy`: speed against error of every method, on one page.
+//! `accuracy`: compares speed and error of every method on one page.
 
 use std::path::PathBuf;
 
@@ -75,7 +75,7 @@ fn source_of(path: &std::path::Path, scene: &Scene) -> String {
     format!("scene: {}{first}", path.display())
 }
 
-/// The machine, and for a page that is kept the day.
+/// Describes the machine; includes the date for a page that is kept.
 fn machine(size: Size) -> Machine {
     Machine {
         architecture: std::env::consts::ARCH,

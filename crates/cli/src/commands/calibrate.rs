@@ -14,7 +14,7 @@ use slipgrid_formats::scene::DEFAULT_SPECIMEN;
 use slipgrid_formats::written_material::material_toml;
 use slipgrid_report::calibration;
 
-/// Seed of the flat sample's local coefficients where nothing else names one.
+/// Default seed of the flat sample's local coefficients.
 pub const DEFAULT_SEED: u64 = 1;
 
 /// Calibrates and reports.
@@ -27,7 +27,7 @@ pub fn run(args: &CalibrateArgs, console: &mut Console<'_>) -> Result<u8, CliErr
     let names = [&calibration::FILES[..], of_traces].concat();
     let report = args.report.as_ref().map(|path| Place { flag: "--report", path });
     let report = report.map(|place| ResultFolder::open(place, &names, &read.inputs)).transpose()?;
-    // What is unusual may be why the fit is refused, after minutes.
+    // Warnings may explain a fit that fails after minutes, and are printed first.
     console.warn(&read.told);
     let sample = (DEFAULT_SPECIMEN, DEFAULT_SEED);
     let (task, outcome) =

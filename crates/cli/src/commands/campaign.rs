@@ -1,4 +1,4 @@
-//! `campaign`: many scenes or designs, done by as many workers as there are.
+//! `campaign`: runs many scenes or designs with any number of workers.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -13,7 +13,7 @@ use crate::progress::Job;
 use crate::{CliError, Console, exit_code};
 use slipgrid_disk::{Disk, disk};
 
-/// Plans, works or merges.
+/// Plans a campaign, works on its tasks or merges their results.
 pub fn run(args: &CampaignArgs, console: &mut Console<'_>) -> Result<u8, CliError> {
     match &args.step {
         CampaignStep::Plan(args) => planned(args, console),
@@ -51,7 +51,7 @@ fn planned(args: &PlanArgs, console: &mut Console<'_>) -> Result<u8, CliError> {
 }
 
 fn work(args: &WorkArgs, console: &mut Console<'_>) -> Result<u8, CliError> {
-    // The order of its tasks: any number that another worker does not have.
+    // Seed of the task order: any number that no other worker has.
     let since = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).unwrap_or_default();
     let seed = u64::from(std::process::id()).wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ u64::from(since.subsec_nanos());
     let (share, most_s) = (args.share.unwrap_or(Share::ALL), args.max_seconds.map(f64::from));

@@ -1,14 +1,14 @@
-//! The day, in universal time.
+//! Current date, in universal time.
 
 use std::time::{SystemTime, UNIX_EPOCH};
 
-/// Today as year-month-day.
+/// Today's date as year-month-day.
 pub fn today() -> String {
     let days = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |since| since.as_secs() / 86_400);
     day(days)
 }
 
-/// The day that is `days` after the first of January 1970.
+/// Date `days` days after 1 January 1970.
 fn day(mut days: u64) -> String {
     let leap = |year: u64| year.is_multiple_of(4) && (!year.is_multiple_of(100) || year.is_multiple_of(400));
     let mut year = 1970;

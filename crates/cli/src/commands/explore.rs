@@ -1,4 +1,4 @@
-//! `explore`: what any design of a material or a task does, as a page that answers while it is read.
+//! `explore`: makes an interactive page with the predictions for any design of a material or a task.
 
 use slipgrid_design::explore_bounds;
 use slipgrid_formats::confirmed_scene::steady_scene;

@@ -1,4 +1,4 @@
-//! `export`: a result's design in other formats.
+//! `export`: writes the design of a result in other formats.
 
 use std::path::Path;
 
@@ -16,15 +16,15 @@ use slipgrid_report::Outputs;
 use slipgrid_report::{DrawingInput, draw_with};
 use slipgrid_units::LENGTH_UM;
 
-/// Name of a result in its folder.
+/// Name of the result file in its folder.
 const RESULT: &str = "result.json";
 
-/// What may be written.
+/// Names of the files that may be written.
 const FILES: [&str; 6] = ["pattern.*", "process.toml", "corners.csv", "hatch.csv", "height-map.png", "removed.stl"];
 
-/// Writes the design again.
+/// Writes the design in the requested formats.
 pub fn run(args: &ExportArgs, console: &mut Console<'_>) -> Result<u8, CliError> {
-    // The folder that `optimize` wrote stands for the result in it.
+    // A folder written by `optimize` stands for the result in it.
     let inside = args.result.join(RESULT);
     let result = if inside.is_file() { &inside } else { &args.result };
     let folder = args.output.as_deref().or(result.parent()).unwrap_or(Path::new("."));
@@ -48,7 +48,7 @@ pub fn run(args: &ExportArgs, console: &mut Console<'_>) -> Result<u8, CliError>
         let refused = Diagnostic::flag("--pixel-um", refused.to_string(), "is out of range");
         return Err(refused.expected(LENGTH_UM.to_string()).into());
     }
-    // What the laser cannot make is not drawn for it.
+    // A pattern that the laser cannot make is not drawn.
     stored.laser.check(&pattern).map_err(|error| refuse(error.to_string()))?;
     let mut outputs = Outputs::default();
     let unwritten =

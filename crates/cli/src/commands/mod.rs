@@ -1,4 +1,4 @@
-//! One module a command: read, call the libraries, report.
+//! Commands, one module each: read input, call the libraries, report.
 
 mod accuracy;
 mod area_law;
@@ -30,7 +30,7 @@ use crate::{CliError, Console};
 /// Runs `command` and returns the exit code.
 ///
 /// # Errors
-/// [`CliError`] if it ended without a result.
+/// [`CliError`] if the command ended without a result.
 pub fn run(command: &Command, console: &mut Console<'_>) -> Result<u8, CliError> {
     match command {
         Command::Simulate(args) => simulate::run(args, console),
@@ -53,8 +53,8 @@ pub fn run(command: &Command, console: &mut Console<'_>) -> Result<u8, CliError>
     }
 }
 
-/// Gives `design` its material, and returns the calibration where that has to be calibrated first. What is unusual in it is said before
-/// anything is computed: it may be why that is refused.
+/// Completes `design` with its material; returns the calibration if the material must be calibrated first. Warnings about the
+/// calibration are printed before any computation, because they may explain its failure.
 fn complete(design: &mut Design, console: &mut Console<'_>) -> Result<Option<Calibration>, CliError> {
     let Some(calibration) = read_calibration(design, &disk())? else { return Ok(None) };
     console.warn(&calibration.told);

@@ -1,4 +1,4 @@
-//! `new`: a commented file to start from.
+//! `new`: writes a commented template file.
 
 use std::path::Path;
 
@@ -13,7 +13,7 @@ const DESIGN: &str = include_str!("../templates/design.toml");
 const CALIBRATION: &str = include_str!("../templates/calibration.toml");
 const FLAT: &str = include_str!("../templates/flat.csv");
 
-/// Writes the template; nothing that exists is replaced.
+/// Writes the template; never replaces an existing file.
 pub fn run(args: &NewArgs, console: &mut Console<'_>) -> Result<u8, CliError> {
     let usual = match args.template {
         TemplateName::Scene => "scene.toml",

@@ -1,4 +1,4 @@
-//! `next`: the samples to cut next, by the model and by what trials say that it lacks.
+//! `next`: proposes the samples to cut next, from the model and its discrepancy learned from trials.
 
 use slipgrid_design::export::MAX_SECTORS;
 use slipgrid_design::{NextOptions, next_trials};
@@ -14,11 +14,11 @@ use crate::progress::Job;
 use crate::{CliError, Console, exit_code};
 use slipgrid_disk::disk;
 
-/// What is written for several samples, and for those of one disc.
+/// Names of the files written for several samples, and for samples on one disc.
 const FILES: [&str; 5] = ["result.json", "timings.json", "trials.toml", "next-*/pattern.*", "next-*/process.toml"];
 const FILES_OF_DISC: [&str; 5] = ["result.json", "timings.json", "trials.toml", "pattern.*", "process.toml"];
 
-/// Chooses, writes and reports.
+/// Chooses samples, writes files and reports.
 pub fn run(args: &NextArgs, console: &mut Console<'_>) -> Result<u8, CliError> {
     if args.one_disc && !(2..=MAX_SECTORS).contains(&args.count.into()) {
         let reason = "cannot be the number of sectors of one specimen, which --one-disc asks for";
@@ -45,7 +45,7 @@ pub fn run(args: &NextArgs, console: &mut Console<'_>) -> Result<u8, CliError> {
             let below = if args.one_disc { String::new() } else { format!("next-{}/", place + 1) };
             outputs.add_below(&below, own);
         }
-        // The record stands even where nothing can be drawn.
+        // The record is written even if nothing can be drawn.
         console.keep(&outputs, folder)?;
         drawn.map_err(|error| design.refuse_whole(error.to_string()))?;
     }

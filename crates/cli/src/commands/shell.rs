@@ -1,4 +1,4 @@
-//! `completions` and `man`: what a shell and a manual reader need, from the command line itself.
+//! `completions` and `man`: generate shell completions and manual pages from the command line definition.
 
 use clap::{Command, CommandFactory};
 use clap_mangen::Man;
@@ -10,14 +10,14 @@ use slipgrid_report::Outputs;
 
 /// Prints the completions of a shell.
 pub fn completions(args: &CompletionsArgs, console: &mut Console<'_>) -> Result<u8, CliError> {
-    // Into memory first: the generator does not say when writing fails.
+    // The generator does not report write errors, so it writes to memory first.
     let mut script = Vec::new();
     clap_complete::generate(args.shell, &mut Arguments::command(), "slipgrid", &mut script);
     console.out.write_all(&script)?;
     Ok(exit_code::DONE)
 }
 
-/// Prints the manual page, or writes one for each command.
+/// Prints the manual page, or writes one page per command.
 pub fn man(args: &ManArgs, console: &mut Console<'_>) -> Result<u8, CliError> {
     let mut program = Arguments::command();
     program.build();
@@ -35,7 +35,7 @@ pub fn man(args: &ManArgs, console: &mut Console<'_>) -> Result<u8, CliError> {
     Ok(exit_code::DONE)
 }
 
-/// Adds the pages of `command`, which is called `name`, and of the commands below it.
+/// Adds the pages of `command`, called `name`, and of its subcommands.
 fn add_pages(command: &Command, name: &str, pages: &mut Outputs) -> Result<(), CliError> {
     for below in command.get_subcommands().filter(|below| below.get_name() != "help") {
         add_pages(below, &format!("{name}-{}", below.get_name()), pages)?;

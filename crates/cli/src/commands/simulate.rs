@@ -1,4 +1,4 @@
-//! `simulate`: friction of a given surface at given loads.
+//! `simulate`: computes friction of a given surface at given loads.
 
 use slipgrid_monitor::Stage;
 
@@ -13,7 +13,7 @@ use slipgrid_formats::run::Overrides;
 use slipgrid_formats::scene::SceneInput;
 use slipgrid_report::files;
 
-/// What is written.
+/// Names of the files that are written.
 const FILES: [&str; 6] =
     ["result.json", "timings.json", "interface.csv", "friction.csv", "friction-*mpa.svg", "interface-*mpa.svg"];
 

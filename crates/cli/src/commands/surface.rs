@@ -27,7 +27,7 @@ pub fn run(args: &SurfaceArgs, console: &mut Console<'_>) -> Result<u8, CliError
     let (read, how) = read_for(&slipgrid_disk::disk(), &args.map, &options, &job)?;
     let refuse = |error: MapError| Diagnostic::file(&args.map, error.to_string());
     let cancelled = |ended: Cancelled| refuse(ended.into());
-    // Cavities are sought on the map as it was measured: their own form, their own missing points.
+    // Cavities are detected on the map as measured, which keeps its form and its missing points.
     let mut measured = args.cavities.then(|| read.map.clone());
     if let Some(measured) = measured.as_mut().filter(|_| how.despike) {
         measured.despike(&job).map_err(cancelled)?;
@@ -42,14 +42,14 @@ pub fn run(args: &SurfaceArgs, console: &mut Console<'_>) -> Result<u8, CliError
         .and_then(|map| if args.cavities { Ok(map) } else { map.possible() })
         .map_err(|error| refuse_map(&args.map, &error))?;
     if args.cavities {
-        // They are what was asked for.
+        // The lowered areas are the requested cavities.
         surface.warnings.retain(|warning| !matches!(warning, MapWarning::Lowered { .. }));
     }
     let map = &surface.map;
     let column = match section_m {
         None => map.cols() / 2,
         Some(section_m) => {
-            // Pixels are dy wide: the one that the distance lies in.
+            // Index of the pixel that contains the distance; pixels are dy wide.
             let column = (section_m / map.dy_m()) as usize;
             if column >= map.cols() {
                 let side_um = LENGTH_UM.from_si(map.dy_m() * map.cols() as f64);

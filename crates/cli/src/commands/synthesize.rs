@@ -1,4 +1,4 @@
-//! `synthesize`: a synthetic self-affine altitude map, with cavities if wanted.
+//! `synthesize`: makes a synthetic self-affine altitude map, with optional cavities.
 
 use slipgrid_topography::{CutPattern, CutRim, CutShape, HeightMap, LengthUnit, MapError, MatrixStyle, SelfAffine};
 
@@ -29,7 +29,7 @@ pub fn run(args: &SynthesizeArgs, console: &mut Console<'_>) -> Result<u8, CliEr
     let rms_slope = map.rms_slope_spectral().map_err(refuse)?;
     let mut comments = parameters.description().to_vec();
     let cavities = pattern(args)?.map(|pattern| cut(&mut map, &pattern, &mut comments)).transpose()?;
-    // A hundred thousandth of Sa is far below what a contact computation sees.
+    // 1e-5 of Sa is far below the resolution of a contact computation.
     let decimals = (5.0 - (parameters.sa_m * 1e9).log10().ceil()).clamp(0.0, 15.0) as u8;
     let style = MatrixStyle { channel: "altitude".to_owned(), comments, unit: LengthUnit::Nanometre, decimals };
     write_file(&args.output, map.to_matrix_text(&style).as_bytes())?;
@@ -46,7 +46,7 @@ pub fn run(args: &SynthesizeArgs, console: &mut Console<'_>) -> Result<u8, CliEr
     Ok(exit_code::DONE)
 }
 
-/// Whether the pixels resolve the shortest wave; whether there are enough of them for a map is not asked here.
+/// Checks that the pixels resolve the shortest wave; does not check the number of pixels.
 fn check_waves(args: &SynthesizeArgs) -> Result<(), Diagnostic> {
     let (longest, shortest) = args.waves;
     let most = args.pixels.saturating_sub(1) / 2;
@@ -62,7 +62,7 @@ fn refuse(error: MapError) -> Diagnostic {
     Diagnostic { reason: error.to_string(), ..Diagnostic::default() }
 }
 
-/// The cavities that the flags ask for.
+/// Cavities requested by the flags.
 fn pattern(args: &SynthesizeArgs) -> Result<Option<CutPattern>, Diagnostic> {
     let Some(lengths_um) = args.cavities else { return Ok(None) };
     let [width_m, spacing_m, depth_m] = lengths_um.map(|length_um| checked("--cavities", length_um, LENGTH_UM));
@@ -87,7 +87,7 @@ fn pattern(args: &SynthesizeArgs) -> Result<Option<CutPattern>, Diagnostic> {
     }))
 }
 
-/// The rims that the flags ask for.
+/// Rims requested by the flags.
 fn rim(args: &SynthesizeArgs) -> Result<Option<CutRim>, Diagnostic> {
     let Some([height_um, width_um]) = args.rims else { return Ok(None) };
     Ok(Some(CutRim {
@@ -98,7 +98,7 @@ fn rim(args: &SynthesizeArgs) -> Result<Option<CutRim>, Diagnostic> {
     }))
 }
 
-/// Cuts the cavities, says so in the comments, and returns their number.
+/// Cuts the cavities, adds a comment about them, and returns their number.
 fn cut(map: &mut HeightMap, pattern: &CutPattern, comments: &mut Vec<String>) -> Result<usize, Diagnostic> {
     let count = map.cut_cavities(pattern).map_err(refuse)?.len();
     if count == 0 {
@@ -108,7 +108,7 @@ fn cut(map: &mut HeightMap, pattern: &CutPattern, comments: &mut Vec<String>) ->
         return Err(Diagnostic::flag("--cavities", given, "cuts none into this map")
             .expected(format!("a width and a spacing that fit into its side of {side_um} um")));
     }
-    // The pattern seldom closes where the roughness does.
+    // The period of the pattern seldom matches the period of the roughness.
     comments.retain(|comment| !comment.contains("one period"));
     let um = |length_m: f64| LENGTH_UM.from_si(length_m);
     comments.push(format!(

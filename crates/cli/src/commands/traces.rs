@@ -1,4 +1,4 @@
-//! `traces`: tribometer exports to measurements.
+//! `traces`: converts tribometer exports to measurements.
 
 use std::path::Path;
 
@@ -13,7 +13,7 @@ use slipgrid_report::traces;
 use slipgrid_traces::{DEFAULT_STROKE_SHARE, DEFAULT_WINDOW_S};
 use slipgrid_units::{FORCE_N, HUMIDITY_PCT, LENGTH_MM, Quantity, SPEED_MM_S, TIME_S};
 
-/// What is written.
+/// Names of the files that are written.
 pub const FILES: [&str; 7] = [
     "flat.csv",
     "patterned.csv",
@@ -36,7 +36,7 @@ pub fn run(args: &TracesArgs, console: &mut Console<'_>) -> Result<u8, CliError>
     };
     if let Some(folder) = &folder {
         let outputs = traces::files(&conditions)?;
-        // Flat and patterned samples, or several conditions, may go to one folder one after the other.
+        // Flat and patterned samples, or several conditions, may be written to one folder in turn.
         output::add(&outputs, folder)?;
         console.kept(&outputs, folder.path());
     }
@@ -48,7 +48,7 @@ fn is_calibration(file: &Path) -> bool {
     file.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("toml"))
 }
 
-/// The conditions of the calibration `file`.
+/// Conditions of the calibration `file`.
 fn of_calibration(file: &Path, args: &TracesArgs) -> Result<Vec<ConditionTraces>, Diagnostic> {
     let calibration = Calibration::read(&slipgrid_disk::disk(), file)?;
     if calibration.traces.is_empty() {
@@ -83,7 +83,7 @@ fn setup(args: &TracesArgs) -> Result<TraceSetup, Diagnostic> {
     Ok(TraceSetup::new(radius_m, args.specimens.unwrap_or(1), !args.no_static_peak))
 }
 
-/// Two increasing times of `flag`.
+/// Parses two increasing times of `flag`.
 fn span_s(flag: &'static str, given: Option<&[f64]>, example: &str) -> Result<Option<[f64; 2]>, Diagnostic> {
     match given {
         None => Ok(None),

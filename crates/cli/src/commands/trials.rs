@@ -1,4 +1,4 @@
-//! `trials`: what was predicted of samples before they were cut, what was measured, and what that says of the next.
+//! `trials`: compares predictions and measurements of trials, and updates the predictions for further samples.
 
 use slipgrid_formats::calibrated::learn;
 use slipgrid_formats::calibration::Calibration;

@@ -1,4 +1,4 @@
-//! `validate`: measured ratios patterned/flat beside the model's.
+//! `validate`: compares measured ratios patterned/flat with the model.
 
 use slipgrid_calibrate::CutSample;
 use slipgrid_formats::calibration::Calibration;
@@ -14,14 +14,14 @@ use crate::progress::Job;
 use crate::{CliError, Console, exit_code};
 use slipgrid_disk::disk;
 
-/// Lengths of the pattern: ten centimetres are more than any specimen.
+/// Range of the pattern's lengths: ten centimetres exceed any specimen.
 const PATTERN_UM: Quantity = LENGTH_UM.at_most(1e5);
-/// Travel of a run in time: sliding is steady after a few micrometres.
+/// Range of the travel of a transient run: sliding is steady after a few micrometres.
 const TRAVEL_UM: Quantity = LENGTH_UM.or_zero().at_most(100.0);
-/// Slope factors: beyond these no surface is meant.
+/// Range of slope factors that occur on real surfaces.
 const SLOPE_FACTORS: std::ops::RangeInclusive<f64> = 0.01..=100.0;
 
-/// What is written.
+/// Names of the files that are written.
 const FILES: [&str; 11] = [
     "report.html",
     "result.json",
@@ -39,7 +39,7 @@ const FILES: [&str; 11] = [
 /// Reads both tables, models every condition and reports.
 pub fn run(args: &ValidateArgs, console: &mut Console<'_>) -> Result<u8, CliError> {
     let folder = open(args.output.as_ref(), &FILES, std::slice::from_ref(&args.calibration))?;
-    // What is wrong with the flags is said before anything is read.
+    // Flags are checked before any file is read.
     patterns(args, None)?;
     let slope_factors = slope_factors(&args.slope_factors)?;
     let sliding_m = Some(checked("--sliding-um", args.sliding_um, TRAVEL_UM)?).filter(|sliding_m| *sliding_m > 0.0);
@@ -87,7 +87,7 @@ pub fn run(args: &ValidateArgs, console: &mut Console<'_>) -> Result<u8, CliErro
     Ok(exit_code::DONE)
 }
 
-/// Refuses lengths beside the trial `cut`, which has its own.
+/// Refuses length flags together with the trial `cut`, which defines its lengths.
 fn refuse_lengths(args: &ValidateArgs, cut: &CutSample) -> Result<(), Diagnostic> {
     let Some((flag, Some(length_um), _)) = lengths(args, None).into_iter().find(|of| of.1.is_some()) else {
         return Ok(());
@@ -96,8 +96,8 @@ fn refuse_lengths(args: &ValidateArgs, cut: &CutSample) -> Result<(), Diagnostic
     Err(Diagnostic::flag(flag, length_um.to_string(), reason).expected("no lengths beside a trial"))
 }
 
-/// The lengths of the pattern in micrometres by their flags, as given and else as the calibration's `own` pattern has them, or as
-/// published: as that paper modelled it and as it was measured.
+/// Lengths of the pattern in micrometres with their flags: the given values, otherwise the values of the calibration's `own`
+/// pattern, otherwise the published values, as modelled and as measured in the paper.
 fn lengths(args: &ValidateArgs, own: Option<Pattern>) -> [(&'static str, Option<f64>, f64); 4] {
     let or = |of: fn(&Pattern) -> f64, published| own.as_ref().map_or(published, |own| LENGTH_UM.from_si(of(own)));
     [
@@ -108,7 +108,7 @@ fn lengths(args: &ValidateArgs, own: Option<Pattern>) -> [(&'static str, Option<
     ]
 }
 
-/// A depth that leaves something of the layer, in metres.
+/// Checks that a depth is less than the layer's height; returns metres.
 fn checked_depth(flag: &str, depth_um: f64) -> Result<f64, Diagnostic> {
     let layer_um = LENGTH_UM.from_si(DEFAULT_LAYER.height_m);
     let depth_m = checked(flag, depth_um, PATTERN_UM)?;
@@ -125,7 +125,7 @@ fn grooves([width_m, spacing_m]: [f64; 2], depth_m: f64) -> Result<Pattern, Diag
         .map_err(|error| Diagnostic { reason: error.to_string(), ..Diagnostic::default() })
 }
 
-/// The pattern at both depths.
+/// Pattern at the modelled and at the measured depth.
 fn patterns(args: &ValidateArgs, own: Option<Pattern>) -> Result<Patterns, Diagnostic> {
     let given = lengths(args, own).map(|(flag, given, usual)| (flag, given.unwrap_or(usual)));
     let [width, spacing, depth, measured] = given;
@@ -136,7 +136,7 @@ fn patterns(args: &ValidateArgs, own: Option<Pattern>) -> Result<Patterns, Diagn
     })
 }
 
-/// The factors asked for and 1, increasing.
+/// Requested factors and 1, increasing.
 fn slope_factors(asked: &[f64]) -> Result<Vec<f64>, Diagnostic> {
     let mut factors = vec![1.0];
     for &factor in asked {

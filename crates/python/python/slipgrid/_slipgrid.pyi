@@ -35,20 +35,20 @@ _Progress = Callable[[str, float], object]
 _Path = str | PathLike[str]
 
 def set_threads(count: int | None = None) -> None:
-    """Computes with `count` threads from here on; as many as there are cores where `count` is None. Results do not depend on it.
+    """Sets the number of threads to `count`, or to the number of cores if `count` is None. Results do not depend on it.
     More than 1024 are refused."""
 
 def threads() -> int:
-    """Threads that are computed with."""
+    """Number of computing threads."""
 
 def write_folder(files: Sequence[tuple[str, bytes]], folder: _Path, inputs: Sequence[_Path]) -> None:
-    """Writes `files`, by name, into `folder`; neither `inputs` nor files of others are replaced."""
+    """Writes `files`, by name, into `folder`; neither `inputs` nor files of other programs are replaced."""
 
 def write_file(content: bytes, path: _Path, inputs: Sequence[_Path]) -> None:
-    """Writes one file; `inputs` are files that it was made from."""
+    """Writes one file; `inputs` are files that the content was made from."""
 
 def check_file(path: _Path, inputs: Sequence[_Path]) -> None:
-    """Refuses, before long work starts, a file that could not be written then."""
+    """Checks before a long computation that the file can be written; raises an error otherwise."""
 
 def map_of(
     heights_m: NDArray[np.float64],
@@ -59,7 +59,7 @@ def map_of(
     notes: Sequence[str],
     path: _Path,
 ) -> Map:
-    """The map that stands at `path` in a `format`, of which everything is known: what a copy is made of."""
+    """Restores a map that was read from `path` in `format`, with all its data; used by copies."""
 
 @final
 class Map:
@@ -140,7 +140,7 @@ class SteadyCell:
         memory is refused."""
 
     def ratios_of(self, patterns_um: ArrayLike) -> NDArray[np.float64]:
-        """The same of many patterns, rows of width, spacing and depth in micrometres: shape (patterns, loads), on all threads. Masked
+        """Ratios of many patterns, rows of width, spacing and depth in micrometres: shape (patterns, loads), on all threads. Masked
         numbers, and more than ten million rows, are refused."""
 
 @final

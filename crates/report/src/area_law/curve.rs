@@ -1,4 +1,4 @@
-//! What a curve of real contact area was solved for, and its record.
+//! Input of an area-law computation, and its record.
 
 use slipgrid_calibrate::area_law::{AreaLawRequest, SurfaceAreaLaw, SurfaceWarning, area_law, persson_curve};
 use slipgrid_calibrate::area_law_sampling::{Resolution, STATISTICS_TOLERANCE, WINDOW_STATEMENT, WindowSpread};
@@ -13,25 +13,25 @@ use slipgrid_units::{LENGTH_UM, MODULUS_GPA, PRESSURE_MPA};
 
 use super::{AreaLawReport, AreaReport, ResolutionReport, WindowReport};
 
-/// What a curve of real contact area is asked for.
+/// Options of an area law.
 #[derive(Clone, Debug)]
 pub struct AreaLawOptions {
     /// Young's modulus in GPa.
     pub youngs_modulus_gpa: f64,
     /// Poisson's ratio.
     pub poisson_ratio: f64,
-    /// Relative error up to which contact is solved.
+    /// Relative error tolerance of the contact solver.
     pub tolerance: f64,
-    /// Stated P0, in pascals; `None` for the limit of small loads.
+    /// Stated threshold P0, in pascals; `None` for the limit of small loads.
     pub threshold_pa: Option<f64>,
-    /// Pressures asked for, increasing, in pascals.
+    /// Requested pressures, increasing, in pascals.
     pub pressures_pa: Vec<f64>,
 }
 
 impl AreaLawOptions {
-    /// The curve for a surface of this rms slope; `points` is the number of points of its map.
+    /// Plans the curve for a surface with this rms slope; `points` is the number of points of the map.
     ///
-    /// A(P0) is interpolated where the pressures go past P0; otherwise it is solved for beside them.
+    /// A(P0) is interpolated if the pressures extend beyond P0; otherwise P0 is solved as an additional pressure.
     #[must_use]
     pub fn on_surface(self, rms_slope: f64, points: Option<usize>) -> AreaLawCurve {
         let Self { youngs_modulus_gpa, poisson_ratio, tolerance, threshold_pa, pressures_pa: listed_pa } = self;
@@ -54,32 +54,32 @@ impl AreaLawOptions {
     }
 }
 
-/// What a curve of real contact area was solved for, SI units.
+/// Pressures and properties of an area-law computation, in SI units.
 #[derive(Clone, Debug)]
 pub struct AreaLawCurve {
     /// E* = E / (1 - nu^2).
     pub contact_modulus_pa: f64,
-    /// Young's modulus as it was given, in GPa.
+    /// Young's modulus as given, in GPa.
     pub youngs_modulus_gpa: f64,
     /// Poisson's ratio.
     pub poisson_ratio: f64,
-    /// Relative error up to which contact is solved.
+    /// Relative error tolerance of the contact solver.
     pub tolerance: f64,
     /// P0, in pascals.
     pub threshold_pa: f64,
-    /// Pressures asked for.
+    /// Requested pressures.
     pub listed_pa: Vec<f64>,
-    /// Pressures solved for: the threshold's beside them where all lie above it.
+    /// Solved pressures: the requested ones, preceded by the threshold if all lie above it.
     pub solved_pa: Vec<f64>,
 }
 
 impl AreaLawCurve {
-    /// Where the pressures asked for begin among those solved for.
+    /// Index of the first requested pressure among the solved pressures.
     fn first(&self) -> usize {
         self.solved_pa.len() - self.listed_pa.len()
     }
 
-    /// The same as a request to solve.
+    /// Converts the curve to a request for the solver.
     #[must_use]
     pub fn law(&self) -> AreaLawRequest<'_> {
         AreaLawRequest {
@@ -91,13 +91,13 @@ impl AreaLawCurve {
         }
     }
 
-    /// f at a pressure by `law`; 1 without one as long as no pressure lies above the threshold.
+    /// f at a pressure from `law`; without a law, 1 if no pressure exceeds the threshold.
     fn factor(&self, law: Option<&AreaLaw>, pressure_pa: f64) -> Option<f64> {
         let below = self.listed_pa.iter().all(|&pressure_pa| pressure_pa <= self.threshold_pa);
         law.map(|law| law.factor(pressure_pa)).or(below.then_some(1.0))
     }
 
-    /// The report of the map `name`: of what was `found` of its `surface`, and of the map in coarser points.
+    /// Reports on the map `name`, from the solutions `found` on its `surface` and at coarser pixels.
     #[must_use]
     pub fn of_map(
         &self,
@@ -133,10 +133,10 @@ impl AreaLawCurve {
         report
     }
 
-    /// The report of a surface of which only the rms slope is known, by Persson's theory.
+    /// Reports on a surface with a known rms slope only, by Persson's theory.
     ///
     /// # Errors
-    /// [`ContactError`] if a number means nothing to the theory.
+    /// [`ContactError`] if an input is outside the theory's domain.
     pub fn of_theory(&self, rms_slope: f64) -> Result<AreaLawReport, ContactError> {
         let curve = persson_curve(rms_slope, self.contact_modulus_pa, &self.solved_pa)?;
         let model = vec![
@@ -150,7 +150,7 @@ impl AreaLawCurve {
         Ok(AreaLawReport { model, warnings, ..self.report(&curve, rms_slope) })
     }
 
-    /// What makes the law doubtful: an unusual modulus, and what is known of the surface.
+    /// Warnings about an unusual modulus and about the surface.
     fn warnings(&self, of_surface: &[SurfaceWarning]) -> Vec<String> {
         let modulus_gpa = self.youngs_modulus_gpa;
         let of_modulus =
@@ -159,7 +159,7 @@ impl AreaLawCurve {
         of_modulus.into_iter().chain(law_warnings(of_surface)).collect()
     }
 
-    /// The report of a curve, without what only a map has.
+    /// Reports on a curve; map-only fields stay empty.
     fn report(&self, curve: &[AreaPoint], rms_slope: f64) -> AreaLawReport {
         let law = area_law(curve, self.threshold_pa).ok();
         let persson = persson_curve(rms_slope, self.contact_modulus_pa, &self.solved_pa).ok();
@@ -206,7 +206,7 @@ impl AreaLawCurve {
     }
 }
 
-/// A(P0)/P0 over A/P at the lightest load, where the curve lists both.
+/// A(P0)/P0 over A/P at the lowest pressure; `None` if the curve lacks either.
 fn proportionality(curve: &[AreaPoint], threshold_pa: f64) -> Option<f64> {
     let share = |point: &AreaPoint| point.area_fraction_corrected / point.pressure_pa;
     let lightest = curve.first().filter(|point| point.pressure_pa < threshold_pa && point.area_fraction > 0.0)?;
@@ -214,7 +214,7 @@ fn proportionality(curve: &[AreaPoint], threshold_pa: f64) -> Option<f64> {
     Some(share(at_threshold) / share(lightest))
 }
 
-/// What windows of a map say of the pressures from number `first` on.
+/// Reports on windows of a map, for the pressures from index `first` on.
 fn window_report(spread: &WindowSpread, first: usize, wall_s: f64) -> WindowReport {
     WindowReport {
         per_side: spread.per_side,
@@ -231,7 +231,7 @@ fn window_report(spread: &WindowSpread, first: usize, wall_s: f64) -> WindowRepo
     }
 }
 
-/// What a map in coarser points says of the pressures from number `first` on.
+/// Reports on a map at coarser pixels, for the pressures from index `first` on.
 fn resolution_report(resolution: &Resolution, first: usize) -> ResolutionReport {
     ResolutionReport {
         coarser: resolution.coarser,
@@ -242,11 +242,11 @@ fn resolution_report(resolution: &Resolution, first: usize) -> ResolutionReport 
     }
 }
 
-/// How f is meant.
+/// Definition of f for the report.
 const FACTOR_STATEMENT: &str = "f is the area over that at P0, divided by P/P0, and 1 below P0; without a stated threshold P0 is a small load, where A/P \
      stands for its limit";
 
-/// What was modelled of `surface`, and how.
+/// Model assumptions for `surface`.
 fn model(surface: &PreparedMap) -> Vec<String> {
     let mut model = vec![
         "rough contact of the map with a rigid plane: elastic half-space, periodic, no adhesion".to_owned(),
@@ -276,7 +276,7 @@ mod tests {
         );
     }
 
-    /// The report for an rms slope.
+    /// Report for one rms slope.
     fn curve(youngs_modulus_gpa: f64, threshold_pa: Option<f64>, rms_slope: f64) -> AreaLawReport {
         let pressures_pa = vec![0.5e6, 0.7e6, 2.6e6];
         let options = AreaLawOptions {

@@ -1,4 +1,4 @@
-//! Everything a fit found, for its report.
+//! Full record of a fit: parameters, covariance, profiles and residuals.
 
 use serde::Serialize;
 use slipgrid_calibrate::{CalibrationOutcome, CalibrationTask, Fit, Parameter, split_parameter_name};
@@ -9,51 +9,49 @@ use crate::charts::{Estimate, ResidualsChart, residuals as draw};
 use slipgrid_results::{SCHEMA, Table, VERSION, fixed};
 use slipgrid_units::{HUMIDITY_PCT, SPEED_MM_S, tidy};
 
-/// Numbers with their uncertainty.
+/// Record of a fit, as JSON.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 struct FitDetails {
-    /// `slipgrid`.
+    /// Program name: `slipgrid`.
     pub program: &'static str,
-    /// Its version.
+    /// Program version.
     pub version: &'static str,
-    /// Schema of the file.
+    /// Schema version of the record.
     pub schema: u32,
-    /// Fitted numbers.
+    /// Fitted parameters.
     pub parameters: Vec<ParameterReport>,
-    /// Their covariance; null where the data do not determine it.
+    /// Covariance of the parameters; null where the data do not determine it.
     pub covariance: Vec<Vec<Option<f64>>>,
-    /// Sum of squared residuals in standard deviations.
+    /// Sum of squared residuals, in standard deviations.
     pub chi_square: f64,
-    /// Measured numbers less fitted ones.
+    /// Number of measurements minus number of parameters.
     pub degrees_of_freedom: usize,
-    /// Whether the fit settled within its rounds.
+    /// The fit converged within its maximum number of rounds.
     pub settled: bool,
-    /// What makes fitted values doubtful.
+    /// Warnings about fitted values.
     pub warnings: Vec<String>,
-    /// Measured static peaks beside those of the model.
+    /// Measured and modelled static peaks.
     pub static_friction: Vec<StaticRow>,
 }
 
-/// One fitted number.
+/// A fitted parameter.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 struct ParameterReport {
-    /// What it is.
     pub name: String,
-    /// Its value.
     pub value: f64,
-    /// Standard error from the curvature; null where it is infinite.
+    /// Standard error from the curvature of chi-square; null if infinite.
     pub std_error: Option<f64>,
-    /// Least and greatest value allowed.
+    /// Lower and upper bound.
     pub bounds: [f64; 2],
-    /// It ended at a bound.
+    /// The value lies at a bound.
     pub at_bound: bool,
-    /// Ends of the 95 % interval by the profile; null where it reaches a bound.
+    /// Ends of the 95 % profile-likelihood interval; null where the interval reaches a bound.
     pub interval_95: [Option<f64>; 2],
-    /// Value and increase of chi-square.
+    /// Profile: parameter value and increase of chi-square.
     pub profile: Vec<[f64; 2]>,
 }
 
-/// The fitted numbers of `fit`.
+/// Reports the parameters of `fit`.
 fn parameters(fit: &Fit) -> Vec<ParameterReport> {
     let report = |parameter: &Parameter| ParameterReport {
         name: parameter.name.clone(),
@@ -71,7 +69,7 @@ fn finite(value: f64) -> Option<f64> {
     Some(tidy(value)).filter(|value| value.is_finite())
 }
 
-/// Everything that was found, as JSON.
+/// Serializes the fit as JSON.
 pub fn json(task: &CalibrationTask, outcome: &CalibrationOutcome) -> Result<String, ReportError> {
     let fit = &outcome.fit;
     let details = FitDetails {
@@ -89,13 +87,13 @@ pub fn json(task: &CalibrationTask, outcome: &CalibrationOutcome) -> Result<Stri
     Ok(slipgrid_results::json(&details)?)
 }
 
-/// A fitted number's name with the measurement that it belongs to: `dynamic_mean 200 N, 2 mm/s, 50 %` for the name `dynamic_mean 4`.
+/// Describes a fitted parameter together with its measurement, for example `dynamic_mean 200 N, 2 mm/s, 50 %` for `dynamic_mean 4`.
 pub fn in_words(outcome: &CalibrationOutcome, name: &str) -> String {
     let placed = split_parameter_name(name, &outcome.measurements);
     placed.map_or_else(|| name.to_owned(), |(what, at)| format!("{what} {}", at.condition_in_words()))
 }
 
-/// What the errors of fitted numbers have in them, beside those of the table of coefficients.
+/// Explains which error sources the standard errors of the parameters include, compared with the table of coefficients.
 pub fn which_errors(outcome: &CalibrationOutcome) -> &'static str {
     if outcome.fit.pairs.iter().any(|pair| pair.dynamic_std_error_given_law.is_some()) {
         "at the given area law and modulus, as flat friction is known; the errors of mu_d in the table above have those of the law and of \
@@ -105,7 +103,7 @@ pub fn which_errors(outcome: &CalibrationOutcome) -> &'static str {
     }
 }
 
-/// Every number with its intervals.
+/// Formats all parameters with their intervals.
 pub fn table(outcome: &CalibrationOutcome) -> String {
     let parameters = parameters(&outcome.fit);
     if parameters.is_empty() {
@@ -129,7 +127,7 @@ pub fn table(outcome: &CalibrationOutcome) -> String {
     format!("\nby profile likelihood, {which}; a dash is an end that the data leave open\n{table}")
 }
 
-/// Profiles as CSV.
+/// Formats the profiles as CSV.
 pub fn profiles(fit: &Fit) -> String {
     let mut text = String::from("parameter,value,chi_square_increase\n");
     for parameter in &parameters(fit) {
@@ -140,7 +138,7 @@ pub fn profiles(fit: &Fit) -> String {
     text
 }
 
-/// Residuals of all measurements in standard deviations.
+/// Draws the residuals of all measurements in standard deviations.
 pub fn residuals(name: &str, outcome: &CalibrationOutcome) -> Result<String, ReportError> {
     let labels: Vec<String> = outcome
         .measurements

@@ -1,4 +1,4 @@
-//! What a calibration found: text, tables, pictures.
+//! Reports on a calibration: text, tables, pictures.
 
 mod fit_details;
 mod pictures;
@@ -17,7 +17,7 @@ use slipgrid_units::{HUMIDITY_PCT, PRESSURE_MPA, SPEED_MM_S};
 use crate::trials::TrialsReport;
 use crate::{Outputs, ReportError, html};
 
-/// The calibration for people, with the [`ledger`] of its trials.
+/// Formats the calibration as text, including the [`ledger`] of its trials.
 #[must_use]
 pub fn summary(
     calibration: &Calibration,
@@ -71,15 +71,15 @@ pub fn summary(
     text
 }
 
-/// Names of the files of a calibration beside those of its traces, with `*` for any letters.
+/// Names of a calibration's files other than traces, with `*` as a wildcard.
 pub const FILES: [&str; 7] =
     ["report.html", "fit.json", "profiles.csv", "residuals.svg", "flat-friction.svg", "area-law.svg", "trials.*"];
 
-/// Everything that was found, as files: the page, the fit, its profiles and residuals, flat friction, the area law, the [`ledger`]
-/// of its trials, and traces where there are.
+/// Makes the files of a calibration: page, fit, profiles, residuals, flat friction, area law, the [`ledger`] of trials,
+/// and traces if there are any.
 ///
 /// # Errors
-/// [`ReportError`] where a picture cannot be drawn or a record has no JSON form.
+/// [`ReportError`] if a picture cannot be drawn or a record has no JSON form.
 pub fn files(
     calibration: &Calibration,
     task: &CalibrationTask,
@@ -104,15 +104,15 @@ pub fn files(
     Ok(outputs)
 }
 
-/// The fit as fit.json holds it.
+/// Serializes the fit as in fit.json.
 ///
 /// # Errors
-/// [`ReportError`] where it has no JSON form.
+/// [`ReportError`] if the fit has no JSON form.
 pub fn fit_json(task: &CalibrationTask, outcome: &CalibrationOutcome) -> Result<String, ReportError> {
     fit_details::json(task, outcome)
 }
 
-/// What trials say, where any was measured.
+/// Ledger of the calibration's trials; `None` if none was measured.
 ///
 /// # Errors
 /// [`Cancelled`] once `monitor` has cancelled.
@@ -124,6 +124,6 @@ pub fn ledger(
     let learned = outcome.uncertainty.learned.as_ref().filter(|learned| !learned.trials().is_empty());
     let Some(learned) = learned else { return Ok(None) };
     let ledger = TrialsReport::new(&calibration.name, &calibration.trials.samples, learned, monitor)?;
-    // They are among the material's, which the calibration names.
+    // The material's warnings, which the calibration prints, already include the ledger's warnings.
     Ok(Some(TrialsReport { warnings: Vec::new(), ..ledger }))
 }

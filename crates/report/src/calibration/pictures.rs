@@ -1,4 +1,4 @@
-//! Pictures of a calibration: flat friction, and the area law behind it.
+//! Pictures of a calibration: flat friction and the area law.
 
 use slipgrid_calibrate::{CalibrationOutcome, CalibrationTask, Measurement};
 use slipgrid_units::{HUMIDITY_PCT, PRESSURE_MPA, SPEED_MM_S, tidy};
@@ -7,10 +7,10 @@ use crate::ChartError;
 use crate::area_law::picture_title;
 use crate::charts::{self, AreaLawChart, Estimate, FlatFrictionChart, FlatSeries};
 
-/// Pressure up to which the area law is drawn, over the highest nominal one that was measured.
+/// Highest drawn pressure of the area law, relative to the highest measured nominal pressure.
 const DRAWN: f64 = 6.0;
 
-/// Measured friction of flat samples, and that of the fitted model, by speed and humidity.
+/// Draws measured and fitted friction of flat samples, by speed and humidity.
 ///
 /// # Errors
 /// [`ChartError`] if it cannot be drawn.
@@ -19,10 +19,10 @@ pub fn flat_friction(name: &str, task: &CalibrationTask, outcome: &CalibrationOu
     charts::flat_friction(&FlatFrictionChart { title: &title, series: &series(task, outcome) })
 }
 
-/// The same for a phone, whose page has the title already.
+/// Draws [`flat_friction`] for a phone, without the title, which the page has.
 ///
 /// # Errors
-/// As [`flat_friction`].
+/// Same as [`flat_friction`].
 pub fn flat_friction_narrow(task: &CalibrationTask, outcome: &CalibrationOutcome) -> Result<String, ChartError> {
     charts::flat_friction_narrow(&FlatFrictionChart { title: "", series: &series(task, outcome) })
 }
@@ -38,13 +38,13 @@ fn series(task: &CalibrationTask, outcome: &CalibrationOutcome) -> Vec<FlatSerie
             (PRESSURE_MPA.from_si(task.pressure_pa(of)), of, modelled)
         })
         .collect();
-    // Stable: of equal pressures the earlier first.
+    // Stable sort: equal pressures keep their order.
     rows.sort_by(|a, b| a.0.total_cmp(&b.0));
     let label = |of: &Measurement| {
         let (speed, humidity) = (tidy(SPEED_MM_S.from_si(of.speed_m_s)), tidy(HUMIDITY_PCT.from_si(of.humidity)));
         format!("{speed} mm/s, {humidity} %")
     };
-    // Conditions in the order in which they were measured.
+    // Conditions in the order of measurement.
     for of in &outcome.measurements {
         let label = label(of);
         if !series.iter().any(|other| other.label == label) {
@@ -60,7 +60,7 @@ fn series(task: &CalibrationTask, outcome: &CalibrationOutcome) -> Vec<FlatSerie
     series
 }
 
-/// The area law and the contact area behind it; `None` without one.
+/// Draws the area law and the contact area; `None` without an area law.
 pub fn area_law(task: &CalibrationTask, outcome: &CalibrationOutcome) -> Result<Option<String>, ChartError> {
     let surface = &outcome.surface;
     let Some(law) = surface.law.as_ref().filter(|_| !surface.curve.is_empty()) else { return Ok(None) };

@@ -1,11 +1,11 @@
-//! Static friction as measured, beside that of the fitted model.
+//! Measured and modelled static friction.
 
 use serde::Serialize;
 use slipgrid_calibrate::{CalibrationOutcome, CalibrationTask};
 use slipgrid_results::{Table, fixed};
 use slipgrid_units::{HUMIDITY_PCT, PRESSURE_MPA, SPEED_MM_S, tidy};
 
-/// A measured static peak.
+/// Measured static peak with its modelled value.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct StaticRow {
     /// Normal force on one specimen.
@@ -18,9 +18,9 @@ pub struct StaticRow {
     pub humidity_pct: f64,
     /// Measured static friction.
     pub measured: f64,
-    /// Its standard deviation, with what sampling may have missed.
+    /// Standard deviation of the measured static friction, including the error of the sampling interval.
     pub measured_std: f64,
-    /// That of the flat sample in the last run in time of the fit; null where the peak is not fitted.
+    /// Static friction of the flat sample in the last transient run of the fit; null if the peak is not fitted.
     pub modelled: Option<f64>,
     /// Model minus measurement.
     pub residual: Option<f64>,
@@ -46,7 +46,7 @@ pub fn rows(task: &CalibrationTask, outcome: &CalibrationOutcome) -> Vec<StaticR
     .collect()
 }
 
-/// How far the model's static friction is from what was measured: mean and largest difference; `None` without a measured peak.
+/// Describes the mean and largest difference between modelled and measured static friction; `None` without a measured peak.
 pub fn words(rows: &[StaticRow]) -> Option<String> {
     let fitted: Vec<(&StaticRow, f64)> = rows.iter().filter_map(|row| Some((row, row.residual?))).collect();
     let left = match rows.len() - fitted.len() {
@@ -69,7 +69,7 @@ pub fn words(rows: &[StaticRow]) -> Option<String> {
     ))
 }
 
-/// Both for people; empty without a measured peak.
+/// Text of the table and of the differences; empty without a measured peak.
 pub fn text(task: &CalibrationTask, outcome: &CalibrationOutcome) -> String {
     let rows = rows(task, outcome);
     let Some(words) = words(&rows) else { return String::new() };

@@ -2,7 +2,7 @@ use super::canvas::{GREY, LEFT, Mark, PALETTE, RIGHT, Swatch, WIDTH, picture};
 use super::plot::{Axis, Plot};
 use super::{ChartError, check, check_length};
 
-/// Real contact area and the factor that follows from it, against pressure.
+/// Real contact area and the factor f against pressure.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AreaLawChart<'a> {
     /// Title.
@@ -13,15 +13,15 @@ pub struct AreaLawChart<'a> {
     pub area_fraction: &'a [f64],
     /// The factor f, one per pressure.
     pub factor: &'a [f64],
-    /// Its standard errors, one per pressure; may be empty.
+    /// Standard errors of f, one per pressure; may be empty.
     pub factor_std: &'a [f64],
-    /// Pressure P0 up to which friction is proportional to load, in MPa, and the area fraction there.
+    /// Threshold pressure P0 in MPa, below which friction is proportional to load, and the area fraction at P0.
     pub threshold: Option<[f64; 2]>,
-    /// Other surfaces at the same pressures, in thinner lines; may be empty.
+    /// Other surfaces at identical pressures, drawn as thinner lines; may be empty.
     pub others: &'a [OtherSurface<'a>],
 }
 
-/// A surface to compare with.
+/// Surface for comparison.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OtherSurface<'a> {
     /// Name in the legend.
@@ -34,13 +34,13 @@ pub struct OtherSurface<'a> {
 
 /// Height of the picture.
 const HEIGHT: f64 = 640.0;
-/// Between the panels.
+/// Gap between the panels.
 const GAP: f64 = 22.0;
 /// Opacity of the band of standard errors.
 const BAND: f64 = 0.25;
 
-/// Draws area fraction above factor over one pressure axis, with the line through the origin that
-/// proportional friction would follow.
+/// Draws the area fraction above the factor on a shared pressure axis, with the line through the origin
+/// that proportional friction would follow.
 ///
 /// # Errors
 /// [`ChartError`] if there is nothing to draw, lengths differ or a value is not finite.
@@ -98,7 +98,7 @@ pub fn area_law(chart: &AreaLawChart<'_>) -> Result<String, ChartError> {
         if let Some([threshold_mpa, area]) = chart.threshold {
             upper.vertical(threshold_mpa, "P0")?;
             if area > 0.0 && threshold_mpa > 0.0 {
-                // A = A(P0) P/P0, as far as the panel goes.
+                // A = A(P0) P/P0, up to the border of the panel.
                 let end_mpa = last.min(area_high / area * threshold_mpa);
                 upper.dashed([[0.0, 0.0], [end_mpa, area * end_mpa / threshold_mpa]], GREY)?;
             }

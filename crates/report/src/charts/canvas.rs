@@ -1,4 +1,4 @@
-//! The page: text, title, legend, and the palette.
+//! Canvas of a picture: text, title, legend and palette.
 
 use plotters::coord::Shift;
 use plotters::prelude::*;
@@ -7,7 +7,7 @@ use slipgrid_export::is_xml_letter;
 
 use super::ChartError;
 
-/// Blue, vermilion, bluish green, reddish purple, orange: Okabe and Ito's palette.
+/// Palette of Okabe and Ito: blue, vermilion, bluish green, reddish purple, orange.
 pub(super) const PALETTE: [RGBColor; 5] = [
     RGBColor(0, 114, 178),
     RGBColor(213, 94, 0),
@@ -19,19 +19,19 @@ pub(super) const INK: RGBColor = RGBColor(51, 51, 51);
 pub(super) const GRID: RGBColor = RGBColor(225, 225, 225);
 pub(super) const GREY: RGBColor = RGBColor(120, 120, 120);
 
-/// Width of every picture, and of one for a phone.
+/// Width of a picture, and of a picture for a phone.
 pub(super) const WIDTH: f64 = 900.0;
 pub(super) const NARROW: f64 = 480.0;
-/// Space left of the axes for numbers and the axis title, and right of them.
+/// Margins left of the axes, for numbers and the axis title, and right of the axes.
 pub(super) const LEFT: f64 = 88.0;
 pub(super) const RIGHT: f64 = 28.0;
 
-/// The drawing library rounds to whole pixels: pictures are drawn this much larger, and the view
-/// box scales them back.
+/// Scale of drawing coordinates. The drawing library rounds to whole pixels, so pictures are drawn
+/// larger by this factor, and the view box scales them back.
 pub(super) const PRECISION: f64 = 8.0;
-/// The drawing library writes a font size of s as s / 1.24.
+/// The drawing library writes a font size s as s / 1.24.
 const FONT_FACTOR: f64 = 1.24;
-/// Mean width of a character over the font size, on the generous side.
+/// Estimated upper bound of the mean character width over the font size.
 const CHARACTER_WIDTH: f64 = 0.58;
 
 const TITLE_SIZE: f64 = 18.0;
@@ -40,24 +40,24 @@ pub(super) const SMALL_SIZE: f64 = 12.5;
 const LEGEND_HEIGHT: f64 = 25.0;
 const SWATCH: f64 = 26.0;
 
-/// What stands beside a name in the legend.
+/// Symbol beside a name in the legend.
 #[derive(Clone, Copy)]
 pub(super) enum Swatch {
     Line(RGBColor),
     Dashed(RGBColor),
     Band(RGBColor, f64),
     Mark(Mark, RGBColor),
-    /// Pointing down.
+    /// Downward arrow.
     Arrow(RGBColor),
-    /// An arrow along a unit vector, whose y points up.
+    /// Arrow along a unit vector; the vector's y axis points up.
     Toward([f64; 2], RGBColor),
 }
 
-/// Shapes of points.
+/// Shapes of marks.
 #[derive(Clone, Copy)]
 pub(super) enum Mark {
     Circle,
-    /// Larger and open, so that a mark inside it shows.
+    /// Larger open circle that leaves a mark inside it visible.
     Ring,
     Square,
     Diamond,
@@ -67,17 +67,17 @@ pub(super) enum Mark {
 impl Mark {
     /// One shape per series.
     pub(super) const ALL: [Self; 5] = [Self::Circle, Self::Square, Self::Triangle, Self::Diamond, Self::Ring];
-    /// Those that a ring may surround.
+    /// Shapes that fit inside a ring.
     pub(super) const FILLED: [Self; 4] = [Self::Circle, Self::Square, Self::Triangle, Self::Diamond];
 }
 
-/// A picture under construction; positions in the picture's own units, y down.
+/// Picture under construction, in picture units, with y pointing down.
 pub(super) struct Canvas<'a> {
     root: DrawingArea<SVGBackend<'a>, Shift>,
     width: f64,
 }
 
-/// Draws a picture `height` high.
+/// Draws a picture of the default width and the given height.
 pub(super) fn picture(
     height: f64,
     draw: impl FnOnce(&Canvas<'_>) -> Result<(), ChartError>,
@@ -85,12 +85,12 @@ pub(super) fn picture(
     picture_of_size([WIDTH, height], draw)
 }
 
-/// Draws a picture so wide and so high.
+/// Draws a picture of the given width and height.
 pub(super) fn picture_of_size(
     [width, height]: [f64; 2],
     draw: impl FnOnce(&Canvas<'_>) -> Result<(), ChartError>,
 ) -> Result<String, ChartError> {
-    // Sides are a few hundred units: the casts are exact.
+    // Side lengths are a few hundred units, so that the casts are exact.
     let size = ((width * PRECISION) as u32, (height * PRECISION) as u32);
     let mut svg = String::new();
     {
@@ -109,7 +109,7 @@ fn failed(error: impl std::fmt::Display) -> ChartError {
 }
 
 fn pixel(point: [f64; 2]) -> (i32, i32) {
-    // Positions lie on the page: the casts do not saturate.
+    // Positions lie on the page, so that the casts do not saturate.
     ((point[0] * PRECISION).round() as i32, (point[1] * PRECISION).round() as i32)
 }
 
@@ -129,7 +129,7 @@ impl Canvas<'_> {
         self.root.draw(&PathElement::new(pixels(points), stroke(color, width))).map_err(failed)
     }
 
-    /// An arrow.
+    /// Draws an arrow.
     pub(super) fn arrow(&self, from: [f64; 2], tip: [f64; 2], color: RGBColor) -> Result<(), ChartError> {
         let length = (tip[0] - from[0]).hypot(tip[1] - from[1]).max(f64::MIN_POSITIVE);
         let along = [0, 1].map(|axis| (tip[axis] - from[axis]) / length);
@@ -138,7 +138,7 @@ impl Canvas<'_> {
         self.line(&[barb(3.5), tip, barb(-3.5)], color, 1.6)
     }
 
-    /// A straight dashed line.
+    /// Draws a straight dashed line.
     pub(super) fn dashed(&self, [from, to]: [[f64; 2]; 2], color: RGBColor, width: f64) -> Result<(), ChartError> {
         const DASH: f64 = 6.0;
         const GAP: f64 = 4.0;
@@ -193,19 +193,19 @@ impl Canvas<'_> {
         self.styled_text(text, at, anchor, color, TEXT_SIZE, FontStyle::Normal, FontTransform::None)
     }
 
-    /// Text for labels beside points.
+    /// Writes text for labels beside points.
     pub(super) fn small_text(&self, text: &str, at: [f64; 2], color: RGBColor) -> Result<(), ChartError> {
         let anchor = (HPos::Left, VPos::Center);
         self.styled_text(text, at, anchor, color, SMALL_SIZE, FontStyle::Normal, FontTransform::None)
     }
 
-    /// Text that reads upwards.
+    /// Writes text that reads upwards.
     pub(super) fn upward_text(&self, text: &str, at: [f64; 2]) -> Result<(), ChartError> {
         let anchor = (HPos::Center, VPos::Top);
         self.styled_text(text, at, anchor, INK, TEXT_SIZE, FontStyle::Normal, FontTransform::Rotate270)
     }
 
-    #[allow(clippy::too_many_arguments)] // the one place where every property of a text meets
+    #[allow(clippy::too_many_arguments)] // all properties of a text, set by a single function
     fn styled_text(
         &self,
         text: &str,
@@ -224,7 +224,7 @@ impl Canvas<'_> {
         self.root.draw(&Text::new(text, pixel(at), style)).map_err(failed)
     }
 
-    /// Title and legend at the top of the page; returns the height they take.
+    /// Draws title and legend at the top of the page; returns their height.
     pub(super) fn heading(&self, title: &str, legend: &[(Swatch, &str)]) -> Result<f64, ChartError> {
         let anchor = (HPos::Left, VPos::Center);
         self.styled_text(title, [LEFT, 24.0], anchor, INK, TITLE_SIZE, FontStyle::Bold, FontTransform::None)?;
@@ -258,12 +258,12 @@ impl Canvas<'_> {
     }
 }
 
-/// Estimated width of a small text.
+/// Estimated width of small text.
 pub(super) fn small_text_width(text: &str) -> f64 {
     text_width(text) * SMALL_SIZE / TEXT_SIZE
 }
 
-/// Estimated width of a text of the usual size.
+/// Estimated width of text in the default size.
 fn text_width(text: &str) -> f64 {
     text.chars().count() as f64 * CHARACTER_WIDTH * TEXT_SIZE
 }

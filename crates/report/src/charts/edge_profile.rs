@@ -1,29 +1,29 @@
-//! Heights before the edges of cavities against the distance from them.
+//! Chart of height against distance from the edges of cavities.
 
 use super::canvas::{LEFT, Mark, PALETTE, RIGHT, Swatch, WIDTH, picture};
 use super::plot::{Axis, Plot};
 use super::{ChartError, check};
 
-/// The mean profile of the land before an edge, with its rim.
+/// Mean profile of the land before an edge, with its rim.
 #[derive(Clone, Copy, Debug)]
 pub struct EdgeProfileChart<'a> {
     /// Title above the picture.
     pub title: &'a str,
-    /// Distance from the edge at half depth, mean height above the land, and its standard error.
+    /// Distance from the edge at half depth, mean height above the land, and standard error of the height.
     pub points_um: &'a [[f64; 3]],
-    /// The fitted rim: distance and height; may be empty.
+    /// Fitted rim as distance and height; may be empty.
     pub rim_um: &'a [[f64; 2]],
-    /// The fitted rim's name in the legend.
+    /// Name of the fitted rim in the legend.
     pub rim_label: &'a str,
-    /// Where the wall ends and a rim begins.
+    /// Distance at which the wall ends and a rim begins.
     pub start_um: f64,
 }
 
 const HEIGHT: f64 = 400.0;
-/// Opacity of the standard error.
+/// Opacity of the band of standard errors.
 const BAND: f64 = 0.18;
 
-/// Draws the profile; heights are far from to scale.
+/// Draws the profile; heights are exaggerated.
 ///
 /// # Errors
 /// [`ChartError`] if there is nothing to draw or a value is not finite.
@@ -72,7 +72,7 @@ mod tests {
         for text in ["mean height", "± standard error", "ramp rim", "end of the wall", "height above the land (µm)"] {
             assert!(svg.contains(&format!("\n{text}\n")), "{text}");
         }
-        // Three marks and the one of the legend.
+        // Three marks and one in the legend.
         assert_eq!(svg.matches("<circle").count(), 4);
         let bare = edge_profile(&EdgeProfileChart { rim_um: &[], ..chart }).unwrap();
         assert!(!bare.contains("ramp rim"));

@@ -1,4 +1,4 @@
-//! Friction of flat samples against pressure: measured, and by the fitted model.
+//! Chart of measured and modelled friction of flat samples against pressure.
 
 use super::canvas::{LEFT, Mark, NARROW, PALETTE, RIGHT, Swatch, WIDTH, picture_of_size};
 use super::plot::{Axis, Plot};
@@ -9,9 +9,9 @@ use super::{ChartError, Estimate, check};
 pub struct FlatSeries {
     /// Name in the legend.
     pub label: String,
-    /// Nominal pressure in MPa, and what was measured there with its standard deviation; pressures increasing.
+    /// Nominal pressure in MPa and measured friction with its standard deviation; pressures increase.
     pub measured: Vec<(f64, Estimate)>,
-    /// Nominal pressure in MPa, and friction by the model.
+    /// Nominal pressure in MPa and modelled friction.
     pub modelled: Vec<[f64; 2]>,
 }
 
@@ -20,15 +20,15 @@ pub struct FlatSeries {
 pub struct FlatFrictionChart<'a> {
     /// Title.
     pub title: &'a str,
-    /// One a condition.
+    /// One series per condition.
     pub series: &'a [FlatSeries],
 }
 
 const HEIGHT: f64 = 500.0;
-/// Distance of neighbouring conditions' marks at one pressure, in picture units.
+/// Horizontal offset between the marks of neighbouring conditions at one pressure, in picture units.
 const ASIDE: f64 = 9.0;
 
-/// Draws the measured friction as marks with error bars and the model's as rings, a colour and a mark each condition.
+/// Draws measured friction as marks with error bars and modelled friction as rings; each condition has a colour and a mark.
 ///
 /// # Errors
 /// [`ChartError`] if there is nothing to draw or a value is not finite.
@@ -36,10 +36,10 @@ pub fn flat_friction(chart: &FlatFrictionChart<'_>) -> Result<String, ChartError
     of_width(chart, WIDTH)
 }
 
-/// The same for a phone.
+/// Draws [`flat_friction`] for a phone.
 ///
 /// # Errors
-/// As [`flat_friction`].
+/// Same as [`flat_friction`].
 pub fn flat_friction_narrow(chart: &FlatFrictionChart<'_>) -> Result<String, ChartError> {
     of_width(chart, NARROW)
 }
@@ -97,7 +97,7 @@ mod tests {
     fn every_condition_has_its_marks_and_its_name() {
         let all = [series("2 mm/s, 15 %", 0.25), series("2 mm/s, 40 %", 0.3)];
         let svg = flat_friction(&FlatFrictionChart { title: "t", series: &all }).unwrap();
-        // Two marks and two rings of either condition, those of the legend, and nothing at zero.
+        // Two marks and two rings per condition, two marks and one ring in the legend; none is drawn at zero.
         assert_eq!(svg.matches("<circle").count(), 2 * (2 + 2) + 2 + 1);
         for text in ["2 mm/s, 15 %", "2 mm/s, 40 %", "fitted model", "0.26"] {
             assert!(svg.contains(&format!("\n{text}\n")), "{text}");

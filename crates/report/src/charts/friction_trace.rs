@@ -9,32 +9,32 @@ use super::{ChartError, Estimate, Series, check};
 pub struct FrictionTraceChart<'a> {
     /// Title.
     pub title: &'a str,
-    /// One per surface: flat, patterned.
+    /// Traces, one per surface: flat, patterned.
     pub traces: &'a [Trace<'a>],
-    /// What the means are that are marked.
+    /// Description of the marked means.
     pub means: &'a str,
 }
 
-/// The trace of one surface.
+/// Trace of one surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Trace<'a> {
     /// Time in milliseconds and friction coefficient.
     pub series: Series<'a>,
-    /// From when to when the dynamic coefficient was averaged, in milliseconds.
+    /// Start and end of the averaging window of the dynamic coefficient, in milliseconds.
     pub window_ms: Option<[f64; 2]>,
-    /// The mean that is marked over that window, with its error.
+    /// Marked mean over that window, with its error.
     pub mu_dynamic: Option<Estimate>,
 }
 
 /// Height of the picture.
 const HEIGHT: f64 = 500.0;
-/// Room for the means' values at the right, and for their errors.
+/// Widths at the right for the values of the means, and for their errors.
 const VALUES: [f64; 2] = [84.0, 72.0];
 const SHADE: f64 = 0.12;
-/// Between two error bars, in units of the page.
+/// Distance between two error bars, in picture units.
 const BESIDE: f64 = 12.0;
 
-/// Draws friction against time, the averaging windows shaded and their means marked.
+/// Draws friction against time with shaded averaging windows and marked means.
 ///
 /// # Errors
 /// [`ChartError`] if there is nothing to draw or a value is not finite.
@@ -78,7 +78,7 @@ pub fn friction_trace(chart: &FrictionTraceChart<'_>) -> Result<String, ChartErr
             plot.line(trace.series.points, color, 1.6)?;
         }
         let mut means: Vec<(f64, Estimate, RGBColor)> = Vec::new();
-        // Bars side by side, at the end of the windows.
+        // Bars side by side at the end of the windows.
         for (place, (trace, color)) in coloured().enumerate() {
             let aside = -BESIDE * place as f64;
             let (Some(mean), [first, .., last]) = (trace.mu_dynamic, trace.series.points) else { continue };
@@ -89,7 +89,7 @@ pub fn friction_trace(chart: &FrictionTraceChart<'_>) -> Result<String, ChartErr
             }
             means.push((plot.at([to, mean.value])[1], mean, color));
         }
-        // Values from the top down, none over another.
+        // Values from the top down, without overlap.
         means.sort_by(|a, b| a.0.total_cmp(&b.0));
         let mut free = f64::NEG_INFINITY;
         for (page_y, mean, color) in means {
@@ -102,7 +102,7 @@ pub fn friction_trace(chart: &FrictionTraceChart<'_>) -> Result<String, ChartErr
     })
 }
 
-/// Spans that overlap, made one: shading does not add up.
+/// Merges overlapping spans, so that their shading does not add up.
 fn united(mut spans: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
     spans.sort_by(|a, b| a[0].total_cmp(&b[0]));
     let mut united: Vec<[f64; 2]> = Vec::new();
@@ -156,7 +156,7 @@ mod tests {
         assert!(matches!(friction_trace(&empty), Err(ChartError::Empty { .. })));
         let points = [[0.0, f64::NAN]];
         let traces = [Trace { series: Series { label: "a", points: &points }, window_ms: None, mu_dynamic: None }];
-        // A mean without a trace is left out beside a trace that is there.
+        // A mean whose trace is missing is left out while other traces are drawn.
         let there = [[0.0, 0.1], [1.0, 0.2]];
         let mean = Estimate { value: 0.1234, error: None };
         let trace = |points| Trace { series: Series { label: "a", points }, window_ms: None, mu_dynamic: Some(mean) };

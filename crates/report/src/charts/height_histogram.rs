@@ -1,4 +1,4 @@
-//! Heights of a surface: how often, and how much of the surface reaches them.
+//! Chart of the height distribution of a surface: histogram and bearing curve.
 
 use super::canvas::{GREY, LEFT, PALETTE, RIGHT, Swatch, WIDTH, picture};
 use super::plot::{Axis, Plot};
@@ -11,11 +11,11 @@ pub struct HeightHistogramChart<'a> {
     pub title: &'a str,
     /// Width of a class.
     pub class_um: f64,
-    /// Middle of each class and the share of the surface in it, in percent.
+    /// Middle of each class, and the class's share of the surface in percent.
     pub shares: &'a [[f64; 2]],
-    /// Bearing curve: share of the surface at or above a height, in percent, and that height.
+    /// Bearing curve: share of the surface at or above a height, in percent, and the height.
     pub bearing: &'a [[f64; 2]],
-    /// Lower and upper end of the core.
+    /// Lower and upper height of the core.
     pub core_um: [f64; 2],
 }
 
@@ -53,7 +53,7 @@ pub fn height_histogram(chart: &HeightHistogramChart<'_>) -> Result<String, Char
         for height in chart.core_um {
             right.horizontal(height, GREY)?;
         }
-        // Falling to the right: drawn against x, which does not decrease.
+        // The bearing curve falls to the right, and is drawn against x, which does not decrease.
         right.line(chart.bearing, vermilion, 2.2)
     })
 }
@@ -75,7 +75,7 @@ mod tests {
         for text in ["height (µm)", "share of the surface (%)", "material ratio (%)", "bearing curve"] {
             assert!(svg.contains(&format!("\n{text}\n")), "{text}");
         }
-        // Background, two bars and the one of the legend.
+        // Background, two bars and one bar in the legend.
         assert_eq!(svg.matches("<rect").count(), 4);
         assert!(height_histogram(&HeightHistogramChart { shares: &[], ..chart }).is_err());
         assert!(height_histogram(&HeightHistogramChart { core_um: [f64::NAN, 0.0], ..chart }).is_err());

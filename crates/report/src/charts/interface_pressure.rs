@@ -7,9 +7,9 @@ use super::{ChartError, Series, check};
 pub struct InterfacePressureChart<'a> {
     /// Title.
     pub title: &'a str,
-    /// One per surface; position in micrometres and pressure in MPa, contact blocks only.
+    /// One series per surface: position in micrometres and pressure in MPa, contact blocks only.
     pub surfaces: &'a [Series<'a>],
-    /// Where cavities begin and end, in micrometres.
+    /// Start and end of each cavity, in micrometres.
     pub cavities_um: &'a [[f64; 2]],
     /// Nominal pressure, in MPa.
     pub nominal_mpa: Option<f64>,
@@ -19,7 +19,7 @@ pub struct InterfacePressureChart<'a> {
 const HEIGHT: f64 = 460.0;
 const SHADE: f64 = 0.18;
 
-/// Draws pressure along x; lines break over cavities.
+/// Draws pressure along x; lines are interrupted over cavities.
 ///
 /// # Errors
 /// [`ChartError`] if there is nothing to draw or a value is not finite.
@@ -46,7 +46,7 @@ pub fn interface_pressure(chart: &InterfacePressureChart<'_>) -> Result<String, 
     );
     let pressures = || points().map(|point| point[1]).chain(chart.nominal_mpa);
     let title = "contact pressure (MPa)";
-    // Tension, where a model has it, stays in sight.
+    // Tension stays visible if a model has it.
     let y_axis = if pressures().any(|p| p < 0.0) {
         Axis::around(title, pressures().chain([0.0]))
     } else {
@@ -62,7 +62,7 @@ pub fn interface_pressure(chart: &InterfacePressureChart<'_>) -> Result<String, 
             plot.horizontal(nominal_mpa, GREY)?;
         }
         for (surface, color) in coloured() {
-            // The least distance between neighbours is one block; a longer one is a cavity.
+            // The minimum distance between neighbours is one block; a longer distance is a cavity.
             let distance = |pair: &[[f64; 2]]| pair[1][0] - pair[0][0];
             let block_um = surface.points.windows(2).map(distance).fold(f64::INFINITY, f64::min);
             for land in surface.points.chunk_by(|a, b| b[0] - a[0] < 1.5 * block_um) {
@@ -89,7 +89,7 @@ mod tests {
             nominal_mpa: None,
         };
         let svg = interface_pressure(&chart).unwrap();
-        // Two lands and the legend's line in the series' colour.
+        // Two lands and the legend's line in the colour of the series.
         let lines = svg.lines().filter(|line| line.contains("<polyline") && line.contains("#0072B2")).count();
         assert_eq!(lines, 3);
         for text in ["contact pressure (MPa)", "cavity", "patterned"] {

@@ -1,27 +1,27 @@
-//! Pictures of results: pure functions from values to SVG text.
+//! Charts of results: pure functions from values to SVG text.
 //!
 //! | function | picture |
 //! |---|---|
 //! | [`friction_trace`] | friction coefficient against time, averaging window and mean |
 //! | [`interface_pressure`] | pressure along the interface |
-//! | [`target`] | target, what is expected of a cut sample, and the model alone against pressure |
+//! | [`target`] | target, expected friction of a cut sample, and the model alone against pressure |
 //! | [`area_law`] | real contact area and the factor f against pressure |
 //! | [`flat_friction`] | friction of flat samples against pressure, measured and by the fitted model |
 //! | [`residuals`] | model minus measurement |
-//! | [`ratios`] | measured beside modelled ratios |
-//! | [`trade_offs`] | designs by two or three goals, with those that no other beats |
-//! | [`trials`] | ratios of trials beside what was predicted before, and against the texture |
-//! | [`tribometer`] | repeats of a test against time, with what was read from them |
-//! | [`surface_map`] | a surface from above, heights as colours |
-//! | [`height_histogram`] | how often heights occur, and the bearing curve |
+//! | [`ratios`] | measured and modelled ratios |
+//! | [`trade_offs`] | designs by two or three goals, with the Pareto front |
+//! | [`trials`] | measured and predicted ratios of trials, and ratios against texture features |
+//! | [`tribometer`] | repeats of a test against time, with the values read from them |
+//! | [`surface_map`] | a surface seen from above, with heights as colours |
+//! | [`height_histogram`] | histogram of heights, and the bearing curve |
 //! | [`section`] | height along a line |
 //! | [`edge_profile`] | height against the distance from the edges of cavities, with the rim |
 //! | [`spectrum`] | power against wave number |
 //! | [`work_precision`] | wall time against error, with the front |
 //!
 //! Each picture is 900 units wide, text stays text, and the legend stands outside the axes. Colours
-//! are those of Okabe and Ito, which every common colour vision tells apart; marks differ in shape
-//! as well. The same values give the same bytes.
+//! are from the palette of Okabe and Ito, which is distinguishable with common colour vision deficiencies;
+//! marks also differ in shape. Identical values give identical bytes.
 
 mod area_law;
 mod canvas;
@@ -67,25 +67,25 @@ pub struct Series<'a> {
     pub points: &'a [[f64; 2]],
 }
 
-/// A value with its standard error or deviation.
+/// Value with its standard error or standard deviation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Estimate {
     /// The value.
     pub value: f64,
-    /// Half the length of its error bar; none is drawn where it is absent.
+    /// Half the length of the error bar; `None` draws no bar.
     pub error: Option<f64>,
 }
 
-/// Why a chart was not drawn.
+/// Errors of drawing a chart.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum ChartError {
-    /// Nothing to draw.
+    /// The chart has no values.
     #[error("chart \"{title}\": there are no values to draw")]
     Empty {
         /// Title of the chart.
         title: String,
     },
-    /// A value that has no place on an axis.
+    /// A value is infinite or not a number.
     #[error("chart \"{title}\": {value} cannot be drawn, expected a finite number")]
     NotFinite {
         /// Title of the chart.
@@ -93,7 +93,7 @@ pub enum ChartError {
         /// The value.
         value: f64,
     },
-    /// Two columns that should have equal lengths.
+    /// Two columns have different lengths.
     #[error("chart \"{title}\": {left} pressures but {right} values")]
     LengthMismatch {
         /// Title of the chart.
@@ -106,7 +106,7 @@ pub enum ChartError {
     /// The drawing library failed.
     #[error("drawing failed: {reason}")]
     Drawing {
-        /// What it said.
+        /// Message of the drawing library.
         reason: String,
     },
 }

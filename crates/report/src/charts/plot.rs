@@ -6,7 +6,7 @@ use plotters::style::text_anchor::{HPos, VPos};
 use super::ChartError;
 use super::canvas::{Canvas, GREY, GRID, INK, Mark};
 
-/// An axis: its title with the unit, its range, and where numbers stand.
+/// Axis: title with unit, range, and positions of numbers.
 #[derive(Clone, Debug)]
 pub(super) struct Axis {
     title: String,
@@ -15,7 +15,7 @@ pub(super) struct Axis {
 }
 
 impl Axis {
-    /// An axis over all of `values` with some room on both sides.
+    /// Axis over all `values` with a margin on both sides.
     pub(super) fn around(title: &str, values: impl IntoIterator<Item = f64>) -> Self {
         const ROOM: f64 = 0.06;
         let [low, high] = extremes(values);
@@ -24,19 +24,19 @@ impl Axis {
         Self::over(title, [low - room, high + room])
     }
 
-    /// An axis from zero to beyond all of `values`.
+    /// Axis from zero to beyond all `values`.
     pub(super) fn from_zero(title: &str, values: impl IntoIterator<Item = f64>) -> Self {
         let high = extremes(values)[1];
         Self::over(title, [0.0, if high > 0.0 { 1.06 * high } else { 1.0 }])
     }
 
-    /// An axis from zero where some of `values` are less than half of the greatest, else from about the least: what changes is seen.
+    /// Axis from zero if some `values` are less than half of the maximum; otherwise from about the minimum, so that changes are visible.
     pub(super) fn as_needed(title: &str, values: impl IntoIterator<Item = f64> + Clone) -> Self {
         let [low, high] = extremes(values.clone());
         if low > 0.5 * high { Self::around(title, values) } else { Self::from_zero(title, values) }
     }
 
-    /// An axis over exactly `range`.
+    /// Axis over exactly `range`.
     pub(super) fn over(title: &str, range: [f64; 2]) -> Self {
         let step = tick_step(range[1] - range[0]);
         // A step of 0.05 needs two decimals.
@@ -54,13 +54,13 @@ impl Axis {
         Self { title: title.to_owned(), range, ticks }
     }
 
-    /// An axis of decimal logarithms over all of `values`, themselves logarithms, with room on both sides;
-    /// its numbers are those whose logarithms they are.
+    /// Logarithmic axis over all `values`, which are decimal logarithms, with a margin on both sides; its numbers are
+    /// not logarithms.
     pub(super) fn logarithmic(title: &str, values: impl IntoIterator<Item = f64>) -> Self {
         const ROOM: f64 = 0.15;
         let [low, high] = extremes(values);
         let range = [low - ROOM, high + ROOM];
-        // At most two decades leave room for 2 and 5 between the powers of ten.
+        // At most two decades leave room for 2 and 5 between powers of ten.
         let factors: &[f64] = if range[1] - range[0] > 2.5 { &[1.0] } else { &[1.0, 2.0, 5.0] };
         let powers = (range[0].floor() as i32)..=(range[1].ceil() as i32);
         let ticks = powers
@@ -74,8 +74,8 @@ impl Axis {
         Self { title: title.to_owned(), range, ticks }
     }
 
-    /// An axis of decimal logarithms over all of `values` that may span many decades: every power of ten, or
-    /// every few, as 1e-9.
+    /// Logarithmic axis over all `values`, which are decimal logarithms and may span many decades; its numbers are every power
+    /// of ten or every few, for example 1e-9.
     pub(super) fn powers(title: &str, values: impl IntoIterator<Item = f64>) -> Self {
         const ROOM: f64 = 0.3;
         const MAX_NUMBERS: i32 = 10;
@@ -90,19 +90,19 @@ impl Axis {
         Self { title: title.to_owned(), range, ticks }
     }
 
-    /// Where numbers stand, and the numbers.
+    /// Positions and texts of the numbers.
     pub(super) fn numbers(&self) -> impl Iterator<Item = (f64, &str)> {
         self.ticks.iter().map(|(value, text)| (*value, text.as_str()))
     }
 
-    /// An axis of named places 0, 1, 2, ...
+    /// Axis with names at positions 0, 1, 2, ...
     pub(super) fn of_names(title: &str, names: Vec<String>) -> Self {
         let range = [-0.5, names.len() as f64 - 0.5];
         let ticks = names.into_iter().enumerate().map(|(index, name)| (index as f64, name)).collect();
         Self { title: title.to_owned(), range, ticks }
     }
 
-    /// The same axis without numbers and title.
+    /// Removes numbers and title from the axis.
     pub(super) fn unlabelled(mut self) -> Self {
         self.title.clear();
         for (_, text) in &mut self.ticks {
@@ -116,12 +116,12 @@ impl Axis {
     }
 }
 
-/// Least and greatest of some values.
+/// Minimum and maximum of `values`.
 fn extremes(values: impl IntoIterator<Item = f64>) -> [f64; 2] {
     values.into_iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], v| [low.min(v), high.max(v)])
 }
 
-/// A step of 1, 2 or 5 times a power of ten that cuts `span` into four to nine.
+/// Step of 1, 2 or 5 times a power of ten that divides `span` into four to nine.
 fn tick_step(span: f64) -> f64 {
     let rough = span / 6.0;
     let power = 10_f64.powf(rough.log10().floor());
@@ -129,7 +129,7 @@ fn tick_step(span: f64) -> f64 {
     factor * power
 }
 
-/// A rectangle of the page with axes.
+/// Rectangle of the page with axes.
 pub(super) struct Plot<'c, 'a> {
     canvas: &'c Canvas<'a>,
     /// Left, top, right, bottom on the page.
@@ -164,7 +164,7 @@ impl<'c, 'a> Plot<'c, 'a> {
         self.canvas.upward_text(&self.y.title, [left - 74.0, middle[1]])
     }
 
-    /// Where a value stands on the page.
+    /// Position of a value on the page.
     pub(super) fn at(&self, [x, y]: [f64; 2]) -> [f64; 2] {
         let [left, top, right, bottom] = self.frame;
         [left + self.x.share(x) * (right - left), bottom - self.y.share(y) * (bottom - top)]
@@ -174,41 +174,41 @@ impl<'c, 'a> Plot<'c, 'a> {
         points.iter().map(|&point| self.at(point)).collect()
     }
 
-    /// A line through points; of more than a few per unit of width the extremes stay.
+    /// Draws a line through points; dense points are reduced to their extremes.
     pub(super) fn line(&self, points: &[[f64; 2]], color: RGBColor, width: f64) -> Result<(), ChartError> {
         self.canvas.line(&thinned(&self.all_at(points)), color, width)
     }
 
-    /// A straight dashed line.
+    /// Draws a straight dashed line.
     pub(super) fn dashed(&self, ends: [[f64; 2]; 2], color: RGBColor) -> Result<(), ChartError> {
         self.canvas.dashed(ends.map(|end| self.at(end)), color, 2.0)
     }
 
-    /// A vertical dashed line over the height of the plot, with a word at its top.
+    /// Draws a vertical dashed line over the height of the plot, with a label at its top.
     pub(super) fn vertical(&self, x: f64, text: &str) -> Result<(), ChartError> {
         let [top, bottom] = [self.at([x, self.y.range[1]]), self.at([x, self.y.range[0]])];
         self.canvas.dashed([bottom, top], GREY, 1.2)?;
         self.canvas.text(text, [top[0] + 6.0, top[1] + 10.0], (HPos::Left, VPos::Center), GREY)
     }
 
-    /// A horizontal dashed line over the width of the plot.
+    /// Draws a horizontal dashed line over the width of the plot.
     pub(super) fn horizontal(&self, y: f64, color: RGBColor) -> Result<(), ChartError> {
         self.dashed([[self.x.range[0], y], [self.x.range[1], y]], color)
     }
 
-    /// A shaded span of x over the height of the plot.
+    /// Shades a span of x over the height of the plot.
     pub(super) fn span(&self, [from, to]: [f64; 2], color: RGBColor, opacity: f64) -> Result<(), ChartError> {
         let [from, to] = [from, to].map(|x| x.clamp(self.x.range[0], self.x.range[1]));
         let corners = [self.at([from, self.y.range[1]]), self.at([to, self.y.range[0]])];
         self.canvas.rectangle(corners, color, opacity)
     }
 
-    /// A filled polygon.
+    /// Draws a filled polygon.
     pub(super) fn polygon(&self, points: &[[f64; 2]], color: RGBColor, opacity: f64) -> Result<(), ChartError> {
         self.canvas.polygon(&self.all_at(points), color, opacity)
     }
 
-    /// A mark, moved sideways by `aside` units of the page, with its error bar.
+    /// Draws a mark, offset horizontally by `aside` picture units, with its error bar.
     pub(super) fn mark(
         &self,
         mark: Mark,
@@ -224,7 +224,7 @@ impl<'c, 'a> Plot<'c, 'a> {
         self.canvas.mark(mark, [page_x + aside, page_y], color)
     }
 
-    /// A bar `error` to either side of y, moved sideways by `aside` units of the page.
+    /// Draws a bar of `error` on both sides of y, offset horizontally by `aside` picture units.
     pub(super) fn error_bar(
         &self,
         [x, y]: [f64; 2],
@@ -235,7 +235,7 @@ impl<'c, 'a> Plot<'c, 'a> {
         self.bar(x, [y - error, y + error], aside, color)
     }
 
-    /// A bar between two values, moved sideways by `aside` units of the page.
+    /// Draws a bar between two values, offset horizontally by `aside` picture units.
     pub(super) fn bar(&self, x: f64, ends: [f64; 2], aside: f64, color: RGBColor) -> Result<(), ChartError> {
         const CAP: f64 = 4.0;
         let [low, high] = ends.map(|y| {
@@ -249,14 +249,14 @@ impl<'c, 'a> Plot<'c, 'a> {
         Ok(())
     }
 
-    /// Words at the right edge of the plot, at page height `page_y`.
+    /// Writes text at the right edge of the plot, at page height `page_y`.
     pub(super) fn margin_text(&self, text: &str, page_y: f64, color: RGBColor) -> Result<(), ChartError> {
         self.canvas.text(text, [self.frame[2] + 8.0, page_y], (HPos::Left, VPos::Center), color)
     }
 }
 
-/// Of all points in a quarter unit of x only the first, the extremes and the last, in their order:
-/// nothing that could be seen is lost.
+/// Keeps only the first, the extreme and the last points within each quarter unit of x, in order, which leaves
+/// the visible line unchanged.
 fn thinned(points: &[[f64; 2]]) -> Vec<[f64; 2]> {
     const BIN: f64 = 0.25;
     let bin = |point: &[f64; 2]| (point[0] / BIN).floor();

@@ -1,17 +1,17 @@
-//! Pictures made of pixels, set into a drawing.
+//! Raster images embedded in an SVG drawing.
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 
 use super::ChartError;
 
-/// Pixels as a PNG file.
+/// Raster image encoded as PNG.
 pub(super) struct Raster {
     png: Result<Vec<u8>, String>,
 }
 
 impl Raster {
-    /// `wide` x `tall` pixels, `color(across, down)` from the top left.
+    /// Encodes `wide` x `tall` pixels; `color(across, down)` counts from the top left.
     pub(super) fn new(wide: usize, tall: usize, color: impl Fn(usize, usize) -> [u8; 3]) -> Self {
         let mut bytes = Vec::with_capacity(3 * wide * tall);
         for down in 0..tall {
@@ -22,9 +22,9 @@ impl Raster {
         Self { png: encoded(wide, tall, &bytes) }
     }
 
-    /// The drawing with the pixels within `frame` (left, top, right, bottom) on it.
+    /// Inserts the image into the drawing within `frame` (left, top, right, bottom).
     pub(super) fn onto(&self, svg: String, [left, top, right, bottom]: [f64; 4]) -> Result<String, ChartError> {
-        /// The drawing's view box is this much larger than the page.
+        /// Scale of the drawing's view box relative to the page.
         const PRECISION: f64 = super::canvas::PRECISION;
         let png = self.png.as_ref().map_err(|reason| ChartError::Drawing { reason: reason.clone() })?;
         let image = format!(

@@ -2,14 +2,14 @@ use super::canvas::{GREY, LEFT, Mark, PALETTE, RIGHT, Swatch, WIDTH, picture};
 use super::plot::{Axis, Plot};
 use super::{ChartError, Estimate, check, check_length};
 
-/// Measured ratios beside modelled ones.
+/// Measured and modelled ratios.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RatiosChart<'a> {
     /// Title.
     pub title: &'a str,
     /// Nominal pressures, in MPa.
     pub pressure_mpa: &'a [f64],
-    /// Measured, modelled, ...: side by side in this order.
+    /// Series in their order from left to right, for example measured, modelled.
     pub series: &'a [RatioSeries<'a>],
 }
 
@@ -18,16 +18,16 @@ pub struct RatiosChart<'a> {
 pub struct RatioSeries<'a> {
     /// Name in the legend.
     pub label: &'a str,
-    /// One per pressure; absent where there is none.
+    /// One ratio per pressure; `None` where there is none.
     pub ratios: &'a [Option<Estimate>],
 }
 
 /// Height of the picture.
 const HEIGHT: f64 = 480.0;
-/// Between neighbouring marks of one pressure.
+/// Horizontal distance between neighbouring marks of one pressure.
 const ASIDE: f64 = 20.0;
 
-/// Draws ratios, patterned over flat, at each pressure side by side.
+/// Draws ratios of patterned to flat friction side by side at each pressure.
 ///
 /// # Errors
 /// [`ChartError`] if there is nothing to draw, lengths differ or a value is not finite.
@@ -84,7 +84,7 @@ mod tests {
         ];
         let chart = RatiosChart { title: "Ratios", pressure_mpa: &[0.65, 1.3, 2.6], series: &series };
         let svg = ratios(&chart).unwrap();
-        // The first series' marks are circles: two and the legend's.
+        // The first series has circles: two marks and one in the legend.
         assert_eq!(svg.matches("<circle").count(), 3);
         for text in ["measured", "modelled", "0.65", "1.3", "2.6"] {
             assert!(svg.contains(&format!("\n{text}\n")), "{text}");

@@ -9,13 +9,13 @@ pub struct ResidualsChart<'a> {
     pub title: &'a str,
     /// Names of the measurements.
     pub labels: &'a [String],
-    /// Residuals with the measured standard deviations, one a name.
+    /// Residuals with the measured standard deviations, one per name.
     pub residuals: &'a [Estimate],
 }
 
 /// Height of the picture without the key to the numbers.
 const HEIGHT: f64 = 460.0;
-/// Height of a line of the key, and its columns.
+/// Height of a line of the key, and number of its columns.
 const KEY_LINE: f64 = 16.0;
 const KEY_COLUMNS: usize = 4;
 

@@ -1,4 +1,4 @@
-//! A surface cut open, and its power spectrum.
+//! Charts of a surface profile and of its power spectrum.
 
 use super::canvas::{LEFT, Mark, PALETTE, RIGHT, WIDTH, picture};
 use super::plot::{Axis, Plot};
@@ -9,7 +9,7 @@ use super::{ChartError, check};
 pub struct SectionChart<'a> {
     /// Title above the picture.
     pub title: &'a str,
-    /// Place and height.
+    /// Position and height.
     pub points_um: &'a [[f64; 2]],
 }
 
@@ -25,7 +25,7 @@ pub struct SpectrumChart<'a> {
 const SECTION_HEIGHT: f64 = 320.0;
 const SPECTRUM_HEIGHT: f64 = 440.0;
 
-/// Draws the section; heights are far from to scale.
+/// Draws the section; heights are exaggerated.
 ///
 /// # Errors
 /// [`ChartError`] if there is nothing to draw or a value is not finite.

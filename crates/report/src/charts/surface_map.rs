@@ -1,4 +1,4 @@
-//! A quantity over a surface, seen from above.
+//! Chart of a quantity over a surface, seen from above.
 
 use plotters::style::RGBColor;
 use plotters::style::text_anchor::{HPos, VPos};
@@ -8,50 +8,50 @@ use super::plot::{Axis, Plot};
 use super::raster::Raster;
 use super::{ChartError, check};
 
-/// Values over a surface from above, as colours: heights, or pressures.
+/// Values over a surface seen from above, as colours: heights or pressures.
 #[derive(Clone, Copy, Debug)]
 pub struct SurfaceMapChart<'a> {
     /// Title above the picture.
     pub title: &'a str,
-    /// Values, row by row along y, NaN where there is none.
+    /// Values, row by row along y; NaN where a value is missing.
     pub values: &'a [f64],
     /// Unit of the values.
     pub unit: &'a str,
-    /// Values of a row.
+    /// Number of values per row.
     pub columns: usize,
-    /// Sides of the map along x and y.
+    /// Side lengths of the map along x and y.
     pub side_um: [f64; 2],
     /// Values at the ends of the colour scale.
     pub scale: [f64; 2],
-    /// Where a section runs along x; `None` without one.
+    /// Position of a section along x; `None` without a section.
     pub section_y_um: Option<f64>,
-    /// Which way the surface slides; `None` where that is not known.
+    /// Sliding direction; `None` if unknown.
     pub sliding: Option<SlidingMark<'a>>,
 }
 
-/// An arrow above a map that marks the sliding direction.
+/// Arrow above a map that marks the sliding direction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SlidingMark<'a> {
     /// Unit vector in the axes of the map.
     pub direction: [f64; 2],
-    /// What stands beside the arrow.
+    /// Label beside the arrow.
     pub label: &'a str,
 }
 
-/// Page height at most, and the least side of the drawn map.
+/// Maximum page height, and minimum side of the drawn map.
 const MAX_HEIGHT: f64 = 760.0;
 const MIN_SIDE: f64 = 90.0;
 /// Space right of the map for the colour scale.
 const SCALE_SPACE: f64 = 130.0;
 const SCALE_WIDTH: f64 = 22.0;
 const TOP: f64 = 62.0;
-/// Height of the line that says which way the surface slides.
+/// Height of the line with the sliding direction.
 const SLIDING_HEIGHT: f64 = 26.0;
 const BOTTOM: f64 = 62.0;
-/// A point without a value.
+/// Colour of a missing value.
 const MISSING: [u8; 3] = [190, 190, 190];
 
-/// Viridis (van der Walt and Smith), at ten equal steps: even in lightness, so that it also reads in grey and with
+/// Viridis (van der Walt and Smith) at ten equal steps: uniform in lightness, so that it is readable in grey and with
 /// any colour vision.
 const SCALE: [[u8; 3]; 10] = [
     [68, 1, 84],
@@ -66,7 +66,7 @@ const SCALE: [[u8; 3]; 10] = [
     [253, 231, 37],
 ];
 
-/// The colour of `share` of the scale, 0 to 1.
+/// Colour at `share` of the scale, 0 to 1.
 fn color(share: f64) -> [u8; 3] {
     if share.is_nan() {
         return MISSING;
@@ -74,13 +74,13 @@ fn color(share: f64) -> [u8; 3] {
     let place = share.clamp(0.0, 1.0) * (SCALE.len() - 1) as f64;
     let step = (place as usize).min(SCALE.len() - 2);
     let rest = place - step as f64;
-    // Between two bytes: the cast is exact after rounding.
+    // The value lies between two bytes, so that the cast is exact after rounding.
     std::array::from_fn(|c| {
         (f64::from(SCALE[step][c]) * (1.0 - rest) + f64::from(SCALE[step + 1][c]) * rest).round() as u8
     })
 }
 
-/// Draws the surface from above, x to the right, y upwards, to scale, with the colour scale beside it.
+/// Draws the surface from above, x to the right, y upwards, to scale, with the colour scale at its side.
 ///
 /// # Errors
 /// [`ChartError`] if there is nothing to draw, rows are incomplete or a number is not finite.
@@ -114,7 +114,7 @@ pub fn surface_map<'a>(chart: &SurfaceMapChart<'a>) -> Result<String, ChartError
         let (x, y) = (Axis::over("x (µm)", [0.0, chart.side_um[0]]), Axis::over("y (µm)", [0.0, chart.side_um[1]]));
         let plot = Plot::new(canvas, frame, x, y)?;
         if let Some(section_y_um) = chart.section_y_um {
-            // Marked outside: nothing hides the map.
+            // The mark stands outside, so that it does not hide the map.
             let [right, level] = plot.at([chart.side_um[0], section_y_um]);
             let arrow = [[right + 3.0, level], [right + 12.0, level - 5.0], [right + 12.0, level + 5.0]];
             canvas.polygon(&arrow, INK, 1.0)?;
@@ -157,7 +157,7 @@ mod tests {
             let sliding = Some(SlidingMark { direction, label: "sliding direction" });
             surface_map(&SurfaceMapChart { sliding, ..plain }).unwrap()
         };
-        // Lines of an arrow: shaft and barbs.
+        // Polylines of an arrow: shaft and barbs.
         let lines = |svg: &str| svg.matches("<polyline").count();
         let (without, along) = (surface_map(&plain).unwrap(), drawn([1.0, 0.0]));
         assert!(!without.contains("sliding") && along.contains("\nsliding direction\n"));
@@ -184,7 +184,7 @@ mod tests {
         let light = |share| color(share).iter().map(|&c| u32::from(c)).sum::<u32>();
         assert_eq!((color(0.0), color(1.0), color(f64::NAN)), (SCALE[0], SCALE[9], MISSING));
         assert_eq!((color(-5.0), color(7.0)), (SCALE[0], SCALE[9]));
-        // Lightness (Rec. 709) never falls.
+        // Lightness (Rec. 709) never decreases.
         let lightness = |share: f64| {
             let [r, g, b] = color(share).map(f64::from);
             0.2126 * r + 0.7152 * g + 0.0722 * b

@@ -2,61 +2,61 @@ use super::canvas::{GREY, LEFT, Mark, NARROW, PALETTE, RIGHT, Swatch, WIDTH, pic
 use super::plot::{Axis, Plot};
 use super::{ChartError, check};
 
-/// What was asked, and what is expected of a cut sample.
+/// Target and expected friction of a cut sample.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TargetChart<'a> {
     /// Title.
     pub title: &'a str,
-    /// Title of the vertical axis: what the target is about.
+    /// Title of the vertical axis: the target's quantity.
     pub quantity: &'a str,
     /// The target, pressures increasing.
     pub target: &'a [TargetPoint],
-    /// What is expected of cut samples.
+    /// Expected values of cut samples.
     pub samples: &'a [SamplePoint],
-    /// The flat surface in the same quantity: nominal pressure in MPa and value. May be empty.
+    /// Flat surface in the target's quantity: nominal pressure in MPa and value. May be empty.
     pub flat: &'a [[f64; 2]],
 }
 
-/// One point of the target.
+/// Point of the target.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TargetPoint {
     /// Nominal pressure, in MPa.
     pub pressure_mpa: f64,
-    /// The value wanted; absent where a band is, or a goal alone.
+    /// Target value; `None` for a band or a goal without a value.
     pub value: Option<f64>,
-    /// Lowest accepted value, where there is one.
+    /// Lowest accepted value, if there is one.
     pub lowest: Option<f64>,
-    /// Highest accepted value, where there is one.
+    /// Highest accepted value, if there is one.
     pub highest: Option<f64>,
 }
 
-/// What is expected of cut samples at one load.
+/// Expected value of cut samples at one load.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SamplePoint {
     /// Nominal pressure, in MPa.
     pub pressure_mpa: f64,
-    /// Number of the condition, from 0: conditions stand side by side.
+    /// Index of the condition, from 0; conditions stand side by side.
     pub condition: usize,
     /// Median.
     pub median: f64,
-    /// Ends of what 95 % of samples lie between.
+    /// Interval that contains 95 % of samples.
     pub interval_95: [f64; 2],
-    /// The model alone, where it is known in this quantity.
+    /// Prediction of the model alone, if known in the target's quantity.
     pub model: Option<f64>,
 }
 
 /// Height of the picture.
 const HEIGHT: f64 = 500.0;
-/// Opacity of what is accepted, and of intervals of samples.
+/// Opacity of the accepted band and of the sample intervals.
 const BAND: f64 = 0.22;
 const INTERVAL: f64 = 0.4;
-/// Half the width of an interval's bar, and the distance between conditions, over the range of pressures.
+/// Half the width of an interval bar, and the distance between conditions, relative to the range of pressures.
 const HALF_BAR: f64 = 0.012;
 const CONDITION_STEP: f64 = 0.04;
-/// From a sample's median to the mark of the model beside it, in units of the page.
+/// Distance from a sample's median to the mark of the model, in picture units.
 const BESIDE: f64 = 15.0;
 
-/// Draws the target and what is expected of a cut sample against pressure.
+/// Draws the target and the expected value of a cut sample against pressure.
 ///
 /// # Errors
 /// [`ChartError`] if there is no target or a value is not finite.
@@ -64,10 +64,10 @@ pub fn target(chart: &TargetChart<'_>) -> Result<String, ChartError> {
     target_of_width(chart, WIDTH)
 }
 
-/// Draws the same for a narrow column or a phone.
+/// Draws [`target`] for a narrow column or a phone.
 ///
 /// # Errors
-/// As [`target`].
+/// Same as [`target`].
 pub fn target_narrow(chart: &TargetChart<'_>) -> Result<String, ChartError> {
     target_of_width(chart, NARROW)
 }
@@ -107,7 +107,7 @@ fn target_of_width(chart: &TargetChart<'_>, width: f64) -> Result<String, ChartE
         legend.push((Swatch::Line(GREY), "flat surface"));
     }
 
-    // The band reaches a little beyond the first and the last pressure, so that marks lie on it.
+    // The band extends slightly beyond the first and the last pressure, so that it surrounds the marks.
     let (Some(first), Some(last)) = (chart.target.first(), chart.target.last()) else {
         return Err(ChartError::Empty { title: chart.title.to_owned() });
     };
@@ -121,7 +121,7 @@ fn target_of_width(chart: &TargetChart<'_>, width: f64) -> Result<String, ChartE
     let ends = [(first, -beyond_mpa), (last, beyond_mpa)]
         .map(|(point, beyond_mpa)| TargetPoint { pressure_mpa: point.pressure_mpa + beyond_mpa, ..*point });
     let widened = || ends[..1].iter().chain(chart.target).chain(&ends[1..]);
-    // A band that is open to one side reaches a little beyond everything drawn.
+    // A one-sided band extends slightly beyond all drawn values.
     let (low, high) = values().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(v), high.max(v)));
     let beyond = 0.05 * (high - low).max(0.02 * high.abs());
     let is_open = |point: &TargetPoint| point.lowest.is_some() != point.highest.is_some();
@@ -187,7 +187,7 @@ mod tests {
         for present in ["expected of a cut sample", "95 % of samples", "model alone", "flat surface"] {
             assert!(full.contains(&format!("\n{present}\n")), "{present}");
         }
-        // One point of the target is drawn as well.
+        // A target with a single point is drawn as well.
         assert!(target(&chart(&TARGET[..1], &samples, &[])).is_ok());
     }
 

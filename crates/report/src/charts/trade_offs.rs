@@ -4,38 +4,38 @@ use super::canvas::{GREY, INK, LEFT, Mark, PALETTE, RIGHT, Swatch, WIDTH, pictur
 use super::plot::{Axis, Plot};
 use super::{ChartError, check};
 
-/// Designs by two or three goals, each the less the better.
+/// Designs by two or three goals, all minimized.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TradeOffsChart<'a> {
     /// Title.
     pub title: &'a str,
-    /// Titles of the goals with their units: two, or three.
+    /// Titles of the two or three goals with their units.
     pub titles: &'a [&'a str],
-    /// Designs that no other one dominates.
+    /// Non-dominated designs.
     pub front: &'a [&'a [f64]],
     /// Other designs; may be empty.
     pub others: &'a [&'a [f64]],
     /// The chosen design.
     pub chosen: Option<&'a [f64]>,
-    /// A value of the first goal that matters, with a word for what lies left of it.
+    /// Limit of the first goal, with a label for the values left of it.
     pub limit: Option<(f64, &'a str)>,
 }
 
 /// Height of a panel with its axis, and of title and legend.
 const PANEL_HEIGHT: f64 = 400.0;
 const HEADING: f64 = 76.0;
-/// Half the size of a design that is not on the front, and of one that is.
+/// Half the size of the mark of a design off the front, and of a design on the front.
 const SMALL: f64 = 1.4;
 const LARGE: f64 = 2.6;
-/// Most designs drawn beside the front: more hide each other.
+/// Maximum number of designs drawn besides the front; more would hide each other.
 const MAX_OTHERS: usize = 4000;
-/// Greatest over least value from which an axis is logarithmic.
+/// Maximum over minimum from which an axis is logarithmic.
 const WIDE: f64 = 20.0;
 
-/// Draws the first goal against each of the others, one panel below the other.
+/// Draws the first goal against each other goal, with the panels stacked.
 ///
 /// # Errors
-/// [`ChartError`] if there is no design, goals differ in number or a value is not finite.
+/// [`ChartError`] if there is no design, the numbers of goals differ or a value is not finite.
 pub fn trade_offs(chart: &TradeOffsChart<'_>) -> Result<String, ChartError> {
     let all = || chart.front.iter().chain(chart.others).copied().chain(chart.chosen);
     check(chart.title, all().flatten())?;
@@ -89,10 +89,10 @@ pub fn trade_offs(chart: &TradeOffsChart<'_>) -> Result<String, ChartError> {
     })
 }
 
-/// Lighter than the axes: designs in the background.
+/// Colour of background designs, lighter than the axes.
 const PALE: RGBColor = RGBColor(GREY.0 + 80, GREY.1 + 80, GREY.2 + 80);
 
-/// How a goal is drawn.
+/// Scale of a goal's axis.
 #[derive(Clone, Copy)]
 enum Scale {
     Linear,
@@ -100,7 +100,7 @@ enum Scale {
 }
 
 impl Scale {
-    /// Logarithmic where values are positive and span more than a decade.
+    /// Chooses a logarithmic scale if values are positive and span more than [`WIDE`].
     fn of(values: impl Iterator<Item = f64>) -> Self {
         let [low, high] = values.fold([f64::INFINITY, 0.0_f64], |[low, high], v| [low.min(v), high.max(v)]);
         if low > 0.0 && high > WIDE * low { Self::Logarithmic } else { Self::Linear }
@@ -138,7 +138,7 @@ mod tests {
             limit: Some((1.0, "right of it missed")),
         };
         let svg = trade_offs(&chart).unwrap();
-        // In each of two panels four dots and a diamond, and the legend's square, circle and diamond.
+        // Each of the two panels has four dots and a diamond; the legend has a square, a circle and a diamond.
         assert_eq!(svg.matches("<rect").count(), 1 + 2 * 4);
         for text in [
             "no other beats it in every goal",

@@ -1,46 +1,46 @@
-//! Trials: what was predicted of each ratio before it was measured, and all ratios against what the texture is.
+//! Chart of trials: predicted against measured ratios, and all ratios against features of the texture.
 
 use super::canvas::{GREY, LEFT, Mark, PALETTE, RIGHT, Swatch, WIDTH, picture};
 use super::plot::{Axis, Plot};
 use super::{ChartError, Estimate, check};
 
-/// A measured ratio beside what was predicted of it.
+/// Measured ratio with its prediction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Prediction {
-    /// Number of its trial, from 0.
+    /// Index of the trial, from 0.
     pub trial: usize,
     /// Measured ratio.
     pub measured: f64,
-    /// What was predicted.
+    /// Prediction.
     pub predicted: Estimate,
-    /// Ends of its interval of 95 %.
+    /// Ends of the prediction's 95 % interval.
     pub interval: [f64; 2],
 }
 
-/// The ledger of trials.
+/// Ledger of trials.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TrialsChart<'a> {
     /// Title.
     pub title: &'a str,
     /// Names of the trials.
     pub names: &'a [String],
-    /// Every measured ratio, in order.
+    /// All measured ratios, in order.
     pub predictions: &'a [Prediction],
-    /// What ratios are drawn against, each with the points in the same order.
+    /// Panels of ratios against a quantity: title and points, in the order of the ratios.
     pub panels: &'a [(&'a str, Vec<[f64; 2]>)],
 }
 
-/// Height of the first plot's lower end, and of the picture.
+/// Lower end of the first plot, and height of the picture.
 const FIRST: f64 = 380.0;
 const HEIGHT: f64 = 680.0;
-/// Room between panels, for the numbers of the axis.
+/// Gap between panels, for the numbers of the axis.
 const GAP: f64 = 60.0;
-/// Room above and below all ratios over their range, at most.
+/// Maximum margin above and below all ratios, relative to their range.
 const BEYOND: f64 = 0.75;
-/// Trials that the legend names.
+/// Maximum number of trials named in the legend.
 const NAMED: usize = 4;
 
-/// Draws the ledger: predictions above, ratios against texture and load below.
+/// Draws the ledger: predictions at the top, ratios against texture and load below.
 ///
 /// # Errors
 /// [`ChartError`] if there is nothing to draw or a value is not finite.
@@ -49,7 +49,7 @@ pub fn trials(chart: &TrialsChart<'_>) -> Result<String, ChartError> {
         chart.predictions.iter().flat_map(|of| [of.interval[0], of.interval[1], of.measured]).collect();
     check(chart.title, &ends)?;
     let count = chart.predictions.len();
-    // Before a first trial an interval may be far wider than all that is measured: bars end at the frame.
+    // Before a first trial, an interval may be far wider than the range of measured values: bars end at the frame.
     let middles = || chart.predictions.iter().flat_map(|of| [of.predicted.value, of.measured]);
     let (least, most) =
         middles().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| (low.min(value), high.max(value)));

@@ -9,18 +9,18 @@ pub struct TribometerChart<'a> {
     pub title: &'a str,
     /// Averaging window, in seconds.
     pub window_s: [f64; 2],
-    /// One per repeat.
+    /// One trace per repeat.
     pub repeats: &'a [RepeatTrace<'a>],
 }
 
-/// One repeat.
+/// Trace of one repeat.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RepeatTrace<'a> {
     /// Time in seconds and friction coefficient.
     pub series: Series<'a>,
-    /// Mean over the window.
+    /// Mean friction coefficient over the window.
     pub mu_dynamic: f64,
-    /// Time in seconds and height of the static peak.
+    /// Time in seconds and friction coefficient of the static peak.
     pub static_peak: Option<[f64; 2]>,
 }
 
@@ -28,7 +28,7 @@ pub struct RepeatTrace<'a> {
 const HEIGHT: f64 = 500.0;
 const SHADE: f64 = 0.12;
 
-/// Draws the traces of repeats with what was read from them.
+/// Draws the traces of repeats with their means and static peaks.
 ///
 /// # Errors
 /// [`ChartError`] if there is nothing to draw or a value is not finite.

@@ -7,46 +7,46 @@ use super::canvas::{
 use super::plot::{Axis, Plot};
 use super::{ChartError, check};
 
-/// Wall time against error, one panel a quantity.
+/// Wall time against error, one panel per quantity.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WorkPrecisionChart<'a> {
     /// Title.
     pub title: &'a str,
-    /// Names of the families of methods, at most as many as there are colours.
+    /// Names of the method families, at most as many as there are colours.
     pub families: &'a [&'a str],
-    /// One below the other.
+    /// Panels from top to bottom.
     pub panels: &'a [WorkPrecisionPanel<'a>],
-    /// Seconds of the reference.
+    /// Wall time of the reference, in seconds.
     pub reference_s: f64,
 }
 
-/// The errors in one quantity.
+/// Errors in one quantity.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WorkPrecisionPanel<'a> {
     /// Title of the error axis.
     pub error_title: &'a str,
-    /// One per method.
+    /// One point per method.
     pub points: &'a [WorkPoint<'a>],
-    /// Errors below this cannot be told apart, in per cent.
+    /// Smallest distinguishable error, in per cent.
     pub resolution_pct: f64,
 }
 
-/// A method.
+/// Wall time and error of a method.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WorkPoint<'a> {
-    /// Its name, short.
+    /// Short name of the method.
     pub label: &'a str,
-    /// Place of its family in the chart's list.
+    /// Index of the method's family in the chart's list.
     pub family: usize,
-    /// Seconds.
+    /// Wall time in seconds.
     pub wall_s: f64,
-    /// Size of the error, in per cent.
+    /// Magnitude of the error, in per cent.
     pub error_pct: f64,
-    /// The error is not significant: `error_pct` is what chance would hide.
+    /// The error is not significant: `error_pct` is an upper bound.
     pub at_most: bool,
-    /// No other is both faster and at least as accurate.
+    /// No other method is both faster and at least as accurate.
     pub on_front: bool,
-    /// What the program does where nobody chooses.
+    /// The method is the program's default.
     pub is_default: bool,
 }
 
@@ -54,9 +54,9 @@ pub struct WorkPoint<'a> {
 const PANEL_HEIGHT: f64 = 470.0;
 /// Height of the title and the legend.
 const HEADING: f64 = 100.0;
-/// Errors below this, in per cent, are drawn there: a logarithm needs some number.
+/// Errors below this value, in per cent, are drawn at this value, because the axis is logarithmic.
 const MIN_ERROR_PCT: f64 = 1e-3;
-/// Times below this, in seconds, likewise.
+/// Times below this value, in seconds, are drawn at this value.
 const MIN_TIME_S: f64 = 1e-6;
 /// Room around a mark.
 const MARK_ROOM: f64 = 7.0;
@@ -67,10 +67,10 @@ const LINE_ROOM: f64 = 2.0;
 /// Length of the arrow at an upper bound.
 const ARROW: f64 = 15.0;
 
-/// Left, top, right, bottom on the page.
+/// Rectangle on the page: left, top, right, bottom.
 type Frame = [f64; 4];
 
-/// Draws wall time against error, both logarithmic, with the front of each panel.
+/// Draws wall time against error on logarithmic axes, with the front of each panel.
 ///
 /// # Errors
 /// [`ChartError`] if a panel is empty or a value is not finite.
@@ -106,7 +106,7 @@ pub fn work_precision(chart: &WorkPrecisionChart<'_>) -> Result<String, ChartErr
 }
 
 fn style(family: usize) -> (Mark, RGBColor) {
-    // Rings are for the defaults.
+    // Rings mark the defaults.
     let marks = [Mark::Circle, Mark::Square, Mark::Triangle, Mark::Diamond];
     (marks[family % marks.len()], PALETTE[family % PALETTE.len()])
 }
@@ -129,7 +129,7 @@ fn draw(canvas: &Canvas<'_>, frame: Frame, panel: &WorkPrecisionPanel<'_>, refer
     canvas.text("reference", [foot[0] - 6.0, frame[1] + 10.0], (HPos::Right, VPos::Center), INK)?;
     let mut taken = vec![[foot[0] - 76.0, frame[1], foot[0] + 2.0, frame[1] + 20.0]];
 
-    // The front as stairs: between two methods the faster one's error holds.
+    // The front as stairs: between two methods, the faster method's error applies.
     let mut best: Vec<[f64; 2]> =
         panel.points.iter().zip(&places).filter(|(point, _)| point.on_front).map(|(_, at)| *at).collect();
     best.sort_by(|a, b| a[0].total_cmp(&b[0]));
@@ -141,7 +141,7 @@ fn draw(canvas: &Canvas<'_>, frame: Frame, panel: &WorkPrecisionPanel<'_>, refer
         .map(|at| plot.at(at))
         .collect();
     canvas.line(&stairs, GREY, 1.8)?;
-    // Labels keep off the lines.
+    // Labels do not cover the lines.
     let floor = plot.at([reference, resolution])[1];
     taken.push([frame[0], floor - LINE_ROOM, frame[2], floor + LINE_ROOM]);
     taken.extend(stairs.windows(2).map(|ends| {
@@ -176,14 +176,14 @@ fn draw(canvas: &Canvas<'_>, frame: Frame, panel: &WorkPrecisionPanel<'_>, refer
     Ok(())
 }
 
-/// Where a label stands.
+/// Position of a label.
 struct LabelPlace {
     frame: Frame,
-    /// End of the line that ties it to its mark, where it stands away from it.
+    /// End of the line that connects a distant label to its mark.
     leader: Option<[f64; 2]>,
 }
 
-/// The nearest place beside `mark` for a label `width` wide that covers nothing `taken`.
+/// Finds the position nearest to `mark` for a label of `width` that overlaps nothing in `taken`.
 fn free_place(mark: [f64; 2], width: f64, frame: Frame, taken: &[Frame]) -> LabelPlace {
     const DIRECTIONS: u32 = 24;
     const NEAR: f64 = 12.0;

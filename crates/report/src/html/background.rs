@@ -1,4 +1,4 @@
-//! What a design's numbers come from: the material's coefficients.
+//! Section of a design's page with the coefficients of the material.
 
 use slipgrid_material::AreaLaw;
 use slipgrid_springblock::Load;
@@ -6,7 +6,7 @@ use slipgrid_units::PRESSURE_MPA;
 
 use super::page::{Page, number, percent, plain, with_error};
 
-/// Local coefficients at `loads`, in the order of their pressures; one row where all share them.
+/// Adds the local coefficients at `loads`, in order of pressure; a single row if all loads share them.
 pub(super) fn coefficients(page: &mut Page, loads: &[Load]) {
     let row = |pressure: String, load: &Load| {
         vec![pressure, number(load.friction.static_mean(), 4), number(load.friction.dynamic_mean(), 4)]
@@ -29,7 +29,7 @@ pub(super) fn coefficients(page: &mut Page, loads: &[Load]) {
     );
 }
 
-/// The factors of the area law.
+/// Adds the factors of the area law.
 pub(super) fn area_law(page: &mut Page, law: &AreaLaw) {
     let rows: Vec<Vec<String>> = law
         .pressures_pa()

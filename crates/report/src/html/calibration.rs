@@ -1,4 +1,4 @@
-//! What `calibrate` fitted, what the data leave open, and what to measure next.
+//! Page of a calibration: fitted coefficients, remaining uncertainty, and suggested measurements.
 
 use slipgrid_calibrate::{
     AreaLawOrigin, CalibrationOutcome, CalibrationTask, Coefficients, FittedPair, Measurement, Parameter, Surface,
@@ -15,11 +15,11 @@ use crate::Outputs;
 use crate::calibration::{StaticRow, flat_friction_narrow, in_words, static_rows, static_words, which_errors};
 use crate::trials::TrialsReport;
 
-/// Error of Young's modulus over itself above which it is worth a measurement.
+/// Relative error of Young's modulus above which the page suggests a measurement.
 const LOOSE_MODULUS: f64 = 0.1;
-/// The same of a coefficient of friction.
+/// Relative error of a friction coefficient above which the page suggests a measurement.
 const LOOSE_FRICTION: f64 = 0.02;
-/// Fitted numbers that the first screen shows one by one.
+/// Maximum number of fitted parameters that the first screen lists individually.
 const FEW: usize = 3;
 
 const TERMS: [(&str, &str); 6] = [
@@ -40,20 +40,20 @@ const TERMS: [(&str, &str); 6] = [
     ),
 ];
 
-/// A calibration and what became of it.
+/// Calibration with its task and outcome.
 #[derive(Clone, Copy, Debug)]
 pub struct Fitted<'a> {
-    /// As it was read.
+    /// The calibration as read.
     pub calibration: &'a Calibration,
-    /// What was wanted.
+    /// Task of the fit.
     pub task: &'a CalibrationTask,
-    /// What was found.
+    /// Outcome of the fit.
     pub outcome: &'a CalibrationOutcome,
-    /// What its trials say, where any was measured.
+    /// Ledger of trials, if any was measured.
     pub ledger: Option<&'a TrialsReport>,
 }
 
-/// The page of a calibration, with the pictures in `outputs`.
+/// Makes the page of a calibration, with the pictures in `outputs`.
 #[must_use]
 pub fn calibration(fitted: Fitted<'_>, outputs: &Outputs) -> String {
     let Fitted { calibration, task, outcome, ledger } = fitted;
@@ -104,7 +104,7 @@ pub fn calibration(fitted: Fitted<'_>, outputs: &Outputs) -> String {
     page.finish(&title, VERSION)
 }
 
-/// What was fitted, and how well it fits.
+/// Adds the fitted coefficients and the quality of the fit.
 fn verdict(page: &mut Page, outcome: &CalibrationOutcome) {
     let fit = &outcome.fit;
     let count = outcome.measurements.len();
@@ -147,12 +147,12 @@ fn verdict(page: &mut Page, outcome: &CalibrationOutcome) {
     }
 }
 
-/// The error of a pair's dynamic coefficient over itself.
+/// Relative error of a pair's dynamic coefficient.
 fn relative_error(pair: &FittedPair) -> Option<f64> {
     Some(pair.dynamic_std_error? / pair.dynamic_mean)
 }
 
-/// The same as far as flat friction alone leaves it open: what repeats would lower.
+/// Relative error of a pair's dynamic coefficient from flat friction alone, which repeated measurements would reduce.
 fn measured_error(pair: &FittedPair) -> Option<f64> {
     Some(pair.dynamic_std_error_given_law.or(pair.dynamic_std_error)? / pair.dynamic_mean)
 }
@@ -161,7 +161,7 @@ fn range(values: impl Iterator<Item = f64>) -> [f64; 2] {
     values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], value| [low.min(value), high.max(value)])
 }
 
-/// Whether mu_s is an assumption somewhere.
+/// Whether mu_s is an assumption for any measurement.
 fn assumes_static(outcome: &CalibrationOutcome) -> bool {
     outcome.fit.pairs.iter().any(|pair| pair.static_std_error.is_none())
 }
@@ -213,7 +213,7 @@ fn found(page: &mut Page, task: &CalibrationTask, outcome: &CalibrationOutcome) 
     page.facts("What was fitted, and what it rests on", &rows);
 }
 
-/// The doubt that matters most; the others folded.
+/// Adds the most important warning, and folds the others.
 fn caveat(page: &mut Page, outcome: &CalibrationOutcome) {
     let mut all: Vec<String> = Vec::new();
     if outcome.surface.synthetic {
@@ -223,7 +223,7 @@ fn caveat(page: &mut Page, outcome: &CalibrationOutcome) {
     page.doubts(all);
 }
 
-/// What the data leave open.
+/// Lists quantities that the data leave uncertain.
 fn open(task: &CalibrationTask, outcome: &CalibrationOutcome) -> Vec<String> {
     let fit = &outcome.fit;
     let mut all = Vec::new();
@@ -262,7 +262,7 @@ fn open(task: &CalibrationTask, outcome: &CalibrationOutcome) -> Vec<String> {
     all
 }
 
-/// A parameter's value in the unit that it is read in.
+/// Formats a parameter's value in its displayed unit.
 fn value(parameter: &Parameter, value: f64) -> String {
     if parameter.name.ends_with("_pa") {
         format!("{} MPa", number(PRESSURE_MPA.from_si(value), 3))
@@ -271,7 +271,7 @@ fn value(parameter: &Parameter, value: f64) -> String {
     }
 }
 
-/// What would settle most, the most important first.
+/// Suggested measurements, the most important first.
 fn next(fitted: &Fitted<'_>) -> Vec<String> {
     let Fitted { task, outcome, ledger, .. } = *fitted;
     let mut all = Vec::new();
@@ -311,13 +311,13 @@ fn next(fitted: &Fitted<'_>) -> Vec<String> {
     all
 }
 
-/// The pair of coefficients of a measurement.
+/// Pair of coefficients that belongs to a measurement.
 fn pair(outcome: &CalibrationOutcome, row: usize) -> Option<&FittedPair> {
     let pairs = &outcome.fit.pairs;
     if pairs.len() == 1 { pairs.first() } else { pairs.get(row) }
 }
 
-/// Pressure, speed and humidity in words.
+/// Describes pressure, speed and humidity.
 fn condition(task: &CalibrationTask, of: &Measurement) -> String {
     format!(
         "{} MPa, {} mm/s and {} % humidity",
@@ -327,7 +327,7 @@ fn condition(task: &CalibrationTask, of: &Measurement) -> String {
     )
 }
 
-/// Measured static peaks beside those of the model.
+/// Adds the table of measured and modelled static peaks.
 fn static_friction(page: &mut Page, rows: &[StaticRow]) {
     let Some(words) = static_words(rows) else { return };
     page.paragraph(&sentence(&words));
@@ -417,7 +417,7 @@ fn fit(page: &mut Page, task: &CalibrationTask, outcome: &CalibrationOutcome, ou
     });
 }
 
-/// Traces behind the measurements.
+/// Adds the traces of the measurements.
 fn traces(page: &mut Page, outputs: &Outputs) {
     let drawn: Vec<(String, String)> = outputs
         .names()

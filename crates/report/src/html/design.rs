@@ -1,4 +1,4 @@
-//! What `optimize` found.
+//! Page of a design found by `optimize`.
 
 use slipgrid_design::records::{GoalReport, TradeOffsReport};
 use slipgrid_design::{DesignOutcome, DesignReport, Expected, SampleReport, percent as chance_words};
@@ -13,8 +13,8 @@ use super::page::{Column, Page, micrometres, number, percent, plain, sentence, w
 use crate::Outputs;
 use crate::target::model_alone;
 
-/// The page of a design: from its `report`, the coefficients behind it, which are those of `loads` and of `area_law`, and the
-/// pictures and files in `outputs`; with an explorer where `found`, of which `report` is, has one.
+/// Makes the page of a design from its `report`, the coefficients in `loads` and `area_law`, and the pictures and files in
+/// `outputs`; includes an explorer if `found`, the design of `report`, has one.
 #[must_use]
 pub fn design(
     report: &DesignReport,
@@ -58,7 +58,7 @@ pub fn design(
     page.finish(&report.name, &report.version)
 }
 
-/// What is expected at every load, what limits it, and how it changes with the dimensions.
+/// Adds expected values at every load, their limits, and their sensitivity to the dimensions.
 fn expected(page: &mut Page, report: &DesignReport) {
     let all = &report.sample.expected;
     let has_several = all.iter().any(|at| !at.is_at_condition_of(&all[0]));
@@ -97,7 +97,7 @@ fn expected(page: &mut Page, report: &DesignReport) {
     slopes(page, report);
 }
 
-/// What is reached of the goal.
+/// Adds the achieved goal.
 fn goal(page: &mut Page, goal: &GoalReport) {
     let interval = goal.interval_95.map_or_else(String::new, |ends| format!(" (95 %: {})", believed_interval(ends)));
     page.paragraph(&format!(
@@ -135,7 +135,7 @@ fn limited_by(page: &mut Page, report: &DesignReport) {
     );
 }
 
-/// How what is expected changes with each dimension.
+/// Adds the sensitivity of expected values to each dimension.
 fn slopes(page: &mut Page, report: &DesignReport) {
     let mut header = vec!["P in MPa"];
     header.extend(report.slopes.iter().map(|slope| slope.dimension.trim_end_matches("_um")));
@@ -152,7 +152,7 @@ fn slopes(page: &mut Page, report: &DesignReport) {
     }
 }
 
-/// Other samples worth cutting, and the trade-offs.
+/// Adds other samples worth cutting, and the trade-offs.
 fn others(page: &mut Page, report: &DesignReport, outputs: &Outputs) {
     let ends = |at: Option<&Expected>| {
         at.map_or_else(String::new, |at| {
@@ -199,7 +199,7 @@ fn others(page: &mut Page, report: &DesignReport, outputs: &Outputs) {
     }
 }
 
-/// Designs that no other beats in every goal.
+/// Adds the designs on the Pareto front.
 fn trade_offs(page: &mut Page, found: &TradeOffsReport, outputs: &Outputs) {
     page.subheading("Trade-offs");
     page.picture_of(
@@ -220,7 +220,7 @@ fn trade_offs(page: &mut Page, found: &TradeOffsReport, outputs: &Outputs) {
     page.table("Some of the front, from one end to the other; trade-offs.csv has all.", &header, &rows);
 }
 
-/// What the confirming run found at the target's pressures.
+/// Adds the results of the confirming run at the target's pressures.
 fn confirmed(page: &mut Page, report: &DesignReport) {
     let columns: [Column<LoadReport>; 9] = [
         ("P in MPa", |load| plain(load.pressure_mpa)),
@@ -245,7 +245,7 @@ fn confirmed(page: &mut Page, report: &DesignReport) {
     );
 }
 
-/// The pictures whose names begin with `prefix`, by load.
+/// Adds the pictures whose names begin with `prefix`, by load.
 fn pictures(page: &mut Page, outputs: &Outputs, heading: &str, prefix: &str, what: &str) {
     let named: Vec<(String, String)> = outputs
         .names()
@@ -278,7 +278,7 @@ fn material(page: &mut Page, report: &DesignReport, outputs: &Outputs, (area_law
 }
 
 fn laser(page: &mut Page, laser: &Laser, outputs: &Outputs) {
-    // By name, in the order of the alphabet.
+    // Alphabetical by name.
     let Laser {
         depth_per_burst_um,
         exposure,

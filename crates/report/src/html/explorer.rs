@@ -1,4 +1,4 @@
-//! The explorer: sliders that interpolate what is expected of a sample of any design within the bounds.
+//! Explorer of designs: sliders that interpolate the expected values of any design within the bounds.
 
 mod surfaces;
 
@@ -17,10 +17,10 @@ use super::points::{Among, Point};
 use crate::Outputs;
 
 const SCRIPT: &str = include_str!("explorer.js");
-/// Outputs of what stands beside what is expected: the last are seconds under the laser.
+/// Number of outputs besides the expected values; the last one is the laser time in seconds.
 const BESIDE: usize = 4;
 
-/// A limit that the page can check.
+/// Limit that the page can check.
 #[derive(Serialize)]
 struct LimitData {
     kind: &'static str,
@@ -34,24 +34,24 @@ struct Data {
     is_ratio: bool,
     axes: Vec<AxisData>,
     pressure_mpa: Vec<f64>,
-    /// What is accepted at each pressure.
+    /// Lowest accepted value at each pressure.
     lowest: Vec<Option<f64>>,
     highest: Vec<Option<f64>>,
     flat_mu: Vec<f64>,
-    /// At each load of each condition the median, the one designed for first.
+    /// Medians at each load of each condition, the design condition first.
     medians: Packed,
-    /// At each load of the condition designed for the lower, then the upper ends of 95 % of samples.
+    /// Lower, then upper ends of the 95 % interval at each load of the design condition.
     lower: Packed,
     upper: Packed,
-    /// ln(p / (1 - p)) of the chance p.
+    /// Logit ln(p / (1 - p)) of the probability p.
     log_odds: Packed,
-    /// ln of the largest pressure in MPa, least height of a ceiling in micrometres, share of the face, seconds under the laser.
+    /// ln of the maximum pressure in MPa, minimum height of a ceiling in um, areal density, and laser time in seconds.
     beside: Packed,
-    /// Nodes of the lattice without an answer.
+    /// Lattice nodes without a result.
     holes: Vec<usize>,
     limits: Vec<LimitData>,
     burst_um: Option<f64>,
-    /// Depths are whole passes over a hatch, and not bursts on a spot.
+    /// Depths are whole passes over a hatch, instead of bursts on a spot.
     has_passes: bool,
     has_laser_time: bool,
     design: [f64; 3],
@@ -60,7 +60,7 @@ struct Data {
 }
 
 impl Data {
-    /// Whether the map shows a point of this kind.
+    /// Whether the map shows points of this kind.
     fn shows(&self, kind: &str) -> bool {
         self.points.iter().any(|point| point.on_map && point.kind == kind)
     }
@@ -70,22 +70,22 @@ impl Data {
     }
 }
 
-/// What a page explores, with what is known of it.
+/// Task that a page explores, with its results.
 struct Subject<'a> {
     task: &'a DesignTask,
     material: &'a KnownMaterial,
     pattern: &'a Pattern,
     explorer: &'a Explorer,
-    /// The design found, where one was searched.
+    /// Design found, if a search was run.
     report: Option<&'a DesignReport>,
-    /// Friction of the flat surface at each of the target's pressures.
+    /// Friction of the flat surface at each target pressure.
     flat_mu: &'a [f64],
-    /// A scene of the pattern.
+    /// Scene with the pattern.
     toml: String,
 }
 
 impl Subject<'_> {
-    /// What limits the page can check.
+    /// Limits that the page can check.
     fn limits(&self) -> Vec<LimitData> {
         let task = self.task;
         let mut all = Vec::new();
@@ -152,7 +152,7 @@ impl Subject<'_> {
         }
     }
 
-    /// What the page interpolates, and how far that is from what is predicted there.
+    /// Describes the interpolated quantities and the interpolation error.
     fn words(&self) -> String {
         let explorer = self.explorer;
         let quantity = if self.task.target.quantity() == Quantity::Ratio { "ratio" } else { "friction" };
@@ -172,11 +172,11 @@ impl Subject<'_> {
         format!("What is expected of a cut sample of any design within the bounds. {error}{conditions}")
     }
 
-    /// Adds the sliders and what they show.
+    /// Adds the sliders and their outputs.
     fn add(&self, page: &mut Page) {
         let data = self.data();
         let Ok(json) = serde_json::to_string(&data) else { return };
-        // Nothing in it may end the element that holds it.
+        // The text must not close the element that contains it.
         let json = json.replace("</", "<\\/").replace("<!--", "<\\u0021--");
         page.add(&html! { div class="screen" { h2 { "Explore" } p { (self.words()) } (controls(&data)) } });
         page.script(&format!(
@@ -185,7 +185,7 @@ impl Subject<'_> {
     }
 }
 
-/// The explorer of `found`, where it was made.
+/// Adds the explorer of `found`, if there is one.
 pub(super) fn explorer(page: &mut Page, found: &DesignOutcome, outputs: &Outputs) {
     let Some(explorer) = &found.explorer else { return };
     let toml = outputs.text("scene.toml").unwrap_or_default();
@@ -195,7 +195,7 @@ pub(super) fn explorer(page: &mut Page, found: &DesignOutcome, outputs: &Outputs
     Subject { task, material, pattern, explorer, report: Some(&found.report), flat_mu: &flat_mu, toml }.add(page);
 }
 
-/// The page of what a task's designs do, before any is searched; `toml` is a scene of the design that the page begins with.
+/// Makes the page of a task's designs before any search; `toml` is a scene of the initial design.
 #[must_use]
 pub fn exploration(found: &Explored, toml: String) -> String {
     let Explored { task, material, pattern, explorer, flat_mu, trials, .. } = found;
@@ -217,7 +217,7 @@ pub fn exploration(found: &Explored, toml: String) -> String {
     page.finish(&task.name, VERSION)
 }
 
-/// The points in words, each with a button that chooses it.
+/// Lists the points in words, each with a button that selects it.
 fn listed(data: &Data) -> Markup {
     let has_measured = data.points.iter().any(|point| !point.measured.is_empty());
     html! {

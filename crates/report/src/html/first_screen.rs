@@ -1,4 +1,4 @@
-//! What is seen first: what to do, what to cut, what is expected of a sample, what limits it, and what this rests on.
+//! First screen of a design's page: decision, sample to cut, expected values, limits and basis.
 
 use maud::html;
 use slipgrid_design::{DesignOutcome, DesignReport, LimitedBy, percent};
@@ -9,16 +9,16 @@ use super::page::{Page, Text, known, length_um, micrometres, number, percent as 
 use crate::Outputs;
 use crate::target::{flat_of, target_narrow};
 
-/// Limits that are drawn; the table below the first screen has all.
+/// Maximum number of limits drawn as bars; the table below the first screen lists all.
 const MAX_BARS: usize = 5;
-/// Standard deviation over the largest from which a limit is drawn.
+/// Standard deviation relative to the largest, from which a limit is drawn.
 const MIN_BAR: f64 = 0.02;
-/// Rise of the chance from which it is worth saying.
+/// Increase of the probability from which it is reported.
 const MIN_GAIN: f64 = 0.02;
-/// Files that a person at the laser needs.
+/// Files needed at the laser.
 const LASER_FILES: [&str; 4] = ["pattern.dxf", "pattern.svg", "pattern.csv", "process.toml"];
 
-/// The words of the page that a reader from another field may not know.
+/// Terms on the page that a reader from another field may not know.
 const TERMS: [(&str, &str); 11] = [
     (
         "chance",
@@ -42,7 +42,7 @@ const TERMS: [(&str, &str); 11] = [
     ("trial", "A sample that was cut and measured to learn how far the model is off."),
 ];
 
-/// The screen, of `report` and, where it is known, of what was `found`.
+/// Adds the first screen of `report`, with details from `found` if available.
 pub(super) fn first_screen(page: &mut Page, report: &DesignReport, outputs: &Outputs, found: Option<&DesignOutcome>) {
     page.block(if is_worth_cutting(report) { "decision" } else { "decision missed" }, |page| {
         page.marked("headline", &sentence(&report.words));
@@ -65,12 +65,12 @@ pub(super) fn first_screen(page: &mut Page, report: &DesignReport, outputs: &Out
     basis(page, report);
 }
 
-/// Whether the advice is to cut something, or that something cut is on target.
+/// Whether the advice is to cut a sample, or a cut sample is on target.
 fn is_worth_cutting(report: &DesignReport) -> bool {
     matches!(&*report.advice, "series" | "trial" | "trial_meets_it")
 }
 
-/// What is expected at the last load of the target, in one sentence.
+/// Describes the expected value at the last load of the target in one sentence.
 fn expected_words(report: &DesignReport) -> Option<String> {
     let at = report.sample.expected.get(last(report))?;
     let quantity = if report.is_ratio() { "a ratio of" } else { "a friction coefficient of" };
@@ -86,7 +86,7 @@ fn expected_words(report: &DesignReport) -> Option<String> {
     ))
 }
 
-/// The last load at the condition designed for.
+/// Index of the last load at the design condition.
 fn last(report: &DesignReport) -> usize {
     report.target.pressure_mpa.len().saturating_sub(1)
 }
@@ -97,7 +97,7 @@ fn plot_caption(report: &DesignReport) -> String {
     format!("Friction of a cut sample against pressure{conditions}")
 }
 
-/// The texture, the exposure and the files.
+/// Adds texture, exposure and files.
 fn to_cut(page: &mut Page, report: &DesignReport, outputs: &Outputs, found: Option<&DesignOutcome>) {
     let design = &report.sample.design;
     let mut rows: Vec<(&str, String)> = vec![("planform", design.planform.clone())];
@@ -145,7 +145,7 @@ fn to_cut(page: &mut Page, report: &DesignReport, outputs: &Outputs, found: Opti
     }
 }
 
-/// What limits the chance as bars, what keeps a target out of reach, and what to do next.
+/// Adds the factors that limit the probability as bars, the constraints that keep the target out of reach, and the next steps.
 fn limits(page: &mut Page, report: &DesignReport) {
     let row = last(report);
     let std = |limit: &LimitedBy| limit.std.get(row).copied().filter(|std| std.is_finite()).unwrap_or(0.0);
@@ -194,7 +194,7 @@ fn limits(page: &mut Page, report: &DesignReport) {
     }
 }
 
-/// What the numbers rest on, and what makes them doubtful.
+/// Adds the basis of the numbers, and the warnings.
 fn basis(page: &mut Page, report: &DesignReport) {
     let mut known = vec![match report.trials {
         0 => "no trial yet".to_owned(),

@@ -1,4 +1,4 @@
-//! A design's report with all its parts, for tests of its page.
+//! Test fixture: a design's report with all parts.
 
 use slipgrid_design::records::{
     GoalReport, LiftedReport, ListedDesign, SlopeReport, TableReport, TargetReport, Tolerance, TradeOffsReport,
@@ -7,7 +7,7 @@ use slipgrid_design::{DesignReport, Expected, LimitedBy, ModelledRatio, SampleRe
 use slipgrid_export::{Ablation, Exposure, Laser, Removal};
 use slipgrid_results::{LoadReport, MaterialReport, PatternReport};
 
-/// A report that holds every part that a page can show.
+/// Report that contains every part that a page can show.
 pub fn report() -> DesignReport {
     let design = PatternReport {
         planform: "groove".into(),
@@ -140,13 +140,13 @@ fn sample(design: &PatternReport) -> SampleReport {
     }
 }
 
-/// What is had without a limit.
+/// Result without one limit.
 pub fn lifted() -> LiftedReport {
     let design = PatternReport { width_um: 40.0, spacing_um: 60.0, depth_um: 10.0, ..PatternReport::default() };
     LiftedReport { what: "the smallest land, 80 um".into(), chance: 0.35, design, is_within_reach: true }
 }
 
-/// What becomes of a goal.
+/// Result for a goal.
 pub fn goal() -> GoalReport {
     GoalReport {
         goal: "even".into(),

@@ -1,16 +1,16 @@
-//! Results as one page for a browser or a printer: a single file that asks the network for nothing.
+//! Results as a single HTML page for browsers and printers, without network access.
 //!
 //! | function | page |
 //! |---|---|
-//! | [`design`] | what `optimize` found, from its record and pictures |
-//! | [`exploration`] | what any design of a task does, before any is searched |
-//! | [`calibration`] | what `calibrate` fitted, and what the data leave open |
-//! | [`surface`] | an altitude map: its parameters, and what makes them doubtful |
+//! | [`design`] | result of `optimize`, from its record and pictures |
+//! | [`exploration`] | predictions for any design of a task, before a search |
+//! | [`calibration`] | result of `calibrate`, and the remaining uncertainty |
+//! | [`surface`] | altitude map: parameters and warnings |
 //! | [`trials`] | the ledger of trials |
-//! | [`page`] | the parts of any page |
+//! | [`page`] | parts of any page |
 //!
-//! A page is drawn from a record by its type, shows what the record holds and leaves out what is `None`. It says neither
-//! time nor threads: the same result gives the same bytes.
+//! A page is drawn from a typed record, shows all values of the record and leaves out values that are `None`. It contains
+//! neither times nor thread counts: identical results give identical bytes.
 
 mod background;
 mod calibration;

@@ -1,4 +1,4 @@
-//! The parts of a page: text, tables that sort, pictures on cards.
+//! Parts of a page: text, sortable tables, pictures on cards.
 
 use maud::{DOCTYPE, Markup, PreEscaped, Render, html};
 use slipgrid_export::{is_xml_letter, not_modelled};
@@ -10,19 +10,19 @@ use crate::Outputs;
 const STYLE: &str = include_str!("style.css");
 const SCRIPT: &str = include_str!("sort.js");
 
-/// The end of a line, after every element that has one of its own.
+/// Line end, written after every block element.
 const NL: PreEscaped<&str> = PreEscaped("\n");
 
-/// Bytes of a picture above which a page only names it: browsers draw tens of thousands of shapes slowly.
+/// Picture size in bytes above which a page only names the file: browsers draw tens of thousands of shapes slowly.
 const LARGEST_PICTURE: usize = 3_000_000;
 
-/// Height of the smallest text of a drawing as it is shown, in pixels of the page.
+/// Minimum displayed height of a drawing's smallest text, in pixels of the page.
 const MIN_TEXT_PX: f64 = 9.0;
 
-/// Characters of a number with its error and unit; longer cells are sentences.
+/// Maximum length of a number with its error and unit; longer cells are treated as sentences.
 const LONGEST_NUMBER: usize = 24;
 
-/// Text without control characters other than line ends, escaped as it is written.
+/// Text that is escaped when written, without control characters other than line ends.
 pub(super) struct Text<'a>(pub(super) &'a str);
 
 impl Render for Text<'_> {
@@ -31,28 +31,28 @@ impl Render for Text<'_> {
     }
 }
 
-/// A column of a table of records: its name, and what stands in it of a record.
+/// Column of a table of records: its name, and a function that formats the cell of a record.
 pub type Column<T> = (&'static str, fn(&T) -> String);
 
-/// What is said of a page without files beside it.
+/// Note on a page without accompanying files.
 const ALONE: &str = "This page holds all its numbers itself: no files belong to it.";
 
-/// A page under construction; by default with nothing on it.
+/// Page under construction, empty by default.
 #[derive(Clone, Debug, Default)]
 pub struct Page {
     body: String,
     pictures: usize,
-    /// No files stand beside it.
+    /// No files accompany the page.
     is_alone: bool,
 }
 
 impl Page {
-    /// A page without files beside it.
+    /// Creates a page without accompanying files.
     pub fn alone() -> Self {
         Self { is_alone: true, ..Self::default() }
     }
 
-    /// The whole page. `version` of the program that made it.
+    /// Renders the whole page; `version` is the program's version.
     pub fn finish(self, title: &str, version: &str) -> String {
         let (title, version) = (Text(title), Text(version));
         let beside = if self.is_alone { ALONE } else { "Every number stands in the files beside this page." };
@@ -76,34 +76,34 @@ impl Page {
         page.into_string()
     }
 
-    /// Appends an element and a line's end.
+    /// Appends an element and a line end.
     pub(super) fn add(&mut self, element: &Markup) {
         self.body.push_str(&element.0);
         self.body.push('\n');
     }
 
-    /// Scripts of the page's own, as they are.
+    /// Adds a script verbatim.
     pub(super) fn script(&mut self, text: &str) {
         self.body.push_str(text);
         self.body.push('\n');
     }
 
-    /// The page's name, above everything.
+    /// Adds the title of the page.
     pub fn title(&mut self, text: &str) {
         self.add(&html! { h1 { (Text(text)) } });
     }
 
-    /// A heading.
+    /// Adds a heading.
     pub fn heading(&mut self, text: &str) {
         self.add(&html! { h2 { (Text(text)) } });
     }
 
-    /// A heading within a part.
+    /// Adds a subheading.
     pub fn subheading(&mut self, text: &str) {
         self.add(&html! { h3 { (Text(text)) } });
     }
 
-    /// What `write` adds, under a heading; nothing where it adds nothing.
+    /// Adds the content written by `write` under a heading; adds nothing if `write` adds nothing.
     pub fn part(&mut self, name: &str, write: impl FnOnce(&mut Self)) {
         let before = std::mem::take(&mut self.body);
         write(self);
@@ -114,7 +114,7 @@ impl Page {
         }
     }
 
-    /// What `write` adds, folded away under a name; nothing where it adds nothing.
+    /// Adds the content written by `write`, folded under a name; adds nothing if `write` adds nothing.
     pub fn fold(&mut self, name: &str, write: impl FnOnce(&mut Self)) {
         let before = std::mem::take(&mut self.body);
         write(self);
@@ -124,7 +124,7 @@ impl Page {
         }
     }
 
-    /// Two parts side by side where there is room, with one picture at the right.
+    /// Adds two parts side by side if there is room, with one picture at the right.
     pub fn beside_picture(&mut self, left: impl FnOnce(&mut Self), right: impl FnOnce(&mut Self)) {
         self.block("first tall", |page| {
             page.block("", left);
@@ -132,14 +132,14 @@ impl Page {
         });
     }
 
-    /// What `write` adds, in a block of a class of the style sheet.
+    /// Adds the content written by `write` in a block with a class of the style sheet.
     pub(super) fn block(&mut self, class: &str, write: impl FnOnce(&mut Self)) {
         self.body.push_str(&format!("<div class=\"{class}\">\n"));
         write(self);
         self.body.push_str("</div>\n");
     }
 
-    /// Names with their values; nothing where there are none.
+    /// Adds names with their values; adds nothing for an empty list.
     pub fn facts(&mut self, caption: &str, rows: &[(&str, String)]) {
         if rows.is_empty() {
             return;
@@ -152,29 +152,29 @@ impl Page {
         });
     }
 
-    /// Words with what they mean, folded away.
+    /// Adds terms with their definitions, folded.
     pub fn terms(&mut self, terms: &[(&str, &str)]) {
         self.add(&html! {
             details { summary { "What the words mean" } dl { (NL) @for (term, meaning) in terms { dt { (term) } dd { (meaning) } (NL) } } }
         });
     }
 
-    /// A paragraph.
+    /// Adds a paragraph.
     pub fn paragraph(&mut self, text: &str) {
         self.add(&html! { p { (Text(text)) } });
     }
 
-    /// A paragraph of a class of the style sheet.
+    /// Adds a paragraph with a class of the style sheet.
     pub fn marked(&mut self, class: &str, text: &str) {
         self.add(&html! { p class=(class) { (Text(text)) } });
     }
 
-    /// What a reader should know before using the numbers.
+    /// Adds a warning.
     pub fn warning(&mut self, text: &str) {
         self.marked("warning", text);
     }
 
-    /// What makes numbers doubtful: the first that matters most, the others folded.
+    /// Adds warnings: the first one, which is the most important, visible and the others folded.
     pub fn doubts(&mut self, all: Vec<String>) {
         let mut all = all.into_iter();
         if let Some(first) = all.next() {
@@ -186,7 +186,7 @@ impl Page {
         }
     }
 
-    /// A share from 0 to 1 as a bar, which words beside it say too.
+    /// Adds a bar for a share from 0 to 1; adjacent text states the share too.
     pub fn bar(&mut self, share: f64) {
         let percent = 100.0 * share.clamp(0.0, 1.0);
         self.add(&html! {
@@ -194,12 +194,12 @@ impl Page {
         });
     }
 
-    /// The sentence that a reader should take along.
+    /// Adds the main sentence of the page.
     pub fn lead(&mut self, text: &str) {
         self.marked("chance", text);
     }
 
-    /// A list with bullets under a name; nothing where there are no items.
+    /// Adds a bulleted list under a name; adds nothing for an empty list.
     pub fn named_list(&mut self, name: &str, items: &[String]) {
         if !items.is_empty() {
             self.subheading(name);
@@ -207,7 +207,7 @@ impl Page {
         }
     }
 
-    /// A list with bullets; nothing where there are no items.
+    /// Adds a bulleted list; adds nothing for an empty list.
     pub fn list(&mut self, items: &[String]) {
         if items.is_empty() {
             return;
@@ -215,12 +215,12 @@ impl Page {
         self.add(&html! { ul { (NL) @for item in items { li { (Text(item)) } (NL) } } });
     }
 
-    /// A table whose columns sort by a click; nothing where it has no rows.
+    /// Adds a table whose columns sort by a click; adds nothing without rows.
     pub fn table(&mut self, caption: &str, header: &[&str], rows: &[Vec<String>]) {
         if rows.is_empty() {
             return;
         }
-        // Sentences read from the left, numbers line up at the right: a column is one or the other.
+        // Sentences are left-aligned and numbers right-aligned; each column is one or the other.
         let is_words = |column: usize| {
             rows.iter().filter_map(|row| row.get(column)).any(|cell| cell.chars().count() > LONGEST_NUMBER)
         };
@@ -247,14 +247,14 @@ impl Page {
         });
     }
 
-    /// The same with one row a record; each column has its name and what stands in it.
+    /// Adds a table with one row per record.
     pub fn records<T>(&mut self, caption: &str, records: &[T], columns: &[Column<T>]) {
         let header: Vec<&str> = columns.iter().map(|(name, _)| *name).collect();
         let row = |record: &T| columns.iter().map(|(_, cell)| cell(record)).collect();
         self.table(caption, &header, &records.iter().map(row).collect::<Vec<_>>());
     }
 
-    /// A picture on a white card, in any colour scheme; `alt` says what it shows.
+    /// Adds a picture on a card that is white in any colour scheme, with a caption.
     pub fn picture(&mut self, svg: &str, caption: &str) {
         if svg.len() > LARGEST_PICTURE {
             self.paragraph(&format!("{caption} The picture is too large for this page: it is a file beside the page."));
@@ -264,29 +264,29 @@ impl Page {
         self.add(&html! { figure { (card) figcaption { (Text(caption)) } } });
     }
 
-    /// A picture on its card, told apart from the page's others.
+    /// Puts a picture on its card, with ids that are unique on the page.
     fn card(&mut self, svg: &str, caption: &str) -> Markup {
         self.pictures += 1;
         let start = svg.find("<svg").unwrap_or(0);
         let prefix = format!("p{}-", self.pictures);
-        // Names within one page are unique: those of several pictures are told apart.
+        // Ids within one page must be unique: the ids of each picture get their own prefix.
         let named = svg[start..]
             .replace(" id=\"", &format!(" id=\"{prefix}"))
             .replace("url(#", &format!("url(#{prefix}"))
             .replacen("<svg ", &format!("<svg role=\"img\" aria-label=\"{}\" ", Text(caption).render().0), 1);
-        // So wide that its smallest text can be read: a narrower window scrolls it.
+        // The minimum width keeps the smallest text readable: a narrower window scrolls.
         let least = least_width_px(&named).map(|px| format!("--least:{px:.0}px"));
         html! { div class="card" style=[least] { (PreEscaped(named.trim_end())) } }
     }
 
-    /// The picture `name` of `outputs`, where it was made.
+    /// Adds the picture `name` of `outputs`, if it exists.
     pub fn picture_of(&mut self, outputs: &Outputs, name: &str, caption: &str) {
         if let Some(svg) = outputs.text(name) {
             self.picture(&svg, caption);
         }
     }
 
-    /// The same with another one for a narrow window, where that was made.
+    /// Adds the picture `name` of `outputs`, with a variant for narrow windows if one exists.
     pub fn picture_of_both(&mut self, outputs: &Outputs, name: &str, narrow: Option<String>, caption: &str) {
         let (Some(wide), Some(narrow)) = (outputs.text(name), narrow) else {
             return self.picture_of(outputs, name, caption);
@@ -297,7 +297,7 @@ impl Page {
         });
     }
 
-    /// Two periods of a pattern in vertical section without words; nothing where a length is not positive.
+    /// Adds two periods of a pattern in vertical section without labels; adds nothing if a length is not positive.
     pub(super) fn outline(&mut self, pattern: &PatternReport) {
         let rim = pattern.rim.as_ref().and_then(|rim| rim.rim().ok());
         let svg = section(pattern.width_um, pattern.spacing_um, pattern.depth_um, rim.as_ref(), false);
@@ -306,7 +306,7 @@ impl Page {
         }
     }
 
-    /// Two periods of a pattern in vertical section; nothing where a length is not positive.
+    /// Adds two periods of a pattern in vertical section; adds nothing if a length is not positive.
     pub fn section(&mut self, pattern: &PatternReport) {
         let rim = pattern.rim.as_ref().and_then(|rim| rim.rim().ok());
         let svg = section(pattern.width_um, pattern.spacing_um, pattern.depth_um, rim.as_ref(), true);
@@ -316,7 +316,7 @@ impl Page {
         }
     }
 
-    /// What was modelled, how it was computed, and what never is modelled.
+    /// Adds model assumptions, numerical methods, and effects that are never modelled.
     pub fn model(&mut self, [model, method]: [&[String]; 2], has_rim: bool) {
         self.heading("What was modelled, and why");
         self.list(model);
@@ -326,7 +326,7 @@ impl Page {
         self.paragraph(&format!("Not modelled: {}.", not_modelled(has_rim).join("; ")));
     }
 
-    /// Pictures side by side where there is room.
+    /// Adds pictures side by side if there is room.
     pub fn pictures<'a>(&mut self, pictures: impl IntoIterator<Item = (&'a str, &'a str)>) {
         self.body.push_str("<div class=\"pair\">\n");
         for (svg, caption) in pictures {
@@ -335,13 +335,13 @@ impl Page {
         self.body.push_str("</div>\n");
     }
 
-    /// A file's text, folded away.
+    /// Adds the text of a file, folded.
     pub fn folded(&mut self, name: &str, text: &str) {
         self.add(&html! { details { summary { (Text(name)) } pre { (Text(text.trim_end())) } } });
     }
 }
 
-/// Width of a drawing at which its smallest text is as high as [`MIN_TEXT_PX`]; `None` without text.
+/// Width of a drawing at which its smallest text has the height [`MIN_TEXT_PX`]; `None` without text.
 fn least_width_px(svg: &str) -> Option<f64> {
     let after = |text: &'static str| svg.split(text).skip(1).filter_map(|rest| rest.split('"').next());
     let width: f64 = after("viewBox=\"").next()?.split_whitespace().nth(2)?.parse().ok()?;
@@ -349,12 +349,12 @@ fn least_width_px(svg: &str) -> Option<f64> {
     (smallest > 0.0 && smallest.is_finite()).then(|| (MIN_TEXT_PX * width / smallest).ceil())
 }
 
-/// A number that is one: infinities, and what is no number, say nothing.
+/// Finite value; `None` for infinities and NaN.
 pub fn known(value: impl Into<Option<f64>>) -> Option<f64> {
     value.into().filter(|value| value.is_finite())
 }
 
-/// Words as a sentence. A key or a file that begins it is written as it is named.
+/// Formats words as a sentence. A key or file name at the beginning keeps its case.
 pub fn sentence(words: &str) -> String {
     let first = words.split_whitespace().next().unwrap_or_default().trim_end_matches([':', ',', ';', '.']);
     if first.contains(['_', '.', '/', '`', '[']) {
@@ -365,17 +365,17 @@ pub fn sentence(words: &str) -> String {
     format!("{first}{}.", letters.as_str())
 }
 
-/// A number with its decimals, or a dash.
+/// Formats a number with `digits` decimals, or a dash.
 pub fn number(value: impl Into<Option<f64>>, digits: usize) -> String {
     fixed(value.into(), digits)
 }
 
-/// A number with all its digits and no more, or a dash: 50, not 50.0.
+/// Formats a number with the fewest digits that represent it exactly, or a dash: 50, not 50.0.
 pub fn plain(value: impl Into<Option<f64>>) -> String {
     known(value).map_or_else(|| "-".to_owned(), |value| value.to_string())
 }
 
-/// Words with micrometres as a page writes them.
+/// Replaces the unit of micrometres by µm.
 pub fn micrometres(words: &str) -> String {
     let one = |word: &str| match word.trim_end_matches([',', '.', ';']) {
         "um" => word.replacen("um", "µm", 1),
@@ -384,17 +384,17 @@ pub fn micrometres(words: &str) -> String {
     words.split(' ').map(one).collect::<Vec<_>>().join(" ")
 }
 
-/// A length in micrometres, to a tenth of a nanometre.
+/// Formats a length in micrometres, to a tenth of a nanometre.
 pub fn length_um(value: f64) -> String {
     plain((value * 1e4).round() / 1e4)
 }
 
-/// A share from 0 to 1 in per cent, or a dash.
+/// Formats a share from 0 to 1 in per cent, or a dash.
 pub fn percent(share: impl Into<Option<f64>>, digits: usize) -> String {
     number(share.into().map(|share| 100.0 * share), digits)
 }
 
-/// A number with its error, as far as both are known.
+/// Formats a number with its error, or whichever of them is known.
 pub fn with_error(value: impl Into<Option<f64>>, error: impl Into<Option<f64>>, digits: usize) -> String {
     let value = known(value);
     match known(error).filter(|_| value.is_some()) {
@@ -403,12 +403,12 @@ pub fn with_error(value: impl Into<Option<f64>>, error: impl Into<Option<f64>>, 
     }
 }
 
-/// Both ends of an interval, or a dash.
+/// Formats the ends of an interval, or a dash.
 pub fn ends(interval: Option<[f64; 2]>, digits: usize) -> String {
     interval.map_or_else(|| "-".to_owned(), |[from, to]| format!("{} to {}", number(from, digits), number(to, digits)))
 }
 
-/// Yes or no.
+/// Formats a Boolean as yes or no.
 pub fn yes_or_no(is_so: bool) -> String {
     if is_so { "yes" } else { "no" }.to_owned()
 }

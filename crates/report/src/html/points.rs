@@ -1,4 +1,4 @@
-//! Designs and samples as points among what any design does: the design found, trade-offs, trials.
+//! Points of the explorer's map: the design found, trade-offs and trials.
 
 use serde::Serialize;
 use slipgrid_design::{DesignReport, DesignTask, Explorer, KnownMaterial};
@@ -10,19 +10,19 @@ use slipgrid_units::{HUMIDITY_PCT, LENGTH_UM, PRESSURE_MPA, SPEED_MM_S, tidy};
 
 use super::page::{number, plain};
 
-/// Relative difference of features up to which a trial has the design's texture: what rounding leaves.
+/// Relative difference of features up to which a trial has the design's texture; allows for rounding only.
 const ALIKE: f64 = 1e-6;
-/// Relative room about the bounds within which a point lies on the map.
+/// Relative tolerance of the bounds within which a point lies on the map.
 const ROOM: f64 = 1e-6;
 
-/// A point.
+/// Point on the explorer's map.
 #[derive(Serialize)]
 pub(super) struct Point {
-    /// What it is: `found`, `trade-off` or `trial`.
+    /// Kind of the point: `found`, `trade-off` or `trial`.
     pub kind: &'static str,
     /// Width, spacing and depth in micrometres.
     pub at: [f64; 3],
-    /// Whether the map shows it: within the bounds, and of the texture that they are of.
+    /// Whether the map shows the point: it lies within the bounds and has the texture of the bounds.
     pub on_map: bool,
     #[serde(skip)]
     pub name: String,
@@ -30,19 +30,19 @@ pub(super) struct Point {
     pub measured: String,
 }
 
-/// What points are put among.
+/// Context of the points: bounds, texture, flat friction and target.
 pub(super) struct Among<'a> {
     pub task: &'a DesignTask,
     pub material: &'a KnownMaterial,
     pub explorer: &'a Explorer,
-    /// Dynamic friction of the flat surface at each of the target's pressures.
+    /// Dynamic friction of the flat surface at each target pressure.
     pub flat_mu: &'a [f64],
-    /// The target's pressures.
+    /// Target pressures.
     pub pressure_mpa: &'a [f64],
 }
 
 impl Among<'_> {
-    /// The design of `report`, its trade-offs, and the trials of the material.
+    /// Points of the design of `report`, its trade-offs, and the trials of the material.
     pub fn points(&self, report: Option<&DesignReport>) -> Vec<Point> {
         let lengths = |of: &PatternReport| [of.width_um, of.spacing_um, of.depth_um];
         let point = |kind, at, name: String| Point { kind, at, on_map: self.holds(&at), name, measured: String::new() };
@@ -67,7 +67,7 @@ impl Among<'_> {
         let at = [width_m, pitch_m - width_m, depth_m].map(|m| tidy(LENGTH_UM.from_si(m)));
         let has_texture = is_of(self.task.space.texture(), &trial.features);
         let on_map = has_texture && self.holds(&at);
-        // Those at the condition designed for, where there are any.
+        // Loads at the design condition, if there are any.
         let is_wanted = |load: &slipgrid_discrepancy::Load| {
             self.task.condition.is_none_or(|wanted| {
                 (load.speed_m_s / wanted.speed_m_s - 1.0).abs() < ALIKE
@@ -105,7 +105,7 @@ impl Among<'_> {
         }
     }
 
-    /// The expected ratio of a design at a pressure between those of the target, as the page draws it.
+    /// Expected ratio of a design at a pressure between target pressures, as the page draws it.
     fn ratio(&self, at: &[f64; 3], pressure_pa: f64) -> Option<f64> {
         let values = self.explorer.expected.at(at);
         let (pressures, pressure_mpa) = (self.pressure_mpa, PRESSURE_MPA.from_si(pressure_pa));
@@ -123,7 +123,7 @@ impl Among<'_> {
     }
 }
 
-/// Whether `features` are those of a pattern of `texture` with their lengths.
+/// Whether `features` match a pattern of `texture` with equal lengths.
 fn is_of(texture: &Texture, features: &Features) -> bool {
     let Ok(pattern) = Pattern::new(*texture, features.width_m, features.pitch_m - features.width_m, features.depth_m)
     else {

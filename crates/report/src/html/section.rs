@@ -1,4 +1,4 @@
-//! Two periods of a pattern in vertical section, both axes at one scale; rims too low to be seen are drawn higher.
+//! Picture of two periods of a pattern in vertical section, both axes to scale; very low rims are drawn higher.
 
 use slipgrid_pattern::{Rim, RimProfile};
 use slipgrid_results::fixed;
@@ -8,24 +8,24 @@ use slipgrid_units::LENGTH_UM;
 const WIDTH: f64 = 900.0;
 const DRAWN: f64 = 760.0;
 const LEFT: f64 = 70.0;
-/// Material drawn above a cavity's ceiling, and the most, in picture units.
+/// Drawn material above a cavity's ceiling, and its maximum, in picture units.
 const MAX_HEIGHT: f64 = 420.0;
 
-/// Height below which a rim is drawn stretched, and the one to which it is, in picture units.
+/// Height below which a rim is stretched, and the stretched height, in picture units.
 const MIN_RIM: f64 = 1.5;
 const STRETCHED_RIM: f64 = 8.0;
 
-/// Straight pieces of which a half-sine rim is drawn.
+/// Number of line segments of a half-sine rim.
 const HALF_SINE_PIECES: u32 = 16;
 
-/// A rim as it is drawn, in picture units.
+/// Rim as drawn, in picture units.
 struct Drawn {
     profile: RimProfile,
     height: f64,
-    /// Its own width, and where it ends: half-way to the next cavity at the latest.
+    /// Width of the rim, and its end: at most half-way to the next cavity.
     width: f64,
     end: f64,
-    /// Drawn height over that to scale.
+    /// Drawn height over the height to scale.
     stretch: f64,
 }
 
@@ -36,21 +36,21 @@ impl Drawn {
         if to_scale <= 0.0 {
             return None;
         }
-        // One digit, so that it can be said.
+        // One digit, so that the text can state the factor.
         let wanted = STRETCHED_RIM / to_scale;
         let stretch = if to_scale < MIN_RIM { format!("{wanted:.0e}").parse().unwrap_or(wanted) } else { 1.0 };
         let end = width.min(0.5 * spacing_um * scale);
         Some(Self { profile: rim.profile(), height: stretch * to_scale, width, end, stretch })
     }
 
-    /// From the land at `face` to the edge at `x`, which it lies beside on the side of `sign`, or back where `back`.
+    /// Path from the land at `face` to the edge at `x`, on the side given by `sign`; reversed if `back`.
     fn outline(&self, x: f64, face: f64, sign: f64, back: bool) -> String {
         let unit = |value: f64| fixed(Some(value), 2);
         let outer = x + sign * self.end;
         let height = |away: f64| face + self.height * self.profile.height((away / self.width).min(1.0 - f64::EPSILON));
         let (edge, step) = (height(0.0), height(self.end));
         let [(x0, y0), (x1, y1)] = if back { [(x, edge), (outer, step)] } else { [(outer, step), (x, edge)] };
-        // The tangents of a parabola meet half-way; with the crest at the edge, at its height.
+        // The tangents of a parabola meet half-way, at the height of the crest if the crest lies at the edge.
         let way = match self.profile {
             RimProfile::Round => {
                 format!("Q{} {} {} {}", unit(x + 0.5 * sign * self.end), unit(edge), unit(x1), unit(y1))
@@ -69,8 +69,8 @@ impl Drawn {
     }
 }
 
-/// The section through the centres of cavities along their row, the counterface below; lengths in micrometres.
-/// Without words unless `is_labelled`. Empty where a length is not positive.
+/// Draws the section through the centres of cavities along their row, with the counterface below; lengths in micrometres.
+/// Has no labels unless `is_labelled`. Empty if a length is not positive.
 pub fn section(width_um: f64, spacing_um: f64, depth_um: f64, rim: Option<&Rim>, is_labelled: bool) -> String {
     let pitch_um = width_um + spacing_um;
     let positive = [width_um, spacing_um, depth_um].iter().all(|length_um| length_um.is_finite() && *length_um > 0.0);

@@ -1,16 +1,16 @@
-//! An altitude map: its parameters, what they rest on, and what makes them doubtful.
+//! Page of an altitude map: parameters, their basis, and warnings.
 
 use super::page::{Page, number, percent, sentence};
 use crate::Outputs;
 use crate::surface::SurfaceReport;
 use slipgrid_topography::LIMITED_BY_PIXELS;
 
-/// Share of the squared height in the longest waves from which on the map's size limits the heights.
+/// Share of the squared height in the longest waves above which the map's size limits the heights.
 const LIMITED_BY_SIDE: f64 = 0.4;
-/// Missing points that are worth a sentence.
+/// Share of missing points above which the page mentions them.
 const MANY_MISSING: f64 = 0.01;
 
-/// What the parameters are.
+/// Meanings of the parameters.
 const MEANINGS: [(&str, &str); 17] = [
     ("Sa", "mean distance of the heights from their mean"),
     ("Sq", "root mean square of the same"),
@@ -31,7 +31,7 @@ const MEANINGS: [(&str, &str); 17] = [
     ("Str", "shortest over longest such distance: 1 alike in all directions, near 0 with a lay"),
 ];
 
-/// The page of a map: from its `report` and the pictures in `outputs`.
+/// Makes the page of a map from its `report` and the pictures in `outputs`.
 #[must_use]
 pub fn surface(report: &SurfaceReport, outputs: &Outputs) -> String {
     let mut page = Page::default();
@@ -103,7 +103,7 @@ fn verdict(page: &mut Page, report: &SurfaceReport) {
     page.facts("The map", &rows);
 }
 
-/// What makes the numbers doubtful, the gravest first.
+/// Adds warnings, the most serious first.
 fn doubts(page: &mut Page, report: &SurfaceReport) {
     let mut all = Vec::new();
     if report.synthetic_surface {
@@ -117,7 +117,7 @@ fn doubts(page: &mut Page, report: &SurfaceReport) {
     page.doubts(all);
 }
 
-/// How far pixel and side of the map decide its parameters.
+/// Describes how pixel size and map size limit the parameters.
 fn limits(report: &SurfaceReport) -> Vec<String> {
     let mut all = Vec::new();
     if let Some(short) = &report.short_waves {
@@ -132,7 +132,7 @@ fn limits(report: &SurfaceReport) -> Vec<String> {
             number(short.below_um, 2)
         ));
     }
-    // Of a ring of the spectrum: waves times density, in proportion to the square of the heights.
+    // Share of a ring of the spectrum: number of waves times density, proportional to the squared height.
     let longest_um = report.spectrum.iter().map(|ring| ring.wavelength_um).fold(0.0, f64::max);
     let squares = |from_um: f64| -> f64 {
         let rings = report.spectrum.iter().filter(|ring| ring.wavelength_um > from_um);
@@ -174,7 +174,7 @@ fn parameters(page: &mut Page, report: &SurfaceReport) {
     );
 }
 
-/// Words with their units as a page writes them.
+/// Formats symbols and units as the page writes them.
 fn symbol(words: &str) -> String {
     let one = |word: &str| {
         let (own, end) = word.strip_suffix('.').map_or((word, ""), |own| (own, "."));

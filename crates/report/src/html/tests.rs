@@ -9,7 +9,7 @@ use super::fixture::{goal, lifted, report};
 use super::*;
 use crate::Outputs;
 
-/// The page of `report`, with coefficients and an area law of two pressures.
+/// Page of `report`, with coefficients and an area law at two pressures.
 fn page_of(report: &DesignReport, outputs: &Outputs) -> String {
     let friction = LocalFriction::new(0.31, 0.28, 0.05).unwrap();
     let loads = [0.65e6, 2.6e6].map(|pressure_pa| Load { pressure_pa, friction });
@@ -38,7 +38,7 @@ fn grooves_that_cross_are_given_by_both_directions() {
     }
 }
 
-/// Tags that are opened and not closed, or the other way round.
+/// Tags that are opened but not closed, or closed but not opened.
 fn unbalanced(page: &str) -> Vec<String> {
     const VOID: [&str; 2] = ["meta", "!DOCTYPE"];
     let mut open: Vec<String> = Vec::new();
@@ -116,12 +116,12 @@ fn a_page_holds_every_number_with_its_error_and_asks_the_network_for_nothing() {
     ] {
         assert!(page.contains(said), "{said}");
     }
-    // The smallest input is not drawn, but stands in the table.
+    // The smallest input is not drawn, but appears in the table.
     assert!(page.contains("<td class=\"words\">numerical error") || page.contains("<td>numerical error</td>"));
     assert!(!page.contains("numerical error<small>"));
-    // Columns without a value take no room.
+    // Columns without a value are left out.
     assert!(page.contains(">mu flat</button>") && !page.contains(">mu static</button>"));
-    // Names of different pictures do not meet, and nothing is fetched.
+    // Ids of different pictures are distinct, and nothing is fetched.
     assert_eq!(page.matches("-frame\"/><g clip-path").count(), 3);
     assert!(!page.contains("\"frame\"") && !page.contains("url(#frame)"));
     let bare = page.replace("http://www.w3.org/2000/svg", "");
@@ -136,7 +136,7 @@ fn the_page_says_what_the_text_says() {
     assert!(text.contains(&found.words) && page.contains(&found.words[1..]), "{text}");
     for doubt in found.doubts() {
         assert!(text.contains(&doubt), "{doubt}");
-        // A sentence on the page, with its unit and its first letter written otherwise.
+        // A sentence on the page may have another unit symbol and another case of the first letter.
         let words = doubt.trim_start_matches("laser: ")[1..].trim_end_matches('.');
         assert!(page.contains(words) || doubt.contains("at 2.6 MPa"), "{doubt}");
     }
@@ -207,7 +207,7 @@ fn further_conditions_have_rows_of_their_own() {
     let page = page_of(&report, &Outputs::default());
     assert!(page.contains(">speed, humidity, direction<") && page.contains("<td>2 mm/s, 80 %</td>"));
     assert!(page.contains("conditions side by side"));
-    // Of friction the flat surface, and with it the model alone, is known at the condition designed for.
+    // For a friction target, the flat surface, and with it the model alone, is known at the design condition only.
     report.target.quantity = "mu_dynamic".into();
     let page = page_of(&report, &Outputs::default());
     assert!(page.contains("<td>0.240 ± 0.003</td>"), "{page}");

@@ -1,4 +1,4 @@
-//! The ledger of trials: what was predicted of samples before they were cut, what was measured, and what nobody knows yet.
+//! Ledger of trials: predictions before the samples were cut, measurements, and remaining unknowns.
 
 use slipgrid_design::RatioPrediction;
 use slipgrid_results::{believed, believed_interval, believed_std};
@@ -9,16 +9,16 @@ use crate::trials::{
     CoverageReport, EffectReport, MeasuredReport, PendingReport, PredictedReport, TrialReport, TrialsReport,
 };
 
-/// Share of its error before any trial above which an effect is as unknown as it was.
+/// Share of its prior error above which an effect counts as unknown.
 const UNKNOWN: f64 = 0.9;
-/// Measured ratios from which on a share of them says something.
+/// Minimum number of measured ratios for which a share is meaningful.
 const ENOUGH: usize = 4;
-/// Share of the ratios expected in the interval of 95 % below which predictions were too narrow.
+/// Share of ratios within the 95 % interval, relative to the expected share, below which predictions were too narrow.
 const TOO_FEW: f64 = 0.8;
-/// Standard deviations from which on a measured ratio surprises.
+/// Deviation in standard deviations from which a measured ratio counts as surprising.
 const SURPRISING: f64 = 2.0;
 
-/// What the modelled ratio of a ledger is, beside those of a design's report.
+/// Definition of the ledger's modelled ratio, compared with the ratio of a design's report.
 const MODELLED: &str = "The modelled ratio is that of the texture as measured, on its specimen or endless on a sector of a disc, in steady sliding, with the error of its blocks taken \
     off where it is known. A design's report has two more for the same texture: predicted is one period in the design's own blocks with its \
     share of the specimen, and confirmed is the whole specimen with its rim, sliding in time. The three may differ by a hundredth.";
@@ -42,7 +42,7 @@ const TERMS: [(&str, &str); 7] = [
     ("form", "How the discrepancy grows with the texture: with its areal density, the length of its edges, its depth."),
 ];
 
-/// The page of a ledger: from its `report` and the pictures in `outputs`.
+/// Makes the page of a ledger from its `report` and the pictures in `outputs`.
 #[must_use]
 pub fn trials(report: &TrialsReport, outputs: &Outputs) -> String {
     let mut page = Page::default();
@@ -61,7 +61,7 @@ pub fn trials(report: &TrialsReport, outputs: &Outputs) -> String {
     page.finish(&title, &report.version)
 }
 
-/// The same as a part of another page.
+/// Adds the ledger as a part of another page.
 pub(super) fn part(page: &mut Page, report: &TrialsReport, outputs: &Outputs) {
     verdict(page, report);
     picture(page, outputs);
@@ -78,7 +78,7 @@ fn picture(page: &mut Page, outputs: &Outputs) {
     );
 }
 
-/// What the trials say, in a few sentences.
+/// Summarizes the trials in a few sentences.
 fn verdict(page: &mut Page, report: &TrialsReport) {
     let Some(before) = report.coverage.first().filter(|_| !report.trials.is_empty()) else {
         page.lead("No trial was measured: what the model lacks is as wide as what is believed before any.");
@@ -86,7 +86,7 @@ fn verdict(page: &mut Page, report: &TrialsReport) {
     };
     page.lead(&headline(before));
     if let Some(effect) = report.effects.first() {
-        // Of the logarithm, so that the ends are not as far from the middle.
+        // Interval of the logarithm, so that the ends lie symmetrically about the median ratio.
         let times = |deviations: f64| number((effect.value + deviations * effect.std).exp(), 3);
         let [low, middle, high] = [-2.0, 0.0, 2.0].map(times);
         page.paragraph(&format!(
@@ -118,7 +118,7 @@ fn verdict(page: &mut Page, report: &TrialsReport) {
     }
 }
 
-/// How many ratios lay within what was predicted of them, of those that had a trial to go by.
+/// States how many ratios lay within their predictions, among ratios with an earlier trial.
 fn headline(before: &CoverageReport) -> String {
     let first = match before.without_any {
         0 => String::new(),
@@ -136,7 +136,7 @@ fn headline(before: &CoverageReport) -> String {
     }
 }
 
-/// What would be learned most from, by what is not known.
+/// Suggested measurements with the highest information gain, by unknown effect.
 fn next(report: &TrialsReport) -> Vec<String> {
     let mut all = Vec::new();
     if !report.pending.is_empty() {
@@ -273,7 +273,7 @@ fn details(page: &mut Page, report: &TrialsReport) {
     });
 }
 
-/// What is predicted of samples that are not measured yet.
+/// Adds predictions for samples that are not measured yet.
 fn pending(page: &mut Page, report: &TrialsReport) {
     let rows: Vec<(&PendingReport, &RatioPrediction)> =
         report.predicted.iter().flat_map(|of| of.predicted.iter().map(move |at| (of, at))).collect();

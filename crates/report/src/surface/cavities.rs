@@ -12,18 +12,18 @@ use crate::ChartError;
 use crate::charts::{self, EdgeProfileChart};
 use crate::html::page::sentence;
 
-/// Points of the drawn rim.
+/// Number of points of the drawn rim.
 const RIM_POINTS: u32 = 240;
 
-/// Standard deviation of spacings over their mean above which they are no pattern's.
+/// Coefficient of variation of spacings above which they belong to no regular pattern.
 const MAX_SCATTER: f64 = 0.5;
 
-/// Depth of cavities over their width below which none are cut: a pulse removes some 0.1 um from spots of 20 um and more, 1/200, and the
-/// shallowest textures have 1/1000. Heights that are taken for nanometres and are micrometres make of cavities half as deep as they are
-/// wide 1/2000.
+/// Minimum ratio of cavity depth to width. A laser pulse removes some 0.1 um from spots of 20 um and more (1/200), and
+/// the shallowest textures have 1/1000. If heights in micrometres are read as nanometres, cavities half as deep as wide appear
+/// as 1/2000.
 const MIN_ASPECT: f64 = 1.0 / 2000.0;
 
-/// What the widths of round cavities are.
+/// Definition of the widths of round cavities.
 const ROUND: &str = "the cavities are round: a width is the diameter of the disc with a cavity's area at half depth, a spacing what \
                      diameters leave of the distance of neighbours";
 
@@ -33,11 +33,11 @@ pub(crate) struct CavityReport {
     width_y: Option<SpreadReport>,
     spacing_x: Option<SpreadReport>,
     spacing_y: Option<SpreadReport>,
-    /// What staggered rows are called in files, and what their spacings are.
+    /// Description of staggered rows in files, and of their spacings.
     staggered: Option<String>,
-    /// By how much the grid of cavities is turned on the map.
+    /// Angle by which the grid of cavities is rotated on the map.
     turned_deg: Option<EstimateReport>,
-    /// Widths are diameters of the discs with the cavities' area.
+    /// Widths are diameters of discs with the area of the cavities.
     round: bool,
     depth: Option<SpreadReport>,
     area_fraction: f64,
@@ -45,14 +45,14 @@ pub(crate) struct CavityReport {
     count: usize,
     rim: RimReport,
     wall_angle_deg: Option<EstimateReport>,
-    /// The slope from which on a wall is steeper than the pixels show.
+    /// Slope above which the pixels do not resolve a wall.
     wall_resolved_deg: Option<f64>,
     floor_sq_um: Option<EstimateReport>,
-    /// That grooves cross, and what can be measured of them.
+    /// Note that grooves cross, and which quantities can be measured.
     crossing: Option<String>,
 }
 
-/// The rims; everything but the height is null where none stands out from the roughness.
+/// Rims; all fields except the height are null if no rim exceeds the roughness.
 #[derive(Clone, Debug, Serialize)]
 struct RimReport {
     height_um: Option<EstimateReport>,
@@ -72,7 +72,7 @@ struct SpreadReport {
     count: usize,
 }
 
-/// A quantity and its standard error, null where one sample shows no scatter.
+/// Quantity and standard error; the error is null if a single sample shows no scatter.
 #[derive(Clone, Copy, Debug, Serialize)]
 struct EstimateReport {
     value: f64,
@@ -127,7 +127,7 @@ impl From<&CavityMetrology> for CavityReport {
     }
 }
 
-/// A table of a page: its caption, its header and its rows.
+/// Table of a page: caption, header and rows.
 pub(crate) type PageTable = (&'static str, &'static [&'static str], Vec<Vec<String>>);
 
 impl CavityReport {
@@ -156,7 +156,7 @@ impl CavityReport {
         )
     }
 
-    /// The same as tables of a page.
+    /// Formats the cavities as tables of a page.
     pub(crate) fn tables(&self) -> [PageTable; 2] {
         let lengths = self.spreads().map(|(name, spread)| {
             let number = |value: f64| fixed(Some(value), 2);
@@ -179,7 +179,7 @@ impl CavityReport {
         ]
     }
 
-    /// What cannot be read from the tables.
+    /// Notes that the tables do not contain.
     pub(crate) fn words(&self) -> Vec<String> {
         let land = format!("The land between them has Sq {} um.", fixed(Some(self.land_sq_um), 3));
         let edges = self.edge_words().into_iter().filter(|words| !words.is_empty());
@@ -191,12 +191,12 @@ impl CavityReport {
         std::iter::once(land).chain(spacings).chain(crossing).chain(edges.map(|words| sentence(&words))).collect()
     }
 
-    /// How many there are and what they take.
+    /// Summarizes the number of cavities and their area.
     pub(crate) fn summary(&self) -> String {
         format!("{}, on {:.1} % of the map", self.count, 100.0 * self.area_fraction)
     }
 
-    /// Why heights may be in another unit than was taken.
+    /// Warning that heights may be in another unit than assumed.
     fn unit_warning(&self) -> Option<String> {
         let width_um = [&self.width_x, &self.width_y].into_iter().flatten().map(|width| width.mean_um);
         let (width_um, depth_um) = (width_um.fold(f64::INFINITY, f64::min), self.depth.as_ref()?.mean_um);
@@ -210,12 +210,12 @@ impl CavityReport {
         })
     }
 
-    /// Why lengths are not those of the pattern.
+    /// Warnings that lengths may differ from the pattern's lengths.
     fn warnings(&self) -> impl Iterator<Item = String> {
         self.unit_warning().into_iter().chain(self.spacing_warnings())
     }
 
-    /// Why spacings are not those of the pattern.
+    /// Warnings that spacings may differ from the pattern's spacings.
     fn spacing_warnings(&self) -> impl Iterator<Item = String> {
         let turned = self.turned_deg.map(|turn| {
             let angle = fixed(Some(turn.value.abs()), 1);
@@ -265,7 +265,7 @@ impl CavityReport {
         })
     }
 
-    /// What rim there is, and whether the pixels show the walls; the latter empty where they do.
+    /// Describes the rim, and whether the pixels resolve the walls; the latter text is empty if they do.
     fn edge_words(&self) -> [String; 2] {
         let rim = &self.rim;
         let rim = match (rim.profile, rim.height_um) {
@@ -283,7 +283,7 @@ impl CavityReport {
     }
 }
 
-/// The cavities, one row each; empty fields where the map's sides cut a cavity off, or something was not measured.
+/// Formats the cavities as CSV, one row per cavity; fields are empty if the map's border cuts the cavity or a value was not measured.
 pub fn cavities_csv(metrology: &CavityMetrology) -> String {
     let mut text = String::from(
         "x_um,y_um,width_x_um,width_y_um,depth_um,area_um2,rim_height_um,rim_height_error_um,wall_angle_deg,floor_sq_um\n",
@@ -310,7 +310,7 @@ pub fn cavities_csv(metrology: &CavityMetrology) -> String {
     text
 }
 
-/// The mean profile of the land before an edge, one row a distance, with the fitted rim.
+/// Formats the mean profile of the land before an edge as CSV, one row per distance, with the fitted rim.
 pub fn edge_profile_csv(rim: &RimMetrology) -> String {
     let mut text = String::from("distance_um,height_um,height_error_um,rim_um\n");
     for point in &rim.edge_profile {
@@ -321,7 +321,7 @@ pub fn edge_profile_csv(rim: &RimMetrology) -> String {
     text
 }
 
-/// The mean profile of the land before an edge as a picture, with the fitted rim; `None` where there is no land.
+/// Draws the mean profile of the land before an edge, with the fitted rim; `None` without land.
 ///
 /// # Errors
 /// [`ChartError`] if drawing fails.
@@ -347,7 +347,7 @@ mod tests {
 
     use super::*;
 
-    /// The report on squares of 40 um about places in micrometres, on 300 x 300 pixels of 2 um.
+    /// Report on squares of 40 um at `places_um`, on 300 x 300 pixels of 2 um.
     fn squares(places_um: &[[f64; 2]], turn_deg: f64) -> CavityReport {
         let (sin, cos) = turn_deg.to_radians().sin_cos();
         let height = |n: usize| {

@@ -1,4 +1,4 @@
-//! Everything that is kept of an altitude map.
+//! Files of an altitude map.
 
 use slipgrid_monitor::Monitor;
 use slipgrid_results::json;
@@ -7,7 +7,7 @@ use slipgrid_topography::{CavityMetrology, MaterialRatioCurve, PreparedMap, Spec
 use super::{SurfaceReport, cavities_csv, edge_profile_csv, edge_profile_svg, pictures, section_csv, spectrum_csv};
 use crate::{Outputs, ReportError, html};
 
-/// Names of the files, with `*` for any letters.
+/// Names of the files, with `*` as a wildcard.
 pub const FILES: [&str; 8] = [
     "report.html",
     "result.json",
@@ -19,25 +19,25 @@ pub const FILES: [&str; 8] = [
     "edge-profile.*",
 ];
 
-/// A map that was measured.
+/// Measured map with its results.
 #[derive(Clone, Copy, Debug)]
 pub struct Measured<'a> {
     /// The map.
     pub surface: &'a PreparedMap,
-    /// Its bearing curve.
+    /// Bearing curve of the map.
     pub curve: &'a MaterialRatioCurve,
-    /// Its power spectrum.
+    /// Power spectrum of the map.
     pub spectrum: &'a [SpectrumBin],
-    /// Its cavities, where they were sought.
+    /// Cavities of the map, if they were detected.
     pub cavities: Option<&'a CavityMetrology>,
-    /// The column of pixels along which the section runs.
+    /// Index of the pixel column along which the section runs.
     pub column: usize,
 }
 
-/// The files of a map, of which `report` tells: record, tables, pictures and the page.
+/// Makes the files of a map described by `report`: record, tables, pictures and page.
 ///
 /// # Errors
-/// [`ReportError`] where a picture cannot be drawn or the record has no JSON form, and once `monitor` cancels.
+/// [`ReportError`] if a picture cannot be drawn, if the record has no JSON form, or if `monitor` cancels.
 pub fn files(report: &SurfaceReport, of: Measured<'_>, monitor: &dyn Monitor) -> Result<Outputs, ReportError> {
     let Measured { surface, spectrum, cavities, column, .. } = of;
     let mut outputs = Outputs::default();

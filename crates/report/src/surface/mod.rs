@@ -1,4 +1,4 @@
-//! An altitude map: parameters, cavities, pictures.
+//! Report on an altitude map: parameters, cavities, pictures.
 
 mod cavities;
 mod files;
@@ -23,7 +23,7 @@ use slipgrid_results::fixed;
 use slipgrid_results::{SCHEMA, Table, VERSION};
 use slipgrid_units::{LENGTH_UM, tidy};
 
-/// What `surface --json` prints.
+/// Record that `surface --json` prints.
 #[derive(Clone, Debug, Serialize)]
 pub struct SurfaceReport {
     program: &'static str,
@@ -31,34 +31,34 @@ pub struct SurfaceReport {
     schema: u32,
     pub(crate) map: String,
     pub(crate) format: &'static str,
-    /// The file says of itself that it is synthetic.
+    /// The map file states that its surface is synthetic.
     pub(crate) synthetic_surface: bool,
-    /// Points along y: lines of a file that holds heights line after line.
+    /// Points along y: number of lines in a file that stores one row per line.
     pub(crate) rows: usize,
-    /// Points along x, of one line.
+    /// Points along x: number of values per line.
     pub(crate) columns: usize,
-    /// Along x and y.
+    /// Pixel sides along x and y.
     pub(crate) pixel_um: [f64; 2],
     pub(crate) missing_points: usize,
     pub(crate) model: Vec<String>,
-    /// What makes the numbers doubtful; each begins with its name.
+    /// Warnings; each begins with its name.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub(crate) warnings: Vec<String>,
     pub(crate) parameters: ParameterReport,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) cavities: Option<CavityReport>,
-    /// The shortest waves, of the map as one period, from which the area law's slope is taken, too.
+    /// Shortest waves of the map as one period, on which the area law's slope depends as well.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) short_waves: Option<ShortWavesReport>,
     pub(crate) spectrum: Vec<SpectrumReport>,
 }
 
-/// What the shortest waves have of the squared slope.
+/// Contribution of the shortest waves to the squared slope.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub(crate) struct ShortWavesReport {
-    /// Four pixels of the longer side: waves shorter than this count.
+    /// Upper limit of their wavelength: four pixels of the longer side.
     pub(crate) below_um: f64,
-    /// Their share.
+    /// Share of the squared slope.
     pub(crate) slope_share: f64,
 }
 
@@ -74,9 +74,9 @@ pub(crate) struct ParameterReport {
     pub(crate) sz_um: f64,
     pub(crate) sdq: f64,
     pub(crate) sdr_pct: f64,
-    /// Spectral: what the area law takes.
+    /// Spectral rms slope, used by the area law.
     pub(crate) rms_slope: f64,
-    /// Null where the autocorrelation does not fall to 0.2 within half the map.
+    /// Autocorrelation length; null if the autocorrelation does not fall to 0.2 within half the map.
     pub(crate) sal_um: Option<f64>,
     pub(crate) r#str: Option<f64>,
     pub(crate) sk_um: f64,
@@ -99,7 +99,7 @@ fn um(length_m: f64) -> f64 {
 }
 
 impl SurfaceReport {
-    /// Gathers what was found.
+    /// Assembles the report.
     ///
     /// # Errors
     /// [`Cancelled`] once `monitor` cancels.
@@ -204,7 +204,7 @@ impl SurfaceReport {
         all.map(|(name, value, unit)| (name, value.map_or_else(|| "-".to_owned(), significant), unit)).to_vec()
     }
 
-    /// The report for people.
+    /// Formats the report as text.
     pub fn table(&self) -> String {
         let mut text = format!(
             "{}: {}, {}{} x {} pixels of {} x {} um\n",
@@ -239,7 +239,7 @@ impl SurfaceReport {
     }
 }
 
-/// Four significant digits.
+/// Formats four significant digits.
 fn significant(value: f64) -> String {
     const DIGITS: i32 = 4;
     if value == 0.0 || !value.is_finite() {
@@ -249,7 +249,7 @@ fn significant(value: f64) -> String {
     fixed(Some(value), decimals)
 }
 
-/// The section along x through `column`, one row a point.
+/// Formats the section along x through `column` as CSV, one row per point.
 pub fn section_csv(map: &HeightMap, column: usize) -> String {
     let mut text = String::from("x_um,height_um\n");
     for i in 0..map.rows() {
@@ -259,7 +259,7 @@ pub fn section_csv(map: &HeightMap, column: usize) -> String {
     text
 }
 
-/// The power spectrum, one row a ring.
+/// Formats the power spectrum as CSV, one row per ring.
 pub fn spectrum_csv(spectrum: &[SpectrumBin]) -> String {
     let mut text = String::from("q_per_um,psd_um4,waves\n");
     for bin in spectrum {

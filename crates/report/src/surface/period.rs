@@ -1,12 +1,12 @@
-//! The mean period of a patterned surface: as a map, and in words.
+//! Mean period of a patterned surface, as a map and in words.
 
 use slipgrid_topography::{LengthUnit, MatrixStyle, MeanPeriod};
 use slipgrid_units::LENGTH_UM;
 
-/// Digits of heights after the point, in um.
+/// Decimals of heights in um.
 const PERIOD_DECIMALS: u8 = 6;
 
-/// The mean period as matrix text, which says whether the surface is `synthetic`.
+/// Formats the mean period as matrix text, which states whether the surface is `synthetic`.
 #[must_use]
 pub fn period_text(period: &MeanPeriod, synthetic: bool) -> String {
     let mut comments = period.description().to_vec();
@@ -21,7 +21,7 @@ pub fn period_text(period: &MeanPeriod, synthetic: bool) -> String {
     period.map.to_matrix_text(&style)
 }
 
-/// What is left of the roughness.
+/// Describes the remaining roughness.
 fn period_relief(period: &MeanPeriod) -> String {
     match period.relief_left_m {
         Some(left_m) => format!("roughness left in the mean, on land: {:.4} um", LENGTH_UM.from_si(left_m)),
@@ -29,7 +29,7 @@ fn period_relief(period: &MeanPeriod) -> String {
     }
 }
 
-/// What the mean period is and what is left of the roughness in it.
+/// Describes the mean period and the roughness that remains in it.
 #[must_use]
 pub fn period_note(period: &MeanPeriod) -> String {
     let map = &period.map;

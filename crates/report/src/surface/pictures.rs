@@ -7,13 +7,13 @@ use super::Measured;
 use crate::charts::{self, HeightHistogramChart, SectionChart, SpectrumChart, SurfaceMapChart};
 use crate::{Outputs, ReportError};
 
-/// Most pixels of the drawn map along a side.
+/// Maximum number of pixels of the drawn map along a side.
 const MAX_PIXELS: usize = 700;
-/// Classes of the histogram.
+/// Number of classes of the histogram.
 const CLASSES: usize = 80;
-/// Points of the bearing curve.
+/// Number of points of the bearing curve.
 const CURVE_POINTS: u32 = 400;
-/// Share of the heights at either end that the colour scale leaves out: spikes.
+/// Share of the heights at either end that the colour scale excludes as spikes.
 const SPIKES: f64 = 5e-4;
 
 /// Adds the pictures to `outputs`.
@@ -36,7 +36,7 @@ pub(super) fn add(outputs: &mut Outputs, of: Measured<'_>, monitor: &dyn Monitor
             side_um: [um(map.dx_m() * map.rows() as f64), um(map.dy_m() * map.cols() as f64)],
             scale: [um(curve.height_m(1.0 - SPIKES)), um(curve.height_m(SPIKES))],
             section_y_um: Some(um((column as f64 + 0.5) * map.dy_m())),
-            // A map does not say how its sample slides.
+            // A map does not contain the sliding direction of its sample.
             sliding: None,
         })?,
     );
@@ -46,7 +46,7 @@ pub(super) fn add(outputs: &mut Outputs, of: Measured<'_>, monitor: &dyn Monitor
     monitor.heed()?;
     let (lowest, highest) = (curve.height_m(1.0), curve.height_m(0.0));
     let edge = |class: usize| lowest + (highest - lowest) * class as f64 / CLASSES as f64;
-    // The share between two heights is the difference of the shares above them.
+    // The share between two heights is the difference of the shares above each.
     let shares: Vec<[f64; 2]> = (0..CLASSES)
         .map(|class| {
             // The lowest height belongs to the lowest class.
@@ -84,7 +84,7 @@ pub(super) fn add(outputs: &mut Outputs, of: Measured<'_>, monitor: &dyn Monitor
         .filter(|bin| bin.psd_m4 > 0.0)
         .map(|bin| [(bin.q_per_m * 1e-6).log10(), (bin.psd_m4 * 1e24).log10()])
         .collect();
-    // An even map has no spectrum.
+    // A flat map has no spectrum.
     if !points.is_empty() {
         let title = titled("Power spectrum");
         outputs.add("spectrum.svg", charts::spectrum(&SpectrumChart { title: &title, log_points: &points })?);
@@ -92,7 +92,7 @@ pub(super) fn add(outputs: &mut Outputs, of: Measured<'_>, monitor: &dyn Monitor
     Ok(())
 }
 
-/// The map as it is drawn: coarse enough, with missing points missing.
+/// Coarsens the map for drawing; missing points stay missing.
 fn drawn(surface: &PreparedMap, monitor: &dyn Monitor) -> Result<HeightMap, Cancelled> {
     let map = &surface.map;
     let factor = map.rows().max(map.cols()).div_ceil(MAX_PIXELS);

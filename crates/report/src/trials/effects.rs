@@ -1,4 +1,4 @@
-//! What the discrepancy is at the texture measured last, and how it depends on the condition.
+//! Discrepancy at the texture measured last, and its dependence on the condition.
 
 use slipgrid_discrepancy::{Discrepancy, Load, Sensitivity};
 use slipgrid_results::fixed;
@@ -6,10 +6,10 @@ use slipgrid_units::{HUMIDITY_PCT, PRESSURE_MPA, SPEED_MM_S, tidy};
 
 use super::EffectReport;
 
-/// Share of its error before any trial above which an effect is less known than it was.
+/// Share of its prior error above which an effect counts as less known than before.
 const LESS_KNOWN: f64 = 1.05;
 
-/// The discrepancy at the texture measured last, or at the reference, and how it depends on pressure, speed and humidity there.
+/// Effects at the texture measured last, or at the reference: the discrepancy and its dependence on pressure, speed and humidity.
 pub(super) fn effects(learned: &Discrepancy) -> Vec<EffectReport> {
     let features = learned.trials().last().map_or(learned.hyperparameters().reference, |trial| trial.features);
     let mut humidities: Vec<f64> =
@@ -18,7 +18,7 @@ pub(super) fn effects(learned: &Discrepancy) -> Vec<EffectReport> {
     humidities.dedup();
     let (at, first) = central(learned);
     let before = learned.with_trials(Vec::new()).ok();
-    // Difference of two loads, of which the modulus and the sample's scatter are alike.
+    // Difference between two loads with identical modulus and sample scatter.
     let effect = |of: String, to: Load, from: Option<Load>| {
         let loads: Vec<Load> = std::iter::once(to).chain(from).collect();
         let moments = |known: &Discrepancy| {
@@ -48,7 +48,7 @@ pub(super) fn effects(learned: &Discrepancy) -> Vec<EffectReport> {
     found
 }
 
-/// Lines of what is less known after the trials than before any.
+/// Lists effects that are less known after the trials than before.
 pub(super) fn less_known(effects: &[EffectReport]) -> String {
     let less = effects.iter().filter(|effect| effect.std > LESS_KNOWN * effect.prior_std);
     less.map(|effect| {
@@ -60,8 +60,8 @@ pub(super) fn less_known(effects: &[EffectReport]) -> String {
     .collect()
 }
 
-/// The measured condition nearest to the middle of the flat sample's, in logarithms, at the least humidity; before any trial that middle,
-/// which nobody need have measured. With it the discrepancy's name.
+/// Measured condition nearest to the centre of the flat sample's conditions, in logarithms, at the lowest humidity; without a trial,
+/// the centre itself, which need not be measured. Also returns the name of the discrepancy.
 fn central(learned: &Discrepancy) -> (Load, String) {
     let middle = learned.conditions();
     // d^2 = ln(P / P0)^2 + ln(v / v0)^2

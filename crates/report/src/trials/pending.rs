@@ -1,4 +1,4 @@
-//! Samples that were cut and are not measured yet: what is predicted of them.
+//! Predictions for samples that were cut and are not measured yet.
 
 use serde::{Deserialize, Serialize};
 use slipgrid_calibrate::{LearnedSamples, PendingSample};
@@ -9,18 +9,18 @@ use slipgrid_units::{LENGTH_UM, tidy};
 
 use super::{PER_MM, SAMPLE_AND_LOAD, TrialsReport, sample_and_load};
 
-/// A pending sample.
+/// Pending sample with its predictions.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PendingReport {
-    /// Its name.
+    /// Name of the sample.
     pub name: String,
-    /// Share of its face that is cavity.
+    /// Areal density: share of the face that is cavity.
     pub areal_density: f64,
-    /// Length of its edges over its area, in 1/mm.
+    /// Edge length per area, in 1/mm.
     pub edge_per_mm: f64,
-    /// Depth of its cavities.
+    /// Depth of the cavities.
     pub depth_um: f64,
-    /// What is predicted at the flat sample's conditions.
+    /// Predictions at the conditions of the flat sample.
     pub predicted: Vec<RatioPrediction>,
 }
 
@@ -42,14 +42,14 @@ impl PendingReport {
 }
 
 impl TrialsReport {
-    /// The same with what is predicted of the samples that are pending.
+    /// Adds predictions for the pending samples.
     #[must_use]
     pub fn with_pending(self, learned: &LearnedSamples) -> Self {
         let of = |sample: &PendingSample| PendingReport::new(sample, &learned.discrepancy);
         Self { predicted: learned.pending.iter().map(of).collect(), ..self }
     }
 
-    /// The pending samples in words; nothing without any.
+    /// Formats the pending samples as text; empty without any.
     pub(super) fn pending_text(&self) -> String {
         if self.predicted.is_empty() {
             return String::new();

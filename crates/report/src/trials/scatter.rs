@@ -1,32 +1,32 @@
-//! How far samples of one texture scatter.
+//! Scatter of samples of one texture.
 
 use serde::{Deserialize, Serialize};
 use slipgrid_discrepancy::Discrepancy;
 use slipgrid_units::tidy;
 
-/// Weight of the stated scatter below which the ledger says that there is another.
+/// Posterior weight of the stated scatter below which the ledger reports a different scatter.
 const BELIEVED: f64 = 0.5;
 
-/// How far samples of one texture scatter, of the logarithm of the ratio, where none is stated of a sample itself.
+/// Scatter of the logarithm of the ratio among samples of one texture, for samples without an individually stated scatter.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ScatterReport {
-    /// As it was stated, or taken where nothing was.
+    /// Stated scatter, or the default if none was stated.
     pub stated: f64,
-    /// How much that is believed after the trials.
+    /// Posterior weight of the stated scatter.
     pub weight: f64,
-    /// What trials say: the root of the mean square of all scatters that may be.
+    /// Posterior scatter: root mean square over all candidate scatters.
     pub found: f64,
 }
 
 impl ScatterReport {
-    /// What the trials of `learned` say; `None` where they say nothing of it.
+    /// Scatter from the trials of `learned`; `None` if they carry no information about it.
     pub(super) fn of(learned: &Discrepancy) -> Option<Self> {
         let all = learned.scatter_weights();
         let stated = all.first().filter(|_| all.len() > 1)?;
         Some(Self { stated: tidy(stated.std), weight: tidy(stated.weight), found: tidy(learned.sample_std()) })
     }
 
-    /// A line where samples hardly scatter as is stated; empty elsewhere.
+    /// Line for samples whose scatter is unlikely to be the stated one; otherwise empty.
     pub(super) fn text(&self) -> String {
         let Self { stated, weight, found } = self;
         if *weight >= BELIEVED {

@@ -30,7 +30,7 @@ fn ledger(trials: Vec<Trial>) -> TrialsReport {
 
 #[test]
 fn the_ledger_says_what_was_predicted_and_what_is_known() {
-    // As the areal density: 0.2, 0.1 and 0.05.
+    // Discrepancies in proportion to the areal density: 0.2, 0.1 and 0.05.
     let trials = [("A \"1\"", 400.0, -0.2), ("B", 900.0, -0.1), ("C", 1900.0, -0.05)];
     let found = ledger(trials.map(|(name, spacing_um, excess)| trial(name, spacing_um, excess)).to_vec());
     let text = found.text();
@@ -41,7 +41,7 @@ fn the_ledger_says_what_was_predicted_and_what_is_known() {
             ),
         "{text}"
     );
-    // What is known of the third before it is far narrower than of the first.
+    // The prediction for the third trial is far narrower than that for the first.
     let width = |trial: usize| {
         let [low, high] = found.trials[trial].measured[0].before.interval_95;
         (high / low).ln()
@@ -72,7 +72,7 @@ fn the_ledger_says_what_was_predicted_and_what_is_known() {
 
 #[test]
 fn one_texture_predicts_nothing_and_tells_no_form() {
-    // A texture so dense that some forms were believed to be far too large there.
+    // The texture is so dense that some forms predict implausibly large effects.
     let found = ledger(vec![trial("A", 130.0, -0.05)]).with_warnings(vec!["measured ratio: odd".to_owned()]);
     assert!(found.one_texture && found.identified.is_none(), "{:?}", found.forms);
     assert_eq!((found.coverage[0].ratios, found.coverage[0].without_any, found.coverage[0].within_95), (0, 2, 0));
@@ -83,7 +83,7 @@ fn one_texture_predicts_nothing_and_tells_no_form() {
     );
     assert!(text.contains("surprise, std: distance of the measured ratio"), "{text}");
     assert!(text.contains("predicted by the trials before it: 2 ratios are not counted, because no other measurement says anything of what the model lacks there\n"), "{text}");
-    // A measured condition, that nearest to 1.5 MPa by its logarithm.
+    // The measured condition nearest to 1.5 MPa in logarithms.
     assert!(text.contains("the last trial, 2.00 MPa, 2 mm/s, 40 %"), "{text}");
     let page = found.files().unwrap().text("report.html").unwrap();
     for text in [
@@ -98,7 +98,7 @@ fn one_texture_predicts_nothing_and_tells_no_form() {
 #[test]
 fn samples_of_one_texture_that_contradict_each_other_are_named() {
     let mut c = trial("C", 200.0, 0.0);
-    // They differ most at the higher pressure.
+    // The difference is largest at the higher pressure.
     c.measured[1].measured *= 1.001;
     let found = ledger(vec![trial("A", 200.0, -0.1), trial("B", 700.0, -0.04), c])
         .with_warnings(vec!["measured ratio: odd".to_owned()]);
@@ -113,7 +113,7 @@ fn samples_of_one_texture_that_contradict_each_other_are_named() {
     }
     assert!(!text.contains("less is known"), "{text}");
     assert!(found.files().unwrap().text("report.html").unwrap().contains("Doubtful: contradicting samples: "));
-    // Samples that agree contradict nothing.
+    // Samples that agree cause no contradiction warning.
     let text = ledger(vec![trial("A", 200.0, -0.1), trial("B", 700.0, -0.04), trial("C", 200.0, -0.1)]).text();
     assert!(!text.contains("contradicting"), "{text}");
     let effects = [EffectReport { of: "a speed".to_owned(), value: 0.0, std: 0.4, prior_std: 0.2 }];

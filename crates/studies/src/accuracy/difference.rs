@@ -1,29 +1,29 @@
-//! How far one row lies from another, and whether that is more than chance.
+//! Difference between two rows, and its statistical significance.
 
 use super::measure::Run;
 use slipgrid_statistics::{Confidence, mean_and_std};
 
-/// A difference below this many standard errors is not significant.
+/// A difference below this number of standard errors is not significant.
 pub const SIGNIFICANT: f64 = 2.0;
 
-/// The same where the standard error is known from `count` values alone.
+/// Significance threshold if the standard error is estimated from `count` values only.
 fn significant_of(count: usize) -> f64 {
     Confidence::TWO_SIGMA.student_t(count.saturating_sub(1))
 }
 
-/// An observable of a run.
+/// Observable of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Quantity {
     /// Dynamic friction coefficient.
     MuDynamic,
     /// Static friction coefficient.
     MuStatic,
-    /// Dynamic friction, patterned over flat.
+    /// Ratio of dynamic friction, patterned over flat.
     Ratio,
 }
 
 impl Quantity {
-    /// The name on the page.
+    /// Name on the page.
     pub const fn name(self) -> &'static str {
         match self {
             Self::MuDynamic => "dynamic mu",
@@ -32,7 +32,7 @@ impl Quantity {
         }
     }
 
-    /// Value of one run and its standard error, where the run knows one.
+    /// Value of one run and its standard error, if the run provides one.
     pub fn of(self, run: &Run) -> Option<(f64, Option<f64>)> {
         match self {
             Self::MuDynamic => Some((run.mu_dynamic?, run.mu_dynamic_stderr)),
@@ -42,18 +42,18 @@ impl Quantity {
     }
 }
 
-/// A mean over seeds.
+/// Mean over seeds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Mean {
     /// The mean.
     pub value: f64,
-    /// Standard deviation from seed to seed; absent for a single one.
+    /// Standard deviation between seeds; `None` for a single seed.
     pub std: Option<f64>,
-    /// Standard error of the mean from the batch means within the runs: chance in time, not from draw to draw.
+    /// Standard error of the mean from the batch means within the runs: scatter in time, not between draws.
     pub stderr: Option<f64>,
 }
 
-/// The mean of `quantity` over `runs` that have one.
+/// Mean of `quantity` over the `runs` that provide it.
 pub fn mean(quantity: Quantity, runs: &[Run]) -> Option<Mean> {
     let found: Vec<(f64, Option<f64>)> = runs.iter().filter_map(|run| quantity.of(run)).collect();
     let values: Vec<f64> = found.iter().map(|(value, _)| *value).collect();
@@ -63,36 +63,36 @@ pub fn mean(quantity: Quantity, runs: &[Run]) -> Option<Mean> {
     Some(Mean { value, std, stderr: squares.map(|squares| squares.sqrt() / found.len() as f64) })
 }
 
-/// How far a row lies from another.
+/// Difference between two rows.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Difference {
-    /// Mean over the seeds, in per cent of the other row's.
+    /// Mean over the seeds, in per cent of the other row's value.
     pub percent: f64,
-    /// Standard error of `percent`; absent where nothing tells it.
+    /// Standard error of `percent`; `None` if unknown.
     pub stderr: Option<f64>,
-    /// The largest difference that chance may make, in per cent.
+    /// Maximum difference that chance may cause, in per cent.
     pub chance: Option<f64>,
 }
 
 impl Difference {
-    /// Whether it is more than chance; `None` where nothing tells.
+    /// Whether the difference is significant; `None` if unknown.
     pub fn is_significant(&self) -> Option<bool> {
         Some(self.percent.abs() > self.chance?)
     }
 
-    /// The error that may be taken for granted: the difference itself where it is significant, else the
-    /// largest that chance would hide.
+    /// Upper bound of the error: the difference itself if significant, otherwise the maximum difference that chance
+    /// may cause.
     pub fn bound(&self) -> f64 {
         self.percent.abs().max(self.chance.unwrap_or(0.0))
     }
 }
 
-/// The difference of `runs` from `judge`, seed by seed.
+/// Difference of `runs` from `judge`, seed by seed.
 ///
-/// Runs of one seed have the same local coefficients. The standard error is the larger of two: the scatter
-/// of the differences from seed to seed, which also knows the chance in other draws, and both rows' batch
-/// means combined, which does not depend on having many seeds. Where there are no batch means, few seeds
-/// widen what chance may make.
+/// Runs of one seed have equal local coefficients. The standard error is the larger of two estimates: the scatter
+/// of the differences between seeds, which includes the scatter between draws, and the combined batch means of both
+/// rows, which does not require many seeds. Without batch means, a small number of seeds increases the bound
+/// of chance.
 pub fn difference(quantity: Quantity, runs: &[Run], judge: &[Run]) -> Option<Difference> {
     let pairs: Vec<_> = runs
         .iter()
@@ -166,7 +166,7 @@ mod tests {
         }
         let runs = [1.0, 1.1, 1.2].map(|mu| run((10.0 * mu) as u64, mu, None));
         let judge = [1.0, 1.1, 1.2].map(|mu| run((10.0 * mu) as u64, 1.0, None));
-        // 0, 10 and 20 per cent: 10 +- 5.8 is not significant by three values.
+        // 0, 10 and 20 per cent: 10 +- 5.8 is not significant for three values.
         let found = difference(MU, &runs, &judge).unwrap();
         assert!((found.percent - 10.0).abs() < 1e-9 && (found.stderr.unwrap() - 10.0 / 3.0_f64.sqrt()).abs() < 1e-9);
         assert!((found.chance.unwrap() / found.stderr.unwrap() - 4.527).abs() < 1e-9);

@@ -1,29 +1,29 @@
-//! The front of fastest and most accurate: what no other is both faster than and at least as accurate as.
+//! Pareto front of cost and error: methods without a faster method that is at least as accurate.
 
-/// A method on the diagram.
+/// Cost and error of a method.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Point {
-    /// What it costs.
+    /// Cost of the method.
     pub cost: f64,
-    /// How far it is off, at most.
+    /// Upper bound of the error.
     pub error: f64,
 }
 
-/// Whether each of `points` is on the front. Errors below `floor` cannot be told apart and count as equal.
+/// Whether each of `points` is on the front. Errors below `floor` are indistinguishable and count as equal.
 pub fn front(points: &[Point], floor: f64) -> Vec<bool> {
     points.iter().map(|point| points.iter().all(|other| !dominates(other, point, floor))).collect()
 }
 
-/// Times closer than this share are equal: runs of one method differ by as much.
+/// Times whose ratio exceeds this value count as equal: runs of one method differ by as much.
 const SAME_COST: f64 = 0.9;
 
-/// Whether `a` makes `b` superfluous.
+/// Whether `a` dominates `b`.
 fn dominates(a: &Point, b: &Point, floor: f64) -> bool {
     let (error_a, error_b) = (a.error.max(floor), b.error.max(floor));
     (a.cost < SAME_COST * b.cost && error_a <= error_b) || (SAME_COST * a.cost <= b.cost && error_a < error_b)
 }
 
-/// One of `points` that makes `points[index]` superfluous, of the front if possible.
+/// Index of a point that dominates `points[index]`, on the front if possible.
 pub fn better(points: &[Point], index: usize, floor: f64) -> Option<usize> {
     let on = front(points, floor);
     let dominating = || (0..points.len()).filter(|&other| dominates(&points[other], &points[index], floor));

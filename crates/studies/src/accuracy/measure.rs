@@ -1,4 +1,4 @@
-//! Running the rows: one function measures one run, the rest decides which runs there are and when.
+//! Execution of the rows: one function measures one run, the others decide which runs there are and when.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -12,39 +12,39 @@ use slipgrid_monitor::{Part, Stage};
 
 /// Runs shorter than this are timed again, and the shortest time counts.
 const SHORT_S: f64 = 0.05;
-/// Most times that a short run is timed.
+/// Maximum number of timings of a short run.
 const MAX_TIMINGS: usize = 5;
 
-/// What one run of a row gave.
+/// Result of one run of a row.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Run {
     /// Seed of the local coefficients.
     pub seed: u64,
-    /// How it ended; why, where it was refused.
+    /// Status at the end of the run, or the reason of a refusal.
     pub status: String,
-    /// Whether it ended as planned.
+    /// The run ended as planned.
     pub converged: bool,
-    /// Seconds of the whole call, both surfaces.
+    /// Wall time of the whole call, both surfaces, in seconds.
     pub wall_s: f64,
-    /// Blocks times force evaluations, both surfaces; 0 where there is no time.
+    /// Blocks times force evaluations, both surfaces; 0 for steady runs.
     pub site_updates: u64,
-    /// The same over the seconds of integration.
+    /// Site updates per second of integration.
     pub site_updates_per_s: Option<f64>,
     /// Time step, in seconds.
     pub dt_s: Option<f64>,
-    /// Dynamic friction coefficient and its standard error.
+    /// Dynamic friction coefficient.
     pub mu_dynamic: Option<f64>,
-    /// Standard error of the dynamic friction coefficient: 0 where there is no time.
+    /// Standard error of the dynamic friction coefficient; 0 for steady runs.
     pub mu_dynamic_stderr: Option<f64>,
     /// Static friction coefficient.
     pub mu_static: Option<f64>,
-    /// Dynamic friction, patterned over flat.
+    /// Ratio of dynamic friction, patterned over flat.
     pub ratio: Option<f64>,
-    /// Standard error of the ratio: 0 where there is no time.
+    /// Standard error of the ratio; 0 for steady runs.
     pub ratio_stderr: Option<f64>,
 }
 
-/// Solves `scene` and takes note.
+/// Solves `scene` and records the result.
 pub fn measure(scene: &Scene, monitor: &dyn Monitor) -> Run {
     let started_s = monitor.seconds();
     let solved = simulate(scene, monitor);
@@ -62,7 +62,7 @@ fn noted(scene: &Scene, simulation: &Simulation) -> Run {
     let costs: Vec<_> = surfaces.iter().filter_map(|surface| surface.cost).collect();
     let site_updates: u64 = costs.iter().map(|cost| cost.site_updates).sum();
     let integration_s: f64 = costs.iter().map(|cost| cost.wall_s).sum();
-    // The first surface that did not end as planned speaks for the run.
+    // The status of the run is that of the first surface that did not end as planned.
     let ended = surfaces.iter().map(|surface| surface.status.name()).find(|status| *status != "converged");
     let exact = (scene.run.fidelity == Fidelity::Steady).then_some(0.0);
     Run {
@@ -81,7 +81,7 @@ fn noted(scene: &Scene, simulation: &Simulation) -> Run {
     }
 }
 
-/// The largest step that the scheme of `scene` takes on both of its surfaces; `None` where there is none.
+/// Maximum step that the scheme of `scene` allows on both surfaces; `None` if there is no limit.
 pub fn stability_limit_s(scene: &Scene) -> Option<f64> {
     let limit = |mut scene: Scene| {
         scene.run.step_s = Some(f64::MAX);
@@ -95,7 +95,7 @@ pub fn stability_limit_s(scene: &Scene) -> Option<f64> {
     Some(own.min(flat))
 }
 
-/// The scene of a row's `seed`-th draw, counted from 0.
+/// Scene of a row's `seed`-th draw, counted from 0.
 pub fn scene_of(row: &Row, base: &Scene, seed: u64) -> Scene {
     let mut scene = base.clone();
     scene.run.seed = base.run.seed.wrapping_add(seed);
@@ -105,17 +105,17 @@ pub fn scene_of(row: &Row, base: &Scene, seed: u64) -> Scene {
     scene
 }
 
-/// Seconds that all rows take on `threads` threads, roughly.
+/// Estimated wall time of all rows on `threads` threads, in seconds.
 pub fn expected_wall_s(rows: &[Row], base: &Scene, threads: usize) -> f64 {
     let of = |row: &Row| (0..row.seeds).map(|seed| expected_s(&scene_of(row, base, seed))).sum::<f64>();
     rows.iter().map(of).sum::<f64>() / threads as f64
 }
 
-/// Runs every row for all its seeds: a list a row, in the order of the seeds.
+/// Runs every row for all its seeds; returns one list per row, in the order of the seeds.
 ///
-/// The first seed of every row runs on one thread, and that is the run whose time is reported: alone, or
-/// with `side_by_side` as many at once as there are threads, each with a core to itself, longest first.
-/// The others then share all threads.
+/// The first seed of every row runs on one thread and gives the reported time. It runs alone, or, with
+/// `side_by_side`, together with as many other runs as there are threads, one core per run, longest first.
+/// The other seeds then share all threads.
 pub fn measure_all(rows: &[Row], base: &Scene, side_by_side: bool, progress: &Stage<'_>) -> Vec<Vec<Run>> {
     let scenes: Vec<Vec<Scene>> =
         rows.iter().map(|row| (0..row.seeds).map(|seed| scene_of(row, base, seed)).collect()).collect();
@@ -126,13 +126,13 @@ pub fn measure_all(rows: &[Row], base: &Scene, side_by_side: bool, progress: &St
         scenes.iter().enumerate().filter_map(|(row, scenes)| Some((row, scenes.first()?))).collect();
     first.sort_by(|a, b| expected_s(b.1).total_cmp(&expected_s(a.1)));
     let next = AtomicUsize::new(0);
-    // A thread of a rayon pool would begin another row while it waits for one: these are threads of their own.
+    // A thread of a rayon pool would start another row while it waits for one, so separate threads are used.
     let work = || {
         let mut measured = Vec::new();
         while let Some((row, scene)) = first.get(next.fetch_add(1, Ordering::Relaxed)) {
             progress.detail(&rows[*row].label);
             let timed = || timed(scene, &part(scene));
-            // Where the system gives no further thread, the current pool is what there is.
+            // The current pool is the fallback if the system provides no further thread.
             let alone = rayon::ThreadPoolBuilder::new().num_threads(1).build();
             measured.push((*row, alone.map_or_else(|_| timed(), |pool| pool.install(timed))));
         }
@@ -150,7 +150,7 @@ pub fn measure_all(rows: &[Row], base: &Scene, side_by_side: bool, progress: &St
     progress.detail("more seeds");
     let mut others: Vec<(usize, &Scene)> =
         scenes.iter().enumerate().flat_map(|(row, scenes)| scenes.iter().skip(1).map(move |s| (row, s))).collect();
-    // Longest first, one at a time, so that no thread ends long after the others.
+    // Longest first, one at a time, so that all threads end at similar times.
     others.sort_by(|a, b| expected_s(b.1).total_cmp(&expected_s(a.1)));
     let more: Vec<(usize, Run)> =
         others.into_par_iter().with_max_len(1).map(|(row, scene)| (row, measure(scene, &part(scene)))).collect();
@@ -163,7 +163,7 @@ pub fn measure_all(rows: &[Row], base: &Scene, side_by_side: bool, progress: &St
     runs
 }
 
-/// Measures `scene`, again while that is cheap: the shortest time counts.
+/// Measures `scene`, repeatedly if it is fast: the shortest time counts.
 fn timed(scene: &Scene, monitor: &dyn Monitor) -> Run {
     let mut run = measure(scene, monitor);
     for _ in 1..MAX_TIMINGS {
@@ -178,12 +178,12 @@ fn timed(scene: &Scene, monitor: &dyn Monitor) -> Run {
     run
 }
 
-/// What a run takes, roughly.
+/// Estimated wall time of a run, in seconds.
 fn expected_s(scene: &Scene) -> f64 {
     1e-3 + site_evaluations(scene) * seconds_per_site(scene)
 }
 
-/// Blocks times force evaluations that a run will take, both surfaces; 0 without time.
+/// Estimated number of blocks times force evaluations of a run, both surfaces; 0 for steady runs.
 fn site_evaluations(scene: &Scene) -> f64 {
     if scene.run.fidelity == Fidelity::Steady || scene.speed_m_s <= 0.0 {
         return 0.0;
@@ -192,14 +192,14 @@ fn site_evaluations(scene: &Scene) -> f64 {
         (Extent::Cell, Some(pattern)) => pattern.pitch_m() / scene.layer.block_m,
         _ => scene.layer.columns() as f64,
     };
-    // 6 ns for blocks of 10 um, and in proportion to them
+    // 6 ns for blocks of 10 um, in proportion to their size
     let usual_s = if scene.run.fidelity == Fidelity::Reference { 1e-9 } else { 6e-9 * scene.layer.block_m / 10e-6 };
     let steps = scene.run.sliding_m / scene.speed_m_s / scene.run.step_s.unwrap_or(usual_s);
     let stages = if scene.run.fidelity == Fidelity::Reference { 4.0 } else { 1.0 };
     2.0 * columns * scene.layer.rows() as f64 * steps * stages
 }
 
-/// What one of them takes, roughly: only the progress bar and the order of the runs rest on it.
+/// Estimated seconds per site evaluation; used for the progress bar and the order of the runs only.
 fn seconds_per_site(scene: &Scene) -> f64 {
     match (scene.run.fidelity, scene.run.springs) {
         (Fidelity::Reference, _) | (_, Some(Springs::Exact)) => 35e-9,
@@ -207,7 +207,7 @@ fn seconds_per_site(scene: &Scene) -> f64 {
     }
 }
 
-/// The clock of another monitor, and whether to stop.
+/// Monitor with the clock and the cancellation of another monitor, without its progress.
 struct Silent<'a>(&'a dyn Monitor);
 
 impl Monitor for Silent<'_> {

@@ -1,4 +1,4 @@
-//! Speed against error of every method, on one page.
+//! Comparison of speed and error of every method, on one page.
 
 mod difference;
 mod front;
@@ -22,13 +22,13 @@ pub use report::{AccuracyReport, Machine};
 pub use scene::{base, paper_scene, reduced};
 pub use text::{csv, markdown, picture};
 
-/// Whether the reference takes the scene, without running it.
+/// Checks that the reference accepts the scene, without running it.
 ///
 /// # Errors
 /// [`SceneError`] of the reference.
 pub fn check_reference(base: &Scene) -> Result<(), SceneError> {
     base.validate()?;
-    // The largest step is refused with the limit named: the reference's own must be within it.
+    // The check of the step reports its limit: the step of the reference must be within that limit.
     let mut probe = base.clone();
     probe.run.step_s = Some(f64::MAX);
     match simulate(&probe, &Unwatched) {
@@ -40,20 +40,20 @@ pub fn check_reference(base: &Scene) -> Result<(), SceneError> {
     }
 }
 
-/// Step of the published scheme.
+/// Time step of the published scheme.
 const REFERENCE_STEP_S: f64 = 1e-9;
 
-/// Seconds that comparing the methods of `size` on `base` takes on the threads there are, roughly.
+/// Estimated wall time for comparing the methods of `size` on `base` with all threads, in seconds.
 #[must_use]
 pub fn expected_wall_s(size: Size, base: &Scene, seeds: u64) -> f64 {
     measure::expected_wall_s(&rows(size, base, seeds), base, rayon::current_num_threads())
 }
 
-/// Runs the rows of `size` on `base`, each for `seeds` draws of the local coefficients, on a `machine`, and puts the page
-/// together; `source` says where the scene came from. Times are those of the monitor's clock.
+/// Runs the rows of `size` on `base`, each for `seeds` draws of the local coefficients, on a `machine`, and makes the
+/// page; `source` names the origin of the scene. Times are measured with the monitor's clock.
 ///
 /// # Errors
-/// [`StudyError::Cancelled`] once the monitor has cancelled.
+/// [`StudyError::Cancelled`] if the monitor has cancelled.
 pub fn compare(
     size: Size,
     base: &Scene,

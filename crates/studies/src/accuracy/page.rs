@@ -1,4 +1,4 @@
-//! Speed against error as a page.
+//! HTML page of a comparison of speed and error.
 
 use slipgrid_report::Outputs;
 use slipgrid_report::html::page::{Page, number, sentence};
@@ -18,7 +18,7 @@ const TERMS: [(&str, &str); 5] = [
     ("default", "What the program does where nobody chooses; its name ends with a star."),
 ];
 
-/// The page of a comparison: from its `report` and the picture in `outputs`.
+/// Makes the page of a comparison from its `report` and the picture in `outputs`.
 #[must_use]
 pub fn page(report: &AccuracyReport, outputs: &Outputs) -> String {
     let mut page = Page::default();
@@ -74,7 +74,7 @@ fn of_front(page: &mut Page, front: &FrontReport) {
 }
 
 fn methods(page: &mut Page, report: &AccuracyReport) {
-    // Signs of a text, as a page writes them.
+    // Replaces signs of plain text by the page's signs.
     let cell = |text: String| text.replace("+-", "±");
     let starred = |row: &RowReport| {
         let mut cells = method_cells(row);

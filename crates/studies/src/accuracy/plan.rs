@@ -1,36 +1,36 @@
-//! What is compared: a list of named changes to one scene.
+//! Plan of a comparison: a list of named changes to one scene.
 
 use slipgrid_springblock::{Extent, Fidelity, Scene, Springs};
 
-/// A change to the base scene.
+/// Change to the base scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Change {
-    /// What is solved.
+    /// Fidelity of the solution.
     Fidelity(Fidelity),
-    /// How much of the specimen is modelled.
+    /// Modelled extent of the specimen.
     Extent(Extent),
     /// Spring law.
     Springs(Springs),
     /// Time step, in nanoseconds.
     StepNs(f64),
-    /// Time step over the stability limit.
+    /// Time step relative to the stability limit.
     StepOverLimit(f64),
-    /// Block size over the scene's own.
+    /// Block size relative to the scene's block size.
     BlockTimes(f64),
-    /// From the sheared steady equilibrium.
+    /// Start from the sheared steady equilibrium.
     WarmStart,
-    /// Stop at this standard error of dynamic mu over mu, looked at from this share of the travel on.
+    /// Stop at this relative standard error of dynamic mu, checked from this share of the travel on.
     StopAt { mu_stderr: f64, travel_share: f64 },
-    /// Layer height over the scene's own. A higher layer needs more travel until it slides.
+    /// Layer height relative to the scene's. A higher layer needs more travel until it slides.
     LayerTimes(f64),
-    /// Damping frequency over sqrt(k/m).
+    /// Damping frequency relative to sqrt(k/m).
     Damping(f64),
-    /// Speed over the scene's own.
+    /// Speed relative to the scene's speed.
     SpeedTimes(f64),
 }
 
 impl Change {
-    /// Changes `scene`; `limit_s` gives a scene's largest stable step.
+    /// Applies the change to `scene`; `limit_s` gives a scene's maximum stable step.
     pub fn apply(self, scene: &mut Scene, limit_s: impl Fn(&Scene) -> Option<f64>) {
         match self {
             Self::Fidelity(fidelity) => scene.run.fidelity = fidelity,
@@ -54,18 +54,18 @@ impl Change {
     }
 }
 
-/// What belongs together on the page.
+/// Group of rows on the page.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Family {
-    /// Equilibrium without time.
+    /// Steady equilibrium.
     Steady,
-    /// The reference's integrator with other steps and springs.
+    /// Integrator of the reference with other steps and springs.
     RungeKutta,
-    /// The fast integrator with various steps and springs.
+    /// Fast integrator with various steps and springs.
     Leapfrog,
     /// Size of the blocks.
     BlockSize,
-    /// Extent and ways to simulate less.
+    /// Reduced extent and other ways to simulate less.
     Shortcut,
     /// Damping frequency.
     Damping,
@@ -79,7 +79,7 @@ impl Family {
     /// Families of methods, in the order of the page.
     pub const METHODS: [Self; 5] = [Self::Steady, Self::RungeKutta, Self::Leapfrog, Self::BlockSize, Self::Shortcut];
 
-    /// The name on the page.
+    /// Name on the page.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Steady => "steady",
@@ -94,43 +94,43 @@ impl Family {
     }
 }
 
-/// What a row is for.
+/// Role of a row in the comparison.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Role {
-    /// The reference, which judges the methods.
+    /// Reference that judges the methods.
     Judge,
-    /// Another way to the same answer: its difference from the judge is an error.
+    /// Another method for an identical problem: its difference from the judge is an error.
     Method,
-    /// The dynamic run against which choices are compared.
+    /// Dynamic run with which choices are compared.
     Base,
     /// Another physical scene: its difference from the base is a change of the answer.
     Choice,
-    /// The base with many draws of the local coefficients.
+    /// Base with many draws of the local coefficients.
     Seeds,
 }
 
-/// One row of the page.
+/// Row of the page.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Row {
-    /// What was changed, in full.
+    /// Full description of the change.
     pub name: String,
-    /// The same in a few letters, for the diagram.
+    /// Short label of the change, for the diagram.
     pub label: String,
-    /// What it belongs to.
+    /// Family of the row.
     pub family: Family,
-    /// What it is for.
+    /// Role of the row.
     pub role: Role,
     /// Changes to the base scene, in order.
     pub changes: Vec<Change>,
-    /// Draws of the local coefficients, from the scene's seed on.
+    /// Number of draws of the local coefficients, from the scene's seed on.
     pub seeds: u64,
-    /// What the program does where nobody chooses, and where.
+    /// Commands for which this method is the program's default.
     pub default_of: Option<&'static str>,
 }
 
 impl Row {
-    /// Block size over the scene's own of a steady cell; `None` for every other row. A steady cell has no
-    /// chance in it: its discretization error shows to the last digit.
+    /// Relative block size of a steady cell; `None` for every other row. A steady cell is deterministic:
+    /// its discretization error is exact to the last digit.
     pub fn steady_cell_blocks(&self) -> Option<f64> {
         match self.changes[..] {
             [STEADY, CELL] => Some(1.0),
@@ -140,22 +140,22 @@ impl Row {
     }
 }
 
-/// How much is compared.
+/// Size of the comparison.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Size {
-    /// A minute.
+    /// Takes a minute.
     Quick,
-    /// Hours.
+    /// Takes hours.
     Full,
 }
 
-/// Draws behind the scatter from draw to draw.
+/// Number of draws for the scatter between draws.
 pub const SCATTER_SEEDS: u64 = 10;
-/// Step near the stability limit, over the limit.
+/// Step near the stability limit, relative to the limit.
 const NEAR_LIMIT: f64 = 0.97;
-/// Standard error over mu at which the shortened runs stop: that of the confirming runs of optimize.
+/// Relative standard error of mu at which shortened runs stop, as for the confirming runs of `optimize`.
 const STOP_STDERR: f64 = 0.001;
-/// Share of the travel from which they may.
+/// Share of the travel from which shortened runs may stop.
 const STOP_TRAVEL_SHARE: f64 = 0.2;
 
 /// All rows, judge first; `scene` is the base scene.

@@ -1,4 +1,4 @@
-//! The page as data.
+//! Record of a comparison.
 
 use std::f64::consts::SQRT_2;
 
@@ -12,144 +12,144 @@ use super::plan::{Family, Role, Row};
 use slipgrid_results::{SCHEMA, VERSION};
 use slipgrid_units::{STEP_NS, tidy};
 
-/// What `accuracy --json` prints.
+/// Record that `accuracy --json` prints.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct AccuracyReport {
-    /// `slipgrid`.
+    /// Program name: `slipgrid`.
     pub program: &'static str,
-    /// Its version.
+    /// Program version.
     pub version: &'static str,
-    /// Schema of the file.
+    /// Schema version of the record.
     pub schema: u32,
     /// `quick` or `full`.
     pub size: &'static str,
-    /// The scene, and what was compared how.
+    /// Description of the scene and of the comparison.
     pub model: Vec<String>,
-    /// What judges the methods.
+    /// Reference that judges the methods.
     pub reference: RowReport,
-    /// Other ways to the same answer: errors against the reference.
+    /// Other methods for an identical problem, with errors relative to the reference.
     pub methods: Vec<RowReport>,
-    /// Steady cells of coarser blocks against the finest ones.
+    /// Steady cells of coarser blocks, compared with the finest ones.
     pub discretization: Vec<RowReport>,
-    /// The dynamic run against which choices are compared.
+    /// Dynamic run with which choices are compared.
     pub base: RowReport,
-    /// Other physical scenes: changes from the base.
+    /// Other physical scenes, with changes relative to the base.
     pub choices: Vec<RowReport>,
-    /// The base with many draws.
+    /// Base with many draws.
     pub scatter: RowReport,
-    /// Fastest and most accurate, one per quantity.
+    /// Pareto fronts of time and error, one per quantity.
     pub fronts: Vec<FrontReport>,
-    /// Where it ran.
+    /// Machine of the runs.
     pub machine: Machine,
-    /// Seconds of everything.
+    /// Total wall time in seconds.
     pub wall_s: f64,
-    /// Threads that computed.
+    /// Number of threads.
     pub threads: usize,
 }
 
-/// One row.
+/// Row of the page.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct RowReport {
-    /// What was changed.
+    /// Full description of the change.
     pub name: String,
-    /// The same in a few letters.
+    /// Short label of the change.
     pub label: String,
-    /// What it belongs to.
+    /// Family of the row.
     pub family: &'static str,
-    /// Where the program does this when nobody chooses.
+    /// Commands for which this method is the program's default.
     pub default_of: Option<&'static str>,
-    /// How the runs ended: the first that did not end as planned.
+    /// Status of the runs: that of the first run that did not end as planned.
     pub status: String,
-    /// Draws of the local coefficients.
+    /// Number of draws of the local coefficients.
     pub seeds: usize,
     /// Time step.
     pub step_ns: Option<f64>,
-    /// Blocks times force evaluations of the timed run, both surfaces; null where there is no time.
+    /// Blocks times force evaluations of the timed run, both surfaces; null for steady runs.
     pub site_updates: Option<u64>,
     /// Dynamic friction coefficient.
     pub mu_dynamic: Option<ValueReport>,
     /// Static friction coefficient.
     pub mu_static: Option<ValueReport>,
-    /// Dynamic friction, patterned over flat.
+    /// Ratio of dynamic friction, patterned over flat.
     pub ratio: Option<ValueReport>,
-    /// Seconds of the timed run, on one thread.
+    /// Wall time of the timed run on one thread, in seconds.
     pub wall_s: f64,
-    /// Site updates over the seconds of integration.
+    /// Site updates per second of integration.
     pub site_updates_per_s: Option<f64>,
 }
 
-/// A mean over seeds and its difference from the row it is compared with.
+/// Mean over seeds and its difference from the compared row.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct ValueReport {
     /// The mean.
     pub value: f64,
-    /// Standard deviation from draw to draw.
+    /// Standard deviation between draws.
     pub std: Option<f64>,
-    /// Standard error by the batch means within the runs.
+    /// Standard error from the batch means within the runs.
     pub stderr: Option<f64>,
     /// Difference, in per cent.
     pub difference_pct: Option<f64>,
-    /// Its standard error.
+    /// Standard error of the difference, in per cent.
     pub difference_stderr_pct: Option<f64>,
-    /// Whether it is more than two standard errors.
+    /// The difference exceeds two standard errors.
     pub significant: Option<bool>,
-    /// The difference, or two standard errors where these are more.
+    /// Upper bound of the difference: the difference or two standard errors, whichever is larger.
     pub difference_at_most_pct: Option<f64>,
 }
 
-/// The front in one quantity.
+/// Pareto front in one quantity.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct FrontReport {
-    /// What the error is in.
+    /// Quantity of the error.
     pub quantity: &'static str,
-    /// Errors below this cannot be told apart: two standard errors of the difference of two references, and
-    /// a quarter more.
+    /// Smallest distinguishable error: two standard errors of the difference of two references,
+    /// with a margin of a quarter.
     pub resolution_pct: f64,
-    /// Methods that no other is both faster than and at least as accurate as, fastest first.
+    /// Methods without a faster method that is at least as accurate, fastest first.
     pub methods: Vec<String>,
-    /// The program's defaults.
+    /// Defaults of the program.
     pub defaults: Vec<DefaultReport>,
 }
 
-/// Whether a default is on the front.
+/// Position of a default relative to the front.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct DefaultReport {
-    /// The method.
+    /// Name of the method.
     pub name: String,
-    /// Where it is the default.
+    /// Commands for which it is the default.
     pub default_of: &'static str,
-    /// Whether it is on the front.
+    /// The default is on the front.
     pub on_front: bool,
-    /// A method of the front that is faster and no less accurate; null on the front.
+    /// Method of the front that is faster and no less accurate; null if the default is on the front.
     pub better: Option<String>,
-    /// The same among methods that give static friction; null unless the default does and `better` does not.
+    /// Position among methods that give static friction; null unless the default gives it and `better` does not.
     pub among_static: Option<AmongStatic>,
 }
 
-/// Where a default stands among the methods that give static friction too.
+/// Position of a default among the methods that give static friction.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct AmongStatic {
-    /// Whether it is on their front.
+    /// The default is on the front of these methods.
     pub on_front: bool,
-    /// A method that is faster and no less accurate; null on the front.
+    /// Method that is faster and no less accurate; null if the default is on the front.
     pub better: Option<String>,
 }
 
-/// Where a page was made.
+/// Machine on which a page was made.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Machine {
     /// Architecture of the processor.
     pub architecture: &'static str,
     /// Operating system.
     pub system: &'static str,
-    /// Threads of the machine.
+    /// Number of hardware threads.
     pub processors: Option<usize>,
-    /// Day, where asked for.
+    /// Date, if requested.
     pub date: Option<String>,
 }
 
 impl AccuracyReport {
-    /// The page of `runs`, one list a row.
+    /// Makes the record of `runs`, one list per row.
     pub fn new(
         size: &'static str,
         model: Vec<String>,
@@ -191,7 +191,7 @@ impl AccuracyReport {
     }
 }
 
-/// Steady cells against those of the finest blocks, coarsest first.
+/// Steady cells compared with the finest blocks, coarsest first.
 fn discretization(rows: &[Row], runs: &[Vec<Run>]) -> Vec<RowReport> {
     let mut cells: Vec<(f64, &Row, &Vec<Run>)> =
         rows.iter().zip(runs).filter_map(|(row, runs)| Some((row.steady_cell_blocks()?, row, runs))).collect();
@@ -221,7 +221,7 @@ impl Default for RowReport {
 }
 
 impl RowReport {
-    /// The row of `runs`, compared with `other`.
+    /// Makes the row of `runs`, compared with `other`.
     pub fn new(row: &Row, runs: &[Run], other: &[Run]) -> Self {
         let value = |quantity| {
             let mean = mean(quantity, runs)?;
@@ -246,7 +246,7 @@ impl RowReport {
         }
     }
 
-    /// What was found of `quantity`.
+    /// Value of `quantity`.
     pub const fn value(&self, quantity: Quantity) -> Option<ValueReport> {
         match quantity {
             Quantity::MuDynamic => self.mu_dynamic,
@@ -255,7 +255,7 @@ impl RowReport {
         }
     }
 
-    /// Its place on the diagram of `quantity`; `None` where it has no error or took no time.
+    /// Point on the diagram of `quantity`; `None` if the row has no error or took no time.
     pub fn point(&self, quantity: Quantity) -> Option<Point> {
         let error = self.value(quantity)?.difference_at_most_pct?;
         (self.wall_s > 0.0 && error.is_finite()).then_some(Point { cost: self.wall_s, error })
@@ -276,21 +276,21 @@ impl ValueReport {
     }
 }
 
-/// A standard error from a few tens of batches is itself uncertain by a fifth: bounds that lie closer are not
-/// put in an order.
+/// Factor on standard errors: estimated from a few tens of batches, they are themselves uncertain by a fifth, so closer
+/// bounds are not ranked.
 const STDERR_UNCERTAINTY: f64 = 1.25;
 
-/// The methods that solve the reference's own lattice: with other blocks the difference from the reference
-/// is not the error, as the reference's own blocks have one.
+/// Methods that solve the lattice of the reference. With other blocks, the difference from the reference is not
+/// the error, because the blocks of the reference cause an error themselves.
 fn contestants(methods: &[RowReport]) -> impl Iterator<Item = &RowReport> {
     methods.iter().filter(|method| method.family != Family::BlockSize.name())
 }
 
 impl FrontReport {
-    /// The front of `methods` in `quantity`; `None` where no method has an error in it.
+    /// Front of `methods` in `quantity`; `None` if no method has an error in it.
     pub fn new(quantity: Quantity, methods: &[RowReport], reference: &RowReport) -> Option<Self> {
         let judge = reference.value(quantity)?;
-        // Two independent means of the reference's own standard error differ by sqrt 2 of it.
+        // The difference of two independent means has sqrt 2 times the standard error of one.
         let resolution_pct = STDERR_UNCERTAINTY * SIGNIFICANT * SQRT_2 * 100.0 * judge.stderr? / judge.value.abs();
         let all: Vec<(&RowReport, Point)> =
             contestants(methods).filter_map(|method| Some((method, method.point(quantity)?))).collect();
@@ -333,13 +333,13 @@ fn points(placed: &[(&RowReport, Point)]) -> Vec<Point> {
     placed.iter().map(|(_, point)| *point).collect()
 }
 
-/// A method of `placed` that makes `method` superfluous.
+/// Method of `placed` that dominates `method`.
 fn better_than<'a>(method: &RowReport, placed: &[(&'a RowReport, Point)], floor: f64) -> Option<&'a RowReport> {
     let index = placed.iter().position(|(other, _)| other.name == method.name)?;
     better(&points(placed), index, floor).map(|other| placed[other].0)
 }
 
-/// What the page compares, and how.
+/// Describes the comparison and its methods.
 pub fn model_notes(scene: &Scene, source: &str, size: &str, seeds: u64) -> Vec<String> {
     use slipgrid_units::{LENGTH_UM, PRESSURE_MPA, SPEED_MM_S};
     let um = |length_m: f64| LENGTH_UM.from_si(length_m);

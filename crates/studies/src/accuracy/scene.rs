@@ -1,4 +1,4 @@
-//! The scene on which methods are judged: the source paper's, or a user's, and its reduced form.
+//! Scene on which methods are judged: the source paper's or a user's, and its reduced form.
 
 use slipgrid_calibrate::area_law::{DEFAULT_PRESSURES_MPA, area_law, persson_curve};
 use slipgrid_material::{Elastic, LocalFriction, THRESHOLD_PRESSURE_PA};
@@ -9,27 +9,27 @@ use crate::StudyError;
 use slipgrid_formats::scene::DEFAULT_LAYER;
 use slipgrid_units::PRESSURE_MPA;
 
-/// Rms slope of the synthetic map that stands in for the unpublished one.
+/// Rms slope of the synthetic map that replaces the unpublished map.
 const STAND_IN_RMS_SLOPE: f64 = 0.0137;
 /// Poisson's ratio of the lattice.
 const POISSON_RATIO: f64 = 1.0 / 3.0;
 
-/// Columns of the reduced specimen.
+/// Number of columns of the reduced specimen.
 const REDUCED_COLUMNS: usize = 50;
-/// Rows of the reduced layer, and rows that it keeps above a cavity.
+/// Number of rows of the reduced layer, and of the rows kept above a cavity.
 const REDUCED_ROWS: usize = 6;
 const ROWS_ABOVE_CAVITY: usize = 2;
-/// Travel of a reduced run over that at which sliding begins: the mean of friction is taken from 60 %
+/// Travel of a reduced run relative to the travel at the onset of sliding: friction is averaged from 60 %
 /// of the run on, after the onset.
 const TRAVEL_OVER_ONSET: f64 = 2.0;
-/// Periods of the layer's first shear mode that a reduced run lasts at least: fast drives reach the onset
-/// within a few, which are no mean.
+/// Minimum duration of a reduced run in periods of the layer's first shear mode: fast drives reach the onset
+/// within a few periods, which are too few for a mean.
 const MIN_PERIODS: f64 = 100.0;
 
-/// The polymer sample of Balestra et al., J. Tribol. 144, 031704, with the stand-in map's area law.
+/// Polymer sample of Balestra et al., J. Tribol. 144, 031704, with the area law of the stand-in map.
 ///
 /// # Errors
-/// [`StudyError::Failed`] if one of its numbers is refused.
+/// [`StudyError::Failed`] if one of the numbers is refused.
 pub fn paper_scene() -> Result<Scene, StudyError> {
     let refuse = |error: &dyn std::fmt::Display| StudyError::Failed(format!("the built-in scene: {error}"));
     let elastic = Elastic::new(0.38e9, 900.0).map_err(|error| refuse(&error))?;
@@ -51,8 +51,8 @@ pub fn paper_scene() -> Result<Scene, StudyError> {
     })
 }
 
-/// What the rows start from: the whole specimen by the paper's scheme at the first load. Seed, travel,
-/// damping and lift-off stay the scene's own.
+/// Base scene of the rows: the whole specimen by the paper's scheme at the first load. Seed, travel,
+/// damping and lift-off are taken from `scene`.
 pub fn base(scene: &Scene) -> Scene {
     let run = RunOptions {
         fidelity: Fidelity::Reference,
@@ -66,7 +66,7 @@ pub fn base(scene: &Scene) -> Scene {
     Scene { loads: scene.loads.iter().take(1).copied().collect(), run, ..scene.clone() }
 }
 
-/// A shorter specimen with a thinner layer and less travel, so that the reference takes seconds.
+/// Reduces the scene to a shorter specimen with a thinner layer and less travel, so that the reference takes seconds.
 pub fn reduced(scene: &Scene) -> Scene {
     let block_m = scene.layer.block_m;
     let cavity_rows = scene.pattern.map_or(0, |pattern| (pattern.depth_m() / block_m).ceil() as usize);
@@ -81,7 +81,7 @@ pub fn reduced(scene: &Scene) -> Scene {
     Scene { layer, run: RunOptions { sliding_m, ..scene.run }, ..scene.clone() }
 }
 
-/// Travel of the bulk at which the shear of the layer reaches the static friction.
+/// Travel of the bulk at which the shear stress of the layer reaches the static friction.
 fn onset_travel_m(scene: &Scene, layer: &Layer, load: &Load) -> f64 {
     let factor = scene.area_law.as_ref().map_or(1.0, |law| law.factor(load.pressure_pa));
     // mu_s f P = G u / h

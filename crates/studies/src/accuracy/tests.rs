@@ -20,7 +20,7 @@ fn the_full_plan_has_every_row_asked_for() {
     assert_eq!(unique.len(), rows.len());
     let of = |role| rows.iter().filter(move |row| row.role == role);
     assert_eq!([Role::Judge, Role::Base, Role::Seeds].map(|role| of(role).count()), [1; 3]);
-    // The reference is the base scene itself: the published scheme on the whole sample.
+    // The reference is the unchanged base scene: the published scheme on the whole sample.
     assert!(rows[0].role == Role::Judge && rows[0].changes.is_empty());
     assert_eq!((base.run.fidelity, base.run.extent), (Fidelity::Reference, Extent::Sample));
     let steps = |family| -> Vec<Change> {
@@ -64,7 +64,7 @@ fn every_row_of_both_plans_is_a_valid_scene_within_its_limits() {
     let quick = reduced(&full);
     for (size, base) in [(Size::Quick, &quick), (Size::Full, &full)] {
         for row in rows(size, base, 2) {
-            // The limit of a whole sample is that of a shorter one, and is taken from there.
+            // A whole sample and a shorter one have equal limits; the limit is computed for the shorter one.
             let mut scene = base.clone();
             for change in &row.changes {
                 change.apply(&mut scene, |scene| stability_limit_s(&reduced(scene)));
@@ -98,7 +98,7 @@ fn rows_differ_from_the_base_in_what_they_name_alone() {
     assert_eq!((blocks.layer.rows(), blocks.run.extent), (24, Extent::Cell));
 }
 
-/// A specimen that even the reference integrates in a fraction of a second.
+/// Specimen that even the reference integrates in a fraction of a second.
 fn tiny() -> Scene {
     let mut scene = base(&paper_scene().unwrap());
     scene.pattern =
@@ -119,7 +119,7 @@ fn a_refused_row_is_a_row_with_its_reason() {
     assert_eq!((run.mu_dynamic, run.site_updates), (None, 0));
 }
 
-/// What tells the time and watches nothing else.
+/// Monitor that provides the time only.
 struct Clock(std::time::Instant);
 
 impl Monitor for Clock {
@@ -143,7 +143,7 @@ fn a_tiny_page_from_end_to_end() {
     assert!(dynamic.mu_dynamic.unwrap().difference_stderr_pct.unwrap() > 0.0);
     assert_eq!((four.step_ns, four.seeds), (Some(4.0), 2));
     assert!(method("steady, sample").site_updates.is_none());
-    // The layer at half height is a single row, which a cavity of one row goes through.
+    // The layer at half height is a single row, which a cavity of one row cuts through.
     let thin = report.choices.iter().find(|row| row.name == "layer of 10 um").unwrap();
     assert!(thin.status.starts_with("refused: the cavity is"), "{}", thin.status);
     let blocks: Vec<Option<f64>> =
@@ -153,7 +153,7 @@ fn a_tiny_page_from_end_to_end() {
         "{blocks:?}"
     );
     assert_eq!(report.scatter.seeds, 10);
-    // Some method is on each front, and no default is left unjudged.
+    // Each front has a method, and all defaults are judged.
     assert!(report.fronts.iter().all(|front| !front.methods.is_empty() && front.defaults.len() == 4));
     assert!(text::picture(&report).unwrap().unwrap().starts_with("<svg"));
     assert_eq!(text::csv(&report).lines().count(), 1 + 4 - 1 + report.methods.len() + report.choices.len());
@@ -163,7 +163,7 @@ fn a_tiny_page_from_end_to_end() {
     assert!(!widths.is_empty() && widths.iter().all(|bars| *bars == 10), "{widths:?}");
 }
 
-/// A page of made-up runs, whose text is known.
+/// Page of synthetic runs with a known text.
 fn fixed_report() -> AccuracyReport {
     let make = |name: &str, family, role, default_of| Row {
         name: name.to_owned(),
@@ -251,7 +251,7 @@ fn the_front_is_of_resolved_errors() {
 #[test]
 fn a_default_is_also_judged_among_methods_that_answer_as_much() {
     let mut report = fixed_report();
-    // The better method no longer gives static friction: among those that do, the default is the best.
+    // The better method no longer gives static friction: the default is the best of the methods that do.
     report.methods[1].mu_static = None;
     let front = report::FrontReport::new(Quantity::MuDynamic, &report.methods, &report.reference).unwrap();
     let slow = &front.defaults[1];

@@ -1,4 +1,4 @@
-//! The page as Markdown, numbers and a diagram.
+//! Comparison as Markdown, CSV and a diagram.
 
 use std::fmt::Write as _;
 
@@ -10,7 +10,7 @@ use slipgrid_results::fixed;
 
 pub(super) const QUANTITIES: [Quantity; 3] = [Quantity::MuDynamic, Quantity::MuStatic, Quantity::Ratio];
 
-/// The page: what does not depend on the machine first.
+/// Formats the page as Markdown; results that do not depend on the machine come first.
 pub fn markdown(report: &AccuracyReport) -> String {
     let mut text = format!("# Speed against error ({})\n\n", report.size);
     for statement in &report.model {
@@ -110,7 +110,7 @@ pub(super) fn method_cells(row: &RowReport) -> Vec<String> {
     cells
 }
 
-/// A difference with its standard error, and whether it means anything.
+/// Formats a difference with its standard error, and its significance.
 pub(super) fn error_text(value: Option<ValueReport>) -> String {
     let Some(value) = value else { return "-".to_owned() };
     let Some(percent) = value.difference_pct else { return "-".to_owned() };
@@ -123,14 +123,14 @@ pub(super) fn error_text(value: Option<ValueReport>) -> String {
     }
 }
 
-/// A difference between two methods without chance.
+/// Formats a difference between two deterministic methods.
 pub(super) fn change(value: Option<ValueReport>) -> String {
     let percent = value.and_then(|value| value.difference_pct);
     let sign = if percent.is_some_and(|percent| percent > 0.0) { "+" } else { "" };
     format!("{sign}{}", fixed(percent, 3))
 }
 
-/// Three significant digits.
+/// Formats three significant digits.
 pub(super) fn significant_digits(value: f64) -> String {
     if value <= 0.0 {
         return "-".to_owned();
@@ -197,7 +197,7 @@ pub(super) fn machine(report: &AccuracyReport) -> String {
     text + &format!("; {:.0} s on {} threads in all.\n", report.wall_s, report.threads)
 }
 
-/// One line a row.
+/// Formats the rows as CSV, one line per row.
 pub fn csv(report: &AccuracyReport) -> String {
     let mut text = String::from(
         "kind,family,name,default_of,status,seeds,step_ns,site_updates,\
@@ -245,10 +245,10 @@ fn number(value: Option<f64>) -> String {
     value.map_or_else(String::new, |value| value.to_string())
 }
 
-/// The diagram; `None` where no method has an error.
+/// Draws the diagram; `None` if no method has an error.
 ///
 /// # Errors
-/// [`slipgrid_report::ChartError`] if it cannot be drawn.
+/// [`slipgrid_report::ChartError`] if the diagram cannot be drawn.
 pub fn picture(report: &AccuracyReport) -> Result<Option<String>, charts::ChartError> {
     let families = Family::METHODS.map(Family::name);
     let points: Vec<(Vec<WorkPoint<'_>>, &FrontReport)> = [Quantity::MuDynamic, Quantity::Ratio]

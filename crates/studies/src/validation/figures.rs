@@ -1,4 +1,4 @@
-//! The source's figures by this model: contact area, interface pressure and friction in time.
+//! Figures of the source, computed by this model: contact area, interface pressure and friction in time.
 
 use std::path::Path;
 
@@ -28,33 +28,33 @@ use slipgrid_results::fixed;
 use slipgrid_results::{ErrorReport, PressureErrors};
 use slipgrid_units::{LENGTH_UM, PRESSURE_MPA, SPEED_MM_S, tidy};
 
-/// Static over dynamic local coefficient where only dynamic friction was measured: the published pair, 0.30 and 0.27.
+/// Static over dynamic local coefficient if only dynamic friction was measured: the published pair, 0.30 and 0.27.
 const STATIC_OVER_DYNAMIC: f64 = 0.30 / 0.27;
 
-/// What the pictures are made of.
+/// Input of the figures.
 pub struct Figures<'a> {
     pub path: &'a Path,
     pub calibration: &'a Calibration,
-    /// The modelled layer, and the specimen behind it.
+    /// Modelled layer, and the specimen behind it.
     pub layer: Layer,
     /// Square cavities are shown.
     pub squares: bool,
     pub laws: &'a [ScaledLaw],
     pub pattern: Pattern,
-    /// The heaviest load that is compared.
+    /// Highest compared load.
     pub heaviest: FlatPoint,
-    /// Largest local pressure of the modelled grooves, in pascals: as far as the area law is drawn.
+    /// Maximum local pressure of the modelled grooves, in pascals, up to which the area law is drawn.
     pub peak_pa: f64,
-    /// Travel of the run in time, in metres; none is made where absent.
+    /// Travel of the transient run, in metres; `None` for no run.
     pub sliding_m: Option<f64>,
     pub synthetic: bool,
 }
 
 impl Figures<'_> {
-    /// Adds every picture with its numbers to `outputs`; returns what the run in time found.
+    /// Adds every picture with its numbers to `outputs`; returns the results of the transient run.
     ///
     /// # Errors
-    /// [`StudyError`] if the numbers make no scene or a picture cannot be drawn.
+    /// [`StudyError`] if the numbers make no valid scene or a picture cannot be drawn.
     pub fn draw(&self, outputs: &mut Outputs, monitor: &dyn Monitor) -> Result<Option<TimeReport>, StudyError> {
         if let Some(picture) = self.areas()? {
             outputs.add("area-law.svg", picture);
@@ -93,7 +93,7 @@ impl Figures<'_> {
         Ok(self.time_report(&scene, &simulation, at, wall_s))
     }
 
-    /// The heaviest load as a whole number of kilopascals, in MPa, for titles.
+    /// Highest load in MPa, rounded to whole kilopascals, for titles.
     fn load_mpa(&self) -> f64 {
         (PRESSURE_MPA.from_si(self.heaviest.pressure_pa) * 1e3).round() / 1e3
     }
@@ -102,7 +102,8 @@ impl Figures<'_> {
         self.laws.iter().find(|law| law.slope_factor == 1.0).and_then(|law| law.law.as_ref())
     }
 
-    /// The heaviest load on `pattern`, with coefficients as in the comparison: steady, the flat surface slides as measured.
+    /// Scene of the highest load on `pattern`, with the coefficients of the comparison: in steady sliding, the flat surface has the
+    /// measured friction.
     fn scene(&self, pattern: Pattern, fidelity: Fidelity, extent: Extent) -> Result<Scene, StudyError> {
         let law = self.law();
         // mu_d = mu_flat / f(P)
@@ -168,7 +169,7 @@ impl Figures<'_> {
         })?))
     }
 
-    /// Pressure under the whole sample, and larger under its first periods.
+    /// Adds the pressure under the whole sample, and a close-up under its first periods.
     fn interface(&self, scene: &Scene, simulation: &Simulation, outputs: &mut Outputs) -> Result<(), StudyError> {
         let Some(load) = simulation.loads.first() else { return Ok(()) };
         let cavities = cavities_um(scene, &load.surface.interface);
@@ -276,7 +277,7 @@ impl Figures<'_> {
 
 /// Area and factor of every surface at the tabulated pressures.
 pub fn area_tables(laws: &[ScaledLaw]) -> Vec<AreaTable> {
-    // A measured law has no contact area behind it.
+    // A measured law has no contact area.
     laws.iter()
         .filter(|scaled| !scaled.areas.is_empty())
         .filter_map(|scaled| {

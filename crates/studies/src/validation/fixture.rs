@@ -1,11 +1,11 @@
-//! Records of a validation, for tests.
+//! Test fixture: records of a validation.
 
 use super::ratios::{MeasuredReport, ModelledRatio, RatioReport};
 use super::report::{AreaTable, PublishedReport, TimeReport, ValidationReport};
 use super::summary::Summary;
 use slipgrid_results::PatternReport;
 
-/// A condition with a measured `ratio`, modelled at two slopes, of which the first did not converge.
+/// Condition with a measured `ratio`, modelled at two slopes, the first of which did not converge.
 pub fn row(ratio: f64, groove: Option<f64>, deep: f64) -> RatioReport {
     let modelled = |slope_factor, ratio_groove: Option<f64>| ModelledRatio {
         slope_factor,
@@ -49,7 +49,7 @@ pub fn row(ratio: f64, groove: Option<f64>, deep: f64) -> RatioReport {
     }
 }
 
-/// A report on two conditions with everything that a page can show.
+/// Report on two conditions with all parts that a page can show.
 pub fn report() -> ValidationReport {
     let mut results = vec![row(0.75, Some(0.9), 0.85), row(0.875, Some(0.95), 0.9)];
     (results[1].measured.force_n, results[1].measured.pressure_mpa) = (200.0, 2.5);

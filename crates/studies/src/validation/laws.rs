@@ -1,4 +1,4 @@
-//! Area laws of a calibration's surface with its heights scaled.
+//! Area laws of a calibration's surface with scaled heights.
 
 use slipgrid_calibrate::area_law::{CONTACT_TOLERANCE, DEFAULT_PRESSURES_MPA, area_curve, area_law, persson_curve};
 use slipgrid_calibrate::{LawPressures, Selection};
@@ -17,41 +17,41 @@ use slipgrid_monitor::{Monitor, Stage};
 use slipgrid_results::fixed;
 use slipgrid_units::{PRESSURE_MPA, tidy};
 
-/// Seed of the flat sample that a scale is fitted to: that of `calibrate` and `trials`.
+/// Seed of the flat sample in the fit of a scale, as for `calibrate` and `trials`.
 const FIT_SEED: u64 = 1;
 
-/// The area law of the surface with every height multiplied by one factor.
+/// Area law of the surface with all heights multiplied by one factor.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ScaledLaw {
-    /// What heights, and so slopes, are multiplied by.
+    /// Factor of heights and therefore of slopes.
     pub slope_factor: f64,
     /// Rms slope of the scaled surface; `None` without a surface.
     pub rms_slope: Option<f64>,
-    /// The law; `None` without a surface.
+    /// Area law; `None` without a surface.
     pub law: Option<AreaLaw>,
-    /// Contact area behind the law, pressures increasing; empty without a surface.
+    /// Contact area of the law, pressures increasing; empty without a surface.
     pub areas: Vec<AreaPoint>,
 }
 
-/// The laws of one surface.
+/// Laws of one surface.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ScaledLaws {
-    /// One per factor, in their order.
+    /// Laws, one per factor, in the order of the factors.
     pub laws: Vec<ScaledLaw>,
     /// The surface is synthetic.
     pub synthetic: bool,
-    /// What was done to the surface.
+    /// Notes on the processing of the surface.
     pub notes: Vec<String>,
 }
 
 impl ScaledLaws {
-    /// The law of the surface as given.
+    /// Law of the surface as given.
     pub fn given(&self) -> Option<&AreaLaw> {
         self.laws.iter().find(|law| law.slope_factor == 1.0)?.law.as_ref()
     }
 }
 
-/// The area law of the surface of `task` for each of its slope factors.
+/// Area laws of the surface of `task`, one per slope factor.
 ///
 /// # Errors
 /// [`StudyError`] if the map cannot be read or its contact area gives no law.
@@ -109,10 +109,10 @@ pub fn scaled_laws(
         }
         Surface::Map { path: map_path, synthetic, options, .. } => {
             let surface = read_period(source, map_path, options, monitor)?;
-            // A(P; s h) = A(P/s; h): every scaled surface is read off the one that was given.
+            // A(P; s h) = A(P/s; h): the curve of every scaled surface follows from the curve of the given surface.
             let points = surface.map.rows() * surface.map.cols();
             let of = LawPressures::new(stated_pa, contact_modulus_pa, surface.rms_slope, Some(points));
-            // With a stated threshold, the scaled laws are those of the tabulated pressures.
+            // With a stated threshold, the tabulated pressures suffice for the scaled laws.
             let light_pa = if stated_pa.is_none() { of.pressures_pa.as_slice() } else { &[] };
             let solved_pa = unscaled_pressures_pa(factors, light_pa);
             let progress = Stage::new(monitor, "area law", None);
@@ -145,9 +145,9 @@ pub fn scaled_laws(
     }
 }
 
-/// The laws of a surface of which the scale is fitted to flat friction, as calibrations fit it.
+/// Laws of a surface whose scale is fitted to flat friction, as in calibrations.
 fn fitted_laws(task: &ValidationTask<'_>, source: &Source, monitor: &dyn Monitor) -> Result<ScaledLaws, StudyError> {
-    // The fit is of flat samples: trials say nothing to it.
+    // The fit uses flat samples only, so that trials are removed.
     let mut flat = task.calibration.clone();
     flat.trials.samples.clear();
     let sample = (DEFAULT_SPECIMEN, FIT_SEED);
@@ -190,12 +190,12 @@ fn fitted_laws(task: &ValidationTask<'_>, source: &Source, monitor: &dyn Monitor
     Ok(ScaledLaws { laws: laws.collect::<Result<_, Diagnostic>>()?, synthetic: false, notes })
 }
 
-/// The curve of the surface scaled by `factor`: A(P; s h) = A(P/s; h).
+/// Curve of the surface scaled by `factor`: A(P; s h) = A(P/s; h).
 fn stretched(curve: &[AreaPoint], factor: f64) -> Vec<AreaPoint> {
     curve.iter().map(|point| AreaPoint { pressure_pa: factor * point.pressure_pa, ..*point }).collect()
 }
 
-/// Pressures P/s of the surface itself behind every tabulated pressure of the scaled ones, and `more`, increasing.
+/// Pressures P/s of the unscaled surface for all tabulated pressures of the scaled surfaces, and `more`, increasing.
 fn unscaled_pressures_pa(factors: &[f64], more: &[f64]) -> Vec<f64> {
     let mut pressures_pa: Vec<f64> = factors
         .iter()
@@ -211,12 +211,12 @@ fn unscaled_pressures_pa(factors: &[f64], more: &[f64]) -> Vec<f64> {
 fn tabulated_pa(factor: f64) -> impl Iterator<Item = [f64; 2]> {
     DEFAULT_PRESSURES_MPA.into_iter().map(move |pressure_mpa| {
         let pressure_pa = PRESSURE_MPA.to_si(pressure_mpa);
-        // Rounded, so that the same pressure from two factors is solved once.
+        // Rounded, so that equal pressures from two factors are solved once.
         [pressure_pa, tidy(pressure_pa / factor)]
     })
 }
 
-/// The curve of the surface scaled by `factor`, from that of the surface itself.
+/// Curve of the surface scaled by `factor`, from the curve of the unscaled surface.
 fn scaled(curve: &[AreaPoint], factor: f64) -> Vec<AreaPoint> {
     tabulated_pa(factor)
         .filter_map(|[pressure_pa, unscaled_pa]| {

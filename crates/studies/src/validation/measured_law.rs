@@ -1,4 +1,4 @@
-//! The other reading of flat friction: that it is the law of local pressure, mu(p) = mu_flat(P = p).
+//! Alternative interpretation of flat friction as a law of local pressure: mu(p) = mu_flat(P = p).
 
 use std::path::Path;
 
@@ -13,11 +13,11 @@ use slipgrid_calibrate::Measurement;
 use slipgrid_formats::calibration::Calibration;
 use slipgrid_monitor::{Monitor, Stage};
 
-/// Ratios of `pattern` at each of `pairs` by the law of the flat measurements at its own condition, one per extrapolation;
-/// empty where these are at one pressure only.
+/// Ratios of `pattern` at each of `pairs` by the law of the flat measurements at the condition of the pair, one per
+/// extrapolation; empty if the flat measurements have a single pressure.
 ///
 /// # Errors
-/// [`StudyError`] if the numbers make no scene; `path` is the calibration that they came from.
+/// [`StudyError`] if the numbers make no valid scene; `path` is the file of the calibration.
 pub fn ratios(
     path: &Path,
     calibration: &Calibration,
@@ -26,7 +26,7 @@ pub fn ratios(
     pairs: &[Pair],
     monitor: &dyn Monitor,
 ) -> Result<Vec<Vec<MeasuredLawRatio>>, StudyError> {
-    // The modulus does not move this law.
+    // The law does not depend on the modulus.
     let body = Body { modulus_relative_std: None, ..body };
     let mut found: Vec<Vec<MeasuredLawRatio>> = vec![Vec::new(); pairs.len()];
     let progress = Stage::new(monitor, "measured law", None);
@@ -58,7 +58,7 @@ pub fn ratios(
     Ok(found)
 }
 
-/// The laws of the flat measurements at the condition of `measured`; none where these are at one pressure only.
+/// Laws of the flat measurements at the condition of `measured`; none if they have a single pressure.
 fn laws(calibration: &Calibration, measured: &Measurement) -> Vec<(Extrapolation, AreaLaw)> {
     let mut rows: Vec<[f64; 2]> = calibration
         .flat

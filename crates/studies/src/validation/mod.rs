@@ -1,4 +1,4 @@
-//! Measured ratios patterned/flat beside the model's.
+//! Comparison of measured ratios patterned/flat with the model.
 
 mod figures;
 #[cfg(test)]
@@ -41,31 +41,31 @@ pub use report::ValidationReport;
 pub use rims::{RimsReport, csv as rims_csv, picture as rims_picture};
 pub use text::{csv, picture, table};
 
-/// What is compared.
+/// Input of a validation.
 #[derive(Clone, Debug)]
 pub struct ValidationTask<'a> {
-    /// The file that the calibration came from.
+    /// File of the calibration.
     pub path: &'a Path,
-    /// The measurements, on flat and on patterned samples.
+    /// Measurements on flat and on patterned samples.
     pub calibration: &'a Calibration,
-    /// Name of the trial whose measurements stand in place of the patterned samples'; `None` where these are compared.
+    /// Name of the trial whose measurements replace the patterned samples'; `None` to compare the patterned samples.
     pub trial: Option<String>,
-    /// The pattern of the patterned samples, as grooves.
+    /// Pattern of the patterned samples, as grooves.
     pub patterns: Patterns,
-    /// What the slopes of the surface are multiplied by, increasing, 1 among them.
+    /// Factors of the surface's slopes, increasing, including 1.
     pub slope_factors: Vec<f64>,
-    /// Every measured condition, not only that of the first row.
+    /// Compare every measured condition, not only the condition of the first row.
     pub all: bool,
-    /// Travel of the run in time behind mu(t), in metres; none is made where absent.
+    /// Travel of the transient run for mu(t), in metres; `None` for no run.
     pub sliding_m: Option<f64>,
-    /// What rims of several heights would make of the ratios is wanted.
+    /// Compute ratios for rims of several heights.
     pub rims: bool,
-    /// Pictures are wanted, with what stands in them.
+    /// Draw pictures and compute their data.
     pub figures: bool,
 }
 
 impl ValidationTask<'_> {
-    /// The cavities as they were cut, where the calibration says it.
+    /// Planform of the cavities as cut, if the calibration states it.
     fn cut_as(&self) -> Option<Planform> {
         if self.trial.is_none() {
             return self.calibration.pattern.map(|pattern| pattern.planform());
@@ -73,7 +73,7 @@ impl ValidationTask<'_> {
         Some(self.cut()?.pattern.planform())
     }
 
-    /// The sample that is compared: the trial, or else the first.
+    /// Compared sample: the trial, otherwise the first sample.
     fn cut(&self) -> Option<&CutSample> {
         let mut samples = self.calibration.trials.samples.iter();
         match &self.trial {
@@ -82,8 +82,8 @@ impl ValidationTask<'_> {
         }
     }
 
-    /// The layer of the published simulations where these are compared; of any other samples the whole specimen, as
-    /// `calibrate`, `trials` and designs take it.
+    /// Layer of the published simulations if these are compared; for all other samples the whole specimen, as in
+    /// `calibrate`, `trials` and designs.
     fn layer(&self) -> Layer {
         let is_published = self.trial.is_none() && is_published(&self.calibration.source);
         if is_published {
@@ -92,13 +92,13 @@ impl ValidationTask<'_> {
         Layer { thickness_m: self.stated_thickness_m().or(DEFAULT_SPECIMEN.thickness_m), ..DEFAULT_SPECIMEN }
     }
 
-    /// The thickness that the calibration states of the sample that is compared, in metres.
+    /// Stated thickness of the compared sample in the calibration, in metres.
     fn stated_thickness_m(&self) -> Option<f64> {
         self.cut().and_then(|cut| cut.specimen.thickness_m)
     }
 }
 
-/// Where the height of the specimen comes from, and what else takes it; `stated_m` of the calibration, `default_m` of designs.
+/// Describes the origin of the specimen's height and its other uses; `stated_m` of the calibration, `default_m` of designs.
 fn thickness_words(stated_m: Option<f64>, default_m: Option<f64>) -> String {
     let mm = |length_m: f64| LENGTH_MM.from_si(length_m);
     match (stated_m, default_m) {
@@ -119,12 +119,12 @@ fn thickness_words(stated_m: Option<f64>, default_m: Option<f64>) -> String {
     }
 }
 
-/// The pattern at both depths, as grooves.
+/// Pattern at both depths, as grooves.
 #[derive(Clone, Copy, Debug)]
 pub struct Patterns {
-    /// As it is modelled.
+    /// Pattern as modelled.
     pub modelled: Pattern,
-    /// As it was measured.
+    /// Pattern as measured.
     pub measured: Pattern,
 }
 
@@ -134,12 +134,12 @@ impl Patterns {
     }
 }
 
-/// Models every measured condition of `task`; with the pictures and their numbers where these are wanted. Maps come from
+/// Models every measured condition of `task`; draws pictures and computes their data if requested. Maps come from
 /// `source`.
 ///
 /// # Errors
-/// [`StudyError`] for a calibration without anything to compare, a surface that gives no area law, and numbers that make no
-/// scene.
+/// [`StudyError`] for a calibration without anything to compare, a surface that gives no area law, and numbers that make
+/// no valid scene.
 pub fn validate(
     task: &ValidationTask<'_>,
     source: &Source,
@@ -163,7 +163,7 @@ pub fn validate(
     Ok((report, outputs))
 }
 
-/// Rims at the condition of the first row, on cavities as deep as the measured ones.
+/// Computes rims at the condition of the first row, on cavities of the measured depth.
 fn rims_of(
     task: &ValidationTask<'_>,
     pairs: &[Pair],
@@ -185,7 +185,7 @@ fn rims_of(
     rims::rims(task.path, body(task), law, groove, &points, &results, monitor).map(Some)
 }
 
-/// What the pictures show; `None` where nothing was compared.
+/// Input of the pictures; `None` if nothing was compared.
 fn figures<'a>(
     task: &'a ValidationTask<'a>,
     pairs: &[Pair],
@@ -212,7 +212,7 @@ fn figures<'a>(
     })
 }
 
-/// A pair's flat measurement, as the model needs it.
+/// Flat measurement of a pair, as input of the model.
 fn flat_point(pair: &Pair, calibration: &Calibration) -> FlatPoint {
     FlatPoint {
         pressure_pa: calibration.pressure_pa(pair.flat.force_n),
@@ -222,7 +222,7 @@ fn flat_point(pair: &Pair, calibration: &Calibration) -> FlatPoint {
     }
 }
 
-/// The measured pairs that are reported.
+/// Measured pairs for the report.
 fn measured(task: &ValidationTask<'_>) -> Result<Vec<Pair>, Diagnostic> {
     let calibration = task.calibration;
     let nothing =
@@ -317,7 +317,7 @@ fn compare(
     Ok(report)
 }
 
-/// The layer of the model.
+/// Layer of the model.
 fn body(task: &ValidationTask<'_>) -> Body {
     Body {
         elastic: task.calibration.elastic,
@@ -326,7 +326,7 @@ fn body(task: &ValidationTask<'_>) -> Body {
     }
 }
 
-/// What stands after +- of modelled values, and what does not.
+/// Explains which error sources the standard deviations of modelled values include.
 fn errors_note(calibration: &Calibration) -> String {
     let modulus = match calibration.modulus_relative_std() {
         Some(std) => format!("Young's modulus, known to {:.0} %, and ", 100.0 * std),
@@ -338,7 +338,7 @@ fn errors_note(calibration: &Calibration) -> String {
     )
 }
 
-/// What was modelled and how.
+/// Describes model assumptions and methods.
 fn model_notes(task: &ValidationTask<'_>, pairs: &[Pair], surface: &[String]) -> Vec<String> {
     let um = |length_m: f64| LENGTH_UM.from_si(length_m);
     let patterns = &task.patterns;

@@ -1,4 +1,4 @@
-//! What the model says about patterned samples, from the flat measurements and the surface alone.
+//! Model of patterned samples, from flat measurements and the surface alone.
 
 use std::path::Path;
 
@@ -12,7 +12,7 @@ use crate::StudyError;
 use slipgrid_formats::Diagnostic;
 use slipgrid_formats::scene::DEFAULT_THICKNESS_M;
 
-/// A flat measurement, as the model needs it.
+/// Flat measurement as input of the model.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FlatPoint {
     /// Nominal pressure, in pascals.
@@ -21,22 +21,22 @@ pub struct FlatPoint {
     pub speed_m_s: f64,
     /// Dynamic friction coefficient of the flat sample.
     pub mu_flat: f64,
-    /// Its standard deviation.
+    /// Standard deviation of `mu_flat`.
     pub mu_flat_std: f64,
 }
 
-/// The layer, and how well its modulus is known.
+/// Layer, and the uncertainty of its modulus.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Body {
     /// Young's modulus and density.
     pub elastic: Elastic,
-    /// Standard deviation of Young's modulus over itself, where it is known.
+    /// Relative standard deviation of Young's modulus, if known.
     pub modulus_relative_std: Option<f64>,
-    /// The modelled layer.
+    /// Modelled layer.
     pub layer: Layer,
 }
 
-/// What is known of the material at `points` under `law`.
+/// Uncertainty of the material at `points` under `law`.
 pub fn knowledge(modulus_relative_std: Option<f64>, law: Option<&AreaLaw>, points: &[FlatPoint]) -> InputUncertainty {
     let std = modulus_relative_std.filter(|std| law.is_some() && *std > 0.0);
     InputUncertainty {
@@ -49,33 +49,33 @@ pub fn knowledge(modulus_relative_std: Option<f64>, law: Option<&AreaLaw>, point
 /// Steady sliding of one pattern under one area law at every measurement.
 #[derive(Clone, Copy, Debug)]
 pub struct Case<'a> {
-    /// The pattern, as grooves.
+    /// Pattern, as grooves.
     pub pattern: Pattern,
-    /// The area law; `None` is Amontons-Coulomb.
+    /// Area law; `None` for Amontons-Coulomb.
     pub law: Option<&'a AreaLaw>,
 }
 
-/// The model at one measurement.
+/// Model results at one measurement.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Prediction {
     /// f at the nominal pressure.
     pub area_law_factor: f64,
     /// Local dynamic coefficient, mu_flat / f.
     pub dynamic_mean: f64,
-    /// What the solver found of grooves.
+    /// Solution for grooves.
     pub outcome: CellOutcome,
-    /// What it found of square cavities of the same lengths, in space.
+    /// Solution for square cavities with equal lengths, in three dimensions.
     pub squares: CellOutcome,
-    /// What a specimen as thick as the source's changes of either ratio; `None` where a cell has none.
+    /// Change of both ratios for a specimen of the source's thickness; `None` if a cell has none.
     pub thick: [Option<f64>; 2],
-    /// What Young's modulus and measured flat friction leave open of both; `None` where it cannot be computed.
+    /// Uncertainty of both ratios from Young's modulus and measured flat friction; `None` if it cannot be computed.
     pub errors: [Option<Deviations>; 2],
 }
 
-/// Solves every case at every point, in parallel: one list a case.
+/// Solves every case at every point, in parallel; returns one list per case.
 ///
 /// # Errors
-/// [`StudyError`] if the numbers make no scene; `path` is the calibration that they came from.
+/// [`StudyError`] if the numbers make no valid scene; `path` is the file of the calibration.
 pub fn predict(
     path: &Path,
     body: Body,
@@ -96,16 +96,16 @@ pub fn predict(
         .collect()
 }
 
-/// The steady scene of `pattern` under `law` at every point.
+/// Steady scene of `pattern` under `law` at every point.
 ///
 /// # Errors
-/// What makes the numbers no scene.
+/// The reason why the numbers make no valid scene.
 pub fn scene(body: Body, law: Option<&AreaLaw>, pattern: Pattern, points: &[FlatPoint]) -> Result<Scene, String> {
     let loads = points
         .iter()
         .map(|point| {
             let [_, dynamic_mean] = coefficients(law, point);
-            // Steady sliding knows no static coefficient, and a cell takes the mean.
+            // Steady sliding does not depend on the static coefficient, and a cell uses the mean.
             let friction = LocalFriction::new(dynamic_mean, dynamic_mean, 0.0).map_err(|error| error.to_string())?;
             Ok(Load { pressure_pa: point.pressure_pa, friction })
         })
@@ -117,7 +117,7 @@ pub fn scene(body: Body, law: Option<&AreaLaw>, pattern: Pattern, points: &[Flat
         relief: None,
         layer: body.layer,
         loads,
-        // Steady sliding does not depend on it.
+        // Steady sliding does not depend on the speed.
         speed_m_s: points.first().map_or(0.0, |point| point.speed_m_s),
         run: RunOptions::default(),
     };
@@ -142,7 +142,7 @@ fn solve(body: Body, case: &Case<'_>, points: &[FlatPoint]) -> Result<Vec<Predic
         rayon::join(|| of(case.pattern), || of(squares(&case.pattern)))
     };
     let (grooves, squares) = solved(scene.layer);
-    // A layer alone leaves out what is behind it.
+    // A layer alone neglects the body behind it.
     let is_layer = scene.layer.thickness_m.is_none();
     let thick = is_layer.then(|| solved(Layer { thickness_m: Some(DEFAULT_THICKNESS_M), ..scene.layer }));
     let known = knowledge(body.modulus_relative_std, case.law, points);
@@ -163,9 +163,9 @@ fn solve(body: Body, case: &Case<'_>, points: &[FlatPoint]) -> Result<Vec<Predic
         .collect())
 }
 
-/// Square cavities of `pattern`'s lengths.
+/// Square cavities with the lengths of `pattern`.
 pub fn squares(pattern: &Pattern) -> Pattern {
-    // Lengths that made a pattern make another one.
+    // Lengths of a valid pattern are valid for another planform.
     Pattern::new(Planform::Square, pattern.width_m(), pattern.spacing_m(), pattern.depth_m()).unwrap_or(*pattern)
 }
 
@@ -173,7 +173,7 @@ pub fn squares(pattern: &Pattern) -> Pattern {
 mod tests {
     use super::*;
 
-    /// A short layer, so that the test takes milliseconds.
+    /// Short layer, so that the test takes milliseconds.
     const LAYER: Layer = Layer { length_m: 500e-6, height_m: 100e-6, block_m: 10e-6, thickness_m: None };
 
     fn predicted(law: Option<&AreaLaw>, depth_m: f64) -> Vec<Prediction> {
@@ -201,13 +201,13 @@ mod tests {
         assert!(ratio(heavy) < ratio(light) && ratio(light) < 1.0);
         for prediction in [light, heavy] {
             let squares = prediction.squares.ratio.unwrap();
-            // At the light load no point reaches the pressure where the area law bends: friction is the flat surface's, to rounding.
+            // At the light load no point reaches the pressure where the area law bends: friction equals the flat surface's, to rounding.
             assert!(squares > ratio(prediction) && squares < 1.0 + 1e-9, "{squares}");
             assert!((prediction.squares.mu_flat.unwrap() - prediction.outcome.mu_flat.unwrap()).abs() < 1e-12);
-            // What a fifth of Young's modulus makes of the reduction is a part of it, less in squares than in grooves.
+            // An error of a fifth of Young's modulus changes the reduction by a fraction, less for squares than for grooves.
             let [grooves, in_space] = prediction.errors.clone().map(|errors| errors.unwrap());
             assert!(grooves.ratio.std < 0.5 * (1.0 - ratio(prediction)) && in_space.ratio.std < grooves.ratio.std);
-            // Flat friction is known to 1 %; the ratio falls a little where it is higher.
+            // Flat friction is known to 1 %; the ratio decreases slightly as flat friction increases.
             assert!(grooves.mu.std > 0.008 * prediction.outcome.mu_flat.unwrap() * ratio(prediction));
         }
     }

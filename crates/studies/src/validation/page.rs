@@ -1,4 +1,4 @@
-//! The source's tables and figures beside the model's.
+//! Page of a validation: tables and figures of the source and of the model.
 
 use slipgrid_report::Outputs;
 use slipgrid_report::html::page::{Column, Page, number, percent, plain, with_error, yes_or_no};
@@ -6,7 +6,7 @@ use slipgrid_report::html::page::{Column, Page, number, percent, plain, with_err
 use super::ratios::{MeasuredReport, ModelledRatio, RatioReport};
 use super::report::{AreaTable, PublishedReport, TimeReport, ValidationReport};
 
-/// The page of a validation: from its `report` and the pictures in `outputs`.
+/// Makes the page of a validation from its `report` and the pictures in `outputs`.
 #[must_use]
 pub fn validation(report: &ValidationReport, outputs: &Outputs) -> String {
     let mut page = Page::default();
@@ -91,7 +91,7 @@ fn amontons(results: &[RatioReport]) -> Option<f64> {
     found.filter(|found| !found.is_empty()).map(|found| found.iter().sum::<f64>() / found.len() as f64)
 }
 
-/// How cavities are modelled, and the ratio with its standard deviation.
+/// Modelled planform, with functions for the ratio and its standard deviation.
 struct Planform {
     name: &'static str,
     cell: &'static str,
@@ -103,7 +103,7 @@ const PLANFORMS: [Planform; 2] = [
     Planform { name: "squares", cell: "in space", ratio: |model| (model.ratio_square, model.ratio_square_std) },
 ];
 
-/// Measured ratios beside those of one planform.
+/// Adds measured ratios and the ratios of one planform.
 fn ratios(page: &mut Page, report: &ValidationReport, planform: &Planform) {
     let results = &report.results;
     let is_one_condition =
@@ -159,12 +159,12 @@ fn condition(row: &MeasuredReport) -> Vec<String> {
     vec![plain(row.force_n), number(row.pressure_mpa, 3), plain(row.speed_mm_s), plain(row.humidity_pct)]
 }
 
-/// What rows of one condition share.
+/// Quantities that rows of one condition share.
 const fn speed_and_humidity(row: &MeasuredReport) -> [f64; 2] {
     [row.speed_mm_s, row.humidity_pct]
 }
 
-/// Peak pressures and how the solves ended.
+/// Adds peak pressures and the status of the solutions.
 fn solves<'a>(page: &mut Page, report: &'a ValidationReport) {
     let solved = |row: &'a RatioReport| {
         let models = row.modelled.iter().map(|model| (report.pattern.depth_um, model));
@@ -195,7 +195,7 @@ fn solves<'a>(page: &mut Page, report: &'a ValidationReport) {
     page.records(&caption, &solved, &columns);
 }
 
-/// Friction coefficients themselves, as modelled on the surface as given.
+/// Adds modelled friction coefficients on the surface as given.
 fn friction(page: &mut Page, report: &ValidationReport) {
     let given: Vec<(&MeasuredReport, &ModelledRatio)> =
         report.results.iter().filter_map(|row| Some((&row.measured, row.at_slope(1.0)?))).collect();
@@ -301,7 +301,7 @@ fn in_time(page: &mut Page, report: &ValidationReport, run: &TimeReport, outputs
         "friction.svg",
         "Flat and patterned sample as grooves, from rest, with the averaging window",
     );
-    // The run is one of the heaviest load at the condition of the first row.
+    // The transient run has the highest load at the condition of the first row.
     let rows = || report.results.iter().map(|row| &row.measured);
     let first = rows().next().map(speed_and_humidity);
     let alike = rows().filter(|row| Some(speed_and_humidity(row)) == first);
@@ -415,7 +415,7 @@ mod tests {
         ] {
             assert!(page.contains(said), "{said}");
         }
-        // All conditions are of one speed and humidity: the table of ratios does not repeat them.
+        // All conditions have one speed and one humidity: the table of ratios does not repeat them.
         assert!(page.contains(">P in MPa</button></th><th scope=\"col\"><button type=\"button\">measured</button>"));
         let bare = page.replace("http://www.w3.org/2000/svg", "");
         assert!(!bare.contains("http") && !bare.contains("src="));

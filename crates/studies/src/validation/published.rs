@@ -1,19 +1,19 @@
-//! What the source says in words and numbers, beside what its own tables and this model give.
+//! Statements of the source, compared with its own tables and this model.
 
 use super::ratios::{MeasuredReport, RatioReport};
 use super::report::{PublishedReport, ValidationReport};
 use slipgrid_results::fixed;
 
-/// How calibrations name the source of the statements.
+/// Name of the statements' source in calibrations.
 const SOURCE: &str = "J. Tribol. 144, 031704";
 
-/// Whether `source`, as a calibration names it, is the paper of the statements.
+/// Whether `source`, as named in a calibration, is the paper of the statements.
 #[must_use]
 pub fn is_published(source: &str) -> bool {
     source.contains(SOURCE)
 }
 
-/// The statements of the source of `report`; none for any other source, and none beside a trial.
+/// Statements about the source of `report`; none for any other source and none for a trial.
 pub fn published(report: &ValidationReport) -> Vec<PublishedReport> {
     let Some(first) = report.results.first().filter(|_| report.trial.is_none() && is_published(&report.source)) else {
         return Vec::new();
@@ -104,7 +104,7 @@ pub fn published(report: &ValidationReport) -> Vec<PublishedReport> {
     said
 }
 
-/// Measured and modelled friction of the patterned sample at the two heaviest loads.
+/// Describes measured and modelled friction of the patterned sample at the two highest loads.
 fn patterned_above_2_mpa(rows: &[&RatioReport]) -> String {
     let mut heaviest = rows.to_vec();
     heaviest.sort_by(|a, b| a.measured.pressure_mpa.total_cmp(&b.measured.pressure_mpa));
@@ -122,7 +122,7 @@ fn patterned_above_2_mpa(rows: &[&RatioReport]) -> String {
     )
 }
 
-/// Relative rise of flat and patterned friction over the measured speeds at 100 N.
+/// Relative increase of flat and patterned friction over the measured speeds at 100 N.
 fn rise_with_speed(measured: &[MeasuredReport], humidity_pct: f64) -> Option<[f64; 2]> {
     let at = |speed_mm_s: f64| {
         measured

@@ -1,4 +1,4 @@
-//! A measured ratio beside the modelled ones.
+//! Measured and modelled ratios.
 
 use std::borrow::Cow;
 
@@ -13,63 +13,63 @@ use slipgrid_calibrate::Measurement;
 use slipgrid_formats::calibration::Calibration;
 use slipgrid_units::{HUMIDITY_PCT, LENGTH_UM, PRESSURE_MPA, SPEED_MM_S, tidy};
 
-/// A condition measured on both samples.
+/// Condition measured on both samples.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct MeasuredReport {
     /// Normal force on one specimen.
     pub force_n: f64,
-    /// The same over its area.
+    /// Nominal pressure: normal force over the area of a specimen.
     pub pressure_mpa: f64,
     /// Sliding speed.
     pub speed_mm_s: f64,
     /// Relative humidity.
     pub humidity_pct: f64,
-    /// Flat sample.
+    /// Friction of the flat sample.
     pub mu_flat: f64,
-    /// Its standard deviation.
+    /// Standard deviation of `mu_flat`.
     pub mu_flat_std: f64,
-    /// Patterned sample.
+    /// Friction of the patterned sample.
     pub mu_patterned: f64,
-    /// Its standard deviation.
+    /// Standard deviation of `mu_patterned`.
     pub mu_patterned_std: f64,
-    /// Patterned over flat.
+    /// Ratio patterned over flat.
     pub ratio: f64,
-    /// Its standard deviation.
+    /// Standard deviation of the ratio.
     pub ratio_std: f64,
 }
 
-/// A measured ratio and the model's.
+/// Measured ratio with the modelled ratios.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct RatioReport {
-    /// What was measured.
+    /// Measurement.
     #[serde(flatten)]
     pub measured: MeasuredReport,
-    /// The model's ratio without an area law.
+    /// Modelled ratio without an area law.
     pub ratio_amontons_coulomb: Option<f64>,
-    /// The model's ratios, one per slope factor.
+    /// Modelled ratios, one per slope factor.
     pub modelled: Vec<ModelledRatio>,
-    /// The model with measured flat friction as the local law, one per extrapolation; empty where flat friction was measured at
-    /// one pressure only.
+    /// Modelled ratios with measured flat friction as the local law, one per extrapolation; empty if flat friction was measured
+    /// at a single pressure.
     pub measured_law: Vec<MeasuredLawRatio>,
-    /// The model at the measured depth and the surface as given; null where both depths are one.
+    /// Modelled ratio at the measured depth and the surface as given; null if both depths are equal.
     pub modelled_at_measured_depth: Option<ModelledRatio>,
 }
 
-/// The model at one condition where a contact's friction depends on its local pressure as the flat sample's does on the nominal one.
+/// Model at one condition if a contact's friction depends on its local pressure like flat friction on the nominal pressure.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct MeasuredLawRatio {
-    /// How the law goes on above the last measured pressure: `constant` or `logarithmic`.
+    /// Extrapolation of the law above the last measured pressure: `constant` or `logarithmic`.
     pub extrapolation: Cow<'static, str>,
-    /// Ratio of the pattern as grooves; null where the solve did not converge.
+    /// Ratio of the pattern as grooves; null if the solution did not converge.
     pub ratio_groove: Option<f64>,
-    /// Ratio of square cavities of the same lengths, in space; null likewise.
+    /// Ratio of square cavities with equal lengths, in three dimensions; null if the solution did not converge.
     pub ratio_square: Option<f64>,
 }
 
-/// The model at one condition.
+/// Model at one condition.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ModelledRatio {
-    /// What the slopes of the surface are multiplied by.
+    /// Factor of the surface's slopes.
     pub slope_factor: f64,
     /// Rms slope; null without a surface.
     pub rms_slope: Option<f64>,
@@ -79,48 +79,48 @@ pub struct ModelledRatio {
     pub dynamic_mean: f64,
     /// Ratio of the pattern as grooves.
     pub ratio_groove: Option<f64>,
-    /// Its standard deviation.
+    /// Standard deviation of `ratio_groove`.
     pub ratio_groove_std: Option<f64>,
-    /// Standard deviation of the same friction coefficient, ratio times flat friction.
+    /// Standard deviation of the groove's friction coefficient, ratio times flat friction.
     pub mu_groove_std: Option<f64>,
-    /// Ratio of square cavities of the same lengths, in space.
+    /// Ratio of square cavities with equal lengths, in three dimensions.
     pub ratio_square: Option<f64>,
-    /// Its standard deviation.
+    /// Standard deviation of `ratio_square`.
     pub ratio_square_std: Option<f64>,
-    /// Standard deviation of the same friction coefficient.
+    /// Standard deviation of the squares' friction coefficient.
     pub mu_square_std: Option<f64>,
-    /// Strip estimate of the same from the groove's ratio.
+    /// Strip estimate of the squares' ratio from the groove's ratio.
     pub ratio_square_estimate: Option<f64>,
-    /// What a specimen as thick as the source's, 7 mm, would change of the groove's ratio.
+    /// Change of the groove's ratio for a specimen of the source's thickness, 7 mm.
     pub ratio_groove_thick_difference: Option<f64>,
-    /// The same of squares.
+    /// Change of the squares' ratio for a specimen of the source's thickness.
     pub ratio_square_thick_difference: Option<f64>,
-    /// Largest local pressure, grooves; it grows as blocks shrink.
+    /// Maximum local pressure of grooves; it increases as blocks shrink.
     pub peak_pressure_mpa: f64,
-    /// Largest local pressure, squares.
+    /// Maximum local pressure of squares.
     pub peak_pressure_square_mpa: f64,
-    /// Contact blocks under tension.
+    /// Number of contact blocks under tension.
     pub tension_blocks: usize,
     /// A cavity's ceiling reaches the counterface.
     pub cavity_closed: bool,
-    /// A pressure lies past the last of the area law.
+    /// A pressure exceeds the range of the area law.
     pub area_law_extrapolated: bool,
-    /// How the solve of grooves ended.
+    /// Status of the solution for grooves.
     pub status: Cow<'static, str>,
-    /// How the solve of squares ended.
+    /// Status of the solution for squares.
     pub status_square: Cow<'static, str>,
 }
 
-/// A flat measurement and the patterned one at the same condition.
+/// Flat and patterned measurement at one condition.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pair {
-    /// On the flat sample.
+    /// Measurement on the flat sample.
     pub flat: Measurement,
-    /// On the patterned sample.
+    /// Measurement on the patterned sample.
     pub patterned: Measurement,
 }
 
-/// The conditions that both tables have, in the order of the flat one.
+/// Conditions that both tables contain, in the order of the flat table.
 pub fn pairs(calibration: &Calibration) -> Vec<Pair> {
     let pair = |flat: &Measurement| {
         let patterned = calibration
@@ -132,7 +132,7 @@ pub fn pairs(calibration: &Calibration) -> Vec<Pair> {
     calibration.flat.iter().filter_map(pair).collect()
 }
 
-/// Whether two measurements were made at the same speed and humidity.
+/// Whether two measurements have equal speed and humidity.
 pub fn same_condition(a: &Measurement, b: &Measurement) -> bool {
     same(a.speed_m_s, b.speed_m_s) && same(a.humidity, b.humidity)
 }
@@ -142,7 +142,7 @@ fn same(a: f64, b: f64) -> bool {
 }
 
 impl MeasuredReport {
-    /// What was measured at `pair`.
+    /// Makes the record of the measurements of `pair`.
     pub fn new(pair: &Pair, calibration: &Calibration) -> Self {
         let Pair { flat, patterned } = pair;
         let ratio = patterned.mu_dynamic / flat.mu_dynamic;
@@ -162,21 +162,21 @@ impl MeasuredReport {
         }
     }
 
-    /// Whether both were measured at the same speed and humidity.
+    /// Whether both measurements have equal speed and humidity.
     pub fn is_at_condition_of(&self, other: &Self) -> bool {
         self.speed_mm_s == other.speed_mm_s && self.humidity_pct == other.humidity_pct
     }
 }
 
 impl RatioReport {
-    /// The model at `slope_factor`.
+    /// Modelled ratio at `slope_factor`.
     pub fn at_slope(&self, slope_factor: f64) -> Option<&ModelledRatio> {
         self.modelled.iter().find(|modelled| modelled.slope_factor == slope_factor)
     }
 }
 
 impl ModelledRatio {
-    /// What `prediction` says of `pattern` on the surface of `law`.
+    /// Makes the record of `prediction` for `pattern` on the surface of `law`.
     pub fn new(law: &ScaledLaw, pattern: &Pattern, prediction: &Prediction) -> Self {
         let (surface, square) = (&prediction.outcome.surface, &prediction.squares.surface);
         let std = |planform: usize, of: fn(&Deviations) -> &Deviation| {
@@ -206,18 +206,18 @@ impl ModelledRatio {
         }
     }
 
-    /// Whether both solves converged.
+    /// Whether both solutions converged.
     pub fn has_converged(&self) -> bool {
         [&self.status, &self.status_square].into_iter().all(|status| status == Status::Converged.name())
     }
 }
 
-/// The strip estimate of square cavities of `pattern`'s lengths whose section has `ratio_groove`.
+/// Strip estimate for square cavities with the lengths of `pattern`, from the `ratio_groove` of the cross-section.
 fn as_squares(pattern: &Pattern, ratio_groove: f64) -> f64 {
     squares(pattern).strip_estimate(ratio_groove)
 }
 
-/// The pattern's depth in the file's unit.
+/// Depth of the pattern in micrometres, the unit of the record.
 pub fn depth_um(pattern: &Pattern) -> f64 {
     LENGTH_UM.from_si(pattern.depth_m())
 }

@@ -1,4 +1,4 @@
-//! A validation as JSON.
+//! Record of a validation.
 
 use std::borrow::Cow;
 
@@ -9,91 +9,91 @@ use super::rims::RimsReport;
 use super::summary::Summary;
 use slipgrid_results::PatternReport;
 
-/// What `validate --json` prints.
+/// Record that `validate --json` prints.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ValidationReport {
-    /// `slipgrid`.
+    /// Program name: `slipgrid`.
     pub program: Cow<'static, str>,
-    /// Its version.
+    /// Program version.
     pub version: Cow<'static, str>,
-    /// Schema of the file.
+    /// Schema version of the record.
     #[serde(default = "slipgrid_results::first_schema")]
     pub schema: u32,
     /// Name of the calibration.
     pub name: String,
-    /// Where the measurements come from.
+    /// Source of the measurements.
     pub source: String,
-    /// Name of the trial that is compared; null where that is the patterned samples of the calibration.
+    /// Name of the compared trial; null if the calibration's patterned samples are compared.
     #[serde(default)]
     pub trial: Option<String>,
-    /// Planform of the measured cavities; null where the calibration does not say it.
+    /// Planform of the measured cavities; null if the calibration does not state it.
     #[serde(default)]
     pub cut_as: Option<String>,
-    /// Height of the modelled specimen; null where only a layer of it is modelled, as the source did.
+    /// Height of the modelled specimen; null if only a layer of it is modelled, as in the source.
     #[serde(default)]
     pub thickness_mm: Option<f64>,
-    /// The area law rests on a synthetic surface.
+    /// The area law is based on a synthetic surface.
     pub synthetic_surface: bool,
-    /// What was modelled and how.
+    /// Model assumptions and methods.
     pub model: Vec<String>,
-    /// What the standard deviations of modelled values are of.
+    /// Error sources that the standard deviations of modelled values include.
     pub errors: String,
-    /// The pattern that is modelled, as grooves.
+    /// Modelled pattern, as grooves.
     pub pattern: PatternReport,
-    /// The same as square cavities.
+    /// Areal density of the modelled pattern as square cavities.
     pub areal_density_square: f64,
     /// Depth of the measured cavities.
     pub measured_depth_um: f64,
-    /// What the slopes of the surface were multiplied by.
+    /// Factors of the surface's slopes.
     pub slope_factors: Vec<f64>,
     /// Averages over `results`.
     pub summary: Summary,
-    /// What the numbers say, in sentences.
+    /// Conclusions, in sentences.
     pub statements: Vec<String>,
-    /// What the source says beside what is found here.
+    /// Statements of the source, compared with the results.
     pub published: Vec<PublishedReport>,
     /// Every condition measured on both samples, modelled or not.
     pub measured: Vec<MeasuredReport>,
-    /// The area laws, one per slope factor.
+    /// Area laws, one per slope factor.
     pub area_laws: Vec<AreaTable>,
-    /// What rims of several heights would make of the ratios at the condition of the first row; null where that is not asked.
+    /// Ratios for rims of several heights at the condition of the first row; null if not requested.
     #[serde(default)]
     pub rims: Option<RimsReport>,
-    /// The run in time at the heaviest load; null where none was made.
+    /// Transient run at the highest load; null if none was made.
     pub in_time: Option<TimeReport>,
-    /// Seconds, which stand in timings.json.
+    /// Wall time in seconds, stored in timings.json.
     #[serde(default)]
     pub wall_s: f64,
-    /// Threads that computed.
+    /// Number of threads.
     #[serde(default)]
     pub threads: usize,
-    /// One per measured condition.
+    /// Results, one per measured condition.
     pub results: Vec<RatioReport>,
 }
 
 impl ValidationReport {
-    /// Square cavities say something of the samples that are compared: these were not cut as grooves.
+    /// Whether square cavities are relevant for the compared samples: not if the samples were cut as grooves.
     #[must_use]
     pub fn has_squares(&self) -> bool {
         self.cut_as.as_deref() != Some("groove")
     }
 }
 
-/// A statement of the source and its counterpart.
+/// Statement of the source and its counterpart.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PublishedReport {
-    /// What it is about.
+    /// Subject of the statement.
     pub quantity: String,
-    /// What the source says.
+    /// Statement of the source.
     pub source: String,
-    /// What its tables and the model give.
+    /// Result of the source's tables and of the model.
     pub here: String,
 }
 
-/// An area law with the contact area behind it, one number per pressure.
+/// Area law with its contact area, one number per pressure.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct AreaTable {
-    /// What the slopes of the surface are multiplied by.
+    /// Factor of the surface's slopes.
     pub slope_factor: f64,
     /// Rms slope.
     pub rms_slope: Option<f64>,
@@ -118,39 +118,39 @@ pub struct TimeReport {
     pub static_mean: f64,
     /// Mean local dynamic coefficient, measured flat friction over f.
     pub dynamic_mean: f64,
-    /// Relative scatter of both.
+    /// Relative scatter of both coefficients.
     pub relative_std: f64,
-    /// Dynamic friction, flat.
+    /// Dynamic friction of the flat surface.
     pub mu_flat: Option<f64>,
-    /// Its standard error in time.
+    /// Standard error of `mu_flat` in time.
     pub mu_flat_stderr: Option<f64>,
-    /// Its standard deviation with what is drawn and measured.
+    /// Standard deviation of `mu_flat` from draws and measurements.
     pub mu_flat_std: Option<f64>,
-    /// Peak at the onset of sliding, flat.
+    /// Static peak at the onset of sliding, flat surface.
     pub mu_static_flat: Option<f64>,
-    /// Its standard deviation among draws.
+    /// Standard deviation of `mu_static_flat` between draws.
     pub mu_static_flat_std: Option<f64>,
-    /// Dynamic friction, patterned.
+    /// Dynamic friction of the patterned surface.
     pub mu_patterned: Option<f64>,
-    /// Its standard error in time.
+    /// Standard error of `mu_patterned` in time.
     pub mu_patterned_stderr: Option<f64>,
-    /// Its standard deviation with what is drawn, measured and known of Young's modulus.
+    /// Standard deviation of `mu_patterned` from draws, measurements and Young's modulus.
     pub mu_patterned_std: Option<f64>,
-    /// Peak at the onset of sliding, patterned.
+    /// Static peak at the onset of sliding, patterned surface.
     pub mu_static_patterned: Option<f64>,
-    /// Its standard deviation among draws.
+    /// Standard deviation of `mu_static_patterned` between draws.
     pub mu_static_patterned_std: Option<f64>,
-    /// Patterned over flat.
+    /// Ratio patterned over flat.
     pub ratio: Option<f64>,
-    /// Its standard error in time.
+    /// Standard error of the ratio in time.
     pub ratio_stderr: Option<f64>,
-    /// Its standard deviation with all that is known.
+    /// Standard deviation of the ratio from all known error sources.
     pub ratio_std: Option<f64>,
-    /// How the flat run ended.
+    /// Status of the flat run.
     pub status_flat: Cow<'static, str>,
-    /// How the patterned run ended.
+    /// Status of the patterned run.
     pub status_patterned: Cow<'static, str>,
-    /// Seconds, which stand in timings.json.
+    /// Wall time in seconds, stored in timings.json.
     #[serde(default)]
     pub wall_s: f64,
 }

@@ -1,7 +1,7 @@
-//! What rims of unknown height can and cannot explain of the measured ratios.
+//! Effect of rims of unknown height on the modelled ratios.
 //!
-//! The heights are a table, fitted to nothing: the source's rims were not measured. How near a row comes to the measurements is
-//! said by chi^2, the sum over the loads of ((modelled - measured) / standard deviation of the measured)^2.
+//! The heights are tabulated, not fitted: the source's rims were not measured. The distance of a row from the measurements is
+//! chi^2, the sum over the loads of ((modelled - measured) / standard deviation of the measured)^2.
 
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -23,27 +23,27 @@ use crate::StudyError;
 /// Heights and widths of the rims, in um.
 const HEIGHTS_UM: [f64; 5] = [0.0, 0.1, 0.2, 0.3, 0.5];
 const WIDTHS_UM: [f64; 2] = [10.0, 20.0];
-/// Blocks, in metres: half of the narrowest rim.
+/// Block size in metres: half of the narrowest rim.
 const BLOCK_M: f64 = 5e-6;
 
-/// Ratios with rims of several heights, beside the measured ones.
+/// Ratios with rims of several heights, and measured ratios.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct RimsReport {
     /// Nominal pressures.
     pub pressure_mpa: Vec<f64>,
     /// Measured ratios.
     pub measured: Vec<f64>,
-    /// Their standard deviations.
+    /// Standard deviations of the measured ratios.
     pub measured_std: Vec<f64>,
     /// Depth of the cavities.
     pub depth_um: f64,
     /// Lattice spacing.
     pub block_um: f64,
-    /// Largest change of a groove's ratio in blocks half as large.
+    /// Maximum change of a groove's ratio for blocks of half the size.
     pub block_error: Option<f64>,
-    /// One per planform, width and height.
+    /// Rows, one per planform, width and height.
     pub rows: Vec<RimsRow>,
-    /// What the table says.
+    /// Conclusions from the table, in sentences.
     pub statements: Vec<String>,
 }
 
@@ -52,22 +52,22 @@ pub struct RimsReport {
 pub struct RimsRow {
     /// `groove` or `square`.
     pub planform: String,
-    /// Width of the rim, flat-topped; null without one.
+    /// Width of the flat-topped rim; null without a rim.
     pub rim_width_um: Option<f64>,
-    /// Its height.
+    /// Height of the rim.
     pub rim_height_um: f64,
-    /// Ratios by pressure; null where a solve did not converge.
+    /// Ratios by pressure; null where a solution did not converge.
     pub ratio: Vec<Option<f64>>,
-    /// Largest pressure on a block of the cavity's edge.
+    /// Maximum pressure on a block at the cavity's edge.
     pub peak_pressure_mpa: f64,
-    /// Sum of squared departures over the measured standard deviations; null without all ratios and standard deviations.
+    /// Sum of squared deviations over measured standard deviations; null unless all ratios and standard deviations are known.
     pub chi_square: Option<f64>,
 }
 
-/// Solves the table for `points`, which `results` have measured, in parallel.
+/// Computes the table for `points`, whose measurements are in `results`, in parallel.
 ///
 /// # Errors
-/// [`StudyError`] if the numbers make no scene.
+/// [`StudyError`] if the numbers make no valid scene.
 pub fn rims(
     path: &std::path::Path,
     body: Body,
@@ -115,7 +115,7 @@ pub fn rims(
             })
         })
         .collect::<Result<Vec<RimsRow>, StudyError>>()?;
-    // Grooves are cheap: the finer blocks tell of both.
+    // Grooves are fast to solve: their error with finer blocks stands for both planforms.
     let mut block_error: Option<f64> = None;
     for ((pattern, _), row) in cases.iter().zip(&rows).filter(|((pattern, _), _)| pattern.texture().is_one_section()) {
         monitor.heed()?;
@@ -147,7 +147,7 @@ fn chi_square(ratio: &[Option<f64>], measured: &[f64], std: &[f64]) -> Option<f6
         .filter(|sum| sum.is_finite())
 }
 
-/// First and last of values by pressure.
+/// First and last of `values` by pressure.
 fn ends(values: &[Option<f64>], pressure_mpa: &[f64]) -> Option<[f64; 2]> {
     let place = |better: fn(&f64, &f64) -> bool| {
         let mut found = 0;
@@ -205,7 +205,7 @@ fn statements(report: &RimsReport) -> Vec<String> {
     said
 }
 
-/// The table for people.
+/// Formats the report as a table.
 pub fn table(report: &RimsReport) -> Table {
     let mut header: Vec<String> = ["cavities", "rim um", "wide um"].map(Into::into).into();
     header.extend(report.pressure_mpa.iter().map(|pressure| format!("{} MPa", fixed(Some(*pressure), 2))));
@@ -223,7 +223,7 @@ pub fn table(report: &RimsReport) -> Table {
     table
 }
 
-/// One row per planform, width, height and pressure.
+/// Formats the rows as CSV, one line per planform, width, height and pressure.
 pub fn csv(report: &RimsReport) -> String {
     let mut text = String::from(
         "planform,rim_width_um,rim_height_um,pressure_mpa,ratio,measured,measured_std,peak_pressure_mpa\n",
@@ -247,7 +247,7 @@ pub fn csv(report: &RimsReport) -> String {
     text
 }
 
-/// Squares with the wider rims beside the measurements.
+/// Draws the ratios of squares with the wider rims, and the measurements.
 ///
 /// # Errors
 /// [`ChartError`] if the picture cannot be drawn.
@@ -260,7 +260,7 @@ pub fn picture(report: &RimsReport) -> Result<String, ChartError> {
         .collect();
     let mut columns = vec![("measured (bars: ± one standard deviation)".to_owned(), measured)];
     let widest = WIDTHS_UM[WIDTHS_UM.len() - 1];
-    // More would share their marks.
+    // More rows would share their marks.
     for row in report
         .rows
         .iter()
@@ -280,7 +280,7 @@ pub fn picture(report: &RimsReport) -> Result<String, ChartError> {
     charts::ratios(&RatiosChart { title: &title, pressure_mpa: &pressure_mpa, series: &series })
 }
 
-/// The part of the page.
+/// Adds the section about rims to the page.
 pub fn section(page: &mut Page, report: &ValidationReport, outputs: &Outputs) {
     let Some(rims) = &report.rims else { return };
     page.heading("What rims of unknown height can and cannot explain");

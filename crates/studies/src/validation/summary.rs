@@ -4,50 +4,50 @@ use serde::{Deserialize, Serialize};
 
 use super::ratios::{ModelledRatio, RatioReport};
 
-/// Averages over the conditions that are reported.
+/// Averages over the reported conditions.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Summary {
-    /// Conditions.
+    /// Number of conditions.
     pub conditions: usize,
     /// Mean of 1 - ratio, measured.
     pub reduction_measured: f64,
-    /// Its standard deviation between conditions; null for a single one.
+    /// Standard deviation of `reduction_measured` between conditions; null for a single condition.
     pub reduction_measured_std: Option<f64>,
     /// Mean of 1 - ratio for each slope factor.
     pub modelled: Vec<ModelledReduction>,
-    /// Modelled over measured mean reduction as grooves, surface as given; null where nothing was reduced.
+    /// Modelled over measured mean reduction as grooves, surface as given; null if nothing was reduced.
     pub explained_by_grooves: Option<f64>,
-    /// The same as square cavities, in space.
+    /// Modelled over measured mean reduction as square cavities, in three dimensions.
     pub explained_by_squares: Option<f64>,
-    /// The same by the strip estimate.
+    /// Modelled over measured mean reduction by the strip estimate.
     pub explained_by_strip_estimate: Option<f64>,
     /// Mean change of the groove's ratio from the modelled to the measured depth.
     pub ratio_change_at_measured_depth: Option<f64>,
-    /// Mean change of the squares' ratio.
+    /// Mean change of the squares' ratio from the modelled to the measured depth.
     pub square_ratio_change_at_measured_depth: Option<f64>,
-    /// The change that is largest in size.
+    /// Change with the largest magnitude.
     pub largest_ratio_change_at_measured_depth: Option<f64>,
 }
 
-/// Mean reductions of the model; null where a solve did not converge.
+/// Mean modelled reductions; null where a solution did not converge.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ModelledReduction {
-    /// What the slopes of the surface are multiplied by.
+    /// Factor of the surface's slopes.
     pub slope_factor: f64,
     /// Mean of 1 - ratio as grooves.
     pub groove: Option<f64>,
-    /// Its standard deviation: the mean of those of the ratios, which are off together.
+    /// Standard deviation of `groove`: the mean over the ratios, whose errors are fully correlated.
     pub groove_std: Option<f64>,
-    /// Mean of 1 - ratio as square cavities, in space.
+    /// Mean of 1 - ratio as square cavities, in three dimensions.
     pub square: Option<f64>,
-    /// Its standard deviation.
+    /// Standard deviation of `square`.
     pub square_std: Option<f64>,
-    /// The same by the strip estimate.
+    /// Mean of 1 - ratio by the strip estimate.
     pub square_estimate: Option<f64>,
 }
 
 impl Summary {
-    /// Averages over `rows`, of which there is at least one.
+    /// Averages over `rows`, which must not be empty.
     pub fn new(rows: &[RatioReport], slope_factors: &[f64]) -> Self {
         let measured: Vec<f64> = rows.iter().map(|row| 1.0 - row.measured.ratio).collect();
         let reduction_measured = mean(&measured);
@@ -97,7 +97,7 @@ fn mean(values: &[f64]) -> f64 {
     values.iter().sum::<f64>() / values.len() as f64
 }
 
-/// Standard deviation of a sample; `None` for a single value.
+/// Sample standard deviation; `None` for a single value.
 fn standard_deviation(values: &[f64]) -> Option<f64> {
     let mean = mean(values);
     let squares: f64 = values.iter().map(|value| (value - mean).powi(2)).sum();

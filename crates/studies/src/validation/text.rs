@@ -1,4 +1,4 @@
-//! A validation as a table, statements, a file of numbers and a picture.
+//! Validation as a table, statements, CSV and a picture.
 
 use std::fmt::Write as _;
 
@@ -10,7 +10,7 @@ use slipgrid_results::Table;
 use slipgrid_results::fixed;
 use slipgrid_units::{LENGTH_MM, LENGTH_UM};
 
-/// The report for people.
+/// Formats the report as text.
 pub fn table(report: &ValidationReport) -> String {
     let trial = report.trial.as_ref().map_or_else(String::new, |name| format!(", trial \"{name}\""));
     let mut text = format!("{} ({}){trial}\n", report.name, report.source);
@@ -47,7 +47,7 @@ pub fn table(report: &ValidationReport) -> String {
     text + &format!("\n{:.1} s on {} threads{}\n", report.wall_s, report.threads, in_time.unwrap_or_default())
 }
 
-/// The measured part, one row a condition.
+/// Table of measurements, one row per condition.
 fn measured(report: &ValidationReport) -> Table {
     let mut table =
         Table::new(["F N", "P MPa", "v mm/s", "RH %", "mu flat", "+-", "mu patterned", "+-", "ratio", "+-"]);
@@ -71,7 +71,7 @@ fn measured(report: &ValidationReport) -> Table {
     table
 }
 
-/// The model's part.
+/// Table of model results.
 fn modelled(report: &ValidationReport) -> Table {
     let mut header: Vec<String> = ["F N", "v mm/s", "RH %", "Amontons"].map(Into::into).into();
     for factor in &report.slope_factors {
@@ -102,7 +102,7 @@ fn modelled(report: &ValidationReport) -> Table {
     table
 }
 
-/// The model with the measured law, one row a condition; `None` where no condition has it.
+/// Table of the model with the measured law, one row per condition; `None` if no condition has it.
 fn by_measured_law(report: &ValidationReport) -> Option<Table> {
     let first = report.results.iter().find(|row| !row.measured_law.is_empty())?;
     let mut header: Vec<String> = ["F N", "v mm/s", "RH %", "measured"].map(Into::into).into();
@@ -129,7 +129,7 @@ fn by_measured_law(report: &ValidationReport) -> Option<Table> {
     Some(table)
 }
 
-/// What the two readings of flat friction give, and what would decide between them.
+/// Describes the results of both interpretations of flat friction, and the data that would discriminate between them.
 fn two_laws(report: &ValidationReport) -> Option<String> {
     let ends = |of: &dyn Fn(&RatioReport) -> Vec<f64>| {
         let all: Vec<f64> = report.results.iter().flat_map(of).collect();
@@ -150,7 +150,7 @@ fn two_laws(report: &ValidationReport) -> Option<String> {
     ))
 }
 
-/// What data would decide between the two laws.
+/// Data that would discriminate between the two laws.
 const DECIDES: &str = "Flat samples cannot tell them apart: in these local and nominal pressure are one. Samples with uneven pressure \
      of a known shape would decide: a sphere or a cylinder of the same material and finish, whose pressure is Hertz's, or patterns of \
      one areal density with more and with fewer edges. By the area law friction falls with the pressure under edges, by the \
@@ -164,7 +164,7 @@ fn percent(share: Option<f64>) -> String {
     share.map_or_else(|| "-".to_owned(), |share| format!("{} %", fixed(Some(100.0 * share), 1)))
 }
 
-/// What the numbers say, and what they rest on.
+/// Conclusions from the numbers, and their basis.
 pub fn statements(report: &ValidationReport) -> Vec<String> {
     let (summary, pattern) = (&report.summary, &report.pattern);
     let spread = summary.reduction_measured_std.map_or_else(String::new, |std| {
@@ -246,16 +246,16 @@ pub fn statements(report: &ValidationReport) -> Vec<String> {
     said
 }
 
-/// What the comparison can show, whatever its numbers.
+/// Limits of the comparison, independent of its numbers.
 const LEFT_OPEN: &str = "What the mechanism can explain: a reduction that grows with load, by pressure under the edges of cavities where real \
      contact area saturates. What it cannot: a reduction at vanishing load, and how friction depends on speed and humidity, \
      which enters through the flat measurements alone. Adhesion and menisci, plasticity, heating and wear are not modelled, \
      and rims are not in these numbers";
 
-/// Where what the area law does not explain comes from.
+/// Remark on the reduction that the area law does not explain.
 const ELSEWHERE: &str = "the rest comes from elsewhere, or from another surface.";
 
-/// How both reductions go from the lowest to the highest pressure.
+/// Describes the change of both reductions from the lowest to the highest pressure.
 fn trend(report: &ValidationReport) -> Option<String> {
     let by_pressure = |a: &&RatioReport, b: &&RatioReport| a.measured.pressure_mpa.total_cmp(&b.measured.pressure_mpa);
     let (low, high) = (report.results.iter().min_by(by_pressure)?, report.results.iter().max_by(by_pressure)?);
@@ -276,7 +276,7 @@ fn trend(report: &ValidationReport) -> Option<String> {
     ))
 }
 
-/// What the source's layer leaves out of its specimen.
+/// Describes the error of the source's layer, compared with the specimen.
 fn thickness(report: &ValidationReport) -> Option<String> {
     let largest = |of: fn(&ModelledRatio) -> Option<f64>| {
         let each = report.results.iter().filter_map(|row| of(row.at_slope(1.0)?));
@@ -298,7 +298,7 @@ fn signed(value: f64) -> String {
     if value > 0.0 { format!("+{text}") } else { text }
 }
 
-/// What a reader should know before using the numbers.
+/// Warnings for the reader.
 fn warnings(report: &ValidationReport) -> Vec<String> {
     type Test = fn(&ModelledRatio) -> bool;
     let all: [(Test, &str); 4] = [
@@ -316,7 +316,7 @@ fn warnings(report: &ValidationReport) -> Vec<String> {
         .collect()
 }
 
-/// One row per condition and slope factor, and one for the measured depth.
+/// Formats the results as CSV: one row per condition and slope factor, and one for the measured depth.
 pub fn csv(report: &ValidationReport) -> String {
     let mut text = String::from(
         "force_n,pressure_mpa,speed_mm_s,humidity_pct,mu_flat,mu_flat_std,mu_patterned,mu_patterned_std,ratio,ratio_std,\
@@ -358,7 +358,7 @@ pub fn csv(report: &ValidationReport) -> String {
     text
 }
 
-/// Measured and modelled ratios against pressure, at the condition of the first row.
+/// Draws measured and modelled ratios against pressure, at the condition of the first row.
 ///
 /// # Errors
 /// [`ChartError`](slipgrid_report::ChartError) if the picture cannot be drawn.
@@ -378,7 +378,7 @@ pub fn picture(report: &ValidationReport) -> Result<String, slipgrid_report::Cha
         .map(|row| Some(Estimate { value: row.measured.ratio, error: Some(row.measured.ratio_std) }))
         .collect();
     let mut columns = vec![("measured (bars: ± one standard deviation)".to_owned(), measured)];
-    // The surface as given and the two most different ones: more would not be told apart.
+    // The surface as given and the two most different slope factors: more would be indistinguishable.
     let mut factors: Vec<f64> = [report.slope_factors.first(), Some(&1.0), report.slope_factors.last()]
         .into_iter()
         .flatten()

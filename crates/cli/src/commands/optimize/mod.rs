@@ -1,4 +1,4 @@
-//! `optimize`: the pattern that brings friction to a target, confirmed, and what a laser needs.
+//! `optimize`: finds and confirms the pattern that brings friction to a target, and writes the laser's files.
 
 mod places;
 
@@ -17,7 +17,7 @@ use crate::study_file::StudyFile;
 use crate::{CliError, Console, exit_code};
 use slipgrid_disk::disk;
 
-/// What is written.
+/// Names of the files that are written.
 const FILES: [&str; 15] = [
     "report.html",
     "result.json",
@@ -30,7 +30,7 @@ const FILES: [&str; 15] = [
     "table.*",
     "friction*",
     "interface*",
-    // Drawings that `export` added of an earlier design.
+    // Drawings that `export` added for an earlier design.
     "corners.csv",
     "hatch.csv",
     "height-map.png",
@@ -83,7 +83,7 @@ pub fn run(args: &OptimizeArgs, console: &mut Console<'_>) -> Result<u8, CliErro
     })
 }
 
-/// `error` of the job of `design`, with the place in the file where there is one.
+/// Converts `error` of the job of `design`, with the position in the file if there is one.
 pub fn refused(error: DesignError, design: &Design, study: Option<&StudyFile>) -> CliError {
     match error {
         DesignError::Refused(refused) => design.refuse(&refused).into(),

@@ -1,4 +1,4 @@
-//! Where results and kept answers of a design go.
+//! Paths of a design's results and of its study.
 
 use std::path::{Path, PathBuf};
 
@@ -6,7 +6,7 @@ use slipgrid_design::Advice;
 
 use crate::output::quoted;
 
-/// out/NAME for designs/NAME.toml; out/design where NAME has nothing but dots.
+/// Default folder of results: out/NAME for designs/NAME.toml; out/design if NAME consists of dots.
 #[must_use]
 pub fn default_folder(design: &Path) -> PathBuf {
     let stem = design.file_name().map(Path::new).and_then(Path::file_stem);
@@ -15,13 +15,13 @@ pub fn default_folder(design: &Path) -> PathBuf {
     PathBuf::from("out").join(named.unwrap_or_else(|| "design".as_ref()))
 }
 
-/// The study's file, beside the folder of results: out/NAME.study.jsonl.
+/// Path of the study file, next to the folder of results: out/NAME.study.jsonl.
 #[must_use]
 pub fn study_path(folder: &Path) -> PathBuf {
     beside(folder, ".study.jsonl")
 }
 
-/// Where the report and the laser's files of a design are, and what to do next.
+/// Message with the paths of the report and the laser's files, and with the next steps.
 #[must_use]
 pub fn written(design: &Path, calibration: Option<&Path>, folder: &Path, advice: &Advice) -> String {
     let at = |name: &str| quoted(&folder.join(name));
@@ -39,7 +39,7 @@ pub fn written(design: &Path, calibration: Option<&Path>, folder: &Path, advice:
     text
 }
 
-/// The file at `path` from the current folder, where it lies below that: designs/../materials/a.toml as materials/a.toml.
+/// Shortens a `path` below the current folder: designs/../materials/a.toml becomes materials/a.toml.
 fn shortened(path: &Path) -> PathBuf {
     let below = || Some(path.canonicalize().ok()?.strip_prefix(std::env::current_dir().ok()?).ok()?.to_owned());
     below().unwrap_or_else(|| path.to_owned())
@@ -50,7 +50,7 @@ fn beside(folder: &Path, ending: &str) -> PathBuf {
     name.push(ending);
     match folder.file_name() {
         Some(_) => folder.with_file_name(name),
-        // `.` and `..` have no name to put another beside.
+        // `.` and `..` have no file name, so the file goes inside the folder.
         None => folder.join(name),
     }
 }

@@ -1,4 +1,4 @@
-//! Response surfaces as the page carries them.
+//! Response surfaces as encoded in the page.
 
 use std::ops::Range;
 
@@ -9,13 +9,13 @@ use slipgrid_statistics::ResponseSurface;
 
 /// Names of the axes.
 pub const LENGTHS: [&str; 3] = ["width", "spacing", "depth"];
-/// Largest of the codes that coefficients are written as.
+/// Maximum code of a coefficient.
 const FULL_SCALE: f64 = 65_535.0;
 
-/// Some outputs of a surface, each as 16-bit codes between two numbers, in base64.
+/// Outputs of a surface, each encoded as 16-bit codes between two numbers, in base64.
 #[derive(Serialize)]
 pub struct Packed {
-    /// One output after the other.
+    /// Outputs in order.
     outputs: Vec<Output>,
 }
 
@@ -27,14 +27,14 @@ struct Output {
 }
 
 impl Packed {
-    /// The outputs of `surface` in `places`.
+    /// Encodes the outputs of `surface` in `places`.
     pub fn new(surface: &ResponseSurface, places: Range<usize>) -> Self {
         let output = |place: usize| {
             let all = || surface.coefficients().iter().skip(place).step_by(surface.outputs()).copied();
             let from = all().fold(f64::INFINITY, f64::min);
             let to = all().fold(f64::NEG_INFINITY, f64::max);
             let span = if to > from { to - from } else { 1.0 };
-            // Between 0 and the full scale: the cast is exact.
+            // The value lies between 0 and the full scale, so that the cast is exact.
             let code = |value: f64| (((value - from) / span * FULL_SCALE).round() as u16).to_le_bytes();
             let codes: Vec<u8> = all().flat_map(code).collect();
             Output { from, to: from + span, codes: STANDARD.encode(codes) }
