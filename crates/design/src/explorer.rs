@@ -1,12 +1,14 @@
 //! Predictions for a sample of any texture within the bounds, on a lattice that a page interpolates without rules of its
 //! own.
 
+use std::ops::Range;
+
 use rayon::prelude::*;
 use slipgrid_monitor::Monitor;
 use slipgrid_pattern::Pattern;
 use slipgrid_results::MaterialReport;
 use slipgrid_springblock::Load;
-use slipgrid_statistics::{ResponseSurface, median};
+use slipgrid_statistics::{Axis, ResponseSurface, median};
 use slipgrid_units::{LENGTH_UM, PRESSURE_MPA, tidy};
 
 use crate::DesignError;
@@ -153,13 +155,9 @@ impl Explorer {
         }
         let holes: Vec<usize> = (0..nodes.len()).filter(|place| answers[*place].is_none()).collect();
         let all = filled(answers, &axes)?;
-        let surface = |all: &[Vec<f64>], from: usize, count: usize| {
-            let numbers = all.iter().flat_map(|numbers| numbers[from..from + count].iter().copied()).collect();
-            ResponseSurface::through(axes, count, numbers)
-        };
-        let all = self_consistent(all, &surface, (&nodes, &holes), about, &numbers_of(about));
-        let (expected, log_odds) = (surface(&all, 0, 3 * loads), surface(&all, 3 * loads, 1));
-        let beside = surface(&all, 3 * loads + 1, 4);
+        let all = self_consistent(all, &axes, (&nodes, &holes), about, &numbers_of(about));
+        let (expected, log_odds) = (surface(&axes, &all, 0..3 * loads), surface(&axes, &all, 3 * loads..3 * loads + 1));
+        let beside = surface(&axes, &all, 3 * loads + 1..3 * loads + 5);
         let checks = random_places(&axes, CHECKS, 2);
         let off = |lengths_um: &[f64; 3]| {
             if expected.is_beside(&holes, lengths_um) {
@@ -177,17 +175,23 @@ impl Explorer {
     }
 }
 
+/// Surface through some of the numbers `all` of each node.
+fn surface(axes: &[Axis; 3], all: &[Vec<f64>], of: Range<usize>) -> ResponseSurface {
+    let numbers = all.iter().flat_map(|numbers| numbers[of.clone()].iter().copied()).collect();
+    ResponseSurface::through(*axes, of.len(), numbers)
+}
+
 /// Corrects the numbers `all` of the nodes near the texture of `about`, so that the surface has the values `reported` at this texture. The
 /// correction decreases with distance. No correction is made if the texture lies beside a hole.
 fn self_consistent(
     mut all: Vec<Vec<f64>>,
-    surface: &dyn Fn(&[Vec<f64>], usize, usize) -> ResponseSurface,
+    axes: &[Axis; 3],
     (nodes, holes): (&[[f64; 3]], &[usize]),
     about: &Prediction,
     reported: &[f64],
 ) -> Vec<Vec<f64>> {
     let about_um = about.texture.pattern.lengths_m().map(|m| LENGTH_UM.from_si(m));
-    let own = surface(&all, 0, reported.len());
+    let own = surface(axes, &all, 0..reported.len());
     if own.is_beside(holes, &about_um) {
         return all;
     }
@@ -197,7 +201,7 @@ fn self_consistent(
         vec![(-0.5 * square / NEARBY.powi(2)).exp()]
     };
     let weights: Vec<Vec<f64>> = nodes.iter().map(weight).collect();
-    let at_about = surface(&weights, 0, 1).at(&about_um)[0];
+    let at_about = surface(axes, &weights, 0..1).at(&about_um)[0];
     if at_about < MIN_REACHED {
         return all;
     }
