@@ -22,7 +22,7 @@ pub struct NextReport {
     pub schema: u32,
     /// Name of the design.
     pub name: String,
-    /// Number of measured trials, including pending ones.
+    /// Number of measured trials.
     pub trials: usize,
     /// Number of samples that were cut and are not measured yet.
     pub pending: usize,
