@@ -2,14 +2,11 @@
 //! the calibration.
 //!
 //! A calibration fits mu_d to measured friction: mu_flat = delta mu_d f(P), where delta, one to two per cent above 1, is
-//! the
-//! ratio of the flat sample in time to an infinite sample in steady sliding. A steady run gives mu_d f(P), for a sample
-//! less the
-//! effect of its ends; the excess of a run in time differs in space, and with another layer, other blocks or another seed
-//! than in the
-//! calibration. In each case the flat surface, solved together with the patterned one, gives the difference, and friction
-//! is
-//! multiplied by the factor that brings the flat surface to delta mu_d f(P). Ratios do not change.
+//! the ratio of the flat sample in time to an infinite sample in steady sliding. A steady run gives mu_d f(P), for a
+//! sample less the effect of its ends; the excess of a run in time differs in space, and with another layer, other blocks
+//! or another seed than in the calibration. In each case the flat surface, solved together with the patterned one, gives
+//! the difference, and friction is multiplied by the factor that brings the flat surface to delta mu_d f(P). Ratios do
+//! not change.
 
 use slipgrid_springblock::{Fidelity, LoadOutcome, Scene, Simulation, SurfaceOutcome};
 

@@ -1,6 +1,5 @@
 //! Evaluations: all answers of the search's model, kept in memory and, if a cache is given, stored as soon as they are
-//! known, so
-//! that an interrupted run loses only answers in progress.
+//! known, so that an interrupted run loses only answers in progress.
 //!
 //! Answers contain the model alone, independent of target, limits and confirming runs, so a cache can be used with any of
 //! these.

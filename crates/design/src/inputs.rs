@@ -1,11 +1,9 @@
 //! Input uncertainties that trials do not reduce: dimensions as made, rims, bursts, flat friction, the area law, and the
-//! numerical error of
-//! ratios.
+//! numerical error of ratios.
 //!
 //! Each input moves ln R to first order; Young's modulus and the area law's scale move ln R to second order. Errors that
-//! all samples share
-//! are a covariance of ln R; errors that are independent between samples are a [`DimensionShift`], which also moves the
-//! discrepancy.
+//! all samples share are a covariance of ln R; errors that are independent between samples are a [`DimensionShift`],
+//! which also moves the discrepancy.
 
 use std::ops::Range;
 

@@ -1,33 +1,32 @@
-//! The main job: the pattern that brings dynamic friction to a target, confirmed in time, with the chance that a cut sample is
-//! on target and what limits it.
+//! Design job: finds the pattern that brings dynamic friction to a target and confirms it in time, with the chance that a cut
+//! sample is on target and the inputs that limit the chance.
 //!
 //! ```text
-//! task -> table of the bounds -> search for the greatest chance <-> the model itself -> confirming run -> what is reported
+//! task -> table of the bounds -> search for the greatest chance <-> the model itself -> confirming run -> report
 //! ```
 //!
-//! [`run`] is the job. It needs a [`DesignTask`], a place for the answers of its model that may outlive the run
-//! ([`EvaluationCache`], [`NoCache`]), and a [`Monitor`] that shows progress, tells the time
-//! and may cancel.
+//! [`run`] performs the job. It takes a [`DesignTask`], a cache for the answers of its model that may outlive the run
+//! ([`EvaluationCache`], [`NoCache`]), and a [`Monitor`] that shows progress, gives the time and may cancel.
 //!
 //! | module | role |
 //! |---|---|
-//! | `task`, `prepared_task`, `band` | what is asked, and what follows from it |
-//! | `steady_model`, `directional_cells`, `sensitivities`, `inputs` | the model, and what is not known exactly |
-//! | `table`, `kept_nodes` | what the model says of every texture within the bounds |
-//! | `as_cut`, `prediction` | a texture as it is cut, and what is predicted of a sample of it |
-//! | `steps`, `search`, `between_designs` | the search for the greatest chance |
-//! | `session`, `job`, `confirmation`, `advice` | `optimize`: the search, the confirming run, what to do |
+//! | `task`, `prepared_task`, `band` | requirements, and data derived from them |
+//! | `steady_model`, `directional_cells`, `sensitivities`, `inputs` | the model, and its uncertain inputs |
+//! | `table`, `kept_nodes` | interpolation of the model over every texture within the bounds |
+//! | `as_cut`, `prediction` | a texture as cut, and the prediction of a sample |
+//! | `steps`, `search`, `between_designs` | the search for the maximum chance |
+//! | `session`, `job`, `confirmation`, `advice` | `optimize`: the search, the confirming run, the advice |
 //! | `next_trial`, `next_report` | `next`: several samples at once |
-//! | `slopes`, `blocked`, `trade_offs`, `lattice_table`, `explorer` | what else is read from the table |
+//! | `slopes`, `blocked`, `trade_offs`, `lattice_table`, `explorer` | further results from the table |
 //! | `design_report`, `target_report`, `stored_result` | the records of result.json |
 //! | `constraint_quantities`, `operating_conditions` | limits, and further speeds, humidities and sliding directions |
-//! | `dynamic_excess`, `scene_errors` | how runs agree with calibration, and the error beside every number of a scene |
-//! | `evaluation_cache`, `cache_key` | answers kept beyond a run, and what they depend on |
-//! | `time_budget`, `timings`, `cost_estimate` | the seconds allowed, taken, and expected |
+//! | `dynamic_excess`, `scene_errors` | agreement of runs with calibration, and the error of every number of a scene |
+//! | `evaluation_cache`, `cache_key` | answers stored beyond a run, and their key |
+//! | `time_budget`, `timings`, `cost_estimate` | time limit, time used, and estimated time |
 //!
-//! Friction that is proportional to load is changed by no pattern, but for a per cent of stick-slip on a sample this small: where
-//! that is the material's law a ratio of 0.9 is out of reach. Where contact area saturates, so that f(P) falls with pressure, there
-//! is a pattern that has it:
+//! A pattern does not change friction that is proportional to load, except for one per cent by stick-slip on a small sample: with
+//! this material law a ratio of 0.9 cannot be reached. If contact area saturates, so that f(P) falls with pressure, a pattern can
+//! reach it:
 //!
 //! ```
 //! use slipgrid_design::export::{Outline, Specimen};

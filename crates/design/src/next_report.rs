@@ -22,7 +22,7 @@ pub struct NextReport {
     pub schema: u32,
     /// Name of the design.
     pub name: String,
-    /// Number of measured trials, including pending ones.
+    /// Number of measured trials.
     pub trials: usize,
     /// Number of samples that were cut and are not measured yet.
     pub pending: usize,
@@ -36,7 +36,7 @@ pub struct NextReport {
     pub samples: Vec<SampleReport>,
     /// Chance that at least one of these samples, or of the pending ones, is on target.
     pub one_on_target: f64,
-    /// Specimen on which the samples are sectors; null where one disc was not requested.
+    /// Specimen on which the samples are sectors; absent where one disc was not requested.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub one_disc: Option<OneDiscReport>,
     /// Other samples, sorted by decreasing chance.

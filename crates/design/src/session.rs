@@ -43,7 +43,7 @@ pub fn with_table<T>(
     let elsewhere: Vec<&[Load]> = further.iter().map(|at| &at.loads[..]).collect();
     let model = SteadyModel::new(&scene, &elsewhere, &task.directions.different_deg, &task.space);
     let model = model.watched_by(monitor);
-    // A sector is a trial of an infinite pattern: the counter-body does not press on its edges.
+    // A sector is modelled as part of an infinite pattern: the pressed area has no outer rim.
     let mut model = if division.is_none() { model.on(task.specimen) } else { model };
     announce(prepared, &model, cache.is_some(), monitor)?;
     if let Some(cache) = cache {

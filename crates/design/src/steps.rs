@@ -1,8 +1,7 @@
 //! Climb from the best of a coarse scan to the best design in whole blocks and bursts.
 //!
 //! A step moves to the best of the neighbours of a design, `s` blocks and bursts away along one, two or three lengths,
-//! while that
-//! improves the value; then `s` is halved. Cost: at most 26 designs per step, less those already known.
+//! while that improves the value; then `s` is halved. Cost: at most 26 designs per step, less those already known.
 
 use std::collections::BTreeMap;
 

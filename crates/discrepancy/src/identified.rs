@@ -12,11 +12,8 @@ impl Discrepancy {
     /// Returns the identified family of forms; `None` if the trials do not identify one.
     ///
     /// At a single texture the amplitude of every form can be fitted, so the weights differ only by the prior amplitudes
-    /// there. A family
-    /// is therefore identified only if at least two trials differ in its form relative to every form of another family:
-    ///
-    /// One texture gives every form an amplitude that fits: weights then differ by nothing but how large each was believed to be
-    /// there. So a family is named only where two trials at least lie apart in its form and in every form of another family,
+    /// there. A family is therefore identified only if at least two trials differ in its form relative to every form of
+    /// another family:
     ///
     /// ```text
     /// |ln(h_k(x1) / h_k(x2)) - ln(h_j(x1) / h_j(x2))| > 0.1

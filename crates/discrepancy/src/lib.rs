@@ -1,38 +1,38 @@
-//! What the model lacks on textured samples, learned from trials.
+//! Discrepancy between model and measurement on textured samples, learned from trials.
 //!
-//! A *trial* is a sample that was cut and measured. Its *discrepancy* is the logarithm of the measured over the modelled ratio
-//! of patterned to flat friction. For a texture x, the pressure P, the speed v and the humidity H it is
+//! A *trial* is a sample that was cut and measured. The *discrepancy* of a trial is the logarithm of the measured over the
+//! modelled ratio of patterned to flat friction. For a texture x, pressure P, speed v and humidity H the discrepancy is
 //!
 //! ```text
 //! ln r - ln R(x, P) = h(x) [alpha + beta u + gamma q + kappa s + eta(H) + c(x, P)] + eps g(x, P) + lambda d(x, P) + t + f + e
 //! u = (P - P0) / P0,     q = P1 / P - 1/2,     s = ln(v / v0)
 //! ```
 //!
-//! h is the *form*: how the discrepancy grows with what was cut away. It is 1 at the reference texture and 0 without
-//! cavities. c, the *residual*, is a smooth function of the dimensions and of the pressure, for what no form has. eps is how far
-//! the logarithm of Young's modulus is off, g = d ln R / d ln E. lambda says which pressure local friction follows where flat friction contradicts
-//! the area law: 0 for the nominal and 1 for the local one, and d is the difference of ln R between both ([`Sensitivity`]). t is one sample's own, which all
-//! samples on one disc share, f the flat sample's error, which all ratios of one condition share, and e the patterned measurement's.
+//! h is the *form*: the growth of the discrepancy with the texture. It is 1 at the reference texture and 0 without
+//! cavities. c, the *residual*, is a smooth function of the dimensions and of the pressure, for deviations from the form. eps is the
+//! error of the logarithm of Young's modulus, g = d ln R / d ln E. lambda says which pressure local friction follows where flat friction contradicts
+//! the area law: 0 for the nominal and 1 for the local one, and d is the difference of ln R between both ([`Sensitivity`]). t is the deviation
+//! of one sample, which all samples on one disc share, f the flat sample's error, which all ratios of one condition share, and e
+//! the error of the patterned measurement.
 //!
-//! A sample is not made as it was designed. An error of its dimensions moves its modelled ratio and its form: ln R and h are those of the
-//! texture as made, of every trial and of every prediction ([`DimensionShift`]).
+//! A sample differs from its design. An error of its dimensions changes its modelled ratio and its form: in every trial and every
+//! prediction, ln R and h refer to the texture as made ([`DimensionShift`]).
 //!
-//! Nobody knows the form, how large the coefficients are, how far a form is from what it stands for or how far samples scatter. Every
-//! one of [`Hyperparameters::forms`] with each of the scales, of the sizes of the residual and of the scatters makes an exact Gaussian
-//! regression, and its weight is its prior times its evidence: a finite mixture, exact and the same on every machine. Without any trial it is the
-//! prior.
+//! The form, the size of the coefficients, the size of the residual and the scatter of samples are unknown. Each combination of
+//! [`Hyperparameters::forms`], scales, residual sizes and scatters is an exact Gaussian regression, weighted by its prior times
+//! its evidence: a finite mixture, exact and equal on every machine. Without trials the mixture is the prior.
 //!
 //! | item | role |
 //! |---|---|
-//! | [`Trial`], [`Measured`] | what was cut and what was measured of it |
-//! | [`Form`], [`Features`] | how the discrepancy grows with the texture, and what of it counts |
-//! | [`Hyperparameters`] | standard deviations before anything was measured, with their reasons |
-//! | [`Discrepancy`] | the mixture after the trials |
-//! | [`Predictor`], [`Prediction`] | what it says of a texture at given loads: quantiles, covariance, the chance to be on target |
-//! | [`Contradiction`] | two samples of one texture that differ by more than samples are said to scatter |
-//! | [`leave_out`] | every trial and every condition predicted by all others |
-//! | [`Wanted`], [`choose`] | the texture to cut next |
-//! | [`Scenarios`] | truths drawn from the mixture, in which several samples are judged together |
+//! | [`Trial`], [`Measured`] | sample that was cut, and its measurements |
+//! | [`Form`], [`Features`] | growth of the discrepancy with the texture, and the features that it depends on |
+//! | [`Hyperparameters`] | prior standard deviations, with their reasons |
+//! | [`Discrepancy`] | posterior mixture given the trials |
+//! | [`Predictor`], [`Prediction`] | prediction for a texture at given loads: quantiles, covariance, chance to be on target |
+//! | [`Contradiction`] | two samples of one texture that differ by more than the stated scatter |
+//! | [`leave_out`] | cross-validation: every trial and every condition predicted from all others |
+//! | [`Wanted`], [`choose`] | choice of the texture to cut next |
+//! | [`Scenarios`] | truths drawn from the mixture, in which several samples are evaluated jointly |
 //!
 //! This crate solves no contact and opens no files.
 //!

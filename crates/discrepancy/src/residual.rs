@@ -1,6 +1,5 @@
 //! Residual c of a form: a Gaussian process of the logarithms of width, pitch, depth and pressure with a squared
-//! exponential
-//! kernel, expanded exactly about the trials.
+//! exponential kernel, expanded exactly about the trials.
 //!
 //! With places x_1 ... x_m of the trials, K their correlation and K = L L^T, the values of c at a place x are
 //!

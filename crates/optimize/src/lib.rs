@@ -1,15 +1,15 @@
-//! What is asked of a design: target, bounds, limits, and how exactly it is made.
+//! Requirements on a design: target, bounds, limits and manufacturing tolerances.
 //!
 //! | type | role |
 //! |---|---|
-//! | [`Target`], [`Demand`], [`Wanted`], [`Goal`] | values, bands and weights at pressures; what is to be as good as possible |
+//! | [`Target`], [`Demand`], [`Wanted`], [`Goal`] | values, bands and weights at pressures; goal to optimize |
 //! | [`DesignSpace`] | bounds of width, spacing and depth |
 //! | [`Constraints`], [`Limit`], [`Violation`] | manufacturing limits and limited quantities |
-//! | [`Tolerances`], [`Uncertainty`], [`with_rim_off`] | how samples scatter about a design, and what is not known of a model's parameters |
-//! | [`ModelFailure`] | why a model has no answer |
-//! | [`SearchError`] | why target, bounds or tolerances were refused |
+//! | [`Tolerances`], [`Uncertainty`], [`with_rim_off`] | scatter of samples about a design, and uncertainty of a model's parameters |
+//! | [`ModelFailure`] | reason why a model gives no answer |
+//! | [`SearchError`] | reason why target, bounds or tolerances were refused |
 //!
-//! This crate knows no files, no measurements, and nothing of how a model works.
+//! This crate is independent of files, measurements and the implementation of models.
 //!
 //! ```
 //! use slipgrid_optimize::{Quantity, Target, TargetPoint};
