@@ -236,7 +236,7 @@ fn the_local_law_moves_what_is_expected_and_not_what_is_modelled() {
     let (same_ratio, moved, limits, sensitivity, rough) = of(&contradicted(&task));
     assert_eq!(ratio, same_ratio);
     let limit = limits.iter().find(|limit| limit.input == "local law").unwrap();
-    assert_eq!(limit.known_to, "as nothing says whether friction follows the local or the nominal pressure");
+    assert_eq!(limit.known_to, "known from trials to 50 % of its effect");
     for load in 0..2 {
         let change = sensitivity[load].local_law;
         // The trial was modelled without the local law and hardly determines lambda: half of the change is expected.
