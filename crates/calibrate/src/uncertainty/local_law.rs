@@ -8,8 +8,12 @@
 //! f_c(p) = f(p) c(p) / c(P_1)
 //! ```
 //!
-//! with P_1 the lightest measured load: between measured loads measured friction itself. Below them c is that of P_1. Above the heaviest load P_n c
-//! goes on with ln p as it did from P_1 to P_n: f alone, which flat friction contradicted up to there, is no better founded beyond.
+//! with P_1 the lightest measured load: between measured loads measured friction itself. Below them c is that of P_1. Above the heaviest load P_n
+//! friction falls by as much of what f falls by as it did from P_1 to P_n, between all of it and nothing:
+//!
+//! ```text
+//! f_c(p) = f_c(P_n) [f(p) / f(P_n)]^s,     s = 1 - ln[c(P_n) / c(P_1)] / ln[f(P_1) / f(P_n)],     0 <= s <= 1
+//! ```
 
 use slipgrid_material::{AreaLaw, Condition, MaterialError};
 use slipgrid_pattern::Pattern;
@@ -25,6 +29,8 @@ use crate::{CalibrationTask, Coefficients, Measurement};
 const PARTS: usize = 8;
 /// Pressures that differ by no more than this share are one.
 const SAME_PRESSURE: f64 = 1e-9;
+/// A fall of ln f over the measured loads that is smaller counts as this: errors of measured friction would decide what is missing of it.
+const MIN_FALL: f64 = 0.05;
 /// f_c is tabulated to this many times the heaviest measured load at least: edges of cavities bear ten times the nominal pressure.
 const REACH: f64 = 20.0;
 /// Coefficients that differ by no more than this share are one.
@@ -94,15 +100,16 @@ pub fn local_law(area_law: &AreaLaw, flat: &[CoefficientEstimate], condition: Op
     let parts = (1..=PARTS).map(|part| part as f64 / PARTS as f64);
     let mut pressures_pa = [tabulated_pa, &measured_pa].concat();
     pressures_pa
-        .extend(measured_pa.windows(2).flat_map(|ends| parts.clone().map(|t| ends[0] + t * (ends[1] - ends[0]))));
+        .extend(measured_pa.windows(2).flat_map(|ends| parts.clone().map(move |t| ends[0] + t * (ends[1] - ends[0]))));
     pressures_pa.extend(parts.clone().map(|t| last_pa * (reach_pa / last_pa).powf(t)));
     let pressures_pa = sorted(pressures_pa);
     let (first, last) = (at_measured[0], at_measured[at_measured.len() - 1]);
-    // c(p) = c_n + (c_n - c_1) ln(p / P_n) / ln(P_n / P_1)
-    let per_log = (last - first) / (last_pa / first_pa).ln();
+    let fall = |to_pa: f64, from_pa: f64| (area_law.factor(from_pa) / area_law.factor(to_pa)).ln();
+    let missing = ((last / first).ln() / fall(last_pa, first_pa).max(MIN_FALL)).clamp(0.0, 1.0);
     let factor = |(pressure_pa, own): (&f64, &f64)| {
-        let beyond = if *pressure_pa > last_pa { per_log * (pressure_pa / last_pa).ln() } else { 0.0 };
-        area_law.factor(*pressure_pa) * (own + beyond).max(0.0) / first
+        // f_c / f goes on as f^(s - 1), 1 - s the part of the fall that is missing.
+        let beyond = if *pressure_pa > last_pa { missing * fall(*pressure_pa, last_pa) } else { 0.0 };
+        area_law.factor(*pressure_pa) * own / first * beyond.exp()
     };
     let factors = pressures_pa.iter().zip(&measured(&pressures_pa)?).map(factor).collect();
     AreaLaw::new(pressures_pa, factors).ok()
@@ -161,13 +168,17 @@ mod tests {
         assert!((0.25 * law.factor(1.95e6) - between).abs() < 1e-12);
         let off = 0.25 * law.factor(2.1e6) - f.factor(2.1e6) * (c(1.3, 0.26) * 5.0 + c(2.6, 0.28) * 8.0) / 13.0;
         assert!(off.abs() < 1e-4, "{off}");
-        // Below them f goes on with the nearest coefficient, above them c with the logarithm of pressure.
+        // Below them f goes on with the nearest coefficient. Above them friction that did not fall stays as it is.
         assert_eq!(law.factor(0.3e6), 1.0);
-        for mpa in [3.0_f64, 10.0, 52.0] {
-            let last = c(2.6, 0.28);
-            let expected = last + (last - 0.25) * (mpa / 2.6).ln() / (2.6_f64 / 0.6).ln();
-            let found = 0.25 * law.factor(mpa * 1e6) / f.factor(mpa * 1e6);
-            assert!((found - expected).abs() < 1e-9, "{mpa}: {found} {expected}");
+        for mpa in [3.0, 10.0, 40.0] {
+            assert!((0.25 * law.factor(mpa * 1e6) - 0.28).abs() < 1e-9, "{mpa}");
+        }
+        // Of half of the fall of f, the root of it; of more than all of it, all of it.
+        for (share, kept) in [(0.5, 0.5), (1.5, 1.0)] {
+            let mu = 0.25 * f.factor(2.6e6).powf(share);
+            let law = local_law(&f, &flat(&[(DRY, 0.6, 0.25), (DRY, 2.6, mu)]), Some(&DRY)).unwrap();
+            let fall = (f.factor(10e6) / f.factor(2.6e6)).powf(kept);
+            assert!((law.factor(10e6) / law.factor(2.6e6) - fall).abs() < 1e-9, "{share}");
         }
     }
 
